@@ -1,0 +1,40 @@
+#pragma once
+/// The padded Cartesian grid around a molecule.
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <span>
+
+#include "eses/atoms.hpp"
+
+namespace eses {
+
+/// Indices of a grid point, 0-based, along x, y and z.
+using GridIndex = std::array<std::int64_t, 3>;
+
+/// Point (i,j,k) stands at `lower + (i,j,k) * spacing`.
+struct Grid {
+  Vec3 lower;            ///< point (0,0,0), angstrom
+  Vec3 upper;            ///< point size - 1, angstrom
+  double spacing = 0;    ///< angstrom
+  GridIndex size{};      ///< number of points along x, y and z
+
+  double coordinate(std::size_t axis, std::int64_t index) const {
+    return lower[axis] + static_cast<double>(index) * spacing;
+  }
+  std::int64_t point_count() const { return size[0] * size[1] * size[2]; }
+};
+
+/// The grid of ESES, in the same order of double operations: the van der Waals spheres' bounding
+/// box padded by `margin`, the number of points truncated, `n = int((hi - lo) / h) + 1`.
+/// Throws Error if there are no atoms, if a parameter is not finite, if spacing <= 0 or margin
+/// < 0, or if the number of points exceeds what 64 bits hold.
+Grid make_grid(std::span<const Atom> atoms, double spacing, double margin);
+
+/// How far the grid's faces lie inside the bounding box of the van der Waals spheres, the largest
+/// of the six, in angstrom: <= 0 where a face only touches, negative where the grid encloses the
+/// molecule. The truncation above may take up to one spacing of the margin away.
+double cut_depth(const Grid& grid, std::span<const Atom> atoms);
+
+}  // namespace eses

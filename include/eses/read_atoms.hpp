@@ -1,0 +1,28 @@
+#pragma once
+/// Reading atoms from xyzr and PQR files.
+
+#include <filesystem>
+#include <string_view>
+#include <vector>
+
+#include "eses/atoms.hpp"
+
+namespace eses {
+
+enum class AtomFormat {
+  automatic,  ///< by the file's suffix: `.pqr` is PQR, everything else xyzr
+  xyzr,       ///< one atom a line, `x y z r`; further columns, blank and `#` lines are ignored
+  pqr,        ///< ATOM and HETATM records; the last two numbers are charge and radius
+};
+
+/// Reads all atoms of a file; `-` is standard input. Throws Error, naming file, line and field,
+/// if the file cannot be read, holds no atom, or has a field that is missing, not a finite
+/// number, or a negative radius.
+std::vector<Atom> read_atoms(const std::filesystem::path& path,
+                             AtomFormat format = AtomFormat::automatic);
+
+/// The same for text that is already in memory; `name` stands for the file in messages, and
+/// `automatic` means xyzr.
+std::vector<Atom> parse_atoms(std::string_view text, AtomFormat format, std::string_view name);
+
+}  // namespace eses

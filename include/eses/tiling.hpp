@@ -1,0 +1,34 @@
+#pragma once
+/// The tiling of the grid into cubic blocks, and which block owns what.
+///
+/// Zhao et al., "Divide-and-conquer strategy for large-scale Eulerian solvent excluded surface",
+/// Commun. Inf. Syst. 18 (2018). Block size `b` counts points on a side, the face shared with the
+/// next block included.
+
+#include <cstdint>
+
+#include "eses/grid.hpp"
+
+namespace eses {
+
+/// One block: the closed box of points [first, first + points), of which it owns the half-open
+/// part [first, first + owned) and the edges that start there in +x, +y and +z.
+struct Block {
+  GridIndex first{};   ///< global index of its lowest point
+  GridIndex points{};  ///< points of the closed box along each axis
+  GridIndex owned{};   ///< points owned along each axis: `points`, or one less
+};
+
+struct BlockTiling {
+  std::int64_t block_size = 64;  ///< points on a side, >= 2
+  GridIndex blocks{};            ///< number of blocks along x, y and z
+  GridIndex grid_size{};         ///< points of the grid along x, y and z
+
+  std::int64_t block_count() const { return blocks[0] * blocks[1] * blocks[2]; }
+  Block block(std::int64_t bx, std::int64_t by, std::int64_t bz) const;
+};
+
+/// `(n - 2) / (b - 1) + 1` blocks along each axis. Throws Error if block_size < 2.
+BlockTiling make_tiling(const Grid& grid, std::int64_t block_size);
+
+}  // namespace eses
