@@ -1,0 +1,35 @@
+# Installs the program, the library with its headers, and the CMake package `eses`:
+#
+#   find_package(eses REQUIRED)
+#   target_link_libraries(mine PRIVATE eses::eses)
+
+include(GNUInstallDirs)
+include(CMakePackageConfigHelpers)
+
+set(ESES_INSTALL_CMAKEDIR ${CMAKE_INSTALL_LIBDIR}/cmake/eses)
+
+# A shared library (BUILD_SHARED_LIBS) changes its soname with every version that may break callers.
+set_target_properties(eses PROPERTIES
+  VERSION ${PROJECT_VERSION}
+  SOVERSION ${PROJECT_VERSION_MAJOR}.${PROJECT_VERSION_MINOR})
+
+install(TARGETS eses EXPORT eses-targets)
+install(TARGETS eses-blocks)
+install(DIRECTORY ${PROJECT_SOURCE_DIR}/include/ DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}
+        FILES_MATCHING PATTERN "*.hpp")
+install(FILES ${PROJECT_BINARY_DIR}/generated/eses/version.hpp
+        DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/eses)
+install(FILES README.md LICENSE CITATION.cff DESTINATION ${CMAKE_INSTALL_DOCDIR})
+
+install(EXPORT eses-targets NAMESPACE eses:: DESTINATION ${ESES_INSTALL_CMAKEDIR})
+get_target_property(ESES_LIBRARY_TYPE eses TYPE)
+configure_package_config_file(
+  ${CMAKE_CURRENT_LIST_DIR}/eses-config.cmake.in ${PROJECT_BINARY_DIR}/eses-config.cmake
+  INSTALL_DESTINATION ${ESES_INSTALL_CMAKEDIR}
+  NO_SET_AND_CHECK_MACRO)
+# Before 1.0 a minor version may break callers.
+write_basic_package_version_file(${PROJECT_BINARY_DIR}/eses-config-version.cmake
+  COMPATIBILITY SameMinorVersion)
+install(FILES ${PROJECT_BINARY_DIR}/eses-config.cmake
+              ${PROJECT_BINARY_DIR}/eses-config-version.cmake
+        DESTINATION ${ESES_INSTALL_CMAKEDIR})

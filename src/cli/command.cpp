@@ -1,0 +1,138 @@
+#include "cli/command.hpp"
+
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <sys/resource.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <csignal>
+#include <cstdint>
+#include <cstdio>
+#include <exception>
+#include <new>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <system_error>
+#include <variant>
+#include <vector>
+
+#include "cli/options.hpp"
+#include "cli/progress.hpp"
+#include "cli/report.hpp"
+#include "eses/error.hpp"
+#include "eses/read_atoms.hpp"
+#include "eses/run.hpp"
+
+namespace eses::cli {
+namespace {
+
+/// If a standard stream is closed, the next file that is opened takes its number, and text for
+/// the terminal ends up in an output file. A descriptor of the wrong direction keeps the place
+/// and still makes every use fail.
+void reserve_standard_streams() {
+  for (const int stream : {STDIN_FILENO, STDOUT_FILENO, STDERR_FILENO}) {
+    if (fcntl(stream, F_GETFD) != -1) continue;
+    // The lowest free number is `stream`, as those below it are in use.
+    static_cast<void>(open("/dev/null", stream == STDIN_FILENO ? O_WRONLY : O_RDONLY));
+  }
+}
+
+/// Flushes, so that a full disk or a closed pipe is noticed here and not after the exit code.
+void print(std::string_view text) {
+  errno = 0;
+  std::fwrite(text.data(), 1, text.size(), stdout);
+  if (std::fflush(stdout) != 0 || std::ferror(stdout) != 0) {
+    throw Error(
+        fmt::format("cannot write to standard output: {}", std::generic_category().message(errno)));
+  }
+}
+
+void complain(std::string_view kind, std::string_view message) {
+  const std::string line = fmt::format("eses-blocks: {}: {}\n", kind, one_line(message));
+  std::fwrite(line.data(), 1, line.size(), stderr);
+}
+
+std::uint64_t peak_memory_bytes() {
+  rusage usage{};
+  if (getrusage(RUSAGE_SELF, &usage) != 0) return 0;
+#ifdef __APPLE__
+  constexpr std::uint64_t unit = 1;
+#else
+  constexpr std::uint64_t unit = 1024;
+#endif
+  return static_cast<std::uint64_t>(usage.ru_maxrss) * unit;
+}
+
+void announce(const Report& report) {
+  if (report.options.quiet) return;
+  if (!report.options.json) {
+    print(plan_text(report));
+  } else if (isatty(STDERR_FILENO) == 1) {
+    std::fputs(plan_text(report).c_str(), stderr);
+  }
+  if (report.plan.cut_depth > 0) complain("warning", cut_warning(report));
+}
+
+Summary run_with_progress(const std::vector<Atom>& atoms, const Options& options,
+                          const Plan& plan) {
+  std::optional<ProgressBar> bar;
+  ProgressCallback progress;
+  if (!options.quiet && ProgressBar::is_possible()) {
+    bar.emplace();
+    progress = [&bar](std::int64_t done, std::int64_t total) { bar->show(done, total); };
+  }
+  return run(atoms, options.parameters, plan, options.outputs, options.output_directory, progress);
+}
+
+std::string final_text(const Report& report) {
+  if (report.options.json) return json_text(report);
+  const std::string result = result_text(report.summary);
+  return report.options.quiet ? result : result + summary_text(report);
+}
+
+void compute(const Options& options) {
+  const std::vector<Atom> atoms = read_atoms(options.input, options.format);
+  Report report;
+  report.options = options;
+  report.atoms = atoms.size();
+  report.plan = make_plan(atoms, options.parameters, options.outputs);
+  announce(report);
+  report.summary = run_with_progress(atoms, options, report.plan);
+  report.peak_memory_bytes = peak_memory_bytes();
+  print(final_text(report));
+}
+
+int fail(std::string_view message) {
+  complain("error", message);
+  return exit_failure;
+}
+
+}  // namespace
+
+int run_command(int argc, char** argv) {
+  reserve_standard_streams();
+  std::signal(SIGPIPE, SIG_IGN);  // a reader that has gone away is a write error like others
+  try {
+    const std::variant<Options, Notice> request = parse_command_line(argc, argv);
+    if (const auto* const notice = std::get_if<Notice>(&request)) {
+      print(notice->text);
+    } else {
+      compute(std::get<Options>(request));
+    }
+    return exit_done;
+  } catch (const UsageError& error) {
+    complain("error", error.what());
+    std::fputs("Try 'eses-blocks --help'.\n", stderr);
+    return exit_usage;
+  } catch (const std::bad_alloc&) {
+    return fail("out of memory");
+  } catch (const std::exception& error) {
+    return fail(error.what());
+  } catch (...) {
+    return fail("unknown error");
+  }
+}
+
+}  // namespace eses::cli

@@ -1,0 +1,15 @@
+#pragma once
+/// The program `eses-blocks` from its command line to its exit code.
+
+namespace eses::cli {
+
+/// Exit codes of `run_command`.
+inline constexpr int exit_done = 0;
+inline constexpr int exit_failure = 1;  ///< input, output or resources
+inline constexpr int exit_usage = 2;    ///< the command line itself
+
+/// Runs the program; throws nothing. Results go to standard output; errors, warnings and the
+/// progress bar to standard error.
+int run_command(int argc, char** argv);
+
+}  // namespace eses::cli

@@ -1,0 +1,39 @@
+#pragma once
+/// The command line as plain data.
+
+#include <filesystem>
+#include <stdexcept>
+#include <string>
+#include <variant>
+
+#include "eses/read_atoms.hpp"
+#include "eses/run.hpp"
+
+namespace eses::cli {
+
+/// What the command line asks for.
+struct Options {
+  std::filesystem::path input;  ///< `-` is standard input
+  AtomFormat format = AtomFormat::automatic;
+  Parameters parameters;
+  OutputChoice outputs;
+  std::filesystem::path output_directory = ".";
+  bool quiet = false;
+  bool json = false;
+};
+
+/// A text to print in place of a run: `--help` or `--version`.
+struct Notice {
+  std::string text;
+};
+
+/// A command line that asks for nothing sensible; `what()` names option, value and expectation.
+class UsageError : public std::runtime_error {
+ public:
+  using std::runtime_error::runtime_error;
+};
+
+/// Throws UsageError.
+std::variant<Options, Notice> parse_command_line(int argc, const char* const* argv);
+
+}  // namespace eses::cli

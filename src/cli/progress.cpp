@@ -1,0 +1,102 @@
+#include "cli/progress.hpp"
+
+#include <fmt/format.h>
+#include <sys/ioctl.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <cstdlib>
+#include <string_view>
+
+namespace eses::cli {
+namespace {
+
+using std::chrono::milliseconds;
+
+constexpr milliseconds redraw_interval{100};
+constexpr std::size_t widest_bar = 60;
+constexpr std::size_t narrowest_bar = 5;
+constexpr double longest_estimate = 1000 * 3600.0;  // beyond that, an estimate tells nothing
+
+std::size_t terminal_width() {
+  winsize size{};
+  const bool known = ioctl(STDERR_FILENO, TIOCGWINSZ, &size) == 0 && size.ws_col > 0;
+  return known ? size.ws_col : 80;
+}
+
+void write_stderr(std::string_view text) {
+  std::fwrite(text.data(), 1, text.size(), stderr);
+  std::fflush(stderr);
+}
+
+std::string clock_text(double seconds) {
+  const auto whole = static_cast<std::int64_t>(std::ceil(seconds));
+  const std::int64_t hours = whole / 3600, minutes = whole / 60 % 60;
+  if (hours > 0) return fmt::format("{}:{:02}:{:02}", hours, minutes, whole % 60);
+  return fmt::format("{}:{:02}", minutes, whole % 60);
+}
+
+std::string counts_text(std::int64_t done, std::int64_t total, std::optional<double> seconds_left) {
+  const std::string all = fmt::format("{}", total);
+  std::string text = fmt::format(" {:>{}}/{} blocks", done, all.size(), all);
+  if (seconds_left) text += fmt::format(", {} left", clock_text(*seconds_left));
+  return text;
+}
+
+std::string bar_text(double fraction, std::size_t length) {
+  const auto filled = static_cast<std::size_t>(fraction * static_cast<double>(length));
+  return " [" + std::string(filled, '#') + std::string(length - filled, ' ') + "]";
+}
+
+}  // namespace
+
+std::string progress_line(std::int64_t done, std::int64_t total, std::optional<double> seconds_left,
+                          std::size_t width) {
+  const double fraction =
+      total > 0 ? std::clamp(static_cast<double>(done) / static_cast<double>(total), 0., 1.) : 1;
+  const std::string percent = fmt::format("{:3}%", static_cast<int>(100 * fraction));
+  const std::string counts = counts_text(done, total, seconds_left);
+  const std::size_t needed = percent.size() + counts.size() + bar_text(0, 0).size();
+  if (width < needed + narrowest_bar) return percent.substr(0, width);
+  return percent + bar_text(fraction, std::min(width - needed, widest_bar)) + counts;
+}
+
+ProgressBar::~ProgressBar() {
+  if (columns_drawn_ > 0) write_stderr(fmt::format("\r{:{}}\r", "", columns_drawn_));
+}
+
+void ProgressBar::show(std::int64_t done, std::int64_t total) {
+  const Clock::time_point now = Clock::now();
+  if (!first_call_) {
+    // Nothing is drawn at the first call, so that short runs leave the terminal alone.
+    first_call_ = last_drawn_ = now;
+    done_at_first_call_ = done;
+  }
+  if (now - last_drawn_ < redraw_interval) return;
+  last_drawn_ = now;
+  // A character in the last column would make some terminals break the line.
+  const std::size_t width = terminal_width() - 1;
+  std::string line = progress_line(done, total, seconds_left(done, total), width);
+  const std::size_t columns = line.size();
+  if (columns < columns_drawn_) line.resize(std::min(columns_drawn_, width), ' ');
+  columns_drawn_ = columns;
+  write_stderr("\r" + line);
+}
+
+std::optional<double> ProgressBar::seconds_left(std::int64_t done, std::int64_t total) const {
+  const std::int64_t solved = done - done_at_first_call_;
+  if (solved <= 0) return std::nullopt;
+  const std::chrono::duration<double> elapsed = last_drawn_ - *first_call_;
+  const double left =
+      elapsed.count() * static_cast<double>(total - done) / static_cast<double>(solved);
+  return left < longest_estimate ? std::optional(left) : std::nullopt;
+}
+
+bool ProgressBar::is_possible() {
+  const char* const terminal = std::getenv("TERM");
+  return isatty(STDERR_FILENO) == 1 && terminal && std::string_view(terminal) != "dumb";
+}
+
+}  // namespace eses::cli

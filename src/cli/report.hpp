@@ -1,0 +1,42 @@
+#pragma once
+/// What the user is told: the plan before the work, the results after it.
+
+#include <cstddef>
+#include <cstdint>
+#include <string>
+#include <string_view>
+
+#include "cli/options.hpp"
+#include "eses/run.hpp"
+
+namespace eses::cli {
+
+/// A run as far as the reports are concerned.
+struct Report {
+  Options options;
+  std::size_t atoms = 0;
+  Plan plan;
+  Summary summary;                      ///< empty before the run
+  std::uint64_t peak_memory_bytes = 0;  ///< of the process
+};
+
+/// `area` and `volume`, each alone on its line, for callers that search for `area:` and `volume:`.
+/// No line of the other texts holds either.
+std::string result_text(const Summary& summary);
+
+/// What is going to be done.
+std::string plan_text(const Report& report);
+
+/// What was done, besides area and volume.
+std::string summary_text(const Report& report);
+
+/// Plan, result and summary as one JSON object.
+std::string json_text(const Report& report);
+
+/// `text` as a single line: bytes that would move a terminal's cursor become `?`.
+std::string one_line(std::string_view text);
+
+/// What to say if the grid cuts the surface; see eses::cut_depth.
+std::string cut_warning(const Report& report);
+
+}  // namespace eses::cli

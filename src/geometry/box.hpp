@@ -1,0 +1,45 @@
+#pragma once
+/// Axis-aligned boxes.
+
+#include <algorithm>
+
+#include "eses/vec3.hpp"
+
+namespace eses {
+
+struct Box {
+  Vec3 low, high;
+
+  void include(Vec3 p) {
+    low = {std::min(low.x, p.x), std::min(low.y, p.y), std::min(low.z, p.z)};
+    high = {std::max(high.x, p.x), std::max(high.y, p.y), std::max(high.z, p.z)};
+  }
+};
+
+inline Box grown(const Box& box, double by) {
+  const Vec3 d{by, by, by};
+  return {box.low - d, box.high + d};
+}
+
+inline Box ball_box(Vec3 center, double radius) { return grown({center, center}, radius); }
+
+inline Box intersection(const Box& a, const Box& b) {
+  return {{std::max(a.low.x, b.low.x), std::max(a.low.y, b.low.y), std::max(a.low.z, b.low.z)},
+          {std::min(a.high.x, b.high.x), std::min(a.high.y, b.high.y), std::min(a.high.z, b.high.z)}};
+}
+
+inline bool overlap(const Box& a, const Box& b) {
+  return a.low.x <= b.high.x && a.high.x >= b.low.x && a.low.y <= b.high.y && a.high.y >= b.low.y &&
+         a.low.z <= b.high.z && a.high.z >= b.low.z;
+}
+
+inline double squared_distance(const Box& box, Vec3 p) {
+  double sum = 0;
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    const double d = std::max({box.low[axis] - p[axis], p[axis] - box.high[axis], 0.0});
+    sum += d * d;
+  }
+  return sum;
+}
+
+}  // namespace eses

@@ -1,0 +1,69 @@
+#include "geometry/covering_directions.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+namespace eses {
+namespace {
+
+constexpr double golden = 1.6180339887498949;
+
+constexpr std::array<Vec3, 12> corners{{{-1, golden, 0},
+                                        {1, golden, 0},
+                                        {-1, -golden, 0},
+                                        {1, -golden, 0},
+                                        {0, -1, golden},
+                                        {0, 1, golden},
+                                        {0, -1, -golden},
+                                        {0, 1, -golden},
+                                        {golden, 0, -1},
+                                        {golden, 0, 1},
+                                        {-golden, 0, -1},
+                                        {-golden, 0, 1}}};
+
+double circumradius(Vec3 a, Vec3 b, Vec3 c) {
+  const Vec3 pole = normalized(cross(b - a, c - a));
+  return std::acos(std::min(1.0, std::fabs(dot(pole, a))));
+}
+
+void add_unless_known(std::vector<Vec3>& directions, Vec3 direction) {
+  const bool known = std::any_of(directions.begin(), directions.end(), [&](Vec3 d) {
+    return squared_norm(d - direction) < 1e-12;
+  });
+  if (!known) directions.push_back(direction);
+}
+
+}  // namespace
+
+CoveringDirections make_covering_directions(int frequency) {
+  CoveringDirections covering;
+  const double edge = 2;  // of the icosahedron above
+  const auto are_neighbours = [&](std::size_t a, std::size_t b) {
+    return std::fabs(norm(corners[a] - corners[b]) - edge) < 1e-9;
+  };
+  for (std::size_t a = 0; a < corners.size(); ++a)
+    for (std::size_t b = a + 1; b < corners.size(); ++b)
+      for (std::size_t c = b + 1; c < corners.size(); ++c) {
+        if (!are_neighbours(a, b) || !are_neighbours(b, c) || !are_neighbours(a, c)) continue;
+        const auto point = [&](int i, int j) {
+          const double u = static_cast<double>(i) / frequency;
+          const double v = static_cast<double>(j) / frequency;
+          return normalized((1 - u - v) * corners[a] + u * corners[b] + v * corners[c]);
+        };
+        for (int i = 0; i <= frequency; ++i)
+          for (int j = 0; i + j <= frequency; ++j) {
+            add_unless_known(covering.directions, point(i, j));
+            if (i + j < frequency)
+              covering.radius = std::max(
+                  covering.radius, circumradius(point(i, j), point(i + 1, j), point(i, j + 1)));
+            if (i + j + 2 <= frequency)
+              covering.radius =
+                  std::max(covering.radius,
+                           circumradius(point(i + 1, j), point(i + 1, j + 1), point(i, j + 1)));
+          }
+      }
+  return covering;
+}
+
+}  // namespace eses

@@ -1,0 +1,112 @@
+#include "geometry/line_torus.hpp"
+
+#include <cmath>
+
+namespace eses {
+namespace {
+
+// Bernstein coefficients of a quartic on [0, 1]: no more roots there than changes of sign.
+using Quartic = std::array<double, 5>;
+
+int sign_changes(const Quartic& b) {
+  int changes = 0;
+  for (std::size_t i = 1; i < b.size(); ++i) changes += (b[i - 1] < 0) != (b[i] < 0);
+  return changes;
+}
+
+Quartic bernstein(const std::array<double, 5>& power) {
+  const auto [c0, c1, c2, c3, c4] = power;
+  return {c0, c0 + c1 / 4, c0 + c1 / 2 + c2 / 6, c0 + 3 * c1 / 4 + c2 / 2 + c3 / 4,
+          c0 + c1 + c2 + c3 + c4};
+}
+
+void halve(const Quartic& b, Quartic& left, Quartic& right) {
+  Quartic work = b;
+  left[0] = b[0];
+  right[4] = b[4];
+  for (std::size_t level = 1; level < 5; ++level) {
+    for (std::size_t i = 0; i + level < 5; ++i) work[i] = 0.5 * (work[i] + work[i + 1]);
+    left[level] = work[0];
+    right[4 - level] = work[4 - level];
+  }
+}
+
+struct ValueAndSlope {
+  double value, slope;
+};
+
+ValueAndSlope evaluate(const std::array<double, 5>& c, double u) {
+  double value = c[4], slope = 0;
+  for (std::size_t i = 4; i-- > 0;) {
+    slope = slope * u + value;
+    value = value * u + c[i];
+  }
+  return {value, slope};
+}
+
+// Newton's method inside a bracket that holds exactly one root, bisection where it would leave it.
+double bracketed_root(const std::array<double, 5>& c, double low, double high, bool negative_low) {
+  double u = 0.5 * (low + high);
+  for (int iteration = 0; iteration < 60; ++iteration) {
+    const auto [value, slope] = evaluate(c, u);
+    ((value < 0) == negative_low ? low : high) = u;
+    double next = u - value / slope;
+    if (!(next > low && next < high)) next = 0.5 * (low + high);
+    if (std::fabs(next - u) < 1e-16 || next == u) break;
+    u = next;
+  }
+  return u;
+}
+
+struct RootSearch {
+  const std::array<double, 5>& power;
+  std::array<double, 4> roots{};  // from negative (inside the tube) to positive
+  int count = 0;
+
+  void descend(const Quartic& b, double low, double high) {
+    const int changes = sign_changes(b);
+    if (changes == 0) return;
+    constexpr double narrow = 1e-12;
+    if (changes == 1 || high - low < narrow) {
+      if (b[0] < 0 && b[4] >= 0 && count < 4)
+        roots[static_cast<std::size_t>(count++)] = bracketed_root(power, low, high, true);
+      return;
+    }
+    Quartic left, right;
+    halve(b, left, right);
+    const double middle = 0.5 * (low + high);
+    descend(left, low, middle);
+    descend(right, middle, high);
+  }
+};
+
+}  // namespace
+
+TubeExits tube_exits(Vec3 start, Vec3 step, Vec3 axis, double circle_radius, double tube_radius,
+                     double low, double high) {
+  // With w = start + t step, s its distance from the axis and z its height, the tube's surface
+  // (s - rho)^2 + z^2 = p^2 reads A = 2 rho s, A = |w|^2 + rho^2 - p^2; squared, A^2 - 4 rho^2 s^2.
+  const Vec3 first = start + low * step;
+  const Vec3 span = (high - low) * step;
+  const double w0 = squared_norm(first), w1 = 2 * dot(first, span), w2 = squared_norm(span);
+  const double a0 = w0 + (circle_radius - tube_radius) * (circle_radius + tube_radius);
+  const double z0 = dot(first, axis), z1 = dot(span, axis);
+  const double k = 4 * circle_radius * circle_radius;
+  const std::array<double, 5> power{a0 * a0 - k * (w0 - z0 * z0),
+                                    2 * a0 * w1 - k * (w1 - 2 * z0 * z1),
+                                    w1 * w1 + 2 * a0 * w2 - k * (w2 - z1 * z1), 2 * w1 * w2, w2 * w2};
+  const Quartic b = bernstein(power);
+  TubeExits exits;
+  if (sign_changes(b) == 0) return exits;
+  RootSearch search{power};
+  search.descend(b, 0, 1);
+  for (int i = 0; i < search.count; ++i) {
+    const double u = search.roots[static_cast<std::size_t>(i)];
+    // A < 0 is the inner sheet: the far side of the circle is that near.
+    if (a0 + u * (w1 + u * w2) < 0) continue;
+    exits.parameters[static_cast<std::size_t>(exits.count++)] = low + u * (high - low);
+  }
+  return exits;
+}
+
+}  // namespace eses

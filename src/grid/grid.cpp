@@ -1,0 +1,57 @@
+#include "eses/grid.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "eses/error.hpp"
+
+namespace eses {
+
+Grid make_grid(std::span<const Atom> atoms, double spacing, double margin) {
+  if (atoms.empty()) throw Error("there are no atoms to build a grid around");
+  if (!(spacing > 0) || !std::isfinite(spacing))
+    throw Error(fmt::format("spacing must be a positive number of angstrom, not {}", spacing));
+  if (!(margin >= 0) || !std::isfinite(margin))
+    throw Error(fmt::format("margin must be a non-negative number of angstrom, not {}", margin));
+  Grid grid;
+  grid.spacing = spacing;
+  double points = 1;
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    double low = std::numeric_limits<double>::infinity(), high = -low;
+    for (const Atom& atom : atoms) {
+      low = std::min(low, atom.center[axis] - atom.radius);
+      high = std::max(high, atom.center[axis] + atom.radius);
+    }
+    low -= margin;
+    high += margin;
+    // A coordinate must tell neighbouring points apart, and 64-bit products must not overflow.
+    const double cells = (high - low) / spacing;
+    if (!(cells < 2e9))
+      throw Error(fmt::format("a spacing of {} angstrom needs {:.3g} grid points along {}; "
+                              "the limit is 2e9, so use a spacing above {:.3g}",
+                              spacing, cells, "xyz"[axis], (high - low) / 2e9));
+    points *= cells + 1;
+    grid.size[axis] = static_cast<std::int64_t>(cells) + 1;
+    grid.lower[axis] = low;
+    grid.upper[axis] = low + static_cast<double>(grid.size[axis] - 1) * spacing;
+  }
+  if (points > 4e18)
+    throw Error(fmt::format("a spacing of {} angstrom needs {:.3g} grid points; "
+                            "64-bit counts hold 4e18",
+                            spacing, points));
+  return grid;
+}
+
+double cut_depth(const Grid& grid, std::span<const Atom> atoms) {
+  double depth = -std::numeric_limits<double>::infinity();
+  for (const Atom& atom : atoms)
+    for (std::size_t axis = 0; axis < 3; ++axis)
+      depth = std::max({depth, grid.lower[axis] - (atom.center[axis] - atom.radius),
+                        atom.center[axis] + atom.radius - grid.upper[axis]});
+  return depth;
+}
+
+}  // namespace eses

@@ -1,0 +1,48 @@
+#pragma once
+/// One bit a grid point of a block, in rows along x.
+
+#include <algorithm>
+#include <bit>
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+#include "eses/grid.hpp"
+
+namespace eses {
+
+/// Rows are cut into columns of 64 points, of which neighbours share one, so that both ends of every
+/// edge along x lie in one word: column c holds the points [63 c, 63 c + 64).
+struct PointBits {
+  static constexpr std::int64_t column_points = 64;
+  static constexpr std::int64_t column_step = 63;
+
+  /// Words behind the last row that a vector loop may touch.
+  static constexpr std::size_t vector_padding = 8;
+
+  GridIndex size{};          ///< points along x, y and z
+  std::int64_t columns = 0;
+  std::vector<std::uint64_t> words;  ///< [column][z][y]
+
+  void reset(const GridIndex& new_size) {
+    size = new_size;
+    columns = size[0] < 2 ? 1 : (size[0] - 2) / column_step + 1;
+    words.assign(static_cast<std::size_t>(columns * size[1] * size[2]) + vector_padding, 0);
+  }
+  std::size_t word_index(std::int64_t column, std::int64_t y, std::int64_t z) const {
+    return static_cast<std::size_t>((column * size[2] + z) * size[1] + y);
+  }
+};
+
+/// Bits [0, count), for 0 <= count <= 64.
+constexpr std::uint64_t low_bits(std::int64_t count) {
+  return count >= 64 ? ~std::uint64_t{0} : (std::uint64_t{1} << count) - 1;
+}
+
+/// Calls `action(bit)` for every bit of `word` that is set, the lowest first.
+template <class Action>
+void for_each_bit(std::uint64_t word, Action&& action) {
+  for (; word != 0; word &= word - 1) action(std::countr_zero(word));
+}
+
+}  // namespace eses

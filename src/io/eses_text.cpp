@@ -1,0 +1,161 @@
+#include "io/eses_text.hpp"
+
+#include <algorithm>
+#include <cstring>
+
+#include "io/number_text.hpp"
+
+namespace eses {
+namespace {
+
+// Longest line of intersection_info.txt: 6 indices, 6 numbers, 3 atoms, each with a blank.
+constexpr std::size_t longest_crossing_line = 15 * (longest_number_text + 1) + 1;
+
+template <class Token>
+Token make_token(char* (*write)(char*, double), double value) {
+  Token token;
+  char* end = write(token.text.data(), value);
+  *end++ = ' ';
+  token.length = static_cast<std::uint8_t>(end - token.text.data());
+  return token;
+}
+
+char* write_grid_index(char* out, double value) {
+  return write_index(out, static_cast<std::uint64_t>(value));
+}
+
+// Copies whole registers and lets the next token overwrite what is too much; what is written to has
+// room for it.
+template <std::size_t bytes, class Token>
+char* append(char* out, const Token& token) {
+  std::memcpy(out, token.text.data(), bytes);
+  return out + token.length;
+}
+constexpr std::size_t index_bytes = 12;       // digits of a 32-bit index and a blank
+constexpr std::size_t coordinate_bytes = 24;  // %.12e and a blank
+constexpr std::size_t overrun = 32;
+
+char* append_number(char* out, double value) {
+  out = write_scientific(out, value);
+  *out++ = ' ';
+  return out;
+}
+
+int decimal_digits(std::uint64_t value) {
+  int digits = 1;
+  for (; value >= 10; value /= 10) ++digits;
+  return digits;
+}
+
+}  // namespace
+
+char* TextBuffer::reserve(std::size_t bytes) {
+  if (size_ + bytes > bytes_.size()) bytes_.resize(std::max(size_ + bytes, 2 * bytes_.size()));
+  return bytes_.data() + size_;
+}
+
+GridText::GridText(const Grid& grid) : size_(grid.size) {
+  for (std::size_t axis = 0; axis < 3; ++axis)
+    for (std::int64_t i = 0; i < grid.size[axis]; ++i) {
+      axes_[axis].indices.push_back(
+          make_token<Token>(write_grid_index, static_cast<double>(i)));
+      axes_[axis].coordinates.push_back(
+          make_token<Token>(write_scientific, grid.coordinate(axis, i)));
+    }
+}
+
+void GridText::append_row(TextBuffer& text, std::int64_t y, std::int64_t z,
+                          std::span<const std::uint64_t> inside) const {
+  // What follows the first index is the same in the whole row but for the sign.
+  constexpr std::size_t tail_bytes = 32;
+  std::array<std::array<char, tail_bytes>, 2> tails{};
+  std::array<std::size_t, 2> lengths{};
+  for (std::size_t sign = 0; sign < 2; ++sign) {
+    char* out = tails[sign].data();
+    out = append<index_bytes>(out, axes_[1].indices[static_cast<std::size_t>(y)]);
+    out = append<index_bytes>(out, axes_[2].indices[static_cast<std::size_t>(z)]);
+    if (sign == 0) *out++ = '-';
+    *out++ = '1';
+    *out++ = '\n';
+    lengths[sign] = static_cast<std::size_t>(out - tails[sign].data());
+  }
+  const auto points = static_cast<std::size_t>(size_[0]);
+  char* out = text.reserve(points * (index_bytes + lengths[0]) + overrun);
+  for (std::size_t i = 0; i < points; ++i) {
+    const std::size_t sign = inside[i / 64] >> (i % 64) & 1;
+    out = append<index_bytes>(out, axes_[0].indices[i]);
+    std::memcpy(out, tails[sign].data(), tail_bytes);
+    out += lengths[sign];
+  }
+  text.advance_to(out);
+}
+
+void GridText::append_crossings(TextBuffer& text, std::int64_t first_x, std::int64_t y,
+                                std::int64_t z, std::span<const Crossing> crossings) const {
+  char* out = text.reserve(crossings.size() * longest_crossing_line + overrun);
+  for (const Crossing& crossing : crossings) {
+    const std::array<std::size_t, 3> lower{static_cast<std::size_t>(first_x + crossing.x),
+                                           static_cast<std::size_t>(y),
+                                           static_cast<std::size_t>(z)};
+    std::array<std::size_t, 3> upper = lower;
+    ++upper[crossing.axis];
+    const auto& inner = crossing.lower_is_inside ? lower : upper;
+    const auto& outer = crossing.lower_is_inside ? upper : lower;
+    for (const auto* ends : {&inner, &outer})
+      for (std::size_t axis = 0; axis < 3; ++axis)
+        out = append<index_bytes>(out, axes_[axis].indices[(*ends)[axis]]);
+    for (std::size_t axis = 0; axis < 3; ++axis)
+      out = axis == crossing.axis
+                ? append_number(out, crossing.coordinate)
+                : append<coordinate_bytes>(out, axes_[axis].coordinates[lower[axis]]);
+    for (std::size_t axis = 0; axis < 3; ++axis) out = append_number(out, crossing.normal[axis]);
+    for (std::size_t q = 0; q < crossing.atom_count; ++q) {
+      out = write_index(out, crossing.atoms[q]);
+      *out++ = ' ';
+    }
+    *out++ = '\n';
+  }
+  text.advance_to(out);
+}
+
+std::uint64_t largest_grid_bytes(const GridIndex& size) {
+  std::uint64_t line = 3;  // sign, digit, newline
+  std::uint64_t points = 1;
+  for (const std::int64_t n : size) {
+    line += static_cast<std::uint64_t>(decimal_digits(static_cast<std::uint64_t>(n - 1))) + 1;
+    points *= static_cast<std::uint64_t>(n);
+  }
+  return points * line;
+}
+
+std::string bounding_box_text(const Grid& grid) {
+  TextBuffer text;
+  const auto end_line = [](char* out) {
+    out[-1] = '\n';
+    return out;
+  };
+  char* out = text.reserve(3 * 3 * (longest_number_text + 1));
+  for (const Vec3& corner : {grid.lower, grid.upper}) {
+    for (std::size_t axis = 0; axis < 3; ++axis) out = append_number(out, corner[axis]);
+    out = end_line(out);
+  }
+  for (const std::int64_t n : grid.size) {
+    out = write_index(out, static_cast<std::uint64_t>(n));
+    *out++ = ' ';
+  }
+  text.advance_to(end_line(out));
+  return {text.text().begin(), text.text().end()};
+}
+
+void append_areas(TextBuffer& text, std::size_t first, std::span<const double> areas) {
+  char* out = text.reserve(areas.size() * (2 * longest_number_text + 2));
+  for (std::size_t i = 0; i < areas.size(); ++i) {
+    out = write_index(out, first + i);
+    *out++ = ' ';
+    out = write_scientific(out, areas[i]);
+    *out++ = '\n';
+  }
+  text.advance_to(out);
+}
+
+}  // namespace eses

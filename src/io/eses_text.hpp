@@ -1,0 +1,67 @@
+#pragma once
+/// The text of ESES's files, line by line.
+
+#include <array>
+#include <cstdint>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "eses/block_result.hpp"
+#include "eses/grid.hpp"
+
+namespace eses {
+
+/// Text under construction: grows, and is reused without being cleared.
+class TextBuffer {
+ public:
+  /// Room for `bytes` more, and where they go; `advance_to` ends them.
+  char* reserve(std::size_t bytes);
+  void advance_to(const char* end) { size_ = static_cast<std::size_t>(end - bytes_.data()); }
+  void clear() { size_ = 0; }
+  std::span<const char> text() const { return {bytes_.data(), size_}; }
+
+ private:
+  std::vector<char> bytes_;  // resized only to grow, so that nothing is filled twice
+  std::size_t size_ = 0;
+};
+
+/// Indices and coordinates of a grid along its axes as text, made once and copied many times.
+class GridText {
+ public:
+  explicit GridText(const Grid& grid);
+
+  /// A row of grid_info.txt: `i j k s` for i = 0, 1, ...; bit i of `inside` tells the sign s.
+  void append_row(TextBuffer& text, std::int64_t y, std::int64_t z,
+                  std::span<const std::uint64_t> inside) const;
+
+  /// Lines of intersection_info.txt for crossings whose lower points are (first_x + x, y, z).
+  void append_crossings(TextBuffer& text, std::int64_t first_x, std::int64_t y, std::int64_t z,
+                        std::span<const Crossing> crossings) const;
+
+ private:
+  struct Token {
+    std::array<char, 31> text{};
+    std::uint8_t length = 0;
+  };
+  struct Axis {
+    std::vector<Token> indices;      // each with a blank behind it
+    std::vector<Token> coordinates;  // likewise
+  };
+  std::array<Axis, 3> axes_;
+  GridIndex size_{};
+};
+
+/// Upper bound of the bytes of grid_info.txt.
+std::uint64_t largest_grid_bytes(const GridIndex& size);
+
+/// A line of intersection_info.txt, typically.
+inline constexpr std::uint64_t typical_crossing_bytes = 150;
+
+/// bounding_box.txt
+std::string bounding_box_text(const Grid& grid);
+
+/// Lines of partition_area.txt for atoms first, first + 1, ...
+void append_areas(TextBuffer& text, std::size_t first, std::span<const double> areas);
+
+}  // namespace eses

@@ -1,0 +1,106 @@
+#include "io/number_text.hpp"
+
+#include <array>
+#include <bit>
+#include <charconv>
+#include <cmath>
+#include <cstdio>
+#include <cstring>
+
+namespace eses {
+namespace {
+
+constexpr int digits_after_point = 12;
+
+constexpr std::array<char, 200> make_digit_pairs() {
+  std::array<char, 200> pairs{};
+  for (std::size_t i = 0; i < 100; ++i) {
+    pairs[2 * i] = static_cast<char>('0' + i / 10);
+    pairs[2 * i + 1] = static_cast<char>('0' + i % 10);
+  }
+  return pairs;
+}
+constexpr auto digit_pairs = make_digit_pairs();
+
+void write_pair(char* out, std::uint64_t value) {
+  std::memcpy(out, digit_pairs.data() + 2 * value, 2);
+}
+
+void write_six(char* out, std::uint64_t value) {
+  write_pair(out, value / 10000);
+  write_pair(out + 2, value / 100 % 100);
+  write_pair(out + 4, value % 100);
+}
+
+// 10^0 to 10^22 are exact in double precision.
+constexpr int largest_exact_power = 22;
+constexpr std::array<double, largest_exact_power + 1> exact_powers{
+    1e0,  1e1,  1e2,  1e3,  1e4,  1e5,  1e6,  1e7,  1e8,  1e9,  1e10, 1e11,
+    1e12, 1e13, 1e14, 1e15, 1e16, 1e17, 1e18, 1e19, 1e20, 1e21, 1e22};
+constexpr int least_exponent = digits_after_point - largest_exact_power;
+
+// The power of ten at or below `magnitude`, which lies in [1e-10, 1e10), or one off where the
+// magnitude is within rounding of a power; the digits tell.
+int decimal_exponent(double magnitude) {
+  constexpr std::array<double, 21> powers{1e-10, 1e-9, 1e-8, 1e-7, 1e-6, 1e-5, 1e-4,
+                                          1e-3,  1e-2, 1e-1, 1e0,  1e1,  1e2,  1e3,
+                                          1e4,   1e5,  1e6,  1e7,  1e8,  1e9,  1e10};
+  const int binary = static_cast<int>(std::bit_cast<std::uint64_t>(magnitude) >> 52) - 1023;
+  // floor(binary log10(2)), which is the exponent or one below it.
+  const int guess = (binary * 1233) >> 12;
+  const int next = guess + 1;
+  return next - least_exponent < static_cast<int>(powers.size()) &&
+                 magnitude >= powers[static_cast<std::size_t>(next - least_exponent)]
+             ? next
+             : guess;
+}
+
+char* write_exactly(char* out, double value) {
+  if (std::isfinite(value))
+    return std::to_chars(out, out + longest_number_text, value, std::chars_format::scientific,
+                         digits_after_point)
+        .ptr;
+  return out + std::snprintf(out, longest_number_text, "%.12e", value);
+}
+
+}  // namespace
+
+char* write_scientific(char* out, double value) {
+  const double magnitude = std::fabs(value);
+  if (magnitude == 0) {
+    if (std::signbit(value)) *out++ = '-';
+    std::memcpy(out, "0.000000000000e+00", 18);
+    return out + 18;
+  }
+  if (!(magnitude >= 1e-9 && magnitude < 1e9)) return write_exactly(out, value);
+  int exponent = decimal_exponent(magnitude);
+  const int power = digits_after_point - exponent;
+  const double scaled = magnitude * exact_powers[static_cast<std::size_t>(power)];
+  auto digits = static_cast<std::uint64_t>(static_cast<std::int64_t>(scaled));
+  const double fraction = scaled - static_cast<double>(static_cast<std::int64_t>(digits));
+  // One rounding of a number below 1e13 errs by less than 0.001: only near a tie could it matter.
+  if (std::fabs(fraction - 0.5) < 0.0015) return write_exactly(out, value);
+  digits += fraction > 0.5;
+  constexpr std::uint64_t leading_unit = 1000000000000;
+  if (digits >= 10 * leading_unit) {
+    digits = leading_unit;
+    ++exponent;
+  }
+  if (digits < leading_unit) return write_exactly(out, value);
+  if (value < 0) *out++ = '-';
+  out[0] = static_cast<char>('0' + digits / leading_unit);
+  out[1] = '.';
+  const std::uint64_t rest = digits % leading_unit;
+  write_six(out + 2, rest / 1000000);
+  write_six(out + 8, rest % 1000000);
+  out[14] = 'e';
+  out[15] = exponent < 0 ? '-' : '+';
+  write_pair(out + 16, static_cast<std::uint64_t>(exponent < 0 ? -exponent : exponent));
+  return out + 18;
+}
+
+char* write_index(char* out, std::uint64_t value) {
+  return std::to_chars(out, out + longest_number_text, value).ptr;
+}
+
+}  // namespace eses

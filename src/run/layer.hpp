@@ -1,0 +1,67 @@
+#pragma once
+/// One layer of blocks, solved, as rows of the whole grid.
+
+#include <cstdint>
+#include <vector>
+
+#include "eses/tiling.hpp"
+#include "solve/block_solver.hpp"
+
+namespace eses {
+
+struct Layer {
+  std::int64_t number = 0;          ///< block index along z
+  std::vector<BlockResult> blocks;  ///< [by][bx]
+
+  std::int64_t first_z() const { return blocks.front().block.first[2]; }
+  std::int64_t owned_planes() const { return blocks.front().block.owned[2]; }
+  bool is_empty() const { return blocks.empty(); }
+};
+
+/// Words of a row of the whole grid: bit i % 64 of word i / 64 is point i.
+using RowBits = std::vector<std::uint64_t>;
+
+/// Joins the inside bits of row (y, z) from all blocks along x. `z` counts from the layer's first
+/// plane and may name the plane shared with the next layer.
+void join_row(const BlockTiling& tiling, const Layer& layer, std::int64_t y, std::int64_t z,
+              RowBits& row);
+
+/// What the volume is made of.
+struct PointCounts {
+  std::int64_t inside = 0;           ///< inside points
+  std::int64_t inside_regular = 0;   ///< of these, those that end no reported edge
+  std::int64_t irregular = 0;        ///< points, inside or outside, that end one
+
+  void add(const PointCounts& other);
+};
+
+/// Rows of a layer one after the other, [z][y], with the rows around them.
+class RowWindow {
+ public:
+  /// `below` is the layer before, empty for the first.
+  RowWindow(const BlockTiling& tiling, const Layer& below, const Layer& layer);
+
+  /// Moves to row (y, z), z from the layer's first plane; cheap if y is the next one.
+  void move_to(std::int64_t y, std::int64_t z);
+  const RowBits& row() const { return rows_[1]; }
+  PointCounts count() const;
+
+ private:
+  void load(std::int64_t y, std::int64_t z, RowBits& row) const;
+
+  const BlockTiling& tiling_;
+  const Layer& below_;
+  const Layer& layer_;
+  std::int64_t y_ = -2, z_ = -1;
+  RowBits rows_[3];      // y - 1, y, y + 1; the row itself where there is none
+  RowBits planes_[2];    // z - 1 and z + 1, likewise
+};
+
+/// The part of the blocks in row y: their index range along x is [0, blocks[0]), all in block row
+/// `by`, where y is the local row `y`.
+struct BlockRow {
+  std::int64_t by = 0, y = 0;
+};
+BlockRow block_row_of(const BlockTiling& tiling, std::int64_t y);
+
+}  // namespace eses

@@ -1,0 +1,37 @@
+#include "run/parallel.hpp"
+
+#include <omp.h>
+
+#include <algorithm>
+#include <atomic>
+#include <exception>
+#include <mutex>
+
+#include "run/resources.hpp"
+
+namespace eses {
+
+int available_threads() {
+  return std::clamp(omp_get_max_threads(), 1, std::max(1, processor_quota()));
+}
+
+void parallel_for(std::int64_t count, int threads,
+                  const std::function<void(std::int64_t index, int thread)>& body) {
+  std::exception_ptr failure;
+  std::mutex failure_mutex;
+  std::atomic<bool> has_failed = false;
+#pragma omp parallel for schedule(dynamic, 1) num_threads(threads)
+  for (std::int64_t index = 0; index < count; ++index) {
+    if (has_failed.load(std::memory_order_relaxed)) continue;
+    try {
+      body(index, omp_get_thread_num());
+    } catch (...) {
+      const std::lock_guard lock(failure_mutex);
+      if (!failure) failure = std::current_exception();
+      has_failed = true;
+    }
+  }
+  if (failure) std::rethrow_exception(failure);
+}
+
+}  // namespace eses

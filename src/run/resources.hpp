@@ -1,0 +1,20 @@
+#pragma once
+/// What the machine grants this process.
+
+#include <cstdint>
+#include <filesystem>
+
+namespace eses {
+
+/// Processors that the control group's quota amounts to, rounded up; a large number without one.
+int processor_quota();
+
+/// Bytes of memory that are free for this process: the least of what the system has available and
+/// what the control group leaves.
+std::uint64_t available_memory();
+
+/// Bytes free for this user in the file system of `directory`, which must exist; the largest number
+/// if that cannot be told.
+std::uint64_t available_disk(const std::filesystem::path& directory);
+
+}  // namespace eses

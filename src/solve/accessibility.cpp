@@ -1,0 +1,64 @@
+#include "solve/accessibility.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace eses {
+namespace {
+
+bool is_exposed(std::span<const CapCone> cones, Vec3 offset, double length) {
+  return std::none_of(cones.begin(), cones.end(), [&](const CapCone& cone) {
+    return dot(cone.axis, offset) > cone.cosine * length + tolerance::seam;
+  });
+}
+
+void offer_arc(const ArcFeature& arc, Vec3 point, NearestProbe& nearest) {
+  const Vec3 offset = point - arc.circle.center;
+  const double height = dot(offset, arc.circle.axis);
+  const double outward =
+      std::sqrt(std::max(0.0, squared_norm(offset) - height * height)) - arc.circle.radius;
+  const double distance = std::sqrt(outward * outward + height * height);
+  if (distance >= nearest.distance || !arc_faces(arc, offset)) return;
+  nearest = {distance,
+             arc.circle.center + arc.circle.radius * nearest_on_arc(arc, offset),
+             {arc.atoms[0], arc.atoms[1]},
+             2};
+}
+
+void offer_face(const BlockFeatures& features, const FaceFeature& face, Vec3 point,
+                NearestProbe& nearest) {
+  const Vec3 offset = point - face.center;
+  const double length = norm(offset);
+  const double distance = face.sas_radius - length;
+  if (distance < 0 || distance >= nearest.distance || length == 0) return;
+  if (!is_exposed(features.cones_of(face), offset, length)) return;
+  nearest = {distance, face.center + (face.sas_radius / length) * offset, {face.atom}, 1};
+}
+
+}  // namespace
+
+NearestProbe nearest_probe(const BlockFeatures& features, Vec3 point, double limit, double enough) {
+  const bool in_sas = std::any_of(
+      features.balls.begin(), features.balls.end(), [&](const BallFeature& ball) {
+        return squared_norm(point - ball.center) < ball.sas_radius * ball.sas_radius;
+      });
+  if (!in_sas) return {0, point, {}, 0};
+  NearestProbe nearest{limit, point, {}, 0};
+  for (const PlacementFeature& placement : features.placements) {
+    const double squared = squared_norm(point - placement.center);
+    if (squared >= nearest.distance * nearest.distance) continue;
+    nearest = {std::sqrt(squared), placement.center, placement.atoms, 3};
+    if (nearest.distance < enough) return nearest;
+  }
+  for (const ArcFeature& arc : features.arcs) {
+    offer_arc(arc, point, nearest);
+    if (nearest.distance < enough) return nearest;
+  }
+  for (const FaceFeature& face : features.faces) {
+    offer_face(features, face, point, nearest);
+    if (nearest.distance < enough) return nearest;
+  }
+  return nearest;
+}
+
+}  // namespace eses

@@ -1,0 +1,105 @@
+#pragma once
+/// The atoms and patches that matter to one block, unpacked for the loops that classify points and
+/// intersect edges.
+
+#include <array>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "eses/grid.hpp"
+#include "eses/tiling.hpp"
+#include "geometry/box.hpp"
+#include "surface/patches.hpp"
+
+namespace eses {
+
+/// A block's place in space. Coordinates follow from global indices, so they are the same in every
+/// block that sees a point.
+struct BlockGrid {
+  Grid grid;
+  Block block;
+  std::array<std::vector<double>, 3> coordinates;  ///< of the closed box's points, per axis, padded
+  Box box;
+
+  void reset(const Grid& new_grid, const Block& new_block);
+};
+
+/// An atom whose SAS ball reaches the block.
+struct BallFeature {
+  Vec3 center;
+  double radius = 0;      ///< van der Waals
+  double sas_radius = 0;
+};
+
+/// The cone over a cap, apex in the sphere's centre: { d : d . axis > cosine |d| }.
+struct CapCone {
+  Vec3 axis;
+  double cosine = 0;
+};
+
+/// An exposed atom: its face is its SAS sphere outside the cones.
+struct FaceFeature {
+  AtomIndex atom = 0;
+  Vec3 center;
+  double radius = 0;
+  double sas_radius = 0;
+  std::uint32_t cone_begin = 0, cone_end = 0;  ///< in BlockFeatures::cones
+};
+
+struct ArcFeature {
+  std::array<AtomIndex, 2> atoms{};
+  ContactCircle circle;
+  ArcKind kind = ArcKind::full;
+  Vec3 start;         ///< unit, from the centre to the arc's start
+  Vec3 middle;        ///< start + end
+  Vec3 start_normal;  ///< axis x start: positive side of the half plane through the start
+  Vec3 end_normal;    ///< end x axis
+  Box box;            ///< of all points whose nearest point of the circle is on the arc and nearer
+                      ///< than the probe radius
+};
+
+struct PlacementFeature {
+  std::array<AtomIndex, 3> atoms{};
+  Vec3 center;
+  bool is_regular = false;
+  std::array<Vec3, 3> cone;  ///< unit normals of the planes through the centre, inwards
+  Box box;                   ///< of the concave patch (of the whole probe if not regular)
+};
+
+struct BlockFeatures {
+  double probe_radius = 0;
+  std::vector<BallFeature> balls;
+  std::vector<FaceFeature> faces;
+  std::vector<CapCone> cones;
+  std::vector<ArcFeature> arcs;
+  std::vector<PlacementFeature> placements;
+  std::vector<AtomIndex> nearby;  ///< scratch
+
+  std::span<const CapCone> cones_of(const FaceFeature& face) const {
+    return std::span(cones).subspan(face.cone_begin, face.cone_end - face.cone_begin);
+  }
+};
+
+/// Collects what can matter inside `box`: what happens at x depends on the atoms with
+/// |x - center| < radius + 2 probe, no others.
+void collect_features(const Surface& surface, const Box& box, BlockFeatures& features);
+
+/// Whether the circle's point nearest to `offset` (from the centre) lies on the arc, seams included.
+/// On the axis every point of the circle is nearest.
+inline bool arc_faces(const ArcFeature& arc, Vec3 offset) {
+  if (arc.kind == ArcKind::full) return true;
+  const bool after_start = dot(arc.start_normal, offset) >= -tolerance::seam;
+  const bool before_end = dot(arc.end_normal, offset) >= -tolerance::seam;
+  if (arc.kind == ArcKind::major) return after_start || before_end;
+  return after_start && before_end && dot(arc.middle, offset) >= -tolerance::seam;
+}
+
+/// Unit vector from the circle's centre to its point nearest to `offset` on the arc.
+inline Vec3 nearest_on_arc(const ArcFeature& arc, Vec3 offset) {
+  const Vec3 radial = offset - dot(offset, arc.circle.axis) * arc.circle.axis;
+  const double length = norm(radial);
+  return length > tolerance::seam ? (1 / length) * radial : arc.start;
+}
+
+}  // namespace eses

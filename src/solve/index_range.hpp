@@ -1,0 +1,44 @@
+#pragma once
+/// Which points of a block a box reaches.
+
+#include <algorithm>
+#include <cmath>
+
+#include "grid/point_bits.hpp"
+#include "solve/block_features.hpp"
+
+namespace eses {
+
+/// Indices [begin, end) along one axis, from the block's first point.
+struct IndexRange {
+  std::int64_t begin, end;
+};
+
+/// The points between `low` and `high`, and the next one on either side, so that every edge that
+/// reaches into the interval starts in it.
+inline IndexRange indices_within(const BlockGrid& grid, std::size_t axis, double low, double high) {
+  const double inverse = 1 / grid.grid.spacing;
+  const double first = static_cast<double>(grid.block.first[axis]);
+  const double points = static_cast<double>(grid.block.points[axis]);
+  const double a = std::floor((low - grid.grid.lower[axis]) * inverse) - first;
+  const double b = std::ceil((high - grid.grid.lower[axis]) * inverse) - first + 1;
+  return {static_cast<std::int64_t>(std::clamp(a, 0.0, points)),
+          static_cast<std::int64_t>(std::clamp(b, 0.0, points))};
+}
+
+/// The columns that hold these points.
+inline IndexRange columns_of(const IndexRange& x, std::int64_t columns) {
+  if (x.begin >= x.end) return {0, 0};
+  // A shared point belongs to the column before, too.
+  return {std::max<std::int64_t>(0, (x.begin - 1) / PointBits::column_step),
+          std::min(columns, (x.end - 1) / PointBits::column_step + 1)};
+}
+
+/// The bits of a column that belong to these points.
+inline std::uint64_t column_bits(const IndexRange& x, std::int64_t column) {
+  const std::int64_t first = column * PointBits::column_step;
+  return low_bits(std::clamp<std::int64_t>(x.end - first, 0, PointBits::column_points)) &
+         ~low_bits(std::clamp<std::int64_t>(x.begin - first, 0, PointBits::column_points));
+}
+
+}  // namespace eses

@@ -1,0 +1,35 @@
+#include "solve/tally.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace eses {
+
+void Tally::add(const Surface& surface, const Crossing& crossing, Vec3 point) {
+  const std::size_t count = crossing.atom_count;
+  ++crossings[count - 1];
+  const double share = std::fabs(crossing.normal[crossing.axis]) / unit;
+  if (count == 1) {
+    atom_shares[crossing.atoms[0]] += std::llround(share);
+    return;
+  }
+  // Below this the weight is that of the limit; rounding would make it anything.
+  constexpr double least_gap = 1e-12;  // angstrom
+  std::array<double, 3> weights{};
+  double sum = 0;
+  for (std::size_t q = 0; q < count; ++q) {
+    const Atom& atom = surface.atoms[crossing.atoms[q]];
+    weights[q] = 1 / std::max(norm(point - atom.center) - atom.radius, least_gap);
+    sum += weights[q];
+  }
+  for (std::size_t q = 0; q < count; ++q)
+    atom_shares[crossing.atoms[q]] += std::llround(share * (weights[q] / sum));
+}
+
+void Tally::merge(const Tally& other) {
+  for (std::size_t i = 0; i < other.atom_shares.size(); ++i) atom_shares[i] += other.atom_shares[i];
+  for (std::size_t kind = 0; kind < crossings.size(); ++kind)
+    crossings[kind] += other.crossings[kind];
+}
+
+}  // namespace eses

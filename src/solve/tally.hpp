@@ -1,0 +1,28 @@
+#pragma once
+/// Sums over crossings that do not depend on the order in which they are added.
+
+#include <array>
+#include <cstdint>
+#include <vector>
+
+#include "eses/block_result.hpp"
+#include "surface/patches.hpp"
+
+namespace eses {
+
+/// Per-atom sums of |n_axis|, the crossings' share of area / spacing^2, in units of 2^-40: integers
+/// add up to the same sum in any order, at any block size and number of threads. 2^23 crossings fit
+/// per atom.
+struct Tally {
+  static constexpr double unit = 1.0 / (std::int64_t{1} << 40);
+
+  std::vector<std::int64_t> atom_shares;
+  std::array<std::int64_t, 3> crossings{};  ///< convex, saddle, concave
+
+  /// Adds one crossing at `point`. A crossing's share goes to its atoms in proportion to
+  /// 1 / (|point - center| - radius), all to those it touches where that is zero.
+  void add(const Surface& surface, const Crossing& crossing, Vec3 point);
+  void merge(const Tally& other);
+};
+
+}  // namespace eses

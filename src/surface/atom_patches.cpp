@@ -1,0 +1,106 @@
+#include "surface/atom_patches.hpp"
+
+#include <algorithm>
+
+#include "surface/patches.hpp"
+
+namespace eses {
+namespace {
+
+void collect_caps(const Surface& surface, AtomIndex i, AtomPatchScratch& scratch) {
+  const SasSphere sphere = surface.sas_sphere(i);
+  surface.tree.find_within(sphere.center,
+                           sphere.radius + surface.largest_radius + surface.probe_radius,
+                           scratch.found);
+  scratch.neighbours.clear();
+  scratch.caps.clear();
+  for (const AtomIndex j : scratch.found) {
+    if (j == i || surface.patches.exposure[j] == AtomExposure::contained) continue;
+    const SasSphere neighbour = surface.sas_sphere(j);
+    const double reach = sphere.radius + neighbour.radius;
+    if (squared_norm(neighbour.center - sphere.center) >= reach * reach) continue;
+    scratch.neighbours.push_back(j);
+    scratch.caps.push_back(make_cap(sphere, neighbour));
+  }
+}
+
+// Relevant caps first, by size, then those that merely cover.
+void keep_caps(AtomPatchScratch& scratch) {
+  scratch.kept_caps.clear();
+  scratch.kept_neighbours.clear();
+  for (const auto* list : {&scratch.burial.relevant, &scratch.burial.covering})
+    for (const std::uint32_t k : *list) {
+      scratch.kept_caps.push_back(scratch.caps[k]);
+      scratch.kept_neighbours.push_back(scratch.neighbours[k]);
+    }
+}
+
+PlacementKey make_key(AtomIndex i, AtomIndex j, AtomIndex k, int side) {
+  PlacementKey key{{i, j, k}, static_cast<std::int8_t>(side)};
+  const auto order = [&](std::size_t a, std::size_t b) {
+    if (key.atoms[a] <= key.atoms[b]) return;
+    std::swap(key.atoms[a], key.atoms[b]);
+    key.side = static_cast<std::int8_t>(-key.side);
+  };
+  order(0, 1);
+  order(1, 2);
+  order(0, 1);
+  return key;
+}
+
+void add_circle(const Surface& surface, AtomIndex i, std::uint32_t own, AtomPatchScratch& scratch,
+                AtomRangePatches& patches) {
+  const AtomIndex j = scratch.kept_neighbours[own];
+  const ContactCircle circle = make_contact_circle(surface.sas_sphere(i), surface.sas_sphere(j));
+  scratch.arcs.clear();
+  accessible_arcs(circle, scratch.kept_caps, own, scratch.arc, scratch.arcs);
+  for (const CircleArc& arc : scratch.arcs) {
+    if (arc.kind != ArcKind::full) {
+      patches.placements.push_back(make_key(i, j, scratch.kept_neighbours[arc.start_cap], 1));
+      patches.placements.push_back(make_key(i, j, scratch.kept_neighbours[arc.end_cap], -1));
+    }
+    if (arc.kind != ArcKind::point) patches.arcs.push_back({i, j, arc.kind, arc.start, arc.end});
+  }
+}
+
+}  // namespace
+
+void build_atom_patches(const Surface& surface, const BurialPatches& burial,
+                        AtomPatchScratch& scratch, AtomRangePatches& patches) {
+  for (AtomIndex i = patches.begin; i < patches.end; ++i) {
+    AtomExposure exposure = surface.patches.exposure[i];
+    const std::size_t first_arc = patches.arcs.size();
+    const std::size_t first_neighbour = patches.face_neighbours.size();
+    if (exposure != AtomExposure::contained) {
+      collect_caps(surface, i, scratch);
+      const double radius = surface.atoms[i].radius + surface.probe_radius;
+      if (is_buried(scratch.caps, radius, burial, scratch.burial)) {
+        exposure = AtomExposure::buried;
+      } else {
+        keep_caps(scratch);
+        if (scratch.kept_caps.empty()) exposure = AtomExposure::exposed;
+        patches.face_neighbours.insert(patches.face_neighbours.end(),
+                                       scratch.kept_neighbours.begin(),
+                                       scratch.kept_neighbours.end());
+        for (std::uint32_t k = 0; k < scratch.burial.relevant.size(); ++k)
+          if (scratch.kept_neighbours[k] > i) add_circle(surface, i, k, scratch, patches);
+      }
+    }
+    patches.exposure.push_back(exposure);
+    patches.arc_count.push_back(static_cast<std::uint32_t>(patches.arcs.size() - first_arc));
+    patches.face_count.push_back(
+        static_cast<std::uint32_t>(patches.face_neighbours.size() - first_neighbour));
+  }
+}
+
+Vec3 placement_center(const SasSphere& first, const SasSphere& second, const SasSphere& third,
+                      int side) {
+  const ContactCircle circle = make_contact_circle(first, second);
+  const CircleCut cut = cut_circle(circle, make_cap(first, third));
+  const double cosine = cut.reach > 0 ? cut.cos_half() : 1;
+  const double sine = side * std::sqrt((1 - cosine) * (1 + cosine));
+  return circle.center + circle.radius * (cosine * cut.toward +
+                                          sine * cross(circle.axis, cut.toward));
+}
+
+}  // namespace eses

@@ -1,0 +1,71 @@
+#pragma once
+/// The patches to which one atom gives rise.
+
+#include <array>
+#include <cstdint>
+#include <vector>
+
+#include "eses/atoms.hpp"
+#include "geometry/circle_arcs.hpp"
+#include "surface/burial.hpp"
+
+namespace eses {
+
+struct Surface;
+
+enum class AtomExposure : std::uint8_t {
+  unknown,
+  contained,  ///< its SAS ball lies in another one: it takes no part at all
+  buried,     ///< no part of its SAS sphere is accessible
+  exposed,    ///< it has an exposed face
+};
+
+/// An accessible arc of the contact circle of two atoms.
+struct Arc {
+  AtomIndex first = 0, second = 0;  ///< first < second
+  ArcKind kind = ArcKind::full;
+  Vec3 start, end;  ///< unit, from the circle's centre, counter-clockwise about first -> second
+};
+
+/// A probe placement by its atoms: ascending, and the side of their plane on which it stands, +1
+/// where (second - first) x (third - first) points.
+struct PlacementKey {
+  std::array<AtomIndex, 3> atoms{};
+  std::int8_t side = 1;
+  auto operator<=>(const PlacementKey&) const = default;
+};
+
+/// The patches of a range of atoms. Face neighbours are listed for every atom that is not proved
+/// buried, as only all the arcs together tell which of them are exposed.
+struct AtomRangePatches {
+  AtomIndex begin = 0, end = 0;
+  std::vector<AtomExposure> exposure;       ///< per atom of the range
+  std::vector<std::uint32_t> face_count;    ///< per atom of the range
+  std::vector<AtomIndex> face_neighbours;
+  std::vector<std::uint32_t> arc_count;     ///< per atom of the range
+  std::vector<Arc> arcs;
+  std::vector<PlacementKey> placements;     ///< every end of every arc, so with repetitions
+};
+
+/// Scratch memory of `build_atom_patches`, one per thread.
+struct AtomPatchScratch {
+  std::vector<AtomIndex> found;
+  std::vector<AtomIndex> neighbours;  ///< those of `caps`
+  std::vector<Cap> caps;
+  std::vector<Cap> kept_caps;
+  std::vector<AtomIndex> kept_neighbours;
+  BurialScratch burial;
+  ArcScratch arc;
+  std::vector<CircleArc> arcs;
+};
+
+/// Builds the patches of atoms [patches.begin, patches.end).
+void build_atom_patches(const Surface& surface, const BurialPatches& burial,
+                        AtomPatchScratch& scratch, AtomRangePatches& patches);
+
+/// Where the probe stands. The first two spheres' contact circle is met by the third; where the
+/// centres are all but collinear any of the points in question is as good.
+Vec3 placement_center(const SasSphere& first, const SasSphere& second, const SasSphere& third,
+                      int side);
+
+}  // namespace eses

@@ -1,0 +1,147 @@
+#undef HWY_TARGET_INCLUDE
+#define HWY_TARGET_INCLUDE "surface/burial.cpp"
+#include <hwy/foreach_target.h>
+#include <hwy/highway.h>
+
+#include <algorithm>
+#include <numeric>
+
+#include "surface/burial.hpp"
+
+HWY_BEFORE_NAMESPACE();
+namespace eses::HWY_NAMESPACE {
+namespace hn = hwy::HWY_NAMESPACE;
+
+using Lanes = hn::ScalableTag<float>;
+
+// Keeps the directions whose patch is not settled by the cap of axis (ax, ay, az), and returns how
+// many they are. The arrays are padded to whole vectors; compressing in place writes behind what
+// was read.
+std::size_t keep_unsettled(float ax, float ay, float az, float settled_cosine, float* x, float* y,
+                           float* z, std::size_t count) {
+  const Lanes lanes;
+  const auto vx = hn::Set(lanes, ax), vy = hn::Set(lanes, ay), vz = hn::Set(lanes, az);
+  const auto limit = hn::Set(lanes, settled_cosine);
+  std::size_t kept = 0;
+  for (std::size_t i = 0; i < count; i += hn::Lanes(lanes)) {
+    const auto px = hn::LoadU(lanes, x + i), py = hn::LoadU(lanes, y + i), pz = hn::LoadU(lanes, z + i);
+    const auto cosine =
+        hn::Add(hn::Add(hn::Mul(px, vx), hn::Mul(py, vy)), hn::Mul(pz, vz));
+    const auto keep = hn::And(hn::Lt(cosine, limit), hn::FirstN(lanes, count - i));
+    if (hn::AllFalse(lanes, keep)) continue;
+    const std::size_t n = hn::CompressStore(px, keep, lanes, x + kept);
+    hn::CompressStore(py, keep, lanes, y + kept);
+    hn::CompressStore(pz, keep, lanes, z + kept);
+    kept += n;
+  }
+  return kept;
+}
+
+bool any_above(float ax, float ay, float az, float cosine_limit, const float* x, const float* y,
+               const float* z, std::size_t count) {
+  const Lanes lanes;
+  const auto vx = hn::Set(lanes, ax), vy = hn::Set(lanes, ay), vz = hn::Set(lanes, az);
+  const auto limit = hn::Set(lanes, cosine_limit);
+  for (std::size_t i = 0; i < count; i += hn::Lanes(lanes)) {
+    const auto cosine =
+        hn::Add(hn::Add(hn::Mul(hn::LoadU(lanes, x + i), vx), hn::Mul(hn::LoadU(lanes, y + i), vy)),
+                hn::Mul(hn::LoadU(lanes, z + i), vz));
+    const auto above = hn::And(hn::Ge(cosine, limit), hn::FirstN(lanes, count - i));
+    if (!hn::AllFalse(lanes, above)) return true;
+  }
+  return false;
+}
+
+}  // namespace eses::HWY_NAMESPACE
+HWY_AFTER_NAMESPACE();
+
+#if HWY_ONCE
+namespace eses {
+HWY_EXPORT(keep_unsettled);
+HWY_EXPORT(any_above);
+
+namespace {
+
+// Covers the rounding of single-precision dot products, so that a patch is settled for certain.
+constexpr double float_slack = 1e-5;
+constexpr std::size_t widest_vector = 64;  // floats: ample padding for every instruction set
+// Past the largest caps the order hardly matters, and a full sort would cost more than it saves.
+constexpr std::size_t sorted_caps = 16;
+
+// cos(angle -+ patch radius) for the angular radius of a cap, with room for rounding.
+struct PatchLimits {
+  double settled, touched;
+};
+
+PatchLimits patch_limits(const Cap& cap, double radius, double patch_cosine, double patch_sine) {
+  const double cosine = std::clamp(cap.height / radius, -1.0, 1.0);
+  const double sine = std::sqrt((1 - cosine) * (1 + cosine));
+  const bool can_settle = cosine < patch_cosine;      // the cap is wider than a patch
+  const bool touches_any = cosine <= -patch_cosine;   // it reaches to the opposite patch
+  return {can_settle ? cosine * patch_cosine + sine * patch_sine + float_slack : 2.0,
+          touches_any ? -2.0 : cosine * patch_cosine - sine * patch_sine - float_slack};
+}
+
+}  // namespace
+
+BurialPatches::BurialPatches(const CoveringDirections& covering) : radius(covering.radius) {
+  for (const Vec3 direction : covering.directions) {
+    x.push_back(static_cast<float>(direction.x));
+    y.push_back(static_cast<float>(direction.y));
+    z.push_back(static_cast<float>(direction.z));
+  }
+}
+
+bool is_buried(std::span<const Cap> caps, double radius, const BurialPatches& patches,
+               BurialScratch& scratch) {
+  const auto keep = HWY_DYNAMIC_DISPATCH(keep_unsettled);
+  const auto touches = HWY_DYNAMIC_DISPATCH(any_above);
+  const double patch_cosine = std::cos(patches.radius), patch_sine = std::sin(patches.radius);
+  std::size_t count = patches.x.size();
+  const auto load = [&](const std::vector<float>& from, std::vector<float>& to) {
+    to.resize(count + widest_vector);
+    std::copy(from.begin(), from.end(), to.begin());
+  };
+  load(patches.x, scratch.x);
+  load(patches.y, scratch.y);
+  load(patches.z, scratch.z);
+
+  scratch.order.resize(caps.size());
+  std::iota(scratch.order.begin(), scratch.order.end(), 0u);
+  const auto largest = scratch.order.begin() +
+                       static_cast<std::ptrdiff_t>(std::min(sorted_caps, caps.size()));
+  std::partial_sort(scratch.order.begin(), largest, scratch.order.end(),
+                    [&](std::uint32_t a, std::uint32_t b) {
+                      return caps[a].height < caps[b].height ||
+                             (caps[a].height == caps[b].height && a < b);
+                    });
+  scratch.relevant.clear();
+  scratch.covering.clear();
+  for (const std::uint32_t k : scratch.order) {
+    const Cap& cap = caps[k];
+    const double settled = patch_limits(cap, radius, patch_cosine, patch_sine).settled;
+    if (settled > 1) continue;
+    const std::size_t left =
+        keep(static_cast<float>(cap.axis.x), static_cast<float>(cap.axis.y),
+             static_cast<float>(cap.axis.z), static_cast<float>(settled), scratch.x.data(),
+             scratch.y.data(), scratch.z.data(), count);
+    if (left < count) scratch.covering.push_back(k);
+    count = left;
+    if (count == 0) return true;
+  }
+  for (const std::uint32_t k : scratch.order) {
+    const Cap& cap = caps[k];
+    const double touched = patch_limits(cap, radius, patch_cosine, patch_sine).touched;
+    if (touches(static_cast<float>(cap.axis.x), static_cast<float>(cap.axis.y),
+                static_cast<float>(cap.axis.z), static_cast<float>(touched), scratch.x.data(),
+                scratch.y.data(), scratch.z.data(), count))
+      scratch.relevant.push_back(k);
+  }
+  std::erase_if(scratch.covering, [&](std::uint32_t k) {
+    return std::find(scratch.relevant.begin(), scratch.relevant.end(), k) != scratch.relevant.end();
+  });
+  return false;
+}
+
+}  // namespace eses
+#endif  // HWY_ONCE

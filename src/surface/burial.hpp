@@ -1,0 +1,40 @@
+#pragma once
+/// A proof that an atom is buried, and the few caps that matter where it is not, before any circle
+/// is looked at.
+///
+/// The SAS sphere is covered by small patches around fixed directions. A patch that lies wholly in
+/// one cap is settled. If all are settled the atom is buried. Otherwise what is accessible lies in
+/// the patches left over, and on their ground two sets of caps suffice: those that settled a patch,
+/// and those whose circle passes through a patch left over. Their union equals that of all caps.
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "geometry/contact_circle.hpp"
+#include "geometry/covering_directions.hpp"
+
+namespace eses {
+
+/// The covering directions in the layout of the kernel; built once, read by all threads.
+struct BurialPatches {
+  std::vector<float> x, y, z;
+  double radius = 0;  ///< angular, of every patch
+
+  explicit BurialPatches(const CoveringDirections& covering);
+};
+
+/// The outcome: which of the caps given matter.
+struct BurialScratch {
+  std::vector<std::uint32_t> order;     ///< caps by size, the largest first
+  std::vector<std::uint32_t> relevant;  ///< caps whose circle may be accessible
+  std::vector<std::uint32_t> covering;  ///< further caps that are needed to cover
+  std::vector<float> x, y, z;           ///< patches not yet settled
+};
+
+/// True if the caps provably cover the sphere of `radius`. If not, fills `relevant` and `covering`
+/// with indices of caps, whose union equals the union of all caps.
+bool is_buried(std::span<const Cap> caps, double radius, const BurialPatches& patches,
+               BurialScratch& scratch);
+
+}  // namespace eses

@@ -1,0 +1,67 @@
+#include "surface/neighbors.hpp"
+
+#include <nanoflann.hpp>
+
+namespace eses {
+namespace {
+
+struct AtomCloud {
+  std::span<const Atom> atoms;
+
+  std::size_t kdtree_get_point_count() const { return atoms.size(); }
+  double kdtree_get_pt(std::size_t index, std::size_t axis) const {
+    return atoms[index].center[axis];
+  }
+  template <class Box>
+  bool kdtree_get_bbox(Box&) const {
+    return false;
+  }
+};
+
+// nanoflann's own radius result keeps distances too, and sorts them; only the indices matter here.
+struct IndicesWithin {
+  using DistanceType = double;
+  double squared_distance;
+  std::vector<AtomIndex>& found;
+
+  std::size_t size() const { return found.size(); }
+  bool full() const { return true; }
+  double worstDist() const { return squared_distance; }
+  bool addPoint(double squared, AtomIndex index) {
+    if (squared < squared_distance) found.push_back(index);
+    return true;
+  }
+  void sort() {}
+};
+
+using Tree = nanoflann::KDTreeSingleIndexAdaptor<nanoflann::L2_Simple_Adaptor<double, AtomCloud>,
+                                                 AtomCloud, 3, AtomIndex>;
+constexpr std::size_t atoms_per_leaf = 16;
+
+}  // namespace
+
+struct AtomTree::Implementation {
+  AtomCloud cloud;
+  Tree tree;
+
+  explicit Implementation(std::span<const Atom> atoms)
+      : cloud{atoms},
+        tree(3, cloud, nanoflann::KDTreeSingleIndexAdaptorParams(atoms_per_leaf)) {
+    tree.buildIndex();
+  }
+};
+
+AtomTree::AtomTree(std::span<const Atom> atoms)
+    : implementation_(std::make_unique<Implementation>(atoms)) {}
+AtomTree::~AtomTree() = default;
+AtomTree::AtomTree(AtomTree&&) noexcept = default;
+AtomTree& AtomTree::operator=(AtomTree&&) noexcept = default;
+
+void AtomTree::find_within(Vec3 point, double distance, std::vector<AtomIndex>& found) const {
+  found.clear();
+  IndicesWithin within{distance * distance, found};
+  const double query[3] = {point.x, point.y, point.z};
+  implementation_->tree.findNeighbors(within, query, {});
+}
+
+}  // namespace eses

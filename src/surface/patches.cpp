@@ -1,0 +1,141 @@
+#include "surface/patches.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace eses {
+namespace {
+
+bool contains(const SasSphere& outer, const SasSphere& inner) {
+  return norm(outer.center - inner.center) <=
+         outer.radius - inner.radius + tolerance::containment;
+}
+
+// Of atoms that contain each other, the lowest index stays.
+bool is_contained(const Surface& surface, AtomIndex i, std::span<const AtomIndex> candidates) {
+  const SasSphere sphere = surface.sas_sphere(i);
+  return std::any_of(candidates.begin(), candidates.end(), [&](AtomIndex j) {
+    if (j == i) return false;
+    const SasSphere other = surface.sas_sphere(j);
+    return contains(other, sphere) && (j < i || !contains(sphere, other));
+  });
+}
+
+// The directions to the three atoms must stand clearly off a common plane for their cone to be
+// told from its complement.
+constexpr double least_cone_volume = 1e-6;
+
+bool is_regular(const Surface& surface, const ProbePlacement& placement) {
+  std::array<Vec3, 3> toward;
+  for (std::size_t q = 0; q < 3; ++q)
+    toward[q] = normalized(surface.atoms[placement.atoms[q]].center - placement.center);
+  if (std::fabs(dot(toward[0], cross(toward[1], toward[2]))) < least_cone_volume) return false;
+  const Patches& patches = surface.patches;
+  const AtomIndex i = placement.atoms[0];
+  return std::none_of(
+      patches.face_neighbours.begin() + patches.face_begin[i],
+      patches.face_neighbours.begin() + patches.face_begin[i + 1], [&](AtomIndex k) {
+        if (k == placement.atoms[1] || k == placement.atoms[2]) return false;
+        const SasSphere sphere = surface.sas_sphere(k);
+        return norm(placement.center - sphere.center) < sphere.radius + tolerance::touching;
+      });
+}
+
+void join_counts(std::vector<std::uint32_t>& begins) {
+  std::uint32_t sum = 0;
+  for (std::uint32_t& begin : begins) {
+    const std::uint32_t count = begin;
+    begin = sum;
+    sum += count;
+  }
+}
+
+void join_arcs(Patches& patches, std::span<AtomRangePatches> ranges) {
+  for (AtomRangePatches& range : ranges) {
+    for (AtomIndex i = range.begin; i < range.end; ++i) {
+      patches.exposure[i] = range.exposure[i - range.begin];
+      patches.arc_begin[i] = range.arc_count[i - range.begin];
+    }
+    patches.arcs.insert(patches.arcs.end(), range.arcs.begin(), range.arcs.end());
+    range.arcs = {};
+  }
+  join_counts(patches.arc_begin);
+  for (const Arc& arc : patches.arcs)
+    patches.exposure[arc.first] = patches.exposure[arc.second] = AtomExposure::exposed;
+  std::replace(patches.exposure.begin(), patches.exposure.end(), AtomExposure::unknown,
+               AtomExposure::buried);
+}
+
+// Atoms that no arc proves exposed, a probe placement may still touch; such a point needs their
+// caps only to tell which further atoms the probe touches.
+void join_faces(Patches& patches, std::span<AtomRangePatches> ranges) {
+  for (AtomRangePatches& range : ranges) {
+    auto neighbour = range.face_neighbours.begin();
+    for (AtomIndex i = range.begin; i < range.end; ++i) {
+      const std::uint32_t count = range.face_count[i - range.begin];
+      patches.face_begin[i] = count;
+      patches.face_neighbours.insert(patches.face_neighbours.end(), neighbour, neighbour + count);
+      neighbour += count;
+    }
+    range.face_neighbours = {};
+  }
+  join_counts(patches.face_begin);
+}
+
+// One placement for each key, sorted by its lowest atom; their centres follow in place_probes.
+void join_placements(Patches& patches, std::span<AtomRangePatches> ranges) {
+  std::vector<PlacementKey> keys;
+  for (AtomRangePatches& range : ranges) {
+    keys.insert(keys.end(), range.placements.begin(), range.placements.end());
+    range.placements = {};
+  }
+  std::sort(keys.begin(), keys.end());
+  keys.erase(std::unique(keys.begin(), keys.end()), keys.end());
+  patches.placements.reserve(keys.size());
+  for (const PlacementKey& key : keys) {
+    ++patches.placement_begin[key.atoms[0]];
+    patches.placements.push_back({{}, key.atoms, key.side, false});
+  }
+  join_counts(patches.placement_begin);
+}
+
+}  // namespace
+
+Surface::Surface(std::span<const Atom> all_atoms, double probe)
+    : atoms(all_atoms), probe_radius(probe), tree(all_atoms) {
+  for (const Atom& atom : atoms) largest_radius = std::max(largest_radius, atom.radius);
+  patches.exposure.assign(atoms.size(), AtomExposure::unknown);
+}
+
+void find_contained_atoms(Surface& surface, AtomIndex begin, AtomIndex end,
+                          std::vector<AtomIndex>& found) {
+  for (AtomIndex i = begin; i < end; ++i) {
+    const double reach = surface.largest_radius - surface.atoms[i].radius;
+    surface.tree.find_within(surface.atoms[i].center, reach + 2 * tolerance::containment, found);
+    if (is_contained(surface, i, found)) surface.patches.exposure[i] = AtomExposure::contained;
+  }
+}
+
+void join_patches(Surface& surface, std::span<AtomRangePatches> ranges) {
+  Patches& patches = surface.patches;
+  const std::size_t begins = surface.atoms.size() + 1;
+  patches.face_begin.assign(begins, 0);
+  patches.arc_begin.assign(begins, 0);
+  patches.placement_begin.assign(begins, 0);
+  join_arcs(patches, ranges);
+  join_faces(patches, ranges);
+  join_placements(patches, ranges);
+}
+
+void place_probes(Surface& surface, AtomIndex begin, AtomIndex end) {
+  Patches& patches = surface.patches;
+  for (std::uint32_t v = patches.placement_begin[begin]; v < patches.placement_begin[end]; ++v) {
+    ProbePlacement& placement = patches.placements[v];
+    placement.center = placement_center(
+        surface.sas_sphere(placement.atoms[0]), surface.sas_sphere(placement.atoms[1]),
+        surface.sas_sphere(placement.atoms[2]), placement.side);
+    placement.is_regular = is_regular(surface, placement);
+  }
+}
+
+}  // namespace eses

@@ -1,0 +1,66 @@
+#pragma once
+/// The analytical patches of a molecule: exposed faces, accessible arcs and probe placements.
+///
+/// Connolly, J. Appl. Cryst. 16 (1983) 548: a convex patch per exposed face of a SAS sphere, a
+/// saddle patch per accessible arc of a contact circle, a concave patch per probe placement. They
+/// do not depend on the grid, are built once per atom, and are read by every block.
+
+#include <array>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "eses/atoms.hpp"
+#include "geometry/circle_arcs.hpp"
+#include "surface/atom_patches.hpp"
+#include "surface/neighbors.hpp"
+
+namespace eses {
+
+/// An accessible probe centre at which the probe touches three atoms.
+struct ProbePlacement {
+  Vec3 center;
+  std::array<AtomIndex, 3> atoms{};  ///< ascending
+  std::int8_t side = 1;              ///< of the atoms' plane, see PlacementKey
+  /// Exactly three atoms are touched and their directions span a proper cone, which then is the
+  /// normal cone of the accessible set there.
+  bool is_regular = false;
+};
+
+/// Patches by atom; an arc belongs to the lower of its two atoms, a placement to the lowest of three.
+struct Patches {
+  std::vector<AtomExposure> exposure;         ///< per atom
+  std::vector<std::uint32_t> face_begin;      ///< per atom, into face_neighbours; size atoms + 1
+  std::vector<AtomIndex> face_neighbours;     ///< whose caps bound the atom's exposed face
+  std::vector<std::uint32_t> arc_begin;       ///< per atom, into arcs; size atoms + 1
+  std::vector<Arc> arcs;
+  std::vector<std::uint32_t> placement_begin; ///< per atom, into placements; size atoms + 1
+  std::vector<ProbePlacement> placements;
+};
+
+/// All that the blocks read.
+struct Surface {
+  std::span<const Atom> atoms;
+  double probe_radius = 0;
+  double largest_radius = 0;  ///< of the van der Waals spheres
+  AtomTree tree;
+  Patches patches;
+
+  Surface(std::span<const Atom> all_atoms, double probe);
+
+  SasSphere sas_sphere(AtomIndex i) const {
+    return {atoms[i].center, atoms[i].radius + probe_radius};
+  }
+};
+
+/// Marks atoms [begin, end) whose SAS ball lies in that of another atom; they take no further part.
+void find_contained_atoms(Surface& surface, AtomIndex begin, AtomIndex end,
+                          std::vector<AtomIndex>& found);
+
+/// Joins the patches of consecutive ranges of atoms, in their order.
+void join_patches(Surface& surface, std::span<AtomRangePatches> ranges);
+
+/// Places the probes of atoms [begin, end), after join_patches.
+void place_probes(Surface& surface, AtomIndex begin, AtomIndex end);
+
+}  // namespace eses

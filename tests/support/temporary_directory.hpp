@@ -1,0 +1,36 @@
+#pragma once
+/// A directory that lives as long as the object that names it.
+
+#include <stdlib.h>
+
+#include <cerrno>
+#include <filesystem>
+#include <string>
+#include <system_error>
+
+namespace eses::test {
+
+class TemporaryDirectory {
+ public:
+  TemporaryDirectory() : path_(make()) {}
+  ~TemporaryDirectory() {
+    std::error_code ignored;
+    std::filesystem::remove_all(path_, ignored);
+  }
+  TemporaryDirectory(const TemporaryDirectory&) = delete;
+  TemporaryDirectory& operator=(const TemporaryDirectory&) = delete;
+
+  const std::filesystem::path& path() const { return path_; }
+
+ private:
+  static std::filesystem::path make() {
+    std::string name = (std::filesystem::temp_directory_path() / "eses-test-XXXXXX").string();
+    if (::mkdtemp(name.data()) == nullptr)
+      throw std::system_error(errno, std::generic_category(), "mkdtemp " + name);
+    return name;
+  }
+
+  std::filesystem::path path_;
+};
+
+}  // namespace eses::test

@@ -1,0 +1,468 @@
+// The real program: command line, exit codes, both reports, and what goes to which stream.
+
+#include <sys/wait.h>
+
+#include <cmath>
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+#include <numbers>
+#include <set>
+#include <sstream>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "catch.hpp"
+#include "support/temporary_directory.hpp"
+
+namespace fs = std::filesystem;
+
+namespace {
+
+using Arguments = std::vector<std::string>;
+
+std::string read_file(const fs::path& path) {
+  std::ifstream file(path, std::ios::binary);
+  return {std::istreambuf_iterator<char>(file), {}};
+}
+
+void write_file(const fs::path& path, const std::string& text) {
+  std::ofstream(path, std::ios::binary) << text;
+}
+
+std::string shell_quoted(const std::string& text) {
+  std::string result = "'";
+  for (const char c : text) result += c == '\'' ? std::string("'\\''") : std::string(1, c);
+  return result + "'";
+}
+
+int shell(const std::string& command) {
+  const int status = std::system(command.c_str());
+  return WIFEXITED(status) ? WEXITSTATUS(status) : -1;
+}
+
+struct Outcome {
+  int code = -1;
+  std::string out;
+  std::string err;
+};
+
+/// A working directory with a few molecules; the captured streams are kept beside it.
+class Sandbox {
+ public:
+  Sandbox() {
+    fs::create_directory(directory());
+    write_file(directory() / "atom.xyzr", "0.1 0.2 0.3 1.5\n");
+    write_file(directory() / "pair.xyzr", "0 0 0 1.5\n3 0 0 1.7\n");
+  }
+
+  fs::path directory() const { return root_.path() / "work"; }
+
+  static std::string command(const Arguments& arguments) {
+    std::string result = shell_quoted(ESES_BINARY);
+    for (const std::string& argument : arguments) result += " " + shell_quoted(argument);
+    return result;
+  }
+
+  /// Runs the program here; `redirections` is shell text that overrides the capture.
+  Outcome run(const Arguments& arguments, const std::string& redirections = "") const {
+    const fs::path out = root_.path() / "stdout", err = root_.path() / "stderr";
+    const int code = shell("cd " + shell_quoted(directory().string()) + " && " +
+                           command(arguments) + " </dev/null >" + shell_quoted(out.string()) +
+                           " 2>" + shell_quoted(err.string()) + " " + redirections);
+    return {code, read_file(out), read_file(err)};
+  }
+
+  std::set<std::string> files(const fs::path& below = ".") const {
+    std::set<std::string> names;
+    for (const auto& entry : fs::directory_iterator(directory() / below)) {
+      if (entry.path().extension() == ".txt") names.insert(entry.path().filename().string());
+    }
+    return names;
+  }
+
+ private:
+  eses::test::TemporaryDirectory root_;
+};
+
+const std::set<std::string> all_files{"bounding_box.txt", "grid_info.txt", "intersection_info.txt",
+                                      "partition_area.txt"};
+
+bool contains(const std::string& text, const std::string& part) {
+  return text.find(part) != std::string::npos;
+}
+
+std::vector<std::string> lines_with(const std::string& text, const std::string& part) {
+  std::vector<std::string> lines;
+  std::istringstream stream(text);
+  for (std::string line; std::getline(stream, line);) {
+    if (contains(line, part)) lines.push_back(line);
+  }
+  return lines;
+}
+
+/// The value behind `key`, as callers of ESES look for it: in the one line that holds `key`.
+double value_of(const std::string& text, const std::string& key) {
+  const std::vector<std::string> lines = lines_with(text, key);
+  REQUIRE(lines.size() == 1);
+  return std::stod(lines[0].substr(lines[0].find(key) + key.size()));
+}
+
+std::string result_lines(const Outcome& outcome) {
+  REQUIRE(outcome.code == 0);
+  std::string result;
+  for (const std::string key : {"area:", "volume:"}) {
+    for (const std::string& line : lines_with(outcome.out, key)) result += line + "\n";
+  }
+  return result;
+}
+
+std::string usage_message(const std::string& message) {
+  return "eses-blocks: error: " + message + "\nTry 'eses-blocks --help'.\n";
+}
+
+/// What a Python expression says of the JSON report `r`, or nothing where there is no Python.
+std::string ask_json(const Sandbox& sandbox, const std::string& json, const std::string& question) {
+  if (shell("command -v python3 >/dev/null 2>&1") != 0) {
+    WARN("python3 not found, JSON is not parsed");
+    return "";
+  }
+  const std::string in = (sandbox.directory() / "report.json").string();
+  const std::string out = (sandbox.directory() / "answer").string();
+  write_file(in, json);
+  const std::string program =
+      "import json, sys; r = json.loads(sys.stdin.buffer.read().decode('utf-8', 'strict')); "
+      "print(ascii((" +
+      question + ")))";
+  REQUIRE(shell("python3 -c " + shell_quoted(program) + " <" + shell_quoted(in) + " >" +
+                shell_quoted(out)) == 0);
+  return read_file(out);
+}
+
+void check_json(const Sandbox& sandbox, const std::string& json, const std::string& question,
+                const std::string& expected) {
+  const std::string answer = ask_json(sandbox, json, question);
+  if (!answer.empty()) CHECK(answer == expected + "\n");
+}
+
+}  // namespace
+
+TEST_CASE("help names every option with unit and default, examples and exit codes", "[cli]") {
+  const Sandbox sandbox;
+  const Outcome outcome = sandbox.run({"--help"});
+  CHECK(outcome.code == 0);
+  CHECK(outcome.err.empty());
+  CHECK(sandbox.run({"-h"}).out == outcome.out);
+  for (const std::string part : {"Usage: eses-blocks [OPTIONS] FILE [PROBE [SPACING [MARGIN]]]\n",
+                                 "--probe-radius ANGSTROM ",
+                                 " radius of the solvent probe, > 0 [1.4]\n",
+                                 "--spacing ANGSTROM ",
+                                 " distance between grid points, > 0 [0.4]\n",
+                                 "--margin ANGSTROM ",
+                                 " room between molecule and edge of the grid, >= 0 [0.8]\n",
+                                 "-o,--output-dir DIR",
+                                 "-t,--threads N",
+                                 "-b,--block-size N",
+                                 "2 to 4096 [64]",
+                                 "--format NAME",
+                                 "--write LIST",
+                                 "-q,--quiet",
+                                 "--json",
+                                 "--version",
+                                 "-h,--help",
+                                 "Examples:\n  eses-blocks ",
+                                 "Exit codes:\n  0  done\n  1  ",
+                                 "  2  "}) {
+    INFO(part);
+    CHECK(contains(outcome.out, part));
+  }
+  CHECK_FALSE(contains(outcome.out, "\n\n\n"));
+}
+
+TEST_CASE("version tells how the program was built", "[cli]") {
+  const Sandbox sandbox;
+  const Outcome outcome = sandbox.run({"--version"});
+  CHECK(outcome.code == 0);
+  CHECK(outcome.err.empty());
+  CHECK(outcome.out.rfind("eses-blocks ", 0) == 0);
+  for (const std::string part : {"\ncompiler: ", "\nbuild type: ", "\nflags: "}) {
+    CHECK(contains(outcome.out, part));
+  }
+}
+
+TEST_CASE("usage errors name option, value and expectation, and write nothing", "[cli]") {
+  const Sandbox sandbox;
+  const std::string above_zero = ", expected a finite number greater than 0, in angstrom";
+  const std::string at_least_zero = ", expected a finite number of at least 0, in angstrom";
+  const std::vector<std::pair<Arguments, std::string>> cases{
+      {{}, "FILE is missing"},
+      {{""}, "FILE is missing"},
+      {{"atom.xyzr", "1.4", "0.4", "0.8", "7"},
+       "unexpected argument '7' after FILE, PROBE, SPACING and MARGIN"},
+      {{"atom.xyzr", "--color"}, "unknown option '--color'"},
+      {{"atom.xyzr", "-x"}, "unknown option '-x'"},
+      {{"atom.xyzr", "-1.4"}, "PROBE is '-1.4'" + above_zero},
+      {{"atom.xyzr", "1.4", "-0.4"}, "SPACING is '-0.4'" + above_zero},
+      {{"atom.xyzr", "1.4", "0.4", "-0.8"}, "MARGIN is '-0.8'" + at_least_zero},
+      {{"atom.xyzr", "0"}, "PROBE is '0'" + above_zero},
+      {{"atom.xyzr", "1.4A"}, "PROBE is '1.4A'" + above_zero},
+      {{"atom.xyzr", ""}, "PROBE is ''" + above_zero},
+      {{"atom.xyzr", "1.4", "nan"}, "SPACING is 'nan'" + above_zero},
+      {{"atom.xyzr", "1.4", "0.4", "inf"}, "MARGIN is 'inf'" + at_least_zero},
+      {{"atom.xyzr", "--spacing", "0"}, "--spacing is '0'" + above_zero},
+      {{"atom.xyzr", "--spacing", "0.4A"}, "--spacing is '0.4A'" + above_zero},
+      {{"atom.xyzr", "--spacing", "0,4"}, "--spacing is '0,4'" + above_zero},
+      {{"atom.xyzr", "--spacing=1e400"}, "--spacing is '1e400'" + above_zero},
+      {{"atom.xyzr", "--probe-radius", "-1.4"}, "--probe-radius is '-1.4'" + above_zero},
+      {{"atom.xyzr", "--margin", "-1"}, "--margin is '-1'" + at_least_zero},
+      {{"atom.xyzr", "--margin"}, "--margin needs a value"},
+      {{"--output-dir=", "atom.xyzr"}, "--output-dir= needs a value"},
+      {{"atom.xyzr", "-o", ""}, "--output-dir is missing"},
+      {{"atom.xyzr", "1.4", "--probe-radius", "1.5"},
+       "PROBE is 1.4 but --probe-radius is 1.5, give one of the two"},
+      {{"atom.xyzr", "1.4", "0.4", "--spacing", "0.5"},
+       "SPACING is 0.4 but --spacing is 0.5, give one of the two"},
+      {{"atom.xyzr", "1.4", "0.4", "0.8", "--margin", "0"},
+       "MARGIN is 0.8 but --margin is 0, give one of the two"},
+      {{"atom.xyzr", "--spacing", "0.4", "--spacing", "0.5"}, "--spacing is given more than once"},
+      {{"atom.xyzr", "-b", "1"}, "--block-size is '1', expected a whole number from 2 to 4096"},
+      {{"atom.xyzr", "-b", "4097"},
+       "--block-size is '4097', expected a whole number from 2 to 4096"},
+      {{"atom.xyzr", "-b", "64.0"},
+       "--block-size is '64.0', expected a whole number from 2 to 4096"},
+      {{"atom.xyzr", "-t", "0"}, "--threads is '0', expected a whole number from 1 to 4096"},
+      {{"atom.xyzr", "-t", "-2"}, "--threads is '-2', expected a whole number from 1 to 4096"},
+      {{"atom.xyzr", "-t", "99999999999999999999"},
+       "--threads is '99999999999999999999', expected a whole number from 1 to 4096"},
+      {{"atom.xyzr", "--format", "pdb"}, "--format is 'pdb', expected auto, xyzr or pqr"},
+      {{"atom.xyzr", "--write", "faces"},
+       "--write is 'faces', expected some of grid,edges,areas, or none"},
+      {{"atom.xyzr", "--write", "grid,none"},
+       "--write is 'grid,none', expected some of grid,edges,areas, or none"},
+      {{"atom.xyzr", "--write", ""}, "--write is '', expected some of grid,edges,areas, or none"},
+      {{"atom.xyzr", "--json=no"}, "--json takes no value"},
+  };
+  for (const auto& [arguments, message] : cases) {
+    INFO(Sandbox::command(arguments));
+    const Outcome outcome = sandbox.run(arguments);
+    CHECK(outcome.code == 2);
+    CHECK(outcome.out.empty());
+    CHECK(outcome.err == usage_message(message));
+  }
+  CHECK(sandbox.files().empty());
+}
+
+TEST_CASE("negative numbers are not taken for options", "[cli]") {
+  const Sandbox sandbox;
+  for (const std::string number : {"-1", "-.5", "-0.5", "-1e3", "-inf", "-nan"}) {
+    INFO(number);
+    const Outcome outcome = sandbox.run({"atom.xyzr", "1.4", number});
+    CHECK(outcome.code == 2);
+    CHECK(contains(outcome.err, "'" + number + "'"));
+    CHECK(contains(outcome.err, "SPACING"));
+    CHECK_FALSE(contains(outcome.err, "unknown"));
+  }
+}
+
+TEST_CASE("input and output errors end with code 1, one line and no files", "[cli]") {
+  const Sandbox sandbox;
+  write_file(sandbox.directory() / "empty.xyzr", "");
+  write_file(sandbox.directory() / "words.xyzr", "0 0 zero 1.5\n");
+  for (const Arguments& arguments :
+       {Arguments{"missing.xyzr"}, Arguments{"miss\ning.xyzr"}, Arguments{"empty.xyzr"},
+        Arguments{"words.xyzr"}, Arguments{"."}, Arguments{"atom.xyzr", "-o", "atom.xyzr"},
+        Arguments{"atom.xyzr", "--spacing", "1e-9"}}) {
+    INFO(Sandbox::command(arguments));
+    const Outcome outcome = sandbox.run(arguments);
+    CHECK(outcome.code == 1);
+    CHECK(outcome.err.rfind("eses-blocks: error: ", 0) == 0);
+    CHECK(outcome.err.find('\n') + 1 == outcome.err.size());
+    CHECK(lines_with(outcome.out, "area:").empty());
+  }
+  CHECK(contains(sandbox.run({"missing.xyzr"}).err, "missing.xyzr"));
+  CHECK(sandbox.files().empty());
+}
+
+TEST_CASE("one atom's area and volume are near those of a sphere", "[cli]") {
+  const Sandbox sandbox;
+  const Outcome outcome = sandbox.run({"atom.xyzr", "1.4", "0.1", "0.8"});
+  REQUIRE(outcome.code == 0);
+  CHECK(outcome.err.empty());
+  const double area = 4 * std::numbers::pi * 1.5 * 1.5;
+  CHECK(std::fabs(value_of(outcome.out, "area:") / area - 1) < 0.01);
+  CHECK(std::fabs(value_of(outcome.out, "volume:") / (area * 1.5 / 3) - 1) < 0.01);
+  CHECK(lines_with(outcome.out, "area:")[0].rfind("surface area: ", 0) == 0);
+  CHECK(lines_with(outcome.out, "volume:")[0].rfind("surface volume: ", 0) == 0);
+  CHECK(sandbox.files() == all_files);
+}
+
+TEST_CASE("positionals, flags and their defaults mean the same", "[cli]") {
+  const Sandbox sandbox;
+  const std::string defaults = result_lines(sandbox.run({"pair.xyzr"}));
+  CHECK(result_lines(sandbox.run({"pair.xyzr", "1.4", "0.4", "0.8"})) == defaults);
+  CHECK(result_lines(sandbox.run({"pair.xyzr", "--probe-radius=1.4", "--margin", "0.80",
+                                  "--spacing", "4e-1"})) == defaults);
+  const std::string fine = result_lines(sandbox.run({"pair.xyzr", "1.5", "0.25", "1"}));
+  CHECK(fine != defaults);
+  CHECK(result_lines(sandbox.run(
+            {"--spacing", "0.25", "--margin", "1", "--probe-radius", "1.5", "pair.xyzr"})) == fine);
+  CHECK(result_lines(sandbox.run({"pair.xyzr", "1.5", "--spacing", "0.25", "--probe-radius", "1.50",
+                                  "--margin", "1"})) == fine);
+}
+
+TEST_CASE("quiet leaves the two result lines alone", "[cli]") {
+  const Sandbox sandbox;
+  const Outcome full = sandbox.run({"pair.xyzr"});
+  const Outcome quiet = sandbox.run({"pair.xyzr", "--quiet"});
+  CHECK(quiet.out == result_lines(full));
+  CHECK(quiet.err.empty());
+  CHECK(sandbox.run({"missing.xyzr", "-q"}).err.rfind("eses-blocks: error: ", 0) == 0);
+}
+
+TEST_CASE("a grid that cuts the molecule is warned about, unless quiet", "[cli]") {
+  const Sandbox sandbox;
+  const Arguments cutting{"atom.xyzr", "1.4", "0.7", "0.01", "--write", "none"};
+  const Outcome outcome = sandbox.run(cutting);
+  REQUIRE(outcome.code == 0);
+  CHECK(outcome.err.rfind("eses-blocks: warning: the grid ends ", 0) == 0);
+  CHECK(outcome.err.find('\n') + 1 == outcome.err.size());
+  Arguments quiet = cutting;
+  quiet.emplace_back("-q");
+  CHECK(sandbox.run(quiet).err.empty());
+}
+
+TEST_CASE("write chooses the files", "[cli]") {
+  const Sandbox sandbox;
+  REQUIRE(sandbox.run({"pair.xyzr", "--write", "none"}).code == 0);
+  CHECK(sandbox.files().empty());
+  REQUIRE(sandbox.run({"pair.xyzr", "-o", "a", "--write", "areas"}).code == 0);
+  CHECK(sandbox.files("a") == std::set<std::string>{"bounding_box.txt", "partition_area.txt"});
+  REQUIRE(sandbox.run({"pair.xyzr", "-o", "b", "--write=edges,grid"}).code == 0);
+  CHECK(sandbox.files("b") ==
+        std::set<std::string>{"bounding_box.txt", "grid_info.txt", "intersection_info.txt"});
+  CHECK(sandbox.files().empty());
+}
+
+TEST_CASE("the output directory is created", "[cli]") {
+  const Sandbox sandbox;
+  const Outcome outcome = sandbox.run({"pair.xyzr", "-o", "new/deep er/\xC3\xA9"});
+  REQUIRE(outcome.code == 0);
+  CHECK(sandbox.files("new/deep er/\xC3\xA9") == all_files);
+  CHECK(contains(outcome.out, "new/deep er/\xC3\xA9"));
+}
+
+TEST_CASE("no path disturbs callers that look for area and volume", "[cli]") {
+  const Sandbox sandbox;
+  const std::string name = "area: 1\nvolume: 2\r";
+  fs::copy_file(sandbox.directory() / "pair.xyzr", sandbox.directory() / name);
+  const Outcome outcome = sandbox.run({name, "-o", "out" + name});
+  REQUIRE(outcome.code == 0);
+  CHECK(result_lines(outcome) == sandbox.run({"pair.xyzr", "-q"}).out);
+}
+
+TEST_CASE("file names with blanks, quotes, other letters and leading dashes", "[cli]") {
+  const Sandbox sandbox;
+  const std::string expected = result_lines(sandbox.run({"pair.xyzr"}));
+  for (const std::string name : {"a b.xyzr", "it's \"x\".xyzr", "\xE5\x8E\x9F\xE5\xAD\x90.xyzr"}) {
+    INFO(name);
+    fs::copy_file(sandbox.directory() / "pair.xyzr", sandbox.directory() / name);
+    CHECK(result_lines(sandbox.run({name})) == expected);
+  }
+  fs::copy_file(sandbox.directory() / "pair.xyzr", sandbox.directory() / "-1.xyzr");
+  fs::copy_file(sandbox.directory() / "pair.xyzr", sandbox.directory() / "-pair.xyzr");
+  CHECK(result_lines(sandbox.run({"--", "-1.xyzr"})) == expected);
+  CHECK(result_lines(sandbox.run({"-q", "--", "-pair.xyzr", "1.4"})) == expected);
+  CHECK(sandbox.run({"-pair.xyzr"}).err ==
+        usage_message("unknown option '-pair.xyzr'; the file of that name goes after --"));
+}
+
+TEST_CASE("standard input is the file -", "[cli]") {
+  const Sandbox sandbox;
+  const std::string expected = result_lines(sandbox.run({"pair.xyzr"}));
+  CHECK(result_lines(sandbox.run({"-"}, "<pair.xyzr")) == expected);
+  CHECK(result_lines(sandbox.run({"-", "1.4", "0.4", "--margin", "0.8"}, "<pair.xyzr")) ==
+        expected);
+  CHECK(sandbox.run({"-"}).code == 1);
+  CHECK(sandbox.run({"-"}, "<&-").code == 1);
+}
+
+TEST_CASE("the JSON report holds what the text says", "[cli]") {
+  const Sandbox sandbox;
+  const Outcome text = sandbox.run({"pair.xyzr", "1.4", "0.3", "0.9", "-q"});
+  const Outcome json =
+      sandbox.run({"pair.xyzr", "1.4", "0.3", "0.9", "-b", "8", "-t", "2", "--json"});
+  REQUIRE(json.code == 0);
+  CHECK(json.err.empty());
+  const auto check = [&](const std::string& question, const std::string& expected) {
+    check_json(sandbox, json.out, question, expected);
+  };
+  check("'surface area: %.6g' % r['area']", "'" + lines_with(text.out, "area:").at(0) + "'");
+  check("'surface volume: %.6g' % r['volume']", "'" + lines_with(text.out, "volume:").at(0) + "'");
+  check("(r['program'], r['input'], r['atoms'])", "('eses-blocks', 'pair.xyzr', 2)");
+  check("r['parameters']", "{'probe_radius': 1.4, 'spacing': 0.3, 'margin': 0.9}");
+  check("r['grid']['lower'], r['grid']['size']", "([-2.4, -2.6, -2.6], [27, 18, 18])");
+  check("r['grid']['points'] == 27 * 18 * 18 and len(r['grid']['upper'])", "3");
+  check("r['blocks']", "{'size': 8, 'along_axes': [4, 3, 3], 'count': 36}");
+  check("sum(r['crossings'][k] for k in ('convex', 'saddle', 'concave')) - r['crossings']['total']",
+        "0");
+  check("r['crossings']['convex'] > 0 and r['inside_points'] > 0", "True");
+  check("r['output']['directory'], len(r['output']['files'])", "('.', 4)");
+  check("sorted(r['seconds'])",
+        "['blocks', 'classify', 'intersect', 'output', 'patches', 'total']");
+  check("sorted(r['plan'])", "['cut_depth', 'memory_bytes', 'output_bytes']");
+  check("r['peak_memory_bytes'] > 0 and r['threads'] > 0 and bool(r['version'])", "True");
+}
+
+TEST_CASE("JSON stays valid whatever the file names", "[cli]") {
+  const Sandbox sandbox;
+  const std::string name = "q\"b\\n\nt\t\x01 \xC3\xA9\xF0\x9F\x98\x80.xyzr";
+  fs::copy_file(sandbox.directory() / "atom.xyzr", sandbox.directory() / name);
+  const Outcome outcome = sandbox.run({name, "--json", "--write", "none"});
+  REQUIRE(outcome.code == 0);
+  check_json(sandbox, outcome.out, "r['input']", R"('q"b\\n\nt\t\x01 \xe9\U0001f600.xyzr')");
+#ifdef __linux__  // other systems refuse such names
+  const std::string broken = "\xFF\xC3(\xC0\xAF\xED\xA0\x80\xF0\x9F\x98.xyzr";
+  fs::copy_file(sandbox.directory() / "atom.xyzr", sandbox.directory() / broken);
+  const Outcome replaced = sandbox.run({broken, "--json", "--write", "none"});
+  REQUIRE(replaced.code == 0);
+  check_json(sandbox, replaced.out, "r['input'].replace(chr(0xFFFD), '~')", "'~~(~~~~~~~~.xyzr'");
+#endif
+}
+
+TEST_CASE("a standard output that takes nothing is an error", "[cli]") {
+  const Sandbox sandbox;
+  if (fs::exists("/dev/full")) {
+    for (const Arguments& arguments :
+         {Arguments{"pair.xyzr"}, Arguments{"pair.xyzr", "-q"}, Arguments{"pair.xyzr", "--json"},
+          Arguments{"--help"}, Arguments{"--version"}}) {
+      INFO(Sandbox::command(arguments));
+      const Outcome outcome = sandbox.run(arguments, ">/dev/full");
+      CHECK(outcome.code == 1);
+      CHECK(outcome.err.rfind("eses-blocks: error: cannot write to standard output: ", 0) == 0);
+    }
+  }
+  CHECK(sandbox.run({"pair.xyzr", "-q"}, ">&-").code == 1);
+  CHECK(sandbox.run({"pair.xyzr"}, ">&- 2>&- <&-").code == 1);
+}
+
+TEST_CASE("closed standard streams do not end up in the files", "[cli]") {
+  const Sandbox sandbox;
+  REQUIRE(sandbox.run({"pair.xyzr", "-o", "good"}).code == 0);
+  sandbox.run({"pair.xyzr", "-q", "-o", "closed"}, ">&- 2>&- <&-");
+  for (const std::string& name : sandbox.files("closed")) {
+    CHECK(read_file(sandbox.directory() / "closed" / name) ==
+          read_file(sandbox.directory() / "good" / name));
+  }
+}
+
+TEST_CASE("a reader that has gone away is an error, not a signal", "[cli]") {
+  const Sandbox sandbox;
+  // The right side closes its end of the pipe before it lets the left side begin.
+  REQUIRE(shell("cd " + shell_quoted(sandbox.directory().string()) + " && mkfifo go && { cat go; " +
+                Sandbox::command({"pair.xyzr"}) +
+                " 2>err; echo $? >code; } | { exec <&-; echo >go; }; cat code >/dev/null") == 0);
+  CHECK(read_file(sandbox.directory() / "code") == "1\n");
+  CHECK(contains(read_file(sandbox.directory() / "err"), "cannot write to standard output"));
+}

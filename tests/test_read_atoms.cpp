@@ -1,0 +1,690 @@
+#include <fcntl.h>
+#include <sys/stat.h>
+#include <sys/time.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <cmath>
+#include <csignal>
+#include <cstddef>
+#include <cstdio>
+#include <cstdlib>
+#include <filesystem>
+#include <random>
+#include <stdexcept>
+#include <string>
+#include <string_view>
+#include <system_error>
+#include <vector>
+
+#include "catch.hpp"
+#include "eses/error.hpp"
+#include "eses/read_atoms.hpp"
+
+namespace {
+
+namespace fs = std::filesystem;
+using eses::Atom;
+using eses::AtomFormat;
+using std::string_literals::operator""s;
+
+/// "" if nothing is thrown, which no message is.
+template <class Action>
+std::string message_of(Action action) {
+  try {
+    action();
+  } catch (const eses::Error& error) {
+    return error.what();
+  }
+  return {};
+}
+
+std::vector<Atom> xyzr(std::string_view text) {
+  return eses::parse_atoms(text, AtomFormat::xyzr, "t.xyzr");
+}
+
+std::vector<Atom> pqr(std::string_view text) {
+  return eses::parse_atoms(text, AtomFormat::pqr, "t.pqr");
+}
+
+std::string xyzr_error(std::string_view text) {
+  return message_of([=] { xyzr(text); });
+}
+
+std::string pqr_error(std::string_view text) {
+  return message_of([=] { pqr(text); });
+}
+
+std::string file_error(const fs::path& path, AtomFormat format = AtomFormat::automatic) {
+  return message_of([&] { eses::read_atoms(path, format); });
+}
+
+bool contains(std::string_view text, std::string_view part) {
+  return text.find(part) != std::string_view::npos;
+}
+
+bool is_atom(const Atom& atom, double x, double y, double z, double radius) {
+  return atom.center == eses::Vec3{x, y, z} && atom.radius == radius;
+}
+
+bool is_sole_atom(const std::vector<Atom>& atoms, double x, double y, double z, double radius) {
+  return atoms.size() == 1 && is_atom(atoms[0], x, y, z, radius);
+}
+
+/// A directory of its own for each test, gone afterwards.
+class TemporaryDirectory {
+ public:
+  TemporaryDirectory() {
+    std::string pattern = (fs::temp_directory_path() / "eses_read_atoms_XXXXXX").string();
+    if (::mkdtemp(pattern.data()) == nullptr) throw std::runtime_error("mkdtemp failed");
+    path_ = pattern;
+  }
+  TemporaryDirectory(const TemporaryDirectory&) = delete;
+  TemporaryDirectory& operator=(const TemporaryDirectory&) = delete;
+  ~TemporaryDirectory() {
+    std::error_code ignored;
+    fs::remove_all(path_, ignored);
+  }
+  const fs::path& path() const { return path_; }
+
+  fs::path write(const std::string& name, std::string_view text) const {
+    const fs::path file = path_ / name;
+    std::FILE* stream = std::fopen(file.c_str(), "wb");
+    if (stream == nullptr) throw std::runtime_error("fopen failed");
+    const std::size_t written = std::fwrite(text.data(), 1, text.size(), stream);
+    if (std::fclose(stream) != 0 || written != text.size()) throw std::runtime_error("disk full");
+    return file;
+  }
+
+ private:
+  fs::path path_;
+};
+
+/// Puts another file in the place of standard input for a while.
+class StandardInput {
+ public:
+  explicit StandardInput(int replacement) : saved_(::dup(STDIN_FILENO)) {
+    ::dup2(replacement, STDIN_FILENO);
+    ::close(replacement);
+  }
+  StandardInput(const StandardInput&) = delete;
+  StandardInput& operator=(const StandardInput&) = delete;
+  ~StandardInput() {
+    if (saved_ < 0) {
+      ::close(STDIN_FILENO);
+    } else {
+      ::dup2(saved_, STDIN_FILENO);
+      ::close(saved_);
+    }
+  }
+
+ private:
+  int saved_;
+};
+
+/// A child process that writes `pieces` into a pipe, with pauses in between.
+class PipeWriter {
+ public:
+  PipeWriter(const std::vector<std::string>& pieces, unsigned pause_microseconds) {
+    int ends[2] = {-1, -1};
+    if (::pipe(ends) != 0) throw std::runtime_error("pipe failed");
+    child_ = ::fork();
+    if (child_ == 0) {
+      ::close(ends[0]);
+      for (const std::string& piece : pieces) {
+        write_all(ends[1], piece);
+        ::usleep(pause_microseconds);
+      }
+      ::_exit(0);
+    }
+    ::close(ends[1]);
+    read_end_ = ends[0];
+  }
+  PipeWriter(const PipeWriter&) = delete;
+  PipeWriter& operator=(const PipeWriter&) = delete;
+  ~PipeWriter() {
+    while (::waitpid(child_, nullptr, 0) < 0 && errno == EINTR) {
+    }
+  }
+  int read_end() const { return read_end_; }
+
+ private:
+  static void write_all(int descriptor, std::string_view text) {
+    while (!text.empty()) {
+      const ssize_t count = ::write(descriptor, text.data(), text.size());
+      if (count <= 0) ::_exit(1);
+      text.remove_prefix(static_cast<std::size_t>(count));
+    }
+  }
+
+  pid_t child_ = -1;
+  int read_end_ = -1;
+};
+
+volatile std::sig_atomic_t alarm_count = 0;
+
+void count_alarm(int) { alarm_count = alarm_count + 1; }
+
+/// Interrupts system calls every few milliseconds: the handler is set without SA_RESTART.
+class Interruptions {
+ public:
+  Interruptions() {
+    alarm_count = 0;
+    struct sigaction action {};
+    action.sa_handler = count_alarm;
+    ::sigaction(SIGALRM, &action, &saved_);
+    const itimerval interval{{0, 3000}, {0, 3000}};
+    ::setitimer(ITIMER_REAL, &interval, nullptr);
+  }
+  Interruptions(const Interruptions&) = delete;
+  Interruptions& operator=(const Interruptions&) = delete;
+  ~Interruptions() {
+    const itimerval never{};
+    ::setitimer(ITIMER_REAL, &never, nullptr);
+    ::sigaction(SIGALRM, &saved_, nullptr);
+  }
+
+ private:
+  struct sigaction saved_ {};
+};
+
+std::string printed(double value) {
+  char buffer[64];
+  std::snprintf(buffer, sizeof buffer, "%.17g", value);
+  return buffer;
+}
+
+/// With magnitudes from 1e-300 to almost the largest that is accepted.
+double random_number(std::mt19937_64& generator) {
+  std::uniform_real_distribution<double> mantissa(-1, 1);
+  std::uniform_real_distribution<double> exponent(-300, 6);
+  const double magnitude = generator() % 2 == 0 ? 1e6 : std::pow(10, exponent(generator));
+  return mantissa(generator) * magnitude;
+}
+
+}  // namespace
+
+// ----------------------------------------------------------------------------------------- xyzr
+
+TEST_CASE("xyzr: one atom a line, in order", "[read_atoms]") {
+  const auto atoms = xyzr("1.5 -2.25 3 1.75\n-4e1 0.5 6.125 0\n");
+  REQUIRE(atoms.size() == 2);
+  CHECK(is_atom(atoms[0], 1.5, -2.25, 3, 1.75));
+  CHECK(is_atom(atoms[1], -40, 0.5, 6.125, 0));
+}
+
+TEST_CASE("xyzr: accepted layouts", "[read_atoms]") {
+  CHECK(is_sole_atom(xyzr("1 2 3 4"), 1, 2, 3, 4));
+  CHECK(is_sole_atom(xyzr("1\t2\t3\t4\n"), 1, 2, 3, 4));
+  CHECK(is_sole_atom(xyzr(" \t 1 \t 2   3\t\t4 \t \n"), 1, 2, 3, 4));
+  CHECK(is_sole_atom(xyzr("1 2 3 4 0 N CYS 701 D\n"), 1, 2, 3, 4));
+  CHECK(is_sole_atom(xyzr("1 2 3 4\t# carbon\n"), 1, 2, 3, 4));
+  CHECK(is_sole_atom(xyzr("1 2 3 4 \xce\xb1-carbon\n"), 1, 2, 3, 4));
+  CHECK(is_sole_atom(xyzr("1 2 3 4 \xe5ngstr\xf6m\n"), 1, 2, 3, 4));
+  CHECK(is_sole_atom(xyzr("\xef\xbb\xbf"
+                          "1 2 3 4\n"),
+                     1, 2, 3, 4));
+  CHECK(is_sole_atom(xyzr("\xef\xbb\xbf# comment\n1 2 3 4\n"), 1, 2, 3, 4));
+}
+
+TEST_CASE("xyzr: blank lines and comments are skipped, but counted", "[read_atoms]") {
+  const std::string text = "# x y z r\n\n  \t \n1 2 3 4\n  # indented\n\t#tab\n#\n5 6 7 8\n\n";
+  const auto atoms = xyzr(text);
+  REQUIRE(atoms.size() == 2);
+  CHECK(is_atom(atoms[0], 1, 2, 3, 4));
+  CHECK(is_atom(atoms[1], 5, 6, 7, 8));
+  CHECK(contains(xyzr_error(text + "bad\n"), "t.xyzr:10: "));
+}
+
+TEST_CASE("xyzr: line ends", "[read_atoms]") {
+  for (const char* text :
+       {"1 2 3 4\r\n\r\n# c\r\n5 6 7 8\r\n", "1 2 3 4\r\n5 6 7 8", "1 2 3 4\r\n5 6 7 8\r",
+        "1 2 3 4\n5 6 7 8\r\n", "1 2 3 4\r\r\n5 6 7 8\r\r\n"}) {
+    const auto atoms = xyzr(text);
+    REQUIRE(atoms.size() == 2);
+    CHECK(is_atom(atoms[0], 1, 2, 3, 4));
+    CHECK(is_atom(atoms[1], 5, 6, 7, 8));
+  }
+}
+
+TEST_CASE("xyzr: accepted numbers", "[read_atoms]") {
+  CHECK(is_sole_atom(xyzr("+1 +2.5 -3 +.5"), 1, 2.5, -3, 0.5));
+  CHECK(is_sole_atom(xyzr("1. .25 -.5 007"), 1, 0.25, -0.5, 7));
+  CHECK(is_sole_atom(xyzr("1e2 1E+2 -1.5e-1 25e-1"), 100, 100, -0.15, 2.5));
+  CHECK(is_sole_atom(xyzr("1.0D+00 -2.5d+01 5D-1 1.7D0"), 1, -25, 0.5, 1.7));
+  CHECK(is_sole_atom(xyzr("+1.D2 .5d1 -0.D0 0d0"), 100, 5, 0, 0));
+  CHECK(is_sole_atom(xyzr("-0 0 0 -0.0"), 0, 0, 0, 0));
+  CHECK(is_sole_atom(xyzr("1e6 -1000000 +1.0D+06 1e6"), 1e6, -1e6, 1e6, 1e6));
+  CHECK(is_sole_atom(xyzr("4.9406564584124654e-324 2.2250738585072014e-308 0 1"), 0x1p-1074,
+                     0x1p-1022, 0, 1));
+  CHECK(is_sole_atom(xyzr("0.1000000000000000055511151231257827021181583404541015625 0 0 1"), 0.1,
+                     0, 0, 1));
+}
+
+TEST_CASE("xyzr: numbers written with 17 digits come back exactly", "[read_atoms]") {
+  std::mt19937_64 generator(20180901);
+  std::vector<Atom> expected;
+  std::string text;
+  for (int i = 0; i < 1000; ++i) {
+    const Atom atom{{random_number(generator), random_number(generator), random_number(generator)},
+                    std::fabs(random_number(generator))};
+    expected.push_back(atom);
+    text += printed(atom.center.x) + ' ' + printed(atom.center.y) + ' ' + printed(atom.center.z) +
+            ' ' + printed(atom.radius) + '\n';
+  }
+  const auto atoms = xyzr(text);
+  REQUIRE(atoms.size() == expected.size());
+  for (std::size_t i = 0; i < atoms.size(); ++i) {
+    REQUIRE(atoms[i].center == expected[i].center);
+    REQUIRE(atoms[i].radius == expected[i].radius);
+  }
+}
+
+TEST_CASE("xyzr: a field that is no number", "[read_atoms]") {
+  CHECK(xyzr_error("1 2 3 4\n1 2 abc 4\n") ==
+        "t.xyzr:2: field 3 (z): expected a number, found \"abc\"");
+  CHECK(xyzr_error("  x 2 3 4") == "t.xyzr:1: field 1 (x): expected a number, found \"x\"");
+  CHECK(xyzr_error("1 2,5 3 4") == "t.xyzr:1: field 2 (y): expected a number, found \"2,5\"");
+  CHECK(xyzr_error("1 2 3 # 4") == "t.xyzr:1: field 4 (radius): expected a number, found \"#\"");
+  for (const char* junk : {"1.2.3",
+                           "--1",
+                           "+-1",
+                           "++1",
+                           "-+1",
+                           "+",
+                           "-",
+                           ".",
+                           "e5",
+                           "D5",
+                           "1e",
+                           "1D",
+                           "1D+",
+                           "1e5x",
+                           "1D5x",
+                           "1DD5",
+                           "1D5D5",
+                           "0x10",
+                           "1-2",
+                           "********",
+                           "1.0+100",
+                           "1_000",
+                           "\xc2\xa0"
+                           "1"}) {
+    CAPTURE(junk);
+    CHECK(contains(xyzr_error(junk + " 2 3 4\n"s), "t.xyzr:1: field 1 (x): expected a number, "));
+  }
+}
+
+TEST_CASE("xyzr: a missing field", "[read_atoms]") {
+  CHECK(xyzr_error("1 2 3 4\n\n1 2 3\n") == "t.xyzr:3: field 4 (radius): missing");
+  CHECK(xyzr_error("1 2 \t\r\n") == "t.xyzr:1: field 3 (z): missing");
+  CHECK(xyzr_error("327\n1 2 3 4\n") == "t.xyzr:1: field 2 (y): missing");
+}
+
+TEST_CASE("xyzr: numbers that are not finite", "[read_atoms]") {
+  CHECK(xyzr_error("1 nan 3 4") ==
+        "t.xyzr:1: field 2 (y): expected a finite number, found \"nan\"");
+  for (const char* text : {"NaN", "-nan", "inf", "-inf", "+Inf", "INFINITY"}) {
+    CAPTURE(text);
+    CHECK(contains(xyzr_error("1 2 3 "s + text), "field 4 (radius): expected a finite number, "));
+  }
+}
+
+TEST_CASE("xyzr: numbers out of range", "[read_atoms]") {
+  CHECK(xyzr_error("1 2 1e999 4") ==
+        "t.xyzr:1: field 3 (z): \"1e999\" is out of the range of double precision");
+  for (const char* text : {"-1e309", "+1D+400", "1e-400", "1e99999999999999999999"}) {
+    CAPTURE(text);
+    CHECK(contains(xyzr_error(text + " 2 3 4"s), "field 1 (x): \""s + text + "\" is out of the"));
+  }
+}
+
+TEST_CASE("xyzr: lengths beyond the limit", "[read_atoms]") {
+  CHECK(xyzr_error("1000000.1 2 3 4") ==
+        "t.xyzr:1: field 1 (x): \"1000000.1\" is beyond the limit of 1000000 angstrom");
+  CHECK(contains(xyzr_error("1 -2e6 3 4"), "field 2 (y): \"-2e6\" is beyond the limit"));
+  CHECK(contains(xyzr_error("1 2 1e300 4"), "field 3 (z): \"1e300\" is beyond the limit"));
+  CHECK(contains(xyzr_error("1 2 3 4e6"), "field 4 (radius): \"4e6\" is beyond the limit"));
+}
+
+TEST_CASE("xyzr: a negative radius", "[read_atoms]") {
+  CHECK(xyzr_error("1 2 3 -1.5") ==
+        "t.xyzr:1: field 4 (radius): must not be negative, found \"-1.5\"");
+  CHECK(contains(xyzr_error("1 2 3 -1e-300"), "must not be negative, found \"-1e-300\""));
+}
+
+TEST_CASE("xyzr: no atoms", "[read_atoms]") {
+  CHECK(xyzr_error("") == "t.xyzr: no atoms found; 0 lines read");
+  CHECK(xyzr_error("\n") == "t.xyzr: no atoms found; 1 line read");
+  CHECK(xyzr_error("# only\r\n\r\n  # comments") == "t.xyzr: no atoms found; 3 lines read");
+  CHECK(xyzr_error("\xef\xbb\xbf") == "t.xyzr: no atoms found; 0 lines read");
+}
+
+TEST_CASE("xyzr: a PQR file is recognised", "[read_atoms]") {
+  CHECK(xyzr_error("ATOM 1 N MET 1 1 2 3 0.5 1.5\n") ==
+        "t.xyzr:1: field 1 (x): expected a number, found \"ATOM\"; is this a PQR file, read as "
+        "xyzr?");
+}
+
+// ----------------------------------------------------------------------- what is not clean text
+
+TEST_CASE("control characters are refused", "[read_atoms]") {
+  CHECK(xyzr_error("1 2 3 4\n1 2\0 3 4\n"s) ==
+        "t.xyzr:2: control character \\x00; this looks like a binary file, not text");
+  CHECK(contains(xyzr_error("1 2 3 4\n\n# \x1b[0m\n"), "t.xyzr:3: control character \\x1b"));
+  CHECK(contains(xyzr_error("1 2 3 4 \x7f\n"), "t.xyzr:1: control character \\x7f"));
+  CHECK(contains(xyzr_error("1 2 3 4\n\x0c\n"), "t.xyzr:2: control character \\x0c"));
+  CHECK(contains(pqr_error("REMARK\nREMARK \x01\n"), "t.pqr:2: control character \\x01"));
+}
+
+TEST_CASE("compressed and UTF-16 files are named", "[read_atoms]") {
+  CHECK(xyzr_error("\x1f\x8b\x08\x00junk"s) ==
+        "t.xyzr:1: gzip-compressed data; decompress the file first");
+  CHECK(pqr_error("\x1f\x8b") == "t.pqr:1: gzip-compressed data; decompress the file first");
+  const std::string utf16 = "t.xyzr:1: UTF-16 text; convert the file to UTF-8 first";
+  CHECK(xyzr_error("\xff\xfe"
+                   "1\0 \0"s) == utf16);
+  CHECK(xyzr_error("\xfe\xff\0"
+                   "1\0 "s) == utf16);
+}
+
+TEST_CASE("a carriage return inside a line is refused", "[read_atoms]") {
+  CHECK(xyzr_error("1 2 3 4 C\r5 6 7 8 N\r") ==
+        "t.xyzr:1: carriage return inside the line; lines must end in LF or CRLF");
+}
+
+TEST_CASE("lines are limited to 4096 characters", "[read_atoms]") {
+  const std::string start = "1 2 3 4 ";
+  const std::string longest = start + std::string(4096 - start.size(), 'x');
+  CHECK(is_sole_atom(xyzr(longest), 1, 2, 3, 4));
+  CHECK(is_sole_atom(xyzr(longest + "\r\n"), 1, 2, 3, 4));
+  CHECK(xyzr_error("1 2 3 4\n" + longest + "x\n") ==
+        "t.xyzr:2: line of 4097 characters; at most 4096 are allowed");
+}
+
+TEST_CASE("what is quoted is short, printable ASCII", "[read_atoms]") {
+  CHECK(contains(xyzr_error("\xc3\xa9\"\\ 2 3 4"), "found \"\\xc3\\xa9\\\"\\\\\""));
+  const std::string forty(40, 'a');
+  CHECK(contains(xyzr_error(forty + " 2 3 4"), "found \"" + forty + "\""));
+  const std::string message = xyzr_error(forty + "b 2 3 4");
+  CHECK(contains(message, "found \"" + forty + "\"..."));
+  CHECK_FALSE(contains(message, "b\""));
+}
+
+// ------------------------------------------------------------------------------------------ PQR
+
+TEST_CASE("PQR: whitespace-separated records", "[read_atoms]") {
+  const auto atoms =
+      pqr("REMARK   1 PQR file 1 2 3 4 5\n"
+          "ATOM  5 N      MET    1   -6.40600   5.46900  -3.25900 -0.30000 1.85000\n"
+          "TER\n"
+          "HETATM\t6\tC1 LIG A 2 1e1 +2.5 -3 0 .5\r\n"
+          "ATOM      7  CA  MET A   3A     11.104   6.134  -6.504  0.0700 2.2750\n"
+          "END");
+  REQUIRE(atoms.size() == 3);
+  CHECK(is_atom(atoms[0], -6.406, 5.469, -3.259, 1.85));
+  CHECK(is_atom(atoms[1], 10, 2.5, -3, 0.5));
+  CHECK(is_atom(atoms[2], 11.104, 6.134, -6.504, 2.275));
+}
+
+TEST_CASE("PQR: the record's name", "[read_atoms]") {
+  const std::string rest = " 1 N MET 1 1 2 3 0.5 1.5\n";
+  for (const char* record :
+       {"ATOM", "HETATM", "atom", "Hetatm", "  ATOM", "HETATM1234", "ATOM99"}) {
+    CAPTURE(record);
+    CHECK(is_sole_atom(pqr(record + rest), 1, 2, 3, 1.5));
+  }
+  for (const char* record : {"ANISOU", "ATOMS", "ATO", "HET", "#ATOM", "TER", "REMARK ATOM"}) {
+    CAPTURE(record);
+    CHECK(pqr_error(record + rest) == "t.pqr: no ATOM or HETATM records found; 1 line read");
+  }
+  CHECK(is_sole_atom(pqr("HETATM12345 N MET A1000 1.0 2.0 3.0 0.5 1.5"), 1, 2, 3, 1.5));
+  CHECK(is_sole_atom(pqr("\xef\xbb\xbf"
+                         "ATOM" +
+                         rest),
+                     1, 2, 3, 1.5));
+}
+
+TEST_CASE("PQR: columns where coordinates run together", "[read_atoms]") {
+  const auto atoms =
+      pqr("ATOM      1  N   MET A   1     -10.123-200.456  30.000  0.1000 1.8500\n"
+          "ATOM      2  N   MET A   1    -110.123-200.456-300.789 -0.3000 1.8500\r\n"
+          "ATOM      3  N   MET A   1    1110.1231200.4561300.789 -0.3000 1.8500\n"
+          "HETATM12345 HN11ALIG A1000      10.123-200.456-300.789-10.3000 1.8500\n"
+          "ATOM      5  N   NAN   100    -110.123-200.456-300.789  0.3000 1.8500\n"
+          "ATOM      6  N   MET A****      10.123  20.456  30.789  0.3000 1.8500\n");
+  REQUIRE(atoms.size() == 6);
+  CHECK(is_atom(atoms[0], -10.123, -200.456, 30, 1.85));
+  CHECK(is_atom(atoms[1], -110.123, -200.456, -300.789, 1.85));
+  CHECK(is_atom(atoms[2], 1110.123, 1200.456, 1300.789, 1.85));
+  CHECK(is_atom(atoms[3], 10.123, -200.456, -300.789, 1.85));
+  CHECK(is_atom(atoms[4], -110.123, -200.456, -300.789, 1.85));
+  CHECK(is_atom(atoms[5], 10.123, 20.456, 30.789, 1.85));
+}
+
+TEST_CASE("PQR: free format is not cut at the columns", "[read_atoms]") {
+  CHECK(is_sole_atom(pqr("ATOM  5 N      MET    1   -6.40612   5.46934  -3.25956 -0.30000 1.85"),
+                     -6.40612, 5.46934, -3.25956, 1.85));
+  // Columns 31 to 38 hold "4067" in the first and ".4067" in the second.
+  const std::string rest = "      5.4693  -3.259 -0.30000 1.85";
+  CHECK(pqr_error("ATOM  5 N      MET    1   x-6.4067" + rest) ==
+        "t.pqr:1: field 6 (x): expected a number, found \"x-6.4067\"");
+  CHECK(pqr_error("ATOM  5 N      MET    1    x-6.4067" + rest.substr(1)) ==
+        "t.pqr:1: field 6 (x): expected a number, found \"x-6.4067\"");
+}
+
+TEST_CASE("PQR: neither fields nor columns", "[read_atoms]") {
+  const std::string too_few =
+      "t.pqr:1: expected at least 10 fields, the last five being x y z charge radius, found ";
+  CHECK(pqr_error("ATOM      1  N   MET A   1   8-110.123-200.456-300.789 -0.3000 1.85") ==
+        too_few + "9");
+  CHECK(pqr_error("ATOM      1  N   MET A   1    -110.123-200.456-300.7891 -0.3000 1.85") ==
+        too_few + "9");
+  CHECK(pqr_error("ATOM      1  N   MET A   1     -10.123-200.4x6  30.000  0.1000 1.8500") ==
+        "t.pqr:1: field 7 (y): expected a number, found \"-10.123-200.4x6\"");
+}
+
+TEST_CASE("PQR: fields that are wrong in free format", "[read_atoms]") {
+  const std::string start = "REMARK\nATOM 1 N MET A 1 ";
+  CHECK(pqr_error(start + "1.0 2.0 zz 0.5 1.5\n") ==
+        "t.pqr:2: field 9 (z): expected a number, found \"zz\"");
+  CHECK(pqr_error(start + "1.0 2.0 3.0 q 1.5\n") ==
+        "t.pqr:2: field 10 (charge): expected a number, found \"q\"");
+  CHECK(pqr_error(start + "1.0 2.0 3.0 nan 1.5\n") ==
+        "t.pqr:2: field 10 (charge): expected a finite number, found \"nan\"");
+  CHECK(pqr_error(start + "1.0 2.0 3.0 0.5 -1.5\n") ==
+        "t.pqr:2: field 11 (radius): must not be negative, found \"-1.5\"");
+  CHECK(pqr_error(start + "1.0 2.0 3.0 0.5 1e999\n") ==
+        "t.pqr:2: field 11 (radius): \"1e999\" is out of the range of double precision");
+  CHECK(pqr_error(start + "1.0 2e7 3.0 0.5 1.5\n") ==
+        "t.pqr:2: field 8 (y): \"2e7\" is beyond the limit of 1000000 angstrom");
+  CHECK(pqr_error(start + "1.0 2.0 3.0 0.5 1.5 N\n") ==
+        "t.pqr:2: field 12 (radius): expected a number, found \"N\"");
+}
+
+TEST_CASE("PQR: fields that are wrong in columns", "[read_atoms]") {
+  const std::string start = "ATOM      1  N   MET A   1     -10.123-200.456  30.000";
+  CHECK(pqr_error(start + "  0.1000    bad\n") ==
+        "t.pqr:1: field 10 (radius): expected a number, found \"bad\"");
+  CHECK(pqr_error(start + "  0.1000 -1.8500\n") ==
+        "t.pqr:1: field 10 (radius): must not be negative, found \"-1.8500\"");
+  CHECK(pqr_error(start + "  0.1000\n") == "t.pqr:1: field 10 (radius): missing");
+  CHECK(pqr_error(start + "\n") == "t.pqr:1: field 9 (charge): missing");
+}
+
+TEST_CASE("PQR: no other field is taken for one that is missing", "[read_atoms]") {
+  const std::string ten =
+      "t.pqr:1: expected at least 10 fields, the last five being x y z charge "
+      "radius, found ";
+  CHECK(pqr_error("ATOM") == ten + "1");
+  CHECK(pqr_error("ATOM 1 N MET 1") == ten + "5");
+  CHECK(pqr_error("ATOM 1 N MET 1 1.0 2.0 3.0 1.5") == ten + "9");
+  CHECK(pqr_error("ATOM 1 C1 LG1 1 1.0 2.0 3.0 1.5") == ten + "9");
+  CHECK(pqr_error("ATOM 1 N MET A 1 1.0 2.0 3.0 1.5") ==
+        "t.pqr:1: field 6 (x): \"1\" seems to be the residue number; expected x y z charge radius "
+        "at the end");
+  CHECK(contains(pqr_error("ATOM 1 N MET A 1 1.0 2.0 3.0 -0.5"), "the residue number"));
+  CHECK(pqr_error("ATOM      1  N   MET A   1      10.123 200.456  30.000  1.50\n") ==
+        "t.pqr:1: field 11 (radius): missing");
+}
+
+TEST_CASE("PQR: no atoms", "[read_atoms]") {
+  CHECK(pqr_error("") == "t.pqr: no ATOM or HETATM records found; 0 lines read");
+  CHECK(pqr_error("1 2 3 4\n5 6 7 8\n") == "t.pqr: no ATOM or HETATM records found; 2 lines read");
+}
+
+TEST_CASE("PQR: lines are limited to 4096 characters", "[read_atoms]") {
+  CHECK(pqr_error("REMARK" + std::string(4091, '-')) ==
+        "t.pqr:1: line of 4097 characters; at most 4096 are allowed");
+}
+
+// ---------------------------------------------------------------------------------------- files
+
+TEST_CASE("the format follows from the suffix or the caller", "[read_atoms]") {
+  const TemporaryDirectory directory;
+  const std::string record = "ATOM 1 N MET 1 1 2 3 0.5 1.5\n";
+  for (const char* name : {"a.pqr", "b.PQR", "c.d.Pqr"}) {
+    const fs::path file = directory.write(name, record);
+    CHECK(is_sole_atom(eses::read_atoms(file), 1, 2, 3, 1.5));
+    CHECK(contains(file_error(file, AtomFormat::xyzr), "found \"ATOM\""));
+  }
+  for (const char* name : {"a.xyzr", "b.txt", "pqr", ".pqr", "c.pqrs", "d.pqr.old"}) {
+    CHECK(is_sole_atom(eses::read_atoms(directory.write(name, "1 2 3 4")), 1, 2, 3, 4));
+    const fs::path file = directory.write(name, record);
+    CHECK(is_sole_atom(eses::read_atoms(file, AtomFormat::pqr), 1, 2, 3, 1.5));
+  }
+  CHECK(is_sole_atom(eses::parse_atoms("1 2 3 4", AtomFormat::automatic, "t.pqr"), 1, 2, 3, 4));
+}
+
+TEST_CASE("a file larger than one read", "[read_atoms]") {
+  const TemporaryDirectory directory;
+  const std::size_t count = 300000;
+  std::string text;
+  for (std::size_t i = 0; i < count; ++i) text += std::to_string(i) + " 2 3 1.5\n";
+  const auto atoms = eses::read_atoms(directory.write("large.xyzr", text));
+  REQUIRE(atoms.size() == count);
+  for (std::size_t i = 0; i < count; ++i) {
+    if (!is_atom(atoms[i], static_cast<double>(i), 2, 3, 1.5)) FAIL("atom " << i);
+  }
+}
+
+TEST_CASE("files that cannot be read", "[read_atoms]") {
+  const TemporaryDirectory directory;
+  const fs::path missing = directory.path() / "missing.xyzr";
+  CHECK(file_error(missing) == "cannot open " + missing.string() + ": No such file or directory");
+  const fs::path below = directory.write("file", "1 2 3 4") / "below";
+  CHECK(file_error(below) == "cannot open " + below.string() + ": Not a directory");
+  CHECK(file_error(directory.path()) ==
+        "cannot read " + directory.path().string() + ": Is a directory");
+
+  const fs::path forbidden = directory.write("forbidden.xyzr", "1 2 3 4");
+  fs::permissions(forbidden, fs::perms::none);
+  const bool is_privileged = ::geteuid() == 0;
+  CHECK(file_error(forbidden) ==
+        (is_privileged ? "" : "cannot open " + forbidden.string() + ": Permission denied"));
+}
+
+TEST_CASE("messages name the file as it was given", "[read_atoms]") {
+  const TemporaryDirectory directory;
+  const fs::path file = directory.write("with blank.xyzr", "1 2 3\n");
+  CHECK(file_error(file) == file.string() + ":1: field 4 (radius): missing");
+  const fs::path empty = directory.write("empty.pqr", "");
+  CHECK(file_error(empty) == empty.string() + ": no ATOM or HETATM records found; 0 lines read");
+}
+
+TEST_CASE("a named pipe", "[read_atoms]") {
+  const TemporaryDirectory directory;
+  const fs::path fifo = directory.path() / "fifo.pqr";
+  REQUIRE(::mkfifo(fifo.c_str(), 0600) == 0);
+  const pid_t child = ::fork();
+  if (child == 0) {
+    const std::string_view record = "ATOM 1 N MET 1 1 2 3 0.5 1.5\n";
+    const int end = ::open(fifo.c_str(), O_WRONLY);
+    ::_exit(::write(end, record.data(), record.size()) > 0 ? 0 : 1);
+  }
+  CHECK(is_sole_atom(eses::read_atoms(fifo), 1, 2, 3, 1.5));
+  ::waitpid(child, nullptr, 0);
+}
+
+TEST_CASE("files whose size the system does not tell", "[read_atoms]") {
+  if (fs::exists("/proc/version")) {
+    CHECK(file_error("/proc/version") ==
+          "/proc/version:1: field 1 (x): expected a number, found \"Linux\"");
+  }
+  if (fs::exists("/dev/null"))
+    CHECK(file_error("/dev/null") == "/dev/null: no atoms found; 0 lines read");
+  if (fs::exists("/dev/zero")) {
+    CHECK(file_error("/dev/zero") ==
+          "/dev/zero:1: control character \\x00; this looks like a binary file, not text");
+  }
+}
+
+// ------------------------------------------------------------------------------- standard input
+
+TEST_CASE("standard input: a pipe", "[read_atoms]") {
+  const PipeWriter writer({"1 2 3", ".5 4\n5 6 7 8"}, 20000);
+  const StandardInput input(writer.read_end());
+  const auto atoms = eses::read_atoms("-");
+  REQUIRE(atoms.size() == 2);
+  CHECK(is_atom(atoms[0], 1, 2, 3.5, 4));
+  CHECK(is_atom(atoms[1], 5, 6, 7, 8));
+}
+
+TEST_CASE("standard input: more than a pipe holds", "[read_atoms]") {
+  const std::size_t count = 200000;
+  std::string text;
+  for (std::size_t i = 0; i < count; ++i) text += "1 2 3 " + std::to_string(i % 10) + '\n';
+  const PipeWriter writer({text}, 0);
+  const StandardInput input(writer.read_end());
+  const auto atoms = eses::read_atoms("-");
+  REQUIRE(atoms.size() == count);
+  CHECK(is_atom(atoms.back(), 1, 2, 3, 9));
+}
+
+TEST_CASE("standard input: signals do not disturb", "[read_atoms]") {
+  const Interruptions interruptions;
+  const PipeWriter writer({"1 2 3 4\n", "5 6 7 8\n", "9 10 11 12\n"}, 30000);
+  const StandardInput input(writer.read_end());
+  CHECK(eses::read_atoms("-").size() == 3);
+  CHECK(alarm_count > 0);
+}
+
+TEST_CASE("standard input: PQR when asked for", "[read_atoms]") {
+  const std::string record = "ATOM 1 N MET 1 1 2 3 0.5 1.5\n";
+  {
+    const PipeWriter writer({record}, 0);
+    const StandardInput input(writer.read_end());
+    CHECK(is_sole_atom(eses::read_atoms("-", AtomFormat::pqr), 1, 2, 3, 1.5));
+  }
+  const PipeWriter writer({record}, 0);
+  const StandardInput input(writer.read_end());
+  CHECK(contains(file_error("-"), "<stdin>:1: field 1 (x): expected a number, found \"ATOM\""));
+}
+
+TEST_CASE("standard input: a file under either name", "[read_atoms]") {
+  const TemporaryDirectory directory;
+  const fs::path file = directory.write("a.xyzr", "1 2 3 4\n");
+  {
+    const StandardInput input(::open(file.c_str(), O_RDONLY));
+    CHECK(is_sole_atom(eses::read_atoms("-"), 1, 2, 3, 4));
+  }
+  if (!fs::exists("/dev/stdin")) return;
+  const StandardInput input(::open(file.c_str(), O_RDONLY));
+  CHECK(is_sole_atom(eses::read_atoms("/dev/stdin"), 1, 2, 3, 4));
+}
+
+TEST_CASE("standard input: errors", "[read_atoms]") {
+  const TemporaryDirectory directory;
+  {
+    const StandardInput input(::open(directory.path().c_str(), O_RDONLY));
+    CHECK(file_error("-") == "cannot read <stdin>: Is a directory");
+  }
+  {
+    const StandardInput input(::open("/dev/null", O_RDONLY));
+    CHECK(file_error("-") == "<stdin>: no atoms found; 0 lines read");
+  }
+  const StandardInput input(::open("/dev/null", O_RDONLY));
+  ::close(STDIN_FILENO);
+  CHECK(file_error("-") == "cannot read <stdin>: Bad file descriptor");
+}
