@@ -323,7 +323,7 @@ TEST_CASE("quiet leaves the two result lines alone", "[cli]") {
 
 TEST_CASE("a grid that cuts the molecule is warned about, unless quiet", "[cli]") {
   const Sandbox sandbox;
-  const Arguments cutting{"atom.xyzr", "1.4", "0.7", "0.01", "--write", "none"};
+  const Arguments cutting{"atom.xyzr", "1.4", "0.8", "0.45", "--write", "none"};
   const Outcome outcome = sandbox.run(cutting);
   REQUIRE(outcome.code == 0);
   CHECK(outcome.err.rfind("eses-blocks: warning: the grid ends ", 0) == 0);

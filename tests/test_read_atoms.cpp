@@ -474,6 +474,15 @@ TEST_CASE("PQR: free format is not cut at the columns", "[read_atoms]") {
         "t.pqr:1: field 6 (x): expected a number, found \"x-6.4067\"");
 }
 
+TEST_CASE("PQR: a number is not cut in two", "[read_atoms]") {
+  const std::string start = "ATOM      1  N   MET A   1    ";
+  const std::string rest = "   3.259  0.1000 1.8500\n";
+  REQUIRE(start.size() == 30);
+  CHECK(is_sole_atom(pqr(start + "-110.123" + "-220.456" + rest), -110.123, -220.456, 3.259, 1.85));
+  CHECK(contains(pqr_error(start + "12345678" + "90.56789" + rest), "t.pqr:1: field 6 (x): \"1\""));
+  CHECK(contains(pqr_error(start + "   1234." + "567.8901" + rest), "t.pqr:1: field 7 (y): "));
+}
+
 TEST_CASE("PQR: neither fields nor columns", "[read_atoms]") {
   const std::string too_few =
       "t.pqr:1: expected at least 10 fields, the last five being x y z charge radius, found ";

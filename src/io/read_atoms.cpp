@@ -463,7 +463,6 @@ std::size_t read_some(int descriptor, char* buffer, std::size_t size, std::strin
 std::size_t size_hint(int descriptor, std::string_view name) {
   struct stat status {};
   if (::fstat(descriptor, &status) != 0) fail_with_system_error("read", name, errno);
-  if (S_ISDIR(status.st_mode)) fail_with_system_error("read", name, EISDIR);
   return S_ISREG(status.st_mode) ? static_cast<std::size_t>(status.st_size) : 0;
 }
 

@@ -1,0 +1,51 @@
+#include "run/build_patches.hpp"
+
+#include <algorithm>
+#include <vector>
+
+#include "run/parallel.hpp"
+#include "surface/atom_patches.hpp"
+
+namespace eses {
+namespace {
+
+constexpr AtomIndex atoms_per_range = 256;
+constexpr int covering_frequency = 5;  // 252 directions; more cost more than they settle
+
+// Calls body(begin, end, thread) in parallel for ranges of atoms that make up [0, count).
+template <class Body>
+void for_atom_ranges(std::size_t count, int threads, Body&& body) {
+  const std::size_t ranges = (count + atoms_per_range - 1) / atoms_per_range;
+  parallel_for(static_cast<std::int64_t>(ranges), threads, [&](std::int64_t range, int thread) {
+    const auto begin = static_cast<AtomIndex>(range) * atoms_per_range;
+    const auto end = static_cast<AtomIndex>(std::min<std::size_t>(begin + atoms_per_range, count));
+    body(begin, end, thread);
+  });
+}
+
+}  // namespace
+
+void build_patches(Surface& surface, int threads) {
+  const BurialPatches burial(make_covering_directions(covering_frequency));
+  const std::size_t count = surface.atoms.size();
+  std::vector<AtomPatchScratch> scratch(static_cast<std::size_t>(threads));
+  const auto of_thread = [&](int thread) -> AtomPatchScratch& {
+    return scratch[static_cast<std::size_t>(thread)];
+  };
+  for_atom_ranges(count, threads, [&](AtomIndex begin, AtomIndex end, int thread) {
+    find_contained_atoms(surface, begin, end, of_thread(thread).found);
+  });
+  std::vector<AtomRangePatches> ranges((count + atoms_per_range - 1) / atoms_per_range);
+  for_atom_ranges(count, threads, [&](AtomIndex begin, AtomIndex end, int thread) {
+    AtomRangePatches& range = ranges[begin / atoms_per_range];
+    range.begin = begin;
+    range.end = end;
+    build_atom_patches(surface, burial, of_thread(thread), range);
+  });
+  join_patches(surface, ranges);
+  for_atom_ranges(count, threads, [&](AtomIndex begin, AtomIndex end, int) {
+    place_probes(surface, begin, end);
+  });
+}
+
+}  // namespace eses

@@ -1,0 +1,184 @@
+// Arcs, tube crossings and covering directions against the plain definition, by dense sampling.
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <vector>
+
+#include "catch.hpp"
+#include "geometry/box.hpp"
+#include "geometry/circle_arcs.hpp"
+#include "geometry/covering_directions.hpp"
+#include "geometry/line_torus.hpp"
+#include "support/atom_sets.hpp"
+
+namespace eses::test {
+namespace {
+
+using eses::SasSphere;
+
+Vec3 random_point(Random& random, double half_side) {
+  return {random.uniform(-half_side, half_side), random.uniform(-half_side, half_side),
+          random.uniform(-half_side, half_side)};
+}
+
+struct CircleCase {
+  SasSphere sphere, partner;
+  std::vector<SasSphere> others;  // spheres whose caps follow the partner's
+  ContactCircle circle;
+  std::vector<Cap> caps;
+};
+
+CircleCase make_circle_case(Random& random) {
+  CircleCase result;
+  result.sphere = {random_point(random, 1), random.uniform(2, 4)};
+  do {
+    result.partner = {random_point(random, 3), random.uniform(2, 4)};
+  } while (norm(result.partner.center - result.sphere.center) <=
+           std::fabs(result.partner.radius - result.sphere.radius) + 0.1);
+  result.circle = make_contact_circle(result.sphere, result.partner);
+  result.caps.push_back(make_cap(result.sphere, result.partner));
+  const std::size_t count = random.integer(0, 5);
+  while (result.others.size() < count) {
+    const SasSphere other{random_point(random, 4), random.uniform(1.5, 3)};
+    const double distance = norm(other.center - result.sphere.center);
+    if (distance >= other.radius + result.sphere.radius ||
+        distance <= std::fabs(other.radius - result.sphere.radius))
+      continue;
+    result.others.push_back(other);
+    result.caps.push_back(make_cap(result.sphere, other));
+  }
+  return result;
+}
+
+// Whether the direction at `angle` about the axis, counted from the arc's start, is on the arc.
+bool is_on_arc(const CircleArc& arc, Vec3 axis, Vec3 direction) {
+  if (arc.kind == ArcKind::full) return true;
+  if (arc.kind == ArcKind::point) return false;
+  const auto angle_from_start = [&](Vec3 d) {
+    const double angle = std::atan2(dot(axis, cross(arc.start, d)), dot(arc.start, d));
+    return angle < 0 ? angle + 2 * std::numbers::pi : angle;
+  };
+  return angle_from_start(direction) <= angle_from_start(arc.end);
+}
+
+double depth_inside(const std::vector<SasSphere>& spheres, Vec3 point) {
+  double depth = -1e9;
+  for (const SasSphere& sphere : spheres)
+    depth = std::max(depth, sphere.radius - norm(point - sphere.center));
+  return depth;
+}
+
+}  // namespace
+
+TEST_CASE("accessible arcs are what the other spheres leave of a circle") {
+  Random random(1);
+  ArcScratch scratch;
+  std::size_t partial = 0;
+  for (int repetition = 0; repetition < 2000; ++repetition) {
+    const CircleCase c = make_circle_case(random);
+    std::vector<CircleArc> arcs;
+    accessible_arcs(c.circle, c.caps, 0, scratch, arcs);
+    const Vec3 e1 = any_perpendicular(c.circle.axis), e2 = cross(c.circle.axis, e1);
+    constexpr int samples = 360;
+    int open = 0;
+    for (int s = 0; s < samples; ++s) {
+      const double angle = 2 * std::numbers::pi * s / samples;
+      const Vec3 direction = std::cos(angle) * e1 + std::sin(angle) * e2;
+      const double depth =
+          depth_inside(c.others, c.circle.center + c.circle.radius * direction);
+      if (std::fabs(depth) < 1e-6) continue;
+      const bool on_arc = std::any_of(arcs.begin(), arcs.end(), [&](const CircleArc& arc) {
+        return is_on_arc(arc, c.circle.axis, direction);
+      });
+      INFO("case " << repetition << " sample " << s << " depth " << depth);
+      REQUIRE(on_arc == (depth < 0));
+      open += on_arc;
+    }
+    partial += open > 0 && open < samples;
+    for (const CircleArc& arc : arcs) {
+      if (arc.kind == ArcKind::full) continue;
+      const SasSphere& blocker = c.others[arc.start_cap - 1];
+      const Vec3 start = c.circle.center + c.circle.radius * arc.start;
+      CHECK(norm(start - blocker.center) == Catch::Approx(blocker.radius).margin(1e-8));
+    }
+  }
+  CHECK(partial > 300);
+}
+
+TEST_CASE("a point that two spheres just leave open stays accessible") {
+  // Four equal spheres at the corners of a square: every circle of neighbours is open but for
+  // its two probes, where the circles of the diagonals have a single point each.
+  const double side = 2, radius = 2;
+  const std::vector<SasSphere> corners{
+      {{0, 0, 0}, radius}, {{side, 0, 0}, radius}, {{side, side, 0}, radius}, {{0, side, 0}, radius}};
+  std::vector<Cap> caps;
+  for (std::size_t k = 1; k < 4; ++k) caps.push_back(make_cap(corners[0], corners[k]));
+  ArcScratch scratch;
+  std::vector<CircleArc> arcs;
+  accessible_arcs(make_contact_circle(corners[0], corners[2]), caps, 1, scratch, arcs);
+  REQUIRE(arcs.size() == 2);
+  const double height = std::sqrt(radius * radius - side * side / 2);
+  for (const CircleArc& arc : arcs) {
+    CHECK(arc.kind == ArcKind::point);
+    CHECK(std::fabs(arc.start.z) * height == Catch::Approx(height));
+  }
+}
+
+TEST_CASE("tube exits are where the distance to the circle rises through the tube radius") {
+  Random random(2);
+  std::size_t found = 0, spindles = 0;
+  for (int repetition = 0; repetition < 3000; ++repetition) {
+    const double circle_radius = random.uniform(0.2, 4), tube_radius = random.uniform(0.7, 2);
+    const Vec3 axis = normalized(random_point(random, 1));
+    const Vec3 start = random_point(random, 4), step = random_point(random, 3);
+    const auto distance = [&](double t) {
+      const Vec3 w = start + t * step;
+      const double z = dot(w, axis);
+      return std::hypot(std::sqrt(std::max(0.0, squared_norm(w) - z * z)) - circle_radius, z);
+    };
+    const TubeExits exits = tube_exits(start, step, axis, circle_radius, tube_radius, 0, 1);
+    std::vector<double> expected;
+    constexpr int samples = 4000;
+    bool is_clear = true;  // no grazing, which sampling cannot decide
+    for (int s = 0; s < samples; ++s) {
+      const double t0 = static_cast<double>(s) / samples, t1 = (s + 1.0) / samples;
+      const double d0 = distance(t0) - tube_radius, d1 = distance(t1) - tube_radius;
+      if (d0 < 0 && d1 >= 0) expected.push_back(t0 + (t1 - t0) * d0 / (d0 - d1));
+      const double slope = std::fabs(d1 - d0) * samples;
+      if (std::fabs(d0) < 2e-3 && slope < 0.05 * norm(step)) is_clear = false;
+    }
+    if (!is_clear) continue;
+    INFO("case " << repetition);
+    REQUIRE(static_cast<std::size_t>(exits.count) == expected.size());
+    for (std::size_t i = 0; i < expected.size(); ++i) {
+      CHECK(exits.parameters[i] == Catch::Approx(expected[i]).margin(1e-5));
+      CHECK(distance(exits.parameters[i]) == Catch::Approx(tube_radius).epsilon(1e-10));
+    }
+    found += expected.size();
+    spindles += circle_radius < tube_radius && !expected.empty();
+  }
+  CHECK(found > 1000);
+  CHECK(spindles > 200);
+}
+
+TEST_CASE("every direction is within the covering radius of one of the set") {
+  for (const int frequency : {1, 2, 5}) {
+    const CoveringDirections covering = make_covering_directions(frequency);
+    CHECK(covering.directions.size() == static_cast<std::size_t>(10 * frequency * frequency + 2));
+    Random random(3);
+    double farthest = 0;
+    for (int i = 0; i < 20000; ++i) {
+      const Vec3 p = random_point(random, 1);
+      if (squared_norm(p) > 1 || squared_norm(p) < 1e-4) continue;
+      double nearest = 4;
+      for (const Vec3 d : covering.directions)
+        nearest = std::min(nearest, std::acos(std::min(1.0, dot(d, normalized(p)))));
+      farthest = std::max(farthest, nearest);
+    }
+    CHECK(farthest <= covering.radius);
+    CHECK(farthest > 0.9 * covering.radius);
+  }
+}
+
+}  // namespace eses::test

@@ -1,0 +1,122 @@
+/// The bytes of every file depend on the atoms and on probe radius, spacing and margin alone, and
+/// no block misses an atom that matters to it, however large the atom.
+
+#include <array>
+#include <string>
+#include <vector>
+
+#include "catch.hpp"
+#include "eses/run.hpp"
+#include "support/atom_sets.hpp"
+#include "support/brute_force.hpp"
+#include "support/eses_files.hpp"
+#include "support/temporary_directory.hpp"
+
+namespace eses::test {
+namespace {
+
+using FileBytes = std::array<std::string, 4>;
+
+struct Outcome {
+  FileBytes files;
+  Summary summary;
+};
+
+Outcome outcome_of(const std::vector<Atom>& atoms, const Parameters& parameters) {
+  const TemporaryDirectory directory;
+  const OutputChoice all;
+  Outcome outcome;
+  outcome.summary =
+      run(atoms, parameters, make_plan(atoms, parameters, all), all, directory.path());
+  for (std::size_t f = 0; f < outcome.files.size(); ++f)
+    outcome.files[f] = read_bytes(directory.path() / eses_file_names[f]);
+  return outcome;
+}
+
+/// Sums are compared to the last bit, too: the files print twelve digits, the callers read six.
+void check_same(const Outcome& outcome, const Outcome& reference) {
+  for (std::size_t f = 0; f < reference.files.size(); ++f) {
+    INFO(eses_file_names[f]);
+    const bool same = outcome.files[f] == reference.files[f];
+    CHECK(same);
+  }
+  CHECK(outcome.summary.inside_points == reference.summary.inside_points);
+  CHECK(outcome.summary.convex == reference.summary.convex);
+  CHECK(outcome.summary.saddle == reference.summary.saddle);
+  CHECK(outcome.summary.concave == reference.summary.concave);
+  CHECK(outcome.summary.volume == reference.summary.volume);
+  CHECK(outcome.summary.area == reference.summary.area);
+}
+
+void check_invariance(const std::vector<Atom>& atoms, Parameters parameters) {
+  parameters.threads = 1;
+  parameters.block_size = 64;
+  const Outcome reference = outcome_of(atoms, parameters);
+  REQUIRE(reference.summary.edges() > 0);
+  for (const int threads : {1, 2, 3, 8})
+    for (const std::int64_t block_size : {8, 33, 64, 128, 1000}) {
+      INFO(threads << " threads, block size " << block_size);
+      parameters.threads = threads;
+      parameters.block_size = block_size;
+      check_same(outcome_of(atoms, parameters), reference);
+    }
+}
+
+}  // namespace
+
+TEST_CASE("threads and block size leave no trace: chain") {
+  check_invariance(make_chain(150, 20180101), {});
+}
+
+TEST_CASE("threads and block size leave no trace: lattice") {
+  // Probes touch four atoms at once, on the faces of the cells.
+  check_invariance(make_cube(5, 2.4, 1.5), {});
+}
+
+TEST_CASE("threads and block size leave no trace: grid points on atoms and on the surface") {
+  Parameters parameters;
+  parameters.spacing = 0.5;
+  parameters.margin = 1;
+  check_invariance(make_atom_set(Kind::snapped, 2), parameters);
+}
+
+namespace {
+
+/// A gas of atoms larger than the 2 angstrom that the original allows for.
+std::vector<Atom> large_atoms(std::uint64_t seed) {
+  Random random(seed);
+  std::vector<Atom> atoms(random.integer(8, 20));
+  for (Atom& atom : atoms) {
+    for (std::size_t q = 0; q < 3; ++q) atom.center[q] = random.uniform(0, 14);
+    atom.radius = random.uniform(2.5, 4);
+  }
+  // And small ones by their side, which have to be found at smaller distances.
+  for (int small = 0; small < 8; ++small) {
+    const Vec3 center{random.uniform(-2, 16), random.uniform(-2, 16), random.uniform(-2, 16)};
+    atoms.push_back({center, random.uniform(0, 1)});
+  }
+  return atoms;
+}
+
+}  // namespace
+
+TEST_CASE("atoms larger than 2 angstrom reach into the blocks that they matter to") {
+  for (std::uint64_t seed = 0; seed < 6; ++seed) {
+    Parameters parameters;
+    parameters.probe_radius = designed_probe_radius(seed);
+    parameters.spacing = 0.5;
+    parameters.block_size = seed % 2 == 0 ? 4 : 9;
+    INFO("seed " << seed << ", probe radius " << parameters.probe_radius);
+    const std::vector<Atom> atoms = large_atoms(seed);
+    const RunResult result = run_and_read(atoms, parameters);
+    const auto faults = find_faults(atoms, parameters, result.files, result.summary);
+    INFO(faults.size() << " faults, the first: " << (faults.empty() ? "" : faults.front()));
+    CHECK(faults.empty());
+
+    const Outcome blocks = outcome_of(atoms, parameters);
+    parameters.block_size = 1000;
+    check_same(blocks, outcome_of(atoms, parameters));
+  }
+}
+
+}  // namespace eses::test

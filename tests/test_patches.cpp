@@ -1,0 +1,112 @@
+// The patches of whole molecules against the plain formulation: all pairs and triples of atoms.
+
+#include <algorithm>
+#include <cmath>
+
+#include "catch.hpp"
+#include "eses/read_atoms.hpp"
+#include "run/build_patches.hpp"
+#include "support/atom_sets.hpp"
+#include "support/brute_force.hpp"
+
+namespace eses::test {
+namespace {
+
+Surface make_surface(std::span<const Atom> atoms, double probe) {
+  Surface surface(atoms, probe);
+  build_patches(surface, 2);
+  return surface;
+}
+
+double distance_to_nearest(std::span<const Vec3> points, Vec3 p) {
+  double nearest = 1e9;
+  for (const Vec3 q : points) nearest = std::min(nearest, norm(p - q));
+  return nearest;
+}
+
+std::vector<Vec3> placement_centers(const Surface& surface) {
+  std::vector<Vec3> centers;
+  for (const ProbePlacement& placement : surface.patches.placements)
+    centers.push_back(placement.center);
+  return centers;
+}
+
+}  // namespace
+
+TEST_CASE("probe placements are the accessible points where three spheres meet") {
+  for (const Kind kind : all_kinds)
+    for (std::uint64_t seed = 1; seed <= 4; ++seed) {
+      const std::vector<Atom> atoms = make_atom_set(kind, seed);
+      const double probe = designed_probe_radius(seed);
+      const Surface surface = make_surface(atoms, probe);
+      const AccessibleSet expected = make_accessible_set(atoms, probe);
+      const std::vector<Vec3> found = placement_centers(surface);
+      INFO(kind_name(kind) << " " << seed);
+      for (const Vec3 v : expected.vertices) REQUIRE(distance_to_nearest(found, v) < 1e-6);
+      for (const Vec3 v : found) REQUIRE(is_accessible(expected, v, 1e-8));
+    }
+}
+
+TEST_CASE("points of arcs are accessible, and end where a third sphere begins") {
+  const std::vector<Atom> atoms = make_chain(80, 7);
+  const double probe = 1.4;
+  const Surface surface = make_surface(atoms, probe);
+  const AccessibleSet expected = make_accessible_set(atoms, probe);
+  const std::vector<Vec3> placements = placement_centers(surface);
+  REQUIRE(surface.patches.arcs.size() > 50);
+  for (const Arc& arc : surface.patches.arcs) {
+    const ContactCircle circle =
+        make_contact_circle(surface.sas_sphere(arc.first), surface.sas_sphere(arc.second));
+    if (arc.kind == ArcKind::full) {
+      CHECK(is_accessible(expected, circle.center + circle.radius * any_perpendicular(circle.axis),
+                          1e-8));
+      continue;
+    }
+    const Vec3 sum = arc.start + arc.end;
+    const Vec3 middle = (arc.kind == ArcKind::major ? -1 : 1) * normalized(sum);
+    CHECK(is_accessible(expected, circle.center + circle.radius * middle, 1e-8));
+    for (const Vec3 end : {arc.start, arc.end})
+      CHECK(distance_to_nearest(placements, circle.center + circle.radius * end) < 1e-7);
+  }
+}
+
+TEST_CASE("atoms are exposed exactly where some of their sphere is accessible") {
+  for (const Kind kind : {Kind::chain, Kind::lattice, Kind::shell, Kind::nested})
+    for (std::uint64_t seed = 1; seed <= 3; ++seed) {
+      const std::vector<Atom> atoms = make_atom_set(kind, seed);
+      const double probe = designed_probe_radius(seed);
+      const Surface surface = make_surface(atoms, probe);
+      const AccessibleSet expected = make_accessible_set(atoms, probe);
+      Random random(seed);
+      for (std::size_t i = 0; i < atoms.size(); ++i) {
+        const bool is_exposed = surface.patches.exposure[i] == AtomExposure::exposed;
+        bool seen = false;
+        for (int sample = 0; sample < 2000 && !seen; ++sample) {
+          Vec3 d{random.uniform(-1, 1), random.uniform(-1, 1), random.uniform(-1, 1)};
+          if (squared_norm(d) < 1e-3) continue;
+          // Strictly accessible, so that atoms that share a sphere do not count for each other.
+          seen = is_accessible(expected, atoms[i].center + (atoms[i].radius + probe) * normalized(d),
+                               -1e-6);
+        }
+        // Its own sphere is touched, so by that measure nothing is accessible but farther out.
+        INFO(kind_name(kind) << " " << seed << " atom " << i);
+        if (seen) CHECK(is_exposed);
+      }
+    }
+}
+
+TEST_CASE("patches do not depend on the number of threads") {
+  const std::vector<Atom> atoms = make_chain(600, 3);
+  Surface one(atoms, 1.4), three(atoms, 1.4);
+  build_patches(one, 1);
+  build_patches(three, 3);
+  REQUIRE(one.patches.placements.size() == three.patches.placements.size());
+  for (std::size_t v = 0; v < one.patches.placements.size(); ++v) {
+    CHECK(one.patches.placements[v].center == three.patches.placements[v].center);
+    CHECK(one.patches.placements[v].atoms == three.patches.placements[v].atoms);
+  }
+  CHECK(one.patches.face_neighbours == three.patches.face_neighbours);
+  CHECK(one.patches.arc_begin == three.patches.arc_begin);
+}
+
+}  // namespace eses::test
