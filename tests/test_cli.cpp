@@ -62,7 +62,7 @@ class Sandbox {
 
   static std::string command(const Arguments& arguments) {
     std::string result = shell_quoted(ESES_BINARY);
-    for (const std::string& argument : arguments) result += " " + shell_quoted(argument);
+    for (const std::string& argument : arguments) result.append(" ").append(shell_quoted(argument));
     return result;
   }
 

@@ -26,7 +26,7 @@ namespace eses::test {
 namespace {
 
 std::uint64_t sets_of_each_kind() {
-  constexpr std::uint64_t by_default = 24;
+  constexpr std::uint64_t by_default = 20;
   const char* wanted = std::getenv("ESES_ORACLE_SETS");
   return wanted == nullptr ? by_default : std::stoull(wanted);
 }

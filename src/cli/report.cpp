@@ -48,7 +48,7 @@ std::string path_text(const std::filesystem::path& path) {
   std::string text = one_line(path.string());
   for (const std::string_view key : {"area:", "volume:"}) {
     for (auto at = text.find(key); at != std::string::npos; at = text.find(key)) {
-      text.replace(at + key.size() - 1, 1, "?");
+      text[at + key.size() - 1] = '?';
     }
   }
   return text;

@@ -15,7 +15,8 @@ BlockTiling make_tiling(const Grid& grid, std::int64_t block_size) {
   tiling.block_size = block_size;
   tiling.grid_size = grid.size;
   for (std::size_t axis = 0; axis < 3; ++axis)
-    tiling.blocks[axis] = (grid.size[axis] - 2) / (block_size - 1) + 1;
+    // A single point, which has no cell, is a block all the same.
+    tiling.blocks[axis] = (std::max<std::int64_t>(grid.size[axis], 2) - 2) / (block_size - 1) + 1;
   return tiling;
 }
 

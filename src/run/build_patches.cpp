@@ -15,8 +15,7 @@ constexpr int covering_frequency = 5;  // 252 directions; more cost more than th
 // Calls body(begin, end, thread) in parallel for ranges of atoms that make up [0, count).
 template <class Body>
 void for_atom_ranges(std::size_t count, int threads, Body&& body) {
-  const std::size_t ranges = (count + atoms_per_range - 1) / atoms_per_range;
-  parallel_for(static_cast<std::int64_t>(ranges), threads, [&](std::int64_t range, int thread) {
+  parallel_for(atom_range_count(count), threads, [&](std::int64_t range, int thread) {
     const auto begin = static_cast<AtomIndex>(range) * atoms_per_range;
     const auto end = static_cast<AtomIndex>(std::min<std::size_t>(begin + atoms_per_range, count));
     body(begin, end, thread);
@@ -24,6 +23,10 @@ void for_atom_ranges(std::size_t count, int threads, Body&& body) {
 }
 
 }  // namespace
+
+std::int64_t atom_range_count(std::size_t atoms) {
+  return static_cast<std::int64_t>((atoms + atoms_per_range - 1) / atoms_per_range);
+}
 
 void build_patches(Surface& surface, int threads) {
   const BurialPatches burial(make_covering_directions(covering_frequency));
@@ -35,7 +38,7 @@ void build_patches(Surface& surface, int threads) {
   for_atom_ranges(count, threads, [&](AtomIndex begin, AtomIndex end, int thread) {
     find_contained_atoms(surface, begin, end, of_thread(thread).found);
   });
-  std::vector<AtomRangePatches> ranges((count + atoms_per_range - 1) / atoms_per_range);
+  std::vector<AtomRangePatches> ranges(static_cast<std::size_t>(atom_range_count(count)));
   for_atom_ranges(count, threads, [&](AtomIndex begin, AtomIndex end, int thread) {
     AtomRangePatches& range = ranges[begin / atoms_per_range];
     range.begin = begin;

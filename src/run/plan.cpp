@@ -7,6 +7,7 @@
 #include "eses/error.hpp"
 #include "eses/run.hpp"
 #include "io/eses_text.hpp"
+#include "run/build_patches.hpp"
 #include "run/parallel.hpp"
 #include "run/resources.hpp"
 
@@ -69,6 +70,13 @@ void require_enclosing_margin(const Plan& plan, const Parameters& p) {
                   p.margin, p.spacing, p.spacing));
 }
 
+// No more threads than there is work for: blocks, or ranges of atoms.
+int used_threads(const Plan& plan, const Parameters& p, std::size_t atoms) {
+  const std::int64_t most = std::max(plan.tiling.block_count(), atom_range_count(atoms));
+  const int wanted = p.threads > 0 ? p.threads : available_threads();
+  return static_cast<int>(std::min<std::int64_t>(wanted, most));
+}
+
 }  // namespace
 
 Plan make_plan(std::span<const Atom> atoms, const Parameters& parameters,
@@ -77,7 +85,7 @@ Plan make_plan(std::span<const Atom> atoms, const Parameters& parameters,
   Plan plan;
   plan.grid = make_grid(atoms, parameters.spacing, parameters.margin);
   plan.tiling = make_tiling(plan.grid, parameters.block_size);
-  plan.threads = parameters.threads > 0 ? parameters.threads : available_threads();
+  plan.threads = used_threads(plan, parameters, atoms.size());
   plan.cut_depth = cut_depth(plan.grid, atoms);
   require_enclosing_margin(plan, parameters);
   if (outputs.grid) plan.grid_file_bytes = largest_grid_bytes(plan.grid.size);
