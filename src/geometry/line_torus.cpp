@@ -44,16 +44,19 @@ ValueAndSlope evaluate(const std::array<double, 5>& c, double u) {
   return {value, slope};
 }
 
-// Newton's method inside a bracket that holds exactly one root, bisection where it would leave it.
-double bracketed_root(const std::array<double, 5>& c, double low, double high, bool negative_low) {
-  double u = 0.5 * (low + high);
+// Newton's method inside a bracket that holds exactly one root and is negative at its low end,
+// bisection where it would leave the bracket. `u` is the first guess.
+double bracketed_root(const std::array<double, 5>& c, double low, double high, double u) {
+  // Newton's method squares the relative error: after a step this small the next would not move.
+  constexpr double last_step = 1e-9;
   for (int iteration = 0; iteration < 60; ++iteration) {
     const auto [value, slope] = evaluate(c, u);
-    ((value < 0) == negative_low ? low : high) = u;
+    (value < 0 ? low : high) = u;
     double next = u - value / slope;
-    if (!(next > low && next < high)) next = 0.5 * (low + high);
-    if (std::fabs(next - u) < 1e-16 || next == u) break;
+    if (!(next >= low && next <= high)) next = 0.5 * (low + high);
+    const double step = std::fabs(next - u);
     u = next;
+    if (step < last_step) break;
   }
   return u;
 }
@@ -69,7 +72,8 @@ struct RootSearch {
     constexpr double narrow = 1e-12;
     if (changes == 1 || high - low < narrow) {
       if (b[0] < 0 && b[4] >= 0 && count < 4)
-        roots[static_cast<std::size_t>(count++)] = bracketed_root(power, low, high, true);
+        roots[static_cast<std::size_t>(count++)] =
+            bracketed_root(power, low, high, low + (high - low) * (b[0] / (b[0] - b[4])));
       return;
     }
     Quartic left, right;

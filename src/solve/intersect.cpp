@@ -50,7 +50,7 @@ void tabulate_edges(const BlockGrid& grid, const PointBits& inside, EdgeTable& e
 }
 
 // The crossing's coordinate, moved onto the edge if it is a hair off; none if it is not on the edge.
-std::optional<double> on_edge(const Edge& edge, double coordinate) {
+HWY_INLINE std::optional<double> on_edge(const Edge& edge, double coordinate) {
   const double low = edge.lower[edge.axis];
   const double slack = tolerance::edge_end * (edge.upper - low);
   if (!(coordinate >= low - slack && coordinate <= edge.upper + slack)) return std::nullopt;
@@ -58,7 +58,7 @@ std::optional<double> on_edge(const Edge& edge, double coordinate) {
 }
 
 // Half the chord that the edge's line cuts from a sphere.
-std::optional<double> half_chord(const Edge& edge, Vec3 center, double radius) {
+HWY_INLINE std::optional<double> half_chord(const Edge& edge, Vec3 center, double radius) {
   Vec3 across = edge.lower - center;
   across[edge.axis] = 0;
   const double squared = radius * radius - squared_norm(across);
@@ -68,7 +68,7 @@ std::optional<double> half_chord(const Edge& edge, Vec3 center, double radius) {
 }
 
 // The edge enters the van der Waals sphere, and there the face is exposed.
-std::optional<double> meet_face(const FaceFeature& face, std::span<const CapCone> cones,
+HWY_INLINE std::optional<double> meet_face(const FaceFeature& face, std::span<const CapCone> cones,
                                 std::size_t& killer, const Edge& edge) {
   const auto half = half_chord(edge, face.center, face.radius);
   if (!half) return std::nullopt;
@@ -89,7 +89,7 @@ std::optional<double> meet_face(const FaceFeature& face, std::span<const CapCone
 }
 
 // The edge leaves the probe, within the cone of the three atoms that it touches.
-std::optional<double> meet_placement(const PlacementFeature& placement, double probe,
+HWY_INLINE std::optional<double> meet_placement(const PlacementFeature& placement, double probe,
                                      const Edge& edge) {
   const auto half = half_chord(edge, placement.center, probe);
   if (!half) return std::nullopt;
@@ -115,13 +115,32 @@ bool is_in_wedge(const ArcFeature& arc, Vec3 offset) {
 }
 
 // A line from `start` to `start + step` wholly beyond an arc's end.
-bool passes_beyond(Vec3 end_normal, Vec3 start, Vec3 step) {
+HWY_INLINE bool passes_beyond(Vec3 end_normal, Vec3 start, Vec3 step) {
   const double distance = dot(end_normal, start);
   return distance < -tolerance::seam && distance + dot(end_normal, step) < -tolerance::seam;
 }
 
+// No crossing anywhere on an edge, told from its midpoint: along the edge the distance to the
+// circle, the distance from its axis and the height change by at most half the edge's length.
+HWY_INLINE bool misses_saddle(const ArcFeature& arc, double probe, Vec3 start, Vec3 step, double length) {
+  const ContactCircle& circle = arc.circle;
+  const Vec3 middle = start + 0.5 * step;
+  const double reach = 0.5 * length * (1 + 4 * tolerance::edge_end);
+  const double height = dot(middle, circle.axis);
+  const double from_axis = std::sqrt(std::max(0.0, squared_norm(middle) - height * height));
+  const double inward = circle.radius - from_axis;
+  const double squared = inward * inward + height * height;
+  const double nearest = std::max(0.0, probe - reach), farthest = probe + reach;
+  if (squared < nearest * nearest || squared > farthest * farthest) return true;
+  const double raised = circle.radius * height;
+  return raised + circle.first_height * inward <
+             -reach * (circle.radius + std::fabs(circle.first_height)) ||
+         circle.second_height * inward - raised <
+             -reach * (circle.radius + std::fabs(circle.second_height));
+}
+
 template <class Found>
-void meet_arc(const ArcFeature& arc, double probe, const Edge& edge, Found&& found) {
+HWY_INLINE void meet_arc(const ArcFeature& arc, double probe, const Edge& edge, Found&& found) {
   const double length = edge.upper - edge.lower[edge.axis];
   const double from = edge.lower_is_inside ? edge.upper : edge.lower[edge.axis];
   const Vec3 start = edge.point_at(from) - arc.circle.center;
@@ -129,6 +148,7 @@ void meet_arc(const ArcFeature& arc, double probe, const Edge& edge, Found&& fou
   if (arc.kind == ArcKind::minor &&
       (passes_beyond(arc.start_normal, start, step) || passes_beyond(arc.end_normal, start, step)))
     return;
+  if (misses_saddle(arc, probe, start, step, length)) return;
   const TubeExits exits = tube_exits(start, step, arc.circle.axis, arc.circle.radius, probe,
                                      -tolerance::edge_end, 1 + tolerance::edge_end);
   for (int i = 0; i < exits.count; ++i) {
@@ -136,6 +156,10 @@ void meet_arc(const ArcFeature& arc, double probe, const Edge& edge, Found&& fou
     if (is_in_wedge(arc, start + t * step)) found(from + t * length * edge.inward());
   }
 }
+
+// An axis that the compiler knows, so that it sees which coordinates of an edge are fixed.
+template <std::size_t axis>
+using Axis = std::integral_constant<std::size_t, axis>;
 
 // Everything that one block's search for crossings reads and writes.
 struct Search {
@@ -191,12 +215,16 @@ struct Search {
       for (std::int64_t k = z.begin; k < std::min(z.end, edges.owned[2]); ++k)
         for (std::int64_t j = y.begin; j < std::min(y.end, edges.owned[1]); ++j) {
           const std::size_t w = inside.word_index(column, j, k);
-          for (std::size_t axis = 0; axis < 3; ++axis)
-            for_each_bit(edges.changes[axis][w] & in_box, [&](int bit) {
+          const auto along = [&](auto axis) {
+            for_each_bit(edges.changes[axis()][w] & in_box, [&](int bit) {
               const bool lower_is_inside = (inside.words[w] >> bit & 1) != 0;
-              action(make_edge(axis, first_x + bit, j, k, lower_is_inside),
-                     [&] { return edge_rank(axis, column, j, k, bit); });
+              action(make_edge(axis(), first_x + bit, j, k, lower_is_inside),
+                     [&] { return edge_rank(axis(), column, j, k, bit); });
             });
+          };
+          along(Axis<0>());
+          along(Axis<1>());
+          along(Axis<2>());
         }
     }
   }

@@ -4,13 +4,19 @@
 #include <cmath>
 
 namespace eses {
+namespace {
+
+// Of non-negative numbers; std::llround is a call.
+std::int64_t rounded(double value) { return static_cast<std::int64_t>(value + 0.5); }
+
+}  // namespace
 
 void Tally::add(const Surface& surface, const Crossing& crossing, Vec3 point) {
   const std::size_t count = crossing.atom_count;
   ++crossings[count - 1];
   const double share = std::fabs(crossing.normal[crossing.axis]) / unit;
   if (count == 1) {
-    atom_shares[crossing.atoms[0]] += std::llround(share);
+    atom_shares[crossing.atoms[0]] += rounded(share);
     return;
   }
   // Below this the weight is that of the limit; rounding would make it anything.
@@ -23,7 +29,7 @@ void Tally::add(const Surface& surface, const Crossing& crossing, Vec3 point) {
     sum += weights[q];
   }
   for (std::size_t q = 0; q < count; ++q)
-    atom_shares[crossing.atoms[q]] += std::llround(share * (weights[q] / sum));
+    atom_shares[crossing.atoms[q]] += rounded(share * (weights[q] / sum));
 }
 
 void Tally::merge(const Tally& other) {
