@@ -96,6 +96,87 @@ TEST_CASE("oracle: tangent") { check_kind(Kind::tangent); }
 
 namespace {
 
+/// Atoms at the ends of these vectors, lengthened to `distance`, and turned off the grid's axes.
+std::vector<Atom> around_origin(const std::vector<Vec3>& vectors, double distance, double radius) {
+  const Vec3 x{0.48, 0.6, 0.64}, y{0.8, -0.6, 0}, z{0.384, 0.512, -0.768};
+  std::vector<Atom> atoms;
+  for (const Vec3 v : vectors) {
+    const Vec3 turned = v.x * x + v.y * y + v.z * z;
+    atoms.push_back({distance * normalized(turned), radius});
+  }
+  return atoms;
+}
+
+void check_near_miss(const char* what, double miss, const std::vector<Atom>& atoms) {
+  INFO(what << ", off by " << miss);
+  Parameters parameters;
+  parameters.block_size = 16;
+  const RunResult result = run_and_read(atoms, parameters);
+  const auto faults = find_faults(atoms, parameters, result.files, result.summary);
+  INFO(first_of(faults));
+  CHECK(faults.empty());
+}
+
+}  // namespace
+
+TEST_CASE("oracle: near misses of degenerate arrangements") {
+  const double sqrt3 = std::sqrt(3.0), r = 1.6, sas = r + Parameters{}.probe_radius;
+  // Not 1e-9 itself: that far into an atom a probe may stand.
+  for (const double size : {0.0, 1e-15, 1e-13, 1e-11, 1e-10, 1e-8, 1e-7, 1e-6, 1e-5, 1e-4, 1e-3})
+    for (const double miss : {size, -size}) {
+      check_near_miss("two SAS spheres touch", miss,
+                      around_origin({{1, 0, 0}, {-1, 0, 0}}, sas + miss, r));
+      std::vector<Atom> nested = around_origin({{1, 0, 0}}, 0.7 + miss, r - 0.7);
+      nested.push_back({{0, 0, 0}, r});
+      check_near_miss("one sphere touches another from within", miss, nested);
+      check_near_miss(
+          "a probe passes between three", miss,
+          around_origin({{1, 0, 0}, {-0.5, sqrt3 / 2, 0}, {-0.5, -sqrt3 / 2, 0}}, sas + miss, r));
+      check_near_miss("a probe passes between four", miss,
+                      around_origin({{1, 0, 0}, {-1, 0, 0}, {0, 1, 0}, {0, -1, 0}}, sas + miss, r));
+      check_near_miss(
+          "a probe fits between four", miss,
+          around_origin({{1, 1, 1}, {1, -1, -1}, {-1, 1, -1}, {-1, -1, 1}}, sas + miss, r));
+      check_near_miss(
+          "a probe fits between six", miss,
+          around_origin({{1, 0, 0}, {-1, 0, 0}, {0, 1, 0}, {0, -1, 0}, {0, 0, 1}, {0, 0, -1}},
+                        sas + miss, r));
+      check_near_miss("a probe fits between twelve", miss, make_icosahedron(sas + miss, r));
+    }
+}
+
+TEST_CASE("oracle: grid points on the surface, where an edge leaves as it begins") {
+  Parameters parameters;
+  parameters.spacing = 0.5;
+  parameters.margin = 1;
+  std::vector<Atom> atoms{{{3, 14, 8.5}, 1.5}};
+  SECTION("nothing else near") {}
+  SECTION("a concave patch that is covered meets the same edge") {
+    atoms.push_back({{-0.5, 16.5, 11.5}, 2});
+    atoms.push_back({{-2, 15.5, 8}, 1});
+  }
+  const RunResult result = run_and_read(atoms, parameters);
+  const auto faults = find_faults(atoms, parameters, result.files, result.summary);
+  INFO(first_of(faults));
+  CHECK(faults.empty());
+}
+
+TEST_CASE("oracle: SAS spheres that touch, by their last digits") {
+  const std::vector<Atom> atoms{
+      {{-3.5, 12.5, 7}, 1.5536810449722906},
+      {{-3.6796730073542512, 13.997979721688129, 11.582378430281144}, 1.8706756701210745}};
+  Parameters parameters;
+  parameters.probe_radius = 0.7;
+  parameters.spacing = 0.42791549323355382;
+  parameters.margin = 1.150296756801422;
+  const RunResult result = run_and_read(atoms, parameters);
+  const auto faults = find_faults(atoms, parameters, result.files, result.summary);
+  INFO(first_of(faults));
+  CHECK(faults.empty());
+}
+
+namespace {
+
 /// A result without faults, to be spoilt.
 struct Sample {
   std::vector<Atom> atoms;

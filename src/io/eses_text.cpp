@@ -13,10 +13,12 @@ constexpr std::size_t longest_crossing_line = 15 * (longest_number_text + 1) + 1
 
 template <class Token>
 Token make_token(char* (*write)(char*, double), double value) {
-  Token token;
-  char* end = write(token.text.data(), value);
+  std::array<char, longest_number_text + 1> text{};
+  char* end = write(text.data(), value);
   *end++ = ' ';
-  token.length = static_cast<std::uint8_t>(end - token.text.data());
+  Token token;
+  std::copy(text.data(), end, token.text.data());
+  token.length = static_cast<std::uint8_t>(end - text.data());
   return token;
 }
 
@@ -24,15 +26,14 @@ char* write_grid_index(char* out, double value) {
   return write_index(out, static_cast<std::uint64_t>(value));
 }
 
-// Copies whole registers and lets the next token overwrite what is too much; what is written to has
-// room for it.
-template <std::size_t bytes, class Token>
+// Copies the whole token and lets what follows overwrite what is too much; where it is written
+// there is room for it.
+template <class Token>
 char* append(char* out, const Token& token) {
-  std::memcpy(out, token.text.data(), bytes);
+  std::memcpy(out, &token, sizeof token);
   return out + token.length;
 }
-constexpr std::size_t index_bytes = 12;       // digits of a 32-bit index and a blank
-constexpr std::size_t coordinate_bytes = 24;  // %.12e and a blank
+constexpr std::size_t longest_index = 11;  // digits of a 32-bit index and a blank
 constexpr std::size_t overrun = 32;
 
 char* append_number(char* out, double value) {
@@ -58,34 +59,42 @@ GridText::GridText(const Grid& grid) : size_(grid.size) {
   for (std::size_t axis = 0; axis < 3; ++axis)
     for (std::int64_t i = 0; i < grid.size[axis]; ++i) {
       axes_[axis].indices.push_back(
-          make_token<Token>(write_grid_index, static_cast<double>(i)));
+          make_token<Token<16>>(write_grid_index, static_cast<double>(i)));
       axes_[axis].coordinates.push_back(
-          make_token<Token>(write_scientific, grid.coordinate(axis, i)));
+          make_token<Token<32>>(write_scientific, grid.coordinate(axis, i)));
     }
 }
 
 void GridText::append_row(TextBuffer& text, std::int64_t y, std::int64_t z,
                           std::span<const std::uint64_t> inside) const {
   // What follows the first index is the same in the whole row but for the sign.
+  struct Tail {
+    std::array<char, 48> text{};
+    std::size_t length = 0;
+  };
   constexpr std::size_t tail_bytes = 32;
-  std::array<std::array<char, tail_bytes>, 2> tails{};
-  std::array<std::size_t, 2> lengths{};
-  for (std::size_t sign = 0; sign < 2; ++sign) {
-    char* out = tails[sign].data();
-    out = append<index_bytes>(out, axes_[1].indices[static_cast<std::size_t>(y)]);
-    out = append<index_bytes>(out, axes_[2].indices[static_cast<std::size_t>(z)]);
+  std::array<Tail, 2> tails;
+  for (const std::size_t sign : {0, 1}) {
+    char* out = tails[sign].text.data();
+    out = append(out, axes_[1].indices[static_cast<std::size_t>(y)]);
+    out = append(out, axes_[2].indices[static_cast<std::size_t>(z)]);
     if (sign == 0) *out++ = '-';
     *out++ = '1';
     *out++ = '\n';
-    lengths[sign] = static_cast<std::size_t>(out - tails[sign].data());
+    tails[sign].length = static_cast<std::size_t>(out - tails[sign].text.data());
   }
   const auto points = static_cast<std::size_t>(size_[0]);
-  char* out = text.reserve(points * (index_bytes + lengths[0]) + overrun);
-  for (std::size_t i = 0; i < points; ++i) {
-    const std::size_t sign = inside[i / 64] >> (i % 64) & 1;
-    out = append<index_bytes>(out, axes_[0].indices[i]);
-    std::memcpy(out, tails[sign].data(), tail_bytes);
-    out += lengths[sign];
+  const auto* indices = axes_[0].indices.data();
+  char* out = text.reserve(points * (longest_index + tails[0].length) + overrun);
+  for (std::size_t w = 0; w < inside.size(); ++w) {
+    const std::size_t end = std::min<std::size_t>(points, 64 * (w + 1));
+    std::uint64_t bits = inside[w];
+    for (std::size_t i = 64 * w; i < end; ++i, bits >>= 1) {
+      const Tail& tail = tails[bits & 1];
+      out = append(out, indices[i]);
+      std::memcpy(out, tail.text.data(), tail_bytes);
+      out += tail.length;
+    }
   }
   text.advance_to(out);
 }
@@ -103,11 +112,10 @@ void GridText::append_crossings(TextBuffer& text, std::int64_t first_x, std::int
     const auto& outer = crossing.lower_is_inside ? upper : lower;
     for (const auto* ends : {&inner, &outer})
       for (std::size_t axis = 0; axis < 3; ++axis)
-        out = append<index_bytes>(out, axes_[axis].indices[(*ends)[axis]]);
+        out = append(out, axes_[axis].indices[(*ends)[axis]]);
     for (std::size_t axis = 0; axis < 3; ++axis)
-      out = axis == crossing.axis
-                ? append_number(out, crossing.coordinate)
-                : append<coordinate_bytes>(out, axes_[axis].coordinates[lower[axis]]);
+      out = axis == crossing.axis ? append_number(out, crossing.coordinate)
+                                  : append(out, axes_[axis].coordinates[lower[axis]]);
     for (std::size_t axis = 0; axis < 3; ++axis) out = append_number(out, crossing.normal[axis]);
     for (std::size_t q = 0; q < crossing.atom_count; ++q) {
       out = write_index(out, crossing.atoms[q]);

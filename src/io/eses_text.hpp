@@ -40,13 +40,15 @@ class GridText {
                         std::span<const Crossing> crossings) const;
 
  private:
+  /// Text with a blank behind it, and its length in the last byte.
+  template <std::size_t bytes>
   struct Token {
-    std::array<char, 31> text{};
+    std::array<char, bytes - 1> text{};
     std::uint8_t length = 0;
   };
   struct Axis {
-    std::vector<Token> indices;      // each with a blank behind it
-    std::vector<Token> coordinates;  // likewise
+    std::vector<Token<16>> indices;
+    std::vector<Token<32>> coordinates;
   };
   std::array<Axis, 3> axes_;
   GridIndex size_{};

@@ -5,6 +5,7 @@
 #include <charconv>
 #include <cmath>
 #include <cstdio>
+#include <cstdlib>
 #include <cstring>
 
 namespace eses {
@@ -12,24 +13,21 @@ namespace {
 
 constexpr int digits_after_point = 12;
 
-constexpr std::array<char, 200> make_digit_pairs() {
-  std::array<char, 200> pairs{};
-  for (std::size_t i = 0; i < 100; ++i) {
-    pairs[2 * i] = static_cast<char>('0' + i / 10);
-    pairs[2 * i + 1] = static_cast<char>('0' + i % 10);
-  }
-  return pairs;
-}
-constexpr auto digit_pairs = make_digit_pairs();
-
-void write_pair(char* out, std::uint64_t value) {
-  std::memcpy(out, digit_pairs.data() + 2 * value, 2);
+// Eight decimal digits of `value` < 10^8, the first in the lowest byte. The number is split in
+// halves three times, in all parts at once: fours of digits in 32-bit lanes, pairs in 16, digits
+// in 8. The multiplications are divisions by 100 and 10, exact for what a lane can hold.
+std::uint64_t eight_digits(std::uint64_t value) {
+  const std::uint64_t fours = value / 10000 | value % 10000 << 32;
+  const std::uint64_t hundreds = (fours * 10486 >> 20) & 0x0000007f0000007f;
+  const std::uint64_t pairs = hundreds | (fours - 100 * hundreds) << 16;
+  const std::uint64_t tens = (pairs * 103 >> 10) & 0x000f000f000f000f;
+  const std::uint64_t digits = tens | (pairs - 10 * tens) << 8;
+  return digits + 0x3030303030303030;
 }
 
-void write_six(char* out, std::uint64_t value) {
-  write_pair(out, value / 10000);
-  write_pair(out + 2, value / 100 % 100);
-  write_pair(out + 4, value % 100);
+void store_text(char* out, std::uint64_t bytes) {
+  if constexpr (std::endian::native == std::endian::big) bytes = __builtin_bswap64(bytes);
+  std::memcpy(out, &bytes, sizeof bytes);
 }
 
 // 10^0 to 10^22 are exact in double precision.
@@ -39,18 +37,19 @@ constexpr std::array<double, largest_exact_power + 1> exact_powers{
     1e12, 1e13, 1e14, 1e15, 1e16, 1e17, 1e18, 1e19, 1e20, 1e21, 1e22};
 constexpr int least_exponent = digits_after_point - largest_exact_power;
 
+constexpr std::array<double, 21> powers_from_least{1e-10, 1e-9, 1e-8, 1e-7, 1e-6, 1e-5, 1e-4,
+                                                   1e-3,  1e-2, 1e-1, 1e0,  1e1,  1e2,  1e3,
+                                                   1e4,   1e5,  1e6,  1e7,  1e8,  1e9,  1e10};
+
 // The power of ten at or below `magnitude`, which lies in [1e-10, 1e10), or one off where the
 // magnitude is within rounding of a power; the digits tell.
 int decimal_exponent(double magnitude) {
-  constexpr std::array<double, 21> powers{1e-10, 1e-9, 1e-8, 1e-7, 1e-6, 1e-5, 1e-4,
-                                          1e-3,  1e-2, 1e-1, 1e0,  1e1,  1e2,  1e3,
-                                          1e4,   1e5,  1e6,  1e7,  1e8,  1e9,  1e10};
   const int binary = static_cast<int>(std::bit_cast<std::uint64_t>(magnitude) >> 52) - 1023;
   // floor(binary log10(2)), which is the exponent or one below it.
   const int guess = (binary * 1233) >> 12;
   const int next = guess + 1;
-  return next - least_exponent < static_cast<int>(powers.size()) &&
-                 magnitude >= powers[static_cast<std::size_t>(next - least_exponent)]
+  return next - least_exponent < static_cast<int>(powers_from_least.size()) &&
+                 magnitude >= powers_from_least[static_cast<std::size_t>(next - least_exponent)]
              ? next
              : guess;
 }
@@ -88,14 +87,17 @@ char* write_scientific(char* out, double value) {
   }
   if (digits < leading_unit) return write_exactly(out, value);
   if (value < 0) *out++ = '-';
-  out[0] = static_cast<char>('0' + digits / leading_unit);
+  // Five digits, one place to the right: the point then takes the place of the first.
+  constexpr std::uint64_t eight = 100000000;
+  const std::uint64_t leading = eight_digits(digits / eight) >> 24;
+  store_text(out + 1, leading);
+  out[0] = static_cast<char>(leading & 0xff);
   out[1] = '.';
-  const std::uint64_t rest = digits % leading_unit;
-  write_six(out + 2, rest / 1000000);
-  write_six(out + 8, rest % 1000000);
+  store_text(out + 6, eight_digits(digits % eight));
   out[14] = 'e';
   out[15] = exponent < 0 ? '-' : '+';
-  write_pair(out + 16, static_cast<std::uint64_t>(exponent < 0 ? -exponent : exponent));
+  out[16] = '0';  // below 1e9 and above 1e-10 one digit is enough
+  out[17] = static_cast<char>('0' + std::abs(exponent));
   return out + 18;
 }
 

@@ -10,7 +10,6 @@
 namespace eses {
 
 struct Layer {
-  std::int64_t number = 0;          ///< block index along z
   std::vector<BlockResult> blocks;  ///< [by][bx]
 
   std::int64_t first_z() const { return blocks.front().block.first[2]; }

@@ -1,9 +1,9 @@
 #include "eses/run.hpp"
 
 #include <fmt/format.h>
+#include <malloc.h>
 
 #include <algorithm>
-#include <atomic>
 #include <chrono>
 #include <mutex>
 #include <optional>
@@ -14,6 +14,7 @@
 #include "io/output_file.hpp"
 #include "run/build_patches.hpp"
 #include "run/layer.hpp"
+#include "run/layer_queue.hpp"
 #include "run/ordered_output.hpp"
 #include "run/parallel.hpp"
 #include "run/resources.hpp"
@@ -80,20 +81,14 @@ void prepare_directory(const std::filesystem::path& directory, const Plan& plan)
                             static_cast<double>(available) / 1e9));
 }
 
-// Rows of a layer, [z][y], that are turned into text at one time.
-struct Chunk {
-  std::int64_t number = 0;  // within the run
-  std::int64_t begin = 0, end = 0;
-};
-
-// What one thread needs to turn chunks into text.
+// What one thread needs to turn rows into text.
 struct Writer {
   TextBuffer grid, edges;
   PointCounts counts;
   double seconds = 0;
 };
 
-// The blocks of one layer are solved while the layer before is written.
+// Solves the blocks, layer by layer, and writes what they give.
 class Pipeline {
  public:
   Pipeline(const Surface& surface, const Plan& plan, OutputFiles& files,
@@ -102,30 +97,29 @@ class Pipeline {
         plan_(plan),
         text_(plan.grid),
         progress_(progress),
+        rows_per_chunk_(rows_per_chunk(plan.grid)),
+        layers_(static_cast<std::size_t>(plan.tiling.blocks[2])),
+        queue_(plan.tiling.blocks[2], plan.tiling.blocks[0] * plan.tiling.blocks[1]),
         workspaces_(static_cast<std::size_t>(plan.threads)),
         writers_(static_cast<std::size_t>(plan.threads)) {
     if (files.grid) grid_output_.emplace(*files.grid);
     if (files.edges) edge_output_.emplace(*files.edges);
+    make_room(0);
+    make_room(1);
   }
 
   void run() {
-    const std::int64_t layers = plan_.tiling.blocks[2];
-    for (std::int64_t number = 0; number <= layers; ++number) {
-      start_layer(number);
-      const std::int64_t blocks =
-          number < layers ? plan_.tiling.blocks[0] * plan_.tiling.blocks[1] : 0;
-      const std::vector<Chunk> chunks = chunks_of_solved_layer();
-      // Blocks first: the chunks are smaller, and even out what the threads have left to do.
-      parallel_for(blocks + static_cast<std::int64_t>(chunks.size()), plan_.threads,
-                   [&](std::int64_t task, int thread) {
-                     if (task < blocks) {
-                       solve(task, workspaces_[static_cast<std::size_t>(thread)]);
-                     } else {
-                       write(chunks[static_cast<std::size_t>(task - blocks)],
-                             writers_[static_cast<std::size_t>(thread)]);
-                     }
-                   });
-    }
+    parallel_for(plan_.threads, plan_.threads, [&](std::int64_t, int thread) {
+      try {
+        work(static_cast<std::size_t>(thread));
+      } catch (...) {
+        // The others may wait for what will never come.
+        queue_.stop();
+        if (grid_output_) grid_output_->abandon();
+        if (edge_output_) edge_output_->abandon();
+        throw;
+      }
+    });
   }
 
   Tally tally() const {
@@ -154,75 +148,94 @@ class Pipeline {
   }
 
  private:
-  void start_layer(std::int64_t number) {
-    below_ = std::move(solved_);
-    // Of the layer below only the last plane's points are still needed.
-    for (BlockResult& block : below_.blocks) block.crossings = {};
-    solved_ = std::move(solving_);
-    solving_ = {};
-    if (number == plan_.tiling.blocks[2]) return;
-    solving_.number = number;
-    solving_.blocks.resize(
-        static_cast<std::size_t>(plan_.tiling.blocks[0] * plan_.tiling.blocks[1]));
-  }
-
-  std::vector<Chunk> chunks_of_solved_layer() {
-    std::vector<Chunk> chunks;
-    if (solved_.is_empty()) return chunks;
+  static std::int64_t rows_per_chunk(const Grid& grid) {
     constexpr std::int64_t text_bytes = 1 << 19;
     constexpr std::int64_t line_bytes = 16;
-    const std::int64_t rows_per_chunk =
-        std::max<std::int64_t>(1, text_bytes / (line_bytes * plan_.grid.size[0]));
-    const std::int64_t rows = solved_.owned_planes() * plan_.grid.size[1];
-    for (std::int64_t begin = 0; begin < rows; begin += rows_per_chunk)
-      chunks.push_back({next_chunk_++, begin, std::min(begin + rows_per_chunk, rows)});
-    return chunks;
+    return std::max<std::int64_t>(1, text_bytes / (line_bytes * grid.size[0]));
   }
 
-  void solve(std::int64_t index, BlockWorkspace& workspace) {
-    const std::int64_t bx = index % plan_.tiling.blocks[0], by = index / plan_.tiling.blocks[0];
-    const Block block = plan_.tiling.block(bx, by, solving_.number);
-    solving_.blocks[static_cast<std::size_t>(index)] =
-        solve_block(surface_, plan_.grid, block, workspace);
+  std::int64_t layer_rows(std::int64_t layer) const {
+    return plan_.tiling.block(0, 0, layer).owned[2] * plan_.grid.size[1];
+  }
+
+  std::int64_t layer_chunks(std::int64_t layer) const {
+    return (layer_rows(layer) + rows_per_chunk_ - 1) / rows_per_chunk_;
+  }
+
+  void work(std::size_t thread) {
+    while (const auto task = queue_.take()) {
+      if (task->kind == Task::Kind::solve) {
+        solve(*task, workspaces_[thread]);
+      } else {
+        write(*task, writers_[thread]);
+      }
+      queue_.finish(*task, layer_chunks(task->layer),
+                    [&](std::int64_t layer) { release(layer); });
+    }
+  }
+
+  void make_room(std::int64_t layer) {
+    if (layer < plan_.tiling.blocks[2])
+      layers_[static_cast<std::size_t>(layer)].blocks.resize(
+          static_cast<std::size_t>(plan_.tiling.blocks[0] * plan_.tiling.blocks[1]));
+  }
+
+  // Of a layer that is written, the layer above still reads the points, but nothing else. (Assigning
+  // {} to a vector would keep its memory.)
+  void release(std::int64_t layer) {
+    if (layer > 0) layers_[static_cast<std::size_t>(layer - 1)] = Layer();
+    for (BlockResult& block : layers_[static_cast<std::size_t>(layer)].blocks) {
+      block.crossings = std::vector<Crossing>();
+      block.row_begin = std::vector<std::uint32_t>();
+    }
+    make_room(layer + 2);
+  }
+
+  void solve(const Task& task, BlockWorkspace& workspace) {
+    const std::int64_t bx = task.index % plan_.tiling.blocks[0];
+    const std::int64_t by = task.index / plan_.tiling.blocks[0];
+    layers_[static_cast<std::size_t>(task.layer)].blocks[static_cast<std::size_t>(task.index)] =
+        solve_block(surface_, plan_.grid, plan_.tiling.block(bx, by, task.layer), workspace);
     if (!progress_) return;
     const std::lock_guard lock(progress_mutex_);
     progress_(++solved_blocks_, plan_.tiling.block_count());
   }
 
-  void write(const Chunk& chunk, Writer& writer) {
+  void write(const Task& task, Writer& writer) {
     const Stopwatch watch;
-    try {
-      writer.grid.clear();
-      writer.edges.clear();
-      RowWindow window(plan_.tiling, below_, solved_);
-      for (std::int64_t row = chunk.begin; row < chunk.end; ++row) {
-        const std::int64_t y = row % plan_.grid.size[1], z = row / plan_.grid.size[1];
-        window.move_to(y, z);
-        writer.counts.add(window.count());
-        if (grid_output_)
-          text_.append_row(writer.grid, y, solved_.first_z() + z, window.row());
-        if (edge_output_) append_crossings(y, z, writer.edges);
-      }
-      if (grid_output_) grid_output_->write(chunk.number, writer.grid.text());
-      if (edge_output_) edge_output_->write(chunk.number, writer.edges.text());
-    } catch (...) {
-      // Others wait for this chunk's length, which will never come.
-      if (grid_output_) grid_output_->abandon();
-      if (edge_output_) edge_output_->abandon();
-      throw;
+    const Layer& layer = layers_[static_cast<std::size_t>(task.layer)];
+    const Layer none;
+    writer.grid.clear();
+    writer.edges.clear();
+    RowWindow window(plan_.tiling,
+                     task.layer > 0 ? layers_[static_cast<std::size_t>(task.layer - 1)] : none,
+                     layer);
+    const std::int64_t begin = task.index * rows_per_chunk_;
+    const std::int64_t end = std::min(begin + rows_per_chunk_, layer_rows(task.layer));
+    for (std::int64_t row = begin; row < end; ++row) {
+      const std::int64_t y = row % plan_.grid.size[1], z = row / plan_.grid.size[1];
+      window.move_to(y, z);
+      writer.counts.add(window.count());
+      if (grid_output_) text_.append_row(writer.grid, y, layer.first_z() + z, window.row());
+      if (edge_output_) append_crossings(layer, y, z, writer.edges);
     }
+    // Layers before the last are all cut into the same number of chunks.
+    const std::int64_t chunk = task.layer * layer_chunks(0) + task.index;
+    if (grid_output_) grid_output_->write(chunk, writer.grid.text());
+    if (edge_output_) edge_output_->write(chunk, writer.edges.text());
     writer.seconds += watch.seconds();
   }
 
-  void append_crossings(std::int64_t y, std::int64_t z, TextBuffer& text) const {
+  void append_crossings(const Layer& layer, std::int64_t y, std::int64_t z,
+                        TextBuffer& text) const {
     const BlockRow place = block_row_of(plan_.tiling, y);
     for (std::int64_t bx = 0; bx < plan_.tiling.blocks[0]; ++bx) {
       const BlockResult& result =
-          solved_.blocks[static_cast<std::size_t>(place.by * plan_.tiling.blocks[0] + bx)];
+          layer.blocks[static_cast<std::size_t>(place.by * plan_.tiling.blocks[0] + bx)];
       if (result.row_begin.empty()) continue;
       const auto row = static_cast<std::size_t>(z * result.block.owned[1] + place.y);
       const std::uint32_t begin = result.row_begin[row], end = result.row_begin[row + 1];
-      text_.append_crossings(text, result.block.first[0], y, solved_.first_z() + z,
+      text_.append_crossings(text, result.block.first[0], y, layer.first_z() + z,
                              std::span(result.crossings).subspan(begin, end - begin));
     }
   }
@@ -231,11 +244,12 @@ class Pipeline {
   const Plan& plan_;
   GridText text_;
   const ProgressCallback& progress_;
+  std::int64_t rows_per_chunk_;
+  std::vector<Layer> layers_;
+  LayerQueue queue_;
   std::optional<OrderedOutput> grid_output_, edge_output_;
   std::vector<BlockWorkspace> workspaces_;
   std::vector<Writer> writers_;
-  Layer below_, solved_, solving_;
-  std::int64_t next_chunk_ = 0;
   std::mutex progress_mutex_;
   std::int64_t solved_blocks_ = 0;
 };
@@ -245,6 +259,13 @@ std::vector<double> atom_areas(const Tally& tally, double spacing) {
   for (std::size_t i = 0; i < areas.size(); ++i)
     areas[i] = static_cast<double>(tally.atom_shares[i]) * Tally::unit * spacing * spacing;
   return areas;
+}
+
+// Gives the scratch of the patches back to the system; glibc would keep it for each thread.
+void release_free_memory() {
+#ifdef __GLIBC__
+  malloc_trim(0);
+#endif
 }
 
 std::uint64_t write_all(OutputFile& file, std::span<const char> text) {
@@ -265,6 +286,7 @@ Summary run(std::span<const Atom> atoms, const Parameters& parameters, const Pla
 
   Surface surface(atoms, parameters.probe_radius);
   build_patches(surface, plan.threads);
+  release_free_memory();
   summary.seconds.patches = total.seconds();
 
   const Stopwatch blocks;

@@ -29,6 +29,15 @@ std::size_t keep_unsettled(float ax, float ay, float az, float settled_cosine, f
         hn::Add(hn::Add(hn::Mul(px, vx), hn::Mul(py, vy)), hn::Mul(pz, vz));
     const auto keep = hn::And(hn::Lt(cosine, limit), hn::FirstN(lanes, count - i));
     if (hn::AllFalse(lanes, keep)) continue;
+    if (hn::AllTrue(lanes, keep)) {  // most often: compressing is slow on some processors
+      if (kept != i) {
+        hn::StoreU(px, lanes, x + kept);
+        hn::StoreU(py, lanes, y + kept);
+        hn::StoreU(pz, lanes, z + kept);
+      }
+      kept += hn::Lanes(lanes);
+      continue;
+    }
     const std::size_t n = hn::CompressStore(px, keep, lanes, x + kept);
     hn::CompressStore(py, keep, lanes, y + kept);
     hn::CompressStore(pz, keep, lanes, z + kept);

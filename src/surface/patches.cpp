@@ -50,15 +50,27 @@ void join_counts(std::vector<std::uint32_t>& begins) {
   }
 }
 
-void join_arcs(Patches& patches, std::span<AtomRangePatches> ranges) {
+// Appends one list of every range to `joined`, allocated once, and frees the parts as it goes.
+template <class Value>
+void join_lists(std::span<AtomRangePatches> ranges, std::vector<Value> AtomRangePatches::* list,
+                std::vector<Value>& joined) {
+  std::size_t size = 0;
+  for (const AtomRangePatches& range : ranges) size += (range.*list).size();
+  joined.reserve(size);
   for (AtomRangePatches& range : ranges) {
+    joined.insert(joined.end(), (range.*list).begin(), (range.*list).end());
+    range.*list = std::vector<Value>();  // unlike {}, this frees the memory
+  }
+}
+
+void join_arcs(Patches& patches, std::span<AtomRangePatches> ranges) {
+  for (const AtomRangePatches& range : ranges) {
     for (AtomIndex i = range.begin; i < range.end; ++i) {
       patches.exposure[i] = range.exposure[i - range.begin];
       patches.arc_begin[i] = range.arc_count[i - range.begin];
     }
-    patches.arcs.insert(patches.arcs.end(), range.arcs.begin(), range.arcs.end());
-    range.arcs = {};
   }
+  join_lists(ranges, &AtomRangePatches::arcs, patches.arcs);
   join_counts(patches.arc_begin);
   for (const Arc& arc : patches.arcs)
     patches.exposure[arc.first] = patches.exposure[arc.second] = AtomExposure::exposed;
@@ -66,29 +78,18 @@ void join_arcs(Patches& patches, std::span<AtomRangePatches> ranges) {
                AtomExposure::buried);
 }
 
-// Atoms that no arc proves exposed, a probe placement may still touch; such a point needs their
-// caps only to tell which further atoms the probe touches.
 void join_faces(Patches& patches, std::span<AtomRangePatches> ranges) {
-  for (AtomRangePatches& range : ranges) {
-    auto neighbour = range.face_neighbours.begin();
-    for (AtomIndex i = range.begin; i < range.end; ++i) {
-      const std::uint32_t count = range.face_count[i - range.begin];
-      patches.face_begin[i] = count;
-      patches.face_neighbours.insert(patches.face_neighbours.end(), neighbour, neighbour + count);
-      neighbour += count;
-    }
-    range.face_neighbours = {};
-  }
+  for (const AtomRangePatches& range : ranges)
+    std::copy(range.face_count.begin(), range.face_count.end(),
+              patches.face_begin.begin() + range.begin);
   join_counts(patches.face_begin);
+  join_lists(ranges, &AtomRangePatches::face_neighbours, patches.face_neighbours);
 }
 
 // One placement for each key, sorted by its lowest atom; their centres follow in place_probes.
 void join_placements(Patches& patches, std::span<AtomRangePatches> ranges) {
   std::vector<PlacementKey> keys;
-  for (AtomRangePatches& range : ranges) {
-    keys.insert(keys.end(), range.placements.begin(), range.placements.end());
-    range.placements = {};
-  }
+  join_lists(ranges, &AtomRangePatches::placements, keys);
   std::sort(keys.begin(), keys.end());
   keys.erase(std::unique(keys.begin(), keys.end()), keys.end());
   patches.placements.reserve(keys.size());

@@ -1,0 +1,62 @@
+#pragma once
+/// What a thread does next: the order in which blocks are solved and layers of them written.
+
+#include <condition_variable>
+#include <cstdint>
+#include <mutex>
+#include <optional>
+#include <vector>
+
+namespace eses {
+
+/// One block to solve, or one chunk of a solved layer to write.
+struct Task {
+  enum class Kind { solve, write } kind = Kind::solve;
+  std::int64_t layer = 0;
+  std::int64_t index = 0;  ///< of the block or chunk within its layer
+};
+
+/// Layers are solved and written in order. A solved layer is written before any other block is
+/// solved, so that its memory is free soon; threads that find neither to do start on the next layer,
+/// so that none waits for the slowest block. At most two layers hold results that are not written.
+class LayerQueue {
+ public:
+  LayerQueue(std::int64_t layers, std::int64_t blocks_per_layer);
+
+  /// The next task, waiting for one if need be; none when all is done or `stop` was called.
+  std::optional<Task> take();
+
+  /// Says that a task is done. `chunks` is the number of chunks into which its layer will be cut, and
+  /// `on_written(layer)` is called, from one thread at a time, when the last of these is done.
+  template <class OnWritten>
+  void finish(const Task& task, std::int64_t chunks, OnWritten&& on_written) {
+    const std::lock_guard lock(mutex_);
+    if (count_finished(task, chunks)) on_written(task.layer);
+    changed_.notify_all();
+  }
+
+  /// Lets all threads run out of tasks, after a failure.
+  void stop();
+
+ private:
+  struct Progress {
+    std::int64_t blocks_taken = 0, blocks_done = 0;
+    std::int64_t chunks = 0, chunks_taken = 0, chunks_done = 0;
+  };
+
+  bool is_solved(std::int64_t layer) const {
+    return progress_[static_cast<std::size_t>(layer)].blocks_done == blocks_per_layer_;
+  }
+  bool count_finished(const Task& task, std::int64_t chunks);
+  std::optional<Task> try_take();
+
+  std::mutex mutex_;
+  std::condition_variable changed_;
+  std::int64_t blocks_per_layer_;
+  std::vector<Progress> progress_;  // per layer
+  std::int64_t first_unwritten_ = 0;
+  std::int64_t first_unsolved_ = 0;  // the lowest layer with blocks that nobody has taken
+  bool is_stopped_ = false;
+};
+
+}  // namespace eses
