@@ -85,8 +85,7 @@ TEST_CASE("accessible arcs are what the other spheres leave of a circle") {
     for (int s = 0; s < samples; ++s) {
       const double angle = 2 * std::numbers::pi * s / samples;
       const Vec3 direction = std::cos(angle) * e1 + std::sin(angle) * e2;
-      const double depth =
-          depth_inside(c.others, c.circle.center + c.circle.radius * direction);
+      const double depth = depth_inside(c.others, c.circle.center + c.circle.radius * direction);
       if (std::fabs(depth) < 1e-6) continue;
       const bool on_arc = std::any_of(arcs.begin(), arcs.end(), [&](const CircleArc& arc) {
         return is_on_arc(arc, c.circle.axis, direction);
@@ -110,8 +109,10 @@ TEST_CASE("a point that two spheres just leave open stays accessible") {
   // Four equal spheres at the corners of a square: every circle of neighbours is open but for
   // its two probes, where the circles of the diagonals have a single point each.
   const double side = 2, radius = 2;
-  const std::vector<SasSphere> corners{
-      {{0, 0, 0}, radius}, {{side, 0, 0}, radius}, {{side, side, 0}, radius}, {{0, side, 0}, radius}};
+  const std::vector<SasSphere> corners{{{0, 0, 0}, radius},
+                                       {{side, 0, 0}, radius},
+                                       {{side, side, 0}, radius},
+                                       {{0, side, 0}, radius}};
   std::vector<Cap> caps;
   for (std::size_t k = 1; k < 4; ++k) caps.push_back(make_cap(corners[0], corners[k]));
   ArcScratch scratch;

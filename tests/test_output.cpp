@@ -136,8 +136,8 @@ TEST_CASE("a run into a place that cannot be written to fails and names it") {
 TEST_CASE("a read-only directory is refused and left empty") {
   if (geteuid() == 0) return;  // the super-user may write anywhere
   const TemporaryDirectory directory;
-  std::filesystem::permissions(directory.path(), std::filesystem::perms::owner_read |
-                                                     std::filesystem::perms::owner_exec);
+  std::filesystem::permissions(
+      directory.path(), std::filesystem::perms::owner_read | std::filesystem::perms::owner_exec);
   CHECK_THROWS_AS(run_chain(directory.path()), Error);
   std::filesystem::permissions(directory.path(), std::filesystem::perms::owner_all);
   CHECK(names_in(directory.path()).empty());

@@ -45,7 +45,8 @@ TEST_CASE("chunks stand in a file in the order of their numbers") {
   const auto path = directory.path() / "chunks";
   std::string expected;
   const auto chunk_text = [](std::int64_t chunk) {
-    return std::string(static_cast<std::size_t>(chunk * 7 % 13), static_cast<char>('a' + chunk % 26));
+    return std::string(static_cast<std::size_t>(chunk * 7 % 13),
+                       static_cast<char>('a' + chunk % 26));
   };
   for (std::int64_t chunk = 0; chunk < 500; ++chunk) expected += chunk_text(chunk);
   OutputFile file(path);

@@ -53,7 +53,7 @@ TEST_CASE("probe placements are the accessible points where three spheres meet")
       const AccessibleSet expected = make_accessible_set(atoms, probe);
       const std::vector<Vec3> found = placement_centers(surface);
       INFO(kind_name(kind) << " " << seed);
-      for (const Vec3 v : expected.vertices) 
+      for (const Vec3 v : expected.vertices)
         REQUIRE((distance_to_nearest(found, v) < 1e-6 || is_on_arc(surface, v)));
       for (const Vec3 v : found) REQUIRE(is_accessible(expected, v, 1e-8));
     }
@@ -97,8 +97,8 @@ TEST_CASE("atoms are exposed exactly where some of their sphere is accessible") 
           Vec3 d{random.uniform(-1, 1), random.uniform(-1, 1), random.uniform(-1, 1)};
           if (squared_norm(d) < 1e-3) continue;
           // Strictly accessible, so that atoms that share a sphere do not count for each other.
-          seen = is_accessible(expected, atoms[i].center + (atoms[i].radius + probe) * normalized(d),
-                               -1e-6);
+          seen = is_accessible(expected,
+                               atoms[i].center + (atoms[i].radius + probe) * normalized(d), -1e-6);
         }
         // Its own sphere is touched, so by that measure nothing is accessible but farther out.
         INFO(kind_name(kind) << " " << seed << " atom " << i);

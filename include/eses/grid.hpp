@@ -15,10 +15,10 @@ using GridIndex = std::array<std::int64_t, 3>;
 
 /// Point (i,j,k) stands at `lower + (i,j,k) * spacing`.
 struct Grid {
-  Vec3 lower;            ///< point (0,0,0), angstrom
-  Vec3 upper;            ///< point size - 1, angstrom
-  double spacing = 0;    ///< angstrom
-  GridIndex size{};      ///< number of points along x, y and z
+  Vec3 lower;          ///< point (0,0,0), angstrom
+  Vec3 upper;          ///< point size - 1, angstrom
+  double spacing = 0;  ///< angstrom
+  GridIndex size{};    ///< number of points along x, y and z
 
   double coordinate(std::size_t axis, std::int64_t index) const {
     return lower[axis] + static_cast<double>(index) * spacing;

@@ -33,21 +33,21 @@ struct Plan {
   Grid grid;
   BlockTiling tiling;
   int threads = 1;
-  double cut_depth = 0;              ///< see eses::cut_depth; > 0 means that the surface is cut
-  std::uint64_t memory_bytes = 0;    ///< estimate of the peak
-  std::uint64_t grid_file_bytes = 0; ///< upper bound
-  std::uint64_t edge_file_bytes = 0; ///< estimate
-  std::uint64_t area_file_bytes = 0; ///< upper bound
+  double cut_depth = 0;               ///< see eses::cut_depth; > 0 means that the surface is cut
+  std::uint64_t memory_bytes = 0;     ///< estimate of the peak
+  std::uint64_t grid_file_bytes = 0;  ///< upper bound
+  std::uint64_t edge_file_bytes = 0;  ///< estimate
+  std::uint64_t area_file_bytes = 0;  ///< upper bound
   std::uint64_t output_bytes() const { return grid_file_bytes + edge_file_bytes + area_file_bytes; }
 };
 
 struct PhaseSeconds {
-  double patches = 0;   ///< neighbours, arcs, probe placements; wall clock
-  double blocks = 0;    ///< classification, intersection, text and writing; wall clock
-  double classify = 0;  ///< summed over threads
-  double intersect = 0; ///< summed over threads
-  double output = 0;    ///< text and writing, summed over threads
-  double total = 0;     ///< wall clock of the run
+  double patches = 0;    ///< neighbours, arcs, probe placements; wall clock
+  double blocks = 0;     ///< classification, intersection, text and writing; wall clock
+  double classify = 0;   ///< summed over threads
+  double intersect = 0;  ///< summed over threads
+  double output = 0;     ///< text and writing, summed over threads
+  double total = 0;      ///< wall clock of the run
 };
 
 struct Summary {

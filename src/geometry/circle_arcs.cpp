@@ -54,9 +54,8 @@ Direction exact_end(const ContactCircle& circle, const CircleFrame& frame, const
                     double side) {
   const Blocked blocked = blocked_by(circle, frame, cap);
   const double cosine =
-      blocked.reach > 0
-          ? std::clamp(clearance(circle, cap, cap.height) / blocked.reach, -1.0, 1.0)
-          : 1.0;
+      blocked.reach > 0 ? std::clamp(clearance(circle, cap, cap.height) / blocked.reach, -1.0, 1.0)
+                        : 1.0;
   return turned(blocked.toward, cosine, side * sine_of(cosine));
 }
 
@@ -124,8 +123,7 @@ void accessible_arcs(const ContactCircle& circle, std::span<const Cap> caps, std
     };
     const double low = wrap(diamond_angle(start.x, start.y) - origin);
     const double high = wrap(diamond_angle(end.x, end.y) - origin);
-    const double span =
-        (open.high - open.low) - shift(low, open.low) - shift(high, open.high);
+    const double span = (open.high - open.low) - shift(low, open.low) - shift(high, open.high);
     const ArcKind kind = span * circle.radius < tolerance::arc_length ? ArcKind::point
                          : span <= half_turn                          ? ArcKind::minor
                                                                       : ArcKind::major;

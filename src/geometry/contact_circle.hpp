@@ -34,9 +34,9 @@ struct ContactCircle {
 inline Cap make_cap(const SasSphere& sphere, const SasSphere& neighbour) {
   const Vec3 to_neighbour = neighbour.center - sphere.center;
   const double distance = norm(to_neighbour);
-  const double height =
-      (distance * distance + (sphere.radius - neighbour.radius) * (sphere.radius + neighbour.radius)) /
-      (2 * distance);
+  const double height = (distance * distance +
+                         (sphere.radius - neighbour.radius) * (sphere.radius + neighbour.radius)) /
+                        (2 * distance);
   return {(1 / distance) * to_neighbour, height,
           height + tolerance::accessible * neighbour.radius / distance};
 }
@@ -52,9 +52,9 @@ inline ContactCircle make_contact_circle(const SasSphere& first, const SasSphere
 /// Where a third SAS sphere meets the circle: at cos_half = C / D from `toward`, on both sides.
 /// `cap` is that of the third sphere on the circle's first sphere.
 struct CircleCut {
-  Vec3 toward;          ///< unit, perpendicular to the circle's axis, towards the third centre
-  double reach = 0;     ///< D: how far the circle varies along the cap's axis, angstrom
-  double clearance = 0; ///< C: height of the cap's plane above the circle's centre, angstrom
+  Vec3 toward;           ///< unit, perpendicular to the circle's axis, towards the third centre
+  double reach = 0;      ///< D: how far the circle varies along the cap's axis, angstrom
+  double clearance = 0;  ///< C: height of the cap's plane above the circle's centre, angstrom
 
   double cos_half() const { return std::clamp(clearance / reach, -1.0, 1.0); }
 };

@@ -28,9 +28,8 @@ double circumradius(Vec3 a, Vec3 b, Vec3 c) {
 }
 
 void add_unless_known(std::vector<Vec3>& directions, Vec3 direction) {
-  const bool known = std::any_of(directions.begin(), directions.end(), [&](Vec3 d) {
-    return squared_norm(d - direction) < 1e-12;
-  });
+  const bool known = std::any_of(directions.begin(), directions.end(),
+                                 [&](Vec3 d) { return squared_norm(d - direction) < 1e-12; });
   if (!known) directions.push_back(direction);
 }
 

@@ -96,9 +96,9 @@ TubeExits tube_exits(Vec3 start, Vec3 step, Vec3 axis, double circle_radius, dou
   const double a0 = w0 + (circle_radius - tube_radius) * (circle_radius + tube_radius);
   const double z0 = dot(first, axis), z1 = dot(span, axis);
   const double k = 4 * circle_radius * circle_radius;
-  const std::array<double, 5> power{a0 * a0 - k * (w0 - z0 * z0),
-                                    2 * a0 * w1 - k * (w1 - 2 * z0 * z1),
-                                    w1 * w1 + 2 * a0 * w2 - k * (w2 - z1 * z1), 2 * w1 * w2, w2 * w2};
+  const std::array<double, 5> power{
+      a0 * a0 - k * (w0 - z0 * z0), 2 * a0 * w1 - k * (w1 - 2 * z0 * z1),
+      w1 * w1 + 2 * a0 * w2 - k * (w2 - z1 * z1), 2 * w1 * w2, w2 * w2};
   const Quartic b = bernstein(power);
   TubeExits exits;
   if (sign_changes(b) == 0) return exits;

@@ -13,8 +13,8 @@ struct TubeExits {
   int count = 0;
 };
 
-/// The tube is { x : distance to the circle < tube_radius }; the line is start + t * step in a frame
-/// whose origin is the circle's centre, with `axis` the circle's unit axis. Returns the t in
+/// The tube is { x : distance to the circle < tube_radius }; the line is start + t * step in a
+/// frame whose origin is the circle's centre, with `axis` the circle's unit axis. Returns the t in
 /// [low, high] at which the line passes from inside the tube to outside. A self-intersecting
 /// (spindle) torus has only its outer sheet here, as the distance to the circle is that to its
 /// nearest point.

@@ -30,18 +30,20 @@ Grid make_grid(std::span<const Atom> atoms, double spacing, double margin) {
     // A coordinate must tell neighbouring points apart, and 64-bit products must not overflow.
     const double cells = (high - low) / spacing;
     if (!(cells < 2e9))
-      throw Error(fmt::format("a spacing of {} angstrom needs {:.3g} grid points along {}; "
-                              "the limit is 2e9, so use a spacing above {:.3g}",
-                              spacing, cells, "xyz"[axis], (high - low) / 2e9));
+      throw Error(
+          fmt::format("a spacing of {} angstrom needs {:.3g} grid points along {}; "
+                      "the limit is 2e9, so use a spacing above {:.3g}",
+                      spacing, cells, "xyz"[axis], (high - low) / 2e9));
     points *= cells + 1;
     grid.size[axis] = static_cast<std::int64_t>(cells) + 1;
     grid.lower[axis] = low;
     grid.upper[axis] = low + static_cast<double>(grid.size[axis] - 1) * spacing;
   }
   if (points > 4e18)
-    throw Error(fmt::format("a spacing of {} angstrom needs {:.3g} grid points; "
-                            "64-bit counts hold 4e18",
-                            spacing, points));
+    throw Error(
+        fmt::format("a spacing of {} angstrom needs {:.3g} grid points; "
+                    "64-bit counts hold 4e18",
+                    spacing, points));
   return grid;
 }
 

@@ -11,8 +11,8 @@
 
 namespace eses {
 
-/// Rows are cut into columns of 64 points, of which neighbours share one, so that both ends of every
-/// edge along x lie in one word: column c holds the points [63 c, 63 c + 64).
+/// Rows are cut into columns of 64 points, of which neighbours share one, so that both ends of
+/// every edge along x lie in one word: column c holds the points [63 c, 63 c + 64).
 struct PointBits {
   static constexpr std::int64_t column_points = 64;
   static constexpr std::int64_t column_step = 63;
@@ -20,7 +20,7 @@ struct PointBits {
   /// Words behind the last row that a vector loop may touch.
   static constexpr std::size_t vector_padding = 8;
 
-  GridIndex size{};          ///< points along x, y and z
+  GridIndex size{};  ///< points along x, y and z
   std::int64_t columns = 0;
   std::vector<std::uint64_t> words;  ///< [column][z][y]
 

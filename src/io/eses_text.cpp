@@ -74,7 +74,7 @@ void GridText::append_row(TextBuffer& text, std::int64_t y, std::int64_t z,
   };
   constexpr std::size_t tail_bytes = 32;
   std::array<Tail, 2> tails;
-  for (const std::size_t sign : {0, 1}) {
+  for (std::size_t sign = 0; sign < 2; ++sign) {
     char* out = tails[sign].text.data();
     out = append(out, axes_[1].indices[static_cast<std::size_t>(y)]);
     out = append(out, axes_[2].indices[static_cast<std::size_t>(z)]);

@@ -27,9 +27,9 @@ void join_row(const BlockTiling& tiling, const Layer& layer, std::int64_t y, std
 
 /// What the volume is made of.
 struct PointCounts {
-  std::int64_t inside = 0;           ///< inside points
-  std::int64_t inside_regular = 0;   ///< of these, those that end no reported edge
-  std::int64_t irregular = 0;        ///< points, inside or outside, that end one
+  std::int64_t inside = 0;          ///< inside points
+  std::int64_t inside_regular = 0;  ///< of these, those that end no reported edge
+  std::int64_t irregular = 0;       ///< points, inside or outside, that end one
 
   void add(const PointCounts& other);
 };
@@ -52,8 +52,8 @@ class RowWindow {
   const Layer& below_;
   const Layer& layer_;
   std::int64_t y_ = -2, z_ = -1;
-  RowBits rows_[3];      // y - 1, y, y + 1; the row itself where there is none
-  RowBits planes_[2];    // z - 1 and z + 1, likewise
+  RowBits rows_[3];    // y - 1, y, y + 1; the row itself where there is none
+  RowBits planes_[2];  // z - 1 and z + 1, likewise
 };
 
 /// The part of the blocks in row y: their index range along x is [0, blocks[0]), all in block row

@@ -17,8 +17,9 @@ struct Task {
 };
 
 /// Layers are solved and written in order. A solved layer is written before any other block is
-/// solved, so that its memory is free soon; threads that find neither to do start on the next layer,
-/// so that none waits for the slowest block. At most two layers hold results that are not written.
+/// solved, so that its memory is free soon; threads that find neither to do start on the next
+/// layer, so that none waits for the slowest block. At most two layers hold results that are not
+/// written.
 class LayerQueue {
  public:
   LayerQueue(std::int64_t layers, std::int64_t blocks_per_layer);
@@ -26,8 +27,8 @@ class LayerQueue {
   /// The next task, waiting for one if need be; none when all is done or `stop` was called.
   std::optional<Task> take();
 
-  /// Says that a task is done. `chunks` is the number of chunks into which its layer will be cut, and
-  /// `on_written(layer)` is called, from one thread at a time, when the last of these is done.
+  /// Says that a task is done. `chunks` is the number of chunks into which its layer will be cut,
+  /// and `on_written(layer)` is called, from one thread at a time, when the last of these is done.
   template <class OnWritten>
   void finish(const Task& task, std::int64_t chunks, OnWritten&& on_written) {
     const std::lock_guard lock(mutex_);

@@ -1,5 +1,6 @@
 #pragma once
-/// The ordered window: chunks of text that are finished in any order, and stand in a file in theirs.
+/// The ordered window: chunks of text that are finished in any order, and stand in a file in
+/// theirs.
 
 #include <condition_variable>
 #include <cstdint>

@@ -14,9 +14,9 @@
 namespace eses {
 namespace {
 
-constexpr double bytes_per_atom = 700;       // atom, tree, patches and their making
-constexpr double bytes_per_thread = 4 << 20; // text, features, scratch
-constexpr double base_bytes = 8 << 20;       // program and libraries
+constexpr double bytes_per_atom = 700;        // atom, tree, patches and their making
+constexpr double bytes_per_thread = 4 << 20;  // text, features, scratch
+constexpr double base_bytes = 8 << 20;        // program and libraries
 constexpr std::uint64_t area_line_bytes = 32;
 
 // Surface of the spheres, of which molecules of n atoms leave about n^-0.2 exposed.
@@ -34,17 +34,17 @@ double estimated_crossings(std::span<const Atom> atoms, double spacing) {
 // Blocks in flight, and three layers of blocks: one that is being solved, one that is being written
 // and the last plane of the one before.
 double estimated_memory(const Plan& plan, std::span<const Atom> atoms) {
-  const double side = static_cast<double>(
-      std::min(plan.tiling.block_size,
-               *std::max_element(plan.grid.size.begin(), plan.grid.size.end())));
+  const double side = static_cast<double>(std::min(
+      plan.tiling.block_size, *std::max_element(plan.grid.size.begin(), plan.grid.size.end())));
   const double block_bits = side * side * std::ceil(side / 63) * 64;
   const double block_bytes = 5 * block_bits / 8 + 8 * side * side;
   const double planes = std::min(side, static_cast<double>(plan.grid.size[2]));
-  const double layer_bits = static_cast<double>(plan.grid.size[0]) *
-                            static_cast<double>(plan.grid.size[1]) * planes;
+  const double layer_bits =
+      static_cast<double>(plan.grid.size[0]) * static_cast<double>(plan.grid.size[1]) * planes;
   const double layer_share = std::min(1.0, 2 * planes / static_cast<double>(plan.grid.size[2]));
   const double crossings = estimated_crossings(atoms, plan.grid.spacing) * layer_share;
-  const double rows = static_cast<double>(plan.grid.size[0] + plan.grid.size[1] + plan.grid.size[2]);
+  const double rows =
+      static_cast<double>(plan.grid.size[0] + plan.grid.size[1] + plan.grid.size[2]);
   return base_bytes + bytes_per_atom * static_cast<double>(atoms.size()) +
          plan.threads * (bytes_per_thread + block_bytes) + 3 * layer_bits / 8 +
          crossings * sizeof(Crossing) + rows * 64;
@@ -64,10 +64,10 @@ void require_valid(const Parameters& p) {
 
 void require_enclosing_margin(const Plan& plan, const Parameters& p) {
   if (plan.cut_depth < 0 || p.margin >= 0.5 * p.spacing) return;
-  throw Error(
-      fmt::format("a margin of {} angstrom is too small for a spacing of {}: the grid, whose number "
-                  "of points is truncated, would cut the surface; a margin of {} or more works",
-                  p.margin, p.spacing, p.spacing));
+  throw Error(fmt::format(
+      "a margin of {} angstrom is too small for a spacing of {}: the grid, whose number "
+      "of points is truncated, would cut the surface; a margin of {} or more works",
+      p.margin, p.spacing, p.spacing));
 }
 
 // No more threads than there is work for: blocks, or ranges of atoms.
@@ -90,9 +90,8 @@ Plan make_plan(std::span<const Atom> atoms, const Parameters& parameters,
   require_enclosing_margin(plan, parameters);
   if (outputs.grid) plan.grid_file_bytes = largest_grid_bytes(plan.grid.size);
   if (outputs.edges)
-    plan.edge_file_bytes = typical_crossing_bytes *
-                           static_cast<std::uint64_t>(
-                               estimated_crossings(atoms, parameters.spacing));
+    plan.edge_file_bytes = typical_crossing_bytes * static_cast<std::uint64_t>(estimated_crossings(
+                                                        atoms, parameters.spacing));
   if (outputs.areas) plan.area_file_bytes = area_line_bytes * atoms.size();
   const double memory = estimated_memory(plan, atoms);
   plan.memory_bytes = static_cast<std::uint64_t>(std::min(memory, 1e19));

@@ -71,7 +71,7 @@ std::uint64_t available_memory() {
 }
 
 std::uint64_t available_disk(const std::filesystem::path& directory) {
-  struct statvfs status{};
+  struct statvfs status {};
   if (statvfs(directory.c_str(), &status) != 0) return unlimited;
   return std::uint64_t{status.f_bavail} * status.f_frsize;
 }

@@ -75,10 +75,11 @@ void prepare_directory(const std::filesystem::path& directory, const Plan& plan)
   const std::uint64_t needed = plan.grid_file_bytes + plan.area_file_bytes;
   const std::uint64_t available = available_disk(directory);
   if (needed > available)
-    throw Error(fmt::format("grid_info.txt needs about {:.3g} GB, but {} has {:.3g} GB free; "
-                            "leave it out (--write edges,areas) or use a larger spacing",
-                            static_cast<double>(needed) / 1e9, directory.string(),
-                            static_cast<double>(available) / 1e9));
+    throw Error(
+        fmt::format("grid_info.txt needs about {:.3g} GB, but {} has {:.3g} GB free; "
+                    "leave it out (--write edges,areas) or use a larger spacing",
+                    static_cast<double>(needed) / 1e9, directory.string(),
+                    static_cast<double>(available) / 1e9));
 }
 
 // What one thread needs to turn rows into text.
@@ -169,8 +170,7 @@ class Pipeline {
       } else {
         write(*task, writers_[thread]);
       }
-      queue_.finish(*task, layer_chunks(task->layer),
-                    [&](std::int64_t layer) { release(layer); });
+      queue_.finish(*task, layer_chunks(task->layer), [&](std::int64_t layer) { release(layer); });
     }
   }
 
@@ -180,7 +180,8 @@ class Pipeline {
           static_cast<std::size_t>(plan_.tiling.blocks[0] * plan_.tiling.blocks[1]));
   }
 
-  // Of a layer that is written, the layer above still reads the points, but nothing else. (Assigning
+  // Of a layer that is written, the layer above still reads the points, but nothing else.
+  // (Assigning
   // {} to a vector would keep its memory.)
   void release(std::int64_t layer) {
     if (layer > 0) layers_[static_cast<std::size_t>(layer - 1)] = Layer();

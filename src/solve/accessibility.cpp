@@ -38,8 +38,8 @@ void offer_face(const BlockFeatures& features, const FaceFeature& face, Vec3 poi
 }  // namespace
 
 NearestProbe nearest_probe(const BlockFeatures& features, Vec3 point, double limit, double enough) {
-  const bool in_sas = std::any_of(
-      features.balls.begin(), features.balls.end(), [&](const BallFeature& ball) {
+  const bool in_sas =
+      std::any_of(features.balls.begin(), features.balls.end(), [&](const BallFeature& ball) {
         return squared_norm(point - ball.center) < ball.sas_radius * ball.sas_radius;
       });
   if (!in_sas) return {0, point, {}, 0};

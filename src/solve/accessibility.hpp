@@ -8,7 +8,7 @@
 namespace eses {
 
 struct NearestProbe {
-  double distance = 0;               ///< from the point, angstrom
+  double distance = 0;  ///< from the point, angstrom
   Vec3 center;
   std::array<AtomIndex, 3> atoms{};  ///< that the probe touches there, ascending
   std::uint8_t atom_count = 0;       ///< 0 if the point itself is accessible

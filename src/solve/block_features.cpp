@@ -6,7 +6,7 @@
 namespace eses {
 namespace {
 
-constexpr double box_slack = 1e-6;      // angstrom: keeps seams inside the boxes
+constexpr double box_slack = 1e-6;          // angstrom: keeps seams inside the boxes
 constexpr std::size_t vector_padding = 16;  // doubles a vector loop may read past the end
 
 // Box of an arc: its ends and the extremes of its circle that lie on it.
@@ -23,7 +23,8 @@ Box arc_box(const ArcFeature& arc, Vec3 end) {
     if (length < tolerance::seam) continue;
     const Vec3 extreme = (1 / length) * in_plane;
     for (const double side : {1.0, -1.0})
-      if (arc_faces(arc, side * extreme)) box.include(circle.center + (side * circle.radius) * extreme);
+      if (arc_faces(arc, side * extreme))
+        box.include(circle.center + (side * circle.radius) * extreme);
   }
   return box;
 }
@@ -33,7 +34,8 @@ Box arc_box(const ArcFeature& arc, Vec3 end) {
 ArcFeature make_arc(const Surface& surface, const Arc& arc) {
   ArcFeature feature;
   feature.atoms = {arc.first, arc.second};
-  feature.circle = make_contact_circle(surface.sas_sphere(arc.first), surface.sas_sphere(arc.second));
+  feature.circle =
+      make_contact_circle(surface.sas_sphere(arc.first), surface.sas_sphere(arc.second));
   feature.kind = arc.kind;
   feature.start = arc.kind == ArcKind::full ? any_perpendicular(feature.circle.axis) : arc.start;
   feature.middle = arc.start + arc.end;

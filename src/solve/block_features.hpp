@@ -28,7 +28,7 @@ struct BlockGrid {
 /// An atom whose SAS ball reaches the block.
 struct BallFeature {
   Vec3 center;
-  double radius = 0;      ///< van der Waals
+  double radius = 0;  ///< van der Waals
   double sas_radius = 0;
 };
 
@@ -85,8 +85,8 @@ struct BlockFeatures {
 /// |x - center| < radius + 2 probe, no others.
 void collect_features(const Surface& surface, const Box& box, BlockFeatures& features);
 
-/// Whether the circle's point nearest to `offset` (from the centre) lies on the arc, seams included.
-/// On the axis every point of the circle is nearest.
+/// Whether the circle's point nearest to `offset` (from the centre) lies on the arc, seams
+/// included. On the axis every point of the circle is nearest.
 inline bool arc_faces(const ArcFeature& arc, Vec3 offset) {
   if (arc.kind == ArcKind::full) return true;
   const bool after_start = dot(arc.start_normal, offset) >= -tolerance::seam;

@@ -1,12 +1,13 @@
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "solve/classify.cpp"
+#include "solve/classify.hpp"
+
 #include <hwy/foreach_target.h>
 #include <hwy/highway.h>
 
 #include <algorithm>
 #include <cmath>
 
-#include "solve/classify.hpp"
 #include "solve/index_range.hpp"
 
 HWY_BEFORE_NAMESPACE();
@@ -20,13 +21,14 @@ enum class Stamp { copy, set, clear };
 
 // Rows of one plane of a ball, as bits of one column of points.
 struct BallPlane {
-  double x, y;             // the ball's centre
-  double squared_radius;   // of the plane's disc
+  double x, y;            // the ball's centre
+  double squared_radius;  // of the plane's disc
   double origin, inverse_spacing;
-  double column_first;     // global index of the column's first point
+  double column_first;  // global index of the column's first point
 };
 
-// Small non-negative integers held in doubles, as integers: adding 2^52 leaves them in the low bits.
+// Small non-negative integers held in doubles, as integers: adding 2^52 leaves them in the low
+// bits.
 template <class V>
 auto to_words(V v) {
   const Words words;
@@ -51,10 +53,10 @@ void stamp_rows(const BallPlane& plane, const double* y, std::uint64_t* rows, st
     const auto dy = hn::Sub(hn::LoadU(doubles, y + j), center_y);
     const auto squared = hn::Sub(disc, hn::Mul(dy, dy));
     const auto half = hn::Sqrt(hn::Max(squared, zero));
-    const auto low = hn::Sub(
-        hn::Ceil(hn::Mul(hn::Sub(hn::Sub(center_x, half), origin), inverse)), column);
-    const auto high = hn::Sub(
-        hn::Floor(hn::Mul(hn::Sub(hn::Add(center_x, half), origin), inverse)), column);
+    const auto low =
+        hn::Sub(hn::Ceil(hn::Mul(hn::Sub(hn::Sub(center_x, half), origin), inverse)), column);
+    const auto high =
+        hn::Sub(hn::Floor(hn::Mul(hn::Sub(hn::Add(center_x, half), origin), inverse)), column);
     auto valid = hn::And(hn::Ge(squared, zero), hn::Le(low, high));
     valid = hn::And(valid, hn::And(hn::Ge(high, zero), hn::Le(low, last)));
     valid = hn::And(valid, hn::FirstN(doubles, end - j));
@@ -118,8 +120,7 @@ void clear_exposed(std::span<const CapCone> cones, ShellBatch& batch, std::uint6
     const auto x = hn::LoadU(doubles, batch.x.data() + i);
     const auto y = hn::LoadU(doubles, batch.y.data() + i);
     const auto z = hn::LoadU(doubles, batch.z.data() + i);
-    const auto length =
-        hn::Sqrt(hn::Add(hn::Add(hn::Mul(x, x), hn::Mul(y, y)), hn::Mul(z, z)));
+    const auto length = hn::Sqrt(hn::Add(hn::Add(hn::Mul(x, x), hn::Mul(y, y)), hn::Mul(z, z)));
     auto alive = hn::FirstN(doubles, batch.count - i);
     const auto survive = [&](const CapCone& cone) {
       const auto along = hn::Add(hn::Add(hn::Mul(x, hn::Set(doubles, cone.axis.x)),
@@ -208,7 +209,8 @@ void clear_arc(const BlockGrid& grid, const ArcFeature& arc, double squared_prob
   }
 }
 
-// Stamps fill whole words; bits behind a row's last point are cleared, as is what needs no decision.
+// Stamps fill whole words; bits behind a row's last point are cleared, as is what needs no
+// decision.
 void settle_van_der_waals(PointBits& inside, PointBits& undecided) {
   const std::int64_t rows = inside.size[1] * inside.size[2];
   for (std::int64_t column = 0; column < inside.columns; ++column) {

@@ -25,8 +25,8 @@ struct ClassifyScratch {
 
 /// Sets the bits of all inside points. Points in no SAS ball are outside, those in a van der Waals
 /// ball inside; the others are inside unless some accessible probe centre is nearer than the probe
-/// radius. As the nearest one is a probe placement, or on an arc, or on an exposed face, three kinds
-/// of stamps clear all that is outside.
+/// radius. As the nearest one is a probe placement, or on an arc, or on an exposed face, three
+/// kinds of stamps clear all that is outside.
 void classify_points(const BlockGrid& grid, const BlockFeatures& features, ClassifyScratch& scratch,
                      PointBits& inside);
 

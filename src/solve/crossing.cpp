@@ -12,9 +12,12 @@ namespace {
 
 std::span<const AtomIndex> atoms_of(const BlockFeatures& features, const Candidate& candidate) {
   switch (candidate.atom_count) {
-    case 1: return {&features.faces[candidate.feature].atom, 1};
-    case 2: return features.arcs[candidate.feature].atoms;
-    default: return features.placements[candidate.feature].atoms;
+    case 1:
+      return {&features.faces[candidate.feature].atom, 1};
+    case 2:
+      return features.arcs[candidate.feature].atoms;
+    default:
+      return features.placements[candidate.feature].atoms;
   }
 }
 
@@ -39,7 +42,8 @@ Vec3 outward_normal(const BlockFeatures& features, const Edge& edge, const Candi
       const Vec3 offset = point - arc.circle.center;
       return normalized(arc.circle.radius * nearest_on_arc(arc, offset) - offset);
     }
-    default: return normalized(features.placements[candidate.feature].center - point);
+    default:
+      return normalized(features.placements[candidate.feature].center - point);
   }
 }
 
@@ -66,12 +70,10 @@ Crossing bisect(const BlockFeatures& features, const Edge& edge) {
     (is_probe_nearer(features, edge.point_at(middle), probe) ? outside : inside) = middle;
   }
   const Vec3 point = edge.point_at(inside);
-  const NearestProbe probe_at =
-      nearest_probe(features, point, std::numeric_limits<double>::max());
+  const NearestProbe probe_at = nearest_probe(features, point, std::numeric_limits<double>::max());
   const Vec3 offset = probe_at.center - point;
   const Vec3 normal = norm(offset) > 0 ? normalized(offset) : -inward_direction(edge);
-  return make_crossing(edge, inside, normal,
-                       std::span(probe_at.atoms).first(probe_at.atom_count));
+  return make_crossing(edge, inside, normal, std::span(probe_at.atoms).first(probe_at.atom_count));
 }
 
 }  // namespace
@@ -88,13 +90,11 @@ Crossing decide_crossing(const BlockFeatures& features, const Edge& edge,
       return std::fabs(candidates.back().coordinate - candidate.coordinate) <
              tolerance::same_crossing;
     };
-    while (!is_last(*chosen) &&
-           is_probe_nearer(features, edge.point_at(chosen->coordinate),
-                           features.probe_radius - tolerance::covered))
+    while (!is_last(*chosen) && is_probe_nearer(features, edge.point_at(chosen->coordinate),
+                                                features.probe_radius - tolerance::covered))
       ++chosen;
   }
-  const Vec3 normal =
-      outward_normal(features, edge, *chosen, edge.point_at(chosen->coordinate));
+  const Vec3 normal = outward_normal(features, edge, *chosen, edge.point_at(chosen->coordinate));
   return make_crossing(edge, chosen->coordinate, normal, atoms_of(features, *chosen));
 }
 

@@ -40,14 +40,15 @@ inline Vec3 face_direction(const FaceFeature& face, const Edge& edge, Vec3 point
 
 /// Where a patch is met by an edge on the way from its outside to its inside end.
 struct Candidate {
-  double coordinate = 0;      ///< along the edge's axis
-  std::uint32_t feature = 0;  ///< index in the list of its kind
+  double coordinate = 0;        ///< along the edge's axis
+  std::uint32_t feature = 0;    ///< index in the list of its kind
   std::uint8_t atom_count = 0;  ///< kind of patch: 1 face, 2 arc, 3 placement; 0 none
 };
 
 /// The crossing nearest to the outside end. Every true crossing is among the candidates, and the
 /// first of them, seen from the outside end, that no accessible probe covers is the one; a single
-/// one needs no proof. `candidates` is sorted in place. If rounding left none, the edge is bisected.
+/// one needs no proof. `candidates` is sorted in place. If rounding left none, the edge is
+/// bisected.
 Crossing decide_crossing(const BlockFeatures& features, const Edge& edge,
                          std::vector<Candidate>& candidates);
 

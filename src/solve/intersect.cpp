@@ -1,5 +1,7 @@
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "solve/intersect.cpp"
+#include "solve/intersect.hpp"
+
 #include <hwy/foreach_target.h>
 #include <hwy/highway.h>
 
@@ -10,7 +12,6 @@
 #include "geometry/line_torus.hpp"
 #include "solve/crossing.hpp"
 #include "solve/index_range.hpp"
-#include "solve/intersect.hpp"
 
 // Compiled for every instruction set, as ranks are counted in bits and a baseline build has no
 // instruction for that.
@@ -30,8 +31,8 @@ void tabulate_edges(const BlockGrid& grid, const PointBits& inside, EdgeTable& e
       for (std::int64_t column = 0; column < inside.columns; ++column) {
         const std::int64_t first = column * PointBits::column_step;
         const bool is_last = column + 1 == inside.columns;
-        const std::uint64_t starts = low_bits(
-            std::min(owned[0] - first, is_last ? PointBits::column_points : PointBits::column_step));
+        const std::uint64_t starts = low_bits(std::min(
+            owned[0] - first, is_last ? PointBits::column_points : PointBits::column_step));
         const std::size_t w = inside.word_index(column, y, z);
         const std::uint64_t row = inside.words[w];
         const std::uint64_t x = (row ^ (row >> 1)) & starts & low_bits(points[0] - 1 - first);
@@ -49,7 +50,8 @@ void tabulate_edges(const BlockGrid& grid, const PointBits& inside, EdgeTable& e
   edges.rank[next_rank] = count;
 }
 
-// The crossing's coordinate, moved onto the edge if it is a hair off; none if it is not on the edge.
+// The crossing's coordinate, moved onto the edge if it is a hair off; none if it is not on the
+// edge.
 HWY_INLINE std::optional<double> on_edge(const Edge& edge, double coordinate) {
   const double low = edge.lower[edge.axis];
   const double slack = tolerance::edge_end * (edge.upper - low);
@@ -69,7 +71,7 @@ HWY_INLINE std::optional<double> half_chord(const Edge& edge, Vec3 center, doubl
 
 // The edge enters the van der Waals sphere, and there the face is exposed.
 HWY_INLINE std::optional<double> meet_face(const FaceFeature& face, std::span<const CapCone> cones,
-                                std::size_t& killer, const Edge& edge) {
+                                           std::size_t& killer, const Edge& edge) {
   const auto half = half_chord(edge, face.center, face.radius);
   if (!half) return std::nullopt;
   const auto coordinate = on_edge(edge, face.center[edge.axis] - edge.inward() * *half);
@@ -90,7 +92,7 @@ HWY_INLINE std::optional<double> meet_face(const FaceFeature& face, std::span<co
 
 // The edge leaves the probe, within the cone of the three atoms that it touches.
 HWY_INLINE std::optional<double> meet_placement(const PlacementFeature& placement, double probe,
-                                     const Edge& edge) {
+                                                const Edge& edge) {
   const auto half = half_chord(edge, placement.center, probe);
   if (!half) return std::nullopt;
   const auto coordinate = on_edge(edge, placement.center[edge.axis] + edge.inward() * *half);
@@ -110,8 +112,7 @@ bool is_in_wedge(const ArcFeature& arc, Vec3 offset) {
   const double inward = circle.radius - from_axis;
   const double slack = tolerance::seam * circle.radius;
   return circle.radius * height + circle.first_height * inward >= -slack &&
-         circle.second_height * inward - circle.radius * height >= -slack &&
-         arc_faces(arc, offset);
+         circle.second_height * inward - circle.radius * height >= -slack && arc_faces(arc, offset);
 }
 
 // A line from `start` to `start + step` wholly beyond an arc's end.
@@ -122,7 +123,8 @@ HWY_INLINE bool passes_beyond(Vec3 end_normal, Vec3 start, Vec3 step) {
 
 // No crossing anywhere on an edge, told from its midpoint: along the edge the distance to the
 // circle, the distance from its axis and the height change by at most half the edge's length.
-HWY_INLINE bool misses_saddle(const ArcFeature& arc, double probe, Vec3 start, Vec3 step, double length) {
+HWY_INLINE bool misses_saddle(const ArcFeature& arc, double probe, Vec3 start, Vec3 step,
+                              double length) {
   const ContactCircle& circle = arc.circle;
   const Vec3 middle = start + 0.5 * step;
   const double reach = 0.5 * length * (1 + 4 * tolerance::edge_end);
@@ -175,7 +177,9 @@ struct Search {
   Edge make_edge(std::size_t axis, std::int64_t x, std::int64_t y, std::int64_t z,
                  bool lower_is_inside) const {
     const GridIndex index{x, y, z};
-    return {axis, lower_is_inside, {coordinate(0, x), coordinate(1, y), coordinate(2, z)},
+    return {axis,
+            lower_is_inside,
+            {coordinate(0, x), coordinate(1, y), coordinate(2, z)},
             coordinate(axis, index[axis] + 1)};
   }
 
@@ -201,7 +205,8 @@ struct Search {
     }
   }
 
-  // Calls action(edge, rank) for every edge with differing ends that starts in the box or next to it.
+  // Calls action(edge, rank) for every edge with differing ends that starts in the box or next to
+  // it.
   template <class Action>
   void for_each_edge(const Box& box, Action&& action) const {
     const EdgeTable& edges = scratch.edges;
@@ -241,8 +246,9 @@ struct Search {
   void search_arc(std::uint32_t index) {
     const ArcFeature& arc = features.arcs[index];
     for_each_edge(arc.box, [&](const Edge& edge, auto&& rank) {
-      meet_arc(arc, features.probe_radius, edge,
-               [&](double met) { offer(rank(), {met, index, 2}); });
+      meet_arc(arc, features.probe_radius, edge, [&](double met) {
+        offer(rank(), {met, index, 2});
+      });
     });
   }
 
@@ -264,7 +270,6 @@ struct Search {
               [](const auto& a, const auto& b) { return a.edge < b.edge; });
   }
 };
-
 
 // Calls action(edge, rank) for all edges in canonical order, and end_of_row() after each row.
 template <class Action, class EndOfRow>

@@ -11,8 +11,8 @@
 
 namespace eses {
 
-/// The edges of a block whose ends differ, ranked in canonical order: by lower point (z, y, x), then
-/// axis.
+/// The edges of a block whose ends differ, ranked in canonical order: by lower point (z, y, x),
+/// then axis.
 struct EdgeTable {
   std::array<std::vector<std::uint64_t>, 3> changes;  ///< per axis, indexed like PointBits
   std::vector<std::uint32_t> rank;                    ///< edges before word [z][y][column]
@@ -31,9 +31,9 @@ struct IntersectScratch {
     Candidate candidate;
   };
   EdgeTable edges;
-  std::vector<Candidate> first;      ///< per edge, the first candidate found
-  std::vector<Further> further;      ///< all others
-  std::vector<Candidate> of_edge;    ///< of the edge that is being decided
+  std::vector<Candidate> first;    ///< per edge, the first candidate found
+  std::vector<Further> further;    ///< all others
+  std::vector<Candidate> of_edge;  ///< of the edge that is being decided
 };
 
 /// Appends the crossings in canonical order, and for each row (z, y) of owned points the number of

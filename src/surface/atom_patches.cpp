@@ -9,9 +9,8 @@ namespace {
 
 void collect_caps(const Surface& surface, AtomIndex i, AtomPatchScratch& scratch) {
   const SasSphere sphere = surface.sas_sphere(i);
-  surface.tree.find_within(sphere.center,
-                           sphere.radius + surface.largest_radius + surface.probe_radius,
-                           scratch.found);
+  surface.tree.find_within(
+      sphere.center, sphere.radius + surface.largest_radius + surface.probe_radius, scratch.found);
   scratch.neighbours.clear();
   scratch.caps.clear();
   for (const AtomIndex j : scratch.found) {
@@ -99,8 +98,8 @@ Vec3 placement_center(const SasSphere& first, const SasSphere& second, const Sas
   const CircleCut cut = cut_circle(circle, make_cap(first, third));
   const double cosine = cut.reach > 0 ? cut.cos_half() : 1;
   const double sine = side * std::sqrt((1 - cosine) * (1 + cosine));
-  return circle.center + circle.radius * (cosine * cut.toward +
-                                          sine * cross(circle.axis, cut.toward));
+  return circle.center +
+         circle.radius * (cosine * cut.toward + sine * cross(circle.axis, cut.toward));
 }
 
 }  // namespace eses

@@ -39,12 +39,12 @@ struct PlacementKey {
 /// buried, as only all the arcs together tell which of them are exposed.
 struct AtomRangePatches {
   AtomIndex begin = 0, end = 0;
-  std::vector<AtomExposure> exposure;       ///< per atom of the range
-  std::vector<std::uint32_t> face_count;    ///< per atom of the range
+  std::vector<AtomExposure> exposure;     ///< per atom of the range
+  std::vector<std::uint32_t> face_count;  ///< per atom of the range
   std::vector<AtomIndex> face_neighbours;
-  std::vector<std::uint32_t> arc_count;     ///< per atom of the range
+  std::vector<std::uint32_t> arc_count;  ///< per atom of the range
   std::vector<Arc> arcs;
-  std::vector<PlacementKey> placements;     ///< every end of every arc, so with repetitions
+  std::vector<PlacementKey> placements;  ///< every end of every arc, so with repetitions
 };
 
 /// Scratch memory of `build_atom_patches`, one per thread.

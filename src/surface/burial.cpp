@@ -1,12 +1,12 @@
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "surface/burial.cpp"
+#include "surface/burial.hpp"
+
 #include <hwy/foreach_target.h>
 #include <hwy/highway.h>
 
 #include <algorithm>
 #include <numeric>
-
-#include "surface/burial.hpp"
 
 HWY_BEFORE_NAMESPACE();
 namespace eses::HWY_NAMESPACE {
@@ -24,9 +24,9 @@ std::size_t keep_unsettled(float ax, float ay, float az, float settled_cosine, f
   const auto limit = hn::Set(lanes, settled_cosine);
   std::size_t kept = 0;
   for (std::size_t i = 0; i < count; i += hn::Lanes(lanes)) {
-    const auto px = hn::LoadU(lanes, x + i), py = hn::LoadU(lanes, y + i), pz = hn::LoadU(lanes, z + i);
-    const auto cosine =
-        hn::Add(hn::Add(hn::Mul(px, vx), hn::Mul(py, vy)), hn::Mul(pz, vz));
+    const auto px = hn::LoadU(lanes, x + i), py = hn::LoadU(lanes, y + i),
+               pz = hn::LoadU(lanes, z + i);
+    const auto cosine = hn::Add(hn::Add(hn::Mul(px, vx), hn::Mul(py, vy)), hn::Mul(pz, vz));
     const auto keep = hn::And(hn::Lt(cosine, limit), hn::FirstN(lanes, count - i));
     if (hn::AllFalse(lanes, keep)) continue;
     if (hn::AllTrue(lanes, keep)) {  // most often: compressing is slow on some processors
@@ -85,8 +85,8 @@ struct PatchLimits {
 PatchLimits patch_limits(const Cap& cap, double radius, double patch_cosine, double patch_sine) {
   const double cosine = std::clamp(cap.height / radius, -1.0, 1.0);
   const double sine = std::sqrt((1 - cosine) * (1 + cosine));
-  const bool can_settle = cosine < patch_cosine;      // the cap is wider than a patch
-  const bool touches_any = cosine <= -patch_cosine;   // it reaches to the opposite patch
+  const bool can_settle = cosine < patch_cosine;     // the cap is wider than a patch
+  const bool touches_any = cosine <= -patch_cosine;  // it reaches to the opposite patch
   return {can_settle ? cosine * patch_cosine + sine * patch_sine + float_slack : 2.0,
           touches_any ? -2.0 : cosine * patch_cosine - sine * patch_sine - float_slack};
 }
@@ -117,23 +117,21 @@ bool is_buried(std::span<const Cap> caps, double radius, const BurialPatches& pa
 
   scratch.order.resize(caps.size());
   std::iota(scratch.order.begin(), scratch.order.end(), 0u);
-  const auto largest = scratch.order.begin() +
-                       static_cast<std::ptrdiff_t>(std::min(sorted_caps, caps.size()));
-  std::partial_sort(scratch.order.begin(), largest, scratch.order.end(),
-                    [&](std::uint32_t a, std::uint32_t b) {
-                      return caps[a].height < caps[b].height ||
-                             (caps[a].height == caps[b].height && a < b);
-                    });
+  const auto largest =
+      scratch.order.begin() + static_cast<std::ptrdiff_t>(std::min(sorted_caps, caps.size()));
+  std::partial_sort(
+      scratch.order.begin(), largest, scratch.order.end(), [&](std::uint32_t a, std::uint32_t b) {
+        return caps[a].height < caps[b].height || (caps[a].height == caps[b].height && a < b);
+      });
   scratch.relevant.clear();
   scratch.covering.clear();
   for (const std::uint32_t k : scratch.order) {
     const Cap& cap = caps[k];
     const double settled = patch_limits(cap, radius, patch_cosine, patch_sine).settled;
     if (settled > 1) continue;
-    const std::size_t left =
-        keep(static_cast<float>(cap.axis.x), static_cast<float>(cap.axis.y),
-             static_cast<float>(cap.axis.z), static_cast<float>(settled), scratch.x.data(),
-             scratch.y.data(), scratch.z.data(), count);
+    const std::size_t left = keep(static_cast<float>(cap.axis.x), static_cast<float>(cap.axis.y),
+                                  static_cast<float>(cap.axis.z), static_cast<float>(settled),
+                                  scratch.x.data(), scratch.y.data(), scratch.z.data(), count);
     if (left < count) scratch.covering.push_back(k);
     count = left;
     if (count == 0) return true;

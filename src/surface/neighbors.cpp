@@ -45,8 +45,7 @@ struct AtomTree::Implementation {
   Tree tree;
 
   explicit Implementation(std::span<const Atom> atoms)
-      : cloud{atoms},
-        tree(3, cloud, nanoflann::KDTreeSingleIndexAdaptorParams(atoms_per_leaf)) {
+      : cloud{atoms}, tree(3, cloud, nanoflann::KDTreeSingleIndexAdaptorParams(atoms_per_leaf)) {
     tree.buildIndex();
   }
 };

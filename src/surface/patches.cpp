@@ -7,8 +7,7 @@ namespace eses {
 namespace {
 
 bool contains(const SasSphere& outer, const SasSphere& inner) {
-  return norm(outer.center - inner.center) <=
-         outer.radius - inner.radius + tolerance::containment;
+  return norm(outer.center - inner.center) <= outer.radius - inner.radius + tolerance::containment;
 }
 
 // Of atoms that contain each other, the lowest index stays.
@@ -52,7 +51,7 @@ void join_counts(std::vector<std::uint32_t>& begins) {
 
 // Appends one list of every range to `joined`, allocated once, and frees the parts as it goes.
 template <class Value>
-void join_lists(std::span<AtomRangePatches> ranges, std::vector<Value> AtomRangePatches::* list,
+void join_lists(std::span<AtomRangePatches> ranges, std::vector<Value> AtomRangePatches::*list,
                 std::vector<Value>& joined) {
   std::size_t size = 0;
   for (const AtomRangePatches& range : ranges) size += (range.*list).size();
@@ -132,9 +131,9 @@ void place_probes(Surface& surface, AtomIndex begin, AtomIndex end) {
   Patches& patches = surface.patches;
   for (std::uint32_t v = patches.placement_begin[begin]; v < patches.placement_begin[end]; ++v) {
     ProbePlacement& placement = patches.placements[v];
-    placement.center = placement_center(
-        surface.sas_sphere(placement.atoms[0]), surface.sas_sphere(placement.atoms[1]),
-        surface.sas_sphere(placement.atoms[2]), placement.side);
+    placement.center = placement_center(surface.sas_sphere(placement.atoms[0]),
+                                        surface.sas_sphere(placement.atoms[1]),
+                                        surface.sas_sphere(placement.atoms[2]), placement.side);
     placement.is_regular = is_regular(surface, placement);
   }
 }

@@ -27,14 +27,15 @@ struct ProbePlacement {
   bool is_regular = false;
 };
 
-/// Patches by atom; an arc belongs to the lower of its two atoms, a placement to the lowest of three.
+/// Patches by atom; an arc belongs to the lower of its two atoms, a placement to the lowest of
+/// three.
 struct Patches {
-  std::vector<AtomExposure> exposure;         ///< per atom
-  std::vector<std::uint32_t> face_begin;      ///< per atom, into face_neighbours; size atoms + 1
-  std::vector<AtomIndex> face_neighbours;     ///< whose caps bound the atom's exposed face
-  std::vector<std::uint32_t> arc_begin;       ///< per atom, into arcs; size atoms + 1
+  std::vector<AtomExposure> exposure;      ///< per atom
+  std::vector<std::uint32_t> face_begin;   ///< per atom, into face_neighbours; size atoms + 1
+  std::vector<AtomIndex> face_neighbours;  ///< whose caps bound the atom's exposed face
+  std::vector<std::uint32_t> arc_begin;    ///< per atom, into arcs; size atoms + 1
   std::vector<Arc> arcs;
-  std::vector<std::uint32_t> placement_begin; ///< per atom, into placements; size atoms + 1
+  std::vector<std::uint32_t> placement_begin;  ///< per atom, into placements; size atoms + 1
   std::vector<ProbePlacement> placements;
 };
 
