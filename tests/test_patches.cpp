@@ -38,7 +38,7 @@ bool is_on_arc(const Surface& surface, Vec3 p) {
   return std::any_of(features.arcs.begin(), features.arcs.end(), [&](const ArcFeature& arc) {
     const Vec3 offset = p - arc.circle.center;
     return norm(offset - arc.circle.radius * nearest_on_arc(arc, offset)) < 1e-7 &&
-           arc_faces(arc, offset);
+           faces(arc.sector, offset);
   });
 }
 
@@ -105,6 +105,61 @@ TEST_CASE("atoms are exposed exactly where some of their sphere is accessible") 
         if (seen) CHECK(is_exposed);
       }
     }
+}
+
+TEST_CASE("the boxes of patches hold them") {
+  for (const Kind kind : {Kind::chain, Kind::gas, Kind::ring, Kind::shell}) {
+    const std::vector<Atom> atoms = make_atom_set(kind, 2);
+    const double probe = designed_probe_radius(2);
+    const Surface surface = make_surface(atoms, probe);
+    BlockFeatures features;
+    collect_features(surface, {{-100, -100, -100}, {100, 100, 100}}, features);
+    const auto holds = [](const Box& box, Vec3 p) { return squared_distance(box, p) == 0; };
+    INFO(kind_name(kind));
+    std::size_t on_faces = 0, on_saddles = 0, on_concave = 0;
+    Random random(4);
+    for (const FaceFeature& face : features.faces)
+      for (int sample = 0; sample < 500; ++sample) {
+        const Vec3 d{random.uniform(-1, 1), random.uniform(-1, 1), random.uniform(-1, 1)};
+        if (squared_norm(d) < 1e-3) continue;
+        const auto cones = features.cones_of(face);
+        if (std::any_of(cones.begin(), cones.end(), [&](const CapCone& cone) {
+              return dot(cone.axis, d) > cone.cosine * norm(d);
+            }))
+          continue;
+        ++on_faces;
+        REQUIRE(holds(face.surface_box, face.center + face.radius * normalized(d)));
+        REQUIRE(holds(face.shell_box, face.center + face.sas_radius * normalized(d)));
+      }
+    for (const ArcFeature& arc : features.arcs) {
+      const Vec3 side = cross(arc.circle.axis, arc.sector.start);
+      for (int sample = 0; sample < 500; ++sample) {
+        const double angle = random.uniform(0, 6.3);
+        const Vec3 outward = std::cos(angle) * arc.sector.start + std::sin(angle) * side;
+        if (!faces(arc.sector, outward)) continue;
+        const Vec3 center = arc.circle.center + arc.circle.radius * outward;
+        const double share = random.uniform(0, 1);
+        const Vec3 toward =
+            normalized(share * normalized(atoms[arc.atoms[0]].center - center) +
+                       (1 - share) * normalized(atoms[arc.atoms[1]].center - center));
+        const Vec3 point = center + probe * toward;
+        if (dot(point - arc.circle.center, outward) < 0) continue;  // beyond the axis
+        ++on_saddles;
+        REQUIRE(holds(arc.surface_box, point));
+        REQUIRE(holds(arc.solid_box, center + random.uniform(0, probe) * toward));
+      }
+    }
+    for (const PlacementFeature& placement : features.placements)
+      for (int sample = 0; sample < 100; ++sample) {
+        Vec3 toward;
+        for (const AtomIndex i : placement.atoms)
+          toward = toward + random.uniform(0, 1) * normalized(atoms[i].center - placement.center);
+        if (squared_norm(toward) < 1e-6) continue;
+        ++on_concave;
+        REQUIRE(holds(placement.box, placement.center + probe * normalized(toward)));
+      }
+    CHECK(on_faces + on_saddles + on_concave > 1000);
+  }
 }
 
 TEST_CASE("patches do not depend on the number of threads") {

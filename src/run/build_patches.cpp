@@ -10,7 +10,7 @@ namespace eses {
 namespace {
 
 constexpr AtomIndex atoms_per_range = 256;
-constexpr int covering_frequency = 4;  // 162 directions; more cost more than they settle
+constexpr int covering_frequency = 5;  // 162 directions; more cost more than they settle
 
 // Calls body(begin, end, thread) in parallel for ranges of atoms that make up [0, count).
 template <class Body>
@@ -46,8 +46,10 @@ void build_patches(Surface& surface, int threads) {
     build_atom_patches(surface, burial, of_thread(thread), range);
   });
   join_patches(surface, ranges);
-  for_atom_ranges(count, threads,
-                  [&](AtomIndex begin, AtomIndex end, int) { place_probes(surface, begin, end); });
+  for_atom_ranges(count, threads, [&](AtomIndex begin, AtomIndex end, int) {
+    place_probes(surface, begin, end);
+    bound_faces(surface, begin, end);
+  });
 }
 
 }  // namespace eses

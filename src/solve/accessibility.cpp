@@ -18,7 +18,7 @@ void offer_arc(const ArcFeature& arc, Vec3 point, NearestProbe& nearest) {
   const double outward =
       std::sqrt(std::max(0.0, squared_norm(offset) - height * height)) - arc.circle.radius;
   const double distance = std::sqrt(outward * outward + height * height);
-  if (distance >= nearest.distance || !arc_faces(arc, offset)) return;
+  if (distance >= nearest.distance || !faces(arc.sector, offset)) return;
   nearest = {distance,
              arc.circle.center + arc.circle.radius * nearest_on_arc(arc, offset),
              {arc.atoms[0], arc.atoms[1]},

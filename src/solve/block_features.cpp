@@ -6,46 +6,43 @@
 namespace eses {
 namespace {
 
-constexpr double box_slack = 1e-6;          // angstrom: keeps seams inside the boxes
+constexpr double box_slack = 1e-5;          // angstrom: keeps seams inside the boxes
 constexpr std::size_t vector_padding = 16;  // doubles a vector loop may read past the end
 
-// Box of an arc: its ends and the extremes of its circle that lie on it.
-Box arc_box(const ArcFeature& arc, Vec3 end) {
+// The saddle is swept by the probe's outline between the points where it touches the two atoms. In
+// the half plane through the axis, with the probe at distance rho from it, the outline's height
+// rises from one point to the other, and it comes as near to the axis as rho - probe if these lie
+// on both sides of the probe, but not beyond the axis.
+void bound_saddle(const Surface& surface, ArcFeature& arc) {
   const ContactCircle& circle = arc.circle;
-  const Vec3 first = circle.center + circle.radius * arc.start;
-  Box box{first, first};
-  if (arc.kind != ArcKind::full) box.include(circle.center + circle.radius * end);
-  for (std::size_t axis = 0; axis < 3; ++axis) {
-    Vec3 unit;
-    unit[axis] = 1;
-    const Vec3 in_plane = unit - circle.axis[axis] * circle.axis;
-    const double length = norm(in_plane);
-    if (length < tolerance::seam) continue;
-    const Vec3 extreme = (1 / length) * in_plane;
-    for (const double side : {1.0, -1.0})
-      if (arc_faces(arc, side * extreme))
-        box.include(circle.center + (side * circle.radius) * extreme);
-  }
-  return box;
+  const double probe = surface.probe_radius;
+  const double first_share = probe / (surface.atoms[arc.atoms[0]].radius + probe);
+  const double second_share = probe / (surface.atoms[arc.atoms[1]].radius + probe);
+  const double low = -first_share * circle.first_height;
+  const double high = second_share * circle.second_height;
+  const double first_radius = circle.radius * (1 - first_share);
+  const double second_radius = circle.radius * (1 - second_share);
+  const double least_radius = low < 0 && high > 0 ? std::max(0.0, circle.radius - probe)
+                                                  : std::min(first_radius, second_radius);
+  const Box directions = direction_bounds(arc.sector, circle.axis);
+  const Vec3 first_center = circle.center + low * circle.axis;
+  const Vec3 second_center = circle.center + high * circle.axis;
+  Box box = arc_box(first_center, first_radius, directions);
+  include_arc(box, second_center, second_radius, directions);
+  include_arc(box, first_center, least_radius, directions);
+  include_arc(box, second_center, least_radius, directions);
+  arc.surface_box = grown(box, box_slack);
+  include_arc(box, circle.center, circle.radius, directions);
+  arc.solid_box = grown(box, box_slack);
 }
 
-// The saddle's solid is swept by the triangle of both atoms and the probe centre, which lies in the
-// hull of the arc and the atoms; and it is within the probe radius of the arc.
 ArcFeature make_arc(const Surface& surface, const Arc& arc) {
   ArcFeature feature;
   feature.atoms = {arc.first, arc.second};
   feature.circle =
       make_contact_circle(surface.sas_sphere(arc.first), surface.sas_sphere(arc.second));
-  feature.kind = arc.kind;
-  feature.start = arc.kind == ArcKind::full ? any_perpendicular(feature.circle.axis) : arc.start;
-  feature.middle = arc.start + arc.end;
-  feature.start_normal = cross(feature.circle.axis, arc.start);
-  feature.end_normal = cross(arc.end, feature.circle.axis);
-  Box hull = arc_box(feature, arc.end);
-  const Box reach = grown(hull, surface.probe_radius);
-  hull.include(surface.atoms[arc.first].center);
-  hull.include(surface.atoms[arc.second].center);
-  feature.box = grown(intersection(hull, reach), box_slack);
+  feature.sector = make_arc_sector(feature.circle.axis, arc.kind, arc.start, arc.end);
+  bound_saddle(surface, feature);
   return feature;
 }
 
@@ -96,6 +93,11 @@ void add_face(const Surface& surface, AtomIndex i, BlockFeatures& features) {
   face.center = sphere.center;
   face.radius = surface.atoms[i].radius;
   face.sas_radius = sphere.radius;
+  const Box directions = surface.patches.face_directions[i].box();
+  Box box = arc_box(face.center, face.radius, directions);
+  face.surface_box = grown(box, box_slack);
+  include_arc(box, face.center, face.sas_radius, directions);
+  face.shell_box = grown(box, box_slack);
   face.cone_begin = static_cast<std::uint32_t>(features.cones.size());
   const Patches& patches = surface.patches;
   for (std::uint32_t k = patches.face_begin[i]; k < patches.face_begin[i + 1]; ++k) {
@@ -148,7 +150,7 @@ void collect_features(const Surface& surface, const Box& box, BlockFeatures& fea
     if (distance > (sas_radius + probe) * (sas_radius + probe)) continue;
     for (std::uint32_t a = patches.arc_begin[i]; a < patches.arc_begin[i + 1]; ++a) {
       const ArcFeature arc = make_arc(surface, patches.arcs[a]);
-      if (overlap(arc.box, box)) features.arcs.push_back(arc);
+      if (overlap(arc.solid_box, box)) features.arcs.push_back(arc);
     }
     for (std::uint32_t v = patches.placement_begin[i]; v < patches.placement_begin[i + 1]; ++v)
       if (squared_distance(box, patches.placements[v].center) <= squared_probe)

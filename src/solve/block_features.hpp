@@ -9,6 +9,7 @@
 
 #include "eses/grid.hpp"
 #include "eses/tiling.hpp"
+#include "geometry/arc_sector.hpp"
 #include "geometry/box.hpp"
 #include "surface/patches.hpp"
 
@@ -44,19 +45,17 @@ struct FaceFeature {
   Vec3 center;
   double radius = 0;
   double sas_radius = 0;
+  Box shell_box;    ///< of the points straight below the face, down to the van der Waals sphere
+  Box surface_box;  ///< of the convex patch
   std::uint32_t cone_begin = 0, cone_end = 0;  ///< in BlockFeatures::cones
 };
 
 struct ArcFeature {
   std::array<AtomIndex, 2> atoms{};
   ContactCircle circle;
-  ArcKind kind = ArcKind::full;
-  Vec3 start;         ///< unit, from the centre to the arc's start
-  Vec3 middle;        ///< start + end
-  Vec3 start_normal;  ///< axis x start: positive side of the half plane through the start
-  Vec3 end_normal;    ///< end x axis
-  Box box;            ///< of all points whose nearest point of the circle is on the arc and nearer
-                      ///< than the probe radius
+  ArcSector sector;
+  Box solid_box;    ///< of the points whose nearest accessible probe centre is on the arc
+  Box surface_box;  ///< of the saddle patch
 };
 
 struct PlacementFeature {
@@ -85,21 +84,11 @@ struct BlockFeatures {
 /// |x - center| < radius + 2 probe, no others.
 void collect_features(const Surface& surface, const Box& box, BlockFeatures& features);
 
-/// Whether the circle's point nearest to `offset` (from the centre) lies on the arc, seams
-/// included. On the axis every point of the circle is nearest.
-inline bool arc_faces(const ArcFeature& arc, Vec3 offset) {
-  if (arc.kind == ArcKind::full) return true;
-  const bool after_start = dot(arc.start_normal, offset) >= -tolerance::seam;
-  const bool before_end = dot(arc.end_normal, offset) >= -tolerance::seam;
-  if (arc.kind == ArcKind::major) return after_start || before_end;
-  return after_start && before_end && dot(arc.middle, offset) >= -tolerance::seam;
-}
-
 /// Unit vector from the circle's centre to its point nearest to `offset` on the arc.
 inline Vec3 nearest_on_arc(const ArcFeature& arc, Vec3 offset) {
   const Vec3 radial = offset - dot(offset, arc.circle.axis) * arc.circle.axis;
   const double length = norm(radial);
-  return length > tolerance::seam ? (1 / length) * radial : arc.start;
+  return length > tolerance::seam ? (1 / length) * radial : arc.sector.start;
 }
 
 }  // namespace eses

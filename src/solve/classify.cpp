@@ -76,19 +76,21 @@ void stamp_rows(const BallPlane& plane, const double* y, std::uint64_t* rows, st
   }
 }
 
-// Calls action(plane, column, z, y range) for every plane of a ball.
+// Calls action(plane, column, z, y range) for every plane of a ball, as far as it reaches into
+// `box`.
 template <class Action>
 void for_each_plane(const BlockGrid& grid, const PointBits& bits, Vec3 center, double radius,
-                    Action&& action) {
-  const IndexRange z = indices_within(grid, 2, center.z - radius, center.z + radius);
-  const IndexRange x = indices_within(grid, 0, center.x - radius, center.x + radius);
+                    const Box& box, Action&& action) {
+  const IndexRange z = indices_within(grid, 2, box.low.z, box.high.z);
+  const IndexRange x = indices_within(grid, 0, box.low.x, box.high.x);
   const IndexRange columns = columns_of(x, bits.columns);
   for (std::int64_t k = z.begin; k < z.end; ++k) {
     const double dz = grid.coordinates[2][static_cast<std::size_t>(k)] - center.z;
     const double squared = radius * radius - dz * dz;
     if (squared < 0) continue;
     const double half = std::sqrt(squared);
-    const IndexRange y = indices_within(grid, 1, center.y - half, center.y + half);
+    const IndexRange y = indices_within(grid, 1, std::max(box.low.y, center.y - half),
+                                        std::min(box.high.y, center.y + half));
     if (y.begin >= y.end) continue;
     BallPlane plane{center.x, center.y, squared, grid.grid.lower.x, 1 / grid.grid.spacing, 0};
     for (std::int64_t column = columns.begin; column < columns.end; ++column) {
@@ -101,7 +103,7 @@ void for_each_plane(const BlockGrid& grid, const PointBits& bits, Vec3 center, d
 
 template <Stamp stamp>
 void stamp_ball(const BlockGrid& grid, Vec3 center, double radius, PointBits& bits) {
-  for_each_plane(grid, bits, center, radius,
+  for_each_plane(grid, bits, center, radius, ball_box(center, radius),
                  [&](const BallPlane& plane, std::int64_t column, std::int64_t k, IndexRange y) {
                    stamp_rows<stamp>(plane, grid.coordinates[1].data(),
                                      bits.words.data() + bits.word_index(column, 0, k),
@@ -152,7 +154,7 @@ void clear_face(const BlockGrid& grid, const FaceFeature& face, std::span<const 
   PointBits& undecided = scratch.undecided;
   ShellBatch& batch = scratch.batch;
   for_each_plane(
-      grid, undecided, face.center, face.sas_radius,
+      grid, undecided, face.center, face.sas_radius, face.shell_box,
       [&](const BallPlane& plane, std::int64_t column, std::int64_t k, IndexRange y) {
         const auto begin = static_cast<std::size_t>(y.begin), end = static_cast<std::size_t>(y.end);
         stamp_rows<Stamp::copy>(plane, grid.coordinates[1].data(), scratch.row_masks.data(), begin,
@@ -184,14 +186,14 @@ bool is_covered_by(const ArcFeature& arc, double squared_probe, Vec3 point) {
   const double height = dot(offset, arc.circle.axis);
   const double from_axis = std::sqrt(std::max(0.0, squared_norm(offset) - height * height));
   const double outward = from_axis - arc.circle.radius;
-  return outward * outward + height * height < squared_probe && arc_faces(arc, offset);
+  return outward * outward + height * height < squared_probe && faces(arc.sector, offset);
 }
 
 void clear_arc(const BlockGrid& grid, const ArcFeature& arc, double squared_probe,
                PointBits& undecided) {
-  const IndexRange x = indices_within(grid, 0, arc.box.low.x, arc.box.high.x);
-  const IndexRange y = indices_within(grid, 1, arc.box.low.y, arc.box.high.y);
-  const IndexRange z = indices_within(grid, 2, arc.box.low.z, arc.box.high.z);
+  const IndexRange x = indices_within(grid, 0, arc.solid_box.low.x, arc.solid_box.high.x);
+  const IndexRange y = indices_within(grid, 1, arc.solid_box.low.y, arc.solid_box.high.y);
+  const IndexRange z = indices_within(grid, 2, arc.solid_box.low.z, arc.solid_box.high.z);
   const IndexRange columns = columns_of(x, undecided.columns);
   for (std::int64_t column = columns.begin; column < columns.end; ++column) {
     const std::int64_t first_x = column * PointBits::column_step;

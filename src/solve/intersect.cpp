@@ -112,7 +112,8 @@ bool is_in_wedge(const ArcFeature& arc, Vec3 offset) {
   const double inward = circle.radius - from_axis;
   const double slack = tolerance::seam * circle.radius;
   return circle.radius * height + circle.first_height * inward >= -slack &&
-         circle.second_height * inward - circle.radius * height >= -slack && arc_faces(arc, offset);
+         circle.second_height * inward - circle.radius * height >= -slack &&
+         faces(arc.sector, offset);
 }
 
 // A line from `start` to `start + step` wholly beyond an arc's end.
@@ -147,8 +148,8 @@ HWY_INLINE void meet_arc(const ArcFeature& arc, double probe, const Edge& edge, 
   const double from = edge.lower_is_inside ? edge.upper : edge.lower[edge.axis];
   const Vec3 start = edge.point_at(from) - arc.circle.center;
   const Vec3 step = length * inward_direction(edge);
-  if (arc.kind == ArcKind::minor &&
-      (passes_beyond(arc.start_normal, start, step) || passes_beyond(arc.end_normal, start, step)))
+  if (arc.sector.kind == ArcKind::minor && (passes_beyond(arc.sector.start_normal, start, step) ||
+                                            passes_beyond(arc.sector.end_normal, start, step)))
     return;
   if (misses_saddle(arc, probe, start, step, length)) return;
   const TubeExits exits = tube_exits(start, step, arc.circle.axis, arc.circle.radius, probe,
@@ -237,7 +238,7 @@ struct Search {
   void search_face(std::uint32_t index) {
     const FaceFeature& face = features.faces[index];
     std::size_t killer = 0;
-    for_each_edge(ball_box(face.center, face.radius), [&](const Edge& edge, auto&& rank) {
+    for_each_edge(face.surface_box, [&](const Edge& edge, auto&& rank) {
       if (const auto met = meet_face(face, features.cones_of(face), killer, edge))
         offer(rank(), {*met, index, 1});
     });
@@ -245,7 +246,7 @@ struct Search {
 
   void search_arc(std::uint32_t index) {
     const ArcFeature& arc = features.arcs[index];
-    for_each_edge(arc.box, [&](const Edge& edge, auto&& rank) {
+    for_each_edge(arc.surface_box, [&](const Edge& edge, auto&& rank) {
       meet_arc(arc, features.probe_radius, edge, [&](double met) {
         offer(rank(), {met, index, 2});
       });

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "geometry/arc_sector.hpp"
+
 namespace eses {
 namespace {
 
@@ -77,6 +79,23 @@ void join_arcs(Patches& patches, std::span<AtomRangePatches> ranges) {
                AtomExposure::buried);
 }
 
+// Along the rim of a face its directions are those in which its atom sees the arc.
+void bound_faces_by_arcs(Surface& surface) {
+  Patches& patches = surface.patches;
+  patches.face_directions.resize(surface.atoms.size());
+  for (const Arc& arc : patches.arcs) {
+    const SasSphere first = surface.sas_sphere(arc.first), second = surface.sas_sphere(arc.second);
+    const ContactCircle circle = make_contact_circle(first, second);
+    const Box radial =
+        direction_bounds(make_arc_sector(circle.axis, arc.kind, arc.start, arc.end), circle.axis);
+    const auto seen_from = [&](const SasSphere& sphere, double height) {
+      return arc_box((height / sphere.radius) * circle.axis, circle.radius / sphere.radius, radial);
+    };
+    patches.face_directions[arc.first].include(seen_from(first, circle.first_height));
+    patches.face_directions[arc.second].include(seen_from(second, -circle.second_height));
+  }
+}
+
 void join_faces(Patches& patches, std::span<AtomRangePatches> ranges) {
   for (const AtomRangePatches& range : ranges)
     std::copy(range.face_count.begin(), range.face_count.end(),
@@ -125,6 +144,36 @@ void join_patches(Surface& surface, std::span<AtomRangePatches> ranges) {
   join_arcs(patches, ranges);
   join_faces(patches, ranges);
   join_placements(patches, ranges);
+  bound_faces_by_arcs(surface);
+}
+
+void FaceDirections::include(const Box& directions) {
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    low[axis] = std::min(low[axis], static_cast<float>(directions.low[axis]));
+    high[axis] = std::max(high[axis], static_cast<float>(directions.high[axis]));
+  }
+}
+
+void bound_faces(Surface& surface, AtomIndex begin, AtomIndex end) {
+  Patches& patches = surface.patches;
+  for (AtomIndex i = begin; i < end; ++i) {
+    if (patches.exposure[i] != AtomExposure::exposed) continue;
+    const SasSphere sphere = surface.sas_sphere(i);
+    std::array<bool, 6> is_hidden{};  // -x, +x, -y, ...
+    for (std::uint32_t k = patches.face_begin[i]; k < patches.face_begin[i + 1]; ++k) {
+      const Cap cap = make_cap(sphere, surface.sas_sphere(patches.face_neighbours[k]));
+      for (std::size_t pole = 0; pole < 6; ++pole) {
+        const double along = pole % 2 == 0 ? -cap.axis[pole / 2] : cap.axis[pole / 2];
+        is_hidden[pole] = is_hidden[pole] || along * sphere.radius > cap.height + tolerance::seam;
+      }
+    }
+    for (std::size_t pole = 0; pole < 6; ++pole) {
+      if (is_hidden[pole]) continue;
+      Vec3 direction;
+      direction[pole / 2] = pole % 2 == 0 ? -1 : 1;
+      patches.face_directions[i].include({direction, direction});
+    }
+  }
 }
 
 void place_probes(Surface& surface, AtomIndex begin, AtomIndex end) {

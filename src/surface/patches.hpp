@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "eses/atoms.hpp"
+#include "geometry/box.hpp"
 #include "geometry/circle_arcs.hpp"
 #include "surface/atom_patches.hpp"
 #include "surface/neighbors.hpp"
@@ -27,13 +28,22 @@ struct ProbePlacement {
   bool is_regular = false;
 };
 
+/// Bounds of the unit vectors from an atom's centre to its exposed face.
+struct FaceDirections {
+  std::array<float, 3> low{1, 1, 1}, high{-1, -1, -1};
+
+  void include(const Box& directions);
+  Box box() const { return {{low[0], low[1], low[2]}, {high[0], high[1], high[2]}}; }
+};
+
 /// Patches by atom; an arc belongs to the lower of its two atoms, a placement to the lowest of
 /// three.
 struct Patches {
-  std::vector<AtomExposure> exposure;      ///< per atom
-  std::vector<std::uint32_t> face_begin;   ///< per atom, into face_neighbours; size atoms + 1
-  std::vector<AtomIndex> face_neighbours;  ///< whose caps bound the atom's exposed face
-  std::vector<std::uint32_t> arc_begin;    ///< per atom, into arcs; size atoms + 1
+  std::vector<AtomExposure> exposure;           ///< per atom
+  std::vector<std::uint32_t> face_begin;        ///< per atom, into face_neighbours; size atoms + 1
+  std::vector<AtomIndex> face_neighbours;       ///< whose caps bound the atom's exposed face
+  std::vector<FaceDirections> face_directions;  ///< per atom; empty bounds unless exposed
+  std::vector<std::uint32_t> arc_begin;         ///< per atom, into arcs; size atoms + 1
   std::vector<Arc> arcs;
   std::vector<std::uint32_t> placement_begin;  ///< per atom, into placements; size atoms + 1
   std::vector<ProbePlacement> placements;
@@ -57,6 +67,10 @@ struct Surface {
 /// Marks atoms [begin, end) whose SAS ball lies in that of another atom; they take no further part.
 void find_contained_atoms(Surface& surface, AtomIndex begin, AtomIndex end,
                           std::vector<AtomIndex>& found);
+
+/// Adds to the bounds of atoms [begin, end) those poles of their spheres that are exposed: with the
+/// arcs, which join_patches adds, all extremes of their faces. After join_patches.
+void bound_faces(Surface& surface, AtomIndex begin, AtomIndex end);
 
 /// Joins the patches of consecutive ranges of atoms, in their order.
 void join_patches(Surface& surface, std::span<AtomRangePatches> ranges);
