@@ -10,6 +10,8 @@
 #include <cstdint>
 #include <cstdio>
 #include <exception>
+#include <fstream>
+#include <limits>
 #include <new>
 #include <optional>
 #include <string>
@@ -54,15 +56,18 @@ void complain(std::string_view kind, std::string_view message) {
   std::fwrite(line.data(), 1, line.size(), stderr);
 }
 
+// Linux counts what the parent held before it became this program towards ru_maxrss, but not
+// towards VmHWM.
 std::uint64_t peak_memory_bytes() {
+  std::ifstream status("/proc/self/status");
+  for (std::string key; status >> key;) {
+    std::uint64_t kilobytes = 0;
+    if (key == "VmHWM:" && status >> kilobytes) return kilobytes * 1024;
+    status.ignore(std::numeric_limits<std::streamsize>::max(), '\n');
+  }
   rusage usage{};
   if (getrusage(RUSAGE_SELF, &usage) != 0) return 0;
-#ifdef __APPLE__
-  constexpr std::uint64_t unit = 1;
-#else
-  constexpr std::uint64_t unit = 1024;
-#endif
-  return static_cast<std::uint64_t>(usage.ru_maxrss) * unit;
+  return static_cast<std::uint64_t>(usage.ru_maxrss) * 1024;
 }
 
 void announce(const Report& report) {

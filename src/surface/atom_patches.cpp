@@ -16,7 +16,8 @@ void collect_caps(const Surface& surface, AtomIndex i, AtomPatchScratch& scratch
   for (const AtomIndex j : scratch.found) {
     if (j == i || surface.patches.exposure[j] == AtomExposure::contained) continue;
     const SasSphere neighbour = surface.sas_sphere(j);
-    const double reach = sphere.radius + neighbour.radius;
+    // Spheres that merely touch do not meet; rounding must not make a circle of the point.
+    const double reach = sphere.radius + neighbour.radius - tolerance::containment;
     if (squared_norm(neighbour.center - sphere.center) >= reach * reach) continue;
     scratch.neighbours.push_back(j);
     scratch.caps.push_back(make_cap(sphere, neighbour));
