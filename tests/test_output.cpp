@@ -16,6 +16,7 @@
 #include "eses/run.hpp"
 #include "io/number_text.hpp"
 #include "io/output_file.hpp"
+#include "run/parallel.hpp"
 #include "support/atom_sets.hpp"
 #include "support/eses_files.hpp"
 #include "support/temporary_directory.hpp"
@@ -150,6 +151,7 @@ TEST_CASE("no space for the files: an error, and nothing is left") {
     const pid_t child = fork();
     if (child == 0) {
       std::signal(SIGXFSZ, SIG_IGN);
+      available_threads();  // some OpenMP runtimes write a file of their own when they start
       const rlimit file_size{limit, limit};
       setrlimit(RLIMIT_FSIZE, &file_size);
       try {

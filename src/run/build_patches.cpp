@@ -50,6 +50,7 @@ void build_patches(Surface& surface, int threads) {
     place_probes(surface, begin, end);
     bound_faces(surface, begin, end);
   });
+  merge_placements(surface);
 }
 
 }  // namespace eses

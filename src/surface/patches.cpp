@@ -176,6 +176,37 @@ void bound_faces(Surface& surface, AtomIndex begin, AtomIndex end) {
   }
 }
 
+void merge_placements(Surface& surface) {
+  Patches& patches = surface.patches;
+  // Rounding of a centre is far below this; two halves of a pair that a cell's wall parts stay two.
+  constexpr double cell = 1e-6;  // angstrom
+  const auto place_of = [](const ProbePlacement& placement) {
+    const Vec3 c = placement.center;
+    return std::array<double, 3>{std::floor(c.x / cell), std::floor(c.y / cell),
+                                 std::floor(c.z / cell)};
+  };
+  std::vector<std::uint32_t> irregular;
+  for (std::uint32_t v = 0; v < patches.placements.size(); ++v)
+    if (!patches.placements[v].is_regular) irregular.push_back(v);
+  if (irregular.empty()) return;
+  std::stable_sort(irregular.begin(), irregular.end(), [&](std::uint32_t a, std::uint32_t b) {
+    return place_of(patches.placements[a]) < place_of(patches.placements[b]);
+  });
+  std::vector<bool> is_repeated(patches.placements.size());
+  for (std::size_t q = 1; q < irregular.size(); ++q)
+    is_repeated[irregular[q]] = place_of(patches.placements[irregular[q]]) ==
+                                place_of(patches.placements[irregular[q - 1]]);
+  std::uint32_t kept = 0, next = 0;
+  for (std::size_t i = 0; i < surface.atoms.size(); ++i) {
+    const std::uint32_t end = patches.placement_begin[i + 1];
+    patches.placement_begin[i] = kept;
+    for (; next < end; ++next)
+      if (!is_repeated[next]) patches.placements[kept++] = patches.placements[next];
+  }
+  patches.placement_begin.back() = kept;
+  patches.placements.resize(kept);
+}
+
 void place_probes(Surface& surface, AtomIndex begin, AtomIndex end) {
   Patches& patches = surface.patches;
   for (std::uint32_t v = patches.placement_begin[begin]; v < patches.placement_begin[end]; ++v) {

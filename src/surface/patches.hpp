@@ -78,4 +78,8 @@ void join_patches(Surface& surface, std::span<AtomRangePatches> ranges);
 /// Places the probes of atoms [begin, end), after join_patches.
 void place_probes(Surface& surface, AtomIndex begin, AtomIndex end);
 
+/// Where a probe touches four or more atoms, every triple of them gives the same placement: keeps
+/// that of the lowest triple. After place_probes.
+void merge_placements(Surface& surface);
+
 }  // namespace eses
