@@ -17,6 +17,9 @@ double diamond_angle(double x, double y) {
 
 double wrap(double angle) { return angle < 0 ? angle + full_turn : angle; }
 
+// Square angstrom: far above rounding, far below what leaves an arc.
+constexpr double clear_margin = 1e-9;
+
 struct Direction {
   double x, y;
 };
@@ -38,8 +41,8 @@ Blocked blocked_by(const ContactCircle& circle, const CircleFrame& frame, const 
   return {{x / length, y / length}, circle.radius * length};
 }
 
-double clearance(const ContactCircle& circle, const Cap& cap, double height) {
-  return height - circle.first_height * dot(circle.axis, cap.axis);
+double exact_clearance(const ContactCircle& circle, const Cap& cap) {
+  return cap.height - circle.first_height * dot(circle.axis, cap.axis);
 }
 
 Direction turned(Direction d, double cosine, double sine) {
@@ -54,7 +57,7 @@ Direction exact_end(const ContactCircle& circle, const CircleFrame& frame, const
                     double side) {
   const Blocked blocked = blocked_by(circle, frame, cap);
   const double cosine =
-      blocked.reach > 0 ? std::clamp(clearance(circle, cap, cap.height) / blocked.reach, -1.0, 1.0)
+      blocked.reach > 0 ? std::clamp(exact_clearance(circle, cap) / blocked.reach, -1.0, 1.0)
                         : 1.0;
   return turned(blocked.toward, cosine, side * sine_of(cosine));
 }
@@ -83,8 +86,15 @@ void accessible_arcs(const ContactCircle& circle, std::span<const Cap> caps, std
   scratch.open.clear();
   for (std::uint32_t k = 0; k < caps.size(); ++k) {
     if (k == own) continue;
+    const double along = dot(circle.axis, caps[k].axis);
+    const double height = caps[k].blocking_height - circle.first_height * along;
+    // Most caps block all or nothing; that is told without a root where it is told clearly.
+    const double squared_reach = circle.radius * circle.radius * (1 - along) * (1 + along);
+    if (height * height > squared_reach + clear_margin) {
+      if (height > 0) continue;
+      return;
+    }
     const Blocked blocked = blocked_by(circle, frame, caps[k]);
-    const double height = clearance(circle, caps[k], caps[k].blocking_height);
     if (height >= blocked.reach) continue;
     const double cosine = blocked.reach > 0 ? height / blocked.reach : -1;
     if (cosine >= 1) continue;

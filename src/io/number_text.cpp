@@ -1,5 +1,6 @@
 #include "io/number_text.hpp"
 
+#include <algorithm>
 #include <array>
 #include <bit>
 #include <charconv>
@@ -102,6 +103,13 @@ char* write_scientific(char* out, double value) {
 }
 
 char* write_index(char* out, std::uint64_t value) {
+  if (value < 100000000) {
+    // The leading zeros are shifted out.
+    const std::uint64_t digits = eight_digits(value);
+    const int zeros = std::min(std::countr_zero(digits & 0x0f0f0f0f0f0f0f0f) / 8, 7);
+    store_text(out, digits >> (8 * zeros));
+    return out + 8 - zeros;
+  }
   return std::to_chars(out, out + longest_number_text, value).ptr;
 }
 

@@ -78,6 +78,14 @@ Crossing bisect(const BlockFeatures& features, const Edge& edge) {
 
 }  // namespace
 
+Crossing make_crossing(const BlockFeatures& features, const Edge& edge,
+                       const Candidate& candidate) {
+  const Vec3 point = edge.point_at(candidate.coordinate);
+  return make_crossing(edge, candidate.coordinate,
+                       outward_normal(features, edge, candidate, point),
+                       atoms_of(features, candidate));
+}
+
 Crossing decide_crossing(const BlockFeatures& features, const Edge& edge,
                          std::vector<Candidate>& candidates) {
   if (candidates.empty()) return bisect(features, edge);
@@ -94,8 +102,7 @@ Crossing decide_crossing(const BlockFeatures& features, const Edge& edge,
                                                 features.probe_radius - tolerance::covered))
       ++chosen;
   }
-  const Vec3 normal = outward_normal(features, edge, *chosen, edge.point_at(chosen->coordinate));
-  return make_crossing(edge, chosen->coordinate, normal, atoms_of(features, *chosen));
+  return make_crossing(features, edge, *chosen);
 }
 
 }  // namespace eses

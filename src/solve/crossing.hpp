@@ -45,6 +45,10 @@ struct Candidate {
   std::uint8_t atom_count = 0;  ///< kind of patch: 1 face, 2 arc, 3 placement; 0 none
 };
 
+/// The crossing at a candidate, with its outward normal and atoms.
+Crossing make_crossing(const BlockFeatures& features, const Edge& edge,
+                       const Candidate& candidate);
+
 /// The crossing nearest to the outside end. Every true crossing is among the candidates, and the
 /// first of them, seen from the outside end, that no accessible probe covers is the one; a single
 /// one needs no proof. `candidates` is sorted in place. If rounding left none, the edge is

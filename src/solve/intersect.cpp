@@ -307,11 +307,18 @@ void intersect(const BlockGrid& grid, const BlockFeatures& features, const Point
   walk_edges(
       search,
       [&](const Edge& edge, std::int64_t x, std::uint32_t rank) {
-        scratch.of_edge.clear();
-        if (scratch.first[rank].atom_count > 0) scratch.of_edge.push_back(scratch.first[rank]);
-        for (; further != scratch.further.end() && further->edge == rank; ++further)
-          scratch.of_edge.push_back(further->candidate);
-        crossings.push_back(decide_crossing(features, edge, scratch.of_edge));
+        const Candidate& first = scratch.first[rank];
+        const bool is_single =
+            first.atom_count > 0 && (further == scratch.further.end() || further->edge != rank);
+        if (is_single) {
+          crossings.push_back(make_crossing(features, edge, first));
+        } else {
+          scratch.of_edge.clear();
+          if (first.atom_count > 0) scratch.of_edge.push_back(first);
+          for (; further != scratch.further.end() && further->edge == rank; ++further)
+            scratch.of_edge.push_back(further->candidate);
+          crossings.push_back(decide_crossing(features, edge, scratch.of_edge));
+        }
         crossings.back().x = static_cast<std::uint16_t>(x);
       },
       [&] { row_begin.push_back(static_cast<std::uint32_t>(crossings.size())); });

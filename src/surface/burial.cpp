@@ -6,7 +6,8 @@
 #include <hwy/highway.h>
 
 #include <algorithm>
-#include <numeric>
+#include <cmath>
+#include <iterator>
 
 HWY_BEFORE_NAMESPACE();
 namespace eses::HWY_NAMESPACE {
@@ -75,20 +76,25 @@ namespace {
 constexpr double float_slack = 1e-5;
 constexpr std::size_t widest_vector = 64;  // floats: ample padding for every instruction set
 // Past the largest caps the order hardly matters, and a full sort would cost more than it saves.
-constexpr std::size_t sorted_caps = 16;
+constexpr std::ptrdiff_t sorted_caps = 16;
 
 // cos(angle -+ patch radius) for the angular radius of a cap, with room for rounding.
 struct PatchLimits {
   double settled, touched;
 };
 
-PatchLimits patch_limits(const Cap& cap, double radius, double patch_cosine, double patch_sine) {
-  const double cosine = std::clamp(cap.height / radius, -1.0, 1.0);
+PatchLimits patch_limits(double cap_cosine, double patch_cosine, double patch_sine) {
+  const double cosine = std::clamp(cap_cosine, -1.0, 1.0);
   const double sine = std::sqrt((1 - cosine) * (1 + cosine));
   const bool can_settle = cosine < patch_cosine;     // the cap is wider than a patch
   const bool touches_any = cosine <= -patch_cosine;  // it reaches to the opposite patch
   return {can_settle ? cosine * patch_cosine + sine * patch_sine + float_slack : 2.0,
           touches_any ? -2.0 : cosine * patch_cosine - sine * patch_sine - float_slack};
+}
+
+// A cap settles the more patches the lower the cosine that settles one.
+bool is_larger(const BurialCap& a, const BurialCap& b) {
+  return a.settled < b.settled || (a.settled == b.settled && a.number < b.number);
 }
 
 }  // namespace
@@ -115,35 +121,32 @@ bool is_buried(std::span<const Cap> caps, double radius, const BurialPatches& pa
   load(patches.y, scratch.y);
   load(patches.z, scratch.z);
 
-  scratch.order.resize(caps.size());
-  std::iota(scratch.order.begin(), scratch.order.end(), 0u);
-  const auto largest =
-      scratch.order.begin() + static_cast<std::ptrdiff_t>(std::min(sorted_caps, caps.size()));
-  std::partial_sort(
-      scratch.order.begin(), largest, scratch.order.end(), [&](std::uint32_t a, std::uint32_t b) {
-        return caps[a].height < caps[b].height || (caps[a].height == caps[b].height && a < b);
-      });
+  auto& order = scratch.order;
+  order.clear();
+  for (std::uint32_t k = 0; k < caps.size(); ++k) {
+    const auto& [axis, height, blocking_height] = caps[k];
+    const auto [settled, touched] = patch_limits(height / radius, patch_cosine, patch_sine);
+    order.push_back({static_cast<float>(axis.x), static_cast<float>(axis.y),
+                     static_cast<float>(axis.z), static_cast<float>(settled),
+                     static_cast<float>(touched), k});
+  }
+  if (order.size() > sorted_caps)
+    std::nth_element(order.begin(), order.begin() + sorted_caps, order.end(), is_larger);
+  std::sort(order.begin(), order.begin() + std::min(sorted_caps, std::ssize(order)), is_larger);
   scratch.relevant.clear();
   scratch.covering.clear();
-  for (const std::uint32_t k : scratch.order) {
-    const Cap& cap = caps[k];
-    const double settled = patch_limits(cap, radius, patch_cosine, patch_sine).settled;
-    if (settled > 1) continue;
-    const std::size_t left = keep(static_cast<float>(cap.axis.x), static_cast<float>(cap.axis.y),
-                                  static_cast<float>(cap.axis.z), static_cast<float>(settled),
-                                  scratch.x.data(), scratch.y.data(), scratch.z.data(), count);
-    if (left < count) scratch.covering.push_back(k);
+  for (const BurialCap& cap : order) {
+    if (cap.settled > 1) continue;
+    const std::size_t left = keep(cap.x, cap.y, cap.z, cap.settled, scratch.x.data(),
+                                  scratch.y.data(), scratch.z.data(), count);
+    if (left < count) scratch.covering.push_back(cap.number);
     count = left;
     if (count == 0) return true;
   }
-  for (const std::uint32_t k : scratch.order) {
-    const Cap& cap = caps[k];
-    const double touched = patch_limits(cap, radius, patch_cosine, patch_sine).touched;
-    if (touches(static_cast<float>(cap.axis.x), static_cast<float>(cap.axis.y),
-                static_cast<float>(cap.axis.z), static_cast<float>(touched), scratch.x.data(),
-                scratch.y.data(), scratch.z.data(), count))
-      scratch.relevant.push_back(k);
-  }
+  for (const BurialCap& cap : order)
+    if (touches(cap.x, cap.y, cap.z, cap.touched, scratch.x.data(), scratch.y.data(),
+                scratch.z.data(), count))
+      scratch.relevant.push_back(cap.number);
   std::erase_if(scratch.covering, [&](std::uint32_t k) {
     return std::find(scratch.relevant.begin(), scratch.relevant.end(), k) != scratch.relevant.end();
   });

@@ -24,9 +24,17 @@ struct BurialPatches {
   explicit BurialPatches(const CoveringDirections& covering);
 };
 
+/// A cap as the kernel sees it.
+struct BurialCap {
+  float x, y, z;         ///< axis
+  float settled;         ///< patches whose centre is at least at this cosine from the axis lie in it
+  float touched;         ///< those from this cosine on may have some of it
+  std::uint32_t number;  ///< index of the cap
+};
+
 /// The outcome: which of the caps given matter.
 struct BurialScratch {
-  std::vector<std::uint32_t> order;     ///< caps by size, the largest first
+  std::vector<BurialCap> order;         ///< the largest first, as far as that helps
   std::vector<std::uint32_t> relevant;  ///< caps whose circle may be accessible
   std::vector<std::uint32_t> covering;  ///< further caps that are needed to cover
   std::vector<float> x, y, z;           ///< patches not yet settled
