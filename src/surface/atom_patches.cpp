@@ -2,26 +2,54 @@
 
 #include <algorithm>
 
+#include "geometry/box.hpp"
 #include "surface/patches.hpp"
 
 namespace eses {
 namespace {
 
+// Atoms that follow each other in a file are mostly near each other, so that one look-up serves
+// several of them.
+constexpr AtomIndex atoms_per_lookup = 8;
+
+// All atoms whose SAS sphere may meet one of those in [begin, end).
+void find_neighbours_of_group(const Surface& surface, AtomIndex begin, AtomIndex end,
+                              AtomPatchScratch& scratch) {
+  Box box{surface.atoms[begin].center, surface.atoms[begin].center};
+  double largest = 0;
+  for (AtomIndex i = begin; i < end; ++i) {
+    box.include(surface.atoms[i].center);
+    largest = std::max(largest, surface.atoms[i].radius);
+  }
+  const double reach = largest + surface.largest_radius + 2 * surface.probe_radius;
+  surface.tree.find_within(0.5 * (box.low + box.high), reach + 0.5 * norm(box.high - box.low),
+                           scratch.found);
+  scratch.group.clear();
+  for (const AtomIndex j : scratch.found)
+    if (surface.patches.exposure[j] != AtomExposure::contained)
+      scratch.group.push_back({surface.sas_sphere(j), j});
+}
+
 void collect_caps(const Surface& surface, AtomIndex i, AtomPatchScratch& scratch) {
   const SasSphere sphere = surface.sas_sphere(i);
-  surface.tree.find_within(
-      sphere.center, sphere.radius + surface.largest_radius + surface.probe_radius, scratch.found);
   scratch.neighbours.clear();
   scratch.caps.clear();
-  for (const AtomIndex j : scratch.found) {
-    if (j == i || surface.patches.exposure[j] == AtomExposure::contained) continue;
-    const SasSphere neighbour = surface.sas_sphere(j);
+  for (const auto& [neighbour, j] : scratch.group) {
     // Spheres that merely touch do not meet; rounding must not make a circle of the point.
     const double reach = sphere.radius + neighbour.radius - tolerance::containment;
-    if (squared_norm(neighbour.center - sphere.center) >= reach * reach) continue;
+    if (squared_norm(neighbour.center - sphere.center) >= reach * reach || j == i) continue;
     scratch.neighbours.push_back(j);
     scratch.caps.push_back(make_cap(sphere, neighbour));
   }
+}
+
+// Whether the atoms [begin, end) are near enough to each other for a common look-up to pay.
+bool is_compact(const Surface& surface, AtomIndex begin, AtomIndex end) {
+  constexpr double near = 6;  // angstrom
+  for (AtomIndex i = begin + 1; i < end; ++i)
+    if (squared_norm(surface.atoms[i].center - surface.atoms[begin].center) > near * near)
+      return false;
+  return true;
 }
 
 // Relevant caps first, by size, then those that merely cover.
@@ -63,33 +91,41 @@ void add_circle(const Surface& surface, AtomIndex i, std::uint32_t own, AtomPatc
   }
 }
 
+void add_atom(const Surface& surface, const BurialPatches& burial, AtomIndex i,
+              AtomPatchScratch& scratch, AtomRangePatches& patches) {
+  AtomExposure exposure = surface.patches.exposure[i];
+  const std::size_t first_arc = patches.arcs.size();
+  const std::size_t first_neighbour = patches.face_neighbours.size();
+  if (exposure != AtomExposure::contained) {
+    collect_caps(surface, i, scratch);
+    const double radius = surface.atoms[i].radius + surface.probe_radius;
+    if (is_buried(scratch.caps, radius, burial, scratch.burial)) {
+      exposure = AtomExposure::buried;
+    } else {
+      keep_caps(scratch);
+      if (scratch.kept_caps.empty()) exposure = AtomExposure::exposed;
+      patches.face_neighbours.insert(patches.face_neighbours.end(), scratch.kept_neighbours.begin(),
+                                     scratch.kept_neighbours.end());
+      for (std::uint32_t k = 0; k < scratch.burial.relevant.size(); ++k)
+        if (scratch.kept_neighbours[k] > i) add_circle(surface, i, k, scratch, patches);
+    }
+  }
+  patches.exposure.push_back(exposure);
+  patches.arc_count.push_back(static_cast<std::uint32_t>(patches.arcs.size() - first_arc));
+  patches.face_count.push_back(
+      static_cast<std::uint32_t>(patches.face_neighbours.size() - first_neighbour));
+}
+
 }  // namespace
 
 void build_atom_patches(const Surface& surface, const BurialPatches& burial,
                         AtomPatchScratch& scratch, AtomRangePatches& patches) {
-  for (AtomIndex i = patches.begin; i < patches.end; ++i) {
-    AtomExposure exposure = surface.patches.exposure[i];
-    const std::size_t first_arc = patches.arcs.size();
-    const std::size_t first_neighbour = patches.face_neighbours.size();
-    if (exposure != AtomExposure::contained) {
-      collect_caps(surface, i, scratch);
-      const double radius = surface.atoms[i].radius + surface.probe_radius;
-      if (is_buried(scratch.caps, radius, burial, scratch.burial)) {
-        exposure = AtomExposure::buried;
-      } else {
-        keep_caps(scratch);
-        if (scratch.kept_caps.empty()) exposure = AtomExposure::exposed;
-        patches.face_neighbours.insert(patches.face_neighbours.end(),
-                                       scratch.kept_neighbours.begin(),
-                                       scratch.kept_neighbours.end());
-        for (std::uint32_t k = 0; k < scratch.burial.relevant.size(); ++k)
-          if (scratch.kept_neighbours[k] > i) add_circle(surface, i, k, scratch, patches);
-      }
-    }
-    patches.exposure.push_back(exposure);
-    patches.arc_count.push_back(static_cast<std::uint32_t>(patches.arcs.size() - first_arc));
-    patches.face_count.push_back(
-        static_cast<std::uint32_t>(patches.face_neighbours.size() - first_neighbour));
+  for (AtomIndex begin = patches.begin; begin < patches.end;) {
+    AtomIndex end = std::min(begin + atoms_per_lookup, patches.end);
+    if (!is_compact(surface, begin, end)) end = begin + 1;
+    find_neighbours_of_group(surface, begin, end, scratch);
+    for (AtomIndex i = begin; i < end; ++i) add_atom(surface, burial, i, scratch, patches);
+    begin = end;
   }
 }
 

@@ -49,7 +49,12 @@ struct AtomRangePatches {
 
 /// Scratch memory of `build_atom_patches`, one per thread.
 struct AtomPatchScratch {
+  struct Neighbour {
+    SasSphere sphere;
+    AtomIndex atom;
+  };
   std::vector<AtomIndex> found;
+  std::vector<Neighbour> group;       ///< of several atoms that are looked up together
   std::vector<AtomIndex> neighbours;  ///< those of `caps`
   std::vector<Cap> caps;
   std::vector<Cap> kept_caps;

@@ -15,33 +15,31 @@ namespace hn = hwy::HWY_NAMESPACE;
 
 using Lanes = hn::ScalableTag<float>;
 
-// Keeps the directions whose patch is not settled by the cap of axis (ax, ay, az), and returns how
-// many they are. The arrays are padded to whole vectors; compressing in place writes behind what
-// was read.
-std::size_t keep_unsettled(float ax, float ay, float az, float settled_cosine, float* x, float* y,
-                           float* z, std::size_t count) {
+// Keeps the directions whose patch is settled by none of the caps, and returns how many they are;
+// marks the caps that settled one. The arrays are padded to whole vectors; compressing in place
+// writes behind what was read.
+std::size_t keep_unsettled(std::span<BurialCap> caps, float* x, float* y, float* z,
+                           std::size_t count) {
   const Lanes lanes;
-  const auto vx = hn::Set(lanes, ax), vy = hn::Set(lanes, ay), vz = hn::Set(lanes, az);
-  const auto limit = hn::Set(lanes, settled_cosine);
   std::size_t kept = 0;
   for (std::size_t i = 0; i < count; i += hn::Lanes(lanes)) {
     const auto px = hn::LoadU(lanes, x + i), py = hn::LoadU(lanes, y + i),
                pz = hn::LoadU(lanes, z + i);
-    const auto cosine = hn::Add(hn::Add(hn::Mul(px, vx), hn::Mul(py, vy)), hn::Mul(pz, vz));
-    const auto keep = hn::And(hn::Lt(cosine, limit), hn::FirstN(lanes, count - i));
-    if (hn::AllFalse(lanes, keep)) continue;
-    if (hn::AllTrue(lanes, keep)) {  // most often: compressing is slow on some processors
-      if (kept != i) {
-        hn::StoreU(px, lanes, x + kept);
-        hn::StoreU(py, lanes, y + kept);
-        hn::StoreU(pz, lanes, z + kept);
-      }
-      kept += hn::Lanes(lanes);
-      continue;
+    auto unsettled = hn::FirstN(lanes, count - i);
+    for (BurialCap& cap : caps) {
+      const auto cosine = hn::Add(
+          hn::Add(hn::Mul(px, hn::Set(lanes, cap.x)), hn::Mul(py, hn::Set(lanes, cap.y))),
+          hn::Mul(pz, hn::Set(lanes, cap.z)));
+      const auto settled = hn::And(unsettled, hn::Ge(cosine, hn::Set(lanes, cap.settled)));
+      if (hn::AllFalse(lanes, settled)) continue;
+      cap.is_used = true;
+      unsettled = hn::AndNot(settled, unsettled);
+      if (hn::AllFalse(lanes, unsettled)) break;
     }
-    const std::size_t n = hn::CompressStore(px, keep, lanes, x + kept);
-    hn::CompressStore(py, keep, lanes, y + kept);
-    hn::CompressStore(pz, keep, lanes, z + kept);
+    if (hn::AllFalse(lanes, unsettled)) continue;
+    const std::size_t n = hn::CompressStore(px, unsettled, lanes, x + kept);
+    hn::CompressStore(py, unsettled, lanes, y + kept);
+    hn::CompressStore(pz, unsettled, lanes, z + kept);
     kept += n;
   }
   return kept;
@@ -128,28 +126,27 @@ bool is_buried(std::span<const Cap> caps, double radius, const BurialPatches& pa
     const auto [settled, touched] = patch_limits(height / radius, patch_cosine, patch_sine);
     order.push_back({static_cast<float>(axis.x), static_cast<float>(axis.y),
                      static_cast<float>(axis.z), static_cast<float>(settled),
-                     static_cast<float>(touched), k});
+                     static_cast<float>(touched), k, false});
   }
   if (order.size() > sorted_caps)
     std::nth_element(order.begin(), order.begin() + sorted_caps, order.end(), is_larger);
   std::sort(order.begin(), order.begin() + std::min(sorted_caps, std::ssize(order)), is_larger);
   scratch.relevant.clear();
   scratch.covering.clear();
-  for (const BurialCap& cap : order) {
-    if (cap.settled > 1) continue;
-    const std::size_t left = keep(cap.x, cap.y, cap.z, cap.settled, scratch.x.data(),
-                                  scratch.y.data(), scratch.z.data(), count);
-    if (left < count) scratch.covering.push_back(cap.number);
-    count = left;
+  const std::span all(order);
+  const std::size_t largest = std::min<std::size_t>(sorted_caps, order.size());
+  for (const auto caps_of_size : {all.first(largest), all.subspan(largest)}) {
+    count = keep(caps_of_size, scratch.x.data(), scratch.y.data(), scratch.z.data(), count);
     if (count == 0) return true;
   }
-  for (const BurialCap& cap : order)
+  for (const BurialCap& cap : order) {
     if (touches(cap.x, cap.y, cap.z, cap.touched, scratch.x.data(), scratch.y.data(),
-                scratch.z.data(), count))
+                scratch.z.data(), count)) {
       scratch.relevant.push_back(cap.number);
-  std::erase_if(scratch.covering, [&](std::uint32_t k) {
-    return std::find(scratch.relevant.begin(), scratch.relevant.end(), k) != scratch.relevant.end();
-  });
+    } else if (cap.is_used) {
+      scratch.covering.push_back(cap.number);
+    }
+  }
   return false;
 }
 

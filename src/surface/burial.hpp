@@ -30,6 +30,7 @@ struct BurialCap {
   float settled;         ///< patches whose centre is at least at this cosine from the axis lie in it
   float touched;         ///< those from this cosine on may have some of it
   std::uint32_t number;  ///< index of the cap
+  bool is_used;          ///< it settled a patch
 };
 
 /// The outcome: which of the caps given matter.
