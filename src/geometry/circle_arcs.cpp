@@ -57,8 +57,7 @@ Direction exact_end(const ContactCircle& circle, const CircleFrame& frame, const
                     double side) {
   const Blocked blocked = blocked_by(circle, frame, cap);
   const double cosine =
-      blocked.reach > 0 ? std::clamp(exact_clearance(circle, cap) / blocked.reach, -1.0, 1.0)
-                        : 1.0;
+      blocked.reach > 0 ? std::clamp(exact_clearance(circle, cap) / blocked.reach, -1.0, 1.0) : 1.0;
   return turned(blocked.toward, cosine, side * sine_of(cosine));
 }
 

@@ -34,7 +34,7 @@ double estimated_crossings(std::span<const Atom> atoms, double spacing) {
 // Blocks in flight, and three layers of blocks: one that is being solved, one that is being written
 // and the last plane of the one before.
 double estimated_memory(const Plan& plan, std::span<const Atom> atoms) {
-  const double side = static_cast<double>(std::min(
+  const auto side = static_cast<double>(std::min(
       plan.tiling.block_size, *std::max_element(plan.grid.size.begin(), plan.grid.size.end())));
   const double block_bits = side * side * std::ceil(side / 63) * 64;
   const double block_bytes = 5 * block_bits / 8 + 8 * side * side;
@@ -43,8 +43,7 @@ double estimated_memory(const Plan& plan, std::span<const Atom> atoms) {
       static_cast<double>(plan.grid.size[0]) * static_cast<double>(plan.grid.size[1]) * planes;
   const double layer_share = std::min(1.0, 2 * planes / static_cast<double>(plan.grid.size[2]));
   const double crossings = estimated_crossings(atoms, plan.grid.spacing) * layer_share;
-  const double rows =
-      static_cast<double>(plan.grid.size[0] + plan.grid.size[1] + plan.grid.size[2]);
+  const auto rows = static_cast<double>(plan.grid.size[0] + plan.grid.size[1] + plan.grid.size[2]);
   return base_bytes + bytes_per_atom * static_cast<double>(atoms.size()) +
          plan.threads * (bytes_per_thread + block_bytes) + 3 * layer_bits / 8 +
          crossings * sizeof(Crossing) + rows * 64;

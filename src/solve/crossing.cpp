@@ -81,8 +81,7 @@ Crossing bisect(const BlockFeatures& features, const Edge& edge) {
 Crossing make_crossing(const BlockFeatures& features, const Edge& edge,
                        const Candidate& candidate) {
   const Vec3 point = edge.point_at(candidate.coordinate);
-  return make_crossing(edge, candidate.coordinate,
-                       outward_normal(features, edge, candidate, point),
+  return make_crossing(edge, candidate.coordinate, outward_normal(features, edge, candidate, point),
                        atoms_of(features, candidate));
 }
 

@@ -46,8 +46,7 @@ struct Candidate {
 };
 
 /// The crossing at a candidate, with its outward normal and atoms.
-Crossing make_crossing(const BlockFeatures& features, const Edge& edge,
-                       const Candidate& candidate);
+Crossing make_crossing(const BlockFeatures& features, const Edge& edge, const Candidate& candidate);
 
 /// The crossing nearest to the outside end. Every true crossing is among the candidates, and the
 /// first of them, seen from the outside end, that no accessible probe covers is the one; a single

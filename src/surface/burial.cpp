@@ -27,9 +27,9 @@ std::size_t keep_unsettled(std::span<BurialCap> caps, float* x, float* y, float*
                pz = hn::LoadU(lanes, z + i);
     auto unsettled = hn::FirstN(lanes, count - i);
     for (BurialCap& cap : caps) {
-      const auto cosine = hn::Add(
-          hn::Add(hn::Mul(px, hn::Set(lanes, cap.x)), hn::Mul(py, hn::Set(lanes, cap.y))),
-          hn::Mul(pz, hn::Set(lanes, cap.z)));
+      const auto cosine =
+          hn::Add(hn::Add(hn::Mul(px, hn::Set(lanes, cap.x)), hn::Mul(py, hn::Set(lanes, cap.y))),
+                  hn::Mul(pz, hn::Set(lanes, cap.z)));
       const auto settled = hn::And(unsettled, hn::Ge(cosine, hn::Set(lanes, cap.settled)));
       if (hn::AllFalse(lanes, settled)) continue;
       cap.is_used = true;

@@ -26,9 +26,9 @@ struct BurialPatches {
 
 /// A cap as the kernel sees it.
 struct BurialCap {
-  float x, y, z;         ///< axis
-  float settled;         ///< patches whose centre is at least at this cosine from the axis lie in it
-  float touched;         ///< those from this cosine on may have some of it
+  float x, y, z;  ///< axis
+  float settled;  ///< patches whose centre is at least at this cosine from the axis lie in it
+  float touched;  ///< those from this cosine on may have some of it
   std::uint32_t number;  ///< index of the cap
   bool is_used;          ///< it settled a patch
 };
