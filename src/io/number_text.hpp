@@ -1,12 +1,13 @@
 #pragma once
 /// Numbers as ESES's files have them, written into memory by tables.
 
+#include <cstddef>
 #include <cstdint>
 
 namespace eses {
 
 /// The longest text that the functions below write.
-inline constexpr int longest_number_text = 24;
+inline constexpr std::size_t longest_number_text = 24;
 
 /// `value` as printf's %.12e, digit for digit; returns the end.
 char* write_scientific(char* out, double value);
