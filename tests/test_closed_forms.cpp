@@ -107,7 +107,7 @@ Summary summary_of(const std::vector<Atom>& atoms, const Parameters& parameters)
   const TemporaryDirectory directory;
   const OutputChoice nothing{false, false, false, false};
   const Plan plan = make_plan(atoms, parameters, nothing);
-  return run(atoms, parameters, plan, nothing, directory.path());
+  return run(atoms, plan, nothing, directory.path());
 }
 
 /// Relative errors. `counted` is that of the volume as the number of inside points has it.
@@ -224,9 +224,8 @@ TEST_CASE("atoms inside an atom change nothing") {
   const OutputChoice all;
   const Parameters parameters;
   const TemporaryDirectory without, with;
-  const Summary one =
-      run(alone, parameters, make_plan(alone, parameters, all), all, without.path());
-  const Summary two = run(more, parameters, make_plan(more, parameters, all), all, with.path());
+  const Summary one = run(alone, make_plan(alone, parameters, all), all, without.path());
+  const Summary two = run(more, make_plan(more, parameters, all), all, with.path());
   CHECK(one.area == two.area);
   CHECK(one.volume == two.volume);
   for (const char* file : {"bounding_box.txt", "grid_info.txt", "intersection_info.txt"}) {

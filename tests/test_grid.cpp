@@ -251,7 +251,7 @@ TEST_CASE("a plan says what a run will do") {
   CHECK(plan.memory_bytes > 0);
 
   const TemporaryDirectory directory;
-  run(atoms, parameters, plan, {}, directory.path());
+  run(atoms, plan, {}, directory.path());
   const auto size = [&](const char* file) { return file_size(directory.path() / file); };
   CHECK(size("grid_info.txt") <= plan.grid_file_bytes);
   CHECK(size("partition_area.txt") <= plan.area_file_bytes);
@@ -268,8 +268,7 @@ TEST_CASE("a run writes the chosen files, counts their bytes and leaves nothing 
   const OutputChoice outputs{true, false, true, false};
   const TemporaryDirectory directory;
   const auto into = directory.path() / "made" / "on the way";
-  const Summary summary =
-      run(atoms, parameters, make_plan(atoms, parameters, outputs), outputs, into);
+  const Summary summary = run(atoms, make_plan(atoms, parameters, outputs), outputs, into);
   std::uintmax_t bytes = 0;
   std::vector<std::string> names;
   for (const auto& entry : std::filesystem::directory_iterator(into)) {
@@ -307,7 +306,7 @@ TEST_CASE("requests that no machine can fulfil are refused before anything is wr
     const TemporaryDirectory directory;
     const auto attempt = [&] {
       const Parameters parameters = with_margin(spacing, 0.8);
-      run(atoms, parameters, make_plan(atoms, parameters, {}), {}, directory.path() / "out");
+      run(atoms, make_plan(atoms, parameters, {}), {}, directory.path() / "out");
     };
     CHECK_THROWS_AS(attempt(), Error);
     CHECK_FALSE(std::filesystem::exists(directory.path() / "out" / "grid_info.txt"));

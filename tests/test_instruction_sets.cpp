@@ -16,7 +16,7 @@ std::string all_bytes(std::span<const Atom> atoms, std::int64_t block_size) {
   Parameters parameters;
   parameters.threads = 1;
   parameters.block_size = block_size;
-  run(atoms, parameters, make_plan(atoms, parameters, {}), {}, directory.path());
+  run(atoms, make_plan(atoms, parameters, {}), {}, directory.path());
   std::string bytes;
   for (const char* name : eses_file_names) bytes += read_bytes(directory.path() / name);
   return bytes;

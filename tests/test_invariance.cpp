@@ -26,8 +26,7 @@ Outcome outcome_of(const std::vector<Atom>& atoms, const Parameters& parameters)
   const TemporaryDirectory directory;
   const OutputChoice all;
   Outcome outcome;
-  outcome.summary =
-      run(atoms, parameters, make_plan(atoms, parameters, all), all, directory.path());
+  outcome.summary = run(atoms, make_plan(atoms, parameters, all), all, directory.path());
   for (std::size_t f = 0; f < outcome.files.size(); ++f)
     outcome.files[f] = read_bytes(directory.path() / eses_file_names[f]);
   return outcome;

@@ -50,7 +50,7 @@ Summary run_chain(const std::filesystem::path& directory, const OutputChoice& ou
   const std::vector<Atom> atoms = make_chain(60, 5);
   Parameters parameters;
   parameters.threads = 2;
-  return run(atoms, parameters, make_plan(atoms, parameters, outputs), outputs, directory);
+  return run(atoms, make_plan(atoms, parameters, outputs), outputs, directory);
 }
 
 }  // namespace
@@ -158,7 +158,7 @@ TEST_CASE("no space for the files: an error, and nothing is left") {
         const std::vector<Atom> atoms = make_chain(60, 5);
         Parameters parameters;
         parameters.threads = 1;  // OpenMP's threads do not survive a fork
-        run(atoms, parameters, make_plan(atoms, parameters, {}), {}, directory.path());
+        run(atoms, make_plan(atoms, parameters, {}), {}, directory.path());
       } catch (const Error&) {
         _exit(42);
       } catch (...) {

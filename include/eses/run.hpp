@@ -30,6 +30,7 @@ struct OutputChoice {
 
 /// What a run is going to do, worked out before anything is allocated or written.
 struct Plan {
+  Parameters parameters;
   Grid grid;
   BlockTiling tiling;
   int threads = 1;
@@ -62,7 +63,8 @@ struct Summary {
   PhaseSeconds seconds;
 };
 
-/// Blocks solved so far out of all; called from one thread at a time.
+/// Blocks solved so far out of all; called from one thread at a time. What it throws ends the run,
+/// and is thrown on by it.
 using ProgressCallback = std::function<void(std::int64_t done, std::int64_t total)>;
 
 /// Grid, tiling, memory and bytes of output. Throws Error if a parameter is out of its range, if
@@ -74,8 +76,7 @@ Plan make_plan(std::span<const Atom> atoms, const Parameters& parameters,
 /// Computes the surface and writes the chosen files into `directory` (created if missing). The
 /// files appear under their names only when all of them are complete; on failure none does.
 /// Throws Error on write failures and lack of disk space.
-Summary run(std::span<const Atom> atoms, const Parameters& parameters, const Plan& plan,
-            const OutputChoice& outputs, const std::filesystem::path& directory,
-            const ProgressCallback& progress = {});
+Summary run(std::span<const Atom> atoms, const Plan& plan, const OutputChoice& outputs,
+            const std::filesystem::path& directory, const ProgressCallback& progress = {});
 
 }  // namespace eses

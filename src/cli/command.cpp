@@ -70,6 +70,19 @@ std::uint64_t peak_memory_bytes() {
   return static_cast<std::uint64_t>(usage.ru_maxrss) * 1024;
 }
 
+volatile std::sig_atomic_t received_signal = 0;
+
+/// Ends a run from its progress callback, so that its unfinished files are removed.
+struct Interrupted {};
+
+/// The first signal ends the run in order, a second one at once.
+void end_in_order_on_signals() {
+  struct sigaction action {};
+  action.sa_handler = [](int signal) { received_signal = signal; };
+  action.sa_flags = static_cast<int>(SA_RESETHAND);
+  for (const int signal : {SIGINT, SIGTERM, SIGHUP}) sigaction(signal, &action, nullptr);
+}
+
 void announce(const Report& report) {
   if (report.options.quiet) return;
   if (!report.options.json) {
@@ -83,12 +96,12 @@ void announce(const Report& report) {
 Summary run_with_progress(const std::vector<Atom>& atoms, const Options& options,
                           const Plan& plan) {
   std::optional<ProgressBar> bar;
-  ProgressCallback progress;
-  if (!options.quiet && ProgressBar::is_possible()) {
-    bar.emplace();
-    progress = [&bar](std::int64_t done, std::int64_t total) { bar->show(done, total); };
-  }
-  return run(atoms, options.parameters, plan, options.outputs, options.output_directory, progress);
+  if (!options.quiet && ProgressBar::is_possible()) bar.emplace();
+  return run(atoms, plan, options.outputs, options.output_directory,
+             [&bar](std::int64_t done, std::int64_t total) {
+               if (received_signal != 0) throw Interrupted();
+               if (bar) bar->show(done, total);
+             });
 }
 
 std::string final_text(const Report& report) {
@@ -118,6 +131,7 @@ int fail(std::string_view message) {
 
 int run_command(int argc, char** argv) {
   reserve_standard_streams();
+  end_in_order_on_signals();
   std::signal(SIGPIPE, SIG_IGN);  // a reader that has gone away is a write error like others
   try {
     const std::variant<Options, Notice> request = parse_command_line(argc, argv);
@@ -131,6 +145,8 @@ int run_command(int argc, char** argv) {
     complain("error", error.what());
     std::fputs("Try 'eses-blocks --help'.\n", stderr);
     return exit_usage;
+  } catch (const Interrupted&) {
+    return 128 + received_signal;
   } catch (const std::bad_alloc&) {
     return fail("out of memory");
   } catch (const std::exception& error) {

@@ -23,12 +23,6 @@ inline Box grown(const Box& box, double by) {
 
 inline Box ball_box(Vec3 center, double radius) { return grown({center, center}, radius); }
 
-inline Box intersection(const Box& a, const Box& b) {
-  return {
-      {std::max(a.low.x, b.low.x), std::max(a.low.y, b.low.y), std::max(a.low.z, b.low.z)},
-      {std::min(a.high.x, b.high.x), std::min(a.high.y, b.high.y), std::min(a.high.z, b.high.z)}};
-}
-
 inline bool overlap(const Box& a, const Box& b) {
   return a.low.x <= b.high.x && a.high.x >= b.low.x && a.low.y <= b.high.y && a.high.y >= b.low.y &&
          a.low.z <= b.high.z && a.high.z >= b.low.z;

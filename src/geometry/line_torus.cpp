@@ -1,5 +1,6 @@
 #include "geometry/line_torus.hpp"
 
+#include <algorithm>
 #include <cmath>
 
 namespace eses {
@@ -84,6 +85,25 @@ struct RootSearch {
   }
 };
 
+// One step of Newton's method on A - 2 rho s, which is better conditioned than its product with
+// A + 2 rho s: on the axis of a spindle torus both vanish.
+double polished(double u, Vec3 first, Vec3 span, Vec3 axis, double circle_radius,
+                double tube_radius) {
+  const Vec3 w = first + u * span;
+  const Vec3 across = w - dot(w, axis) * axis;
+  const double s = norm(across);
+  const double value = squared_norm(w) +
+                       (circle_radius - tube_radius) * (circle_radius + tube_radius) -
+                       2 * circle_radius * s;
+  const double slope = 2 * dot(w, span) - (s > 0 ? 2 * circle_radius * dot(across, span) / s : 0.0);
+  const double step = value / slope;
+  constexpr double largest_step = 1e-5;  // beyond that the root was no root of this factor
+  return std::fabs(step) < largest_step ? u - step : u;
+}
+
+// A below this is the inner sheet for certain; rounding near a cusp stays above (square angstrom).
+constexpr double inner_sheet = -1e-6;
+
 }  // namespace
 
 TubeExits tube_exits(Vec3 start, Vec3 step, Vec3 axis, double circle_radius, double tube_radius,
@@ -107,8 +127,10 @@ TubeExits tube_exits(Vec3 start, Vec3 step, Vec3 axis, double circle_radius, dou
   for (int i = 0; i < search.count; ++i) {
     const double u = search.roots[static_cast<std::size_t>(i)];
     // A < 0 is the inner sheet: the far side of the circle is that near.
-    if (a0 + u * (w1 + u * w2) < 0) continue;
-    exits.parameters[static_cast<std::size_t>(exits.count++)] = low + u * (high - low);
+    if (a0 + u * (w1 + u * w2) < inner_sheet) continue;
+    const double exact = polished(u, first, span, axis, circle_radius, tube_radius);
+    exits.parameters[static_cast<std::size_t>(exits.count++)] =
+        std::clamp(low + exact * (high - low), low, high);
   }
   return exits;
 }

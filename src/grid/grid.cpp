@@ -39,11 +39,9 @@ Grid make_grid(std::span<const Atom> atoms, double spacing, double margin) {
     grid.lower[axis] = low;
     grid.upper[axis] = low + static_cast<double>(grid.size[axis] - 1) * spacing;
   }
-  if (points > 4e18)
-    throw Error(
-        fmt::format("a spacing of {} angstrom needs {:.3g} grid points; "
-                    "64-bit counts hold 4e18",
-                    spacing, points));
+  if (points > 1e17)
+    throw Error(fmt::format("a spacing of {} angstrom needs {:.3g} grid points; the limit is 1e17",
+                            spacing, points));
   return grid;
 }
 

@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "eses/block_result.hpp"
+#include "eses/crossing.hpp"
 #include "eses/grid.hpp"
 
 namespace eses {

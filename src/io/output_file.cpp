@@ -6,6 +6,7 @@
 
 #include <cerrno>
 #include <cstring>
+#include <system_error>
 #include <utility>
 
 #include "eses/error.hpp"
@@ -23,6 +24,8 @@ OutputFile::OutputFile(std::filesystem::path final_path)
     : final_path_(std::move(final_path)),
       temporary_path_(final_path_.parent_path() /
                       fmt::format(".{}.{}.part", final_path_.filename().string(), getpid())) {
+  std::error_code ignored;
+  if (std::filesystem::is_directory(final_path_, ignored)) fail("create", final_path_, EISDIR);
   descriptor_ = open(temporary_path_.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0666);
   if (descriptor_ < 0) fail("create", final_path_, errno);
   is_temporary_ = true;

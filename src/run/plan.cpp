@@ -17,7 +17,10 @@ namespace {
 constexpr double bytes_per_atom = 700;        // atom, tree, patches and their making
 constexpr double bytes_per_thread = 4 << 20;  // text, features, scratch
 constexpr double base_bytes = 8 << 20;        // program and libraries
+constexpr double bytes_per_block = 600;       // the result of a block, less its contents
 constexpr std::uint64_t area_line_bytes = 32;
+// Past this, differences of squares have too few digits left for the tolerances.
+constexpr double largest_probe_radius = 1000;  // angstrom
 
 // Surface of the spheres, of which molecules of n atoms leave about n^-0.2 exposed.
 double estimated_area(std::span<const Atom> atoms) {
@@ -45,7 +48,9 @@ double estimated_memory(const Plan& plan, std::span<const Atom> atoms) {
   const double crossings = estimated_crossings(atoms, plan.grid.spacing) * layer_share;
   const auto rows = static_cast<double>(plan.grid.size[0] + plan.grid.size[1] + plan.grid.size[2]);
   return base_bytes + bytes_per_atom * static_cast<double>(atoms.size()) +
-         plan.threads * (bytes_per_thread + block_bytes) + 3 * layer_bits / 8 +
+         plan.threads * (bytes_per_thread + block_bytes) +
+         3 * (layer_bits / 8 + bytes_per_block * static_cast<double>(plan.tiling.blocks[0]) *
+                                   static_cast<double>(plan.tiling.blocks[1])) +
          crossings * sizeof(Crossing) + rows * 64;
 }
 
@@ -54,11 +59,11 @@ void require(bool holds, const char* what, double value) {
 }
 
 void require_valid(const Parameters& p) {
-  require(p.probe_radius > 0 && std::isfinite(p.probe_radius),
-          "the probe radius must be a positive number of angstrom", p.probe_radius);
+  require(p.probe_radius > 0 && p.probe_radius <= largest_probe_radius,
+          "the probe radius must be a positive number of at most 1000 angstrom", p.probe_radius);
   require(p.block_size >= 2 && p.block_size <= 4096,
           "the block size must be between 2 and 4096 points", static_cast<double>(p.block_size));
-  require(p.threads >= 0, "the number of threads must be positive", p.threads);
+  require(p.threads >= 0, "the number of threads must not be negative", p.threads);
 }
 
 void require_enclosing_margin(const Plan& plan, const Parameters& p) {
@@ -82,6 +87,7 @@ Plan make_plan(std::span<const Atom> atoms, const Parameters& parameters,
                const OutputChoice& outputs) {
   require_valid(parameters);
   Plan plan;
+  plan.parameters = parameters;
   plan.grid = make_grid(atoms, parameters.spacing, parameters.margin);
   plan.tiling = make_tiling(plan.grid, parameters.block_size);
   plan.threads = used_threads(plan, parameters, atoms.size());

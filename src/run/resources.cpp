@@ -1,5 +1,6 @@
 #include "run/resources.hpp"
 
+#include <fmt/format.h>
 #include <sys/statvfs.h>
 
 #include <algorithm>
@@ -8,6 +9,7 @@
 #include <limits>
 #include <optional>
 #include <string>
+#include <vector>
 
 namespace eses {
 namespace {
@@ -15,12 +17,26 @@ namespace {
 constexpr std::uint64_t unlimited = std::numeric_limits<std::uint64_t>::max();
 constexpr char cgroup_root[] = "/sys/fs/cgroup";
 
-// The control group (version 2) of this process, as a directory.
-std::filesystem::path control_group() {
+// Where the limits of this process stand: its control group of version 2 or, by controller, of
+// version 1, and all groups above, each of which may limit it.
+std::vector<std::filesystem::path> control_groups(const std::string& controller) {
+  std::vector<std::filesystem::path> groups;
   std::ifstream file("/proc/self/cgroup");
-  for (std::string line; std::getline(file, line);)
-    if (line.starts_with("0::")) return std::string(cgroup_root) + line.substr(3);
-  return cgroup_root;
+  for (std::string line; std::getline(file, line);) {  // number:controllers:/path
+    const std::size_t first = line.find(':'), second = line.find(':', first + 1);
+    if (second == std::string::npos) continue;
+    const std::string names = fmt::format(",{},", line.substr(first + 1, second - first - 1));
+    std::filesystem::path root = cgroup_root;
+    if (names != ",,") {
+      if (names.find(fmt::format(",{},", controller)) == std::string::npos) continue;
+      root /= controller;
+    }
+    for (std::filesystem::path below = line.substr(second + 2);; below = below.parent_path()) {
+      groups.push_back(root / below);
+      if (below.empty()) break;
+    }
+  }
+  return groups;
 }
 
 template <class Value>
@@ -31,26 +47,38 @@ std::optional<Value> read_value(const std::filesystem::path& path) {
   return std::nullopt;
 }
 
-// Calls action(directory) for the process's control group and all above it, each of which may
-// limit it.
-template <class Action>
-void for_each_control_group(Action&& action) {
-  const std::filesystem::path root = cgroup_root;
-  for (auto group = control_group();; group = group.parent_path()) {
-    action(group);
-    if (group == root || !group.has_relative_path()) return;
-  }
+// The page cache counts as used, but gives way when memory is needed.
+std::uint64_t cached_bytes(const std::filesystem::path& group) {
+  std::ifstream file(group / "memory.stat");
+  std::uint64_t sum = 0, bytes = 0;
+  for (std::string key; file >> key >> bytes;)
+    if (key == "inactive_file" || key == "active_file") sum += bytes;
+  return sum;
+}
+
+std::uint64_t left_in(const std::filesystem::path& group, const char* limit_file,
+                      const char* usage_file) {
+  const auto limit = read_value<std::uint64_t>(group / limit_file);
+  const auto used = read_value<std::uint64_t>(group / usage_file);
+  if (!limit || !used) return unlimited;
+  const std::uint64_t held = *used - std::min(*used, cached_bytes(group));
+  return *limit > held ? *limit - held : 0;
 }
 
 }  // namespace
 
 int processor_quota() {
   double processors = 1 << 20;
-  for_each_control_group([&](const std::filesystem::path& group) {
+  const auto limit_to = [&](double quota, double period) {
+    if (quota > 0 && period > 0) processors = std::min(processors, quota / period);
+  };
+  for (const auto& group : control_groups("cpu")) {
     std::ifstream file(group / "cpu.max");  // "max 100000" or "150000 100000"
     double quota = 0, period = 0;
-    if (file >> quota >> period && period > 0) processors = std::min(processors, quota / period);
-  });
+    if (file >> quota >> period) limit_to(quota, period);
+    limit_to(read_value<double>(group / "cpu.cfs_quota_us").value_or(0),
+             read_value<double>(group / "cpu.cfs_period_us").value_or(0));
+  }
   return std::max(1, static_cast<int>(std::ceil(processors)));
 }
 
@@ -62,11 +90,9 @@ std::uint64_t available_memory() {
     if (key == "MemAvailable:" && file >> kilobytes) available = kilobytes * 1024;
     file.ignore(std::numeric_limits<std::streamsize>::max(), '\n');
   }
-  for_each_control_group([&](const std::filesystem::path& group) {
-    const auto limit = read_value<std::uint64_t>(group / "memory.max");
-    const auto used = read_value<std::uint64_t>(group / "memory.current");
-    if (limit && used) available = std::min(available, *limit > *used ? *limit - *used : 0);
-  });
+  for (const auto& group : control_groups("memory"))
+    available = std::min({available, left_in(group, "memory.max", "memory.current"),
+                          left_in(group, "memory.limit_in_bytes", "memory.usage_in_bytes")});
   return available;
 }
 

@@ -66,20 +66,29 @@ struct OutputFiles {
   }
 };
 
+// The directory itself, or the nearest one above it that exists.
+std::filesystem::path existing_part(std::filesystem::path directory) {
+  std::error_code error;
+  directory = std::filesystem::absolute(directory, error);
+  while (!std::filesystem::exists(directory, error) && directory.has_relative_path())
+    directory = directory.parent_path();
+  return directory;
+}
+
 void prepare_directory(const std::filesystem::path& directory, const Plan& plan) {
+  const std::uint64_t needed = plan.grid_file_bytes + plan.area_file_bytes;
+  const std::uint64_t available = available_disk(existing_part(directory));
+  if (needed > available)
+    throw Error(fmt::format(
+        "the files need about {:.3g} GB besides intersection_info.txt, but {} has {:.3g} "
+        "GB free; leave out grid_info.txt (--write edges,areas) or use a larger spacing",
+        static_cast<double>(needed) / 1e9, directory.string(),
+        static_cast<double>(available) / 1e9));
   std::error_code error;
   std::filesystem::create_directories(directory, error);
   if (error || !std::filesystem::is_directory(directory, error))
     throw Error(fmt::format("cannot write into {}: {}", directory.string(),
                             error ? error.message() : "Not a directory"));
-  const std::uint64_t needed = plan.grid_file_bytes + plan.area_file_bytes;
-  const std::uint64_t available = available_disk(directory);
-  if (needed > available)
-    throw Error(
-        fmt::format("grid_info.txt needs about {:.3g} GB, but {} has {:.3g} GB free; "
-                    "leave it out (--write edges,areas) or use a larger spacing",
-                    static_cast<double>(needed) / 1e9, directory.string(),
-                    static_cast<double>(available) / 1e9));
 }
 
 // What one thread needs to turn rows into text.
@@ -180,9 +189,8 @@ class Pipeline {
           static_cast<std::size_t>(plan_.tiling.blocks[0] * plan_.tiling.blocks[1]));
   }
 
-  // Of a layer that is written, the layer above still reads the points, but nothing else.
-  // (Assigning
-  // {} to a vector would keep its memory.)
+  // Of a layer that is written, the layer above still reads the points, but nothing else. New
+  // vectors are assigned because assigning {} would keep the memory.
   void release(std::int64_t layer) {
     if (layer > 0) layers_[static_cast<std::size_t>(layer - 1)] = Layer();
     for (BlockResult& block : layers_[static_cast<std::size_t>(layer)].blocks) {
@@ -276,16 +284,15 @@ std::uint64_t write_all(OutputFile& file, std::span<const char> text) {
 
 }  // namespace
 
-Summary run(std::span<const Atom> atoms, const Parameters& parameters, const Plan& plan,
-            const OutputChoice& outputs, const std::filesystem::path& directory,
-            const ProgressCallback& progress) {
+Summary run(std::span<const Atom> atoms, const Plan& plan, const OutputChoice& outputs,
+            const std::filesystem::path& directory, const ProgressCallback& progress) {
   const Stopwatch total;
   if (outputs.box || outputs.grid || outputs.edges || outputs.areas)
     prepare_directory(directory, plan);
   OutputFiles files(outputs, directory);
   Summary summary;
 
-  Surface surface(atoms, parameters.probe_radius);
+  Surface surface(atoms, plan.parameters.probe_radius);
   build_patches(surface, plan.threads);
   release_free_memory();
   summary.seconds.patches = total.seconds();

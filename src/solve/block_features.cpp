@@ -71,6 +71,7 @@ PlacementFeature make_placement(const Surface& surface, const ProbePlacement& pl
   PlacementFeature feature;
   feature.atoms = placement.atoms;
   feature.center = placement.center;
+  feature.side = placement.side;
   feature.is_regular = placement.is_regular;
   if (!placement.is_regular) {
     feature.box = grown(ball_box(placement.center, surface.probe_radius), box_slack);
@@ -131,12 +132,15 @@ void collect_features(const Surface& surface, const Box& box, BlockFeatures& fea
   features.cones.clear();
   features.arcs.clear();
   features.placements.clear();
-  const double probe = surface.probe_radius;
+  // With slack, so that the last bit of a distance does not make a block miss what another sees.
+  const double probe = surface.probe_radius + box_slack;
   const double squared_probe = probe * probe;
   const Patches& patches = surface.patches;
   surface.tree.find_within(0.5 * (box.low + box.high),
                            0.5 * norm(box.high - box.low) + surface.largest_radius + 2 * probe,
                            features.nearby);
+  // The order of the tree depends on the block; where patches are equally near, order decides.
+  std::sort(features.nearby.begin(), features.nearby.end());
   for (const AtomIndex i : features.nearby) {
     const AtomExposure exposure = patches.exposure[i];
     if (exposure == AtomExposure::contained) continue;
@@ -144,7 +148,7 @@ void collect_features(const Surface& surface, const Box& box, BlockFeatures& fea
     const double sas_radius = atom.radius + probe;
     const double distance = squared_distance(box, atom.center);
     if (distance <= sas_radius * sas_radius) {
-      features.balls.push_back({atom.center, atom.radius, sas_radius});
+      features.balls.push_back({atom.center, atom.radius, atom.radius + surface.probe_radius});
       if (exposure == AtomExposure::exposed) add_face(surface, i, features);
     }
     if (distance > (sas_radius + probe) * (sas_radius + probe)) continue;

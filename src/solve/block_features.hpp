@@ -61,6 +61,7 @@ struct ArcFeature {
 struct PlacementFeature {
   std::array<AtomIndex, 3> atoms{};
   Vec3 center;
+  std::int8_t side = 1;  ///< see PlacementKey
   bool is_regular = false;
   std::array<Vec3, 3> cone;  ///< unit normals of the planes through the centre, inwards
   Box box;                   ///< of the concave patch (of the whole probe if not regular)
@@ -84,11 +85,17 @@ struct BlockFeatures {
 /// |x - center| < radius + 2 probe, no others.
 void collect_features(const Surface& surface, const Box& box, BlockFeatures& features);
 
-/// Unit vector from the circle's centre to its point nearest to `offset` on the arc.
+/// Unit vector from the circle's centre to the arc's point nearest to `offset`. So near the axis
+/// that the slack of `faces` exceeds what the direction tells, it is the nearer end.
 inline Vec3 nearest_on_arc(const ArcFeature& arc, Vec3 offset) {
   const Vec3 radial = offset - dot(offset, arc.circle.axis) * arc.circle.axis;
   const double length = norm(radial);
-  return length > tolerance::seam ? (1 / length) * radial : arc.sector.start;
+  if (length > tolerance::seam) {
+    const Vec3 direction = (1 / length) * radial;
+    if (faces(arc.sector, direction)) return direction;
+  }
+  return dot(radial, arc.sector.end) > dot(radial, arc.sector.start) ? arc.sector.end
+                                                                     : arc.sector.start;
 }
 
 }  // namespace eses

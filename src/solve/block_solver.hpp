@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "eses/block_result.hpp"
+#include "eses/crossing.hpp"
 #include "grid/point_bits.hpp"
 #include "solve/classify.hpp"
 #include "solve/intersect.hpp"

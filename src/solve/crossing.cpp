@@ -5,6 +5,7 @@
 #include <limits>
 #include <span>
 
+#include "eses/error.hpp"
 #include "solve/accessibility.hpp"
 
 namespace eses {
@@ -28,8 +29,13 @@ bool comes_before(const BlockFeatures& features, const Edge& edge, const Candida
   if (a.coordinate != b.coordinate) return (a.coordinate < b.coordinate) == (edge.inward() > 0);
   if (a.atom_count != b.atom_count) return a.atom_count < b.atom_count;
   const auto atoms_a = atoms_of(features, a), atoms_b = atoms_of(features, b);
-  return std::lexicographical_compare(atoms_a.begin(), atoms_a.end(), atoms_b.begin(),
-                                      atoms_b.end());
+  if (!std::equal(atoms_a.begin(), atoms_a.end(), atoms_b.begin()))
+    return std::lexicographical_compare(atoms_a.begin(), atoms_a.end(), atoms_b.begin(),
+                                        atoms_b.end());
+  const auto side = [&](const Candidate& c) {
+    return c.atom_count == 3 ? features.placements[c.feature].side : 0;
+  };
+  return side(a) < side(b);
 }
 
 Vec3 outward_normal(const BlockFeatures& features, const Edge& edge, const Candidate& candidate,
@@ -71,6 +77,10 @@ Crossing bisect(const BlockFeatures& features, const Edge& edge) {
   }
   const Vec3 point = edge.point_at(inside);
   const NearestProbe probe_at = nearest_probe(features, point, std::numeric_limits<double>::max());
+  if (probe_at.atom_count == 0)
+    throw Error(
+        "an edge's ends differ, but no probe touches the surface between them; "
+        "please report this with the input file");
   const Vec3 offset = probe_at.center - point;
   const Vec3 normal = norm(offset) > 0 ? normalized(offset) : -inward_direction(edge);
   return make_crossing(edge, inside, normal, std::span(probe_at.atoms).first(probe_at.atom_count));
@@ -93,13 +103,13 @@ Crossing decide_crossing(const BlockFeatures& features, const Edge& edge,
     std::sort(candidates.begin(), candidates.end(), [&](const Candidate& a, const Candidate& b) {
       return comes_before(features, edge, a, b);
     });
-    const auto is_last = [&](const Candidate& candidate) {
-      return std::fabs(candidates.back().coordinate - candidate.coordinate) <
-             tolerance::same_crossing;
-    };
-    while (!is_last(*chosen) && is_probe_nearer(features, edge.point_at(chosen->coordinate),
-                                                features.probe_radius - tolerance::covered))
-      ++chosen;
+    const double spread = std::fabs(candidates.back().coordinate - chosen->coordinate);
+    if (spread >= tolerance::same_crossing)
+      chosen = std::find_if(chosen, candidates.end(), [&](const Candidate& candidate) {
+        return !is_probe_nearer(features, edge.point_at(candidate.coordinate),
+                                features.probe_radius - tolerance::covered);
+      });
+    if (chosen == candidates.end()) return bisect(features, edge);
   }
   return make_crossing(features, edge, *chosen);
 }

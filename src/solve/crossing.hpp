@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "eses/block_result.hpp"
+#include "eses/crossing.hpp"
 #include "solve/block_features.hpp"
 
 namespace eses {

@@ -5,18 +5,19 @@
 #include <cstdint>
 #include <vector>
 
-#include "eses/block_result.hpp"
+#include "eses/crossing.hpp"
 #include "surface/patches.hpp"
 
 namespace eses {
 
 /// Per-atom sums of |n_axis|, the crossings' share of area / spacing^2, in units of 2^-40: integers
-/// add up to the same sum in any order, at any block size and number of threads. 2^23 crossings fit
-/// per atom.
+/// add up to the same sum in any order, at any block size and number of threads. 64 bits would hold
+/// 2^23 crossings per atom, too few for a large sphere on a fine grid.
 struct Tally {
+  __extension__ using Sum = __int128;
   static constexpr double unit = 1.0 / (std::int64_t{1} << 40);
 
-  std::vector<std::int64_t> atom_shares;
+  std::vector<Sum> atom_shares;
   std::array<std::int64_t, 3> crossings{};  ///< convex, saddle, concave
 
   /// Adds one crossing at `point`. A crossing's share goes to its atoms in proportion to

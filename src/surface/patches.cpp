@@ -2,7 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
+#include "eses/error.hpp"
 #include "geometry/arc_sector.hpp"
 
 namespace eses {
@@ -43,12 +45,14 @@ bool is_regular(const Surface& surface, const ProbePlacement& placement) {
 }
 
 void join_counts(std::vector<std::uint32_t>& begins) {
-  std::uint32_t sum = 0;
+  std::uint64_t sum = 0;
   for (std::uint32_t& begin : begins) {
     const std::uint32_t count = begin;
-    begin = sum;
+    begin = static_cast<std::uint32_t>(sum);
     sum += count;
   }
+  if (sum > std::numeric_limits<std::uint32_t>::max())
+    throw Error("the molecule has more than 4.29e9 patches of one kind");
 }
 
 // Appends one list of every range to `joined`, allocated once, and frees the parts as it goes.

@@ -168,7 +168,7 @@ RunResult run_and_read(std::span<const Atom> atoms, const Parameters& parameters
   const TemporaryDirectory directory;
   const OutputChoice all;
   const Plan plan = make_plan(atoms, parameters, all);
-  const Summary summary = run(atoms, parameters, plan, all, directory.path());
+  const Summary summary = run(atoms, plan, all, directory.path());
   return {read_eses_files(directory.path()), summary};
 }
 

@@ -1,13 +1,11 @@
 #pragma once
-/// What one block contributes to the grid: which of its points are inside, and the crossings of the
-/// edges that it owns.
+/// Where a grid edge crosses the solvent excluded surface.
 
 #include <array>
 #include <cstdint>
-#include <vector>
 
 #include "eses/atoms.hpp"
-#include "eses/tiling.hpp"
+#include "eses/vec3.hpp"
 
 namespace eses {
 
