@@ -1,8 +1,11 @@
 // The real program: command line, exit codes, both reports, and what goes to which stream.
 
 #include <sys/wait.h>
+#include <unistd.h>
 
 #include <cmath>
+#include <csignal>
+#include <cstdio>
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
@@ -454,6 +457,32 @@ TEST_CASE("closed standard streams do not end up in the files", "[cli]") {
   for (const std::string& name : sandbox.files("closed")) {
     CHECK(read_file(sandbox.directory() / "closed" / name) ==
           read_file(sandbox.directory() / "good" / name));
+  }
+}
+
+TEST_CASE("a signal ends a run in order: its exit code, and no file", "[cli]") {
+  for (const int signal : {SIGINT, SIGTERM}) {
+    const eses::test::TemporaryDirectory directory;
+    const auto input = directory.path() / "big.xyzr", output = directory.path() / "out";
+    std::ofstream(input) << "0 0 0 200\n";
+    const pid_t program = fork();
+    if (program == 0) {
+      std::freopen("/dev/null", "w", stdout);
+      std::freopen("/dev/null", "w", stderr);
+      execl(ESES_BINARY, "eses-blocks", input.c_str(), "--spacing", "0.3", "--write", "edges", "-o",
+            output.c_str(), nullptr);
+      _exit(127);
+    }
+    // A run of many seconds, interrupted once its files are there.
+    for (int i = 0; i < 500 && !std::filesystem::exists(output); ++i) usleep(10000);
+    usleep(200000);
+    kill(program, signal);
+    int status = 0;
+    waitpid(program, &status, 0);
+    INFO("signal " << signal);
+    REQUIRE(WIFEXITED(status));
+    CHECK(WEXITSTATUS(status) == 128 + signal);
+    CHECK(std::filesystem::is_empty(output));
   }
 }
 

@@ -79,6 +79,47 @@ TEST_CASE("threads and block size leave no trace: grid points on atoms and on th
   check_invariance(make_atom_set(Kind::snapped, 2), parameters);
 }
 
+TEST_CASE("block size leaves no trace where distances are decided by the last bit") {
+  // Atoms on a lattice of twice the probe radius, grid points on a fraction of it: probes stand
+  // exactly at a probe radius from corners of blocks.
+  for (std::uint64_t seed = 0; seed < 6; ++seed) {
+    Random random(seed);
+    std::vector<Atom> atoms(14);
+    const auto place = [&] { return 2.8 * static_cast<double>(random.integer(0, 3)); };
+    for (Atom& atom : atoms) atom = {{place(), place(), place()}, 1.4};
+    Parameters parameters;
+    parameters.spacing = 0.7;
+    parameters.margin = 0.7;
+    const Outcome expected = outcome_of(atoms, parameters);
+    for (const std::int64_t block_size : {2, 3, 7}) {
+      parameters.block_size = block_size;
+      INFO("seed " << seed << ", block size " << block_size);
+      check_same(outcome_of(atoms, parameters), expected);
+    }
+  }
+}
+
+TEST_CASE("grid points near the axes of spindle tori, and atoms that are points") {
+  for (std::uint64_t seed = 0; seed < 30; ++seed) {
+    Random random(seed + 500);
+    std::vector<Atom> atoms(25);
+    for (Atom& atom : atoms) {
+      for (std::size_t q = 0; q < 3; ++q)
+        atom.center[q] = static_cast<double>(random.integer(0, 6));
+      atom.radius = 0.5 * static_cast<double>(random.integer(0, 4));
+    }
+    Parameters parameters;
+    parameters.probe_radius = seed % 2 == 0 ? 1.5 : 1.4;
+    parameters.spacing = seed % 2 == 0 ? 0.5 : 0.7;
+    parameters.margin = 1;
+    INFO("seed " << seed);
+    const RunResult result = run_and_read(atoms, parameters);
+    const auto faults = find_faults(atoms, parameters, result.files, result.summary);
+    INFO(faults.size() << " faults, the first: " << (faults.empty() ? "" : faults.front()));
+    CHECK(faults.empty());
+  }
+}
+
 namespace {
 
 /// A gas of atoms larger than the 2 angstrom that the original allows for.
