@@ -48,12 +48,20 @@ void PointCounts::add(const PointCounts& other) {
   irregular += other.irregular;
 }
 
-RowWindow::RowWindow(const BlockTiling& tiling, const Layer& below, const Layer& layer)
+Plane last_plane(const BlockTiling& tiling, const Layer& layer) {
+  Plane plane;
+  plane.rows.resize(static_cast<std::size_t>(tiling.grid_size[1]));
+  for (std::int64_t y = 0; y < tiling.grid_size[1]; ++y)
+    join_row(tiling, layer, y, layer.owned_planes() - 1, plane.rows[static_cast<std::size_t>(y)]);
+  return plane;
+}
+
+RowWindow::RowWindow(const BlockTiling& tiling, const Plane& below, const Layer& layer)
     : tiling_(tiling), below_(below), layer_(layer) {}
 
 void RowWindow::load(std::int64_t y, std::int64_t z, RowBits& row) const {
   if (z < 0) {
-    join_row(tiling_, below_, y, below_.owned_planes() - 1, row);
+    row = below_.rows[static_cast<std::size_t>(y)];
   } else {
     join_row(tiling_, layer_, y, z, row);
   }
@@ -69,7 +77,7 @@ void RowWindow::move_to(std::int64_t y, std::int64_t z) {
     load(std::max<std::int64_t>(y - 1, 0), z, rows_[0]);
   }
   load(std::min(y + 1, last_y), z, rows_[2]);
-  const bool is_first_plane = z == 0 && below_.is_empty();
+  const bool is_first_plane = z == 0 && below_.rows.empty();
   const bool is_last_plane = layer_.first_z() + z == tiling_.grid_size[2] - 1;
   load(y, is_first_plane ? z : z - 1, planes_[0]);
   load(y, is_last_plane ? z : z + 1, planes_[1]);

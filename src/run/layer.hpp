@@ -14,7 +14,6 @@ struct Layer {
 
   std::int64_t first_z() const { return blocks.front().block.first[2]; }
   std::int64_t owned_planes() const { return blocks.front().block.owned[2]; }
-  bool is_empty() const { return blocks.empty(); }
 };
 
 /// Words of a row of the whole grid: bit i % 64 of word i / 64 is point i.
@@ -24,6 +23,14 @@ using RowBits = std::vector<std::uint64_t>;
 /// plane and may name the plane shared with the next layer.
 void join_row(const BlockTiling& tiling, const Layer& layer, std::int64_t y, std::int64_t z,
               RowBits& row);
+
+/// The rows of one plane of the whole grid, one after the other.
+struct Plane {
+  std::vector<RowBits> rows;  ///< by y; none before the first layer
+};
+
+/// All that is kept of a layer once it is written: the last plane that it owns.
+Plane last_plane(const BlockTiling& tiling, const Layer& layer);
 
 /// What the volume is made of.
 struct PointCounts {
@@ -37,8 +44,8 @@ struct PointCounts {
 /// Rows of a layer one after the other, [z][y], with the rows around them.
 class RowWindow {
  public:
-  /// `below` is the layer before, empty for the first.
-  RowWindow(const BlockTiling& tiling, const Layer& below, const Layer& layer);
+  /// `below` is the last plane of the layer before.
+  RowWindow(const BlockTiling& tiling, const Plane& below, const Layer& layer);
 
   /// Moves to row (y, z), z from the layer's first plane; cheap if y is the next one.
   void move_to(std::int64_t y, std::int64_t z);
@@ -49,7 +56,7 @@ class RowWindow {
   void load(std::int64_t y, std::int64_t z, RowBits& row) const;
 
   const BlockTiling& tiling_;
-  const Layer& below_;
+  const Plane& below_;
   const Layer& layer_;
   std::int64_t y_ = -2, z_ = -1;
   RowBits rows_[3];    // y - 1, y, y + 1; the row itself where there is none

@@ -34,8 +34,8 @@ double estimated_crossings(std::span<const Atom> atoms, double spacing) {
   return 1.5 * estimated_area(atoms) / (spacing * spacing);
 }
 
-// Blocks in flight, and three layers of blocks: one that is being solved, one that is being written
-// and the last plane of the one before.
+// Blocks in flight, and two layers of blocks: one that is being written, and what threads that find
+// nothing left to write have solved of the next.
 double estimated_memory(const Plan& plan, std::span<const Atom> atoms) {
   const auto side = static_cast<double>(std::min(
       plan.tiling.block_size, *std::max_element(plan.grid.size.begin(), plan.grid.size.end())));
@@ -49,7 +49,7 @@ double estimated_memory(const Plan& plan, std::span<const Atom> atoms) {
   const auto rows = static_cast<double>(plan.grid.size[0] + plan.grid.size[1] + plan.grid.size[2]);
   return base_bytes + bytes_per_atom * static_cast<double>(atoms.size()) +
          plan.threads * (bytes_per_thread + block_bytes) +
-         3 * (layer_bits / 8 + bytes_per_block * static_cast<double>(plan.tiling.blocks[0]) *
+         2 * (layer_bits / 8 + bytes_per_block * static_cast<double>(plan.tiling.blocks[0]) *
                                    static_cast<double>(plan.tiling.blocks[1])) +
          crossings * sizeof(Crossing) + rows * 64;
 }

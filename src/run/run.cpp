@@ -189,14 +189,10 @@ class Pipeline {
           static_cast<std::size_t>(plan_.tiling.blocks[0] * plan_.tiling.blocks[1]));
   }
 
-  // Of a layer that is written, the layer above still reads the points, but nothing else. New
-  // vectors are assigned because assigning {} would keep the memory.
+  // No chunk is being written then: the next layer's wait for this one's last.
   void release(std::int64_t layer) {
-    if (layer > 0) layers_[static_cast<std::size_t>(layer - 1)] = Layer();
-    for (BlockResult& block : layers_[static_cast<std::size_t>(layer)].blocks) {
-      block.crossings = std::vector<Crossing>();
-      block.row_begin = std::vector<std::uint32_t>();
-    }
+    below_ = last_plane(plan_.tiling, layers_[static_cast<std::size_t>(layer)]);
+    layers_[static_cast<std::size_t>(layer)] = Layer();
     make_room(layer + 2);
   }
 
@@ -213,12 +209,9 @@ class Pipeline {
   void write(const Task& task, Writer& writer) {
     const Stopwatch watch;
     const Layer& layer = layers_[static_cast<std::size_t>(task.layer)];
-    const Layer none;
     writer.grid.clear();
     writer.edges.clear();
-    RowWindow window(plan_.tiling,
-                     task.layer > 0 ? layers_[static_cast<std::size_t>(task.layer - 1)] : none,
-                     layer);
+    RowWindow window(plan_.tiling, below_, layer);
     const std::int64_t begin = task.index * rows_per_chunk_;
     const std::int64_t end = std::min(begin + rows_per_chunk_, layer_rows(task.layer));
     for (std::int64_t row = begin; row < end; ++row) {
@@ -255,6 +248,7 @@ class Pipeline {
   const ProgressCallback& progress_;
   std::int64_t rows_per_chunk_;
   std::vector<Layer> layers_;
+  Plane below_;  // of the layer that is being written
   LayerQueue queue_;
   std::optional<OrderedOutput> grid_output_, edge_output_;
   std::vector<BlockWorkspace> workspaces_;
