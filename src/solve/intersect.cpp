@@ -50,31 +50,35 @@ void tabulate_edges(const BlockGrid& grid, const PointBits& inside, EdgeTable& e
   edges.rank[next_rank] = count;
 }
 
-// The crossing's coordinate, moved onto the edge if it is a hair off; none if it is not on the
-// edge.
-HWY_INLINE std::optional<double> on_edge(const Edge& edge, double coordinate) {
-  const double low = edge.lower[edge.axis];
-  const double slack = tolerance::edge_end * (edge.upper - low);
-  if (!(coordinate >= low - slack && coordinate <= edge.upper + slack)) return std::nullopt;
-  return std::clamp(coordinate, low, edge.upper);
-}
+enum class Passage { enters = -1, leaves = 1 };
 
-// Half the chord that the edge's line cuts from a sphere.
-HWY_INLINE std::optional<double> half_chord(const Edge& edge, Vec3 center, double radius) {
+// Where the edge, on the way from its outside to its inside end, enters or leaves a sphere; moved
+// onto the edge if it is a hair off, none if it is not on the edge.
+template <Passage passage>
+HWY_INLINE std::optional<double> meet_sphere(const Edge& edge, Vec3 center, double radius) {
   Vec3 across = edge.lower - center;
   across[edge.axis] = 0;
   const double squared = radius * radius - squared_norm(across);
   constexpr double tangent = 1e-12;  // square angstrom: a line that grazes the sphere
   if (squared < -tangent) return std::nullopt;
-  return std::sqrt(std::max(0.0, squared));
+  // Half the chord, signed along the axis, must lie between both ends. Compared as squares first:
+  // most edges need no root.
+  const double sign = static_cast<double>(passage) * edge.inward();
+  const double middle = center[edge.axis];
+  const double low = edge.lower[edge.axis];
+  const double slack = tolerance::edge_end * (edge.upper - low);
+  const double from_low = sign * (low - middle), from_upper = sign * (edge.upper - middle);
+  const double least = std::min(from_low, from_upper) - slack;
+  const double most = std::max(from_low, from_upper) + slack;
+  if (most < 0 || most * most < squared || (least > 0 && least * least > squared))
+    return std::nullopt;
+  return std::clamp(middle + sign * std::sqrt(std::max(0.0, squared)), low, edge.upper);
 }
 
 // The edge enters the van der Waals sphere, and there the face is exposed.
 HWY_INLINE std::optional<double> meet_face(const FaceFeature& face, std::span<const CapCone> cones,
                                            std::size_t& killer, const Edge& edge) {
-  const auto half = half_chord(edge, face.center, face.radius);
-  if (!half) return std::nullopt;
-  const auto coordinate = on_edge(edge, face.center[edge.axis] - edge.inward() * *half);
+  const auto coordinate = meet_sphere<Passage::enters>(edge, face.center, face.radius);
   if (!coordinate) return std::nullopt;
   const Vec3 direction = face_direction(face, edge, edge.point_at(*coordinate));
   const double length = norm(direction);
@@ -93,9 +97,7 @@ HWY_INLINE std::optional<double> meet_face(const FaceFeature& face, std::span<co
 // The edge leaves the probe, within the cone of the three atoms that it touches.
 HWY_INLINE std::optional<double> meet_placement(const PlacementFeature& placement, double probe,
                                                 const Edge& edge) {
-  const auto half = half_chord(edge, placement.center, probe);
-  if (!half) return std::nullopt;
-  const auto coordinate = on_edge(edge, placement.center[edge.axis] + edge.inward() * *half);
+  const auto coordinate = meet_sphere<Passage::leaves>(edge, placement.center, probe);
   if (!coordinate || !placement.is_regular) return coordinate;
   const Vec3 direction = edge.point_at(*coordinate) - placement.center;
   for (const Vec3& normal : placement.cone)
