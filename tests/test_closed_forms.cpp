@@ -183,18 +183,6 @@ TEST_CASE("one sphere") {
   }
 }
 
-TEST_CASE("a sphere with more crossings than 32-bit shares could hold") {
-  // 4 pi (r / h)^2 * 3 / 2 crossings, all of them one atom's.
-  const std::vector<Atom> atoms{{{0, 0, 0}, 350}};
-  const OutputChoice nothing{false, false, false, false};
-  Parameters parameters;
-  parameters.spacing = 0.4;
-  const Summary summary = run(atoms, make_plan(atoms, parameters, nothing), nothing, "");
-  const double area = 4 * std::numbers::pi * 350 * 350;
-  CHECK(summary.edges() > (std::int64_t{1} << 23));
-  CHECK(std::fabs(summary.area - area) < 1e-5 * area);
-}
-
 TEST_CASE("spheres far apart add up") {
   check_convergence(pair_of_atoms(1.7, 1.2, 6), 1.4, sphere(1.7) + sphere(1.2));
 }
