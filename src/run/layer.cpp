@@ -22,23 +22,30 @@ BlockRow block_row_of(const BlockTiling& tiling, std::int64_t y) {
   return {by, y - by * (tiling.block_size - 1)};
 }
 
-void join_row(const BlockTiling& tiling, const Layer& layer, std::int64_t y, std::int64_t z,
-              RowBits& row) {
-  row.assign(static_cast<std::size_t>((tiling.grid_size[0] + 63) / 64), 0);
-  const BlockRow place = block_row_of(tiling, y);
-  for (std::int64_t bx = 0; bx < tiling.blocks[0]; ++bx) {
-    const BlockResult& result =
-        layer.blocks[static_cast<std::size_t>(place.by * tiling.blocks[0] + bx)];
+LayerRows::LayerRows(const BlockTiling& tiling, const Layer& layer)
+    : tiling_(tiling), pieces_(static_cast<std::size_t>(tiling.blocks[1])) {
+  for (std::size_t b = 0; b < layer.blocks.size(); ++b) {
+    const BlockResult& result = layer.blocks[b];
     const PointBits& inside = result.inside;
     if (inside.words.empty()) continue;
+    auto& pieces = pieces_[b / static_cast<std::size_t>(tiling.blocks[0])];
     for (std::int64_t column = 0; column < inside.columns; ++column) {
       const std::int64_t first = column * PointBits::column_step;
       const bool is_last = column + 1 == inside.columns;
-      append_bits(row, result.block.first[0] + first,
-                  inside.words[inside.word_index(column, place.y, z)],
-                  std::min(result.block.owned[0] - first,
-                           is_last ? PointBits::column_points : PointBits::column_step));
+      pieces.push_back({inside.words.data() + inside.word_index(column, 0, 0), inside.size[1],
+                        result.block.first[0] + first,
+                        std::min(result.block.owned[0] - first,
+                                 is_last ? PointBits::column_points : PointBits::column_step)});
     }
+  }
+}
+
+void LayerRows::join(std::int64_t y, std::int64_t z, RowBits& row) const {
+  row.assign(static_cast<std::size_t>((tiling_.grid_size[0] + 63) / 64), 0);
+  const BlockRow place = block_row_of(tiling_, y);
+  for (const Piece& piece : pieces_[static_cast<std::size_t>(place.by)]) {
+    const std::uint64_t bits = piece.words[z * piece.rows + place.y];
+    if (bits != 0) append_bits(row, piece.position, bits, piece.count);
   }
 }
 
@@ -49,21 +56,22 @@ void PointCounts::add(const PointCounts& other) {
 }
 
 Plane last_plane(const BlockTiling& tiling, const Layer& layer) {
+  const LayerRows rows(tiling, layer);
   Plane plane;
   plane.rows.resize(static_cast<std::size_t>(tiling.grid_size[1]));
   for (std::int64_t y = 0; y < tiling.grid_size[1]; ++y)
-    join_row(tiling, layer, y, layer.owned_planes() - 1, plane.rows[static_cast<std::size_t>(y)]);
+    rows.join(y, layer.owned_planes() - 1, plane.rows[static_cast<std::size_t>(y)]);
   return plane;
 }
 
 RowWindow::RowWindow(const BlockTiling& tiling, const Plane& below, const Layer& layer)
-    : tiling_(tiling), below_(below), layer_(layer) {}
+    : tiling_(tiling), below_(below), layer_(layer), layer_rows_(tiling, layer) {}
 
 void RowWindow::load(std::int64_t y, std::int64_t z, RowBits& row) const {
   if (z < 0) {
     row = below_.rows[static_cast<std::size_t>(y)];
   } else {
-    join_row(tiling_, layer_, y, z, row);
+    layer_rows_.join(y, z, row);
   }
 }
 

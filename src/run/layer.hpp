@@ -19,10 +19,26 @@ struct Layer {
 /// Words of a row of the whole grid: bit i % 64 of word i / 64 is point i.
 using RowBits = std::vector<std::uint64_t>;
 
-/// Joins the inside bits of row (y, z) from all blocks along x. `z` counts from the layer's first
-/// plane and may name the plane shared with the next layer.
-void join_row(const BlockTiling& tiling, const Layer& layer, std::int64_t y, std::int64_t z,
-              RowBits& row);
+/// Where the pieces of a layer's rows stand in its blocks; made once for many rows.
+class LayerRows {
+ public:
+  LayerRows(const BlockTiling& tiling, const Layer& layer);
+
+  /// Joins the inside bits of row (y, z) from all blocks along x. `z` counts from the layer's first
+  /// plane and may name the plane shared with the next layer.
+  void join(std::int64_t y, std::int64_t z, RowBits& row) const;
+
+ private:
+  struct Piece {
+    const std::uint64_t* words;  // [z][y] of one column of a block
+    std::int64_t rows;           // of the block along y
+    std::int64_t position;       // of its first point in the row
+    std::int64_t count;          // of the points that it owns
+  };
+
+  const BlockTiling& tiling_;
+  std::vector<std::vector<Piece>> pieces_;  // by block row
+};
 
 /// The rows of one plane of the whole grid, one after the other.
 struct Plane {
@@ -58,6 +74,7 @@ class RowWindow {
   const BlockTiling& tiling_;
   const Plane& below_;
   const Layer& layer_;
+  LayerRows layer_rows_;
   std::int64_t y_ = -2, z_ = -1;
   RowBits rows_[3];    // y - 1, y, y + 1; the row itself where there is none
   RowBits planes_[2];  // z - 1 and z + 1, likewise
