@@ -146,7 +146,7 @@ TEST_CASE("a read-only directory is refused and left empty") {
 
 TEST_CASE("no space for the files: an error, and nothing is left") {
   // A limit on the size of files stands for a full disk: write fails in the same way.
-  for (const rlim_t limit : {0, 1000, 100000}) {
+  for (const rlim_t limit : {rlim_t{0}, rlim_t{1000}, rlim_t{100000}}) {
     const TemporaryDirectory directory;
     const pid_t child = fork();
     if (child == 0) {
