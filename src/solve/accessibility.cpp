@@ -37,12 +37,13 @@ void offer_face(const BlockFeatures& features, const FaceFeature& face, Vec3 poi
 
 }  // namespace
 
+bool is_in_sas_ball(const BlockFeatures& features, Vec3 point) {
+  return std::any_of(features.balls.begin(), features.balls.end(), [&](const BallFeature& ball) {
+    return squared_norm(point - ball.center) < ball.sas_radius * ball.sas_radius;
+  });
+}
+
 NearestProbe nearest_probe(const BlockFeatures& features, Vec3 point, double limit, double enough) {
-  const bool in_sas =
-      std::any_of(features.balls.begin(), features.balls.end(), [&](const BallFeature& ball) {
-        return squared_norm(point - ball.center) < ball.sas_radius * ball.sas_radius;
-      });
-  if (!in_sas) return {0, point, {}, 0};
   NearestProbe nearest{limit, point, {}, 0};
   for (const PlacementFeature& placement : features.placements) {
     const double squared = squared_norm(point - placement.center);

@@ -11,15 +11,20 @@ struct NearestProbe {
   double distance = 0;  ///< from the point, angstrom
   Vec3 center;
   std::array<AtomIndex, 3> atoms{};  ///< that the probe touches there, ascending
-  std::uint8_t atom_count = 0;       ///< 0 if the point itself is accessible
+  std::uint8_t atom_count = 0;       ///< 0 if none is near enough
 };
 
 /// The nearest one, if nearer than `limit`; otherwise `distance` equals `limit`. Stops at the first
-/// that is nearer than `enough`. `point` must lie in the box for which `features` were collected.
+/// that is nearer than `enough`. `point` must lie in a SAS ball, and in the box for which
+/// `features` were collected.
 NearestProbe nearest_probe(const BlockFeatures& features, Vec3 point, double limit,
                            double enough = 0);
 
-/// Whether some accessible probe centre is nearer than `distance`, for points in a SAS ball.
+/// Whether a probe centre at `point` would be inside some SAS ball: if not, it is accessible
+/// itself.
+bool is_in_sas_ball(const BlockFeatures& features, Vec3 point);
+
+/// Whether some accessible probe centre is nearer than `distance`; `point` as above.
 inline bool is_probe_nearer(const BlockFeatures& features, Vec3 point, double distance) {
   return nearest_probe(features, point, distance, distance).distance < distance;
 }

@@ -73,7 +73,10 @@ Crossing bisect(const BlockFeatures& features, const Edge& edge) {
   double inside = edge.lower_is_inside ? edge.lower[edge.axis] : edge.upper;
   for (int i = 0; i < 60; ++i) {
     const double middle = 0.5 * (outside + inside);
-    (is_probe_nearer(features, edge.point_at(middle), probe) ? outside : inside) = middle;
+    const Vec3 point = edge.point_at(middle);
+    const bool is_covered =
+        !is_in_sas_ball(features, point) || is_probe_nearer(features, point, probe);
+    (is_covered ? outside : inside) = middle;
   }
   const Vec3 point = edge.point_at(inside);
   const NearestProbe probe_at = nearest_probe(features, point, std::numeric_limits<double>::max());
