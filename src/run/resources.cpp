@@ -98,7 +98,8 @@ std::uint64_t available_memory() {
 
 std::uint64_t available_disk(const std::filesystem::path& directory) {
   struct statvfs status {};
-  if (statvfs(directory.c_str(), &status) != 0) return unlimited;
+  // File systems that hold no files, such as /proc, have no blocks at all.
+  if (statvfs(directory.c_str(), &status) != 0 || status.f_blocks == 0) return unlimited;
   return std::uint64_t{status.f_bavail} * status.f_frsize;
 }
 
