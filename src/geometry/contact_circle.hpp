@@ -33,12 +33,13 @@ struct ContactCircle {
 /// The centres must differ.
 inline Cap make_cap(const SasSphere& sphere, const SasSphere& neighbour) {
   const Vec3 to_neighbour = neighbour.center - sphere.center;
-  const double distance = norm(to_neighbour);
-  const double height = (distance * distance +
-                         (sphere.radius - neighbour.radius) * (sphere.radius + neighbour.radius)) /
-                        (2 * distance);
-  return {(1 / distance) * to_neighbour, height,
-          height + tolerance::accessible * neighbour.radius / distance};
+  const double squared = squared_norm(to_neighbour);
+  const double inverse = 1 / std::sqrt(squared);
+  const double height =
+      0.5 * inverse *
+      (squared + (sphere.radius - neighbour.radius) * (sphere.radius + neighbour.radius));
+  return {inverse * to_neighbour, height,
+          height + tolerance::accessible * neighbour.radius * inverse};
 }
 
 /// The spheres must meet.
