@@ -50,6 +50,21 @@ inline ContactCircle make_contact_circle(const SasSphere& first, const SasSphere
           cap.height, dot(second.center - first.center, cap.axis) - cap.height};
 }
 
+/// A point in the half plane through a circle's axis, seen from the circle.
+struct MeridianPoint {
+  double height = 0;  ///< along the axis, above the circle's plane
+  double inward = 0;  ///< from the circle towards the axis; negative outside the circle
+
+  double squared_distance() const { return inward * inward + height * height; }
+};
+
+/// `offset` is the point's place from the circle's centre.
+inline MeridianPoint meridian_point(const ContactCircle& circle, Vec3 offset) {
+  const double height = dot(offset, circle.axis);
+  const double from_axis = std::sqrt(std::max(0.0, squared_norm(offset) - height * height));
+  return {height, circle.radius - from_axis};
+}
+
 /// Where a third SAS sphere meets the circle: at cos_half = C / D from `toward`, on both sides.
 /// `cap` is that of the third sphere on the circle's first sphere.
 struct CircleCut {

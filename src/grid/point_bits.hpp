@@ -29,6 +29,12 @@ struct PointBits {
     columns = size[0] < 2 ? 1 : (size[0] - 2) / column_step + 1;
     words.assign(static_cast<std::size_t>(columns * size[1] * size[2]) + vector_padding, 0);
   }
+  /// How many of a column's points, its lowest ones, it owns if the row owns its first `owned`: the
+  /// point that it shares with the next column belongs to that.
+  std::int64_t owned_in_column(std::int64_t column, std::int64_t owned) const {
+    return std::min(owned - column * column_step,
+                    column + 1 == columns ? column_points : column_step);
+  }
   std::size_t word_index(std::int64_t column, std::int64_t y, std::int64_t z) const {
     return static_cast<std::size_t>((column * size[2] + z) * size[1] + y);
   }

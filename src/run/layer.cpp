@@ -30,12 +30,9 @@ LayerRows::LayerRows(const BlockTiling& tiling, const Layer& layer)
     if (inside.words.empty()) continue;
     auto& pieces = pieces_[b / static_cast<std::size_t>(tiling.blocks[0])];
     for (std::int64_t column = 0; column < inside.columns; ++column) {
-      const std::int64_t first = column * PointBits::column_step;
-      const bool is_last = column + 1 == inside.columns;
       pieces.push_back({inside.words.data() + inside.word_index(column, 0, 0), inside.size[1],
-                        result.block.first[0] + first,
-                        std::min(result.block.owned[0] - first,
-                                 is_last ? PointBits::column_points : PointBits::column_step)});
+                        result.block.first[0] + column * PointBits::column_step,
+                        inside.owned_in_column(column, result.block.owned[0])});
     }
   }
 }

@@ -4,7 +4,6 @@
 #include <malloc.h>
 
 #include <algorithm>
-#include <chrono>
 #include <mutex>
 #include <optional>
 #include <system_error>
@@ -19,19 +18,10 @@
 #include "run/parallel.hpp"
 #include "run/resources.hpp"
 #include "solve/block_solver.hpp"
+#include "solve/stopwatch.hpp"
 
 namespace eses {
 namespace {
-
-class Stopwatch {
- public:
-  double seconds() const {
-    return std::chrono::duration<double>(std::chrono::steady_clock::now() - start_).count();
-  }
-
- private:
-  std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
-};
 
 // The files of a run, each of them there only if it was chosen.
 struct OutputFiles {

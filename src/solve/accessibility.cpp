@@ -14,10 +14,7 @@ bool is_exposed(std::span<const CapCone> cones, Vec3 offset, double length) {
 
 void offer_arc(const ArcFeature& arc, Vec3 point, NearestProbe& nearest) {
   const Vec3 offset = point - arc.circle.center;
-  const double height = dot(offset, arc.circle.axis);
-  const double outward =
-      std::sqrt(std::max(0.0, squared_norm(offset) - height * height)) - arc.circle.radius;
-  const double distance = std::sqrt(outward * outward + height * height);
+  const double distance = std::sqrt(meridian_point(arc.circle, offset).squared_distance());
   if (distance >= nearest.distance || !faces(arc.sector, offset)) return;
   nearest = {distance,
              arc.circle.center + arc.circle.radius * nearest_on_arc(arc, offset),

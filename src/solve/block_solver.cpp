@@ -1,14 +1,9 @@
 #include "solve/block_solver.hpp"
 
-#include <algorithm>
-#include <chrono>
+#include "solve/stopwatch.hpp"
 
 namespace eses {
 namespace {
-
-double seconds_since(std::chrono::steady_clock::time_point start) {
-  return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-}
 
 void add_to_tally(const Surface& surface, const BlockGrid& grid, const BlockResult& result,
                   Tally& tally) {
@@ -32,17 +27,17 @@ BlockResult solve_block(const Surface& surface, const Grid& grid, const Block& b
                         BlockWorkspace& workspace) {
   BlockResult result;
   result.block = block;
-  const auto start = std::chrono::steady_clock::now();
+  const Stopwatch classifying;
   workspace.grid.reset(grid, block);
   collect_features(surface, workspace.grid.box, workspace.features);
   if (workspace.features.balls.empty()) return result;
   classify_points(workspace.grid, workspace.features, workspace.classify, result.inside);
-  workspace.classify_seconds += seconds_since(start);
-  const auto classified = std::chrono::steady_clock::now();
+  workspace.classify_seconds += classifying.seconds();
+  const Stopwatch intersecting;
   intersect_edges(workspace.grid, workspace.features, result.inside, workspace.intersect,
                   result.crossings, result.row_begin);
   add_to_tally(surface, workspace.grid, result, workspace.tally);
-  workspace.intersect_seconds += seconds_since(classified);
+  workspace.intersect_seconds += intersecting.seconds();
   return result;
 }
 

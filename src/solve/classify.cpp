@@ -183,10 +183,8 @@ void clear_face(const BlockGrid& grid, const FaceFeature& face, std::span<const 
 
 bool is_covered_by(const ArcFeature& arc, double squared_probe, Vec3 point) {
   const Vec3 offset = point - arc.circle.center;
-  const double height = dot(offset, arc.circle.axis);
-  const double from_axis = std::sqrt(std::max(0.0, squared_norm(offset) - height * height));
-  const double outward = from_axis - arc.circle.radius;
-  return outward * outward + height * height < squared_probe && faces(arc.sector, offset);
+  return meridian_point(arc.circle, offset).squared_distance() < squared_probe &&
+         faces(arc.sector, offset);
 }
 
 void clear_arc(const BlockGrid& grid, const ArcFeature& arc, double squared_probe,

@@ -30,9 +30,7 @@ void tabulate_edges(const BlockGrid& grid, const PointBits& inside, EdgeTable& e
     for (std::int64_t y = 0; y < owned[1]; ++y)
       for (std::int64_t column = 0; column < inside.columns; ++column) {
         const std::int64_t first = column * PointBits::column_step;
-        const bool is_last = column + 1 == inside.columns;
-        const std::uint64_t starts = low_bits(std::min(
-            owned[0] - first, is_last ? PointBits::column_points : PointBits::column_step));
+        const std::uint64_t starts = low_bits(inside.owned_in_column(column, owned[0]));
         const std::size_t w = inside.word_index(column, y, z);
         const std::uint64_t row = inside.words[w];
         const std::uint64_t x = (row ^ (row >> 1)) & starts & low_bits(points[0] - 1 - first);
@@ -109,9 +107,7 @@ HWY_INLINE std::optional<double> meet_placement(const PlacementFeature& placemen
 // in the half plane through the axis, the point lies between the directions to both atoms.
 bool is_in_wedge(const ArcFeature& arc, Vec3 offset) {
   const ContactCircle& circle = arc.circle;
-  const double height = dot(offset, circle.axis);
-  const double from_axis = std::sqrt(std::max(0.0, squared_norm(offset) - height * height));
-  const double inward = circle.radius - from_axis;
+  const auto [height, inward] = meridian_point(circle, offset);
   const double slack = tolerance::seam * circle.radius;
   return circle.radius * height + circle.first_height * inward >= -slack &&
          circle.second_height * inward - circle.radius * height >= -slack &&
@@ -129,18 +125,15 @@ HWY_INLINE bool passes_beyond(Vec3 end_normal, Vec3 start, Vec3 step) {
 HWY_INLINE bool misses_saddle(const ArcFeature& arc, double probe, Vec3 start, Vec3 step,
                               double length) {
   const ContactCircle& circle = arc.circle;
-  const Vec3 middle = start + 0.5 * step;
   const double reach = 0.5 * length * (1 + 4 * tolerance::edge_end);
-  const double height = dot(middle, circle.axis);
-  const double from_axis = std::sqrt(std::max(0.0, squared_norm(middle) - height * height));
-  const double inward = circle.radius - from_axis;
-  const double squared = inward * inward + height * height;
+  const MeridianPoint middle = meridian_point(circle, start + 0.5 * step);
+  const double squared = middle.squared_distance();
   const double nearest = std::max(0.0, probe - reach), farthest = probe + reach;
   if (squared < nearest * nearest || squared > farthest * farthest) return true;
-  const double raised = circle.radius * height;
-  return raised + circle.first_height * inward <
+  const double raised = circle.radius * middle.height;
+  return raised + circle.first_height * middle.inward <
              -reach * (circle.radius + std::fabs(circle.first_height)) ||
-         circle.second_height * inward - raised <
+         circle.second_height * middle.inward - raised <
              -reach * (circle.radius + std::fabs(circle.second_height));
 }
 

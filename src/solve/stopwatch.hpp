@@ -1,0 +1,19 @@
+#pragma once
+/// Wall clock time of a phase.
+
+#include <chrono>
+
+namespace eses {
+
+/// Runs from its construction.
+class Stopwatch {
+ public:
+  double seconds() const {
+    return std::chrono::duration<double>(std::chrono::steady_clock::now() - start_).count();
+  }
+
+ private:
+  std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
+};
+
+}  // namespace eses
