@@ -48,16 +48,14 @@ ValueAndSlope evaluate(const std::array<double, 5>& c, double u) {
 // Newton's method inside a bracket that holds exactly one root and is negative at its low end,
 // bisection where it would leave the bracket. `u` is the first guess.
 double bracketed_root(const std::array<double, 5>& c, double low, double high, double u) {
-  // Newton's method squares the relative error: after a step this small the next would not move.
-  constexpr double last_step = 1e-9;
-  for (int iteration = 0; iteration < 60; ++iteration) {
+  for (int iteration = 0; iteration < line_torus::most_iterations; ++iteration) {
     const auto [value, slope] = evaluate(c, u);
     (value < 0 ? low : high) = u;
     double next = u - value / slope;
     if (!(next >= low && next <= high)) next = 0.5 * (low + high);
     const double step = std::fabs(next - u);
     u = next;
-    if (step < last_step) break;
+    if (step < line_torus::last_step) break;
   }
   return u;
 }
@@ -97,12 +95,8 @@ double polished(double u, Vec3 first, Vec3 span, Vec3 axis, double circle_radius
                        2 * circle_radius * s;
   const double slope = 2 * dot(w, span) - (s > 0 ? 2 * circle_radius * dot(across, span) / s : 0.0);
   const double step = value / slope;
-  constexpr double largest_step = 1e-5;  // beyond that the root was no root of this factor
-  return std::fabs(step) < largest_step ? u - step : u;
+  return std::fabs(step) < line_torus::largest_polish ? u - step : u;
 }
-
-// A below this is the inner sheet for certain; rounding near a cusp stays above (square angstrom).
-constexpr double inner_sheet = -1e-6;
 
 }  // namespace
 
@@ -127,7 +121,7 @@ TubeExits tube_exits(Vec3 start, Vec3 step, Vec3 axis, double circle_radius, dou
   for (int i = 0; i < search.count; ++i) {
     const double u = search.roots[static_cast<std::size_t>(i)];
     // A < 0 is the inner sheet: the far side of the circle is that near.
-    if (a0 + u * (w1 + u * w2) < inner_sheet) continue;
+    if (a0 + u * (w1 + u * w2) < line_torus::inner_sheet) continue;
     const double exact = polished(u, first, span, axis, circle_radius, tube_radius);
     exits.parameters[static_cast<std::size_t>(exits.count++)] =
         std::clamp(low + exact * (high - low), low, high);

@@ -21,4 +21,18 @@ struct TubeExits {
 TubeExits tube_exits(Vec3 start, Vec3 step, Vec3 axis, double circle_radius, double tube_radius,
                      double low, double high);
 
+namespace line_torus {
+
+/// Newton's method squares the relative error: after a step this small the next would not move.
+inline constexpr double last_step = 1e-9;
+inline constexpr int most_iterations = 60;
+
+/// A root that is to move by more than this was no root of the outer sheet.
+inline constexpr double largest_polish = 1e-5;
+
+/// Of squared distances from the circle's axis (square angstrom): below it lies the inner sheet for
+/// certain, as rounding near a cusp stays above.
+inline constexpr double inner_sheet = -1e-6;
+
+}  // namespace line_torus
 }  // namespace eses

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "eses/grid.hpp"
+#include "simd/padding.hpp"
 
 namespace eses {
 
@@ -16,9 +17,6 @@ namespace eses {
 struct PointBits {
   static constexpr std::int64_t column_points = 64;
   static constexpr std::int64_t column_step = 63;
-
-  /// Words behind the last row that a vector loop may touch.
-  static constexpr std::size_t vector_padding = 8;
 
   GridIndex size{};  ///< points along x, y and z
   std::int64_t columns = 0;

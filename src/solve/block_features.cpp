@@ -3,11 +3,12 @@
 #include <algorithm>
 #include <cmath>
 
+#include "simd/padding.hpp"
+
 namespace eses {
 namespace {
 
 constexpr double box_slack = 1e-5;          // angstrom: keeps seams inside the boxes
-constexpr std::size_t vector_padding = 16;  // doubles a vector loop may read past the end
 
 // The saddle is swept by the probe's outline between the points where it touches the two atoms. In
 // the half plane through the axis, with the probe at distance rho from it, the outline's height

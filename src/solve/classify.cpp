@@ -8,6 +8,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "simd/dispatch.hpp"
+#include "simd/padding.hpp"
 #include "solve/index_range.hpp"
 
 HWY_BEFORE_NAMESPACE();
@@ -81,15 +83,15 @@ void stamp_rows(const BallPlane& plane, const double* y, std::uint64_t* rows, st
 template <class Action>
 void for_each_plane(const BlockGrid& grid, const PointBits& bits, Vec3 center, double radius,
                     const Box& box, Action&& action) {
-  const IndexRange z = indices_within(grid, 2, box.low.z, box.high.z);
-  const IndexRange x = indices_within(grid, 0, box.low.x, box.high.x);
+  const IndexRange z = points_within(grid, 2, box.low.z, box.high.z);
+  const IndexRange x = points_within(grid, 0, box.low.x, box.high.x);
   const IndexRange columns = columns_of(x, bits.columns);
   for (std::int64_t k = z.begin; k < z.end; ++k) {
     const double dz = grid.coordinates[2][static_cast<std::size_t>(k)] - center.z;
     const double squared = radius * radius - dz * dz;
     if (squared < 0) continue;
     const double half = std::sqrt(squared);
-    const IndexRange y = indices_within(grid, 1, std::max(box.low.y, center.y - half),
+    const IndexRange y = points_within(grid, 1, std::max(box.low.y, center.y - half),
                                         std::min(box.high.y, center.y + half));
     if (y.begin >= y.end) continue;
     BallPlane plane{center.x, center.y, squared, grid.grid.lower.x, 1 / grid.grid.spacing, 0};
@@ -189,9 +191,9 @@ bool is_covered_by(const ArcFeature& arc, double squared_probe, Vec3 point) {
 
 void clear_arc(const BlockGrid& grid, const ArcFeature& arc, double squared_probe,
                PointBits& undecided) {
-  const IndexRange x = indices_within(grid, 0, arc.solid_box.low.x, arc.solid_box.high.x);
-  const IndexRange y = indices_within(grid, 1, arc.solid_box.low.y, arc.solid_box.high.y);
-  const IndexRange z = indices_within(grid, 2, arc.solid_box.low.z, arc.solid_box.high.z);
+  const IndexRange x = points_within(grid, 0, arc.solid_box.low.x, arc.solid_box.high.x);
+  const IndexRange y = points_within(grid, 1, arc.solid_box.low.y, arc.solid_box.high.y);
+  const IndexRange z = points_within(grid, 2, arc.solid_box.low.z, arc.solid_box.high.z);
   const IndexRange columns = columns_of(x, undecided.columns);
   for (std::int64_t column = columns.begin; column < columns.end; ++column) {
     const std::int64_t first_x = column * PointBits::column_step;
@@ -245,19 +247,16 @@ HWY_AFTER_NAMESPACE();
 
 #if HWY_ONCE
 namespace eses {
-HWY_EXPORT(classify);
-
 void classify_points(const BlockGrid& grid, const BlockFeatures& features, ClassifyScratch& scratch,
                      PointBits& inside) {
-  constexpr std::size_t widest_vector = 8;  // doubles, for every instruction set
   inside.reset(grid.block.points);
   scratch.undecided.reset(grid.block.points);
-  scratch.row_masks.resize(static_cast<std::size_t>(grid.block.points[1]) + widest_vector);
+  scratch.row_masks.resize(static_cast<std::size_t>(grid.block.points[1]) + vector_padding);
   ShellBatch& batch = scratch.batch;
   for (auto* values : {&batch.x, &batch.y, &batch.z})
-    values->resize(ShellBatch::capacity + widest_vector);
-  batch.place.resize(ShellBatch::capacity + widest_vector);
-  HWY_DYNAMIC_DISPATCH(classify)(grid, features, scratch, inside);
+    values->resize(ShellBatch::capacity + vector_padding);
+  batch.place.resize(ShellBatch::capacity + vector_padding);
+  ESES_BEST_VERSION(classify)(grid, features, scratch, inside);
 }
 
 }  // namespace eses

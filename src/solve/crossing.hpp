@@ -25,17 +25,34 @@ struct Edge {
   }
 };
 
+/// The edge along `axis` that starts at `lower`, counted from the block's first point.
+inline Edge make_edge(const BlockGrid& grid, std::size_t axis, const GridIndex& lower,
+                      bool lower_is_inside) {
+  const auto coordinate = [&](std::size_t a, std::int64_t index) {
+    return grid.coordinates[a][static_cast<std::size_t>(index)];
+  };
+  return {axis,
+          lower_is_inside,
+          {coordinate(0, lower[0]), coordinate(1, lower[1]), coordinate(2, lower[2])},
+          coordinate(axis, lower[axis] + 1)};
+}
+
 inline Vec3 inward_direction(const Edge& edge) {
   Vec3 direction;
   direction[edge.axis] = edge.inward();
   return direction;
 }
 
+/// An atom without extent, on whose van der Waals sphere rounding leaves no direction.
+inline bool is_point_atom(const FaceFeature& face) {
+  constexpr double largest_radius = 1e-8;  // angstrom
+  return face.radius < largest_radius;
+}
+
 /// From the centre of an atom to a point of its van der Waals sphere. Of an atom that is a point,
 /// every direction is; the one that meets the edge is taken.
 inline Vec3 face_direction(const FaceFeature& face, const Edge& edge, Vec3 point) {
-  constexpr double is_point = 1e-8;  // angstrom
-  return face.radius < is_point ? -inward_direction(edge) : point - face.center;
+  return is_point_atom(face) ? -inward_direction(edge) : point - face.center;
 }
 
 /// Where a patch is met by an edge on the way from its outside to its inside end.

@@ -14,16 +14,29 @@ struct IndexRange {
   std::int64_t begin, end;
 };
 
-/// The points between `low` and `high`, and the next one on either side, so that every edge that
-/// reaches into the interval starts in it.
-inline IndexRange indices_within(const BlockGrid& grid, std::size_t axis, double low, double high) {
+/// The points between `low` and `high`.
+inline IndexRange points_within(const BlockGrid& grid, std::size_t axis, double low, double high) {
+  constexpr double slack = 1e-6;  // spacings: a point on the bound is in, however it is rounded
   const double inverse = 1 / grid.grid.spacing;
   const double first = static_cast<double>(grid.block.first[axis]);
   const double points = static_cast<double>(grid.block.points[axis]);
-  const double a = std::floor((low - grid.grid.lower[axis]) * inverse) - first;
-  const double b = std::ceil((high - grid.grid.lower[axis]) * inverse) - first + 1;
+  const double a = std::ceil((low - grid.grid.lower[axis]) * inverse - slack) - first;
+  const double b = std::floor((high - grid.grid.lower[axis]) * inverse + slack) - first + 1;
   return {static_cast<std::int64_t>(std::clamp(a, 0.0, points)),
           static_cast<std::int64_t>(std::clamp(b, 0.0, points))};
+}
+
+/// Of those the ones that the block owns.
+inline IndexRange own_points_within(const BlockGrid& grid, std::size_t axis, double low,
+                                    double high) {
+  const IndexRange range = points_within(grid, axis, low, high);
+  return {range.begin, std::min(range.end, grid.block.owned[axis])};
+}
+
+/// The block's own points at which edges along `axis` start that reach into the interval.
+inline IndexRange own_edges_within(const BlockGrid& grid, std::size_t axis, double low,
+                                   double high) {
+  return own_points_within(grid, axis, low - grid.grid.spacing, high);
 }
 
 /// The columns that hold these points.

@@ -1,29 +1,15 @@
 #pragma once
 /// Where the edges that a block owns cross the solvent excluded surface.
 
-#include <array>
 #include <cstdint>
-#include <span>
 #include <vector>
 
 #include "grid/point_bits.hpp"
 #include "solve/crossing.hpp"
+#include "solve/edge_batch.hpp"
+#include "solve/edge_table.hpp"
 
 namespace eses {
-
-/// The edges of a block whose ends differ, ranked in canonical order: by lower point (z, y, x),
-/// then axis.
-struct EdgeTable {
-  std::array<std::vector<std::uint64_t>, 3> changes;  ///< per axis, indexed like PointBits
-  std::vector<std::uint32_t> rank;                    ///< edges before word [z][y][column]
-  std::int64_t columns = 0;
-  GridIndex owned{};
-
-  std::size_t rank_index(std::int64_t column, std::int64_t y, std::int64_t z) const {
-    return static_cast<std::size_t>((z * owned[1] + y) * columns + column);
-  }
-  std::uint32_t count() const { return rank.back(); }
-};
 
 struct IntersectScratch {
   struct Further {
@@ -31,6 +17,7 @@ struct IntersectScratch {
     Candidate candidate;
   };
   EdgeTable edges;
+  EdgeBatch batch;
   std::vector<Candidate> first;    ///< per edge, the first candidate found
   std::vector<Further> further;    ///< all others
   std::vector<Candidate> of_edge;  ///< of the edge that is being decided

@@ -9,6 +9,9 @@
 #include <cmath>
 #include <iterator>
 
+#include "simd/dispatch.hpp"
+#include "simd/padding.hpp"
+
 HWY_BEFORE_NAMESPACE();
 namespace eses::HWY_NAMESPACE {
 namespace hn = hwy::HWY_NAMESPACE;
@@ -65,14 +68,11 @@ HWY_AFTER_NAMESPACE();
 
 #if HWY_ONCE
 namespace eses {
-HWY_EXPORT(keep_unsettled);
-HWY_EXPORT(any_above);
 
 namespace {
 
 // Covers the rounding of single-precision dot products, so that a patch is settled for certain.
 constexpr double float_slack = 1e-5;
-constexpr std::size_t widest_vector = 64;  // floats: ample padding for every instruction set
 // Past the largest caps the order hardly matters, and a full sort would cost more than it saves.
 constexpr std::ptrdiff_t sorted_caps = 16;
 
@@ -107,12 +107,12 @@ BurialPatches::BurialPatches(const CoveringDirections& covering) : radius(coveri
 
 bool is_buried(std::span<const Cap> caps, double radius, const BurialPatches& patches,
                BurialScratch& scratch) {
-  const auto keep = HWY_DYNAMIC_DISPATCH(keep_unsettled);
-  const auto touches = HWY_DYNAMIC_DISPATCH(any_above);
+  const auto keep = ESES_BEST_VERSION(keep_unsettled);
+  const auto touches = ESES_BEST_VERSION(any_above);
   const double patch_cosine = std::cos(patches.radius), patch_sine = std::sin(patches.radius);
   std::size_t count = patches.x.size();
   const auto load = [&](const std::vector<float>& from, std::vector<float>& to) {
-    to.resize(count + widest_vector);
+    to.resize(count + vector_padding);
     std::copy(from.begin(), from.end(), to.begin());
   };
   load(patches.x, scratch.x);

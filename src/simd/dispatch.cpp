@@ -1,0 +1,50 @@
+#include "simd/dispatch.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cstdlib>
+#include <string_view>
+#include <utility>
+
+namespace eses {
+namespace {
+
+// What Highway asks of a target, as far as any processor has one without the other.
+InstructionSet widest_available() {
+#if defined(__x86_64__) || defined(__i386__)
+  __builtin_cpu_init();
+  const bool has_sse4 = __builtin_cpu_supports("sse4.2") && __builtin_cpu_supports("pclmul");
+  const bool has_avx2 = has_sse4 && __builtin_cpu_supports("avx2") &&
+                        __builtin_cpu_supports("fma") && __builtin_cpu_supports("bmi") &&
+                        __builtin_cpu_supports("bmi2");
+  const bool has_avx512 = has_avx2 && __builtin_cpu_supports("avx512f") &&
+                          __builtin_cpu_supports("avx512vl") &&
+                          __builtin_cpu_supports("avx512bw") &&
+                          __builtin_cpu_supports("avx512dq") && __builtin_cpu_supports("avx512cd");
+  if (has_avx512) return InstructionSet::avx512;
+  if (has_avx2) return InstructionSet::avx2;
+  if (has_sse4) return InstructionSet::sse4;
+#endif
+  return InstructionSet::baseline;
+}
+
+InstructionSet widest_allowed() {
+  constexpr std::array<std::pair<std::string_view, InstructionSet>, 3> names{
+      {{"baseline", InstructionSet::baseline},
+       {"sse4", InstructionSet::sse4},
+       {"avx2", InstructionSet::avx2}}};
+  const char* const wish = std::getenv("ESES_INSTRUCTION_SET");
+  if (wish != nullptr)
+    for (const auto& [name, set] : names)
+      if (name == wish) return set;
+  return InstructionSet::avx512;
+}
+
+}  // namespace
+
+InstructionSet instruction_set() {
+  static const InstructionSet chosen = std::min(widest_available(), widest_allowed());
+  return chosen;
+}
+
+}  // namespace eses

@@ -1,0 +1,163 @@
+/// Where grid edges cross a saddle patch, several edges at a time. Included anew for every
+/// instruction set, see Highway.
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "geometry/line_torus-inl.hpp"
+#include "simd/points-inl.hpp"
+#include "solve/block_features.hpp"
+#include "solve/edge_batch.hpp"
+
+#if defined(ESES_SOLVE_EDGE_SADDLE_INL_) == defined(HWY_TARGET_TOGGLE)
+#ifdef ESES_SOLVE_EDGE_SADDLE_INL_
+#undef ESES_SOLVE_EDGE_SADDLE_INL_
+#else
+#define ESES_SOLVE_EDGE_SADDLE_INL_
+#endif
+
+HWY_BEFORE_NAMESPACE();
+namespace eses::HWY_NAMESPACE {
+
+HWY_INLINE Points batch_points(const EdgeBatch& batch, std::size_t i) {
+  return {load(batch.start[0].data() + i), load(batch.start[1].data() + i),
+          load(batch.start[2].data() + i)};
+}
+
+/// See MeridianPoint.
+struct MeridianPoints {
+  DoubleVector height, inward;
+};
+
+HWY_INLINE MeridianPoints meridian_points(const ContactCircle& circle, const Points& offset) {
+  const auto height = dot(circle.axis, offset);
+  const auto squared = squared_norm(offset) - height * height;
+  return {height, all(circle.radius) - hn::Sqrt(hn::Max(squared, all(0)))};
+}
+
+/// See faces(): on which lanes the circle's point nearest to the offset lies on the arc.
+HWY_INLINE DoubleMask faces(const ArcSector& sector, const Points& offset) {
+  const auto seam = all(-tolerance::seam);
+  if (sector.kind == ArcKind::full) return seam < all(0);
+  const auto after_start = dot(sector.start_normal, offset) >= seam;
+  const auto before_end = dot(sector.end_normal, offset) >= seam;
+  if (sector.kind == ArcKind::major) return hn::Or(after_start, before_end);
+  return hn::And(hn::And(after_start, before_end),
+                 dot(sector.start + sector.end, offset) >= seam);
+}
+
+/// Whether the nearest point of the arc is the nearest accessible one as far as its two atoms tell:
+/// in the half plane through the axis, the point lies between the directions to both atoms.
+HWY_INLINE DoubleMask is_in_wedge(const ArcFeature& arc, const Points& offset) {
+  const ContactCircle& circle = arc.circle;
+  const auto [height, inward] = meridian_points(circle, offset);
+  const auto slack = all(-tolerance::seam * circle.radius);
+  const auto raised = all(circle.radius) * height;
+  const auto is_between = hn::And(all(circle.first_height) * inward + raised >= slack,
+                                  all(circle.second_height) * inward - raised >= slack);
+  return hn::And(is_between, faces(arc.sector, offset));
+}
+
+/// An edge wholly beyond an arc's end.
+template <std::size_t axis>
+HWY_INLINE DoubleMask passes_beyond(Vec3 end_normal, const Points& start, DoubleVector step) {
+  const auto distance = dot(end_normal, start);
+  const auto beyond = all(-tolerance::seam);
+  return hn::And(distance < beyond, distance + all(end_normal[axis]) * step < beyond);
+}
+
+/// No crossing anywhere on an edge, told from its midpoint: along the edge the distance to the
+/// circle, the distance from its axis and the height change by at most half the edge's length.
+template <std::size_t axis>
+HWY_INLINE DoubleMask misses_saddle(const ArcFeature& arc, double probe, double length,
+                                    const Points& start, DoubleVector step) {
+  const ContactCircle& circle = arc.circle;
+  const double reach = 0.5 * length * (1 + 4 * tolerance::edge_end);
+  Points middle = start;
+  along<axis>(middle) = along<axis>(middle) + all(0.5) * step;
+  const auto [height, inward] = meridian_points(circle, middle);
+  const auto squared = inward * inward + height * height;
+  const double nearest = std::max(0.0, probe - reach), farthest = probe + reach;
+  const auto is_far_from_tube =
+      hn::Or(squared < all(nearest * nearest), squared > all(farthest * farthest));
+  const auto raised = all(circle.radius) * height;
+  const auto beyond_first = raised + all(circle.first_height) * inward <
+                            all(-reach * (circle.radius + std::fabs(circle.first_height)));
+  const auto beyond_second = all(circle.second_height) * inward - raised <
+                             all(-reach * (circle.radius + std::fabs(circle.second_height)));
+  return hn::Or(is_far_from_tube, hn::Or(beyond_first, beyond_second));
+}
+
+/// Keeps the edges of the batch that may cross the patch, at its front.
+template <std::size_t axis>
+void keep_near_saddle(const ArcFeature& arc, double probe, double length, EdgeBatch& batch) {
+  const Doubles doubles;
+  const Words words;
+  std::size_t kept = 0;
+  for (std::size_t i = 0; i < batch.count; i += hn::Lanes(doubles)) {
+    const Points start = batch_points(batch, i);
+    const auto step = load(batch.step.data() + i);
+    auto is_off = misses_saddle<axis>(arc, probe, length, start, step);
+    if (arc.sector.kind == ArcKind::minor)
+      is_off = hn::Or(is_off, hn::Or(passes_beyond<axis>(arc.sector.start_normal, start, step),
+                                     passes_beyond<axis>(arc.sector.end_normal, start, step)));
+    const auto may_cross = hn::AndNot(is_off, hn::FirstN(doubles, batch.count - i));
+    if (hn::AllFalse(doubles, may_cross)) continue;
+    const auto place = hn::LoadU(words, batch.place.data() + i);
+    // Never past what has been read: the front is at most as far as this.
+    hn::CompressStore(start.x, may_cross, doubles, batch.start[0].data() + kept);
+    hn::CompressStore(start.y, may_cross, doubles, batch.start[1].data() + kept);
+    hn::CompressStore(start.z, may_cross, doubles, batch.start[2].data() + kept);
+    hn::CompressStore(load(batch.from.data() + i), may_cross, doubles, batch.from.data() + kept);
+    hn::CompressStore(place, hn::RebindMask(words, may_cross), words, batch.place.data() + kept);
+    kept += hn::CompressStore(step, may_cross, doubles, batch.step.data() + kept);
+  }
+  batch.count = kept;
+}
+
+/// Where the edges of the batch cross the patch: calls `found(place, coordinate)`, the latter along
+/// the edges' axis.
+template <std::size_t axis, class Found>
+void meet_saddle(const ArcFeature& arc, double probe, double length, EdgeBatch& batch,
+                 Found&& found) {
+  keep_near_saddle<axis>(arc, probe, length, batch);
+  const Doubles doubles;
+  const ContactCircle& circle = arc.circle;
+  constexpr double low = -tolerance::edge_end, high = 1 + tolerance::edge_end;
+  for (std::size_t i = 0; i < batch.count; i += hn::Lanes(doubles)) {
+    const Points start = batch_points(batch, i);
+    const auto step = load(batch.step.data() + i);
+    const auto offer = [&](DoubleVector parameter, DoubleMask exits) {
+      const auto share = hn::Min(hn::Max(parameter, all(0)), all(1));
+      Points point = start;
+      along<axis>(point) = along<axis>(point) + share * step;
+      exits = hn::And(exits, is_in_wedge(arc, point));
+      if (hn::AllFalse(doubles, exits)) return;
+      std::array<double, HWY_MAX_BYTES / sizeof(double)> coordinates;
+      hn::StoreU(load(batch.from.data() + i) + share * step, doubles, coordinates.data());
+      for_each_lane(exits, [&](std::size_t lane) {
+        found(batch.place[i + lane], coordinates[lane]);
+      });
+    };
+    const auto in_batch = hn::FirstN(doubles, batch.count - i);
+    const OnlyTubeExits only =
+        only_tube_exits<axis>(start, step, circle.axis, circle.radius, probe, low, high);
+    offer(only.parameters, hn::And(in_batch, only.is_one));
+    for_each_lane(hn::And(in_batch, only.may_be_several), [&](std::size_t lane) {
+      Vec3 one_step;
+      one_step[axis] = batch.step[i + lane];
+      const TubeExits several =
+          tube_exits({batch.start[0][i + lane], batch.start[1][i + lane], batch.start[2][i + lane]},
+                     one_step, circle.axis, circle.radius, probe, low, high);
+      const auto this_lane = hn::Eq(hn::Iota(doubles, 0), all(static_cast<double>(lane)));
+      for (int e = 0; e < several.count; ++e)
+        offer(all(several.parameters[static_cast<std::size_t>(e)]), this_lane);
+    });
+  }
+}
+
+}  // namespace eses::HWY_NAMESPACE
+HWY_AFTER_NAMESPACE();
+
+#endif

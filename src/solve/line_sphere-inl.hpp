@@ -1,0 +1,81 @@
+/// Where grid lines meet a sphere, several lines at a time: one root serves all edges of a line.
+/// Included anew for every instruction set, see Highway.
+
+#include <algorithm>
+#include <array>
+
+#include "simd/points-inl.hpp"
+#include "solve/index_range.hpp"
+
+#if defined(ESES_SOLVE_LINE_SPHERE_INL_) == defined(HWY_TARGET_TOGGLE)
+#ifdef ESES_SOLVE_LINE_SPHERE_INL_
+#undef ESES_SOLVE_LINE_SPHERE_INL_
+#else
+#define ESES_SOLVE_LINE_SPHERE_INL_
+#endif
+
+HWY_BEFORE_NAMESPACE();
+namespace eses::HWY_NAMESPACE {
+
+/// A sphere of which the part in `box` is looked at.
+struct SpherePart {
+  Vec3 center;
+  double radius = 0;
+  Box box;
+};
+
+/// For the grid lines along `axis` through the block's own points, calls
+/// `found(line, coordinate, side)` where a line meets the part: `line` has the indices of the line's
+/// points, whatever the one along the axis, and `side` is +1 at the line's upper end of the chord,
+/// -1 at the lower. `is_on_patch(mask, from_center, side)` narrows a mask of lanes.
+template <std::size_t axis, class IsOnPatch, class Found>
+void meet_lines(const BlockGrid& grid, const SpherePart& sphere, IsOnPatch&& is_on_patch,
+                Found&& found) {
+  constexpr std::size_t across = axis == 0 ? 1 : 0, row = axis == 2 ? 1 : 2;
+  constexpr double tangent = -1e-12;  // square angstrom: a line that grazes the sphere
+  const Doubles doubles;
+  const auto lanes = static_cast<std::int64_t>(hn::Lanes(doubles));
+  const IndexRange rows = own_points_within(grid, row, sphere.box.low[row], sphere.box.high[row]);
+  const IndexRange columns =
+      own_points_within(grid, across, sphere.box.low[across], sphere.box.high[across]);
+  const auto low = all(sphere.box.low[axis]), high = all(sphere.box.high[axis]);
+  const auto center = all(sphere.center[axis]);
+  for (std::int64_t k = rows.begin; k < rows.end; ++k) {
+    Points offset;
+    along<row>(offset) =
+        all(grid.coordinates[row][static_cast<std::size_t>(k)] - sphere.center[row]);
+    const auto squared_row = along<row>(offset) * along<row>(offset);
+    for (std::int64_t j = columns.begin; j < columns.end; j += lanes) {
+      along<across>(offset) =
+          load(grid.coordinates[across].data() + j) - all(sphere.center[across]);
+      const auto squared = all(sphere.radius * sphere.radius) -
+                           (along<across>(offset) * along<across>(offset) + squared_row);
+      const auto meets =
+          hn::And(squared >= all(tangent),
+                  hn::FirstN(doubles, static_cast<std::size_t>(columns.end - j)));
+      if (hn::AllFalse(doubles, meets)) continue;
+      const auto half_chord = hn::Sqrt(hn::Max(squared, hn::Zero(doubles)));
+      for (const int side : {+1, -1}) {
+        along<axis>(offset) = side > 0 ? half_chord : hn::Neg(half_chord);
+        const auto coordinate = center + along<axis>(offset);
+        auto met = hn::And(meets, hn::And(coordinate >= low, coordinate <= high));
+        if (hn::AllFalse(doubles, met)) continue;
+        met = is_on_patch(met, offset, side);
+        if (hn::AllFalse(doubles, met)) continue;
+        std::array<double, HWY_MAX_BYTES / sizeof(double)> coordinates;
+        hn::StoreU(coordinate, doubles, coordinates.data());
+        for_each_lane(met, [&](std::size_t lane) {
+          GridIndex line{};
+          line[row] = k;
+          line[across] = j + static_cast<std::int64_t>(lane);
+          found(line, coordinates[lane], side);
+        });
+      }
+    }
+  }
+}
+
+}  // namespace eses::HWY_NAMESPACE
+HWY_AFTER_NAMESPACE();
+
+#endif
