@@ -22,9 +22,14 @@ struct PointBits {
   std::int64_t columns = 0;
   std::vector<std::uint64_t> words;  ///< [column][z][y]
 
-  void reset(const GridIndex& new_size) {
+  /// As `reset`, but without words: no bit is set.
+  void reset_empty(const GridIndex& new_size) {
     size = new_size;
     columns = size[0] < 2 ? 1 : (size[0] - 2) / column_step + 1;
+    words.clear();
+  }
+  void reset(const GridIndex& new_size) {
+    reset_empty(new_size);
     words.assign(static_cast<std::size_t>(columns * size[1] * size[2]) + vector_padding, 0);
   }
   /// How many of a column's points, its lowest ones, it owns if the row owns its first `owned`: the

@@ -36,8 +36,8 @@ char* append(char* out, const Token& token) {
 constexpr std::size_t longest_index = 11;  // digits of a 32-bit index and a blank
 constexpr std::size_t overrun = 32;
 
-char* append_number(char* out, double value) {
-  out = write_scientific(out, value);
+char* append_number(char* out, const NumberBatch& numbers, std::size_t i) {
+  out = write_number(out, numbers, i);
   *out++ = ' ';
   return out;
 }
@@ -101,29 +101,45 @@ void GridText::append_row(TextBuffer& text, std::int64_t y, std::int64_t z,
 
 void GridText::append_crossings(TextBuffer& text, std::int64_t first_x, std::int64_t y,
                                 std::int64_t z, std::span<const Crossing> crossings) const {
+  constexpr std::size_t numbers_per_line = 4, lines = NumberBatch::capacity / numbers_per_line;
   char* out = text.reserve(crossings.size() * longest_crossing_line + overrun);
-  for (const Crossing& crossing : crossings) {
-    const std::array<std::size_t, 3> lower{static_cast<std::size_t>(first_x + crossing.x),
-                                           static_cast<std::size_t>(y),
-                                           static_cast<std::size_t>(z)};
-    std::array<std::size_t, 3> upper = lower;
-    ++upper[crossing.axis];
-    const auto& inner = crossing.lower_is_inside ? lower : upper;
-    const auto& outer = crossing.lower_is_inside ? upper : lower;
-    for (const auto* ends : {&inner, &outer})
-      for (std::size_t axis = 0; axis < 3; ++axis)
-        out = append(out, axes_[axis].indices[(*ends)[axis]]);
-    for (std::size_t axis = 0; axis < 3; ++axis)
-      out = axis == crossing.axis ? append_number(out, crossing.coordinate)
-                                  : append(out, axes_[axis].coordinates[lower[axis]]);
-    for (std::size_t axis = 0; axis < 3; ++axis) out = append_number(out, crossing.normal[axis]);
-    for (std::size_t q = 0; q < crossing.atom_count; ++q) {
-      out = write_index(out, crossing.atoms[q]);
-      *out++ = ' ';
-    }
-    *out++ = '\n';
+  NumberBatch numbers;
+  while (!crossings.empty()) {
+    const auto part = crossings.first(std::min(lines, crossings.size()));
+    crossings = crossings.subspan(part.size());
+    numbers.count = 0;
+    for (const Crossing& crossing : part)
+      for (const double value :
+           {crossing.normal.x, crossing.normal.y, crossing.normal.z, crossing.coordinate})
+        numbers.add(value);
+    make_digits(numbers);
+    for (std::size_t i = 0; i < part.size(); ++i)
+      out = append_crossing(out, {first_x + part[i].x, y, z}, part[i], numbers,
+                            numbers_per_line * i);
   }
   text.advance_to(out);
+}
+
+char* GridText::append_crossing(char* out, const GridIndex& lower, const Crossing& crossing,
+                                const NumberBatch& numbers, std::size_t first) const {
+  GridIndex upper = lower;
+  ++upper[crossing.axis];
+  const auto& inner = crossing.lower_is_inside ? lower : upper;
+  const auto& outer = crossing.lower_is_inside ? upper : lower;
+  for (const auto* ends : {&inner, &outer})
+    for (std::size_t axis = 0; axis < 3; ++axis)
+      out = append(out, axes_[axis].indices[static_cast<std::size_t>((*ends)[axis])]);
+  for (std::size_t axis = 0; axis < 3; ++axis)
+    out = axis == crossing.axis
+              ? append_number(out, numbers, first + 3)
+              : append(out, axes_[axis].coordinates[static_cast<std::size_t>(lower[axis])]);
+  for (std::size_t axis = 0; axis < 3; ++axis) out = append_number(out, numbers, first + axis);
+  for (std::size_t q = 0; q < crossing.atom_count; ++q) {
+    out = write_index(out, crossing.atoms[q]);
+    *out++ = ' ';
+  }
+  *out++ = '\n';
+  return out;
 }
 
 std::uint64_t largest_grid_bytes(const GridIndex& size) {
@@ -144,7 +160,10 @@ std::string bounding_box_text(const Grid& grid) {
   };
   char* out = text.reserve(3 * 3 * (longest_number_text + 1));
   for (const Vec3& corner : {grid.lower, grid.upper}) {
-    for (std::size_t axis = 0; axis < 3; ++axis) out = append_number(out, corner[axis]);
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      out = write_scientific(out, corner[axis]);
+      *out++ = ' ';
+    }
     out = end_line(out);
   }
   for (const std::int64_t n : grid.size) {

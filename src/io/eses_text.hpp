@@ -9,6 +9,7 @@
 
 #include "eses/crossing.hpp"
 #include "eses/grid.hpp"
+#include "io/number_text.hpp"
 
 namespace eses {
 
@@ -40,6 +41,10 @@ class GridText {
                         std::span<const Crossing> crossings) const;
 
  private:
+  /// One line; its normal and coordinate are the numbers from `first`.
+  char* append_crossing(char* out, const GridIndex& lower, const Crossing& crossing,
+                        const NumberBatch& numbers, std::size_t first) const;
+
   /// Text with a blank behind it, and its length in the last byte.
   template <std::size_t bytes>
   struct Token {

@@ -1,4 +1,9 @@
+#undef HWY_TARGET_INCLUDE
+#define HWY_TARGET_INCLUDE "io/number_text.cpp"
 #include "io/number_text.hpp"
+
+#include <hwy/foreach_target.h>
+#include <hwy/highway.h>
 
 #include <algorithm>
 #include <array>
@@ -9,10 +14,124 @@
 #include <cstdlib>
 #include <cstring>
 
+#include "grid/point_bits.hpp"
+#include "simd/dispatch.hpp"
+
+// What both ways to write a number share, once for all instruction sets.
+#ifndef ESES_IO_NUMBER_TEXT_SHARED_
+#define ESES_IO_NUMBER_TEXT_SHARED_
 namespace eses {
 namespace {
 
 constexpr int digits_after_point = 12;
+
+// 10^0 to 10^22 are exact in double precision.
+constexpr int largest_exact_power = 22;
+constexpr std::array<double, largest_exact_power + 1> exact_powers{
+    1e0,  1e1,  1e2,  1e3,  1e4,  1e5,  1e6,  1e7,  1e8,  1e9,  1e10, 1e11,
+    1e12, 1e13, 1e14, 1e15, 1e16, 1e17, 1e18, 1e19, 1e20, 1e21, 1e22};
+constexpr int least_exponent = digits_after_point - largest_exact_power;
+
+constexpr std::array<double, 21> powers_from_least{1e-10, 1e-9, 1e-8, 1e-7, 1e-6, 1e-5, 1e-4,
+                                                   1e-3,  1e-2, 1e-1, 1e0,  1e1,  1e2,  1e3,
+                                                   1e4,   1e5,  1e6,  1e7,  1e8,  1e9,  1e10};
+
+// Numbers in [least_plain, least_excluded) are written by tables: their exponent has one digit.
+constexpr double least_plain = 1e-9, least_excluded = 1e9;
+
+// One rounding of a number below 1e13 errs by less than 0.001: only near a tie could it matter.
+constexpr double near_tie = 0.0015;
+
+constexpr std::uint64_t leading_unit = 1000000000000;  // 13 digits
+constexpr std::uint64_t trailing_unit = 100000000;     // of which the last eight are below this
+
+}  // namespace
+}  // namespace eses
+#endif  // ESES_IO_NUMBER_TEXT_SHARED_
+
+HWY_BEFORE_NAMESPACE();
+namespace eses::HWY_NAMESPACE {
+#if HWY_TARGET == HWY_SCALAR
+
+// Without vectors write_scientific() is as good.
+void make_digits(NumberBatch& batch) { batch.doubtful = ~std::uint64_t{0}; }
+
+#else
+
+namespace hn = hwy::HWY_NAMESPACE;
+
+using Doubles = hn::ScalableTag<double>;
+using Words = hn::Repartition<std::uint64_t, Doubles>;
+using WordVector = hn::Vec<Words>;
+
+// Non-negative integers below 2^52 held in doubles, as integers.
+HWY_INLINE WordVector to_words(hn::Vec<Doubles> whole) {
+  const auto two_to_52 = hn::Set(Doubles(), 4503599627370496.0);
+  return hn::BitCast(Words(), whole + two_to_52) ^ hn::BitCast(Words(), two_to_52);
+}
+
+// As eight_digits().
+HWY_INLINE WordVector eight_digits(WordVector value) {
+  const Words words;
+  const hn::Repartition<std::uint32_t, Doubles> halves;
+  const hn::Repartition<std::uint16_t, Doubles> quarters;
+  const auto multiply = [&](WordVector low_halves, std::uint32_t factor) {
+    return hn::MulEven(hn::BitCast(halves, low_halves), hn::Set(halves, factor));
+  };
+  // 109951163 / 2^40 is 1e-4 and so little more that below 10^8 the quotient is exact.
+  const auto ten_thousands = hn::ShiftRight<40>(multiply(value, 109951163));
+  const auto fours = hn::BitCast(
+      halves, ten_thousands | hn::ShiftLeft<32>(value - multiply(ten_thousands, 10000)));
+  const auto hundreds = hn::ShiftRight<20>(fours * hn::Set(halves, 10486));
+  const auto pairs = hn::BitCast(
+      quarters, hundreds | hn::ShiftLeft<16>(fours - hundreds * hn::Set(halves, 100)));
+  const auto tens = hn::ShiftRight<10>(pairs * hn::Set(quarters, 103));
+  const auto digits = tens | hn::ShiftLeft<8>(pairs - tens * hn::Set(quarters, 10));
+  return hn::BitCast(words, digits) | hn::Set(words, 0x3030303030303030);
+}
+
+void make_digits(NumberBatch& batch) {
+  const Doubles doubles;
+  const Words words;
+  const std::size_t lanes = hn::Lanes(doubles);
+  const auto half = hn::Set(doubles, 0.5), one = hn::Set(doubles, 1);
+  const auto hundred_millions = hn::Set(doubles, static_cast<double>(trailing_unit));
+  batch.doubtful = 0;
+  for (std::size_t i = 0; i < batch.count; i += lanes) {
+    const auto scaled = hn::LoadU(doubles, batch.scaled.data() + i);
+    const auto whole = hn::Floor(scaled);
+    const auto fraction = scaled - whole;
+    const auto digits = whole + hn::IfThenElseZero(fraction > half, one);
+    const auto unit = hn::Set(doubles, static_cast<double>(leading_unit));
+    const auto is_plain = hn::And(hn::Abs(fraction - half) >= hn::Set(doubles, near_tie),
+                                  hn::And(digits >= unit, digits < hn::Set(doubles, 10) * unit));
+    std::array<std::uint8_t, 8> plain{};
+    hn::StoreMaskBits(doubles, is_plain, plain.data());
+    batch.doubtful |= (~std::uint64_t{plain[0]} & low_bits(static_cast<int>(lanes))) << i;
+
+    // The quotient may be off by one, which the remainder tells.
+    auto high = hn::Floor(digits * hn::Set(doubles, 1.0 / static_cast<double>(trailing_unit)));
+    const auto rest = digits - high * hundred_millions;
+    high = high - hn::IfThenElseZero(rest < hn::Zero(doubles), one) +
+           hn::IfThenElseZero(rest >= hundred_millions, one);
+    const auto low = digits - high * hundred_millions;
+    const auto five = hn::ShiftRight<24>(eight_digits(to_words(high)));
+    const auto first = five & hn::Set(words, 0xff);
+    const auto point = hn::Set(words, std::uint64_t{'.'} << 8);
+    hn::StoreU(first | point | hn::ShiftLeft<16>(hn::ShiftRight<8>(five)), words,
+               batch.leading.data() + i);
+    hn::StoreU(eight_digits(to_words(low)), words, batch.trailing.data() + i);
+  }
+}
+
+#endif
+
+}  // namespace eses::HWY_NAMESPACE
+HWY_AFTER_NAMESPACE();
+
+#if HWY_ONCE
+namespace eses {
+namespace {
 
 // Eight decimal digits of `value` < 10^8, the first in the lowest byte. The number is split in
 // halves three times, in all parts at once: fours of digits in 32-bit lanes, pairs in 16, digits
@@ -31,17 +150,6 @@ void store_text(char* out, std::uint64_t bytes) {
   std::memcpy(out, &bytes, sizeof bytes);
 }
 
-// 10^0 to 10^22 are exact in double precision.
-constexpr int largest_exact_power = 22;
-constexpr std::array<double, largest_exact_power + 1> exact_powers{
-    1e0,  1e1,  1e2,  1e3,  1e4,  1e5,  1e6,  1e7,  1e8,  1e9,  1e10, 1e11,
-    1e12, 1e13, 1e14, 1e15, 1e16, 1e17, 1e18, 1e19, 1e20, 1e21, 1e22};
-constexpr int least_exponent = digits_after_point - largest_exact_power;
-
-constexpr std::array<double, 21> powers_from_least{1e-10, 1e-9, 1e-8, 1e-7, 1e-6, 1e-5, 1e-4,
-                                                   1e-3,  1e-2, 1e-1, 1e0,  1e1,  1e2,  1e3,
-                                                   1e4,   1e5,  1e6,  1e7,  1e8,  1e9,  1e10};
-
 // The power of ten at or below `magnitude`, which lies in [1e-10, 1e10), or one off where the
 // magnitude is within rounding of a power; the digits tell.
 int decimal_exponent(double magnitude) {
@@ -54,6 +162,17 @@ int decimal_exponent(double magnitude) {
              ? next
              : guess;
 }
+
+// e-10 has two digits, and is never used: such numbers are not plain.
+constexpr std::array<std::array<char, 4>, 20> power_texts = [] {
+  std::array<std::array<char, 4>, 20> texts{};
+  for (int i = 0; i < 20; ++i) {
+    const int exponent = i + least_exponent;
+    texts[static_cast<std::size_t>(i)] = {'e', exponent < 0 ? '-' : '+', '0',
+                                          static_cast<char>('0' + (exponent < 0 ? -exponent : exponent) % 10)};
+  }
+  return texts;
+}();
 
 char* write_exactly(char* out, double value) {
   if (std::isfinite(value))
@@ -72,16 +191,14 @@ char* write_scientific(char* out, double value) {
     std::memcpy(out, "0.000000000000e+00", 18);
     return out + 18;
   }
-  if (!(magnitude >= 1e-9 && magnitude < 1e9)) return write_exactly(out, value);
+  if (!(magnitude >= least_plain && magnitude < least_excluded)) return write_exactly(out, value);
   int exponent = decimal_exponent(magnitude);
   const int power = digits_after_point - exponent;
   const double scaled = magnitude * exact_powers[static_cast<std::size_t>(power)];
   auto digits = static_cast<std::uint64_t>(static_cast<std::int64_t>(scaled));
   const double fraction = scaled - static_cast<double>(static_cast<std::int64_t>(digits));
-  // One rounding of a number below 1e13 errs by less than 0.001: only near a tie could it matter.
-  if (std::fabs(fraction - 0.5) < 0.0015) return write_exactly(out, value);
+  if (std::fabs(fraction - 0.5) < near_tie) return write_exactly(out, value);
   digits += fraction > 0.5;
-  constexpr std::uint64_t leading_unit = 1000000000000;
   if (digits >= 10 * leading_unit) {
     digits = leading_unit;
     ++exponent;
@@ -89,16 +206,37 @@ char* write_scientific(char* out, double value) {
   if (digits < leading_unit) return write_exactly(out, value);
   if (value < 0) *out++ = '-';
   // Five digits, one place to the right: the point then takes the place of the first.
-  constexpr std::uint64_t eight = 100000000;
-  const std::uint64_t leading = eight_digits(digits / eight) >> 24;
+  const std::uint64_t leading = eight_digits(digits / trailing_unit) >> 24;
   store_text(out + 1, leading);
   out[0] = static_cast<char>(leading & 0xff);
   out[1] = '.';
-  store_text(out + 6, eight_digits(digits % eight));
-  out[14] = 'e';
-  out[15] = exponent < 0 ? '-' : '+';
-  out[16] = '0';  // below 1e9 and above 1e-10 one digit is enough
-  out[17] = static_cast<char>('0' + std::abs(exponent));
+  store_text(out + 6, eight_digits(digits % trailing_unit));
+  std::memcpy(out + 14, power_texts[static_cast<std::size_t>(exponent - least_exponent)].data(), 4);
+  return out + 18;
+}
+
+void NumberBatch::add(double value) {
+  const double magnitude = std::fabs(value);
+  values[count] = value;
+  scaled[count] = 0;  // which no plain number is
+  if (magnitude >= least_plain && magnitude < least_excluded) {
+    const int exponent = decimal_exponent(magnitude);
+    scaled[count] = magnitude * exact_powers[static_cast<std::size_t>(digits_after_point - exponent)];
+    power[count] = power_texts[static_cast<std::size_t>(exponent - least_exponent)];
+  }
+  ++count;
+}
+
+void make_digits(NumberBatch& batch) { ESES_BEST_VERSION(make_digits)(batch); }
+
+char* write_number(char* out, const NumberBatch& batch, std::size_t i) {
+  if (batch.doubtful >> i & 1) return write_scientific(out, batch.values[i]);
+  // Without a branch, as half of all components are negative.
+  *out = '-';
+  out += static_cast<std::size_t>(std::signbit(batch.values[i]));
+  store_text(out, batch.leading[i]);
+  store_text(out + 6, batch.trailing[i]);
+  std::memcpy(out + 14, batch.power[i].data(), 4);
   return out + 18;
 }
 
@@ -114,3 +252,4 @@ char* write_index(char* out, std::uint64_t value) {
 }
 
 }  // namespace eses
+#endif  // HWY_ONCE

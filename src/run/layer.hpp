@@ -25,7 +25,7 @@ class LayerRows {
   LayerRows(const BlockTiling& tiling, const Layer& layer);
 
   /// Joins the inside bits of row (y, z) from all blocks along x. `z` counts from the layer's first
-  /// plane and may name the plane shared with the next layer.
+  /// plane.
   void join(std::int64_t y, std::int64_t z, RowBits& row) const;
 
  private:
@@ -40,45 +40,13 @@ class LayerRows {
   std::vector<std::vector<Piece>> pieces_;  // by block row
 };
 
-/// The rows of one plane of the whole grid, one after the other.
+/// The inside bits of the last plane that a layer owns: all that is kept of it once it is written.
+/// By block [by][bx], words [column][y]; none where there is no layer or nothing inside.
 struct Plane {
-  std::vector<RowBits> rows;  ///< by y; none before the first layer
+  std::vector<std::vector<std::uint64_t>> blocks;
 };
 
-/// All that is kept of a layer once it is written: the last plane that it owns.
-Plane last_plane(const BlockTiling& tiling, const Layer& layer);
-
-/// What the volume is made of.
-struct PointCounts {
-  std::int64_t inside = 0;          ///< inside points
-  std::int64_t inside_regular = 0;  ///< of these, those that end no reported edge
-  std::int64_t irregular = 0;       ///< points, inside or outside, that end one
-
-  void add(const PointCounts& other);
-};
-
-/// Rows of a layer one after the other, [z][y], with the rows around them.
-class RowWindow {
- public:
-  /// `below` is the last plane of the layer before.
-  RowWindow(const BlockTiling& tiling, const Plane& below, const Layer& layer);
-
-  /// Moves to row (y, z), z from the layer's first plane; cheap if y is the next one.
-  void move_to(std::int64_t y, std::int64_t z);
-  const RowBits& row() const { return rows_[1]; }
-  PointCounts count() const;
-
- private:
-  void load(std::int64_t y, std::int64_t z, RowBits& row) const;
-
-  const BlockTiling& tiling_;
-  const Plane& below_;
-  const Layer& layer_;
-  LayerRows layer_rows_;
-  std::int64_t y_ = -2, z_ = -1;
-  RowBits rows_[3];    // y - 1, y, y + 1; the row itself where there is none
-  RowBits planes_[2];  // z - 1 and z + 1, likewise
-};
+Plane last_plane(const Layer& layer);
 
 /// The part of the blocks in row y: their index range along x is [0, blocks[0]), all in block row
 /// `by`, where y is the local row `y`.

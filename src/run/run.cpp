@@ -12,6 +12,7 @@
 #include "io/eses_text.hpp"
 #include "io/output_file.hpp"
 #include "run/build_patches.hpp"
+#include "run/count_points.hpp"
 #include "run/layer.hpp"
 #include "run/layer_queue.hpp"
 #include "run/ordered_output.hpp"
@@ -84,6 +85,7 @@ void prepare_directory(const std::filesystem::path& directory, const Plan& plan)
 // What one thread needs to turn rows into text.
 struct Writer {
   TextBuffer grid, edges;
+  RowBits row;
   PointCounts counts;
   double seconds = 0;
 };
@@ -181,7 +183,7 @@ class Pipeline {
 
   // No chunk is being written then: the next layer's wait for this one's last.
   void release(std::int64_t layer) {
-    below_ = last_plane(plan_.tiling, layers_[static_cast<std::size_t>(layer)]);
+    below_ = last_plane(layers_[static_cast<std::size_t>(layer)]);
     layers_[static_cast<std::size_t>(layer)] = Layer();
     make_room(layer + 2);
   }
@@ -201,16 +203,11 @@ class Pipeline {
     const Layer& layer = layers_[static_cast<std::size_t>(task.layer)];
     writer.grid.clear();
     writer.edges.clear();
-    RowWindow window(plan_.tiling, below_, layer);
     const std::int64_t begin = task.index * rows_per_chunk_;
     const std::int64_t end = std::min(begin + rows_per_chunk_, layer_rows(task.layer));
-    for (std::int64_t row = begin; row < end; ++row) {
-      const std::int64_t y = row % plan_.grid.size[1], z = row / plan_.grid.size[1];
-      window.move_to(y, z);
-      writer.counts.add(window.count());
-      if (grid_output_) text_.append_row(writer.grid, y, layer.first_z() + z, window.row());
-      if (edge_output_) append_crossings(layer, y, z, writer.edges);
-    }
+    if (grid_output_) append_rows(layer, begin, end, writer);
+    if (edge_output_) append_crossings(layer, begin, end, writer.edges);
+    count_share(task, layer, writer.counts);
     // Layers before the last are all cut into the same number of chunks.
     const std::int64_t chunk = task.layer * layer_chunks(0) + task.index;
     if (grid_output_) grid_output_->write(chunk, writer.grid.text());
@@ -218,8 +215,32 @@ class Pipeline {
     writer.seconds += watch.seconds();
   }
 
-  void append_crossings(const Layer& layer, std::int64_t y, std::int64_t z,
+  // The points of a layer's blocks are counted along with its chunks, a share with each.
+  void count_share(const Task& task, const Layer& layer, PointCounts& counts) const {
+    const auto blocks = static_cast<std::int64_t>(layer.blocks.size());
+    const std::int64_t chunks = layer_chunks(task.layer);
+    counts.add(count_points(plan_.tiling, below_, layer, task.index * blocks / chunks,
+                            (task.index + 1) * blocks / chunks));
+  }
+
+  void append_rows(const Layer& layer, std::int64_t begin, std::int64_t end,
+                   Writer& writer) const {
+    const LayerRows layer_rows(plan_.tiling, layer);
+    for (std::int64_t row = begin; row < end; ++row) {
+      const std::int64_t y = row % plan_.grid.size[1], z = row / plan_.grid.size[1];
+      layer_rows.join(y, z, writer.row);
+      text_.append_row(writer.grid, y, layer.first_z() + z, writer.row);
+    }
+  }
+
+  void append_crossings(const Layer& layer, std::int64_t begin, std::int64_t end,
                         TextBuffer& text) const {
+    for (std::int64_t row = begin; row < end; ++row)
+      append_row_crossings(layer, row % plan_.grid.size[1], row / plan_.grid.size[1], text);
+  }
+
+  void append_row_crossings(const Layer& layer, std::int64_t y, std::int64_t z,
+                            TextBuffer& text) const {
     const BlockRow place = block_row_of(plan_.tiling, y);
     for (std::int64_t bx = 0; bx < plan_.tiling.blocks[0]; ++bx) {
       const BlockResult& result =
@@ -227,6 +248,7 @@ class Pipeline {
       if (result.row_begin.empty()) continue;
       const auto row = static_cast<std::size_t>(z * result.block.owned[1] + place.y);
       const std::uint32_t begin = result.row_begin[row], end = result.row_begin[row + 1];
+      if (begin == end) continue;
       text_.append_crossings(text, result.block.first[0], y, layer.first_z() + z,
                              std::span(result.crossings).subspan(begin, end - begin));
     }

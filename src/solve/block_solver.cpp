@@ -30,7 +30,10 @@ BlockResult solve_block(const Surface& surface, const Grid& grid, const Block& b
   const Stopwatch classifying;
   workspace.grid.reset(grid, block);
   collect_features(surface, workspace.grid.box, workspace.features);
-  if (workspace.features.balls.empty()) return result;
+  if (workspace.features.balls.empty()) {
+    result.inside.reset_empty(block.points);
+    return result;
+  }
   classify_points(workspace.grid, workspace.features, workspace.classify, result.inside);
   workspace.classify_seconds += classifying.seconds();
   const Stopwatch intersecting;

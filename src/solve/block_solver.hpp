@@ -12,7 +12,8 @@
 
 namespace eses {
 
-/// What a block contributes. Without any atom nearby `inside` is empty: all points are outside.
+/// What a block contributes. Without any atom nearby `inside` has no words: all points are
+/// outside.
 struct BlockResult {
   Block block;
   PointBits inside;                      ///< of the closed box
