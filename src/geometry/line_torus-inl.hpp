@@ -48,9 +48,7 @@ HWY_INLINE DoubleVector polished_roots(DoubleVector u, const Points& point, Doub
                                        DoubleVector span, Vec3 axis, double axis_step,
                                        double circle_radius, double tube_radius) {
   const auto height = dot(axis, point);
-  const Points across{point.x - height * all(axis.x), point.y - height * all(axis.y),
-                      point.z - height * all(axis.z)};
-  const auto s = hn::Sqrt(squared_norm(across));
+  const auto s = hn::Sqrt(squared_norm(point - height * axis));
   const auto value = squared_norm(point) +
                      all((circle_radius - tube_radius) * (circle_radius + tube_radius)) -
                      all(2 * circle_radius) * s;

@@ -2,7 +2,10 @@
 
 #include <hwy/highway.h>
 
+#include <array>
+#include <bit>
 #include <cstddef>
+#include <cstdint>
 
 #include "eses/vec3.hpp"
 
@@ -35,6 +38,14 @@ HWY_INLINE DoubleVector& along(Points& points) {
   return axis == 0 ? points.x : axis == 1 ? points.y : points.z;
 }
 
+HWY_INLINE Points operator-(const Points& a, const Points& b) {
+  return {a.x - b.x, a.y - b.y, a.z - b.z};
+}
+HWY_INLINE Points operator*(DoubleVector s, const Points& a) { return {s * a.x, s * a.y, s * a.z}; }
+HWY_INLINE Points operator*(DoubleVector s, Vec3 a) {
+  return {s * all(a.x), s * all(a.y), s * all(a.z)};
+}
+
 HWY_INLINE DoubleVector dot(Vec3 a, const Points& b) {
   return all(a.x) * b.x + all(a.y) * b.y + all(a.z) * b.z;
 }
@@ -43,11 +54,33 @@ HWY_INLINE DoubleVector squared_norm(const Points& a) {
   return a.x * a.x + a.y * a.y + a.z * a.z;
 }
 
+/// What stands in the lanes, to be read one by one.
+struct LaneValues {
+  std::array<double, HWY_MAX_BYTES / sizeof(double)> values;
+
+  HWY_INLINE explicit LaneValues(DoubleVector vector) {
+    hn::StoreU(vector, Doubles(), values.data());
+  }
+  double operator[](std::size_t lane) const { return values[lane]; }
+};
+
+struct LanePoints {
+  LaneValues x, y, z;
+
+  HWY_INLINE explicit LanePoints(const Points& points) : x(points.x), y(points.y), z(points.z) {}
+  Vec3 operator[](std::size_t lane) const { return {x[lane], y[lane], z[lane]}; }
+  void set(std::size_t lane, Vec3 point) {
+    x.values[lane] = point.x;
+    y.values[lane] = point.y;
+    z.values[lane] = point.z;
+  }
+};
+
 /// Calls `action(lane)` for every lane of the mask.
 template <class Action>
 HWY_INLINE void for_each_lane(DoubleMask mask, Action&& action) {
-  std::uint8_t bytes[8] = {};
-  hn::StoreMaskBits(Doubles(), mask, bytes);
+  std::array<std::uint8_t, 8> bytes{};
+  hn::StoreMaskBits(Doubles(), mask, bytes.data());
   for (unsigned bits = bytes[0]; bits != 0; bits &= bits - 1)
     action(static_cast<std::size_t>(std::countr_zero(bits)));
 }

@@ -115,6 +115,7 @@ void add_face(const Surface& surface, AtomIndex i, BlockFeatures& features) {
 void BlockGrid::reset(const Grid& new_grid, const Block& new_block) {
   grid = new_grid;
   block = new_block;
+  inverse_spacing = 1 / grid.spacing;
   for (std::size_t axis = 0; axis < 3; ++axis) {
     auto& values = coordinates[axis];
     const auto points = static_cast<std::size_t>(block.points[axis]);

@@ -22,6 +22,7 @@ struct BlockGrid {
   Block block;
   std::array<std::vector<double>, 3> coordinates;  ///< of the closed box's points, per axis, padded
   Box box;
+  double inverse_spacing = 0;
 
   void reset(const Grid& new_grid, const Block& new_block);
 };

@@ -94,7 +94,7 @@ void for_each_plane(const BlockGrid& grid, const PointBits& bits, Vec3 center, d
     const IndexRange y = points_within(grid, 1, std::max(box.low.y, center.y - half),
                                         std::min(box.high.y, center.y + half));
     if (y.begin >= y.end) continue;
-    BallPlane plane{center.x, center.y, squared, grid.grid.lower.x, 1 / grid.grid.spacing, 0};
+    BallPlane plane{center.x, center.y, squared, grid.grid.lower.x, grid.inverse_spacing, 0};
     for (std::int64_t column = columns.begin; column < columns.end; ++column) {
       plane.column_first =
           static_cast<double>(grid.block.first[0] + column * PointBits::column_step);

@@ -1,8 +1,8 @@
 #pragma once
-/// Which of an edge's candidates is the crossing, and what is reported of it.
+/// Which of the places where an edge meets a patch is the crossing.
 
 #include <cstdint>
-#include <vector>
+#include <span>
 
 #include "eses/crossing.hpp"
 #include "solve/block_features.hpp"
@@ -37,39 +37,17 @@ inline Edge make_edge(const BlockGrid& grid, std::size_t axis, const GridIndex& 
           coordinate(axis, lower[axis] + 1)};
 }
 
-inline Vec3 inward_direction(const Edge& edge) {
-  Vec3 direction;
-  direction[edge.axis] = edge.inward();
-  return direction;
-}
-
 /// An atom without extent, on whose van der Waals sphere rounding leaves no direction.
 inline bool is_point_atom(const FaceFeature& face) {
   constexpr double largest_radius = 1e-8;  // angstrom
   return face.radius < largest_radius;
 }
 
-/// From the centre of an atom to a point of its van der Waals sphere. Of an atom that is a point,
-/// every direction is; the one that meets the edge is taken.
-inline Vec3 face_direction(const FaceFeature& face, const Edge& edge, Vec3 point) {
-  return is_point_atom(face) ? -inward_direction(edge) : point - face.center;
-}
-
-/// Where a patch is met by an edge on the way from its outside to its inside end.
-struct Candidate {
-  double coordinate = 0;        ///< along the edge's axis
-  std::uint32_t feature = 0;    ///< index in the list of its kind
-  std::uint8_t atom_count = 0;  ///< kind of patch: 1 face, 2 arc, 3 placement; 0 none
-};
-
-/// The crossing at a candidate, with its outward normal and atoms.
-Crossing make_crossing(const BlockFeatures& features, const Edge& edge, const Candidate& candidate);
-
-/// The crossing nearest to the outside end. Every true crossing is among the candidates, and the
-/// first of them, seen from the outside end, that no accessible probe covers is the one; a single
-/// one needs no proof. `candidates` is sorted in place. If rounding left none, the edge is
-/// bisected.
+/// The crossing nearest to the outside end among `candidates`, the places where the edge meets a
+/// patch. Every true crossing is among them, and the first of them, seen from the outside end, that
+/// no accessible probe covers is the one; a single one needs no proof. They are sorted in place. If
+/// rounding left none, the edge is bisected.
 Crossing decide_crossing(const BlockFeatures& features, const Edge& edge,
-                         std::vector<Candidate>& candidates);
+                         std::span<Crossing> candidates);
 
 }  // namespace eses

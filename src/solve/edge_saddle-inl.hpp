@@ -2,7 +2,6 @@
 /// instruction set, see Highway.
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 
 #include "geometry/line_torus-inl.hpp"
@@ -116,8 +115,28 @@ void keep_near_saddle(const ArcFeature& arc, double probe, double length, EdgeBa
   batch.count = kept;
 }
 
-/// Where the edges of the batch cross the patch: calls `found(place, coordinate)`, the latter along
-/// the edges' axis.
+/// Outward normals at points of a saddle patch, given from the circle's centre: from the point
+/// towards the probe that touches it, whose centre is the nearest on the arc. See nearest_on_arc().
+HWY_INLINE LanePoints saddle_normals(const ArcFeature& arc, const Points& offset, DoubleMask mask) {
+  const ContactCircle& circle = arc.circle;
+  const Points radial = offset - dot(circle.axis, offset) * circle.axis;
+  const auto length = hn::Sqrt(squared_norm(radial));
+  const Points direction = all(1) / length * radial;
+  const auto is_plain = hn::And(length > all(tolerance::seam), faces(arc.sector, direction));
+  const Points towards_probe = all(circle.radius) * direction - offset;
+  LanePoints normals(all(1) / hn::Sqrt(squared_norm(towards_probe)) * towards_probe);
+  const auto is_other = hn::AndNot(is_plain, mask);
+  if (hn::AllFalse(Doubles(), is_other)) return normals;
+  const LanePoints offsets(offset);
+  for_each_lane(is_other, [&](std::size_t lane) {
+    const Vec3 nearest = nearest_on_arc(arc, offsets[lane]);
+    normals.set(lane, normalized(circle.radius * nearest - offsets[lane]));
+  });
+  return normals;
+}
+
+/// Where the edges of the batch cross the patch: calls `found(place, coordinate, normal)`, the
+/// coordinate along the edges' axis.
 template <std::size_t axis, class Found>
 void meet_saddle(const ArcFeature& arc, double probe, double length, EdgeBatch& batch,
                  Found&& found) {
@@ -134,10 +153,10 @@ void meet_saddle(const ArcFeature& arc, double probe, double length, EdgeBatch& 
       along<axis>(point) = along<axis>(point) + share * step;
       exits = hn::And(exits, is_in_wedge(arc, point));
       if (hn::AllFalse(doubles, exits)) return;
-      std::array<double, HWY_MAX_BYTES / sizeof(double)> coordinates;
-      hn::StoreU(load(batch.from.data() + i) + share * step, doubles, coordinates.data());
+      const LaneValues coordinates(load(batch.from.data() + i) + share * step);
+      const LanePoints normals = saddle_normals(arc, point, exits);
       for_each_lane(exits, [&](std::size_t lane) {
-        found(batch.place[i + lane], coordinates[lane]);
+        found(batch.place[i + lane], coordinates[lane], normals[lane]);
       });
     };
     const auto in_batch = hn::FirstN(doubles, batch.count - i);

@@ -17,7 +17,7 @@ struct IndexRange {
 /// The points between `low` and `high`.
 inline IndexRange points_within(const BlockGrid& grid, std::size_t axis, double low, double high) {
   constexpr double slack = 1e-6;  // spacings: a point on the bound is in, however it is rounded
-  const double inverse = 1 / grid.grid.spacing;
+  const double inverse = grid.inverse_spacing;
   const double first = static_cast<double>(grid.block.first[axis]);
   const double points = static_cast<double>(grid.block.points[axis]);
   const double a = std::ceil((low - grid.grid.lower[axis]) * inverse - slack) - first;

@@ -6,8 +6,11 @@
 #include <hwy/highway.h>
 
 #include <algorithm>
+#include <array>
 #include <bit>
 #include <cmath>
+#include <span>
+#include <type_traits>
 
 #include "simd/dispatch.hpp"
 #include "simd/padding.hpp"
@@ -59,6 +62,7 @@ struct Search {
   const BlockFeatures& features;
   const PointBits& inside;
   IntersectScratch& scratch;
+  std::vector<Crossing>& crossings;
 
   double coordinate(std::size_t axis, std::int64_t index) const {
     return grid.coordinates[axis][static_cast<std::size_t>(index)];
@@ -77,8 +81,9 @@ struct Search {
     return edges.rank[word] + static_cast<std::uint32_t>(rank);
   }
 
-  void offer(std::uint32_t edge, const Candidate& candidate) {
-    Candidate& first = scratch.first[edge];
+  void offer(std::uint32_t edge, Crossing candidate) {
+    Crossing& first = crossings[edge];
+    candidate.x = first.x;
     if (first.atom_count == 0) {
       first = candidate;
     } else {
@@ -88,54 +93,52 @@ struct Search {
 
   // Offers a crossing to the edge that starts at `lower`, if there is one, if its ends lie on the
   // right sides, and if it reaches this far.
-  void offer_to_edge(std::size_t axis, GridIndex lower, bool lower_is_inside,
-                     const Candidate& candidate) {
+  void offer_to_edge(GridIndex lower, Crossing crossing) {
+    const std::size_t axis = crossing.axis;
     if (lower[axis] < 0 || lower[axis] >= grid.block.owned[axis]) return;
-    const std::int64_t column =
-        std::min(lower[0] / PointBits::column_step, inside.columns - 1);
+    const std::int64_t column = std::min(lower[0] / PointBits::column_step, inside.columns - 1);
     const auto bit = static_cast<int>(lower[0] - column * PointBits::column_step);
     const std::size_t word = inside.word_index(column, lower[1], lower[2]);
     if ((scratch.edges.changes[axis][word] >> bit & 1) == 0 ||
-        is_inside(word, bit) != lower_is_inside)
+        is_inside(word, bit) != crossing.lower_is_inside)
       return;
     const double low = coordinate(axis, lower[axis]), high = coordinate(axis, lower[axis] + 1);
     const double slack = tolerance::edge_end * (high - low);
-    if (candidate.coordinate < low - slack || candidate.coordinate > high + slack) return;
-    offer(edge_rank(axis, word, bit), {std::clamp(candidate.coordinate, low, high),
-                                       candidate.feature, candidate.atom_count});
+    if (crossing.coordinate < low - slack || crossing.coordinate > high + slack) return;
+    crossing.coordinate = std::clamp(crossing.coordinate, low, high);
+    offer(edge_rank(axis, word, bit), crossing);
   }
 
   // Offers a crossing to the edge of the line on which it lies, and to the next if it is at the end.
-  void offer_on_line(std::size_t axis, GridIndex line, bool lower_is_inside,
-                     const Candidate& candidate) {
+  void offer_on_line(GridIndex line, const Crossing& crossing) {
     constexpr double near_end = 2 * tolerance::edge_end;
-    const double place = (candidate.coordinate - grid.grid.lower[axis]) / grid.grid.spacing -
+    const std::size_t axis = crossing.axis;
+    const double place = (crossing.coordinate - grid.grid.lower[axis]) * grid.inverse_spacing -
                          static_cast<double>(grid.block.first[axis]);
     const double cell = std::floor(place);
     line[axis] = static_cast<std::int64_t>(cell);
-    offer_to_edge(axis, line, lower_is_inside, candidate);
+    offer_to_edge(line, crossing);
     if (place - cell < near_end) {
       --line[axis];
-      offer_to_edge(axis, line, lower_is_inside, candidate);
+      offer_to_edge(line, crossing);
     } else if (place - cell > 1 - near_end) {
       ++line[axis];
-      offer_to_edge(axis, line, lower_is_inside, candidate);
+      offer_to_edge(line, crossing);
     }
   }
 
   // Edges enter a van der Waals sphere where its face is exposed.
-  void search_face(std::uint32_t index) {
-    const FaceFeature& face = features.faces[index];
+  void search_face(const FaceFeature& face) {
     const std::span<const CapCone> cones = features.cones_of(face);
     const bool is_point = is_point_atom(face);
     std::size_t killer = 0;
     for_each_axis([&](auto axis) {
-      const auto is_exposed = [&](DoubleMask met, Points direction, int side) {
+      const auto is_exposed = [&](DoubleMask met, Points direction, DoubleVector length, int side) {
         if (is_point) {
           direction = {all(0), all(0), all(0)};
           along<axis()>(direction) = all(side);
+          length = all(1);
         }
-        const auto length = hn::Sqrt(squared_norm(direction));
         const auto keep_outside = [&](const CapCone& cone) {
           const auto limit = all(cone.cosine) * length + all(tolerance::seam);
           met = hn::And(met, dot(cone.axis, direction) <= limit);
@@ -150,17 +153,22 @@ struct Search {
           }
         return met;
       };
-      meet_lines<axis()>(grid, {face.center, face.radius, face.surface_box}, is_exposed,
-                         [&](const GridIndex& line, double met, int side) {
-                           offer_on_line(axis(), line, side > 0, {met, index, 1});
-                         });
+      meet_lines<axis()>(
+          grid, {face.center, face.radius, face.surface_box}, is_exposed,
+          [&](const GridIndex& line, double met, int side, Vec3 direction) {
+            Crossing crossing{met, direction, {face.atom}, 0, axis(), 1, side > 0};
+            if (is_point) {
+              crossing.normal = {};
+              crossing.normal[axis()] = side;
+            }
+            offer_on_line(line, crossing);
+          });
     });
   }
 
   // Edges leave a probe within the cone of the three atoms that it touches.
-  void search_placement(std::uint32_t index) {
-    const PlacementFeature& placement = features.placements[index];
-    const auto is_in_cone = [&](DoubleMask met, const Points& direction, int) {
+  void search_placement(const PlacementFeature& placement) {
+    const auto is_in_cone = [&](DoubleMask met, const Points& direction, DoubleVector, int) {
       if (!placement.is_regular) return met;
       for (const Vec3& normal : placement.cone)
         met = hn::And(met, dot(normal, direction) >= all(-tolerance::seam));
@@ -168,8 +176,9 @@ struct Search {
     };
     for_each_axis([&](auto axis) {
       meet_lines<axis()>(grid, {placement.center, features.probe_radius, placement.box}, is_in_cone,
-                         [&](const GridIndex& line, double met, int side) {
-                           offer_on_line(axis(), line, side < 0, {met, index, 3});
+                         [&](const GridIndex& line, double met, int side, Vec3 direction) {
+                           offer_on_line(line, {met, -direction, placement.atoms, 0, axis(), 3,
+                                                side < 0});
                          });
     });
   }
@@ -194,18 +203,20 @@ struct Search {
   }
 
   template <std::size_t axis>
-  void meet_batch(std::uint32_t index) {
-    meet_saddle<axis>(features.arcs[index], features.probe_radius, grid.grid.spacing, scratch.batch,
-                      [&](std::uint64_t place, double met) {
-                        const auto rank = edge_rank(axis, place / 64, static_cast<int>(place % 64));
-                        offer(rank, {met, index, 2});
+  void meet_batch(const ArcFeature& arc) {
+    meet_saddle<axis>(arc, features.probe_radius, grid.grid.spacing, scratch.batch,
+                      [&](std::uint64_t place, double met, Vec3 normal) {
+                        const std::size_t word = place / 64;
+                        const auto bit = static_cast<int>(place % 64);
+                        offer(edge_rank(axis, word, bit),
+                              {met, normal, {arc.atoms[0], arc.atoms[1]}, 0, axis, 2,
+                               is_inside(word, bit)});
                       });
     scratch.batch.count = 0;
   }
 
   // Edges that reach into the box of a saddle patch.
-  void search_arc(std::uint32_t index) {
-    const ArcFeature& arc = features.arcs[index];
+  void search_arc(const ArcFeature& arc) {
     const Box& box = arc.surface_box;
     for_each_axis([&](auto axis) {
       std::array<IndexRange, 3> range;
@@ -222,74 +233,83 @@ struct Search {
             if (changes == 0) continue;
             gather_edges<axis()>(changes, word, column * PointBits::column_step, y, z,
                                  arc.circle.center);
-            if (scratch.batch.count + 64 > EdgeBatch::capacity) meet_batch<axis()>(index);
+            if (scratch.batch.count + 64 > EdgeBatch::capacity) meet_batch<axis()>(arc);
           }
       }
-      meet_batch<axis()>(index);
+      meet_batch<axis()>(arc);
     });
   }
 
   void search_all() {
-    scratch.first.assign(scratch.edges.count, {});
-    scratch.further.clear();
-    for (std::uint32_t i = 0; i < features.faces.size(); ++i) search_face(i);
-    for (std::uint32_t i = 0; i < features.arcs.size(); ++i) search_arc(i);
-    for (std::uint32_t i = 0; i < features.placements.size(); ++i) search_placement(i);
-    std::sort(scratch.further.begin(), scratch.further.end(),
-              [](const auto& a, const auto& b) { return a.edge < b.edge; });
+    for (const FaceFeature& face : features.faces) search_face(face);
+    for (const ArcFeature& arc : features.arcs) search_arc(arc);
+    for (const PlacementFeature& placement : features.placements) search_placement(placement);
   }
 };
 
-// Calls action(edge, rank) for all edges in canonical order, and end_of_row() after each row.
-template <class Action, class EndOfRow>
-void walk_edges(const Search& search, Action&& action, EndOfRow&& end_of_row) {
-  const EdgeTable& edges = search.scratch.edges;
-  const BlockGrid& grid = search.grid;
-  std::uint32_t rank = 0;
-  for (std::int64_t k = 0; k < grid.block.owned[2]; ++k)
-    for (std::int64_t j = 0; j < grid.block.owned[1]; ++j) {
-      for (std::int64_t column = 0; column < search.inside.columns; ++column) {
-        const std::size_t w = search.inside.word_index(column, j, k);
-        const std::array<std::uint64_t, 3> changes{edges.changes[0][w], edges.changes[1][w],
-                                                   edges.changes[2][w]};
+// Lists all edges in canonical order, as crossings of which only the edge is known.
+void list_edges(const BlockGrid& grid, const PointBits& inside, const EdgeTable& edges,
+                std::vector<Crossing>& crossings, std::vector<std::uint32_t>& row_begin) {
+  crossings.resize(edges.count);
+  Crossing* next = crossings.data();
+  for (std::int64_t z = 0; z < grid.block.owned[2]; ++z)
+    for (std::int64_t y = 0; y < grid.block.owned[1]; ++y) {
+      row_begin.push_back(static_cast<std::uint32_t>(next - crossings.data()));
+      for (std::int64_t column = 0; column < inside.columns; ++column) {
+        const std::size_t word = inside.word_index(column, y, z);
+        const std::array<std::uint64_t, 3> changes{edges.changes[0][word], edges.changes[1][word],
+                                                   edges.changes[2][word]};
         for_each_bit(changes[0] | changes[1] | changes[2], [&](int bit) {
-          const GridIndex lower{column * PointBits::column_step + bit, j, k};
-          for (std::size_t axis = 0; axis < 3; ++axis)
-            if (changes[axis] >> bit & 1)
-              action(make_edge(grid, axis, lower, search.is_inside(w, bit)), lower[0], rank++);
+          for (std::size_t axis = 0; axis < 3; ++axis) {
+            if ((changes[axis] >> bit & 1) == 0) continue;
+            next->x = static_cast<std::uint16_t>(column * PointBits::column_step + bit);
+            next->axis = static_cast<std::uint8_t>(axis);
+            next->lower_is_inside = (inside.words[word] >> bit & 1) != 0;
+            ++next;
+          }
         });
       }
-      end_of_row();
     }
+  row_begin.push_back(edges.count);
+}
+
+// Decides the edges that met no patch or more than one.
+void decide_rest(const BlockGrid& grid, const BlockFeatures& features, IntersectScratch& scratch,
+                 std::span<const std::uint32_t> row_begin, std::vector<Crossing>& crossings) {
+  const auto edge_of = [&](std::uint32_t rank) {
+    const Crossing& crossing = crossings[rank];
+    const auto next_row = std::upper_bound(row_begin.begin(), row_begin.end(), rank);
+    const std::int64_t row = next_row - row_begin.begin() - 1;
+    const std::int64_t y = row % grid.block.owned[1], z = row / grid.block.owned[1];
+    return make_edge(grid, crossing.axis, {crossing.x, y, z}, crossing.lower_is_inside);
+  };
+  const auto decide = [&](std::uint32_t rank, std::span<Crossing> candidates) {
+    const std::uint16_t x = crossings[rank].x;
+    crossings[rank] = decide_crossing(features, edge_of(rank), candidates);
+    crossings[rank].x = x;
+  };
+  auto& further = scratch.further;
+  std::sort(further.begin(), further.end(),
+            [](const auto& a, const auto& b) { return a.edge < b.edge; });
+  for (auto next = further.begin(); next != further.end();) {
+    const std::uint32_t rank = next->edge;
+    scratch.of_edge.assign(1, crossings[rank]);
+    for (; next != further.end() && next->edge == rank; ++next)
+      scratch.of_edge.push_back(next->candidate);
+    decide(rank, scratch.of_edge);
+  }
+  for (std::uint32_t rank = 0; rank < crossings.size(); ++rank)
+    if (crossings[rank].atom_count == 0) decide(rank, {});
 }
 
 void intersect(const BlockGrid& grid, const BlockFeatures& features, const PointBits& inside,
                IntersectScratch& scratch, std::vector<Crossing>& crossings,
                std::vector<std::uint32_t>& row_begin) {
   tabulate_edges(grid, inside, scratch.edges);
-  Search search{grid, features, inside, scratch};
-  search.search_all();
-  crossings.reserve(scratch.edges.count);
-  row_begin.push_back(0);
-  auto further = scratch.further.begin();
-  walk_edges(
-      search,
-      [&](const Edge& edge, std::int64_t x, std::uint32_t rank) {
-        const Candidate& first = scratch.first[rank];
-        const bool is_single =
-            first.atom_count > 0 && (further == scratch.further.end() || further->edge != rank);
-        if (is_single) {
-          crossings.push_back(make_crossing(features, edge, first));
-        } else {
-          scratch.of_edge.clear();
-          if (first.atom_count > 0) scratch.of_edge.push_back(first);
-          for (; further != scratch.further.end() && further->edge == rank; ++further)
-            scratch.of_edge.push_back(further->candidate);
-          crossings.push_back(decide_crossing(features, edge, scratch.of_edge));
-        }
-        crossings.back().x = static_cast<std::uint16_t>(x);
-      },
-      [&] { row_begin.push_back(static_cast<std::uint32_t>(crossings.size())); });
+  list_edges(grid, inside, scratch.edges, crossings, row_begin);
+  scratch.further.clear();
+  Search{grid, features, inside, scratch, crossings}.search_all();
+  decide_rest(grid, features, scratch, row_begin, crossings);
 }
 
 }  // namespace eses::HWY_NAMESPACE

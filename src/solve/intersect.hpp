@@ -14,13 +14,12 @@ namespace eses {
 struct IntersectScratch {
   struct Further {
     std::uint32_t edge;
-    Candidate candidate;
+    Crossing candidate;
   };
   EdgeTable edges;
   EdgeBatch batch;
-  std::vector<Candidate> first;    ///< per edge, the first candidate found
-  std::vector<Further> further;    ///< all others
-  std::vector<Candidate> of_edge;  ///< of the edge that is being decided
+  std::vector<Further> further;   ///< of each edge, all candidates but the first that was found
+  std::vector<Crossing> of_edge;  ///< candidates of the edge that is being decided
 };
 
 /// Appends the crossings in canonical order, and for each row (z, y) of owned points the number of

@@ -1,9 +1,6 @@
 /// Where grid lines meet a sphere, several lines at a time: one root serves all edges of a line.
 /// Included anew for every instruction set, see Highway.
 
-#include <algorithm>
-#include <array>
-
 #include "simd/points-inl.hpp"
 #include "solve/index_range.hpp"
 
@@ -25,9 +22,10 @@ struct SpherePart {
 };
 
 /// For the grid lines along `axis` through the block's own points, calls
-/// `found(line, coordinate, side)` where a line meets the part: `line` has the indices of the line's
-/// points, whatever the one along the axis, and `side` is +1 at the line's upper end of the chord,
-/// -1 at the lower. `is_on_patch(mask, from_center, side)` narrows a mask of lanes.
+/// `found(line, coordinate, side, direction)` where a line meets the part: `line` has the indices of
+/// the line's points, whatever the one along the axis; `side` is +1 at the upper end of the chord
+/// that the sphere cuts from the line, -1 at the lower; `direction` is the unit vector from the
+/// centre. `is_on_patch(mask, from_center, length, side)` narrows a mask of lanes.
 template <std::size_t axis, class IsOnPatch, class Found>
 void meet_lines(const BlockGrid& grid, const SpherePart& sphere, IsOnPatch&& is_on_patch,
                 Found&& found) {
@@ -60,15 +58,16 @@ void meet_lines(const BlockGrid& grid, const SpherePart& sphere, IsOnPatch&& is_
         const auto coordinate = center + along<axis>(offset);
         auto met = hn::And(meets, hn::And(coordinate >= low, coordinate <= high));
         if (hn::AllFalse(doubles, met)) continue;
-        met = is_on_patch(met, offset, side);
+        const auto length = hn::Sqrt(squared_norm(offset));
+        met = is_on_patch(met, offset, length, side);
         if (hn::AllFalse(doubles, met)) continue;
-        std::array<double, HWY_MAX_BYTES / sizeof(double)> coordinates;
-        hn::StoreU(coordinate, doubles, coordinates.data());
+        const LaneValues coordinates(coordinate);
+        const LanePoints directions(all(1) / length * offset);
         for_each_lane(met, [&](std::size_t lane) {
           GridIndex line{};
           line[row] = k;
           line[across] = j + static_cast<std::int64_t>(lane);
-          found(line, coordinates[lane], side);
+          found(line, coordinates[lane], side, directions[lane]);
         });
       }
     }
