@@ -6,74 +6,79 @@
 #include <hwy/highway.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <span>
 
+#include "geometry/arc_sector-inl.hpp"
 #include "simd/dispatch.hpp"
-#include "simd/padding.hpp"
+#include "simd/points-inl.hpp"
 #include "solve/index_range.hpp"
 
 HWY_BEFORE_NAMESPACE();
 namespace eses::HWY_NAMESPACE {
-namespace hn = hwy::HWY_NAMESPACE;
+enum class Stamp { set, clear };
 
-using Doubles = hn::ScalableTag<double>;
-using Words = hn::Repartition<std::uint64_t, Doubles>;
-
-enum class Stamp { copy, set, clear };
-
-// Rows of one plane of a ball, as bits of one column of points.
+// One plane of a ball in one column of points.
 struct BallPlane {
-  double x, y;            // the ball's centre
-  double squared_radius;  // of the plane's disc
-  double origin, inverse_spacing;
-  double column_first;  // global index of the column's first point
+  double x, y;                    // the ball's centre
+  double squared_radius;          // of the plane's disc
+  double origin;                  // of the grid along x
+  double inverse_spacing;
+  double column_first;            // global index of the column's first point
+  std::uint64_t reach;            // the bits between the disc's outermost points, at least
 };
 
 // Small non-negative integers held in doubles, as integers: adding 2^52 leaves them in the low
 // bits.
-template <class V>
-auto to_words(V v) {
+HWY_INLINE WordVector to_words(DoubleVector v) {
   const Words words;
-  return hn::And(hn::BitCast(words, hn::Add(v, hn::Set(Doubles(), 4503599627370496.0))),
+  return hn::And(hn::BitCast(words, v + all(4503599627370496.0)),
                  hn::Set(words, std::uint64_t{127}));
 }
 
-// Applies the rows [begin, end) of a ball's plane to `rows`, which is indexed like `y`.
+// The points of rows [j, end) inside the disc, as many rows as a vector holds.
+HWY_INLINE WordVector disc_rows(const BallPlane& plane, const double* y, std::size_t j,
+                                std::size_t end) {
+  const Doubles doubles;
+  const Words words;
+  const auto zero = hn::Zero(doubles), last = all(63.0);
+  const auto ones = hn::Set(words, ~std::uint64_t{0});
+  const auto dy = load(y + j) - all(plane.y);
+  const auto squared = all(plane.squared_radius) - dy * dy;
+  const auto half = hn::Sqrt(hn::Max(squared, zero));
+  const auto place = [&](DoubleVector x) {
+    return (x - all(plane.origin)) * all(plane.inverse_spacing);
+  };
+  const auto low = hn::Ceil(place(all(plane.x) - half)) - all(plane.column_first);
+  const auto high = hn::Floor(place(all(plane.x) + half)) - all(plane.column_first);
+  auto valid = hn::And(squared >= zero, low <= high);
+  valid = hn::And(valid, hn::And(high >= zero, low <= last));
+  valid = hn::And(valid, hn::FirstN(doubles, end - j));
+  const auto shift_low = to_words(hn::Max(low, zero));
+  const auto shift_high = to_words(last - hn::Min(high, last));
+  const auto filled =
+      hn::And(hn::Shl(ones, hn::And(shift_low, hn::Set(words, std::uint64_t{63}))),
+              hn::Shr(ones, hn::And(shift_high, hn::Set(words, std::uint64_t{63}))));
+  return hn::And(filled, hn::BitCast(words, hn::VecFromMask(doubles, valid)));
+}
+
+// Applies the rows [begin, end) of a ball's plane to `rows`, which is indexed like `y`. Most rows
+// of most balls have been filled, or cleared, by their neighbours: these cost a look.
 template <Stamp stamp>
 void stamp_rows(const BallPlane& plane, const double* y, std::uint64_t* rows, std::size_t begin,
                 std::size_t end) {
-  const Doubles doubles;
   const Words words;
-  const auto zero = hn::Zero(doubles), last = hn::Set(doubles, 63.0);
-  const auto ones = hn::Set(words, ~std::uint64_t{0});
-  const auto origin = hn::Set(doubles, plane.origin);
-  const auto inverse = hn::Set(doubles, plane.inverse_spacing);
-  const auto column = hn::Set(doubles, plane.column_first);
-  const auto center_x = hn::Set(doubles, plane.x), center_y = hn::Set(doubles, plane.y);
-  const auto disc = hn::Set(doubles, plane.squared_radius);
-  for (std::size_t j = begin; j < end; j += hn::Lanes(doubles)) {
-    const auto dy = hn::Sub(hn::LoadU(doubles, y + j), center_y);
-    const auto squared = hn::Sub(disc, hn::Mul(dy, dy));
-    const auto half = hn::Sqrt(hn::Max(squared, zero));
-    const auto low =
-        hn::Sub(hn::Ceil(hn::Mul(hn::Sub(hn::Sub(center_x, half), origin), inverse)), column);
-    const auto high =
-        hn::Sub(hn::Floor(hn::Mul(hn::Sub(hn::Add(center_x, half), origin), inverse)), column);
-    auto valid = hn::And(hn::Ge(squared, zero), hn::Le(low, high));
-    valid = hn::And(valid, hn::And(hn::Ge(high, zero), hn::Le(low, last)));
-    valid = hn::And(valid, hn::FirstN(doubles, end - j));
-    const auto shift_low = to_words(hn::Max(low, zero));
-    const auto shift_high = to_words(hn::Sub(last, hn::Min(high, last)));
-    const auto filled =
-        hn::And(hn::Shl(ones, hn::And(shift_low, hn::Set(words, std::uint64_t{63}))),
-                hn::Shr(ones, hn::And(shift_high, hn::Set(words, std::uint64_t{63}))));
-    const auto mask = hn::And(filled, hn::BitCast(words, hn::VecFromMask(doubles, valid)));
-    if constexpr (stamp == Stamp::copy) {
-      hn::StoreU(mask, words, rows + j);
-    } else if constexpr (stamp == Stamp::set) {
-      hn::StoreU(hn::Or(hn::LoadU(words, rows + j), mask), words, rows + j);
+  const auto reach = hn::Set(words, plane.reach);
+  const auto done = stamp == Stamp::set ? reach : hn::Zero(words);
+  for (std::size_t j = begin; j < end; j += hn::Lanes(words)) {
+    const auto before = hn::LoadU(words, rows + j);
+    if (hn::AllTrue(words, hn::Eq(hn::And(before, reach), done))) continue;
+    const auto disc = disc_rows(plane, y, j, end);
+    if constexpr (stamp == Stamp::set) {
+      hn::StoreU(hn::Or(before, disc), words, rows + j);
     } else {
-      hn::StoreU(hn::AndNot(mask, hn::LoadU(words, rows + j)), words, rows + j);
+      hn::StoreU(hn::AndNot(disc, before), words, rows + j);
     }
   }
 }
@@ -92,13 +97,16 @@ void for_each_plane(const BlockGrid& grid, const PointBits& bits, Vec3 center, d
     if (squared < 0) continue;
     const double half = std::sqrt(squared);
     const IndexRange y = points_within(grid, 1, std::max(box.low.y, center.y - half),
-                                        std::min(box.high.y, center.y + half));
+                                       std::min(box.high.y, center.y + half));
     if (y.begin >= y.end) continue;
-    BallPlane plane{center.x, center.y, squared, grid.grid.lower.x, grid.inverse_spacing, 0};
+    const IndexRange disc = points_within(grid, 0, std::max(box.low.x, center.x - half),
+                                          std::min(box.high.x, center.x + half));
+    BallPlane plane{center.x, center.y, squared, grid.grid.lower.x, grid.inverse_spacing, 0, 0};
     for (std::int64_t column = columns.begin; column < columns.end; ++column) {
       plane.column_first =
           static_cast<double>(grid.block.first[0] + column * PointBits::column_step);
-      action(plane, column, k, y);
+      plane.reach = column_bits(disc, column);
+      if (plane.reach != 0) action(plane, column, k, y);
     }
   }
 }
@@ -114,23 +122,44 @@ void stamp_ball(const BlockGrid& grid, Vec3 center, double radius, PointBits& bi
                  });
 }
 
+// Points that a patch may clear, from the patch's centre.
+void add_points(const BlockGrid& grid, Vec3 center, std::int64_t column, std::size_t y,
+                std::size_t z, std::size_t word, std::uint64_t bits, PointBatch& batch) {
+  const auto first_x = static_cast<std::size_t>(column * PointBits::column_step);
+  const double dy = grid.coordinates[1][y] - center.y, dz = grid.coordinates[2][z] - center.z;
+  for_each_bit(bits, [&](int bit) {
+    const auto b = static_cast<std::size_t>(bit);
+    batch.x[batch.count] = grid.coordinates[0][first_x + b] - center.x;
+    batch.y[batch.count] = dy;
+    batch.z[batch.count] = dz;
+    batch.place[batch.count] = word * 64 + b;
+    ++batch.count;
+  });
+}
+
+void clear_lanes(const PointBatch& batch, std::size_t first, DoubleMask mask,
+                 std::uint64_t* words) {
+  for_each_lane(mask, [&](std::size_t lane) {
+    const std::uint64_t place = batch.place[first + lane];
+    words[place / 64] &= ~(std::uint64_t{1} << (place % 64));
+  });
+}
+
+HWY_INLINE Points batch_points(const PointBatch& batch, std::size_t i) {
+  return {load(batch.x.data() + i), load(batch.y.data() + i), load(batch.z.data() + i)};
+}
+
 // Clears the points of the batch that lie in none of the cones: their nearest accessible probe
 // centre is the one straight out on the face.
-void clear_exposed(std::span<const CapCone> cones, ShellBatch& batch, std::uint64_t* words) {
+void clear_exposed(std::span<const CapCone> cones, PointBatch& batch, std::uint64_t* words) {
   const Doubles doubles;
-  const std::size_t lanes = hn::Lanes(doubles);
   std::size_t killer = 0;
-  for (std::size_t i = 0; i < batch.count; i += lanes) {
-    const auto x = hn::LoadU(doubles, batch.x.data() + i);
-    const auto y = hn::LoadU(doubles, batch.y.data() + i);
-    const auto z = hn::LoadU(doubles, batch.z.data() + i);
-    const auto length = hn::Sqrt(hn::Add(hn::Add(hn::Mul(x, x), hn::Mul(y, y)), hn::Mul(z, z)));
+  for (std::size_t i = 0; i < batch.count; i += hn::Lanes(doubles)) {
+    const Points offset = batch_points(batch, i);
+    const auto length = hn::Sqrt(squared_norm(offset));
     auto alive = hn::FirstN(doubles, batch.count - i);
     const auto survive = [&](const CapCone& cone) {
-      const auto along = hn::Add(hn::Add(hn::Mul(x, hn::Set(doubles, cone.axis.x)),
-                                         hn::Mul(y, hn::Set(doubles, cone.axis.y))),
-                                 hn::Mul(z, hn::Set(doubles, cone.axis.z)));
-      alive = hn::And(alive, hn::Le(along, hn::Mul(length, hn::Set(doubles, cone.cosine))));
+      alive = hn::And(alive, dot(cone.axis, offset) <= length * all(cone.cosine));
       return !hn::AllFalse(doubles, alive);
     };
     // Neighbouring points tend to fall to the same cone.
@@ -140,75 +169,76 @@ void clear_exposed(std::span<const CapCone> cones, ShellBatch& batch, std::uint6
       survived = survive(cones[k]);
       if (!survived) killer = k;
     }
-    if (!survived) continue;
-    std::uint8_t mask[8] = {};
-    hn::StoreMaskBits(doubles, alive, mask);
-    for_each_bit(mask[0], [&](int lane) {
-      const std::uint64_t place = batch.place[i + static_cast<std::size_t>(lane)];
-      words[place / 64] &= ~(std::uint64_t{1} << (place % 64));
-    });
+    if (survived) clear_lanes(batch, i, alive, words);
   }
   batch.count = 0;
 }
 
 void clear_face(const BlockGrid& grid, const FaceFeature& face, std::span<const CapCone> cones,
                 ClassifyScratch& scratch) {
+  const Words words;
   PointBits& undecided = scratch.undecided;
-  ShellBatch& batch = scratch.batch;
+  PointBatch& batch = scratch.batch;
   for_each_plane(
       grid, undecided, face.center, face.sas_radius, face.shell_box,
       [&](const BallPlane& plane, std::int64_t column, std::int64_t k, IndexRange y) {
-        const auto begin = static_cast<std::size_t>(y.begin), end = static_cast<std::size_t>(y.end);
-        stamp_rows<Stamp::copy>(plane, grid.coordinates[1].data(), scratch.row_masks.data(), begin,
-                                end);
         const std::size_t first_word = undecided.word_index(column, 0, k);
-        const auto first_x = static_cast<std::size_t>(column * PointBits::column_step);
-        const double dz = grid.coordinates[2][static_cast<std::size_t>(k)] - face.center.z;
-        for (std::size_t j = begin; j < end; ++j) {
-          const std::uint64_t row = undecided.words[first_word + j] & scratch.row_masks[j];
-          if (row == 0) continue;
-          const double dy = grid.coordinates[1][j] - face.center.y;
-          for_each_bit(row, [&](int bit) {
-            const auto b = static_cast<std::size_t>(bit);
-            batch.x[batch.count] = grid.coordinates[0][first_x + b] - face.center.x;
-            batch.y[batch.count] = dy;
-            batch.z[batch.count] = dz;
-            batch.place[batch.count] = (first_word + j) * 64 + b;
-            ++batch.count;
-          });
-          if (batch.count + 64 > ShellBatch::capacity)
-            clear_exposed(cones, batch, undecided.words.data());
+        const std::uint64_t* const rows = undecided.words.data() + first_word;
+        const auto reach = hn::Set(words, plane.reach);
+        const auto end = static_cast<std::size_t>(y.end);
+        for (auto j = static_cast<std::size_t>(y.begin); j < end; j += hn::Lanes(words)) {
+          const auto left = hn::And(hn::LoadU(words, rows + j), reach);
+          if (hn::AllTrue(words, hn::Eq(left, hn::Zero(words)))) continue;
+          std::array<std::uint64_t, HWY_MAX_BYTES / sizeof(std::uint64_t)> waiting;
+          hn::StoreU(hn::And(left, disc_rows(plane, grid.coordinates[1].data(), j, end)), words,
+                     waiting.data());
+          for (std::size_t lane = 0; lane < hn::Lanes(words); ++lane) {
+            if (waiting[lane] == 0) continue;
+            add_points(grid, face.center, column, j + lane, static_cast<std::size_t>(k),
+                       first_word + j + lane, waiting[lane], batch);
+            if (batch.count + 64 > PointBatch::capacity)
+              clear_exposed(cones, batch, undecided.words.data());
+          }
         }
       });
   clear_exposed(cones, batch, undecided.words.data());
 }
 
-bool is_covered_by(const ArcFeature& arc, double squared_probe, Vec3 point) {
-  const Vec3 offset = point - arc.circle.center;
-  return meridian_point(arc.circle, offset).squared_distance() < squared_probe &&
-         faces(arc.sector, offset);
+// Clears the points of the batch that are nearer to the arc than the probe radius.
+void clear_near_arc(const ArcFeature& arc, double squared_probe, PointBatch& batch,
+                    std::uint64_t* words) {
+  const Doubles doubles;
+  for (std::size_t i = 0; i < batch.count; i += hn::Lanes(doubles)) {
+    const Points offset = batch_points(batch, i);
+    const auto [height, inward] = meridian_points(arc.circle, offset);
+    const auto is_near = hn::And(inward * inward + height * height < all(squared_probe),
+                                 faces(arc.sector, offset));
+    clear_lanes(batch, i, hn::And(is_near, hn::FirstN(doubles, batch.count - i)), words);
+  }
+  batch.count = 0;
 }
 
 void clear_arc(const BlockGrid& grid, const ArcFeature& arc, double squared_probe,
-               PointBits& undecided) {
+               ClassifyScratch& scratch) {
+  PointBits& undecided = scratch.undecided;
   const IndexRange x = points_within(grid, 0, arc.solid_box.low.x, arc.solid_box.high.x);
   const IndexRange y = points_within(grid, 1, arc.solid_box.low.y, arc.solid_box.high.y);
   const IndexRange z = points_within(grid, 2, arc.solid_box.low.z, arc.solid_box.high.z);
   const IndexRange columns = columns_of(x, undecided.columns);
   for (std::int64_t column = columns.begin; column < columns.end; ++column) {
-    const std::int64_t first_x = column * PointBits::column_step;
     const std::uint64_t in_box = column_bits(x, column);
     for (std::int64_t k = z.begin; k < z.end; ++k)
       for (std::int64_t j = y.begin; j < y.end; ++j) {
-        std::uint64_t& word = undecided.words[undecided.word_index(column, j, k)];
-        for_each_bit(word & in_box, [&](int bit) {
-          const Vec3 point{grid.coordinates[0][static_cast<std::size_t>(first_x + bit)],
-                           grid.coordinates[1][static_cast<std::size_t>(j)],
-                           grid.coordinates[2][static_cast<std::size_t>(k)]};
-          if (is_covered_by(arc, squared_probe, point)) word &= ~(std::uint64_t{1} << bit);
-        });
+        const std::size_t word = undecided.word_index(column, j, k);
+        const std::uint64_t waiting = undecided.words[word] & in_box;
+        if (waiting == 0) continue;
+        add_points(grid, arc.circle.center, column, static_cast<std::size_t>(j),
+                   static_cast<std::size_t>(k), word, waiting, scratch.batch);
+        if (scratch.batch.count + 64 > PointBatch::capacity)
+          clear_near_arc(arc, squared_probe, scratch.batch, undecided.words.data());
       }
   }
+  clear_near_arc(arc, squared_probe, scratch.batch, undecided.words.data());
 }
 
 // Stamps fill whole words; bits behind a row's last point are cleared, as is what needs no
@@ -238,7 +268,7 @@ void classify(const BlockGrid& grid, const BlockFeatures& features, ClassifyScra
   for (const FaceFeature& face : features.faces)
     clear_face(grid, face, features.cones_of(face), scratch);
   for (const ArcFeature& arc : features.arcs)
-    clear_arc(grid, arc, features.probe_radius * features.probe_radius, undecided);
+    clear_arc(grid, arc, features.probe_radius * features.probe_radius, scratch);
   for (std::size_t w = 0; w < inside.words.size(); ++w) inside.words[w] |= undecided.words[w];
 }
 
@@ -251,11 +281,7 @@ void classify_points(const BlockGrid& grid, const BlockFeatures& features, Class
                      PointBits& inside) {
   inside.reset(grid.block.points);
   scratch.undecided.reset(grid.block.points);
-  scratch.row_masks.resize(static_cast<std::size_t>(grid.block.points[1]) + vector_padding);
-  ShellBatch& batch = scratch.batch;
-  for (auto* values : {&batch.x, &batch.y, &batch.z})
-    values->resize(ShellBatch::capacity + vector_padding);
-  batch.place.resize(ShellBatch::capacity + vector_padding);
+  scratch.batch.make_room();
   ESES_BEST_VERSION(classify)(grid, features, scratch, inside);
 }
 

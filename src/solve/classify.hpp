@@ -5,22 +5,28 @@
 #include <vector>
 
 #include "grid/point_bits.hpp"
+#include "simd/padding.hpp"
 #include "solve/block_features.hpp"
 
 namespace eses {
 
-/// Points of one exposed atom's shell that wait to be tested against its cones.
-struct ShellBatch {
+/// Points that wait to be held against one patch.
+struct PointBatch {
   static constexpr std::size_t capacity = 1024;
-  std::vector<double> x, y, z;       ///< from the atom's centre
+
+  std::vector<double> x, y, z;       ///< from the centre of the atom or of the arc's circle
   std::vector<std::uint64_t> place;  ///< word index * 64 + bit
   std::size_t count = 0;
+
+  void make_room() {
+    for (auto* values : {&x, &y, &z}) values->resize(capacity + vector_padding);
+    place.resize(capacity + vector_padding);
+  }
 };
 
 struct ClassifyScratch {
   PointBits undecided;
-  std::vector<std::uint64_t> row_masks;
-  ShellBatch batch;
+  PointBatch batch;
 };
 
 /// Sets the bits of all inside points. Points in no SAS ball are outside, those in a van der Waals

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "geometry/arc_sector-inl.hpp"
 #include "geometry/line_torus-inl.hpp"
 #include "simd/points-inl.hpp"
 #include "solve/block_features.hpp"
@@ -22,28 +23,6 @@ namespace eses::HWY_NAMESPACE {
 HWY_INLINE Points batch_points(const EdgeBatch& batch, std::size_t i) {
   return {load(batch.start[0].data() + i), load(batch.start[1].data() + i),
           load(batch.start[2].data() + i)};
-}
-
-/// See MeridianPoint.
-struct MeridianPoints {
-  DoubleVector height, inward;
-};
-
-HWY_INLINE MeridianPoints meridian_points(const ContactCircle& circle, const Points& offset) {
-  const auto height = dot(circle.axis, offset);
-  const auto squared = squared_norm(offset) - height * height;
-  return {height, all(circle.radius) - hn::Sqrt(hn::Max(squared, all(0)))};
-}
-
-/// See faces(): on which lanes the circle's point nearest to the offset lies on the arc.
-HWY_INLINE DoubleMask faces(const ArcSector& sector, const Points& offset) {
-  const auto seam = all(-tolerance::seam);
-  if (sector.kind == ArcKind::full) return seam < all(0);
-  const auto after_start = dot(sector.start_normal, offset) >= seam;
-  const auto before_end = dot(sector.end_normal, offset) >= seam;
-  if (sector.kind == ArcKind::major) return hn::Or(after_start, before_end);
-  return hn::And(hn::And(after_start, before_end),
-                 dot(sector.start + sector.end, offset) >= seam);
 }
 
 /// Whether the nearest point of the arc is the nearest accessible one as far as its two atoms tell:

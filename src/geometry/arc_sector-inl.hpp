@@ -1,0 +1,43 @@
+/// Contact circles and arcs as several points see them. Included anew for every instruction set,
+/// see Highway.
+
+#include "geometry/arc_sector.hpp"
+#include "geometry/contact_circle.hpp"
+#include "simd/points-inl.hpp"
+
+#if defined(ESES_GEOMETRY_ARC_SECTOR_INL_) == defined(HWY_TARGET_TOGGLE)
+#ifdef ESES_GEOMETRY_ARC_SECTOR_INL_
+#undef ESES_GEOMETRY_ARC_SECTOR_INL_
+#else
+#define ESES_GEOMETRY_ARC_SECTOR_INL_
+#endif
+
+HWY_BEFORE_NAMESPACE();
+namespace eses::HWY_NAMESPACE {
+
+/// See MeridianPoint.
+struct MeridianPoints {
+  DoubleVector height, inward;
+};
+
+HWY_INLINE MeridianPoints meridian_points(const ContactCircle& circle, const Points& offset) {
+  const auto height = dot(circle.axis, offset);
+  const auto squared = squared_norm(offset) - height * height;
+  return {height, all(circle.radius) - hn::Sqrt(hn::Max(squared, all(0)))};
+}
+
+/// See faces(): on which lanes the circle's point nearest to the offset lies on the arc.
+HWY_INLINE DoubleMask faces(const ArcSector& sector, const Points& offset) {
+  const auto seam = all(-tolerance::seam);
+  if (sector.kind == ArcKind::full) return seam < all(0);
+  const auto after_start = dot(sector.start_normal, offset) >= seam;
+  const auto before_end = dot(sector.end_normal, offset) >= seam;
+  if (sector.kind == ArcKind::major) return hn::Or(after_start, before_end);
+  return hn::And(hn::And(after_start, before_end),
+                 dot(sector.start + sector.end, offset) >= seam);
+}
+
+}  // namespace eses::HWY_NAMESPACE
+HWY_AFTER_NAMESPACE();
+
+#endif
