@@ -33,6 +33,13 @@ char* append(char* out, const Token& token) {
   std::memcpy(out, &token, sizeof token);
   return out + token.length;
 }
+template <class Token>
+auto joined(const Token& first, const Token& second) {
+  typename Token::Twice both;
+  char* const end = append(append(both.text.data(), first), second);
+  both.length = static_cast<std::uint8_t>(end - both.text.data());
+  return both;
+}
 constexpr std::size_t longest_index = 11;  // digits of a 32-bit index and a blank
 constexpr std::size_t overrun = 32;
 
@@ -99,11 +106,31 @@ void GridText::append_row(TextBuffer& text, std::int64_t y, std::int64_t z,
   text.advance_to(out);
 }
 
+// What the lines of one row have in common.
+struct GridText::RowText {
+  std::array<Token<32>, 3> indices;  // `y z` of the upper ends of edges along x, y and z
+  const Token<32>& y;                // coordinates
+  const Token<32>& z;
+};
+
+GridText::RowText GridText::row_text(std::int64_t y, std::int64_t z) const {
+  const auto j = static_cast<std::size_t>(y), k = static_cast<std::size_t>(z);
+  const auto& y_indices = axes_[1].indices;
+  const auto& z_indices = axes_[2].indices;
+  const std::size_t next_j = std::min(j + 1, y_indices.size() - 1);
+  const std::size_t next_k = std::min(k + 1, z_indices.size() - 1);
+  return {{joined(y_indices[j], z_indices[k]), joined(y_indices[next_j], z_indices[k]),
+           joined(y_indices[j], z_indices[next_k])},
+          axes_[1].coordinates[j],
+          axes_[2].coordinates[k]};
+}
+
 void GridText::append_crossings(TextBuffer& text, std::int64_t first_x, std::int64_t y,
                                 std::int64_t z, std::span<const Crossing> crossings) const {
   constexpr std::size_t numbers_per_line = 4, lines = NumberBatch::capacity / numbers_per_line;
   char* out = text.reserve(crossings.size() * longest_crossing_line + overrun);
   NumberBatch numbers;
+  const RowText row = row_text(y, z);
   while (!crossings.empty()) {
     const auto part = crossings.first(std::min(lines, crossings.size()));
     crossings = crossings.subspan(part.size());
@@ -114,26 +141,28 @@ void GridText::append_crossings(TextBuffer& text, std::int64_t first_x, std::int
         numbers.add(value);
     make_digits(numbers);
     for (std::size_t i = 0; i < part.size(); ++i)
-      out = append_crossing(out, {first_x + part[i].x, y, z}, part[i], numbers,
-                            numbers_per_line * i);
+      out = append_crossing(out, first_x + part[i].x, row, part[i], numbers, numbers_per_line * i);
   }
   text.advance_to(out);
 }
 
-char* GridText::append_crossing(char* out, const GridIndex& lower, const Crossing& crossing,
-                                const NumberBatch& numbers, std::size_t first) const {
-  GridIndex upper = lower;
-  ++upper[crossing.axis];
-  const auto& inner = crossing.lower_is_inside ? lower : upper;
-  const auto& outer = crossing.lower_is_inside ? upper : lower;
-  for (const auto* ends : {&inner, &outer})
-    for (std::size_t axis = 0; axis < 3; ++axis)
-      out = append(out, axes_[axis].indices[static_cast<std::size_t>((*ends)[axis])]);
-  for (std::size_t axis = 0; axis < 3; ++axis)
-    out = axis == crossing.axis
-              ? append_number(out, numbers, first + 3)
-              : append(out, axes_[axis].coordinates[static_cast<std::size_t>(lower[axis])]);
-  for (std::size_t axis = 0; axis < 3; ++axis) out = append_number(out, numbers, first + axis);
+char* GridText::append_crossing(char* out, std::int64_t x, const RowText& row,
+                                const Crossing& crossing, const NumberBatch& numbers,
+                                std::size_t first) const {
+  const std::size_t axis = crossing.axis;
+  const auto lower = static_cast<std::size_t>(x);
+  const std::array<std::size_t, 2> x_index{lower, lower + (axis == 0)};
+  const std::array<const Token<32>*, 2> y_and_z{row.indices.data(), &row.indices[axis]};
+  const std::size_t inner = crossing.lower_is_inside ? 0 : 1;
+  for (const std::size_t end : {inner, 1 - inner}) {
+    out = append(out, axes_[0].indices[x_index[end]]);
+    out = append(out, *y_and_z[end]);
+  }
+  out = axis == 0 ? append_number(out, numbers, first + 3)
+                  : append(out, axes_[0].coordinates[lower]);
+  out = axis == 1 ? append_number(out, numbers, first + 3) : append(out, row.y);
+  out = axis == 2 ? append_number(out, numbers, first + 3) : append(out, row.z);
+  for (std::size_t q = 0; q < 3; ++q) out = append_number(out, numbers, first + q);
   for (std::size_t q = 0; q < crossing.atom_count; ++q) {
     out = write_index(out, crossing.atoms[q]);
     *out++ = ' ';

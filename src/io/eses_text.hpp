@@ -41,16 +41,20 @@ class GridText {
                         std::span<const Crossing> crossings) const;
 
  private:
-  /// One line; its normal and coordinate are the numbers from `first`.
-  char* append_crossing(char* out, const GridIndex& lower, const Crossing& crossing,
-                        const NumberBatch& numbers, std::size_t first) const;
-
   /// Text with a blank behind it, and its length in the last byte.
   template <std::size_t bytes>
   struct Token {
+    using Twice = Token<2 * bytes>;
     std::array<char, bytes - 1> text{};
     std::uint8_t length = 0;
   };
+  struct RowText;
+  RowText row_text(std::int64_t y, std::int64_t z) const;
+
+  /// One line; its normal and coordinate are the numbers from `first`.
+  char* append_crossing(char* out, std::int64_t x, const RowText& row, const Crossing& crossing,
+                        const NumberBatch& numbers, std::size_t first) const;
+
   struct Axis {
     std::vector<Token<16>> indices;
     std::vector<Token<32>> coordinates;

@@ -235,23 +235,33 @@ class Pipeline {
 
   void append_crossings(const Layer& layer, std::int64_t begin, std::int64_t end,
                         TextBuffer& text) const {
-    for (std::int64_t row = begin; row < end; ++row)
-      append_row_crossings(layer, row % plan_.grid.size[1], row / plan_.grid.size[1], text);
+    std::vector<const BlockResult*> crossed;  // blocks with crossings, of the block row at hand
+    std::int64_t block_row = -1;
+    for (std::int64_t row = begin; row < end; ++row) {
+      const std::int64_t y = row % plan_.grid.size[1], z = row / plan_.grid.size[1];
+      const BlockRow place = block_row_of(plan_.tiling, y);
+      if (place.by != block_row) {
+        crossed = crossed_blocks(layer, place.by);
+        block_row = place.by;
+      }
+      for (const BlockResult* result : crossed) {
+        const auto r = static_cast<std::size_t>(z * result->block.owned[1] + place.y);
+        const std::uint32_t first = result->row_begin[r], last = result->row_begin[r + 1];
+        if (first < last)
+          text_.append_crossings(text, result->block.first[0], y, layer.first_z() + z,
+                                 std::span(result->crossings).subspan(first, last - first));
+      }
+    }
   }
 
-  void append_row_crossings(const Layer& layer, std::int64_t y, std::int64_t z,
-                            TextBuffer& text) const {
-    const BlockRow place = block_row_of(plan_.tiling, y);
+  std::vector<const BlockResult*> crossed_blocks(const Layer& layer, std::int64_t by) const {
+    std::vector<const BlockResult*> crossed;
     for (std::int64_t bx = 0; bx < plan_.tiling.blocks[0]; ++bx) {
       const BlockResult& result =
-          layer.blocks[static_cast<std::size_t>(place.by * plan_.tiling.blocks[0] + bx)];
-      if (result.row_begin.empty()) continue;
-      const auto row = static_cast<std::size_t>(z * result.block.owned[1] + place.y);
-      const std::uint32_t begin = result.row_begin[row], end = result.row_begin[row + 1];
-      if (begin == end) continue;
-      text_.append_crossings(text, result.block.first[0], y, layer.first_z() + z,
-                             std::span(result.crossings).subspan(begin, end - begin));
+          layer.blocks[static_cast<std::size_t>(by * plan_.tiling.blocks[0] + bx)];
+      if (!result.crossings.empty()) crossed.push_back(&result);
     }
+    return crossed;
   }
 
   const Surface& surface_;

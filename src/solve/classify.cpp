@@ -83,30 +83,59 @@ void stamp_rows(const BallPlane& plane, const double* y, std::uint64_t* rows, st
   }
 }
 
+// See points_within(): the ends of the ranges between `low` and `high` on one axis, as numbers.
+struct IndexRanges {
+  LaneValues begin, end;
+
+  IndexRange operator[](std::size_t lane) const {
+    return {static_cast<std::int64_t>(begin[lane]), static_cast<std::int64_t>(end[lane])};
+  }
+};
+
+HWY_INLINE IndexRanges points_within(const BlockGrid& grid, std::size_t axis, DoubleVector low,
+                                     DoubleVector high) {
+  const auto origin = all(grid.grid.lower[axis]), inverse = all(grid.inverse_spacing);
+  const auto slack = all(range_slack), first = all(static_cast<double>(grid.block.first[axis]));
+  const auto points = all(static_cast<double>(grid.block.points[axis]));
+  const auto begin = hn::Ceil((low - origin) * inverse - slack) - first;
+  const auto end = hn::Floor((high - origin) * inverse + slack) - first + all(1);
+  return {LaneValues(hn::Min(hn::Max(begin, all(0)), points)),
+          LaneValues(hn::Min(hn::Max(end, all(0)), points))};
+}
+
 // Calls action(plane, column, z, y range) for every plane of a ball, as far as it reaches into
 // `box`.
 template <class Action>
 void for_each_plane(const BlockGrid& grid, const PointBits& bits, Vec3 center, double radius,
                     const Box& box, Action&& action) {
+  const Doubles doubles;
+  const auto lanes = static_cast<std::int64_t>(hn::Lanes(doubles));
   const IndexRange z = points_within(grid, 2, box.low.z, box.high.z);
-  const IndexRange x = points_within(grid, 0, box.low.x, box.high.x);
-  const IndexRange columns = columns_of(x, bits.columns);
-  for (std::int64_t k = z.begin; k < z.end; ++k) {
-    const double dz = grid.coordinates[2][static_cast<std::size_t>(k)] - center.z;
-    const double squared = radius * radius - dz * dz;
-    if (squared < 0) continue;
-    const double half = std::sqrt(squared);
-    const IndexRange y = points_within(grid, 1, std::max(box.low.y, center.y - half),
-                                       std::min(box.high.y, center.y + half));
-    if (y.begin >= y.end) continue;
-    const IndexRange disc = points_within(grid, 0, std::max(box.low.x, center.x - half),
-                                          std::min(box.high.x, center.x + half));
-    BallPlane plane{center.x, center.y, squared, grid.grid.lower.x, grid.inverse_spacing, 0, 0};
-    for (std::int64_t column = columns.begin; column < columns.end; ++column) {
-      plane.column_first =
-          static_cast<double>(grid.block.first[0] + column * PointBits::column_step);
-      plane.reach = column_bits(disc, column);
-      if (plane.reach != 0) action(plane, column, k, y);
+  const IndexRange columns =
+      columns_of(points_within(grid, 0, box.low.x, box.high.x), bits.columns);
+  for (std::int64_t first_z = z.begin; first_z < z.end; first_z += lanes) {
+    const auto dz = load(grid.coordinates[2].data() + first_z) - all(center.z);
+    const auto squared = all(radius * radius) - dz * dz;
+    const auto half = hn::Sqrt(hn::Max(squared, all(0)));
+    const auto reach = [&](std::size_t axis) {
+      return points_within(grid, axis, hn::Max(all(box.low[axis]), all(center[axis]) - half),
+                           hn::Min(all(box.high[axis]), all(center[axis]) + half));
+    };
+    const IndexRanges x = reach(0), y = reach(1);
+    const LaneValues squared_radii(squared);
+    const auto planes = static_cast<std::size_t>(std::min(lanes, z.end - first_z));
+    for (std::size_t lane = 0; lane < planes; ++lane) {
+      const IndexRange rows = y[lane];
+      if (squared_radii[lane] < 0 || rows.begin >= rows.end) continue;
+      BallPlane plane{center.x,          center.y, squared_radii[lane],
+                      grid.grid.lower.x, grid.inverse_spacing, 0, 0};
+      for (std::int64_t column = columns.begin; column < columns.end; ++column) {
+        plane.column_first =
+            static_cast<double>(grid.block.first[0] + column * PointBits::column_step);
+        plane.reach = column_bits(x[lane], column);
+        if (plane.reach != 0)
+          action(plane, column, first_z + static_cast<std::int64_t>(lane), rows);
+      }
     }
   }
 }

@@ -14,14 +14,16 @@ struct IndexRange {
   std::int64_t begin, end;
 };
 
+/// A point this near to the bound of a range, in spacings, is in it, however it is rounded.
+inline constexpr double range_slack = 1e-6;
+
 /// The points between `low` and `high`.
 inline IndexRange points_within(const BlockGrid& grid, std::size_t axis, double low, double high) {
-  constexpr double slack = 1e-6;  // spacings: a point on the bound is in, however it is rounded
   const double inverse = grid.inverse_spacing;
   const double first = static_cast<double>(grid.block.first[axis]);
   const double points = static_cast<double>(grid.block.points[axis]);
-  const double a = std::ceil((low - grid.grid.lower[axis]) * inverse - slack) - first;
-  const double b = std::floor((high - grid.grid.lower[axis]) * inverse + slack) - first + 1;
+  const double a = std::ceil((low - grid.grid.lower[axis]) * inverse - range_slack) - first;
+  const double b = std::floor((high - grid.grid.lower[axis]) * inverse + range_slack) - first + 1;
   return {static_cast<std::int64_t>(std::clamp(a, 0.0, points)),
           static_cast<std::int64_t>(std::clamp(b, 0.0, points))};
 }

@@ -21,30 +21,43 @@
 HWY_BEFORE_NAMESPACE();
 namespace eses::HWY_NAMESPACE {
 
-void tabulate_edges(const BlockGrid& grid, const PointBits& inside, EdgeTable& edges) {
+// Which edges of one column in one plane have differing ends.
+void find_changes(const BlockGrid& grid, const PointBits& inside, std::int64_t column,
+                  std::int64_t z, EdgeTable& edges) {
   const GridIndex points = grid.block.points, owned = grid.block.owned;
+  const std::int64_t first = column * PointBits::column_step;
+  const std::uint64_t starts = low_bits(inside.owned_in_column(column, owned[0]));
+  const std::uint64_t starts_x = starts & low_bits(points[0] - 1 - first);
+  const std::uint64_t starts_z = z + 1 < points[2] ? starts : 0;
+  const std::size_t begin = inside.word_index(column, 0, z);
+  const std::uint64_t* const words = inside.words.data() + begin;
+  const std::uint64_t* const above = starts_z != 0 ? words + points[1] : words;
+  std::uint64_t* const x = edges.changes[0].data() + begin;
+  std::uint64_t* const y = edges.changes[1].data() + begin;
+  std::uint64_t* const up = edges.changes[2].data() + begin;
+  for (std::int64_t j = 0; j < owned[1]; ++j) {
+    x[j] = (words[j] ^ (words[j] >> 1)) & starts_x;
+    y[j] = (words[j] ^ words[j + 1]) & starts;
+    up[j] = (words[j] ^ above[j]) & starts_z;
+  }
+  if (owned[1] == points[1]) y[owned[1] - 1] = 0;
+}
+
+void tabulate_edges(const BlockGrid& grid, const PointBits& inside, EdgeTable& edges) {
   for (auto& changes : edges.changes) changes.resize(inside.words.size());
   edges.rank.resize(inside.words.size());
   edges.count = 0;
-  for (std::int64_t z = 0; z < owned[2]; ++z)
-    for (std::int64_t y = 0; y < owned[1]; ++y)
+  for (std::int64_t z = 0; z < grid.block.owned[2]; ++z) {
+    for (std::int64_t column = 0; column < inside.columns; ++column)
+      find_changes(grid, inside, column, z, edges);
+    for (std::int64_t y = 0; y < grid.block.owned[1]; ++y)
       for (std::int64_t column = 0; column < inside.columns; ++column) {
-        const std::int64_t first = column * PointBits::column_step;
-        const std::uint64_t starts = low_bits(inside.owned_in_column(column, owned[0]));
         const std::size_t w = inside.word_index(column, y, z);
-        const std::uint64_t row = inside.words[w];
-        const std::uint64_t x = (row ^ (row >> 1)) & starts & low_bits(points[0] - 1 - first);
-        const std::uint64_t along_y = y + 1 < points[1] ? (row ^ inside.words[w + 1]) & starts : 0;
-        const std::uint64_t along_z =
-            z + 1 < points[2] ? (row ^ inside.words[inside.word_index(column, y, z + 1)]) & starts
-                              : 0;
-        edges.changes[0][w] = x;
-        edges.changes[1][w] = along_y;
-        edges.changes[2][w] = along_z;
         edges.rank[w] = edges.count;
-        edges.count += static_cast<std::uint32_t>(std::popcount(x) + std::popcount(along_y) +
-                                                  std::popcount(along_z));
+        for (const auto& changes : edges.changes)
+          edges.count += static_cast<std::uint32_t>(std::popcount(changes[w]));
       }
+  }
 }
 
 // Calls `action(axis)` with each axis as a constant, so that the compiler sees which coordinates of
