@@ -54,6 +54,12 @@ def show(text):
         print(f"\r\033[K{text}", end="", file=sys.stderr, flush=True)
 
 
+def printable(text):
+    """On one line, and without bytes that are no text."""
+    text = str(text).encode("utf-8", "backslashreplace").decode()
+    return "".join(c if c.isprintable() else "?" for c in text)
+
+
 # --------------------------------------------------------------------------------------- files
 
 
@@ -116,4 +122,6 @@ def describe_build(program):
         raise Failed(f"{program}: {error.strerror}; build it with scripts/quickstart") from None
     except subprocess.CalledProcessError:
         raise Failed(f"{program} --version fails") from None
+    if not done.stdout.startswith("eses-blocks "):
+        raise Failed(f"{program} is not eses-blocks")
     return done.stdout.splitlines()
