@@ -84,6 +84,9 @@ def complete_file(name, **how):
         with target:
             yield target
         os.replace(part, final)
+    except OSError as error:
+        error.filename = error.filename or str(name)  # a full disk has no name
+        raise
     finally:
         part.unlink(missing_ok=True)
 

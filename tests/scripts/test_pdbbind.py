@@ -261,6 +261,9 @@ class Resuming(PdbbindTest):
         self.add("c.xyzr", "1ubq.xyzr")
         self.assertEqual(self.redone(), {"c"})
         self.assertEqual(summary(self.output)["c"]["atoms"], "602")
+        a = self.input / "a.xyzr"
+        a.write_text(a.read_text().replace("1.70\n", "1.80\n"))  # as long as before
+        self.assertEqual(self.redone(), {"a"})
 
     def test_other_options(self):
         self.run_pdbbind()
