@@ -1,5 +1,9 @@
 """How the scripts draw: pairs of panels on logarithmic scales, as SVG for a README."""
 
+import importlib.util
+
+from common import Failed
+
 WIDTH, HEIGHT = 600 / 72, 315 / 72  # inches; an SVG of 600 pt is 800 px wide
 TOP, BOTTOM = 0.87, 0.25  # of the height: the axes, between legend and caption
 
@@ -13,6 +17,12 @@ GUIDE_STYLES = {
     -3: {"linestyle": ":", "label": "$h^{-3}$"},
     1: {"linestyle": "--", "label": "linear in $n$"},
 }
+
+
+def require_matplotlib():
+    """Without loading it, as its memory would be counted (see measuring.run)."""
+    if importlib.util.find_spec("matplotlib") is None:
+        raise Failed("matplotlib is missing; install it with `apt-get install python3-matplotlib`")
 
 
 def load_pyplot():

@@ -1,15 +1,17 @@
 """What a run of the program costs; shared by the scripts that measure."""
 
+import datetime
 import json
 import os
 import pathlib
 import resource
 import signal
 import subprocess
+import sys
 import tempfile
 import time
 
-from common import Failed
+from common import PROJECT, Failed, machine
 
 
 def run(command, stdout, stderr):
@@ -70,3 +72,46 @@ def summarize(measured):
         "peak_bytes": max(cost["peak_bytes"] for cost in costs),
         "runs": costs,
     }
+
+
+def end_on_sigterm():
+    """As Ctrl-C does: the run is stopped, and temporary files go."""
+    signal.signal(signal.SIGTERM, lambda *_: sys.exit(143))
+
+
+def rings_for(copies):
+    """The divisor next to the square root: neither a tower nor a wheel."""
+    return max(n for n in range(1, copies + 1) if copies % n == 0 and n * n <= copies)
+
+
+def assemble(source, copies, target):
+    """Writes a complex of copies of the structure, by scripts/assemble."""
+    command = [sys.executable, PROJECT / "scripts" / "assemble", source, "--copies", str(copies),
+               "--rings", str(rings_for(copies)), "--output", target]
+    done = subprocess.run(command, stdin=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True,
+                          check=False)
+    if done.returncode != 0:
+        raise Failed(done.stderr.strip())
+
+
+# ------------------------------------------------------------------- measurements that are saved
+
+
+def save(path, build, settings, **results):
+    figures = {"date": datetime.datetime.now().astimezone().isoformat(timespec="seconds"),
+               "build": build, "machine": machine(), "settings": settings, **results}
+    path.parent.mkdir(parents=True, exist_ok=True)
+    path.write_text(json.dumps(figures, indent=1) + "\n", encoding="utf-8")
+    print(path)
+
+
+def load(path, *results):
+    """What has been saved, with at least these results."""
+    try:
+        figures = json.loads(path.read_text(encoding="utf-8"))
+    except ValueError as error:
+        raise Failed(f"{path}: no JSON: {error}") from None
+    expected = {"date", "build", "machine", "settings", *results}
+    if not isinstance(figures, dict) or not expected <= set(figures):
+        raise Failed(f"{path} is not what this script writes")
+    return figures
