@@ -1,0 +1,130 @@
+"""What the Python scripts share: places, command lines, errors, files, the machine."""
+
+import argparse
+import contextlib
+import gzip
+import os
+import pathlib
+import platform
+import shutil
+import subprocess
+import sys
+
+PROJECT = pathlib.Path(__file__).resolve().parent.parent
+DATA = PROJECT / "data"
+PROGRAM = PROJECT / "build" / "eses-blocks"
+
+
+class Failed(Exception):
+    """A run has failed, or what is needed is not there."""
+
+
+# -------------------------------------------------------------------------------- command line
+
+
+class Parser(argparse.ArgumentParser):
+    def error(self, message):
+        self.exit(2, f"{self.prog}: {message}\n")  # one line, without the usage
+
+
+def positive(text):
+    value = int(text)
+    if value < 1:
+        raise argparse.ArgumentTypeError("at least 1")
+    return value
+
+
+def end_with(name, main):
+    """Runs a script's main function; errors become one line, and the exit code tells."""
+    try:
+        main()
+    except BrokenPipeError:
+        sys.exit(1)  # whoever reads has seen enough
+    except Failed as error:
+        sys.exit(f"{name}: {error}")
+    except OSError as error:
+        sys.exit(f"{name}: {error.filename or 'output'}: {error.strerror}")
+    except KeyboardInterrupt:
+        sys.exit(130)
+
+
+def show(text):
+    """What is being done, on a line that the next one replaces; only for people to see."""
+    if sys.stderr.isatty():
+        print(f"\r\033[K{text}", end="", file=sys.stderr, flush=True)
+
+
+def printable(text):
+    """On one line, and without bytes that are no text."""
+    text = str(text).encode("utf-8", "backslashreplace").decode()
+    return "".join(c if c.isprintable() else "?" for c in text)
+
+
+# --------------------------------------------------------------------------------------- files
+
+
+@contextlib.contextmanager
+def complete_file(name, **how):
+    """A text file that takes its name only when it is complete; `-` is standard output.
+
+    Devices and pipes are written as they are: renaming would put a file in their place.
+    `how` goes to open().
+    """
+    if str(name) == "-" or (os.path.exists(name) and not os.path.isfile(name)):
+        with open(1 if str(name) == "-" else name, "w", closefd=str(name) != "-", **how) as target:
+            yield target
+        return
+    final = pathlib.Path(os.path.realpath(name))  # of a symbolic link, what it points to
+    part = final.with_name(f".{final.name}.{os.getpid()}.part")
+    try:
+        target = open(part, "w", **how)
+    except OSError as error:
+        raise OSError(error.errno, error.strerror, str(name)) from None
+    try:
+        with target:
+            yield target
+        os.replace(part, final)
+    except OSError as error:
+        error.filename = error.filename or str(name)  # a full disk has no name
+        raise
+    finally:
+        part.unlink(missing_ok=True)
+
+
+def unpacked(path, directory):
+    """The program reads plain files: the file itself, or what a .gz holds, in `directory`."""
+    if path.suffix.lower() != ".gz":
+        return path
+    plain = directory / path.stem
+    with gzip.open(path, "rb") as source, open(plain, "wb") as target:
+        shutil.copyfileobj(source, target)
+    return plain
+
+
+# ------------------------------------------------------------------------- machine and program
+
+
+def machine():
+    model = platform.machine()
+    try:
+        for line in pathlib.Path("/proc/cpuinfo").read_text().splitlines():
+            if line.startswith("model name"):
+                model = line.partition(":")[2].strip()
+                break
+    except OSError:
+        pass
+    return {"cpu": model, "cores": len(os.sched_getaffinity(0)), "system": platform.system()}
+
+
+def describe_build(program):
+    """The lines of --version: program and version, then compiler, build type and flags."""
+    try:
+        done = subprocess.run([program, "--version"], stdin=subprocess.DEVNULL, capture_output=True,
+                              text=True, check=True)
+    except OSError as error:
+        raise Failed(f"{program}: {error.strerror}; build it with scripts/quickstart") from None
+    except subprocess.CalledProcessError:
+        raise Failed(f"{program} --version fails") from None
+    if not done.stdout.startswith("eses-blocks "):
+        raise Failed(f"{program} is not eses-blocks")
+    return done.stdout.splitlines()

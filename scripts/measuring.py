@@ -1,0 +1,117 @@
+"""What a run of the program costs; shared by the scripts that measure."""
+
+import datetime
+import json
+import os
+import pathlib
+import resource
+import signal
+import subprocess
+import sys
+import tempfile
+import time
+
+from common import PROJECT, Failed, machine
+
+
+def run(command, stdout, stderr):
+    """Runs to the end; exit code, wall seconds and resource usage, the children's included.
+
+    Linux counts the peak of the process that starts another as the new one's own: under Python a
+    small program would seem to need what Python does, whomever one asks. Hence a shell in between,
+    which costs a millisecond; `exit` keeps it from becoming the program.
+    """
+    start = time.perf_counter()
+    process = subprocess.Popen(["/bin/sh", "-c", '"$@"; exit $?', "sh", *map(str, command)],
+                               stdin=subprocess.DEVNULL, stdout=stdout, stderr=stderr,
+                               start_new_session=True)
+    try:
+        _, status, usage = os.wait4(process.pid, 0)
+    except BaseException:
+        os.killpg(process.pid, signal.SIGKILL)  # the program, not only the shell
+        process.wait()
+        raise
+    process.returncode = os.waitstatus_to_exitcode(status)
+    return process.returncode, time.perf_counter() - start, usage
+
+
+def peak_bytes(usage, report):
+    """Of program, shell and Python (see above) wait4 gives the largest; is that Python?"""
+    peak = usage.ru_maxrss * 1024
+    own = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss * 1024
+    return peak if peak > own else report["peak_memory_bytes"]
+
+
+def measure_once(program, arguments, scratch):
+    """Report of the program, and what the run has cost; its files are gone afterwards."""
+    with tempfile.TemporaryDirectory(dir=scratch) as name:
+        directory = pathlib.Path(name)
+        with open(directory / "report", "w+", encoding="utf-8") as report_file, \
+                open(directory / "messages", "w+", encoding="utf-8") as messages:
+            command = [program, *arguments, "--output-dir", directory / "out", "--json"]
+            code, wall, usage = run(command, report_file, messages)
+            report_file.seek(0)
+            messages.seek(0)
+            if code != 0:
+                raise Failed(messages.read().strip() or f"exit code {code}")
+            report = json.load(report_file)
+    return report, {"user": usage.ru_utime, "system": usage.ru_stime, "wall": wall,
+                    "peak_bytes": peak_bytes(usage, report), "seconds": report["seconds"]}
+
+
+def summarize(measured):
+    """What counts of several runs: the least time, the highest memory; and all of them."""
+    report = measured[0][0]
+    costs = [cost for _, cost in measured]
+    return {
+        "atoms": report["atoms"], "points": report["grid"]["points"],
+        "output_bytes": report["output"]["bytes"],
+        "area": report["area"], "volume": report["volume"],
+        "cpu": min(cost["user"] + cost["system"] for cost in costs),
+        "wall": min(cost["wall"] for cost in costs),
+        "peak_bytes": max(cost["peak_bytes"] for cost in costs),
+        "runs": costs,
+    }
+
+
+def end_on_sigterm():
+    """As Ctrl-C does: the run is stopped, and temporary files go."""
+    signal.signal(signal.SIGTERM, lambda *_: sys.exit(143))
+
+
+def rings_for(copies):
+    """The divisor next to the square root: neither a tower nor a wheel."""
+    return max(n for n in range(1, copies + 1) if copies % n == 0 and n * n <= copies)
+
+
+def assemble(source, copies, target):
+    """Writes a complex of copies of the structure, by scripts/assemble."""
+    command = [sys.executable, PROJECT / "scripts" / "assemble", source, "--copies", str(copies),
+               "--rings", str(rings_for(copies)), "--output", target]
+    done = subprocess.run(command, stdin=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True,
+                          check=False)
+    if done.returncode != 0:
+        raise Failed(done.stderr.strip())
+
+
+# ------------------------------------------------------------------- measurements that are saved
+
+
+def save(path, build, settings, **results):
+    figures = {"date": datetime.datetime.now().astimezone().isoformat(timespec="seconds"),
+               "build": build, "machine": machine(), "settings": settings, **results}
+    path.parent.mkdir(parents=True, exist_ok=True)
+    path.write_text(json.dumps(figures, indent=1) + "\n", encoding="utf-8")
+    print(path)
+
+
+def load(path, *results):
+    """What has been saved, with at least these results."""
+    try:
+        figures = json.loads(path.read_text(encoding="utf-8"))
+    except ValueError as error:
+        raise Failed(f"{path}: no JSON: {error}") from None
+    expected = {"date", "build", "machine", "settings", *results}
+    if not isinstance(figures, dict) or not expected <= set(figures):
+        raise Failed(f"{path} is not what this script writes")
+    return figures

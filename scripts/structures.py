@@ -1,0 +1,78 @@
+"""The structures below a folder, and what they are called."""
+
+import collections
+import fnmatch
+import os
+import pathlib
+import re
+
+from common import Failed
+
+KINDS = ".xyzr, .pqr and .pdb, each also .gz"
+
+# id: path-like text, unique among the structures of a folder; layout: xyzr, pqr or pdb.
+Structure = collections.namedtuple("Structure", "id path layout bytes mtime_ns")
+
+
+def split_name(name):
+    """Stem and layout of a structure file; None if the name is that of another file.
+
+    What begins with a dot is no structure: unfinished files, and what macOS leaves (._1abc.pdb).
+    """
+    match = re.fullmatch(r"(?P<stem>[^.].*)\.(?P<layout>xyzr|pqr|pdb)(?:\.gz)?", name,
+                         re.IGNORECASE | re.DOTALL)
+    return match and (match["stem"], match["layout"].lower())
+
+
+def make_id(folders, stem):
+    """Folders and stem, without what PDBbind repeats: 1a30/1a30_protein.pdb is 1a30."""
+    name = stem.removesuffix("_protein") or stem
+    return "/".join(folders if folders[-1:] == (name,) else (*folders, name))
+
+
+def is_pocket(stem, stems):
+    """PDBbind puts a part of each protein beside it, the pocket, which is no structure."""
+    return stem.endswith("_pocket") and stem.removesuffix("_pocket") + "_protein" in stems
+
+
+def walk(root, without, complain):
+    """Folder, and the names of its files, for the root and every folder below.
+
+    Links are followed, but no folder is entered twice.
+    """
+    seen = {os.path.realpath(without)} if without else set()
+    for folder, below, files in os.walk(root, followlinks=True, onerror=complain):
+        place = os.path.realpath(folder)
+        if place in seen:
+            below.clear()
+            continue
+        seen.add(place)
+        below[:] = sorted(name for name in below if not name.startswith("."))
+        yield pathlib.Path(folder), sorted(files)
+
+
+def find_structures(root, without=None, only="*", complain=None):
+    """All structures below `root`, sorted by id; those below the folder `without` are none.
+
+    `only` is a pattern for the path below the root, as a shell has them. `complain` is given the
+    OSError of each folder that cannot be read. Throws Failed if two files claim one id.
+    """
+    found = {}
+    for folder, files in walk(root, without, complain):
+        folders = folder.relative_to(root).parts
+        known = {name: split for name in files if (split := split_name(name))}
+        stems = {stem for stem, _ in known.values()}
+        for name, (stem, layout) in known.items():
+            path = folder / name
+            below_root = "/".join((*folders, name))
+            if (is_pocket(stem, stems) or not fnmatch.fnmatchcase(below_root, only)
+                    or not path.is_file()):
+                continue
+            status = path.stat()
+            structure = Structure(make_id(folders, stem), path, layout, status.st_size,
+                                  status.st_mtime_ns)
+            other = found.setdefault(structure.id, structure)
+            if other is not structure:
+                raise Failed(f"{other.path} and {path} would both be {structure.id!r}; choose "
+                             f"with --only, e.g. --only '*{''.join(path.suffixes[-2:])}'")
+    return sorted(found.values(), key=lambda structure: structure.id)

@@ -1,0 +1,92 @@
+"""The summary of many structures as CSV: a row for each, with the columns of the paper's table."""
+
+import collections
+import csv
+import re
+
+from common import Failed, complete_file, printable
+
+NAME = "summary.csv"
+COLUMNS = ("id", "atoms", "nx", "ny", "nz", "bx", "by", "bz", "area", "volume", "seconds",
+           "peak_bytes", "threads", "status", "message")
+
+
+def row(name, status):
+    """Of the structure's status; None if it has not been computed."""
+    result = {"id": name, "status": "pending"}
+    if status:
+        result.update(status=status["status"], message=printable(status["message"]))
+    if result["status"] == "done":
+        report = status["report"]
+        result.update(zip(("nx", "ny", "nz"), report["grid"]["size"]))
+        result.update(zip(("bx", "by", "bz"), report["blocks"]["along_axes"]))
+        result.update({key: report[key] for key in ("atoms", "area", "volume", "threads")},
+                      seconds=round(status["seconds"], 4), peak_bytes=report["peak_memory_bytes"])
+    return result
+
+
+def write(path, rows, columns=COLUMNS):
+    # Names of files are bytes, and not always text: they are written as they are.
+    with complete_file(path, encoding="utf-8", errors="surrogateescape", newline="") as target:
+        writer = csv.DictWriter(target, columns, lineterminator="\n")
+        writer.writeheader()
+        writer.writerows(rows)
+
+
+def read(path, needed=COLUMNS):
+    """The rows, all values as text. Throws Failed if a column that is needed is missing."""
+    with open(path, encoding="utf-8", errors="surrogateescape", newline="") as source:
+        reader = csv.DictReader(source)
+        try:
+            rows = list(reader)
+        except csv.Error as error:
+            raise Failed(f"{path}:{reader.line_num}: {error}") from None
+    missing = [name for name in needed if name not in (reader.fieldnames or ())]
+    if missing:
+        raise Failed(f"{path}: no summary of pdbbind, as there is no column {missing[0]!r}")
+    return rows
+
+
+def counts_text(rows):
+    counts = collections.Counter(row["status"] for row in rows)
+    parts = ", ".join(f"{counts[status]} {status}" for status in ("done", "failed", "pending")
+                      if counts[status] or status == "done")
+    return f"{len(rows)} structure{'s' if len(rows) != 1 else ''}: {parts}"
+
+
+# ---------------------------------------------------------------------------------- job arrays
+
+
+def share_name(task, tasks):
+    return f"summary-{task}-of-{tasks}.csv"
+
+
+def share_paths(folder):
+    """Of all tasks, in order. Throws Failed if there are none, too few or too many."""
+    shares = {}
+    for path in folder.iterdir():
+        if match := re.fullmatch(r"summary-(\d+)-of-(\d+)\.csv", path.name):
+            shares.setdefault(int(match[2]), set()).add(int(match[1]))
+    if not shares:
+        raise Failed(f"{folder}: no summaries of tasks, {share_name('I', 'N')}")
+    if len(shares) > 1:
+        counts = " and ".join(map(str, sorted(shares)))
+        raise Failed(f"{folder}: summaries of {counts} tasks; remove those that are old")
+    (tasks, found), = shares.items()
+    missing = sorted(set(range(1, tasks + 1)) - found)
+    if missing:
+        raise Failed(f"{folder}: no summary yet of task " + ", ".join(map(str, missing))
+                     + f" of {tasks}")
+    return [folder / share_name(task, tasks) for task in range(1, tasks + 1)]
+
+
+def merge(folder):
+    """Joins the summaries of all tasks into one; its rows and its path."""
+    rows = sorted((row for path in share_paths(folder) for row in read(path)),
+                  key=lambda row: row["id"])
+    for one, next_one in zip(rows, rows[1:]):
+        if one["id"] == next_one["id"]:
+            raise Failed(f"{folder}: {printable(one['id'])} is in the summaries of two tasks: the "
+                         "structures have changed in between; run all tasks again")
+    write(folder / NAME, rows)
+    return rows, folder / NAME

@@ -1,0 +1,43 @@
+"""What the tests of the scripts share."""
+
+import os
+import pathlib
+import subprocess
+import sys
+import tempfile
+import unittest
+
+PROJECT = pathlib.Path(__file__).resolve().parents[2]
+DATA = PROJECT / "data"
+PROGRAM = pathlib.Path(os.environ.get("ESES_BINARY", PROJECT / "build" / "eses-blocks"))
+
+sys.path.insert(0, str(PROJECT / "scripts"))  # for their modules
+
+
+def command(script, *arguments):
+    return [sys.executable, PROJECT / "scripts" / script, *map(str, arguments)]
+
+
+def run(script, *arguments, **how):
+    """Runs to the end; returncode, stdout and stderr."""
+    return subprocess.run(command(script, *arguments), stdin=subprocess.DEVNULL, timeout=300,
+                          capture_output=True, encoding="utf-8", errors="backslashreplace",
+                          check=False, **how)
+
+
+def write_program(path, body):
+    path.write_text("#!/bin/sh\n" + body)
+    path.chmod(0o755)
+    return path
+
+
+class TestCase(unittest.TestCase):
+    """Has an empty folder for each test."""
+
+    def setUp(self):
+        folder = tempfile.TemporaryDirectory()
+        self.addCleanup(folder.cleanup)
+        self.folder = pathlib.Path(folder.name)
+
+    def assertDone(self, done, code=0):
+        self.assertEqual(done.returncode, code, done.stdout + done.stderr)

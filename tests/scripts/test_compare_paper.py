@@ -1,0 +1,80 @@
+"""scripts/compare-paper, on tables that differ from the paper's in a known way."""
+
+import csv
+
+from support import DATA, TestCase, run
+
+
+class ComparePaper(TestCase):
+    def setUp(self):
+        super().setUp()
+        with open(DATA / "zhao2018.csv", encoding="utf-8", newline="") as file:
+            self.rows = list(csv.DictReader(file))
+
+    def scale(self, name, **factors):
+        row = next(row for row in self.rows if row["id"] == name)
+        for key, factor in factors.items():
+            row[key] = repr(float(row[key]) * factor)
+
+    def compare(self, *options, code=0):
+        path = self.folder / "summary.csv"
+        with open(path, "w", encoding="utf-8", newline="") as file:
+            writer = csv.DictWriter(file, self.rows[0])
+            writer.writeheader()
+            writer.writerows(self.rows)
+        done = run("compare-paper", path, *options)
+        self.assertDone(done, code)
+        return done
+
+    def test_the_table_itself(self):
+        self.assertEqual(len(self.rows), 290)
+        told = self.compare().stdout
+        self.assertEqual(told.count("290 of 290"), 4)  # atoms, grid, blocks, both
+        self.assertNotIn("rows with", told)
+
+    def test_one_row_beyond_the_limit(self):
+        self.scale("3dxg", area=1.02)
+        done = self.compare(code=1)
+        self.assertIn("3dxg differs by 2.0e-02", done.stderr)
+        self.assertIn("+2.0e-02", done.stdout)
+        self.scale("3dxg", area=1 / 1.02, volume=1 / 1.02)
+        self.assertIn("3dxg", self.compare(code=1).stderr)
+
+    def test_median_beyond_the_limit(self):
+        for row in self.rows[:200]:
+            self.scale(row["id"], area=1.001)
+        self.assertIn("median difference in area is 1.0e-03", self.compare(code=1).stderr)
+        self.assertIn("1.0e-03", self.compare("--median", "2e-3").stdout)
+
+    def test_other_input_is_listed_and_not_held_against_us(self):
+        for row, key in zip(self.rows, ("atoms", "nx")):
+            row[key] = str(int(row[key]) + 1)
+            self.scale(row["id"], area=1.5)
+        told = self.compare().stdout
+        self.assertIn("atoms: 289 of 290; grid: 289 of 290; blocks: 290 of 290; "
+                      "atoms and grid: 288 of 290", told)
+        for row in self.rows[:2]:
+            self.assertRegex(told, rf"\n{row['id']} .*\+5\.0e-01")
+
+    def test_ids_with_folders_and_rows_without_results(self):
+        self.rows = self.rows[:3]
+        self.rows[0]["id"] = "refined/set/" + self.rows[0]["id"].upper()
+        self.rows[1]["atoms"] = self.rows[1]["area"] = ""
+        self.rows[2]["id"] = "other"
+        self.assertIn("1 of them with results and in the table", self.compare().stdout)
+
+    def test_nothing_in_common(self):
+        self.rows = self.rows[:1]
+        self.rows[0]["id"] = "other"
+        self.assertIn("no row", self.compare(code=1).stderr)
+
+    def test_files_that_are_no_summary(self):
+        for path in (self.folder / "missing", DATA / "c60.xyzr", "/bin/true"):
+            self.assertDone(run("compare-paper", path), 1)
+
+    def test_our_core_set(self):
+        """The rows shipped agree with the paper's as the README says, and with their own
+        differences."""
+        again = self.folder / "again.csv"
+        self.assertDone(run("compare-paper", DATA / "core-set.csv", "-o", again))
+        self.assertEqual(again.read_bytes(), (DATA / "core-set.csv").read_bytes())

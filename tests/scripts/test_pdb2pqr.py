@@ -1,0 +1,108 @@
+"""PDB files through scripts/pdbbind and the real PDB2PQR; skipped where that is not installed."""
+
+import csv
+import unittest
+
+from support import DATA, PROGRAM, TestCase, run
+import pdb_to_pqr
+
+# data/fas2.pqr has names of its own for the ends of the chain and some others.
+RESIDUES = {"CYX": "CYS", "HSD": "HIS"}
+ATOMS = {("ILE", "CD"): "CD1"}
+ENDS = {"NTE", "CTE"}
+OXYGENS = {"OT1": "O", "OT2": "OXT"}
+
+# Half of Rmin in the CHARMM force field, angstrom: of the backbone's nitrogen, carbons (the alpha
+# carbon of glycine is a smaller one), oxygen and polar hydrogen.
+BACKBONE_RADII = {"N": {1.85}, "CA": {2.275, 2.175}, "C": {2.0}, "O": {1.7}, "H": {0.2245}}
+
+
+def fasciculin():
+    """Its atoms, hydrogens included: name, residue, number, place (as text)."""
+    lines = [line.split() for line in (DATA / "fas2.pqr").read_text().splitlines()
+             if line.startswith("ATOM")]
+    residue_of = {fields[4]: fields[3] for fields in lines if fields[3] not in ENDS}
+    for _, _, name, _, number, x, y, z, _, _ in lines:
+        residue = residue_of[number]
+        yield (OXYGENS.get(name) or ATOMS.get((residue, name), name),
+               RESIDUES.get(residue, residue), int(number), (x, y, z))
+
+
+def record(kind, name, residue, number, place):
+    x, y, z = map(float, place)
+    padded = name if len(name) == 4 else f" {name:3}"
+    return (f"{kind:6}    1 {padded} {residue} A{number:4}    {x:8.3f}{y:8.3f}{z:8.3f}"
+            f"  1.00  0.00          {name[0]:>2}\n")
+
+
+def pqr_atoms(path):
+    for line in path.read_text().splitlines():
+        if line.startswith("ATOM"):
+            _, _, name, _, _, x, y, z, _, radius = line.split()
+            yield name, (float(x), float(y), float(z)), float(radius)
+
+
+@unittest.skipUnless(pdb_to_pqr.find_program(), "pdb2pqr is not installed")
+class Pdb2pqr(TestCase):
+    @classmethod
+    def setUpClass(cls):
+        cls.atoms = list(fasciculin())
+
+    def run_on(self, text, code=0, *options):
+        source = self.folder / "in" / "1fsc" / "1fsc_protein.pdb"
+        source.parent.mkdir(parents=True, exist_ok=True)
+        source.write_text(text)
+        self.output = self.folder / "out"
+        done = run("pdbbind", self.folder / "in", "-o", self.output, "--program", PROGRAM, *options)
+        self.assertDone(done, code)
+        with open(self.output / "summary.csv", encoding="utf-8", newline="") as file:
+            return next(csv.DictReader(file))
+
+    def protein(self):
+        return "".join(record("ATOM", *atom) for atom in self.atoms) + "TER\n"
+
+    def test_hydrogens_are_rebuilt_and_radii_assigned(self):
+        heavy = [atom for atom in self.atoms if not atom[0].startswith("H")]
+        self.assertEqual(len(self.atoms), 906)
+        first = self.run_on("".join(record("ATOM", *atom) for atom in heavy) + "TER\nEND\n")
+        # As many as the file has that others have prepared, hydrogens and all.
+        self.assertEqual(int(first["atoms"]), len(self.atoms))
+        made = list(pqr_atoms(self.output / "1fsc" / "atoms.pqr"))
+        for name, radii in BACKBONE_RADII.items():
+            self.assertEqual({radius for other, _, radius in made if other == name}, radii, name)
+        places = {place for name, place, _ in made}
+        for name, _, _, place in heavy:
+            if name in ("N", "CA", "C"):
+                self.assertIn(tuple(map(float, place)), places)
+
+        # Water, hydrogens and a lone nitrogen make no difference.
+        water = record("HETATM", "O", "HOH", 900, ("50", "50", "50"))
+        lone = record("ATOM", "N", "GLY", 605, ("-0.5", "8.0", "23.5"))
+        second = self.run_on(self.protein().replace("TER\n", lone + "TER\n") + water)
+        for key in ("atoms", "nx", "ny", "nz", "area", "volume"):
+            self.assertEqual(first[key], second[key], key)
+
+    def test_atoms_are_made_once(self):
+        self.run_on(self.protein())
+        atoms = self.output / "1fsc" / "atoms.pqr"
+        before = atoms.stat()
+        self.run_on(self.protein(), 0, "--spacing", "0.5")  # the file is written anew
+        self.assertNotEqual(atoms.stat().st_mtime_ns, before.st_mtime_ns)
+        before = atoms.stat()
+        done = run("pdbbind", self.folder / "in", "-o", self.output, "--program", PROGRAM)
+        self.assertDone(done)
+        self.assertEqual(atoms.stat().st_mtime_ns, before.st_mtime_ns)
+        self.assertIn("INFO", (self.output / "1fsc" / "pdb2pqr.log").read_text())
+
+    def test_what_it_cannot_do_is_told(self):
+        row = self.run_on("".join(record("ATOM", *atom) for atom in self.atoms if atom[0] == "CA"),
+                          1)
+        self.assertEqual(row["status"], "failed")
+        self.assertIn("PDB2PQR", row["message"])
+        self.assertIn("CRITICAL", (self.output / "1fsc" / "pdb2pqr.log").read_text())
+
+    def test_what_it_leaves_out_is_told(self):
+        leucines = [atom for atom in self.atoms if atom[1] == "LEU" and atom[0][0] != "H"]
+        row = self.run_on(self.protein().replace(" LEU ", " XYZ "))
+        self.assertEqual(row["status"], "done")
+        self.assertIn(f"left out {len(leucines)} atoms", row["message"])

@@ -1,0 +1,422 @@
+"""scripts/pdbbind: what a user of it may meet."""
+
+import csv
+import gzip
+import json
+import os
+import shutil
+import signal
+import subprocess
+import time
+
+from support import DATA, PROGRAM, PROJECT, TestCase, command, run, write_program
+
+RUN_DEPENDENT = ("seconds", "peak_bytes", "threads")
+
+# Stands for eses-blocks: a structure whose name begins with "slow" hangs, and comes to nothing.
+SLOW = f"""case "$1" in */slow*) sleep 20; exit 1;; esac
+exec '{PROGRAM}' "$@"
+"""
+
+
+def report_of(path):
+    """What eses-blocks itself says of a structure."""
+    done = subprocess.run([PROGRAM, path, "--json", "--write", "none"], capture_output=True,
+                          check=True)
+    return json.loads(done.stdout)
+
+
+def summary(folder, name="summary.csv"):
+    with open(folder / name, encoding="utf-8", errors="surrogateescape", newline="") as file:
+        return {row["id"]: row for row in csv.DictReader(file)}
+
+
+def without_run(rows):
+    return {name: {key: value for key, value in row.items() if key not in RUN_DEPENDENT}
+            for name, row in rows.items()}
+
+
+def wait_for(condition):
+    end = time.monotonic() + 60
+    while not condition():
+        if time.monotonic() > end:
+            raise TimeoutError
+        time.sleep(0.02)
+
+
+class PdbbindTest(TestCase):
+    def setUp(self):
+        super().setUp()
+        self.input, self.output = self.folder / "in", self.folder / "results"
+        self.input.mkdir()
+
+    def add(self, name, source="c60.xyzr"):
+        path = self.input / name
+        path.parent.mkdir(parents=True, exist_ok=True)
+        return shutil.copy(DATA / source, path)
+
+    def arguments(self, *more):
+        return (self.input, "-o", self.output, "--program", PROGRAM, *more)
+
+    def run_pdbbind(self, *more, code=0, **how):
+        done = run("pdbbind", *self.arguments(*more), **how)
+        self.assertDone(done, code)
+        return done
+
+    def files(self, name):
+        return sorted(path.name for path in (self.output / name).iterdir())
+
+    def stamp(self, name):
+        """Changes when the structure is computed again."""
+        return (self.output / name / "status.json").stat().st_mtime_ns
+
+    def statuses(self):
+        return {name: row["status"] for name, row in summary(self.output).items()}
+
+
+class Results(PdbbindTest):
+    def test_rows_are_what_the_program_says(self):
+        self.add("c60.xyzr")
+        self.add("below/boxb.pqr", "boxb.pqr")
+        with gzip.open(self.input / "1ubq.xyzr.gz", "wb") as packed:
+            packed.write((DATA / "1ubq.xyzr").read_bytes())
+        self.run_pdbbind()
+        rows = summary(self.output)
+        self.assertEqual(list(rows), ["1ubq", "below/boxb", "c60"])
+        for name, source in (("c60", "c60.xyzr"), ("1ubq", "1ubq.xyzr"), ("below/boxb", "boxb.pqr")):
+            row, report = rows[name], report_of(DATA / source)
+            self.assertEqual(int(row["atoms"]), report["atoms"])
+            self.assertEqual([int(row[key]) for key in ("nx", "ny", "nz")], report["grid"]["size"])
+            self.assertEqual([int(row[key]) for key in ("bx", "by", "bz")],
+                             report["blocks"]["along_axes"])
+            self.assertEqual(float(row["area"]), report["area"])
+            self.assertEqual(float(row["volume"]), report["volume"])
+            self.assertGreater(float(row["seconds"]), 0)
+            self.assertGreater(int(row["peak_bytes"]), 1_000_000)
+            self.assertEqual(row["status"], "done")
+
+    def test_keep_chooses_the_files(self):
+        self.add("c60.xyzr")
+        kept = {"none": [], "edges": ["bounding_box.txt", "intersection_info.txt",
+                                      "partition_area.txt"]}
+        kept["all"] = sorted([*kept["edges"], "grid_info.txt"])
+        for keep in ("all", "none", "edges"):  # each has to remove what the one before has left
+            self.run_pdbbind("--keep", keep)
+            self.assertEqual(self.files("c60"), sorted([*kept[keep], "status.json"]))
+
+    def test_options_reach_the_program(self):
+        self.add("c60.xyzr")
+        self.run_pdbbind("--spacing", "0.5", "--block-size", "9", "--", "--probe-radius", "1.2")
+        report = json.loads((self.output / "c60" / "status.json").read_text())["report"]
+        self.assertEqual(report["parameters"],
+                         {"probe_radius": 1.2, "spacing": 0.5, "margin": 0.8})
+        self.assertEqual(report["blocks"]["size"], 9)
+
+    def test_threads_are_shared_out(self):
+        self.add("a.xyzr", "1ubq.xyzr")
+        self.add("b.xyzr", "1ubq.xyzr")
+        slow = write_program(self.folder / "program", f"""case "$1" in *.xyzr) sleep 1;; esac
+exec '{PROGRAM}' "$@"
+""")  # so that both run at a time
+        self.run_pdbbind("--jobs", "2", "--threads", "5", "--program", slow)
+        self.assertEqual(sorted(row["threads"] for row in summary(self.output).values()),
+                         ["2", "3"])
+
+
+class Names(PdbbindTest):
+    def test_layout_of_pdbbind(self):
+        self.add("1abc/1abc_protein.xyzr")
+        self.add("1abc/1abc_pocket.xyzr")
+        self.add("2abc_protein.xyzr")
+        self.add("set/3abc/3abc.xyzr")
+        self.add("set/4abc_pocket.xyzr")  # no protein beside it
+        self.run_pdbbind()
+        self.assertEqual(list(self.statuses()), ["1abc", "2abc", "set/3abc", "set/4abc_pocket"])
+
+    def test_odd_names(self):
+        names = ["a b", "-dash", "--", "größe", "'quoted\"", "two\nlines", os.fsdecode(b"\xff"), "*"]
+        for name in names:
+            self.add(name + ".xyzr")
+        self.run_pdbbind()
+        self.assertEqual(self.statuses(), {name: "done" for name in sorted(names)})
+        for name in names:
+            self.assertIn("intersection_info.txt", self.files(name))
+
+    def test_odd_folders(self):
+        self.input = self.input / "-o x"
+        self.input.mkdir()
+        self.add("c60.xyzr")
+        done = run("pdbbind", "./-o x", "-o", "out put", "--program", PROGRAM,
+                   cwd=self.input.parent)
+        self.assertDone(done)
+        self.assertIn("c60", summary(self.input.parent / "out put"))
+
+    def test_two_files_of_one_id(self):
+        self.add("1abc.xyzr")
+        self.add("1abc.pqr", "boxb.pqr")
+        done = self.run_pdbbind(code=1)
+        self.assertIn("1abc.xyzr", done.stderr)
+        self.assertIn("1abc.pqr", done.stderr)
+        self.assertFalse(self.output.exists())
+        self.run_pdbbind("--only", "*.pqr")
+        self.assertEqual(summary(self.output)["1abc"]["atoms"], "619")
+
+    def test_links_are_followed_once(self):
+        self.add("a/c60.xyzr")
+        (self.input / "a" / "loop").symlink_to(self.input)
+        self.run_pdbbind()
+        self.assertEqual(list(self.statuses()), ["a/c60"])
+
+    def test_results_are_no_structures(self):
+        self.add("c60.xyzr")
+        self.output = self.input / "results"
+        self.run_pdbbind("--keep", "none")
+        (self.output / "c60" / "atoms.pqr").write_bytes((DATA / "boxb.pqr").read_bytes())
+        self.add("._c60.xyzr")  # what macOS leaves beside a file
+        self.run_pdbbind("--keep", "none")
+        self.assertEqual(list(self.statuses()), ["c60"])
+
+
+class Failures(PdbbindTest):
+    def test_one_bad_file(self):
+        self.add("good.xyzr")
+        (self.input / "bad.xyzr").write_text("0 0 0 1\n1 2 x 1\n")
+        (self.input / "cut.xyzr.gz").write_bytes(gzip.compress(b"0 0 0 1\n" * 100)[:-12])
+        (self.input / "plain.xyzr.gz").write_bytes(b"0 0 0 1\n")
+        done = self.run_pdbbind(code=1)
+        self.assertEqual(self.statuses(), {"bad": "failed", "cut": "failed", "good": "done",
+                                           "plain": "failed"})
+        self.assertIn("bad.xyzr:2", summary(self.output)["bad"]["message"])
+        for name in ("bad.xyzr:2", "cut.xyzr.gz", "plain.xyzr.gz"):
+            self.assertIn(name, done.stderr)
+        self.assertEqual(self.files("bad"), ["status.json"])
+
+    def test_a_failed_structure_is_tried_again(self):
+        (self.input / "c60.xyzr").write_text("nothing\n")
+        self.run_pdbbind(code=1)
+        self.add("c60.xyzr")
+        self.run_pdbbind()
+        self.assertEqual(self.statuses(), {"c60": "done"})
+
+    def test_nothing_to_do(self):
+        self.assertIn("no structures", self.run_pdbbind(code=1).stderr)
+        (self.input / "notes.txt").write_text("0 0 0 1\n")
+        self.assertIn("no structures", self.run_pdbbind(code=1).stderr)
+        self.assertFalse(self.output.exists())
+
+    def test_what_stands_on_the_command_line(self):
+        self.add("c60.xyzr")
+        (self.folder / "file").write_text("")
+        for code, arguments in (
+                (1, (self.folder / "missing",)),
+                (1, (self.folder / "file",)),
+                (1, (self.input, "-o", self.input)),
+                (1, (self.input, "-o", self.folder / "file")),
+                (1, (self.input, "-o", "/proc/results", "--program", PROGRAM)),
+                (1, (self.input, "-o", self.output, "--program", self.folder / "missing")),
+                (1, (self.input, "-o", self.output, "--program", "/bin/true")),
+                (2, (self.input, "-o", self.output, "--program", PROGRAM, "--spacing", "x")),
+                (2, (self.input, "-o", self.output, "--program", PROGRAM, "--", "--threads", "1")),
+                (2, (self.input, "-o", self.output, "--task", "3/2")),
+                (2, ())):
+            done = run("pdbbind", *arguments)
+            self.assertDone(done, code)
+            self.assertEqual(done.stderr.count("\n"), 1, done.stderr)
+        self.assertFalse(self.output.exists())
+
+    def test_nothing_can_be_written(self):
+        if os.geteuid() == 0:
+            self.skipTest("root may write everywhere")
+        self.add("c60.xyzr")
+        self.output.mkdir(mode=0o500)
+        self.assertIn("Permission denied", self.run_pdbbind(code=1).stderr)
+
+
+class Resuming(PdbbindTest):
+    def setUp(self):
+        super().setUp()
+        for name in ("a", "b", "c"):
+            self.add(name + ".xyzr")
+
+    def redone(self, *arguments):
+        """Ids that a further call computes again; all of them are done in the end."""
+        before = {name: self.stamp(name) for name in "abc"
+                  if (self.output / name / "status.json").exists()}
+        self.run_pdbbind(*arguments)
+        self.assertEqual(set(self.statuses().values()), {"done"})
+        return {name for name in "abc" if self.stamp(name) != before.get(name)}
+
+    def test_what_is_complete_stands(self):
+        self.assertEqual(self.redone(), {"a", "b", "c"})
+        before = summary(self.output)
+        self.assertEqual(self.redone(), set())
+        self.assertEqual(summary(self.output), before)  # with times and all
+        self.assertEqual(self.redone("--threads", "1", "--jobs", "2"), set())
+
+    def test_what_has_changed_is_redone(self):
+        self.run_pdbbind()
+        (self.output / "a" / "intersection_info.txt").unlink()
+        (self.output / "b" / "partition_area.txt").write_text("cut off")
+        self.assertEqual(self.redone(), {"a", "b"})
+        self.add("c.xyzr", "1ubq.xyzr")
+        self.assertEqual(self.redone(), {"c"})
+        self.assertEqual(summary(self.output)["c"]["atoms"], "602")
+        a = self.input / "a.xyzr"
+        a.write_text(a.read_text().replace("1.70\n", "1.80\n"))  # as long as before
+        self.assertEqual(self.redone(), {"a"})
+
+    def test_other_options(self):
+        self.run_pdbbind()
+        self.assertEqual(self.redone("--spacing", "0.5"), {"a", "b", "c"})
+        self.assertEqual(self.redone("--spacing", "0.5", "--keep", "none"), {"a", "b", "c"})
+        self.assertEqual(self.redone("--spacing", "0.5", "--keep", "none"), set())
+
+    def test_what_was_cut_off_is_redone(self):
+        self.run_pdbbind("--keep", "all")
+        wrecked = self.output / "a"
+        (wrecked / "status.json").unlink()
+        (wrecked / "partition_area.txt").rename(wrecked / ".partition_area.txt.1.part")
+        (wrecked / ".work-1").mkdir()
+        (wrecked / ".work-1" / "report").write_text("{")
+        (self.output / "b" / "status.json").write_text('{"status": "do')
+        self.assertEqual(self.redone(), {"a", "b", "c"})  # c: --keep is another
+        for name in "abc":
+            self.assertEqual(self.files(name), ["bounding_box.txt", "intersection_info.txt",
+                                                "partition_area.txt", "status.json"])
+
+
+class Interruption(PdbbindTest):
+    def setUp(self):
+        super().setUp()
+        self.add("a.xyzr")
+        self.add("slow1.xyzr", "1ubq.xyzr")  # larger, so they come first
+        self.add("slow2.xyzr", "1ubq.xyzr")
+        self.slow = write_program(self.folder / "slow", SLOW)
+
+    def start(self):
+        """A run of which a is done and both others are under way."""
+        process = subprocess.Popen(
+            command("pdbbind", *self.arguments("--jobs", "3", "--program", self.slow)),
+            stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+        self.addCleanup(process.communicate)
+        self.addCleanup(process.kill)
+        wait_for(lambda: (self.output / "a" / "status.json").exists())
+        return process
+
+    def finish(self):
+        """The rest is done by a second call, and what was done stands."""
+        before = self.stamp("a")
+        self.run_pdbbind()
+        self.assertEqual(self.stamp("a"), before)
+        self.assertEqual(self.statuses(), {"a": "done", "slow1": "done", "slow2": "done"})
+
+    def check_signal(self, number):
+        process = self.start()
+        start = time.monotonic()
+        process.send_signal(number)
+        _, told = process.communicate(timeout=60)
+        self.assertLess(time.monotonic() - start, 15)  # did not wait for the slow ones
+        self.assertEqual(process.returncode, 128 + number, told)
+        self.assertEqual(self.statuses(), {"a": "done", "slow1": "pending", "slow2": "pending"})
+        self.assertEqual(self.files("slow1"), [])
+        self.finish()
+
+    def test_ctrl_c(self):
+        self.check_signal(signal.SIGINT)
+
+    def test_sigterm(self):
+        self.check_signal(signal.SIGTERM)
+
+    def test_a_killed_run(self):
+        process = self.start()
+        done = self.run_pdbbind(code=1)
+        self.assertIn("another run", done.stderr)
+        process.kill()
+        process.wait()
+        self.assertTrue(any(name.startswith(".work-") for name in self.files("slow1")))
+        self.finish()
+        self.assertFalse([name for name in self.files("slow1") if name.startswith(".")])
+
+
+class Tasks(PdbbindTest):
+    def setUp(self):
+        super().setUp()
+        for name in ("a", "b", "c", "d", "e"):
+            self.add(name + ".xyzr")
+        self.add("f.xyzr", "1ubq.xyzr")
+        (self.input / "bad.xyzr").write_text("0 0 0 1\nx\n")
+
+    def merge(self):
+        return run("pdbbind", "merge", self.output)
+
+    def test_all_tasks_give_what_one_run_gives(self):
+        self.run_pdbbind(code=1)
+        at_once, self.output = summary(self.output), self.folder / "shares"
+        for task in (3, 1):
+            run("pdbbind", *self.arguments("--task", f"{task}/3"))
+        missing = self.merge()
+        self.assertDone(missing, 1)
+        self.assertIn("task 2 of 3", missing.stderr)
+        run("pdbbind", *self.arguments("--task", "2/3"))
+        self.assertDone(self.merge(), 1)  # as there is a failed one
+        self.assertEqual(without_run(summary(self.output)), without_run(at_once))
+        sizes = [len(summary(self.output, f"summary-{task}-of-3.csv")) for task in (1, 2, 3)]
+        self.assertEqual(sorted(sizes), [2, 2, 3])
+
+    def test_more_tasks_than_structures(self):
+        for task in range(1, 10):
+            run("pdbbind", *self.arguments("--task", f"{task}/9", "--keep", "none"))
+        self.merge()
+        self.assertEqual(len(summary(self.output)), 7)
+
+    def test_shares_that_do_not_belong_together(self):
+        run("pdbbind", *self.arguments("--task", "1/1", "--keep", "none"))
+        shutil.copy(self.output / "summary-1-of-1.csv", self.output / "summary-2-of-2.csv")
+        self.assertIn("1 and 2 tasks", self.merge().stderr)
+        (self.output / "summary-1-of-1.csv").rename(self.output / "summary-1-of-2.csv")
+        self.assertIn("two tasks", self.merge().stderr)
+        self.assertDone(self.merge(), 1)
+
+    def test_slurm_file(self):
+        for task in (4, 5):
+            environment = {**os.environ, "SLURM_SUBMIT_DIR": str(PROJECT),
+                           "SLURM_ARRAY_TASK_ID": str(task), "SLURM_ARRAY_TASK_MIN": "4",
+                           "SLURM_ARRAY_TASK_COUNT": "2", "SLURM_CPUS_PER_TASK": "1"}
+            subprocess.run(["bash", PROJECT / "scripts" / "pdbbind.sbatch", self.input, self.output,
+                            "--keep", "none", "--program", PROGRAM],
+                           env=environment, capture_output=True, check=False)
+        self.merge()
+        self.assertEqual(sum(row["status"] == "done" for row in summary(self.output).values()), 6)
+
+
+class WithoutPdb2pqr(PdbbindTest):
+    """PDB2PQR missing, and one that fails; the real one has tests of its own."""
+
+    def setUp(self):
+        super().setUp()
+        self.programs = self.folder / "bin"
+        self.programs.mkdir()
+        self.add("c60.xyzr")
+        (self.input / "1abc.pdb").write_text(
+            "ATOM      1  CA  GLY A   1      11.104   6.134  -6.504  1.00  0.00           C\n")
+
+    def run_with_path(self, path):
+        return self.run_pdbbind(code=1, env={**os.environ, "PATH": str(path)})
+
+    def test_missing(self):
+        done = self.run_with_path(self.programs)
+        self.assertIn("apt-get install pdb2pqr", done.stderr)
+        self.assertIn("1abc.pdb", done.stderr)
+        self.run_pdbbind("--only", "*.xyzr", env={**os.environ, "PATH": str(self.programs)})
+
+    def test_failing(self):
+        write_program(self.programs / "pdb2pqr30", """echo "INFO:called with $*" >&2
+echo "CRITICAL:Too few atoms" >&2
+echo "CRITICAL:Giving up." >&2
+exit 1
+""")
+        done = self.run_with_path(self.programs)
+        self.assertEqual(self.statuses(), {"1abc": "failed", "c60": "done"})
+        self.assertIn("Too few atoms", summary(self.output)["1abc"]["message"])
+        self.assertIn("1abc", done.stderr)
+        self.assertIn("--ff=CHARMM", (self.output / "1abc" / "pdb2pqr.log").read_text())
