@@ -33,8 +33,7 @@ HWY_INLINE DoubleMask faces(const ArcSector& sector, const Points& offset) {
   const auto after_start = dot(sector.start_normal, offset) >= seam;
   const auto before_end = dot(sector.end_normal, offset) >= seam;
   if (sector.kind == ArcKind::major) return hn::Or(after_start, before_end);
-  return hn::And(hn::And(after_start, before_end),
-                 dot(sector.start + sector.end, offset) >= seam);
+  return hn::And(hn::And(after_start, before_end), dot(sector.start + sector.end, offset) >= seam);
 }
 
 }  // namespace eses::HWY_NAMESPACE

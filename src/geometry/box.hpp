@@ -28,6 +28,11 @@ inline bool overlap(const Box& a, const Box& b) {
          a.low.z <= b.high.z && a.high.z >= b.low.z;
 }
 
+inline bool contains(const Box& box, Vec3 p) {
+  return p.x >= box.low.x && p.x <= box.high.x && p.y >= box.low.y && p.y <= box.high.y &&
+         p.z >= box.low.z && p.z <= box.high.z;
+}
+
 inline double squared_distance(const Box& box, Vec3 p) {
   double sum = 0;
   for (std::size_t axis = 0; axis < 3; ++axis) {

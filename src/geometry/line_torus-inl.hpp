@@ -72,10 +72,9 @@ OnlyTubeExits only_tube_exits(const Points& start, DoubleVector step, Vec3 axis,
   const auto a0 = w0 + all((circle_radius - tube_radius) * (circle_radius + tube_radius));
   const auto z0 = dot(axis, first), z1 = all(axis[line_axis]) * span;
   const auto k = all(4 * circle_radius * circle_radius);
-  const std::array<DoubleVector, 5> power{a0 * a0 - k * (w0 - z0 * z0),
-                                          all(2) * a0 * w1 - k * (w1 - all(2) * z0 * z1),
-                                          w1 * w1 + all(2) * a0 * w2 - k * (w2 - z1 * z1),
-                                          all(2) * w1 * w2, w2 * w2};
+  const std::array<DoubleVector, 5> power{
+      a0 * a0 - k * (w0 - z0 * z0), all(2) * a0 * w1 - k * (w1 - all(2) * z0 * z1),
+      w1 * w1 + all(2) * a0 * w2 - k * (w2 - z1 * z1), all(2) * w1 * w2, w2 * w2};
   // Bernstein coefficients: no more roots than changes of sign.
   const auto quarter = all(0.25), half = all(0.5);
   const std::array<DoubleVector, 5> b{
@@ -91,15 +90,12 @@ OnlyTubeExits only_tube_exits(const Points& start, DoubleVector step, Vec3 axis,
   OnlyTubeExits exits{zero, hn::AndNot(falls, rises), hn::And(falls, rises)};
   if (hn::AllFalse(doubles, exits.is_one)) return exits;
   const auto u = bracketed_roots(power, b[0] / (b[0] - b[4]), exits.is_one);
-  exits.is_one =
-      hn::And(exits.is_one, a0 + u * (w1 + u * w2) >= all(line_torus::inner_sheet));
+  exits.is_one = hn::And(exits.is_one, a0 + u * (w1 + u * w2) >= all(line_torus::inner_sheet));
   Points point = first;
   along<line_axis>(point) = along<line_axis>(point) + u * span;
-  const auto exact =
-      polished_roots(u, point, along<line_axis>(point), span, axis, axis[line_axis],
-                     circle_radius, tube_radius);
-  exits.parameters =
-      hn::Min(hn::Max(all(low) + exact * all(high - low), all(low)), all(high));
+  const auto exact = polished_roots(u, point, along<line_axis>(point), span, axis, axis[line_axis],
+                                    circle_radius, tube_radius);
+  exits.parameters = hn::Min(hn::Max(all(low) + exact * all(high - low), all(low)), all(high));
   return exits;
 }
 

@@ -158,8 +158,8 @@ char* GridText::append_crossing(char* out, std::int64_t x, const RowText& row,
     out = append(out, axes_[0].indices[x_index[end]]);
     out = append(out, *y_and_z[end]);
   }
-  out = axis == 0 ? append_number(out, numbers, first + 3)
-                  : append(out, axes_[0].coordinates[lower]);
+  out =
+      axis == 0 ? append_number(out, numbers, first + 3) : append(out, axes_[0].coordinates[lower]);
   out = axis == 1 ? append_number(out, numbers, first + 3) : append(out, row.y);
   out = axis == 2 ? append_number(out, numbers, first + 3) : append(out, row.z);
   for (std::size_t q = 0; q < 3; ++q) out = append_number(out, numbers, first + q);

@@ -83,8 +83,8 @@ HWY_INLINE WordVector eight_digits(WordVector value) {
   const auto fours = hn::BitCast(
       halves, ten_thousands | hn::ShiftLeft<32>(value - multiply(ten_thousands, 10000)));
   const auto hundreds = hn::ShiftRight<20>(fours * hn::Set(halves, 10486));
-  const auto pairs = hn::BitCast(
-      quarters, hundreds | hn::ShiftLeft<16>(fours - hundreds * hn::Set(halves, 100)));
+  const auto pairs =
+      hn::BitCast(quarters, hundreds | hn::ShiftLeft<16>(fours - hundreds * hn::Set(halves, 100)));
   const auto tens = hn::ShiftRight<10>(pairs * hn::Set(quarters, 103));
   const auto digits = tens | hn::ShiftLeft<8>(pairs - tens * hn::Set(quarters, 10));
   return hn::BitCast(words, digits) | hn::Set(words, 0x3030303030303030);
@@ -168,8 +168,9 @@ constexpr std::array<std::array<char, 4>, 20> power_texts = [] {
   std::array<std::array<char, 4>, 20> texts{};
   for (int i = 0; i < 20; ++i) {
     const int exponent = i + least_exponent;
-    texts[static_cast<std::size_t>(i)] = {'e', exponent < 0 ? '-' : '+', '0',
-                                          static_cast<char>('0' + (exponent < 0 ? -exponent : exponent) % 10)};
+    texts[static_cast<std::size_t>(i)] = {
+        'e', exponent < 0 ? '-' : '+', '0',
+        static_cast<char>('0' + (exponent < 0 ? -exponent : exponent) % 10)};
   }
   return texts;
 }();
@@ -221,7 +222,8 @@ void NumberBatch::add(double value) {
   scaled[count] = 0;  // which no plain number is
   if (magnitude >= least_plain && magnitude < least_excluded) {
     const int exponent = decimal_exponent(magnitude);
-    scaled[count] = magnitude * exact_powers[static_cast<std::size_t>(digits_after_point - exponent)];
+    scaled[count] =
+        magnitude * exact_powers[static_cast<std::size_t>(digits_after_point - exponent)];
     power[count] = power_texts[static_cast<std::size_t>(exponent - least_exponent)];
   }
   ++count;

@@ -32,8 +32,7 @@ struct ColumnPlane {
 void count(const ColumnPlane& column, std::int64_t rows, PointCounts& counts) {
   for (std::int64_t y = 0; y < rows; ++y) {
     const std::uint64_t bits = column.words[y];
-    const std::uint64_t next =
-        y + 1 < rows || column.continues_in_y ? column.words[y + 1] : bits;
+    const std::uint64_t next = y + 1 < rows || column.continues_in_y ? column.words[y + 1] : bits;
     const std::uint64_t previous = y > 0 ? column.words[y - 1] : column.before_first;
     const std::uint64_t first_left =
         column.left != nullptr ? column.left[y] >> column.left_bit & 1 : bits & 1;

@@ -223,8 +223,7 @@ class Pipeline {
                             (task.index + 1) * blocks / chunks));
   }
 
-  void append_rows(const Layer& layer, std::int64_t begin, std::int64_t end,
-                   Writer& writer) const {
+  void append_rows(const Layer& layer, std::int64_t begin, std::int64_t end, Writer& writer) const {
     const LayerRows layer_rows(plan_.tiling, layer);
     for (std::int64_t row = begin; row < end; ++row) {
       const std::int64_t y = row % plan_.grid.size[1], z = row / plan_.grid.size[1];

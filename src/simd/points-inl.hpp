@@ -50,9 +50,7 @@ HWY_INLINE DoubleVector dot(Vec3 a, const Points& b) {
   return all(a.x) * b.x + all(a.y) * b.y + all(a.z) * b.z;
 }
 
-HWY_INLINE DoubleVector squared_norm(const Points& a) {
-  return a.x * a.x + a.y * a.y + a.z * a.z;
-}
+HWY_INLINE DoubleVector squared_norm(const Points& a) { return a.x * a.x + a.y * a.y + a.z * a.z; }
 
 /// What stands in the lanes, to be read one by one.
 struct LaneValues {

@@ -40,20 +40,25 @@ bool is_in_sas_ball(const BlockFeatures& features, Vec3 point) {
   });
 }
 
-NearestProbe nearest_probe(const BlockFeatures& features, Vec3 point, double limit, double enough) {
+NearestProbe nearest_probe(const PatchIndex& patches, Vec3 point, double limit, double enough) {
+  const BlockFeatures& features = patches.features();
+  const PatchIndex::Cell near = patches.cell_at(point);
   NearestProbe nearest{limit, point, {}, 0};
-  for (const PlacementFeature& placement : features.placements) {
+  for (const std::uint32_t i : near.placements) {
+    const PlacementFeature& placement = features.placements[i];
     const double squared = squared_norm(point - placement.center);
     if (squared >= nearest.distance * nearest.distance) continue;
     nearest = {std::sqrt(squared), placement.center, placement.atoms, 3};
     if (nearest.distance < enough) return nearest;
   }
-  for (const ArcFeature& arc : features.arcs) {
-    offer_arc(arc, point, nearest);
+  for (const std::uint32_t i : near.arcs) {
+    if (!contains(features.arcs[i].solid_box, point)) continue;
+    offer_arc(features.arcs[i], point, nearest);
     if (nearest.distance < enough) return nearest;
   }
-  for (const FaceFeature& face : features.faces) {
-    offer_face(features, face, point, nearest);
+  for (const std::uint32_t i : near.faces) {
+    if (!contains(features.faces[i].shell_box, point)) continue;
+    offer_face(features, features.faces[i], point, nearest);
     if (nearest.distance < enough) return nearest;
   }
   return nearest;

@@ -1,9 +1,9 @@
 #pragma once
-/// The accessible probe centre nearest to a point, found by looking at every patch near the block.
+/// The accessible probe centre nearest to a point.
 
 #include <array>
 
-#include "solve/block_features.hpp"
+#include "solve/patch_index.hpp"
 
 namespace eses {
 
@@ -15,18 +15,17 @@ struct NearestProbe {
 };
 
 /// The nearest one, if nearer than `limit`; otherwise `distance` equals `limit`. Stops at the first
-/// that is nearer than `enough`. `point` must lie in a SAS ball, and in the box for which
-/// `features` were collected.
-NearestProbe nearest_probe(const BlockFeatures& features, Vec3 point, double limit,
-                           double enough = 0);
+/// that is nearer than `enough`. `point` must lie in a SAS ball, in the box of the index, and no
+/// deeper inside the molecule than rounding takes it: deeper down, none is seen.
+NearestProbe nearest_probe(const PatchIndex& patches, Vec3 point, double limit, double enough = 0);
 
 /// Whether a probe centre at `point` would be inside some SAS ball: if not, it is accessible
 /// itself.
 bool is_in_sas_ball(const BlockFeatures& features, Vec3 point);
 
 /// Whether some accessible probe centre is nearer than `distance`; `point` as above.
-inline bool is_probe_nearer(const BlockFeatures& features, Vec3 point, double distance) {
-  return nearest_probe(features, point, distance, distance).distance < distance;
+inline bool is_probe_nearer(const PatchIndex& patches, Vec3 point, double distance) {
+  return nearest_probe(patches, point, distance, distance).distance < distance;
 }
 
 }  // namespace eses

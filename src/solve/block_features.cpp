@@ -8,7 +8,7 @@
 namespace eses {
 namespace {
 
-constexpr double box_slack = 1e-5;          // angstrom: keeps seams inside the boxes
+constexpr double box_slack = 1e-5;  // angstrom: keeps seams inside the boxes
 
 // The saddle is swept by the probe's outline between the points where it touches the two atoms. In
 // the half plane through the axis, with the probe at distance rho from it, the outline's height

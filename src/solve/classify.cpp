@@ -21,12 +21,12 @@ enum class Stamp { set, clear };
 
 // One plane of a ball in one column of points.
 struct BallPlane {
-  double x, y;                    // the ball's centre
-  double squared_radius;          // of the plane's disc
-  double origin;                  // of the grid along x
+  double x, y;            // the ball's centre
+  double squared_radius;  // of the plane's disc
+  double origin;          // of the grid along x
   double inverse_spacing;
-  double column_first;            // global index of the column's first point
-  std::uint64_t reach;            // the bits between the disc's outermost points, at least
+  double column_first;  // global index of the column's first point
+  std::uint64_t reach;  // the bits between the disc's outermost points, at least
 };
 
 // Small non-negative integers held in doubles, as integers: adding 2^52 leaves them in the low
@@ -127,8 +127,8 @@ void for_each_plane(const BlockGrid& grid, const PointBits& bits, Vec3 center, d
     for (std::size_t lane = 0; lane < planes; ++lane) {
       const IndexRange rows = y[lane];
       if (squared_radii[lane] < 0 || rows.begin >= rows.end) continue;
-      BallPlane plane{center.x,          center.y, squared_radii[lane],
-                      grid.grid.lower.x, grid.inverse_spacing, 0, 0};
+      BallPlane plane{
+          center.x, center.y, squared_radii[lane], grid.grid.lower.x, grid.inverse_spacing, 0, 0};
       for (std::int64_t column = columns.begin; column < columns.end; ++column) {
         plane.column_first =
             static_cast<double>(grid.block.first[0] + column * PointBits::column_step);
@@ -208,28 +208,28 @@ void clear_face(const BlockGrid& grid, const FaceFeature& face, std::span<const 
   const Words words;
   PointBits& undecided = scratch.undecided;
   PointBatch& batch = scratch.batch;
-  for_each_plane(
-      grid, undecided, face.center, face.sas_radius, face.shell_box,
-      [&](const BallPlane& plane, std::int64_t column, std::int64_t k, IndexRange y) {
-        const std::size_t first_word = undecided.word_index(column, 0, k);
-        const std::uint64_t* const rows = undecided.words.data() + first_word;
-        const auto reach = hn::Set(words, plane.reach);
-        const auto end = static_cast<std::size_t>(y.end);
-        for (auto j = static_cast<std::size_t>(y.begin); j < end; j += hn::Lanes(words)) {
-          const auto left = hn::And(hn::LoadU(words, rows + j), reach);
-          if (hn::AllTrue(words, hn::Eq(left, hn::Zero(words)))) continue;
-          std::array<std::uint64_t, HWY_MAX_BYTES / sizeof(std::uint64_t)> waiting;
-          hn::StoreU(hn::And(left, disc_rows(plane, grid.coordinates[1].data(), j, end)), words,
-                     waiting.data());
-          for (std::size_t lane = 0; lane < hn::Lanes(words); ++lane) {
-            if (waiting[lane] == 0) continue;
-            add_points(grid, face.center, column, j + lane, static_cast<std::size_t>(k),
-                       first_word + j + lane, waiting[lane], batch);
-            if (batch.count + 64 > PointBatch::capacity)
-              clear_exposed(cones, batch, undecided.words.data());
-          }
-        }
-      });
+  for_each_plane(grid, undecided, face.center, face.sas_radius, face.shell_box,
+                 [&](const BallPlane& plane, std::int64_t column, std::int64_t k, IndexRange y) {
+                   const std::size_t first_word = undecided.word_index(column, 0, k);
+                   const std::uint64_t* const rows = undecided.words.data() + first_word;
+                   const auto reach = hn::Set(words, plane.reach);
+                   const auto end = static_cast<std::size_t>(y.end);
+                   for (auto j = static_cast<std::size_t>(y.begin); j < end;
+                        j += hn::Lanes(words)) {
+                     const auto left = hn::And(hn::LoadU(words, rows + j), reach);
+                     if (hn::AllTrue(words, hn::Eq(left, hn::Zero(words)))) continue;
+                     std::array<std::uint64_t, HWY_MAX_BYTES / sizeof(std::uint64_t)> waiting;
+                     hn::StoreU(hn::And(left, disc_rows(plane, grid.coordinates[1].data(), j, end)),
+                                words, waiting.data());
+                     for (std::size_t lane = 0; lane < hn::Lanes(words); ++lane) {
+                       if (waiting[lane] == 0) continue;
+                       add_points(grid, face.center, column, j + lane, static_cast<std::size_t>(k),
+                                  first_word + j + lane, waiting[lane], batch);
+                       if (batch.count + 64 > PointBatch::capacity)
+                         clear_exposed(cones, batch, undecided.words.data());
+                     }
+                   }
+                 });
   clear_exposed(cones, batch, undecided.words.data());
 }
 
@@ -240,8 +240,8 @@ void clear_near_arc(const ArcFeature& arc, double squared_probe, PointBatch& bat
   for (std::size_t i = 0; i < batch.count; i += hn::Lanes(doubles)) {
     const Points offset = batch_points(batch, i);
     const auto [height, inward] = meridian_points(arc.circle, offset);
-    const auto is_near = hn::And(inward * inward + height * height < all(squared_probe),
-                                 faces(arc.sector, offset));
+    const auto is_near =
+        hn::And(inward * inward + height * height < all(squared_probe), faces(arc.sector, offset));
     clear_lanes(batch, i, hn::And(is_near, hn::FirstN(doubles, batch.count - i)), words);
   }
   batch.count = 0;

@@ -24,19 +24,19 @@ bool comes_before(const Crossing& a, const Crossing& b) {
 
 // The outside end is nearer than the probe radius to an accessible centre, the inside end is not:
 // somewhere between this changes for the last time, to within rounding.
-Crossing bisect(const BlockFeatures& features, const Edge& edge) {
-  const double probe = features.probe_radius;
+Crossing bisect(const PatchIndex& patches, const Edge& edge) {
+  const double probe = patches.features().probe_radius;
   double outside = edge.lower_is_inside ? edge.upper : edge.lower[edge.axis];
   double inside = edge.lower_is_inside ? edge.lower[edge.axis] : edge.upper;
   for (int i = 0; i < 60; ++i) {
     const double middle = 0.5 * (outside + inside);
     const Vec3 point = edge.point_at(middle);
     const bool is_covered =
-        !is_in_sas_ball(features, point) || is_probe_nearer(features, point, probe);
+        !is_in_sas_ball(patches.features(), point) || is_probe_nearer(patches, point, probe);
     (is_covered ? outside : inside) = middle;
   }
   const Vec3 point = edge.point_at(inside);
-  const NearestProbe probe_at = nearest_probe(features, point, std::numeric_limits<double>::max());
+  const NearestProbe probe_at = nearest_probe(patches, point, std::numeric_limits<double>::max());
   if (probe_at.atom_count == 0)
     throw Error(
         "an edge's ends differ, but no probe touches the surface between them; "
@@ -56,19 +56,18 @@ Crossing bisect(const BlockFeatures& features, const Edge& edge) {
 
 }  // namespace
 
-Crossing decide_crossing(const BlockFeatures& features, const Edge& edge,
+Crossing decide_crossing(const PatchIndex& patches, const Edge& edge,
                          std::span<Crossing> candidates) {
-  if (candidates.empty()) return bisect(features, edge);
+  if (candidates.empty()) return bisect(patches, edge);
   std::sort(candidates.begin(), candidates.end(), comes_before);
-  const double spread =
-      std::fabs(candidates.back().coordinate - candidates.front().coordinate);
+  const double spread = std::fabs(candidates.back().coordinate - candidates.front().coordinate);
   if (candidates.size() == 1 || spread < tolerance::same_crossing) return candidates.front();
   const auto chosen =
       std::find_if(candidates.begin(), candidates.end(), [&](const Crossing& candidate) {
-        return !is_probe_nearer(features, edge.point_at(candidate.coordinate),
-                                features.probe_radius - tolerance::covered);
+        return !is_probe_nearer(patches, edge.point_at(candidate.coordinate),
+                                patches.features().probe_radius - tolerance::covered);
       });
-  return chosen == candidates.end() ? bisect(features, edge) : *chosen;
+  return chosen == candidates.end() ? bisect(patches, edge) : *chosen;
 }
 
 }  // namespace eses

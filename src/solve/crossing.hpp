@@ -5,7 +5,7 @@
 #include <span>
 
 #include "eses/crossing.hpp"
-#include "solve/block_features.hpp"
+#include "solve/patch_index.hpp"
 
 namespace eses {
 
@@ -47,7 +47,7 @@ inline bool is_point_atom(const FaceFeature& face) {
 /// patch. Every true crossing is among them, and the first of them, seen from the outside end, that
 /// no accessible probe covers is the one; a single one needs no proof. They are sorted in place. If
 /// rounding left none, the edge is bisected.
-Crossing decide_crossing(const BlockFeatures& features, const Edge& edge,
+Crossing decide_crossing(const PatchIndex& patches, const Edge& edge,
                          std::span<Crossing> candidates);
 
 }  // namespace eses

@@ -58,7 +58,7 @@ HWY_INLINE DoubleMask misses_saddle(const ArcFeature& arc, double probe, double 
   const auto squared = inward * inward + height * height;
   const double nearest = std::max(0.0, probe - reach), farthest = probe + reach;
   const auto is_far_from_tube =
-      hn::Or(squared < all(nearest * nearest), squared > all(farthest * farthest));
+      hn::Or(squared<all(nearest * nearest), squared> all(farthest * farthest));
   const auto raised = all(circle.radius) * height;
   const auto beyond_first = raised + all(circle.first_height) * inward <
                             all(-reach * (circle.radius + std::fabs(circle.first_height)));

@@ -122,7 +122,8 @@ struct Search {
     offer(edge_rank(axis, word, bit), crossing);
   }
 
-  // Offers a crossing to the edge of the line on which it lies, and to the next if it is at the end.
+  // Offers a crossing to the edge of the line on which it lies, and to the next if it is at the
+  // end.
   void offer_on_line(GridIndex line, const Crossing& crossing) {
     constexpr double near_end = 2 * tolerance::edge_end;
     const std::size_t axis = crossing.axis;
@@ -166,16 +167,15 @@ struct Search {
           }
         return met;
       };
-      meet_lines<axis()>(
-          grid, {face.center, face.radius, face.surface_box}, is_exposed,
-          [&](const GridIndex& line, double met, int side, Vec3 direction) {
-            Crossing crossing{met, direction, {face.atom}, 0, axis(), 1, side > 0};
-            if (is_point) {
-              crossing.normal = {};
-              crossing.normal[axis()] = side;
-            }
-            offer_on_line(line, crossing);
-          });
+      meet_lines<axis()>(grid, {face.center, face.radius, face.surface_box}, is_exposed,
+                         [&](const GridIndex& line, double met, int side, Vec3 direction) {
+                           Crossing crossing{met, direction, {face.atom}, 0, axis(), 1, side > 0};
+                           if (is_point) {
+                             crossing.normal = {};
+                             crossing.normal[axis()] = side;
+                           }
+                           offer_on_line(line, crossing);
+                         });
     });
   }
 
@@ -188,11 +188,11 @@ struct Search {
       return met;
     };
     for_each_axis([&](auto axis) {
-      meet_lines<axis()>(grid, {placement.center, features.probe_radius, placement.box}, is_in_cone,
-                         [&](const GridIndex& line, double met, int side, Vec3 direction) {
-                           offer_on_line(line, {met, -direction, placement.atoms, 0, axis(), 3,
-                                                side < 0});
-                         });
+      meet_lines<axis()>(
+          grid, {placement.center, features.probe_radius, placement.box}, is_in_cone,
+          [&](const GridIndex& line, double met, int side, Vec3 direction) {
+            offer_on_line(line, {met, -direction, placement.atoms, 0, axis(), 3, side < 0});
+          });
     });
   }
 
@@ -217,14 +217,14 @@ struct Search {
 
   template <std::size_t axis>
   void meet_batch(const ArcFeature& arc) {
-    meet_saddle<axis>(arc, features.probe_radius, grid.grid.spacing, scratch.batch,
-                      [&](std::uint64_t place, double met, Vec3 normal) {
-                        const std::size_t word = place / 64;
-                        const auto bit = static_cast<int>(place % 64);
-                        offer(edge_rank(axis, word, bit),
-                              {met, normal, {arc.atoms[0], arc.atoms[1]}, 0, axis, 2,
-                               is_inside(word, bit)});
-                      });
+    meet_saddle<axis>(
+        arc, features.probe_radius, grid.grid.spacing, scratch.batch,
+        [&](std::uint64_t place, double met, Vec3 normal) {
+          const std::size_t word = place / 64;
+          const auto bit = static_cast<int>(place % 64);
+          offer(edge_rank(axis, word, bit),
+                {met, normal, {arc.atoms[0], arc.atoms[1]}, 0, axis, 2, is_inside(word, bit)});
+        });
     scratch.batch.count = 0;
   }
 
@@ -289,6 +289,7 @@ void list_edges(const BlockGrid& grid, const PointBits& inside, const EdgeTable&
 // Decides the edges that met no patch or more than one.
 void decide_rest(const BlockGrid& grid, const BlockFeatures& features, IntersectScratch& scratch,
                  std::span<const std::uint32_t> row_begin, std::vector<Crossing>& crossings) {
+  bool is_indexed = false;
   const auto edge_of = [&](std::uint32_t rank) {
     const Crossing& crossing = crossings[rank];
     const auto next_row = std::upper_bound(row_begin.begin(), row_begin.end(), rank);
@@ -298,7 +299,9 @@ void decide_rest(const BlockGrid& grid, const BlockFeatures& features, Intersect
   };
   const auto decide = [&](std::uint32_t rank, std::span<Crossing> candidates) {
     const std::uint16_t x = crossings[rank].x;
-    crossings[rank] = decide_crossing(features, edge_of(rank), candidates);
+    if (!is_indexed) scratch.patches.reset(features, grid.box);
+    is_indexed = true;
+    crossings[rank] = decide_crossing(scratch.patches, edge_of(rank), candidates);
     crossings[rank].x = x;
   };
   auto& further = scratch.further;

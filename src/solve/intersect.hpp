@@ -18,6 +18,7 @@ struct IntersectScratch {
   };
   EdgeTable edges;
   EdgeBatch batch;
+  PatchIndex patches;
   std::vector<Further> further;   ///< of each edge, all candidates but the first that was found
   std::vector<Crossing> of_edge;  ///< candidates of the edge that is being decided
 };

@@ -22,10 +22,10 @@ struct SpherePart {
 };
 
 /// For the grid lines along `axis` through the block's own points, calls
-/// `found(line, coordinate, side, direction)` where a line meets the part: `line` has the indices of
-/// the line's points, whatever the one along the axis; `side` is +1 at the upper end of the chord
-/// that the sphere cuts from the line, -1 at the lower; `direction` is the unit vector from the
-/// centre. `is_on_patch(mask, from_center, length, side)` narrows a mask of lanes.
+/// `found(line, coordinate, side, direction)` where a line meets the part: `line` has the indices
+/// of the line's points, whatever the one along the axis; `side` is +1 at the upper end of the
+/// chord that the sphere cuts from the line, -1 at the lower; `direction` is the unit vector from
+/// the centre. `is_on_patch(mask, from_center, length, side)` narrows a mask of lanes.
 template <std::size_t axis, class IsOnPatch, class Found>
 void meet_lines(const BlockGrid& grid, const SpherePart& sphere, IsOnPatch&& is_on_patch,
                 Found&& found) {
@@ -48,9 +48,8 @@ void meet_lines(const BlockGrid& grid, const SpherePart& sphere, IsOnPatch&& is_
           load(grid.coordinates[across].data() + j) - all(sphere.center[across]);
       const auto squared = all(sphere.radius * sphere.radius) -
                            (along<across>(offset) * along<across>(offset) + squared_row);
-      const auto meets =
-          hn::And(squared >= all(tangent),
-                  hn::FirstN(doubles, static_cast<std::size_t>(columns.end - j)));
+      const auto meets = hn::And(squared >= all(tangent),
+                                 hn::FirstN(doubles, static_cast<std::size_t>(columns.end - j)));
       if (hn::AllFalse(doubles, meets)) continue;
       const auto half_chord = hn::Sqrt(hn::Max(squared, hn::Zero(doubles)));
       for (const int side : {+1, -1}) {

@@ -1,0 +1,65 @@
+#include "solve/patch_index.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace eses {
+namespace {
+
+constexpr double cell_side = 4;  // angstrom: a little more than the patches that it is to separate
+
+}  // namespace
+
+PatchIndex::CellIndex PatchIndex::cell_index(Vec3 point) const {
+  CellIndex index{};
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    const double place = (point[axis] - box_.low[axis]) / cell_side;
+    index[axis] =
+        static_cast<std::size_t>(std::clamp(place, 0.0, static_cast<double>(size_[axis] - 1)));
+  }
+  return index;
+}
+
+template <class Feature, class BoxOf>
+void PatchIndex::fill(std::span<const Feature> features, BoxOf&& box_of, Lists& lists) {
+  const auto for_each_cell = [&](const Feature& feature, auto&& action) {
+    const Box box = box_of(feature);
+    if (!overlap(box, box_)) return;
+    const CellIndex low = cell_index(box.low), high = cell_index(box.high);
+    for (std::size_t z = low[2]; z <= high[2]; ++z)
+      for (std::size_t y = low[1]; y <= high[1]; ++y)
+        for (std::size_t x = low[0]; x <= high[0]; ++x) action((z * size_[1] + y) * size_[0] + x);
+  };
+  // Counts go one place up, so that filling the lists moves each cell's begin into place.
+  lists.begin.assign(size_[0] * size_[1] * size_[2] + 2, 0);
+  for (const Feature& feature : features)
+    for_each_cell(feature, [&](std::size_t cell) { ++lists.begin[cell + 2]; });
+  for (std::size_t i = 1; i < lists.begin.size(); ++i) lists.begin[i] += lists.begin[i - 1];
+  lists.items.resize(lists.begin.back());
+  for (std::uint32_t i = 0; i < features.size(); ++i)
+    for_each_cell(features[i], [&](std::size_t cell) { lists.items[lists.begin[cell + 1]++] = i; });
+}
+
+void PatchIndex::reset(const BlockFeatures& features, const Box& box) {
+  features_ = &features;
+  box_ = box;
+  for (std::size_t axis = 0; axis < 3; ++axis)
+    size_[axis] = std::max<std::size_t>(
+        1, static_cast<std::size_t>((box.high[axis] - box.low[axis]) / cell_side));
+  const auto ball = [&](const PlacementFeature& placement) {
+    return ball_box(placement.center, features.probe_radius);
+  };
+  fill(std::span(features.placements), ball, placements_);
+  fill(
+      std::span(features.arcs), [](const ArcFeature& arc) { return arc.solid_box; }, arcs_);
+  fill(
+      std::span(features.faces), [](const FaceFeature& face) { return face.shell_box; }, faces_);
+}
+
+PatchIndex::Cell PatchIndex::cell_at(Vec3 point) const {
+  const auto [x, y, z] = cell_index(point);
+  const std::size_t cell = (z * size_[1] + y) * size_[0] + x;
+  return {placements_.of(cell), arcs_.of(cell), faces_.of(cell)};
+}
+
+}  // namespace eses
