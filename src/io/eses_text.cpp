@@ -1,5 +1,7 @@
 #include "io/eses_text.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cstring>
 
@@ -40,7 +42,6 @@ auto joined(const Token& first, const Token& second) {
   both.length = static_cast<std::uint8_t>(end - both.text.data());
   return both;
 }
-constexpr std::size_t longest_index = 11;  // digits of a 32-bit index and a blank
 constexpr std::size_t overrun = 32;
 
 char* append_number(char* out, const NumberBatch& numbers, std::size_t i) {
@@ -49,10 +50,65 @@ char* append_number(char* out, const NumberBatch& numbers, std::size_t i) {
   return out;
 }
 
-int decimal_digits(std::uint64_t value) {
-  int digits = 1;
+std::size_t decimal_digits(std::uint64_t value) {
+  std::size_t digits = 1;
   for (; value >= 10; value /= 10) ++digits;
   return digits;
+}
+
+// A line of grid_info.txt less its first index, with zeros in that one's place: lines come of a
+// bitwise or with the index's text.
+template <std::size_t words>
+struct LineTail {
+  std::array<std::uint64_t, words> text{};
+  std::size_t length = 0;  // of the whole line
+
+  LineTail(std::size_t index_length, std::span<const char> tail)
+      : length(index_length + tail.size()) {
+    std::memcpy(reinterpret_cast<char*>(text.data()) + index_length, tail.data(), tail.size());
+  }
+};
+
+template <std::size_t words>
+char* append_line(char* out, const std::array<std::uint64_t, 2>& index,
+                  const LineTail<words>& tail) {
+  std::array<std::uint64_t, words> line = tail.text;
+  line[0] |= index[0];
+  line[1] |= index[1];
+  std::memcpy(out, line.data(), sizeof line);
+  return out + tail.length;
+}
+
+// The lines of points whose first index has the same number of digits.
+template <std::size_t words>
+char* append_lines(char* out, std::span<const std::array<std::uint64_t, 2>> indices,
+                   std::size_t begin, std::size_t end, std::span<const std::uint64_t> inside,
+                   const std::array<LineTail<words>, 2>& tails) {
+  for (std::size_t i = begin; i < end;) {
+    const std::uint64_t bits = inside[i / 64];
+    const std::size_t stop = std::min(end, (i / 64 + 1) * 64);
+    if (bits == 0 || bits == ~std::uint64_t{0}) {
+      const LineTail<words> tail = tails[bits & 1];
+      for (; i < stop; ++i) out = append_line(out, indices[i], tail);
+    } else {
+      for (; i < stop; ++i) out = append_line(out, indices[i], tails[bits >> (i % 64) & 1]);
+    }
+  }
+  return out;
+}
+
+// `tails` by sign: what follows the first index, the same in the whole row.
+template <std::size_t words>
+char* append_row_lines(char* out, std::span<const std::array<std::uint64_t, 2>> indices,
+                       std::span<const std::uint64_t> inside,
+                       const std::array<std::string, 2>& tails) {
+  std::size_t digits = 1;
+  for (std::size_t begin = 0, end = 10; begin < indices.size(); begin = end, end *= 10, ++digits) {
+    const std::array<LineTail<words>, 2> line_tails{LineTail<words>(digits + 1, tails[0]),
+                                                    LineTail<words>(digits + 1, tails[1])};
+    out = append_lines(out, indices, begin, std::min(end, indices.size()), inside, line_tails);
+  }
+  return out;
 }
 
 }  // namespace
@@ -62,7 +118,7 @@ char* TextBuffer::reserve(std::size_t bytes) {
   return bytes_.data() + size_;
 }
 
-GridText::GridText(const Grid& grid) : size_(grid.size) {
+GridText::GridText(const Grid& grid) {
   for (std::size_t axis = 0; axis < 3; ++axis)
     for (std::int64_t i = 0; i < grid.size[axis]; ++i) {
       axes_[axis].indices.push_back(
@@ -70,40 +126,23 @@ GridText::GridText(const Grid& grid) : size_(grid.size) {
       axes_[axis].coordinates.push_back(
           make_token<Token<32>>(write_scientific, grid.coordinate(axis, i)));
     }
+  for (const auto& token : axes_[0].indices) {
+    std::array<std::uint64_t, 2> padded{};
+    std::memcpy(padded.data(), token.text.data(), token.length);
+    row_indices_.push_back(padded);
+  }
 }
 
 void GridText::append_row(TextBuffer& text, std::int64_t y, std::int64_t z,
                           std::span<const std::uint64_t> inside) const {
-  // What follows the first index is the same in the whole row but for the sign.
-  struct Tail {
-    std::array<char, 48> text{};
-    std::size_t length = 0;
-  };
-  constexpr std::size_t tail_bytes = 32;
-  std::array<Tail, 2> tails;
-  for (std::size_t sign = 0; sign < 2; ++sign) {
-    char* out = tails[sign].text.data();
-    out = append(out, axes_[1].indices[static_cast<std::size_t>(y)]);
-    out = append(out, axes_[2].indices[static_cast<std::size_t>(z)]);
-    if (sign == 0) *out++ = '-';
-    *out++ = '1';
-    *out++ = '\n';
-    tails[sign].length = static_cast<std::size_t>(out - tails[sign].text.data());
-  }
-  const auto points = static_cast<std::size_t>(size_[0]);
-  const auto* indices = axes_[0].indices.data();
-  char* out = text.reserve(points * (longest_index + tails[0].length) + overrun);
-  for (std::size_t w = 0; w < inside.size(); ++w) {
-    const std::size_t end = std::min<std::size_t>(points, 64 * (w + 1));
-    std::uint64_t bits = inside[w];
-    for (std::size_t i = 64 * w; i < end; ++i, bits >>= 1) {
-      const Tail& tail = tails[bits & 1];
-      out = append(out, indices[i]);
-      std::memcpy(out, tail.text.data(), tail_bytes);
-      out += tail.length;
-    }
-  }
-  text.advance_to(out);
+  constexpr std::size_t short_words = 2, long_words = 5;
+  const std::string rest = fmt::format("{} {} ", y, z);
+  const std::array<std::string, 2> tails{rest + "-1\n", rest + "1\n"};
+  const std::size_t longest = decimal_digits(row_indices_.size()) + 1 + tails[0].size();
+  char* out = text.reserve(row_indices_.size() * longest + long_words * sizeof(std::uint64_t));
+  text.advance_to(longest <= short_words * sizeof(std::uint64_t)
+                      ? append_row_lines<short_words>(out, row_indices_, inside, tails)
+                      : append_row_lines<long_words>(out, row_indices_, inside, tails));
 }
 
 // What the lines of one row have in common.

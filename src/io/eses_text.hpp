@@ -60,7 +60,7 @@ class GridText {
     std::vector<Token<32>> coordinates;
   };
   std::array<Axis, 3> axes_;
-  GridIndex size_{};
+  std::vector<std::array<std::uint64_t, 2>> row_indices_;  ///< along x, with zeros behind the text
 };
 
 /// Upper bound of the bytes of grid_info.txt.
