@@ -94,7 +94,10 @@ std::string details(const BoxDifference& box) {
   };
   const std::string size = box.same_size ? points(0) + " in both"
                                          : fmt::format("{} in A, {} in B", points(0), points(1));
-  return fmt::format("  {}\n  corners: at most {:.3g} angstrom apart\n", size, box.corners);
+  const std::string corners = box.corners == 0
+                                  ? "no difference"
+                                  : fmt::format("at most {:.3g} angstrom apart", box.corners);
+  return fmt::format("  {}\n  corners: {}\n", size, corners);
 }
 
 std::string details(const PointDifference& points) {
@@ -113,8 +116,7 @@ std::string details(const EdgeDifference& edges) {
                     fmt::format("atoms: {} with other atoms", counted(other, "edge")));
   if (touching > 0) {
     text += fmt::format(
-        "  atoms: {} with other three of the more than three that the probe touches, no "
-        "difference\n",
+        "  atoms: {} with other atoms of a probe that touches more than three; no difference\n",
         counted(touching, "edge"));
   }
   return text;
@@ -126,9 +128,9 @@ std::string details(const AreaDifference& areas, bool shares_moved) {
   if (shares_moved) {
     Deviation<AtomIndex> before = areas.area;
     before.above = {};
-    text +=
-        deviation_text(before, "area", unit, "atom") +
-        deviation_text(areas.unexplained, "area, shares of those edges set aside", unit, "atom");
+    text += deviation_text(before, "area", unit, "atom") +
+            deviation_text(areas.unexplained, "area, allowing for the shares of those edges", unit,
+                           "atom");
   } else {
     text += deviation_text(areas.area, "area", unit, "atom");
   }
@@ -249,7 +251,7 @@ std::string json_of(const EdgeDifference& edges) {
 std::string json_of(const AreaDifference& areas) {
   return json::object({{"atoms", json_of(areas.matching)},
                        {"area", json_of(areas.area)},
-                       {"area_shares_aside", json_of(areas.unexplained)},
+                       {"area_allowing_for_shares", json_of(areas.unexplained)},
                        {"total_in_a", json::number(areas.total[0])},
                        {"total_in_b", json::number(areas.total[1])}});
 }

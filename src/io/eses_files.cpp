@@ -184,11 +184,16 @@ void read_adjacent_atoms(Fields& fields, SurfaceEdge& edge) {
 
 std::optional<std::filesystem::path> find_eses_file(const std::filesystem::path& directory,
                                                     EsesFile file) {
+  // Whatever has the name counts, so that opening it tells what is wrong with it.
+  const auto is_there = [](const std::filesystem::path& path) {
+    std::error_code ignored;
+    return std::filesystem::symlink_status(path, ignored).type() !=
+           std::filesystem::file_type::not_found;
+  };
   std::filesystem::path path = directory / name_of(file);
-  std::error_code ignored;
-  if (std::filesystem::exists(path, ignored)) return path;
+  if (is_there(path)) return path;
   path += ".gz";
-  if (std::filesystem::exists(path, ignored)) return path;
+  if (is_there(path)) return path;
   return std::nullopt;
 }
 
