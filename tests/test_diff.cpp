@@ -232,7 +232,8 @@ TEST_CASE("diff: neither the order of lines nor that of adjacent atoms matters",
 
 TEST_CASE("diff: numbers may be spelt as C, Fortran or Windows has it", "[diff]") {
   Pair pair;
-  const auto respelt = [](std::string line, std::size_t first_number, std::size_t end_of_numbers) {
+  const auto respelt = [](const std::string& line, std::size_t first_number,
+                          std::size_t end_of_numbers) {
     Fields fields = fields_of(line);
     for (std::size_t i = first_number; i < std::min(end_of_numbers, fields.size()); ++i) {
       std::string& number = fields[i];
@@ -559,7 +560,7 @@ TEST_CASE("diff: a malformed line is named with file, line and field", "[diff]")
        "field 13 (atom): expected a whole number from 0 to 4294967294, found \"4294967295\""},
       {areas_name, "2 1.5 7", "field 3: expected the end of the line, found \"7\""},
       {areas_name, "2\x01 1.5",
-       "field 1 (atom): expected a whole number from 0 to 4294967294, found \"2\\x01\""},
+       R"(field 1 (atom): expected a whole number from 0 to 4294967294, found "2\x01")"},
       {areas_name, "2 -nan", "field 2 (area): expected a finite number, found \"-nan\""},
       {areas_name, std::string(5000, ' '), "more than 4096 characters"},
   };
@@ -590,7 +591,7 @@ TEST_CASE("diff: a file that is cut off or damaged", "[diff]") {
   const fs::path plain = pair.sandbox.directory() / "b" / areas_name;
   const std::string text = text_of(pair.b.at(areas_name));
   // Also inside the last number, where what is left is a number as well.
-  for (const std::size_t lost : {1, 5}) {
+  for (const std::size_t lost : {std::size_t{1}, std::size_t{5}}) {
     pair.write("b", areas_name, text.substr(0, text.size() - lost));
     check_trouble(pair.diff_as_is(),
                   "b/partition_area.txt:5: the line has no end; the file seems to be cut off");

@@ -62,12 +62,12 @@ std::string list_text(const Counted<Item>& items, std::string_view title) {
 template <class Key>
 std::string matching_text(const Matching<Key>& matching, std::string_view noun) {
   std::string text = fmt::format("  {} in both\n", counted(matching.both, noun));
-  for (const std::size_t side : {0, 1}) {
+  for (const std::size_t side : both_sides) {
     const auto& only = matching.only[side];
     text +=
         list_text(only, fmt::format("{} in {} alone", counted(only.count, noun), side_names[side]));
   }
-  for (const std::size_t side : {0, 1}) {
+  for (const std::size_t side : both_sides) {
     const auto& repeated = matching.repeated[side];
     text += list_text(repeated, fmt::format("{} in {} repeated, not compared",
                                             counted(repeated.count, noun), side_names[side]));

@@ -35,7 +35,7 @@ void expect_directory(const std::filesystem::path& path) {
 
 /// To compare nothing would find everything the same.
 void expect_files(const AllPaths& paths, const Sides<std::filesystem::path>& directories) {
-  for (const std::size_t side : {0, 1}) {
+  for (const std::size_t side : both_sides) {
     const bool has_one = std::any_of(paths.begin(), paths.end(),
                                      [side](const Paths& file) { return file[side].has_value(); });
     if (has_one) continue;
@@ -48,7 +48,7 @@ AllPaths find_files(const Sides<std::filesystem::path>& directories) {
   for (const std::filesystem::path& directory : directories) expect_directory(directory);
   AllPaths paths;
   for (const EsesFile file : every_file) {
-    for (const std::size_t side : {0, 1}) {
+    for (const std::size_t side : both_sides) {
       paths[static_cast<std::size_t>(file)][side] = find_eses_file(directories[side], file);
     }
   }
@@ -66,7 +66,7 @@ struct Grids {
 
 Grids read_grids(const AllPaths& paths) {
   Grids grids;
-  for (const std::size_t side : {0, 1}) {
+  for (const std::size_t side : both_sides) {
     if (const auto& box = paths_of(paths, EsesFile::box)[side]) {
       grids.boxes[side] = read_bounding_box(*box);
       grids.sizes[side] = grids.boxes[side]->size;
@@ -88,7 +88,7 @@ std::optional<double> spacing_of(const BoundingBox& box) {
 
 ComparedGrids compared_grids(const Grids& grids) {
   ComparedGrids result;
-  for (const std::size_t side : {0, 1}) {
+  for (const std::size_t side : both_sides) {
     if (!grids.boxes[side]) continue;
     result.sizes[side] = grids.boxes[side]->size;
     if (!result.spacing) result.spacing = spacing_of(*grids.boxes[side]);

@@ -14,7 +14,7 @@
 namespace eses {
 namespace {
 
-constexpr std::uint8_t atoms_of_concave = 3;
+constexpr std::size_t atoms_of_concave = 3;
 
 // A crossing nearer to an atom than this takes all of its share; what it is does not matter.
 constexpr double least_distance = 1e-12;  // angstrom

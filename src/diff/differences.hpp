@@ -16,6 +16,8 @@ namespace eses {
 template <class Value>
 using Sides = std::array<Value, 2>;
 
+inline constexpr Sides<std::size_t> both_sides{0, 1};
+
 /// How many there are, and the first few of them.
 template <class Item>
 struct Counted {

@@ -31,7 +31,7 @@ auto match_in_order(Sides<ItemStream<Item>> lists, KeyOf key_of, Both both) {
     matching.only[side].add(key_of(items[side]));
     advance(side);
   };
-  for (const std::size_t side : {0, 1}) more[side] = lists[side](items[side]);
+  for (const std::size_t side : both_sides) more[side] = lists[side](items[side]);
   while (more[0] || more[1]) {
     if (!more[1] || (more[0] && key_of(items[0]) < key_of(items[1]))) {
       add_only(0);

@@ -12,7 +12,6 @@ namespace eses {
 namespace {
 
 constexpr std::size_t edges_in_piece = std::size_t{1} << 16;  // 5 MB
-constexpr std::size_t edges_read_at_once = 128;               // of each piece, while merging
 
 // They are written to the scratch file as they lie in memory.
 static_assert(std::is_trivially_copyable_v<SurfaceEdge>);
@@ -35,7 +34,9 @@ bool is_in_order(const std::filesystem::path& path, const GridIndex& size) {
 class OrderedEdges::Merge {
  public:
   explicit Merge(const OrderedEdges& edges)
-      : scratch_(*edges.scratch_), heads_(ComesLater{&sources_}) {
+      : scratch_(*edges.scratch_),
+        edges_read_at_once_(std::max<std::size_t>(1, edges_in_piece / edges.runs_.size())),
+        heads_(ComesLater{&sources_}) {
     for (const Run& run : edges.runs_) {
       sources_.push_back({run, {}, 0});
       refill(sources_.back());
@@ -65,7 +66,7 @@ class OrderedEdges::Merge {
 
   void refill(Source& source) {
     const std::uint64_t left = source.rest.end - source.rest.begin;
-    source.buffer.resize(std::min<std::uint64_t>(left, edges_read_at_once));
+    source.buffer.resize(std::min<std::uint64_t>(left, edges_read_at_once_));
     scratch_.read_at(std::as_writable_bytes(std::span(source.buffer)),
                      source.rest.begin * sizeof(SurfaceEdge));
     source.rest.begin += source.buffer.size();
@@ -82,6 +83,7 @@ class OrderedEdges::Merge {
   };
 
   const ScratchFile& scratch_;
+  std::size_t edges_read_at_once_;  // of each piece; of all together as many as sorting takes
   std::vector<Source> sources_;
   std::priority_queue<std::size_t, std::vector<std::size_t>, ComesLater> heads_;
 };

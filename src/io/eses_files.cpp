@@ -20,8 +20,6 @@ constexpr double most_points = 1e17;
 // The largest index of an atom stays free, so that it may stand for "no atom".
 constexpr std::int64_t largest_atom = std::int64_t{std::numeric_limits<AtomIndex>::max()} - 1;
 
-constexpr std::string_view axis_names[]{"x", "y", "z"};
-
 /// Takes a line apart, field by field.
 class Fields {
  public:

@@ -21,7 +21,7 @@ namespace {
 
 std::filesystem::path temporary_directory() {
   std::error_code error;
-  const std::filesystem::path directory = std::filesystem::temp_directory_path(error);
+  std::filesystem::path directory = std::filesystem::temp_directory_path(error);
   if (error) throw Error(fmt::format("no directory for temporary files: {}", error.message()));
   return directory;
 }
