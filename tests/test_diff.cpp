@@ -861,6 +861,12 @@ TEST_CASE("diff: usage errors name option, value and expectation", "[diff]") {
   }
 }
 
+TEST_CASE("diff: the exit code stands without standard error, too", "[diff]") {
+  const Sandbox sandbox;
+  CHECK(sandbox.run({"diff"}, "2>&-").code == 2);
+  CHECK(sandbox.run({"diff", "nowhere", "nowhere"}, "2>&-").code == 2);
+}
+
 TEST_CASE("diff: a structure file of that name is ./diff", "[diff]") {
   const Sandbox sandbox;
   fs::copy_file(sandbox.directory() / "pair.xyzr", sandbox.directory() / "diff");

@@ -169,7 +169,7 @@ int perform(const Task& task, int argc, char** argv) {
     return task.perform(argc, argv);
   } catch (const UsageError& error) {
     complain("error", error.what());
-    fmt::print(stderr, "Try '{}'.\n", task.help);
+    std::fputs(fmt::format("Try '{}'.\n", task.help).c_str(), stderr);
     return exit_usage;
   } catch (const Interrupted&) {
     return 128 + received_signal;
