@@ -21,9 +21,12 @@
 #include <variant>
 #include <vector>
 
+#include "cli/diff_options.hpp"
+#include "cli/diff_report.hpp"
 #include "cli/options.hpp"
 #include "cli/progress.hpp"
 #include "cli/report.hpp"
+#include "diff/compare_directories.hpp"
 #include "eses/error.hpp"
 #include "eses/read_atoms.hpp"
 #include "eses/run.hpp"
@@ -124,28 +127,49 @@ void compute(const Options& options) {
   print(final_text(report));
 }
 
-int fail(std::string_view message) {
-  complain("error", message);
-  return exit_failure;
+int compute_surface(int argc, char** argv) {
+  end_in_order_on_signals();
+  const std::variant<Options, Notice> request = parse_command_line(argc, argv);
+  if (const auto* const notice = std::get_if<Notice>(&request)) {
+    print(notice->text);
+  } else {
+    compute(std::get<Options>(request));
+  }
+  return exit_done;
 }
 
-}  // namespace
-
-int run_command(int argc, char** argv) {
-  reserve_standard_streams();
-  end_in_order_on_signals();
-  std::signal(SIGPIPE, SIG_IGN);  // a reader that has gone away is a write error like others
-  try {
-    const std::variant<Options, Notice> request = parse_command_line(argc, argv);
-    if (const auto* const notice = std::get_if<Notice>(&request)) {
-      print(notice->text);
-    } else {
-      compute(std::get<Options>(request));
-    }
+int compare_files(int argc, char** argv) {
+  const std::variant<DiffOptions, Notice> request = parse_diff_command_line(argc, argv);
+  if (const auto* const notice = std::get_if<Notice>(&request)) {
+    print(notice->text);
     return exit_done;
+  }
+  const auto& options = std::get<DiffOptions>(request);
+  const Differences found = compare_directories(options.directories, options.tolerance);
+  print(options.json ? diff_json_text(options, found) : diff_text(options, found));
+  return found.same() ? exit_done : exit_different;
+}
+
+/// What the program is asked to do, up to its exit code, and what goes with its failure.
+struct Task {
+  int (*perform)(int argc, char** argv);
+  std::string_view help;
+  int failure_code;
+};
+
+constexpr Task surface_task{compute_surface, "eses-blocks --help", exit_failure};
+constexpr Task diff_task{compare_files, "eses-blocks diff --help", exit_trouble};
+
+int perform(const Task& task, int argc, char** argv) {
+  const auto fail = [&task](std::string_view message) {
+    complain("error", message);
+    return task.failure_code;
+  };
+  try {
+    return task.perform(argc, argv);
   } catch (const UsageError& error) {
     complain("error", error.what());
-    std::fputs("Try 'eses-blocks --help'.\n", stderr);
+    std::fputs(fmt::format("Try '{}'.\n", task.help).c_str(), stderr);
     return exit_usage;
   } catch (const Interrupted&) {
     return 128 + received_signal;
@@ -156,6 +180,15 @@ int run_command(int argc, char** argv) {
   } catch (...) {
     return fail("unknown error");
   }
+}
+
+}  // namespace
+
+int run_command(int argc, char** argv) {
+  reserve_standard_streams();
+  std::signal(SIGPIPE, SIG_IGN);  // a reader that has gone away is a write error like others
+  const bool is_diff = argc > 1 && std::string_view(argv[1]) == "diff";
+  return is_diff ? perform(diff_task, argc - 1, argv + 1) : perform(surface_task, argc, argv);
 }
 
 }  // namespace eses::cli

@@ -4,19 +4,15 @@
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
-#include <charconv>
 #include <cmath>
 #include <cstdint>
-#include <filesystem>
-#include <memory>
 #include <optional>
 #include <string>
 #include <string_view>
-#include <system_error>
-#include <utility>
 #include <variant>
 #include <vector>
 
+#include "cli/arguments.hpp"
 #include "eses/version.hpp"
 
 namespace eses::cli {
@@ -44,6 +40,7 @@ Examples:
   eses-blocks 1crn.xyzr                                defaults, files in this directory
   eses-blocks 1crn.xyzr 1.4 0.25 0.8                   probe radius, spacing, margin as in ESES
   eses-blocks 1crn.pqr --spacing 0.25 -o out --json    files in out/, report as JSON
+  eses-blocks diff out ESES                            compares the files in two directories
 
 Exit codes:
   0  done
@@ -51,35 +48,7 @@ Exit codes:
   2  error in the command line
 )";
 
-class HelpFormatter : public CLI::Formatter {
- public:
-  HelpFormatter() {
-    label("Positionals", "Arguments");
-    column_width(28);
-  }
-  std::string make_usage(const CLI::App* /*app*/, std::string name) const override {
-    return fmt::format("\nUsage: {} [OPTIONS] FILE [PROBE [SPACING [MARGIN]]]\n", name);
-  }
-  std::string make_help(const CLI::App* app, std::string name,
-                        CLI::AppFormatMode mode) const override {
-    const std::string help = CLI::Formatter::make_help(app, std::move(name), mode);
-    return CLI::detail::find_and_replace(help, "\n\n\n", "\n\n");
-  }
-};
-
-/// CLI11 shows this as nothing, and the empty string as its own `TEXT`.
-constexpr char no_value_name[] = " ";
-
 // --- the options that there are -----------------------------------------------------------------
-
-/// Values are taken as text and converted below, so that every message can name what is expected.
-CLI::Option* add_value(CLI::App& app, const char* name, const char* value_name,
-                       const std::string& description) {
-  return app.add_option(name)
-      ->option_text(value_name)
-      ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll)
-      ->description(description);
-}
 
 void add_positionals(CLI::App& app) {
   add_value(app, "FILE", no_value_name, "atoms as xyzr or PQR file; - is standard input");
@@ -130,8 +99,9 @@ void add_flags(CLI::App& app) {
 }
 
 void add_options(CLI::App& app) {
-  app.formatter(std::make_shared<HelpFormatter>());
-  app.allow_extras();  // they are refused below, in our own words
+  set_up(app,
+         "eses-blocks [OPTIONS] FILE [PROBE [SPACING [MARGIN]]]\n"
+         "       eses-blocks diff [OPTIONS] DIR_A DIR_B");
   add_positionals(app);
   add_grid_options(app);
   add_file_options(app);
@@ -140,37 +110,6 @@ void add_options(CLI::App& app) {
 }
 
 // --- from text to values ------------------------------------------------------------------------
-
-/// The text given for an option, if any.
-std::optional<std::string> text_of(const CLI::App& app, const std::string& name) {
-  const std::vector<std::string>& results = app.get_option(name)->results();
-  if (results.size() > 1) throw UsageError(fmt::format("{} is given more than once", name));
-  if (results.empty()) return std::nullopt;
-  return results.front();
-}
-
-/// Whether a flag is given.
-bool is_set(const CLI::App& app, const std::string& name) {
-  const std::vector<std::string>& results = app.get_option(name)->results();
-  for (const std::string& result : results) {
-    if (result != "true") throw UsageError(fmt::format("{} takes no value", name));
-  }
-  return !results.empty();
-}
-
-[[noreturn]] void refuse(std::string_view name, std::string_view value, std::string_view expected) {
-  throw UsageError(fmt::format("{} is '{}', expected {}", name, value, expected));
-}
-
-/// The number that `text` spells from its first to its last character.
-template <typename Number>
-std::optional<Number> whole_text(std::string_view text) {
-  Number value{};
-  const char* const end = text.data() + text.size();
-  const auto [rest, error] = std::from_chars(text.data(), end, value);
-  if (error != std::errc() || rest != end) return std::nullopt;
-  return value;
-}
 
 std::optional<double> length_of(const CLI::App& app, const std::string& name,
                                 const LengthRange& range) {
@@ -245,12 +184,6 @@ OutputChoice outputs_of(const CLI::App& app) {
   return result;
 }
 
-std::string required_text(const CLI::App& app, const std::string& name, std::string fallback) {
-  std::string text = text_of(app, name).value_or(std::move(fallback));
-  if (text.empty()) throw UsageError(fmt::format("{} is missing", name));
-  return text;
-}
-
 Options options_of(const CLI::App& app) {
   Options options;
   options.parameters = parameters_of(app);
@@ -265,46 +198,12 @@ Options options_of(const CLI::App& app) {
 
 // --- what does not fit --------------------------------------------------------------------------
 
-/// CLI11 would take the next argument as the value of `--name=`.
-void refuse_empty_values(const std::vector<std::string>& arguments) {
-  for (const std::string& argument : arguments) {
-    if (argument == "--") return;
-    if (argument.starts_with("--") && argument.ends_with('=')) {
-      throw UsageError(fmt::format("{} needs a value", argument));
-    }
-  }
-}
-
-[[noreturn]] void refuse_extra(const std::string& extra) {
-  if (!extra.starts_with('-')) {
-    throw UsageError(
-        fmt::format("unexpected argument '{}' after FILE, PROBE, SPACING and MARGIN", extra));
-  }
-  // CLI11 knows `-1` as a number, but takes `-.5` and `-inf` for options.
-  if (whole_text<double>(extra)) {
-    throw UsageError(fmt::format("'{}' is negative; PROBE, SPACING and MARGIN never are", extra));
-  }
-  std::error_code ignored;
-  const bool is_file = std::filesystem::exists(extra, ignored);
-  throw UsageError(fmt::format("unknown option '{}'{}", extra,
-                               is_file ? "; the file of that name goes after --" : ""));
-}
-
-void refuse_extras(const CLI::App& app) {
+// CLI11 knows `-1` as a number, but takes `-.5` and `-inf` for options.
+void refuse_negative_numbers(const CLI::App& app) {
   for (const std::string& extra : app.remaining()) {
-    if (extra != "--") refuse_extra(extra);
-  }
-}
-
-void parse(CLI::App& app, std::vector<std::string> arguments) {
-  refuse_empty_values(arguments);
-  const std::string last = arguments.empty() ? "" : arguments.back();
-  std::reverse(arguments.begin(), arguments.end());  // as CLI11 wants them
-  try {
-    app.parse(std::move(arguments));
-  } catch (const CLI::ArgumentMismatch&) {
-    // Values are eaten whatever they look like, so only the last option can lack one.
-    throw UsageError(fmt::format("{} needs a value", last));
+    if (extra.starts_with('-') && whole_text<double>(extra)) {
+      throw UsageError(fmt::format("'{}' is negative; PROBE, SPACING and MARGIN never are", extra));
+    }
   }
 }
 
@@ -323,11 +222,10 @@ std::variant<Options, Notice> parse_command_line(int argc, const char* const* ar
     parse(app, {argv + std::min(argc, 1), argv + argc});
   } catch (const CLI::CallForHelp&) {
     return Notice{app.help() + footer};
-  } catch (const CLI::ParseError& error) {
-    throw UsageError(error.what());
   }
   if (is_set(app, "--version")) return Notice{version_text()};
-  refuse_extras(app);
+  refuse_negative_numbers(app);
+  refuse_extras(app, "FILE, PROBE, SPACING and MARGIN");
   return options_of(app);
 }
 

@@ -2,10 +2,9 @@
 /// The command line as plain data.
 
 #include <filesystem>
-#include <stdexcept>
-#include <string>
 #include <variant>
 
+#include "cli/usage.hpp"
 #include "eses/read_atoms.hpp"
 #include "eses/run.hpp"
 
@@ -20,17 +19,6 @@ struct Options {
   std::filesystem::path output_directory = ".";
   bool quiet = false;
   bool json = false;
-};
-
-/// A text to print in place of a run: `--help` or `--version`.
-struct Notice {
-  std::string text;
-};
-
-/// A command line that asks for nothing sensible; `what()` names option, value and expectation.
-class UsageError : public std::runtime_error {
- public:
-  using std::runtime_error::runtime_error;
 };
 
 /// Throws UsageError.

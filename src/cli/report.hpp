@@ -36,6 +36,9 @@ std::string json_text(const Report& report);
 /// `text` as a single line: bytes that would move a terminal's cursor become `?`.
 std::string one_line(std::string_view text);
 
+/// `1 edge`, `2 edges`
+std::string counted(std::int64_t count, std::string_view noun);
+
 /// What to say if the grid cuts the surface; see eses::cut_depth.
 std::string cut_warning(const Report& report);
 

@@ -8,7 +8,6 @@
 #include <algorithm>
 #include <array>
 #include <cerrno>
-#include <charconv>
 #include <cmath>
 #include <cstddef>
 #include <limits>
@@ -19,6 +18,7 @@
 #include <utility>
 
 #include "eses/error.hpp"
+#include "io/text_fields.hpp"
 
 namespace eses {
 namespace {
@@ -27,13 +27,8 @@ namespace {
 // grid that nobody can hold.
 constexpr double largest_length = 1e6;  // angstrom
 
-// A text line longer than this is no atom; it bounds what is looked at for one message.
-constexpr std::size_t longest_line = 4096;  // characters
-
 // `0 0 0 0` and a newline: no atom takes less text.
 constexpr std::size_t shortest_atom_line = 8;  // characters
-
-constexpr std::size_t longest_quotation = 40;  // characters of the user's text in a message
 
 // What one read asks for: no more than the file has, unless its size is unknown, and little enough
 // that a large binary file passed by mistake is noticed at once.
@@ -44,10 +39,6 @@ constexpr std::size_t largest_read = std::size_t{1} << 20;   // bytes
 constexpr std::size_t most_atoms = std::numeric_limits<AtomIndex>::max();
 
 // ---------------------------------------------------------------------------- characters, fields
-
-constexpr bool is_blank(char c) { return c == ' ' || c == '\t'; }
-
-constexpr bool is_digit(char c) { return c >= '0' && c <= '9'; }
 
 constexpr bool is_control(char c) {
   // Bitwise, as the compiler vectorises no short-circuits.
@@ -62,22 +53,6 @@ bool starts_with_ignoring_case(std::string_view text, std::string_view lower_cas
   return text.size() >= lower_case_prefix.size() &&
          std::equal(lower_case_prefix.begin(), lower_case_prefix.end(), text.begin(),
                     [](char expected, char c) { return to_lower(c) == expected; });
-}
-
-std::string_view without_leading_blanks(std::string_view text) {
-  std::size_t start = 0;
-  while (start < text.size() && is_blank(text[start])) ++start;
-  return text.substr(start);
-}
-
-/// Removes the first field from `rest`; empty if there is none.
-std::string_view take_first(std::string_view& rest) {
-  rest = without_leading_blanks(rest);
-  std::size_t end = 0;
-  while (end < rest.size() && !is_blank(rest[end])) ++end;
-  const std::string_view field = rest.substr(0, end);
-  rest.remove_prefix(end);
-  return field;
 }
 
 /// Removes the last field from `rest`; empty if there is none.
@@ -103,22 +78,6 @@ std::string_view take_line(std::string_view& rest) {
   rest.remove_prefix(std::min(end + 1, rest.size()));
   while (line.ends_with('\r')) line.remove_suffix(1);
   return line;
-}
-
-/// For messages: whatever the file holds, the result is short, printable ASCII.
-std::string quoted(std::string_view text) {
-  std::string result = "\"";
-  for (const char c : text.substr(0, longest_quotation)) {
-    if (c == '"' || c == '\\') result += '\\';
-    if (c >= ' ' && c <= '~') {
-      result += c;
-    } else {
-      result += fmt::format("\\x{:02x}", static_cast<unsigned>(static_cast<unsigned char>(c)));
-    }
-  }
-  result += '"';
-  if (text.size() > longest_quotation) result += "...";
-  return result;
 }
 
 // --------------------------------------------------------------------------------------- numbers
@@ -159,32 +118,9 @@ struct Problem {
   explicit operator bool() const { return fault != Fault::none; }
 };
 
-std::from_chars_result convert(std::string_view text, double& value) {
-  return std::from_chars(text.data(), text.data() + text.size(), value);
-}
-
-Fault fault_of(std::string_view text, std::from_chars_result result) {
-  if (result.ec == std::errc::invalid_argument) return Fault::not_a_number;
-  if (result.ptr != text.data() + text.size()) return Fault::not_a_number;
-  return result.ec == std::errc{} ? Fault::none : Fault::out_of_range;
-}
-
-/// Fortran's double precision exponents have a D, which std::from_chars does not know.
-Fault parse_fortran(std::string_view text, std::size_t exponent_letter, double& value) {
-  std::string with_e(text);
-  with_e[exponent_letter] = 'e';
-  return fault_of(with_e, convert(with_e, value));
-}
-
-Fault parse_number(std::string_view text, double& value) {
-  if (text.starts_with('+')) {
-    text.remove_prefix(1);
-    if (text.starts_with('-')) return Fault::not_a_number;
-  }
-  const std::from_chars_result result = convert(text, value);
-  const auto stop = static_cast<std::size_t>(result.ptr - text.data());
-  if (stop < text.size() && to_lower(text[stop]) == 'd') return parse_fortran(text, stop, value);
-  return fault_of(text, result);
+Fault fault_of(std::errc error) {
+  if (error == std::errc{}) return Fault::none;
+  return error == std::errc::result_out_of_range ? Fault::out_of_range : Fault::not_a_number;
 }
 
 Fault check_value(double value, const Quantity& quantity) {
@@ -194,7 +130,7 @@ Fault check_value(double value, const Quantity& quantity) {
 }
 
 Problem read_value(std::string_view text, const Quantity& quantity, double& value) {
-  Fault fault = text.empty() ? Fault::missing : parse_number(text, value);
+  Fault fault = text.empty() ? Fault::missing : fault_of(parse_number(text, value));
   if (fault == Fault::none) fault = check_value(value, quantity);
   return {fault, quantity.name, text};
 }
@@ -293,7 +229,7 @@ std::string_view coordinate_column(std::string_view line, std::size_t axis) {
 bool is_column_number(std::string_view text) {
   double value = 0;
   return !text.empty() && is_digit(text.back()) && text.find('.') != std::string_view::npos &&
-         parse_number(text, value) == Fault::none;
+         parse_number(text, value) == std::errc{};
 }
 
 bool has_coordinate_columns(std::string_view line) {

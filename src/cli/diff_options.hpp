@@ -1,0 +1,21 @@
+#pragma once
+/// The command line of `eses-blocks diff` as plain data.
+
+#include <array>
+#include <filesystem>
+#include <variant>
+
+#include "cli/usage.hpp"
+
+namespace eses::cli {
+
+struct DiffOptions {
+  std::array<std::filesystem::path, 2> directories;  ///< A and B
+  double tolerance = 1e-6;  ///< angstrom, square angstrom or, for normals, none; >= 0
+  bool json = false;
+};
+
+/// `argv[0]` is `diff`. Throws UsageError.
+std::variant<DiffOptions, Notice> parse_diff_command_line(int argc, const char* const* argv);
+
+}  // namespace eses::cli

@@ -1,0 +1,295 @@
+#include "cli/diff_report.hpp"
+
+#include <fmt/format.h>
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <string_view>
+#include <vector>
+
+#include "cli/json.hpp"
+#include "cli/report.hpp"
+#include "eses/version.hpp"
+
+namespace eses::cli {
+namespace {
+
+std::vector<AtomIndex> atoms_of(const SurfaceEdge& edge) {
+  return {edge.atoms.begin(), edge.atoms.begin() + edge.atom_count};
+}
+
+int sign_of(bool inside) { return inside ? 1 : -1; }
+
+// --- text: items --------------------------------------------------------------------------------
+
+constexpr Sides<std::string_view> side_names{"A", "B"};
+
+std::string text_of(const GridIndex& point) { return fmt::format("{}", fmt::join(point, " ")); }
+
+std::string text_of(const GridEdge& edge) {
+  return fmt::format("{} -> {}", text_of(edge.inside()), text_of(edge.outside()));
+}
+
+std::string text_of(AtomIndex atom) { return fmt::format("atom {}", atom); }
+
+std::string text_of(const GridRow& row_of_a) {
+  return fmt::format("{}: {} in A, {} in B", text_of(row_of_a.point), sign_of(row_of_a.inside),
+                     sign_of(!row_of_a.inside));
+}
+
+std::string text_of(const Sides<SurfaceEdge>& edges) {
+  return fmt::format("{}: {} in A, {} in B", text_of(edges[0].edge),
+                     fmt::join(atoms_of(edges[0]), " "), fmt::join(atoms_of(edges[1]), " "));
+}
+
+template <class Key>
+std::string text_of(const ItemDeviation<Key>& item) {
+  return fmt::format("{}: {:.3g}", text_of(item.key), item.difference);
+}
+
+template <class Item>
+std::string list_text(const Counted<Item>& items, std::string_view title) {
+  if (items.count == 0) return {};
+  const std::size_t shown = items.first.size();
+  const bool all = static_cast<std::int64_t>(shown) == items.count;
+  std::string text =
+      fmt::format("  {}{}:\n", title, all ? "" : fmt::format("; the first {}", shown));
+  for (const Item& item : items.first) text += fmt::format("    {}\n", text_of(item));
+  return text;
+}
+
+template <class Key>
+std::string matching_text(const Matching<Key>& matching, std::string_view noun) {
+  std::string text = fmt::format("  {} in both\n", counted(matching.both, noun));
+  for (const std::size_t side : both_sides) {
+    const auto& only = matching.only[side];
+    text +=
+        list_text(only, fmt::format("{} in {} alone", counted(only.count, noun), side_names[side]));
+  }
+  for (const std::size_t side : both_sides) {
+    const auto& repeated = matching.repeated[side];
+    text += list_text(repeated, fmt::format("{} in {} repeated, not compared",
+                                            counted(repeated.count, noun), side_names[side]));
+  }
+  return text;
+}
+
+template <class Key>
+std::string deviation_text(const Deviation<Key>& deviation, std::string_view quantity,
+                           std::string_view unit, std::string_view noun) {
+  const auto& [key, largest] = deviation.largest;
+  if (largest == 0) return fmt::format("  {}: no difference\n", quantity);
+  return fmt::format("  {}: at most {:.3g}{} apart ({}), {:.3g} on average\n", quantity, largest,
+                     unit, text_of(key), deviation.mean) +
+         list_text(deviation.above, fmt::format("{}: {} above the tolerance", quantity,
+                                                counted(deviation.above.count, noun)));
+}
+
+// --- text: files --------------------------------------------------------------------------------
+
+std::string details(const BoxDifference& box) {
+  const auto points = [&box](std::size_t side) {
+    return fmt::format("{} points", fmt::join(box.boxes[side].size, " x "));
+  };
+  const std::string size = box.same_size ? points(0) + " in both"
+                                         : fmt::format("{} in A, {} in B", points(0), points(1));
+  const std::string corners = box.corners == 0
+                                  ? "no difference"
+                                  : fmt::format("at most {:.3g} angstrom apart", box.corners);
+  return fmt::format("  {}\n  corners: {}\n", size, corners);
+}
+
+std::string details(const PointDifference& points) {
+  return matching_text(points.matching, "point") +
+         list_text(points.other_sign, fmt::format("{} inside in one alone",
+                                                  counted(points.other_sign.count, "point")));
+}
+
+std::string details(const EdgeDifference& edges) {
+  std::string text = matching_text(edges.matching, "edge") +
+                     deviation_text(edges.position, "position", " angstrom", "edge") +
+                     deviation_text(edges.normal, "normal", "", "edge");
+  const std::int64_t other = edges.other_atoms.count, touching = edges.same_contact;
+  if (other == 0 && touching == 0) text += "  atoms: no difference\n";
+  text += list_text(edges.other_atoms,
+                    fmt::format("atoms: {} with other atoms", counted(other, "edge")));
+  if (touching > 0) {
+    text += fmt::format(
+        "  atoms: {} with other atoms of a probe that touches more than three; no difference\n",
+        counted(touching, "edge"));
+  }
+  return text;
+}
+
+std::string details(const AreaDifference& areas, bool shares_moved) {
+  constexpr std::string_view unit = " square angstrom";
+  std::string text = matching_text(areas.matching, "atom");
+  if (shares_moved) {
+    Deviation<AtomIndex> before = areas.area;
+    before.above = {};
+    text += deviation_text(before, "area", unit, "atom") +
+            deviation_text(areas.unexplained, "area, allowing for the shares of those edges", unit,
+                           "atom");
+  } else {
+    text += deviation_text(areas.area, "area", unit, "atom");
+  }
+  const auto& [a, b] = areas.total;
+  return text + fmt::format("  total: {:.10g} in A, {:.10g} in B\n", a, b);
+}
+
+std::string verdict(Standing standing, bool same) {
+  switch (standing) {
+    case Standing::compared:
+      return same ? "the same" : "different";
+    case Standing::only_in_a:
+      return "only in A";
+    case Standing::only_in_b:
+      return "only in B";
+    case Standing::in_neither:
+      return "in neither";
+    case Standing::other_grid:
+      return "not compared: the grids have other sizes";
+  }
+  return {};
+}
+
+}  // namespace
+
+std::string diff_text(const DiffOptions& options, const Differences& found) {
+  std::string text = fmt::format("A: {}\nB: {}\n", one_line(options.directories[0].string()),
+                                 one_line(options.directories[1].string()));
+  const auto add = [&](EsesFile file, bool same, const std::string& file_details) {
+    const Standing standing = found.standing_of(file);
+    text += fmt::format("{}: {}\n", name_of(file), verdict(standing, same));
+    if (standing == Standing::compared) text += file_details;
+  };
+  add(EsesFile::box, found.box.same(), details(found.box));
+  add(EsesFile::grid, found.points.same(), details(found.points));
+  add(EsesFile::edges, found.edges.same(), details(found.edges));
+  add(EsesFile::areas, found.areas.same(), details(found.areas, found.edges.same_contact > 0));
+  return text + fmt::format("{}, with a tolerance of {}\n", found.same() ? "the same" : "different",
+                            options.tolerance);
+}
+
+// --- JSON ---------------------------------------------------------------------------------------
+
+namespace {
+
+std::string json_of(AtomIndex atom) { return json::number(atom); }
+
+std::string json_of(const GridIndex& index) { return json::triple(index[0], index[1], index[2]); }
+
+std::string json_of(const GridEdge& edge) {
+  return json::array({json_of(edge.inside()), json_of(edge.outside())});
+}
+
+std::string json_of(const SurfaceEdge& edge) {
+  std::vector<std::string> atoms;
+  for (const AtomIndex atom : atoms_of(edge)) atoms.push_back(json_of(atom));
+  return json::array(atoms);
+}
+
+std::string json_of(const GridRow& row_of_a) {
+  return json::object({{"at", json_of(row_of_a.point)},
+                       {"a", json::number(sign_of(row_of_a.inside))},
+                       {"b", json::number(sign_of(!row_of_a.inside))}});
+}
+
+std::string json_of(const Sides<SurfaceEdge>& edges) {
+  return json::object(
+      {{"at", json_of(edges[0].edge)}, {"a", json_of(edges[0])}, {"b", json_of(edges[1])}});
+}
+
+template <class Key>
+std::string json_of(const ItemDeviation<Key>& item) {
+  return json::object({{"at", json_of(item.key)}, {"difference", json::number(item.difference)}});
+}
+
+template <class Item>
+std::string json_of(const Counted<Item>& items) {
+  std::vector<std::string> first;
+  for (const Item& item : items.first) first.push_back(json_of(item));
+  return json::object({{"count", json::number(items.count)}, {"first", json::array(first)}});
+}
+
+template <class Key>
+std::string json_of(const Matching<Key>& matching) {
+  return json::object({{"both", json::number(matching.both)},
+                       {"only_in_a", json_of(matching.only[0])},
+                       {"only_in_b", json_of(matching.only[1])},
+                       {"repeated_in_a", json_of(matching.repeated[0])},
+                       {"repeated_in_b", json_of(matching.repeated[1])}});
+}
+
+template <class Key>
+std::string json_of(const Deviation<Key>& deviation) {
+  return json::object({{"largest", json::number(deviation.largest.difference)},
+                       {"mean", json::number(deviation.mean)},
+                       {"above_tolerance", json_of(deviation.above)}});
+}
+
+std::string json_of(const BoxDifference& box) {
+  return json::object({{"size_in_a", json_of(box.boxes[0].size)},
+                       {"size_in_b", json_of(box.boxes[1].size)},
+                       {"corners", json::number(box.corners)}});
+}
+
+std::string json_of(const PointDifference& points) {
+  return json::object(
+      {{"points", json_of(points.matching)}, {"other_sign", json_of(points.other_sign)}});
+}
+
+std::string json_of(const EdgeDifference& edges) {
+  return json::object({{"edges", json_of(edges.matching)},
+                       {"position", json_of(edges.position)},
+                       {"normal", json_of(edges.normal)},
+                       {"other_atoms", json_of(edges.other_atoms)},
+                       {"same_contact", json::number(edges.same_contact)}});
+}
+
+std::string json_of(const AreaDifference& areas) {
+  return json::object({{"atoms", json_of(areas.matching)},
+                       {"area", json_of(areas.area)},
+                       {"area_allowing_for_shares", json_of(areas.unexplained)},
+                       {"total_in_a", json::number(areas.total[0])},
+                       {"total_in_b", json::number(areas.total[1])}});
+}
+
+std::string_view name_of(Standing standing) {
+  constexpr std::array<std::string_view, 5> names{"compared", "only in A", "only in B",
+                                                  "in neither", "other grid"};
+  return names[static_cast<std::size_t>(standing)];
+}
+
+template <class Difference>
+std::string file_json(Standing standing, const Difference& difference) {
+  const bool compared = standing == Standing::compared;
+  return json::object({{"standing", json::string(name_of(standing))},
+                       {"same", !compared           ? "null"
+                                : difference.same() ? "true"
+                                                    : "false"},
+                       {"found", compared ? json_of(difference) : "null"}});
+}
+
+}  // namespace
+
+std::string diff_json_text(const DiffOptions& options, const Differences& found) {
+  const auto file = [&found](EsesFile which, const auto& difference) {
+    return file_json(found.standing_of(which), difference);
+  };
+  return json::object({{"program", json::string("eses-blocks diff")},
+                       {"version", json::string(version)},
+                       {"a", json::string(options.directories[0].string())},
+                       {"b", json::string(options.directories[1].string())},
+                       {"tolerance", json::number(options.tolerance)},
+                       {"same", found.same() ? "true" : "false"},
+                       {"bounding_box", file(EsesFile::box, found.box)},
+                       {"grid_info", file(EsesFile::grid, found.points)},
+                       {"intersection_info", file(EsesFile::edges, found.edges)},
+                       {"partition_area", file(EsesFile::areas, found.areas)}},
+                      ",\n ") +
+         "\n";
+}
+
+}  // namespace eses::cli

@@ -1,0 +1,153 @@
+#include "diff/compare_directories.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <optional>
+#include <system_error>
+
+#include "diff/compare_areas.hpp"
+#include "diff/compare_edges.hpp"
+#include "diff/compare_points.hpp"
+#include "eses/error.hpp"
+#include "io/eses_files.hpp"
+
+namespace eses {
+namespace {
+
+constexpr std::array every_file{EsesFile::box, EsesFile::grid, EsesFile::edges, EsesFile::areas};
+
+/// One file of either directory.
+using Paths = Sides<std::optional<std::filesystem::path>>;
+using AllPaths = std::array<Paths, every_file.size()>;
+
+const Paths& paths_of(const AllPaths& paths, EsesFile file) {
+  return paths[static_cast<std::size_t>(file)];
+}
+
+void expect_directory(const std::filesystem::path& path) {
+  std::error_code error;
+  if (std::filesystem::is_directory(path, error)) return;
+  throw Error(fmt::format("{}: {}", path.string(), error ? error.message() : "not a directory"));
+}
+
+/// To compare nothing would find everything the same.
+void expect_files(const AllPaths& paths, const Sides<std::filesystem::path>& directories) {
+  for (const std::size_t side : both_sides) {
+    const bool has_one = std::any_of(paths.begin(), paths.end(),
+                                     [side](const Paths& file) { return file[side].has_value(); });
+    if (has_one) continue;
+    throw Error(fmt::format("{}: holds none of {}, plain or gzipped", directories[side].string(),
+                            fmt::join(eses_file_names, ", ")));
+  }
+}
+
+AllPaths find_files(const Sides<std::filesystem::path>& directories) {
+  for (const std::filesystem::path& directory : directories) expect_directory(directory);
+  AllPaths paths;
+  for (const EsesFile file : every_file) {
+    for (const std::size_t side : both_sides) {
+      paths[static_cast<std::size_t>(file)][side] = find_eses_file(directories[side], file);
+    }
+  }
+  expect_files(paths, directories);
+  return paths;
+}
+
+/// What is known of the grids: by the boxes or, failing them, by the points.
+struct Grids {
+  Sides<std::optional<BoundingBox>> boxes;
+  Sides<std::optional<GridIndex>> sizes;
+
+  bool same_size() const { return !sizes[0] || !sizes[1] || *sizes[0] == *sizes[1]; }
+};
+
+Grids read_grids(const AllPaths& paths) {
+  Grids grids;
+  for (const std::size_t side : both_sides) {
+    if (const auto& box = paths_of(paths, EsesFile::box)[side]) {
+      grids.boxes[side] = read_bounding_box(*box);
+      grids.sizes[side] = grids.boxes[side]->size;
+    } else if (const auto& points = paths_of(paths, EsesFile::grid)[side]) {
+      grids.sizes[side] = extent_of_points(*points);
+    }
+  }
+  return grids;
+}
+
+/// Angstrom; nothing for a grid of one point.
+std::optional<double> spacing_of(const BoundingBox& box) {
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    if (box.size[axis] < 2) continue;
+    return (box.upper[axis] - box.lower[axis]) / static_cast<double>(box.size[axis] - 1);
+  }
+  return std::nullopt;
+}
+
+ComparedGrids compared_grids(const Grids& grids) {
+  ComparedGrids result;
+  for (const std::size_t side : both_sides) {
+    if (!grids.boxes[side]) continue;
+    result.sizes[side] = grids.boxes[side]->size;
+    if (!result.spacing) result.spacing = spacing_of(*grids.boxes[side]);
+  }
+  return result;
+}
+
+Standing standing_of(EsesFile file, const Paths& paths, const Grids& grids) {
+  if (!paths[0]) return paths[1] ? Standing::only_in_b : Standing::in_neither;
+  if (!paths[1]) return Standing::only_in_a;
+  const bool needs_same_grid = file == EsesFile::grid || file == EsesFile::edges;
+  return needs_same_grid && !grids.same_size() ? Standing::other_grid : Standing::compared;
+}
+
+BoxDifference compare_boxes(const Sides<BoundingBox>& boxes, double tolerance) {
+  BoxDifference result;
+  result.boxes = boxes;
+  const auto& [a, b] = boxes;
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    result.corners = std::max({result.corners, std::fabs(a.lower[axis] - b.lower[axis]),
+                               std::fabs(a.upper[axis] - b.upper[axis])});
+  }
+  result.same_corners = result.corners <= tolerance;
+  result.same_size = a.size == b.size;
+  return result;
+}
+
+}  // namespace
+
+Differences compare_directories(const Sides<std::filesystem::path>& directories, double tolerance) {
+  const AllPaths paths = find_files(directories);
+  const Grids grids = read_grids(paths);
+  Differences result;
+  for (const EsesFile file : every_file) {
+    result.standing[static_cast<std::size_t>(file)] =
+        standing_of(file, paths_of(paths, file), grids);
+  }
+  const auto is_compared = [&result](EsesFile file) {
+    return result.standing_of(file) == Standing::compared;
+  };
+  const auto both = [&paths](EsesFile file) {
+    const Paths& pair = paths_of(paths, file);
+    return Sides<std::filesystem::path>{*pair[0], *pair[1]};
+  };
+
+  if (is_compared(EsesFile::box)) {
+    result.box = compare_boxes({*grids.boxes[0], *grids.boxes[1]}, tolerance);
+  }
+  if (is_compared(EsesFile::grid)) {
+    result.points = compare_points(both(EsesFile::grid), *grids.sizes[0]);
+  }
+  AreaShifts shifts;
+  if (is_compared(EsesFile::edges)) {
+    result.edges = compare_edges(both(EsesFile::edges), compared_grids(grids), tolerance, shifts);
+  }
+  if (is_compared(EsesFile::areas)) {
+    result.areas = compare_areas(both(EsesFile::areas), shifts, tolerance);
+  }
+  return result;
+}
+
+}  // namespace eses

@@ -1,0 +1,123 @@
+#include "diff/compare_points.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <vector>
+
+#include "eses/error.hpp"
+#include "io/eses_files.hpp"
+#include "run/resources.hpp"
+
+namespace eses {
+namespace {
+
+/// The point after `point`, x fastest; behind the last point it lies above the grid.
+void advance(GridIndex& point, const GridIndex& size) {
+  if (++point[0] < size[0]) return;
+  point[0] = 0;
+  if (++point[1] < size[1]) return;
+  point[1] = 0;
+  ++point[2];
+}
+
+/// Nothing if a file is not in order, or does not list every point once.
+std::optional<PointDifference> compare_in_lock_step(const Sides<std::filesystem::path>& paths,
+                                                    const GridIndex& size) {
+  GridReader reader_a(paths[0], size), reader_b(paths[1], size);
+  PointDifference result;
+  GridRow a, b;
+  for (GridIndex expected{}; expected[2] < size[2]; advance(expected, size)) {
+    if (!reader_a.next(a) || !reader_b.next(b)) return std::nullopt;
+    if (a.point != expected || b.point != expected) return std::nullopt;
+    if (a.inside != b.inside) result.other_sign.add(a);
+    ++result.matching.both;
+  }
+  if (reader_a.next(a) || reader_b.next(b)) return std::nullopt;
+  return result;
+}
+
+/// The points of a file, as two bits for every point of the grid.
+class PointTable {
+ public:
+  explicit PointTable(const GridIndex& size)
+      : size_(size), listed_(point_count()), inside_(point_count()) {}
+
+  void read(const std::filesystem::path& path, Counted<GridIndex>& repeated) {
+    GridRow row;
+    for (GridReader reader(path, size_); reader.next(row);) {
+      const std::size_t number = number_of(row.point);
+      if (listed_[number]) {
+        repeated.add(row.point);
+      } else {
+        listed_[number] = true;
+        inside_[number] = row.inside;
+      }
+    }
+  }
+  bool lists(const GridIndex& point) const { return listed_[number_of(point)]; }
+  bool is_inside(const GridIndex& point) const { return inside_[number_of(point)]; }
+
+ private:
+  std::size_t point_count() const {
+    return static_cast<std::size_t>(size_[0] * size_[1] * size_[2]);
+  }
+  std::size_t number_of(const GridIndex& point) const {
+    return static_cast<std::size_t>((point[2] * size_[1] + point[1]) * size_[0] + point[0]);
+  }
+
+  GridIndex size_;
+  std::vector<bool> listed_, inside_;
+};
+
+void refuse_what_memory_cannot_hold(const std::filesystem::path& path, const GridIndex& size) {
+  double bytes = 2 * 2.0 / 8;  // two bits a point for either side
+  for (const std::int64_t n : size) bytes *= static_cast<double>(n);
+  if (bytes < static_cast<double>(available_memory())) return;
+  throw Error(
+      fmt::format("{}: not every one of the {} points is listed in ESES's order; to compare them "
+                  "then takes {:.3g} GB of memory",
+                  path.string(), fmt::join(size, " x "), bytes / 1e9));
+}
+
+PointDifference compare_in_any_order(const Sides<std::filesystem::path>& paths,
+                                     const GridIndex& size) {
+  refuse_what_memory_cannot_hold(paths[0], size);
+  PointDifference result;
+  Matching<GridIndex>& matching = result.matching;
+  PointTable a(size), b(size);
+  a.read(paths[0], matching.repeated[0]);
+  b.read(paths[1], matching.repeated[1]);
+  for (GridIndex point{}; point[2] < size[2]; advance(point, size)) {
+    const bool in_a = a.lists(point), in_b = b.lists(point);
+    if (in_a != in_b) matching.only[in_a ? 0 : 1].add(point);
+    if (!in_a || !in_b) continue;
+    ++matching.both;
+    if (a.is_inside(point) != b.is_inside(point)) {
+      result.other_sign.add({point, a.is_inside(point)});
+    }
+  }
+  return result;
+}
+
+}  // namespace
+
+PointDifference compare_points(const Sides<std::filesystem::path>& paths, const GridIndex& size) {
+  std::optional<PointDifference> result = compare_in_lock_step(paths, size);
+  return result ? *result : compare_in_any_order(paths, size);
+}
+
+GridIndex extent_of_points(const std::filesystem::path& path) {
+  GridIndex size{};
+  GridRow row;
+  for (GridReader reader(path); reader.next(row);) {
+    for (std::size_t axis = 0; axis < 3; ++axis)
+      size[axis] = std::max(size[axis], row.point[axis] + 1);
+  }
+  return size;
+}
+
+}  // namespace eses

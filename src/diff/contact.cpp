@@ -1,0 +1,44 @@
+#include "diff/contact.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace eses {
+
+void ContactSpheres::add_convex(const SurfaceEdge& edge) {
+  // Welford's update: no difference of large sums.
+  Fit& fit = fits_[edge.atoms[0]];
+  const double weight = 1 / static_cast<double>(++fit.count);
+  const Vec3 normal_step = edge.normal - fit.normal;
+  fit.normal = fit.normal + weight * normal_step;
+  fit.position = fit.position + weight * (edge.position - fit.position);
+  fit.covariance += dot(normal_step, edge.position - fit.position);
+  fit.variance += dot(normal_step, edge.normal - fit.normal);
+}
+
+std::optional<Sphere> ContactSpheres::sphere(AtomIndex atom) const {
+  const auto found = fits_.find(atom);
+  if (found == fits_.end() || found->second.variance <= 0) return std::nullopt;
+  const Fit& fit = found->second;
+  const double radius = fit.covariance / fit.variance;
+  return Sphere{fit.position - radius * fit.normal, radius};
+}
+
+bool touches_all(const SurfaceEdge& edge, std::span<const Sphere> spheres, double tolerance) {
+  // |v + p n|^2 = (r + p)^2 with v = position - centre and |n| = 1: |v|^2 - r^2 = 2 p (r - n.v).
+  double product = 0, square = 0;
+  for (const Sphere& sphere : spheres) {
+    const Vec3 v = edge.position - sphere.center;
+    const double slope = 2 * (sphere.radius - dot(edge.normal, v));
+    product += slope * (squared_norm(v) - sphere.radius * sphere.radius);
+    square += slope * slope;
+  }
+  const double probe_radius = product / square;
+  const Vec3 probe_center = edge.position + probe_radius * edge.normal;
+  return std::all_of(spheres.begin(), spheres.end(), [&](const Sphere& sphere) {
+    const double gap = norm(probe_center - sphere.center) - sphere.radius - probe_radius;
+    return std::fabs(gap) <= tolerance;  // false for what is no number
+  });
+}
+
+}  // namespace eses

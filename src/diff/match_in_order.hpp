@@ -1,0 +1,50 @@
+#pragma once
+/// Matching two lists that are in the order of their keys.
+
+#include <cstddef>
+#include <functional>
+#include <type_traits>
+#include <utility>
+
+#include "diff/differences.hpp"
+
+namespace eses {
+
+/// Hands out the next item; false behind the last.
+template <class Item>
+using ItemStream = std::function<bool(Item&)>;
+
+/// Calls `both(a, b)` for every pair of items with the same key, and tells which others there are.
+/// Of items that repeat a key the first one counts.
+template <class Item, class KeyOf, class Both>
+auto match_in_order(Sides<ItemStream<Item>> lists, KeyOf key_of, Both both) {
+  Matching<std::decay_t<decltype(key_of(std::declval<const Item&>()))>> matching;
+  Sides<Item> items;
+  Sides<bool> more{};
+  const auto advance = [&](std::size_t side) {
+    const auto last = key_of(items[side]);
+    while ((more[side] = lists[side](items[side])) && key_of(items[side]) == last) {
+      matching.repeated[side].add(last);
+    }
+  };
+  const auto add_only = [&](std::size_t side) {
+    matching.only[side].add(key_of(items[side]));
+    advance(side);
+  };
+  for (const std::size_t side : both_sides) more[side] = lists[side](items[side]);
+  while (more[0] || more[1]) {
+    if (!more[1] || (more[0] && key_of(items[0]) < key_of(items[1]))) {
+      add_only(0);
+    } else if (!more[0] || key_of(items[1]) < key_of(items[0])) {
+      add_only(1);
+    } else {
+      ++matching.both;
+      both(items[0], items[1]);
+      advance(0);
+      advance(1);
+    }
+  }
+  return matching;
+}
+
+}  // namespace eses

@@ -1,0 +1,130 @@
+#pragma once
+/// Reading the files that ESES and this program write: plain or gzipped, in any order of lines,
+/// with numbers in any spelling of C or Fortran, line by line. Every reader throws Error, naming
+/// file, line and field, at the first line that is not as the format says.
+
+#include <array>
+#include <compare>
+#include <cstddef>
+#include <cstdint>
+#include <filesystem>
+#include <limits>
+#include <optional>
+#include <string_view>
+
+#include "eses/atoms.hpp"
+#include "eses/grid.hpp"
+#include "eses/vec3.hpp"
+#include "io/line_reader.hpp"
+
+namespace eses {
+
+enum class EsesFile { box, grid, edges, areas };
+
+inline constexpr std::array<std::string_view, 4> eses_file_names{
+    "bounding_box.txt", "grid_info.txt", "intersection_info.txt", "partition_area.txt"};
+
+constexpr std::string_view name_of(EsesFile file) {
+  return eses_file_names[static_cast<std::size_t>(file)];
+}
+
+/// NAME in `directory` or, where there is none, NAME.gz.
+std::optional<std::filesystem::path> find_eses_file(const std::filesystem::path& directory,
+                                                    EsesFile file);
+
+/// What bounding_box.txt holds.
+struct BoundingBox {
+  Vec3 lower, upper;  ///< first and last grid point, angstrom
+  GridIndex size{};   ///< points along x, y and z, > 0
+};
+
+BoundingBox read_bounding_box(const std::filesystem::path& path);
+
+/// The most points along an axis that the readers take; where the true size is unknown, it stands
+/// for it.
+inline constexpr std::int64_t most_grid_points = std::numeric_limits<std::int32_t>::max();
+inline constexpr GridIndex unknown_size{most_grid_points, most_grid_points, most_grid_points};
+
+/// A line of grid_info.txt.
+struct GridRow {
+  GridIndex point{};
+  bool inside = false;
+};
+
+class GridReader {
+ public:
+  explicit GridReader(const std::filesystem::path& path, const GridIndex& size = unknown_size)
+      : lines_(path), size_(size) {}
+  bool next(GridRow& row);
+
+ private:
+  LineReader lines_;
+  GridIndex size_;
+};
+
+/// A grid edge with one end inside and one outside, as a place in the grid. They are ordered by
+/// their lower grid point (z, then y, then x), then by axis.
+struct GridEdge {
+  std::array<std::int32_t, 3> lower{};  ///< grid index of its lower end
+  std::uint8_t axis = 0;                ///< 0, 1, 2: it runs along x, y, z
+  bool lower_is_inside = false;
+
+  GridIndex inside() const { return end(lower_is_inside ? 0 : 1); }
+  GridIndex outside() const { return end(lower_is_inside ? 1 : 0); }
+
+  friend bool operator==(const GridEdge&, const GridEdge&) = default;
+  friend std::strong_ordering operator<=>(const GridEdge& a, const GridEdge& b) {
+    if (const auto order = a.high_key() <=> b.high_key(); order != 0) return order;
+    return a.low_key() <=> b.low_key();
+  }
+
+ private:
+  GridIndex end(std::int64_t step) const {
+    GridIndex index{lower[0], lower[1], lower[2]};
+    index[axis] += step;
+    return index;
+  }
+  std::int64_t high_key() const { return std::int64_t{lower[2]} << 32 | lower[1]; }
+  std::int64_t low_key() const {
+    return std::int64_t{lower[0]} << 3 | axis << 1 | static_cast<int>(lower_is_inside);
+  }
+};
+
+/// A line of intersection_info.txt.
+struct SurfaceEdge {
+  GridEdge edge;
+  Vec3 position;                     ///< of the crossing, angstrom
+  Vec3 normal;                       ///< outward unit normal
+  std::array<AtomIndex, 3> atoms{};  ///< adjacent atoms, ascending; the first `atom_count` count
+  std::uint8_t atom_count = 0;       ///< 1 to 3, different ones
+};
+
+class EdgeReader {
+ public:
+  explicit EdgeReader(const std::filesystem::path& path, const GridIndex& size = unknown_size)
+      : lines_(path), size_(size) {}
+  bool next(SurfaceEdge& edge);
+  /// The next line as far as it tells the place; what follows on it is not looked at.
+  bool next(GridEdge& edge);
+
+ private:
+  LineReader lines_;
+  GridIndex size_;
+};
+
+/// A line of partition_area.txt.
+struct AtomArea {
+  AtomIndex atom = 0;
+  double area = 0;  ///< square angstrom
+};
+
+class AreaReader {
+ public:
+  explicit AreaReader(const std::filesystem::path& path) : lines_(path) {}
+  bool next(AtomArea& area);
+
+ private:
+  LineReader lines_;
+};
+
+}  // namespace eses

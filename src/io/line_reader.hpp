@@ -1,0 +1,48 @@
+#pragma once
+/// Text files, plain or gzipped, line by line, in memory that does not grow with the file.
+
+#include <zlib.h>
+
+#include <cstdint>
+#include <filesystem>
+#include <memory>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace eses {
+
+/// Whether a file is gzipped is told by its first bytes, not by its name. Every failure throws
+/// Error, naming the file and, once it is open, the line.
+class LineReader {
+ public:
+  explicit LineReader(const std::filesystem::path& path);
+
+  /// The next line without its end, LF or CRLF, valid until the next call; false behind the last.
+  /// A line without an end is refused: the file has been cut off.
+  bool next(std::string_view& line);
+
+  /// The next line, where there must be one; `what` tells what it should hold.
+  std::string_view expect(std::string_view what);
+
+  /// Throws Error about the line that was read last.
+  [[noreturn]] void fail(std::string_view what) const;
+
+ private:
+  void refill();
+  [[noreturn]] void fail_at(std::uint64_t line, std::string_view what) const;
+  [[noreturn]] void fail_to_read(int zlib_error) const;
+
+  struct Close {
+    void operator()(gzFile_s* file) const { gzclose(file); }
+  };
+
+  std::string name_;
+  std::unique_ptr<gzFile_s, Close> file_;
+  std::vector<char> buffer_;
+  std::size_t begin_ = 0, end_ = 0;  // of what is in the buffer and not yet handed out
+  bool at_end_of_file_ = false;
+  std::uint64_t line_ = 0;  // 1-based number of the line that was read last
+};
+
+}  // namespace eses

@@ -1,0 +1,31 @@
+#pragma once
+/// A file for what memory should not hold.
+
+#include <cstddef>
+#include <cstdint>
+#include <filesystem>
+#include <span>
+
+namespace eses {
+
+/// A file without a name in the directory for temporary files (TMPDIR, or /tmp), gone with the
+/// object or the process. Every failure throws Error, naming that directory.
+class ScratchFile {
+ public:
+  ScratchFile();
+  ~ScratchFile();
+  ScratchFile(const ScratchFile&) = delete;
+  ScratchFile& operator=(const ScratchFile&) = delete;
+
+  void append(std::span<const std::byte> bytes);
+  /// All of `bytes`, which must have been written.
+  void read_at(std::span<std::byte> bytes, std::uint64_t offset) const;
+  std::uint64_t size() const { return size_; }
+
+ private:
+  std::filesystem::path directory_;
+  int descriptor_ = -1;
+  std::uint64_t size_ = 0;
+};
+
+}  // namespace eses

@@ -1,0 +1,75 @@
+#include "io/text_fields.hpp"
+
+#include <fmt/format.h>
+
+#include <charconv>
+
+namespace eses {
+namespace {
+
+constexpr std::size_t longest_quotation = 40;  // characters of the user's text in a message
+
+std::from_chars_result convert(std::string_view text, double& value) {
+  return std::from_chars(text.data(), text.data() + text.size(), value);
+}
+
+std::errc outcome_of(std::string_view text, std::from_chars_result result) {
+  if (result.ec == std::errc::invalid_argument || result.ptr != text.data() + text.size()) {
+    return std::errc::invalid_argument;
+  }
+  return result.ec;
+}
+
+/// Fortran's double precision exponents have a D, which std::from_chars does not know.
+std::errc parse_fortran(std::string_view text, std::size_t exponent_letter, double& value) {
+  std::string with_e(text);
+  with_e[exponent_letter] = 'e';
+  return outcome_of(with_e, convert(with_e, value));
+}
+
+}  // namespace
+
+std::string_view without_leading_blanks(std::string_view text) {
+  std::size_t start = 0;
+  while (start < text.size() && is_blank(text[start])) ++start;
+  return text.substr(start);
+}
+
+std::string_view take_first(std::string_view& rest) {
+  rest = without_leading_blanks(rest);
+  std::size_t end = 0;
+  while (end < rest.size() && !is_blank(rest[end])) ++end;
+  const std::string_view field = rest.substr(0, end);
+  rest.remove_prefix(end);
+  return field;
+}
+
+std::errc parse_number(std::string_view text, double& value) {
+  if (text.starts_with('+')) {
+    text.remove_prefix(1);
+    if (text.starts_with('-')) return std::errc::invalid_argument;
+  }
+  const std::from_chars_result result = convert(text, value);
+  const auto stop = static_cast<std::size_t>(result.ptr - text.data());
+  if (stop < text.size() && (text[stop] == 'd' || text[stop] == 'D')) {
+    return parse_fortran(text, stop, value);
+  }
+  return outcome_of(text, result);
+}
+
+std::string quoted(std::string_view text) {
+  std::string result = "\"";
+  for (const char c : text.substr(0, longest_quotation)) {
+    if (c == '"' || c == '\\') result += '\\';
+    if (c >= ' ' && c <= '~') {
+      result += c;
+    } else {
+      result += fmt::format("\\x{:02x}", static_cast<unsigned>(static_cast<unsigned char>(c)));
+    }
+  }
+  result += '"';
+  if (text.size() > longest_quotation) result += "...";
+  return result;
+}
+
+}  // namespace eses

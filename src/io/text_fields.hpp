@@ -1,0 +1,31 @@
+#pragma once
+/// Fields of a line of text, parted by blanks and tabs, and the numbers that they spell.
+
+#include <cstddef>
+#include <string>
+#include <string_view>
+#include <system_error>
+
+namespace eses {
+
+/// A text line longer than this holds none of our data; it bounds what is looked at for one
+/// message.
+inline constexpr std::size_t longest_line = 4096;  // characters
+
+constexpr bool is_blank(char c) { return c == ' ' || c == '\t'; }
+constexpr bool is_digit(char c) { return c >= '0' && c <= '9'; }
+
+std::string_view without_leading_blanks(std::string_view text);
+
+/// Removes the first field from `rest`; empty if there is none.
+std::string_view take_first(std::string_view& rest);
+
+/// The number that `text` spells from its first to its last character, in any of the ways that C
+/// and Fortran print one: with a leading `+`, with a D for the exponent, as `inf` or `nan`. Else
+/// std::errc::invalid_argument or, beyond double precision, std::errc::result_out_of_range.
+std::errc parse_number(std::string_view text, double& value);
+
+/// For messages: whatever the file holds, the result is short, printable ASCII.
+std::string quoted(std::string_view text);
+
+}  // namespace eses

@@ -1,0 +1,94 @@
+#include "support/sandbox.hpp"
+
+#include <sys/wait.h>
+
+#include <cstdlib>
+#include <fstream>
+#include <iterator>
+
+#include "catch.hpp"
+
+namespace fs = std::filesystem;
+
+namespace eses::test {
+namespace {
+
+/// What a Python expression says of the JSON report `r`, or nothing where there is no Python.
+std::string ask_json(const Sandbox& sandbox, const std::string& json, const std::string& question) {
+  if (shell("command -v python3 >/dev/null 2>&1") != 0) {
+    WARN("python3 not found, JSON is not parsed");
+    return "";
+  }
+  const std::string in = (sandbox.directory() / "report.json").string();
+  const std::string out = (sandbox.directory() / "answer").string();
+  write_file(in, json);
+  const std::string program =
+      "import json, sys; r = json.loads(sys.stdin.buffer.read().decode('utf-8', 'strict')); "
+      "print(ascii((" +
+      question + ")))";
+  REQUIRE(shell("python3 -c " + shell_quoted(program) + " <" + shell_quoted(in) + " >" +
+                shell_quoted(out)) == 0);
+  return read_file(out);
+}
+
+}  // namespace
+
+std::string read_file(const fs::path& path) {
+  std::ifstream file(path, std::ios::binary);
+  return {std::istreambuf_iterator<char>(file), {}};
+}
+
+void write_file(const fs::path& path, const std::string& text) {
+  std::ofstream(path, std::ios::binary) << text;
+}
+
+std::string shell_quoted(const std::string& text) {
+  std::string result = "'";
+  for (const char c : text) result += c == '\'' ? std::string("'\\''") : std::string(1, c);
+  return result + "'";
+}
+
+int shell(const std::string& command) {
+  const int status = std::system(command.c_str());
+  return WIFEXITED(status) ? WEXITSTATUS(status) : -1;
+}
+
+Sandbox::Sandbox() {
+  fs::create_directory(directory());
+  write_file(directory() / "atom.xyzr", "0.1 0.2 0.3 1.5\n");
+  write_file(directory() / "pair.xyzr", "0 0 0 1.5\n3 0 0 1.7\n");
+}
+
+std::string Sandbox::command(const Arguments& arguments) {
+  std::string result = shell_quoted(ESES_BINARY);
+  for (const std::string& argument : arguments) result.append(" ").append(shell_quoted(argument));
+  return result;
+}
+
+Outcome Sandbox::run(const Arguments& arguments, const std::string& redirections) const {
+  const fs::path out = root_.path() / "stdout", err = root_.path() / "stderr";
+  const int code = shell("cd " + shell_quoted(directory().string()) + " && " + command(arguments) +
+                         " </dev/null >" + shell_quoted(out.string()) + " 2>" +
+                         shell_quoted(err.string()) + " " + redirections);
+  return {code, read_file(out), read_file(err)};
+}
+
+std::set<std::string> Sandbox::files(const fs::path& below) const {
+  std::set<std::string> names;
+  for (const auto& entry : fs::directory_iterator(directory() / below)) {
+    if (entry.path().extension() == ".txt") names.insert(entry.path().filename().string());
+  }
+  return names;
+}
+
+bool contains(const std::string& text, const std::string& part) {
+  return text.find(part) != std::string::npos;
+}
+
+void check_json(const Sandbox& sandbox, const std::string& json, const std::string& question,
+                const std::string& expected) {
+  const std::string answer = ask_json(sandbox, json, question);
+  if (!answer.empty()) CHECK(answer == expected + "\n");
+}
+
+}  // namespace eses::test

@@ -1,0 +1,56 @@
+#pragma once
+/// The real program, run from a shell in a directory of its own.
+
+#include <filesystem>
+#include <set>
+#include <string>
+#include <vector>
+
+#include "support/temporary_directory.hpp"
+
+namespace eses::test {
+
+using Arguments = std::vector<std::string>;
+
+/// Empty if the file cannot be read.
+std::string read_file(const std::filesystem::path& path);
+
+void write_file(const std::filesystem::path& path, const std::string& text);
+
+std::string shell_quoted(const std::string& text);
+
+/// The exit code of a command.
+int shell(const std::string& command);
+
+struct Outcome {
+  int code = -1;
+  std::string out;
+  std::string err;
+};
+
+/// A working directory with a few molecules; the captured streams are kept beside it.
+class Sandbox {
+ public:
+  Sandbox();
+
+  std::filesystem::path directory() const { return root_.path() / "work"; }
+
+  static std::string command(const Arguments& arguments);
+
+  /// Runs the program here; `redirections` is shell text that overrides the capture.
+  Outcome run(const Arguments& arguments, const std::string& redirections = "") const;
+
+  /// The names of the files `*.txt`.
+  std::set<std::string> files(const std::filesystem::path& below = ".") const;
+
+ private:
+  TemporaryDirectory root_;
+};
+
+bool contains(const std::string& text, const std::string& part);
+
+/// Checks what a Python expression says of the JSON report `r`, where there is a Python.
+void check_json(const Sandbox& sandbox, const std::string& json, const std::string& question,
+                const std::string& expected);
+
+}  // namespace eses::test
