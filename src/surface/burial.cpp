@@ -97,7 +97,8 @@ bool is_larger(const BurialCap& a, const BurialCap& b) {
 
 }  // namespace
 
-BurialPatches::BurialPatches(const CoveringDirections& covering) : radius(covering.radius) {
+BurialPatches::BurialPatches(const CoveringDirections& covering)
+    : cosine(std::cos(covering.radius)), sine(std::sin(covering.radius)) {
   for (const Vec3 direction : covering.directions) {
     x.push_back(static_cast<float>(direction.x));
     y.push_back(static_cast<float>(direction.y));
@@ -109,7 +110,6 @@ bool is_buried(std::span<const Cap> caps, double radius, const BurialPatches& pa
                BurialScratch& scratch) {
   const auto keep = ESES_BEST_VERSION(keep_unsettled);
   const auto touches = ESES_BEST_VERSION(any_above);
-  const double patch_cosine = std::cos(patches.radius), patch_sine = std::sin(patches.radius);
   std::size_t count = patches.x.size();
   const auto load = [&](const std::vector<float>& from, std::vector<float>& to) {
     to.resize(count + vector_padding);
@@ -119,11 +119,12 @@ bool is_buried(std::span<const Cap> caps, double radius, const BurialPatches& pa
   load(patches.y, scratch.y);
   load(patches.z, scratch.z);
 
+  const double inverse_radius = 1 / radius;
   auto& order = scratch.order;
   order.clear();
   for (std::uint32_t k = 0; k < caps.size(); ++k) {
     const auto& [axis, height, blocking_height] = caps[k];
-    const auto [settled, touched] = patch_limits(height / radius, patch_cosine, patch_sine);
+    const auto [settled, touched] = patch_limits(height * inverse_radius, patches.cosine, patches.sine);
     order.push_back({static_cast<float>(axis.x), static_cast<float>(axis.y),
                      static_cast<float>(axis.z), static_cast<float>(settled),
                      static_cast<float>(touched), k, false});

@@ -19,7 +19,7 @@ namespace eses {
 /// The covering directions in the layout of the kernel; built once, read by all threads.
 struct BurialPatches {
   std::vector<float> x, y, z;
-  double radius = 0;  ///< angular, of every patch
+  double cosine = 1, sine = 0;  ///< of the angular radius of every patch
 
   explicit BurialPatches(const CoveringDirections& covering);
 };
