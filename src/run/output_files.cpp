@@ -3,8 +3,6 @@
 #include <fmt/format.h>
 #include <unistd.h>
 
-#include <ranges>
-
 #include "eses/error.hpp"
 #include "run/resources.hpp"
 
@@ -73,8 +71,8 @@ void OutputFiles::commit(const std::function<void()>& check) {
   }
   try {
     for (OutputFile* file : files) file->remove_older();
-    for (OutputFile* file : files | std::views::reverse) {
-      file->commit();
+    for (auto file = files.rbegin(); file != files.rend(); ++file) {
+      (*file)->commit();
       check();
     }
   } catch (...) {
