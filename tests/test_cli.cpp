@@ -360,11 +360,14 @@ TEST_CASE("a standard output that takes nothing is an error", "[cli]") {
 TEST_CASE("closed standard streams do not end up in the files", "[cli]") {
   const Sandbox sandbox;
   REQUIRE(sandbox.run({"pair.xyzr", "-o", "good"}).code == 0);
-  sandbox.run({"pair.xyzr", "-q", "-o", "closed"}, ">&- 2>&- <&-");
-  for (const std::string& name : sandbox.files("closed")) {
+  REQUIRE(sandbox.run({"pair.xyzr", "-q", "-o", "closed"}, "2>&- <&-").code == 0);
+  REQUIRE(sandbox.files("closed") == all_files);
+  for (const std::string& name : all_files) {
     CHECK(read_file(sandbox.directory() / "closed" / name) ==
           read_file(sandbox.directory() / "good" / name));
   }
+  CHECK(sandbox.run({"pair.xyzr", "-q", "-o", "none"}, ">&- 2>&- <&-").code == 1);
+  CHECK_FALSE(fs::exists(sandbox.directory() / "none"));
 }
 
 TEST_CASE("a signal ends a run in order: its exit code, and no file", "[cli]") {

@@ -94,7 +94,8 @@ TEST_CASE("a file has its name only once it is committed") {
   const TemporaryDirectory directory;
   const auto path = directory.path() / "file.txt";
   {
-    OutputFile file(path);
+    const OutputDirectory place(directory.path());
+    OutputFile file(place, "file.txt");
     file.write_at(std::string("world"), 6);
     file.write_at(std::string("hello "), 0);
     CHECK_FALSE(std::filesystem::exists(path));
@@ -111,7 +112,8 @@ TEST_CASE("a file that is given up leaves the older one as it was") {
   const auto path = directory.path() / "file.txt";
   std::ofstream(path) << "older";
   {
-    OutputFile file(path);
+    const OutputDirectory place(directory.path());
+    OutputFile file(place, "file.txt");
     file.write_at(std::string("newer"), 0);
   }
   CHECK(read_bytes(path) == "older");

@@ -1,14 +1,19 @@
 // Loops, the ordered window and what failures do to them.
 
 #include <atomic>
+#include <filesystem>
+#include <fstream>
+#include <iterator>
 #include <string>
 #include <vector>
 
 #include "catch.hpp"
 #include "eses/error.hpp"
+#include "eses/run.hpp"
 #include "io/output_file.hpp"
 #include "run/ordered_output.hpp"
 #include "run/parallel.hpp"
+#include "support/atom_sets.hpp"
 #include "support/eses_files.hpp"
 #include "support/temporary_directory.hpp"
 
@@ -49,7 +54,8 @@ TEST_CASE("chunks stand in a file in the order of their numbers") {
                        static_cast<char>('a' + chunk % 26));
   };
   for (std::int64_t chunk = 0; chunk < 500; ++chunk) expected += chunk_text(chunk);
-  OutputFile file(path);
+  const OutputDirectory place(directory.path());
+  OutputFile file(place, "chunks");
   OrderedOutput output(file);
   parallel_for(500, 4, [&](std::int64_t chunk, int) { output.write(chunk, chunk_text(chunk)); });
   CHECK(output.size() == expected.size());
@@ -60,7 +66,8 @@ TEST_CASE("chunks stand in a file in the order of their numbers") {
 
 TEST_CASE("a chunk that never comes does not hold up the others once abandoned") {
   const TemporaryDirectory directory;
-  OutputFile file(directory.path() / "chunks");
+  const OutputDirectory place(directory.path());
+  OutputFile file(place, "chunks");
   OrderedOutput output(file);
   const auto run = [&] {
     parallel_for(8, 4, [&](std::int64_t chunk, int) {
@@ -72,6 +79,82 @@ TEST_CASE("a chunk that never comes does not hold up the others once abandoned")
     });
   };
   CHECK_THROWS_AS(run(), Error);
+}
+
+TEST_CASE("an exception in any block, or before the first, ends a run with its message") {
+  const std::vector<Atom> atoms = make_chain(60, 5);
+  Parameters parameters;
+  parameters.block_size = 12;
+  for (const int threads : {1, 2, 5}) {
+    parameters.threads = threads;
+    const Plan plan = make_plan(atoms, parameters, {});
+    const std::int64_t last = plan.tiling.block_count();
+    REQUIRE(last > 50);
+    for (const std::int64_t bad : {std::int64_t{0}, std::int64_t{1}, last / 2, last}) {
+      INFO(threads << " threads, block " << bad);
+      const TemporaryDirectory directory;
+      const auto attempt = [&] {
+        run(atoms, plan, {}, directory.path(), [&](std::int64_t done, std::int64_t) {
+          if (done >= bad) throw Error("block " + std::to_string(bad) + " failed");
+        });
+      };
+      CHECK_THROWS_WITH(attempt(), "block " + std::to_string(bad) + " failed");
+      CHECK(std::filesystem::is_empty(directory.path()));
+    }
+  }
+}
+
+TEST_CASE("what ends a run while its files get their names leaves none of them, new or old") {
+  const std::vector<Atom> atoms = make_chain(60, 5);
+  Parameters parameters;
+  parameters.threads = 1;
+  const Plan plan = make_plan(atoms, parameters, {});
+  std::int64_t calls = 0;
+  const TemporaryDirectory whole;
+  run(atoms, plan, {}, whole.path(), [&](std::int64_t, std::int64_t) { ++calls; });
+  // The last eight calls are after the four files are closed, and after each gets its name.
+  for (std::int64_t bad = calls - 8; bad <= calls; ++bad) {
+    INFO("call " << bad << " of " << calls);
+    const TemporaryDirectory directory;
+    for (const char* name : eses_file_names) std::ofstream(directory.path() / name) << "older";
+    std::int64_t call = 0;
+    const auto attempt = [&] {
+      run(atoms, plan, {}, directory.path(), [&](std::int64_t, std::int64_t) {
+        if (++call == bad) throw Error("enough");
+      });
+    };
+    CHECK_THROWS_WITH(attempt(), "enough");
+    for (const char* name : eses_file_names) {
+      const auto path = directory.path() / name;
+      if (bad <= calls - 4) {
+        CHECK(read_bytes(path) == "older");
+      } else {
+        CHECK_FALSE(std::filesystem::exists(path));
+      }
+    }
+    for (const auto& entry : std::filesystem::directory_iterator(directory.path()))
+      CHECK(entry.path().extension() == ".txt");
+  }
+}
+
+TEST_CASE("of two runs into one directory, in one process, too, the second is refused") {
+  const TemporaryDirectory directory;
+  const std::vector<Atom> atoms = make_chain(60, 5);
+  Parameters parameters;
+  parameters.threads = 1;
+  const Plan plan = make_plan(atoms, parameters, {});
+  bool is_tried = false;
+  run(atoms, plan, {}, directory.path(), [&](std::int64_t, std::int64_t) {
+    if (is_tried) return;
+    is_tried = true;
+    CHECK_THROWS_WITH(
+        run(atoms, plan, {}, directory.path()),
+        "cannot write into " + directory.path().string() + ": another run is writing there");
+  });
+  CHECK(is_tried);
+  run(atoms, plan, {}, directory.path());
+  const auto entries = std::filesystem::directory_iterator(directory.path());
+  CHECK(std::distance(begin(entries), end(entries)) == 4);
 }
 
 TEST_CASE("at least one thread and no more than the processors granted") {

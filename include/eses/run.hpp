@@ -63,8 +63,9 @@ struct Summary {
   PhaseSeconds seconds;
 };
 
-/// Blocks solved so far out of all; called from one thread at a time. What it throws ends the run,
-/// and is thrown on by it.
+/// Blocks solved so far out of all; called from one thread at a time, also where nothing has been
+/// added: while patches are built, rows written and files renamed. What it throws ends the run, and
+/// is thrown on by it.
 using ProgressCallback = std::function<void(std::int64_t done, std::int64_t total)>;
 
 /// Grid, tiling, memory and bytes of output. Throws Error if a parameter is out of its range, if
@@ -73,9 +74,10 @@ using ProgressCallback = std::function<void(std::int64_t done, std::int64_t tota
 Plan make_plan(std::span<const Atom> atoms, const Parameters& parameters,
                const OutputChoice& outputs);
 
-/// Computes the surface and writes the chosen files into `directory` (created if missing). The
-/// files appear under their names only when all of them are complete; on failure none does.
-/// Throws Error on write failures and lack of disk space.
+/// Computes the surface and writes the chosen files into `directory` (created if missing), which it
+/// locks against other runs. The files appear under their names only when all of them are complete,
+/// the bounding box last, and older ones are removed before; on failure none appears.
+/// Throws Error on write failures, lack of disk space, and if another run is writing there.
 Summary run(std::span<const Atom> atoms, const Plan& plan, const OutputChoice& outputs,
             const std::filesystem::path& directory, const ProgressCallback& progress = {});
 

@@ -5,11 +5,11 @@
 #include <sys/resource.h>
 #include <unistd.h>
 
-#include <atomic>
 #include <cerrno>
 #include <csignal>
 #include <cstdint>
 #include <cstdio>
+#include <cstdlib>
 #include <exception>
 #include <fstream>
 #include <limits>
@@ -23,6 +23,7 @@
 
 #include "cli/diff_options.hpp"
 #include "cli/diff_report.hpp"
+#include "cli/interruption.hpp"
 #include "cli/options.hpp"
 #include "cli/progress.hpp"
 #include "cli/report.hpp"
@@ -30,6 +31,8 @@
 #include "eses/error.hpp"
 #include "eses/read_atoms.hpp"
 #include "eses/run.hpp"
+#include "io/output_directory.hpp"
+#include "run/output_files.hpp"
 
 namespace eses::cli {
 namespace {
@@ -45,19 +48,36 @@ void reserve_standard_streams() {
   }
 }
 
+[[noreturn]] void fail_to_print(int error) {
+  throw Error(
+      fmt::format("cannot write to standard output: {}", std::generic_category().message(error)));
+}
+
 /// Flushes, so that a full disk or a closed pipe is noticed here and not after the exit code.
 void print(std::string_view text) {
   errno = 0;
   std::fwrite(text.data(), 1, text.size(), stdout);
-  if (std::fflush(stdout) != 0 || std::ferror(stdout) != 0) {
-    throw Error(
-        fmt::format("cannot write to standard output: {}", std::generic_category().message(errno)));
-  }
+  if (std::fflush(stdout) != 0 || std::ferror(stdout) != 0) fail_to_print(errno);
 }
 
 void complain(std::string_view kind, std::string_view message) {
   const std::string line = fmt::format("eses-blocks: {}: {}\n", kind, one_line(message));
   std::fwrite(line.data(), 1, line.size(), stderr);
+}
+
+// Needs none itself.
+void complain_about_memory() { std::fputs("eses-blocks: error: out of memory\n", stderr); }
+
+// CLI11 promises not to throw where it allocates; nothing else should come here.
+[[noreturn]] void end_on_uncaught_exception() {
+  try {
+    if (std::current_exception()) throw;
+  } catch (const std::bad_alloc&) {
+    complain_about_memory();
+    _exit(exit_failure);
+  } catch (...) {
+  }
+  std::abort();
 }
 
 // Linux counts what the parent held before it became this program towards ru_maxrss, but not
@@ -74,20 +94,6 @@ std::uint64_t peak_memory_bytes() {
   return static_cast<std::uint64_t>(usage.ru_maxrss) * 1024;
 }
 
-std::atomic<int> received_signal = 0;
-static_assert(std::atomic<int>::is_always_lock_free);  // or a signal handler may not write it
-
-/// Ends a run from its progress callback, so that its unfinished files are removed.
-struct Interrupted {};
-
-/// The first signal ends the run in order, a second one at once.
-void end_in_order_on_signals() {
-  struct sigaction action {};
-  action.sa_handler = [](int signal) { received_signal = signal; };
-  action.sa_flags = static_cast<int>(SA_RESETHAND);
-  for (const int signal : {SIGINT, SIGTERM, SIGHUP}) sigaction(signal, &action, nullptr);
-}
-
 void announce(const Report& report) {
   if (report.options.quiet) return;
   if (!report.options.json) {
@@ -102,11 +108,15 @@ Summary run_with_progress(const std::vector<Atom>& atoms, const Options& options
                           const Plan& plan) {
   std::optional<ProgressBar> bar;
   if (!options.quiet && ProgressBar::is_possible()) bar.emplace();
-  return run(atoms, plan, options.outputs, options.output_directory,
-             [&bar](std::int64_t done, std::int64_t total) {
-               if (received_signal != 0) throw Interrupted();
-               if (bar) bar->show(done, total);
-             });
+  InterruptibleRun interruptible(temporary_paths(options.outputs, options.output_directory),
+                                 lock_path(options.output_directory));
+  const Summary summary = run(atoms, plan, options.outputs, options.output_directory,
+                              [&](std::int64_t done, std::int64_t total) {
+                                interruptible.check();
+                                if (bar) bar->show(done, total);
+                              });
+  interruptible.check();
+  return summary;
 }
 
 std::string final_text(const Report& report) {
@@ -115,7 +125,14 @@ std::string final_text(const Report& report) {
   return report.options.quiet ? result : result + summary_text(report);
 }
 
+// Better now than after a long run.
+void require_standard_output() {
+  const int flags = fcntl(STDOUT_FILENO, F_GETFL);
+  if (flags == -1 || (flags & O_ACCMODE) == O_RDONLY) fail_to_print(EBADF);
+}
+
 void compute(const Options& options) {
+  require_standard_output();
   const std::vector<Atom> atoms = read_atoms(options.input, options.format);
   Report report;
   report.options = options;
@@ -128,7 +145,7 @@ void compute(const Options& options) {
 }
 
 int compute_surface(int argc, char** argv) {
-  end_in_order_on_signals();
+  end_on_signals();
   const std::variant<Options, Notice> request = parse_command_line(argc, argv);
   if (const auto* const notice = std::get_if<Notice>(&request)) {
     print(notice->text);
@@ -160,6 +177,7 @@ struct Task {
 constexpr Task surface_task{compute_surface, "eses-blocks --help", exit_failure};
 constexpr Task diff_task{compare_files, "eses-blocks diff --help", exit_trouble};
 
+// Throws std::bad_alloc and nothing else.
 int perform(const Task& task, int argc, char** argv) {
   const auto fail = [&task](std::string_view message) {
     complain("error", message);
@@ -171,10 +189,10 @@ int perform(const Task& task, int argc, char** argv) {
     complain("error", error.what());
     std::fputs(fmt::format("Try '{}'.\n", task.help).c_str(), stderr);
     return exit_usage;
-  } catch (const Interrupted&) {
-    return 128 + received_signal;
+  } catch (const Interrupted& interrupted) {
+    return interrupted.exit_code;
   } catch (const std::bad_alloc&) {
-    return fail("out of memory");
+    throw;
   } catch (const std::exception& error) {
     return fail(error.what());
   } catch (...) {
@@ -186,9 +204,17 @@ int perform(const Task& task, int argc, char** argv) {
 
 int run_command(int argc, char** argv) {
   reserve_standard_streams();
-  std::signal(SIGPIPE, SIG_IGN);  // a reader that has gone away is a write error like others
+  std::set_terminate(end_on_uncaught_exception);
+  // A reader that has gone away, or a file that may not grow, is a write error like others.
+  for (const int signal : {SIGPIPE, SIGXFSZ}) std::signal(signal, SIG_IGN);
   const bool is_diff = argc > 1 && std::string_view(argv[1]) == "diff";
-  return is_diff ? perform(diff_task, argc - 1, argv + 1) : perform(surface_task, argc, argv);
+  const Task& task = is_diff ? diff_task : surface_task;
+  try {
+    return is_diff ? perform(task, argc - 1, argv + 1) : perform(task, argc, argv);
+  } catch (const std::bad_alloc&) {
+    complain_about_memory();
+    return task.failure_code;
+  }
 }
 
 }  // namespace eses::cli

@@ -46,6 +46,9 @@ Exit codes:
   0  done
   1  input, output or resource error
   2  error in the command line
+  130, 143  ended by SIGINT or SIGTERM
+
+Files get their names when all of them are complete; a directory takes one run at a time.
 )";
 
 // --- the options that there are -----------------------------------------------------------------

@@ -69,11 +69,10 @@ ProgressBar::~ProgressBar() {
 
 void ProgressBar::show(std::int64_t done, std::int64_t total) {
   const Clock::time_point now = Clock::now();
-  if (!first_call_) {
-    // Nothing is drawn at the first call, so that short runs leave the terminal alone.
-    first_call_ = last_drawn_ = now;
-    done_at_first_call_ = done;
-  }
+  // Nothing is drawn at the first call, so that short runs leave the terminal alone.
+  if (!start_) last_drawn_ = now;
+  // What comes before the blocks tells nothing of the time that they take.
+  if (!start_ || done == 0) start_ = now;
   if (now - last_drawn_ < redraw_interval) return;
   last_drawn_ = now;
   // A character in the last column would make some terminals break the line.
@@ -86,11 +85,10 @@ void ProgressBar::show(std::int64_t done, std::int64_t total) {
 }
 
 std::optional<double> ProgressBar::seconds_left(std::int64_t done, std::int64_t total) const {
-  const std::int64_t solved = done - done_at_first_call_;
-  if (solved <= 0) return std::nullopt;
-  const std::chrono::duration<double> elapsed = last_drawn_ - *first_call_;
+  if (done <= 0) return std::nullopt;
+  const std::chrono::duration<double> elapsed = last_drawn_ - *start_;
   const double left =
-      elapsed.count() * static_cast<double>(total - done) / static_cast<double>(solved);
+      elapsed.count() * static_cast<double>(total - done) / static_cast<double>(done);
   return left < longest_estimate ? std::optional(left) : std::nullopt;
 }
 

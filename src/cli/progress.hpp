@@ -30,8 +30,7 @@ class ProgressBar {
 
   std::optional<double> seconds_left(std::int64_t done, std::int64_t total) const;
 
-  std::optional<Clock::time_point> first_call_;
-  std::int64_t done_at_first_call_ = 0;
+  std::optional<Clock::time_point> start_;  // of the blocks
   Clock::time_point last_drawn_;
   std::size_t columns_drawn_ = 0;
 };

@@ -9,6 +9,7 @@
 
 #include "cli/json.hpp"
 #include "eses/version.hpp"
+#include "run/output_files.hpp"
 
 namespace eses::cli {
 namespace {
@@ -29,6 +30,7 @@ std::string duration_text(double seconds) {
   return fmt::format("{} h {} min", whole / 3600, whole / 60 % 60);
 }
 
+<<<<<<< HEAD
 std::vector<std::string> file_names(const OutputChoice& outputs) {
   std::vector<std::string> names;
   if (outputs.box) names.emplace_back("bounding_box.txt");
@@ -36,6 +38,10 @@ std::vector<std::string> file_names(const OutputChoice& outputs) {
   if (outputs.edges) names.emplace_back("intersection_info.txt");
   if (outputs.areas) names.emplace_back("partition_area.txt");
   return names;
+=======
+std::string counted(std::int64_t count, std::string_view noun) {
+  return fmt::format("{} {}{}", count, noun, count == 1 ? "" : "s");
+>>>>>>> faults
 }
 
 /// A path for the text report. Callers search that for `area:` and `volume:`, which a path may

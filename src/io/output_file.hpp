@@ -4,6 +4,9 @@
 #include <cstdint>
 #include <filesystem>
 #include <span>
+#include <string>
+
+#include "io/output_directory.hpp"
 
 namespace eses {
 
@@ -12,7 +15,8 @@ namespace eses {
 /// the file.
 class OutputFile {
  public:
-  explicit OutputFile(std::filesystem::path final_path);
+  /// Keeps a reference to `directory`, which must outlive the file.
+  OutputFile(const OutputDirectory& directory, std::string name);
   ~OutputFile();
   OutputFile(const OutputFile&) = delete;
   OutputFile& operator=(const OutputFile&) = delete;
@@ -21,15 +25,20 @@ class OutputFile {
   void write_at(std::span<const char> bytes, std::uint64_t offset);
   /// Checks what the system reports only at the end; nothing can be written after it.
   void close();
+  /// Removes an older file of the name, if there is one.
+  void remove_older();
   /// Renames the closed file, replacing any older one.
   void commit();
-  /// Removes the committed file again.
+  /// Removes the file again if it was committed.
   void withdraw() noexcept;
 
  private:
-  std::filesystem::path final_path_, temporary_path_;
-  int descriptor_ = -1;
-  bool is_temporary_ = false;
+  [[noreturn]] void fail(const char* action, int error) const;
+
+  const OutputDirectory& directory_;
+  std::string name_, temporary_name_;
+  FileDescriptor file_;
+  bool is_temporary_ = false, is_committed_ = false;
 };
 
 }  // namespace eses

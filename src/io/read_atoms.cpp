@@ -18,6 +18,7 @@
 #include <utility>
 
 #include "eses/error.hpp"
+#include "io/file_descriptor.hpp"
 #include "io/text_fields.hpp"
 
 namespace eses {
@@ -359,22 +360,12 @@ std::string no_atoms_message(std::string_view name, bool is_pqr, std::size_t lin
 
 // ----------------------------------------------------------------------------------------- files
 
-class FileDescriptor {
- public:
-  explicit FileDescriptor(int value) : value_(value) {}
-  FileDescriptor(const FileDescriptor&) = delete;
-  FileDescriptor& operator=(const FileDescriptor&) = delete;
-  ~FileDescriptor() {
-    if (value_ >= 0) ::close(value_);
-  }
-  int value() const { return value_; }
-
- private:
-  int value_;
-};
-
 [[noreturn]] void fail_with_system_error(std::string_view action, std::string_view name, int code) {
   throw Error(fmt::format("cannot {} {}: {}", action, name, std::generic_category().message(code)));
+}
+
+[[noreturn]] void fail_for_memory(std::string_view name) {
+  throw Error(fmt::format("cannot read {}: out of memory", name));
 }
 
 int open_for_reading(const std::filesystem::path& path, std::string_view name) {
@@ -430,9 +421,9 @@ std::vector<Atom> read_descriptor(int descriptor, AtomFormat format, const std::
   try {
     return parse_atoms(read_text(descriptor, name), format, name);
   } catch (const std::bad_alloc&) {
-    fail_with_system_error("read", name, ENOMEM);
+    fail_for_memory(name);
   } catch (const std::length_error&) {
-    fail_with_system_error("read", name, ENOMEM);
+    fail_for_memory(name);
   }
 }
 

@@ -3,6 +3,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <functional>
 
 #include "surface/patches.hpp"
 
@@ -11,7 +12,9 @@ namespace eses {
 /// Ranges of atoms that are handed to threads.
 std::int64_t atom_range_count(std::size_t atoms);
 
-/// Fills `surface.patches`; the result does not depend on `threads`.
-void build_patches(Surface& surface, int threads);
+/// Fills `surface.patches`; the result does not depend on `threads`. What `check`, called many
+/// times and from all threads, throws ends the loop and is thrown on.
+void build_patches(
+    Surface& surface, int threads, const std::function<void()>& check = [] {});
 
 }  // namespace eses

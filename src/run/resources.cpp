@@ -15,32 +15,36 @@ namespace eses {
 namespace {
 
 constexpr std::uint64_t unlimited = std::numeric_limits<std::uint64_t>::max();
-constexpr char cgroup_root[] = "/sys/fs/cgroup";
+constexpr char cgroup_root[] = "/sys/fs/cgroup/";
 
 // Where the limits of this process stand: its control group of version 2 or, by controller, of
-// version 1, and all groups above, each of which may limit it.
-std::vector<std::filesystem::path> control_groups(const std::string& controller) {
-  std::vector<std::filesystem::path> groups;
+// version 1, and all groups above, each of which may limit it. Plain text, with a slash at the end:
+// where memory runs out while libstdc++ 12 joins two paths, it crashes.
+std::vector<std::string> control_groups(const std::string& controller) {
+  std::vector<std::string> groups;
   std::ifstream file("/proc/self/cgroup");
   for (std::string line; std::getline(file, line);) {  // number:controllers:/path
     const std::size_t first = line.find(':'), second = line.find(':', first + 1);
     if (second == std::string::npos) continue;
     const std::string names = fmt::format(",{},", line.substr(first + 1, second - first - 1));
-    std::filesystem::path root = cgroup_root;
+    std::string root = cgroup_root;
     if (names != ",,") {
       if (names.find(fmt::format(",{},", controller)) == std::string::npos) continue;
-      root /= controller;
+      root += controller + "/";
     }
-    for (std::filesystem::path below = line.substr(second + 2);; below = below.parent_path()) {
-      groups.push_back(root / below);
-      if (below.empty()) break;
+    std::string below = line.substr(std::min(second + 2, line.size()));
+    while (!below.empty()) {
+      groups.push_back(root + below + "/");
+      const std::size_t slash = below.rfind('/');
+      below.resize(slash == std::string::npos ? 0 : slash);
     }
+    groups.push_back(root);
   }
   return groups;
 }
 
 template <class Value>
-std::optional<Value> read_value(const std::filesystem::path& path) {
+std::optional<Value> read_value(const std::string& path) {
   std::ifstream file(path);
   Value value;
   if (file >> value) return value;
@@ -48,18 +52,17 @@ std::optional<Value> read_value(const std::filesystem::path& path) {
 }
 
 // The page cache counts as used, but gives way when memory is needed.
-std::uint64_t cached_bytes(const std::filesystem::path& group) {
-  std::ifstream file(group / "memory.stat");
+std::uint64_t cached_bytes(const std::string& group) {
+  std::ifstream file(group + "memory.stat");
   std::uint64_t sum = 0, bytes = 0;
   for (std::string key; file >> key >> bytes;)
     if (key == "inactive_file" || key == "active_file") sum += bytes;
   return sum;
 }
 
-std::uint64_t left_in(const std::filesystem::path& group, const char* limit_file,
-                      const char* usage_file) {
-  const auto limit = read_value<std::uint64_t>(group / limit_file);
-  const auto used = read_value<std::uint64_t>(group / usage_file);
+std::uint64_t left_in(const std::string& group, const char* limit_file, const char* usage_file) {
+  const auto limit = read_value<std::uint64_t>(group + limit_file);
+  const auto used = read_value<std::uint64_t>(group + usage_file);
   if (!limit || !used) return unlimited;
   const std::uint64_t held = *used - std::min(*used, cached_bytes(group));
   return *limit > held ? *limit - held : 0;
@@ -73,11 +76,11 @@ int processor_quota() {
     if (quota > 0 && period > 0) processors = std::min(processors, quota / period);
   };
   for (const auto& group : control_groups("cpu")) {
-    std::ifstream file(group / "cpu.max");  // "max 100000" or "150000 100000"
+    std::ifstream file(group + "cpu.max");  // "max 100000" or "150000 100000"
     double quota = 0, period = 0;
     if (file >> quota >> period) limit_to(quota, period);
-    limit_to(read_value<double>(group / "cpu.cfs_quota_us").value_or(0),
-             read_value<double>(group / "cpu.cfs_period_us").value_or(0));
+    limit_to(read_value<double>(group + "cpu.cfs_quota_us").value_or(0),
+             read_value<double>(group + "cpu.cfs_period_us").value_or(0));
   }
   return std::max(1, static_cast<int>(std::ceil(processors)));
 }

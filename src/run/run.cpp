@@ -1,86 +1,45 @@
 #include "eses/run.hpp"
 
-#include <fmt/format.h>
 #include <malloc.h>
 
 #include <algorithm>
 #include <mutex>
 #include <optional>
-#include <system_error>
 
-#include "eses/error.hpp"
 #include "io/eses_text.hpp"
-#include "io/output_file.hpp"
 #include "run/build_patches.hpp"
 #include "run/count_points.hpp"
 #include "run/layer.hpp"
 #include "run/layer_queue.hpp"
 #include "run/ordered_output.hpp"
+#include "run/output_files.hpp"
 #include "run/parallel.hpp"
-#include "run/resources.hpp"
 #include "solve/block_solver.hpp"
 #include "solve/stopwatch.hpp"
 
 namespace eses {
 namespace {
 
-// The files of a run, each of them there only if it was chosen.
-struct OutputFiles {
-  std::optional<OutputFile> box, grid, edges, areas;
+// Tells how far the run is, from one thread at a time. What the callback throws ends the run.
+class ProgressReport {
+ public:
+  ProgressReport(const ProgressCallback& callback, std::int64_t blocks)
+      : callback_(callback), blocks_(blocks) {}
 
-  OutputFiles(const OutputChoice& choice, const std::filesystem::path& directory) {
-    if (choice.box) box.emplace(directory / "bounding_box.txt");
-    if (choice.grid) grid.emplace(directory / "grid_info.txt");
-    if (choice.edges) edges.emplace(directory / "intersection_info.txt");
-    if (choice.areas) areas.emplace(directory / "partition_area.txt");
+  void add(std::int64_t solved_blocks) {
+    if (!callback_) return;
+    const std::lock_guard lock(mutex_);
+    solved_blocks_ += solved_blocks;
+    callback_(solved_blocks_, blocks_);
   }
+  // Says nothing new, but lets the callback end the run.
+  void check() { add(0); }
 
-  std::vector<OutputFile*> all() {
-    std::vector<OutputFile*> files;
-    for (auto* file : {&box, &grid, &edges, &areas})
-      if (*file) files.push_back(&**file);
-    return files;
-  }
-
-  void commit() {
-    for (OutputFile* file : all()) file->close();
-    std::vector<OutputFile*> committed;
-    try {
-      for (OutputFile* file : all()) {
-        file->commit();
-        committed.push_back(file);
-      }
-    } catch (...) {
-      for (OutputFile* file : committed) file->withdraw();
-      throw;
-    }
-  }
+ private:
+  const ProgressCallback& callback_;
+  std::mutex mutex_;
+  std::int64_t blocks_, solved_blocks_ = 0;
 };
-
-// The directory itself, or the nearest one above it that exists.
-std::filesystem::path existing_part(std::filesystem::path directory) {
-  std::error_code error;
-  directory = std::filesystem::absolute(directory, error);
-  while (!std::filesystem::exists(directory, error) && directory.has_relative_path())
-    directory = directory.parent_path();
-  return directory;
-}
-
-void prepare_directory(const std::filesystem::path& directory, const Plan& plan) {
-  const std::uint64_t needed = plan.grid_file_bytes + plan.area_file_bytes;
-  const std::uint64_t available = available_disk(existing_part(directory));
-  if (needed > available)
-    throw Error(fmt::format(
-        "the files need about {:.3g} GB besides intersection_info.txt, but {} has {:.3g} "
-        "GB free; leave out grid_info.txt (--write edges,areas) or use a larger spacing",
-        static_cast<double>(needed) / 1e9, directory.string(),
-        static_cast<double>(available) / 1e9));
-  std::error_code error;
-  std::filesystem::create_directories(directory, error);
-  if (error || !std::filesystem::is_directory(directory, error))
-    throw Error(fmt::format("cannot write into {}: {}", directory.string(),
-                            error ? error.message() : "Not a directory"));
-}
 
 // What one thread needs to turn rows into text.
 struct Writer {
@@ -93,8 +52,7 @@ struct Writer {
 // Solves the blocks, layer by layer, and writes what they give.
 class Pipeline {
  public:
-  Pipeline(const Surface& surface, const Plan& plan, OutputFiles& files,
-           const ProgressCallback& progress)
+  Pipeline(const Surface& surface, const Plan& plan, OutputFiles& files, ProgressReport& progress)
       : surface_(surface),
         plan_(plan),
         text_(plan.grid),
@@ -193,9 +151,7 @@ class Pipeline {
     const std::int64_t by = task.index / plan_.tiling.blocks[0];
     layers_[static_cast<std::size_t>(task.layer)].blocks[static_cast<std::size_t>(task.index)] =
         solve_block(surface_, plan_.grid, plan_.tiling.block(bx, by, task.layer), workspace);
-    if (!progress_) return;
-    const std::lock_guard lock(progress_mutex_);
-    progress_(++solved_blocks_, plan_.tiling.block_count());
+    progress_.add(1);
   }
 
   void write(const Task& task, Writer& writer) {
@@ -213,6 +169,7 @@ class Pipeline {
     if (grid_output_) grid_output_->write(chunk, writer.grid.text());
     if (edge_output_) edge_output_->write(chunk, writer.edges.text());
     writer.seconds += watch.seconds();
+    progress_.check();
   }
 
   // The points of a layer's blocks are counted along with its chunks, a share with each.
@@ -266,7 +223,7 @@ class Pipeline {
   const Surface& surface_;
   const Plan& plan_;
   GridText text_;
-  const ProgressCallback& progress_;
+  ProgressReport& progress_;
   std::int64_t rows_per_chunk_;
   std::vector<Layer> layers_;
   Plane below_;  // of the layer that is being written
@@ -274,8 +231,6 @@ class Pipeline {
   std::optional<OrderedOutput> grid_output_, edge_output_;
   std::vector<BlockWorkspace> workspaces_;
   std::vector<Writer> writers_;
-  std::mutex progress_mutex_;
-  std::int64_t solved_blocks_ = 0;
 };
 
 std::vector<double> atom_areas(const Tally& tally, double spacing) {
@@ -283,6 +238,11 @@ std::vector<double> atom_areas(const Tally& tally, double spacing) {
   for (std::size_t i = 0; i < areas.size(); ++i)
     areas[i] = static_cast<double>(tally.atom_shares[i]) * Tally::unit * spacing * spacing;
   return areas;
+}
+
+// OpenMP ends the process if it cannot start a thread: better before there are files.
+void start_threads(int threads) {
+  parallel_for(threads, threads, [](std::int64_t, int) {});
 }
 
 // Gives the scratch of the patches back to the system; glibc would keep it for each thread.
@@ -302,18 +262,19 @@ std::uint64_t write_all(OutputFile& file, std::span<const char> text) {
 Summary run(std::span<const Atom> atoms, const Plan& plan, const OutputChoice& outputs,
             const std::filesystem::path& directory, const ProgressCallback& progress) {
   const Stopwatch total;
-  if (outputs.box || outputs.grid || outputs.edges || outputs.areas)
-    prepare_directory(directory, plan);
-  OutputFiles files(outputs, directory);
+  start_threads(plan.threads);
+  OutputFiles files(outputs, directory, plan.grid_file_bytes + plan.area_file_bytes);
+  ProgressReport report(progress, plan.tiling.block_count());
+  const auto check = [&report] { report.check(); };
   Summary summary;
 
   Surface surface(atoms, plan.parameters.probe_radius);
-  build_patches(surface, plan.threads);
+  build_patches(surface, plan.threads, check);
   release_free_memory();
   summary.seconds.patches = total.seconds();
 
   const Stopwatch blocks;
-  Pipeline pipeline(surface, plan, files, progress);
+  Pipeline pipeline(surface, plan, files, report);
   pipeline.run();
   summary.seconds.blocks = blocks.seconds();
   pipeline.add_seconds(summary.seconds);
@@ -336,7 +297,7 @@ Summary run(std::span<const Atom> atoms, const Plan& plan, const OutputChoice& o
     append_areas(text, 0, areas);
     summary.bytes_written += write_all(*files.areas, text.text());
   }
-  files.commit();
+  files.commit(check);
   summary.seconds.total = total.seconds();
   return summary;
 }

@@ -1,0 +1,84 @@
+#include "run/output_files.hpp"
+
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include "eses/error.hpp"
+#include "run/resources.hpp"
+
+namespace eses {
+namespace {
+
+constexpr char box_name[] = "bounding_box.txt";
+constexpr char grid_name[] = "grid_info.txt";
+constexpr char edges_name[] = "intersection_info.txt";
+constexpr char areas_name[] = "partition_area.txt";
+
+void require_space(const std::filesystem::path& directory, std::uint64_t needed) {
+  const std::uint64_t available = available_disk(directory);
+  if (needed > available)
+    throw Error(fmt::format(
+        "the files need about {:.3g} GB besides intersection_info.txt, but {} has {:.3g} "
+        "GB free; leave out grid_info.txt (--write edges,areas) or use a larger spacing",
+        static_cast<double>(needed) / 1e9, directory.string(),
+        static_cast<double>(available) / 1e9));
+}
+
+}  // namespace
+
+std::vector<std::string> file_names(const OutputChoice& choice) {
+  std::vector<std::string> names;
+  if (choice.box) names.emplace_back(box_name);
+  if (choice.grid) names.emplace_back(grid_name);
+  if (choice.edges) names.emplace_back(edges_name);
+  if (choice.areas) names.emplace_back(areas_name);
+  return names;
+}
+
+std::vector<std::string> temporary_paths(const OutputChoice& choice,
+                                         const std::filesystem::path& directory) {
+  std::vector<std::string> paths;
+  for (const std::string& name : file_names(choice))
+    paths.push_back(path_in(directory, temporary_name(name, getpid())));
+  return paths;
+}
+
+OutputFiles::OutputFiles(const OutputChoice& choice, const std::filesystem::path& path,
+                         std::uint64_t needed_bytes) {
+  if (file_names(choice).empty()) return;
+  directory.emplace(path);
+  directory->remove_abandoned(file_names({}));
+  require_space(path, needed_bytes);
+  if (choice.box) box.emplace(*directory, box_name);
+  if (choice.grid) grid.emplace(*directory, grid_name);
+  if (choice.edges) edges.emplace(*directory, edges_name);
+  if (choice.areas) areas.emplace(*directory, areas_name);
+}
+
+// The bounding box first.
+std::vector<OutputFile*> OutputFiles::all() {
+  std::vector<OutputFile*> files;
+  for (auto* file : {&box, &grid, &edges, &areas})
+    if (*file) files.push_back(&**file);
+  return files;
+}
+
+void OutputFiles::commit(const std::function<void()>& check) {
+  const std::vector<OutputFile*> files = all();
+  for (OutputFile* file : files) {
+    file->close();
+    check();
+  }
+  try {
+    for (OutputFile* file : files) file->remove_older();
+    for (auto file = files.rbegin(); file != files.rend(); ++file) {
+      (*file)->commit();
+      check();
+    }
+  } catch (...) {
+    for (OutputFile* file : files) file->withdraw();
+    throw;
+  }
+}
+
+}  // namespace eses

@@ -1,0 +1,43 @@
+#pragma once
+/// The files of a run: all of them, or none.
+
+#include <cstdint>
+#include <filesystem>
+#include <functional>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "eses/run.hpp"
+#include "io/output_directory.hpp"
+#include "io/output_file.hpp"
+
+namespace eses {
+
+/// The names of the chosen files.
+std::vector<std::string> file_names(const OutputChoice& choice);
+
+/// Where this process writes them until they are complete.
+std::vector<std::string> temporary_paths(const OutputChoice& choice,
+                                         const std::filesystem::path& directory);
+
+/// Each file is there only if it was chosen. Nothing but `commit` touches what has a final name.
+struct OutputFiles {
+  std::optional<OutputDirectory> directory;  ///< if any file is there
+  std::optional<OutputFile> box, grid, edges, areas;
+
+  /// Throws Error as OutputDirectory and OutputFile do, and if `needed_bytes` are more than the
+  /// disk has left.
+  OutputFiles(const OutputChoice& choice, const std::filesystem::path& path,
+              std::uint64_t needed_bytes);
+
+  /// Gives all files their names. Older ones go first, so that old and new never stand beside each
+  /// other, and the bounding box comes last: where it is, the others are. What `check`, called
+  /// between the steps, throws is a failure like others, after which none of the files is there.
+  void commit(const std::function<void()>& check);
+
+ private:
+  std::vector<OutputFile*> all();
+};
+
+}  // namespace eses

@@ -1,0 +1,201 @@
+// Makes one system call or allocation of a program go wrong; loaded with LD_PRELOAD. What goes
+// wrong is told by ESES_FAULT, `CALL NUMBER ACTION`:
+//
+//   CALL    file      any of those that follow
+//           open close lock write rename unlink    on a file that is being written, or its lock
+//           alloc     an allocation
+//           space     writing past byte NUMBER of a file whose name contains ACTION: the disk is
+//           full
+//   NUMBER  from 1: that call, in the order of the whole process
+//   ACTION  fail=N    it fails with errno N, once
+//           stay=N    it fails with errno N, and so do all after it
+//           signal=N  signal N is raised before it
+//           hang      it takes a minute
+//
+// The file named by ESES_FAULT_MARK is created when that happens.
+
+#include <dlfcn.h>
+#include <fcntl.h>
+#include <signal.h>
+#include <sys/file.h>
+#include <sys/stat.h>
+#include <sys/syscall.h>
+#include <time.h>
+#include <unistd.h>
+
+#include <array>
+#include <atomic>
+#include <cerrno>
+#include <cstdarg>
+#include <cstdio>
+#include <cstdlib>
+#include <cstring>
+#include <string_view>
+
+extern "C" {
+void* __libc_malloc(std::size_t);
+void* __libc_calloc(std::size_t, std::size_t);
+void* __libc_realloc(void*, std::size_t);
+void* __libc_memalign(std::size_t, std::size_t);
+}
+
+namespace {
+
+struct Fault {
+  std::array<char, 16> call{};
+  long number = 0;
+  std::array<char, 64> action{};
+  const char* mark = nullptr;
+};
+Fault fault;
+std::atomic<long> calls = 0;
+
+__attribute__((constructor)) void read_environment() {
+  const char* const text = std::getenv("ESES_FAULT");
+  fault.mark = std::getenv("ESES_FAULT_MARK");
+  if (text)
+    std::sscanf(text, "%15s %ld %63s", fault.call.data(), &fault.number, fault.action.data());
+}
+
+void mark() {
+  if (!fault.mark) return;
+  const long file = syscall(SYS_openat, AT_FDCWD, fault.mark, O_WRONLY | O_CREAT, 0666);
+  if (file >= 0) syscall(SYS_close, file);
+}
+
+int number_of_action() { return std::atoi(std::strchr(fault.action.data(), '=') + 1); }
+
+void sleep_a_minute() {
+  timespec left{60, 0};
+  while (nanosleep(&left, &left) != 0 && errno == EINTR) {
+  }
+}
+
+// Counts the call; whether it has to fail, and errno then.
+bool fails() {
+  const std::string_view action = fault.action.data();
+  const long count = ++calls;
+  if (count < fault.number || (count > fault.number && !action.starts_with("stay"))) return false;
+  if (count == fault.number) mark();
+  if (action == "hang") sleep_a_minute();
+  if (action.starts_with("signal")) raise(number_of_action());
+  if (!action.starts_with("fail") && !action.starts_with("stay")) return false;
+  errno = number_of_action();
+  return true;
+}
+
+bool allocation_fails() { return std::string_view("alloc") == fault.call.data() && fails(); }
+
+bool is_output(std::string_view path) {
+  return path.ends_with(".part") || path.ends_with(".eses-blocks.lock");
+}
+
+bool call_fails(std::string_view call) {
+  const std::string_view wanted = fault.call.data();
+  return (wanted == call || wanted == "file") && fails();
+}
+
+bool path_call_fails(std::string_view call, const char* path) {
+  return is_output(path) && call_fails(call);
+}
+
+std::string_view path_of(int descriptor, std::array<char, 4096>& buffer) {
+  std::array<char, 64> link{};
+  std::snprintf(link.data(), link.size(), "/proc/self/fd/%d", descriptor);
+  const ssize_t size = readlink(link.data(), buffer.data(), buffer.size());
+  std::string_view path(buffer.data(), size > 0 ? static_cast<std::size_t>(size) : 0);
+  constexpr std::string_view deleted = " (deleted)";
+  if (path.ends_with(deleted)) path.remove_suffix(deleted.size());
+  return path;
+}
+
+bool descriptor_call_fails(std::string_view call, int descriptor) {
+  if (fault.number == 0) return false;
+  std::array<char, 4096> buffer;
+  return is_output(path_of(descriptor, buffer)) && call_fails(call);
+}
+
+// How many of `size` bytes the disk has room for; all if it is not this file's.
+std::size_t room_for(int descriptor, std::size_t size, off_t offset) {
+  if (std::string_view("space") != fault.call.data()) return size;
+  std::array<char, 4096> buffer;
+  const std::string_view path = path_of(descriptor, buffer);
+  if (path.find(fault.action.data()) == std::string_view::npos) return size;
+  const long room = fault.number - 1 - offset;
+  if (room >= static_cast<long>(size)) return size;
+  mark();
+  return room > 0 ? static_cast<std::size_t>(room) : 0;
+}
+
+template <class Function>
+Function* next(const char* name) {
+  return reinterpret_cast<Function*>(dlsym(RTLD_NEXT, name));
+}
+
+}  // namespace
+
+extern "C" {
+
+void* malloc(std::size_t size) { return allocation_fails() ? nullptr : __libc_malloc(size); }
+
+void* calloc(std::size_t count, std::size_t size) {
+  return allocation_fails() ? nullptr : __libc_calloc(count, size);
+}
+
+void* realloc(void* old, std::size_t size) {
+  return allocation_fails() ? nullptr : __libc_realloc(old, size);
+}
+
+void* aligned_alloc(std::size_t alignment, std::size_t size) {
+  return allocation_fails() ? nullptr : __libc_memalign(alignment, size);
+}
+
+int openat(int directory, const char* path, int flags, ...) {
+  mode_t mode = 0;
+  if ((flags & O_CREAT) != 0) {
+    va_list arguments;
+    va_start(arguments, flags);
+    mode = va_arg(arguments, mode_t);
+    va_end(arguments);
+  }
+  if (path_call_fails("open", path)) return -1;
+  return static_cast<int>(syscall(SYS_openat, directory, path, flags, mode));
+}
+
+int close(int descriptor) {
+  // A close that fails has closed the file all the same.
+  const bool is_failing = descriptor_call_fails("close", descriptor);
+  const int error = errno;
+  const auto result = static_cast<int>(syscall(SYS_close, descriptor));
+  if (!is_failing) return result;
+  errno = error;
+  return -1;
+}
+
+int flock(int descriptor, int operation) {
+  if (descriptor_call_fails("lock", descriptor)) return -1;
+  return static_cast<int>(syscall(SYS_flock, descriptor, operation));
+}
+
+ssize_t pwrite(int descriptor, const void* bytes, std::size_t size, off_t offset) {
+  if (descriptor_call_fails("write", descriptor)) return -1;
+  const std::size_t room = room_for(descriptor, size, offset);
+  if (room == 0 && size > 0) {
+    errno = ENOSPC;
+    return -1;
+  }
+  return next<ssize_t(int, const void*, std::size_t, off_t)>("pwrite")(descriptor, bytes, room,
+                                                                       offset);
+}
+
+int renameat(int old_directory, const char* from, int directory, const char* to) {
+  if (path_call_fails("rename", from)) return -1;
+  return next<int(int, const char*, int, const char*)>("renameat")(old_directory, from, directory,
+                                                                   to);
+}
+
+int unlinkat(int directory, const char* path, int flags) {
+  if (call_fails("unlink")) return -1;
+  return static_cast<int>(syscall(SYS_unlinkat, directory, path, flags));
+}
+}

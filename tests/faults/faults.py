@@ -1,0 +1,116 @@
+"""What the tests of faults share: runs of the program with something going wrong around them."""
+
+import errno
+import os
+import pathlib
+import signal
+import subprocess
+import time
+import unittest
+
+from support import DATA, PROGRAM, TestCase
+
+NAMES = ("bounding_box.txt", "grid_info.txt", "intersection_info.txt", "partition_area.txt")
+LIBRARY = os.environ.get("ESES_FAULT_LIBRARY")  # see fault.cpp
+SMALL = DATA / "c60.xyzr"
+PATIENCE = 60  # seconds until a test gives up
+PROMPT = 5  # seconds: far more than it takes, as other tests run beside this one
+
+needs_library = unittest.skipUnless(LIBRARY, "no calls can be made to fail in this build")
+
+
+def wait_for(condition):
+    end = time.monotonic() + PATIENCE
+    while not condition():
+        if time.monotonic() > end:
+            raise TimeoutError
+        time.sleep(0.005)
+
+
+def forget_signals():
+    """Who starts the tests may ignore signals, and a program that is started inherits that."""
+    for number in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP):
+        signal.signal(number, signal.SIG_DFL)
+
+
+class FaultTest(TestCase):
+    def setUp(self):
+        super().setUp()
+        self.output = self.folder / "out"
+        self.mark = self.folder / "mark"
+
+    def start(self, *arguments, fault=None, prepare=forget_signals, **how):
+        """The program, writing into `self.output`; with `fault`, what fault.cpp understands."""
+        environment = dict(os.environ)
+        if fault:
+            environment.update(LD_PRELOAD=LIBRARY, ESES_FAULT=fault, ESES_FAULT_MARK=str(self.mark))
+            self.mark.unlink(missing_ok=True)
+        streams = {"stdin": subprocess.DEVNULL, "stdout": subprocess.PIPE,
+                   "stderr": subprocess.PIPE, **how}
+        program = subprocess.Popen([PROGRAM, *map(str, arguments), "-o", self.output],
+                                   env=environment, text=True, preexec_fn=prepare, **streams)
+        self.addCleanup(self.end, program)
+        return program
+
+    @staticmethod
+    def end(program):
+        if program.poll() is None:
+            program.kill()
+        program.communicate()
+
+    def finish(self, program):
+        out, err = program.communicate(timeout=PATIENCE)
+        return subprocess.CompletedProcess(program.args, program.returncode, out, err)
+
+    def run_program(self, *arguments, **how):
+        return self.finish(self.start(*arguments, **how))
+
+    def is_faulty(self):
+        """Whether the last run met its fault."""
+        return self.mark.exists()
+
+    def stop_at(self, fault, *arguments, **how):
+        """A run that has stopped itself at a call."""
+        program = self.start(*arguments, fault=f"{fault} signal={signal.SIGSTOP.value}", **how)
+        wait_for(lambda: os.waitpid(program.pid, os.WNOHANG | os.WUNTRACED)[0] == program.pid)
+        self.assertTrue(self.is_faulty())
+        return program
+
+    def all_files(self, folder=None):
+        """The hidden ones, too."""
+        folder = folder or self.output
+        return sorted(os.listdir(folder)) if folder.is_dir() else []
+
+    def contents(self, folder=None):
+        folder = folder or self.output
+        return {name: (folder / name).read_bytes() for name in self.all_files(folder)}
+
+    def make_reference(self, *arguments):
+        """What a run without faults writes; the folder is as it was."""
+        self.assertDone(self.run_program(*arguments))
+        files = self.contents()
+        self.assertEqual(sorted(files), sorted(NAMES))
+        for name in files:
+            (self.output / name).unlink()
+        return files
+
+    def put(self, files):
+        for name in self.all_files():
+            (self.output / name).unlink()
+        for name, content in files.items():
+            (self.output / name).write_bytes(content)
+
+    def assertFailed(self, done, message):
+        self.assertEqual(done.returncode, 1, done)
+        self.assertTrue(done.stderr.startswith("eses-blocks: error: "), done)
+        self.assertEqual(done.stderr.count("\n"), 1, done)
+        self.assertIn(message, done.stderr)
+        self.assertNotIn("area:", done.stdout)
+
+
+def message_of(code):
+    return os.strerror(code)
+
+
+NO_SPACE = message_of(errno.ENOSPC)
+TINY = (SMALL, "1.4", "0.8", "0.8", "-b", "8", "-t", "2", "-q")  # many blocks, little text

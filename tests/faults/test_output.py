@@ -1,0 +1,287 @@
+"""Disks that are full, directories that vanish, streams that are closed, runs that are killed."""
+
+import errno
+import os
+import resource
+import shutil
+import signal
+import subprocess
+
+from faults import (NAMES, NO_SPACE, PROGRAM, SMALL, TINY, FaultTest, forget_signals, message_of,
+                    needs_library, wait_for)
+
+NOBODY = 65534
+
+
+class FullDisk(FaultTest):
+    @needs_library
+    def test_first_middle_and_last_byte_of_each_file(self):
+        reference = self.make_reference(*TINY)
+        for name, content in reference.items():
+            for byte in (1, len(content) // 2, len(content)):
+                with self.subTest(name=name, byte=byte):
+                    done = self.run_program(*TINY, fault=f"space {byte} .{name}.")
+                    self.assertTrue(self.is_faulty())
+                    self.assertFailed(done, f"cannot write {self.output / name}: {NO_SPACE}")
+                    self.assertEqual(self.all_files(), [])
+            self.run_program(*TINY, fault=f"space {len(content) + 1} .{name}.")
+            self.assertFalse(self.is_faulty())  # so that the byte above was the last
+            self.assertEqual(self.contents(), reference)
+            self.put({})
+
+    @needs_library
+    def test_older_files_survive(self):
+        older = {name: b"older" for name in NAMES}
+        self.output.mkdir()
+        for name in NAMES:
+            self.put(older)
+            self.run_program(*TINY, fault=f"space 1 .{name}.")
+            self.assertTrue(self.is_faulty())
+            self.assertEqual(self.contents(), older)
+
+    def test_limit_on_the_size_of_files(self):
+        def limit():
+            forget_signals()
+            resource.setrlimit(resource.RLIMIT_FSIZE, (1000, 1000))
+        done = self.run_program(SMALL, "-q", prepare=limit)
+        self.assertFailed(done, message_of(errno.EFBIG))
+        self.assertEqual(self.all_files(), [])
+
+    def test_full_file_system(self):
+        mount = ["mount", "-t", "tmpfs", "-o", "size=64k", "none", self.output]
+        self.output.mkdir()
+        if os.geteuid() != 0 or subprocess.run(mount, capture_output=True, check=False).returncode:
+            self.skipTest("no file system can be mounted here")
+        self.addCleanup(subprocess.run, ["umount", self.output], check=True)
+        done = self.run_program(SMALL, "1.4", "0.2", "--write", "edges", "-q")
+        self.assertFailed(done, NO_SPACE)
+        self.assertEqual(self.all_files(), [])
+
+
+@needs_library
+class EveryCall(FaultTest):
+    """What opens, locks, writes, closes, renames or removes a file, each call in turn."""
+
+    def for_every_call(self, action, check):
+        for number in range(1, 1000):
+            done = self.run_program(*TINY, fault=f"file {number} {action}")
+            if not self.is_faulty():
+                self.assertGreater(number, 20)
+                self.assertDone(done)
+                return
+            with self.subTest(call=number):
+                check(done)
+        self.fail("there is no end of calls")
+
+    def test_failure(self):
+        reference = self.make_reference(*TINY)
+
+        def check(done):
+            if done.returncode == 0:  # a lock that is not to be had, or that stays
+                self.assertEqual({name: content for name, content in self.contents().items()
+                                  if name in NAMES}, reference)
+            else:
+                self.assertFailed(done, message_of(errno.EIO))
+                self.assertEqual([name for name in self.all_files() if name in NAMES], [])
+            self.put({})
+        self.for_every_call(f"fail={errno.EIO}", check)
+
+    def test_kill(self):
+        """Files under their final names are those of one run; the next run puts all in order."""
+        reference = self.make_reference(*TINY)
+        older = {name: b"older" for name in NAMES}
+        self.put(older)
+        states = set()
+
+        def check(done):
+            self.assertEqual(done.returncode, -signal.SIGKILL)
+            found = {name: content for name, content in self.contents().items() if name in NAMES}
+            run = older if b"older" in found.values() else reference
+            self.assertLessEqual(found.items(), run.items())
+            if "bounding_box.txt" in found:
+                self.assertEqual(found, run)
+            states.add((len(found), run is older))
+            self.assertDone(self.run_program(*TINY))
+            self.assertEqual(self.contents(), reference)
+            self.put(older)
+        self.for_every_call(f"signal={signal.SIGKILL.value}", check)
+        self.assertLessEqual({(4, True), (3, True), (1, False), (4, False)}, states)
+
+
+class Directory(FaultTest):
+    def test_file_in_its_place(self):
+        self.output.write_text("no directory")
+        self.assertFailed(self.run_program(SMALL, "-q"), str(self.output))
+        self.assertEqual(self.output.read_text(), "no directory")
+
+    def test_directory_in_place_of_a_file(self):
+        (self.output / "grid_info.txt").mkdir(parents=True)
+        self.assertFailed(self.run_program(SMALL, "-q"), message_of(errno.EISDIR))
+        self.assertEqual(self.all_files(), ["grid_info.txt"])
+
+    def as_nobody(self):
+        """Rights do not bind the super-user."""
+        if os.geteuid() != 0:
+            return forget_signals
+
+        def prepare():
+            forget_signals()
+            os.setuid(NOBODY)
+        self.folder.chmod(0o755)
+        try:
+            subprocess.run([PROGRAM, "--version"], preexec_fn=prepare, check=True,
+                           capture_output=True)
+            subprocess.run(["cat", SMALL], preexec_fn=prepare, check=True, capture_output=True)
+        except (OSError, subprocess.SubprocessError):
+            self.skipTest("other users than root cannot reach the program")
+        return prepare
+
+    def test_read_only(self):
+        nobody = self.as_nobody()
+        self.output.mkdir()
+        self.output.chmod(0o555)
+        done = self.run_program(SMALL, "-q", prepare=nobody)
+        self.assertFailed(done, f"cannot write into {self.output}: {message_of(errno.EACCES)}")
+        self.assertEqual(self.all_files(), [])
+
+    @needs_library
+    def test_read_only_during_the_run(self):
+        nobody = self.as_nobody()
+        self.output.mkdir()
+        self.output.chmod(0o777)
+        self.folder.chmod(0o777)
+        program = self.stop_at("write 2", *TINY, prepare=nobody)
+        self.output.chmod(0o555)
+        program.send_signal(signal.SIGCONT)
+        self.assertFailed(self.finish(program), message_of(errno.EACCES))
+        self.assertEqual([name for name in self.all_files() if name in NAMES], [])
+        self.output.chmod(0o777)
+        self.assertDone(self.run_program(*TINY, prepare=nobody))  # removes what could not be
+        self.assertEqual(self.all_files(), sorted(NAMES))
+
+    @needs_library
+    def test_vanishes(self):
+        program = self.stop_at("write 2", *TINY)
+        shutil.rmtree(self.output)
+        program.send_signal(signal.SIGCONT)
+        self.assertFailed(self.finish(program), str(self.output))
+        self.assertFalse(self.output.exists())
+
+    @needs_library
+    def test_vanishes_before_the_first_file(self):
+        program = self.stop_at("open 1", *TINY)
+        shutil.rmtree(self.output)
+        program.send_signal(signal.SIGCONT)
+        self.assertFailed(self.finish(program), str(self.output))
+
+    @needs_library
+    def test_is_renamed(self):
+        reference = self.make_reference(*TINY)
+        program = self.stop_at("write 2", *TINY)
+        self.output.rename(self.folder / "moved")
+        self.output.mkdir()
+        program.send_signal(signal.SIGCONT)
+        self.assertDone(self.finish(program))
+        self.assertEqual(self.contents(self.folder / "moved"), reference)
+        self.assertEqual(self.all_files(), [])
+
+
+class Streams(FaultTest):
+    def run_closed(self, *arguments):
+        def prepare():
+            forget_signals()
+            os.close(1)
+        return self.run_program(*arguments, prepare=prepare, stdout=None)
+
+    def test_closed_standard_output(self):
+        for more in ([], ["-q"], ["--json"]):
+            done = self.run_closed(SMALL, *more)
+            self.assertEqual(done.returncode, 1)
+            self.assertIn("cannot write to standard output", done.stderr)
+            self.assertEqual(self.all_files(), [])  # it is known before the run
+
+    def test_full_standard_output(self):
+        if not os.path.exists("/dev/full"):
+            self.skipTest("no /dev/full")
+        for more, files in (([], []), (["-q"], sorted(NAMES)), (["--json"], sorted(NAMES))):
+            with open("/dev/full", "wb") as full:
+                done = self.run_program(SMALL, *more, stdout=full)
+            self.assertEqual(done.returncode, 1)
+            self.assertIn(f"cannot write to standard output: {NO_SPACE}", done.stderr)
+            self.assertEqual(self.all_files(), files)  # complete where it is known only after it
+
+    def test_closed_pipe(self):
+        reader, writer = os.pipe()
+        os.close(reader)
+        with os.fdopen(writer, "wb") as pipe:
+            done = self.run_program(SMALL, stdout=pipe)
+        self.assertEqual(done.returncode, 1)
+        self.assertIn(message_of(errno.EPIPE), done.stderr)
+        self.assertEqual(self.all_files(), [])
+
+
+class TwoRuns(FaultTest):
+    """A run of many seconds that is stopped stands for one that goes on."""
+
+    def long_run(self, *more):
+        big = self.folder / "big.xyzr"
+        big.write_text("0 0 0 200\n")
+        program = self.start(big, "--spacing", "0.3", "--write", "edges", "-q", *more)
+        wait_for(lambda: any(name.endswith(".part") and (self.output / name).stat().st_size > 0
+                             for name in self.all_files()))
+        program.send_signal(signal.SIGSTOP)
+        return program
+
+    def test_second_is_refused(self):
+        first = self.long_run()
+        there = self.all_files()
+        for choice in ("edges", "grid", "areas", "grid,edges,areas"):
+            done = self.run_program(SMALL, "-q", "--write", choice)
+            self.assertFailed(
+                done, f"cannot write into {self.output}: another run is writing there")
+            self.assertEqual(self.all_files(), there)
+        self.assertDone(self.run_program(SMALL, "-q", "--write", "none"))
+        self.assertEqual(self.all_files(), there)
+        first.kill()
+        first.wait()
+        self.assertEqual(self.all_files(), there)  # nothing under a final name
+        self.assertDone(self.run_program(SMALL, "-q", "--write", "grid"))
+        self.assertEqual(self.all_files(), ["bounding_box.txt", "grid_info.txt"])
+
+    def test_by_another_name(self):
+        first = self.long_run()
+        link = self.folder / "link"
+        link.symlink_to(self.output)
+        self.output = link
+        self.assertFailed(self.run_program(SMALL, "-q"), "another run is writing there")
+        first.kill()
+
+    def test_many_at_a_time(self):
+        """Each of them does its work or is refused, and what is there is whole."""
+        reference = self.make_reference(*TINY)
+        runs = [self.start(*TINY) for _ in range(12)]
+        done = [self.finish(program) for program in runs]
+        self.assertIn(0, [each.returncode for each in done])
+        for each in done:
+            if each.returncode != 0:
+                self.assertFailed(each, "another run is writing there")
+        self.assertEqual(self.contents(), reference)
+
+    def test_other_hidden_files_stay(self):
+        self.output.mkdir()
+        others = [".grid_info.txt.part", ".grid_info.txt.x.part", ".other.txt.12.part", ".hidden"]
+        for name in others:
+            (self.output / name).touch()
+        (self.output / ".grid_info.txt.12.part").touch()
+        self.assertDone(self.run_program(SMALL, "-q"))
+        self.assertEqual(self.all_files(), sorted([*others, *NAMES]))
+
+    @needs_library
+    def test_no_locks(self):
+        """As on some network file systems: the run goes on without one."""
+        reference = self.make_reference(*TINY)
+        for code in (errno.ENOLCK, errno.EOPNOTSUPP, errno.EBADF):
+            self.assertDone(self.run_program(*TINY, fault=f"lock 1 fail={code}"))
+            self.assertTrue(self.is_faulty())
+            self.assertLessEqual(reference.items(), self.contents().items())
+            self.put({})

@@ -1,0 +1,177 @@
+"""SIGINT, SIGTERM and SIGHUP in every phase: a prompt end, its exit code, nothing left."""
+
+import os
+import signal
+import time
+
+from faults import (NAMES, PROMPT, SMALL, TINY, FaultTest, forget_signals, needs_library,
+                    wait_for)
+
+STRIDE = 13  # of the allocations at which a signal comes
+BALL = "0 0 0 200\n"  # at a spacing of 0.3 a grid of 2.4e9 points
+
+
+class Phase(FaultTest):
+    """`number` is the signal that a test sends."""
+
+    def big_input(self, text=BALL):
+        path = self.folder / "big.xyzr"
+        path.write_text(text)
+        return path
+
+    def has_temporaries(self):
+        return any(name.endswith(".part") for name in self.all_files())
+
+    def has_text(self):
+        try:
+            return any(entry.stat().st_size > 100_000 for entry in os.scandir(self.output))
+        except OSError:
+            return False
+
+    def check_end(self, program, number):
+        """Sends the signal; the run has to end soon."""
+        self.assertIsNone(program.poll(), "the run was over before the signal")
+        begin = time.monotonic()
+        program.send_signal(number)
+        done = self.finish(program)
+        self.assertEqual(done.returncode, 128 + number, done)
+        self.assertLess(time.monotonic() - begin, PROMPT)
+        self.assertEqual(self.all_files(), [])
+
+    def for_signals(self, start, is_ready):
+        for number in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP):
+            with self.subTest(signal=number):
+                program = start()
+                wait_for(is_ready)
+                self.check_end(program, number.value)
+
+    def test_waiting_for_input(self):
+        fifo = self.folder / "fifo.xyzr"
+        os.mkfifo(fifo)
+        for number in (signal.SIGINT, signal.SIGTERM):
+            program = self.start(fifo)
+            with open(fifo, "w") as input_end:  # returns once the program has opened it, too
+                input_end.write("0 0 0 1\n")
+                input_end.flush()
+                self.check_end(program, number.value)
+
+    def test_waiting_for_a_writer(self):
+        fifo = self.folder / "fifo.xyzr"
+        os.mkfifo(fifo)
+        program = self.start(fifo)
+        # It sleeps in open().
+        wait_for(lambda: "S (sleeping)" in self.status(program) and self.catches_signals(program))
+        self.check_end(program, signal.SIGINT.value)
+
+    @staticmethod
+    def status(program):
+        with open(f"/proc/{program.pid}/status", encoding="ascii", errors="replace") as status:
+            return status.read()
+
+    def catches_signals(self, program):
+        caught = next(line for line in self.status(program).splitlines()
+                      if line.startswith("SigCgt:"))
+        return int(caught.split()[1], 16) >> (signal.SIGTERM.value - 1) & 1
+
+    def test_patches(self):
+        """A hundred thousand atoms, each of which has many neighbours."""
+        edge = 47
+        path = self.big_input("".join(
+            f"{x * 1.1:.1f} {y * 1.1:.1f} {z * 1.1:.1f} 3\n"
+            for x in range(edge) for y in range(edge) for z in range(edge)))
+        self.for_signals(lambda: self.start(path, "-q", "-t", "1", "--write", "areas"),
+                         self.has_temporaries)
+
+    def test_blocks(self):
+        path = self.big_input()
+        self.for_signals(lambda: self.start(path, "-q", "--spacing", "0.3", "--write", "edges"),
+                         self.has_text)
+
+    def test_writing(self):
+        """Blocks that are empty, and much text."""
+        path = self.big_input("0 0 0 1\n500 500 500 1\n")
+        self.for_signals(lambda: self.start(path, "-q", "--spacing", "0.5", "--write", "grid"),
+                         self.has_text)
+
+    def test_one_block_that_takes_long(self):
+        path = self.big_input()
+        program = self.start(path, "-q", "--spacing", "0.5", "-b", "900", "--write", "edges")
+        wait_for(self.has_temporaries)
+        time.sleep(0.3)
+        if program.poll() is not None and "memory" in program.communicate()[1]:
+            self.skipTest("not enough memory for a large block")
+        self.check_end(program, signal.SIGTERM.value)
+
+    def test_ignored_hangup(self):
+        """As nohup has it."""
+        def prepare():
+            forget_signals()
+            signal.signal(signal.SIGHUP, signal.SIG_IGN)
+        path = self.big_input()
+        program = self.start(path, "-q", "--spacing", "0.3", "--write", "edges", prepare=prepare)
+        wait_for(self.has_temporaries)
+        program.send_signal(signal.SIGHUP)
+        time.sleep(0.3)
+        self.assertIsNone(program.poll())
+        self.check_end(program, signal.SIGTERM.value)
+
+    @needs_library
+    def test_file_system_that_hangs(self):
+        for call in ("open 2", "write 1", "close 1", "rename 2"):
+            with self.subTest(call=call):
+                program = self.start(*TINY, fault=f"{call} hang")
+                wait_for(self.is_faulty)
+                begin = time.monotonic()
+                program.send_signal(signal.SIGTERM)
+                done = self.finish(program)
+                self.assertEqual(done.returncode, 128 + signal.SIGTERM.value)
+                self.assertLess(time.monotonic() - begin, PROMPT)
+                self.assertFalse(self.has_temporaries())
+                self.assertNotIn("bounding_box.txt", self.all_files())
+                self.assertDone(self.run_program(*TINY))
+                self.assertEqual(self.all_files(), sorted(NAMES))
+                self.put({})
+
+    @needs_library
+    def test_second_signal(self):
+        program = self.start(*TINY, fault="write 1 hang")
+        wait_for(self.is_faulty)
+        program.send_signal(signal.SIGINT)
+        program.send_signal(signal.SIGTERM)
+        begin = time.monotonic()
+        done = self.finish(program)
+        self.assertIn(done.returncode, (128 + signal.SIGINT, 128 + signal.SIGTERM))
+        self.assertLess(time.monotonic() - begin, PROMPT)
+        self.assertFalse(self.has_temporaries())
+
+
+@needs_library
+class EveryMoment(FaultTest):
+    """Signals that come at every call on a file, and at allocations all through a run."""
+
+    def for_every(self, call, stride, least):
+        reference = self.make_reference(*TINY)
+        interrupted = 0
+        for turn in range(100_000):
+            number = (signal.SIGINT, signal.SIGTERM)[turn % 2].value
+            done = self.run_program(*TINY, fault=f"{call} {1 + turn * stride} signal={number}")
+            if not self.is_faulty():
+                self.assertDone(done)
+                self.assertGreater(interrupted, least)
+                return
+            with self.subTest(call=1 + turn * stride):
+                if done.returncode == -number:  # before the program has begun
+                    self.assertEqual((interrupted, self.all_files()), (0, []))
+                else:
+                    self.assertEqual(done.returncode, 128 + number, done)
+                    interrupted += 1
+                # After the last rename all are there, and only then.
+                self.assertIn(self.contents(), ({}, reference))
+                self.put({})
+        self.fail("there is no end of calls")
+
+    def test_calls(self):
+        self.for_every("file", 1, 20)
+
+    def test_allocations(self):
+        self.for_every("alloc", STRIDE, 20)
