@@ -18,6 +18,7 @@
 #include "run/ordered_output.hpp"
 #include "run/parallel.hpp"
 #include "run/resources.hpp"
+#include "run/text_chunks.hpp"
 #include "solve/block_solver.hpp"
 #include "solve/stopwatch.hpp"
 
@@ -67,19 +68,20 @@ std::filesystem::path existing_part(std::filesystem::path directory) {
 }
 
 void prepare_directory(const std::filesystem::path& directory, const Plan& plan) {
-  const std::uint64_t needed = plan.grid_file_bytes + plan.area_file_bytes;
-  const std::uint64_t available = available_disk(existing_part(directory));
-  if (needed > available)
-    throw Error(fmt::format(
-        "the files need about {:.3g} GB besides intersection_info.txt, but {} has {:.3g} "
-        "GB free; leave out grid_info.txt (--write edges,areas) or use a larger spacing",
-        static_cast<double>(needed) / 1e9, directory.string(),
-        static_cast<double>(available) / 1e9));
+  require_disk_space(plan, directory);
   std::error_code error;
   std::filesystem::create_directories(directory, error);
   if (error || !std::filesystem::is_directory(directory, error))
     throw Error(fmt::format("cannot write into {}: {}", directory.string(),
                             error ? error.message() : "Not a directory"));
+}
+
+void require_memory_within(std::uint64_t max_memory) {
+  if (max_memory > 0 && resident_memory() > max_memory)
+    throw Error(
+        fmt::format("the run needs more than the {:.3g} MB that it may hold, and was "
+                    "expected to need; use a larger limit",
+                    static_cast<double>(max_memory) / 1e6));
 }
 
 // What one thread needs to turn rows into text.
@@ -101,7 +103,8 @@ class Pipeline {
         progress_(progress),
         rows_per_chunk_(rows_per_chunk(plan.grid)),
         layers_(static_cast<std::size_t>(plan.tiling.blocks[2])),
-        queue_(plan.tiling.blocks[2], plan.tiling.blocks[0] * plan.tiling.blocks[1]),
+        queue_(plan.tiling.blocks[2], plan.tiling.blocks[0] * plan.tiling.blocks[1],
+               plan.blocks_ahead),
         workspaces_(static_cast<std::size_t>(plan.threads)),
         writers_(static_cast<std::size_t>(plan.threads)) {
     if (files.grid) grid_output_.emplace(*files.grid);
@@ -150,12 +153,6 @@ class Pipeline {
   }
 
  private:
-  static std::int64_t rows_per_chunk(const Grid& grid) {
-    constexpr std::int64_t text_bytes = 1 << 19;
-    constexpr std::int64_t line_bytes = 16;
-    return std::max<std::int64_t>(1, text_bytes / (line_bytes * grid.size[0]));
-  }
-
   std::int64_t layer_rows(std::int64_t layer) const {
     return plan_.tiling.block(0, 0, layer).owned[2] * plan_.grid.size[1];
   }
@@ -193,6 +190,7 @@ class Pipeline {
     const std::int64_t by = task.index / plan_.tiling.blocks[0];
     layers_[static_cast<std::size_t>(task.layer)].blocks[static_cast<std::size_t>(task.index)] =
         solve_block(surface_, plan_.grid, plan_.tiling.block(bx, by, task.layer), workspace);
+    require_memory_within(plan_.parameters.max_memory);
     if (!progress_) return;
     const std::lock_guard lock(progress_mutex_);
     progress_(++solved_blocks_, plan_.tiling.block_count());
@@ -299,6 +297,18 @@ std::uint64_t write_all(OutputFile& file, std::span<const char> text) {
 
 }  // namespace
 
+DiskSpace require_disk_space(const Plan& plan, const std::filesystem::path& directory) {
+  const std::uint64_t certain = plan.grid_file_bytes + plan.area_file_bytes;
+  const std::uint64_t available = available_disk(existing_part(directory));
+  if (certain > available)
+    throw Error(fmt::format(
+        "the files need about {:.3g} GB besides intersection_info.txt, but {} has {:.3g} "
+        "GB free; leave out grid_info.txt (--write edges,areas) or use a larger spacing",
+        static_cast<double>(certain) / 1e9, directory.string(),
+        static_cast<double>(available) / 1e9));
+  return {available, plan.output_bytes() <= available};
+}
+
 Summary run(std::span<const Atom> atoms, const Plan& plan, const OutputChoice& outputs,
             const std::filesystem::path& directory, const ProgressCallback& progress) {
   const Stopwatch total;
@@ -310,6 +320,7 @@ Summary run(std::span<const Atom> atoms, const Plan& plan, const OutputChoice& o
   Surface surface(atoms, plan.parameters.probe_radius);
   build_patches(surface, plan.threads);
   release_free_memory();
+  require_memory_within(plan.parameters.max_memory);
   summary.seconds.patches = total.seconds();
 
   const Stopwatch blocks;
