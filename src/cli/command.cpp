@@ -2,7 +2,6 @@
 
 #include <fcntl.h>
 #include <fmt/format.h>
-#include <sys/resource.h>
 #include <unistd.h>
 
 #include <atomic>
@@ -11,8 +10,6 @@
 #include <cstdint>
 #include <cstdio>
 #include <exception>
-#include <fstream>
-#include <limits>
 #include <new>
 #include <optional>
 #include <string>
@@ -25,8 +22,10 @@
 #include "cli/progress.hpp"
 #include "cli/report.hpp"
 #include "eses/error.hpp"
+#include "eses/oddities.hpp"
 #include "eses/read_atoms.hpp"
 #include "eses/run.hpp"
+#include "run/resources.hpp"
 
 namespace eses::cli {
 namespace {
@@ -57,25 +56,16 @@ void complain(std::string_view kind, std::string_view message) {
   std::fwrite(line.data(), 1, line.size(), stderr);
 }
 
-// Linux counts what the parent held before it became this program towards ru_maxrss, but not
-// towards VmHWM.
-std::uint64_t peak_memory_bytes() {
-  std::ifstream status("/proc/self/status");
-  for (std::string key; status >> key;) {
-    std::uint64_t kilobytes = 0;
-    if (key == "VmHWM:" && status >> kilobytes) return kilobytes * 1024;
-    status.ignore(std::numeric_limits<std::streamsize>::max(), '\n');
-  }
-  rusage usage{};
-  if (getrusage(RUSAGE_SELF, &usage) != 0) return 0;
-  return static_cast<std::uint64_t>(usage.ru_maxrss) * 1024;
-}
-
 std::atomic<int> received_signal = 0;
 static_assert(std::atomic<int>::is_always_lock_free);  // or a signal handler may not write it
 
 /// Ends a run from its progress callback, so that its unfinished files are removed.
 struct Interrupted {};
+
+/// Warnings of a run in which they are errors.
+struct StrictError {
+  std::vector<std::string> lines;
+};
 
 /// The first signal ends the run in order, a second one at once.
 void end_in_order_on_signals() {
@@ -85,6 +75,14 @@ void end_in_order_on_signals() {
   for (const int signal : {SIGINT, SIGTERM, SIGHUP}) sigaction(signal, &action, nullptr);
 }
 
+/// Warnings come before the work, so that nobody waits for what he did not want.
+void warn(const Report& report) {
+  const std::vector<std::string> lines = warnings(report);
+  if (report.options.strict && !lines.empty()) throw StrictError{lines};
+  if (report.options.quiet) return;
+  for (const std::string& line : lines) complain("warning", line);
+}
+
 void announce(const Report& report) {
   if (report.options.quiet) return;
   if (!report.options.json) {
@@ -92,7 +90,6 @@ void announce(const Report& report) {
   } else if (isatty(STDERR_FILENO) == 1) {
     std::fputs(plan_text(report).c_str(), stderr);
   }
-  if (report.plan.cut_depth > 0) complain("warning", cut_warning(report));
 }
 
 Summary run_with_progress(const std::vector<Atom>& atoms, const Options& options,
@@ -112,15 +109,29 @@ std::string final_text(const Report& report) {
   return report.options.quiet ? result : result + summary_text(report);
 }
 
-void compute(const Options& options) {
-  const std::vector<Atom> atoms = read_atoms(options.input, options.format);
+Report plan_report(const NumberedAtoms& input, const Options& options) {
   Report report;
   report.options = options;
-  report.atoms = atoms.size();
-  report.plan = make_plan(atoms, options.parameters, options.outputs);
+  report.atoms = input.atoms.size();
+  report.findings = describe(find_oddities(input.atoms), input.lines, options.input);
+  report.plan = make_plan(input.atoms, options.parameters, options.outputs);
+  report.disk = require_disk_space(report.plan, options.output_directory);
+  return report;
+}
+
+void compute(const Options& options) {
+  const NumberedAtoms input = read_numbered_atoms(options.input, options.format);
+  Report report = plan_report(input, options);
+  if (options.dry_run) {
+    print(options.json ? json_text(report) : plan_text(report));
+    warn(report);
+    return;
+  }
+  if (options.strict) warn(report);
   announce(report);
-  report.summary = run_with_progress(atoms, options, report.plan);
-  report.peak_memory_bytes = peak_memory_bytes();
+  if (!options.strict) warn(report);
+  report.summary = run_with_progress(input.atoms, options, report.plan);
+  report.peak_memory_bytes = peak_memory();
   print(final_text(report));
 }
 
@@ -147,6 +158,9 @@ int run_command(int argc, char** argv) {
     complain("error", error.what());
     std::fputs("Try 'eses-blocks --help'.\n", stderr);
     return exit_usage;
+  } catch (const StrictError& error) {
+    for (const std::string& line : error.lines) complain("error", line);
+    return exit_failure;
   } catch (const Interrupted&) {
     return 128 + received_signal;
   } catch (const std::bad_alloc&) {

@@ -12,15 +12,15 @@ namespace eses {
 namespace {
 
 constexpr double mebibyte = 1 << 20;
-constexpr double base_bytes = 5 * mebibyte;               // program, libraries, first thread
-constexpr double bytes_per_thread = 1.25 * mebibyte;      // stack, allocator, batches
+constexpr double base_bytes = 4.5 * mebibyte;             // program, libraries, first thread
+constexpr double bytes_per_thread = 0.75 * mebibyte;      // stack, allocator, batches
 constexpr double bytes_per_atom = sizeof(Atom) + 8 + 16;  // with line number and tree
 // Patches of ranges grow, and are joined one kind after the other.
 constexpr double making_of_patches = 2.75;
 constexpr double bytes_per_index = 48;  // of an axis, as text
 constexpr double bytes_per_layer = 64;  // that is still, or no longer, empty
-// A list that grows is copied into one of twice its length.
-constexpr double growth = 2;
+// A list that grows is copied into one of twice its length, of which part stays untouched.
+constexpr double growth = 1.5;
 // Crossings are denser than on average where the surface faces a cell's corner.
 constexpr double crossing_slack = 1.05;
 
@@ -40,26 +40,24 @@ double per_atom_patch_bytes() {
 double feature_bytes(const SurfaceSurvey& survey, const Grid& grid, const BlockTiling& tiling) {
   const auto atoms = static_cast<double>(survey.atom_count());
   const PatchTotals& totals = survey.totals();
-  const double reach = survey.largest_radius() + 2 * survey.probe_radius();
-  double diagonal = 0, box = 1;
-  for (const std::int64_t size : tiling.grid_size) {
-    const double side = as_double(std::min(tiling.block_size, size) - 1) * grid.spacing;
-    diagonal += side * side;
-    box *= side + 2 * reach;
-  }
-  const double radius = 0.5 * std::sqrt(diagonal) + reach;
-  const double ball = 4.0 / 3 * std::numbers::pi * radius * radius * radius;
-  constexpr double denser = 1.25;  // than at the places looked at
-  const double found =
-      std::min(atoms, denser * static_cast<double>(survey.most_atoms_within(radius)));
-  const double near = std::min(found, 2 * found * box / ball);
+  const double sas_radius = survey.largest_radius() + survey.probe_radius();
+  Vec3 half;
+  for (std::size_t axis = 0; axis < 3; ++axis)
+    half[axis] =
+        0.5 * grid.spacing * as_double(std::min(tiling.block_size, tiling.grid_size[axis]) - 1);
+  const auto [in_box, in_ball] =
+      survey.most_atoms_near(half + sas_radius * Vec3{1, 1, 1}, norm(half) + sas_radius);
+  constexpr double denser = 1.1;  // than at the places looked at
+  const auto bound = [&](std::size_t found) {
+    return std::min(atoms, denser * static_cast<double>(found));
+  };
   const double indices = 32;  // of a patch in the cells of PatchIndex
   const double per_atom =
       sizeof(BallFeature) + sizeof(FaceFeature) + indices +
       (sizeof(CapCone) * totals.face_neighbours + (sizeof(ArcFeature) + indices) * totals.arcs +
        (sizeof(PlacementFeature) + indices) * totals.placements) /
           atoms;
-  return growth * (sizeof(AtomIndex) * found + near * per_atom);
+  return growth * (sizeof(AtomIndex) * bound(in_ball) + per_atom * bound(in_box));
 }
 
 double block_words(const BlockTiling& tiling) {
@@ -73,7 +71,7 @@ double block_words(const BlockTiling& tiling) {
 double text_bytes(const Grid& grid, const OutputChoice& outputs) {
   // A line has more bytes than counted on, and crossings may crowd.
   const double chunk = as_double(rows_per_chunk(grid) * grid.size[0]) * 24;
-  return (outputs.grid ? growth * chunk : 0) + (outputs.edges ? chunk : 0);
+  return (outputs.grid ? chunk : 0) + (outputs.edges ? chunk / 2 : 0);
 }
 
 double bytes_of_thread(const SurfaceSurvey& survey, const Grid& grid, const Schedule& schedule,
@@ -103,7 +101,7 @@ double bytes_of_layers(const SurfaceSurvey& survey, const Grid& grid, const Bloc
 
 // Of the layer after the one that is unwritten, how much is solved at most: blocks differ.
 double share_ahead(const Schedule& schedule) {
-  constexpr double fullest = 4;  // against the mean
+  constexpr double fullest = 2;  // against the mean
   const GridIndex& blocks = schedule.tiling.blocks;
   if (blocks[2] < 2) return 0;
   return std::min(1.0, fullest * as_double(schedule.blocks_ahead) /

@@ -163,14 +163,19 @@ double SurfaceSurvey::largest_slab_area(double thickness) const {
   return largest;
 }
 
-std::size_t SurfaceSurvey::most_atoms_within(double distance) const {
+SurfaceSurvey::AtomsNear SurfaceSurvey::most_atoms_near(Vec3 half_sides, double distance) const {
   const std::size_t count = atom_count(), places = std::min(count, places_looked_at);
   std::vector<AtomIndex> found;
-  std::size_t most = 0;
+  AtomsNear most;
   for (std::size_t s = 0; s < places; ++s) {
-    surface_.tree.find_within(surface_.atoms[(2 * s + 1) * count / (2 * places)].center, distance,
-                              found);
-    most = std::max(most, found.size());
+    const Vec3 place = surface_.atoms[(2 * s + 1) * count / (2 * places)].center;
+    const Box box{place - half_sides, place + half_sides};
+    surface_.tree.find_within(place, distance, found);
+    const auto in_box = std::count_if(found.begin(), found.end(), [&](AtomIndex i) {
+      return squared_distance(box, surface_.atoms[i].center) == 0;
+    });
+    most.in_box = std::max(most.in_box, static_cast<std::size_t>(in_box));
+    most.in_ball = std::max(most.in_ball, found.size());
   }
   return most;
 }

@@ -32,8 +32,12 @@ class SurfaceSurvey {
   /// sampling error added twice over.
   double largest_slab_area(double thickness) const;
 
-  /// How many atoms' centres lie within `distance` of any one place, about.
-  std::size_t most_atoms_within(double distance) const;
+  /// How many atoms' centres lie in a box of these half sides, and within `distance`, which
+  /// encloses the box, of any one place: of some places looked at, the most.
+  struct AtomsNear {
+    std::size_t in_box = 0, in_ball = 0;
+  };
+  AtomsNear most_atoms_near(Vec3 half_sides, double distance) const;
 
  private:
   void visit(AtomIndex i, double weight, AtomPatchScratch& scratch);
