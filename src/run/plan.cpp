@@ -56,8 +56,10 @@ std::vector<Schedule> possible_schedules(const Grid& grid, const Parameters& p, 
     for (const std::int64_t block_size : block_sizes) {
       const BlockTiling tiling = make_tiling(grid, block_size);
       const int used = useful_threads(tiling, threads, atoms);
-      // So many that a thread rarely waits for the slowest block of a layer, or none.
-      for (const std::int64_t ahead : {4 * used, 0}) schedules.push_back({tiling, used, ahead});
+      // So many that a thread rarely waits for the slowest block of a layer, or none. A thread that
+      // is alone never waits.
+      for (const std::int64_t ahead : {used > 1 ? 4 * used : 0, 0})
+        schedules.push_back({tiling, used, ahead});
     }
     if (p.threads > 0) break;
   }
