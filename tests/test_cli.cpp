@@ -460,7 +460,7 @@ TEST_CASE("a dry run prints the plan of the run and writes nothing", "[cli]") {
   const Outcome json = sandbox.run(dry);
   REQUIRE(json.code == 0);
   check_json(sandbox, json.out, "r['dry_run'], 'area' in r, 'seconds' in r, r['grid']['points']",
-             "(True, False, False, 4655)");
+             "(True, False, False, 3380)");
 }
 
 TEST_CASE("a dry run refuses what the run would refuse", "[cli]") {
@@ -510,6 +510,16 @@ TEST_CASE("a memory limit is kept, or refused with one that would do", "[cli]") 
                "True");
 #endif
   }
+}
+
+TEST_CASE("what reading takes counts towards the limit", "[cli]") {
+  const Sandbox sandbox;
+  write_file(sandbox.directory() / "talk.xyzr",
+             std::string(std::size_t{40} << 20, '\n') + "0 0 0 1.5\n");
+  const Outcome outcome = sandbox.run({"talk.xyzr", "--max-memory", "30M", "-o", "talk"});
+  CHECK(outcome.code == 1);
+  CHECK(contains(outcome.err, "talk.xyzr: reading it has taken more memory"));
+  CHECK_FALSE(fs::exists(sandbox.directory() / "talk"));
 }
 
 TEST_CASE("what is odd in the input is warned about, counted, with line numbers", "[cli]") {

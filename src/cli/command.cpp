@@ -109,12 +109,23 @@ std::string final_text(const Report& report) {
   return report.options.quiet ? result : result + summary_text(report);
 }
 
+/// A file may have far more text than atoms.
+void require_memory_for_reading(const Options& options) {
+  const std::uint64_t limit = options.parameters.max_memory, peak = peak_memory();
+  if (limit == 0 || peak <= limit) return;
+  throw Error(
+      fmt::format("{}: reading it has taken more memory than the limit allows; the smallest "
+                  "that would do is --max-memory {}M",
+                  options.input.string(), (peak >> 20) + 1));
+}
+
 Report plan_report(const NumberedAtoms& input, const Options& options) {
   Report report;
   report.options = options;
   report.atoms = input.atoms.size();
   report.findings = describe(find_oddities(input.atoms), input.lines, options.input);
   report.plan = make_plan(input.atoms, options.parameters, options.outputs);
+  require_memory_for_reading(options);
   report.disk = require_disk_space(report.plan, options.output_directory);
   return report;
 }

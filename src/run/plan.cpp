@@ -93,11 +93,9 @@ void choose_schedule(const SurfaceSurvey& survey, const OutputChoice& outputs, P
   const Parameters& p = plan.parameters;
   const auto limit = p.max_memory > 0 ? static_cast<double>(p.max_memory)
                                       : std::numeric_limits<double>::infinity();
-  const auto held_already = p.max_memory > 0 ? static_cast<double>(peak_memory()) : 0;
   double smallest = std::numeric_limits<double>::infinity();
   for (const Schedule& schedule : possible_schedules(plan.grid, p, survey.atom_count())) {
-    const double memory =
-        std::max(held_already, expected_memory(survey, plan.grid, schedule, outputs));
+    const double memory = expected_memory(survey, plan.grid, schedule, outputs);
     smallest = std::min(smallest, memory);
     if (memory > limit) continue;
     plan.tiling = schedule.tiling;
