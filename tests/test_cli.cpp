@@ -78,6 +78,10 @@ TEST_CASE("help names every option with unit and default, examples and exit code
                                  "2 to 4096 [64]",
                                  "--format NAME",
                                  "--write LIST",
+                                 "--max-memory BYTES",
+                                 "powers of 1024",
+                                 "--dry-run",
+                                 "--strict",
                                  "-q,--quiet",
                                  "--json",
                                  "--version",
@@ -106,6 +110,7 @@ TEST_CASE("usage errors name option, value and expectation, and write nothing", 
   const Sandbox sandbox;
   const std::string above_zero = ", expected a finite number greater than 0, in angstrom";
   const std::string at_least_zero = ", expected a finite number of at least 0, in angstrom";
+  const std::string bytes = ", expected a whole number of bytes above 0, or one with K, M, G or T";
   const std::vector<std::pair<Arguments, std::string>> cases{
       {{}, "FILE is missing"},
       {{""}, "FILE is missing"},
@@ -146,6 +151,17 @@ TEST_CASE("usage errors name option, value and expectation, and write nothing", 
       {{"atom.xyzr", "-t", "-2"}, "--threads is '-2', expected a whole number from 1 to 4096"},
       {{"atom.xyzr", "-t", "99999999999999999999"},
        "--threads is '99999999999999999999', expected a whole number from 1 to 4096"},
+      {{"atom.xyzr", "--max-memory", "0"}, "--max-memory is '0'" + bytes},
+      {{"atom.xyzr", "--max-memory", "-1G"}, "--max-memory is '-1G'" + bytes},
+      {{"atom.xyzr", "--max-memory", "2GB"}, "--max-memory is '2GB'" + bytes},
+      {{"atom.xyzr", "--max-memory", "1.5G"}, "--max-memory is '1.5G'" + bytes},
+      {{"atom.xyzr", "--max-memory", "G"}, "--max-memory is 'G'" + bytes},
+      {{"atom.xyzr", "--max-memory", ""}, "--max-memory is ''" + bytes},
+      {{"atom.xyzr", "--max-memory", "16777216T"}, "--max-memory is '16777216T'" + bytes},
+      {{"atom.xyzr", "--max-memory", "1G", "--max-memory", "2G"},
+       "--max-memory is given more than once"},
+      {{"atom.xyzr", "--dry-run=yes"}, "--dry-run takes no value"},
+      {{"atom.xyzr", "--strict=1"}, "--strict takes no value"},
       {{"atom.xyzr", "--format", "pdb"}, "--format is 'pdb', expected auto, xyzr or pqr"},
       {{"atom.xyzr", "--write", "faces"},
        "--write is 'faces', expected some of grid,edges,areas, or none"},
@@ -321,8 +337,143 @@ TEST_CASE("the JSON report holds what the text says", "[cli]") {
   check("r['output']['directory'], len(r['output']['files'])", "('.', 4)");
   check("sorted(r['seconds'])",
         "['blocks', 'classify', 'intersect', 'output', 'patches', 'total']");
-  check("sorted(r['plan'])", "['cut_depth', 'memory_bytes', 'output_bytes']");
+  check("sorted(r['plan'])",
+        "['area_file_bytes', 'blocks_ahead', 'cut_depth', 'disk_bytes', 'edge_file_bytes', "
+        "'grid_file_bytes', 'max_memory_bytes', 'memory_bytes', 'output_bytes']");
+  check("r['plan']['max_memory_bytes'], r['diagnostics'], r['dry_run']", "(None, [], False)");
   check("r['peak_memory_bytes'] > 0 and r['threads'] > 0 and bool(r['version'])", "True");
+}
+
+TEST_CASE("a dry run prints the plan of the run and writes nothing", "[cli]") {
+  const Sandbox sandbox;
+  const Arguments arguments{"pair.xyzr", "-o", "new", "-t", "1"};
+  Arguments dry = arguments;
+  dry.emplace_back("--dry-run");
+  const Outcome plan = sandbox.run(dry);
+  CHECK(plan.code == 0);
+  CHECK(plan.err.empty());
+  CHECK_FALSE(fs::exists(sandbox.directory() / "new"));
+  for (const std::string key : {"area:", "volume:"}) CHECK(lines_with(plan.out, key).empty());
+  CHECK(contains(plan.out, "grid_info.txt at most "));
+  CHECK(contains(plan.out, "intersection_info.txt about "));
+
+  // What both say of the plan is the same.
+  const Outcome run = sandbox.run(arguments);
+  const std::size_t shared = run.out.find("surface area:");
+  REQUIRE(shared != std::string::npos);
+  CHECK(plan.out.substr(0, shared) == run.out.substr(0, shared));
+
+  dry.emplace_back("--json");
+  const Outcome json = sandbox.run(dry);
+  REQUIRE(json.code == 0);
+  check_json(sandbox, json.out, "r['dry_run'], 'area' in r, 'seconds' in r, r['grid']['points']",
+             "(True, False, False, 3380)");
+}
+
+TEST_CASE("a dry run refuses what the run would refuse", "[cli]") {
+  const Sandbox sandbox;
+  for (const Arguments& arguments :
+       {Arguments{"missing.xyzr", "--dry-run"}, Arguments{"pair.xyzr", "1.4", "1e-4", "--dry-run"},
+        Arguments{"pair.xyzr", "--max-memory", "1K", "--dry-run"},
+        Arguments{"pair.xyzr", "1.4", "0.4", "0", "--dry-run"}}) {
+    INFO(Sandbox::command(arguments));
+    const Outcome outcome = sandbox.run(arguments);
+    CHECK(outcome.code == 1);
+    CHECK(outcome.out.empty());
+    CHECK(outcome.err.rfind("eses-blocks: error: ", 0) == 0);
+  }
+}
+
+TEST_CASE("a memory limit is kept, or refused with one that would do", "[cli]") {
+  const Sandbox sandbox;
+  write_file(sandbox.directory() / "ball.xyzr", "0 0 0 60\n");
+  const Arguments arguments{"ball.xyzr", "1.4", "0.25", "0.8", "--write", "edges", "-q"};
+  REQUIRE(sandbox.run(arguments).code == 0);
+  const std::string expected = read_file(sandbox.directory() / "intersection_info.txt");
+
+  const auto limited = [&](const std::string& limit) {
+    Arguments with_limit = arguments;
+    for (const char* const more : {"--json", "--max-memory"}) with_limit.emplace_back(more);
+    with_limit.push_back(limit);
+    return sandbox.run(with_limit);
+  };
+  const Outcome refused = limited("1M");
+  CHECK(refused.code == 1);
+  CHECK(refused.out.empty());
+  const std::string option = "--max-memory ";
+  const std::size_t at = refused.err.find(option);
+  REQUIRE(at != std::string::npos);
+  const auto smallest = std::stoull(refused.err.substr(at + option.size()));
+  CHECK(limited(std::to_string(smallest - 1) + "M").code == 1);
+  for (const std::string& limit :
+       {std::to_string(smallest) + "M", std::to_string(smallest << 10) + "K",
+        std::to_string(smallest << 20), std::string("4G")}) {
+    INFO(limit);
+    const Outcome outcome = limited(limit);
+    REQUIRE(outcome.code == 0);
+    CHECK(read_file(sandbox.directory() / "intersection_info.txt") == expected);
+#ifndef __SANITIZE_ADDRESS__  // which holds memory of its own
+    check_json(sandbox, outcome.out, "r['peak_memory_bytes'] <= r['plan']['max_memory_bytes']",
+               "True");
+#endif
+  }
+}
+
+TEST_CASE("what reading takes counts towards the limit", "[cli]") {
+  const Sandbox sandbox;
+  write_file(sandbox.directory() / "talk.xyzr",
+             std::string(std::size_t{40} << 20, '\n') + "0 0 0 1.5\n");
+  const Outcome outcome = sandbox.run({"talk.xyzr", "--max-memory", "30M", "-o", "talk"});
+  CHECK(outcome.code == 1);
+  CHECK(contains(outcome.err, "talk.xyzr: reading it has taken more memory"));
+  CHECK_FALSE(fs::exists(sandbox.directory() / "talk"));
+}
+
+TEST_CASE("what is odd in the input is warned about, counted, with line numbers", "[cli]") {
+  const Sandbox sandbox;
+  std::string text = "# atoms\n0 0 0 1.5\n";
+  for (int i = 0; i < 8; ++i) text += "0 0 0 1.5\n";
+  write_file(sandbox.directory() / "odd.xyzr", text + "9 0 0 5\n9 0 0 0\n");
+  const std::string duplicates =
+      "odd.xyzr: 8 atoms have the centre and radius of an earlier one: lines 3 (as 2), 4 (as 2), "
+      "5 (as 2), 6 (as 2), 7 (as 2) and 3 more\n";
+  const std::string large = "odd.xyzr: 1 atom has a radius above 4 angstrom: line 11\n";
+
+  const Outcome outcome = sandbox.run({"odd.xyzr"});
+  CHECK(outcome.code == 0);
+  CHECK(outcome.err == "eses-blocks: warning: " + duplicates + "eses-blocks: warning: " + large);
+  CHECK(contains(outcome.out, "input: odd.xyzr (11 atoms; 1 of radius 0)\n"));
+  CHECK(sandbox.run({"odd.xyzr", "-q"}).err.empty());
+
+  const Outcome strict = sandbox.run({"odd.xyzr", "--strict", "-o", "strict", "-q"});
+  CHECK(strict.code == 1);
+  CHECK(strict.out.empty());
+  CHECK(strict.err == "eses-blocks: error: " + duplicates + "eses-blocks: error: " + large);
+  CHECK_FALSE(fs::exists(sandbox.directory() / "strict"));
+
+  const Outcome json = sandbox.run({"odd.xyzr", "--json", "-q"});
+  REQUIRE(json.code == 0);
+  CHECK(json.err.empty());
+  check_json(sandbox, json.out,
+             "[(d['kind'], d['severity'], d['count']) for d in r['diagnostics']]",
+             "[('duplicate', 'warning', 8), ('large_radius', 'warning', 1), "
+             "('zero_radius', 'note', 1)]");
+  check_json(sandbox, json.out, "r['diagnostics'][0]['first'][4]",
+             "{'atom': 5, 'line': 7, 'other_atom': 0, 'other_line': 2}");
+  check_json(sandbox, json.out, "r['diagnostics'][1]['first']",
+             "[{'atom': 9, 'line': 11, 'other_atom': None, 'other_line': None}]");
+}
+
+TEST_CASE("what is usual passes strict, a grid that cuts the molecule does not", "[cli]") {
+  const Sandbox sandbox;
+  write_file(sandbox.directory() / "usual.xyzr", "0 0 0 1.85\n1 0 0 0.2245\n0 1 0 0\n");
+  const Outcome usual = sandbox.run({"usual.xyzr", "--strict"});
+  CHECK(usual.code == 0);
+  CHECK(usual.err.empty());
+  const Outcome cut = sandbox.run({"atom.xyzr", "1.4", "0.8", "0.45", "--strict", "-o", "cut"});
+  CHECK(cut.code == 1);
+  CHECK(cut.err.rfind("eses-blocks: error: the grid ends ", 0) == 0);
+  CHECK_FALSE(fs::exists(sandbox.directory() / "cut"));
 }
 
 TEST_CASE("JSON stays valid whatever the file names", "[cli]") {

@@ -287,7 +287,7 @@ TEST_CASE("a plan refuses parameters out of their range") {
     parameters.probe_radius = radius;
     CHECK_THROWS_AS(make_plan(atoms, parameters, {}), Error);
   }
-  for (const std::int64_t block_size : {1, 0, -64}) {
+  for (const std::int64_t block_size : {1, -1, -64}) {
     Parameters parameters;
     parameters.block_size = block_size;
     CHECK_THROWS_AS(make_plan(atoms, parameters, {}), Error);

@@ -1,6 +1,7 @@
 #pragma once
 /// Reading atoms from xyzr and PQR files.
 
+#include <cstdint>
 #include <filesystem>
 #include <string_view>
 #include <vector>
@@ -15,14 +16,23 @@ enum class AtomFormat {
   pqr,        ///< ATOM and HETATM records; the last two numbers are charge and radius
 };
 
+/// Atoms and where they stand.
+struct NumberedAtoms {
+  std::vector<Atom> atoms;
+  std::vector<std::uint64_t> lines;  ///< of each atom, 1-based
+};
+
 /// Reads all atoms of a file; `-` is standard input. Throws Error, naming file, line and field,
 /// if the file cannot be read, holds no atom, or has a field that is missing, not a finite
 /// number, or a negative radius.
+NumberedAtoms read_numbered_atoms(const std::filesystem::path& path,
+                                  AtomFormat format = AtomFormat::automatic);
 std::vector<Atom> read_atoms(const std::filesystem::path& path,
                              AtomFormat format = AtomFormat::automatic);
 
 /// The same for text that is already in memory; `name` stands for the file in messages, and
 /// `automatic` means xyzr.
+NumberedAtoms parse_numbered_atoms(std::string_view text, AtomFormat format, std::string_view name);
 std::vector<Atom> parse_atoms(std::string_view text, AtomFormat format, std::string_view name);
 
 }  // namespace eses

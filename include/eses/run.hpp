@@ -12,12 +12,18 @@
 
 namespace eses {
 
+inline constexpr std::int64_t default_block_size = 64;
+
 struct Parameters {
-  double probe_radius = 1.4;     ///< angstrom, > 0
-  double spacing = 0.4;          ///< angstrom, > 0
-  double margin = 0.8;           ///< angstrom, >= 0
-  std::int64_t block_size = 64;  ///< grid points on a side of a block, >= 2
-  int threads = 0;               ///< 0: all that the process may use
+  double probe_radius = 1.4;  ///< angstrom, > 0
+  double spacing = 0.4;       ///< angstrom, > 0
+  double margin = 0.8;        ///< angstrom, >= 0
+  /// Grid points on a side of a block, >= 2; 0: `default_block_size`, or less to keep `max_memory`.
+  std::int64_t block_size = 0;
+  /// 0: all that the process may use, or less to keep `max_memory`.
+  int threads = 0;
+  /// Bytes that the process may hold resident; 0: what the machine has to give.
+  std::uint64_t max_memory = 0;
 };
 
 /// Which files are written.
@@ -34,8 +40,10 @@ struct Plan {
   Grid grid;
   BlockTiling tiling;
   int threads = 1;
-  double cut_depth = 0;               ///< see eses::cut_depth; > 0 means that the surface is cut
-  std::uint64_t memory_bytes = 0;     ///< estimate of the peak
+  std::int64_t blocks_ahead = 0;  ///< solved at most of the next layer while one is unwritten
+  double cut_depth = 0;           ///< see eses::cut_depth; > 0 means that the surface is cut
+  /// Estimate of the process's peak, meant as an upper bound, if it holds nothing but the atoms.
+  std::uint64_t memory_bytes = 0;
   std::uint64_t grid_file_bytes = 0;  ///< upper bound
   std::uint64_t edge_file_bytes = 0;  ///< estimate
   std::uint64_t area_file_bytes = 0;  ///< upper bound
@@ -68,16 +76,28 @@ struct Summary {
 /// is thrown on by it.
 using ProgressCallback = std::function<void(std::int64_t done, std::int64_t total)>;
 
-/// Grid, tiling, memory and bytes of output. Throws Error if a parameter is out of its range, if
-/// the margin is so small that the grid would cut the surface (see README), or if memory cannot
-/// hold what the run needs.
+/// Grid, tiling, memory and bytes of output; what is left to it, block size, threads and blocks in
+/// flight, it chooses so that `max_memory` is kept. Throws Error if a parameter is out of its
+/// range, if the margin is so small that the grid would cut the surface (see README), or if memory
+/// cannot hold what the run needs, or may not.
 Plan make_plan(std::span<const Atom> atoms, const Parameters& parameters,
                const OutputChoice& outputs);
+
+/// What the file system of an output directory has to give.
+struct DiskSpace {
+  std::uint64_t available = 0;       ///< bytes; the largest number if that cannot be told
+  bool holds_expected_files = true;  ///< of a plan, with its estimate of intersection_info.txt
+};
+
+/// The disk space for a plan's files in `directory`, which need not exist yet. Throws Error if
+/// those whose size is known do not fit.
+DiskSpace require_disk_space(const Plan& plan, const std::filesystem::path& directory);
 
 /// Computes the surface and writes the chosen files into `directory` (created if missing), which it
 /// locks against other runs. The files appear under their names only when all of them are complete,
 /// the bounding box last, and older ones are removed before; on failure none appears.
-/// Throws Error on write failures, lack of disk space, and if another run is writing there.
+/// Throws Error on write failures, lack of disk space, if another run is writing there, and where
+/// memory exceeds `max_memory` after all: the plan's figure is an estimate.
 Summary run(std::span<const Atom> atoms, const Plan& plan, const OutputChoice& outputs,
             const std::filesystem::path& directory, const ProgressCallback& progress = {});
 

@@ -2,7 +2,6 @@
 
 #include <fcntl.h>
 #include <fmt/format.h>
-#include <sys/resource.h>
 #include <unistd.h>
 
 #include <cerrno>
@@ -11,8 +10,6 @@
 #include <cstdio>
 #include <cstdlib>
 #include <exception>
-#include <fstream>
-#include <limits>
 #include <new>
 #include <optional>
 #include <string>
@@ -29,10 +26,12 @@
 #include "cli/report.hpp"
 #include "diff/compare_directories.hpp"
 #include "eses/error.hpp"
+#include "eses/oddities.hpp"
 #include "eses/read_atoms.hpp"
 #include "eses/run.hpp"
 #include "io/output_directory.hpp"
 #include "run/output_files.hpp"
+#include "run/resources.hpp"
 
 namespace eses::cli {
 namespace {
@@ -80,18 +79,17 @@ void complain_about_memory() { std::fputs("eses-blocks: error: out of memory\n",
   std::abort();
 }
 
-// Linux counts what the parent held before it became this program towards ru_maxrss, but not
-// towards VmHWM.
-std::uint64_t peak_memory_bytes() {
-  std::ifstream status("/proc/self/status");
-  for (std::string key; status >> key;) {
-    std::uint64_t kilobytes = 0;
-    if (key == "VmHWM:" && status >> kilobytes) return kilobytes * 1024;
-    status.ignore(std::numeric_limits<std::streamsize>::max(), '\n');
-  }
-  rusage usage{};
-  if (getrusage(RUSAGE_SELF, &usage) != 0) return 0;
-  return static_cast<std::uint64_t>(usage.ru_maxrss) * 1024;
+/// Warnings of a run in which they are errors.
+struct StrictError {
+  std::vector<std::string> lines;
+};
+
+/// Warnings come before the work, so that nobody waits for what he did not want.
+void warn(const Report& report) {
+  const std::vector<std::string> lines = warnings(report);
+  if (report.options.strict && !lines.empty()) throw StrictError{lines};
+  if (report.options.quiet) return;
+  for (const std::string& line : lines) complain("warning", line);
 }
 
 void announce(const Report& report) {
@@ -101,7 +99,6 @@ void announce(const Report& report) {
   } else if (isatty(STDERR_FILENO) == 1) {
     std::fputs(plan_text(report).c_str(), stderr);
   }
-  if (report.plan.cut_depth > 0) complain("warning", cut_warning(report));
 }
 
 Summary run_with_progress(const std::vector<Atom>& atoms, const Options& options,
@@ -131,16 +128,41 @@ void require_standard_output() {
   if (flags == -1 || (flags & O_ACCMODE) == O_RDONLY) fail_to_print(EBADF);
 }
 
-void compute(const Options& options) {
-  require_standard_output();
-  const std::vector<Atom> atoms = read_atoms(options.input, options.format);
+/// A file may have far more text than atoms.
+void require_memory_for_reading(const Options& options) {
+  const std::uint64_t limit = options.parameters.max_memory, peak = peak_memory();
+  if (limit == 0 || peak <= limit) return;
+  throw Error(
+      fmt::format("{}: reading it has taken more memory than the limit allows; the smallest "
+                  "that would do is --max-memory {}M",
+                  options.input.string(), (peak >> 20) + 1));
+}
+
+Report plan_report(const NumberedAtoms& input, const Options& options) {
   Report report;
   report.options = options;
-  report.atoms = atoms.size();
-  report.plan = make_plan(atoms, options.parameters, options.outputs);
+  report.atoms = input.atoms.size();
+  report.findings = describe(find_oddities(input.atoms), input.lines, options.input);
+  report.plan = make_plan(input.atoms, options.parameters, options.outputs);
+  require_memory_for_reading(options);
+  report.disk = require_disk_space(report.plan, options.output_directory);
+  return report;
+}
+
+void compute(const Options& options) {
+  require_standard_output();
+  const NumberedAtoms input = read_numbered_atoms(options.input, options.format);
+  Report report = plan_report(input, options);
+  if (options.dry_run) {
+    print(options.json ? json_text(report) : plan_text(report));
+    warn(report);
+    return;
+  }
+  if (options.strict) warn(report);
   announce(report);
-  report.summary = run_with_progress(atoms, options, report.plan);
-  report.peak_memory_bytes = peak_memory_bytes();
+  if (!options.strict) warn(report);
+  report.summary = run_with_progress(input.atoms, options, report.plan);
+  report.peak_memory_bytes = peak_memory();
   print(final_text(report));
 }
 
@@ -189,6 +211,9 @@ int perform(const Task& task, int argc, char** argv) {
     complain("error", error.what());
     std::fputs(fmt::format("Try '{}'.\n", task.help).c_str(), stderr);
     return exit_usage;
+  } catch (const StrictError& error) {
+    for (const std::string& line : error.lines) complain("error", line);
+    return exit_failure;
   } catch (const Interrupted& interrupted) {
     return interrupted.exit_code;
   } catch (const std::bad_alloc&) {

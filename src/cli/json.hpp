@@ -6,7 +6,6 @@
 #include <cmath>
 #include <concepts>
 #include <cstddef>
-#include <initializer_list>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -76,8 +75,7 @@ std::string triple(Number x, Number y, Number z) {
 
 using Member = std::pair<std::string_view, std::string>;
 
-inline std::string object(std::initializer_list<Member> members,
-                          std::string_view separator = ", ") {
+inline std::string object(const std::vector<Member>& members, std::string_view separator = ", ") {
   std::vector<std::string> items;
   for (const auto& [name, value] : members) items.push_back(string(name) + ": " + value);
   return fmt::format("{{{}}}", fmt::join(items, separator));

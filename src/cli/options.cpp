@@ -6,6 +6,9 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
+#include <filesystem>
+#include <limits>
+#include <memory>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -41,6 +44,7 @@ Examples:
   eses-blocks 1crn.xyzr 1.4 0.25 0.8                   probe radius, spacing, margin as in ESES
   eses-blocks 1crn.pqr --spacing 0.25 -o out --json    files in out/, report as JSON
   eses-blocks diff out ESES                            compares the files in two directories
+  eses-blocks 1crn.xyzr --spacing 0.1 --dry-run        points, memory and disk it would take
 
 Exit codes:
   0  done
@@ -83,18 +87,27 @@ void add_file_options(CLI::App& app) {
 }
 
 void add_computation_options(CLI::App& app) {
-  const auto add = [&app](const char* name, const std::string& description) {
-    add_value(app, name, "N", description)->group("Computation (results do not depend on it)");
+  const auto add = [&app](const char* name, const char* value_name,
+                          const std::string& description) {
+    add_value(app, name, value_name, description)
+        ->group("Computation (results do not depend on it)");
   };
-  add("-t,--threads", "number of threads [all the process may use]");
-  add("-b,--block-size", fmt::format("grid points on a side of a block, 2 to {} [{}]",
-                                     largest_block_size, Parameters{}.block_size));
+  add("-t,--threads", "N", "number of threads [all the process may use]");
+  add("-b,--block-size", "N",
+      fmt::format("grid points on a side of a block, 2 to {} [{}]", largest_block_size,
+                  default_block_size));
+  add("--max-memory", "BYTES",
+      "memory that the process may hold, also as 500M or 2G\n"
+      "(K, M, G, T: powers of 1024); kept by smaller blocks\n"
+      "and fewer threads where these are not given, or refused");
 }
 
 void add_flags(CLI::App& app) {
   const auto add = [&app](const char* name, const char* description) {
     app.add_flag(name)->description(description)->group("Messages");
   };
+  add("--dry-run", "print the plan and what is odd in the input, compute nothing");
+  add("--strict", "what would be warned about is an error");
   add("-q,--quiet", "only area and volume (or JSON), no notes, warnings or progress");
   add("--json", "report as one JSON object in place of the text");
   add("--version", "show version and build, and exit");
@@ -148,6 +161,30 @@ std::int64_t count_of(const CLI::App& app, const std::string& name, std::int64_t
   return *value;
 }
 
+/// A whole number of bytes, or of 1024, 1024^2, ... of them.
+std::optional<std::uint64_t> bytes_in(std::string_view text) {
+  constexpr std::string_view suffixes = "KMGT";
+  const std::size_t suffix = text.empty() ? suffixes.npos : suffixes.find(text.back());
+  int shift = 0;
+  if (suffix != suffixes.npos) {
+    shift = 10 * (static_cast<int>(suffix) + 1);
+    text.remove_suffix(1);
+  }
+  const std::optional<std::uint64_t> value = whole_text<std::uint64_t>(text);
+  if (!value || *value == 0 || *value > std::numeric_limits<std::uint64_t>::max() >> shift)
+    return std::nullopt;
+  return *value << shift;
+}
+
+std::uint64_t max_memory_of(const CLI::App& app) {
+  const std::optional<std::string> text = text_of(app, "--max-memory");
+  if (!text) return Parameters{}.max_memory;
+  const std::optional<std::uint64_t> bytes = bytes_in(*text);
+  if (!bytes)
+    refuse("--max-memory", *text, "a whole number of bytes above 0, or one with K, M, G or T");
+  return *bytes;
+}
+
 Parameters parameters_of(const CLI::App& app) {
   Parameters result;
   result.probe_radius = length_of(app, "PROBE", "--probe-radius", positive, result.probe_radius);
@@ -156,6 +193,7 @@ Parameters parameters_of(const CLI::App& app) {
   result.block_size = count_of(app, "--block-size", 2, largest_block_size, result.block_size);
   result.threads =
       static_cast<int>(count_of(app, "--threads", 1, most_threads, Parameters{}.threads));
+  result.max_memory = max_memory_of(app);
   return result;
 }
 
@@ -195,6 +233,8 @@ Options options_of(const CLI::App& app) {
   options.output_directory = required_text(app, "--output-dir", ".");
   options.quiet = is_set(app, "--quiet");
   options.json = is_set(app, "--json");
+  options.dry_run = is_set(app, "--dry-run");
+  options.strict = is_set(app, "--strict");
   options.input = required_text(app, "FILE", "");
   return options;
 }

@@ -19,6 +19,8 @@ struct Options {
   std::filesystem::path output_directory = ".";
   bool quiet = false;
   bool json = false;
+  bool dry_run = false;  ///< plan only
+  bool strict = false;   ///< what would be warned about is an error
 };
 
 /// Throws UsageError.

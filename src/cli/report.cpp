@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 #include <vector>
 
 #include "cli/json.hpp"
@@ -30,7 +31,6 @@ std::string duration_text(double seconds) {
   return fmt::format("{} h {} min", whole / 3600, whole / 60 % 60);
 }
 
-<<<<<<< HEAD
 std::vector<std::string> file_names(const OutputChoice& outputs) {
   std::vector<std::string> names;
   if (outputs.box) names.emplace_back("bounding_box.txt");
@@ -38,10 +38,6 @@ std::vector<std::string> file_names(const OutputChoice& outputs) {
   if (outputs.edges) names.emplace_back("intersection_info.txt");
   if (outputs.areas) names.emplace_back("partition_area.txt");
   return names;
-=======
-std::string counted(std::int64_t count, std::string_view noun) {
-  return fmt::format("{} {}{}", count, noun, count == 1 ? "" : "s");
->>>>>>> faults
 }
 
 /// A path for the text report. Callers search that for `area:` and `volume:`, which a path may
@@ -61,6 +57,45 @@ std::string written_text(const Report& report) {
   if (names.empty()) return "written: nothing\n";
   return fmt::format("written: {} to {} ({})\n", bytes_text(report.summary.bytes_written),
                      path_text(report.options.output_directory), fmt::join(names, ", "));
+}
+
+bool is_known(const DiskSpace& disk) {
+  return disk.available != std::numeric_limits<std::uint64_t>::max();
+}
+
+/// `1 grid_info.txt ...`: the plan's files, and how well their sizes are known.
+std::string files_text(const Plan& plan) {
+  std::vector<std::string> parts;
+  const auto add = [&](std::uint64_t bytes, std::string_view quality, std::string_view name) {
+    if (bytes > 0) parts.push_back(fmt::format("{} {} {}", name, quality, bytes_text(bytes)));
+  };
+  add(plan.grid_file_bytes, "at most", "grid_info.txt");
+  add(plan.edge_file_bytes, "about", "intersection_info.txt");
+  add(plan.area_file_bytes, "at most", "partition_area.txt");
+  return fmt::format("{}", fmt::join(parts, ", "));
+}
+
+/// What files that are in order have, too: one line for all of it.
+std::string usual_text(const std::vector<Finding>& findings) {
+  std::string text;
+  for (const Finding& finding : findings)
+    if (finding.is_usual) text += fmt::format("; {} {}", finding.count, finding.short_text);
+  return text;
+}
+
+std::string cut_warning(const Plan& plan) {
+  return fmt::format(
+      "the grid ends {:.3g} angstrom inside the molecule, because the number of grid points is "
+      "truncated as in ESES; a margin of at least the spacing ({}) avoids that",
+      plan.cut_depth, plan.grid.spacing);
+}
+
+std::string disk_warning(const Report& report) {
+  return fmt::format(
+      "the files are expected to take {}, but {} has {} free; intersection_info.txt is estimated, "
+      "so this may yet do, and a disk that fills up ends the run and leaves no file",
+      bytes_text(report.plan.output_bytes()), path_text(report.options.output_directory),
+      bytes_text(report.disk.available));
 }
 
 std::string parameters_json(const Parameters& parameters) {
@@ -84,10 +119,41 @@ std::string blocks_json(const BlockTiling& tiling) {
                        {"count", json::number(tiling.block_count())}});
 }
 
-std::string plan_json(const Plan& plan) {
+/// A number that may not be known.
+std::string number_unless(bool is_unknown, std::uint64_t value) {
+  return is_unknown ? "null" : json::number(value);
+}
+
+std::string plan_json(const Plan& plan, const DiskSpace& disk) {
   return json::object({{"memory_bytes", json::number(plan.memory_bytes)},
+                       {"max_memory_bytes",
+                        number_unless(plan.parameters.max_memory == 0, plan.parameters.max_memory)},
+                       {"blocks_ahead", json::number(plan.blocks_ahead)},
                        {"output_bytes", json::number(plan.output_bytes())},
+                       {"grid_file_bytes", json::number(plan.grid_file_bytes)},
+                       {"edge_file_bytes", json::number(plan.edge_file_bytes)},
+                       {"area_file_bytes", json::number(plan.area_file_bytes)},
+                       {"disk_bytes", number_unless(!is_known(disk), disk.available)},
                        {"cut_depth", json::number(plan.cut_depth)}});
+}
+
+std::string findings_json(const std::vector<Finding>& findings) {
+  std::vector<std::string> items;
+  for (const Finding& finding : findings) {
+    std::vector<std::string> examples;
+    for (const Finding::Example& example : finding.examples)
+      examples.push_back(
+          json::object({{"atom", json::number(example.atom)},
+                        {"line", json::number(example.line)},
+                        {"other_atom", number_unless(!example.has_other, example.other_atom)},
+                        {"other_line", number_unless(!example.has_other, example.other_line)}}));
+    items.push_back(json::object({{"kind", json::string(finding.name)},
+                                  {"severity", json::string(finding.is_usual ? "note" : "warning")},
+                                  {"count", json::number(finding.count)},
+                                  {"message", json::string(finding.message)},
+                                  {"first", json::array(examples)}}));
+  }
+  return json::array(items);
 }
 
 std::string crossings_json(const Summary& summary) {
@@ -129,8 +195,8 @@ std::string plan_text(const Report& report) {
   const GridIndex& points = plan.grid.size;
   const GridIndex& blocks = plan.tiling.blocks;
   const auto atoms = static_cast<std::int64_t>(report.atoms);
-  std::string text =
-      fmt::format("input: {} ({})\n", path_text(report.options.input), counted(atoms, "atom"));
+  std::string text = fmt::format("input: {} ({}{})\n", path_text(report.options.input),
+                                 counted(atoms, "atom"), usual_text(report.findings));
   text += fmt::format("parameters: probe radius {}, spacing {}, margin {} (angstrom)\n",
                       parameters.probe_radius, parameters.spacing, parameters.margin);
   text += fmt::format("grid: {} x {} x {} = {} points\n", points[0], points[1], points[2],
@@ -139,6 +205,13 @@ std::string plan_text(const Report& report) {
                       blocks[2], plan.tiling.block_size, counted(plan.threads, "thread"));
   text += fmt::format("expected: {} of memory, {} of files\n", bytes_text(plan.memory_bytes),
                       bytes_text(plan.output_bytes()));
+  if (!report.options.dry_run) return text;
+  if (parameters.max_memory > 0)
+    text += fmt::format("memory limit: {}\n", bytes_text(parameters.max_memory));
+  if (plan.output_bytes() > 0) text += fmt::format("files: {}\n", files_text(plan));
+  if (is_known(report.disk))
+    text += fmt::format("disk: {} free in {}\n", bytes_text(report.disk.available),
+                        path_text(report.options.output_directory));
   return text;
 }
 
@@ -156,25 +229,35 @@ std::string summary_text(const Report& report) {
 
 std::string json_text(const Report& report) {
   const Summary& summary = report.summary;
-  const std::string members =
-      json::object({{"program", json::string("eses-blocks")},
-                    {"version", json::string(version)},
-                    {"input", json::string(report.options.input.string())},
-                    {"atoms", json::number(report.atoms)},
-                    {"parameters", parameters_json(report.options.parameters)},
-                    {"grid", grid_json(report.plan.grid)},
-                    {"blocks", blocks_json(report.plan.tiling)},
-                    {"threads", json::number(report.plan.threads)},
-                    {"plan", plan_json(report.plan)},
-                    {"area", json::number(summary.area)},
-                    {"volume", json::number(summary.volume)},
-                    {"inside_points", json::number(summary.inside_points)},
-                    {"crossings", crossings_json(summary)},
-                    {"output", output_json(report)},
-                    {"seconds", seconds_json(summary.seconds)},
-                    {"peak_memory_bytes", json::number(report.peak_memory_bytes)}},
-                   ",\n ");
-  return members + "\n";
+  std::vector<json::Member> members{{"program", json::string("eses-blocks")},
+                                    {"version", json::string(version)},
+                                    {"input", json::string(report.options.input.string())},
+                                    {"atoms", json::number(report.atoms)},
+                                    {"diagnostics", findings_json(report.findings)},
+                                    {"parameters", parameters_json(report.options.parameters)},
+                                    {"grid", grid_json(report.plan.grid)},
+                                    {"blocks", blocks_json(report.plan.tiling)},
+                                    {"threads", json::number(report.plan.threads)},
+                                    {"plan", plan_json(report.plan, report.disk)},
+                                    {"dry_run", report.options.dry_run ? "true" : "false"}};
+  if (!report.options.dry_run)
+    members.insert(members.end(), {{"area", json::number(summary.area)},
+                                   {"volume", json::number(summary.volume)},
+                                   {"inside_points", json::number(summary.inside_points)},
+                                   {"crossings", crossings_json(summary)},
+                                   {"output", output_json(report)},
+                                   {"seconds", seconds_json(summary.seconds)},
+                                   {"peak_memory_bytes", json::number(report.peak_memory_bytes)}});
+  return json::object(members, ",\n ") + "\n";
+}
+
+std::vector<std::string> warnings(const Report& report) {
+  std::vector<std::string> lines;
+  for (const Finding& finding : report.findings)
+    if (!finding.is_usual) lines.push_back(finding.message);
+  if (report.plan.cut_depth > 0) lines.push_back(cut_warning(report.plan));
+  if (!report.disk.holds_expected_files) lines.push_back(disk_warning(report));
+  return lines;
 }
 
 std::string one_line(std::string_view text) {
@@ -186,13 +269,6 @@ std::string one_line(std::string_view text) {
 
 std::string counted(std::int64_t count, std::string_view noun) {
   return fmt::format("{} {}{}", count, noun, count == 1 ? "" : "s");
-}
-
-std::string cut_warning(const Report& report) {
-  return fmt::format(
-      "the grid ends {:.3g} angstrom inside the molecule, because the number of grid points is "
-      "truncated as in ESES; a margin of at least the spacing ({}) avoids that",
-      report.plan.cut_depth, report.plan.grid.spacing);
 }
 
 }  // namespace eses::cli

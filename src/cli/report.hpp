@@ -5,7 +5,9 @@
 #include <cstdint>
 #include <string>
 #include <string_view>
+#include <vector>
 
+#include "cli/findings.hpp"
 #include "cli/options.hpp"
 #include "eses/run.hpp"
 
@@ -15,7 +17,9 @@ namespace eses::cli {
 struct Report {
   Options options;
   std::size_t atoms = 0;
+  std::vector<Finding> findings;
   Plan plan;
+  DiskSpace disk;
   Summary summary;                      ///< empty before the run
   std::uint64_t peak_memory_bytes = 0;  ///< of the process
 };
@@ -30,16 +34,17 @@ std::string plan_text(const Report& report);
 /// What was done, besides area and volume.
 std::string summary_text(const Report& report);
 
-/// Plan, result and summary as one JSON object.
+/// Plan, result and summary as one JSON object; of a dry run, the plan.
 std::string json_text(const Report& report);
+
+/// What to warn about, a line each: what is odd in the input, a grid that cuts the surface (see
+/// eses::cut_depth), a disk that is expected to fill up.
+std::vector<std::string> warnings(const Report& report);
 
 /// `text` as a single line: bytes that would move a terminal's cursor become `?`.
 std::string one_line(std::string_view text);
 
 /// `1 edge`, `2 edges`
 std::string counted(std::int64_t count, std::string_view noun);
-
-/// What to say if the grid cuts the surface; see eses::cut_depth.
-std::string cut_warning(const Report& report);
 
 }  // namespace eses::cli

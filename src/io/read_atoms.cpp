@@ -417,9 +417,9 @@ bool has_pqr_suffix(const std::filesystem::path& path) {
   return suffix.size() == 4 && starts_with_ignoring_case(suffix, ".pqr");
 }
 
-std::vector<Atom> read_descriptor(int descriptor, AtomFormat format, const std::string& name) {
+NumberedAtoms read_descriptor(int descriptor, AtomFormat format, const std::string& name) {
   try {
-    return parse_atoms(read_text(descriptor, name), format, name);
+    return parse_numbered_atoms(read_text(descriptor, name), format, name);
   } catch (const std::bad_alloc&) {
     fail_for_memory(name);
   } catch (const std::length_error&) {
@@ -429,15 +429,18 @@ std::vector<Atom> read_descriptor(int descriptor, AtomFormat format, const std::
 
 }  // namespace
 
-std::vector<Atom> parse_atoms(std::string_view text, AtomFormat format, std::string_view name) {
+NumberedAtoms parse_numbered_atoms(std::string_view text, AtomFormat format,
+                                   std::string_view name) {
   check_is_text(text, name);
   text = without_byte_order_mark(text);
   const bool is_pqr = format == AtomFormat::pqr;
   const auto is_record = is_pqr ? is_pqr_record : is_xyzr_record;
   const auto parse_line = is_pqr ? parse_pqr : parse_xyzr;
 
-  std::vector<Atom> atoms;
+  NumberedAtoms result;
+  auto& [atoms, lines] = result;
   atoms.reserve(estimate_atoms(text));
+  lines.reserve(atoms.capacity());
   std::size_t line_number = 0;
   while (!text.empty()) {
     const std::string_view line = take_line(text);
@@ -451,17 +454,26 @@ std::vector<Atom> parse_atoms(std::string_view text, AtomFormat format, std::str
       fail(name, line_number, fmt::format("more than {} atoms", most_atoms));
     }
     atoms.push_back(atom);
+    lines.push_back(line_number);
   }
   if (atoms.empty()) throw Error(no_atoms_message(name, is_pqr, line_number));
-  return atoms;
+  return result;
 }
 
-std::vector<Atom> read_atoms(const std::filesystem::path& path, AtomFormat format) {
+std::vector<Atom> parse_atoms(std::string_view text, AtomFormat format, std::string_view name) {
+  return parse_numbered_atoms(text, format, name).atoms;
+}
+
+NumberedAtoms read_numbered_atoms(const std::filesystem::path& path, AtomFormat format) {
   if (path == "-") return read_descriptor(STDIN_FILENO, format, "<stdin>");
   if (format == AtomFormat::automatic && has_pqr_suffix(path)) format = AtomFormat::pqr;
   const std::string name = path.string();
   const FileDescriptor file(open_for_reading(path, name));
   return read_descriptor(file.value(), format, name);
+}
+
+std::vector<Atom> read_atoms(const std::filesystem::path& path, AtomFormat format) {
+  return read_numbered_atoms(path, format).atoms;
 }
 
 }  // namespace eses

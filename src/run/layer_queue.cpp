@@ -2,8 +2,11 @@
 
 namespace eses {
 
-LayerQueue::LayerQueue(std::int64_t layers, std::int64_t blocks_per_layer)
-    : blocks_per_layer_(blocks_per_layer), progress_(static_cast<std::size_t>(layers)) {}
+LayerQueue::LayerQueue(std::int64_t layers, std::int64_t blocks_per_layer,
+                       std::int64_t blocks_ahead)
+    : blocks_per_layer_(blocks_per_layer),
+      blocks_ahead_(blocks_ahead),
+      progress_(static_cast<std::size_t>(layers)) {}
 
 std::optional<Task> LayerQueue::take() {
   std::unique_lock lock(mutex_);
@@ -24,8 +27,10 @@ std::optional<Task> LayerQueue::try_take() {
   if (first_unsolved_ == static_cast<std::int64_t>(progress_.size()) ||
       first_unsolved_ > first_unwritten_ + 1)
     return std::nullopt;
-  const Task task{Task::Kind::solve, first_unsolved_,
-                  progress_[static_cast<std::size_t>(first_unsolved_)].blocks_taken++};
+  Progress& solving = progress_[static_cast<std::size_t>(first_unsolved_)];
+  if (first_unsolved_ > first_unwritten_ && solving.blocks_taken >= blocks_ahead_)
+    return std::nullopt;
+  const Task task{Task::Kind::solve, first_unsolved_, solving.blocks_taken++};
   if (task.index + 1 == blocks_per_layer_) ++first_unsolved_;
   return task;
 }

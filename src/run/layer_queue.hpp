@@ -18,11 +18,11 @@ struct Task {
 
 /// Layers are solved and written in order. A solved layer is written before any other block is
 /// solved, so that its memory is free soon; threads that find neither to do start on the next
-/// layer, so that none waits for the slowest block. At most two layers hold results that are not
-/// written.
+/// layer, so that none waits for the slowest block. At most one layer and `blocks_ahead` blocks of
+/// the next hold results that are not written.
 class LayerQueue {
  public:
-  LayerQueue(std::int64_t layers, std::int64_t blocks_per_layer);
+  LayerQueue(std::int64_t layers, std::int64_t blocks_per_layer, std::int64_t blocks_ahead);
 
   /// The next task, waiting for one if need be; none when all is done or `stop` was called.
   std::optional<Task> take();
@@ -44,7 +44,6 @@ class LayerQueue {
     std::int64_t blocks_taken = 0, blocks_done = 0;
     std::int64_t chunks = 0, chunks_taken = 0, chunks_done = 0;
   };
-
   bool is_solved(std::int64_t layer) const {
     return progress_[static_cast<std::size_t>(layer)].blocks_done == blocks_per_layer_;
   }
@@ -53,7 +52,7 @@ class LayerQueue {
 
   std::mutex mutex_;
   std::condition_variable changed_;
-  std::int64_t blocks_per_layer_;
+  std::int64_t blocks_per_layer_, blocks_ahead_;
   std::vector<Progress> progress_;  // per layer
   std::int64_t first_unwritten_ = 0;
   std::int64_t first_unsolved_ = 0;  // the lowest layer with blocks that nobody has taken

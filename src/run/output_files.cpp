@@ -3,6 +3,8 @@
 #include <fmt/format.h>
 #include <unistd.h>
 
+#include <system_error>
+
 #include "eses/error.hpp"
 #include "run/resources.hpp"
 
@@ -14,17 +16,28 @@ constexpr char grid_name[] = "grid_info.txt";
 constexpr char edges_name[] = "intersection_info.txt";
 constexpr char areas_name[] = "partition_area.txt";
 
-void require_space(const std::filesystem::path& directory, std::uint64_t needed) {
-  const std::uint64_t available = available_disk(directory);
-  if (needed > available)
-    throw Error(fmt::format(
-        "the files need about {:.3g} GB besides intersection_info.txt, but {} has {:.3g} "
-        "GB free; leave out grid_info.txt (--write edges,areas) or use a larger spacing",
-        static_cast<double>(needed) / 1e9, directory.string(),
-        static_cast<double>(available) / 1e9));
+// The directory itself, or the nearest one above it that exists.
+std::filesystem::path existing_part(std::filesystem::path directory) {
+  std::error_code error;
+  directory = std::filesystem::absolute(directory, error);
+  while (!std::filesystem::exists(directory, error) && directory.has_relative_path())
+    directory = directory.parent_path();
+  return directory;
 }
 
 }  // namespace
+
+DiskSpace require_disk_space(const Plan& plan, const std::filesystem::path& directory) {
+  const std::uint64_t certain = plan.grid_file_bytes + plan.area_file_bytes;
+  const std::uint64_t available = available_disk(existing_part(directory));
+  if (certain > available)
+    throw Error(fmt::format(
+        "the files need about {:.3g} GB besides intersection_info.txt, but {} has {:.3g} "
+        "GB free; leave out grid_info.txt (--write edges,areas) or use a larger spacing",
+        static_cast<double>(certain) / 1e9, directory.string(),
+        static_cast<double>(available) / 1e9));
+  return {available, plan.output_bytes() <= available};
+}
 
 std::vector<std::string> file_names(const OutputChoice& choice) {
   std::vector<std::string> names;
@@ -44,11 +57,11 @@ std::vector<std::string> temporary_paths(const OutputChoice& choice,
 }
 
 OutputFiles::OutputFiles(const OutputChoice& choice, const std::filesystem::path& path,
-                         std::uint64_t needed_bytes) {
+                         const Plan& plan) {
   if (file_names(choice).empty()) return;
   directory.emplace(path);
   directory->remove_abandoned(file_names({}));
-  require_space(path, needed_bytes);
+  require_disk_space(plan, path);
   if (choice.box) box.emplace(*directory, box_name);
   if (choice.grid) grid.emplace(*directory, grid_name);
   if (choice.edges) edges.emplace(*directory, edges_name);

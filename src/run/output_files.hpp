@@ -1,7 +1,6 @@
 #pragma once
 /// The files of a run: all of them, or none.
 
-#include <cstdint>
 #include <filesystem>
 #include <functional>
 #include <optional>
@@ -26,10 +25,8 @@ struct OutputFiles {
   std::optional<OutputDirectory> directory;  ///< if any file is there
   std::optional<OutputFile> box, grid, edges, areas;
 
-  /// Throws Error as OutputDirectory and OutputFile do, and if `needed_bytes` are more than the
-  /// disk has left.
-  OutputFiles(const OutputChoice& choice, const std::filesystem::path& path,
-              std::uint64_t needed_bytes);
+  /// Throws Error as OutputDirectory, OutputFile and require_disk_space do.
+  OutputFiles(const OutputChoice& choice, const std::filesystem::path& path, const Plan& plan);
 
   /// Gives all files their names. Older ones go first, so that old and new never stand beside each
   /// other, and the bounding box comes last: where it is, the others are. What `check`, called

@@ -1,6 +1,7 @@
 #include "run/resources.hpp"
 
 #include <fmt/format.h>
+#include <sys/resource.h>
 #include <sys/statvfs.h>
 
 #include <algorithm>
@@ -9,6 +10,7 @@
 #include <limits>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 namespace eses {
@@ -51,6 +53,17 @@ std::optional<Value> read_value(const std::string& path) {
   return std::nullopt;
 }
 
+// Bytes that a line of the form `Key:  123 kB` tells.
+std::optional<std::uint64_t> memory_entry(const char* path, std::string_view wanted) {
+  std::ifstream file(path);
+  for (std::string key; file >> key;) {
+    std::uint64_t kilobytes = 0;
+    if (key == wanted && file >> kilobytes) return kilobytes * 1024;
+    file.ignore(std::numeric_limits<std::streamsize>::max(), '\n');
+  }
+  return std::nullopt;
+}
+
 // The page cache counts as used, but gives way when memory is needed.
 std::uint64_t cached_bytes(const std::string& group) {
   std::ifstream file(group + "memory.stat");
@@ -86,17 +99,22 @@ int processor_quota() {
 }
 
 std::uint64_t available_memory() {
-  std::uint64_t available = unlimited;
-  std::ifstream file("/proc/meminfo");
-  for (std::string key; file >> key;) {
-    std::uint64_t kilobytes = 0;
-    if (key == "MemAvailable:" && file >> kilobytes) available = kilobytes * 1024;
-    file.ignore(std::numeric_limits<std::streamsize>::max(), '\n');
-  }
+  std::uint64_t available = memory_entry("/proc/meminfo", "MemAvailable:").value_or(unlimited);
   for (const auto& group : control_groups("memory"))
     available = std::min({available, left_in(group, "memory.max", "memory.current"),
                           left_in(group, "memory.limit_in_bytes", "memory.usage_in_bytes")});
   return available;
+}
+
+std::uint64_t resident_memory() { return memory_entry("/proc/self/status", "VmRSS:").value_or(0); }
+
+// Linux counts what the parent held before it became this program towards ru_maxrss, but not
+// towards VmHWM.
+std::uint64_t peak_memory() {
+  if (const auto peak = memory_entry("/proc/self/status", "VmHWM:")) return *peak;
+  rusage usage{};
+  if (getrusage(RUSAGE_SELF, &usage) != 0) return 0;
+  return static_cast<std::uint64_t>(usage.ru_maxrss) * 1024;
 }
 
 std::uint64_t available_disk(const std::filesystem::path& directory) {

@@ -13,6 +13,11 @@ int processor_quota();
 /// what the control group leaves.
 std::uint64_t available_memory();
 
+/// Bytes of memory that this process holds resident, and the most it ever held; 0 if the system
+/// does not tell.
+std::uint64_t resident_memory();
+std::uint64_t peak_memory();
+
 /// Bytes free for this user in the file system of `directory`, which must exist; the largest number
 /// if that cannot be told.
 std::uint64_t available_disk(const std::filesystem::path& directory);

@@ -1,11 +1,13 @@
 #include "eses/run.hpp"
 
+#include <fmt/format.h>
 #include <malloc.h>
 
 #include <algorithm>
 #include <mutex>
 #include <optional>
 
+#include "eses/error.hpp"
 #include "io/eses_text.hpp"
 #include "run/build_patches.hpp"
 #include "run/count_points.hpp"
@@ -14,6 +16,8 @@
 #include "run/ordered_output.hpp"
 #include "run/output_files.hpp"
 #include "run/parallel.hpp"
+#include "run/resources.hpp"
+#include "run/text_chunks.hpp"
 #include "solve/block_solver.hpp"
 #include "solve/stopwatch.hpp"
 
@@ -41,6 +45,14 @@ class ProgressReport {
   std::int64_t blocks_, solved_blocks_ = 0;
 };
 
+void require_memory_within(std::uint64_t max_memory) {
+  if (max_memory > 0 && resident_memory() > max_memory)
+    throw Error(
+        fmt::format("the run needs more than the {:.3g} MB that it may hold, and was "
+                    "expected to need; use a larger limit",
+                    static_cast<double>(max_memory) / 1e6));
+}
+
 // What one thread needs to turn rows into text.
 struct Writer {
   TextBuffer grid, edges;
@@ -59,7 +71,8 @@ class Pipeline {
         progress_(progress),
         rows_per_chunk_(rows_per_chunk(plan.grid)),
         layers_(static_cast<std::size_t>(plan.tiling.blocks[2])),
-        queue_(plan.tiling.blocks[2], plan.tiling.blocks[0] * plan.tiling.blocks[1]),
+        queue_(plan.tiling.blocks[2], plan.tiling.blocks[0] * plan.tiling.blocks[1],
+               plan.blocks_ahead),
         workspaces_(static_cast<std::size_t>(plan.threads)),
         writers_(static_cast<std::size_t>(plan.threads)) {
     if (files.grid) grid_output_.emplace(*files.grid);
@@ -108,12 +121,6 @@ class Pipeline {
   }
 
  private:
-  static std::int64_t rows_per_chunk(const Grid& grid) {
-    constexpr std::int64_t text_bytes = 1 << 19;
-    constexpr std::int64_t line_bytes = 16;
-    return std::max<std::int64_t>(1, text_bytes / (line_bytes * grid.size[0]));
-  }
-
   std::int64_t layer_rows(std::int64_t layer) const {
     return plan_.tiling.block(0, 0, layer).owned[2] * plan_.grid.size[1];
   }
@@ -151,6 +158,7 @@ class Pipeline {
     const std::int64_t by = task.index / plan_.tiling.blocks[0];
     layers_[static_cast<std::size_t>(task.layer)].blocks[static_cast<std::size_t>(task.index)] =
         solve_block(surface_, plan_.grid, plan_.tiling.block(bx, by, task.layer), workspace);
+    require_memory_within(plan_.parameters.max_memory);
     progress_.add(1);
   }
 
@@ -263,7 +271,7 @@ Summary run(std::span<const Atom> atoms, const Plan& plan, const OutputChoice& o
             const std::filesystem::path& directory, const ProgressCallback& progress) {
   const Stopwatch total;
   start_threads(plan.threads);
-  OutputFiles files(outputs, directory, plan.grid_file_bytes + plan.area_file_bytes);
+  OutputFiles files(outputs, directory, plan);
   ProgressReport report(progress, plan.tiling.block_count());
   const auto check = [&report] { report.check(); };
   Summary summary;
@@ -271,6 +279,7 @@ Summary run(std::span<const Atom> atoms, const Plan& plan, const OutputChoice& o
   Surface surface(atoms, plan.parameters.probe_radius);
   build_patches(surface, plan.threads, check);
   release_free_memory();
+  require_memory_within(plan.parameters.max_memory);
   summary.seconds.patches = total.seconds();
 
   const Stopwatch blocks;

@@ -124,7 +124,8 @@ bool is_buried(std::span<const Cap> caps, double radius, const BurialPatches& pa
   order.clear();
   for (std::uint32_t k = 0; k < caps.size(); ++k) {
     const auto& [axis, height, blocking_height] = caps[k];
-    const auto [settled, touched] = patch_limits(height * inverse_radius, patches.cosine, patches.sine);
+    const auto [settled, touched] =
+        patch_limits(height * inverse_radius, patches.cosine, patches.sine);
     order.push_back({static_cast<float>(axis.x), static_cast<float>(axis.y),
                      static_cast<float>(axis.z), static_cast<float>(settled),
                      static_cast<float>(touched), k, false});

@@ -1,0 +1,80 @@
+#include "cli/findings.hpp"
+
+#include <fmt/format.h>
+
+namespace eses::cli {
+namespace {
+
+struct Wording {
+  std::string_view name;
+  std::string_view one, several;  // behind the count
+  std::string_view relation;      // between the line of an atom and that of the other
+};
+
+Wording wording_of(OddityKind kind) {
+  switch (kind) {
+    case OddityKind::duplicate:
+      return {"duplicate", "atom has the centre and radius of an earlier one",
+              "atoms have the centre and radius of an earlier one", "as"};
+    case OddityKind::close:
+      return {"close", "atom is within 0.5 angstrom of an earlier one",
+              "atoms are within 0.5 angstrom of an earlier one", "near"};
+    case OddityKind::nested:
+      return {"nested", "atom lies wholly inside another one",
+              "atoms lie wholly inside another one", "in"};
+    case OddityKind::large_radius:
+      return {"large_radius", "atom has a radius above 4 angstrom",
+              "atoms have a radius above 4 angstrom", ""};
+    case OddityKind::small_radii:
+      return {"small_radii",
+              "atom, and none with a radius of 0.4 angstrom or more; are lengths in "
+              "nanometres?",
+              "atoms, and none with a radius of 0.4 angstrom or more; are lengths in nanometres?",
+              ""};
+    case OddityKind::zero_radius:
+      return {"zero_radius", "of radius 0", "of radius 0", ""};
+    case OddityKind::nested_usual:
+      return {"nested_hydrogen", "of at most 1.2 angstrom inside another atom",
+              "of at most 1.2 angstrom inside another atom", "in"};
+  }
+  return {};
+}
+
+std::string lines_text(const Finding& finding, std::string_view relation) {
+  std::vector<std::string> parts;
+  for (const Finding::Example& example : finding.examples)
+    parts.push_back(example.has_other
+                        ? fmt::format("{} ({} {})", example.line, relation, example.other_line)
+                        : fmt::format("{}", example.line));
+  const std::uint64_t more = finding.count - finding.examples.size();
+  return fmt::format("{} {}{}", finding.count == 1 ? "line" : "lines", fmt::join(parts, ", "),
+                     more > 0 ? fmt::format(" and {} more", more) : "");
+}
+
+Finding describe(const Oddity& oddity, std::span<const std::uint64_t> lines,
+                 const std::filesystem::path& input) {
+  const Wording wording = wording_of(oddity.kind);
+  Finding finding;
+  finding.name = wording.name;
+  finding.is_usual = is_usual(oddity.kind);
+  finding.count = oddity.count;
+  finding.short_text = oddity.count == 1 ? wording.one : wording.several;
+  for (const auto& [atom, other] : oddity.examples)
+    finding.examples.push_back({atom, lines[atom], atom != other, other, lines[other]});
+  finding.message =
+      fmt::format("{}: {} {}: {}", input == "-" ? "<stdin>" : input.string(), finding.count,
+                  finding.short_text, lines_text(finding, wording.relation));
+  return finding;
+}
+
+}  // namespace
+
+std::vector<Finding> describe(std::span<const Oddity> oddities,
+                              std::span<const std::uint64_t> lines,
+                              const std::filesystem::path& input) {
+  std::vector<Finding> findings;
+  for (const Oddity& oddity : oddities) findings.push_back(describe(oddity, lines, input));
+  return findings;
+}
+
+}  // namespace eses::cli

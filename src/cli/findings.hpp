@@ -1,0 +1,37 @@
+#pragma once
+/// What is odd in the input, in words and with line numbers.
+
+#include <cstdint>
+#include <filesystem>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "eses/oddities.hpp"
+
+namespace eses::cli {
+
+/// One kind of oddity.
+struct Finding {
+  struct Example {
+    AtomIndex atom = 0;
+    std::uint64_t line = 0;
+    bool has_other = false;
+    AtomIndex other_atom = 0;
+    std::uint64_t other_line = 0;
+  };
+  std::string_view name;    ///< for programs, as in the JSON report
+  bool is_usual = false;    ///< a note, not a warning
+  std::uint64_t count = 0;  ///< atoms
+  std::string short_text;   ///< behind the count, where notes are listed in one line
+  std::string message;      ///< one line: file, count, what it is, the first few lines
+  std::vector<Example> examples;
+};
+
+/// `lines` are those of the atoms in the file `input`.
+std::vector<Finding> describe(std::span<const Oddity> oddities,
+                              std::span<const std::uint64_t> lines,
+                              const std::filesystem::path& input);
+
+}  // namespace eses::cli

@@ -1,0 +1,133 @@
+#include "run/memory.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <numbers>
+
+#include "run/text_chunks.hpp"
+#include "solve/block_solver.hpp"
+
+namespace eses {
+namespace {
+
+constexpr double mebibyte = 1 << 20;
+constexpr double base_bytes = 4.5 * mebibyte;             // program, libraries, first thread
+constexpr double bytes_per_thread = 0.75 * mebibyte;      // stack, allocator, batches
+constexpr double bytes_per_atom = sizeof(Atom) + 8 + 16;  // with line number and tree
+// Patches of ranges grow, and are joined one kind after the other.
+constexpr double making_of_patches = 2.75;
+constexpr double bytes_per_index = 48;  // of an axis, as text
+constexpr double bytes_per_layer = 64;  // that is still, or no longer, empty
+// A list that grows is copied into one of twice its length, of which part stays untouched.
+constexpr double growth = 1.5;
+// Crossings are denser than on average where the surface faces a cell's corner.
+constexpr double crossing_slack = 1.05;
+
+double as_double(std::int64_t value) { return static_cast<double>(value); }
+
+double patch_bytes(const SurfaceSurvey& survey) {
+  const PatchTotals& totals = survey.totals();
+  return sizeof(Arc) * totals.arcs + sizeof(ProbePlacement) * totals.placements +
+         sizeof(AtomIndex) * totals.face_neighbours;
+}
+
+double per_atom_patch_bytes() {
+  return sizeof(AtomExposure) + 3 * sizeof(std::uint32_t) + sizeof(FaceDirections);
+}
+
+// What a thread unpacks for one block: see collect_features.
+double feature_bytes(const SurfaceSurvey& survey, const Grid& grid, const BlockTiling& tiling) {
+  const auto atoms = static_cast<double>(survey.atom_count());
+  const PatchTotals& totals = survey.totals();
+  const double sas_radius = survey.largest_radius() + survey.probe_radius();
+  Vec3 half;
+  for (std::size_t axis = 0; axis < 3; ++axis)
+    half[axis] =
+        0.5 * grid.spacing * as_double(std::min(tiling.block_size, tiling.grid_size[axis]) - 1);
+  const auto [in_box, in_ball] =
+      survey.most_atoms_near(half + sas_radius * Vec3{1, 1, 1}, norm(half) + sas_radius);
+  constexpr double denser = 1.1;  // than at the places looked at
+  const auto bound = [&](std::size_t found) {
+    return std::min(atoms, denser * static_cast<double>(found));
+  };
+  const double indices = 32;  // of a patch in the cells of PatchIndex
+  const double per_atom =
+      sizeof(BallFeature) + sizeof(FaceFeature) + indices +
+      (sizeof(CapCone) * totals.face_neighbours + (sizeof(ArcFeature) + indices) * totals.arcs +
+       (sizeof(PlacementFeature) + indices) * totals.placements) /
+          atoms;
+  return growth * (sizeof(AtomIndex) * bound(in_ball) + per_atom * bound(in_box));
+}
+
+double block_words(const BlockTiling& tiling) {
+  std::array<double, 3> points{};
+  for (std::size_t axis = 0; axis < 3; ++axis)
+    points[axis] = as_double(std::min(tiling.block_size, tiling.grid_size[axis]));
+  return (std::floor(std::max(0.0, points[0] - 2) / PointBits::column_step) + 1) * points[1] *
+         points[2];
+}
+
+double text_bytes(const Grid& grid, const OutputChoice& outputs) {
+  // A line has more bytes than counted on, and crossings may crowd.
+  const double chunk = as_double(rows_per_chunk(grid) * grid.size[0]) * 24;
+  return (outputs.grid ? chunk : 0) + (outputs.edges ? chunk / 2 : 0);
+}
+
+double bytes_of_thread(const SurfaceSurvey& survey, const Grid& grid, const Schedule& schedule,
+                       const OutputChoice& outputs) {
+  // Undecided points, edges along three axes, and their ranks.
+  constexpr double bytes_per_word = 4 * sizeof(std::uint64_t) + sizeof(std::uint32_t);
+  return bytes_per_thread + text_bytes(grid, outputs) +
+         bytes_per_word * block_words(schedule.tiling) +
+         feature_bytes(survey, grid, schedule.tiling) +
+         sizeof(Tally::Sum) * static_cast<double>(survey.atom_count());
+}
+
+// The results of `layers` layers of blocks: bits, rows, crossings.
+double bytes_of_layers(const SurfaceSurvey& survey, const Grid& grid, const BlockTiling& tiling,
+                       double layers) {
+  const auto side = as_double(std::min(tiling.block_size, tiling.grid_size[2]));
+  const double rows = side * as_double(std::min(tiling.block_size, tiling.grid_size[1]));
+  constexpr double allocator = 64;
+  const double bytes_per_block = sizeof(BlockResult) + allocator +
+                                 sizeof(std::uint64_t) * block_words(tiling) +
+                                 sizeof(std::uint32_t) * rows;
+  const double blocks = as_double(tiling.blocks[0]) * as_double(tiling.blocks[1]);
+  const double area = survey.largest_slab_area(side * grid.spacing);
+  return layers * (blocks * bytes_per_block +
+                   sizeof(Crossing) * crossing_slack * expected_crossings(area, grid.spacing));
+}
+
+// Of the layer after the one that is unwritten, how much is solved at most: blocks differ.
+double share_ahead(const Schedule& schedule) {
+  constexpr double fullest = 2;  // against the mean
+  const GridIndex& blocks = schedule.tiling.blocks;
+  if (blocks[2] < 2) return 0;
+  return std::min(1.0, fullest * as_double(schedule.blocks_ahead) /
+                           (as_double(blocks[0]) * as_double(blocks[1])));
+}
+
+}  // namespace
+
+double expected_memory(const SurfaceSurvey& survey, const Grid& grid, const Schedule& schedule,
+                       const OutputChoice& outputs) {
+  const auto atoms = static_cast<double>(survey.atom_count());
+  const double patches = patch_bytes(survey), threads = schedule.threads;
+  const double always = base_bytes + atoms * (bytes_per_atom + per_atom_patch_bytes());
+  const double making = making_of_patches * patches + threads * bytes_per_thread;
+
+  const BlockTiling& tiling = schedule.tiling;
+  const double held =
+      bytes_of_layers(survey, grid, tiling, 1 + share_ahead(schedule)) +
+      2 * sizeof(std::uint64_t) * as_double(tiling.blocks[0]) * as_double(grid.size[1]) +
+      as_double(tiling.blocks[2]) * bytes_per_layer;
+  constexpr double bytes_per_area = sizeof(Tally::Sum) + sizeof(double) + growth * 32;
+  const double axes = as_double(grid.size[0] + grid.size[1] + grid.size[2]) * bytes_per_index;
+  const double solving = patches + axes +
+                         threads * bytes_of_thread(survey, grid, schedule, outputs) +
+                         std::max(held, bytes_per_area * atoms);
+  return always + std::max(making, solving);
+}
+
+}  // namespace eses

@@ -1,0 +1,55 @@
+#pragma once
+/// What the surface of a molecule will amount to, from a sample of its atoms: enough to plan by.
+
+#include <cstddef>
+#include <span>
+#include <vector>
+
+#include "surface/patches.hpp"
+
+namespace eses {
+
+/// Totals of a molecule, extrapolated from its sample.
+struct PatchTotals {
+  double arcs = 0;
+  double placements = 0;
+  double face_neighbours = 0;
+  double area = 0;  ///< square angstrom; concave patches that cut each other count in full
+};
+
+class SurfaceSurvey {
+ public:
+  /// Builds the patches of a sample of the atoms, of all of them if they are few. Keeps a view of
+  /// `atoms`.
+  SurfaceSurvey(std::span<const Atom> atoms, double probe_radius);
+
+  const PatchTotals& totals() const { return totals_; }
+  std::size_t atom_count() const { return surface_.atoms.size(); }
+  double probe_radius() const { return surface_.probe_radius; }
+  double largest_radius() const { return surface_.largest_radius; }
+
+  /// The largest area between two planes across z that are `thickness` apart (angstrom), with the
+  /// sampling error added twice over.
+  double largest_slab_area(double thickness) const;
+
+  /// How many atoms' centres lie in a box of these half sides, and within `distance`, which
+  /// encloses the box, of any one place: of some places looked at, the most.
+  struct AtomsNear {
+    std::size_t in_box = 0, in_ball = 0;
+  };
+  AtomsNear most_atoms_near(Vec3 half_sides, double distance) const;
+
+ private:
+  void visit(AtomIndex i, double weight, AtomPatchScratch& scratch);
+  void add_area(double area, double weight, double low_z, double high_z);
+
+  Surface surface_;
+  BurialPatches burial_;
+  CoveringDirections directions_;
+  PatchTotals totals_;
+  double low_z_ = 0, bin_ = 1;
+  double unseen_share_ = 0;              // of the atoms; without them there is no sampling error
+  std::vector<double> area_, variance_;  // per bin; after the survey, of all bins up to it
+};
+
+}  // namespace eses
