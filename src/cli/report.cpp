@@ -31,15 +31,6 @@ std::string duration_text(double seconds) {
   return fmt::format("{} h {} min", whole / 3600, whole / 60 % 60);
 }
 
-std::vector<std::string> file_names(const OutputChoice& outputs) {
-  std::vector<std::string> names;
-  if (outputs.box) names.emplace_back("bounding_box.txt");
-  if (outputs.grid) names.emplace_back("grid_info.txt");
-  if (outputs.edges) names.emplace_back("intersection_info.txt");
-  if (outputs.areas) names.emplace_back("partition_area.txt");
-  return names;
-}
-
 /// A path for the text report. Callers search that for `area:` and `volume:`, which a path may
 /// hold as well.
 std::string path_text(const std::filesystem::path& path) {
