@@ -16,7 +16,7 @@ enum class OddityKind : std::uint8_t {
   large_radius,  ///< above 4 angstrom
   small_radii,   ///< every radius is below 0.4 angstrom, as if in nanometres
   zero_radius,   ///< usual: hydrogens of some force fields
-  nested_usual,  ///< usual: hydrogens, radius up to 1.2 angstrom, wholly inside another atom
+  nested_usual,  ///< usual: hydrogens, radius up to 1.4 angstrom, wholly inside another atom
 };
 
 /// Whether files that are in order have that, too.

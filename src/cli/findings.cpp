@@ -34,8 +34,8 @@ Wording wording_of(OddityKind kind) {
     case OddityKind::zero_radius:
       return {"zero_radius", "of radius 0", "of radius 0", ""};
     case OddityKind::nested_usual:
-      return {"nested_hydrogen", "of at most 1.2 angstrom inside another atom",
-              "of at most 1.2 angstrom inside another atom", "in"};
+      return {"nested_hydrogen", "of at most 1.4 angstrom inside another atom",
+              "of at most 1.4 angstrom inside another atom", "in"};
   }
   return {};
 }

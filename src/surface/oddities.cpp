@@ -13,7 +13,7 @@ namespace {
 constexpr double close_distance = 0.5;    // angstrom: half of any bond's length
 constexpr double largest_usual = 4;       // angstrom
 constexpr double nanometre_radius = 0.4;  // a large atom's radius, in nanometres
-constexpr double largest_hydrogen = 1.2;  // angstrom
+constexpr double largest_hydrogen = 1.4;  // angstrom
 constexpr AtomIndex none = std::numeric_limits<AtomIndex>::max();
 
 // What is told of each kind, while the atoms are looked at.

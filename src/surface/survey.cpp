@@ -9,10 +9,10 @@ namespace {
 
 constexpr double pi = std::numbers::pi;
 // So few that they cost next to nothing beside the atoms themselves.
-constexpr std::size_t fewest_samples = 32, most_samples = 2048, atoms_per_sample = 32;
-constexpr std::size_t places_looked_at = 24;
+constexpr std::size_t fewest_samples = 24, most_samples = 2048, atoms_per_sample = 64;
+constexpr std::size_t places_looked_at = 12;
 constexpr int burial_frequency = 5;    // as where all patches are built
-constexpr int exposure_frequency = 4;  // 162 directions tell a face's share of its sphere
+constexpr int exposure_frequency = 3;  // 92 directions tell a face's share of its sphere
 constexpr double finest_bin = 0.5;     // angstrom
 constexpr double most_bins = 4096;
 
