@@ -164,8 +164,12 @@ TEST_CASE("the nearest probe of the index is the nearest of all patches") {
         collect_features(surface, box, features);
         PatchIndex patches;
         patches.reset(features, box);
-        for (int i = 0; i < 100; ++i) {
-          const Vec3 point = random_point_in(box, random);
+        for (int i = 0; i < 200; ++i) {
+          Vec3 point = random_point_in(box, random);
+          // On the box's faces and the boundaries of cells, too.
+          const std::size_t axis = random.integer(0, 2);
+          const double place = box.low[axis] + 4 * static_cast<double>(random.integer(0, 3));
+          if (random.chance(0.2)) point[axis] = std::min(place, box.high[axis]);
           if (shell_of(features, point) != Shell::between) continue;
           const double expected = plain_probe_distance(surface, features, point);
           require_probe(surface, patches, point, expected);
@@ -175,6 +179,29 @@ TEST_CASE("the nearest probe of the index is the nearest of all patches") {
     }
   CHECK(near > 3000);
   CHECK(none > 500);
+}
+
+TEST_CASE("a probe is seen by the points of its sphere however they are rounded") {
+  // The sphere's poles stand at cell boundaries, to the last bits.
+  Random random(51);
+  for (int repetition = 0; repetition < 20000; ++repetition) {
+    BlockFeatures features;
+    features.probe_radius = random.uniform(0.7, 3);
+    const double low = random.uniform(-20, 20), boundary = low + 4, elsewhere = low + 2.5;
+    const Box box{{low, low, low}, {low + 12, low + 12, low + 12}};
+    const std::size_t axis = random.integer(0, 2);
+    const double side = random.chance(0.5) ? 1 : -1;
+    PlacementFeature placement;
+    placement.center = {elsewhere, elsewhere, elsewhere};
+    placement.center[axis] =
+        boundary - side * features.probe_radius + random.uniform(-1, 1) * 1e-14;
+    features.placements.push_back(placement);
+    PatchIndex patches;
+    patches.reset(features, box);
+    Vec3 point = placement.center;
+    point[axis] += side * (features.probe_radius + 2e-14);
+    REQUIRE(nearest_probe(patches, point, std::numeric_limits<double>::max()).atom_count == 3);
+  }
 }
 
 // --- whole blocks ------------------------------------------------------------------------------
