@@ -7,6 +7,7 @@ namespace eses {
 namespace {
 
 constexpr double cell_side = 4;  // angstrom: a little more than the patches that it is to separate
+constexpr double ball_slack = 1e-5;  // angstrom: keeps points of a probe's sphere in its cells
 
 }  // namespace
 
@@ -47,7 +48,7 @@ void PatchIndex::reset(const BlockFeatures& features, const Box& box) {
     size_[axis] = std::max<std::size_t>(
         1, static_cast<std::size_t>((box.high[axis] - box.low[axis]) / cell_side));
   const auto ball = [&](const PlacementFeature& placement) {
-    return ball_box(placement.center, features.probe_radius);
+    return ball_box(placement.center, features.probe_radius + ball_slack);
   };
   fill(std::span(features.placements), ball, placements_);
   fill(

@@ -1,0 +1,635 @@
+// Lines that meet spheres and tubes, several at a time, against the plain formulas one by one.
+
+#undef HWY_TARGET_INCLUDE
+#define HWY_TARGET_INCLUDE "test_line_kernels.cpp"
+
+#include <hwy/foreach_target.h>
+#include <hwy/highway.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <numbers>
+#include <tuple>
+#include <vector>
+
+#include "geometry/line_torus-inl.hpp"
+#include "solve/edge_saddle-inl.hpp"
+#include "solve/line_sphere-inl.hpp"
+#include "support/atom_sets.hpp"
+#include "support/instruction_sets.hpp"
+
+// What the versions and the tests hand each other, once for all instruction sets.
+#ifndef ESES_TEST_LINE_KERNELS_SHARED_
+#define ESES_TEST_LINE_KERNELS_SHARED_
+namespace eses::test {
+
+struct Tube {
+  Vec3 axis;
+  double circle_radius = 0, tube_radius = 0;
+};
+
+// Lines along one coordinate axis, from the circle's centre.
+struct Lines {
+  std::size_t axis = 0;
+  std::vector<double> x, y, z, step;
+
+  void add(Vec3 start, double along) {
+    x.push_back(start.x);
+    y.push_back(start.y);
+    z.push_back(start.z);
+    step.push_back(along);
+  }
+};
+
+enum class Exits { none, one, maybe_several };
+
+struct LineExits {
+  std::vector<Exits> exits;
+  std::vector<double> parameters;
+};
+
+// A sphere as search_face() and search_placement() look at it, of which the half space
+// { d : d . normal >= 0 } is kept.
+struct HalfSphere {
+  Vec3 center;
+  double radius = 0;
+  Box box;
+  Vec3 normal;
+};
+
+struct LineHit {
+  std::size_t axis = 0;
+  std::int64_t row = 0, across = 0;  // indices of the line, along the higher and the lower axis
+  int side = 0;
+  double coordinate = 0;
+  Vec3 direction;
+
+  auto place() const { return std::tuple(axis, row, across, side); }
+};
+
+struct SaddleHit {
+  std::uint64_t place = 0;
+  double coordinate = 0;
+  Vec3 normal;
+};
+
+}  // namespace eses::test
+#endif  // ESES_TEST_LINE_KERNELS_SHARED_
+
+HWY_BEFORE_NAMESPACE();
+namespace eses::test::HWY_NAMESPACE {
+namespace hn = hwy::HWY_NAMESPACE;
+namespace kernel = eses::HWY_NAMESPACE;
+
+template <std::size_t axis>
+void find_exits_along(const Tube& tube, const Lines& lines, double low, double high,
+                      LineExits& found) {
+  const std::size_t lanes = hn::Lanes(kernel::Doubles());
+  for (std::size_t i = 0; i < lines.step.size(); i += lanes) {
+    const kernel::Points start{kernel::load(&lines.x[i]), kernel::load(&lines.y[i]),
+                               kernel::load(&lines.z[i])};
+    const auto exits =
+        kernel::only_tube_exits<axis>(start, kernel::load(&lines.step[i]), tube.axis,
+                                      tube.circle_radius, tube.tube_radius, low, high);
+    const kernel::LaneValues parameters(exits.parameters);
+    for (std::size_t lane = 0; lane < lanes; ++lane) found.parameters[i + lane] = parameters[lane];
+    kernel::for_each_lane(exits.is_one,
+                          [&](std::size_t lane) { found.exits[i + lane] = Exits::one; });
+    kernel::for_each_lane(exits.may_be_several,
+                          [&](std::size_t lane) { found.exits[i + lane] = Exits::maybe_several; });
+  }
+}
+
+// The number of lines must be a multiple of that of lanes.
+void find_exits(const Tube& tube, const Lines& lines, double low, double high, LineExits& found) {
+  found.exits.assign(lines.step.size(), Exits::none);
+  found.parameters.assign(lines.step.size(), 0);
+  if (lines.axis == 0) find_exits_along<0>(tube, lines, low, high, found);
+  if (lines.axis == 1) find_exits_along<1>(tube, lines, low, high, found);
+  if (lines.axis == 2) find_exits_along<2>(tube, lines, low, high, found);
+}
+
+template <std::size_t axis>
+void meet_lines_along(const BlockGrid& grid, const HalfSphere& half, std::vector<LineHit>& hits) {
+  const auto is_kept = [&](kernel::DoubleMask met, const kernel::Points& offset,
+                           kernel::DoubleVector, int) {
+    return hn::And(met, kernel::dot(half.normal, offset) >= kernel::all(0));
+  };
+  kernel::meet_lines<axis>(
+      grid, {half.center, half.radius, half.box}, is_kept,
+      [&](const GridIndex& line, double coordinate, int side, Vec3 direction) {
+        constexpr std::size_t row = axis == 2 ? 1 : 2, across = axis == 0 ? 1 : 0;
+        hits.push_back({axis, line[row], line[across], side, coordinate, direction});
+      });
+}
+
+void meet_lines(const BlockGrid& grid, const HalfSphere& half, std::vector<LineHit>& hits) {
+  meet_lines_along<0>(grid, half, hits);
+  meet_lines_along<1>(grid, half, hits);
+  meet_lines_along<2>(grid, half, hits);
+}
+
+void meet_saddle(const ArcFeature& arc, double probe, double length, std::size_t axis,
+                 EdgeBatch& batch, std::vector<SaddleHit>& hits) {
+  const auto found = [&](std::uint64_t place, double coordinate, Vec3 normal) {
+    hits.push_back({place, coordinate, normal});
+  };
+  if (axis == 0) kernel::meet_saddle<0>(arc, probe, length, batch, found);
+  if (axis == 1) kernel::meet_saddle<1>(arc, probe, length, batch, found);
+  if (axis == 2) kernel::meet_saddle<2>(arc, probe, length, batch, found);
+}
+
+}  // namespace eses::test::HWY_NAMESPACE
+HWY_AFTER_NAMESPACE();
+
+#if HWY_ONCE
+namespace eses::test {
+namespace {
+
+using FindExits = void (*)(const Tube&, const Lines&, double, double, LineExits&);
+using MeetLines = void (*)(const BlockGrid&, const HalfSphere&, std::vector<LineHit>&);
+using MeetSaddle = void (*)(const ArcFeature&, double, double, std::size_t, EdgeBatch&,
+                            std::vector<SaddleHit>&);
+
+Vec3 random_point(Random& random, double half_side) {
+  return {random.uniform(-half_side, half_side), random.uniform(-half_side, half_side),
+          random.uniform(-half_side, half_side)};
+}
+
+Vec3 unit_vector(std::size_t axis) {
+  Vec3 unit;
+  unit[axis] = 1;
+  return unit;
+}
+
+Vec3 random_direction(Random& random) {
+  for (;;) {
+    const Vec3 v = random_point(random, 1);
+    if (squared_norm(v) > 0.01 && squared_norm(v) < 1) return normalized(v);
+  }
+}
+
+// --- tubes -------------------------------------------------------------------------------------
+
+constexpr std::size_t lines_per_tube = 64;
+
+double distance_to_circle(const Tube& tube, Vec3 w) {
+  const double height = dot(w, tube.axis);
+  return std::hypot(norm(w - height * tube.axis) - tube.circle_radius, height);
+}
+
+Tube random_tube(Random& random, bool is_along_axis) {
+  const Vec3 axis = is_along_axis
+                        ? (random.chance(0.5) ? 1 : -1) * unit_vector(random.integer(0, 2))
+                        : random_direction(random);
+  return {axis, random.uniform(0.05, 4), random.uniform(0.7, 3)};
+}
+
+// A point of the tube whose normal is perpendicular to `along`, where there is one.
+Vec3 tangent_point(const Tube& tube, Vec3 along, Random& random) {
+  const Vec3 e1 = any_perpendicular(tube.axis), e2 = cross(tube.axis, e1);
+  const double angle = random.uniform(0, 2 * std::numbers::pi);
+  const Vec3 out = std::cos(angle) * e1 + std::sin(angle) * e2;
+  const double turn = std::atan2(-dot(out, along), dot(tube.axis, along));
+  const double side = random.chance(0.5) ? 1 : -1;
+  return tube.circle_radius * out +
+         side * tube.tube_radius * (std::cos(turn) * out + std::sin(turn) * tube.axis);
+}
+
+enum class Place { near_surface, through_axis, tangent, lattice };
+
+Vec3 line_start(const Tube& tube, Place place, double step, Vec3 along, Random& random) {
+  const double before = random.uniform(-0.5, 1.5);
+  switch (place) {
+    case Place::through_axis:
+      return random.uniform(-3, 3) * tube.axis - (before * step) * along;
+    case Place::tangent:
+      return tangent_point(tube, along, random) - (before * step) * along;
+    case Place::lattice: {
+      Vec3 start;
+      for (std::size_t a = 0; a < 3; ++a)
+        start[a] = 0.5 * static_cast<double>(random.integer(0, 24)) - 6;
+      return start;
+    }
+    case Place::near_surface:
+      break;
+  }
+  for (;;) {
+    const Vec3 start = random_point(random, tube.circle_radius + tube.tube_radius + step);
+    if (std::fabs(distance_to_circle(tube, start) - tube.tube_radius) < step) return start;
+  }
+}
+
+struct ExitCounts {
+  std::size_t lines = 0, one = 0, maybe_several = 0;
+};
+
+// The bounds of the parameter are those of meet_saddle().
+void require_exits_of_tube_exits(FindExits find, const Tube& tube, const Lines& lines,
+                                 ExitCounts& counts) {
+  constexpr double low = -tolerance::edge_end, high = 1 + tolerance::edge_end;
+  LineExits found;
+  find(tube, lines, low, high, found);
+  for (std::size_t i = 0; i < lines.step.size(); ++i) {
+    ++counts.lines;
+    if (found.exits[i] == Exits::maybe_several) {
+      ++counts.maybe_several;
+      continue;
+    }
+    const Vec3 start{lines.x[i], lines.y[i], lines.z[i]};
+    const Vec3 step = lines.step[i] * unit_vector(lines.axis);
+    const TubeExits expected =
+        tube_exits(start, step, tube.axis, tube.circle_radius, tube.tube_radius, low, high);
+    const bool is_one = found.exits[i] == Exits::one;
+    INFO("circle radius " << tube.circle_radius << ", tube radius " << tube.tube_radius << ", line "
+                          << i);
+    if (expected.count != is_one) REQUIRE(expected.count == is_one);
+    if (!is_one) continue;
+    ++counts.one;
+    const double parameter = found.parameters[i];
+    if (!(std::fabs(parameter - expected.parameters[0]) < 1e-9))
+      REQUIRE(parameter == Catch::Approx(expected.parameters[0]).epsilon(0).margin(1e-9));
+    const double distance = distance_to_circle(tube, start + parameter * step);
+    // Beyond the ends of the edge lies what is clamped.
+    if (!(std::fabs(distance - tube.tube_radius) < 1e-12) && parameter > low && parameter < high)
+      REQUIRE(distance == Catch::Approx(tube.tube_radius).epsilon(0).margin(1e-12));
+  }
+}
+
+ExitCounts compare_exits(FindExits find, Place place, double longest_step) {
+  ExitCounts counts;
+  Random random(41);
+  for (int repetition = 0; repetition < 600; ++repetition) {
+    Tube tube = random_tube(random, place == Place::lattice || repetition % 4 == 0);
+    if (place == Place::lattice) {
+      tube.circle_radius = 0.5 * static_cast<double>(random.integer(1, 8));
+      tube.tube_radius = 0.5 * static_cast<double>(random.integer(1, 6));
+    }
+    Lines lines;
+    lines.axis = random.integer(0, 2);
+    while (lines.step.size() < lines_per_tube) {
+      const double step = place == Place::lattice ? 0.5 : random.uniform(0.1, longest_step);
+      const double side = random.chance(0.5) ? 1 : -1;
+      lines.add(line_start(tube, place, step, side * unit_vector(lines.axis), random), side * step);
+    }
+    require_exits_of_tube_exits(find, tube, lines, counts);
+  }
+  return counts;
+}
+
+}  // namespace
+
+TEST_CASE("lines with one exit from a tube have it where tube_exits() has it") {
+  for_each_version(ESES_VERSIONS(find_exits), [](FindExits find) {
+    // Edges as the grid has them: hardly one needs the slow way.
+    const ExitCounts edges = compare_exits(find, Place::near_surface, 0.5);
+    CHECK(edges.one > edges.lines / 10);
+    CHECK(edges.maybe_several < edges.lines / 20);
+    const ExitCounts lattice = compare_exits(find, Place::lattice, 0.5);
+    CHECK(lattice.one > lattice.lines / 200);
+    CHECK(lattice.maybe_several < lattice.lines / 20);
+    // Long lines, those through the axis, and those that graze.
+    for (const Place place : {Place::near_surface, Place::through_axis, Place::tangent}) {
+      const ExitCounts counts = compare_exits(find, place, 5);
+      CHECK(counts.one > counts.lines / 100);
+    }
+  });
+}
+
+// --- spheres -----------------------------------------------------------------------------------
+
+namespace {
+
+BlockGrid make_block_grid(double spacing, const GridIndex& first, const GridIndex& points,
+                          const GridIndex& owned) {
+  Grid grid;
+  grid.spacing = spacing;
+  grid.lower = {-4, -3.7, -5.01};
+  BlockGrid block;
+  block.reset(grid, {first, points, owned});
+  return block;
+}
+
+// How far from being decided the other way.
+struct PlainHits {
+  std::vector<LineHit> hits;
+  std::vector<LineHit> doubtful;
+};
+
+bool is_doubtful(double value, double margin) { return std::fabs(value) < margin; }
+
+// Every line through own points, and both roots of |p - center| = radius on it.
+PlainHits plain_hits(const BlockGrid& grid, const HalfSphere& half) {
+  constexpr double tangent = -1e-12, rounding = 1e-12;
+  const double near_range = 2e-6 * grid.grid.spacing;
+  PlainHits plain;
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    const std::size_t row = axis == 2 ? 1 : 2, across = axis == 0 ? 1 : 0;
+    for (std::int64_t k = 0; k < grid.block.owned[row]; ++k)
+      for (std::int64_t j = 0; j < grid.block.owned[across]; ++j) {
+        Vec3 point;
+        point[row] = grid.coordinates[row][static_cast<std::size_t>(k)];
+        point[across] = grid.coordinates[across][static_cast<std::size_t>(j)];
+        point[axis] = half.center[axis];
+        const double discriminant = half.radius * half.radius - squared_norm(point - half.center);
+        for (const int side : {1, -1}) {
+          point[axis] = half.center[axis] + side * std::sqrt(std::max(0.0, discriminant));
+          const Vec3 offset = point - half.center;
+          const double kept = dot(half.normal, offset);
+          double in_box = 1e9;
+          bool is_near_range = false;
+          for (std::size_t a = 0; a < 3; ++a) {
+            const double depth = std::min(point[a] - half.box.low[a], half.box.high[a] - point[a]);
+            in_box = std::min(in_box, depth);
+            is_near_range = is_near_range || is_doubtful(depth, a == axis ? rounding : near_range);
+          }
+          const LineHit hit{axis, k, j, side, point[axis], (1 / norm(offset)) * offset};
+          if (is_near_range || is_doubtful(kept, rounding) ||
+              is_doubtful(discriminant - tangent, 0.01 * rounding)) {
+            plain.doubtful.push_back(hit);
+          } else if (discriminant >= tangent && kept >= 0 && in_box >= 0) {
+            plain.hits.push_back(hit);
+          }
+        }
+      }
+  }
+  return plain;
+}
+
+bool is_among(const std::vector<LineHit>& hits, const LineHit& hit) {
+  return std::any_of(hits.begin(), hits.end(),
+                     [&](const LineHit& other) { return other.place() == hit.place(); });
+}
+
+void require_plain_hits(MeetLines meet, const BlockGrid& grid, const HalfSphere& half,
+                        const PlainHits& plain) {
+  std::vector<LineHit> hits;
+  meet(grid, half, hits);
+  std::erase_if(hits, [&](const LineHit& hit) { return is_among(plain.doubtful, hit); });
+  REQUIRE(hits.size() == plain.hits.size());
+  const auto by_place = [](const LineHit& a, const LineHit& b) { return a.place() < b.place(); };
+  std::sort(hits.begin(), hits.end(), by_place);
+  std::vector<LineHit> expected = plain.hits;
+  std::sort(expected.begin(), expected.end(), by_place);
+  for (std::size_t i = 0; i < hits.size(); ++i) {
+    REQUIRE(hits[i].place() == expected[i].place());
+    REQUIRE(hits[i].coordinate == Catch::Approx(expected[i].coordinate).epsilon(0).margin(1e-12));
+    if (half.radius > 1e-6) REQUIRE(norm(hits[i].direction - expected[i].direction) < 1e-9);
+  }
+}
+
+}  // namespace
+
+TEST_CASE("grid lines meet a part of a sphere where the quadratic formula says so") {
+  Random random(42);
+  std::size_t found = 0, doubtful = 0;
+  for (int repetition = 0; repetition < 300; ++repetition) {
+    const double spacing = random.uniform(0.2, 1);
+    const bool is_last = random.chance(0.5);
+    GridIndex points{}, owned{};
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      points[axis] = static_cast<std::int64_t>(random.integer(2, 22));
+      owned[axis] = is_last ? points[axis] : points[axis] - 1;
+    }
+    const BlockGrid grid = make_block_grid(spacing, {3, 0, 7}, points, owned);
+    HalfSphere half;
+    half.center = 0.5 * (grid.box.low + grid.box.high) + random_point(random, 4);
+    half.radius = random.uniform(0.3, 4);
+    half.box = grown(ball_box(half.center, half.radius), 1e-5);
+    half.normal = random_direction(random);
+    // A bounded part, as patches are.
+    if (random.chance(0.5)) half.box.low[random.integer(0, 2)] += random.uniform(0, half.radius);
+    const PlainHits plain = plain_hits(grid, half);
+    found += plain.hits.size();
+    doubtful += plain.doubtful.size();
+    INFO("repetition " << repetition);
+    for_each_version(ESES_VERSIONS(meet_lines),
+                     [&](MeetLines meet) { require_plain_hits(meet, grid, half, plain); });
+  }
+  CHECK(found > 10000);
+  CHECK(doubtful < found / 1000);
+}
+
+TEST_CASE("grid lines meet a sphere among grid points, also where they touch it") {
+  // Powers of two, so that coordinates and distances are exact: radius 0, and tangent lines.
+  const double spacing = 0.25;
+  Grid grid;
+  grid.spacing = spacing;
+  grid.lower = {-4, -4, -4};
+  BlockGrid block;
+  block.reset(grid, {{0, 0, 0}, {33, 33, 33}, {33, 33, 33}});
+  // Lines that pass it by a little meet it, those that pass it by more do not.
+  for (const double radius : {0.0, 1e-9, 0.25, 1.0, 1.25, 1 - 2e-13, 1 - 1e-11}) {
+    for (const Vec3 center : {Vec3{0, 0, 0}, {0.25, -1, 2}, {-4, 4, 0}}) {
+      const HalfSphere half{center, radius, grown(ball_box(center, radius), 1e-5), {0, 0, 0}};
+      INFO("radius " << radius);
+      // All lines that come within 1e-12 square angstrom of the ball: no rounding decides.
+      PlainHits plain;
+      for (std::size_t axis = 0; axis < 3; ++axis)
+        for (std::int64_t k = 0; k < 33; ++k)
+          for (std::int64_t j = 0; j < 33; ++j) {
+            const std::size_t row = axis == 2 ? 1 : 2, across = axis == 0 ? 1 : 0;
+            Vec3 offset;
+            offset[row] = block.coordinates[row][static_cast<std::size_t>(k)] - center[row];
+            offset[across] =
+                block.coordinates[across][static_cast<std::size_t>(j)] - center[across];
+            const double squared = radius * radius - squared_norm(offset);
+            if (squared < -1e-12) continue;
+            for (const int side : {1, -1}) {
+              offset[axis] = side * std::sqrt(std::max(0.0, squared));
+              plain.hits.push_back(
+                  {axis, k, j, side, center[axis] + offset[axis], (1 / norm(offset)) * offset});
+            }
+          }
+      REQUIRE(plain.hits.size() >= 6);
+      for_each_version(ESES_VERSIONS(meet_lines),
+                       [&](MeetLines meet) { require_plain_hits(meet, block, half, plain); });
+    }
+  }
+}
+
+// --- saddles -----------------------------------------------------------------------------------
+
+namespace {
+
+struct Saddle {
+  ArcFeature arc;
+  double probe = 0;
+};
+
+Saddle random_saddle(Random& random) {
+  Saddle saddle;
+  saddle.probe = random.uniform(0.7, 3);
+  // Hardly touching SAS balls make spindles, those of a small and a large atom one-sided saddles.
+  const double first = random.uniform(0, 2) + saddle.probe;
+  const double second = random.uniform(0, 2) + saddle.probe;
+  const double distance = random.uniform(std::fabs(first - second) + 0.05, first + second - 0.01);
+  const Vec3 direction =
+      random.chance(0.3) ? unit_vector(random.integer(0, 2)) : random_direction(random);
+  saddle.arc.atoms = {0, 1};
+  saddle.arc.circle = make_contact_circle({{0, 0, 0}, first}, {distance * direction, second});
+  const Vec3 axis = saddle.arc.circle.axis;
+  const Vec3 e1 = any_perpendicular(axis), e2 = cross(axis, e1);
+  const double from = random.uniform(0, 2 * std::numbers::pi);
+  const std::size_t kind = random.integer(0, 2);
+  const double turn = kind == 0   ? 0
+                      : kind == 1 ? random.uniform(0.05, std::numbers::pi)
+                                  : random.uniform(std::numbers::pi, 2 * std::numbers::pi - 0.05);
+  const auto at = [&](double angle) { return std::cos(angle) * e1 + std::sin(angle) * e2; };
+  saddle.arc.sector = make_arc_sector(axis,
+                                      kind == 0   ? ArcKind::full
+                                      : kind == 1 ? ArcKind::minor
+                                                  : ArcKind::major,
+                                      at(from), at(from + turn));
+  return saddle;
+}
+
+// Counter-clockwise from the arc's start, in [0, 2 pi).
+double angle_on_arc(const ArcFeature& arc, Vec3 offset) {
+  const Vec3 start = arc.sector.start;
+  const double angle = std::atan2(dot(cross(arc.circle.axis, start), offset), dot(start, offset));
+  return angle < 0 ? angle + 2 * std::numbers::pi : angle;
+}
+
+// How clearly a point on the tube lies on the saddle: negative if it does not.
+double depth_in_saddle(const ArcFeature& arc, Vec3 offset) {
+  const ContactCircle& circle = arc.circle;
+  const double height = dot(offset, circle.axis);
+  const Vec3 radial = offset - height * circle.axis;
+  // Seen from the probe, in the half plane through the axis, the point lies between the atoms.
+  const double inward = circle.radius - norm(radial);
+  const double above_first = circle.radius * height + circle.first_height * inward;
+  const double below_second = circle.second_height * inward - circle.radius * height;
+  double depth = std::min(above_first, below_second);
+  if (arc.sector.kind == ArcKind::full) return depth;
+  // On the axis all angles are one.
+  const double angle = angle_on_arc(arc, radial), end = angle_on_arc(arc, arc.sector.end);
+  const double from_ends = std::min({std::fabs(end - angle), angle, 2 * std::numbers::pi - angle});
+  const double along = norm(radial) * std::sin(std::min(from_ends, std::numbers::pi / 2));
+  return std::min(depth, angle <= end ? along : -along);
+}
+
+// Where an edge leaves the tube on the saddle, clearly or perhaps.
+struct PlainExit {
+  double coordinate = 0, depth = 0;
+  Vec3 normal;
+  bool matched = false;
+};
+
+struct Edges {
+  std::size_t axis = 0;
+  EdgeBatch batch;
+};
+
+std::vector<PlainExit> plain_exits(const Saddle& saddle, const Edges& edges, std::size_t i) {
+  const ContactCircle& circle = saddle.arc.circle;
+  const EdgeBatch& batch = edges.batch;
+  const Vec3 start{batch.start[0][i], batch.start[1][i], batch.start[2][i]};
+  const Vec3 step = batch.step[i] * unit_vector(edges.axis);
+  const TubeExits exits = tube_exits(start, step, circle.axis, circle.radius, saddle.probe,
+                                     -tolerance::edge_end, 1 + tolerance::edge_end);
+  std::vector<PlainExit> result;
+  for (int e = 0; e < exits.count; ++e) {
+    const double share = std::clamp(exits.parameters[static_cast<std::size_t>(e)], 0.0, 1.0);
+    const Vec3 point = start + share * step;
+    const Vec3 radial = point - dot(point, circle.axis) * circle.axis;
+    result.push_back({batch.from[i] + share * batch.step[i], depth_in_saddle(saddle.arc, point),
+                      normalized((circle.radius / norm(radial)) * radial - point)});
+  }
+  return result;
+}
+
+Vec3 random_saddle_point(const Saddle& saddle, Random& random) {
+  const ContactCircle& circle = saddle.arc.circle;
+  const ArcSector& sector = saddle.arc.sector;
+  const double end =
+      sector.kind == ArcKind::full ? 2 * std::numbers::pi : angle_on_arc(saddle.arc, sector.end);
+  const double angle = random.uniform(0, end);
+  const Vec3 out =
+      std::cos(angle) * sector.start + std::sin(angle) * cross(circle.axis, sector.start);
+  // From the direction to one atom to that to the other, but not beyond the axis.
+  const double first = std::atan2(-circle.first_height, circle.radius);
+  const double second = std::atan2(circle.second_height, circle.radius);
+  for (;;) {
+    const double turn = random.uniform(first, second);
+    const double from_axis = circle.radius - saddle.probe * std::cos(turn);
+    if (from_axis > 0) return from_axis * out + (saddle.probe * std::sin(turn)) * circle.axis;
+  }
+}
+
+// Edges of length `length` near the saddle, or with an end on it.
+Edges edges_near(const Saddle& saddle, double length, std::size_t count, Random& random) {
+  Edges edges;
+  edges.axis = random.integer(0, 2);
+  EdgeBatch& batch = edges.batch;
+  batch.make_room();
+  for (; batch.count < count; ++batch.count) {
+    const double step = random.chance(0.5) ? length : -length;
+    const std::size_t place = random.integer(0, 9);
+    const double before = place == 0 ? 0 : place == 1 ? 1 : random.uniform(-1, 2);
+    Vec3 start = random_saddle_point(saddle, random);
+    start[edges.axis] -= before * step;
+    for (std::size_t a = 0; a < 3; ++a) batch.start[a][batch.count] = start[a];
+    batch.from[batch.count] = start[edges.axis] + 10;
+    batch.step[batch.count] = step;
+    batch.place[batch.count] = batch.count;
+  }
+  return edges;
+}
+
+struct SaddleCounts {
+  std::size_t clear = 0, doubtful = 0;
+};
+
+// Every clear exit is found, and nothing else but doubtful ones.
+void require_plain_exits(MeetSaddle meet, const Saddle& saddle, double length, const Edges& edges,
+                         SaddleCounts& counts) {
+  constexpr double doubt = 1e-7;  // angstrom or its square
+  EdgeBatch batch = edges.batch;
+  std::vector<SaddleHit> hits;
+  meet(saddle.arc, saddle.probe, length, edges.axis, batch, hits);
+  std::vector<std::vector<PlainExit>> plain;
+  for (std::size_t i = 0; i < edges.batch.count; ++i)
+    plain.push_back(plain_exits(saddle, edges, i));
+  for (const SaddleHit& hit : hits) {
+    REQUIRE(hit.place < plain.size());
+    auto& exits = plain[hit.place];
+    const auto match = std::find_if(exits.begin(), exits.end(), [&](const PlainExit& exit) {
+      return !exit.matched && std::fabs(exit.coordinate - hit.coordinate) < 1e-8;
+    });
+    if (match == exits.end()) FAIL("no exit of edge " << hit.place << " at " << hit.coordinate);
+    match->matched = true;
+    if (match->depth < -doubt) REQUIRE(match->depth >= -doubt);
+    if (match->depth < doubt) continue;
+    if (!(norm(match->normal - hit.normal) < 1e-6))
+      REQUIRE(norm(match->normal - hit.normal) < 1e-6);
+  }
+  for (std::size_t i = 0; i < plain.size(); ++i)
+    for (const PlainExit& exit : plain[i]) {
+      counts.clear += exit.depth >= doubt;
+      counts.doubtful += std::fabs(exit.depth) < doubt;
+      if (exit.depth >= doubt && !exit.matched) FAIL("missed an exit of edge " << i);
+    }
+}
+
+}  // namespace
+
+TEST_CASE("edges cross a saddle where they leave the tube between its atoms and on its arc") {
+  for_each_version(ESES_VERSIONS(meet_saddle), [](MeetSaddle meet) {
+    Random random(43);
+    SaddleCounts counts;
+    for (int repetition = 0; repetition < 500; ++repetition) {
+      const Saddle saddle = random_saddle(random);
+      const double length = random.uniform(0.1, repetition % 5 == 0 ? 4 : 0.6);
+      const std::size_t count = random.integer(1, 80);
+      INFO("repetition " << repetition);
+      require_plain_exits(meet, saddle, length, edges_near(saddle, length, count, random), counts);
+    }
+    CHECK(counts.clear > 2000);
+    CHECK(counts.doubtful < counts.clear / 100);
+  });
+}
+
+}  // namespace eses::test
+#endif  // HWY_ONCE
