@@ -4,7 +4,10 @@
 #include <cstdint>
 #include <filesystem>
 #include <functional>
+#include <optional>
 #include <span>
+#include <string>
+#include <vector>
 
 #include "eses/atoms.hpp"
 #include "eses/grid.hpp"
@@ -18,6 +21,7 @@ struct Parameters {
   double margin = 0.8;           ///< angstrom, >= 0
   std::int64_t block_size = 64;  ///< grid points on a side of a block, >= 2
   int threads = 0;               ///< 0: all that the process may use
+  std::int64_t verify = 0;       ///< points, and as many edges, to check afterwards; 0 to 1e7
 };
 
 /// Which files are written.
@@ -48,7 +52,15 @@ struct PhaseSeconds {
   double classify = 0;   ///< summed over threads
   double intersect = 0;  ///< summed over threads
   double output = 0;     ///< text and writing, summed over threads
+  double verify = 0;     ///< drawing and checking the sample; wall clock
   double total = 0;      ///< wall clock of the run
+};
+
+/// What a check of random points and edges against the definition of the surface has found.
+struct Verification {
+  std::int64_t points = 0;          ///< that were checked; fewer than asked for if there are fewer
+  std::int64_t edges = 0;           ///< likewise
+  std::vector<std::string> faults;  ///< a line for each, which names the point or edge
 };
 
 struct Summary {
@@ -60,6 +72,7 @@ struct Summary {
   std::int64_t concave = 0;  ///< with three
   std::int64_t edges() const { return convex + saddle + concave; }
   std::uint64_t bytes_written = 0;
+  std::optional<Verification> verification;  ///< if it was asked for
   PhaseSeconds seconds;
 };
 
@@ -74,7 +87,8 @@ Plan make_plan(std::span<const Atom> atoms, const Parameters& parameters,
                const OutputChoice& outputs);
 
 /// Computes the surface and writes the chosen files into `directory` (created if missing). The
-/// files appear under their names only when all of them are complete; on failure none does.
+/// files appear under their names only when all of them are complete; on failure none does, nor if
+/// the verification that `plan.parameters` asks for finds a fault.
 /// Throws Error on write failures and lack of disk space.
 Summary run(std::span<const Atom> atoms, const Plan& plan, const OutputChoice& outputs,
             const std::filesystem::path& directory, const ProgressCallback& progress = {});

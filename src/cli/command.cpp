@@ -106,13 +106,25 @@ Summary run_with_progress(const std::vector<Atom>& atoms, const Options& options
              });
 }
 
+int judge(const Summary& summary) {
+  if (!has_faults(summary)) return exit_done;
+  constexpr std::size_t most_shown = 10;
+  const std::vector<std::string>& faults = summary.verification->faults;
+  for (std::size_t f = 0; f < std::min(most_shown, faults.size()); ++f)
+    complain("fault", faults[f]);
+  complain("error", fmt::format("the verification found {} fault{}, please report this with the "
+                                "input file; nothing is written",
+                                faults.size(), faults.size() == 1 ? "" : "s"));
+  return exit_failure;
+}
+
 std::string final_text(const Report& report) {
   if (report.options.json) return json_text(report);
   const std::string result = result_text(report.summary);
   return report.options.quiet ? result : result + summary_text(report);
 }
 
-void compute(const Options& options) {
+int compute(const Options& options) {
   const std::vector<Atom> atoms = read_atoms(options.input, options.format);
   Report report;
   report.options = options;
@@ -122,6 +134,7 @@ void compute(const Options& options) {
   report.summary = run_with_progress(atoms, options, report.plan);
   report.peak_memory_bytes = peak_memory_bytes();
   print(final_text(report));
+  return judge(report.summary);
 }
 
 int fail(std::string_view message) {
@@ -139,10 +152,9 @@ int run_command(int argc, char** argv) {
     const std::variant<Options, Notice> request = parse_command_line(argc, argv);
     if (const auto* const notice = std::get_if<Notice>(&request)) {
       print(notice->text);
-    } else {
-      compute(std::get<Options>(request));
+      return exit_done;
     }
-    return exit_done;
+    return compute(std::get<Options>(request));
   } catch (const UsageError& error) {
     complain("error", error.what());
     std::fputs("Try 'eses-blocks --help'.\n", stderr);

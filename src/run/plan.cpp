@@ -10,6 +10,7 @@
 #include "run/build_patches.hpp"
 #include "run/parallel.hpp"
 #include "run/resources.hpp"
+#include "run/verifier.hpp"
 
 namespace eses {
 namespace {
@@ -21,6 +22,7 @@ constexpr double bytes_per_block = 600;       // the result of a block, less its
 constexpr std::uint64_t area_line_bytes = 32;
 // Past this, differences of squares have too few digits left for the tolerances.
 constexpr double largest_probe_radius = 1000;  // angstrom
+constexpr std::int64_t most_verified = 10'000'000;
 
 // Surface of the spheres, of which molecules of n atoms leave about n^-0.2 exposed.
 double estimated_area(std::span<const Atom> atoms) {
@@ -51,7 +53,8 @@ double estimated_memory(const Plan& plan, std::span<const Atom> atoms) {
          plan.threads * (bytes_per_thread + block_bytes) +
          2 * (layer_bits / 8 + bytes_per_block * static_cast<double>(plan.tiling.blocks[0]) *
                                    static_cast<double>(plan.tiling.blocks[1])) +
-         crossings * sizeof(Crossing) + rows * 64;
+         crossings * sizeof(Crossing) + rows * 64 +
+         Verifier::memory_bytes(plan, estimated_crossings(atoms, plan.grid.spacing));
 }
 
 void require(bool holds, const char* what, double value) {
@@ -63,6 +66,9 @@ void require_valid(const Parameters& p) {
           "the probe radius must be a positive number of at most 1000 angstrom", p.probe_radius);
   require(p.block_size >= 2 && p.block_size <= 4096,
           "the block size must be between 2 and 4096 points", static_cast<double>(p.block_size));
+  require(p.verify >= 0 && p.verify <= most_verified,
+          "the number of points to verify must be between 0 and 10000000",
+          static_cast<double>(p.verify));
   require(p.threads >= 0, "the number of threads must not be negative", p.threads);
 }
 

@@ -18,6 +18,7 @@
 #include "run/ordered_output.hpp"
 #include "run/parallel.hpp"
 #include "run/resources.hpp"
+#include "run/verifier.hpp"
 #include "solve/block_solver.hpp"
 #include "solve/stopwatch.hpp"
 
@@ -93,11 +94,12 @@ struct Writer {
 // Solves the blocks, layer by layer, and writes what they give.
 class Pipeline {
  public:
-  Pipeline(const Surface& surface, const Plan& plan, OutputFiles& files,
+  Pipeline(const Surface& surface, const Plan& plan, OutputFiles& files, Verifier* verifier,
            const ProgressCallback& progress)
       : surface_(surface),
         plan_(plan),
         text_(plan.grid),
+        verifier_(verifier),
         progress_(progress),
         rows_per_chunk_(rows_per_chunk(plan.grid)),
         layers_(static_cast<std::size_t>(plan.tiling.blocks[2])),
@@ -167,7 +169,7 @@ class Pipeline {
   void work(std::size_t thread) {
     while (const auto task = queue_.take()) {
       if (task->kind == Task::Kind::solve) {
-        solve(*task, workspaces_[thread]);
+        solve(*task, thread);
       } else {
         write(*task, writers_[thread]);
       }
@@ -188,11 +190,14 @@ class Pipeline {
     make_room(layer + 2);
   }
 
-  void solve(const Task& task, BlockWorkspace& workspace) {
+  void solve(const Task& task, std::size_t thread) {
     const std::int64_t bx = task.index % plan_.tiling.blocks[0];
     const std::int64_t by = task.index / plan_.tiling.blocks[0];
-    layers_[static_cast<std::size_t>(task.layer)].blocks[static_cast<std::size_t>(task.index)] =
-        solve_block(surface_, plan_.grid, plan_.tiling.block(bx, by, task.layer), workspace);
+    BlockResult& result =
+        layers_[static_cast<std::size_t>(task.layer)].blocks[static_cast<std::size_t>(task.index)];
+    result = solve_block(surface_, plan_.grid, plan_.tiling.block(bx, by, task.layer),
+                         workspaces_[thread]);
+    if (verifier_ != nullptr) verifier_->take(result, thread);
     if (!progress_) return;
     const std::lock_guard lock(progress_mutex_);
     progress_(++solved_blocks_, plan_.tiling.block_count());
@@ -266,6 +271,7 @@ class Pipeline {
   const Surface& surface_;
   const Plan& plan_;
   GridText text_;
+  Verifier* verifier_;  // none if nothing is to be verified
   const ProgressCallback& progress_;
   std::int64_t rows_per_chunk_;
   std::vector<Layer> layers_;
@@ -312,8 +318,14 @@ Summary run(std::span<const Atom> atoms, const Plan& plan, const OutputChoice& o
   release_free_memory();
   summary.seconds.patches = total.seconds();
 
+  std::optional<Verifier> verifier;
+  if (plan.parameters.verify > 0) {
+    const Stopwatch drawing;
+    verifier.emplace(atoms, plan);
+    summary.seconds.verify = drawing.seconds();
+  }
   const Stopwatch blocks;
-  Pipeline pipeline(surface, plan, files, progress);
+  Pipeline pipeline(surface, plan, files, verifier ? &*verifier : nullptr, progress);
   pipeline.run();
   summary.seconds.blocks = blocks.seconds();
   pipeline.add_seconds(summary.seconds);
@@ -329,6 +341,15 @@ Summary run(std::span<const Atom> atoms, const Plan& plan, const OutputChoice& o
   summary.convex = tally.crossings[0];
   summary.saddle = tally.crossings[1];
   summary.concave = tally.crossings[2];
+  if (verifier) {
+    const Stopwatch checking;
+    summary.verification = verifier->check(progress);
+    summary.seconds.verify += checking.seconds();
+    if (!summary.verification->faults.empty()) {
+      summary.seconds.total = total.seconds();
+      return summary;
+    }
+  }
   summary.bytes_written = pipeline.bytes_written();
   if (files.box) summary.bytes_written += write_all(*files.box, bounding_box_text(plan.grid));
   if (files.areas) {
