@@ -80,9 +80,9 @@ bool CentreSearch::offer(Vec3 c, Visit& visit) {
   return visit(c);
 }
 
-// The circle's point nearest to x, and those that lie on a third sphere.
+// The circle's point nearest to x, and those that lie on a later sphere.
 template <class Visit>
-bool CentreSearch::visit_circle(std::size_t i, std::size_t j, const Circle& circle, Visit& visit) {
+bool CentreSearch::visit_circle(std::size_t j, const Circle& circle, Visit& visit) {
   const double height = dot(circle.center, circle.axis), rho = circle.radius;
   const Vec3 inward = height * circle.axis - circle.center;  // to x, as the circle's plane sees it
   const double aside = norm(inward);
@@ -96,30 +96,32 @@ bool CentreSearch::visit_circle(std::size_t i, std::size_t j, const Circle& circ
                      (2 * rho * std::max(aside, no_direction)),
                  -1.0, 1.0);
   const double largest_sine = std::sqrt((1 - least_cosine) * (1 + least_cosine));
-  for (const Ball& ball : balls_) {
-    const Vec3 w = circle.center - ball.center;
-    const double a = dot(w, e), b = dot(w, f);
-    // On the arc, the largest of a cos t + b sin t.
-    const double amplitude = std::hypot(a, b);
-    const double most =
-        a >= least_cosine * amplitude ? amplitude : a * least_cosine + std::fabs(b) * largest_sine;
-    if (squared_norm(w) + rho * rho + 2 * rho * most < ball.least_square) return true;
-  }
-  if (!offer(circle.center + rho * e, visit)) return false;
+  meeting_.clear();
   for (std::size_t k = 0; k < balls_.size(); ++k) {
-    if (k == i || k == j) continue;
+    // At the angle t, the squared distance from the ball's centre is w^2 + rho^2 + 2 rho (a cos t +
+    // b sin t).
     const Ball& ball = balls_[k];
     const Vec3 w = circle.center - ball.center;
-    const double a = dot(w, e), b = dot(w, f), amplitude = std::hypot(a, b);
-    if (amplitude < no_direction) continue;
-    double cosine =
-        (ball.radius * ball.radius - squared_norm(w) - rho * rho) / (2 * rho * amplitude);
-    if (std::fabs(cosine) > 1 + touching) continue;
-    cosine = std::clamp(cosine, -1.0, 1.0);
+    const double a = dot(w, e), b = dot(w, f), amplitude = std::sqrt(a * a + b * b);
+    const double at_ends = a * least_cosine, between_ends = std::fabs(b) * largest_sine;
+    const double most = a >= least_cosine * amplitude ? amplitude : at_ends + between_ends;
+    const double square = squared_norm(w) + rho * rho;
+    if (square + 2 * rho * most < ball.least_square) return true;
+    if (k <= j || amplitude < no_direction) continue;
+    const double least = -a >= least_cosine * amplitude ? -amplitude : at_ends - between_ends;
+    const double cosine = (ball.radius * ball.radius - square) / (2 * rho * amplitude);
+    if (cosine * amplitude < least - touching || std::fabs(cosine) > 1 + touching) continue;
+    meeting_.push_back({a / amplitude, b / amplitude, std::clamp(cosine, -1.0, 1.0)});
+  }
+  if (!offer(circle.center + rho * e, visit)) return false;
+  for (const auto& [u, v, cosine] : meeting_) {
     const double sine = std::sqrt((1 - cosine) * (1 + cosine));
-    const Vec3 u = (1 / amplitude) * (a * e + b * f), v = cross(circle.axis, u);
-    for (const double side : {sine, -sine})
-      if (!offer(circle.center + rho * (cosine * u + side * v), visit)) return false;
+    for (const double side : {sine, -sine}) {
+      const double x = cosine * u - side * v, y = cosine * v + side * u;
+      if (x >= least_cosine - touching &&
+          !offer(circle.center + (rho * x) * e + (rho * y) * f, visit))
+        return false;
+    }
   }
   return true;
 }
@@ -158,7 +160,7 @@ void CentreSearch::visit_centres(Vec3 x, double reach, double slack, Visit&& vis
       if (radius_square <= 0) continue;
       const Vec3 axis = (1 / distance) * between;
       const Circle circle{balls_[i].center + along * axis, axis, std::sqrt(radius_square)};
-      if (!visit_circle(i, j, circle, visit)) return;
+      if (!visit_circle(j, circle, visit)) return;
     }
 }
 
@@ -186,8 +188,10 @@ double CentreSearch::distance_to_seam(Vec3 x, Vec3 center, double reach, double 
   const Vec3 own = center - x;
   visit_centres(x, reach, slack, [&](Vec3 c) {
     const double apart = norm(c - own);
-    if (apart > same_center)
-      least = std::min(least, std::fabs(squared_norm(c) - squared_norm(own)) / (2 * apart));
+    if (apart <= same_center) return true;
+    least = std::min(least, std::fabs(squared_norm(c) - squared_norm(own)) / (2 * apart));
+    // Centres farther away than this have their plane farther away, too.
+    reach_ = std::min(reach_, norm(own) + 2 * least);
     return true;
   });
   return least;

@@ -59,6 +59,11 @@ class CentreSearch {
     Vec3 center, axis;
     double radius = 0;
   };
+  // Where a sphere meets a circle, as seen from the circle's centre: at equal angles on either side
+  // of the direction (u, v).
+  struct Meeting {
+    double u = 0, v = 0, cosine = 0;
+  };
   enum class Surroundings { accessible, covered, mixed };
 
   Surroundings gather(Vec3 x);
@@ -67,12 +72,13 @@ class CentreSearch {
   template <class Visit>
   bool offer(Vec3 c, Visit& visit);
   template <class Visit>
-  bool visit_circle(std::size_t i, std::size_t j, const Circle& circle, Visit& visit);
+  bool visit_circle(std::size_t j, const Circle& circle, Visit& visit);
   template <class Visit>
   void visit_centres(Vec3 x, double reach, double slack, Visit&& visit);
 
   const Definition& definition_;
   std::vector<Ball> balls_;
+  std::vector<Meeting> meeting_;
   double reach_ = 0, slack_ = 0;
 };
 

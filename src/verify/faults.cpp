@@ -35,15 +35,6 @@ std::string name_of(const GridIndex& index) {
   return fmt::format("{} {} {}", index[0], index[1], index[2]);
 }
 
-const char* fault_of_side(CentreSearch& search, Vec3 x, bool is_inside) {
-  const double probe = search.definition().probe_radius;
-  if (is_inside && search.is_any(x, probe - on_surface, surely_accessible))
-    return "inside, but a probe fits that covers it";
-  if (!is_inside && !search.is_any(x, probe + on_surface, surely_blocked))
-    return "outside, but no probe fits that covers it";
-  return nullptr;
-}
-
 // --- where the probe that touches these atoms is nearest to a point ------------------------------
 
 Vec3 foot_on_sphere(const Atom& atom, double probe, Vec3 x) {
@@ -95,19 +86,6 @@ const char* fault_of_atoms(const Definition& definition, const Crossing& crossin
 
 // --- edges ---------------------------------------------------------------------------------------
 
-const char* fault_of_normal(CentreSearch& search, const Crossing& crossing, Vec3 x) {
-  const double probe = search.definition().probe_radius;
-  if (!(std::fabs(norm(crossing.normal) - 1) <= unit_length)) return "the normal has not length 1";
-  // From the surface to a probe all points are nearest to that probe alone, even where the surface
-  // has several.
-  const Vec3 center = x + probe * crossing.normal, halfway = x + 0.5 * probe * crossing.normal;
-  const std::optional<Vec3> nearest =
-      search.nearest(halfway, 0.5 * probe + same_probe, surely_blocked);
-  if (!nearest || norm(*nearest - center) > same_probe)
-    return "the normal does not lead to the nearest probe";
-  return fault_of_atoms(search.definition(), crossing, halfway, center);
-}
-
 /// Where a ray from `y` in direction `unit` leaves the ball around `center`, as a length; not
 /// positive if the ball does not hold `y` or the ray leads out of it at once.
 double chord_ahead(Vec3 y, Vec3 unit, Vec3 center, double radius) {
@@ -116,15 +94,19 @@ double chord_ahead(Vec3 y, Vec3 unit, Vec3 center, double radius) {
   return square < 0 ? 0 : std::sqrt(square) - b;
 }
 
-/// Goes from the outside end to the crossing, from one probe to the next.
-const char* fault_of_way_out(CentreSearch& search, Vec3 outside_end, Vec3 x) {
+/// Goes from the outside end to the crossing `x`, from one probe to the next; the one at `last` is
+/// known to reach it.
+const char* fault_of_way_out(CentreSearch& search, Vec3 outside_end, Vec3 x, Vec3 last) {
   const double length = norm(x - outside_end), probe = search.definition().probe_radius;
   if (length <= short_of_crossing) return nullptr;
   const Vec3 unit = (1 / length) * (x - outside_end);
   for (double way = 0; way < length - short_of_crossing;) {
     const Vec3 y = outside_end + way * unit;
+    if (squared_norm(y - last) < probe * probe) return nullptr;
     const std::optional<Vec3> center = search.nearest(y, probe + on_surface, surely_blocked);
-    if (!center) return "the crossing is not the last before the outside end";
+    if (!center)
+      return way == 0 ? "no probe covers the outside end"
+                      : "the crossing is not the last before the outside end";
     way += std::max(grazing_stride, chord_ahead(y, unit, *center, probe));
   }
   return nullptr;
@@ -133,40 +115,50 @@ const char* fault_of_way_out(CentreSearch& search, Vec3 outside_end, Vec3 x) {
 const char* fault_of_crossing(CentreSearch& search, const Grid& grid, const Edge& edge) {
   const Crossing& crossing = edge.crossing;
   const double probe = search.definition().probe_radius;
-  const Vec3 x = edge.point(grid);
   const double low = grid.coordinate(crossing.axis, edge.lower[crossing.axis]);
   const double high = grid.coordinate(crossing.axis, edge.upper()[crossing.axis]);
   if (!(crossing.coordinate >= low - on_edge && crossing.coordinate <= high + on_edge))
     return "the crossing is not on the edge";
-  if (search.is_any(x, probe - on_surface, surely_accessible))
-    return "the crossing is not on the surface but outside";
-  if (!search.is_any(x, probe + on_surface, surely_blocked))
-    return "the crossing is not on the surface but inside";
-  if (const char* fault = fault_of_normal(search, crossing, x)) return fault;
-  return fault_of_way_out(search, grid.point(edge.outside()), x);
+  if (!(std::fabs(norm(crossing.normal) - 1) <= unit_length)) return "the normal has not length 1";
+  if (search.is_any(grid.point(edge.inside()), probe - on_surface, surely_accessible))
+    return "a probe covers the inside end";
+  const Vec3 x = edge.point(grid);
+  if (search.is_any(x, probe - on_surface, surely_accessible)) return "a probe covers the crossing";
+  // From the surface to a probe all points are nearest to that probe alone, even where the surface
+  // has several.
+  const Vec3 center = x + probe * crossing.normal, halfway = x + 0.5 * probe * crossing.normal;
+  const std::optional<Vec3> nearest =
+      search.nearest(halfway, 0.5 * probe + same_probe, surely_blocked);
+  if (!nearest || norm(*nearest - center) > same_probe)
+    return "the normal does not lead to the nearest probe";
+  if (norm(*nearest - x) > probe + on_surface) return "no probe touches the crossing";
+  if (const char* fault = fault_of_atoms(search.definition(), crossing, halfway, center))
+    return fault;
+  return fault_of_way_out(search, grid.point(edge.outside()), x, *nearest);
 }
 
 }  // namespace
 
 std::string fault_of_point(CentreSearch& search, const Grid& grid, const GridIndex& point,
                            bool is_inside) {
-  const char* fault = fault_of_side(search, grid.point(point), is_inside);
-  return fault != nullptr ? fmt::format("point {} is called {}", name_of(point), fault) : "";
+  const Vec3 x = grid.point(point);
+  const double probe = search.definition().probe_radius;
+  const bool is_right = is_inside ? !search.is_any(x, probe - on_surface, surely_accessible)
+                                  : search.is_any(x, probe + on_surface, surely_blocked);
+  if (is_right) return "";
+  return fmt::format(
+      "point {}: called {}", name_of(point),
+      is_inside ? "inside, but a probe covers it" : "outside, but no probe covers it");
 }
 
 std::string fault_of_edge(CentreSearch& search, const Grid& grid, const Edge& edge) {
-  for (const bool is_inside : {true, false}) {
-    const GridIndex end = is_inside ? edge.inside() : edge.outside();
-    const std::string fault = fault_of_point(search, grid, end, is_inside);
-    if (!fault.empty()) return fault;
-  }
   const char* fault = fault_of_crossing(search, grid, edge);
   if (fault == nullptr) return "";
   return fmt::format("edge {} -> {}: {}", name_of(edge.inside()), name_of(edge.outside()), fault);
 }
 
 double distance_to_seam(CentreSearch& search, const Grid& grid, const Edge& edge) {
-  constexpr double near = 0.1;
+  constexpr double near = 0.02;
   const double probe = search.definition().probe_radius;
   const Vec3 x = edge.point(grid);
   const double distance = search.distance_to_seam(x, x + probe * edge.crossing.normal,

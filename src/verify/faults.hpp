@@ -38,7 +38,7 @@ std::string fault_of_point(CentreSearch& search, const Grid& grid, const GridInd
 /// which a probe touches the atoms, and all between the crossing and the outside end is outside.
 std::string fault_of_edge(CentreSearch& search, const Grid& grid, const Edge& edge);
 
-/// How far the crossing is from where another patch is as near, angstrom; 0.1 of the probe radius
+/// How far the crossing is from where another patch is as near, angstrom; 0.02 probe radii
 /// if none is near. The normal is believed.
 double distance_to_seam(CentreSearch& search, const Grid& grid, const Edge& edge);
 
