@@ -67,6 +67,32 @@ void CentreSearch::drop_covered_balls() {
   balls_.resize(kept);
 }
 
+// Within reach is a cap of a sphere around the point straight out from x. A ball that covers all of
+// it leaves no place for a centre there.
+void CentreSearch::find_exposed_spheres() {
+  exposed_.clear();
+  for (const Ball& ball : balls_) {
+    const double radius = ball.radius, distance = norm(ball.center);
+    const double least_cosine =
+        std::clamp((radius * radius + distance * distance - reach_ * reach_) /
+                       (2 * radius * std::max(distance, no_direction)),
+                   -1.0, 1.0);
+    const double largest_sine = std::sqrt((1 - least_cosine) * (1 + least_cosine));
+    const Vec3 outward = -(1 / std::max(distance, no_direction)) * ball.center;
+    const auto covers_cap = [&](const Ball& other) {
+      const Vec3 w = ball.center - other.center;
+      const double square = squared_norm(w), along = dot(outward, w);
+      // The largest projection of w onto a direction of the cap.
+      const double most = along >= least_cosine * std::sqrt(square)
+                              ? std::sqrt(square)
+                              : along * least_cosine +
+                                    std::sqrt(std::max(0.0, square - along * along)) * largest_sine;
+      return square + radius * radius + 2 * radius * most < other.least_square;
+    };
+    if (std::none_of(balls_.begin(), balls_.end(), covers_cap)) exposed_.push_back(ball);
+  }
+}
+
 bool CentreSearch::is_accessible(Vec3 c) const {
   return std::none_of(balls_.begin(), balls_.end(), [c](const Ball& ball) {
     return squared_norm(c - ball.center) < ball.least_square;
@@ -80,9 +106,25 @@ bool CentreSearch::offer(Vec3 c, Visit& visit) {
   return visit(c);
 }
 
-// The circle's point nearest to x, and those that lie on a later sphere.
+// Nothing if they do not meet, or meet out of reach.
+std::optional<CentreSearch::Circle> CentreSearch::circle_of(const Ball& one,
+                                                            const Ball& other) const {
+  const Vec3 between = other.center - one.center;
+  const double square = squared_norm(between), difference = other.power - one.power;
+  if (difference * difference >= 4 * reach_ * reach_ * square ||
+      square < no_direction * no_direction)
+    return std::nullopt;
+  const double distance = std::sqrt(square), a = one.radius, b = other.radius;
+  const double along = (square + (a - b) * (a + b)) / (2 * distance);
+  const double radius_square = (a - along) * (a + along);
+  if (radius_square <= 0) return std::nullopt;
+  const Vec3 axis = (1 / distance) * between;
+  return Circle{one.center + along * axis, axis, std::sqrt(radius_square)};
+}
+
+// The circle's point nearest to x, and those that lie on one of the spheres `further`.
 template <class Visit>
-bool CentreSearch::visit_circle(std::size_t j, const Circle& circle, Visit& visit) {
+bool CentreSearch::visit_circle(const Circle& circle, std::span<const Ball> further, Visit& visit) {
   const double height = dot(circle.center, circle.axis), rho = circle.radius;
   const Vec3 inward = height * circle.axis - circle.center;  // to x, as the circle's plane sees it
   const double aside = norm(inward);
@@ -96,28 +138,33 @@ bool CentreSearch::visit_circle(std::size_t j, const Circle& circle, Visit& visi
                      (2 * rho * std::max(aside, no_direction)),
                  -1.0, 1.0);
   const double largest_sine = std::sqrt((1 - least_cosine) * (1 + least_cosine));
-  meeting_.clear();
-  for (std::size_t k = 0; k < balls_.size(); ++k) {
-    // At the angle t, the squared distance from the ball's centre is w^2 + rho^2 + 2 rho (a cos t +
-    // b sin t).
-    const Ball& ball = balls_[k];
+  // At the angle t, the squared distance from a ball's centre is square + 2 rho (a cos t + b sin
+  // t).
+  struct Profile {
+    double square, a, b, amplitude;
+  };
+  const auto profile_of = [&](const Ball& ball) -> Profile {
     const Vec3 w = circle.center - ball.center;
-    const double a = dot(w, e), b = dot(w, f), amplitude = std::sqrt(a * a + b * b);
-    const double at_ends = a * least_cosine, between_ends = std::fabs(b) * largest_sine;
-    const double most = a >= least_cosine * amplitude ? amplitude : at_ends + between_ends;
-    const double square = squared_norm(w) + rho * rho;
-    if (square + 2 * rho * most < ball.least_square) return true;
-    if (k <= j || amplitude < no_direction) continue;
-    const double least = -a >= least_cosine * amplitude ? -amplitude : at_ends - between_ends;
-    const double cosine = (ball.radius * ball.radius - square) / (2 * rho * amplitude);
-    if (cosine * amplitude < least - touching || std::fabs(cosine) > 1 + touching) continue;
-    meeting_.push_back({a / amplitude, b / amplitude, std::clamp(cosine, -1.0, 1.0)});
-  }
+    const double a = dot(w, e), b = dot(w, f);
+    return {squared_norm(w) + rho * rho, a, b, std::sqrt(a * a + b * b)};
+  };
+  const auto covers_arc = [&](const Ball& ball) {
+    const auto [square, a, b, amplitude] = profile_of(ball);
+    const double most =
+        a >= least_cosine * amplitude ? amplitude : a * least_cosine + std::fabs(b) * largest_sine;
+    return square + 2 * rho * most < ball.least_square;
+  };
+  if (std::any_of(balls_.begin(), balls_.end(), covers_arc)) return true;
   if (!offer(circle.center + rho * e, visit)) return false;
-  for (const auto& [u, v, cosine] : meeting_) {
+  for (const Ball& ball : further) {
+    const auto [square, a, b, amplitude] = profile_of(ball);
+    if (amplitude < no_direction) continue;
+    double cosine = (ball.radius * ball.radius - square) / (2 * rho * amplitude);
+    if (std::fabs(cosine) > 1 + touching) continue;
+    cosine = std::clamp(cosine, -1.0, 1.0);
     const double sine = std::sqrt((1 - cosine) * (1 + cosine));
     for (const double side : {sine, -sine}) {
-      const double x = cosine * u - side * v, y = cosine * v + side * u;
+      const double x = (cosine * a - side * b) / amplitude, y = (cosine * b + side * a) / amplitude;
       if (x >= least_cosine - touching &&
           !offer(circle.center + (rho * x) * e + (rho * y) * f, visit))
         return false;
@@ -139,28 +186,17 @@ void CentreSearch::visit_centres(Vec3 x, double reach, double slack, Visit&& vis
     return;
   }
   drop_covered_balls();
-  for (const Ball& ball : balls_) {
+  find_exposed_spheres();
+  for (const Ball& ball : exposed_) {
     const double distance = norm(ball.center);
     const Vec3 outward = distance > no_direction ? (-1 / distance) * ball.center : Vec3{1, 0, 0};
     if (!offer(ball.center + ball.radius * outward, visit)) return;
   }
-  for (std::size_t i = 0; i < balls_.size(); ++i)
-    for (std::size_t j = i + 1; j < balls_.size(); ++j) {
-      const Vec3 between = balls_[j].center - balls_[i].center;
-      const double square = squared_norm(between);
-      const double difference = balls_[j].power - balls_[i].power;
-      // The plane of the circle is out of reach, or there is none.
-      if (difference * difference >= 4 * reach_ * reach_ * square ||
-          square < no_direction * no_direction)
-        continue;
-      const double distance = std::sqrt(square);
-      const double a = balls_[i].radius, b = balls_[j].radius;
-      const double along = (square + (a - b) * (a + b)) / (2 * distance);
-      const double radius_square = (a - along) * (a + along);
-      if (radius_square <= 0) continue;
-      const Vec3 axis = (1 / distance) * between;
-      const Circle circle{balls_[i].center + along * axis, axis, std::sqrt(radius_square)};
-      if (!visit_circle(j, circle, visit)) return;
+  const std::span<const Ball> spheres(exposed_);
+  for (std::size_t i = 0; i < spheres.size(); ++i)
+    for (std::size_t j = i + 1; j < spheres.size(); ++j) {
+      const std::optional<Circle> circle = circle_of(spheres[i], spheres[j]);
+      if (circle && !visit_circle(*circle, spheres.subspan(j + 1), visit)) return;
     }
 }
 

@@ -59,26 +59,23 @@ class CentreSearch {
     Vec3 center, axis;
     double radius = 0;
   };
-  // Where a sphere meets a circle, as seen from the circle's centre: at equal angles on either side
-  // of the direction (u, v).
-  struct Meeting {
-    double u = 0, v = 0, cosine = 0;
-  };
   enum class Surroundings { accessible, covered, mixed };
 
   Surroundings gather(Vec3 x);
   void drop_covered_balls();
+  void find_exposed_spheres();
+  std::optional<Circle> circle_of(const Ball& one, const Ball& other) const;
   bool is_accessible(Vec3 c) const;
   template <class Visit>
   bool offer(Vec3 c, Visit& visit);
   template <class Visit>
-  bool visit_circle(std::size_t j, const Circle& circle, Visit& visit);
+  bool visit_circle(const Circle& circle, std::span<const Ball> further, Visit& visit);
   template <class Visit>
   void visit_centres(Vec3 x, double reach, double slack, Visit&& visit);
 
   const Definition& definition_;
-  std::vector<Ball> balls_;
-  std::vector<Meeting> meeting_;
+  std::vector<Ball> balls_;    // those that matter within reach
+  std::vector<Ball> exposed_;  // those on whose spheres a centre may stand
   double reach_ = 0, slack_ = 0;
 };
 
