@@ -23,6 +23,9 @@ struct Grid {
   double coordinate(std::size_t axis, std::int64_t index) const {
     return lower[axis] + static_cast<double>(index) * spacing;
   }
+  Vec3 point(const GridIndex& index) const {
+    return {coordinate(0, index[0]), coordinate(1, index[1]), coordinate(2, index[2])};
+  }
   std::int64_t point_count() const { return size[0] * size[1] * size[2]; }
 };
 

@@ -4,7 +4,10 @@
 #include <cstdint>
 #include <filesystem>
 #include <functional>
+#include <optional>
 #include <span>
+#include <string>
+#include <vector>
 
 #include "eses/atoms.hpp"
 #include "eses/grid.hpp"
@@ -24,6 +27,7 @@ struct Parameters {
   int threads = 0;
   /// Bytes that the process may hold resident; 0: what the machine has to give.
   std::uint64_t max_memory = 0;
+  std::int64_t verify = 0;  ///< points, and as many edges, to check afterwards; 0 to 1e7
 };
 
 /// Which files are written.
@@ -56,7 +60,15 @@ struct PhaseSeconds {
   double classify = 0;   ///< summed over threads
   double intersect = 0;  ///< summed over threads
   double output = 0;     ///< text and writing, summed over threads
+  double verify = 0;     ///< drawing and checking the sample; wall clock
   double total = 0;      ///< wall clock of the run
+};
+
+/// What a check of random points and edges against the definition of the surface has found.
+struct Verification {
+  std::int64_t points = 0;          ///< that were checked; fewer than asked for if there are fewer
+  std::int64_t edges = 0;           ///< likewise
+  std::vector<std::string> faults;  ///< a line for each, which names the point or edge
 };
 
 struct Summary {
@@ -68,6 +80,7 @@ struct Summary {
   std::int64_t concave = 0;  ///< with three
   std::int64_t edges() const { return convex + saddle + concave; }
   std::uint64_t bytes_written = 0;
+  std::optional<Verification> verification;  ///< if it was asked for
   PhaseSeconds seconds;
 };
 
@@ -95,7 +108,8 @@ DiskSpace require_disk_space(const Plan& plan, const std::filesystem::path& dire
 
 /// Computes the surface and writes the chosen files into `directory` (created if missing), which it
 /// locks against other runs. The files appear under their names only when all of them are complete,
-/// the bounding box last, and older ones are removed before; on failure none appears.
+/// the bounding box last, and older ones are removed before; on failure none appears,
+/// nor if the verification that `plan.parameters` asks for finds a fault.
 /// Throws Error on write failures, lack of disk space, if another run is writing there, and where
 /// memory exceeds `max_memory` after all: the plan's figure is an estimate.
 Summary run(std::span<const Atom> atoms, const Plan& plan, const OutputChoice& outputs,

@@ -116,6 +116,18 @@ Summary run_with_progress(const std::vector<Atom>& atoms, const Options& options
   return summary;
 }
 
+int judge(const Summary& summary) {
+  if (!has_faults(summary)) return exit_done;
+  constexpr std::size_t most_shown = 10;
+  const std::vector<std::string>& faults = summary.verification->faults;
+  for (std::size_t f = 0; f < std::min(most_shown, faults.size()); ++f)
+    complain("fault", faults[f]);
+  complain("error", fmt::format("the verification found {} fault{}, please report this with the "
+                                "input file; nothing is written",
+                                faults.size(), faults.size() == 1 ? "" : "s"));
+  return exit_failure;
+}
+
 std::string final_text(const Report& report) {
   if (report.options.json) return json_text(report);
   const std::string result = result_text(report.summary);
@@ -149,14 +161,14 @@ Report plan_report(const NumberedAtoms& input, const Options& options) {
   return report;
 }
 
-void compute(const Options& options) {
+int compute(const Options& options) {
   require_standard_output();
   const NumberedAtoms input = read_numbered_atoms(options.input, options.format);
   Report report = plan_report(input, options);
   if (options.dry_run) {
     print(options.json ? json_text(report) : plan_text(report));
     warn(report);
-    return;
+    return exit_done;
   }
   if (options.strict) warn(report);
   announce(report);
@@ -164,6 +176,7 @@ void compute(const Options& options) {
   report.summary = run_with_progress(input.atoms, options, report.plan);
   report.peak_memory_bytes = peak_memory();
   print(final_text(report));
+  return judge(report.summary);
 }
 
 int compute_surface(int argc, char** argv) {
@@ -171,10 +184,9 @@ int compute_surface(int argc, char** argv) {
   const std::variant<Options, Notice> request = parse_command_line(argc, argv);
   if (const auto* const notice = std::get_if<Notice>(&request)) {
     print(notice->text);
-  } else {
-    compute(std::get<Options>(request));
+    return exit_done;
   }
-  return exit_done;
+  return compute(std::get<Options>(request));
 }
 
 int compare_files(int argc, char** argv) {

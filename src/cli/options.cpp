@@ -24,6 +24,8 @@ namespace {
 constexpr std::int64_t largest_block_size = 4096;
 // Far more threads than any one machine has; OpenMP ends the process if it cannot start them.
 constexpr std::int64_t most_threads = 4096;
+constexpr std::int64_t default_verify = 2000;
+constexpr std::int64_t most_verify = 10'000'000;
 
 /// Which lengths are accepted, and how to say so.
 struct LengthRange {
@@ -48,7 +50,7 @@ Examples:
 
 Exit codes:
   0  done
-  1  input, output or resource error
+  1  input, output or resource error, or --verify finds a fault
   2  error in the command line
   130, 143  ended by SIGINT or SIGTERM
 
@@ -102,6 +104,15 @@ void add_computation_options(CLI::App& app) {
       "and fewer threads where these are not given, or refused");
 }
 
+void add_checks(CLI::App& app) {
+  app.add_flag("--verify")
+      ->option_text("[=N]")
+      ->description(fmt::format("check N random points and N random edges by brute force;\n"
+                                "a fault is an error, and no file appears [{}]",
+                                default_verify))
+      ->group("Checks");
+}
+
 void add_flags(CLI::App& app) {
   const auto add = [&app](const char* name, const char* description) {
     app.add_flag(name)->description(description)->group("Messages");
@@ -122,6 +133,7 @@ void add_options(CLI::App& app) {
   add_grid_options(app);
   add_file_options(app);
   add_computation_options(app);
+  add_checks(app);
   add_flags(app);
 }
 
@@ -194,6 +206,12 @@ Parameters parameters_of(const CLI::App& app) {
   result.threads =
       static_cast<int>(count_of(app, "--threads", 1, most_threads, Parameters{}.threads));
   result.max_memory = max_memory_of(app);
+  // A flag without a value reads "true".
+  if (text_of(app, "--verify").value_or("") == "true") {
+    result.verify = default_verify;
+  } else {
+    result.verify = count_of(app, "--verify", 1, most_verify, result.verify);
+  }
   return result;
 }
 

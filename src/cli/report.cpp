@@ -6,6 +6,7 @@
 #include <array>
 #include <cmath>
 #include <limits>
+#include <optional>
 #include <vector>
 
 #include "cli/json.hpp"
@@ -44,6 +45,7 @@ std::string path_text(const std::filesystem::path& path) {
 }
 
 std::string written_text(const Report& report) {
+  if (has_faults(report.summary)) return "written: nothing, as there are faults\n";
   const std::vector<std::string> names = file_names(report.options.outputs);
   if (names.empty()) return "written: nothing\n";
   return fmt::format("written: {} to {} ({})\n", bytes_text(report.summary.bytes_written),
@@ -87,6 +89,13 @@ std::string disk_warning(const Report& report) {
       "so this may yet do, and a disk that fills up ends the run and leaves no file",
       bytes_text(report.plan.output_bytes()), path_text(report.options.output_directory),
       bytes_text(report.disk.available));
+}
+
+std::string verification_text(const Summary& summary) {
+  if (!summary.verification) return "";
+  const auto& [points, edges, faults] = *summary.verification;
+  return fmt::format("verified: {}, {}; {}\n", counted(points, "point"), counted(edges, "edge"),
+                     counted(static_cast<std::int64_t>(faults.size()), "fault"));
 }
 
 std::string parameters_json(const Parameters& parameters) {
@@ -160,20 +169,36 @@ std::string seconds_json(const PhaseSeconds& seconds) {
                        {"classify", json::number(seconds.classify)},
                        {"intersect", json::number(seconds.intersect)},
                        {"output", json::number(seconds.output)},
+                       {"verify", json::number(seconds.verify)},
                        {"total", json::number(seconds.total)}});
+}
+
+std::vector<std::string> strings_json(const std::vector<std::string>& strings) {
+  std::vector<std::string> items;
+  for (const std::string& string : strings) items.push_back(json::string(string));
+  return items;
+}
+
+std::string verification_json(const std::optional<Verification>& verification) {
+  if (!verification) return "null";
+  return json::object({{"points", json::number(verification->points)},
+                       {"edges", json::number(verification->edges)},
+                       {"faults", json::array(strings_json(verification->faults))}});
 }
 
 std::string output_json(const Report& report) {
   std::vector<std::string> names;
-  for (const std::string& name : file_names(report.options.outputs)) {
-    names.push_back(json::string(name));
-  }
+  if (!has_faults(report.summary)) names = file_names(report.options.outputs);
   return json::object({{"directory", json::string(report.options.output_directory.string())},
-                       {"files", json::array(names)},
+                       {"files", json::array(strings_json(names))},
                        {"bytes", json::number(report.summary.bytes_written)}});
 }
 
 }  // namespace
+
+bool has_faults(const Summary& summary) {
+  return summary.verification && !summary.verification->faults.empty();
+}
 
 std::string result_text(const Summary& summary) {
   return fmt::format("surface area: {:.6g}\nsurface volume: {:.6g}\n", summary.area,
@@ -212,8 +237,11 @@ std::string summary_text(const Report& report) {
   std::string text = fmt::format("crossings: {} ({} convex, {} saddle, {} concave)\n",
                                  summary.edges(), summary.convex, summary.saddle, summary.concave);
   text += fmt::format("inside points: {}\n", summary.inside_points);
-  text += fmt::format("time: {} (patches {}, blocks {})\n", duration_text(seconds.total),
-                      duration_text(seconds.patches), duration_text(seconds.blocks));
+  text += verification_text(summary);
+  text += fmt::format(
+      "time: {} (patches {}, blocks {}{})\n", duration_text(seconds.total),
+      duration_text(seconds.patches), duration_text(seconds.blocks),
+      summary.verification ? fmt::format(", verification {}", duration_text(seconds.verify)) : "");
   text += fmt::format("peak memory: {}\n", bytes_text(report.peak_memory_bytes));
   return text + written_text(report);
 }
@@ -236,6 +264,7 @@ std::string json_text(const Report& report) {
                                    {"volume", json::number(summary.volume)},
                                    {"inside_points", json::number(summary.inside_points)},
                                    {"crossings", crossings_json(summary)},
+                                   {"verification", verification_json(summary.verification)},
                                    {"output", output_json(report)},
                                    {"seconds", seconds_json(summary.seconds)},
                                    {"peak_memory_bytes", json::number(report.peak_memory_bytes)}});

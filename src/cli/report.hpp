@@ -24,6 +24,9 @@ struct Report {
   std::uint64_t peak_memory_bytes = 0;  ///< of the process
 };
 
+/// Whether the run was verified and found wrong.
+bool has_faults(const Summary& summary);
+
 /// `area` and `volume`, each alone on its line, for callers that search for `area:` and `volume:`.
 /// No line of the other texts holds either.
 std::string result_text(const Summary& summary);

@@ -13,6 +13,7 @@
 #include "run/memory.hpp"
 #include "run/parallel.hpp"
 #include "run/resources.hpp"
+#include "run/verifier.hpp"
 
 namespace eses {
 namespace {
@@ -20,6 +21,7 @@ namespace {
 constexpr std::uint64_t area_line_bytes = 32;
 // Past this, differences of squares have too few digits left for the tolerances.
 constexpr double largest_probe_radius = 1000;  // angstrom
+constexpr std::int64_t most_verified = 10'000'000;
 
 void require(bool holds, const char* what, double value) {
   if (!holds) throw Error(fmt::format("{}, not {}", what, value));
@@ -30,6 +32,9 @@ void require_valid(const Parameters& p) {
           "the probe radius must be a positive number of at most 1000 angstrom", p.probe_radius);
   require(p.block_size == 0 || (p.block_size >= 2 && p.block_size <= 4096),
           "the block size must be between 2 and 4096 points", static_cast<double>(p.block_size));
+  require(p.verify >= 0 && p.verify <= most_verified,
+          "the number of points to verify must be between 0 and 10000000",
+          static_cast<double>(p.verify));
   require(p.threads >= 0, "the number of threads must not be negative", p.threads);
 }
 
@@ -93,9 +98,11 @@ void choose_schedule(const SurfaceSurvey& survey, const OutputChoice& outputs, P
   const Parameters& p = plan.parameters;
   const auto limit = p.max_memory > 0 ? static_cast<double>(p.max_memory)
                                       : std::numeric_limits<double>::infinity();
+  const double crossings = expected_crossings(survey.totals().area, p.spacing);
   double smallest = std::numeric_limits<double>::infinity();
   for (const Schedule& schedule : possible_schedules(plan.grid, p, survey.atom_count())) {
-    const double memory = expected_memory(survey, plan.grid, schedule, outputs);
+    const double memory = expected_memory(survey, plan.grid, schedule, outputs) +
+                          Verifier::memory_bytes(p.verify, schedule.threads, crossings);
     smallest = std::min(smallest, memory);
     if (memory > limit) continue;
     plan.tiling = schedule.tiling;

@@ -18,6 +18,7 @@
 #include "run/parallel.hpp"
 #include "run/resources.hpp"
 #include "run/text_chunks.hpp"
+#include "run/verifier.hpp"
 #include "solve/block_solver.hpp"
 #include "solve/stopwatch.hpp"
 
@@ -64,10 +65,12 @@ struct Writer {
 // Solves the blocks, layer by layer, and writes what they give.
 class Pipeline {
  public:
-  Pipeline(const Surface& surface, const Plan& plan, OutputFiles& files, ProgressReport& progress)
+  Pipeline(const Surface& surface, const Plan& plan, OutputFiles& files, Verifier* verifier,
+           ProgressReport& progress)
       : surface_(surface),
         plan_(plan),
         text_(plan.grid),
+        verifier_(verifier),
         progress_(progress),
         rows_per_chunk_(rows_per_chunk(plan.grid)),
         layers_(static_cast<std::size_t>(plan.tiling.blocks[2])),
@@ -132,7 +135,7 @@ class Pipeline {
   void work(std::size_t thread) {
     while (const auto task = queue_.take()) {
       if (task->kind == Task::Kind::solve) {
-        solve(*task, workspaces_[thread]);
+        solve(*task, thread);
       } else {
         write(*task, writers_[thread]);
       }
@@ -153,11 +156,14 @@ class Pipeline {
     make_room(layer + 2);
   }
 
-  void solve(const Task& task, BlockWorkspace& workspace) {
+  void solve(const Task& task, std::size_t thread) {
     const std::int64_t bx = task.index % plan_.tiling.blocks[0];
     const std::int64_t by = task.index / plan_.tiling.blocks[0];
-    layers_[static_cast<std::size_t>(task.layer)].blocks[static_cast<std::size_t>(task.index)] =
-        solve_block(surface_, plan_.grid, plan_.tiling.block(bx, by, task.layer), workspace);
+    BlockResult& result =
+        layers_[static_cast<std::size_t>(task.layer)].blocks[static_cast<std::size_t>(task.index)];
+    result = solve_block(surface_, plan_.grid, plan_.tiling.block(bx, by, task.layer),
+                         workspaces_[thread]);
+    if (verifier_ != nullptr) verifier_->take(result, thread);
     require_memory_within(plan_.parameters.max_memory);
     progress_.add(1);
   }
@@ -231,6 +237,7 @@ class Pipeline {
   const Surface& surface_;
   const Plan& plan_;
   GridText text_;
+  Verifier* verifier_;  // none if nothing is to be verified
   ProgressReport& progress_;
   std::int64_t rows_per_chunk_;
   std::vector<Layer> layers_;
@@ -282,8 +289,14 @@ Summary run(std::span<const Atom> atoms, const Plan& plan, const OutputChoice& o
   require_memory_within(plan.parameters.max_memory);
   summary.seconds.patches = total.seconds();
 
+  std::optional<Verifier> verifier;
+  if (plan.parameters.verify > 0) {
+    const Stopwatch drawing;
+    verifier.emplace(atoms, plan);
+    summary.seconds.verify = drawing.seconds();
+  }
   const Stopwatch blocks;
-  Pipeline pipeline(surface, plan, files, report);
+  Pipeline pipeline(surface, plan, files, verifier ? &*verifier : nullptr, report);
   pipeline.run();
   summary.seconds.blocks = blocks.seconds();
   pipeline.add_seconds(summary.seconds);
@@ -299,6 +312,15 @@ Summary run(std::span<const Atom> atoms, const Plan& plan, const OutputChoice& o
   summary.convex = tally.crossings[0];
   summary.saddle = tally.crossings[1];
   summary.concave = tally.crossings[2];
+  if (verifier) {
+    const Stopwatch checking;
+    summary.verification = verifier->check(progress);
+    summary.seconds.verify += checking.seconds();
+    if (!summary.verification->faults.empty()) {
+      summary.seconds.total = total.seconds();
+      return summary;
+    }
+  }
   summary.bytes_written = pipeline.bytes_written();
   if (files.box) summary.bytes_written += write_all(*files.box, bounding_box_text(plan.grid));
   if (files.areas) {

@@ -13,13 +13,17 @@ namespace {
 
 std::array<double, 3> components(Vec3 v) { return {v.x, v.y, v.z}; }
 
-// Seen from the outside end; patches of fewer and lower atoms first where they meet at one point.
-// Two placements of the same atoms differ in their normals.
-bool comes_before(const Crossing& a, const Crossing& b) {
-  if (a.coordinate != b.coordinate) return (a.coordinate < b.coordinate) != a.lower_is_inside;
+// Patches of fewer and lower atoms first. Two placements of the same atoms differ in their normals.
+bool is_simpler(const Crossing& a, const Crossing& b) {
   if (a.atom_count != b.atom_count) return a.atom_count < b.atom_count;
   if (a.atoms != b.atoms) return a.atoms < b.atoms;
   return components(a.normal) < components(b.normal);
+}
+
+// Seen from the outside end; the simpler first where they meet at one point.
+bool comes_before(const Crossing& a, const Crossing& b) {
+  if (a.coordinate != b.coordinate) return (a.coordinate < b.coordinate) != a.lower_is_inside;
+  return is_simpler(a, b);
 }
 
 // The outside end is nearer than the probe radius to an accessible centre, the inside end is not:
@@ -54,6 +58,16 @@ Crossing bisect(const PatchIndex& patches, const Edge& edge) {
   return crossing;
 }
 
+// Of crossings that are one, the simplest of those that no other's probe covers. A probe that
+// touches more than three atoms has no cone, and meets the edge also a little past its patch.
+Crossing innermost(std::span<const Crossing> candidates) {
+  const auto first =
+      std::find_if(candidates.begin(), candidates.end(), [&](const Crossing& candidate) {
+        return std::fabs(candidate.coordinate - candidates.back().coordinate) <= tolerance::seam;
+      });
+  return *std::min_element(first, candidates.end(), is_simpler);
+}
+
 }  // namespace
 
 Crossing decide_crossing(const PatchIndex& patches, const Edge& edge,
@@ -61,7 +75,8 @@ Crossing decide_crossing(const PatchIndex& patches, const Edge& edge,
   if (candidates.empty()) return bisect(patches, edge);
   std::sort(candidates.begin(), candidates.end(), comes_before);
   const double spread = std::fabs(candidates.back().coordinate - candidates.front().coordinate);
-  if (candidates.size() == 1 || spread < tolerance::same_crossing) return candidates.front();
+  if (candidates.size() == 1) return candidates.front();
+  if (spread < tolerance::same_crossing) return innermost(candidates);
   const auto chosen =
       std::find_if(candidates.begin(), candidates.end(), [&](const Crossing& candidate) {
         return !is_probe_nearer(patches, edge.point_at(candidate.coordinate),

@@ -1,0 +1,130 @@
+#include "verify/sample.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+#include <utility>
+
+namespace eses::verify {
+namespace {
+
+/// The output function of SplitMix64 (Steele et al., OOPSLA 2014): different numbers for different
+/// ones.
+std::uint64_t scrambled(std::uint64_t number) {
+  number += 0x9e3779b97f4a7c15;
+  number = (number ^ (number >> 30)) * 0xbf58476d1ce4e5b9;
+  number = (number ^ (number >> 27)) * 0x94d049bb133111eb;
+  return number ^ (number >> 31);
+}
+
+/// Random numbers that are the same on every platform, which those of <random>'s distributions are
+/// not.
+class Random {
+ public:
+  double below_one() { return static_cast<double>(scrambled(count_++) >> 11) * 0x1p-53; }
+  std::int64_t below(std::int64_t limit) {
+    const auto number = static_cast<std::int64_t>(below_one() * static_cast<double>(limit));
+    return std::min(number, limit - 1);
+  }
+
+ private:
+  std::uint64_t count_ = 0;
+};
+
+/// A grid point of the box around an atom's SAS sphere.
+std::optional<GridIndex> draw_point_near(const Atom& atom, double sas_radius, const Grid& grid,
+                                         Random& random) {
+  GridIndex point{};
+  for (std::size_t q = 0; q < 3; ++q) {
+    const double center = atom.center[q] - grid.lower[q];
+    const double last = static_cast<double>(grid.size[q] - 1);
+    const double low = std::max(0.0, std::ceil((center - sas_radius) / grid.spacing));
+    const double high = std::min(last, std::floor((center + sas_radius) / grid.spacing));
+    if (low > high) return std::nullopt;
+    const auto first = static_cast<std::int64_t>(low);
+    point[q] = first + random.below(static_cast<std::int64_t>(high) - first + 1);
+  }
+  return point;
+}
+
+bool is_in_band_of(const Atom& atom, double probe, Vec3 x) {
+  const double square = squared_norm(x - atom.center), sas_radius = atom.radius + probe;
+  return square > atom.radius * atom.radius && square < sas_radius * sas_radius;
+}
+
+bool is_in_any_atom(const Definition& definition, Vec3 x) {
+  bool is_in_atom = false;
+  definition.cells.for_each_near(x, definition.largest_radius, [&](const Atom& atom) {
+    is_in_atom = is_in_atom || squared_norm(x - atom.center) <= atom.radius * atom.radius;
+  });
+  return is_in_atom;
+}
+
+bool comes_before(const GridIndex& a, const GridIndex& b) {
+  return std::lexicographical_compare(a.rbegin(), a.rend(), b.rbegin(), b.rend());
+}
+
+std::uint64_t place_of(const Grid& grid, const Edge& edge) {
+  const GridIndex& p = edge.lower;
+  const std::int64_t point = (p[2] * grid.size[1] + p[1]) * grid.size[0] + p[0];
+  return static_cast<std::uint64_t>(point) * 3 + edge.crossing.axis;
+}
+
+}  // namespace
+
+std::vector<GridIndex> draw_band_points(const Definition& definition, const Grid& grid,
+                                        std::size_t count) {
+  constexpr std::size_t most_draws_per_point = 100;
+  const double probe = definition.probe_radius;
+  Random random;
+  std::vector<GridIndex> points;
+  std::size_t different = 0;
+  const auto keep_different = [&] {
+    std::sort(points.begin(), points.end(), comes_before);
+    points.erase(std::unique(points.begin(), points.end()), points.end());
+    return std::exchange(different, points.size()) < points.size();
+  };
+  for (std::size_t draw = 0; draw < count * most_draws_per_point; ++draw) {
+    const auto a = random.below(static_cast<std::int64_t>(definition.atoms.size()));
+    const Atom& atom = definition.atoms[static_cast<std::size_t>(a)];
+    const auto point = draw_point_near(atom, atom.radius + probe, grid, random);
+    if (!point) continue;
+    const Vec3 x = grid.point(*point);
+    if (!is_in_band_of(atom, probe, x) || is_in_any_atom(definition, x)) continue;
+    points.push_back(*point);
+    // A whole round without a new one: there are hardly more.
+    if (points.size() == count && (!keep_different() || points.size() == count)) break;
+  }
+  keep_different();
+  return points;
+}
+
+void EdgeSample::add(const Grid& grid, const Edge& edge) {
+  add({scrambled(place_of(grid, edge)), edge});
+}
+
+void EdgeSample::add(const Entry& entry) {
+  const auto is_lower = [](const Entry& a, const Entry& b) { return a.rank < b.rank; };
+  if (heap_.size() == capacity_) {
+    if (entry.rank >= heap_.front().rank) return;
+    std::pop_heap(heap_.begin(), heap_.end(), is_lower);
+    heap_.pop_back();
+  }
+  heap_.push_back(entry);
+  std::push_heap(heap_.begin(), heap_.end(), is_lower);
+}
+
+void EdgeSample::merge(const EdgeSample& other) {
+  for (const Entry& entry : other.heap_) add(entry);
+}
+
+std::vector<Edge> EdgeSample::edges() const {
+  std::vector<Entry> sorted = heap_;
+  std::sort(sorted.begin(), sorted.end(),
+            [](const Entry& a, const Entry& b) { return a.rank < b.rank; });
+  std::vector<Edge> edges;
+  for (const Entry& entry : sorted) edges.push_back(entry.edge);
+  return edges;
+}
+
+}  // namespace eses::verify

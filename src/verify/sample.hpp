@@ -1,0 +1,45 @@
+#pragma once
+/// Which points and edges are checked: random, but the same for the same atoms and grid, whatever
+/// the block size and the number of threads.
+
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+#include "eses/grid.hpp"
+#include "verify/definition.hpp"
+#include "verify/faults.hpp"
+
+namespace eses::verify {
+
+/// Up to `count` different grid points outside all van der Waals spheres and inside a SAS sphere,
+/// ordered by z, y, x. Atoms and then points around them are drawn, so that clefts, where more
+/// atoms are near, have more of them. Fewer if a long search finds no more.
+std::vector<GridIndex> draw_band_points(const Definition& definition, const Grid& grid,
+                                        std::size_t count);
+
+/// A random choice among edges that come one by one, and of which few can be kept: those whose
+/// place in the grid, scrambled, gives the lowest numbers.
+class EdgeSample {
+ public:
+  explicit EdgeSample(std::size_t capacity) : capacity_(capacity) {}
+
+  void add(const Grid& grid, const Edge& edge);
+  void merge(const EdgeSample& other);
+
+  /// The edges kept, in random order.
+  std::vector<Edge> edges() const;
+
+ private:
+  struct Entry {
+    std::uint64_t rank = 0;
+    Edge edge;
+  };
+
+  void add(const Entry& entry);
+
+  std::size_t capacity_;
+  std::vector<Entry> heap_;  // the highest rank first
+};
+
+}  // namespace eses::verify
