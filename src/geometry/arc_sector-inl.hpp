@@ -22,8 +22,7 @@ struct MeridianPoints {
 
 HWY_INLINE MeridianPoints meridian_points(const ContactCircle& circle, const Points& offset) {
   const auto height = dot(circle.axis, offset);
-  const auto squared = squared_norm(offset) - height * height;
-  return {height, all(circle.radius) - hn::Sqrt(hn::Max(squared, all(0)))};
+  return {height, all(circle.radius) - hn::Sqrt(squared_norm(offset - height * circle.axis))};
 }
 
 /// See faces(): on which lanes the circle's point nearest to the offset lies on the arc.

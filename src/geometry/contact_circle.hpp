@@ -61,8 +61,8 @@ struct MeridianPoint {
 /// `offset` is the point's place from the circle's centre.
 inline MeridianPoint meridian_point(const ContactCircle& circle, Vec3 offset) {
   const double height = dot(offset, circle.axis);
-  const double from_axis = std::sqrt(std::max(0.0, squared_norm(offset) - height * height));
-  return {height, circle.radius - from_axis};
+  // Not the root of |offset|^2 - height^2, which near the axis has lost half of its digits.
+  return {height, circle.radius - norm(offset - height * circle.axis)};
 }
 
 /// Where a third SAS sphere meets the circle: at cos_half = C / D from `toward`, on both sides.

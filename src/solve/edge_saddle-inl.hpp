@@ -51,7 +51,8 @@ template <std::size_t axis>
 HWY_INLINE DoubleMask misses_saddle(const ArcFeature& arc, double probe, double length,
                                     const Points& start, DoubleVector step) {
   const ContactCircle& circle = arc.circle;
-  const double reach = 0.5 * length * (1 + 4 * tolerance::edge_end);
+  const double reach =
+      0.5 * length * (1 + 4 * tolerance::edge_end) + tolerance::seam * (probe + circle.radius);
   Points middle = start;
   along<axis>(middle) = along<axis>(middle) + all(0.5) * step;
   const auto [height, inward] = meridian_points(circle, middle);

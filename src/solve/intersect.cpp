@@ -9,9 +9,11 @@
 #include <array>
 #include <bit>
 #include <cmath>
+#include <limits>
 #include <span>
 #include <type_traits>
 
+#include "eses/error.hpp"
 #include "simd/dispatch.hpp"
 #include "simd/padding.hpp"
 #include "solve/edge_saddle-inl.hpp"
@@ -46,18 +48,21 @@ void find_changes(const BlockGrid& grid, const PointBits& inside, std::int64_t c
 void tabulate_edges(const BlockGrid& grid, const PointBits& inside, EdgeTable& edges) {
   for (auto& changes : edges.changes) changes.resize(inside.words.size());
   edges.rank.resize(inside.words.size());
-  edges.count = 0;
+  std::uint64_t count = 0;
   for (std::int64_t z = 0; z < grid.block.owned[2]; ++z) {
     for (std::int64_t column = 0; column < inside.columns; ++column)
       find_changes(grid, inside, column, z, edges);
     for (std::int64_t y = 0; y < grid.block.owned[1]; ++y)
       for (std::int64_t column = 0; column < inside.columns; ++column) {
         const std::size_t w = inside.word_index(column, y, z);
-        edges.rank[w] = edges.count;
+        edges.rank[w] = static_cast<std::uint32_t>(count);
         for (const auto& changes : edges.changes)
-          edges.count += static_cast<std::uint32_t>(std::popcount(changes[w]));
+          count += static_cast<std::uint64_t>(std::popcount(changes[w]));
       }
   }
+  if (count > std::numeric_limits<std::uint32_t>::max())
+    throw Error("a block has more than 4.29e9 crossings; use a smaller block size");
+  edges.count = static_cast<std::uint32_t>(count);
 }
 
 // Calls `action(axis)` with each axis as a constant, so that the compiler sees which coordinates of

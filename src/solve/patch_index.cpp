@@ -6,7 +6,10 @@
 namespace eses {
 namespace {
 
-constexpr double cell_side = 4;  // angstrom: a little more than the patches that it is to separate
+// Cells are a little larger than the patches that they are to separate (angstrom), and not more
+// along an axis than a coarse grid can afford.
+constexpr double least_cell_side = 4;
+constexpr double most_cells = 64;
 constexpr double ball_slack = 1e-5;  // angstrom: keeps points of a probe's sphere in its cells
 
 }  // namespace
@@ -14,7 +17,7 @@ constexpr double ball_slack = 1e-5;  // angstrom: keeps points of a probe's sphe
 PatchIndex::CellIndex PatchIndex::cell_index(Vec3 point) const {
   CellIndex index{};
   for (std::size_t axis = 0; axis < 3; ++axis) {
-    const double place = (point[axis] - box_.low[axis]) / cell_side;
+    const double place = (point[axis] - box_.low[axis]) / cell_side_;
     index[axis] =
         static_cast<std::size_t>(std::clamp(place, 0.0, static_cast<double>(size_[axis] - 1)));
   }
@@ -44,9 +47,12 @@ void PatchIndex::fill(std::span<const Feature> features, BoxOf&& box_of, Lists& 
 void PatchIndex::reset(const BlockFeatures& features, const Box& box) {
   features_ = &features;
   box_ = box;
+  const Vec3 sides = box.high - box.low;
+  cell_side_ = std::max({least_cell_side, 2 * features.probe_radius,
+                         std::max({sides.x, sides.y, sides.z}) / most_cells});
   for (std::size_t axis = 0; axis < 3; ++axis)
     size_[axis] = std::max<std::size_t>(
-        1, static_cast<std::size_t>((box.high[axis] - box.low[axis]) / cell_side));
+        1, static_cast<std::size_t>((box.high[axis] - box.low[axis]) / cell_side_));
   const auto ball = [&](const PlacementFeature& placement) {
     return ball_box(placement.center, features.probe_radius + ball_slack);
   };

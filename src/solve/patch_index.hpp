@@ -43,6 +43,7 @@ class PatchIndex {
 
   const BlockFeatures* features_ = nullptr;
   Box box_;
+  double cell_side_ = 1;
   CellIndex size_{};
   Lists placements_, arcs_, faces_;
 };
