@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "cli/options.hpp"
 #include "eses/run.hpp"
@@ -22,6 +23,9 @@ struct Report {
 
 /// Whether the run was verified and found wrong.
 bool has_faults(const Summary& summary);
+
+/// The first faults that the verification found, and how many there are; empty if there are none.
+std::vector<std::string> fault_lines(const Summary& summary);
 
 /// `area` and `volume`, each alone on its line, for callers that search for `area:` and `volume:`.
 /// No line of the other texts holds either.
