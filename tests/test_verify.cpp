@@ -164,6 +164,17 @@ TEST_CASE("right results are found right, degenerate ones too", "[verify]") {
     }
 }
 
+TEST_CASE("a probe that touches four atoms does not reach past its patch", "[verify]") {
+  // Where it also meets edges of the saddle patches around it, within 1e-7 angstrom of them.
+  const std::vector<Atom> atoms = test::make_cube(4, 3.8, 1.5);
+  Parameters parameters;
+  parameters.spacing = 0.25;
+  parameters.verify = everything;
+  const Summary summary = run(atoms, make_plan(atoms, parameters, no_files), no_files, "nowhere");
+  REQUIRE(summary.verification);
+  CHECK(summary.verification->faults.empty());
+}
+
 namespace {
 
 using Spoil = std::function<void(BlockResult&)>;

@@ -116,6 +116,7 @@ std::string seconds_json(const PhaseSeconds& seconds) {
 
 std::vector<std::string> strings_json(const std::vector<std::string>& strings) {
   std::vector<std::string> items;
+  items.reserve(strings.size());
   for (const std::string& string : strings) items.push_back(json::string(string));
   return items;
 }

@@ -37,7 +37,7 @@ std::optional<GridIndex> draw_point_near(const Atom& atom, double sas_radius, co
   GridIndex point{};
   for (std::size_t q = 0; q < 3; ++q) {
     const double center = atom.center[q] - grid.lower[q];
-    const double last = static_cast<double>(grid.size[q] - 1);
+    const auto last = static_cast<double>(grid.size[q] - 1);
     const double low = std::max(0.0, std::ceil((center - sas_radius) / grid.spacing));
     const double high = std::min(last, std::floor((center + sas_radius) / grid.spacing));
     if (low > high) return std::nullopt;
@@ -111,6 +111,7 @@ std::vector<Edge> EdgeSample::edges() const {
   std::sort(sorted.begin(), sorted.end(),
             [](const Entry& a, const Entry& b) { return a.rank < b.rank; });
   std::vector<Edge> edges;
+  edges.reserve(sorted.size());
   for (const Entry& entry : sorted) edges.push_back(entry.edge);
   return edges;
 }
