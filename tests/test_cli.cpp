@@ -16,6 +16,8 @@
 #include <vector>
 
 #include "catch.hpp"
+#include "cli/command.hpp"
+#include "cli/report.hpp"
 #include "support/sandbox.hpp"
 #include "support/temporary_directory.hpp"
 
@@ -82,6 +84,7 @@ TEST_CASE("help names every option with unit and default, examples and exit code
                                  "powers of 1024",
                                  "--dry-run",
                                  "--strict",
+                                 "--verify[=N] ",
                                  "-q,--quiet",
                                  "--json",
                                  "--version",
@@ -169,6 +172,10 @@ TEST_CASE("usage errors name option, value and expectation, and write nothing", 
        "--write is 'grid,none', expected some of grid,edges,areas, or none"},
       {{"atom.xyzr", "--write", ""}, "--write is '', expected some of grid,edges,areas, or none"},
       {{"atom.xyzr", "--json=no"}, "--json takes no value"},
+      {{"atom.xyzr", "--verify=0"}, "--verify is '0', expected a whole number from 1 to 10000000"},
+      {{"atom.xyzr", "--verify=all"},
+       "--verify is 'all', expected a whole number from 1 to 10000000"},
+      {{"atom.xyzr", "--verify", "--verify=3"}, "--verify is given more than once"},
   };
   for (const auto& [arguments, message] : cases) {
     INFO(Sandbox::command(arguments));
@@ -336,7 +343,7 @@ TEST_CASE("the JSON report holds what the text says", "[cli]") {
   check("r['crossings']['convex'] > 0 and r['inside_points'] > 0", "True");
   check("r['output']['directory'], len(r['output']['files'])", "('.', 4)");
   check("sorted(r['seconds'])",
-        "['blocks', 'classify', 'intersect', 'output', 'patches', 'total']");
+        "['blocks', 'classify', 'intersect', 'output', 'patches', 'total', 'verify']");
   check("sorted(r['plan'])",
         "['area_file_bytes', 'blocks_ahead', 'cut_depth', 'disk_bytes', 'edge_file_bytes', "
         "'grid_file_bytes', 'max_memory_bytes', 'memory_bytes', 'output_bytes']");
@@ -474,6 +481,44 @@ TEST_CASE("what is usual passes strict, a grid that cuts the molecule does not",
   CHECK(cut.code == 1);
   CHECK(cut.err.rfind("eses-blocks: error: the grid ends ", 0) == 0);
   CHECK_FALSE(fs::exists(sandbox.directory() / "cut"));
+}
+
+TEST_CASE("verify checks points and edges, and says how many", "[cli]") {
+  const Sandbox sandbox;
+  const Outcome text = sandbox.run({"--verify=25", "pair.xyzr"});
+  REQUIRE(text.code == 0);
+  CHECK(contains(text.out, "\nverified: 25 points, 25 edges; 0 faults\n"));
+  CHECK(sandbox.files() == all_files);
+
+  // What follows a blank is not its value. The molecule has fewer edges than the default.
+  const Outcome by_default = sandbox.run({"--verify", "pair.xyzr", "--json"});
+  REQUIRE(by_default.code == 0);
+  check_json(sandbox, by_default.out,
+             "r['verification']['points'] > 1000, r['verification']['faults'], "
+             "r['verification']['edges'] == r['crossings']['total']",
+             "(True, [], True)");
+  check_json(sandbox, sandbox.run({"pair.xyzr", "--json"}).out, "r['verification']", "None");
+}
+
+TEST_CASE("faults are an error: exit code, messages, and no numbers to take for right", "[cli]") {
+  using namespace eses;
+  cli::Report report;
+  report.summary.area = 1;
+  CHECK(cli::exit_code(report.summary) == 0);
+  report.summary.verification = Verification{2000, 2000, {}};
+  CHECK(cli::exit_code(report.summary) == 0);
+  CHECK(cli::fault_lines(report.summary).empty());
+
+  report.summary.verification->faults.assign(12, "point 1 2 3: wrong");
+  CHECK(cli::exit_code(report.summary) == 1);
+  const std::vector<std::string> lines = cli::fault_lines(report.summary);
+  REQUIRE(lines.size() == 11);
+  CHECK(lines.front() == "point 1 2 3: wrong");
+  CHECK(contains(lines.back(), "12 faults"));
+  CHECK(contains(cli::summary_text(report), "verified: 2000 points, 2000 edges; 12 faults\n"));
+  CHECK(contains(cli::summary_text(report), "written: nothing"));
+  check_json(Sandbox(), cli::json_text(report),
+             "r['verification']['faults'][11], r['output']['files']", "('point 1 2 3: wrong', [])");
 }
 
 TEST_CASE("JSON stays valid whatever the file names", "[cli]") {

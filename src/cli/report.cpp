@@ -175,6 +175,7 @@ std::string seconds_json(const PhaseSeconds& seconds) {
 
 std::vector<std::string> strings_json(const std::vector<std::string>& strings) {
   std::vector<std::string> items;
+  items.reserve(strings.size());
   for (const std::string& string : strings) items.push_back(json::string(string));
   return items;
 }
@@ -198,6 +199,18 @@ std::string output_json(const Report& report) {
 
 bool has_faults(const Summary& summary) {
   return summary.verification && !summary.verification->faults.empty();
+}
+
+std::vector<std::string> fault_lines(const Summary& summary) {
+  if (!has_faults(summary)) return {};
+  constexpr std::size_t most_shown = 10;
+  std::vector<std::string> lines = summary.verification->faults;
+  const auto count = static_cast<std::int64_t>(lines.size());
+  lines.resize(std::min(most_shown, lines.size()));
+  lines.push_back(fmt::format(
+      "the verification found {}, and no file is kept; please report this with the input file",
+      counted(count, "fault")));
+  return lines;
 }
 
 std::string result_text(const Summary& summary) {

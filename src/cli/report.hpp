@@ -27,6 +27,9 @@ struct Report {
 /// Whether the run was verified and found wrong.
 bool has_faults(const Summary& summary);
 
+/// The first faults that the verification found, and how many there are; empty if there are none.
+std::vector<std::string> fault_lines(const Summary& summary);
+
 /// `area` and `volume`, each alone on its line, for callers that search for `area:` and `volume:`.
 /// No line of the other texts holds either.
 std::string result_text(const Summary& summary);

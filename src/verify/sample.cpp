@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <optional>
-#include <utility>
+#include <unordered_set>
 
 namespace eses::verify {
 namespace {
@@ -37,7 +37,7 @@ std::optional<GridIndex> draw_point_near(const Atom& atom, double sas_radius, co
   GridIndex point{};
   for (std::size_t q = 0; q < 3; ++q) {
     const double center = atom.center[q] - grid.lower[q];
-    const double last = static_cast<double>(grid.size[q] - 1);
+    const auto last = static_cast<double>(grid.size[q] - 1);
     const double low = std::max(0.0, std::ceil((center - sas_radius) / grid.spacing));
     const double high = std::min(last, std::floor((center + sas_radius) / grid.spacing));
     if (low > high) return std::nullopt;
@@ -60,47 +60,35 @@ bool is_in_any_atom(const Definition& definition, Vec3 x) {
   return is_in_atom;
 }
 
-bool comes_before(const GridIndex& a, const GridIndex& b) {
-  return std::lexicographical_compare(a.rbegin(), a.rend(), b.rbegin(), b.rend());
-}
-
-std::uint64_t place_of(const Grid& grid, const Edge& edge) {
-  const GridIndex& p = edge.lower;
-  const std::int64_t point = (p[2] * grid.size[1] + p[1]) * grid.size[0] + p[0];
-  return static_cast<std::uint64_t>(point) * 3 + edge.crossing.axis;
+std::uint64_t place_of(const Grid& grid, const GridIndex& point) {
+  return static_cast<std::uint64_t>((point[2] * grid.size[1] + point[1]) * grid.size[0] + point[0]);
 }
 
 }  // namespace
 
 std::vector<GridIndex> draw_band_points(const Definition& definition, const Grid& grid,
                                         std::size_t count) {
-  constexpr std::size_t most_draws_per_point = 100;
   const double probe = definition.probe_radius;
   Random random;
   std::vector<GridIndex> points;
-  std::size_t different = 0;
-  const auto keep_different = [&] {
-    std::sort(points.begin(), points.end(), comes_before);
-    points.erase(std::unique(points.begin(), points.end()), points.end());
-    return std::exchange(different, points.size()) < points.size();
-  };
-  for (std::size_t draw = 0; draw < count * most_draws_per_point; ++draw) {
+  std::unordered_set<std::uint64_t> drawn;
+  std::size_t vain_draws = 0;
+  while (points.size() < count && vain_draws++ < 1000 + 4 * points.size()) {
     const auto a = random.below(static_cast<std::int64_t>(definition.atoms.size()));
     const Atom& atom = definition.atoms[static_cast<std::size_t>(a)];
     const auto point = draw_point_near(atom, atom.radius + probe, grid, random);
     if (!point) continue;
     const Vec3 x = grid.point(*point);
     if (!is_in_band_of(atom, probe, x) || is_in_any_atom(definition, x)) continue;
+    if (!drawn.insert(place_of(grid, *point)).second) continue;
     points.push_back(*point);
-    // A whole round without a new one: there are hardly more.
-    if (points.size() == count && (!keep_different() || points.size() == count)) break;
+    vain_draws = 0;
   }
-  keep_different();
   return points;
 }
 
 void EdgeSample::add(const Grid& grid, const Edge& edge) {
-  add({scrambled(place_of(grid, edge)), edge});
+  add({scrambled(place_of(grid, edge.lower) * 3 + edge.crossing.axis), edge});
 }
 
 void EdgeSample::add(const Entry& entry) {
@@ -123,6 +111,7 @@ std::vector<Edge> EdgeSample::edges() const {
   std::sort(sorted.begin(), sorted.end(),
             [](const Entry& a, const Entry& b) { return a.rank < b.rank; });
   std::vector<Edge> edges;
+  edges.reserve(sorted.size());
   for (const Entry& entry : sorted) edges.push_back(entry.edge);
   return edges;
 }

@@ -1,0 +1,355 @@
+/// The check of a run by the definition: its searches against the oracle of
+/// support/brute_force.hpp, which lists all centres of a molecule without any short cut; what it
+/// says of right results, and of wrong ones.
+
+#include <algorithm>
+#include <cmath>
+#include <functional>
+#include <sstream>
+#include <stdexcept>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "catch.hpp"
+#include "eses/run.hpp"
+#include "run/build_patches.hpp"
+#include "run/verifier.hpp"
+#include "solve/block_solver.hpp"
+#include "support/atom_sets.hpp"
+#include "support/brute_force.hpp"
+#include "verify/definition.hpp"
+#include "verify/faults.hpp"
+#include "verify/sample.hpp"
+
+namespace eses {
+namespace {
+
+// Not all of eses::test: it has a crossing of its own.
+using test::AccessibleSet;
+using test::all_kinds;
+using test::designed_probe_radius;
+using test::is_accessible;
+using test::Kind;
+using test::kind_name;
+using test::make_accessible_set;
+using test::make_atom_set;
+using test::make_chain;
+using test::nearest_accessible;
+using test::Random;
+
+constexpr OutputChoice no_files{.box = false, .grid = false, .edges = false, .areas = false};
+constexpr std::int64_t everything = 1'000'000;
+
+Vec3 random_point(Random& random, const Grid& grid) {
+  const auto along = [&](std::size_t q) { return random.uniform(grid.lower[q], grid.upper[q]); };
+  const double x = along(0), y = along(1), z = along(2);
+  return {x, y, z};
+}
+
+Parameters coarse(std::uint64_t seed) {
+  Parameters parameters;
+  parameters.probe_radius = designed_probe_radius(seed);
+  parameters.spacing = parameters.probe_radius < 2 ? 0.4 : 0.6;
+  parameters.margin = 1;
+  parameters.block_size = 16;
+  parameters.threads = 2;
+  return parameters;
+}
+
+}  // namespace
+
+TEST_CASE("the nearest accessible centre is the oracle's", "[verify]") {
+  constexpr double slack = 1e-9;  // the oracle's
+  for (const Kind kind : all_kinds)
+    for (std::uint64_t seed = 0; seed < 6; ++seed) {
+      INFO(kind_name(kind) << ", seed " << seed);
+      const std::vector<Atom> atoms = make_atom_set(kind, seed);
+      const double probe = designed_probe_radius(seed);
+      const AccessibleSet set = make_accessible_set(atoms, probe);
+      const verify::Definition definition(atoms, probe);
+      verify::CentreSearch search(definition);
+      const Grid grid = make_grid(atoms, 0.5, 1);
+      Random random(seed);
+      for (int i = 0; i < 200; ++i) {
+        const Vec3 x = random_point(random, grid);
+        const double reach = random.uniform(0.3, 1.2) * probe;
+        const auto expected = nearest_accessible(set, x, reach);
+        const auto found = search.nearest(x, reach, slack);
+        const double distance = found ? norm(*found - x) : reach;
+        REQUIRE(std::fabs(distance - (expected ? expected->distance : reach)) < 1e-7);
+        if (std::fabs(reach - distance) > 1e-7) REQUIRE(search.is_any(x, reach, slack));
+        if (found) REQUIRE(is_accessible(set, *found, 2 * slack));
+      }
+    }
+}
+
+TEST_CASE("the way to where another probe is as near", "[verify]") {
+  // On the sphere of an atom, as far as the angle between its SAS circle and the point says.
+  const double probe = 1.4, r = 1.6, distance = 4;
+  const std::vector<Atom> atoms{{{0, 0, 0}, r}, {{distance, 0, 0}, r}};
+  const verify::Definition definition(atoms, probe);
+  verify::CentreSearch search(definition);
+  const double seam = std::acos(distance / 2 / (r + probe));
+  for (const double angle : {1e-3, 1e-2, 0.03}) {
+    const Vec3 out{std::cos(seam + angle), 0.6 * std::sin(seam + angle),
+                   0.8 * std::sin(seam + angle)};
+    const double found = search.distance_to_seam(r * out, (r + probe) * out, 1.1 * probe, 1e-9);
+    CHECK(std::fabs(found - r * std::sin(angle / 2)) < 1e-9);
+  }
+}
+
+TEST_CASE("points are drawn from the band, each once, and all of a small one", "[verify]") {
+  const std::vector<Atom> atoms = make_chain(20, 3);
+  const verify::Definition definition(atoms, 1.4);
+  const Grid grid = make_grid(atoms, 0.7, 1);
+  const auto is_within = [&](Vec3 x, double beyond) {
+    return std::any_of(atoms.begin(), atoms.end(), [&](const Atom& atom) {
+      return norm(x - atom.center) < atom.radius + beyond;
+    });
+  };
+  std::size_t in_band = 0;
+  for (std::int64_t k = 0; k < grid.size[2]; ++k)
+    for (std::int64_t j = 0; j < grid.size[1]; ++j)
+      for (std::int64_t i = 0; i < grid.size[0]; ++i)
+        in_band += is_within(grid.point({i, j, k}), 1.4) && !is_within(grid.point({i, j, k}), 0);
+  for (const std::size_t count : {std::size_t{10}, in_band / 2, 100 * in_band}) {
+    std::vector<GridIndex> points = draw_band_points(definition, grid, count);
+    if (count < in_band)
+      CHECK(points.size() == count);
+    else
+      CHECK(static_cast<double>(points.size()) > 0.95 * static_cast<double>(in_band));
+    for (const GridIndex& point : points) {
+      const Vec3 x = grid.point(point);
+      REQUIRE((is_within(x, 1.4) && !is_within(x, 0)));
+    }
+    std::sort(points.begin(), points.end());
+    CHECK(std::adjacent_find(points.begin(), points.end()) == points.end());
+  }
+}
+
+TEST_CASE("a sample of edges is the same in whatever pieces they come", "[verify]") {
+  Grid grid;
+  grid.size = {100, 100, 100};
+  verify::EdgeSample whole(50), left(50), right(50);
+  Random random(5);
+  for (std::int64_t i = 0; i < 5000; ++i) {
+    verify::Edge edge;
+    edge.lower = {i % 100, i / 100 % 100, 7};
+    edge.crossing.axis = static_cast<std::uint8_t>(i % 3);
+    whole.add(grid, edge);
+    (random.chance(0.3) ? left : right).add(grid, edge);
+  }
+  right.merge(left);
+  const auto edges = whole.edges(), merged = right.edges();
+  REQUIRE(edges.size() == 50);
+  REQUIRE(merged.size() == 50);
+  for (std::size_t e = 0; e < edges.size(); ++e) REQUIRE(edges[e].lower == merged[e].lower);
+}
+
+TEST_CASE("right results are found right, degenerate ones too", "[verify]") {
+  for (const Kind kind : all_kinds)
+    for (std::uint64_t seed = 0; seed < 12; ++seed) {
+      INFO(kind_name(kind) << ", seed " << seed);
+      const std::vector<Atom> atoms = make_atom_set(kind, seed);
+      Parameters parameters = coarse(seed);
+      parameters.verify = 300;
+      const Summary summary =
+          run(atoms, make_plan(atoms, parameters, no_files), no_files, "nowhere");
+      REQUIRE(summary.verification);
+      INFO((summary.verification->faults.empty() ? "" : summary.verification->faults.front()));
+      CHECK(summary.verification->faults.empty());
+      CHECK(summary.verification->points > 0);
+      CHECK(summary.verification->edges == std::min<std::int64_t>(300, summary.edges()));
+    }
+}
+
+TEST_CASE("a probe that touches four atoms does not reach past its patch", "[verify]") {
+  // Where it also meets edges of the saddle patches around it, within 1e-7 angstrom of them.
+  const std::vector<Atom> atoms = test::make_cube(4, 3.8, 1.5);
+  Parameters parameters;
+  parameters.spacing = 0.25;
+  parameters.verify = everything;
+  const Summary summary = run(atoms, make_plan(atoms, parameters, no_files), no_files, "nowhere");
+  REQUIRE(summary.verification);
+  CHECK(summary.verification->faults.empty());
+}
+
+namespace {
+
+using Spoil = std::function<void(BlockResult&)>;
+
+/// What the verification says if all blocks are spoilt before it sees them.
+Verification verification_of(const std::vector<Atom>& atoms, const Parameters& parameters,
+                             const Spoil& spoil) {
+  const Plan plan = make_plan(atoms, parameters, no_files);
+  Surface surface(atoms, parameters.probe_radius);
+  build_patches(surface, 1);
+  BlockWorkspace workspace;
+  Verifier verifier(atoms, plan);
+  const GridIndex& blocks = plan.tiling.blocks;
+  for (std::int64_t b = 0; b < plan.tiling.block_count(); ++b) {
+    const Block block =
+        plan.tiling.block(b % blocks[0], b / blocks[0] % blocks[1], b / blocks[0] / blocks[1]);
+    BlockResult result = solve_block(surface, plan.grid, block, workspace);
+    spoil(result);
+    verifier.take(result, static_cast<std::size_t>(b % plan.threads));
+  }
+  return verifier.check({});
+}
+
+/// A chain in one block, of which one crossing is spoilt that cuts its edge well: what is said of
+/// it behind the name of its edge.
+std::string fault_of(std::uint8_t atom_count, const std::function<void(Crossing&)>& spoil) {
+  const std::vector<Atom> atoms = make_chain(12, 7);
+  Parameters parameters;
+  parameters.spacing = 0.5;
+  parameters.threads = 1;
+  parameters.verify = everything;
+  const Grid grid = make_plan(atoms, parameters, no_files).grid;
+  std::string name;
+  const Verification verification = verification_of(atoms, parameters, [&](BlockResult& result) {
+    const std::int64_t rows_y = result.block.owned[1];
+    for (std::size_t row = 0; row + 1 < result.row_begin.size() && name.empty(); ++row)
+      for (auto c = result.row_begin[row]; c < result.row_begin[row + 1] && name.empty(); ++c) {
+        Crossing& crossing = result.crossings[c];
+        const auto r = static_cast<std::int64_t>(row);
+        const verify::Edge edge{{crossing.x, r % rows_y, r / rows_y}, crossing};
+        const double low = grid.coordinate(crossing.axis, edge.lower[crossing.axis]);
+        const double place = (crossing.coordinate - low) / grid.spacing;
+        if (crossing.atom_count != atom_count || place < 0.1 || place > 0.9 ||
+            std::fabs(crossing.normal[crossing.axis]) < 0.5)
+          continue;
+        spoil(crossing);
+        const verify::Edge spoilt{edge.lower, crossing};
+        const GridIndex in = spoilt.inside(), out = spoilt.outside();
+        std::ostringstream text;
+        text << "edge " << in[0] << ' ' << in[1] << ' ' << in[2] << " -> " << out[0] << ' '
+             << out[1] << ' ' << out[2] << ": ";
+        name = text.str();
+      }
+  });
+  REQUIRE_FALSE(name.empty());
+  if (verification.faults.empty()) return "";
+  CHECK(verification.faults.size() == 1);
+  CHECK(verification.faults.front().rfind(name, 0) == 0);
+  return verification.faults.front().substr(
+      std::min(name.size(), verification.faults.front().size()));
+}
+
+}  // namespace
+
+TEST_CASE("wrong crossings are found and named", "[verify]") {
+  for (const std::uint8_t atoms : {std::uint8_t{1}, std::uint8_t{2}, std::uint8_t{3}}) {
+    INFO("crossing of " << int{atoms} << " atoms");
+    CHECK(fault_of(atoms, [](Crossing&) {}).empty());
+    const double inward = 1e-5;
+    CHECK(fault_of(atoms, [&](Crossing& c) {
+            c.coordinate += c.lower_is_inside ? inward : -inward;
+          }) == "a probe covers the crossing");
+    CHECK(fault_of(atoms, [&](Crossing& c) {
+            c.coordinate -= c.lower_is_inside ? inward : -inward;
+          }) != "");
+    CHECK(fault_of(atoms, [](Crossing& c) { c.coordinate += 0.5; }) ==
+          "the crossing is not on the edge");
+    CHECK(fault_of(atoms, [](Crossing& c) { c.coordinate = std::nan(""); }) ==
+          "the crossing is not on the edge");
+    CHECK(fault_of(atoms, [](Crossing& c) { c.normal = (1 + 1e-8) * c.normal; }) ==
+          "the normal has not length 1");
+    CHECK(fault_of(atoms, [](Crossing& c) { c.normal = -c.normal; }) ==
+          "the normal does not lead to the nearest probe");
+    CHECK(fault_of(atoms, [](Crossing& c) {
+            c.normal = normalized(c.normal + 1e-4 * any_perpendicular(c.normal));
+          }) == "the normal does not lead to the nearest probe");
+    CHECK(fault_of(atoms, [](Crossing& c) { c.atoms[0] = c.atoms[0] == 0 ? 11 : 0; }) != "");
+    CHECK(fault_of(atoms, [](Crossing& c) { c.atoms[c.atom_count - 1] = 12; }) ==
+          "there is no such atom");
+    CHECK(fault_of(atoms, [](Crossing& c) { c.atom_count = 0; }) ==
+          "the crossing does not have 1 to 3 atoms");
+    CHECK(fault_of(atoms, [](Crossing& c) { c.lower_is_inside = !c.lower_is_inside; }) != "");
+    if (atoms == 1) continue;
+    CHECK(fault_of(atoms, [](Crossing& c) { std::swap(c.atoms[0], c.atoms[1]); }) ==
+          "the atoms are not in ascending order");
+    CHECK(fault_of(atoms, [](Crossing& c) { --c.atom_count; }) ==
+          "the patch is not that of its atoms");
+  }
+}
+
+TEST_CASE("a crossing that is not the last of its edge is found", "[verify]") {
+  // Along x: inside the large atom up to 1, outside up to 1.25, inside the small one up to 1.45.
+  // Grid points are at 0.98 and 1.48 on a line 0.02 off the axis.
+  Parameters parameters;
+  parameters.probe_radius = 0.1;
+  parameters.spacing = 0.5;
+  parameters.margin = 1.02;
+  parameters.verify = everything;
+  const std::vector<Atom> atoms{{{0, 0, 0}, 1}, {{1.35, 0, 0}, 0.1}};
+  const auto verified = [&](bool spoil) {
+    return verification_of(atoms, parameters, [&](BlockResult& result) {
+      for (Crossing& crossing : result.crossings)
+        if (spoil && crossing.axis == 0 && crossing.atoms[0] == 1) {
+          crossing.coordinate = std::sqrt(1 - 2 * 0.02 * 0.02);
+          crossing.normal = {crossing.coordinate, -0.02, -0.02};
+          crossing.atoms[0] = 0;
+        }
+    });
+  };
+  CHECK(verified(false).faults.empty());
+  const Verification verification = verified(true);
+  REQUIRE(verification.faults.size() == 1);
+  CHECK(verification.faults.front() ==
+        "edge 6 4 4 -> 7 4 4: the crossing is not the last before the outside end");
+}
+
+TEST_CASE("points on the wrong side are found and named, at any block size", "[verify]") {
+  const std::vector<Atom> atoms = make_chain(20, 7);
+  Parameters parameters;
+  parameters.verify = 100;
+  std::vector<std::string> expected;
+  for (const std::int64_t size : {std::int64_t{200}, std::int64_t{64}, std::int64_t{9}})
+    for (const int threads : {1, 3}) {
+      parameters.block_size = size;
+      parameters.threads = threads;
+      const Verification verification = verification_of(atoms, parameters, [](BlockResult& result) {
+        for (std::uint64_t& word : result.inside.words) word = ~word;
+        for (Crossing& crossing : result.crossings) crossing.normal = -crossing.normal;
+      });
+      CHECK(verification.points == 100);
+      CHECK(verification.edges == 100);
+      if (expected.empty()) expected = verification.faults;
+      CHECK(verification.faults == expected);
+    }
+  // Blocks without atoms have no words to flip, but no points of the band either.
+  CHECK(expected.size() == 200);
+  const auto begins = [&](const std::string& name) {
+    return std::count_if(expected.begin(), expected.end(),
+                         [&](const std::string& fault) { return fault.rfind(name, 0) == 0; });
+  };
+  CHECK(begins("point ") == 100);
+  CHECK(begins("edge ") == 100);
+}
+
+TEST_CASE("a block that is left out is found", "[verify]") {
+  const std::vector<Atom> atoms = make_chain(20, 7);
+  Parameters parameters;
+  parameters.verify = 100;
+  const Plan plan = make_plan(atoms, parameters, no_files);
+  Verifier verifier(atoms, plan);
+  const Verification verification = verifier.check({});
+  REQUIRE(verification.faults.size() == 100);
+  CHECK(verification.faults.front().ends_with("is in no block"));
+}
+
+TEST_CASE("a verification can be ended by its progress callback", "[verify]") {
+  const std::vector<Atom> atoms = make_chain(20, 7);
+  Parameters parameters;
+  parameters.verify = 100;
+  const Plan plan = make_plan(atoms, parameters, no_files);
+  std::int64_t calls = 0;
+  const auto end_after_blocks = [&](std::int64_t, std::int64_t total) {
+    if (++calls > total) throw std::runtime_error("enough");
+  };
+  CHECK_THROWS_AS(run(atoms, plan, no_files, "nowhere", end_after_blocks), std::runtime_error);
+}
+
+}  // namespace eses
