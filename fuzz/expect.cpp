@@ -15,9 +15,11 @@ void fail(std::string_view what) {
 
 std::string checked_message(const Error& error, std::string_view name) {
   std::string message = error.what();
-  expect(message.starts_with(name), "a message that does not name the file: " + message);
-  expect(std::all_of(message.begin(), message.end(), [](char c) { return c >= ' ' && c <= '~'; }),
-         "a message that is not one line of printable ASCII: " + message);
+  const auto is_printable = [](char c) { return c >= ' ' && c <= '~'; };
+  if (!message.starts_with(name)) fail("a message that does not name the file: " + message);
+  if (!std::all_of(message.begin(), message.end(), is_printable)) {
+    fail("a message that is not one line of printable ASCII: " + message);
+  }
   return message;
 }
 

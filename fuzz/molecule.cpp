@@ -15,7 +15,7 @@ namespace eses::fuzz {
 namespace {
 
 constexpr std::size_t most_atoms = 12;
-constexpr std::int64_t most_points = 2500;  // the oracle looks at each of them
+constexpr std::int64_t most_points = 1000;  // the oracle looks at each of them
 
 using std::numbers::phi, std::numbers::sqrt3;
 
@@ -23,7 +23,7 @@ using std::numbers::phi, std::numbers::sqrt3;
 constexpr std::array probe_radii{1.5, 1.4, 1.0, 0.5, 2.0, 0.7, 3.0, 0.25};
 constexpr std::array spacings{0.5, 0.4, 0.25, 1.0, 0.75, 0.6, 0.3, 0.45};
 constexpr std::array margins_in_spacings{1.0, 2.0, 1.5, 0.5};
-constexpr std::array<std::int64_t, 8> block_sizes{64, 8, 5, 4, 3, 2, 7, 16};
+constexpr std::array<std::int64_t, 8> block_sizes{64, 8, 5, 4, 3, 6, 7, 10};
 constexpr std::array radii{1.5, 1.0, 0.0, 0.5, 2.0, 1.2, 1.7, 0.25};
 constexpr std::array nudges{0.0, 0.0, 0.0, 0.0, 1e-12, -1e-12, 1e-4, -1e-4};
 constexpr std::array<Vec3, 16> directions{{{1, 0, 0},

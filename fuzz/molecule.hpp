@@ -13,7 +13,7 @@ namespace eses::fuzz {
 
 struct Molecule {
   std::vector<Atom> atoms;  ///< 1 to 12
-  Parameters parameters;    ///< one thread, a grid of a few thousand points at most
+  Parameters parameters;    ///< one thread, a grid of 1000 points at most
 };
 
 /// Any bytes give a molecule. The first six set the parameters, the lattice and its frame, every
