@@ -1,0 +1,152 @@
+/// The comparison of two directories of ESES's files. The input is all of their files in one text:
+/// behind a line `== a/NAME` or `== b/NAME` follows what NAME of directory A or B holds.
+///
+/// Whatever they hold, there is a comparison or an error with a proper message; either order of the
+/// directories finds the same; and a directory differs from itself in repeated lines at most.
+
+#include <algorithm>
+#include <cstddef>
+#include <cstdint>
+#include <filesystem>
+#include <fstream>
+#include <optional>
+#include <string>
+#include <string_view>
+
+#include "diff/compare_directories.hpp"
+#include "diff/compare_points.hpp"
+#include "expect.hpp"
+#include "support/temporary_directory.hpp"
+
+namespace eses::fuzz {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr double tolerance = 1e-6;      // the program's own
+constexpr double most_points = 100000;  // of a grid: time and memory go with them
+
+// ----------------------------------------------------------------------------------- directories
+
+struct Directories {
+  test::TemporaryDirectory root;
+  Sides<fs::path> paths{root.path() / "a", root.path() / "b"};
+
+  Directories() {
+    for (const fs::path& path : paths) fs::create_directory(path);
+  }
+};
+
+std::string_view take_line(std::string_view& rest) {
+  const std::size_t end = std::min(rest.find('\n'), rest.size());
+  const std::string_view line = rest.substr(0, end);
+  rest.remove_prefix(std::min(end + 1, rest.size()));
+  return line;
+}
+
+/// What follows the line `== name`, up to the next one of its kind; nothing if there is none.
+std::optional<std::string_view> section(std::string_view text, std::string_view name) {
+  constexpr std::string_view mark = "== ";
+  while (!text.empty()) {
+    const std::string_view line = take_line(text);
+    if (!line.starts_with(mark) || line.substr(mark.size()) != name) continue;
+    if (text.starts_with(mark)) return text.substr(0, 0);
+    const std::size_t next = text.find("\n== ");
+    return text.substr(0, next == std::string_view::npos ? next : next + 1);
+  }
+  return std::nullopt;
+}
+
+void fill(const Directories& directories, std::string_view text) {
+  for (const fs::path& path : directories.paths) {
+    for (const std::string_view name : eses_file_names) {
+      const std::string key = path.filename().string() + '/' + std::string(name);
+      const auto bytes = section(text, key);
+      if (bytes) {
+        std::ofstream(path / name, std::ios::binary) << *bytes;
+      } else {
+        fs::remove(path / name);
+      }
+    }
+  }
+}
+
+GridIndex size_in(const fs::path& directory) {
+  if (const auto box = find_eses_file(directory, EsesFile::box))
+    return read_bounding_box(*box).size;
+  const auto points = find_eses_file(directory, EsesFile::grid);
+  return points ? extent_of_points(*points) : GridIndex{};
+}
+
+bool is_small(const fs::path& directory) {
+  try {
+    double points = 1;
+    for (const std::int64_t n : size_in(directory)) points *= static_cast<double>(n);
+    return points <= most_points;
+  } catch (const Error&) {
+    return true;  // the comparison must get over it
+  }
+}
+
+// ----------------------------------------------------------------------------------- comparisons
+
+std::optional<Differences> compare(const Directories& directories, std::size_t a, std::size_t b) {
+  const auto& paths = directories.paths;
+  try {
+    return compare_directories({paths[a], paths[b]}, tolerance);
+  } catch (const Error& error) {
+    checked_message(error, directories.root.path().string());
+    return std::nullopt;
+  }
+}
+
+template <class Key>
+bool mirrored(const Matching<Key>& one, const Matching<Key>& other) {
+  return one.both == other.both && one.only[0].count == other.only[1].count &&
+         one.only[1].count == other.only[0].count &&
+         one.repeated[0].count == other.repeated[1].count &&
+         one.repeated[1].count == other.repeated[0].count;
+}
+
+void expect_mirrored(const Differences& one, const Differences& other) {
+  expect(one.box.same() == other.box.same(), "boxes differ in one order only");
+  expect(mirrored(one.points.matching, other.points.matching) &&
+             one.points.other_sign.count == other.points.other_sign.count,
+         "points differ in one order only");
+  expect(mirrored(one.edges.matching, other.edges.matching) &&
+             one.edges.position.above.count == other.edges.position.above.count &&
+             one.edges.normal.above.count == other.edges.normal.above.count,
+         "edges differ in one order only");
+  expect(mirrored(one.areas.matching, other.areas.matching) &&
+             one.areas.area.above.count == other.areas.area.above.count,
+         "areas differ in one order only");
+}
+
+template <class Key>
+bool repeats(const Matching<Key>& matching) {
+  return matching.repeated[0].count > 0;
+}
+
+void expect_same(const Differences& self) {
+  expect(self.same() || repeats(self.points.matching) || repeats(self.edges.matching) ||
+             repeats(self.areas.matching),
+         "a directory differs from itself");
+}
+
+void check(std::string_view text) {
+  static const Directories directories;
+  fill(directories, text);
+  if (!is_small(directories.paths[0]) || !is_small(directories.paths[1])) return;
+  const auto there = compare(directories, 0, 1), back = compare(directories, 1, 0);
+  expect(there.has_value() == back.has_value(), "an error in one order only");
+  if (there) expect_mirrored(*there, *back);
+  if (const auto self = compare(directories, 0, 0)) expect_same(*self);
+}
+
+}  // namespace
+}  // namespace eses::fuzz
+
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+  eses::fuzz::check(eses::fuzz::as_text(data, size));
+  return 0;
+}

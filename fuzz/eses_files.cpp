@@ -1,0 +1,158 @@
+/// The readers of ESES's files. The first byte of an input chooses the file, the rest is what the
+/// file holds, plain or gzipped. Whatever the bytes, the reader gives items in their range and, if
+/// it stops before the end, a proper message; what is printed of the items reads back.
+
+#include "io/eses_files.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "expect.hpp"
+#include "memory_file.hpp"
+
+namespace eses::fuzz {
+namespace {
+
+/// The items before the end or before the first error, whose message it is.
+template <class Item>
+struct Outcome {
+  std::vector<Item> items;
+  std::string message;
+};
+
+template <class Item, class Reader>
+Outcome<Item> read_all(const MemoryFile& file) {
+  Outcome<Item> outcome;
+  try {
+    Reader reader(file.path());
+    for (Item item; reader.next(item);) outcome.items.push_back(item);
+  } catch (const Error& error) {
+    outcome.message = checked_message(error, file.path().string());
+  }
+  return outcome;
+}
+
+bool is_finite(Vec3 v) { return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z); }
+
+void expect_index(std::int64_t index) {
+  expect(index >= 0 && index < most_grid_points, "an index out of range");
+}
+
+// ---------------------------------------------------------------------------------------- items
+
+void expect_in_range(const GridRow& row) {
+  for (const std::int64_t index : row.point) expect_index(index);
+}
+
+void expect_in_range(const AtomArea& area) { expect(std::isfinite(area.area), "no finite area"); }
+
+void expect_in_range(const SurfaceEdge& edge) {
+  for (const std::int32_t index : edge.edge.lower) expect_index(index);
+  expect(edge.edge.axis < 3, "no axis");
+  for (const std::int64_t index : edge.edge.inside()) expect_index(index);
+  for (const std::int64_t index : edge.edge.outside()) expect_index(index);
+  expect(is_finite(edge.position) && is_finite(edge.normal), "a vector that is not finite");
+  expect(edge.atom_count >= 1 && edge.atom_count <= 3, "not 1 to 3 atoms");
+  const auto atoms = std::span(edge.atoms).first(edge.atom_count);
+  expect(std::ranges::is_sorted(atoms, std::ranges::less_equal()), "atoms not ascending");
+}
+
+std::string text_of(Vec3 v) { return fmt::format("{} {} {}", v.x, v.y, v.z); }
+
+std::string text_of(const BoundingBox& box) {
+  return fmt::format("{}\n{}\n{}\n", text_of(box.lower), text_of(box.upper),
+                     fmt::join(box.size, " "));
+}
+
+std::string text_of(const GridRow& row) {
+  return fmt::format("{} {}\n", fmt::join(row.point, " "), row.inside ? 1 : -1);
+}
+
+std::string text_of(const SurfaceEdge& edge) {
+  return fmt::format("{}  {}  {}  {}  {} \n", fmt::join(edge.edge.inside(), " "),
+                     fmt::join(edge.edge.outside(), " "), text_of(edge.position),
+                     text_of(edge.normal),
+                     fmt::join(std::span(edge.atoms).first(edge.atom_count), " "));
+}
+
+std::string text_of(const AtomArea& area) { return fmt::format("{} {}\n", area.atom, area.area); }
+
+// ---------------------------------------------------------------------------------------- files
+
+template <class Item, class Reader>
+Outcome<Item> check_lines(const MemoryFile& file) {
+  static const MemoryFile printed_file;
+  Outcome<Item> outcome = read_all<Item, Reader>(file);
+  if (outcome.items.empty()) return outcome;
+  std::string printed;
+  for (const Item& item : outcome.items) {
+    expect_in_range(item);
+    printed += text_of(item);
+  }
+  printed_file.assign(printed);
+  const auto again = read_all<Item, Reader>(printed_file);
+  std::string printed_again;
+  for (const Item& item : again.items) printed_again += text_of(item);
+  expect(again.message.empty() && printed_again == printed, "what is printed does not read back");
+  return outcome;
+}
+
+void check_box(const MemoryFile& file) {
+  static const MemoryFile printed_file;
+  try {
+    const BoundingBox box = read_bounding_box(file.path());
+    expect(is_finite(box.lower) && is_finite(box.upper), "a corner that is not finite");
+    for (const std::int64_t n : box.size) expect(n > 0 && n <= most_grid_points, "a size of none");
+    printed_file.assign(text_of(box));
+    expect(text_of(read_bounding_box(printed_file.path())) == text_of(box),
+           "a box that is printed does not read back");
+  } catch (const Error& error) {
+    checked_message(error, file.path().string());
+  }
+}
+
+/// A line's place is read in the same way with the rest of the line and without.
+void check_edges(const MemoryFile& file) {
+  const auto edges = check_lines<SurfaceEdge, EdgeReader>(file);
+  const auto places = read_all<GridEdge, EdgeReader>(file);
+  expect(places.items.size() >= edges.items.size(), "edges are lost");
+  expect(
+      std::equal(edges.items.begin(), edges.items.end(), places.items.begin(),
+                 [](const SurfaceEdge& edge, const GridEdge& place) { return edge.edge == place; }),
+      "edges are in other places");
+}
+
+/// The first letters of the files' names choose them, and every other byte some.
+void check(std::string_view bytes) {
+  static const MemoryFile file;
+  if (bytes.empty()) return;
+  file.assign(bytes.substr(1));
+  switch (bytes.front() & 3) {
+    case 'b' & 3:
+      return check_box(file);
+    case 'g' & 3:
+      check_lines<GridRow, GridReader>(file);
+      return;
+    case 'i' & 3:
+      return check_edges(file);
+    case 'p' & 3:
+      check_lines<AtomArea, AreaReader>(file);
+      return;
+  }
+}
+
+}  // namespace
+}  // namespace eses::fuzz
+
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+  eses::fuzz::check(eses::fuzz::as_text(data, size));
+  return 0;
+}

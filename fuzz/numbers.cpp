@@ -1,0 +1,96 @@
+/// Numbers from and to text, against the C library: the input as the text of a number, and as
+/// numbers to be printed.
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cerrno>
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <cstdio>
+#include <cstdlib>
+#include <cstring>
+#include <string>
+#include <string_view>
+#include <system_error>
+
+#include "expect.hpp"
+#include "io/number_text.hpp"
+#include "io/text_fields.hpp"
+
+namespace eses::fuzz {
+namespace {
+
+// ----------------------------------------------------------------------------------------- read
+
+/// Text that strtod reads in the same way but for Fortran's exponents: neither hexadecimal numbers
+/// nor leading blanks.
+bool is_decimal(std::string_view text) {
+  return text.find_first_not_of("0123456789+-.eEdD") == std::string_view::npos;
+}
+
+/// What strtod makes of the text; errc as parse_number has it.
+std::errc read_by_c(std::string_view text, double& value) {
+  std::string with_e(text);
+  for (char& c : with_e)
+    if (c == 'd' || c == 'D') c = 'e';
+  char* end = nullptr;
+  errno = 0;
+  value = std::strtod(with_e.c_str(), &end);
+  if (text.empty() || end != with_e.c_str() + with_e.size()) return std::errc::invalid_argument;
+  // C may call subnormal numbers out of range, too, but has them.
+  const bool is_lost = errno == ERANGE && (value == 0 || std::isinf(value));
+  return is_lost ? std::errc::result_out_of_range : std::errc{};
+}
+
+void check_reading(std::string_view text) {
+  double value = 0, expected = 0;
+  const std::errc error = parse_number(text, value);
+  if (!is_decimal(text)) {
+    expect(error != std::errc{} || !std::isfinite(value), "a number with other characters");
+    return;
+  }
+  expect(error == read_by_c(text, expected), "a number is read or refused where C does not");
+  if (error != std::errc{}) return;
+  if (value == expected && std::signbit(value) == std::signbit(expected)) return;
+  fail(fmt::format("{} is read as {}, not as {}", text, value, expected));
+}
+
+// ---------------------------------------------------------------------------------------- print
+
+void expect_printed(double value, std::string_view text) {
+  std::array<char, 64> expected{};
+  const int length = std::snprintf(expected.data(), expected.size(), "%.12e", value);
+  if (text == std::string_view(expected.data(), static_cast<std::size_t>(length))) return;
+  fail(fmt::format("{} is printed as {}, not as {}", value, text, expected.data()));
+}
+
+void check_printing(std::string_view bytes) {
+  NumberBatch batch;
+  for (; bytes.size() >= sizeof(double); bytes.remove_prefix(sizeof(double))) {
+    double value = 0;
+    std::memcpy(&value, bytes.data(), sizeof(double));
+    if (std::isfinite(value) && batch.count < NumberBatch::capacity) batch.add(value);
+  }
+  make_digits(batch);
+  std::array<char, longest_number_text> text{};
+  for (std::size_t i = 0; i < batch.count; ++i) {
+    const auto text_to = [&text](const char* end) {
+      return std::string_view(text.data(), static_cast<std::size_t>(end - text.data()));
+    };
+    expect_printed(batch.values[i], text_to(write_number(text.data(), batch, i)));
+    expect_printed(batch.values[i], text_to(write_scientific(text.data(), batch.values[i])));
+  }
+}
+
+}  // namespace
+}  // namespace eses::fuzz
+
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+  const std::string_view bytes = eses::fuzz::as_text(data, size);
+  eses::fuzz::check_reading(bytes);
+  eses::fuzz::check_printing(bytes);
+  return 0;
+}

@@ -1,0 +1,89 @@
+/// The reader of atoms, for the format that the build sets. Whatever the text, there are atoms in
+/// their range or an error with a proper message; line ends do not matter; and what is printed of
+/// the atoms reads back.
+
+#include "eses/read_atoms.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "expect.hpp"
+
+namespace eses::fuzz {
+namespace {
+
+constexpr AtomFormat format = AtomFormat::ESES_FUZZ_FORMAT;
+constexpr std::string_view name = "input";
+constexpr double largest_length = 1e6;  // angstrom
+
+/// Atoms, or the message that tells why there are none.
+struct Outcome {
+  std::vector<Atom> atoms;
+  std::string message;
+};
+
+Outcome read(std::string_view text) {
+  try {
+    return {parse_atoms(text, format, name), {}};
+  } catch (const Error& error) {
+    return {{}, checked_message(error, name)};
+  }
+}
+
+bool same(const Outcome& a, const Outcome& b) {
+  const auto same_atom = [](const Atom& one, const Atom& other) {
+    return one.center == other.center && one.radius == other.radius;
+  };
+  return a.message == b.message &&
+         std::equal(a.atoms.begin(), a.atoms.end(), b.atoms.begin(), b.atoms.end(), same_atom);
+}
+
+void expect_in_range(const Atom& atom) {
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    expect(std::fabs(atom.center[axis]) <= largest_length, "a coordinate out of range");
+  }
+  expect(atom.radius >= 0 && atom.radius <= largest_length, "a radius out of range");
+}
+
+std::string with_crlf(std::string_view text) {
+  std::string result;
+  for (const char c : text) {
+    if (c == '\n') result += '\r';
+    result += c;
+  }
+  return result;
+}
+
+std::string text_of(const std::vector<Atom>& atoms) {
+  const bool is_pqr = format == AtomFormat::pqr;
+  std::string text;
+  for (const auto& [center, radius] : atoms) {
+    text += fmt::format("{}{} {} {} {}{}\n", is_pqr ? "ATOM 1 N MET 1 " : "", center.x, center.y,
+                        center.z, is_pqr ? "0.5 " : "", radius);
+  }
+  return text;
+}
+
+void check(std::string_view text) {
+  const Outcome outcome = read(text);
+  expect(same(outcome, read(with_crlf(text))), "CRLF is read in another way than LF");
+  if (!outcome.message.empty()) return;
+  expect(!outcome.atoms.empty(), "neither atoms nor an error");
+  for (const Atom& atom : outcome.atoms) expect_in_range(atom);
+  expect(same(outcome, read(text_of(outcome.atoms))), "what is printed does not read back");
+}
+
+}  // namespace
+}  // namespace eses::fuzz
+
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+  eses::fuzz::check(eses::fuzz::as_text(data, size));
+  return 0;
+}
