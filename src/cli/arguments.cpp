@@ -54,6 +54,15 @@ void refuse_empty_values(const std::vector<std::string>& arguments) {
                                is_file ? "; the file of that name goes after --" : ""));
 }
 
+// Not by CLI::App::get_option, which looks options up in a function that is noexcept: where memory
+// runs out there, the process is ended.
+const std::vector<std::string>& results_of(const CLI::App& app, const std::string& name) {
+  for (const CLI::Option* option : app.get_options()) {
+    if (option->check_name(name)) return option->results();
+  }
+  throw CLI::OptionNotFound(name);
+}
+
 }  // namespace
 
 void set_up(CLI::App& app, std::string usage) {
@@ -92,7 +101,7 @@ void refuse_extras(const CLI::App& app, std::string_view positionals) {
 }
 
 std::optional<std::string> text_of(const CLI::App& app, const std::string& name) {
-  const std::vector<std::string>& results = app.get_option(name)->results();
+  const std::vector<std::string>& results = results_of(app, name);
   if (results.size() > 1) throw UsageError(fmt::format("{} is given more than once", name));
   if (results.empty()) return std::nullopt;
   return results.front();
@@ -105,7 +114,7 @@ std::string required_text(const CLI::App& app, const std::string& name, std::str
 }
 
 bool is_set(const CLI::App& app, const std::string& name) {
-  const std::vector<std::string>& results = app.get_option(name)->results();
+  const std::vector<std::string>& results = results_of(app, name);
   for (const std::string& result : results) {
     if (result != "true") throw UsageError(fmt::format("{} takes no value", name));
   }
