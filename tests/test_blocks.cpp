@@ -40,8 +40,8 @@ using Classify = void (*)(const BlockGrid&, const BlockFeatures&, ClassifyScratc
 using Intersect = void (*)(const BlockGrid&, const BlockFeatures&, const PointBits&,
                            IntersectScratch&, std::vector<Crossing>&, std::vector<std::uint32_t>&);
 
-Surface make_surface(std::span<const Atom> atoms, double probe) {
-  Surface surface(atoms, probe);
+Surface make_surface(const Molecule& molecule, double probe) {
+  Surface surface(molecule, probe);
   build_patches(surface, 1);
   return surface;
 }

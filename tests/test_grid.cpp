@@ -295,7 +295,7 @@ TEST_CASE("a plan refuses parameters out of their range") {
   CHECK_THROWS_AS(make_plan(atoms, with_margin(0, 0.8), {}), Error);
   CHECK_THROWS_AS(make_plan(atoms, with_margin(0.4, -0.8), {}), Error);
   CHECK_THROWS_AS(make_plan(atoms, with_margin(not_a_number, 0.8), {}), Error);
-  CHECK_THROWS_AS(make_plan({}, {}, {}), Error);
+  CHECK_THROWS_AS(make_plan(std::vector<Atom>{}, {}, {}), Error);
 }
 
 TEST_CASE("requests that no machine can fulfil are refused before anything is written") {

@@ -1,12 +1,13 @@
 // What is odd in a set of atoms, and what is merely usual.
 
 #include <cstdint>
+#include <span>
 #include <string>
 #include <utility>
 #include <vector>
 
 #include "catch.hpp"
-#include "eses/oddities.hpp"
+#include "eses/molecule.hpp"
 #include "eses/read_atoms.hpp"
 
 namespace eses::test {
@@ -15,13 +16,15 @@ namespace {
 using Kind = OddityKind;
 using Counts = std::vector<std::pair<Kind, std::uint64_t>>;
 
-Counts counts_of(const std::vector<Oddity>& oddities) {
+Counts counts_of(std::span<const Oddity> oddities) {
   Counts counts;
   for (const Oddity& oddity : oddities) counts.emplace_back(oddity.kind, oddity.count);
   return counts;
 }
 
-Counts oddities_of(const std::vector<Atom>& atoms) { return counts_of(find_oddities(atoms)); }
+Counts oddities_of(const std::vector<Atom>& atoms) {
+  return counts_of(Molecule(atoms).oddities());
+}
 
 }  // namespace
 
@@ -35,8 +38,9 @@ TEST_CASE("atoms in order are not odd", "[oddities]") {
 }
 
 TEST_CASE("duplicates are counted once each, and name the first", "[oddities]") {
-  const std::vector<Oddity> found = find_oddities(
-      std::vector<Atom>{{{1, 2, 3}, 1.5}, {{9, 9, 9}, 1.5}, {{1, 2, 3}, 1.5}, {{1, 2, 3}, 1.5}});
+  const Molecule molecule(
+      {{{1, 2, 3}, 1.5}, {{9, 9, 9}, 1.5}, {{1, 2, 3}, 1.5}, {{1, 2, 3}, 1.5}});
+  const std::span<const Oddity> found = molecule.oddities();
   REQUIRE(counts_of(found) == Counts{{Kind::duplicate, 2}});
   REQUIRE(found[0].examples.size() == 2);
   CHECK(found[0].examples[0].atom == 2);
@@ -72,8 +76,8 @@ TEST_CASE("radii that no atom has, or only in nanometres", "[oddities]") {
 }
 
 TEST_CASE("of many only the first five are shown", "[oddities]") {
-  std::vector<Atom> atoms(1000, {{0, 0, 0}, 1.5});
-  const std::vector<Oddity> found = find_oddities(atoms);
+  const Molecule molecule(std::vector<Atom>(1000, {{0, 0, 0}, 1.5}));
+  const std::span<const Oddity> found = molecule.oddities();
   REQUIRE(counts_of(found) == Counts{{Kind::duplicate, 999}});
   CHECK(found[0].examples.size() == 5);
   CHECK(found[0].examples.back().atom == 5);

@@ -12,8 +12,8 @@
 namespace eses::test {
 namespace {
 
-Surface make_surface(std::span<const Atom> atoms, double probe) {
-  Surface surface(atoms, probe);
+Surface make_surface(const Molecule& molecule, double probe) {
+  Surface surface(molecule, probe);
   build_patches(surface, 2);
   return surface;
 }

@@ -1,8 +1,8 @@
 #pragma once
-/// What is odd in a set of atoms: valid, and computed exactly, but perhaps not what was meant.
+/// What can be odd in a set of atoms: valid, and computed exactly, but perhaps not what was meant.
 
+#include <cstddef>
 #include <cstdint>
-#include <span>
 #include <vector>
 
 #include "eses/atoms.hpp"
@@ -18,6 +18,8 @@ enum class OddityKind : std::uint8_t {
   zero_radius,   ///< usual: hydrogens of some force fields
   nested_usual,  ///< usual: hydrogens, radius up to 1.4 angstrom, wholly inside another atom
 };
+
+inline constexpr std::size_t oddity_kinds = 7;
 
 /// Whether files that are in order have that, too.
 constexpr bool is_usual(OddityKind kind) { return kind >= OddityKind::zero_radius; }
@@ -36,8 +38,5 @@ struct Oddity {
   std::uint64_t count = 0;        ///< atoms
   std::vector<Example> examples;  ///< the first of them, ascending by `atom`
 };
-
-/// All kinds of which there is at least one, in the order of `OddityKind`.
-std::vector<Oddity> find_oddities(std::span<const Atom> atoms);
 
 }  // namespace eses

@@ -5,12 +5,11 @@
 #include <filesystem>
 #include <functional>
 #include <optional>
-#include <span>
 #include <string>
 #include <vector>
 
-#include "eses/atoms.hpp"
 #include "eses/grid.hpp"
+#include "eses/molecule.hpp"
 #include "eses/tiling.hpp"
 
 namespace eses {
@@ -93,7 +92,7 @@ using ProgressCallback = std::function<void(std::int64_t done, std::int64_t tota
 /// flight, it chooses so that `max_memory` is kept. Throws Error if a parameter is out of its
 /// range, if the margin is so small that the grid would cut the surface (see README), or if memory
 /// cannot hold what the run needs, or may not.
-Plan make_plan(std::span<const Atom> atoms, const Parameters& parameters,
+Plan make_plan(const Molecule& molecule, const Parameters& parameters,
                const OutputChoice& outputs);
 
 /// What the file system of an output directory has to give.
@@ -112,7 +111,7 @@ DiskSpace require_disk_space(const Plan& plan, const std::filesystem::path& dire
 /// nor if the verification that `plan.parameters` asks for finds a fault.
 /// Throws Error on write failures, lack of disk space, if another run is writing there, and where
 /// memory exceeds `max_memory` after all: the plan's figure is an estimate.
-Summary run(std::span<const Atom> atoms, const Plan& plan, const OutputChoice& outputs,
+Summary run(const Molecule& molecule, const Plan& plan, const OutputChoice& outputs,
             const std::filesystem::path& directory, const ProgressCallback& progress = {});
 
 }  // namespace eses

@@ -12,9 +12,11 @@
 #include <exception>
 #include <new>
 #include <optional>
+#include <span>
 #include <string>
 #include <string_view>
 #include <system_error>
+#include <utility>
 #include <variant>
 #include <vector>
 
@@ -26,7 +28,7 @@
 #include "cli/report.hpp"
 #include "diff/compare_directories.hpp"
 #include "eses/error.hpp"
-#include "eses/oddities.hpp"
+#include "eses/molecule.hpp"
 #include "eses/read_atoms.hpp"
 #include "eses/run.hpp"
 #include "io/output_directory.hpp"
@@ -101,13 +103,13 @@ void announce(const Report& report) {
   }
 }
 
-Summary run_with_progress(const std::vector<Atom>& atoms, const Options& options,
+Summary run_with_progress(const Molecule& molecule, const Options& options,
                           const Plan& plan) {
   std::optional<ProgressBar> bar;
   if (!options.quiet && ProgressBar::is_possible()) bar.emplace();
   InterruptibleRun interruptible(temporary_paths(options.outputs, options.output_directory),
                                  lock_path(options.output_directory));
-  const Summary summary = run(atoms, plan, options.outputs, options.output_directory,
+  const Summary summary = run(molecule, plan, options.outputs, options.output_directory,
                               [&](std::int64_t done, std::int64_t total) {
                                 interruptible.check();
                                 if (bar) bar->show(done, total);
@@ -139,12 +141,14 @@ void require_memory_for_reading(const Options& options) {
                   options.input.string(), (peak >> 20) + 1));
 }
 
-Report plan_report(const NumberedAtoms& input, const Options& options) {
+// `lines` are those of the atoms in the file.
+Report plan_report(const Molecule& molecule, std::span<const std::uint64_t> lines,
+                   const Options& options) {
   Report report;
   report.options = options;
-  report.atoms = input.atoms.size();
-  report.findings = describe(find_oddities(input.atoms), input.lines, options.input);
-  report.plan = make_plan(input.atoms, options.parameters, options.outputs);
+  report.atoms = molecule.atoms().size();
+  report.findings = describe(molecule.oddities(), lines, options.input);
+  report.plan = make_plan(molecule, options.parameters, options.outputs);
   require_memory_for_reading(options);
   report.disk = require_disk_space(report.plan, options.output_directory);
   return report;
@@ -152,8 +156,9 @@ Report plan_report(const NumberedAtoms& input, const Options& options) {
 
 int compute(const Options& options) {
   require_standard_output();
-  const NumberedAtoms input = read_numbered_atoms(options.input, options.format);
-  Report report = plan_report(input, options);
+  NumberedAtoms input = read_numbered_atoms(options.input, options.format);
+  const Molecule molecule(std::move(input.atoms));
+  Report report = plan_report(molecule, input.lines, options);
   if (options.dry_run) {
     print(options.json ? json_text(report) : plan_text(report));
     warn(report);
@@ -162,7 +167,7 @@ int compute(const Options& options) {
   if (options.strict) warn(report);
   announce(report);
   if (!options.strict) warn(report);
-  report.summary = run_with_progress(input.atoms, options, report.plan);
+  report.summary = run_with_progress(molecule, options, report.plan);
   report.peak_memory_bytes = peak_memory();
   print(final_text(report));
   for (const std::string& fault : fault_lines(report.summary)) complain("error", fault);

@@ -38,9 +38,6 @@ void build_patches(Surface& surface, int threads, const std::function<void()>& c
   const auto of_thread = [&](int thread) -> AtomPatchScratch& {
     return scratch[static_cast<std::size_t>(thread)];
   };
-  for_atom_ranges(count, threads, check, [&](AtomIndex begin, AtomIndex end, int thread) {
-    find_contained_atoms(surface, begin, end, of_thread(thread).found);
-  });
   std::vector<AtomRangePatches> ranges(static_cast<std::size_t>(atom_range_count(count)));
   for_atom_ranges(count, threads, check, [&](AtomIndex begin, AtomIndex end, int thread) {
     AtomRangePatches& range = ranges[begin / atoms_per_range];

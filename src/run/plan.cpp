@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -116,15 +117,16 @@ void choose_schedule(const SurfaceSurvey& survey, const OutputChoice& outputs, P
 
 }  // namespace
 
-Plan make_plan(std::span<const Atom> atoms, const Parameters& parameters,
+Plan make_plan(const Molecule& molecule, const Parameters& parameters,
                const OutputChoice& outputs) {
   require_valid(parameters);
+  const std::span<const Atom> atoms = molecule.atoms();
   Plan plan;
   plan.parameters = parameters;
   plan.grid = make_grid(atoms, parameters.spacing, parameters.margin);
   plan.cut_depth = cut_depth(plan.grid, atoms);
   require_enclosing_margin(plan, parameters);
-  const SurfaceSurvey survey(atoms, parameters.probe_radius);
+  const SurfaceSurvey survey(molecule, parameters.probe_radius);
   choose_schedule(survey, outputs, plan);
   if (outputs.grid) plan.grid_file_bytes = largest_grid_bytes(plan.grid.size);
   if (outputs.edges)

@@ -274,7 +274,7 @@ std::uint64_t write_all(OutputFile& file, std::span<const char> text) {
 
 }  // namespace
 
-Summary run(std::span<const Atom> atoms, const Plan& plan, const OutputChoice& outputs,
+Summary run(const Molecule& molecule, const Plan& plan, const OutputChoice& outputs,
             const std::filesystem::path& directory, const ProgressCallback& progress) {
   const Stopwatch total;
   start_threads(plan.threads);
@@ -283,7 +283,7 @@ Summary run(std::span<const Atom> atoms, const Plan& plan, const OutputChoice& o
   const auto check = [&report] { report.check(); };
   Summary summary;
 
-  Surface surface(atoms, plan.parameters.probe_radius);
+  Surface surface(molecule, plan.parameters.probe_radius);
   build_patches(surface, plan.threads, check);
   release_free_memory();
   require_memory_within(plan.parameters.max_memory);
@@ -292,7 +292,7 @@ Summary run(std::span<const Atom> atoms, const Plan& plan, const OutputChoice& o
   std::optional<Verifier> verifier;
   if (plan.parameters.verify > 0) {
     const Stopwatch drawing;
-    verifier.emplace(atoms, plan);
+    verifier.emplace(molecule.atoms(), plan);
     summary.seconds.verify = drawing.seconds();
   }
   const Stopwatch blocks;

@@ -138,7 +138,7 @@ void collect_features(const Surface& surface, const Box& box, BlockFeatures& fea
   const double probe = surface.probe_radius + box_slack;
   const double squared_probe = probe * probe;
   const Patches& patches = surface.patches;
-  surface.tree.find_within(0.5 * (box.low + box.high),
+  surface.tree().find_within(0.5 * (box.low + box.high),
                            0.5 * norm(box.high - box.low) + surface.largest_radius + 2 * probe,
                            features.nearby);
   // The order of the tree depends on the block; where patches are equally near, order decides.

@@ -19,17 +19,19 @@ void Tally::add(const Surface& surface, const Crossing& crossing, Vec3 point) {
     atom_shares[crossing.atoms[0]] += rounded(share);
     return;
   }
-  // Below this the weight is that of the limit; rounding would make it anything.
+  // Below this the shares are those of the limit; rounding would make them anything.
   constexpr double least_gap = 1e-12;  // angstrom
-  std::array<double, 3> weights{};
-  double sum = 0;
+  std::array<double, 3> gaps{1, 1, 1};
   for (std::size_t q = 0; q < count; ++q) {
     const Atom& atom = surface.atoms[crossing.atoms[q]];
-    weights[q] = 1 / std::max(norm(point - atom.center) - atom.radius, least_gap);
-    sum += weights[q];
+    gaps[q] = std::max(norm(point - atom.center) - atom.radius, least_gap);
   }
+  // 1 / gap, times all three gaps.
+  std::array<double, 3> weights{gaps[1] * gaps[2], gaps[2] * gaps[0], gaps[0] * gaps[1]};
+  if (count == 2) weights[2] = 0;
+  const double scale = share / (weights[0] + weights[1] + weights[2]);
   for (std::size_t q = 0; q < count; ++q)
-    atom_shares[crossing.atoms[q]] += rounded(share * (weights[q] / sum));
+    atom_shares[crossing.atoms[q]] += rounded(scale * weights[q]);
 }
 
 void Tally::merge(const Tally& other) {

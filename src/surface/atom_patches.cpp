@@ -22,7 +22,7 @@ void find_neighbours_of_group(const Surface& surface, AtomIndex begin, AtomIndex
     largest = std::max(largest, surface.atoms[i].radius);
   }
   const double reach = largest + surface.largest_radius + 2 * surface.probe_radius;
-  surface.tree.find_within(0.5 * (box.low + box.high), reach + 0.5 * norm(box.high - box.low),
+  surface.tree().find_within(0.5 * (box.low + box.high), reach + 0.5 * norm(box.high - box.low),
                            scratch.found);
   scratch.group.clear();
   for (const AtomIndex j : scratch.found)

@@ -3,26 +3,13 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <utility>
 
 #include "eses/error.hpp"
 #include "geometry/arc_sector.hpp"
 
 namespace eses {
 namespace {
-
-bool contains(const SasSphere& outer, const SasSphere& inner) {
-  return norm(outer.center - inner.center) <= outer.radius - inner.radius + tolerance::containment;
-}
-
-// Of atoms that contain each other, the lowest index stays.
-bool is_contained(const Surface& surface, AtomIndex i, std::span<const AtomIndex> candidates) {
-  const SasSphere sphere = surface.sas_sphere(i);
-  return std::any_of(candidates.begin(), candidates.end(), [&](AtomIndex j) {
-    if (j == i) return false;
-    const SasSphere other = surface.sas_sphere(j);
-    return contains(other, sphere) && (j < i || !contains(sphere, other));
-  });
-}
 
 // The directions to the three atoms must stand clearly off a common plane for their cone to be
 // told from its complement.
@@ -124,19 +111,12 @@ void join_placements(Patches& patches, std::span<AtomRangePatches> ranges) {
 
 }  // namespace
 
-Surface::Surface(std::span<const Atom> all_atoms, double probe)
-    : atoms(all_atoms), probe_radius(probe), tree(all_atoms) {
+Surface::Surface(Molecule of, double probe)
+    : molecule(std::move(of)), atoms(molecule.atoms()), probe_radius(probe) {
   for (const Atom& atom : atoms) largest_radius = std::max(largest_radius, atom.radius);
   patches.exposure.assign(atoms.size(), AtomExposure::unknown);
-}
-
-void find_contained_atoms(Surface& surface, AtomIndex begin, AtomIndex end,
-                          std::vector<AtomIndex>& found) {
-  for (AtomIndex i = begin; i < end; ++i) {
-    const double reach = surface.largest_radius - surface.atoms[i].radius;
-    surface.tree.find_within(surface.atoms[i].center, reach + 2 * tolerance::containment, found);
-    if (is_contained(surface, i, found)) surface.patches.exposure[i] = AtomExposure::contained;
-  }
+  for (AtomIndex i = 0; i < atoms.size(); ++i)
+    if (molecule.is_contained(i)) patches.exposure[i] = AtomExposure::contained;
 }
 
 void join_patches(Surface& surface, std::span<AtomRangePatches> ranges) {

@@ -10,7 +10,7 @@
 #include <span>
 #include <vector>
 
-#include "eses/atoms.hpp"
+#include "eses/molecule.hpp"
 #include "geometry/box.hpp"
 #include "geometry/circle_arcs.hpp"
 #include "surface/atom_patches.hpp"
@@ -51,22 +51,21 @@ struct Patches {
 
 /// All that the blocks read.
 struct Surface {
-  std::span<const Atom> atoms;
+  Molecule molecule;
+  std::span<const Atom> atoms;  ///< the molecule's
   double probe_radius = 0;
   double largest_radius = 0;  ///< of the van der Waals spheres
-  AtomTree tree;
   Patches patches;
 
-  Surface(std::span<const Atom> all_atoms, double probe);
+  /// Without patches as yet.
+  Surface(Molecule of, double probe);
+
+  const AtomTree& tree() const { return molecule.tree(); }
 
   SasSphere sas_sphere(AtomIndex i) const {
     return {atoms[i].center, atoms[i].radius + probe_radius};
   }
 };
-
-/// Marks atoms [begin, end) whose SAS ball lies in that of another atom; they take no further part.
-void find_contained_atoms(Surface& surface, AtomIndex begin, AtomIndex end,
-                          std::vector<AtomIndex>& found);
 
 /// Adds to the bounds of atoms [begin, end) those poles of their spheres that are exposed: with the
 /// arcs, which join_patches adds, all extremes of their faces. After join_patches.

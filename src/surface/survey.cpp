@@ -63,13 +63,13 @@ double exposed_share(const Surface& surface, AtomIndex i, std::span<const AtomIn
 
 }  // namespace
 
-SurfaceSurvey::SurfaceSurvey(std::span<const Atom> atoms, double probe_radius)
-    : surface_(atoms, probe_radius),
+SurfaceSurvey::SurfaceSurvey(const Molecule& molecule, double probe_radius)
+    : surface_(molecule, probe_radius),
       burial_(make_covering_directions(burial_frequency)),
       directions_(make_covering_directions(exposure_frequency)) {
   AtomPatchScratch scratch;
+  const std::span<const Atom> atoms = surface_.atoms;
   const auto count = static_cast<AtomIndex>(atoms.size());
-  find_contained_atoms(surface_, 0, count, scratch.found);
 
   double high = atoms.front().center.z;
   low_z_ = high;
@@ -170,7 +170,7 @@ SurfaceSurvey::AtomsNear SurfaceSurvey::most_atoms_near(Vec3 half_sides, double 
   for (std::size_t s = 0; s < places; ++s) {
     const Vec3 place = surface_.atoms[(2 * s + 1) * count / (2 * places)].center;
     const Box box{place - half_sides, place + half_sides};
-    surface_.tree.find_within(place, distance, found);
+    surface_.tree().find_within(place, distance, found);
     const auto in_box = std::count_if(found.begin(), found.end(), [&](AtomIndex i) {
       return squared_distance(box, surface_.atoms[i].center) == 0;
     });

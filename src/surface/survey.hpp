@@ -2,7 +2,6 @@
 /// What the surface of a molecule will amount to, from a sample of its atoms: enough to plan by.
 
 #include <cstddef>
-#include <span>
 #include <vector>
 
 #include "surface/patches.hpp"
@@ -19,9 +18,8 @@ struct PatchTotals {
 
 class SurfaceSurvey {
  public:
-  /// Builds the patches of a sample of the atoms, of all of them if they are few. Keeps a view of
-  /// `atoms`.
-  SurfaceSurvey(std::span<const Atom> atoms, double probe_radius);
+  /// Builds the patches of a sample of the atoms, of all of them if they are few.
+  SurfaceSurvey(const Molecule& molecule, double probe_radius);
 
   const PatchTotals& totals() const { return totals_; }
   std::size_t atom_count() const { return surface_.atoms.size(); }

@@ -164,11 +164,11 @@ EsesFiles read_eses_files(const std::filesystem::path& directory) {
   return files;
 }
 
-RunResult run_and_read(std::span<const Atom> atoms, const Parameters& parameters) {
+RunResult run_and_read(const Molecule& molecule, const Parameters& parameters) {
   const TemporaryDirectory directory;
   const OutputChoice all;
-  const Plan plan = make_plan(atoms, parameters, all);
-  const Summary summary = run(atoms, plan, all, directory.path());
+  const Plan plan = make_plan(molecule, parameters, all);
+  const Summary summary = run(molecule, plan, all, directory.path());
   return {read_eses_files(directory.path()), summary};
 }
 

@@ -59,6 +59,6 @@ struct RunResult {
 };
 
 /// Runs with all outputs, into a directory that is gone afterwards, and reads them back.
-RunResult run_and_read(std::span<const Atom> atoms, const Parameters& parameters);
+RunResult run_and_read(const Molecule& molecule, const Parameters& parameters);
 
 }  // namespace eses::test

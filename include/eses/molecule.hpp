@@ -1,0 +1,41 @@
+#pragma once
+/// The atoms of a molecule, and what their places tell about them.
+
+#include <memory>
+#include <span>
+#include <vector>
+
+#include "eses/atoms.hpp"
+#include "eses/oddities.hpp"
+
+namespace eses {
+
+class AtomTree;
+
+/// Atoms with an index of which are near each other: made once, read by whatever looks at them.
+/// Copies share what they hold, none of which changes.
+class Molecule {
+ public:
+  /// Not explicit: a list of atoms may stand wherever a molecule is asked for.
+  Molecule(std::vector<Atom> atoms);  // NOLINT(google-explicit-constructor)
+
+  /// In input order.
+  std::span<const Atom> atoms() const;
+
+  /// What is odd in the atoms: all kinds of which there is at least one, in the order of
+  /// `OddityKind`.
+  std::span<const Oddity> oddities() const;
+
+  /// Whether the atom's ball lies in that of another one. Then so does its SAS ball, whatever the
+  /// probe, and the atom takes no part in the surface. Of equal atoms the first is not contained.
+  bool is_contained(AtomIndex atom) const;
+
+  /// For use within the library.
+  const AtomTree& tree() const;
+
+ private:
+  struct Parts;
+  std::shared_ptr<const Parts> parts_;
+};
+
+}  // namespace eses

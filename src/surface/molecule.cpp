@@ -1,0 +1,63 @@
+#include "eses/molecule.hpp"
+
+#include <algorithm>
+#include <utility>
+
+#include "geometry/tolerances.hpp"
+#include "surface/neighbors.hpp"
+#include "surface/oddity_finder.hpp"
+
+namespace eses {
+namespace {
+
+bool contains(const Atom& outer, const Atom& inner) {
+  return norm(outer.center - inner.center) <= outer.radius - inner.radius + tolerance::containment;
+}
+
+// Marks those of the atoms near `i` that it contains. Of atoms that contain each other, the lowest
+// index stays.
+void mark_contained(std::span<const Atom> atoms, AtomIndex i, std::span<const AtomIndex> near,
+                    std::vector<bool>& is_contained) {
+  for (const AtomIndex j : near) {
+    if (j != i && contains(atoms[i], atoms[j]) && (i < j || !contains(atoms[j], atoms[i])))
+      is_contained[j] = true;
+  }
+}
+
+// What lies inside an atom, or is odd beside it, has its centre within this distance of the atom's;
+// distances are found strictly below the limit.
+double vicinity_radius(const Atom& atom) {
+  return std::max(atom.radius + 2 * tolerance::containment, close_distance) * (1 + 1e-12);
+}
+
+}  // namespace
+
+struct Molecule::Parts {
+  explicit Parts(std::vector<Atom> all_atoms)
+      : atoms(std::move(all_atoms)), tree(atoms), is_contained(atoms.size()) {
+    OddityFinder finder(atoms);
+    std::vector<AtomIndex> near;
+    for (AtomIndex i = 0; i < atoms.size(); ++i) {
+      tree.find_within(atoms[i].center, vicinity_radius(atoms[i]), near);
+      if (near.size() < 2) continue;  // the atom itself
+      mark_contained(atoms, i, near, is_contained);
+      finder.look(i, near);
+    }
+    oddities = std::move(finder).found();
+  }
+
+  std::vector<Atom> atoms;
+  AtomTree tree;
+  std::vector<bool> is_contained;
+  std::vector<Oddity> oddities;
+};
+
+Molecule::Molecule(std::vector<Atom> atoms)
+    : parts_(std::make_shared<const Parts>(std::move(atoms))) {}
+
+std::span<const Atom> Molecule::atoms() const { return parts_->atoms; }
+std::span<const Oddity> Molecule::oddities() const { return parts_->oddities; }
+bool Molecule::is_contained(AtomIndex atom) const { return parts_->is_contained[atom]; }
+const AtomTree& Molecule::tree() const { return parts_->tree; }
+
+}  // namespace eses

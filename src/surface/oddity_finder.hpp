@@ -1,0 +1,39 @@
+#pragma once
+/// Finds what is odd in a set of atoms, one atom after the other.
+
+#include <array>
+#include <span>
+#include <vector>
+
+#include "eses/atoms.hpp"
+#include "eses/oddities.hpp"
+
+namespace eses {
+
+/// Atoms that overlap so deeply are odd (angstrom): half of any bond's length.
+inline constexpr double close_distance = 0.5;
+
+class OddityFinder {
+ public:
+  /// Keeps a view of `atoms`.
+  explicit OddityFinder(std::span<const Atom> atoms);
+
+  /// Looks at atom `i`, of which `near` holds all atoms whose centre is within its radius and
+  /// within `close_distance`, in any order, itself included. To be called for ascending `i`; atoms
+  /// that have no other near may be left out.
+  void look(AtomIndex i, std::span<const AtomIndex> near);
+
+  /// All kinds that there are, in the order of `OddityKind`.
+  std::vector<Oddity> found() &&;
+
+ private:
+  void add(OddityKind kind, AtomIndex atom, AtomIndex other);
+  void add_nested();
+  void add_radii();
+
+  std::span<const Atom> atoms_;
+  std::vector<AtomIndex> outer_;  // of the atoms in which an atom lies the first, if any
+  std::array<Oddity, oddity_kinds> oddities_;
+};
+
+}  // namespace eses
