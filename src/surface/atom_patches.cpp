@@ -2,28 +2,19 @@
 
 #include <algorithm>
 
-#include "geometry/box.hpp"
 #include "surface/patches.hpp"
 
 namespace eses {
 namespace {
 
-// Atoms that follow each other in a file are mostly near each other, so that one look-up serves
-// several of them.
-constexpr AtomIndex atoms_per_lookup = 8;
-
 // All atoms whose SAS sphere may meet one of those in [begin, end).
 void find_neighbours_of_group(const Surface& surface, AtomIndex begin, AtomIndex end,
                               AtomPatchScratch& scratch) {
-  Box box{surface.atoms[begin].center, surface.atoms[begin].center};
   double largest = 0;
-  for (AtomIndex i = begin; i < end; ++i) {
-    box.include(surface.atoms[i].center);
-    largest = std::max(largest, surface.atoms[i].radius);
-  }
-  const double reach = largest + surface.largest_radius + 2 * surface.probe_radius;
-  surface.tree().find_within(0.5 * (box.low + box.high), reach + 0.5 * norm(box.high - box.low),
-                           scratch.found);
+  for (AtomIndex i = begin; i < end; ++i) largest = std::max(largest, surface.atoms[i].radius);
+  surface.tree().find_around(begin, end,
+                             largest + surface.largest_radius + 2 * surface.probe_radius,
+                             scratch.found);
   scratch.group.clear();
   for (const AtomIndex j : scratch.found)
     if (surface.patches.exposure[j] != AtomExposure::contained)
@@ -41,15 +32,6 @@ void collect_caps(const Surface& surface, AtomIndex i, AtomPatchScratch& scratch
     scratch.neighbours.push_back(j);
     scratch.caps.push_back(make_cap(sphere, neighbour));
   }
-}
-
-// Whether the atoms [begin, end) are near enough to each other for a common look-up to pay.
-bool is_compact(const Surface& surface, AtomIndex begin, AtomIndex end) {
-  constexpr double near = 6;  // angstrom
-  for (AtomIndex i = begin + 1; i < end; ++i)
-    if (squared_norm(surface.atoms[i].center - surface.atoms[begin].center) > near * near)
-      return false;
-  return true;
 }
 
 // Relevant caps first, by size, then those that merely cover.
@@ -121,8 +103,7 @@ void add_atom(const Surface& surface, const BurialPatches& burial, AtomIndex i,
 void build_atom_patches(const Surface& surface, const BurialPatches& burial,
                         AtomPatchScratch& scratch, AtomRangePatches& patches) {
   for (AtomIndex begin = patches.begin; begin < patches.end;) {
-    AtomIndex end = std::min(begin + atoms_per_lookup, patches.end);
-    if (!is_compact(surface, begin, end)) end = begin + 1;
+    const AtomIndex end = end_of_group(surface.atoms, begin, patches.end);
     find_neighbours_of_group(surface, begin, end, scratch);
     for (AtomIndex i = begin; i < end; ++i) add_atom(surface, burial, i, scratch, patches);
     begin = end;

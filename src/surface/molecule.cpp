@@ -19,15 +19,24 @@ bool contains(const Atom& outer, const Atom& inner) {
 void mark_contained(std::span<const Atom> atoms, AtomIndex i, std::span<const AtomIndex> near,
                     std::vector<bool>& is_contained) {
   for (const AtomIndex j : near) {
-    if (j != i && contains(atoms[i], atoms[j]) && (i < j || !contains(atoms[j], atoms[i])))
+    if (contains(atoms[i], atoms[j]) && (i < j || !contains(atoms[j], atoms[i])))
       is_contained[j] = true;
   }
 }
 
-// What lies inside an atom, or is odd beside it, has its centre within this distance of the atom's;
-// distances are found strictly below the limit.
+// What lies inside an atom, or is odd beside it, has its centre closer than this to the atom's.
 double vicinity_radius(const Atom& atom) {
   return std::max(atom.radius + 2 * tolerance::containment, close_distance) * (1 + 1e-12);
+}
+
+// Of the atoms found around some, those in the vicinity of `i`, itself left out.
+void keep_vicinity(std::span<const Atom> atoms, AtomIndex i, std::span<const AtomIndex> found,
+                   std::vector<AtomIndex>& near) {
+  const double radius = vicinity_radius(atoms[i]);
+  near.clear();
+  for (const AtomIndex j : found)
+    if (squared_norm(atoms[j].center - atoms[i].center) < radius * radius && j != i)
+      near.push_back(j);
 }
 
 }  // namespace
@@ -36,12 +45,18 @@ struct Molecule::Parts {
   explicit Parts(std::vector<Atom> all_atoms)
       : atoms(std::move(all_atoms)), tree(atoms), is_contained(atoms.size()) {
     OddityFinder finder(atoms);
-    std::vector<AtomIndex> near;
-    for (AtomIndex i = 0; i < atoms.size(); ++i) {
-      tree.find_within(atoms[i].center, vicinity_radius(atoms[i]), near);
-      if (near.size() < 2) continue;  // the atom itself
-      mark_contained(atoms, i, near, is_contained);
-      finder.look(i, near);
+    std::vector<AtomIndex> found, near;
+    const auto count = static_cast<AtomIndex>(atoms.size());
+    for (AtomIndex begin = 0, end = 0; begin < count; begin = end) {
+      end = end_of_group(atoms, begin, count);
+      double reach = 0;
+      for (AtomIndex i = begin; i < end; ++i) reach = std::max(reach, vicinity_radius(atoms[i]));
+      tree.find_around(begin, end, reach, found);
+      for (AtomIndex i = begin; i < end; ++i) {
+        keep_vicinity(atoms, i, found, near);
+        mark_contained(atoms, i, near, is_contained);
+        finder.look(i, near);
+      }
     }
     oddities = std::move(finder).found();
   }

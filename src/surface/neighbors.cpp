@@ -1,6 +1,9 @@
 #include "surface/neighbors.hpp"
 
+#include <algorithm>
 #include <nanoflann.hpp>
+
+#include "geometry/box.hpp"
 
 namespace eses {
 namespace {
@@ -37,6 +40,8 @@ struct IndicesWithin {
 using Tree = nanoflann::KDTreeSingleIndexAdaptor<nanoflann::L2_Simple_Adaptor<double, AtomCloud>,
                                                  AtomCloud, 3, AtomIndex>;
 constexpr std::size_t atoms_per_leaf = 16;
+constexpr AtomIndex atoms_per_group = 8;
+constexpr double group_size = 6;  // angstrom, from the first atom's centre
 
 }  // namespace
 
@@ -61,6 +66,23 @@ void AtomTree::find_within(Vec3 point, double distance, std::vector<AtomIndex>& 
   IndicesWithin within{distance * distance, found};
   const double query[3] = {point.x, point.y, point.z};
   implementation_->tree.findNeighbors(within, query, {});
+}
+
+void AtomTree::find_around(AtomIndex begin, AtomIndex end, double distance,
+                           std::vector<AtomIndex>& found) const {
+  const std::span<const Atom> atoms = implementation_->cloud.atoms;
+  Box box{atoms[begin].center, atoms[begin].center};
+  for (AtomIndex i = begin + 1; i < end; ++i) box.include(atoms[i].center);
+  find_within(0.5 * (box.low + box.high), distance + 0.5 * norm(box.high - box.low), found);
+}
+
+AtomIndex end_of_group(std::span<const Atom> atoms, AtomIndex begin, AtomIndex end) {
+  const AtomIndex group_end = std::min(begin + atoms_per_group, end);
+  const bool is_compact =
+      std::all_of(atoms.begin() + begin, atoms.begin() + group_end, [&](const Atom& atom) {
+        return squared_norm(atom.center - atoms[begin].center) <= group_size * group_size;
+      });
+  return is_compact ? group_end : begin + 1;
 }
 
 }  // namespace eses

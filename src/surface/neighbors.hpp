@@ -21,9 +21,18 @@ class AtomTree {
   /// than `distance` (angstrom) from `point`.
   void find_within(Vec3 point, double distance, std::vector<AtomIndex>& found) const;
 
+  /// Replaces `found` by all atoms whose centre is less than `distance` from that of any of the
+  /// atoms [begin, end), and by some that are farther away.
+  void find_around(AtomIndex begin, AtomIndex end, double distance,
+                   std::vector<AtomIndex>& found) const;
+
  private:
   struct Implementation;
   std::unique_ptr<Implementation> implementation_;
 };
+
+/// Atoms that follow each other in a file are mostly near each other, so that one look-up may serve
+/// several: those from `begin` on, up to the index returned, at most `end`.
+AtomIndex end_of_group(std::span<const Atom> atoms, AtomIndex begin, AtomIndex end);
 
 }  // namespace eses

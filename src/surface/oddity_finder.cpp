@@ -43,7 +43,6 @@ void OddityFinder::add(OddityKind kind, AtomIndex atom, AtomIndex other) {
 void OddityFinder::look(AtomIndex i, std::span<const AtomIndex> near) {
   AtomIndex duplicate = none, close = none;
   for (const AtomIndex j : near) {
-    if (j == i) continue;
     if (is_duplicate(atoms_[i], atoms_[j])) {
       if (j < i) keep_lowest(duplicate, j);
     } else if (is_close(atoms_[i], atoms_[j])) {

@@ -18,9 +18,8 @@ class OddityFinder {
   /// Keeps a view of `atoms`.
   explicit OddityFinder(std::span<const Atom> atoms);
 
-  /// Looks at atom `i`, of which `near` holds all atoms whose centre is within its radius and
-  /// within `close_distance`, in any order, itself included. To be called for ascending `i`; atoms
-  /// that have no other near may be left out.
+  /// Looks at atom `i`; `near` are all others whose centre is within its radius or within
+  /// `close_distance`, in any order. To be called for ascending `i`.
   void look(AtomIndex i, std::span<const AtomIndex> near);
 
   /// All kinds that there are, in the order of `OddityKind`.
