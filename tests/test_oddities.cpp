@@ -22,9 +22,7 @@ Counts counts_of(std::span<const Oddity> oddities) {
   return counts;
 }
 
-Counts oddities_of(const std::vector<Atom>& atoms) {
-  return counts_of(Molecule(atoms).oddities());
-}
+Counts oddities_of(const std::vector<Atom>& atoms) { return counts_of(Molecule(atoms).oddities()); }
 
 }  // namespace
 
@@ -38,8 +36,7 @@ TEST_CASE("atoms in order are not odd", "[oddities]") {
 }
 
 TEST_CASE("duplicates are counted once each, and name the first", "[oddities]") {
-  const Molecule molecule(
-      {{{1, 2, 3}, 1.5}, {{9, 9, 9}, 1.5}, {{1, 2, 3}, 1.5}, {{1, 2, 3}, 1.5}});
+  const Molecule molecule({{{1, 2, 3}, 1.5}, {{9, 9, 9}, 1.5}, {{1, 2, 3}, 1.5}, {{1, 2, 3}, 1.5}});
   const std::span<const Oddity> found = molecule.oddities();
   REQUIRE(counts_of(found) == Counts{{Kind::duplicate, 2}});
   REQUIRE(found[0].examples.size() == 2);

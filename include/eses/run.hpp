@@ -14,13 +14,12 @@
 
 namespace eses {
 
-inline constexpr std::int64_t default_block_size = 64;
-
 struct Parameters {
   double probe_radius = 1.4;  ///< angstrom, > 0
   double spacing = 0.4;       ///< angstrom, > 0
   double margin = 0.8;        ///< angstrom, >= 0
-  /// Grid points on a side of a block, >= 2; 0: `default_block_size`, or less to keep `max_memory`.
+  /// Grid points on a side of a block, 2 to `largest_block_size`; 0: `default_block_size`, or less
+  /// to keep `max_memory`.
   std::int64_t block_size = 0;
   /// 0: all that the process may use, or less to keep `max_memory`.
   int threads = 0;
@@ -92,8 +91,7 @@ using ProgressCallback = std::function<void(std::int64_t done, std::int64_t tota
 /// flight, it chooses so that `max_memory` is kept. Throws Error if a parameter is out of its
 /// range, if the margin is so small that the grid would cut the surface (see README), or if memory
 /// cannot hold what the run needs, or may not.
-Plan make_plan(const Molecule& molecule, const Parameters& parameters,
-               const OutputChoice& outputs);
+Plan make_plan(const Molecule& molecule, const Parameters& parameters, const OutputChoice& outputs);
 
 /// What the file system of an output directory has to give.
 struct DiskSpace {

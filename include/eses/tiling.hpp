@@ -11,6 +11,11 @@
 
 namespace eses {
 
+/// Grid points on a side of a block; the largest bounds what a block's crossings can number.
+inline constexpr std::int64_t least_block_size = 2;
+inline constexpr std::int64_t default_block_size = 64;
+inline constexpr std::int64_t largest_block_size = 4096;
+
 /// One block: the closed box of points [first, first + points), of which it owns the half-open
 /// part [first, first + owned) and the edges that start there in +x, +y and +z.
 struct Block {
@@ -20,9 +25,9 @@ struct Block {
 };
 
 struct BlockTiling {
-  std::int64_t block_size = 64;  ///< points on a side, >= 2
-  GridIndex blocks{};            ///< number of blocks along x, y and z
-  GridIndex grid_size{};         ///< points of the grid along x, y and z
+  std::int64_t block_size = default_block_size;  ///< points on a side
+  GridIndex blocks{};                            ///< number of blocks along x, y and z
+  GridIndex grid_size{};                         ///< points of the grid along x, y and z
 
   std::int64_t block_count() const { return blocks[0] * blocks[1] * blocks[2]; }
   Block block(std::int64_t bx, std::int64_t by, std::int64_t bz) const;

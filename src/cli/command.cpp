@@ -103,8 +103,7 @@ void announce(const Report& report) {
   }
 }
 
-Summary run_with_progress(const Molecule& molecule, const Options& options,
-                          const Plan& plan) {
+Summary run_with_progress(const Molecule& molecule, const Options& options, const Plan& plan) {
   std::optional<ProgressBar> bar;
   if (!options.quiet && ProgressBar::is_possible()) bar.emplace();
   InterruptibleRun interruptible(temporary_paths(options.outputs, options.output_directory),

@@ -17,11 +17,11 @@
 
 #include "cli/arguments.hpp"
 #include "eses/version.hpp"
+#include "simd/dispatch.hpp"
 
 namespace eses::cli {
 namespace {
 
-constexpr std::int64_t largest_block_size = 4096;
 // Far more threads than any one machine has; OpenMP ends the process if it cannot start them.
 constexpr std::int64_t most_threads = 4096;
 constexpr std::int64_t default_verify = 2000;
@@ -96,8 +96,8 @@ void add_computation_options(CLI::App& app) {
   };
   add("-t,--threads", "N", "number of threads [all the process may use]");
   add("-b,--block-size", "N",
-      fmt::format("grid points on a side of a block, 2 to {} [{}]", largest_block_size,
-                  default_block_size));
+      fmt::format("grid points on a side of a block, {} to {} [{}]", least_block_size,
+                  largest_block_size, default_block_size));
   add("--max-memory", "BYTES",
       "memory that the process may hold, also as 500M or 2G\n"
       "(K, M, G, T: powers of 1024); kept by smaller blocks\n"
@@ -202,7 +202,8 @@ Parameters parameters_of(const CLI::App& app) {
   result.probe_radius = length_of(app, "PROBE", "--probe-radius", positive, result.probe_radius);
   result.spacing = length_of(app, "SPACING", "--spacing", positive, result.spacing);
   result.margin = length_of(app, "MARGIN", "--margin", non_negative, result.margin);
-  result.block_size = count_of(app, "--block-size", 2, largest_block_size, result.block_size);
+  result.block_size =
+      count_of(app, "--block-size", least_block_size, largest_block_size, result.block_size);
   result.threads =
       static_cast<int>(count_of(app, "--threads", 1, most_threads, Parameters{}.threads));
   result.max_memory = max_memory_of(app);
@@ -269,8 +270,9 @@ void refuse_negative_numbers(const CLI::App& app) {
 }
 
 std::string version_text() {
-  return fmt::format("eses-blocks {}\ncompiler: {}\nbuild type: {}\nflags: {}\n", version, compiler,
-                     build_type, compiler_flags);
+  return fmt::format(
+      "eses-blocks {}\ncompiler: {}\nbuild type: {}\nflags: {}\ninstruction set: {}\n", version,
+      compiler, build_type, compiler_flags, name_of(instruction_set()));
 }
 
 }  // namespace

@@ -12,6 +12,7 @@
 #include "cli/json.hpp"
 #include "eses/version.hpp"
 #include "run/output_files.hpp"
+#include "simd/dispatch.hpp"
 
 namespace eses::cli {
 namespace {
@@ -270,6 +271,7 @@ std::string json_text(const Report& report) {
                                     {"grid", grid_json(report.plan.grid)},
                                     {"blocks", blocks_json(report.plan.tiling)},
                                     {"threads", json::number(report.plan.threads)},
+                                    {"instruction_set", json::string(name_of(instruction_set()))},
                                     {"plan", plan_json(report.plan, report.disk)},
                                     {"dry_run", report.options.dry_run ? "true" : "false"}};
   if (!report.options.dry_run)

@@ -1,5 +1,6 @@
 #pragma once
-/// Every tolerance of the program, in one place.
+/// The tolerances of the geometry. Slack that only keeps candidates for a closer look stands where
+/// it is used.
 
 namespace eses::tolerance {
 
@@ -34,5 +35,9 @@ inline constexpr double same_crossing = 1e-7;
 /// A point counts as covered only if an accessible probe centre is nearer than the probe radius by
 /// more than this (angstrom).
 inline constexpr double covered = 1e-8;
+
+// What one test lets pass the next must not lose.
+static_assert(containment < accessible && accessible < covered && accessible <= seam &&
+              seam < same_crossing && accessible < touching);
 
 }  // namespace eses::tolerance

@@ -9,8 +9,9 @@
 namespace eses {
 
 BlockTiling make_tiling(const Grid& grid, std::int64_t block_size) {
-  if (block_size < 2)
-    throw Error(fmt::format("a block needs at least 2 grid points on a side, not {}", block_size));
+  if (block_size < least_block_size || block_size > largest_block_size)
+    throw Error(fmt::format("the block size must be between {} and {} grid points, not {}",
+                            least_block_size, largest_block_size, block_size));
   BlockTiling tiling;
   tiling.block_size = block_size;
   tiling.grid_size = grid.size;

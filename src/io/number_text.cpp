@@ -16,6 +16,7 @@
 
 #include "grid/point_bits.hpp"
 #include "simd/dispatch.hpp"
+#include "simd/lanes-inl.hpp"
 
 // What both ways to write a number share, once for all instruction sets.
 #ifndef ESES_IO_NUMBER_TEXT_SHARED_
@@ -58,18 +59,6 @@ void make_digits(NumberBatch& batch) { batch.doubtful = ~std::uint64_t{0}; }
 
 #else
 
-namespace hn = hwy::HWY_NAMESPACE;
-
-using Doubles = hn::ScalableTag<double>;
-using Words = hn::Repartition<std::uint64_t, Doubles>;
-using WordVector = hn::Vec<Words>;
-
-// Non-negative integers below 2^52 held in doubles, as integers.
-HWY_INLINE WordVector to_words(hn::Vec<Doubles> whole) {
-  const auto two_to_52 = hn::Set(Doubles(), 4503599627370496.0);
-  return hn::BitCast(Words(), whole + two_to_52) ^ hn::BitCast(Words(), two_to_52);
-}
-
 // As eight_digits().
 HWY_INLINE WordVector eight_digits(WordVector value) {
   const Words words;
@@ -94,23 +83,22 @@ void make_digits(NumberBatch& batch) {
   const Doubles doubles;
   const Words words;
   const std::size_t lanes = hn::Lanes(doubles);
-  const auto half = hn::Set(doubles, 0.5), one = hn::Set(doubles, 1);
-  const auto hundred_millions = hn::Set(doubles, static_cast<double>(trailing_unit));
+  const auto half = all(0.5), one = all(1);
+  const auto unit = all(static_cast<double>(leading_unit));
+  const auto hundred_millions = all(static_cast<double>(trailing_unit));
   batch.doubtful = 0;
   for (std::size_t i = 0; i < batch.count; i += lanes) {
-    const auto scaled = hn::LoadU(doubles, batch.scaled.data() + i);
+    const auto scaled = load(batch.scaled.data() + i);
     const auto whole = hn::Floor(scaled);
     const auto fraction = scaled - whole;
     const auto digits = whole + hn::IfThenElseZero(fraction > half, one);
-    const auto unit = hn::Set(doubles, static_cast<double>(leading_unit));
-    const auto is_plain = hn::And(hn::Abs(fraction - half) >= hn::Set(doubles, near_tie),
-                                  hn::And(digits >= unit, digits < hn::Set(doubles, 10) * unit));
-    std::array<std::uint8_t, 8> plain{};
-    hn::StoreMaskBits(doubles, is_plain, plain.data());
-    batch.doubtful |= (~std::uint64_t{plain[0]} & low_bits(static_cast<int>(lanes))) << i;
+    const auto is_plain = hn::And(hn::Abs(fraction - half) >= all(near_tie),
+                                  hn::And(digits >= unit, digits < all(10) * unit));
+    batch.doubtful |= (~std::uint64_t{mask_bits(is_plain)} & low_bits(static_cast<int>(lanes)))
+                      << i;
 
     // The quotient may be off by one, which the remainder tells.
-    auto high = hn::Floor(digits * hn::Set(doubles, 1.0 / static_cast<double>(trailing_unit)));
+    auto high = hn::Floor(digits * all(1.0 / static_cast<double>(trailing_unit)));
     const auto rest = digits - high * hundred_millions;
     high = high - hn::IfThenElseZero(rest < hn::Zero(doubles), one) +
            hn::IfThenElseZero(rest >= hundred_millions, one);

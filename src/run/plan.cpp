@@ -31,8 +31,6 @@ void require(bool holds, const char* what, double value) {
 void require_valid(const Parameters& p) {
   require(p.probe_radius > 0 && p.probe_radius <= largest_probe_radius,
           "the probe radius must be a positive number of at most 1000 angstrom", p.probe_radius);
-  require(p.block_size == 0 || (p.block_size >= 2 && p.block_size <= 4096),
-          "the block size must be between 2 and 4096 points", static_cast<double>(p.block_size));
   require(p.verify >= 0 && p.verify <= most_verified,
           "the number of points to verify must be between 0 and 10000000",
           static_cast<double>(p.verify));

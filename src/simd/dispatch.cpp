@@ -4,7 +4,6 @@
 #include <array>
 #include <cstdlib>
 #include <string_view>
-#include <utility>
 
 namespace eses {
 namespace {
@@ -28,16 +27,13 @@ InstructionSet widest_available() {
   return InstructionSet::baseline;
 }
 
+constexpr std::array<std::string_view, 4> names{"baseline", "sse4", "avx2", "avx512"};
+
 InstructionSet widest_allowed() {
-  constexpr std::array<std::pair<std::string_view, InstructionSet>, 3> names{
-      {{"baseline", InstructionSet::baseline},
-       {"sse4", InstructionSet::sse4},
-       {"avx2", InstructionSet::avx2}}};
   const char* const wish = std::getenv("ESES_INSTRUCTION_SET");
-  if (wish != nullptr)
-    for (const auto& [name, set] : names)
-      if (name == wish) return set;
-  return InstructionSet::avx512;
+  const auto* const name = std::find(names.begin(), names.end(), wish != nullptr ? wish : "");
+  return name == names.end() ? InstructionSet::avx512
+                             : static_cast<InstructionSet>(name - names.begin());
 }
 
 }  // namespace
@@ -46,5 +42,7 @@ InstructionSet instruction_set() {
   static const InstructionSet chosen = std::min(widest_available(), widest_allowed());
   return chosen;
 }
+
+std::string_view name_of(InstructionSet set) { return names[static_cast<std::size_t>(set)]; }
 
 }  // namespace eses

@@ -7,6 +7,8 @@
 /// All versions give the same bits: lanes do not depend on each other, only correctly rounded
 /// operations are used, and multiply-adds are not contracted.
 
+#include <string_view>
+
 namespace eses {
 
 enum class InstructionSet { baseline, sse4, avx2, avx512 };
@@ -14,6 +16,9 @@ enum class InstructionSet { baseline, sse4, avx2, avx512 };
 /// The widest one of the processor, or a narrower one named by the environment variable
 /// ESES_INSTRUCTION_SET (baseline, sse4, avx2 or avx512) when it is first asked for.
 InstructionSet instruction_set();
+
+/// As in ESES_INSTRUCTION_SET.
+std::string_view name_of(InstructionSet set);
 
 /// The versions of one function; null where the build has none, but for the baseline.
 template <class Function>

@@ -1,13 +1,9 @@
 /// Points in space, one in each lane. Included anew for every instruction set, see Highway.
 
-#include <hwy/highway.h>
-
-#include <array>
-#include <bit>
 #include <cstddef>
-#include <cstdint>
 
 #include "eses/vec3.hpp"
+#include "simd/lanes-inl.hpp"
 
 #if defined(ESES_SIMD_POINTS_INL_) == defined(HWY_TARGET_TOGGLE)
 #ifdef ESES_SIMD_POINTS_INL_
@@ -18,16 +14,6 @@
 
 HWY_BEFORE_NAMESPACE();
 namespace eses::HWY_NAMESPACE {
-namespace hn = hwy::HWY_NAMESPACE;
-
-using Doubles = hn::ScalableTag<double>;
-using Words = hn::Repartition<std::uint64_t, Doubles>;
-using DoubleVector = hn::Vec<Doubles>;
-using WordVector = hn::Vec<Words>;
-using DoubleMask = hn::Mask<Doubles>;
-
-HWY_INLINE DoubleVector all(double value) { return hn::Set(Doubles(), value); }
-HWY_INLINE DoubleVector load(const double* from) { return hn::LoadU(Doubles(), from); }
 
 struct Points {
   DoubleVector x, y, z;
@@ -52,16 +38,6 @@ HWY_INLINE DoubleVector dot(Vec3 a, const Points& b) {
 
 HWY_INLINE DoubleVector squared_norm(const Points& a) { return a.x * a.x + a.y * a.y + a.z * a.z; }
 
-/// What stands in the lanes, to be read one by one.
-struct LaneValues {
-  std::array<double, HWY_MAX_BYTES / sizeof(double)> values;
-
-  HWY_INLINE explicit LaneValues(DoubleVector vector) {
-    hn::StoreU(vector, Doubles(), values.data());
-  }
-  double operator[](std::size_t lane) const { return values[lane]; }
-};
-
 struct LanePoints {
   LaneValues x, y, z;
 
@@ -73,15 +49,6 @@ struct LanePoints {
     z.values[lane] = point.z;
   }
 };
-
-/// Calls `action(lane)` for every lane of the mask.
-template <class Action>
-HWY_INLINE void for_each_lane(DoubleMask mask, Action&& action) {
-  std::array<std::uint8_t, 8> bytes{};
-  hn::StoreMaskBits(Doubles(), mask, bytes.data());
-  for (unsigned bits = bytes[0]; bits != 0; bits &= bits - 1)
-    action(static_cast<std::size_t>(std::countr_zero(bits)));
-}
 
 }  // namespace eses::HWY_NAMESPACE
 HWY_AFTER_NAMESPACE();

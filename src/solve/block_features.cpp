@@ -8,8 +8,6 @@
 namespace eses {
 namespace {
 
-constexpr double box_slack = 1e-5;  // angstrom: keeps seams inside the boxes
-
 // The saddle is swept by the probe's outline between the points where it touches the two atoms. In
 // the half plane through the axis, with the probe at distance rho from it, the outline's height
 // rises from one point to the other, and it comes as near to the axis as rho - probe if these lie
@@ -139,8 +137,8 @@ void collect_features(const Surface& surface, const Box& box, BlockFeatures& fea
   const double squared_probe = probe * probe;
   const Patches& patches = surface.patches;
   surface.tree().find_within(0.5 * (box.low + box.high),
-                           0.5 * norm(box.high - box.low) + surface.largest_radius + 2 * probe,
-                           features.nearby);
+                             0.5 * norm(box.high - box.low) + surface.largest_radius + 2 * probe,
+                             features.nearby);
   // The order of the tree depends on the block; where patches are equally near, order decides.
   std::sort(features.nearby.begin(), features.nearby.end());
   for (const AtomIndex i : features.nearby) {

@@ -15,6 +15,9 @@
 
 namespace eses {
 
+/// Boxes of patches are larger by this, so that seams lie inside (angstrom).
+inline constexpr double box_slack = 1e-5;
+
 /// A block's place in space. Coordinates follow from global indices, so they are the same in every
 /// block that sees a point.
 struct BlockGrid {

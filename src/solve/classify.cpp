@@ -13,6 +13,7 @@
 #include "geometry/arc_sector-inl.hpp"
 #include "simd/dispatch.hpp"
 #include "simd/points-inl.hpp"
+#include "solve/cone_filter-inl.hpp"
 #include "solve/index_range.hpp"
 
 HWY_BEFORE_NAMESPACE();
@@ -28,14 +29,6 @@ struct BallPlane {
   double column_first;  // global index of the column's first point
   std::uint64_t reach;  // the bits between the disc's outermost points, at least
 };
-
-// Small non-negative integers held in doubles, as integers: adding 2^52 leaves them in the low
-// bits.
-HWY_INLINE WordVector to_words(DoubleVector v) {
-  const Words words;
-  return hn::And(hn::BitCast(words, v + all(4503599627370496.0)),
-                 hn::Set(words, std::uint64_t{127}));
-}
 
 // The points of rows [j, end) inside the disc, as many rows as a vector holds.
 HWY_INLINE WordVector disc_rows(const BallPlane& plane, const double* y, std::size_t j,
@@ -152,16 +145,17 @@ void stamp_ball(const BlockGrid& grid, Vec3 center, double radius, PointBits& bi
 }
 
 // Points that a patch may clear, from the patch's centre.
-void add_points(const BlockGrid& grid, Vec3 center, std::int64_t column, std::size_t y,
-                std::size_t z, std::size_t word, std::uint64_t bits, PointBatch& batch) {
-  const auto first_x = static_cast<std::size_t>(column * PointBits::column_step);
-  const double dy = grid.coordinates[1][y] - center.y, dz = grid.coordinates[2][z] - center.z;
+void add_points(const BlockGrid& grid, Vec3 center, const WordPlace& place, std::uint64_t bits,
+                PointBatch& batch) {
+  const auto first_x = static_cast<std::size_t>(place.column * PointBits::column_step);
+  const double dy = grid.coordinates[1][static_cast<std::size_t>(place.y)] - center.y;
+  const double dz = grid.coordinates[2][static_cast<std::size_t>(place.z)] - center.z;
   for_each_bit(bits, [&](int bit) {
     const auto b = static_cast<std::size_t>(bit);
     batch.x[batch.count] = grid.coordinates[0][first_x + b] - center.x;
     batch.y[batch.count] = dy;
     batch.z[batch.count] = dz;
-    batch.place[batch.count] = word * 64 + b;
+    batch.place[batch.count] = place.word * 64 + b;
     ++batch.count;
   });
 }
@@ -182,23 +176,14 @@ HWY_INLINE Points batch_points(const PointBatch& batch, std::size_t i) {
 // centre is the one straight out on the face.
 void clear_exposed(std::span<const CapCone> cones, PointBatch& batch, std::uint64_t* words) {
   const Doubles doubles;
-  std::size_t killer = 0;
+  ConeFilter filter(cones);
   for (std::size_t i = 0; i < batch.count; i += hn::Lanes(doubles)) {
     const Points offset = batch_points(batch, i);
     const auto length = hn::Sqrt(squared_norm(offset));
-    auto alive = hn::FirstN(doubles, batch.count - i);
-    const auto survive = [&](const CapCone& cone) {
-      alive = hn::And(alive, dot(cone.axis, offset) <= length * all(cone.cosine));
-      return !hn::AllFalse(doubles, alive);
-    };
-    // Neighbouring points tend to fall to the same cone.
-    if (killer < cones.size() && !survive(cones[killer])) continue;
-    bool survived = true;
-    for (std::size_t k = 0; survived && k < cones.size(); ++k) {
-      survived = survive(cones[k]);
-      if (!survived) killer = k;
-    }
-    if (survived) clear_lanes(batch, i, alive, words);
+    const auto exposed =
+        filter.outside(hn::FirstN(doubles, batch.count - i), offset,
+                       [&](const CapCone& cone) { return length * all(cone.cosine); });
+    clear_lanes(batch, i, exposed, words);
   }
   batch.count = 0;
 }
@@ -223,8 +208,9 @@ void clear_face(const BlockGrid& grid, const FaceFeature& face, std::span<const 
                                 words, waiting.data());
                      for (std::size_t lane = 0; lane < hn::Lanes(words); ++lane) {
                        if (waiting[lane] == 0) continue;
-                       add_points(grid, face.center, column, j + lane, static_cast<std::size_t>(k),
-                                  first_word + j + lane, waiting[lane], batch);
+                       const auto y_lane = static_cast<std::int64_t>(j + lane);
+                       add_points(grid, face.center, {column, y_lane, k, first_word + j + lane},
+                                  waiting[lane], batch);
                        if (batch.count + 64 > PointBatch::capacity)
                          clear_exposed(cones, batch, undecided.words.data());
                      }
@@ -250,23 +236,15 @@ void clear_near_arc(const ArcFeature& arc, double squared_probe, PointBatch& bat
 void clear_arc(const BlockGrid& grid, const ArcFeature& arc, double squared_probe,
                ClassifyScratch& scratch) {
   PointBits& undecided = scratch.undecided;
-  const IndexRange x = points_within(grid, 0, arc.solid_box.low.x, arc.solid_box.high.x);
-  const IndexRange y = points_within(grid, 1, arc.solid_box.low.y, arc.solid_box.high.y);
-  const IndexRange z = points_within(grid, 2, arc.solid_box.low.z, arc.solid_box.high.z);
-  const IndexRange columns = columns_of(x, undecided.columns);
-  for (std::int64_t column = columns.begin; column < columns.end; ++column) {
-    const std::uint64_t in_box = column_bits(x, column);
-    for (std::int64_t k = z.begin; k < z.end; ++k)
-      for (std::int64_t j = y.begin; j < y.end; ++j) {
-        const std::size_t word = undecided.word_index(column, j, k);
-        const std::uint64_t waiting = undecided.words[word] & in_box;
-        if (waiting == 0) continue;
-        add_points(grid, arc.circle.center, column, static_cast<std::size_t>(j),
-                   static_cast<std::size_t>(k), word, waiting, scratch.batch);
-        if (scratch.batch.count + 64 > PointBatch::capacity)
-          clear_near_arc(arc, squared_probe, scratch.batch, undecided.words.data());
-      }
-  }
+  std::array<IndexRange, 3> range;
+  for (std::size_t axis = 0; axis < 3; ++axis)
+    range[axis] = points_within(grid, axis, arc.solid_box.low[axis], arc.solid_box.high[axis]);
+  for_each_word(undecided, undecided.words, range,
+                [&](const WordPlace& place, std::uint64_t waiting) {
+                  add_points(grid, arc.circle.center, place, waiting, scratch.batch);
+                  if (scratch.batch.count + 64 > PointBatch::capacity)
+                    clear_near_arc(arc, squared_probe, scratch.batch, undecided.words.data());
+                });
   clear_near_arc(arc, squared_probe, scratch.batch, undecided.words.data());
 }
 

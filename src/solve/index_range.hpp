@@ -2,7 +2,9 @@
 /// Which points of a block a box reaches.
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <span>
 
 #include "grid/point_bits.hpp"
 #include "solve/block_features.hpp"
@@ -54,6 +56,29 @@ inline std::uint64_t column_bits(const IndexRange& x, std::int64_t column) {
   const std::int64_t first = column * PointBits::column_step;
   return low_bits(std::clamp<std::int64_t>(x.end - first, 0, PointBits::column_points)) &
          ~low_bits(std::clamp<std::int64_t>(x.begin - first, 0, PointBits::column_points));
+}
+
+/// A word of PointBits.
+struct WordPlace {
+  std::int64_t column = 0, y = 0, z = 0;
+  std::size_t word = 0;
+};
+
+/// Calls `action(place, bits)` for every one of `words`, which are laid out as those of `layout`,
+/// with the bits that are set within the ranges along x, y and z, if there are any.
+template <class Action>
+void for_each_word(const PointBits& layout, std::span<const std::uint64_t> words,
+                   const std::array<IndexRange, 3>& range, Action&& action) {
+  const IndexRange columns = columns_of(range[0], layout.columns);
+  for (std::int64_t column = columns.begin; column < columns.end; ++column) {
+    const std::uint64_t within = column_bits(range[0], column);
+    for (std::int64_t z = range[2].begin; z < range[2].end; ++z)
+      for (std::int64_t y = range[1].begin; y < range[1].end; ++y) {
+        const std::size_t word = layout.word_index(column, y, z);
+        if (const std::uint64_t bits = words[word] & within; bits != 0)
+          action(WordPlace{column, y, z, word}, bits);
+      }
+  }
 }
 
 }  // namespace eses

@@ -16,6 +16,7 @@
 #include "eses/error.hpp"
 #include "simd/dispatch.hpp"
 #include "simd/padding.hpp"
+#include "solve/cone_filter-inl.hpp"
 #include "solve/edge_saddle-inl.hpp"
 #include "solve/index_range.hpp"
 #include "solve/line_sphere-inl.hpp"
@@ -148,9 +149,8 @@ struct Search {
 
   // Edges enter a van der Waals sphere where its face is exposed.
   void search_face(const FaceFeature& face) {
-    const std::span<const CapCone> cones = features.cones_of(face);
     const bool is_point = is_point_atom(face);
-    std::size_t killer = 0;
+    ConeFilter filter(features.cones_of(face));
     for_each_axis([&](auto axis) {
       const auto is_exposed = [&](DoubleMask met, Points direction, DoubleVector length, int side) {
         if (is_point) {
@@ -158,19 +158,9 @@ struct Search {
           along<axis()>(direction) = all(side);
           length = all(1);
         }
-        const auto keep_outside = [&](const CapCone& cone) {
-          const auto limit = all(cone.cosine) * length + all(tolerance::seam);
-          met = hn::And(met, dot(cone.axis, direction) <= limit);
-          return !hn::AllFalse(Doubles(), met);
-        };
-        // Neighbouring points tend to fall to the same cone.
-        if (killer < cones.size() && !keep_outside(cones[killer])) return met;
-        for (std::size_t k = 0; k < cones.size(); ++k)
-          if (!keep_outside(cones[k])) {
-            killer = k;
-            break;
-          }
-        return met;
+        return filter.outside(met, direction, [&](const CapCone& cone) {
+          return all(cone.cosine) * length + all(tolerance::seam);
+        });
       };
       meet_lines<axis()>(grid, {face.center, face.radius, face.surface_box}, is_exposed,
                          [&](const GridIndex& line, double met, int side, Vec3 direction) {
@@ -203,19 +193,19 @@ struct Search {
 
   // Appends the edges of one word to the batch.
   template <std::size_t axis>
-  void gather_edges(std::uint64_t changes, std::size_t word, std::int64_t first_x, std::int64_t y,
-                    std::int64_t z, Vec3 origin) {
+  void gather_edges(std::uint64_t changes, const WordPlace& place, Vec3 origin) {
     EdgeBatch& batch = scratch.batch;
+    const std::int64_t first_x = place.column * PointBits::column_step;
     for_each_bit(changes, [&](int bit) {
-      GridIndex lower{first_x + bit, y, z};
-      Vec3 start{coordinate(0, lower[0]), coordinate(1, y), coordinate(2, z)};
+      const GridIndex lower{first_x + bit, place.y, place.z};
+      Vec3 start{coordinate(0, lower[0]), coordinate(1, place.y), coordinate(2, place.z)};
       const double low = start[axis], high = coordinate(axis, lower[axis] + 1);
-      const bool lower_is_inside = is_inside(word, bit);
+      const bool lower_is_inside = is_inside(place.word, bit);
       start[axis] = lower_is_inside ? high : low;
       for (std::size_t a = 0; a < 3; ++a) batch.start[a][batch.count] = start[a] - origin[a];
       batch.from[batch.count] = start[axis];
       batch.step[batch.count] = lower_is_inside ? low - high : high - low;
-      batch.place[batch.count] = word * 64 + static_cast<std::uint64_t>(bit);
+      batch.place[batch.count] = place.word * 64 + static_cast<std::uint64_t>(bit);
       ++batch.count;
     });
   }
@@ -241,19 +231,11 @@ struct Search {
       for (std::size_t a = 0; a < 3; ++a)
         range[a] = a == axis() ? own_edges_within(grid, a, box.low[a], box.high[a])
                                : own_points_within(grid, a, box.low[a], box.high[a]);
-      const IndexRange columns = columns_of(range[0], inside.columns);
-      for (std::int64_t column = columns.begin; column < columns.end; ++column) {
-        const std::uint64_t in_box = column_bits(range[0], column);
-        for (std::int64_t z = range[2].begin; z < range[2].end; ++z)
-          for (std::int64_t y = range[1].begin; y < range[1].end; ++y) {
-            const std::size_t word = inside.word_index(column, y, z);
-            const std::uint64_t changes = scratch.edges.changes[axis()][word] & in_box;
-            if (changes == 0) continue;
-            gather_edges<axis()>(changes, word, column * PointBits::column_step, y, z,
-                                 arc.circle.center);
-            if (scratch.batch.count + 64 > EdgeBatch::capacity) meet_batch<axis()>(arc);
-          }
-      }
+      for_each_word(inside, scratch.edges.changes[axis()], range,
+                    [&](const WordPlace& place, std::uint64_t changes) {
+                      gather_edges<axis()>(changes, place, arc.circle.center);
+                      if (scratch.batch.count + 64 > EdgeBatch::capacity) meet_batch<axis()>(arc);
+                    });
       meet_batch<axis()>(arc);
     });
   }
@@ -264,6 +246,8 @@ struct Search {
     for (const PlacementFeature& placement : features.placements) search_placement(placement);
   }
 };
+
+static_assert(largest_block_size - 1 <= std::numeric_limits<decltype(Crossing::x)>::max());
 
 // Lists all edges in canonical order, as crossings of which only the edge is known.
 void list_edges(const BlockGrid& grid, const PointBits& inside, const EdgeTable& edges,

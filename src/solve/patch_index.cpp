@@ -10,7 +10,6 @@ namespace {
 // along an axis than a coarse grid can afford.
 constexpr double least_cell_side = 4;
 constexpr double most_cells = 64;
-constexpr double ball_slack = 1e-5;  // angstrom: keeps points of a probe's sphere in its cells
 
 }  // namespace
 
@@ -54,7 +53,7 @@ void PatchIndex::reset(const BlockFeatures& features, const Box& box) {
     size_[axis] = std::max<std::size_t>(
         1, static_cast<std::size_t>((box.high[axis] - box.low[axis]) / cell_side_));
   const auto ball = [&](const PlacementFeature& placement) {
-    return ball_box(placement.center, features.probe_radius + ball_slack);
+    return ball_box(placement.center, features.probe_radius + box_slack);
   };
   fill(std::span(features.placements), ball, placements_);
   fill(

@@ -1,0 +1,65 @@
+/// Vectors of doubles and 64-bit words, as wide as the instruction set has them. Included anew for
+/// every instruction set, see Highway.
+
+#include <hwy/highway.h>
+
+#include <array>
+#include <bit>
+#include <cstddef>
+#include <cstdint>
+
+#if defined(ESES_SIMD_LANES_INL_) == defined(HWY_TARGET_TOGGLE)
+#ifdef ESES_SIMD_LANES_INL_
+#undef ESES_SIMD_LANES_INL_
+#else
+#define ESES_SIMD_LANES_INL_
+#endif
+
+HWY_BEFORE_NAMESPACE();
+namespace eses::HWY_NAMESPACE {
+namespace hn = hwy::HWY_NAMESPACE;
+
+using Doubles = hn::ScalableTag<double>;
+using Words = hn::Repartition<std::uint64_t, Doubles>;
+using DoubleVector = hn::Vec<Doubles>;
+using WordVector = hn::Vec<Words>;
+using DoubleMask = hn::Mask<Doubles>;
+
+HWY_INLINE DoubleVector all(double value) { return hn::Set(Doubles(), value); }
+HWY_INLINE DoubleVector load(const double* from) { return hn::LoadU(Doubles(), from); }
+
+/// Integers from 0 to 2^52 - 1 held in doubles, as integers: adding 2^52 leaves them in the low
+/// bits.
+HWY_INLINE WordVector to_words(DoubleVector whole) {
+  const auto two_to_52 = all(4503599627370496.0);
+  return hn::Xor(hn::BitCast(Words(), whole + two_to_52), hn::BitCast(Words(), two_to_52));
+}
+
+/// The mask as bits, lane 0 the lowest.
+HWY_INLINE unsigned mask_bits(DoubleMask mask) {
+  std::array<std::uint8_t, 8> bytes{};
+  hn::StoreMaskBits(Doubles(), mask, bytes.data());
+  return bytes[0];
+}
+
+/// What stands in the lanes, to be read one by one.
+struct LaneValues {
+  std::array<double, HWY_MAX_BYTES / sizeof(double)> values;
+
+  HWY_INLINE explicit LaneValues(DoubleVector vector) {
+    hn::StoreU(vector, Doubles(), values.data());
+  }
+  double operator[](std::size_t lane) const { return values[lane]; }
+};
+
+/// Calls `action(lane)` for every lane of the mask.
+template <class Action>
+HWY_INLINE void for_each_lane(DoubleMask mask, Action&& action) {
+  for (unsigned bits = mask_bits(mask); bits != 0; bits &= bits - 1)
+    action(static_cast<std::size_t>(std::countr_zero(bits)));
+}
+
+}  // namespace eses::HWY_NAMESPACE
+HWY_AFTER_NAMESPACE();
+
+#endif
