@@ -94,9 +94,9 @@ TEST_CASE("an exception in any block, or before the first, ends a run with its m
       INFO(threads << " threads, block " << bad);
       const TemporaryDirectory directory;
       const auto attempt = [&] {
-        run(atoms, plan, {}, directory.path(), [&](std::int64_t done, std::int64_t) {
-          if (done >= bad) throw Error("block " + std::to_string(bad) + " failed");
-        });
+        run(atoms, plan, {}, directory.path(), {.progress = [&](std::int64_t done, std::int64_t) {
+              if (done >= bad) throw Error("block " + std::to_string(bad) + " failed");
+            }});
       };
       CHECK_THROWS_WITH(attempt(), "block " + std::to_string(bad) + " failed");
       CHECK(std::filesystem::is_empty(directory.path()));
@@ -111,7 +111,7 @@ TEST_CASE("what ends a run while its files get their names leaves none of them, 
   const Plan plan = make_plan(atoms, parameters, {});
   std::int64_t calls = 0;
   const TemporaryDirectory whole;
-  run(atoms, plan, {}, whole.path(), [&](std::int64_t, std::int64_t) { ++calls; });
+  run(atoms, plan, {}, whole.path(), {.progress = [&](std::int64_t, std::int64_t) { ++calls; }});
   // The last eight calls are after the four files are closed, and after each gets its name.
   for (std::int64_t bad = calls - 8; bad <= calls; ++bad) {
     INFO("call " << bad << " of " << calls);
@@ -119,9 +119,9 @@ TEST_CASE("what ends a run while its files get their names leaves none of them, 
     for (const char* name : eses_file_names) std::ofstream(directory.path() / name) << "older";
     std::int64_t call = 0;
     const auto attempt = [&] {
-      run(atoms, plan, {}, directory.path(), [&](std::int64_t, std::int64_t) {
-        if (++call == bad) throw Error("enough");
-      });
+      run(atoms, plan, {}, directory.path(), {.progress = [&](std::int64_t, std::int64_t) {
+            if (++call == bad) throw Error("enough");
+          }});
     };
     CHECK_THROWS_WITH(attempt(), "enough");
     for (const char* name : eses_file_names) {
@@ -144,13 +144,13 @@ TEST_CASE("of two runs into one directory, in one process, too, the second is re
   parameters.threads = 1;
   const Plan plan = make_plan(atoms, parameters, {});
   bool is_tried = false;
-  run(atoms, plan, {}, directory.path(), [&](std::int64_t, std::int64_t) {
-    if (is_tried) return;
-    is_tried = true;
-    CHECK_THROWS_WITH(
-        run(atoms, plan, {}, directory.path()),
-        "cannot write into " + directory.path().string() + ": another run is writing there");
-  });
+  run(atoms, plan, {}, directory.path(), {.progress = [&](std::int64_t, std::int64_t) {
+        if (is_tried) return;
+        is_tried = true;
+        CHECK_THROWS_WITH(
+            run(atoms, plan, {}, directory.path()),
+            "cannot write into " + directory.path().string() + ": another run is writing there");
+      }});
   CHECK(is_tried);
   run(atoms, plan, {}, directory.path());
   const auto entries = std::filesystem::directory_iterator(directory.path());

@@ -10,6 +10,7 @@
 
 #include "eses/grid.hpp"
 #include "eses/molecule.hpp"
+#include "eses/solved_block.hpp"
 #include "eses/tiling.hpp"
 
 namespace eses {
@@ -34,6 +35,8 @@ struct OutputChoice {
   bool grid = true;   ///< grid_info.txt
   bool edges = true;  ///< intersection_info.txt
   bool areas = true;  ///< partition_area.txt
+
+  static constexpr OutputChoice none() { return {false, false, false, false}; }
 };
 
 /// What a run is going to do, worked out before anything is allocated or written.
@@ -70,8 +73,9 @@ struct Verification {
 };
 
 struct Summary {
-  double area = 0;    ///< square angstrom
-  double volume = 0;  ///< cubic angstrom
+  double area = 0;                 ///< square angstrom
+  std::vector<double> atom_areas;  ///< every atom's share of it, as in partition_area.txt
+  double volume = 0;               ///< cubic angstrom
   std::int64_t inside_points = 0;
   std::int64_t convex = 0;   ///< crossings with one adjacent atom
   std::int64_t saddle = 0;   ///< with two
@@ -86,6 +90,12 @@ struct Summary {
 /// added: while patches are built, rows written and files renamed. What it throws ends the run, and
 /// is thrown on by it.
 using ProgressCallback = std::function<void(std::int64_t done, std::int64_t total)>;
+
+/// What is called while a run goes on, if it is there.
+struct Callbacks {
+  ProgressCallback progress = {};
+  BlockCallback block = {};
+};
 
 /// Grid, tiling, memory and bytes of output; what is left to it, block size, threads and blocks in
 /// flight, it chooses so that `max_memory` is kept. Throws Error if a parameter is out of its
@@ -110,6 +120,10 @@ DiskSpace require_disk_space(const Plan& plan, const std::filesystem::path& dire
 /// Throws Error on write failures, lack of disk space, if another run is writing there, and where
 /// memory exceeds `max_memory` after all: the plan's figure is an estimate.
 Summary run(const Molecule& molecule, const Plan& plan, const OutputChoice& outputs,
-            const std::filesystem::path& directory, const ProgressCallback& progress = {});
+            const std::filesystem::path& directory, const Callbacks& callbacks = {});
+
+/// The same without any file; what is to be known about points and crossings, `callbacks.block`
+/// gets. The plan is best made with `OutputChoice::none()`.
+Summary compute(const Molecule& molecule, const Plan& plan, const Callbacks& callbacks = {});
 
 }  // namespace eses

@@ -19,6 +19,11 @@ class HelpFormatter : public CLI::Formatter {
   std::string make_usage(const CLI::App* /*app*/, std::string /*name*/) const override {
     return fmt::format("\nUsage: {}\n", usage_);
   }
+  // As other programs have it: `-o, --output-dir`.
+  std::string make_option_name(const CLI::Option* option, bool is_positional) const override {
+    return CLI::detail::find_and_replace(CLI::Formatter::make_option_name(option, is_positional),
+                                         ",", ", ");
+  }
   // The value of a flag follows without a blank.
   std::string make_option_opts(const CLI::Option* option) const override {
     const std::string text = option->get_option_text();

@@ -109,10 +109,10 @@ Summary run_with_progress(const Molecule& molecule, const Options& options, cons
   InterruptibleRun interruptible(temporary_paths(options.outputs, options.output_directory),
                                  lock_path(options.output_directory));
   const Summary summary = run(molecule, plan, options.outputs, options.output_directory,
-                              [&](std::int64_t done, std::int64_t total) {
+                              {.progress = [&](std::int64_t done, std::int64_t total) {
                                 interruptible.check();
                                 if (bar) bar->show(done, total);
-                              });
+                              }});
   interruptible.check();
   return summary;
 }

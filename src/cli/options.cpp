@@ -79,7 +79,7 @@ void add_grid_options(CLI::App& app) {
 
 void add_file_options(CLI::App& app) {
   const auto add = [&app](const char* name, const char* value_name, const char* description) {
-    add_value(app, name, value_name, description)->group("Files");
+    add_value(app, name, value_name, description)->group("Input and output");
   };
   add("--format", "NAME", "auto (by the file's suffix), xyzr or pqr [auto]");
   add("-o,--output-dir", "DIR", "where to write files, created if missing [.]");
@@ -128,7 +128,7 @@ void add_flags(CLI::App& app) {
 void add_options(CLI::App& app) {
   set_up(app,
          "eses-blocks [OPTIONS] FILE [PROBE [SPACING [MARGIN]]]\n"
-         "       eses-blocks diff [OPTIONS] DIR_A DIR_B");
+         "  or:  eses-blocks diff [OPTIONS] DIR_A DIR_B");
   add_positionals(app);
   add_grid_options(app);
   add_file_options(app);

@@ -38,6 +38,13 @@ struct PointBits {
     return std::min(owned - column * column_step,
                     column + 1 == columns ? column_points : column_step);
   }
+  /// Whether the point's bit is set.
+  bool test(const GridIndex& point) const {
+    if (words.empty()) return false;
+    const std::int64_t column = std::min(point[0] / column_step, columns - 1);
+    return (words[word_index(column, point[1], point[2])] >> (point[0] - column * column_step) &
+            1) != 0;
+  }
   std::size_t word_index(std::int64_t column, std::int64_t y, std::int64_t z) const {
     return static_cast<std::size_t>((column * size[2] + z) * size[1] + y);
   }

@@ -66,12 +66,13 @@ struct Writer {
 class Pipeline {
  public:
   Pipeline(const Surface& surface, const Plan& plan, OutputFiles& files, Verifier* verifier,
-           ProgressReport& progress)
+           ProgressReport& progress, const BlockCallback& block_callback)
       : surface_(surface),
         plan_(plan),
         text_(plan.grid),
         verifier_(verifier),
         progress_(progress),
+        block_callback_(block_callback),
         rows_per_chunk_(rows_per_chunk(plan.grid)),
         layers_(static_cast<std::size_t>(plan.tiling.blocks[2])),
         queue_(plan.tiling.blocks[2], plan.tiling.blocks[0] * plan.tiling.blocks[1],
@@ -164,8 +165,15 @@ class Pipeline {
     result = solve_block(surface_, plan_.grid, plan_.tiling.block(bx, by, task.layer),
                          workspaces_[thread]);
     if (verifier_ != nullptr) verifier_->take(result, thread);
+    hand_out(result);
     require_memory_within(plan_.parameters.max_memory);
     progress_.add(1);
+  }
+
+  void hand_out(const BlockResult& result) {
+    if (!block_callback_) return;
+    const std::lock_guard lock(callback_mutex_);
+    block_callback_(SolvedBlock(result));
   }
 
   void write(const Task& task, Writer& writer) {
@@ -239,6 +247,8 @@ class Pipeline {
   GridText text_;
   Verifier* verifier_;  // none if nothing is to be verified
   ProgressReport& progress_;
+  const BlockCallback& block_callback_;
+  std::mutex callback_mutex_;
   std::int64_t rows_per_chunk_;
   std::vector<Layer> layers_;
   Plane below_;  // of the layer that is being written
@@ -275,11 +285,11 @@ std::uint64_t write_all(OutputFile& file, std::span<const char> text) {
 }  // namespace
 
 Summary run(const Molecule& molecule, const Plan& plan, const OutputChoice& outputs,
-            const std::filesystem::path& directory, const ProgressCallback& progress) {
+            const std::filesystem::path& directory, const Callbacks& callbacks) {
   const Stopwatch total;
   start_threads(plan.threads);
   OutputFiles files(outputs, directory, plan);
-  ProgressReport report(progress, plan.tiling.block_count());
+  ProgressReport report(callbacks.progress, plan.tiling.block_count());
   const auto check = [&report] { report.check(); };
   Summary summary;
 
@@ -296,16 +306,16 @@ Summary run(const Molecule& molecule, const Plan& plan, const OutputChoice& outp
     summary.seconds.verify = drawing.seconds();
   }
   const Stopwatch blocks;
-  Pipeline pipeline(surface, plan, files, verifier ? &*verifier : nullptr, report);
+  Pipeline pipeline(surface, plan, files, verifier ? &*verifier : nullptr, report, callbacks.block);
   pipeline.run();
   summary.seconds.blocks = blocks.seconds();
   pipeline.add_seconds(summary.seconds);
 
   const Tally tally = pipeline.tally();
-  const std::vector<double> areas = atom_areas(tally, plan.grid.spacing);
+  summary.atom_areas = atom_areas(tally, plan.grid.spacing);
   const PointCounts counts = pipeline.point_counts();
   const double cell = plan.grid.spacing * plan.grid.spacing * plan.grid.spacing;
-  for (const double area : areas) summary.area += area;
+  for (const double area : summary.atom_areas) summary.area += area;
   summary.volume = cell * (static_cast<double>(counts.inside_regular) +
                            0.5 * static_cast<double>(counts.irregular));
   summary.inside_points = counts.inside;
@@ -314,7 +324,7 @@ Summary run(const Molecule& molecule, const Plan& plan, const OutputChoice& outp
   summary.concave = tally.crossings[2];
   if (verifier) {
     const Stopwatch checking;
-    summary.verification = verifier->check(progress);
+    summary.verification = verifier->check(callbacks.progress);
     summary.seconds.verify += checking.seconds();
     if (!summary.verification->faults.empty()) {
       summary.seconds.total = total.seconds();
@@ -325,12 +335,16 @@ Summary run(const Molecule& molecule, const Plan& plan, const OutputChoice& outp
   if (files.box) summary.bytes_written += write_all(*files.box, bounding_box_text(plan.grid));
   if (files.areas) {
     TextBuffer text;
-    append_areas(text, 0, areas);
+    append_areas(text, 0, summary.atom_areas);
     summary.bytes_written += write_all(*files.areas, text.text());
   }
   files.commit(check);
   summary.seconds.total = total.seconds();
   return summary;
+}
+
+Summary compute(const Molecule& molecule, const Plan& plan, const Callbacks& callbacks) {
+  return run(molecule, plan, OutputChoice::none(), {}, callbacks);
 }
 
 }  // namespace eses

@@ -9,6 +9,7 @@
 #include <string>
 #include <utility>
 
+#include "eses/solved_block.hpp"
 #include "run/parallel.hpp"
 
 namespace eses {
@@ -43,16 +44,6 @@ std::int64_t owner_of(const BlockTiling& tiling, const GridIndex& point) {
   for (std::size_t q = 0; q < 3; ++q)
     block[q] = std::min(point[q] / (tiling.block_size - 1), tiling.blocks[q] - 1);
   return number_of(tiling, block);
-}
-
-bool is_inside(const BlockResult& result, const GridIndex& point) {
-  const PointBits& bits = result.inside;
-  if (bits.words.empty()) return false;
-  const GridIndex& first = result.block.first;
-  const std::int64_t x = point[0] - first[0];
-  const std::int64_t column = std::min(x / PointBits::column_step, bits.columns - 1);
-  const std::size_t word = bits.word_index(column, point[1] - first[1], point[2] - first[2]);
-  return (bits.words[word] >> (x - column * PointBits::column_step) & 1) != 0;
 }
 
 void add_edges(const Grid& grid, const BlockResult& result, verify::EdgeSample& sample) {
@@ -93,7 +84,7 @@ void Verifier::take(const BlockResult& result, std::size_t thread) {
   auto point = std::lower_bound(points_.begin(), points_.end(), block,
                                 [](const auto& p, std::int64_t b) { return p.block < b; });
   for (; point != points_.end() && point->block == block; ++point)
-    point->is_inside = is_inside(result, point->index);
+    point->is_inside = SolvedBlock(result).is_inside(point->index);
   add_edges(plan_.grid, result, samples_[thread]);
 }
 

@@ -1,0 +1,35 @@
+# bash completion for eses-blocks: the options are read from --help.
+# shellcheck shell=bash disable=SC2016,SC2034,SC2154,SC2207
+
+_eses_blocks() {
+  local cur prev words cword split
+  _init_completion -s || return
+  local is_diff=false
+  if ((cword > 1)) && [[ ${words[1]} == diff ]]; then is_diff=true; fi
+
+  case $prev in
+    --format) COMPREPLY=($(compgen -W 'auto xyzr pqr' -- "$cur")) && return ;;
+    --write) COMPREPLY=($(compgen -W 'all none grid edges areas grid,edges grid,areas edges,areas' \
+      -- "$cur")) && return ;;
+    --output-dir | -o) _filedir -d && return ;;
+    # Numbers.
+    --probe-radius | --spacing | --margin | --threads | -t | --block-size | -b | --max-memory | \
+      --tolerance) return ;;
+  esac
+  if $split; then return; fi
+
+  if [[ $cur == -* ]]; then
+    if $is_diff; then
+      COMPREPLY=($(compgen -W '$(_parse_help "$1" "diff --help")' -- "$cur"))
+    else
+      COMPREPLY=($(compgen -W '$(_parse_help "$1")' -- "$cur"))
+    fi
+    if [[ ${COMPREPLY-} == *= ]]; then compopt -o nospace; fi
+  elif $is_diff; then
+    _filedir -d
+  else
+    _filedir '@(xyzr|pqr)'
+    if ((cword == 1)); then COMPREPLY+=($(compgen -W diff -- "$cur")); fi
+  fi
+}
+complete -F _eses_blocks eses-blocks

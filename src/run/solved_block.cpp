@@ -1,0 +1,27 @@
+#include "eses/solved_block.hpp"
+
+#include <algorithm>
+
+#include "solve/block_solver.hpp"
+
+namespace eses {
+
+const Block& SolvedBlock::block() const { return result_->block; }
+
+bool SolvedBlock::is_inside(const GridIndex& point) const {
+  const GridIndex& first = result_->block.first;
+  return result_->inside.test({point[0] - first[0], point[1] - first[1], point[2] - first[2]});
+}
+
+std::span<const Crossing> SolvedBlock::crossings() const { return result_->crossings; }
+
+std::span<const Crossing> SolvedBlock::crossings_of_row(std::int64_t y, std::int64_t z) const {
+  if (result_->crossings.empty()) return {};
+  const Block& block = result_->block;
+  const auto row =
+      static_cast<std::size_t>((z - block.first[2]) * block.owned[1] + y - block.first[1]);
+  const std::uint32_t begin = result_->row_begin[row], end = result_->row_begin[row + 1];
+  return std::span(result_->crossings).subspan(begin, end - begin);
+}
+
+}  // namespace eses
