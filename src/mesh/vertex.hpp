@@ -17,9 +17,9 @@ struct Vertex {
 };
 
 /// A crossing that is nearer than this to a grid point coincides with it.
-inline constexpr double coincidence = 1e-9;  // of the spacing
+inline constexpr double coincidence = 1e-6;  // of the spacing
 /// Vertices stay so far away from a grid point with which their crossings coincide.
-inline constexpr double clearance = 1e-3;  // of the spacing
+inline constexpr double clearance = 1e-4;  // of the spacing
 
 /// The vertex on an edge of the grid that starts at the point `lower`: its crossing. If that
 /// coincides with a grid point, so may those of other edges there, and triangles would have no
