@@ -40,11 +40,13 @@ constexpr char footer[] = R"(Files written:
   grid_info.txt               every grid point, 1 inside and -1 outside
   intersection_info.txt       every grid edge that the surface cuts: point, normal, atoms
   partition_area.txt          every atom's share of the area, in square angstrom
+  --mesh FILE                 the surface as triangles, if asked for
 
 Examples:
   eses-blocks 1crn.xyzr                                defaults, files in this directory
   eses-blocks 1crn.xyzr 1.4 0.25 0.8                   probe radius, spacing, margin as in ESES
   eses-blocks 1crn.pqr --spacing 0.25 -o out --json    files in out/, report as JSON
+  eses-blocks 1crn.pqr --mesh 1crn.ply --color chain   the surface to look at, too
   eses-blocks diff out ESES                            compares the files in two directories
   eses-blocks 1crn.xyzr --spacing 0.1 --dry-run        points, memory and disk it would take
 

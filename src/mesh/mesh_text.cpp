@@ -195,14 +195,23 @@ void MeshText::append_triangle(TextBuffer& text, const Triangle& triangle) const
   }
 }
 
-std::uint64_t typical_vertex_bytes(MeshFormat format) {
-  constexpr std::uint64_t ply = 3 * 8 + 3 * 4 + 3 + 1 + 3 * 4, numbers = 3 * 20;
-  return format == MeshFormat::ply ? ply : format == MeshFormat::obj ? 2 * numbers + 3 : numbers;
+std::uint64_t typical_vertex_bytes(const MeshChoice& choice) {
+  constexpr std::uint64_t vector_line = 3 * 19;
+  const std::optional<MeshFormat> format = mesh_format(choice.file);
+  if (format == MeshFormat::off) return vector_line;
+  if (format == MeshFormat::obj) return 2 * vector_line + 5;
+  constexpr std::uint64_t position = 3 * sizeof(double), normal = 3 * sizeof(float);
+  return position + normal + sizeof(std::uint8_t) + sizeof(AtomIndex) +
+         (choice.color == MeshColor::none ? 0 : sizeof(Color)) +
+         (choice.labels.empty() ? 0 : 2 * sizeof(std::uint32_t));
 }
 
-std::uint64_t typical_triangle_bytes(MeshFormat format) {
-  constexpr std::uint64_t ply = 1 + 3 * 4, obj = 2 + 3 * 17, off = 2 + 3 * 8;
-  return format == MeshFormat::ply ? ply : format == MeshFormat::obj ? obj : off;
+std::uint64_t typical_triangle_bytes(const MeshChoice& choice) {
+  constexpr std::uint64_t index_text = 8;  // with a blank
+  const std::optional<MeshFormat> format = mesh_format(choice.file);
+  if (format == MeshFormat::off) return 2 + 3 * index_text;
+  if (format == MeshFormat::obj) return 2 + 3 * (2 * index_text + 1);
+  return 1 + 3 * sizeof(std::int32_t);
 }
 
 }  // namespace eses::mesh

@@ -105,9 +105,8 @@ std::string in_megabytes(double bytes) { return fmt::format("{:.4g} MB", bytes /
 
 // Per crossing: a closed mesh has about twice as many triangles as vertices.
 double mesh_bytes(const MeshChoice& mesh) {
-  const MeshFormat format = mesh_format(mesh.file).value();
-  return static_cast<double>(mesh::typical_vertex_bytes(format) +
-                             2 * mesh::typical_triangle_bytes(format));
+  return static_cast<double>(mesh::typical_vertex_bytes(mesh) +
+                             2 * mesh::typical_triangle_bytes(mesh));
 }
 
 // The fastest schedule that keeps the limit; without one, the fastest.

@@ -164,8 +164,9 @@ class Mesh(FaultTest):
     def test_signal_at_every_call(self):
         def check(done):
             self.assertIn(done.returncode, (0, 128 + signal.SIGTERM.value), done)
-            if done.returncode:
-                self.assertEqual(self.all_files() + self.all_files(self.meshes), [])
+            left = self.all_files() + self.all_files(self.meshes)
+            complete = [*sorted(NAMES), "a.ply"]  # when only the locks are left to go
+            self.assertIn(left, ([], complete) if done.returncode else (complete,))
         self.for_every_call(f"signal={signal.SIGTERM.value}", check)
 
     def test_one_run_at_a_time(self):
