@@ -426,6 +426,46 @@ TEST_CASE("mesh: an atom of radius 0 on a grid point", "[mesh]") {
   CHECK(measure(mesh).smallest_area > 0);
 }
 
+TEST_CASE("mesh: it is open where the grid cuts the molecule, and nowhere else", "[mesh]") {
+  Parameters parameters;
+  parameters.margin = 0.2;
+  const auto [mesh, files, summary] = run_mesh({{{0.1, 0.2, 0.3}, 2.15}}, parameters);
+  std::set<std::pair<std::uint64_t, std::uint64_t>> sides;
+  for (const MeshTriangle& t : mesh.triangles)
+    for (std::size_t i = 0; i < 3; ++i) sides.insert({t[i], t[(i + 1) % 3]});
+  Vec3 upper = files.lower;
+  for (std::size_t axis = 0; axis < 3; ++axis)
+    upper[axis] += static_cast<double>(files.size[axis] - 1) * parameters.spacing;
+  std::size_t open = 0;
+  for (const auto& [from, to] : sides) {
+    if (sides.contains({to, from})) continue;
+    ++open;
+    const Vec3 a = mesh.positions[from], b = mesh.positions[to];
+    bool is_on_face = false;
+    for (std::size_t axis = 0; axis < 3; ++axis)
+      is_on_face = is_on_face || (std::fabs(a[axis] - upper[axis]) < 1e-9 &&
+                                  std::fabs(b[axis] - upper[axis]) < 1e-9);
+    CHECK(is_on_face);
+  }
+  CHECK(open >= 3 * 4);  // three faces, each with a hole
+}
+
+TEST_CASE("mesh: its size is estimated", "[mesh]") {
+  const std::vector<Atom> atoms = make_chain(200, 5);
+  for (const char* name : {"a.ply", "a.obj", "a.off"}) {
+    OutputChoice outputs;
+    outputs.mesh = MeshChoice{name};
+    const Plan plan = make_plan(atoms, {}, outputs);
+    const double ratio = static_cast<double>(plan.mesh_file_bytes) /
+                         static_cast<double>(bytes_of_mesh(atoms, {}, *outputs.mesh).size());
+    INFO(name << ": " << ratio);
+    CHECK(ratio > 0.7);
+    CHECK(ratio < 1.6);
+    CHECK(plan.output_bytes() == plan.grid_file_bytes + plan.edge_file_bytes +
+                                     plan.area_file_bytes + plan.mesh_file_bytes);
+  }
+}
+
 TEST_CASE("mesh: threads and block size leave no trace", "[mesh]") {
   const std::vector<Atom> atoms = make_chain(120, 20180102);
   for (const char* name : {"a.ply", "a.obj", "a.off"}) {

@@ -35,6 +35,8 @@ std::string_view shortened(std::string_view name) {
 
 AtomGroups group_atoms(std::span<const AtomLabel> labels) {
   AtomGroups groups;
+  groups.chain_of.reserve(labels.size());
+  groups.residue_of.reserve(labels.size());
   NameNumbers chains(groups.chains), residues(groups.residues);
   for (const AtomLabel& label : labels) {
     const std::string_view chain = shortened(label.chain);

@@ -22,7 +22,7 @@ constexpr Color convex_color{86, 180, 233}, saddle_color{240, 228, 66}, concave_
 
 // Readers take the indices of a PLY face for signed, and hold those of the others in an int.
 constexpr std::uint64_t most_vertices = std::numeric_limits<std::int32_t>::max();
-constexpr int count_digits = 12;
+constexpr std::size_t count_digits = 12;
 
 // Hues that differ for numbers that follow each other: fractions of the golden ratio. In whole
 // numbers, so that no machine rounds them otherwise.
@@ -196,7 +196,7 @@ void MeshText::append_triangle(TextBuffer& text, const Triangle& triangle) const
 }
 
 std::uint64_t typical_vertex_bytes(const MeshChoice& choice) {
-  constexpr std::uint64_t vector_line = 3 * 19;
+  constexpr std::uint64_t vector_line = 57;  // three numbers with what parts them
   const std::optional<MeshFormat> format = mesh_format(choice.file);
   if (format == MeshFormat::off) return vector_line;
   if (format == MeshFormat::obj) return 2 * vector_line + 5;

@@ -86,7 +86,7 @@ double mesh_bytes(const SurfaceSurvey& survey, const Grid& grid, const BlockTili
 }
 
 double label_bytes(const OutputChoice& outputs) {
-  constexpr double per_atom = sizeof(AtomLabel) + growth * 2 * sizeof(std::uint32_t);
+  constexpr double per_atom = sizeof(AtomLabel) + 2 * sizeof(std::uint32_t);
   return outputs.mesh ? per_atom * static_cast<double>(outputs.mesh->labels.size()) : 0;
 }
 
