@@ -12,6 +12,7 @@
 #include <cstdint>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include "expect.hpp"
@@ -31,7 +32,10 @@ struct Outcome {
 
 Outcome read(std::string_view text) {
   try {
-    return {parse_atoms(text, format, name), {}};
+    NumberedAtoms atoms = parse_numbered_atoms(text, format, name);
+    const bool is_named = format == AtomFormat::pqr;
+    expect(atoms.labels.size() == (is_named ? atoms.atoms.size() : 0), "atoms and their names");
+    return {std::move(atoms.atoms), {}};
   } catch (const Error& error) {
     return {{}, checked_message(error, name)};
   }

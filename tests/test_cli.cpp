@@ -80,6 +80,8 @@ TEST_CASE("help names every option with unit and default, examples and exit code
                                  "2 to 4096 [64]",
                                  "--format NAME",
                                  "--write LIST",
+                                 "--mesh FILE",
+                                 "--color NAME",
                                  "--max-memory BYTES",
                                  "powers of 1024",
                                  "--dry-run",
@@ -119,7 +121,7 @@ TEST_CASE("usage errors name option, value and expectation, and write nothing", 
       {{""}, "FILE is missing"},
       {{"atom.xyzr", "1.4", "0.4", "0.8", "7"},
        "unexpected argument '7' after FILE, PROBE, SPACING and MARGIN"},
-      {{"atom.xyzr", "--color"}, "unknown option '--color'"},
+      {{"atom.xyzr", "--colour"}, "unknown option '--colour'"},
       {{"atom.xyzr", "-x"}, "unknown option '-x'"},
       {{"atom.xyzr", "-1.4"}, "PROBE is '-1.4'" + above_zero},
       {{"atom.xyzr", "1.4", "-0.4"}, "SPACING is '-0.4'" + above_zero},
@@ -346,7 +348,7 @@ TEST_CASE("the JSON report holds what the text says", "[cli]") {
         "['blocks', 'classify', 'intersect', 'output', 'patches', 'total', 'verify']");
   check("sorted(r['plan'])",
         "['area_file_bytes', 'blocks_ahead', 'cut_depth', 'disk_bytes', 'edge_file_bytes', "
-        "'grid_file_bytes', 'max_memory_bytes', 'memory_bytes', 'output_bytes']");
+        "'grid_file_bytes', 'max_memory_bytes', 'memory_bytes', 'mesh_file_bytes', 'output_bytes']");
   check("r['plan']['max_memory_bytes'], r['diagnostics'], r['dry_run']", "(None, [], False)");
   check("r['peak_memory_bytes'] > 0 and r['threads'] > 0 and bool(r['version'])", "True");
 }

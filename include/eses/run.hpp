@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "eses/grid.hpp"
+#include "eses/mesh.hpp"
 #include "eses/molecule.hpp"
 #include "eses/solved_block.hpp"
 #include "eses/tiling.hpp"
@@ -35,8 +36,9 @@ struct OutputChoice {
   bool grid = true;   ///< grid_info.txt
   bool edges = true;  ///< intersection_info.txt
   bool areas = true;  ///< partition_area.txt
+  std::optional<MeshChoice> mesh = {};
 
-  static constexpr OutputChoice none() { return {false, false, false, false}; }
+  static OutputChoice none() { return {false, false, false, false, {}}; }
 };
 
 /// What a run is going to do, worked out before anything is allocated or written.
@@ -52,7 +54,10 @@ struct Plan {
   std::uint64_t grid_file_bytes = 0;  ///< upper bound
   std::uint64_t edge_file_bytes = 0;  ///< estimate
   std::uint64_t area_file_bytes = 0;  ///< upper bound
-  std::uint64_t output_bytes() const { return grid_file_bytes + edge_file_bytes + area_file_bytes; }
+  std::uint64_t mesh_file_bytes = 0;  ///< estimate
+  std::uint64_t output_bytes() const {
+    return grid_file_bytes + edge_file_bytes + area_file_bytes + mesh_file_bytes;
+  }
 };
 
 struct PhaseSeconds {
@@ -82,6 +87,7 @@ struct Summary {
   std::int64_t concave = 0;  ///< with three
   std::int64_t edges() const { return convex + saddle + concave; }
   std::uint64_t bytes_written = 0;
+  std::optional<MeshCounts> mesh;            ///< if there is one
   std::optional<Verification> verification;  ///< if it was asked for
   PhaseSeconds seconds;
 };
@@ -113,10 +119,10 @@ struct DiskSpace {
 /// those whose size is known do not fit.
 DiskSpace require_disk_space(const Plan& plan, const std::filesystem::path& directory);
 
-/// Computes the surface and writes the chosen files into `directory` (created if missing), which it
-/// locks against other runs. The files appear under their names only when all of them are complete,
-/// the bounding box last, and older ones are removed before; on failure none appears,
-/// nor if the verification that `plan.parameters` asks for finds a fault.
+/// Computes the surface and writes the chosen files into `directory` and the mesh into its own
+/// (both created if missing), which it locks against other runs. The files appear under their names
+/// only when all of them are complete, the bounding box last, and older ones are removed before; on
+/// failure none appears, nor if the verification that `plan.parameters` asks for finds a fault.
 /// Throws Error on write failures, lack of disk space, if another run is writing there, and where
 /// memory exceeds `max_memory` after all: the plan's figure is an estimate.
 Summary run(const Molecule& molecule, const Plan& plan, const OutputChoice& outputs,

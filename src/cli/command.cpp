@@ -107,7 +107,7 @@ Summary run_with_progress(const Molecule& molecule, const Options& options, cons
   std::optional<ProgressBar> bar;
   if (!options.quiet && ProgressBar::is_possible()) bar.emplace();
   InterruptibleRun interruptible(temporary_paths(options.outputs, options.output_directory),
-                                 lock_path(options.output_directory));
+                                 lock_paths(options.outputs, options.output_directory));
   const Summary summary = run(molecule, plan, options.outputs, options.output_directory,
                               {.progress = [&](std::int64_t done, std::int64_t total) {
                                 interruptible.check();
@@ -153,9 +153,19 @@ Report plan_report(const Molecule& molecule, std::span<const std::uint64_t> line
   return report;
 }
 
-int compute(const Options& options) {
+// What the mesh tells of its atoms; released if nobody needs it.
+void hand_over_labels(NumberedAtoms& input, OutputChoice& outputs) {
+  if (outputs.mesh && mesh_format(outputs.mesh->file) == MeshFormat::ply) {
+    outputs.mesh->labels = input.labels;
+  } else {
+    std::vector<AtomLabel>().swap(input.labels);
+  }
+}
+
+int compute(Options options) {
   require_standard_output();
   NumberedAtoms input = read_numbered_atoms(options.input, options.format);
+  hand_over_labels(input, options.outputs);
   const Molecule molecule(std::move(input.atoms));
   Report report = plan_report(molecule, input.lines, options);
   if (options.dry_run) {

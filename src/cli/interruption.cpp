@@ -52,8 +52,9 @@ void end_on_signals() {
   if (!is_ignored(SIGHUP)) handle(SIGHUP, take_signal);
 }
 
-InterruptibleRun::InterruptibleRun(std::vector<std::string> temporaries, std::string lock)
-    : temporaries_(std::move(temporaries)), lock_(std::move(lock)) {
+InterruptibleRun::InterruptibleRun(std::vector<std::string> temporaries,
+                                   std::vector<std::string> locks)
+    : temporaries_(std::move(temporaries)), locks_(std::move(locks)) {
   current_run = this;
 }
 
@@ -64,13 +65,14 @@ InterruptibleRun::~InterruptibleRun() {
 }
 
 void InterruptibleRun::check() {
-  has_lock_ = true;
+  has_locks_ = true;
   if (received_signal != 0) throw Interrupted{128 + received_signal};
 }
 
 void InterruptibleRun::remove_leftovers() const {
   for (const std::string& path : temporaries_) unlink(path.c_str());
-  if (has_lock_) unlink(lock_.c_str());
+  if (!has_locks_) return;
+  for (const std::string& path : locks_) unlink(path.c_str());
 }
 
 }  // namespace eses::cli

@@ -21,8 +21,8 @@ void end_on_signals();
 /// removed. There can be one at a time.
 class InterruptibleRun {
  public:
-  /// `lock` is removed only if `check` has been called: the run has it from then on.
-  InterruptibleRun(std::vector<std::string> temporaries, std::string lock);
+  /// `locks` are removed only if `check` has been called: the run has them from then on.
+  InterruptibleRun(std::vector<std::string> temporaries, std::vector<std::string> locks);
   ~InterruptibleRun();
   InterruptibleRun(const InterruptibleRun&) = delete;
   InterruptibleRun& operator=(const InterruptibleRun&) = delete;
@@ -34,9 +34,8 @@ class InterruptibleRun {
   void remove_leftovers() const;
 
  private:
-  std::vector<std::string> temporaries_;
-  std::string lock_;
-  std::atomic<bool> has_lock_ = false;
+  std::vector<std::string> temporaries_, locks_;
+  std::atomic<bool> has_locks_ = false;
 };
 
 }  // namespace eses::cli

@@ -40,11 +40,13 @@ constexpr char footer[] = R"(Files written:
   grid_info.txt               every grid point, 1 inside and -1 outside
   intersection_info.txt       every grid edge that the surface cuts: point, normal, atoms
   partition_area.txt          every atom's share of the area, in square angstrom
+  --mesh FILE                 the surface as triangles, if asked for
 
 Examples:
   eses-blocks 1crn.xyzr                                defaults, files in this directory
   eses-blocks 1crn.xyzr 1.4 0.25 0.8                   probe radius, spacing, margin as in ESES
   eses-blocks 1crn.pqr --spacing 0.25 -o out --json    files in out/, report as JSON
+  eses-blocks 1crn.pqr --mesh 1crn.ply --color chain   the surface to look at, too
   eses-blocks diff out ESES                            compares the files in two directories
   eses-blocks 1crn.xyzr --spacing 0.1 --dry-run        points, memory and disk it would take
 
@@ -85,7 +87,9 @@ void add_file_options(CLI::App& app) {
   add("-o,--output-dir", "DIR", "where to write files, created if missing [.]");
   add("--write", "LIST",
       "files to write besides bounding_box.txt: some of\n"
-      "grid,edges,areas; or none for no file at all [all]");
+      "grid,edges,areas; or none for none of the four [all]");
+  add("--mesh", "FILE", "also the surface as triangles: .ply, .obj or .off");
+  add("--color", "NAME", "colours in a .ply file: patch, atom or chain (PQR) [none]");
 }
 
 void add_computation_options(CLI::App& app) {
@@ -244,11 +248,32 @@ OutputChoice outputs_of(const CLI::App& app) {
   return result;
 }
 
+MeshColor color_of(const CLI::App& app) {
+  const std::optional<std::string> name = text_of(app, "--color");
+  if (!name) return MeshColor::none;
+  if (*name == "patch") return MeshColor::patch;
+  if (*name == "atom") return MeshColor::atom;
+  if (*name == "chain") return MeshColor::chain;
+  refuse("--color", *name, "patch, atom or chain");
+}
+
+std::optional<MeshChoice> mesh_of(const CLI::App& app) {
+  const MeshColor color = color_of(app);
+  const std::optional<std::string> file = text_of(app, "--mesh");
+  const std::optional<MeshFormat> format = file ? mesh_format(*file) : std::nullopt;
+  if (file && !format) refuse("--mesh", *file, "a file that ends in .ply, .obj or .off");
+  if (color != MeshColor::none && format != MeshFormat::ply)
+    throw UsageError("--color needs --mesh with a .ply file");
+  if (!file) return std::nullopt;
+  return MeshChoice{*file, color};
+}
+
 Options options_of(const CLI::App& app) {
   Options options;
   options.parameters = parameters_of(app);
   options.format = format_of(app);
   options.outputs = outputs_of(app);
+  options.outputs.mesh = mesh_of(app);
   options.output_directory = required_text(app, "--output-dir", ".");
   options.quiet = is_set(app, "--quiet");
   options.json = is_set(app, "--json");

@@ -47,10 +47,21 @@ std::string path_text(const std::filesystem::path& path) {
 
 std::string written_text(const Report& report) {
   if (has_faults(report.summary)) return "written: nothing, as there are faults\n";
-  const std::vector<std::string> names = file_names(report.options.outputs);
-  if (names.empty()) return "written: nothing\n";
-  return fmt::format("written: {} to {} ({})\n", bytes_text(report.summary.bytes_written),
-                     path_text(report.options.output_directory), fmt::join(names, ", "));
+  const OutputChoice& outputs = report.options.outputs;
+  std::vector<std::string> places;
+  if (const std::vector<std::string> names = file_names(outputs); !names.empty())
+    places.push_back(fmt::format("to {} ({})", path_text(report.options.output_directory),
+                                 fmt::join(names, ", ")));
+  if (outputs.mesh) places.push_back(fmt::format("to {}", path_text(outputs.mesh->file)));
+  if (places.empty()) return "written: nothing\n";
+  return fmt::format("written: {} {}\n", bytes_text(report.summary.bytes_written),
+                     fmt::join(places, " and "));
+}
+
+std::string mesh_text(const Summary& summary) {
+  if (!summary.mesh) return "";
+  return fmt::format("mesh: {} vertices, {} triangles\n", summary.mesh->vertices,
+                     summary.mesh->triangles);
 }
 
 bool is_known(const DiskSpace& disk) {
@@ -66,6 +77,7 @@ std::string files_text(const Plan& plan) {
   add(plan.grid_file_bytes, "at most", "grid_info.txt");
   add(plan.edge_file_bytes, "about", "intersection_info.txt");
   add(plan.area_file_bytes, "at most", "partition_area.txt");
+  add(plan.mesh_file_bytes, "about", "the mesh");
   return fmt::format("{}", fmt::join(parts, ", "));
 }
 
@@ -134,6 +146,7 @@ std::string plan_json(const Plan& plan, const DiskSpace& disk) {
                        {"grid_file_bytes", json::number(plan.grid_file_bytes)},
                        {"edge_file_bytes", json::number(plan.edge_file_bytes)},
                        {"area_file_bytes", json::number(plan.area_file_bytes)},
+                       {"mesh_file_bytes", json::number(plan.mesh_file_bytes)},
                        {"disk_bytes", number_unless(!is_known(disk), disk.available)},
                        {"cut_depth", json::number(plan.cut_depth)}});
 }
@@ -186,6 +199,14 @@ std::string verification_json(const std::optional<Verification>& verification) {
   return json::object({{"points", json::number(verification->points)},
                        {"edges", json::number(verification->edges)},
                        {"faults", json::array(strings_json(verification->faults))}});
+}
+
+std::string mesh_json(const Report& report) {
+  const auto& mesh = report.summary.mesh;
+  if (!mesh) return "null";
+  return json::object({{"file", json::string(report.options.outputs.mesh->file.string())},
+                       {"vertices", json::number(mesh->vertices)},
+                       {"triangles", json::number(mesh->triangles)}});
 }
 
 std::string output_json(const Report& report) {
@@ -251,6 +272,7 @@ std::string summary_text(const Report& report) {
   std::string text = fmt::format("crossings: {} ({} convex, {} saddle, {} concave)\n",
                                  summary.edges(), summary.convex, summary.saddle, summary.concave);
   text += fmt::format("inside points: {}\n", summary.inside_points);
+  text += mesh_text(summary);
   text += verification_text(summary);
   text += fmt::format(
       "time: {} (patches {}, blocks {}{})\n", duration_text(seconds.total),
@@ -280,6 +302,7 @@ std::string json_text(const Report& report) {
                                    {"inside_points", json::number(summary.inside_points)},
                                    {"crossings", crossings_json(summary)},
                                    {"verification", verification_json(summary.verification)},
+                                   {"mesh", mesh_json(report)},
                                    {"output", output_json(report)},
                                    {"seconds", seconds_json(summary.seconds)},
                                    {"peak_memory_bytes", json::number(report.peak_memory_bytes)}});

@@ -49,13 +49,17 @@ FileDescriptor open_lock(const FileDescriptor& directory) {
   return lock;
 }
 
+bool is_same_file(const struct stat& a, const struct stat& b) {
+  return a.st_dev == b.st_dev && a.st_ino == b.st_ino;
+}
+
 // Whoever had the lock may have removed its file after it was opened here.
 bool is_still_there(const FileDescriptor& directory, const FileDescriptor& lock) {
   struct stat opened {
   }, named{};
   return fstat(lock.value(), &opened) == 0 &&
          fstatat(directory.value(), lock_name, &named, AT_SYMLINK_NOFOLLOW) == 0 &&
-         opened.st_dev == named.st_dev && opened.st_ino == named.st_ino;
+         is_same_file(opened, named);
 }
 
 struct CloseDirectory {
@@ -90,6 +94,13 @@ OutputDirectory::OutputDirectory(std::filesystem::path path)
 
 OutputDirectory::~OutputDirectory() {
   if (is_locked_) unlinkat(descriptor(), lock_name, 0);
+}
+
+bool OutputDirectory::is_at(const std::string& other) const {
+  struct stat here {
+  }, there{};
+  return fstat(descriptor(), &here) == 0 && stat(other.c_str(), &there) == 0 &&
+         is_same_file(here, there);
 }
 
 void OutputDirectory::lock() {

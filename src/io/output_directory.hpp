@@ -31,6 +31,9 @@ class OutputDirectory {
 
   const std::filesystem::path& path() const { return path_; }
 
+  /// Whether `other` leads to the same directory.
+  bool is_at(const std::string& other) const;
+
   /// Stays the same directory if it is renamed.
   int descriptor() const { return directory_.value(); }
 

@@ -8,6 +8,7 @@
 #include <cerrno>
 #include <string>
 #include <system_error>
+#include <utility>
 
 #include "eses/error.hpp"
 
@@ -28,8 +29,13 @@ std::filesystem::path temporary_directory() {
 
 }  // namespace
 
-ScratchFile::ScratchFile() : directory_(temporary_directory()) {
-  std::string name = (directory_ / "eses-blocks-XXXXXX").string();
+ScratchFile::ScratchFile() : ScratchFile(temporary_directory()) {}
+
+ScratchFile::ScratchFile(std::filesystem::path directory) : directory_(std::move(directory)) {
+  descriptor_ = open(directory_.c_str(), O_TMPFILE | O_RDWR | O_CLOEXEC, 0600);
+  if (descriptor_ >= 0) return;
+  // Not every file system has files without names.
+  std::string name = directory_.native() + "/.eses-blocks-XXXXXX";
   descriptor_ = mkostemp(name.data(), O_CLOEXEC);
   if (descriptor_ < 0) fail("create", directory_, errno);
   unlink(name.c_str());
@@ -38,13 +44,19 @@ ScratchFile::ScratchFile() : directory_(temporary_directory()) {
 ScratchFile::~ScratchFile() { close(descriptor_); }
 
 void ScratchFile::append(std::span<const std::byte> bytes) {
+  write_at(bytes, size_);
+  size_ += bytes.size();
+}
+
+void ScratchFile::write_at(std::span<const std::byte> bytes, std::uint64_t offset) {
   while (!bytes.empty()) {
     const ssize_t written =
-        pwrite(descriptor_, bytes.data(), bytes.size(), static_cast<off_t>(size_));
+        pwrite(descriptor_, bytes.data(), bytes.size(), static_cast<off_t>(offset));
     if (written < 0 && errno == EINTR) continue;
     if (written < 0) fail("write", directory_, errno);
+    if (written == 0) fail("write", directory_, EIO);
     bytes = bytes.subspan(static_cast<std::size_t>(written));
-    size_ += static_cast<std::uint64_t>(written);
+    offset += static_cast<std::uint64_t>(written);
   }
 }
 

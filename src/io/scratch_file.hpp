@@ -8,18 +8,23 @@
 
 namespace eses {
 
-/// A file without a name in the directory for temporary files (TMPDIR, or /tmp), gone with the
-/// object or the process. Every failure throws Error, naming that directory.
+/// A file without a name, gone with the object or the process. Every failure throws Error, naming
+/// the file's directory.
 class ScratchFile {
  public:
+  /// In the directory for temporary files (TMPDIR, or /tmp).
   ScratchFile();
+  explicit ScratchFile(std::filesystem::path directory);
   ~ScratchFile();
   ScratchFile(const ScratchFile&) = delete;
   ScratchFile& operator=(const ScratchFile&) = delete;
 
   void append(std::span<const std::byte> bytes);
+  /// May be called from several threads for disjoint ranges; `size` does not count it.
+  void write_at(std::span<const std::byte> bytes, std::uint64_t offset);
   /// All of `bytes`, which must have been written.
   void read_at(std::span<std::byte> bytes, std::uint64_t offset) const;
+  /// Of what was appended.
   std::uint64_t size() const { return size_; }
 
  private:

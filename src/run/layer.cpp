@@ -46,6 +46,13 @@ void LayerRows::join(std::int64_t y, std::int64_t z, RowBits& row) const {
   }
 }
 
+LayerCrossings::LayerCrossings(const BlockTiling& tiling, const Layer& layer)
+    : tiling_(tiling), blocks_(static_cast<std::size_t>(tiling.blocks[1])) {
+  for (std::size_t b = 0; b < layer.blocks.size(); ++b)
+    if (!layer.blocks[b].crossings.empty())
+      blocks_[b / static_cast<std::size_t>(tiling.blocks[0])].push_back(&layer.blocks[b]);
+}
+
 Plane last_plane(const Layer& layer) {
   Plane plane;
   plane.blocks.resize(layer.blocks.size());

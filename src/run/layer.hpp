@@ -2,6 +2,7 @@
 /// One layer of blocks, solved, as rows of the whole grid.
 
 #include <cstdint>
+#include <span>
 #include <vector>
 
 #include "eses/tiling.hpp"
@@ -40,6 +41,36 @@ class LayerRows {
   std::vector<std::vector<Piece>> pieces_;  // by block row
 };
 
+/// The part of the blocks in row y: their index range along x is [0, blocks[0]), all in block row
+/// `by`, where y is the local row `y`.
+struct BlockRow {
+  std::int64_t by = 0, y = 0;
+};
+BlockRow block_row_of(const BlockTiling& tiling, std::int64_t y);
+
+/// Which of a layer's blocks have crossings; made once for many rows.
+class LayerCrossings {
+ public:
+  LayerCrossings(const BlockTiling& tiling, const Layer& layer);
+
+  /// Calls action(first_x, crossings) for the pieces of row (y, z), by x; a crossing's `x` counts
+  /// from `first_x`, `z` from the layer's first plane.
+  template <class Action>
+  void for_each_piece(std::int64_t y, std::int64_t z, Action&& action) const {
+    const BlockRow place = block_row_of(tiling_, y);
+    for (const BlockResult* const result : blocks_[static_cast<std::size_t>(place.by)]) {
+      const auto row = static_cast<std::size_t>(z * result->block.owned[1] + place.y);
+      const std::uint32_t first = result->row_begin[row], last = result->row_begin[row + 1];
+      if (first < last)
+        action(result->block.first[0], std::span(result->crossings).subspan(first, last - first));
+    }
+  }
+
+ private:
+  const BlockTiling& tiling_;
+  std::vector<std::vector<const BlockResult*>> blocks_;  // by block row
+};
+
 /// The inside bits of the last plane that a layer owns: all that is kept of it once it is written.
 /// By block [by][bx], words [column][y]; none where there is no layer or nothing inside.
 struct Plane {
@@ -47,12 +78,5 @@ struct Plane {
 };
 
 Plane last_plane(const Layer& layer);
-
-/// The part of the blocks in row y: their index range along x is [0, blocks[0]), all in block row
-/// `by`, where y is the local row `y`.
-struct BlockRow {
-  std::int64_t by = 0, y = 0;
-};
-BlockRow block_row_of(const BlockTiling& tiling, std::int64_t y);
 
 }  // namespace eses

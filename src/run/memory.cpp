@@ -5,6 +5,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "mesh/triangulate.hpp"
 #include "run/text_chunks.hpp"
 #include "solve/block_solver.hpp"
 
@@ -71,7 +72,22 @@ double block_words(const BlockTiling& tiling) {
 double text_bytes(const Grid& grid, const OutputChoice& outputs) {
   // A line has more bytes than counted on, and crossings may crowd.
   const double chunk = as_double(rows_per_chunk(grid) * grid.size[0]) * 24;
-  return (outputs.grid ? chunk : 0) + (outputs.edges ? chunk / 2 : 0);
+  return (outputs.grid ? chunk : 0) + (outputs.edges ? chunk / 2 : 0) + (outputs.mesh ? chunk : 0);
+}
+
+// Numbers of the rows of a layer, and the plane that is kept of it.
+double mesh_bytes(const SurfaceSurvey& survey, const Grid& grid, const BlockTiling& tiling) {
+  const auto side = as_double(std::min(tiling.block_size, tiling.grid_size[2]));
+  const double rows = as_double(grid.size[1]);
+  const double crossings = expected_crossings(survey.largest_slab_area(grid.spacing), grid.spacing);
+  return growth * sizeof(std::uint64_t) * side * rows +
+         rows * (sizeof(mesh::Row) + as_double(grid.size[0]) / 8) +
+         growth * sizeof(std::uint64_t) * crossings;
+}
+
+double label_bytes(const OutputChoice& outputs) {
+  constexpr double per_atom = sizeof(AtomLabel) + 2 * sizeof(std::uint32_t);
+  return outputs.mesh ? per_atom * static_cast<double>(outputs.mesh->labels.size()) : 0;
 }
 
 double bytes_of_thread(const SurfaceSurvey& survey, const Grid& grid, const Schedule& schedule,
@@ -114,14 +130,16 @@ double expected_memory(const SurfaceSurvey& survey, const Grid& grid, const Sche
                        const OutputChoice& outputs) {
   const auto atoms = static_cast<double>(survey.atom_count());
   const double patches = patch_bytes(survey), threads = schedule.threads;
-  const double always = base_bytes + atoms * (bytes_per_atom + per_atom_patch_bytes());
+  const double always =
+      base_bytes + atoms * (bytes_per_atom + per_atom_patch_bytes()) + label_bytes(outputs);
   const double making = making_of_patches * patches + threads * bytes_per_thread;
 
   const BlockTiling& tiling = schedule.tiling;
   const double held =
       bytes_of_layers(survey, grid, tiling, 1 + share_ahead(schedule)) +
       2 * sizeof(std::uint64_t) * as_double(tiling.blocks[0]) * as_double(grid.size[1]) +
-      as_double(tiling.blocks[2]) * bytes_per_layer;
+      as_double(tiling.blocks[2]) * bytes_per_layer +
+      (outputs.mesh ? mesh_bytes(survey, grid, tiling) : 0);
   constexpr double bytes_per_area = sizeof(Tally::Sum) + sizeof(double) + growth * 32;
   const double axes = as_double(grid.size[0] + grid.size[1] + grid.size[2]) * bytes_per_index;
   const double solving = patches + axes +

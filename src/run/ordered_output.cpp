@@ -13,7 +13,7 @@ void OrderedOutput::write(std::int64_t chunk, std::span<const char> text) {
     ++next_;
   }
   turn_.notify_all();
-  file_.write_at(text, offset);
+  write_at_(text, offset);
 }
 
 void OrderedOutput::abandon() {

@@ -4,9 +4,10 @@
 
 #include <condition_variable>
 #include <cstdint>
-#include <map>
+#include <functional>
 #include <mutex>
 #include <span>
+#include <utility>
 
 #include "io/output_file.hpp"
 
@@ -15,7 +16,14 @@ namespace eses {
 /// Hands out consecutive file offsets in the order of the chunks' numbers.
 class OrderedOutput {
  public:
-  explicit OrderedOutput(OutputFile& file) : file_(file) {}
+  /// Writes text at an offset; may be called from several threads for disjoint ranges.
+  using WriteAt = std::function<void(std::span<const char> text, std::uint64_t offset)>;
+
+  explicit OrderedOutput(WriteAt write_at) : write_at_(std::move(write_at)) {}
+  explicit OrderedOutput(OutputFile& file)
+      : OrderedOutput([&file](std::span<const char> text, std::uint64_t offset) {
+          file.write_at(text, offset);
+        }) {}
 
   /// Writes chunk number `chunk`, once all before it have told their lengths; until then it waits.
   /// Every number from 0 must come once, about in order, or another thread must call `abandon`.
@@ -26,7 +34,7 @@ class OrderedOutput {
   std::uint64_t size() const { return offset_; }
 
  private:
-  OutputFile& file_;
+  WriteAt write_at_;
   std::mutex mutex_;
   std::condition_variable turn_;
   std::int64_t next_ = 0;

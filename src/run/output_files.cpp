@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 #include <unistd.h>
 
+#include <array>
 #include <system_error>
 
 #include "eses/error.hpp"
@@ -23,6 +24,18 @@ std::filesystem::path existing_part(std::filesystem::path directory) {
   while (!std::filesystem::exists(directory, error) && directory.has_relative_path())
     directory = directory.parent_path();
   return directory;
+}
+
+/// Where a mesh goes. Not by std::filesystem: see path_in.
+struct MeshPlace {
+  std::string directory, name;
+};
+
+MeshPlace place_of(const MeshChoice& mesh) {
+  const std::string& path = mesh.file.native();
+  const std::size_t slash = path.rfind('/');
+  if (slash == std::string::npos) return {".", path};
+  return {slash == 0 ? "/" : path.substr(0, slash), path.substr(slash + 1)};
 }
 
 }  // namespace
@@ -53,12 +66,29 @@ std::vector<std::string> temporary_paths(const OutputChoice& choice,
   std::vector<std::string> paths;
   for (const std::string& name : file_names(choice))
     paths.push_back(path_in(directory, temporary_name(name, getpid())));
+  if (choice.mesh) {
+    const auto [mesh_directory, name] = place_of(*choice.mesh);
+    paths.push_back(path_in(mesh_directory, temporary_name(name, getpid())));
+  }
+  return paths;
+}
+
+std::vector<std::string> lock_paths(const OutputChoice& choice,
+                                    const std::filesystem::path& directory) {
+  std::vector<std::string> paths;
+  if (!file_names(choice).empty()) paths.push_back(lock_path(directory));
+  if (choice.mesh) paths.push_back(lock_path(place_of(*choice.mesh).directory));
   return paths;
 }
 
 OutputFiles::OutputFiles(const OutputChoice& choice, const std::filesystem::path& path,
                          const Plan& plan) {
-  if (file_names(choice).empty()) return;
+  if (!file_names(choice).empty()) open_directory(choice, path, plan);
+  if (choice.mesh) open_mesh(*choice.mesh);
+}
+
+void OutputFiles::open_directory(const OutputChoice& choice, const std::filesystem::path& path,
+                                 const Plan& plan) {
   directory.emplace(path);
   directory->remove_abandoned(file_names({}));
   require_disk_space(plan, path);
@@ -68,10 +98,19 @@ OutputFiles::OutputFiles(const OutputChoice& choice, const std::filesystem::path
   if (choice.areas) areas.emplace(*directory, areas_name);
 }
 
+void OutputFiles::open_mesh(const MeshChoice& choice) {
+  const auto [path, name] = place_of(choice);
+  const bool is_elsewhere = !directory || !directory->is_at(path);
+  OutputDirectory& place = is_elsewhere ? mesh_directory.emplace(path) : *directory;
+  place.remove_abandoned(std::array{name});
+  mesh.emplace(place, name);
+  mesh_triangles.emplace(path);
+}
+
 // The bounding box first.
 std::vector<OutputFile*> OutputFiles::all() {
   std::vector<OutputFile*> files;
-  for (auto* file : {&box, &grid, &edges, &areas})
+  for (auto* file : {&box, &grid, &edges, &areas, &mesh})
     if (*file) files.push_back(&**file);
   return files;
 }

@@ -10,20 +10,27 @@
 #include "eses/run.hpp"
 #include "io/output_directory.hpp"
 #include "io/output_file.hpp"
+#include "io/scratch_file.hpp"
 
 namespace eses {
 
-/// The names of the chosen files.
+/// The names of the chosen files, the mesh left out.
 std::vector<std::string> file_names(const OutputChoice& choice);
 
 /// Where this process writes them until they are complete.
 std::vector<std::string> temporary_paths(const OutputChoice& choice,
                                          const std::filesystem::path& directory);
 
+/// The files that it locks.
+std::vector<std::string> lock_paths(const OutputChoice& choice,
+                                    const std::filesystem::path& directory);
+
 /// Each file is there only if it was chosen. Nothing but `commit` touches what has a final name.
 struct OutputFiles {
-  std::optional<OutputDirectory> directory;  ///< if any file is there
-  std::optional<OutputFile> box, grid, edges, areas;
+  std::optional<OutputDirectory> directory;       ///< if any file but the mesh is there
+  std::optional<OutputDirectory> mesh_directory;  ///< if there is a mesh, and it goes elsewhere
+  std::optional<OutputFile> box, grid, edges, areas, mesh;
+  std::optional<ScratchFile> mesh_triangles;  ///< beside the mesh
 
   /// Throws Error as OutputDirectory, OutputFile and require_disk_space do.
   OutputFiles(const OutputChoice& choice, const std::filesystem::path& path, const Plan& plan);
@@ -34,6 +41,9 @@ struct OutputFiles {
   void commit(const std::function<void()>& check);
 
  private:
+  void open_directory(const OutputChoice& choice, const std::filesystem::path& path,
+                      const Plan& plan);
+  void open_mesh(const MeshChoice& choice);
   std::vector<OutputFile*> all();
 };
 

@@ -10,6 +10,7 @@
 #include "eses/error.hpp"
 #include "eses/run.hpp"
 #include "io/eses_text.hpp"
+#include "mesh/mesh_text.hpp"
 #include "run/build_patches.hpp"
 #include "run/memory.hpp"
 #include "run/parallel.hpp"
@@ -35,6 +36,14 @@ void require_valid(const Parameters& p) {
           "the number of points to verify must be between 0 and 10000000",
           static_cast<double>(p.verify));
   require(p.threads >= 0, "the number of threads must not be negative", p.threads);
+}
+
+void require_valid(const MeshChoice& mesh) {
+  if (!mesh_format(mesh.file))
+    throw Error(
+        fmt::format("the mesh's file must end in .ply, .obj or .off, not {}", mesh.file.string()));
+  if (mesh.color == MeshColor::chain && mesh.labels.empty())
+    throw Error("a mesh can be coloured by chain only if the input, a PQR file, tells the chains");
 }
 
 void require_enclosing_margin(const Plan& plan, const Parameters& p) {
@@ -92,6 +101,12 @@ std::string in_megabytes(double bytes) { return fmt::format("{:.4g} MB", bytes /
       static_cast<double>(available) / 1e9));
 }
 
+// Per crossing: a closed mesh has about twice as many triangles as vertices.
+double mesh_bytes(const MeshChoice& mesh) {
+  return static_cast<double>(mesh::typical_vertex_bytes(mesh) +
+                             2 * mesh::typical_triangle_bytes(mesh));
+}
+
 // The fastest schedule that keeps the limit; without one, the fastest.
 void choose_schedule(const SurfaceSurvey& survey, const OutputChoice& outputs, Plan& plan) {
   const Parameters& p = plan.parameters;
@@ -118,6 +133,7 @@ void choose_schedule(const SurfaceSurvey& survey, const OutputChoice& outputs, P
 Plan make_plan(const Molecule& molecule, const Parameters& parameters,
                const OutputChoice& outputs) {
   require_valid(parameters);
+  if (outputs.mesh) require_valid(*outputs.mesh);
   const std::span<const Atom> atoms = molecule.atoms();
   Plan plan;
   plan.parameters = parameters;
@@ -130,6 +146,9 @@ Plan make_plan(const Molecule& molecule, const Parameters& parameters,
   if (outputs.edges)
     plan.edge_file_bytes = static_cast<std::uint64_t>(
         typical_crossing_bytes * expected_crossings(survey.totals().area, parameters.spacing));
+  if (outputs.mesh)
+    plan.mesh_file_bytes = static_cast<std::uint64_t>(
+        mesh_bytes(*outputs.mesh) * expected_crossings(survey.totals().area, parameters.spacing));
   if (outputs.areas) plan.area_file_bytes = area_line_bytes * atoms.size();
   if (const std::uint64_t available = available_memory(); plan.memory_bytes > available)
     refuse_memory(plan, static_cast<double>(plan.memory_bytes), available);

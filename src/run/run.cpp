@@ -13,6 +13,7 @@
 #include "run/count_points.hpp"
 #include "run/layer.hpp"
 #include "run/layer_queue.hpp"
+#include "run/mesh_output.hpp"
 #include "run/ordered_output.hpp"
 #include "run/output_files.hpp"
 #include "run/parallel.hpp"
@@ -57,6 +58,7 @@ void require_memory_within(std::uint64_t max_memory) {
 // What one thread needs to turn rows into text.
 struct Writer {
   TextBuffer grid, edges;
+  MeshScratch mesh;
   RowBits row;
   PointCounts counts;
   double seconds = 0;
@@ -65,8 +67,9 @@ struct Writer {
 // Solves the blocks, layer by layer, and writes what they give.
 class Pipeline {
  public:
-  Pipeline(const Surface& surface, const Plan& plan, OutputFiles& files, Verifier* verifier,
-           ProgressReport& progress, const BlockCallback& block_callback)
+  Pipeline(const Surface& surface, const Plan& plan, const OutputChoice& outputs,
+           OutputFiles& files, Verifier* verifier, ProgressReport& progress,
+           const BlockCallback& block_callback)
       : surface_(surface),
         plan_(plan),
         text_(plan.grid),
@@ -81,6 +84,7 @@ class Pipeline {
         writers_(static_cast<std::size_t>(plan.threads)) {
     if (files.grid) grid_output_.emplace(*files.grid);
     if (files.edges) edge_output_.emplace(*files.edges);
+    if (files.mesh) mesh_.emplace(plan, *outputs.mesh, *files.mesh, *files.mesh_triangles);
     make_room(0);
     make_room(1);
   }
@@ -94,6 +98,7 @@ class Pipeline {
         queue_.stop();
         if (grid_output_) grid_output_->abandon();
         if (edge_output_) edge_output_->abandon();
+        if (mesh_) mesh_->abandon();
         throw;
       }
     });
@@ -122,6 +127,15 @@ class Pipeline {
 
   std::uint64_t bytes_written() const {
     return (grid_output_ ? grid_output_->size() : 0) + (edge_output_ ? edge_output_->size() : 0);
+  }
+
+  // Completes the mesh, if there is one, and adds it to the summary.
+  void finish_mesh(const std::function<void()>& check, Summary& summary) {
+    if (!mesh_) return;
+    MeshCounts counts{mesh_->vertex_count(), 0};
+    for (const Writer& writer : writers_) counts.triangles += writer.mesh.triangle_count;
+    summary.bytes_written += mesh_->finish(counts.triangles, check);
+    summary.mesh = counts;
   }
 
  private:
@@ -153,6 +167,7 @@ class Pipeline {
   // No chunk is being written then: the next layer's wait for this one's last.
   void release(std::int64_t layer) {
     below_ = last_plane(layers_[static_cast<std::size_t>(layer)]);
+    if (mesh_) mesh_->release(layers_[static_cast<std::size_t>(layer)]);
     layers_[static_cast<std::size_t>(layer)] = Layer();
     make_room(layer + 2);
   }
@@ -190,6 +205,7 @@ class Pipeline {
     const std::int64_t chunk = task.layer * layer_chunks(0) + task.index;
     if (grid_output_) grid_output_->write(chunk, writer.grid.text());
     if (edge_output_) edge_output_->write(chunk, writer.edges.text());
+    if (mesh_) mesh_->write(layer, chunk, begin, end, writer.mesh);
     writer.seconds += watch.seconds();
     progress_.check();
   }
@@ -213,33 +229,13 @@ class Pipeline {
 
   void append_crossings(const Layer& layer, std::int64_t begin, std::int64_t end,
                         TextBuffer& text) const {
-    std::vector<const BlockResult*> crossed;  // blocks with crossings, of the block row at hand
-    std::int64_t block_row = -1;
+    const LayerCrossings crossings(plan_.tiling, layer);
     for (std::int64_t row = begin; row < end; ++row) {
       const std::int64_t y = row % plan_.grid.size[1], z = row / plan_.grid.size[1];
-      const BlockRow place = block_row_of(plan_.tiling, y);
-      if (place.by != block_row) {
-        crossed = crossed_blocks(layer, place.by);
-        block_row = place.by;
-      }
-      for (const BlockResult* result : crossed) {
-        const auto r = static_cast<std::size_t>(z * result->block.owned[1] + place.y);
-        const std::uint32_t first = result->row_begin[r], last = result->row_begin[r + 1];
-        if (first < last)
-          text_.append_crossings(text, result->block.first[0], y, layer.first_z() + z,
-                                 std::span(result->crossings).subspan(first, last - first));
-      }
+      crossings.for_each_piece(y, z, [&](std::int64_t first_x, std::span<const Crossing> piece) {
+        text_.append_crossings(text, first_x, y, layer.first_z() + z, piece);
+      });
     }
-  }
-
-  std::vector<const BlockResult*> crossed_blocks(const Layer& layer, std::int64_t by) const {
-    std::vector<const BlockResult*> crossed;
-    for (std::int64_t bx = 0; bx < plan_.tiling.blocks[0]; ++bx) {
-      const BlockResult& result =
-          layer.blocks[static_cast<std::size_t>(by * plan_.tiling.blocks[0] + bx)];
-      if (!result.crossings.empty()) crossed.push_back(&result);
-    }
-    return crossed;
   }
 
   const Surface& surface_;
@@ -254,6 +250,7 @@ class Pipeline {
   Plane below_;  // of the layer that is being written
   LayerQueue queue_;
   std::optional<OrderedOutput> grid_output_, edge_output_;
+  std::optional<MeshOutput> mesh_;
   std::vector<BlockWorkspace> workspaces_;
   std::vector<Writer> writers_;
 };
@@ -306,7 +303,8 @@ Summary run(const Molecule& molecule, const Plan& plan, const OutputChoice& outp
     summary.seconds.verify = drawing.seconds();
   }
   const Stopwatch blocks;
-  Pipeline pipeline(surface, plan, files, verifier ? &*verifier : nullptr, report, callbacks.block);
+  Pipeline pipeline(surface, plan, outputs, files, verifier ? &*verifier : nullptr, report,
+                    callbacks.block);
   pipeline.run();
   summary.seconds.blocks = blocks.seconds();
   pipeline.add_seconds(summary.seconds);
@@ -332,6 +330,7 @@ Summary run(const Molecule& molecule, const Plan& plan, const OutputChoice& outp
     }
   }
   summary.bytes_written = pipeline.bytes_written();
+  pipeline.finish_mesh(check, summary);
   if (files.box) summary.bytes_written += write_all(*files.box, bounding_box_text(plan.grid));
   if (files.areas) {
     TextBuffer text;

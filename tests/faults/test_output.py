@@ -108,6 +108,77 @@ class EveryCall(FaultTest):
         self.assertLessEqual({(4, True), (3, True), (1, False), (4, False)}, states)
 
 
+@needs_library
+class Mesh(FaultTest):
+    """A mesh in a directory of its own."""
+
+    def setUp(self):
+        super().setUp()
+        self.meshes = self.folder / "meshes"
+        self.arguments = (*TINY, "--mesh", self.meshes / "a.ply")
+
+    def assertNothing(self):
+        final = [name for name in self.all_files() if name in NAMES]
+        self.assertEqual((final, [name for name in self.all_files(self.meshes) if name == "a.ply"]),
+                         ([], []))
+
+    def make_mesh(self):
+        self.assertDone(self.run_program(*self.arguments))
+        self.assertEqual(self.all_files(self.meshes), ["a.ply"])
+        return (self.meshes / "a.ply").read_bytes()
+
+    def test_full_disk(self):
+        mesh = self.make_mesh()
+        older = self.contents()
+        for byte in (1, len(mesh) // 2, len(mesh)):
+            with self.subTest(byte=byte):
+                done = self.run_program(*self.arguments, fault=f"space {byte} .a.ply.")
+                self.assertTrue(self.is_faulty())
+                self.assertFailed(done, f"cannot write {self.meshes / 'a.ply'}: {NO_SPACE}")
+                self.assertEqual(self.contents(), older)
+                self.assertEqual(self.contents(self.meshes), {"a.ply": mesh})
+
+    def for_every_call(self, action, check):
+        for number in range(1, 1000):
+            for folder in (self.output, self.meshes):
+                shutil.rmtree(folder, ignore_errors=True)
+            done = self.run_program(*self.arguments, fault=f"file {number} {action}")
+            if not self.is_faulty():
+                self.assertGreater(number, 30)
+                return
+            with self.subTest(call=number):
+                check(done)
+        self.fail("there is no end of calls")
+
+    def test_failure_of_every_call(self):
+        mesh = self.make_mesh()
+
+        def check(done):
+            if done.returncode == 0:  # a lock that is not to be had, or that stays
+                self.assertEqual((self.meshes / "a.ply").read_bytes(), mesh)
+            else:
+                self.assertFailed(done, message_of(errno.EIO))
+                self.assertNothing()
+        self.for_every_call(f"fail={errno.EIO}", check)
+
+    def test_signal_at_every_call(self):
+        def check(done):
+            self.assertIn(done.returncode, (0, 128 + signal.SIGTERM.value), done)
+            left = self.all_files() + self.all_files(self.meshes)
+            complete = [*sorted(NAMES), "a.ply"]  # when only the locks are left to go
+            self.assertIn(left, ([], complete) if done.returncode else (complete,))
+        self.for_every_call(f"signal={signal.SIGTERM.value}", check)
+
+    def test_one_run_at_a_time(self):
+        program = self.stop_at("write 2", *self.arguments)
+        done = subprocess.run([PROGRAM, SMALL, "-q", "--write", "none", "--mesh",
+                               self.meshes / "b.off"], capture_output=True, text=True, check=False)
+        self.assertFailed(done, f"cannot write into {self.meshes}: another run is writing there")
+        program.send_signal(signal.SIGCONT)
+        self.assertDone(self.finish(program))
+        self.assertEqual(self.all_files(self.meshes), ["a.ply"])
+
+
 class Directory(FaultTest):
     def test_file_in_its_place(self):
         self.output.write_text("no directory")

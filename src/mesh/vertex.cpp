@@ -1,0 +1,26 @@
+#include "mesh/vertex.hpp"
+
+namespace eses::mesh {
+namespace {
+
+double off_grid_points(double coordinate, double lower, double upper, double spacing) {
+  if (coordinate - lower < coincidence * spacing) return lower + clearance * spacing;
+  if (upper - coordinate < coincidence * spacing) return upper - clearance * spacing;
+  return coordinate;
+}
+
+}  // namespace
+
+Vertex make_vertex(const Grid& grid, const GridIndex& lower, const Crossing& crossing) {
+  const std::size_t axis = crossing.axis;
+  Vertex vertex;
+  vertex.position = grid.point(lower);
+  vertex.position[axis] = off_grid_points(crossing.coordinate, vertex.position[axis],
+                                          grid.coordinate(axis, lower[axis] + 1), grid.spacing);
+  vertex.normal = crossing.normal;
+  vertex.patch = crossing.atom_count;
+  vertex.atom = crossing.atoms[0];
+  return vertex;
+}
+
+}  // namespace eses::mesh

@@ -1,0 +1,166 @@
+#include "run/mesh_output.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cstddef>
+#include <span>
+#include <utility>
+
+namespace eses {
+
+/// A layer, and where the pieces of its rows are.
+struct MeshOutput::LayerView {
+  LayerView(const BlockTiling& tiling, const Layer& layer)
+      : first_z(layer.first_z()), rows(tiling, layer), crossings(tiling, layer) {}
+
+  std::int64_t first_z;
+  LayerRows rows;
+  LayerCrossings crossings;
+};
+
+MeshOutput::MeshOutput(const Plan& plan, const MeshChoice& choice, OutputFile& file,
+                       ScratchFile& triangles)
+    : plan_(plan),
+      file_(file),
+      scratch_file_(triangles),
+      text_(mesh_format(choice.file).value(), choice.color, mesh::group_atoms(choice.labels)),
+      header_bytes_(text_.header({}).size()),
+      vertex_output_([this](std::span<const char> text, std::uint64_t offset) {
+        file_.write_at(text, header_bytes_ + offset);
+      }),
+      triangle_output_([this](std::span<const char> text, std::uint64_t offset) {
+        scratch_file_.write_at(std::as_bytes(text), offset);
+      }) {}
+
+void MeshOutput::number_rows(const Layer& layer) {
+  const std::lock_guard lock(mutex_);
+  if (is_numbered_) return;
+  const std::int64_t rows = layer.owned_planes() * plan_.grid.size[1];
+  const LayerCrossings crossings(plan_.tiling, layer);
+  row_begin_.assign(1, layer_begin_);
+  for (std::int64_t row = 0; row < rows; ++row) {
+    std::uint64_t count = 0;
+    crossings.for_each_piece(
+        row % plan_.grid.size[1], row / plan_.grid.size[1],
+        [&](std::int64_t, std::span<const Crossing> piece) { count += piece.size(); });
+    row_begin_.push_back(row_begin_.back() + count);
+  }
+  mesh::require_numbers(row_begin_.back());
+  is_numbered_ = true;
+}
+
+void MeshOutput::make_row(const LayerView& view, std::int64_t y, std::int64_t z,
+                          mesh::Row& row) const {
+  view.rows.join(y, z, row.inside);
+  row.edges.clear();
+  view.crossings.for_each_piece(y, z, [&](std::int64_t first_x, std::span<const Crossing> piece) {
+    for (const Crossing& crossing : piece)
+      row.edges.push_back(
+          mesh::edge_key(static_cast<std::uint64_t>(first_x + crossing.x), crossing.axis));
+  });
+  row.first_vertex = row_begin_[static_cast<std::size_t>(z * plan_.grid.size[1] + y)];
+}
+
+const mesh::Row& MeshOutput::lower_row(const MeshScratch::RowPair& pair, std::int64_t y,
+                                       std::int64_t z) const {
+  return z > 0 ? pair.lower : below_[static_cast<std::size_t>(y)];
+}
+
+void MeshOutput::make_rows(const LayerView& view, std::int64_t row,
+                           MeshScratch::RowPair& pair) const {
+  const std::int64_t y = row % plan_.grid.size[1], z = row / plan_.grid.size[1];
+  make_row(view, y, z, pair.upper);
+  if (z > 0) make_row(view, y, z - 1, pair.lower);
+}
+
+bool MeshOutput::is_crossed(std::int64_t y, std::int64_t z) const {
+  if (z < 0) return !below_[static_cast<std::size_t>(y)].edges.empty();
+  const auto row = static_cast<std::size_t>(z * plan_.grid.size[1] + y);
+  return row_begin_[row] < row_begin_[row + 1];
+}
+
+// Whether there may be any in the cells that end at a row.
+bool MeshOutput::has_triangles(std::int64_t y, std::int64_t z) const {
+  return is_crossed(y - 1, z - 1) || is_crossed(y, z - 1) || is_crossed(y - 1, z) ||
+         is_crossed(y, z);
+}
+
+void MeshOutput::append_vertices(const LayerView& view, std::int64_t begin, std::int64_t end,
+                                 TextBuffer& text) const {
+  for (std::int64_t row = begin; row < end; ++row) {
+    const std::int64_t y = row % plan_.grid.size[1], z = row / plan_.grid.size[1];
+    view.crossings.for_each_piece(y, z, [&](std::int64_t first_x, std::span<const Crossing> piece) {
+      for (const Crossing& crossing : piece)
+        text_.append_vertex(
+            text,
+            mesh::make_vertex(plan_.grid, {first_x + crossing.x, y, view.first_z + z}, crossing));
+    });
+  }
+}
+
+void MeshOutput::append_triangles(const LayerView& view, std::int64_t begin, std::int64_t end,
+                                  MeshScratch& scratch) const {
+  auto& [front, back, triangles, vertex_text, text, count] = scratch;
+  std::int64_t made = -1;  // the row whose pair is `back`
+  for (std::int64_t row = begin; row < end; ++row) {
+    const std::int64_t y = row % plan_.grid.size[1], z = row / plan_.grid.size[1];
+    if (y == 0 || view.first_z + z == 0 || !has_triangles(y, z)) continue;
+    if (made == row - 1) {
+      std::swap(front, back);
+    } else {
+      make_rows(view, row - 1, front);
+    }
+    make_rows(view, row, back);
+    made = row;
+    triangles.clear();
+    mesh::triangulate(
+        {&lower_row(front, y - 1, z), &lower_row(back, y, z), &front.upper, &back.upper},
+        plan_.grid.size[0], triangles);
+    for (const mesh::Triangle& triangle : triangles) text_.append_triangle(text, triangle);
+    count += triangles.size();
+  }
+}
+
+void MeshOutput::write(const Layer& layer, std::int64_t chunk, std::int64_t begin, std::int64_t end,
+                       MeshScratch& scratch) {
+  number_rows(layer);
+  scratch.vertex_text.clear();
+  scratch.triangle_text.clear();
+  const LayerView view(plan_.tiling, layer);
+  append_vertices(view, begin, end, scratch.vertex_text);
+  append_triangles(view, begin, end, scratch);
+  vertex_output_.write(chunk, scratch.vertex_text.text());
+  triangle_output_.write(chunk, scratch.triangle_text.text());
+}
+
+void MeshOutput::release(const Layer& layer) {
+  const LayerView view(plan_.tiling, layer);
+  below_.resize(static_cast<std::size_t>(plan_.grid.size[1]));
+  for (std::int64_t y = 0; y < plan_.grid.size[1]; ++y)
+    make_row(view, y, layer.owned_planes() - 1, below_[static_cast<std::size_t>(y)]);
+  layer_begin_ = row_begin_.back();
+  is_numbered_ = false;
+}
+
+void MeshOutput::abandon() {
+  vertex_output_.abandon();
+  triangle_output_.abandon();
+}
+
+std::uint64_t MeshOutput::finish(std::uint64_t triangles, const std::function<void()>& check) {
+  file_.write_at(text_.header({vertex_count(), triangles}), 0);
+  std::uint64_t at = header_bytes_ + vertex_output_.size();
+  std::vector<char> buffer(std::size_t{1} << 20);
+  for (std::uint64_t done = 0; done < triangle_output_.size();) {
+    const auto part = std::span(buffer).first(
+        std::min<std::uint64_t>(buffer.size(), triangle_output_.size() - done));
+    scratch_file_.read_at(std::as_writable_bytes(part), done);
+    file_.write_at(part, at);
+    done += part.size();
+    at += part.size();
+    check();
+  }
+  return at;
+}
+
+}  // namespace eses

@@ -1,0 +1,82 @@
+#pragma once
+/// The mesh's file, from layers of blocks as they are written.
+
+#include <cstdint>
+#include <functional>
+#include <mutex>
+#include <vector>
+
+#include "eses/mesh.hpp"
+#include "eses/run.hpp"
+#include "io/output_file.hpp"
+#include "io/scratch_file.hpp"
+#include "mesh/mesh_text.hpp"
+#include "mesh/triangulate.hpp"
+#include "run/layer.hpp"
+#include "run/ordered_output.hpp"
+
+namespace eses {
+
+/// What one thread needs to make a part of the mesh.
+struct MeshScratch {
+  /// Rows with the same y, of two planes.
+  struct RowPair {
+    mesh::Row lower, upper;
+  };
+  RowPair front, back;  ///< y and y + 1
+  std::vector<mesh::Triangle> triangles;
+  TextBuffer vertex_text, triangle_text;
+  std::uint64_t triangle_count = 0;  ///< in all
+};
+
+/// Vertices go into the file, triangles into a scratch file until all vertices are there. Cells
+/// between two planes are cut up when the upper plane is written. Of a layer that is done, its last
+/// plane is kept.
+class MeshOutput {
+ public:
+  /// Keeps references to all but the choice.
+  MeshOutput(const Plan& plan, const MeshChoice& choice, OutputFile& file, ScratchFile& triangles);
+
+  /// Writes chunk number `chunk`: vertices that start in the rows [begin, end) of the layer, and
+  /// the cells below and before these rows. May be called from several threads, for chunks of one
+  /// layer at a time; layers come in order, `release` between them.
+  void write(const Layer& layer, std::int64_t chunk, std::int64_t begin, std::int64_t end,
+             MeshScratch& scratch);
+  void release(const Layer& layer);
+  /// Releases all that wait, after a failure.
+  void abandon();
+
+  /// Completes the file; `triangles` is their number. Calls `check` now and then. Returns the
+  /// file's bytes.
+  std::uint64_t finish(std::uint64_t triangles, const std::function<void()>& check);
+  std::uint64_t vertex_count() const { return layer_begin_; }
+
+ private:
+  struct LayerView;
+
+  void number_rows(const Layer& layer);
+  void make_row(const LayerView& view, std::int64_t y, std::int64_t z, mesh::Row& row) const;
+  const mesh::Row& lower_row(const MeshScratch::RowPair& pair, std::int64_t y,
+                             std::int64_t z) const;
+  void make_rows(const LayerView& view, std::int64_t row, MeshScratch::RowPair& pair) const;
+  bool is_crossed(std::int64_t y, std::int64_t z) const;
+  bool has_triangles(std::int64_t y, std::int64_t z) const;
+  void append_vertices(const LayerView& view, std::int64_t begin, std::int64_t end,
+                       TextBuffer& text) const;
+  void append_triangles(const LayerView& view, std::int64_t begin, std::int64_t end,
+                        MeshScratch& scratch) const;
+
+  const Plan& plan_;
+  OutputFile& file_;
+  ScratchFile& scratch_file_;
+  mesh::MeshText text_;
+  std::uint64_t header_bytes_;
+  OrderedOutput vertex_output_, triangle_output_;
+  std::mutex mutex_;
+  bool is_numbered_ = false;              // the layer at hand
+  std::uint64_t layer_begin_ = 0;         // number of its first vertex
+  std::vector<std::uint64_t> row_begin_;  // of its rows [z][y], and one more
+  std::vector<mesh::Row> below_;          // the last plane of the layer before, by y
+};
+
+}  // namespace eses

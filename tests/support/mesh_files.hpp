@@ -1,0 +1,46 @@
+#pragma once
+/// Meshes, read back as another program would read them, and what is wrong with their shape.
+
+#include <array>
+#include <cstdint>
+#include <filesystem>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "eses/vec3.hpp"
+
+namespace eses::test {
+
+using MeshTriangle = std::array<std::uint64_t, 3>;
+
+/// What the format does not have is empty.
+struct Mesh {
+  std::vector<Vec3> positions, normals;
+  std::vector<int> patches;
+  std::vector<std::uint32_t> atoms, chains, residues;
+  std::vector<std::array<int, 3>> colors;
+  std::vector<MeshTriangle> triangles;
+  std::vector<std::string> comments;
+};
+
+/// By the suffix. Throws std::runtime_error if the file is not as the format has it.
+Mesh read_mesh(const std::filesystem::path& path);
+
+/// What keeps triangles from being a closed, oriented 2-manifold, one line for each fault: an edge
+/// that is not met once in each direction, a vertex whose triangles are not one fan, or that has
+/// none, a triangle that is there twice. Empty if nothing is wrong.
+std::vector<std::string> find_mesh_faults(std::size_t vertices,
+                                          std::span<const MeshTriangle> triangles);
+
+struct MeshMeasures {
+  double area = 0;
+  double volume = 0;         ///< positive if triangles are counterclockwise seen from outside
+  double smallest_area = 0;  ///< of a triangle
+  std::int64_t euler_number = 0;
+  std::size_t components = 0;
+};
+
+MeshMeasures measure(const Mesh& mesh);
+
+}  // namespace eses::test
