@@ -16,6 +16,11 @@ namespace eses {
 
 inline constexpr std::int64_t default_block_size = 64;
 
+/// Two corners of a box, in angstrom.
+struct RegionBox {
+  Vec3 low, high;
+};
+
 struct Parameters {
   double probe_radius = 1.4;  ///< angstrom, > 0
   double spacing = 0.4;       ///< angstrom, > 0
@@ -27,6 +32,11 @@ struct Parameters {
   /// Bytes that the process may hold resident; 0: what the machine has to give.
   std::uint64_t max_memory = 0;
   std::int64_t verify = 0;  ///< points, and as many edges, to check afterwards; 0 to 1e7
+  /// Only the grid points in this closed box (angstrom) are computed, and the edges that start
+  /// there; indices and coordinates stay those of the whole grid.
+  std::optional<RegionBox> region;
+  /// The same for these blocks, as indices in the tiling of the whole grid; not with `region`.
+  std::optional<GridRegion> blocks;
 };
 
 /// Which files are written.
@@ -35,13 +45,17 @@ struct OutputChoice {
   bool grid = true;   ///< grid_info.txt
   bool edges = true;  ///< intersection_info.txt
   bool areas = true;  ///< partition_area.txt
+  bool gzip = false;  ///< each of these four as NAME.gz
+  /// Name of a map of the inside, 1 inside and 0 outside: OpenDX if it ends with .dx, VTK image
+  /// data if it ends with .vti; none if empty.
+  std::string inside_map = {};
 };
 
 /// What a run is going to do, worked out before anything is allocated or written.
 struct Plan {
   Parameters parameters;
   Grid grid;
-  BlockTiling tiling;
+  BlockTiling tiling;  ///< of the whole grid or of the region that is asked for
   int threads = 1;
   std::int64_t blocks_ahead = 0;  ///< solved at most of the next layer while one is unwritten
   double cut_depth = 0;           ///< see eses::cut_depth; > 0 means that the surface is cut
@@ -50,7 +64,12 @@ struct Plan {
   std::uint64_t grid_file_bytes = 0;  ///< upper bound
   std::uint64_t edge_file_bytes = 0;  ///< estimate
   std::uint64_t area_file_bytes = 0;  ///< upper bound
-  std::uint64_t output_bytes() const { return grid_file_bytes + edge_file_bytes + area_file_bytes; }
+  std::uint64_t map_file_bytes = 0;   ///< exact
+  std::uint64_t scratch_bytes = 0;    ///< more that the map's file holds while it is being made
+  bool gzip = false;                  ///< then the sizes of the text files are estimates
+  std::uint64_t output_bytes() const {
+    return grid_file_bytes + edge_file_bytes + area_file_bytes + map_file_bytes;
+  }
 };
 
 struct PhaseSeconds {
@@ -77,6 +96,9 @@ struct Summary {
   std::int64_t convex = 0;   ///< crossings with one adjacent atom
   std::int64_t saddle = 0;   ///< with two
   std::int64_t concave = 0;  ///< with three
+  double convex_area = 0;    ///< their shares of the area, square angstrom
+  double saddle_area = 0;
+  double concave_area = 0;
   std::int64_t edges() const { return convex + saddle + concave; }
   std::uint64_t bytes_written = 0;
   std::optional<Verification> verification;  ///< if it was asked for
@@ -92,8 +114,7 @@ using ProgressCallback = std::function<void(std::int64_t done, std::int64_t tota
 /// flight, it chooses so that `max_memory` is kept. Throws Error if a parameter is out of its
 /// range, if the margin is so small that the grid would cut the surface (see README), or if memory
 /// cannot hold what the run needs, or may not.
-Plan make_plan(const Molecule& molecule, const Parameters& parameters,
-               const OutputChoice& outputs);
+Plan make_plan(const Molecule& molecule, const Parameters& parameters, const OutputChoice& outputs);
 
 /// What the file system of an output directory has to give.
 struct DiskSpace {

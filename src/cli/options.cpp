@@ -4,7 +4,9 @@
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <cstddef>
 #include <cstdint>
 #include <filesystem>
 #include <limits>
@@ -17,6 +19,7 @@
 
 #include "cli/arguments.hpp"
 #include "eses/version.hpp"
+#include "io/map_formats.hpp"
 
 namespace eses::cli {
 namespace {
@@ -40,6 +43,7 @@ constexpr char footer[] = R"(Files written:
   grid_info.txt               every grid point, 1 inside and -1 outside
   intersection_info.txt       every grid edge that the surface cuts: point, normal, atoms
   partition_area.txt          every atom's share of the area, in square angstrom
+With --inside also a map, 1 inside and 0 outside; with --gzip NAME.gz in place of NAME.
 
 Examples:
   eses-blocks 1crn.xyzr                                defaults, files in this directory
@@ -47,6 +51,8 @@ Examples:
   eses-blocks 1crn.pqr --spacing 0.25 -o out --json    files in out/, report as JSON
   eses-blocks diff out ESES                            compares the files in two directories
   eses-blocks 1crn.xyzr --spacing 0.1 --dry-run        points, memory and disk it would take
+  eses-blocks 1crn.xyzr --inside map.dx --gzip         text files as NAME.gz, and a map for VMD
+  eses-blocks 1crn.xyzr --region=-5,0,0,5,10,10        only the part in this box
 
 Exit codes:
   0  done
@@ -75,6 +81,15 @@ void add_grid_options(CLI::App& app) {
   add("--probe-radius", "radius of the solvent probe, > 0", defaults.probe_radius);
   add("--spacing", "distance between grid points, > 0", defaults.spacing);
   add("--margin", "room between molecule and edge of the grid, >= 0", defaults.margin);
+  const auto add_part = [&app](const char* name, const char* value_name, const char* description) {
+    add_value(app, name, value_name, description)->group("Surface and grid");
+  };
+  add_part("--region", "X0,Y0,Z0,X1,Y1,Z1",
+           "only the grid points in this box (angstrom), and\n"
+           "the edges that start there; all else as in a full run");
+  add_part("--blocks", "I0:I1,J0:J1,K0:K1",
+           "only these blocks, from 0 and without the last-named,\n"
+           "as --block-size cuts the whole grid");
 }
 
 void add_file_options(CLI::App& app) {
@@ -85,7 +100,13 @@ void add_file_options(CLI::App& app) {
   add("-o,--output-dir", "DIR", "where to write files, created if missing [.]");
   add("--write", "LIST",
       "files to write besides bounding_box.txt: some of\n"
-      "grid,edges,areas; or none for no file at all [all]");
+      "grid,edges,areas; or none for none of the four [all]");
+  add("--inside", "FILE",
+      "map of the inside, in the output directory: FILE.dx\n"
+      "(OpenDX) or FILE.vti (VTK image data)");
+  app.add_flag("--gzip")
+      ->description("text files compressed, as NAME.gz; diff reads both")
+      ->group("Files");
 }
 
 void add_computation_options(CLI::App& app) {
@@ -197,6 +218,63 @@ std::uint64_t max_memory_of(const CLI::App& app) {
   return *bytes;
 }
 
+/// The parts of a list, if it has as many as wanted.
+template <std::size_t count>
+std::optional<std::array<std::string, count>> parts_of(const std::string& list, char separator) {
+  const std::vector<std::string> parts = CLI::detail::split(list, separator);
+  if (parts.size() != count) return std::nullopt;
+  std::array<std::string, count> result;
+  std::copy(parts.begin(), parts.end(), result.begin());
+  return result;
+}
+
+std::optional<RegionBox> box_in(const std::string& text) {
+  const auto parts = parts_of<6>(text, ',');
+  if (!parts) return std::nullopt;
+  std::array<double, 6> values{};
+  for (std::size_t i = 0; i < 6; ++i) {
+    const std::optional<double> value = whole_text<double>((*parts)[i]);
+    if (!value || !std::isfinite(*value)) return std::nullopt;
+    values[i] = *value;
+  }
+  for (std::size_t axis = 0; axis < 3; ++axis)
+    if (values[axis] > values[3 + axis]) return std::nullopt;
+  return RegionBox{{values[0], values[1], values[2]}, {values[3], values[4], values[5]}};
+}
+
+std::optional<GridRegion> blocks_in(const std::string& text) {
+  const auto axes = parts_of<3>(text, ',');
+  if (!axes) return std::nullopt;
+  GridRegion blocks;
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    const auto ends = parts_of<2>((*axes)[axis], ':');
+    if (!ends) return std::nullopt;
+    const auto begin = whole_text<std::int64_t>((*ends)[0]);
+    const auto end = whole_text<std::int64_t>((*ends)[1]);
+    if (!begin || !end || *begin < 0 || *begin >= *end) return std::nullopt;
+    blocks.begin[axis] = *begin;
+    blocks.end[axis] = *end;
+  }
+  return blocks;
+}
+
+void choose_part(const CLI::App& app, Parameters& parameters) {
+  const std::optional<std::string> region = text_of(app, "--region");
+  const std::optional<std::string> blocks = text_of(app, "--blocks");
+  if (region && blocks) throw UsageError("--region and --blocks are given, choose one of the two");
+  if (region) {
+    parameters.region = box_in(*region);
+    if (!parameters.region)
+      refuse("--region", *region,
+             "six finite numbers x0,y0,z0,x1,y1,z1 in angstrom, x0 <= x1 and so on");
+  }
+  if (blocks) {
+    parameters.blocks = blocks_in(*blocks);
+    if (!parameters.blocks)
+      refuse("--blocks", *blocks, "i0:i1,j0:j1,k0:k1, whole numbers from 0, i0 < i1 and so on");
+  }
+}
+
 Parameters parameters_of(const CLI::App& app) {
   Parameters result;
   result.probe_radius = length_of(app, "PROBE", "--probe-radius", positive, result.probe_radius);
@@ -206,6 +284,7 @@ Parameters parameters_of(const CLI::App& app) {
   result.threads =
       static_cast<int>(count_of(app, "--threads", 1, most_threads, Parameters{}.threads));
   result.max_memory = max_memory_of(app);
+  choose_part(app, result);
   // A flag without a value reads "true".
   if (text_of(app, "--verify").value_or("") == "true") {
     result.verify = default_verify;
@@ -223,7 +302,16 @@ AtomFormat format_of(const CLI::App& app) {
   refuse("--format", name, "auto, xyzr or pqr");
 }
 
-OutputChoice outputs_of(const CLI::App& app) {
+std::string map_name_of(const CLI::App& app) {
+  const std::optional<std::string> name = text_of(app, "--inside");
+  if (!name) return "";
+  if (!map_format(*name) || name->find('/') != name->npos || name->starts_with('.'))
+    refuse("--inside", *name,
+           "a name that ends with .dx or .vti, without a directory: files go to --output-dir");
+  return *name;
+}
+
+OutputChoice text_files_of(const CLI::App& app) {
   const std::optional<std::string> text = text_of(app, "--write");
   if (!text) return {};
   OutputChoice result{.box = false, .grid = false, .edges = false, .areas = false};
@@ -240,6 +328,13 @@ OutputChoice outputs_of(const CLI::App& app) {
       refuse("--write", *text, "some of grid,edges,areas, or none");
     }
   }
+  return result;
+}
+
+OutputChoice outputs_of(const CLI::App& app) {
+  OutputChoice result = text_files_of(app);
+  result.gzip = is_set(app, "--gzip");
+  result.inside_map = map_name_of(app);
   return result;
 }
 

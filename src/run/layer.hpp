@@ -16,7 +16,8 @@ struct Layer {
   std::int64_t owned_planes() const { return blocks.front().block.owned[2]; }
 };
 
-/// Words of a row of the whole grid: bit i % 64 of word i / 64 is point i.
+/// Words of a row of the whole grid, or of the region that is computed: bit i % 64 of word i / 64
+/// is point i.
 using RowBits = std::vector<std::uint64_t>;
 
 /// Where the pieces of a layer's rows stand in its blocks; made once for many rows.
@@ -24,8 +25,8 @@ class LayerRows {
  public:
   LayerRows(const BlockTiling& tiling, const Layer& layer);
 
-  /// Joins the inside bits of row (y, z) from all blocks along x. `z` counts from the layer's first
-  /// plane.
+  /// Joins the inside bits of row (y, z) from all blocks along x. `y` counts from the region's
+  /// first row, `z` from the layer's first plane.
   void join(std::int64_t y, std::int64_t z, RowBits& row) const;
 
  private:
@@ -48,8 +49,8 @@ struct Plane {
 
 Plane last_plane(const Layer& layer);
 
-/// The part of the blocks in row y: their index range along x is [0, blocks[0]), all in block row
-/// `by`, where y is the local row `y`.
+/// The part of the blocks in row y, counted from the region's first: their index range along x is
+/// [0, blocks[0]), all in block row `by`, where y is the local row `y`.
 struct BlockRow {
   std::int64_t by = 0, y = 0;
 };

@@ -5,6 +5,8 @@
 #include <cmath>
 #include <numbers>
 
+#include "io/gzip.hpp"
+#include "run/inside_map.hpp"
 #include "run/text_chunks.hpp"
 #include "solve/block_solver.hpp"
 
@@ -36,15 +38,19 @@ double per_atom_patch_bytes() {
   return sizeof(AtomExposure) + 3 * sizeof(std::uint32_t) + sizeof(FaceDirections);
 }
 
+// Of a block, with the point behind the region's last.
+std::int64_t points_along(const BlockTiling& tiling, std::size_t axis) {
+  return std::min(tiling.block_size, tiling.region.size()[axis] + 1);
+}
+
 // What a thread unpacks for one block: see collect_features.
 double feature_bytes(const SurfaceSurvey& survey, const Grid& grid, const BlockTiling& tiling) {
-  const auto atoms = static_cast<double>(survey.atom_count());
+  const auto atoms = static_cast<double>(survey.patched_count());
   const PatchTotals& totals = survey.totals();
   const double sas_radius = survey.largest_radius() + survey.probe_radius();
   Vec3 half;
   for (std::size_t axis = 0; axis < 3; ++axis)
-    half[axis] =
-        0.5 * grid.spacing * as_double(std::min(tiling.block_size, tiling.grid_size[axis]) - 1);
+    half[axis] = 0.5 * grid.spacing * as_double(points_along(tiling, axis) - 1);
   const auto [in_box, in_ball] =
       survey.most_atoms_near(half + sas_radius * Vec3{1, 1, 1}, norm(half) + sas_radius);
   constexpr double denser = 1.1;  // than at the places looked at
@@ -62,23 +68,27 @@ double feature_bytes(const SurfaceSurvey& survey, const Grid& grid, const BlockT
 
 double block_words(const BlockTiling& tiling) {
   std::array<double, 3> points{};
-  for (std::size_t axis = 0; axis < 3; ++axis)
-    points[axis] = as_double(std::min(tiling.block_size, tiling.grid_size[axis]));
+  for (std::size_t axis = 0; axis < 3; ++axis) points[axis] = as_double(points_along(tiling, axis));
   return (std::floor(std::max(0.0, points[0] - 2) / PointBits::column_step) + 1) * points[1] *
          points[2];
 }
 
-double text_bytes(const Grid& grid, const OutputChoice& outputs) {
+double text_bytes(const GridRegion& region, const OutputChoice& outputs) {
   // A line has more bytes than counted on, and crossings may crowd.
-  const double chunk = as_double(rows_per_chunk(grid) * grid.size[0]) * 24;
-  return (outputs.grid ? chunk : 0) + (outputs.edges ? chunk / 2 : 0);
+  const std::int64_t row = region.size()[0];
+  const double points = as_double(rows_per_chunk(row) * row), chunk = points * 24;
+  double bytes = (outputs.grid ? chunk : 0) + (outputs.edges ? chunk / 2 : 0);
+  if (outputs.gzip) bytes += Gzip::state_bytes + (outputs.grid || outputs.edges ? chunk : 0);
+  if (const auto format = map_format(outputs.inside_map))
+    bytes += std::max(2 * points, InsideMap::thread_bytes(*format, region));
+  return bytes;
 }
 
 double bytes_of_thread(const SurfaceSurvey& survey, const Grid& grid, const Schedule& schedule,
                        const OutputChoice& outputs) {
   // Undecided points, edges along three axes, and their ranks.
   constexpr double bytes_per_word = 4 * sizeof(std::uint64_t) + sizeof(std::uint32_t);
-  return bytes_per_thread + text_bytes(grid, outputs) +
+  return bytes_per_thread + text_bytes(schedule.tiling.region, outputs) +
          bytes_per_word * block_words(schedule.tiling) +
          feature_bytes(survey, grid, schedule.tiling) +
          sizeof(Tally::Sum) * static_cast<double>(survey.atom_count());
@@ -87,8 +97,8 @@ double bytes_of_thread(const SurfaceSurvey& survey, const Grid& grid, const Sche
 // The results of `layers` layers of blocks: bits, rows, crossings.
 double bytes_of_layers(const SurfaceSurvey& survey, const Grid& grid, const BlockTiling& tiling,
                        double layers) {
-  const auto side = as_double(std::min(tiling.block_size, tiling.grid_size[2]));
-  const double rows = side * as_double(std::min(tiling.block_size, tiling.grid_size[1]));
+  const auto side = as_double(points_along(tiling, 2));
+  const double rows = side * as_double(points_along(tiling, 1));
   constexpr double allocator = 64;
   const double bytes_per_block = sizeof(BlockResult) + allocator +
                                  sizeof(std::uint64_t) * block_words(tiling) +
@@ -120,7 +130,7 @@ double expected_memory(const SurfaceSurvey& survey, const Grid& grid, const Sche
   const BlockTiling& tiling = schedule.tiling;
   const double held =
       bytes_of_layers(survey, grid, tiling, 1 + share_ahead(schedule)) +
-      2 * sizeof(std::uint64_t) * as_double(tiling.blocks[0]) * as_double(grid.size[1]) +
+      2 * sizeof(std::uint64_t) * as_double(tiling.blocks[0]) * as_double(tiling.region.size()[1]) +
       as_double(tiling.blocks[2]) * bytes_per_layer;
   constexpr double bytes_per_area = sizeof(Tally::Sum) + sizeof(double) + growth * 32;
   const double axes = as_double(grid.size[0] + grid.size[1] + grid.size[2]) * bytes_per_index;

@@ -23,7 +23,7 @@ std::vector<std::string> temporary_paths(const OutputChoice& choice,
 /// Each file is there only if it was chosen. Nothing but `commit` touches what has a final name.
 struct OutputFiles {
   std::optional<OutputDirectory> directory;  ///< if any file is there
-  std::optional<OutputFile> box, grid, edges, areas;
+  std::optional<OutputFile> box, grid, edges, areas, inside_map;
 
   /// Throws Error as OutputDirectory, OutputFile and require_disk_space do.
   OutputFiles(const OutputChoice& choice, const std::filesystem::path& path, const Plan& plan);
@@ -35,6 +35,8 @@ struct OutputFiles {
 
  private:
   std::vector<OutputFile*> all();
+
+  std::vector<std::string> stale_;  // the chosen files in their other form, plain or gzipped
 };
 
 }  // namespace eses

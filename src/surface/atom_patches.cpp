@@ -12,9 +12,8 @@ void find_neighbours_of_group(const Surface& surface, AtomIndex begin, AtomIndex
                               AtomPatchScratch& scratch) {
   double largest = 0;
   for (AtomIndex i = begin; i < end; ++i) largest = std::max(largest, surface.atoms[i].radius);
-  surface.tree().find_around(begin, end,
-                             largest + surface.largest_radius + 2 * surface.probe_radius,
-                             scratch.found);
+  surface.tree().find_around(
+      begin, end, largest + surface.largest_radius + 2 * surface.probe_radius, scratch.found);
   scratch.group.clear();
   for (const AtomIndex j : scratch.found)
     if (surface.patches.exposure[j] != AtomExposure::contained)
@@ -43,6 +42,12 @@ void keep_caps(AtomPatchScratch& scratch) {
       scratch.kept_caps.push_back(scratch.caps[k]);
       scratch.kept_neighbours.push_back(scratch.neighbours[k]);
     }
+}
+
+bool any_needs_patches(const Surface& surface, AtomIndex begin, AtomIndex end) {
+  for (AtomIndex i = begin; i < end; ++i)
+    if (surface.needs_patches(i)) return true;
+  return false;
 }
 
 PlacementKey make_key(AtomIndex i, AtomIndex j, AtomIndex k, int side) {
@@ -78,7 +83,7 @@ void add_atom(const Surface& surface, const BurialPatches& burial, AtomIndex i,
   AtomExposure exposure = surface.patches.exposure[i];
   const std::size_t first_arc = patches.arcs.size();
   const std::size_t first_neighbour = patches.face_neighbours.size();
-  if (exposure != AtomExposure::contained) {
+  if (exposure != AtomExposure::contained && surface.needs_patches(i)) {
     collect_caps(surface, i, scratch);
     const double radius = surface.atoms[i].radius + surface.probe_radius;
     if (is_buried(scratch.caps, radius, burial, scratch.burial)) {
@@ -104,7 +109,8 @@ void build_atom_patches(const Surface& surface, const BurialPatches& burial,
                         AtomPatchScratch& scratch, AtomRangePatches& patches) {
   for (AtomIndex begin = patches.begin; begin < patches.end;) {
     const AtomIndex end = end_of_group(surface.atoms, begin, patches.end);
-    find_neighbours_of_group(surface, begin, end, scratch);
+    if (any_needs_patches(surface, begin, end))
+      find_neighbours_of_group(surface, begin, end, scratch);
     for (AtomIndex i = begin; i < end; ++i) add_atom(surface, burial, i, scratch, patches);
     begin = end;
   }
