@@ -483,6 +483,41 @@ TEST_CASE("PQR: a number is not cut in two", "[read_atoms]") {
   CHECK(contains(pqr_error(start + "   1234." + "567.8901" + rest), "t.pqr:1: field 7 (y): "));
 }
 
+TEST_CASE("PQR: what the atoms are called", "[read_atoms]") {
+  const std::string text =
+      "ATOM  5 N      MET    1   -6.40600   5.46900  -3.25900 -0.30000 1.85000\n"
+      "REMARK\n"
+      "HETATM\t6\tC1 LIG BB 2 1e1 +2.5 -3 0 .5\r\n"
+      "ATOM      7  CA  MET A   3A     11.104   6.134  -6.504  0.0700 2.2750\n"
+      "HETATM12345 N' NTER A1000B 1.0 2.0 3.0 0.5 1.5\n"
+      "ATOM 8 O HOH C-12 1.0 2.0 3.0 0.5 1.5\n"
+      "ATOM 9 O HOH -12 1.0 2.0 3.0 0.5 1.5\n"
+      "ATOM 9 O HOH ABC 1.0 2.0 3.0 0.5 1.5\n"
+      "HETATM12345 HN11ALIG A1000      10.123-200.456-300.789-10.3000 1.8500\n"
+      "ATOM      5  N   NAN   100B   -110.123-200.456-300.789  0.3000 1.8500\n"
+      "ATOM      6  N   NTERA   1    -110.123-200.456-300.789  0.3000 1.8500\n";
+  const eses::NumberedAtoms read = eses::parse_numbered_atoms(text, AtomFormat::pqr, "t.pqr");
+  const std::vector<eses::AtomLabel> expected{
+      {"", "MET", "1", "N"},        {"BB", "LIG", "2", "C1"},     {"A", "MET", "3A", "CA"},
+      {"A", "NTER", "1000B", "N'"}, {"C", "HOH", "-12", "O"},     {"", "HOH", "-12", "O"},
+      {"", "HOH", "ABC", "O"},      {"A", "LIG", "1000", "HN11"}, {"", "NAN", "100B", "N"},
+      {"A", "NTER", "1", "N"}};
+  REQUIRE(read.labels.size() == expected.size());
+  REQUIRE(read.atoms.size() == expected.size());
+  for (std::size_t i = 0; i < expected.size(); ++i) {
+    INFO("record " << i);
+    CHECK(read.labels[i].chain == expected[i].chain);
+    CHECK(read.labels[i].residue == expected[i].residue);
+    CHECK(read.labels[i].residue_number == expected[i].residue_number);
+    CHECK(read.labels[i].atom_name == expected[i].atom_name);
+  }
+}
+
+TEST_CASE("xyzr: atoms have no names", "[read_atoms]") {
+  CHECK(eses::parse_numbered_atoms("1 2 3 4 0 N CYS 701 D\n", AtomFormat::xyzr, "t.xyzr")
+            .labels.empty());
+}
+
 TEST_CASE("PQR: neither fields nor columns", "[read_atoms]") {
   const std::string too_few =
       "t.pqr:1: expected at least 10 fields, the last five being x y z charge radius, found ";

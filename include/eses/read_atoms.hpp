@@ -6,6 +6,7 @@
 #include <string_view>
 #include <vector>
 
+#include "eses/atom_labels.hpp"
 #include "eses/atoms.hpp"
 
 namespace eses {
@@ -16,10 +17,11 @@ enum class AtomFormat {
   pqr,        ///< ATOM and HETATM records; the last two numbers are charge and radius
 };
 
-/// Atoms and where they stand.
+/// Atoms, where they stand and what they are called.
 struct NumberedAtoms {
   std::vector<Atom> atoms;
   std::vector<std::uint64_t> lines;  ///< of each atom, 1-based
+  std::vector<AtomLabel> labels;     ///< of each atom, if the file is PQR; else empty
 };
 
 /// Reads all atoms of a file; `-` is standard input. Throws Error, naming file, line and field,

@@ -19,6 +19,7 @@
 
 #include "eses/error.hpp"
 #include "io/file_descriptor.hpp"
+#include "io/pqr_labels.hpp"
 #include "io/text_fields.hpp"
 
 namespace eses {
@@ -54,16 +55,6 @@ bool starts_with_ignoring_case(std::string_view text, std::string_view lower_cas
   return text.size() >= lower_case_prefix.size() &&
          std::equal(lower_case_prefix.begin(), lower_case_prefix.end(), text.begin(),
                     [](char expected, char c) { return to_lower(c) == expected; });
-}
-
-/// Removes the last field from `rest`; empty if there is none.
-std::string_view take_last(std::string_view& rest) {
-  while (!rest.empty() && is_blank(rest.back())) rest.remove_suffix(1);
-  std::size_t start = rest.size();
-  while (start > 0 && !is_blank(rest[start - 1])) --start;
-  const std::string_view field = rest.substr(start);
-  rest.remove_suffix(field.size());
-  return field;
 }
 
 std::size_t count_fields(std::string_view text) {
@@ -136,6 +127,12 @@ Problem read_value(std::string_view text, const Quantity& quantity, double& valu
   return {fault, quantity.name, text};
 }
 
+/// What one line tells.
+struct Record {
+  Atom atom;
+  AtomLabel label;  // of PQR only
+};
+
 // --------------------------------------------------------------------------------- lines: xyzr
 
 constexpr std::array xyzr_quantities{quantity_x, quantity_y, quantity_z, quantity_radius};
@@ -153,7 +150,7 @@ bool is_xyzr_record(std::string_view line) {
   return !line.empty() && line.front() != '#';
 }
 
-Problem parse_xyzr(std::string_view line, Atom& atom) {
+Problem parse_xyzr(std::string_view line, Record& record) {
   std::array<double, xyzr_quantities.size()> values{};
   std::string_view rest = line;
   for (std::size_t i = 0; i < values.size(); ++i) {
@@ -162,7 +159,7 @@ Problem parse_xyzr(std::string_view line, Atom& atom) {
     if (i == 0 && is_pqr_record(line)) problem.fault = Fault::pqr_record;
     return problem;
   }
-  atom = {{values[0], values[1], values[2]}, values[3]};
+  record.atom = {{values[0], values[1], values[2]}, values[3]};
   return {};
 }
 
@@ -207,16 +204,17 @@ bool looks_like_residue_number(std::string_view x, std::string_view leading) {
   return is_integer && std::none_of(before.begin(), before.end(), is_digit);
 }
 
-Problem parse_pqr_fields(std::string_view line, Atom& atom) {
+Problem parse_pqr_fields(std::string_view line, Record& record) {
   PqrFields fields;
   std::string_view leading = line;
   for (std::size_t i = fields.size(); i-- > 0;) fields[i] = take_last(leading);
   if (count_fields(leading) < fewest_leading_fields(line)) return {Fault::too_few_fields, {}, line};
-  const Problem problem = read_pqr_values(fields, atom);
+  const Problem problem = read_pqr_values(fields, record.atom);
   // Of two complaints the plainer one: text that is no number.
   if (problem.fault != Fault::not_a_number && looks_like_residue_number(fields[0], leading)) {
     return {Fault::residue_number, quantity_x.name, fields[0]};
   }
+  if (!problem) record.label = label_of_fields(leading);
   return problem;
 }
 
@@ -243,19 +241,20 @@ bool has_coordinate_columns(std::string_view line) {
          is_column_number(coordinate_column(line, 2));
 }
 
-Problem parse_pqr_columns(std::string_view line, Atom& atom) {
+Problem parse_pqr_columns(std::string_view line, Record& record) {
   std::string_view rest = line.substr(end_of_coordinates);
   std::string_view radius = take_last(rest);
   std::string_view charge = take_last(rest);
   if (charge.empty()) charge = std::exchange(radius, line.substr(line.size()));
+  record.label = label_of_columns(line);
   return read_pqr_values({coordinate_column(line, 0), coordinate_column(line, 1),
                           coordinate_column(line, 2), charge, radius},
-                         atom);
+                         record.atom);
 }
 
-Problem parse_pqr(std::string_view line, Atom& atom) {
-  const Problem problem = parse_pqr_fields(line, atom);
-  return problem && has_coordinate_columns(line) ? parse_pqr_columns(line, atom) : problem;
+Problem parse_pqr(std::string_view line, Record& record) {
+  const Problem problem = parse_pqr_fields(line, record);
+  return problem && has_coordinate_columns(line) ? parse_pqr_columns(line, record) : problem;
 }
 
 // -------------------------------------------------------------------------------------- messages
@@ -438,23 +437,25 @@ NumberedAtoms parse_numbered_atoms(std::string_view text, AtomFormat format,
   const auto parse_line = is_pqr ? parse_pqr : parse_xyzr;
 
   NumberedAtoms result;
-  auto& [atoms, lines] = result;
+  auto& [atoms, lines, labels] = result;
   atoms.reserve(estimate_atoms(text));
   lines.reserve(atoms.capacity());
+  if (is_pqr) labels.reserve(atoms.capacity());
   std::size_t line_number = 0;
   while (!text.empty()) {
     const std::string_view line = take_line(text);
     check_line(line, name, ++line_number);
     if (!is_record(line)) continue;
-    Atom atom;
-    if (const Problem problem = parse_line(line, atom)) {
+    Record record;
+    if (const Problem problem = parse_line(line, record)) {
       fail(name, line_number, describe(problem, line));
     }
     if (atoms.size() == most_atoms) {
       fail(name, line_number, fmt::format("more than {} atoms", most_atoms));
     }
-    atoms.push_back(atom);
+    atoms.push_back(record.atom);
     lines.push_back(line_number);
+    if (is_pqr) labels.push_back(std::move(record.label));
   }
   if (atoms.empty()) throw Error(no_atoms_message(name, is_pqr, line_number));
   return result;

@@ -35,12 +35,26 @@ std::string_view without_leading_blanks(std::string_view text) {
   return text.substr(start);
 }
 
+std::string_view without_trailing_blanks(std::string_view text) {
+  while (!text.empty() && is_blank(text.back())) text.remove_suffix(1);
+  return text;
+}
+
 std::string_view take_first(std::string_view& rest) {
   rest = without_leading_blanks(rest);
   std::size_t end = 0;
   while (end < rest.size() && !is_blank(rest[end])) ++end;
   const std::string_view field = rest.substr(0, end);
   rest.remove_prefix(end);
+  return field;
+}
+
+std::string_view take_last(std::string_view& rest) {
+  rest = without_trailing_blanks(rest);
+  std::size_t start = rest.size();
+  while (start > 0 && !is_blank(rest[start - 1])) --start;
+  const std::string_view field = rest.substr(start);
+  rest.remove_suffix(field.size());
   return field;
 }
 

@@ -16,9 +16,11 @@ constexpr bool is_blank(char c) { return c == ' ' || c == '\t'; }
 constexpr bool is_digit(char c) { return c >= '0' && c <= '9'; }
 
 std::string_view without_leading_blanks(std::string_view text);
+std::string_view without_trailing_blanks(std::string_view text);
 
-/// Removes the first field from `rest`; empty if there is none.
+/// Removes the first, or last, field from `rest`; empty if there is none.
 std::string_view take_first(std::string_view& rest);
+std::string_view take_last(std::string_view& rest);
 
 /// The number that `text` spells from its first to its last character, in any of the ways that C
 /// and Fortran print one: with a leading `+`, with a D for the exponent, as `inf` or `nan`. Else
