@@ -5,9 +5,11 @@
 #include <filesystem>
 #include <functional>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
+#include "eses/atom_labels.hpp"
 #include "eses/grid.hpp"
 #include "eses/molecule.hpp"
 #include "eses/tiling.hpp"
@@ -41,11 +43,12 @@ struct Parameters {
 
 /// Which files are written.
 struct OutputChoice {
-  bool box = true;    ///< bounding_box.txt
-  bool grid = true;   ///< grid_info.txt
-  bool edges = true;  ///< intersection_info.txt
-  bool areas = true;  ///< partition_area.txt
-  bool gzip = false;  ///< each of these four as NAME.gz
+  bool box = true;        ///< bounding_box.txt
+  bool grid = true;       ///< grid_info.txt
+  bool edges = true;      ///< intersection_info.txt
+  bool areas = true;      ///< partition_area.txt
+  bool residues = false;  ///< residue_area.csv and chain_area.csv
+  bool gzip = false;      ///< each of the four text files as NAME.gz
   /// Name of a map of the inside, 1 inside and 0 outside: OpenDX if it ends with .dx, VTK image
   /// data if it ends with .vti; none if empty.
   std::string inside_map = {};
@@ -61,14 +64,16 @@ struct Plan {
   double cut_depth = 0;           ///< see eses::cut_depth; > 0 means that the surface is cut
   /// Estimate of the process's peak, meant as an upper bound, if it holds nothing but the atoms.
   std::uint64_t memory_bytes = 0;
-  std::uint64_t grid_file_bytes = 0;  ///< upper bound
-  std::uint64_t edge_file_bytes = 0;  ///< estimate
-  std::uint64_t area_file_bytes = 0;  ///< upper bound
-  std::uint64_t map_file_bytes = 0;   ///< exact
-  std::uint64_t scratch_bytes = 0;    ///< more that the map's file holds while it is being made
-  bool gzip = false;                  ///< then the sizes of the text files are estimates
+  std::uint64_t grid_file_bytes = 0;     ///< upper bound
+  std::uint64_t edge_file_bytes = 0;     ///< estimate
+  std::uint64_t area_file_bytes = 0;     ///< upper bound
+  std::uint64_t residue_file_bytes = 0;  ///< estimate
+  std::uint64_t map_file_bytes = 0;      ///< exact
+  std::uint64_t scratch_bytes = 0;       ///< more that the map's file holds while it is being made
+  bool gzip = false;                     ///< then the sizes of the text files are estimates
   std::uint64_t output_bytes() const {
-    return grid_file_bytes + edge_file_bytes + area_file_bytes + map_file_bytes;
+    return grid_file_bytes + edge_file_bytes + area_file_bytes + residue_file_bytes +
+           map_file_bytes;
   }
 };
 
@@ -131,8 +136,10 @@ DiskSpace require_disk_space(const Plan& plan, const std::filesystem::path& dire
 /// the bounding box last, and older ones are removed before; on failure none appears,
 /// nor if the verification that `plan.parameters` asks for finds a fault.
 /// Throws Error on write failures, lack of disk space, if another run is writing there, and where
-/// memory exceeds `max_memory` after all: the plan's figure is an estimate.
+/// memory exceeds `max_memory` after all: the plan's figure is an estimate. `labels`, of each atom,
+/// are needed where areas by residue are to be written; without them that, too, throws Error.
 Summary run(const Molecule& molecule, const Plan& plan, const OutputChoice& outputs,
-            const std::filesystem::path& directory, const ProgressCallback& progress = {});
+            const std::filesystem::path& directory, const ProgressCallback& progress = {},
+            std::span<const AtomLabel> labels = {});
 
 }  // namespace eses

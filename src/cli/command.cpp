@@ -103,8 +103,8 @@ void announce(const Report& report) {
   }
 }
 
-Summary run_with_progress(const Molecule& molecule, const Options& options,
-                          const Plan& plan) {
+Summary run_with_progress(const Molecule& molecule, const Options& options, const Plan& plan,
+                          std::span<const AtomLabel> labels) {
   std::optional<ProgressBar> bar;
   if (!options.quiet && ProgressBar::is_possible()) bar.emplace();
   InterruptibleRun interruptible(temporary_paths(options.outputs, options.output_directory),
@@ -113,7 +113,8 @@ Summary run_with_progress(const Molecule& molecule, const Options& options,
                               [&](std::int64_t done, std::int64_t total) {
                                 interruptible.check();
                                 if (bar) bar->show(done, total);
-                              });
+                              },
+                              labels);
   interruptible.check();
   return summary;
 }
@@ -154,9 +155,21 @@ Report plan_report(const Molecule& molecule, std::span<const std::uint64_t> line
   return report;
 }
 
+/// Labels take more memory than their atoms: they stay only for areas by residue.
+void choose_labels(const Options& options, std::vector<AtomLabel>& labels) {
+  if (!options.outputs.residues) {
+    std::vector<AtomLabel>().swap(labels);
+  } else if (labels.empty()) {
+    throw Error(fmt::format("{}: areas by residue (--write residues) need a PQR file; xyzr does not "
+                            "tell chains and residues",
+                            options.input.string()));
+  }
+}
+
 int compute(const Options& options) {
   require_standard_output();
   NumberedAtoms input = read_numbered_atoms(options.input, options.format);
+  choose_labels(options, input.labels);
   const Molecule molecule(std::move(input.atoms));
   Report report = plan_report(molecule, input.lines, options);
   if (options.dry_run) {
@@ -167,7 +180,7 @@ int compute(const Options& options) {
   if (options.strict) warn(report);
   announce(report);
   if (!options.strict) warn(report);
-  report.summary = run_with_progress(molecule, options, report.plan);
+  report.summary = run_with_progress(molecule, options, report.plan, input.labels);
   report.peak_memory_bytes = peak_memory();
   print(final_text(report));
   for (const std::string& fault : fault_lines(report.summary)) complain("error", fault);

@@ -43,7 +43,9 @@ constexpr char footer[] = R"(Files written:
   grid_info.txt               every grid point, 1 inside and -1 outside
   intersection_info.txt       every grid edge that the surface cuts: point, normal, atoms
   partition_area.txt          every atom's share of the area, in square angstrom
-With --inside also a map, 1 inside and 0 outside; with --gzip NAME.gz in place of NAME.
+With --gzip each of these is NAME.gz. Only if asked for:
+  residue_area.csv, chain_area.csv   areas of residues and chains of a PQR file
+  the map of --inside                every grid point, 1 inside and 0 outside
 
 Examples:
   eses-blocks 1crn.xyzr                                defaults, files in this directory
@@ -100,7 +102,8 @@ void add_file_options(CLI::App& app) {
   add("-o,--output-dir", "DIR", "where to write files, created if missing [.]");
   add("--write", "LIST",
       "files to write besides bounding_box.txt: some of\n"
-      "grid,edges,areas; or none for none of the four [all]");
+      "grid,edges,areas,residues; or none for none of these\n"
+      "[grid,edges,areas]");
   add("--inside", "FILE",
       "map of the inside, in the output directory: FILE.dx\n"
       "(OpenDX) or FILE.vti (VTK image data)");
@@ -302,13 +305,28 @@ AtomFormat format_of(const CLI::App& app) {
   refuse("--format", name, "auto, xyzr or pqr");
 }
 
-std::string map_name_of(const CLI::App& app) {
-  const std::optional<std::string> name = text_of(app, "--inside");
-  if (!name) return "";
-  if (!map_format(*name) || name->find('/') != name->npos || name->starts_with('.'))
-    refuse("--inside", *name,
-           "a name that ends with .dx or .vti, without a directory: files go to --output-dir");
-  return *name;
+/// As far as the names tell.
+bool is_same_place(const std::filesystem::path& a, const std::filesystem::path& b) {
+  const auto plain = [](const std::filesystem::path& path) {
+    return (std::filesystem::absolute(path) / "").lexically_normal();
+  };
+  return plain(a) == plain(b);
+}
+
+/// Of a map, which goes to the output directory like all files.
+std::string map_name_of(const CLI::App& app, const std::filesystem::path& output_directory) {
+  const std::optional<std::string> text = text_of(app, "--inside");
+  if (!text) return "";
+  const std::filesystem::path path = *text;
+  const std::string name = path.filename();
+  if (!map_format(name) || path.stem().empty() || name.starts_with('.'))
+    refuse("--inside", *text, "the name of a file that ends with .dx or .vti");
+  if (path.has_parent_path() && !is_same_place(path.parent_path(), output_directory))
+    throw UsageError(
+        fmt::format("--inside is '{}', but files go to {}: give its name alone, or "
+                    "--output-dir {}",
+                    *text, output_directory.string(), path.parent_path().string()));
+  return name;
 }
 
 OutputChoice text_files_of(const CLI::App& app) {
@@ -324,17 +342,19 @@ OutputChoice text_files_of(const CLI::App& app) {
       result.edges = true;
     } else if (name == "areas") {
       result.areas = true;
+    } else if (name == "residues") {
+      result.residues = true;
     } else {
-      refuse("--write", *text, "some of grid,edges,areas, or none");
+      refuse("--write", *text, "some of grid,edges,areas,residues, or none");
     }
   }
   return result;
 }
 
-OutputChoice outputs_of(const CLI::App& app) {
+OutputChoice outputs_of(const CLI::App& app, const std::filesystem::path& output_directory) {
   OutputChoice result = text_files_of(app);
   result.gzip = is_set(app, "--gzip");
-  result.inside_map = map_name_of(app);
+  result.inside_map = map_name_of(app, output_directory);
   return result;
 }
 
@@ -342,8 +362,8 @@ Options options_of(const CLI::App& app) {
   Options options;
   options.parameters = parameters_of(app);
   options.format = format_of(app);
-  options.outputs = outputs_of(app);
   options.output_directory = required_text(app, "--output-dir", ".");
+  options.outputs = outputs_of(app, options.output_directory);
   options.quiet = is_set(app, "--quiet");
   options.json = is_set(app, "--json");
   options.dry_run = is_set(app, "--dry-run");

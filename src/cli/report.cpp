@@ -49,7 +49,8 @@ std::string written_text(const Report& report) {
   const std::vector<std::string> names = file_names(report.options.outputs);
   if (names.empty()) return "written: nothing\n";
   return fmt::format("written: {} to {} ({})\n", bytes_text(report.summary.bytes_written),
-                     path_text(report.options.output_directory), fmt::join(names, ", "));
+                     path_text(report.options.output_directory),
+                     path_text(fmt::format("{}", fmt::join(names, ", "))));
 }
 
 bool is_known(const DiskSpace& disk) {
@@ -66,7 +67,8 @@ std::string files_text(const Plan& plan, const OutputChoice& outputs) {
   add(plan.grid_file_bytes, bound, fmt::format("grid_info.txt{}", suffix));
   add(plan.edge_file_bytes, "about", fmt::format("intersection_info.txt{}", suffix));
   add(plan.area_file_bytes, bound, fmt::format("partition_area.txt{}", suffix));
-  add(plan.map_file_bytes, "exactly", outputs.inside_map);
+  add(plan.residue_file_bytes, "about", "residue_area.csv and chain_area.csv");
+  add(plan.map_file_bytes, "exactly", path_text(outputs.inside_map));
   return fmt::format("{}", fmt::join(parts, ", "));
 }
 
@@ -153,6 +155,7 @@ std::string plan_json(const Plan& plan, const DiskSpace& disk) {
                        {"grid_file_bytes", json::number(plan.grid_file_bytes)},
                        {"edge_file_bytes", json::number(plan.edge_file_bytes)},
                        {"area_file_bytes", json::number(plan.area_file_bytes)},
+                       {"residue_file_bytes", json::number(plan.residue_file_bytes)},
                        {"map_file_bytes", json::number(plan.map_file_bytes)},
                        {"scratch_bytes", json::number(plan.scratch_bytes)},
                        {"disk_bytes", number_unless(!is_known(disk), disk.available)},

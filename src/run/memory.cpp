@@ -132,12 +132,14 @@ double expected_memory(const SurfaceSurvey& survey, const Grid& grid, const Sche
       bytes_of_layers(survey, grid, tiling, 1 + share_ahead(schedule)) +
       2 * sizeof(std::uint64_t) * as_double(tiling.blocks[0]) * as_double(tiling.region.size()[1]) +
       as_double(tiling.blocks[2]) * bytes_per_layer;
+  // Labels are there from the beginning; each residue's sum and line count as an atom's.
+  const double labels = outputs.residues ? sizeof(AtomLabel) * atoms : 0;
   constexpr double bytes_per_area = sizeof(Tally::Sum) + sizeof(double) + growth * 32;
   const double axes = as_double(grid.size[0] + grid.size[1] + grid.size[2]) * bytes_per_index;
   const double solving = patches + axes +
                          threads * bytes_of_thread(survey, grid, schedule, outputs) +
                          std::max(held, bytes_per_area * atoms);
-  return always + std::max(making, solving);
+  return always + labels + std::max(making, solving);
 }
 
 }  // namespace eses

@@ -19,6 +19,8 @@ constexpr char box_name[] = "bounding_box.txt";
 constexpr char grid_name[] = "grid_info.txt";
 constexpr char edges_name[] = "intersection_info.txt";
 constexpr char areas_name[] = "partition_area.txt";
+constexpr char residues_name[] = "residue_area.csv";
+constexpr char chains_name[] = "chain_area.csv";
 constexpr std::string_view gzip_suffix = ".gz";
 
 std::string text_name(const char* name, bool gzip) {
@@ -36,7 +38,7 @@ std::vector<std::string> text_names(const OutputChoice& choice, bool gzip) {
 
 // Whether a run may write a file of this name.
 bool is_ours(std::string_view name) {
-  if (map_format(name)) return true;
+  if (map_format(name) || name == residues_name || name == chains_name) return true;
   if (name.ends_with(gzip_suffix)) name.remove_suffix(gzip_suffix.size());
   const std::array texts{box_name, grid_name, edges_name, areas_name};
   return std::any_of(texts.begin(), texts.end(), [&](const char* text) { return name == text; });
@@ -68,6 +70,7 @@ DiskSpace require_disk_space(const Plan& plan, const std::filesystem::path& dire
 
 std::vector<std::string> file_names(const OutputChoice& choice) {
   std::vector<std::string> names = text_names(choice, choice.gzip);
+  if (choice.residues) names.insert(names.end(), {residues_name, chains_name});
   if (!choice.inside_map.empty()) names.push_back(choice.inside_map);
   return names;
 }
@@ -94,13 +97,17 @@ OutputFiles::OutputFiles(const OutputChoice& choice, const std::filesystem::path
   if (choice.grid) open(grid, grid_name);
   if (choice.edges) open(edges, edges_name);
   if (choice.areas) open(areas, areas_name);
+  if (choice.residues) {
+    residues.emplace(*directory, residues_name);
+    chains.emplace(*directory, chains_name);
+  }
   if (!choice.inside_map.empty()) inside_map.emplace(*directory, choice.inside_map);
 }
 
 // The bounding box first.
 std::vector<OutputFile*> OutputFiles::all() {
   std::vector<OutputFile*> files;
-  for (auto* file : {&box, &grid, &edges, &areas, &inside_map})
+  for (auto* file : {&box, &grid, &edges, &areas, &inside_map, &residues, &chains})
     if (*file) files.push_back(&**file);
   return files;
 }

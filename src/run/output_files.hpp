@@ -23,7 +23,7 @@ std::vector<std::string> temporary_paths(const OutputChoice& choice,
 /// Each file is there only if it was chosen. Nothing but `commit` touches what has a final name.
 struct OutputFiles {
   std::optional<OutputDirectory> directory;  ///< if any file is there
-  std::optional<OutputFile> box, grid, edges, areas, inside_map;
+  std::optional<OutputFile> box, grid, edges, areas, inside_map, residues, chains;
 
   /// Throws Error as OutputDirectory, OutputFile and require_disk_space do.
   OutputFiles(const OutputChoice& choice, const std::filesystem::path& path, const Plan& plan);

@@ -23,6 +23,7 @@ namespace eses {
 namespace {
 
 constexpr std::uint64_t area_line_bytes = 32;
+constexpr std::uint64_t residue_line_bytes = 24, atoms_per_residue = 10;  // typically
 // What gzip leaves of the files, as it turned out for proteins.
 constexpr double grid_gzip_share = 0.2, edge_gzip_share = 0.3, area_gzip_share = 0.25;
 // Past this, differences of squares have too few digits left for the tolerances.
@@ -153,6 +154,8 @@ void expect_files(const SurfaceSurvey& survey, const OutputChoice& outputs, Plan
   if (outputs.areas)
     plan.area_file_bytes =
         on_disk(static_cast<double>(area_line_bytes * survey.atom_count()), area_gzip_share);
+  if (outputs.residues)
+    plan.residue_file_bytes = residue_line_bytes * (survey.atom_count() / atoms_per_residue + 1);
   if (const auto format = map_format(outputs.inside_map)) {
     plan.map_file_bytes = map_layout(*format, plan.grid, region).file_bytes();
     plan.scratch_bytes = InsideMap::scratch_bytes(*format, region);

@@ -8,6 +8,7 @@
 #include <optional>
 
 #include "eses/error.hpp"
+#include "io/area_tables.hpp"
 #include "io/eses_text.hpp"
 #include "io/gzip.hpp"
 #include "run/build_patches.hpp"
@@ -344,11 +345,32 @@ std::uint64_t write_areas(OutputFile& file, std::span<const double> areas, bool 
   return file_of_areas.size();
 }
 
+std::uint64_t write_plain(OutputFile& file, std::span<const char> text) {
+  ShortFile plain(file, false);
+  plain.append(text);
+  return plain.size();
+}
+
+std::uint64_t write_tables(OutputFiles& files, std::span<const AtomLabel> labels,
+                           std::span<const double> areas) {
+  const std::vector<ResidueArea> residues = areas_by_residue(labels, areas);
+  return write_plain(*files.residues, residue_table(residues)) +
+         write_plain(*files.chains, chain_table(areas_by_chain(residues)));
+}
+
+void require_labels(const OutputChoice& outputs, std::span<const AtomLabel> labels,
+                    std::span<const Atom> atoms) {
+  if (outputs.residues && labels.size() != atoms.size())
+    throw Error("areas by residue need to be told each atom's chain and residue");
+}
+
 }  // namespace
 
 Summary run(const Molecule& molecule, const Plan& plan, const OutputChoice& outputs,
-            const std::filesystem::path& directory, const ProgressCallback& progress) {
+            const std::filesystem::path& directory, const ProgressCallback& progress,
+            std::span<const AtomLabel> labels) {
   const Stopwatch total;
+  require_labels(outputs, labels, molecule.atoms());
   start_threads(plan.threads);
   OutputFiles files(outputs, directory, plan);
   ProgressReport report(progress, plan.tiling.block_count());
@@ -408,6 +430,7 @@ Summary run(const Molecule& molecule, const Plan& plan, const OutputChoice& outp
   if (map) summary.bytes_written += map->file_bytes();
   if (files.box) summary.bytes_written += write_box(*files.box, plan);
   if (files.areas) summary.bytes_written += write_areas(*files.areas, areas, plan.gzip);
+  if (files.residues) summary.bytes_written += write_tables(files, labels, areas);
   files.commit(check);
   summary.seconds.total = total.seconds();
   return summary;
