@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "catch.hpp"
+#include "eses/error.hpp"
 #include "eses/run.hpp"
 #include "io/output_directory.hpp"
 #include "run/inside_map.hpp"
@@ -264,6 +265,15 @@ TEST_CASE("a run with a map that is ended at any moment leaves nothing", "[maps]
     CHECK_THROWS_AS(run(atoms, plan, outputs, directory.path() / "ended", end_it),
                     std::runtime_error);
     CHECK(std::filesystem::is_empty(directory.path() / "ended"));
+  }
+}
+
+TEST_CASE("a map's name tells its format", "[maps]") {
+  const std::vector<Atom> atoms{{{0, 0, 0}, 1.5}};
+  OutputChoice outputs;
+  for (const std::string name : {"map", "map.DX", "dx", "map.dx.gz"}) {
+    outputs.inside_map = name;
+    CHECK_THROWS_AS(make_plan(atoms, {}, outputs), Error);
   }
 }
 

@@ -6,6 +6,8 @@
 #include <array>
 #include <cstring>
 
+#include "eses/error.hpp"
+
 namespace eses {
 namespace {
 
@@ -75,6 +77,11 @@ std::optional<MapFormat> map_format(std::string_view name) {
   if (name.ends_with(".dx")) return MapFormat::dx;
   if (name.ends_with(".vti")) return MapFormat::vti;
   return std::nullopt;
+}
+
+MapFormat required_map_format(std::string_view name) {
+  if (const auto format = map_format(name)) return *format;
+  throw Error(fmt::format("the name of a map must end with .dx or .vti, not {}", name));
 }
 
 MapLayout map_layout(MapFormat format, const Grid& grid, const GridRegion& region) {

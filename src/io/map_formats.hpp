@@ -20,6 +20,9 @@ enum class MapFormat {
 /// By the end of the name: `.dx` or `.vti`.
 std::optional<MapFormat> map_format(std::string_view name);
 
+/// Throws Error if the name ends with neither.
+MapFormat required_map_format(std::string_view name);
+
 /// A map's text before and behind its values, each of which has the same number of bytes.
 struct MapLayout {
   MapFormat format = MapFormat::dx;

@@ -85,7 +85,7 @@ std::vector<std::string> temporary_paths(const OutputChoice& choice,
 
 OutputFiles::OutputFiles(const OutputChoice& choice, const std::filesystem::path& path,
                          const Plan& plan)
-    : stale_(text_names(choice, !choice.gzip)) {
+    : gzip(choice.gzip), stale_(text_names(choice, !choice.gzip)) {
   if (file_names(choice).empty()) return;
   directory.emplace(path);
   directory->remove_abandoned(is_ours);

@@ -22,6 +22,7 @@ std::vector<std::string> temporary_paths(const OutputChoice& choice,
 
 /// Each file is there only if it was chosen. Nothing but `commit` touches what has a final name.
 struct OutputFiles {
+  bool gzip = false;                         ///< whether box, grid, edges and areas are gzipped
   std::optional<OutputDirectory> directory;  ///< if any file is there
   std::optional<OutputFile> box, grid, edges, areas, inside_map, residues, chains;
 

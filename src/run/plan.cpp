@@ -156,9 +156,10 @@ void expect_files(const SurfaceSurvey& survey, const OutputChoice& outputs, Plan
         on_disk(static_cast<double>(area_line_bytes * survey.atom_count()), area_gzip_share);
   if (outputs.residues)
     plan.residue_file_bytes = residue_line_bytes * (survey.atom_count() / atoms_per_residue + 1);
-  if (const auto format = map_format(outputs.inside_map)) {
-    plan.map_file_bytes = map_layout(*format, plan.grid, region).file_bytes();
-    plan.scratch_bytes = InsideMap::scratch_bytes(*format, region);
+  if (!outputs.inside_map.empty()) {
+    const MapFormat format = required_map_format(outputs.inside_map);
+    plan.map_file_bytes = map_layout(format, plan.grid, region).file_bytes();
+    plan.scratch_bytes = InsideMap::scratch_bytes(format, region);
   }
 }
 

@@ -80,7 +80,7 @@ class Pipeline {
         map_(map),
         verifier_(verifier),
         progress_(progress),
-        chunks_(plan.tiling.region, plan.gzip),
+        chunks_(plan.tiling.region, files.gzip),
         layers_(static_cast<std::size_t>(plan.tiling.blocks[2])),
         queue_(plan.tiling.blocks[2], plan.tiling.blocks[0] * plan.tiling.blocks[1],
                plan.blocks_ahead),
@@ -88,7 +88,7 @@ class Pipeline {
         writers_(static_cast<std::size_t>(plan.threads)) {
     if (files.grid) grid_output_.emplace(*files.grid);
     if (files.edges) edge_output_.emplace(*files.edges);
-    if (plan.gzip)
+    if (files.gzip)
       for (Writer& writer : writers_) writer.gzip.emplace();
     make_room(0);
     make_room(1);
@@ -138,7 +138,8 @@ class Pipeline {
  private:
   // Without a single member the file would be no gzip file.
   void end_text(OrderedOutput& output) {
-    if (plan_.gzip && output.size() == 0) output.append(writers_.front().gzip->member({}));
+    auto& gzip = writers_.front().gzip;
+    if (gzip && output.size() == 0) output.append(gzip->member({}));
   }
 
   std::int64_t layer_planes(std::int64_t layer) const {
@@ -326,9 +327,9 @@ class ShortFile {
   std::uint64_t size_ = 0;
 };
 
-std::uint64_t write_box(OutputFile& file, const Plan& plan) {
-  ShortFile box(file, plan.gzip);
-  box.append(bounding_box_text(plan.grid));
+std::uint64_t write_box(OutputFile& file, const Grid& grid, bool gzip) {
+  ShortFile box(file, gzip);
+  box.append(bounding_box_text(grid));
   return box.size();
 }
 
@@ -394,7 +395,8 @@ Summary run(const Molecule& molecule, const Plan& plan, const OutputChoice& outp
   const Stopwatch blocks;
   std::optional<InsideMap> map;
   if (files.inside_map)
-    map.emplace(*files.inside_map, *map_format(outputs.inside_map), plan.grid, plan.tiling.region);
+    map.emplace(*files.inside_map, required_map_format(outputs.inside_map), plan.grid,
+                plan.tiling.region);
   Pipeline pipeline(surface, plan, files, map ? &*map : nullptr, verifier ? &*verifier : nullptr,
                     report);
   pipeline.run();
@@ -428,8 +430,8 @@ Summary run(const Molecule& molecule, const Plan& plan, const OutputChoice& outp
   }
   summary.bytes_written = pipeline.bytes_written();
   if (map) summary.bytes_written += map->file_bytes();
-  if (files.box) summary.bytes_written += write_box(*files.box, plan);
-  if (files.areas) summary.bytes_written += write_areas(*files.areas, areas, plan.gzip);
+  if (files.box) summary.bytes_written += write_box(*files.box, plan.grid, files.gzip);
+  if (files.areas) summary.bytes_written += write_areas(*files.areas, areas, files.gzip);
   if (files.residues) summary.bytes_written += write_tables(files, labels, areas);
   files.commit(check);
   summary.seconds.total = total.seconds();
