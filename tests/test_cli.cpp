@@ -82,6 +82,11 @@ TEST_CASE("help names every option with unit and default, examples and exit code
                                  "--write LIST",
                                  "--mesh FILE",
                                  "--color NAME",
+                                 "--inside FILE",
+                                 "--gzip",
+                                 "--region X0,Y0,Z0,X1,Y1,Z1",
+                                 "--blocks I0:I1,J0:J1,K0:K1",
+                                 "residue_area.csv",
                                  "--max-memory BYTES",
                                  "powers of 1024",
                                  "--dry-run",
@@ -115,6 +120,11 @@ TEST_CASE("usage errors name option, value and expectation, and write nothing", 
   const Sandbox sandbox;
   const std::string above_zero = ", expected a finite number greater than 0, in angstrom";
   const std::string at_least_zero = ", expected a finite number of at least 0, in angstrom";
+  const std::string map_name = ", expected the name of a file that ends with .dx or .vti";
+  const std::string six_numbers =
+      ", expected six finite numbers x0,y0,z0,x1,y1,z1 in angstrom, x0 <= x1 and so on";
+  const std::string ranges =
+      ", expected i0:i1,j0:j1,k0:k1, whole numbers from 0, i0 < i1 and so on";
   const std::string bytes = ", expected a whole number of bytes above 0, or one with K, M, G or T";
   const std::vector<std::pair<Arguments, std::string>> cases{
       {{}, "FILE is missing"},
@@ -169,10 +179,30 @@ TEST_CASE("usage errors name option, value and expectation, and write nothing", 
       {{"atom.xyzr", "--strict=1"}, "--strict takes no value"},
       {{"atom.xyzr", "--format", "pdb"}, "--format is 'pdb', expected auto, xyzr or pqr"},
       {{"atom.xyzr", "--write", "faces"},
-       "--write is 'faces', expected some of grid,edges,areas, or none"},
+       "--write is 'faces', expected some of grid,edges,areas,residues, or none"},
       {{"atom.xyzr", "--write", "grid,none"},
-       "--write is 'grid,none', expected some of grid,edges,areas, or none"},
-      {{"atom.xyzr", "--write", ""}, "--write is '', expected some of grid,edges,areas, or none"},
+       "--write is 'grid,none', expected some of grid,edges,areas,residues, or none"},
+      {{"atom.xyzr", "--write", ""},
+       "--write is '', expected some of grid,edges,areas,residues, or none"},
+      {{"atom.xyzr", "--inside", "map.txt"}, "--inside is 'map.txt'" + map_name},
+      {{"atom.xyzr", "--inside", ".dx"}, "--inside is '.dx'" + map_name},
+      {{"atom.xyzr", "--inside", "a/.vti"}, "--inside is 'a/.vti'" + map_name},
+      {{"atom.xyzr", "--inside", ""}, "--inside is ''" + map_name},
+      {{"atom.xyzr", "--inside", "a/map.dx", "-o", "b"},
+       "--inside is 'a/map.dx', but files go to b: give its name alone, or --output-dir a"},
+      {{"atom.xyzr", "--inside", "a.dx", "--inside", "b.dx"}, "--inside is given more than once"},
+      {{"atom.xyzr", "--gzip=9"}, "--gzip takes no value"},
+      {{"atom.xyzr", "--region", "0,0,0,1,1"}, "--region is '0,0,0,1,1'" + six_numbers},
+      {{"atom.xyzr", "--region", "0,0,0,1,1,1,1"}, "--region is '0,0,0,1,1,1,1'" + six_numbers},
+      {{"atom.xyzr", "--region", "0,2,0,1,1,1"}, "--region is '0,2,0,1,1,1'" + six_numbers},
+      {{"atom.xyzr", "--region", "0,0,0,1,1,nan"}, "--region is '0,0,0,1,1,nan'" + six_numbers},
+      {{"atom.xyzr", "--region", "0 0 0 1 1 1"}, "--region is '0 0 0 1 1 1'" + six_numbers},
+      {{"atom.xyzr", "--blocks", "0:1,0:1"}, "--blocks is '0:1,0:1'" + ranges},
+      {{"atom.xyzr", "--blocks", "0:1,0:1,1:1"}, "--blocks is '0:1,0:1,1:1'" + ranges},
+      {{"atom.xyzr", "--blocks", "0:1,-1:1,0:1"}, "--blocks is '0:1,-1:1,0:1'" + ranges},
+      {{"atom.xyzr", "--blocks", "0,0,0"}, "--blocks is '0,0,0'" + ranges},
+      {{"atom.xyzr", "--blocks", "0:1,0:1,0:1", "--region", "0,0,0,1,1,1"},
+       "--region and --blocks are given, choose one of the two"},
       {{"atom.xyzr", "--json=no"}, "--json takes no value"},
       {{"atom.xyzr", "--verify=0"}, "--verify is '0', expected a whole number from 1 to 10000000"},
       {{"atom.xyzr", "--verify=all"},
@@ -280,6 +310,65 @@ TEST_CASE("write chooses the files", "[cli]") {
   CHECK(sandbox.files().empty());
 }
 
+TEST_CASE("maps, compressed files and tables are written where asked for", "[cli]") {
+  const Sandbox sandbox;
+  const auto names = [&](const std::string& directory) {
+    std::set<std::string> all;
+    for (const auto& entry : fs::directory_iterator(sandbox.directory() / directory))
+      all.insert(entry.path().filename().string());
+    return all;
+  };
+  const Outcome map =
+      sandbox.run({"pair.xyzr", "-o", "a", "--write", "none", "--inside", "a/map.vti"});
+  REQUIRE(map.code == 0);
+  CHECK(names("a") == std::set<std::string>{"map.vti"});
+  CHECK(contains(map.out, "to a (map.vti)\n"));
+  REQUIRE(sandbox.run({"pair.xyzr", "-o", "b", "--gzip", "--inside", "map.dx"}).code == 0);
+  CHECK(names("b") == std::set<std::string>{"bounding_box.txt.gz", "grid_info.txt.gz",
+                                            "intersection_info.txt.gz", "partition_area.txt.gz",
+                                            "map.dx"});
+  REQUIRE(sandbox.run({"pair.xyzr", "-o", "c"}).code == 0);
+  CHECK(sandbox.run({"diff", "b", "c"}).code == 0);
+
+  write_file(sandbox.directory() / "two.pqr",
+             "ATOM 1 CA ALA A 7 0 0 0 0 1.5\nHETATM 2 O HOH B 1 9 0 0 0 1.5\n");
+  const Outcome tables = sandbox.run({"two.pqr", "-o", "d", "--write", "residues", "--json"});
+  REQUIRE(tables.code == 0);
+  CHECK(names("d") ==
+        std::set<std::string>{"bounding_box.txt", "residue_area.csv", "chain_area.csv"});
+  check_json(sandbox, tables.out, "r['output']['files'][1:]",
+             "['residue_area.csv', 'chain_area.csv']");
+  const std::string residues = read_file(sandbox.directory() / "d" / "residue_area.csv");
+  CHECK(contains(residues, "chain,residue_number,residue,atoms,area\nA,7,ALA,1,"));
+  CHECK(contains(residues, "\nB,1,HOH,1,"));
+  const Outcome xyzr = sandbox.run({"pair.xyzr", "-o", "e", "--write", "residues"});
+  CHECK(xyzr.code == 1);
+  CHECK(contains(xyzr.err, "pair.xyzr: areas by residue (--write residues) need a PQR file"));
+  CHECK_FALSE(fs::exists(sandbox.directory() / "e"));
+}
+
+TEST_CASE("a region is told, and must be one", "[cli]") {
+  const Sandbox sandbox;
+  const Outcome text = sandbox.run({"pair.xyzr", "--region", "-1,-1,-1,2,1.05,0", "--dry-run"});
+  REQUIRE(text.code == 0);
+  // Points stand at -2.3 + 0.4 i, -2.5 + 0.4 j and k.
+  CHECK(contains(text.out, "\nregion: points 4:11 x 4:9 x 4:7 = 105 points\n"));
+  const Outcome json =
+      sandbox.run({"pair.xyzr", "--blocks", "1:2,0:1,0:2", "-b", "6", "--json", "-o", "blocks"});
+  REQUIRE(json.code == 0);
+  check_json(sandbox, json.out, "r['region']",
+             "{'begin': [5, 0, 0], 'end': [10, 5, 10], 'points': 250}");
+  check_json(sandbox, json.out, "r['blocks']['along_axes'], r['grid']['points']",
+             "([1, 1, 2], 3380)");
+  const Outcome none = sandbox.run({"pair.xyzr", "--region", "50,0,0,60,9,9"});
+  CHECK(none.code == 1);
+  CHECK(contains(none.err, "the region from 50 to 60 along x holds no point of the grid"));
+  const Outcome beyond = sandbox.run({"pair.xyzr", "--blocks", "0:1,0:9,0:1", "-b", "6"});
+  CHECK(beyond.code == 1);
+  CHECK(contains(beyond.err, "blocks 0:9 along y are asked for"));
+  CHECK(sandbox.files().empty());
+}
+
 TEST_CASE("the output directory is created", "[cli]") {
   const Sandbox sandbox;
   const Outcome outcome = sandbox.run({"pair.xyzr", "-o", "new/deep er/\xC3\xA9"});
@@ -348,7 +437,11 @@ TEST_CASE("the JSON report holds what the text says", "[cli]") {
         "['blocks', 'classify', 'intersect', 'output', 'patches', 'total', 'verify']");
   check("sorted(r['plan'])",
         "['area_file_bytes', 'blocks_ahead', 'cut_depth', 'disk_bytes', 'edge_file_bytes', "
-        "'grid_file_bytes', 'max_memory_bytes', 'memory_bytes', 'mesh_file_bytes', 'output_bytes']");
+        "'grid_file_bytes', 'map_file_bytes', 'max_memory_bytes', 'memory_bytes', "
+        "'mesh_file_bytes', 'output_bytes', 'residue_file_bytes', 'scratch_bytes']");
+  check("r['region']", "None");
+  check("sorted(r['area_by_kind'])", "['concave', 'convex', 'saddle']");
+  check("abs(sum(r['area_by_kind'].values()) - r['area']) < 1e-9", "True");
   check("r['plan']['max_memory_bytes'], r['diagnostics'], r['dry_run']", "(None, [], False)");
   check("r['peak_memory_bytes'] > 0 and r['threads'] > 0 and bool(r['version'])", "True");
 }

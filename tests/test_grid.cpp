@@ -160,8 +160,9 @@ void claim(Ownership& ownership, const Block& block) {
 
 bool lies_in(const Block& block, const BlockTiling& tiling) {
   for (std::size_t q = 0; q < 3; ++q) {
-    const bool last = block.first[q] + block.points[q] == tiling.grid_size[q];
-    if (block.first[q] < 0 || block.points[q] > tiling.block_size ||
+    const bool last = tiling.region.end[q] == tiling.grid_size[q] &&
+                      block.first[q] + block.points[q] == tiling.grid_size[q];
+    if (block.first[q] < tiling.region.begin[q] || block.points[q] > tiling.block_size ||
         block.first[q] + block.points[q] > tiling.grid_size[q] ||
         block.owned[q] != block.points[q] - (last ? 0 : 1))
       return false;
@@ -169,24 +170,32 @@ bool lies_in(const Block& block, const BlockTiling& tiling) {
   return true;
 }
 
-/// Everything is owned once, but for the edges that would lead out of the grid.
-bool each_owned_once(Ownership& ownership) {
+bool lies_in(const GridIndex& p, const GridRegion& region) {
+  for (std::size_t q = 0; q < 3; ++q)
+    if (p[q] < region.begin[q] || p[q] >= region.end[q]) return false;
+  return true;
+}
+
+/// Everything in the region is owned once, but for the edges that would lead out of the grid.
+bool each_owned_once(Ownership& ownership, const GridRegion& region) {
   const GridIndex& n = ownership.size;
   for (std::int64_t k = 0; k < n[2]; ++k)
     for (std::int64_t j = 0; j < n[1]; ++j)
       for (std::int64_t i = 0; i < n[0]; ++i) {
-        const bool right = ownership.at(i, j, k, 3) == 1 &&
-                           ownership.at(i, j, k, 0) == (i + 1 < n[0] ? 1 : 0) &&
-                           ownership.at(i, j, k, 1) == (j + 1 < n[1] ? 1 : 0) &&
-                           ownership.at(i, j, k, 2) == (k + 1 < n[2] ? 1 : 0);
+        const int once = lies_in({i, j, k}, region) ? 1 : 0;
+        const bool right = ownership.at(i, j, k, 3) == once &&
+                           ownership.at(i, j, k, 0) == (i + 1 < n[0] ? once : 0) &&
+                           ownership.at(i, j, k, 1) == (j + 1 < n[1] ? once : 0) &&
+                           ownership.at(i, j, k, 2) == (k + 1 < n[2] ? once : 0);
         if (!right) return false;
       }
   return true;
 }
 
-void check_ownership(const GridIndex& size, std::int64_t block_size) {
-  INFO("size " << size[0] << ' ' << size[1] << ' ' << size[2] << ", block size " << block_size);
-  const BlockTiling tiling = make_tiling(grid_of_size(size), block_size);
+void check_ownership(const BlockTiling& tiling) {
+  const GridIndex& size = tiling.grid_size;
+  INFO("size " << size[0] << ' ' << size[1] << ' ' << size[2] << ", block size "
+               << tiling.block_size);
   Ownership ownership{size, {}};
   ownership.owners.resize(static_cast<std::size_t>(size[0] * size[1] * size[2]) * 4);
   bool inside = true;
@@ -198,7 +207,11 @@ void check_ownership(const GridIndex& size, std::int64_t block_size) {
         if (inside) claim(ownership, block);
       }
   CHECK(inside);
-  CHECK(each_owned_once(ownership));
+  CHECK(each_owned_once(ownership, tiling.region));
+}
+
+void check_ownership(const GridIndex& size, std::int64_t block_size) {
+  check_ownership(make_tiling(grid_of_size(size), block_size));
 }
 
 }  // namespace
@@ -213,6 +226,20 @@ TEST_CASE("every point and every edge is owned by one block") {
     check_ownership({63, 64, 65}, block_size);
     check_ownership({67, 31, 37}, block_size);
   }
+}
+
+TEST_CASE("every point and every edge of a region is owned by one block") {
+  const GridIndex size{23, 17, 30};
+  for (const std::int64_t block_size : {2, 3, 8, 64})
+    for (const GridRegion& region : {GridRegion{{0, 0, 0}, {23, 17, 29}},
+                                     {{5, 0, 29}, {6, 17, 30}},
+                                     {{22, 16, 7}, {23, 17, 8}},
+                                     {{1, 2, 3}, {9, 10, 11}},
+                                     {{8, 8, 8}, {16, 15, 14}},
+                                     {{7, 7, 7}, {14, 14, 14}}}) {
+      INFO("from " << region.begin[0] << ' ' << region.begin[1] << ' ' << region.begin[2]);
+      check_ownership(make_tiling(grid_of_size(size), block_size, region));
+    }
 }
 
 TEST_CASE("a grid of one point is one block") {

@@ -517,12 +517,13 @@ TEST_CASE("mesh: chains, residues and colours", "[mesh]") {
       "ATOM 3 N GLY A 1 6.0 0.0 0.0 0.0 1.5\n"
       "ATOM 4 N GLY B 53 9.5 0.0 0.0 0.0 1.5\n",
       AtomFormat::pqr, "t.pqr");
+  const Molecule molecule(read.atoms, read.labels);
   const std::vector<std::uint32_t> chains{0, 0, 1, 0}, residues{0, 0, 1, 2};
   const TemporaryDirectory directory;
   const auto mesh_in = [&](MeshColor color) {
     OutputChoice outputs;
-    outputs.mesh = MeshChoice{directory.path() / "a.ply", color, read.labels};
-    run(read.atoms, make_plan(read.atoms, {}, outputs), outputs, directory.path());
+    outputs.mesh = MeshChoice{directory.path() / "a.ply", color};
+    run(molecule, make_plan(molecule, {}, outputs), outputs, directory.path());
     return read_mesh(directory.path() / "a.ply");
   };
   const Mesh mesh = mesh_in(MeshColor::chain);

@@ -45,6 +45,13 @@ TEST_CASE("a crossing's share goes to its atoms by their nearness") {
   three.add(surface, make_crossing(1, {0, 1, 2}), {0, 0, 0});
   CHECK(share(three, 2) == Catch::Approx(1));  // the limit of a weight that grows without bound
   CHECK(three.crossings == std::array<std::int64_t, 3>{0, 0, 1});
+  one.merge(two);
+  one.merge(three);
+  CHECK((one.kind_shares[0] + one.kind_shares[1] + one.kind_shares[2] ==
+         one.atom_shares[0] + one.atom_shares[1] + one.atom_shares[2]));
+  CHECK(static_cast<double>(one.kind_shares[0]) * Tally::unit == Catch::Approx(0.5));
+  CHECK(static_cast<double>(one.kind_shares[1]) * Tally::unit == Catch::Approx(0.8));
+  CHECK(static_cast<double>(one.kind_shares[2]) * Tally::unit == Catch::Approx(1));
 }
 
 TEST_CASE("more crossings than 64-bit sums of 2^-40 could hold") {

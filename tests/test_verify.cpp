@@ -114,7 +114,7 @@ TEST_CASE("points are drawn from the band, each once, and all of a small one", "
       for (std::int64_t i = 0; i < grid.size[0]; ++i)
         in_band += is_within(grid.point({i, j, k}), 1.4) && !is_within(grid.point({i, j, k}), 0);
   for (const std::size_t count : {std::size_t{10}, in_band / 2, 100 * in_band}) {
-    std::vector<GridIndex> points = draw_band_points(definition, grid, count);
+    std::vector<GridIndex> points = draw_band_points(definition, grid, grid.whole(), count);
     if (count < in_band)
       CHECK(points.size() == count);
     else

@@ -4,9 +4,6 @@
 #include <cstdint>
 #include <filesystem>
 #include <optional>
-#include <span>
-
-#include "eses/atom_labels.hpp"
 
 namespace eses {
 
@@ -15,7 +12,7 @@ enum class MeshColor {
   none,
   patch,  ///< convex, saddle, concave
   atom,   ///< the first adjacent atom
-  chain,  ///< that atom's chain; needs labels
+  chain,  ///< that atom's chain; needs the molecule's labels
 };
 
 /// The file tells the format by its suffix: `.ply` (binary), `.obj` or `.off`, in any case.
@@ -27,8 +24,6 @@ std::optional<MeshFormat> mesh_format(const std::filesystem::path& file);
 struct MeshChoice {
   std::filesystem::path file;
   MeshColor color = MeshColor::none;  ///< of PLY only
-  /// Of all atoms, for chains and residues in a PLY file, or none. Must outlive the run.
-  std::span<const AtomLabel> labels = {};
 };
 
 /// What a mesh has.

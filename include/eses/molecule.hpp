@@ -5,6 +5,7 @@
 #include <span>
 #include <vector>
 
+#include "eses/atom_labels.hpp"
 #include "eses/atoms.hpp"
 #include "eses/oddities.hpp"
 
@@ -19,8 +20,14 @@ class Molecule {
   /// Not explicit: a list of atoms may stand wherever a molecule is asked for.
   Molecule(std::vector<Atom> atoms);  // NOLINT(google-explicit-constructor)
 
+  /// `labels` of all atoms, or of none. Throws Error if there are some, but not as many as atoms.
+  Molecule(std::vector<Atom> atoms, std::vector<AtomLabel> labels);
+
   /// In input order.
   std::span<const Atom> atoms() const;
+
+  /// Chains and residues, by atom; empty if they are not known.
+  std::span<const AtomLabel> labels() const;
 
   /// What is odd in the atoms: all kinds of which there is at least one, in the order of
   /// `OddityKind`.

@@ -5,6 +5,7 @@
 #include <filesystem>
 #include <functional>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -15,6 +16,11 @@
 #include "eses/tiling.hpp"
 
 namespace eses {
+
+/// Two corners of a box, in angstrom.
+struct RegionBox {
+  Vec3 low, high;
+};
 
 struct Parameters {
   double probe_radius = 1.4;  ///< angstrom, > 0
@@ -28,35 +34,50 @@ struct Parameters {
   /// Bytes that the process may hold resident; 0: what the machine has to give.
   std::uint64_t max_memory = 0;
   std::int64_t verify = 0;  ///< points, and as many edges, to check afterwards; 0 to 1e7
+  /// Only the grid points in this closed box (angstrom) are computed, and the edges that start
+  /// there; indices and coordinates stay those of the whole grid.
+  std::optional<RegionBox> region;
+  /// The same for these blocks, as indices in the tiling of the whole grid; not with `region`.
+  std::optional<GridRegion> blocks;
 };
 
 /// Which files are written.
 struct OutputChoice {
-  bool box = true;    ///< bounding_box.txt
-  bool grid = true;   ///< grid_info.txt
-  bool edges = true;  ///< intersection_info.txt
-  bool areas = true;  ///< partition_area.txt
+  bool box = true;        ///< bounding_box.txt
+  bool grid = true;       ///< grid_info.txt
+  bool edges = true;      ///< intersection_info.txt
+  bool areas = true;      ///< partition_area.txt
+  bool residues = false;  ///< residue_area.csv and chain_area.csv
+  bool gzip = false;      ///< each of the four text files as NAME.gz
+  /// Name of a map of the inside, 1 inside and 0 outside: OpenDX if it ends with .dx, VTK image
+  /// data if it ends with .vti; none if empty.
+  std::string inside_map = {};
   std::optional<MeshChoice> mesh = {};
 
-  static OutputChoice none() { return {false, false, false, false, {}}; }
+  static OutputChoice none() { return {false, false, false, false}; }
 };
 
 /// What a run is going to do, worked out before anything is allocated or written.
 struct Plan {
   Parameters parameters;
   Grid grid;
-  BlockTiling tiling;
+  BlockTiling tiling;  ///< of the whole grid or of the region that is asked for
   int threads = 1;
   std::int64_t blocks_ahead = 0;  ///< solved at most of the next layer while one is unwritten
   double cut_depth = 0;           ///< see eses::cut_depth; > 0 means that the surface is cut
   /// Estimate of the process's peak, meant as an upper bound, if it holds nothing but the atoms.
   std::uint64_t memory_bytes = 0;
-  std::uint64_t grid_file_bytes = 0;  ///< upper bound
-  std::uint64_t edge_file_bytes = 0;  ///< estimate
-  std::uint64_t area_file_bytes = 0;  ///< upper bound
-  std::uint64_t mesh_file_bytes = 0;  ///< estimate
+  std::uint64_t grid_file_bytes = 0;     ///< upper bound
+  std::uint64_t edge_file_bytes = 0;     ///< estimate
+  std::uint64_t area_file_bytes = 0;     ///< upper bound
+  std::uint64_t residue_file_bytes = 0;  ///< estimate
+  std::uint64_t map_file_bytes = 0;      ///< exact
+  std::uint64_t mesh_file_bytes = 0;     ///< estimate
+  std::uint64_t scratch_bytes = 0;       ///< more that the map's file holds while it is being made
+  bool gzip = false;                     ///< then the sizes of the text files are estimates
   std::uint64_t output_bytes() const {
-    return grid_file_bytes + edge_file_bytes + area_file_bytes + mesh_file_bytes;
+    return grid_file_bytes + edge_file_bytes + area_file_bytes + residue_file_bytes +
+           map_file_bytes + mesh_file_bytes;
   }
 };
 
@@ -85,6 +106,9 @@ struct Summary {
   std::int64_t convex = 0;   ///< crossings with one adjacent atom
   std::int64_t saddle = 0;   ///< with two
   std::int64_t concave = 0;  ///< with three
+  double convex_area = 0;    ///< their shares of the area, square angstrom
+  double saddle_area = 0;
+  double concave_area = 0;
   std::int64_t edges() const { return convex + saddle + concave; }
   std::uint64_t bytes_written = 0;
   std::optional<MeshCounts> mesh;            ///< if there is one
@@ -124,7 +148,8 @@ DiskSpace require_disk_space(const Plan& plan, const std::filesystem::path& dire
 /// only when all of them are complete, the bounding box last, and older ones are removed before; on
 /// failure none appears, nor if the verification that `plan.parameters` asks for finds a fault.
 /// Throws Error on write failures, lack of disk space, if another run is writing there, and where
-/// memory exceeds `max_memory` after all: the plan's figure is an estimate.
+/// memory exceeds `max_memory` after all: the plan's figure is an estimate. Areas by residue need
+/// the molecule's labels; without them that, too, throws Error.
 Summary run(const Molecule& molecule, const Plan& plan, const OutputChoice& outputs,
             const std::filesystem::path& directory, const Callbacks& callbacks = {});
 

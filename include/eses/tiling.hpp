@@ -24,16 +24,24 @@ struct Block {
   GridIndex owned{};   ///< points owned along each axis: `points`, or one less
 };
 
+/// The blocks of a region, usually the whole grid. The last ones along an axis end with the region:
+/// of the point behind it they know, but own it no more than blocks own the face that they share.
 struct BlockTiling {
   std::int64_t block_size = default_block_size;  ///< points on a side
   GridIndex blocks{};                            ///< number of blocks along x, y and z
   GridIndex grid_size{};                         ///< points of the grid along x, y and z
+  GridRegion region;                             ///< the points that blocks own
 
+  /// The points that blocks [begin, end) own. Throws Error if there are no such blocks.
+  GridRegion points_of_blocks(const GridRegion& indices) const;
   std::int64_t block_count() const { return blocks[0] * blocks[1] * blocks[2]; }
   Block block(std::int64_t bx, std::int64_t by, std::int64_t bz) const;
 };
 
 /// `(n - 2) / (b - 1) + 1` blocks along each axis. Throws Error if block_size < 2.
 BlockTiling make_tiling(const Grid& grid, std::int64_t block_size);
+
+/// The same for a part of the grid, not empty, with a block's first point at `region.begin`.
+BlockTiling make_tiling(const Grid& grid, std::int64_t block_size, const GridRegion& region);
 
 }  // namespace eses

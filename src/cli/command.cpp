@@ -153,20 +153,23 @@ Report plan_report(const Molecule& molecule, std::span<const std::uint64_t> line
   return report;
 }
 
-// What the mesh tells of its atoms; released if nobody needs it.
-void hand_over_labels(NumberedAtoms& input, OutputChoice& outputs) {
-  if (outputs.mesh && mesh_format(outputs.mesh->file) == MeshFormat::ply) {
-    outputs.mesh->labels = input.labels;
-  } else {
-    std::vector<AtomLabel>().swap(input.labels);
-  }
+/// Labels take more memory than their atoms: they stay only where they are written.
+void choose_labels(const Options& options, std::vector<AtomLabel>& labels) {
+  const auto& mesh = options.outputs.mesh;
+  if (options.outputs.residues && labels.empty())
+    throw Error(
+        fmt::format("{}: areas by residue (--write residues) need a PQR file; xyzr does not "
+                    "tell chains and residues",
+                    options.input.string()));
+  if (!options.outputs.residues && !(mesh && mesh_format(mesh->file) == MeshFormat::ply))
+    std::vector<AtomLabel>().swap(labels);
 }
 
-int compute(Options options) {
+int compute(const Options& options) {
   require_standard_output();
   NumberedAtoms input = read_numbered_atoms(options.input, options.format);
-  hand_over_labels(input, options.outputs);
-  const Molecule molecule(std::move(input.atoms));
+  choose_labels(options, input.labels);
+  const Molecule molecule(std::move(input.atoms), std::move(input.labels));
   Report report = plan_report(molecule, input.lines, options);
   if (options.dry_run) {
     print(options.json ? json_text(report) : plan_text(report));

@@ -4,7 +4,9 @@
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <cstddef>
 #include <cstdint>
 #include <filesystem>
 #include <limits>
@@ -17,6 +19,7 @@
 
 #include "cli/arguments.hpp"
 #include "eses/version.hpp"
+#include "io/map_formats.hpp"
 #include "simd/dispatch.hpp"
 
 namespace eses::cli {
@@ -40,6 +43,9 @@ constexpr char footer[] = R"(Files written:
   grid_info.txt               every grid point, 1 inside and -1 outside
   intersection_info.txt       every grid edge that the surface cuts: point, normal, atoms
   partition_area.txt          every atom's share of the area, in square angstrom
+With --gzip each of these is NAME.gz. Only if asked for:
+  residue_area.csv, chain_area.csv   areas of residues and chains of a PQR file
+  the map of --inside                every grid point, 1 inside and 0 outside
   --mesh FILE                 the surface as triangles, if asked for
 
 Examples:
@@ -49,6 +55,8 @@ Examples:
   eses-blocks 1crn.pqr --mesh 1crn.ply --color chain   the surface to look at, too
   eses-blocks diff out ESES                            compares the files in two directories
   eses-blocks 1crn.xyzr --spacing 0.1 --dry-run        points, memory and disk it would take
+  eses-blocks 1crn.xyzr --inside map.dx --gzip         text files as NAME.gz, and a map for VMD
+  eses-blocks 1crn.xyzr --region=-5,0,0,5,10,10        only the part in this box
 
 Exit codes:
   0  done
@@ -77,6 +85,15 @@ void add_grid_options(CLI::App& app) {
   add("--probe-radius", "radius of the solvent probe, > 0", defaults.probe_radius);
   add("--spacing", "distance between grid points, > 0", defaults.spacing);
   add("--margin", "room between molecule and edge of the grid, >= 0", defaults.margin);
+  const auto add_part = [&app](const char* name, const char* value_name, const char* description) {
+    add_value(app, name, value_name, description)->group("Surface and grid");
+  };
+  add_part("--region", "X0,Y0,Z0,X1,Y1,Z1",
+           "only the grid points in this box (angstrom), and\n"
+           "the edges that start there; all else as in a full run");
+  add_part("--blocks", "I0:I1,J0:J1,K0:K1",
+           "only these blocks, from 0 and without the last-named,\n"
+           "as --block-size cuts the whole grid");
 }
 
 void add_file_options(CLI::App& app) {
@@ -87,7 +104,14 @@ void add_file_options(CLI::App& app) {
   add("-o,--output-dir", "DIR", "where to write files, created if missing [.]");
   add("--write", "LIST",
       "files to write besides bounding_box.txt: some of\n"
-      "grid,edges,areas; or none for none of the four [all]");
+      "grid,edges,areas,residues; or none for none of these\n"
+      "[grid,edges,areas]");
+  add("--inside", "FILE",
+      "map of the inside, in the output directory: FILE.dx\n"
+      "(OpenDX) or FILE.vti (VTK image data)");
+  app.add_flag("--gzip")
+      ->description("text files compressed, as NAME.gz; diff reads both")
+      ->group("Input and output");
   add("--mesh", "FILE", "also the surface as triangles: .ply, .obj or .off");
   add("--color", "NAME", "colours in a .ply file: patch, atom or chain (PQR) [none]");
 }
@@ -201,6 +225,63 @@ std::uint64_t max_memory_of(const CLI::App& app) {
   return *bytes;
 }
 
+/// The parts of a list, if it has as many as wanted.
+template <std::size_t count>
+std::optional<std::array<std::string, count>> parts_of(const std::string& list, char separator) {
+  const std::vector<std::string> parts = CLI::detail::split(list, separator);
+  if (parts.size() != count) return std::nullopt;
+  std::array<std::string, count> result;
+  std::copy(parts.begin(), parts.end(), result.begin());
+  return result;
+}
+
+std::optional<RegionBox> box_in(const std::string& text) {
+  const auto parts = parts_of<6>(text, ',');
+  if (!parts) return std::nullopt;
+  std::array<double, 6> values{};
+  for (std::size_t i = 0; i < 6; ++i) {
+    const std::optional<double> value = whole_text<double>((*parts)[i]);
+    if (!value || !std::isfinite(*value)) return std::nullopt;
+    values[i] = *value;
+  }
+  for (std::size_t axis = 0; axis < 3; ++axis)
+    if (values[axis] > values[3 + axis]) return std::nullopt;
+  return RegionBox{{values[0], values[1], values[2]}, {values[3], values[4], values[5]}};
+}
+
+std::optional<GridRegion> blocks_in(const std::string& text) {
+  const auto axes = parts_of<3>(text, ',');
+  if (!axes) return std::nullopt;
+  GridRegion blocks;
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    const auto ends = parts_of<2>((*axes)[axis], ':');
+    if (!ends) return std::nullopt;
+    const auto begin = whole_text<std::int64_t>((*ends)[0]);
+    const auto end = whole_text<std::int64_t>((*ends)[1]);
+    if (!begin || !end || *begin < 0 || *begin >= *end) return std::nullopt;
+    blocks.begin[axis] = *begin;
+    blocks.end[axis] = *end;
+  }
+  return blocks;
+}
+
+void choose_part(const CLI::App& app, Parameters& parameters) {
+  const std::optional<std::string> region = text_of(app, "--region");
+  const std::optional<std::string> blocks = text_of(app, "--blocks");
+  if (region && blocks) throw UsageError("--region and --blocks are given, choose one of the two");
+  if (region) {
+    parameters.region = box_in(*region);
+    if (!parameters.region)
+      refuse("--region", *region,
+             "six finite numbers x0,y0,z0,x1,y1,z1 in angstrom, x0 <= x1 and so on");
+  }
+  if (blocks) {
+    parameters.blocks = blocks_in(*blocks);
+    if (!parameters.blocks)
+      refuse("--blocks", *blocks, "i0:i1,j0:j1,k0:k1, whole numbers from 0, i0 < i1 and so on");
+  }
+}
+
 Parameters parameters_of(const CLI::App& app) {
   Parameters result;
   result.probe_radius = length_of(app, "PROBE", "--probe-radius", positive, result.probe_radius);
@@ -211,6 +292,7 @@ Parameters parameters_of(const CLI::App& app) {
   result.threads =
       static_cast<int>(count_of(app, "--threads", 1, most_threads, Parameters{}.threads));
   result.max_memory = max_memory_of(app);
+  choose_part(app, result);
   // A flag without a value reads "true".
   if (text_of(app, "--verify").value_or("") == "true") {
     result.verify = default_verify;
@@ -228,7 +310,31 @@ AtomFormat format_of(const CLI::App& app) {
   refuse("--format", name, "auto, xyzr or pqr");
 }
 
-OutputChoice outputs_of(const CLI::App& app) {
+/// As far as the names tell.
+bool is_same_place(const std::filesystem::path& a, const std::filesystem::path& b) {
+  const auto plain = [](const std::filesystem::path& path) {
+    return (std::filesystem::absolute(path) / "").lexically_normal();
+  };
+  return plain(a) == plain(b);
+}
+
+/// Of a map, which goes to the output directory like all files.
+std::string map_name_of(const CLI::App& app, const std::filesystem::path& output_directory) {
+  const std::optional<std::string> text = text_of(app, "--inside");
+  if (!text) return "";
+  const std::filesystem::path path = *text;
+  const std::string name = path.filename();
+  if (!map_format(name) || path.stem().empty() || name.starts_with('.'))
+    refuse("--inside", *text, "the name of a file that ends with .dx or .vti");
+  if (path.has_parent_path() && !is_same_place(path.parent_path(), output_directory))
+    throw UsageError(
+        fmt::format("--inside is '{}', but files go to {}: give its name alone, or "
+                    "--output-dir {}",
+                    *text, output_directory.string(), path.parent_path().string()));
+  return name;
+}
+
+OutputChoice text_files_of(const CLI::App& app) {
   const std::optional<std::string> text = text_of(app, "--write");
   if (!text) return {};
   OutputChoice result{.box = false, .grid = false, .edges = false, .areas = false};
@@ -241,8 +347,10 @@ OutputChoice outputs_of(const CLI::App& app) {
       result.edges = true;
     } else if (name == "areas") {
       result.areas = true;
+    } else if (name == "residues") {
+      result.residues = true;
     } else {
-      refuse("--write", *text, "some of grid,edges,areas, or none");
+      refuse("--write", *text, "some of grid,edges,areas,residues, or none");
     }
   }
   return result;
@@ -268,13 +376,20 @@ std::optional<MeshChoice> mesh_of(const CLI::App& app) {
   return MeshChoice{*file, color};
 }
 
+OutputChoice outputs_of(const CLI::App& app, const std::filesystem::path& output_directory) {
+  OutputChoice result = text_files_of(app);
+  result.gzip = is_set(app, "--gzip");
+  result.inside_map = map_name_of(app, output_directory);
+  result.mesh = mesh_of(app);
+  return result;
+}
+
 Options options_of(const CLI::App& app) {
   Options options;
   options.parameters = parameters_of(app);
   options.format = format_of(app);
-  options.outputs = outputs_of(app);
-  options.outputs.mesh = mesh_of(app);
   options.output_directory = required_text(app, "--output-dir", ".");
+  options.outputs = outputs_of(app, options.output_directory);
   options.quiet = is_set(app, "--quiet");
   options.json = is_set(app, "--json");
   options.dry_run = is_set(app, "--dry-run");

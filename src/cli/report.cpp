@@ -51,7 +51,7 @@ std::string written_text(const Report& report) {
   std::vector<std::string> places;
   if (const std::vector<std::string> names = file_names(outputs); !names.empty())
     places.push_back(fmt::format("to {} ({})", path_text(report.options.output_directory),
-                                 fmt::join(names, ", ")));
+                                 path_text(fmt::format("{}", fmt::join(names, ", ")))));
   if (outputs.mesh) places.push_back(fmt::format("to {}", path_text(outputs.mesh->file)));
   if (places.empty()) return "written: nothing\n";
   return fmt::format("written: {} {}\n", bytes_text(report.summary.bytes_written),
@@ -69,14 +69,17 @@ bool is_known(const DiskSpace& disk) {
 }
 
 /// `1 grid_info.txt ...`: the plan's files, and how well their sizes are known.
-std::string files_text(const Plan& plan) {
+std::string files_text(const Plan& plan, const OutputChoice& outputs) {
   std::vector<std::string> parts;
   const auto add = [&](std::uint64_t bytes, std::string_view quality, std::string_view name) {
     if (bytes > 0) parts.push_back(fmt::format("{} {} {}", name, quality, bytes_text(bytes)));
   };
-  add(plan.grid_file_bytes, "at most", "grid_info.txt");
-  add(plan.edge_file_bytes, "about", "intersection_info.txt");
-  add(plan.area_file_bytes, "at most", "partition_area.txt");
+  const std::string_view bound = plan.gzip ? "about" : "at most", suffix = plan.gzip ? ".gz" : "";
+  add(plan.grid_file_bytes, bound, fmt::format("grid_info.txt{}", suffix));
+  add(plan.edge_file_bytes, "about", fmt::format("intersection_info.txt{}", suffix));
+  add(plan.area_file_bytes, bound, fmt::format("partition_area.txt{}", suffix));
+  add(plan.residue_file_bytes, "about", "residue_area.csv and chain_area.csv");
+  add(plan.map_file_bytes, "exactly", path_text(outputs.inside_map));
   add(plan.mesh_file_bytes, "about", "the mesh");
   return fmt::format("{}", fmt::join(parts, ", "));
 }
@@ -125,6 +128,24 @@ std::string grid_json(const Grid& grid) {
                        {"points", json::number(grid.point_count())}});
 }
 
+bool is_whole(const Plan& plan) { return plan.tiling.region == plan.grid.whole(); }
+
+/// `10:20 x 0:5 x 0:7`
+std::string region_text(const Plan& plan) {
+  if (is_whole(plan)) return "";
+  const auto& [begin, end] = plan.tiling.region;
+  return fmt::format("region: points {}:{} x {}:{} x {}:{} = {} points\n", begin[0], end[0],
+                     begin[1], end[1], begin[2], end[2], plan.tiling.region.point_count());
+}
+
+std::string region_json(const Plan& plan) {
+  if (is_whole(plan)) return "null";
+  const auto& [begin, end] = plan.tiling.region;
+  return json::object({{"begin", json::triple(begin[0], begin[1], begin[2])},
+                       {"end", json::triple(end[0], end[1], end[2])},
+                       {"points", json::number(plan.tiling.region.point_count())}});
+}
+
 std::string blocks_json(const BlockTiling& tiling) {
   const GridIndex& blocks = tiling.blocks;
   return json::object({{"size", json::number(tiling.block_size)},
@@ -147,6 +168,9 @@ std::string plan_json(const Plan& plan, const DiskSpace& disk) {
                        {"edge_file_bytes", json::number(plan.edge_file_bytes)},
                        {"area_file_bytes", json::number(plan.area_file_bytes)},
                        {"mesh_file_bytes", json::number(plan.mesh_file_bytes)},
+                       {"residue_file_bytes", json::number(plan.residue_file_bytes)},
+                       {"map_file_bytes", json::number(plan.map_file_bytes)},
+                       {"scratch_bytes", json::number(plan.scratch_bytes)},
                        {"disk_bytes", number_unless(!is_known(disk), disk.available)},
                        {"cut_depth", json::number(plan.cut_depth)}});
 }
@@ -175,6 +199,12 @@ std::string crossings_json(const Summary& summary) {
                        {"saddle", json::number(summary.saddle)},
                        {"concave", json::number(summary.concave)},
                        {"total", json::number(summary.edges())}});
+}
+
+std::string area_by_kind_json(const Summary& summary) {
+  return json::object({{"convex", json::number(summary.convex_area)},
+                       {"saddle", json::number(summary.saddle_area)},
+                       {"concave", json::number(summary.concave_area)}});
 }
 
 std::string seconds_json(const PhaseSeconds& seconds) {
@@ -252,6 +282,7 @@ std::string plan_text(const Report& report) {
                       parameters.probe_radius, parameters.spacing, parameters.margin);
   text += fmt::format("grid: {} x {} x {} = {} points\n", points[0], points[1], points[2],
                       plan.grid.point_count());
+  text += region_text(plan);
   text += fmt::format("blocks: {} x {} x {}, {} points on a side; {}\n", blocks[0], blocks[1],
                       blocks[2], plan.tiling.block_size, counted(plan.threads, "thread"));
   text += fmt::format("expected: {} of memory, {} of files\n", bytes_text(plan.memory_bytes),
@@ -259,7 +290,8 @@ std::string plan_text(const Report& report) {
   if (!report.options.dry_run) return text;
   if (parameters.max_memory > 0)
     text += fmt::format("memory limit: {}\n", bytes_text(parameters.max_memory));
-  if (plan.output_bytes() > 0) text += fmt::format("files: {}\n", files_text(plan));
+  if (plan.output_bytes() > 0)
+    text += fmt::format("files: {}\n", files_text(plan, report.options.outputs));
   if (is_known(report.disk))
     text += fmt::format("disk: {} free in {}\n", bytes_text(report.disk.available),
                         path_text(report.options.output_directory));
@@ -271,6 +303,8 @@ std::string summary_text(const Report& report) {
   const PhaseSeconds& seconds = summary.seconds;
   std::string text = fmt::format("crossings: {} ({} convex, {} saddle, {} concave)\n",
                                  summary.edges(), summary.convex, summary.saddle, summary.concave);
+  text += fmt::format("patches: {:.6g} convex, {:.6g} saddle, {:.6g} concave (square angstrom)\n",
+                      summary.convex_area, summary.saddle_area, summary.concave_area);
   text += fmt::format("inside points: {}\n", summary.inside_points);
   text += mesh_text(summary);
   text += verification_text(summary);
@@ -291,6 +325,7 @@ std::string json_text(const Report& report) {
                                     {"diagnostics", findings_json(report.findings)},
                                     {"parameters", parameters_json(report.options.parameters)},
                                     {"grid", grid_json(report.plan.grid)},
+                                    {"region", region_json(report.plan)},
                                     {"blocks", blocks_json(report.plan.tiling)},
                                     {"threads", json::number(report.plan.threads)},
                                     {"instruction_set", json::string(name_of(instruction_set()))},
@@ -301,6 +336,7 @@ std::string json_text(const Report& report) {
                                    {"volume", json::number(summary.volume)},
                                    {"inside_points", json::number(summary.inside_points)},
                                    {"crossings", crossings_json(summary)},
+                                   {"area_by_kind", area_by_kind_json(summary)},
                                    {"verification", verification_json(summary.verification)},
                                    {"mesh", mesh_json(report)},
                                    {"output", output_json(report)},

@@ -45,6 +45,30 @@ Grid make_grid(std::span<const Atom> atoms, double spacing, double margin) {
   return grid;
 }
 
+GridRegion points_in_box(const Grid& grid, Vec3 low, Vec3 high) {
+  GridRegion region;
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    const auto size = grid.size[axis];
+    // Near the place that the quotient tells, the coordinates themselves decide.
+    const auto near = [&](double coordinate) {
+      const double place = (coordinate - grid.lower[axis]) / grid.spacing;
+      return static_cast<std::int64_t>(std::clamp(place, -2.0, static_cast<double>(size) + 1));
+    };
+    std::int64_t begin = std::clamp<std::int64_t>(near(low[axis]) - 2, 0, size);
+    while (begin < size && grid.coordinate(axis, begin) < low[axis]) ++begin;
+    std::int64_t end = std::clamp<std::int64_t>(near(high[axis]) + 3, 0, size);
+    while (end > 0 && grid.coordinate(axis, end - 1) > high[axis]) --end;
+    if (!(begin < end))
+      throw Error(fmt::format(
+          "the region from {} to {} along {} holds no point of the grid, whose "
+          "{} points go from {} to {}",
+          low[axis], high[axis], "xyz"[axis], size, grid.lower[axis], grid.upper[axis]));
+    region.begin[axis] = begin;
+    region.end[axis] = end;
+  }
+  return region;
+}
+
 double cut_depth(const Grid& grid, std::span<const Atom> atoms) {
   double depth = -std::numeric_limits<double>::infinity();
   for (const Atom& atom : atoms)

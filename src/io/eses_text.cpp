@@ -97,16 +97,20 @@ char* append_lines(char* out, std::span<const std::array<std::uint64_t, 2>> indi
   return out;
 }
 
-// `tails` by sign: what follows the first index, the same in the whole row.
+// `first` is the first point's index, and `tails` by sign what follows it, the same in the whole
+// row.
 template <std::size_t words>
 char* append_row_lines(char* out, std::span<const std::array<std::uint64_t, 2>> indices,
-                       std::span<const std::uint64_t> inside,
+                       std::size_t first, std::span<const std::uint64_t> inside,
                        const std::array<std::string, 2>& tails) {
-  std::size_t digits = 1;
-  for (std::size_t begin = 0, end = 10; begin < indices.size(); begin = end, end *= 10, ++digits) {
+  std::size_t digits = 1, power = 10;
+  for (std::size_t begin = 0; begin < indices.size(); power *= 10, ++digits) {
+    if (power <= first + begin) continue;
+    const std::size_t end = power - first;
     const std::array<LineTail<words>, 2> line_tails{LineTail<words>(digits + 1, tails[0]),
                                                     LineTail<words>(digits + 1, tails[1])};
     out = append_lines(out, indices, begin, std::min(end, indices.size()), inside, line_tails);
+    begin = end;
   }
   return out;
 }
@@ -118,7 +122,7 @@ char* TextBuffer::reserve(std::size_t bytes) {
   return bytes_.data() + size_;
 }
 
-GridText::GridText(const Grid& grid) {
+GridText::GridText(const Grid& grid, const GridRegion& region) : first_x_(region.begin[0]) {
   for (std::size_t axis = 0; axis < 3; ++axis)
     for (std::int64_t i = 0; i < grid.size[axis]; ++i) {
       axes_[axis].indices.push_back(
@@ -126,7 +130,8 @@ GridText::GridText(const Grid& grid) {
       axes_[axis].coordinates.push_back(
           make_token<Token<32>>(write_scientific, grid.coordinate(axis, i)));
     }
-  for (const auto& token : axes_[0].indices) {
+  for (std::int64_t x = region.begin[0]; x < region.end[0]; ++x) {
+    const auto& token = axes_[0].indices[static_cast<std::size_t>(x)];
     std::array<std::uint64_t, 2> padded{};
     std::memcpy(padded.data(), token.text.data(), token.length);
     row_indices_.push_back(padded);
@@ -138,11 +143,12 @@ void GridText::append_row(TextBuffer& text, std::int64_t y, std::int64_t z,
   constexpr std::size_t short_words = 2, long_words = 5;
   const std::string rest = fmt::format("{} {} ", y, z);
   const std::array<std::string, 2> tails{rest + "-1\n", rest + "1\n"};
-  const std::size_t longest = decimal_digits(row_indices_.size()) + 1 + tails[0].size();
+  const auto first = static_cast<std::size_t>(first_x_);
+  const std::size_t longest = decimal_digits(first + row_indices_.size()) + 1 + tails[0].size();
   char* out = text.reserve(row_indices_.size() * longest + long_words * sizeof(std::uint64_t));
   text.advance_to(longest <= short_words * sizeof(std::uint64_t)
-                      ? append_row_lines<short_words>(out, row_indices_, inside, tails)
-                      : append_row_lines<long_words>(out, row_indices_, inside, tails));
+                      ? append_row_lines<short_words>(out, row_indices_, first, inside, tails)
+                      : append_row_lines<long_words>(out, row_indices_, first, inside, tails));
 }
 
 // What the lines of one row have in common.
@@ -210,14 +216,11 @@ char* GridText::append_crossing(char* out, std::int64_t x, const RowText& row,
   return out;
 }
 
-std::uint64_t largest_grid_bytes(const GridIndex& size) {
+std::uint64_t largest_grid_bytes(const GridRegion& region) {
   std::uint64_t line = 3;  // sign, digit, newline
-  std::uint64_t points = 1;
-  for (const std::int64_t n : size) {
+  for (const std::int64_t n : region.end)
     line += static_cast<std::uint64_t>(decimal_digits(static_cast<std::uint64_t>(n - 1))) + 1;
-    points *= static_cast<std::uint64_t>(n);
-  }
-  return points * line;
+  return static_cast<std::uint64_t>(region.point_count()) * line;
 }
 
 std::string bounding_box_text(const Grid& grid) {

@@ -30,9 +30,10 @@ class TextBuffer {
 /// Indices and coordinates of a grid along its axes as text, made once and copied many times.
 class GridText {
  public:
-  explicit GridText(const Grid& grid);
+  GridText(const Grid& grid, const GridRegion& region);
 
-  /// A row of grid_info.txt: `i j k s` for i = 0, 1, ...; bit i of `inside` tells the sign s.
+  /// A row of grid_info.txt: `i j k s` for the points of the region; bit 0 of `inside` tells the
+  /// sign s of the first.
   void append_row(TextBuffer& text, std::int64_t y, std::int64_t z,
                   std::span<const std::uint64_t> inside) const;
 
@@ -60,11 +61,12 @@ class GridText {
     std::vector<Token<32>> coordinates;
   };
   std::array<Axis, 3> axes_;
+  std::int64_t first_x_ = 0;
   std::vector<std::array<std::uint64_t, 2>> row_indices_;  ///< along x, with zeros behind the text
 };
 
 /// Upper bound of the bytes of grid_info.txt.
-std::uint64_t largest_grid_bytes(const GridIndex& size);
+std::uint64_t largest_grid_bytes(const GridRegion& region);
 
 /// A line of intersection_info.txt, typically.
 inline constexpr std::uint64_t typical_crossing_bytes = 150;

@@ -6,7 +6,6 @@
 #include <sys/file.h>
 #include <sys/stat.h>
 
-#include <algorithm>
 #include <cerrno>
 #include <memory>
 #include <string_view>
@@ -66,11 +65,15 @@ struct CloseDirectory {
   void operator()(DIR* directory) const { closedir(directory); }
 };
 
-bool is_temporary_of(std::string_view file, const std::string& name) {
-  const std::string start = "." + name + ".";
-  if (!file.starts_with(start) || !file.ends_with(temporary_suffix)) return false;
-  file.remove_prefix(start.size());
-  return file.find_first_not_of("0123456789") == file.size() - temporary_suffix.size();
+// The name under which a temporary file would have appeared, or nothing if it is no such file.
+std::string_view final_name(std::string_view file) {
+  if (!file.starts_with('.') || !file.ends_with(temporary_suffix)) return {};
+  file.remove_prefix(1);
+  file.remove_suffix(temporary_suffix.size());
+  const std::size_t dot = file.rfind('.');
+  const bool has_process = dot != file.npos && dot + 1 < file.size() &&
+                           file.find_first_not_of("0123456789", dot + 1) == file.npos;
+  return has_process ? file.substr(0, dot) : std::string_view();
 }
 
 }  // namespace
@@ -120,16 +123,21 @@ bool OutputDirectory::try_lock() {
   return true;  // a file system without locks
 }
 
-void OutputDirectory::remove_abandoned(std::span<const std::string> names) const {
+void OutputDirectory::remove_abandoned(
+    const std::function<bool(std::string_view name)>& is_ours) const {
   if (!is_locked_) return;
   // Not std::filesystem's iterator: it ends the process where memory runs out.
   const int readable = openat(descriptor(), ".", O_RDONLY | O_DIRECTORY | O_CLOEXEC);
   const std::unique_ptr<DIR, CloseDirectory> listing(readable < 0 ? nullptr : fdopendir(readable));
   if (!listing) return;
   while (const dirent* const entry = readdir(listing.get()))
-    if (std::any_of(names.begin(), names.end(),
-                    [&](const std::string& name) { return is_temporary_of(entry->d_name, name); }))
-      unlinkat(descriptor(), entry->d_name, 0);
+    if (is_ours(final_name(entry->d_name))) unlinkat(descriptor(), entry->d_name, 0);
+}
+
+void OutputDirectory::remove(const std::string& name) const {
+  if (unlinkat(descriptor(), name.c_str(), 0) == 0 || errno == ENOENT) return;
+  throw Error(fmt::format("cannot replace {}: {}", path_in(path_, name),
+                          std::generic_category().message(errno)));
 }
 
 }  // namespace eses

@@ -2,8 +2,9 @@
 /// A directory that one run at a time writes into.
 
 #include <filesystem>
-#include <span>
+#include <functional>
 #include <string>
+#include <string_view>
 
 #include "io/file_descriptor.hpp"
 
@@ -37,9 +38,12 @@ class OutputDirectory {
   /// Stays the same directory if it is renamed.
   int descriptor() const { return directory_.value(); }
 
-  /// Removes what runs that were killed have left of the files called `names`. Without a lock
-  /// nothing: their runs may be alive.
-  void remove_abandoned(std::span<const std::string> names) const;
+  /// Removes what runs that were killed have left of files whose names `is_ours` accepts. Without a
+  /// lock nothing: their runs may be alive.
+  void remove_abandoned(const std::function<bool(std::string_view name)>& is_ours) const;
+
+  /// Removes a file, if it is there. Throws Error.
+  void remove(const std::string& name) const;
 
  private:
   void lock();

@@ -21,7 +21,7 @@ OutputFile::OutputFile(const OutputDirectory& directory, std::string name)
   if (fstatat(directory_.descriptor(), name_.c_str(), &older, 0) == 0 && S_ISDIR(older.st_mode))
     fail("create", EISDIR);
   file_ = FileDescriptor(openat(directory_.descriptor(), temporary_name_.c_str(),
-                                O_WRONLY | O_CREAT | O_TRUNC | O_NOFOLLOW | O_CLOEXEC, 0666));
+                                O_RDWR | O_CREAT | O_TRUNC | O_NOFOLLOW | O_CLOEXEC, 0666));
   if (!file_.is_open()) fail("create", errno);
   is_temporary_ = true;
 }
@@ -45,6 +45,23 @@ void OutputFile::write_at(std::span<const char> bytes, std::uint64_t offset) {
     bytes = bytes.subspan(static_cast<std::size_t>(written));
     offset += static_cast<std::uint64_t>(written);
   }
+}
+
+void OutputFile::read_at(std::span<char> bytes, std::uint64_t offset) {
+  while (!bytes.empty()) {
+    const ssize_t count =
+        pread(file_.value(), bytes.data(), bytes.size(), static_cast<off_t>(offset));
+    if (count < 0 && errno == EINTR) continue;
+    if (count < 0) fail("read back", errno);
+    if (count == 0) fail("read back", EIO);  // somebody else has cut the file
+    bytes = bytes.subspan(static_cast<std::size_t>(count));
+    offset += static_cast<std::uint64_t>(count);
+  }
+}
+
+void OutputFile::truncate(std::uint64_t bytes) {
+  while (ftruncate(file_.value(), static_cast<off_t>(bytes)) != 0)
+    if (errno != EINTR) fail("write", errno);
 }
 
 void OutputFile::close() {

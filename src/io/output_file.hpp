@@ -23,6 +23,10 @@ class OutputFile {
 
   /// May be called from several threads for disjoint ranges.
   void write_at(std::span<const char> bytes, std::uint64_t offset);
+  /// Reads what has been written there before; bytes that nobody wrote are 0.
+  void read_at(std::span<char> bytes, std::uint64_t offset);
+  /// Cuts off what is behind the first `bytes`.
+  void truncate(std::uint64_t bytes);
   /// Checks what the system reports only at the end; nothing can be written after it.
   void close();
   /// Removes an older file of the name, if there is one.

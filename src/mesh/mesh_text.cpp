@@ -195,7 +195,7 @@ void MeshText::append_triangle(TextBuffer& text, const Triangle& triangle) const
   }
 }
 
-std::uint64_t typical_vertex_bytes(const MeshChoice& choice) {
+std::uint64_t typical_vertex_bytes(const MeshChoice& choice, bool has_labels) {
   constexpr std::uint64_t vector_line = 57;  // three numbers with what parts them
   const std::optional<MeshFormat> format = mesh_format(choice.file);
   if (format == MeshFormat::off) return vector_line;
@@ -203,7 +203,7 @@ std::uint64_t typical_vertex_bytes(const MeshChoice& choice) {
   constexpr std::uint64_t position = 3 * sizeof(double), normal = 3 * sizeof(float);
   return position + normal + sizeof(std::uint8_t) + sizeof(AtomIndex) +
          (choice.color == MeshColor::none ? 0 : sizeof(Color)) +
-         (choice.labels.empty() ? 0 : 2 * sizeof(std::uint32_t));
+         (has_labels ? 2 * sizeof(std::uint32_t) : 0);
 }
 
 std::uint64_t typical_triangle_bytes(const MeshChoice& choice) {

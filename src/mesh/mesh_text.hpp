@@ -41,7 +41,7 @@ class MeshText {
 };
 
 /// Bytes of a vertex and of a triangle, typically.
-std::uint64_t typical_vertex_bytes(const MeshChoice& choice);
+std::uint64_t typical_vertex_bytes(const MeshChoice& choice, bool has_labels);
 std::uint64_t typical_triangle_bytes(const MeshChoice& choice);
 
 }  // namespace eses::mesh

@@ -95,7 +95,9 @@ class LayerColumns {
     column.continues_in_y = result.block.owned[1] < inside.size[1];
     const std::int64_t owned = inside.owned_in_column(c, result.block.owned[0]);
     column.owned = low_bits(owned);
-    const bool ends_rows = bx + 1 == tiling_.blocks[0] && c + 1 == inside.columns;
+    // Of the point behind the region's last the block knows.
+    const bool ends_rows = bx + 1 == tiling_.blocks[0] && c + 1 == inside.columns &&
+                           result.block.owned[0] == result.block.points[0];
     column.row_end = ends_rows ? std::uint64_t{1} << (owned - 1) : 0;
     if (c > 0) {
       column.left = words(bx, by, c - 1, z);

@@ -30,15 +30,16 @@ LayerRows::LayerRows(const BlockTiling& tiling, const Layer& layer)
     if (inside.words.empty()) continue;
     auto& pieces = pieces_[b / static_cast<std::size_t>(tiling.blocks[0])];
     for (std::int64_t column = 0; column < inside.columns; ++column) {
-      pieces.push_back({inside.words.data() + inside.word_index(column, 0, 0), inside.size[1],
-                        result.block.first[0] + column * PointBits::column_step,
-                        inside.owned_in_column(column, result.block.owned[0])});
+      pieces.push_back(
+          {inside.words.data() + inside.word_index(column, 0, 0), inside.size[1],
+           result.block.first[0] - tiling.region.begin[0] + column * PointBits::column_step,
+           inside.owned_in_column(column, result.block.owned[0])});
     }
   }
 }
 
 void LayerRows::join(std::int64_t y, std::int64_t z, RowBits& row) const {
-  row.assign(static_cast<std::size_t>((tiling_.grid_size[0] + 63) / 64), 0);
+  row.assign(static_cast<std::size_t>((tiling_.region.size()[0] + 63) / 64), 0);
   const BlockRow place = block_row_of(tiling_, y);
   for (const Piece& piece : pieces_[static_cast<std::size_t>(place.by)]) {
     const std::uint64_t bits = piece.words[z * piece.rows + place.y];

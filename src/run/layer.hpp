@@ -17,7 +17,8 @@ struct Layer {
   std::int64_t owned_planes() const { return blocks.front().block.owned[2]; }
 };
 
-/// Words of a row of the whole grid: bit i % 64 of word i / 64 is point i.
+/// Words of a row of the whole grid, or of the region that is computed: bit i % 64 of word i / 64
+/// is point i.
 using RowBits = std::vector<std::uint64_t>;
 
 /// Where the pieces of a layer's rows stand in its blocks; made once for many rows.
@@ -25,8 +26,8 @@ class LayerRows {
  public:
   LayerRows(const BlockTiling& tiling, const Layer& layer);
 
-  /// Joins the inside bits of row (y, z) from all blocks along x. `z` counts from the layer's first
-  /// plane.
+  /// Joins the inside bits of row (y, z) from all blocks along x. `y` counts from the region's
+  /// first row, `z` from the layer's first plane.
   void join(std::int64_t y, std::int64_t z, RowBits& row) const;
 
  private:

@@ -5,7 +5,9 @@
 #include <cmath>
 #include <numbers>
 
+#include "io/gzip.hpp"
 #include "mesh/triangulate.hpp"
+#include "run/inside_map.hpp"
 #include "run/text_chunks.hpp"
 #include "solve/block_solver.hpp"
 
@@ -37,15 +39,19 @@ double per_atom_patch_bytes() {
   return sizeof(AtomExposure) + 3 * sizeof(std::uint32_t) + sizeof(FaceDirections);
 }
 
+// Of a block, with the point behind the region's last.
+std::int64_t points_along(const BlockTiling& tiling, std::size_t axis) {
+  return std::min(tiling.block_size, tiling.region.size()[axis] + 1);
+}
+
 // What a thread unpacks for one block: see collect_features.
 double feature_bytes(const SurfaceSurvey& survey, const Grid& grid, const BlockTiling& tiling) {
-  const auto atoms = static_cast<double>(survey.atom_count());
+  const auto atoms = static_cast<double>(survey.patched_count());
   const PatchTotals& totals = survey.totals();
   const double sas_radius = survey.largest_radius() + survey.probe_radius();
   Vec3 half;
   for (std::size_t axis = 0; axis < 3; ++axis)
-    half[axis] =
-        0.5 * grid.spacing * as_double(std::min(tiling.block_size, tiling.grid_size[axis]) - 1);
+    half[axis] = 0.5 * grid.spacing * as_double(points_along(tiling, axis) - 1);
   const auto [in_box, in_ball] =
       survey.most_atoms_near(half + sas_radius * Vec3{1, 1, 1}, norm(half) + sas_radius);
   constexpr double denser = 1.1;  // than at the places looked at
@@ -63,38 +69,43 @@ double feature_bytes(const SurfaceSurvey& survey, const Grid& grid, const BlockT
 
 double block_words(const BlockTiling& tiling) {
   std::array<double, 3> points{};
-  for (std::size_t axis = 0; axis < 3; ++axis)
-    points[axis] = as_double(std::min(tiling.block_size, tiling.grid_size[axis]));
+  for (std::size_t axis = 0; axis < 3; ++axis) points[axis] = as_double(points_along(tiling, axis));
   return (std::floor(std::max(0.0, points[0] - 2) / PointBits::column_step) + 1) * points[1] *
          points[2];
 }
 
-double text_bytes(const Grid& grid, const OutputChoice& outputs) {
+double text_bytes(const GridRegion& region, const OutputChoice& outputs) {
   // A line has more bytes than counted on, and crossings may crowd.
-  const double chunk = as_double(rows_per_chunk(grid) * grid.size[0]) * 24;
-  return (outputs.grid ? chunk : 0) + (outputs.edges ? chunk / 2 : 0) + (outputs.mesh ? chunk : 0);
+  const std::int64_t row = region.size()[0];
+  const double points = as_double(rows_per_chunk(row) * row), chunk = points * 24;
+  double bytes = (outputs.grid ? chunk : 0) + (outputs.edges ? chunk / 2 : 0);
+  if (outputs.gzip) bytes += Gzip::state_bytes + (outputs.grid || outputs.edges ? chunk : 0);
+  if (const auto format = map_format(outputs.inside_map))
+    bytes += std::max(2 * points, InsideMap::thread_bytes(*format, region));
+  if (outputs.mesh) bytes += chunk;
+  return bytes;
 }
 
 // Numbers of the rows of a layer, and the plane that is kept of it.
-double mesh_bytes(const SurfaceSurvey& survey, const Grid& grid, const BlockTiling& tiling) {
+double mesh_bytes(const SurfaceSurvey& survey, double spacing, const BlockTiling& tiling) {
   const auto side = as_double(std::min(tiling.block_size, tiling.grid_size[2]));
-  const double rows = as_double(grid.size[1]);
-  const double crossings = expected_crossings(survey.largest_slab_area(grid.spacing), grid.spacing);
+  const double rows = as_double(tiling.region.size()[1]);
+  const double crossings = expected_crossings(survey.largest_slab_area(spacing), spacing);
   return growth * sizeof(std::uint64_t) * side * rows +
-         rows * (sizeof(mesh::Row) + as_double(grid.size[0]) / 8) +
+         rows * (sizeof(mesh::Row) + as_double(tiling.region.size()[0]) / 8) +
          growth * sizeof(std::uint64_t) * crossings;
 }
 
-double label_bytes(const OutputChoice& outputs) {
-  constexpr double per_atom = sizeof(AtomLabel) + 2 * sizeof(std::uint32_t);
-  return outputs.mesh ? per_atom * static_cast<double>(outputs.mesh->labels.size()) : 0;
+double label_bytes(const SurfaceSurvey& survey, const OutputChoice& outputs) {
+  const double of_mesh = outputs.mesh ? 2 * sizeof(std::uint32_t) : 0;
+  return (sizeof(AtomLabel) + of_mesh) * static_cast<double>(survey.label_count());
 }
 
 double bytes_of_thread(const SurfaceSurvey& survey, const Grid& grid, const Schedule& schedule,
                        const OutputChoice& outputs) {
   // Undecided points, edges along three axes, and their ranks.
   constexpr double bytes_per_word = 4 * sizeof(std::uint64_t) + sizeof(std::uint32_t);
-  return bytes_per_thread + text_bytes(grid, outputs) +
+  return bytes_per_thread + text_bytes(schedule.tiling.region, outputs) +
          bytes_per_word * block_words(schedule.tiling) +
          feature_bytes(survey, grid, schedule.tiling) +
          sizeof(Tally::Sum) * static_cast<double>(survey.atom_count());
@@ -103,8 +114,8 @@ double bytes_of_thread(const SurfaceSurvey& survey, const Grid& grid, const Sche
 // The results of `layers` layers of blocks: bits, rows, crossings.
 double bytes_of_layers(const SurfaceSurvey& survey, const Grid& grid, const BlockTiling& tiling,
                        double layers) {
-  const auto side = as_double(std::min(tiling.block_size, tiling.grid_size[2]));
-  const double rows = side * as_double(std::min(tiling.block_size, tiling.grid_size[1]));
+  const auto side = as_double(points_along(tiling, 2));
+  const double rows = side * as_double(points_along(tiling, 1));
   constexpr double allocator = 64;
   const double bytes_per_block = sizeof(BlockResult) + allocator +
                                  sizeof(std::uint64_t) * block_words(tiling) +
@@ -130,22 +141,23 @@ double expected_memory(const SurfaceSurvey& survey, const Grid& grid, const Sche
                        const OutputChoice& outputs) {
   const auto atoms = static_cast<double>(survey.atom_count());
   const double patches = patch_bytes(survey), threads = schedule.threads;
-  const double always =
-      base_bytes + atoms * (bytes_per_atom + per_atom_patch_bytes()) + label_bytes(outputs);
+  const double always = base_bytes + atoms * (bytes_per_atom + per_atom_patch_bytes());
   const double making = making_of_patches * patches + threads * bytes_per_thread;
 
   const BlockTiling& tiling = schedule.tiling;
   const double held =
       bytes_of_layers(survey, grid, tiling, 1 + share_ahead(schedule)) +
-      2 * sizeof(std::uint64_t) * as_double(tiling.blocks[0]) * as_double(grid.size[1]) +
+      2 * sizeof(std::uint64_t) * as_double(tiling.blocks[0]) * as_double(tiling.region.size()[1]) +
       as_double(tiling.blocks[2]) * bytes_per_layer +
-      (outputs.mesh ? mesh_bytes(survey, grid, tiling) : 0);
+      (outputs.mesh ? mesh_bytes(survey, grid.spacing, tiling) : 0);
+  // Labels are there from the beginning; each residue's sum and line count as an atom's.
+  const double labels = label_bytes(survey, outputs);
   constexpr double bytes_per_area = sizeof(Tally::Sum) + sizeof(double) + growth * 32;
   const double axes = as_double(grid.size[0] + grid.size[1] + grid.size[2]) * bytes_per_index;
   const double solving = patches + axes +
                          threads * bytes_of_thread(survey, grid, schedule, outputs) +
                          std::max(held, bytes_per_area * atoms);
-  return always + std::max(making, solving);
+  return always + labels + std::max(making, solving);
 }
 
 }  // namespace eses

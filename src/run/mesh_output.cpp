@@ -18,12 +18,14 @@ struct MeshOutput::LayerView {
   LayerCrossings crossings;
 };
 
-MeshOutput::MeshOutput(const Plan& plan, const MeshChoice& choice, OutputFile& file,
-                       ScratchFile& triangles)
+MeshOutput::MeshOutput(const Plan& plan, const MeshChoice& choice,
+                       std::span<const AtomLabel> labels, OutputFile& file, ScratchFile& triangles)
     : plan_(plan),
+      region_(plan.tiling.region),
+      rows_y_(region_.size()[1]),
       file_(file),
       scratch_file_(triangles),
-      text_(mesh_format(choice.file).value(), choice.color, mesh::group_atoms(choice.labels)),
+      text_(mesh_format(choice.file).value(), choice.color, mesh::group_atoms(labels)),
       header_bytes_(text_.header({}).size()),
       vertex_output_([this](std::span<const char> text, std::uint64_t offset) {
         file_.write_at(text, header_bytes_ + offset);
@@ -35,13 +37,13 @@ MeshOutput::MeshOutput(const Plan& plan, const MeshChoice& choice, OutputFile& f
 void MeshOutput::number_rows(const Layer& layer) {
   const std::lock_guard lock(mutex_);
   if (is_numbered_) return;
-  const std::int64_t rows = layer.owned_planes() * plan_.grid.size[1];
+  const std::int64_t rows = layer.owned_planes() * rows_y_;
   const LayerCrossings crossings(plan_.tiling, layer);
   row_begin_.assign(1, layer_begin_);
   for (std::int64_t row = 0; row < rows; ++row) {
     std::uint64_t count = 0;
     crossings.for_each_piece(
-        row % plan_.grid.size[1], row / plan_.grid.size[1],
+        row % rows_y_, row / rows_y_,
         [&](std::int64_t, std::span<const Crossing> piece) { count += piece.size(); });
     row_begin_.push_back(row_begin_.back() + count);
   }
@@ -55,10 +57,10 @@ void MeshOutput::make_row(const LayerView& view, std::int64_t y, std::int64_t z,
   row.edges.clear();
   view.crossings.for_each_piece(y, z, [&](std::int64_t first_x, std::span<const Crossing> piece) {
     for (const Crossing& crossing : piece)
-      row.edges.push_back(
-          mesh::edge_key(static_cast<std::uint64_t>(first_x + crossing.x), crossing.axis));
+      row.edges.push_back(mesh::edge_key(
+          static_cast<std::uint64_t>(first_x - region_.begin[0] + crossing.x), crossing.axis));
   });
-  row.first_vertex = row_begin_[static_cast<std::size_t>(z * plan_.grid.size[1] + y)];
+  row.first_vertex = row_begin_[static_cast<std::size_t>(z * rows_y_ + y)];
 }
 
 const mesh::Row& MeshOutput::lower_row(const MeshScratch::RowPair& pair, std::int64_t y,
@@ -68,14 +70,14 @@ const mesh::Row& MeshOutput::lower_row(const MeshScratch::RowPair& pair, std::in
 
 void MeshOutput::make_rows(const LayerView& view, std::int64_t row,
                            MeshScratch::RowPair& pair) const {
-  const std::int64_t y = row % plan_.grid.size[1], z = row / plan_.grid.size[1];
+  const std::int64_t y = row % rows_y_, z = row / rows_y_;
   make_row(view, y, z, pair.upper);
   if (z > 0) make_row(view, y, z - 1, pair.lower);
 }
 
 bool MeshOutput::is_crossed(std::int64_t y, std::int64_t z) const {
   if (z < 0) return !below_[static_cast<std::size_t>(y)].edges.empty();
-  const auto row = static_cast<std::size_t>(z * plan_.grid.size[1] + y);
+  const auto row = static_cast<std::size_t>(z * rows_y_ + y);
   return row_begin_[row] < row_begin_[row + 1];
 }
 
@@ -85,26 +87,27 @@ bool MeshOutput::has_triangles(std::int64_t y, std::int64_t z) const {
          is_crossed(y, z);
 }
 
-void MeshOutput::append_vertices(const LayerView& view, std::int64_t begin, std::int64_t end,
+void MeshOutput::append_vertices(const LayerView& view, const RowRange& rows,
                                  TextBuffer& text) const {
-  for (std::int64_t row = begin; row < end; ++row) {
-    const std::int64_t y = row % plan_.grid.size[1], z = row / plan_.grid.size[1];
+  for (std::int64_t row = rows.begin; row < rows.end; ++row) {
+    const std::int64_t y = row % rows_y_, z = row / rows_y_;
     view.crossings.for_each_piece(y, z, [&](std::int64_t first_x, std::span<const Crossing> piece) {
       for (const Crossing& crossing : piece)
         text_.append_vertex(
-            text,
-            mesh::make_vertex(plan_.grid, {first_x + crossing.x, y, view.first_z + z}, crossing));
+            text, mesh::make_vertex(plan_.grid,
+                                    {first_x + crossing.x, region_.begin[1] + y, view.first_z + z},
+                                    crossing));
     });
   }
 }
 
-void MeshOutput::append_triangles(const LayerView& view, std::int64_t begin, std::int64_t end,
+void MeshOutput::append_triangles(const LayerView& view, const RowRange& rows,
                                   MeshScratch& scratch) const {
   auto& [front, back, triangles, vertex_text, text, count] = scratch;
   std::int64_t made = -1;  // the row whose pair is `back`
-  for (std::int64_t row = begin; row < end; ++row) {
-    const std::int64_t y = row % plan_.grid.size[1], z = row / plan_.grid.size[1];
-    if (y == 0 || view.first_z + z == 0 || !has_triangles(y, z)) continue;
+  for (std::int64_t row = rows.begin; row < rows.end; ++row) {
+    const std::int64_t y = row % rows_y_, z = row / rows_y_;
+    if (y == 0 || view.first_z + z == region_.begin[2] || !has_triangles(y, z)) continue;
     if (made == row - 1) {
       std::swap(front, back);
     } else {
@@ -115,28 +118,28 @@ void MeshOutput::append_triangles(const LayerView& view, std::int64_t begin, std
     triangles.clear();
     mesh::triangulate(
         {&lower_row(front, y - 1, z), &lower_row(back, y, z), &front.upper, &back.upper},
-        plan_.grid.size[0], triangles);
+        region_.size()[0], triangles);
     for (const mesh::Triangle& triangle : triangles) text_.append_triangle(text, triangle);
     count += triangles.size();
   }
 }
 
-void MeshOutput::write(const Layer& layer, std::int64_t chunk, std::int64_t begin, std::int64_t end,
+void MeshOutput::write(const Layer& layer, std::int64_t chunk, const RowRange& rows,
                        MeshScratch& scratch) {
   number_rows(layer);
   scratch.vertex_text.clear();
   scratch.triangle_text.clear();
   const LayerView view(plan_.tiling, layer);
-  append_vertices(view, begin, end, scratch.vertex_text);
-  append_triangles(view, begin, end, scratch);
+  append_vertices(view, rows, scratch.vertex_text);
+  append_triangles(view, rows, scratch);
   vertex_output_.write(chunk, scratch.vertex_text.text());
   triangle_output_.write(chunk, scratch.triangle_text.text());
 }
 
 void MeshOutput::release(const Layer& layer) {
   const LayerView view(plan_.tiling, layer);
-  below_.resize(static_cast<std::size_t>(plan_.grid.size[1]));
-  for (std::int64_t y = 0; y < plan_.grid.size[1]; ++y)
+  below_.resize(static_cast<std::size_t>(rows_y_));
+  for (std::int64_t y = 0; y < rows_y_; ++y)
     make_row(view, y, layer.owned_planes() - 1, below_[static_cast<std::size_t>(y)]);
   layer_begin_ = row_begin_.back();
   is_numbered_ = false;

@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <functional>
 #include <mutex>
+#include <span>
 #include <vector>
 
 #include "eses/mesh.hpp"
@@ -14,6 +15,7 @@
 #include "mesh/triangulate.hpp"
 #include "run/layer.hpp"
 #include "run/ordered_output.hpp"
+#include "run/text_chunks.hpp"
 
 namespace eses {
 
@@ -31,17 +33,18 @@ struct MeshScratch {
 
 /// Vertices go into the file, triangles into a scratch file until all vertices are there. Cells
 /// between two planes are cut up when the upper plane is written. Of a layer that is done, its last
-/// plane is kept.
+/// plane is kept. Of a region there are the cells that lie in it, with their vertices and those of
+/// the edges that leave it upwards.
 class MeshOutput {
  public:
   /// Keeps references to all but the choice.
-  MeshOutput(const Plan& plan, const MeshChoice& choice, OutputFile& file, ScratchFile& triangles);
+  MeshOutput(const Plan& plan, const MeshChoice& choice, std::span<const AtomLabel> labels,
+             OutputFile& file, ScratchFile& triangles);
 
-  /// Writes chunk number `chunk`: vertices that start in the rows [begin, end) of the layer, and
-  /// the cells below and before these rows. May be called from several threads, for chunks of one
+  /// Writes chunk number `chunk`: vertices that start in these rows of the layer, and the cells
+  /// below and before them. May be called from several threads, for chunks of one
   /// layer at a time; layers come in order, `release` between them.
-  void write(const Layer& layer, std::int64_t chunk, std::int64_t begin, std::int64_t end,
-             MeshScratch& scratch);
+  void write(const Layer& layer, std::int64_t chunk, const RowRange& rows, MeshScratch& scratch);
   void release(const Layer& layer);
   /// Releases all that wait, after a failure.
   void abandon();
@@ -61,12 +64,12 @@ class MeshOutput {
   void make_rows(const LayerView& view, std::int64_t row, MeshScratch::RowPair& pair) const;
   bool is_crossed(std::int64_t y, std::int64_t z) const;
   bool has_triangles(std::int64_t y, std::int64_t z) const;
-  void append_vertices(const LayerView& view, std::int64_t begin, std::int64_t end,
-                       TextBuffer& text) const;
-  void append_triangles(const LayerView& view, std::int64_t begin, std::int64_t end,
-                        MeshScratch& scratch) const;
+  void append_vertices(const LayerView& view, const RowRange& rows, TextBuffer& text) const;
+  void append_triangles(const LayerView& view, const RowRange& rows, MeshScratch& scratch) const;
 
   const Plan& plan_;
+  const GridRegion& region_;   // rows and planes count from its first
+  const std::int64_t rows_y_;  // of a plane
   OutputFile& file_;
   ScratchFile& scratch_file_;
   mesh::MeshText text_;

@@ -16,6 +16,11 @@ void OrderedOutput::write(std::int64_t chunk, std::span<const char> text) {
   write_at_(text, offset);
 }
 
+void OrderedOutput::append(std::span<const char> text) {
+  write_at_(text, offset_);
+  offset_ += text.size();
+}
+
 void OrderedOutput::abandon() {
   {
     const std::lock_guard lock(mutex_);

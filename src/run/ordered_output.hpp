@@ -28,6 +28,8 @@ class OrderedOutput {
   /// Writes chunk number `chunk`, once all before it have told their lengths; until then it waits.
   /// Every number from 0 must come once, about in order, or another thread must call `abandon`.
   void write(std::int64_t chunk, std::span<const char> text);
+  /// Writes behind all chunks, once all of them have come.
+  void append(std::span<const char> text);
   /// Releases all that wait, after a failure.
   void abandon();
 

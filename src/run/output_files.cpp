@@ -3,10 +3,13 @@
 #include <fmt/format.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <array>
+#include <string_view>
 #include <system_error>
 
 #include "eses/error.hpp"
+#include "io/map_formats.hpp"
 #include "run/resources.hpp"
 
 namespace eses {
@@ -16,6 +19,30 @@ constexpr char box_name[] = "bounding_box.txt";
 constexpr char grid_name[] = "grid_info.txt";
 constexpr char edges_name[] = "intersection_info.txt";
 constexpr char areas_name[] = "partition_area.txt";
+constexpr char residues_name[] = "residue_area.csv";
+constexpr char chains_name[] = "chain_area.csv";
+constexpr std::string_view gzip_suffix = ".gz";
+
+std::string text_name(const char* name, bool gzip) {
+  return fmt::format("{}{}", name, gzip ? gzip_suffix : "");
+}
+
+std::vector<std::string> text_names(const OutputChoice& choice, bool gzip) {
+  std::vector<std::string> names;
+  if (choice.box) names.push_back(text_name(box_name, gzip));
+  if (choice.grid) names.push_back(text_name(grid_name, gzip));
+  if (choice.edges) names.push_back(text_name(edges_name, gzip));
+  if (choice.areas) names.push_back(text_name(areas_name, gzip));
+  return names;
+}
+
+// Whether a run may write a file of this name.
+bool is_ours(std::string_view name) {
+  if (map_format(name) || mesh_format(name) || name == residues_name || name == chains_name) return true;
+  if (name.ends_with(gzip_suffix)) name.remove_suffix(gzip_suffix.size());
+  const std::array texts{box_name, grid_name, edges_name, areas_name};
+  return std::any_of(texts.begin(), texts.end(), [&](const char* text) { return name == text; });
+}
 
 // The directory itself, or the nearest one above it that exists.
 std::filesystem::path existing_part(std::filesystem::path directory) {
@@ -41,7 +68,8 @@ MeshPlace place_of(const MeshChoice& mesh) {
 }  // namespace
 
 DiskSpace require_disk_space(const Plan& plan, const std::filesystem::path& directory) {
-  const std::uint64_t certain = plan.grid_file_bytes + plan.area_file_bytes;
+  const std::uint64_t texts = plan.gzip ? 0 : plan.grid_file_bytes + plan.area_file_bytes;
+  const std::uint64_t certain = texts + plan.map_file_bytes + plan.scratch_bytes;
   const std::uint64_t available = available_disk(existing_part(directory));
   if (certain > available)
     throw Error(fmt::format(
@@ -49,15 +77,13 @@ DiskSpace require_disk_space(const Plan& plan, const std::filesystem::path& dire
         "GB free; leave out grid_info.txt (--write edges,areas) or use a larger spacing",
         static_cast<double>(certain) / 1e9, directory.string(),
         static_cast<double>(available) / 1e9));
-  return {available, plan.output_bytes() <= available};
+  return {available, plan.output_bytes() + plan.scratch_bytes <= available};
 }
 
 std::vector<std::string> file_names(const OutputChoice& choice) {
-  std::vector<std::string> names;
-  if (choice.box) names.emplace_back(box_name);
-  if (choice.grid) names.emplace_back(grid_name);
-  if (choice.edges) names.emplace_back(edges_name);
-  if (choice.areas) names.emplace_back(areas_name);
+  std::vector<std::string> names = text_names(choice, choice.gzip);
+  if (choice.residues) names.insert(names.end(), {residues_name, chains_name});
+  if (!choice.inside_map.empty()) names.push_back(choice.inside_map);
   return names;
 }
 
@@ -82,7 +108,8 @@ std::vector<std::string> lock_paths(const OutputChoice& choice,
 }
 
 OutputFiles::OutputFiles(const OutputChoice& choice, const std::filesystem::path& path,
-                         const Plan& plan) {
+                         const Plan& plan)
+    : gzip(choice.gzip), stale_(text_names(choice, !choice.gzip)) {
   if (!file_names(choice).empty()) open_directory(choice, path, plan);
   if (choice.mesh) open_mesh(*choice.mesh);
 }
@@ -90,19 +117,27 @@ OutputFiles::OutputFiles(const OutputChoice& choice, const std::filesystem::path
 void OutputFiles::open_directory(const OutputChoice& choice, const std::filesystem::path& path,
                                  const Plan& plan) {
   directory.emplace(path);
-  directory->remove_abandoned(file_names({}));
+  directory->remove_abandoned(is_ours);
   require_disk_space(plan, path);
-  if (choice.box) box.emplace(*directory, box_name);
-  if (choice.grid) grid.emplace(*directory, grid_name);
-  if (choice.edges) edges.emplace(*directory, edges_name);
-  if (choice.areas) areas.emplace(*directory, areas_name);
+  const auto open = [&](std::optional<OutputFile>& file, const char* name) {
+    file.emplace(*directory, text_name(name, choice.gzip));
+  };
+  if (choice.box) open(box, box_name);
+  if (choice.grid) open(grid, grid_name);
+  if (choice.edges) open(edges, edges_name);
+  if (choice.areas) open(areas, areas_name);
+  if (choice.residues) {
+    residues.emplace(*directory, residues_name);
+    chains.emplace(*directory, chains_name);
+  }
+  if (!choice.inside_map.empty()) inside_map.emplace(*directory, choice.inside_map);
 }
 
 void OutputFiles::open_mesh(const MeshChoice& choice) {
   const auto [path, name] = place_of(choice);
   const bool is_elsewhere = !directory || !directory->is_at(path);
   OutputDirectory& place = is_elsewhere ? mesh_directory.emplace(path) : *directory;
-  place.remove_abandoned(std::array{name});
+  place.remove_abandoned(is_ours);
   mesh.emplace(place, name);
   mesh_triangles.emplace(path);
 }
@@ -110,7 +145,7 @@ void OutputFiles::open_mesh(const MeshChoice& choice) {
 // The bounding box first.
 std::vector<OutputFile*> OutputFiles::all() {
   std::vector<OutputFile*> files;
-  for (auto* file : {&box, &grid, &edges, &areas, &mesh})
+  for (auto* file : {&box, &grid, &edges, &areas, &inside_map, &residues, &chains, &mesh})
     if (*file) files.push_back(&**file);
   return files;
 }
@@ -123,6 +158,7 @@ void OutputFiles::commit(const std::function<void()>& check) {
   }
   try {
     for (OutputFile* file : files) file->remove_older();
+    for (const std::string& name : stale_) directory->remove(name);
     for (auto file = files.rbegin(); file != files.rend(); ++file) {
       (*file)->commit();
       check();

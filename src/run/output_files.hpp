@@ -27,9 +27,10 @@ std::vector<std::string> lock_paths(const OutputChoice& choice,
 
 /// Each file is there only if it was chosen. Nothing but `commit` touches what has a final name.
 struct OutputFiles {
-  std::optional<OutputDirectory> directory;       ///< if any file but the mesh is there
+  bool gzip = false;                         ///< whether box, grid, edges and areas are gzipped
+  std::optional<OutputDirectory> directory;  ///< if any file but the mesh is there
   std::optional<OutputDirectory> mesh_directory;  ///< if there is a mesh, and it goes elsewhere
-  std::optional<OutputFile> box, grid, edges, areas, mesh;
+  std::optional<OutputFile> box, grid, edges, areas, inside_map, residues, chains, mesh;
   std::optional<ScratchFile> mesh_triangles;  ///< beside the mesh
 
   /// Throws Error as OutputDirectory, OutputFile and require_disk_space do.
@@ -45,6 +46,8 @@ struct OutputFiles {
                       const Plan& plan);
   void open_mesh(const MeshChoice& choice);
   std::vector<OutputFile*> all();
+
+  std::vector<std::string> stale_;  // the chosen files in their other form, plain or gzipped
 };
 
 }  // namespace eses

@@ -10,10 +10,13 @@
 #include "eses/error.hpp"
 #include "eses/run.hpp"
 #include "io/eses_text.hpp"
+#include "io/gzip.hpp"
 #include "mesh/mesh_text.hpp"
 #include "run/build_patches.hpp"
+#include "run/inside_map.hpp"
 #include "run/memory.hpp"
 #include "run/parallel.hpp"
+#include "run/region_box.hpp"
 #include "run/resources.hpp"
 #include "run/verifier.hpp"
 
@@ -21,6 +24,9 @@ namespace eses {
 namespace {
 
 constexpr std::uint64_t area_line_bytes = 32;
+constexpr std::uint64_t residue_line_bytes = 24, atoms_per_residue = 10;  // typically
+// What gzip leaves of the files, as it turned out for proteins.
+constexpr double grid_gzip_share = 0.2, edge_gzip_share = 0.3, area_gzip_share = 0.25;
 // Past this, differences of squares have too few digits left for the tolerances.
 constexpr double largest_probe_radius = 1000;  // angstrom
 constexpr std::int64_t most_verified = 10'000'000;
@@ -36,13 +42,14 @@ void require_valid(const Parameters& p) {
           "the number of points to verify must be between 0 and 10000000",
           static_cast<double>(p.verify));
   require(p.threads >= 0, "the number of threads must not be negative", p.threads);
+  if (p.region && p.blocks) throw Error("a region and blocks cannot both be chosen");
 }
 
-void require_valid(const MeshChoice& mesh) {
+void require_valid(const MeshChoice& mesh, const Molecule& molecule) {
   if (!mesh_format(mesh.file))
     throw Error(
         fmt::format("the mesh's file must end in .ply, .obj or .off, not {}", mesh.file.string()));
-  if (mesh.color == MeshColor::chain && mesh.labels.empty())
+  if (mesh.color == MeshColor::chain && molecule.labels().empty())
     throw Error("a mesh can be coloured by chain only if the input, a PQR file, tells the chains");
 }
 
@@ -60,14 +67,23 @@ int useful_threads(const BlockTiling& tiling, int wanted, std::size_t atoms) {
   return static_cast<int>(std::min<std::int64_t>(wanted, most));
 }
 
+// The points to compute. Chosen blocks are those of the default size if none is given.
+GridRegion region_of(const Grid& grid, const Parameters& p) {
+  if (p.region) return points_in_box(grid, p.region->low, p.region->high);
+  if (!p.blocks) return grid.whole();
+  const std::int64_t block_size = p.block_size > 0 ? p.block_size : default_block_size;
+  return make_tiling(grid, block_size).points_of_blocks(*p.blocks);
+}
+
 // What there is to choose from, the fastest first: half the threads cost more than small blocks.
-std::vector<Schedule> possible_schedules(const Grid& grid, const Parameters& p, std::size_t atoms) {
+std::vector<Schedule> possible_schedules(const Grid& grid, const GridRegion& region,
+                                         const Parameters& p, std::size_t atoms) {
   std::vector<std::int64_t> block_sizes{p.block_size};
   if (p.block_size == 0) block_sizes = {default_block_size, 48, 32, 24, 16};
   std::vector<Schedule> schedules;
   for (int threads = p.threads > 0 ? p.threads : available_threads(); threads > 0; threads /= 2) {
     for (const std::int64_t block_size : block_sizes) {
-      const BlockTiling tiling = make_tiling(grid, block_size);
+      const BlockTiling tiling = make_tiling(grid, block_size, region);
       const int used = useful_threads(tiling, threads, atoms);
       // So many that a thread rarely waits for the slowest block of a layer, or none. A thread that
       // is alone never waits.
@@ -97,24 +113,26 @@ std::string in_megabytes(double bytes) { return fmt::format("{:.4g} MB", bytes /
   throw Error(fmt::format(
       "{:.3g} grid points in blocks of {} need about {:.3g} GB of memory, but {:.3g} GB are "
       "available; use a larger spacing or a smaller block size",
-      static_cast<double>(plan.grid.point_count()), plan.tiling.block_size, memory / 1e9,
+      static_cast<double>(plan.tiling.region.point_count()), plan.tiling.block_size, memory / 1e9,
       static_cast<double>(available) / 1e9));
 }
 
 // Per crossing: a closed mesh has about twice as many triangles as vertices.
-double mesh_bytes(const MeshChoice& mesh) {
-  return static_cast<double>(mesh::typical_vertex_bytes(mesh) +
+double mesh_bytes(const MeshChoice& mesh, bool has_labels) {
+  return static_cast<double>(mesh::typical_vertex_bytes(mesh, has_labels) +
                              2 * mesh::typical_triangle_bytes(mesh));
 }
 
 // The fastest schedule that keeps the limit; without one, the fastest.
-void choose_schedule(const SurfaceSurvey& survey, const OutputChoice& outputs, Plan& plan) {
+void choose_schedule(const SurfaceSurvey& survey, const GridRegion& region,
+                     const OutputChoice& outputs, Plan& plan) {
   const Parameters& p = plan.parameters;
   const auto limit = p.max_memory > 0 ? static_cast<double>(p.max_memory)
                                       : std::numeric_limits<double>::infinity();
   const double crossings = expected_crossings(survey.totals().area, p.spacing);
   double smallest = std::numeric_limits<double>::infinity();
-  for (const Schedule& schedule : possible_schedules(plan.grid, p, survey.atom_count())) {
+  for (const Schedule& schedule :
+       possible_schedules(plan.grid, region, p, survey.patched_count())) {
     const double memory = expected_memory(survey, plan.grid, schedule, outputs) +
                           Verifier::memory_bytes(p.verify, schedule.threads, crossings);
     smallest = std::min(smallest, memory);
@@ -128,28 +146,55 @@ void choose_schedule(const SurfaceSurvey& survey, const OutputChoice& outputs, P
   refuse_limit(p, smallest);
 }
 
+SurfaceSurvey survey_of(const Molecule& molecule, const Grid& grid, const GridRegion& region,
+                        double probe_radius) {
+  if (region == grid.whole()) return {molecule, probe_radius};
+  return {molecule, probe_radius, region_box(grid, region)};
+}
+
+void expect_files(const SurfaceSurvey& survey, const OutputChoice& outputs, Plan& plan) {
+  const GridRegion& region = plan.tiling.region;
+  plan.gzip = outputs.gzip;
+  const auto on_disk = [&](double bytes, double compressed_share) {
+    return static_cast<std::uint64_t>(outputs.gzip ? compressed_share * bytes : bytes);
+  };
+  const double crossings = expected_crossings(survey.totals().area, plan.grid.spacing);
+  if (outputs.grid)
+    plan.grid_file_bytes =
+        on_disk(static_cast<double>(largest_grid_bytes(region)), grid_gzip_share);
+  if (outputs.edges)
+    plan.edge_file_bytes = on_disk(typical_crossing_bytes * crossings, edge_gzip_share);
+  if (outputs.areas)
+    plan.area_file_bytes =
+        on_disk(static_cast<double>(area_line_bytes * survey.atom_count()), area_gzip_share);
+  if (outputs.mesh)
+    plan.mesh_file_bytes =
+        static_cast<std::uint64_t>(mesh_bytes(*outputs.mesh, survey.label_count() > 0) * crossings);
+  if (outputs.residues)
+    plan.residue_file_bytes = residue_line_bytes * (survey.atom_count() / atoms_per_residue + 1);
+  if (!outputs.inside_map.empty()) {
+    const MapFormat format = required_map_format(outputs.inside_map);
+    plan.map_file_bytes = map_layout(format, plan.grid, region).file_bytes();
+    plan.scratch_bytes = InsideMap::scratch_bytes(format, region);
+  }
+}
+
 }  // namespace
 
 Plan make_plan(const Molecule& molecule, const Parameters& parameters,
                const OutputChoice& outputs) {
   require_valid(parameters);
-  if (outputs.mesh) require_valid(*outputs.mesh);
+  if (outputs.mesh) require_valid(*outputs.mesh, molecule);
   const std::span<const Atom> atoms = molecule.atoms();
   Plan plan;
   plan.parameters = parameters;
   plan.grid = make_grid(atoms, parameters.spacing, parameters.margin);
   plan.cut_depth = cut_depth(plan.grid, atoms);
   require_enclosing_margin(plan, parameters);
-  const SurfaceSurvey survey(molecule, parameters.probe_radius);
-  choose_schedule(survey, outputs, plan);
-  if (outputs.grid) plan.grid_file_bytes = largest_grid_bytes(plan.grid.size);
-  if (outputs.edges)
-    plan.edge_file_bytes = static_cast<std::uint64_t>(
-        typical_crossing_bytes * expected_crossings(survey.totals().area, parameters.spacing));
-  if (outputs.mesh)
-    plan.mesh_file_bytes = static_cast<std::uint64_t>(
-        mesh_bytes(*outputs.mesh) * expected_crossings(survey.totals().area, parameters.spacing));
-  if (outputs.areas) plan.area_file_bytes = area_line_bytes * atoms.size();
+  const GridRegion region = region_of(plan.grid, parameters);
+  const SurfaceSurvey survey = survey_of(molecule, plan.grid, region, parameters.probe_radius);
+  choose_schedule(survey, region, outputs, plan);
+  expect_files(survey, outputs, plan);
   if (const std::uint64_t available = available_memory(); plan.memory_bytes > available)
     refuse_memory(plan, static_cast<double>(plan.memory_bytes), available);
   return plan;

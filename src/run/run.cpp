@@ -8,15 +8,19 @@
 #include <optional>
 
 #include "eses/error.hpp"
+#include "io/area_tables.hpp"
 #include "io/eses_text.hpp"
+#include "io/gzip.hpp"
 #include "run/build_patches.hpp"
 #include "run/count_points.hpp"
+#include "run/inside_map.hpp"
 #include "run/layer.hpp"
 #include "run/layer_queue.hpp"
 #include "run/mesh_output.hpp"
 #include "run/ordered_output.hpp"
 #include "run/output_files.hpp"
 #include "run/parallel.hpp"
+#include "run/region_box.hpp"
 #include "run/resources.hpp"
 #include "run/text_chunks.hpp"
 #include "run/verifier.hpp"
@@ -60,6 +64,9 @@ struct Writer {
   TextBuffer grid, edges;
   MeshScratch mesh;
   RowBits row;
+  RowBits map_rows;  // of a chunk, one behind the other
+  InsideMap::Scratch map;
+  std::optional<Gzip> gzip;
   PointCounts counts;
   double seconds = 0;
 };
@@ -68,15 +75,16 @@ struct Writer {
 class Pipeline {
  public:
   Pipeline(const Surface& surface, const Plan& plan, const OutputChoice& outputs,
-           OutputFiles& files, Verifier* verifier, ProgressReport& progress,
+           OutputFiles& files, InsideMap* map, Verifier* verifier, ProgressReport& progress,
            const BlockCallback& block_callback)
       : surface_(surface),
         plan_(plan),
-        text_(plan.grid),
+        text_(plan.grid, plan.tiling.region),
+        map_(map),
         verifier_(verifier),
         progress_(progress),
         block_callback_(block_callback),
-        rows_per_chunk_(rows_per_chunk(plan.grid)),
+        chunks_(plan.tiling.region, files.gzip),
         layers_(static_cast<std::size_t>(plan.tiling.blocks[2])),
         queue_(plan.tiling.blocks[2], plan.tiling.blocks[0] * plan.tiling.blocks[1],
                plan.blocks_ahead),
@@ -84,7 +92,11 @@ class Pipeline {
         writers_(static_cast<std::size_t>(plan.threads)) {
     if (files.grid) grid_output_.emplace(*files.grid);
     if (files.edges) edge_output_.emplace(*files.edges);
-    if (files.mesh) mesh_.emplace(plan, *outputs.mesh, *files.mesh, *files.mesh_triangles);
+    if (files.gzip)
+      for (Writer& writer : writers_) writer.gzip.emplace();
+    if (files.mesh)
+      mesh_.emplace(plan, *outputs.mesh, surface.molecule.labels(), *files.mesh,
+                    *files.mesh_triangles);
     make_room(0);
     make_room(1);
   }
@@ -102,6 +114,8 @@ class Pipeline {
         throw;
       }
     });
+    if (grid_output_) end_text(*grid_output_);
+    if (edge_output_) end_text(*edge_output_);
   }
 
   Tally tally() const {
@@ -139,13 +153,17 @@ class Pipeline {
   }
 
  private:
-  std::int64_t layer_rows(std::int64_t layer) const {
-    return plan_.tiling.block(0, 0, layer).owned[2] * plan_.grid.size[1];
+  // Without a single member the file would be no gzip file.
+  void end_text(OrderedOutput& output) {
+    auto& gzip = writers_.front().gzip;
+    if (gzip && output.size() == 0) output.append(gzip->member({}));
   }
 
-  std::int64_t layer_chunks(std::int64_t layer) const {
-    return (layer_rows(layer) + rows_per_chunk_ - 1) / rows_per_chunk_;
+  std::int64_t layer_planes(std::int64_t layer) const {
+    return plan_.tiling.block(0, 0, layer).owned[2];
   }
+
+  std::int64_t layer_chunks(std::int64_t layer) const { return chunks_.count(layer_planes(layer)); }
 
   void work(std::size_t thread) {
     while (const auto task = queue_.take()) {
@@ -194,20 +212,22 @@ class Pipeline {
   void write(const Task& task, Writer& writer) {
     const Stopwatch watch;
     const Layer& layer = layers_[static_cast<std::size_t>(task.layer)];
-    writer.grid.clear();
-    writer.edges.clear();
-    const std::int64_t begin = task.index * rows_per_chunk_;
-    const std::int64_t end = std::min(begin + rows_per_chunk_, layer_rows(task.layer));
-    if (grid_output_) append_rows(layer, begin, end, writer);
-    if (edge_output_) append_crossings(layer, begin, end, writer.edges);
+    const RowRange rows = chunks_.rows(task.index, layer_planes(task.layer));
+    take_rows(layer, rows, writer);
+    if (edge_output_) append_crossings(layer, rows, writer.edges);
     count_share(task, layer, writer.counts);
     // Layers before the last are all cut into the same number of chunks.
     const std::int64_t chunk = task.layer * layer_chunks(0) + task.index;
-    if (grid_output_) grid_output_->write(chunk, writer.grid.text());
-    if (edge_output_) edge_output_->write(chunk, writer.edges.text());
-    if (mesh_) mesh_->write(layer, chunk, begin, end, writer.mesh);
+    if (grid_output_) grid_output_->write(chunk, file_bytes(writer.grid, writer));
+    if (edge_output_) edge_output_->write(chunk, file_bytes(writer.edges, writer));
+    if (mesh_) mesh_->write(layer, chunk, rows, writer.mesh);
     writer.seconds += watch.seconds();
     progress_.check();
+  }
+
+  static std::span<const char> file_bytes(const TextBuffer& text, Writer& writer) {
+    if (!writer.gzip || text.text().empty()) return text.text();
+    return writer.gzip->member(text.text());
   }
 
   // The points of a layer's blocks are counted along with its chunks, a share with each.
@@ -218,22 +238,36 @@ class Pipeline {
                             (task.index + 1) * blocks / chunks));
   }
 
-  void append_rows(const Layer& layer, std::int64_t begin, std::int64_t end, Writer& writer) const {
+  // Rows of points as text, and as the map has them.
+  void take_rows(const Layer& layer, const RowRange& rows, Writer& writer) const {
+    writer.grid.clear();
+    writer.map_rows.clear();
+    if (!grid_output_ && map_ == nullptr) return;
+    const GridRegion& region = plan_.tiling.region;
+    const std::int64_t plane_rows = region.size()[1];
     const LayerRows layer_rows(plan_.tiling, layer);
-    for (std::int64_t row = begin; row < end; ++row) {
-      const std::int64_t y = row % plan_.grid.size[1], z = row / plan_.grid.size[1];
+    for (std::int64_t row = rows.begin; row < rows.end; ++row) {
+      const std::int64_t y = row % plane_rows, z = row / plane_rows;
       layer_rows.join(y, z, writer.row);
-      text_.append_row(writer.grid, y, layer.first_z() + z, writer.row);
+      if (grid_output_)
+        text_.append_row(writer.grid, region.begin[1] + y, layer.first_z() + z, writer.row);
+      if (map_ != nullptr)
+        writer.map_rows.insert(writer.map_rows.end(), writer.row.begin(), writer.row.end());
     }
+    if (map_ != nullptr)
+      map_->write_rows((layer.first_z() - region.begin[2]) * plane_rows + rows.begin,
+                       writer.map_rows, writer.map);
   }
 
-  void append_crossings(const Layer& layer, std::int64_t begin, std::int64_t end,
-                        TextBuffer& text) const {
+  void append_crossings(const Layer& layer, const RowRange& rows, TextBuffer& text) const {
+    text.clear();
+    const GridRegion& region = plan_.tiling.region;
+    const std::int64_t plane_rows = region.size()[1];
     const LayerCrossings crossings(plan_.tiling, layer);
-    for (std::int64_t row = begin; row < end; ++row) {
-      const std::int64_t y = row % plan_.grid.size[1], z = row / plan_.grid.size[1];
+    for (std::int64_t row = rows.begin; row < rows.end; ++row) {
+      const std::int64_t y = row % plane_rows, z = row / plane_rows;
       crossings.for_each_piece(y, z, [&](std::int64_t first_x, std::span<const Crossing> piece) {
-        text_.append_crossings(text, first_x, y, layer.first_z() + z, piece);
+        text_.append_crossings(text, first_x, region.begin[1] + y, layer.first_z() + z, piece);
       });
     }
   }
@@ -241,11 +275,12 @@ class Pipeline {
   const Surface& surface_;
   const Plan& plan_;
   GridText text_;
+  InsideMap* map_;      // none if no map is to be written
   Verifier* verifier_;  // none if nothing is to be verified
   ProgressReport& progress_;
   const BlockCallback& block_callback_;
   std::mutex callback_mutex_;
-  std::int64_t rows_per_chunk_;
+  RowChunks chunks_;
   std::vector<Layer> layers_;
   Plane below_;  // of the layer that is being written
   LayerQueue queue_;
@@ -254,6 +289,11 @@ class Pipeline {
   std::vector<BlockWorkspace> workspaces_;
   std::vector<Writer> writers_;
 };
+
+// `face` is the area of a cell's face.
+double area_of(Tally::Sum share, double face) {
+  return static_cast<double>(share) * Tally::unit * face;
+}
 
 std::vector<double> atom_areas(const Tally& tally, double spacing) {
   std::vector<double> areas(tally.atom_shares.size());
@@ -274,9 +314,62 @@ void release_free_memory() {
 #endif
 }
 
-std::uint64_t write_all(OutputFile& file, std::span<const char> text) {
-  file.write_at(text, 0);
-  return text.size();
+// The parts of a short file, one after the other.
+class ShortFile {
+ public:
+  ShortFile(OutputFile& file, bool gzip) : file_(file) {
+    if (gzip) gzip_.emplace();
+  }
+
+  void append(std::span<const char> text) {
+    const std::span<const char> bytes = gzip_ ? gzip_->member(text) : text;
+    file_.write_at(bytes, size_);
+    size_ += bytes.size();
+  }
+
+  std::uint64_t size() const { return size_; }
+
+ private:
+  OutputFile& file_;
+  std::optional<Gzip> gzip_;
+  std::uint64_t size_ = 0;
+};
+
+std::uint64_t write_box(OutputFile& file, const Grid& grid, bool gzip) {
+  ShortFile box(file, gzip);
+  box.append(bounding_box_text(grid));
+  return box.size();
+}
+
+std::uint64_t write_areas(OutputFile& file, std::span<const double> areas, bool gzip) {
+  constexpr std::size_t atoms_at_a_time = 1 << 16;
+  ShortFile file_of_areas(file, gzip);
+  TextBuffer text;
+  for (std::size_t first = 0; first < areas.size(); first += atoms_at_a_time) {
+    text.clear();
+    append_areas(text, first,
+                 areas.subspan(first, std::min(atoms_at_a_time, areas.size() - first)));
+    file_of_areas.append(text.text());
+  }
+  return file_of_areas.size();
+}
+
+std::uint64_t write_plain(OutputFile& file, std::span<const char> text) {
+  ShortFile plain(file, false);
+  plain.append(text);
+  return plain.size();
+}
+
+std::uint64_t write_tables(OutputFiles& files, std::span<const AtomLabel> labels,
+                           std::span<const double> areas) {
+  const std::vector<ResidueArea> residues = areas_by_residue(labels, areas);
+  return write_plain(*files.residues, residue_table(residues)) +
+         write_plain(*files.chains, chain_table(areas_by_chain(residues)));
+}
+
+void require_labels(const OutputChoice& outputs, const Molecule& molecule) {
+  if (outputs.residues && molecule.labels().empty())
+    throw Error("areas by residue need to be told each atom's chain and residue");
 }
 
 }  // namespace
@@ -284,6 +377,7 @@ std::uint64_t write_all(OutputFile& file, std::span<const char> text) {
 Summary run(const Molecule& molecule, const Plan& plan, const OutputChoice& outputs,
             const std::filesystem::path& directory, const Callbacks& callbacks) {
   const Stopwatch total;
+  require_labels(outputs, molecule);
   start_threads(plan.threads);
   OutputFiles files(outputs, directory, plan);
   ProgressReport report(callbacks.progress, plan.tiling.block_count());
@@ -291,6 +385,8 @@ Summary run(const Molecule& molecule, const Plan& plan, const OutputChoice& outp
   Summary summary;
 
   Surface surface(molecule, plan.parameters.probe_radius);
+  if (plan.tiling.region != plan.grid.whole())
+    surface.confine_to(region_box(plan.grid, plan.tiling.region));
   build_patches(surface, plan.threads, check);
   release_free_memory();
   require_memory_within(plan.parameters.max_memory);
@@ -303,9 +399,14 @@ Summary run(const Molecule& molecule, const Plan& plan, const OutputChoice& outp
     summary.seconds.verify = drawing.seconds();
   }
   const Stopwatch blocks;
-  Pipeline pipeline(surface, plan, outputs, files, verifier ? &*verifier : nullptr, report,
-                    callbacks.block);
+  std::optional<InsideMap> map;
+  if (files.inside_map)
+    map.emplace(*files.inside_map, required_map_format(outputs.inside_map), plan.grid,
+                plan.tiling.region);
+  Pipeline pipeline(surface, plan, outputs, files, map ? &*map : nullptr,
+                    verifier ? &*verifier : nullptr, report, callbacks.block);
   pipeline.run();
+  if (map) map->finish(plan.threads, check);
   summary.seconds.blocks = blocks.seconds();
   pipeline.add_seconds(summary.seconds);
 
@@ -320,6 +421,10 @@ Summary run(const Molecule& molecule, const Plan& plan, const OutputChoice& outp
   summary.convex = tally.crossings[0];
   summary.saddle = tally.crossings[1];
   summary.concave = tally.crossings[2];
+  const double face = plan.grid.spacing * plan.grid.spacing;
+  summary.convex_area = area_of(tally.kind_shares[0], face);
+  summary.saddle_area = area_of(tally.kind_shares[1], face);
+  summary.concave_area = area_of(tally.kind_shares[2], face);
   if (verifier) {
     const Stopwatch checking;
     summary.verification = verifier->check(callbacks.progress);
@@ -331,12 +436,12 @@ Summary run(const Molecule& molecule, const Plan& plan, const OutputChoice& outp
   }
   summary.bytes_written = pipeline.bytes_written();
   pipeline.finish_mesh(check, summary);
-  if (files.box) summary.bytes_written += write_all(*files.box, bounding_box_text(plan.grid));
-  if (files.areas) {
-    TextBuffer text;
-    append_areas(text, 0, summary.atom_areas);
-    summary.bytes_written += write_all(*files.areas, text.text());
-  }
+  if (map) summary.bytes_written += map->file_bytes();
+  if (files.box) summary.bytes_written += write_box(*files.box, plan.grid, files.gzip);
+  if (files.areas)
+    summary.bytes_written += write_areas(*files.areas, summary.atom_areas, files.gzip);
+  if (files.residues)
+    summary.bytes_written += write_tables(files, molecule.labels(), summary.atom_areas);
   files.commit(check);
   summary.seconds.total = total.seconds();
   return summary;

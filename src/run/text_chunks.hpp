@@ -8,11 +8,46 @@
 
 namespace eses {
 
-/// Rows of the grid that one thread turns into text at a time.
-inline std::int64_t rows_per_chunk(const Grid& grid) {
+/// Rows of so many points that one thread turns into text at a time.
+inline std::int64_t rows_per_chunk(std::int64_t row_points) {
   constexpr std::int64_t text_bytes = 1 << 19;
   constexpr std::int64_t line_bytes = 16;
-  return std::max<std::int64_t>(1, text_bytes / (line_bytes * grid.size[0]));
+  return std::max<std::int64_t>(1, text_bytes / (line_bytes * row_points));
 }
+
+/// Rows [begin, end) of a layer.
+struct RowRange {
+  std::int64_t begin, end;
+};
+
+/// The chunks of layers of a region. A layer's height follows the block size: where the chunks must
+/// not, they are cut at every plane's end, too.
+class RowChunks {
+ public:
+  RowChunks(const GridRegion& region, bool ends_with_planes)
+      : plane_rows_(region.size()[1]),
+        rows_per_chunk_(rows_per_chunk(region.size()[0])),
+        ends_with_planes_(ends_with_planes) {}
+
+  std::int64_t count(std::int64_t planes) const {
+    return ends_with_planes_ ? planes * chunks_in(plane_rows_) : chunks_in(planes * plane_rows_);
+  }
+
+  RowRange rows(std::int64_t chunk, std::int64_t planes) const {
+    const std::int64_t per_plane = chunks_in(plane_rows_);
+    const std::int64_t plane = ends_with_planes_ ? chunk / per_plane : 0;
+    const std::int64_t begin = plane * plane_rows_ + (chunk - plane * per_plane) * rows_per_chunk_;
+    const std::int64_t last = ends_with_planes_ ? plane + 1 : planes;
+    return {begin, std::min(begin + rows_per_chunk_, last * plane_rows_)};
+  }
+
+ private:
+  std::int64_t chunks_in(std::int64_t rows) const {
+    return (rows + rows_per_chunk_ - 1) / rows_per_chunk_;
+  }
+
+  std::int64_t plane_rows_, rows_per_chunk_;
+  bool ends_with_planes_;
+};
 
 }  // namespace eses

@@ -42,7 +42,8 @@ std::int64_t number_of(const BlockTiling& tiling, const GridIndex& block) {
 std::int64_t owner_of(const BlockTiling& tiling, const GridIndex& point) {
   GridIndex block{};
   for (std::size_t q = 0; q < 3; ++q)
-    block[q] = std::min(point[q] / (tiling.block_size - 1), tiling.blocks[q] - 1);
+    block[q] = std::min((point[q] - tiling.region.begin[q]) / (tiling.block_size - 1),
+                        tiling.blocks[q] - 1);
   return number_of(tiling, block);
 }
 
@@ -67,7 +68,8 @@ Verifier::Verifier(std::span<const Atom> atoms, const Plan& plan)
       samples_(static_cast<std::size_t>(plan.threads),
                verify::EdgeSample(kept_per_checked * wanted(plan))),
       searches_(static_cast<std::size_t>(plan.threads), CentreSearch(definition_)) {
-  for (const GridIndex& point : draw_band_points(definition_, plan.grid, wanted(plan)))
+  for (const GridIndex& point :
+       draw_band_points(definition_, plan.grid, plan.tiling.region, wanted(plan)))
     points_.push_back({owner_of(plan.tiling, point), point, std::nullopt});
   std::stable_sort(points_.begin(), points_.end(),
                    [](const auto& a, const auto& b) { return a.block < b.block; });

@@ -19,6 +19,7 @@ struct Tally {
 
   std::vector<Sum> atom_shares;
   std::array<std::int64_t, 3> crossings{};  ///< convex, saddle, concave
+  std::array<Sum, 3> kind_shares{};         ///< likewise, together the sum over all atoms
 
   /// Adds one crossing at `point`. A crossing's share goes to its atoms in proportion to
   /// 1 / (|point - center| - radius), all to those it touches where that is zero.

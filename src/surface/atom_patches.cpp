@@ -44,6 +44,12 @@ void keep_caps(AtomPatchScratch& scratch) {
     }
 }
 
+bool any_needs_patches(const Surface& surface, AtomIndex begin, AtomIndex end) {
+  for (AtomIndex i = begin; i < end; ++i)
+    if (surface.needs_patches(i)) return true;
+  return false;
+}
+
 PlacementKey make_key(AtomIndex i, AtomIndex j, AtomIndex k, int side) {
   PlacementKey key{{i, j, k}, static_cast<std::int8_t>(side)};
   const auto order = [&](std::size_t a, std::size_t b) {
@@ -77,7 +83,7 @@ void add_atom(const Surface& surface, const BurialPatches& burial, AtomIndex i,
   AtomExposure exposure = surface.patches.exposure[i];
   const std::size_t first_arc = patches.arcs.size();
   const std::size_t first_neighbour = patches.face_neighbours.size();
-  if (exposure != AtomExposure::contained) {
+  if (exposure != AtomExposure::contained && surface.needs_patches(i)) {
     collect_caps(surface, i, scratch);
     const double radius = surface.atoms[i].radius + surface.probe_radius;
     if (is_buried(scratch.caps, radius, burial, scratch.burial)) {
@@ -103,7 +109,8 @@ void build_atom_patches(const Surface& surface, const BurialPatches& burial,
                         AtomPatchScratch& scratch, AtomRangePatches& patches) {
   for (AtomIndex begin = patches.begin; begin < patches.end;) {
     const AtomIndex end = end_of_group(surface.atoms, begin, patches.end);
-    find_neighbours_of_group(surface, begin, end, scratch);
+    if (any_needs_patches(surface, begin, end))
+      find_neighbours_of_group(surface, begin, end, scratch);
     for (AtomIndex i = begin; i < end; ++i) add_atom(surface, burial, i, scratch, patches);
     begin = end;
   }

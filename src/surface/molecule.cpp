@@ -1,8 +1,11 @@
 #include "eses/molecule.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <utility>
 
+#include "eses/error.hpp"
 #include "geometry/tolerances.hpp"
 #include "surface/neighbors.hpp"
 #include "surface/oddity_finder.hpp"
@@ -42,8 +45,13 @@ void keep_vicinity(std::span<const Atom> atoms, AtomIndex i, std::span<const Ato
 }  // namespace
 
 struct Molecule::Parts {
-  explicit Parts(std::vector<Atom> all_atoms)
-      : atoms(std::move(all_atoms)), tree(atoms), is_contained(atoms.size()) {
+  Parts(std::vector<Atom> all_atoms, std::vector<AtomLabel> all_labels)
+      : atoms(std::move(all_atoms)),
+        labels(std::move(all_labels)),
+        tree(atoms),
+        is_contained(atoms.size()) {
+    if (!labels.empty() && labels.size() != atoms.size())
+      throw Error(fmt::format("{} labels for {} atoms", labels.size(), atoms.size()));
     OddityFinder finder(atoms);
     std::vector<AtomIndex> found, near;
     const auto count = static_cast<AtomIndex>(atoms.size());
@@ -62,15 +70,19 @@ struct Molecule::Parts {
   }
 
   std::vector<Atom> atoms;
+  std::vector<AtomLabel> labels;
   AtomTree tree;
   std::vector<bool> is_contained;
   std::vector<Oddity> oddities;
 };
 
-Molecule::Molecule(std::vector<Atom> atoms)
-    : parts_(std::make_shared<const Parts>(std::move(atoms))) {}
+Molecule::Molecule(std::vector<Atom> atoms) : Molecule(std::move(atoms), {}) {}
+
+Molecule::Molecule(std::vector<Atom> atoms, std::vector<AtomLabel> labels)
+    : parts_(std::make_shared<const Parts>(std::move(atoms), std::move(labels))) {}
 
 std::span<const Atom> Molecule::atoms() const { return parts_->atoms; }
+std::span<const AtomLabel> Molecule::labels() const { return parts_->labels; }
 std::span<const Oddity> Molecule::oddities() const { return parts_->oddities; }
 bool Molecule::is_contained(AtomIndex atom) const { return parts_->is_contained[atom]; }
 const AtomTree& Molecule::tree() const { return parts_->tree; }

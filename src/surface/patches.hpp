@@ -7,6 +7,7 @@
 
 #include <array>
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -15,6 +16,7 @@
 #include "geometry/circle_arcs.hpp"
 #include "surface/atom_patches.hpp"
 #include "surface/neighbors.hpp"
+#include "surface/reach.hpp"
 
 namespace eses {
 
@@ -55,10 +57,17 @@ struct Surface {
   std::span<const Atom> atoms;  ///< the molecule's
   double probe_radius = 0;
   double largest_radius = 0;  ///< of the van der Waals spheres
+  /// If only a part of space is looked at: other atoms need no patches.
+  std::optional<Reach> reach;
   Patches patches;
+
+  bool needs_patches(AtomIndex i) const { return !reach || reach->holds(atoms[i]); }
 
   /// Without patches as yet.
   Surface(Molecule of, double probe);
+
+  /// Only what happens in `box` will be asked.
+  void confine_to(const Box& box) { reach = {box, probe_radius, largest_radius}; }
 
   const AtomTree& tree() const { return molecule.tree(); }
 

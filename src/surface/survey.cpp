@@ -46,6 +46,19 @@ double solid_angle(const std::array<Vec3, 3>& toward) {
   return 2 * std::atan2(std::fabs(dot(a, cross(b, c))), 1 + dot(a, b) + dot(b, c) + dot(c, a));
 }
 
+// The share of a box that lies in another one.
+double share_within(const Box& box, const Box& part) {
+  double share = 1;
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    const double low = std::max(part.low[axis], box.low[axis]);
+    const double high = std::min(part.high[axis], box.high[axis]);
+    if (low > high) return 0;
+    const double length = part.high[axis] - part.low[axis];
+    if (length > 0) share *= (high - low) / length;
+  }
+  return share;
+}
+
 double exposed_share(const Surface& surface, AtomIndex i, std::span<const AtomIndex> neighbours,
                      std::span<const Vec3> directions) {
   const SasSphere sphere = surface.sas_sphere(i);
@@ -67,15 +80,32 @@ SurfaceSurvey::SurfaceSurvey(const Molecule& molecule, double probe_radius)
     : surface_(molecule, probe_radius),
       burial_(make_covering_directions(burial_frequency)),
       directions_(make_covering_directions(exposure_frequency)) {
-  AtomPatchScratch scratch;
-  const std::span<const Atom> atoms = surface_.atoms;
-  const auto count = static_cast<AtomIndex>(atoms.size());
+  take_samples();
+}
 
-  double high = atoms.front().center.z;
-  low_z_ = high;
-  for (const Atom& atom : atoms) {
-    low_z_ = std::min(low_z_, atom.center.z - atom.radius - probe_radius);
-    high = std::max(high, atom.center.z + atom.radius + probe_radius);
+SurfaceSurvey::SurfaceSurvey(const Molecule& molecule, double probe_radius, const Box& box)
+    : surface_(molecule, probe_radius),
+      burial_(make_covering_directions(burial_frequency)),
+      directions_(make_covering_directions(exposure_frequency)) {
+  surface_.confine_to(box);
+  for (AtomIndex i = 0; i < surface_.atoms.size(); ++i)
+    if (surface_.needs_patches(i)) reach_.push_back(i);
+  // A box far from all atoms has nothing in it: any one of them tells that.
+  if (reach_.empty()) reach_.push_back(0);
+  take_samples();
+}
+
+void SurfaceSurvey::take_samples() {
+  AtomPatchScratch scratch;
+  const std::size_t count = patched_count();
+
+  const double probe = surface_.probe_radius;
+  low_z_ = surface_.atoms[patched_atom(0)].center.z;
+  double high = low_z_;
+  for (std::size_t i = 0; i < count; ++i) {
+    const Atom& atom = surface_.atoms[patched_atom(i)];
+    low_z_ = std::min(low_z_, atom.center.z - atom.radius - probe);
+    high = std::max(high, atom.center.z + atom.radius + probe);
   }
   bin_ = std::max(finest_bin, (high - low_z_) / most_bins);
   const auto bins = static_cast<std::size_t>((high - low_z_) / bin_) + 1;
@@ -90,7 +120,8 @@ SurfaceSurvey::SurfaceSurvey(const Molecule& molecule, double probe_radius)
     const double place = std::fmod(static_cast<double>(s) * std::numbers::phi, 1);
     const double stratum =
         samples < count ? static_cast<double>(s) + place : static_cast<double>(s);
-    visit(std::min(count - 1, static_cast<AtomIndex>(stratum * weight)), weight, scratch);
+    visit(patched_atom(std::min(count - 1, static_cast<std::size_t>(stratum * weight))), weight,
+          scratch);
   }
   for (std::size_t b = 1; b < bins; ++b) {
     area_[b] += area_[b - 1];
@@ -112,14 +143,12 @@ void SurfaceSurvey::visit(AtomIndex i, double weight, AtomPatchScratch& scratch)
   if (exposure == AtomExposure::unknown || exposure == AtomExposure::exposed) {
     const double share =
         exposed_share(surface_, i, patches.face_neighbours, directions_.directions);
-    add_area(4 * pi * atom.radius * atom.radius * share, weight, atom.center.z - atom.radius,
-             atom.center.z + atom.radius);
+    add_area(4 * pi * atom.radius * atom.radius * share, weight, atom.center, atom.radius);
   }
   for (const Arc& arc : patches.arcs) {
     const ContactCircle circle =
         make_contact_circle(surface_.sas_sphere(arc.first), surface_.sas_sphere(arc.second));
-    add_area(saddle_area(surface_, arc, circle), weight, circle.center.z - circle.radius,
-             circle.center.z + circle.radius);
+    add_area(saddle_area(surface_, arc, circle), weight, circle.center, circle.radius);
   }
   // Three arcs end at a placement.
   for (const PlacementKey& key : patches.placements) {
@@ -130,13 +159,21 @@ void SurfaceSurvey::visit(AtomIndex i, double weight, AtomPatchScratch& scratch)
     std::array<Vec3, 3> toward;
     for (std::size_t q = 0; q < 3; ++q)
       toward[q] = normalized(surface_.atoms[key.atoms[q]].center - center);
-    add_area(probe * probe * solid_angle(toward) / 3, weight, center.z - probe, center.z + probe);
+    add_area(probe * probe * solid_angle(toward) / 3, weight, center, probe);
   }
 }
 
 // Of a sphere equal heights have equal areas (Archimedes); for the other patches that is near
 // enough.
-void SurfaceSurvey::add_area(double area, double weight, double low_z, double high_z) {
+void SurfaceSurvey::add_area(double area, double weight, Vec3 center, double radius) {
+  double low_z = center.z - radius, high_z = center.z + radius;
+  if (surface_.reach) {
+    const Box& box = surface_.reach->box;
+    area *= share_within(box, ball_box(center, radius));
+    if (area == 0) return;
+    low_z = std::max(low_z, box.low.z);
+    high_z = std::min(high_z, box.high.z);
+  }
   totals_.area += weight * area;
   const auto last = static_cast<double>(area_.size() - 1);
   const auto bin_of = [&](double z) {
@@ -164,11 +201,11 @@ double SurfaceSurvey::largest_slab_area(double thickness) const {
 }
 
 SurfaceSurvey::AtomsNear SurfaceSurvey::most_atoms_near(Vec3 half_sides, double distance) const {
-  const std::size_t count = atom_count(), places = std::min(count, places_looked_at);
+  const std::size_t count = patched_count(), places = std::min(count, places_looked_at);
   std::vector<AtomIndex> found;
   AtomsNear most;
   for (std::size_t s = 0; s < places; ++s) {
-    const Vec3 place = surface_.atoms[(2 * s + 1) * count / (2 * places)].center;
+    const Vec3 place = surface_.atoms[patched_atom((2 * s + 1) * count / (2 * places))].center;
     const Box box{place - half_sides, place + half_sides};
     surface_.tree().find_within(place, distance, found);
     const auto in_box = std::count_if(found.begin(), found.end(), [&](AtomIndex i) {

@@ -20,9 +20,15 @@ class SurfaceSurvey {
  public:
   /// Builds the patches of a sample of the atoms, of all of them if they are few.
   SurfaceSurvey(const Molecule& molecule, double probe_radius);
+  /// Likewise for what happens in `box`: the totals are of the patches that are built for it, and
+  /// areas of what lies in it.
+  SurfaceSurvey(const Molecule& molecule, double probe_radius, const Box& box);
 
   const PatchTotals& totals() const { return totals_; }
   std::size_t atom_count() const { return surface_.atoms.size(); }
+  std::size_t label_count() const { return surface_.molecule.labels().size(); }
+  /// Of the atoms, those that get patches.
+  std::size_t patched_count() const { return reach_.empty() ? atom_count() : reach_.size(); }
   double probe_radius() const { return surface_.probe_radius; }
   double largest_radius() const { return surface_.largest_radius; }
 
@@ -38,10 +44,15 @@ class SurfaceSurvey {
   AtomsNear most_atoms_near(Vec3 half_sides, double distance) const;
 
  private:
+  void take_samples();
+  AtomIndex patched_atom(std::size_t i) const {
+    return reach_.empty() ? static_cast<AtomIndex>(i) : reach_[i];
+  }
   void visit(AtomIndex i, double weight, AtomPatchScratch& scratch);
-  void add_area(double area, double weight, double low_z, double high_z);
+  void add_area(double area, double weight, Vec3 center, double radius);
 
   Surface surface_;
+  std::vector<AtomIndex> reach_;  // of a box; all atoms if there is none
   BurialPatches burial_;
   CoveringDirections directions_;
   PatchTotals totals_;

@@ -31,14 +31,33 @@ class Random {
   std::uint64_t count_ = 0;
 };
 
-/// A grid point of the box around an atom's SAS sphere.
+/// Atoms in whose SAS spheres there may be points of a region; empty if that is the whole grid,
+/// where all of them are.
+std::vector<std::size_t> atoms_near(const Definition& definition, const Grid& grid,
+                                    const GridRegion& region) {
+  std::vector<std::size_t> near;
+  if (region == grid.whole()) return near;
+  for (std::size_t a = 0; a < definition.atoms.size(); ++a) {
+    const Atom& atom = definition.atoms[a];
+    const double reach = atom.radius + definition.probe_radius;
+    bool is_near = true;
+    for (std::size_t q = 0; q < 3; ++q)
+      is_near = is_near && atom.center[q] + reach >= grid.coordinate(q, region.begin[q]) &&
+                atom.center[q] - reach <= grid.coordinate(q, region.end[q] - 1);
+    if (is_near) near.push_back(a);
+  }
+  return near;
+}
+
+/// A grid point of the box around an atom's SAS sphere, as far as that is in the region.
 std::optional<GridIndex> draw_point_near(const Atom& atom, double sas_radius, const Grid& grid,
-                                         Random& random) {
+                                         const GridRegion& region, Random& random) {
   GridIndex point{};
   for (std::size_t q = 0; q < 3; ++q) {
     const double center = atom.center[q] - grid.lower[q];
-    const auto last = static_cast<double>(grid.size[q] - 1);
-    const double low = std::max(0.0, std::ceil((center - sas_radius) / grid.spacing));
+    const auto begin = static_cast<double>(region.begin[q]);
+    const auto last = static_cast<double>(region.end[q] - 1);
+    const double low = std::max(begin, std::ceil((center - sas_radius) / grid.spacing));
     const double high = std::min(last, std::floor((center + sas_radius) / grid.spacing));
     if (low > high) return std::nullopt;
     const auto first = static_cast<std::int64_t>(low);
@@ -67,16 +86,19 @@ std::uint64_t place_of(const Grid& grid, const GridIndex& point) {
 }  // namespace
 
 std::vector<GridIndex> draw_band_points(const Definition& definition, const Grid& grid,
-                                        std::size_t count) {
+                                        const GridRegion& region, std::size_t count) {
+  const std::vector<std::size_t> near = atoms_near(definition, grid, region);
+  if (near.empty() && region != grid.whole()) return {};
+  const std::size_t candidates = near.empty() ? definition.atoms.size() : near.size();
   const double probe = definition.probe_radius;
   Random random;
   std::vector<GridIndex> points;
   std::unordered_set<std::uint64_t> drawn;
   std::size_t vain_draws = 0;
   while (points.size() < count && vain_draws++ < 1000 + 4 * points.size()) {
-    const auto a = random.below(static_cast<std::int64_t>(definition.atoms.size()));
-    const Atom& atom = definition.atoms[static_cast<std::size_t>(a)];
-    const auto point = draw_point_near(atom, atom.radius + probe, grid, random);
+    const auto a = static_cast<std::size_t>(random.below(static_cast<std::int64_t>(candidates)));
+    const Atom& atom = definition.atoms[near.empty() ? a : near[a]];
+    const auto point = draw_point_near(atom, atom.radius + probe, grid, region, random);
     if (!point) continue;
     const Vec3 x = grid.point(*point);
     if (!is_in_band_of(atom, probe, x) || is_in_any_atom(definition, x)) continue;

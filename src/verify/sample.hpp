@@ -12,11 +12,11 @@
 
 namespace eses::verify {
 
-/// Up to `count` different grid points outside all van der Waals spheres and inside a SAS sphere,
-/// ordered by z, y, x. Atoms and then points around them are drawn, so that clefts, where more
-/// atoms are near, have more of them. Fewer if a long search finds no more.
+/// Up to `count` different grid points of a region outside all van der Waals spheres and inside a
+/// SAS sphere, ordered by z, y, x. Atoms and then points around them are drawn, so that clefts,
+/// where more atoms are near, have more of them. Fewer if a long search finds no more.
 std::vector<GridIndex> draw_band_points(const Definition& definition, const Grid& grid,
-                                        std::size_t count);
+                                        const GridRegion& region, std::size_t count);
 
 /// A random choice among edges that come one by one, and of which few can be kept: those whose
 /// place in the grid, scrambled, gives the lowest numbers.

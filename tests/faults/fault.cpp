@@ -2,7 +2,8 @@
 // wrong is told by ESES_FAULT, `CALL NUMBER ACTION`:
 //
 //   CALL    file      any of those that follow
-//           open close lock write rename unlink    on a file that is being written, or its lock
+//           open close lock write read cut rename unlink    on a file that is being written, or
+//           its lock
 //           alloc     an allocation
 //           space     writing past byte NUMBER of a file whose name contains ACTION: the disk is
 //           full
@@ -186,6 +187,16 @@ ssize_t pwrite(int descriptor, const void* bytes, std::size_t size, off_t offset
   }
   return next<ssize_t(int, const void*, std::size_t, off_t)>("pwrite")(descriptor, bytes, room,
                                                                        offset);
+}
+
+ssize_t pread(int descriptor, void* bytes, std::size_t size, off_t offset) {
+  if (descriptor_call_fails("read", descriptor)) return -1;
+  return next<ssize_t(int, void*, std::size_t, off_t)>("pread")(descriptor, bytes, size, offset);
+}
+
+int ftruncate(int descriptor, off_t size) noexcept {
+  if (descriptor_call_fails("cut", descriptor)) return -1;
+  return static_cast<int>(syscall(SYS_ftruncate, descriptor, size));
 }
 
 int renameat(int old_directory, const char* from, int directory, const char* to) {

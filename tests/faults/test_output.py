@@ -179,6 +179,58 @@ class Mesh(FaultTest):
         self.assertEqual(self.all_files(self.meshes), ["a.ply"])
 
 
+@needs_library
+class MapsAndCompressedFiles(FaultTest):
+    """What a run has to do for these besides."""
+
+    ARGUMENTS = (*TINY, "--gzip", "--inside", "map.dx")
+    FILES = sorted([*(name + ".gz" for name in NAMES), "map.dx"])
+
+    def test_failure_of_every_call(self):
+        self.assertDone(self.run_program(*self.ARGUMENTS))
+        reference = self.contents()
+        self.assertEqual(sorted(reference), self.FILES)
+        self.put({})
+        met = set()
+        for call in ("read", "cut", "rename", "close", "open"):
+            for number in range(1, 100):
+                done = self.run_program(*self.ARGUMENTS, fault=f"{call} {number} fail={errno.EIO}")
+                if not self.is_faulty():
+                    self.put({})
+                    break
+                met.add(call)
+                with self.subTest(call=call, number=number):
+                    if done.returncode == 0:  # the lock's file was not closed in order
+                        self.assertEqual(self.contents(), reference)
+                    else:
+                        self.assertFailed(done, message_of(errno.EIO))
+                        self.assertEqual([name for name in self.all_files()
+                                          if name in self.FILES], [])
+                self.put({})
+        self.assertEqual(met, {"read", "cut", "rename", "close", "open"})
+
+    def test_disk_that_fills_up_while_the_map_is_made(self):
+        self.assertDone(self.run_program(*self.ARGUMENTS))
+        size = len(self.contents()["map.dx"])
+        self.put({})
+        for byte in (1, size // 2, size, size + 1):  # the last one where the bits wait
+            with self.subTest(byte=byte):
+                done = self.run_program(*self.ARGUMENTS, fault=f"space {byte} .map.dx.")
+                self.assertTrue(self.is_faulty())
+                self.assertFailed(done, f"cannot write {self.output / 'map.dx'}: {NO_SPACE}")
+                self.assertEqual(self.all_files(), [])
+
+    def test_plain_files_survive_until_the_end(self):
+        older = {name: b"older" for name in NAMES}
+        self.output.mkdir()
+        self.put(older)
+        self.run_program(*self.ARGUMENTS, fault=f"cut 1 fail={errno.EIO}")
+        self.assertTrue(self.is_faulty())
+        self.assertEqual(self.contents(), older)
+        self.assertDone(self.run_program(*self.ARGUMENTS))
+        self.assertEqual(self.all_files(), self.FILES)
+
+
 class Directory(FaultTest):
     def test_file_in_its_place(self):
         self.output.write_text("no directory")
