@@ -109,12 +109,13 @@ Summary run_with_progress(const Molecule& molecule, const Options& options, cons
   if (!options.quiet && ProgressBar::is_possible()) bar.emplace();
   InterruptibleRun interruptible(temporary_paths(options.outputs, options.output_directory),
                                  lock_path(options.output_directory));
-  const Summary summary = run(molecule, plan, options.outputs, options.output_directory,
-                              [&](std::int64_t done, std::int64_t total) {
-                                interruptible.check();
-                                if (bar) bar->show(done, total);
-                              },
-                              labels);
+  const Summary summary = run(
+      molecule, plan, options.outputs, options.output_directory,
+      [&](std::int64_t done, std::int64_t total) {
+        interruptible.check();
+        if (bar) bar->show(done, total);
+      },
+      labels);
   interruptible.check();
   return summary;
 }
@@ -160,9 +161,10 @@ void choose_labels(const Options& options, std::vector<AtomLabel>& labels) {
   if (!options.outputs.residues) {
     std::vector<AtomLabel>().swap(labels);
   } else if (labels.empty()) {
-    throw Error(fmt::format("{}: areas by residue (--write residues) need a PQR file; xyzr does not "
-                            "tell chains and residues",
-                            options.input.string()));
+    throw Error(
+        fmt::format("{}: areas by residue (--write residues) need a PQR file; xyzr does not "
+                    "tell chains and residues",
+                    options.input.string()));
   }
 }
 
