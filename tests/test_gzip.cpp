@@ -22,7 +22,7 @@ using Files = std::map<std::string, std::string>;
 
 /// By zlib's own reader of files.
 std::string unzipped(const std::filesystem::path& path) {
-  const gzFile file = gzopen(path.c_str(), "rb");
+  auto* const file = gzopen(path.c_str(), "rb");
   if (file == nullptr) throw std::runtime_error("cannot open " + path.string());
   CHECK(gzdirect(file) == 0);
   std::string text;

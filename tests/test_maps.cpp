@@ -73,7 +73,7 @@ ReadMap parse_dx(const std::string& text) {
         const std::int64_t place = (z * map.size[1] + y) * map.size[0] + x;
         map.values[static_cast<std::size_t>(place)] = static_cast<int>(value);
       }
-  expect("attribute \"dep\" string \"positions\"");
+  expect(R"(attribute "dep" string "positions")");
   expect("object \"regular positions regular connections\" class field");
   expect("component \"positions\" value 1");
   expect("component \"connections\" value 2");

@@ -323,7 +323,7 @@ std::string map_name_of(const CLI::App& app, const std::filesystem::path& output
   const std::optional<std::string> text = text_of(app, "--inside");
   if (!text) return "";
   const std::filesystem::path path = *text;
-  const std::string name = path.filename();
+  std::string name = path.filename();
   if (!map_format(name) || path.stem().empty() || name.starts_with('.'))
     refuse("--inside", *text, "the name of a file that ends with .dx or .vti");
   if (path.has_parent_path() && !is_same_place(path.parent_path(), output_directory))
