@@ -12,6 +12,7 @@
 #include <limits>
 #include <memory>
 #include <optional>
+#include <span>
 #include <string>
 #include <string_view>
 #include <variant>
@@ -409,6 +410,16 @@ void refuse_negative_numbers(const CLI::App& app) {
   }
 }
 
+/// `--verify 100` would otherwise take 100 for the probe radius.
+void refuse_separate_number(std::span<const std::string> arguments) {
+  for (std::size_t i = 0; i + 1 < arguments.size() && arguments[i] != "--"; ++i)
+    if (arguments[i] == "--verify" && whole_text<std::int64_t>(arguments[i + 1]))
+      throw UsageError(
+          fmt::format("the number of --verify goes behind =: --verify={0}; as it is, {0} "
+                      "would be PROBE, SPACING or MARGIN",
+                      arguments[i + 1]));
+}
+
 std::string version_text() {
   return fmt::format(
       "eses-blocks {}\ncompiler: {}\nbuild type: {}\nflags: {}\ninstruction set: {}\n", version,
@@ -421,8 +432,10 @@ std::variant<Options, Notice> parse_command_line(int argc, const char* const* ar
   CLI::App app("Solvent excluded surface of a molecule on a grid, computed block by block.",
                "eses-blocks");
   add_options(app);
+  const std::vector<std::string> arguments(argv + std::min(argc, 1), argv + argc);
+  refuse_separate_number(arguments);
   try {
-    parse(app, {argv + std::min(argc, 1), argv + argc});
+    parse(app, arguments);
   } catch (const CLI::CallForHelp&) {
     return Notice{app.help() + footer};
   }
