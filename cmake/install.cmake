@@ -14,6 +14,11 @@ set_target_properties(eses PROPERTIES
   SOVERSION ${PROJECT_VERSION_MAJOR}.${PROJECT_VERSION_MINOR})
 
 install(TARGETS eses EXPORT eses-targets)
+if(ESES_INSTALLED_BYTECODE AND NOT BUILD_SHARED_LIBS)
+  install(CODE "execute_process(COMMAND ${CMAKE_OBJCOPY} --wildcard --remove-section=.gnu.lto_*
+    \"\$ENV{DESTDIR}\${CMAKE_INSTALL_PREFIX}/${CMAKE_INSTALL_LIBDIR}/$<TARGET_FILE_NAME:eses>\"
+    COMMAND_ERROR_IS_FATAL ANY)")
+endif()
 install(TARGETS eses-blocks)
 install(DIRECTORY ${PROJECT_SOURCE_DIR}/include/ DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}
         FILES_MATCHING PATTERN "*.hpp")

@@ -254,7 +254,7 @@ TEST_CASE("a run with a map that is ended at any moment leaves nothing", "[maps]
   const Plan plan = make_plan(atoms, parameters, outputs);
   int calls = 0;
   run(atoms, plan, outputs, directory.path() / "whole",
-      [&](std::int64_t, std::int64_t) { ++calls; });
+      {.progress = [&](std::int64_t, std::int64_t) { ++calls; }});
   REQUIRE(calls > 12);  // ten for the five files, and one at least for the pieces of the map
   for (int last = 1; last <= calls; ++last) {
     INFO("call " << last << " of " << calls);
@@ -262,7 +262,7 @@ TEST_CASE("a run with a map that is ended at any moment leaves nothing", "[maps]
     const auto end_it = [&](std::int64_t, std::int64_t) {
       if (++call == last) throw std::runtime_error("ended");
     };
-    CHECK_THROWS_AS(run(atoms, plan, outputs, directory.path() / "ended", end_it),
+    CHECK_THROWS_AS(run(atoms, plan, outputs, directory.path() / "ended", {.progress = end_it}),
                     std::runtime_error);
     CHECK(std::filesystem::is_empty(directory.path() / "ended"));
   }

@@ -62,6 +62,15 @@ class Install(TestCase):
         ours = re.compile(r"(?:vtable for |typeinfo for |typeinfo name for )?eses::|.*\[clone ")
         self.assertEqual([name for name in strong if not ours.match(name)], [])
 
+    def test_library_holds_no_bytecode_of_the_compiler(self):
+        libraries = list(self.prefix.rglob("libeses.a"))
+        if not libraries:
+            self.skipTest("the library is a shared one")
+        done = run("objdump", "--section-headers", libraries[0])
+        self.assertDone(done)
+        self.assertIn(".text", done.stdout)
+        self.assertNotIn(".gnu.lto_", done.stdout)
+
     def test_files(self):
         for name in ("bin/eses-blocks", "share/bash-completion/completions/eses-blocks"):
             self.assertTrue((self.prefix / name).is_file(), name)
