@@ -208,7 +208,10 @@ TEST_CASE("usage errors name option, value and expectation, and write nothing", 
       {{"atom.xyzr", "--verify=all"},
        "--verify is 'all', expected a whole number from 1 to 10000000"},
       {{"atom.xyzr", "--verify", "--verify=3"}, "--verify is given more than once"},
-      {{"atom.xyzr", "--verify", "100"}, "the number of --verify goes behind =: --verify=100"},
+      {{"atom.xyzr", "--verify", "100"},
+       "the number of --verify goes behind =: --verify=100; as it is, 100 would be PROBE, SPACING "
+       "or "
+       "MARGIN"},
   };
   for (const auto& [arguments, message] : cases) {
     INFO(Sandbox::command(arguments));

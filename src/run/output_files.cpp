@@ -38,7 +38,8 @@ std::vector<std::string> text_names(const OutputChoice& choice, bool gzip) {
 
 // Whether a run may write a file of this name.
 bool is_ours(std::string_view name) {
-  if (map_format(name) || mesh_format(name) || name == residues_name || name == chains_name) return true;
+  if (map_format(name) || mesh_format(name) || name == residues_name || name == chains_name)
+    return true;
   if (name.ends_with(gzip_suffix)) name.remove_suffix(gzip_suffix.size());
   const std::array texts{box_name, grid_name, edges_name, areas_name};
   return std::any_of(texts.begin(), texts.end(), [&](const char* text) { return name == text; });
@@ -137,7 +138,8 @@ void OutputFiles::open_mesh(const MeshChoice& choice) {
   const auto [path, name] = place_of(choice);
   const bool is_elsewhere = !directory || !directory->is_at(path);
   OutputDirectory& place = is_elsewhere ? mesh_directory.emplace(path) : *directory;
-  place.remove_abandoned(is_ours);
+  // Here that has been done, and files of this run are open by now.
+  if (is_elsewhere) place.remove_abandoned(is_ours);
   mesh.emplace(place, name);
   mesh_triangles.emplace(path);
 }
