@@ -346,9 +346,10 @@ TEST_CASE("the JSON report holds what the text says", "[cli]") {
   check("r['output']['directory'], len(r['output']['files'])", "('.', 4)");
   check("sorted(r['seconds'])",
         "['blocks', 'classify', 'intersect', 'output', 'patches', 'total', 'verify']");
-  check("sorted(r['plan'])",
-        "['area_file_bytes', 'blocks_ahead', 'cut_depth', 'disk_bytes', 'edge_file_bytes', "
-        "'grid_file_bytes', 'max_memory_bytes', 'memory_bytes', 'mesh_file_bytes', 'output_bytes']");
+  check(
+      "sorted(r['plan'])",
+      "['area_file_bytes', 'blocks_ahead', 'cut_depth', 'disk_bytes', 'edge_file_bytes', "
+      "'grid_file_bytes', 'max_memory_bytes', 'memory_bytes', 'mesh_file_bytes', 'output_bytes']");
   check("r['plan']['max_memory_bytes'], r['diagnostics'], r['dry_run']", "(None, [], False)");
   check("r['peak_memory_bytes'] > 0 and r['threads'] > 0 and bool(r['version'])", "True");
 }

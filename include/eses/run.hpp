@@ -84,7 +84,7 @@ struct Summary {
   std::int64_t concave = 0;  ///< with three
   std::int64_t edges() const { return convex + saddle + concave; }
   std::uint64_t bytes_written = 0;
-  std::optional<MeshCounts> mesh;  ///< if there is one
+  std::optional<MeshCounts> mesh;            ///< if there is one
   std::optional<Verification> verification;  ///< if it was asked for
   PhaseSeconds seconds;
 };
@@ -98,8 +98,7 @@ using ProgressCallback = std::function<void(std::int64_t done, std::int64_t tota
 /// flight, it chooses so that `max_memory` is kept. Throws Error if a parameter is out of its
 /// range, if the margin is so small that the grid would cut the surface (see README), or if memory
 /// cannot hold what the run needs, or may not.
-Plan make_plan(const Molecule& molecule, const Parameters& parameters,
-               const OutputChoice& outputs);
+Plan make_plan(const Molecule& molecule, const Parameters& parameters, const OutputChoice& outputs);
 
 /// What the file system of an output directory has to give.
 struct DiskSpace {
@@ -111,10 +110,10 @@ struct DiskSpace {
 /// those whose size is known do not fit.
 DiskSpace require_disk_space(const Plan& plan, const std::filesystem::path& directory);
 
-/// Computes the surface and writes the chosen files into `directory` and the mesh into its own (both
-/// created if missing), which it locks against other runs. The files appear under their names only when all of them are complete,
-/// the bounding box last, and older ones are removed before; on failure none appears,
-/// nor if the verification that `plan.parameters` asks for finds a fault.
+/// Computes the surface and writes the chosen files into `directory` and the mesh into its own
+/// (both created if missing), which it locks against other runs. The files appear under their names
+/// only when all of them are complete, the bounding box last, and older ones are removed before; on
+/// failure none appears, nor if the verification that `plan.parameters` asks for finds a fault.
 /// Throws Error on write failures, lack of disk space, if another run is writing there, and where
 /// memory exceeds `max_memory` after all: the plan's figure is an estimate.
 Summary run(const Molecule& molecule, const Plan& plan, const OutputChoice& outputs,
