@@ -12,6 +12,7 @@
 #include <cstdlib>
 #include <filesystem>
 #include <random>
+#include <span>
 #include <stdexcept>
 #include <string>
 #include <string_view>
@@ -21,12 +22,14 @@
 #include "catch.hpp"
 #include "eses/error.hpp"
 #include "eses/read_atoms.hpp"
+#include "io/gzip.hpp"
 
 namespace {
 
 namespace fs = std::filesystem;
 using eses::Atom;
 using eses::AtomFormat;
+using eses::Gzip;
 using std::string_literals::operator""s;
 
 /// "" if nothing is thrown, which no message is.
@@ -378,10 +381,7 @@ TEST_CASE("control characters are refused", "[read_atoms]") {
   CHECK(contains(pqr_error("REMARK\nREMARK \x01\n"), "t.pqr:2: control character \\x01"));
 }
 
-TEST_CASE("compressed and UTF-16 files are named", "[read_atoms]") {
-  CHECK(xyzr_error("\x1f\x8b\x08\x00junk"s) ==
-        "t.xyzr:1: gzip-compressed data; decompress the file first");
-  CHECK(pqr_error("\x1f\x8b") == "t.pqr:1: gzip-compressed data; decompress the file first");
+TEST_CASE("UTF-16 files are named", "[read_atoms]") {
   const std::string utf16 = "t.xyzr:1: UTF-16 text; convert the file to UTF-8 first";
   CHECK(xyzr_error("\xff\xfe"
                    "1\0 \0"s) == utf16);
@@ -611,6 +611,54 @@ TEST_CASE("a file larger than one read", "[read_atoms]") {
   for (std::size_t i = 0; i < count; ++i) {
     if (!is_atom(atoms[i], static_cast<double>(i), 2, 3, 1.5)) FAIL("atom " << i);
   }
+}
+
+TEST_CASE("gzip files are read, of any number of members", "[read_atoms]") {
+  const TemporaryDirectory directory;
+  const std::string record = "ATOM 1 N MET 1 1 2 3 0.5 1.5\n";
+  Gzip gzip;
+  const auto member = [&](const std::string& text) {
+    const std::span<const char> bytes = gzip.member(text);
+    return std::string(bytes.begin(), bytes.end());
+  };
+  CHECK(is_sole_atom(eses::read_atoms(directory.write("a.pqr.gz", member(record))), 1, 2, 3, 1.5));
+  // Which is compressed tells the file itself.
+  CHECK(is_sole_atom(eses::read_atoms(directory.write("a.xyzr", member("1 2 3 4"))), 1, 2, 3, 4));
+  CHECK(is_sole_atom(eses::read_atoms(directory.write("b.xyzr.gz", "1 2 3 4")), 1, 2, 3, 4));
+
+  std::string lines, members;
+  for (int i = 0; i < 50000; ++i) {
+    lines += std::to_string(i) + " 2 3 4\n";
+    if (i % 10000 == 9999) {
+      members += member(lines);
+      lines.clear();
+    }
+  }
+  const std::vector<Atom> atoms = eses::read_atoms(directory.write("many.xyzr.gz", members));
+  REQUIRE(atoms.size() == 50000);
+  for (std::size_t i = 0; i < atoms.size(); ++i)
+    REQUIRE(atoms[i].center.x == static_cast<double>(i));
+
+  const std::string whole = member("1 2 3 4\n5 6 7 8\n");
+  for (std::size_t size = 2; size < whole.size(); ++size)
+    CHECK(contains(file_error(directory.write("cut.xyzr.gz", whole.substr(0, size))),
+                   "cut.xyzr.gz: the compressed data ends too early"));
+  std::string damaged = whole;
+  damaged[whole.size() - 6] ^= 1;  // in the check sum
+  CHECK(contains(file_error(directory.write("bad.xyzr.gz", damaged)),
+                 "bad.xyzr.gz: the compressed data is damaged"));
+  CHECK(contains(file_error(directory.write("line.xyzr.gz", member("1 2 3 4\n1 2 x 4\n"))),
+                 "line.xyzr.gz:2: field 3"));
+}
+
+TEST_CASE("structure files without radii are refused", "[read_atoms]") {
+  const TemporaryDirectory directory;
+  const std::string record = "ATOM 1 N MET 1 1 2 3 0.5 1.5\n";
+  for (const char* name : {"a.pdb", "b.PDB", "c.ent", "d.cif", "e.pdb.gz"})
+    for (const AtomFormat format : {AtomFormat::automatic, AtomFormat::pqr, AtomFormat::xyzr}) {
+      INFO(name);
+      CHECK(contains(file_error(directory.write(name, record), format), "files have no radii"));
+    }
 }
 
 TEST_CASE("files that cannot be read", "[read_atoms]") {

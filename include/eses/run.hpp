@@ -22,8 +22,12 @@ struct RegionBox {
   Vec3 low, high;
 };
 
+/// Angstrom. Below, distances that are held for equal are larger than the probe; above, differences
+/// of squares have too few digits left for them.
+inline constexpr double least_probe_radius = 1e-6, largest_probe_radius = 1000;
+
 struct Parameters {
-  double probe_radius = 1.4;  ///< angstrom, > 0
+  double probe_radius = 1.4;  ///< angstrom, `least_probe_radius` to `largest_probe_radius`
   double spacing = 0.4;       ///< angstrom, > 0
   double margin = 0.8;        ///< angstrom, >= 0
   /// Grid points on a side of a block, 2 to `largest_block_size`; 0: `default_block_size`, or less
@@ -36,9 +40,9 @@ struct Parameters {
   std::int64_t verify = 0;  ///< points, and as many edges, to check afterwards; 0 to 1e7
   /// Only the grid points in this closed box (angstrom) are computed, and the edges that start
   /// there; indices and coordinates stay those of the whole grid.
-  std::optional<RegionBox> region;
+  std::optional<RegionBox> region = {};
   /// The same for these blocks, as indices in the tiling of the whole grid; not with `region`.
-  std::optional<GridRegion> blocks;
+  std::optional<GridRegion> blocks = {};
 };
 
 /// Which files are written.

@@ -9,12 +9,15 @@ _eses_blocks() {
 
   case $prev in
     --format) COMPREPLY=($(compgen -W 'auto xyzr pqr' -- "$cur")) && return ;;
-    --write) COMPREPLY=($(compgen -W 'all none grid edges areas grid,edges grid,areas edges,areas' \
-      -- "$cur")) && return ;;
+    --write) COMPREPLY=($(compgen -W 'all none grid edges areas residues grid,edges grid,areas \
+      edges,areas' -- "$cur")) && return ;;
+    --color) COMPREPLY=($(compgen -W 'patch atom chain' -- "$cur")) && return ;;
+    --mesh) _filedir '@(ply|obj|off)' && return ;;
+    --inside) _filedir '@(dx|vti)' && return ;;
     --output-dir | -o) _filedir -d && return ;;
     # Numbers.
     --probe-radius | --spacing | --margin | --threads | -t | --block-size | -b | --max-memory | \
-      --tolerance) return ;;
+      --region | --blocks | --tolerance) return ;;
   esac
   if $split; then return; fi
 
@@ -28,7 +31,7 @@ _eses_blocks() {
   elif $is_diff; then
     _filedir -d
   else
-    _filedir '@(xyzr|pqr)'
+    _filedir '@(xyzr|pqr)?(.gz)'
     if ((cword == 1)); then COMPREPLY+=($(compgen -W diff -- "$cur")); fi
   fi
 }

@@ -182,6 +182,8 @@ int compute(const Options& options) {
   report.summary = run_with_progress(molecule, options, report.plan);
   report.peak_memory_bytes = peak_memory();
   print(final_text(report));
+  if (report.summary.inside_points == 0 && !options.quiet)
+    complain("warning", "no grid point is inside the molecule; a smaller spacing would show it");
   for (const std::string& fault : fault_lines(report.summary)) complain("error", fault);
   return exit_code(report.summary);
 }

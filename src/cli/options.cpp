@@ -8,6 +8,7 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
+#include <cstdlib>
 #include <filesystem>
 #include <limits>
 #include <memory>
@@ -63,7 +64,11 @@ Exit codes:
   0  done
   1  input, output or resource error, or --verify finds a fault
   2  error in the command line
-  130, 143  ended by SIGINT or SIGTERM
+  129, 130, 143  ended by SIGHUP, SIGINT or SIGTERM
+
+Environment:
+  OMP_NUM_THREADS             most threads, where --threads is not given
+  ESES_INSTRUCTION_SET        baseline, sse4 or avx2: holds it back; results are the same
 
 Files get their names when all of them are complete; a directory takes one run at a time.
 )";
@@ -105,8 +110,8 @@ void add_file_options(CLI::App& app) {
   add("-o,--output-dir", "DIR", "where to write files, created if missing [.]");
   add("--write", "LIST",
       "files to write besides bounding_box.txt: some of\n"
-      "grid,edges,areas,residues; or none for none of these\n"
-      "[grid,edges,areas]");
+      "grid,edges,areas,residues; all for the first three;\n"
+      "or none [all]");
   add("--inside", "FILE",
       "map of the inside, in the output directory: FILE.dx\n"
       "(OpenDX) or FILE.vti (VTK image data)");
@@ -286,6 +291,10 @@ void choose_part(const CLI::App& app, Parameters& parameters) {
 Parameters parameters_of(const CLI::App& app) {
   Parameters result;
   result.probe_radius = length_of(app, "PROBE", "--probe-radius", positive, result.probe_radius);
+  if (result.probe_radius < least_probe_radius || result.probe_radius > largest_probe_radius)
+    refuse("--probe-radius", fmt::format("{}", result.probe_radius),
+           fmt::format("a number from {} to {}, in angstrom", least_probe_radius,
+                       largest_probe_radius));
   result.spacing = length_of(app, "SPACING", "--spacing", positive, result.spacing);
   result.margin = length_of(app, "MARGIN", "--margin", non_negative, result.margin);
   result.block_size =
@@ -342,7 +351,9 @@ OutputChoice text_files_of(const CLI::App& app) {
   if (*text == "none") return result;
   result.box = true;
   for (const std::string& name : CLI::detail::split(*text, ',')) {
-    if (name == "grid") {
+    if (name == "all") {
+      result.grid = result.edges = result.areas = true;
+    } else if (name == "grid") {
       result.grid = true;
     } else if (name == "edges") {
       result.edges = true;
@@ -351,7 +362,7 @@ OutputChoice text_files_of(const CLI::App& app) {
     } else if (name == "residues") {
       result.residues = true;
     } else {
-      refuse("--write", *text, "some of grid,edges,areas,residues, or none");
+      refuse("--write", *text, "some of grid,edges,areas,residues, or all, or none");
     }
   }
   return result;
@@ -410,6 +421,13 @@ void refuse_negative_numbers(const CLI::App& app) {
   }
 }
 
+/// A name that is misspelt must not go unnoticed.
+void require_known_instruction_set() {
+  const char* const wish = std::getenv(instruction_set_variable);
+  if (wish != nullptr && !is_instruction_set(wish))
+    refuse(instruction_set_variable, wish, "baseline, sse4, avx2 or avx512");
+}
+
 /// `--verify 100` would otherwise take 100 for the probe radius.
 void refuse_separate_number(std::span<const std::string> arguments) {
   for (std::size_t i = 0; i + 1 < arguments.size() && arguments[i] != "--"; ++i)
@@ -432,6 +450,7 @@ std::variant<Options, Notice> parse_command_line(int argc, const char* const* ar
   CLI::App app("Solvent excluded surface of a molecule on a grid, computed block by block.",
                "eses-blocks");
   add_options(app);
+  require_known_instruction_set();
   const std::vector<std::string> arguments(argv + std::min(argc, 1), argv + argc);
   refuse_separate_number(arguments);
   try {

@@ -5,6 +5,8 @@
 
 #include <cstddef>
 #include <span>
+#include <string>
+#include <string_view>
 #include <vector>
 
 namespace eses {
@@ -30,5 +32,12 @@ class Gzip {
   z_stream stream_{};
   std::vector<char> bytes_;
 };
+
+/// Whether a text begins as gzip's files do.
+bool is_gzip(std::string_view bytes);
+
+/// The text of all members. Throws Error, whose message begins with `name`, if they are damaged or
+/// cut off.
+std::string decompressed(std::string_view bytes, std::string_view name);
 
 }  // namespace eses

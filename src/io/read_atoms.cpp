@@ -19,6 +19,7 @@
 
 #include "eses/error.hpp"
 #include "io/file_descriptor.hpp"
+#include "io/gzip.hpp"
 #include "io/pqr_labels.hpp"
 #include "io/text_fields.hpp"
 
@@ -303,9 +304,6 @@ std::string describe(const Problem& problem, std::string_view line) {
 // ------------------------------------------------------------------------------------------ text
 
 void check_encoding(std::string_view text, std::string_view name) {
-  if (text.starts_with("\x1f\x8b")) {
-    fail(name, 1, "gzip-compressed data; decompress the file first");
-  }
   if (text.starts_with("\xff\xfe") || text.starts_with("\xfe\xff")) {
     fail(name, 1, "UTF-16 text; convert the file to UTF-8 first");
   }
@@ -392,8 +390,8 @@ std::size_t size_hint(int descriptor, std::string_view name) {
   return S_ISREG(status.st_mode) ? static_cast<std::size_t>(status.st_size) : 0;
 }
 
-/// All of the file, or its beginning up to some NUL: it is no text then, and a device such as
-/// /dev/zero has no end.
+/// All of the file, decompressed if it is a gzip file, or its beginning up to some NUL: it is no
+/// text then, and a device such as /dev/zero has no end.
 std::string read_text(int descriptor, std::string_view name) {
   std::string text;
   const std::size_t hint = size_hint(descriptor, name);
@@ -405,15 +403,29 @@ std::string read_text(int descriptor, std::string_view name) {
     const std::size_t count = read_some(descriptor, text.data() + used, text.size() - used, name);
     const std::string_view piece(text.data() + used, count);
     used += count;
-    if (count == 0 || piece.find('\0') != std::string_view::npos) break;
+    if (count == 0) break;
+    if (piece.find('\0') != std::string_view::npos && !is_gzip(text)) break;
   }
   text.resize(used);
-  return text;
+  return is_gzip(text) ? decompressed(text, name) : text;
 }
 
-bool has_pqr_suffix(const std::filesystem::path& path) {
-  const std::string suffix = path.extension().string();
-  return suffix.size() == 4 && starts_with_ignoring_case(suffix, ".pqr");
+/// In lower case, and of `NAME.pqr.gz` the `.pqr`.
+std::string suffix_of(const std::filesystem::path& path) {
+  std::string suffix = path.extension().string();
+  for (char& c : suffix)
+    if (c >= 'A' && c <= 'Z') c = static_cast<char>(c - 'A' + 'a');
+  return suffix == ".gz" ? suffix_of(path.stem()) : suffix;
+}
+
+/// Whoever reads such a file as PQR takes temperature factors for radii.
+void refuse_structure_files(std::string_view suffix, std::string_view name) {
+  for (const std::string_view format : {".pdb", ".ent", ".cif", ".mmcif"})
+    if (suffix == format)
+      throw Error(
+          fmt::format("{}: {} files have no radii; make a PQR file of it with pdb2pqr, as "
+                      "scripts/pdbbind does",
+                      name, format));
 }
 
 NumberedAtoms read_descriptor(int descriptor, AtomFormat format, const std::string& name) {
@@ -467,8 +479,9 @@ std::vector<Atom> parse_atoms(std::string_view text, AtomFormat format, std::str
 
 NumberedAtoms read_numbered_atoms(const std::filesystem::path& path, AtomFormat format) {
   if (path == "-") return read_descriptor(STDIN_FILENO, format, "<stdin>");
-  if (format == AtomFormat::automatic && has_pqr_suffix(path)) format = AtomFormat::pqr;
-  const std::string name = path.string();
+  const std::string name = path.string(), suffix = suffix_of(path);
+  refuse_structure_files(suffix, name);
+  if (format == AtomFormat::automatic && suffix == ".pqr") format = AtomFormat::pqr;
   const FileDescriptor file(open_for_reading(path, name));
   return read_descriptor(file.value(), format, name);
 }

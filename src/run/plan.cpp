@@ -27,8 +27,6 @@ constexpr std::uint64_t area_line_bytes = 32;
 constexpr std::uint64_t residue_line_bytes = 24, atoms_per_residue = 10;  // typically
 // What gzip leaves of the files, as it turned out for proteins.
 constexpr double grid_gzip_share = 0.2, edge_gzip_share = 0.3, area_gzip_share = 0.25;
-// Past this, differences of squares have too few digits left for the tolerances.
-constexpr double largest_probe_radius = 1000;  // angstrom
 constexpr std::int64_t most_verified = 10'000'000;
 
 void require(bool holds, const char* what, double value) {
@@ -36,8 +34,8 @@ void require(bool holds, const char* what, double value) {
 }
 
 void require_valid(const Parameters& p) {
-  require(p.probe_radius > 0 && p.probe_radius <= largest_probe_radius,
-          "the probe radius must be a positive number of at most 1000 angstrom", p.probe_radius);
+  require(p.probe_radius >= least_probe_radius && p.probe_radius <= largest_probe_radius,
+          "the probe radius must be between 1e-6 and 1000 angstrom", p.probe_radius);
   require(p.verify >= 0 && p.verify <= most_verified,
           "the number of points to verify must be between 0 and 10000000",
           static_cast<double>(p.verify));

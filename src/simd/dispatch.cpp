@@ -30,7 +30,7 @@ InstructionSet widest_available() {
 constexpr std::array<std::string_view, 4> names{"baseline", "sse4", "avx2", "avx512"};
 
 InstructionSet widest_allowed() {
-  const char* const wish = std::getenv("ESES_INSTRUCTION_SET");
+  const char* const wish = std::getenv(instruction_set_variable);
   const auto* const name = std::find(names.begin(), names.end(), wish != nullptr ? wish : "");
   return name == names.end() ? InstructionSet::avx512
                              : static_cast<InstructionSet>(name - names.begin());
@@ -44,5 +44,9 @@ InstructionSet instruction_set() {
 }
 
 std::string_view name_of(InstructionSet set) { return names[static_cast<std::size_t>(set)]; }
+
+bool is_instruction_set(std::string_view name) {
+  return std::find(names.begin(), names.end(), name) != names.end();
+}
 
 }  // namespace eses

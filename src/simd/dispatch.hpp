@@ -17,8 +17,11 @@ enum class InstructionSet { baseline, sse4, avx2, avx512 };
 /// ESES_INSTRUCTION_SET (baseline, sse4, avx2 or avx512) when it is first asked for.
 InstructionSet instruction_set();
 
-/// As in ESES_INSTRUCTION_SET.
+inline constexpr char instruction_set_variable[] = "ESES_INSTRUCTION_SET";
+
+/// As the environment variable has them.
 std::string_view name_of(InstructionSet set);
+bool is_instruction_set(std::string_view name);
 
 /// The versions of one function; null where the build has none, but for the baseline.
 template <class Function>

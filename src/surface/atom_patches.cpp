@@ -12,8 +12,9 @@ void find_neighbours_of_group(const Surface& surface, AtomIndex begin, AtomIndex
                               AtomPatchScratch& scratch) {
   double largest = 0;
   for (AtomIndex i = begin; i < end; ++i) largest = std::max(largest, surface.atoms[i].radius);
-  surface.tree().find_around(
-      begin, end, largest + surface.largest_radius + 2 * surface.probe_radius, scratch.found);
+  surface.tree().find_around(surface.atoms.subspan(begin, end - begin),
+                             largest + surface.largest_radius + 2 * surface.probe_radius,
+                             scratch.found);
   scratch.group.clear();
   for (const AtomIndex j : scratch.found)
     if (surface.patches.exposure[j] != AtomExposure::contained)

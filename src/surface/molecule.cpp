@@ -3,6 +3,8 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <numeric>
+#include <tuple>
 #include <utility>
 
 #include "eses/error.hpp"
@@ -12,6 +14,39 @@
 
 namespace eses {
 namespace {
+
+// Of atoms with the same centre and radius, the first, by atom. Found by sorting: thousands of them
+// in one place must not look at each other.
+std::vector<AtomIndex> find_first_equal(std::span<const Atom> atoms) {
+  const auto key = [&](AtomIndex i) {
+    const auto& [center, radius] = atoms[i];
+    return std::tuple(center.x, center.y, center.z, radius);
+  };
+  std::vector<AtomIndex> order(atoms.size()), first(atoms.size());
+  std::iota(order.begin(), order.end(), AtomIndex{0});
+  std::sort(order.begin(), order.end(), [&](AtomIndex a, AtomIndex b) {
+    return std::tuple_cat(key(a), std::tuple(a)) < std::tuple_cat(key(b), std::tuple(b));
+  });
+  for (std::size_t q = 0; q < order.size(); ++q)
+    first[order[q]] = q > 0 && key(order[q]) == key(order[q - 1]) ? first[order[q - 1]] : order[q];
+  return first;
+}
+
+// None if all are.
+std::vector<AtomIndex> distinct_atoms(std::span<const AtomIndex> first_equal) {
+  std::vector<AtomIndex> distinct;
+  for (AtomIndex i = 0; i < first_equal.size(); ++i)
+    if (first_equal[i] == i) distinct.push_back(i);
+  if (distinct.size() == first_equal.size()) distinct.clear();
+  return distinct;
+}
+
+std::vector<Atom> copies_of(std::span<const Atom> atoms, std::span<const AtomIndex> indices) {
+  std::vector<Atom> copies;
+  copies.reserve(indices.size());
+  for (const AtomIndex i : indices) copies.push_back(atoms[i]);
+  return copies;
+}
 
 bool contains(const Atom& outer, const Atom& inner) {
   return norm(outer.center - inner.center) <= outer.radius - inner.radius + tolerance::containment;
@@ -48,10 +83,17 @@ struct Molecule::Parts {
   Parts(std::vector<Atom> all_atoms, std::vector<AtomLabel> all_labels)
       : atoms(std::move(all_atoms)),
         labels(std::move(all_labels)),
-        tree(atoms),
+        first_equal(find_first_equal(atoms)),
+        distinct(distinct_atoms(first_equal)),
+        distinct_copies(copies_of(atoms, distinct)),
+        tree(distinct.empty() ? std::span<const Atom>(atoms) : distinct_copies, distinct),
         is_contained(atoms.size()) {
     if (!labels.empty() && labels.size() != atoms.size())
       throw Error(fmt::format("{} labels for {} atoms", labels.size(), atoms.size()));
+    look_around();
+  }
+
+  void look_around() {
     OddityFinder finder(atoms);
     std::vector<AtomIndex> found, near;
     const auto count = static_cast<AtomIndex>(atoms.size());
@@ -59,8 +101,13 @@ struct Molecule::Parts {
       end = end_of_group(atoms, begin, count);
       double reach = 0;
       for (AtomIndex i = begin; i < end; ++i) reach = std::max(reach, vicinity_radius(atoms[i]));
-      tree.find_around(begin, end, reach, found);
+      tree.find_around(std::span(atoms).subspan(begin, end - begin), reach, found);
       for (AtomIndex i = begin; i < end; ++i) {
+        if (first_equal[i] != i) {
+          is_contained[i] = true;
+          finder.add_duplicate(i, first_equal[i]);
+          continue;
+        }
         keep_vicinity(atoms, i, found, near);
         mark_contained(atoms, i, near, is_contained);
         finder.look(i, near);
@@ -71,6 +118,10 @@ struct Molecule::Parts {
 
   std::vector<Atom> atoms;
   std::vector<AtomLabel> labels;
+  std::vector<AtomIndex> first_equal;  // by atom
+  // Those that equal none before them, where not all atoms are such.
+  std::vector<AtomIndex> distinct;
+  std::vector<Atom> distinct_copies;
   AtomTree tree;
   std::vector<bool> is_contained;
   std::vector<Oddity> oddities;

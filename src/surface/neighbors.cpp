@@ -25,13 +25,14 @@ struct AtomCloud {
 struct IndicesWithin {
   using DistanceType = double;
   double squared_distance;
+  std::span<const AtomIndex> indices;
   std::vector<AtomIndex>& found;
 
   std::size_t size() const { return found.size(); }
   bool full() const { return true; }
   double worstDist() const { return squared_distance; }
   bool addPoint(double squared, AtomIndex index) {
-    if (squared < squared_distance) found.push_back(index);
+    if (squared < squared_distance) found.push_back(indices.empty() ? index : indices[index]);
     return true;
   }
   void sort() {}
@@ -47,32 +48,34 @@ constexpr double group_size = 6;  // angstrom, from the first atom's centre
 
 struct AtomTree::Implementation {
   AtomCloud cloud;
+  std::span<const AtomIndex> indices;
   Tree tree;
 
-  explicit Implementation(std::span<const Atom> atoms)
-      : cloud{atoms}, tree(3, cloud, nanoflann::KDTreeSingleIndexAdaptorParams(atoms_per_leaf)) {
+  Implementation(std::span<const Atom> atoms, std::span<const AtomIndex> atom_indices)
+      : cloud{atoms},
+        indices(atom_indices),
+        tree(3, cloud, nanoflann::KDTreeSingleIndexAdaptorParams(atoms_per_leaf)) {
     tree.buildIndex();
   }
 };
 
-AtomTree::AtomTree(std::span<const Atom> atoms)
-    : implementation_(std::make_unique<Implementation>(atoms)) {}
+AtomTree::AtomTree(std::span<const Atom> atoms, std::span<const AtomIndex> indices)
+    : implementation_(std::make_unique<Implementation>(atoms, indices)) {}
 AtomTree::~AtomTree() = default;
 AtomTree::AtomTree(AtomTree&&) noexcept = default;
 AtomTree& AtomTree::operator=(AtomTree&&) noexcept = default;
 
 void AtomTree::find_within(Vec3 point, double distance, std::vector<AtomIndex>& found) const {
   found.clear();
-  IndicesWithin within{distance * distance, found};
+  IndicesWithin within{distance * distance, implementation_->indices, found};
   const double query[3] = {point.x, point.y, point.z};
   implementation_->tree.findNeighbors(within, query, {});
 }
 
-void AtomTree::find_around(AtomIndex begin, AtomIndex end, double distance,
+void AtomTree::find_around(std::span<const Atom> group, double distance,
                            std::vector<AtomIndex>& found) const {
-  const std::span<const Atom> atoms = implementation_->cloud.atoms;
-  Box box{atoms[begin].center, atoms[begin].center};
-  for (AtomIndex i = begin + 1; i < end; ++i) box.include(atoms[i].center);
+  Box box{group.front().center, group.front().center};
+  for (const Atom& atom : group) box.include(atom.center);
   find_within(0.5 * (box.low + box.high), distance + 0.5 * norm(box.high - box.low), found);
 }
 

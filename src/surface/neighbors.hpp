@@ -11,8 +11,9 @@ namespace eses {
 
 class AtomTree {
  public:
-  /// Keeps a view of `atoms`, which must outlive the tree.
-  explicit AtomTree(std::span<const Atom> atoms);
+  /// Holds `atoms`, which are known by these `indices`, or by their places if there are none. Keeps
+  /// views of both, which must outlive the tree.
+  AtomTree(std::span<const Atom> atoms, std::span<const AtomIndex> indices);
   ~AtomTree();
   AtomTree(AtomTree&&) noexcept;
   AtomTree& operator=(AtomTree&&) noexcept;
@@ -21,9 +22,9 @@ class AtomTree {
   /// than `distance` (angstrom) from `point`.
   void find_within(Vec3 point, double distance, std::vector<AtomIndex>& found) const;
 
-  /// Replaces `found` by all atoms whose centre is less than `distance` from that of any of the
-  /// atoms [begin, end), and by some that are farther away.
-  void find_around(AtomIndex begin, AtomIndex end, double distance,
+  /// Replaces `found` by all atoms whose centre is less than `distance` from that of any of
+  /// `group`, and by some that are farther away.
+  void find_around(std::span<const Atom> group, double distance,
                    std::vector<AtomIndex>& found) const;
 
  private:

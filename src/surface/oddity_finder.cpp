@@ -12,10 +12,6 @@ constexpr double nanometre_radius = 0.4;  // a large atom's radius, in nanometre
 constexpr double largest_hydrogen = 1.4;  // angstrom
 constexpr AtomIndex none = std::numeric_limits<AtomIndex>::max();
 
-bool is_duplicate(const Atom& a, const Atom& b) {
-  return a.center == b.center && a.radius == b.radius;
-}
-
 bool is_close(const Atom& a, const Atom& b) {
   return a.radius > 0 && b.radius > 0 &&
          squared_norm(a.center - b.center) < close_distance * close_distance;
@@ -41,21 +37,19 @@ void OddityFinder::add(OddityKind kind, AtomIndex atom, AtomIndex other) {
 
 // Pairs are told of their later atom.
 void OddityFinder::look(AtomIndex i, std::span<const AtomIndex> near) {
-  AtomIndex duplicate = none, close = none;
+  AtomIndex close = none;
   for (const AtomIndex j : near) {
-    if (is_duplicate(atoms_[i], atoms_[j])) {
-      if (j < i) keep_lowest(duplicate, j);
-    } else if (is_close(atoms_[i], atoms_[j])) {
+    if (is_close(atoms_[i], atoms_[j])) {
       if (j < i) keep_lowest(close, j);
     } else if (lies_inside(atoms_[j], atoms_[i])) {
       keep_lowest(outer_[j], i);
     }
   }
-  if (duplicate != none) {
-    add(OddityKind::duplicate, i, duplicate);
-  } else if (close != none) {
-    add(OddityKind::close, i, close);
-  }
+  if (close != none) add(OddityKind::close, i, close);
+}
+
+void OddityFinder::add_duplicate(AtomIndex i, AtomIndex first) {
+  add(OddityKind::duplicate, i, first);
 }
 
 void OddityFinder::add_nested() {

@@ -18,8 +18,12 @@ class OddityFinder {
   /// Keeps a view of `atoms`.
   explicit OddityFinder(std::span<const Atom> atoms);
 
+  /// Tells that atom `i` equals the earlier `first`. This, too, in the order of `i`.
+  void add_duplicate(AtomIndex i, AtomIndex first);
+
   /// Looks at atom `i`; `near` are all others whose centre is within its radius or within
-  /// `close_distance`, in any order. To be called for ascending `i`.
+  /// `close_distance`, in any order, but for those that equal an earlier one. To be called for
+  /// ascending `i`, which are no duplicates themselves.
   void look(AtomIndex i, std::span<const AtomIndex> near);
 
   /// All kinds that there are, in the order of `OddityKind`.

@@ -46,6 +46,16 @@ class Bash(TestCase):
         self.assertEqual(found, options_of())
         self.assertEqual(self.complete("diff", "--"), options_of("diff"))
 
+    def test_values_are_accepted(self):
+        for option, others in (("--format", ()), ("--write", ()), ("--color", ("--mesh", "a.ply"))):
+            values = self.complete(option, "")
+            self.assertTrue(values)
+            for value in values:
+                done = subprocess.run([PROGRAM, "missing.pqr", option, value, *others],
+                                      cwd=self.folder, capture_output=True, text=True, check=False)
+                self.assertEqual(done.returncode, 1, done.stderr)
+                self.assertIn("cannot open missing.pqr", done.stderr)
+
     def test_values(self):
         (self.folder / "a.xyzr").touch()
         (self.folder / "a.txt").touch()
