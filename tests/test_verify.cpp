@@ -349,7 +349,8 @@ TEST_CASE("a verification can be ended by its progress callback", "[verify]") {
   const auto end_after_blocks = [&](std::int64_t, std::int64_t total) {
     if (++calls > total) throw std::runtime_error("enough");
   };
-  CHECK_THROWS_AS(run(atoms, plan, no_files, "nowhere", {.progress = end_after_blocks}), std::runtime_error);
+  CHECK_THROWS_AS(run(atoms, plan, no_files, "nowhere", {.progress = end_after_blocks}),
+                  std::runtime_error);
 }
 
 }  // namespace eses

@@ -1,12 +1,11 @@
 // Two atoms, block by block, without any file: counts inside points and sums the area by itself,
 // and holds both against the run's own sums.
 
-#include <eses/error.hpp>
-#include <eses/run.hpp>
-
 #include <cmath>
 #include <cstdint>
 #include <cstdio>
+#include <eses/error.hpp>
+#include <eses/run.hpp>
 #include <vector>
 
 int main() {
@@ -27,8 +26,8 @@ int main() {
         for (std::int64_t x = block.first[0]; x < block.first[0] + block.owned[0]; ++x)
           inside += solved.is_inside({x, y, z});
         for (const eses::Crossing& crossing : solved.crossings_of_row(y, z))
-          area += std::fabs(crossing.normal[crossing.axis]) * parameters.spacing *
-                  parameters.spacing;
+          area +=
+              std::fabs(crossing.normal[crossing.axis]) * parameters.spacing * parameters.spacing;
       }
   };
   const eses::Summary summary = eses::compute(molecule, plan, callbacks);
