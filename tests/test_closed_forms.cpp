@@ -132,7 +132,7 @@ Errors errors_at(double spacing, const std::vector<Atom>& atoms, double p, Measu
     parameters.spacing = spacing;
     parameters.margin = margin;
     const Summary summary = summary_of(atoms, parameters);
-    const double cells = static_cast<double>(summary.inside_points);
+    const auto cells = static_cast<double>(summary.inside_points);
     mean.area += square_of_error(summary.area, exact.area) / margins.size();
     mean.volume += square_of_error(summary.volume, exact.volume) / margins.size();
     mean.counted += square_of_error(cells * std::pow(spacing, 3), exact.volume) / margins.size();

@@ -75,7 +75,7 @@ TEST_CASE("the grid of two atoms, worked out by hand") {
   CHECK(grid.size == GridIndex{16, 11, 11});
   CHECK(grid.lower == Vec3{-2, -2.5, -2.25});
   CHECK(grid.upper == Vec3{5.5, 2.5, 2.75});
-  CHECK(grid.point_count() == 16 * 11 * 11);
+  CHECK(grid.point_count() == std::int64_t{16} * 11 * 11);
   CHECK(grid.coordinate(0, 3) == -0.5);
   CHECK(grid.coordinate(2, 10) == 2.75);
   CHECK(cut_depth(grid, atoms) == -1);

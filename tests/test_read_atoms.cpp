@@ -92,7 +92,7 @@ class TemporaryDirectory {
   const fs::path& path() const { return path_; }
 
   fs::path write(const std::string& name, std::string_view text) const {
-    const fs::path file = path_ / name;
+    fs::path file = path_ / name;
     std::FILE* stream = std::fopen(file.c_str(), "wb");
     if (stream == nullptr) throw std::runtime_error("fopen failed");
     const std::size_t written = std::fwrite(text.data(), 1, text.size(), stream);
@@ -312,8 +312,8 @@ TEST_CASE("xyzr: a field that is no number", "[read_atoms]") {
                            "********",
                            "1.0+100",
                            "1_000",
-                           "\xc2\xa0"
-                           "1"}) {
+                           ("\xc2\xa0"
+                            "1")}) {
     CAPTURE(junk);
     CHECK(contains(xyzr_error(junk + " 2 3 4\n"s), "t.xyzr:1: field 1 (x): expected a number, "));
   }

@@ -77,6 +77,7 @@ using Member = std::pair<std::string_view, std::string>;
 
 inline std::string object(const std::vector<Member>& members, std::string_view separator = ", ") {
   std::vector<std::string> items;
+  items.reserve(members.size());
   for (const auto& [name, value] : members) items.push_back(string(name) + ": " + value);
   return fmt::format("{{{}}}", fmt::join(items, separator));
 }

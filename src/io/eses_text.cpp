@@ -229,7 +229,7 @@ std::string bounding_box_text(const Grid& grid) {
     out[-1] = '\n';
     return out;
   };
-  char* out = text.reserve(3 * 3 * (longest_number_text + 1));
+  char* out = text.reserve(std::size_t{9} * (longest_number_text + 1));
   for (const Vec3& corner : {grid.lower, grid.upper}) {
     for (std::size_t axis = 0; axis < 3; ++axis) {
       out = write_scientific(out, corner[axis]);

@@ -68,8 +68,8 @@ class MeshOutput {
   void append_triangles(const LayerView& view, const RowRange& rows, MeshScratch& scratch) const;
 
   const Plan& plan_;
-  const GridRegion& region_;   // rows and planes count from its first
-  const std::int64_t rows_y_;  // of a plane
+  const GridRegion& region_;  // rows and planes count from its first
+  std::int64_t rows_y_;       // of a plane
   OutputFile& file_;
   ScratchFile& scratch_file_;
   mesh::MeshText text_;

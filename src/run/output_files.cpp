@@ -153,7 +153,7 @@ std::vector<OutputFile*> OutputFiles::all() {
 }
 
 void OutputFiles::commit(const std::function<void()>& check) {
-  const std::vector<OutputFile*> files = all();
+  std::vector<OutputFile*> files = all();
   for (OutputFile* file : files) {
     file->close();
     check();
@@ -161,8 +161,9 @@ void OutputFiles::commit(const std::function<void()>& check) {
   try {
     for (OutputFile* file : files) file->remove_older();
     for (const std::string& name : stale_) directory->remove(name);
-    for (auto file = files.rbegin(); file != files.rend(); ++file) {
-      (*file)->commit();
+    std::reverse(files.begin(), files.end());
+    for (OutputFile* file : files) {
+      file->commit();
       check();
     }
   } catch (...) {

@@ -22,8 +22,8 @@ inline constexpr double range_slack = 1e-6;
 /// The points between `low` and `high`.
 inline IndexRange points_within(const BlockGrid& grid, std::size_t axis, double low, double high) {
   const double inverse = grid.inverse_spacing;
-  const double first = static_cast<double>(grid.block.first[axis]);
-  const double points = static_cast<double>(grid.block.points[axis]);
+  const auto first = static_cast<double>(grid.block.first[axis]);
+  const auto points = static_cast<double>(grid.block.points[axis]);
   const double a = std::ceil((low - grid.grid.lower[axis]) * inverse - range_slack) - first;
   const double b = std::floor((high - grid.grid.lower[axis]) * inverse + range_slack) - first + 1;
   return {static_cast<std::int64_t>(std::clamp(a, 0.0, points)),
