@@ -1,0 +1,69 @@
+"""scripts/render: a picture of a small mesh; skipped without VTK or a display."""
+
+import os
+import pathlib
+import shutil
+import struct
+import subprocess
+import unittest
+import zlib
+
+from support import DATA, PROGRAM, PROJECT, TestCase
+
+SCRIPT = PROJECT / "scripts" / "render"
+# The script's own interpreter, to which Debian's VTK belongs.
+PYTHON = SCRIPT.read_text(encoding="utf-8").partition("\n")[0].removeprefix("#!")
+
+
+def can_draw():
+    return (bool(os.environ.get("DISPLAY")) or shutil.which("xvfb-run")) and \
+        pathlib.Path(PYTHON).exists() and subprocess.run(
+            [PYTHON, "-c", "import vtk"], stderr=subprocess.DEVNULL, check=False).returncode == 0
+
+
+def read_png(path):
+    """Width, height and rows of an 8-bit RGB picture without interlacing."""
+    data, at, packed = path.read_bytes(), 8, b""
+    while at < len(data):
+        length, kind = struct.unpack(">I4s", data[at:at + 8])
+        if kind == b"IHDR":
+            width, height, depth, color = struct.unpack(">IIBB", data[at + 8:at + 18])
+        elif kind == b"IDAT":
+            packed += data[at + 8:at + 8 + length]
+        at += 12 + length
+    assert (depth, color) == (8, 2)
+    return width, height, zlib.decompress(packed)
+
+
+@unittest.skipUnless(can_draw(), "needs python3-vtk9, and a display or xvfb")
+class Render(TestCase):
+    def render(self, *arguments):
+        return subprocess.run([SCRIPT, *map(str, arguments)], capture_output=True, text=True,
+                              check=False, timeout=120)
+
+    def test_picture(self):
+        mesh, picture = self.folder / "a.ply", self.folder / "a.png"
+        self.assertDone(subprocess.run(
+            [PROGRAM, DATA / "c60.xyzr", "-q", "--write", "none", "--mesh", mesh],
+            capture_output=True, text=True, check=False))
+        self.assertDone(self.render(mesh, "-o", picture, "--size", 80))
+        width, height, rows = read_png(picture)
+        self.assertEqual((width, height), (80, 60))
+        # Neither blank nor full: PNG's filters leave zeros where nothing changes.
+        changes = sum(byte != 0 for byte in rows)
+        self.assertGreater(changes, 500)
+        self.assertLess(changes, len(rows))
+
+    def test_wrong_files(self):
+        text = self.folder / "a.txt"
+        text.write_text("none")
+        for path, message in ((text, "not a .ply or .obj file"),
+                              (self.folder / "b.ply", "no such file")):
+            done = self.render(path, "-o", self.folder / "c.png")
+            self.assertEqual(done.returncode, 1)
+            self.assertIn(message, done.stderr)
+            self.assertFalse((self.folder / "c.png").exists())
+
+
+if __name__ == "__main__":
+    unittest.main()
