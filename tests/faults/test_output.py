@@ -355,6 +355,21 @@ class TwoRuns(FaultTest):
         program.send_signal(signal.SIGSTOP)
         return program
 
+    def test_run_without_files_leaves_the_lock_alone(self):
+        first = self.long_run()
+        there = self.all_files()
+        for _ in range(2):  # two signals at once: the second ends a run without waiting for it
+            other = self.start(self.folder / "big.xyzr", "--spacing", "0.3", "--write", "none", "-q")
+            time.sleep(0.3)
+            self.assertIsNone(other.poll())
+            other.send_signal(signal.SIGINT)
+            other.send_signal(signal.SIGTERM)
+            self.finish(other)
+            self.assertEqual(self.all_files(), there)
+        first.send_signal(signal.SIGCONT)
+        first.kill()
+        first.wait()
+
     def test_second_is_refused(self):
         first = self.long_run()
         there = self.all_files()
