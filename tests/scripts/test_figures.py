@@ -16,8 +16,8 @@ SCRIPT = PROJECT / "scripts" / "figures"
 @unittest.skipUnless(has_matplotlib(SCRIPT), "python3-matplotlib is not installed")
 class Figures(TestCase):
     def figures(self, *arguments, code=0):
-        done = subprocess.run([interpreter_of(SCRIPT), SCRIPT, *map(str, arguments), "-o", self.folder],
-                              stdin=subprocess.DEVNULL, capture_output=True, text=True,
+        command = [interpreter_of(SCRIPT), SCRIPT, *map(str, arguments), "-o", self.folder]
+        done = subprocess.run(command, stdin=subprocess.DEVNULL, capture_output=True, text=True,
                               check=False)
         self.assertDone(done, code)
         return done
