@@ -2,6 +2,7 @@
 
 import argparse
 import contextlib
+import errno
 import gzip
 import os
 import pathlib
@@ -9,6 +10,8 @@ import platform
 import shutil
 import subprocess
 import sys
+import tempfile
+import zlib
 
 PROJECT = pathlib.Path(__file__).resolve().parent.parent
 DATA = PROJECT / "data"
@@ -91,13 +94,41 @@ def complete_file(name, **how):
         part.unlink(missing_ok=True)
 
 
+def require_writable(folder):
+    """Makes the folder; fails now rather than when there are results to lose."""
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+        tempfile.TemporaryFile(dir=folder).close()
+    except OSError as error:
+        raise Failed(f"{folder}: {error.strerror}") from None
+
+
+def require_writable_file(path):
+    """The same for a file, as complete_file() will write it; its folder has to be there."""
+    try:
+        if os.path.isdir(path):
+            raise IsADirectoryError(errno.EISDIR, os.strerror(errno.EISDIR))
+        if os.path.exists(path) and not os.path.isfile(path):
+            open(path, "a").close()
+        else:
+            tempfile.TemporaryFile(dir=os.path.dirname(os.path.realpath(path))).close()
+    except OSError as error:
+        raise Failed(f"{path}: {error.strerror}") from None
+
+
 def unpacked(path, directory):
-    """The program reads plain files: the file itself, or what a .gz holds, in `directory`."""
+    """The program reads plain files: the file itself, or what a .gz holds, in `directory`.
+
+    Throws Failed if the .gz is cut off or damaged, OSError if files cannot be read or written.
+    """
     if path.suffix.lower() != ".gz":
         return path
     plain = directory / path.stem
-    with gzip.open(path, "rb") as source, open(plain, "wb") as target:
-        shutil.copyfileobj(source, target)
+    try:
+        with gzip.open(path, "rb") as source, open(plain, "wb") as target:
+            shutil.copyfileobj(source, target)
+    except (EOFError, zlib.error, gzip.BadGzipFile) as error:
+        raise Failed(f"{path}: {error}") from None
     return plain
 
 

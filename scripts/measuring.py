@@ -11,7 +11,7 @@ import sys
 import tempfile
 import time
 
-from common import PROJECT, Failed, machine
+from common import PROJECT, Failed, complete_file, machine
 
 
 def run(command, stdout, stderr):
@@ -42,21 +42,25 @@ def peak_bytes(usage, report):
     return peak if peak > own else report["peak_memory_bytes"]
 
 
-def measure_once(program, arguments, scratch):
-    """Report of the program, and what the run has cost; its files are gone afterwards."""
-    with tempfile.TemporaryDirectory(dir=scratch) as name:
-        directory = pathlib.Path(name)
-        with open(directory / "report", "w+", encoding="utf-8") as report_file, \
-                open(directory / "messages", "w+", encoding="utf-8") as messages:
-            command = [program, *arguments, "--output-dir", directory / "out", "--json"]
-            code, wall, usage = run(command, report_file, messages)
-            report_file.seek(0)
-            messages.seek(0)
-            if code != 0:
-                raise Failed(messages.read().strip() or f"exit code {code}")
-            report = json.load(report_file)
+def run_program(program, arguments, directory):
+    """Report of the program, and what the run has cost; its files go to `directory`/out."""
+    with open(directory / "report", "w+", encoding="utf-8") as report_file, \
+            open(directory / "messages", "w+", encoding="utf-8") as messages:
+        command = [program, *arguments, "--output-dir", directory / "out", "--json"]
+        code, wall, usage = run(command, report_file, messages)
+        report_file.seek(0)
+        messages.seek(0)
+        if code != 0:
+            raise Failed(messages.read().strip() or f"exit code {code}")
+        report = json.load(report_file)
     return report, {"user": usage.ru_utime, "system": usage.ru_stime, "wall": wall,
                     "peak_bytes": peak_bytes(usage, report), "seconds": report["seconds"]}
+
+
+def measure_once(program, arguments, scratch):
+    """The same in a directory that is new; its files are gone afterwards."""
+    with tempfile.TemporaryDirectory(dir=scratch) as name:
+        return run_program(program, arguments, pathlib.Path(name))
 
 
 def summarize(measured):
@@ -100,9 +104,9 @@ def assemble(source, copies, target):
 def save(path, build, settings, **results):
     figures = {"date": datetime.datetime.now().astimezone().isoformat(timespec="seconds"),
                "build": build, "machine": machine(), "settings": settings, **results}
-    path.parent.mkdir(parents=True, exist_ok=True)
-    path.write_text(json.dumps(figures, indent=1) + "\n", encoding="utf-8")
-    print(path)
+    with complete_file(path, encoding="utf-8") as target:
+        json.dump(figures, target, indent=1)
+        target.write("\n")
 
 
 def load(path, *results):
@@ -111,7 +115,7 @@ def load(path, *results):
         figures = json.loads(path.read_text(encoding="utf-8"))
     except ValueError as error:
         raise Failed(f"{path}: no JSON: {error}") from None
-    expected = {"date", "build", "machine", "settings", *results}
+    expected = {"date", "machine", "settings", *results}
     if not isinstance(figures, dict) or not expected <= set(figures):
         raise Failed(f"{path} is not what this script writes")
     return figures

@@ -51,11 +51,12 @@ def walk(root, without, complain):
         yield pathlib.Path(folder), sorted(files)
 
 
-def find_structures(root, without=None, only="*", complain=None):
+def find_structures(root, without=None, only=None, complain=None):
     """All structures below `root`, sorted by id; those below the folder `without` are none.
 
-    `only` is a pattern for the path below the root, as a shell has them. `complain` is given the
-    OSError of each folder that cannot be read. Throws Failed if two files claim one id.
+    `only` is a pattern for the path below the root, as a shell has them, where --only offers the
+    choice. `complain` is given the OSError of each folder that cannot be read. Throws Failed if two
+    files claim one id.
     """
     found = {}
     for folder, files in walk(root, without, complain):
@@ -65,7 +66,7 @@ def find_structures(root, without=None, only="*", complain=None):
         for name, (stem, layout) in known.items():
             path = folder / name
             below_root = "/".join((*folders, name))
-            if (is_pocket(stem, stems) or not fnmatch.fnmatchcase(below_root, only)
+            if (is_pocket(stem, stems) or not fnmatch.fnmatchcase(below_root, only or "*")
                     or not path.is_file()):
                 continue
             status = path.stat()
@@ -73,6 +74,7 @@ def find_structures(root, without=None, only="*", complain=None):
                                   status.st_mtime_ns)
             other = found.setdefault(structure.id, structure)
             if other is not structure:
-                raise Failed(f"{other.path} and {path} would both be {structure.id!r}; choose "
-                             f"with --only, e.g. --only '*{''.join(path.suffixes[-2:])}'")
+                advice = ("" if only is None else
+                          f"; choose with --only, e.g. --only '*{''.join(path.suffixes[-2:])}'")
+                raise Failed(f"{other.path} and {path} would both be {structure.id!r}{advice}")
     return sorted(found.values(), key=lambda structure: structure.id)

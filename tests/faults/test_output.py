@@ -6,6 +6,7 @@ import resource
 import shutil
 import signal
 import subprocess
+import time
 
 from faults import (NAMES, NO_SPACE, PROGRAM, SMALL, TINY, FaultTest, forget_signals, message_of,
                     needs_library, wait_for)

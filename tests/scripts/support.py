@@ -31,6 +31,17 @@ def write_program(path, body):
     return path
 
 
+def interpreter_of(script):
+    """The script's own, to which Debian's matplotlib belongs."""
+    return script.read_text(encoding="utf-8").partition("\n")[0].removeprefix("#!")
+
+
+def has_matplotlib(script):
+    python = interpreter_of(script)
+    return os.path.exists(python) and subprocess.run(
+        [python, "-c", "import matplotlib"], stderr=subprocess.DEVNULL, check=False).returncode == 0
+
+
 class TestCase(unittest.TestCase):
     """Has an empty folder for each test."""
 

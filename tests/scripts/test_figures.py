@@ -1,28 +1,23 @@
 """scripts/figures: measuring and plotting on small input; skipped without matplotlib."""
 
+import csv
+import gzip
 import json
-import pathlib
+import shutil
 import subprocess
 import unittest
 import xml.etree.ElementTree
 
-from support import DATA, PROGRAM, PROJECT, TestCase
+from support import DATA, PROGRAM, PROJECT, TestCase, has_matplotlib, interpreter_of
 
-# The script's own interpreter, to which Debian's matplotlib belongs.
 SCRIPT = PROJECT / "scripts" / "figures"
-PYTHON = SCRIPT.read_text(encoding="utf-8").partition("\n")[0].removeprefix("#!")
 
 
-def has_matplotlib():
-    return pathlib.Path(PYTHON).exists() and subprocess.run(
-        [PYTHON, "-c", "import matplotlib"], stderr=subprocess.DEVNULL, check=False).returncode == 0
-
-
-@unittest.skipUnless(has_matplotlib(), "python3-matplotlib is not installed")
+@unittest.skipUnless(has_matplotlib(SCRIPT), "python3-matplotlib is not installed")
 class Figures(TestCase):
     def figures(self, *arguments, code=0):
-        done = subprocess.run([PYTHON, SCRIPT, *map(str, arguments), "-o", self.folder],
-                              stdin=subprocess.DEVNULL, capture_output=True, text=True,
+        command = [interpreter_of(SCRIPT), SCRIPT, *map(str, arguments), "-o", self.folder]
+        done = subprocess.run(command, stdin=subprocess.DEVNULL, capture_output=True, text=True,
                               check=False)
         self.assertDone(done, code)
         return done
@@ -62,15 +57,42 @@ class Figures(TestCase):
 
     def test_core_set(self):
         (self.folder / "in").mkdir()
-        for name in ("c60.xyzr", "boxb.pqr"):
-            (self.folder / "in" / name).symlink_to(DATA / name)
-        self.figures("measure", "core", self.folder / "in", "--program", PROGRAM, "--scratch",
-                     self.folder)
+        with open(DATA / "zhao2018.csv", encoding="utf-8", newline="") as table:
+            first, second, third = sorted(row["id"] for row in csv.DictReader(table))[:3]
+        for name in (f"a/{first}.xyzr", f"b/{first}.xyzr", f"{second}/{second}_protein.pqr",
+                     "boxb.pqr", f"{first}2.xyzr"):
+            path = self.folder / "in" / name
+            path.parent.mkdir(exist_ok=True)
+            shutil.copy(DATA / ("c60.xyzr" if path.suffix == ".xyzr" else "boxb.pqr"), path)
+        # One that is cut off must not cost the others.
+        (self.folder / "in" / f"{third}.xyzr.gz").write_bytes(
+            gzip.compress(b"0 0 0 1\n" * 100)[:-12])
+        done = self.figures("measure", "core", self.folder / "in", "--program", PROGRAM,
+                            "--scratch", self.folder, code=1)
+        self.assertIn(f"{third}.xyzr.gz", done.stderr)
+        saved = json.loads((self.folder / "paper-core.json").read_text(encoding="utf-8"))
+        self.assertEqual([row["structure"] for row in saved["rows"]], [second, f"a/{first}"])
         self.figures("plot")
-        self.assertIn("Zhao et al. (2018)", self.words("core"))
+        for word in ("Zhao et al. (2018)", "2 structures"):
+            self.assertIn(word, self.words("core"))
+
+    def test_captions_name_no_folders(self):
+        (self.folder / "in" / "set").mkdir(parents=True)
+        shutil.copy(DATA / "c60.xyzr", self.folder / "in" / "set" / "2ymd.xyzr")
+        self.figures("measure", "threads", self.folder / "in", "--program", PROGRAM, "--scratch",
+                     self.folder, "--runs", "1", "--spacings", "0.8,0.4", "--blocks", "16")
+        self.figures("plot")
+        self.assertIn("2ymd, 60 atoms", self.words("threads"))
+        self.assertNotIn("set/2ymd", self.words("threads"))
 
     def test_errors(self):
         self.assertIn("nothing measured", self.figures("plot", code=1).stderr)
         self.measure("single", code=1)  # no 5z10 there
+        self.measure("core", code=1)  # and nothing of the paper's table
+        (self.folder / "paper-single.json").mkdir()
+        done = self.figures("measure", "single", DATA, "--structure", "c60", "--program", PROGRAM,
+                            "--scratch", self.folder, code=1)
+        self.assertIn("paper-single.json", done.stderr)
+        (self.folder / "paper-single.json").rmdir()
         (self.folder / "paper-core.json").write_text("[]")
         self.assertIn("paper-core.json", self.figures("plot", code=1).stderr)

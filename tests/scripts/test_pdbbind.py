@@ -112,6 +112,14 @@ class Results(PdbbindTest):
                          {"probe_radius": 1.2, "spacing": 0.5, "margin": 0.8})
         self.assertEqual(report["blocks"]["size"], 9)
 
+    def test_compressed_files(self):
+        self.add("c60.xyzr")
+        self.run_pdbbind("--", "--gzip")
+        names = ["bounding_box.txt", "intersection_info.txt", "partition_area.txt"]
+        self.assertEqual(self.files("c60"), [*(name + ".gz" for name in names), "status.json"])
+        self.run_pdbbind("--keep", "none")
+        self.assertEqual(self.files("c60"), ["status.json"])
+
     def test_threads_are_shared_out(self):
         self.add("a.xyzr", "1ubq.xyzr")
         self.add("b.xyzr", "1ubq.xyzr")
@@ -218,11 +226,34 @@ class Failures(PdbbindTest):
                 (2, (self.input, "-o", self.output, "--program", PROGRAM, "--spacing", "x")),
                 (2, (self.input, "-o", self.output, "--program", PROGRAM, "--", "--threads", "1")),
                 (2, (self.input, "-o", self.output, "--task", "3/2")),
+                *((2, (self.input, "-o", self.output, "--program", PROGRAM, "--", *words))
+                  for words in (("--no-such-option",), ("--spacing", "0"), ("other.xyzr",))),
                 (2, ())):
             done = run("pdbbind", *arguments)
             self.assertDone(done, code)
             self.assertEqual(done.stderr.count("\n"), 1, done.stderr)
         self.assertFalse(self.output.exists())
+
+    def test_arguments_that_are_not_to_be_passed_on(self):
+        self.add("c60.xyzr")
+        for words in (("--dry-run",), ("--help",), ("-h",), ("-qh",), ("--version",), ("--json",),
+                      ("-o", "x"), ("-ox",), ("--output-dir=x",), ("--format", "xyzr"),
+                      ("--write", "grid"), ("--write=none",), ("--mesh", "x.ply"),
+                      ("--color=atom",), ("--inside", "x.dx"), ("--threads", "1"), ("-t1",),
+                      ("--spacing", "0.5", "--dry-run")):
+            done = self.run_pdbbind("--", *words, code=2)
+            self.assertEqual(done.stderr.count("\n"), 1, done.stderr)
+            self.assertIn("may not be among the arguments after --", done.stderr)
+            self.assertFalse(self.output.exists())
+        self.run_pdbbind("--", "-qb32", "--verify=10", "--strict", "--max-memory", "1G",
+                         "--region", "-5,-5,-5,5,5,5")
+        self.assertEqual(self.statuses(), {"c60": "done"})
+
+    def test_help_tells_of_every_option(self):
+        told = run("pdbbind", "--help").stdout
+        for option, word in (("--probe-radius", "solvent"), ("--spacing", "grid points"),
+                             ("--margin", "edge of the grid"), ("--block-size", "side of a block")):
+            self.assertIn(word, " ".join(told.partition(option)[2].split())[:120])
 
     def test_nothing_can_be_written(self):
         if os.geteuid() == 0:

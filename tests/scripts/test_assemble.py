@@ -1,0 +1,123 @@
+"""scripts/assemble: copies, the gap between them, and wrong input."""
+
+import gzip
+import itertools
+import math
+import random
+
+from support import DATA, TestCase, run
+
+WRITTEN = 0.0005  # coordinates have three decimals
+
+
+def random_atoms(count):
+    """Not round, and away from the origin; a radius of 0 is allowed."""
+    chance = random.Random(7)
+    return [(chance.gauss(30, 3), chance.gauss(-12, 5), chance.gauss(4, 2),
+             chance.choice((0.0, 1.1, 1.7))) for _ in range(count)]
+
+
+def write_xyzr(path, atoms):
+    path.write_text("".join(f"{x:.4f} {y:.4f} {z:.4f} {r}\n" for x, y, z, r in atoms))
+    return path
+
+
+def parse(text):
+    return [tuple(map(float, line.split())) for line in text.splitlines()]
+
+
+def least_gap(one, other):
+    return min(math.dist(a[:3], b[:3]) - a[3] - b[3] for a, b in itertools.product(one, other))
+
+
+class Assemble(TestCase):
+    def assemble(self, *arguments, code=0):
+        done = run("assemble", *arguments)
+        self.assertDone(done, code)
+        return done
+
+    def refused(self, *arguments, code=1):
+        done = self.assemble(*arguments, code=code)
+        self.assertEqual(done.stdout, "")
+        self.assertEqual(done.stderr.count("\n"), 1, done.stderr)
+        self.assertTrue(done.stderr.startswith("assemble: "), done.stderr)
+        return done.stderr
+
+    def test_number_of_atoms(self):
+        for source, atoms in (("c60.xyzr", 60), ("boxb.pqr", 619)):
+            target = self.folder / "complex.xyzr"
+            done = self.assemble(DATA / source, "-o", target)
+            self.assertEqual(len(parse(target.read_text())), 42 * atoms)
+            self.assertIn(f"{42 * atoms:,} in all; rings: 6 of 7", done.stderr)
+
+    def test_gap(self):
+        """No two atoms of different copies are nearer than the gap, nor are copies scattered."""
+        count = 24
+        path = write_xyzr(self.folder / "some.xyzr", random_atoms(count))
+        for copies, rings, gap in ((1, 1, 1), (2, 1, 1), (3, 1, 0), (7, 1, 2.5), (4, 4, 1),
+                                   (6, 3, 0.5), (12, 3, 1)):
+            with self.subTest(copies=copies, rings=rings, gap=gap):
+                done = self.assemble(path, "--copies", copies, "--rings", rings, "--gap", gap)
+                atoms = parse(done.stdout)
+                self.assertEqual(len(atoms), copies * count)
+                parts = [atoms[i:i + count] for i in range(0, len(atoms), count)]
+                gaps = [least_gap(*pair) for pair in itertools.combinations(parts, 2)]
+                self.assertGreaterEqual(min(gaps, default=gap), gap)
+                # They keep the gap from planes between them, and so may be a little further apart.
+                self.assertLess(min(gaps, default=gap), gap + 10)
+
+    def test_spheres_are_as_near_as_the_gap(self):
+        """Where each copy is one sphere its neighbours are known: they are as far as the gap."""
+        path = write_xyzr(self.folder / "one.xyzr", [(3.0, 4.0, 5.0, 1.5)])
+        for copies, rings in ((2, 1), (3, 1), (8, 1), (5, 5)):
+            atoms = parse(self.assemble(path, "--copies", copies, "--rings", rings).stdout)
+            gaps = [least_gap([a], [b]) for a, b in itertools.combinations(atoms, 2)]
+            self.assertGreaterEqual(min(gaps), 1)
+            self.assertLess(min(gaps), 1.01)
+
+    def test_copies_are_rigid(self):
+        atoms = random_atoms(12)
+        path = write_xyzr(self.folder / "some.xyzr", atoms)
+        placed = parse(self.assemble(path, "--copies", "6", "--rings", "2").stdout)
+        for start in range(0, len(placed), len(atoms)):
+            copy = placed[start:start + len(atoms)]
+            self.assertEqual([atom[3] for atom in copy], [atom[3] for atom in atoms])
+            for i, j in itertools.combinations(range(len(atoms)), 2):
+                self.assertAlmostEqual(math.dist(copy[i][:3], copy[j][:3]),
+                                       math.dist(atoms[i][:3], atoms[j][:3]), delta=5 * WRITTEN)
+
+    def test_compressed(self):
+        for name in ("boxb.pqr", "c60.xyzr"):
+            packed = self.folder / (name + ".gz")
+            packed.write_bytes(gzip.compress((DATA / name).read_bytes()))
+            self.assertEqual(self.assemble(packed).stdout, self.assemble(DATA / name).stdout)
+
+    def test_copies_that_do_not_divide(self):
+        self.assertIn("10 copies", self.refused(DATA / "c60.xyzr", "--copies", "10", code=2))
+        self.refused(DATA / "c60.xyzr", "--copies", "4", "--rings", "6", code=2)
+
+    def test_command_line(self):
+        for arguments in ((), (DATA / "c60.xyzr", "--copies", "0"),
+                          (DATA / "c60.xyzr", "--gap", "-1"), (DATA / "c60.xyzr", "--gap", "nan"),
+                          (DATA / "c60.xyzr", "-o", DATA / "c60.xyzr")):
+            self.refused(*arguments, code=2)
+
+    def test_wrong_input(self):
+        target = self.folder / "out.xyzr"
+        for name, content, told in (
+                ("short.xyzr", b"0 0 0 1\n1 2 3\n", "short.xyzr:2: expected x y z radius"),
+                ("word.xyzr", b"0 0 0 1\n\n1 2 x 1\n", "word.xyzr:3: expected a number, found 'x'"),
+                ("negative.xyzr", b"0 0 0 -1\n", "negative.xyzr:1: negative radius"),
+                ("nan.xyzr", b"0 nan 0 1\n", "nan.xyzr:1"),
+                ("empty.xyzr", b"# nothing\n", "empty.xyzr: no atoms"),
+                ("short.pqr", b"REMARK\nATOM 1 N MET 1 2 3\n", "short.pqr:2"),
+                ("word.xyzr.gz", gzip.compress(b"1 2 x 1\n"), "word.xyzr.gz:1"),
+                ("cut.xyzr.gz", gzip.compress(b"0 0 0 1\n" * 99)[:-12], "cut.xyzr.gz: "),
+                ("plain.xyzr.gz", b"0 0 0 1\n", "plain.xyzr.gz: ")):
+            path = self.folder / name
+            path.write_bytes(content)
+            self.assertIn(told, self.refused(path, "-o", target))
+        self.assertIn("missing.xyzr", self.refused(self.folder / "missing.xyzr"))
+        self.assertIn("missing.xyzr.gz", self.refused(self.folder / "missing.xyzr.gz"))
+        self.assertIn("nodir", self.refused(DATA / "c60.xyzr", "-o", self.folder / "nodir" / "x"))
+        self.assertFalse(target.exists())
