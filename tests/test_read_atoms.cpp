@@ -579,7 +579,7 @@ TEST_CASE("PQR: no atoms", "[read_atoms]") {
 }
 
 TEST_CASE("PQR: lines are limited to 4096 characters", "[read_atoms]") {
-  CHECK(pqr_error("REMARK" + std::string(4091, '-')) ==
+  CHECK(pqr_error(std::string("REMARK").append(4091, '-')) ==
         "t.pqr:1: line of 4097 characters; at most 4096 are allowed");
 }
 
