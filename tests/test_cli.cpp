@@ -223,6 +223,17 @@ TEST_CASE("usage errors name option, value and expectation, and write nothing", 
   CHECK(sandbox.files().empty());
 }
 
+TEST_CASE("an instruction set that does not exist is refused", "[cli]") {
+  REQUIRE(::setenv("ESES_INSTRUCTION_SET", "AVX2", 1) == 0);
+  const Sandbox sandbox;
+  const Outcome outcome = sandbox.run({"atom.xyzr"});
+  REQUIRE(::unsetenv("ESES_INSTRUCTION_SET") == 0);
+  CHECK(outcome.code == 2);
+  CHECK(contains(outcome.err,
+                 "ESES_INSTRUCTION_SET is 'AVX2', expected baseline, sse4, avx2 or "
+                 "avx512"));
+}
+
 TEST_CASE("negative numbers are not taken for options", "[cli]") {
   const Sandbox sandbox;
   for (const std::string number : {"-1", "-.5", "-0.5", "-1e3", "-inf", "-nan"}) {

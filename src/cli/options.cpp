@@ -424,7 +424,7 @@ void refuse_negative_numbers(const CLI::App& app) {
 /// A name that is misspelt must not go unnoticed.
 void require_known_instruction_set() {
   const char* const wish = std::getenv(instruction_set_variable);
-  if (wish != nullptr && !is_instruction_set(wish))
+  if (wish != nullptr && *wish != '\0' && !is_instruction_set(wish))
     refuse(instruction_set_variable, wish, "baseline, sse4, avx2 or avx512");
 }
 
