@@ -9,6 +9,7 @@
 #include <system_error>
 
 #include "eses/error.hpp"
+#include "io/bytes_text.hpp"
 #include "io/map_formats.hpp"
 #include "run/resources.hpp"
 
@@ -38,7 +39,8 @@ std::vector<std::string> text_names(const OutputChoice& choice, bool gzip) {
 
 // Whether a run may write a file of this name.
 bool is_ours(std::string_view name) {
-  if (map_format(name) || mesh_format(name) || name == residues_name || name == chains_name) return true;
+  if (map_format(name) || mesh_format(name) || name == residues_name || name == chains_name)
+    return true;
   if (name.ends_with(gzip_suffix)) name.remove_suffix(gzip_suffix.size());
   const std::array texts{box_name, grid_name, edges_name, areas_name};
   return std::any_of(texts.begin(), texts.end(), [&](const char* text) { return name == text; });
@@ -73,10 +75,9 @@ DiskSpace require_disk_space(const Plan& plan, const std::filesystem::path& dire
   const std::uint64_t available = available_disk(existing_part(directory));
   if (certain > available)
     throw Error(fmt::format(
-        "the files need about {:.3g} GB besides intersection_info.txt, but {} has {:.3g} "
-        "GB free; leave out grid_info.txt (--write edges,areas) or use a larger spacing",
-        static_cast<double>(certain) / 1e9, directory.string(),
-        static_cast<double>(available) / 1e9));
+        "the files need about {} besides intersection_info.txt, but {} has {} free; leave out "
+        "grid_info.txt (--write edges,areas) or use a larger spacing",
+        bytes_text(certain), directory.string(), bytes_text(available)));
   return {available, plan.output_bytes() + plan.scratch_bytes <= available};
 }
 
