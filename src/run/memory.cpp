@@ -15,7 +15,7 @@ namespace eses {
 namespace {
 
 constexpr double mebibyte = 1 << 20;
-constexpr double base_bytes = 5 * mebibyte;               // program, libraries, first thread
+constexpr double base_bytes = 6 * mebibyte;               // program, libraries, survey
 constexpr double bytes_per_thread = 0.75 * mebibyte;      // stack, allocator, batches
 constexpr double bytes_per_atom = sizeof(Atom) + 8 + 16;  // with line number and tree
 // Patches of ranges grow, and are joined one kind after the other.
