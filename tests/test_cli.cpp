@@ -536,6 +536,27 @@ TEST_CASE("a memory limit is kept, or refused with one that would do", "[cli]") 
   }
 }
 
+TEST_CASE("what is planned bounds what is held, and by no more than about twofold", "[cli]") {
+  const Sandbox sandbox;
+  struct Case {
+    std::string file, spacing, block_size;
+  };
+  for (const auto& [file, spacing, block_size] : {Case{"c60.xyzr", "0.02", "16"},
+                                                  {"c60.xyzr", "0.02", "64"},
+                                                  {"1ubq.xyzr", "0.1", "16"},
+                                                  {"mache.pqr", "0.4", "64"}}) {
+    INFO(file << " at " << spacing << " in blocks of " << block_size);
+    const Outcome outcome =
+        sandbox.run({std::string(ESES_DATA) + "/" + file, "--spacing", spacing, "--block-size",
+                     block_size, "--threads", "2", "--write", "none", "--json"});
+    REQUIRE(outcome.code == 0);
+#ifndef __SANITIZE_ADDRESS__  // which holds memory of its own
+    check_json(sandbox, outcome.out,
+               "1 <= r['plan']['memory_bytes'] / r['peak_memory_bytes'] < 2.1", "True");
+#endif
+  }
+}
+
 TEST_CASE("what reading takes counts towards the limit", "[cli]") {
   const Sandbox sandbox;
   write_file(sandbox.directory() / "talk.xyzr",

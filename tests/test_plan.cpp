@@ -1,5 +1,6 @@
 // Plans: what the surface will amount to, memory limits, and the disk.
 
+#include <algorithm>
 #include <cmath>
 #include <filesystem>
 #include <numbers>
@@ -10,7 +11,9 @@
 #include "eses/error.hpp"
 #include "eses/read_atoms.hpp"
 #include "eses/run.hpp"
+#include "io/bytes_text.hpp"
 #include "run/layer_queue.hpp"
+#include "run/plan.hpp"
 #include "support/temporary_directory.hpp"
 #include "surface/survey.hpp"
 
@@ -48,6 +51,38 @@ std::vector<Atom> column_of_atoms(int count) {
   std::vector<Atom> atoms;
   for (int i = 0; i < count; ++i) atoms.push_back({{0.1 * i, 0, 3.5 * i}, 1.7});
   return atoms;
+}
+
+// A sheet of hexagons of side 1.42 in the plane z = 0.
+std::vector<Atom> flat_sheet(int side) {
+  std::vector<Atom> atoms;
+  for (int i = 0; i < side; ++i)
+    for (int j = 0; j < side; ++j) {
+      const double x = 2.13 * i, y = 2.46 * (j + 0.5 * (i % 2));
+      atoms.push_back({{x, y, 0}, 1.7});
+      atoms.push_back({{x + 0.71, y + 1.23, 0}, 1.7});
+    }
+  return atoms;
+}
+
+// Spheres that do not meet, one of them 30,000 times as large in area as each of the others.
+std::vector<Atom> gas_around_a_large_atom(std::size_t place_of_large) {
+  std::vector<Atom> atoms;
+  for (int i = 0; i < 8000; ++i)
+    atoms.push_back({{400 + 7.0 * (i % 20), 7.0 * (i / 20 % 20), 7.0 * (i / 400)}, 1.7});
+  atoms.insert(atoms.begin() + static_cast<std::ptrdiff_t>(place_of_large), {{0, 0, 0}, 300});
+  return atoms;
+}
+
+// The message with which a plan is refused where so much memory is available.
+std::string refusal(std::uint64_t available, const std::vector<Atom>& atoms,
+                    const Parameters& parameters) {
+  try {
+    make_plan_within(available, atoms, parameters, {});
+  } catch (const Error& error) {
+    return error.what();
+  }
+  return "";
 }
 
 }  // namespace
@@ -95,6 +130,130 @@ TEST_CASE("a slab of a sphere has the area of its zone", "[plan]") {
   const double zone = 2 * pi * 100 * 20;
   CHECK(survey.largest_slab_area(20) >= zone);
   CHECK(survey.largest_slab_area(20) <= 1.1 * zone);
+}
+
+TEST_CASE("a survey sees a large atom once, wherever it stands in the file", "[plan]") {
+  for (const std::size_t place : {0, 4000, 8000}) {
+    INFO("the large atom has index " << place);
+    const std::vector<Atom> atoms = gas_around_a_large_atom(place);
+    const double area = 4 * pi * (300.0 * 300 + 8000 * 1.7 * 1.7);
+    CHECK(surveyed_area(atoms) == Approx(area).epsilon(0.01));
+    Parameters parameters;
+    parameters.spacing = 3;
+    parameters.margin = 3;
+    OutputChoice edges;
+    edges.grid = edges.areas = false;
+    const TemporaryDirectory directory;
+    const Plan plan = make_plan(atoms, parameters, edges);
+    run(atoms, plan, edges, directory.path());
+    const auto written =
+        static_cast<double>(std::filesystem::file_size(directory.path() / "intersection_info.txt"));
+    CHECK(static_cast<double>(plan.edge_file_bytes) == Approx(written).epsilon(0.3));
+  }
+}
+
+TEST_CASE("many sizes of atoms are surveyed in any order", "[plan]") {
+  std::vector<Atom> atoms;
+  double area = 0;
+  for (int i = 0; i < 20000; ++i) {
+    // Radii such that there are few large ones: 1 to 20.
+    const double radius = 20 / (1 + 19 * std::sqrt(std::fmod(i * 0.754877666, 1)));
+    atoms.push_back({{50.0 * (i % 27), 50.0 * (i / 27 % 27), 50.0 * (i / 729)}, radius});
+    area += 4 * pi * radius * radius;
+  }
+  CHECK(surveyed_area(atoms) == Approx(area).epsilon(0.05));
+  const auto smaller = [](const Atom& a, const Atom& b) { return a.radius < b.radius; };
+  std::sort(atoms.begin(), atoms.end(), smaller);
+  CHECK(surveyed_area(atoms) == Approx(area).epsilon(0.05));
+  std::reverse(atoms.begin(), atoms.end());
+  CHECK(surveyed_area(atoms) == Approx(area).epsilon(0.05));
+}
+
+TEST_CASE("a thin slab has no more area than a zone of its thickness", "[plan]") {
+  const std::vector<Atom> atoms{{{0, 0, 0}, 3}};
+  const SurfaceSurvey survey(atoms, probe);
+  for (const double thickness : {0.05, 0.16, 0.64}) {
+    INFO("thickness " << thickness);
+    const double zone = 2 * pi * 3 * thickness;
+    CHECK(survey.largest_slab_area(thickness) >= zone);
+    CHECK(survey.largest_slab_area(thickness) <= 1.1 * zone);
+  }
+}
+
+TEST_CASE("the top of a flat sheet lies in a thin slab", "[plan]") {
+  const std::vector<Atom> atoms = flat_sheet(20);
+  const SurfaceSurvey survey(atoms, probe);
+  // Between atoms, which are 1.42 apart, the surface is less than 0.3 below the tops.
+  const double top = 2.13 * 19 * 2.46 * 19;
+  CHECK(survey.largest_slab_area(0.4) > top);
+  CHECK(survey.largest_slab_area(0.4) < 2 * top);
+}
+
+TEST_CASE("a molecule of few atoms is surveyed in full", "[plan]") {
+  // Only concave patches that cut each other make the survey's area larger.
+  for (const char* const file : {"c60.xyzr", "boxb.pqr"}) {
+    INFO(file);
+    const std::vector<Atom> atoms = read_atoms(std::string(ESES_DATA) + "/" + file);
+    const OutputChoice nothing{false, false, false, false};
+    const Summary summary = run(atoms, make_plan(atoms, {}, nothing), nothing, ".");
+    const SurfaceSurvey survey(atoms, probe);
+    CHECK(survey.totals().area >= 0.95 * summary.area);
+    CHECK(survey.totals().area <= 1.5 * summary.area);
+  }
+}
+
+TEST_CASE("a plan keeps what memory is available as it keeps a limit", "[plan]") {
+  const std::vector<Atom> atoms{{{0, 0, 0}, 120}};
+  Parameters parameters;
+  parameters.spacing = 0.2;
+  parameters.threads = 2;
+  const std::uint64_t plenty = std::uint64_t{1} << 40;
+  const Plan free = make_plan_within(plenty, atoms, parameters, {});
+  CHECK(free.tiling.block_size == default_block_size);
+  const std::uint64_t smallest = smallest_limit(atoms, parameters) << 20;
+  const Plan tight = make_plan_within(smallest, atoms, parameters, {});
+  CHECK(tight.tiling.block_size < default_block_size);
+  CHECK(tight.memory_bytes <= smallest);
+  parameters.max_memory = smallest;
+  const Plan limited = make_plan_within(plenty, atoms, parameters, {});
+  CHECK(limited.tiling.block_size == tight.tiling.block_size);
+  CHECK(limited.memory_bytes == tight.memory_bytes);
+  parameters.max_memory = plenty;  // more than there is
+  CHECK(make_plan_within(smallest, atoms, parameters, {}).memory_bytes == tight.memory_bytes);
+}
+
+TEST_CASE("a refusal tells whether the limit or the machine is too small", "[plan]") {
+  const std::vector<Atom> atoms{{{0, 0, 0}, 120}};
+  Parameters parameters;
+  parameters.spacing = 0.2;
+  const std::string machine = "but 1 MB are available; use a larger spacing";
+  const std::string limit = "more than the 1 MiB that it may hold";
+  CHECK(refusal(1'000'000, atoms, parameters).find(machine) != std::string::npos);
+  parameters.max_memory = 1 << 20;
+  CHECK(refusal(1'000'000, atoms, parameters).find(machine) != std::string::npos);
+  CHECK(refusal(std::uint64_t{1} << 40, atoms, parameters).find(limit) != std::string::npos);
+  parameters.block_size = 64;
+  parameters.threads = 2;
+  const std::string text = refusal(1'000'000, atoms, parameters);
+  CHECK(text.find(" in blocks of 64 with 2 threads need up to ") != std::string::npos);
+  CHECK(text.find("or a smaller block size or fewer threads") != std::string::npos);
+}
+
+TEST_CASE("bytes are told in the unit that leaves one to three digits before the point", "[plan]") {
+  CHECK(bytes_text(0) == "0 B");
+  CHECK(bytes_text(999) == "999 B");
+  CHECK(bytes_text(1000) == "1 kB");
+  CHECK(bytes_text(34'970'000) == "35 MB");
+  CHECK(bytes_text(999'499) == "999 kB");
+  CHECK(bytes_text(999'500) == "1 MB");
+  CHECK(bytes_text(24'180'000'000) == "24.2 GB");
+  CHECK(bytes_text(1'640'000'000'000) == "1.64 TB");
+  CHECK(bytes_text(18'446'744'073'709'551'615U) == "18.4 EB");
+  CHECK(binary_bytes_text(1023) == "0.999 KiB");
+  CHECK(binary_bytes_text(1 << 20) == "1 MiB");
+  CHECK(binary_bytes_text(std::uint64_t{500} << 20) == "500 MiB");
+  CHECK(binary_bytes_text(std::uint64_t{20} << 30) == "20 GiB");
+  CHECK(binary_bytes_text(18'446'744'073'709'551'615U) == "16 EiB");
 }
 
 TEST_CASE("a memory limit that is large changes nothing", "[plan]") {

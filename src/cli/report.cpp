@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <limits>
 #include <optional>
@@ -11,20 +10,12 @@
 
 #include "cli/json.hpp"
 #include "eses/version.hpp"
+#include "io/bytes_text.hpp"
 #include "run/output_files.hpp"
 #include "simd/dispatch.hpp"
 
 namespace eses::cli {
 namespace {
-
-std::string bytes_text(std::uint64_t bytes) {
-  constexpr std::array units{"B", "kB", "MB", "GB", "TB", "PB"};
-  auto value = static_cast<double>(bytes);
-  std::size_t unit = 0;
-  // 999.5 would be rounded to 1e+03.
-  for (; value >= 999.5 && unit + 1 < units.size(); ++unit) value /= 1000;
-  return fmt::format("{:.3g} {}", value, units[unit]);
-}
 
 std::string duration_text(double seconds) {
   if (seconds < 59.95) return fmt::format("{:.3g} s", seconds);
@@ -289,7 +280,8 @@ std::string plan_text(const Report& report) {
                       bytes_text(plan.output_bytes()));
   if (!report.options.dry_run) return text;
   if (parameters.max_memory > 0)
-    text += fmt::format("memory limit: {}\n", bytes_text(parameters.max_memory));
+    text += fmt::format("memory limit: {} ({})\n", binary_bytes_text(parameters.max_memory),
+                        bytes_text(parameters.max_memory));
   if (plan.output_bytes() > 0)
     text += fmt::format("files: {}\n", files_text(plan, report.options.outputs));
   if (is_known(report.disk))

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "eses/error.hpp"
+#include "io/bytes_text.hpp"
 #include "io/eses_files.hpp"
 #include "run/resources.hpp"
 
@@ -79,8 +80,9 @@ void refuse_what_memory_cannot_hold(const std::filesystem::path& path, const Gri
   if (bytes < static_cast<double>(available_memory())) return;
   throw Error(
       fmt::format("{}: not every one of the {} points is listed in ESES's order; to compare them "
-                  "then takes {:.3g} GB of memory",
-                  path.string(), fmt::join(size, " x "), bytes / 1e9));
+                  "then takes {} of memory",
+                  path.string(), fmt::join(size, " x "),
+                  bytes_text(static_cast<std::uint64_t>(std::min(bytes, 1e19)))));
 }
 
 PointDifference compare_in_any_order(const Sides<std::filesystem::path>& paths,

@@ -15,7 +15,7 @@ namespace eses {
 namespace {
 
 constexpr double mebibyte = 1 << 20;
-constexpr double base_bytes = 5 * mebibyte;               // program, libraries, first thread
+constexpr double base_bytes = 6 * mebibyte;               // program, libraries, survey
 constexpr double bytes_per_thread = 0.75 * mebibyte;      // stack, allocator, batches
 constexpr double bytes_per_atom = sizeof(Atom) + 8 + 16;  // with line number and tree
 // Patches of ranges grow, and are joined one kind after the other.
@@ -111,9 +111,9 @@ double bytes_of_thread(const SurfaceSurvey& survey, const Grid& grid, const Sche
          sizeof(Tally::Sum) * static_cast<double>(survey.atom_count());
 }
 
-// The results of `layers` layers of blocks: bits, rows, crossings.
+// The results of a layer of blocks and of a share of the next one: bits, rows, crossings.
 double bytes_of_layers(const SurfaceSurvey& survey, const Grid& grid, const BlockTiling& tiling,
-                       double layers) {
+                       double share_of_next) {
   const auto side = as_double(points_along(tiling, 2));
   const double rows = side * as_double(points_along(tiling, 1));
   constexpr double allocator = 64;
@@ -121,9 +121,12 @@ double bytes_of_layers(const SurfaceSurvey& survey, const Grid& grid, const Bloc
                                  sizeof(std::uint64_t) * block_words(tiling) +
                                  sizeof(std::uint32_t) * rows;
   const double blocks = as_double(tiling.blocks[0]) * as_double(tiling.blocks[1]);
-  const double area = survey.largest_slab_area(side * grid.spacing);
-  return layers * (blocks * bytes_per_block +
-                   sizeof(Crossing) * crossing_slack * expected_crossings(area, grid.spacing));
+  const double layers = 1 + share_of_next;
+  // The fullest layer's neighbours may have less.
+  const double area = std::min(layers * survey.largest_slab_area(side * grid.spacing),
+                               survey.largest_slab_area(2 * side * grid.spacing));
+  return layers * blocks * bytes_per_block +
+         sizeof(Crossing) * crossing_slack * expected_crossings(area, grid.spacing);
 }
 
 // Of the layer after the one that is unwritten, how much is solved at most: blocks differ.
@@ -146,7 +149,7 @@ double expected_memory(const SurfaceSurvey& survey, const Grid& grid, const Sche
 
   const BlockTiling& tiling = schedule.tiling;
   const double held =
-      bytes_of_layers(survey, grid, tiling, 1 + share_ahead(schedule)) +
+      bytes_of_layers(survey, grid, tiling, share_ahead(schedule)) +
       2 * sizeof(std::uint64_t) * as_double(tiling.blocks[0]) * as_double(tiling.region.size()[1]) +
       as_double(tiling.blocks[2]) * bytes_per_layer +
       (outputs.mesh ? mesh_bytes(survey, grid.spacing, tiling) : 0);

@@ -9,6 +9,7 @@
 #include <system_error>
 
 #include "eses/error.hpp"
+#include "io/bytes_text.hpp"
 #include "io/map_formats.hpp"
 #include "run/resources.hpp"
 
@@ -74,10 +75,9 @@ DiskSpace require_disk_space(const Plan& plan, const std::filesystem::path& dire
   const std::uint64_t available = available_disk(existing_part(directory));
   if (certain > available)
     throw Error(fmt::format(
-        "the files need about {:.3g} GB besides intersection_info.txt, but {} has {:.3g} "
-        "GB free; leave out grid_info.txt (--write edges,areas) or use a larger spacing",
-        static_cast<double>(certain) / 1e9, directory.string(),
-        static_cast<double>(available) / 1e9));
+        "the files need about {} besides intersection_info.txt, but {} has {} free; leave out "
+        "grid_info.txt (--write edges,areas) or use a larger spacing",
+        bytes_text(certain), directory.string(), bytes_text(available)));
   return {available, plan.output_bytes() + plan.scratch_bytes <= available};
 }
 

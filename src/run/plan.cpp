@@ -1,3 +1,5 @@
+#include "run/plan.hpp"
+
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -8,7 +10,7 @@
 #include <vector>
 
 #include "eses/error.hpp"
-#include "eses/run.hpp"
+#include "io/bytes_text.hpp"
 #include "io/eses_text.hpp"
 #include "io/gzip.hpp"
 #include "mesh/mesh_text.hpp"
@@ -93,26 +95,36 @@ std::vector<Schedule> possible_schedules(const Grid& grid, const GridRegion& reg
   return schedules;
 }
 
-std::string in_megabytes(double bytes) { return fmt::format("{:.4g} MB", bytes / 1e6); }
+std::uint64_t whole_bytes(double bytes) {
+  return static_cast<std::uint64_t>(std::min(std::ceil(bytes), 1e19));
+}
 
-[[noreturn]] void refuse_limit(const Parameters& p, double smallest) {
+// Behind "the run needs ...": what the smallest schedule was not free to choose.
+std::string fixed_choices(const Parameters& p) {
   std::string fixed;
   if (p.block_size > 0) fixed += fmt::format(" in blocks of {}", p.block_size);
-  if (p.threads > 0) fixed += fmt::format(" with {} threads", p.threads);
+  if (p.threads > 0)
+    fixed += fmt::format(" with {} thread{}", p.threads, p.threads == 1 ? "" : "s");
+  return fixed;
+}
+
+[[noreturn]] void refuse_limit(const Parameters& p, double smallest) {
   const double mebibytes = std::ceil(smallest / (1 << 20));
   throw Error(fmt::format(
       "the run needs up to {}{}, more than the {} that it may hold; the smallest limit that would "
-      "do is {:.0f}M (--max-memory {:.0f}M)",
-      in_megabytes(smallest), fixed, in_megabytes(static_cast<double>(p.max_memory)), mebibytes,
-      mebibytes));
+      "do is {:.0f} MiB (--max-memory {:.0f}M)",
+      binary_bytes_text(whole_bytes(smallest)), fixed_choices(p), binary_bytes_text(p.max_memory),
+      mebibytes, mebibytes));
 }
 
-[[noreturn]] void refuse_memory(const Plan& plan, double memory, std::uint64_t available) {
-  throw Error(fmt::format(
-      "{:.3g} grid points in blocks of {} need about {:.3g} GB of memory, but {:.3g} GB are "
-      "available; use a larger spacing or a smaller block size",
-      static_cast<double>(plan.tiling.region.point_count()), plan.tiling.block_size, memory / 1e9,
-      static_cast<double>(available) / 1e9));
+[[noreturn]] void refuse_memory(const GridRegion& region, const Parameters& p, double smallest,
+                                std::uint64_t available) {
+  std::string advice = "use a larger spacing";
+  if (p.block_size > 0) advice += " or a smaller block size";
+  if (p.threads > 1) advice += " or fewer threads";
+  throw Error(fmt::format("{:.3g} grid points{} need up to {} of memory, but {} are available; {}",
+                          static_cast<double>(region.point_count()), fixed_choices(p),
+                          bytes_text(whole_bytes(smallest)), bytes_text(available), advice));
 }
 
 // Per crossing: a closed mesh has about twice as many triangles as vertices.
@@ -121,12 +133,11 @@ double mesh_bytes(const MeshChoice& mesh, bool has_labels) {
                              2 * mesh::typical_triangle_bytes(mesh));
 }
 
-// The fastest schedule that keeps the limit; without one, the fastest.
+// The fastest schedule that keeps the limit and what is available.
 void choose_schedule(const SurfaceSurvey& survey, const GridRegion& region,
-                     const OutputChoice& outputs, Plan& plan) {
+                     const OutputChoice& outputs, std::uint64_t available, Plan& plan) {
   const Parameters& p = plan.parameters;
-  const auto limit = p.max_memory > 0 ? static_cast<double>(p.max_memory)
-                                      : std::numeric_limits<double>::infinity();
+  const std::uint64_t limit = p.max_memory > 0 ? std::min(p.max_memory, available) : available;
   const double crossings = expected_crossings(survey.totals().area, p.spacing);
   double smallest = std::numeric_limits<double>::infinity();
   for (const Schedule& schedule :
@@ -134,13 +145,14 @@ void choose_schedule(const SurfaceSurvey& survey, const GridRegion& region,
     const double memory = expected_memory(survey, plan.grid, schedule, outputs) +
                           Verifier::memory_bytes(p.verify, schedule.threads, crossings);
     smallest = std::min(smallest, memory);
-    if (memory > limit) continue;
+    if (memory > static_cast<double>(limit)) continue;
     plan.tiling = schedule.tiling;
     plan.threads = schedule.threads;
     plan.blocks_ahead = schedule.blocks_ahead;
-    plan.memory_bytes = static_cast<std::uint64_t>(std::min(memory, 1e19));
+    plan.memory_bytes = whole_bytes(memory);
     return;
   }
+  if (smallest > static_cast<double>(available)) refuse_memory(region, p, smallest, available);
   refuse_limit(p, smallest);
 }
 
@@ -179,8 +191,8 @@ void expect_files(const SurfaceSurvey& survey, const OutputChoice& outputs, Plan
 
 }  // namespace
 
-Plan make_plan(const Molecule& molecule, const Parameters& parameters,
-               const OutputChoice& outputs) {
+Plan make_plan_within(std::uint64_t available, const Molecule& molecule,
+                      const Parameters& parameters, const OutputChoice& outputs) {
   require_valid(parameters);
   if (outputs.mesh) require_valid(*outputs.mesh, molecule);
   const std::span<const Atom> atoms = molecule.atoms();
@@ -191,11 +203,14 @@ Plan make_plan(const Molecule& molecule, const Parameters& parameters,
   require_enclosing_margin(plan, parameters);
   const GridRegion region = region_of(plan.grid, parameters);
   const SurfaceSurvey survey = survey_of(molecule, plan.grid, region, parameters.probe_radius);
-  choose_schedule(survey, region, outputs, plan);
+  choose_schedule(survey, region, outputs, available, plan);
   expect_files(survey, outputs, plan);
-  if (const std::uint64_t available = available_memory(); plan.memory_bytes > available)
-    refuse_memory(plan, static_cast<double>(plan.memory_bytes), available);
   return plan;
+}
+
+Plan make_plan(const Molecule& molecule, const Parameters& parameters,
+               const OutputChoice& outputs) {
+  return make_plan_within(available_memory(), molecule, parameters, outputs);
 }
 
 }  // namespace eses

@@ -9,6 +9,7 @@
 
 #include "eses/error.hpp"
 #include "io/area_tables.hpp"
+#include "io/bytes_text.hpp"
 #include "io/eses_text.hpp"
 #include "io/gzip.hpp"
 #include "run/build_patches.hpp"
@@ -53,10 +54,10 @@ class ProgressReport {
 
 void require_memory_within(std::uint64_t max_memory) {
   if (max_memory > 0 && resident_memory() > max_memory)
-    throw Error(
-        fmt::format("the run needs more than the {:.3g} MB that it may hold, and was "
-                    "expected to need; use a larger limit",
-                    static_cast<double>(max_memory) / 1e6));
+    throw Error(fmt::format(
+        "the run needs more than the {} that it may hold, and was expected to need; use "
+        "a larger limit",
+        binary_bytes_text(max_memory)));
 }
 
 // What one thread needs to turn rows into text.

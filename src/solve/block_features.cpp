@@ -3,33 +3,18 @@
 #include <algorithm>
 #include <cmath>
 
+#include "geometry/patch_boxes.hpp"
 #include "simd/padding.hpp"
 
 namespace eses {
 namespace {
 
-// The saddle is swept by the probe's outline between the points where it touches the two atoms. In
-// the half plane through the axis, with the probe at distance rho from it, the outline's height
-// rises from one point to the other, and it comes as near to the axis as rho - probe if these lie
-// on both sides of the probe, but not beyond the axis.
 void bound_saddle(const Surface& surface, ArcFeature& arc) {
   const ContactCircle& circle = arc.circle;
-  const double probe = surface.probe_radius;
-  const double first_share = probe / (surface.atoms[arc.atoms[0]].radius + probe);
-  const double second_share = probe / (surface.atoms[arc.atoms[1]].radius + probe);
-  const double low = -first_share * circle.first_height;
-  const double high = second_share * circle.second_height;
-  const double first_radius = circle.radius * (1 - first_share);
-  const double second_radius = circle.radius * (1 - second_share);
-  const double least_radius = low < 0 && high > 0 ? std::max(0.0, circle.radius - probe)
-                                                  : std::min(first_radius, second_radius);
   const Box directions = direction_bounds(arc.sector, circle.axis);
-  const Vec3 first_center = circle.center + low * circle.axis;
-  const Vec3 second_center = circle.center + high * circle.axis;
-  Box box = arc_box(first_center, first_radius, directions);
-  include_arc(box, second_center, second_radius, directions);
-  include_arc(box, first_center, least_radius, directions);
-  include_arc(box, second_center, least_radius, directions);
+  Box box = saddle_box(circle, directions,
+                       {surface.atoms[arc.atoms[0]].radius, surface.atoms[arc.atoms[1]].radius},
+                       surface.probe_radius);
   arc.surface_box = grown(box, box_slack);
   include_arc(box, circle.center, circle.radius, directions);
   arc.solid_box = grown(box, box_slack);
@@ -43,27 +28,6 @@ ArcFeature make_arc(const Surface& surface, const Arc& arc) {
   feature.sector = make_arc_sector(feature.circle.axis, arc.kind, arc.start, arc.end);
   bound_saddle(surface, feature);
   return feature;
-}
-
-// Box of the spherical triangle with the given corner directions: of the spherical cap around their
-// mean that holds them, unless that is too wide to bound anything.
-Box concave_box(Vec3 center, double radius, const std::array<Vec3, 3>& corners) {
-  const Vec3 mean = normalized(corners[0] + corners[1] + corners[2]);
-  const double cosine =
-      std::min({dot(mean, corners[0]), dot(mean, corners[1]), dot(mean, corners[2])});
-  if (cosine < 0.1) return grown(ball_box(center, radius), box_slack);
-  const double sine = std::sqrt((1 - cosine) * (1 + cosine));
-  Box box{center, center};
-  for (std::size_t axis = 0; axis < 3; ++axis) {
-    const double along = mean[axis];
-    const double across = std::sqrt(std::max(0.0, (1 - along) * (1 + along)));
-    // The cap reaches the pole of the axis, or its rim's extreme.
-    const double high = along >= cosine ? 1.0 : along * cosine + across * sine;
-    const double low = -along >= cosine ? -1.0 : along * cosine - across * sine;
-    box.high[axis] += radius * high;
-    box.low[axis] += radius * low;
-  }
-  return grown(box, box_slack);
 }
 
 PlacementFeature make_placement(const Surface& surface, const ProbePlacement& placement) {
@@ -82,7 +46,7 @@ PlacementFeature make_placement(const Surface& surface, const ProbePlacement& pl
   const double orientation = dot(toward[0], cross(toward[1], toward[2])) > 0 ? 1 : -1;
   for (std::size_t q = 0; q < 3; ++q)
     feature.cone[q] = orientation * normalized(cross(toward[q], toward[(q + 1) % 3]));
-  feature.box = concave_box(placement.center, surface.probe_radius, toward);
+  feature.box = grown(concave_box(placement.center, surface.probe_radius, toward), box_slack);
   return feature;
 }
 

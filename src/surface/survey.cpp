@@ -2,19 +2,24 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
+#include <iterator>
 #include <numbers>
+#include <numeric>
+
+#include "geometry/arc_sector.hpp"
+#include "geometry/patch_boxes.hpp"
 
 namespace eses {
 namespace {
 
 constexpr double pi = std::numbers::pi;
-// So few that they cost next to nothing beside the atoms themselves.
-constexpr std::size_t fewest_samples = 24, most_samples = 2048, atoms_per_sample = 64;
+// So few that they cost little beside the patches of all atoms.
+constexpr std::size_t fewest_samples = 512, most_samples = 2048, atoms_per_sample = 16;
 constexpr std::size_t places_looked_at = 12;
 constexpr int burial_frequency = 5;    // as where all patches are built
-constexpr int exposure_frequency = 3;  // 92 directions tell a face's share of its sphere
-constexpr double finest_bin = 0.5;     // angstrom
-constexpr double most_bins = 4096;
+constexpr int exposure_frequency = 3;  // 92 directions tell which part of a sphere is exposed
+constexpr std::size_t bins = 4096;     // along z, of all atoms
 
 std::size_t sample_size(std::size_t atoms) {
   return std::min(atoms, std::clamp(atoms / atoms_per_sample, fewest_samples, most_samples));
@@ -59,19 +64,30 @@ double share_within(const Box& box, const Box& part) {
   return share;
 }
 
-double exposed_share(const Surface& surface, AtomIndex i, std::span<const AtomIndex> neighbours,
-                     std::span<const Vec3> directions) {
+// Those of `directions` in which the atom's SAS sphere is outside its neighbours'.
+std::vector<Vec3> exposed_directions(const Surface& surface, AtomIndex i,
+                                     std::span<const AtomIndex> neighbours,
+                                     std::span<const Vec3> directions) {
   const SasSphere sphere = surface.sas_sphere(i);
   std::vector<Cap> caps;
   caps.reserve(neighbours.size());
   for (const AtomIndex k : neighbours) caps.push_back(make_cap(sphere, surface.sas_sphere(k)));
-  const auto is_exposed = [&](Vec3 direction) {
-    return std::none_of(caps.begin(), caps.end(), [&](const Cap& cap) {
-      return dot(cap.axis, direction) * sphere.radius > cap.height;
-    });
-  };
-  return static_cast<double>(std::count_if(directions.begin(), directions.end(), is_exposed)) /
-         static_cast<double>(directions.size());
+  std::vector<Vec3> exposed;
+  std::copy_if(directions.begin(), directions.end(), std::back_inserter(exposed),
+               [&](Vec3 direction) {
+                 return std::none_of(caps.begin(), caps.end(), [&](const Cap& cap) {
+                   return dot(cap.axis, direction) * sphere.radius > cap.height;
+                 });
+               });
+  return exposed;
+}
+
+double squared(double x) { return x * x; }
+
+// Makes the sums up to each bin of the steps from bin to bin.
+void integrate(std::vector<double>& steps) {
+  std::partial_sum(steps.begin(), steps.end(), steps.begin());
+  std::partial_sum(steps.begin(), steps.end(), steps.begin());
 }
 
 }  // namespace
@@ -95,38 +111,74 @@ SurfaceSurvey::SurfaceSurvey(const Molecule& molecule, double probe_radius, cons
   take_samples();
 }
 
-void SurfaceSurvey::take_samples() {
-  AtomPatchScratch scratch;
-  const std::size_t count = patched_count();
+// What an atom has of patches and area goes with its SAS sphere.
+double SurfaceSurvey::size_of(std::size_t patched) const {
+  return squared(surface_.atoms[patched_atom(patched)].radius + surface_.probe_radius);
+}
 
+void SurfaceSurvey::prepare_bins() {
   const double probe = surface_.probe_radius;
   low_z_ = surface_.atoms[patched_atom(0)].center.z;
   double high = low_z_;
-  for (std::size_t i = 0; i < count; ++i) {
+  for (std::size_t i = 0; i < patched_count(); ++i) {
     const Atom& atom = surface_.atoms[patched_atom(i)];
     low_z_ = std::min(low_z_, atom.center.z - atom.radius - probe);
     high = std::max(high, atom.center.z + atom.radius + probe);
   }
-  bin_ = std::max(finest_bin, (high - low_z_) / most_bins);
-  const auto bins = static_cast<std::size_t>((high - low_z_) / bin_) + 1;
-  area_.assign(bins, 0);
-  variance_.assign(bins, 0);
+  bin_ = (high - low_z_) / static_cast<double>(bins);
+  area_.assign(bins + 1, 0);
+  variance_.assign(bins + 1, 0);
+}
 
-  const std::size_t samples = sample_size(count);
-  const double weight = static_cast<double>(count) / static_cast<double>(samples);
-  unseen_share_ = 1 - 1 / weight;
+// Strata of equal size, an atom drawn from each: its probability is its share of the stratum. Atoms
+// larger than a stratum are taken out and visited for certain.
+SurfaceSurvey::Strata SurfaceSurvey::make_strata() const {
+  const std::size_t count = patched_count(), samples = sample_size(count);
+  if (samples == count) return {};
+  std::vector<double> sizes(count);
+  for (std::size_t i = 0; i < count; ++i) sizes[i] = size_of(i);
+  std::partial_sort(sizes.begin(), sizes.begin() + static_cast<std::ptrdiff_t>(samples),
+                    sizes.end(), std::greater<>());
+  Strata strata{samples, 0};
+  // From the small ones on, so that a large one does not swallow them.
+  double sum =
+      std::accumulate(sizes.rbegin(), sizes.rend() - static_cast<std::ptrdiff_t>(samples), 0.0);
+  std::vector<double> rest(samples);  // the sum from each of the largest on
+  for (std::size_t k = samples; k-- > 0;) rest[k] = sum += sizes[k];
+  std::size_t certain = 0;
+  while (certain + 1 < samples &&
+         sizes[certain] * static_cast<double>(samples - certain) >= rest[certain])
+    ++certain;
+  strata.count = samples - certain;
+  strata.size = rest[certain] / static_cast<double>(strata.count);
+  return strata;
+}
+
+void SurfaceSurvey::take_samples() {
+  prepare_bins();
+  const Strata strata = make_strata();
+  AtomPatchScratch scratch;
   // The fractional part of the golden ratio's multiples: no period of the file is met in step.
-  for (std::size_t s = 0; s < samples; ++s) {
-    const double place = std::fmod(static_cast<double>(s) * std::numbers::phi, 1);
-    const double stratum =
-        samples < count ? static_cast<double>(s) + place : static_cast<double>(s);
-    visit(patched_atom(std::min(count - 1, static_cast<std::size_t>(stratum * weight))), weight,
-          scratch);
+  const auto place_in = [&](std::size_t s) {
+    const auto stratum = static_cast<double>(s);
+    return (stratum + std::fmod(stratum * std::numbers::phi, 1)) * strata.size;
+  };
+  std::size_t stratum = 0;
+  double passed = 0;
+  for (std::size_t i = 0; i < patched_count(); ++i) {
+    const double size = size_of(i);
+    if (size >= strata.size) {
+      visit(patched_atom(i), 1, scratch);
+      continue;
+    }
+    passed += size;
+    double weight = 0;
+    for (; stratum < strata.count && place_in(stratum) < passed; ++stratum)
+      weight += strata.size / size;
+    if (weight > 0) visit(patched_atom(i), weight, scratch);
   }
-  for (std::size_t b = 1; b < bins; ++b) {
-    area_[b] += area_[b - 1];
-    variance_[b] += variance_[b - 1];
-  }
+  integrate(area_);
+  integrate(variance_);
 }
 
 void SurfaceSurvey::visit(AtomIndex i, double weight, AtomPatchScratch& scratch) {
@@ -138,62 +190,82 @@ void SurfaceSurvey::visit(AtomIndex i, double weight, AtomPatchScratch& scratch)
   totals_.placements += weight * static_cast<double>(patches.placements.size()) / 3;
   totals_.face_neighbours += weight * static_cast<double>(patches.face_neighbours.size());
 
-  const Atom& atom = surface_.atoms[i];
   const AtomExposure exposure = patches.exposure.front();
-  if (exposure == AtomExposure::unknown || exposure == AtomExposure::exposed) {
-    const double share =
-        exposed_share(surface_, i, patches.face_neighbours, directions_.directions);
-    add_area(4 * pi * atom.radius * atom.radius * share, weight, atom.center, atom.radius);
-  }
+  if (exposure == AtomExposure::unknown || exposure == AtomExposure::exposed)
+    add_convex(i, weight, patches.face_neighbours);
+  const double probe = surface_.probe_radius;
   for (const Arc& arc : patches.arcs) {
     const ContactCircle circle =
         make_contact_circle(surface_.sas_sphere(arc.first), surface_.sas_sphere(arc.second));
-    add_area(saddle_area(surface_, arc, circle), weight, circle.center, circle.radius);
+    const ArcSector sector = make_arc_sector(circle.axis, arc.kind, arc.start, arc.end);
+    const Box box =
+        saddle_box(circle, direction_bounds(sector, circle.axis),
+                   {surface_.atoms[arc.first].radius, surface_.atoms[arc.second].radius}, probe);
+    const double area = saddle_area(surface_, arc, circle);
+    add_area(area, weight, box, area);
   }
   // Three arcs end at a placement.
   for (const PlacementKey& key : patches.placements) {
-    const double probe = surface_.probe_radius;
     const Vec3 center =
         placement_center(surface_.sas_sphere(key.atoms[0]), surface_.sas_sphere(key.atoms[1]),
                          surface_.sas_sphere(key.atoms[2]), key.side);
     std::array<Vec3, 3> toward;
     for (std::size_t q = 0; q < 3; ++q)
       toward[q] = normalized(surface_.atoms[key.atoms[q]].center - center);
-    add_area(probe * probe * solid_angle(toward) / 3, weight, center, probe);
+    const double area = probe * probe * solid_angle(toward) / 3;
+    add_area(area, weight, concave_box(center, probe, toward), area);
   }
 }
 
+void SurfaceSurvey::add_convex(AtomIndex i, double weight, std::span<const AtomIndex> neighbours) {
+  const Atom& atom = surface_.atoms[i];
+  const std::vector<Vec3>& all = directions_.directions;
+  const std::vector<Vec3> exposed = exposed_directions(surface_, i, neighbours, all);
+  const double sphere = 4 * pi * atom.radius * atom.radius;
+  if (exposed.size() == all.size()) {
+    add_area(sphere, weight, ball_box(atom.center, atom.radius), sphere);
+    return;
+  }
+  const double share = 1 / static_cast<double>(all.size());
+  const double cosine = 1 - 2 * share;  // of a cap of that share
+  const double area = sphere * share, whole = area * static_cast<double>(exposed.size());
+  for (const Vec3 direction : exposed)
+    add_area(area, weight, cap_box(atom.center, atom.radius, direction, cosine), whole);
+}
+
 // Of a sphere equal heights have equal areas (Archimedes); for the other patches that is near
-// enough.
-void SurfaceSurvey::add_area(double area, double weight, Vec3 center, double radius) {
-  double low_z = center.z - radius, high_z = center.z + radius;
+// enough. The sampling error is that of the patch that the piece is of.
+void SurfaceSurvey::add_area(double area, double weight, Box box, double patch_area) {
   if (surface_.reach) {
-    const Box& box = surface_.reach->box;
-    area *= share_within(box, ball_box(center, radius));
+    const Box& within = surface_.reach->box;
+    area *= share_within(within, box);
     if (area == 0) return;
-    low_z = std::max(low_z, box.low.z);
-    high_z = std::min(high_z, box.high.z);
+    box.low.z = std::max(box.low.z, within.low.z);
+    box.high.z = std::min(box.high.z, within.high.z);
   }
   totals_.area += weight * area;
-  const auto last = static_cast<double>(area_.size() - 1);
   const auto bin_of = [&](double z) {
-    return static_cast<std::size_t>(std::clamp((z - low_z_) / bin_, 0.0, last));
+    return static_cast<std::size_t>(
+        std::clamp((z - low_z_) / bin_, 0.0, static_cast<double>(bins - 1)));
   };
-  const std::size_t begin = bin_of(low_z), end = bin_of(high_z) + 1;
-  const auto bins = static_cast<double>(end - begin);
-  for (std::size_t b = begin; b < end; ++b) {
-    area_[b] += weight * area / bins;
-    variance_[b] += unseen_share_ * weight * area * weight * area / bins;
-  }
+  const std::size_t begin = bin_of(box.low.z), end = bin_of(box.high.z) + 1;
+  const auto add = [&](std::vector<double>& steps, double amount) {
+    const double step = amount / static_cast<double>(end - begin);
+    steps[begin] += step;
+    steps[end] -= step;
+  };
+  add(area_, weight * area);
+  // An atom visited for certain has none.
+  add(variance_, weight * (weight - 1) * area * patch_area);
 }
 
 double SurfaceSurvey::largest_slab_area(double thickness) const {
   const auto count = static_cast<double>(area_.size());
-  const auto bins = static_cast<std::size_t>(std::min(count, std::ceil(thickness / bin_) + 1));
+  const auto width = static_cast<std::size_t>(std::min(count, std::ceil(thickness / bin_) + 1));
   double largest = 0;
-  for (std::size_t end = bins; end <= area_.size(); ++end) {
+  for (std::size_t end = width; end <= area_.size(); ++end) {
     const auto within = [&](const std::vector<double>& sums) {
-      return sums[end - 1] - (end > bins ? sums[end - bins - 1] : 0);
+      return sums[end - 1] - (end > width ? sums[end - width - 1] : 0);
     };
     largest = std::max(largest, within(area_) + 2 * std::sqrt(std::max(0.0, within(variance_))));
   }

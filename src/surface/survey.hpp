@@ -18,7 +18,8 @@ struct PatchTotals {
 
 class SurfaceSurvey {
  public:
-  /// Builds the patches of a sample of the atoms, of all of them if they are few.
+  /// Builds the patches of a sample of the atoms, of all of them if they are few. The larger an
+  /// atom, the more surely it is in the sample.
   SurfaceSurvey(const Molecule& molecule, double probe_radius);
   /// Likewise for what happens in `box`: the totals are of the patches that are built for it, and
   /// areas of what lies in it.
@@ -48,8 +49,16 @@ class SurfaceSurvey {
   AtomIndex patched_atom(std::size_t i) const {
     return reach_.empty() ? static_cast<AtomIndex>(i) : reach_[i];
   }
+  struct Strata {
+    std::size_t count = 0;
+    double size = 0;  // as of size_of
+  };
+  double size_of(std::size_t patched) const;
+  void prepare_bins();
+  Strata make_strata() const;
   void visit(AtomIndex i, double weight, AtomPatchScratch& scratch);
-  void add_area(double area, double weight, Vec3 center, double radius);
+  void add_convex(AtomIndex i, double weight, std::span<const AtomIndex> neighbours);
+  void add_area(double area, double weight, Box box, double patch_area);
 
   Surface surface_;
   std::vector<AtomIndex> reach_;  // of a box; all atoms if there is none
@@ -57,8 +66,8 @@ class SurfaceSurvey {
   CoveringDirections directions_;
   PatchTotals totals_;
   double low_z_ = 0, bin_ = 1;
-  double unseen_share_ = 0;              // of the atoms; without them there is no sampling error
-  std::vector<double> area_, variance_;  // per bin; after the survey, of all bins up to it
+  // Per bin: while samples are taken, the steps to it; afterwards, the sums up to it.
+  std::vector<double> area_, variance_;
 };
 
 }  // namespace eses

@@ -1,0 +1,30 @@
+#include "io/bytes_text.hpp"
+
+#include <fmt/format.h>
+
+#include <array>
+#include <string_view>
+
+namespace eses {
+namespace {
+
+std::string in_units(std::uint64_t bytes, double step,
+                     const std::array<std::string_view, 7>& units) {
+  auto value = static_cast<double>(bytes);
+  std::size_t unit = 0;
+  // 999.5 would be rounded to 1e+03.
+  for (; value >= 999.5 && unit + 1 < units.size(); ++unit) value /= step;
+  return fmt::format("{:.3g} {}", value, units[unit]);
+}
+
+}  // namespace
+
+std::string bytes_text(std::uint64_t bytes) {
+  return in_units(bytes, 1000, {"B", "kB", "MB", "GB", "TB", "PB", "EB"});
+}
+
+std::string binary_bytes_text(std::uint64_t bytes) {
+  return in_units(bytes, 1024, {"B", "KiB", "MiB", "GiB", "TiB", "PiB", "EiB"});
+}
+
+}  // namespace eses
