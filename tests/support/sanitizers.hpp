@@ -1,0 +1,19 @@
+#pragma once
+/// What the tests must know of sanitizers.
+
+namespace eses::test {
+
+/// Whether memory cannot be measured, as a sanitizer holds several times what the program does.
+#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+inline constexpr bool holds_shadow_memory = true;
+#elif defined(__has_feature)
+#if __has_feature(address_sanitizer) || __has_feature(thread_sanitizer)
+inline constexpr bool holds_shadow_memory = true;
+#else
+inline constexpr bool holds_shadow_memory = false;
+#endif
+#else
+inline constexpr bool holds_shadow_memory = false;
+#endif
+
+}  // namespace eses::test
