@@ -132,9 +132,9 @@ struct Callbacks {
 };
 
 /// Grid, tiling, memory and bytes of output; what is left to it, block size, threads and blocks in
-/// flight, it chooses so that `max_memory` is kept. Throws Error if a parameter is out of its
-/// range, if the margin is so small that the grid would cut the surface (see README), or if memory
-/// cannot hold what the run needs, or may not.
+/// flight, it chooses so that `max_memory` and what memory is available are kept. Throws Error if a
+/// parameter is out of its range, if the margin is so small that the grid would cut the surface
+/// (see README), or if memory cannot hold what the run needs, or may not.
 Plan make_plan(const Molecule& molecule, const Parameters& parameters, const OutputChoice& outputs);
 
 /// What the file system of an output directory has to give.

@@ -135,7 +135,8 @@ void add_computation_options(CLI::App& app) {
   add("--max-memory", "BYTES",
       "memory that the process may hold, also as 500M or 2G\n"
       "(K, M, G, T: powers of 1024); kept by smaller blocks\n"
-      "and fewer threads where these are not given, or refused");
+      "and fewer threads where these are not given, or refused\n"
+      "[what is available]");
 }
 
 void add_checks(CLI::App& app) {

@@ -20,6 +20,9 @@ constexpr double bytes_per_thread = 0.75 * mebibyte;      // stack, allocator, b
 constexpr double bytes_per_atom = sizeof(Atom) + 8 + 16;  // with line number and tree
 // Patches of ranges grow, and are joined one kind after the other.
 constexpr double making_of_patches = 2.75;
+// What the allocator keeps of a layer that is gone, for each thread that may have solved its
+// blocks.
+constexpr double kept_per_block = 256;
 constexpr double bytes_per_index = 48;  // of an axis, as text
 constexpr double bytes_per_layer = 64;  // that is still, or no longer, empty
 // A list that grows is copied into one of twice its length, of which part stays untouched.
@@ -74,6 +77,10 @@ double block_words(const BlockTiling& tiling) {
          points[2];
 }
 
+double blocks_in_layer(const BlockTiling& tiling) {
+  return as_double(tiling.blocks[0]) * as_double(tiling.blocks[1]);
+}
+
 double text_bytes(const GridRegion& region, const OutputChoice& outputs) {
   // A line has more bytes than counted on, and crossings may crowd.
   const std::int64_t row = region.size()[0];
@@ -108,6 +115,7 @@ double bytes_of_thread(const SurfaceSurvey& survey, const Grid& grid, const Sche
   return bytes_per_thread + text_bytes(schedule.tiling.region, outputs) +
          bytes_per_word * block_words(schedule.tiling) +
          feature_bytes(survey, grid, schedule.tiling) +
+         kept_per_block * blocks_in_layer(schedule.tiling) +
          sizeof(Tally::Sum) * static_cast<double>(survey.atom_count());
 }
 
@@ -120,22 +128,20 @@ double bytes_of_layers(const SurfaceSurvey& survey, const Grid& grid, const Bloc
   const double bytes_per_block = sizeof(BlockResult) + allocator +
                                  sizeof(std::uint64_t) * block_words(tiling) +
                                  sizeof(std::uint32_t) * rows;
-  const double blocks = as_double(tiling.blocks[0]) * as_double(tiling.blocks[1]);
   const double layers = 1 + share_of_next;
   // The fullest layer's neighbours may have less.
   const double area = std::min(layers * survey.largest_slab_area(side * grid.spacing),
                                survey.largest_slab_area(2 * side * grid.spacing));
-  return layers * blocks * bytes_per_block +
+  return layers * blocks_in_layer(tiling) * bytes_per_block +
          sizeof(Crossing) * crossing_slack * expected_crossings(area, grid.spacing);
 }
 
 // Of the layer after the one that is unwritten, how much is solved at most: blocks differ.
 double share_ahead(const Schedule& schedule) {
   constexpr double fullest = 2;  // against the mean
-  const GridIndex& blocks = schedule.tiling.blocks;
-  if (blocks[2] < 2) return 0;
-  return std::min(1.0, fullest * as_double(schedule.blocks_ahead) /
-                           (as_double(blocks[0]) * as_double(blocks[1])));
+  if (schedule.tiling.blocks[2] < 2) return 0;
+  return std::min(1.0,
+                  fullest * as_double(schedule.blocks_ahead) / blocks_in_layer(schedule.tiling));
 }
 
 }  // namespace
