@@ -224,6 +224,19 @@ TEST_CASE("usage errors name option, value and expectation, and write nothing", 
   CHECK(sandbox.files().empty());
 }
 
+TEST_CASE("a run does not overwrite its input", "[cli]") {
+  const Sandbox sandbox;
+  const std::string atoms = "0 0 0 1.5\n";
+  for (const std::string name : {"grid_info.txt", "a.obj"}) {
+    write_file(sandbox.directory() / name, atoms);
+    const Outcome outcome = sandbox.run({name, "--mesh", "a.obj"});
+    CHECK(outcome.code == 1);
+    CHECK(contains(outcome.err, name + " is the input, and would be overwritten"));
+    CHECK(read_file(sandbox.directory() / name) == atoms);
+    fs::remove(sandbox.directory() / name);
+  }
+}
+
 TEST_CASE("an instruction set that does not exist is refused", "[cli]") {
   REQUIRE(::setenv("ESES_INSTRUCTION_SET", "AVX2", 1) == 0);
   const Sandbox sandbox;

@@ -10,6 +10,7 @@
 #include <cstdio>
 #include <cstdlib>
 #include <exception>
+#include <filesystem>
 #include <new>
 #include <optional>
 #include <span>
@@ -108,11 +109,11 @@ Summary run_with_progress(const Molecule& molecule, const Options& options, cons
   if (!options.quiet && ProgressBar::is_possible()) bar.emplace();
   InterruptibleRun interruptible(temporary_paths(options.outputs, options.output_directory),
                                  lock_paths(options.outputs, options.output_directory));
-  const Summary summary = run(molecule, plan, options.outputs, options.output_directory,
-                              {.progress = [&](std::int64_t done, std::int64_t total) {
-                                interruptible.check();
-                                if (bar) bar->show(done, total);
-                              }});
+  Summary summary = run(molecule, plan, options.outputs, options.output_directory,
+                        {.progress = [&](std::int64_t done, std::int64_t total) {
+                          interruptible.check();
+                          if (bar) bar->show(done, total);
+                        }});
   interruptible.check();
   return summary;
 }
@@ -128,6 +129,18 @@ std::string final_text(const Report& report) {
 void require_standard_output() {
   const int flags = fcntl(STDOUT_FILENO, F_GETFL);
   if (flags == -1 || (flags & O_ACCMODE) == O_RDONLY) fail_to_print(EBADF);
+}
+
+void refuse_to_overwrite_input(const Options& options) {
+  std::vector<std::filesystem::path> outputs;
+  for (const std::string& name : file_names(options.outputs))
+    outputs.push_back(options.output_directory / name);
+  if (options.outputs.mesh) outputs.push_back(options.outputs.mesh->file);
+  for (const std::filesystem::path& output : outputs) {
+    std::error_code error;  // as where there is no such file yet
+    if (std::filesystem::equivalent(options.input, output, error) && !error)
+      throw Error(fmt::format("{} is the input, and would be overwritten", output.string()));
+  }
 }
 
 /// A file may have far more text than atoms.
@@ -167,6 +180,7 @@ void choose_labels(const Options& options, std::vector<AtomLabel>& labels) {
 
 int compute(const Options& options) {
   require_standard_output();
+  refuse_to_overwrite_input(options);
   NumberedAtoms input = read_numbered_atoms(options.input, options.format);
   choose_labels(options, input.labels);
   const Molecule molecule(std::move(input.atoms), std::move(input.labels));
@@ -182,7 +196,8 @@ int compute(const Options& options) {
   report.summary = run_with_progress(molecule, options, report.plan);
   report.peak_memory_bytes = peak_memory();
   print(final_text(report));
-  if (report.summary.inside_points == 0 && !options.quiet)
+  const bool is_part = options.parameters.region || options.parameters.blocks;
+  if (report.summary.inside_points == 0 && !is_part && !options.quiet)
     complain("warning", "no grid point is inside the molecule; a smaller spacing would show it");
   for (const std::string& fault : fault_lines(report.summary)) complain("error", fault);
   return exit_code(report.summary);

@@ -48,7 +48,7 @@ constexpr char footer[] = R"(Files written:
 With --gzip each of these is NAME.gz. Only if asked for:
   residue_area.csv, chain_area.csv   areas of residues and chains of a PQR file
   the map of --inside                every grid point, 1 inside and 0 outside
-  --mesh FILE                 the surface as triangles, if asked for
+  the mesh of --mesh                 the surface as triangles
 
 Examples:
   eses-blocks 1crn.xyzr                                defaults, files in this directory

@@ -7,7 +7,9 @@ namespace eses {
 namespace {
 
 // Of non-negative numbers; std::llround is a call.
-std::int64_t rounded(double value) { return static_cast<std::int64_t>(value + 0.5); }
+std::int64_t rounded(double value) {
+  return static_cast<std::int64_t>(value + 0.5);  // NOLINT(bugprone-incorrect-roundings)
+}
 
 }  // namespace
 
