@@ -38,7 +38,7 @@ using test::make_chain;
 using test::nearest_accessible;
 using test::Random;
 
-constexpr OutputChoice no_files{.box = false, .grid = false, .edges = false, .areas = false};
+const OutputChoice no_files = OutputChoice::none();
 constexpr std::int64_t everything = 1'000'000;
 
 Vec3 random_point(Random& random, const Grid& grid) {
