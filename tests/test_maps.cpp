@@ -155,10 +155,11 @@ std::string map_of(const std::vector<Atom>& atoms, const Parameters& parameters,
 
 TEST_CASE("the inside map has what grid_info.txt has, where that has it", "[maps]") {
   std::size_t endings = 0;  // whether the last line has one, two or three values
-  for (std::uint64_t seed = 0; seed < 6; ++seed) {
-    const std::vector<Atom> atoms = make_chain(10 + 7 * seed, seed);
+  // What the seeds give depends on the compiler.
+  for (std::uint64_t seed = 0; seed < 6 || (endings != 7 && seed < 40); ++seed) {
+    const std::vector<Atom> atoms = make_chain(10 + 7 * (seed % 6), seed);
     Parameters parameters;
-    parameters.spacing = 0.37 + 0.05 * static_cast<double>(seed);
+    parameters.spacing = 0.37 + 0.05 * static_cast<double>(seed % 6);
     const EsesFiles files = run_and_read(atoms, parameters).files;
     endings |= std::size_t{1} << files.points.size() % 3;
     for (const std::string name : {"map.dx", "map.vti"}) {

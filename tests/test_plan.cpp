@@ -133,7 +133,7 @@ TEST_CASE("a slab of a sphere has the area of its zone", "[plan]") {
 }
 
 TEST_CASE("a survey sees a large atom once, wherever it stands in the file", "[plan]") {
-  for (const std::size_t place : {0, 4000, 8000}) {
+  for (const std::size_t place : {std::size_t{0}, std::size_t{4000}, std::size_t{8000}}) {
     INFO("the large atom has index " << place);
     const std::vector<Atom> atoms = gas_around_a_large_atom(place);
     const double area = 4 * pi * (300.0 * 300 + 8000 * 1.7 * 1.7);
