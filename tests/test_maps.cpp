@@ -141,7 +141,7 @@ ReadMap parse(const std::string& name, const std::string& text) {
 std::string map_of(const std::vector<Atom>& atoms, const Parameters& parameters,
                    const std::string& name) {
   const TemporaryDirectory directory;
-  OutputChoice outputs{false, false, false, false};
+  OutputChoice outputs = OutputChoice::none();
   outputs.inside_map = name;
   const Plan plan = make_plan(atoms, parameters, outputs);
   const Summary summary = run(atoms, plan, outputs, directory.path());

@@ -200,7 +200,7 @@ std::string bytes_of_mesh(const std::vector<Atom>& atoms, const Parameters& para
                           MeshChoice choice) {
   const TemporaryDirectory directory;
   choice.file = directory.path() / choice.file;
-  OutputChoice none{.box = false, .grid = false, .edges = false, .areas = false};
+  OutputChoice none = OutputChoice::none();
   none.mesh = choice;
   run(atoms, make_plan(atoms, parameters, none), none, directory.path());
   return read_bytes(choice.file);
@@ -491,7 +491,7 @@ TEST_CASE("mesh: the formats hold the same", "[mesh]") {
   const TemporaryDirectory directory;
   std::vector<Mesh> meshes;
   for (const char* name : {"a.ply", "a.obj", "a.off"}) {
-    OutputChoice outputs{.box = false, .grid = false, .edges = false, .areas = false};
+    OutputChoice outputs = OutputChoice::none();
     outputs.mesh = MeshChoice{directory.path() / name};
     const Summary summary = run(atoms, make_plan(atoms, {}, outputs), outputs, directory.path());
     CHECK(summary.bytes_written == fs::file_size(directory.path() / name));

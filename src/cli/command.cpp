@@ -132,14 +132,10 @@ void require_standard_output() {
 }
 
 void refuse_to_overwrite_input(const Options& options) {
-  std::vector<std::filesystem::path> outputs;
-  for (const std::string& name : file_names(options.outputs))
-    outputs.push_back(options.output_directory / name);
-  if (options.outputs.mesh) outputs.push_back(options.outputs.mesh->file);
-  for (const std::filesystem::path& output : outputs) {
+  for (const std::string& output : final_paths(options.outputs, options.output_directory)) {
     std::error_code error;  // as where there is no such file yet
     if (std::filesystem::equivalent(options.input, output, error) && !error)
-      throw Error(fmt::format("{} is the input, and would be overwritten", output.string()));
+      throw Error(fmt::format("{} is the input, and would be overwritten", output));
   }
 }
 

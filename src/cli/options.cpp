@@ -348,7 +348,7 @@ std::string map_name_of(const CLI::App& app, const std::filesystem::path& output
 OutputChoice text_files_of(const CLI::App& app) {
   const std::optional<std::string> text = text_of(app, "--write");
   if (!text) return {};
-  OutputChoice result{.box = false, .grid = false, .edges = false, .areas = false};
+  OutputChoice result = OutputChoice::none();
   if (*text == "none") return result;
   result.box = true;
   for (const std::string& name : CLI::detail::split(*text, ',')) {

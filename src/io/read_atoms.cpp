@@ -49,13 +49,10 @@ constexpr bool is_control(char c) {
   return ((byte < 0x20) & (c != '\t') & (c != '\n') & (c != '\r')) | (byte == 0x7f);
 }
 
-// Locale must not matter, hence not std::tolower.
-constexpr char to_lower(char c) { return c >= 'A' && c <= 'Z' ? static_cast<char>(c + 32) : c; }
-
 bool starts_with_ignoring_case(std::string_view text, std::string_view lower_case_prefix) {
   return text.size() >= lower_case_prefix.size() &&
          std::equal(lower_case_prefix.begin(), lower_case_prefix.end(), text.begin(),
-                    [](char expected, char c) { return to_lower(c) == expected; });
+                    [](char expected, char c) { return lower_case(c) == expected; });
 }
 
 std::size_t count_fields(std::string_view text) {
@@ -412,9 +409,7 @@ std::string read_text(int descriptor, std::string_view name) {
 
 /// In lower case, and of `NAME.pqr.gz` the `.pqr`.
 std::string suffix_of(const std::filesystem::path& path) {
-  std::string suffix = path.extension().string();
-  for (char& c : suffix)
-    if (c >= 'A' && c <= 'Z') c = static_cast<char>(c - 'A' + 'a');
+  std::string suffix = lower_case(path.extension().string());
   return suffix == ".gz" ? suffix_of(path.stem()) : suffix;
 }
 

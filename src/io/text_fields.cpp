@@ -29,6 +29,11 @@ std::errc parse_fortran(std::string_view text, std::size_t exponent_letter, doub
 
 }  // namespace
 
+std::string lower_case(std::string text) {
+  for (char& c : text) c = lower_case(c);
+  return text;
+}
+
 std::string_view without_leading_blanks(std::string_view text) {
   std::size_t start = 0;
   while (start < text.size() && is_blank(text[start])) ++start;

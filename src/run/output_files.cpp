@@ -7,6 +7,7 @@
 #include <array>
 #include <string_view>
 #include <system_error>
+#include <utility>
 
 #include "eses/error.hpp"
 #include "io/bytes_text.hpp"
@@ -55,12 +56,12 @@ std::filesystem::path existing_part(std::filesystem::path directory) {
   return directory;
 }
 
-/// Where a mesh goes. Not by std::filesystem: see path_in.
-struct MeshPlace {
+/// Where a file goes. Not by std::filesystem: see path_in.
+struct FilePlace {
   std::string directory, name;
 };
 
-MeshPlace place_of(const MeshChoice& mesh) {
+FilePlace place_of(const MeshChoice& mesh) {
   const std::string& path = mesh.file.native();
   const std::size_t slash = path.rfind('/');
   if (slash == std::string::npos) return {".", path};
@@ -88,15 +89,33 @@ std::vector<std::string> file_names(const OutputChoice& choice) {
   return names;
 }
 
+namespace {
+
+/// Of the chosen files and the mesh.
+std::vector<FilePlace> places_of(const OutputChoice& choice,
+                                 const std::filesystem::path& directory) {
+  std::vector<FilePlace> places;
+  for (std::string& name : file_names(choice))
+    places.push_back({directory.native(), std::move(name)});
+  if (choice.mesh) places.push_back(place_of(*choice.mesh));
+  return places;
+}
+
+}  // namespace
+
+std::vector<std::string> final_paths(const OutputChoice& choice,
+                                     const std::filesystem::path& directory) {
+  std::vector<std::string> paths;
+  for (const FilePlace& place : places_of(choice, directory))
+    paths.push_back(path_in(place.directory, place.name));
+  return paths;
+}
+
 std::vector<std::string> temporary_paths(const OutputChoice& choice,
                                          const std::filesystem::path& directory) {
   std::vector<std::string> paths;
-  for (const std::string& name : file_names(choice))
-    paths.push_back(path_in(directory, temporary_name(name, getpid())));
-  if (choice.mesh) {
-    const auto [mesh_directory, name] = place_of(*choice.mesh);
-    paths.push_back(path_in(mesh_directory, temporary_name(name, getpid())));
-  }
+  for (const FilePlace& place : places_of(choice, directory))
+    paths.push_back(path_in(place.directory, temporary_name(place.name, getpid())));
   return paths;
 }
 

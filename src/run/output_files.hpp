@@ -17,6 +17,10 @@ namespace eses {
 /// The names of the chosen files, the mesh left out.
 std::vector<std::string> file_names(const OutputChoice& choice);
 
+/// Where these and the mesh are in the end.
+std::vector<std::string> final_paths(const OutputChoice& choice,
+                                     const std::filesystem::path& directory);
+
 /// Where this process writes them until they are complete.
 std::vector<std::string> temporary_paths(const OutputChoice& choice,
                                          const std::filesystem::path& directory);

@@ -32,14 +32,18 @@ def write_program(path, body):
 
 
 def interpreter_of(script):
-    """The script's own, to which Debian's matplotlib belongs."""
+    """The script's own, to which Debian's matplotlib and VTK belong."""
     return script.read_text(encoding="utf-8").partition("\n")[0].removeprefix("#!")
 
 
-def has_matplotlib(script):
+def can_import(script, module):
     python = interpreter_of(script)
     return os.path.exists(python) and subprocess.run(
-        [python, "-c", "import matplotlib"], stderr=subprocess.DEVNULL, check=False).returncode == 0
+        [python, "-c", f"import {module}"], stderr=subprocess.DEVNULL, check=False).returncode == 0
+
+
+def has_matplotlib(script):
+    return can_import(script, "matplotlib")
 
 
 class TestCase(unittest.TestCase):

@@ -1,24 +1,20 @@
 """scripts/render: a picture of a small mesh; skipped without VTK or a display."""
 
 import os
-import pathlib
 import shutil
 import struct
 import subprocess
 import unittest
 import zlib
 
-from support import DATA, PROGRAM, PROJECT, TestCase
+from support import DATA, PROGRAM, PROJECT, TestCase, can_import
 
 SCRIPT = PROJECT / "scripts" / "render"
-# The script's own interpreter, to which Debian's VTK belongs.
-PYTHON = SCRIPT.read_text(encoding="utf-8").partition("\n")[0].removeprefix("#!")
 
 
 def can_draw():
-    return (bool(os.environ.get("DISPLAY")) or shutil.which("xvfb-run")) and \
-        pathlib.Path(PYTHON).exists() and subprocess.run(
-            [PYTHON, "-c", "import vtk"], stderr=subprocess.DEVNULL, check=False).returncode == 0
+    has_display = os.environ.get("DISPLAY") or shutil.which("xvfb-run")
+    return bool(has_display) and can_import(SCRIPT, "vtk")
 
 
 def read_png(path):
