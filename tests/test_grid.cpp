@@ -78,7 +78,7 @@ TEST_CASE("the grid of two atoms, worked out by hand") {
   CHECK(grid.point_count() == std::int64_t{16} * 11 * 11);
   CHECK(grid.coordinate(0, 3) == -0.5);
   CHECK(grid.coordinate(2, 10) == 2.75);
-  CHECK(cut_depth(grid, atoms) == -1);
+  CHECK(cut_depth(grid, sphere_bounds(atoms)) == -1);
 }
 
 TEST_CASE("the number of points is truncated, not rounded") {
@@ -86,7 +86,7 @@ TEST_CASE("the number of points is truncated, not rounded") {
   CHECK(make_grid(atoms, 0.75, 0.25).size == GridIndex{4, 4, 4});   // 2.5 / 0.75 = 3.33
   CHECK(make_grid(atoms, 0.75, 0.375).size == GridIndex{4, 4, 4});  // 2.75 / 0.75 = 3.67
   CHECK(make_grid(atoms, 0.75, 0.375).upper == Vec3{0.875, 0.875, 0.875});
-  CHECK(cut_depth(make_grid(atoms, 0.75, 0.375), atoms) == 0.125);
+  CHECK(cut_depth(make_grid(atoms, 0.75, 0.375), sphere_bounds(atoms)) == 0.125);
 }
 
 TEST_CASE("a grid that ESES made for atoms that reach this far") {

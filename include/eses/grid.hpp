@@ -40,11 +40,21 @@ struct Grid {
   GridRegion whole() const { return {{}, size}; }
 };
 
+/// Two opposite corners, angstrom.
+struct SphereBounds {
+  Vec3 low, high;
+};
+
+/// The bounding box of the van der Waals spheres; without atoms, low is +infinity and high
+/// -infinity.
+SphereBounds sphere_bounds(std::span<const Atom> atoms);
+
 /// The grid of ESES, in the same order of double operations: the van der Waals spheres' bounding
 /// box padded by `margin`, the number of points truncated, `n = int((hi - lo) / h) + 1`.
 /// Throws Error if there are no atoms, if a parameter is not finite, if spacing <= 0 or margin
 /// < 0, or if the number of points exceeds what 64 bits hold.
 Grid make_grid(std::span<const Atom> atoms, double spacing, double margin);
+Grid make_grid(const SphereBounds& bounds, double spacing, double margin);
 
 /// The points in the closed box between two corners (angstrom). Throws Error if there are none.
 GridRegion points_in_box(const Grid& grid, Vec3 low, Vec3 high);
@@ -52,6 +62,6 @@ GridRegion points_in_box(const Grid& grid, Vec3 low, Vec3 high);
 /// How far the grid's faces lie inside the bounding box of the van der Waals spheres, the largest
 /// of the six, in angstrom: <= 0 where a face only touches, negative where the grid encloses the
 /// molecule. The truncation above may take up to one spacing of the margin away.
-double cut_depth(const Grid& grid, std::span<const Atom> atoms);
+double cut_depth(const Grid& grid, const SphereBounds& bounds);
 
 }  // namespace eses

@@ -10,8 +10,24 @@
 
 namespace eses {
 
+SphereBounds sphere_bounds(std::span<const Atom> atoms) {
+  constexpr double infinity = std::numeric_limits<double>::infinity();
+  SphereBounds bounds{{infinity, infinity, infinity}, {-infinity, -infinity, -infinity}};
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    for (const Atom& atom : atoms) {
+      bounds.low[axis] = std::min(bounds.low[axis], atom.center[axis] - atom.radius);
+      bounds.high[axis] = std::max(bounds.high[axis], atom.center[axis] + atom.radius);
+    }
+  }
+  return bounds;
+}
+
 Grid make_grid(std::span<const Atom> atoms, double spacing, double margin) {
-  if (atoms.empty()) throw Error("there are no atoms to build a grid around");
+  return make_grid(sphere_bounds(atoms), spacing, margin);
+}
+
+Grid make_grid(const SphereBounds& bounds, double spacing, double margin) {
+  if (bounds.low.x > bounds.high.x) throw Error("there are no atoms to build a grid around");
   if (!(spacing > 0) || !std::isfinite(spacing))
     throw Error(fmt::format("spacing must be a positive number of angstrom, not {}", spacing));
   if (!(margin >= 0) || !std::isfinite(margin))
@@ -20,13 +36,7 @@ Grid make_grid(std::span<const Atom> atoms, double spacing, double margin) {
   grid.spacing = spacing;
   double points = 1;
   for (std::size_t axis = 0; axis < 3; ++axis) {
-    double low = std::numeric_limits<double>::infinity(), high = -low;
-    for (const Atom& atom : atoms) {
-      low = std::min(low, atom.center[axis] - atom.radius);
-      high = std::max(high, atom.center[axis] + atom.radius);
-    }
-    low -= margin;
-    high += margin;
+    const double low = bounds.low[axis] - margin, high = bounds.high[axis] + margin;
     // A coordinate must tell neighbouring points apart, and 64-bit products must not overflow.
     const double cells = (high - low) / spacing;
     if (!(cells < 2e9))
@@ -69,12 +79,11 @@ GridRegion points_in_box(const Grid& grid, Vec3 low, Vec3 high) {
   return region;
 }
 
-double cut_depth(const Grid& grid, std::span<const Atom> atoms) {
+double cut_depth(const Grid& grid, const SphereBounds& bounds) {
   double depth = -std::numeric_limits<double>::infinity();
-  for (const Atom& atom : atoms)
-    for (std::size_t axis = 0; axis < 3; ++axis)
-      depth = std::max({depth, grid.lower[axis] - (atom.center[axis] - atom.radius),
-                        atom.center[axis] + atom.radius - grid.upper[axis]});
+  for (std::size_t axis = 0; axis < 3; ++axis)
+    depth = std::max(
+        {depth, grid.lower[axis] - bounds.low[axis], bounds.high[axis] - grid.upper[axis]});
   return depth;
 }
 

@@ -122,7 +122,9 @@ char* TextBuffer::reserve(std::size_t bytes) {
   return bytes_.data() + size_;
 }
 
-GridText::GridText(const Grid& grid, const GridRegion& region) : first_x_(region.begin[0]) {
+GridText::GridText(const Grid& grid, const GridRegion& region,
+                   std::span<const AtomIndex> atom_numbers)
+    : atom_numbers_(atom_numbers), first_x_(region.begin[0]) {
   for (std::size_t axis = 0; axis < 3; ++axis)
     for (std::int64_t i = 0; i < grid.size[axis]; ++i) {
       axes_[axis].indices.push_back(
@@ -209,7 +211,8 @@ char* GridText::append_crossing(char* out, std::int64_t x, const RowText& row,
   out = axis == 2 ? append_number(out, numbers, first + 3) : append(out, row.z);
   for (std::size_t q = 0; q < 3; ++q) out = append_number(out, numbers, first + q);
   for (std::size_t q = 0; q < crossing.atom_count; ++q) {
-    out = write_index(out, crossing.atoms[q]);
+    const AtomIndex atom = crossing.atoms[q];
+    out = write_index(out, atom_numbers_.empty() ? atom : atom_numbers_[atom]);
     *out++ = ' ';
   }
   *out++ = '\n';

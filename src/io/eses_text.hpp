@@ -30,7 +30,10 @@ class TextBuffer {
 /// Indices and coordinates of a grid along its axes as text, made once and copied many times.
 class GridText {
  public:
-  GridText(const Grid& grid, const GridRegion& region);
+  /// `atom_numbers` are what crossings' atoms are called, by index, or empty if that is their
+  /// index; they must outlive this.
+  GridText(const Grid& grid, const GridRegion& region,
+           std::span<const AtomIndex> atom_numbers = {});
 
   /// A row of grid_info.txt: `i j k s` for the points of the region; bit 0 of `inside` tells the
   /// sign s of the first.
@@ -61,6 +64,7 @@ class GridText {
     std::vector<Token<32>> coordinates;
   };
   std::array<Axis, 3> axes_;
+  std::span<const AtomIndex> atom_numbers_;
   std::int64_t first_x_ = 0;
   std::vector<std::array<std::uint64_t, 2>> row_indices_;  ///< along x, with zeros behind the text
 };

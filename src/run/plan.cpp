@@ -191,20 +191,30 @@ void expect_files(const SurfaceSurvey& survey, const OutputChoice& outputs, Plan
 
 }  // namespace
 
-Plan make_plan_within(std::uint64_t available, const Molecule& molecule,
-                      const Parameters& parameters, const OutputChoice& outputs) {
+Plan plan_grid(const SphereBounds& bounds, const Parameters& parameters) {
   require_valid(parameters);
-  if (outputs.mesh) require_valid(*outputs.mesh, molecule);
-  const std::span<const Atom> atoms = molecule.atoms();
   Plan plan;
   plan.parameters = parameters;
-  plan.grid = make_grid(atoms, parameters.spacing, parameters.margin);
-  plan.cut_depth = cut_depth(plan.grid, atoms);
+  plan.grid = make_grid(bounds, parameters.spacing, parameters.margin);
+  plan.cut_depth = cut_depth(plan.grid, bounds);
   require_enclosing_margin(plan, parameters);
-  const GridRegion region = region_of(plan.grid, parameters);
-  const SurfaceSurvey survey = survey_of(molecule, plan.grid, region, parameters.probe_radius);
+  plan.tiling.region = region_of(plan.grid, parameters);
+  return plan;
+}
+
+void plan_work(std::uint64_t available, const Molecule& molecule, const OutputChoice& outputs,
+               Plan& plan) {
+  const GridRegion region = plan.tiling.region;
+  const SurfaceSurvey survey = survey_of(molecule, plan.grid, region, plan.parameters.probe_radius);
   choose_schedule(survey, region, outputs, available, plan);
   expect_files(survey, outputs, plan);
+}
+
+Plan make_plan_within(std::uint64_t available, const Molecule& molecule,
+                      const Parameters& parameters, const OutputChoice& outputs) {
+  if (outputs.mesh) require_valid(*outputs.mesh, molecule);
+  Plan plan = plan_grid(sphere_bounds(molecule.atoms()), parameters);
+  plan_work(available, molecule, outputs, plan);
   return plan;
 }
 

@@ -12,4 +12,12 @@ namespace eses {
 Plan make_plan_within(std::uint64_t available, const Molecule& molecule,
                       const Parameters& parameters, const OutputChoice& outputs);
 
+/// The first half of it: the grid around atoms with these bounds, and the region to compute.
+Plan plan_grid(const SphereBounds& bounds, const Parameters& parameters);
+
+/// The second half, for the region of `plan.tiling`, of which `molecule` must hold the atoms that
+/// matter there.
+void plan_work(std::uint64_t available, const Molecule& molecule, const OutputChoice& outputs,
+               Plan& plan);
+
 }  // namespace eses

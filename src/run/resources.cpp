@@ -13,6 +13,9 @@
 #include <string_view>
 #include <vector>
 
+#include "eses/error.hpp"
+#include "io/bytes_text.hpp"
+
 namespace eses {
 namespace {
 
@@ -115,6 +118,14 @@ std::uint64_t peak_memory() {
   rusage usage{};
   if (getrusage(RUSAGE_SELF, &usage) != 0) return 0;
   return static_cast<std::uint64_t>(usage.ru_maxrss) * 1024;
+}
+
+void require_memory_within(std::uint64_t max_memory) {
+  if (max_memory > 0 && resident_memory() > max_memory)
+    throw Error(fmt::format(
+        "the run needs more than the {} that it may hold, and was expected to need; use "
+        "a larger limit",
+        binary_bytes_text(max_memory)));
 }
 
 std::uint64_t available_disk(const std::filesystem::path& directory) {

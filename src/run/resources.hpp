@@ -18,6 +18,10 @@ std::uint64_t available_memory();
 std::uint64_t resident_memory();
 std::uint64_t peak_memory();
 
+/// Throws Error if the process holds more than `max_memory`, unless that is 0: it was expected to
+/// hold less.
+void require_memory_within(std::uint64_t max_memory);
+
 /// Bytes free for this user in the file system of `directory`, which must exist; the largest number
 /// if that cannot be told.
 std::uint64_t available_disk(const std::filesystem::path& directory);
