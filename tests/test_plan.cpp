@@ -49,6 +49,7 @@ std::uint64_t smallest_limit(const std::vector<Atom>& atoms, Parameters paramete
 // Atoms in a row, far apart in z: many layers.
 std::vector<Atom> column_of_atoms(int count) {
   std::vector<Atom> atoms;
+  atoms.reserve(static_cast<std::size_t>(count));
   for (int i = 0; i < count; ++i) atoms.push_back({{0.1 * i, 0, 3.5 * i}, 1.7});
   return atoms;
 }
@@ -68,8 +69,11 @@ std::vector<Atom> flat_sheet(int side) {
 // Spheres that do not meet, one of them 30,000 times as large in area as each of the others.
 std::vector<Atom> gas_around_a_large_atom(std::size_t place_of_large) {
   std::vector<Atom> atoms;
-  for (int i = 0; i < 8000; ++i)
-    atoms.push_back({{400 + 7.0 * (i % 20), 7.0 * (i / 20 % 20), 7.0 * (i / 400)}, 1.7});
+  atoms.reserve(8001);
+  for (int i = 0; i < 8000; ++i) {
+    const int layer = i / 400;
+    atoms.push_back({{400 + 7.0 * (i % 20), 7.0 * (i / 20 % 20), 7.0 * layer}, 1.7});
+  }
   atoms.insert(atoms.begin() + static_cast<std::ptrdiff_t>(place_of_large), {{0, 0, 0}, 300});
   return atoms;
 }
@@ -91,8 +95,11 @@ TEST_CASE("the survey of spheres that do not meet is exact", "[plan]") {
   CHECK(surveyed_area({{{1, 2, 3}, 1.5}}) == Approx(4 * pi * 1.5 * 1.5));
   CHECK(surveyed_area({{{0, 0, 0}, 1.5}, {{50, 0, 0}, 2}}) == Approx(4 * pi * (2.25 + 4)));
   std::vector<Atom> gas;
-  for (int i = 0; i < 5000; ++i)
-    gas.push_back({{20.0 * (i % 17), 20.0 * (i / 17 % 17), 20.0 * (i / 289)}, 1.6});
+  gas.reserve(5000);
+  for (int i = 0; i < 5000; ++i) {
+    const int layer = i / 289;
+    gas.push_back({{20.0 * (i % 17), 20.0 * (i / 17 % 17), 20.0 * layer}, 1.6});
+  }
   CHECK(surveyed_area(gas) == Approx(5000 * 4 * pi * 1.6 * 1.6));
 }
 
@@ -158,7 +165,8 @@ TEST_CASE("many sizes of atoms are surveyed in any order", "[plan]") {
   for (int i = 0; i < 20000; ++i) {
     // Radii such that there are few large ones: 1 to 20.
     const double radius = 20 / (1 + 19 * std::sqrt(std::fmod(i * 0.754877666, 1)));
-    atoms.push_back({{50.0 * (i % 27), 50.0 * (i / 27 % 27), 50.0 * (i / 729)}, radius});
+    const int layer = i / 729;
+    atoms.push_back({{50.0 * (i % 27), 50.0 * (i / 27 % 27), 50.0 * layer}, radius});
     area += 4 * pi * radius * radius;
   }
   CHECK(surveyed_area(atoms) == Approx(area).epsilon(0.05));
@@ -319,6 +327,7 @@ TEST_CASE("no more blocks are solved ahead of the unwritten layer than allowed",
     INFO("ahead " << ahead);
     LayerQueue queue(2, 4, ahead);
     std::vector<Task> first;
+    first.reserve(4);
     for (int b = 0; b < 4; ++b) first.push_back(queue.take().value());
     // The last block of the first layer is still being solved.
     for (int b = 0; b < 3; ++b)

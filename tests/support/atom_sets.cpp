@@ -321,7 +321,7 @@ Atoms make_sheet(Recipe& recipe) {
   Atoms atoms;
   for (std::size_t i = 0; i < rows; ++i)
     for (std::size_t j = 0; j < columns; ++j) {
-      const double row = static_cast<double>(i), column = static_cast<double>(j);
+      const auto row = static_cast<double>(i), column = static_cast<double>(j);
       atoms.push_back({edge * Vec3{column + row / 2, row * std::numbers::sqrt3 / 2, 0}, r});
     }
   return atoms;
