@@ -1,8 +1,10 @@
 #pragma once
 /// The atoms of a molecule, and what their places tell about them.
 
+#include <functional>
 #include <memory>
 #include <span>
+#include <utility>
 #include <vector>
 
 #include "eses/atom_labels.hpp"
@@ -23,6 +25,11 @@ class Molecule {
   /// `labels` of all atoms, or of none. Throws Error if there are some, but not as many as atoms.
   Molecule(std::vector<Atom> atoms, std::vector<AtomLabel> labels);
 
+  /// A part of a larger molecule: oddities are told only of the atoms that `is_own` accepts, while
+  /// the others, around them, are what they are odd beside.
+  static Molecule part(std::vector<Atom> atoms,
+                       const std::function<bool(const Atom& atom)>& is_own);
+
   /// In input order.
   std::span<const Atom> atoms() const;
 
@@ -42,6 +49,7 @@ class Molecule {
 
  private:
   struct Parts;
+  explicit Molecule(std::shared_ptr<const Parts> parts) : parts_(std::move(parts)) {}
   std::shared_ptr<const Parts> parts_;
 };
 

@@ -51,8 +51,7 @@ std::string lines_text(const Finding& finding, std::string_view relation) {
                      more > 0 ? fmt::format(" and {} more", more) : "");
 }
 
-Finding describe(const Oddity& oddity, std::span<const std::uint64_t> lines,
-                 const std::filesystem::path& input) {
+Finding describe(const Oddity& oddity, const LineOf& line_of, const std::filesystem::path& input) {
   const Wording wording = wording_of(oddity.kind);
   Finding finding;
   finding.name = wording.name;
@@ -60,7 +59,7 @@ Finding describe(const Oddity& oddity, std::span<const std::uint64_t> lines,
   finding.count = oddity.count;
   finding.short_text = oddity.count == 1 ? wording.one : wording.several;
   for (const auto& [atom, other] : oddity.examples)
-    finding.examples.push_back({atom, lines[atom], atom != other, other, lines[other]});
+    finding.examples.push_back({atom, line_of(atom), atom != other, other, line_of(other)});
   finding.message =
       fmt::format("{}: {} {}: {}", input == "-" ? "<stdin>" : input.string(), finding.count,
                   finding.short_text, lines_text(finding, wording.relation));
@@ -69,11 +68,10 @@ Finding describe(const Oddity& oddity, std::span<const std::uint64_t> lines,
 
 }  // namespace
 
-std::vector<Finding> describe(std::span<const Oddity> oddities,
-                              std::span<const std::uint64_t> lines,
+std::vector<Finding> describe(std::span<const Oddity> oddities, const LineOf& line_of,
                               const std::filesystem::path& input) {
   std::vector<Finding> findings;
-  for (const Oddity& oddity : oddities) findings.push_back(describe(oddity, lines, input));
+  for (const Oddity& oddity : oddities) findings.push_back(describe(oddity, line_of, input));
   return findings;
 }
 

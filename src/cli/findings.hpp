@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <functional>
 #include <span>
 #include <string>
 #include <string_view>
@@ -29,9 +30,10 @@ struct Finding {
   std::vector<Example> examples;
 };
 
-/// `lines` are those of the atoms in the file `input`.
-std::vector<Finding> describe(std::span<const Oddity> oddities,
-                              std::span<const std::uint64_t> lines,
+/// The line of an atom, one of the oddities' examples, in the input.
+using LineOf = std::function<std::uint64_t(AtomIndex atom)>;
+
+std::vector<Finding> describe(std::span<const Oddity> oddities, const LineOf& line_of,
                               const std::filesystem::path& input);
 
 }  // namespace eses::cli

@@ -119,6 +119,12 @@ void add_file_options(CLI::App& app) {
       ->description("text files compressed, as NAME.gz; diff reads both")
       ->group("Input and output");
   add("--mesh", "FILE", "also the surface as triangles: .ply, .obj or .off");
+  app.add_flag("--resume")
+      ->description(
+          "keep what is done where a run is cut off, and go on\n"
+          "from there the next time; not with a mesh, a map,\n"
+          "residues or --verify")
+      ->group("Input and output");
   add("--color", "NAME", "colours in a .ply file: patch, atom or chain (PQR) [none]");
 }
 
@@ -403,6 +409,7 @@ Options options_of(const CLI::App& app) {
   options.format = format_of(app);
   options.output_directory = required_text(app, "--output-dir", ".");
   options.outputs = outputs_of(app, options.output_directory);
+  options.resume = is_set(app, "--resume");
   options.quiet = is_set(app, "--quiet");
   options.json = is_set(app, "--json");
   options.dry_run = is_set(app, "--dry-run");

@@ -17,6 +17,7 @@ struct Options {
   Parameters parameters;
   OutputChoice outputs;
   std::filesystem::path output_directory = ".";
+  bool resume = false;  ///< goes on from what a run that was cut off has done
   bool quiet = false;
   bool json = false;
   bool dry_run = false;  ///< plan only

@@ -238,6 +238,23 @@ std::string output_json(const Report& report) {
                        {"bytes", json::number(report.summary.bytes_written)}});
 }
 
+std::string workers_text(const Report& report) {
+  const std::string threads = counted(report.plan.threads, "thread");
+  if (report.processes.size() < 2) return threads;
+  return fmt::format("{} processes of {}", report.processes.size(), threads);
+}
+
+std::string processes_json(const Report& report) {
+  std::vector<std::string> items;
+  for (const ProcessFigures& figures : report.processes)
+    items.push_back(json::object({{"first_plane", json::number(figures.planes.begin)},
+                                  {"planes", json::number(figures.planes.count())},
+                                  {"atoms", json::number(figures.atoms)},
+                                  {"cpu_seconds", json::number(figures.cpu_seconds)},
+                                  {"peak_memory_bytes", json::number(figures.peak_memory_bytes)}}));
+  return json::array(items);
+}
+
 }  // namespace
 
 bool has_faults(const Summary& summary) {
@@ -275,8 +292,9 @@ std::string plan_text(const Report& report) {
                       plan.grid.point_count());
   text += region_text(plan);
   text += fmt::format("blocks: {} x {} x {}, {} points on a side; {}\n", blocks[0], blocks[1],
-                      blocks[2], plan.tiling.block_size, counted(plan.threads, "thread"));
-  text += fmt::format("expected: {} of memory, {} of files\n", bytes_text(plan.memory_bytes),
+                      blocks[2], plan.tiling.block_size, workers_text(report));
+  text += fmt::format("expected: {} of memory{}, {} of files\n", bytes_text(plan.memory_bytes),
+                      report.processes.size() > 1 ? " in a process at most" : "",
                       bytes_text(plan.output_bytes()));
   if (!report.options.dry_run) return text;
   if (parameters.max_memory > 0)
@@ -333,7 +351,8 @@ std::string json_text(const Report& report) {
                                    {"mesh", mesh_json(report)},
                                    {"output", output_json(report)},
                                    {"seconds", seconds_json(summary.seconds)},
-                                   {"peak_memory_bytes", json::number(report.peak_memory_bytes)}});
+                                   {"peak_memory_bytes", json::number(report.peak_memory_bytes)},
+                                   {"processes", processes_json(report)}});
   return json::object(members, ",\n ") + "\n";
 }
 

@@ -10,6 +10,7 @@
 #include "cli/findings.hpp"
 #include "cli/options.hpp"
 #include "eses/run.hpp"
+#include "processes/joint_run.hpp"
 
 namespace eses::cli {
 
@@ -21,7 +22,9 @@ struct Report {
   Plan plan;
   DiskSpace disk;
   Summary summary;                      ///< empty before the run
-  std::uint64_t peak_memory_bytes = 0;  ///< of the process
+  std::uint64_t peak_memory_bytes = 0;  ///< of the process, or the one that held most
+  /// Of a joint run; before it, empty figures.
+  std::vector<ProcessFigures> processes;
 };
 
 /// Whether the run was verified and found wrong.

@@ -18,6 +18,7 @@
 #include <utility>
 
 #include "eses/error.hpp"
+#include "io/atom_lines.hpp"
 #include "io/file_descriptor.hpp"
 #include "io/gzip.hpp"
 #include "io/pqr_labels.hpp"
@@ -313,12 +314,11 @@ bool holds_control_character(std::string_view text) {
   return found != 0;
 }
 
-void check_is_text(std::string_view text, std::string_view name) {
-  check_encoding(text, name);
+void check_is_text(std::string_view text, std::string_view name, std::size_t first_line) {
   if (!holds_control_character(text)) return;
   const auto culprit = std::find_if(text.begin(), text.end(), is_control);
-  const auto line = static_cast<std::size_t>(std::count(text.begin(), culprit, '\n')) + 1;
-  fail(name, line,
+  const auto line = static_cast<std::size_t>(std::count(text.begin(), culprit, '\n'));
+  fail(name, first_line + line,
        fmt::format("control character \\x{:02x}; this looks like a binary file, not text",
                    static_cast<unsigned>(*culprit)));
 }
@@ -346,12 +346,6 @@ std::size_t estimate_atoms(std::string_view text) {
   return std::min(lines, text.size() / shortest_atom_line + 1);
 }
 
-std::string no_atoms_message(std::string_view name, bool is_pqr, std::size_t lines) {
-  return fmt::format("{}: no {} found; {} {} read", name,
-                     is_pqr ? "ATOM or HETATM records" : "atoms", lines,
-                     lines == 1 ? "line" : "lines");
-}
-
 // ----------------------------------------------------------------------------------------- files
 
 [[noreturn]] void fail_with_system_error(std::string_view action, std::string_view name, int code) {
@@ -362,6 +356,8 @@ std::string no_atoms_message(std::string_view name, bool is_pqr, std::size_t lin
   throw Error(fmt::format("cannot read {}: out of memory", name));
 }
 
+}  // namespace
+
 int open_for_reading(const std::filesystem::path& path, std::string_view name) {
   int descriptor = -1;
   do {
@@ -370,6 +366,8 @@ int open_for_reading(const std::filesystem::path& path, std::string_view name) {
   if (descriptor < 0) fail_with_system_error("open", name, errno);
   return descriptor;
 }
+
+namespace {
 
 std::size_t read_some(int descriptor, char* buffer, std::size_t size, std::string_view name) {
   ssize_t count = 0;
@@ -435,20 +433,17 @@ NumberedAtoms read_descriptor(int descriptor, AtomFormat format, const std::stri
 
 }  // namespace
 
-NumberedAtoms parse_numbered_atoms(std::string_view text, AtomFormat format,
-                                   std::string_view name) {
-  check_is_text(text, name);
-  text = without_byte_order_mark(text);
+std::uint64_t parse_atom_lines(std::string_view text, AtomFormat format, std::string_view name,
+                               std::uint64_t first_line, bool with_labels, NumberedAtoms& result) {
+  if (first_line == 1) check_encoding(text, name);
+  check_is_text(text, name, first_line);
+  if (first_line == 1) text = without_byte_order_mark(text);
   const bool is_pqr = format == AtomFormat::pqr;
   const auto is_record = is_pqr ? is_pqr_record : is_xyzr_record;
   const auto parse_line = is_pqr ? parse_pqr : parse_xyzr;
 
-  NumberedAtoms result;
   auto& [atoms, lines, labels] = result;
-  atoms.reserve(estimate_atoms(text));
-  lines.reserve(atoms.capacity());
-  if (is_pqr) labels.reserve(atoms.capacity());
-  std::size_t line_number = 0;
+  std::uint64_t line_number = first_line - 1;
   while (!text.empty()) {
     const std::string_view line = take_line(text);
     check_line(line, name, ++line_number);
@@ -462,9 +457,32 @@ NumberedAtoms parse_numbered_atoms(std::string_view text, AtomFormat format,
     }
     atoms.push_back(record.atom);
     lines.push_back(line_number);
-    if (is_pqr) labels.push_back(std::move(record.label));
+    if (is_pqr && with_labels) labels.push_back(std::move(record.label));
   }
-  if (atoms.empty()) throw Error(no_atoms_message(name, is_pqr, line_number));
+  return line_number - (first_line - 1);
+}
+
+std::string no_atoms_message(std::string_view name, AtomFormat format, std::uint64_t lines) {
+  return fmt::format("{}: no {} found; {} {} read", name,
+                     format == AtomFormat::pqr ? "ATOM or HETATM records" : "atoms", lines,
+                     lines == 1 ? "line" : "lines");
+}
+
+AtomFormat required_format(const std::filesystem::path& path, AtomFormat format) {
+  if (path == "-") return format;
+  const std::string suffix = suffix_of(path);
+  refuse_structure_files(suffix, path.string());
+  return format == AtomFormat::automatic && suffix == ".pqr" ? AtomFormat::pqr : format;
+}
+
+NumberedAtoms parse_numbered_atoms(std::string_view text, AtomFormat format,
+                                   std::string_view name) {
+  NumberedAtoms result;
+  result.atoms.reserve(estimate_atoms(text));
+  result.lines.reserve(result.atoms.capacity());
+  if (format == AtomFormat::pqr) result.labels.reserve(result.atoms.capacity());
+  const std::uint64_t lines = parse_atom_lines(text, format, name, 1, true, result);
+  if (result.atoms.empty()) throw Error(no_atoms_message(name, format, lines));
   return result;
 }
 
@@ -474,9 +492,8 @@ std::vector<Atom> parse_atoms(std::string_view text, AtomFormat format, std::str
 
 NumberedAtoms read_numbered_atoms(const std::filesystem::path& path, AtomFormat format) {
   if (path == "-") return read_descriptor(STDIN_FILENO, format, "<stdin>");
-  const std::string name = path.string(), suffix = suffix_of(path);
-  refuse_structure_files(suffix, name);
-  if (format == AtomFormat::automatic && suffix == ".pqr") format = AtomFormat::pqr;
+  const std::string name = path.string();
+  format = required_format(path, format);
   const FileDescriptor file(open_for_reading(path, name));
   return read_descriptor(file.value(), format, name);
 }

@@ -6,11 +6,11 @@
 #include <unistd.h>
 
 #include <cerrno>
-#include <string>
 #include <system_error>
 #include <utility>
 
 #include "eses/error.hpp"
+#include "io/output_directory.hpp"
 
 namespace eses {
 namespace {
@@ -41,6 +41,13 @@ ScratchFile::ScratchFile(std::filesystem::path directory) : directory_(std::move
   unlink(name.c_str());
 }
 
+ScratchFile::ScratchFile(std::filesystem::path directory, const std::string& name, Kept kept)
+    : directory_(std::move(directory)) {
+  const int mode = kept == Kept::fresh ? O_RDWR | O_CREAT | O_TRUNC : O_RDONLY;
+  descriptor_ = open(path_in(directory_, name).c_str(), mode | O_NOFOLLOW | O_CLOEXEC, 0666);
+  if (descriptor_ < 0) fail(kept == Kept::fresh ? "create" : "open", directory_, errno);
+}
+
 ScratchFile::~ScratchFile() { close(descriptor_); }
 
 void ScratchFile::append(std::span<const std::byte> bytes) {
@@ -69,6 +76,11 @@ void ScratchFile::read_at(std::span<std::byte> bytes, std::uint64_t offset) cons
     bytes = bytes.subspan(static_cast<std::size_t>(count));
     offset += static_cast<std::uint64_t>(count);
   }
+}
+
+void ScratchFile::sync() {
+  while (fsync(descriptor_) != 0)
+    if (errno != EINTR) fail("write", directory_, errno);
 }
 
 }  // namespace eses

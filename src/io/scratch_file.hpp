@@ -5,16 +5,20 @@
 #include <cstdint>
 #include <filesystem>
 #include <span>
+#include <string>
 
 namespace eses {
 
-/// A file without a name, gone with the object or the process. Every failure throws Error, naming
-/// the file's directory.
+/// A file without a name, gone with the object or the process, unless it is to stay. Every failure
+/// throws Error, naming the file's directory.
 class ScratchFile {
  public:
   /// In the directory for temporary files (TMPDIR, or /tmp).
   ScratchFile();
   explicit ScratchFile(std::filesystem::path directory);
+  /// One that has a name and stays: empty, or as it was left.
+  enum class Kept { fresh, existing };
+  ScratchFile(std::filesystem::path directory, const std::string& name, Kept kept);
   ~ScratchFile();
   ScratchFile(const ScratchFile&) = delete;
   ScratchFile& operator=(const ScratchFile&) = delete;
@@ -24,6 +28,8 @@ class ScratchFile {
   void write_at(std::span<const std::byte> bytes, std::uint64_t offset);
   /// All of `bytes`, which must have been written.
   void read_at(std::span<std::byte> bytes, std::uint64_t offset) const;
+  /// Waits until everything is on the disk.
+  void sync();
   /// Of what was appended.
   std::uint64_t size() const { return size_; }
 

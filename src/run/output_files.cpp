@@ -17,10 +17,6 @@
 namespace eses {
 namespace {
 
-constexpr char box_name[] = "bounding_box.txt";
-constexpr char grid_name[] = "grid_info.txt";
-constexpr char edges_name[] = "intersection_info.txt";
-constexpr char areas_name[] = "partition_area.txt";
 constexpr char residues_name[] = "residue_area.csv";
 constexpr char chains_name[] = "chain_area.csv";
 constexpr std::string_view gzip_suffix = ".gz";

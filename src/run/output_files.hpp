@@ -14,6 +14,12 @@
 
 namespace eses {
 
+/// Of the text files, if they are not gzipped.
+inline constexpr char box_name[] = "bounding_box.txt";
+inline constexpr char grid_name[] = "grid_info.txt";
+inline constexpr char edges_name[] = "intersection_info.txt";
+inline constexpr char areas_name[] = "partition_area.txt";
+
 /// The names of the chosen files, the mesh left out.
 std::vector<std::string> file_names(const OutputChoice& choice);
 

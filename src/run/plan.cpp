@@ -175,8 +175,7 @@ void expect_files(const SurfaceSurvey& survey, const OutputChoice& outputs, Plan
   if (outputs.edges)
     plan.edge_file_bytes = on_disk(typical_crossing_bytes * crossings, edge_gzip_share);
   if (outputs.areas)
-    plan.area_file_bytes =
-        on_disk(static_cast<double>(area_line_bytes * survey.atom_count()), area_gzip_share);
+    plan.area_file_bytes = expected_area_bytes(survey.atom_count(), outputs.gzip);
   if (outputs.mesh)
     plan.mesh_file_bytes =
         static_cast<std::uint64_t>(mesh_bytes(*outputs.mesh, survey.label_count() > 0) * crossings);
@@ -190,6 +189,11 @@ void expect_files(const SurfaceSurvey& survey, const OutputChoice& outputs, Plan
 }
 
 }  // namespace
+
+std::uint64_t expected_area_bytes(std::uint64_t atoms, bool gzip) {
+  const double share = gzip ? area_gzip_share : 1;
+  return static_cast<std::uint64_t>(share * static_cast<double>(area_line_bytes * atoms));
+}
 
 Plan plan_grid(const SphereBounds& bounds, const Parameters& parameters) {
   require_valid(parameters);

@@ -20,4 +20,7 @@ Plan plan_grid(const SphereBounds& bounds, const Parameters& parameters);
 void plan_work(std::uint64_t available, const Molecule& molecule, const OutputChoice& outputs,
                Plan& plan);
 
+/// Of partition_area.txt: an upper bound, or an estimate if it is gzipped.
+std::uint64_t expected_area_bytes(std::uint64_t atoms, bool gzip);
+
 }  // namespace eses

@@ -60,12 +60,6 @@ std::uint64_t end_text(std::optional<OutputFile>& file, std::uint64_t bytes, boo
   return nothing.size();
 }
 
-std::uint64_t write_box(OutputFile& file, const Grid& grid, bool gzip) {
-  ShortFile box(file, gzip);
-  box.append(bounding_box_text(grid));
-  return box.size();
-}
-
 std::uint64_t write_areas(OutputFile& file, std::span<const double> areas, bool gzip) {
   ShortFile file_of_areas(file, gzip);
   TextBuffer text;

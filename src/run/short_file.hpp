@@ -5,6 +5,7 @@
 #include <optional>
 #include <span>
 
+#include "io/eses_text.hpp"
 #include "io/gzip.hpp"
 #include "io/output_file.hpp"
 
@@ -34,5 +35,12 @@ class ShortFile {
   std::optional<Gzip> gzip_;
   std::uint64_t size_ = 0;
 };
+
+/// Writes bounding_box.txt; returns its bytes.
+inline std::uint64_t write_box(OutputFile& file, const Grid& grid, bool gzip) {
+  ShortFile box(file, gzip);
+  box.append(bounding_box_text(grid));
+  return box.size();
+}
 
 }  // namespace eses

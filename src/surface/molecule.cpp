@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <functional>
 #include <numeric>
 #include <tuple>
 #include <utility>
@@ -80,7 +81,8 @@ void keep_vicinity(std::span<const Atom> atoms, AtomIndex i, std::span<const Ato
 }  // namespace
 
 struct Molecule::Parts {
-  Parts(std::vector<Atom> all_atoms, std::vector<AtomLabel> all_labels)
+  Parts(std::vector<Atom> all_atoms, std::vector<AtomLabel> all_labels,
+        const std::function<bool(const Atom&)>& is_own)
       : atoms(std::move(all_atoms)),
         labels(std::move(all_labels)),
         first_equal(find_first_equal(atoms)),
@@ -90,11 +92,11 @@ struct Molecule::Parts {
         is_contained(atoms.size()) {
     if (!labels.empty() && labels.size() != atoms.size())
       throw Error(fmt::format("{} labels for {} atoms", labels.size(), atoms.size()));
-    look_around();
+    look_around(is_own);
   }
 
-  void look_around() {
-    OddityFinder finder(atoms);
+  void look_around(const std::function<bool(const Atom&)>& is_own) {
+    OddityFinder finder(atoms, is_own);
     std::vector<AtomIndex> found, near;
     const auto count = static_cast<AtomIndex>(atoms.size());
     for (AtomIndex begin = 0, end = 0; begin < count; begin = end) {
@@ -130,7 +132,12 @@ struct Molecule::Parts {
 Molecule::Molecule(std::vector<Atom> atoms) : Molecule(std::move(atoms), {}) {}
 
 Molecule::Molecule(std::vector<Atom> atoms, std::vector<AtomLabel> labels)
-    : parts_(std::make_shared<const Parts>(std::move(atoms), std::move(labels))) {}
+    : parts_(std::make_shared<const Parts>(std::move(atoms), std::move(labels), nullptr)) {}
+
+Molecule Molecule::part(std::vector<Atom> atoms, const std::function<bool(const Atom&)>& is_own) {
+  return Molecule(
+      std::make_shared<const Parts>(std::move(atoms), std::vector<AtomLabel>(), is_own));
+}
 
 std::span<const Atom> Molecule::atoms() const { return parts_->atoms; }
 std::span<const AtomLabel> Molecule::labels() const { return parts_->labels; }

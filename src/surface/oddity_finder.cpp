@@ -27,10 +27,11 @@ void keep_lowest(AtomIndex& lowest, AtomIndex candidate) { lowest = std::min(low
 
 }  // namespace
 
-OddityFinder::OddityFinder(std::span<const Atom> atoms)
-    : atoms_(atoms), outer_(atoms.size(), none) {}
+OddityFinder::OddityFinder(std::span<const Atom> atoms, std::function<bool(const Atom&)> is_own)
+    : atoms_(atoms), is_own_(std::move(is_own)), outer_(atoms.size(), none) {}
 
 void OddityFinder::add(OddityKind kind, AtomIndex atom, AtomIndex other) {
+  if (is_own_ && !is_own_(atoms_[atom])) return;
   Oddity& oddity = oddities_[static_cast<std::size_t>(kind)];
   if (++oddity.count <= Oddity::most_examples) oddity.examples.push_back({atom, other});
 }

@@ -2,6 +2,7 @@
 /// Finds what is odd in a set of atoms, one atom after the other.
 
 #include <array>
+#include <functional>
 #include <span>
 #include <vector>
 
@@ -15,8 +16,8 @@ inline constexpr double close_distance = 0.5;
 
 class OddityFinder {
  public:
-  /// Keeps a view of `atoms`.
-  explicit OddityFinder(std::span<const Atom> atoms);
+  /// Keeps a view of `atoms`, and tells only of those that `is_own` accepts, if it is not empty.
+  OddityFinder(std::span<const Atom> atoms, std::function<bool(const Atom&)> is_own);
 
   /// Tells that atom `i` equals the earlier `first`. This, too, in the order of `i`.
   void add_duplicate(AtomIndex i, AtomIndex first);
@@ -35,6 +36,7 @@ class OddityFinder {
   void add_radii();
 
   std::span<const Atom> atoms_;
+  std::function<bool(const Atom&)> is_own_;
   std::vector<AtomIndex> outer_;  // of the atoms in which an atom lies the first, if any
   std::array<Oddity, oddity_kinds> oddities_;
 };

@@ -259,6 +259,16 @@ void SurfaceSurvey::add_area(double area, double weight, Box box, double patch_a
   add(variance_, weight * (weight - 1) * area * patch_area);
 }
 
+double SurfaceSurvey::area_between(double low_z, double high_z) const {
+  const auto area_below = [this](double z) {
+    const double place = std::clamp((z - low_z_) / bin_, 0.0, static_cast<double>(bins));
+    const auto bin = static_cast<std::size_t>(place);
+    const double below = bin > 0 ? area_[bin - 1] : 0;
+    return below + (place - static_cast<double>(bin)) * (area_[bin] - below);
+  };
+  return area_below(high_z) - area_below(low_z);
+}
+
 double SurfaceSurvey::largest_slab_area(double thickness) const {
   const auto count = static_cast<double>(area_.size());
   const auto width = static_cast<std::size_t>(std::min(count, std::ceil(thickness / bin_) + 1));

@@ -33,6 +33,9 @@ class SurfaceSurvey {
   double probe_radius() const { return surface_.probe_radius; }
   double largest_radius() const { return surface_.largest_radius; }
 
+  /// The area between two heights, angstrom.
+  double area_between(double low_z, double high_z) const;
+
   /// The largest area between two planes across z that are `thickness` apart (angstrom), with the
   /// sampling error added twice over.
   double largest_slab_area(double thickness) const;

@@ -1,0 +1,110 @@
+#include "cli/surface_command.hpp"
+
+#include <fmt/format.h>
+
+#include <filesystem>
+#include <optional>
+#include <span>
+#include <string>
+#include <system_error>
+#include <utility>
+#include <vector>
+
+#include "cli/command.hpp"
+#include "cli/interruption.hpp"
+#include "cli/messages.hpp"
+#include "cli/progress.hpp"
+#include "cli/report.hpp"
+#include "eses/error.hpp"
+#include "eses/molecule.hpp"
+#include "eses/read_atoms.hpp"
+#include "run/output_files.hpp"
+#include "run/resources.hpp"
+
+namespace eses::cli {
+namespace {
+
+Summary run_with_progress(const Molecule& molecule, const Options& options, const Plan& plan) {
+  std::optional<ProgressBar> bar;
+  if (!options.quiet && ProgressBar::is_possible()) bar.emplace();
+  InterruptibleRun interruptible(temporary_paths(options.outputs, options.output_directory),
+                                 lock_paths(options.outputs, options.output_directory));
+  Summary summary = run(molecule, plan, options.outputs, options.output_directory,
+                        {.progress = [&](std::int64_t done, std::int64_t total) {
+                          interruptible.check();
+                          if (bar) bar->show(done, total);
+                        }});
+  interruptible.check();
+  return summary;
+}
+
+/// A file may have far more text than atoms.
+void require_memory_for_reading(const Options& options) {
+  const std::uint64_t limit = options.parameters.max_memory, peak = peak_memory();
+  if (limit == 0 || peak <= limit) return;
+  throw Error(
+      fmt::format("{}: reading it has taken more memory than the limit allows; the smallest "
+                  "that would do is --max-memory {}M",
+                  options.input.string(), (peak >> 20) + 1));
+}
+
+// `lines` are those of the atoms in the file.
+Report plan_report(const Molecule& molecule, std::span<const std::uint64_t> lines,
+                   const Options& options) {
+  Report report;
+  report.options = options;
+  report.atoms = molecule.atoms().size();
+  report.findings = describe(
+      molecule.oddities(), [lines](AtomIndex atom) { return lines[atom]; }, options.input);
+  report.plan = make_plan(molecule, options.parameters, options.outputs);
+  require_memory_for_reading(options);
+  report.disk = require_disk_space(report.plan, options.output_directory);
+  return report;
+}
+
+/// Labels take more memory than their atoms: they stay only where they are written.
+void choose_labels(const Options& options, std::vector<AtomLabel>& labels) {
+  const auto& mesh = options.outputs.mesh;
+  if (options.outputs.residues && labels.empty())
+    throw Error(
+        fmt::format("{}: areas by residue (--write residues) need a PQR file; xyzr does not "
+                    "tell chains and residues",
+                    options.input.string()));
+  if (!options.outputs.residues && !(mesh && mesh_format(mesh->file) == MeshFormat::ply))
+    std::vector<AtomLabel>().swap(labels);
+}
+
+}  // namespace
+
+void refuse_to_lose_input(const Options& options) {
+  for (const std::string& output : final_paths(options.outputs, options.output_directory)) {
+    std::error_code error;  // as where there is no such file yet
+    if (std::filesystem::equivalent(options.input, output, error) && !error)
+      throw Error(fmt::format("{} is the input, and would be overwritten", output));
+  }
+}
+
+int compute_alone(const Options& options) {
+  require_standard_output();
+  refuse_to_lose_input(options);
+  NumberedAtoms input = read_numbered_atoms(options.input, options.format);
+  choose_labels(options, input.labels);
+  const Molecule molecule(std::move(input.atoms), std::move(input.labels));
+  Report report = plan_report(molecule, input.lines, options);
+  if (options.dry_run) {
+    print(options.json ? json_text(report) : plan_text(report));
+    warn(report);
+    return exit_done;
+  }
+  if (options.strict) warn(report);
+  announce(report);
+  if (!options.strict) warn(report);
+  report.summary = run_with_progress(molecule, options, report.plan);
+  report.peak_memory_bytes = peak_memory();
+  print(final_text(report));
+  warn_if_empty(report);
+  for (const std::string& fault : fault_lines(report.summary)) complain("error", fault);
+  return exit_code(report.summary);
+}
+
+}  // namespace eses::cli

@@ -1,0 +1,162 @@
+#include "processes/atom_share.hpp"
+
+#include <fmt/format.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <limits>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <system_error>
+#include <utility>
+
+#include "eses/error.hpp"
+#include "io/atom_lines.hpp"
+#include "io/file_descriptor.hpp"
+#include "io/gzip.hpp"
+
+namespace eses {
+namespace {
+
+constexpr std::size_t piece_bytes = std::size_t{1} << 22;
+
+// Reads a plain file from any place.
+class TextFile {
+ public:
+  explicit TextFile(const std::filesystem::path& path)
+      : name_(path.string()), file_(open_for_reading(path, name_)) {}
+
+  const std::string& name() const { return name_; }
+
+  // As many bytes of `buffer` as there are at `offset`.
+  std::string_view read_at(std::string& buffer, std::uint64_t offset) const {
+    std::size_t used = 0;
+    while (used < buffer.size()) {
+      const ssize_t count = pread(file_.value(), buffer.data() + used, buffer.size() - used,
+                                  static_cast<off_t>(offset + used));
+      if (count < 0 && errno == EINTR) continue;
+      if (count < 0)
+        throw Error(
+            fmt::format("cannot read {}: {}", name_, std::generic_category().message(errno)));
+      if (count == 0) break;
+      used += static_cast<std::size_t>(count);
+    }
+    return std::string_view(buffer).substr(0, used);
+  }
+
+  // Where the first line begins that does not begin before `offset`; `end` if there is none.
+  std::uint64_t line_begin(std::uint64_t offset, std::uint64_t end) const {
+    if (offset == 0) return 0;
+    std::string buffer(piece_bytes / 64, '\0');
+    for (--offset; offset < end; offset += buffer.size()) {
+      const std::string_view text = read_at(buffer, offset);
+      if (text.empty()) break;
+      const std::size_t newline = text.find('\n');
+      if (newline != text.npos) return std::min(end, offset + newline + 1);
+    }
+    return end;
+  }
+
+ private:
+  std::string name_;
+  FileDescriptor file_;
+};
+
+// 0 if the file cannot be read in parts.
+std::uint64_t divisible_bytes(const std::filesystem::path& path) {
+  if (path == "-") return 0;
+  const TextFile file(path);
+  struct stat status {};
+  if (stat(path.c_str(), &status) != 0 || !S_ISREG(status.st_mode)) return 0;
+  std::string head(4, '\0');
+  return is_gzip(file.read_at(head, 0)) ? 0 : static_cast<std::uint64_t>(status.st_size);
+}
+
+// The lines of a file that begin in a part of it.
+struct Part {
+  std::uint64_t begin = 0, end = 0;  // bytes
+};
+
+std::uint64_t count_lines(const TextFile& file, const Part& part) {
+  std::string buffer(piece_bytes, '\0');
+  std::uint64_t lines = 0;
+  for (std::uint64_t offset = part.begin; offset < part.end; offset += buffer.size()) {
+    buffer.resize(std::min<std::uint64_t>(piece_bytes, part.end - offset));
+    const std::string_view text = file.read_at(buffer, offset);
+    lines += static_cast<std::uint64_t>(std::count(text.begin(), text.end(), '\n'));
+  }
+  return lines;
+}
+
+// Piece by piece, so that there is never much text beside the atoms.
+std::uint64_t parse_part(const TextFile& file, const Part& part, AtomFormat format,
+                         std::uint64_t first_line, NumberedAtoms& atoms) {
+  std::string buffer;
+  std::uint64_t lines = 0;
+  std::size_t wanted = piece_bytes;
+  for (std::uint64_t offset = part.begin; offset < part.end;) {
+    buffer.resize(std::min<std::uint64_t>(wanted, part.end - offset));
+    std::string_view text = file.read_at(buffer, offset);
+    if (text.empty()) break;  // the file has become shorter
+    const bool is_last = offset + text.size() >= part.end;
+    const std::size_t newline = text.rfind('\n');
+    if (!is_last && newline == text.npos) {
+      wanted *= 2;
+      continue;
+    }
+    if (!is_last) text = text.substr(0, newline + 1);
+    lines += parse_atom_lines(text, format, file.name(), first_line + lines, false, atoms);
+    offset += text.size();
+    wanted = piece_bytes;
+  }
+  return lines;
+}
+
+}  // namespace
+
+AtomShare read_share(const std::filesystem::path& path, AtomFormat format,
+                     const Processes& processes) {
+  std::uint64_t bytes = 0;
+  processes.agree([&] {
+    format = required_format(path, format);
+    if (processes.is_first()) bytes = divisible_bytes(path);
+  });
+  bytes = processes.sum(bytes);
+  NumberedAtoms read;
+  std::uint64_t lines = 0;
+  if (bytes > 0) {
+    std::optional<TextFile> file;
+    Part part;
+    processes.agree([&] {
+      const TextFile& text = file.emplace(path);
+      const auto [begin, end] = processes.share_of(bytes, 1, processes.rank());
+      part = {text.line_begin(begin, bytes), text.line_begin(end, bytes)};
+      lines = count_lines(text, part);
+    });
+    const std::uint64_t before = processes.sum_before(lines);
+    processes.agree([&] { lines = parse_part(*file, part, format, before + 1, read); });
+  } else {
+    processes.agree([&] {
+      if (processes.is_first()) read = read_numbered_atoms(path, format);
+    });
+  }
+  std::vector<AtomLabel>().swap(read.labels);
+  AtomShare share;
+  share.atoms = std::move(read.atoms);
+  share.lines = std::move(read.lines);
+  share.first = processes.sum_before(share.atoms.size());
+  share.total = processes.sum(share.atoms.size());
+  const std::uint64_t all_lines = processes.sum(lines);
+  processes.agree([&] {
+    if (share.total == 0) throw Error(no_atoms_message(path.string(), format, all_lines));
+    if (share.total > std::numeric_limits<AtomIndex>::max())
+      throw Error(fmt::format("{}: more than {} atoms", path.string(),
+                              std::numeric_limits<AtomIndex>::max()));
+  });
+  return share;
+}
+
+}  // namespace eses

@@ -1,0 +1,127 @@
+#pragma once
+/// The processes that share one run: those that MPI has started, or this one alone.
+
+#include <cstddef>
+#include <cstdint>
+#include <functional>
+#include <numeric>
+#include <span>
+#include <string>
+#include <type_traits>
+#include <utility>
+#include <vector>
+
+#include "eses/error.hpp"
+
+namespace eses {
+
+/// A failure of which all processes know, so that one of them may tell it and all end in order.
+class SharedError : public Error {
+  using Error::Error;
+};
+
+/// Everything here but `rank`, `count`, `agree`'s action and `abort` must be called by all
+/// processes alike, from their main threads, outside of parallel loops (MPI_THREAD_FUNNELED).
+/// Elements are copied as bytes. A process that is alone has nothing to exchange.
+class Processes {
+ public:
+  /// Joins the other processes if this one was started by mpirun, srun or the like. Throws Error if
+  /// that is impossible, and if there are others, but the program was built without MPI.
+  Processes(int& argc, char**& argv);
+  /// Leaves them; they must not be in need of this one any more.
+  ~Processes();
+  Processes(const Processes&) = delete;
+  Processes& operator=(const Processes&) = delete;
+
+  /// Whether the program was built with MPI.
+  static bool are_possible();
+
+  int rank() const { return rank_; }
+  int count() const { return count_; }
+  bool is_first() const { return rank_ == 0; }
+
+  /// The part of `count` things, [begin, end), that a process gets if each gets as many, in
+  /// multiples of `unit`.
+  struct Share {
+    std::uint64_t begin = 0, end = 0;
+  };
+  Share share_of(std::uint64_t count, std::uint64_t unit, int rank) const;
+
+  /// Element by element, over all processes.
+  void take_least(std::span<double> values) const;
+  void take_largest(std::span<double> values) const;
+  void add(std::span<std::uint64_t> values) const;
+  /// Likewise; not to be used where the order of the summands matters.
+  void add(std::span<double> values) const;
+  /// The sum over all processes before this one.
+  std::uint64_t sum_before(std::uint64_t value) const;
+  std::uint64_t sum(std::uint64_t value) const {
+    add({&value, 1});
+    return value;
+  }
+
+  /// The elements of all processes, in the order of ranks.
+  template <class T>
+  std::vector<T> gather(std::span<const T> own) const;
+  /// What process `from` has.
+  std::string broadcast(std::string text, int from = 0) const;
+  /// Sends `to[rank]` to each process, and returns what they sent here, in the order of ranks.
+  template <class T>
+  std::vector<T> exchange(std::vector<std::vector<T>> to) const;
+  /// Hands a value from each process to the next: each changes what the one before has made of it.
+  /// Returns what the last one made of it.
+  double hand_on(double value, const std::function<double(double)>& change) const;
+
+  void wait_for_all() const;
+
+  /// Performs an action, which must not call any other process. If it throws in any of them, all
+  /// throw SharedError with the message of the first such process.
+  void agree(const std::function<void()>& action) const;
+
+  /// How many of the processes run on this machine, and of its processors how many a process has
+  /// for its own if all have as many.
+  struct Machine {
+    int processes = 1;
+    int processors = 1;
+  };
+  /// `processors` are those that this process may use.
+  Machine machine(int processors) const;
+
+  /// Ends all processes at once with an exit code.
+  [[noreturn]] void abort(int exit_code) const;
+
+ private:
+  // How many elements come from each process if `to` says how many go to each.
+  std::vector<std::uint64_t> exchange_counts(std::span<const std::uint64_t> to) const;
+  void exchange_elements(const void* sent, std::span<const std::uint64_t> to, void* received,
+                         std::span<const std::uint64_t> from, std::size_t element_bytes) const;
+
+  int rank_ = 0, count_ = 1;
+};
+
+template <class T>
+std::vector<T> Processes::exchange(std::vector<std::vector<T>> to) const {
+  static_assert(std::is_trivially_copyable_v<T>);
+  if (count_ == 1) return std::move(to.front());
+  std::vector<std::uint64_t> counts;
+  std::vector<T> sent;
+  for (const auto& part : to) counts.push_back(part.size());
+  sent.reserve(std::accumulate(counts.begin(), counts.end(), std::uint64_t{0}));
+  for (auto& part : to) {
+    sent.insert(sent.end(), part.begin(), part.end());
+    std::vector<T>().swap(part);
+  }
+  const std::vector<std::uint64_t> from = exchange_counts(counts);
+  std::vector<T> received(std::accumulate(from.begin(), from.end(), std::uint64_t{0}));
+  exchange_elements(sent.data(), counts, received.data(), from, sizeof(T));
+  return received;
+}
+
+template <class T>
+std::vector<T> Processes::gather(std::span<const T> own) const {
+  if (count_ == 1) return {own.begin(), own.end()};
+  return exchange(
+      std::vector(static_cast<std::size_t>(count_), std::vector(own.begin(), own.end())));
+}
+
+}  // namespace eses

@@ -1,0 +1,39 @@
+#pragma once
+/// A file into which all processes write.
+
+#include <cstdint>
+#include <memory>
+#include <span>
+#include <string>
+
+#include "io/output_file.hpp"
+#include "processes/processes.hpp"
+
+namespace eses {
+
+/// Written by MPI-IO where there are several processes. Every failure throws Error, naming the
+/// file.
+class SharedFile {
+ public:
+  /// To be called by all processes. `file` is what the first has opened, and is null elsewhere;
+  /// `path` is where it is for now, and `name` what it is called in messages. Keeps references to
+  /// `file` and `processes`. Throws SharedError.
+  SharedFile(const Processes& processes, OutputFile* file, const std::string& path,
+             std::string name);
+  ~SharedFile();
+  SharedFile(const SharedFile&) = delete;
+  SharedFile& operator=(const SharedFile&) = delete;
+
+  void write_at(std::span<const char> bytes, std::uint64_t offset);
+  /// To be called by all processes when they have written everything. Throws SharedError.
+  void close();
+
+ private:
+  struct Handle;
+  const Processes& processes_;
+  OutputFile* file_;
+  std::string name_;
+  std::unique_ptr<Handle> handle_;  // none if this process is alone
+};
+
+}  // namespace eses

@@ -1,0 +1,310 @@
+#include "processes/slabs.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <functional>
+#include <limits>
+#include <numeric>
+#include <utility>
+
+#include "geometry/box.hpp"
+#include "run/memory.hpp"
+#include "run/region_box.hpp"
+#include "surface/survey.hpp"
+
+namespace eses {
+namespace {
+
+// Seconds on one processor, as measured with proteins. Only their ratios matter.
+constexpr double seconds_per_atom = 14e-6;  // its patches
+constexpr double seconds_per_crossing = 0.45e-6;
+constexpr double seconds_per_crossing_text = 0.25e-6;
+constexpr double seconds_per_point = 0.3e-9;
+constexpr double seconds_per_point_text = 2e-9;
+
+// The grid's planes are dealt with in bins, so that a tall one takes no more memory than others.
+constexpr std::int64_t most_bins = 1 << 16;
+
+class Bins {
+ public:
+  explicit Bins(const Plan& plan)
+      : plan_(plan),
+        planes_{0, plan.grid.size[2]},
+        per_bin_((planes_.count() + most_bins - 1) / most_bins) {}
+
+  std::size_t count() const {
+    return static_cast<std::size_t>((planes_.count() + per_bin_ - 1) / per_bin_);
+  }
+  PlaneRange planes(std::size_t begin, std::size_t end) const { return {plane(begin), plane(end)}; }
+  // Of the plane that is nearest to `z`.
+  std::size_t bin_of(double z) const {
+    const double place = (z - plan_.grid.lower.z) / plan_.grid.spacing + 0.5;
+    const auto plane = static_cast<std::int64_t>(std::clamp(
+        place, static_cast<double>(planes_.begin), static_cast<double>(planes_.end - 1)));
+    return static_cast<std::size_t>((plane - planes_.begin) / per_bin_);
+  }
+
+ private:
+  std::int64_t plane(std::size_t bin) const {
+    return std::min(planes_.end, planes_.begin + static_cast<std::int64_t>(bin) * per_bin_);
+  }
+
+  const Plan& plan_;
+  PlaneRange planes_;
+  std::int64_t per_bin_;
+};
+
+PlaneRange region_planes(const Plan& plan) {
+  return {plan.tiling.region.begin[2], plan.tiling.region.end[2]};
+}
+
+// How many of a bin's planes are still to be done, as a share.
+double share_to_do(const PlaneRange& planes, std::span<const PlaneRange> done) {
+  const std::vector<PlaneRange> left = remaining(planes, done);
+  const std::int64_t count =
+      std::accumulate(left.begin(), left.end(), std::int64_t{0},
+                      [](std::int64_t sum, const PlaneRange& part) { return sum + part.count(); });
+  return static_cast<double>(count) / static_cast<double>(planes.count());
+}
+
+std::vector<PlaneRange> cut_into_slabs(const Bins& bins, std::vector<double> costs,
+                                       std::span<const PlaneRange> done, int parts) {
+  // Bins that are done in part, or belong to the region in part.
+  for (std::size_t b = 0; b < costs.size(); ++b)
+    costs[b] *= share_to_do(bins.planes(b, b + 1), done);
+  const std::vector<std::size_t> begins = cut_evenly(costs, parts);
+  std::vector<PlaneRange> slabs;
+  for (std::size_t part = 0; part + 1 < begins.size(); ++part) {
+    const std::vector<PlaneRange> left =
+        remaining(bins.planes(begins[part], begins[part + 1]), done);
+    slabs.push_back(left.empty() ? PlaneRange{} : PlaneRange{left.front().begin, left.back().end});
+  }
+  return slabs;
+}
+
+// What is sent from the process that has read an atom to those to whose slabs it matters.
+struct SentAtom {
+  Atom atom;
+  std::uint64_t line = 0;
+  AtomIndex number = 0;
+};
+
+// How far from a slab an atom matters: as far as Reach goes, for its patches, and from those atoms
+// as far as SAS spheres meet. Within this distance are also all that are odd beside each other.
+double influence(const Atom& atom, double largest_radius, double probe_radius) {
+  constexpr double slack = 1;  // angstrom
+  return atom.radius + 4 * largest_radius + 6 * probe_radius + slack;
+}
+
+std::vector<SentAtom> send_atoms(const AtomShare& share, const Plan& plan,
+                                 std::span<const PlaneRange> slabs, const Processes& processes) {
+  const double probe = plan.parameters.probe_radius;
+  double largest_radius = 0;
+  for (const Atom& atom : share.atoms) largest_radius = std::max(largest_radius, atom.radius);
+  processes.take_largest({&largest_radius, 1});
+  std::vector<Box> boxes;
+  for (const PlaneRange& slab : slabs)
+    boxes.push_back(slab.is_empty() ? Box{} : slab_box(plan, slab));
+  std::vector<std::vector<SentAtom>> to(slabs.size());
+  for (std::size_t i = 0; i < share.atoms.size(); ++i) {
+    const Atom& atom = share.atoms[i];
+    const auto number = static_cast<AtomIndex>(share.first + i);
+    const double reach = influence(atom, largest_radius, probe);
+    for (std::size_t part = 0; part < slabs.size(); ++part) {
+      if (slabs[part].is_empty()) continue;
+      const bool matters =
+          atom.center.z + reach >= boxes[part].low.z && atom.center.z - reach <= boxes[part].high.z;
+      // The first goes to all, so that no slab is without any.
+      if (matters || number == 0) to[part].push_back({atom, share.lines[i], number});
+    }
+  }
+  return processes.exchange(std::move(to));
+}
+
+// Every atom is some slab's own.
+std::function<bool(const Atom&)> ownership(const Plan& plan, std::span<const PlaneRange> slabs,
+                                           std::size_t part) {
+  constexpr double infinity = std::numeric_limits<double>::infinity();
+  double low = -infinity, high = infinity;
+  for (std::size_t other = 0; other < slabs.size(); ++other) {
+    if (slabs[other].is_empty()) continue;
+    if (other < part) low = plan.grid.coordinate(2, slabs[part].begin);
+    if (other > part) {
+      high = plan.grid.coordinate(2, slabs[other].begin);
+      break;
+    }
+  }
+  return [low, high](const Atom& atom) { return atom.center.z >= low && atom.center.z < high; };
+}
+
+// With the lines of its atoms.
+struct NumberedSlab {
+  SlabShare share;
+  std::vector<std::uint64_t> lines;
+};
+
+NumberedSlab gather_slab(const AtomShare& share, const Plan& plan,
+                         std::span<const PlaneRange> slabs, const Processes& processes) {
+  std::vector<SentAtom> sent = send_atoms(share, plan, slabs, processes);
+  NumberedSlab numbered;
+  auto& [slab, lines] = numbered;
+  const auto part = static_cast<std::size_t>(processes.rank());
+  slab.planes = slabs[part];
+  processes.agree([&] {
+    std::vector<Atom> atoms;
+    atoms.reserve(sent.size());
+    slab.numbers.reserve(sent.size());
+    lines.reserve(sent.size());
+    for (const SentAtom& one : sent) {
+      atoms.push_back(one.atom);
+      slab.numbers.push_back(one.number);
+      lines.push_back(one.line);
+    }
+    std::vector<SentAtom>().swap(sent);
+    slab.molecule = Molecule::part(std::move(atoms), ownership(plan, slabs, part));
+  });
+  return numbered;
+}
+
+// What processes tell each other of what is odd.
+struct OddExample {
+  OddityKind kind{};
+  AtomIndex atom = 0, other = 0;
+  std::uint64_t line = 0, other_line = 0;
+};
+
+SharedOddities join_oddities(const NumberedSlab& slab, std::uint64_t atoms,
+                             const Processes& processes) {
+  std::vector<OddExample> own;
+  std::array<std::uint64_t, oddity_kinds> counts{};
+  for (const Oddity& oddity : slab.share.molecule.oddities()) {
+    counts[static_cast<std::size_t>(oddity.kind)] = oddity.count;
+    for (const auto& [atom, other] : oddity.examples)
+      own.push_back({oddity.kind, slab.share.numbers[atom], slab.share.numbers[other],
+                     slab.lines[atom], slab.lines[other]});
+  }
+  processes.add(counts);
+  // Radii are small if all are.
+  std::uint64_t& small = counts[static_cast<std::size_t>(OddityKind::small_radii)];
+  if (small < atoms) small = 0;
+  std::vector<OddExample> examples = processes.gather<OddExample>(own);
+  std::sort(examples.begin(), examples.end(), [](const OddExample& a, const OddExample& b) {
+    return std::pair(a.kind, a.atom) < std::pair(b.kind, b.atom);
+  });
+  SharedOddities odd;
+  for (std::size_t kind = 0; kind < counts.size(); ++kind)
+    if (counts[kind] > 0) odd.oddities.push_back({static_cast<OddityKind>(kind), counts[kind], {}});
+  for (Oddity& oddity : odd.oddities) {
+    for (const OddExample& example : examples) {
+      if (example.kind != oddity.kind) continue;
+      if (oddity.examples.size() == Oddity::most_examples) break;
+      oddity.examples.push_back({example.atom, example.other});
+      odd.lines[example.atom] = example.line;
+      odd.lines[example.other] = example.other_line;
+    }
+  }
+  return odd;
+}
+
+std::vector<double> count_atoms(const AtomShare& share, const Bins& bins,
+                                const Processes& processes) {
+  std::vector<double> counts(bins.count());
+  for (const Atom& atom : share.atoms) ++counts[bins.bin_of(atom.center.z)];
+  processes.add(counts);
+  return counts;
+}
+
+// Seconds for each bin; each process estimates those of its slab.
+std::vector<double> estimate_costs(const SlabShare& slab, const Plan& plan,
+                                   const OutputChoice& outputs, const Bins& bins,
+                                   std::span<const double> atoms, const Processes& processes) {
+  std::vector<double> costs(bins.count());
+  processes.agree([&] {
+    if (slab.planes.is_empty()) return;
+    const Grid& grid = plan.grid;
+    const SurfaceSurvey survey(slab.molecule, plan.parameters.probe_radius,
+                               slab_box(plan, slab.planes));
+    const double point = seconds_per_point + (outputs.grid ? seconds_per_point_text : 0);
+    const double crossing = seconds_per_crossing + (outputs.edges ? seconds_per_crossing_text : 0);
+    const GridIndex size = plan.tiling.region.size();
+    const PlaneRange within = region_planes(plan);
+    for (std::size_t b = 0; b < costs.size(); ++b) {
+      const PlaneRange planes = bins.planes(b, b + 1);
+      if (planes.begin < slab.planes.begin || planes.begin >= slab.planes.end) continue;
+      if (planes.end <= within.begin || planes.begin >= within.end) continue;
+      const double area =
+          survey.area_between(grid.coordinate(2, planes.begin), grid.coordinate(2, planes.end));
+      costs[b] = seconds_per_atom * atoms[b] +
+                 point * static_cast<double>(size[0] * size[1] * planes.count()) +
+                 crossing * expected_crossings(area, grid.spacing);
+    }
+  });
+  // Of each only one summand is not zero: the sum is the same everywhere.
+  processes.add(costs);
+  return costs;
+}
+
+}  // namespace
+
+std::vector<std::size_t> cut_evenly(std::span<const double> costs, int parts) {
+  std::vector<double> sums(costs.size() + 1, 0);
+  std::partial_sum(costs.begin(), costs.end(), sums.begin() + 1);
+  std::vector<std::size_t> begins{0};
+  for (int part = 1; part < parts; ++part) {
+    const double wanted = sums.back() * part / parts;
+    auto place = std::lower_bound(sums.begin(), sums.end(), wanted);
+    // Of the sums around the one that is wanted the nearer.
+    if (place != sums.begin() && wanted - *(place - 1) < *place - wanted) --place;
+    begins.push_back(std::max(begins.back(), static_cast<std::size_t>(place - sums.begin())));
+  }
+  begins.push_back(costs.size());
+  return begins;
+}
+
+std::vector<PlaneRange> remaining(const PlaneRange& planes, std::span<const PlaneRange> done) {
+  std::vector<PlaneRange> left;
+  std::int64_t begin = planes.begin;
+  for (const PlaneRange& range : done) {
+    if (range.end <= begin) continue;
+    if (range.begin >= planes.end) break;
+    if (range.begin > begin) left.push_back({begin, range.begin});
+    begin = range.end;
+  }
+  if (begin < planes.end) left.push_back({begin, planes.end});
+  return left;
+}
+
+SharedMolecule share_molecule(AtomShare share, const Plan& plan, const OutputChoice& outputs,
+                              std::span<const PlaneRange> done, const Processes& processes) {
+  const Bins bins(plan);
+  const std::vector<double> atoms = count_atoms(share, bins, processes);
+  // First by atoms, all of them, as all have to be looked at for what is odd.
+  const std::vector<PlaneRange> first = cut_into_slabs(bins, atoms, {}, processes.count());
+  NumberedSlab slab = gather_slab(share, plan, first, processes);
+  SharedMolecule shared;
+  shared.odd = join_oddities(slab, share.total, processes);
+  std::vector<double> costs = estimate_costs(slab.share, plan, outputs, bins, atoms, processes);
+  const PlaneRange within = region_planes(plan);
+  std::vector<PlaneRange> left_out;
+  if (within.begin > 0) left_out.push_back({0, within.begin});
+  left_out.insert(left_out.end(), done.begin(), done.end());
+  if (within.end < plan.grid.size[2]) left_out.push_back({within.end, plan.grid.size[2]});
+  const std::vector<PlaneRange> slabs =
+      cut_into_slabs(bins, std::move(costs), left_out, processes.count());
+  if (slabs != first) {
+    slab = {};
+    slab = gather_slab(share, plan, slabs, processes);
+  }
+  shared.slab = std::move(slab.share);
+  return shared;
+}
+
+Box slab_box(const Plan& plan, const PlaneRange& planes) {
+  GridRegion region = plan.tiling.region;
+  region.begin[2] = std::max<std::int64_t>(0, planes.begin - 1);
+  region.end[2] = planes.end;
+  return region_box(plan.grid, region);
+}
+
+}  // namespace eses
