@@ -31,6 +31,9 @@ class SolvedBlock {
   /// that the block owns.
   std::span<const Crossing> crossings_of_row(std::int64_t y, std::int64_t z) const;
 
+  /// What it took to solve the block, on one processor.
+  double seconds() const;
+
  private:
   const BlockResult* result_;
 };

@@ -132,8 +132,10 @@ void Pipeline::solve(const Task& task, std::size_t thread) {
   const std::int64_t by = task.index / plan_.tiling.blocks[0];
   BlockResult& result =
       layers_[static_cast<std::size_t>(task.layer)].blocks[static_cast<std::size_t>(task.index)];
+  const Stopwatch watch;
   result = solve_block(surface_, plan_.grid, plan_.tiling.block(bx, by, task.layer),
                        workspaces_[thread]);
+  result.seconds = watch.seconds();
   if (sinks_.verifier != nullptr) sinks_.verifier->take(result, thread);
   hand_out(result);
   require_memory_within(plan_.parameters.max_memory);

@@ -24,4 +24,6 @@ std::span<const Crossing> SolvedBlock::crossings_of_row(std::int64_t y, std::int
   return std::span(result_->crossings).subspan(begin, end - begin);
 }
 
+double SolvedBlock::seconds() const { return result_->seconds; }
+
 }  // namespace eses
