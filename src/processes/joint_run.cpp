@@ -97,22 +97,20 @@ Plan plan_slab(const JointTask& task, const JointPlan& joint, const Processes& p
 // Sums and maxima of the processes' plans.
 void complete(Plan& whole, const Plan& own, std::uint64_t atoms, const OutputChoice& outputs,
               const Processes& processes) {
-  std::array<std::uint64_t, 2> bytes{own.grid_file_bytes, own.edge_file_bytes};
-  processes.add(bytes);
+  const GridRegion region = whole.tiling.region;
   std::array largest{static_cast<double>(own.memory_bytes),
                      static_cast<double>(own.tiling.block_size),
                      static_cast<double>(own.blocks_ahead), static_cast<double>(own.threads)};
   processes.take_largest(largest);
   whole.gzip = outputs.gzip;
-  whole.grid_file_bytes = bytes[0];
-  whole.edge_file_bytes = bytes[1];
-  whole.area_file_bytes = outputs.areas ? expected_area_bytes(atoms, outputs.gzip) : 0;
-  whole.scratch_bytes = bytes[0] + bytes[1];
+  if (outputs.grid) whole.grid_file_bytes = expected_grid_bytes(region, outputs.gzip);
+  whole.edge_file_bytes = processes.sum(own.edge_file_bytes);  // of what is still to be done
+  if (outputs.areas) whole.area_file_bytes = expected_area_bytes(atoms, outputs.gzip);
+  whole.scratch_bytes = whole.grid_file_bytes + whole.edge_file_bytes;
   whole.memory_bytes = static_cast<std::uint64_t>(largest[0]);
   whole.blocks_ahead = static_cast<std::int64_t>(largest[2]);
   whole.threads = static_cast<int>(largest[3]);
-  whole.tiling =
-      make_tiling(whole.grid, static_cast<std::int64_t>(largest[1]), whole.tiling.region);
+  whole.tiling = make_tiling(whole.grid, static_cast<std::int64_t>(largest[1]), region);
 }
 
 // The ranges of planes that a process makes pieces of.
@@ -466,7 +464,6 @@ JointSummary run_jointly(const JointTask& task, const JointPlan& plan, const Joi
     if (!files) return;
     if (files->box) box_bytes = write_box(*files->box, plan.whole.grid, files->gzip);
     files->commit([&] { slab.check(); });
-    if (task.resume) store.remove();
   });
   summary.bytes_written += processes.sum(box_bytes);
   summary.seconds.total = total.seconds();

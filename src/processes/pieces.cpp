@@ -12,11 +12,11 @@
 
 #include "eses/error.hpp"
 #include "io/output_directory.hpp"
+#include "run/output_files.hpp"
 
 namespace eses {
 namespace {
 
-constexpr char directory_name[] = ".eses-blocks.resume";
 constexpr char identity_name[] = "run";
 constexpr std::string_view sums_suffix = ".sums";
 constexpr std::array<const char*, piece_texts> text_suffixes{".grid", ".edges"};
@@ -51,12 +51,8 @@ std::span<const std::byte> bytes_of(const Value& value) {
 
 }  // namespace
 
-std::filesystem::path piece_directory(const std::filesystem::path& output_directory) {
-  return path_in(output_directory, directory_name);
-}
-
 PieceStore::PieceStore(const std::filesystem::path& output_directory, std::string identity)
-    : path_(piece_directory(output_directory)), identity_(std::move(identity)) {}
+    : path_(path_in(output_directory, resume_name)), identity_(std::move(identity)) {}
 
 std::vector<PlaneRange> PieceStore::complete() const {
   std::error_code error;
@@ -150,11 +146,6 @@ Piece PieceStore::read(const PlaneRange& planes) const {
     throw Error(fmt::format("cannot resume: {} is damaged; remove {} to begin anew",
                             name_of(planes, sums_suffix), path_.string()));
   return piece;
-}
-
-void PieceStore::remove() const {
-  std::error_code error;  // what is left does no harm
-  std::filesystem::remove_all(path_, error);
 }
 
 }  // namespace eses

@@ -61,16 +61,10 @@ class PieceStore {
   /// A complete piece without its texts.
   Piece read(const PlaneRange& planes) const;
   std::unique_ptr<ScratchFile> open(const PlaneRange& planes, PieceText text) const;
-  void remove() const;
-
-  const std::filesystem::path& path() const { return path_; }
 
  private:
   std::filesystem::path path_;
   std::string identity_;
 };
-
-/// The hidden directory.
-std::filesystem::path piece_directory(const std::filesystem::path& output_directory);
 
 }  // namespace eses

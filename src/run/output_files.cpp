@@ -1,6 +1,8 @@
 #include "run/output_files.hpp"
 
+#include <fcntl.h>
 #include <fmt/format.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -185,6 +187,16 @@ void OutputFiles::commit(const std::function<void()>& check) {
     for (OutputFile* file : files) file->withdraw();
     throw;
   }
+  remove_resumable();
+}
+
+void OutputFiles::remove_resumable() noexcept {
+  struct stat status {};
+  if (!directory ||
+      fstatat(directory->descriptor(), resume_name, &status, AT_SYMLINK_NOFOLLOW) != 0)
+    return;
+  std::error_code error;  // what is left does no harm
+  std::filesystem::remove_all(path_in(directory->path(), resume_name), error);
 }
 
 }  // namespace eses

@@ -20,6 +20,9 @@ inline constexpr char grid_name[] = "grid_info.txt";
 inline constexpr char edges_name[] = "intersection_info.txt";
 inline constexpr char areas_name[] = "partition_area.txt";
 
+/// Where a run that may be resumed keeps what is done, in its output directory.
+inline constexpr char resume_name[] = ".eses-blocks.resume";
+
 /// The names of the chosen files, the mesh left out.
 std::vector<std::string> file_names(const OutputChoice& choice);
 
@@ -49,6 +52,7 @@ struct OutputFiles {
   /// Gives all files their names. Older ones go first, so that old and new never stand beside each
   /// other, and the bounding box comes last: where it is, the others are. What `check`, called
   /// between the steps, throws is a failure like others, after which none of the files is there.
+  /// What was kept for a run to be resumed has served, and goes.
   void commit(const std::function<void()>& check);
 
  private:
@@ -56,6 +60,7 @@ struct OutputFiles {
                       const Plan& plan);
   void open_mesh(const MeshChoice& choice);
   std::vector<OutputFile*> all();
+  void remove_resumable() noexcept;
 
   std::vector<std::string> stale_;  // the chosen files in their other form, plain or gzipped
 };

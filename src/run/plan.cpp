@@ -169,13 +169,10 @@ void expect_files(const SurfaceSurvey& survey, const OutputChoice& outputs, Plan
     return static_cast<std::uint64_t>(outputs.gzip ? compressed_share * bytes : bytes);
   };
   const double crossings = expected_crossings(survey.totals().area, plan.grid.spacing);
-  if (outputs.grid)
-    plan.grid_file_bytes =
-        on_disk(static_cast<double>(largest_grid_bytes(region)), grid_gzip_share);
+  if (outputs.grid) plan.grid_file_bytes = expected_grid_bytes(region, outputs.gzip);
   if (outputs.edges)
     plan.edge_file_bytes = on_disk(typical_crossing_bytes * crossings, edge_gzip_share);
-  if (outputs.areas)
-    plan.area_file_bytes = expected_area_bytes(survey.atom_count(), outputs.gzip);
+  if (outputs.areas) plan.area_file_bytes = expected_area_bytes(survey.atom_count(), outputs.gzip);
   if (outputs.mesh)
     plan.mesh_file_bytes =
         static_cast<std::uint64_t>(mesh_bytes(*outputs.mesh, survey.label_count() > 0) * crossings);
@@ -189,6 +186,11 @@ void expect_files(const SurfaceSurvey& survey, const OutputChoice& outputs, Plan
 }
 
 }  // namespace
+
+std::uint64_t expected_grid_bytes(const GridRegion& region, bool gzip) {
+  const double share = gzip ? grid_gzip_share : 1;
+  return static_cast<std::uint64_t>(share * static_cast<double>(largest_grid_bytes(region)));
+}
 
 std::uint64_t expected_area_bytes(std::uint64_t atoms, bool gzip) {
   const double share = gzip ? area_gzip_share : 1;

@@ -20,7 +20,8 @@ Plan plan_grid(const SphereBounds& bounds, const Parameters& parameters);
 void plan_work(std::uint64_t available, const Molecule& molecule, const OutputChoice& outputs,
                Plan& plan);
 
-/// Of partition_area.txt: an upper bound, or an estimate if it is gzipped.
+/// Of grid_info.txt and partition_area.txt: upper bounds, or estimates if they are gzipped.
+std::uint64_t expected_grid_bytes(const GridRegion& region, bool gzip);
 std::uint64_t expected_area_bytes(std::uint64_t atoms, bool gzip);
 
 }  // namespace eses

@@ -90,7 +90,8 @@ bool fails() {
 bool allocation_fails() { return std::string_view("alloc") == fault.call.data() && fails(); }
 
 bool is_output(std::string_view path) {
-  return path.ends_with(".part") || path.ends_with(".eses-blocks.lock");
+  return path.ends_with(".part") || path.ends_with(".eses-blocks.lock") ||
+         path.find("/.eses-blocks.resume/") != path.npos;
 }
 
 bool call_fails(std::string_view call) {

@@ -1,0 +1,323 @@
+"""Runs that several processes share: the same files as one writes, or none."""
+
+import fcntl
+import gzip
+import json
+import os
+import shutil
+import signal
+import subprocess
+import time
+import unittest
+
+from faults import FaultTest, PROMPT, SMALL, forget_signals, wait_for
+from support import DATA, PROGRAM, write_program
+
+LAUNCHER = os.environ.get("ESES_MPIEXEC")
+IS_OPEN_MPI = LAUNCHER and any(name in subprocess.run(
+    [LAUNCHER, "--version"], capture_output=True, check=False).stdout
+    for name in (b"Open MPI", b"OpenRTE"))
+# Open MPI: more processes than processors, also for root, and without the network's drivers, whose
+# search takes longer than these runs.
+FLAGS = ["--oversubscribe", "--mca", "btl", "self,vader"] if IS_OPEN_MPI else []
+ENVIRONMENT = {"OMPI_ALLOW_RUN_AS_ROOT": "1", "OMPI_ALLOW_RUN_AS_ROOT_CONFIRM": "1"}
+PIECES = ".eses-blocks.resume"
+
+
+class Processes(FaultTest):
+    def setUp(self):
+        super().setUp()
+        self.alone = self.folder / "alone"
+
+    def start_together(self, count, *arguments, program=PROGRAM, text=True, **how):
+        streams = {"stdin": subprocess.DEVNULL, "stdout": subprocess.PIPE,
+                   "stderr": subprocess.PIPE, **how}
+        launched = subprocess.Popen(
+            [LAUNCHER, "-n", str(count), *FLAGS, program, *map(str, arguments),
+             "-o", self.output], env={**os.environ, **ENVIRONMENT}, text=text,
+            preexec_fn=forget_signals, **streams)
+        self.addCleanup(self.end, launched)
+        return launched
+
+    def run_together(self, count, *arguments, **how):
+        return self.finish(self.start_together(count, *arguments, **how))
+
+    def run_alone(self, *arguments):
+        return subprocess.run([PROGRAM, *map(str, arguments), "-o", self.alone], check=False,
+                              stdin=subprocess.DEVNULL, capture_output=True, text=True)
+
+    def assertSame(self, count, *arguments, options=()):
+        """The same output as of one process, and the same files, byte for byte."""
+        alone = self.run_alone(*arguments, "-q")
+        self.assertDone(alone)
+        together = self.run_together(count, *arguments, "-q", "-t", "1", *options)
+        self.assertDone(together)
+        self.assertEqual(together.stdout, alone.stdout)
+        self.assertEqual(self.all_files(), self.all_files(self.alone))
+        self.assertTrue(self.contents() == self.contents(self.alone))
+        shutil.rmtree(self.output)
+        shutil.rmtree(self.alone)
+
+    def big_run(self, *options):
+        path = self.folder / "big.xyzr"
+        path.write_text("".join(f"{x * 3} {y * 3} {z * 3} 1.7\n"
+                                for x in range(14) for y in range(14) for z in range(40)))
+        return (path, "-q", "--spacing", "0.08", "-t", "1", "-b", "33", "--write", "areas",
+                *options)
+
+    def has_temporaries(self):
+        return any(name.endswith(".part") for name in self.all_files())
+
+    def assertNothing(self):
+        self.assertEqual(self.all_files(), [])
+
+    def assertEnded(self, done, message, code=1):
+        self.assertEqual(done.returncode, code, done)
+        complaints = [line for line in done.stderr.splitlines()
+                      if line.startswith("eses-blocks: error: ")]
+        self.assertEqual(len(complaints), 1, done.stderr)
+        self.assertIn(message, complaints[0])
+        self.assertNotIn("area:", done.stdout)
+
+
+class Identity(Processes):
+    def test_counts_and_blocks(self):
+        for count in range(1, 6):
+            for name, spacing, block in (("1ubq.xyzr", 0.5, 64), ("c60.xyzr", 0.3, 9),
+                                         ("1a0q.xyzr", 0.8, 17)):
+                with self.subTest(count=count, name=name):
+                    self.assertSame(count, DATA / name, "--spacing", spacing,
+                                    options=("-b", block))
+
+    def test_pqr(self):
+        self.assertSame(3, DATA / "fas2.pqr", "--spacing", "0.7")
+
+    def test_more_processes_than_layers(self):
+        self.assertSame(5, SMALL, "--spacing", "0.8", options=("-b", "500"))
+
+    def test_more_processes_than_planes(self):
+        path = self.folder / "one.xyzr"
+        path.write_text("0 0 0 1\n")
+        self.assertSame(7, path, "--spacing", "2", "--margin", "1")
+
+    def test_atoms_far_from_each_other(self):
+        """Slabs without any atom near them."""
+        path = self.folder / "far.xyzr"
+        path.write_text("".join(f"0 0 {z} 1.5\n" for z in (200, 0, 90)))
+        for count in (2, 3, 5):
+            self.assertSame(count, path, "--spacing", "0.9")
+
+    def test_large_atom(self):
+        path = self.folder / "large.xyzr"
+        path.write_text("0 0 0 30\n" + "".join(
+            f"{31 * x} {31 * y} {31 * z} 1.7\n" for x in (-1, 0, 1) for y in (-1, 0, 1)
+            for z in (-1, 0, 1)))
+        self.assertSame(4, path, "--spacing", "1.5", "--margin", "2")
+
+    def test_gzip(self):
+        self.assertSame(3, DATA / "1ubq.xyzr", "--spacing", "0.6", "--gzip")
+        path = self.folder / "nothing.xyzr"
+        path.write_text("0.3 0.2 0.1 0\n5 5 5 0\n")
+        self.assertSame(2, path, "--spacing", "3", "--margin", "4", "--gzip")
+
+    def test_region(self):
+        self.assertSame(3, DATA / "1ubq.xyzr", "--spacing", "0.6", "--blocks", "0:1,0:2,1:4",
+                        "-b", "17")
+
+    def test_chosen_files(self):
+        for chosen in ("grid", "edges", "areas", "none"):
+            with self.subTest(chosen=chosen):
+                self.assertSame(2, SMALL, "--write", chosen)
+
+    def test_standard_input(self):
+        self.assertDone(self.run_alone(SMALL, "-q"))
+        with open(SMALL, encoding="ascii") as file:
+            self.assertDone(self.run_together(2, "-", "-q", stdin=file))
+        self.assertTrue(self.contents() == self.contents(self.alone))
+
+    def test_compressed_input(self):
+        path = self.folder / "c60.xyzr.gz"
+        path.write_bytes(gzip.compress(SMALL.read_bytes()))
+        self.assertSame(2, path)
+
+    def test_text_that_is_hard_to_divide(self):
+        """Lines of very different length, comments, CRLF, and no newline at the end."""
+        path = self.folder / "odd.xyzr"
+        lines = [f"{3 * i} 0 {i % 7} 1.5 {'x' * (997 * i % 3000)}" for i in range(40)]
+        path.write_bytes("\r\n".join(["# " + "c" * 4000, "", *lines]).encode())
+        for count in (2, 3, 5):
+            self.assertSame(count, path, "--spacing", "0.9")
+
+    def test_diagnostics(self):
+        """Wherever the atoms that are odd beside each other are in the file and in space."""
+        path = self.folder / "odd.xyzr"
+        atoms = [f"{i % 5 * 4} {i // 5 % 5 * 4} {i // 25 * 4} 1.5" for i in range(250)]
+        odd = atoms[::20] + ["0.2 0 0 1.5", "8 8 20.1 0.3", "8 8 8.3 1.5", "0 0 36 4.5", "8 8 16 0"]
+        path.write_text("\n".join(atoms + odd) + "\n")
+        arguments = (path, "--spacing", "0.9", "--margin", "0.9", "--json")
+        alone = json.loads(self.run_alone(*arguments).stdout)
+        self.assertGreater(len(alone["diagnostics"]), 3)
+        for count in (2, 4):
+            together = json.loads(self.run_together(count, *arguments).stdout)
+            for key in ("diagnostics", "area", "volume", "crossings", "area_by_kind",
+                        "inside_points", "grid", "atoms"):
+                self.assertEqual(together[key], alone[key], key)
+            self.assertEqual(len(together["processes"]), count)
+            self.assertEqual(sum(p["planes"] for p in together["processes"]),
+                             alone["grid"]["size"][2])
+
+    def test_atoms_are_shared(self):
+        """No process has all of them."""
+        path = self.folder / "rod.xyzr"
+        path.write_text("".join(f"{i % 3 * 3} 0 {i} 1.5\n" for i in range(2000)))
+        done = self.run_together(4, path, "--spacing", "1", "--margin", "1", "--json")
+        shares = json.loads(done.stdout)["processes"]
+        for share in shares:
+            self.assertLess(share["atoms"], 2000 / 4 + 100)
+        self.assertLess(max(p["planes"] for p in shares), 1.1 * 2000 / 4)
+
+    def test_dry_run(self):
+        alone = self.run_alone(SMALL, "--dry-run", "--json")
+        done = self.run_together(2, SMALL, "--dry-run", "--json")
+        self.assertDone(done)
+        self.assertEqual(json.loads(done.stdout)["grid"], json.loads(alone.stdout)["grid"])
+        self.assertNothing()
+
+    def test_help_is_printed_once(self):
+        done = self.run_together(3, "--version")
+        self.assertDone(done)
+        self.assertEqual(done.stdout.count("eses-blocks "), 1)
+
+
+class Failure(Processes):
+    def test_bad_line_wherever_it_is(self):
+        lines = [f"{3 * i} 0 0 1.5" for i in range(300)]
+        for number in (1, 150, 300):
+            path = self.folder / "bad.xyzr"
+            path.write_text("\n".join([*lines[:number - 1], "1 2 x 1", *lines[number:], "z"]))
+            alone = self.run_alone(path)
+            done = self.run_together(3, path)
+            self.assertEnded(done, f"bad.xyzr:{number}: ")
+            self.assertIn(alone.stderr.strip(), done.stderr)
+            self.assertNothing()
+
+    def test_what_cannot_be_read(self):
+        empty = self.folder / "empty.xyzr"
+        empty.write_text("# nothing\n")
+        for path in (self.folder / "missing.xyzr", self.folder, empty):
+            done = self.run_together(2, path)
+            self.assertEnded(done, self.run_alone(path).stderr.strip().removeprefix(
+                "eses-blocks: error: "))
+
+    def test_usage(self):
+        self.assertEnded(self.run_together(2, SMALL, "--spacing", "x"), "--spacing", code=2)
+        for option in (("--mesh", self.folder / "x.ply"), ("--inside", "x.dx"), ("--verify",),
+                       ("--write", "residues")):
+            self.assertEnded(self.run_together(2, SMALL, *option), option[0], code=2)
+
+    def test_strict(self):
+        path = self.folder / "odd.xyzr"
+        path.write_text("0 0 0 1.5\n0 0 0 1.5\n")
+        self.assertEnded(self.run_together(2, path, "--strict"), "odd.xyzr: 1 atom")
+        self.assertNothing()
+
+    def test_locked_directory(self):
+        self.output.mkdir()
+        with open(self.output / ".eses-blocks.lock", "w", encoding="ascii") as file:
+            fcntl.flock(file, fcntl.LOCK_EX)
+            self.assertEnded(self.run_together(2, SMALL), "another run is writing there")
+
+    def test_directory_that_cannot_be_made(self):
+        self.output.write_text("a file")
+        self.assertEnded(self.run_together(2, SMALL), "cannot write into")
+
+    def test_full_disk(self):
+        """In whichever process, while pieces are written, and while they are joined."""
+        self.output.mkdir()
+        for size in ("64k", "600k", "1200k"):
+            mounted = subprocess.run(["mount", "-t", "tmpfs", "-o", f"size={size}", "none",
+                                      self.output], capture_output=True, check=False)
+            if mounted.returncode != 0:
+                self.skipTest("may not mount a file system")
+            try:
+                done = self.run_together(2, SMALL, "-q", "--spacing", "0.4", "--write",
+                                         "edges,areas" if size == "64k" else "grid")
+                self.assertEqual(done.returncode, 1, done)
+                self.assertIn("eses-blocks: error: ", done.stderr)
+                wait_for(lambda: not self.has_temporaries())
+                self.assertNothing()
+            finally:
+                subprocess.run(["umount", self.output], check=True)
+
+    def test_failing_allocation(self):
+        """A limit on memory in one of the processes."""
+        path = self.folder / "many.xyzr"
+        path.write_text("".join(f"{i % 50 * 3} {i // 50 % 50 * 3} {i // 2500 * 3} 1.5\n"
+                                for i in range(50000)))
+        wrapper = write_program(
+            self.folder / "limited",
+            "if [ \"$OMPI_COMM_WORLD_RANK$PMI_RANK\" = 1 ]; then ulimit -v 420000; fi\n"
+            f"exec {PROGRAM} \"$@\"\n")
+        done = self.run_together(2, path, "-q", "--spacing", "0.3", "-t", "1", program=wrapper)
+        if done.returncode == 0:
+            self.skipTest("the limit is too large for this machine's MPI")
+        self.assertNotEqual(done.returncode, 0)
+        self.assertEqual([n for n in self.all_files() if not n.startswith(".")], [])
+
+    def processes_of(self, launched):
+        """The numbers of the program's processes below the launcher."""
+        found = subprocess.run(["pgrep", "-P", str(launched.pid), "-f", "eses-blocks"],
+                               capture_output=True, text=True, check=False)
+        return [int(number) for number in found.stdout.split()]
+
+    def test_killed_process(self):
+        """The others end at once, and leave nothing behind that has a final name."""
+        arguments = self.big_run()
+        for which in (0, -1):
+            launched = self.start_together(3, *arguments)
+            wait_for(self.has_temporaries)
+            time.sleep(0.3)
+            victims = self.processes_of(launched)
+            self.assertEqual(len(victims), 3)
+            os.kill(victims[which], signal.SIGKILL)
+            begin = time.monotonic()
+            done = self.finish(launched)
+            self.assertNotEqual(done.returncode, 0)
+            self.assertLess(time.monotonic() - begin, 3 * PROMPT)
+            self.assertEqual([n for n in self.all_files() if not n.startswith(".")], [])
+        self.assertSame(2, SMALL)  # and the next run puts all in order
+
+    def test_terminated(self):
+        launched = self.start_together(3, *self.big_run())
+        wait_for(self.has_temporaries)
+        time.sleep(0.3)
+        begin = time.monotonic()
+        launched.send_signal(signal.SIGTERM)
+        self.assertNotEqual(self.finish(launched).returncode, 0)
+        self.assertLess(time.monotonic() - begin, 3 * PROMPT)
+        wait_for(lambda: not self.has_temporaries())
+        self.assertEqual([n for n in self.all_files() if not n.startswith(".")], [])
+
+
+class Resume(Processes):
+    def pieces(self):
+        return [name for name in self.all_files(self.output / PIECES) if name.endswith(".sums")]
+
+    def test_by_other_processes(self):
+        """What two processes have begun, three end, or one, as if one had done all."""
+        arguments = (*self.big_run()[:-2], "--write", "edges", "--spacing", "0.15")
+        self.assertDone(self.run_alone(*arguments))
+        for count in (1, 3):
+            launched = self.start_together(2, *arguments, "--resume")
+            wait_for(lambda: len(self.pieces()) > 3)
+            launched.send_signal(signal.SIGTERM)
+            self.finish(launched)
+            self.assertGreater(len(self.pieces()), 3)
+            self.assertDone(self.run_together(count, *arguments, "--resume"))
+            self.assertEqual(self.all_files(), self.all_files(self.alone))
+            self.assertTrue(self.contents() == self.contents(self.alone))
+            shutil.rmtree(self.output)
+
+
+if __name__ == "__main__":
+    unittest.main()

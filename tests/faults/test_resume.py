@@ -1,0 +1,176 @@
+"""Runs that are cut off, and go on from what they have done."""
+
+import os
+import resource
+import shutil
+import signal
+import time
+import unittest
+
+from faults import FaultTest, SMALL, forget_signals, needs_library, wait_for
+from support import DATA
+
+PIECES = ".eses-blocks.resume"
+# Layers of 8 planes, so that there are pieces to lose and to keep.
+RUN = (SMALL, "-q", "--spacing", "0.4", "-b", "9", "-t", "2")
+
+
+class Resume(FaultTest):
+    def setUp(self):
+        super().setUp()
+        self.reference = self.make_reference(*RUN)
+        self.assertTrue(self.reference)
+
+    def pieces(self):
+        return [name for name in self.all_files(self.output / PIECES) if name.endswith(".sums")]
+
+    def cut_off(self, number, *arguments):
+        """Killed before its write `number`; false if it does not come so far."""
+        done = self.run_program(*(arguments or RUN), "--resume",
+                                fault=f"write {number} signal={signal.SIGKILL.value}")
+        return done.returncode == -signal.SIGKILL
+
+    def assertSame(self, *arguments):
+        self.assertDone(self.run_program(*(arguments or RUN), "--resume"))
+        self.assertEqual(self.contents(), self.reference)
+
+    def test_without_anything_to_resume(self):
+        self.assertSame()
+        self.assertSame()
+
+    @needs_library
+    def test_killed_at_every_write(self):
+        """Nothing has a final name, and the next run ends with the same bytes."""
+        number, kept = 1, set()
+        while self.cut_off(number):
+            self.assertEqual([name for name in self.all_files() if not name.startswith(".")], [])
+            kept.add(len(self.pieces()))
+            self.assertSame()
+            self.put({})
+            number += 1
+        self.assertGreater(number, 20)
+        self.assertGreater(len(kept), 3)
+
+    @needs_library
+    def test_killed_again_and_again(self):
+        """Each run goes on from where the one before was, and comes to an end in the end."""
+        runs, before = 0, 0
+        while self.cut_off(6 + 3 * runs):
+            runs += 1
+            self.assertGreaterEqual(len(self.pieces()), before)
+            before = len(self.pieces())
+            self.assertLess(runs, 100)
+        self.assertGreater(runs, 1)
+        self.assertEqual(self.contents(), self.reference)
+
+    @needs_library
+    def test_other_blocks_and_threads(self):
+        self.assertTrue(self.cut_off(20))
+        self.assertGreater(len(self.pieces()), 0)
+        self.assertSame(SMALL, "-q", "--spacing", "0.4", "-b", "17", "-t", "1")
+
+    @needs_library
+    def test_what_is_done_is_not_done_again(self):
+        """A piece with another sum: it must be found in the files."""
+        self.assertTrue(self.cut_off(20))
+        name = self.pieces()[0].removesuffix(".sums") + ".edges"
+        path = self.output / PIECES / name
+        text = path.read_bytes()
+        if not text:
+            self.skipTest("the first piece has no edges")
+        path.write_bytes(text.replace(b"0", b"7", 1))
+        self.assertDone(self.run_program(*RUN, "--resume"))
+        self.assertNotEqual(self.contents()["intersection_info.txt"],
+                            self.reference["intersection_info.txt"])
+
+    @needs_library
+    def test_gzip(self):
+        arguments = (*RUN, "--gzip")
+        self.assertDone(self.run_program(*arguments))
+        reference = self.contents()
+        self.put({})
+        self.assertTrue(self.cut_off(20, *arguments))
+        self.assertDone(self.run_program(*arguments, "--resume"))
+        self.assertEqual(self.contents(), reference)
+
+    @needs_library
+    def test_other_input_or_options(self):
+        self.assertTrue(self.cut_off(20))
+        for arguments in ((SMALL, "-q", "--spacing", "0.5", "-b", "9"),
+                          (*RUN, "--probe-radius", "1.5"), (*RUN, "--write", "edges"),
+                          (DATA / "1ubq.xyzr", *RUN[1:])):
+            with self.subTest(arguments=arguments):
+                before = self.all_files(self.output / PIECES)
+                self.assertFailed(self.run_program(*arguments, "--resume"), "cannot resume")
+                self.assertEqual(self.all_files(self.output / PIECES), before)
+        self.assertSame()
+
+    @needs_library
+    def test_damaged_piece(self):
+        for damage in (lambda bytes_: bytes_[:-1], lambda bytes_: bytes_ + b"x",
+                       lambda bytes_: bytes_[:40] + bytes([bytes_[40] ^ 1]) + bytes_[41:]):
+            self.assertTrue(self.cut_off(20))
+            path = self.output / PIECES / self.pieces()[-1]
+            path.write_bytes(damage(path.read_bytes()))
+            self.assertFailed(self.run_program(*RUN, "--resume"), "damaged")
+            self.assertEqual([n for n in self.all_files() if not n.startswith(".")], [])
+            shutil.rmtree(self.output / PIECES)
+
+    @needs_library
+    def test_text_that_has_become_shorter(self):
+        self.assertTrue(self.cut_off(20))
+        path = self.output / PIECES / (self.pieces()[0].removesuffix(".sums") + ".grid")
+        path.write_bytes(path.read_bytes()[:-5])
+        self.assertFailed(self.run_program(*RUN, "--resume"), "cannot")
+
+    @needs_library
+    def test_run_without_it(self):
+        """It begins anew, and what was kept is of no use any more."""
+        self.assertTrue(self.cut_off(20))
+        self.assertDone(self.run_program(*RUN))
+        self.assertEqual(self.contents(), self.reference)
+
+    @unittest.skipIf(os.environ.get("ESES_SANITIZE") == "thread", "takes too long there")
+    def test_signals(self):
+        path = self.folder / "big.xyzr"
+        path.write_text("".join(f"{x * 3} {y * 3} {z * 3} 1.7\n"
+                                for x in range(12) for y in range(12) for z in range(40)))
+        arguments = (path, "-q", "--spacing", "0.35", "-b", "17", "-t", "1")
+        for number in (signal.SIGINT, signal.SIGTERM):
+            before = len(self.pieces())
+            program = self.start(*arguments, "--resume")
+            wait_for(lambda: len(self.pieces()) > before + 1)
+            begin = time.monotonic()
+            program.send_signal(number)
+            self.assertEqual(self.finish(program).returncode, 128 + number.value)
+            self.assertLess(time.monotonic() - begin, 5)
+            self.assertEqual(self.all_files(), [PIECES])
+            self.assertGreater(len(self.pieces()), before)
+        self.assertDone(self.run_program(*arguments, "--resume"))
+        resumed = self.contents()
+        self.put({})
+        self.assertDone(self.run_program(*arguments))
+        self.assertEqual(self.contents(), resumed)
+
+    def test_what_cannot_be_resumed(self):
+        for option in (("--mesh", self.folder / "x.ply"), ("--inside", "x.dx"), ("--verify",),
+                       ("--write", "residues")):
+            done = self.run_program(*RUN, "--resume", *option)
+            self.assertEqual(done.returncode, 2, done)
+            self.assertIn(option[0], done.stderr)
+            self.assertIn("--resume", done.stderr)
+
+    def test_full_disk(self):
+        done = self.run_program(*RUN, "--resume", prepare=lambda: self.limit(20000))
+        self.assertFailed(done, "cannot write")
+        self.assertEqual([n for n in self.all_files() if not n.startswith(".")], [])
+        self.assertSame()
+
+    @staticmethod
+    def limit(size):
+        forget_signals()
+        resource.setrlimit(resource.RLIMIT_FSIZE, (size, size))
+
+
+if __name__ == "__main__":
+    unittest.main()
