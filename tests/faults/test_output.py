@@ -7,6 +7,7 @@ import shutil
 import signal
 import subprocess
 import time
+import unittest
 
 from faults import (NAMES, NO_SPACE, PROGRAM, SMALL, TINY, FaultTest, forget_signals, message_of,
                     needs_library, wait_for)
@@ -40,6 +41,8 @@ class FullDisk(FaultTest):
             self.assertTrue(self.is_faulty())
             self.assertEqual(self.contents(), older)
 
+    @unittest.skipIf(os.environ.get("ESES_SANITIZE") == "thread",
+                     "the sanitizer itself maps files that are larger")
     def test_limit_on_the_size_of_files(self):
         def limit():
             forget_signals()
