@@ -196,8 +196,11 @@ class Pipeline {
     const std::int64_t by = task.index / plan_.tiling.blocks[0];
     BlockResult& result =
         layers_[static_cast<std::size_t>(task.layer)].blocks[static_cast<std::size_t>(task.index)];
-    result = solve_block(surface_, plan_.grid, plan_.tiling.block(bx, by, task.layer),
-                         workspaces_[thread]);
+    const Block block = plan_.tiling.block(bx, by, task.layer);
+    result = mesh_ ? solve_block_for_mesh(surface_, plan_.grid, block,
+                                          plan_.tiling.block_with_far_corners(bx, by, task.layer),
+                                          workspaces_[thread])
+                   : solve_block(surface_, plan_.grid, block, workspaces_[thread]);
     if (verifier_ != nullptr) verifier_->take(result, thread);
     hand_out(result);
     require_memory_within(plan_.parameters.max_memory);
@@ -221,7 +224,8 @@ class Pipeline {
     const std::int64_t chunk = task.layer * layer_chunks(0) + task.index;
     if (grid_output_) grid_output_->write(chunk, file_bytes(writer.grid, writer));
     if (edge_output_) edge_output_->write(chunk, file_bytes(writer.edges, writer));
-    if (mesh_) mesh_->write(layer, chunk, rows, writer.mesh);
+    if (mesh_)
+      mesh_->write(layer, chunk, {task.index, layer_chunks(task.layer)}, writer.mesh);
     writer.seconds += watch.seconds();
     progress_.check();
   }
