@@ -4,6 +4,7 @@
 #include <array>
 #include <cstddef>
 #include <span>
+#include <string_view>
 #include <utility>
 
 namespace eses {
@@ -28,8 +29,9 @@ MeshOutput::MeshOutput(const Plan& plan, const MeshChoice& choice,
       has_cells_(std::ranges::min(region_.size()) > 1),
       file_(file),
       scratch_file_(triangles),
-      text_(mesh_format(choice.file).value(), choice.color, mesh::group_atoms(labels)),
-      header_bytes_(text_.header({}).size()),
+      text_(mesh_format(choice.file).value(), choice.color,
+            mesh::group_atoms(mesh::names_atoms(choice) ? labels : std::span<const AtomLabel>())),
+      header_bytes_(text_.header_bytes()),
       vertex_output_([this](std::span<const char> text, std::uint64_t offset) {
         file_.write_at(text, header_bytes_ + offset);
       }),
@@ -167,8 +169,12 @@ void MeshOutput::abandon() {
 }
 
 std::uint64_t MeshOutput::finish(std::uint64_t triangles, const std::function<void()>& check) {
-  file_.write_at(text_.header({vertex_count(), triangles}), 0);
-  std::uint64_t at = header_bytes_ + vertex_output_.size();
+  std::uint64_t at = 0;
+  text_.write_header({vertex_count(), triangles}, [&](std::string_view piece) {
+    file_.write_at(piece, at);
+    at += piece.size();
+  });
+  at += vertex_output_.size();
   std::vector<char> buffer(std::size_t{1} << 20);
   for (std::uint64_t done = 0; done < triangle_output_.size();) {
     const auto part = std::span(buffer).first(
