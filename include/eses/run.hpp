@@ -131,6 +131,8 @@ using ProgressCallback = std::function<void(std::int64_t done, std::int64_t tota
 struct Callbacks {
   ProgressCallback progress = {};
   BlockCallback block = {};
+  /// Like `progress`, while the verification goes on: its checks so far out of all.
+  ProgressCallback verification = {};
 };
 
 /// Grid, tiling, memory and bytes of output; what is left to it, block size, threads and blocks in

@@ -109,11 +109,18 @@ Summary run_with_progress(const Molecule& molecule, const Options& options, cons
   if (!options.quiet && ProgressBar::is_possible()) bar.emplace();
   InterruptibleRun interruptible(temporary_paths(options.outputs, options.output_directory),
                                  lock_paths(options.outputs, options.output_directory));
+  // That all blocks are solved is told again while checks go on.
+  bool is_verifying = false;
+  const auto show_blocks = [&](std::int64_t done, std::int64_t total) {
+    interruptible.check();
+    if (bar && !is_verifying) bar->show({done, total});
+  };
+  const auto show_checks = [&](std::int64_t done, std::int64_t total) {
+    is_verifying = true;
+    if (bar) bar->show({done, total, "checks"});
+  };
   Summary summary = run(molecule, plan, options.outputs, options.output_directory,
-                        {.progress = [&](std::int64_t done, std::int64_t total) {
-                          interruptible.check();
-                          if (bar) bar->show(done, total);
-                        }});
+                        {.progress = show_blocks, .verification = show_checks});
   interruptible.check();
   return summary;
 }

@@ -426,7 +426,10 @@ Summary run(const Molecule& molecule, const Plan& plan, const OutputChoice& outp
   summary.concave_area = area_of(tally.kind_shares[2], face);
   if (verifier) {
     const Stopwatch checking;
-    summary.verification = verifier->check(callbacks.progress);
+    summary.verification = verifier->check([&](std::int64_t done, std::int64_t all) {
+      check();
+      if (callbacks.verification) callbacks.verification(done, all);
+    });
     summary.seconds.verify += checking.seconds();
     if (!summary.verification->faults.empty()) {
       summary.seconds.total = total.seconds();
