@@ -389,7 +389,8 @@ TEST_CASE("the plan knows the length of the tables and of the bounding box", "[p
   std::vector<Atom> atoms;
   std::vector<AtomLabel> labels;
   for (int i = 0; i < 300; ++i) {
-    atoms.push_back({{9.0 * (i % 7), 9.0 * (i / 7 % 7), 9.0 * (i / 49)}, 1.5});
+    const int x = i % 7, y = i / 7 % 7, z = i / 49;
+    atoms.push_back({{9.0 * x, 9.0 * y, 9.0 * z}, 1.5});
     labels.push_back({std::string(static_cast<std::size_t>(i / 100 + 1), 'A'),
                       "RESIDUE_WITH_A_LONG_NAME", std::to_string(i / 2), "C"});
   }
