@@ -472,13 +472,17 @@ std::vector<Atom> parse_atoms(std::string_view text, AtomFormat format, std::str
   return parse_numbered_atoms(text, format, name).atoms;
 }
 
+AtomFormat format_of(const std::filesystem::path& path, AtomFormat format) {
+  if (format != AtomFormat::automatic) return format;
+  return suffix_of(path) == ".pqr" ? AtomFormat::pqr : AtomFormat::xyzr;
+}
+
 NumberedAtoms read_numbered_atoms(const std::filesystem::path& path, AtomFormat format) {
   if (path == "-") return read_descriptor(STDIN_FILENO, format, "<stdin>");
-  const std::string name = path.string(), suffix = suffix_of(path);
-  refuse_structure_files(suffix, name);
-  if (format == AtomFormat::automatic && suffix == ".pqr") format = AtomFormat::pqr;
+  const std::string name = path.string();
+  refuse_structure_files(suffix_of(path), name);
   const FileDescriptor file(open_for_reading(path, name));
-  return read_descriptor(file.value(), format, name);
+  return read_descriptor(file.value(), format_of(path, format), name);
 }
 
 std::vector<Atom> read_atoms(const std::filesystem::path& path, AtomFormat format) {

@@ -196,8 +196,11 @@ class Pipeline {
     const std::int64_t by = task.index / plan_.tiling.blocks[0];
     BlockResult& result =
         layers_[static_cast<std::size_t>(task.layer)].blocks[static_cast<std::size_t>(task.index)];
-    result = solve_block(surface_, plan_.grid, plan_.tiling.block(bx, by, task.layer),
-                         workspaces_[thread]);
+    const Block block = plan_.tiling.block(bx, by, task.layer);
+    result = mesh_ ? solve_block_for_mesh(surface_, plan_.grid, block,
+                                          plan_.tiling.block_with_far_corners(bx, by, task.layer),
+                                          workspaces_[thread])
+                   : solve_block(surface_, plan_.grid, block, workspaces_[thread]);
     if (verifier_ != nullptr) verifier_->take(result, thread);
     hand_out(result);
     require_memory_within(plan_.parameters.max_memory);
@@ -221,7 +224,7 @@ class Pipeline {
     const std::int64_t chunk = task.layer * layer_chunks(0) + task.index;
     if (grid_output_) grid_output_->write(chunk, file_bytes(writer.grid, writer));
     if (edge_output_) edge_output_->write(chunk, file_bytes(writer.edges, writer));
-    if (mesh_) mesh_->write(layer, chunk, rows, writer.mesh);
+    if (mesh_) mesh_->write(layer, chunk, {task.index, layer_chunks(task.layer)}, writer.mesh);
     writer.seconds += watch.seconds();
     progress_.check();
   }
@@ -355,17 +358,12 @@ std::uint64_t write_areas(OutputFile& file, std::span<const double> areas, bool 
   return file_of_areas.size();
 }
 
-std::uint64_t write_plain(OutputFile& file, std::span<const char> text) {
-  ShortFile plain(file, false);
-  plain.append(text);
-  return plain.size();
-}
-
 std::uint64_t write_tables(OutputFiles& files, std::span<const AtomLabel> labels,
                            std::span<const double> areas) {
-  const std::vector<ResidueArea> residues = areas_by_residue(labels, areas);
-  return write_plain(*files.residues, residue_table(residues)) +
-         write_plain(*files.chains, chain_table(areas_by_chain(residues)));
+  ShortFile residues(*files.residues, false), chains(*files.chains, false);
+  write_residue_table(labels, areas, [&](std::string_view piece) { residues.append(piece); });
+  write_chain_table(labels, areas, [&](std::string_view piece) { chains.append(piece); });
+  return residues.size() + chains.size();
 }
 
 void require_labels(const OutputChoice& outputs, const Molecule& molecule) {
@@ -428,7 +426,10 @@ Summary run(const Molecule& molecule, const Plan& plan, const OutputChoice& outp
   summary.concave_area = area_of(tally.kind_shares[2], face);
   if (verifier) {
     const Stopwatch checking;
-    summary.verification = verifier->check(callbacks.progress);
+    summary.verification = verifier->check([&](std::int64_t done, std::int64_t all) {
+      check();
+      if (callbacks.verification) callbacks.verification(done, all);
+    });
     summary.seconds.verify += checking.seconds();
     if (!summary.verification->faults.empty()) {
       summary.seconds.total = total.seconds();
@@ -443,6 +444,7 @@ Summary run(const Molecule& molecule, const Plan& plan, const OutputChoice& outp
     summary.bytes_written += write_areas(*files.areas, summary.atom_areas, files.gzip);
   if (files.residues)
     summary.bytes_written += write_tables(files, molecule.labels(), summary.atom_areas);
+  require_memory_within(plan.parameters.max_memory);
   files.commit(check);
   summary.seconds.total = total.seconds();
   return summary;
