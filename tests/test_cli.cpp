@@ -237,6 +237,28 @@ TEST_CASE("a run does not overwrite its input", "[cli]") {
   }
 }
 
+TEST_CASE("a run does not remove its input for another form of a file", "[cli]") {
+  const Sandbox sandbox;
+  const std::string atoms = "0 0 0 1.5\n";
+  for (const auto& [name, gzip] :
+       {std::pair("partition_area.txt", true), std::pair("partition_area.txt.gz", false)}) {
+    write_file(sandbox.directory() / name, atoms);
+    Arguments arguments{name, "--format", "xyzr"};
+    if (gzip) arguments.emplace_back("--gzip");
+    const Outcome outcome = sandbox.run(arguments);
+    CHECK(outcome.code == 1);
+    INFO(outcome.err);
+    CHECK(contains(outcome.err, std::string(name) + " is the input, and would be removed, as a " +
+                                    (gzip ? "gzipped" : "plain") + " file takes its place"));
+    CHECK(read_file(sandbox.directory() / name) == atoms);
+    // Where the file is not written, its other form stays.
+    arguments.insert(arguments.end(), {"--write", "edges"});
+    CHECK(sandbox.run(arguments).code == 0);
+    CHECK(read_file(sandbox.directory() / name) == atoms);
+    fs::remove(sandbox.directory() / name);
+  }
+}
+
 TEST_CASE("an instruction set that does not exist is refused", "[cli]") {
   REQUIRE(::setenv("ESES_INSTRUCTION_SET", "AVX2", 1) == 0);
   const Sandbox sandbox;
@@ -465,9 +487,14 @@ TEST_CASE("the JSON report holds what the text says", "[cli]") {
   check("sorted(r['seconds'])",
         "['blocks', 'classify', 'intersect', 'output', 'patches', 'total', 'verify']");
   check("sorted(r['plan'])",
-        "['area_file_bytes', 'blocks_ahead', 'cut_depth', 'disk_bytes', 'edge_file_bytes', "
-        "'grid_file_bytes', 'map_file_bytes', 'max_memory_bytes', 'memory_bytes', "
-        "'mesh_file_bytes', 'output_bytes', 'residue_file_bytes', 'scratch_bytes']");
+        "['area_file_bytes', 'blocks_ahead', 'box_file_bytes', 'cut_depth', 'disk_bytes', "
+        "'edge_file_bytes', 'grid_file_bytes', 'map_file_bytes', 'max_memory_bytes', "
+        "'memory_bytes', 'mesh_disk_bytes', 'mesh_file_bytes', 'output_bytes', "
+        "'residue_file_bytes', 'scratch_bytes']");
+  check(
+      "sum(n for k, n in r['plan'].items() if k.endswith('_file_bytes')) - "
+      "r['plan']['output_bytes']",
+      "0");
   check("r['region']", "None");
   check("sorted(r['area_by_kind'])", "['concave', 'convex', 'saddle']");
   check("abs(sum(r['area_by_kind'].values()) - r['area']) < 1e-9", "True");
@@ -485,6 +512,7 @@ TEST_CASE("a dry run prints the plan of the run and writes nothing", "[cli]") {
   CHECK(plan.err.empty());
   CHECK_FALSE(fs::exists(sandbox.directory() / "new"));
   for (const std::string key : {"area:", "volume:"}) CHECK(lines_with(plan.out, key).empty());
+  CHECK(contains(plan.out, "files: bounding_box.txt exactly "));
   CHECK(contains(plan.out, "grid_info.txt at most "));
   CHECK(contains(plan.out, "intersection_info.txt about "));
 
@@ -562,6 +590,30 @@ TEST_CASE("what is planned bounds what is held, and by no more than about twofol
     const Outcome outcome =
         sandbox.run({std::string(ESES_DATA) + "/" + file, "--spacing", spacing, "--block-size",
                      block_size, "--threads", "2", "--write", "none", "--json"});
+    REQUIRE(outcome.code == 0);
+    if (holds_shadow_memory) continue;
+    check_json(sandbox, outcome.out,
+               "1 <= r['plan']['memory_bytes'] / r['peak_memory_bytes'] < 2.1", "True");
+  }
+}
+
+TEST_CASE("what is planned bounds what long names of residues take", "[cli]") {
+  const Sandbox sandbox;
+  // Every atom is a residue and a chain of its own.
+  std::string text;
+  for (int i = 0; i < 27000; ++i) {
+    const std::string number = std::to_string(i);
+    text += "ATOM 1 C R" + std::string(40, 'r') + number + " C" + std::string(50, 'c') + number +
+            " " + number + " " + std::to_string(9 * (i % 30)) + " " +
+            std::to_string(9 * (i / 30 % 30)) + " " + std::to_string(9 * (i / 900)) + " 0 1.5\n";
+  }
+  write_file(sandbox.directory() / "names.pqr", text);
+  for (const Arguments& outputs : {Arguments{"--mesh", "a.ply"}, Arguments{"--write", "residues"},
+                                   Arguments{"--mesh", "a.ply", "--write", "residues"}}) {
+    Arguments arguments{"names.pqr", "1.4", "2", "2", "-t", "1", "--json"};
+    arguments.insert(arguments.end(), outputs.begin(), outputs.end());
+    INFO(Sandbox::command(arguments));
+    const Outcome outcome = sandbox.run(arguments);
     REQUIRE(outcome.code == 0);
     if (holds_shadow_memory) continue;
     check_json(sandbox, outcome.out,

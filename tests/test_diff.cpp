@@ -833,6 +833,14 @@ TEST_CASE("diff: help names options, files and exit codes", "[diff]") {
   CHECK(contains(sandbox.run({"--help"}).out, " eses-blocks diff [OPTIONS] DIR_A DIR_B\n"));
 }
 
+TEST_CASE("diff: its version is the program's", "[diff]") {
+  const Sandbox sandbox;
+  const Outcome outcome = sandbox.run({"diff", "--version"});
+  CHECK(outcome.code == 0);
+  CHECK(outcome.out == sandbox.run({"--version"}).out);
+  CHECK(contains(sandbox.run({"diff", "--help"}).out, "--version"));
+}
+
 TEST_CASE("diff: usage errors name option, value and expectation", "[diff]") {
   const Sandbox sandbox;
   const std::string tolerance = ", expected a finite number of at least 0";

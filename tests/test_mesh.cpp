@@ -461,7 +461,7 @@ TEST_CASE("mesh: its size is estimated", "[mesh]") {
     INFO(name << ": " << ratio);
     CHECK(ratio > 0.7);
     CHECK(ratio < 1.6);
-    CHECK(plan.output_bytes() == plan.grid_file_bytes + plan.edge_file_bytes +
+    CHECK(plan.output_bytes() == plan.box_file_bytes + plan.grid_file_bytes + plan.edge_file_bytes +
                                      plan.area_file_bytes + plan.mesh_file_bytes);
   }
 }
@@ -559,9 +559,11 @@ TEST_CASE("mesh: chains, residues and colours", "[mesh]") {
 TEST_CASE("mesh: the header's length does not depend on the counts", "[mesh]") {
   for (const MeshFormat format : {MeshFormat::ply, MeshFormat::obj, MeshFormat::off}) {
     const mesh::MeshText text(format, MeshColor::none, {});
-    const std::size_t length = text.header({}).size();
-    for (const std::uint64_t count : {1ULL, 99ULL, 2147483647ULL, 99999999999ULL})
-      CHECK(text.header({count, 2 * count}).size() == length);
+    for (const std::uint64_t count : {1ULL, 99ULL, 2147483647ULL, 99999999999ULL}) {
+      std::uint64_t length = 0;
+      text.write_header({count, 2 * count}, [&](std::string_view part) { length += part.size(); });
+      CHECK(length == text.header_bytes());
+    }
   }
 }
 
@@ -618,6 +620,16 @@ TEST_CASE("mesh: in the JSON report and the plan", "[mesh][cli]") {
              "True");
   check_json(sandbox, outcome.out, "r['mesh']['vertices'] == r['crossings']['total']", "True");
   check_json(sandbox, outcome.out, "r['plan']['mesh_file_bytes'] > 10000", "True");
+  check_json(sandbox, outcome.out, "0 < r['plan']['scratch_bytes'] < r['plan']['mesh_file_bytes']",
+             "True");
+  check_json(sandbox, outcome.out, "r['output']['files'][-2:]", "['partition_area.txt', 'a.ply']");
+  check_json(sandbox,
+             sandbox.run({"pair.xyzr", "--mesh", "out/a.ply", "--json", "-o", "./out"}).out,
+             "r['output']['files'][-1]", "'a.ply'");
+  const Outcome elsewhere =
+      sandbox.run({"pair.xyzr", "--mesh", "far/a.ply", "--json", "--write", "none", "-o", "out"});
+  check_json(sandbox, elsewhere.out, "r['output']['files']",
+             "['" + (sandbox.directory() / "far/a.ply").string() + "']");
   check_json(sandbox, sandbox.run({"pair.xyzr", "--json", "-q"}).out, "r['mesh']", "None");
   const Outcome plan = sandbox.run({"pair.xyzr", "--mesh", "b.ply", "--dry-run"});
   CHECK(contains(plan.out, "the mesh about "));
@@ -642,10 +654,71 @@ TEST_CASE("mesh: errors", "[mesh][cli]") {
   check({"pair.xyzr", "--mesh", "a.obj", "--color", "atom"}, 2, "--color needs --mesh");
   check({"pair.xyzr", "--mesh", "a.ply", "--color", "red"}, 2,
         "--color is 'red', expected patch, atom or chain");
-  check({"pair.xyzr", "--mesh", "a.ply", "--color", "chain"}, 1, "coloured by chain");
+  for (const char* file : {"pair.xyzr", "missing.xyzr", "-"})
+    check({file, "--mesh", "a.ply", "--color", "chain"}, 2, "--color chain needs a PQR file");
+  check({"missing.PQR.gz", "--mesh", "a.ply", "--color", "chain"}, 1, "missing.PQR.gz");
+  check({"missing.xyzr", "--format", "pqr", "--mesh", "a.ply", "--color", "chain"}, 1,
+        "missing.xyzr");
+  check({"missing.pqr", "--format", "xyzr", "--mesh", "a.ply", "--color", "chain"}, 2,
+        "--color chain needs a PQR file");
   check({"pair.xyzr", "--mesh", "pair.xyzr/a.ply"}, 1, "cannot write into pair.xyzr");
   fs::create_directory(sandbox.directory() / "taken.ply");
   check({"pair.xyzr", "--mesh", "taken.ply"}, 1, "taken.ply");
+  fs::create_symlink("b.ply", sandbox.directory() / "a.ply");
+  fs::create_symlink("a.ply", sandbox.directory() / "b.ply");
+  check({"pair.xyzr", "--mesh", "a.ply"}, 1, "cannot write a.ply");
+}
+
+TEST_CASE("mesh: a symbolic link stays, and the file is where it leads", "[mesh][cli]") {
+  const Sandbox sandbox;
+  fs::create_directory(sandbox.directory() / "far");
+  const auto link = [&](const char* name, const char* target) {
+    fs::create_symlink(target, sandbox.directory() / name);
+  };
+  link("a.ply", "far/b.ply");
+  link("far/b.ply", "../c.ply");  // which is not there yet
+  link("d.ply", (sandbox.directory() / "far/data.with.any.name").c_str());
+  REQUIRE(sandbox.run({"pair.xyzr", "--write", "none", "--mesh", "plain.ply"}).code == 0);
+  const std::string mesh = read_file(sandbox.directory() / "plain.ply");
+  for (const auto& [name, target] : {std::pair("a.ply", "c.ply"), std::pair("a.ply", "c.ply"),
+                                     std::pair("d.ply", "far/data.with.any.name")}) {
+    INFO(name);
+    const Outcome outcome = sandbox.run({"pair.xyzr", "--write", "none", "--mesh", name});
+    INFO(outcome.err);
+    REQUIRE(outcome.code == 0);
+    CHECK(fs::is_symlink(sandbox.directory() / name));
+    CHECK(fs::is_symlink(sandbox.directory() / "far/b.ply"));
+    CHECK(fs::is_regular_file(fs::symlink_status(sandbox.directory() / target)));
+    CHECK(read_file(sandbox.directory() / target) == mesh);
+  }
+}
+
+TEST_CASE("mesh: a dry run refuses places that cannot be written, and makes none", "[mesh][cli]") {
+  const Sandbox sandbox;
+  fs::create_directories(sandbox.directory() / "taken.ply");
+  fs::create_directories(sandbox.directory() / "out/map.dx");
+  const std::string long_name = std::string(250, 'a') + ".ply";
+  for (const Arguments& arguments :
+       {Arguments{"--mesh", "pair.xyzr/a.ply"}, Arguments{"--mesh", "pair.xyzr/b/a.ply"},
+        Arguments{"--mesh", "taken.ply"}, Arguments{"--mesh", long_name},
+        Arguments{"--inside", "a.vti", "-o", "pair.xyzr/out"},
+        Arguments{"--inside", "map.dx", "-o", "out"}, Arguments{"-o", "pair.xyzr"}}) {
+    Arguments run{"pair.xyzr"};
+    run.insert(run.end(), arguments.begin(), arguments.end());
+    INFO(Sandbox::command(run));
+    const Outcome refused = sandbox.run(run);
+    run.emplace_back("--dry-run");
+    const Outcome dry = sandbox.run(run);
+    CHECK(refused.code == 1);
+    CHECK(dry.code == 1);
+    CHECK(dry.err == refused.err);
+    CHECK(dry.out.empty());
+  }
+  const Outcome good = sandbox.run({"pair.xyzr", "--mesh", "new/place/a.ply", "-o", "other/new",
+                                    "--inside", "m.dx", "--dry-run"});
+  CHECK(good.code == 0);
+  CHECK_FALSE(fs::exists(sandbox.directory() / "new"));
+  CHECK_FALSE(fs::exists(sandbox.directory() / "other"));
 }
 
 }  // namespace eses::test

@@ -352,16 +352,73 @@ TEST_CASE("no more blocks are solved ahead of the unwritten layer than allowed",
 TEST_CASE("the disk is looked at where the directory will be", "[plan]") {
   const std::vector<Atom> atoms{{{0, 0, 0}, 1.5}};
   Plan plan = make_plan(atoms, {}, {});
-  const DiskSpace here = require_disk_space(plan, ".");
-  const DiskSpace below = require_disk_space(plan, "not/made/yet");
-  CHECK(here.holds_expected_files);
-  CHECK(below.holds_expected_files);
+  const DiskSpace here = require_disk_space(plan, {}, ".");
+  const DiskSpace below = require_disk_space(plan, {}, "not/made/yet");
+  REQUIRE(here.places.size() == 1);
+  REQUIRE(below.places.size() == 1);
+  CHECK(here.places[0].expected == plan.output_bytes());
+  CHECK(below.places[0].available >= plan.output_bytes());
   CHECK_FALSE(std::filesystem::exists("not"));
-  if (here.available > std::uint64_t{1} << 60) return;  // it cannot be told
+  if (here.places[0].available > std::uint64_t{1} << 60) return;  // it cannot be told
   plan.edge_file_bytes = std::uint64_t{1} << 62;
-  CHECK_FALSE(require_disk_space(plan, ".").holds_expected_files);
+  const DiskSpace::Place full = require_disk_space(plan, {}, ".").places[0];
+  CHECK(full.expected > full.available);
   plan.grid_file_bytes = std::uint64_t{1} << 62;
-  CHECK_THROWS_AS(require_disk_space(plan, "."), Error);
+  CHECK_THROWS_AS(require_disk_space(plan, {}, "."), Error);
+}
+
+TEST_CASE("every file system is held against what goes there", "[plan]") {
+  const std::vector<Atom> atoms{{{0, 0, 0}, 1.5}};
+  const TemporaryDirectory directory;
+  OutputChoice outputs;
+  outputs.inside_map = "map.dx";
+  outputs.mesh = MeshChoice{directory.path() / "a" / "mesh.ply"};
+  const Plan plan = make_plan(atoms, {}, outputs);
+  REQUIRE(plan.mesh_scratch_bytes > 0);
+  REQUIRE(plan.map_scratch_bytes > 0);
+  CHECK(plan.mesh_scratch_bytes < plan.mesh_file_bytes);
+  const std::uint64_t of_mesh = plan.mesh_file_bytes + plan.mesh_scratch_bytes;
+  const std::uint64_t of_others =
+      plan.output_bytes() - plan.mesh_file_bytes + plan.map_scratch_bytes;
+  const DiskSpace one = require_disk_space(plan, outputs, directory.path());
+  REQUIRE(one.places.size() == 1);
+  CHECK(one.places[0].expected == of_mesh + of_others);
+
+  // Files of /proc are in a file system of their own.
+  const DiskSpace two = require_disk_space(plan, outputs, "/proc/self");
+  REQUIRE(two.places.size() == 2);
+  CHECK(two.places[0].directory == "/proc/self");
+  CHECK(two.places[0].expected == of_others);
+  CHECK(two.places[1].directory == directory.path() / "a");
+  CHECK(two.places[1].expected == of_mesh);
+  CHECK(two.places[1].available == one.places[0].available);
+}
+
+TEST_CASE("the plan knows the length of the tables and of the bounding box", "[plan]") {
+  std::vector<Atom> atoms;
+  std::vector<AtomLabel> labels;
+  for (int i = 0; i < 300; ++i) {
+    const int x = i % 7, y = i / 7 % 7, z = i / 49;
+    atoms.push_back({{9.0 * x, 9.0 * y, 9.0 * z}, 1.5});
+    labels.push_back({std::string(static_cast<std::size_t>(i / 100 + 1), 'A'),
+                      "RESIDUE_WITH_A_LONG_NAME", std::to_string(i / 2), "C"});
+  }
+  const Molecule molecule(atoms, labels);
+  OutputChoice outputs;
+  outputs.residues = true;
+  for (const bool gzip : {false, true}) {
+    outputs.gzip = gzip;
+    const TemporaryDirectory directory;
+    const Plan plan = make_plan(molecule, {.spacing = 1, .margin = 1}, outputs);
+    run(molecule, plan, outputs, directory.path());
+    const auto size = [&](const char* name) {
+      return static_cast<double>(std::filesystem::file_size(directory.path() / name));
+    };
+    CHECK(static_cast<double>(plan.box_file_bytes) ==
+          size(gzip ? "bounding_box.txt.gz" : "bounding_box.txt"));
+    CHECK(static_cast<double>(plan.residue_file_bytes) ==
+          Approx(size("residue_area.csv") + size("chain_area.csv")).epsilon(0.1));
+  }
 }
 
 }  // namespace eses::test

@@ -22,8 +22,11 @@ AtomLabel label(const char* chain, const char* number, const char* residue) {
 }
 
 std::string tables_of(const std::vector<AtomLabel>& labels, const std::vector<double>& areas) {
-  const std::vector<ResidueArea> residues = areas_by_residue(labels, areas);
-  return residue_table(residues) + chain_table(areas_by_chain(residues));
+  std::string text;
+  const TextSink sink = [&text](std::string_view piece) { text += piece; };
+  write_residue_table(labels, areas, sink);
+  write_chain_table(labels, areas, sink);
+  return text;
 }
 
 std::vector<std::vector<std::string>> rows_of(const std::filesystem::path& path) {

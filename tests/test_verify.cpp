@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "catch.hpp"
+#include "eses/read_atoms.hpp"
 #include "eses/run.hpp"
 #include "run/build_patches.hpp"
 #include "run/verifier.hpp"
@@ -82,6 +83,48 @@ TEST_CASE("the nearest accessible centre is the oracle's", "[verify]") {
         if (found) REQUIRE(is_accessible(set, *found, 2 * slack));
       }
     }
+}
+
+TEST_CASE("the nearest accessible centre among many atoms around a large probe", "[verify]") {
+  constexpr double slack = 1e-9;
+  for (std::uint64_t seed = 0; seed < 3; ++seed)
+    for (const double probe : {4.0, 12.0, 40.0}) {
+      INFO("seed " << seed << ", probe radius " << probe);
+      const std::vector<Atom> atoms = make_chain(60, seed);
+      const AccessibleSet set = make_accessible_set(atoms, probe);
+      const verify::Definition definition(atoms, probe);
+      verify::CentreSearch search(definition);
+      const Grid grid = make_grid(atoms, 0.5, 1);
+      Random random(seed);
+      std::size_t found_any = 0;
+      for (int i = 0; i < 100; ++i) {
+        const Vec3 x = random_point(random, grid);
+        const double reach = random.uniform(0.9, 1.1) * probe;
+        const auto expected = nearest_accessible(set, x, reach);
+        const auto found = search.nearest(x, reach, slack);
+        const double distance = found ? norm(*found - x) : reach;
+        REQUIRE(std::fabs(distance - (expected ? expected->distance : reach)) < 1e-7);
+        if (std::fabs(reach - distance) > 1e-7)
+          REQUIRE(search.is_any(x, reach, slack));
+        else
+          REQUIRE_FALSE(search.is_any(x, reach - 1e-6, slack));
+        found_any += found.has_value();
+      }
+      CHECK(found_any > 10);
+      CHECK(found_any < 100);
+    }
+}
+
+TEST_CASE("a protein around which a large probe rolls is found right", "[verify]") {
+  const std::vector<Atom> atoms = read_atoms(std::string(ESES_DATA) + "/1ubq.xyzr");
+  Parameters parameters;
+  parameters.probe_radius = 30;
+  parameters.verify = 1000;
+  const Summary summary = run(atoms, make_plan(atoms, parameters, no_files), no_files, "nowhere");
+  REQUIRE(summary.verification);
+  CHECK(summary.verification->points == 1000);
+  CHECK(summary.verification->edges == 1000);
+  CHECK(summary.verification->faults.empty());
 }
 
 TEST_CASE("the way to where another probe is as near", "[verify]") {
@@ -351,6 +394,36 @@ TEST_CASE("a verification can be ended by its progress callback", "[verify]") {
   };
   CHECK_THROWS_AS(run(atoms, plan, no_files, "nowhere", {.progress = end_after_blocks}),
                   std::runtime_error);
+  const auto end_halfway = [&](std::int64_t done, std::int64_t all) {
+    if (2 * done > all) throw std::runtime_error("enough");
+  };
+  CHECK_THROWS_AS(run(atoms, plan, no_files, "nowhere", {.verification = end_halfway}),
+                  std::runtime_error);
+}
+
+TEST_CASE("a verification tells how far it is", "[verify]") {
+  const std::vector<Atom> atoms = make_chain(20, 7);
+  // Of few edges all are checked; of many, some are looked at first.
+  for (const std::int64_t wanted : {50, 100000}) {
+    Parameters parameters;
+    parameters.verify = wanted;
+    parameters.threads = 2;
+    std::vector<std::int64_t> seen;
+    std::int64_t total = 0;
+    const Summary summary = run(atoms, make_plan(atoms, parameters, no_files), no_files, "nowhere",
+                                {.verification = [&](std::int64_t done, std::int64_t all) {
+                                  seen.push_back(done);
+                                  total = all;
+                                }});
+    REQUIRE(summary.verification);
+    const auto& [points, edges, faults] = *summary.verification;
+    CHECK(total == points + edges + (wanted == 50 ? 4 * wanted - wanted / 2 : 0));
+    REQUIRE(!seen.empty());
+    CHECK(seen.front() == 0);
+    CHECK(std::is_sorted(seen.begin(), seen.end()));
+    CHECK(seen.back() < total);
+    CHECK(2 * seen.back() > total);
+  }
 }
 
 }  // namespace eses

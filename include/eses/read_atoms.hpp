@@ -24,6 +24,9 @@ struct NumberedAtoms {
   std::vector<AtomLabel> labels;     ///< of each atom, if the file is PQR; else empty
 };
 
+/// What a file is read as: `format`, or by its suffix, of NAME.gz that of NAME.
+AtomFormat format_of(const std::filesystem::path& path, AtomFormat format);
+
 /// Reads all atoms of a file; `-` is standard input. Throws Error, naming file, line and field,
 /// if the file cannot be read, holds no atom, or has a field that is missing, not a finite
 /// number, or a negative radius.

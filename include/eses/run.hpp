@@ -71,17 +71,21 @@ struct Plan {
   double cut_depth = 0;           ///< see eses::cut_depth; > 0 means that the surface is cut
   /// Estimate of the process's peak, meant as an upper bound, if it holds nothing but the atoms.
   std::uint64_t memory_bytes = 0;
+  std::uint64_t box_file_bytes = 0;      ///< exact
   std::uint64_t grid_file_bytes = 0;     ///< upper bound
   std::uint64_t edge_file_bytes = 0;     ///< estimate
   std::uint64_t area_file_bytes = 0;     ///< upper bound
   std::uint64_t residue_file_bytes = 0;  ///< estimate
   std::uint64_t map_file_bytes = 0;      ///< exact
   std::uint64_t mesh_file_bytes = 0;     ///< estimate
-  std::uint64_t scratch_bytes = 0;       ///< more that the map's file holds while it is being made
-  bool gzip = false;                     ///< then the sizes of the text files are estimates
+  std::uint64_t map_scratch_bytes = 0;   ///< more that the map's file holds while it is being made
+  std::uint64_t mesh_scratch_bytes = 0;  ///< beside the mesh while it is being made; estimate
+  /// Beside the texts while pieces of them wait to be joined; not of `run`. Estimate.
+  std::uint64_t text_scratch_bytes = 0;
+  bool gzip = false;  ///< then the sizes of the text files are estimates
   std::uint64_t output_bytes() const {
-    return grid_file_bytes + edge_file_bytes + area_file_bytes + residue_file_bytes +
-           map_file_bytes + mesh_file_bytes;
+    return box_file_bytes + grid_file_bytes + edge_file_bytes + area_file_bytes +
+           residue_file_bytes + map_file_bytes + mesh_file_bytes;
   }
 };
 
@@ -129,6 +133,8 @@ using ProgressCallback = std::function<void(std::int64_t done, std::int64_t tota
 struct Callbacks {
   ProgressCallback progress = {};
   BlockCallback block = {};
+  /// Like `progress`, while the verification goes on: its checks so far out of all.
+  ProgressCallback verification = {};
 };
 
 /// Grid, tiling, memory and bytes of output; what is left to it, block size, threads and blocks in
@@ -137,18 +143,26 @@ struct Callbacks {
 /// (see README), or if memory cannot hold what the run needs, or may not.
 Plan make_plan(const Molecule& molecule, const Parameters& parameters, const OutputChoice& outputs);
 
-/// What the file system of an output directory has to give.
+/// What the file systems of a plan's files have to give, and what goes there.
 struct DiskSpace {
-  std::uint64_t available = 0;       ///< bytes; the largest number if that cannot be told
-  bool holds_expected_files = true;  ///< of a plan, with its estimate of intersection_info.txt
+  struct Place {
+    std::filesystem::path directory;
+    std::uint64_t available = 0;  ///< bytes; the largest number if that cannot be told
+    std::uint64_t expected = 0;   ///< bytes of files, and beside them while they are being made
+  };
+  /// The output directory; then that of the mesh, if it is in another file system.
+  std::vector<Place> places;
 };
 
-/// The disk space for a plan's files in `directory`, which need not exist yet. Throws Error if
-/// those whose size is known do not fit.
-DiskSpace require_disk_space(const Plan& plan, const std::filesystem::path& directory);
+/// The disk space for a plan's files in `directory` and that of the mesh, neither of which need
+/// exist yet. Throws Error if those whose size is known do not fit.
+DiskSpace require_disk_space(const Plan& plan, const OutputChoice& outputs,
+                             const std::filesystem::path& directory);
 
-/// Computes the surface and writes the chosen files into `directory` and the mesh into its own
-/// (both created if missing), which it locks against other runs. The files appear under their names
+/// Computes the surface and writes the chosen files into `directory`, which it locks against other
+/// runs, and the mesh, for which it locks only that file, into its own directory; both are created
+/// if missing. A symbolic link in the mesh's place stays, and the file to which it leads is
+/// written. The files appear under their names
 /// only when all of them are complete, the bounding box last, and older ones are removed before; on
 /// failure none appears, nor if the verification that `plan.parameters` asks for finds a fault.
 /// Throws Error on write failures, lack of disk space, if another run is writing there, and where

@@ -36,6 +36,13 @@ struct BlockTiling {
   GridRegion points_of_blocks(const GridRegion& indices) const;
   std::int64_t block_count() const { return blocks[0] * blocks[1] * blocks[2]; }
   Block block(std::int64_t bx, std::int64_t by, std::int64_t bz) const;
+
+  /// The region with the points behind its last ones, as far as the grid has them: the corners of
+  /// all cells whose lowest corner is in the region.
+  GridRegion with_far_corners() const;
+  /// The same block as it would be if the grid ended with those: the last ones along an axis own
+  /// all their points, and so the edges between them.
+  Block block_with_far_corners(std::int64_t bx, std::int64_t by, std::int64_t bz) const;
 };
 
 /// `(n - 2) / (b - 1) + 1` blocks along each axis. Throws Error if block_size < 2.

@@ -7,6 +7,9 @@
 #include <memory>
 #include <utility>
 
+#include "eses/version.hpp"
+#include "simd/dispatch.hpp"
+
 namespace eses::cli {
 namespace {
 
@@ -128,6 +131,12 @@ bool is_set(const CLI::App& app, const std::string& name) {
 
 void refuse(std::string_view name, std::string_view value, std::string_view expected) {
   throw UsageError(fmt::format("{} is '{}', expected {}", name, value, expected));
+}
+
+std::string version_text() {
+  return fmt::format(
+      "eses-blocks {}\ncompiler: {}\nbuild type: {}\nflags: {}\ninstruction set: {}\n", version,
+      compiler, build_type, compiler_flags, name_of(instruction_set()));
 }
 
 }  // namespace eses::cli

@@ -40,6 +40,9 @@ std::string required_text(const CLI::App& app, const std::string& name, std::str
 /// Whether a flag is given.
 bool is_set(const CLI::App& app, const std::string& name);
 
+/// What --version prints.
+std::string version_text();
+
 [[noreturn]] void refuse(std::string_view name, std::string_view value, std::string_view expected);
 
 /// The number that `text` spells from its first to its last character.

@@ -39,6 +39,7 @@ void add_options(CLI::App& app) {
                         "(angstrom), normals, areas (square angstrom) [{}]",
                         DiffOptions{}.tolerance));
   app.add_flag("--json")->description("report as one JSON object in place of the text");
+  app.add_flag("--version")->description("show version and build, and exit");
   app.set_help_flag("-h,--help", "show this help, and exit");
 }
 
@@ -64,6 +65,7 @@ std::variant<DiffOptions, Notice> parse_diff_command_line(int argc, const char* 
   } catch (const CLI::CallForHelp&) {
     return Notice{app.help() + footer};
   }
+  if (is_set(app, "--version")) return Notice{version_text()};
   refuse_extras(app, "DIR_A and DIR_B");
   DiffOptions options;
   options.directories = {required_text(app, "DIR_A", ""), required_text(app, "DIR_B", "")};

@@ -11,6 +11,7 @@
 #include "cli/progress.hpp"
 #include "cli/surface_command.hpp"
 #include "processes/joint_run.hpp"
+#include "run/output_files.hpp"
 
 namespace eses::cli {
 namespace {
@@ -73,7 +74,7 @@ JointSummary run_with_progress(const JointTask& task, const JointPlan& plan, boo
                                      {.progress =
                                           [&](std::int64_t done, std::int64_t total) {
                                             interruptible.check();
-                                            if (bar) bar->show(done, total);
+                                            if (bar) bar->show({done, total});
                                           }},
                                      processes);
     interruptible.check();
@@ -95,11 +96,12 @@ int compute_jointly(const Options& options, const Processes& processes) {
   speak(processes, [&] {
     require_standard_output();
     refuse_to_lose_input(options);
+    require_places(options.outputs, options.output_directory);
   });
   const JointPlan plan = plan_jointly(task, processes);
   Report report = report_of(options, plan, processes);
   speak(processes, [&] {
-    report.disk = require_disk_space(report.plan, options.output_directory);
+    report.disk = require_disk_space(report.plan, options.outputs, options.output_directory);
     if (options.dry_run) print(options.json ? json_text(report) : plan_text(report));
     if (options.dry_run || options.strict) warn(report);
     if (options.dry_run) return;

@@ -20,7 +20,6 @@
 #include <vector>
 
 #include "cli/arguments.hpp"
-#include "eses/version.hpp"
 #include "io/map_formats.hpp"
 #include "simd/dispatch.hpp"
 
@@ -327,14 +326,6 @@ AtomFormat format_of(const CLI::App& app) {
   refuse("--format", name, "auto, xyzr or pqr");
 }
 
-/// As far as the names tell.
-bool is_same_place(const std::filesystem::path& a, const std::filesystem::path& b) {
-  const auto plain = [](const std::filesystem::path& path) {
-    return (std::filesystem::absolute(path) / "").lexically_normal();
-  };
-  return plain(a) == plain(b);
-}
-
 /// Of a map, which goes to the output directory like all files.
 std::string map_name_of(const CLI::App& app, const std::filesystem::path& output_directory) {
   const std::optional<std::string> text = text_of(app, "--inside");
@@ -403,6 +394,16 @@ OutputChoice outputs_of(const CLI::App& app, const std::filesystem::path& output
   return result;
 }
 
+void refuse_chains_of_xyzr(const Options& options) {
+  const auto& mesh = options.outputs.mesh;
+  if (mesh && mesh->color == MeshColor::chain &&
+      eses::format_of(options.input, options.format) != AtomFormat::pqr)
+    throw UsageError(
+        fmt::format("--color chain needs a PQR file, which tells the chains; {} is read as xyzr "
+                    "(--format pqr if it is PQR)",
+                    options.input.string()));
+}
+
 Options options_of(const CLI::App& app) {
   Options options;
   options.parameters = parameters_of(app);
@@ -415,6 +416,7 @@ Options options_of(const CLI::App& app) {
   options.dry_run = is_set(app, "--dry-run");
   options.strict = is_set(app, "--strict");
   options.input = required_text(app, "FILE", "");
+  refuse_chains_of_xyzr(options);
   return options;
 }
 
@@ -446,13 +448,14 @@ void refuse_separate_number(std::span<const std::string> arguments) {
                       arguments[i + 1]));
 }
 
-std::string version_text() {
-  return fmt::format(
-      "eses-blocks {}\ncompiler: {}\nbuild type: {}\nflags: {}\ninstruction set: {}\n", version,
-      compiler, build_type, compiler_flags, name_of(instruction_set()));
-}
-
 }  // namespace
+
+bool is_same_place(const std::filesystem::path& a, const std::filesystem::path& b) {
+  const auto plain = [](const std::filesystem::path& path) {
+    return (std::filesystem::absolute(path) / "").lexically_normal();
+  };
+  return plain(a) == plain(b);
+}
 
 std::variant<Options, Notice> parse_command_line(int argc, const char* const* argv) {
   CLI::App app("Solvent excluded surface of a molecule on a grid, computed block by block.",

@@ -24,6 +24,9 @@ struct Options {
   bool strict = false;   ///< what would be warned about is an error
 };
 
+/// Whether two paths are those of one directory, as far as the names tell.
+bool is_same_place(const std::filesystem::path& a, const std::filesystem::path& b);
+
 /// Throws UsageError.
 std::variant<Options, Notice> parse_command_line(int argc, const char* const* argv);
 

@@ -38,9 +38,9 @@ std::string clock_text(double seconds) {
   return fmt::format("{}:{:02}", minutes, whole % 60);
 }
 
-std::string counts_text(std::int64_t done, std::int64_t total, std::optional<double> seconds_left) {
-  const std::string all = fmt::format("{}", total);
-  std::string text = fmt::format(" {:>{}}/{} blocks", done, all.size(), all);
+std::string counts_text(const Progress& progress, std::optional<double> seconds_left) {
+  const std::string all = fmt::format("{}", progress.total);
+  std::string text = fmt::format(" {:>{}}/{} {}", progress.done, all.size(), all, progress.steps);
   if (seconds_left) text += fmt::format(", {} left", clock_text(*seconds_left));
   return text;
 }
@@ -52,12 +52,13 @@ std::string bar_text(double fraction, std::size_t length) {
 
 }  // namespace
 
-std::string progress_line(std::int64_t done, std::int64_t total, std::optional<double> seconds_left,
+std::string progress_line(const Progress& progress, std::optional<double> seconds_left,
                           std::size_t width) {
+  const auto [done, total, steps] = progress;
   const double fraction =
       total > 0 ? std::clamp(static_cast<double>(done) / static_cast<double>(total), 0., 1.) : 1;
   const std::string percent = fmt::format("{:3}%", static_cast<int>(100 * fraction));
-  const std::string counts = counts_text(done, total, seconds_left);
+  const std::string counts = counts_text(progress, seconds_left);
   const std::size_t needed = percent.size() + counts.size() + bar_text(0, 0).size();
   if (width < needed + narrowest_bar) return percent.substr(0, width);
   return percent + bar_text(fraction, std::min(width - needed, widest_bar)) + counts;
@@ -67,24 +68,26 @@ ProgressBar::~ProgressBar() {
   if (columns_drawn_ > 0) write_stderr(fmt::format("\r{:{}}\r", "", columns_drawn_));
 }
 
-void ProgressBar::show(std::int64_t done, std::int64_t total) {
+void ProgressBar::show(const Progress& progress) {
   const Clock::time_point now = Clock::now();
   // Nothing is drawn at the first call, so that short runs leave the terminal alone.
   if (!start_) last_drawn_ = now;
   // What comes before the blocks tells nothing of the time that they take.
-  if (!start_ || done == 0) start_ = now;
+  if (!start_ || progress.done == 0 || progress.steps != steps_) start_ = now;
+  steps_ = progress.steps;
   if (now - last_drawn_ < redraw_interval) return;
   last_drawn_ = now;
   // A character in the last column would make some terminals break the line.
   const std::size_t width = terminal_width() - 1;
-  std::string line = progress_line(done, total, seconds_left(done, total), width);
+  std::string line = progress_line(progress, seconds_left(progress), width);
   const std::size_t columns = line.size();
   if (columns < columns_drawn_) line.resize(std::min(columns_drawn_, width), ' ');
   columns_drawn_ = columns;
   write_stderr("\r" + line);
 }
 
-std::optional<double> ProgressBar::seconds_left(std::int64_t done, std::int64_t total) const {
+std::optional<double> ProgressBar::seconds_left(const Progress& progress) const {
+  const auto [done, total, steps] = progress;
   if (done <= 0) return std::nullopt;
   const std::chrono::duration<double> elapsed = last_drawn_ - *start_;
   const double left =

@@ -55,8 +55,18 @@ std::string mesh_text(const Summary& summary) {
                      summary.mesh->triangles);
 }
 
-bool is_known(const DiskSpace& disk) {
-  return disk.available != std::numeric_limits<std::uint64_t>::max();
+bool is_known(const DiskSpace::Place& place) {
+  return place.available != std::numeric_limits<std::uint64_t>::max();
+}
+
+/// Names of the files in the output directory, and the whole path of a mesh that is elsewhere.
+std::vector<std::string> written_files(const Options& options) {
+  std::vector<std::string> files = file_names(options.outputs);
+  if (!options.outputs.mesh) return files;
+  const std::filesystem::path mesh = std::filesystem::absolute(options.outputs.mesh->file);
+  const bool is_there = is_same_place(mesh.parent_path(), options.output_directory);
+  files.push_back((is_there ? mesh.filename() : mesh.lexically_normal()).string());
+  return files;
 }
 
 /// `1 grid_info.txt ...`: the plan's files, and how well their sizes are known.
@@ -66,6 +76,7 @@ std::string files_text(const Plan& plan, const OutputChoice& outputs) {
     if (bytes > 0) parts.push_back(fmt::format("{} {} {}", name, quality, bytes_text(bytes)));
   };
   const std::string_view bound = plan.gzip ? "about" : "at most", suffix = plan.gzip ? ".gz" : "";
+  add(plan.box_file_bytes, "exactly", fmt::format("bounding_box.txt{}", suffix));
   add(plan.grid_file_bytes, bound, fmt::format("grid_info.txt{}", suffix));
   add(plan.edge_file_bytes, "about", fmt::format("intersection_info.txt{}", suffix));
   add(plan.area_file_bytes, bound, fmt::format("partition_area.txt{}", suffix));
@@ -90,12 +101,11 @@ std::string cut_warning(const Plan& plan) {
       plan.cut_depth, plan.grid.spacing);
 }
 
-std::string disk_warning(const Report& report) {
+std::string disk_warning(const DiskSpace::Place& place) {
   return fmt::format(
-      "the files are expected to take {}, but {} has {} free; intersection_info.txt is estimated, "
+      "the files are expected to take {}, but {} has {} free; some of it is estimated, "
       "so this may yet do, and a disk that fills up ends the run and leaves no file",
-      bytes_text(report.plan.output_bytes()), path_text(report.options.output_directory),
-      bytes_text(report.disk.available));
+      bytes_text(place.expected), path_text(place.directory), bytes_text(place.available));
 }
 
 std::string verification_text(const Summary& summary) {
@@ -149,21 +159,31 @@ std::string number_unless(bool is_unknown, std::uint64_t value) {
   return is_unknown ? "null" : json::number(value);
 }
 
+/// What is free; null if that is unknown, or there is no such place.
+std::string disk_json(const DiskSpace& disk, std::size_t place) {
+  const bool is_unknown = place >= disk.places.size() || !is_known(disk.places[place]);
+  return is_unknown ? "null" : json::number(disk.places[place].available);
+}
+
 std::string plan_json(const Plan& plan, const DiskSpace& disk) {
-  return json::object({{"memory_bytes", json::number(plan.memory_bytes)},
-                       {"max_memory_bytes",
-                        number_unless(plan.parameters.max_memory == 0, plan.parameters.max_memory)},
-                       {"blocks_ahead", json::number(plan.blocks_ahead)},
-                       {"output_bytes", json::number(plan.output_bytes())},
-                       {"grid_file_bytes", json::number(plan.grid_file_bytes)},
-                       {"edge_file_bytes", json::number(plan.edge_file_bytes)},
-                       {"area_file_bytes", json::number(plan.area_file_bytes)},
-                       {"mesh_file_bytes", json::number(plan.mesh_file_bytes)},
-                       {"residue_file_bytes", json::number(plan.residue_file_bytes)},
-                       {"map_file_bytes", json::number(plan.map_file_bytes)},
-                       {"scratch_bytes", json::number(plan.scratch_bytes)},
-                       {"disk_bytes", number_unless(!is_known(disk), disk.available)},
-                       {"cut_depth", json::number(plan.cut_depth)}});
+  return json::object(
+      {{"memory_bytes", json::number(plan.memory_bytes)},
+       {"max_memory_bytes",
+        number_unless(plan.parameters.max_memory == 0, plan.parameters.max_memory)},
+       {"blocks_ahead", json::number(plan.blocks_ahead)},
+       {"output_bytes", json::number(plan.output_bytes())},
+       {"box_file_bytes", json::number(plan.box_file_bytes)},
+       {"grid_file_bytes", json::number(plan.grid_file_bytes)},
+       {"edge_file_bytes", json::number(plan.edge_file_bytes)},
+       {"area_file_bytes", json::number(plan.area_file_bytes)},
+       {"mesh_file_bytes", json::number(plan.mesh_file_bytes)},
+       {"residue_file_bytes", json::number(plan.residue_file_bytes)},
+       {"map_file_bytes", json::number(plan.map_file_bytes)},
+       {"scratch_bytes",
+        json::number(plan.map_scratch_bytes + plan.mesh_scratch_bytes + plan.text_scratch_bytes)},
+       {"disk_bytes", disk_json(disk, 0)},
+       {"mesh_disk_bytes", disk_json(disk, 1)},
+       {"cut_depth", json::number(plan.cut_depth)}});
 }
 
 std::string findings_json(const std::vector<Finding>& findings) {
@@ -232,7 +252,7 @@ std::string mesh_json(const Report& report) {
 
 std::string output_json(const Report& report) {
   std::vector<std::string> names;
-  if (!has_faults(report.summary)) names = file_names(report.options.outputs);
+  if (!has_faults(report.summary)) names = written_files(report.options);
   return json::object({{"directory", json::string(report.options.output_directory.string())},
                        {"files", json::array(strings_json(names))},
                        {"bytes", json::number(report.summary.bytes_written)}});
@@ -302,9 +322,10 @@ std::string plan_text(const Report& report) {
                         bytes_text(parameters.max_memory));
   if (plan.output_bytes() > 0)
     text += fmt::format("files: {}\n", files_text(plan, report.options.outputs));
-  if (is_known(report.disk))
-    text += fmt::format("disk: {} free in {}\n", bytes_text(report.disk.available),
-                        path_text(report.options.output_directory));
+  for (const DiskSpace::Place& place : report.disk.places)
+    if (is_known(place))
+      text += fmt::format("disk: {} free in {}\n", bytes_text(place.available),
+                          path_text(place.directory));
   return text;
 }
 
@@ -361,7 +382,8 @@ std::vector<std::string> warnings(const Report& report) {
   for (const Finding& finding : report.findings)
     if (!finding.is_usual) lines.push_back(finding.message);
   if (report.plan.cut_depth > 0) lines.push_back(cut_warning(report.plan));
-  if (!report.disk.holds_expected_files) lines.push_back(disk_warning(report));
+  for (const DiskSpace::Place& place : report.disk.places)
+    if (place.expected > place.available) lines.push_back(disk_warning(place));
   return lines;
 }
 

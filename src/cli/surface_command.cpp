@@ -29,11 +29,18 @@ Summary run_with_progress(const Molecule& molecule, const Options& options, cons
   if (!options.quiet && ProgressBar::is_possible()) bar.emplace();
   InterruptibleRun interruptible(temporary_paths(options.outputs, options.output_directory),
                                  lock_paths(options.outputs, options.output_directory));
+  // That all blocks are solved is told again while checks go on.
+  bool is_verifying = false;
+  const auto show_blocks = [&](std::int64_t done, std::int64_t total) {
+    interruptible.check();
+    if (bar && !is_verifying) bar->show({done, total});
+  };
+  const auto show_checks = [&](std::int64_t done, std::int64_t total) {
+    is_verifying = true;
+    if (bar) bar->show({done, total, "checks"});
+  };
   Summary summary = run(molecule, plan, options.outputs, options.output_directory,
-                        {.progress = [&](std::int64_t done, std::int64_t total) {
-                          interruptible.check();
-                          if (bar) bar->show(done, total);
-                        }});
+                        {.progress = show_blocks, .verification = show_checks});
   interruptible.check();
   return summary;
 }
@@ -58,7 +65,7 @@ Report plan_report(const Molecule& molecule, std::span<const std::uint64_t> line
       molecule.oddities(), [lines](AtomIndex atom) { return lines[atom]; }, options.input);
   report.plan = make_plan(molecule, options.parameters, options.outputs);
   require_memory_for_reading(options);
-  report.disk = require_disk_space(report.plan, options.output_directory);
+  report.disk = require_disk_space(report.plan, options.outputs, options.output_directory);
   return report;
 }
 
@@ -77,16 +84,22 @@ void choose_labels(const Options& options, std::vector<AtomLabel>& labels) {
 }  // namespace
 
 void refuse_to_lose_input(const Options& options) {
-  for (const std::string& output : final_paths(options.outputs, options.output_directory)) {
+  const auto refuse_if_input = [&](const std::string& file, std::string_view fate) {
     std::error_code error;  // as where there is no such file yet
-    if (std::filesystem::equivalent(options.input, output, error) && !error)
-      throw Error(fmt::format("{} is the input, and would be overwritten", output));
-  }
+    if (std::filesystem::equivalent(options.input, file, error) && !error)
+      throw Error(fmt::format("{} is the input, and would be {}", file, fate));
+  };
+  for (const std::string& file : final_paths(options.outputs, options.output_directory))
+    refuse_if_input(file, "overwritten");
+  for (const std::string& file : stale_paths(options.outputs, options.output_directory))
+    refuse_if_input(file, options.outputs.gzip ? "removed, as a gzipped file takes its place"
+                                               : "removed, as a plain file takes its place");
 }
 
 int compute_alone(const Options& options) {
   require_standard_output();
   refuse_to_lose_input(options);
+  require_places(options.outputs, options.output_directory);
   NumberedAtoms input = read_numbered_atoms(options.input, options.format);
   choose_labels(options, input.labels);
   const Molecule molecule(std::move(input.atoms), std::move(input.labels));

@@ -58,4 +58,19 @@ Block BlockTiling::block(std::int64_t bx, std::int64_t by, std::int64_t bz) cons
   return block;
 }
 
+GridRegion BlockTiling::with_far_corners() const {
+  GridRegion wider = region;
+  for (std::size_t axis = 0; axis < 3; ++axis)
+    wider.end[axis] = std::min(region.end[axis] + 1, grid_size[axis]);
+  return wider;
+}
+
+Block BlockTiling::block_with_far_corners(std::int64_t bx, std::int64_t by, std::int64_t bz) const {
+  const GridIndex position{bx, by, bz};
+  Block wider = block(bx, by, bz);
+  for (std::size_t axis = 0; axis < 3; ++axis)
+    if (position[axis] == blocks[axis] - 1) wider.owned[axis] = wider.points[axis];
+  return wider;
+}
+
 }  // namespace eses

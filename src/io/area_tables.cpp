@@ -1,10 +1,9 @@
 #include "io/area_tables.hpp"
 
-#include <fmt/format.h>
-
 #include <cstddef>
-#include <iterator>
+#include <string>
 #include <unordered_map>
+#include <vector>
 
 namespace eses {
 namespace {
@@ -19,54 +18,59 @@ std::string field(std::string_view text) {
   return quoted + '"';
 }
 
-bool is_same_residue(const ResidueArea& residue, const AtomLabel& label) {
-  return residue.chain == label.chain && residue.number == label.residue_number &&
-         residue.name == label.residue;
+bool is_same_residue(const AtomLabel& a, const AtomLabel& b) {
+  return a.chain == b.chain && a.residue_number == b.residue_number && a.residue == b.residue;
 }
 
-}  // namespace
-
-std::vector<ResidueArea> areas_by_residue(std::span<const AtomLabel> labels,
-                                          std::span<const double> areas) {
-  std::vector<ResidueArea> residues;
-  for (std::size_t i = 0; i < labels.size(); ++i) {
-    const AtomLabel& label = labels[i];
-    if (residues.empty() || !is_same_residue(residues.back(), label))
-      residues.push_back({label.chain, label.residue_number, label.residue, 0, 0});
-    ++residues.back().atoms;
-    residues.back().area += areas[i];
+template <class Action>
+void for_each_residue(std::span<const AtomLabel> labels, std::span<const double> areas,
+                      Action&& action) {
+  for (std::size_t i = 0; i < labels.size();) {
+    const AtomLabel& first = labels[i];
+    ResidueArea residue{first.chain, first.residue_number, first.residue, 0, 0};
+    for (; i < labels.size() && is_same_residue(labels[i], first); ++i) {
+      ++residue.atoms;
+      residue.area += areas[i];
+    }
+    action(residue);
   }
-  return residues;
 }
 
-std::vector<ChainArea> areas_by_chain(std::span<const ResidueArea> residues) {
+std::vector<ChainArea> areas_by_chain(std::span<const AtomLabel> labels,
+                                      std::span<const double> areas) {
   std::vector<ChainArea> chains;
   std::unordered_map<std::string_view, std::size_t> places;
-  for (const ResidueArea& residue : residues) {
+  for_each_residue(labels, areas, [&](const ResidueArea& residue) {
     const auto [place, is_new] = places.try_emplace(residue.chain, chains.size());
     if (is_new) chains.push_back({residue.chain, 0, 0, 0});
     ChainArea& chain = chains[place->second];
     ++chain.residues;
     chain.atoms += residue.atoms;
     chain.area += residue.area;
-  }
+  });
   return chains;
 }
 
-std::string residue_table(std::span<const ResidueArea> residues) {
-  std::string text = "chain,residue_number,residue,atoms,area\n";
-  for (const auto& [chain, number, name, atoms, area] : residues)
-    fmt::format_to(std::back_inserter(text), "{},{},{},{},{:.6f}\n", field(chain), field(number),
-                   field(name), atoms, area);
-  return text;
+}  // namespace
+
+void write_residue_table(std::span<const AtomLabel> labels, std::span<const double> areas,
+                         const TextSink& sink) {
+  TextPieces text(sink);
+  text.append("chain,residue_number,residue,atoms,area\n");
+  for_each_residue(labels, areas, [&](const ResidueArea& residue) {
+    text.append("{},{},{},{},{:.6f}\n", field(residue.chain), field(residue.number),
+                field(residue.name), residue.atoms, residue.area);
+  });
+  text.flush();
 }
 
-std::string chain_table(std::span<const ChainArea> chains) {
-  std::string text = "chain,residues,atoms,area\n";
-  for (const auto& [chain, residues, atoms, area] : chains)
-    fmt::format_to(std::back_inserter(text), "{},{},{},{:.6f}\n", field(chain), residues, atoms,
-                   area);
-  return text;
+void write_chain_table(std::span<const AtomLabel> labels, std::span<const double> areas,
+                       const TextSink& sink) {
+  TextPieces text(sink);
+  text.append("chain,residues,atoms,area\n");
+  for (const ChainArea& chain : areas_by_chain(labels, areas))
+    text.append("{},{},{},{:.6f}\n", field(chain.chain), chain.residues, chain.atoms, chain.area);
+  text.flush();
 }
 
 }  // namespace eses

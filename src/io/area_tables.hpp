@@ -3,11 +3,10 @@
 
 #include <cstdint>
 #include <span>
-#include <string>
 #include <string_view>
-#include <vector>
 
 #include "eses/atom_labels.hpp"
+#include "io/text_pieces.hpp"
 
 namespace eses {
 
@@ -25,19 +24,14 @@ struct ChainArea {
   double area = 0;
 };
 
-/// A residue for each run of atoms with the same chain, number and name, in the order of the file.
-/// Views of `labels`, of which there must be as many as areas.
-std::vector<ResidueArea> areas_by_residue(std::span<const AtomLabel> labels,
-                                          std::span<const double> areas);
+/// residue_area.csv: `chain,residue_number,residue,atoms,area`. A residue for each run of atoms
+/// with the same chain, number and name, in the order of the file; as many areas as labels.
+void write_residue_table(std::span<const AtomLabel> labels, std::span<const double> areas,
+                         const TextSink& sink);
 
-/// A chain for each label, in the order in which they come first: what a file lists behind the
-/// last chain belongs to the chain that it names.
-std::vector<ChainArea> areas_by_chain(std::span<const ResidueArea> residues);
-
-/// residue_area.csv: `chain,residue_number,residue,atoms,area`
-std::string residue_table(std::span<const ResidueArea> residues);
-
-/// chain_area.csv: `chain,residues,atoms,area`
-std::string chain_table(std::span<const ChainArea> chains);
+/// chain_area.csv: `chain,residues,atoms,area`. A chain for each label, in the order in which they
+/// come first: what a file lists behind the last chain belongs to the chain that it names.
+void write_chain_table(std::span<const AtomLabel> labels, std::span<const double> areas,
+                       const TextSink& sink);
 
 }  // namespace eses

@@ -19,8 +19,8 @@ std::uint64_t parse_atom_lines(std::string_view text, AtomFormat format, std::st
 /// Says that a file of so many lines has no atom.
 std::string no_atoms_message(std::string_view name, AtomFormat format, std::uint64_t lines);
 
-/// What `automatic` means for this file. Throws Error if it is one of coordinates without radii.
-AtomFormat required_format(const std::filesystem::path& path, AtomFormat format);
+/// Throws Error if a file, by its suffix, has coordinates without radii.
+void refuse_structure_files(const std::filesystem::path& path);
 
 /// A descriptor. Throws Error, naming the file.
 int open_for_reading(const std::filesystem::path& path, std::string_view name);

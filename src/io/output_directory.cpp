@@ -17,7 +17,7 @@
 namespace eses {
 namespace {
 
-constexpr char lock_name[] = ".eses-blocks.lock";
+constexpr std::string_view lock_name = ".eses-blocks.lock";
 constexpr std::string_view temporary_suffix = ".part";
 
 [[noreturn]] void refuse(const std::filesystem::path& directory, const std::string& reason) {
@@ -37,28 +37,29 @@ FileDescriptor open_directory(const std::filesystem::path& path) {
   return directory;
 }
 
-FileDescriptor open_lock(const FileDescriptor& directory) {
+std::string lock_name_of(const std::string& file) {
+  return file.empty() ? std::string(lock_name) : fmt::format(".{}{}", file, lock_name);
+}
+
+FileDescriptor open_lock(const FileDescriptor& directory, const std::string& name) {
   constexpr int flags = O_NOFOLLOW | O_CLOEXEC;
-  FileDescriptor lock(openat(directory.value(), lock_name, O_RDWR | O_CREAT | flags, 0666));
+  FileDescriptor lock(openat(directory.value(), name.c_str(), O_RDWR | O_CREAT | flags, 0666));
   // Another user's run may have left it; to read is enough for locks, but on NFS.
   if (!lock.is_open() && errno == EACCES) {
-    lock = FileDescriptor(openat(directory.value(), lock_name, O_RDONLY | flags));
+    lock = FileDescriptor(openat(directory.value(), name.c_str(), O_RDONLY | flags));
     if (!lock.is_open()) errno = EACCES;
   }
   return lock;
 }
 
-bool is_same_file(const struct stat& a, const struct stat& b) {
-  return a.st_dev == b.st_dev && a.st_ino == b.st_ino;
-}
-
 // Whoever had the lock may have removed its file after it was opened here.
-bool is_still_there(const FileDescriptor& directory, const FileDescriptor& lock) {
+bool is_still_there(const FileDescriptor& directory, const FileDescriptor& lock,
+                    const std::string& name) {
   struct stat opened {
   }, named{};
   return fstat(lock.value(), &opened) == 0 &&
-         fstatat(directory.value(), lock_name, &named, AT_SYMLINK_NOFOLLOW) == 0 &&
-         is_same_file(opened, named);
+         fstatat(directory.value(), name.c_str(), &named, AT_SYMLINK_NOFOLLOW) == 0 &&
+         opened.st_dev == named.st_dev && opened.st_ino == named.st_ino;
 }
 
 struct CloseDirectory {
@@ -78,8 +79,8 @@ std::string_view final_name(std::string_view file) {
 
 }  // namespace
 
-std::string lock_path(const std::filesystem::path& directory) {
-  return path_in(directory, lock_name);
+std::string lock_path(const std::filesystem::path& directory, const std::string& file) {
+  return path_in(directory, lock_name_of(file));
 }
 
 std::string path_in(const std::filesystem::path& directory, const std::string& name) {
@@ -90,20 +91,16 @@ std::string temporary_name(const std::string& name, long process) {
   return fmt::format(".{}.{}{}", name, process, temporary_suffix);
 }
 
-OutputDirectory::OutputDirectory(std::filesystem::path path)
-    : path_(std::move(path)), directory_(open_directory(path_)) {
+OutputDirectory::OutputDirectory(std::filesystem::path path, std::string file)
+    : path_(std::move(path)),
+      file_(std::move(file)),
+      lock_name_(lock_name_of(file_)),
+      directory_(open_directory(path_)) {
   lock();
 }
 
 OutputDirectory::~OutputDirectory() {
-  if (is_locked_) unlinkat(descriptor(), lock_name, 0);
-}
-
-bool OutputDirectory::is_at(const std::string& other) const {
-  struct stat here {
-  }, there{};
-  return fstat(descriptor(), &here) == 0 && stat(other.c_str(), &there) == 0 &&
-         is_same_file(here, there);
+  if (is_locked_) unlinkat(descriptor(), lock_name_.c_str(), 0);
 }
 
 void OutputDirectory::lock() {
@@ -113,13 +110,15 @@ void OutputDirectory::lock() {
 
 // False if the lock's file was removed in the meantime.
 bool OutputDirectory::try_lock() {
-  lock_ = open_lock(directory_);
+  lock_ = open_lock(directory_, lock_name_);
   if (!lock_.is_open()) refuse(path_, errno);
   if (flock(lock_.value(), LOCK_EX | LOCK_NB) == 0) {
-    is_locked_ = is_still_there(directory_, lock_);
+    is_locked_ = is_still_there(directory_, lock_, lock_name_);
     return is_locked_;
   }
-  if (errno == EWOULDBLOCK) refuse(path_, "another run is writing there");
+  if (errno == EWOULDBLOCK && file_.empty()) refuse(path_, "another run is writing there");
+  if (errno == EWOULDBLOCK)
+    throw Error(fmt::format("cannot write {}: another run is writing it", path_in(path_, file_)));
   return true;  // a file system without locks
 }
 

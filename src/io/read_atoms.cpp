@@ -411,16 +411,6 @@ std::string suffix_of(const std::filesystem::path& path) {
   return suffix == ".gz" ? suffix_of(path.stem()) : suffix;
 }
 
-/// Whoever reads such a file as PQR takes temperature factors for radii.
-void refuse_structure_files(std::string_view suffix, std::string_view name) {
-  for (const std::string_view format : {".pdb", ".ent", ".cif", ".mmcif"})
-    if (suffix == format)
-      throw Error(
-          fmt::format("{}: {} files have no radii; make a PQR file of it with pdb2pqr, as "
-                      "scripts/pdbbind does",
-                      name, format));
-}
-
 NumberedAtoms read_descriptor(int descriptor, AtomFormat format, const std::string& name) {
   try {
     return parse_numbered_atoms(read_text(descriptor, name), format, name);
@@ -468,11 +458,15 @@ std::string no_atoms_message(std::string_view name, AtomFormat format, std::uint
                      lines == 1 ? "line" : "lines");
 }
 
-AtomFormat required_format(const std::filesystem::path& path, AtomFormat format) {
-  if (path == "-") return format;
-  const std::string suffix = suffix_of(path);
-  refuse_structure_files(suffix, path.string());
-  return format == AtomFormat::automatic && suffix == ".pqr" ? AtomFormat::pqr : format;
+// Whoever reads such a file as PQR takes temperature factors for radii.
+void refuse_structure_files(const std::filesystem::path& path) {
+  const std::string suffix = suffix_of(path), name = path.string();
+  for (const std::string_view format : {".pdb", ".ent", ".cif", ".mmcif"})
+    if (suffix == format)
+      throw Error(
+          fmt::format("{}: {} files have no radii; make a PQR file of it with pdb2pqr, as "
+                      "scripts/pdbbind does",
+                      name, format));
 }
 
 NumberedAtoms parse_numbered_atoms(std::string_view text, AtomFormat format,
@@ -490,12 +484,17 @@ std::vector<Atom> parse_atoms(std::string_view text, AtomFormat format, std::str
   return parse_numbered_atoms(text, format, name).atoms;
 }
 
+AtomFormat format_of(const std::filesystem::path& path, AtomFormat format) {
+  if (format != AtomFormat::automatic) return format;
+  return suffix_of(path) == ".pqr" ? AtomFormat::pqr : AtomFormat::xyzr;
+}
+
 NumberedAtoms read_numbered_atoms(const std::filesystem::path& path, AtomFormat format) {
   if (path == "-") return read_descriptor(STDIN_FILENO, format, "<stdin>");
   const std::string name = path.string();
-  format = required_format(path, format);
+  refuse_structure_files(path);
   const FileDescriptor file(open_for_reading(path, name));
-  return read_descriptor(file.value(), format, name);
+  return read_descriptor(file.value(), format_of(path, format), name);
 }
 
 std::vector<Atom> read_atoms(const std::filesystem::path& path, AtomFormat format) {

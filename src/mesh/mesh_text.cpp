@@ -5,8 +5,8 @@
 #include <algorithm>
 #include <bit>
 #include <cstring>
-#include <iterator>
 #include <limits>
+#include <string>
 #include <string_view>
 #include <utility>
 
@@ -112,44 +112,56 @@ void require_numbers(std::uint64_t vertices) {
 MeshText::MeshText(MeshFormat format, MeshColor color, AtomGroups groups)
     : format_(format), color_(color), groups_(std::move(groups)) {}
 
-std::string MeshText::header(const MeshCounts& counts) const {
+void MeshText::write_header(const MeshCounts& counts, const TextSink& sink) const {
+  TextPieces text(sink);
   switch (format_) {
     case MeshFormat::ply:
-      return ply_header(counts);
+      append_ply_header(text, counts);
+      break;
     case MeshFormat::obj:
-      return "# solvent excluded surface, eses-blocks; angstrom\n";
+      text.append("# solvent excluded surface, eses-blocks; angstrom\n");
+      break;
     case MeshFormat::off:
+      text.append("OFF\n{:>{}} {:>{}} 0\n", counts.vertices, count_digits, counts.triangles,
+                  count_digits);
       break;
   }
-  return fmt::format("OFF\n{:>{}} {:>{}} 0\n", counts.vertices, count_digits, counts.triangles,
-                     count_digits);
+  text.flush();
 }
 
-std::string MeshText::ply_header(const MeshCounts& counts) const {
+std::uint64_t MeshText::header_bytes() const {
+  std::uint64_t bytes = 0;
+  write_header({}, [&](std::string_view piece) { bytes += piece.size(); });
+  return bytes;
+}
+
+void MeshText::append_ply_header(TextPieces& text, const MeshCounts& counts) const {
   constexpr bool is_little = std::endian::native == std::endian::little;
-  std::string text = fmt::format(
+  text.append(
       "ply\nformat binary_{}_endian 1.0\n"
       "comment solvent excluded surface, eses-blocks; angstrom\n"
       "comment patch: 1 convex, 2 saddle, 3 concave; atom: first adjacent one, 0-based\n",
       is_little ? "little" : "big");
+  const auto label = [&](AtomIndex atom) -> const AtomLabel& { return groups_.labels[atom]; };
   for (std::size_t i = 0; i < groups_.chains.size(); ++i)
-    fmt::format_to(std::back_inserter(text), "comment chain {} {}\n", i, groups_.chains[i]);
-  for (std::size_t i = 0; i < groups_.residues.size(); ++i)
-    fmt::format_to(std::back_inserter(text), "comment residue {} {}\n", i, groups_.residues[i]);
+    text.append("comment chain {} {}\n", i, written_name(label(groups_.chains[i]).chain));
+  for (std::size_t i = 0; i < groups_.residues.size(); ++i) {
+    const AtomLabel& first = label(groups_.residues[i]);
+    text.append("comment residue {} {} {} {}\n", i, written_name(first.residue),
+                written_name(first.residue_number), written_name(first.chain));
+  }
   const std::string vertices = fmt::format("{}", counts.vertices);
   const std::string triangles = fmt::format("{}", counts.triangles);
   // What the counts are shorter than the longest ones.
   const std::size_t padding = 2 * count_digits - vertices.size() - triangles.size();
-  text += fmt::format("comment {:->{}}\nelement vertex {}\n", "", padding, vertices);
-  for (const char* name : {"x", "y", "z"}) text += fmt::format("property double {}\n", name);
-  for (const char* name : {"nx", "ny", "nz"}) text += fmt::format("property float {}\n", name);
+  text.append("comment {:->{}}\nelement vertex {}\n", "", padding, vertices);
+  for (const char* name : {"x", "y", "z"}) text.append("property double {}\n", name);
+  for (const char* name : {"nx", "ny", "nz"}) text.append("property float {}\n", name);
   if (color_ != MeshColor::none)
-    for (const char* name : {"red", "green", "blue"})
-      text += fmt::format("property uchar {}\n", name);
-  text += "property uchar patch\nproperty uint atom\n";
-  if (!groups_.empty()) text += "property uint chain\nproperty uint residue\n";
-  return text + fmt::format("element face {}\nproperty list uchar int vertex_indices\nend_header\n",
-                            triangles);
+    for (const char* name : {"red", "green", "blue"}) text.append("property uchar {}\n", name);
+  text.append("property uchar patch\nproperty uint atom\n");
+  if (!groups_.empty()) text.append("property uint chain\nproperty uint residue\n");
+  text.append("element face {}\nproperty list uchar int vertex_indices\nend_header\n", triangles);
 }
 
 Color MeshText::color_of(const Vertex& vertex) const {

@@ -7,10 +7,10 @@
 
 #include <array>
 #include <cstdint>
-#include <string>
 
 #include "eses/mesh.hpp"
 #include "io/eses_text.hpp"
+#include "io/text_pieces.hpp"
 #include "mesh/atom_groups.hpp"
 #include "mesh/triangulate.hpp"
 #include "mesh/vertex.hpp"
@@ -25,13 +25,14 @@ class MeshText {
  public:
   MeshText(MeshFormat format, MeshColor color, AtomGroups groups);
 
-  /// Has the same length whatever the counts.
-  std::string header(const MeshCounts& counts) const;
+  /// Has the same length whatever the counts. It names all chains and residues, so it may be long.
+  void write_header(const MeshCounts& counts, const TextSink& sink) const;
+  std::uint64_t header_bytes() const;
   void append_vertex(TextBuffer& text, const Vertex& vertex) const;
   void append_triangle(TextBuffer& text, const Triangle& triangle) const;
 
  private:
-  std::string ply_header(const MeshCounts& counts) const;
+  void append_ply_header(TextPieces& text, const MeshCounts& counts) const;
   void append_ply_vertex(TextBuffer& text, const Vertex& vertex) const;
   std::array<std::uint8_t, 3> color_of(const Vertex& vertex) const;
 
@@ -39,6 +40,14 @@ class MeshText {
   MeshColor color_;
   AtomGroups groups_;
 };
+
+/// Whether vertices have a chain and a residue, where these are known.
+inline bool names_atoms(const MeshChoice& choice) {
+  return mesh_format(choice.file) == MeshFormat::ply;
+}
+
+/// Of the line in which a header names a residue or chain, what is not the names.
+inline constexpr std::uint64_t typical_name_line_bytes = 26;
 
 /// Bytes of a vertex and of a triangle, typically.
 std::uint64_t typical_vertex_bytes(const MeshChoice& choice, bool has_labels);

@@ -121,7 +121,8 @@ AtomShare read_share(const std::filesystem::path& path, AtomFormat format,
                      const Processes& processes) {
   std::uint64_t bytes = 0;
   processes.agree([&] {
-    format = required_format(path, format);
+    refuse_structure_files(path);
+    format = format_of(path, format);
     if (processes.is_first()) bytes = divisible_bytes(path);
   });
   bytes = processes.sum(bytes);

@@ -100,13 +100,15 @@ void complete(Plan& whole, const Plan& own, std::uint64_t atoms, const OutputCho
   const GridRegion region = whole.tiling.region;
   std::array largest{static_cast<double>(own.memory_bytes),
                      static_cast<double>(own.tiling.block_size),
-                     static_cast<double>(own.blocks_ahead), static_cast<double>(own.threads)};
+                     static_cast<double>(own.blocks_ahead), static_cast<double>(own.threads),
+                     static_cast<double>(own.box_file_bytes)};
   processes.take_largest(largest);
   whole.gzip = outputs.gzip;
+  whole.box_file_bytes = static_cast<std::uint64_t>(largest[4]);
   if (outputs.grid) whole.grid_file_bytes = expected_grid_bytes(region, outputs.gzip);
   whole.edge_file_bytes = processes.sum(own.edge_file_bytes);  // of what is still to be done
   if (outputs.areas) whole.area_file_bytes = expected_area_bytes(atoms, outputs.gzip);
-  whole.scratch_bytes = whole.grid_file_bytes + whole.edge_file_bytes;
+  whole.text_scratch_bytes = whole.grid_file_bytes + whole.edge_file_bytes;
   whole.memory_bytes = static_cast<std::uint64_t>(largest[0]);
   whole.blocks_ahead = static_cast<std::int64_t>(largest[2]);
   whole.threads = static_cast<int>(largest[3]);

@@ -21,10 +21,14 @@ struct Layer {
 /// is point i.
 using RowBits = std::vector<std::uint64_t>;
 
+/// Which of a layer's points are meant: those of the region, or also the far corners, for which see
+/// BlockTiling::with_far_corners.
+enum class Extent { region, far_corners };
+
 /// Where the pieces of a layer's rows stand in its blocks; made once for many rows.
 class LayerRows {
  public:
-  LayerRows(const BlockTiling& tiling, const Layer& layer);
+  LayerRows(const BlockTiling& tiling, const Layer& layer, Extent extent = Extent::region);
 
   /// Joins the inside bits of row (y, z) from all blocks along x. `y` counts from the region's
   /// first row, `z` from the layer's first plane.
@@ -39,6 +43,7 @@ class LayerRows {
   };
 
   const BlockTiling& tiling_;
+  std::size_t words_;                       // of a row
   std::vector<std::vector<Piece>> pieces_;  // by block row
 };
 
@@ -59,15 +64,30 @@ class LayerCrossings {
   template <class Action>
   void for_each_piece(std::int64_t y, std::int64_t z, Action&& action) const {
     const BlockRow place = block_row_of(tiling_, y);
+    for (const BlockResult* const result : blocks_[static_cast<std::size_t>(place.by)])
+      act_on(*result, owned_piece(*result, place.y, z), action);
+  }
+
+  /// The same with those of the edges between far corners, among which there are further rows.
+  template <class Action>
+  void for_each_piece_and_far(std::int64_t y, std::int64_t z, Action&& action) const {
+    const BlockRow place = block_row_of(tiling_, y);
     for (const BlockResult* const result : blocks_[static_cast<std::size_t>(place.by)]) {
-      const auto row = static_cast<std::size_t>(z * result->block.owned[1] + place.y);
-      const std::uint32_t first = result->row_begin[row], last = result->row_begin[row + 1];
-      if (first < last)
-        action(result->block.first[0], std::span(result->crossings).subspan(first, last - first));
+      act_on(*result, owned_piece(*result, place.y, z), action);
+      act_on(*result, far_piece(*result, place.y, z), action);
     }
   }
 
  private:
+  template <class Action>
+  static void act_on(const BlockResult& result, std::span<const Crossing> piece, Action& action) {
+    if (!piece.empty()) action(result.block.first[0], piece);
+  }
+  static std::span<const Crossing> owned_piece(const BlockResult& result, std::int64_t y,
+                                               std::int64_t z);
+  static std::span<const Crossing> far_piece(const BlockResult& result, std::int64_t y,
+                                             std::int64_t z);
+
   const BlockTiling& tiling_;
   std::vector<std::vector<const BlockResult*>> blocks_;  // by block row
 };

@@ -4,8 +4,11 @@
 #include <array>
 #include <cmath>
 #include <numbers>
+#include <string>
 
+#include "io/area_tables.hpp"
 #include "io/gzip.hpp"
+#include "mesh/mesh_text.hpp"
 #include "mesh/triangulate.hpp"
 #include "run/inside_map.hpp"
 #include "run/text_chunks.hpp"
@@ -97,15 +100,33 @@ double text_bytes(const GridRegion& region, const OutputChoice& outputs) {
 double mesh_bytes(const SurfaceSurvey& survey, double spacing, const BlockTiling& tiling) {
   const auto side = as_double(std::min(tiling.block_size, tiling.grid_size[2]));
   const double rows = as_double(tiling.region.size()[1]);
-  const double crossings = expected_crossings(survey.largest_slab_area(spacing), spacing);
+  const double crossings =
+      far_corner_growth(tiling) * expected_crossings(survey.largest_slab_area(spacing), spacing);
   return growth * sizeof(std::uint64_t) * side * rows +
          rows * (sizeof(mesh::Row) + as_double(tiling.region.size()[0]) / 8) +
          growth * sizeof(std::uint64_t) * crossings;
 }
 
-double label_bytes(const SurfaceSurvey& survey, const OutputChoice& outputs) {
-  const double of_mesh = outputs.mesh ? 2 * sizeof(std::uint32_t) : 0;
-  return (sizeof(AtomLabel) + of_mesh) * static_cast<double>(survey.label_count());
+// With the numbers of chains and residues, and the sums of chains.
+double label_bytes(const LabelTotals& labels, const OutputChoice& outputs) {
+  const auto atoms = static_cast<double>(labels.atoms);
+  const auto residues = static_cast<double>(labels.residue_runs);
+  const auto chains = static_cast<double>(labels.chain_runs);
+  double bytes = sizeof(AtomLabel) * atoms + labels.heap_bytes;
+  // Each list has its first atoms, and while it is made an order of these.
+  if (outputs.mesh && mesh::names_atoms(*outputs.mesh))
+    bytes +=
+        2 * sizeof(std::uint32_t) * atoms + 2 * growth * sizeof(AtomIndex) * (residues + chains);
+  constexpr double bytes_per_place = 64;  // in a table
+  if (outputs.residues) bytes += (growth * sizeof(ChainArea) + bytes_per_place) * chains;
+  return bytes;
+}
+
+// Of a string, and what the allocator adds.
+double heap_bytes_of(const std::string& text) {
+  static const std::size_t room_within = std::string().capacity();
+  constexpr double allocator = 24;
+  return text.capacity() > room_within ? static_cast<double>(text.capacity()) + allocator : 0;
 }
 
 double bytes_of_thread(const SurfaceSurvey& survey, const Grid& grid, const Schedule& schedule,
@@ -121,7 +142,7 @@ double bytes_of_thread(const SurfaceSurvey& survey, const Grid& grid, const Sche
 
 // The results of a layer of blocks and of a share of the next one: bits, rows, crossings.
 double bytes_of_layers(const SurfaceSurvey& survey, const Grid& grid, const BlockTiling& tiling,
-                       double share_of_next) {
+                       double share_of_next, bool has_mesh) {
   const auto side = as_double(points_along(tiling, 2));
   const double rows = side * as_double(points_along(tiling, 1));
   constexpr double allocator = 64;
@@ -133,7 +154,8 @@ double bytes_of_layers(const SurfaceSurvey& survey, const Grid& grid, const Bloc
   const double area = std::min(layers * survey.largest_slab_area(side * grid.spacing),
                                survey.largest_slab_area(2 * side * grid.spacing));
   return layers * blocks_in_layer(tiling) * bytes_per_block +
-         sizeof(Crossing) * crossing_slack * expected_crossings(area, grid.spacing);
+         sizeof(Crossing) * crossing_slack * (has_mesh ? far_corner_growth(tiling) : 1) *
+             expected_crossings(area, grid.spacing);
 }
 
 // Of the layer after the one that is unwritten, how much is solved at most: blocks differ.
@@ -146,8 +168,37 @@ double share_ahead(const Schedule& schedule) {
 
 }  // namespace
 
-double expected_memory(const SurfaceSurvey& survey, const Grid& grid, const Schedule& schedule,
-                       const OutputChoice& outputs) {
+LabelTotals total_labels(std::span<const AtomLabel> labels) {
+  LabelTotals totals;
+  totals.atoms = labels.size();
+  for (std::size_t i = 0; i < labels.size(); ++i) {
+    const auto& [chain, residue, number, atom_name] = labels[i];
+    for (const std::string* const text : {&chain, &residue, &number, &atom_name})
+      totals.heap_bytes += heap_bytes_of(*text);
+    const bool is_new_chain = i == 0 || chain != labels[i - 1].chain;
+    if (is_new_chain) {
+      ++totals.chain_runs;
+      totals.chain_text_bytes += chain.size();
+    }
+    if (is_new_chain || residue != labels[i - 1].residue ||
+        number != labels[i - 1].residue_number) {
+      ++totals.residue_runs;
+      totals.residue_text_bytes += chain.size() + residue.size() + number.size();
+    }
+  }
+  return totals;
+}
+
+double far_corner_growth(const BlockTiling& tiling) {
+  const GridIndex size = tiling.region.size(), wider = tiling.with_far_corners().size();
+  double growth_of_points = 1;
+  for (std::size_t axis = 0; axis < 3; ++axis)
+    growth_of_points *= as_double(wider[axis]) / as_double(size[axis]);
+  return growth_of_points;
+}
+
+double expected_memory(const SurfaceSurvey& survey, const LabelTotals& labels, const Grid& grid,
+                       const Schedule& schedule, const OutputChoice& outputs) {
   const auto atoms = static_cast<double>(survey.atom_count());
   const double patches = patch_bytes(survey), threads = schedule.threads;
   const double always = base_bytes + atoms * (bytes_per_atom + per_atom_patch_bytes());
@@ -155,18 +206,17 @@ double expected_memory(const SurfaceSurvey& survey, const Grid& grid, const Sche
 
   const BlockTiling& tiling = schedule.tiling;
   const double held =
-      bytes_of_layers(survey, grid, tiling, share_ahead(schedule)) +
+      bytes_of_layers(survey, grid, tiling, share_ahead(schedule), outputs.mesh.has_value()) +
       2 * sizeof(std::uint64_t) * as_double(tiling.blocks[0]) * as_double(tiling.region.size()[1]) +
       as_double(tiling.blocks[2]) * bytes_per_layer +
       (outputs.mesh ? mesh_bytes(survey, grid.spacing, tiling) : 0);
-  // Labels are there from the beginning; each residue's sum and line count as an atom's.
-  const double labels = label_bytes(survey, outputs);
   constexpr double bytes_per_area = sizeof(Tally::Sum) + sizeof(double) + growth * 32;
   const double axes = as_double(grid.size[0] + grid.size[1] + grid.size[2]) * bytes_per_index;
   const double solving = patches + axes +
                          threads * bytes_of_thread(survey, grid, schedule, outputs) +
                          std::max(held, bytes_per_area * atoms);
-  return always + labels + std::max(making, solving);
+  // Labels are there from the beginning.
+  return always + label_bytes(labels, outputs) + std::max(making, solving);
 }
 
 }  // namespace eses

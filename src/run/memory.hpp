@@ -1,7 +1,9 @@
 #pragma once
 /// How much memory a run takes, told beforehand.
 
+#include <cstddef>
 #include <cstdint>
+#include <span>
 
 #include "eses/run.hpp"
 #include "surface/survey.hpp"
@@ -15,14 +17,28 @@ struct Schedule {
   std::int64_t blocks_ahead = 0;  ///< see LayerQueue
 };
 
+/// What the labels of atoms amount to; runs are of atoms that follow each other.
+struct LabelTotals {
+  std::size_t atoms = 0;
+  std::size_t residue_runs = 0, chain_runs = 0;
+  /// Of the names of these, once for each run.
+  std::uint64_t residue_text_bytes = 0, chain_text_bytes = 0;
+  double heap_bytes = 0;  ///< of strings that are too long to stand in a label itself
+};
+LabelTotals total_labels(std::span<const AtomLabel> labels);
+
 /// Crossings that a surface of `area` has with the lines of a grid: its share of a cell's face
 /// times |n_x| + |n_y| + |n_z|, which is 1.5 on average.
 constexpr double expected_crossings(double area, double spacing) {
   return 1.5 * area / (spacing * spacing);
 }
 
+/// By how much crossings grow if those of edges between far corners are added; see
+/// BlockTiling::with_far_corners.
+double far_corner_growth(const BlockTiling& tiling);
+
 /// Bytes that the process holds at its peak: an estimate that is meant as an upper bound.
-double expected_memory(const SurfaceSurvey& survey, const Grid& grid, const Schedule& schedule,
-                       const OutputChoice& outputs);
+double expected_memory(const SurfaceSurvey& survey, const LabelTotals& labels, const Grid& grid,
+                       const Schedule& schedule, const OutputChoice& outputs);
 
 }  // namespace eses

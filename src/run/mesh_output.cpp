@@ -4,6 +4,7 @@
 #include <array>
 #include <cstddef>
 #include <span>
+#include <string_view>
 #include <utility>
 
 namespace eses {
@@ -11,7 +12,9 @@ namespace eses {
 /// A layer, and where the pieces of its rows are.
 struct MeshOutput::LayerView {
   LayerView(const BlockTiling& tiling, const Layer& layer)
-      : first_z(layer.first_z()), rows(tiling, layer), crossings(tiling, layer) {}
+      : first_z(layer.first_z()),
+        rows(tiling, layer, Extent::far_corners),
+        crossings(tiling, layer) {}
 
   std::int64_t first_z;
   LayerRows rows;
@@ -21,12 +24,14 @@ struct MeshOutput::LayerView {
 MeshOutput::MeshOutput(const Plan& plan, const MeshChoice& choice,
                        std::span<const AtomLabel> labels, OutputFile& file, ScratchFile& triangles)
     : plan_(plan),
-      region_(plan.tiling.region),
+      region_(plan.tiling.with_far_corners()),
       rows_y_(region_.size()[1]),
+      has_cells_(std::ranges::min(region_.size()) > 1),
       file_(file),
       scratch_file_(triangles),
-      text_(mesh_format(choice.file).value(), choice.color, mesh::group_atoms(labels)),
-      header_bytes_(text_.header({}).size()),
+      text_(mesh_format(choice.file).value(), choice.color,
+            mesh::group_atoms(mesh::names_atoms(choice) ? labels : std::span<const AtomLabel>())),
+      header_bytes_(text_.header_bytes()),
       vertex_output_([this](std::span<const char> text, std::uint64_t offset) {
         file_.write_at(text, header_bytes_ + offset);
       }),
@@ -34,15 +39,21 @@ MeshOutput::MeshOutput(const Plan& plan, const MeshChoice& choice,
         scratch_file_.write_at(std::as_bytes(text), offset);
       }) {}
 
+// Behind the last layer the far corners make another plane.
+std::int64_t MeshOutput::planes_of(const Layer& layer) const {
+  const std::int64_t end = layer.first_z() + layer.owned_planes();
+  return (end == plan_.tiling.region.end[2] ? region_.end[2] : end) - layer.first_z();
+}
+
 void MeshOutput::number_rows(const Layer& layer) {
   const std::lock_guard lock(mutex_);
   if (is_numbered_) return;
-  const std::int64_t rows = layer.owned_planes() * rows_y_;
+  const std::int64_t rows = planes_of(layer) * rows_y_;
   const LayerCrossings crossings(plan_.tiling, layer);
   row_begin_.assign(1, layer_begin_);
   for (std::int64_t row = 0; row < rows; ++row) {
     std::uint64_t count = 0;
-    crossings.for_each_piece(
+    crossings.for_each_piece_and_far(
         row % rows_y_, row / rows_y_,
         [&](std::int64_t, std::span<const Crossing> piece) { count += piece.size(); });
     row_begin_.push_back(row_begin_.back() + count);
@@ -55,11 +66,12 @@ void MeshOutput::make_row(const LayerView& view, std::int64_t y, std::int64_t z,
                           mesh::Row& row) const {
   view.rows.join(y, z, row.inside);
   row.edges.clear();
-  view.crossings.for_each_piece(y, z, [&](std::int64_t first_x, std::span<const Crossing> piece) {
-    for (const Crossing& crossing : piece)
-      row.edges.push_back(mesh::edge_key(
-          static_cast<std::uint64_t>(first_x - region_.begin[0] + crossing.x), crossing.axis));
-  });
+  view.crossings.for_each_piece_and_far(
+      y, z, [&](std::int64_t first_x, std::span<const Crossing> piece) {
+        for (const Crossing& crossing : piece)
+          row.edges.push_back(mesh::edge_key(
+              static_cast<std::uint64_t>(first_x - region_.begin[0] + crossing.x), crossing.axis));
+      });
   row.first_vertex = row_begin_[static_cast<std::size_t>(z * rows_y_ + y)];
 }
 
@@ -91,13 +103,14 @@ void MeshOutput::append_vertices(const LayerView& view, const RowRange& rows,
                                  TextBuffer& text) const {
   for (std::int64_t row = rows.begin; row < rows.end; ++row) {
     const std::int64_t y = row % rows_y_, z = row / rows_y_;
-    view.crossings.for_each_piece(y, z, [&](std::int64_t first_x, std::span<const Crossing> piece) {
-      for (const Crossing& crossing : piece)
-        text_.append_vertex(
-            text, mesh::make_vertex(plan_.grid,
-                                    {first_x + crossing.x, region_.begin[1] + y, view.first_z + z},
-                                    crossing));
-    });
+    view.crossings.for_each_piece_and_far(
+        y, z, [&](std::int64_t first_x, std::span<const Crossing> piece) {
+          for (const Crossing& crossing : piece)
+            text_.append_vertex(text, mesh::make_vertex(plan_.grid,
+                                                        {first_x + crossing.x, region_.begin[1] + y,
+                                                         view.first_z + z},
+                                                        crossing));
+        });
   }
 }
 
@@ -124,23 +137,28 @@ void MeshOutput::append_triangles(const LayerView& view, const RowRange& rows,
   }
 }
 
-void MeshOutput::write(const Layer& layer, std::int64_t chunk, const RowRange& rows,
+void MeshOutput::write(const Layer& layer, std::int64_t chunk, const Share& share,
                        MeshScratch& scratch) {
-  number_rows(layer);
   scratch.vertex_text.clear();
   scratch.triangle_text.clear();
-  const LayerView view(plan_.tiling, layer);
-  append_vertices(view, rows, scratch.vertex_text);
-  append_triangles(view, rows, scratch);
+  if (has_cells_) {
+    number_rows(layer);
+    const LayerView view(plan_.tiling, layer);
+    const std::int64_t count = planes_of(layer) * rows_y_;
+    const RowRange rows{share.index * count / share.count, (share.index + 1) * count / share.count};
+    append_vertices(view, rows, scratch.vertex_text);
+    append_triangles(view, rows, scratch);
+  }
   vertex_output_.write(chunk, scratch.vertex_text.text());
   triangle_output_.write(chunk, scratch.triangle_text.text());
 }
 
 void MeshOutput::release(const Layer& layer) {
+  if (!has_cells_) return;
   const LayerView view(plan_.tiling, layer);
   below_.resize(static_cast<std::size_t>(rows_y_));
   for (std::int64_t y = 0; y < rows_y_; ++y)
-    make_row(view, y, layer.owned_planes() - 1, below_[static_cast<std::size_t>(y)]);
+    make_row(view, y, planes_of(layer) - 1, below_[static_cast<std::size_t>(y)]);
   layer_begin_ = row_begin_.back();
   is_numbered_ = false;
 }
@@ -151,8 +169,12 @@ void MeshOutput::abandon() {
 }
 
 std::uint64_t MeshOutput::finish(std::uint64_t triangles, const std::function<void()>& check) {
-  file_.write_at(text_.header({vertex_count(), triangles}), 0);
-  std::uint64_t at = header_bytes_ + vertex_output_.size();
+  std::uint64_t at = 0;
+  text_.write_header({vertex_count(), triangles}, [&](std::string_view piece) {
+    file_.write_at(piece, at);
+    at += piece.size();
+  });
+  at += vertex_output_.size();
   std::vector<char> buffer(std::size_t{1} << 20);
   for (std::uint64_t done = 0; done < triangle_output_.size();) {
     const auto part = std::span(buffer).first(

@@ -33,18 +33,23 @@ struct MeshScratch {
 
 /// Vertices go into the file, triangles into a scratch file until all vertices are there. Cells
 /// between two planes are cut up when the upper plane is written. Of a layer that is done, its last
-/// plane is kept. Of a region there are the cells that lie in it, with their vertices and those of
-/// the edges that leave it upwards.
+/// plane is kept. Of a region there are the cells whose lowest corner is in it, so that regions
+/// that make up the grid have each cell once. Where there is no cell, there is no vertex either.
 class MeshOutput {
  public:
   /// Keeps references to all but the choice.
   MeshOutput(const Plan& plan, const MeshChoice& choice, std::span<const AtomLabel> labels,
              OutputFile& file, ScratchFile& triangles);
 
-  /// Writes chunk number `chunk`: vertices that start in these rows of the layer, and the cells
-  /// below and before them. May be called from several threads, for chunks of one
-  /// layer at a time; layers come in order, `release` between them.
-  void write(const Layer& layer, std::int64_t chunk, const RowRange& rows, MeshScratch& scratch);
+  /// One of `count` about equal parts.
+  struct Share {
+    std::int64_t index, count;
+  };
+
+  /// Writes chunk number `chunk`, a share of the layer's rows: vertices that start there, and the
+  /// cells below and before them. Needs the far crossings of blocks. May be called from several
+  /// threads, for chunks of one layer at a time; layers come in order, `release` between them.
+  void write(const Layer& layer, std::int64_t chunk, const Share& share, MeshScratch& scratch);
   void release(const Layer& layer);
   /// Releases all that wait, after a failure.
   void abandon();
@@ -57,6 +62,7 @@ class MeshOutput {
  private:
   struct LayerView;
 
+  std::int64_t planes_of(const Layer& layer) const;
   void number_rows(const Layer& layer);
   void make_row(const LayerView& view, std::int64_t y, std::int64_t z, mesh::Row& row) const;
   const mesh::Row& lower_row(const MeshScratch::RowPair& pair, std::int64_t y,
@@ -68,8 +74,9 @@ class MeshOutput {
   void append_triangles(const LayerView& view, const RowRange& rows, MeshScratch& scratch) const;
 
   const Plan& plan_;
-  const GridRegion& region_;  // rows and planes count from its first
-  std::int64_t rows_y_;       // of a plane
+  GridRegion region_;    // with the far corners; rows and planes count from its first
+  std::int64_t rows_y_;  // of a plane
+  bool has_cells_;
   OutputFile& file_;
   ScratchFile& scratch_file_;
   mesh::MeshText text_;

@@ -7,6 +7,8 @@
 
 #include <algorithm>
 #include <array>
+#include <cerrno>
+#include <climits>
 #include <string_view>
 #include <system_error>
 #include <utility>
@@ -36,10 +38,9 @@ std::vector<std::string> text_names(const OutputChoice& choice, bool gzip) {
   return names;
 }
 
-// Whether a run may write a file of this name.
+// Whether a run that has locked the directory may write a file of this name.
 bool is_ours(std::string_view name) {
-  if (map_format(name) || mesh_format(name) || name == residues_name || name == chains_name)
-    return true;
+  if (map_format(name) || name == residues_name || name == chains_name) return true;
   if (name.ends_with(gzip_suffix)) name.remove_suffix(gzip_suffix.size());
   const std::array texts{box_name, grid_name, edges_name, areas_name};
   return std::any_of(texts.begin(), texts.end(), [&](const char* text) { return name == text; });
@@ -59,25 +60,109 @@ struct FilePlace {
   std::string directory, name;
 };
 
-FilePlace place_of(const MeshChoice& mesh) {
-  const std::string& path = mesh.file.native();
+FilePlace place_of(const std::string& path) {
   const std::size_t slash = path.rfind('/');
   if (slash == std::string::npos) return {".", path};
   return {slash == 0 ? "/" : path.substr(0, slash), path.substr(slash + 1)};
 }
 
+// Where a symbolic link leads; nothing if there is none, or no end of them.
+std::optional<std::string> target_of(const FilePlace& place) {
+  std::array<char, PATH_MAX> target{};
+  const std::string path = path_in(place.directory, place.name);
+  const ssize_t length = readlink(path.c_str(), target.data(), target.size());
+  if (length <= 0) return std::nullopt;
+  std::string text(target.data(), static_cast<std::size_t>(length));
+  return text.front() == '/' ? text : path_in(place.directory, text);
+}
+
+// Of a symbolic link, the place where it leads: the link stays.
+FilePlace place_of(const MeshChoice& mesh) {
+  constexpr int most_links = 40;  // as Linux has it
+  FilePlace place = place_of(mesh.file.native());
+  for (int i = 0; i < most_links; ++i) {
+    const std::optional<std::string> target = target_of(place);
+    if (!target) return place;
+    place = place_of(*target);
+  }
+  throw Error(fmt::format("cannot write {}: {}", mesh.file.string(),
+                          std::generic_category().message(ELOOP)));
+}
+
+// What goes to a file system while a run goes on.
+struct DiskDemand {
+  std::filesystem::path directory;
+  std::uint64_t certain = 0, expected = 0;
+};
+
+std::optional<dev_t> file_system_of(const std::filesystem::path& directory) {
+  struct stat status {};
+  if (stat(directory.c_str(), &status) != 0) return std::nullopt;
+  return status.st_dev;
+}
+
+// The directory's first; one file system has one entry, unless it cannot be told.
+std::vector<DiskDemand> disk_demands(const Plan& plan, const OutputChoice& outputs,
+                                     const std::filesystem::path& directory) {
+  const std::uint64_t texts = plan.gzip ? 0 : plan.grid_file_bytes + plan.area_file_bytes;
+  std::vector<DiskDemand> demands{{directory, texts + plan.map_file_bytes + plan.map_scratch_bytes,
+                                   plan.output_bytes() - plan.mesh_file_bytes +
+                                       plan.map_scratch_bytes + plan.text_scratch_bytes}};
+  if (!outputs.mesh) return demands;
+  const std::filesystem::path mesh_directory = place_of(*outputs.mesh).directory;
+  const std::uint64_t of_mesh = plan.mesh_file_bytes + plan.mesh_scratch_bytes;
+  const auto file_system = file_system_of(existing_part(mesh_directory));
+  if (file_system && file_system == file_system_of(existing_part(directory))) {
+    demands.front().expected += of_mesh;
+  } else {
+    demands.push_back({mesh_directory, 0, of_mesh});
+  }
+  return demands;
+}
+
+// Not by access(2), which asks for the user who started the program and not for its own rights.
+void require_writable(const std::filesystem::path& directory) {
+  const std::filesystem::path existing = existing_part(directory);
+  struct stat status {};
+  int error = stat(existing.c_str(), &status) == 0 ? 0 : errno;
+  if (error == 0 && !S_ISDIR(status.st_mode)) error = ENOTDIR;
+  if (error == 0 && faccessat(AT_FDCWD, existing.c_str(), W_OK | X_OK, AT_EACCESS) != 0)
+    error = errno;
+  if (error != 0)
+    throw Error(fmt::format("cannot write into {}: {}", directory.string(),
+                            std::generic_category().message(error)));
+}
+
+// Where there is no directory yet, there is nothing of the name.
+void require_free_name(const FilePlace& place) {
+  const auto fail = [&place](int error) {
+    throw Error(fmt::format("cannot create {}: {}", path_in(place.directory, place.name),
+                            std::generic_category().message(error)));
+  };
+  struct stat status {};
+  if (stat(path_in(place.directory, place.name).c_str(), &status) == 0 && S_ISDIR(status.st_mode))
+    fail(EISDIR);
+  const std::string temporary = temporary_name(place.name, getpid());
+  if (lstat(path_in(place.directory, temporary).c_str(), &status) != 0 && errno == ENAMETOOLONG)
+    fail(ENAMETOOLONG);
+}
+
 }  // namespace
 
-DiskSpace require_disk_space(const Plan& plan, const std::filesystem::path& directory) {
-  const std::uint64_t texts = plan.gzip ? 0 : plan.grid_file_bytes + plan.area_file_bytes;
-  const std::uint64_t certain = texts + plan.map_file_bytes + plan.scratch_bytes;
-  const std::uint64_t available = available_disk(existing_part(directory));
-  if (certain > available)
-    throw Error(fmt::format(
-        "the files need about {} besides intersection_info.txt, but {} has {} free; leave out "
-        "grid_info.txt (--write edges,areas) or use a larger spacing",
-        bytes_text(certain), directory.string(), bytes_text(available)));
-  return {available, plan.output_bytes() + plan.scratch_bytes <= available};
+DiskSpace require_disk_space(const Plan& plan, const OutputChoice& outputs,
+                             const std::filesystem::path& directory) {
+  DiskSpace space;
+  for (const DiskDemand& demand : disk_demands(plan, outputs, directory)) {
+    const std::uint64_t available = available_disk(existing_part(demand.directory));
+    if (demand.certain > available)
+      throw Error(fmt::format(
+          "the files need about {} besides intersection_info.txt{}, but {} has {} free; leave out "
+          "grid_info.txt (--write edges,areas) or use a larger spacing",
+          bytes_text(demand.certain), outputs.mesh ? " and the mesh" : "",
+          demand.directory.string(), bytes_text(available)));
+    space.places.push_back({demand.directory, available, demand.expected});
+  }
+  return space;
 }
 
 std::vector<std::string> file_names(const OutputChoice& choice) {
@@ -109,6 +194,20 @@ std::vector<std::string> final_paths(const OutputChoice& choice,
   return paths;
 }
 
+std::vector<std::string> stale_paths(const OutputChoice& choice,
+                                     const std::filesystem::path& directory) {
+  std::vector<std::string> paths;
+  for (const std::string& name : text_names(choice, !choice.gzip))
+    paths.push_back(path_in(directory, name));
+  return paths;
+}
+
+void require_places(const OutputChoice& choice, const std::filesystem::path& directory) {
+  if (!file_names(choice).empty()) require_writable(directory);
+  if (choice.mesh) require_writable(place_of(*choice.mesh).directory);
+  for (const FilePlace& place : places_of(choice, directory)) require_free_name(place);
+}
+
 std::vector<std::string> temporary_paths(const OutputChoice& choice,
                                          const std::filesystem::path& directory) {
   std::vector<std::string> paths;
@@ -121,22 +220,24 @@ std::vector<std::string> lock_paths(const OutputChoice& choice,
                                     const std::filesystem::path& directory) {
   std::vector<std::string> paths;
   if (!file_names(choice).empty()) paths.push_back(lock_path(directory));
-  if (choice.mesh) paths.push_back(lock_path(place_of(*choice.mesh).directory));
+  if (choice.mesh) {
+    const auto [mesh_directory, name] = place_of(*choice.mesh);
+    paths.push_back(lock_path(mesh_directory, name));
+  }
   return paths;
 }
 
 OutputFiles::OutputFiles(const OutputChoice& choice, const std::filesystem::path& path,
                          const Plan& plan)
     : gzip(choice.gzip), stale_(text_names(choice, !choice.gzip)) {
-  if (!file_names(choice).empty()) open_directory(choice, path, plan);
+  require_disk_space(plan, choice, path);
+  if (!file_names(choice).empty()) open_directory(choice, path);
   if (choice.mesh) open_mesh(*choice.mesh);
 }
 
-void OutputFiles::open_directory(const OutputChoice& choice, const std::filesystem::path& path,
-                                 const Plan& plan) {
+void OutputFiles::open_directory(const OutputChoice& choice, const std::filesystem::path& path) {
   directory.emplace(path);
   directory->remove_abandoned(is_ours);
-  require_disk_space(plan, path);
   const auto open = [&](std::optional<OutputFile>& file, const char* name) {
     file.emplace(*directory, text_name(name, choice.gzip));
   };
@@ -152,13 +253,11 @@ void OutputFiles::open_directory(const OutputChoice& choice, const std::filesyst
 }
 
 void OutputFiles::open_mesh(const MeshChoice& choice) {
-  const auto [path, name] = place_of(choice);
-  const bool is_elsewhere = !directory || !directory->is_at(path);
-  OutputDirectory& place = is_elsewhere ? mesh_directory.emplace(path) : *directory;
-  // Here that has been done, and files of this run are open by now.
-  if (is_elsewhere) place.remove_abandoned(is_ours);
-  mesh.emplace(place, name);
-  mesh_triangles.emplace(path);
+  const FilePlace place = place_of(choice);
+  mesh_directory.emplace(place.directory, place.name);
+  mesh_directory->remove_abandoned([&](std::string_view name) { return name == place.name; });
+  mesh.emplace(*mesh_directory, place.name);
+  mesh_triangles.emplace(place.directory);
 }
 
 // The bounding box first.

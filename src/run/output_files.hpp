@@ -30,6 +30,14 @@ std::vector<std::string> file_names(const OutputChoice& choice);
 std::vector<std::string> final_paths(const OutputChoice& choice,
                                      const std::filesystem::path& directory);
 
+/// What is removed besides, as it is another form of one of them.
+std::vector<std::string> stale_paths(const OutputChoice& choice,
+                                     const std::filesystem::path& directory);
+
+/// Throws Error if one of the files cannot be written where it goes, as far as can be told without
+/// writing there: its directory is none, or not to be written to, or holds a directory of the name.
+void require_places(const OutputChoice& choice, const std::filesystem::path& directory);
+
 /// Where this process writes them until they are complete.
 std::vector<std::string> temporary_paths(const OutputChoice& choice,
                                          const std::filesystem::path& directory);
@@ -42,7 +50,7 @@ std::vector<std::string> lock_paths(const OutputChoice& choice,
 struct OutputFiles {
   bool gzip = false;                         ///< whether box, grid, edges and areas are gzipped
   std::optional<OutputDirectory> directory;  ///< if any file but the mesh is there
-  std::optional<OutputDirectory> mesh_directory;  ///< if there is a mesh, and it goes elsewhere
+  std::optional<OutputDirectory> mesh_directory;  ///< if there is a mesh; locked for it alone
   std::optional<OutputFile> box, grid, edges, areas, inside_map, residues, chains, mesh;
   std::optional<ScratchFile> mesh_triangles;  ///< beside the mesh
 
@@ -56,8 +64,7 @@ struct OutputFiles {
   void commit(const std::function<void()>& check);
 
  private:
-  void open_directory(const OutputChoice& choice, const std::filesystem::path& path,
-                      const Plan& plan);
+  void open_directory(const OutputChoice& choice, const std::filesystem::path& path);
   void open_mesh(const MeshChoice& choice);
   std::vector<OutputFile*> all();
   void remove_resumable() noexcept;

@@ -133,8 +133,12 @@ void Pipeline::solve(const Task& task, std::size_t thread) {
   BlockResult& result =
       layers_[static_cast<std::size_t>(task.layer)].blocks[static_cast<std::size_t>(task.index)];
   const Stopwatch watch;
-  result = solve_block(surface_, plan_.grid, plan_.tiling.block(bx, by, task.layer),
-                       workspaces_[thread]);
+  const Block block = plan_.tiling.block(bx, by, task.layer);
+  result = sinks_.mesh != nullptr
+               ? solve_block_for_mesh(surface_, plan_.grid, block,
+                                      plan_.tiling.block_with_far_corners(bx, by, task.layer),
+                                      workspaces_[thread])
+               : solve_block(surface_, plan_.grid, block, workspaces_[thread]);
   result.seconds = watch.seconds();
   if (sinks_.verifier != nullptr) sinks_.verifier->take(result, thread);
   hand_out(result);
@@ -159,7 +163,8 @@ void Pipeline::write(const Task& task, Writer& writer) {
   const std::int64_t chunk = task.layer * layer_chunks(0) + task.index;
   if (grid_) grid_->write(chunk, file_bytes(writer.grid, writer.gzip));
   if (edges_) edges_->write(chunk, file_bytes(writer.edges, writer.gzip));
-  if (sinks_.mesh != nullptr) sinks_.mesh->write(layer, chunk, rows, writer.mesh);
+  if (sinks_.mesh != nullptr)
+    sinks_.mesh->write(layer, chunk, {task.index, layer_chunks(task.layer)}, writer.mesh);
   writer.seconds += watch.seconds();
   progress_.check();
 }

@@ -26,7 +26,8 @@ namespace eses {
 namespace {
 
 constexpr std::uint64_t area_line_bytes = 32;
-constexpr std::uint64_t residue_line_bytes = 24, atoms_per_residue = 10;  // typically
+// Of residue_area.csv and chain_area.csv, what is not the names, typically.
+constexpr std::uint64_t table_header_bytes = 66, table_line_bytes = 16;
 // What gzip leaves of the files, as it turned out for proteins.
 constexpr double grid_gzip_share = 0.2, edge_gzip_share = 0.3, area_gzip_share = 0.25;
 constexpr std::int64_t most_verified = 10'000'000;
@@ -127,22 +128,32 @@ std::string fixed_choices(const Parameters& p) {
                           bytes_text(whole_bytes(smallest)), bytes_text(available), advice));
 }
 
-// Per crossing: a closed mesh has about twice as many triangles as vertices.
-double mesh_bytes(const MeshChoice& mesh, bool has_labels) {
-  return static_cast<double>(mesh::typical_vertex_bytes(mesh, has_labels) +
-                             2 * mesh::typical_triangle_bytes(mesh));
+// A closed mesh has about twice as many triangles as vertices.
+void expect_mesh(const MeshChoice& mesh, const LabelTotals& labels, double crossings, Plan& plan) {
+  const double vertices = far_corner_growth(plan.tiling) * crossings;
+  plan.mesh_scratch_bytes =
+      whole_bytes(2 * static_cast<double>(mesh::typical_triangle_bytes(mesh)) * vertices);
+  const bool has_names = labels.atoms > 0 && mesh::names_atoms(mesh);
+  plan.mesh_file_bytes =
+      plan.mesh_scratch_bytes +
+      whole_bytes(static_cast<double>(mesh::typical_vertex_bytes(mesh, has_names)) * vertices);
+  if (has_names)
+    plan.mesh_file_bytes +=
+        labels.residue_text_bytes + labels.chain_text_bytes +
+        mesh::typical_name_line_bytes * (labels.residue_runs + labels.chain_runs);
 }
 
 // The fastest schedule that keeps the limit and what is available.
 void choose_schedule(const SurfaceSurvey& survey, const GridRegion& region,
-                     const OutputChoice& outputs, std::uint64_t available, Plan& plan) {
+                     const LabelTotals& labels, const OutputChoice& outputs,
+                     std::uint64_t available, Plan& plan) {
   const Parameters& p = plan.parameters;
   const std::uint64_t limit = p.max_memory > 0 ? std::min(p.max_memory, available) : available;
   const double crossings = expected_crossings(survey.totals().area, p.spacing);
   double smallest = std::numeric_limits<double>::infinity();
   for (const Schedule& schedule :
        possible_schedules(plan.grid, region, p, survey.patched_count())) {
-    const double memory = expected_memory(survey, plan.grid, schedule, outputs) +
+    const double memory = expected_memory(survey, labels, plan.grid, schedule, outputs) +
                           Verifier::memory_bytes(p.verify, schedule.threads, crossings);
     smallest = std::min(smallest, memory);
     if (memory > static_cast<double>(limit)) continue;
@@ -156,32 +167,39 @@ void choose_schedule(const SurfaceSurvey& survey, const GridRegion& region,
   refuse_limit(p, smallest);
 }
 
+std::uint64_t box_bytes(const Grid& grid, bool gzip) {
+  const std::string text = bounding_box_text(grid);
+  return gzip ? Gzip().member(text).size() : text.size();
+}
+
 SurfaceSurvey survey_of(const Molecule& molecule, const Grid& grid, const GridRegion& region,
                         double probe_radius) {
   if (region == grid.whole()) return {molecule, probe_radius};
   return {molecule, probe_radius, region_box(grid, region)};
 }
 
-void expect_files(const SurfaceSurvey& survey, const OutputChoice& outputs, Plan& plan) {
+void expect_files(const SurfaceSurvey& survey, const LabelTotals& labels,
+                  const OutputChoice& outputs, Plan& plan) {
   const GridRegion& region = plan.tiling.region;
   plan.gzip = outputs.gzip;
   const auto on_disk = [&](double bytes, double compressed_share) {
     return static_cast<std::uint64_t>(outputs.gzip ? compressed_share * bytes : bytes);
   };
   const double crossings = expected_crossings(survey.totals().area, plan.grid.spacing);
+  if (outputs.box) plan.box_file_bytes = box_bytes(plan.grid, outputs.gzip);
   if (outputs.grid) plan.grid_file_bytes = expected_grid_bytes(region, outputs.gzip);
   if (outputs.edges)
     plan.edge_file_bytes = on_disk(typical_crossing_bytes * crossings, edge_gzip_share);
   if (outputs.areas) plan.area_file_bytes = expected_area_bytes(survey.atom_count(), outputs.gzip);
-  if (outputs.mesh)
-    plan.mesh_file_bytes =
-        static_cast<std::uint64_t>(mesh_bytes(*outputs.mesh, survey.label_count() > 0) * crossings);
+  if (outputs.mesh) expect_mesh(*outputs.mesh, labels, crossings, plan);
   if (outputs.residues)
-    plan.residue_file_bytes = residue_line_bytes * (survey.atom_count() / atoms_per_residue + 1);
+    plan.residue_file_bytes = table_header_bytes + table_line_bytes * labels.residue_runs +
+                              labels.residue_text_bytes + table_line_bytes * labels.chain_runs +
+                              labels.chain_text_bytes;
   if (!outputs.inside_map.empty()) {
     const MapFormat format = required_map_format(outputs.inside_map);
     plan.map_file_bytes = map_layout(format, plan.grid, region).file_bytes();
-    plan.scratch_bytes = InsideMap::scratch_bytes(format, region);
+    plan.map_scratch_bytes = InsideMap::scratch_bytes(format, region);
   }
 }
 
@@ -212,8 +230,9 @@ void plan_work(std::uint64_t available, const Molecule& molecule, const OutputCh
                Plan& plan) {
   const GridRegion region = plan.tiling.region;
   const SurfaceSurvey survey = survey_of(molecule, plan.grid, region, plan.parameters.probe_radius);
-  choose_schedule(survey, region, outputs, available, plan);
-  expect_files(survey, outputs, plan);
+  const LabelTotals labels = total_labels(molecule.labels());
+  choose_schedule(survey, region, labels, outputs, available, plan);
+  expect_files(survey, labels, outputs, plan);
 }
 
 Plan make_plan_within(std::uint64_t available, const Molecule& molecule,

@@ -72,17 +72,12 @@ std::uint64_t write_areas(OutputFile& file, std::span<const double> areas, bool 
   return file_of_areas.size();
 }
 
-std::uint64_t write_plain(OutputFile& file, std::span<const char> text) {
-  ShortFile plain(file, false);
-  plain.append(text);
-  return plain.size();
-}
-
 std::uint64_t write_tables(OutputFiles& files, std::span<const AtomLabel> labels,
                            std::span<const double> areas) {
-  const std::vector<ResidueArea> residues = areas_by_residue(labels, areas);
-  return write_plain(*files.residues, residue_table(residues)) +
-         write_plain(*files.chains, chain_table(areas_by_chain(residues)));
+  ShortFile residues(*files.residues, false), chains(*files.chains, false);
+  write_residue_table(labels, areas, [&](std::string_view piece) { residues.append(piece); });
+  write_chain_table(labels, areas, [&](std::string_view piece) { chains.append(piece); });
+  return residues.size() + chains.size();
 }
 
 void require_labels(const OutputChoice& outputs, const Molecule& molecule) {
@@ -143,7 +138,10 @@ Summary run(const Molecule& molecule, const Plan& plan, const OutputChoice& outp
   for (const double area : summary.atom_areas) summary.area += area;
   if (verifier) {
     const Stopwatch checking;
-    summary.verification = verifier->check(callbacks.progress);
+    summary.verification = verifier->check([&](std::int64_t done, std::int64_t all) {
+      check();
+      if (callbacks.verification) callbacks.verification(done, all);
+    });
     summary.seconds.verify += checking.seconds();
     if (!summary.verification->faults.empty()) {
       summary.seconds.total = total.seconds();
@@ -163,6 +161,7 @@ Summary run(const Molecule& molecule, const Plan& plan, const OutputChoice& outp
     summary.bytes_written += write_areas(*files.areas, summary.atom_areas, files.gzip);
   if (files.residues)
     summary.bytes_written += write_tables(files, molecule.labels(), summary.atom_areas);
+  require_memory_within(plan.parameters.max_memory);
   files.commit(check);
   summary.seconds.total = total.seconds();
   return summary;

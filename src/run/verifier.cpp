@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <array>
+#include <atomic>
 #include <mutex>
 #include <numeric>
 #include <string>
@@ -23,6 +24,9 @@ constexpr double bytes_per_kept = 100;
 constexpr double bytes_per_checked = 200;
 
 std::size_t wanted(const Plan& plan) { return static_cast<std::size_t>(plan.parameters.verify); }
+
+/// Of the edges that are checked, those that are any.
+std::size_t any_edges(const Plan& plan) { return wanted(plan) - wanted(plan) / 2; }
 
 /// Orders points, and edges after their lower point, as the files have them.
 using Place = std::array<std::int64_t, 4>;
@@ -90,23 +94,28 @@ void Verifier::take(const BlockResult& result, std::size_t thread) {
   add_edges(plan_.grid, result, samples_[thread]);
 }
 
+/// How far the verification is.
+struct Verifier::Checks {
+  const ProgressCallback& progress;
+  std::int64_t all = 0;
+  std::atomic<std::int64_t> done = 0;
+};
+
 template <class Action>
-void Verifier::for_each_in_parallel(std::size_t count, const ProgressCallback& progress,
-                                    Action&& action) {
-  const std::int64_t blocks = plan_.tiling.block_count();
+void Verifier::for_each_in_parallel(std::size_t count, Checks& checks, Action&& action) {
   parallel_for(
       static_cast<std::int64_t>(count), plan_.threads, [&](std::int64_t index, int thread) {
-        if (progress && thread == 0) progress(blocks, blocks);
+        if (checks.progress && thread == 0) checks.progress(checks.done, checks.all);
         action(static_cast<std::size_t>(index), searches_[static_cast<std::size_t>(thread)]);
+        ++checks.done;
       });
 }
 
 // The lower half of the ranks, and of the others those nearest to another patch.
-std::vector<verify::Edge> Verifier::choose(const std::vector<verify::Edge>& edges,
-                                           const ProgressCallback& progress) {
-  const std::size_t any = wanted(plan_) - wanted(plan_) / 2;
+std::vector<verify::Edge> Verifier::choose(const std::vector<verify::Edge>& edges, Checks& checks) {
+  const std::size_t any = any_edges(plan_);
   std::vector<double> distances(edges.size());
-  for_each_in_parallel(edges.size() - any, progress, [&](std::size_t i, CentreSearch& search) {
+  for_each_in_parallel(edges.size() - any, checks, [&](std::size_t i, CentreSearch& search) {
     distances[any + i] = distance_to_seam(search, plan_.grid, edges[any + i]);
   });
   std::vector<std::size_t> order(edges.size());
@@ -121,7 +130,12 @@ std::vector<verify::Edge> Verifier::choose(const std::vector<verify::Edge>& edge
 Verification Verifier::check(const ProgressCallback& progress) {
   for (std::size_t s = 1; s < samples_.size(); ++s) samples_[0].merge(samples_[s]);
   std::vector<verify::Edge> edges = samples_[0].edges();
-  if (edges.size() > wanted(plan_)) edges = choose(edges, progress);
+  const bool is_choice = edges.size() > wanted(plan_);
+  Checks checks{progress};
+  checks.all = static_cast<std::int64_t>(
+      points_.size() +
+      (is_choice ? edges.size() - any_edges(plan_) + wanted(plan_) : edges.size()));
+  if (is_choice) edges = choose(edges, checks);
 
   std::vector<std::pair<Place, std::string>> faults;
   std::mutex mutex;
@@ -130,12 +144,12 @@ Verification Verifier::check(const ProgressCallback& progress) {
     const std::lock_guard lock(mutex);
     faults.emplace_back(place, std::move(fault));
   };
-  for_each_in_parallel(points_.size(), progress, [&](std::size_t i, CentreSearch& search) {
+  for_each_in_parallel(points_.size(), checks, [&](std::size_t i, CentreSearch& search) {
     const auto& [block, index, is_inside] = points_[i];
     report(place_of(index, 0), is_inside ? fault_of_point(search, plan_.grid, index, *is_inside)
                                          : fault_of_missing(index));
   });
-  for_each_in_parallel(edges.size(), progress, [&](std::size_t i, CentreSearch& search) {
+  for_each_in_parallel(edges.size(), checks, [&](std::size_t i, CentreSearch& search) {
     report(place_of(edges[i].lower, 1 + edges[i].crossing.axis),
            fault_of_edge(search, plan_.grid, edges[i]));
   });

@@ -32,8 +32,8 @@ class Verifier {
   /// may call it at a time if they give different numbers, in [0, plan.threads).
   void take(const BlockResult& result, std::size_t thread);
 
-  /// After all blocks. Calls `progress`, if there is one, as if all blocks were solved again and
-  /// again, to let it end the run.
+  /// After all blocks. Tells `progress`, if there is one, from the calling thread, how many of all
+  /// checks are done; what it throws ends the verification.
   Verification check(const ProgressCallback& progress);
 
  private:
@@ -43,10 +43,11 @@ class Verifier {
     std::optional<bool> is_inside;  // none until a block says so
   };
 
+  struct Checks;
+
   template <class Action>
-  void for_each_in_parallel(std::size_t count, const ProgressCallback& progress, Action&& action);
-  std::vector<verify::Edge> choose(const std::vector<verify::Edge>& edges,
-                                   const ProgressCallback& progress);
+  void for_each_in_parallel(std::size_t count, Checks& checks, Action&& action);
+  std::vector<verify::Edge> choose(const std::vector<verify::Edge>& edges, Checks& checks);
 
   const Plan& plan_;
   verify::Definition definition_;

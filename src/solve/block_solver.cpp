@@ -1,5 +1,7 @@
 #include "solve/block_solver.hpp"
 
+#include <utility>
+
 #include "solve/stopwatch.hpp"
 
 namespace eses {
@@ -21,10 +23,9 @@ void add_to_tally(const Surface& surface, const BlockGrid& grid, const BlockResu
     }
 }
 
-}  // namespace
-
-BlockResult solve_block(const Surface& surface, const Grid& grid, const Block& block,
-                        BlockWorkspace& workspace) {
+// Points and crossings, before they are counted.
+BlockResult find_crossings(const Surface& surface, const Grid& grid, const Block& block,
+                           BlockWorkspace& workspace) {
   BlockResult result;
   result.block = block;
   const Stopwatch classifying;
@@ -39,8 +40,61 @@ BlockResult solve_block(const Surface& surface, const Grid& grid, const Block& b
   const Stopwatch intersecting;
   intersect_edges(workspace.grid, workspace.features, result.inside, workspace.intersect,
                   result.crossings, result.row_begin);
-  add_to_tally(surface, workspace.grid, result, workspace.tally);
   workspace.intersect_seconds += intersecting.seconds();
+  return result;
+}
+
+void count_crossings(const Surface& surface, const BlockResult& result, BlockWorkspace& workspace) {
+  if (result.row_begin.empty()) return;
+  const Stopwatch counting;
+  add_to_tally(surface, workspace.grid, result, workspace.tally);
+  workspace.intersect_seconds += counting.seconds();
+}
+
+// Leaves to a result, solved with more owned points, what starts in those of `block`; the rest are
+// the far crossings.
+void part_far_crossings(const Block& block, BlockResult& result) {
+  const GridIndex wider = result.block.owned, owned = block.owned;
+  result.block = block;
+  if (wider == owned || result.row_begin.empty()) return;
+  const std::vector<std::uint32_t> row_begin = std::move(result.row_begin);
+  result.row_begin.clear();
+  std::uint32_t kept = 0;
+  for (std::int64_t z = 0; z < block.points[2]; ++z)
+    for (std::int64_t y = 0; y < block.points[1]; ++y) {
+      const bool is_owned = y < owned[1] && z < owned[2];
+      if (is_owned) result.row_begin.push_back(kept);
+      result.far_row_begin.push_back(static_cast<std::uint32_t>(result.far_crossings.size()));
+      if (y >= wider[1] || z >= wider[2]) continue;
+      const auto row = static_cast<std::size_t>(z * wider[1] + y);
+      for (std::uint32_t c = row_begin[row]; c < row_begin[row + 1]; ++c) {
+        const Crossing crossing = result.crossings[c];
+        if (is_owned && crossing.x < owned[0]) {
+          result.crossings[kept++] = crossing;
+        } else {
+          result.far_crossings.push_back(crossing);
+        }
+      }
+    }
+  result.crossings.resize(kept);
+  result.row_begin.push_back(kept);
+  result.far_row_begin.push_back(static_cast<std::uint32_t>(result.far_crossings.size()));
+}
+
+}  // namespace
+
+BlockResult solve_block(const Surface& surface, const Grid& grid, const Block& block,
+                        BlockWorkspace& workspace) {
+  BlockResult result = find_crossings(surface, grid, block, workspace);
+  count_crossings(surface, result, workspace);
+  return result;
+}
+
+BlockResult solve_block_for_mesh(const Surface& surface, const Grid& grid, const Block& block,
+                                 const Block& wider, BlockWorkspace& workspace) {
+  BlockResult result = find_crossings(surface, grid, wider, workspace);
+  part_far_crossings(block, result);
+  count_crossings(surface, result, workspace);
   return result;
 }
 

@@ -19,6 +19,9 @@ struct BlockResult {
   PointBits inside;                      ///< of the closed box
   std::vector<Crossing> crossings;       ///< canonical order
   std::vector<std::uint32_t> row_begin;  ///< per row [z][y] of owned points, and one more
+  /// Of edges between points that the block knows, but nobody owns: see solve_block_for_mesh.
+  std::vector<Crossing> far_crossings;
+  std::vector<std::uint32_t> far_row_begin;  ///< per row [z][y] of all points; or empty
   double seconds = 0;                    ///< that solving it took
 };
 
@@ -35,5 +38,10 @@ struct BlockWorkspace {
 
 BlockResult solve_block(const Surface& surface, const Grid& grid, const Block& block,
                         BlockWorkspace& workspace);
+
+/// The same, with the far crossings: those that `wider` owns besides, which is the same block with
+/// more owned points. They count for nothing else.
+BlockResult solve_block_for_mesh(const Surface& surface, const Grid& grid, const Block& block,
+                                 const Block& wider, BlockWorkspace& workspace);
 
 }  // namespace eses

@@ -27,7 +27,6 @@ class SurfaceSurvey {
 
   const PatchTotals& totals() const { return totals_; }
   std::size_t atom_count() const { return surface_.atoms.size(); }
-  std::size_t label_count() const { return surface_.molecule.labels().size(); }
   /// Of the atoms, those that get patches.
   std::size_t patched_count() const { return reach_.empty() ? atom_count() : reach_.size(); }
   double probe_radius() const { return surface_.probe_radius; }

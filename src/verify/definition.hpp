@@ -4,10 +4,14 @@
 /// A probe centre c is accessible if |c - a| >= r + p for every atom, and a point x is inside if no
 /// accessible centre is nearer to it than p. The accessible centre nearest to x is x itself, the
 /// point straight out from x on a SAS sphere, the point nearest to x on the circle of two, or a
-/// point of three; so all of these near x are listed and held against every atom near x. Nothing
-/// is shared with the code that computes the surface: it has neither patches nor arcs, and looks at
-/// one point only.
+/// point of three; so all of these near x are listed and held against every atom near x. So that
+/// this does not grow with the cube of the atoms' number, space around x is halved again and again
+/// where none of the SAS balls covers all of a cell, until few of them reach into it: what is tried
+/// in a cell is all that these give. Nothing is shared with the code that computes the surface: it
+/// has neither patches nor arcs, and looks at one point only.
 
+#include <cstddef>
+#include <cstdint>
 #include <optional>
 #include <span>
 #include <vector>
@@ -61,21 +65,36 @@ class CentreSearch {
   };
   enum class Surroundings { accessible, covered, mixed };
 
+  /// A cube, its centre seen from x.
+  struct Cell {
+    Vec3 center;
+    double half = 0;
+  };
+
   Surroundings gather(Vec3 x);
-  void drop_covered_balls();
-  void find_exposed_spheres();
+  void order_balls();
+  double margin() const;
+  double enough() const;
+  bool is_covered_or_keep(const Cell& cell, std::size_t begin, std::size_t end);
+  void drop_covered(const Cell& cell, const Ball& other, std::size_t begin);
   std::optional<Circle> circle_of(const Ball& one, const Ball& other) const;
   bool is_accessible(Vec3 c) const;
   template <class Visit>
-  bool offer(Vec3 c, Visit& visit);
+  bool offer(const Cell& cell, Vec3 c, Visit& visit);
   template <class Visit>
-  bool visit_circle(const Circle& circle, std::span<const Ball> further, Visit& visit);
+  bool visit_circle(const Cell& cell, const Circle& circle, std::span<const Ball> further,
+                    Visit& visit);
+  template <class Visit>
+  bool visit_all_of(const Cell& cell, Visit& visit);
+  template <class Visit>
+  bool visit_cell(const Cell& cell, std::size_t begin, std::size_t end, Visit& visit);
   template <class Visit>
   void visit_centres(Vec3 x, double reach, double slack, Visit&& visit);
 
   const Definition& definition_;
-  std::vector<Ball> balls_;    // those that matter within reach
-  std::vector<Ball> exposed_;  // those on whose spheres a centre may stand
+  std::vector<Ball> balls_;            // within reach
+  std::vector<std::uint32_t> around_;  // of these, by cell within cell, those that reach into it
+  std::vector<Ball> near_;             // those of the cell that is searched
   double reach_ = 0, slack_ = 0;
 };
 

@@ -28,6 +28,12 @@ constexpr double unit_length = 1e-9;
 constexpr double grazing_stride = 1e-4;
 /// The way out ends this far before the crossing. Angstrom.
 constexpr double short_of_crossing = 1e-5;
+/// From so far away on a seam is not looked for. Around a large probe, many times as many places
+/// are nearly as near to it, and would all have to be tried. Angstrom.
+double near_seam(double probe) {
+  constexpr double share = 0.02, usual_probe = 1.4;
+  return share * std::min(probe, usual_probe);
+}
 /// Lengths, in angstrom, below which a direction is lost in rounding.
 constexpr double no_direction = 1e-12;
 
@@ -158,12 +164,12 @@ std::string fault_of_edge(CentreSearch& search, const Grid& grid, const Edge& ed
 }
 
 double distance_to_seam(CentreSearch& search, const Grid& grid, const Edge& edge) {
-  constexpr double near = 0.02;
   const double probe = search.definition().probe_radius;
+  const double near = near_seam(probe);
   const Vec3 x = edge.point(grid);
-  const double distance = search.distance_to_seam(x, x + probe * edge.crossing.normal,
-                                                  (1 + near) * probe, surely_blocked);
-  return std::min(distance, near * probe);
+  const double distance =
+      search.distance_to_seam(x, x + probe * edge.crossing.normal, probe + near, surely_blocked);
+  return std::min(distance, near);
 }
 
 }  // namespace eses::verify

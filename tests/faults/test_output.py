@@ -7,6 +7,7 @@ import shutil
 import signal
 import subprocess
 import time
+import unittest
 
 from faults import (NAMES, NO_SPACE, PROGRAM, SMALL, TINY, FaultTest, forget_signals, message_of,
                     needs_library, wait_for)
@@ -40,6 +41,8 @@ class FullDisk(FaultTest):
             self.assertTrue(self.is_faulty())
             self.assertEqual(self.contents(), older)
 
+    @unittest.skipIf(os.environ.get("ESES_SANITIZE") == "thread",
+                     "the sanitizer itself maps files that are larger")
     def test_limit_on_the_size_of_files(self):
         def limit():
             forget_signals()
@@ -170,14 +173,48 @@ class Mesh(FaultTest):
             self.assertIn(left, ([], complete) if done.returncode else (complete,))
         self.for_every_call(f"signal={signal.SIGTERM.value}", check)
 
+    def other_run(self, *arguments):
+        return subprocess.run([PROGRAM, SMALL, "-q", "--write", "none", *map(str, arguments)],
+                              capture_output=True, text=True, check=False)
+
     def test_one_run_at_a_time(self):
+        """For one mesh; other meshes may go there meanwhile, also into the output directory."""
         program = self.stop_at("write 2", *self.arguments)
-        done = subprocess.run([PROGRAM, SMALL, "-q", "--write", "none", "--mesh",
-                               self.meshes / "b.off"], capture_output=True, text=True, check=False)
-        self.assertFailed(done, f"cannot write into {self.meshes}: another run is writing there")
+        link = self.folder / "link.ply"
+        link.symlink_to(self.meshes / "a.ply")
+        for path in (self.meshes / "a.ply", link):
+            self.assertFailed(self.other_run("--mesh", path), f"cannot write {self.meshes / 'a.ply'}"
+                              ": another run is writing it")
+        unfinished = self.all_files(self.meshes)
+        for folder in (self.meshes, self.output):
+            self.assertDone(self.other_run("--mesh", folder / "b.off"))
+        self.assertEqual(self.all_files(self.meshes), sorted([*unfinished, "b.off"]))
         program.send_signal(signal.SIGCONT)
         self.assertDone(self.finish(program))
-        self.assertEqual(self.all_files(self.meshes), ["a.ply"])
+        self.assertEqual(self.all_files(self.meshes), ["a.ply", "b.off"])
+        self.assertEqual(self.all_files(), sorted([*NAMES, "b.off"]))
+
+    def test_directory_that_a_mesh_goes_to(self):
+        """It may take the files of another run, which leaves the unfinished mesh alone."""
+        program = self.stop_at("write 2", SMALL, "-q", "--write", "none", "--mesh",
+                               self.output / "a.ply")
+        self.assertDone(subprocess.run([PROGRAM, *TINY, "-o", self.output], capture_output=True,
+                                       text=True, check=False))
+        program.send_signal(signal.SIGCONT)
+        self.assertDone(self.finish(program))
+        self.assertEqual(self.all_files(), sorted([*NAMES, "a.ply"]))
+
+    def test_killed_run(self):
+        """What it leaves is removed by the next run for the mesh, and by no other one."""
+        program = self.stop_at("write 2", *self.arguments)
+        program.kill()
+        self.finish(program)
+        left = self.all_files(self.meshes)
+        self.assertEqual(len(left), 2, left)
+        self.assertDone(self.other_run("--mesh", self.meshes / "b.off"))
+        self.assertEqual(self.all_files(self.meshes), sorted([*left, "b.off"]))
+        self.assertDone(self.run_program(*self.arguments))
+        self.assertEqual(self.all_files(self.meshes), ["a.ply", "b.off"])
 
 
 @needs_library

@@ -66,6 +66,13 @@ class Phase(FaultTest):
         wait_for(lambda: "S (sleeping)" in self.status(program) and self.catches_signals(program))
         self.check_end(program, signal.SIGINT.value)
 
+    def test_verification(self):
+        """Of far more points and edges than can be checked in the meantime."""
+        for number in (signal.SIGINT, signal.SIGTERM):
+            program = self.start(SMALL, "30", "--write", "none", "--verify=1000000")
+            time.sleep(1)  # the blocks take a few milliseconds
+            self.check_end(program, number.value)
+
     @staticmethod
     def status(program):
         with open(f"/proc/{program.pid}/status", encoding="ascii", errors="replace") as status:

@@ -1,6 +1,7 @@
 """scripts/pdbbind: what a user of it may meet."""
 
 import csv
+import fcntl
 import gzip
 import json
 import os
@@ -314,6 +315,20 @@ class Resuming(PdbbindTest):
         for name in "abc":
             self.assertEqual(self.files(name), ["bounding_box.txt", "intersection_info.txt",
                                                 "partition_area.txt", "status.json"])
+
+    def test_a_program_that_goes_on(self):
+        """What it is writing is left alone, until it has ended."""
+        folder = self.output / "a"
+        folder.mkdir(parents=True)
+        unfinished = folder / ".grid_info.txt.1.part"
+        unfinished.write_text("0 0 0 -1\n")
+        with open(folder / ".eses-blocks.lock", "w", encoding="utf-8") as lock:
+            fcntl.flock(lock, fcntl.LOCK_EX)
+            done = self.run_pdbbind("--keep", "all", code=1)
+            self.assertIn(f"another run is writing into {folder}", done.stderr + done.stdout)
+            self.assertTrue(unfinished.exists())
+        self.run_pdbbind("--keep", "all")
+        self.assertFalse([name for name in self.files("a") if name.startswith(".")])
 
 
 class Interruption(PdbbindTest):
