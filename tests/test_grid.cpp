@@ -117,7 +117,7 @@ TEST_CASE("the order of double operations is that of ESES") {
 
 TEST_CASE("a grid is refused if it cannot be made") {
   const std::vector<Atom> atoms{{{0, 0, 0}, 1}};
-  CHECK_THROWS_AS(make_grid({}, 0.4, 0.8), Error);
+  CHECK_THROWS_AS(make_grid(std::vector<Atom>(), 0.4, 0.8), Error);
   for (const double spacing : {0.0, -0.4, infinity, not_a_number})
     CHECK_THROWS_AS(make_grid(atoms, spacing, 0.8), Error);
   for (const double margin : {-0.1, infinity, not_a_number})

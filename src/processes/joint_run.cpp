@@ -170,11 +170,20 @@ class SlabRun {
     return blocks;
   }
 
+  std::vector<PieceText> chosen_texts() const {
+    std::vector<PieceText> texts;
+    if (task_.outputs.grid) texts.push_back(PieceText::grid);
+    if (task_.outputs.edges) texts.push_back(PieceText::edges);
+    return texts;
+  }
+
   Piece new_piece(const PlaneRange& planes) const {
-    if (task_.resume) return store_.begin(planes);
     Piece piece;
     piece.info.planes = planes;
-    for (auto& text : piece.texts) text = std::make_unique<ScratchFile>(task_.output_directory);
+    for (const PieceText text : chosen_texts())
+      piece.texts[static_cast<std::size_t>(text)] =
+          task_.resume ? store_.create(planes, text)
+                       : std::make_unique<ScratchFile>(task_.output_directory);
     return piece;
   }
 

@@ -91,13 +91,9 @@ void PieceStore::prepare() const {
   file.sync();
 }
 
-Piece PieceStore::begin(const PlaneRange& planes) const {
-  Piece piece;
-  piece.info.planes = planes;
-  for (std::size_t text = 0; text < piece_texts; ++text)
-    piece.texts[text] = std::make_unique<ScratchFile>(path_, name_of(planes, text_suffixes[text]),
-                                                      ScratchFile::Kept::fresh);
-  return piece;
+std::unique_ptr<ScratchFile> PieceStore::create(const PlaneRange& planes, PieceText text) const {
+  const char* const suffix = text_suffixes[static_cast<std::size_t>(text)];
+  return std::make_unique<ScratchFile>(path_, name_of(planes, suffix), ScratchFile::Kept::fresh);
 }
 
 std::unique_ptr<ScratchFile> PieceStore::open(const PlaneRange& planes, PieceText text) const {
@@ -107,7 +103,8 @@ std::unique_ptr<ScratchFile> PieceStore::open(const PlaneRange& planes, PieceTex
 
 // The sums come last, under their name when they are on the disk: where they are, all is.
 void PieceStore::finish(Piece piece) const {
-  for (const auto& text : piece.texts) text->sync();
+  for (const auto& text : piece.texts)
+    if (text) text->sync();
   const std::string name = name_of(piece.info.planes, sums_suffix), temporary = name + ".part";
   {
     ScratchFile file(path_, temporary, ScratchFile::Kept::fresh);

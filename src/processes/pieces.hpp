@@ -55,8 +55,10 @@ class PieceStore {
 
   /// Creates the directory, if need be, for a run of this identity.
   void prepare() const;
-  Piece begin(const PlaneRange& planes) const;
-  /// Writes the sums; from then on the piece is complete, and nothing of it needs to be held.
+  /// For a piece's text that is to be written.
+  std::unique_ptr<ScratchFile> create(const PlaneRange& planes, PieceText text) const;
+  /// Writes the sums behind its texts; from then on the piece is complete, and nothing of it needs
+  /// to be held.
   void finish(Piece piece) const;
   /// A complete piece without its texts.
   Piece read(const PlaneRange& planes) const;

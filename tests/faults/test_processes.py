@@ -55,15 +55,14 @@ class Processes(FaultTest):
         self.assertEqual(together.stdout, alone.stdout)
         self.assertEqual(self.all_files(), self.all_files(self.alone))
         self.assertTrue(self.contents() == self.contents(self.alone))
-        shutil.rmtree(self.output)
-        shutil.rmtree(self.alone)
+        for folder in (self.output, self.alone):
+            shutil.rmtree(folder, ignore_errors=True)
 
-    def big_run(self, *options):
+    def big_run(self, spacing="0.08", chosen="areas"):
         path = self.folder / "big.xyzr"
         path.write_text("".join(f"{x * 3} {y * 3} {z * 3} 1.7\n"
                                 for x in range(14) for y in range(14) for z in range(40)))
-        return (path, "-q", "--spacing", "0.08", "-t", "1", "-b", "33", "--write", "areas",
-                *options)
+        return (path, "-q", "--spacing", spacing, "-t", "1", "-b", "33", "--write", chosen)
 
     def has_temporaries(self):
         return any(name.endswith(".part") for name in self.all_files())
@@ -233,15 +232,17 @@ class Failure(Processes):
 
     def test_full_disk(self):
         """In whichever process, while pieces are written, and while they are joined."""
+        arguments = (SMALL, "-q", "--spacing", "0.4", "--write", "grid")
+        self.assertDone(self.run_alone(*arguments))
+        needed = (self.alone / "grid_info.txt").stat().st_size
         self.output.mkdir()
-        for size in ("64k", "600k", "1200k"):
+        for size in (needed // 2, needed * 3 // 2):  # pieces stand beside the file
             mounted = subprocess.run(["mount", "-t", "tmpfs", "-o", f"size={size}", "none",
                                       self.output], capture_output=True, check=False)
             if mounted.returncode != 0:
                 self.skipTest("may not mount a file system")
             try:
-                done = self.run_together(2, SMALL, "-q", "--spacing", "0.4", "--write",
-                                         "edges,areas" if size == "64k" else "grid")
+                done = self.run_together(2, *arguments)
                 self.assertEqual(done.returncode, 1, done)
                 self.assertIn("eses-blocks: error: ", done.stderr)
                 wait_for(lambda: not self.has_temporaries())
@@ -305,7 +306,7 @@ class Resume(Processes):
 
     def test_by_other_processes(self):
         """What two processes have begun, three end, or one, as if one had done all."""
-        arguments = (*self.big_run()[:-2], "--write", "edges", "--spacing", "0.15")
+        arguments = self.big_run("0.1", "edges")
         self.assertDone(self.run_alone(*arguments))
         for count in (1, 3):
             launched = self.start_together(2, *arguments, "--resume")
