@@ -93,7 +93,7 @@ TEST_CASE("a process that is alone", "[processes]") {
   CHECK(alone.sum_before(5) == 0);
   CHECK(alone.share_of(1000, 64, 0).end == 1000);
   CHECK(alone.gather<int>(std::vector{1, 2}) == std::vector{1, 2});
-  CHECK(alone.exchange(std::vector{std::vector{3, 4}}) == std::vector{3, 4});
+  CHECK(alone.exchange(std::vector<std::vector<int>>{{3, 4}}) == std::vector{3, 4});
   CHECK(alone.hand_on(2, [](double value) { return value + 1; }) == 3);
   CHECK_THROWS_AS(alone.agree([] { throw Error("no"); }), Error);
 }
