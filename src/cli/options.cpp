@@ -65,6 +65,9 @@ Exit codes:
   2  error in the command line
   129, 130, 143  ended by SIGHUP, SIGINT or SIGTERM
 
+Several processes (mpirun -n 4 eses-blocks ..., if built with MPI) share one run and write the
+same files; no mesh, map, residues or --verify then.
+
 Environment:
   OMP_NUM_THREADS             most threads, where --threads is not given
   ESES_INSTRUCTION_SET        baseline, sse4 or avx2: holds it back; results are the same
