@@ -13,6 +13,7 @@ ORANGE = {"color": "#D55E00", "marker": "s"}
 GREEN = {"color": "#009E73", "marker": "^"}
 
 GUIDE_STYLES = {
+    -1: {"linestyle": "--", "label": "ideal"},
     -2: {"linestyle": "--", "label": "$h^{-2}$"},
     -3: {"linestyle": ":", "label": "$h^{-3}$"},
     1: {"linestyle": "--", "label": "linear in $n$"},

@@ -1,0 +1,145 @@
+"""Files of measured costs: what a structure's blocks, patches and texts cost, for scripts/simulate.
+
+Lines of fields, with commas between them: a name and its value, and for each layer of blocks, from
+below, `crossings,BZ,N`, `plane_atoms,BZ,N N ...` (atoms nearest to each of its planes) and, for
+each row of blocks, `blocks,BZ,BY,T T ...` (microseconds). Empty lines and those that begin with #
+say nothing.
+"""
+
+import collections
+import math
+
+from common import Failed, complete_file
+
+# All seconds are CPU of one thread. Of these numbers:
+# input_bytes, text_bytes, area_bytes: the atoms' file, those of points and edges, that of areas.
+# mean_radius, largest_radius: of the atoms, angstrom.
+# read_seconds: until the atoms are read; prepare_seconds: until the plan is made, from there on.
+# patch_seconds: all patches; text_seconds: texts made and written to a scratch file.
+# join_seconds: texts copied from there to the file, areas added up and written.
+# thin_planes: what a layer of blocks of one plane costs, in planes of the whole blocks there.
+# peak_bytes: memory of one process with one thread.
+NUMBERS = ("atoms", "input_bytes", "text_bytes", "area_bytes", "spacing", "probe_radius", "lower_z",
+           "block_size", "nx", "ny", "nz", "mean_radius", "largest_radius", "read_seconds",
+           "prepare_seconds", "patch_seconds", "text_seconds", "join_seconds", "thin_planes",
+           "peak_bytes")
+WORDS = ("structure", "date", "cpu", "cores", "build", "write")
+
+# seconds: of blocks [by][bx]; plane_atoms: a number for each plane.
+Layer = collections.namedtuple("Layer", "seconds plane_atoms crossings")
+# values: by name; layers: from below.
+Costs = collections.namedtuple("Costs", "values layers")
+
+
+def layer_planes(values):
+    """How many planes each layer of blocks owns."""
+    side, planes = int(values["block_size"]) - 1, int(values["nz"])
+    layers = (max(planes, 2) - 2) // side + 1
+    return [side] * (layers - 1) + [planes - side * (layers - 1)]
+
+
+def write(path, costs):
+    with complete_file(path, encoding="utf-8") as target:
+        target.write("# What a structure costs; written and read by scripts/simulate.\n")
+        for name in (*WORDS, *NUMBERS):
+            value = costs.values[name]
+            target.write(f"{name},{value:.9g}\n" if isinstance(value, float)
+                         else f"{name},{value}\n")
+        for bz, layer in enumerate(costs.layers):
+            target.write(f"crossings,{bz},{layer.crossings}\n"
+                         f"plane_atoms,{bz},{' '.join(map(str, layer.plane_atoms))}\n")
+            for by, row in enumerate(layer.seconds):
+                target.write(f"blocks,{bz},{by},{' '.join(f'{1e6 * s:.0f}' for s in row)}\n")
+
+
+# ------------------------------------------------------------------------------------- reading
+
+
+def number(text, what=float):
+    try:
+        value = what(text)
+    except ValueError:
+        raise Failed(f"expected a number, found {text[:40]!a}") from None
+    if not math.isfinite(value):
+        raise Failed(f"expected a number, found {text[:40]!a}")
+    return value
+
+
+def not_negative(text, what=float):
+    value = number(text, what)
+    if value < 0:
+        raise Failed(f"{text} is negative")
+    return value
+
+
+def take_line(line, values, tables):
+    name, *fields = line.split(",")
+    if name in tables:
+        places = 2 if name == "blocks" else 1
+        if len(fields) != places + 1:
+            raise Failed(f"{name}: expected {places + 1} fields, found {len(fields)}")
+        place = tuple(not_negative(field, int) for field in fields[:places])
+        whole = name != "blocks"
+        numbers = [not_negative(text, int if whole else float) for text in fields[-1].split()]
+        if tables[name].setdefault(place, numbers) is not numbers:
+            raise Failed(f"{name} of {', '.join(map(str, place))} a second time")
+        return
+    if name not in WORDS + NUMBERS:
+        raise Failed(f"no such value: {name[:40]!a}")
+    if name in values:
+        raise Failed(f"{name} a second time")
+    text = line.partition(",")[2]
+    if name in WORDS:
+        values[name] = text
+    else:
+        values[name] = number(text) if name == "lower_z" else not_negative(text)
+
+
+def make_layers(values, tables):
+    for name in WORDS + NUMBERS:
+        if name not in values:
+            raise Failed(f" no value of {name}")
+    for name in ("spacing", "nx", "ny", "nz"):
+        if values[name] <= 0:
+            raise Failed(f" {name} must be above 0")
+    if values["block_size"] < 2:
+        raise Failed(" block_size must be at least 2")
+    side = int(values["block_size"]) - 1
+    columns, rows = ((max(int(values[axis]), 2) - 2) // side + 1 for axis in ("nx", "ny"))
+
+    def table(name, place, count):
+        numbers = tables[name].pop(place, None)
+        where = f"{name} of {', '.join(map(str, place))}"
+        if numbers is None:
+            raise Failed(f" no {where}")
+        if len(numbers) != count:
+            raise Failed(f" {where}: expected {count} numbers, found {len(numbers)}")
+        return numbers
+
+    layers = []
+    for bz, planes in enumerate(layer_planes(values)):
+        seconds = [[1e-6 * one for one in table("blocks", (bz, by), columns)] for by in range(rows)]
+        layers.append(Layer(seconds, table("plane_atoms", (bz,), planes),
+                            table("crossings", (bz,), 1)[0]))
+    for name, left in tables.items():
+        for place in left:
+            raise Failed(f" {name} of {', '.join(map(str, place))} is outside the grid")
+    return layers
+
+
+def read(path):
+    """Throws Failed, with the line where there is one, if the file is not what `write` makes."""
+    values, tables = {}, {"crossings": {}, "plane_atoms": {}, "blocks": {}}
+    try:
+        with open(path, encoding="utf-8", errors="replace") as source:
+            for count, line in enumerate(source, 1):
+                line = line.rstrip("\n")
+                if not line or line.startswith("#"):
+                    continue
+                try:
+                    take_line(line, values, tables)
+                except Failed as error:
+                    raise Failed(f"{count}: {error}") from None
+        return Costs(values, make_layers(values, tables))
+    except Failed as error:
+        raise Failed(f"{path}:{error}") from None

@@ -1,0 +1,376 @@
+"""What a run shared by many processes takes, computed from measured costs (see costs.py).
+
+The steps are those of src/processes: atoms read in equal parts and sent to the slabs that they
+matter to, twice; patches within reach of each slab; its blocks in layers, in the order in which
+src/run/layer_queue.cpp hands them out; texts copied from scratch files into the shared files; areas
+added up. Every process waits for the slowest at the end of each step.
+"""
+
+import bisect
+import collections
+import heapq
+import itertools
+import math
+
+import costs as measured
+
+INFINITY = math.inf
+
+# src/processes/slabs.cpp: seconds by which the program estimates what a plane costs.
+ESTIMATE = {"atom": 14e-6, "crossing": 0.45e-6, "crossing_text": 0.25e-6, "point": 0.3e-9,
+            "point_text": 2e-9}
+HALO_SLACK, REACH_SLACK = 1.0, 1e-3  # angstrom: slabs.cpp, src/surface/reach.hpp
+
+# Bytes: SentAtom, PieceInfo, AtomSum of src/processes; what src/run/memory.cpp counts with.
+SENT_ATOM, PIECE_INFO, AREA_SHARE = 48, 160, 32
+BASE_MEMORY, THREAD_MEMORY = 6 * 2**20, 0.75 * 2**20
+ATOM_MEMORY, ATOM_OF_THREAD, CROSSING_MEMORY = 104, 16, 48
+MAKING_OF_PATCHES = 2.75  # memory while they are made against what stays
+FEWEST_SAMPLES, MOST_SAMPLES, ATOMS_PER_SAMPLE = 512, 2048, 16  # src/surface/survey.cpp
+
+# Of a run of several processes: calls in which each sends something to each, and those that go up
+# and down a tree.
+EXCHANGES, REDUCTIONS = 14, 40
+PATCHES_BY_ONE = 0.07  # share of their time: src/surface/patches.cpp joins lists, in a profile
+SECONDS_PER_ADDITION = 1.3e-9  # of one area to the sum, in order: four cycles
+BLOCKS_AHEAD, CHUNKS = 4, 4  # per thread: src/run/plan.cpp; pieces of a layer's text
+
+# file_system: bytes a second of all processes together; network: of one process; latency: seconds
+# of one message.
+Machine = collections.namedtuple("Machine", "threads file_system network latency",
+                                 defaults=(16, INFINITY, INFINITY, 0.0))
+
+# The planes of a part of a layer: seconds of its blocks per plane, [column]; the program adds
+# `overhead` planes to those of a block.
+Segment = collections.namedtuple("Segment", "begin end seconds crossings")
+
+# Planes [begin, end). first_atoms: sent for the slab that is cut first, by atoms; atoms: for this
+# one; patched: those within reach; samples: atoms looked at for estimates, of both slabs.
+Slab = collections.namedtuple(
+    "Slab", "begin end first_atoms atoms patched samples own_atoms crossings")
+# What one process does; cpu: of all its threads.
+Share = collections.namedtuple("Share", "begin end atoms patched cpu memory")
+
+# phases: name -> seconds; sent: bytes sent by a process on average; memory: of the largest.
+Run = collections.namedtuple("Run", "ranks seconds phases sent memory shares file_system_bytes")
+
+READ, EXCHANGE, PREPARE, PATCHES, BLOCKS, JOIN, AREAS = PHASES = (
+    "reading", "exchange", "preparing", "patches", "blocks", "joining", "areas")
+
+
+def layers_of(begin, end, side, planes):
+    """The layers of blocks of a slab, as make_tiling cuts it."""
+    count = end - begin + (end < planes)
+    layers = (max(count, 2) - 2) // side + 1
+    cuts = [begin + side * i for i in range(layers)] + [end]
+    return list(zip(cuts, cuts[1:]))
+
+
+def cut_evenly(numbers, parts):
+    """As slabs.cpp does."""
+    sums = [0, *itertools.accumulate(numbers)]
+    begins = [0]
+    for part in range(1, parts):
+        wanted = sums[-1] * part / parts
+        place = bisect.bisect_left(sums, wanted)
+        if place and wanted - sums[place - 1] < sums[place] - wanted:
+            place -= 1
+        begins.append(max(begins[-1], place))
+    return [*begins, len(numbers)]
+
+
+def sample_size(atoms):
+    return min(atoms, max(FEWEST_SAMPLES, min(atoms / ATOMS_PER_SAMPLE, MOST_SAMPLES)))
+
+
+# ------------------------------------------------------------------------------------ one slab
+
+
+def makespan(layers, threads, ahead):
+    """When the last task is done: layers of (seconds of blocks, seconds of chunks of text).
+
+    A layer's text is written when all its blocks are solved, before anything else; else threads
+    solve blocks of that layer or, if it has no more, `ahead` at most of the next.
+    """
+    if threads == 1:
+        return math.fsum(math.fsum(blocks) + math.fsum(chunks) for blocks, chunks in layers)
+    taken = [[0, 0] for _ in layers]  # blocks, chunks
+    done = [[0, 0] for _ in layers]
+    unwritten = unsolved = 0
+
+    def take():
+        nonlocal unsolved
+        if unwritten == len(layers):
+            return None
+        blocks, chunks = layers[unwritten]
+        if done[unwritten][0] == len(blocks) and taken[unwritten][1] < len(chunks):
+            taken[unwritten][1] += 1
+            return chunks[taken[unwritten][1] - 1], 1, unwritten
+        if unsolved == len(layers) or unsolved > unwritten + 1:
+            return None
+        if unsolved > unwritten and taken[unsolved][0] >= ahead:
+            return None
+        layer, index = unsolved, taken[unsolved][0]
+        taken[layer][0] += 1
+        if index + 1 == len(layers[layer][0]):
+            unsolved += 1
+        return layers[layer][0][index], 0, layer
+
+    now, idle, running = 0.0, threads, []
+    while unwritten < len(layers):
+        while idle and (task := take()):
+            heapq.heappush(running, (now + task[0], *task[1:]))
+            idle -= 1
+        now, kind, layer = heapq.heappop(running)
+        idle += 1
+        done[layer][kind] += 1
+        if kind == 1 and done[layer][1] == len(layers[layer][1]):
+            unwritten += 1
+    return now
+
+
+class Model:
+    """One structure, perhaps several copies of it one above the other."""
+
+    def __init__(self, costs, copies=1):
+        values = self.values = costs.values
+        self.copies = copies
+        self.side = int(values["block_size"]) - 1
+        # A block of n planes costs as much as n + overhead of its planes; so does a block of one,
+        # where thin_planes have been measured.
+        thin = values["thin_planes"]
+        if thin >= self.side > 1:
+            thin = self.side - 0.5  # planes cost nothing, blocks do
+        self.overhead = max(0.0, self.side * (thin - 1) / (self.side - thin)
+                            if self.side > thin else 0.0)
+        self.plane_below = 0.0 if thin == 0 else 1 + self.overhead
+        self.segments = []
+        self.plane_atoms = []
+        for _ in range(copies):
+            for layer in costs.layers:
+                planes = len(layer.plane_atoms)
+                begin = len(self.plane_atoms)
+                per_plane = [one / (planes + self.overhead) for row in layer.seconds for one in row]
+                self.segments.append(Segment(begin, begin + planes, per_plane,
+                                             layer.crossings / planes))
+                self.plane_atoms += layer.plane_atoms
+        self.planes = len(self.plane_atoms)
+        self.segment_begins = [segment.begin for segment in self.segments]
+        self.atom_sums = [0, *itertools.accumulate(self.plane_atoms)]
+        self.atoms = self.atom_sums[-1]
+        self.crossings = copies * sum(layer.crossings for layer in costs.layers)
+
+    def of_all(self, name):
+        return self.copies * self.values[name]
+
+    def per_atom(self, name):
+        return self.of_all(name) / self.atoms if self.atoms else 0.0
+
+    # ------------------------------------------------------------------------- atoms and planes
+
+    def atoms_below(self, plane):
+        """How many atoms lie below a place between planes, those of a plane spread evenly."""
+        place = min(max(plane + 0.5, 0), self.planes)  # a plane's atoms are half a spacing around
+        whole = min(int(place), self.planes - 1)
+        return self.atom_sums[whole] + (place - whole) * self.plane_atoms[whole]
+
+    def atoms_near(self, begin, end, distance):
+        """Atoms no further than that from a slab and the plane below it."""
+        if begin >= end:
+            return 0.0
+        reach = distance / self.values["spacing"]
+        return (self.atoms_below(min(end, self.planes - 1) + reach)
+                - self.atoms_below(max(0, begin - 1) - reach))
+
+    def halo(self):
+        values = self.values
+        return (values["mean_radius"] + 4 * values["largest_radius"] + 6 * values["probe_radius"]
+                + HALO_SLACK)
+
+    def reach(self):
+        values = self.values
+        return (values["mean_radius"] + 2 * values["largest_radius"] + 4 * values["probe_radius"]
+                + REACH_SLACK)
+
+    def segments_of(self, begin, end):
+        """Segments and how many of the planes each has."""
+        i = bisect.bisect_right(self.segment_begins, begin) - 1
+        while i < len(self.segments) and self.segments[i].begin < end:
+            segment = self.segments[i]
+            yield segment, min(end, segment.end) - max(begin, segment.begin)
+            i += 1
+
+    def crossings_of(self, begin, end):
+        return sum(planes * segment.crossings for segment, planes in self.segments_of(begin, end))
+
+    def block_seconds(self, begin, end):
+        """Of the blocks of one layer, by column."""
+        parts = list(self.segments_of(begin, end))
+        scale = 1 + self.overhead / (end - begin)
+        if len(parts) == 1:
+            (segment, planes), = parts
+            return [scale * planes * one for one in segment.seconds]
+        return [scale * sum(planes * one for (_, planes), one in zip(parts, column))
+                for column in zip(*(segment.seconds for segment, _ in parts))]
+
+    # ----------------------------------------------------------------------------------- slabs
+
+    def estimated_costs(self):
+        """Of each plane, as the program estimates them before it cuts."""
+        write = self.values["write"]
+        crossing = ESTIMATE["crossing"] + ESTIMATE["crossing_text"] * ("edges" in write)
+        point = ESTIMATE["point"] + ESTIMATE["point_text"] * ("grid" in write)
+        plane = point * self.values["nx"] * self.values["ny"]
+        return [plane + ESTIMATE["atom"] * atoms + crossing * segment.crossings
+                for segment in self.segments
+                for atoms in self.plane_atoms[segment.begin:segment.end]]
+
+    def slabs(self, ranks):
+        first = cut_evenly(self.plane_atoms, ranks)
+        final = cut_evenly(self.estimated_costs(), ranks)
+        # Cut by estimates, they are never just those cut by atoms, unless there is but one.
+        is_same = ranks == 1
+        result = []
+        for rank in range(ranks):
+            begin, end = final[rank], final[rank + 1]
+            at_first = self.atoms_near(first[rank], first[rank + 1], self.halo())
+            sampled = self.atoms_near(first[rank], first[rank + 1], self.reach())
+            patched = self.atoms_near(begin, end, self.reach())
+            result.append(Slab(
+                begin, end, 0.0 if is_same else at_first,
+                self.atoms_near(begin, end, self.halo()), patched,
+                sample_size(sampled) + sample_size(patched),
+                self.atoms_near(begin, end, self.values["mean_radius"]),
+                self.crossings_of(begin, end) if begin < end else 0))
+        return result
+
+    def text_seconds(self, crossings):
+        return self.of_all("text_seconds") * crossings / self.crossings if self.crossings else 0.0
+
+    def text_bytes(self, crossings):
+        return self.of_all("text_bytes") * crossings / self.crossings if self.crossings else 0.0
+
+    def layers(self, slab, threads):
+        """Seconds of blocks and of chunks of text of each layer."""
+        for begin, end in layers_of(slab.begin, slab.end, self.side, self.planes):
+            seconds = self.text_seconds(self.crossings_of(begin, end))
+            chunks = CHUNKS * threads
+            yield self.block_seconds(begin, end), [seconds / chunks] * chunks
+
+    def blocks_below(self, slab):
+        """Of the plane below, which has to be solved again."""
+        if slab.begin == 0 or slab.begin >= slab.end:
+            return []
+        (segment, _), = self.segments_of(slab.begin - 1, slab.begin)
+        return [self.plane_below * one for one in segment.seconds]
+
+    def prepare_seconds(self, slab):
+        """Of neighbours and oddities of its atoms, and of what is estimated from samples.
+
+        A sample costs as much as an atom's patches.
+        """
+        patch, atoms = self.per_atom("patch_seconds"), self.values["atoms"]
+        measured_samples = 2 * sample_size(atoms) * patch
+        per_atom = (max(0.0, self.values["prepare_seconds"] - measured_samples) / atoms
+                    if atoms else 0.0)
+        return per_atom * (slab.first_atoms + slab.atoms) + patch * slab.samples
+
+    def memory(self, slab, threads):
+        """As src/run/memory.cpp has it, the bytes of patches those that were measured."""
+        patches = slab.patched * self.patch_memory()
+        always = BASE_MEMORY + ATOM_MEMORY * slab.atoms + threads * THREAD_MEMORY
+        if slab.begin >= slab.end:
+            return always
+        fullest = max(self.crossings_of(begin, end) for begin, end in
+                      layers_of(slab.begin, slab.end, self.side, self.planes))
+        layers = 2 if threads > 1 and slab.end - slab.begin > self.side else 1
+        solving = (patches + threads * ATOM_OF_THREAD * slab.atoms
+                   + layers * CROSSING_MEMORY * fullest)
+        return always + max(MAKING_OF_PATCHES * patches, solving)
+
+    def patch_memory(self):
+        """Bytes per atom, of what was measured with one thread."""
+        atoms = self.values["atoms"]
+        left = (self.values["peak_bytes"] - BASE_MEMORY - THREAD_MEMORY - ATOM_MEMORY * atoms)
+        return max(0.0, left / (MAKING_OF_PATCHES * atoms)) if atoms else 0.0
+
+    # ----------------------------------------------------------------------------------- a run
+
+    def run(self, ranks, machine):
+        slabs = self.slabs(ranks)
+        several = ranks > 1
+        threads = machine.threads
+        messages = several * machine.latency * (ranks - 1)  # of one exchange
+        steps = several * machine.latency * math.ceil(math.log2(ranks))
+
+        def received(count, size):
+            return several * size * count * (1 - 1 / ranks)
+
+        # Each has read as many atoms as others, so it has of all slabs' atoms one part.
+        atoms = max(slab.first_atoms + slab.atoms for slab in slabs)
+        areas = max(slab.own_atoms for slab in slabs)
+        patch = self.per_atom("patch_seconds")
+        longest = 0.0
+        shares = []
+        for slab in slabs:
+            layers = list(self.layers(slab, threads)) if slab.begin < slab.end else []
+            below = self.blocks_below(slab)
+            solving = makespan(layers, threads, BLOCKS_AHEAD * threads)
+            solving += makespan([(below, [0.0])], threads, 0) if below else 0.0
+            longest = max(longest, solving)
+            cpu = (self.of_all("read_seconds") / ranks
+                   + self.prepare_seconds(slab) + patch * slab.patched
+                   + math.fsum(math.fsum(blocks) + math.fsum(chunks) for blocks, chunks in layers)
+                   + math.fsum(below) + self.join_seconds(slab, ranks))
+            shares.append(Share(slab.begin, slab.end, slab.atoms, slab.patched, cpu,
+                                self.memory(slab, threads)))
+        text, area = self.of_all("text_bytes"), self.of_all("area_bytes")
+        read = self.of_all("input_bytes")
+        at_once = machine.file_system
+        joined = 2 * text + area if several else area
+        phases = {
+            READ: max(self.of_all("read_seconds") / ranks, read / at_once),
+            EXCHANGE: (received(atoms, SENT_ATOM) / machine.network
+                       + EXCHANGES * messages + REDUCTIONS * steps),
+            PREPARE: max(map(self.prepare_seconds, slabs)),
+            PATCHES: (patch * max(slab.patched for slab in slabs)
+                      * (PATCHES_BY_ONE + (1 - PATCHES_BY_ONE) / threads)),
+            BLOCKS: max(longest, text / at_once),
+            JOIN: max(max(self.join_seconds(slab, ranks) for slab in slabs), joined / at_once),
+            AREAS: several * (received(areas, AREA_SHARE) / machine.network
+                              + SECONDS_PER_ADDITION * self.atoms + machine.latency * ranks),
+        }
+        sent = sum(received(SENT_ATOM * (slab.first_atoms + slab.atoms)
+                            + AREA_SHARE * slab.own_atoms, 1) for slab in slabs) / ranks
+        sent += several * (PIECE_INFO * (ranks - 1) + 4 * 8 * self.planes)
+        return Run(ranks, sum(phases.values()), phases, sent,
+                   max(share.memory for share in shares), shares, read + text + joined)
+
+    def join_seconds(self, slab, ranks):
+        """Of its texts, and of its part of the areas: as many bytes, as much time.
+
+        One process alone writes its texts where they belong.
+        """
+        text, area = self.of_all("text_bytes"), self.of_all("area_bytes")
+        if text + area == 0:
+            return 0.0
+        own = self.text_bytes(slab.crossings) * (ranks > 1) + area / ranks
+        return self.of_all("join_seconds") * own / (text + area)
+
+
+# ----------------------------------------------------------------------------------- many runs
+
+
+def efficiency(run, one):
+    return one.seconds / (run.ranks * run.seconds)
+
+
+def limit(run, one):
+    """The step that takes most more than its share of what one process takes; None for one."""
+    lost = {name: run.phases[name] - one.phases[name] / run.ranks for name in PHASES}
+    name = max(PHASES, key=lost.get)
+    return name if lost[name] > 1e-9 * run.seconds else None
+
+
+def read(path, copies=1):
+    return Model(measured.read(path), copies)

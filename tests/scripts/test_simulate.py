@@ -1,0 +1,354 @@
+"""scripts/simulate: what follows from arithmetic, and the whole way from measuring to a plot."""
+
+import json
+import os
+import pathlib
+import random
+import subprocess
+import unittest
+import xml.etree.ElementTree
+
+from support import (DATA, PROGRAM, PROJECT, TestCase, has_matplotlib, interpreter_of, run)
+
+import costs
+import scaling
+
+SCRIPT = PROJECT / "scripts" / "simulate"
+BLOCK_COSTS = pathlib.Path(os.environ.get("ESES_BLOCK_COSTS",
+                                          PROJECT / "build" / "tests" / "print-block-costs"))
+
+PLANES = 64
+ONE_THREAD = scaling.Machine(threads=1)
+
+
+def even_costs(plane_seconds=1.0, plane_atoms=0, columns=1, block_size=2, **values):
+    """Every plane like every other; nothing but blocks costs time unless told otherwise."""
+    settings = {name: 0 for name in costs.NUMBERS}
+    settings.update(dict.fromkeys(costs.WORDS, "none"))
+    settings.update(spacing=1.0, block_size=block_size, nx=2 + (columns - 1) * (block_size - 1),
+                    ny=2, nz=PLANES, atoms=plane_atoms * PLANES, **values)
+    layers = [costs.Layer([[plane_seconds * planes / columns] * columns], [plane_atoms] * planes,
+                          10 * planes) for planes in costs.layer_planes(settings)]
+    return costs.Costs(settings, layers)
+
+
+def efficiencies(model, ranks, machine=ONE_THREAD):
+    one = model.run(1, machine)
+    return [scaling.efficiency(model.run(n, machine), one) for n in ranks]
+
+
+class Schedule(unittest.TestCase):
+    def test_one_thread_never_waits(self):
+        self.assertEqual(scaling.makespan([([1, 2], [3]), ([4], [5])], 1, 0), 15)
+
+    def test_longest_block(self):
+        self.assertEqual(scaling.makespan([([3, 1, 1, 1], [0])], 2, 8), 3)
+        self.assertEqual(scaling.makespan([([1, 1, 1, 3], [0])], 2, 8), 4)
+
+    def test_blocks_ahead(self):
+        layers = [([4, 1], [2]), ([1, 1], [0])]
+        # Without any the second layer begins when the first is written, at 6.
+        self.assertEqual(scaling.makespan(layers, 2, 0), 7)
+        self.assertEqual(scaling.makespan(layers, 2, 2), 6)
+
+    def test_bounds(self):
+        chance = random.Random(3)
+        for _ in range(50):
+            layers = [([chance.random() for _ in range(chance.randint(1, 9))],
+                       [chance.random() for _ in range(chance.randint(1, 9))])
+                      for _ in range(chance.randint(1, 5))]
+            work = sum(sum(blocks) + sum(chunks) for blocks, chunks in layers)
+            for threads in (1, 2, 3, 16):
+                took = scaling.makespan(layers, threads, 4 * threads)
+                self.assertGreater(took, work / threads - 1e-9)
+                self.assertLess(took, work + 1e-9)
+                # A layer's text follows its blocks, and that of the layer before.
+                chain = sum(max(chunks) for _, chunks in layers) + max(layers[0][0])
+                self.assertGreater(took, chain - 1e-9)
+
+
+class Cuts(unittest.TestCase):
+    def test_even(self):
+        self.assertEqual(scaling.cut_evenly([1] * 8, 4), [0, 2, 4, 6, 8])
+        # The sums are 0, 10, 11, 12: nearest to 4 is 0, nearest to 8 is 10.
+        self.assertEqual(scaling.cut_evenly([10, 1, 1], 3), [0, 0, 1, 3])
+        self.assertEqual(scaling.cut_evenly([1], 3)[-1], 1)
+
+    def test_layers_are_those_of_the_program(self):
+        # A block of 64 owns 63 planes, but the last plane of the grid belongs to the one below it.
+        self.assertEqual(scaling.layers_of(0, 64, 63, 64), [(0, 64)])
+        self.assertEqual(scaling.layers_of(0, 64, 63, 65), [(0, 63), (63, 64)])
+        self.assertEqual(scaling.layers_of(5, 6, 63, 100), [(5, 6)])
+        self.assertEqual(scaling.layers_of(10, 140, 63, 200), [(10, 73), (73, 136), (136, 140)])
+
+
+class Runs(TestCase):
+    def test_even_planes(self):
+        """Without a halo nothing is lost until there are more processes than planes."""
+        for block_size in (2, 17, 64):
+            model = scaling.Model(even_costs(block_size=block_size))
+            for one in efficiencies(model, (1, 2, 4, 8, 16, 32, 64)):
+                self.assertAlmostEqual(one, 1)
+            self.assertEqual(efficiencies(model, (128, 256)), [0.5, 0.25])
+            self.assertAlmostEqual(model.run(64, ONE_THREAD).seconds, 1)
+
+    def test_threads(self):
+        model = scaling.Model(even_costs(columns=16, block_size=2))
+        four = model.run(1, scaling.Machine(threads=4))
+        self.assertAlmostEqual(four.seconds, PLANES / 4)
+        # A single block cannot be shared.
+        alone = scaling.Model(even_costs(block_size=64))
+        self.assertAlmostEqual(alone.run(1, scaling.Machine(threads=4)).seconds, PLANES)
+
+    def test_plane_below(self):
+        """A slab of n planes costs n and a half, and its plane below one and a half."""
+        side, overhead = 16, 0.5
+        # thin_planes is what one plane costs, against the mean of a whole block.
+        values = {"thin_planes": (1 + overhead) * side / (side + overhead)}
+        settings = even_costs(block_size=side + 1, **values)
+        settings.values["nz"] = 65
+        layers = [costs.Layer([[side + overhead]], [0] * side, 0) for _ in range(3)]
+        layers.append(costs.Layer([[side + 1 + overhead]], [0] * (side + 1), 0))
+        model = scaling.Model(costs.Costs(settings.values, layers))
+        self.assertAlmostEqual(model.run(1, ONE_THREAD).seconds, 65 + 4 * overhead)
+        seconds = model.run(65, ONE_THREAD).seconds
+        self.assertAlmostEqual(seconds, (1 + overhead) + (1 + overhead))
+
+    def test_one_process(self):
+        values = {"input_bytes": 10**6, "text_bytes": 10**7, "area_bytes": 10**5,
+                  "probe_radius": 1.4, "mean_radius": 1.5, "largest_radius": 2, "read_seconds": 1,
+                  "prepare_seconds": 2, "patch_seconds": 3, "text_seconds": 4, "join_seconds": 5}
+        model = scaling.Model(even_costs(plane_atoms=100, **values))
+        for machine in (ONE_THREAD, scaling.Machine(16, 1e6, 1e6, 1e-3)):
+            one = model.run(1, machine)
+            self.assertEqual(scaling.efficiency(one, one), 1)
+            self.assertIsNone(scaling.limit(one, one))
+            self.assertEqual(one.sent, 0)
+        one = model.run(1, ONE_THREAD)
+        # All but the copying of texts, which one process writes where they belong.
+        area = values["join_seconds"] * 1e5 / (1e7 + 1e5)
+        self.assertAlmostEqual(one.seconds, 1 + 2 + 3 + PLANES + 4 + area)
+        self.assertAlmostEqual(one.shares[0].cpu, one.seconds)
+
+    def test_file_system(self):
+        values = {"input_bytes": 10**6, "text_bytes": 5 * 10**7, "area_bytes": 10**5,
+                  "read_seconds": 0.01, "text_seconds": 4, "join_seconds": 0.5}
+        model = scaling.Model(even_costs(plane_seconds=0.01, **values))
+        for ranks in (1, 2, 16, 64):
+            free = model.run(ranks, ONE_THREAD)
+            # One process writes its text once; several write it, read it and write it again.
+            passes = 1 if ranks == 1 else 3
+            total = 10**6 + passes * 5 * 10**7 + 10**5
+            self.assertEqual(free.file_system_bytes, total)
+            self.assertEqual(model.run(ranks, ONE_THREAD._replace(file_system=1e30)).seconds,
+                             free.seconds)
+            for speed in (1e6, 1e8, 1e10):
+                limited = model.run(ranks, ONE_THREAD._replace(file_system=speed))
+                self.assertGreaterEqual(limited.seconds, total / speed * (1 - 1e-12))
+                self.assertGreaterEqual(limited.seconds, free.seconds)
+
+    def test_halo(self):
+        """Radii of 1 and no probe: atoms matter 1 + 4 + 1 angstrom from a slab."""
+        atoms = 100
+        model = scaling.Model(even_costs(plane_atoms=atoms, mean_radius=1.0, largest_radius=1.0))
+        # Four slabs of 16 planes, those in the middle with the plane below: from -1 - 6 to 16 + 6
+        # planes. At the ends from the first atom on, half a plane below the first plane.
+        run_of_four = model.run(4, ONE_THREAD)
+        halo = (2 * 22.5 + 2 * 29) * atoms
+        areas = (2 * 17.5 + 2 * 19) * atoms  # 1 angstrom around each
+        self.assertEqual([share.atoms for share in run_of_four.shares],
+                         [22.5 * atoms, 29 * atoms, 29 * atoms, 22.5 * atoms])
+        # Of 48 bytes an atom and 32 an area three quarters go to others. Atoms are sent twice, as
+        # slabs are cut by atoms first, which here are the same as those cut by time.
+        sent = (2 * 48 * halo + 32 * areas) * 3 / 4 / 4
+        few = run_of_four.sent - sent
+        self.assertGreater(few, 0)
+        self.assertLess(few, 1000 * 3 + 100 * PLANES)  # a few numbers for each process and plane
+        totals = [ranks * model.run(ranks, ONE_THREAD).sent for ranks in (1, 2, 4, 8, 16, 32, 64)]
+        self.assertEqual(totals, sorted(set(totals)))
+
+    def test_patches_of_the_halo(self):
+        """Radii of 1, no probe: patches 1 + 2 angstrom from a slab."""
+        model = scaling.Model(even_costs(plane_seconds=0.0, plane_atoms=1000, patch_seconds=64.0,
+                                         mean_radius=1.0, largest_radius=1.0))
+        for threads in (1, 4):
+            phases = model.run(4, scaling.Machine(threads)).phases
+            # One thread joins the lists of all.
+            shared = scaling.PATCHES_BY_ONE + (1 - scaling.PATCHES_BY_ONE) / threads
+            self.assertAlmostEqual(phases[scaling.PATCHES], (16 + 1 + 2 * 3) * shared, places=2)
+
+    def test_network(self):
+        model = scaling.Model(even_costs(plane_atoms=100, mean_radius=1.0, largest_radius=1.0))
+        fast = model.run(4, ONE_THREAD)
+        slow = model.run(4, ONE_THREAD._replace(network=1e3))
+        # The largest slab gets 29 planes of atoms twice, three quarters of them from others.
+        self.assertAlmostEqual(slow.phases[scaling.EXCHANGE], 2 * 48 * 2900 * 0.75 / 1e3)
+        self.assertGreater(slow.seconds, fast.seconds)
+        late = model.run(4, ONE_THREAD._replace(latency=1.0))
+        self.assertGreater(late.seconds - fast.seconds, 3)  # each hears from three others
+
+    def test_memory(self):
+        peak = 10**9
+        model = scaling.Model(even_costs(plane_atoms=10000, peak_bytes=peak, mean_radius=1.5,
+                                         largest_radius=2.0, probe_radius=1.4))
+        self.assertAlmostEqual(model.run(1, ONE_THREAD).memory / peak, 1)  # what was measured
+        memory = [model.run(ranks, ONE_THREAD).memory for ranks in (1, 2, 4, 8, 16, 32, 64)]
+        self.assertEqual(memory, sorted(memory, reverse=True))
+
+    def test_copies(self):
+        settings = even_costs(plane_seconds=0.5)
+        self.assertAlmostEqual(scaling.Model(settings, 3).run(3, ONE_THREAD).seconds,
+                               scaling.Model(settings).run(1, ONE_THREAD).seconds)
+
+    def test_limits(self):
+        for names, values in ((("blocks",), {}),
+                              (("patches", "preparing"),  # the latter samples patches
+                               {"plane_atoms": 10**5, "patch_seconds": 1e3, "mean_radius": 2.0,
+                                "largest_radius": 2.0, "probe_radius": 1.4}),
+                              (("joining",), {"join_seconds": 1e4, "text_bytes": 10**6})):
+            model = scaling.Model(even_costs(plane_seconds=0.01, **values))
+            one = model.run(1, ONE_THREAD)
+            self.assertIn(scaling.limit(model.run(128, ONE_THREAD), one), names)
+
+
+class Files(TestCase):
+    def simulate(self, *arguments, code=0):
+        done = run("simulate", *arguments)
+        self.assertDone(done, code)
+        return done
+
+    def saved(self, settings):
+        path = self.folder / "costs.csv"
+        costs.write(path, settings)
+        return path
+
+    def test_there_and_back(self):
+        settings = even_costs(plane_seconds=0.25, plane_atoms=7, columns=5, block_size=16,
+                              structure="one, two", lower_z=-3.5)
+        again = costs.read(self.saved(settings))
+        self.assertEqual(again.values["structure"], "one, two")
+        self.assertEqual(again.values["lower_z"], -3.5)
+        self.assertEqual([layer.plane_atoms for layer in again.layers],
+                         [layer.plane_atoms for layer in settings.layers])
+        for one, other in zip(again.layers, settings.layers):
+            for a, b in zip(one.seconds[0], other.seconds[0]):
+                self.assertAlmostEqual(a, b, places=6)
+
+    def test_bad_files(self):
+        text = self.saved(even_costs(plane_atoms=1)).read_text()
+        lines = text.splitlines()
+
+        def line_of(begin):
+            return 1 + next(i for i, line in enumerate(lines) if line.startswith(begin))
+
+        def changed(begin, new):
+            return "\n".join(new if line.startswith(begin) else line for line in lines)
+
+        for name, content, told in (
+                ("word", changed("atoms,", "atoms,many"), f":{line_of('atoms,')}: expected a num"),
+                ("nan", changed("spacing,", "spacing,nan"), f":{line_of('spacing,')}: expected"),
+                ("minus", changed("read_seconds,", "read_seconds,-1"),
+                 f":{line_of('read_seconds,')}: -1 is negative"),
+                ("zero", changed("spacing,", "spacing,0"), ": spacing must be above 0"),
+                ("twice", text + "atoms,5\n", f":{len(lines) + 1}: atoms a second time"),
+                ("again", text + "blocks,0,0,1\n", f":{len(lines) + 1}: blocks of 0, 0 a second"),
+                ("unknown", text + "colour,1\n", f":{len(lines) + 1}: no such value: 'colour'"),
+                ("fields", text + "crossings,1\n", f":{len(lines) + 1}: crossings: expected 2"),
+                ("lack", changed("nx,", ""), ": no value of nx"),
+                ("hole", changed("blocks,3,0,", ""), ": no blocks of 3, 0"),
+                ("short", changed("plane_atoms,3,", "plane_atoms,3,"), ": plane_atoms of 3: exp"),
+                ("outside", text + "crossings,99,1\n", ": crossings of 99 is outside"),
+                ("empty", "", ": no value of structure")):
+            path = self.folder / f"{name}.csv"
+            path.write_text(content)
+            with self.subTest(name):
+                done = self.simulate("run", path, code=1)
+                self.assertIn(f"{name}.csv{told}", done.stderr)
+                self.assertEqual((done.stdout, done.stderr.count("\n")), ("", 1))
+        self.assertIn("missing", self.simulate("run", self.folder / "missing", code=1).stderr)
+
+    def test_tables(self):
+        path = self.saved(even_costs(text_bytes=10**9, input_bytes=10**6))
+        one = ("run", path, "--threads", "1", "--latency", "0", "--ranks", "1,64,256")
+        text = self.simulate(*one, "--file-system", "0.01").stdout
+        free, limited = text.split("A file system of 0.01 GB/s")
+        self.assertNotIn("the file system\n", free)
+        self.assertIn("the file system\n", limited)
+        # 64 planes: all that is left for 256 processes is a quarter.
+        rows = [line.split() for line in free.splitlines() if line.endswith(("-", "slabs"))]
+        self.assertEqual([row[0] for row in rows], ["1", "64", "256"])
+        self.assertEqual([row[3] for row in rows], ["100", "100", "25"])
+        self.assertIn("stops scaling at 256 processes, with an efficiency of 25 %", free)
+        markdown = self.simulate(*one, "--markdown", "--phases").stdout
+        for line in markdown.splitlines():
+            if line.startswith("|"):
+                self.assertTrue(line.endswith("|"))
+        self.assertEqual(markdown.count("\n| 64 |"), 4)
+        self.assertIn("scales up to 64", self.simulate(
+            "run", path, "--threads", "1", "--latency", "0", "--ranks", "1,64").stdout)
+
+    def test_check(self):
+        path = self.saved(even_costs(plane_seconds=1.0))
+        processes = [{"first_plane": 0, "planes": 40, "atoms": 3, "cpu_seconds": 66.0,
+                      "waiting_seconds": 2.0, "peak_memory_bytes": 10**9},
+                     {"first_plane": 40, "planes": 24, "atoms": 4, "cpu_seconds": 16.0,
+                      "waiting_seconds": 0.0, "peak_memory_bytes": 10**9}]
+        runs = self.folder / "runs.json"
+        runs.write_text(json.dumps({"date": "", "machine": {}, "settings": {"spacing": 1.0},
+                                    "runs": [{"ranks": 2, "processes": processes}]}))
+        rows = [line.split() for line in self.simulate("check", path, runs).stdout.splitlines()]
+        # 32 seconds each are computed; 64 and 16 were measured, 40 on average.
+        self.assertEqual([row[9] for row in rows[1:3]], ["0.50", "2.00"])
+        self.assertEqual(rows[-1], ["2", "1.000", "1.600", "64", "80"])
+        runs.write_text("{}")
+        self.assertIn("runs.json", self.simulate("check", path, runs, code=1).stderr)
+
+    def test_command_line(self):
+        path = self.saved(even_costs())
+        for arguments in (("run", path, "--ranks", "0"), ("run", path, "--threads", "-1"),
+                          ("run", path, "--file-system", "0"), ("run", path, "--latency", "-1"),
+                          ("run", path, "--copies", "none"), ("guess",), ()):
+            self.simulate(*arguments, code=2)
+        self.simulate("measure", self.folder / "missing.xyzr", code=1)
+
+    def test_what_was_saved(self):
+        text = self.simulate("run", "--ranks", "1,2,4").stdout
+        self.assertEqual(text.count("100 %"), 2)
+        self.assertIn("planes", self.simulate("check").stdout)
+
+    @unittest.skipUnless(BLOCK_COSTS.exists(), "print-block-costs is not built")
+    def test_measuring(self):
+        common = ("--spacing", "0.8", "--program", PROGRAM, "--scratch", self.folder)
+        path = self.folder / "c60.csv"
+        self.simulate("measure", DATA / "c60.xyzr", *common, "--block-program", BLOCK_COSTS,
+                      "-o", path)
+        saved = costs.read(path)
+        self.assertEqual(saved.values["atoms"], 60)
+        self.assertEqual(sum(sum(layer.plane_atoms) for layer in saved.layers), 60)
+        self.assertAlmostEqual(saved.values["mean_radius"], 1.7)
+        for name in ("text_bytes", "area_bytes", "peak_bytes", "thin_planes"):
+            self.assertGreater(saved.values[name], 0, name)
+        self.assertEqual(saved.values["write"], "edges,areas")
+        runs = self.folder / "runs.json"
+        self.simulate("real", DATA / "c60.xyzr", *common, "--ranks", "1", "-o", runs)
+        (real,) = json.loads(runs.read_text())["runs"]
+        (process,) = real["processes"]
+        self.assertEqual((process["planes"], process["atoms"]), (saved.values["nz"], 60))
+        self.assertIn("1 of 1", self.simulate("check", path, runs).stdout)
+        (self.folder / "fails").write_text("#!/bin/sh\necho broken >&2\nexit 1\n")
+        (self.folder / "fails").chmod(0o755)
+        done = self.simulate("measure", DATA / "c60.xyzr", *common, "--block-program",
+                             self.folder / "fails", "-o", self.folder / "x.csv", code=1)
+        self.assertIn("broken", done.stderr)
+        self.assertFalse((self.folder / "x.csv").exists())
+
+    @unittest.skipUnless(has_matplotlib(SCRIPT), "python3-matplotlib is not installed")
+    def test_plot(self):
+        path, figure = self.saved(even_costs(structure="evenly")), self.folder / "figure.svg"
+        command = [interpreter_of(SCRIPT), SCRIPT, "plot", path, "--ranks", "1,2,4", "-o", figure]
+        self.assertDone(subprocess.run(command, stdin=subprocess.DEVNULL, capture_output=True,
+                                       text=True, check=False))
+        words = figure.read_text(encoding="utf-8")
+        xml.etree.ElementTree.fromstring(words)
+        for word in ("evenly", "efficiency (%)", "10 GB/s for all processes", "ideal"):
+            self.assertIn(word, words)
