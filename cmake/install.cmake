@@ -16,6 +16,12 @@ set_target_properties(eses PROPERTIES
   VERSION ${PROJECT_VERSION}
   SOVERSION ${PROJECT_VERSION_MAJOR}.${PROJECT_VERSION_MINOR})
 
+# The installed program finds it, wherever both are put.
+if(BUILD_SHARED_LIBS)
+  set_target_properties(eses-blocks PROPERTIES
+    INSTALL_RPATH "$ORIGIN/../${CMAKE_INSTALL_LIBDIR}")
+endif()
+
 install(TARGETS eses EXPORT eses-targets
         LIBRARY COMPONENT program NAMELINK_COMPONENT development
         ARCHIVE COMPONENT development)

@@ -109,9 +109,9 @@ class Install(TestCase):
             text = (self.prefix / f"share/man/man1/{page}.1").read_text()
             self.assertTrue(re.match(r"[^\n]*\n\.TH ", text), text[:200])
             # One source: every option of --help is in the page.
-            options = re.findall(r"^  (?:-\w, )?--([\w-]+)",
-                                 run(self.prefix / "bin/eses-blocks", *command, "--help").stdout,
-                                 re.MULTILINE)
+            done = run(self.prefix / "bin/eses-blocks", *command, "--help")
+            self.assertDone(done)
+            options = re.findall(r"^  (?:-\w, )?--([\w-]+)", done.stdout, re.MULTILINE)
             self.assertGreater(len(options), 2)
             told = text.replace("\\-", "-")
             for option in options:
