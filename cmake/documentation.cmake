@@ -24,10 +24,13 @@ if(ESES_HELP2MAN AND NOT ESES_SANITIZE AND NOT CMAKE_CROSSCOMPILING)
     list(APPEND pages ${PROJECT_BINARY_DIR}/${name}.1)
   endforeach()
   add_custom_target(manual ALL DEPENDS ${pages})
-  install(FILES ${pages} DESTINATION ${CMAKE_INSTALL_MANDIR}/man1)
+  install(FILES ${pages} DESTINATION ${CMAKE_INSTALL_MANDIR}/man1 COMPONENT program)
+elseif(NOT ESES_HELP2MAN)
+  message(NOTICE "help2man is not installed: manual pages are left out")
 endif()
 
 install(FILES packaging/completions/eses-blocks.bash
-        DESTINATION ${CMAKE_INSTALL_DATADIR}/bash-completion/completions RENAME eses-blocks)
+        DESTINATION ${CMAKE_INSTALL_DATADIR}/bash-completion/completions COMPONENT program
+        RENAME eses-blocks)
 install(FILES packaging/completions/_eses-blocks
-        DESTINATION ${CMAKE_INSTALL_DATADIR}/zsh/vendor-completions)
+        DESTINATION ${CMAKE_INSTALL_DATADIR}/zsh/vendor-completions COMPONENT program)

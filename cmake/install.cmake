@@ -2,6 +2,9 @@
 #
 #   find_package(eses REQUIRED)
 #   target_link_libraries(mine PRIVATE eses::eses)
+#
+# The components are those of the Debian packages, see package.cmake: `program`, and `development`
+# for what only those need who build with the library.
 
 include(GNUInstallDirs)
 include(CMakePackageConfigHelpers)
@@ -13,20 +16,30 @@ set_target_properties(eses PROPERTIES
   VERSION ${PROJECT_VERSION}
   SOVERSION ${PROJECT_VERSION_MAJOR}.${PROJECT_VERSION_MINOR})
 
-install(TARGETS eses EXPORT eses-targets)
+# The installed program finds it, wherever both are put.
+if(BUILD_SHARED_LIBS)
+  set_target_properties(eses-blocks PROPERTIES
+    INSTALL_RPATH "$ORIGIN/../${CMAKE_INSTALL_LIBDIR}")
+endif()
+
+install(TARGETS eses EXPORT eses-targets
+        LIBRARY COMPONENT program NAMELINK_COMPONENT development
+        ARCHIVE COMPONENT development)
 if(ESES_INSTALLED_BYTECODE AND NOT BUILD_SHARED_LIBS)
   install(CODE "execute_process(COMMAND ${CMAKE_OBJCOPY} --wildcard --remove-section=.gnu.lto_*
     \"\$ENV{DESTDIR}\${CMAKE_INSTALL_PREFIX}/${CMAKE_INSTALL_LIBDIR}/$<TARGET_FILE_NAME:eses>\"
-    COMMAND_ERROR_IS_FATAL ANY)")
+    COMMAND_ERROR_IS_FATAL ANY)" COMPONENT development)
 endif()
-install(TARGETS eses-blocks)
+install(TARGETS eses-blocks COMPONENT program)
 install(DIRECTORY ${PROJECT_SOURCE_DIR}/include/ DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}
-        FILES_MATCHING PATTERN "*.hpp")
+        COMPONENT development FILES_MATCHING PATTERN "*.hpp")
 install(FILES ${PROJECT_BINARY_DIR}/generated/eses/version.hpp
-        DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/eses)
-install(FILES README.md LICENSE CITATION.cff DESTINATION ${CMAKE_INSTALL_DOCDIR})
+        DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/eses COMPONENT development)
+install(FILES README.md LICENSE CHANGELOG.md CITATION.cff DESTINATION ${CMAKE_INSTALL_DOCDIR}
+        COMPONENT program)
 
-install(EXPORT eses-targets NAMESPACE eses:: DESTINATION ${ESES_INSTALL_CMAKEDIR})
+install(EXPORT eses-targets NAMESPACE eses:: DESTINATION ${ESES_INSTALL_CMAKEDIR}
+        COMPONENT development)
 get_target_property(ESES_LIBRARY_TYPE eses TYPE)
 configure_package_config_file(
   ${CMAKE_CURRENT_LIST_DIR}/eses-config.cmake.in ${PROJECT_BINARY_DIR}/eses-config.cmake
@@ -37,4 +50,4 @@ write_basic_package_version_file(${PROJECT_BINARY_DIR}/eses-config-version.cmake
   COMPATIBILITY SameMinorVersion)
 install(FILES ${PROJECT_BINARY_DIR}/eses-config.cmake
               ${PROJECT_BINARY_DIR}/eses-config-version.cmake
-        DESTINATION ${ESES_INSTALL_CMAKEDIR})
+        DESTINATION ${ESES_INSTALL_CMAKEDIR} COMPONENT development)

@@ -1,9 +1,13 @@
 """The completions of the shells."""
 
+import os
 import pathlib
+import pty
 import re
+import select
 import shutil
 import subprocess
+import tempfile
 import unittest
 
 from support import PROGRAM, PROJECT, TestCase
@@ -21,6 +25,27 @@ COMP_LINE="${{COMP_WORDS[*]}}" COMP_POINT=${{#COMP_LINE}}
 compopt() {{ :; }}
 _eses_blocks "${{COMP_WORDS[0]}}" "${{COMP_WORDS[-1]}}" "${{COMP_WORDS[-2]}}"
 printf '%s\\n' "${{COMPREPLY[@]}}"
+"""
+
+
+# An interactive zsh that notes down what it is offered, and ends when that is done. Calls of compadd
+# with -A, -D or -O only ask what would match.
+ZSH_SETUP = """
+unsetopt prompt_cr prompt_sp beep
+fpath=({completions} $fpath)
+autoload -U compinit && compinit -u -d {folder}/dump
+compadd() {{
+  local -a offered
+  if [[ " ${{@[1,(i)(-|--)]}}" != *" -"[a-zA-Z0-9]#[ADO]* ]]; then
+    builtin compadd -A offered "$@"
+    if (( $#offered )); then print -rl -- $offered >>{offered}; fi
+  fi
+  builtin compadd "$@"
+}}
+note_end() {{ touch {offered}; exit }}
+comppostfuncs=(note_end)
+bindkey '^I' complete-word
+PS1='READY''>'
 """
 
 
@@ -59,7 +84,11 @@ class Bash(TestCase):
     def test_values(self):
         (self.folder / "a.xyzr").touch()
         (self.folder / "a.txt").touch()
+        for name in ("m.ply", "m.obj", "m.off", "i.dx", "i.vti"):
+            (self.folder / name).touch()
         (self.folder / "sub").mkdir()
+        self.assertEqual(self.complete("--mesh", ""), {"m.ply", "m.obj", "m.off", "sub"})
+        self.assertEqual(self.complete("--inside", ""), {"i.dx", "i.vti", "sub"})
         self.assertEqual(self.complete("--format", ""), {"auto", "xyzr", "pqr"})
         self.assertEqual(self.complete("a"), {"a.xyzr"})
         self.assertEqual(self.complete("a.xyzr", "-o", ""), {"sub"})
@@ -68,13 +97,91 @@ class Bash(TestCase):
 
 
 class Zsh(TestCase):
-    def test_syntax(self):
+    def setUp(self):
+        super().setUp()
         if not shutil.which("zsh"):
             self.skipTest("zsh is not installed")
+
+    def complete(self, line):
+        """What an interactive zsh offers when Tab is pressed behind the line."""
+        with tempfile.TemporaryDirectory() as folder:
+            offered = pathlib.Path(folder, "offered")
+            setup = pathlib.Path(folder, "setup")
+            setup.write_text(ZSH_SETUP.format(folder=folder, completions=COMPLETIONS, offered=offered))
+            child, terminal = pty.fork()
+            if child == 0:
+                os.chdir(self.folder)
+                os.environ["PATH"] = f"{PROGRAM.parent}:{os.environ['PATH']}"
+                os.environ["TERM"] = "xterm"
+                os.execlp("zsh", "zsh", "-f", "-i")
+            try:
+                os.write(terminal, f"source {setup}\n".encode())
+                shown = self.read_until(terminal, b"READY>")
+                os.write(terminal, f"{line}\t".encode())
+                # zsh ends itself behind the completion, and with it the terminal.
+                shown += self.read_until(terminal, None)
+            finally:
+                os.close(terminal)
+                os.waitpid(child, 0)
+            self.assertTrue(offered.exists(), shown)
+            return offered.read_text().splitlines()
+
+    @staticmethod
+    def read_until(terminal, mark):
+        shown = b""
+        while mark is None or mark not in shown:
+            ready, _, _ = select.select([terminal], [], [], 60)
+            if not ready:
+                raise TimeoutError(shown)
+            try:
+                read = os.read(terminal, 4096)
+            except OSError:  # what Linux says when nobody is left at the other end
+                read = b""
+            if not read:
+                break
+            shown += read
+        return shown
+
+    def test_syntax(self):
         done = subprocess.run(["zsh", "-n", COMPLETIONS / "_eses-blocks"], capture_output=True,
                               text=True, check=False)
         self.assertDone(done)
         self.assertEqual(done.stderr, "")
+
+    def test_options(self):
+        for command in ((), ("diff",)):
+            words = " ".join((PROGRAM.name, *command))
+            found = {name.rstrip("=") for name in self.complete(f"{words} --")}
+            self.assertEqual(found, options_of(*command))
+        self.assertEqual(self.complete(f"{PROGRAM.name} --js"), ["--json"])
+
+    def test_words(self):
+        for name in ("a.xyzr", "b.pqr.gz", "c.ply", "d.obj", "e.off", "f.dx", "g.vti", "h.txt"):
+            (self.folder / name).touch()
+        (self.folder / "sub").mkdir()
+        meshes, maps = {"c.ply", "d.obj", "e.off"}, {"f.dx", "g.vti"}
+        atoms = {"a.xyzr", "b.pqr.gz"}
+        for line, expected in (
+                ("", atoms | {"sub", "diff"}),
+                ("di", {"diff"}),
+                ("--json ", atoms | {"sub"}),
+                ("a.xyzr -o ", {"sub"}),
+                ("a.xyzr --output-dir=", {"sub"}),
+                ("a.xyzr --mesh ", meshes | {"sub"}),
+                ("a.xyzr --mesh=", meshes | {"sub"}),
+                ("a.xyzr --inside ", maps | {"sub"}),
+                ("a.xyzr --color ", {"patch", "atom", "chain"}),
+                ("a.xyzr --format ", {"auto", "xyzr", "pqr"}),
+                ("a.xyzr --write ", {"all", "none", "grid", "edges", "areas", "residues"}),
+                ("a.xyzr --write grid,", {"all", "none", "edges", "areas", "residues"}),
+                ("a.xyzr --threads ", set()),
+                ("a.xyzr ", set()),
+                ("diff ", {"sub"}),
+                ("diff sub ", {"sub"}),
+                ("diff --tolerance ", set())):
+            with self.subTest(line=line):
+                found = {name.rstrip("/") for name in self.complete(f"{PROGRAM.name} {line}")}
+                self.assertEqual(found, expected)
 
 
 if __name__ == "__main__":

@@ -3,6 +3,7 @@
 import os
 import pathlib
 import re
+import shutil
 import subprocess
 import unittest
 
@@ -10,6 +11,19 @@ from support import PROJECT, TestCase
 
 BUILD = pathlib.Path(os.environ["ESES_BUILD"])
 COMPILER = os.environ["CXX"]
+
+# Of a mangled name that is outside our namespace, what it may begin with. What we take from the
+# standard library and from libraries of headers, its templates and inline functions, is compiled into
+# ours, as into any library of C++: weak symbols, of which the linker keeps one of each.
+SPECIAL = r"(?:T[VTISC]|GV|GR)?Z*"             # vtable of, type of, guard of; local to
+NESTED = r"(?:N[rVKRO]*)?"
+STANDARD = r"S[tabsiod]|9__gnu_cxx|10__cxxabiv1"
+OURS = re.compile(f"_Z{SPECIAL}{NESTED}4eses")
+OTHERS = re.compile(
+    f"_Z{SPECIAL}{NESTED}(?:{STANDARD}|3fmt|3hwy|9nanoflann)"
+    r"|_ZT[IS]P?K?F"                           # the type of a function, as std::function asks for
+    r"|_Zn[wa]mPv$|_Zd[la]PvS_$"               # placement new, an inline function
+    r"|DW\.ref\.|__clang_call_terminate$")     # of the compiler
 
 
 def run(*command, **how):
@@ -27,15 +41,27 @@ class Install(TestCase):
         return sorted(path.relative_to(self.prefix / "include")
                       for path in (self.prefix / "include").rglob("*.hpp"))
 
+    def static_library(self):
+        libraries = list(self.prefix.rglob("libeses.a"))
+        if not libraries:
+            self.skipTest("the library is a shared one")
+        return libraries[0]
+
     def test_downstream_project(self):
         build = self.folder / "build"
+        # Without pkg-config, fmt and Highway, which are for building the library alone.
+        missing = [f"-DCMAKE_DISABLE_FIND_PACKAGE_{name}=ON" for name in ("PkgConfig", "fmt", "hwy")]
         self.assertDone(run("cmake", "-G", "Unix Makefiles", "-S", PROJECT / "tests/downstream", "-B", build,
-                            f"-DCMAKE_PREFIX_PATH={self.prefix}", f"-DCMAKE_CXX_COMPILER={COMPILER}"))
+                            f"-DCMAKE_PREFIX_PATH={self.prefix}", f"-DCMAKE_CXX_COMPILER={COMPILER}",
+                            *missing))
         self.assertDone(run("cmake", "--build", build, "--verbose"))
         self.assertDone(run(build / "blocks"))
         commands = self.folder.joinpath("build/CMakeFiles/blocks.dir/flags.make").read_text()
-        for flag in ("-W", "-ffp-contract", "-fno-math-errno", "HWY_", "ESES_"):
+        for flag in ("-W", "-ffp-contract", "-fno-math-errno", "-fopenmp", "HWY_", "FMT_", "ESES_"):
             self.assertNotIn(flag, commands)
+        linking = self.folder.joinpath("build/CMakeFiles/blocks.dir/link.txt").read_text()
+        for library in ("hwy", "fmt"):
+            self.assertNotIn(library, linking)
 
     def test_headers_stand_alone_and_define_no_macro(self):
         before = run(COMPILER, "-std=c++20", "-x", "c++", "-dM", "-E", os.devnull)
@@ -50,30 +76,58 @@ class Install(TestCase):
             self.assertEqual(re.findall(r"#define (?:ESES|HWY|FMT)\w*", macros), [])
 
     def test_symbols_are_in_our_namespace(self):
-        libraries = list(self.prefix.rglob("libeses.a"))
-        if not libraries:
-            self.skipTest("the library is a shared one")
-        done = run("nm", "--demangle", "--extern-only", "--defined-only", libraries[0])
+        done = run("nm", "--extern-only", "--defined-only", self.static_library())
         self.assertDone(done)
-        # Strong symbols; weak ones are templates and inline functions of others, which any program
-        # may have.
-        strong = re.findall(r"^[0-9a-f]+ [TDBR] (.+)$", done.stdout, re.MULTILINE)
+        symbols = re.findall(r"^[0-9a-f]+ (\w) (\S+)$", done.stdout, re.MULTILINE)
+        # nm's letters for weak symbols, and those that the whole process has once.
+        weak = {name for kind, name in symbols if kind in "VWvwu"}
+        strong = {name for kind, name in symbols} - weak
         self.assertGreater(len(strong), 50)
-        ours = re.compile(r"(?:vtable for |typeinfo for |typeinfo name for )?eses::|.*\[clone ")
-        self.assertEqual([name for name in strong if not ours.match(name)], [])
+        self.assertGreater(len(weak), 50)
+        self.assertEqual(sorted(name for name in strong if not OURS.match(name)), [])
+        self.assertEqual(sorted(name for name in weak if not (OURS.match(name) or OTHERS.match(name))),
+                         [])
 
     def test_library_holds_no_bytecode_of_the_compiler(self):
-        libraries = list(self.prefix.rglob("libeses.a"))
-        if not libraries:
-            self.skipTest("the library is a shared one")
-        done = run("objdump", "--section-headers", libraries[0])
+        done = run("objdump", "--section-headers", self.static_library())
         self.assertDone(done)
         self.assertIn(".text", done.stdout)
         self.assertNotIn(".gnu.lto_", done.stdout)
 
     def test_files(self):
-        for name in ("bin/eses-blocks", "share/bash-completion/completions/eses-blocks"):
+        doc = "share/doc/eses-blocks"
+        for name in ("bin/eses-blocks", "share/bash-completion/completions/eses-blocks",
+                     "share/zsh/vendor-completions/_eses-blocks", f"{doc}/README.md",
+                     f"{doc}/LICENSE", f"{doc}/CHANGELOG.md", f"{doc}/CITATION.cff"):
             self.assertTrue((self.prefix / name).is_file(), name)
+
+    def test_manual_pages(self):
+        cache = (BUILD / "CMakeCache.txt").read_text()
+        if re.search(r"^ESES_HELP2MAN:\w+=(.*-NOTFOUND)?$", cache, re.MULTILINE):
+            self.skipTest("help2man is not installed")
+        for page, command in (("eses-blocks", ()), ("eses-blocks-diff", ("diff",))):
+            text = (self.prefix / f"share/man/man1/{page}.1").read_text()
+            self.assertTrue(re.match(r"[^\n]*\n\.TH ", text), text[:200])
+            # One source: every option of --help is in the page.
+            done = run(self.prefix / "bin/eses-blocks", *command, "--help")
+            self.assertDone(done)
+            options = re.findall(r"^  (?:-\w, )?--([\w-]+)", done.stdout, re.MULTILINE)
+            self.assertGreater(len(options), 2)
+            told = text.replace("\\-", "-")
+            for option in options:
+                self.assertIn(f"--{option}", told)
+            if shutil.which("man"):
+                done = run("man", "--warnings", "--local-file",
+                           self.prefix / f"share/man/man1/{page}.1", env={**os.environ, "LC_ALL": "C.UTF-8"})
+                self.assertDone(done)
+                self.assertEqual(done.stderr, "")
+
+    def test_missing_help2man_is_told(self):
+        done = run("cmake", "-S", PROJECT, "-B", self.folder / "build", "-DESES_HELP2MAN=",
+                   "-DESES_BUILD_TESTS=OFF", f"-DCMAKE_CXX_COMPILER={COMPILER}")
+        self.assertDone(done)
+        self.assertIn("help2man is not installed", done.stderr)
+        self.assertNotIn("man1", (self.folder / "build/cmake_install.cmake").read_text())
 
 
 if __name__ == "__main__":

@@ -1,0 +1,38 @@
+"""The version is the same wherever it is told."""
+
+import re
+import subprocess
+import unittest
+
+from support import PROGRAM, PROJECT, TestCase
+
+
+def found(name, pattern):
+    text = (PROJECT / name).read_text(encoding="utf-8")
+    return re.search(pattern, text, re.MULTILINE).groups()
+
+
+class Release(TestCase):
+    def setUp(self):
+        super().setUp()
+        self.version, = found("CMakeLists.txt", r"^project\(eses-blocks VERSION (\S+)")
+        self.release, self.date = found("CHANGELOG.md", r"^## \[(\d[^]]*)\] - (\d{4}-\d\d-\d\d)$")
+
+    def test_program(self):
+        done = subprocess.run([PROGRAM, "--version"], capture_output=True, text=True, check=False)
+        self.assertDone(done)
+        self.assertEqual(done.stdout.splitlines()[0], f"eses-blocks {self.version}")
+
+    def test_changelog(self):
+        self.assertEqual(self.release, self.version)
+        headings = re.findall(r"^## (.*)", (PROJECT / "CHANGELOG.md").read_text(encoding="utf-8"),
+                              re.MULTILINE)
+        self.assertEqual(headings[:2], ["[Unreleased]", f"[{self.version}] - {self.date}"])
+
+    def test_citation(self):
+        self.assertEqual(found("CITATION.cff", r"^version: (\S+)$"), (self.version,))
+        self.assertEqual(found("CITATION.cff", r"^date-released: (\S+)$"), (self.date,))
+
+
+if __name__ == "__main__":
+    unittest.main()
