@@ -1,8 +1,10 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <functional>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "cli/command.hpp"
@@ -35,7 +37,8 @@ JointTask task_of(const Options& options) {
           .parameters = options.parameters,
           .outputs = options.outputs,
           .output_directory = options.output_directory,
-          .resume = options.resume};
+          .resume = options.resume,
+          .dry_run = options.dry_run};
 }
 
 // Of all processes the first prints, and what it throws all of them get to know.

@@ -65,14 +65,13 @@ class TextFile {
   FileDescriptor file_;
 };
 
-// 0 if the file cannot be read in parts.
+// 0 if the file cannot be read in parts. One that is not regular, a pipe for example, may not even
+// be opened twice.
 std::uint64_t divisible_bytes(const std::filesystem::path& path) {
-  if (path == "-") return 0;
-  const TextFile file(path);
   struct stat status {};
-  if (stat(path.c_str(), &status) != 0 || !S_ISREG(status.st_mode)) return 0;
+  if (path == "-" || stat(path.c_str(), &status) != 0 || !S_ISREG(status.st_mode)) return 0;
   std::string head(4, '\0');
-  return is_gzip(file.read_at(head, 0)) ? 0 : static_cast<std::uint64_t>(status.st_size);
+  return is_gzip(TextFile(path).read_at(head, 0)) ? 0 : static_cast<std::uint64_t>(status.st_size);
 }
 
 // The lines of a file that begin in a part of it.
@@ -100,7 +99,8 @@ std::uint64_t parse_part(const TextFile& file, const Part& part, AtomFormat form
   for (std::uint64_t offset = part.begin; offset < part.end;) {
     buffer.resize(std::min<std::uint64_t>(wanted, part.end - offset));
     std::string_view text = file.read_at(buffer, offset);
-    if (text.empty()) break;  // the file has become shorter
+    if (text.size() < buffer.size())
+      throw Error(fmt::format("cannot read {}: it has become shorter", file.name()));
     const bool is_last = offset + text.size() >= part.end;
     const std::size_t newline = text.rfind('\n');
     if (!is_last && newline == text.npos) {
@@ -126,6 +126,11 @@ AtomShare read_share(const std::filesystem::path& path, AtomFormat format,
     if (processes.is_first()) bytes = divisible_bytes(path);
   });
   bytes = processes.sum(bytes);
+  processes.agree([&] {
+    if (bytes > 0 && divisible_bytes(path) != bytes)
+      throw Error(fmt::format("cannot read {}{}: it is not the file that the first process reads",
+                              path.string(), processes.place()));
+  });
   NumberedAtoms read;
   std::uint64_t lines = 0;
   if (bytes > 0) {

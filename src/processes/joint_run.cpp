@@ -1,19 +1,30 @@
 #include "processes/joint_run.hpp"
 
+#include <fcntl.h>
 #include <fmt/format.h>
 #include <sys/resource.h>
+#include <unistd.h>
+#include <zlib.h>
 
 #include <algorithm>
 #include <array>
 #include <bit>
+#include <cerrno>
 #include <functional>
+#include <memory>
 #include <optional>
+#include <span>
+#include <string>
+#include <system_error>
 #include <utility>
+#include <vector>
 
 #include "eses/error.hpp"
 #include "eses/version.hpp"
 #include "io/eses_text.hpp"
+#include "io/file_descriptor.hpp"
 #include "io/gzip.hpp"
+#include "io/output_directory.hpp"
 #include "processes/shared_file.hpp"
 #include "run/build_patches.hpp"
 #include "run/output_files.hpp"
@@ -30,6 +41,8 @@ namespace {
 // A run of a process is cut into so many pieces at most if it may be resumed: what one costs is
 // what a cut-off run may lose.
 constexpr std::int64_t most_pieces = 64;
+// To be raised with every change of what is computed, or of how pieces are kept.
+constexpr int piece_format = 1;
 constexpr std::size_t copied_at_a_time = std::size_t{1} << 22;  // bytes
 
 // Steele, Lea, Flood, "Fast splittable pseudorandom number generators", OOPSLA 2014: the finalizer.
@@ -57,10 +70,11 @@ std::string identity_of(const JointTask& task, const Plan& plan, std::uint64_t a
   const Parameters& p = task.parameters;
   const GridRegion& region = plan.tiling.region;
   return fmt::format(
-      "eses-blocks {}\natoms {} {:016x}\nprobe {:a} spacing {:a} margin {:a}\n"
+      "eses-blocks {} format {} {} {}\natoms {} {:016x}\nprobe {:a} spacing {:a} margin {:a}\n"
       "points {} {}\ngrid {} edges {} gzip {}\n",
-      version, atoms, hash, p.probe_radius, p.spacing, p.margin, fmt::join(region.begin, " "),
-      fmt::join(region.end, " "), task.outputs.grid, task.outputs.edges, task.outputs.gzip);
+      version, piece_format, sizeof(PieceInfo), task.outputs.gzip ? zlibVersion() : "", atoms, hash,
+      p.probe_radius, p.spacing, p.margin, fmt::join(region.begin, " "), fmt::join(region.end, " "),
+      task.outputs.grid, task.outputs.edges, task.outputs.gzip);
 }
 
 SphereBounds shared_bounds(const AtomShare& share, const Processes& processes) {
@@ -98,21 +112,20 @@ Plan plan_slab(const JointTask& task, const JointPlan& joint, const Processes& p
 void complete(Plan& whole, const Plan& own, std::uint64_t atoms, const OutputChoice& outputs,
               const Processes& processes) {
   const GridRegion region = whole.tiling.region;
-  std::array largest{static_cast<double>(own.memory_bytes),
-                     static_cast<double>(own.tiling.block_size),
-                     static_cast<double>(own.blocks_ahead), static_cast<double>(own.threads),
-                     static_cast<double>(own.box_file_bytes)};
+  std::array<std::uint64_t, 5> largest{
+      own.memory_bytes, own.box_file_bytes, static_cast<std::uint64_t>(own.tiling.block_size),
+      static_cast<std::uint64_t>(own.blocks_ahead), static_cast<std::uint64_t>(own.threads)};
   processes.take_largest(largest);
+  whole.memory_bytes = largest[0];
+  whole.box_file_bytes = largest[1];
+  whole.tiling = make_tiling(whole.grid, static_cast<std::int64_t>(largest[2]), region);
+  whole.blocks_ahead = static_cast<std::int64_t>(largest[3]);
+  whole.threads = static_cast<int>(largest[4]);
   whole.gzip = outputs.gzip;
-  whole.box_file_bytes = static_cast<std::uint64_t>(largest[4]);
   if (outputs.grid) whole.grid_file_bytes = expected_grid_bytes(region, outputs.gzip);
   whole.edge_file_bytes = processes.sum(own.edge_file_bytes);  // of what is still to be done
   if (outputs.areas) whole.area_file_bytes = expected_area_bytes(atoms, outputs.gzip);
   whole.text_scratch_bytes = whole.grid_file_bytes + whole.edge_file_bytes;
-  whole.memory_bytes = static_cast<std::uint64_t>(largest[0]);
-  whole.blocks_ahead = static_cast<std::int64_t>(largest[2]);
-  whole.threads = static_cast<int>(largest[3]);
-  whole.tiling = make_tiling(whole.grid, static_cast<std::int64_t>(largest[1]), region);
 }
 
 // The ranges of planes that a process makes pieces of.
@@ -134,11 +147,9 @@ std::vector<PlaneRange> pieces_to_do(const JointTask& task, const JointPlan& pla
 // A process's part in a run, up to what is to be joined.
 class SlabRun {
  public:
-  SlabRun(const JointTask& task, const JointPlan& plan, const PieceStore& store,
-          const Callbacks& callbacks)
+  SlabRun(const JointTask& task, const JointPlan& plan, const Callbacks& callbacks)
       : task_(task),
         plan_(plan),
-        store_(store),
         to_do_(pieces_to_do(task, plan)),
         report_(callbacks.progress, count_blocks()) {}
 
@@ -152,6 +163,7 @@ class SlabRun {
         plan_.whole.tiling.region != plan_.whole.grid.whole())
       surface.confine_to(slab_box(plan_.whole, plan_.slab.planes));
     build_patches(surface, plan_.own.threads, check);
+    release_free_memory();
     require_memory_within(task_.parameters.max_memory);
     summary.seconds.patches = watch.seconds();
     const Stopwatch blocks;
@@ -182,8 +194,8 @@ class SlabRun {
     piece.info.planes = planes;
     for (const PieceText text : chosen_texts())
       piece.texts[static_cast<std::size_t>(text)] =
-          task_.resume ? store_.create(planes, text)
-                       : std::make_unique<ScratchFile>(task_.output_directory);
+          plan_.store ? plan_.store->create(planes, text)
+                      : std::make_unique<ScratchFile>(task_.output_directory);
     return piece;
   }
 
@@ -191,10 +203,13 @@ class SlabRun {
     Piece piece = new_piece(planes);
     Plan plan = plan_.own;
     plan.tiling = slab_tiling(plan_.whole, plan.tiling.block_size, planes);
-    const auto into = [&piece](PieceText which) {
-      return [&file = *piece.texts[static_cast<std::size_t>(which)]](std::span<const char> text,
-                                                                     std::uint64_t offset) {
-        file.write_at(std::as_bytes(text), offset);
+    std::array<TextChecksum, piece_texts> checksums;
+    const auto into = [&](PieceText which) {
+      const auto text = static_cast<std::size_t>(which);
+      return [&file = *piece.texts[text], &sum = checksums[text], is_kept = plan_.store != nullptr](
+                 std::span<const char> bytes, std::uint64_t offset) {
+        file.write_at(std::as_bytes(bytes), offset);
+        if (is_kept) sum.add(bytes, offset);
       };
     };
     Sinks sinks;
@@ -212,14 +227,15 @@ class SlabRun {
     const auto& shares = sums.tally.atom_shares;
     for (std::size_t i = 0; i < shares.size(); ++i)
       if (shares[i] != 0) piece.sums.push_back({shares[i], plan_.slab.numbers[i]});
-    if (!task_.resume) return piece;
-    store_.finish(std::move(piece));
-    return store_.read(planes);
+    if (!plan_.store) return piece;
+    for (std::size_t text = 0; text < piece_texts; ++text)
+      piece.info.checksums[text] = checksums[text].value();
+    plan_.store->finish(std::move(piece));
+    return plan_.store->read(planes);
   }
 
   const JointTask& task_;
   const JointPlan& plan_;
-  const PieceStore& store_;
   std::vector<PlaneRange> to_do_;
   ProgressReport report_;
 };
@@ -227,32 +243,23 @@ class SlabRun {
 // Makes the files of what all processes have.
 class Join {
  public:
-  Join(const JointTask& task, const JointPlan& plan, const PieceStore& store,
-       const JointPaths& paths, const Processes& processes, std::function<void()> check)
-      : task_(task),
-        plan_(plan),
-        store_(store),
-        paths_(paths),
-        processes_(processes),
-        check_(std::move(check)) {}
+  Join(const JointTask& task, const JointPlan& plan, const JointPaths& paths,
+       const Processes& processes, std::function<void()> check)
+      : task_(task), plan_(plan), paths_(paths), processes_(processes), check_(std::move(check)) {}
 
   // Learns of all pieces, of which this process has `own`.
   void take(std::vector<Piece> own) {
+    const auto by_planes = [](const PieceInfo& a, const PieceInfo& b) {
+      return a.planes.begin < b.planes.begin;
+    };
     std::vector<PieceInfo> infos;
     for (const Piece& piece : own) infos.push_back(piece.info);
     all_ = processes_.gather<PieceInfo>(infos);
-    std::sort(all_.begin(), all_.end(), [](const PieceInfo& a, const PieceInfo& b) {
-      return a.planes.begin < b.planes.begin;
-    });
-    std::int64_t next = plan_.whole.tiling.region.begin[2];
-    for (const PieceInfo& info : all_) {
-      if (info.planes.begin != next) break;
-      next = info.planes.end;
-      totals_.add(info.totals);
-    }
-    if (next != plan_.whole.tiling.region.end[2])
-      throw Error("the pieces of the run do not fit together; remove what is there to resume");
+    std::sort(all_.begin(), all_.end(), by_planes);
+    std::sort(own.begin(), own.end(),
+              [&](const Piece& a, const Piece& b) { return by_planes(a.info, b.info); });
     own_ = std::move(own);
+    processes_.agree([&] { add_up(); });
   }
 
   const RegionTotals& totals() const { return totals_; }
@@ -262,15 +269,10 @@ class Join {
     const auto which = static_cast<std::size_t>(text);
     SharedFile shared = open(file, name);
     std::uint64_t offset = 0;
+    auto mine = own_.begin();
     for (const PieceInfo& info : all_) {
-      const auto mine = std::find_if(own_.begin(), own_.end(), [&](const Piece& piece) {
-        return piece.info.planes == info.planes;
-      });
-      if (mine != own_.end()) {
-        if (!mine->texts[which]) mine->texts[which] = store_.open(info.planes, text);
-        copy(*mine->texts[which], info.bytes[which], shared, offset);
-        mine->texts[which].reset();
-      }
+      if (mine != own_.end() && mine->info.planes == info.planes)
+        copy(*mine++, text, shared, offset);
       offset += info.bytes[which];
     }
     if (task_.outputs.gzip && offset == 0) offset += write_empty_member(shared);
@@ -300,23 +302,42 @@ class Join {
   }
 
  private:
-  SharedFile open(OutputFile* file, const std::string& name) const {
-    const auto is_of_it = [&](const std::string& path) {
-      return path.compare(path.rfind('/') + 1, name.size() + 1, "." + name) == 0;
-    };
-    const auto path = std::find_if(paths_.temporaries.begin(), paths_.temporaries.end(), is_of_it);
-    return {processes_, file, path == paths_.temporaries.end() ? std::string() : *path, name};
+  void add_up() {
+    std::int64_t next = plan_.whole.tiling.region.begin[2];
+    for (const PieceInfo& info : all_) {
+      if (info.planes.begin != next)
+        throw Error("the pieces of the run do not fit together; remove what is there to resume");
+      next = info.planes.end;
+      totals_.add(info.totals);
+    }
+    if (next != plan_.whole.tiling.region.end[2]) throw Error("pieces of the run are missing");
   }
 
-  void copy(const ScratchFile& from, std::uint64_t bytes, SharedFile& to,
-            std::uint64_t offset) const {
+  SharedFile open(OutputFile* file, const char* name) const {
+    const std::string full_name = text_file_name(name, task_.outputs.gzip);
+    return {processes_, file,
+            path_in(task_.output_directory, temporary_name(full_name, paths_.process)),
+            path_in(task_.output_directory, full_name)};
+  }
+
+  void copy(Piece& piece, PieceText text, SharedFile& to, std::uint64_t offset) const {
+    const auto which = static_cast<std::size_t>(text);
+    const std::uint64_t bytes = piece.info.bytes[which];
+    const auto from = piece.texts[which] ? std::move(piece.texts[which])
+                                         : plan_.store->open(piece.info.planes, text);
+    TextChecksum checksum;
     std::vector<char> buffer;
     for (std::uint64_t done = 0; done < bytes; done += buffer.size()) {
       check_();
       buffer.resize(std::min<std::uint64_t>(copied_at_a_time, bytes - done));
-      from.read_at(std::as_writable_bytes(std::span(buffer)), done);
+      from->read_at(std::as_writable_bytes(std::span(buffer)), done);
+      if (plan_.store) checksum.add(buffer, done);
       to.write_at(buffer, offset + done);
     }
+    if (plan_.store && checksum.value() != piece.info.checksums[which])
+      throw Error(fmt::format(
+          "cannot resume: a text beside {} is damaged; remove that, and the piece is done again",
+          plan_.store->sums_path(piece.info.planes)));
   }
 
   // Without a single member it would be no gzip file.
@@ -368,7 +389,6 @@ class Join {
 
   const JointTask& task_;
   const JointPlan& plan_;
-  const PieceStore& store_;
   const JointPaths& paths_;
   const Processes& processes_;
   std::function<void()> check_;
@@ -376,6 +396,17 @@ class Join {
   std::vector<Piece> own_;
   RegionTotals totals_;
 };
+
+// Else MPI would wait for ever when the files are joined.
+void require_shared_directory(const JointTask& task, const JointPaths& paths,
+                              const Processes& processes) {
+  for (const std::string& path : paths.temporaries)
+    if (!FileDescriptor(::open(path.c_str(), O_WRONLY | O_CLOEXEC)).is_open())
+      throw Error(
+          fmt::format("cannot write into {}{}: {}; is it the same directory for all processes?",
+                      task.output_directory.string(), processes.place(),
+                      std::generic_category().message(errno)));
+}
 
 double cpu_seconds() {
   rusage usage{};
@@ -411,9 +442,12 @@ JointPlan plan_jointly(const JointTask& task, const Processes& processes) {
   std::vector<PlaneRange> done;
   processes.agree([&] {
     plan.whole = plan_grid(bounds, task.parameters);
-    plan.identity = identity_of(task, plan.whole, plan.atoms, hash);
-    if (task.resume && processes.is_first())
-      done = PieceStore(task.output_directory, plan.identity).complete();
+    if (!task.resume) return;
+    plan.store = std::make_unique<PieceStore>(task.output_directory,
+                                              identity_of(task, plan.whole, plan.atoms, hash));
+    if (!processes.is_first()) return;
+    if (!task.dry_run) plan.store->lock();
+    done = plan.store->complete();
   });
   plan.done = processes.gather<PlaneRange>(done);
   SharedMolecule shared =
@@ -436,18 +470,23 @@ JointPaths joint_paths(const JointTask& task, const Processes& processes) {
     return paths;
   };
   return {share(temporary_paths(task.outputs, task.output_directory)),
-          share(lock_paths(task.outputs, task.output_directory))};
+          share(lock_paths(task.outputs, task.output_directory)),
+          static_cast<long>(
+              processes.sum(processes.is_first() ? static_cast<std::uint64_t>(getpid()) : 0))};
 }
 
 JointSummary run_jointly(const JointTask& task, const JointPlan& plan, const JointPaths& paths,
                          const Callbacks& callbacks, const Processes& processes) {
   const Stopwatch total;
-  const PieceStore store(task.output_directory, plan.identity);
   std::optional<OutputFiles> files;
   processes.agree([&] {
     if (!processes.is_first()) return;
     files.emplace(task.outputs, task.output_directory, plan.whole);
-    if (task.resume) store.prepare();
+    if (plan.store) plan.store->prepare();
+  });
+  processes.agree([&] {
+    start_threads(plan.own.threads);
+    require_shared_directory(task, paths, processes);
   });
   const auto file = [&](std::optional<OutputFile> OutputFiles::*which) {
     return files && (*files).*which ? &*((*files).*which) : nullptr;
@@ -455,13 +494,13 @@ JointSummary run_jointly(const JointTask& task, const JointPlan& plan, const Joi
 
   JointSummary joint;
   Summary& summary = joint.summary;
-  SlabRun slab(task, plan, store, callbacks);
+  SlabRun slab(task, plan, callbacks);
   std::vector<Piece> pieces = slab.solve(summary);
   // What was there before, in turn.
   const auto rank = static_cast<std::size_t>(processes.rank());
   for (std::size_t i = rank; i < plan.done.size(); i += static_cast<std::size_t>(processes.count()))
-    pieces.push_back(store.read(plan.done[i]));
-  Join join(task, plan, store, paths, processes, [&] { slab.check(); });
+    pieces.push_back(plan.store->read(plan.done[i]));
+  Join join(task, plan, paths, processes, [&] { slab.check(); });
   join.take(std::move(pieces));
   fill_totals(join.totals(), plan.whole.grid.spacing, summary);
   if (task.outputs.grid)
@@ -474,7 +513,9 @@ JointSummary run_jointly(const JointTask& task, const JointPlan& plan, const Joi
   processes.agree([&] {
     if (!files) return;
     if (files->box) box_bytes = write_box(*files->box, plan.whole.grid, files->gzip);
+    require_memory_within(task.parameters.max_memory);
     files->commit([&] { slab.check(); });
+    if (plan.store) plan.store->remove();
   });
   summary.bytes_written += processes.sum(box_bytes);
   summary.seconds.total = total.seconds();

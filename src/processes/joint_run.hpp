@@ -7,6 +7,7 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <memory>
 #include <string>
 #include <vector>
 
@@ -27,6 +28,7 @@ struct JointTask {
   std::filesystem::path output_directory;
   /// Pieces outlive a run that is cut off, and are not done again.
   bool resume = false;
+  bool dry_run = false;  ///< nothing may be created
 };
 
 /// What the processes have agreed upon.
@@ -35,9 +37,9 @@ struct JointPlan {
   Plan own;    ///< of this one's slab
   SlabShare slab;
   SharedOddities odd;
-  std::uint64_t atoms = 0;       ///< of the molecule
-  std::string identity;          ///< of the run, see PieceStore
-  std::vector<PlaneRange> done;  ///< planes that need not be done again
+  std::uint64_t atoms = 0;            ///< of the molecule
+  std::unique_ptr<PieceStore> store;  ///< if the run may be resumed; locked by the first process
+  std::vector<PlaneRange> done;       ///< planes that need not be done again
 };
 
 /// What each process had to do.
@@ -60,6 +62,7 @@ struct JointSummary {
 /// What the processes together make, and must not leave behind.
 struct JointPaths {
   std::vector<std::string> temporaries, locks;
+  long process = 0;  ///< the first one's number in the system, which is part of the names
 };
 
 /// Those of the first process, known to all.

@@ -40,8 +40,22 @@ std::string read_all(const std::filesystem::path& path) {
   return {std::istreambuf_iterator<char>(file), {}};
 }
 
-std::uint64_t checksum(std::span<const std::byte> bytes) {
-  return crc32_z(0, reinterpret_cast<const Bytef*>(bytes.data()), bytes.size());
+std::uint32_t checksum(std::span<const std::byte> bytes) {
+  return static_cast<std::uint32_t>(
+      crc32_z(0, reinterpret_cast<const Bytef*>(bytes.data()), bytes.size()));
+}
+
+// What stands before the sums.
+struct SumsHeader {
+  PieceInfo info;
+  std::uint64_t count = 0;
+  std::uint64_t checksum = 0;  // of the sums
+};
+
+std::uint64_t size_of(const std::filesystem::path& path) {
+  std::error_code error;
+  const std::uint64_t size = std::filesystem::file_size(path, error);
+  return error ? 0 : size;
 }
 
 template <class Value>
@@ -51,25 +65,44 @@ std::span<const std::byte> bytes_of(const Value& value) {
 
 }  // namespace
 
+void TextChecksum::add(std::span<const char> text, std::uint64_t offset) {
+  if (text.empty()) return;
+  const std::uint32_t of_text = checksum(std::as_bytes(text));
+  const std::lock_guard lock(mutex_);
+  parts_[offset] = {text.size(), of_text};
+}
+
+std::uint32_t TextChecksum::value() const {
+  uLong sum = 0;
+  for (const auto& [offset, part] : parts_)
+    sum = crc32_combine(sum, part.checksum, static_cast<z_off_t>(part.bytes));
+  return static_cast<std::uint32_t>(sum);
+}
+
 PieceStore::PieceStore(const std::filesystem::path& output_directory, std::string identity)
     : path_(path_in(output_directory, resume_name)), identity_(std::move(identity)) {}
 
+PieceStore::~PieceStore() {
+  if (!lock_) return;
+  lock_.reset();
+  std::error_code error;  // as when there are pieces
+  std::filesystem::remove(path_, error);
+}
+
+void PieceStore::lock() { lock_.emplace(path_); }
+
 std::vector<PlaneRange> PieceStore::complete() const {
   std::error_code error;
-  if (!std::filesystem::exists(path_, error)) return {};
-  if (read_all(path_ / identity_name) != identity_) {
-    // Without anything done it does not matter of what run.
-    bool is_empty = true;
-    for (const auto& entry : std::filesystem::directory_iterator(path_, error))
-      is_empty = is_empty && !planes_of(entry.path().filename().string());
-    if (is_empty) return {};
-    throw Error(fmt::format(
-        "cannot resume: {} is of a run of other input, options or version; remove it to begin anew",
-        path_.string()));
-  }
   std::vector<PlaneRange> pieces;
   for (const auto& entry : std::filesystem::directory_iterator(path_, error))
     if (const auto planes = planes_of(entry.path().filename().string())) pieces.push_back(*planes);
+  // Without anything done it does not matter of what run.
+  if (pieces.empty()) return {};
+  if (read_all(path_ / identity_name) != identity_)
+    throw Error(fmt::format(
+        "cannot resume: {} is of a run of other input, options or version; remove it to begin anew",
+        path_.string()));
+  std::erase_if(pieces, [this](const PlaneRange& planes) { return !is_whole(planes); });
   std::sort(pieces.begin(), pieces.end(),
             [](const PlaneRange& a, const PlaneRange& b) { return a.begin < b.begin; });
   const auto overlapping =
@@ -81,17 +114,28 @@ std::vector<PlaneRange> PieceStore::complete() const {
   return pieces;
 }
 
+bool PieceStore::is_whole(const PlaneRange& planes) const {
+  try {
+    const PieceInfo info = read(planes).info;
+    for (std::size_t text = 0; text < piece_texts; ++text)
+      if (info.bytes[text] != size_of(path_ / name_of(planes, text_suffixes[text]))) return false;
+    return true;
+  } catch (const Error&) {
+    return false;
+  }
+}
+
 void PieceStore::prepare() const {
-  std::error_code error;
-  std::filesystem::create_directories(path_, error);
-  if (error) throw Error(fmt::format("cannot create {}: {}", path_.string(), error.message()));
   if (read_all(path_ / identity_name) == identity_) return;
   ScratchFile file(path_, identity_name, ScratchFile::Kept::fresh);
   file.append(std::as_bytes(std::span(identity_)));
   file.sync();
 }
 
+// Sums that are there would speak of the old text.
 std::unique_ptr<ScratchFile> PieceStore::create(const PlaneRange& planes, PieceText text) const {
+  std::error_code error;
+  std::filesystem::remove(sums_path(planes), error);
   const char* const suffix = text_suffixes[static_cast<std::size_t>(text)];
   return std::make_unique<ScratchFile>(path_, name_of(planes, suffix), ScratchFile::Kept::fresh);
 }
@@ -101,6 +145,10 @@ std::unique_ptr<ScratchFile> PieceStore::open(const PlaneRange& planes, PieceTex
   return std::make_unique<ScratchFile>(path_, name_of(planes, suffix), ScratchFile::Kept::existing);
 }
 
+std::string PieceStore::sums_path(const PlaneRange& planes) const {
+  return path_in(path_, name_of(planes, sums_suffix));
+}
+
 // The sums come last, under their name when they are on the disk: where they are, all is.
 void PieceStore::finish(Piece piece) const {
   for (const auto& text : piece.texts)
@@ -108,11 +156,10 @@ void PieceStore::finish(Piece piece) const {
   const std::string name = name_of(piece.info.planes, sums_suffix), temporary = name + ".part";
   {
     ScratchFile file(path_, temporary, ScratchFile::Kept::fresh);
-    const std::uint64_t count = piece.sums.size();
     const auto sums = std::as_bytes(std::span(piece.sums));
-    const std::uint64_t check = checksum(bytes_of(piece.info)) ^ checksum(sums);
-    for (const auto bytes : {bytes_of(piece.info), bytes_of(count), sums, bytes_of(check)})
-      file.append(bytes);
+    const SumsHeader header{piece.info, piece.sums.size(), checksum(sums)};
+    const std::uint64_t of_header = checksum(bytes_of(header));
+    for (const auto bytes : {bytes_of(of_header), bytes_of(header), sums}) file.append(bytes);
     file.sync();
   }
   std::error_code error;
@@ -122,27 +169,35 @@ void PieceStore::finish(Piece piece) const {
 }
 
 Piece PieceStore::read(const PlaneRange& planes) const {
-  Piece piece;
   const ScratchFile file(path_, name_of(planes, sums_suffix), ScratchFile::Kept::existing);
-  std::uint64_t offset = 0, count = 0, check = 0;
-  const auto read = [&](std::span<std::byte> bytes) {
-    file.read_at(bytes, offset);
-    offset += bytes.size();
-  };
-  read(std::as_writable_bytes(std::span(&piece.info, 1)));
-  read(std::as_writable_bytes(std::span(&count, 1)));
-  const std::uint64_t bytes = std::filesystem::file_size(path_ / name_of(planes, sums_suffix));
-  const bool fits = offset + count * sizeof(AtomSum) + sizeof check == bytes;
-  if (fits) {
-    piece.sums.resize(count);
-    read(std::as_writable_bytes(std::span(piece.sums)));
-    read(std::as_writable_bytes(std::span(&check, 1)));
+  std::uint64_t of_header = 0;
+  SumsHeader header;
+  constexpr std::uint64_t begin = sizeof of_header + sizeof header;
+  Piece piece;
+  const std::uint64_t bytes = size_of(sums_path(planes));
+  bool is_sound = bytes >= begin && (bytes - begin) % sizeof(AtomSum) == 0;
+  if (is_sound) {
+    file.read_at(std::as_writable_bytes(std::span(&of_header, 1)), 0);
+    file.read_at(std::as_writable_bytes(std::span(&header, 1)), sizeof of_header);
+    is_sound = of_header == checksum(bytes_of(header)) && header.info.planes == planes &&
+               header.count == (bytes - begin) / sizeof(AtomSum);
   }
-  if (!fits || piece.info.planes != planes ||
-      check != (checksum(bytes_of(piece.info)) ^ checksum(std::as_bytes(std::span(piece.sums)))))
-    throw Error(fmt::format("cannot resume: {} is damaged; remove {} to begin anew",
-                            name_of(planes, sums_suffix), path_.string()));
+  if (is_sound) {
+    piece.info = header.info;
+    piece.sums.resize(header.count);
+    file.read_at(std::as_writable_bytes(std::span(piece.sums)), begin);
+    is_sound = header.checksum == checksum(std::as_bytes(std::span(piece.sums)));
+  }
+  if (!is_sound)
+    throw Error(fmt::format("cannot resume: {} is damaged; remove it, and the piece is done again",
+                            sums_path(planes)));
   return piece;
+}
+
+void PieceStore::remove() {
+  lock_.reset();
+  std::error_code error;  // what is left does no harm
+  std::filesystem::remove_all(path_, error);
 }
 
 }  // namespace eses

@@ -4,12 +4,15 @@
 #include <array>
 #include <cstdint>
 #include <filesystem>
+#include <map>
 #include <memory>
+#include <mutex>
 #include <optional>
 #include <span>
 #include <string>
 #include <vector>
 
+#include "io/output_directory.hpp"
 #include "io/scratch_file.hpp"
 #include "processes/processes.hpp"
 #include "processes/slabs.hpp"
@@ -20,7 +23,8 @@ namespace eses {
 /// An atom's share of the area of some planes, as in Tally.
 struct AtomSum {
   Tally::Sum share = 0;
-  AtomIndex atom = 0;  ///< in the file
+  AtomIndex atom = 0;                      ///< in the file
+  std::array<std::uint32_t, 3> padding{};  ///< these bytes are written, too
 };
 
 /// The texts of a piece, numbered.
@@ -31,6 +35,7 @@ inline constexpr std::size_t piece_texts = 2;
 struct PieceInfo {
   PlaneRange planes;
   std::array<std::uint64_t, piece_texts> bytes{};
+  std::array<std::uint32_t, piece_texts> checksums{};  ///< crc32; of pieces in a store
   RegionTotals totals;
 };
 
@@ -41,6 +46,22 @@ struct Piece {
   std::array<std::unique_ptr<ScratchFile>, piece_texts> texts;
 };
 
+/// The checksum of a text that is written in parts, in any order and by several threads.
+class TextChecksum {
+ public:
+  void add(std::span<const char> text, std::uint64_t offset);
+  /// Of all parts, which must leave no gaps.
+  std::uint32_t value() const;
+
+ private:
+  struct Part {
+    std::uint64_t bytes;
+    std::uint32_t checksum;
+  };
+  std::mutex mutex_;
+  std::map<std::uint64_t, Part> parts_;  // by offset
+};
+
 /// Keeps the pieces of a run so that another one can go on from them: in a hidden directory beside
 /// the files, texts as they are, and behind them, when they are complete, the sums. Every failure
 /// throws Error.
@@ -48,13 +69,20 @@ class PieceStore {
  public:
   /// `identity` is a text that tells apart runs whose pieces do not fit together.
   PieceStore(const std::filesystem::path& output_directory, std::string identity);
+  /// Removes the directory if nothing is in it.
+  ~PieceStore();
+  PieceStore(const PieceStore&) = delete;
+  PieceStore& operator=(const PieceStore&) = delete;
 
-  /// The pieces that are complete, ascending and disjoint. Throws Error if they are of a run of
-  /// another identity.
+  /// Creates the directory, if need be, and locks it against other runs while this lives.
+  void lock();
+  /// The pieces that are complete, ascending and disjoint; of one whose sums are damaged or whose
+  /// texts are not as long as they should be nothing is told, so that it is done again. Throws
+  /// Error if there are pieces of a run of another identity.
   std::vector<PlaneRange> complete() const;
-
-  /// Creates the directory, if need be, for a run of this identity.
+  /// Says that what comes is of this identity.
   void prepare() const;
+
   /// For a piece's text that is to be written.
   std::unique_ptr<ScratchFile> create(const PlaneRange& planes, PieceText text) const;
   /// Writes the sums behind its texts; from then on the piece is complete, and nothing of it needs
@@ -63,10 +91,17 @@ class PieceStore {
   /// A complete piece without its texts.
   Piece read(const PlaneRange& planes) const;
   std::unique_ptr<ScratchFile> open(const PlaneRange& planes, PieceText text) const;
+  /// Where the sums are, without which a piece is done again.
+  std::string sums_path(const PlaneRange& planes) const;
+  /// Removes everything.
+  void remove();
 
  private:
+  bool is_whole(const PlaneRange& planes) const;
+
   std::filesystem::path path_;
   std::string identity_;
+  std::optional<OutputDirectory> lock_;
 };
 
 }  // namespace eses

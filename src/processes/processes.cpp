@@ -1,7 +1,11 @@
 // What does not depend on how processes reach each other.
 #include "processes/processes.hpp"
 
+#include <fmt/format.h>
+#include <unistd.h>
+
 #include <algorithm>
+#include <array>
 #include <new>
 #include <optional>
 
@@ -32,11 +36,16 @@ void Processes::agree(const std::function<void()>& action) const {
   } catch (const Error& error) {
     failure = error.what();
   }
-  const std::uint64_t none = static_cast<std::uint64_t>(count_);
-  double first = static_cast<double>(failure ? static_cast<std::uint64_t>(rank_) : none);
-  take_least({&first, 1});
-  if (first == static_cast<double>(none)) return;
+  std::uint64_t first = static_cast<std::uint64_t>(failure ? rank_ : count_);
+  take_least(std::span(&first, 1));
+  if (first == static_cast<std::uint64_t>(count_)) return;
   throw SharedError(broadcast(failure.value_or(""), static_cast<int>(first)));
+}
+
+std::string Processes::place() const {
+  std::array<char, 256> name{};
+  if (count_ == 1 || gethostname(name.data(), name.size() - 1) != 0) return {};
+  return fmt::format(" on {}", name.data());
 }
 
 }  // namespace eses

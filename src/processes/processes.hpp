@@ -50,6 +50,8 @@ class Processes {
   /// Element by element, over all processes.
   void take_least(std::span<double> values) const;
   void take_largest(std::span<double> values) const;
+  void take_least(std::span<std::uint64_t> values) const;
+  void take_largest(std::span<std::uint64_t> values) const;
   void add(std::span<std::uint64_t> values) const;
   /// Likewise; not to be used where the order of the summands matters.
   void add(std::span<double> values) const;
@@ -72,10 +74,9 @@ class Processes {
   /// Returns what the last one made of it.
   double hand_on(double value, const std::function<double(double)>& change) const;
 
-  void wait_for_all() const;
-
-  /// Performs an action, which must not call any other process. If it throws in any of them, all
-  /// throw SharedError with the message of the first such process.
+  /// Performs an action, which must not call any other process. If it throws Error in any of them,
+  /// or lacks memory, all throw SharedError with the message of the first such process. What it
+  /// throws in a process that is alone, or anything else, is thrown on.
   void agree(const std::function<void()>& action) const;
 
   /// How many of the processes run on this machine, and of its processors how many a process has
@@ -84,8 +85,11 @@ class Processes {
     int processes = 1;
     int processors = 1;
   };
-  /// `processors` are those that this process may use.
+  /// `processors` are those that this process may use at most.
   Machine machine(int processors) const;
+
+  /// ` on NAME`, behind an action that failed, where there may be several machines; else empty.
+  std::string place() const;
 
   /// Ends all processes at once with an exit code.
   [[noreturn]] void abort(int exit_code) const;

@@ -1,26 +1,15 @@
 // Built without MPI: there is never more than one process.
 #include <cstdlib>
 
+#include "processes/launcher.hpp"
 #include "processes/processes.hpp"
 
 namespace eses {
-namespace {
-
-// What the launchers of Open MPI and MPICH, and srun with either, tell each process.
-bool has_companions() {
-  for (const char* const name : {"OMPI_COMM_WORLD_SIZE", "PMI_SIZE"}) {
-    const char* const size = std::getenv(name);
-    if (size != nullptr && std::atoi(size) > 1) return true;
-  }
-  return false;
-}
-
-}  // namespace
 
 bool Processes::are_possible() { return false; }
 
 Processes::Processes(int&, char**&) {
-  if (has_companions())
+  if (launched_processes() > 1)
     throw Error(
         "started as one of several processes, but built without MPI; build with "
         "-DESES_WITH_MPI=ON");
@@ -30,6 +19,8 @@ Processes::~Processes() = default;
 
 void Processes::take_least(std::span<double>) const {}
 void Processes::take_largest(std::span<double>) const {}
+void Processes::take_least(std::span<std::uint64_t>) const {}
+void Processes::take_largest(std::span<std::uint64_t>) const {}
 void Processes::add(std::span<std::uint64_t>) const {}
 void Processes::add(std::span<double>) const {}
 std::uint64_t Processes::sum_before(std::uint64_t) const { return 0; }
@@ -38,8 +29,6 @@ std::string Processes::broadcast(std::string text, int) const { return text; }
 double Processes::hand_on(double value, const std::function<double(double)>& change) const {
   return change(value);
 }
-
-void Processes::wait_for_all() const {}
 
 Processes::Machine Processes::machine(int processors) const { return {1, processors}; }
 

@@ -7,6 +7,7 @@
 #include <cstdlib>
 #include <limits>
 
+#include "processes/launcher.hpp"
 #include "processes/mpi_errors.hpp"
 #include "processes/processes.hpp"
 
@@ -77,7 +78,13 @@ struct Layout {
 bool Processes::are_possible() { return true; }
 
 Processes::Processes(int& argc, char**& argv) {
-  if (!was_launched()) return;
+  if (!was_launched()) {
+    if (launched_processes() > 1)
+      throw Error(
+          "started as one of several processes, but MPI is not told of the others; with srun use "
+          "--mpi=pmix");
+    return;
+  }
   int provided = MPI_THREAD_SINGLE;
   MPI_Init_thread(&argc, &argv, MPI_THREAD_FUNNELED, &provided);
   MPI_Comm_set_errhandler(everyone, MPI_ERRORS_RETURN);
@@ -99,6 +106,14 @@ void Processes::take_least(std::span<double> values) const {
 
 void Processes::take_largest(std::span<double> values) const {
   if (count_ > 1) reduce(values, MPI_DOUBLE, MPI_MAX);
+}
+
+void Processes::take_least(std::span<std::uint64_t> values) const {
+  if (count_ > 1) reduce(values, MPI_UINT64_T, MPI_MIN);
+}
+
+void Processes::take_largest(std::span<std::uint64_t> values) const {
+  if (count_ > 1) reduce(values, MPI_UINT64_T, MPI_MAX);
 }
 
 void Processes::add(std::span<std::uint64_t> values) const {
@@ -138,10 +153,6 @@ double Processes::hand_on(double value, const std::function<double(double)>& cha
   return value;
 }
 
-void Processes::wait_for_all() const {
-  if (count_ > 1) require_success(MPI_Barrier(everyone), "wait");
-}
-
 // mpirun may have bound each process to processors of its own, or have left all of them to all.
 Processes::Machine Processes::machine(int processors) const {
   if (count_ == 1) return {1, processors};
@@ -158,7 +169,7 @@ Processes::Machine Processes::machine(int processors) const {
   MPI_Allreduce(MPI_IN_PLACE, &allowed, sizeof allowed, MPI_BYTE, MPI_BOR, machine);
   MPI_Comm_free(&machine);
   const int together = std::max(1, CPU_COUNT(&allowed));
-  return {processes, std::max(1, processors * together / all)};
+  return {processes, std::min(processors, std::max(1, own * together / all))};
 }
 
 void Processes::abort(int exit_code) const {

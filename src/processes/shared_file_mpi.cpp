@@ -27,7 +27,7 @@ SharedFile::SharedFile(const Processes& processes, OutputFile* file, const std::
     : processes_(processes), file_(file), name_(std::move(name)) {
   if (processes.count() == 1) return;
   handle_ = std::make_unique<Handle>();
-  // All open it, or none; where one could not, the others must not go on.
+  // All must be able to, or MPI waits for ever: see require_shared_directory.
   const int error =
       MPI_File_open(MPI_COMM_WORLD, path.c_str(), MPI_MODE_WRONLY, MPI_INFO_NULL, &handle_->file);
   processes.agree([&] { require(error, "open", name_); });
@@ -51,7 +51,8 @@ void SharedFile::write_at(std::span<const char> bytes, std::uint64_t offset) {
     int written = 0;
     MPI_Get_count(&status, MPI_BYTE, &written);
     if (written != static_cast<int>(part.size()))
-      throw Error(fmt::format("cannot write {}: only part of it was written", name_));
+      throw Error(fmt::format("cannot write {}{}: only part of it was written; is the disk full?",
+                              name_, processes_.place()));
     bytes = bytes.subspan(part.size());
     offset += part.size();
   }

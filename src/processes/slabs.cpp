@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <array>
-#include <cmath>
 #include <functional>
 #include <limits>
 #include <numeric>
@@ -115,7 +114,7 @@ std::vector<SentAtom> send_atoms(const AtomShare& share, const Plan& plan,
       if (slabs[part].is_empty()) continue;
       const bool matters =
           atom.center.z + reach >= boxes[part].low.z && atom.center.z - reach <= boxes[part].high.z;
-      // The first goes to all, so that no slab is without any.
+      // The first goes to all that have planes, so that none of these is without any.
       if (matters || number == 0) to[part].push_back({atom, share.lines[i], number});
     }
   }

@@ -19,22 +19,24 @@
 #include "run/resources.hpp"
 
 namespace eses {
+
+constexpr std::string_view gzip_suffix = ".gz";
+
+std::string text_file_name(const char* name, bool gzip) {
+  return fmt::format("{}{}", name, gzip ? gzip_suffix : "");
+}
+
 namespace {
 
 constexpr char residues_name[] = "residue_area.csv";
 constexpr char chains_name[] = "chain_area.csv";
-constexpr std::string_view gzip_suffix = ".gz";
-
-std::string text_name(const char* name, bool gzip) {
-  return fmt::format("{}{}", name, gzip ? gzip_suffix : "");
-}
 
 std::vector<std::string> text_names(const OutputChoice& choice, bool gzip) {
   std::vector<std::string> names;
-  if (choice.box) names.push_back(text_name(box_name, gzip));
-  if (choice.grid) names.push_back(text_name(grid_name, gzip));
-  if (choice.edges) names.push_back(text_name(edges_name, gzip));
-  if (choice.areas) names.push_back(text_name(areas_name, gzip));
+  if (choice.box) names.push_back(text_file_name(box_name, gzip));
+  if (choice.grid) names.push_back(text_file_name(grid_name, gzip));
+  if (choice.edges) names.push_back(text_file_name(edges_name, gzip));
+  if (choice.areas) names.push_back(text_file_name(areas_name, gzip));
   return names;
 }
 
@@ -239,7 +241,7 @@ void OutputFiles::open_directory(const OutputChoice& choice, const std::filesyst
   directory.emplace(path);
   directory->remove_abandoned(is_ours);
   const auto open = [&](std::optional<OutputFile>& file, const char* name) {
-    file.emplace(*directory, text_name(name, choice.gzip));
+    file.emplace(*directory, text_file_name(name, choice.gzip));
   };
   if (choice.box) open(box, box_name);
   if (choice.grid) open(grid, grid_name);

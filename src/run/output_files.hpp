@@ -20,6 +20,9 @@ inline constexpr char grid_name[] = "grid_info.txt";
 inline constexpr char edges_name[] = "intersection_info.txt";
 inline constexpr char areas_name[] = "partition_area.txt";
 
+/// Of one of them, plain or gzipped.
+std::string text_file_name(const char* name, bool gzip);
+
 /// Where a run that may be resumed keeps what is done, in its output directory.
 inline constexpr char resume_name[] = ".eses-blocks.resume";
 

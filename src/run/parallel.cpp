@@ -34,4 +34,8 @@ void parallel_for(std::int64_t count, int threads,
   if (failure) std::rethrow_exception(failure);
 }
 
+void start_threads(int threads) {
+  parallel_for(threads, threads, [](std::int64_t, int) {});
+}
+
 }  // namespace eses

@@ -10,6 +10,9 @@ namespace eses {
 /// respected.
 int available_threads();
 
+/// Starts the threads. OpenMP ends the process if it cannot: better before there are files.
+void start_threads(int threads);
+
 /// Calls `body(index, thread)` once for every index in [0, count), in about ascending order, from
 /// `threads` threads. An exception ends the loop as soon as all threads notice, and is thrown on.
 void parallel_for(std::int64_t count, int threads,

@@ -18,6 +18,9 @@ std::uint64_t available_memory();
 std::uint64_t resident_memory();
 std::uint64_t peak_memory();
 
+/// Gives freed memory back to the system; glibc would keep it for each thread.
+void release_free_memory();
+
 /// Throws Error if the process holds more than `max_memory`, unless that is 0: it was expected to
 /// hold less.
 void require_memory_within(std::uint64_t max_memory);

@@ -1,7 +1,5 @@
 #include "eses/run.hpp"
 
-#include <malloc.h>
-
 #include <algorithm>
 #include <optional>
 #include <utility>
@@ -31,18 +29,6 @@ std::vector<double> atom_areas(const Tally& tally, double spacing) {
   for (std::size_t i = 0; i < areas.size(); ++i)
     areas[i] = atom_area(tally.atom_shares[i], spacing);
   return areas;
-}
-
-// OpenMP ends the process if it cannot start a thread: better before there are files.
-void start_threads(int threads) {
-  parallel_for(threads, threads, [](std::int64_t, int) {});
-}
-
-// Gives the scratch of the patches back to the system; glibc would keep it for each thread.
-void release_free_memory() {
-#ifdef __GLIBC__
-  malloc_trim(0);
-#endif
 }
 
 OrderedOutput::WriteAt text_sink(std::optional<OutputFile>& file) {

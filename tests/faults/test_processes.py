@@ -58,7 +58,7 @@ class Processes(FaultTest):
         for folder in (self.output, self.alone):
             shutil.rmtree(folder, ignore_errors=True)
 
-    def big_run(self, spacing="0.08", chosen="areas"):
+    def big_run(self, spacing="0.05", chosen="areas"):
         path = self.folder / "big.xyzr"
         path.write_text("".join(f"{x * 3} {y * 3} {z * 3} 1.7\n"
                                 for x in range(14) for y in range(14) for z in range(40)))
@@ -229,6 +229,49 @@ class Failure(Processes):
     def test_directory_that_cannot_be_made(self):
         self.output.write_text("a file")
         self.assertEnded(self.run_together(2, SMALL), "cannot write into")
+
+    def run_with_other_place(self, place, content):
+        """Two processes, the second of which sees a file system of its own at `place`."""
+        body = (f"mount -t tmpfs none {place} && "
+                f"{{ [ -z '{content}' ] || echo '{content}' > {place}/in.xyzr; }} && ")
+        wrapper = write_program(
+            self.folder / "elsewhere",
+            "if [ \"$OMPI_COMM_WORLD_RANK$PMI_RANK\" = 1 ]; then\n"
+            f"  exec unshare -m sh -c \"{body}exec {PROGRAM} \\\"\\$@\\\"\" sh \"$@\"\nfi\n"
+            f"exec {PROGRAM} \"$@\"\n")
+        if subprocess.run(["unshare", "-m", "true"], capture_output=True,
+                          check=False).returncode != 0:
+            self.skipTest("may not have mounts of its own")
+        folder = self.folder / "input"
+        folder.mkdir(exist_ok=True)
+        shutil.copy(SMALL, folder / "in.xyzr")
+        self.output.mkdir(exist_ok=True)
+        return self.run_together(2, folder / "in.xyzr", program=wrapper)
+
+    def test_machines_with_other_directories(self):
+        self.assertEnded(self.run_with_other_place(self.output, ""), "same directory")
+        self.assertNothing()
+
+    def test_machines_with_other_files(self):
+        done = self.run_with_other_place(self.folder / "input", "")
+        self.assertEnded(done, "in.xyzr")
+        done = self.run_with_other_place(self.folder / "input", "1 2 3 4")
+        self.assertEnded(done, "not the file that the first process reads")
+
+    def test_killed_while_files_are_joined(self):
+        arguments = self.big_run("0.1", "edges")
+        launched = self.start_together(3, *arguments)
+        wait_for(lambda: launched.poll() is not None or any(
+            name.startswith(".intersection_info") and (self.output / name).stat().st_size > 0
+            for name in self.all_files()))
+        victims = self.processes_of(launched)
+        if len(victims) != 3:
+            self.skipTest("it was over too soon")
+        os.kill(victims[1], signal.SIGKILL)
+        begin = time.monotonic()
+        self.assertNotEqual(self.finish(launched).returncode, 0)
+        self.assertLess(time.monotonic() - begin, 3 * PROMPT)
+        self.assertEqual([n for n in self.all_files() if not n.startswith(".")], [])
 
     def test_full_disk(self):
         """In whichever process, while pieces are written, and while they are joined."""

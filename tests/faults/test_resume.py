@@ -69,19 +69,31 @@ class Resume(FaultTest):
         self.assertGreater(len(self.pieces()), 0)
         self.assertSame(SMALL, "-q", "--spacing", "0.4", "-b", "17", "-t", "1")
 
+    def times(self):
+        return {name: (self.output / PIECES / name).stat().st_mtime_ns for name in self.pieces()}
+
     @needs_library
     def test_what_is_done_is_not_done_again(self):
-        """A piece with another sum: it must be found in the files."""
         self.assertTrue(self.cut_off(20))
-        name = self.pieces()[0].removesuffix(".sums") + ".edges"
-        path = self.output / PIECES / name
+        first = self.times()
+        self.assertGreater(len(first), 0)
+        self.assertTrue(self.cut_off(8))
+        second = self.times()
+        self.assertGreater(len(second), len(first))
+        for name, time_ in first.items():
+            self.assertEqual(second[name], time_)
+
+    @needs_library
+    def test_altered_text(self):
+        """It is as long as it was, and found all the same."""
+        self.assertTrue(self.cut_off(20))
+        path = self.output / PIECES / (self.pieces()[0].removesuffix(".sums") + ".grid")
         text = path.read_bytes()
-        if not text:
-            self.skipTest("the first piece has no edges")
-        path.write_bytes(text.replace(b"0", b"7", 1))
-        self.assertDone(self.run_program(*RUN, "--resume"))
-        self.assertNotEqual(self.contents()["intersection_info.txt"],
-                            self.reference["intersection_info.txt"])
+        path.write_bytes(text[:-2] + bytes([text[-2] ^ 1]) + text[-1:])
+        self.assertFailed(self.run_program(*RUN, "--resume"), "damaged")
+        self.assertEqual([n for n in self.all_files() if not n.startswith(".")], [])
+        (self.output / PIECES / self.pieces()[0]).unlink()
+        self.assertSame()
 
     @needs_library
     def test_gzip(self):
@@ -100,28 +112,51 @@ class Resume(FaultTest):
                           (*RUN, "--probe-radius", "1.5"), (*RUN, "--write", "edges"),
                           (DATA / "1ubq.xyzr", *RUN[1:])):
             with self.subTest(arguments=arguments):
-                before = self.all_files(self.output / PIECES)
+                before = self.pieces()
                 self.assertFailed(self.run_program(*arguments, "--resume"), "cannot resume")
-                self.assertEqual(self.all_files(self.output / PIECES), before)
+                self.assertEqual(self.pieces(), before)
         self.assertSame()
 
     @needs_library
-    def test_damaged_piece(self):
-        for damage in (lambda bytes_: bytes_[:-1], lambda bytes_: bytes_ + b"x",
-                       lambda bytes_: bytes_[:40] + bytes([bytes_[40] ^ 1]) + bytes_[41:]):
-            self.assertTrue(self.cut_off(20))
-            path = self.output / PIECES / self.pieces()[-1]
-            path.write_bytes(damage(path.read_bytes()))
-            self.assertFailed(self.run_program(*RUN, "--resume"), "damaged")
-            self.assertEqual([n for n in self.all_files() if not n.startswith(".")], [])
-            shutil.rmtree(self.output / PIECES)
+    def test_damaged_pieces_are_done_again(self):
+        for suffix, damage in ((".sums", lambda old: old[:-1]), (".sums", lambda old: old + b"x"),
+                               (".sums", lambda old: old[:40] + bytes([old[40] ^ 1]) + old[41:]),
+                               (".grid", lambda old: old[:-5]), (".edges", lambda old: old + b"x")):
+            with self.subTest(suffix=suffix):
+                self.assertTrue(self.cut_off(20))
+                path = self.output / PIECES / (self.pieces()[-1].removesuffix(".sums") + suffix)
+                path.write_bytes(damage(path.read_bytes()))
+                self.assertSame()
+                self.put({})
 
     @needs_library
-    def test_text_that_has_become_shorter(self):
-        self.assertTrue(self.cut_off(20))
-        path = self.output / PIECES / (self.pieces()[0].removesuffix(".sums") + ".grid")
-        path.write_bytes(path.read_bytes()[:-5])
-        self.assertFailed(self.run_program(*RUN, "--resume"), "cannot")
+    def test_two_at_once(self):
+        for chosen in ("edges", "none"):
+            arguments = (*RUN, "--write", chosen, "--resume")
+            first = self.stop_at("write 12", *arguments)
+            self.assertFailed(self.run_program(*arguments), "another run is writing there")
+            first.kill()
+            first.wait()
+            self.assertDone(self.run_program(*arguments))
+            self.put({})
+
+    def test_no_file_at_all(self):
+        """And then something else."""
+        self.assertDone(self.run_program(*RUN, "--write", "none", "--resume"))
+        self.assertEqual(self.all_files(), [])
+        self.assertSame()
+
+    def test_pipe(self):
+        pipe = self.folder / "pipe.xyzr"
+        os.mkfifo(pipe)
+        program = self.start(pipe, *RUN[1:], "--resume")
+        pipe.write_bytes(SMALL.read_bytes())
+        self.assertDone(self.finish(program))
+        self.assertEqual(self.contents(), self.reference)
+
+    def test_dry_run(self):
+        self.assertDone(self.run_program(*RUN, "--resume", "--dry-run"))
+        self.assertEqual(self.all_files(), [])
 
     @needs_library
     def test_run_without_it(self):
