@@ -22,7 +22,7 @@ struct BlockResult {
   /// Of edges between points that the block knows, but nobody owns: see solve_block_for_mesh.
   std::vector<Crossing> far_crossings;
   std::vector<std::uint32_t> far_row_begin;  ///< per row [z][y] of all points; or empty
-  double seconds = 0;                    ///< that solving it took
+  double seconds = 0;                        ///< that solving it took
 };
 
 /// Scratch memory and sums of one thread.
