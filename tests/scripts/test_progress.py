@@ -1,0 +1,82 @@
+"""The progress bar, on a terminal of the test's own."""
+
+import fcntl
+import os
+import pty
+import re
+import select
+import struct
+import subprocess
+import termios
+import unittest
+
+from support import PROGRAM, TestCase
+
+WIDTH = 70
+
+
+class Bar(TestCase):
+    def setUp(self):
+        super().setUp()
+        self.input = self.folder / "many.xyzr"
+        self.input.write_text("".join(f"{x * 3} {y * 3} {z * 3} 1.7\n" for x in range(16)
+                                      for y in range(16) for z in range(16)))
+
+    def run_on_terminal(self, *options, term="xterm"):
+        """What stands on standard output, and what was sent to the terminal."""
+        master, slave = pty.openpty()
+        fcntl.ioctl(slave, termios.TIOCSWINSZ, struct.pack("HHHH", 24, WIDTH, 0, 0))
+        program = subprocess.Popen(
+            [PROGRAM, self.input, "--spacing", "0.1", "--write", "areas", "-b", "17", "-t", "1",
+             "-o", self.folder / "out", *options],
+            stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=slave,
+            env={**os.environ, "TERM": term}, text=True)
+        os.close(slave)
+        sent = b""
+        while select.select([master], [], [], 120)[0]:
+            try:
+                part = os.read(master, 1 << 16)
+            except OSError:  # the program has closed its side
+                break
+            if not part:
+                break
+            sent += part
+        os.close(master)
+        printed = program.communicate()[0]
+        self.assertEqual(program.returncode, 0, sent)
+        return printed, sent.decode()
+
+    def test_grows_and_goes(self):
+        printed, sent = self.run_on_terminal()
+        self.assertIn("surface area: ", printed)
+        self.assertNotIn("\r", printed)
+        lines = sent.split("\r")
+        shares = [int(found[1]) for found in (re.match(r" *(\d+)% \[#* *\] +\d+/\d+ blocks", line)
+                                              for line in lines) if found]
+        self.assertGreater(len(shares), 3)
+        self.assertEqual(shares, sorted(shares))
+        self.assertIn(" left", sent)
+        self.assertLess(max(len(line) for line in lines), WIDTH)
+        # In the end the line is blank, and the cursor at its start.
+        self.assertEqual(lines[-1], "")
+        self.assertEqual(lines[-2].strip(), "")
+
+    def test_of_checks(self):
+        sent = self.run_on_terminal("--verify=200000")[1]
+        self.assertRegex(sent, r"\d+/\d+ checks")
+
+    def test_of_runs_that_can_be_resumed(self):
+        self.assertRegex(self.run_on_terminal("--resume")[1], r"\d+/\d+ blocks")
+
+    def test_not_where_it_is_not_wanted(self):
+        self.assertEqual(self.run_on_terminal("--quiet")[1], "")
+        self.assertNotIn("%", self.run_on_terminal(term="dumb")[1])
+
+    def test_plan_beside_json(self):
+        printed, sent = self.run_on_terminal("--json")
+        self.assertTrue(printed.startswith("{"))
+        self.assertIn("grid: ", sent)
+
+
+if __name__ == "__main__":
+    unittest.main()
