@@ -28,7 +28,6 @@ void refuse_what_cannot_be_joined(const Options& options, const Processes& proce
   if (outputs.mesh) refuse("--mesh");
   if (!outputs.inside_map.empty()) refuse("--inside");
   if (outputs.residues) refuse("--write residues");
-  if (options.parameters.verify > 0) refuse("--verify");
 }
 
 JointTask task_of(const Options& options) {
@@ -72,14 +71,20 @@ JointSummary run_with_progress(const JointTask& task, const JointPlan& plan, boo
   if (!is_quiet && processes.is_first() && ProgressBar::is_possible()) bar.emplace();
   const JointPaths paths = joint_paths(task, processes);
   InterruptibleRun interruptible(paths.temporaries, paths.locks);
+  // Each call of the second follows one of the first.
+  bool is_verifying = false;
+  const auto show_blocks = [&](std::int64_t done, std::int64_t total) {
+    interruptible.check();
+    if (bar && !is_verifying) bar->show({done, total});
+    is_verifying = false;
+  };
+  const auto show_checks = [&](std::int64_t done, std::int64_t total) {
+    is_verifying = true;
+    if (bar) bar->show({done, total, "checks"});
+  };
   try {
-    JointSummary joint = run_jointly(task, plan, paths,
-                                     {.progress =
-                                          [&](std::int64_t done, std::int64_t total) {
-                                            interruptible.check();
-                                            if (bar) bar->show({done, total});
-                                          }},
-                                     processes);
+    JointSummary joint = run_jointly(
+        task, plan, paths, {.progress = show_blocks, .verification = show_checks}, processes);
     interruptible.check();
     return joint;
   } catch (const SharedError&) {
@@ -120,8 +125,9 @@ int compute_jointly(const Options& options, const Processes& processes) {
   speak(processes, [&] {
     print(final_text(report));
     warn_if_empty(report);
+    for (const std::string& fault : fault_lines(report.summary)) complain("error", fault);
   });
-  return exit_done;
+  return exit_code(report.summary);
 }
 
 }  // namespace eses::cli

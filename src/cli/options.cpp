@@ -66,7 +66,7 @@ Exit codes:
   129, 130, 143  ended by SIGHUP, SIGINT or SIGTERM
 
 Several processes (mpirun -n 4 eses-blocks ..., if built with MPI) share one run and write the
-same files; no mesh, map, residues or --verify then.
+same files; no mesh, map or residues then.
 
 Environment:
   OMP_NUM_THREADS             most threads, where --threads is not given

@@ -10,6 +10,7 @@
 #include <array>
 #include <bit>
 #include <cerrno>
+#include <cmath>
 #include <functional>
 #include <memory>
 #include <optional>
@@ -33,6 +34,7 @@
 #include "run/plan.hpp"
 #include "run/resources.hpp"
 #include "run/short_file.hpp"
+#include "run/verifier.hpp"
 #include "solve/stopwatch.hpp"
 
 namespace eses {
@@ -147,9 +149,13 @@ std::vector<PlaneRange> pieces_to_do(const JointTask& task, const JointPlan& pla
 // A process's part in a run, up to what is to be joined.
 class SlabRun {
  public:
-  SlabRun(const JointTask& task, const JointPlan& plan, const Callbacks& callbacks)
+  SlabRun(const JointTask& task, const JointPlan& plan, const Callbacks& callbacks,
+          const Processes& processes)
       : task_(task),
         plan_(plan),
+        callbacks_(callbacks),
+        share_(processes.share_of(static_cast<std::uint64_t>(task.parameters.verify), 1,
+                                  processes.rank())),
         to_do_(pieces_to_do(task, plan)),
         report_(callbacks.progress, count_blocks()) {}
 
@@ -180,6 +186,35 @@ class SlabRun {
     for (const PlaneRange& planes : to_do_)
       blocks += slab_tiling(plan_.whole, plan_.own.tiling.block_size, planes).block_count();
     return blocks;
+  }
+
+  // A piece's share of this process's share of what is to be verified.
+  std::int64_t checks_of(const PlaneRange& planes) const {
+    const auto up_to = [&](std::int64_t plane) {
+      std::int64_t done = 0;
+      for (const PlaneRange& piece : to_do_)
+        done += std::clamp(plane, piece.begin, piece.end) - piece.begin;
+      return static_cast<double>(done);
+    };
+    const auto checks = static_cast<double>(share_.end - share_.begin);
+    const double all = up_to(to_do_.back().end);
+    return std::llround(checks * up_to(planes.end) / all) -
+           std::llround(checks * up_to(planes.begin) / all);
+  }
+
+  // False if there are faults: nothing is to be kept then.
+  bool verify(Verifier& verifier, Summary& summary) {
+    const Stopwatch watch;
+    const Verification found = verifier.check([this](std::int64_t done, std::int64_t all) {
+      report_.check();
+      if (callbacks_.verification) callbacks_.verification(done, all);
+    });
+    summary.seconds.verify += watch.seconds();
+    Verification& sum = *summary.verification;
+    sum.points += found.points;
+    sum.edges += found.edges;
+    sum.faults.insert(sum.faults.end(), found.faults.begin(), found.faults.end());
+    return found.faults.empty();
   }
 
   std::vector<PieceText> chosen_texts() const {
@@ -217,6 +252,10 @@ class SlabRun {
     if (task_.outputs.edges) sinks.edges = into(PieceText::edges);
     sinks.gzip = task_.outputs.gzip;
     sinks.atom_numbers = plan_.slab.numbers;
+    plan.parameters.verify = checks_of(planes);
+    std::optional<Verifier> verifier;
+    if (plan.parameters.verify > 0)
+      sinks.verifier = &verifier.emplace(plan_.slab.molecule.atoms(), plan);
     Pipeline pipeline(surface, plan, std::move(sinks), report_);
     if (planes.begin > plan_.whole.tiling.region.begin[2]) pipeline.solve_plane_below();
     pipeline.run();
@@ -227,7 +266,8 @@ class SlabRun {
     const auto& shares = sums.tally.atom_shares;
     for (std::size_t i = 0; i < shares.size(); ++i)
       if (shares[i] != 0) piece.sums.push_back({shares[i], plan_.slab.numbers[i]});
-    if (!plan_.store) return piece;
+    const bool is_right = !verifier || verify(*verifier, summary);
+    if (!plan_.store || !is_right) return piece;
     for (std::size_t text = 0; text < piece_texts; ++text)
       piece.info.checksums[text] = checksums[text].value();
     plan_.store->finish(std::move(piece));
@@ -236,6 +276,8 @@ class SlabRun {
 
   const JointTask& task_;
   const JointPlan& plan_;
+  const Callbacks& callbacks_;
+  Processes::Share share_;  // of what is to be verified
   std::vector<PlaneRange> to_do_;
   ProgressReport report_;
 };
@@ -417,18 +459,55 @@ double cpu_seconds() {
   return seconds(usage.ru_utime) + seconds(usage.ru_stime);
 }
 
+// Those of process `from`, known to all.
+std::vector<std::string> broadcast_lines(const std::vector<std::string>& own, int from,
+                                         const Processes& processes) {
+  std::string text;
+  if (processes.rank() == from)
+    for (const std::string& line : own) text += line + '\0';
+  text = processes.broadcast(std::move(text), from);
+  std::vector<std::string> lines;
+  for (std::size_t begin = 0; begin < text.size(); begin = text.find('\0', begin) + 1)
+    lines.emplace_back(text.c_str() + begin);
+  return lines;
+}
+
 // Wall clocks are those of the slowest process, times of threads are added up.
 void share_seconds(PhaseSeconds& seconds, const Processes& processes) {
-  std::array largest{seconds.patches, seconds.blocks, seconds.total};
+  std::array largest{seconds.patches, seconds.blocks, seconds.verify, seconds.total};
   processes.take_largest(largest);
   seconds.patches = largest[0];
   seconds.blocks = largest[1];
-  seconds.total = largest[2];
+  seconds.verify = largest[2];
+  seconds.total = largest[3];
   std::array sums{seconds.classify, seconds.intersect, seconds.output};
   processes.add(std::span<double>(sums));
   seconds.classify = sums[0];
   seconds.intersect = sums[1];
   seconds.output = sums[2];
+}
+
+// What all have found, in the order of their slabs.
+void share_verification(Verification& found, const Processes& processes) {
+  found.points = static_cast<std::int64_t>(processes.sum(static_cast<std::uint64_t>(found.points)));
+  found.edges = static_cast<std::int64_t>(processes.sum(static_cast<std::uint64_t>(found.edges)));
+  if (processes.sum(found.faults.size()) == 0) return;
+  std::vector<std::string> all;
+  for (int rank = 0; rank < processes.count(); ++rank) {
+    const std::vector<std::string> lines = broadcast_lines(found.faults, rank, processes);
+    all.insert(all.end(), lines.begin(), lines.end());
+  }
+  found.faults = std::move(all);
+}
+
+void finish(const Stopwatch& total, const JointPlan& plan, JointSummary& joint,
+            const Processes& processes) {
+  PhaseSeconds& seconds = joint.summary.seconds;
+  seconds.total = total.seconds();
+  share_seconds(seconds, processes);
+  const ProcessFigures own{plan.slab.planes, plan.slab.numbers.size(), cpu_seconds(),
+                           peak_memory()};
+  joint.processes = processes.gather<ProcessFigures>({&own, 1});
 }
 
 }  // namespace
@@ -461,13 +540,7 @@ JointPlan plan_jointly(const JointTask& task, const Processes& processes) {
 
 JointPaths joint_paths(const JointTask& task, const Processes& processes) {
   const auto share = [&](const std::vector<std::string>& own) {
-    std::string text;
-    for (const std::string& path : own) text += path + '\0';
-    text = processes.broadcast(std::move(text));
-    std::vector<std::string> paths;
-    for (std::size_t begin = 0; begin < text.size(); begin = text.find('\0', begin) + 1)
-      paths.emplace_back(text.c_str() + begin);
-    return paths;
+    return broadcast_lines(own, 0, processes);
   };
   return {share(temporary_paths(task.outputs, task.output_directory)),
           share(lock_paths(task.outputs, task.output_directory)),
@@ -494,8 +567,10 @@ JointSummary run_jointly(const JointTask& task, const JointPlan& plan, const Joi
 
   JointSummary joint;
   Summary& summary = joint.summary;
-  SlabRun slab(task, plan, callbacks);
+  if (task.parameters.verify > 0) summary.verification.emplace();
+  SlabRun slab(task, plan, callbacks, processes);
   std::vector<Piece> pieces = slab.solve(summary);
+  if (summary.verification) share_verification(*summary.verification, processes);
   // What was there before, in turn.
   const auto rank = static_cast<std::size_t>(processes.rank());
   for (std::size_t i = rank; i < plan.done.size(); i += static_cast<std::size_t>(processes.count()))
@@ -503,6 +578,10 @@ JointSummary run_jointly(const JointTask& task, const JointPlan& plan, const Joi
   Join join(task, plan, paths, processes, [&] { slab.check(); });
   join.take(std::move(pieces));
   fill_totals(join.totals(), plan.whole.grid.spacing, summary);
+  if (summary.verification && !summary.verification->faults.empty()) {
+    finish(total, plan, joint, processes);
+    return joint;
+  }
   if (task.outputs.grid)
     summary.bytes_written += join.join_texts(file(&OutputFiles::grid), grid_name, PieceText::grid);
   if (task.outputs.edges)
@@ -518,11 +597,7 @@ JointSummary run_jointly(const JointTask& task, const JointPlan& plan, const Joi
     if (plan.store) plan.store->remove();
   });
   summary.bytes_written += processes.sum(box_bytes);
-  summary.seconds.total = total.seconds();
-  share_seconds(summary.seconds, processes);
-  const ProcessFigures own{plan.slab.planes, plan.slab.numbers.size(), cpu_seconds(),
-                           peak_memory()};
-  joint.processes = processes.gather<ProcessFigures>({&own, 1});
+  finish(total, plan, joint, processes);
   return joint;
 }
 

@@ -175,6 +175,13 @@ class Identity(Processes):
             self.assertLess(share["atoms"], 2000 / 4 + 100)
         self.assertLess(max(p["planes"] for p in shares), 1.1 * 2000 / 4)
 
+    def test_verification(self):
+        """Together as many points and edges as one process checks, and the same files."""
+        self.assertSame(3, DATA / "1ubq.xyzr", "--spacing", "0.5", options=("--verify",))
+        done = self.run_together(3, DATA / "1ubq.xyzr", "--verify=500", "--json")
+        self.assertEqual(json.loads(done.stdout)["verification"],
+                         {"points": 500, "edges": 500, "faults": []})
+
     def test_dry_run(self):
         alone = self.run_alone(SMALL, "--dry-run", "--json")
         done = self.run_together(2, SMALL, "--dry-run", "--json")
@@ -210,7 +217,7 @@ class Failure(Processes):
 
     def test_usage(self):
         self.assertEnded(self.run_together(2, SMALL, "--spacing", "x"), "--spacing", code=2)
-        for option in (("--mesh", self.folder / "x.ply"), ("--inside", "x.dx"), ("--verify",),
+        for option in (("--mesh", self.folder / "x.ply"), ("--inside", "x.dx"),
                        ("--write", "residues")):
             self.assertEnded(self.run_together(2, SMALL, *option), option[0], code=2)
 

@@ -96,6 +96,18 @@ class Resume(FaultTest):
         self.assertSame()
 
     @needs_library
+    def test_verification(self):
+        """Of what is still to be done."""
+        self.assertTrue(self.cut_off(20, *RUN, "--verify=300"))
+        kept = len(self.pieces())
+        self.assertGreater(kept, 0)
+        done = self.run_program(*[part for part in RUN if part != "-q"], "--resume",
+                                "--verify=300")
+        self.assertDone(done)
+        self.assertIn("verified: 300 points, 300 edges; 0 faults", done.stdout)
+        self.assertEqual(self.contents(), self.reference)
+
+    @needs_library
     def test_gzip(self):
         arguments = (*RUN, "--gzip")
         self.assertDone(self.run_program(*arguments))
@@ -188,7 +200,7 @@ class Resume(FaultTest):
         self.assertEqual(self.contents(), resumed)
 
     def test_what_cannot_be_resumed(self):
-        for option in (("--mesh", self.folder / "x.ply"), ("--inside", "x.dx"), ("--verify",),
+        for option in (("--mesh", self.folder / "x.ply"), ("--inside", "x.dx"),
                        ("--write", "residues")):
             done = self.run_program(*RUN, "--resume", *option)
             self.assertEqual(done.returncode, 2, done)
