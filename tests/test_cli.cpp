@@ -1,5 +1,6 @@
 // The real program: command line, exit codes, both reports, and what goes to which stream.
 
+#include <fmt/format.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -602,10 +603,8 @@ TEST_CASE("what is planned bounds what long names of residues take", "[cli]") {
   // Every atom is a residue and a chain of its own.
   std::string text;
   for (int i = 0; i < 27000; ++i) {
-    const std::string number = std::to_string(i);
-    text += "ATOM 1 C R" + std::string(40, 'r') + number + " C" + std::string(50, 'c') + number +
-            " " + number + " " + std::to_string(9 * (i % 30)) + " " +
-            std::to_string(9 * (i / 30 % 30)) + " " + std::to_string(9 * (i / 900)) + " 0 1.5\n";
+    text += fmt::format("ATOM 1 C R{0:r>45} C{0:c>55} {0} {1} {2} {3} 0 1.5\n", i, 9 * (i % 30),
+                        9 * (i / 30 % 30), 9 * (i / 900));
   }
   write_file(sandbox.directory() / "names.pqr", text);
   for (const Arguments& outputs : {Arguments{"--mesh", "a.ply"}, Arguments{"--write", "residues"},

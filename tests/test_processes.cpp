@@ -59,6 +59,7 @@ TEST_CASE("costs are cut into parts of equal sums", "[processes]") {
 
 TEST_CASE("no part costs more than its share and one cost", "[processes]") {
   std::vector<double> costs;
+  costs.reserve(1000);
   for (int i = 0; i < 1000; ++i) costs.push_back(1 + i * 7919 % 101);
   const double sum = std::accumulate(costs.begin(), costs.end(), 0.0);
   for (const int parts : {1, 2, 3, 7, 64, 999}) {

@@ -259,7 +259,7 @@ std::string output_json(const Report& report) {
 }
 
 std::string workers_text(const Report& report) {
-  const std::string threads = counted(report.plan.threads, "thread");
+  std::string threads = counted(report.plan.threads, "thread");
   if (report.processes.size() < 2) return threads;
   return fmt::format("{} processes of {}", report.processes.size(), threads);
 }

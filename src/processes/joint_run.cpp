@@ -295,6 +295,7 @@ class Join {
       return a.planes.begin < b.planes.begin;
     };
     std::vector<PieceInfo> infos;
+    infos.reserve(own.size());
     for (const Piece& piece : own) infos.push_back(piece.info);
     all_ = processes_.gather<PieceInfo>(infos);
     std::sort(all_.begin(), all_.end(), by_planes);
@@ -529,8 +530,8 @@ JointPlan plan_jointly(const JointTask& task, const Processes& processes) {
     done = plan.store->complete();
   });
   plan.done = processes.gather<PlaneRange>(done);
-  SharedMolecule shared =
-      share_molecule(std::move(share), plan.whole, task.outputs, plan.done, processes);
+  SharedMolecule shared = share_molecule(share, plan.whole, task.outputs, plan.done, processes);
+  share = {};
   plan.slab = std::move(shared.slab);
   plan.odd = std::move(shared.odd);
   plan.own = plan_slab(task, plan, processes);

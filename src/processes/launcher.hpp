@@ -2,6 +2,7 @@
 /// What started this process, as far as the environment tells.
 
 #include <cstdlib>
+#include <initializer_list>
 
 namespace eses {
 

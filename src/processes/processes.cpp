@@ -36,7 +36,7 @@ void Processes::agree(const std::function<void()>& action) const {
   } catch (const Error& error) {
     failure = error.what();
   }
-  std::uint64_t first = static_cast<std::uint64_t>(failure ? rank_ : count_);
+  auto first = static_cast<std::uint64_t>(failure ? rank_ : count_);
   take_least(std::span(&first, 1));
   if (first == static_cast<std::uint64_t>(count_)) return;
   throw SharedError(broadcast(failure.value_or(""), static_cast<int>(first)));

@@ -29,7 +29,7 @@ class Processes {
   /// that is impossible, and if there are others, but the program was built without MPI.
   Processes(int& argc, char**& argv);
   /// Leaves them; they must not be in need of this one any more.
-  ~Processes();
+  ~Processes();  // NOLINT(performance-trivially-destructible): with MPI it is not
   Processes(const Processes&) = delete;
   Processes& operator=(const Processes&) = delete;
 
@@ -109,6 +109,7 @@ std::vector<T> Processes::exchange(std::vector<std::vector<T>> to) const {
   if (count_ == 1) return std::move(to.front());
   std::vector<std::uint64_t> counts;
   std::vector<T> sent;
+  counts.reserve(to.size());
   for (const auto& part : to) counts.push_back(part.size());
   sent.reserve(std::accumulate(counts.begin(), counts.end(), std::uint64_t{0}));
   for (auto& part : to) {

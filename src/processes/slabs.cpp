@@ -147,7 +147,8 @@ NumberedSlab gather_slab(const AtomShare& share, const Plan& plan,
                          std::span<const PlaneRange> slabs, const Processes& processes) {
   std::vector<SentAtom> sent = send_atoms(share, plan, slabs, processes);
   NumberedSlab numbered;
-  auto& [slab, lines] = numbered;
+  SlabShare& slab = numbered.share;
+  std::vector<std::uint64_t>& lines = numbered.lines;
   const auto part = static_cast<std::size_t>(processes.rank());
   slab.planes = slabs[part];
   processes.agree([&] {
@@ -274,7 +275,7 @@ std::vector<PlaneRange> remaining(const PlaneRange& planes, std::span<const Plan
   return left;
 }
 
-SharedMolecule share_molecule(AtomShare share, const Plan& plan, const OutputChoice& outputs,
+SharedMolecule share_molecule(const AtomShare& share, const Plan& plan, const OutputChoice& outputs,
                               std::span<const PlaneRange> done, const Processes& processes) {
   const Bins bins(plan);
   const std::vector<double> atoms = count_atoms(share, bins, processes);

@@ -52,8 +52,8 @@ struct SharedMolecule {
 
 /// To be called by all processes, for a plan that has its grid and region: gives each a slab of the
 /// region. Costs are estimated from a sample of the atoms' patches; planes in `done` (ascending,
-/// disjoint) cost nothing. `share` is used up.
-SharedMolecule share_molecule(AtomShare share, const Plan& plan, const OutputChoice& outputs,
+/// disjoint) cost nothing.
+SharedMolecule share_molecule(const AtomShare& share, const Plan& plan, const OutputChoice& outputs,
                               std::span<const PlaneRange> done, const Processes& processes);
 
 /// Where in space the planes are, with the one below them, which their points have for neighbours.
