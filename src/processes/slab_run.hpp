@@ -1,0 +1,44 @@
+#pragma once
+/// A process's part in a joint run, up to what is to be joined.
+
+#include <cstdint>
+#include <vector>
+
+#include "processes/joint_run.hpp"
+#include "processes/pieces.hpp"
+#include "processes/processes.hpp"
+#include "run/progress_report.hpp"
+#include "run/verifier.hpp"
+#include "surface/patches.hpp"
+
+namespace eses {
+
+class SlabRun {
+ public:
+  /// Keeps references to all but `processes`.
+  SlabRun(const JointTask& task, const JointPlan& plan, const Callbacks& callbacks,
+          const Processes& processes);
+
+  /// Makes the pieces of the slab that are not done, and adds what they took, and what their
+  /// verification finds, to the summary.
+  std::vector<Piece> solve(Summary& summary);
+
+  /// Lets the callback end the run.
+  void check() { report_.check(); }
+
+ private:
+  std::int64_t count_blocks() const;
+  std::int64_t checks_of(const PlaneRange& planes) const;
+  bool verify(Verifier& verifier, Summary& summary);
+  Piece new_piece(const PlaneRange& planes) const;
+  Piece solve(const Surface& surface, const PlaneRange& planes, Summary& summary);
+
+  const JointTask& task_;
+  const JointPlan& plan_;
+  const Callbacks& callbacks_;
+  Processes::Share share_;  // of what is to be verified
+  std::vector<PlaneRange> to_do_;
+  ProgressReport report_;
+};
+
+}  // namespace eses
