@@ -14,8 +14,6 @@
 namespace eses {
 namespace {
 
-const MPI_Comm everyone = MPI_COMM_WORLD;  // no constant expression in Open MPI
-
 // Without a launcher MPI would start, for no gain, in a fifth of a second.
 bool was_launched() {
   constexpr std::array names{"OMPI_COMM_WORLD_SIZE", "PMI_SIZE", "PMI_RANK", "PMIX_RANK"};
@@ -39,7 +37,7 @@ int small_count(std::uint64_t count) {
 template <class Value>
 void reduce(std::span<Value> values, MPI_Datatype type, MPI_Op operation) {
   require_success(MPI_Allreduce(MPI_IN_PLACE, values.data(), small_count(values.size()), type,
-                                operation, everyone),
+                                operation, MPI_COMM_WORLD),
                   "reduce");
 }
 
@@ -87,9 +85,9 @@ Processes::Processes(int& argc, char**& argv) {
   }
   int provided = MPI_THREAD_SINGLE;
   MPI_Init_thread(&argc, &argv, MPI_THREAD_FUNNELED, &provided);
-  MPI_Comm_set_errhandler(everyone, MPI_ERRORS_RETURN);
-  MPI_Comm_rank(everyone, &rank_);
-  MPI_Comm_size(everyone, &count_);
+  MPI_Comm_set_errhandler(MPI_COMM_WORLD, MPI_ERRORS_RETURN);
+  MPI_Comm_rank(MPI_COMM_WORLD, &rank_);
+  MPI_Comm_size(MPI_COMM_WORLD, &count_);
   if (provided < MPI_THREAD_FUNNELED)
     throw Error("this MPI does not allow threads beside it (MPI_THREAD_FUNNELED)");
 }
@@ -127,16 +125,17 @@ void Processes::add(std::span<double> values) const {
 std::uint64_t Processes::sum_before(std::uint64_t value) const {
   if (count_ == 1) return 0;
   std::uint64_t before = 0;
-  require_success(MPI_Exscan(&value, &before, 1, MPI_UINT64_T, MPI_SUM, everyone), "add");
+  require_success(MPI_Exscan(&value, &before, 1, MPI_UINT64_T, MPI_SUM, MPI_COMM_WORLD), "add");
   return rank_ == 0 ? 0 : before;  // MPI leaves it undefined there
 }
 
 std::string Processes::broadcast(std::string text, int from) const {
   if (count_ == 1) return text;
   std::uint64_t size = text.size();
-  require_success(MPI_Bcast(&size, 1, MPI_UINT64_T, from, everyone), "broadcast");
+  require_success(MPI_Bcast(&size, 1, MPI_UINT64_T, from, MPI_COMM_WORLD), "broadcast");
   text.resize(size);
-  require_success(MPI_Bcast(text.data(), small_count(size), MPI_CHAR, from, everyone), "broadcast");
+  require_success(MPI_Bcast(text.data(), small_count(size), MPI_CHAR, from, MPI_COMM_WORLD),
+                  "broadcast");
   return text;
 }
 
@@ -144,12 +143,13 @@ double Processes::hand_on(double value, const std::function<double(double)>& cha
   if (count_ == 1) return change(value);
   constexpr int tag = 1;
   if (rank_ > 0)
-    require_success(MPI_Recv(&value, 1, MPI_DOUBLE, rank_ - 1, tag, everyone, MPI_STATUS_IGNORE),
-                    "receive");
+    require_success(
+        MPI_Recv(&value, 1, MPI_DOUBLE, rank_ - 1, tag, MPI_COMM_WORLD, MPI_STATUS_IGNORE),
+        "receive");
   value = change(value);
   if (rank_ + 1 < count_)
-    require_success(MPI_Send(&value, 1, MPI_DOUBLE, rank_ + 1, tag, everyone), "send");
-  require_success(MPI_Bcast(&value, 1, MPI_DOUBLE, count_ - 1, everyone), "broadcast");
+    require_success(MPI_Send(&value, 1, MPI_DOUBLE, rank_ + 1, tag, MPI_COMM_WORLD), "send");
+  require_success(MPI_Bcast(&value, 1, MPI_DOUBLE, count_ - 1, MPI_COMM_WORLD), "broadcast");
   return value;
 }
 
@@ -157,7 +157,7 @@ double Processes::hand_on(double value, const std::function<double(double)>& cha
 Processes::Machine Processes::machine(int processors) const {
   if (count_ == 1) return {1, processors};
   MPI_Comm machine = MPI_COMM_NULL;
-  MPI_Comm_split_type(everyone, MPI_COMM_TYPE_SHARED, rank_, MPI_INFO_NULL, &machine);
+  MPI_Comm_split_type(MPI_COMM_WORLD, MPI_COMM_TYPE_SHARED, rank_, MPI_INFO_NULL, &machine);
   int processes = 1;
   MPI_Comm_size(machine, &processes);
   cpu_set_t allowed;
@@ -173,14 +173,15 @@ Processes::Machine Processes::machine(int processors) const {
 }
 
 void Processes::abort(int exit_code) const {
-  if (count_ > 1) MPI_Abort(everyone, exit_code);
+  if (count_ > 1) MPI_Abort(MPI_COMM_WORLD, exit_code);
   std::_Exit(exit_code);
 }
 
 std::vector<std::uint64_t> Processes::exchange_counts(std::span<const std::uint64_t> to) const {
   std::vector<std::uint64_t> from(to.size());
-  require_success(MPI_Alltoall(to.data(), 1, MPI_UINT64_T, from.data(), 1, MPI_UINT64_T, everyone),
-                  "exchange");
+  require_success(
+      MPI_Alltoall(to.data(), 1, MPI_UINT64_T, from.data(), 1, MPI_UINT64_T, MPI_COMM_WORLD),
+      "exchange");
   return from;
 }
 
@@ -190,7 +191,7 @@ void Processes::exchange_elements(const void* sent, std::span<const std::uint64_
   const Layout out(to), in(from);
   const ByteType element(element_bytes);
   require_success(MPI_Alltoallv(sent, out.counts.data(), out.begins.data(), element.get(), received,
-                                in.counts.data(), in.begins.data(), element.get(), everyone),
+                                in.counts.data(), in.begins.data(), element.get(), MPI_COMM_WORLD),
                   "exchange");
 }
 
