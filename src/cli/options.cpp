@@ -124,8 +124,8 @@ void add_file_options(CLI::App& app) {
   app.add_flag("--resume")
       ->description(
           "keep what is done where a run is cut off, and go on\n"
-          "from there the next time; not with a mesh, a map,\n"
-          "residues or --verify")
+          "from there the next time; not with a mesh, a map or\n"
+          "residues")
       ->group("Input and output");
   add("--color", "NAME", "colours in a .ply file: patch, atom or chain (PQR) [none]");
 }
