@@ -14,6 +14,7 @@
 #include "run/parallel.hpp"
 #include "run/plan.hpp"
 #include "run/resources.hpp"
+#include "verify/scrambled.hpp"
 
 namespace eses {
 namespace {
@@ -21,21 +22,14 @@ namespace {
 // To be raised with every change of what is computed, or of how pieces are kept.
 constexpr int piece_format = 1;
 
-// Steele, Lea, Flood, "Fast splittable pseudorandom number generators", OOPSLA 2014: the finalizer.
-std::uint64_t mixed(std::uint64_t x) {
-  x = (x ^ (x >> 30)) * 0xBF58476D1CE4E5B9U;
-  x = (x ^ (x >> 27)) * 0x94D049BB133111EBU;
-  return x ^ (x >> 31);
-}
-
 // The same whoever reads which atoms.
 std::uint64_t hash_of(const AtomShare& share, const Processes& processes) {
   std::uint64_t sum = 0;
   for (std::size_t i = 0; i < share.atoms.size(); ++i) {
     const auto& [center, radius] = share.atoms[i];
-    std::uint64_t hash = mixed(share.first + i + 1);
+    std::uint64_t hash = scrambled(share.first + i);
     for (const double value : {center.x, center.y, center.z, radius})
-      hash = mixed(hash ^ std::bit_cast<std::uint64_t>(value));
+      hash = scrambled(hash ^ std::bit_cast<std::uint64_t>(value));
     sum += hash;
   }
   return processes.sum(sum);

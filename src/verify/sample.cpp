@@ -5,17 +5,10 @@
 #include <optional>
 #include <unordered_set>
 
+#include "verify/scrambled.hpp"
+
 namespace eses::verify {
 namespace {
-
-/// The output function of SplitMix64 (Steele et al., OOPSLA 2014): different numbers for different
-/// ones.
-std::uint64_t scrambled(std::uint64_t number) {
-  number += 0x9e3779b97f4a7c15;
-  number = (number ^ (number >> 30)) * 0xbf58476d1ce4e5b9;
-  number = (number ^ (number >> 27)) * 0x94d049bb133111eb;
-  return number ^ (number >> 31);
-}
 
 /// Random numbers that are the same on every platform, which those of <random>'s distributions are
 /// not.
