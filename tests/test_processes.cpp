@@ -41,7 +41,7 @@ void put_piece(const PieceStore& store, const PlaneRange& planes, const std::str
   piece.sums = std::move(sums);
   piece.texts[0] = store.create(planes, PieceText::grid);
   piece.texts[0]->append(bytes_of(grid));
-  store.finish(std::move(piece));
+  store.finish(piece);
 }
 
 }  // namespace

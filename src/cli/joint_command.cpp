@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <functional>
-#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -10,7 +9,7 @@
 #include "cli/command.hpp"
 #include "cli/interruption.hpp"
 #include "cli/messages.hpp"
-#include "cli/progress.hpp"
+#include "cli/run_display.hpp"
 #include "cli/surface_command.hpp"
 #include "processes/joint_run.hpp"
 #include "run/output_files.hpp"
@@ -67,24 +66,11 @@ Report report_of(const Options& options, const JointPlan& plan, const Processes&
 
 JointSummary run_with_progress(const JointTask& task, const JointPlan& plan, bool is_quiet,
                                const Processes& processes) {
-  std::optional<ProgressBar> bar;
-  if (!is_quiet && processes.is_first() && ProgressBar::is_possible()) bar.emplace();
   const JointPaths paths = joint_paths(task, processes);
   InterruptibleRun interruptible(paths.temporaries, paths.locks);
-  // Each call of the second follows one of the first.
-  bool is_verifying = false;
-  const auto show_blocks = [&](std::int64_t done, std::int64_t total) {
-    interruptible.check();
-    if (bar && !is_verifying) bar->show({done, total});
-    is_verifying = false;
-  };
-  const auto show_checks = [&](std::int64_t done, std::int64_t total) {
-    is_verifying = true;
-    if (bar) bar->show({done, total, "checks"});
-  };
+  RunDisplay display(interruptible, !is_quiet && processes.is_first());
   try {
-    JointSummary joint = run_jointly(
-        task, plan, paths, {.progress = show_blocks, .verification = show_checks}, processes);
+    JointSummary joint = run_jointly(task, plan, paths, display.callbacks(), processes);
     interruptible.check();
     return joint;
   } catch (const SharedError&) {

@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 
 #include <filesystem>
-#include <optional>
 #include <span>
 #include <string>
 #include <system_error>
@@ -13,8 +12,8 @@
 #include "cli/command.hpp"
 #include "cli/interruption.hpp"
 #include "cli/messages.hpp"
-#include "cli/progress.hpp"
 #include "cli/report.hpp"
+#include "cli/run_display.hpp"
 #include "eses/error.hpp"
 #include "eses/molecule.hpp"
 #include "eses/read_atoms.hpp"
@@ -25,22 +24,11 @@ namespace eses::cli {
 namespace {
 
 Summary run_with_progress(const Molecule& molecule, const Options& options, const Plan& plan) {
-  std::optional<ProgressBar> bar;
-  if (!options.quiet && ProgressBar::is_possible()) bar.emplace();
   InterruptibleRun interruptible(temporary_paths(options.outputs, options.output_directory),
                                  lock_paths(options.outputs, options.output_directory));
-  // That all blocks are solved is told again while checks go on.
-  bool is_verifying = false;
-  const auto show_blocks = [&](std::int64_t done, std::int64_t total) {
-    interruptible.check();
-    if (bar && !is_verifying) bar->show({done, total});
-  };
-  const auto show_checks = [&](std::int64_t done, std::int64_t total) {
-    is_verifying = true;
-    if (bar) bar->show({done, total, "checks"});
-  };
-  Summary summary = run(molecule, plan, options.outputs, options.output_directory,
-                        {.progress = show_blocks, .verification = show_checks});
+  RunDisplay display(interruptible, !options.quiet);
+  Summary summary =
+      run(molecule, plan, options.outputs, options.output_directory, display.callbacks());
   interruptible.check();
   return summary;
 }

@@ -98,7 +98,7 @@ JointPlan plan_jointly(const JointTask& task, const Processes& processes) {
   JointPlan plan;
   plan.atoms = share.total;
   const SphereBounds bounds = shared_bounds(share, processes);
-  const std::uint64_t hash = hash_of(share, processes);
+  const std::uint64_t hash = task.resume ? hash_of(share, processes) : 0;
   std::vector<PlaneRange> done;
   processes.agree([&] {
     plan.whole = plan_grid(bounds, task.parameters);

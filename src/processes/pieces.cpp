@@ -150,7 +150,7 @@ std::string PieceStore::sums_path(const PlaneRange& planes) const {
 }
 
 // The sums come last, under their name when they are on the disk: where they are, all is.
-void PieceStore::finish(Piece piece) const {
+void PieceStore::finish(const Piece& piece) const {
   for (const auto& text : piece.texts)
     if (text) text->sync();
   const std::string name = name_of(piece.info.planes, sums_suffix), temporary = name + ".part";

@@ -87,7 +87,7 @@ class PieceStore {
   std::unique_ptr<ScratchFile> create(const PlaneRange& planes, PieceText text) const;
   /// Writes the sums behind its texts; from then on the piece is complete, and nothing of it needs
   /// to be held.
-  void finish(Piece piece) const;
+  void finish(const Piece& piece) const;
   /// A complete piece without its texts.
   Piece read(const PlaneRange& planes) const;
   std::unique_ptr<ScratchFile> open(const PlaneRange& planes, PieceText text) const;

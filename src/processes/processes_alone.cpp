@@ -6,8 +6,6 @@
 
 namespace eses {
 
-bool Processes::are_possible() { return false; }
-
 Processes::Processes(int&, char**&) {
   if (launched_processes() > 1)
     throw Error(

@@ -73,8 +73,6 @@ struct Layout {
 
 }  // namespace
 
-bool Processes::are_possible() { return true; }
-
 Processes::Processes(int& argc, char**& argv) {
   if (!was_launched()) {
     if (launched_processes() > 1)

@@ -284,7 +284,10 @@ SharedMolecule share_molecule(const AtomShare& share, const Plan& plan, const Ou
   NumberedSlab slab = gather_slab(share, plan, first, processes);
   SharedMolecule shared;
   shared.odd = join_oddities(slab, share.total, processes);
-  std::vector<double> costs = estimate_costs(slab.share, plan, outputs, bins, atoms, processes);
+  // For a process that is alone costs do not matter.
+  std::vector<double> costs =
+      processes.count() > 1 ? estimate_costs(slab.share, plan, outputs, bins, atoms, processes)
+                            : atoms;
   const PlaneRange within = region_planes(plan);
   std::vector<PlaneRange> left_out;
   if (within.begin > 0) left_out.push_back({0, within.begin});
