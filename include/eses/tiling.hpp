@@ -31,17 +31,17 @@ struct BlockTiling {
   GridIndex blocks{};                            ///< number of blocks along x, y and z
   GridIndex grid_size{};                         ///< points of the grid along x, y and z
   GridRegion region;                             ///< the points that blocks own
+  /// The corners of all cells that belong to the region: those whose lowest corner is in it, so
+  /// that there are also the points behind its last ones, as far as the grid has them.
+  GridRegion corners;
 
   /// The points that blocks [begin, end) own. Throws Error if there are no such blocks.
   GridRegion points_of_blocks(const GridRegion& indices) const;
   std::int64_t block_count() const { return blocks[0] * blocks[1] * blocks[2]; }
   Block block(std::int64_t bx, std::int64_t by, std::int64_t bz) const;
 
-  /// The region with the points behind its last ones, as far as the grid has them: the corners of
-  /// all cells whose lowest corner is in the region.
-  GridRegion with_far_corners() const;
-  /// The same block as it would be if the grid ended with those: the last ones along an axis own
-  /// all their points, and so the edges between them.
+  /// The same block as it would be if the grid ended with `corners`: the last ones along an axis
+  /// own the far corners, too, and so the edges between them.
   Block block_with_far_corners(std::int64_t bx, std::int64_t by, std::int64_t bz) const;
 };
 

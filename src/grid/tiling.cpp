@@ -19,8 +19,9 @@ BlockTiling make_tiling(const Grid& grid, std::int64_t block_size, const GridReg
   BlockTiling tiling;
   tiling.block_size = block_size;
   tiling.grid_size = grid.size;
-  tiling.region = region;
+  tiling.region = tiling.corners = region;
   for (std::size_t axis = 0; axis < 3; ++axis) {
+    tiling.corners.end[axis] = std::min(region.end[axis] + 1, grid.size[axis]);
     const std::int64_t points = region.end[axis] - region.begin[axis];
     const std::int64_t shared = region.end[axis] < grid.size[axis] ? 1 : 0;
     // A single point, which has no cell, is a block all the same.
@@ -58,18 +59,11 @@ Block BlockTiling::block(std::int64_t bx, std::int64_t by, std::int64_t bz) cons
   return block;
 }
 
-GridRegion BlockTiling::with_far_corners() const {
-  GridRegion wider = region;
-  for (std::size_t axis = 0; axis < 3; ++axis)
-    wider.end[axis] = std::min(region.end[axis] + 1, grid_size[axis]);
-  return wider;
-}
-
 Block BlockTiling::block_with_far_corners(std::int64_t bx, std::int64_t by, std::int64_t bz) const {
   const GridIndex position{bx, by, bz};
   Block wider = block(bx, by, bz);
   for (std::size_t axis = 0; axis < 3; ++axis)
-    if (position[axis] == blocks[axis] - 1) wider.owned[axis] = wider.points[axis];
+    if (position[axis] == blocks[axis] - 1) wider.owned[axis] = corners.end[axis] - wider.first[axis];
   return wider;
 }
 

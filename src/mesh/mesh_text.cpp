@@ -109,8 +109,9 @@ void require_numbers(std::uint64_t vertices) {
       most_vertices));
 }
 
-MeshText::MeshText(MeshFormat format, MeshColor color, AtomGroups groups)
-    : format_(format), color_(color), groups_(std::move(groups)) {}
+MeshText::MeshText(MeshFormat format, MeshColor color, AtomGroups groups,
+                   std::span<const AtomIndex> atom_numbers)
+    : format_(format), color_(color), groups_(std::move(groups)), atom_numbers_(atom_numbers) {}
 
 void MeshText::write_header(const MeshCounts& counts, const TextSink& sink) const {
   TextPieces text(sink);
@@ -165,7 +166,7 @@ void MeshText::append_ply_header(TextPieces& text, const MeshCounts& counts) con
 }
 
 Color MeshText::color_of(const Vertex& vertex) const {
-  if (color_ == MeshColor::atom) return wheel_color(vertex.atom);
+  if (color_ == MeshColor::atom) return wheel_color(number_of(vertex.atom));
   if (color_ == MeshColor::chain) return wheel_color(groups_.chain_of[vertex.atom]);
   return vertex.patch == 1 ? convex_color : vertex.patch == 2 ? saddle_color : concave_color;
 }
@@ -178,7 +179,7 @@ void MeshText::append_ply_vertex(TextBuffer& text, const Vertex& vertex) const {
   if (color_ != MeshColor::none)
     for (const std::uint8_t channel : color_of(vertex)) out = put(out, channel);
   out = put(out, vertex.patch);
-  out = put(out, vertex.atom);
+  out = put(out, number_of(vertex.atom));
   if (!groups_.empty()) {
     out = put(out, groups_.chain_of[vertex.atom]);
     out = put(out, groups_.residue_of[vertex.atom]);

@@ -7,6 +7,7 @@
 
 #include <array>
 #include <cstdint>
+#include <span>
 
 #include "eses/mesh.hpp"
 #include "io/eses_text.hpp"
@@ -23,7 +24,10 @@ void require_numbers(std::uint64_t vertices);
 /// A file is the header, all vertices, all triangles.
 class MeshText {
  public:
-  MeshText(MeshFormat format, MeshColor color, AtomGroups groups);
+  /// `atom_numbers` are what atoms are called, by index, or empty if that is their index; they must
+  /// outlive this.
+  MeshText(MeshFormat format, MeshColor color, AtomGroups groups,
+           std::span<const AtomIndex> atom_numbers = {});
 
   /// Has the same length whatever the counts. It names all chains and residues, so it may be long.
   void write_header(const MeshCounts& counts, const TextSink& sink) const;
@@ -35,10 +39,14 @@ class MeshText {
   void append_ply_header(TextPieces& text, const MeshCounts& counts) const;
   void append_ply_vertex(TextBuffer& text, const Vertex& vertex) const;
   std::array<std::uint8_t, 3> color_of(const Vertex& vertex) const;
+  AtomIndex number_of(AtomIndex atom) const {
+    return atom_numbers_.empty() ? atom : atom_numbers_[atom];
+  }
 
   MeshFormat format_;
   MeshColor color_;
   AtomGroups groups_;
+  std::span<const AtomIndex> atom_numbers_;
 };
 
 /// Whether vertices have a chain and a residue, where these are known.

@@ -1,6 +1,7 @@
 #include "run/inside_map.hpp"
 
 #include <algorithm>
+#include <utility>
 
 #include "run/parallel.hpp"
 
@@ -8,8 +9,6 @@ namespace eses {
 namespace {
 
 constexpr std::int64_t piece_words = 1 << 16;
-
-std::int64_t words_of_row(const GridIndex& size) { return (size[0] + 63) / 64; }
 
 // Rows along y whose words, of all planes, make a piece that is turned at a time.
 std::int64_t rows_of_piece(const GridIndex& size) {
@@ -30,15 +29,18 @@ struct InsideMap::Piece {
   std::int64_t rows() const { return y_end - y_begin; }
 };
 
-InsideMap::InsideMap(OutputFile& file, MapFormat format, const Grid& grid, const GridRegion& region)
-    : file_(file), layout_(map_layout(format, grid, region)), size_(region.size()) {
-  file_.write_at(layout_.header, 0);
+InsideMap::InsideMap(MapFile file, MapFormat format, const Grid& grid, const GridRegion& region)
+    : file_(std::move(file)), layout_(map_layout(format, grid, region)), size_(region.size()) {}
+
+std::int64_t InsideMap::words_of_row(const GridIndex& size) { return (size[0] + 63) / 64; }
+
+std::uint64_t InsideMap::bits_bytes(const GridRegion& region) {
+  const GridIndex size = region.size();
+  return sizeof(std::uint64_t) * static_cast<std::uint64_t>(words_of_row(size) * size[1] * size[2]);
 }
 
 std::uint64_t InsideMap::scratch_bytes(MapFormat format, const GridRegion& region) {
-  if (format == MapFormat::vti) return 0;
-  const GridIndex size = region.size();
-  return sizeof(std::uint64_t) * static_cast<std::uint64_t>(words_of_row(size) * size[1] * size[2]);
+  return format == MapFormat::vti ? 0 : bits_bytes(region);
 }
 
 double InsideMap::thread_bytes(MapFormat format, const GridRegion& region) {
@@ -104,20 +106,30 @@ void InsideMap::write_piece(const Piece& piece, Scratch& scratch) {
   }
 }
 
-void InsideMap::finish(int threads, const std::function<void()>& check) {
-  if (layout_.format == MapFormat::dx) {
-    std::vector<Scratch> scratch(static_cast<std::size_t>(threads));
-    const std::int64_t piece_rows = rows_of_piece(size_);
-    const std::int64_t pieces = (size_[1] + piece_rows - 1) / piece_rows;
-    parallel_for(words_of_row(size_) * pieces, threads, [&](std::int64_t index, int thread) {
-      check();
-      const std::int64_t begin = index % pieces * piece_rows;
-      write_piece({index / pieces, begin, std::min(begin + piece_rows, size_[1])},
-                  scratch[static_cast<std::size_t>(thread)]);
-    });
-  }
+std::int64_t InsideMap::piece_count() const {
+  if (layout_.format == MapFormat::vti) return 0;
+  const std::int64_t rows = rows_of_piece(size_);
+  return words_of_row(size_) * ((size_[1] + rows - 1) / rows);
+}
+
+InsideMap::Piece InsideMap::piece(std::int64_t index) const {
+  const std::int64_t rows = rows_of_piece(size_), per_word = (size_[1] + rows - 1) / rows;
+  const std::int64_t begin = index % per_word * rows;
+  return {index / per_word, begin, std::min(begin + rows, size_[1])};
+}
+
+void InsideMap::turn_pieces(std::int64_t begin, std::int64_t end, int threads,
+                            const std::function<void()>& check) {
+  std::vector<Scratch> scratch(static_cast<std::size_t>(threads));
+  parallel_for(end - begin, threads, [&](std::int64_t index, int thread) {
+    check();
+    write_piece(piece(begin + index), scratch[static_cast<std::size_t>(thread)]);
+  });
+}
+
+void InsideMap::write_ends() {
+  file_.write_at(layout_.header, 0);
   file_.write_at(layout_.footer, layout_.value_offset(layout_.points));
-  file_.truncate(layout_.file_bytes());
 }
 
 }  // namespace eses

@@ -31,7 +31,7 @@ BlockRow block_row_of(const BlockTiling& tiling, std::int64_t y) {
 
 LayerRows::LayerRows(const BlockTiling& tiling, const Layer& layer, Extent extent)
     : tiling_(tiling), pieces_(static_cast<std::size_t>(tiling.blocks[1])) {
-  const GridRegion region = extent == Extent::region ? tiling.region : tiling.with_far_corners();
+  const GridRegion region = extent == Extent::region ? tiling.region : tiling.corners;
   words_ = static_cast<std::size_t>((region.size()[0] + 63) / 64);
   const auto blocks_x = static_cast<std::size_t>(tiling.blocks[0]);
   for (std::size_t b = 0; b < layer.blocks.size(); ++b) {

@@ -22,7 +22,7 @@ struct Layer {
 using RowBits = std::vector<std::uint64_t>;
 
 /// Which of a layer's points are meant: those of the region, or also the far corners, for which see
-/// BlockTiling::with_far_corners.
+/// BlockTiling::corners.
 enum class Extent { region, far_corners };
 
 /// Where the pieces of a layer's rows stand in its blocks; made once for many rows.

@@ -190,7 +190,7 @@ LabelTotals total_labels(std::span<const AtomLabel> labels) {
 }
 
 double far_corner_growth(const BlockTiling& tiling) {
-  const GridIndex size = tiling.region.size(), wider = tiling.with_far_corners().size();
+  const GridIndex size = tiling.region.size(), wider = tiling.corners.size();
   double growth_of_points = 1;
   for (std::size_t axis = 0; axis < 3; ++axis)
     growth_of_points *= as_double(wider[axis]) / as_double(size[axis]);

@@ -34,7 +34,7 @@ constexpr double expected_crossings(double area, double spacing) {
 }
 
 /// By how much crossings grow if those of edges between far corners are added; see
-/// BlockTiling::with_far_corners.
+/// BlockTiling::corners.
 double far_corner_growth(const BlockTiling& tiling);
 
 /// Bytes that the process holds at its peak: an estimate that is meant as an upper bound.

@@ -1,11 +1,11 @@
 #include "run/mesh_output.hpp"
 
 #include <algorithm>
-#include <array>
 #include <cstddef>
 #include <span>
-#include <string_view>
 #include <utility>
+
+#include "mesh/local_triangle.hpp"
 
 namespace eses {
 
@@ -21,28 +21,22 @@ struct MeshOutput::LayerView {
   LayerCrossings crossings;
 };
 
-MeshOutput::MeshOutput(const Plan& plan, const MeshChoice& choice,
-                       std::span<const AtomLabel> labels, OutputFile& file, ScratchFile& triangles)
+MeshOutput::MeshOutput(const Plan& plan, const GridRegion& corners, const mesh::MeshText& text,
+                       MeshSinks sinks)
     : plan_(plan),
-      region_(plan.tiling.with_far_corners()),
-      rows_y_(region_.size()[1]),
-      has_cells_(std::ranges::min(region_.size()) > 1),
-      file_(file),
-      scratch_file_(triangles),
-      text_(mesh_format(choice.file).value(), choice.color,
-            mesh::group_atoms(mesh::names_atoms(choice) ? labels : std::span<const AtomLabel>())),
-      header_bytes_(text_.header_bytes()),
-      vertex_output_([this](std::span<const char> text, std::uint64_t offset) {
-        file_.write_at(text, header_bytes_ + offset);
-      }),
-      triangle_output_([this](std::span<const char> text, std::uint64_t offset) {
-        scratch_file_.write_at(std::as_bytes(text), offset);
-      }) {}
+      corners_(corners),
+      rows_y_(corners_.size()[1]),
+      has_cells_(std::ranges::min(corners_.size()) > 1),
+      text_(text),
+      has_local_triangles_(sinks.has_local_triangles),
+      vertex_output_(std::move(sinks.vertices)),
+      triangle_output_(std::move(sinks.triangles)) {}
 
-// Behind the last layer the far corners make another plane.
+// Behind the last layer the far corners make another plane, if this part has it.
 std::int64_t MeshOutput::planes_of(const Layer& layer) const {
   const std::int64_t end = layer.first_z() + layer.owned_planes();
-  return (end == plan_.tiling.region.end[2] ? region_.end[2] : end) - layer.first_z();
+  const BlockTiling& tiling = plan_.tiling;
+  return (end == tiling.region.end[2] ? tiling.corners.end[2] : end) - layer.first_z();
 }
 
 void MeshOutput::number_rows(const Layer& layer) {
@@ -70,7 +64,7 @@ void MeshOutput::make_row(const LayerView& view, std::int64_t y, std::int64_t z,
       y, z, [&](std::int64_t first_x, std::span<const Crossing> piece) {
         for (const Crossing& crossing : piece)
           row.edges.push_back(mesh::edge_key(
-              static_cast<std::uint64_t>(first_x - region_.begin[0] + crossing.x), crossing.axis));
+              static_cast<std::uint64_t>(first_x - corners_.begin[0] + crossing.x), crossing.axis));
       });
   row.first_vertex = row_begin_[static_cast<std::size_t>(z * rows_y_ + y)];
 }
@@ -107,8 +101,8 @@ void MeshOutput::append_vertices(const LayerView& view, const RowRange& rows,
         y, z, [&](std::int64_t first_x, std::span<const Crossing> piece) {
           for (const Crossing& crossing : piece)
             text_.append_vertex(text, mesh::make_vertex(plan_.grid,
-                                                        {first_x + crossing.x, region_.begin[1] + y,
-                                                         view.first_z + z},
+                                                        {first_x + crossing.x,
+                                                         corners_.begin[1] + y, view.first_z + z},
                                                         crossing));
         });
   }
@@ -120,7 +114,7 @@ void MeshOutput::append_triangles(const LayerView& view, const RowRange& rows,
   std::int64_t made = -1;  // the row whose pair is `back`
   for (std::int64_t row = rows.begin; row < rows.end; ++row) {
     const std::int64_t y = row % rows_y_, z = row / rows_y_;
-    if (y == 0 || view.first_z + z == region_.begin[2] || !has_triangles(y, z)) continue;
+    if (y == 0 || view.first_z + z == corners_.begin[2] || !has_triangles(y, z)) continue;
     if (made == row - 1) {
       std::swap(front, back);
     } else {
@@ -131,8 +125,14 @@ void MeshOutput::append_triangles(const LayerView& view, const RowRange& rows,
     triangles.clear();
     mesh::triangulate(
         {&lower_row(front, y - 1, z), &lower_row(back, y, z), &front.upper, &back.upper},
-        region_.size()[0], triangles);
-    for (const mesh::Triangle& triangle : triangles) text_.append_triangle(text, triangle);
+        corners_.size()[0], triangles);
+    for (const mesh::Triangle& triangle : triangles) {
+      if (has_local_triangles_) {
+        mesh::append_local_triangle(text, triangle);
+      } else {
+        text_.append_triangle(text, triangle);
+      }
+    }
     count += triangles.size();
   }
 }
@@ -163,29 +163,17 @@ void MeshOutput::release(const Layer& layer) {
   is_numbered_ = false;
 }
 
+void MeshOutput::go_on_from(const Layer& below) {
+  if (!has_cells_) return;
+  number_rows(below);
+  const std::uint64_t count = row_begin_.back();
+  for (std::uint64_t& begin : row_begin_) begin -= count;
+  release(below);
+}
+
 void MeshOutput::abandon() {
   vertex_output_.abandon();
   triangle_output_.abandon();
-}
-
-std::uint64_t MeshOutput::finish(std::uint64_t triangles, const std::function<void()>& check) {
-  std::uint64_t at = 0;
-  text_.write_header({vertex_count(), triangles}, [&](std::string_view piece) {
-    file_.write_at(piece, at);
-    at += piece.size();
-  });
-  at += vertex_output_.size();
-  std::vector<char> buffer(std::size_t{1} << 20);
-  for (std::uint64_t done = 0; done < triangle_output_.size();) {
-    const auto part = std::span(buffer).first(
-        std::min<std::uint64_t>(buffer.size(), triangle_output_.size() - done));
-    scratch_file_.read_at(std::as_writable_bytes(part), done);
-    file_.write_at(part, at);
-    done += part.size();
-    at += part.size();
-    check();
-  }
-  return at;
 }
 
 }  // namespace eses

@@ -1,16 +1,12 @@
 #pragma once
-/// The mesh's file, from layers of blocks as they are written.
+/// The mesh, from layers of blocks as they are written.
 
 #include <cstdint>
-#include <functional>
 #include <mutex>
 #include <span>
 #include <vector>
 
-#include "eses/mesh.hpp"
 #include "eses/run.hpp"
-#include "io/output_file.hpp"
-#include "io/scratch_file.hpp"
 #include "mesh/mesh_text.hpp"
 #include "mesh/triangulate.hpp"
 #include "run/layer.hpp"
@@ -31,15 +27,23 @@ struct MeshScratch {
   std::uint64_t triangle_count = 0;  ///< in all
 };
 
-/// Vertices go into the file, triangles into a scratch file until all vertices are there. Cells
-/// between two planes are cut up when the upper plane is written. Of a layer that is done, its last
-/// plane is kept. Of a region there are the cells whose lowest corner is in it, so that regions
-/// that make up the grid have each cell once. Where there is no cell, there is no vertex either.
+/// Who gets the mesh: first the vertices of each part, then its triangles.
+struct MeshSinks {
+  OrderedOutput::WriteAt vertices;   ///< as text of the mesh's format
+  OrderedOutput::WriteAt triangles;  ///< likewise, or as mesh::LocalTriangle
+  bool has_local_triangles = false;
+};
+
+/// Cells between two planes are cut up when the upper plane is written. Of a layer that is done,
+/// its last plane is kept. Of a region there are the cells whose lowest corner is in it, so that
+/// regions that make up the grid have each cell once. Where there is no cell, there is no vertex
+/// either.
 class MeshOutput {
  public:
-  /// Keeps references to all but the choice.
-  MeshOutput(const Plan& plan, const MeshChoice& choice, std::span<const AtomLabel> labels,
-             OutputFile& file, ScratchFile& triangles);
+  /// The mesh of the cells that have all their corners in `corners`, or of the part of it that
+  /// `plan.tiling` has. Keeps references to all but the sinks.
+  MeshOutput(const Plan& plan, const GridRegion& corners, const mesh::MeshText& text,
+             MeshSinks sinks);
 
   /// One of `count` about equal parts.
   struct Share {
@@ -51,13 +55,15 @@ class MeshOutput {
   /// threads, for chunks of one layer at a time; layers come in order, `release` between them.
   void write(const Layer& layer, std::int64_t chunk, const Share& share, MeshScratch& scratch);
   void release(const Layer& layer);
+  /// Before anything is written: that the plane of this layer is the one below, whose vertices
+  /// another part has.
+  void go_on_from(const Layer& below);
   /// Releases all that wait, after a failure.
   void abandon();
 
-  /// Completes the file; `triangles` is their number. Calls `check` now and then. Returns the
-  /// file's bytes.
-  std::uint64_t finish(std::uint64_t triangles, const std::function<void()>& check);
   std::uint64_t vertex_count() const { return layer_begin_; }
+  std::uint64_t vertex_bytes() const { return vertex_output_.size(); }
+  std::uint64_t triangle_bytes() const { return triangle_output_.size(); }
 
  private:
   struct LayerView;
@@ -74,17 +80,15 @@ class MeshOutput {
   void append_triangles(const LayerView& view, const RowRange& rows, MeshScratch& scratch) const;
 
   const Plan& plan_;
-  GridRegion region_;    // with the far corners; rows and planes count from its first
+  GridRegion corners_;   // rows count from its first
   std::int64_t rows_y_;  // of a plane
   bool has_cells_;
-  OutputFile& file_;
-  ScratchFile& scratch_file_;
-  mesh::MeshText text_;
-  std::uint64_t header_bytes_;
+  const mesh::MeshText& text_;
+  bool has_local_triangles_;
   OrderedOutput vertex_output_, triangle_output_;
   std::mutex mutex_;
   bool is_numbered_ = false;              // the layer at hand
-  std::uint64_t layer_begin_ = 0;         // number of its first vertex
+  std::uint64_t layer_begin_ = 0;         // number of its first vertex; before it, they wrap
   std::vector<std::uint64_t> row_begin_;  // of its rows [z][y], and one more
   std::vector<mesh::Row> below_;          // the last plane of the layer before, by y
 };

@@ -259,7 +259,6 @@ void OutputFiles::open_mesh(const MeshChoice& choice) {
   mesh_directory.emplace(place.directory, place.name);
   mesh_directory->remove_abandoned([&](std::string_view name) { return name == place.name; });
   mesh.emplace(*mesh_directory, place.name);
-  mesh_triangles.emplace(place.directory);
 }
 
 // The bounding box first.

@@ -10,7 +10,6 @@
 #include "eses/run.hpp"
 #include "io/output_directory.hpp"
 #include "io/output_file.hpp"
-#include "io/scratch_file.hpp"
 
 namespace eses {
 
@@ -55,7 +54,6 @@ struct OutputFiles {
   std::optional<OutputDirectory> directory;  ///< if any file but the mesh is there
   std::optional<OutputDirectory> mesh_directory;  ///< if there is a mesh; locked for it alone
   std::optional<OutputFile> box, grid, edges, areas, inside_map, residues, chains, mesh;
-  std::optional<ScratchFile> mesh_triangles;  ///< beside the mesh
 
   /// Throws Error as OutputDirectory, OutputFile and require_disk_space do.
   OutputFiles(const OutputChoice& choice, const std::filesystem::path& path, const Plan& plan);

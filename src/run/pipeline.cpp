@@ -14,6 +14,14 @@ std::span<const char> file_bytes(const TextBuffer& text, std::optional<Gzip>& gz
   return gzip->member(text.text());
 }
 
+// The plane below the first one of a block.
+Block block_below(Block block) {
+  --block.first[2];
+  block.points[2] = 2;
+  block.owned[2] = 1;
+  return block;
+}
+
 }  // namespace
 
 Pipeline::Pipeline(const Surface& surface, const Plan& plan, Sinks sinks, ProgressReport& progress)
@@ -45,15 +53,14 @@ void Pipeline::solve_plane_below() {
   // Their sums belong to whoever owns that plane.
   std::vector<BlockWorkspace> workspaces(static_cast<std::size_t>(plan_.threads));
   parallel_for(per_layer, plan_.threads, [&](std::int64_t index, int thread) {
-    Block block = tiling.block(index % tiling.blocks[0], index / tiling.blocks[0], 0);
-    --block.first[2];
-    block.points[2] = 2;
-    block.owned[2] = 1;
-    layer.blocks[static_cast<std::size_t>(index)] =
-        solve_block(surface_, plan_.grid, block, workspaces[static_cast<std::size_t>(thread)]);
+    const std::int64_t bx = index % tiling.blocks[0], by = index / tiling.blocks[0];
+    layer.blocks[static_cast<std::size_t>(index)] = solve_block(
+        block_below(tiling.block(bx, by, 0)), block_below(tiling.block_with_far_corners(bx, by, 0)),
+        workspaces[static_cast<std::size_t>(thread)]);
     progress_.check();
   });
   below_ = last_plane(layer);
+  if (sinks_.mesh != nullptr) sinks_.mesh->go_on_from(layer);
 }
 
 void Pipeline::run() {
@@ -127,18 +134,22 @@ void Pipeline::release(std::int64_t layer) {
   make_room(layer + 2);
 }
 
+BlockResult Pipeline::solve_block(const Block& block, const Block& with_far_corners,
+                                  BlockWorkspace& workspace) const {
+  return sinks_.mesh != nullptr
+             ? solve_block_for_mesh(surface_, plan_.grid, block, with_far_corners, workspace)
+             : eses::solve_block(surface_, plan_.grid, block, workspace);
+}
+
 void Pipeline::solve(const Task& task, std::size_t thread) {
   const std::int64_t bx = task.index % plan_.tiling.blocks[0];
   const std::int64_t by = task.index / plan_.tiling.blocks[0];
   BlockResult& result =
       layers_[static_cast<std::size_t>(task.layer)].blocks[static_cast<std::size_t>(task.index)];
   const Stopwatch watch;
-  const Block block = plan_.tiling.block(bx, by, task.layer);
-  result = sinks_.mesh != nullptr
-               ? solve_block_for_mesh(surface_, plan_.grid, block,
-                                      plan_.tiling.block_with_far_corners(bx, by, task.layer),
-                                      workspaces_[thread])
-               : solve_block(surface_, plan_.grid, block, workspaces_[thread]);
+  result =
+      solve_block(plan_.tiling.block(bx, by, task.layer),
+                  plan_.tiling.block_with_far_corners(bx, by, task.layer), workspaces_[thread]);
   result.seconds = watch.seconds();
   if (sinks_.verifier != nullptr) sinks_.verifier->take(result, thread);
   hand_out(result);
@@ -181,7 +192,7 @@ void Pipeline::count_share(const Task& task, const Layer& layer, PointCounts& co
 void Pipeline::take_rows(const Layer& layer, const RowRange& rows, Writer& writer) const {
   writer.grid.clear();
   writer.map_rows.clear();
-  if (!grid_ && sinks_.map == nullptr) return;
+  if (!grid_ && !sinks_.rows) return;
   const GridRegion& region = plan_.tiling.region;
   const std::int64_t plane_rows = region.size()[1];
   const LayerRows layer_rows(plan_.tiling, layer);
@@ -189,12 +200,12 @@ void Pipeline::take_rows(const Layer& layer, const RowRange& rows, Writer& write
     const std::int64_t y = row % plane_rows, z = row / plane_rows;
     layer_rows.join(y, z, writer.row);
     if (grid_) text_.append_row(writer.grid, region.begin[1] + y, layer.first_z() + z, writer.row);
-    if (sinks_.map != nullptr)
+    if (sinks_.rows)
       writer.map_rows.insert(writer.map_rows.end(), writer.row.begin(), writer.row.end());
   }
-  if (sinks_.map != nullptr)
-    sinks_.map->write_rows((layer.first_z() - region.begin[2]) * plane_rows + rows.begin,
-                           writer.map_rows, writer.map);
+  if (sinks_.rows)
+    sinks_.rows((layer.first_z() - region.begin[2]) * plane_rows + rows.begin, writer.map_rows,
+                writer.map);
 }
 
 void Pipeline::append_crossings(const Layer& layer, const RowRange& rows, TextBuffer& text) const {

@@ -3,6 +3,7 @@
 /// give.
 
 #include <cstdint>
+#include <functional>
 #include <mutex>
 #include <optional>
 #include <span>
@@ -24,12 +25,16 @@
 
 namespace eses {
 
+/// Gets consecutive rows of points, as InsideMap::write_rows.
+using TakeRows = std::function<void(std::int64_t first_row, std::span<const std::uint64_t> words,
+                                    InsideMap::Scratch& scratch)>;
+
 /// Who gets what comes out; each is left out where it is empty or null. All must outlive the
 /// pipeline.
 struct Sinks {
   OrderedOutput::WriteAt grid, edges;  ///< text of grid_info.txt and intersection_info.txt
   bool gzip = false;                   ///< both as members of a gzip file, none for no text
-  InsideMap* map = nullptr;
+  TakeRows rows;                       ///< several threads call it for different rows
   MeshOutput* mesh = nullptr;
   Verifier* verifier = nullptr;
   BlockCallback block;
@@ -49,8 +54,8 @@ class Pipeline {
   /// Keeps references to `surface`, `plan` and `progress`.
   Pipeline(const Surface& surface, const Plan& plan, Sinks sinks, ProgressReport& progress);
 
-  /// Where the region does not begin with the grid, points of its first plane have no neighbours
-  /// below unless this, called before `run`, looks for them.
+  /// To be called before `run` where the region goes on below its first plane: points there have
+  /// no neighbours below, and the mesh has no cells there, unless this looks for them.
   void solve_plane_below();
 
   void run();
@@ -81,6 +86,8 @@ class Pipeline {
   void work(std::size_t thread);
   void make_room(std::int64_t layer);
   void release(std::int64_t layer);
+  BlockResult solve_block(const Block& block, const Block& with_far_corners,
+                          BlockWorkspace& workspace) const;
   void solve(const Task& task, std::size_t thread);
   void hand_out(const BlockResult& result);
   void write(const Task& task, Writer& writer);

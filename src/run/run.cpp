@@ -9,7 +9,7 @@
 #include "io/eses_text.hpp"
 #include "run/build_patches.hpp"
 #include "run/inside_map.hpp"
-#include "run/mesh_output.hpp"
+#include "run/mesh_file.hpp"
 #include "run/output_files.hpp"
 #include "run/parallel.hpp"
 #include "run/pipeline.hpp"
@@ -36,6 +36,19 @@ OrderedOutput::WriteAt text_sink(std::optional<OutputFile>& file) {
   return [&file = *file](std::span<const char> text, std::uint64_t offset) {
     file.write_at(text, offset);
   };
+}
+
+TakeRows row_sink(std::optional<InsideMap>& map) {
+  if (!map) return {};
+  return [&map = *map](std::int64_t first_row, std::span<const std::uint64_t> words,
+                       InsideMap::Scratch& scratch) { map.write_rows(first_row, words, scratch); };
+}
+
+// Returns the bytes of the file.
+std::uint64_t end_map(InsideMap& map, OutputFile& file) {
+  map.write_ends();
+  file.truncate(map.file_bytes());
+  return map.file_bytes();
 }
 
 // Returns the bytes of a text that has so many. Without a single member it would be no gzip file.
@@ -100,22 +113,22 @@ Summary run(const Molecule& molecule, const Plan& plan, const OutputChoice& outp
   const Stopwatch blocks;
   std::optional<InsideMap> map;
   if (files.inside_map)
-    map.emplace(*files.inside_map, required_map_format(outputs.inside_map), plan.grid,
+    map.emplace(map_file(*files.inside_map), required_map_format(outputs.inside_map), plan.grid,
                 plan.tiling.region);
-  std::optional<MeshOutput> mesh;
+  std::optional<MeshFile> mesh;
   if (files.mesh)
-    mesh.emplace(plan, *outputs.mesh, molecule.labels(), *files.mesh, *files.mesh_triangles);
+    mesh.emplace(plan, *outputs.mesh, molecule.labels(), *files.mesh, files.mesh_directory->path());
   Sinks sinks{.grid = text_sink(files.grid),
               .edges = text_sink(files.edges),
               .gzip = files.gzip,
-              .map = map ? &*map : nullptr,
-              .mesh = mesh ? &*mesh : nullptr,
+              .rows = row_sink(map),
+              .mesh = mesh ? &mesh->output() : nullptr,
               .verifier = verifier ? &*verifier : nullptr,
               .block = callbacks.block,
               .atom_numbers = {}};
   Pipeline pipeline(surface, plan, std::move(sinks), report);
   pipeline.run();
-  if (map) map->finish(plan.threads, check);
+  if (map) map->turn_pieces(0, map->piece_count(), plan.threads, check);
   summary.seconds.blocks = blocks.seconds();
   pipeline.add_seconds(summary.seconds);
   const RegionSums sums = pipeline.sums();
@@ -137,11 +150,10 @@ Summary run(const Molecule& molecule, const Plan& plan, const OutputChoice& outp
   summary.bytes_written = end_text(files.grid, pipeline.grid_bytes(), files.gzip) +
                           end_text(files.edges, pipeline.edge_bytes(), files.gzip);
   if (mesh) {
-    const std::uint64_t triangles = pipeline.triangle_count();
-    summary.mesh = {mesh->vertex_count(), triangles};
-    summary.bytes_written += mesh->finish(triangles, check);
+    summary.mesh = {mesh->output().vertex_count(), pipeline.triangle_count()};
+    summary.bytes_written += mesh->finish(*summary.mesh, check);
   }
-  if (map) summary.bytes_written += map->file_bytes();
+  if (map) summary.bytes_written += end_map(*map, *files.inside_map);
   if (files.box) summary.bytes_written += write_box(*files.box, plan.grid, files.gzip);
   if (files.areas)
     summary.bytes_written += write_areas(*files.areas, summary.atom_areas, files.gzip);
