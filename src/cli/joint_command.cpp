@@ -17,18 +17,6 @@
 namespace eses::cli {
 namespace {
 
-// One reason or the other for a joint run is given.
-void refuse_what_cannot_be_joined(const Options& options, const Processes& processes) {
-  const OutputChoice& outputs = options.outputs;
-  const auto refuse = [&](const char* option) {
-    throw UsageError(fmt::format("{} is not possible {}", option,
-                                 processes.count() > 1 ? "in several processes" : "with --resume"));
-  };
-  if (outputs.mesh) refuse("--mesh");
-  if (!outputs.inside_map.empty()) refuse("--inside");
-  if (outputs.residues) refuse("--write residues");
-}
-
 JointTask task_of(const Options& options) {
   return {.input = options.input,
           .format = options.format,
@@ -85,11 +73,11 @@ JointSummary run_with_progress(const JointTask& task, const JointPlan& plan, boo
 }  // namespace
 
 int compute_jointly(const Options& options, const Processes& processes) {
-  refuse_what_cannot_be_joined(options, processes);
   const JointTask task = task_of(options);
   speak(processes, [&] {
     require_standard_output();
     refuse_to_lose_input(options);
+    refuse_residues_of_xyzr(options);
     require_places(options.outputs, options.output_directory);
   });
   const JointPlan plan = plan_jointly(task, processes);

@@ -58,14 +58,9 @@ Report plan_report(const Molecule& molecule, std::span<const std::uint64_t> line
 }
 
 /// Labels take more memory than their atoms: they stay only where they are written.
-void choose_labels(const Options& options, std::vector<AtomLabel>& labels) {
-  const auto& mesh = options.outputs.mesh;
-  if (options.outputs.residues && labels.empty())
-    throw Error(
-        fmt::format("{}: areas by residue (--write residues) need a PQR file; xyzr does not "
-                    "tell chains and residues",
-                    options.input.string()));
-  if (!options.outputs.residues && !(mesh && mesh_format(mesh->file) == MeshFormat::ply))
+void choose_labels(const OutputChoice& outputs, std::vector<AtomLabel>& labels) {
+  const auto& mesh = outputs.mesh;
+  if (!outputs.residues && !(mesh && mesh_format(mesh->file) == MeshFormat::ply))
     std::vector<AtomLabel>().swap(labels);
 }
 
@@ -84,12 +79,21 @@ void refuse_to_lose_input(const Options& options) {
                                                : "removed, as a plain file takes its place");
 }
 
+void refuse_residues_of_xyzr(const Options& options) {
+  if (options.outputs.residues && format_of(options.input, options.format) != AtomFormat::pqr)
+    throw Error(
+        fmt::format("{}: areas by residue (--write residues) need a PQR file; xyzr does not "
+                    "tell chains and residues",
+                    options.input.string()));
+}
+
 int compute_alone(const Options& options) {
   require_standard_output();
   refuse_to_lose_input(options);
+  refuse_residues_of_xyzr(options);
   require_places(options.outputs, options.output_directory);
   NumberedAtoms input = read_numbered_atoms(options.input, options.format);
-  choose_labels(options, input.labels);
+  choose_labels(options.outputs, input.labels);
   const Molecule molecule(std::move(input.atoms), std::move(input.labels));
   Report report = plan_report(molecule, input.lines, options);
   if (options.dry_run) {

@@ -14,5 +14,7 @@ int compute_jointly(const Options& options, const Processes& processes);
 
 /// Throws Error if what is to be written would take the input's place.
 void refuse_to_lose_input(const Options& options);
+/// Throws Error if areas by residue are asked for of a file that tells no residues.
+void refuse_residues_of_xyzr(const Options& options);
 
 }  // namespace eses::cli

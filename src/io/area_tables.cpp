@@ -1,9 +1,6 @@
 #include "io/area_tables.hpp"
 
-#include <cstddef>
 #include <string>
-#include <unordered_map>
-#include <vector>
 
 namespace eses {
 namespace {
@@ -18,57 +15,63 @@ std::string field(std::string_view text) {
   return quoted + '"';
 }
 
-bool is_same_residue(const AtomLabel& a, const AtomLabel& b) {
-  return a.chain == b.chain && a.residue_number == b.residue_number && a.residue == b.residue;
-}
-
 template <class Action>
 void for_each_residue(std::span<const AtomLabel> labels, std::span<const double> areas,
                       Action&& action) {
-  for (std::size_t i = 0; i < labels.size();) {
-    const AtomLabel& first = labels[i];
-    ResidueArea residue{first.chain, first.residue_number, first.residue, 0, 0};
-    for (; i < labels.size() && is_same_residue(labels[i], first); ++i) {
-      ++residue.atoms;
-      residue.area += areas[i];
-    }
+  for (std::size_t begin = 0, end = 0; begin < labels.size(); begin = end) {
+    const AtomLabel& first = labels[begin];
+    while (end < labels.size() && is_same_residue(labels[end], first)) ++end;
+    ResidueArea residue{first.chain, first.residue_number, first.residue};
+    residue.add(areas.subspan(begin, end - begin));
     action(residue);
   }
 }
 
-std::vector<ChainArea> areas_by_chain(std::span<const AtomLabel> labels,
-                                      std::span<const double> areas) {
-  std::vector<ChainArea> chains;
-  std::unordered_map<std::string_view, std::size_t> places;
-  for_each_residue(labels, areas, [&](const ResidueArea& residue) {
-    const auto [place, is_new] = places.try_emplace(residue.chain, chains.size());
-    if (is_new) chains.push_back({residue.chain, 0, 0, 0});
-    ChainArea& chain = chains[place->second];
-    ++chain.residues;
-    chain.atoms += residue.atoms;
-    chain.area += residue.area;
-  });
-  return chains;
+}  // namespace
+
+void ResidueArea::add(std::span<const double> areas) {
+  atoms += static_cast<std::int64_t>(areas.size());
+  for (const double one : areas) area += one;
 }
 
-}  // namespace
+bool is_same_residue(const AtomLabel& a, const AtomLabel& b) {
+  return a.chain == b.chain && a.residue_number == b.residue_number && a.residue == b.residue;
+}
+
+void ChainAreas::add(const ChainArea& part) {
+  const auto [place, is_new] = places_.try_emplace(part.chain, chains_.size());
+  if (is_new) chains_.push_back({part.chain, 0, 0, 0});
+  ChainArea& chain = chains_[place->second];
+  chain.residues += part.residues;
+  chain.atoms += part.atoms;
+  chain.area += part.area;
+}
+
+void append_residue(TextPieces& text, const ResidueArea& residue) {
+  text.append("{},{},{},{},{:.6f}\n", field(residue.chain), field(residue.number),
+              field(residue.name), residue.atoms, residue.area);
+}
 
 void write_residue_table(std::span<const AtomLabel> labels, std::span<const double> areas,
                          const TextSink& sink) {
   TextPieces text(sink);
-  text.append("chain,residue_number,residue,atoms,area\n");
-  for_each_residue(labels, areas, [&](const ResidueArea& residue) {
-    text.append("{},{},{},{},{:.6f}\n", field(residue.chain), field(residue.number),
-                field(residue.name), residue.atoms, residue.area);
-  });
+  text.append(residue_table_header);
+  for_each_residue(labels, areas,
+                   [&](const ResidueArea& residue) { append_residue(text, residue); });
   text.flush();
 }
 
 void write_chain_table(std::span<const AtomLabel> labels, std::span<const double> areas,
                        const TextSink& sink) {
+  ChainAreas chains;
+  for_each_residue(labels, areas, [&](const ResidueArea& residue) { chains.add(residue); });
+  write_chain_table(chains.chains(), sink);
+}
+
+void write_chain_table(std::span<const ChainArea> chains, const TextSink& sink) {
   TextPieces text(sink);
   text.append("chain,residues,atoms,area\n");
-  for (const ChainArea& chain : areas_by_chain(labels, areas))
+  for (const ChainArea& chain : chains)
     text.append("{},{},{},{:.6f}\n", field(chain.chain), chain.residues, chain.atoms, chain.area);
   text.flush();
 }

@@ -31,7 +31,7 @@ OutputFile::~OutputFile() {
 }
 
 void OutputFile::fail(const char* action, int error) const {
-  throw Error(fmt::format("cannot {} {}: {}", action, path_in(directory_.path(), name_),
+  throw Error(fmt::format("cannot {} {}: {}", action, path(),
                           std::generic_category().message(error)));
 }
 

@@ -21,6 +21,10 @@ class OutputFile {
   OutputFile(const OutputFile&) = delete;
   OutputFile& operator=(const OutputFile&) = delete;
 
+  /// Where it is in the end, and for now.
+  std::string path() const { return path_in(directory_.path(), name_); }
+  std::string temporary_path() const { return path_in(directory_.path(), temporary_name_); }
+
   /// May be called from several threads for disjoint ranges.
   void write_at(std::span<const char> bytes, std::uint64_t offset);
   /// Reads what has been written there before; bytes that nobody wrote are 0.

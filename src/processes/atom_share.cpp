@@ -14,6 +14,7 @@
 #include <utility>
 
 #include "eses/error.hpp"
+#include "io/area_tables.hpp"
 #include "io/atom_lines.hpp"
 #include "io/file_descriptor.hpp"
 #include "io/gzip.hpp"
@@ -90,9 +91,23 @@ std::uint64_t count_lines(const TextFile& file, const Part& part) {
   return lines;
 }
 
-// Piece by piece, so that there is never much text beside the atoms.
+// Makes residues of labels, which go.
+void take_labels(std::vector<AtomLabel>& labels, AtomShare& share) {
+  for (AtomLabel& label : labels) {
+    if (share.residues.empty() || !is_same_residue(share.residues.back(), label)) {
+      label.atom_name.clear();
+      share.residues.push_back(std::move(label));
+      share.residue_atoms.push_back(0);
+    }
+    ++share.residue_atoms.back();
+  }
+  labels.clear();
+}
+
+// Piece by piece, so that there is never much text, nor many labels, beside the atoms.
 std::uint64_t parse_part(const TextFile& file, const Part& part, AtomFormat format,
-                         std::uint64_t first_line, NumberedAtoms& atoms) {
+                         std::uint64_t first_line, bool with_residues, NumberedAtoms& atoms,
+                         AtomShare& share) {
   std::string buffer;
   std::uint64_t lines = 0;
   std::size_t wanted = piece_bytes;
@@ -108,7 +123,8 @@ std::uint64_t parse_part(const TextFile& file, const Part& part, AtomFormat form
       continue;
     }
     if (!is_last) text = text.substr(0, newline + 1);
-    lines += parse_atom_lines(text, format, file.name(), first_line + lines, false, atoms);
+    lines += parse_atom_lines(text, format, file.name(), first_line + lines, with_residues, atoms);
+    take_labels(atoms.labels, share);
     offset += text.size();
     wanted = piece_bytes;
   }
@@ -117,7 +133,7 @@ std::uint64_t parse_part(const TextFile& file, const Part& part, AtomFormat form
 
 }  // namespace
 
-AtomShare read_share(const std::filesystem::path& path, AtomFormat format,
+AtomShare read_share(const std::filesystem::path& path, AtomFormat format, bool with_residues,
                      const Processes& processes) {
   std::uint64_t bytes = 0;
   processes.agree([&] {
@@ -131,6 +147,7 @@ AtomShare read_share(const std::filesystem::path& path, AtomFormat format,
       throw Error(fmt::format("cannot read {}{}: it is not the file that the first process reads",
                               path.string(), processes.place()));
   });
+  AtomShare share;
   NumberedAtoms read;
   std::uint64_t lines = 0;
   if (bytes > 0) {
@@ -143,14 +160,14 @@ AtomShare read_share(const std::filesystem::path& path, AtomFormat format,
       lines = count_lines(text, part);
     });
     const std::uint64_t before = processes.sum_before(lines);
-    processes.agree([&] { lines = parse_part(*file, part, format, before + 1, read); });
+    processes.agree(
+        [&] { lines = parse_part(*file, part, format, before + 1, with_residues, read, share); });
   } else {
     processes.agree([&] {
       if (processes.is_first()) read = read_numbered_atoms(path, format);
+      if (with_residues) take_labels(read.labels, share);
     });
   }
-  std::vector<AtomLabel>().swap(read.labels);
-  AtomShare share;
   share.atoms = std::move(read.atoms);
   share.lines = std::move(read.lines);
   share.first = processes.sum_before(share.atoms.size());

@@ -3,15 +3,17 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cstring>
+#include <map>
 #include <optional>
-#include <string>
+#include <string_view>
 #include <utility>
 
 #include "eses/error.hpp"
 #include "io/eses_text.hpp"
 #include "io/gzip.hpp"
-#include "io/output_directory.hpp"
-#include "run/output_files.hpp"
+#include "mesh/local_triangle.hpp"
+#include "run/inside_map.hpp"
 #include "run/short_file.hpp"
 
 namespace eses {
@@ -21,9 +23,9 @@ constexpr std::size_t copied_at_a_time = std::size_t{1} << 22;  // bytes
 
 }  // namespace
 
-Join::Join(const JointTask& task, const JointPlan& plan, const JointPaths& paths,
-           const Processes& processes, std::function<void()> check)
-    : task_(task), plan_(plan), paths_(paths), processes_(processes), check_(std::move(check)) {}
+Join::Join(const JointTask& task, const JointPlan& plan, const Processes& processes,
+           std::function<void()> check)
+    : task_(task), plan_(plan), processes_(processes), check_(std::move(check)) {}
 
 void Join::take(std::vector<Piece> own) {
   const auto by_planes = [](const PieceInfo& a, const PieceInfo& b) {
@@ -40,52 +42,190 @@ void Join::take(std::vector<Piece> own) {
   processes_.agree([&] { add_up(); });
 }
 
-std::uint64_t Join::join_texts(OutputFile* file, const char* name, PieceText text) {
-  const auto which = static_cast<std::size_t>(text);
-  SharedFile shared = open(file, name);
-  std::uint64_t offset = 0;
+// Calls take(bytes, offset) for parts of a piece's text, each a multiple of `unit` long.
+template <class Take>
+void Join::read(Piece& piece, PieceText text, std::uint64_t unit, Take&& take) const {
+  auto& from = piece.texts[static_cast<std::size_t>(text)];
+  if (!from) from = plan_.store->open(piece.info.planes, text);
+  const std::uint64_t bytes = piece.info.bytes_of(text);
+  const std::uint64_t step = std::max<std::uint64_t>(1, copied_at_a_time / unit) * unit;
+  TextChecksum checksum;
+  std::vector<char> buffer;
+  for (std::uint64_t done = 0; done < bytes; done += buffer.size()) {
+    check_();
+    buffer.resize(std::min(step, bytes - done));
+    from->read_at(std::as_writable_bytes(std::span(buffer)), done);
+    if (plan_.store) checksum.add(buffer, done);
+    take(std::span<const char>(buffer), done);
+  }
+  if (plan_.store) from.reset();  // so many files at a time cannot be open
+  if (plan_.store && checksum.value() != piece.info.checksums[static_cast<std::size_t>(text)])
+    throw Error(fmt::format(
+        "cannot resume: a text beside {} is damaged; remove that, and the piece is done again",
+        plan_.store->sums_path(piece.info.planes)));
+}
+
+// Returns where the last one ends.
+std::uint64_t Join::copy(PieceText text, SharedFile& to, std::uint64_t offset) {
   auto mine = own_.begin();
   for (const PieceInfo& info : all_) {
-    if (mine != own_.end() && mine->info.planes == info.planes) copy(*mine++, text, shared, offset);
-    offset += info.bytes[which];
+    if (mine != own_.end() && mine->info.planes == info.planes) {
+      read(*mine, text, 1, [&](std::span<const char> bytes, std::uint64_t done) {
+        to.write_at(bytes, offset + done);
+      });
+      mine->texts[static_cast<std::size_t>(text)].reset();
+      ++mine;
+    }
+    offset += info.bytes_of(text);
   }
-  if (task_.outputs.gzip && offset == 0) offset += write_empty_member(shared);
+  return offset;
+}
+
+std::uint64_t Join::join_texts(OutputFile* file, PieceText text) {
+  SharedFile shared(processes_, file);
+  std::uint64_t bytes = copy(text, shared, 0);
+  if (task_.outputs.gzip && bytes == 0) bytes = write_empty_member(shared);
   shared.close();
+  return bytes;
+}
+
+std::uint64_t Join::join_map(OutputFile* file) {
+  SharedFile shared(processes_, file);
+  const GridRegion& region = plan_.whole.tiling.region;
+  InsideMap map(map_file(shared), required_map_format(task_.outputs.inside_map), plan_.whole.grid,
+                region);
+  const auto row_words = static_cast<std::uint64_t>(InsideMap::words_of_row(region.size()));
+  const std::uint64_t row_bytes = sizeof(std::uint64_t) * row_words;
+  InsideMap::Scratch scratch;
+  std::vector<std::uint64_t> words;
+  for (Piece& piece : own_) {
+    const std::int64_t first_row = (piece.info.planes.begin - region.begin[2]) * region.size()[1];
+    read(piece, PieceText::map, row_bytes, [&](std::span<const char> bytes, std::uint64_t done) {
+      words.resize(bytes.size() / sizeof(std::uint64_t));
+      std::memcpy(words.data(), bytes.data(), bytes.size());
+      map.write_rows(first_row + static_cast<std::int64_t>(done / row_bytes), words, scratch);
+    });
+    piece.texts[static_cast<std::size_t>(PieceText::map)].reset();
+  }
+  shared.sync();
+  const Processes::Share share =
+      processes_.share_of(static_cast<std::uint64_t>(map.piece_count()), 1, processes_.rank());
+  // Of several processes only the main thread may write.
+  map.turn_pieces(static_cast<std::int64_t>(share.begin), static_cast<std::int64_t>(share.end),
+                  processes_.count() > 1 ? 1 : plan_.own.threads, check_);
+  if (processes_.is_first()) map.write_ends();
+  shared.close();
+  processes_.agree([&] {
+    if (processes_.is_first()) file->truncate(map.file_bytes());
+  });
+  return map.file_bytes();
+}
+
+std::uint64_t Join::join_mesh(OutputFile* file, const mesh::MeshText& text) {
+  SharedFile shared(processes_, file);
+  std::uint64_t bytes = 0;
+  text.write_header(mesh_, [&](std::string_view piece) {
+    if (processes_.is_first()) shared.write_at(piece, bytes);
+    bytes += piece.size();
+  });
+  bytes = copy(PieceText::vertices, shared, bytes);
+  bytes = write_triangles(shared, bytes, text);
+  shared.close();
+  return bytes;
+}
+
+template <class Take>
+void Join::for_triangle_texts(Piece& piece, std::uint64_t first_vertex, const mesh::MeshText& text,
+                              Take&& take) const {
+  TextBuffer buffer;
+  read(piece, PieceText::triangles, sizeof(mesh::LocalTriangle),
+       [&](std::span<const char> bytes, std::uint64_t) {
+         buffer.clear();
+         for (; !bytes.empty(); bytes = bytes.subspan(sizeof(mesh::LocalTriangle))) {
+           mesh::LocalTriangle local;
+           std::memcpy(&local, bytes.data(), sizeof local);
+           text.append_triangle(buffer, mesh::numbered_from(first_vertex, local));
+         }
+         take(buffer.text());
+       });
+}
+
+// Returns where they end. How long their text is depends on their numbers: it is made twice.
+std::uint64_t Join::write_triangles(SharedFile& file, std::uint64_t offset,
+                                    const mesh::MeshText& text) {
+  struct PieceBytes {
+    std::int64_t plane;
+    std::uint64_t bytes;
+  };
+  const auto for_own = [&](const auto& action) {
+    std::uint64_t first_vertex = 0;
+    auto mine = own_.begin();
+    for (const PieceInfo& info : all_) {
+      if (mine != own_.end() && mine->info.planes == info.planes) action(*mine++, first_vertex);
+      first_vertex += info.mesh.vertices;
+    }
+  };
+  std::vector<PieceBytes> own;
+  for_own([&](Piece& piece, std::uint64_t first_vertex) {
+    own.push_back({piece.info.planes.begin, 0});
+    for_triangle_texts(piece, first_vertex, text,
+                       [&](std::span<const char> part) { own.back().bytes += part.size(); });
+  });
+  std::map<std::int64_t, std::uint64_t> bytes;  // of each piece
+  for (const PieceBytes& one : processes_.gather<PieceBytes>(own)) bytes[one.plane] = one.bytes;
+  std::map<std::int64_t, std::uint64_t> begin;
+  for (const auto& [plane, size] : bytes) {
+    begin[plane] = offset;
+    offset += size;
+  }
+  for_own([&](Piece& piece, std::uint64_t first_vertex) {
+    std::uint64_t at = begin.at(piece.info.planes.begin);
+    for_triangle_texts(piece, first_vertex, text, [&](std::span<const char> part) {
+      file.write_at(part, at);
+      at += part.size();
+    });
+    piece.texts[static_cast<std::size_t>(PieceText::triangles)].reset();
+  });
   return offset;
 }
 
 template <class Take>
-void Join::for_area_texts(std::span<const double> areas, Take&& take) const {
+void Join::for_area_texts(Take&& take) const {
   const std::uint64_t first = share_of(processes_.rank()).begin;
   std::optional<Gzip> gzip;
   if (task_.outputs.gzip) gzip.emplace();
   TextBuffer text;
-  for (std::size_t at = 0; at < areas.size(); at += area_lines_at_a_time) {
+  for (std::size_t at = 0; at < areas_.size(); at += area_lines_at_a_time) {
     check_();
     text.clear();
     append_areas(text, first + at,
-                 areas.subspan(at, std::min(area_lines_at_a_time, areas.size() - at)));
+                 std::span(areas_).subspan(at, std::min(area_lines_at_a_time, areas_.size() - at)));
     take(gzip ? gzip->member(text.text()) : text.text());
   }
 }
 
 std::uint64_t Join::join_areas(OutputFile* file, double& area) {
-  const std::vector<double> areas = own_areas();
+  areas_ = own_areas();
   area = processes_.hand_on(0, [&](double sum) {
-    for (const double one : areas) sum += one;
+    for (const double one : areas_) sum += one;
     return sum;
   });
   if (!task_.outputs.areas) return 0;
-  SharedFile shared = open(file, areas_name);
+  SharedFile shared(processes_, file);
   std::uint64_t bytes = 0;
-  for_area_texts(areas, [&](std::span<const char> text) { bytes += text.size(); });
+  for_area_texts([&](std::span<const char> text) { bytes += text.size(); });
   std::uint64_t offset = processes_.sum_before(bytes);
-  for_area_texts(areas, [&](std::span<const char> text) {
+  for_area_texts([&](std::span<const char> text) {
     shared.write_at(text, offset);
     offset += text.size();
   });
   shared.close();
   return processes_.sum(bytes);
+}
+
+std::uint64_t Join::join_tables(OutputFile* residues, OutputFile* chains) {
+  return write_tables_jointly(plan_.residues, areas_, share_of(processes_.rank()).begin, residues,
+                              chains, processes_);
 }
 
 void Join::add_up() {
@@ -95,35 +235,11 @@ void Join::add_up() {
       throw Error("the pieces of the run do not fit together; remove what is there to resume");
     next = info.planes.end;
     totals_.add(info.totals);
+    mesh_.vertices += info.mesh.vertices;
+    mesh_.triangles += info.mesh.triangles;
   }
   if (next != plan_.whole.tiling.region.end[2]) throw Error("pieces of the run are missing");
-}
-
-SharedFile Join::open(OutputFile* file, const char* name) const {
-  const std::string full_name = text_file_name(name, task_.outputs.gzip);
-  return {processes_, file,
-          path_in(task_.output_directory, temporary_name(full_name, paths_.process)),
-          path_in(task_.output_directory, full_name)};
-}
-
-void Join::copy(Piece& piece, PieceText text, SharedFile& to, std::uint64_t offset) const {
-  const auto which = static_cast<std::size_t>(text);
-  const std::uint64_t bytes = piece.info.bytes[which];
-  const auto from = piece.texts[which] ? std::move(piece.texts[which])
-                                       : plan_.store->open(piece.info.planes, text);
-  TextChecksum checksum;
-  std::vector<char> buffer;
-  for (std::uint64_t done = 0; done < bytes; done += buffer.size()) {
-    check_();
-    buffer.resize(std::min<std::uint64_t>(copied_at_a_time, bytes - done));
-    from->read_at(std::as_writable_bytes(std::span(buffer)), done);
-    if (plan_.store) checksum.add(buffer, done);
-    to.write_at(buffer, offset + done);
-  }
-  if (plan_.store && checksum.value() != piece.info.checksums[which])
-    throw Error(fmt::format(
-        "cannot resume: a text beside {} is damaged; remove that, and the piece is done again",
-        plan_.store->sums_path(piece.info.planes)));
+  mesh::require_numbers(mesh_.vertices);
 }
 
 // Without a single member it would be no gzip file.

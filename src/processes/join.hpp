@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "io/output_file.hpp"
+#include "mesh/mesh_text.hpp"
 #include "processes/joint_run.hpp"
 #include "processes/pieces.hpp"
 #include "processes/processes.hpp"
@@ -20,40 +21,51 @@ namespace eses {
 class Join {
  public:
   /// Keeps references to all but `check`, which is called now and then, and may end the run.
-  Join(const JointTask& task, const JointPlan& plan, const JointPaths& paths,
-       const Processes& processes, std::function<void()> check);
+  Join(const JointTask& task, const JointPlan& plan, const Processes& processes,
+       std::function<void()> check);
 
   /// Learns of all pieces, of which this process has `own`. Throws SharedError if they are not
-  /// those of the whole run.
+  /// those of the whole run, or the mesh would have too many vertices.
   void take(std::vector<Piece> own);
 
   const RegionTotals& totals() const { return totals_; }
+  const MeshCounts& mesh_counts() const { return mesh_; }
 
-  /// Returns the bytes of the file.
-  std::uint64_t join_texts(OutputFile* file, const char* name, PieceText text);
+  /// Each of the following returns the bytes of the files that it makes.
+  std::uint64_t join_texts(OutputFile* file, PieceText text);
+  std::uint64_t join_map(OutputFile* file);
+  std::uint64_t join_mesh(OutputFile* file, const mesh::MeshText& text);
 
   /// Each process adds up, and writes, the areas of as many atoms; `area` becomes their sum in the
-  /// order of atoms, as that of numbers with a point depends on it. Returns the bytes of the file.
+  /// order of atoms, as that of numbers with a point depends on it.
   std::uint64_t join_areas(OutputFile* file, double& area);
+  /// After it, of the same areas.
+  std::uint64_t join_tables(OutputFile* residues, OutputFile* chains);
 
  private:
   void add_up();
-  SharedFile open(OutputFile* file, const char* name) const;
-  void copy(Piece& piece, PieceText text, SharedFile& to, std::uint64_t offset) const;
+  template <class Take>
+  void read(Piece& piece, PieceText text, std::uint64_t unit, Take&& take) const;
+  std::uint64_t copy(PieceText text, SharedFile& to, std::uint64_t offset);
+  template <class Take>
+  void for_triangle_texts(Piece& piece, std::uint64_t first_vertex, const mesh::MeshText& text,
+                          Take&& take) const;
+  std::uint64_t write_triangles(SharedFile& file, std::uint64_t offset, const mesh::MeshText& text);
   std::uint64_t write_empty_member(SharedFile& file) const;
   Processes::Share share_of(int rank) const;
   std::vector<double> own_areas();
   template <class Take>
-  void for_area_texts(std::span<const double> areas, Take&& take) const;
+  void for_area_texts(Take&& take) const;
 
   const JointTask& task_;
   const JointPlan& plan_;
-  const JointPaths& paths_;
   const Processes& processes_;
   std::function<void()> check_;
   std::vector<PieceInfo> all_;  // by planes
   std::vector<Piece> own_;      // likewise
   RegionTotals totals_;
+  MeshCounts mesh_;
+  std::vector<double> areas_;  // of this process's share of the atoms
 };
 
 }  // namespace eses

@@ -5,12 +5,16 @@
 #include <bit>
 #include <cstdint>
 #include <memory>
+#include <span>
 #include <string>
 #include <utility>
 #include <vector>
 
 #include "eses/version.hpp"
+#include "mesh/mesh_text.hpp"
 #include "processes/joint_run.hpp"
+#include "processes/residue_names.hpp"
+#include "run/inside_map.hpp"
 #include "run/parallel.hpp"
 #include "run/plan.hpp"
 #include "run/resources.hpp"
@@ -20,7 +24,7 @@ namespace eses {
 namespace {
 
 // To be raised with every change of what is computed, or of how pieces are kept.
-constexpr int piece_format = 1;
+constexpr int piece_format = 2;
 
 // The same whoever reads which atoms.
 std::uint64_t hash_of(const AtomShare& share, const Processes& processes) {
@@ -28,6 +32,7 @@ std::uint64_t hash_of(const AtomShare& share, const Processes& processes) {
   for (std::size_t i = 0; i < share.atoms.size(); ++i) {
     const auto& [center, radius] = share.atoms[i];
     std::uint64_t hash = scrambled(share.first + i);
+    if (!share.residue_of.empty()) hash = scrambled(hash ^ share.residue_of[i]);
     for (const double value : {center.x, center.y, center.z, radius})
       hash = scrambled(hash ^ std::bit_cast<std::uint64_t>(value));
     sum += hash;
@@ -35,16 +40,31 @@ std::uint64_t hash_of(const AtomShare& share, const Processes& processes) {
   return processes.sum(sum);
 }
 
-std::string identity_of(const JointTask& task, const Plan& plan, std::uint64_t atoms,
-                        std::uint64_t hash) {
+std::uint32_t hash_of(std::span<const AtomLabel> names) {
+  std::uint32_t hash = 0;
+  for (const AtomLabel& name : names)
+    for (const std::string* const text : {&name.chain, &name.residue, &name.residue_number})
+      hash = static_cast<std::uint32_t>(
+          crc32_z(hash, reinterpret_cast<const Bytef*>(text->c_str()), text->size() + 1));
+  return hash;
+}
+
+std::string mesh_identity(const OutputChoice& outputs, std::span<const AtomLabel> names) {
+  if (!outputs.mesh) return "none";
+  return fmt::format("{} {} {} {:08x}", static_cast<int>(mesh_format(outputs.mesh->file).value()),
+                     static_cast<int>(outputs.mesh->color), names.size(), hash_of(names));
+}
+
+std::string identity_of(const JointTask& task, const JointPlan& joint, std::uint64_t hash) {
   const Parameters& p = task.parameters;
-  const GridRegion& region = plan.tiling.region;
+  const GridRegion& region = joint.whole.tiling.region;
   return fmt::format(
       "eses-blocks {} format {} {} {}\natoms {} {:016x}\nprobe {:a} spacing {:a} margin {:a}\n"
-      "points {} {}\ngrid {} edges {} gzip {}\n",
-      version, piece_format, sizeof(PieceInfo), task.outputs.gzip ? zlibVersion() : "", atoms, hash,
-      p.probe_radius, p.spacing, p.margin, fmt::join(region.begin, " "), fmt::join(region.end, " "),
-      task.outputs.grid, task.outputs.edges, task.outputs.gzip);
+      "points {} {}\ngrid {} edges {} gzip {} map {} mesh {}\n",
+      version, piece_format, sizeof(PieceInfo), task.outputs.gzip ? zlibVersion() : "", joint.atoms,
+      hash, p.probe_radius, p.spacing, p.margin, fmt::join(region.begin, " "),
+      fmt::join(region.end, " "), task.outputs.grid, task.outputs.edges, task.outputs.gzip,
+      !task.outputs.inside_map.empty(), mesh_identity(task.outputs, joint.residue_names));
 }
 
 SphereBounds shared_bounds(const AtomShare& share, const Processes& processes) {
@@ -57,7 +77,8 @@ SphereBounds shared_bounds(const AtomShare& share, const Processes& processes) {
 }
 
 // What this process is to do; nothing where its slab is empty.
-Plan plan_slab(const JointTask& task, const JointPlan& joint, const Processes& processes) {
+Plan plan_slab(const JointTask& task, const JointPlan& joint, const LabelTotals& labels,
+               const Processes& processes) {
   const Processes::Machine machine = processes.machine(available_threads());
   Plan own = joint.whole;
   own.tiling.region.begin[2] = joint.slab.planes.begin;
@@ -66,14 +87,22 @@ Plan plan_slab(const JointTask& task, const JointPlan& joint, const Processes& p
   processes.agree([&] {
     if (joint.slab.planes.is_empty()) return;
     plan_work(available_memory() / static_cast<std::uint64_t>(machine.processes),
-              joint.slab.molecule, task.outputs, own);
+              joint.slab.molecule, labels, task.outputs, own);
   });
   return own;
 }
 
+// What this process holds of labels: those of its share, and the names of all residues.
+LabelTotals labels_of(const JointPlan& plan, std::span<const AtomLabel> residues) {
+  LabelTotals totals = total_labels(residues);
+  totals.labels += plan.residue_names.size();
+  totals.heap_bytes += total_labels(plan.residue_names).heap_bytes;
+  return totals;
+}
+
 // Sums and maxima of the processes' plans.
-void complete(Plan& whole, const Plan& own, std::uint64_t atoms, const OutputChoice& outputs,
-              const Processes& processes) {
+void complete(Plan& whole, const Plan& own, std::uint64_t atoms, const LabelTotals& labels,
+              const OutputChoice& outputs, const Processes& processes) {
   const GridRegion region = whole.tiling.region;
   std::array<std::uint64_t, 5> largest{
       own.memory_bytes, own.box_file_bytes, static_cast<std::uint64_t>(own.tiling.block_size),
@@ -89,33 +118,48 @@ void complete(Plan& whole, const Plan& own, std::uint64_t atoms, const OutputCho
   whole.edge_file_bytes = processes.sum(own.edge_file_bytes);  // of what is still to be done
   if (outputs.areas) whole.area_file_bytes = expected_area_bytes(atoms, outputs.gzip);
   whole.text_scratch_bytes = whole.grid_file_bytes + whole.edge_file_bytes;
+  if (outputs.residues) whole.residue_file_bytes = processes.sum(expected_table_bytes(labels));
+  whole.mesh_file_bytes = whole.mesh_scratch_bytes = processes.sum(own.mesh_file_bytes);
+  if (outputs.inside_map.empty()) return;
+  expect_map(outputs.inside_map, whole);
+  whole.text_scratch_bytes += InsideMap::bits_bytes(region);
+}
+
+bool has_names(const OutputChoice& outputs) {
+  return outputs.mesh && mesh::names_atoms(*outputs.mesh);
 }
 
 }  // namespace
 
 JointPlan plan_jointly(const JointTask& task, const Processes& processes) {
-  AtomShare share = read_share(task.input, task.format, processes);
+  const OutputChoice& outputs = task.outputs;
+  AtomShare share =
+      read_share(task.input, task.format, outputs.residues || has_names(outputs), processes);
   JointPlan plan;
   plan.atoms = share.total;
+  if (has_names(outputs)) plan.residue_names = share_residue_names(share, processes);
+  const LabelTotals labels = labels_of(plan, share.residues);
+  if (outputs.residues)
+    plan.residues = {std::move(share.residues), std::move(share.residue_atoms), share.first,
+                     share.first + share.atoms.size()};
   const SphereBounds bounds = shared_bounds(share, processes);
   const std::uint64_t hash = task.resume ? hash_of(share, processes) : 0;
   std::vector<PlaneRange> done;
   processes.agree([&] {
     plan.whole = plan_grid(bounds, task.parameters);
     if (!task.resume) return;
-    plan.store = std::make_unique<PieceStore>(task.output_directory,
-                                              identity_of(task, plan.whole, plan.atoms, hash));
+    plan.store = std::make_unique<PieceStore>(task.output_directory, identity_of(task, plan, hash));
     if (!processes.is_first()) return;
     if (!task.dry_run) plan.store->lock();
     done = plan.store->complete();
   });
   plan.done = processes.gather<PlaneRange>(done);
-  SharedMolecule shared = share_molecule(share, plan.whole, task.outputs, plan.done, processes);
+  SharedMolecule shared = share_molecule(share, plan.whole, outputs, plan.done, processes);
   share = {};
   plan.slab = std::move(shared.slab);
   plan.odd = std::move(shared.odd);
-  plan.own = plan_slab(task, plan, processes);
-  complete(plan.whole, plan.own, plan.atoms, task.outputs, processes);
+  plan.own = plan_slab(task, plan, labels, processes);
+  complete(plan.whole, plan.own, plan.atoms, labels, outputs, processes);
   return plan;
 }
 

@@ -18,6 +18,7 @@
 #include "io/file_descriptor.hpp"
 #include "processes/join.hpp"
 #include "processes/slab_run.hpp"
+#include "processes/text_list.hpp"
 #include "run/output_files.hpp"
 #include "run/parallel.hpp"
 #include "run/resources.hpp"
@@ -50,14 +51,8 @@ double cpu_seconds() {
 // Those of process `from`, known to all.
 std::vector<std::string> broadcast_lines(const std::vector<std::string>& own, int from,
                                          const Processes& processes) {
-  std::string text;
-  if (processes.rank() == from)
-    for (const std::string& line : own) text += line + '\0';
-  text = processes.broadcast(std::move(text), from);
-  std::vector<std::string> lines;
-  for (std::size_t begin = 0; begin < text.size(); begin = text.find('\0', begin) + 1)
-    lines.emplace_back(text.c_str() + begin);
-  return lines;
+  return split_texts(
+      processes.broadcast(processes.rank() == from ? join_texts(own) : std::string(), from));
 }
 
 // Wall clocks are those of the slowest process, times of threads are added up.
@@ -137,19 +132,25 @@ JointSummary run_jointly(const JointTask& task, const JointPlan& plan, const Joi
   const auto rank = static_cast<std::size_t>(processes.rank());
   for (std::size_t i = rank; i < plan.done.size(); i += static_cast<std::size_t>(processes.count()))
     pieces.push_back(plan.store->read(plan.done[i]));
-  Join join(task, plan, paths, processes, [&] { slab.check(); });
+  Join join(task, plan, processes, [&] { slab.check(); });
   join.take(std::move(pieces));
   fill_totals(join.totals(), plan.whole.grid.spacing, summary);
   if (summary.verification && !summary.verification->faults.empty()) {
     finish(total, plan, joint, processes);
     return joint;
   }
-  if (task.outputs.grid)
-    summary.bytes_written += join.join_texts(file(&OutputFiles::grid), grid_name, PieceText::grid);
-  if (task.outputs.edges)
-    summary.bytes_written +=
-        join.join_texts(file(&OutputFiles::edges), edges_name, PieceText::edges);
-  summary.bytes_written += join.join_areas(file(&OutputFiles::areas), summary.area);
+  const OutputChoice& outputs = task.outputs;
+  std::uint64_t& bytes = summary.bytes_written;
+  if (outputs.grid) bytes += join.join_texts(file(&OutputFiles::grid), PieceText::grid);
+  if (outputs.edges) bytes += join.join_texts(file(&OutputFiles::edges), PieceText::edges);
+  if (!outputs.inside_map.empty()) bytes += join.join_map(file(&OutputFiles::inside_map));
+  if (outputs.mesh) {
+    bytes += join.join_mesh(file(&OutputFiles::mesh), slab.mesh_text());
+    summary.mesh = join.mesh_counts();
+  }
+  bytes += join.join_areas(file(&OutputFiles::areas), summary.area);
+  if (outputs.residues)
+    bytes += join.join_tables(file(&OutputFiles::residues), file(&OutputFiles::chains));
   std::uint64_t box_bytes = 0;
   processes.agree([&] {
     if (!files) return;
@@ -158,7 +159,7 @@ JointSummary run_jointly(const JointTask& task, const JointPlan& plan, const Joi
     files->commit([&] { slab.check(); });
     if (plan.store) plan.store->remove();
   });
-  summary.bytes_written += processes.sum(box_bytes);
+  bytes += processes.sum(box_bytes);
   finish(total, plan, joint, processes);
   return joint;
 }

@@ -15,6 +15,7 @@
 #include "eses/run.hpp"
 #include "processes/pieces.hpp"
 #include "processes/processes.hpp"
+#include "processes/residue_tables.hpp"
 #include "processes/slabs.hpp"
 
 namespace eses {
@@ -24,7 +25,7 @@ struct JointTask {
   std::filesystem::path input;
   AtomFormat format = AtomFormat::automatic;
   Parameters parameters;
-  OutputChoice outputs;  ///< without tables of residues, map and mesh
+  OutputChoice outputs;
   std::filesystem::path output_directory;
   /// Pieces outlive a run that is cut off, and are not done again.
   bool resume = false;
@@ -37,9 +38,11 @@ struct JointPlan {
   Plan own;    ///< of this one's slab
   SlabShare slab;
   SharedOddities odd;
-  std::uint64_t atoms = 0;            ///< of the molecule
-  std::unique_ptr<PieceStore> store;  ///< if the run may be resumed; locked by the first process
-  std::vector<PlaneRange> done;       ///< planes that need not be done again
+  std::uint64_t atoms = 0;               ///< of the molecule
+  ResidueShare residues;                 ///< if they are asked for
+  std::vector<AtomLabel> residue_names;  ///< if the mesh has them: see share_residue_names
+  std::unique_ptr<PieceStore> store;     ///< if the run may be resumed; locked by the first process
+  std::vector<PlaneRange> done;          ///< planes that need not be done again
 };
 
 /// What each process had to do.

@@ -19,7 +19,8 @@ namespace {
 
 constexpr char identity_name[] = "run";
 constexpr std::string_view sums_suffix = ".sums";
-constexpr std::array<const char*, piece_texts> text_suffixes{".grid", ".edges"};
+constexpr std::array<const char*, piece_texts> text_suffixes{".grid", ".edges", ".map", ".vertices",
+                                                             ".triangles"};
 
 std::string name_of(const PlaneRange& planes, std::string_view suffix) {
   return fmt::format("{}-{}{}", planes.begin, planes.end, suffix);

@@ -27,16 +27,22 @@ struct AtomSum {
   std::array<std::uint32_t, 3> padding{};  ///< these bytes are written, too
 };
 
-/// The texts of a piece, numbered.
-enum class PieceText : std::uint8_t { grid, edges };
-inline constexpr std::size_t piece_texts = 2;
+/// The texts of a piece, numbered: those of grid_info.txt and intersection_info.txt, rows of words
+/// for the map, and of the mesh vertices as text of its format and triangles as
+/// mesh::LocalTriangle.
+enum class PieceText : std::uint8_t { grid, edges, map, vertices, triangles };
+inline constexpr std::size_t piece_texts = 5;
 
 /// All that other processes are told of a piece.
 struct PieceInfo {
   PlaneRange planes;
   std::array<std::uint64_t, piece_texts> bytes{};
   std::array<std::uint32_t, piece_texts> checksums{};  ///< crc32; of pieces in a store
+  MeshCounts mesh;
   RegionTotals totals;
+
+  std::uint64_t& bytes_of(PieceText text) { return bytes[static_cast<std::size_t>(text)]; }
+  std::uint64_t bytes_of(PieceText text) const { return bytes[static_cast<std::size_t>(text)]; }
 };
 
 struct Piece {

@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cstring>
 #include <new>
 #include <optional>
 
@@ -40,6 +41,19 @@ void Processes::agree(const std::function<void()>& action) const {
   take_least(std::span(&first, 1));
   if (first == static_cast<std::uint64_t>(count_)) return;
   throw SharedError(broadcast(failure.value_or(""), static_cast<int>(first)));
+}
+
+double Processes::hand_on(double value, const std::function<double(double)>& change) const {
+  const auto text_of = [](double number) {
+    return std::string(reinterpret_cast<const char*>(&number), sizeof number);
+  };
+  const auto number_of = [](const std::string& text) {
+    double number = 0;
+    std::memcpy(&number, text.data(), sizeof number);
+    return number;
+  };
+  return number_of(hand_on(
+      text_of(value), [&](const std::string& text) { return text_of(change(number_of(text))); }));
 }
 
 std::string Processes::place() const {

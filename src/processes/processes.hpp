@@ -69,6 +69,8 @@ class Processes {
   std::vector<T> exchange(std::vector<std::vector<T>> to) const;
   /// Hands a value from each process to the next: each changes what the one before has made of it.
   /// Returns what the last one made of it.
+  std::string hand_on(std::string value,
+                      const std::function<std::string(const std::string&)>& change) const;
   double hand_on(double value, const std::function<double(double)>& change) const;
 
   /// Performs an action, which must not call any other process. If it throws Error in any of them,

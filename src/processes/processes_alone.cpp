@@ -24,7 +24,8 @@ void Processes::add(std::span<double>) const {}
 std::uint64_t Processes::sum_before(std::uint64_t) const { return 0; }
 std::string Processes::broadcast(std::string text, int) const { return text; }
 
-double Processes::hand_on(double value, const std::function<double(double)>& change) const {
+std::string Processes::hand_on(std::string value,
+                               const std::function<std::string(const std::string&)>& change) const {
   return change(value);
 }
 

@@ -137,18 +137,26 @@ std::string Processes::broadcast(std::string text, int from) const {
   return text;
 }
 
-double Processes::hand_on(double value, const std::function<double(double)>& change) const {
+std::string Processes::hand_on(std::string value,
+                               const std::function<std::string(const std::string&)>& change) const {
   if (count_ == 1) return change(value);
   constexpr int tag = 1;
-  if (rank_ > 0)
+  if (rank_ > 0) {
+    MPI_Status status;
+    int size = 0;
+    require_success(MPI_Probe(rank_ - 1, tag, MPI_COMM_WORLD, &status), "receive");
+    MPI_Get_count(&status, MPI_CHAR, &size);
+    value.resize(static_cast<std::size_t>(size));
     require_success(
-        MPI_Recv(&value, 1, MPI_DOUBLE, rank_ - 1, tag, MPI_COMM_WORLD, MPI_STATUS_IGNORE),
+        MPI_Recv(value.data(), size, MPI_CHAR, rank_ - 1, tag, MPI_COMM_WORLD, MPI_STATUS_IGNORE),
         "receive");
+  }
   value = change(value);
   if (rank_ + 1 < count_)
-    require_success(MPI_Send(&value, 1, MPI_DOUBLE, rank_ + 1, tag, MPI_COMM_WORLD), "send");
-  require_success(MPI_Bcast(&value, 1, MPI_DOUBLE, count_ - 1, MPI_COMM_WORLD), "broadcast");
-  return value;
+    require_success(
+        MPI_Send(value.data(), small_count(value.size()), MPI_CHAR, rank_ + 1, tag, MPI_COMM_WORLD),
+        "send");
+  return broadcast(std::move(value), count_ - 1);
 }
 
 // mpirun may have bound each process to processors of its own, or have left all of them to all.

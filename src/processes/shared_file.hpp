@@ -15,16 +15,18 @@ namespace eses {
 /// file.
 class SharedFile {
  public:
-  /// To be called by all processes. `file` is what the first has opened, and is null elsewhere;
-  /// `path` is where it is for now, and `name` what it is called in messages. Keeps references to
-  /// `file` and `processes`. Throws SharedError.
-  SharedFile(const Processes& processes, OutputFile* file, const std::string& path,
-             std::string name);
+  /// To be called by all processes. `file` is what the first has opened, and is null elsewhere.
+  /// Keeps references to `file` and `processes`. Throws SharedError.
+  SharedFile(const Processes& processes, OutputFile* file);
   ~SharedFile();
   SharedFile(const SharedFile&) = delete;
   SharedFile& operator=(const SharedFile&) = delete;
 
   void write_at(std::span<const char> bytes, std::uint64_t offset);
+  /// Reads what any process has written before all called `sync`.
+  void read_at(std::span<char> bytes, std::uint64_t offset);
+  /// To be called by all processes. Throws SharedError.
+  void sync();
   /// To be called by all processes when they have written everything. Throws SharedError.
   void close();
 

@@ -1,8 +1,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <array>
-#include <utility>
 
 #include "processes/mpi_errors.hpp"
 #include "processes/shared_file.hpp"
@@ -15,6 +13,23 @@ struct SharedFile::Handle {
 
 namespace {
 
+// MPI counts in int.
+template <class Byte, class Action>
+void in_parts(std::span<Byte> bytes, std::uint64_t offset, Action&& action) {
+  constexpr std::size_t most = std::size_t{1} << 30;
+  for (std::size_t begin = 0; begin < bytes.size(); begin += most) {
+    MPI_Status status;
+    action(bytes.subspan(begin, std::min(most, bytes.size() - begin)),
+           static_cast<MPI_Offset>(offset + begin), &status);
+  }
+}
+
+bool is_done(const MPI_Status& status, std::size_t bytes) {
+  int done = 0;
+  MPI_Get_count(&status, MPI_BYTE, &done);
+  return done == static_cast<int>(bytes);
+}
+
 void require(int error, const char* action, const std::string& name) {
   if (error != MPI_SUCCESS)
     throw Error(fmt::format("cannot {} {}: {}", action, name, mpi_error_text(error)));
@@ -22,14 +37,15 @@ void require(int error, const char* action, const std::string& name) {
 
 }  // namespace
 
-SharedFile::SharedFile(const Processes& processes, OutputFile* file, const std::string& path,
-                       std::string name)
-    : processes_(processes), file_(file), name_(std::move(name)) {
+SharedFile::SharedFile(const Processes& processes, OutputFile* file)
+    : processes_(processes), file_(file) {
   if (processes.count() == 1) return;
+  name_ = processes.broadcast(file != nullptr ? file->path() : "");
+  const std::string path = processes.broadcast(file != nullptr ? file->temporary_path() : "");
   handle_ = std::make_unique<Handle>();
   // All must be able to, or MPI waits for ever: see require_shared_directory.
   const int error =
-      MPI_File_open(MPI_COMM_WORLD, path.c_str(), MPI_MODE_WRONLY, MPI_INFO_NULL, &handle_->file);
+      MPI_File_open(MPI_COMM_WORLD, path.c_str(), MPI_MODE_RDWR, MPI_INFO_NULL, &handle_->file);
   processes.agree([&] { require(error, "open", name_); });
 }
 
@@ -41,20 +57,37 @@ void SharedFile::write_at(std::span<const char> bytes, std::uint64_t offset) {
     file_->write_at(bytes, offset);
     return;
   }
-  constexpr std::size_t most = std::size_t{1} << 30;  // MPI counts in int
-  while (!bytes.empty()) {
-    const auto part = bytes.first(std::min(most, bytes.size()));
-    MPI_Status status;
-    require(MPI_File_write_at(handle_->file, static_cast<MPI_Offset>(offset), part.data(),
-                              static_cast<int>(part.size()), MPI_BYTE, &status),
+  in_parts(bytes, offset, [&](std::span<const char> part, MPI_Offset place, MPI_Status* status) {
+    require(MPI_File_write_at(handle_->file, place, part.data(), static_cast<int>(part.size()),
+                              MPI_BYTE, status),
             "write", name_);
-    int written = 0;
-    MPI_Get_count(&status, MPI_BYTE, &written);
-    if (written != static_cast<int>(part.size()))
+    if (!is_done(*status, part.size()))
       throw Error(fmt::format("cannot write {}{}: only part of it was written; is the disk full?",
                               name_, processes_.place()));
-    bytes = bytes.subspan(part.size());
-    offset += part.size();
+  });
+}
+
+void SharedFile::read_at(std::span<char> bytes, std::uint64_t offset) {
+  if (!handle_) {
+    file_->read_at(bytes, offset);
+    return;
+  }
+  in_parts(bytes, offset, [&](std::span<char> part, MPI_Offset place, MPI_Status* status) {
+    require(MPI_File_read_at(handle_->file, place, part.data(), static_cast<int>(part.size()),
+                             MPI_BYTE, status),
+            "read back", name_);
+    if (!is_done(*status, part.size()))
+      throw Error(fmt::format("cannot read back {}{}: it is shorter than what was written", name_,
+                              processes_.place()));
+  });
+}
+
+// MPI promises that others see what was written between two of their own.
+void SharedFile::sync() {
+  if (!handle_) return;
+  for (int i = 0; i < 2; ++i) {
+    const int error = MPI_File_sync(handle_->file);
+    processes_.agree([&] { require(error, "write", name_); });
   }
 }
 

@@ -8,7 +8,10 @@
 #include <span>
 #include <utility>
 
+#include "processes/residue_names.hpp"
 #include "run/build_patches.hpp"
+#include "run/mesh_output.hpp"
+#include "run/output_files.hpp"
 #include "run/pipeline.hpp"
 #include "run/resources.hpp"
 #include "solve/stopwatch.hpp"
@@ -24,7 +27,10 @@ BlockTiling slab_tiling(const Plan& plan, std::int64_t block_size, const PlaneRa
   GridRegion region = plan.tiling.region;
   region.begin[2] = planes.begin;
   region.end[2] = planes.end;
-  return make_tiling(plan.grid, block_size, region);
+  BlockTiling tiling = make_tiling(plan.grid, block_size, region);
+  // The cells between this piece and the next belong to that one, which looks for the plane below.
+  if (planes.end < plan.tiling.region.end[2]) tiling.corners.end[2] = planes.end;
+  return tiling;
 }
 
 // The ranges of planes that a process makes pieces of.
@@ -43,10 +49,24 @@ std::vector<PlaneRange> pieces_to_do(const JointTask& task, const JointPlan& pla
   return pieces;
 }
 
+// As they are: they become values of the map when it is joined.
+TakeRows row_sink(const GridRegion& region, OrderedOutput::WriteAt write_at) {
+  if (!write_at) return {};
+  const auto row_bytes =
+      sizeof(std::uint64_t) * static_cast<std::uint64_t>(InsideMap::words_of_row(region.size()));
+  return [row_bytes, write_at = std::move(write_at)](
+             std::int64_t first_row, std::span<const std::uint64_t> words, InsideMap::Scratch&) {
+    write_at({reinterpret_cast<const char*>(words.data()), words.size_bytes()},
+             row_bytes * static_cast<std::uint64_t>(first_row));
+  };
+}
+
 std::vector<PieceText> chosen_texts(const OutputChoice& outputs) {
   std::vector<PieceText> texts;
   if (outputs.grid) texts.push_back(PieceText::grid);
   if (outputs.edges) texts.push_back(PieceText::edges);
+  if (!outputs.inside_map.empty()) texts.push_back(PieceText::map);
+  if (outputs.mesh) texts.insert(texts.end(), {PieceText::vertices, PieceText::triangles});
   return texts;
 }
 
@@ -60,7 +80,11 @@ SlabRun::SlabRun(const JointTask& task, const JointPlan& plan, const Callbacks& 
       share_(processes.share_of(static_cast<std::uint64_t>(task.parameters.verify), 1,
                                 processes.rank())),
       to_do_(pieces_to_do(task, plan)),
-      report_(callbacks.progress, count_blocks()) {}
+      report_(callbacks.progress, count_blocks()) {
+  if (const auto& mesh = task.outputs.mesh)
+    mesh_text_.emplace(mesh_format(mesh->file).value(), mesh->color,
+                       group_slab(plan.slab, plan.residue_names), plan.slab.numbers);
+}
 
 std::vector<Piece> SlabRun::solve(Summary& summary) {
   std::vector<Piece> pieces;
@@ -117,13 +141,18 @@ bool SlabRun::verify(Verifier& verifier, Summary& summary) {
   return found.faults.empty();
 }
 
+std::unique_ptr<ScratchFile> SlabRun::new_text(const PlaneRange& planes, PieceText text) const {
+  if (plan_.store) return plan_.store->create(planes, text);
+  const bool is_of_mesh = text == PieceText::vertices || text == PieceText::triangles;
+  if (is_of_mesh) return std::make_unique<ScratchFile>(mesh_directory_of(*task_.outputs.mesh));
+  return std::make_unique<ScratchFile>(task_.output_directory);
+}
+
 Piece SlabRun::new_piece(const PlaneRange& planes) const {
   Piece piece;
   piece.info.planes = planes;
   for (const PieceText text : chosen_texts(task_.outputs))
-    piece.texts[static_cast<std::size_t>(text)] =
-        plan_.store ? plan_.store->create(planes, text)
-                    : std::make_unique<ScratchFile>(task_.output_directory);
+    piece.texts[static_cast<std::size_t>(text)] = new_text(planes, text);
   return piece;
 }
 
@@ -132,19 +161,27 @@ Piece SlabRun::solve(const Surface& surface, const PlaneRange& planes, Summary& 
   Plan plan = plan_.own;
   plan.tiling = slab_tiling(plan_.whole, plan.tiling.block_size, planes);
   std::array<TextChecksum, piece_texts> checksums;
-  const auto into = [&](PieceText which) {
+  const auto into = [&](PieceText which) -> OrderedOutput::WriteAt {
     const auto text = static_cast<std::size_t>(which);
+    if (!piece.texts[text]) return {};
     return [&file = *piece.texts[text], &sum = checksums[text], is_kept = plan_.store != nullptr](
                std::span<const char> bytes, std::uint64_t offset) {
       file.write_at(std::as_bytes(bytes), offset);
       if (is_kept) sum.add(bytes, offset);
     };
   };
-  Sinks sinks;
-  if (task_.outputs.grid) sinks.grid = into(PieceText::grid);
-  if (task_.outputs.edges) sinks.edges = into(PieceText::edges);
-  sinks.gzip = task_.outputs.gzip;
-  sinks.atom_numbers = plan_.slab.numbers;
+  Sinks sinks{.grid = into(PieceText::grid),
+              .edges = into(PieceText::edges),
+              .gzip = task_.outputs.gzip,
+              .rows = row_sink(plan.tiling.region, into(PieceText::map)),
+              .block = {},
+              .atom_numbers = plan_.slab.numbers};
+  std::optional<MeshOutput> mesh;
+  if (mesh_text_)
+    sinks.mesh = &mesh.emplace(plan, plan_.whole.tiling.corners, *mesh_text_,
+                               MeshSinks{.vertices = into(PieceText::vertices),
+                                         .triangles = into(PieceText::triangles),
+                                         .has_local_triangles = true});
   plan.parameters.verify = checks_of(planes);
   std::optional<Verifier> verifier;
   if (plan.parameters.verify > 0)
@@ -156,6 +193,13 @@ Piece SlabRun::solve(const Surface& surface, const PlaneRange& planes, Summary& 
   const RegionSums sums = pipeline.sums();
   piece.info.totals = {sums.tally, sums.points};
   piece.info.bytes = {pipeline.grid_bytes(), pipeline.edge_bytes()};
+  if (!task_.outputs.inside_map.empty())
+    piece.info.bytes_of(PieceText::map) = InsideMap::bits_bytes(plan.tiling.region);
+  if (mesh) {
+    piece.info.mesh = {mesh->vertex_count(), pipeline.triangle_count()};
+    piece.info.bytes_of(PieceText::vertices) = mesh->vertex_bytes();
+    piece.info.bytes_of(PieceText::triangles) = mesh->triangle_bytes();
+  }
   const auto& shares = sums.tally.atom_shares;
   for (std::size_t i = 0; i < shares.size(); ++i)
     if (shares[i] != 0) piece.sums.push_back({shares[i], plan_.slab.numbers[i]});

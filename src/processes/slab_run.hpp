@@ -2,8 +2,11 @@
 /// A process's part in a joint run, up to what is to be joined.
 
 #include <cstdint>
+#include <memory>
+#include <optional>
 #include <vector>
 
+#include "mesh/mesh_text.hpp"
 #include "processes/joint_run.hpp"
 #include "processes/pieces.hpp"
 #include "processes/processes.hpp"
@@ -23,6 +26,9 @@ class SlabRun {
   /// verification finds, to the summary.
   std::vector<Piece> solve(Summary& summary);
 
+  /// The mesh's, if there is one.
+  const mesh::MeshText& mesh_text() const { return mesh_text_.value(); }
+
   /// Lets the callback end the run.
   void check() { report_.check(); }
 
@@ -31,6 +37,7 @@ class SlabRun {
   std::int64_t checks_of(const PlaneRange& planes) const;
   bool verify(Verifier& verifier, Summary& summary);
   Piece new_piece(const PlaneRange& planes) const;
+  std::unique_ptr<ScratchFile> new_text(const PlaneRange& planes, PieceText text) const;
   Piece solve(const Surface& surface, const PlaneRange& planes, Summary& summary);
 
   const JointTask& task_;
@@ -38,6 +45,7 @@ class SlabRun {
   const Callbacks& callbacks_;
   Processes::Share share_;  // of what is to be verified
   std::vector<PlaneRange> to_do_;
+  std::optional<mesh::MeshText> mesh_text_;
   ProgressReport report_;
 };
 

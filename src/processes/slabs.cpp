@@ -87,6 +87,7 @@ struct SentAtom {
   Atom atom;
   std::uint64_t line = 0;
   AtomIndex number = 0;
+  std::uint32_t residue = 0;
 };
 
 // How far from a slab an atom matters: as far as Reach goes, for its patches, and from those atoms
@@ -109,13 +110,14 @@ std::vector<SentAtom> send_atoms(const AtomShare& share, const Plan& plan,
   for (std::size_t i = 0; i < share.atoms.size(); ++i) {
     const Atom& atom = share.atoms[i];
     const auto number = static_cast<AtomIndex>(share.first + i);
+    const std::uint32_t residue = share.residue_of.empty() ? 0 : share.residue_of[i];
     const double reach = influence(atom, largest_radius, probe);
     for (std::size_t part = 0; part < slabs.size(); ++part) {
       if (slabs[part].is_empty()) continue;
       const bool matters =
           atom.center.z + reach >= boxes[part].low.z && atom.center.z - reach <= boxes[part].high.z;
       // The first goes to all that have planes, so that none of these is without any.
-      if (matters || number == 0) to[part].push_back({atom, share.lines[i], number});
+      if (matters || number == 0) to[part].push_back({atom, share.lines[i], number, residue});
     }
   }
   return processes.exchange(std::move(to));
@@ -151,6 +153,7 @@ NumberedSlab gather_slab(const AtomShare& share, const Plan& plan,
   std::vector<std::uint64_t>& lines = numbered.lines;
   const auto part = static_cast<std::size_t>(processes.rank());
   slab.planes = slabs[part];
+  const bool has_residues = processes.sum(share.residue_of.size()) > 0;
   processes.agree([&] {
     std::vector<Atom> atoms;
     atoms.reserve(sent.size());
@@ -160,6 +163,7 @@ NumberedSlab gather_slab(const AtomShare& share, const Plan& plan,
       atoms.push_back(one.atom);
       slab.numbers.push_back(one.number);
       lines.push_back(one.line);
+      if (has_residues) slab.residue_of.push_back(one.residue);
     }
     std::vector<SentAtom>().swap(sent);
     slab.molecule = Molecule::part(std::move(atoms), ownership(plan, slabs, part));

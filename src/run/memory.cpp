@@ -108,11 +108,11 @@ double mesh_bytes(const SurfaceSurvey& survey, double spacing, const BlockTiling
 }
 
 // With the numbers of chains and residues, and the sums of chains.
-double label_bytes(const LabelTotals& labels, const OutputChoice& outputs) {
-  const auto atoms = static_cast<double>(labels.atoms);
+double label_bytes(const LabelTotals& labels, double atoms, const OutputChoice& outputs) {
+  if (labels.labels == 0) return 0;
   const auto residues = static_cast<double>(labels.residue_runs);
   const auto chains = static_cast<double>(labels.chain_runs);
-  double bytes = sizeof(AtomLabel) * atoms + labels.heap_bytes;
+  double bytes = sizeof(AtomLabel) * static_cast<double>(labels.labels) + labels.heap_bytes;
   // Each list has its first atoms, and while it is made an order of these.
   if (outputs.mesh && mesh::names_atoms(*outputs.mesh))
     bytes +=
@@ -170,7 +170,7 @@ double share_ahead(const Schedule& schedule) {
 
 LabelTotals total_labels(std::span<const AtomLabel> labels) {
   LabelTotals totals;
-  totals.atoms = labels.size();
+  totals.labels = labels.size();
   for (std::size_t i = 0; i < labels.size(); ++i) {
     const auto& [chain, residue, number, atom_name] = labels[i];
     for (const std::string* const text : {&chain, &residue, &number, &atom_name})
@@ -216,7 +216,7 @@ double expected_memory(const SurfaceSurvey& survey, const LabelTotals& labels, c
                          threads * bytes_of_thread(survey, grid, schedule, outputs) +
                          std::max(held, bytes_per_area * atoms);
   // Labels are there from the beginning.
-  return always + label_bytes(labels, outputs) + std::max(making, solving);
+  return always + label_bytes(labels, atoms, outputs) + std::max(making, solving);
 }
 
 }  // namespace eses

@@ -19,7 +19,7 @@ struct Schedule {
 
 /// What the labels of atoms amount to; runs are of atoms that follow each other.
 struct LabelTotals {
-  std::size_t atoms = 0;
+  std::size_t labels = 0;  ///< in memory; 0 if none are known
   std::size_t residue_runs = 0, chain_runs = 0;
   /// Of the names of these, once for each run.
   std::uint64_t residue_text_bytes = 0, chain_text_bytes = 0;

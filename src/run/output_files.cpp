@@ -167,6 +167,8 @@ DiskSpace require_disk_space(const Plan& plan, const OutputChoice& outputs,
   return space;
 }
 
+std::string mesh_directory_of(const MeshChoice& mesh) { return place_of(mesh).directory; }
+
 std::vector<std::string> file_names(const OutputChoice& choice) {
   std::vector<std::string> names = text_names(choice, choice.gzip);
   if (choice.residues) names.insert(names.end(), {residues_name, chains_name});

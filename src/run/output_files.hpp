@@ -36,6 +36,9 @@ std::vector<std::string> final_paths(const OutputChoice& choice,
 std::vector<std::string> stale_paths(const OutputChoice& choice,
                                      const std::filesystem::path& directory);
 
+/// The directory of the mesh's file; if that is a symbolic link, of the file to which it leads.
+std::string mesh_directory_of(const MeshChoice& mesh);
+
 /// Throws Error if one of the files cannot be written where it goes, as far as can be told without
 /// writing there: its directory is none, or not to be written to, or holds a directory of the name.
 void require_places(const OutputChoice& choice, const std::filesystem::path& directory);

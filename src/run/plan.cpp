@@ -133,7 +133,7 @@ void expect_mesh(const MeshChoice& mesh, const LabelTotals& labels, double cross
   const double vertices = far_corner_growth(plan.tiling) * crossings;
   plan.mesh_scratch_bytes =
       whole_bytes(2 * static_cast<double>(mesh::typical_triangle_bytes(mesh)) * vertices);
-  const bool has_names = labels.atoms > 0 && mesh::names_atoms(mesh);
+  const bool has_names = labels.labels > 0 && mesh::names_atoms(mesh);
   plan.mesh_file_bytes =
       plan.mesh_scratch_bytes +
       whole_bytes(static_cast<double>(mesh::typical_vertex_bytes(mesh, has_names)) * vertices);
@@ -192,15 +192,8 @@ void expect_files(const SurfaceSurvey& survey, const LabelTotals& labels,
     plan.edge_file_bytes = on_disk(typical_crossing_bytes * crossings, edge_gzip_share);
   if (outputs.areas) plan.area_file_bytes = expected_area_bytes(survey.atom_count(), outputs.gzip);
   if (outputs.mesh) expect_mesh(*outputs.mesh, labels, crossings, plan);
-  if (outputs.residues)
-    plan.residue_file_bytes = table_header_bytes + table_line_bytes * labels.residue_runs +
-                              labels.residue_text_bytes + table_line_bytes * labels.chain_runs +
-                              labels.chain_text_bytes;
-  if (!outputs.inside_map.empty()) {
-    const MapFormat format = required_map_format(outputs.inside_map);
-    plan.map_file_bytes = map_layout(format, plan.grid, region).file_bytes();
-    plan.map_scratch_bytes = InsideMap::scratch_bytes(format, region);
-  }
+  if (outputs.residues) plan.residue_file_bytes = expected_table_bytes(labels);
+  if (!outputs.inside_map.empty()) expect_map(outputs.inside_map, plan);
 }
 
 }  // namespace
@@ -215,6 +208,17 @@ std::uint64_t expected_area_bytes(std::uint64_t atoms, bool gzip) {
   return static_cast<std::uint64_t>(share * static_cast<double>(area_line_bytes * atoms));
 }
 
+std::uint64_t expected_table_bytes(const LabelTotals& labels) {
+  return table_header_bytes + table_line_bytes * (labels.residue_runs + labels.chain_runs) +
+         labels.residue_text_bytes + labels.chain_text_bytes;
+}
+
+void expect_map(const std::string& name, Plan& plan) {
+  const MapFormat format = required_map_format(name);
+  plan.map_file_bytes = map_layout(format, plan.grid, plan.tiling.region).file_bytes();
+  plan.map_scratch_bytes = InsideMap::scratch_bytes(format, plan.tiling.region);
+}
+
 Plan plan_grid(const SphereBounds& bounds, const Parameters& parameters) {
   require_valid(parameters);
   Plan plan;
@@ -226,11 +230,10 @@ Plan plan_grid(const SphereBounds& bounds, const Parameters& parameters) {
   return plan;
 }
 
-void plan_work(std::uint64_t available, const Molecule& molecule, const OutputChoice& outputs,
-               Plan& plan) {
+void plan_work(std::uint64_t available, const Molecule& molecule, const LabelTotals& labels,
+               const OutputChoice& outputs, Plan& plan) {
   const GridRegion region = plan.tiling.region;
   const SurfaceSurvey survey = survey_of(molecule, plan.grid, region, plan.parameters.probe_radius);
-  const LabelTotals labels = total_labels(molecule.labels());
   choose_schedule(survey, region, labels, outputs, available, plan);
   expect_files(survey, labels, outputs, plan);
 }
@@ -239,7 +242,7 @@ Plan make_plan_within(std::uint64_t available, const Molecule& molecule,
                       const Parameters& parameters, const OutputChoice& outputs) {
   if (outputs.mesh) require_valid(*outputs.mesh, molecule);
   Plan plan = plan_grid(sphere_bounds(molecule.atoms()), parameters);
-  plan_work(available, molecule, outputs, plan);
+  plan_work(available, molecule, total_labels(molecule.labels()), outputs, plan);
   return plan;
 }
 

@@ -2,8 +2,10 @@
 /// Plans for a machine of which it is told what memory is left.
 
 #include <cstdint>
+#include <string>
 
 #include "eses/run.hpp"
+#include "run/memory.hpp"
 
 namespace eses {
 
@@ -16,12 +18,18 @@ Plan make_plan_within(std::uint64_t available, const Molecule& molecule,
 Plan plan_grid(const SphereBounds& bounds, const Parameters& parameters);
 
 /// The second half, for the region of `plan.tiling`, of which `molecule` must hold the atoms that
-/// matter there.
-void plan_work(std::uint64_t available, const Molecule& molecule, const OutputChoice& outputs,
-               Plan& plan);
+/// matter there; `labels` are those that the process holds.
+void plan_work(std::uint64_t available, const Molecule& molecule, const LabelTotals& labels,
+               const OutputChoice& outputs, Plan& plan);
 
 /// Of grid_info.txt and partition_area.txt: upper bounds, or estimates if they are gzipped.
 std::uint64_t expected_grid_bytes(const GridRegion& region, bool gzip);
 std::uint64_t expected_area_bytes(std::uint64_t atoms, bool gzip);
+
+/// Of residue_area.csv and chain_area.csv together: an estimate.
+std::uint64_t expected_table_bytes(const LabelTotals& labels);
+
+/// Tells the plan about the map of this name of the plan's region.
+void expect_map(const std::string& name, Plan& plan);
 
 }  // namespace eses
