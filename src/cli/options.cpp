@@ -66,7 +66,7 @@ Exit codes:
   129, 130, 143  ended by SIGHUP, SIGINT or SIGTERM
 
 Several processes (mpirun -n 4 eses-blocks ..., if built with MPI) share one run and write the
-same files; no mesh, map or residues then.
+same files.
 
 Environment:
   OMP_NUM_THREADS             most threads, where --threads is not given
@@ -124,8 +124,7 @@ void add_file_options(CLI::App& app) {
   app.add_flag("--resume")
       ->description(
           "keep what is done where a run is cut off, and go on\n"
-          "from there the next time; not with a mesh, a map or\n"
-          "residues")
+          "from there the next time")
       ->group("Input and output");
   add("--color", "NAME", "colours in a .ply file: patch, atom or chain (PQR) [none]");
 }

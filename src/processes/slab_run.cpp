@@ -49,6 +49,19 @@ std::vector<PlaneRange> pieces_to_do(const JointTask& task, const JointPlan& pla
   return pieces;
 }
 
+using TextChecksums = std::array<TextChecksum, piece_texts>;
+
+// Nothing for a text that the piece has not; `checksums` are null where nobody asks for them.
+OrderedOutput::WriteAt text_sink(const Piece& piece, PieceText which, TextChecksums* checksums) {
+  const auto text = static_cast<std::size_t>(which);
+  if (!piece.texts[text]) return {};
+  return [&file = *piece.texts[text], checksum = checksums ? &(*checksums)[text] : nullptr](
+             std::span<const char> bytes, std::uint64_t offset) {
+    file.write_at(std::as_bytes(bytes), offset);
+    if (checksum != nullptr) checksum->add(bytes, offset);
+  };
+}
+
 // As they are: they become values of the map when it is joined.
 TakeRows row_sink(const GridRegion& region, OrderedOutput::WriteAt write_at) {
   if (!write_at) return {};
@@ -156,53 +169,56 @@ Piece SlabRun::new_piece(const PlaneRange& planes) const {
   return piece;
 }
 
-Piece SlabRun::solve(const Surface& surface, const PlaneRange& planes, Summary& summary) {
-  Piece piece = new_piece(planes);
+Plan SlabRun::plan_of(const PlaneRange& planes) const {
   Plan plan = plan_.own;
   plan.tiling = slab_tiling(plan_.whole, plan.tiling.block_size, planes);
-  std::array<TextChecksum, piece_texts> checksums;
-  const auto into = [&](PieceText which) -> OrderedOutput::WriteAt {
-    const auto text = static_cast<std::size_t>(which);
-    if (!piece.texts[text]) return {};
-    return [&file = *piece.texts[text], &sum = checksums[text], is_kept = plan_.store != nullptr](
-               std::span<const char> bytes, std::uint64_t offset) {
-      file.write_at(std::as_bytes(bytes), offset);
-      if (is_kept) sum.add(bytes, offset);
-    };
+  plan.parameters.verify = checks_of(planes);
+  return plan;
+}
+
+std::vector<AtomSum> SlabRun::sums_of(const Tally& tally) const {
+  std::vector<AtomSum> sums;
+  for (std::size_t i = 0; i < tally.atom_shares.size(); ++i)
+    if (tally.atom_shares[i] != 0) sums.push_back({tally.atom_shares[i], plan_.slab.numbers[i]});
+  return sums;
+}
+
+Piece SlabRun::solve(const Surface& surface, const PlaneRange& planes, Summary& summary) {
+  Piece piece = new_piece(planes);
+  const Plan plan = plan_of(planes);
+  TextChecksums checksums;
+  const auto into = [&](PieceText text) {
+    return text_sink(piece, text, plan_.store ? &checksums : nullptr);
   };
-  Sinks sinks{.grid = into(PieceText::grid),
-              .edges = into(PieceText::edges),
-              .gzip = task_.outputs.gzip,
-              .rows = row_sink(plan.tiling.region, into(PieceText::map)),
-              .block = {},
-              .atom_numbers = plan_.slab.numbers};
   std::optional<MeshOutput> mesh;
   if (mesh_text_)
-    sinks.mesh = &mesh.emplace(plan, plan_.whole.tiling.corners, *mesh_text_,
-                               MeshSinks{.vertices = into(PieceText::vertices),
-                                         .triangles = into(PieceText::triangles),
-                                         .has_local_triangles = true});
-  plan.parameters.verify = checks_of(planes);
+    mesh.emplace(plan, plan_.whole.tiling.corners, *mesh_text_,
+                 MeshSinks{.vertices = into(PieceText::vertices),
+                           .triangles = into(PieceText::triangles),
+                           .has_local_triangles = true});
   std::optional<Verifier> verifier;
-  if (plan.parameters.verify > 0)
-    sinks.verifier = &verifier.emplace(plan_.slab.molecule.atoms(), plan);
-  Pipeline pipeline(surface, plan, std::move(sinks), report_);
+  if (plan.parameters.verify > 0) verifier.emplace(plan_.slab.molecule.atoms(), plan);
+  Pipeline pipeline(surface, plan,
+                    {.grid = into(PieceText::grid),
+                     .edges = into(PieceText::edges),
+                     .gzip = task_.outputs.gzip,
+                     .rows = row_sink(plan.tiling.region, into(PieceText::map)),
+                     .mesh = mesh ? &*mesh : nullptr,
+                     .verifier = verifier ? &*verifier : nullptr,
+                     .block = {},
+                     .atom_numbers = plan_.slab.numbers},
+                    report_);
   if (planes.begin > plan_.whole.tiling.region.begin[2]) pipeline.solve_plane_below();
   pipeline.run();
   pipeline.add_seconds(summary.seconds);
   const RegionSums sums = pipeline.sums();
   piece.info.totals = {sums.tally, sums.points};
-  piece.info.bytes = {pipeline.grid_bytes(), pipeline.edge_bytes()};
-  if (!task_.outputs.inside_map.empty())
-    piece.info.bytes_of(PieceText::map) = InsideMap::bits_bytes(plan.tiling.region);
-  if (mesh) {
-    piece.info.mesh = {mesh->vertex_count(), pipeline.triangle_count()};
-    piece.info.bytes_of(PieceText::vertices) = mesh->vertex_bytes();
-    piece.info.bytes_of(PieceText::triangles) = mesh->triangle_bytes();
-  }
-  const auto& shares = sums.tally.atom_shares;
-  for (std::size_t i = 0; i < shares.size(); ++i)
-    if (shares[i] != 0) piece.sums.push_back({shares[i], plan_.slab.numbers[i]});
+  piece.info.bytes = {
+      pipeline.grid_bytes(), pipeline.edge_bytes(),
+      task_.outputs.inside_map.empty() ? 0 : InsideMap::bits_bytes(plan.tiling.region),
+      mesh ? mesh->vertex_bytes() : 0, mesh ? mesh->triangle_bytes() : 0};
+  if (mesh) piece.info.mesh = {mesh->vertex_count(), pipeline.triangle_count()};
+  piece.sums = sums_of(sums.tally);
   const bool is_right = !verifier || verify(*verifier, summary);
   if (!plan_.store || !is_right) return piece;
   for (std::size_t text = 0; text < piece_texts; ++text)

@@ -38,6 +38,8 @@ class SlabRun {
   bool verify(Verifier& verifier, Summary& summary);
   Piece new_piece(const PlaneRange& planes) const;
   std::unique_ptr<ScratchFile> new_text(const PlaneRange& planes, PieceText text) const;
+  Plan plan_of(const PlaneRange& planes) const;
+  std::vector<AtomSum> sums_of(const Tally& tally) const;
   Piece solve(const Surface& surface, const PlaneRange& planes, Summary& summary);
 
   const JointTask& task_;

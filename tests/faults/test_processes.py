@@ -46,11 +46,15 @@ class Processes(FaultTest):
         return subprocess.run([PROGRAM, *map(str, arguments), "-o", self.alone], check=False,
                               stdin=subprocess.DEVNULL, capture_output=True, text=True)
 
-    def assertSame(self, count, *arguments, options=()):
-        """The same output as of one process, and the same files, byte for byte."""
-        alone = self.run_alone(*arguments, "-q")
+    def assertSame(self, count, *arguments, options=(), mesh=None):
+        """The same output as of one process, and the same files, byte for byte. `mesh` is the name
+        of one among them."""
+        def mesh_in(folder):
+            return ("--mesh", folder / mesh) if mesh else ()
+        alone = self.run_alone(*arguments, "-q", *mesh_in(self.alone))
         self.assertDone(alone)
-        together = self.run_together(count, *arguments, "-q", "-t", "1", *options)
+        together = self.run_together(count, *arguments, "-q", "-t", "1", *options,
+                                     *mesh_in(self.output))
         self.assertDone(together)
         self.assertEqual(together.stdout, alone.stdout)
         self.assertEqual(self.all_files(), self.all_files(self.alone))
@@ -127,6 +131,67 @@ class Identity(Processes):
         for chosen in ("grid", "edges", "areas", "none"):
             with self.subTest(chosen=chosen):
                 self.assertSame(2, SMALL, "--write", chosen)
+
+    def test_maps(self):
+        for count in (2, 3, 5):
+            self.assertSame(count, DATA / "1ubq.xyzr", "--spacing", "0.6", "--inside", "map.dx")
+            self.assertSame(count, DATA / "c60.xyzr", "--spacing", "0.3", "--inside", "map.vti",
+                            "--write", "none", options=("-b", "9"))
+        self.assertSame(3, DATA / "1ubq.xyzr", "--spacing", "0.5", "--blocks", "1:3,0:2,1:4",
+                        "-b", "17", "--inside", "map.dx", "--gzip")
+
+    def test_meshes(self):
+        """Triangles between two slabs name vertices of both."""
+        for count in (2, 3, 4, 5):
+            for mesh in ("mesh.ply", "mesh.obj", "mesh.off"):
+                with self.subTest(count=count, mesh=mesh):
+                    self.assertSame(count, SMALL, "--spacing", "0.4", mesh=mesh,
+                                    options=("-b", str(5 + 3 * count)))
+        self.assertSame(3, DATA / "1ubq.xyzr", "--spacing", "0.6", "--color", "patch",
+                        mesh="mesh.ply")
+        self.assertSame(3, DATA / "1ubq.xyzr", "--spacing", "0.6", "--color", "atom", "--write",
+                        "none", mesh="mesh.ply")
+
+    def test_meshes_of_parts(self):
+        for blocks in ("1:3,0:2,1:4", "0:4,0:4,0:1", "1:2,1:2,2:4"):
+            with self.subTest(blocks=blocks):
+                self.assertSame(3, DATA / "1ubq.xyzr", "--spacing", "0.5", "--blocks", blocks,
+                                "-b", "17", mesh="mesh.off")
+
+    def test_meshes_of_few_planes(self):
+        path = self.folder / "one.xyzr"
+        path.write_text("0 0 0 1\n")
+        self.assertSame(7, path, "--spacing", "0.9", "--margin", "0.9", "--inside", "map.dx",
+                        mesh="mesh.off")
+        self.assertSame(3, path, "--spacing", "0.3", "--region=-2,-2,0,2,2,0.35",
+                        mesh="mesh.off")
+
+    def test_residues(self):
+        for count in (2, 3, 5):
+            self.assertSame(count, DATA / "fas2.pqr", "--spacing", "0.8", "--write",
+                            "all,residues", "--color", "chain", mesh="mesh.ply")
+
+    def write_pqr(self, labels):
+        """Atoms on a winding line, with these chains, residues and numbers."""
+        path = self.folder / "labels.pqr"
+        path.write_text("".join(
+            f"ATOM {i} C {residue} {chain} {number} {3 * (i % 5)} {3 * (i // 5 % 5)} "
+            f"{2.5 * (i // 25)} 0 1.7\n" for i, (chain, residue, number) in enumerate(labels)))
+        return path
+
+    def test_residues_that_processes_share(self):
+        """One for all atoms; some that go on from one process's share of the file to the next, or
+        over several; chains and residues that come again."""
+        every = [("A", "ALA", 1)] * 60
+        long = [("A", "ALA", 1)] * 3 + [("B", "GLY", 7)] * 50 + [("A", "SER", 2)] * 7
+        again = [("ABCABD"[i // 5 % 6], "ALA" if i % 3 else "GLY", i // 10 % 4) for i in range(60)]
+        single = [("A", "HOH", i) for i in range(60)]
+        for labels in (every, long, again, single):
+            path = self.write_pqr(labels)
+            for count in (2, 3, 5, 7):
+                with self.subTest(first=labels[:7], count=count):
+                    self.assertSame(count, path, "--spacing", "1", "--margin", "1", "--write",
+                                    "residues", "--color", "chain", mesh="mesh.ply")
 
     def test_standard_input(self):
         self.assertDone(self.run_alone(SMALL, "-q"))
@@ -217,9 +282,9 @@ class Failure(Processes):
 
     def test_usage(self):
         self.assertEnded(self.run_together(2, SMALL, "--spacing", "x"), "--spacing", code=2)
-        for option in (("--mesh", self.folder / "x.ply"), ("--inside", "x.dx"),
-                       ("--write", "residues")):
-            self.assertEnded(self.run_together(2, SMALL, *option), option[0], code=2)
+        self.assertEnded(self.run_together(2, SMALL, "--write", "residues"), "need a PQR file")
+        self.assertEnded(self.run_together(2, SMALL, "--mesh", "x.ply", "--color", "chain"),
+                         "--color chain needs a PQR file", code=2)
 
     def test_strict(self):
         path = self.folder / "odd.xyzr"

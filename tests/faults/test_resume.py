@@ -199,13 +199,38 @@ class Resume(FaultTest):
         self.assertDone(self.run_program(*arguments))
         self.assertEqual(self.contents(), resumed)
 
-    def test_what_cannot_be_resumed(self):
-        for option in (("--mesh", self.folder / "x.ply"), ("--inside", "x.dx"),
-                       ("--write", "residues")):
-            done = self.run_program(*RUN, "--resume", *option)
-            self.assertEqual(done.returncode, 2, done)
-            self.assertIn(option[0], done.stderr)
-            self.assertIn("--resume", done.stderr)
+    @needs_library
+    def test_meshes_maps_and_residues(self):
+        for name, mesh, more in (("fas2.pqr", "mesh.ply", ("--inside", "map.dx", "--color", "chain",
+                                                           "--write", "residues")),
+                                 ("c60.xyzr", "mesh.obj", ("--inside", "map.vti", "--write",
+                                                           "none"))):
+            arguments = (DATA / name, "-q", "--spacing", "0.7", "-b", "9", "-t", "2", *more,
+                         "--mesh", self.output / mesh)
+            self.put({})
+            self.assertDone(self.run_program(*arguments))
+            reference = self.contents()
+            self.assertIn(mesh, reference)
+            number, kept = 3, set()
+            self.put({})
+            while self.cut_off(number, *arguments):
+                self.assertEqual([n for n in self.all_files() if not n.startswith(".")], [])
+                kept.add(len(self.pieces()))
+                self.assertDone(self.run_program(*arguments, "--resume"))
+                self.assertEqual(self.contents(), reference)
+                self.put({})
+                number += 7
+            self.assertGreater(len(kept), 3)
+
+    @needs_library
+    def test_other_mesh(self):
+        """Its pieces do not serve another one."""
+        arguments = (*RUN, "--mesh", self.output / "mesh.ply")
+        self.assertTrue(self.cut_off(30, *arguments))
+        self.assertGreater(len(self.pieces()), 0)
+        for other in (RUN, (*RUN, "--mesh", self.output / "mesh.obj"),
+                      (*arguments, "--color", "atom"), (*arguments, "--inside", "map.dx")):
+            self.assertFailed(self.run_program(*other, "--resume"), "cannot resume")
 
     @unittest.skipIf(os.environ.get("ESES_SANITIZE") == "thread",
                      "the sanitizer itself maps files that are larger")
