@@ -45,10 +45,11 @@ void build_patches(Surface& surface, int threads, const std::function<void()>& c
     range.end = end;
     build_atom_patches(surface, burial, of_thread(thread), range);
   });
-  join_patches(surface, ranges);
+  join_patches(surface, ranges, threads);
   for_atom_ranges(count, threads, check, [&](AtomIndex begin, AtomIndex end, int) {
     place_probes(surface, begin, end);
-    bound_faces(surface, begin, end);
+    bound_faces_by_arcs(surface, begin, end);
+    bound_faces_by_poles(surface, begin, end);
   });
   merge_placements(surface);
 }

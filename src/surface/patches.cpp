@@ -1,12 +1,17 @@
 #include "surface/patches.hpp"
 
 #include <algorithm>
+#include <atomic>
 #include <cmath>
+#include <cstddef>
+#include <functional>
 #include <limits>
+#include <numeric>
 #include <utility>
 
 #include "eses/error.hpp"
 #include "geometry/arc_sector.hpp"
+#include "run/parallel.hpp"
 
 namespace eses {
 namespace {
@@ -70,23 +75,6 @@ void join_arcs(Patches& patches, std::span<AtomRangePatches> ranges) {
                AtomExposure::buried);
 }
 
-// Along the rim of a face its directions are those in which its atom sees the arc.
-void bound_faces_by_arcs(Surface& surface) {
-  Patches& patches = surface.patches;
-  patches.face_directions.resize(surface.atoms.size());
-  for (const Arc& arc : patches.arcs) {
-    const SasSphere first = surface.sas_sphere(arc.first), second = surface.sas_sphere(arc.second);
-    const ContactCircle circle = make_contact_circle(first, second);
-    const Box radial =
-        direction_bounds(make_arc_sector(circle.axis, arc.kind, arc.start, arc.end), circle.axis);
-    const auto seen_from = [&](const SasSphere& sphere, double height) {
-      return arc_box((height / sphere.radius) * circle.axis, circle.radius / sphere.radius, radial);
-    };
-    patches.face_directions[arc.first].include(seen_from(first, circle.first_height));
-    patches.face_directions[arc.second].include(seen_from(second, -circle.second_height));
-  }
-}
-
 void join_faces(Patches& patches, std::span<AtomRangePatches> ranges) {
   for (const AtomRangePatches& range : ranges)
     std::copy(range.face_count.begin(), range.face_count.end(),
@@ -95,18 +83,71 @@ void join_faces(Patches& patches, std::span<AtomRangePatches> ranges) {
   join_lists(ranges, &AtomRangePatches::face_neighbours, patches.face_neighbours);
 }
 
-// One placement for each key, sorted by its lowest atom; their centres follow in place_probes.
-void join_placements(Patches& patches, std::span<AtomRangePatches> ranges) {
+// Ranges of atoms, by the lowest atom of a placement.
+constexpr AtomIndex atoms_per_bucket = 1024;
+
+std::size_t bucket_of(const PlacementKey& key) { return key.atoms[0] / atoms_per_bucket; }
+
+// The keys of all ranges by bucket, with where each of these begins; frees the parts as it goes.
+struct Buckets {
   std::vector<PlacementKey> keys;
-  join_lists(ranges, &AtomRangePatches::placements, keys);
-  std::sort(keys.begin(), keys.end());
-  keys.erase(std::unique(keys.begin(), keys.end()), keys.end());
-  patches.placements.reserve(keys.size());
-  for (const PlacementKey& key : keys) {
-    ++patches.placement_begin[key.atoms[0]];
-    patches.placements.push_back({{}, key.atoms, key.side, false});
+  std::vector<std::size_t> begin;
+
+  Buckets(std::span<AtomRangePatches> ranges, std::size_t atoms)
+      : begin(atoms / atoms_per_bucket + 2) {
+    for (const AtomRangePatches& range : ranges)
+      for (const PlacementKey& key : range.placements) ++begin[bucket_of(key) + 1];
+    std::partial_sum(begin.begin(), begin.end(), begin.begin());
+    keys.resize(begin.back());
+    std::vector<std::size_t> next(begin);
+    for (AtomRangePatches& range : ranges) {
+      for (const PlacementKey& key : range.placements) keys[next[bucket_of(key)]++] = key;
+      range.placements = std::vector<PlacementKey>();
+    }
   }
+
+  std::int64_t count() const { return static_cast<std::int64_t>(begin.size()) - 1; }
+  std::span<PlacementKey> bucket(std::size_t b) {
+    return std::span(keys).subspan(begin[b], begin[b + 1] - begin[b]);
+  }
+};
+
+// One placement for each key, sorted by its lowest atom; their centres follow in place_probes.
+void join_placements(Patches& patches, std::span<AtomRangePatches> ranges, int threads) {
+  Buckets buckets(ranges, patches.exposure.size());
+  std::vector<std::size_t> kept(buckets.begin.size());  // of the bucket before
+  parallel_for(buckets.count(), threads, [&](std::int64_t index, int) {
+    const auto b = static_cast<std::size_t>(index);
+    const std::span<PlacementKey> keys = buckets.bucket(b);
+    std::sort(keys.begin(), keys.end());
+    const auto end = std::unique(keys.begin(), keys.end());
+    kept[b + 1] = static_cast<std::size_t>(end - keys.begin());
+    for (auto key = keys.begin(); key != end; ++key) ++patches.placement_begin[key->atoms[0]];
+  });
+  std::partial_sum(kept.begin(), kept.end(), kept.begin());
+  patches.placements.resize(kept.back());
+  parallel_for(buckets.count(), threads, [&](std::int64_t index, int) {
+    const auto b = static_cast<std::size_t>(index);
+    const std::span<PlacementKey> keys = buckets.bucket(b).first(kept[b + 1] - kept[b]);
+    std::transform(keys.begin(), keys.end(),
+                   patches.placements.begin() + static_cast<std::ptrdiff_t>(kept[b]),
+                   [](const PlacementKey& key) {
+                     return ProbePlacement{{}, key.atoms, key.side, false};
+                   });
+  });
   join_counts(patches.placement_begin);
+}
+
+// Replaces the value by the bound if that comes before it. Atoms of several ranges, which have an
+// arc in common, may do so at a time.
+template <class Before>
+void move_to(float& value, double bound, Before is_before) {
+  const std::atomic_ref<float> shared(value);
+  const auto wanted = static_cast<float>(bound);
+  float seen = shared.load(std::memory_order_relaxed);
+  while (is_before(wanted, seen) &&
+         !shared.compare_exchange_weak(seen, wanted, std::memory_order_relaxed)) {
+  }
 }
 
 }  // namespace
@@ -119,7 +160,7 @@ Surface::Surface(Molecule of, double probe)
     if (molecule.is_contained(i)) patches.exposure[i] = AtomExposure::contained;
 }
 
-void join_patches(Surface& surface, std::span<AtomRangePatches> ranges) {
+void join_patches(Surface& surface, std::span<AtomRangePatches> ranges, int threads) {
   Patches& patches = surface.patches;
   const std::size_t begins = surface.atoms.size() + 1;
   patches.face_begin.assign(begins, 0);
@@ -127,18 +168,34 @@ void join_patches(Surface& surface, std::span<AtomRangePatches> ranges) {
   patches.placement_begin.assign(begins, 0);
   join_arcs(patches, ranges);
   join_faces(patches, ranges);
-  join_placements(patches, ranges);
-  bound_faces_by_arcs(surface);
+  join_placements(patches, ranges, threads);
+  patches.face_directions.resize(surface.atoms.size());
 }
 
 void FaceDirections::include(const Box& directions) {
   for (std::size_t axis = 0; axis < 3; ++axis) {
-    low[axis] = std::min(low[axis], static_cast<float>(directions.low[axis]));
-    high[axis] = std::max(high[axis], static_cast<float>(directions.high[axis]));
+    move_to(low[axis], directions.low[axis], std::less());
+    move_to(high[axis], directions.high[axis], std::greater());
   }
 }
 
-void bound_faces(Surface& surface, AtomIndex begin, AtomIndex end) {
+void bound_faces_by_arcs(Surface& surface, AtomIndex begin, AtomIndex end) {
+  Patches& patches = surface.patches;
+  for (std::uint32_t a = patches.arc_begin[begin]; a < patches.arc_begin[end]; ++a) {
+    const Arc& arc = patches.arcs[a];
+    const SasSphere first = surface.sas_sphere(arc.first), second = surface.sas_sphere(arc.second);
+    const ContactCircle circle = make_contact_circle(first, second);
+    const Box radial =
+        direction_bounds(make_arc_sector(circle.axis, arc.kind, arc.start, arc.end), circle.axis);
+    const auto seen_from = [&](const SasSphere& sphere, double height) {
+      return arc_box((height / sphere.radius) * circle.axis, circle.radius / sphere.radius, radial);
+    };
+    patches.face_directions[arc.first].include(seen_from(first, circle.first_height));
+    patches.face_directions[arc.second].include(seen_from(second, -circle.second_height));
+  }
+}
+
+void bound_faces_by_poles(Surface& surface, AtomIndex begin, AtomIndex end) {
   Patches& patches = surface.patches;
   for (AtomIndex i = begin; i < end; ++i) {
     if (patches.exposure[i] != AtomExposure::exposed) continue;

@@ -34,6 +34,7 @@ struct ProbePlacement {
 struct FaceDirections {
   std::array<float, 3> low{1, 1, 1}, high{-1, -1, -1};
 
+  /// Several threads may do so at a time.
   void include(const Box& directions);
   Box box() const { return {{low[0], low[1], low[2]}, {high[0], high[1], high[2]}}; }
 };
@@ -76,12 +77,14 @@ struct Surface {
   }
 };
 
-/// Adds to the bounds of atoms [begin, end) those poles of their spheres that are exposed: with the
-/// arcs, which join_patches adds, all extremes of their faces. After join_patches.
-void bound_faces(Surface& surface, AtomIndex begin, AtomIndex end);
-
 /// Joins the patches of consecutive ranges of atoms, in their order.
-void join_patches(Surface& surface, std::span<AtomRangePatches> ranges);
+void join_patches(Surface& surface, std::span<AtomRangePatches> ranges, int threads);
+
+/// After join_patches, the bounds of faces of atoms [begin, end), from several threads for disjoint
+/// ranges. A face has its extremes along its rim, where its atom sees arcs, ...
+void bound_faces_by_arcs(Surface& surface, AtomIndex begin, AtomIndex end);
+/// ... and at those poles of the sphere that are exposed.
+void bound_faces_by_poles(Surface& surface, AtomIndex begin, AtomIndex end);
 
 /// Places the probes of atoms [begin, end), after join_patches.
 void place_probes(Surface& surface, AtomIndex begin, AtomIndex end);
