@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cstring>
+#include <future>
 #include <map>
 #include <optional>
 #include <string_view>
@@ -50,13 +51,22 @@ void Join::read(Piece& piece, PieceText text, std::uint64_t unit, Take&& take) c
   const std::uint64_t bytes = piece.info.bytes_of(text);
   const std::uint64_t step = std::max<std::uint64_t>(1, copied_at_a_time / unit) * unit;
   TextChecksum checksum;
-  std::vector<char> buffer;
-  for (std::uint64_t done = 0; done < bytes; done += buffer.size()) {
+  std::vector<char> part, next;
+  const auto load = [&](std::uint64_t offset) {
+    next.resize(std::min(step, bytes - offset));
+    from->read_at(std::as_writable_bytes(std::span(next)), offset);
+    if (plan_.store) checksum.add(next, offset);
+  };
+  // Only the main thread may write where there are several processes; another one reads ahead.
+  const auto how = plan_.own.threads > 1 ? std::launch::async : std::launch::deferred;
+  std::future<void> loaded;
+  if (bytes > 0) loaded = std::async(how, load, std::uint64_t{0});
+  for (std::uint64_t done = 0; done < bytes; done += part.size()) {
     check_();
-    buffer.resize(std::min(step, bytes - done));
-    from->read_at(std::as_writable_bytes(std::span(buffer)), done);
-    if (plan_.store) checksum.add(buffer, done);
-    take(std::span<const char>(buffer), done);
+    loaded.get();
+    part.swap(next);
+    if (done + part.size() < bytes) loaded = std::async(how, load, done + part.size());
+    take(std::span<const char>(part), done);
   }
   if (plan_.store) from.reset();  // so many files at a time cannot be open
   if (plan_.store && checksum.value() != piece.info.checksums[static_cast<std::size_t>(text)])

@@ -100,26 +100,37 @@ LabelTotals labels_of(const JointPlan& plan, std::span<const AtomLabel> residues
   return totals;
 }
 
-// Sums and maxima of the processes' plans.
-void complete(Plan& whole, const Plan& own, std::uint64_t atoms, const LabelTotals& labels,
-              const OutputChoice& outputs, const Processes& processes) {
+// The largest of the processes' schedules.
+void choose_schedule(Plan& whole, const Plan& own, const Processes& processes) {
   const GridRegion region = whole.tiling.region;
-  std::array<std::uint64_t, 5> largest{
-      own.memory_bytes, own.box_file_bytes, static_cast<std::uint64_t>(own.tiling.block_size),
+  std::array<std::uint64_t, 4> largest{
+      own.memory_bytes, static_cast<std::uint64_t>(own.tiling.block_size),
       static_cast<std::uint64_t>(own.blocks_ahead), static_cast<std::uint64_t>(own.threads)};
   processes.take_largest(largest);
   whole.memory_bytes = largest[0];
-  whole.box_file_bytes = largest[1];
-  whole.tiling = make_tiling(whole.grid, static_cast<std::int64_t>(largest[2]), region);
-  whole.blocks_ahead = static_cast<std::int64_t>(largest[3]);
-  whole.threads = static_cast<int>(largest[4]);
+  whole.tiling = make_tiling(whole.grid, static_cast<std::int64_t>(largest[1]), region);
+  whole.blocks_ahead = static_cast<std::int64_t>(largest[2]);
+  whole.threads = static_cast<int>(largest[3]);
+}
+
+// Of all processes together; crossings and triangles of what is still to be done.
+void expect_files(const JointTask& task, const LabelTotals& labels, JointPlan& plan,
+                  const Processes& processes) {
+  const OutputChoice& outputs = task.outputs;
+  Plan& whole = plan.whole;
+  const GridRegion& region = whole.tiling.region;
+  std::array sums{plan.own.edge_file_bytes, plan.own.mesh_file_bytes, expected_table_bytes(labels)};
+  processes.add(sums);
   whole.gzip = outputs.gzip;
+  whole.edge_file_bytes = sums[0];
+  whole.mesh_file_bytes = sums[1];
+  if (outputs.residues) whole.residue_file_bytes = sums[2];
+  if (outputs.box) whole.box_file_bytes = expected_box_bytes(whole.grid, outputs.gzip);
   if (outputs.grid) whole.grid_file_bytes = expected_grid_bytes(region, outputs.gzip);
-  whole.edge_file_bytes = processes.sum(own.edge_file_bytes);  // of what is still to be done
-  if (outputs.areas) whole.area_file_bytes = expected_area_bytes(atoms, outputs.gzip);
+  if (outputs.areas) whole.area_file_bytes = expected_area_bytes(plan.atoms, outputs.gzip);
   whole.text_scratch_bytes = whole.grid_file_bytes + whole.edge_file_bytes;
-  if (outputs.residues) whole.residue_file_bytes = processes.sum(expected_table_bytes(labels));
-  whole.mesh_file_bytes = whole.mesh_scratch_bytes = processes.sum(own.mesh_file_bytes);
+  // Pieces that are kept are all in one place, others beside their files.
+  (task.resume ? whole.text_scratch_bytes : whole.mesh_scratch_bytes) += whole.mesh_file_bytes;
   if (outputs.inside_map.empty()) return;
   expect_map(outputs.inside_map, whole);
   whole.text_scratch_bytes += InsideMap::bits_bytes(region);
@@ -159,7 +170,8 @@ JointPlan plan_jointly(const JointTask& task, const Processes& processes) {
   plan.slab = std::move(shared.slab);
   plan.odd = std::move(shared.odd);
   plan.own = plan_slab(task, plan, labels, processes);
-  complete(plan.whole, plan.own, plan.atoms, labels, outputs, processes);
+  choose_schedule(plan.whole, plan.own, processes);
+  expect_files(task, labels, plan, processes);
   return plan;
 }
 

@@ -167,11 +167,6 @@ void choose_schedule(const SurfaceSurvey& survey, const GridRegion& region,
   refuse_limit(p, smallest);
 }
 
-std::uint64_t box_bytes(const Grid& grid, bool gzip) {
-  const std::string text = bounding_box_text(grid);
-  return gzip ? Gzip().member(text).size() : text.size();
-}
-
 SurfaceSurvey survey_of(const Molecule& molecule, const Grid& grid, const GridRegion& region,
                         double probe_radius) {
   if (region == grid.whole()) return {molecule, probe_radius};
@@ -186,7 +181,7 @@ void expect_files(const SurfaceSurvey& survey, const LabelTotals& labels,
     return static_cast<std::uint64_t>(outputs.gzip ? compressed_share * bytes : bytes);
   };
   const double crossings = expected_crossings(survey.totals().area, plan.grid.spacing);
-  if (outputs.box) plan.box_file_bytes = box_bytes(plan.grid, outputs.gzip);
+  if (outputs.box) plan.box_file_bytes = expected_box_bytes(plan.grid, outputs.gzip);
   if (outputs.grid) plan.grid_file_bytes = expected_grid_bytes(region, outputs.gzip);
   if (outputs.edges)
     plan.edge_file_bytes = on_disk(typical_crossing_bytes * crossings, edge_gzip_share);
@@ -197,6 +192,11 @@ void expect_files(const SurfaceSurvey& survey, const LabelTotals& labels,
 }
 
 }  // namespace
+
+std::uint64_t expected_box_bytes(const Grid& grid, bool gzip) {
+  const std::string text = bounding_box_text(grid);
+  return gzip ? Gzip().member(text).size() : text.size();
+}
 
 std::uint64_t expected_grid_bytes(const GridRegion& region, bool gzip) {
   const double share = gzip ? grid_gzip_share : 1;

@@ -22,6 +22,8 @@ Plan plan_grid(const SphereBounds& bounds, const Parameters& parameters);
 void plan_work(std::uint64_t available, const Molecule& molecule, const LabelTotals& labels,
                const OutputChoice& outputs, Plan& plan);
 
+/// Of bounding_box.txt: exact.
+std::uint64_t expected_box_bytes(const Grid& grid, bool gzip);
 /// Of grid_info.txt and partition_area.txt: upper bounds, or estimates if they are gzipped.
 std::uint64_t expected_grid_bytes(const GridRegion& region, bool gzip);
 std::uint64_t expected_area_bytes(std::uint64_t atoms, bool gzip);
