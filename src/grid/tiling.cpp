@@ -63,7 +63,8 @@ Block BlockTiling::block_with_far_corners(std::int64_t bx, std::int64_t by, std:
   const GridIndex position{bx, by, bz};
   Block wider = block(bx, by, bz);
   for (std::size_t axis = 0; axis < 3; ++axis)
-    if (position[axis] == blocks[axis] - 1) wider.owned[axis] = corners.end[axis] - wider.first[axis];
+    if (position[axis] == blocks[axis] - 1)
+      wider.owned[axis] = corners.end[axis] - wider.first[axis];
   return wider;
 }
 

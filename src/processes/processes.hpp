@@ -69,7 +69,7 @@ class Processes {
   std::vector<T> exchange(std::vector<std::vector<T>> to) const;
   /// Hands a value from each process to the next: each changes what the one before has made of it.
   /// Returns what the last one made of it.
-  std::string hand_on(std::string value,
+  std::string hand_on(const std::string& first,
                       const std::function<std::string(const std::string&)>& change) const;
   double hand_on(double value, const std::function<double(double)>& change) const;
 

@@ -26,7 +26,7 @@ std::string Processes::broadcast(std::string text, int) const { return text; }
 
 std::string Processes::hand_on(std::string value,
                                const std::function<std::string(const std::string&)>& change) const {
-  return change(value);
+  return change(first);
 }
 
 Processes::Machine Processes::machine(int processors) const { return {1, processors}; }

@@ -137,10 +137,11 @@ std::string Processes::broadcast(std::string text, int from) const {
   return text;
 }
 
-std::string Processes::hand_on(std::string value,
+std::string Processes::hand_on(const std::string& first,
                                const std::function<std::string(const std::string&)>& change) const {
-  if (count_ == 1) return change(value);
+  if (count_ == 1) return change(first);
   constexpr int tag = 1;
+  std::string value = first;
   if (rank_ > 0) {
     MPI_Status status;
     int size = 0;
