@@ -1,9 +1,11 @@
 #include "surface/oddity_finder.hpp"
 
 #include <algorithm>
-#include <atomic>
+#include <functional>
 #include <limits>
 #include <utility>
+
+#include "surface/move_bound.hpp"
 
 namespace eses {
 namespace {
@@ -24,15 +26,6 @@ bool lies_inside(const Atom& inner, const Atom& outer) {
 }
 
 bool has_nanometre_radius(const Atom& atom) { return atom.radius < nanometre_radius; }
-
-// Whichever thread is first.
-void keep_lowest(AtomIndex& lowest, AtomIndex candidate) {
-  const std::atomic_ref shared(lowest);
-  AtomIndex known = shared.load(std::memory_order_relaxed);
-  while (candidate < known &&
-         !shared.compare_exchange_weak(known, candidate, std::memory_order_relaxed)) {
-  }
-}
 
 }  // namespace
 
@@ -82,7 +75,7 @@ void OddityFinder::look(AtomIndex i, std::span<const AtomIndex> near, OddityTall
     if (is_close(atoms_[i], atoms_[j])) {
       if (j < i) close = std::min(close, j);
     } else if (lies_inside(atoms_[j], atoms_[i])) {
-      keep_lowest(outer_[j], i);
+      move_bound(outer_[j], i, std::less());
     }
   }
   if (close != none) add(OddityKind::close, i, close, tally);
