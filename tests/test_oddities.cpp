@@ -46,6 +46,10 @@ TEST_CASE("duplicates are counted once each, and name the first", "[oddities]") 
   CHECK(found[0].examples[1].other == 0);
 }
 
+TEST_CASE("zeros are equal, whatever their sign", "[oddities]") {
+  CHECK(oddities_of({{{0, 1, 0}, 1.5}, {{-0.0, 1, -0.0}, 1.5}}) == Counts{{Kind::duplicate, 1}});
+}
+
 TEST_CASE("atoms within half an angstrom are close, at it they are not", "[oddities]") {
   CHECK(oddities_of({{{0, 0, 0}, 1.5}, {{0.49, 0, 0}, 1.6}}) == Counts{{Kind::close, 1}});
   CHECK(oddities_of({{{0, 0, 0}, 1.5}, {{0, 0, 0}, 1.6}}) == Counts{{Kind::close, 1}});

@@ -17,18 +17,21 @@ class AtomTree;
 
 /// Atoms with an index of which are near each other: made once, read by whatever looks at them.
 /// Copies share what they hold, none of which changes.
+///
+/// Where `threads` is a parameter so many make it, or fewer if there are few atoms, and it is the
+/// same with any number; 0: all that the process may use. Throws Error if it is negative.
 class Molecule {
  public:
   /// Not explicit: a list of atoms may stand wherever a molecule is asked for.
   Molecule(std::vector<Atom> atoms);  // NOLINT(google-explicit-constructor)
 
   /// `labels` of all atoms, or of none. Throws Error if there are some, but not as many as atoms.
-  Molecule(std::vector<Atom> atoms, std::vector<AtomLabel> labels);
+  Molecule(std::vector<Atom> atoms, std::vector<AtomLabel> labels, int threads = 1);
 
   /// A part of a larger molecule: oddities are told only of the atoms that `is_own` accepts, while
-  /// the others, around them, are what they are odd beside.
-  static Molecule part(std::vector<Atom> atoms,
-                       const std::function<bool(const Atom& atom)>& is_own);
+  /// the others, around them, are what they are odd beside. `is_own` is called by all threads.
+  static Molecule part(std::vector<Atom> atoms, const std::function<bool(const Atom& atom)>& is_own,
+                       int threads = 1);
 
   /// In input order.
   std::span<const Atom> atoms() const;

@@ -94,7 +94,8 @@ int compute_alone(const Options& options) {
   require_places(options.outputs, options.output_directory);
   NumberedAtoms input = read_numbered_atoms(options.input, options.format);
   choose_labels(options.outputs, input.labels);
-  const Molecule molecule(std::move(input.atoms), std::move(input.labels));
+  const Molecule molecule(std::move(input.atoms), std::move(input.labels),
+                          options.parameters.threads);
   Report report = plan_report(molecule, input.lines, options);
   if (options.dry_run) {
     print(options.json ? json_text(report) : plan_text(report));

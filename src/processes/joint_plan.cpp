@@ -76,14 +76,17 @@ SphereBounds shared_bounds(const AtomShare& share, const Processes& processes) {
   return {{low[0], low[1], low[2]}, {high[0], high[1], high[2]}};
 }
 
+int threads_of(const JointTask& task, const Processes::Machine& machine) {
+  return task.parameters.threads > 0 ? task.parameters.threads : machine.processors;
+}
+
 // What this process is to do; nothing where its slab is empty.
 Plan plan_slab(const JointTask& task, const JointPlan& joint, const LabelTotals& labels,
-               const Processes& processes) {
-  const Processes::Machine machine = processes.machine(available_threads());
+               const Processes::Machine& machine, const Processes& processes) {
   Plan own = joint.whole;
   own.tiling.region.begin[2] = joint.slab.planes.begin;
   own.tiling.region.end[2] = joint.slab.planes.end;
-  if (own.parameters.threads == 0) own.parameters.threads = machine.processors;
+  own.parameters.threads = threads_of(task, machine);
   processes.agree([&] {
     if (joint.slab.planes.is_empty()) return;
     plan_work(available_memory() / static_cast<std::uint64_t>(machine.processes),
@@ -165,11 +168,13 @@ JointPlan plan_jointly(const JointTask& task, const Processes& processes) {
     done = plan.store->complete();
   });
   plan.done = processes.gather<PlaneRange>(done);
-  SharedMolecule shared = share_molecule(share, plan.whole, outputs, plan.done, processes);
+  const Processes::Machine machine = processes.machine(available_threads());
+  SharedMolecule shared =
+      share_molecule(share, plan.whole, outputs, plan.done, threads_of(task, machine), processes);
   share = {};
   plan.slab = std::move(shared.slab);
   plan.odd = std::move(shared.odd);
-  plan.own = plan_slab(task, plan, labels, processes);
+  plan.own = plan_slab(task, plan, labels, machine, processes);
   choose_schedule(plan.whole, plan.own, processes);
   expect_files(task, labels, plan, processes);
   return plan;

@@ -146,7 +146,8 @@ struct NumberedSlab {
 };
 
 NumberedSlab gather_slab(const AtomShare& share, const Plan& plan,
-                         std::span<const PlaneRange> slabs, const Processes& processes) {
+                         std::span<const PlaneRange> slabs, int threads,
+                         const Processes& processes) {
   std::vector<SentAtom> sent = send_atoms(share, plan, slabs, processes);
   NumberedSlab numbered;
   SlabShare& slab = numbered.share;
@@ -166,7 +167,7 @@ NumberedSlab gather_slab(const AtomShare& share, const Plan& plan,
       if (has_residues) slab.residue_of.push_back(one.residue);
     }
     std::vector<SentAtom>().swap(sent);
-    slab.molecule = Molecule::part(std::move(atoms), ownership(plan, slabs, part));
+    slab.molecule = Molecule::part(std::move(atoms), ownership(plan, slabs, part), threads);
   });
   return numbered;
 }
@@ -280,12 +281,13 @@ std::vector<PlaneRange> remaining(const PlaneRange& planes, std::span<const Plan
 }
 
 SharedMolecule share_molecule(const AtomShare& share, const Plan& plan, const OutputChoice& outputs,
-                              std::span<const PlaneRange> done, const Processes& processes) {
+                              std::span<const PlaneRange> done, int threads,
+                              const Processes& processes) {
   const Bins bins(plan);
   const std::vector<double> atoms = count_atoms(share, bins, processes);
   // First by atoms, all of them, as all have to be looked at for what is odd.
   const std::vector<PlaneRange> first = cut_into_slabs(bins, atoms, {}, processes.count());
-  NumberedSlab slab = gather_slab(share, plan, first, processes);
+  NumberedSlab slab = gather_slab(share, plan, first, threads, processes);
   SharedMolecule shared;
   shared.odd = join_oddities(slab, share.total, processes);
   // For a process that is alone costs do not matter.
@@ -301,7 +303,7 @@ SharedMolecule share_molecule(const AtomShare& share, const Plan& plan, const Ou
       cut_into_slabs(bins, std::move(costs), left_out, processes.count());
   if (slabs != first) {
     slab = {};
-    slab = gather_slab(share, plan, slabs, processes);
+    slab = gather_slab(share, plan, slabs, threads, processes);
   }
   shared.slab = std::move(slab.share);
   return shared;

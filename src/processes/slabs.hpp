@@ -53,9 +53,10 @@ struct SharedMolecule {
 
 /// To be called by all processes, for a plan that has its grid and region: gives each a slab of the
 /// region. Costs are estimated from a sample of the atoms' patches; planes in `done` (ascending,
-/// disjoint) cost nothing.
+/// disjoint) cost nothing. `threads` are those of this process.
 SharedMolecule share_molecule(const AtomShare& share, const Plan& plan, const OutputChoice& outputs,
-                              std::span<const PlaneRange> done, const Processes& processes);
+                              std::span<const PlaneRange> done, int threads,
+                              const Processes& processes);
 
 /// Where in space the planes are, with the one below them, which their points have for neighbours.
 Box slab_box(const Plan& plan, const PlaneRange& planes);

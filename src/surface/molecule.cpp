@@ -3,63 +3,101 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
+#include <atomic>
+#include <bit>
+#include <cstdint>
 #include <functional>
-#include <numeric>
+#include <string_view>
 #include <tuple>
 #include <utility>
 
 #include "eses/error.hpp"
 #include "geometry/tolerances.hpp"
+#include "surface/atom_loops.hpp"
+#include "surface/atom_slices.hpp"
 #include "surface/neighbors.hpp"
 #include "surface/oddity_finder.hpp"
 
 namespace eses {
 namespace {
 
-// Of atoms with the same centre and radius, the first, by atom. Found by sorting: thousands of them
-// in one place must not look at each other.
-std::vector<AtomIndex> find_first_equal(std::span<const Atom> atoms) {
-  const auto key = [&](AtomIndex i) {
-    const auto& [center, radius] = atoms[i];
+// Equal atoms have the same.
+std::uint64_t hash_of(const Atom& atom) {
+  const auto& [center, radius] = atom;
+  // With 0 added, -0 becomes 0, which it equals.
+  const std::array values{center.x + 0.0, center.y + 0.0, center.z + 0.0, radius + 0.0};
+  const auto bytes = std::bit_cast<std::array<char, sizeof(values)>>(values);
+  return std::hash<std::string_view>()({bytes.data(), bytes.size()});
+}
+
+// Half of an atom's hash and its index: quicker to sort than what the index stands for.
+using AtomKey = std::uint64_t;
+AtomKey make_key(const Atom& atom, AtomIndex i) { return hash_of(atom) << 32 | i; }
+AtomIndex index_of(AtomKey key) { return static_cast<AtomIndex>(key); }
+bool have_same_hash(AtomKey a, AtomKey b) { return a >> 32 == b >> 32; }
+
+// Of atoms with the same hash. Found by sorting: thousands of them in one place must not look at
+// each other.
+void find_first_equal(std::span<const Atom> atoms, std::span<AtomKey> keys,
+                      std::vector<AtomIndex>& first_equal) {
+  const auto values = [&](AtomKey key) {
+    const auto& [center, radius] = atoms[index_of(key)];
     return std::tuple(center.x, center.y, center.z, radius);
   };
-  std::vector<AtomIndex> order(atoms.size()), first(atoms.size());
-  std::iota(order.begin(), order.end(), AtomIndex{0});
-  std::sort(order.begin(), order.end(), [&](AtomIndex a, AtomIndex b) {
-    return std::tuple_cat(key(a), std::tuple(a)) < std::tuple_cat(key(b), std::tuple(b));
+  std::sort(keys.begin(), keys.end(), [&](AtomKey a, AtomKey b) {
+    return std::tuple_cat(values(a), std::tuple(a)) < std::tuple_cat(values(b), std::tuple(b));
   });
-  for (std::size_t q = 0; q < order.size(); ++q)
-    first[order[q]] = q > 0 && key(order[q]) == key(order[q - 1]) ? first[order[q - 1]] : order[q];
-  return first;
+  for (std::size_t q = 0; q < keys.size(); ++q) {
+    const bool is_repeated = q > 0 && values(keys[q]) == values(keys[q - 1]);
+    first_equal[index_of(keys[q])] =
+        is_repeated ? first_equal[index_of(keys[q - 1])] : index_of(keys[q]);
+  }
 }
 
-// None if all are.
-std::vector<AtomIndex> distinct_atoms(std::span<const AtomIndex> first_equal) {
-  std::vector<AtomIndex> distinct;
-  for (AtomIndex i = 0; i < first_equal.size(); ++i)
-    if (first_equal[i] == i) distinct.push_back(i);
-  if (distinct.size() == first_equal.size()) distinct.clear();
-  return distinct;
+void find_first_equal(std::span<const Atom> atoms, std::span<const AtomIndex> members,
+                      std::vector<AtomIndex>& first_equal) {
+  std::vector<AtomKey> keys;
+  keys.reserve(members.size());
+  for (const AtomIndex i : members) keys.push_back(make_key(atoms[i], i));
+  std::sort(keys.begin(), keys.end());
+  for (auto begin = keys.begin(), end = begin; begin != keys.end(); begin = end) {
+    end = std::find_if_not(begin, keys.end(),
+                           [&](AtomKey key) { return have_same_hash(key, *begin); });
+    find_first_equal(atoms, std::span(begin, end), first_equal);
+  }
 }
 
-std::vector<Atom> copies_of(std::span<const Atom> atoms, std::span<const AtomIndex> indices) {
-  std::vector<Atom> copies;
-  copies.reserve(indices.size());
-  for (const AtomIndex i : indices) copies.push_back(atoms[i]);
-  return copies;
+// Of atoms with the same centre and radius, the first, by atom. Only that one stays in its slice.
+std::vector<AtomIndex> take_out_equals(std::span<const Atom> atoms, AtomSlices& slices,
+                                       int threads) {
+  std::vector<AtomIndex> first_equal(atoms.size());
+  for_each_index(slices.members.size(), threads, [&](std::size_t slice) {
+    std::vector<AtomIndex>& members = slices.members[slice];
+    find_first_equal(atoms, members, first_equal);
+    std::erase_if(members, [&](AtomIndex i) { return first_equal[i] != i; });
+  });
+  return first_equal;
 }
 
 bool contains(const Atom& outer, const Atom& inner) {
   return norm(outer.center - inner.center) <= outer.radius - inner.radius + tolerance::containment;
 }
 
+// By atom: not bits, as threads mark atoms at the same time.
+using Marks = std::vector<std::uint8_t>;
+
+void mark(Marks& marks, AtomIndex i) {
+  std::atomic_ref(marks[i]).store(1, std::memory_order_relaxed);
+}
+
 // Marks those of the atoms near `i` that it contains. Of atoms that contain each other, the lowest
 // index stays.
 void mark_contained(std::span<const Atom> atoms, AtomIndex i, std::span<const AtomIndex> near,
-                    std::vector<bool>& is_contained) {
+                    Marks& is_contained) {
   for (const AtomIndex j : near) {
     if (contains(atoms[i], atoms[j]) && (i < j || !contains(atoms[j], atoms[i])))
-      is_contained[j] = true;
+      mark(is_contained, j);
   }
 }
 
@@ -71,78 +109,91 @@ double vicinity_radius(const Atom& atom) {
 // Of the atoms found around some, those in the vicinity of `i`, itself left out.
 void keep_vicinity(std::span<const Atom> atoms, AtomIndex i, std::span<const AtomIndex> found,
                    std::vector<AtomIndex>& near) {
-  const double radius = vicinity_radius(atoms[i]);
+  const Vec3 center = atoms[i].center;
+  const double radius = vicinity_radius(atoms[i]), squared_radius = radius * radius;
   near.clear();
   for (const AtomIndex j : found)
-    if (squared_norm(atoms[j].center - atoms[i].center) < radius * radius && j != i)
-      near.push_back(j);
+    if (squared_norm(atoms[j].center - center) < squared_radius && j != i) near.push_back(j);
+}
+
+// To ask which threads there are takes longer than to prepare few atoms with one.
+int useful_threads(std::size_t atoms, int wanted) {
+  if (wanted < 0)
+    throw Error(fmt::format("the number of threads must not be negative, and is {}", wanted));
+  if (loop_range_count(atoms) < 2) return 1;
+  return wanted > 0 ? wanted : available_threads();
 }
 
 }  // namespace
 
 struct Molecule::Parts {
   Parts(std::vector<Atom> all_atoms, std::vector<AtomLabel> all_labels,
-        const std::function<bool(const Atom&)>& is_own)
-      : atoms(std::move(all_atoms)),
-        labels(std::move(all_labels)),
-        first_equal(find_first_equal(atoms)),
-        distinct(distinct_atoms(first_equal)),
-        distinct_copies(copies_of(atoms, distinct)),
-        tree(distinct.empty() ? std::span<const Atom>(atoms) : distinct_copies, distinct),
-        is_contained(atoms.size()) {
+        const std::function<bool(const Atom&)>& is_own, int wanted_threads)
+      : atoms(std::move(all_atoms)), labels(std::move(all_labels)), is_contained(atoms.size()) {
     if (!labels.empty() && labels.size() != atoms.size())
       throw Error(fmt::format("{} labels for {} atoms", labels.size(), atoms.size()));
-    look_around(is_own);
+    const int threads = useful_threads(atoms.size(), wanted_threads);
+    AtomSlices slices = cut_into_slices(atoms, slice_count(atoms.size()), threads);
+    const std::vector<AtomIndex> first_equal = take_out_equals(atoms, slices, threads);
+    tree = AtomTree(atoms, std::move(slices), threads);
+    look_around(first_equal, is_own, threads);
   }
 
-  void look_around(const std::function<bool(const Atom&)>& is_own) {
+  void look_around(std::span<const AtomIndex> first_equal,
+                   const std::function<bool(const Atom&)>& is_own, int threads) {
     OddityFinder finder(atoms, is_own);
+    std::vector<OddityTally> tallies(loop_range_count(atoms.size()));
+    for_loop_ranges(atoms.size(), threads, [&](std::size_t range, AtomIndex begin, AtomIndex end) {
+      look_around(begin, end, first_equal, finder, tallies[range]);
+    });
+    oddities = finder.found(tallies);
+  }
+
+  void look_around(AtomIndex begin, AtomIndex end, std::span<const AtomIndex> first_equal,
+                   OddityFinder& finder, OddityTally& tally) {
     std::vector<AtomIndex> found, near;
-    const auto count = static_cast<AtomIndex>(atoms.size());
-    for (AtomIndex begin = 0, end = 0; begin < count; begin = end) {
-      end = end_of_group(atoms, begin, count);
+    for (AtomIndex group_end = begin; begin < end; begin = group_end) {
+      group_end = end_of_group(atoms, begin, end);
       double reach = 0;
-      for (AtomIndex i = begin; i < end; ++i) reach = std::max(reach, vicinity_radius(atoms[i]));
-      tree.find_around(std::span(atoms).subspan(begin, end - begin), reach, found);
-      for (AtomIndex i = begin; i < end; ++i) {
+      for (AtomIndex i = begin; i < group_end; ++i)
+        reach = std::max(reach, vicinity_radius(atoms[i]));
+      tree.find_around(std::span(atoms).subspan(begin, group_end - begin), reach, found);
+      for (AtomIndex i = begin; i < group_end; ++i) {
         if (first_equal[i] != i) {
-          is_contained[i] = true;
-          finder.add_duplicate(i, first_equal[i]);
+          mark(is_contained, i);
+          finder.look_at_duplicate(i, first_equal[i], tally);
           continue;
         }
         keep_vicinity(atoms, i, found, near);
         mark_contained(atoms, i, near, is_contained);
-        finder.look(i, near);
+        finder.look(i, near, tally);
       }
     }
-    oddities = std::move(finder).found();
   }
 
   std::vector<Atom> atoms;
   std::vector<AtomLabel> labels;
-  std::vector<AtomIndex> first_equal;  // by atom
-  // Those that equal none before them, where not all atoms are such.
-  std::vector<AtomIndex> distinct;
-  std::vector<Atom> distinct_copies;
-  AtomTree tree;
-  std::vector<bool> is_contained;
+  AtomTree tree;  // of atoms that equal none before them
+  Marks is_contained;
   std::vector<Oddity> oddities;
 };
 
 Molecule::Molecule(std::vector<Atom> atoms) : Molecule(std::move(atoms), {}) {}
 
-Molecule::Molecule(std::vector<Atom> atoms, std::vector<AtomLabel> labels)
-    : parts_(std::make_shared<const Parts>(std::move(atoms), std::move(labels), nullptr)) {}
+Molecule::Molecule(std::vector<Atom> atoms, std::vector<AtomLabel> labels, int threads)
+    : parts_(std::make_shared<const Parts>(std::move(atoms), std::move(labels), nullptr, threads)) {
+}
 
-Molecule Molecule::part(std::vector<Atom> atoms, const std::function<bool(const Atom&)>& is_own) {
+Molecule Molecule::part(std::vector<Atom> atoms, const std::function<bool(const Atom&)>& is_own,
+                        int threads) {
   return Molecule(
-      std::make_shared<const Parts>(std::move(atoms), std::vector<AtomLabel>(), is_own));
+      std::make_shared<const Parts>(std::move(atoms), std::vector<AtomLabel>(), is_own, threads));
 }
 
 std::span<const Atom> Molecule::atoms() const { return parts_->atoms; }
 std::span<const AtomLabel> Molecule::labels() const { return parts_->labels; }
 std::span<const Oddity> Molecule::oddities() const { return parts_->oddities; }
-bool Molecule::is_contained(AtomIndex atom) const { return parts_->is_contained[atom]; }
+bool Molecule::is_contained(AtomIndex atom) const { return parts_->is_contained[atom] != 0; }
 const AtomTree& Molecule::tree() const { return parts_->tree; }
 
 }  // namespace eses

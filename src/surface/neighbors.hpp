@@ -1,19 +1,22 @@
 #pragma once
-/// Which atoms are near a point: a kd-tree over the atoms' centres (the one nanoflann room).
+/// Which atoms are near a point: kd-trees over the atoms' centres (the one nanoflann room).
 
 #include <memory>
 #include <span>
 #include <vector>
 
 #include "eses/atoms.hpp"
+#include "surface/atom_slices.hpp"
 
 namespace eses {
 
 class AtomTree {
  public:
-  /// Holds `atoms`, which are known by these `indices`, or by their places if there are none. Keeps
-  /// views of both, which must outlive the tree.
-  AtomTree(std::span<const Atom> atoms, std::span<const AtomIndex> indices);
+  /// Of no atoms.
+  AtomTree();
+  /// Of those atoms that are members of slices, with a kd-tree for each slice: nanoflann makes one
+  /// with one thread. Keeps a view of `atoms`, which must outlive the tree.
+  AtomTree(std::span<const Atom> atoms, AtomSlices slices, int threads);
   ~AtomTree();
   AtomTree(AtomTree&&) noexcept;
   AtomTree& operator=(AtomTree&&) noexcept;

@@ -1,8 +1,11 @@
 #include "surface/oddity_finder.hpp"
 
 #include <algorithm>
+#include <functional>
 #include <limits>
 #include <utility>
+
+#include "surface/move_bound.hpp"
 
 namespace eses {
 namespace {
@@ -22,59 +25,25 @@ bool lies_inside(const Atom& inner, const Atom& outer) {
   return inner.radius > 0 && room >= 0 && squared_norm(inner.center - outer.center) <= room * room;
 }
 
-// The lowest index of the atoms to which an atom stands in some relation; `none` without one.
-void keep_lowest(AtomIndex& lowest, AtomIndex candidate) { lowest = std::min(lowest, candidate); }
+bool has_nanometre_radius(const Atom& atom) { return atom.radius < nanometre_radius; }
 
 }  // namespace
 
-OddityFinder::OddityFinder(std::span<const Atom> atoms, std::function<bool(const Atom&)> is_own)
-    : atoms_(atoms), is_own_(std::move(is_own)), outer_(atoms.size(), none) {}
-
-void OddityFinder::add(OddityKind kind, AtomIndex atom, AtomIndex other) {
-  if (is_own_ && !is_own_(atoms_[atom])) return;
+void OddityTally::add(OddityKind kind, AtomIndex atom, AtomIndex other) {
   Oddity& oddity = oddities_[static_cast<std::size_t>(kind)];
   if (++oddity.count <= Oddity::most_examples) oddity.examples.push_back({atom, other});
 }
 
-// Pairs are told of their later atom.
-void OddityFinder::look(AtomIndex i, std::span<const AtomIndex> near) {
-  AtomIndex close = none;
-  for (const AtomIndex j : near) {
-    if (is_close(atoms_[i], atoms_[j])) {
-      if (j < i) keep_lowest(close, j);
-    } else if (lies_inside(atoms_[j], atoms_[i])) {
-      keep_lowest(outer_[j], i);
-    }
-  }
-  if (close != none) add(OddityKind::close, i, close);
-}
-
-void OddityFinder::add_duplicate(AtomIndex i, AtomIndex first) {
-  add(OddityKind::duplicate, i, first);
-}
-
-void OddityFinder::add_nested() {
-  for (AtomIndex i = 0; i < atoms_.size(); ++i) {
-    if (outer_[i] == none) continue;
-    const bool is_large = atoms_[i].radius > largest_hydrogen;
-    add(is_large ? OddityKind::nested : OddityKind::nested_usual, i, outer_[i]);
+void OddityTally::append(const OddityTally& later) {
+  for (std::size_t kind = 0; kind < oddities_.size(); ++kind) {
+    Oddity& oddity = oddities_[kind];
+    oddity.count += later.oddities_[kind].count;
+    for (const Oddity::Example& example : later.oddities_[kind].examples)
+      if (oddity.examples.size() < Oddity::most_examples) oddity.examples.push_back(example);
   }
 }
 
-void OddityFinder::add_radii() {
-  const bool are_small = std::all_of(atoms_.begin(), atoms_.end(), [](const Atom& atom) {
-    return atom.radius < nanometre_radius;
-  });
-  for (AtomIndex i = 0; i < atoms_.size(); ++i) {
-    if (are_small) add(OddityKind::small_radii, i, i);
-    if (atoms_[i].radius > largest_usual) add(OddityKind::large_radius, i, i);
-    if (atoms_[i].radius == 0) add(OddityKind::zero_radius, i, i);
-  }
-}
-
-std::vector<Oddity> OddityFinder::found() && {
-  add_nested();
-  add_radii();
+std::vector<Oddity> OddityTally::found() && {
   std::vector<Oddity> result;
   for (std::size_t kind = 0; kind < oddities_.size(); ++kind) {
     if (oddities_[kind].count == 0) continue;
@@ -82,6 +51,59 @@ std::vector<Oddity> OddityFinder::found() && {
     result.push_back(std::move(oddities_[kind]));
   }
   return result;
+}
+
+OddityFinder::OddityFinder(std::span<const Atom> atoms, std::function<bool(const Atom&)> is_own)
+    : atoms_(atoms),
+      is_own_(std::move(is_own)),
+      are_small_(std::all_of(atoms.begin(), atoms.end(), has_nanometre_radius)),
+      outer_(atoms.size(), none) {}
+
+void OddityFinder::add(OddityKind kind, AtomIndex atom, AtomIndex other, OddityTally& tally) const {
+  if (!is_own_ || is_own_(atoms_[atom])) tally.add(kind, atom, other);
+}
+
+void OddityFinder::look_at_duplicate(AtomIndex i, AtomIndex first, OddityTally& tally) const {
+  add(OddityKind::duplicate, i, first, tally);
+  look_at_radius(i, tally);
+}
+
+// Pairs are told of their later atom.
+void OddityFinder::look(AtomIndex i, std::span<const AtomIndex> near, OddityTally& tally) {
+  AtomIndex close = none;
+  for (const AtomIndex j : near) {
+    if (is_close(atoms_[i], atoms_[j])) {
+      if (j < i) close = std::min(close, j);
+    } else if (lies_inside(atoms_[j], atoms_[i])) {
+      move_bound(outer_[j], i, std::less());
+    }
+  }
+  if (close != none) add(OddityKind::close, i, close, tally);
+  look_at_radius(i, tally);
+}
+
+void OddityFinder::look_at_radius(AtomIndex i, OddityTally& tally) const {
+  const double radius = atoms_[i].radius;
+  if (are_small_) add(OddityKind::small_radii, i, i, tally);
+  if (radius > largest_usual) add(OddityKind::large_radius, i, i, tally);
+  if (radius == 0) add(OddityKind::zero_radius, i, i, tally);
+}
+
+// An atom may lie in a later one: known only when all have been looked at.
+OddityTally OddityFinder::find_nested() const {
+  OddityTally nested;
+  for (AtomIndex i = 0; i < atoms_.size(); ++i) {
+    if (outer_[i] == none) continue;
+    const bool is_large = atoms_[i].radius > largest_hydrogen;
+    add(is_large ? OddityKind::nested : OddityKind::nested_usual, i, outer_[i], nested);
+  }
+  return nested;
+}
+
+std::vector<Oddity> OddityFinder::found(std::span<const OddityTally> tallies) const {
+  OddityTally all = find_nested();
+  for (const OddityTally& tally : tallies) all.append(tally);
+  return std::move(all).found();
 }
 
 }  // namespace eses

@@ -14,31 +14,47 @@ namespace eses {
 /// Atoms that overlap so deeply are odd (angstrom): half of any bond's length.
 inline constexpr double close_distance = 0.5;
 
-class OddityFinder {
+/// What is odd in some atoms, in ascending order: how many, and the first ones.
+class OddityTally {
  public:
-  /// Keeps a view of `atoms`, and tells only of those that `is_own` accepts, if it is not empty.
-  OddityFinder(std::span<const Atom> atoms, std::function<bool(const Atom&)> is_own);
+  void add(OddityKind kind, AtomIndex atom, AtomIndex other);
 
-  /// Tells that atom `i` equals the earlier `first`. This, too, in the order of `i`.
-  void add_duplicate(AtomIndex i, AtomIndex first);
-
-  /// Looks at atom `i`; `near` are all others whose centre is within its radius or within
-  /// `close_distance`, in any order, but for those that equal an earlier one. To be called for
-  /// ascending `i`, which are no duplicates themselves.
-  void look(AtomIndex i, std::span<const AtomIndex> near);
+  /// Adds what is odd in later atoms.
+  void append(const OddityTally& later);
 
   /// All kinds that there are, in the order of `OddityKind`.
   std::vector<Oddity> found() &&;
 
  private:
-  void add(OddityKind kind, AtomIndex atom, AtomIndex other);
-  void add_nested();
-  void add_radii();
+  std::array<Oddity, oddity_kinds> oddities_;
+};
+
+/// Threads may look at atoms at the same time, each with tallies of its own.
+class OddityFinder {
+ public:
+  /// Keeps a view of `atoms`, and tells only of those that `is_own` accepts, if it is not empty.
+  OddityFinder(std::span<const Atom> atoms, std::function<bool(const Atom&)> is_own);
+
+  /// Tells that atom `i` equals the earlier `first`.
+  void look_at_duplicate(AtomIndex i, AtomIndex first, OddityTally& tally) const;
+
+  /// Looks at atom `i`, which is no duplicate; `near` are all others whose centre is within its
+  /// radius or within `close_distance`, in any order, but for those that equal an earlier one.
+  void look(AtomIndex i, std::span<const AtomIndex> near, OddityTally& tally);
+
+  /// All kinds that there are, in the order of `OddityKind`, once all atoms have been looked at.
+  /// Each of the tallies has consecutive atoms, the first of them the first ones.
+  std::vector<Oddity> found(std::span<const OddityTally> tallies) const;
+
+ private:
+  void add(OddityKind kind, AtomIndex atom, AtomIndex other, OddityTally& tally) const;
+  void look_at_radius(AtomIndex i, OddityTally& tally) const;
+  OddityTally find_nested() const;
 
   std::span<const Atom> atoms_;
   std::function<bool(const Atom&)> is_own_;
+  bool are_small_;                // all radii
   std::vector<AtomIndex> outer_;  // of the atoms in which an atom lies the first, if any
-  std::array<Oddity, oddity_kinds> oddities_;
 };
 
 }  // namespace eses

@@ -1,7 +1,6 @@
 #include "surface/patches.hpp"
 
 #include <algorithm>
-#include <atomic>
 #include <cmath>
 #include <cstddef>
 #include <functional>
@@ -12,6 +11,7 @@
 #include "eses/error.hpp"
 #include "geometry/arc_sector.hpp"
 #include "run/parallel.hpp"
+#include "surface/move_bound.hpp"
 
 namespace eses {
 namespace {
@@ -138,18 +138,6 @@ void join_placements(Patches& patches, std::span<AtomRangePatches> ranges, int t
   join_counts(patches.placement_begin);
 }
 
-// Replaces the value by the bound if that comes before it. Atoms of several ranges, which have an
-// arc in common, may do so at a time.
-template <class Before>
-void move_to(float& value, double bound, Before is_before) {
-  const std::atomic_ref<float> shared(value);
-  const auto wanted = static_cast<float>(bound);
-  float seen = shared.load(std::memory_order_relaxed);
-  while (is_before(wanted, seen) &&
-         !shared.compare_exchange_weak(seen, wanted, std::memory_order_relaxed)) {
-  }
-}
-
 }  // namespace
 
 Surface::Surface(Molecule of, double probe)
@@ -174,8 +162,8 @@ void join_patches(Surface& surface, std::span<AtomRangePatches> ranges, int thre
 
 void FaceDirections::include(const Box& directions) {
   for (std::size_t axis = 0; axis < 3; ++axis) {
-    move_to(low[axis], directions.low[axis], std::less());
-    move_to(high[axis], directions.high[axis], std::greater());
+    move_bound(low[axis], static_cast<float>(directions.low[axis]), std::less());
+    move_bound(high[axis], static_cast<float>(directions.high[axis]), std::greater());
   }
 }
 

@@ -1,0 +1,42 @@
+#pragma once
+/// Loops over atoms that threads share, if there are enough of them.
+
+#include <algorithm>
+#include <cstdint>
+#include <functional>
+
+#include "eses/atoms.hpp"
+#include "run/parallel.hpp"
+
+namespace eses {
+
+/// So many that to start a thread costs little beside looking at them.
+inline constexpr std::size_t atoms_per_loop_range = 4096;
+
+inline std::size_t loop_range_count(std::size_t atoms) {
+  return (atoms + atoms_per_loop_range - 1) / atoms_per_loop_range;
+}
+
+/// Calls `body(index)` once for every index in [0, count), from `threads` threads, or fewer if
+/// there are not so many indices.
+inline void for_each_index(std::size_t count, int threads,
+                           const std::function<void(std::size_t index)>& body) {
+  const auto indices = static_cast<std::int64_t>(count);
+  const auto useful = static_cast<int>(std::clamp<std::int64_t>(indices, 1, threads));
+  parallel_for(indices, useful,
+               [&](std::int64_t index, int) { body(static_cast<std::size_t>(index)); });
+}
+
+/// Calls `body(range, begin, end)` for the ranges [begin, end) that make up [0, atoms); the first
+/// is number 0.
+inline void for_loop_ranges(
+    std::size_t atoms, int threads,
+    const std::function<void(std::size_t range, AtomIndex begin, AtomIndex end)>& body) {
+  for_each_index(loop_range_count(atoms), threads, [&](std::size_t range) {
+    const std::size_t begin = range * atoms_per_loop_range;
+    const std::size_t end = std::min(begin + atoms_per_loop_range, atoms);
+    body(range, static_cast<AtomIndex>(begin), static_cast<AtomIndex>(end));
+  });
+}
+
+}  // namespace eses

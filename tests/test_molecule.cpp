@@ -1,0 +1,358 @@
+// What a molecule knows of its atoms, held against the definition, with any number of threads.
+
+#include <algorithm>
+#include <array>
+#include <cstdint>
+#include <functional>
+#include <limits>
+#include <map>
+#include <span>
+#include <tuple>
+#include <utility>
+#include <vector>
+
+#include "catch.hpp"
+#include "eses/error.hpp"
+#include "eses/molecule.hpp"
+#include "geometry/tolerances.hpp"
+#include "support/atom_sets.hpp"
+#include "surface/atom_loops.hpp"
+#include "surface/atom_slices.hpp"
+#include "surface/neighbors.hpp"
+
+namespace eses::test {
+namespace {
+
+constexpr AtomIndex none = std::numeric_limits<AtomIndex>::max();
+
+/// Small sets, so far from each other that each can be looked at for itself.
+struct ScatteredSets {
+  std::vector<Atom> atoms;
+  std::vector<std::uint32_t> set_of;            ///< by atom
+  std::vector<std::vector<AtomIndex>> members;  ///< by set, ascending
+};
+
+/// Part of the atoms change their places, so that those of a set are in many ranges. Of sets of
+/// `kinds` in turn.
+ScatteredSets scatter_sets(std::span<const Kind> kinds, std::size_t least_atoms) {
+  constexpr std::size_t sets_along_axis = 24;
+  constexpr double distance = 256;  // angstrom; of two, so that what is snapped stays so
+  ScatteredSets sets;
+  std::uint32_t count = 0;
+  for (; sets.atoms.size() < least_atoms; ++count) {
+    const std::size_t n = count, rows = n / sets_along_axis, layers = rows / sets_along_axis;
+    const Vec3 place =
+        distance * Vec3{static_cast<double>(n % sets_along_axis),
+                        static_cast<double>(rows % sets_along_axis), static_cast<double>(layers)};
+    for (const auto& [center, radius] : make_atom_set(kinds[n % kinds.size()], n)) {
+      sets.atoms.push_back({center + place, radius});
+      sets.set_of.push_back(count);
+    }
+  }
+  Random random(least_atoms);
+  const auto any = [&] { return random.integer(0, sets.atoms.size() - 1); };
+  for (std::size_t more = least_atoms / 50; more > 0; --more) {
+    const std::size_t i = any();
+    const Atom repeated = sets.atoms[i];
+    const std::uint32_t set = sets.set_of[i];
+    sets.atoms.push_back(repeated);
+    sets.set_of.push_back(set);
+  }
+  for (std::size_t swaps = least_atoms / 8; swaps > 0; --swaps) {
+    const std::size_t i = any(), j = any();
+    std::swap(sets.atoms[i], sets.atoms[j]);
+    std::swap(sets.set_of[i], sets.set_of[j]);
+  }
+  sets.members.resize(count);
+  for (AtomIndex i = 0; i < sets.atoms.size(); ++i) sets.members[sets.set_of[i]].push_back(i);
+  return sets;
+}
+
+struct Findings {
+  std::vector<Oddity> oddities;
+  std::vector<bool> is_contained;
+};
+
+using Ownership = std::function<bool(const Atom&)>;
+
+/// By the definitions in oddities.hpp and molecule.hpp, each atom against each of its set.
+class Definition {
+ public:
+  Definition(const ScatteredSets& sets, const Ownership& is_own) : sets_(sets), is_own_(is_own) {
+    find_first_equal();
+  }
+
+  bool is_repeated(AtomIndex i) const { return first_equal_[i] != i; }
+
+  Findings find() const {
+    Findings findings;
+    const auto count = static_cast<AtomIndex>(sets_.atoms.size());
+    for (std::size_t kind = 0; kind < oddity_kinds; ++kind) {
+      Oddity oddity{static_cast<OddityKind>(kind), 0, {}};
+      for (AtomIndex i = 0; i < count; ++i) {
+        const AtomIndex other = other_of(oddity.kind, i);
+        if (other == none || !is_own_(sets_.atoms[i])) continue;
+        if (oddity.count++ < Oddity::most_examples) oddity.examples.push_back({i, other});
+      }
+      if (oddity.count > 0) findings.oddities.push_back(std::move(oddity));
+    }
+    for (AtomIndex i = 0; i < count; ++i) findings.is_contained.push_back(is_contained(i));
+    return findings;
+  }
+
+  /// Ascending, without those that equal an earlier one.
+  std::vector<AtomIndex> neighbours(AtomIndex i, double distance) const {
+    return those_around(i, [&](AtomIndex j) {
+      const auto& atoms = sets_.atoms;
+      return squared_norm(atoms[j].center - atoms[i].center) < distance * distance;
+    });
+  }
+
+ private:
+  void find_first_equal() {
+    std::map<std::tuple<double, double, double, double>, AtomIndex> first;
+    for (AtomIndex i = 0; i < sets_.atoms.size(); ++i) {
+      const auto& [center, radius] = sets_.atoms[i];
+      first_equal_.push_back(
+          first.try_emplace({center.x, center.y, center.z, radius}, i).first->second);
+    }
+  }
+
+  template <class Condition>
+  std::vector<AtomIndex> those_around(AtomIndex i, Condition&& condition) const {
+    std::vector<AtomIndex> found;
+    for (const AtomIndex j : sets_.members[sets_.set_of[i]])
+      if (!is_repeated(j) && condition(j)) found.push_back(j);
+    return found;
+  }
+
+  bool are_close(const Atom& a, const Atom& b) const {
+    return a.radius > 0 && b.radius > 0 && squared_norm(a.center - b.center) < 0.25;
+  }
+
+  AtomIndex first_close(AtomIndex i) const {
+    const auto close = those_around(
+        i, [&](AtomIndex j) { return j < i && are_close(sets_.atoms[i], sets_.atoms[j]); });
+    return close.empty() || is_repeated(i) ? none : close.front();
+  }
+
+  AtomIndex first_outer(AtomIndex i) const {
+    const Atom& inner = sets_.atoms[i];
+    if (is_repeated(i) || inner.radius == 0) return none;
+    const auto outer = those_around(i, [&](AtomIndex j) {
+      const Atom& other = sets_.atoms[j];
+      const double room = other.radius - inner.radius;
+      return j != i && room >= 0 && squared_norm(inner.center - other.center) <= room * room &&
+             !are_close(inner, other);
+    });
+    return outer.empty() ? none : outer.front();
+  }
+
+  AtomIndex other_of(OddityKind kind, AtomIndex i) const {
+    const double radius = sets_.atoms[i].radius;
+    switch (kind) {
+      case OddityKind::duplicate:
+        return is_repeated(i) ? first_equal_[i] : none;
+      case OddityKind::close:
+        return first_close(i);
+      case OddityKind::nested:
+        return radius > 1.4 ? first_outer(i) : none;
+      case OddityKind::large_radius:
+        return radius > 4 ? i : none;
+      case OddityKind::small_radii:  // some are larger
+        return none;
+      case OddityKind::zero_radius:
+        return radius == 0 ? i : none;
+      case OddityKind::nested_usual:
+        return radius <= 1.4 ? first_outer(i) : none;
+    }
+    return none;
+  }
+
+  bool is_contained(AtomIndex i) const {
+    if (is_repeated(i)) return true;
+    const auto lies_in = [&](AtomIndex inner, AtomIndex outer) {
+      const Atom &a = sets_.atoms[inner], &b = sets_.atoms[outer];
+      return norm(b.center - a.center) <= b.radius - a.radius + tolerance::containment;
+    };
+    return !those_around(i, [&](AtomIndex j) {
+              return j != i && lies_in(i, j) && (j < i || !lies_in(j, i));
+            }).empty();
+  }
+
+  const ScatteredSets& sets_;
+  const Ownership& is_own_;
+  std::vector<AtomIndex> first_equal_;
+};
+
+auto comparable(std::span<const Oddity> oddities) {
+  std::vector<std::tuple<OddityKind, std::uint64_t, std::vector<std::pair<AtomIndex, AtomIndex>>>>
+      result;
+  for (const Oddity& oddity : oddities) {
+    result.push_back({oddity.kind, oddity.count, {}});
+    for (const auto& [atom, other] : oddity.examples)
+      std::get<2>(result.back()).emplace_back(atom, other);
+  }
+  return result;
+}
+
+std::size_t count_differences(const Molecule& molecule, const std::vector<bool>& is_contained) {
+  std::size_t differences = 0;
+  for (AtomIndex i = 0; i < is_contained.size(); ++i)
+    differences += molecule.is_contained(i) != is_contained[i] ? 1 : 0;
+  return differences;
+}
+
+/// Of some of the atoms, one after the other, as the tree finds them.
+std::vector<std::vector<AtomIndex>> find_neighbours(const AtomTree& tree,
+                                                    std::span<const Atom> atoms) {
+  Random random(atoms.size());
+  std::vector<std::vector<AtomIndex>> result;
+  for (std::size_t i = 0; i < atoms.size(); i += 101)
+    tree.find_within(atoms[i].center, random.uniform(0.1, 9), result.emplace_back());
+  return result;
+}
+
+std::vector<std::vector<AtomIndex>> expected_neighbours(const Definition& definition,
+                                                        std::size_t atoms) {
+  Random random(atoms);
+  std::vector<std::vector<AtomIndex>> result;
+  for (std::size_t i = 0; i < atoms; i += 101)
+    result.push_back(definition.neighbours(static_cast<AtomIndex>(i), random.uniform(0.1, 9)));
+  return result;
+}
+
+std::vector<std::vector<AtomIndex>> sorted(std::vector<std::vector<AtomIndex>> lists) {
+  for (auto& list : lists) std::sort(list.begin(), list.end());
+  return lists;
+}
+
+bool is_any(const Atom&) { return true; }
+
+void check_molecules(const ScatteredSets& sets, const Ownership& is_own) {
+  const Definition definition(sets, is_own);
+  const Findings expected = definition.find();
+  const auto neighbours = expected_neighbours(definition, sets.atoms.size());
+  std::vector<std::vector<AtomIndex>> with_one_thread;
+  for (const int threads : {1, 2, 3, 7, 0}) {
+    INFO(threads << " threads");
+    const Molecule molecule = Molecule::part(sets.atoms, is_own, threads);
+    CHECK(comparable(molecule.oddities()) == comparable(expected.oddities));
+    CHECK(count_differences(molecule, expected.is_contained) == 0);
+    const auto found = find_neighbours(molecule.tree(), sets.atoms);
+    CHECK((sorted(found) == neighbours));
+    if (threads == 1) with_one_thread = found;
+    CHECK((found == with_one_thread));
+  }
+}
+
+}  // namespace
+
+TEST_CASE("what is odd, contained and near is the same with any number of threads", "[molecule]") {
+  for (const Kind kind : all_kinds) {
+    INFO(kind_name(kind));
+    const ScatteredSets sets = scatter_sets({{kind}}, 3 * atoms_per_loop_range);
+    REQUIRE(loop_range_count(sets.atoms.size()) > 3);
+    check_molecules(sets, is_any);
+  }
+}
+
+TEST_CASE("of a part only what is its own is told, with any number of threads", "[molecule]") {
+  const ScatteredSets sets = scatter_sets({{Kind::nested, Kind::snapped}}, 20'000);
+  check_molecules(sets, [](const Atom& atom) { return std::fmod(atom.center.y, 7) < 3; });
+}
+
+TEST_CASE("what is odd, contained and near is the same in several slices", "[molecule]") {
+  const ScatteredSets sets = scatter_sets(all_kinds, 200'000);
+  REQUIRE(slice_count(sets.atoms.size()) > 2);
+  check_molecules(sets, is_any);
+}
+
+TEST_CASE("radii that are all small are told with any number of threads", "[molecule]") {
+  std::vector<Atom> atoms = make_cube(24, 1, 0.2);
+  for (const bool is_last_large : {false, true}) {
+    if (is_last_large) atoms.back().radius = 0.4;
+    for (const int threads : {1, 2, 7}) {
+      const Molecule molecule(atoms, {}, threads);
+      if (is_last_large) {
+        CHECK(molecule.oddities().empty());
+        continue;
+      }
+      REQUIRE(molecule.oddities().size() == 1);
+      CHECK(molecule.oddities()[0].kind == OddityKind::small_radii);
+      CHECK(molecule.oddities()[0].count == atoms.size());
+      CHECK(molecule.oddities()[0].examples.back().atom == Oddity::most_examples - 1);
+    }
+  }
+}
+
+TEST_CASE("slices have every atom once, and those with the same centre together", "[molecule]") {
+  const ScatteredSets sets = scatter_sets(all_kinds, 10'000);
+  for (const std::size_t count : std::array<std::size_t, 5>{1, 2, 3, 16, 200}) {
+    const AtomSlices slices = cut_into_slices(sets.atoms, count, 3);
+    REQUIRE(slices.members.size() == count);
+    REQUIRE(slices.cuts.size() == count - 1);
+    CHECK(std::is_sorted(slices.cuts.begin(), slices.cuts.end()));
+    std::vector<int> times(sets.atoms.size());
+    bool are_ascending = true, are_within = true;
+    for (std::size_t k = 0; k < count; ++k) {
+      const auto& members = slices.members[k];
+      are_ascending = are_ascending && std::is_sorted(members.begin(), members.end());
+      for (const AtomIndex i : members) {
+        ++times[i];
+        const double place = sets.atoms[i].center[slices.axis];
+        are_within = are_within && (k == 0 || place >= slices.cuts[k - 1]) &&
+                     (k + 1 == count || place < slices.cuts[k]);
+      }
+    }
+    CHECK(are_ascending);
+    CHECK(are_within);
+    CHECK((times == std::vector<int>(sets.atoms.size(), 1)));
+  }
+}
+
+TEST_CASE("slices lie across the longest axis, and have about as many atoms each", "[molecule]") {
+  Random random(1);
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    std::vector<Atom> atoms(20'000, {{}, 1.5});
+    for (Atom& atom : atoms)
+      for (std::size_t q = 0; q < 3; ++q)
+        atom.center[q] = random.uniform(0, 1) * random.uniform(0, q == axis ? 60 : 30);
+    const AtomSlices slices = cut_into_slices(atoms, 5, 2);
+    CHECK(slices.axis == axis);
+    for (const auto& members : slices.members)
+      CHECK(members.size() == Catch::Approx(4000).epsilon(0.1));
+  }
+}
+
+TEST_CASE("a tree finds the same in any number of slices", "[molecule]") {
+  const ScatteredSets sets = scatter_sets(all_kinds, 10'000);
+  const AtomTree whole(sets.atoms, cut_into_slices(sets.atoms, 1, 1), 1);
+  const auto expected = sorted(find_neighbours(whole, sets.atoms));
+  for (const std::size_t slices : std::array<std::size_t, 4>{2, 3, 16, 200}) {
+    const AtomTree tree(sets.atoms, cut_into_slices(sets.atoms, slices, 2), 2);
+    CHECK((sorted(find_neighbours(tree, sets.atoms)) == expected));
+  }
+}
+
+TEST_CASE("a molecule of one place has one slice, and one of no atoms has nothing", "[molecule]") {
+  const std::vector<Atom> atoms(200'000, {{1, 2, 3}, 1.5});
+  const Molecule molecule(atoms, {}, 3);
+  REQUIRE(molecule.oddities().size() == 1);
+  CHECK(molecule.oddities()[0].count == atoms.size() - 1);
+  CHECK_FALSE(molecule.is_contained(0));
+  CHECK(molecule.is_contained(1));
+  std::vector<AtomIndex> found;
+  molecule.tree().find_within({1, 2, 3}, 1, found);
+  CHECK(found == std::vector<AtomIndex>{0});
+  const Molecule nothing(std::vector<Atom>(), {}, 3);
+  CHECK(nothing.oddities().empty());
+  nothing.tree().find_within({1, 2, 3}, 1, found);
+  CHECK(found.empty());
+}
+
+TEST_CASE("a molecule cannot be made by less than no threads", "[molecule]") {
+  CHECK_THROWS_AS(Molecule({{{0, 0, 0}, 1}}, {}, -1), Error);
+}
+
+}  // namespace eses::test
