@@ -24,7 +24,7 @@ void Processes::add(std::span<double>) const {}
 std::uint64_t Processes::sum_before(std::uint64_t) const { return 0; }
 std::string Processes::broadcast(std::string text, int) const { return text; }
 
-std::string Processes::hand_on(std::string value,
+std::string Processes::hand_on(const std::string& first,
                                const std::function<std::string(const std::string&)>& change) const {
   return change(first);
 }

@@ -32,7 +32,7 @@ class SharedFile {
 
  private:
   struct Handle;
-  const Processes& processes_;
+  [[maybe_unused]] const Processes& processes_;  // not without MPI
   OutputFile* file_;
   std::string name_;
   std::unique_ptr<Handle> handle_;  // none if this process is alone

@@ -17,6 +17,7 @@ namespace {
 
 // Seconds on one processor, as measured with proteins. Only their ratios matter.
 constexpr double seconds_per_atom = 14e-6;  // its patches
+constexpr double seconds_per_prepared_atom = 0.6e-6;
 constexpr double seconds_per_crossing = 0.45e-6;
 constexpr double seconds_per_crossing_text = 0.25e-6;
 constexpr double seconds_per_point = 0.3e-9;
@@ -67,11 +68,14 @@ double share_to_do(const PlaneRange& planes, std::span<const PlaneRange> done) {
   return static_cast<double>(count) / static_cast<double>(planes.count());
 }
 
-std::vector<PlaneRange> cut_into_slabs(const Bins& bins, std::vector<double> costs,
-                                       std::span<const PlaneRange> done, int parts) {
-  // Bins that are done in part, or belong to the region in part.
+// Takes off what is not to be done, also of bins that are done in part.
+void leave_out(const Bins& bins, std::span<const PlaneRange> done, std::vector<double>& costs) {
   for (std::size_t b = 0; b < costs.size(); ++b)
     costs[b] *= share_to_do(bins.planes(b, b + 1), done);
+}
+
+std::vector<PlaneRange> cut_into_slabs(const Bins& bins, std::span<const double> costs,
+                                       std::span<const PlaneRange> done, int parts) {
   const std::vector<std::size_t> begins = cut_evenly(costs, parts);
   std::vector<PlaneRange> slabs;
   for (std::size_t part = 0; part + 1 < begins.size(); ++part) {
@@ -80,6 +84,20 @@ std::vector<PlaneRange> cut_into_slabs(const Bins& bins, std::vector<double> cos
     slabs.push_back(left.empty() ? PlaneRange{} : PlaneRange{left.front().begin, left.back().end});
   }
   return slabs;
+}
+
+double largest_cost(const Bins& bins, std::span<const double> costs,
+                    std::span<const PlaneRange> slabs) {
+  double largest = 0;
+  for (const PlaneRange& slab : slabs) {
+    double cost = 0;
+    for (std::size_t b = 0; b < costs.size(); ++b) {
+      const std::int64_t plane = bins.planes(b, b + 1).begin;
+      if (plane >= slab.begin && plane < slab.end) cost += costs[b];
+    }
+    largest = std::max(largest, cost);
+  }
+  return largest;
 }
 
 // What is sent from the process that has read an atom to those to whose slabs it matters.
@@ -212,43 +230,83 @@ SharedOddities join_oddities(const NumberedSlab& slab, std::uint64_t atoms,
   return odd;
 }
 
-std::vector<double> count_atoms(const AtomShare& share, const Bins& bins,
-                                const Processes& processes) {
-  std::vector<double> counts(bins.count());
-  for (const Atom& atom : share.atoms) ++counts[bins.bin_of(atom.center.z)];
-  processes.add(counts);
-  return counts;
+// The planes that do not belong to the region, and those that are done.
+std::vector<PlaneRange> planes_left_out(const Plan& plan, std::span<const PlaneRange> done) {
+  const PlaneRange within = region_planes(plan);
+  std::vector<PlaneRange> left_out;
+  if (within.begin > 0) left_out.push_back({0, within.begin});
+  left_out.insert(left_out.end(), done.begin(), done.end());
+  if (within.end < plan.grid.size[2]) left_out.push_back({within.end, plan.grid.size[2]});
+  return left_out;
 }
 
-// Seconds for each bin; each process estimates those of its slab.
-std::vector<double> estimate_costs(const SlabShare& slab, const Plan& plan,
-                                   const OutputChoice& outputs, const Bins& bins,
-                                   std::span<const double> atoms, const Processes& processes) {
-  std::vector<double> costs(bins.count());
-  processes.agree([&] {
-    if (slab.planes.is_empty()) return;
-    const Grid& grid = plan.grid;
-    const SurfaceSurvey survey(slab.molecule, plan.parameters.probe_radius,
-                               slab_box(plan, slab.planes));
-    const double point = seconds_per_point + (outputs.grid ? seconds_per_point_text : 0);
-    const double crossing = seconds_per_crossing + (outputs.edges ? seconds_per_crossing_text : 0);
-    const GridIndex size = plan.tiling.region.size();
-    const PlaneRange within = region_planes(plan);
-    for (std::size_t b = 0; b < costs.size(); ++b) {
-      const PlaneRange planes = bins.planes(b, b + 1);
-      if (planes.begin < slab.planes.begin || planes.begin >= slab.planes.end) continue;
-      if (planes.end <= within.begin || planes.begin >= within.end) continue;
-      const double area =
-          survey.area_between(grid.coordinate(2, planes.begin), grid.coordinate(2, planes.end));
-      costs[b] = seconds_per_atom * atoms[b] +
-                 point * static_cast<double>(size[0] * size[1] * planes.count()) +
-                 crossing * expected_crossings(area, grid.spacing);
-    }
-  });
-  // Of each only one summand is not zero: the sum is the same everywhere.
-  processes.add(costs);
-  return costs;
-}
+// Cuts the planes into as many slabs as there are processes, to be asked by all of them.
+class SlabCutter {
+ public:
+  SlabCutter(const AtomShare& share, const Plan& plan, const OutputChoice& outputs,
+             const Processes& processes)
+      : plan_(plan), outputs_(outputs), processes_(processes), bins_(plan), atoms_(bins_.count()) {
+    for (const Atom& atom : share.atoms) ++atoms_[bins_.bin_of(atom.center.z)];
+    processes_.add(atoms_);
+    by_atoms_ = cut_into_slabs(bins_, atoms_, {}, processes_.count());
+  }
+
+  // All planes, with as many atoms in each slab.
+  const std::vector<PlaneRange>& by_atoms() const { return by_atoms_; }
+
+  // Those that are to be done, by costs that each process estimates from `slab`, which is its one
+  // of those by atoms; or these, where others would not make up for the time in which atoms are
+  // sent and prepared again.
+  std::vector<PlaneRange> by_costs(const SlabShare& slab, std::span<const PlaneRange> done) const {
+    const std::vector<PlaneRange> left_out = planes_left_out(plan_, done);
+    const bool is_alone = processes_.count() == 1;
+    if (is_alone && left_out.empty()) return by_atoms_;
+    std::vector<double> costs = is_alone ? atoms_ : estimate_costs(slab);
+    leave_out(bins_, left_out, costs);
+    std::vector<PlaneRange> slabs = cut_into_slabs(bins_, costs, left_out, processes_.count());
+    if (!left_out.empty()) return slabs;
+    const double gain = largest_cost(bins_, costs, by_atoms_) - largest_cost(bins_, costs, slabs);
+    const double loss = seconds_per_prepared_atom * largest_cost(bins_, atoms_, slabs);
+    return gain > loss ? slabs : by_atoms_;
+  }
+
+ private:
+  // Seconds for each bin.
+  std::vector<double> estimate_costs(const SlabShare& slab) const {
+    std::vector<double> costs(bins_.count());
+    processes_.agree([&] {
+      if (slab.planes.is_empty()) return;
+      const Grid& grid = plan_.grid;
+      const SurfaceSurvey survey(slab.molecule, plan_.parameters.probe_radius,
+                                 slab_box(plan_, slab.planes));
+      const double point = seconds_per_point + (outputs_.grid ? seconds_per_point_text : 0);
+      const double crossing =
+          seconds_per_crossing + (outputs_.edges ? seconds_per_crossing_text : 0);
+      const GridIndex size = plan_.tiling.region.size();
+      const PlaneRange within = region_planes(plan_);
+      for (std::size_t b = 0; b < costs.size(); ++b) {
+        const PlaneRange planes = bins_.planes(b, b + 1);
+        if (planes.begin < slab.planes.begin || planes.begin >= slab.planes.end) continue;
+        if (planes.end <= within.begin || planes.begin >= within.end) continue;
+        const double area =
+            survey.area_between(grid.coordinate(2, planes.begin), grid.coordinate(2, planes.end));
+        costs[b] = seconds_per_atom * atoms_[b] +
+                   point * static_cast<double>(size[0] * size[1] * planes.count()) +
+                   crossing * expected_crossings(area, grid.spacing);
+      }
+    });
+    // Of each only one summand is not zero: the sum is the same everywhere.
+    processes_.add(costs);
+    return costs;
+  }
+
+  const Plan& plan_;
+  const OutputChoice& outputs_;
+  const Processes& processes_;
+  Bins bins_;
+  std::vector<double> atoms_;  // by bin
+  std::vector<PlaneRange> by_atoms_;
+};
 
 }  // namespace
 
@@ -283,25 +341,13 @@ std::vector<PlaneRange> remaining(const PlaneRange& planes, std::span<const Plan
 SharedMolecule share_molecule(const AtomShare& share, const Plan& plan, const OutputChoice& outputs,
                               std::span<const PlaneRange> done, int threads,
                               const Processes& processes) {
-  const Bins bins(plan);
-  const std::vector<double> atoms = count_atoms(share, bins, processes);
-  // First by atoms, all of them, as all have to be looked at for what is odd.
-  const std::vector<PlaneRange> first = cut_into_slabs(bins, atoms, {}, processes.count());
-  NumberedSlab slab = gather_slab(share, plan, first, threads, processes);
+  const SlabCutter cutter(share, plan, outputs, processes);
+  // All atoms, as all have to be looked at for what is odd.
+  NumberedSlab slab = gather_slab(share, plan, cutter.by_atoms(), threads, processes);
   SharedMolecule shared;
   shared.odd = join_oddities(slab, share.total, processes);
-  // For a process that is alone costs do not matter.
-  std::vector<double> costs =
-      processes.count() > 1 ? estimate_costs(slab.share, plan, outputs, bins, atoms, processes)
-                            : atoms;
-  const PlaneRange within = region_planes(plan);
-  std::vector<PlaneRange> left_out;
-  if (within.begin > 0) left_out.push_back({0, within.begin});
-  left_out.insert(left_out.end(), done.begin(), done.end());
-  if (within.end < plan.grid.size[2]) left_out.push_back({within.end, plan.grid.size[2]});
-  const std::vector<PlaneRange> slabs =
-      cut_into_slabs(bins, std::move(costs), left_out, processes.count());
-  if (slabs != first) {
+  const std::vector<PlaneRange> slabs = cutter.by_costs(slab.share, done);
+  if (slabs != cutter.by_atoms()) {
     slab = {};
     slab = gather_slab(share, plan, slabs, threads, processes);
   }
