@@ -1,7 +1,5 @@
 #include "io/area_tables.hpp"
 
-#include <string>
-
 namespace eses {
 namespace {
 
@@ -39,8 +37,11 @@ bool is_same_residue(const AtomLabel& a, const AtomLabel& b) {
 }
 
 void ChainAreas::add(const ChainArea& part) {
-  const auto [place, is_new] = places_.try_emplace(part.chain, chains_.size());
-  if (is_new) chains_.push_back({part.chain, 0, 0, 0});
+  auto place = places_.find(part.chain);
+  if (place == places_.end()) {
+    place = places_.emplace(part.chain, chains_.size()).first;
+    chains_.push_back({place->first, 0, 0, 0});
+  }
   ChainArea& chain = chains_[place->second];
   chain.residues += part.residues;
   chain.atoms += part.atoms;

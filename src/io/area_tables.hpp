@@ -3,9 +3,11 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <functional>
+#include <map>
 #include <span>
+#include <string>
 #include <string_view>
-#include <unordered_map>
 #include <vector>
 
 #include "eses/atom_labels.hpp"
@@ -36,14 +38,18 @@ bool is_same_residue(const AtomLabel& a, const AtomLabel& b);
 /// Adds up residues, and chains that are added up already, by chain.
 class ChainAreas {
  public:
+  ChainAreas() = default;
+  ChainAreas(ChainAreas&&) = default;
+  ChainAreas& operator=(ChainAreas&&) = default;
+
   void add(const ResidueArea& residue) { add({residue.chain, 1, residue.atoms, residue.area}); }
   void add(const ChainArea& part);
-  /// In the order in which they came first; names are those that came first, not copied.
+  /// In the order in which they came first.
   std::span<const ChainArea> chains() const { return chains_; }
 
  private:
   std::vector<ChainArea> chains_;
-  std::unordered_map<std::string_view, std::size_t> places_;
+  std::map<std::string, std::size_t, std::less<>> places_;  // whose names the chains have
 };
 
 inline constexpr char residue_table_header[] = "chain,residue_number,residue,atoms,area\n";

@@ -41,6 +41,7 @@ std::vector<std::uint32_t> number_by(std::size_t atoms, const Key& key,
 
 AtomGroups group_atoms(std::span<const AtomLabel> labels) {
   AtomGroups groups;
+  groups.are_known = !labels.empty();
   groups.labels = labels;
   const auto chain = [&](AtomIndex i) { return std::tuple(written_name(labels[i].chain)); };
   const auto residue = [&](AtomIndex i) {

@@ -15,13 +15,12 @@ namespace eses::mesh {
 /// Numbered from 0 in the order in which they come in the file. Names are not copied: they are
 /// those of the first atom.
 struct AtomGroups {
-  std::span<const AtomLabel> labels;      ///< by atom, or some that have all the names
+  bool are_known = false;
+  std::span<const AtomLabel> labels;      ///< by atom
   std::vector<std::uint32_t> chain_of;    ///< by atom
   std::vector<std::uint32_t> residue_of;  ///< by atom
-  std::vector<AtomIndex> chains;          ///< by chain: its first label
-  std::vector<AtomIndex> residues;        ///< by residue: its first label
-
-  bool empty() const { return labels.empty(); }
+  std::vector<AtomIndex> chains;          ///< by chain: its first atom
+  std::vector<AtomIndex> residues;        ///< by residue: its first atom
 };
 
 /// All atoms with the same chain are in one chain; those with the same chain, number and name of

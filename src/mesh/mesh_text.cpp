@@ -109,15 +109,47 @@ void require_numbers(std::uint64_t vertices) {
       most_vertices));
 }
 
+void append_chain_name(TextPieces& text, std::uint64_t number, const AtomLabel& label) {
+  text.append("comment chain {} {}\n", number, written_name(label.chain));
+}
+
+void append_residue_name(TextPieces& text, std::uint64_t number, const AtomLabel& label) {
+  text.append("comment residue {} {} {} {}\n", number, written_name(label.residue),
+              written_name(label.residue_number), written_name(label.chain));
+}
+
 MeshText::MeshText(MeshFormat format, MeshColor color, AtomGroups groups,
                    std::span<const AtomIndex> atom_numbers)
     : format_(format), color_(color), groups_(std::move(groups)), atom_numbers_(atom_numbers) {}
 
 void MeshText::write_header(const MeshCounts& counts, const TextSink& sink) const {
+  write_header_begin(sink);
+  TextPieces names(sink);
+  for (std::size_t i = 0; i < groups_.chains.size(); ++i)
+    append_chain_name(names, i, groups_.labels[groups_.chains[i]]);
+  for (std::size_t i = 0; i < groups_.residues.size(); ++i)
+    append_residue_name(names, i, groups_.labels[groups_.residues[i]]);
+  names.flush();
+  write_header_end(counts, sink);
+}
+
+void MeshText::write_header_begin(const TextSink& sink) const {
+  constexpr bool is_little = std::endian::native == std::endian::little;
+  TextPieces text(sink);
+  if (format_ == MeshFormat::ply)
+    text.append(
+        "ply\nformat binary_{}_endian 1.0\n"
+        "comment solvent excluded surface, eses-blocks; angstrom\n"
+        "comment patch: 1 convex, 2 saddle, 3 concave; atom: first adjacent one, 0-based\n",
+        is_little ? "little" : "big");
+  text.flush();
+}
+
+void MeshText::write_header_end(const MeshCounts& counts, const TextSink& sink) const {
   TextPieces text(sink);
   switch (format_) {
     case MeshFormat::ply:
-      append_ply_header(text, counts);
+      append_ply_end(text, counts);
       break;
     case MeshFormat::obj:
       text.append("# solvent excluded surface, eses-blocks; angstrom\n");
@@ -136,21 +168,7 @@ std::uint64_t MeshText::header_bytes() const {
   return bytes;
 }
 
-void MeshText::append_ply_header(TextPieces& text, const MeshCounts& counts) const {
-  constexpr bool is_little = std::endian::native == std::endian::little;
-  text.append(
-      "ply\nformat binary_{}_endian 1.0\n"
-      "comment solvent excluded surface, eses-blocks; angstrom\n"
-      "comment patch: 1 convex, 2 saddle, 3 concave; atom: first adjacent one, 0-based\n",
-      is_little ? "little" : "big");
-  const auto label = [&](AtomIndex atom) -> const AtomLabel& { return groups_.labels[atom]; };
-  for (std::size_t i = 0; i < groups_.chains.size(); ++i)
-    text.append("comment chain {} {}\n", i, written_name(label(groups_.chains[i]).chain));
-  for (std::size_t i = 0; i < groups_.residues.size(); ++i) {
-    const AtomLabel& first = label(groups_.residues[i]);
-    text.append("comment residue {} {} {} {}\n", i, written_name(first.residue),
-                written_name(first.residue_number), written_name(first.chain));
-  }
+void MeshText::append_ply_end(TextPieces& text, const MeshCounts& counts) const {
   const std::string vertices = fmt::format("{}", counts.vertices);
   const std::string triangles = fmt::format("{}", counts.triangles);
   // What the counts are shorter than the longest ones.
@@ -161,7 +179,7 @@ void MeshText::append_ply_header(TextPieces& text, const MeshCounts& counts) con
   if (color_ != MeshColor::none)
     for (const char* name : {"red", "green", "blue"}) text.append("property uchar {}\n", name);
   text.append("property uchar patch\nproperty uint atom\n");
-  if (!groups_.empty()) text.append("property uint chain\nproperty uint residue\n");
+  if (groups_.are_known) text.append("property uint chain\nproperty uint residue\n");
   text.append("element face {}\nproperty list uchar int vertex_indices\nend_header\n", triangles);
 }
 
@@ -180,7 +198,7 @@ void MeshText::append_ply_vertex(TextBuffer& text, const Vertex& vertex) const {
     for (const std::uint8_t channel : color_of(vertex)) out = put(out, channel);
   out = put(out, vertex.patch);
   out = put(out, number_of(vertex.atom));
-  if (!groups_.empty()) {
+  if (groups_.are_known) {
     out = put(out, groups_.chain_of[vertex.atom]);
     out = put(out, groups_.residue_of[vertex.atom]);
   }

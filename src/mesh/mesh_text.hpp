@@ -31,12 +31,15 @@ class MeshText {
 
   /// Has the same length whatever the counts. It names all chains and residues, so it may be long.
   void write_header(const MeshCounts& counts, const TextSink& sink) const;
+  /// Its parts before and behind the names; only a PLY header has both.
+  void write_header_begin(const TextSink& sink) const;
+  void write_header_end(const MeshCounts& counts, const TextSink& sink) const;
   std::uint64_t header_bytes() const;
   void append_vertex(TextBuffer& text, const Vertex& vertex) const;
   void append_triangle(TextBuffer& text, const Triangle& triangle) const;
 
  private:
-  void append_ply_header(TextPieces& text, const MeshCounts& counts) const;
+  void append_ply_end(TextPieces& text, const MeshCounts& counts) const;
   void append_ply_vertex(TextBuffer& text, const Vertex& vertex) const;
   std::array<std::uint8_t, 3> color_of(const Vertex& vertex) const;
   AtomIndex number_of(AtomIndex atom) const {
@@ -48,6 +51,10 @@ class MeshText {
   AtomGroups groups_;
   std::span<const AtomIndex> atom_numbers_;
 };
+
+/// The lines in which a PLY header names chain and residue `number`.
+void append_chain_name(TextPieces& text, std::uint64_t number, const AtomLabel& label);
+void append_residue_name(TextPieces& text, std::uint64_t number, const AtomLabel& label);
 
 /// Whether vertices have a chain and a residue, where these are known.
 inline bool names_atoms(const MeshChoice& choice) {

@@ -92,14 +92,14 @@ std::uint64_t count_lines(const TextFile& file, const Part& part) {
 }
 
 // Makes residues of labels, which go.
-void take_labels(std::vector<AtomLabel>& labels, AtomShare& share) {
+void take_labels(std::vector<AtomLabel>& labels, ResidueRuns& runs) {
   for (AtomLabel& label : labels) {
-    if (share.residues.empty() || !is_same_residue(share.residues.back(), label)) {
+    if (runs.labels.empty() || !is_same_residue(runs.labels.back(), label)) {
       label.atom_name.clear();
-      share.residues.push_back(std::move(label));
-      share.residue_atoms.push_back(0);
+      runs.labels.push_back(std::move(label));
+      runs.atoms.push_back(0);
     }
-    ++share.residue_atoms.back();
+    ++runs.atoms.back();
   }
   labels.clear();
 }
@@ -107,7 +107,7 @@ void take_labels(std::vector<AtomLabel>& labels, AtomShare& share) {
 // Piece by piece, so that there is never much text, nor many labels, beside the atoms.
 std::uint64_t parse_part(const TextFile& file, const Part& part, AtomFormat format,
                          std::uint64_t first_line, bool with_residues, NumberedAtoms& atoms,
-                         AtomShare& share) {
+                         ResidueRuns& residues) {
   std::string buffer;
   std::uint64_t lines = 0;
   std::size_t wanted = piece_bytes;
@@ -124,7 +124,7 @@ std::uint64_t parse_part(const TextFile& file, const Part& part, AtomFormat form
     }
     if (!is_last) text = text.substr(0, newline + 1);
     lines += parse_atom_lines(text, format, file.name(), first_line + lines, with_residues, atoms);
-    take_labels(atoms.labels, share);
+    take_labels(atoms.labels, residues);
     offset += text.size();
     wanted = piece_bytes;
   }
@@ -160,12 +160,13 @@ AtomShare read_share(const std::filesystem::path& path, AtomFormat format, bool 
       lines = count_lines(text, part);
     });
     const std::uint64_t before = processes.sum_before(lines);
-    processes.agree(
-        [&] { lines = parse_part(*file, part, format, before + 1, with_residues, read, share); });
+    processes.agree([&] {
+      lines = parse_part(*file, part, format, before + 1, with_residues, read, share.residues);
+    });
   } else {
     processes.agree([&] {
       if (processes.is_first()) read = read_numbered_atoms(path, format);
-      if (with_residues) take_labels(read.labels, share);
+      if (with_residues) take_labels(read.labels, share.residues);
     });
   }
   share.atoms = std::move(read.atoms);

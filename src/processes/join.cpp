@@ -14,6 +14,7 @@
 #include "io/eses_text.hpp"
 #include "io/gzip.hpp"
 #include "mesh/local_triangle.hpp"
+#include "processes/residue_tables.hpp"
 #include "run/inside_map.hpp"
 #include "run/short_file.hpp"
 
@@ -133,15 +134,40 @@ std::uint64_t Join::join_map(OutputFile* file) {
 
 std::uint64_t Join::join_mesh(OutputFile* file, const mesh::MeshText& text) {
   SharedFile shared(processes_, file);
-  std::uint64_t bytes = 0;
-  text.write_header(mesh_, [&](std::string_view piece) {
-    if (processes_.is_first()) shared.write_at(piece, bytes);
-    bytes += piece.size();
-  });
+  std::uint64_t bytes = write_mesh_header(shared, text);
   bytes = copy(PieceText::vertices, shared, bytes);
   bytes = write_triangles(shared, bytes, text);
   shared.close();
   return bytes;
+}
+
+// Returns where it ends.
+std::uint64_t Join::write_mesh_header(SharedFile& file, const mesh::MeshText& text) const {
+  std::uint64_t offset = 0;
+  // Texts of all processes, one behind the other.
+  const auto write = [&](const std::function<void(const TextSink&)>& make) {
+    std::string own;
+    make([&own](std::string_view piece) { own += piece; });
+    file.write_at(own, offset + processes_.sum_before(own.size()));
+    offset += processes_.sum(own.size());
+  };
+  const auto names = [](std::span<const AtomLabel> labels, std::uint64_t first, auto append) {
+    return [=](const TextSink& sink) {
+      TextPieces pieces(sink);
+      for (std::size_t i = 0; i < labels.size(); ++i) append(pieces, first + i, labels[i]);
+      pieces.flush();
+    };
+  };
+  const OwnGroups& groups = plan_.groups;
+  write([&](const TextSink& sink) {
+    if (processes_.is_first()) text.write_header_begin(sink);
+  });
+  write(names(groups.chains, groups.first_chain, mesh::append_chain_name));
+  write(names(groups.residues, groups.first_residue, mesh::append_residue_name));
+  write([&](const TextSink& sink) {
+    if (processes_.is_first()) text.write_header_end(mesh_, sink);
+  });
+  return offset;
 }
 
 template <class Take>
@@ -234,8 +260,9 @@ std::uint64_t Join::join_areas(OutputFile* file, double& area) {
 }
 
 std::uint64_t Join::join_tables(OutputFile* residues, OutputFile* chains) {
-  return write_tables_jointly(plan_.residues, areas_, share_of(processes_.rank()).begin, residues,
-                              chains, processes_);
+  const auto [begin, end] = share_of(processes_.rank());
+  return write_tables_jointly(plan_.residues, plan_.read, areas_, {begin, end}, residues, chains,
+                              processes_);
 }
 
 void Join::add_up() {

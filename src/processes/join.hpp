@@ -47,6 +47,7 @@ class Join {
   template <class Take>
   void read(Piece& piece, PieceText text, std::uint64_t unit, Take&& take) const;
   std::uint64_t copy(PieceText text, SharedFile& to, std::uint64_t offset);
+  std::uint64_t write_mesh_header(SharedFile& file, const mesh::MeshText& text) const;
   template <class Take>
   void for_triangle_texts(Piece& piece, std::uint64_t first_vertex, const mesh::MeshText& text,
                           Take&& take) const;

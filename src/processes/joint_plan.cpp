@@ -13,7 +13,6 @@
 #include "eses/version.hpp"
 #include "mesh/mesh_text.hpp"
 #include "processes/joint_run.hpp"
-#include "processes/residue_names.hpp"
 #include "run/inside_map.hpp"
 #include "run/parallel.hpp"
 #include "run/plan.hpp"
@@ -32,27 +31,31 @@ std::uint64_t hash_of(const AtomShare& share, const Processes& processes) {
   for (std::size_t i = 0; i < share.atoms.size(); ++i) {
     const auto& [center, radius] = share.atoms[i];
     std::uint64_t hash = scrambled(share.first + i);
-    if (!share.residue_of.empty()) hash = scrambled(hash ^ share.residue_of[i]);
     for (const double value : {center.x, center.y, center.z, radius})
       hash = scrambled(hash ^ std::bit_cast<std::uint64_t>(value));
+    if (!share.groups.empty())
+      hash = scrambled(hash ^ std::bit_cast<std::uint64_t>(share.groups[i]));
     sum += hash;
   }
   return processes.sum(sum);
 }
 
-std::uint32_t hash_of(std::span<const AtomLabel> names) {
-  std::uint32_t hash = 0;
-  for (const AtomLabel& name : names)
-    for (const std::string* const text : {&name.chain, &name.residue, &name.residue_number})
-      hash = static_cast<std::uint32_t>(
-          crc32_z(hash, reinterpret_cast<const Bytef*>(text->c_str()), text->size() + 1));
-  return hash;
+// The same whoever has which names.
+std::uint64_t hash_of(const OwnGroups& groups, const Processes& processes) {
+  std::uint64_t sum = 0, number = groups.first_residue;
+  for (const AtomLabel& label : groups.residues) {
+    uLong hash = 0;
+    for (const std::string* const text : {&label.chain, &label.residue, &label.residue_number})
+      hash = crc32_z(hash, reinterpret_cast<const Bytef*>(text->c_str()), text->size() + 1);
+    sum += scrambled(hash ^ number++ << 32);
+  }
+  return processes.sum(sum);
 }
 
-std::string mesh_identity(const OutputChoice& outputs, std::span<const AtomLabel> names) {
-  if (!outputs.mesh) return "none";
-  return fmt::format("{} {} {} {:08x}", static_cast<int>(mesh_format(outputs.mesh->file).value()),
-                     static_cast<int>(outputs.mesh->color), names.size(), hash_of(names));
+std::string mesh_identity(const std::optional<MeshChoice>& mesh) {
+  if (!mesh) return "none";
+  return fmt::format("{} {}", static_cast<int>(mesh_format(mesh->file).value()),
+                     static_cast<int>(mesh->color));
 }
 
 std::string identity_of(const JointTask& task, const JointPlan& joint, std::uint64_t hash) {
@@ -64,7 +67,7 @@ std::string identity_of(const JointTask& task, const JointPlan& joint, std::uint
       version, piece_format, sizeof(PieceInfo), task.outputs.gzip ? zlibVersion() : "", joint.atoms,
       hash, p.probe_radius, p.spacing, p.margin, fmt::join(region.begin, " "),
       fmt::join(region.end, " "), task.outputs.grid, task.outputs.edges, task.outputs.gzip,
-      !task.outputs.inside_map.empty(), mesh_identity(task.outputs, joint.residue_names));
+      !task.outputs.inside_map.empty(), mesh_identity(task.outputs.mesh));
 }
 
 SphereBounds shared_bounds(const AtomShare& share, const Processes& processes) {
@@ -95,11 +98,18 @@ Plan plan_slab(const JointTask& task, const JointPlan& joint, const LabelTotals&
   return own;
 }
 
-// What this process holds of labels: those of its share, and the names of all residues.
-LabelTotals labels_of(const JointPlan& plan, std::span<const AtomLabel> residues) {
-  LabelTotals totals = total_labels(residues);
-  totals.labels += plan.residue_names.size();
-  totals.heap_bytes += total_labels(plan.residue_names).heap_bytes;
+// What this process has read of labels, and what it goes on holding.
+LabelTotals labels_of(const OwnGroups& groups, const ResidueRuns& read,
+                      const OutputChoice& outputs) {
+  LabelTotals totals = total_labels(read.labels);
+  if (!outputs.residues) totals.labels = 0;
+  if (!outputs.residues) totals.heap_bytes = 0;
+  for (const auto* const names : {&groups.chains, &groups.residues}) {
+    totals.labels += names->size();
+    totals.heap_bytes += total_labels(*names).heap_bytes;
+  }
+  // Atoms have numbers of groups, also where none comes first.
+  if (groups.are_known) ++totals.labels;
   return totals;
 }
 
@@ -151,13 +161,14 @@ JointPlan plan_jointly(const JointTask& task, const Processes& processes) {
       read_share(task.input, task.format, outputs.residues || has_names(outputs), processes);
   JointPlan plan;
   plan.atoms = share.total;
-  if (has_names(outputs)) plan.residue_names = share_residue_names(share, processes);
-  const LabelTotals labels = labels_of(plan, share.residues);
-  if (outputs.residues)
-    plan.residues = {std::move(share.residues), std::move(share.residue_atoms), share.first,
-                     share.first + share.atoms.size()};
+  plan.read = share.range();
+  if (has_names(outputs)) plan.groups = number_groups(share, processes);
+  const LabelTotals labels = labels_of(plan.groups, share.residues, outputs);
+  if (outputs.residues) plan.residues = std::move(share.residues);
+  share.residues = {};
   const SphereBounds bounds = shared_bounds(share, processes);
-  const std::uint64_t hash = task.resume ? hash_of(share, processes) : 0;
+  std::uint64_t hash = 0;
+  if (task.resume) hash = hash_of(share, processes) ^ hash_of(plan.groups, processes);
   std::vector<PlaneRange> done;
   processes.agree([&] {
     plan.whole = plan_grid(bounds, task.parameters);

@@ -17,8 +17,8 @@
 #include "eses/error.hpp"
 #include "io/file_descriptor.hpp"
 #include "processes/join.hpp"
+#include "processes/packed_texts.hpp"
 #include "processes/slab_run.hpp"
-#include "processes/text_list.hpp"
 #include "run/output_files.hpp"
 #include "run/parallel.hpp"
 #include "run/resources.hpp"
@@ -51,8 +51,10 @@ double cpu_seconds() {
 // Those of process `from`, known to all.
 std::vector<std::string> broadcast_lines(const std::vector<std::string>& own, int from,
                                          const Processes& processes) {
-  return split_texts(
-      processes.broadcast(processes.rank() == from ? join_texts(own) : std::string(), from));
+  std::string packed;
+  if (processes.rank() == from)
+    for (const std::string& line : own) pack(packed, line);
+  return unpack(processes.broadcast(std::move(packed), from));
 }
 
 // Wall clocks are those of the slowest process, times of threads are added up.
@@ -100,9 +102,7 @@ JointPaths joint_paths(const JointTask& task, const Processes& processes) {
     return broadcast_lines(own, 0, processes);
   };
   return {share(temporary_paths(task.outputs, task.output_directory)),
-          share(lock_paths(task.outputs, task.output_directory)),
-          static_cast<long>(
-              processes.sum(processes.is_first() ? static_cast<std::uint64_t>(getpid()) : 0))};
+          share(lock_paths(task.outputs, task.output_directory))};
 }
 
 JointSummary run_jointly(const JointTask& task, const JointPlan& plan, const JointPaths& paths,

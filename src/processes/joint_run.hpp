@@ -15,7 +15,7 @@
 #include "eses/run.hpp"
 #include "processes/pieces.hpp"
 #include "processes/processes.hpp"
-#include "processes/residue_tables.hpp"
+#include "processes/shared_groups.hpp"
 #include "processes/slabs.hpp"
 
 namespace eses {
@@ -38,11 +38,12 @@ struct JointPlan {
   Plan own;    ///< of this one's slab
   SlabShare slab;
   SharedOddities odd;
-  std::uint64_t atoms = 0;               ///< of the molecule
-  ResidueShare residues;                 ///< if they are asked for
-  std::vector<AtomLabel> residue_names;  ///< if the mesh has them: see share_residue_names
-  std::unique_ptr<PieceStore> store;     ///< if the run may be resumed; locked by the first process
-  std::vector<PlaneRange> done;          ///< planes that need not be done again
+  std::uint64_t atoms = 0;            ///< of the molecule
+  AtomRange read;                     ///< of the atoms, those that this process has read
+  ResidueRuns residues;               ///< of these, if tables of them are asked for
+  OwnGroups groups;                   ///< of these, if the mesh has chains and residues
+  std::unique_ptr<PieceStore> store;  ///< if the run may be resumed; locked by the first process
+  std::vector<PlaneRange> done;       ///< planes that need not be done again
 };
 
 /// What each process had to do.
@@ -65,7 +66,6 @@ struct JointSummary {
 /// What the processes together make, and must not leave behind.
 struct JointPaths {
   std::vector<std::string> temporaries, locks;
-  long process = 0;  ///< the first one's number in the system, which is part of the names
 };
 
 /// Those of the first process, known to all.

@@ -8,7 +8,6 @@
 #include <span>
 #include <utility>
 
-#include "processes/residue_names.hpp"
 #include "run/build_patches.hpp"
 #include "run/mesh_output.hpp"
 #include "run/output_files.hpp"
@@ -96,7 +95,7 @@ SlabRun::SlabRun(const JointTask& task, const JointPlan& plan, const Callbacks& 
       report_(callbacks.progress, count_blocks()) {
   if (const auto& mesh = task.outputs.mesh)
     mesh_text_.emplace(mesh_format(mesh->file).value(), mesh->color,
-                       group_slab(plan.slab, plan.residue_names), plan.slab.numbers);
+                       groups_of(plan.slab.groups, plan.groups.are_known), plan.slab.numbers);
 }
 
 std::vector<Piece> SlabRun::solve(Summary& summary) {

@@ -105,7 +105,11 @@ struct SentAtom {
   Atom atom;
   std::uint64_t line = 0;
   AtomIndex number = 0;
-  std::uint32_t residue = 0;
+};
+
+struct SentAtoms {
+  std::vector<SentAtom> atoms;
+  std::vector<GroupNumbers> groups;  // of each, if the shares have them
 };
 
 // How far from a slab an atom matters: as far as Reach goes, for its patches, and from those atoms
@@ -115,8 +119,8 @@ double influence(const Atom& atom, double largest_radius, double probe_radius) {
   return atom.radius + 4 * largest_radius + 6 * probe_radius + slack;
 }
 
-std::vector<SentAtom> send_atoms(const AtomShare& share, const Plan& plan,
-                                 std::span<const PlaneRange> slabs, const Processes& processes) {
+SentAtoms send_atoms(const AtomShare& share, const Plan& plan, std::span<const PlaneRange> slabs,
+                     const Processes& processes) {
   const double probe = plan.parameters.probe_radius;
   double largest_radius = 0;
   for (const Atom& atom : share.atoms) largest_radius = std::max(largest_radius, atom.radius);
@@ -125,20 +129,25 @@ std::vector<SentAtom> send_atoms(const AtomShare& share, const Plan& plan,
   for (const PlaneRange& slab : slabs)
     boxes.push_back(slab.is_empty() ? Box{} : slab_box(plan, slab));
   std::vector<std::vector<SentAtom>> to(slabs.size());
+  std::vector<std::vector<GroupNumbers>> groups_to(slabs.size());
   for (std::size_t i = 0; i < share.atoms.size(); ++i) {
     const Atom& atom = share.atoms[i];
     const auto number = static_cast<AtomIndex>(share.first + i);
-    const std::uint32_t residue = share.residue_of.empty() ? 0 : share.residue_of[i];
     const double reach = influence(atom, largest_radius, probe);
     for (std::size_t part = 0; part < slabs.size(); ++part) {
       if (slabs[part].is_empty()) continue;
       const bool matters =
           atom.center.z + reach >= boxes[part].low.z && atom.center.z - reach <= boxes[part].high.z;
       // The first goes to all that have planes, so that none of these is without any.
-      if (matters || number == 0) to[part].push_back({atom, share.lines[i], number, residue});
+      if (!matters && number != 0) continue;
+      to[part].push_back({atom, share.lines[i], number});
+      if (!share.groups.empty()) groups_to[part].push_back(share.groups[i]);
     }
   }
-  return processes.exchange(std::move(to));
+  SentAtoms sent;
+  sent.atoms = processes.exchange(std::move(to));
+  sent.groups = processes.exchange(std::move(groups_to));
+  return sent;
 }
 
 // Every atom is some slab's own.
@@ -166,25 +175,24 @@ struct NumberedSlab {
 NumberedSlab gather_slab(const AtomShare& share, const Plan& plan,
                          std::span<const PlaneRange> slabs, int threads,
                          const Processes& processes) {
-  std::vector<SentAtom> sent = send_atoms(share, plan, slabs, processes);
+  SentAtoms sent = send_atoms(share, plan, slabs, processes);
   NumberedSlab numbered;
   SlabShare& slab = numbered.share;
   std::vector<std::uint64_t>& lines = numbered.lines;
   const auto part = static_cast<std::size_t>(processes.rank());
   slab.planes = slabs[part];
-  const bool has_residues = processes.sum(share.residue_of.size()) > 0;
   processes.agree([&] {
     std::vector<Atom> atoms;
-    atoms.reserve(sent.size());
-    slab.numbers.reserve(sent.size());
-    lines.reserve(sent.size());
-    for (const SentAtom& one : sent) {
+    atoms.reserve(sent.atoms.size());
+    slab.numbers.reserve(sent.atoms.size());
+    lines.reserve(sent.atoms.size());
+    for (const SentAtom& one : sent.atoms) {
       atoms.push_back(one.atom);
       slab.numbers.push_back(one.number);
       lines.push_back(one.line);
-      if (has_residues) slab.residue_of.push_back(one.residue);
     }
-    std::vector<SentAtom>().swap(sent);
+    slab.groups = std::move(sent.groups);
+    std::vector<SentAtom>().swap(sent.atoms);
     slab.molecule = Molecule::part(std::move(atoms), ownership(plan, slabs, part), threads);
   });
   return numbered;

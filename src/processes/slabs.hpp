@@ -37,7 +37,7 @@ struct SlabShare {
   PlaneRange planes;                       ///< perhaps empty; then there are no atoms either
   Molecule molecule{std::vector<Atom>()};  ///< what matters to them
   std::vector<AtomIndex> numbers;          ///< of its atoms in the file, ascending
-  std::vector<std::uint32_t> residue_of;   ///< by atom, if the share of the file told it
+  std::vector<GroupNumbers> groups;        ///< by atom, if the shares of the file have them
 };
 
 /// What is odd in a molecule, as `Molecule::oddities` tells it, by numbers in the file.

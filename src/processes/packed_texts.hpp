@@ -1,0 +1,24 @@
+#pragma once
+/// Texts as one text, for processes to tell each other.
+
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace eses {
+
+/// Appends a text, which must not hold a NUL.
+inline void pack(std::string& packed, std::string_view text) {
+  packed.append(text);
+  packed.push_back('\0');
+}
+
+inline std::vector<std::string> unpack(const std::string& packed) {
+  std::vector<std::string> texts;
+  for (std::size_t begin = 0; begin < packed.size(); begin = packed.find('\0', begin) + 1)
+    texts.emplace_back(packed.c_str() + begin);
+  return texts;
+}
+
+}  // namespace eses
