@@ -31,8 +31,8 @@ struct BlockTiling {
   GridIndex blocks{};                            ///< number of blocks along x, y and z
   GridIndex grid_size{};                         ///< points of the grid along x, y and z
   GridRegion region;                             ///< the points that blocks own
-  /// The corners of all cells that belong to the region: those whose lowest corner is in it, so
-  /// that there are also the points behind its last ones, as far as the grid has them.
+  /// The corners of all cells that belong to the region: for make_tiling those whose lowest corner
+  /// is in it, so that there are also the points behind its last ones, as far as the grid has them.
   GridRegion corners;
 
   /// The points that blocks [begin, end) own. Throws Error if there are no such blocks.

@@ -47,6 +47,7 @@ void Join::take(std::vector<Piece> own) {
 // Calls take(bytes, offset) for parts of a piece's text, each a multiple of `unit` long.
 template <class Take>
 void Join::read(Piece& piece, PieceText text, std::uint64_t unit, Take&& take) const {
+  if (piece.info.bytes_of(text) == 0) return;
   auto& from = piece.texts[static_cast<std::size_t>(text)];
   if (!from) from = plan_.store->open(piece.info.planes, text);
   const std::uint64_t bytes = piece.info.bytes_of(text);
@@ -60,8 +61,7 @@ void Join::read(Piece& piece, PieceText text, std::uint64_t unit, Take&& take) c
   };
   // Only the main thread may write where there are several processes; another one reads ahead.
   const auto how = plan_.own.threads > 1 ? std::launch::async : std::launch::deferred;
-  std::future<void> loaded;
-  if (bytes > 0) loaded = std::async(how, load, std::uint64_t{0});
+  std::future<void> loaded = std::async(how, load, std::uint64_t{0});
   for (std::uint64_t done = 0; done < bytes; done += part.size()) {
     check_();
     loaded.get();
@@ -70,10 +70,13 @@ void Join::read(Piece& piece, PieceText text, std::uint64_t unit, Take&& take) c
     take(std::span<const char>(part), done);
   }
   if (plan_.store) from.reset();  // so many files at a time cannot be open
-  if (plan_.store && checksum.value() != piece.info.checksums[static_cast<std::size_t>(text)])
-    throw Error(fmt::format(
-        "cannot resume: a text beside {} is damaged; remove that, and the piece is done again",
-        plan_.store->sums_path(piece.info.planes)));
+  if (!plan_.store || checksum.value() == piece.info.checksums[static_cast<std::size_t>(text)])
+    return;
+  plan_.store->drop(piece.info.planes);
+  throw Error(
+      fmt::format("cannot resume: what is done of planes {} to {} is damaged; the next run "
+                  "with --resume does it again",
+                  piece.info.planes.begin, piece.info.planes.end - 1));
 }
 
 // Returns where the last one ends.

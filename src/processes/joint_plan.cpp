@@ -92,8 +92,10 @@ Plan plan_slab(const JointTask& task, const JointPlan& joint, const LabelTotals&
   own.parameters.threads = threads_of(task, machine);
   processes.agree([&] {
     if (joint.slab.planes.is_empty()) return;
-    plan_work(available_memory() / static_cast<std::uint64_t>(machine.processes),
-              joint.slab.molecule, labels, task.outputs, own);
+    plan_work({.available = available_memory() / static_cast<std::uint64_t>(machine.processes),
+               .held = processes.own_memory(),
+               .labels = labels},
+              joint.slab.molecule, task.outputs, own);
   });
   return own;
 }
@@ -162,7 +164,10 @@ JointPlan plan_jointly(const JointTask& task, const Processes& processes) {
   JointPlan plan;
   plan.atoms = share.total;
   plan.read = share.range();
-  if (has_names(outputs)) plan.groups = number_groups(share, processes);
+  if (has_names(outputs)) {
+    plan.groups = number_groups(share, processes);
+    release_free_memory();
+  }
   const LabelTotals labels = labels_of(plan.groups, share.residues, outputs);
   if (outputs.residues) plan.residues = std::move(share.residues);
   share.residues = {};
@@ -177,6 +182,7 @@ JointPlan plan_jointly(const JointTask& task, const Processes& processes) {
     if (!processes.is_first()) return;
     if (!task.dry_run) plan.store->lock();
     done = plan.store->complete();
+    if (!task.dry_run) plan.store->remove_others(done);
   });
   plan.done = processes.gather<PlaneRange>(done);
   const Processes::Machine machine = processes.machine(available_threads());

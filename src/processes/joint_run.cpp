@@ -29,14 +29,16 @@ namespace eses {
 namespace {
 
 // Else MPI would wait for ever when the files are joined.
-void require_shared_directory(const JointTask& task, const JointPaths& paths,
-                              const Processes& processes) {
-  for (const std::string& path : paths.temporaries)
-    if (!FileDescriptor(::open(path.c_str(), O_WRONLY | O_CLOEXEC)).is_open())
-      throw Error(
-          fmt::format("cannot write into {}{}: {}; is it the same directory for all processes?",
-                      task.output_directory.string(), processes.place(),
-                      std::generic_category().message(errno)));
+void require_shared_directories(const JointTask& task, const JointPaths& paths,
+                                const Processes& processes) {
+  const auto require = [&](const std::filesystem::path& path, int mode) {
+    if (!FileDescriptor(::open(path.c_str(), mode | O_CLOEXEC)).is_open())
+      throw Error(fmt::format(
+          "cannot write into {}{}: {}; is it the same directory for all processes?",
+          path.parent_path().string(), processes.place(), std::generic_category().message(errno)));
+  };
+  for (const std::string& path : paths.temporaries) require(path, O_WRONLY);
+  if (task.resume) require(path_in(task.output_directory, resume_name), O_RDONLY | O_DIRECTORY);
 }
 
 double cpu_seconds() {
@@ -116,7 +118,7 @@ JointSummary run_jointly(const JointTask& task, const JointPlan& plan, const Joi
   });
   processes.agree([&] {
     start_threads(plan.own.threads);
-    require_shared_directory(task, paths, processes);
+    require_shared_directories(task, paths, processes);
   });
   const auto file = [&](std::optional<OutputFile> OutputFiles::*which) {
     return files && (*files).*which ? &*((*files).*which) : nullptr;
@@ -157,7 +159,11 @@ JointSummary run_jointly(const JointTask& task, const JointPlan& plan, const Joi
     if (files->box) box_bytes = write_box(*files->box, plan.whole.grid, files->gzip);
     require_memory_within(task.parameters.max_memory);
     files->commit([&] { slab.check(); });
-    if (plan.store) plan.store->remove();
+    if (plan.store) {
+      plan.store->remove();
+    } else {
+      files->remove_resumable();
+    }
   });
   bytes += processes.sum(box_bytes);
   finish(total, plan, joint, processes);

@@ -7,6 +7,7 @@
 #include <cstdio>
 #include <fstream>
 #include <iterator>
+#include <set>
 #include <system_error>
 #include <utility>
 
@@ -17,8 +18,6 @@
 namespace eses {
 namespace {
 
-constexpr char identity_name[] = "run";
-constexpr std::string_view sums_suffix = ".sums";
 constexpr std::array<const char*, piece_texts> text_suffixes{".grid", ".edges", ".map", ".vertices",
                                                              ".triangles"};
 
@@ -99,7 +98,10 @@ std::vector<PlaneRange> PieceStore::complete() const {
     if (const auto planes = planes_of(entry.path().filename().string())) pieces.push_back(*planes);
   // Without anything done it does not matter of what run.
   if (pieces.empty()) return {};
-  if (read_all(path_ / identity_name) != identity_)
+  if (!std::filesystem::exists(path_ / run_name, error))
+    throw Error(fmt::format("cannot resume: {} does not tell of what run it is; remove it",
+                            path_.string()));
+  if (read_all(path_ / run_name) != identity_)
     throw Error(fmt::format(
         "cannot resume: {} is of a run of other input, options or version; remove it to begin anew",
         path_.string()));
@@ -126,17 +128,37 @@ bool PieceStore::is_whole(const PlaneRange& planes) const {
   }
 }
 
+void PieceStore::remove_others(std::span<const PlaneRange> complete) const {
+  std::set<std::string> kept;
+  for (const PlaneRange& planes : complete) {
+    kept.insert(name_of(planes, sums_suffix));
+    for (const char* const suffix : text_suffixes) kept.insert(name_of(planes, suffix));
+  }
+  std::error_code error;  // what cannot be removed does no harm
+  std::vector<std::filesystem::path> others;
+  for (const auto& entry : std::filesystem::directory_iterator(path_, error)) {
+    const std::string name = entry.path().filename().string();
+    const bool is_of_piece = name.front() >= '0' && name.front() <= '9';
+    if (is_of_piece && !kept.contains(name)) others.push_back(entry.path());
+  }
+  for (const auto& path : others) std::filesystem::remove(path, error);
+}
+
+void PieceStore::drop(const PlaneRange& planes) const {
+  std::error_code error;  // if it stays, whoever reads it again will tell
+  std::filesystem::remove(sums_path(planes), error);
+}
+
 void PieceStore::prepare() const {
-  if (read_all(path_ / identity_name) == identity_) return;
-  ScratchFile file(path_, identity_name, ScratchFile::Kept::fresh);
+  if (read_all(path_ / run_name) == identity_) return;
+  ScratchFile file(path_, run_name, ScratchFile::Kept::fresh);
   file.append(std::as_bytes(std::span(identity_)));
   file.sync();
 }
 
 // Sums that are there would speak of the old text.
 std::unique_ptr<ScratchFile> PieceStore::create(const PlaneRange& planes, PieceText text) const {
-  std::error_code error;
-  std::filesystem::remove(sums_path(planes), error);
+  drop(planes);
   const char* const suffix = text_suffixes[static_cast<std::size_t>(text)];
   return std::make_unique<ScratchFile>(path_, name_of(planes, suffix), ScratchFile::Kept::fresh);
 }
@@ -196,9 +218,8 @@ Piece PieceStore::read(const PlaneRange& planes) const {
 }
 
 void PieceStore::remove() {
+  remove_pieces(path_);
   lock_.reset();
-  std::error_code error;  // what is left does no harm
-  std::filesystem::remove_all(path_, error);
 }
 
 }  // namespace eses

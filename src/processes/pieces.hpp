@@ -38,6 +38,7 @@ struct PieceInfo {
   PlaneRange planes;
   std::array<std::uint64_t, piece_texts> bytes{};
   std::array<std::uint32_t, piece_texts> checksums{};  ///< crc32; of pieces in a store
+  std::uint32_t padding = 0;                           ///< these bytes are written, too
   MeshCounts mesh;
   RegionTotals totals;
 
@@ -86,6 +87,10 @@ class PieceStore {
   /// texts are not as long as they should be nothing is told, so that it is done again. Throws
   /// Error if there are pieces of a run of another identity.
   std::vector<PlaneRange> complete() const;
+  /// Removes what is there of pieces that are not among these.
+  void remove_others(std::span<const PlaneRange> complete) const;
+  /// Drops a piece, so that it is done again.
+  void drop(const PlaneRange& planes) const;
   /// Says that what comes is of this identity.
   void prepare() const;
 
@@ -97,13 +102,12 @@ class PieceStore {
   /// A complete piece without its texts.
   Piece read(const PlaneRange& planes) const;
   std::unique_ptr<ScratchFile> open(const PlaneRange& planes, PieceText text) const;
-  /// Where the sums are, without which a piece is done again.
-  std::string sums_path(const PlaneRange& planes) const;
   /// Removes everything.
   void remove();
 
  private:
   bool is_whole(const PlaneRange& planes) const;
+  std::string sums_path(const PlaneRange& planes) const;
 
   std::filesystem::path path_;
   std::string identity_;

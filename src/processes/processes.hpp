@@ -87,6 +87,9 @@ class Processes {
   /// `processors` are those that this process may use at most.
   Machine machine(int processors) const;
 
+  /// Bytes that a process holds for messages and the like, typically.
+  std::uint64_t own_memory() const;
+
   /// ` on NAME`, behind an action that failed, where there may be several machines; else empty.
   std::string place() const;
 

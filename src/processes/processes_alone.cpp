@@ -31,6 +31,8 @@ std::string Processes::hand_on(const std::string& first,
 
 Processes::Machine Processes::machine(int processors) const { return {1, processors}; }
 
+std::uint64_t Processes::own_memory() const { return 0; }
+
 void Processes::abort(int exit_code) const { std::_Exit(exit_code); }
 
 std::vector<std::uint64_t> Processes::exchange_counts(std::span<const std::uint64_t> to) const {

@@ -21,6 +21,12 @@ bool was_launched() {
                      [](const char* name) { return std::getenv(name) != nullptr; });
 }
 
+bool is_initialized() {
+  int is_initialized = 0;
+  MPI_Initialized(&is_initialized);
+  return is_initialized != 0;
+}
+
 // Where MPI does not end the processes itself.
 void require_success(int error, const char* what) {
   if (error != MPI_SUCCESS)
@@ -91,9 +97,7 @@ Processes::Processes(int& argc, char**& argv) {
 }
 
 Processes::~Processes() {
-  int is_initialized = 0;
-  MPI_Initialized(&is_initialized);
-  if (is_initialized != 0) MPI_Finalize();
+  if (is_initialized()) MPI_Finalize();
 }
 
 void Processes::take_least(std::span<double> values) const {
@@ -177,6 +181,12 @@ Processes::Machine Processes::machine(int processors) const {
   MPI_Comm_free(&machine);
   const int together = std::max(1, CPU_COUNT(&allowed));
   return {processes, std::min(processors, std::max(1, own * together / all))};
+}
+
+// As measured with Open MPI 4.1: what it loads, and room shared with the others on a machine.
+std::uint64_t Processes::own_memory() const {
+  constexpr std::uint64_t mebibyte = 1 << 20;
+  return is_initialized() ? 14 * mebibyte : 0;
 }
 
 void Processes::abort(int exit_code) const {

@@ -43,7 +43,7 @@ SharedFile::SharedFile(const Processes& processes, OutputFile* file)
   name_ = processes.broadcast(file != nullptr ? file->path() : "");
   const std::string path = processes.broadcast(file != nullptr ? file->temporary_path() : "");
   handle_ = std::make_unique<Handle>();
-  // All must be able to, or MPI waits for ever: see require_shared_directory.
+  // All must be able to, or MPI waits for ever: see require_shared_directories.
   const int error =
       MPI_File_open(MPI_COMM_WORLD, path.c_str(), MPI_MODE_RDWR, MPI_INFO_NULL, &handle_->file);
   processes.agree([&] { require(error, "open", name_); });

@@ -9,6 +9,7 @@
 #include <array>
 #include <cerrno>
 #include <climits>
+#include <new>
 #include <string_view>
 #include <system_error>
 #include <utility>
@@ -209,6 +210,10 @@ std::vector<std::string> stale_paths(const OutputChoice& choice,
 void require_places(const OutputChoice& choice, const std::filesystem::path& directory) {
   if (!file_names(choice).empty()) require_writable(directory);
   if (choice.mesh) require_writable(place_of(*choice.mesh).directory);
+  if (choice.mesh &&
+      std::filesystem::path(place_of(*choice.mesh).directory).filename() == resume_name)
+    throw Error(fmt::format("{} would go where runs keep what can be resumed, and be removed",
+                            choice.mesh->file.string()));
   for (const FilePlace& place : places_of(choice, directory)) require_free_name(place);
 }
 
@@ -289,16 +294,29 @@ void OutputFiles::commit(const std::function<void()>& check) {
     for (OutputFile* file : files) file->withdraw();
     throw;
   }
-  remove_resumable();
+}
+
+// First what says that a piece is complete, the last what says of which run.
+void remove_pieces(const std::filesystem::path& directory) noexcept {
+  try {
+    std::error_code error;  // what is left does no harm
+    std::vector<std::filesystem::path> sums, others;
+    for (const auto& entry : std::filesystem::directory_iterator(directory, error))
+      (entry.path().extension() == sums_suffix ? sums : others).push_back(entry.path());
+    for (const auto* const paths : {&sums, &others})
+      for (const auto& path : *paths)
+        if (path.filename() != run_name) std::filesystem::remove(path, error);
+    std::filesystem::remove_all(directory, error);
+  } catch (const std::bad_alloc&) {  // nor then
+  }
 }
 
 void OutputFiles::remove_resumable() noexcept {
   struct stat status {};
-  if (!directory ||
-      fstatat(directory->descriptor(), resume_name, &status, AT_SYMLINK_NOFOLLOW) != 0)
-    return;
-  std::error_code error;  // what is left does no harm
-  std::filesystem::remove_all(path_in(directory->path(), resume_name), error);
+  if (directory &&
+      fstatat(directory->descriptor(), resume_name, &status, AT_SYMLINK_NOFOLLOW) == 0 &&
+      S_ISDIR(status.st_mode))
+    remove_pieces(path_in(directory->path(), resume_name));
 }
 
 }  // namespace eses

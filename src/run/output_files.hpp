@@ -25,6 +25,14 @@ std::string text_file_name(const char* name, bool gzip);
 /// Where a run that may be resumed keeps what is done, in its output directory.
 inline constexpr char resume_name[] = ".eses-blocks.resume";
 
+/// In it, what says of which run it is, and the suffix of what says that a piece is complete.
+inline constexpr char run_name[] = "run";
+inline constexpr char sums_suffix[] = ".sums";
+
+/// Removes the directory of that name with all that is in it. If that is cut off, what is left of
+/// the pieces in it can still be told from complete ones.
+void remove_pieces(const std::filesystem::path& directory) noexcept;
+
 /// The names of the chosen files, the mesh left out.
 std::vector<std::string> file_names(const OutputChoice& choice);
 
@@ -64,14 +72,15 @@ struct OutputFiles {
   /// Gives all files their names. Older ones go first, so that old and new never stand beside each
   /// other, and the bounding box comes last: where it is, the others are. What `check`, called
   /// between the steps, throws is a failure like others, after which none of the files is there.
-  /// What was kept for a run to be resumed has served, and goes.
   void commit(const std::function<void()>& check);
+
+  /// After it: what was kept for a run to be resumed has served, and goes.
+  void remove_resumable() noexcept;
 
  private:
   void open_directory(const OutputChoice& choice, const std::filesystem::path& path);
   void open_mesh(const MeshChoice& choice);
   std::vector<OutputFile*> all();
-  void remove_resumable() noexcept;
 
   std::vector<std::string> stale_;  // the chosen files in their other form, plain or gzipped
 };

@@ -145,15 +145,16 @@ void expect_mesh(const MeshChoice& mesh, const LabelTotals& labels, double cross
 
 // The fastest schedule that keeps the limit and what is available.
 void choose_schedule(const SurfaceSurvey& survey, const GridRegion& region,
-                     const LabelTotals& labels, const OutputChoice& outputs,
-                     std::uint64_t available, Plan& plan) {
+                     const Circumstances& circumstances, const OutputChoice& outputs, Plan& plan) {
+  const auto& [available, held, labels] = circumstances;
   const Parameters& p = plan.parameters;
   const std::uint64_t limit = p.max_memory > 0 ? std::min(p.max_memory, available) : available;
   const double crossings = expected_crossings(survey.totals().area, p.spacing);
   double smallest = std::numeric_limits<double>::infinity();
   for (const Schedule& schedule :
        possible_schedules(plan.grid, region, p, survey.patched_count())) {
-    const double memory = expected_memory(survey, labels, plan.grid, schedule, outputs) +
+    const double memory = static_cast<double>(held) +
+                          expected_memory(survey, labels, plan.grid, schedule, outputs) +
                           Verifier::memory_bytes(p.verify, schedule.threads, crossings);
     smallest = std::min(smallest, memory);
     if (memory > static_cast<double>(limit)) continue;
@@ -230,19 +231,20 @@ Plan plan_grid(const SphereBounds& bounds, const Parameters& parameters) {
   return plan;
 }
 
-void plan_work(std::uint64_t available, const Molecule& molecule, const LabelTotals& labels,
+void plan_work(const Circumstances& circumstances, const Molecule& molecule,
                const OutputChoice& outputs, Plan& plan) {
   const GridRegion region = plan.tiling.region;
   const SurfaceSurvey survey = survey_of(molecule, plan.grid, region, plan.parameters.probe_radius);
-  choose_schedule(survey, region, labels, outputs, available, plan);
-  expect_files(survey, labels, outputs, plan);
+  choose_schedule(survey, region, circumstances, outputs, plan);
+  expect_files(survey, circumstances.labels, outputs, plan);
 }
 
 Plan make_plan_within(std::uint64_t available, const Molecule& molecule,
                       const Parameters& parameters, const OutputChoice& outputs) {
   if (outputs.mesh) require_valid(*outputs.mesh, molecule);
   Plan plan = plan_grid(sphere_bounds(molecule.atoms()), parameters);
-  plan_work(available, molecule, total_labels(molecule.labels()), outputs, plan);
+  plan_work({.available = available, .held = 0, .labels = total_labels(molecule.labels())},
+            molecule, outputs, plan);
   return plan;
 }
 

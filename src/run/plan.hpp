@@ -17,9 +17,16 @@ Plan make_plan_within(std::uint64_t available, const Molecule& molecule,
 /// The first half of it: the grid around atoms with these bounds, and the region to compute.
 Plan plan_grid(const SphereBounds& bounds, const Parameters& parameters);
 
+/// What a process has when it plans.
+struct Circumstances {
+  std::uint64_t available = 0;  ///< bytes of memory that are free
+  std::uint64_t held = 0;       ///< bytes that a process which is alone would not hold
+  LabelTotals labels;           ///< of the atoms, as far as this process holds them
+};
+
 /// The second half, for the region of `plan.tiling`, of which `molecule` must hold the atoms that
-/// matter there; `labels` are those that the process holds.
-void plan_work(std::uint64_t available, const Molecule& molecule, const LabelTotals& labels,
+/// matter there.
+void plan_work(const Circumstances& circumstances, const Molecule& molecule,
                const OutputChoice& outputs, Plan& plan);
 
 /// Of bounding_box.txt: exact.

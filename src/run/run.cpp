@@ -161,6 +161,7 @@ Summary run(const Molecule& molecule, const Plan& plan, const OutputChoice& outp
     summary.bytes_written += write_tables(files, molecule.labels(), summary.atom_areas);
   require_memory_within(plan.parameters.max_memory);
   files.commit(check);
+  files.remove_resumable();
   summary.seconds.total = total.seconds();
   return summary;
 }

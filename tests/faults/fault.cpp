@@ -212,4 +212,9 @@ int unlinkat(int directory, const char* path, int flags) {
   if (call_fails("unlink")) return -1;
   return static_cast<int>(syscall(SYS_unlinkat, directory, path, flags));
 }
+
+int remove(const char* path) noexcept {
+  if (call_fails("unlink")) return -1;
+  return next<int(const char*)>("remove")(path);
+}
 }

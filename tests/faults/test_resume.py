@@ -86,13 +86,63 @@ class Resume(FaultTest):
     @needs_library
     def test_altered_text(self):
         """It is as long as it was, and found all the same."""
-        self.assertTrue(self.cut_off(20))
-        path = self.output / PIECES / (self.pieces()[0].removesuffix(".sums") + ".grid")
-        text = path.read_bytes()
-        path.write_bytes(text[:-2] + bytes([text[-2] ^ 1]) + text[-1:])
-        self.assertFailed(self.run_program(*RUN, "--resume"), "damaged")
-        self.assertEqual([n for n in self.all_files() if not n.startswith(".")], [])
-        (self.output / PIECES / self.pieces()[0]).unlink()
+        arguments = (*RUN, "--inside", "map.dx", "--mesh", self.output / "mesh.ply")
+        self.assertDone(self.run_program(*arguments))
+        reference = self.contents()
+        for suffix in (".grid", ".edges", ".map", ".vertices", ".triangles"):
+            with self.subTest(suffix=suffix):
+                self.put({})
+                self.assertTrue(self.cut_off(90, *arguments))
+                folder = self.output / PIECES
+                path = max((folder / name.replace(".sums", suffix) for name in self.pieces()),
+                           key=lambda text: text.stat().st_size)
+                text = path.read_bytes()
+                path.write_bytes(text[:-2] + bytes([text[-2] ^ 1]) + text[-1:])
+                self.assertFailed(self.run_program(*arguments, "--resume"), "damaged")
+                self.assertEqual([n for n in self.all_files() if not n.startswith(".")], [])
+                self.assertDone(self.run_program(*arguments, "--resume"))
+                self.assertEqual(self.contents(), reference)
+
+    @needs_library
+    def test_empty_text_that_is_gone(self):
+        """Of a slab without surface, for example: nothing is missing."""
+        arguments = (SMALL, "-q", "--spacing", "0.4", "-b", "3", "--margin", "4", "--write", "edges")
+        self.assertDone(self.run_program(*arguments))
+        reference = self.contents()
+        self.put({})
+        self.assertTrue(self.cut_off(60, *arguments))
+        empty = [name for name in self.all_files(self.output / PIECES)
+                 if name.endswith(".edges") and (self.output / PIECES / name).stat().st_size == 0]
+        self.assertGreater(len(empty), 0)
+        for name in empty:
+            (self.output / PIECES / name).unlink()
+        self.assertDone(self.run_program(*arguments, "--resume"))
+        self.assertEqual(self.contents(), reference)
+
+    @needs_library
+    def test_cut_off_while_pieces_are_removed(self):
+        """What is left is either told from a complete piece, or is one."""
+        number = 1
+        while True:
+            shutil.rmtree(self.output)
+            done = self.run_program(*RUN, "--resume",
+                                    fault=f"unlink {number} signal={signal.SIGKILL.value}")
+            if done.returncode == 0:
+                break
+            self.assertEqual(done.returncode, -signal.SIGKILL)
+            self.assertSame()
+            number += 1
+        self.assertGreater(number, 10)
+
+    @needs_library
+    def test_pieces_that_are_not_complete_go(self):
+        """Those of other blocks would stay for ever."""
+        for block in ("9", "11", "13"):
+            self.cut_off(14, SMALL, "-q", "--spacing", "0.4", "-b", block, "-t", "2")
+        texts = {name.split(".")[0] for name in self.all_files(self.output / PIECES)
+                 if name.endswith((".grid", ".edges"))}
+        complete = {name.removesuffix(".sums") for name in self.pieces()}
+        self.assertLessEqual(len(texts - complete), 1)
         self.assertSame()
 
     @needs_library
