@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <set>
+#include <tuple>
 
 #include "catch.hpp"
 #include "run/build_patches.hpp"
@@ -163,17 +165,48 @@ TEST_CASE("the boxes of patches hold them") {
 }
 
 TEST_CASE("patches do not depend on the number of threads") {
-  const std::vector<Atom> atoms = make_chain(600, 3);
-  Surface one(atoms, 1.4), three(atoms, 1.4);
+  // So many that their placements are joined in several parts.
+  const std::vector<Atom> atoms = make_chain(5000, 3);
+  Surface one(atoms, 1.4);
   build_patches(one, 1);
-  build_patches(three, 3);
-  REQUIRE(one.patches.placements.size() == three.patches.placements.size());
-  for (std::size_t v = 0; v < one.patches.placements.size(); ++v) {
-    CHECK(one.patches.placements[v].center == three.patches.placements[v].center);
-    CHECK(one.patches.placements[v].atoms == three.patches.placements[v].atoms);
+  for (const int threads : {2, 5}) {
+    Surface several(atoms, 1.4);
+    build_patches(several, threads);
+    const Patches &a = one.patches, &b = several.patches;
+    CHECK(a.exposure == b.exposure);
+    CHECK(a.face_begin == b.face_begin);
+    CHECK(a.face_neighbours == b.face_neighbours);
+    CHECK(a.arc_begin == b.arc_begin);
+    CHECK(a.placement_begin == b.placement_begin);
+    REQUIRE(a.placements.size() == b.placements.size());
+    std::size_t differences = 0;
+    for (std::size_t v = 0; v < a.placements.size(); ++v) {
+      const ProbePlacement &p = a.placements[v], &q = b.placements[v];
+      if (p.center != q.center || p.atoms != q.atoms || p.side != q.side) ++differences;
+    }
+    for (std::size_t i = 0; i < atoms.size(); ++i) {
+      const FaceDirections &p = a.face_directions[i], &q = b.face_directions[i];
+      if (p.low != q.low || p.high != q.high) ++differences;
+    }
+    CHECK(differences == 0);
   }
-  CHECK(one.patches.face_neighbours == three.patches.face_neighbours);
-  CHECK(one.patches.arc_begin == three.patches.arc_begin);
+}
+
+TEST_CASE("placements are those of the lowest atoms, each once") {
+  const std::vector<Atom> atoms = make_chain(3000, 8);
+  Surface surface(atoms, 1.4);
+  build_patches(surface, 2);
+  const Patches& patches = surface.patches;
+  REQUIRE(patches.placement_begin.back() == patches.placements.size());
+  std::set<std::tuple<AtomIndex, AtomIndex, AtomIndex, int>> seen;
+  for (AtomIndex i = 0; i < atoms.size(); ++i)
+    for (std::uint32_t v = patches.placement_begin[i]; v < patches.placement_begin[i + 1]; ++v) {
+      const ProbePlacement& placement = patches.placements[v];
+      REQUIRE(placement.atoms[0] == i);
+      const auto& [first, second, third] = placement.atoms;
+      CHECK(seen.emplace(first, second, third, placement.side).second);
+    }
+  CHECK(seen.size() > 1000);
 }
 
 }  // namespace eses::test

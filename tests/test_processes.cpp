@@ -4,6 +4,8 @@
 
 #include <algorithm>
 #include <cstddef>
+#include <cstdint>
+#include <cstring>
 #include <filesystem>
 #include <fstream>
 #include <numeric>
@@ -13,8 +15,11 @@
 #include "catch.hpp"
 #include "eses/error.hpp"
 #include "io/atom_lines.hpp"
+#include "mesh/local_triangle.hpp"
+#include "processes/packed_texts.hpp"
 #include "processes/pieces.hpp"
 #include "processes/processes.hpp"
+#include "processes/shared_groups.hpp"
 #include "processes/slabs.hpp"
 #include "run/output_files.hpp"
 #include "support/eses_files.hpp"
@@ -208,6 +213,36 @@ TEST_CASE("lines of a part of a file have the numbers of the whole", "[processes
     message = error.what();
   }
   CHECK(message.find("file:104: ") == 0);
+}
+
+TEST_CASE("keys are numbered in their order", "[processes]") {
+  int argc = 0;
+  char** argv = nullptr;
+  const Processes alone(argc, argv);
+  const std::vector<std::string> keys{"b", "", "a", "c"};
+  const SharedNumbers numbers = number_jointly(keys, alone);
+  CHECK(numbers.of_key == std::vector<std::uint32_t>{0, 1, 2, 3});
+  CHECK(numbers.own == std::vector<std::size_t>{0, 1, 2, 3});
+  CHECK(numbers.first == 0);
+  CHECK(number_jointly({}, alone).of_key.empty());
+}
+
+TEST_CASE("triangles of a part get the numbers of the whole", "[processes][mesh]") {
+  TextBuffer bytes;
+  const mesh::Triangle below{std::uint64_t{0} - 3, 5, 2'000'000'000};
+  mesh::append_local_triangle(bytes, below);
+  mesh::LocalTriangle local;
+  REQUIRE(bytes.text().size() == sizeof local);
+  std::memcpy(&local, bytes.text().data(), sizeof local);
+  CHECK(local == mesh::LocalTriangle{-3, 5, 2'000'000'000});
+  CHECK(mesh::numbered_from(10, local) == mesh::Triangle{7, 15, 2'000'000'010});
+}
+
+TEST_CASE("packed texts come out as they went in", "[processes]") {
+  std::string packed;
+  for (const char* text : {"", "one", "", "two words"}) pack(packed, text);
+  CHECK(unpack(packed) == std::vector<std::string>{"", "one", "", "two words"});
+  CHECK(unpack("").empty());
 }
 
 }  // namespace eses::test

@@ -97,6 +97,44 @@ void finish(const Stopwatch& total, const JointPlan& plan, JointSummary& joint,
   joint.processes = processes.gather<ProcessFigures>({&own, 1});
 }
 
+// Of `files`, which the first process has and the others give as null. Returns their bytes.
+std::uint64_t join_files(const OutputChoice& outputs, const SlabRun& slab, Join& join,
+                         OutputFiles* files, Summary& summary) {
+  const auto file = [&](std::optional<OutputFile> OutputFiles::*which) {
+    return files != nullptr && files->*which ? &*(files->*which) : nullptr;
+  };
+  std::uint64_t bytes = 0;
+  if (outputs.grid) bytes += join.join_texts(file(&OutputFiles::grid), PieceText::grid);
+  if (outputs.edges) bytes += join.join_texts(file(&OutputFiles::edges), PieceText::edges);
+  if (!outputs.inside_map.empty()) bytes += join.join_map(file(&OutputFiles::inside_map));
+  if (outputs.mesh) {
+    bytes += join.join_mesh(file(&OutputFiles::mesh), slab.mesh_text());
+    summary.mesh = join.mesh_counts();
+  }
+  bytes += join.join_areas(file(&OutputFiles::areas), summary.area);
+  if (outputs.residues)
+    bytes += join.join_tables(file(&OutputFiles::residues), file(&OutputFiles::chains));
+  return bytes;
+}
+
+// With the bounding box, whose bytes it returns.
+std::uint64_t commit_files(const JointTask& task, const JointPlan& plan, SlabRun& slab,
+                           OutputFiles* files, const Processes& processes) {
+  std::uint64_t box_bytes = 0;
+  processes.agree([&] {
+    if (files == nullptr) return;
+    if (files->box) box_bytes = write_box(*files->box, plan.whole.grid, files->gzip);
+    require_memory_within(task.parameters.max_memory);
+    files->commit([&] { slab.check(); });
+    if (plan.store) {
+      plan.store->remove();
+    } else {
+      files->remove_resumable();
+    }
+  });
+  return processes.sum(box_bytes);
+}
+
 }  // namespace
 
 JointPaths joint_paths(const JointTask& task, const Processes& processes) {
@@ -120,10 +158,6 @@ JointSummary run_jointly(const JointTask& task, const JointPlan& plan, const Joi
     start_threads(plan.own.threads);
     require_shared_directories(task, paths, processes);
   });
-  const auto file = [&](std::optional<OutputFile> OutputFiles::*which) {
-    return files && (*files).*which ? &*((*files).*which) : nullptr;
-  };
-
   JointSummary joint;
   Summary& summary = joint.summary;
   if (task.parameters.verify > 0) summary.verification.emplace();
@@ -141,31 +175,9 @@ JointSummary run_jointly(const JointTask& task, const JointPlan& plan, const Joi
     finish(total, plan, joint, processes);
     return joint;
   }
-  const OutputChoice& outputs = task.outputs;
-  std::uint64_t& bytes = summary.bytes_written;
-  if (outputs.grid) bytes += join.join_texts(file(&OutputFiles::grid), PieceText::grid);
-  if (outputs.edges) bytes += join.join_texts(file(&OutputFiles::edges), PieceText::edges);
-  if (!outputs.inside_map.empty()) bytes += join.join_map(file(&OutputFiles::inside_map));
-  if (outputs.mesh) {
-    bytes += join.join_mesh(file(&OutputFiles::mesh), slab.mesh_text());
-    summary.mesh = join.mesh_counts();
-  }
-  bytes += join.join_areas(file(&OutputFiles::areas), summary.area);
-  if (outputs.residues)
-    bytes += join.join_tables(file(&OutputFiles::residues), file(&OutputFiles::chains));
-  std::uint64_t box_bytes = 0;
-  processes.agree([&] {
-    if (!files) return;
-    if (files->box) box_bytes = write_box(*files->box, plan.whole.grid, files->gzip);
-    require_memory_within(task.parameters.max_memory);
-    files->commit([&] { slab.check(); });
-    if (plan.store) {
-      plan.store->remove();
-    } else {
-      files->remove_resumable();
-    }
-  });
-  bytes += processes.sum(box_bytes);
+  OutputFiles* const own_files = files ? &*files : nullptr;
+  summary.bytes_written = join_files(task.outputs, slab, join, own_files, summary);
+  summary.bytes_written += commit_files(task, plan, slab, own_files, processes);
   finish(total, plan, joint, processes);
   return joint;
 }

@@ -22,6 +22,8 @@ constexpr double seconds_per_crossing = 0.45e-6;
 constexpr double seconds_per_crossing_text = 0.25e-6;
 constexpr double seconds_per_point = 0.3e-9;
 constexpr double seconds_per_point_text = 2e-9;
+constexpr double seconds_per_crossing_of_mesh = 0.3e-6;
+constexpr double seconds_per_point_of_map = 3e-9;
 
 // The grid's planes are dealt with in bins, so that a tall one takes no more memory than others.
 constexpr std::int64_t most_bins = 1 << 16;
@@ -287,9 +289,11 @@ class SlabCutter {
       const Grid& grid = plan_.grid;
       const SurfaceSurvey survey(slab.molecule, plan_.parameters.probe_radius,
                                  slab_box(plan_, slab.planes));
-      const double point = seconds_per_point + (outputs_.grid ? seconds_per_point_text : 0);
-      const double crossing =
-          seconds_per_crossing + (outputs_.edges ? seconds_per_crossing_text : 0);
+      const double point = seconds_per_point + (outputs_.grid ? seconds_per_point_text : 0) +
+                           (outputs_.inside_map.empty() ? 0 : seconds_per_point_of_map);
+      const double crossing = seconds_per_crossing +
+                              (outputs_.edges ? seconds_per_crossing_text : 0) +
+                              (outputs_.mesh ? seconds_per_crossing_of_mesh : 0);
       const GridIndex size = plan_.tiling.region.size();
       const PlaneRange within = region_planes(plan_);
       for (std::size_t b = 0; b < costs.size(); ++b) {

@@ -68,6 +68,12 @@ class Processes(FaultTest):
                                 for x in range(14) for y in range(14) for z in range(40)))
         return (path, "-q", "--spacing", spacing, "-t", "1", "-b", "33", "--write", chosen)
 
+    def processes_of(self, launched):
+        """The numbers of the program's processes below the launcher."""
+        found = subprocess.run(["pgrep", "-P", str(launched.pid), "-f", "eses-blocks"],
+                               capture_output=True, text=True, check=False)
+        return [int(number) for number in found.stdout.split()]
+
     def has_temporaries(self):
         return any(name.endswith(".part") for name in self.all_files())
 
@@ -186,7 +192,9 @@ class Identity(Processes):
         long = [("A", "ALA", 1)] * 3 + [("B", "GLY", 7)] * 50 + [("A", "SER", 2)] * 7
         again = [("ABCABD"[i // 5 % 6], "ALA" if i % 3 else "GLY", i // 10 % 4) for i in range(60)]
         single = [("A", "HOH", i) for i in range(60)]
-        for labels in (every, long, again, single):
+        # PLY has room for 64 characters of a name, so these are two residues of one.
+        odd = [("A,B\"", "X" * (70 + i // 30), i // 40) for i in range(60)]
+        for labels in (every, long, again, single, odd):
             path = self.write_pqr(labels)
             for count in (2, 3, 5, 7):
                 with self.subTest(first=labels[:7], count=count):
@@ -198,6 +206,24 @@ class Identity(Processes):
         with open(SMALL, encoding="ascii") as file:
             self.assertDone(self.run_together(2, "-", "-q", stdin=file))
         self.assertTrue(self.contents() == self.contents(self.alone))
+
+    def test_labels_of_standard_input(self):
+        arguments = ("-q", "--format", "pqr", "--write", "residues", "--spacing", "0.9")
+        self.assertDone(self.run_alone(DATA / "fas2.pqr", *arguments))
+        with open(DATA / "fas2.pqr", encoding="ascii") as file:
+            self.assertDone(self.run_together(3, "-", *arguments, stdin=file))
+        self.assertTrue(self.contents() == self.contents(self.alone))
+
+    def test_mesh_in_another_directory(self):
+        """Also where a link leads."""
+        places = [self.folder / "meshes" / name for name in ("alone.off", "together.off")]
+        places[0].parent.mkdir()
+        (self.folder / "link.off").symlink_to(places[1])
+        arguments = (SMALL, "-q", "--write", "none", "--mesh")
+        self.assertDone(self.run_alone(*arguments, places[0]))
+        self.assertDone(self.run_together(3, *arguments, self.folder / "link.off"))
+        self.assertEqual(places[0].read_bytes(), places[1].read_bytes())
+        self.assertTrue((self.folder / "link.off").is_symlink())
 
     def test_compressed_input(self):
         path = self.folder / "c60.xyzr.gz"
@@ -386,12 +412,6 @@ class Failure(Processes):
         if not found:
             self.skipTest("no limit left enough memory to start, and too little to go on")
 
-    def processes_of(self, launched):
-        """The numbers of the program's processes below the launcher."""
-        found = subprocess.run(["pgrep", "-P", str(launched.pid), "-f", "eses-blocks"],
-                               capture_output=True, text=True, check=False)
-        return [int(number) for number in found.stdout.split()]
-
     def test_killed_process(self):
         """The others end at once, and leave nothing behind that has a final name."""
         arguments = self.big_run()
@@ -427,12 +447,14 @@ class Resume(Processes):
 
     def test_by_other_processes(self):
         """What two processes have begun, three end, or one, as if one had done all."""
-        arguments = self.big_run("0.1", "edges")
-        self.assertDone(self.run_alone(*arguments))
+        arguments = (*self.big_run("0.15", "edges"), "--inside", "map.vti")
+        self.assertDone(self.run_alone(*arguments, "--mesh", self.alone / "mesh.ply"))
+        arguments = (*arguments, "--mesh", self.output / "mesh.ply")
         for count in (1, 3):
             launched = self.start_together(2, *arguments, "--resume")
             wait_for(lambda: len(self.pieces()) > 3)
-            launched.send_signal(signal.SIGTERM)
+            for victim in self.processes_of(launched):
+                os.kill(victim, signal.SIGKILL)
             self.finish(launched)
             self.assertGreater(len(self.pieces()), 3)
             self.assertDone(self.run_together(count, *arguments, "--resume"))
