@@ -16,10 +16,10 @@
 #include "eses/run.hpp"
 #include "io/number_text.hpp"
 #include "io/output_file.hpp"
-#include "run/parallel.hpp"
 #include "support/atom_sets.hpp"
 #include "support/eses_files.hpp"
 #include "support/temporary_directory.hpp"
+#include "system/parallel.hpp"
 
 namespace eses::test {
 namespace {

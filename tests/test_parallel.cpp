@@ -12,10 +12,10 @@
 #include "eses/run.hpp"
 #include "io/output_file.hpp"
 #include "run/ordered_output.hpp"
-#include "run/parallel.hpp"
 #include "support/atom_sets.hpp"
 #include "support/eses_files.hpp"
 #include "support/temporary_directory.hpp"
+#include "system/parallel.hpp"
 
 namespace eses::test {
 

@@ -11,11 +11,11 @@
 #include "eses/error.hpp"
 #include "eses/read_atoms.hpp"
 #include "eses/run.hpp"
-#include "io/bytes_text.hpp"
 #include "run/layer_queue.hpp"
 #include "run/plan.hpp"
 #include "support/temporary_directory.hpp"
 #include "surface/survey.hpp"
+#include "system/bytes_text.hpp"
 
 namespace eses::test {
 namespace {

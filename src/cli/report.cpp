@@ -10,9 +10,9 @@
 
 #include "cli/json.hpp"
 #include "eses/version.hpp"
-#include "io/bytes_text.hpp"
 #include "run/output_files.hpp"
 #include "simd/dispatch.hpp"
+#include "system/bytes_text.hpp"
 
 namespace eses::cli {
 namespace {

@@ -18,7 +18,7 @@
 #include "eses/molecule.hpp"
 #include "eses/read_atoms.hpp"
 #include "run/output_files.hpp"
-#include "run/resources.hpp"
+#include "system/resources.hpp"
 
 namespace eses::cli {
 namespace {

@@ -9,9 +9,9 @@
 #include <vector>
 
 #include "eses/error.hpp"
-#include "io/bytes_text.hpp"
 #include "io/eses_files.hpp"
-#include "run/resources.hpp"
+#include "system/bytes_text.hpp"
+#include "system/resources.hpp"
 
 namespace eses {
 namespace {

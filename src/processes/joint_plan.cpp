@@ -14,9 +14,9 @@
 #include "mesh/mesh_text.hpp"
 #include "processes/joint_run.hpp"
 #include "run/inside_map.hpp"
-#include "run/parallel.hpp"
 #include "run/plan.hpp"
-#include "run/resources.hpp"
+#include "system/parallel.hpp"
+#include "system/resources.hpp"
 #include "verify/scrambled.hpp"
 
 namespace eses {

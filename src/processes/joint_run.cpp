@@ -20,10 +20,10 @@
 #include "processes/packed_texts.hpp"
 #include "processes/slab_run.hpp"
 #include "run/output_files.hpp"
-#include "run/parallel.hpp"
-#include "run/resources.hpp"
 #include "run/short_file.hpp"
 #include "solve/stopwatch.hpp"
+#include "system/parallel.hpp"
+#include "system/resources.hpp"
 
 namespace eses {
 namespace {

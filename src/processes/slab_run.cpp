@@ -12,8 +12,8 @@
 #include "run/mesh_output.hpp"
 #include "run/output_files.hpp"
 #include "run/pipeline.hpp"
-#include "run/resources.hpp"
 #include "solve/stopwatch.hpp"
+#include "system/resources.hpp"
 
 namespace eses {
 namespace {

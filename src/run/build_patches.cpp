@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <vector>
 
-#include "run/parallel.hpp"
 #include "surface/atom_patches.hpp"
+#include "system/parallel.hpp"
 
 namespace eses {
 namespace {

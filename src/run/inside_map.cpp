@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <utility>
 
-#include "run/parallel.hpp"
+#include "system/parallel.hpp"
 
 namespace eses {
 namespace {

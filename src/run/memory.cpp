@@ -70,7 +70,9 @@ double feature_bytes(const SurfaceSurvey& survey, const Grid& grid, const BlockT
       (sizeof(CapCone) * totals.face_neighbours + (sizeof(ArcFeature) + indices) * totals.arcs +
        (sizeof(PlacementFeature) + indices) * totals.placements) /
           atoms;
-  return growth * (sizeof(AtomIndex) * bound(in_ball) + per_atom * bound(in_box));
+  // Of the block that has most; the lists that grew for it stay, and may have twice its length.
+  constexpr double doubled = 2;
+  return doubled * (sizeof(AtomIndex) * bound(in_ball) + per_atom * bound(in_box));
 }
 
 double block_words(const BlockTiling& tiling) {

@@ -15,9 +15,9 @@
 #include <utility>
 
 #include "eses/error.hpp"
-#include "io/bytes_text.hpp"
 #include "io/map_formats.hpp"
-#include "run/resources.hpp"
+#include "system/bytes_text.hpp"
+#include "system/resources.hpp"
 
 namespace eses {
 

@@ -2,9 +2,9 @@
 
 #include <utility>
 
-#include "run/parallel.hpp"
-#include "run/resources.hpp"
 #include "solve/stopwatch.hpp"
+#include "system/parallel.hpp"
+#include "system/resources.hpp"
 
 namespace eses {
 namespace {

@@ -10,17 +10,17 @@
 #include <vector>
 
 #include "eses/error.hpp"
-#include "io/bytes_text.hpp"
 #include "io/eses_text.hpp"
 #include "io/gzip.hpp"
 #include "mesh/mesh_text.hpp"
 #include "run/build_patches.hpp"
 #include "run/inside_map.hpp"
 #include "run/memory.hpp"
-#include "run/parallel.hpp"
 #include "run/region_box.hpp"
-#include "run/resources.hpp"
 #include "run/verifier.hpp"
+#include "system/bytes_text.hpp"
+#include "system/parallel.hpp"
+#include "system/resources.hpp"
 
 namespace eses {
 namespace {

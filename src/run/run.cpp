@@ -11,15 +11,15 @@
 #include "run/inside_map.hpp"
 #include "run/mesh_file.hpp"
 #include "run/output_files.hpp"
-#include "run/parallel.hpp"
 #include "run/pipeline.hpp"
 #include "run/progress_report.hpp"
 #include "run/region_box.hpp"
 #include "run/region_totals.hpp"
-#include "run/resources.hpp"
 #include "run/short_file.hpp"
 #include "run/verifier.hpp"
 #include "solve/stopwatch.hpp"
+#include "system/parallel.hpp"
+#include "system/resources.hpp"
 
 namespace eses {
 namespace {

@@ -11,7 +11,7 @@
 #include <utility>
 
 #include "eses/solved_block.hpp"
-#include "run/parallel.hpp"
+#include "system/parallel.hpp"
 
 namespace eses {
 

@@ -6,7 +6,7 @@
 #include <functional>
 
 #include "eses/atoms.hpp"
-#include "run/parallel.hpp"
+#include "system/parallel.hpp"
 
 namespace eses {
 

@@ -10,8 +10,8 @@
 
 #include "eses/error.hpp"
 #include "geometry/arc_sector.hpp"
-#include "run/parallel.hpp"
 #include "surface/move_bound.hpp"
+#include "system/parallel.hpp"
 
 namespace eses {
 namespace {

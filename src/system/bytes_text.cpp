@@ -1,4 +1,4 @@
-#include "io/bytes_text.hpp"
+#include "system/bytes_text.hpp"
 
 #include <fmt/format.h>
 

@@ -1,4 +1,4 @@
-#include "run/parallel.hpp"
+#include "system/parallel.hpp"
 
 #include <omp.h>
 
@@ -7,7 +7,7 @@
 #include <exception>
 #include <mutex>
 
-#include "run/resources.hpp"
+#include "system/resources.hpp"
 
 namespace eses {
 

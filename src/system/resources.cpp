@@ -1,4 +1,4 @@
-#include "run/resources.hpp"
+#include "system/resources.hpp"
 
 #include <fmt/format.h>
 #include <malloc.h>
@@ -15,7 +15,7 @@
 #include <vector>
 
 #include "eses/error.hpp"
-#include "io/bytes_text.hpp"
+#include "system/bytes_text.hpp"
 
 namespace eses {
 namespace {
