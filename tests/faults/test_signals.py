@@ -1,7 +1,10 @@
 """SIGINT, SIGTERM and SIGHUP in every phase: a prompt end, its exit code, nothing left."""
 
+import array
+import fcntl
 import os
 import signal
+import termios
 import time
 import unittest
 
@@ -10,6 +13,10 @@ from faults import (NAMES, PROMPT, SMALL, TINY, FaultTest, forget_signals, needs
 
 STRIDE = 13  # of the allocations at which a signal comes
 BALL = "0 0 0 200\n"  # at a spacing of 0.3 a grid of 2.4e9 points
+
+needs_prompt_signals = unittest.skipIf(
+    os.environ.get("ESES_SANITIZE") == "thread",
+    "this sanitizer holds signals back while a file is being opened or read")
 
 
 class Phase(FaultTest):
@@ -46,6 +53,7 @@ class Phase(FaultTest):
                 wait_for(is_ready)
                 self.check_end(program, number.value)
 
+    @needs_prompt_signals
     def test_waiting_for_input(self):
         fifo = self.folder / "fifo.xyzr"
         os.mkfifo(fifo)
@@ -54,10 +62,16 @@ class Phase(FaultTest):
             with open(fifo, "w") as input_end:  # returns once the program has opened it, too
                 input_end.write("0 0 0 1\n")
                 input_end.flush()
+                wait_for(lambda pipe=input_end: self.is_empty(pipe))  # it waits for more, then
                 self.check_end(program, number.value)
 
-    @unittest.skipIf(os.environ.get("ESES_SANITIZE") == "thread",
-                     "this sanitizer holds signals back while a file is being opened")
+    @staticmethod
+    def is_empty(pipe):
+        waiting = array.array("i", [0])
+        fcntl.ioctl(pipe, termios.FIONREAD, waiting)
+        return waiting[0] == 0
+
+    @needs_prompt_signals
     def test_waiting_for_a_writer(self):
         fifo = self.folder / "fifo.xyzr"
         os.mkfifo(fifo)
