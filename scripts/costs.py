@@ -14,15 +14,18 @@ from common import Failed, complete_file
 # All seconds are CPU of one thread. Of these numbers:
 # input_bytes, text_bytes, area_bytes: the atoms' file, those of points and edges, that of areas.
 # mean_radius, largest_radius: of the atoms, angstrom.
-# read_seconds: until the atoms are read; prepare_seconds: until the plan is made, from there on.
-# patch_seconds: all patches; text_seconds: texts made and written to a scratch file.
-# join_seconds: texts copied from there to the file, areas added up and written.
+# read_seconds: until the atoms are read; read_alone_seconds: the same by one process alone.
+# molecule_seconds: atoms prepared; plan_seconds: samples taken, and the plan made.
+# patch_seconds: all patches; text_seconds: texts made and written.
+# copy_read_seconds, copy_write_seconds: a file as long as the texts read, and written to another.
+# area_seconds: areas added up and written.
 # thin_planes: what a layer of blocks of one plane costs, in planes of the whole blocks there.
 # peak_bytes: memory of one process with one thread.
 NUMBERS = ("atoms", "input_bytes", "text_bytes", "area_bytes", "spacing", "probe_radius", "lower_z",
            "block_size", "nx", "ny", "nz", "mean_radius", "largest_radius", "read_seconds",
-           "prepare_seconds", "patch_seconds", "text_seconds", "join_seconds", "thin_planes",
-           "peak_bytes")
+           "read_alone_seconds", "molecule_seconds", "plan_seconds", "patch_seconds",
+           "text_seconds", "copy_read_seconds", "copy_write_seconds", "area_seconds",
+           "thin_planes", "peak_bytes")
 WORDS = ("structure", "date", "cpu", "cores", "build", "write")
 
 # seconds: of blocks [by][bx]; plane_atoms: a number for each plane.

@@ -1,9 +1,10 @@
 """What a run shared by many processes takes, computed from measured costs (see costs.py).
 
 The steps are those of src/processes: atoms read in equal parts and sent to the slabs that they
-matter to, twice; patches within reach of each slab; its blocks in layers, in the order in which
-src/run/layer_queue.cpp hands them out; texts copied from scratch files into the shared files; areas
-added up. Every process waits for the slowest at the end of each step.
+matter to, and again where slabs are cut again; patches within reach of each slab; its blocks in
+layers, in the order in which src/run/layer_queue.cpp hands them out; texts copied from scratch
+files into the shared files; areas added up. Every process waits for the slowest at the end of each
+step.
 """
 
 import bisect
@@ -17,22 +18,31 @@ import costs as measured
 INFINITY = math.inf
 
 # src/processes/slabs.cpp: seconds by which the program estimates what a plane costs.
-ESTIMATE = {"atom": 14e-6, "crossing": 0.45e-6, "crossing_text": 0.25e-6, "point": 0.3e-9,
-            "point_text": 2e-9}
+ESTIMATE = {"atom": 14e-6, "prepared_atom": 0.6e-6, "crossing": 0.45e-6,
+            "crossing_text": 0.25e-6, "point": 0.3e-9, "point_text": 2e-9}
 HALO_SLACK, REACH_SLACK = 1.0, 1e-3  # angstrom: slabs.cpp, src/surface/reach.hpp
 
 # Bytes: SentAtom, PieceInfo, AtomSum of src/processes; what src/run/memory.cpp counts with.
-SENT_ATOM, PIECE_INFO, AREA_SHARE = 48, 160, 32
+SENT_ATOM, PIECE_INFO, AREA_SHARE = 48, 208, 32
 BASE_MEMORY, THREAD_MEMORY = 6 * 2**20, 0.75 * 2**20
 ATOM_MEMORY, ATOM_OF_THREAD, CROSSING_MEMORY = 104, 16, 48
 MAKING_OF_PATCHES = 2.75  # memory while they are made against what stays
-FEWEST_SAMPLES, MOST_SAMPLES, ATOMS_PER_SAMPLE = 512, 2048, 16  # src/surface/survey.cpp
+FEWEST_SAMPLES, MOST_SAMPLES, ATOMS_PER_SAMPLE = 128, 2048, 16  # src/surface/survey.cpp
+ATOMS_PER_SLICE, MOST_SLICES = 2**16, 16  # src/surface/atom_slices.cpp
 
-# Of a run of several processes: calls in which each sends something to each, and those that go up
-# and down a tree.
-EXCHANGES, REDUCTIONS = 14, 40
-PATCHES_BY_ONE = 0.07  # share of their time: src/surface/patches.cpp joins lists, in a profile
+# Of a run of several processes, counted in one: calls in which each sends something to each, and
+# those that go up and down a tree.
+EXCHANGES, REDUCTIONS = 14, 62
+# Shares of a step's time with one thread, by stopwatches around its parts: of preparing atoms, what
+# threads do slice by slice (src/surface/molecule.cpp); of patches, what one thread does
+# (src/surface/patches.cpp).
+MOLECULE_SLICED = 0.40
+PATCHES_BY_ONE = 0.024
+# Of several processes (src/processes/slabs.cpp), by one thread: seconds in which an atom is held
+# against a slab, in which one is put among those to be sent, and among those that have come.
+SECONDS_PER_ATOM_AND_SLAB, SECONDS_PER_SENT_ATOM, SECONDS_PER_RECEIVED_ATOM = 1.2e-9, 60e-9, 25e-9
 SECONDS_PER_ADDITION = 1.3e-9  # of one area to the sum, in order: four cycles
+AREA_TEXTS = 2  # of several processes: to know its length, and to write it
 BLOCKS_AHEAD, CHUNKS = 4, 4  # per thread: src/run/plan.cpp; pieces of a layer's text
 
 # file_system: bytes a second of all processes together; network: of one process; latency: seconds
@@ -44,10 +54,11 @@ Machine = collections.namedtuple("Machine", "threads file_system network latency
 # `overhead` planes to those of a block.
 Segment = collections.namedtuple("Segment", "begin end seconds crossings")
 
-# Planes [begin, end). first_atoms: sent for the slab that is cut first, by atoms; atoms: for this
-# one; patched: those within reach; samples: atoms looked at for estimates, of both slabs.
+# Planes [begin, end). first_atoms: sent for the slab that is cut first, by atoms, 0 if that one
+# stays; atoms: for this one; patched: those within reach; surveyed: of which samples are taken, by
+# turn.
 Slab = collections.namedtuple(
-    "Slab", "begin end first_atoms atoms patched samples own_atoms crossings")
+    "Slab", "begin end first_atoms atoms patched surveyed own_atoms crossings")
 # What one process does; cpu: of all its threads.
 Share = collections.namedtuple("Share", "begin end atoms patched cpu memory")
 
@@ -79,8 +90,17 @@ def cut_evenly(numbers, parts):
     return [*begins, len(numbers)]
 
 
+def largest_part(numbers, begins):
+    sums = [0, *itertools.accumulate(numbers)]
+    return max(sums[end] - sums[begin] for begin, end in zip(begins, begins[1:]))
+
+
 def sample_size(atoms):
     return min(atoms, max(FEWEST_SAMPLES, min(atoms / ATOMS_PER_SAMPLE, MOST_SAMPLES)))
+
+
+def slice_count(atoms):
+    return max(1, min(int(atoms / ATOMS_PER_SLICE), MOST_SLICES))
 
 
 # ------------------------------------------------------------------------------------ one slab
@@ -225,30 +245,35 @@ class Model:
                 for segment in self.segments
                 for atoms in self.plane_atoms[segment.begin:segment.end]]
 
+    def final_cuts(self, first, ranks):
+        """By estimates, if what that gains is more than to prepare atoms a second time."""
+        estimates = self.estimated_costs()
+        final = cut_evenly(estimates, ranks)
+        gain = largest_part(estimates, first) - largest_part(estimates, final)
+        loss = ESTIMATE["prepared_atom"] * largest_part(self.plane_atoms, final)
+        return final if gain > loss else first
+
     def slabs(self, ranks):
         first = cut_evenly(self.plane_atoms, ranks)
-        final = cut_evenly(self.estimated_costs(), ranks)
-        # Cut by estimates, they are never just those cut by atoms, unless there is but one.
-        is_same = ranks == 1
+        final = self.final_cuts(first, ranks)
+        is_same = first == final
         result = []
         for rank in range(ranks):
             begin, end = final[rank], final[rank + 1]
             at_first = self.atoms_near(first[rank], first[rank + 1], self.halo())
-            sampled = self.atoms_near(first[rank], first[rank + 1], self.reach())
             patched = self.atoms_near(begin, end, self.reach())
+            surveyed = [patched]
+            if ranks > 1:
+                surveyed.append(self.atoms_near(first[rank], first[rank + 1], self.reach()))
             result.append(Slab(
                 begin, end, 0.0 if is_same else at_first,
-                self.atoms_near(begin, end, self.halo()), patched,
-                sample_size(sampled) + sample_size(patched),
+                self.atoms_near(begin, end, self.halo()), patched, surveyed,
                 self.atoms_near(begin, end, self.values["mean_radius"]),
                 self.crossings_of(begin, end) if begin < end else 0))
         return result
 
     def text_seconds(self, crossings):
         return self.of_all("text_seconds") * crossings / self.crossings if self.crossings else 0.0
-
-    def text_bytes(self, crossings):
-        return self.of_all("text_bytes") * crossings / self.crossings if self.crossings else 0.0
 
     def layers(self, slab, threads):
         """Seconds of blocks and of chunks of text of each layer."""
@@ -264,16 +289,49 @@ class Model:
         (segment, _), = self.segments_of(slab.begin - 1, slab.begin)
         return [self.plane_below * one for one in segment.seconds]
 
-    def prepare_seconds(self, slab):
-        """Of neighbours and oddities of its atoms, and of what is estimated from samples.
+    def molecule_seconds(self, atoms, threads):
+        """Of neighbours and oddities of so many atoms."""
+        slices = slice_count(atoms)
+        rounds = math.ceil(slices / threads)
+        return self.per_atom("molecule_seconds") * atoms * (
+            MOLECULE_SLICED * rounds / slices + (1 - MOLECULE_SLICED) / threads)
 
-        A sample costs as much as an atom's patches.
+    def plan_seconds(self, atoms):
+        """Of samples of so many atoms, each of which costs as much as its patches."""
+        patch, all_atoms = self.per_atom("patch_seconds"), self.values["atoms"]
+        if not all_atoms:
+            return 0.0
+        samples = patch * sample_size(all_atoms)
+        per_atom = max(0.0, self.values["plan_seconds"] - samples) / all_atoms
+        return per_atom * atoms + patch * sample_size(atoms)
+
+    def gather_seconds(self, slabs):
+        """In which a process sends atoms to all slabs, and for each slab those in which they come.
+
+        A process has read as many atoms of each slab as any other.
         """
-        patch, atoms = self.per_atom("patch_seconds"), self.values["atoms"]
-        measured_samples = 2 * sample_size(atoms) * patch
-        per_atom = (max(0.0, self.values["prepare_seconds"] - measured_samples) / atoms
-                    if atoms else 0.0)
-        return per_atom * (slab.first_atoms + slab.atoms) + patch * slab.samples
+        ranks = len(slabs)
+        if ranks == 1:
+            return [0.0]
+        times = 2 if any(slab.first_atoms for slab in slabs) else 1
+        counts = [slab.first_atoms + slab.atoms for slab in slabs]
+        sent = (times * SECONDS_PER_ATOM_AND_SLAB * self.atoms
+                + SECONDS_PER_SENT_ATOM * sum(counts) / ranks)
+        return [sent + SECONDS_PER_RECEIVED_ATOM * count for count in counts]
+
+    def prepare_seconds(self, slab, threads):
+        """Of its atoms, when they have come, and of what is estimated from samples."""
+        return (sum(self.molecule_seconds(count, threads)
+                    for count in (slab.first_atoms, slab.atoms))
+                + sum(map(self.plan_seconds, slab.surveyed)))
+
+    def read_seconds(self, ranks):
+        return (self.of_all("read_seconds") / ranks if ranks > 1
+                else self.of_all("read_alone_seconds"))
+
+    def patch_seconds(self, slab, threads):
+        by_one = PATCHES_BY_ONE + (1 - PATCHES_BY_ONE) / threads
+        return self.per_atom("patch_seconds") * slab.patched * by_one
 
     def memory(self, slab, threads):
         """As src/run/memory.cpp has it, the bytes of patches those that were measured."""
@@ -306,22 +364,21 @@ class Model:
         def received(count, size):
             return several * size * count * (1 - 1 / ranks)
 
-        # Each has read as many atoms as others, so it has of all slabs' atoms one part.
         atoms = max(slab.first_atoms + slab.atoms for slab in slabs)
         areas = max(slab.own_atoms for slab in slabs)
-        patch = self.per_atom("patch_seconds")
         longest = 0.0
         shares = []
-        for slab in slabs:
+        gathering = self.gather_seconds(slabs)
+        for slab, come in zip(slabs, gathering):
             layers = list(self.layers(slab, threads)) if slab.begin < slab.end else []
             below = self.blocks_below(slab)
             solving = makespan(layers, threads, BLOCKS_AHEAD * threads)
             solving += makespan([(below, [0.0])], threads, 0) if below else 0.0
             longest = max(longest, solving)
-            cpu = (self.of_all("read_seconds") / ranks
-                   + self.prepare_seconds(slab) + patch * slab.patched
+            cpu = (self.read_seconds(ranks) + come + self.prepare_seconds(slab, 1)
+                   + self.patch_seconds(slab, 1)
                    + math.fsum(math.fsum(blocks) + math.fsum(chunks) for blocks, chunks in layers)
-                   + math.fsum(below) + self.join_seconds(slab, ranks))
+                   + math.fsum(below) + self.join_seconds(slab, ranks, 1))
             shares.append(Share(slab.begin, slab.end, slab.atoms, slab.patched, cpu,
                                 self.memory(slab, threads)))
         text, area = self.of_all("text_bytes"), self.of_all("area_bytes")
@@ -329,14 +386,14 @@ class Model:
         at_once = machine.file_system
         joined = 2 * text + area if several else area
         phases = {
-            READ: max(self.of_all("read_seconds") / ranks, read / at_once),
-            EXCHANGE: (received(atoms, SENT_ATOM) / machine.network
+            READ: max(self.read_seconds(ranks), read / at_once),
+            EXCHANGE: (max(gathering) + received(atoms, SENT_ATOM) / machine.network
                        + EXCHANGES * messages + REDUCTIONS * steps),
-            PREPARE: max(map(self.prepare_seconds, slabs)),
-            PATCHES: (patch * max(slab.patched for slab in slabs)
-                      * (PATCHES_BY_ONE + (1 - PATCHES_BY_ONE) / threads)),
+            PREPARE: max(self.prepare_seconds(slab, threads) for slab in slabs),
+            PATCHES: max(self.patch_seconds(slab, threads) for slab in slabs),
             BLOCKS: max(longest, text / at_once),
-            JOIN: max(max(self.join_seconds(slab, ranks) for slab in slabs), joined / at_once),
+            JOIN: max(max(self.join_seconds(slab, ranks, threads) for slab in slabs),
+                      joined / at_once),
             AREAS: several * (received(areas, AREA_SHARE) / machine.network
                               + SECONDS_PER_ADDITION * self.atoms + machine.latency * ranks),
         }
@@ -346,16 +403,17 @@ class Model:
         return Run(ranks, sum(phases.values()), phases, sent,
                    max(share.memory for share in shares), shares, read + text + joined)
 
-    def join_seconds(self, slab, ranks):
-        """Of its texts, and of its part of the areas: as many bytes, as much time.
+    def join_seconds(self, slab, ranks, threads):
+        """Of its texts, read by one thread and written by another, and of its part of the areas.
 
         One process alone writes its texts where they belong.
         """
-        text, area = self.of_all("text_bytes"), self.of_all("area_bytes")
-        if text + area == 0:
-            return 0.0
-        own = self.text_bytes(slab.crossings) * (ranks > 1) + area / ranks
-        return self.of_all("join_seconds") * own / (text + area)
+        area = self.of_all("area_seconds")
+        if ranks == 1:
+            return area
+        both = self.of_all("copy_read_seconds"), self.of_all("copy_write_seconds")
+        share = slab.crossings / self.crossings if self.crossings else 0.0
+        return share * (max(both) if threads > 1 else sum(both)) + AREA_TEXTS * area / ranks
 
 
 # ----------------------------------------------------------------------------------- many runs

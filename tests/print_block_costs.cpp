@@ -1,4 +1,4 @@
-// What each block of a molecule costs, as CSV; for scripts/simulate.
+// What a molecule, its plan and each of its blocks cost, as CSV; for scripts/simulate.
 //
 //   print-block-costs FILE SPACING [BLOCK_SIZE]
 #include <fmt/format.h>
@@ -6,23 +6,39 @@
 #include <algorithm>
 #include <cstdio>
 #include <cstdlib>
+#include <ctime>
 #include <exception>
+#include <utility>
+#include <vector>
 
 #include "eses/read_atoms.hpp"
 #include "eses/run.hpp"
+
+namespace {
+
+// Of the processors, since the program has begun.
+double cpu_seconds() { return static_cast<double>(std::clock()) / CLOCKS_PER_SEC; }
+
+}  // namespace
 
 int main(int argc, char** argv) try {
   if (argc < 3 || argc > 4) {
     std::fputs("usage: print-block-costs FILE SPACING [BLOCK_SIZE]\n", stderr);
     return 2;
   }
-  const eses::Molecule molecule(eses::read_atoms(argv[1]));
+  std::vector<eses::Atom> atoms = eses::read_atoms(argv[1]);
+  const double read = cpu_seconds();
+  const eses::Molecule molecule(std::move(atoms));
+  const double prepared = cpu_seconds();
   eses::Parameters parameters;
   parameters.spacing = std::atof(argv[2]);
   parameters.margin = std::max(parameters.margin, parameters.spacing);
   parameters.block_size = argc > 3 ? std::atol(argv[3]) : eses::default_block_size;
   parameters.threads = 1;
   const eses::Plan plan = make_plan(molecule, parameters, eses::OutputChoice::none());
+  const double planned = cpu_seconds();
+  fmt::print("# read_seconds {:.6f}\n# molecule_seconds {:.6f}\n# plan_seconds {:.6f}\n", read,
+             prepared - read, planned - prepared);
   const auto& size = plan.grid.size;
   fmt::print("# atoms {}\n# spacing {}\n# block_size {}\n# points {} {} {}\n# lower_z {}\n",
              molecule.atoms().size(), parameters.spacing, parameters.block_size, size[0], size[1],

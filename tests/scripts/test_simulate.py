@@ -116,8 +116,10 @@ class Runs(TestCase):
 
     def test_one_process(self):
         values = {"input_bytes": 10**6, "text_bytes": 10**7, "area_bytes": 10**5,
-                  "probe_radius": 1.4, "mean_radius": 1.5, "largest_radius": 2, "read_seconds": 1,
-                  "prepare_seconds": 2, "patch_seconds": 3, "text_seconds": 4, "join_seconds": 5}
+                  "probe_radius": 1.4, "mean_radius": 1.5, "largest_radius": 2, "read_seconds": 9,
+                  "read_alone_seconds": 1, "molecule_seconds": 2, "plan_seconds": 0.25,
+                  "patch_seconds": 3, "text_seconds": 4, "area_seconds": 5,
+                  "copy_read_seconds": 7, "copy_write_seconds": 8}
         model = scaling.Model(even_costs(plane_atoms=100, **values))
         for machine in (ONE_THREAD, scaling.Machine(16, 1e6, 1e6, 1e-3)):
             one = model.run(1, machine)
@@ -126,13 +128,12 @@ class Runs(TestCase):
             self.assertEqual(one.sent, 0)
         one = model.run(1, ONE_THREAD)
         # All but the copying of texts, which one process writes where they belong.
-        area = values["join_seconds"] * 1e5 / (1e7 + 1e5)
-        self.assertAlmostEqual(one.seconds, 1 + 2 + 3 + PLANES + 4 + area)
+        self.assertAlmostEqual(one.seconds, 1 + 2 + 0.25 + 3 + PLANES + 4 + 5)
         self.assertAlmostEqual(one.shares[0].cpu, one.seconds)
 
     def test_file_system(self):
         values = {"input_bytes": 10**6, "text_bytes": 5 * 10**7, "area_bytes": 10**5,
-                  "read_seconds": 0.01, "text_seconds": 4, "join_seconds": 0.5}
+                  "read_seconds": 0.01, "text_seconds": 4, "copy_write_seconds": 0.5}
         model = scaling.Model(even_costs(plane_seconds=0.01, **values))
         for ranks in (1, 2, 16, 64):
             free = model.run(ranks, ONE_THREAD)
@@ -158,14 +159,66 @@ class Runs(TestCase):
         areas = (2 * 17.5 + 2 * 19) * atoms  # 1 angstrom around each
         self.assertEqual([share.atoms for share in run_of_four.shares],
                          [22.5 * atoms, 29 * atoms, 29 * atoms, 22.5 * atoms])
-        # Of 48 bytes an atom and 32 an area three quarters go to others. Atoms are sent twice, as
-        # slabs are cut by atoms first, which here are the same as those cut by time.
-        sent = (2 * 48 * halo + 32 * areas) * 3 / 4 / 4
+        # Of 48 bytes an atom and 32 an area three quarters go to others. Atoms are sent once, as
+        # the slabs that are cut by atoms are those cut by time, too.
+        sent = (48 * halo + 32 * areas) * 3 / 4 / 4
         few = run_of_four.sent - sent
         self.assertGreater(few, 0)
         self.assertLess(few, 1000 * 3 + 100 * PLANES)  # a few numbers for each process and plane
         totals = [ranks * model.run(ranks, ONE_THREAD).sent for ranks in (1, 2, 4, 8, 16, 32, 64)]
         self.assertEqual(totals, sorted(set(totals)))
+
+    def test_cut_again(self):
+        """Only where that gains more than it takes to prepare atoms a second time."""
+        settings = even_costs(plane_atoms=1000)
+        # Crossings of each plane of the lower half; the cut by time, and that which is made.
+        for crossings, evenly, made in ((0, 32, 32), (3000, 31, 32), (6000, 29, 29)):
+            layers = [layer._replace(crossings=crossings if bz < PLANES / 2 else 0)
+                      for bz, layer in enumerate(settings.layers)]
+            model = scaling.Model(costs.Costs(settings.values, layers))
+            with self.subTest(crossings):
+                cuts = scaling.cut_evenly(model.estimated_costs(), 2)
+                self.assertEqual(cuts, [0, evenly, PLANES])
+                below, above = model.slabs(2)
+                self.assertEqual((below.end, above.begin), (made, made))
+                # They are sent for the first slabs, too.
+                self.assertEqual([slab.first_atoms > 0 for slab in (below, above)],
+                                 [made != PLANES / 2] * 2)
+
+    def test_prepared_by_threads(self):
+        """Slices of 65,536 atoms, of which a thread has at least one; else evenly."""
+        sliced, whole = scaling.MOLECULE_SLICED, 1 - scaling.MOLECULE_SLICED
+        for planes_atoms, slices in ((500, 1), (3 * 1024, 3), (10**5, 16)):
+            model = scaling.Model(even_costs(plane_atoms=planes_atoms, mean_radius=1,
+                                             molecule_seconds=100, plan_seconds=7))
+            for threads in (1, 2, 3, 16, 100):
+                with self.subTest((slices, threads)):
+                    took = model.run(1, scaling.Machine(threads)).phases[scaling.PREPARE]
+                    rounds = -(-slices // threads)
+                    # One thread makes the plan.
+                    self.assertAlmostEqual(
+                        took, 7 + 100 * (sliced * rounds / slices + whole / threads))
+
+    def test_atoms_that_come(self):
+        """By one thread: all are held against slabs, sent, and put where they belong."""
+        model = scaling.Model(even_costs(plane_atoms=1000))
+        # Half the planes, and an angstrom more; of the upper slab from the plane below it.
+        come = 1000 * (PLANES / 2 + 1.5)
+        seconds = (scaling.SECONDS_PER_ATOM_AND_SLAB * 1000 * PLANES
+                   + (scaling.SECONDS_PER_SENT_ATOM + scaling.SECONDS_PER_RECEIVED_ATOM) * come)
+        for threads in (1, 16):
+            phases = model.run(2, scaling.Machine(threads)).phases
+            self.assertAlmostEqual(phases[scaling.EXCHANGE], seconds, places=12)
+        self.assertEqual(model.run(1, ONE_THREAD).phases[scaling.EXCHANGE], 0)
+
+    def test_texts_are_copied_by_two_threads(self):
+        model = scaling.Model(even_costs(text_bytes=10**6, copy_read_seconds=4,
+                                         copy_write_seconds=6, area_seconds=1))
+        areas = scaling.AREA_TEXTS / 2
+        for threads, seconds in ((1, 10), (2, 6), (16, 6)):
+            phases = model.run(2, scaling.Machine(threads)).phases
+            self.assertAlmostEqual(phases[scaling.JOIN], seconds / 2 + areas)
+        self.assertAlmostEqual(model.run(1, ONE_THREAD).phases[scaling.JOIN], 1)
 
     def test_patches_of_the_halo(self):
         """Radii of 1, no probe: patches 1 + 2 angstrom from a slab."""
@@ -181,8 +234,9 @@ class Runs(TestCase):
         model = scaling.Model(even_costs(plane_atoms=100, mean_radius=1.0, largest_radius=1.0))
         fast = model.run(4, ONE_THREAD)
         slow = model.run(4, ONE_THREAD._replace(network=1e3))
-        # The largest slab gets 29 planes of atoms twice, three quarters of them from others.
-        self.assertAlmostEqual(slow.phases[scaling.EXCHANGE], 2 * 48 * 2900 * 0.75 / 1e3)
+        # The largest slab gets 29 planes of atoms, three quarters of them from others.
+        self.assertAlmostEqual(slow.phases[scaling.EXCHANGE] - fast.phases[scaling.EXCHANGE],
+                               48 * 2900 * 0.75 / 1e3)
         self.assertGreater(slow.seconds, fast.seconds)
         late = model.run(4, ONE_THREAD._replace(latency=1.0))
         self.assertGreater(late.seconds - fast.seconds, 3)  # each hears from three others
@@ -205,7 +259,7 @@ class Runs(TestCase):
                               (("patches", "preparing"),  # the latter samples patches
                                {"plane_atoms": 10**5, "patch_seconds": 1e3, "mean_radius": 2.0,
                                 "largest_radius": 2.0, "probe_radius": 1.4}),
-                              (("joining",), {"join_seconds": 1e4, "text_bytes": 10**6})):
+                              (("joining",), {"copy_write_seconds": 1e4, "text_bytes": 10**6})):
             model = scaling.Model(even_costs(plane_seconds=0.01, **values))
             one = model.run(1, ONE_THREAD)
             self.assertIn(scaling.limit(model.run(128, ONE_THREAD), one), names)
