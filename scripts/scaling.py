@@ -18,7 +18,7 @@ import costs as measured
 INFINITY = math.inf
 
 # src/processes/slabs.cpp: seconds by which the program estimates what a plane costs.
-ESTIMATE = {"atom": 14e-6, "prepared_atom": 0.6e-6, "crossing": 0.45e-6,
+ESTIMATE = {"atom": 14e-6, "prepared_atom": 1e-6, "crossing": 0.45e-6,
             "crossing_text": 0.25e-6, "point": 0.3e-9, "point_text": 2e-9}
 HALO_SLACK, REACH_SLACK = 1.0, 1e-3  # angstrom: slabs.cpp, src/surface/reach.hpp
 
@@ -38,9 +38,9 @@ EXCHANGES, REDUCTIONS = 14, 62
 # (src/surface/patches.cpp).
 MOLECULE_SLICED = 0.40
 PATCHES_BY_ONE = 0.024
-# Of several processes (src/processes/slabs.cpp), by one thread: seconds in which an atom is held
-# against a slab, in which one is put among those to be sent, and among those that have come.
-SECONDS_PER_ATOM_AND_SLAB, SECONDS_PER_SENT_ATOM, SECONDS_PER_RECEIVED_ATOM = 1.2e-9, 60e-9, 25e-9
+# Of several processes (src/processes/slabs.cpp), by one thread: seconds in which slabs are halved to
+# find an atom's, in which it is put among those to be sent, and among those that have come.
+SECONDS_PER_HALVING, SECONDS_PER_SENT_ATOM, SECONDS_PER_RECEIVED_ATOM = 1.2e-9, 60e-9, 25e-9
 SECONDS_PER_ADDITION = 1.3e-9  # of one area to the sum, in order: four cycles
 AREA_TEXTS = 2  # of several processes: to know its length, and to write it
 BLOCKS_AHEAD, CHUNKS = 4, 4  # per thread: src/run/plan.cpp; pieces of a layer's text
@@ -315,8 +315,8 @@ class Model:
             return [0.0]
         times = 2 if any(slab.first_atoms for slab in slabs) else 1
         counts = [slab.first_atoms + slab.atoms for slab in slabs]
-        sent = (times * SECONDS_PER_ATOM_AND_SLAB * self.atoms
-                + SECONDS_PER_SENT_ATOM * sum(counts) / ranks)
+        sent = (times * SECONDS_PER_HALVING * math.log2(ranks) * self.atoms
+                + SECONDS_PER_SENT_ATOM * sum(counts)) / ranks
         return [sent + SECONDS_PER_RECEIVED_ATOM * count for count in counts]
 
     def prepare_seconds(self, slab, threads):

@@ -200,11 +200,11 @@ class Runs(TestCase):
                         took, 7 + 100 * (sliced * rounds / slices + whole / threads))
 
     def test_atoms_that_come(self):
-        """By one thread: all are held against slabs, sent, and put where they belong."""
+        """By one thread: their slabs are looked for, they are sent, and put where they belong."""
         model = scaling.Model(even_costs(plane_atoms=1000))
         # Half the planes, and an angstrom more; of the upper slab from the plane below it.
         come = 1000 * (PLANES / 2 + 1.5)
-        seconds = (scaling.SECONDS_PER_ATOM_AND_SLAB * 1000 * PLANES
+        seconds = (scaling.SECONDS_PER_HALVING * 1000 * PLANES / 2
                    + (scaling.SECONDS_PER_SENT_ATOM + scaling.SECONDS_PER_RECEIVED_ATOM) * come)
         for threads in (1, 16):
             phases = model.run(2, scaling.Machine(threads)).phases
