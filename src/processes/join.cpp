@@ -59,8 +59,10 @@ void Join::read(Piece& piece, PieceText text, std::uint64_t unit, Take&& take) c
     from->read_at(std::as_writable_bytes(std::span(next)), offset);
     if (plan_.store) checksum.add(next, offset);
   };
-  // Only the main thread may write where there are several processes; another one reads ahead.
-  const auto how = plan_.own.threads > 1 ? std::launch::async : std::launch::deferred;
+  // Only the main thread may write where there are several processes; another one reads ahead, if
+  // it can be started.
+  const auto how =
+      plan_.own.threads > 1 ? std::launch::async | std::launch::deferred : std::launch::deferred;
   std::future<void> loaded = std::async(how, load, std::uint64_t{0});
   for (std::uint64_t done = 0; done < bytes; done += part.size()) {
     check_();
