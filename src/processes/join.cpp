@@ -81,20 +81,28 @@ void Join::read(Piece& piece, PieceText text, std::uint64_t unit, Take&& take) c
                   piece.info.planes.begin, piece.info.planes.end - 1));
 }
 
-// Returns where the last one ends.
-std::uint64_t Join::copy(PieceText text, SharedFile& to, std::uint64_t offset) {
+// Calls action(piece, sum) for this process's pieces with the sum of `amount` over all pieces
+// before it. Returns the sum over all.
+template <class Amount, class Action>
+std::uint64_t Join::for_own(Amount&& amount, Action&& action) {
+  std::uint64_t sum = 0;
   auto mine = own_.begin();
   for (const PieceInfo& info : all_) {
-    if (mine != own_.end() && mine->info.planes == info.planes) {
-      read(*mine, text, 1, [&](std::span<const char> bytes, std::uint64_t done) {
-        to.write_at(bytes, offset + done);
-      });
-      mine->texts[static_cast<std::size_t>(text)].reset();
-      ++mine;
-    }
-    offset += info.bytes_of(text);
+    if (mine != own_.end() && mine->info.planes == info.planes) action(*mine++, sum);
+    sum += amount(info);
   }
-  return offset;
+  return sum;
+}
+
+// Returns where the last one ends.
+std::uint64_t Join::copy(PieceText text, SharedFile& to, std::uint64_t begin) {
+  const auto bytes_of = [text](const PieceInfo& info) { return info.bytes_of(text); };
+  return begin + for_own(bytes_of, [&](Piece& piece, std::uint64_t before) {
+           read(piece, text, 1, [&](std::span<const char> bytes, std::uint64_t done) {
+             to.write_at(bytes, begin + before + done);
+           });
+           piece.texts[static_cast<std::size_t>(text)].reset();
+         });
 }
 
 std::uint64_t Join::join_texts(OutputFile* file, PieceText text) {
@@ -153,8 +161,7 @@ std::uint64_t Join::write_mesh_header(SharedFile& file, const mesh::MeshText& te
   const auto write = [&](const std::function<void(const TextSink&)>& make) {
     std::string own;
     make([&own](std::string_view piece) { own += piece; });
-    file.write_at(own, offset + processes_.sum_before(own.size()));
-    offset += processes_.sum(own.size());
+    offset = file.write_in_turn(own, offset);
   };
   const auto names = [](std::span<const AtomLabel> labels, std::uint64_t first, auto append) {
     return [=](const TextSink& sink) {
@@ -198,29 +205,18 @@ std::uint64_t Join::write_triangles(SharedFile& file, std::uint64_t offset,
     std::int64_t plane;
     std::uint64_t bytes;
   };
-  const auto for_own = [&](const auto& action) {
-    std::uint64_t first_vertex = 0;
-    auto mine = own_.begin();
-    for (const PieceInfo& info : all_) {
-      if (mine != own_.end() && mine->info.planes == info.planes) action(*mine++, first_vertex);
-      first_vertex += info.mesh.vertices;
-    }
-  };
+  const auto vertices_of = [](const PieceInfo& info) { return info.mesh.vertices; };
   std::vector<PieceBytes> own;
-  for_own([&](Piece& piece, std::uint64_t first_vertex) {
+  for_own(vertices_of, [&](Piece& piece, std::uint64_t first_vertex) {
     own.push_back({piece.info.planes.begin, 0});
     for_triangle_texts(piece, first_vertex, text,
                        [&](std::span<const char> part) { own.back().bytes += part.size(); });
   });
-  std::map<std::int64_t, std::uint64_t> bytes;  // of each piece
-  for (const PieceBytes& one : processes_.gather<PieceBytes>(own)) bytes[one.plane] = one.bytes;
-  std::map<std::int64_t, std::uint64_t> begin;
-  for (const auto& [plane, size] : bytes) {
-    begin[plane] = offset;
-    offset += size;
-  }
-  for_own([&](Piece& piece, std::uint64_t first_vertex) {
-    std::uint64_t at = begin.at(piece.info.planes.begin);
+  std::map<std::int64_t, std::uint64_t> begins;  // of all pieces; at first their bytes
+  for (const PieceBytes& one : processes_.gather<PieceBytes>(own)) begins[one.plane] = one.bytes;
+  for (auto& [plane, begin] : begins) offset += std::exchange(begin, offset);
+  for_own(vertices_of, [&](Piece& piece, std::uint64_t first_vertex) {
+    std::uint64_t at = begins.at(piece.info.planes.begin);
     for_triangle_texts(piece, first_vertex, text, [&](std::span<const char> part) {
       file.write_at(part, at);
       at += part.size();

@@ -46,7 +46,9 @@ class Join {
   void add_up();
   template <class Take>
   void read(Piece& piece, PieceText text, std::uint64_t unit, Take&& take) const;
-  std::uint64_t copy(PieceText text, SharedFile& to, std::uint64_t offset);
+  template <class Amount, class Action>
+  std::uint64_t for_own(Amount&& amount, Action&& action);
+  std::uint64_t copy(PieceText text, SharedFile& to, std::uint64_t begin);
   std::uint64_t write_mesh_header(SharedFile& file, const mesh::MeshText& text) const;
   template <class Take>
   void for_triangle_texts(Piece& piece, std::uint64_t first_vertex, const mesh::MeshText& text,

@@ -104,8 +104,10 @@ Plan plan_slab(const JointTask& task, const JointPlan& joint, const LabelTotals&
 LabelTotals labels_of(const OwnGroups& groups, const ResidueRuns& read,
                       const OutputChoice& outputs) {
   LabelTotals totals = total_labels(read.labels);
-  if (!outputs.residues) totals.labels = 0;
-  if (!outputs.residues) totals.heap_bytes = 0;
+  if (!outputs.residues) {
+    totals.labels = 0;
+    totals.heap_bytes = 0;
+  }
   for (const auto* const names : {&groups.chains, &groups.residues}) {
     totals.labels += names->size();
     totals.heap_bytes += total_labels(*names).heap_bytes;

@@ -1,7 +1,6 @@
 #pragma once
 /// Texts as one text, for processes to tell each other.
 
-#include <span>
 #include <string>
 #include <string_view>
 #include <vector>

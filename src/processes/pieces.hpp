@@ -42,7 +42,6 @@ struct PieceInfo {
   MeshCounts mesh;
   RegionTotals totals;
 
-  std::uint64_t& bytes_of(PieceText text) { return bytes[static_cast<std::size_t>(text)]; }
   std::uint64_t bytes_of(PieceText text) const { return bytes[static_cast<std::size_t>(text)]; }
 };
 

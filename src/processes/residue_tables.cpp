@@ -138,7 +138,7 @@ std::uint64_t write_tables_jointly(const ResidueRuns& runs, const AtomRange& ato
   });
   table.flush();
   SharedFile shared(processes, residues);
-  shared.write_at(own, processes.sum_before(own.size()));
+  const std::uint64_t residue_bytes = shared.write_in_turn(own, 0);
   shared.close();
   std::uint64_t chain_bytes = 0;
   processes.agree([&] {
@@ -148,7 +148,7 @@ std::uint64_t write_tables_jointly(const ResidueRuns& runs, const AtomRange& ato
                       [&](std::string_view piece) { file.append(piece); });
     chain_bytes = file.size();
   });
-  return processes.sum(own.size() + chain_bytes);
+  return residue_bytes + processes.sum(chain_bytes);
 }
 
 }  // namespace eses

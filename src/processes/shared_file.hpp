@@ -23,6 +23,12 @@ class SharedFile {
   SharedFile& operator=(const SharedFile&) = delete;
 
   void write_at(std::span<const char> bytes, std::uint64_t offset);
+  /// To be called by all processes: writes what each has behind what those before it have, from
+  /// `begin` on. Returns where it ends.
+  std::uint64_t write_in_turn(std::span<const char> own, std::uint64_t begin) {
+    write_at(own, begin + processes_.sum_before(own.size()));
+    return begin + processes_.sum(own.size());
+  }
   /// Reads what any process has written before all called `sync`.
   void read_at(std::span<char> bytes, std::uint64_t offset);
   /// To be called by all processes. Throws SharedError.
@@ -32,7 +38,7 @@ class SharedFile {
 
  private:
   struct Handle;
-  [[maybe_unused]] const Processes& processes_;  // not without MPI
+  const Processes& processes_;
   OutputFile* file_;
   std::string name_;
   std::unique_ptr<Handle> handle_;  // none if this process is alone
