@@ -54,7 +54,6 @@ CircleCase make_circle_case(Random& random) {
 // Whether the direction at `angle` about the axis, counted from the arc's start, is on the arc.
 bool is_on_arc(const CircleArc& arc, Vec3 axis, Vec3 direction) {
   if (arc.kind == ArcKind::full) return true;
-  if (arc.kind == ArcKind::point) return false;
   const auto angle_from_start = [&](Vec3 d) {
     const double angle = std::atan2(dot(axis, cross(arc.start, d)), dot(arc.start, d));
     return angle < 0 ? angle + 2 * std::numbers::pi : angle;
@@ -78,7 +77,8 @@ TEST_CASE("accessible arcs are what the other spheres leave of a circle") {
   for (int repetition = 0; repetition < 2000; ++repetition) {
     const CircleCase c = make_circle_case(random);
     std::vector<CircleArc> arcs;
-    accessible_arcs(c.circle, c.caps, 0, scratch, arcs);
+    std::vector<CircleEnd> ends;
+    accessible_arcs(c.circle, c.caps, 0, scratch, arcs, ends);
     const Vec3 e1 = any_perpendicular(c.circle.axis), e2 = cross(c.circle.axis, e1);
     constexpr int samples = 360;
     int open = 0;
@@ -95,11 +95,14 @@ TEST_CASE("accessible arcs are what the other spheres leave of a circle") {
       open += on_arc;
     }
     partial += open > 0 && open < samples;
-    for (const CircleArc& arc : arcs) {
-      if (arc.kind == ArcKind::full) continue;
-      const SasSphere& blocker = c.others[arc.start_cap - 1];
-      const Vec3 start = c.circle.center + c.circle.radius * arc.start;
-      CHECK(norm(start - blocker.center) == Catch::Approx(blocker.radius).margin(1e-8));
+    for (const CircleEnd& end : ends) {
+      const SasSphere& blocker = c.others[end.cap - 1];
+      const auto ends_there = [&](const CircleArc& arc) {
+        const Vec3 direction = end.side > 0 ? arc.start : arc.end;
+        const Vec3 point = c.circle.center + c.circle.radius * direction;
+        return std::fabs(norm(point - blocker.center) - blocker.radius) < 1e-8;
+      };
+      CHECK(std::any_of(arcs.begin(), arcs.end(), ends_there));
     }
   }
   CHECK(partial > 300);
@@ -117,13 +120,14 @@ TEST_CASE("a point that two spheres just leave open stays accessible") {
   for (std::size_t k = 1; k < 4; ++k) caps.push_back(make_cap(corners[0], corners[k]));
   ArcScratch scratch;
   std::vector<CircleArc> arcs;
-  accessible_arcs(make_contact_circle(corners[0], corners[2]), caps, 1, scratch, arcs);
-  REQUIRE(arcs.size() == 2);
-  const double height = std::sqrt(radius * radius - side * side / 2);
-  for (const CircleArc& arc : arcs) {
-    CHECK(arc.kind == ArcKind::point);
-    CHECK(std::fabs(arc.start.z) * height == Catch::Approx(height));
-  }
+  std::vector<CircleEnd> ends;
+  accessible_arcs(make_contact_circle(corners[0], corners[2]), caps, 1, scratch, arcs, ends);
+  CHECK(arcs.empty());
+  // At each of both points one of the two corners is named.
+  REQUIRE(ends.size() == 2);
+  for (const CircleEnd& end : ends) CHECK(end.is_doubtful);
+  const auto half = [](const CircleEnd& end) { return (end.cap == 0) == (end.side > 0); };
+  CHECK(half(ends[0]) != half(ends[1]));
 }
 
 TEST_CASE("tube exits are where the distance to the circle rises through the tube radius") {

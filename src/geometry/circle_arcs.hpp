@@ -13,16 +13,23 @@ enum class ArcKind : std::uint8_t {
   full,   ///< the whole circle
   minor,  ///< at most half of it
   major,  ///< more than half of it
-  point,  ///< a single point: a probe that touches further atoms than those that block it
 };
 
 /// An accessible arc, counter-clockwise about the circle's axis.
 struct CircleArc {
   ArcKind kind = ArcKind::full;
-  Vec3 start;                   ///< unit, from the circle's centre (unless full)
-  Vec3 end;                     ///< unit, from the circle's centre (unless full)
-  std::uint32_t start_cap = 0;  ///< index of the cap that ends there (unless full)
-  std::uint32_t end_cap = 0;
+  Vec3 start;  ///< unit, from the circle's centre (unless full)
+  Vec3 end;    ///< unit, from the circle's centre (unless full)
+};
+
+/// An accessible point where the rim of a third cap meets the circle: a probe placement.
+struct CircleEnd {
+  std::uint32_t cap = 0;  ///< index of the third cap
+  std::int8_t side =
+      1;  ///< +1 where the cap ceases to block, -1 where it begins to, along the arcs
+  /// The tolerance decided here: the arc is too short to be kept, or caps that reach differently
+  /// far within the tolerance end at different points.
+  bool is_doubtful = false;
 };
 
 /// Scratch memory of `accessible_arcs`.
@@ -32,12 +39,17 @@ struct ArcScratch {
     std::uint32_t low_cap, high_cap;
   };
   std::vector<Interval> open, next;
+  std::vector<Vec3>
+      places;  ///< of the ends of one interval, as directions from the circle's centre
 };
 
-/// Appends to `arcs` the arcs of `circle`, which lies on the sphere that has `caps`, outside all
-/// caps but number `own`. A point at which it is blocked by less than tolerance::accessible stays;
-/// the ends are those of the exact caps. Caps that block much are best placed first.
+/// Appends the arcs of `circle` that are accessible to `arcs`, and the placements at their ends to
+/// `ends`. The circle lies on the sphere that has `caps`; cap number `own` is that of its second
+/// sphere. A point counts as accessible if no neighbour reaches over it by more than
+/// tolerance::accessible. Ends are those of the exact caps. Arcs shorter than tolerance::arc_length
+/// are left out, but not their ends. Caps that block much are best placed first.
 void accessible_arcs(const ContactCircle& circle, std::span<const Cap> caps, std::uint32_t own,
-                     ArcScratch& scratch, std::vector<CircleArc>& arcs);
+                     ArcScratch& scratch, std::vector<CircleArc>& arcs,
+                     std::vector<CircleEnd>& ends);
 
 }  // namespace eses

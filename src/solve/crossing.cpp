@@ -71,12 +71,14 @@ Crossing innermost(std::span<const Crossing> candidates) {
 }  // namespace
 
 Crossing decide_crossing(const PatchIndex& patches, const Edge& edge,
-                         std::span<Crossing> candidates) {
+                         std::span<Crossing> candidates, bool needs_proof) {
   if (candidates.empty()) return bisect(patches, edge);
   std::sort(candidates.begin(), candidates.end(), comes_before);
-  const double spread = std::fabs(candidates.back().coordinate - candidates.front().coordinate);
-  if (candidates.size() == 1) return candidates.front();
-  if (spread < tolerance::same_crossing) return innermost(candidates);
+  if (!needs_proof) {
+    const double spread = std::fabs(candidates.back().coordinate - candidates.front().coordinate);
+    if (candidates.size() == 1) return candidates.front();
+    if (spread < tolerance::same_crossing) return innermost(candidates);
+  }
   const auto chosen =
       std::find_if(candidates.begin(), candidates.end(), [&](const Crossing& candidate) {
         return !is_probe_nearer(patches, edge.point_at(candidate.coordinate),

@@ -44,10 +44,11 @@ inline bool is_point_atom(const FaceFeature& face) {
 }
 
 /// The crossing nearest to the outside end among `candidates`, the places where the edge meets a
-/// patch. Every true crossing is among them, and the first of them, seen from the outside end, that
-/// no accessible probe covers is the one; a single one needs no proof. They are sorted in place. If
-/// rounding left none, the edge is bisected.
+/// patch. Every true crossing is among them, and the first, seen from the outside end, that no
+/// accessible probe covers is the one. A single candidate, and several that are one, are taken
+/// without this proof unless `needs_proof`. Sorts the candidates in place. If no candidate is left,
+/// the edge is bisected.
 Crossing decide_crossing(const PatchIndex& patches, const Edge& edge,
-                         std::span<Crossing> candidates);
+                         std::span<Crossing> candidates, bool needs_proof = false);
 
 }  // namespace eses

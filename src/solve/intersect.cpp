@@ -100,19 +100,19 @@ struct Search {
     return edges.rank[word] + static_cast<std::uint32_t>(rank);
   }
 
-  void offer(std::uint32_t edge, Crossing candidate) {
+  void offer(std::uint32_t edge, Crossing candidate, bool needs_proof = false) {
     Crossing& first = crossings[edge];
     candidate.x = first.x;
-    if (first.atom_count == 0) {
+    if (first.atom_count == 0 && !needs_proof) {
       first = candidate;
     } else {
-      scratch.further.push_back({edge, candidate});
+      scratch.further.push_back({edge, needs_proof, candidate});
     }
   }
 
   // Offers a crossing to the edge that starts at `lower`, if there is one, if its ends lie on the
   // right sides, and if it reaches this far.
-  void offer_to_edge(GridIndex lower, Crossing crossing) {
+  void offer_to_edge(GridIndex lower, Crossing crossing, bool needs_proof) {
     const std::size_t axis = crossing.axis;
     if (lower[axis] < 0 || lower[axis] >= grid.block.owned[axis]) return;
     const std::int64_t column = std::min(lower[0] / PointBits::column_step, inside.columns - 1);
@@ -125,25 +125,25 @@ struct Search {
     const double slack = tolerance::edge_end * (high - low);
     if (crossing.coordinate < low - slack || crossing.coordinate > high + slack) return;
     crossing.coordinate = std::clamp(crossing.coordinate, low, high);
-    offer(edge_rank(axis, word, bit), crossing);
+    offer(edge_rank(axis, word, bit), crossing, needs_proof);
   }
 
   // Offers a crossing to the edge of the line on which it lies, and to the next if it is at the
   // end.
-  void offer_on_line(GridIndex line, const Crossing& crossing) {
+  void offer_on_line(GridIndex line, const Crossing& crossing, bool needs_proof = false) {
     constexpr double near_end = 2 * tolerance::edge_end;
     const std::size_t axis = crossing.axis;
     const double place = (crossing.coordinate - grid.grid.lower[axis]) * grid.inverse_spacing -
                          static_cast<double>(grid.block.first[axis]);
     const double cell = std::floor(place);
     line[axis] = static_cast<std::int64_t>(cell);
-    offer_to_edge(line, crossing);
+    offer_to_edge(line, crossing, needs_proof);
     if (place - cell < near_end) {
       --line[axis];
-      offer_to_edge(line, crossing);
+      offer_to_edge(line, crossing, needs_proof);
     } else if (place - cell > 1 - near_end) {
       ++line[axis];
-      offer_to_edge(line, crossing);
+      offer_to_edge(line, crossing, needs_proof);
     }
   }
 
@@ -174,7 +174,8 @@ struct Search {
     });
   }
 
-  // Edges leave a probe within the cone of the three atoms that it touches.
+  // Edges leave a probe within the cone of the three atoms that it touches. Where the cone is not
+  // known they leave it anywhere, and other patches may lie farther out.
   void search_placement(const PlacementFeature& placement) {
     const auto is_in_cone = [&](DoubleMask met, const Points& direction, DoubleVector, int) {
       if (!placement.is_regular) return met;
@@ -183,11 +184,12 @@ struct Search {
       return met;
     };
     for_each_axis([&](auto axis) {
-      meet_lines<axis()>(
-          grid, {placement.center, features.probe_radius, placement.box}, is_in_cone,
-          [&](const GridIndex& line, double met, int side, Vec3 direction) {
-            offer_on_line(line, {met, -direction, placement.atoms, 0, axis(), 3, side < 0});
-          });
+      meet_lines<axis()>(grid, {placement.center, features.probe_radius, placement.box}, is_in_cone,
+                         [&](const GridIndex& line, double met, int side, Vec3 direction) {
+                           offer_on_line(line,
+                                         {met, -direction, placement.atoms, 0, axis(), 3, side < 0},
+                                         !placement.is_regular);
+                         });
     });
   }
 
@@ -286,11 +288,11 @@ void decide_rest(const BlockGrid& grid, const BlockFeatures& features, Intersect
     const std::int64_t y = row % grid.block.owned[1], z = row / grid.block.owned[1];
     return make_edge(grid, crossing.axis, {crossing.x, y, z}, crossing.lower_is_inside);
   };
-  const auto decide = [&](std::uint32_t rank, std::span<Crossing> candidates) {
+  const auto decide = [&](std::uint32_t rank, bool needs_proof) {
     const std::uint16_t x = crossings[rank].x;
     if (!is_indexed) scratch.patches.reset(features, grid.box);
     is_indexed = true;
-    crossings[rank] = decide_crossing(scratch.patches, edge_of(rank), candidates);
+    crossings[rank] = decide_crossing(scratch.patches, edge_of(rank), scratch.of_edge, needs_proof);
     crossings[rank].x = x;
   };
   auto& further = scratch.further;
@@ -298,13 +300,18 @@ void decide_rest(const BlockGrid& grid, const BlockFeatures& features, Intersect
             [](const auto& a, const auto& b) { return a.edge < b.edge; });
   for (auto next = further.begin(); next != further.end();) {
     const std::uint32_t rank = next->edge;
-    scratch.of_edge.assign(1, crossings[rank]);
-    for (; next != further.end() && next->edge == rank; ++next)
+    bool needs_proof = false;
+    scratch.of_edge.clear();
+    if (crossings[rank].atom_count != 0) scratch.of_edge.push_back(crossings[rank]);
+    for (; next != further.end() && next->edge == rank; ++next) {
       scratch.of_edge.push_back(next->candidate);
-    decide(rank, scratch.of_edge);
+      needs_proof = needs_proof || next->needs_proof;
+    }
+    decide(rank, needs_proof);
   }
+  scratch.of_edge.clear();
   for (std::uint32_t rank = 0; rank < crossings.size(); ++rank)
-    if (crossings[rank].atom_count == 0) decide(rank, {});
+    if (crossings[rank].atom_count == 0) decide(rank, false);
 }
 
 void intersect(const BlockGrid& grid, const BlockFeatures& features, const PointBits& inside,

@@ -14,12 +14,14 @@ namespace eses {
 struct IntersectScratch {
   struct Further {
     std::uint32_t edge;
+    bool needs_proof;  ///< see decide_crossing
     Crossing candidate;
   };
   EdgeTable edges;
   EdgeBatch batch;
   PatchIndex patches;
-  std::vector<Further> further;   ///< of each edge, all candidates but the first that was found
+  /// Of each edge, all candidates but the first that was found, and all that need a proof.
+  std::vector<Further> further;
   std::vector<Crossing> of_edge;  ///< candidates of the edge that is being decided
 };
 

@@ -51,8 +51,8 @@ bool any_needs_patches(const Surface& surface, AtomIndex begin, AtomIndex end) {
   return false;
 }
 
-PlacementKey make_key(AtomIndex i, AtomIndex j, AtomIndex k, int side) {
-  PlacementKey key{{i, j, k}, static_cast<std::int8_t>(side)};
+PlacementKey make_key(AtomIndex i, AtomIndex j, AtomIndex k, const CircleEnd& end) {
+  PlacementKey key{{i, j, k}, end.side, !end.is_doubtful};
   const auto order = [&](std::size_t a, std::size_t b) {
     if (key.atoms[a] <= key.atoms[b]) return;
     std::swap(key.atoms[a], key.atoms[b]);
@@ -69,14 +69,12 @@ void add_circle(const Surface& surface, AtomIndex i, std::uint32_t own, AtomPatc
   const AtomIndex j = scratch.kept_neighbours[own];
   const ContactCircle circle = make_contact_circle(surface.sas_sphere(i), surface.sas_sphere(j));
   scratch.arcs.clear();
-  accessible_arcs(circle, scratch.kept_caps, own, scratch.arc, scratch.arcs);
-  for (const CircleArc& arc : scratch.arcs) {
-    if (arc.kind != ArcKind::full) {
-      patches.placements.push_back(make_key(i, j, scratch.kept_neighbours[arc.start_cap], 1));
-      patches.placements.push_back(make_key(i, j, scratch.kept_neighbours[arc.end_cap], -1));
-    }
-    if (arc.kind != ArcKind::point) patches.arcs.push_back({i, j, arc.kind, arc.start, arc.end});
-  }
+  scratch.ends.clear();
+  accessible_arcs(circle, scratch.kept_caps, own, scratch.arc, scratch.arcs, scratch.ends);
+  for (const CircleArc& arc : scratch.arcs)
+    patches.arcs.push_back({i, j, arc.kind, arc.start, arc.end});
+  for (const CircleEnd& end : scratch.ends)
+    patches.placements.push_back(make_key(i, j, scratch.kept_neighbours[end.cap], end));
 }
 
 void add_atom(const Surface& surface, const BurialPatches& burial, AtomIndex i,

@@ -32,6 +32,12 @@ struct Arc {
 struct PlacementKey {
   std::array<AtomIndex, 3> atoms{};
   std::int8_t side = 1;
+  bool is_certain = true;  ///< false if an end that is doubtful led to it, see CircleEnd
+
+  bool is_same_place(const PlacementKey& other) const {
+    return atoms == other.atoms && side == other.side;
+  }
+  /// Of keys for the same place, one that is not certain comes first.
   auto operator<=>(const PlacementKey&) const = default;
 };
 
@@ -62,6 +68,7 @@ struct AtomPatchScratch {
   BurialScratch burial;
   ArcScratch arc;
   std::vector<CircleArc> arcs;
+  std::vector<CircleEnd> ends;
 };
 
 /// Builds the patches of atoms [patches.begin, patches.end).

@@ -124,8 +124,12 @@ bool is_buried(std::span<const Cap> caps, double radius, const BurialPatches& pa
   order.clear();
   for (std::uint32_t k = 0; k < caps.size(); ++k) {
     const auto& [axis, height, blocking_height] = caps[k];
-    const auto [settled, touched] =
-        patch_limits(height * inverse_radius, patches.cosine, patches.sine);
+    const double touched =
+        patch_limits(height * inverse_radius, patches.cosine, patches.sine).touched;
+    // A neighbour in almost the same place blocks next to nothing within the tolerance: its cap
+    // must not stand for others. For the rest the difference is lost in `float_slack`.
+    const double settled =
+        patch_limits(blocking_height * inverse_radius, patches.cosine, patches.sine).settled;
     order.push_back({static_cast<float>(axis.x), static_cast<float>(axis.y),
                      static_cast<float>(axis.z), static_cast<float>(settled),
                      static_cast<float>(touched), k, false});

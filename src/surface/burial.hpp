@@ -41,8 +41,9 @@ struct BurialScratch {
   std::vector<float> x, y, z;           ///< patches not yet settled
 };
 
-/// True if the caps provably cover the sphere of `radius`. If not, fills `relevant` and `covering`
-/// with indices of caps, whose union equals the union of all caps.
+/// True if the caps, each slackened to its blocking height, provably cover the sphere of `radius`.
+/// If not, fills `relevant` and `covering` with indices of caps whose union equals the union of all
+/// caps, both exact and slackened.
 bool is_buried(std::span<const Cap> caps, double radius, const BurialPatches& patches,
                BurialScratch& scratch);
 

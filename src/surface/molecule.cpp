@@ -4,10 +4,10 @@
 
 #include <algorithm>
 #include <array>
-#include <atomic>
 #include <bit>
 #include <cstdint>
 #include <functional>
+#include <limits>
 #include <string_view>
 #include <tuple>
 #include <utility>
@@ -16,6 +16,7 @@
 #include "geometry/tolerances.hpp"
 #include "surface/atom_loops.hpp"
 #include "surface/atom_slices.hpp"
+#include "surface/move_bound.hpp"
 #include "surface/neighbors.hpp"
 #include "surface/oddity_finder.hpp"
 
@@ -84,21 +85,41 @@ bool contains(const Atom& outer, const Atom& inner) {
   return norm(outer.center - inner.center) <= outer.radius - inner.radius + tolerance::containment;
 }
 
-// By atom: not bits, as threads mark atoms at the same time.
-using Marks = std::vector<std::uint8_t>;
+constexpr AtomIndex none = std::numeric_limits<AtomIndex>::max();
 
-void mark(Marks& marks, AtomIndex i) {
-  std::atomic_ref(marks[i]).store(1, std::memory_order_relaxed);
+// Orders atoms, none of which equal each other, independently of their indices: larger ones first.
+bool precedes(const Atom& a, const Atom& b) {
+  const auto values = [](const Atom& atom) {
+    return std::tuple(-atom.radius, atom.center.x, atom.center.y, atom.center.z);
+  };
+  return values(a) < values(b);
 }
 
-// Marks those of the atoms near `i` that it contains. Of atoms that contain each other, the lowest
-// index stays.
-void mark_contained(std::span<const Atom> atoms, AtomIndex i, std::span<const AtomIndex> near,
-                    Marks& is_contained) {
-  for (const AtomIndex j : near) {
-    if (contains(atoms[i], atoms[j]) && (i < j || !contains(atoms[j], atoms[i])))
-      mark(is_contained, j);
-  }
+// Of each atom the first one, in the order of `precedes`, that contains it and precedes it; `none`
+// if there is none.
+using Containers = std::vector<AtomIndex>;
+
+// Notes `i` for those of the atoms near it that it contains. From several threads at a time.
+void note_contained(std::span<const Atom> atoms, AtomIndex i, std::span<const AtomIndex> near,
+                    Containers& containers) {
+  const auto comes_first = [&](AtomIndex a, AtomIndex b) {
+    return b == none || precedes(atoms[a], atoms[b]);
+  };
+  for (const AtomIndex j : near)
+    if (contains(atoms[i], atoms[j]) && precedes(atoms[i], atoms[j]))
+      move_bound(containers[j], i, comes_first);
+}
+
+// An atom is left out if its container stays. So each stands out of an atom that stays by no more
+// than the tolerance, however long a chain of atoms is that contain each other.
+void mark_contained(std::span<const Atom> atoms, const Containers& containers,
+                    std::vector<std::uint8_t>& is_contained) {
+  std::vector<AtomIndex> inner;
+  for (AtomIndex i = 0; i < atoms.size(); ++i)
+    if (containers[i] != none) inner.push_back(i);
+  std::sort(inner.begin(), inner.end(),
+            [&](AtomIndex a, AtomIndex b) { return precedes(atoms[a], atoms[b]); });
+  for (const AtomIndex i : inner) is_contained[i] = is_contained[containers[i]] == 0;
 }
 
 // What lies inside an atom, or is odd beside it, has its centre closer than this to the atom's.
@@ -136,6 +157,7 @@ struct Molecule::Parts {
     AtomSlices slices = cut_into_slices(atoms, slice_count(atoms.size()), threads);
     const std::vector<AtomIndex> first_equal = take_out_equals(atoms, slices, threads);
     tree = AtomTree(atoms, std::move(slices), threads);
+    for (AtomIndex i = 0; i < atoms.size(); ++i) is_contained[i] = first_equal[i] != i;
     look_around(first_equal, is_own, threads);
   }
 
@@ -143,14 +165,16 @@ struct Molecule::Parts {
                    const std::function<bool(const Atom&)>& is_own, int threads) {
     OddityFinder finder(atoms, is_own);
     std::vector<OddityTally> tallies(loop_range_count(atoms.size()));
+    Containers containers(atoms.size(), none);
     for_loop_ranges(atoms.size(), threads, [&](std::size_t range, AtomIndex begin, AtomIndex end) {
-      look_around(begin, end, first_equal, finder, tallies[range]);
+      look_around(begin, end, first_equal, containers, finder, tallies[range]);
     });
+    mark_contained(atoms, containers, is_contained);
     oddities = finder.found(tallies);
   }
 
   void look_around(AtomIndex begin, AtomIndex end, std::span<const AtomIndex> first_equal,
-                   OddityFinder& finder, OddityTally& tally) {
+                   Containers& containers, OddityFinder& finder, OddityTally& tally) {
     std::vector<AtomIndex> found, near;
     for (AtomIndex group_end = begin; begin < end; begin = group_end) {
       group_end = end_of_group(atoms, begin, end);
@@ -160,12 +184,11 @@ struct Molecule::Parts {
       tree.find_around(std::span(atoms).subspan(begin, group_end - begin), reach, found);
       for (AtomIndex i = begin; i < group_end; ++i) {
         if (first_equal[i] != i) {
-          mark(is_contained, i);
           finder.look_at_duplicate(i, first_equal[i], tally);
           continue;
         }
         keep_vicinity(atoms, i, found, near);
-        mark_contained(atoms, i, near, is_contained);
+        note_contained(atoms, i, near, containers);
         finder.look(i, near, tally);
       }
     }
@@ -174,7 +197,7 @@ struct Molecule::Parts {
   std::vector<Atom> atoms;
   std::vector<AtomLabel> labels;
   AtomTree tree;  // of atoms that equal none before them
-  Marks is_contained;
+  std::vector<std::uint8_t> is_contained;
   std::vector<Oddity> oddities;
 };
 

@@ -20,20 +20,59 @@ namespace {
 // told from its complement.
 constexpr double least_cone_volume = 1e-6;
 
+std::span<const AtomIndex> face_neighbours(const Patches& patches, AtomIndex i) {
+  return std::span(patches.face_neighbours)
+      .subspan(patches.face_begin[i], patches.face_begin[i + 1] - patches.face_begin[i]);
+}
+
+// How far the probe is inside a SAS ball. The neighbours that bound the first atom's face tell.
+double depth_of(const Surface& surface, const ProbePlacement& placement, Vec3 center) {
+  const auto depth = [&](AtomIndex k) {
+    const SasSphere sphere = surface.sas_sphere(k);
+    return sphere.radius - norm(center - sphere.center);
+  };
+  double deepest = 0;
+  for (const AtomIndex k : placement.atoms) deepest = std::max(deepest, std::fabs(depth(k)));
+  for (const AtomIndex k : face_neighbours(surface.patches, placement.atoms[0]))
+    deepest = std::max(deepest, depth(k));
+  return deepest;
+}
+
+Vec3 center_of(const Surface& surface, const ProbePlacement& placement,
+               const std::array<std::size_t, 3>& order) {
+  return placement_center(surface.sas_sphere(placement.atoms[order[0]]),
+                          surface.sas_sphere(placement.atoms[order[1]]),
+                          surface.sas_sphere(placement.atoms[order[2]]), placement.side);
+}
+
+// Where the circle of two of the atoms is met by the third's sphere. Of a placement in doubt the
+// three circles can yield places that differ, as small angles and differences amplify rounding: the
+// one that suits all spheres best is taken. Returns how ill it suits them.
+double place_doubtful_probe(const Surface& surface, ProbePlacement& placement) {
+  double least = std::numeric_limits<double>::infinity();
+  for (const std::array<std::size_t, 3>& order :
+       {std::array<std::size_t, 3>{0, 1, 2}, {1, 2, 0}, {2, 0, 1}}) {
+    const Vec3 center = center_of(surface, placement, order);
+    const double depth = depth_of(surface, placement, center);
+    if (depth >= least) continue;
+    least = depth;
+    placement.center = center;
+  }
+  return least;
+}
+
 bool is_regular(const Surface& surface, const ProbePlacement& placement) {
   std::array<Vec3, 3> toward;
   for (std::size_t q = 0; q < 3; ++q)
     toward[q] = normalized(surface.atoms[placement.atoms[q]].center - placement.center);
   if (std::fabs(dot(toward[0], cross(toward[1], toward[2]))) < least_cone_volume) return false;
-  const Patches& patches = surface.patches;
-  const AtomIndex i = placement.atoms[0];
-  return std::none_of(
-      patches.face_neighbours.begin() + patches.face_begin[i],
-      patches.face_neighbours.begin() + patches.face_begin[i + 1], [&](AtomIndex k) {
-        if (k == placement.atoms[1] || k == placement.atoms[2]) return false;
-        const SasSphere sphere = surface.sas_sphere(k);
-        return norm(placement.center - sphere.center) < sphere.radius + tolerance::touching;
-      });
+  const std::span<const AtomIndex> neighbours =
+      face_neighbours(surface.patches, placement.atoms[0]);
+  return std::none_of(neighbours.begin(), neighbours.end(), [&](AtomIndex k) {
+    if (k == placement.atoms[1] || k == placement.atoms[2]) return false;
+    const SasSphere sphere = surface.sas_sphere(k);
+    return norm(placement.center - sphere.center) < sphere.radius + tolerance::touching;
+  });
 }
 
 void join_counts(std::vector<std::uint32_t>& begins) {
@@ -120,7 +159,9 @@ void join_placements(Patches& patches, std::span<AtomRangePatches> ranges, int t
     const auto b = static_cast<std::size_t>(index);
     const std::span<PlacementKey> keys = buckets.bucket(b);
     std::sort(keys.begin(), keys.end());
-    const auto end = std::unique(keys.begin(), keys.end());
+    const auto end = std::unique(
+        keys.begin(), keys.end(),
+        [](const PlacementKey& key, const PlacementKey& next) { return key.is_same_place(next); });
     kept[b + 1] = static_cast<std::size_t>(end - keys.begin());
     for (auto key = keys.begin(); key != end; ++key) ++patches.placement_begin[key->atoms[0]];
   });
@@ -132,7 +173,7 @@ void join_placements(Patches& patches, std::span<AtomRangePatches> ranges, int t
     std::transform(keys.begin(), keys.end(),
                    patches.placements.begin() + static_cast<std::ptrdiff_t>(kept[b]),
                    [](const PlacementKey& key) {
-                     return ProbePlacement{{}, key.atoms, key.side, false};
+                     return ProbePlacement{{}, key.atoms, key.side, key.is_certain, false};
                    });
   });
   join_counts(patches.placement_begin);
@@ -207,8 +248,8 @@ void bound_faces_by_poles(Surface& surface, AtomIndex begin, AtomIndex end) {
 
 void merge_placements(Surface& surface) {
   Patches& patches = surface.patches;
-  // Rounding of a centre is far below this; two halves of a pair that a cell's wall parts stay two.
-  constexpr double cell = 1e-6;  // angstrom
+  // Two halves of a pair that a cell's wall parts stay two.
+  constexpr double cell = tolerance::same_placement;
   const auto place_of = [](const ProbePlacement& placement) {
     const Vec3 c = placement.center;
     return std::array<double, 3>{std::floor(c.x / cell), std::floor(c.y / cell),
@@ -218,19 +259,21 @@ void merge_placements(Surface& surface) {
   for (std::uint32_t v = 0; v < patches.placements.size(); ++v)
     if (!patches.placements[v].is_regular) irregular.push_back(v);
   if (irregular.empty()) return;
+  std::vector<bool> is_left_out(patches.placements.size());
+  for (const std::uint32_t v : irregular) is_left_out[v] = patches.placements[v].is_refuted;
+  std::erase_if(irregular, [&](std::uint32_t v) { return is_left_out[v]; });
   std::stable_sort(irregular.begin(), irregular.end(), [&](std::uint32_t a, std::uint32_t b) {
     return place_of(patches.placements[a]) < place_of(patches.placements[b]);
   });
-  std::vector<bool> is_repeated(patches.placements.size());
   for (std::size_t q = 1; q < irregular.size(); ++q)
-    is_repeated[irregular[q]] = place_of(patches.placements[irregular[q]]) ==
+    is_left_out[irregular[q]] = place_of(patches.placements[irregular[q]]) ==
                                 place_of(patches.placements[irregular[q - 1]]);
   std::uint32_t kept = 0, next = 0;
   for (std::size_t i = 0; i < surface.atoms.size(); ++i) {
     const std::uint32_t end = patches.placement_begin[i + 1];
     patches.placement_begin[i] = kept;
     for (; next < end; ++next)
-      if (!is_repeated[next]) patches.placements[kept++] = patches.placements[next];
+      if (!is_left_out[next]) patches.placements[kept++] = patches.placements[next];
   }
   patches.placement_begin.back() = kept;
   patches.placements.resize(kept);
@@ -240,10 +283,12 @@ void place_probes(Surface& surface, AtomIndex begin, AtomIndex end) {
   Patches& patches = surface.patches;
   for (std::uint32_t v = patches.placement_begin[begin]; v < patches.placement_begin[end]; ++v) {
     ProbePlacement& placement = patches.placements[v];
-    placement.center = placement_center(surface.sas_sphere(placement.atoms[0]),
-                                        surface.sas_sphere(placement.atoms[1]),
-                                        surface.sas_sphere(placement.atoms[2]), placement.side);
-    placement.is_regular = is_regular(surface, placement);
+    if (placement.is_certain) {
+      placement.center = center_of(surface, placement, {0, 1, 2});
+      placement.is_regular = is_regular(surface, placement);
+    } else {
+      placement.is_refuted = place_doubtful_probe(surface, placement) > tolerance::covered;
+    }
   }
 }
 

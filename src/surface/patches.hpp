@@ -25,9 +25,12 @@ struct ProbePlacement {
   Vec3 center;
   std::array<AtomIndex, 3> atoms{};  ///< ascending
   std::int8_t side = 1;              ///< of the atoms' plane, see PlacementKey
+  bool is_certain = true;            ///< see PlacementKey
   /// Exactly three atoms are touched and their directions span a proper cone, which then is the
   /// normal cone of the accessible set there.
   bool is_regular = false;
+  /// A placement in doubt turned out not to be accessible.
+  bool is_refuted = false;
 };
 
 /// Bounds of the unit vectors from an atom's centre to its exposed face.
@@ -90,7 +93,7 @@ void bound_faces_by_poles(Surface& surface, AtomIndex begin, AtomIndex end);
 void place_probes(Surface& surface, AtomIndex begin, AtomIndex end);
 
 /// Where a probe touches four or more atoms, every triple of them gives the same placement: keeps
-/// that of the lowest triple. After place_probes.
+/// that of the lowest triple. Leaves out what is refuted. After place_probes.
 void merge_placements(Surface& surface);
 
 }  // namespace eses
