@@ -176,7 +176,7 @@ class Phase(FaultTest):
         for number in (signal.SIGQUIT, signal.SIGABRT, signal.SIGSEGV, signal.SIGBUS):
             with self.subTest(signal=number):
                 program = self.start_blocks(prepare=prepare)
-                wait_for(self.has_temporaries)
+                wait_for(self.has_text)
                 program.send_signal(number)
                 self.assertEqual(self.finish(program).returncode, -number)
                 self.assertEqual(self.all_files(), [])
