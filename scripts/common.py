@@ -4,10 +4,12 @@ import argparse
 import contextlib
 import errno
 import gzip
+import io
 import os
 import pathlib
 import platform
 import shutil
+import signal
 import subprocess
 import sys
 import tempfile
@@ -16,6 +18,7 @@ import zlib
 PROJECT = pathlib.Path(__file__).resolve().parent.parent
 DATA = PROJECT / "data"
 PROGRAM = PROJECT / "build" / "eses-blocks"
+COMPRESSION_LEVEL = 6  # of gzip, as gzip itself has it
 
 
 class Failed(Exception):
@@ -40,6 +43,8 @@ def positive(text):
 def end_with(name, main):
     """Runs a script's main function; errors become one line, and the exit code tells."""
     try:
+        if signal.getsignal(signal.SIGINT) == signal.SIG_DFL:  # see quiet_interrupt
+            signal.signal(signal.SIGINT, signal.default_int_handler)
         main()
     except BrokenPipeError:
         sys.exit(1)  # whoever reads has seen enough
@@ -67,31 +72,49 @@ def printable(text):
 
 
 @contextlib.contextmanager
+def text_file(name, compressed=False, **how):
+    """A text file to write, gzipped if `compressed`. The same text gives the same bytes.
+
+    `name` may be a descriptor, which stays open. `how` goes to open().
+    """
+    owned = not isinstance(name, int)
+    if not compressed:
+        with open(name, "w", closefd=owned, **how) as target:
+            yield target
+        return
+    with (open(name, "wb", closefd=owned) as packed,
+          gzip.GzipFile("", "wb", COMPRESSION_LEVEL, packed, mtime=0) as stream,
+          io.TextIOWrapper(stream, **how) as target):
+        yield target
+
+
+@contextlib.contextmanager
 def complete_file(name, **how):
     """A text file that takes its name only when it is complete; `-` is standard output.
 
     Devices and pipes are written as they are: renaming would put a file in their place.
-    `how` goes to open().
+    `how` goes to text_file().
     """
     if str(name) == "-" or (os.path.exists(name) and not os.path.isfile(name)):
-        with open(1 if str(name) == "-" else name, "w", closefd=str(name) != "-", **how) as target:
+        with text_file(1 if str(name) == "-" else name, **how) as target:
             yield target
         return
     final = pathlib.Path(os.path.realpath(name))  # of a symbolic link, what it points to
     part = final.with_name(f".{final.name}.{os.getpid()}.part")
-    try:
-        target = open(part, "w", **how)
-    except OSError as error:
-        raise OSError(error.errno, error.strerror, str(name)) from None
-    try:
-        with target:
+    with contextlib.ExitStack() as opened:
+        try:
+            target = opened.enter_context(text_file(part, **how))
+        except OSError as error:
+            raise OSError(error.errno, error.strerror, str(name)) from None
+        try:
             yield target
-        os.replace(part, final)
-    except OSError as error:
-        error.filename = error.filename or str(name)  # a full disk has no name
-        raise
-    finally:
-        part.unlink(missing_ok=True)
+            opened.close()
+            os.replace(part, final)
+        except OSError as error:
+            error.filename = error.filename or str(name)  # a full disk has no name
+            raise
+        finally:
+            part.unlink(missing_ok=True)
 
 
 def require_writable(folder):

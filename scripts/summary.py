@@ -34,16 +34,27 @@ def write(path, rows, columns=COLUMNS):
 
 
 def read(path, needed=COLUMNS):
-    """The rows, all values as text. Throws Failed if a column that is needed is missing."""
+    """The rows, all values as text.
+
+    Throws Failed if a column that is needed is missing, or if a row has more or fewer fields than
+    the header.
+    """
+    rows = []
     with open(path, encoding="utf-8", errors="surrogateescape", newline="") as source:
-        reader = csv.DictReader(source)
+        reader = csv.reader(source)
         try:
-            rows = list(reader)
+            header = next(reader, [])
+            for name in needed:
+                if name not in header:
+                    raise Failed(f"{path}: no summary of pdbbind, as there is no column {name!r}")
+            for fields in reader:
+                if fields and len(fields) != len(header):
+                    raise Failed(f"{path}:{reader.line_num}: expected {len(header)} fields, as in "
+                                 f"the header, found {len(fields)}")
+                if fields:
+                    rows.append(dict(zip(header, fields)))
         except csv.Error as error:
             raise Failed(f"{path}:{reader.line_num}: {error}") from None
-    missing = [name for name in needed if name not in (reader.fieldnames or ())]
-    if missing:
-        raise Failed(f"{path}: no summary of pdbbind, as there is no column {missing[0]!r}")
     return rows
 
 
@@ -61,12 +72,23 @@ def share_name(task, tasks):
     return f"summary-{task}-of-{tasks}.csv"
 
 
+def share_in(name):
+    """The task and the number of tasks in the name of a share; None for other names."""
+    match = re.fullmatch(r"summary-(\d+)-of-(\d+)\.csv", name)
+    return match and (int(match[1]), int(match[2]))
+
+
+def is_name(name):
+    """Whether this is the name of a summary, be it of all structures or of a share."""
+    return name == NAME or share_in(name) is not None
+
+
 def share_paths(folder):
     """Of all tasks, in order. Throws Failed if there are none, too few or too many."""
     shares = {}
     for path in folder.iterdir():
-        if match := re.fullmatch(r"summary-(\d+)-of-(\d+)\.csv", path.name):
-            shares.setdefault(int(match[2]), set()).add(int(match[1]))
+        if share := share_in(path.name):
+            shares.setdefault(share[1], set()).add(share[0])
     if not shares:
         raise Failed(f"{folder}: no summaries of tasks, {share_name('I', 'N')}")
     if len(shares) > 1:

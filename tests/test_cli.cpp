@@ -1,6 +1,8 @@
 // The real program: command line, exit codes, both reports, and what goes to which stream.
 
 #include <fmt/format.h>
+#include <pthread.h>
+#include <sys/resource.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -22,6 +24,7 @@
 #include "support/sandbox.hpp"
 #include "support/sanitizers.hpp"
 #include "support/temporary_directory.hpp"
+#include "system/resources.hpp"
 
 namespace fs = std::filesystem;
 
@@ -86,6 +89,7 @@ TEST_CASE("help names every option with unit and default, examples and exit code
                                  "--color NAME",
                                  "--inside FILE",
                                  "--gzip",
+                                 "--independent",
                                  "--region X0,Y0,Z0,X1,Y1,Z1",
                                  "--blocks I0:I1,J0:J1,K0:K1",
                                  "residue_area.csv",
@@ -760,6 +764,79 @@ TEST_CASE("closed standard streams do not end up in the files", "[cli]") {
   CHECK_FALSE(fs::exists(sandbox.directory() / "none"));
 }
 
+TEST_CASE("processes that would write the same files are refused unless they are independent",
+          "[cli]") {
+  // What launchers tell their processes, where MPI is not told of the others.
+  for (const std::string count : {"4", "2"}) {
+    INFO(count);
+    const Sandbox sandbox;
+    const auto run = [&](const Arguments& arguments) {
+      return sandbox.run(arguments, "", "SLURM_STEP_NUM_TASKS=" + count);
+    };
+    const Outcome refused = run({"pair.xyzr", "-o", "out"});
+    CHECK(refused.code == 1);
+    CHECK(refused.out.empty());
+    CHECK(contains(refused.err, "eses-blocks: error: started as one of " + count +
+                                    " processes, each of which would write the same files"));
+    CHECK(contains(refused.err, "use --independent\n"));
+    CHECK(run({"pair.xyzr", "--write", "none", "--mesh", "mesh.ply"}).code == 1);
+    CHECK(run({"pair.xyzr", "--write", "none", "--resume", "-o", "out"}).code == 1);
+    CHECK_FALSE(fs::exists(sandbox.directory() / "out"));
+    CHECK_FALSE(fs::exists(sandbox.directory() / "mesh.ply"));
+
+    CHECK(run({"--version"}).out == sandbox.run({"--version"}).out);
+    CHECK(run({"--help"}).out == sandbox.run({"--help"}).out);
+    CHECK(run({"pair.xyzr", "--dry-run"}).code == 0);
+    CHECK(run({"pair.xyzr", "-q", "--write", "none"}).out ==
+          sandbox.run({"pair.xyzr", "-q", "--write", "none"}).out);
+    CHECK(run({"pair.xyzr", "-q", "-o", "own", "--independent"}).code == 0);
+    CHECK(sandbox.files("own") == all_files);
+    const Outcome same = run({"diff", "own", "own"});
+    CHECK(same.code == 0);
+    CHECK(contains(same.out, "the same"));
+  }
+  // Behind -- and as a value it is no option.
+  const Sandbox sandbox;
+  for (const Arguments& arguments :
+       {Arguments{"--", "--independent"}, Arguments{"pair.xyzr", "-o", "--independent"}})
+    CHECK(contains(sandbox.run(arguments, "", "SLURM_STEP_NUM_TASKS=4").err, "started as one of"));
+}
+
+TEST_CASE("a stack that is too small is refused with the size that is needed", "[cli]") {
+  const Sandbox sandbox;
+  for (const Arguments& arguments : {Arguments{"pair.xyzr", "-q"}, Arguments{"diff", ".", "."}}) {
+    const Outcome outcome = sandbox.run(arguments, "", "ulimit -s 128 &&");
+    CHECK(outcome.code == (arguments[0] == "diff" ? 2 : 1));
+    CHECK(outcome.err ==
+          "eses-blocks: error: the stack is limited to 128 KiB; at least 256 KiB are needed "
+          "(ulimit -s 256)\n");
+  }
+  CHECK(sandbox.run({"pair.xyzr", "-q"}, "", "ulimit -s 256 &&").code == 0);
+}
+
+TEST_CASE("a soft limit of the stack is raised, for all threads", "[cli]") {
+  const pid_t child = fork();
+  if (child == 0) {
+    rlimit limit{};
+    getrlimit(RLIMIT_STACK, &limit);
+    limit.rlim_cur = 128 << 10;
+    setrlimit(RLIMIT_STACK, &limit);
+    pthread_attr_t small;
+    pthread_attr_init(&small);
+    pthread_attr_setstacksize(&small, 128 << 10);
+    pthread_setattr_default_np(&small);
+    eses::require_stack();
+    getrlimit(RLIMIT_STACK, &limit);
+    std::size_t of_threads = 0;
+    pthread_getattr_default_np(&small);
+    pthread_attr_getstacksize(&small, &of_threads);
+    _exit(limit.rlim_cur >= eses::min_stack_bytes && of_threads >= eses::min_stack_bytes ? 0 : 1);
+  }
+  int status = 0;
+  waitpid(child, &status, 0);
+  CHECK(status == 0);
+}
+
 TEST_CASE("a signal ends a run in order: its exit code, and no file", "[cli]") {
   for (const int signal : {SIGINT, SIGTERM}) {
     const eses::test::TemporaryDirectory directory;
@@ -769,6 +846,7 @@ TEST_CASE("a signal ends a run in order: its exit code, and no file", "[cli]") {
     if (program == 0) {
       std::freopen("/dev/null", "w", stdout);
       std::freopen("/dev/null", "w", stderr);
+      std::signal(signal, SIG_DFL);  // it may be ignored here, and the program would inherit that
       execl(ESES_BINARY, "eses-blocks", input.c_str(), "--spacing", "0.3", "--write", "edges", "-o",
             output.c_str(), nullptr);
       _exit(127);

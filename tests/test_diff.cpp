@@ -2,6 +2,7 @@
 // that each must give.
 
 #include <fmt/format.h>
+#include <sys/stat.h>
 #include <zlib.h>
 
 #include <algorithm>
@@ -509,6 +510,29 @@ TEST_CASE("diff: nothing to compare is trouble", "[diff]") {
 }
 
 // --- malformed files -----------------------------------------------------------------------------
+
+TEST_CASE("diff: a pipe or device is refused, not waited for", "[diff]") {
+  Pair pair;
+  pair.b.erase(areas_name);
+  const fs::path areas = pair.sandbox.directory() / "b" / areas_name;
+  const auto check_refused = [&](const std::string& name) {
+    pair.diff();
+    const Outcome outcome = pair.sandbox.run({"diff", "a", "b"}, "", "timeout 60");
+    check_trouble(outcome, "b/" + name + ": not a regular file");
+  };
+  REQUIRE(::mkfifo(areas.c_str(), 0600) == 0);
+  check_refused(areas_name);
+  fs::remove(areas);
+  fs::create_symlink("/dev/zero", areas);
+  check_refused(areas_name);
+  fs::remove(areas);
+  REQUIRE(::mkfifo((areas.string() + ".gz").c_str(), 0600) == 0);
+  check_refused(std::string(areas_name) + ".gz");
+  // A link to a file is one.
+  fs::remove(areas.string() + ".gz");
+  fs::create_symlink(fs::path("../a") / areas_name, areas);
+  CHECK(pair.diff_as_is().code == 0);
+}
 
 TEST_CASE("diff: a malformed line is named with file, line and field", "[diff]") {
   struct Malformed {

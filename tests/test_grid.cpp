@@ -6,6 +6,7 @@
 #include <filesystem>
 #include <fstream>
 #include <limits>
+#include <optional>
 #include <sstream>
 #include <string>
 #include <vector>
@@ -15,6 +16,7 @@
 #include "eses/grid.hpp"
 #include "eses/run.hpp"
 #include "eses/tiling.hpp"
+#include "run/plan.hpp"
 #include "support/temporary_directory.hpp"
 
 namespace eses::test {
@@ -342,6 +344,68 @@ TEST_CASE("requests that no machine can fulfil are refused before anything is wr
   parameters.spacing = 1e-4;
   parameters.block_size = 1'000'000;
   CHECK_THROWS_AS(make_plan(atoms, parameters, {false, false, false, false}), Error);
+}
+
+namespace {
+
+/// The number that follows `words` in a message.
+std::optional<double> number_behind(const std::string& message, const std::string& words) {
+  const std::size_t at = message.find(words);
+  if (at == std::string::npos) return std::nullopt;
+  return std::stod(message.substr(at + words.size()));
+}
+
+}  // namespace
+
+TEST_CASE("a spacing that a message names is accepted") {
+  const auto diatomic = [](double distance, double radius) {
+    return std::vector<Atom>{{{0, 0, 0}, radius}, {{distance, 0, 0}, radius}};
+  };
+  // Large and flat grids, and extents whose ratio to the limit has many digits.
+  const std::vector<std::vector<Atom>> molecules{
+      {{{0, 0, 0}, 1.5}},          {{{0.1, 0.2, 0.3}, 1.234567890123}},
+      diatomic(1e6, 1.7),          diatomic(123456.7891, 0),
+      diatomic(999999.99999, 0.1), {{{-1e6, -1e6, -1e6}, 1}, {{1e6, 1e6, 1e6}, 1}}};
+  for (const std::vector<Atom>& atoms : molecules) {
+    for (const double spacing : {1e-300, 1e-13, 3.3e-9, 1.234567e-7, 1e-6, 1e-4}) {
+      for (const double margin : {0.0, 0.8, 1.23456789, 1e7}) {
+        std::string message;
+        try {
+          plan_grid(sphere_bounds(atoms), with_margin(spacing, margin));
+        } catch (const Error& error) {
+          message = error.what();
+        }
+        const auto advised = number_behind(message, "use a spacing of at least ");
+        if (!advised) continue;
+        const auto wider = number_behind(message, "and a margin of at least ");
+        INFO(message);
+        CHECK(*advised > spacing);
+        CHECK_NOTHROW(
+            plan_grid(sphere_bounds(atoms), with_margin(*advised, wider.value_or(margin))));
+        // A spacing that is smaller by two of the digits named does not work.
+        if (!wider)
+          CHECK_THROWS_AS(plan_grid(sphere_bounds(atoms), with_margin(0.98 * *advised, margin)),
+                          Error);
+      }
+    }
+  }
+  CHECK_THROWS_AS(make_grid(molecules[0], 0.4, 1e308), Error);
+}
+
+TEST_CASE("a margin that a message names is accepted") {
+  for (const double spacing : {0.4, 0.1 + 0.2, 1.0 / 3, 7.123456789012345, 1e-5}) {
+    const std::vector<Atom> atoms{{{0, 0, 0}, 1.7 * spacing}};
+    std::string message;
+    try {
+      plan_grid(sphere_bounds(atoms), with_margin(spacing, 0));
+    } catch (const Error& error) {
+      message = error.what();
+    }
+    INFO(message);
+    const auto advised = number_behind(message, "a margin of at least ");
+    REQUIRE(advised);
+    CHECK_NOTHROW(plan_grid(sphere_bounds(atoms), with_margin(spacing, *advised)));
+  }
 }
 
 TEST_CASE("a plan refuses a margin so small that the grid cuts the surface") {

@@ -22,7 +22,10 @@
 #include "cli/surface_command.hpp"
 #include "diff/compare_directories.hpp"
 #include "eses/error.hpp"
+#include "processes/launcher.hpp"
 #include "processes/processes.hpp"
+#include "run/output_files.hpp"
+#include "system/resources.hpp"
 
 namespace eses::cli {
 namespace {
@@ -50,6 +53,19 @@ void reserve_standard_streams() {
   std::abort();
 }
 
+/// Processes that were started together but know nothing of each other have the same command line,
+/// as a rule, and would write the same files.
+void refuse_same_files(const Options& options, const Processes& processes) {
+  const int launched = launched_processes();
+  if (launched == 1 || processes.count() > 1 || options.independent || options.dry_run) return;
+  if (!options.resume && final_paths(options.outputs, options.output_directory).empty()) return;
+  throw Error(
+      fmt::format("started as one of {} processes, each of which would write the same files; to "
+                  "share one run, {}; to let each run by itself, with an output directory of its "
+                  "own, use --independent",
+                  launched, Processes::advice()));
+}
+
 int compute_surface(int argc, char** argv, const Processes& processes) {
   end_on_signals();
   const std::variant<Options, Notice> request = parse_command_line(argc, argv);
@@ -58,6 +74,7 @@ int compute_surface(int argc, char** argv, const Processes& processes) {
     return exit_done;
   }
   const auto& options = std::get<Options>(request);
+  refuse_same_files(options, processes);
   if (processes.count() > 1 || options.resume) return compute_jointly(options, processes);
   return compute_alone(options);
 }
@@ -127,7 +144,11 @@ int perform(const Task& task, int argc, char** argv, const Processes& processes)
 int perform(const Task& task, int argc, char** argv) {
   std::optional<Processes> processes;
   try {
-    processes.emplace(argc, argv);
+    require_stack();
+    if (asks_to_be_independent(argc, argv))
+      processes.emplace();
+    else
+      processes.emplace(argc, argv);
   } catch (const Error& error) {
     complain("error", error.what());
     return task.failure_code;

@@ -3,7 +3,10 @@
 #include <signal.h>
 #include <unistd.h>
 
+#include <algorithm>
+#include <array>
 #include <atomic>
+#include <span>
 #include <utility>
 
 namespace eses::cli {
@@ -11,16 +14,27 @@ namespace {
 
 constexpr unsigned grace = 1;  // seconds that a run has to end in order
 
-// All that a signal handler can see is global, and all that it may use is lock-free.
+// Signals that no handler can take, and those whose default action does not end a process. All
+// others do.
+constexpr std::array not_ending{SIGKILL, SIGSTOP, SIGTSTP, SIGTTIN, SIGTTOU,
+                                SIGCONT, SIGCHLD, SIGURG,  SIGWINCH};
+// Signals whose default action is a core dump. SIGXCPU, which has one, too, is a time limit.
+constexpr std::array crashes{SIGQUIT, SIGABRT, SIGSEGV, SIGBUS, SIGFPE, SIGILL, SIGSYS, SIGTRAP};
+
+// A signal handler sees global variables only, and may use them only if they are lock-free.
 std::atomic<int> received_signal = 0;
 std::atomic<const InterruptibleRun*> current_run = nullptr;
 std::atomic<bool> is_ending = false;
 static_assert(std::atomic<int>::is_always_lock_free && std::atomic<bool>::is_always_lock_free &&
               std::atomic<const InterruptibleRun*>::is_always_lock_free);
 
-[[noreturn]] void end_now(int /*signal*/) {
+void remove_leftovers() {
   is_ending = true;
   if (const InterruptibleRun* const run = current_run) run->remove_leftovers();
+}
+
+[[noreturn]] void end_now(int /*signal*/) {
+  remove_leftovers();
   _exit(128 + received_signal);
 }
 
@@ -31,6 +45,15 @@ void handle(int signal, void (*handler)(int)) {
   sigaction(signal, &action, nullptr);
 }
 
+// Removes the leftovers and then takes the default action, which writes a core dump if the system
+// is set up for that. The signal is blocked in its own handler; where a second one of its kind
+// comes from a fault in here, the system ends the process.
+void end_with_core_dump(int signal) {
+  remove_leftovers();
+  handle(signal, SIG_DFL);
+  raise(signal);
+}
+
 void take_signal(int signal) {
   int none = 0;
   const bool is_first = received_signal.compare_exchange_strong(none, signal);
@@ -39,17 +62,25 @@ void take_signal(int signal) {
   alarm(grace);
 }
 
-bool is_ignored(int signal) {
+// A signal with another action is ignored by the wish of whoever started the program (nohup, `trap
+// '' INT`, a shell's background job), or is used by a library such as MPI, a profiler or a
+// sanitizer.
+bool has_default_action(int signal) {
   struct sigaction action {};
-  return sigaction(signal, nullptr, &action) == 0 && action.sa_handler == SIG_IGN;
+  return sigaction(signal, nullptr, &action) == 0 && (action.sa_flags & SA_SIGINFO) == 0 &&
+         action.sa_handler == SIG_DFL;
+}
+
+bool is_among(std::span<const int> signals, int signal) {
+  return std::find(signals.begin(), signals.end(), signal) != signals.end();
 }
 
 }  // namespace
 
 void end_on_signals() {
-  handle(SIGINT, take_signal);
-  handle(SIGTERM, take_signal);
-  if (!is_ignored(SIGHUP)) handle(SIGHUP, take_signal);
+  for (int signal = 1; signal <= SIGRTMAX; ++signal)
+    if (!is_among(not_ending, signal) && has_default_action(signal))
+      handle(signal, is_among(crashes, signal) ? end_with_core_dump : take_signal);
 }
 
 InterruptibleRun::InterruptibleRun(std::vector<std::string> temporaries,

@@ -31,6 +31,8 @@ constexpr std::int64_t most_threads = 4096;
 constexpr std::int64_t default_verify = 2000;
 constexpr std::int64_t most_verify = 10'000'000;
 
+constexpr char independent_flag[] = "--independent";
+
 /// Which lengths are accepted, and how to say so.
 struct LengthRange {
   bool zero_allowed;
@@ -63,10 +65,10 @@ Exit codes:
   0  done
   1  input, output or resource error, or --verify finds a fault
   2  error in the command line
-  129, 130, 143  ended by SIGHUP, SIGINT or SIGTERM
+  128 + N  ended by signal N, such as 130 (SIGINT) or 143 (SIGTERM)
 
 Several processes (mpirun -n 4 eses-blocks ..., if built with MPI) share one run and write the
-same files.
+same files. Without MPI, or with --independent, each process is a run of its own.
 
 Environment:
   OMP_NUM_THREADS             most threads, where --threads is not given
@@ -125,6 +127,11 @@ void add_file_options(CLI::App& app) {
       ->description(
           "keep what is done where a run is cut off, and go on\n"
           "from there the next time")
+      ->group("Input and output");
+  app.add_flag(independent_flag)
+      ->description(
+          "a run of its own, though srun or mpirun has started\n"
+          "several processes; each needs its own --output-dir")
       ->group("Input and output");
   add("--color", "NAME", "colours in a .ply file: patch, atom or chain (PQR) [none]");
 }
@@ -413,6 +420,7 @@ Options options_of(const CLI::App& app) {
   options.output_directory = required_text(app, "--output-dir", ".");
   options.outputs = outputs_of(app, options.output_directory);
   options.resume = is_set(app, "--resume");
+  options.independent = is_set(app, independent_flag);
   options.quiet = is_set(app, "--quiet");
   options.json = is_set(app, "--json");
   options.dry_run = is_set(app, "--dry-run");
@@ -457,6 +465,12 @@ bool is_same_place(const std::filesystem::path& a, const std::filesystem::path& 
     return (std::filesystem::absolute(path) / "").lexically_normal();
   };
   return plain(a) == plain(b);
+}
+
+bool asks_to_be_independent(int argc, const char* const* argv) {
+  const std::span arguments(argv + std::min(argc, 1), argv + argc);
+  const auto end = std::find(arguments.begin(), arguments.end(), std::string_view("--"));
+  return std::find(arguments.begin(), end, std::string_view(independent_flag)) != end;
 }
 
 std::variant<Options, Notice> parse_command_line(int argc, const char* const* argv) {

@@ -17,7 +17,8 @@ struct Options {
   Parameters parameters;
   OutputChoice outputs;
   std::filesystem::path output_directory = ".";
-  bool resume = false;  ///< goes on from what a run that was cut off has done
+  bool resume = false;       ///< goes on from what a run that was cut off has done
+  bool independent = false;  ///< shares nothing with processes that were started together with it
   bool quiet = false;
   bool json = false;
   bool dry_run = false;  ///< plan only
@@ -26,6 +27,10 @@ struct Options {
 
 /// Whether two paths are those of one directory, as far as the names tell.
 bool is_same_place(const std::filesystem::path& a, const std::filesystem::path& b);
+
+/// Whether --independent is among the arguments. For the time before MPI has been started, which
+/// may take arguments of its own from the command line.
+bool asks_to_be_independent(int argc, const char* const* argv);
 
 /// Throws UsageError.
 std::variant<Options, Notice> parse_command_line(int argc, const char* const* argv);

@@ -33,6 +33,14 @@ void expect_directory(const std::filesystem::path& path) {
   throw Error(fmt::format("{}: {}", path.string(), error ? error.message() : "not a directory"));
 }
 
+/// Throws Error for pipes and devices: opening a pipe would wait for a writer. What else cannot be
+/// read, such as a directory, is an error when it is opened.
+void expect_regular_file(const std::filesystem::path& path) {
+  std::error_code ignored;
+  if (std::filesystem::is_other(std::filesystem::status(path, ignored)))
+    throw Error(fmt::format("{}: not a regular file", path.string()));
+}
+
 /// To compare nothing would find everything the same.
 void expect_files(const AllPaths& paths, const Sides<std::filesystem::path>& directories) {
   for (const std::size_t side : both_sides) {
@@ -49,7 +57,9 @@ AllPaths find_files(const Sides<std::filesystem::path>& directories) {
   AllPaths paths;
   for (const EsesFile file : every_file) {
     for (const std::size_t side : both_sides) {
-      paths[static_cast<std::size_t>(file)][side] = find_eses_file(directories[side], file);
+      auto& path = paths[static_cast<std::size_t>(file)][side];
+      path = find_eses_file(directories[side], file);
+      if (path) expect_regular_file(*path);
     }
   }
   expect_files(paths, directories);

@@ -3,12 +3,72 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <charconv>
 #include <cmath>
 #include <limits>
+#include <string>
 
 #include "eses/error.hpp"
 
 namespace eses {
+namespace {
+
+// A coordinate must tell neighbouring points apart, and 64-bit products must not overflow.
+constexpr double max_cells_along_axis = 2e9, max_points = 1e17;
+
+SphereBounds padded(SphereBounds bounds, double margin) {
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    bounds.low[axis] -= margin;
+    bounds.high[axis] += margin;
+  }
+  return bounds;
+}
+
+double cells_along(const SphereBounds& box, double spacing, std::size_t axis) {
+  return (box.high[axis] - box.low[axis]) / spacing;
+}
+
+// Estimated number of points, from above.
+double points_in(const SphereBounds& box, double spacing) {
+  double points = 1;
+  for (std::size_t axis = 0; axis < 3; ++axis) points *= cells_along(box, spacing, axis) + 1;
+  return points;
+}
+
+// The margin that goes with a spacing. Below half the spacing the grid might cut the molecule.
+double margin_for(double spacing, double margin) {
+  return margin >= 0.5 * spacing ? margin : spacing;
+}
+
+bool is_possible(const SphereBounds& bounds, double spacing, double margin) {
+  const SphereBounds box = padded(bounds, margin_for(spacing, margin));
+  for (std::size_t axis = 0; axis < 3; ++axis)
+    if (!(cells_along(box, spacing, axis) < max_cells_along_axis)) return false;
+  return points_in(box, spacing) <= max_points;
+}
+
+// The number that a text with three significant digits spells, so that a user may copy it.
+double three_digits(int digits, int exponent) {
+  const std::string text = fmt::format("{}e{}", digits, exponent);
+  double value = 0;
+  std::from_chars(text.data(), text.data() + text.size(), value);
+  return value;
+}
+
+// What to do where `spacing` gives too many points: a spacing that gives few enough, rounded up.
+std::string spacing_advice(const SphereBounds& bounds, double spacing, double margin) {
+  constexpr int max_exponent = 300;
+  int exponent = static_cast<int>(std::floor(std::log10(spacing))) - 2, digits = 100;
+  while (exponent <= max_exponent && !is_possible(bounds, three_digits(999, exponent), margin))
+    ++exponent;
+  if (exponent > max_exponent) return "use a smaller margin";
+  while (!is_possible(bounds, three_digits(digits, exponent), margin)) ++digits;
+  const double possible = three_digits(digits, exponent), wider = margin_for(possible, margin);
+  return fmt::format("use a spacing of at least {}{}", possible,
+                     wider == margin ? "" : fmt::format(" and a margin of at least {}", wider));
+}
+
+}  // namespace
 
 SphereBounds sphere_bounds(std::span<const Atom> atoms) {
   constexpr double infinity = std::numeric_limits<double>::infinity();
@@ -32,26 +92,26 @@ Grid make_grid(const SphereBounds& bounds, double spacing, double margin) {
     throw Error(fmt::format("spacing must be a positive number of angstrom, not {}", spacing));
   if (!(margin >= 0) || !std::isfinite(margin))
     throw Error(fmt::format("margin must be a non-negative number of angstrom, not {}", margin));
+  const SphereBounds box = padded(bounds, margin);
   Grid grid;
   grid.spacing = spacing;
-  double points = 1;
   for (std::size_t axis = 0; axis < 3; ++axis) {
-    const double low = bounds.low[axis] - margin, high = bounds.high[axis] + margin;
-    // A coordinate must tell neighbouring points apart, and 64-bit products must not overflow.
-    const double cells = (high - low) / spacing;
-    if (!(cells < 2e9))
+    const double cells = cells_along(box, spacing, axis);
+    if (!(cells < max_cells_along_axis))
       throw Error(
           fmt::format("a spacing of {} angstrom needs {:.3g} grid points along {}; "
-                      "the limit is 2e9, so use a spacing above {:.3g}",
-                      spacing, cells, "xyz"[axis], (high - low) / 2e9));
-    points *= cells + 1;
+                      "the limit is {:g}; {}",
+                      spacing, cells, "xyz"[axis], max_cells_along_axis,
+                      spacing_advice(bounds, spacing, margin)));
     grid.size[axis] = static_cast<std::int64_t>(cells) + 1;
-    grid.lower[axis] = low;
-    grid.upper[axis] = low + static_cast<double>(grid.size[axis] - 1) * spacing;
+    grid.lower[axis] = box.low[axis];
+    grid.upper[axis] = box.low[axis] + static_cast<double>(grid.size[axis] - 1) * spacing;
   }
-  if (points > 1e17)
-    throw Error(fmt::format("a spacing of {} angstrom needs {:.3g} grid points; the limit is 1e17",
-                            spacing, points));
+  const double points = points_in(box, spacing);
+  if (points > max_points)
+    throw Error(
+        fmt::format("a spacing of {} angstrom needs {:.3g} grid points; the limit is {:g}; {}",
+                    spacing, points, max_points, spacing_advice(bounds, spacing, margin)));
   return grid;
 }
 

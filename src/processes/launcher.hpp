@@ -1,13 +1,13 @@
 #pragma once
-/// What started this process, as far as the environment tells.
+/// Which processes were started together with this one, as far as the environment tells.
 
 #include <cstdlib>
 #include <initializer_list>
 
 namespace eses {
 
-/// How many processes were started together, by the launchers of Open MPI and MPICH, or by Slurm;
-/// 1 if there is none.
+/// Number of processes that a launcher (that of Open MPI, of MPICH, or Slurm's srun) has started
+/// together; 1 without a launcher.
 inline int launched_processes() {
   int most = 1;
   for (const char* const name : {"OMPI_COMM_WORLD_SIZE", "PMI_SIZE", "SLURM_STEP_NUM_TASKS"}) {

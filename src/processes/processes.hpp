@@ -7,6 +7,7 @@
 #include <numeric>
 #include <span>
 #include <string>
+#include <string_view>
 #include <type_traits>
 #include <utility>
 #include <vector>
@@ -25,8 +26,10 @@ class SharedError : public Error {
 /// Elements are copied as bytes. A process that is alone has nothing to exchange.
 class Processes {
  public:
-  /// Joins the other processes if this one was started by mpirun, srun or the like. Throws Error if
-  /// that is impossible, and if there are others, but the program was built without MPI.
+  /// A process that is alone, whatever has started it.
+  Processes() = default;
+  /// Joins the other processes if MPI knows of any: if this one was started by mpirun, srun or the
+  /// like. Throws Error if MPI cannot be used.
   Processes(int& argc, char**& argv);
   /// Leaves them; they must not be in need of this one any more.
   ~Processes();  // NOLINT(performance-trivially-destructible): with MPI it is not
@@ -36,6 +39,10 @@ class Processes {
   int rank() const { return rank_; }
   int count() const { return count_; }
   bool is_first() const { return rank_ == 0; }
+
+  /// What makes processes that were started together share one run, where they do not: the advice
+  /// of an error message.
+  static std::string_view advice();
 
   /// The part of `count` things, [begin, end), that a process gets if each gets as many, in
   /// multiples of `unit`.

@@ -1,19 +1,15 @@
 // Built without MPI: there is never more than one process.
 #include <cstdlib>
 
-#include "processes/launcher.hpp"
 #include "processes/processes.hpp"
 
 namespace eses {
 
-Processes::Processes(int&, char**&) {
-  if (launched_processes() > 1)
-    throw Error(
-        "started as one of several processes, but built without MPI; build with "
-        "-DESES_WITH_MPI=ON");
-}
+Processes::Processes(int&, char**&) {}
 
 Processes::~Processes() = default;
+
+std::string_view Processes::advice() { return "build the program with -DESES_WITH_MPI=ON"; }
 
 void Processes::take_least(std::span<double>) const {}
 void Processes::take_largest(std::span<double>) const {}

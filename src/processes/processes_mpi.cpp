@@ -7,7 +7,6 @@
 #include <cstdlib>
 #include <limits>
 
-#include "processes/launcher.hpp"
 #include "processes/mpi_errors.hpp"
 #include "processes/processes.hpp"
 
@@ -80,13 +79,7 @@ struct Layout {
 }  // namespace
 
 Processes::Processes(int& argc, char**& argv) {
-  if (!was_launched()) {
-    if (launched_processes() > 1)
-      throw Error(
-          "started as one of several processes, but MPI is not told of the others; with srun use "
-          "--mpi=pmix");
-    return;
-  }
+  if (!was_launched()) return;
   int provided = MPI_THREAD_SINGLE;
   MPI_Init_thread(&argc, &argv, MPI_THREAD_FUNNELED, &provided);
   MPI_Comm_set_errhandler(MPI_COMM_WORLD, MPI_ERRORS_RETURN);
@@ -99,6 +92,8 @@ Processes::Processes(int& argc, char**& argv) {
 Processes::~Processes() {
   if (is_initialized()) MPI_Finalize();
 }
+
+std::string_view Processes::advice() { return "start them with mpirun or srun --mpi=pmix"; }
 
 void Processes::take_least(std::span<double> values) const {
   if (count_ > 1) reduce(values, MPI_DOUBLE, MPI_MIN);

@@ -58,7 +58,7 @@ void require_enclosing_margin(const Plan& plan, const Parameters& p) {
   if (plan.cut_depth < 0 || p.margin >= 0.5 * p.spacing) return;
   throw Error(fmt::format(
       "a margin of {} angstrom is too small for a spacing of {}: the grid, whose number "
-      "of points is truncated, would cut the surface; a margin of {} or more works",
+      "of points is truncated, would cut the surface; use a margin of at least {}",
       p.margin, p.spacing, p.spacing));
 }
 

@@ -94,6 +94,7 @@ Summary run(const Molecule& molecule, const Plan& plan, const OutputChoice& outp
   OutputFiles files(outputs, directory, plan);
   ProgressReport report(callbacks.progress, plan.tiling.block_count());
   const auto check = [&report] { report.check(); };
+  check();  // the caller learns that the locks are held
   Summary summary;
 
   Surface surface(molecule, plan.parameters.probe_radius);

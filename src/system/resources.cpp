@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 #include <malloc.h>
+#include <pthread.h>
 #include <sys/resource.h>
 #include <sys/statvfs.h>
 
@@ -124,6 +125,25 @@ std::uint64_t peak_memory() {
 void release_free_memory() {
 #ifdef __GLIBC__
   malloc_trim(0);
+#endif
+}
+
+void require_stack() {
+  rlimit limit{};
+  if (getrlimit(RLIMIT_STACK, &limit) != 0 || limit.rlim_cur >= min_stack_bytes) return;
+  if (limit.rlim_max < min_stack_bytes)
+    throw Error(fmt::format("the stack is limited to {}; at least {} are needed (ulimit -s {})",
+                            binary_bytes_text(limit.rlim_max), binary_bytes_text(min_stack_bytes),
+                            min_stack_bytes >> 10));
+  limit.rlim_cur = min_stack_bytes;
+  setrlimit(RLIMIT_STACK, &limit);
+#ifdef __GLIBC__
+  // The C library has read the limit before main() for the stacks of other threads.
+  pthread_attr_t attributes;
+  if (pthread_attr_init(&attributes) != 0) return;
+  if (pthread_attr_setstacksize(&attributes, min_stack_bytes) == 0)
+    pthread_setattr_default_np(&attributes);
+  pthread_attr_destroy(&attributes);
 #endif
 }
 

@@ -21,6 +21,14 @@ std::uint64_t peak_memory();
 /// Gives freed memory back to the system; glibc would keep it for each thread.
 void release_free_memory();
 
+/// Bytes of stack that the program needs for each of its threads: ten times what its deepest calls
+/// were seen to use.
+inline constexpr std::uint64_t min_stack_bytes = std::uint64_t{256} << 10;
+
+/// Raises a soft limit of the stack (`ulimit -S -s`) that is below `min_stack_bytes`, for the main
+/// thread and for threads that start from now on. Throws Error if the hard limit is below it.
+void require_stack();
+
 /// Throws Error if the process holds more than `max_memory`, unless that is 0: it was expected to
 /// hold less.
 void require_memory_within(std::uint64_t max_memory);

@@ -8,7 +8,7 @@ import subprocess
 import time
 import unittest
 
-from support import DATA, PROGRAM, TestCase
+from support import DATA, PROGRAM, TestCase, forget_signals
 
 NAMES = ("bounding_box.txt", "grid_info.txt", "intersection_info.txt", "partition_area.txt")
 LIBRARY = os.environ.get("ESES_FAULT_LIBRARY")  # see fault.cpp
@@ -25,12 +25,6 @@ def wait_for(condition):
         if time.monotonic() > end:
             raise TimeoutError
         time.sleep(0.005)
-
-
-def forget_signals():
-    """Who starts the tests may ignore signals, and a program that is started inherits that."""
-    for number in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP):
-        signal.signal(number, signal.SIG_DFL)
 
 
 class FaultTest(TestCase):

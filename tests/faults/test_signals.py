@@ -1,8 +1,9 @@
-"""SIGINT, SIGTERM and SIGHUP in every phase: a prompt end, its exit code, nothing left."""
+"""Signals in every phase: a prompt end, the exit code of the signal, and no file left."""
 
 import array
 import fcntl
 import os
+import resource
 import signal
 import termios
 import time
@@ -126,18 +127,59 @@ class Phase(FaultTest):
             self.skipTest("not enough memory for a large block")
         self.check_end(program, signal.SIGTERM.value)
 
-    def test_ignored_hangup(self):
-        """As nohup has it."""
+    def test_ignored_signals(self):
+        """Signals that nohup, `trap '' INT` or a background job had ignored stay ignored."""
+        ignored = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP, signal.SIGUSR1, signal.SIGALRM,
+                   signal.SIGQUIT)
+
         def prepare():
             forget_signals()
-            signal.signal(signal.SIGHUP, signal.SIG_IGN)
+            for number in ignored:
+                signal.signal(number, signal.SIG_IGN)
         path = self.big_input()
         program = self.start(path, "-q", "--spacing", "0.3", "--write", "edges", prepare=prepare)
         wait_for(self.has_temporaries)
-        program.send_signal(signal.SIGHUP)
+        for number in ignored:
+            program.send_signal(number)
         time.sleep(0.3)
         self.assertIsNone(program.poll())
-        self.check_end(program, signal.SIGTERM.value)
+        self.check_end(program, signal.SIGUSR2.value)
+
+    def start_blocks(self, **how):
+        return self.start(self.big_input(), "-q", "--spacing", "0.3", "--write", "edges", **how)
+
+    def test_other_signals(self):
+        for number in (signal.SIGUSR1, signal.SIGUSR2, signal.SIGALRM, signal.SIGXCPU,
+                       signal.SIGVTALRM, signal.SIGPROF, signal.SIGIO, signal.SIGPWR,
+                       signal.SIGRTMIN, signal.SIGRTMAX):
+            with self.subTest(signal=number):
+                program = self.start_blocks()
+                wait_for(self.has_temporaries)
+                self.check_end(program, number.value)
+
+    def test_inherited_timer(self):
+        """A timer survives exec(): `perl -e 'alarm 3; exec @ARGV' eses-blocks ...`."""
+        def prepare():
+            forget_signals()
+            signal.alarm(3)
+        done = self.run_program(self.big_input(), "-q", "--spacing", "0.2", "-t", "1", "--write",
+                                "edges", prepare=prepare)
+        self.assertEqual(done.returncode, 128 + signal.SIGALRM, done)
+        self.assertEqual(self.all_files(), [])
+
+    @unittest.skipIf(os.environ.get("ESES_SANITIZE"), "sanitizers handle these signals")
+    def test_core_dumps(self):
+        """The process ends by the signal itself, so that there may be a core dump."""
+        def prepare():
+            forget_signals()
+            resource.setrlimit(resource.RLIMIT_CORE, (0, 0))
+        for number in (signal.SIGQUIT, signal.SIGABRT, signal.SIGSEGV, signal.SIGBUS):
+            with self.subTest(signal=number):
+                program = self.start_blocks(prepare=prepare)
+                wait_for(self.has_text)
+                program.send_signal(number)
+                self.assertEqual(self.finish(program).returncode, -number)
+                self.assertEqual(self.all_files(), [])
 
     @needs_library
     def test_file_system_that_hangs(self):

@@ -2,6 +2,7 @@
 
 import os
 import pathlib
+import signal
 import subprocess
 import sys
 import tempfile
@@ -23,6 +24,13 @@ def run(script, *arguments, **how):
     return subprocess.run(command(script, *arguments), stdin=subprocess.DEVNULL, timeout=300,
                           capture_output=True, encoding="utf-8", errors="backslashreplace",
                           check=False, **how)
+
+
+def forget_signals():
+    """Gives all signals their default action: a program inherits what this process ignores."""
+    for number in signal.valid_signals():
+        if signal.getsignal(number) not in (signal.SIG_DFL, None):
+            signal.signal(number, signal.SIG_DFL)
 
 
 def write_program(path, body):

@@ -3,6 +3,7 @@
 import gzip
 import itertools
 import math
+import os
 import random
 
 from support import DATA, TestCase, run
@@ -91,6 +92,22 @@ class Assemble(TestCase):
             packed = self.folder / (name + ".gz")
             packed.write_bytes(gzip.compress((DATA / name).read_bytes()))
             self.assertEqual(self.assemble(packed).stdout, self.assemble(DATA / name).stdout)
+
+    def test_compressed_output(self):
+        plain = self.assemble(DATA / "c60.xyzr").stdout
+        for name in ("big.xyzr.gz", "big.GZ"):
+            target = self.folder / name
+            self.assemble(DATA / "c60.xyzr", "-o", target)
+            packed = target.read_bytes()
+            self.assertEqual(gzip.decompress(packed).decode(), plain)
+            self.assertEqual(self.assemble(target, "--copies", 1, "--rings", 1).returncode, 0)
+            self.assemble(DATA / "c60.xyzr", "-o", target)
+            self.assertEqual(target.read_bytes(), packed)
+        self.assertEqual(sorted(os.listdir(self.folder)), ["big.GZ", "big.xyzr.gz"])
+        full = self.folder / "full.gz"
+        full.symlink_to("/dev/full")
+        self.assertIn("No space left", self.refused(DATA / "c60.xyzr", "-o", full))
+        self.assertIn("nodir", self.refused(DATA / "c60.xyzr", "-o", self.folder / "nodir/x.gz"))
 
     def test_copies_that_do_not_divide(self):
         self.assertIn("10 copies", self.refused(DATA / "c60.xyzr", "--copies", "10", code=2))

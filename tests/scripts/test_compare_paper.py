@@ -68,6 +68,34 @@ class ComparePaper(TestCase):
         self.rows[0]["id"] = "other"
         self.assertIn("no row", self.compare(code=1).stderr)
 
+    def refused(self, text):
+        """The message; there must be one line of it."""
+        path = self.folder / "wrong.csv"
+        path.write_text(text)
+        done = run("compare-paper", path)
+        self.assertDone(done, 1)
+        self.assertEqual(done.stderr.count("\n"), 1, done.stderr)
+        return done.stderr
+
+    def test_empty_files(self):
+        for text in ("", "\n\n"):
+            self.assertIn("wrong.csv: no summary of pdbbind", self.refused(text))
+        header, first = (DATA / "zhao2018.csv").read_text().splitlines(keepends=True)[:2]
+        self.assertIn("no row has", self.refused(header))
+        self.assertIn("no row has", self.refused(header + "\n" + first.replace("3dxg", "other")))
+
+    def test_rows_of_another_length(self):
+        lines = (DATA / "zhao2018.csv").read_text().splitlines(keepends=True)[:3]
+        for row in ("3dxg\n", "3dxg,1856,105\n", lines[2][:-1] + ",1\n"):
+            self.assertIn("wrong.csv:3: expected 11 fields, as in the header, found "
+                          f"{row.count(',') + 1}\n", self.refused("".join(lines[:2]) + row))
+
+    def test_values_that_are_no_numbers(self):
+        header, first = (DATA / "zhao2018.csv").read_text().splitlines(keepends=True)[:2]
+        area = first.split(",")[8]
+        for value in ("", "x", "nan", "inf"):
+            self.assertIn("3dxg: ", self.refused(header + first.replace(area, value)))
+
     def test_files_that_are_no_summary(self):
         for path in (self.folder / "missing", DATA / "c60.xyzr", "/bin/true"):
             self.assertDone(run("compare-paper", path), 1)

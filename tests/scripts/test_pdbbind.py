@@ -10,7 +10,8 @@ import signal
 import subprocess
 import time
 
-from support import DATA, PROGRAM, PROJECT, TestCase, command, run, write_program
+from support import (DATA, PROGRAM, PROJECT, TestCase, command, forget_signals, run,
+                     write_program)
 
 RUN_DEPENDENT = ("seconds", "peak_bytes", "threads")
 
@@ -170,6 +171,30 @@ class Names(PdbbindTest):
         self.run_pdbbind("--only", "*.pqr")
         self.assertEqual(summary(self.output)["1abc"]["atoms"], "619")
 
+    def test_ids_that_are_names_of_summaries(self):
+        """Refused before anything is computed."""
+        self.add("a.xyzr")
+        for name in ("summary.csv.xyzr", "summary.csv/b.xyzr", "summary-1-of-2.csv.pqr"):
+            path = self.add(name)
+            for options in ((), ("--task", "1/2"), ("--task", "2/2")):
+                done = self.run_pdbbind(*options, code=1)
+                self.assertEqual(done.stderr.count("\n"), 1, done.stderr)
+                self.assertIn(f"{path}: its results would go to {self.output}", done.stderr)
+            self.assertFalse(self.output.exists())
+            self.run_pdbbind("--only", "a.*")
+            shutil.rmtree(self.output)
+            path.unlink()
+        self.add("b/summary.csv.xyzr")
+        self.run_pdbbind()
+        self.assertEqual(self.statuses(), {"a": "done", "b/summary.csv": "done"})
+
+    def test_a_folder_in_the_place_of_the_summary(self):
+        self.add("a.xyzr")
+        (self.output / "summary.csv").mkdir(parents=True)
+        done = self.run_pdbbind(code=1)
+        self.assertEqual(done.stderr, f"pdbbind: {self.output}/summary.csv: Is a directory\n")
+        self.assertEqual(self.files("."), ["summary.csv"])
+
     def test_links_are_followed_once(self):
         self.add("a/c60.xyzr")
         (self.input / "a" / "loop").symlink_to(self.input)
@@ -316,6 +341,22 @@ class Resuming(PdbbindTest):
             self.assertEqual(self.files(name), ["bounding_box.txt", "intersection_info.txt",
                                                 "partition_area.txt", "status.json"])
 
+    def test_a_status_that_was_edited(self):
+        self.run_pdbbind()
+        path = self.output / "a" / "status.json"
+        status = json.loads(path.read_text())
+        names = list(status["files"])
+        for changed in ({"files": None}, {"files": 1}, {"files": names}, {"files": {"\0": 1}},
+                        {"files": "files"}, {"report": None}, {"report": {}}, {"seconds": None},
+                        {"report": {**status["report"], "grid": None}}, {"prepared": None},
+                        {"prepared": {"remark": 1}}, {"status": None}, {"request": []}):
+            with self.subTest(changed=changed):
+                path.write_text(json.dumps({**status, **changed}))
+                self.assertEqual(self.redone(), {"a"})
+        for text in ("null", "[]", "[" * 100_000, "{}"):
+            path.write_text(text)
+            self.assertEqual(self.redone(), {"a"})
+
     def test_a_program_that_goes_on(self):
         """What it is writing is left alone, until it has ended."""
         folder = self.output / "a"
@@ -343,7 +384,8 @@ class Interruption(PdbbindTest):
         """A run of which a is done and both others are under way."""
         process = subprocess.Popen(
             command("pdbbind", *self.arguments("--jobs", "3", "--program", self.slow)),
-            stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+            stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True,
+            preexec_fn=forget_signals)
         self.addCleanup(process.communicate)
         self.addCleanup(process.kill)
         wait_for(lambda: (self.output / "a" / "status.json").exists())
@@ -422,6 +464,13 @@ class Tasks(PdbbindTest):
         (self.output / "summary-1-of-1.csv").rename(self.output / "summary-1-of-2.csv")
         self.assertIn("two tasks", self.merge().stderr)
         self.assertDone(self.merge(), 1)
+
+    def test_several_tasks_of_one_step(self):
+        """As `srun -n 2` starts them: each has a share, so the program must not object."""
+        (self.input / "bad.xyzr").unlink()
+        self.run_pdbbind("--task", "1/2", env={**os.environ, "SLURM_STEP_NUM_TASKS": "2"})
+        rows = summary(self.output, "summary-1-of-2.csv")
+        self.assertEqual([row["status"] for row in rows.values()], ["done"] * 3)
 
     def test_slurm_file(self):
         for task in (4, 5):

@@ -65,10 +65,11 @@ std::string Sandbox::command(const Arguments& arguments) {
   return result;
 }
 
-Outcome Sandbox::run(const Arguments& arguments, const std::string& redirections) const {
+Outcome Sandbox::run(const Arguments& arguments, const std::string& redirections,
+                     const std::string& before) const {
   const fs::path out = root_.path() / "stdout", err = root_.path() / "stderr";
-  const int code = shell("cd " + shell_quoted(directory().string()) + " && " + command(arguments) +
-                         " </dev/null >" + shell_quoted(out.string()) + " 2>" +
+  const int code = shell("cd " + shell_quoted(directory().string()) + " && " + before + " " +
+                         command(arguments) + " </dev/null >" + shell_quoted(out.string()) + " 2>" +
                          shell_quoted(err.string()) + " " + redirections);
   return {code, read_file(out), read_file(err)};
 }

@@ -37,8 +37,10 @@ class Sandbox {
 
   static std::string command(const Arguments& arguments);
 
-  /// Runs the program here; `redirections` is shell text that overrides the capture.
-  Outcome run(const Arguments& arguments, const std::string& redirections = "") const;
+  /// Runs the program here. `redirections` is shell text that overrides the capture; `before` is
+  /// shell text before the command, such as `NAME=value`.
+  Outcome run(const Arguments& arguments, const std::string& redirections = "",
+              const std::string& before = "") const;
 
   /// The names of the files `*.txt`.
   std::set<std::string> files(const std::filesystem::path& below = ".") const;

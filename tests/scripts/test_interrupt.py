@@ -1,0 +1,38 @@
+"""Ctrl-C while a script imports its modules."""
+
+import os
+import signal
+
+from support import PROJECT, TestCase, forget_signals, run
+
+# Stands for a module of the standard library that common.py imports.
+MODULE = "platform.py"
+INTERRUPTED = """import os, signal, time
+os.kill(os.getpid(), signal.SIGINT)
+time.sleep(0.1)
+print("still here")
+"""
+
+
+class Interrupt(TestCase):
+    def run_interrupted(self, script, prepare):
+        (self.folder / MODULE).write_text(INTERRUPTED)
+        return run(script, "--help", preexec_fn=prepare,
+                   env={**os.environ, "PYTHONPATH": str(self.folder)})
+
+    def test_no_traceback(self):
+        scripts = [path.name for path in (PROJECT / "scripts").iterdir()
+                   if path.suffix == "" and path.is_file() and b"end_with(" in path.read_bytes()]
+        self.assertIn("pdbbind", scripts)
+        for script in scripts:
+            with self.subTest(script=script):
+                done = self.run_interrupted(script, forget_signals)
+                self.assertEqual((done.returncode, done.stdout, done.stderr),
+                                 (-signal.SIGINT, "", ""))
+
+    def test_ignored(self):
+        """As in a background job of a shell."""
+        def prepare():
+            forget_signals()
+            signal.signal(signal.SIGINT, signal.SIG_IGN)
+        self.assertIn("still here", self.run_interrupted("compare-paper", prepare).stdout)
