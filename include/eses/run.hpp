@@ -22,9 +22,10 @@ struct RegionBox {
   Vec3 low, high;
 };
 
-/// Angstrom. Below, distances that are held for equal are larger than the probe; above, differences
-/// of squares have too few digits left for them.
-inline constexpr double least_probe_radius = 1e-6, largest_probe_radius = 1000;
+/// Bounds of the probe radius, angstrom. A probe that fits between spheres that graze each other is
+/// known to the square root of the rounding error, 1e-7, and normals within 1e-5 need a hundredth of
+/// the probe radius; above, differences of squares have too few digits left.
+inline constexpr double least_probe_radius = 0.01, largest_probe_radius = 1000;
 
 struct Parameters {
   double probe_radius = 1.4;  ///< angstrom, `least_probe_radius` to `largest_probe_radius`

@@ -90,7 +90,8 @@ OnlyTubeExits only_tube_exits(const Points& start, DoubleVector step, Vec3 axis,
   OnlyTubeExits exits{zero, hn::AndNot(falls, rises), hn::And(falls, rises)};
   if (hn::AllFalse(doubles, exits.is_one)) return exits;
   const auto u = bracketed_roots(power, b[0] / (b[0] - b[4]), exits.is_one);
-  exits.is_one = hn::And(exits.is_one, a0 + u * (w1 + u * w2) >= all(line_torus::inner_sheet));
+  exits.is_one =
+      hn::And(exits.is_one, a0 + u * (w1 + u * w2) >= all(line_torus::inner_sheet(tube_radius)));
   Points point = first;
   along<line_axis>(point) = along<line_axis>(point) + u * span;
   const auto exact = polished_roots(u, point, along<line_axis>(point), span, axis, axis[line_axis],

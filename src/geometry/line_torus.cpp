@@ -118,10 +118,11 @@ TubeExits tube_exits(Vec3 start, Vec3 step, Vec3 axis, double circle_radius, dou
   if (sign_changes(b) == 0) return exits;
   RootSearch search{power};
   search.descend(b, 0, 1);
+  const double inner_sheet = line_torus::inner_sheet(tube_radius);
   for (int i = 0; i < search.count; ++i) {
     const double u = search.roots[static_cast<std::size_t>(i)];
     // A < 0 is the inner sheet: the far side of the circle is that near.
-    if (a0 + u * (w1 + u * w2) < line_torus::inner_sheet) continue;
+    if (a0 + u * (w1 + u * w2) < inner_sheet) continue;
     const double exact = polished(u, first, span, axis, circle_radius, tube_radius);
     exits.parameters[static_cast<std::size_t>(exits.count++)] =
         std::clamp(low + exact * (high - low), low, high);

@@ -1,6 +1,7 @@
 #pragma once
 /// Where a line leaves the tube of a probe rolling around a contact circle.
 
+#include <algorithm>
 #include <array>
 
 #include "eses/vec3.hpp"
@@ -30,9 +31,11 @@ inline constexpr int most_iterations = 60;
 /// A root that is to move by more than this was no root of the outer sheet.
 inline constexpr double largest_polish = 1e-5;
 
-/// Of squared distances from the circle's axis (square angstrom): below it lies the inner sheet for
-/// certain, as rounding near a cusp stays above.
-inline constexpr double inner_sheet = -1e-6;
+/// A point with |w|^2 + rho^2 - p^2 below this (square angstrom) lies on the inner sheet: rounding
+/// near a cusp stays above. Small tubes need a smaller bound, as the sheets are p apart at most.
+inline double inner_sheet(double tube_radius) {
+  return -1e-6 * std::min(1.0, tube_radius * tube_radius);
+}
 
 }  // namespace line_torus
 }  // namespace eses

@@ -32,13 +32,15 @@ constexpr std::uint64_t table_header_bytes = 66, table_line_bytes = 16;
 constexpr double grid_gzip_share = 0.2, edge_gzip_share = 0.3, area_gzip_share = 0.25;
 constexpr std::int64_t most_verified = 10'000'000;
 
-void require(bool holds, const char* what, double value) {
+void require(bool holds, std::string_view what, double value) {
   if (!holds) throw Error(fmt::format("{}, not {}", what, value));
 }
 
 void require_valid(const Parameters& p) {
   require(p.probe_radius >= least_probe_radius && p.probe_radius <= largest_probe_radius,
-          "the probe radius must be between 1e-6 and 1000 angstrom", p.probe_radius);
+          fmt::format("the probe radius must be between {} and {} angstrom", least_probe_radius,
+                      largest_probe_radius),
+          p.probe_radius);
   require(p.verify >= 0 && p.verify <= most_verified,
           "the number of points to verify must be between 0 and 10000000",
           static_cast<double>(p.verify));

@@ -1,0 +1,119 @@
+#include "support/near_degenerate.hpp"
+
+#include <array>
+#include <cmath>
+#include <numbers>
+
+#include "support/atom_sets.hpp"
+
+namespace eses::test {
+namespace {
+
+// Of a standard normal distribution, by Box and Muller, Ann. Math. Stat. 29 (1958) 610.
+double normal_number(Random& random) {
+  const double radius = std::sqrt(-2 * std::log(1 - random.uniform(0, 1)));
+  return radius * std::cos(2 * std::numbers::pi * random.uniform(0, 1));
+}
+
+template <std::size_t size>
+double choose(Random& random, const std::array<double, size>& values) {
+  return values[random.integer(0, size - 1)];
+}
+
+std::vector<Atom> make_copies(Random& random, double radius) {
+  std::vector<Atom> atoms;
+  const std::size_t sites = random.integer(1, 5);
+  for (std::size_t s = 0; s < sites; ++s) {
+    const Vec3 site{random.uniform(-3, 3), random.uniform(-3, 3), random.uniform(-3, 3)};
+    atoms.insert(atoms.end(), random.integer(1, 4), {site, radius});
+  }
+  return atoms;
+}
+
+// With sides for which probes touch several atoms, or just pass between them.
+std::vector<Atom> make_lattice(Random& random, double radius, double sas_radius) {
+  const double side =
+      choose(random, std::array{1.5, 2.8, 4.0, sas_radius, 2 * sas_radius / std::numbers::sqrt2,
+                                2 * sas_radius / std::numbers::sqrt3});
+  return make_cube(random.integer(2, 3), side, radius);
+}
+
+// One probe touches them all.
+std::vector<Atom> make_ring(Random& random, double radius, double sas_radius) {
+  std::vector<Atom> atoms;
+  const std::size_t count = random.integer(3, 24);
+  for (std::size_t i = 0; i < count; ++i) {
+    const double angle = 2 * std::numbers::pi * static_cast<double>(i) / static_cast<double>(count);
+    atoms.push_back({{sas_radius * std::cos(angle), sas_radius * std::sin(angle), 0}, radius});
+  }
+  return atoms;
+}
+
+// A cube or an icosahedron whose cavity a probe just fits into, perhaps within a larger one.
+std::vector<Atom> make_polyhedron(Random& random, double radius, double sas_radius) {
+  std::vector<Atom> atoms;
+  if (random.chance(0.5)) {
+    atoms = make_icosahedron(sas_radius, radius);
+  } else {
+    const double half = sas_radius / std::numbers::sqrt3;
+    for (const double x : {-half, half})
+      for (const double y : {-half, half})
+        for (const double z : {-half, half}) atoms.push_back({{x, y, z}, radius});
+  }
+  const std::size_t inner = atoms.size();
+  if (random.chance(0.5))
+    for (std::size_t i = 0; i < inner; ++i) atoms.push_back({2.0 * atoms[i].center, radius});
+  return atoms;
+}
+
+// Atoms of several radii around one probe, on a spiral from pole to pole.
+std::vector<Atom> make_cavity(Random& random, double probe) {
+  std::vector<Atom> atoms;
+  const auto count = static_cast<std::size_t>(choose(random, std::array{12.0, 20.0, 40.0}));
+  for (std::size_t i = 0; i < count; ++i) {
+    const double z = 1 - (2 * static_cast<double>(i) + 1) / static_cast<double>(count);
+    const double across = std::sqrt((1 - z) * (1 + z)), angle = 2.4 * static_cast<double>(i);
+    const double radius = choose(random, std::array{1.0, 1.5, 1.7});
+    atoms.push_back(
+        {(probe + radius) * Vec3{across * std::cos(angle), across * std::sin(angle), z}, radius});
+  }
+  return atoms;
+}
+
+}  // namespace
+
+NearDegenerateSet make_near_degenerate_set(std::uint64_t seed) {
+  Random random(seed + 77);
+  NearDegenerateSet set;
+  set.probe_radius = choose(random, std::array{0.5, 1.0, 1.4, 3.0});
+  const double radius = choose(random, std::array{1.0, 1.2, 1.7, 2.0});
+  const double sas_radius = radius + set.probe_radius;
+  switch (seed % 5) {
+    case 0:
+      set.name = "copies", set.atoms = make_copies(random, radius);
+      break;
+    case 1:
+      set.name = "lattice", set.atoms = make_lattice(random, radius, sas_radius);
+      break;
+    case 2:
+      set.name = "ring", set.atoms = make_ring(random, radius, sas_radius);
+      break;
+    case 3:
+      set.name = "polyhedron", set.atoms = make_polyhedron(random, radius, sas_radius);
+      break;
+    default:
+      set.name = "cavity", set.atoms = make_cavity(random, set.probe_radius);
+  }
+  set.noise = std::pow(10, -random.uniform(2, 14));
+  for (Atom& atom : set.atoms)
+    for (std::size_t q = 0; q < 3; ++q) atom.center[q] += set.noise * normal_number(random);
+  set.name += " " + std::to_string(seed);
+  return set;
+}
+
+std::vector<Atom> moved(std::vector<Atom> atoms, Vec3 by) {
+  for (Atom& atom : atoms) atom.center = atom.center + by;
+  return atoms;
+}
+
+}  // namespace eses::test

@@ -1,0 +1,26 @@
+#pragma once
+/// Atom sets close to degenerate ones: almost coincident, cospherical or tangent.
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "eses/atoms.hpp"
+
+namespace eses::test {
+
+struct NearDegenerateSet {
+  std::string name;
+  std::vector<Atom> atoms;
+  double probe_radius = 0;  ///< angstrom
+  double noise = 0;         ///< standard deviation of the displacement of each coordinate, angstrom
+};
+
+/// Copies of a few atoms, lattices, rings, polyhedra and shells on which a probe almost fits, each
+/// displaced by noise of 1e-2 to 1e-14 angstrom.
+NearDegenerateSet make_near_degenerate_set(std::uint64_t seed);
+
+/// All coordinates moved by this vector.
+std::vector<Atom> moved(std::vector<Atom> atoms, Vec3 by);
+
+}  // namespace eses::test

@@ -1,0 +1,274 @@
+/// Patches of atom sets close to degenerate ones, in extended precision.
+///
+/// The accessible set of the program lies between two: that of the atoms, and that of atoms smaller
+/// by tolerance::accessible. So every patch must be accessible up to the tolerance, and every point
+/// where three spheres meet and that is accessible up to it must be a placement or lie on an arc or
+/// a face.
+///
+/// The environment variable ESES_NEAR_DEGENERATE_SETS=N sets the number of sets.
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdlib>
+#include <limits>
+#include <vector>
+
+#include "catch.hpp"
+#include "eses/error.hpp"
+#include "run/build_patches.hpp"
+#include "solve/block_features.hpp"
+#include "support/atom_sets.hpp"
+#include "support/brute_force.hpp"
+#include "support/near_degenerate.hpp"
+
+namespace eses::test {
+namespace {
+
+using Real = long double;
+
+struct RealVec3 {
+  Real x, y, z;
+};
+
+RealVec3 extended(Vec3 v) { return {v.x, v.y, v.z}; }
+RealVec3 operator+(RealVec3 a, RealVec3 b) { return {a.x + b.x, a.y + b.y, a.z + b.z}; }
+RealVec3 operator-(RealVec3 a, RealVec3 b) { return {a.x - b.x, a.y - b.y, a.z - b.z}; }
+RealVec3 operator*(Real s, RealVec3 a) { return {s * a.x, s * a.y, s * a.z}; }
+Real dot(RealVec3 a, RealVec3 b) { return a.x * b.x + a.y * b.y + a.z * b.z; }
+RealVec3 cross(RealVec3 a, RealVec3 b) {
+  return {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
+}
+Real norm(RealVec3 a) { return std::sqrt(dot(a, a)); }
+Vec3 rounded(RealVec3 a) {
+  return {static_cast<double>(a.x), static_cast<double>(a.y), static_cast<double>(a.z)};
+}
+
+struct RealSphere {
+  RealVec3 center;
+  Real radius;
+};
+
+std::vector<RealSphere> sas_spheres(std::span<const Atom> atoms, double probe) {
+  std::vector<RealSphere> spheres;
+  for (const Atom& atom : atoms) spheres.push_back({extended(atom.center), atom.radius + probe});
+  return spheres;
+}
+
+Real depth_of(std::span<const RealSphere> spheres, RealVec3 point) {
+  Real depth = -std::numeric_limits<Real>::infinity();
+  for (const RealSphere& sphere : spheres)
+    depth = std::max(depth, sphere.radius - norm(point - sphere.center));
+  return depth;
+}
+
+// Calls action(point) for the points in which three spheres meet.
+template <class Action>
+void for_each_meeting_point(const RealSphere& a, const RealSphere& b, const RealSphere& c,
+                            Action&& action) {
+  const RealVec3 ab = b.center - a.center, ac = c.center - a.center;
+  const Real distance = norm(ab);
+  if (distance == 0) return;
+  const RealVec3 ex = (1 / distance) * ab;
+  const Real along = dot(ex, ac);
+  const RealVec3 across = ac - along * ex;
+  const Real aside = norm(across);
+  if (aside == 0) return;
+  const RealVec3 ey = (1 / aside) * across, ez = cross(ex, ey);
+  const Real x = (a.radius * a.radius - b.radius * b.radius + distance * distance) / (2 * distance);
+  const Real y =
+      (a.radius * a.radius - c.radius * c.radius + along * along + aside * aside - 2 * along * x) /
+      (2 * aside);
+  const Real square = a.radius * a.radius - x * x - y * y;
+  if (square < 0) return;
+  for (const Real side : {1.0L, -1.0L})
+    action(a.center + x * ex + y * ey + (side * std::sqrt(square)) * ez);
+}
+
+struct Patchwork {
+  Surface surface;
+  BlockFeatures features;
+  std::vector<RealSphere> spheres;
+
+  Patchwork(const std::vector<Atom>& atoms, double probe)
+      : surface(atoms, probe), spheres(sas_spheres(atoms, probe)) {
+    build_patches(surface, 1);
+    Box all{atoms.front().center, atoms.front().center};
+    for (const Atom& atom : atoms) all.include(atom.center);
+    collect_features(surface, grown(all, 2 * surface.largest_radius + 2 * probe), features);
+  }
+
+  // Whether the point is on the face of an exposed atom.
+  bool is_on_face(RealVec3 point) const {
+    return std::any_of(features.faces.begin(), features.faces.end(), [&](const FaceFeature& face) {
+      const Vec3 offset = rounded(point - extended(face.center));
+      const double length = eses::norm(offset);
+      if (std::fabs(length - face.sas_radius) > 2 * tolerance::containment) return false;
+      const auto cones = features.cones_of(face);
+      return std::none_of(cones.begin(), cones.end(), [&](const CapCone& cone) {
+        return eses::dot(cone.axis, offset) > (cone.cosine + tolerance::seam) * length;
+      });
+    });
+  }
+
+  // Distance from the nearest placement or arc.
+  double distance_to_patches(RealVec3 point) const {
+    double nearest = std::numeric_limits<double>::infinity();
+    for (const ProbePlacement& placement : surface.patches.placements)
+      nearest = std::min(nearest, static_cast<double>(norm(point - extended(placement.center))));
+    for (const ArcFeature& arc : features.arcs) {
+      const Vec3 offset = rounded(point - extended(arc.circle.center));
+      const Vec3 on_arc = arc.circle.radius * nearest_on_arc(arc, offset);
+      nearest = std::min(nearest, eses::norm(offset - on_arc));
+    }
+    return nearest;
+  }
+};
+
+// How far a point of a patch may be inside a SAS ball: besides the tolerance the slack of seams.
+constexpr double allowed_depth = 2 * (tolerance::accessible + tolerance::seam);
+
+void require_accessible_patches(const Patchwork& patchwork) {
+  for (const ProbePlacement& placement : patchwork.surface.patches.placements)
+    REQUIRE(depth_of(patchwork.spheres, extended(placement.center)) < tolerance::covered);
+  for (const ArcFeature& arc : patchwork.features.arcs) {
+    const ContactCircle& circle = arc.circle;
+    const Vec3 e = any_perpendicular(circle.axis), f = eses::cross(circle.axis, e);
+    constexpr int samples = 60;
+    for (int s = 0; s < samples; ++s) {
+      const double angle = 2 * M_PI * s / samples;
+      const Vec3 direction = std::cos(angle) * e + std::sin(angle) * f;
+      if (!faces(arc.sector, direction)) continue;
+      INFO("arc of " << arc.atoms[0] << " and " << arc.atoms[1]);
+      REQUIRE(depth_of(patchwork.spheres, extended(circle.center) +
+                                              circle.radius * extended(direction)) < allowed_depth);
+    }
+  }
+}
+
+void require_all_vertices(const Patchwork& patchwork) {
+  const auto& spheres = patchwork.spheres;
+  for (std::size_t i = 0; i < spheres.size(); ++i)
+    for (std::size_t j = i + 1; j < spheres.size(); ++j)
+      for (std::size_t k = j + 1; k < spheres.size(); ++k)
+        for_each_meeting_point(spheres[i], spheres[j], spheres[k], [&](RealVec3 point) {
+          if (depth_of(spheres, point) > 0.9 * tolerance::accessible) return;
+          INFO("atoms " << i << " " << j << " " << k);
+          if (patchwork.is_on_face(point)) return;
+          REQUIRE(patchwork.distance_to_patches(point) < 1e-7);
+        });
+}
+
+std::uint64_t set_count() {
+  constexpr std::uint64_t by_default = 100;
+  const char* wanted = std::getenv("ESES_NEAR_DEGENERATE_SETS");
+  return wanted == nullptr ? by_default : std::stoull(wanted);
+}
+
+void check_files(const std::vector<Atom>& atoms, double probe) {
+  Parameters parameters;
+  parameters.probe_radius = probe;
+  parameters.spacing = 0.5;
+  parameters.margin = 0.9;
+  parameters.block_size = 24;
+  const RunResult result = run_and_read(atoms, parameters);
+  const auto faults = find_faults(atoms, parameters, result.files, result.summary);
+  INFO((faults.empty() ? "" : faults.front()));
+  CHECK(faults.empty());
+}
+
+}  // namespace
+
+TEST_CASE("near-degenerate: every patch is accessible, every vertex on a patch") {
+  for (std::uint64_t seed = 0; seed < set_count(); ++seed) {
+    const NearDegenerateSet set = make_near_degenerate_set(seed);
+    INFO(set.name << ", noise " << set.noise << ", probe radius " << set.probe_radius);
+    const Patchwork patchwork(set.atoms, set.probe_radius);
+    require_accessible_patches(patchwork);
+    require_all_vertices(patchwork);
+  }
+}
+
+TEST_CASE("near-degenerate: files against the oracle") {
+  for (std::uint64_t seed = 0; seed < set_count() / 2; ++seed) {
+    const NearDegenerateSet set = make_near_degenerate_set(seed);
+    INFO(set.name << ", noise " << set.noise << ", probe radius " << set.probe_radius);
+    check_files(set.atoms, set.probe_radius);
+  }
+}
+
+TEST_CASE("near-degenerate: far from the origin") {
+  for (std::uint64_t seed = 1; seed < set_count() / 5; ++seed) {
+    const NearDegenerateSet set = make_near_degenerate_set(seed);
+    INFO(set.name << ", noise " << set.noise << ", probe radius " << set.probe_radius);
+    const std::vector<Atom> atoms = moved(set.atoms, {1e5, -1e5, 5e4});
+    const Patchwork patchwork(atoms, set.probe_radius);
+    require_accessible_patches(patchwork);
+  }
+}
+
+TEST_CASE("near-degenerate: an atom almost in another's place changes nothing", "[degenerate]") {
+  const std::vector<Atom> three{{{0, 0, 0}, 1.7}, {{3, 0, 0}, 1.7}, {{1.5, 2.6, 0}, 1.7}};
+  Parameters parameters;
+  parameters.spacing = 0.2;
+  const Summary expected = compute(three, make_plan(three, parameters, OutputChoice::none()));
+  for (const double offset : {1e-12, 1e-10, 1e-9, 1.1e-9, 1e-8, 1e-7}) {
+    INFO("offset " << offset);
+    std::vector<Atom> four = three;
+    four.push_back({{offset, 0, 0}, 1.7});
+    const Summary found = compute(four, make_plan(four, parameters, OutputChoice::none()));
+    CHECK(found.area == Catch::Approx(expected.area).epsilon(1e-6));
+    CHECK(found.inside_points == expected.inside_points);
+    check_files(four, 1.4);
+  }
+}
+
+TEST_CASE("near-degenerate: which atoms stand for others does not depend on their order") {
+  // Each of the chain is within the tolerance of the next, the last is far beyond it of the first.
+  std::vector<Atom> chain;
+  for (int i = 0; i < 50; ++i) chain.push_back({{0.9 * tolerance::containment * i, 0, 0}, 1.5});
+  std::vector<Vec3> kept;
+  for (const int stride : {1, 7, 49}) {
+    std::vector<Atom> atoms;
+    for (int i = 0; i < 50; ++i) atoms.push_back(chain[static_cast<std::size_t>(i * stride % 50)]);
+    const Molecule molecule(atoms);
+    std::vector<Vec3> stays;
+    for (AtomIndex i = 0; i < atoms.size(); ++i)
+      if (!molecule.is_contained(i)) stays.push_back(atoms[i].center);
+    for (const Atom& atom : atoms)
+      CHECK(std::any_of(stays.begin(), stays.end(), [&](Vec3 other) {
+        return eses::norm(other - atom.center) <= tolerance::containment;
+      }));
+    std::sort(stays.begin(), stays.end(), [](Vec3 a, Vec3 b) { return a.x < b.x; });
+    if (kept.empty()) kept = stays;
+    CHECK(stays == kept);
+  }
+  CHECK(kept.size() > 20);
+  CHECK(kept.size() < 40);
+}
+
+TEST_CASE("near-degenerate: a probe radius at its lower bound") {
+  for (std::uint64_t seed = 1; seed <= 3; ++seed) {
+    std::vector<Atom> atoms = make_chain(12, seed);
+    for (Atom& atom : atoms) {
+      atom.center = 0.02 * atom.center;
+      atom.radius *= 0.02;
+    }
+    Parameters parameters;
+    parameters.probe_radius = least_probe_radius;
+    parameters.spacing = 0.008;
+    parameters.margin = 0.02;
+    const RunResult result = run_and_read(atoms, parameters);
+    const auto faults = find_faults(atoms, parameters, result.files, result.summary);
+    INFO((faults.empty() ? "" : faults.front()));
+    CHECK(faults.empty());
+  }
+  Parameters parameters;
+  parameters.probe_radius = 0.99 * least_probe_radius;
+  const std::vector<Atom> atom{{{0, 0, 0}, 1}};
+  CHECK_THROWS_AS(make_plan(atom, parameters, OutputChoice::none()), Error);
+}
+
+}  // namespace eses::test
