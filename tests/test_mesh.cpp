@@ -1,5 +1,7 @@
 /// The mesh: its table of cases, its shape whatever the points, and its files.
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -564,6 +566,21 @@ TEST_CASE("mesh: the header's length does not depend on the counts", "[mesh]") {
       text.write_header({count, 2 * count}, [&](std::string_view part) { length += part.size(); });
       CHECK(length == text.header_bytes());
     }
+  }
+}
+
+TEST_CASE("mesh: the counts of an OFF file are separated by single blanks", "[mesh]") {
+  // The format allows any white space, but meshio splits the line, without what surrounds it, at
+  // each blank.
+  const mesh::MeshText text(MeshFormat::off, MeshColor::none, {});
+  for (const std::uint64_t count : {1ULL, 99ULL, 2147483647ULL}) {
+    std::string header;
+    text.write_header({count, 2 * count}, [&](std::string_view part) { header += part; });
+    const std::string begin = fmt::format("OFF\n{} {} 0", count, 2 * count);
+    INFO(header);
+    REQUIRE(header.rfind(begin, 0) == 0);
+    CHECK(header.find_first_not_of(' ', begin.size()) == header.size() - 1);
+    CHECK(header.back() == '\n');
   }
 }
 
