@@ -9,6 +9,7 @@
 #include <cstdio>
 #include <filesystem>
 #include <fstream>
+#include <iterator>
 #include <numbers>
 #include <set>
 #include <sstream>
@@ -542,6 +543,50 @@ TEST_CASE("a dry run refuses what the run would refuse", "[cli]") {
     CHECK(outcome.out.empty());
     CHECK(outcome.err.rfind("eses-blocks: error: ", 0) == 0);
   }
+}
+
+TEST_CASE("only regular files are replaced or removed", "[cli]") {
+  const Sandbox sandbox;
+  write_file(sandbox.directory() / "a.pqr", "ATOM 1 N MET A 1 0 0 0 0.5 1.5\n");
+  struct Case {
+    const char* name;
+    Arguments arguments;
+  };
+  const std::vector<Case> cases{{"bounding_box.txt", {}},
+                                {"grid_info.txt", {}},
+                                {"intersection_info.txt.gz", {"--gzip"}},
+                                {"partition_area.txt", {"--gzip"}},  // whose plain form is removed
+                                {"partition_area.txt.gz", {}},       // likewise its compressed form
+                                {"residue_area.csv", {"--write", "residues"}},
+                                {"chain_area.csv", {"--write", "residues"}},
+                                {"map.dx", {"--inside", "map.dx"}},
+                                {"map.vti", {"--inside", "map.vti", "--resume"}},
+                                {"grid_info.txt", {"--resume"}}};
+  const SpecialFiles special(sandbox.directory());
+  const fs::path out = sandbox.directory() / "out";
+  for (const auto& [name, more] : cases)
+    for (const auto& [file, kind] : special.kinds) {
+      fs::create_directory(out);
+      fs::create_symlink(file, out / name);
+      Arguments arguments{"a.pqr", "-o", "out"};
+      arguments.insert(arguments.end(), more.begin(), more.end());
+      INFO(Sandbox::command(arguments) << " with " << name << " that leads to " << kind);
+      const Outcome outcome = sandbox.run(arguments);
+      CHECK(outcome.code == 1);
+      CHECK(outcome.out.empty());
+      CHECK(outcome.err == fmt::format("eses-blocks: error: cannot write out/{}: it is {}, not a "
+                                       "regular file; choose another name\n",
+                                       name, kind));
+      CHECK(std::distance(fs::directory_iterator(out), {}) == 1);
+      CHECK(fs::is_symlink(out / name));
+      fs::remove_all(out);
+    }
+  // The file that a link leads to is not written; the link makes room for the new one.
+  fs::create_directory(out);
+  write_file(sandbox.directory() / "older", "older");
+  fs::create_symlink("../older", out / "bounding_box.txt");
+  CHECK(sandbox.run({"a.pqr", "-o", "out", "-q"}).code == 0);
+  CHECK(read_file(sandbox.directory() / "older") == "older");
 }
 
 TEST_CASE("a memory limit is kept, or refused with one that would do", "[cli]") {

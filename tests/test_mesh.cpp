@@ -686,6 +686,41 @@ TEST_CASE("mesh: errors", "[mesh][cli]") {
   check({"pair.xyzr", "--mesh", "a.ply"}, 1, "cannot write a.ply");
 }
 
+TEST_CASE("mesh: only a regular file is replaced", "[mesh][cli]") {
+  const Sandbox sandbox;
+  const SpecialFiles special(sandbox.directory());
+  for (const auto& [file, kind] : special.kinds) {
+    for (const bool is_link : {false, true}) {
+      const fs::path mesh = sandbox.directory() / "a.ply";
+      if (is_link) {
+        fs::create_symlink(file, sandbox.directory() / "b.ply");
+        fs::create_symlink("b.ply", mesh);
+      } else if (file.parent_path() == sandbox.directory()) {
+        fs::rename(file, mesh);
+      } else {
+        continue;
+      }
+      for (const char* more : {"-q", "--dry-run", "--resume"}) {
+        INFO(kind << (is_link ? " by links " : " ") << more);
+        const Outcome outcome =
+            sandbox.run({"pair.xyzr", "--write", "none", "--mesh", "a.ply", more});
+        CHECK(outcome.code == 1);
+        CHECK(outcome.out.empty());
+        CHECK(outcome.err == "eses-blocks: error: cannot write a.ply: it is " + kind +
+                                 ", not a regular file; choose another name\n");
+        CHECK(fs::is_symlink(fs::symlink_status(mesh)) == is_link);
+        CHECK_FALSE(fs::is_regular_file(mesh));
+      }
+      if (is_link) {
+        fs::remove(mesh);
+        fs::remove(sandbox.directory() / "b.ply");
+      } else {
+        fs::rename(mesh, file);
+      }
+    }
+  }
+}
+
 TEST_CASE("mesh: a symbolic link stays, and the file is where it leads", "[mesh][cli]") {
   const Sandbox sandbox;
   fs::create_directory(sandbox.directory() / "far");
