@@ -665,14 +665,25 @@ TEST_CASE("what is planned bounds what long names of residues take", "[cli]") {
   }
 }
 
-TEST_CASE("what reading takes counts towards the limit", "[cli]") {
+TEST_CASE("reading takes memory for atoms, not for text, and keeps the limit", "[cli]") {
+  if (holds_shadow_memory) return;
   const Sandbox sandbox;
   write_file(sandbox.directory() / "talk.xyzr",
              std::string(std::size_t{40} << 20, '\n') + "0 0 0 1.5\n");
-  const Outcome outcome = sandbox.run({"talk.xyzr", "--max-memory", "30M", "-o", "talk"});
-  CHECK(outcome.code == 1);
-  CHECK(contains(outcome.err, "talk.xyzr: reading it has taken more memory"));
-  CHECK_FALSE(fs::exists(sandbox.directory() / "talk"));
+  CHECK(sandbox.run({"talk.xyzr", "--max-memory", "30M", "-t", "1", "-q"}).code == 0);
+
+  std::string text;
+  for (int i = 0; i < 1000000; ++i) text += "1 2 3 1.5\n";  // 38 MiB of atoms
+  write_file(sandbox.directory() / "many.xyzr", text);
+  for (const Arguments& more : {Arguments{}, Arguments{"--resume"}, Arguments{"--dry-run"}}) {
+    Arguments arguments{"many.xyzr", "--max-memory", "30M", "-o", "many"};
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    INFO(Sandbox::command(arguments));
+    const Outcome outcome = sandbox.run(arguments);
+    CHECK(outcome.code == 1);
+    CHECK(contains(outcome.err, " atoms takes more memory than the 30 MiB that the run may hold"));
+    CHECK_FALSE(fs::exists(sandbox.directory() / "many"));
+  }
 }
 
 TEST_CASE("what is odd in the input is warned about, counted, with line numbers", "[cli]") {
