@@ -666,11 +666,11 @@ TEST_CASE("what is planned bounds what long names of residues take", "[cli]") {
 }
 
 TEST_CASE("reading takes memory for atoms, not for text, and keeps the limit", "[cli]") {
-  if (holds_shadow_memory) return;
   const Sandbox sandbox;
   write_file(sandbox.directory() / "talk.xyzr",
              std::string(std::size_t{40} << 20, '\n') + "0 0 0 1.5\n");
-  CHECK(sandbox.run({"talk.xyzr", "--max-memory", "30M", "-t", "1", "-q"}).code == 0);
+  const Outcome talk = sandbox.run({"talk.xyzr", "--max-memory", "30M", "-t", "1", "-q"});
+  CHECK((talk.code == 0 || holds_shadow_memory));
 
   std::string text;
   for (int i = 0; i < 1000000; ++i) text += "1 2 3 1.5\n";  // 38 MiB of atoms
