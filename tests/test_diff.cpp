@@ -626,11 +626,22 @@ TEST_CASE("diff: a file that is cut off or damaged", "[diff]") {
   const std::string gzipped = read_bytes(path);
   write_file(path, gzipped.substr(0, gzipped.size() - 3));
   check_trouble(pair.diff_as_is(),
-                "b/partition_area.txt.gz:6: the compressed data ends here, too early");
+                "b/partition_area.txt.gz: the compressed data ends too early, after " +
+                    std::to_string(gzipped.size() - 3) + " bytes");
   std::string damaged = gzipped;
   damaged[damaged.size() - 6] ^= 1;  // of the checksum
   write_file(path, damaged);
-  check_trouble(pair.diff_as_is(), "b/partition_area.txt.gz:1: the compressed data is damaged");
+  const std::string start = "b/partition_area.txt.gz: the compressed data ";
+  check_trouble(pair.diff_as_is(),
+                fmt::format("{}is damaged near byte {}", start, gzipped.size() - 4));
+  // Behind it a member that does not begin as it must, or of which only a byte is left.
+  write_file(path, gzipped + "\x1e\x8b\x08");
+  check_trouble(pair.diff_as_is(), fmt::format("{}is damaged near byte {}", start, gzipped.size()));
+  write_file(path, gzipped + "\x1f");
+  check_trouble(pair.diff_as_is(),
+                fmt::format("{}ends too early, after {} bytes", start, gzipped.size() + 1));
+  write_file(path, gzipped + std::string(512, '\0'));
+  CHECK(pair.diff_as_is().code == 0);
 }
 
 // --- atoms of the same contact -------------------------------------------------------------------

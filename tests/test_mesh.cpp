@@ -1,5 +1,7 @@
 /// The mesh: its table of cases, its shape whatever the points, and its files.
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -567,6 +569,21 @@ TEST_CASE("mesh: the header's length does not depend on the counts", "[mesh]") {
   }
 }
 
+TEST_CASE("mesh: the counts of an OFF file are separated by single blanks", "[mesh]") {
+  // The format allows any white space, but meshio splits the line, without what surrounds it, at
+  // each blank.
+  const mesh::MeshText text(MeshFormat::off, MeshColor::none, {});
+  for (const std::uint64_t count : {1ULL, 99ULL, 2147483647ULL}) {
+    std::string header;
+    text.write_header({count, 2 * count}, [&](std::string_view part) { header += part; });
+    const std::string begin = fmt::format("OFF\n{} {} 0", count, 2 * count);
+    INFO(header);
+    REQUIRE(header.rfind(begin, 0) == 0);
+    CHECK(header.find_first_not_of(' ', begin.size()) == header.size() - 1);
+    CHECK(header.back() == '\n');
+  }
+}
+
 TEST_CASE("mesh: what cannot be is refused", "[mesh]") {
   CHECK_NOTHROW(mesh::require_numbers(2147483647));
   CHECK_THROWS_AS(mesh::require_numbers(2147483648), Error);
@@ -667,6 +684,41 @@ TEST_CASE("mesh: errors", "[mesh][cli]") {
   fs::create_symlink("b.ply", sandbox.directory() / "a.ply");
   fs::create_symlink("a.ply", sandbox.directory() / "b.ply");
   check({"pair.xyzr", "--mesh", "a.ply"}, 1, "cannot write a.ply");
+}
+
+TEST_CASE("mesh: only a regular file is replaced", "[mesh][cli]") {
+  const Sandbox sandbox;
+  const SpecialFiles special(sandbox.directory());
+  for (const auto& [file, kind] : special.kinds) {
+    for (const bool is_link : {false, true}) {
+      const fs::path mesh = sandbox.directory() / "a.ply";
+      if (is_link) {
+        fs::create_symlink(file, sandbox.directory() / "b.ply");
+        fs::create_symlink("b.ply", mesh);
+      } else if (file.parent_path() == sandbox.directory()) {
+        fs::rename(file, mesh);
+      } else {
+        continue;
+      }
+      for (const char* more : {"-q", "--dry-run", "--resume"}) {
+        INFO(kind << (is_link ? " by links " : " ") << more);
+        const Outcome outcome =
+            sandbox.run({"pair.xyzr", "--write", "none", "--mesh", "a.ply", more});
+        CHECK(outcome.code == 1);
+        CHECK(outcome.out.empty());
+        CHECK(outcome.err == "eses-blocks: error: cannot write a.ply: it is " + kind +
+                                 ", not a regular file; choose another name\n");
+        CHECK(fs::is_symlink(fs::symlink_status(mesh)) == is_link);
+        CHECK_FALSE(fs::is_regular_file(mesh));
+      }
+      if (is_link) {
+        fs::remove(mesh);
+        fs::remove(sandbox.directory() / "b.ply");
+      } else {
+        fs::rename(mesh, file);
+      }
+    }
+  }
 }
 
 TEST_CASE("mesh: a symbolic link stays, and the file is where it leads", "[mesh][cli]") {

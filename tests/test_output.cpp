@@ -18,6 +18,7 @@
 #include "io/output_file.hpp"
 #include "support/atom_sets.hpp"
 #include "support/eses_files.hpp"
+#include "support/sandbox.hpp"
 #include "support/temporary_directory.hpp"
 #include "system/parallel.hpp"
 
@@ -133,6 +134,28 @@ TEST_CASE("a run into a place that cannot be written to fails and names it") {
     } catch (const Error& error) {
       CHECK(std::string(error.what()).find(place.string()) != std::string::npos);
     }
+  }
+}
+
+TEST_CASE("a library's run does not replace a device, FIFO or socket") {
+  const TemporaryDirectory directory;
+  const SpecialFiles special(directory.path());
+  for (const auto& [file, kind] : special.kinds) {
+    INFO(kind);
+    const std::filesystem::path out = directory.path() / "out", link = directory.path() / "a.ply";
+    std::filesystem::create_directory(out);
+    std::filesystem::create_symlink(file, out / "grid_info.txt");
+    CHECK_THROWS_AS(run_chain(out), Error);
+    CHECK(names_in(out).size() == 1);
+    std::filesystem::remove_all(out);
+    std::filesystem::create_symlink(file, link);
+    OutputChoice outputs = OutputChoice::none();
+    outputs.mesh = MeshChoice{link};
+    const std::vector<Atom> atoms{{{0, 0, 0}, 1.5}};
+    CHECK_THROWS_AS(run(atoms, make_plan(atoms, {}, outputs), outputs, out), Error);
+    CHECK_FALSE(std::filesystem::is_regular_file(link));
+    CHECK(std::filesystem::is_symlink(link));
+    std::filesystem::remove(link);
   }
 }
 

@@ -421,4 +421,15 @@ TEST_CASE("the plan knows the length of the tables and of the bounding box", "[p
   }
 }
 
+TEST_CASE("no plan takes less memory than the number of atoms tells") {
+  // Equal atoms, of which one takes part in the surface, need the least.
+  for (const std::size_t count : {1, 1000, 30000}) {
+    const std::vector<Atom> atoms(count, {{0, 0, 0}, 1.5});
+    INFO(count);
+    const auto bytes = static_cast<double>(make_plan(atoms, {}, OutputChoice::none()).memory_bytes);
+    CHECK(bytes >= min_expected_memory(count));
+    CHECK(min_expected_memory(count) >= static_cast<double>(count * sizeof(Atom)));
+  }
+}
+
 }  // namespace eses::test

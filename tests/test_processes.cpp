@@ -202,13 +202,14 @@ TEST_CASE("pieces that overlap are refused", "[processes]") {
 
 TEST_CASE("lines of a part of a file have the numbers of the whole", "[processes]") {
   NumberedAtoms atoms;
-  CHECK(parse_atom_lines("1 2 3 1\n# no atom\n4 5 6 2\n", AtomFormat::xyzr, "file", 100, false,
-                         atoms) == 3);
+  AtomLines part{.name = "file", .first_line = 100};
+  CHECK(parse_atom_lines("1 2 3 1\n# no atom\n4 5 6 2\n", part, atoms).lines == 3);
   CHECK(atoms.lines == std::vector<std::uint64_t>{100, 102});
-  CHECK(parse_atom_lines("", AtomFormat::xyzr, "file", 103, false, atoms) == 0);
+  part.first_line = 103;
+  CHECK(parse_atom_lines("", part, atoms).lines == 0);
   std::string message;
   try {
-    parse_atom_lines("1 2 3 1\n1 2 x 1\n", AtomFormat::xyzr, "file", 103, false, atoms);
+    parse_atom_lines("1 2 3 1\n1 2 x 1\n", part, atoms);
   } catch (const Error& error) {
     message = error.what();
   }

@@ -198,6 +198,12 @@ std::string printed(double value) {
   return buffer;
 }
 
+std::string gzip_member(const std::string& text) {
+  Gzip gzip;
+  const std::span<const char> bytes = gzip.member(text);
+  return {bytes.begin(), bytes.end()};
+}
+
 /// With magnitudes from 1e-300 to almost the largest that is accepted.
 double random_number(std::mt19937_64& generator) {
   std::uniform_real_distribution<double> mantissa(-1, 1);
@@ -400,7 +406,7 @@ TEST_CASE("lines are limited to 4096 characters", "[read_atoms]") {
   CHECK(is_sole_atom(xyzr(longest), 1, 2, 3, 4));
   CHECK(is_sole_atom(xyzr(longest + "\r\n"), 1, 2, 3, 4));
   CHECK(xyzr_error("1 2 3 4\n" + longest + "x\n") ==
-        "t.xyzr:2: line of 4097 characters; at most 4096 are allowed");
+        "t.xyzr:2: more than 4096 characters in the line");
 }
 
 TEST_CASE("what is quoted is short, printable ASCII", "[read_atoms]") {
@@ -483,6 +489,78 @@ TEST_CASE("PQR: a number is not cut in two", "[read_atoms]") {
   CHECK(contains(pqr_error(start + "   1234." + "567.8901" + rest), "t.pqr:1: field 7 (y): "));
 }
 
+TEST_CASE("PQR: an element symbol behind the radius", "[read_atoms]") {
+  for (const char* element : {"N", "C", "ZN", "Zn", "N1+", "ZN2+", "O1-"}) {
+    CAPTURE(element);
+    const std::string end = std::string(" ") + element;
+    CHECK(is_sole_atom(pqr("ATOM 1 N MET A 1 1.0 2.0 3.0 -0.5 1.5" + end), 1, 2, 3, 1.5));
+    CHECK(is_sole_atom(pqr("ATOM 1 N MET 1 1.0 2.0 3.0 -0.5 1.5" + end + "  \r\n"), 1, 2, 3, 1.5));
+  }
+  // As Open Babel writes it, as pdb2pqr writes charge and radius, and with those where PDB files
+  // have occupancy and B-factor. ESES finds the first radius in columns 63 to 69.
+  const auto atoms =
+      pqr("ATOM      1  N   MET A   1      27.340  24.430   2.614 -0.30000000   1.550  N  \n"
+          "ATOM      2  N   MET A   1     -10.123-200.456-300.789 -0.3000 1.8500       N\n"
+          "HETATM    3 ZN    ZN A   2    -110.123-200.456-300.789  2.0000 1.3900      ZN2+\n"
+          "ATOM      4  CA  MET A   1      26.266  25.413   2.842  0.10  1.70           C  \n");
+  REQUIRE(atoms.size() == 4);
+  CHECK(is_atom(atoms[0], 27.34, 24.43, 2.614, 1.55));
+  CHECK(is_atom(atoms[1], -10.123, -200.456, -300.789, 1.85));
+  CHECK(is_atom(atoms[2], -110.123, -200.456, -300.789, 1.39));
+  CHECK(is_atom(atoms[3], 26.266, 25.413, 2.842, 1.7));
+
+  // A number that is missing before the symbol is missing as without it.
+  CHECK(contains(pqr_error("ATOM 1 N MET 1 1.0 2.0 3.0 1.5 N"), "at least 10 fields"));
+  CHECK(contains(pqr_error("ATOM 1 N MET A 1 1.0 2.0 3.0 1.5 N"), "the residue number"));
+  CHECK(contains(pqr_error("ATOM      1  N   MET A   1     -10.123-200.456  30.000  0.1000   N"),
+                 "(radius): missing"));
+  for (const char* field : {"N2", "N+", "ZNC", "N12+", "1+"}) {
+    CAPTURE(field);
+    CHECK(contains(pqr_error("ATOM 1 N MET A 1 1.0 2.0 3.0 -0.5 1.5 " + std::string(field)),
+                   "(radius): expected a number, found"));
+  }
+}
+
+TEST_CASE("PQR: charge and radius that run together in columns", "[read_atoms]") {
+  const std::string start = "ATOM      1  N   MET A   1     -10.123-200.456  30.000";
+  CHECK(is_sole_atom(pqr(start + "  0.100010.5000"), -10.123, -200.456, 30, 10.5));
+  CHECK(is_sole_atom(pqr(start + " -0.100010.5000       N"), -10.123, -200.456, 30, 10.5));
+  CHECK(contains(pqr_error(start + "  0.100010.50001"), "(charge): expected a number"));
+  CHECK(contains(pqr_error(start + "  1.00100.00"), "(charge): expected a number"));
+}
+
+TEST_CASE("PQR: a PDB file is refused with the reason", "[read_atoms]") {
+  // The first atoms of 1UBQ, and what follows in the columns of segment and element.
+  const std::vector<std::string> records{
+      "ATOM      1  N   MET A   1      27.340  24.430   2.614  1.00  9.67",
+      "ATOM      2  CA  MET A   1      26.266  25.413   2.842  1.00 10.38",
+      "ATOM      3  C   MET A   1      26.913  26.639   3.531  0.50  9.62",
+      "HETATM    4  O   HOH A   2     -26.913 -26.639  -3.531  1.00  2.00"};
+  const std::string reason =
+      "t.pqr: this is a PDB file: its columns 55 to 66 hold occupancy and B-factor, which are not "
+      "charge and radius; make a PQR file of it with pdb2pqr";
+  for (const char* end : {"", "           N  ", "           N1+"}) {
+    CAPTURE(end);
+    std::string text = "HEADER\n";
+    for (const std::string& record : records) {
+      text += record + end + "\n";
+      CHECK(pqr_error(text) == reason);
+    }
+  }
+  const std::string hint =
+      "; this looks like a PDB file, whose occupancy and B-factor are not charge and radius";
+  CHECK(contains(pqr_error(records[0] + "      PROA N"), hint));
+  CHECK(contains(pqr_error(records[0] + "      1UBQ  71"), hint));
+
+  // Charges and radii in the same columns: not one record decides.
+  const std::string negative =
+      "ATOM      5  N   MET A   1      27.340  24.430   2.614 -0.30  1.85           N\n";
+  const std::string small =
+      "ATOM      6  N   MET A   1      27.340  24.430   2.614  0.30  1.85           N\n";
+  CHECK(pqr(records[3] + "\n" + negative).size() == 2);
+  CHECK(pqr(small + small + records[0] + "\n").size() == 3);
+}
+
 TEST_CASE("PQR: what the atoms are called", "[read_atoms]") {
   const std::string text =
       "ATOM  5 N      MET    1   -6.40600   5.46900  -3.25900 -0.30000 1.85000\n"
@@ -543,8 +621,8 @@ TEST_CASE("PQR: fields that are wrong in free format", "[read_atoms]") {
         "t.pqr:2: field 11 (radius): \"1e999\" is out of the range of double precision");
   CHECK(pqr_error(start + "1.0 2e7 3.0 0.5 1.5\n") ==
         "t.pqr:2: field 8 (y): \"2e7\" is beyond the limit of 1000000 angstrom");
-  CHECK(pqr_error(start + "1.0 2.0 3.0 0.5 1.5 N\n") ==
-        "t.pqr:2: field 12 (radius): expected a number, found \"N\"");
+  CHECK(pqr_error(start + "1.0 2.0 3.0 0.5 1.5 PROA\n") ==
+        "t.pqr:2: field 12 (radius): expected a number, found \"PROA\"");
 }
 
 TEST_CASE("PQR: fields that are wrong in columns", "[read_atoms]") {
@@ -580,7 +658,7 @@ TEST_CASE("PQR: no atoms", "[read_atoms]") {
 
 TEST_CASE("PQR: lines are limited to 4096 characters", "[read_atoms]") {
   CHECK(pqr_error(std::string("REMARK").append(4091, '-')) ==
-        "t.pqr:1: line of 4097 characters; at most 4096 are allowed");
+        "t.pqr:1: more than 4096 characters in the line");
 }
 
 // ---------------------------------------------------------------------------------------- files
@@ -616,21 +694,18 @@ TEST_CASE("a file larger than one read", "[read_atoms]") {
 TEST_CASE("gzip files are read, of any number of members", "[read_atoms]") {
   const TemporaryDirectory directory;
   const std::string record = "ATOM 1 N MET 1 1 2 3 0.5 1.5\n";
-  Gzip gzip;
-  const auto member = [&](const std::string& text) {
-    const std::span<const char> bytes = gzip.member(text);
-    return std::string(bytes.begin(), bytes.end());
-  };
-  CHECK(is_sole_atom(eses::read_atoms(directory.write("a.pqr.gz", member(record))), 1, 2, 3, 1.5));
+  CHECK(is_sole_atom(eses::read_atoms(directory.write("a.pqr.gz", gzip_member(record))), 1, 2, 3,
+                     1.5));
   // Which is compressed tells the file itself.
-  CHECK(is_sole_atom(eses::read_atoms(directory.write("a.xyzr", member("1 2 3 4"))), 1, 2, 3, 4));
+  CHECK(is_sole_atom(eses::read_atoms(directory.write("a.xyzr", gzip_member("1 2 3 4"))), 1, 2, 3,
+                     4));
   CHECK(is_sole_atom(eses::read_atoms(directory.write("b.xyzr.gz", "1 2 3 4")), 1, 2, 3, 4));
 
   std::string lines, members;
   for (int i = 0; i < 50000; ++i) {
     lines += std::to_string(i) + " 2 3 4\n";
     if (i % 10000 == 9999) {
-      members += member(lines);
+      members += gzip_member(lines);
       lines.clear();
     }
   }
@@ -639,7 +714,7 @@ TEST_CASE("gzip files are read, of any number of members", "[read_atoms]") {
   for (std::size_t i = 0; i < atoms.size(); ++i)
     REQUIRE(atoms[i].center.x == static_cast<double>(i));
 
-  const std::string whole = member("1 2 3 4\n5 6 7 8\n");
+  const std::string whole = gzip_member("1 2 3 4\n5 6 7 8\n");
   for (std::size_t size = 2; size < whole.size(); ++size)
     CHECK(contains(file_error(directory.write("cut.xyzr.gz", whole.substr(0, size))),
                    "cut.xyzr.gz: the compressed data ends too early"));
@@ -647,8 +722,41 @@ TEST_CASE("gzip files are read, of any number of members", "[read_atoms]") {
   damaged[whole.size() - 6] ^= 1;  // in the check sum
   CHECK(contains(file_error(directory.write("bad.xyzr.gz", damaged)),
                  "bad.xyzr.gz: the compressed data is damaged"));
-  CHECK(contains(file_error(directory.write("line.xyzr.gz", member("1 2 3 4\n1 2 x 4\n"))),
+  CHECK(contains(file_error(directory.write("line.xyzr.gz", gzip_member("1 2 3 4\n1 2 x 4\n"))),
                  "line.xyzr.gz:2: field 3"));
+}
+
+TEST_CASE("behind a gzip member only another one or zeros may follow", "[read_atoms]") {
+  const TemporaryDirectory directory;
+  const std::string first = gzip_member("1 2 3 4\n"), second = gzip_member("5 6 7 8\n");
+  const auto error_of = [&](const std::string& bytes) {
+    return file_error(directory.write("a.xyzr.gz", bytes));
+  };
+  // What gzip -t accepts is read, what it refuses is refused.
+  CHECK(error_of(first + second).empty());
+  CHECK(error_of(first + second + std::string(1000000, '\0')).empty());
+  const std::string damaged = "a.xyzr.gz: the compressed data is damaged near byte ";
+  for (std::size_t byte = 0; byte < 4; ++byte) {  // of the second member's header
+    INFO(byte);
+    std::string bytes = second;
+    bytes[byte] = '\x7e';
+    CHECK(contains(error_of(first + bytes), damaged));
+    CHECK_FALSE(error_of(first + bytes.substr(0, byte + 1)).empty());
+  }
+  CHECK(contains(error_of(first + "\n"), damaged));
+  CHECK(contains(error_of(first + std::string(10, '\0') + second), damaged));
+  for (std::size_t size = 1; size < second.size(); ++size) {
+    INFO(size);
+    CHECK(contains(error_of(first + second.substr(0, size)),
+                   "a.xyzr.gz: the compressed data ends too early, after " +
+                       std::to_string(first.size() + size) + " bytes"));
+  }
+  // Boundaries of members and of what is read at a time meet in every way.
+  const std::string line = "1 2 3 4\n";
+  std::string many;
+  for (int i = 0; i < 20000; ++i) many += gzip_member(line);
+  CHECK(eses::read_atoms(directory.write("b.xyzr.gz", many)).size() == 20000);
+  CHECK(contains(error_of(many + "x"), damaged));
 }
 
 TEST_CASE("structure files without radii are refused", "[read_atoms]") {

@@ -17,7 +17,9 @@
 #include "eses/error.hpp"
 #include "eses/molecule.hpp"
 #include "eses/read_atoms.hpp"
+#include "run/memory.hpp"
 #include "run/output_files.hpp"
+#include "system/bytes_text.hpp"
 #include "system/resources.hpp"
 
 namespace eses::cli {
@@ -33,14 +35,28 @@ Summary run_with_progress(const Molecule& molecule, const Options& options, cons
   return summary;
 }
 
-/// A file may have far more text than atoms.
-void require_memory_for_reading(const Options& options) {
+/// Refuses more atoms than any run within the memory limit could hold, before anything is made of
+/// them. Plans for few atoms take little memory, and tell the smallest limit that would do.
+void require_memory_for(std::size_t atoms, const Options& options) {
+  const double least = min_expected_memory(atoms), without_atoms = min_expected_memory(0);
+  const std::uint64_t limit = options.parameters.max_memory;
+  if (limit == 0 || least <= static_cast<double>(limit) || least < 2 * without_atoms) return;
+  throw Error(fmt::format(
+      "{}: {} atoms need more than {} of memory, and the run may hold {}; use a larger limit "
+      "(--max-memory)",
+      options.input.string(), atoms, binary_bytes_text(static_cast<std::uint64_t>(least)),
+      binary_bytes_text(limit)));
+}
+
+/// Throws Error if reading the atoms and preparing them has exceeded the memory limit.
+void require_memory_held(const Options& options) {
   const std::uint64_t limit = options.parameters.max_memory, peak = peak_memory();
   if (limit == 0 || peak <= limit) return;
   throw Error(
-      fmt::format("{}: reading it has taken more memory than the limit allows; the smallest "
-                  "that would do is --max-memory {}M",
-                  options.input.string(), (peak >> 20) + 1));
+      fmt::format("{}: reading and preparing its atoms has taken {}, more than the {} that the run "
+                  "may hold; use "
+                  "a larger limit (--max-memory)",
+                  options.input.string(), binary_bytes_text(peak), binary_bytes_text(limit)));
 }
 
 // `lines` are those of the atoms in the file.
@@ -52,16 +68,14 @@ Report plan_report(const Molecule& molecule, std::span<const std::uint64_t> line
   report.findings = describe(
       molecule.oddities(), [lines](AtomIndex atom) { return lines[atom]; }, options.input);
   report.plan = make_plan(molecule, options.parameters, options.outputs);
-  require_memory_for_reading(options);
+  require_memory_held(options);
   report.disk = require_disk_space(report.plan, options.outputs, options.output_directory);
   return report;
 }
 
-/// Labels take more memory than their atoms: they stay only where they are written.
-void choose_labels(const OutputChoice& outputs, std::vector<AtomLabel>& labels) {
-  const auto& mesh = outputs.mesh;
-  if (!outputs.residues && !(mesh && mesh_format(mesh->file) == MeshFormat::ply))
-    std::vector<AtomLabel>().swap(labels);
+/// Whether any output names chains or residues.
+bool needs_labels(const OutputChoice& outputs) {
+  return outputs.residues || (outputs.mesh && mesh_format(outputs.mesh->file) == MeshFormat::ply);
 }
 
 }  // namespace
@@ -92,8 +106,11 @@ int compute_alone(const Options& options) {
   refuse_to_lose_input(options);
   refuse_residues_of_xyzr(options);
   require_places(options.outputs, options.output_directory);
-  NumberedAtoms input = read_numbered_atoms(options.input, options.format);
-  choose_labels(options.outputs, input.labels);
+  NumberedAtoms input =
+      read_numbered_atoms(options.input, {.format = options.format,
+                                          .with_labels = needs_labels(options.outputs),
+                                          .max_memory = options.parameters.max_memory});
+  require_memory_for(input.atoms.size(), options);
   const Molecule molecule(std::move(input.atoms), std::move(input.labels),
                           options.parameters.threads);
   Report report = plan_report(molecule, input.lines, options);

@@ -1,8 +1,11 @@
 #pragma once
-/// Reading atoms from a part of a file.
+/// Reading atoms from text that arrives in pieces.
 
+#include <cstddef>
 #include <cstdint>
 #include <filesystem>
+#include <functional>
+#include <span>
 #include <string>
 #include <string_view>
 
@@ -10,19 +13,47 @@
 
 namespace eses {
 
-/// Appends the atoms of whole lines, of which the first is number `first_line` of file `name`.
-/// Returns the number of lines. Throws Error as read_numbered_atoms does, but not if there is no
-/// atom.
-std::uint64_t parse_atom_lines(std::string_view text, AtomFormat format, std::string_view name,
-                               std::uint64_t first_line, bool with_labels, NumberedAtoms& result);
+/// How the lines of an atom file are read.
+struct AtomLines {
+  AtomFormat format = AtomFormat::xyzr;
+  std::string_view name;         ///< of the file, in messages
+  std::uint64_t first_line = 1;  ///< number of the first line in the file, 1-based
+  bool with_labels = false;      ///< only PQR has labels
+  std::uint64_t max_memory = 0;  ///< see ReadOptions
+};
 
-/// Says that a file of so many lines has no atom.
+/// Counts of PQR records that look like those of a PDB file.
+struct PdbLikeness {
+  /// Records with numbers where PDB files have occupancy and B-factor, as these are written there.
+  std::uint64_t layout = 0;
+  /// Of these, records whose numbers are improbable as charge and radius.
+  std::uint64_t values = 0;
+};
+
+struct LinesRead {
+  std::uint64_t lines = 0;
+  PdbLikeness likeness;
+};
+
+/// Fills a part of a buffer and returns the number of characters; 0 at the end of the text.
+using ReadText = std::function<std::size_t(std::span<char> buffer)>;
+
+/// Appends the atoms of a text to `result`, in memory that does not grow with the text, and calls
+/// `after_piece` now and then. Throws Error as read_numbered_atoms does, but not if there is no
+/// atom, nor if the text is a PDB file.
+LinesRead read_atom_lines(const ReadText& read, const AtomLines& lines, NumberedAtoms& result,
+                          const std::function<void()>& after_piece = {});
+
+/// The same for a text in memory, which must consist of whole lines.
+LinesRead parse_atom_lines(std::string_view text, const AtomLines& lines, NumberedAtoms& result);
+
+/// Throws Error if the records of a PQR file, as many as `atoms`, are those of a PDB file.
+void refuse_pdb_records(std::string_view name, std::uint64_t atoms, const PdbLikeness& likeness);
+
+/// The message for a file that has this number of lines and no atom.
 std::string no_atoms_message(std::string_view name, AtomFormat format, std::uint64_t lines);
 
 /// Throws Error if a file, by its suffix, has coordinates without radii.
 void refuse_structure_files(const std::filesystem::path& path);
-
-/// A descriptor. Throws Error, naming the file.
-int open_for_reading(const std::filesystem::path& path, std::string_view name);
 
 }  // namespace eses

@@ -1,15 +1,18 @@
 #pragma once
-/// gzip (RFC 1952): members that stand behind each other in a file are read as one text.
+/// Compression as gzip (RFC 1952).
 
 #include <zlib.h>
 
-#include <cstddef>
 #include <span>
-#include <string>
 #include <string_view>
 #include <vector>
 
 namespace eses {
+
+inline constexpr std::string_view gzip_magic = "\x1f\x8b";
+
+/// What zlib is told of the format: the largest window, and 16 for gzip.
+inline constexpr int gzip_window_bits = MAX_WBITS + 16;
 
 /// Of the levels the fastest: the next ones take more time than the computation for little space.
 inline constexpr int gzip_level = 1;
@@ -33,11 +36,10 @@ class Gzip {
   std::vector<char> bytes_;
 };
 
-/// Whether a text begins as gzip's files do.
+/// Whether a text begins as gzip files do.
 bool is_gzip(std::string_view bytes);
 
-/// The text of all members. Throws Error, whose message begins with `name`, if they are damaged or
-/// cut off.
-std::string decompressed(std::string_view bytes, std::string_view name);
+/// `bytes` as the input of zlib, which only reads them.
+Bytef* zlib_bytes(std::span<const char> bytes);
 
 }  // namespace eses

@@ -1,19 +1,19 @@
 #pragma once
 /// Text files, plain or gzipped, line by line, in memory that does not grow with the file.
 
-#include <zlib.h>
-
 #include <cstdint>
 #include <filesystem>
-#include <memory>
 #include <string>
 #include <string_view>
 #include <vector>
 
+#include "io/file_descriptor.hpp"
+#include "io/text_source.hpp"
+
 namespace eses {
 
-/// Whether a file is gzipped is told by its first bytes, not by its name. Every failure throws
-/// Error, naming the file and, once it is open, the line.
+/// Lines of a file that TextSource reads. Every failure throws Error with the name of the file, and
+/// with the number of the line where one is at fault.
 class LineReader {
  public:
   explicit LineReader(const std::filesystem::path& path);
@@ -31,14 +31,10 @@ class LineReader {
  private:
   void refill();
   [[noreturn]] void fail_at(std::uint64_t line, std::string_view what) const;
-  [[noreturn]] void fail_to_read(int zlib_error) const;
-
-  struct Close {
-    void operator()(gzFile_s* file) const { gzclose(file); }
-  };
 
   std::string name_;
-  std::unique_ptr<gzFile_s, Close> file_;
+  FileDescriptor file_;
+  TextSource source_;
   std::vector<char> buffer_;
   std::size_t begin_ = 0, end_ = 0;  // of what is in the buffer and not yet handed out
   bool at_end_of_file_ = false;

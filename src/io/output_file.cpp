@@ -12,14 +12,31 @@
 #include "eses/error.hpp"
 
 namespace eses {
+namespace {
+
+const char* kind_of_file(mode_t mode) {
+  if (S_ISDIR(mode)) return "a directory";
+  if (S_ISCHR(mode)) return "a character device";
+  if (S_ISBLK(mode)) return "a block device";
+  if (S_ISFIFO(mode)) return "a FIFO";
+  if (S_ISSOCK(mode)) return "a socket";
+  return "a special file";
+}
+
+}  // namespace
+
+void require_replaceable(const std::string& path) {
+  struct stat status {};
+  if (stat(path.c_str(), &status) != 0 || S_ISREG(status.st_mode)) return;
+  throw Error(fmt::format("cannot write {}: it is {}, not a regular file; choose another name",
+                          path, kind_of_file(status.st_mode)));
+}
 
 OutputFile::OutputFile(const OutputDirectory& directory, std::string name)
     : directory_(directory),
       name_(std::move(name)),
       temporary_name_(temporary_name(name_, getpid())) {
-  struct stat older {};
-  if (fstatat(directory_.descriptor(), name_.c_str(), &older, 0) == 0 && S_ISDIR(older.st_mode))
-    fail("create", EISDIR);
+  require_replaceable(path());
   file_ = FileDescriptor(openat(directory_.descriptor(), temporary_name_.c_str(),
                                 O_RDWR | O_CREAT | O_TRUNC | O_NOFOLLOW | O_CLOEXEC, 0666));
   if (!file_.is_open()) fail("create", errno);

@@ -10,12 +10,17 @@
 
 namespace eses {
 
+/// Throws Error if `path` leads, perhaps by symbolic links, to something that a regular file must
+/// not replace: a directory, device, FIFO or socket.
+void require_replaceable(const std::string& path);
+
 /// A file that is written under a temporary name in its own directory, and gets its final name only
 /// by `commit`. Destroyed before that, it leaves nothing behind. Every failure throws Error, naming
 /// the file.
 class OutputFile {
  public:
-  /// Keeps a reference to `directory`, which must outlive the file.
+  /// Keeps a reference to `directory`, which must outlive the file. Throws Error as
+  /// require_replaceable does.
   OutputFile(const OutputDirectory& directory, std::string name);
   ~OutputFile();
   OutputFile(const OutputFile&) = delete;

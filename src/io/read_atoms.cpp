@@ -1,13 +1,10 @@
 #include "eses/read_atoms.hpp"
 
-#include <fcntl.h>
 #include <fmt/format.h>
-#include <sys/stat.h>
 #include <unistd.h>
 
 #include <algorithm>
 #include <array>
-#include <cerrno>
 #include <cmath>
 #include <cstddef>
 #include <limits>
@@ -16,13 +13,16 @@
 #include <string>
 #include <system_error>
 #include <utility>
+#include <vector>
 
 #include "eses/error.hpp"
 #include "io/atom_lines.hpp"
 #include "io/file_descriptor.hpp"
-#include "io/gzip.hpp"
 #include "io/pqr_labels.hpp"
 #include "io/text_fields.hpp"
+#include "io/text_source.hpp"
+#include "system/bytes_text.hpp"
+#include "system/resources.hpp"
 
 namespace eses {
 namespace {
@@ -34,10 +34,14 @@ constexpr double largest_length = 1e6;  // angstrom
 // `0 0 0 0` and a newline: no atom takes less text.
 constexpr std::size_t shortest_atom_line = 8;  // characters
 
-// What one read asks for: no more than the file has, unless its size is unknown, and little enough
-// that a large binary file passed by mistake is noticed at once.
-constexpr std::size_t smallest_read = std::size_t{1} << 16;  // bytes
-constexpr std::size_t largest_read = std::size_t{1} << 20;   // bytes
+// Text that is parsed at a time; little enough that a large binary file passed by mistake is
+// noticed at once.
+constexpr std::size_t piece_bytes = std::size_t{1} << 18;
+static_assert(longest_line < piece_bytes);
+
+// Reading may add this to the memory of the process whatever the limit. Limits that are smaller
+// than that are refused when the run is planned, with the smallest limit that would do.
+constexpr std::uint64_t always_granted_bytes = std::uint64_t{4} << 20;
 
 // The largest index stays free, so that it may stand for "no atom".
 constexpr std::size_t most_atoms = std::numeric_limits<AtomIndex>::max();
@@ -166,8 +170,9 @@ Problem parse_xyzr(std::string_view line, Record& record) {
 //
 // `ATOM serial name residue [chain] number x y z charge radius`, free format:
 // https://apbs.readthedocs.io/en/latest/formats/pqr.html
-// Programs that keep to the columns of PDB files write coordinates without a blank in between,
+// Programs that keep to the columns of PDB files write numbers without a blank in between,
 // https://www.wwpdb.org/documentation/file-format-content/format33/sect9.html
+// Some append an element symbol, as PDB files have it; ESES and APBS do not read that far.
 
 constexpr std::array pqr_quantities{quantity_x, quantity_y, quantity_z, quantity_charge,
                                     quantity_radius};
@@ -176,6 +181,10 @@ using PqrFields = std::array<std::string_view, pqr_quantities.size()>;
 constexpr std::size_t first_coordinate_column = 30;  // 0-based
 constexpr std::size_t coordinate_width = 8;
 constexpr std::size_t end_of_coordinates = first_coordinate_column + 3 * coordinate_width;
+// Charge and radius as pdb2pqr writes them, %8.4f and %7.4f.
+constexpr std::size_t charge_width = 8, radius_width = 7;
+constexpr std::size_t radius_column = end_of_coordinates + charge_width;
+constexpr std::size_t end_of_radius = radius_column + radius_width;
 
 Problem read_pqr_values(const PqrFields& fields, Atom& atom) {
   std::array<double, pqr_quantities.size()> values{};
@@ -240,10 +249,26 @@ bool has_coordinate_columns(std::string_view line) {
          is_column_number(coordinate_column(line, 2));
 }
 
+bool ends_at(std::string_view line, std::size_t column) {
+  return line.size() == column || (line.size() > column && is_blank(line[column]));
+}
+
+/// Whether charge and radius fill their columns without a blank in between.
+bool has_joined_charge_and_radius(std::string_view line) {
+  if (line.size() < end_of_radius || !ends_at(line, end_of_radius)) return false;
+  const std::string_view radius = line.substr(radius_column, radius_width);
+  return is_column_number(without_leading_blanks(line.substr(end_of_coordinates, charge_width))) &&
+         is_digit(radius.front()) && is_column_number(radius);
+}
+
 Problem parse_pqr_columns(std::string_view line, Record& record) {
   std::string_view rest = line.substr(end_of_coordinates);
   std::string_view radius = take_last(rest);
   std::string_view charge = take_last(rest);
+  if (charge.empty() && has_joined_charge_and_radius(line)) {
+    charge = without_leading_blanks(line.substr(end_of_coordinates, charge_width));
+    radius = line.substr(radius_column, radius_width);
+  }
   if (charge.empty()) charge = std::exchange(radius, line.substr(line.size()));
   record.label = label_of_columns(line);
   return read_pqr_values({coordinate_column(line, 0), coordinate_column(line, 1),
@@ -251,9 +276,63 @@ Problem parse_pqr_columns(std::string_view line, Record& record) {
                          record.atom);
 }
 
+/// Whether a field is an element symbol, perhaps with a formal charge: `N`, `Zn`, `O1-`.
+bool is_element(std::string_view field) {
+  std::size_t letters = 0;
+  while (letters < field.size() && is_letter(field[letters])) ++letters;
+  if (letters < 1 || letters > 2) return false;
+  const std::string_view charge = field.substr(letters);
+  return charge.empty() ||
+         (charge.size() == 2 && is_digit(charge[0]) && (charge[1] == '+' || charge[1] == '-'));
+}
+
+std::string_view without_element(std::string_view line) {
+  std::string_view rest = line;
+  return is_element(take_last(rest)) ? rest : line;
+}
+
 Problem parse_pqr(std::string_view line, Record& record) {
-  const Problem problem = parse_pqr_fields(line, record);
-  return problem && has_coordinate_columns(line) ? parse_pqr_columns(line, record) : problem;
+  const std::string_view numbers = without_element(line);
+  const Problem problem = parse_pqr_fields(numbers, record);
+  return problem && has_coordinate_columns(numbers) ? parse_pqr_columns(numbers, record) : problem;
+}
+
+// ---------------------------------------------------------------- PDB files that are named .pqr
+//
+// PDB files have the occupancy in columns 55 to 60 and the B-factor in columns 61 to 66, both as
+// %6.2f, where PQR files have charge and radius.
+
+constexpr std::size_t occupancy_width = 6, b_factor_width = 6;
+constexpr std::size_t b_factor_column = end_of_coordinates + occupancy_width;
+constexpr std::size_t end_of_b_factor = b_factor_column + b_factor_width;
+constexpr double max_usual_radius = 4;  // angstrom; B-factors are mostly larger
+
+/// Reads a number that ends a column of `width` characters with so many decimals.
+bool read_fixed(std::string_view line, std::size_t column, std::size_t width, std::size_t decimals,
+                double& value) {
+  const std::string_view text = line.substr(column, width);
+  const std::string_view fraction = text.substr(width - decimals);
+  return text[width - decimals - 1] == '.' &&
+         std::all_of(fraction.begin(), fraction.end(), is_digit) &&
+         parse_number(without_leading_blanks(text), value) == std::errc{};
+}
+
+/// Adds a record to the counts.
+void add_record(std::string_view line, PdbLikeness& likeness) {
+  double x = 0, y = 0, z = 0, occupancy = 0, b_factor = 0;
+  const auto read = [line](std::size_t column, std::size_t width, std::size_t decimals,
+                           double& value) {
+    return read_fixed(line, column, width, decimals, value);
+  };
+  constexpr std::size_t first = first_coordinate_column, width = coordinate_width;
+  if (line.size() < end_of_b_factor || !ends_at(line, end_of_b_factor) ||
+      !read(b_factor_column, b_factor_width, 2, b_factor) ||
+      !read(end_of_coordinates, occupancy_width, 2, occupancy) || !read(first, width, 3, x) ||
+      !read(first + width, width, 3, y) || !read(first + 2 * width, width, 3, z))
+    return;
+  if (occupancy < 0 || occupancy > 1) return;
+  ++likeness.layout;
+  if (occupancy == 1 || b_factor > max_usual_radius) ++likeness.values;
 }
 
 // -------------------------------------------------------------------------------------- messages
@@ -288,7 +367,7 @@ std::string reason(const Problem& problem) {
   return {};
 }
 
-std::string describe(const Problem& problem, std::string_view line) {
+std::string description(const Problem& problem, std::string_view line) {
   if (problem.fault == Fault::too_few_fields) {
     return fmt::format(
         "expected at least {} fields, the last five being x y z charge radius, found {}",
@@ -297,6 +376,15 @@ std::string describe(const Problem& problem, std::string_view line) {
   const auto start = static_cast<std::size_t>(problem.text.data() - line.data());
   return fmt::format("field {} ({}): {}", count_fields(line.substr(0, start)) + 1, problem.quantity,
                      reason(problem));
+}
+
+std::string describe(const Problem& problem, std::string_view line, bool is_pqr) {
+  std::string text = description(problem, line);
+  PdbLikeness likeness;
+  if (is_pqr) add_record(line, likeness);
+  if (likeness.layout > 0)
+    text += "; this looks like a PDB file, whose occupancy and B-factor are not charge and radius";
+  return text;
 }
 
 // ------------------------------------------------------------------------------------------ text
@@ -329,8 +417,7 @@ void check_line(std::string_view line, std::string_view name, std::size_t number
     fail(name, number, "carriage return inside the line; lines must end in LF or CRLF");
   }
   if (line.size() > longest_line) {
-    fail(name, number,
-         fmt::format("line of {} characters; at most {} are allowed", line.size(), longest_line));
+    fail(name, number, fmt::format("more than {} characters in the line", longest_line));
   }
 }
 
@@ -348,62 +435,72 @@ std::size_t estimate_atoms(std::string_view text) {
 
 // ----------------------------------------------------------------------------------------- files
 
-[[noreturn]] void fail_with_system_error(std::string_view action, std::string_view name, int code) {
-  throw Error(fmt::format("cannot {} {}: {}", action, name, std::generic_category().message(code)));
-}
-
 [[noreturn]] void fail_for_memory(std::string_view name) {
   throw Error(fmt::format("cannot read {}: out of memory", name));
 }
 
-}  // namespace
-
-int open_for_reading(const std::filesystem::path& path, std::string_view name) {
-  int descriptor = -1;
-  do {
-    descriptor = ::open(path.c_str(), O_RDONLY | O_CLOEXEC);
-  } while (descriptor < 0 && errno == EINTR);
-  if (descriptor < 0) fail_with_system_error("open", name, errno);
-  return descriptor;
-}
-
-namespace {
-
-std::size_t read_some(int descriptor, char* buffer, std::size_t size, std::string_view name) {
-  ssize_t count = 0;
-  do {
-    count = ::read(descriptor, buffer, size);
-  } while (count < 0 && errno == EINTR);
-  if (count < 0) fail_with_system_error("read", name, errno);
-  return static_cast<std::size_t>(count);
-}
-
-/// 0 where the size is not known beforehand: pipes, devices, /proc.
-std::size_t size_hint(int descriptor, std::string_view name) {
-  struct stat status {};
-  if (::fstat(descriptor, &status) != 0) fail_with_system_error("read", name, errno);
-  return S_ISREG(status.st_mode) ? static_cast<std::size_t>(status.st_size) : 0;
-}
-
-/// All of the file, decompressed if it is a gzip file, or its beginning up to some NUL: it is no
-/// text then, and a device such as /dev/zero has no end.
-std::string read_text(int descriptor, std::string_view name) {
-  std::string text;
-  const std::size_t hint = size_hint(descriptor, name);
-  const std::size_t chunk = std::clamp(hint + 1, smallest_read, largest_read);
-  text.reserve(hint + chunk);
-  std::size_t used = 0;
-  while (true) {
-    if (used == text.size()) text.resize(used + chunk);
-    const std::size_t count = read_some(descriptor, text.data() + used, text.size() - used, name);
-    const std::string_view piece(text.data() + used, count);
-    used += count;
-    if (count == 0) break;
-    if (piece.find('\0') != std::string_view::npos && !is_gzip(text)) break;
+/// Calls `take` for pieces of a text, each of whole lines except for a line that is too long.
+void for_whole_lines(const ReadText& read, const std::function<void(std::string_view text)>& take) {
+  std::vector<char> buffer(piece_bytes);
+  for (std::size_t used = 0;;) {
+    const std::size_t count = read(std::span(buffer).subspan(used));
+    const std::string_view text(buffer.data(), used + count);
+    const bool is_last = count == 0;
+    const std::size_t newline = text.rfind('\n');
+    const bool has_end = newline != text.npos;
+    const bool is_whole = is_last || (!has_end && text.size() > longest_line);
+    const std::size_t taken = is_whole ? text.size() : has_end ? newline + 1 : 0;
+    if (taken > 0) take(text.substr(0, taken));
+    if (is_last) return;
+    std::copy(text.begin() + static_cast<std::ptrdiff_t>(taken), text.end(), buffer.begin());
+    used = text.size() - taken;
   }
-  text.resize(used);
-  return is_gzip(text) ? decompressed(text, name) : text;
 }
+
+/// Keeps the memory of the process within a limit while lists of atoms grow.
+class GrowthLimit {
+ public:
+  explicit GrowthLimit(const AtomLines& lines)
+      : lines_(lines),
+        max_resident_(lines.max_memory == 0
+                          ? 0
+                          : std::max(lines.max_memory, resident_memory() + always_granted_bytes)) {}
+
+  /// Makes room for `added` more atoms, or throws Error if their memory exceeds the limit.
+  void make_room(std::size_t added, std::uint64_t line, NumberedAtoms& result) const {
+    auto& [atoms, numbers, labels] = result;
+    const std::size_t wanted = atoms.size() + added;
+    const bool is_copied = wanted > atoms.capacity();
+    require(bytes_per_atom() * (is_copied ? wanted : added), atoms.size(), line);
+    grow(added, atoms);
+    grow(added, numbers);
+    if (has_labels()) grow(added, labels);
+  }
+
+ private:
+  bool has_labels() const { return lines_.with_labels && lines_.format == AtomFormat::pqr; }
+
+  std::uint64_t bytes_per_atom() const {
+    return sizeof(Atom) + sizeof(std::uint64_t) + (has_labels() ? sizeof(AtomLabel) : 0);
+  }
+
+  void require(std::uint64_t bytes, std::size_t atoms, std::uint64_t line) const {
+    if (lines_.max_memory == 0 || resident_memory() + bytes <= max_resident_) return;
+    fail(lines_.name, line,
+         fmt::format("reading more than {} atoms takes more memory than the {} that the run may "
+                     "hold; use a larger limit (--max-memory)",
+                     atoms, binary_bytes_text(lines_.max_memory)));
+  }
+
+  template <class Value>
+  static void grow(std::size_t added, std::vector<Value>& list) {
+    const std::size_t wanted = list.size() + added;
+    if (wanted > list.capacity()) list.reserve(std::max(wanted, 2 * list.capacity()));
+  }
+
+  const AtomLines& lines_;
+  std::uint64_t max_resident_;
+};
 
 /// In lower case, and of `NAME.pqr.gz` the `.pqr`.
 std::string suffix_of(const std::filesystem::path& path) {
@@ -411,9 +508,23 @@ std::string suffix_of(const std::filesystem::path& path) {
   return suffix == ".gz" ? suffix_of(path.stem()) : suffix;
 }
 
-NumberedAtoms read_descriptor(int descriptor, AtomFormat format, const std::string& name) {
+NumberedAtoms finished(NumberedAtoms atoms, const LinesRead& read, const AtomLines& lines) {
+  if (atoms.atoms.empty()) throw Error(no_atoms_message(lines.name, lines.format, read.lines));
+  refuse_pdb_records(lines.name, atoms.atoms.size(), read.likeness);
+  return atoms;
+}
+
+NumberedAtoms read_descriptor(int descriptor, const ReadOptions& options, const std::string& name) {
+  const AtomLines lines{.format = options.format,
+                        .name = name,
+                        .with_labels = options.with_labels,
+                        .max_memory = options.max_memory};
   try {
-    return parse_numbered_atoms(read_text(descriptor, name), format, name);
+    TextSource source(descriptor, name);
+    NumberedAtoms atoms;
+    const LinesRead read = read_atom_lines(
+        [&source](std::span<char> buffer) { return source.read(buffer); }, lines, atoms);
+    return finished(std::move(atoms), read, lines);
   } catch (const std::bad_alloc&) {
     fail_for_memory(name);
   } catch (const std::length_error&) {
@@ -423,8 +534,8 @@ NumberedAtoms read_descriptor(int descriptor, AtomFormat format, const std::stri
 
 }  // namespace
 
-std::uint64_t parse_atom_lines(std::string_view text, AtomFormat format, std::string_view name,
-                               std::uint64_t first_line, bool with_labels, NumberedAtoms& result) {
+LinesRead parse_atom_lines(std::string_view text, const AtomLines& lines, NumberedAtoms& result) {
+  const auto& [format, name, first_line, with_labels, max_memory] = lines;
   if (first_line == 1) check_encoding(text, name);
   check_is_text(text, name, first_line);
   if (first_line == 1) text = without_byte_order_mark(text);
@@ -432,24 +543,53 @@ std::uint64_t parse_atom_lines(std::string_view text, AtomFormat format, std::st
   const auto is_record = is_pqr ? is_pqr_record : is_xyzr_record;
   const auto parse_line = is_pqr ? parse_pqr : parse_xyzr;
 
-  auto& [atoms, lines, labels] = result;
-  std::uint64_t line_number = first_line - 1;
+  auto& [atoms, line_numbers, labels] = result;
+  LinesRead read;
   while (!text.empty()) {
     const std::string_view line = take_line(text);
-    check_line(line, name, ++line_number);
+    const std::uint64_t number = first_line + read.lines++;
+    check_line(line, name, number);
     if (!is_record(line)) continue;
     Record record;
     if (const Problem problem = parse_line(line, record)) {
-      fail(name, line_number, describe(problem, line));
+      fail(name, number, describe(problem, line, is_pqr));
     }
     if (atoms.size() == most_atoms) {
-      fail(name, line_number, fmt::format("more than {} atoms", most_atoms));
+      fail(name, number, fmt::format("more than {} atoms", most_atoms));
     }
+    if (is_pqr) add_record(line, read.likeness);
     atoms.push_back(record.atom);
-    lines.push_back(line_number);
+    line_numbers.push_back(number);
     if (is_pqr && with_labels) labels.push_back(std::move(record.label));
   }
-  return line_number - (first_line - 1);
+  return read;
+}
+
+LinesRead read_atom_lines(const ReadText& read, const AtomLines& lines, NumberedAtoms& result,
+                          const std::function<void()>& after_piece) {
+  const GrowthLimit limit(lines);
+  LinesRead all;
+  for_whole_lines(read, [&](std::string_view text) {
+    AtomLines piece = lines;
+    piece.first_line += all.lines;
+    limit.make_room(estimate_atoms(text), piece.first_line, result);
+    const LinesRead part = parse_atom_lines(text, piece, result);
+    all.lines += part.lines;
+    all.likeness.layout += part.likeness.layout;
+    all.likeness.values += part.likeness.values;
+    if (after_piece) after_piece();
+  });
+  return all;
+}
+
+void refuse_pdb_records(std::string_view name, std::uint64_t atoms, const PdbLikeness& likeness) {
+  // Few records of PDB files are written otherwise. A PQR file with charges of two decimals has
+  // negative ones among them, which add_record does not count.
+  if (10 * likeness.layout < 9 * atoms || 2 * likeness.values < atoms) return;
+  throw Error(
+      fmt::format("{}: this is a PDB file: its columns 55 to 66 hold occupancy and B-factor, which "
+                  "are not charge and radius; make a PQR file of it with pdb2pqr",
+                  name));
 }
 
 std::string no_atoms_message(std::string_view name, AtomFormat format, std::uint64_t lines) {
@@ -471,13 +611,11 @@ void refuse_structure_files(const std::filesystem::path& path) {
 
 NumberedAtoms parse_numbered_atoms(std::string_view text, AtomFormat format,
                                    std::string_view name) {
-  NumberedAtoms result;
-  result.atoms.reserve(estimate_atoms(text));
-  result.lines.reserve(result.atoms.capacity());
-  if (format == AtomFormat::pqr) result.labels.reserve(result.atoms.capacity());
-  const std::uint64_t lines = parse_atom_lines(text, format, name, 1, true, result);
-  if (result.atoms.empty()) throw Error(no_atoms_message(name, format, lines));
-  return result;
+  const AtomLines lines{.format = format, .name = name, .with_labels = true};
+  NumberedAtoms atoms;
+  GrowthLimit(lines).make_room(estimate_atoms(text), 1, atoms);
+  const LinesRead read = parse_atom_lines(text, lines, atoms);
+  return finished(std::move(atoms), read, lines);
 }
 
 std::vector<Atom> parse_atoms(std::string_view text, AtomFormat format, std::string_view name) {
@@ -489,16 +627,22 @@ AtomFormat format_of(const std::filesystem::path& path, AtomFormat format) {
   return suffix_of(path) == ".pqr" ? AtomFormat::pqr : AtomFormat::xyzr;
 }
 
-NumberedAtoms read_numbered_atoms(const std::filesystem::path& path, AtomFormat format) {
-  if (path == "-") return read_descriptor(STDIN_FILENO, format, "<stdin>");
+NumberedAtoms read_numbered_atoms(const std::filesystem::path& path, const ReadOptions& options) {
+  if (path == "-") return read_descriptor(STDIN_FILENO, options, "<stdin>");
   const std::string name = path.string();
   refuse_structure_files(path);
   const FileDescriptor file(open_for_reading(path, name));
-  return read_descriptor(file.value(), format_of(path, format), name);
+  ReadOptions known = options;
+  known.format = format_of(path, options.format);
+  return read_descriptor(file.value(), known, name);
+}
+
+NumberedAtoms read_numbered_atoms(const std::filesystem::path& path, AtomFormat format) {
+  return read_numbered_atoms(path, ReadOptions{.format = format});
 }
 
 std::vector<Atom> read_atoms(const std::filesystem::path& path, AtomFormat format) {
-  return read_numbered_atoms(path, format).atoms;
+  return read_numbered_atoms(path, {.format = format, .with_labels = false}).atoms;
 }
 
 }  // namespace eses

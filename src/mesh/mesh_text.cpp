@@ -56,6 +56,13 @@ char* put(char* out, Value value) {
   return out + sizeof value;
 }
 
+// Padded behind the counts, where readers that split the line at single blanks, such as meshio, do
+// not take the padding for empty fields.
+void append_off_counts(TextPieces& text, const MeshCounts& counts) {
+  const std::string line = fmt::format("{} {} 0", counts.vertices, counts.triangles);
+  text.append("OFF\n{:<{}}\n", line, 2 * count_digits + 3);
+}
+
 // A line with the digits of intersection_info.txt.
 char* put_line(char* out, std::string_view keyword, Vec3 numbers) {
   out = std::copy(keyword.begin(), keyword.end(), out);
@@ -155,8 +162,7 @@ void MeshText::write_header_end(const MeshCounts& counts, const TextSink& sink) 
       text.append("# solvent excluded surface, eses-blocks; angstrom\n");
       break;
     case MeshFormat::off:
-      text.append("OFF\n{:>{}} {:>{}} 0\n", counts.vertices, count_digits, counts.triangles,
-                  count_digits);
+      append_off_counts(text, counts);
       break;
   }
   text.flush();

@@ -8,6 +8,7 @@
 #include <cerrno>
 #include <limits>
 #include <optional>
+#include <span>
 #include <string>
 #include <string_view>
 #include <system_error>
@@ -18,11 +19,12 @@
 #include "io/atom_lines.hpp"
 #include "io/file_descriptor.hpp"
 #include "io/gzip.hpp"
+#include "io/text_source.hpp"
 
 namespace eses {
 namespace {
 
-constexpr std::size_t piece_bytes = std::size_t{1} << 22;
+constexpr std::size_t piece_bytes = std::size_t{1} << 22;  // of a file whose lines are counted
 
 // Reads a plain file from any place.
 class TextFile {
@@ -32,8 +34,8 @@ class TextFile {
 
   const std::string& name() const { return name_; }
 
-  // As many bytes of `buffer` as there are at `offset`.
-  std::string_view read_at(std::string& buffer, std::uint64_t offset) const {
+  // Reads as many bytes into `buffer` as there are at `offset`.
+  std::string_view read_at(std::span<char> buffer, std::uint64_t offset) const {
     std::size_t used = 0;
     while (used < buffer.size()) {
       const ssize_t count = pread(file_.value(), buffer.data() + used, buffer.size() - used,
@@ -45,7 +47,7 @@ class TextFile {
       if (count == 0) break;
       used += static_cast<std::size_t>(count);
     }
-    return std::string_view(buffer).substr(0, used);
+    return {buffer.data(), used};
   }
 
   // Where the first line begins that does not begin before `offset`; `end` if there is none.
@@ -104,41 +106,29 @@ void take_labels(std::vector<AtomLabel>& labels, ResidueRuns& runs) {
   labels.clear();
 }
 
-// Piece by piece, so that there is never much text, nor many labels, beside the atoms.
-std::uint64_t parse_part(const TextFile& file, const Part& part, AtomFormat format,
-                         std::uint64_t first_line, bool with_residues, NumberedAtoms& atoms,
-                         ResidueRuns& residues) {
-  std::string buffer;
-  std::uint64_t lines = 0;
-  std::size_t wanted = piece_bytes;
-  for (std::uint64_t offset = part.begin; offset < part.end;) {
-    buffer.resize(std::min<std::uint64_t>(wanted, part.end - offset));
-    std::string_view text = file.read_at(buffer, offset);
-    if (text.size() < buffer.size())
+// Labels are made residues after each piece, so that there are never many of them.
+LinesRead read_part(const TextFile& file, const Part& part, const AtomLines& lines,
+                    NumberedAtoms& atoms, ResidueRuns& residues) {
+  std::uint64_t offset = part.begin;
+  const auto read = [&](std::span<char> buffer) {
+    buffer = buffer.first(std::min<std::uint64_t>(buffer.size(), part.end - offset));
+    const std::size_t count = file.read_at(buffer, offset).size();
+    if (count < buffer.size())
       throw Error(fmt::format("cannot read {}: it has become shorter", file.name()));
-    const bool is_last = offset + text.size() >= part.end;
-    const std::size_t newline = text.rfind('\n');
-    if (!is_last && newline == text.npos) {
-      wanted *= 2;
-      continue;
-    }
-    if (!is_last) text = text.substr(0, newline + 1);
-    lines += parse_atom_lines(text, format, file.name(), first_line + lines, with_residues, atoms);
-    take_labels(atoms.labels, residues);
-    offset += text.size();
-    wanted = piece_bytes;
-  }
-  return lines;
+    offset += count;
+    return count;
+  };
+  return read_atom_lines(read, lines, atoms, [&] { take_labels(atoms.labels, residues); });
 }
 
 }  // namespace
 
-AtomShare read_share(const std::filesystem::path& path, AtomFormat format, bool with_residues,
+AtomShare read_share(const std::filesystem::path& path, ReadOptions options,
                      const Processes& processes) {
   std::uint64_t bytes = 0;
   processes.agree([&] {
     refuse_structure_files(path);
-    format = format_of(path, format);
+    options.format = format_of(path, options.format);
     if (processes.is_first()) bytes = divisible_bytes(path);
   });
   bytes = processes.sum(bytes);
@@ -150,6 +140,7 @@ AtomShare read_share(const std::filesystem::path& path, AtomFormat format, bool 
   AtomShare share;
   NumberedAtoms read;
   std::uint64_t lines = 0;
+  PdbLikeness likeness;
   if (bytes > 0) {
     std::optional<TextFile> file;
     Part part;
@@ -161,12 +152,19 @@ AtomShare read_share(const std::filesystem::path& path, AtomFormat format, bool 
     });
     const std::uint64_t before = processes.sum_before(lines);
     processes.agree([&] {
-      lines = parse_part(*file, part, format, before + 1, with_residues, read, share.residues);
+      likeness = read_part(*file, part,
+                           {.format = options.format,
+                            .name = file->name(),
+                            .first_line = before + 1,
+                            .with_labels = options.with_labels,
+                            .max_memory = options.max_memory},
+                           read, share.residues)
+                     .likeness;
     });
   } else {
     processes.agree([&] {
-      if (processes.is_first()) read = read_numbered_atoms(path, format);
-      if (with_residues) take_labels(read.labels, share.residues);
+      if (processes.is_first()) read = read_numbered_atoms(path, options);
+      take_labels(read.labels, share.residues);
     });
   }
   share.atoms = std::move(read.atoms);
@@ -174,8 +172,10 @@ AtomShare read_share(const std::filesystem::path& path, AtomFormat format, bool 
   share.first = processes.sum_before(share.atoms.size());
   share.total = processes.sum(share.atoms.size());
   const std::uint64_t all_lines = processes.sum(lines);
+  likeness = {processes.sum(likeness.layout), processes.sum(likeness.values)};
   processes.agree([&] {
-    if (share.total == 0) throw Error(no_atoms_message(path.string(), format, all_lines));
+    if (share.total == 0) throw Error(no_atoms_message(path.string(), options.format, all_lines));
+    refuse_pdb_records(path.string(), share.total, likeness);
     if (share.total > std::numeric_limits<AtomIndex>::max())
       throw Error(fmt::format("{}: more than {} atoms", path.string(),
                               std::numeric_limits<AtomIndex>::max()));

@@ -41,8 +41,9 @@ struct AtomShare {
 /// To be called by all processes. A plain file is read in parts of as many bytes each; a compressed
 /// one, or one that is no regular file, such as standard input, by the first process alone. Throws
 /// SharedError where read_numbered_atoms would throw Error; of several errors in the file the first
-/// is told.
-AtomShare read_share(const std::filesystem::path& path, AtomFormat format, bool with_residues,
+/// is told. Residues are read if `options` asks for labels; its limit on memory is that of each
+/// process.
+AtomShare read_share(const std::filesystem::path& path, ReadOptions options,
                      const Processes& processes);
 
 }  // namespace eses

@@ -161,8 +161,11 @@ bool has_names(const OutputChoice& outputs) {
 
 JointPlan plan_jointly(const JointTask& task, const Processes& processes) {
   const OutputChoice& outputs = task.outputs;
-  AtomShare share =
-      read_share(task.input, task.format, outputs.residues || has_names(outputs), processes);
+  AtomShare share = read_share(task.input,
+                               {.format = task.format,
+                                .with_labels = outputs.residues || has_names(outputs),
+                                .max_memory = task.parameters.max_memory},
+                               processes);
   JointPlan plan;
   plan.atoms = share.total;
   plan.read = share.range();

@@ -199,11 +199,15 @@ double far_corner_growth(const BlockTiling& tiling) {
   return growth_of_points;
 }
 
+double min_expected_memory(std::size_t atoms) {
+  return base_bytes + static_cast<double>(atoms) * (bytes_per_atom + per_atom_patch_bytes());
+}
+
 double expected_memory(const SurfaceSurvey& survey, const LabelTotals& labels, const Grid& grid,
                        const Schedule& schedule, const OutputChoice& outputs) {
   const auto atoms = static_cast<double>(survey.atom_count());
   const double patches = patch_bytes(survey), threads = schedule.threads;
-  const double always = base_bytes + atoms * (bytes_per_atom + per_atom_patch_bytes());
+  const double always = min_expected_memory(survey.atom_count());
   const double making = making_of_patches * patches + threads * bytes_per_thread;
 
   const BlockTiling& tiling = schedule.tiling;

@@ -37,6 +37,9 @@ constexpr double expected_crossings(double area, double spacing) {
 /// BlockTiling::corners.
 double far_corner_growth(const BlockTiling& tiling);
 
+/// Lower bound of expected_memory for this number of atoms, whatever else is chosen.
+double min_expected_memory(std::size_t atoms);
+
 /// Bytes that the process holds at its peak: an estimate that is meant as an upper bound.
 double expected_memory(const SurfaceSurvey& survey, const LabelTotals& labels, const Grid& grid,
                        const Schedule& schedule, const OutputChoice& outputs);

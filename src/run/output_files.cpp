@@ -138,16 +138,13 @@ void require_writable(const std::filesystem::path& directory) {
 
 // Where there is no directory yet, there is nothing of the name.
 void require_free_name(const FilePlace& place) {
-  const auto fail = [&place](int error) {
-    throw Error(fmt::format("cannot create {}: {}", path_in(place.directory, place.name),
-                            std::generic_category().message(error)));
-  };
+  const std::string path = path_in(place.directory, place.name);
+  require_replaceable(path);
   struct stat status {};
-  if (stat(path_in(place.directory, place.name).c_str(), &status) == 0 && S_ISDIR(status.st_mode))
-    fail(EISDIR);
   const std::string temporary = temporary_name(place.name, getpid());
   if (lstat(path_in(place.directory, temporary).c_str(), &status) != 0 && errno == ENAMETOOLONG)
-    fail(ENAMETOOLONG);
+    throw Error(
+        fmt::format("cannot create {}: {}", path, std::generic_category().message(ENAMETOOLONG)));
 }
 
 }  // namespace
@@ -214,7 +211,9 @@ void require_places(const OutputChoice& choice, const std::filesystem::path& dir
       std::filesystem::path(place_of(*choice.mesh).directory).filename() == resume_name)
     throw Error(fmt::format("{} would go where runs keep what can be resumed, and be removed",
                             choice.mesh->file.string()));
+  if (choice.mesh) require_replaceable(choice.mesh->file);  // in messages, the name that was given
   for (const FilePlace& place : places_of(choice, directory)) require_free_name(place);
+  for (const std::string& path : stale_paths(choice, directory)) require_replaceable(path);
 }
 
 std::vector<std::string> temporary_paths(const OutputChoice& choice,
@@ -239,6 +238,7 @@ std::vector<std::string> lock_paths(const OutputChoice& choice,
 OutputFiles::OutputFiles(const OutputChoice& choice, const std::filesystem::path& path,
                          const Plan& plan)
     : gzip(choice.gzip), stale_(text_names(choice, !choice.gzip)) {
+  require_places(choice, path);
   require_disk_space(plan, choice, path);
   if (!file_names(choice).empty()) open_directory(choice, path);
   if (choice.mesh) open_mesh(*choice.mesh);

@@ -48,7 +48,8 @@ std::vector<std::string> stale_paths(const OutputChoice& choice,
 std::string mesh_directory_of(const MeshChoice& mesh);
 
 /// Throws Error if one of the files cannot be written where it goes, as far as can be told without
-/// writing there: its directory is none, or not to be written to, or holds a directory of the name.
+/// writing there: its directory is none, or not to be written to, or its name leads to something
+/// else than a regular file. The same holds for stale_paths, which would be removed.
 void require_places(const OutputChoice& choice, const std::filesystem::path& directory);
 
 /// Where this process writes them until they are complete.
@@ -66,7 +67,7 @@ struct OutputFiles {
   std::optional<OutputDirectory> mesh_directory;  ///< if there is a mesh; locked for it alone
   std::optional<OutputFile> box, grid, edges, areas, inside_map, residues, chains, mesh;
 
-  /// Throws Error as OutputDirectory, OutputFile and require_disk_space do.
+  /// Throws Error as require_places, OutputDirectory, OutputFile and require_disk_space do.
   OutputFiles(const OutputChoice& choice, const std::filesystem::path& path, const Plan& plan);
 
   /// Gives all files their names. Older ones go first, so that old and new never stand beside each

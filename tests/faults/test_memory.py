@@ -1,14 +1,26 @@
-"""Allocations that fail, in every phase."""
+"""Allocations that fail, in every phase, and memory that reading takes."""
 
 import errno
+import gzip
 import os
 import resource
 import signal
+import subprocess
+import sys
+import unittest
 
-from faults import NAMES, SMALL, TINY, FaultTest, forget_signals, needs_library
+from faults import NAMES, PROGRAM, SMALL, TINY, FaultTest, forget_signals, needs_library
 
 # The last two are what OpenMP's runtimes say where they cannot start a thread.
 OUT_OF_MEMORY = "[Oo]ut of memory|libgomp: |OMP: Error"
+# A process of its own, as the peak that a child reports is not less than that of its parent.
+PRINT_PEAK = """
+import os, subprocess, sys
+program = subprocess.Popen(sys.argv[1:], stdout=subprocess.DEVNULL)
+_, status, usage = os.wait4(program.pid, 0)
+print(usage.ru_maxrss)
+sys.exit(os.waitstatus_to_exitcode(status))
+"""
 STRIDE = 7  # of the allocations that are made to fail; a prime, so that no pattern hides from it
 
 
@@ -86,3 +98,38 @@ class Memory(FaultTest):
         self.assertEqual(done.returncode, 1, done)
         self.assertNotEqual(done.stderr, "")
         self.assertEqual(self.all_files(), [])
+
+
+@unittest.skipUnless(os.environ.get("ESES_FAULT_LIBRARY"), "sanitizers take memory of their own")
+class Reading(FaultTest):
+    """Input that is much larger than the limit is refused before it is in memory."""
+
+    LIMIT = 64 << 20  # bytes
+
+    def check(self, path, message):
+        for more in ([], ["--resume"]):
+            with self.subTest(path=path.name, more=more):
+                done = subprocess.run(
+                    [sys.executable, "-c", PRINT_PEAK, PROGRAM, path, "--max-memory",
+                     str(self.LIMIT), "-o", self.output, "-q", *more],
+                    capture_output=True, text=True, check=False)
+                self.assertEqual(done.returncode, 1)
+                self.assertIn(message, done.stderr)
+                self.assertLess(int(done.stdout) << 10, self.LIMIT)
+                self.assertEqual(self.all_files(), [])
+
+    def test_atoms(self):
+        block = b"1 2 3 1.5\n" * 100_000  # 60 of them are 240 MB of atoms
+        plain, packed = self.folder / "a.xyzr", self.folder / "b.xyzr.gz"
+        plain.write_bytes(60 * block)
+        packed.write_bytes(60 * gzip.compress(block))
+        for path in (plain, packed):
+            self.check(path, "takes more memory than the 64 MiB that the run may hold")
+
+    def test_one_line(self):
+        block = b"1" * (1 << 20)
+        plain, packed = self.folder / "a.xyzr", self.folder / "b.xyzr.gz"
+        plain.write_bytes(128 * block)
+        packed.write_bytes(1024 * gzip.compress(block))  # 1 GiB of text
+        for path in (plain, packed):
+            self.check(path, ":1: more than 4096 characters in the line")

@@ -1,6 +1,10 @@
 #include "support/sandbox.hpp"
 
+#include <sys/socket.h>
+#include <sys/stat.h>
+#include <sys/un.h>
 #include <sys/wait.h>
+#include <unistd.h>
 
 #include <cstdlib>
 #include <fstream>
@@ -51,6 +55,22 @@ std::string shell_quoted(const std::string& text) {
 int shell(const std::string& command) {
   const int status = std::system(command.c_str());
   return WIFEXITED(status) ? WEXITSTATUS(status) : -1;
+}
+
+SpecialFiles::SpecialFiles(const fs::path& directory) {
+  const fs::path fifo = directory / "fifo", socket_file = directory / "socket";
+  REQUIRE(::mkfifo(fifo.c_str(), 0600) == 0);
+  kinds[fifo] = "a FIFO";
+  sockaddr_un address{};
+  if (socket_file.native().size() < sizeof address.sun_path) {
+    address.sun_family = AF_UNIX;
+    socket_file.native().copy(address.sun_path, sizeof address.sun_path);
+    const int descriptor = ::socket(AF_UNIX, SOCK_STREAM, 0);
+    REQUIRE(::bind(descriptor, reinterpret_cast<const sockaddr*>(&address), sizeof address) == 0);
+    ::close(descriptor);
+    kinds[socket_file] = "a socket";
+  }
+  if (fs::is_character_file("/dev/null")) kinds["/dev/null"] = "a character device";
 }
 
 Sandbox::Sandbox() {

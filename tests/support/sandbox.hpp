@@ -2,6 +2,7 @@
 /// The real program, run from a shell in a directory of its own.
 
 #include <filesystem>
+#include <map>
 #include <set>
 #include <string>
 #include <vector>
@@ -47,6 +48,13 @@ class Sandbox {
 
  private:
   TemporaryDirectory root_;
+};
+
+/// Files of each kind that must not be replaced: a FIFO and a socket, made in a directory whose
+/// path is short enough, and the device /dev/null if there is one.
+struct SpecialFiles {
+  explicit SpecialFiles(const std::filesystem::path& directory);
+  std::map<std::filesystem::path, std::string> kinds;  ///< how messages call them
 };
 
 bool contains(const std::string& text, const std::string& part);

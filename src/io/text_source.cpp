@@ -1,0 +1,137 @@
+#include "io/text_source.hpp"
+
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <unistd.h>
+#include <zlib.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <new>
+#include <system_error>
+#include <utility>
+
+#include "eses/error.hpp"
+#include "io/gzip.hpp"
+
+namespace eses {
+namespace {
+
+constexpr std::size_t buffer_bytes = std::size_t{1} << 16;
+
+[[noreturn]] void fail_with_system_error(std::string_view action, std::string_view name, int code) {
+  if (code == ENOMEM) throw std::bad_alloc();
+  throw Error(fmt::format("cannot {} {}: {}", action, name, std::generic_category().message(code)));
+}
+
+}  // namespace
+
+int open_for_reading(const std::filesystem::path& path, std::string_view name) {
+  int descriptor = -1;
+  do {
+    descriptor = ::open(path.c_str(), O_RDONLY | O_CLOEXEC);
+  } while (descriptor < 0 && errno == EINTR);
+  if (descriptor < 0) fail_with_system_error("open", name, errno);
+  return descriptor;
+}
+
+struct TextSource::Inflation {
+  z_stream stream{};
+
+  Inflation() {
+    if (inflateInit2(&stream, gzip_window_bits) != Z_OK) throw std::bad_alloc();
+  }
+  ~Inflation() { inflateEnd(&stream); }
+  Inflation(const Inflation&) = delete;
+  Inflation& operator=(const Inflation&) = delete;
+};
+
+TextSource::TextSource(int descriptor, std::string name)
+    : descriptor_(descriptor), name_(std::move(name)), buffer_(buffer_bytes) {}
+
+TextSource::~TextSource() = default;
+
+std::size_t TextSource::read(std::span<char> text) {
+  if (!has_begun_) begin();
+  if (!inflation_) {
+    if (input_.empty()) return read_bytes(text);
+    const std::size_t count = std::min(text.size(), input_.size());
+    std::copy_n(input_.begin(), count, text.begin());
+    input_ = input_.subspan(count);
+    return count;
+  }
+  std::size_t count = 0;  // a call of zlib may use input without producing text
+  while (count == 0 && enter_member()) count = inflate_part(text);
+  return count;
+}
+
+// Reads the two bytes that mark a gzip file, which a pipe may deliver one by one.
+void TextSource::begin() {
+  has_begun_ = true;
+  std::size_t used = 0;
+  for (std::size_t count = 1; count > 0 && used < gzip_magic.size(); used += count)
+    count = read_bytes(std::span(buffer_).subspan(used));
+  input_ = std::span(buffer_).first(used);
+  if (!is_gzip({buffer_.data(), used})) return;
+  inflation_ = std::make_unique<Inflation>();
+  is_in_member_ = true;
+}
+
+std::size_t TextSource::read_bytes(std::span<char> bytes) {
+  ssize_t count = 0;
+  do {
+    count = ::read(descriptor_, bytes.data(), bytes.size());
+  } while (count < 0 && errno == EINTR);
+  if (count < 0) fail_with_system_error("read", name_, errno);
+  bytes_read_ += static_cast<std::uint64_t>(count);
+  return static_cast<std::size_t>(count);
+}
+
+// Refills the buffer if it is used up; returns false at the end of the file.
+bool TextSource::has_input() {
+  if (input_.empty()) input_ = std::span(buffer_).first(read_bytes(buffer_));
+  return !input_.empty();
+}
+
+// Goes to the next member if the last one has ended; returns false if there is none.
+bool TextSource::enter_member() {
+  while (!is_in_member_ && has_input()) {
+    if (input_.front() == 0) {
+      is_padded_ = true;
+      input_ = input_.subspan(1);
+      continue;
+    }
+    // What else is wrong with the header of a member, zlib finds.
+    if (is_padded_ || input_.front() != gzip_magic.front()) fail_as_damaged();
+    inflateReset(&inflation_->stream);
+    is_in_member_ = true;
+  }
+  return is_in_member_;
+}
+
+// Decompresses a part of the current member and returns the number of characters.
+std::size_t TextSource::inflate_part(std::span<char> text) {
+  if (!has_input())
+    throw Error(
+        fmt::format("{}: the compressed data ends too early, after {} bytes", name_, bytes_read_));
+  constexpr std::size_t max_at_once = std::size_t{1} << 30;  // zlib counts in unsigned int
+  const std::size_t room = std::min(text.size(), max_at_once);
+  z_stream& stream = inflation_->stream;
+  stream.next_in = zlib_bytes(input_);
+  stream.avail_in = static_cast<uInt>(input_.size());
+  stream.next_out = reinterpret_cast<Bytef*>(text.data());
+  stream.avail_out = static_cast<uInt>(room);
+  const int status = inflate(&stream, Z_NO_FLUSH);
+  input_ = input_.last(stream.avail_in);
+  if (status == Z_MEM_ERROR) throw std::bad_alloc();
+  if (status != Z_OK && status != Z_STREAM_END) fail_as_damaged();
+  is_in_member_ = status != Z_STREAM_END;
+  return room - stream.avail_out;
+}
+
+void TextSource::fail_as_damaged() const {
+  throw Error(fmt::format("{}: the compressed data is damaged near byte {}", name_,
+                          bytes_read_ - input_.size()));
+}
+
+}  // namespace eses

@@ -1,0 +1,53 @@
+#pragma once
+/// Sequential reading of text, plain or gzipped, in memory that does not grow with the file.
+
+#include <cstddef>
+#include <cstdint>
+#include <filesystem>
+#include <memory>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace eses {
+
+/// Opens a file for reading and returns its descriptor. Throws Error with `name` in the message.
+int open_for_reading(const std::filesystem::path& path, std::string_view name);
+
+/// The text behind a file descriptor. Its first two bytes, not its name, decide whether it is
+/// gzipped. The members of a gzip file (RFC 1952, section 2.2) are read as one text; behind the
+/// last member only zero bytes are accepted, as by `gzip -t`.
+class TextSource {
+ public:
+  /// Reads from `descriptor`, which must stay open. Messages begin with `name`.
+  TextSource(int descriptor, std::string name);
+  ~TextSource();
+  TextSource(const TextSource&) = delete;
+  TextSource& operator=(const TextSource&) = delete;
+
+  /// Reads between one and `text.size()` characters, which must not be 0, and returns their number;
+  /// returns 0 at the end of the text. Throws Error if the file cannot be read, or if compressed
+  /// data is damaged or ends too early.
+  std::size_t read(std::span<char> text);
+
+ private:
+  struct Inflation;
+
+  void begin();
+  std::size_t read_bytes(std::span<char> bytes);
+  bool has_input();
+  bool enter_member();
+  std::size_t inflate_part(std::span<char> text);
+  [[noreturn]] void fail_as_damaged() const;
+
+  int descriptor_;
+  std::string name_;
+  std::vector<char> buffer_;
+  std::span<const char> input_;   // bytes of the buffer that are not used yet
+  std::uint64_t bytes_read_ = 0;  // from the descriptor
+  bool has_begun_ = false, is_in_member_ = false, is_padded_ = false;
+  std::unique_ptr<Inflation> inflation_;  // none if the text is plain
+};
+
+}  // namespace eses

@@ -1,0 +1,32 @@
+"""Meshes as meshio reads them; skipped without it (pip install meshio)."""
+
+import subprocess
+import unittest
+
+from support import DATA, PROGRAM, TestCase
+
+try:
+    import meshio
+except ImportError:
+    meshio = None
+
+
+@unittest.skipUnless(meshio, "meshio is not installed")
+class ReadByMeshio(TestCase):
+    def test_same_in_every_format(self):
+        meshes = []
+        for name in ("a.off", "a.obj", "a.ply"):
+            path = self.folder / name
+            self.assertDone(subprocess.run(
+                [PROGRAM, DATA / "c60.xyzr", "-q", "--write", "none", "--mesh", path],
+                capture_output=True, text=True, check=False))
+            meshes.append(meshio.read(path))
+        for mesh in meshes:
+            triangles = mesh.cells_dict["triangle"]
+            self.assertGreater(len(triangles), 0)
+            self.assertTrue((triangles == meshes[0].cells_dict["triangle"]).all())
+            self.assertLess(abs(mesh.points - meshes[0].points).max(), 1e-6)
+
+
+if __name__ == "__main__":
+    unittest.main()
