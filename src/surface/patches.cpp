@@ -20,17 +20,29 @@ namespace {
 // told from its complement.
 constexpr double least_cone_volume = 1e-6;
 
+// The atom whose face neighbours are looked at for further atoms that the probe touches. Any atom
+// of the placement that has such a list would do. It is the first one, unless that is crowded.
+AtomIndex atom_to_look_from(const Patches& patches, const ProbePlacement& placement) {
+  const auto count = [&](AtomIndex i) { return patches.face_begin[i + 1] - patches.face_begin[i]; };
+  AtomIndex chosen = placement.atoms[0];
+  if (count(chosen) <= max_uncrowded) return chosen;
+  for (const AtomIndex i : placement.atoms)
+    if (count(i) > 0 && count(i) < count(chosen)) chosen = i;
+  return chosen;
+}
+
 bool is_regular(const Surface& surface, const ProbePlacement& placement) {
   std::array<Vec3, 3> toward;
   for (std::size_t q = 0; q < 3; ++q)
     toward[q] = normalized(surface.atoms[placement.atoms[q]].center - placement.center);
   if (std::fabs(dot(toward[0], cross(toward[1], toward[2]))) < least_cone_volume) return false;
   const Patches& patches = surface.patches;
-  const AtomIndex i = placement.atoms[0];
+  const AtomIndex i = atom_to_look_from(patches, placement);
   return std::none_of(
       patches.face_neighbours.begin() + patches.face_begin[i],
       patches.face_neighbours.begin() + patches.face_begin[i + 1], [&](AtomIndex k) {
-        if (k == placement.atoms[1] || k == placement.atoms[2]) return false;
+        const auto& [a, b, c] = placement.atoms;
+        if (k == a || k == b || k == c) return false;
         const SasSphere sphere = surface.sas_sphere(k);
         return norm(placement.center - sphere.center) < sphere.radius + tolerance::touching;
       });
@@ -142,7 +154,6 @@ void join_placements(Patches& patches, std::span<AtomRangePatches> ranges, int t
 
 Surface::Surface(Molecule of, double probe)
     : molecule(std::move(of)), atoms(molecule.atoms()), probe_radius(probe) {
-  for (const Atom& atom : atoms) largest_radius = std::max(largest_radius, atom.radius);
   patches.exposure.assign(atoms.size(), AtomExposure::unknown);
   for (AtomIndex i = 0; i < atoms.size(); ++i)
     if (molecule.is_contained(i)) patches.exposure[i] = AtomExposure::contained;
