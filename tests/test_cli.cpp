@@ -628,6 +628,7 @@ TEST_CASE("a memory limit is kept, or refused with one that would do", "[cli]") 
 }
 
 TEST_CASE("what is planned bounds what is held, and by no more than about twofold", "[cli]") {
+  if (holds_shadow_memory) SKIP("memory cannot be measured with a sanitizer");
   const Sandbox sandbox;
   struct Case {
     std::string file, spacing, block_size;
@@ -636,18 +637,44 @@ TEST_CASE("what is planned bounds what is held, and by no more than about twofol
                                                   {"c60.xyzr", "0.02", "64"},
                                                   {"1ubq.xyzr", "0.1", "16"},
                                                   {"mache.pqr", "0.4", "64"}}) {
-    INFO(file << " at " << spacing << " in blocks of " << block_size);
-    const Outcome outcome =
-        sandbox.run({std::string(ESES_DATA) + "/" + file, "--spacing", spacing, "--block-size",
-                     block_size, "--threads", "2", "--write", "none", "--json"});
-    REQUIRE(outcome.code == 0);
-    if (holds_shadow_memory) continue;
-    check_json(sandbox, outcome.out,
-               "1 <= r['plan']['memory_bytes'] / r['peak_memory_bytes'] < 2.1", "True");
+    // One thread does all in one order, so that it always holds the same. What several threads hold
+    // depends on which of them is given a processor when: the plan assumes the most that is
+    // possible, and a run may hold much less.
+    for (const int threads : {1, 2, 5}) {
+      INFO(file << " at " << spacing << " in blocks of " << block_size << ", " << threads
+                << " threads");
+      const Outcome outcome = sandbox.run({std::string(ESES_DATA) + "/" + file, "--spacing",
+                                           spacing, "--block-size", block_size, "--threads",
+                                           std::to_string(threads), "--write", "none", "--json"});
+      REQUIRE(outcome.code == 0);
+      const std::string ratio = "r['plan']['memory_bytes'] / r['peak_memory_bytes']";
+      check_json(sandbox, outcome.out, ratio + " >= 1", "True");
+      if (threads == 1) check_json(sandbox, outcome.out, ratio + " < 2.1", "True");
+    }
   }
 }
 
+TEST_CASE("what is planned bounds what a crowded atom takes", "[cli]") {
+  if (holds_shadow_memory) SKIP("memory cannot be measured with a sanitizer");
+  const Sandbox sandbox;
+  // A large atom, all of whose surface is covered by others.
+  std::string text = "0 0 0 200\n";
+  constexpr int count = 60'000;
+  for (int i = 0; i < count; ++i) {
+    const double z = 1 - (2.0 * i + 1) / count, rho = std::sqrt(1 - z * z), turn = 2.399963 * i;
+    text += fmt::format("{:.4f} {:.4f} {:.4f} 1.7\n", 201 * rho * std::cos(turn),
+                        201 * rho * std::sin(turn), 201 * z);
+  }
+  write_file(sandbox.directory() / "crowd.xyzr", text);
+  const Outcome outcome =
+      sandbox.run({"crowd.xyzr", "1.4", "3", "3", "-t", "1", "--write", "none", "--json"});
+  REQUIRE(outcome.code == 0);
+  check_json(sandbox, outcome.out, "1 <= r['plan']['memory_bytes'] / r['peak_memory_bytes'] < 2.1",
+             "True");
+}
+
 TEST_CASE("what is planned bounds what long names of residues take", "[cli]") {
+  if (holds_shadow_memory) SKIP("memory cannot be measured with a sanitizer");
   const Sandbox sandbox;
   // Every atom is a residue and a chain of its own.
   std::string text;
@@ -663,7 +690,6 @@ TEST_CASE("what is planned bounds what long names of residues take", "[cli]") {
     INFO(Sandbox::command(arguments));
     const Outcome outcome = sandbox.run(arguments);
     REQUIRE(outcome.code == 0);
-    if (holds_shadow_memory) continue;
     check_json(sandbox, outcome.out,
                "1 <= r['plan']['memory_bytes'] / r['peak_memory_bytes'] < 2.1", "True");
   }
@@ -907,13 +933,18 @@ TEST_CASE("a signal ends a run in order: its exit code, and no file", "[cli]") {
             output.c_str(), nullptr);
       _exit(127);
     }
-    // A run of many seconds, interrupted once its files are there.
-    for (int i = 0; i < 500 && !std::filesystem::exists(output); ++i) usleep(10000);
-    usleep(200000);
-    kill(program, signal);
-    int status = 0;
-    waitpid(program, &status, 0);
     INFO("signal " << signal);
+    // A run of many seconds, interrupted once there are files, however long that takes.
+    int status = 0;
+    const auto has_files = [&] {
+      return std::filesystem::exists(output) && !std::filesystem::is_empty(output);
+    };
+    while (!has_files()) {
+      REQUIRE(waitpid(program, &status, WNOHANG) == 0);
+      usleep(10000);
+    }
+    kill(program, signal);
+    waitpid(program, &status, 0);
     REQUIRE(WIFEXITED(status));
     CHECK(WEXITSTATUS(status) == 128 + signal);
     CHECK(std::filesystem::is_empty(output));

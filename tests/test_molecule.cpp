@@ -7,6 +7,7 @@
 #include <limits>
 #include <map>
 #include <span>
+#include <string>
 #include <tuple>
 #include <utility>
 #include <vector>
@@ -14,6 +15,7 @@
 #include "catch.hpp"
 #include "eses/error.hpp"
 #include "eses/molecule.hpp"
+#include "eses/run.hpp"
 #include "geometry/tolerances.hpp"
 #include "support/atom_sets.hpp"
 #include "surface/atom_loops.hpp"
@@ -349,6 +351,39 @@ TEST_CASE("a molecule of one place has one slice, and one of no atoms has nothin
   CHECK(nothing.oddities().empty());
   nothing.tree().find_within({1, 2, 3}, 1, found);
   CHECK(found.empty());
+}
+
+TEST_CASE("a molecule refuses atoms that are not finite or have negative radii", "[molecule]") {
+  constexpr double infinity = std::numeric_limits<double>::infinity();
+  constexpr double nan = std::numeric_limits<double>::quiet_NaN();
+  struct Case {
+    Atom atom;
+    const char* message;
+  };
+  const std::array cases{
+      Case{{{nan, 0, 0}, 1}, "has x coordinate nan"},
+      Case{{{0, -infinity, 0}, 1}, "has y coordinate -inf"},
+      Case{{{0, 0, infinity}, 1}, "has z coordinate inf"},
+      Case{{{0, 0, 0}, nan}, "has radius nan"},
+      Case{{{0, 0, 0}, infinity}, "has radius inf"},
+      Case{{{0, 0, 0}, -0.25}, "has radius -0.25"},
+  };
+  for (const auto& [bad, message] : cases)
+    for (const std::size_t place : std::array<std::size_t, 3>{0, 7, 9999}) {
+      INFO(message << " at " << place);
+      std::vector<Atom> atoms;
+      for (int i = 0; i < 10'000; ++i) atoms.push_back({{3.0 * i, 0, 0}, 1.5});
+      atoms[place] = bad;
+      // A later one is not named.
+      atoms.push_back({{0, 0, 0}, -7});
+      const auto expected = Catch::Matchers::ContainsSubstring(
+          "atom " + std::to_string(place) + " (counted from 0) " + message + ";");
+      CHECK_THROWS_WITH(Molecule(atoms), expected);
+      CHECK_THROWS_WITH(Molecule(atoms, {}, 2), expected);
+      CHECK_THROWS_WITH(Molecule::part(atoms, is_any), expected);
+      CHECK_THROWS_AS(make_plan(atoms, {}, {}), Error);
+    }
+  CHECK_NOTHROW(Molecule({{{0, 0, 0}, 0}, {{-1e6, 1e6, -0.0}, -0.0}}));
 }
 
 TEST_CASE("a molecule cannot be made by less than no threads", "[molecule]") {

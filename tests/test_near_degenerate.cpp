@@ -97,7 +97,8 @@ struct Patchwork {
     build_patches(surface, 1);
     Box all{atoms.front().center, atoms.front().center};
     for (const Atom& atom : atoms) all.include(atom.center);
-    collect_features(surface, grown(all, 2 * surface.largest_radius + 2 * probe), features);
+    constexpr double max_radius = 2;
+    collect_features(surface, grown(all, 2 * (max_radius + probe)), features);
   }
 
   // Whether the point is on the face of an exposed atom.

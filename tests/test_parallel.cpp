@@ -157,9 +157,4 @@ TEST_CASE("of two runs into one directory, in one process, too, the second is re
   CHECK(std::distance(begin(entries), end(entries)) == 4);
 }
 
-TEST_CASE("at least one thread and no more than the processors granted") {
-  CHECK(available_threads() >= 1);
-  CHECK(available_threads() < 100000);
-}
-
 }  // namespace eses::test

@@ -3,8 +3,10 @@
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
+#include <limits>
 #include <numbers>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "catch.hpp"
@@ -27,9 +29,16 @@ double surveyed_area(const std::vector<Atom>& atoms) {
   return SurfaceSurvey(atoms, probe).totals().area;
 }
 
+/// Bytes of a machine that has more than enough, whatever this one has.
+constexpr std::uint64_t plenty = std::uint64_t{1} << 42;
+
+Plan plan_with_plenty(const std::vector<Atom>& atoms, const Parameters& parameters) {
+  return make_plan_within(plenty, atoms, parameters, {});
+}
+
 std::string message_of(const std::vector<Atom>& atoms, const Parameters& parameters) {
   try {
-    make_plan(atoms, parameters, {});
+    plan_with_plenty(atoms, parameters);
   } catch (const Error& error) {
     return error.what();
   }
@@ -215,15 +224,14 @@ TEST_CASE("a plan keeps what memory is available as it keeps a limit", "[plan]")
   Parameters parameters;
   parameters.spacing = 0.2;
   parameters.threads = 2;
-  const std::uint64_t plenty = std::uint64_t{1} << 40;
-  const Plan free = make_plan_within(plenty, atoms, parameters, {});
+  const Plan free = plan_with_plenty(atoms, parameters);
   CHECK(free.tiling.block_size == default_block_size);
   const std::uint64_t smallest = smallest_limit(atoms, parameters) << 20;
   const Plan tight = make_plan_within(smallest, atoms, parameters, {});
   CHECK(tight.tiling.block_size < default_block_size);
   CHECK(tight.memory_bytes <= smallest);
   parameters.max_memory = smallest;
-  const Plan limited = make_plan_within(plenty, atoms, parameters, {});
+  const Plan limited = plan_with_plenty(atoms, parameters);
   CHECK(limited.tiling.block_size == tight.tiling.block_size);
   CHECK(limited.memory_bytes == tight.memory_bytes);
   parameters.max_memory = plenty;  // more than there is
@@ -268,9 +276,9 @@ TEST_CASE("a memory limit that is large changes nothing", "[plan]") {
   const std::vector<Atom> atoms = column_of_atoms(40);
   Parameters parameters;
   parameters.threads = 2;
-  const Plan free = make_plan(atoms, parameters, {});
+  const Plan free = plan_with_plenty(atoms, parameters);
   parameters.max_memory = std::uint64_t{1} << 40;
-  const Plan limited = make_plan(atoms, parameters, {});
+  const Plan limited = plan_with_plenty(atoms, parameters);
   CHECK(limited.tiling.block_size == default_block_size);
   CHECK(limited.threads == free.threads);
   CHECK(limited.blocks_ahead == free.blocks_ahead);
@@ -288,12 +296,12 @@ TEST_CASE("the limit that a refusal names is the smallest that is accepted", "[p
       parameters.threads = threads;
       const std::uint64_t smallest = smallest_limit(atoms, parameters);
       parameters.max_memory = smallest << 20;
-      const Plan plan = make_plan(atoms, parameters, {});
+      const Plan plan = plan_with_plenty(atoms, parameters);
       CHECK(plan.memory_bytes <= parameters.max_memory);
       if (block_size > 0) CHECK(plan.tiling.block_size == block_size);
       if (threads > 0) CHECK(plan.threads == threads);
       parameters.max_memory = (smallest - 1) << 20;
-      CHECK_THROWS_AS(make_plan(atoms, parameters, {}), Error);
+      CHECK_THROWS_AS(plan_with_plenty(atoms, parameters), Error);
     }
 }
 
@@ -302,15 +310,41 @@ TEST_CASE("a tight limit makes blocks smaller, and holds fewer", "[plan]") {
   Parameters parameters;
   parameters.spacing = 0.2;
   parameters.threads = 2;
-  const Plan free = make_plan(atoms, parameters, {});
+  const Plan free = plan_with_plenty(atoms, parameters);
   parameters.max_memory = free.memory_bytes - 1;
-  const Plan fewer = make_plan(atoms, parameters, {});
+  const Plan fewer = plan_with_plenty(atoms, parameters);
   CHECK(fewer.tiling.block_size == default_block_size);
   CHECK(fewer.blocks_ahead < free.blocks_ahead);
   parameters.max_memory = smallest_limit(atoms, parameters) << 20;
-  const Plan smallest = make_plan(atoms, parameters, {});
+  const Plan smallest = plan_with_plenty(atoms, parameters);
   CHECK(smallest.tiling.block_size < default_block_size);
   CHECK(smallest.memory_bytes < fewer.memory_bytes);
+}
+
+TEST_CASE("a plan is refused if it has no threads or is of other atoms", "[plan]") {
+  const std::vector<Atom> atoms = column_of_atoms(4);
+  const TemporaryDirectory directory;
+  const auto check = [&](const std::vector<Atom>& used, const Plan& plan, const char* message) {
+    CHECK_THROWS_WITH(compute(used, plan), Catch::Matchers::ContainsSubstring(message));
+    CHECK_THROWS_WITH(run(used, plan, {}, directory.path() / "out"),
+                      Catch::Matchers::ContainsSubstring(message));
+    CHECK(std::filesystem::is_empty(directory.path()));
+  };
+  const Plan plan = make_plan(atoms, {}, {});
+  for (const int threads : {0, -1, std::numeric_limits<int>::min()}) {
+    Plan without = plan;
+    without.threads = threads;
+    check(atoms, without, "it must have 1 or more");
+  }
+  check(atoms, Plan(), "was made for other atoms");
+  std::vector<std::vector<Atom>> others(5, atoms);
+  others[0][2].center.y = std::nextafter(0.0, 1.0);
+  others[1][1].radius = 1.6;
+  std::swap(others[2][1], others[2][2]);
+  others[3].pop_back();
+  others[4].push_back(atoms.front());
+  for (const std::vector<Atom>& other : others) check(other, plan, "was made for other atoms");
+  CHECK(compute(std::vector<Atom>(atoms), plan).area > 0);  // the same atoms in another list
 }
 
 TEST_CASE("a run that needs more than its limit after all ends and leaves no file", "[plan]") {
@@ -351,7 +385,7 @@ TEST_CASE("no more blocks are solved ahead of the unwritten layer than allowed",
 
 TEST_CASE("the disk is looked at where the directory will be", "[plan]") {
   const std::vector<Atom> atoms{{{0, 0, 0}, 1.5}};
-  Plan plan = make_plan(atoms, {}, {});
+  const Plan plan = make_plan(atoms, {}, {});
   const DiskSpace here = require_disk_space(plan, {}, ".");
   const DiskSpace below = require_disk_space(plan, {}, "not/made/yet");
   REQUIRE(here.places.size() == 1);
@@ -359,7 +393,14 @@ TEST_CASE("the disk is looked at where the directory will be", "[plan]") {
   CHECK(here.places[0].expected == plan.output_bytes());
   CHECK(below.places[0].available >= plan.output_bytes());
   CHECK_FALSE(std::filesystem::exists("not"));
-  if (here.places[0].available > std::uint64_t{1} << 60) return;  // it cannot be told
+}
+
+TEST_CASE("a plan whose files do not fit on the disk is refused", "[plan]") {
+  const std::vector<Atom> atoms{{{0, 0, 0}, 1.5}};
+  Plan plan = make_plan(atoms, {}, {});
+  const DiskSpace here = require_disk_space(plan, {}, ".");
+  if (here.places[0].available > std::uint64_t{1} << 60)
+    SKIP("the file system does not tell how much is free");
   plan.edge_file_bytes = std::uint64_t{1} << 62;
   const DiskSpace::Place full = require_disk_space(plan, {}, ".").places[0];
   CHECK(full.expected > full.available);

@@ -862,14 +862,17 @@ TEST_CASE("standard input: PQR when asked for", "[read_atoms]") {
   CHECK(contains(file_error("-"), "<stdin>:1: field 1 (x): expected a number, found \"ATOM\""));
 }
 
-TEST_CASE("standard input: a file under either name", "[read_atoms]") {
+TEST_CASE("standard input: a file under the name -", "[read_atoms]") {
   const TemporaryDirectory directory;
   const fs::path file = directory.write("a.xyzr", "1 2 3 4\n");
-  {
-    const StandardInput input(::open(file.c_str(), O_RDONLY));
-    CHECK(is_sole_atom(eses::read_atoms("-"), 1, 2, 3, 4));
-  }
-  if (!fs::exists("/dev/stdin")) return;
+  const StandardInput input(::open(file.c_str(), O_RDONLY));
+  CHECK(is_sole_atom(eses::read_atoms("-"), 1, 2, 3, 4));
+}
+
+TEST_CASE("standard input: a file under the name /dev/stdin", "[read_atoms]") {
+  if (!fs::exists("/dev/stdin")) SKIP("there is no /dev/stdin");
+  const TemporaryDirectory directory;
+  const fs::path file = directory.write("a.xyzr", "1 2 3 4\n");
   const StandardInput input(::open(file.c_str(), O_RDONLY));
   CHECK(is_sole_atom(eses::read_atoms("/dev/stdin"), 1, 2, 3, 4));
 }

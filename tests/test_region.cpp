@@ -1,6 +1,7 @@
 // A part of the grid: the lines of a full run, and nothing else.
 
 #include <filesystem>
+#include <limits>
 #include <set>
 #include <sstream>
 #include <string>
@@ -249,6 +250,22 @@ TEST_CASE("a region is closed, and must hold a point", "[region]") {
   CHECK_THROWS_AS(points_in_box(grid, {-0.98, 0, 5}, {-0.92, 9, 9}), Error);
   CHECK_THROWS_AS(points_in_box(grid, {9, 0, 5}, {10, 9, 9}), Error);
   CHECK_THROWS_AS(points_in_box(grid, {-9, -9, -9}, {-8, 9, 9}), Error);
+  CHECK(points_in_box(grid, {-1e300, -1e300, -1e300}, {1e300, 1e300, 1e300}) == grid.whole());
+}
+
+TEST_CASE("a region whose bounds are not finite is refused", "[region]") {
+  constexpr double infinity = std::numeric_limits<double>::infinity();
+  const std::vector<Atom> atoms{{{0, 0, 0}, 1.5}};
+  for (const double bad : {std::numeric_limits<double>::quiet_NaN(), infinity, -infinity})
+    for (std::size_t axis = 0; axis < 3; ++axis)
+      for (const bool is_low : {false, true}) {
+        Parameters parameters;
+        parameters.region = RegionBox{{-1, -1, -1}, {1, 1, 1}};
+        (is_low ? parameters.region->low : parameters.region->high)[axis] = bad;
+        CHECK_THROWS_WITH(make_plan(atoms, parameters, {}),
+                          Catch::Matchers::ContainsSubstring(std::string(" along ") + "xyz"[axis] +
+                                                             "; its bounds must be finite"));
+      }
 }
 
 TEST_CASE("a region is verified within", "[region]") {

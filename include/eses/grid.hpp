@@ -56,7 +56,8 @@ SphereBounds sphere_bounds(std::span<const Atom> atoms);
 Grid make_grid(std::span<const Atom> atoms, double spacing, double margin);
 Grid make_grid(const SphereBounds& bounds, double spacing, double margin);
 
-/// The points in the closed box between two corners (angstrom). Throws Error if there are none.
+/// The points in the closed box between two corners (angstrom). Throws Error if there are none, or
+/// if a coordinate of a corner is not finite.
 GridRegion points_in_box(const Grid& grid, Vec3 low, Vec3 high);
 
 /// How far the grid's faces lie inside the bounding box of the van der Waals spheres, the largest

@@ -18,6 +18,9 @@ class AtomTree;
 /// Atoms with an index of which are near each other: made once, read by whatever looks at them.
 /// Copies share what they hold, none of which changes.
 ///
+/// Every way to make a molecule throws Error if a centre or a radius is not finite or a radius is
+/// negative. The message names the first such atom by its 0-based index, with the value.
+///
 /// Where `threads` is a parameter so many make it, or fewer if there are few atoms, and it is the
 /// same with any number; 0: all that the process may use. Throws Error if it is negative.
 class Molecule {

@@ -23,8 +23,8 @@ struct RegionBox {
 };
 
 /// Bounds of the probe radius, angstrom. A probe that fits between spheres that graze each other is
-/// known to the square root of the rounding error, 1e-7, and normals within 1e-5 need a hundredth of
-/// the probe radius; above, differences of squares have too few digits left.
+/// known to the square root of the rounding error, 1e-7, and normals within 1e-5 need a hundredth
+/// of the probe radius; above, differences of squares have too few digits left.
 inline constexpr double least_probe_radius = 0.01, largest_probe_radius = 1000;
 
 struct Parameters {
@@ -39,8 +39,8 @@ struct Parameters {
   /// Bytes that the process may hold resident; 0: what the machine has to give.
   std::uint64_t max_memory = 0;
   std::int64_t verify = 0;  ///< points, and as many edges, to check afterwards; 0 to 1e7
-  /// Only the grid points in this closed box (angstrom) are computed, and the edges that start
-  /// there; indices and coordinates stay those of the whole grid.
+  /// Only the grid points in this closed box (angstrom, finite) are computed, and the edges that
+  /// start there; indices and coordinates stay those of the whole grid.
   std::optional<RegionBox> region = {};
   /// The same for these blocks, as indices in the tiling of the whole grid; not with `region`.
   std::optional<GridRegion> blocks = {};
@@ -62,12 +62,13 @@ struct OutputChoice {
   static OutputChoice none() { return {false, false, false, false}; }
 };
 
-/// What a run is going to do, worked out before anything is allocated or written.
+/// What a run is going to do, worked out before anything is allocated or written. It belongs to the
+/// atoms it was made for: `run` and `compute` refuse any others.
 struct Plan {
   Parameters parameters;
   Grid grid;
-  BlockTiling tiling;  ///< of the whole grid or of the region that is asked for
-  int threads = 1;
+  BlockTiling tiling;             ///< of the whole grid or of the region that is asked for
+  int threads = 1;                ///< >= 1
   std::int64_t blocks_ahead = 0;  ///< solved at most of the next layer while one is unwritten
   double cut_depth = 0;           ///< see eses::cut_depth; > 0 means that the surface is cut
   /// Estimate of the process's peak, meant as an upper bound, if it holds nothing but the atoms.
@@ -84,6 +85,8 @@ struct Plan {
   /// Beside the texts while pieces of them wait to be joined; not of `run`. Estimate.
   std::uint64_t text_scratch_bytes = 0;
   bool gzip = false;  ///< then the sizes of the text files are estimates
+  /// Checksum of the centres and radii in their order, by which `run` knows the atoms again.
+  std::uint64_t atoms_checksum = 0;
   std::uint64_t output_bytes() const {
     return box_file_bytes + grid_file_bytes + edge_file_bytes + area_file_bytes +
            residue_file_bytes + map_file_bytes + mesh_file_bytes;
@@ -125,12 +128,13 @@ struct Summary {
   PhaseSeconds seconds;
 };
 
-/// Blocks solved so far out of all; called from one thread at a time, also where nothing has been
-/// added: while patches are built, rows written and files renamed. What it throws ends the run, and
-/// is thrown on by it.
+/// Receives the number of blocks solved so far and of all blocks. It is also called when no block
+/// has been added: while patches are built, rows are written and files are renamed. An exception
+/// that it throws ends the run, which throws it on.
 using ProgressCallback = std::function<void(std::int64_t done, std::int64_t total)>;
 
-/// What is called while a run goes on, if it is there.
+/// Functions that a run calls while it goes on; an empty one is not called. The calls come from any
+/// thread of the run, but never two at the same time, whichever of the functions they are of.
 struct Callbacks {
   ProgressCallback progress = {};
   BlockCallback block = {};
@@ -141,7 +145,8 @@ struct Callbacks {
 /// Grid, tiling, memory and bytes of output; what is left to it, block size, threads and blocks in
 /// flight, it chooses so that `max_memory` and what memory is available are kept. Throws Error if a
 /// parameter is out of its range, if the margin is so small that the grid would cut the surface
-/// (see README), or if memory cannot hold what the run needs, or may not.
+/// (see README), if a bound of the region is not finite, or if memory cannot hold what the run
+/// needs, or may not.
 Plan make_plan(const Molecule& molecule, const Parameters& parameters, const OutputChoice& outputs);
 
 /// What the file systems of a plan's files have to give, and what goes there.
@@ -168,7 +173,8 @@ DiskSpace require_disk_space(const Plan& plan, const OutputChoice& outputs,
 /// failure none appears, nor if the verification that `plan.parameters` asks for finds a fault.
 /// Throws Error on write failures, lack of disk space, if another run is writing there, and where
 /// memory exceeds `max_memory` after all: the plan's figure is an estimate. Areas by residue need
-/// the molecule's labels; without them that, too, throws Error.
+/// the molecule's labels; without them that, too, throws Error. Before anything is written it
+/// throws Error if the plan is of other atoms than `molecule` has, or has less than one thread.
 Summary run(const Molecule& molecule, const Plan& plan, const OutputChoice& outputs,
             const std::filesystem::path& directory, const Callbacks& callbacks = {});
 

@@ -38,8 +38,8 @@ class SolvedBlock {
   const BlockResult* result_;
 };
 
-/// Gets every block once, in no particular order, one at a time, but not always from the same
-/// thread. What it throws ends the run, and is thrown on by it.
+/// Receives every block once, in no particular order. See `Callbacks` for the threads that call it.
+/// An exception that it throws ends the run, which throws it on.
 using BlockCallback = std::function<void(const SolvedBlock&)>;
 
 }  // namespace eses

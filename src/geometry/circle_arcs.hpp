@@ -30,6 +30,8 @@ struct CircleEnd {
   /// The tolerance decided here: the arc is too short to be kept, or caps that reach differently
   /// far within the tolerance end at different points.
   bool is_doubtful = false;
+
+  friend bool operator==(const CircleEnd&, const CircleEnd&) = default;
 };
 
 /// Scratch memory of `accessible_arcs`.

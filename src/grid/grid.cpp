@@ -118,6 +118,9 @@ Grid make_grid(const SphereBounds& bounds, double spacing, double margin) {
 GridRegion points_in_box(const Grid& grid, Vec3 low, Vec3 high) {
   GridRegion region;
   for (std::size_t axis = 0; axis < 3; ++axis) {
+    if (!std::isfinite(low[axis]) || !std::isfinite(high[axis]))
+      throw Error(fmt::format("the region goes from {} to {} along {}; its bounds must be finite",
+                              low[axis], high[axis], "xyz"[axis]));
     const auto size = grid.size[axis];
     // Near the place that the quotient tells, the coordinates themselves decide.
     const auto near = [&](double coordinate) {

@@ -13,6 +13,7 @@
 #include "eses/version.hpp"
 #include "mesh/mesh_text.hpp"
 #include "processes/joint_run.hpp"
+#include "run/atom_hash.hpp"
 #include "run/inside_map.hpp"
 #include "run/plan.hpp"
 #include "system/parallel.hpp"
@@ -29,10 +30,7 @@ constexpr int piece_format = 2;
 std::uint64_t hash_of(const AtomShare& share, const Processes& processes) {
   std::uint64_t sum = 0;
   for (std::size_t i = 0; i < share.atoms.size(); ++i) {
-    const auto& [center, radius] = share.atoms[i];
-    std::uint64_t hash = scrambled(share.first + i);
-    for (const double value : {center.x, center.y, center.z, radius})
-      hash = scrambled(hash ^ std::bit_cast<std::uint64_t>(value));
+    std::uint64_t hash = atom_hash(share.atoms[i], share.first + i);
     if (!share.groups.empty())
       hash = scrambled(hash ^ std::bit_cast<std::uint64_t>(share.groups[i]));
     sum += hash;

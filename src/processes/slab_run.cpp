@@ -143,7 +143,7 @@ bool SlabRun::verify(Verifier& verifier, Summary& summary) {
   const Stopwatch watch;
   const Verification found = verifier.check([this](std::int64_t done, std::int64_t all) {
     report_.check();
-    if (callbacks_.verification) callbacks_.verification(done, all);
+    if (callbacks_.verification) report_.call([&] { callbacks_.verification(done, all); });
   });
   summary.seconds.verify += watch.seconds();
   Verification& sum = *summary.verification;

@@ -52,6 +52,7 @@ void build_patches(Surface& surface, int threads, const std::function<void()>& c
     bound_faces_by_poles(surface, begin, end);
   });
   merge_placements(surface);
+  surface.crowded = list_crowded_patches(surface);
 }
 
 }  // namespace eses

@@ -38,7 +38,17 @@ double as_double(std::int64_t value) { return static_cast<double>(value); }
 double patch_bytes(const SurfaceSurvey& survey) {
   const PatchTotals& totals = survey.totals();
   return sizeof(Arc) * totals.arcs + sizeof(ProbePlacement) * totals.placements +
-         sizeof(AtomIndex) * totals.face_neighbours;
+         sizeof(AtomIndex) * totals.face_neighbours + sizeof(PatchListing) * totals.crowded_patches;
+}
+
+// What threads hold while they build the patches of crowded atoms, of which each has one at a time.
+double crowd_bytes(const SurfaceSurvey& survey, int threads) {
+  using Neighbour = AtomPatchScratch::Neighbour;
+  // See AtomPatchScratch: caps, kept caps and their atoms and numbers, several times.
+  constexpr double bytes_per_neighbour =
+      growth * (sizeof(Neighbour) + 2 * sizeof(Cap) + sizeof(BurialCap) + 8 * sizeof(AtomIndex));
+  const PatchTotals& totals = survey.totals();
+  return bytes_per_neighbour * std::min(totals.crowded_neighbours, threads * totals.max_neighbours);
 }
 
 double per_atom_patch_bytes() {
@@ -54,15 +64,13 @@ std::int64_t points_along(const BlockTiling& tiling, std::size_t axis) {
 double feature_bytes(const SurfaceSurvey& survey, const Grid& grid, const BlockTiling& tiling) {
   const auto atoms = static_cast<double>(survey.patched_count());
   const PatchTotals& totals = survey.totals();
-  const double sas_radius = survey.largest_radius() + survey.probe_radius();
   Vec3 half;
   for (std::size_t axis = 0; axis < 3; ++axis)
     half[axis] = 0.5 * grid.spacing * as_double(points_along(tiling, axis) - 1);
-  const auto [in_box, in_ball] =
-      survey.most_atoms_near(half + sas_radius * Vec3{1, 1, 1}, norm(half) + sas_radius);
+  const auto [reaching_box, found] = survey.most_atoms_near(half);
   constexpr double denser = 1.1;  // than at the places looked at
-  const auto bound = [&](std::size_t found) {
-    return std::min(atoms, denser * static_cast<double>(found));
+  const auto bound = [&](std::size_t count) {
+    return std::min(atoms, denser * static_cast<double>(count));
   };
   const double indices = 32;  // of a patch in the cells of PatchIndex
   const double per_atom =
@@ -72,7 +80,7 @@ double feature_bytes(const SurfaceSurvey& survey, const Grid& grid, const BlockT
           atoms;
   // Of the block that has most; the lists that grew for it stay, and may have twice its length.
   constexpr double doubled = 2;
-  return doubled * (sizeof(AtomIndex) * bound(in_ball) + per_atom * bound(in_box));
+  return doubled * (sizeof(AtomIndex) * bound(found) + per_atom * bound(reaching_box));
 }
 
 double block_words(const BlockTiling& tiling) {
@@ -208,7 +216,8 @@ double expected_memory(const SurfaceSurvey& survey, const LabelTotals& labels, c
   const auto atoms = static_cast<double>(survey.atom_count());
   const double patches = patch_bytes(survey), threads = schedule.threads;
   const double always = min_expected_memory(survey.atom_count());
-  const double making = making_of_patches * patches + threads * bytes_per_thread;
+  const double making = making_of_patches * patches + threads * bytes_per_thread +
+                        crowd_bytes(survey, schedule.threads);
 
   const BlockTiling& tiling = schedule.tiling;
   const double held =

@@ -159,8 +159,7 @@ void Pipeline::solve(const Task& task, std::size_t thread) {
 
 void Pipeline::hand_out(const BlockResult& result) {
   if (!sinks_.block) return;
-  const std::lock_guard lock(callback_mutex_);
-  sinks_.block(SolvedBlock(result));
+  progress_.call([&] { sinks_.block(SolvedBlock(result)); });
 }
 
 void Pipeline::write(const Task& task, Writer& writer) {

@@ -4,7 +4,6 @@
 
 #include <cstdint>
 #include <functional>
-#include <mutex>
 #include <optional>
 #include <span>
 #include <vector>
@@ -100,7 +99,6 @@ class Pipeline {
   Sinks sinks_;
   ProgressReport& progress_;
   GridText text_;
-  std::mutex callback_mutex_;
   RowChunks chunks_;
   std::vector<Layer> layers_;
   Plane below_;  // of the layer that is being written

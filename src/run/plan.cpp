@@ -13,6 +13,7 @@
 #include "io/eses_text.hpp"
 #include "io/gzip.hpp"
 #include "mesh/mesh_text.hpp"
+#include "run/atom_hash.hpp"
 #include "run/build_patches.hpp"
 #include "run/inside_map.hpp"
 #include "run/memory.hpp"
@@ -222,6 +223,12 @@ void expect_map(const std::string& name, Plan& plan) {
   plan.map_scratch_bytes = InsideMap::scratch_bytes(format, plan.tiling.region);
 }
 
+std::uint64_t checksum_of(std::span<const Atom> atoms) {
+  std::uint64_t sum = 0;
+  for (std::size_t i = 0; i < atoms.size(); ++i) sum += atom_hash(atoms[i], i);
+  return sum;
+}
+
 Plan plan_grid(const SphereBounds& bounds, const Parameters& parameters) {
   require_valid(parameters);
   Plan plan;
@@ -245,6 +252,7 @@ Plan make_plan_within(std::uint64_t available, const Molecule& molecule,
                       const Parameters& parameters, const OutputChoice& outputs) {
   if (outputs.mesh) require_valid(*outputs.mesh, molecule);
   Plan plan = plan_grid(sphere_bounds(molecule.atoms()), parameters);
+  plan.atoms_checksum = checksum_of(molecule.atoms());
   plan_work({.available = available, .held = 0, .labels = total_labels(molecule.labels())},
             molecule, outputs, plan);
   return plan;

@@ -2,6 +2,7 @@
 /// Plans for a machine of which it is told what memory is left.
 
 #include <cstdint>
+#include <span>
 #include <string>
 
 #include "eses/run.hpp"
@@ -13,6 +14,9 @@ namespace eses {
 /// `max_memory`.
 Plan make_plan_within(std::uint64_t available, const Molecule& molecule,
                       const Parameters& parameters, const OutputChoice& outputs);
+
+/// What `Plan::atoms_checksum` is for these atoms.
+std::uint64_t checksum_of(std::span<const Atom> atoms);
 
 /// The first half of it: the grid around atoms with these bounds, and the region to compute.
 Plan plan_grid(const SphereBounds& bounds, const Parameters& parameters);

@@ -1,5 +1,5 @@
 #pragma once
-/// How far a run is, told from any thread.
+/// How far a run is, told from any thread, and the lock that keeps callbacks apart.
 
 #include <cstdint>
 #include <mutex>
@@ -8,7 +8,8 @@
 
 namespace eses {
 
-/// Calls the callback, if there is one, from one thread at a time. What that throws ends the run.
+/// Calls the progress callback, if there is one, and other callbacks of the run, one at a time. An
+/// exception that one of them throws ends the run.
 class ProgressReport {
  public:
   /// Keeps a reference to `callback`.
@@ -23,6 +24,13 @@ class ProgressReport {
   }
   /// Says nothing new, but lets the callback end the run.
   void check() { add(0); }
+
+  /// Calls `other_callback` while no callback of the run is being called.
+  template <class Callback>
+  void call(Callback&& other_callback) {
+    const std::lock_guard lock(mutex_);
+    other_callback();
+  }
 
  private:
   const ProgressCallback& callback_;

@@ -1,5 +1,7 @@
 #include "eses/run.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <optional>
 #include <utility>
@@ -12,6 +14,7 @@
 #include "run/mesh_file.hpp"
 #include "run/output_files.hpp"
 #include "run/pipeline.hpp"
+#include "run/plan.hpp"
 #include "run/progress_report.hpp"
 #include "run/region_box.hpp"
 #include "run/region_totals.hpp"
@@ -84,11 +87,19 @@ void require_labels(const OutputChoice& outputs, const Molecule& molecule) {
     throw Error("areas by residue need to be told each atom's chain and residue");
 }
 
+void require_valid(const Plan& plan, const Molecule& molecule) {
+  if (plan.threads < 1)
+    throw Error(fmt::format("the plan has {} threads; it must have 1 or more", plan.threads));
+  if (plan.atoms_checksum != checksum_of(molecule.atoms()))
+    throw Error("the plan was made for other atoms than the molecule's; make a plan for these");
+}
+
 }  // namespace
 
 Summary run(const Molecule& molecule, const Plan& plan, const OutputChoice& outputs,
             const std::filesystem::path& directory, const Callbacks& callbacks) {
   const Stopwatch total;
+  require_valid(plan, molecule);
   require_labels(outputs, molecule);
   start_threads(plan.threads);
   OutputFiles files(outputs, directory, plan);
@@ -140,7 +151,7 @@ Summary run(const Molecule& molecule, const Plan& plan, const OutputChoice& outp
     const Stopwatch checking;
     summary.verification = verifier->check([&](std::int64_t done, std::int64_t all) {
       check();
-      if (callbacks.verification) callbacks.verification(done, all);
+      if (callbacks.verification) report.call([&] { callbacks.verification(done, all); });
     });
     summary.seconds.verify += checking.seconds();
     if (!summary.verification->faults.empty()) {

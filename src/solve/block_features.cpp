@@ -64,10 +64,11 @@ void add_face(const Surface& surface, AtomIndex i, BlockFeatures& features) {
   face.shell_box = grown(box, box_slack);
   face.cone_begin = static_cast<std::uint32_t>(features.cones.size());
   const Patches& patches = surface.patches;
-  for (std::uint32_t k = patches.face_begin[i]; k < patches.face_begin[i + 1]; ++k) {
-    const Cap cap = make_cap(sphere, surface.sas_sphere(patches.face_neighbours[k]));
-    features.cones.push_back({cap.axis, cap.height / sphere.radius});
-  }
+  for_each_patch(patches.face_begin[i], patches.face_begin[i + 1], features.listed_neighbours,
+                 [&](std::uint32_t k) {
+                   const Cap cap = make_cap(sphere, surface.sas_sphere(patches.face_neighbours[k]));
+                   features.cones.push_back({cap.axis, cap.height / sphere.radius});
+                 });
   face.cone_end = static_cast<std::uint32_t>(features.cones.size());
   features.faces.push_back(face);
 }
@@ -100,11 +101,13 @@ void collect_features(const Surface& surface, const Box& box, BlockFeatures& fea
   const double probe = surface.probe_radius + box_slack;
   const double squared_probe = probe * probe;
   const Patches& patches = surface.patches;
-  surface.tree().find_within(0.5 * (box.low + box.high),
-                             0.5 * norm(box.high - box.low) + surface.largest_radius + 2 * probe,
-                             features.nearby);
+  surface.tree().find_reaching(0.5 * (box.low + box.high),
+                               0.5 * norm(box.high - box.low) + 2 * probe, features.nearby);
   // The order of the tree depends on the block; where patches are equally near, order decides.
   std::sort(features.nearby.begin(), features.nearby.end());
+  find_listed(surface.crowded.face_neighbours, features.nearby, features.listed_neighbours);
+  find_listed(surface.crowded.arcs, features.nearby, features.listed_arcs);
+  find_listed(surface.crowded.placements, features.nearby, features.listed_placements);
   for (const AtomIndex i : features.nearby) {
     const AtomExposure exposure = patches.exposure[i];
     if (exposure == AtomExposure::contained) continue;
@@ -116,13 +119,17 @@ void collect_features(const Surface& surface, const Box& box, BlockFeatures& fea
       if (exposure == AtomExposure::exposed) add_face(surface, i, features);
     }
     if (distance > (sas_radius + probe) * (sas_radius + probe)) continue;
-    for (std::uint32_t a = patches.arc_begin[i]; a < patches.arc_begin[i + 1]; ++a) {
-      const ArcFeature arc = make_arc(surface, patches.arcs[a]);
-      if (overlap(arc.solid_box, box)) features.arcs.push_back(arc);
-    }
-    for (std::uint32_t v = patches.placement_begin[i]; v < patches.placement_begin[i + 1]; ++v)
-      if (squared_distance(box, patches.placements[v].center) <= squared_probe)
-        features.placements.push_back(make_placement(surface, patches.placements[v]));
+    for_each_patch(patches.arc_begin[i], patches.arc_begin[i + 1], features.listed_arcs,
+                   [&](std::uint32_t a) {
+                     const ArcFeature arc = make_arc(surface, patches.arcs[a]);
+                     if (overlap(arc.solid_box, box)) features.arcs.push_back(arc);
+                   });
+    for_each_patch(patches.placement_begin[i], patches.placement_begin[i + 1],
+                   features.listed_placements, [&](std::uint32_t v) {
+                     const ProbePlacement& placement = patches.placements[v];
+                     if (squared_distance(box, placement.center) <= squared_probe)
+                       features.placements.push_back(make_placement(surface, placement));
+                   });
   }
 }
 

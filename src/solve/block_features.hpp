@@ -79,6 +79,8 @@ struct BlockFeatures {
   std::vector<ArcFeature> arcs;
   std::vector<PlacementFeature> placements;
   std::vector<AtomIndex> nearby;  ///< scratch
+  /// Patches of crowded atoms that are listed under the atoms nearby, see CrowdedPatches; scratch.
+  std::vector<std::uint32_t> listed_neighbours, listed_arcs, listed_placements;
 
   std::span<const CapCone> cones_of(const FaceFeature& face) const {
     return std::span(cones).subspan(face.cone_begin, face.cone_end - face.cone_begin);

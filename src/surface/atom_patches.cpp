@@ -12,9 +12,8 @@ void find_neighbours_of_group(const Surface& surface, AtomIndex begin, AtomIndex
                               AtomPatchScratch& scratch) {
   double largest = 0;
   for (AtomIndex i = begin; i < end; ++i) largest = std::max(largest, surface.atoms[i].radius);
-  surface.tree().find_around(surface.atoms.subspan(begin, end - begin),
-                             largest + surface.largest_radius + 2 * surface.probe_radius,
-                             scratch.found);
+  surface.tree().find_reaching_around(surface.atoms.subspan(begin, end - begin),
+                                      largest + 2 * surface.probe_radius, scratch.found);
   scratch.group.clear();
   for (const AtomIndex j : scratch.found)
     if (surface.patches.exposure[j] != AtomExposure::contained)
@@ -43,6 +42,8 @@ void keep_caps(AtomPatchScratch& scratch) {
       scratch.kept_caps.push_back(scratch.caps[k]);
       scratch.kept_neighbours.push_back(scratch.neighbours[k]);
     }
+  if (scratch.kept_caps.size() > max_uncrowded)
+    scratch.crowded.reset(scratch.kept_caps, scratch.kept_neighbours);
 }
 
 bool any_needs_patches(const Surface& surface, AtomIndex begin, AtomIndex end) {
@@ -70,7 +71,11 @@ void add_circle(const Surface& surface, AtomIndex i, std::uint32_t own, AtomPatc
   const ContactCircle circle = make_contact_circle(surface.sas_sphere(i), surface.sas_sphere(j));
   scratch.arcs.clear();
   scratch.ends.clear();
-  accessible_arcs(circle, scratch.kept_caps, own, scratch.arc, scratch.arcs, scratch.ends);
+  if (scratch.kept_caps.size() > max_uncrowded) {
+    scratch.crowded.accessible_arcs(surface, circle, own, scratch.arc, scratch.arcs, scratch.ends);
+  } else {
+    accessible_arcs(circle, scratch.kept_caps, own, scratch.arc, scratch.arcs, scratch.ends);
+  }
   for (const CircleArc& arc : scratch.arcs)
     patches.arcs.push_back({i, j, arc.kind, arc.start, arc.end});
   for (const CircleEnd& end : scratch.ends)

@@ -8,6 +8,7 @@
 #include "eses/atoms.hpp"
 #include "geometry/circle_arcs.hpp"
 #include "surface/burial.hpp"
+#include "surface/crowded_atoms.hpp"
 
 namespace eses {
 
@@ -66,6 +67,7 @@ struct AtomPatchScratch {
   std::vector<Cap> kept_caps;
   std::vector<AtomIndex> kept_neighbours;
   BurialScratch burial;
+  CrowdedCaps crowded;  ///< of `kept_caps`, where these are many
   ArcScratch arc;
   std::vector<CircleArc> arcs;
   std::vector<CircleEnd> ends;

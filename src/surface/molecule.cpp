@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <array>
 #include <bit>
+#include <cmath>
 #include <cstdint>
 #include <functional>
 #include <limits>
@@ -22,6 +23,23 @@
 
 namespace eses {
 namespace {
+
+[[noreturn]] void refuse(std::size_t i, std::string_view what, double value,
+                         std::string_view wanted) {
+  throw Error(fmt::format("atom {} (counted from 0) has {} {}; give a {}", i, what, value, wanted));
+}
+
+void require_valid(std::span<const Atom> atoms) {
+  constexpr std::array<std::string_view, 3> coordinates{"x coordinate", "y coordinate",
+                                                        "z coordinate"};
+  for (std::size_t i = 0; i < atoms.size(); ++i) {
+    const auto& [center, radius] = atoms[i];
+    for (std::size_t axis = 0; axis < 3; ++axis)
+      if (!std::isfinite(center[axis])) refuse(i, coordinates[axis], center[axis], "finite number");
+    if (!std::isfinite(radius) || radius < 0)
+      refuse(i, "radius", radius, "finite number that is not negative");
+  }
+}
 
 // Equal atoms have the same.
 std::uint64_t hash_of(const Atom& atom) {
@@ -151,6 +169,7 @@ struct Molecule::Parts {
   Parts(std::vector<Atom> all_atoms, std::vector<AtomLabel> all_labels,
         const std::function<bool(const Atom&)>& is_own, int wanted_threads)
       : atoms(std::move(all_atoms)), labels(std::move(all_labels)), is_contained(atoms.size()) {
+    require_valid(atoms);
     if (!labels.empty() && labels.size() != atoms.size())
       throw Error(fmt::format("{} labels for {} atoms", labels.size(), atoms.size()));
     const int threads = useful_threads(atoms.size(), wanted_threads);

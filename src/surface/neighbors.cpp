@@ -1,6 +1,8 @@
 #include "surface/neighbors.hpp"
 
 #include <algorithm>
+#include <cmath>
+#include <iterator>
 #include <limits>
 #include <nanoflann.hpp>
 #include <utility>
@@ -48,6 +50,32 @@ constexpr std::size_t atoms_per_leaf = 16;
 constexpr AtomIndex atoms_per_group = 8;
 constexpr double group_size = 6;  // angstrom, from the first atom's centre
 
+// Classes of radii: class 0 has all radii up to twice the median, and each further class those up
+// to twice the limit of the class before. In almost all molecules all atoms are in class 0.
+class RadiusClasses {
+ public:
+  explicit RadiusClasses(std::span<const Atom> atoms) {
+    std::vector<double> radii;
+    const std::size_t step = 1 + atoms.size() / most_samples;
+    for (std::size_t i = 0; i < atoms.size(); i += step)
+      if (atoms[i].radius > 0) radii.push_back(atoms[i].radius);
+    if (radii.empty()) return;
+    const auto middle = radii.begin() + static_cast<std::ptrdiff_t>(radii.size() / 2);
+    std::nth_element(radii.begin(), middle, radii.end());
+    limit_ = 2 * *middle;
+  }
+
+  int operator()(double radius) const {
+    if (radius <= limit_) return 0;
+    constexpr double most = 1e300;  // a quotient that is infinite has no logarithm
+    return 1 + std::ilogb(std::min(radius / limit_, most));
+  }
+
+ private:
+  static constexpr std::size_t most_samples = 4096;
+  double limit_ = 4;  // angstrom, where no sample has a radius
+};
+
 // Within which the centres of a slice are, along the axis of slices.
 struct Extent {
   double low = -std::numeric_limits<double>::infinity();
@@ -61,18 +89,64 @@ Extent extent_of(const AtomSlices& slices, std::size_t slice) {
   return extent;
 }
 
-struct SliceTree {
+// Atoms of one slice and one class of radii.
+struct ClassTree {
   Extent extent;
   AtomCloud cloud;
+  double largest_radius = 0;
   Tree tree;
 
-  SliceTree(std::span<const Atom> atoms, std::span<const AtomIndex> members, Extent slice_extent)
+  ClassTree(std::span<const Atom> atoms, std::span<const AtomIndex> members, Extent slice_extent)
       : extent(slice_extent),
         cloud{atoms, members},
-        tree(3, cloud, nanoflann::KDTreeSingleIndexAdaptorParams(atoms_per_leaf)) {}
+        tree(3, cloud, nanoflann::KDTreeSingleIndexAdaptorParams(atoms_per_leaf)) {
+    for (const AtomIndex i : members) largest_radius = std::max(largest_radius, atoms[i].radius);
+  }
 
   bool may_reach(double place, double distance) const {
     return extent.low - place < distance && place - extent.high < distance;
+  }
+
+  // Appends the atoms whose centre is less than `distance` from `point`.
+  void find_within(Vec3 point, std::size_t slice_axis, double distance,
+                   std::vector<AtomIndex>& found) const {
+    if (!may_reach(point[slice_axis], distance)) return;
+    const double query[3] = {point.x, point.y, point.z};
+    IndicesWithin within{distance * distance, cloud.members, found};
+    tree.findNeighbors(within, query, {});
+  }
+};
+
+using ClassTrees = std::vector<std::unique_ptr<const ClassTree>>;
+
+// Sorts the members of a slice by class, ascending within each, and makes the trees, which keep
+// views of the members.
+ClassTrees make_trees(std::span<const Atom> atoms, const RadiusClasses& class_of,
+                      std::vector<AtomIndex>& members, Extent extent) {
+  const auto comes_before = [&](AtomIndex a, AtomIndex b) {
+    return class_of(atoms[a].radius) < class_of(atoms[b].radius);
+  };
+  if (!std::is_sorted(members.begin(), members.end(), comes_before))
+    std::stable_sort(members.begin(), members.end(), comes_before);
+  ClassTrees trees;
+  const std::span<const AtomIndex> all(members);
+  for (auto begin = all.begin(), end = begin; begin != all.end(); begin = end) {
+    end = std::upper_bound(begin, all.end(), *begin, comes_before);
+    trees.push_back(std::make_unique<const ClassTree>(atoms, std::span(begin, end), extent));
+  }
+  return trees;
+}
+
+// A ball around the centres of a group, which has at least one atom.
+struct GroupBall {
+  Vec3 center;
+  double radius = 0;
+
+  explicit GroupBall(std::span<const Atom> group) {
+    Box box{group.front().center, group.front().center};
+    for (const Atom& atom : group) box.include(atom.center);
+    center = 0.5 * (box.low + box.high);
+    radius = 0.5 * norm(box.high - box.low);
   }
 };
 
@@ -80,14 +154,18 @@ struct SliceTree {
 
 struct AtomTree::Implementation {
   AtomSlices slices;
-  std::vector<std::unique_ptr<const SliceTree>> trees;
+  ClassTrees trees;
 
   Implementation(std::span<const Atom> atoms, AtomSlices atom_slices, int threads)
-      : slices(std::move(atom_slices)), trees(slices.members.size()) {
-    for_each_index(trees.size(), threads, [&](std::size_t slice) {
-      trees[slice] =
-          std::make_unique<const SliceTree>(atoms, slices.members[slice], extent_of(slices, slice));
+      : slices(std::move(atom_slices)) {
+    const RadiusClasses class_of(atoms);
+    std::vector<ClassTrees> of_slices(slices.members.size());
+    for_each_index(of_slices.size(), threads, [&](std::size_t slice) {
+      of_slices[slice] =
+          make_trees(atoms, class_of, slices.members[slice], extent_of(slices, slice));
     });
+    for (ClassTrees& of_slice : of_slices)
+      std::move(of_slice.begin(), of_slice.end(), std::back_inserter(trees));
   }
 };
 
@@ -100,20 +178,26 @@ AtomTree& AtomTree::operator=(AtomTree&&) noexcept = default;
 
 void AtomTree::find_within(Vec3 point, double distance, std::vector<AtomIndex>& found) const {
   found.clear();
-  const double query[3] = {point.x, point.y, point.z};
-  const double place = point[implementation_->slices.axis];
-  for (const auto& slice : implementation_->trees) {
-    if (!slice->may_reach(place, distance)) continue;
-    IndicesWithin within{distance * distance, slice->cloud.members, found};
-    slice->tree.findNeighbors(within, query, {});
-  }
+  for (const auto& tree : implementation_->trees)
+    tree->find_within(point, implementation_->slices.axis, distance, found);
+}
+
+void AtomTree::find_reaching(Vec3 point, double distance, std::vector<AtomIndex>& found) const {
+  found.clear();
+  for (const auto& tree : implementation_->trees)
+    tree->find_within(point, implementation_->slices.axis, distance + tree->largest_radius, found);
 }
 
 void AtomTree::find_around(std::span<const Atom> group, double distance,
                            std::vector<AtomIndex>& found) const {
-  Box box{group.front().center, group.front().center};
-  for (const Atom& atom : group) box.include(atom.center);
-  find_within(0.5 * (box.low + box.high), distance + 0.5 * norm(box.high - box.low), found);
+  const GroupBall ball(group);
+  find_within(ball.center, distance + ball.radius, found);
+}
+
+void AtomTree::find_reaching_around(std::span<const Atom> group, double distance,
+                                    std::vector<AtomIndex>& found) const {
+  const GroupBall ball(group);
+  find_reaching(ball.center, distance + ball.radius, found);
 }
 
 AtomIndex end_of_group(std::span<const Atom> atoms, AtomIndex begin, AtomIndex end) {

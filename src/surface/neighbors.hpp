@@ -1,5 +1,9 @@
 #pragma once
 /// Which atoms are near a point: kd-trees over the atoms' centres (the one nanoflann room).
+///
+/// How far a look-up must go depends on how large the atoms are that it may find. So that a few
+/// large atoms do not widen the look-ups of all others, there are trees for classes of radii, each
+/// of which is searched as far as its own largest atom demands.
 
 #include <memory>
 #include <span>
@@ -14,8 +18,8 @@ class AtomTree {
  public:
   /// Of no atoms.
   AtomTree();
-  /// Of those atoms that are members of slices, with a kd-tree for each slice: nanoflann makes one
-  /// with one thread. Keeps a view of `atoms`, which must outlive the tree.
+  /// Of those atoms that are members of slices, with a kd-tree for each slice and class of radii:
+  /// nanoflann makes one with one thread. Keeps a view of `atoms`, which must outlive the tree.
   AtomTree(std::span<const Atom> atoms, AtomSlices slices, int threads);
   ~AtomTree();
   AtomTree(AtomTree&&) noexcept;
@@ -29,6 +33,15 @@ class AtomTree {
   /// `group`, and by some that are farther away.
   void find_around(std::span<const Atom> group, double distance,
                    std::vector<AtomIndex>& found) const;
+
+  /// Replaces `found` by all atoms that come within `distance` of `point`, which means that
+  /// |point - center| < distance + radius, and by some that are farther away.
+  void find_reaching(Vec3 point, double distance, std::vector<AtomIndex>& found) const;
+
+  /// Replaces `found` by all atoms that come within `distance` of the centre of any of `group`, and
+  /// by some that are farther away.
+  void find_reaching_around(std::span<const Atom> group, double distance,
+                            std::vector<AtomIndex>& found) const;
 
  private:
   struct Implementation;

@@ -20,12 +20,25 @@ namespace {
 // told from its complement.
 constexpr double least_cone_volume = 1e-6;
 
-std::span<const AtomIndex> face_neighbours(const Patches& patches, AtomIndex i) {
+// The atom whose face neighbours are looked at for further atoms near a placement. Any atom of the
+// placement that has such a list would do. It is the first one, unless that is crowded.
+AtomIndex atom_to_look_from(const Patches& patches, const ProbePlacement& placement) {
+  const auto count = [&](AtomIndex i) { return patches.face_begin[i + 1] - patches.face_begin[i]; };
+  AtomIndex chosen = placement.atoms[0];
+  if (count(chosen) <= max_uncrowded) return chosen;
+  for (const AtomIndex i : placement.atoms)
+    if (count(i) > 0 && count(i) < count(chosen)) chosen = i;
+  return chosen;
+}
+
+// Atoms that have all others among them that reach as far as the placement.
+std::span<const AtomIndex> neighbours_of(const Patches& patches, const ProbePlacement& placement) {
+  const AtomIndex i = atom_to_look_from(patches, placement);
   return std::span(patches.face_neighbours)
       .subspan(patches.face_begin[i], patches.face_begin[i + 1] - patches.face_begin[i]);
 }
 
-// How far the probe is inside a SAS ball. The neighbours that bound the first atom's face tell.
+// How far the probe is inside a SAS ball, or off the sphere of an atom that it touches.
 double depth_of(const Surface& surface, const ProbePlacement& placement, Vec3 center) {
   const auto depth = [&](AtomIndex k) {
     const SasSphere sphere = surface.sas_sphere(k);
@@ -33,7 +46,7 @@ double depth_of(const Surface& surface, const ProbePlacement& placement, Vec3 ce
   };
   double deepest = 0;
   for (const AtomIndex k : placement.atoms) deepest = std::max(deepest, std::fabs(depth(k)));
-  for (const AtomIndex k : face_neighbours(surface.patches, placement.atoms[0]))
+  for (const AtomIndex k : neighbours_of(surface.patches, placement))
     deepest = std::max(deepest, depth(k));
   return deepest;
 }
@@ -66,10 +79,10 @@ bool is_regular(const Surface& surface, const ProbePlacement& placement) {
   for (std::size_t q = 0; q < 3; ++q)
     toward[q] = normalized(surface.atoms[placement.atoms[q]].center - placement.center);
   if (std::fabs(dot(toward[0], cross(toward[1], toward[2]))) < least_cone_volume) return false;
-  const std::span<const AtomIndex> neighbours =
-      face_neighbours(surface.patches, placement.atoms[0]);
+  const std::span<const AtomIndex> neighbours = neighbours_of(surface.patches, placement);
   return std::none_of(neighbours.begin(), neighbours.end(), [&](AtomIndex k) {
-    if (k == placement.atoms[1] || k == placement.atoms[2]) return false;
+    const auto& [a, b, c] = placement.atoms;
+    if (k == a || k == b || k == c) return false;
     const SasSphere sphere = surface.sas_sphere(k);
     return norm(placement.center - sphere.center) < sphere.radius + tolerance::touching;
   });
@@ -183,7 +196,6 @@ void join_placements(Patches& patches, std::span<AtomRangePatches> ranges, int t
 
 Surface::Surface(Molecule of, double probe)
     : molecule(std::move(of)), atoms(molecule.atoms()), probe_radius(probe) {
-  for (const Atom& atom : atoms) largest_radius = std::max(largest_radius, atom.radius);
   patches.exposure.assign(atoms.size(), AtomExposure::unknown);
   for (AtomIndex i = 0; i < atoms.size(); ++i)
     if (molecule.is_contained(i)) patches.exposure[i] = AtomExposure::contained;

@@ -15,6 +15,7 @@
 #include "geometry/box.hpp"
 #include "geometry/circle_arcs.hpp"
 #include "surface/atom_patches.hpp"
+#include "surface/crowded_atoms.hpp"
 #include "surface/neighbors.hpp"
 #include "surface/reach.hpp"
 
@@ -60,10 +61,10 @@ struct Surface {
   Molecule molecule;
   std::span<const Atom> atoms;  ///< the molecule's
   double probe_radius = 0;
-  double largest_radius = 0;  ///< of the van der Waals spheres
   /// If only a part of space is looked at: other atoms need no patches.
   std::optional<Reach> reach;
   Patches patches;
+  CrowdedPatches crowded;  ///< lists some of `patches`
 
   bool needs_patches(AtomIndex i) const { return !reach || reach->holds(atoms[i]); }
 
@@ -71,7 +72,7 @@ struct Surface {
   Surface(Molecule of, double probe);
 
   /// Only what happens in `box` will be asked.
-  void confine_to(const Box& box) { reach = {box, probe_radius, largest_radius}; }
+  void confine_to(const Box& box) { reach = make_reach(atoms, box, probe_radius); }
 
   const AtomTree& tree() const { return molecule.tree(); }
 

@@ -1,6 +1,7 @@
 #pragma once
 /// The atoms that matter to a part of space.
 
+#include <algorithm>
 #include <span>
 #include <vector>
 
@@ -13,15 +14,27 @@ namespace eses {
 /// an x in it. The arcs that bound the faces of these are found from either of their two atoms, so
 /// all whose SAS spheres meet theirs are counted in.
 struct Reach {
+  /// Angstrom: far more than rounding and tolerances amount to.
+  static constexpr double slack = 1e-3;
+
   Box box;
   double probe_radius = 0;
-  double largest_radius = 0;  ///< of all atoms
+  double largest_radius = 0;  ///< of the atoms whose patches matter in the box
 
   bool holds(const Atom& atom) const {
-    constexpr double slack = 1e-3;  // angstrom: far more than rounding and tolerances make of it
     const double distance = atom.radius + 2 * largest_radius + 4 * probe_radius + slack;
     return squared_distance(box, atom.center) <= distance * distance;
   }
 };
+
+inline Reach make_reach(std::span<const Atom> atoms, const Box& box, double probe_radius) {
+  Reach reach{box, probe_radius, 0};
+  for (const Atom& atom : atoms) {
+    const double distance = atom.radius + 2 * probe_radius + Reach::slack;
+    if (squared_distance(box, atom.center) <= distance * distance)
+      reach.largest_radius = std::max(reach.largest_radius, atom.radius);
+  }
+  return reach;
+}
 
 }  // namespace eses

@@ -191,6 +191,14 @@ void SurfaceSurvey::visit(AtomIndex i, double weight, AtomPatchScratch& scratch)
   totals_.face_neighbours += weight * static_cast<double>(patches.face_neighbours.size());
 
   const AtomExposure exposure = patches.exposure.front();
+  if (exposure != AtomExposure::contained && scratch.caps.size() > max_uncrowded) {
+    const auto neighbours = static_cast<double>(scratch.caps.size());
+    totals_.crowded_neighbours += weight * neighbours;
+    totals_.max_neighbours = std::max(totals_.max_neighbours, neighbours);
+    totals_.crowded_patches +=
+        weight * static_cast<double>(patches.face_neighbours.size() + patches.arcs.size() +
+                                     patches.placements.size());
+  }
   if (exposure == AtomExposure::unknown || exposure == AtomExposure::exposed)
     add_convex(i, weight, patches.face_neighbours);
   const double probe = surface_.probe_radius;
@@ -282,19 +290,21 @@ double SurfaceSurvey::largest_slab_area(double thickness) const {
   return largest;
 }
 
-SurfaceSurvey::AtomsNear SurfaceSurvey::most_atoms_near(Vec3 half_sides, double distance) const {
+SurfaceSurvey::AtomsNear SurfaceSurvey::most_atoms_near(Vec3 half_sides) const {
+  const double probe = surface_.probe_radius, distance = norm(half_sides) + probe;
   const std::size_t count = patched_count(), places = std::min(count, places_looked_at);
   std::vector<AtomIndex> found;
   AtomsNear most;
   for (std::size_t s = 0; s < places; ++s) {
     const Vec3 place = surface_.atoms[patched_atom((2 * s + 1) * count / (2 * places))].center;
     const Box box{place - half_sides, place + half_sides};
-    surface_.tree().find_within(place, distance, found);
-    const auto in_box = std::count_if(found.begin(), found.end(), [&](AtomIndex i) {
-      return squared_distance(box, surface_.atoms[i].center) == 0;
+    surface_.tree().find_reaching(place, distance, found);
+    const auto reaching = std::count_if(found.begin(), found.end(), [&](AtomIndex i) {
+      const Atom& atom = surface_.atoms[i];
+      return overlap(box, ball_box(atom.center, atom.radius + probe));
     });
-    most.in_box = std::max(most.in_box, static_cast<std::size_t>(in_box));
-    most.in_ball = std::max(most.in_ball, found.size());
+    most.reaching_box = std::max(most.reaching_box, static_cast<std::size_t>(reaching));
+    most.found = std::max(most.found, found.size());
   }
   return most;
 }

@@ -14,6 +14,9 @@ struct PatchTotals {
   double placements = 0;
   double face_neighbours = 0;
   double area = 0;  ///< square angstrom; concave patches that cut each other count in full
+  double crowded_patches = 0;     ///< of crowded atoms, see CrowdedPatches
+  double crowded_neighbours = 0;  ///< sum over crowded atoms
+  double max_neighbours = 0;      ///< of any crowded atom that was looked at
 };
 
 class SurfaceSurvey {
@@ -30,7 +33,6 @@ class SurfaceSurvey {
   /// Of the atoms, those that get patches.
   std::size_t patched_count() const { return reach_.empty() ? atom_count() : reach_.size(); }
   double probe_radius() const { return surface_.probe_radius; }
-  double largest_radius() const { return surface_.largest_radius; }
 
   /// The area between two heights, angstrom.
   double area_between(double low_z, double high_z) const;
@@ -39,12 +41,13 @@ class SurfaceSurvey {
   /// sampling error added twice over.
   double largest_slab_area(double thickness) const;
 
-  /// How many atoms' centres lie in a box of these half sides, and within `distance`, which
-  /// encloses the box, of any one place: of some places looked at, the most.
+  /// Numbers of atoms around a box: those whose SAS spheres may reach into it, and those that a
+  /// look-up with a ball around the box finds.
   struct AtomsNear {
-    std::size_t in_box = 0, in_ball = 0;
+    std::size_t reaching_box = 0, found = 0;
   };
-  AtomsNear most_atoms_near(Vec3 half_sides, double distance) const;
+  /// The maxima for boxes with these half sides around some atoms.
+  AtomsNear most_atoms_near(Vec3 half_sides) const;
 
  private:
   void take_samples();

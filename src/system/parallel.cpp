@@ -11,8 +11,8 @@
 
 namespace eses {
 
-int available_threads() {
-  return std::clamp(omp_get_max_threads(), 1, std::max(1, processor_quota()));
+int available_threads(const std::string& root) {
+  return std::clamp(omp_get_max_threads(), 1, processor_quota(root));
 }
 
 void parallel_for(std::int64_t count, int threads,

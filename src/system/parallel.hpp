@@ -3,12 +3,14 @@
 
 #include <cstdint>
 #include <functional>
+#include <string>
 
 namespace eses {
 
-/// Threads that this process may use: OMP_NUM_THREADS, affinity and the control group's quota
-/// respected.
-int available_threads();
+/// Number of threads that this process may use: OMP_NUM_THREADS or, without it, the processors to
+/// which it is bound, but no more than the quota of the control group. For `root` see
+/// processor_quota.
+int available_threads(const std::string& root = "/");
 
 /// Starts the threads. OpenMP ends the process if it cannot: better before there are files.
 void start_threads(int threads);

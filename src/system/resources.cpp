@@ -22,19 +22,19 @@ namespace eses {
 namespace {
 
 constexpr std::uint64_t unlimited = std::numeric_limits<std::uint64_t>::max();
-constexpr char cgroup_root[] = "/sys/fs/cgroup/";
 
-// Where the limits of this process stand: its control group of version 2 or, by controller, of
-// version 1, and all groups above, each of which may limit it. Plain text, with a slash at the end:
-// where memory runs out while libstdc++ 12 joins two paths, it crashes.
-std::vector<std::string> control_groups(const std::string& controller) {
+// Directories with the limits of this process: its control group of version 2 or, by controller, of
+// version 1, and all groups above, each of which may limit it. They are plain text, with a slash at
+// the end: where memory runs out while libstdc++ 12 joins two paths, it crashes.
+std::vector<std::string> control_groups(const std::string& mount_root,
+                                        const std::string& controller) {
   std::vector<std::string> groups;
-  std::ifstream file("/proc/self/cgroup");
+  std::ifstream file(mount_root + "proc/self/cgroup");
   for (std::string line; std::getline(file, line);) {  // number:controllers:/path
     const std::size_t first = line.find(':'), second = line.find(':', first + 1);
     if (second == std::string::npos) continue;
     const std::string names = fmt::format(",{},", line.substr(first + 1, second - first - 1));
-    std::string root = cgroup_root;
+    std::string root = mount_root + "sys/fs/cgroup/";
     if (names != ",,") {
       if (names.find(fmt::format(",{},", controller)) == std::string::npos) continue;
       root += controller + "/";
@@ -59,7 +59,7 @@ std::optional<Value> read_value(const std::string& path) {
 }
 
 // Bytes that a line of the form `Key:  123 kB` tells.
-std::optional<std::uint64_t> memory_entry(const char* path, std::string_view wanted) {
+std::optional<std::uint64_t> memory_entry(const std::string& path, std::string_view wanted) {
   std::ifstream file(path);
   for (std::string key; file >> key;) {
     std::uint64_t kilobytes = 0;
@@ -88,12 +88,12 @@ std::uint64_t left_in(const std::string& group, const char* limit_file, const ch
 
 }  // namespace
 
-int processor_quota() {
+int processor_quota(const std::string& root) {
   double processors = 1 << 20;
   const auto limit_to = [&](double quota, double period) {
     if (quota > 0 && period > 0) processors = std::min(processors, quota / period);
   };
-  for (const auto& group : control_groups("cpu")) {
+  for (const auto& group : control_groups(root, "cpu")) {
     std::ifstream file(group + "cpu.max");  // "max 100000" or "150000 100000"
     double quota = 0, period = 0;
     if (file >> quota >> period) limit_to(quota, period);
@@ -103,9 +103,10 @@ int processor_quota() {
   return std::max(1, static_cast<int>(std::ceil(processors)));
 }
 
-std::uint64_t available_memory() {
-  std::uint64_t available = memory_entry("/proc/meminfo", "MemAvailable:").value_or(unlimited);
-  for (const auto& group : control_groups("memory"))
+std::uint64_t available_memory(const std::string& root) {
+  std::uint64_t available =
+      memory_entry(root + "proc/meminfo", "MemAvailable:").value_or(unlimited);
+  for (const auto& group : control_groups(root, "memory"))
     available = std::min({available, left_in(group, "memory.max", "memory.current"),
                           left_in(group, "memory.limit_in_bytes", "memory.usage_in_bytes")});
   return available;

@@ -3,15 +3,18 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <string>
 
 namespace eses {
 
-/// Processors that the control group's quota amounts to, rounded up; a large number without one.
-int processor_quota();
+/// Number of processors that the quota of the control group amounts to, rounded up, and a large
+/// number if there is no quota. `root` is the directory below which proc/ and sys/ are mounted; it
+/// ends with a slash.
+int processor_quota(const std::string& root = "/");
 
-/// Bytes of memory that are free for this process: the least of what the system has available and
-/// what the control group leaves.
-std::uint64_t available_memory();
+/// Bytes of memory that are free for this process: the minimum of what the system has available and
+/// what the control group leaves. `root` as above.
+std::uint64_t available_memory(const std::string& root = "/");
 
 /// Bytes of memory that this process holds resident, and the most it ever held; 0 if the system
 /// does not tell.

@@ -1,34 +1,64 @@
 #include "verify/atom_cells.hpp"
 
-namespace eses::verify {
+#include <utility>
 
-AtomCells::AtomCells(std::span<const Atom> atoms, double reach) : atoms_(atoms.size()) {
+namespace eses::verify {
+namespace {
+
+// The radii of a level differ by no more than this factor, but for those in the last level.
+constexpr double level_ratio = 4;
+constexpr std::size_t max_levels = 16;
+
+std::size_t level_of(double radius, double largest_radius) {
+  std::size_t level = 0;
+  for (double limit = largest_radius / level_ratio; radius < limit && level + 1 < max_levels;
+       limit /= level_ratio)
+    ++level;
+  return level;
+}
+
+}  // namespace
+
+AtomCells::AtomCells(std::span<const Atom> atoms, double reach) {
+  for (const Atom& atom : atoms) largest_radius_ = std::max(largest_radius_, atom.radius);
+  std::array<std::vector<Atom>, max_levels> by_level;
+  for (const Atom& atom : atoms) by_level[level_of(atom.radius, largest_radius_)].push_back(atom);
+  for (std::vector<Atom>& level : by_level) {
+    if (level.empty()) continue;
+    double largest = 0;
+    for (const Atom& atom : level) largest = std::max(largest, atom.radius);
+    levels_.emplace_back(std::move(level), distance_in(largest, reach));
+    levels_.back().largest_radius = largest;
+  }
+}
+
+AtomCells::Level::Level(std::vector<Atom> level_atoms, double reach) : atoms(level_atoms.size()) {
   constexpr double most_cells_per_atom = 4;
-  Vec3 upper = lower_ = atoms.front().center;
-  for (const Atom& atom : atoms)
+  Vec3 upper = lower = level_atoms.front().center;
+  for (const Atom& atom : level_atoms)
     for (std::size_t q = 0; q < 3; ++q) {
-      lower_[q] = std::min(lower_[q], atom.center[q]);
+      lower[q] = std::min(lower[q], atom.center[q]);
       upper[q] = std::max(upper[q], atom.center[q]);
     }
-  const double most_cells = most_cells_per_atom * static_cast<double>(atoms.size());
+  const double most_cells = most_cells_per_atom * static_cast<double>(level_atoms.size());
   const auto cells_along = [&](std::size_t q, double edge) {
-    return std::floor((upper[q] - lower_[q]) / edge) + 1;
+    return std::floor((upper[q] - lower[q]) / edge) + 1;
   };
   double edge = reach / 2;
   while (cells_along(0, edge) * cells_along(1, edge) * cells_along(2, edge) > most_cells)
     edge *= 1.25;
-  inverse_edge_ = 1 / edge;
-  for (std::size_t q = 0; q < 3; ++q) count_[q] = static_cast<std::size_t>(cells_along(q, edge));
+  inverse_edge = 1 / edge;
+  for (std::size_t q = 0; q < 3; ++q) count[q] = static_cast<std::size_t>(cells_along(q, edge));
 
-  begin_.resize(count_[0] * count_[1] * count_[2] + 1);
-  for (const Atom& atom : atoms) ++begin_[cell_of(atom) + 1];
-  for (std::size_t c = 1; c < begin_.size(); ++c) begin_[c] += begin_[c - 1];
-  std::vector<std::size_t> next = begin_;
-  for (const Atom& atom : atoms) atoms_[next[cell_of(atom)]++] = atom;
+  begin.resize(count[0] * count[1] * count[2] + 1);
+  for (const Atom& atom : level_atoms) ++begin[cell_of(atom) + 1];
+  for (std::size_t c = 1; c < begin.size(); ++c) begin[c] += begin[c - 1];
+  std::vector<std::size_t> next = begin;
+  for (const Atom& atom : level_atoms) atoms[next[cell_of(atom)]++] = atom;
 }
 
-std::size_t AtomCells::cell_of(const Atom& atom) const {
-  return (cell_of(2, atom.center.z) * count_[1] + cell_of(1, atom.center.y)) * count_[0] +
+std::size_t AtomCells::Level::cell_of(const Atom& atom) const {
+  return (cell_of(2, atom.center.z) * count[1] + cell_of(1, atom.center.y)) * count[0] +
          cell_of(0, atom.center.x);
 }
 

@@ -68,8 +68,9 @@ void mark() {
 
 int number_of_action() { return std::atoi(std::strchr(fault.action.data(), '=') + 1); }
 
-void sleep_a_minute() {
-  timespec left{60, 0};
+// Longer than any test waits: whoever ends has not waited for it.
+void sleep_for_an_hour() {
+  timespec left{3600, 0};
   while (nanosleep(&left, &left) != 0 && errno == EINTR) {
   }
 }
@@ -80,7 +81,7 @@ bool fails() {
   const long count = ++calls;
   if (count < fault.number || (count > fault.number && !action.starts_with("stay"))) return false;
   if (count == fault.number) mark();
-  if (action == "hang") sleep_a_minute();
+  if (action == "hang") sleep_for_an_hour();
   if (action.starts_with("signal")) raise(number_of_action());
   if (!action.starts_with("fail") && !action.starts_with("stay")) return false;
   errno = number_of_action();

@@ -13,8 +13,12 @@ from support import DATA, PROGRAM, TestCase, forget_signals
 NAMES = ("bounding_box.txt", "grid_info.txt", "intersection_info.txt", "partition_area.txt")
 LIBRARY = os.environ.get("ESES_FAULT_LIBRARY")  # see fault.cpp
 SMALL = DATA / "c60.xyzr"
-PATIENCE = 60  # seconds until a test gives up
-PROMPT = 5  # seconds: far more than it takes, as other tests run beside this one
+# Seconds until a test gives up: only what would never end takes that long, on any machine.
+PATIENCE = 600
+# Seconds of processor time that a run may take to end. It takes far less, and how busy the machine is
+# makes no difference to it, as it would to the time of a clock.
+PROMPT = 5
+TICKS = os.sysconf("SC_CLK_TCK")
 
 needs_library = unittest.skipUnless(LIBRARY, "no calls can be made to fail in this build")
 
@@ -25,6 +29,25 @@ def wait_for(condition):
         if time.monotonic() > end:
             raise TimeoutError
         time.sleep(0.005)
+
+
+def cpu_seconds(program):
+    """The processor time of a program, also of one that has ended but was not waited for."""
+    with open(f"/proc/{program.pid}/stat", encoding="ascii", errors="replace") as stat:
+        fields = stat.read().rpartition(")")[2].split()
+    user, system = fields[11:13]
+    return (int(user) + int(system)) / TICKS
+
+
+def has_ended(program):
+    """Leaves it to others to wait for the program."""
+    return os.waitid(os.P_PID, program.pid, os.WEXITED | os.WNOWAIT | os.WNOHANG) is not None
+
+
+def let_work(program, seconds):
+    """Returns when the program has taken so much more processor time, or has ended."""
+    end = cpu_seconds(program) + seconds
+    wait_for(lambda: has_ended(program) or cpu_seconds(program) > end)
 
 
 class FaultTest(TestCase):
@@ -55,6 +78,15 @@ class FaultTest(TestCase):
     def finish(self, program):
         out, err = program.communicate(timeout=PATIENCE)
         return subprocess.CompletedProcess(program.args, program.returncode, out, err)
+
+    def end_by(self, program, *signals):
+        """The program after these signals, which has to end soon."""
+        before = cpu_seconds(program)
+        for number in signals:
+            program.send_signal(number)
+        wait_for(lambda: has_ended(program))
+        self.assertLess(cpu_seconds(program) - before, PROMPT)
+        return self.finish(program)
 
     def run_program(self, *arguments, **how):
         return self.finish(self.start(*arguments, **how))

@@ -6,11 +6,10 @@ import resource
 import shutil
 import signal
 import subprocess
-import time
 import unittest
 
-from faults import (NAMES, NO_SPACE, PROGRAM, SMALL, TINY, FaultTest, forget_signals, message_of,
-                    needs_library, wait_for)
+from faults import (NAMES, NO_SPACE, PROGRAM, SMALL, TINY, FaultTest, forget_signals, has_ended,
+                    let_work, message_of, needs_library, wait_for)
 
 NOBODY = 65534
 
@@ -398,8 +397,8 @@ class TwoRuns(FaultTest):
         there = self.all_files()
         for _ in range(2):  # two signals at once: the second ends a run without waiting for it
             other = self.start(self.folder / "big.xyzr", "--spacing", "0.3", "--write", "none", "-q")
-            time.sleep(0.3)
-            self.assertIsNone(other.poll())
+            let_work(other, 0.3)
+            self.assertFalse(has_ended(other))
             other.send_signal(signal.SIGINT)
             other.send_signal(signal.SIGTERM)
             self.finish(other)

@@ -59,7 +59,7 @@ struct SpecialFiles {
 
 bool contains(const std::string& text, const std::string& part);
 
-/// Checks what a Python expression says of the JSON report `r`, where there is a Python.
+/// Checks the value of a Python expression about the JSON report `r`.
 void check_json(const Sandbox& sandbox, const std::string& json, const std::string& question,
                 const std::string& expected);
 

@@ -1,0 +1,275 @@
+// Atoms that are much larger than the others: what they do not cost, and that nothing is lost.
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdint>
+#include <numbers>
+#include <string>
+#include <vector>
+
+#include "catch.hpp"
+#include "eses/run.hpp"
+#include "run/build_patches.hpp"
+#include "solve/block_features.hpp"
+#include "support/atom_sets.hpp"
+#include "support/brute_force.hpp"
+#include "support/eses_files.hpp"
+#include "surface/atom_slices.hpp"
+#include "surface/crowded_atoms.hpp"
+#include "surface/neighbors.hpp"
+#include "verify/atom_cells.hpp"
+
+namespace eses::test {
+namespace {
+
+constexpr double probe = 1.4;
+
+/// Atoms all over the surface of a large one around the origin, which has index `place`.
+std::vector<Atom> make_crowd(std::size_t atoms, double radius, std::size_t place) {
+  Random random(atoms);
+  std::vector<Atom> crowd;
+  crowd.reserve(atoms + 1);
+  for (std::size_t i = 0; i < atoms; ++i) {
+    // Heights on a sphere are evenly distributed (Archimedes).
+    const double z = random.uniform(-1, 1), rho = std::sqrt(1 - z * z);
+    const double turn = random.uniform(0, 2 * std::numbers::pi);
+    const double distance = radius + random.uniform(-1, 3);
+    crowd.push_back(
+        {distance * Vec3{rho * std::cos(turn), rho * std::sin(turn), z}, random.uniform(1, 2)});
+  }
+  crowd.insert(crowd.begin() + static_cast<std::ptrdiff_t>(place), {{0, 0, 0}, radius});
+  return crowd;
+}
+
+/// Atoms far apart from each other.
+std::vector<Atom> make_gas(int side) {
+  std::vector<Atom> atoms;
+  for (int x = 0; x < side; ++x)
+    for (int y = 0; y < side; ++y)
+      for (int z = 0; z < side; ++z) atoms.push_back({{9.0 * x, 9.0 * y, 9.0 * z}, 1.7});
+  return atoms;
+}
+
+AtomTree tree_of(const std::vector<Atom>& atoms, std::size_t slices) {
+  return {atoms, cut_into_slices(atoms, slices, 2), 2};
+}
+
+void check_arcs(const Surface& surface, AtomIndex i) {
+  const auto sphere = surface.sas_sphere(i);
+  std::vector<Cap> caps;
+  std::vector<AtomIndex> neighbours;
+  for (AtomIndex j = 0; j < surface.atoms.size(); ++j) {
+    const auto other = surface.sas_sphere(j);
+    if (j == i || surface.molecule.is_contained(j) ||
+        norm(other.center - sphere.center) >= sphere.radius + other.radius - 1e-6)
+      continue;
+    caps.push_back(make_cap(sphere, other));
+    neighbours.push_back(j);
+  }
+  REQUIRE(caps.size() > max_uncrowded);
+  CrowdedCaps crowded;
+  crowded.reset(caps, neighbours);
+  ArcScratch scratch;
+  std::vector<CircleArc> expected, found;
+  std::vector<CircleEnd> expected_ends, found_ends;
+  std::size_t arcs = 0;
+  for (std::uint32_t own = 0; own < caps.size(); ++own) {
+    const ContactCircle circle = make_contact_circle(sphere, surface.sas_sphere(neighbours[own]));
+    expected.clear();
+    found.clear();
+    expected_ends.clear();
+    found_ends.clear();
+    accessible_arcs(circle, caps, own, scratch, expected, expected_ends);
+    crowded.accessible_arcs(surface, circle, own, scratch, found, found_ends);
+    REQUIRE(found.size() == expected.size());
+    for (std::size_t a = 0; a < found.size(); ++a) {
+      REQUIRE(found[a].kind == expected[a].kind);
+      REQUIRE(found[a].start == expected[a].start);
+      REQUIRE(found[a].end == expected[a].end);
+    }
+    REQUIRE(found_ends == expected_ends);
+    arcs += found.size();
+  }
+  CHECK(arcs > 100);
+}
+
+}  // namespace
+
+TEST_CASE("a look-up finds all atoms that reach a point, whatever their radii", "[crowded]") {
+  Random random(3);
+  for (const std::size_t slices : std::array<std::size_t, 3>{1, 4, 16}) {
+    std::vector<Atom> atoms;
+    for (int i = 0; i < 4000; ++i) {
+      // From 0 to 2^40, most of them small.
+      const double radius =
+          random.chance(0.1) ? 0 : std::exp2(40 * std::pow(random.uniform(0, 1), 20));
+      const auto place = [&] { return random.uniform(-100, 100); };
+      atoms.push_back({{place(), place(), place()}, radius});
+    }
+    atoms.push_back({{1e5, 0, 0}, 1e300});
+    const AtomTree tree = tree_of(atoms, slices);
+    std::vector<AtomIndex> found;
+    for (int look_up = 0; look_up < 100; ++look_up) {
+      const Vec3 point = atoms[random.integer(0, 3999)].center + Vec3{random.uniform(-5, 5), 1, 2};
+      const double distance = random.uniform(0, 10);
+      tree.find_reaching(point, distance, found);
+      std::vector<bool> is_found(atoms.size());
+      for (const AtomIndex i : found) {
+        CHECK_FALSE(is_found[i]);
+        is_found[i] = true;
+      }
+      for (AtomIndex i = 0; i < atoms.size(); ++i)
+        if (norm(point - atoms[i].center) < distance + atoms[i].radius) CHECK(is_found[i]);
+    }
+  }
+}
+
+TEST_CASE("large atoms do not widen the look-ups of small ones", "[crowded]") {
+  const std::vector<Atom> gas = make_gas(20);
+  for (const double radius : {20.0, 1000.0, 1e12})
+    for (const std::size_t place : std::array<std::size_t, 2>{0, 4000}) {
+      INFO("radius " << radius << " at " << place);
+      std::vector<Atom> atoms = gas;
+      atoms.insert(atoms.begin() + static_cast<std::ptrdiff_t>(place),
+                   {{-radius - 9, 0, 0}, radius});
+      const AtomTree tree = tree_of(atoms, 1);
+      std::vector<AtomIndex> found;
+      for (const Atom& atom : gas) {
+        tree.find_reaching(atom.center, atom.radius + 2 * probe, found);
+        // Itself and the large one: all others are 9 angstrom away.
+        CHECK(found.size() <= 2);
+      }
+    }
+}
+
+TEST_CASE("large atoms do not widen the look-ups of checks", "[crowded]") {
+  std::vector<Atom> atoms = make_gas(20);
+  for (const double radius : {20.0, 1000.0, 1e6}) {
+    INFO("radius " << radius);
+    atoms.push_back({{-radius - 9, 90, 90}, radius});
+    const verify::AtomCells cells(atoms, radius + 2 * probe);
+    std::size_t looked_at = 0;
+    for (const Atom& atom : atoms) {
+      bool is_found = false;
+      cells.for_each_near(atom.center, radius + 2 * probe, [&](const Atom& near) {
+        ++looked_at;
+        is_found = is_found || near.center == atom.center;
+      });
+      CHECK(is_found);
+    }
+    // All atoms are near the large one, and few near any of the others.
+    CHECK(looked_at < 20 * atoms.size());
+    // Every atom is found from the farthest points that it reaches.
+    for (std::size_t i = 0; i < atoms.size(); i += 97) {
+      const double distance = 0.999999 * (atoms[i].radius + 2 * probe);
+      bool is_found = false;
+      cells.for_each_near(
+          atoms[i].center + Vec3{0, distance, 0}, radius + 2 * probe,
+          [&](const Atom& near) { is_found = is_found || near.center == atoms[i].center; });
+      CHECK(is_found);
+    }
+  }
+}
+
+TEST_CASE("the arcs of a crowded atom are those that all its caps leave", "[crowded]") {
+  for (const auto& [atoms, radius] : {std::pair<std::size_t, double>{600, 20}, {3000, 60}})
+    for (const std::size_t place : {std::size_t{0}, atoms / 2, atoms}) {
+      INFO(atoms << " atoms, the large one at " << place);
+      const Surface surface(make_crowd(atoms, radius, place), probe);
+      check_arcs(surface, static_cast<AtomIndex>(place));
+    }
+}
+
+TEST_CASE("a block looks only at those patches of a crowded atom that are near", "[crowded]") {
+  const std::vector<Atom> atoms = make_crowd(6000, 80, 0);
+  Surface surface(atoms, probe);
+  build_patches(surface, 2);
+  const Patches& patches = surface.patches;
+  REQUIRE(patches.face_begin[1] > 3000);
+  REQUIRE(patches.arc_begin[1] > 3000);
+  const Box block{{75, -5, -5}, {85, 5, 5}};
+  BlockFeatures features;
+  collect_features(surface, block, features);
+  const auto is_near = [&](const Atom& atom) {
+    const double distance = atom.radius + 2 * probe + 1e-3;
+    return squared_distance(block, atom.center) <= distance * distance;
+  };
+  const auto near = static_cast<std::size_t>(std::count_if(atoms.begin(), atoms.end(), is_near));
+  CHECK(near < 200);
+  const auto large = std::find_if(features.faces.begin(), features.faces.end(),
+                                  [](const FaceFeature& face) { return face.atom == 0; });
+  REQUIRE(large != features.faces.end());
+  // A ball around the block is looked up, which holds some more than the block.
+  CHECK(features.cones_of(*large).size() < 4 * near);
+  CHECK(features.listed_arcs.size() < 4 * near);
+  CHECK(features.listed_placements.size() < 8 * near);
+
+  // All arcs and placements that matter are there.
+  std::size_t arcs = 0, placements = 0;
+  for (const Arc& arc : patches.arcs) {
+    const ContactCircle circle =
+        make_contact_circle(surface.sas_sphere(arc.first), surface.sas_sphere(arc.second));
+    // The middle of the saddle's side, where the arc starts.
+    const Vec3 on_saddle = circle.center + (circle.radius - probe) * arc.start;
+    if (arc.kind == ArcKind::full || circle.radius < probe ||
+        squared_distance(block, on_saddle) > 0)
+      continue;
+    ++arcs;
+    CHECK(std::any_of(features.arcs.begin(), features.arcs.end(), [&](const ArcFeature& feature) {
+      return feature.atoms[0] == arc.first && feature.atoms[1] == arc.second &&
+             feature.sector.start == arc.start;
+    }));
+  }
+  for (const ProbePlacement& placement : patches.placements) {
+    if (squared_distance(block, placement.center) >= probe * probe) continue;
+    ++placements;
+    CHECK(std::any_of(
+        features.placements.begin(), features.placements.end(),
+        [&](const PlacementFeature& feature) { return feature.center == placement.center; }));
+  }
+  CHECK(arcs > 10);
+  CHECK(placements > 20);
+  // In the order in which they stand in the surface: where patches are equally near, order decides.
+  CHECK(std::is_sorted(
+      features.arcs.begin(), features.arcs.end(),
+      [](const ArcFeature& a, const ArcFeature& b) { return a.atoms[0] < b.atoms[0]; }));
+}
+
+TEST_CASE("a crowd is what the definition says, whichever atom is the large one", "[crowded]") {
+  constexpr std::size_t atoms = 420;
+  for (const std::size_t place : {std::size_t{0}, atoms / 3, atoms})
+    for (const std::int64_t block_size : {7, 64}) {
+      INFO("the large atom at " << place << ", block size " << block_size);
+      const std::vector<Atom> crowd = make_crowd(atoms, 12, place);
+      Parameters parameters;
+      parameters.spacing = 1.3;
+      parameters.margin = 1.5;
+      parameters.block_size = block_size;
+      parameters.threads = 2;
+      Surface surface(crowd, probe);
+      build_patches(surface, 1);
+      REQUIRE(surface.patches.face_begin[place + 1] - surface.patches.face_begin[place] >
+              max_uncrowded);
+      const RunResult result = run_and_read(crowd, parameters);
+      const std::vector<std::string> faults =
+          find_faults(crowd, parameters, result.files, result.summary);
+      INFO((faults.empty() ? "" : faults.front()));
+      CHECK(faults.empty());
+    }
+}
+
+TEST_CASE("a region far from a large atom needs patches only nearby", "[crowded]") {
+  std::vector<Atom> atoms = make_gas(20);
+  atoms.push_back({{-1000 - 20, 90, 90}, 1000});
+  const Box box{{160, 0, 0}, {170, 10, 10}};
+  Surface surface(atoms, probe);
+  surface.confine_to(box);
+  std::size_t needed = 0;
+  for (AtomIndex i = 0; i < atoms.size(); ++i) needed += surface.needs_patches(i) ? 1 : 0;
+  CHECK(needed < 100);
+  surface.confine_to({{-25, 80, 80}, {-15, 100, 100}});
+  CHECK(surface.needs_patches(static_cast<AtomIndex>(atoms.size() - 1)));
+}
+
+}  // namespace eses::test
