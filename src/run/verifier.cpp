@@ -11,6 +11,7 @@
 #include <utility>
 
 #include "eses/solved_block.hpp"
+#include "geometry/tolerances.hpp"
 #include "system/parallel.hpp"
 
 namespace eses {
@@ -18,6 +19,9 @@ namespace eses {
 using verify::CentreSearch;
 
 namespace {
+
+// The verification must accept every centre that the computation accepts.
+static_assert(verify::possibly_accessible.shrinkage >= tolerance::accessible);
 
 constexpr std::size_t kept_per_checked = 4;
 constexpr double bytes_per_kept = 100;

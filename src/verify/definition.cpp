@@ -11,10 +11,24 @@ namespace {
 
 /// Lengths, in angstrom, below which a direction is lost in rounding.
 constexpr double no_direction = 1e-12;
-/// By how much a cosine may exceed 1 where a circle touches a sphere.
-constexpr double touching = 1e-10;
 /// Centres that are nearer to each other than this are one. Angstrom.
 constexpr double same_center = 1e-6;
+constexpr double epsilon = std::numeric_limits<double>::epsilon();
+/// Upper bound of the rounding of a candidate's distance from a ball's centre, relative to the size
+/// of both.
+constexpr double distance_rounding = 256 * epsilon;
+/// What this rounding hardly ever exceeds, for where it is amplified.
+constexpr double usual_rounding = 16 * epsilon;
+/// Up to so many balls are tried without halving their cell further.
+constexpr std::size_t few = 5;
+/// Up to so many are tried where halving the cell `stalled` times has separated none of them. Of
+/// more, those that reach deepest into the smallest cell are tried.
+constexpr std::size_t crowd = 32;
+constexpr int stalled = 3;
+
+double sum_of_parts(Vec3 v) { return std::fabs(v.x) + std::fabs(v.y) + std::fabs(v.z); }
+
+double square_of(double length) { return length > 0 ? length * length : 0; }
 
 double largest_radius_of(std::span<const Atom> atoms) {
   double largest = 0;
@@ -30,22 +44,26 @@ Definition::Definition(std::span<const Atom> all_atoms, double probe)
       largest_radius(largest_radius_of(all_atoms)),
       cells(all_atoms, largest_radius + 2 * probe) {}
 
-// The SAS balls within reach.
+// Collects the SAS balls within reach.
 CentreSearch::Surroundings CentreSearch::gather(Vec3 x) {
   balls_.clear();
   bool is_accessible_here = true, is_covered = false;
   const double probe = definition_.probe_radius;
   const double farthest = definition_.largest_radius + probe + reach_;
   definition_.cells.for_each_near(x, farthest, [&](const Atom& atom) {
-    Ball ball{atom.center - x, atom.radius + probe, 0, 0};
-    const double square = squared_norm(ball.center);
-    const double outer = ball.radius + reach_;
-    if (square >= outer * outer) return;
-    const double inner = ball.radius - slack_ - reach_;
-    if (inner >= 0 && square <= inner * inner) is_covered = true;
+    Ball ball;
+    ball.center = atom.center - x;
+    ball.radius = atom.radius + probe - access_.shrinkage;
+    const double square = squared_norm(ball.center), outer = ball.radius + reach_;
+    if (outer <= 0 || square >= outer * outer) return;
     ball.power = square - ball.radius * ball.radius;
-    ball.least_square = (ball.radius - slack_) * (ball.radius - slack_);
-    if (square < ball.least_square) is_accessible_here = false;
+    const double limit =
+        ball.radius - std::max(access_.tolerance, distance_rounding * (ball.radius + reach_));
+    ball.min_square = square_of(limit);
+    ball.doubt_square = square_of(limit - access_.max_doubt);
+    const double inner = limit - access_.max_doubt - reach_;
+    if (inner >= 0 && square <= inner * inner) is_covered = true;
+    if (square < ball.min_square) is_accessible_here = false;
     balls_.push_back(ball);
   });
   if (is_accessible_here) return Surroundings::accessible;
@@ -54,9 +72,25 @@ CentreSearch::Surroundings CentreSearch::gather(Vec3 x) {
   return Surroundings::mixed;
 }
 
-// The order in which they are tried: first a few that hold x deepest and some from everywhere, one
-// of which covers most cells that are covered at all. What the deepest one covers within reach
-// needs no other.
+// Whether `other` covers what `ball` covers of the places c with |(c - center) . v| <= extent for
+// v the vector between their centres: there, the power of `ball` is nowhere lower. Rounding is
+// proportional to the differences, so balls that coincide are recognised, and balls however close
+// to each other are told apart.
+bool CentreSearch::is_dominated(const Ball& ball, const Ball& other, Vec3 center, double extent) {
+  const Vec3 between = ball.center - other.center;
+  const Vec3 sum = (ball.center - center) + (other.center - center);
+  const double difference = ball.radius - other.radius, radii = ball.radius + other.radius;
+  const double ahead = dot(between, sum) - difference * radii - 2 * extent;
+  if (ahead < 0) return false;
+  const double apart = sum_of_parts(between);
+  const double rounding =
+      8 * epsilon * (apart * (sum_of_parts(sum) + apart) + std::fabs(difference) * radii);
+  return ahead >= rounding;
+}
+
+// The order in which balls are tried: first a few that hold x deepest and some from everywhere, one
+// of which covers most cells that are covered at all. Balls that the deepest one dominates within
+// reach are dropped.
 void CentreSearch::order_balls() {
   constexpr std::size_t deepest = 8, from_everywhere = 64;
   const std::size_t stride = balls_.size() / from_everywhere + 1;
@@ -65,25 +99,28 @@ void CentreSearch::order_balls() {
       balls_.begin() + static_cast<std::ptrdiff_t>(std::min(deepest, balls_.size()));
   std::partial_sort(balls_.begin(), middle, balls_.end(),
                     [](const Ball& a, const Ball& b) { return a.power < b.power; });
-  std::erase_if(balls_, [&, first = balls_.front()](const Ball& ball) {
-    return ball.power - first.power > 2 * reach_ * norm(ball.center - first.center) + enough();
-  });
+  const Ball first = balls_.front();
+  balls_.erase(std::remove_if(balls_.begin() + 1, balls_.end(),
+                              [&](const Ball& ball) {
+                                return is_dominated(ball, first, {},
+                                                    reach_ * norm(ball.center - first.center));
+                              }),
+               balls_.end());
 }
 
-// By how much cells are larger than they seem, so that no centre is lost between them to rounding.
+// Cells are larger than they seem by this, so that no centre is lost between them to rounding.
 double CentreSearch::margin() const {
-  constexpr double share = 1e-6;
-  return share * (definition_.largest_radius + definition_.probe_radius);
+  constexpr double share_of_reach = 1e-11, share_of_radius = 1e-14;
+  return share_of_reach * reach_ +
+         share_of_radius * (definition_.largest_radius + definition_.probe_radius);
 }
 
-// Whether one of the balls, those from `begin` to `end` around a larger cell, covers all of the
-// cell. If not, those that matter in it follow behind `around_`: they reach into it, and there is
-// none that covers what they cover of it. Powers differ by a linear function of the place, so that
-// the corners of the cell tell. As all but the outermost of many balls go, cells can stay large.
+// Returns whether one of the balls around a larger cell, at [begin, end) of `around_`, covers all
+// of the cell. If not, appends to `around_` the balls that matter in it: those that reach into it
+// and that no single other ball dominates. Because all but the outermost of many balls are dropped,
+// cells can stay large.
 bool CentreSearch::is_covered_or_keep(const Cell& cell, std::size_t begin, std::size_t end) {
   const double half = cell.half + margin();
-  std::uint32_t lowest = around_[begin];
-  double lowest_power = std::numeric_limits<double>::infinity();
   for (std::size_t i = begin; i < end; ++i) {
     const Ball& ball = balls_[around_[i]];
     const Vec3 w = ball.center - cell.center;
@@ -93,54 +130,109 @@ bool CentreSearch::is_covered_or_keep(const Cell& cell, std::size_t begin, std::
       nearest_square += outside * outside;
       farthest_square += (along + half) * (along + half);
     }
-    if (farthest_square < ball.least_square) return true;
-    const double square = ball.radius * ball.radius, power = squared_norm(w) - square;
-    if (power < lowest_power) {
-      lowest_power = power;
-      lowest = around_[i];
-    }
-    if (nearest_square <= square) around_.push_back(around_[i]);
+    if (farthest_square < ball.doubt_square) return true;
+    if (nearest_square <= ball.radius * ball.radius) around_.push_back(around_[i]);
   }
-  drop_covered(cell, balls_[lowest], end);
+  drop_dominated(cell, end);
   return false;
 }
 
-// How much lower a ball's power must be for it to cover what another one does, whatever the slack.
-double CentreSearch::enough() const {
-  return 4 * slack_ * (definition_.largest_radius + definition_.probe_radius) + margin() * margin();
-}
-
-// Drops of the balls from `begin` on those that `other` covers in the cell, by more than the slack.
-void CentreSearch::drop_covered(const Cell& cell, const Ball& other, std::size_t begin) {
+// Drops those balls from `begin` on that another one dominates in the cell: the lowest one, and
+// where halving the cell has separated no balls twice, a few others. Where clusters of almost
+// coincident balls meet, each cluster needs one of its own.
+void CentreSearch::drop_dominated(const Cell& cell, std::size_t begin) {
+  const std::size_t max_references = cell.stalled > 1 ? 4 : 1;
   const double half = cell.half + margin();
-  const auto is_covered = [&](std::uint32_t i) {
-    const Vec3 between = balls_[i].center - other.center;
-    const double spread = std::fabs(between.x) + std::fabs(between.y) + std::fabs(between.z);
-    return balls_[i].power - other.power >
-           2 * dot(cell.center, between) + 2 * half * spread + enough();
+  const auto power_at = [&](std::uint32_t i) {
+    return squared_norm(balls_[i].center - cell.center) - balls_[i].radius * balls_[i].radius;
   };
-  const auto first = around_.begin() + static_cast<std::ptrdiff_t>(begin);
-  around_.erase(std::remove_if(first, around_.end(), is_covered), around_.end());
+  for (std::size_t r = begin; r < begin + max_references && around_.size() > r + 1; ++r) {
+    if (r > begin && around_.size() - begin <= few) return;
+    std::size_t lowest = r;
+    double lowest_power = power_at(around_[r]);
+    for (std::size_t i = r + 1; i < around_.size(); ++i)
+      if (const double power = power_at(around_[i]); power < lowest_power) {
+        lowest_power = power;
+        lowest = i;
+      }
+    std::swap(around_[r], around_[lowest]);
+    const Ball& reference = balls_[around_[r]];
+    const auto is_needless = [&](std::uint32_t i) {
+      const Vec3 between = balls_[i].center - reference.center;
+      return is_dominated(balls_[i], reference, cell.center, half * sum_of_parts(between));
+    };
+    const auto first = around_.begin() + static_cast<std::ptrdiff_t>(r + 1);
+    around_.erase(std::remove_if(first, around_.end(), is_needless), around_.end());
+  }
 }
 
-bool CentreSearch::is_accessible(Vec3 c) const {
-  return std::none_of(near_.begin(), near_.end(), [c](const Ball& ball) {
-    return squared_norm(c - ball.center) < ball.least_square;
+// How far rounding may have moved a centre that was computed from the balls whose spheres it lies
+// on: by the rounding of a distance, divided by the sine of the angle or by the determinant of the
+// directions to their centres.
+double CentreSearch::doubt_of(Vec3 c, const Origin& origin) const {
+  if (origin.count < 2) return 0;
+  std::array<Vec3, 3> to_center{};
+  double scale = reach_;
+  for (int i = 0; i < origin.count; ++i) {
+    const Ball& ball = *origin.balls[static_cast<std::size_t>(i)];
+    to_center[static_cast<std::size_t>(i)] = (1 / ball.radius) * (ball.center - c);
+    scale = std::max(scale, ball.radius);
+  }
+  const Vec3 normal = cross(to_center[0], to_center[1]);
+  const double condition = origin.count == 2 ? norm(normal) : std::fabs(dot(normal, to_center[2]));
+  const double moved = usual_rounding * scale;
+  return moved < condition * access_.max_doubt ? moved / condition : access_.max_doubt;
+}
+
+bool CentreSearch::is_in(const Cell& cell, Vec3 c, double margin) {
+  const double half = cell.half + margin;
+  return std::fabs(c.x - cell.center.x) <= half && std::fabs(c.y - cell.center.y) <= half &&
+         std::fabs(c.z - cell.center.z) <= half;
+}
+
+bool CentreSearch::is_accessible(Vec3 c, const Origin& origin, std::span<const Ball> balls) const {
+  double doubt = -1;  // not known yet
+  for (const Ball& ball : balls) {
+    const double square = squared_norm(c - ball.center);
+    if (square >= ball.min_square) continue;
+    if (square < ball.doubt_square) return false;
+    if (doubt < 0) doubt = doubt_of(c, origin);
+    if (square < square_of(std::sqrt(ball.min_square) - doubt)) return false;
+  }
+  return true;
+}
+
+// Holds a centre, seen from x, against all atoms once more, in extended precision: the search has
+// dropped balls that it holds to be covered by others.
+bool CentreSearch::is_certain(Vec3 x, Vec3 c) const {
+  bool is_certain = true;
+  const double probe = definition_.probe_radius;
+  definition_.cells.for_each_near(x + c, definition_.largest_radius + probe, [&](const Atom& atom) {
+    const Vec3 center = atom.center - x;
+    const long double dx = static_cast<long double>(c.x) - center.x;
+    const long double dy = static_cast<long double>(c.y) - center.y;
+    const long double dz = static_cast<long double>(c.z) - center.z;
+    const double radius = atom.radius + probe;
+    const auto depth = static_cast<double>(radius - std::sqrt(dx * dx + dy * dy + dz * dz));
+    const double limit = std::max(access_.tolerance, distance_rounding * (radius + reach_));
+    if (depth > access_.shrinkage + limit) is_certain = false;
   });
+  return is_certain;
 }
 
 // Visits `c` if it is in the cell, near enough and accessible. The search goes on while this is
-// true.
+// true. A centre that rounding has moved out of its cell may be near balls that are not near the
+// cell.
 template <class Visit>
-bool CentreSearch::offer(const Cell& cell, Vec3 c, Visit& visit) {
-  const double half = cell.half + margin();
-  for (std::size_t q = 0; q < 3; ++q)
-    if (std::fabs(c[q] - cell.center[q]) > half) return true;
-  if (squared_norm(c) >= reach_ * reach_ || !is_accessible(c)) return true;
+bool CentreSearch::offer(const Cell& cell, Vec3 c, const Origin& origin, Visit& visit) {
+  const double stray = 1e-6 * reach_ + access_.max_doubt;
+  if (!is_in(cell, c, stray) || squared_norm(c) >= reach_ * reach_) return true;
+  if (!is_accessible(c, origin, near_)) return true;
+  if (!is_in(cell, c, margin()) && !is_accessible(c, origin, balls_)) return true;
   return visit(c);
 }
 
-// Nothing if they do not meet, or meet out of reach.
+// Nothing if the spheres do not meet, or meet out of reach.
 std::optional<CentreSearch::Circle> CentreSearch::circle_of(const Ball& one,
                                                             const Ball& other) const {
   const Vec3 between = other.center - one.center;
@@ -156,10 +248,11 @@ std::optional<CentreSearch::Circle> CentreSearch::circle_of(const Ball& one,
   return Circle{one.center + along * axis, axis, std::sqrt(radius_square)};
 }
 
-// The circle's point nearest to x, and those that lie on one of the spheres `further`.
+// The circle's point nearest to x, and its points on one of the spheres after those of its two
+// balls.
 template <class Visit>
-bool CentreSearch::visit_circle(const Cell& cell, const Circle& circle,
-                                std::span<const Ball> further, Visit& visit) {
+bool CentreSearch::visit_circle(const Cell& cell, const Circle& circle, std::size_t one,
+                                std::size_t other, Visit& visit) {
   const double height = dot(circle.center, circle.axis), rho = circle.radius;
   const Vec3 inward = height * circle.axis - circle.center;  // to x, as the circle's plane sees it
   const double aside = norm(inward);
@@ -167,48 +260,85 @@ bool CentreSearch::visit_circle(const Cell& cell, const Circle& circle,
   if (height * height + gap * gap >= reach_ * reach_) return true;
   const Vec3 e = aside > no_direction ? (1 / aside) * inward : any_perpendicular(circle.axis);
   const Vec3 f = cross(circle.axis, e);
-  if (!offer(cell, circle.center + rho * e, visit)) return false;
-  for (const Ball& ball : further) {
+  Origin origin{{&near_[one], &near_[other], nullptr}, 2};
+  if (!offer(cell, circle.center + rho * e, origin, visit)) return false;
+  origin.count = 3;
+  for (std::size_t k = other + 1; k < std::min(near_.size(), crowd); ++k) {
+    const Ball& ball = near_[k];
+    origin.balls[2] = &ball;
     // At the angle t, the squared distance from the ball's centre is square + 2 rho (a cos t + b
     // sin t).
     const Vec3 w = circle.center - ball.center;
     const double square = squared_norm(w) + rho * rho, a = dot(w, e), b = dot(w, f);
     const double amplitude = std::sqrt(a * a + b * b);
     if (amplitude < no_direction) continue;
-    double cosine = (ball.radius * ball.radius - square) / (2 * rho * amplitude);
-    if (std::fabs(cosine) > 1 + touching) continue;
-    cosine = std::clamp(cosine, -1.0, 1.0);
+    const double span = 2 * rho * amplitude;
+    const double sought = ball.radius * ball.radius - square;
+    // Where the circle just misses the sphere, its nearest point is as good within the tolerance.
+    if (std::fabs(sought) - span > 2 * ball.radius * ball.radius - 2 * ball.min_square) continue;
+    const double cosine = std::clamp(sought / span, -1.0, 1.0);
     const double sine = std::sqrt((1 - cosine) * (1 + cosine));
     for (const double side : {sine, -sine}) {
       const double x = (cosine * a - side * b) / amplitude, y = (cosine * b + side * a) / amplitude;
-      if (!offer(cell, circle.center + (rho * x) * e + (rho * y) * f, visit)) return false;
+      if (!offer(cell, circle.center + (rho * x) * e + (rho * y) * f, origin, visit)) return false;
     }
   }
   return true;
 }
 
-// What all of `near_` give.
+// Visits the candidates of all of `near_`.
 template <class Visit>
 bool CentreSearch::visit_all_of(const Cell& cell, Visit& visit) {
-  for (const Ball& ball : near_) {
+  const std::size_t count = std::min(near_.size(), crowd);
+  for (std::size_t i = 0; i < count; ++i) {
+    const Ball& ball = near_[i];
     const double distance = norm(ball.center);
     const Vec3 outward = distance > no_direction ? (-1 / distance) * ball.center : Vec3{1, 0, 0};
-    if (!offer(cell, ball.center + ball.radius * outward, visit)) return false;
+    if (!offer(cell, ball.center + ball.radius * outward, {{&ball, nullptr, nullptr}, 1}, visit))
+      return false;
   }
-  const std::span<const Ball> spheres(near_);
-  for (std::size_t i = 0; i < spheres.size(); ++i)
-    for (std::size_t j = i + 1; j < spheres.size(); ++j) {
-      const std::optional<Circle> circle = circle_of(spheres[i], spheres[j]);
-      if (circle && !visit_circle(cell, *circle, spheres.subspan(j + 1), visit)) return false;
+  for (std::size_t i = 0; i < count; ++i)
+    for (std::size_t j = i + 1; j < count; ++j) {
+      const std::optional<Circle> circle = circle_of(near_[i], near_[j]);
+      if (circle && !visit_circle(cell, *circle, i, j, visit)) return false;
     }
   return true;
 }
 
-// The centres in a cell; from `begin` to `end` of `around_` are the balls around a larger one.
+// A cell that is not halved: its balls are those from `begin` on.
+template <class Visit>
+bool CentreSearch::visit_leaf(const Cell& cell, std::size_t begin, Visit& visit) {
+  near_.clear();
+  for (std::size_t i = begin; i < around_.size(); ++i) near_.push_back(balls_[around_[i]]);
+  if (near_.size() <= crowd) return visit_all_of(cell, visit);
+  const auto power_at = [&](const Ball& ball) {
+    return squared_norm(ball.center - cell.center) - ball.radius * ball.radius;
+  };
+  std::partial_sort(near_.begin(), near_.begin() + crowd, near_.end(),
+                    [&](const Ball& a, const Ball& b) { return power_at(a) < power_at(b); });
+  // The cell is so small that with some tolerance its centre is as good as any candidate.
+  return offer(cell, cell.center, {}, visit) && visit_all_of(cell, visit);
+}
+
+// Visits the eighths of a cell, beginning with the one that is nearest to x.
+template <class Visit>
+bool CentreSearch::visit_parts(const Cell& cell, std::size_t begin, std::size_t end, Visit& visit) {
+  const double half = 0.5 * cell.half;
+  for (unsigned eighth = 0; eighth < 8; ++eighth) {
+    Cell part{cell.center, half, cell.stalled};
+    for (std::size_t q = 0; q < 3; ++q) {
+      const bool is_far = (eighth >> q & 1) != 0, is_upper = cell.center[q] >= 0;
+      part.center[q] += is_far == is_upper ? half : -half;
+    }
+    if (!visit_cell(part, begin, end, visit)) return false;
+  }
+  return true;
+}
+
+// Visits the centres in a cell. The balls around the larger cell are at [begin, end) of `around_`.
 template <class Visit>
 bool CentreSearch::visit_cell(const Cell& cell, std::size_t begin, std::size_t end, Visit& visit) {
-  constexpr std::size_t few = 5;
-  constexpr double smallest = 16;  // of margins
+  constexpr double smallest = 16;  // margins
   double square = 0;
   for (std::size_t q = 0; q < 3; ++q) {
     const double outside = std::max(0.0, std::fabs(cell.center[q]) - cell.half - margin());
@@ -218,22 +348,11 @@ bool CentreSearch::visit_cell(const Cell& cell, std::size_t begin, std::size_t e
   bool goes_on = true;
   if (!is_covered_or_keep(cell, begin, end)) {
     const std::size_t count = around_.size() - end;
-    if (count <= few || cell.half <= smallest * margin()) {
-      near_.clear();
-      for (std::size_t i = end; i < end + count; ++i) near_.push_back(balls_[around_[i]]);
-      goes_on = visit_all_of(cell, visit);
-    } else {
-      const double half = 0.5 * cell.half;
-      // From the eighth that is nearest to x on.
-      for (unsigned eighth = 0; eighth < 8 && goes_on; ++eighth) {
-        Cell part{cell.center, half};
-        for (std::size_t q = 0; q < 3; ++q) {
-          const bool is_far = (eighth >> q & 1) != 0, is_upper = cell.center[q] >= 0;
-          part.center[q] += is_far == is_upper ? half : -half;
-        }
-        goes_on = visit_cell(part, end, end + count, visit);
-      }
-    }
+    Cell part = cell;
+    part.stalled = count == end - begin ? cell.stalled + 1 : 0;
+    const bool is_leaf = count <= few || (count <= crowd && part.stalled >= stalled) ||
+                         cell.half <= smallest * margin();
+    goes_on = is_leaf ? visit_leaf(cell, end, visit) : visit_parts(part, end, end + count, visit);
   }
   around_.resize(end);
   return goes_on;
@@ -242,9 +361,10 @@ bool CentreSearch::visit_cell(const Cell& cell, std::size_t begin, std::size_t e
 // Calls `visit(c)`, c being seen from x, with accessible centres within reach, among them the
 // nearest, until it returns false. It may lower the reach.
 template <class Visit>
-void CentreSearch::visit_centres(Vec3 x, double reach, double slack, Visit&& visit) {
+void CentreSearch::visit_centres(Vec3 x, double reach, const Access& access, Visit&& visit) {
+  if (reach <= 0) return;
   reach_ = reach;
-  slack_ = slack;
+  access_ = access;
   const Surroundings surroundings = gather(x);
   if (surroundings == Surroundings::covered) return;
   if (surroundings == Surroundings::accessible) {
@@ -253,12 +373,15 @@ void CentreSearch::visit_centres(Vec3 x, double reach, double slack, Visit&& vis
   }
   around_.resize(balls_.size());
   std::iota(around_.begin(), around_.end(), std::uint32_t{0});
-  visit_cell({{}, reach}, 0, around_.size(), visit);
+  const auto visit_certain = [&](Vec3 c) {
+    return access_.max_doubt == 0 && !is_certain(x, c) ? true : visit(c);
+  };
+  visit_cell({{}, reach}, 0, around_.size(), visit_certain);
 }
 
-std::optional<Vec3> CentreSearch::nearest(Vec3 x, double reach, double slack) {
+std::optional<Vec3> CentreSearch::nearest(Vec3 x, double reach, const Access& access) {
   std::optional<Vec3> found;
-  visit_centres(x, reach, slack, [&](Vec3 c) {
+  visit_centres(x, reach, access, [&](Vec3 c) {
     reach_ = norm(c);
     found = x + c;
     return reach_ > 0;
@@ -266,19 +389,19 @@ std::optional<Vec3> CentreSearch::nearest(Vec3 x, double reach, double slack) {
   return found;
 }
 
-bool CentreSearch::is_any(Vec3 x, double reach, double slack) {
+bool CentreSearch::is_any(Vec3 x, double reach, const Access& access) {
   bool found = false;
-  visit_centres(x, reach, slack, [&](Vec3) {
+  visit_centres(x, reach, access, [&](Vec3) {
     found = true;
     return false;
   });
   return found;
 }
 
-double CentreSearch::distance_to_seam(Vec3 x, Vec3 center, double reach, double slack) {
+double CentreSearch::distance_to_seam(Vec3 x, Vec3 center, double reach, const Access& access) {
   double least = reach;
   const Vec3 own = center - x;
-  visit_centres(x, reach, slack, [&](Vec3 c) {
+  visit_centres(x, reach, access, [&](Vec3 c) {
     const double apart = norm(c - own);
     if (apart <= same_center) return true;
     least = std::min(least, std::fabs(squared_norm(c) - squared_norm(own)) / (2 * apart));

@@ -9,7 +9,7 @@
 
 namespace eses::verify {
 
-/// What a result says of an edge that the surface cuts: `crossing.x` is not looked at.
+/// An edge that the surface cuts, as a result has it; `crossing.x` is ignored.
 struct Edge {
   GridIndex lower{};  ///< its lower point
   Crossing crossing;
@@ -28,14 +28,16 @@ struct Edge {
   }
 };
 
-/// Empty if nothing is wrong, else a line that names the point. Within 1e-7 angstrom of the surface
-/// a point may be called either.
+/// Empty if nothing is wrong, else a line that names the point. A point is wrong if it is farther
+/// than 1e-6 angstrom on the other side of the surface, whichever of the centres that are
+/// accessible in doubt count as accessible: see `Access`.
 std::string fault_of_point(CentreSearch& search, const Grid& grid, const GridIndex& point,
                            bool is_inside);
 
-/// Empty if nothing is wrong, else a line that names the edge: its ends are as it says, the
-/// crossing lies on it and on the surface, the normal leads to the nearest accessible centre, at
-/// which a probe touches the atoms, and all between the crossing and the outside end is outside.
+/// Empty if nothing is wrong, else a line that names the edge. Checks that its ends are on their
+/// sides, that the crossing lies on the edge and on the surface, that the normal leads to an
+/// accessible centre where a probe touches the atoms, that the crossing is on the patch of these
+/// atoms, and that all points between the crossing and the outside end are outside.
 std::string fault_of_edge(CentreSearch& search, const Grid& grid, const Edge& edge);
 
 /// How far the crossing is from where another patch is as near, angstrom; 0.02 probe radii

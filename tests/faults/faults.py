@@ -12,6 +12,7 @@ from support import DATA, PROGRAM, TestCase, forget_signals
 
 NAMES = ("bounding_box.txt", "grid_info.txt", "intersection_info.txt", "partition_area.txt")
 LIBRARY = os.environ.get("ESES_FAULT_LIBRARY")  # see fault.cpp
+FAULTY_PROGRAM = os.environ.get("ESES_FAULTY_BINARY")  # see faulty_solver.cpp
 SMALL = DATA / "c60.xyzr"
 # Seconds until a test gives up: only what would never end takes that long, on any machine.
 PATIENCE = 600
@@ -56,15 +57,19 @@ class FaultTest(TestCase):
         self.output = self.folder / "out"
         self.mark = self.folder / "mark"
 
-    def start(self, *arguments, fault=None, prepare=forget_signals, **how):
-        """The program, writing into `self.output`; with `fault`, what fault.cpp understands."""
+    def start(self, *arguments, fault=None, spoil=None, prepare=forget_signals, **how):
+        """Starts the program, which writes into `self.output`, with a fault as fault.cpp reads it,
+        or the program whose results are spoilt as faulty_solver.cpp reads it."""
         environment = dict(os.environ)
+        if spoil is not None:
+            environment["ESES_SPOIL"] = spoil
         if fault:
             environment.update(LD_PRELOAD=LIBRARY, ESES_FAULT=fault, ESES_FAULT_MARK=str(self.mark))
             self.mark.unlink(missing_ok=True)
         streams = {"stdin": subprocess.DEVNULL, "stdout": subprocess.PIPE,
                    "stderr": subprocess.PIPE, **how}
-        program = subprocess.Popen([PROGRAM, *map(str, arguments), "-o", self.output],
+        executable = PROGRAM if spoil is None else FAULTY_PROGRAM
+        program = subprocess.Popen([executable, *map(str, arguments), "-o", self.output],
                                    env=environment, text=True, preexec_fn=prepare, **streams)
         self.addCleanup(self.end, program)
         return program

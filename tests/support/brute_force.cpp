@@ -32,9 +32,10 @@ constexpr double same_sum = 1e-6;
 constexpr double same_vertex = 1e-10;
 /// Sizes, in angstrom, below which a direction or a circle is lost in rounding.
 constexpr double no_direction = 1e-12;
-/// Stride of the search for inside points where the surface only grazes an edge. Angstrom.
-constexpr double grazing_stride = 1e-4;
-/// The search ends this far before the crossing, which is itself known to `on_surface`. Angstrom.
+/// Pieces of an edge that are shorter than this are judged by their middle. Angstrom.
+constexpr double short_piece = 1e-4;
+/// Points nearer than this to the crossing, which is itself known to `on_surface`, are not judged.
+/// Angstrom.
 constexpr double short_of_crossing = 1e-5;
 /// Below these distances to atoms the weights of an edge's share are lost in rounding. Angstrom.
 constexpr double no_weight = 1e-5;
@@ -53,16 +54,49 @@ std::vector<SasSphere> make_spheres(std::span<const Atom> atoms, double probe_ra
   return spheres;
 }
 
+/// Extended precision: where spheres almost touch, the place where they meet moves by the square
+/// root of an error.
+struct Long3 {
+  long double x = 0, y = 0, z = 0;
+};
+
+Long3 operator*(long double s, Long3 a) { return {s * a.x, s * a.y, s * a.z}; }
+Long3 operator+(Long3 a, Long3 b) { return {a.x + b.x, a.y + b.y, a.z + b.z}; }
+long double dot(Long3 a, Long3 b) { return a.x * b.x + a.y * b.y + a.z * b.z; }
+Long3 cross(Long3 a, Long3 b) {
+  return {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
+}
+Vec3 shifted(Vec3 origin, Long3 by) {
+  return {static_cast<double>(origin.x + by.x), static_cast<double>(origin.y + by.y),
+          static_cast<double>(origin.z + by.z)};
+}
+
+/// The plane { c : normal . c = level } in which the spheres around the origin and around `normal`
+/// meet.
+struct MeetingPlane {
+  Long3 normal;
+  long double level = 0;
+};
+
+/// The origin is the centre of sphere `i`. The difference of the equations of both spheres.
+MeetingPlane meeting_plane(const std::vector<SasSphere>& spheres, AtomIndex i, AtomIndex j) {
+  const Vec3 from = spheres[i].center, to = spheres[j].center;
+  const Long3 normal{static_cast<long double>(to.x) - from.x,
+                     static_cast<long double>(to.y) - from.y,
+                     static_cast<long double>(to.z) - from.z};
+  const long double a = spheres[i].radius, b = spheres[j].radius;
+  return {normal, (dot(normal, normal) + a * a - b * b) / 2};
+}
+
 std::optional<SasCircle> meet(const std::vector<SasSphere>& spheres, AtomIndex i, AtomIndex j) {
-  const Vec3 between = spheres[j].center - spheres[i].center;
-  const double distance = norm(between);
-  if (distance < no_direction) return std::nullopt;
-  const Vec3 axis = (1 / distance) * between;
-  const double a = spheres[i].radius, b = spheres[j].radius;
-  const double along = (distance * distance + (a - b) * (a + b)) / (2 * distance);
-  const double square = (a - along) * (a + along);
+  const auto [normal, level] = meeting_plane(spheres, i, j);
+  const long double length_square = dot(normal, normal), radius = spheres[i].radius;
+  if (length_square < no_direction * no_direction) return std::nullopt;
+  const long double square = radius * radius - level * level / length_square;
   if (square < no_direction) return std::nullopt;
-  return SasCircle{spheres[i].center + along * axis, axis, std::sqrt(square), i, j};
+  return SasCircle{shifted(spheres[i].center, (level / length_square) * normal),
+                   shifted({}, (1 / std::sqrt(length_square)) * normal),
+                   static_cast<double>(std::sqrt(square)), i, j};
 }
 
 std::vector<SasCircle> make_circles(const std::vector<SasSphere>& spheres) {
@@ -76,23 +110,26 @@ std::vector<SasCircle> make_circles(const std::vector<SasSphere>& spheres) {
 
 /// The accessible ones of the points in which a circle meets the SAS spheres of other atoms.
 ///
-/// On the circle o + rho (cos t e + sin t f), with w = o - a_k, |c - a_k|^2 = R_k^2 reads
-/// A cos t + B sin t = C, whose roots lie symmetrically about the direction of (A, B).
+/// Such a point lies in the planes where the first sphere meets the second and the third, hence on
+/// a line, at the two places whose distance from the first centre is the first radius.
 std::vector<Vec3> circle_vertices(const AccessibleSet& set, const SasCircle& circle) {
-  const Vec3 e = any_perpendicular(circle.axis), f = cross(circle.axis, e);
+  const SasSphere& sphere = set.spheres[circle.first];
+  const MeetingPlane one = meeting_plane(set.spheres, circle.first, circle.second);
   std::vector<Vec3> vertices;
-  for (const AtomIndex k : set.spheres[circle.first].close) {
+  for (const AtomIndex k : sphere.close) {
     if (k == circle.second) continue;
-    const Vec3 w = circle.center - set.spheres[k].center;
-    const double a = dot(w, e), b = dot(w, f), amplitude = std::hypot(a, b);
-    if (amplitude < no_direction) continue;
-    const double cosine = (set.spheres[k].radius * set.spheres[k].radius - squared_norm(w) -
-                           circle.radius * circle.radius) /
-                          (2 * circle.radius * amplitude);
-    if (std::fabs(cosine) > 1 + same_vertex) continue;
-    const double middle = std::atan2(b, a), half = std::acos(std::clamp(cosine, -1.0, 1.0));
-    for (const double t : {middle - half, middle + half}) {
-      const Vec3 vertex = circle.center + circle.radius * (std::cos(t) * e + std::sin(t) * f);
+    const MeetingPlane other = meeting_plane(set.spheres, circle.first, k);
+    const Long3 along = cross(one.normal, other.normal);
+    const long double square = dot(along, along);
+    if (square < dot(one.normal, one.normal) * no_direction * no_direction) continue;
+    const Long3 nearest = (one.level / square) * cross(other.normal, along) +
+                          (other.level / square) * cross(along, one.normal);
+    const long double radius = sphere.radius;
+    const long double rest = radius * radius - dot(nearest, nearest);
+    if (rest < -same_vertex * radius) continue;
+    const long double way = std::sqrt(std::max(0.0L, rest) / square);
+    for (const long double t : {way, -way}) {
+      const Vec3 vertex = shifted(sphere.center, nearest + t * along);
       if (is_accessible(set, vertex, touching)) vertices.push_back(vertex);
     }
   }
@@ -160,8 +197,7 @@ struct Search {
   }
 };
 
-// --- faults
-// ----------------------------------------------------------------------------------------
+// --- faults -----------------------------------------------------------------------------------
 
 /// A run as the oracle sees it, and the faults found so far.
 struct Check {
@@ -402,28 +438,26 @@ const char* fault_of_surface(const Check& check, Vec3 x) {
   return nearest->distance < p - on_surface ? "not on the surface but outside" : nullptr;
 }
 
-/// Where a ray from `y` in direction `unit` leaves the ball around `center`, as a length; not
-/// positive if the ball does not hold `y` or the ray leads out of it at once.
-double chord_ahead(Vec3 y, Vec3 unit, Vec3 center, double radius) {
-  const Vec3 w = y - center;
-  const double b = dot(w, unit), square = b * b - squared_norm(w) + radius * radius;
-  return square < 0 ? 0 : std::sqrt(square) - b;
+/// Whether all points between `a` and `b` are outside. The distance from the accessible set changes
+/// by no more than the way between two points, so a piece is outside if its middle is by more than
+/// half its length. Else both halves are judged.
+bool is_outside_between(const Check& check, Vec3 a, Vec3 b) {
+  const double half = 0.5 * norm(b - a), limit = check.parameters.probe_radius + ambiguous;
+  const Vec3 middle = 0.5 * (a + b);
+  const auto nearest = nearest_accessible(check.set, middle, limit);
+  if (!nearest) return false;
+  if (nearest->distance + half < limit || 2 * half < short_piece) return true;
+  return is_outside_between(check, middle, b) && is_outside_between(check, a, middle);
 }
 
-/// Walks from the outside end towards the crossing, from one accessible probe ball to the next:
-/// what they cover is outside, so nothing is skipped unless the surface grazes the edge.
-const char* fault_of_way_out(const Check& check, const Crossing& crossing) {
+/// All points between the crossing and the outside end must be outside.
+const char* fault_of_last_piece(const Check& check, const Crossing& crossing) {
   const Vec3 end = position(check.grid, crossing.outside);
-  const double length = norm(crossing.point - end), p = check.parameters.probe_radius;
+  const double length = norm(crossing.point - end);
   if (length <= short_of_crossing) return nullptr;
-  const Vec3 unit = (1 / length) * (crossing.point - end);
-  for (double s = 0; s < length - short_of_crossing;) {
-    const Vec3 y = end + s * unit;
-    const auto nearest = nearest_accessible(check.set, y, p + ambiguous);
-    if (!nearest) return "not the last crossing before the outside end";
-    s += std::max(grazing_stride, chord_ahead(y, unit, nearest->center, p));
-  }
-  return nullptr;
+  const Vec3 beyond = crossing.point + (short_of_crossing / length) * (end - crossing.point);
+  return is_outside_between(check, beyond, end) ? nullptr
+                                                : "not the last crossing before the outside end";
 }
 
 const char* fault_of_crossing(const Check& check, const Crossing& crossing) {
@@ -433,7 +467,7 @@ const char* fault_of_crossing(const Check& check, const Crossing& crossing) {
   const Vec3 probe = crossing.point + check.parameters.probe_radius * crossing.normal;
   if (!is_accessible(check.set, probe, contact)) return "no probe stands where the normal leads";
   if (const char* fault = fault_of_atoms(check, crossing, probe)) return fault;
-  return fault_of_way_out(check, crossing);
+  return fault_of_last_piece(check, crossing);
 }
 
 void check_crossings(Check& check) {

@@ -13,6 +13,11 @@
 /// and whichever candidate is accessible is accepted: a wrong candidate does no harm, and all right
 /// ones are among them. Where a whole sphere or circle is equally near, either all of it is
 /// accessible or one of its vertices is a candidate.
+///
+/// The oracle and src/verify, which `--verify` uses, have nothing but this definition in common, so
+/// that neither hides a fault of the other. The oracle finds vertices as intersections of planes,
+/// in extended precision, and judges the points of an edge by halving it; src/verify finds them as
+/// angles on circles, in cells of space, and follows an edge from probe ball to probe ball.
 
 #include <optional>
 #include <span>

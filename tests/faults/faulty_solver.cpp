@@ -1,0 +1,49 @@
+/// The solver of a program whose results are wrong on purpose: it stands in the place of
+/// solve/block_solver.cpp, which it calls under other names. The environment variable ESES_SPOIL
+/// says what is wrong with every result: `point`, `crossing`, `normal` or `atoms`; without it,
+/// results are right.
+
+// NOLINTBEGIN(readability-identifier-naming,bugprone-suspicious-include): functions, renamed
+#define solve_block right_solve_block
+#define solve_block_for_mesh right_solve_block_for_mesh
+#include "solve/block_solver.cpp"
+#undef solve_block
+#undef solve_block_for_mesh
+// NOLINTEND(readability-identifier-naming,bugprone-suspicious-include)
+
+#include <cstdlib>
+#include <string_view>
+
+namespace eses {
+namespace {
+
+void spoil(BlockResult& result) {
+  const char* const text = std::getenv("ESES_SPOIL");
+  const std::string_view what = text == nullptr ? "" : text;
+  if (what == "point")
+    for (std::uint64_t& word : result.inside.words) word = ~word;
+  for (Crossing& crossing : result.crossings) {
+    if (what == "crossing") crossing.coordinate += 1e-5;
+    if (what == "normal")
+      crossing.normal = normalized(crossing.normal + 1e-3 * any_perpendicular(crossing.normal));
+    if (what == "atoms") ++crossing.atoms[static_cast<std::size_t>(crossing.atom_count - 1)];
+  }
+}
+
+}  // namespace
+
+BlockResult solve_block(const Surface& surface, const Grid& grid, const Block& block,
+                        BlockWorkspace& workspace) {
+  BlockResult result = right_solve_block(surface, grid, block, workspace);
+  spoil(result);
+  return result;
+}
+
+BlockResult solve_block_for_mesh(const Surface& surface, const Grid& grid, const Block& block,
+                                 const Block& wider, BlockWorkspace& workspace) {
+  BlockResult result = right_solve_block_for_mesh(surface, grid, block, wider, workspace);
+  spoil(result);
+  return result;
+}
+
+}  // namespace eses
