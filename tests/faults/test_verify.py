@@ -7,6 +7,9 @@ ALMOST_COINCIDENT = "0 0 0 1.6999\n0 .0001 -.0001 1.6999\n3 .2 .1 1.5\n3.0001 .2
 # Where the SAS spheres of opposite atoms touch: a probe fits between six atoms exactly.
 OCTAHEDRON = "".join(f"{x} {y} {z} 1.6\n" for x, y, z in (
     (3, 0, 0), (-3, 0, 0), (0, 3, 0), (0, -3, 0), (0, 0, 3), (0, 0, -3)))
+# 300 atoms within 1e-9 angstrom, spread by multiples of irrational numbers.
+CROWD = "".join(f"{i * 2 ** .5 % 1 * 1e-9} {i * 3 ** .5 % 1 * 1e-9} {i * 5 ** .5 % 1 * 1e-9} 1.7\n"
+                for i in range(300))
 MESSAGES = {
     "point": "point .*called (inside, but a probe covers it|outside, but no probe covers it)",
     "crossing": "edge .*(a probe covers the crossing|no probe touches the crossing"
@@ -19,7 +22,8 @@ MESSAGES = {
 class Verify(FaultTest):
     def sets(self):
         yield SMALL
-        for name, text in (("coincident.xyzr", ALMOST_COINCIDENT), ("octahedron.xyzr", OCTAHEDRON)):
+        for name, text in (("coincident.xyzr", ALMOST_COINCIDENT), ("octahedron.xyzr", OCTAHEDRON),
+                           ("crowd.xyzr", CROWD)):
             (self.folder / name).write_text(text)
             yield self.folder / name
 
@@ -34,6 +38,8 @@ class Verify(FaultTest):
     def test_wrong_results(self):
         for path in self.sets():
             for spoil, message in MESSAGES.items():
+                if (path.name, spoil) == ("crowd.xyzr", "atoms"):
+                    continue  # the probe touches all of them
                 with self.subTest(path=path.name, spoil=spoil):
                     done = self.run_program(path, "1.4", "0.4", "0.8", "--verify", "-q",
                                             spoil=spoil)
