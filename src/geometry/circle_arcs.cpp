@@ -52,10 +52,8 @@ Blocked blocked_by(const ContactCircle& circle, const CircleFrame& frame, const 
   return {{x / length, y / length}, circle.radius * length};
 }
 
-// How high a plane across the cap's axis is above the circle's centre. `height` is its distance
-// from the sphere's centre.
-double clearance_of(const ContactCircle& circle, const Cap& cap, double height) {
-  return height - circle.first_height * dot(circle.axis, cap.axis);
+double exact_clearance(const ContactCircle& circle, const Cap& cap) {
+  return cap.height - circle.first_height * dot(circle.axis, cap.axis);
 }
 
 Direction turned(Direction d, double cosine, double sine) {
@@ -64,23 +62,13 @@ Direction turned(Direction d, double cosine, double sine) {
 
 double sine_of(double cosine) { return std::sqrt((1 - cosine) * (1 + cosine)); }
 
-// The direction in which a cap of this height begins (side -1) or ceases (side +1) to block.
-Direction end_of(const ContactCircle& circle, const CircleFrame& frame, const Cap& cap,
-                 double height, double side) {
-  const Blocked blocked = blocked_by(circle, frame, cap);
-  const double clearance = clearance_of(circle, cap, height);
-  const double cosine = blocked.reach > 0 ? std::clamp(clearance / blocked.reach, -1.0, 1.0) : 1.0;
-  return turned(blocked.toward, cosine, side * sine_of(cosine));
-}
-
+// The direction in which `cap` of full size begins (side -1) or ceases (side +1) to block.
 Direction exact_end(const ContactCircle& circle, const CircleFrame& frame, const Cap& cap,
                     double side) {
-  return end_of(circle, frame, cap, cap.height, side);
-}
-
-Direction slackened_end(const ContactCircle& circle, const CircleFrame& frame, const Cap& cap,
-                        double side) {
-  return end_of(circle, frame, cap, cap.blocking_height, side);
+  const Blocked blocked = blocked_by(circle, frame, cap);
+  const double cosine =
+      blocked.reach > 0 ? std::clamp(exact_clearance(circle, cap) / blocked.reach, -1.0, 1.0) : 1.0;
+  return turned(blocked.toward, cosine, side * sine_of(cosine));
 }
 
 Vec3 in_space(const CircleFrame& frame, Direction d) { return d.x * frame.e1 + d.y * frame.e2; }
@@ -90,7 +78,7 @@ Vec3 in_space(const CircleFrame& frame, Direction d) { return d.x * frame.e1 + d
 bool ends_on_circle(const ContactCircle& circle, const CircleFrame& frame, const Cap& cap) {
   const double reach = blocked_by(circle, frame, cap).reach;
   return reach > tolerance::accessible &&
-         std::fabs(clearance_of(circle, cap, cap.height)) <= reach + meeting_margin;
+         std::fabs(exact_clearance(circle, cap)) <= reach + meeting_margin;
 }
 
 // From `from` counter-clockwise to `to`. A cap's end turns by half a turn at most between its two
@@ -177,11 +165,6 @@ void add_open_interval(const ContactCircle& circle, const CircleFrame& frame,
     ends.push_back({open.low_cap, +1, is_doubtful});
     ends.push_back({open.high_cap, -1, is_doubtful});
   }
-  // What only the slackened caps leave is accessible, too, up to the tolerance.
-  if (!is_kept && (open.high - open.low) * circle.radius >= tolerance::arc_length)
-    arcs.push_back({open.high - open.low <= half_turn ? ArcKind::minor : ArcKind::major,
-                    in_space(frame, slackened_end(circle, frame, caps[open.low_cap], +1)),
-                    in_space(frame, slackened_end(circle, frame, caps[open.high_cap], -1))});
   if (is_doubtful) add_doubtful_ends(circle, frame, caps, own, origin, open, scratch, ends);
 }
 
