@@ -71,8 +71,12 @@ namespace eses {
 
 namespace {
 
-// Covers the rounding of single-precision dot products, so that a patch is settled for certain.
-constexpr double float_slack = 1e-5;
+// If the height of a cap, relative to the radius, grows by `small_shrinkage`, its rim turns by at
+// most sqrt(2 small_shrinkage) = 9e-5, which changes the cosines at which a patch of 0.2 radians is
+// settled or touched by at most 2e-5. The slack covers this and the rounding of single-precision
+// dot products, so that a patch is settled for certain.
+constexpr double small_shrinkage = 4e-9;
+constexpr double float_slack = 3e-5;
 // Past the largest caps the order hardly matters, and a full sort would cost more than it saves.
 constexpr std::ptrdiff_t sorted_caps = 16;
 
@@ -124,12 +128,12 @@ bool is_buried(std::span<const Cap> caps, double radius, const BurialPatches& pa
   order.clear();
   for (std::uint32_t k = 0; k < caps.size(); ++k) {
     const auto& [axis, height, blocking_height] = caps[k];
-    const double touched =
-        patch_limits(height * inverse_radius, patches.cosine, patches.sine).touched;
+    auto [settled, touched] = patch_limits(height * inverse_radius, patches.cosine, patches.sine);
     // A neighbour in almost the same place blocks next to nothing within the tolerance: its cap
-    // must not stand for others. For the rest the difference is lost in `float_slack`.
-    const double settled =
-        patch_limits(blocking_height * inverse_radius, patches.cosine, patches.sine).settled;
+    // must not stand for others.
+    if ((blocking_height - height) * inverse_radius > small_shrinkage)
+      settled =
+          patch_limits(blocking_height * inverse_radius, patches.cosine, patches.sine).settled;
     order.push_back({static_cast<float>(axis.x), static_cast<float>(axis.y),
                      static_cast<float>(axis.z), static_cast<float>(settled),
                      static_cast<float>(touched), k, false});
