@@ -9,6 +9,7 @@
 namespace Catch {
 using Detail::Approx;
 namespace Matchers {
+// NOLINTNEXTLINE(readability-identifier-naming): as in version 3
 inline auto ContainsSubstring(const std::string& text) { return Contains(text); }
 }  // namespace Matchers
 }  // namespace Catch
@@ -16,9 +17,9 @@ inline auto ContainsSubstring(const std::string& text) { return Contains(text); 
 // Ends the test case. ctest counts it as skipped because of what is printed, even if assertions
 // have failed before: so it comes first. It returns from the function that has it, so that it must
 // be in the test case itself.
-#define SKIP(reason)                  \
-  do {                                \
-    WARN("test skipped: " << reason); \
-    return;                           \
+#define SKIP(reason)                    \
+  do {                                  \
+    WARN("test skipped: " << (reason)); \
+    return;                             \
   } while (false)
 #endif

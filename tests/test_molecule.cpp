@@ -372,6 +372,7 @@ TEST_CASE("a molecule refuses atoms that are not finite or have negative radii",
     for (const std::size_t place : std::array<std::size_t, 3>{0, 7, 9999}) {
       INFO(message << " at " << place);
       std::vector<Atom> atoms;
+      atoms.reserve(10'001);
       for (int i = 0; i < 10'000; ++i) atoms.push_back({{3.0 * i, 0, 0}, 1.5});
       atoms[place] = bad;
       // A later one is not named.

@@ -24,6 +24,7 @@ namespace {
 using Files = std::map<std::string, std::string>;
 
 constexpr int without_quota = 1 << 20;
+constexpr std::uint64_t kibibyte = 1024;
 constexpr std::uint64_t unlimited = std::numeric_limits<std::uint64_t>::max();
 
 /// A directory with these files, in place of the one below which proc/ and sys/ are mounted.
@@ -101,12 +102,12 @@ TEST_CASE("a quota of version 1 stands below its controller", "[resources]") {
 TEST_CASE("memory is the least of what the system and the control groups leave", "[resources]") {
   CHECK(memory({}) == unlimited);
   Files files{{"proc/meminfo", "MemTotal: 9000 kB\nMemFree: 1 kB\nMemAvailable:   4000 kB\n"}};
-  CHECK(memory(files) == 4000 * 1024);
+  CHECK(memory(files) == 4000 * kibibyte);
   files["proc/self/cgroup"] = "0::/job/step\n";
-  CHECK(memory(files) == 4000 * 1024);
+  CHECK(memory(files) == 4000 * kibibyte);
   files["sys/fs/cgroup/job/step/memory.max"] = "max\n";
   files["sys/fs/cgroup/job/step/memory.current"] = "5000\n";
-  CHECK(memory(files) == 4000 * 1024);
+  CHECK(memory(files) == 4000 * kibibyte);
   files["sys/fs/cgroup/job/memory.max"] = "1000000\n";
   files["sys/fs/cgroup/job/memory.current"] = "400000\n";
   CHECK(memory(files) == 600'000);
@@ -130,7 +131,7 @@ TEST_CASE("memory limits of version 1 stand below their controller", "[resources
               {"sys/fs/cgroup/cpu/job/memory.usage_in_bytes", "0\n"}};
   CHECK(memory(files) == 1'500'000);
   files["sys/fs/cgroup/memory/job/memory.limit_in_bytes"] = "9223372036854771712\n";  // none
-  CHECK(memory(files) == 4000 * 1024);
+  CHECK(memory(files) == 4000 * kibibyte);
 }
 
 TEST_CASE("there are as many threads as OpenMP offers, up to the quota", "[resources]") {
