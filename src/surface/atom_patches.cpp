@@ -82,6 +82,38 @@ void add_circle(const Surface& surface, AtomIndex i, std::uint32_t own, AtomPatc
     patches.placements.push_back(make_key(i, j, scratch.kept_neighbours[end.cap], end));
 }
 
+void add_circles(const Surface& surface, AtomIndex i, AtomPatchScratch& scratch,
+                 AtomRangePatches& patches) {
+  keep_caps(scratch);
+  for (std::uint32_t k = 0; k < scratch.burial.relevant.size(); ++k)
+    if (scratch.kept_neighbours[k] > i) add_circle(surface, i, k, scratch, patches);
+}
+
+// The same, where the order of the caps decides which of several ends at the same place is named.
+// It must not depend on the tree, which has other atoms in other processes: caps in the order of
+// their atoms.
+void add_circles_in_order(const Surface& surface, AtomIndex i, AtomPatchScratch& scratch,
+                          AtomRangePatches& patches) {
+  std::sort(scratch.burial.relevant.begin(), scratch.burial.relevant.end(),
+            [&](std::uint32_t a, std::uint32_t b) {
+              return scratch.neighbours[a] < scratch.neighbours[b];
+            });
+  add_circles(surface, i, scratch, patches);
+}
+
+void add_exposed_atom(const Surface& surface, AtomIndex i, AtomPatchScratch& scratch,
+                      AtomRangePatches& patches) {
+  const std::size_t first_arc = patches.arcs.size();
+  const std::size_t first_placement = patches.placements.size();
+  add_circles(surface, i, scratch, patches);
+  if (std::all_of(patches.placements.begin() + static_cast<std::ptrdiff_t>(first_placement),
+                  patches.placements.end(), [](const PlacementKey& key) { return key.is_certain; }))
+    return;
+  patches.arcs.resize(first_arc);
+  patches.placements.resize(first_placement);
+  add_circles_in_order(surface, i, scratch, patches);
+}
+
 void add_atom(const Surface& surface, const BurialPatches& burial, AtomIndex i,
               AtomPatchScratch& scratch, AtomRangePatches& patches) {
   AtomExposure exposure = surface.patches.exposure[i];
@@ -93,12 +125,10 @@ void add_atom(const Surface& surface, const BurialPatches& burial, AtomIndex i,
     if (is_buried(scratch.caps, radius, burial, scratch.burial)) {
       exposure = AtomExposure::buried;
     } else {
-      keep_caps(scratch);
+      add_exposed_atom(surface, i, scratch, patches);
       if (scratch.kept_caps.empty()) exposure = AtomExposure::exposed;
       patches.face_neighbours.insert(patches.face_neighbours.end(), scratch.kept_neighbours.begin(),
                                      scratch.kept_neighbours.end());
-      for (std::uint32_t k = 0; k < scratch.burial.relevant.size(); ++k)
-        if (scratch.kept_neighbours[k] > i) add_circle(surface, i, k, scratch, patches);
     }
   }
   patches.exposure.push_back(exposure);
