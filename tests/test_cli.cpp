@@ -75,7 +75,7 @@ TEST_CASE("help names every option with unit and default, examples and exit code
   CHECK(sandbox.run({"-h"}).out == outcome.out);
   for (const std::string part : {"Usage: eses-blocks [OPTIONS] FILE [PROBE [SPACING [MARGIN]]]\n",
                                  "--probe-radius ANGSTROM ",
-                                 " radius of the solvent probe, > 0 [1.4]\n",
+                                 " radius of the solvent probe, 0.01 to 1000 [1.4]\n",
                                  "--spacing ANGSTROM ",
                                  " distance between grid points, > 0 [0.4]\n",
                                  "--margin ANGSTROM ",
@@ -126,6 +126,7 @@ TEST_CASE("version tells how the program was built", "[cli]") {
 TEST_CASE("usage errors name option, value and expectation, and write nothing", "[cli]") {
   const Sandbox sandbox;
   const std::string above_zero = ", expected a finite number greater than 0, in angstrom";
+  const std::string probe_range = ", expected a number from 0.01 to 1000, in angstrom";
   const std::string at_least_zero = ", expected a finite number of at least 0, in angstrom";
   const std::string map_name = ", expected the name of a file that ends with .dx or .vti";
   const std::string six_numbers =
@@ -140,19 +141,21 @@ TEST_CASE("usage errors name option, value and expectation, and write nothing", 
        "unexpected argument '7' after FILE, PROBE, SPACING and MARGIN"},
       {{"atom.xyzr", "--colour"}, "unknown option '--colour'"},
       {{"atom.xyzr", "-x"}, "unknown option '-x'"},
-      {{"atom.xyzr", "-1.4"}, "PROBE is '-1.4'" + above_zero},
+      {{"atom.xyzr", "-1.4"}, "PROBE is '-1.4'" + probe_range},
       {{"atom.xyzr", "1.4", "-0.4"}, "SPACING is '-0.4'" + above_zero},
       {{"atom.xyzr", "1.4", "0.4", "-0.8"}, "MARGIN is '-0.8'" + at_least_zero},
-      {{"atom.xyzr", "0"}, "PROBE is '0'" + above_zero},
-      {{"atom.xyzr", "1.4A"}, "PROBE is '1.4A'" + above_zero},
-      {{"atom.xyzr", ""}, "PROBE is ''" + above_zero},
+      {{"atom.xyzr", "0"}, "PROBE is '0'" + probe_range},
+      {{"atom.xyzr", "1.4A"}, "PROBE is '1.4A'" + probe_range},
+      {{"atom.xyzr", ""}, "PROBE is ''" + probe_range},
       {{"atom.xyzr", "1.4", "nan"}, "SPACING is 'nan'" + above_zero},
       {{"atom.xyzr", "1.4", "0.4", "inf"}, "MARGIN is 'inf'" + at_least_zero},
       {{"atom.xyzr", "--spacing", "0"}, "--spacing is '0'" + above_zero},
       {{"atom.xyzr", "--spacing", "0.4A"}, "--spacing is '0.4A'" + above_zero},
       {{"atom.xyzr", "--spacing", "0,4"}, "--spacing is '0,4'" + above_zero},
       {{"atom.xyzr", "--spacing=1e400"}, "--spacing is '1e400'" + above_zero},
-      {{"atom.xyzr", "--probe-radius", "-1.4"}, "--probe-radius is '-1.4'" + above_zero},
+      {{"atom.xyzr", "--probe-radius", "-1.4"}, "--probe-radius is '-1.4'" + probe_range},
+      {{"atom.xyzr", "0.005"}, "PROBE is '0.005'" + probe_range},
+      {{"atom.xyzr", "nan"}, "PROBE is 'nan'" + probe_range},
       {{"atom.xyzr", "--margin", "-1"}, "--margin is '-1'" + at_least_zero},
       {{"atom.xyzr", "--margin"}, "--margin needs a value"},
       {{"--output-dir=", "atom.xyzr"}, "--output-dir= needs a value"},

@@ -35,11 +35,14 @@ constexpr char independent_flag[] = "--independent";
 
 /// Which lengths are accepted, and how to say so.
 struct LengthRange {
-  bool zero_allowed;
+  double min, max;
   std::string_view words;
 };
-constexpr LengthRange positive{false, "a finite number greater than 0, in angstrom"};
-constexpr LengthRange non_negative{true, "a finite number of at least 0, in angstrom"};
+constexpr double least_positive = std::numeric_limits<double>::denorm_min();
+constexpr double largest_finite = std::numeric_limits<double>::max();
+constexpr LengthRange positive{least_positive, largest_finite,
+                               "a finite number greater than 0, in angstrom"};
+constexpr LengthRange non_negative{0, largest_finite, "a finite number of at least 0, in angstrom"};
 
 constexpr char footer[] = R"(Files written:
   bounding_box.txt            lower corner, upper corner and number of points of the grid
@@ -92,7 +95,7 @@ void add_grid_options(CLI::App& app) {
     add_value(app, name, "ANGSTROM", fmt::format("{} [{}]", description, value))
         ->group("Surface and grid");
   };
-  add("--probe-radius", "radius of the solvent probe, > 0", defaults.probe_radius);
+  add("--probe-radius", "radius of the solvent probe, 0.01 to 1000", defaults.probe_radius);
   add("--spacing", "distance between grid points, > 0", defaults.spacing);
   add("--margin", "room between molecule and edge of the grid, >= 0", defaults.margin);
   const auto add_part = [&app](const char* name, const char* value_name, const char* description) {
@@ -193,9 +196,9 @@ std::optional<double> length_of(const CLI::App& app, const std::string& name,
   const std::optional<std::string> text = text_of(app, name);
   if (!text) return std::nullopt;
   const std::optional<double> value = whole_text<double>(*text);
-  const bool accepted =
-      value && std::isfinite(*value) && (*value > 0 || (*value == 0 && range.zero_allowed));
-  if (!accepted) refuse(name, *text, range.words);
+  // Not a number is not in any range.
+  const bool is_accepted = value && *value >= range.min && *value <= range.max;
+  if (!is_accepted) refuse(name, *text, range.words);
   return value;
 }
 
@@ -305,11 +308,11 @@ void choose_part(const CLI::App& app, Parameters& parameters) {
 
 Parameters parameters_of(const CLI::App& app) {
   Parameters result;
-  result.probe_radius = length_of(app, "PROBE", "--probe-radius", positive, result.probe_radius);
-  if (result.probe_radius < least_probe_radius || result.probe_radius > largest_probe_radius)
-    refuse("--probe-radius", fmt::format("{}", result.probe_radius),
-           fmt::format("a number from {} to {}, in angstrom", least_probe_radius,
-                       largest_probe_radius));
+  const std::string probe_words =
+      fmt::format("a number from {} to {}, in angstrom", least_probe_radius, largest_probe_radius);
+  result.probe_radius =
+      length_of(app, "PROBE", "--probe-radius",
+                {least_probe_radius, largest_probe_radius, probe_words}, result.probe_radius);
   result.spacing = length_of(app, "SPACING", "--spacing", positive, result.spacing);
   result.margin = length_of(app, "MARGIN", "--margin", non_negative, result.margin);
   result.block_size =

@@ -113,8 +113,8 @@ bool precedes(const Atom& a, const Atom& b) {
   return values(a) < values(b);
 }
 
-// Of each atom the first one, in the order of `precedes`, that contains it and precedes it; `none`
-// if there is none.
+// By atom, the first one in the order of `precedes` that contains it and precedes it; `none` if
+// there is none.
 using Containers = std::vector<AtomIndex>;
 
 // Notes `i` for those of the atoms near it that it contains. From several threads at a time.
@@ -128,16 +128,27 @@ void note_contained(std::span<const Atom> atoms, AtomIndex i, std::span<const At
       move_bound(containers[j], i, comes_first);
 }
 
-// An atom is left out if its container stays. So each stands out of an atom that stays by no more
-// than the tolerance, however long a chain of atoms is that contain each other.
-void mark_contained(std::span<const Atom> atoms, const Containers& containers,
+// Whether an atom that takes part, and precedes atom `i`, contains it.
+bool is_in_kept_atom(std::span<const Atom> atoms, const AtomTree& tree, AtomIndex i,
+                     std::span<const std::uint8_t> is_contained, std::vector<AtomIndex>& found) {
+  tree.find_reaching(atoms[i].center, 2 * tolerance::containment, found);
+  return std::any_of(found.begin(), found.end(), [&](AtomIndex j) {
+    return is_contained[j] == 0 && precedes(atoms[j], atoms[i]) && contains(atoms[j], atoms[i]);
+  });
+}
+
+// An atom is left out if one that takes part contains it. So each reaches out of an atom that takes
+// part by no more than the tolerance, however long a chain of atoms is that contain each other.
+void mark_contained(std::span<const Atom> atoms, const AtomTree& tree, const Containers& containers,
                     std::vector<std::uint8_t>& is_contained) {
-  std::vector<AtomIndex> inner;
+  std::vector<AtomIndex> inner, found;
   for (AtomIndex i = 0; i < atoms.size(); ++i)
     if (containers[i] != none) inner.push_back(i);
   std::sort(inner.begin(), inner.end(),
             [&](AtomIndex a, AtomIndex b) { return precedes(atoms[a], atoms[b]); });
-  for (const AtomIndex i : inner) is_contained[i] = is_contained[containers[i]] == 0;
+  for (const AtomIndex i : inner)
+    is_contained[i] =
+        is_contained[containers[i]] == 0 || is_in_kept_atom(atoms, tree, i, is_contained, found);
 }
 
 // What lies inside an atom, or is odd beside it, has its centre closer than this to the atom's.
@@ -188,7 +199,7 @@ struct Molecule::Parts {
     for_loop_ranges(atoms.size(), threads, [&](std::size_t range, AtomIndex begin, AtomIndex end) {
       look_around(begin, end, first_equal, containers, finder, tallies[range]);
     });
-    mark_contained(atoms, containers, is_contained);
+    mark_contained(atoms, tree, containers, is_contained);
     oddities = finder.found(tallies);
   }
 

@@ -258,7 +258,10 @@ bool CentreSearch::visit_circle(const Cell& cell, const Circle& circle, std::siz
   const double aside = norm(inward);
   const double gap = rho - aside;
   if (height * height + gap * gap >= reach_ * reach_) return true;
-  const Vec3 e = aside > no_direction ? (1 / aside) * inward : any_perpendicular(circle.axis);
+  Vec3 e = aside > no_direction ? (1 / aside) * inward : any_perpendicular(circle.axis);
+  // Close to the axis, `inward` has a part along it that is rounding only and that 1 / aside
+  // amplifies.
+  e = normalized(e - dot(e, circle.axis) * circle.axis);
   const Vec3 f = cross(circle.axis, e);
   Origin origin{{&near_[one], &near_[other], nullptr}, 2};
   if (!offer(cell, circle.center + rho * e, origin, visit)) return false;

@@ -107,7 +107,8 @@ NearDegenerateSet make_near_degenerate_set(std::uint64_t seed) {
   set.noise = std::pow(10, -random.uniform(2, 14));
   for (Atom& atom : set.atoms)
     for (std::size_t q = 0; q < 3; ++q) atom.center[q] += set.noise * normal_number(random);
-  set.name += " " + std::to_string(seed);
+  set.name += ' ';
+  set.name += std::to_string(seed);
   return set;
 }
 
