@@ -231,10 +231,12 @@ TEST_CASE("near-degenerate: which atoms stand for others does not depend on thei
   for (const double share : {0.3, 0.9}) {
     INFO("distance " << share << " of the tolerance");
     std::vector<Atom> chain;
+    chain.reserve(50);
     for (int i = 0; i < 50; ++i) chain.push_back({{share * tolerance::containment * i, 0, 0}, 1.5});
     std::vector<Vec3> kept;
     for (const int stride : {1, 7, 49}) {
       std::vector<Atom> atoms;
+      atoms.reserve(50);
       for (int i = 0; i < 50; ++i)
         atoms.push_back(chain[static_cast<std::size_t>(i * stride % 50)]);
       const Molecule molecule(atoms);
