@@ -833,7 +833,7 @@ TEST_CASE("diff: only many edges in disorder need the disk, and say so where it 
   Lines lines = many_edges();
   const auto diff = [&sandbox](const std::string& a, const std::string& b) {
     const int code =
-        shell("cd " + shell_quoted(sandbox.directory().string()) + " && TMPDIR=/nowhere " +
+        shell("cd " + shell_quoted(sandbox.directory().string()) + " && TMPDIR=$PWD/nowhere " +
               Sandbox::command({"diff", a, b}) + " >out 2>err </dev/null");
     return Outcome{code, read_file(sandbox.directory() / "out"),
                    read_file(sandbox.directory() / "err")};
