@@ -2,8 +2,6 @@
 /// file holds, plain or gzipped. Whatever the bytes, the reader gives items in their range and, if
 /// it stops before the end, a proper message; what is printed of the items reads back.
 
-#include "io/eses_files.hpp"
-
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -16,6 +14,7 @@
 #include <vector>
 
 #include "expect.hpp"
+#include "io/eses_reader.hpp"
 #include "memory_file.hpp"
 
 namespace eses::fuzz {

@@ -1,8 +1,8 @@
 """What a run shared by many processes takes, computed from measured costs (see costs.py).
 
-The steps are those of src/processes: atoms read in equal parts and sent to the slabs that they
+The steps are those of src/compute and src/distributed: atoms read in equal parts and sent to the slabs that they
 matter to, and again where slabs are cut again; patches within reach of each slab; its blocks in
-layers, in the order in which src/run/layer_queue.cpp hands them out; texts copied from scratch
+layers, in the order in which src/sweep/layer_queue.cpp hands them out; texts copied from scratch
 files into the shared files; areas added up. Every process waits for the slowest at the end of each
 step.
 """
@@ -17,12 +17,12 @@ import costs as measured
 
 INFINITY = math.inf
 
-# src/processes/slabs.cpp: seconds by which the program estimates what a plane costs.
+# src/distributed/slabs.cpp: seconds by which the program estimates what a plane costs.
 ESTIMATE = {"atom": 14e-6, "prepared_atom": 1e-6, "crossing": 0.45e-6,
             "crossing_text": 0.25e-6, "point": 0.3e-9, "point_text": 2e-9}
 HALO_SLACK, REACH_SLACK = 1.0, 1e-3  # angstrom: slabs.cpp, src/surface/reach.hpp
 
-# Bytes: SentAtom, PieceInfo, AtomSum of src/processes; what src/run/memory.cpp counts with.
+# Bytes: SentAtom, PieceInfo, AtomSum of src/distributed and src/checkpoint; what src/plan/memory.cpp counts with.
 SENT_ATOM, PIECE_INFO, AREA_SHARE = 48, 208, 32
 BASE_MEMORY, THREAD_MEMORY = 6 * 2**20, 0.75 * 2**20
 ATOM_MEMORY, ATOM_OF_THREAD, CROSSING_MEMORY = 104, 16, 48
@@ -38,12 +38,12 @@ EXCHANGES, REDUCTIONS = 14, 62
 # (src/surface/patches.cpp).
 MOLECULE_SLICED = 0.40
 PATCHES_BY_ONE = 0.024
-# Of several processes (src/processes/slabs.cpp), by one thread: seconds in which slabs are halved to
+# Of several processes (src/distributed/slabs.cpp), by one thread: seconds in which slabs are halved to
 # find an atom's, in which it is put among those to be sent, and among those that have come.
 SECONDS_PER_HALVING, SECONDS_PER_SENT_ATOM, SECONDS_PER_RECEIVED_ATOM = 1.2e-9, 60e-9, 25e-9
 SECONDS_PER_ADDITION = 1.3e-9  # of one area to the sum, in order: four cycles
 AREA_TEXTS = 2  # of several processes: to know its length, and to write it
-BLOCKS_AHEAD, CHUNKS = 4, 4  # per thread: src/run/plan.cpp; pieces of a layer's text
+BLOCKS_AHEAD, CHUNKS = 4, 4  # per thread: src/plan/plan.cpp; pieces of a layer's text
 
 # file_system: bytes a second of all processes together; network: of one process; latency: seconds
 # of one message.
@@ -334,7 +334,7 @@ class Model:
         return self.per_atom("patch_seconds") * slab.patched * by_one
 
     def memory(self, slab, threads):
-        """As src/run/memory.cpp has it, the bytes of patches those that were measured."""
+        """As src/plan/memory.cpp has it, the bytes of patches those that were measured."""
         patches = slab.patched * self.patch_memory()
         always = BASE_MEMORY + ATOM_MEMORY * slab.atoms + threads * THREAD_MEMORY
         if slab.begin >= slab.end:

@@ -14,12 +14,12 @@
 #include <vector>
 
 #include "geometry/line_torus.hpp"
-#include "run/build_patches.hpp"
 #include "solve/accessibility.hpp"
 #include "solve/classify.hpp"
 #include "solve/intersect.hpp"
 #include "support/atom_sets.hpp"
 #include "support/instruction_sets.hpp"
+#include "sweep/build_patches.hpp"
 
 HWY_BEFORE_NAMESPACE();
 namespace eses::HWY_NAMESPACE {

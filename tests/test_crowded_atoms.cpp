@@ -10,7 +10,6 @@
 
 #include "catch.hpp"
 #include "eses/run.hpp"
-#include "run/build_patches.hpp"
 #include "solve/block_features.hpp"
 #include "support/atom_sets.hpp"
 #include "support/brute_force.hpp"
@@ -18,6 +17,7 @@
 #include "surface/atom_slices.hpp"
 #include "surface/crowded_atoms.hpp"
 #include "surface/neighbors.hpp"
+#include "sweep/build_patches.hpp"
 #include "verify/atom_cells.hpp"
 
 namespace eses::test {

@@ -16,7 +16,7 @@
 #include "eses/grid.hpp"
 #include "eses/run.hpp"
 #include "eses/tiling.hpp"
-#include "run/plan.hpp"
+#include "plan/plan.hpp"
 #include "support/temporary_directory.hpp"
 
 namespace eses::test {

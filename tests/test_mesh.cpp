@@ -18,7 +18,7 @@
 #include "eses/read_atoms.hpp"
 #include "eses/run.hpp"
 #include "mesh/case_table.hpp"
-#include "mesh/mesh_text.hpp"
+#include "mesh/mesh_writer.hpp"
 #include "mesh/triangulate.hpp"
 #include "mesh/vertex.hpp"
 #include "support/atom_sets.hpp"

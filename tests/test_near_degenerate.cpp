@@ -18,11 +18,11 @@
 
 #include "catch.hpp"
 #include "eses/error.hpp"
-#include "run/build_patches.hpp"
 #include "solve/block_features.hpp"
 #include "support/atom_sets.hpp"
 #include "support/brute_force.hpp"
 #include "support/near_degenerate.hpp"
+#include "sweep/build_patches.hpp"
 
 namespace eses::test {
 namespace {

@@ -15,7 +15,7 @@
 #include "eses/error.hpp"
 #include "eses/run.hpp"
 #include "io/number_text.hpp"
-#include "io/output_file.hpp"
+#include "output/output_file.hpp"
 #include "support/atom_sets.hpp"
 #include "support/eses_files.hpp"
 #include "support/sandbox.hpp"

@@ -6,10 +6,10 @@
 #include <tuple>
 
 #include "catch.hpp"
-#include "run/build_patches.hpp"
 #include "solve/block_features.hpp"
 #include "support/atom_sets.hpp"
 #include "support/brute_force.hpp"
+#include "sweep/build_patches.hpp"
 
 namespace eses::test {
 namespace {

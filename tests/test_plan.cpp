@@ -13,10 +13,10 @@
 #include "eses/error.hpp"
 #include "eses/read_atoms.hpp"
 #include "eses/run.hpp"
-#include "run/layer_queue.hpp"
-#include "run/plan.hpp"
+#include "plan/plan.hpp"
 #include "support/temporary_directory.hpp"
 #include "surface/survey.hpp"
+#include "sweep/layer_queue.hpp"
 #include "system/bytes_text.hpp"
 
 namespace eses::test {

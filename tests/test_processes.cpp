@@ -13,15 +13,15 @@
 #include <vector>
 
 #include "catch.hpp"
+#include "checkpoint/pieces.hpp"
+#include "distributed/packed_texts.hpp"
+#include "distributed/processes.hpp"
+#include "distributed/shared_groups.hpp"
+#include "distributed/slabs.hpp"
 #include "eses/error.hpp"
 #include "io/atom_lines.hpp"
 #include "mesh/local_triangle.hpp"
-#include "processes/packed_texts.hpp"
-#include "processes/pieces.hpp"
-#include "processes/processes.hpp"
-#include "processes/shared_groups.hpp"
-#include "processes/slabs.hpp"
-#include "run/output_files.hpp"
+#include "output/output_files.hpp"
 #include "support/eses_files.hpp"
 #include "support/temporary_directory.hpp"
 

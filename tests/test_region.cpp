@@ -10,11 +10,11 @@
 #include "catch.hpp"
 #include "eses/error.hpp"
 #include "eses/run.hpp"
-#include "run/build_patches.hpp"
-#include "run/region_box.hpp"
 #include "support/atom_sets.hpp"
 #include "support/eses_files.hpp"
 #include "support/temporary_directory.hpp"
+#include "sweep/build_patches.hpp"
+#include "sweep/region_box.hpp"
 
 namespace eses::test {
 namespace {

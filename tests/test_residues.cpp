@@ -10,7 +10,7 @@
 #include "eses/error.hpp"
 #include "eses/read_atoms.hpp"
 #include "eses/run.hpp"
-#include "io/area_tables.hpp"
+#include "io/area_table_writer.hpp"
 #include "support/eses_files.hpp"
 #include "support/temporary_directory.hpp"
 

@@ -21,10 +21,10 @@
 #include "cli/options.hpp"
 #include "cli/surface_command.hpp"
 #include "diff/compare_directories.hpp"
+#include "distributed/launcher.hpp"
+#include "distributed/processes.hpp"
 #include "eses/error.hpp"
-#include "processes/launcher.hpp"
-#include "processes/processes.hpp"
-#include "run/output_files.hpp"
+#include "output/output_files.hpp"
 #include "system/resources.hpp"
 
 namespace eses::cli {

@@ -11,8 +11,8 @@
 #include "cli/messages.hpp"
 #include "cli/run_display.hpp"
 #include "cli/surface_command.hpp"
-#include "processes/joint_run.hpp"
-#include "run/output_files.hpp"
+#include "compute/joint_run.hpp"
+#include "output/output_files.hpp"
 
 namespace eses::cli {
 namespace {

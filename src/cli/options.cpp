@@ -20,7 +20,7 @@
 #include <vector>
 
 #include "cli/arguments.hpp"
-#include "io/map_formats.hpp"
+#include "io/map_writer.hpp"
 #include "simd/dispatch.hpp"
 
 namespace eses::cli {

@@ -10,7 +10,7 @@
 
 #include "cli/json.hpp"
 #include "eses/version.hpp"
-#include "run/output_files.hpp"
+#include "output/output_files.hpp"
 #include "simd/dispatch.hpp"
 #include "system/bytes_text.hpp"
 

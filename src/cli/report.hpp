@@ -9,8 +9,8 @@
 
 #include "cli/findings.hpp"
 #include "cli/options.hpp"
+#include "compute/joint_run.hpp"
 #include "eses/run.hpp"
-#include "processes/joint_run.hpp"
 
 namespace eses::cli {
 

@@ -17,8 +17,8 @@
 #include "eses/error.hpp"
 #include "eses/molecule.hpp"
 #include "eses/read_atoms.hpp"
-#include "run/memory.hpp"
-#include "run/output_files.hpp"
+#include "output/output_files.hpp"
+#include "plan/memory.hpp"
 #include "system/bytes_text.hpp"
 #include "system/resources.hpp"
 

@@ -2,7 +2,7 @@
 /// What `eses-blocks FILE` does.
 
 #include "cli/options.hpp"
-#include "processes/processes.hpp"
+#include "distributed/processes.hpp"
 
 namespace eses::cli {
 

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "diff/match_in_order.hpp"
-#include "io/eses_files.hpp"
+#include "io/eses_reader.hpp"
 
 namespace eses {
 namespace {

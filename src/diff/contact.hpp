@@ -14,7 +14,7 @@
 
 #include "eses/atoms.hpp"
 #include "eses/vec3.hpp"
-#include "io/eses_files.hpp"
+#include "io/eses_reader.hpp"
 
 namespace eses {
 

@@ -8,8 +8,8 @@
 #include <vector>
 
 #include "diff/match_in_order.hpp"
-#include "io/eses_files.hpp"
-#include "io/scratch_file.hpp"
+#include "io/eses_reader.hpp"
+#include "output/scratch_file.hpp"
 
 namespace eses {
 

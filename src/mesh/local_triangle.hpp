@@ -5,7 +5,7 @@
 #include <cstdint>
 #include <cstring>
 
-#include "io/eses_text.hpp"
+#include "io/eses_writer.hpp"
 #include "mesh/triangulate.hpp"
 
 namespace eses::mesh {

@@ -2,7 +2,7 @@
 
 #include <utility>
 
-#include "solve/stopwatch.hpp"
+#include "system/stopwatch.hpp"
 
 namespace eses {
 namespace {

@@ -5,7 +5,7 @@
 #include <optional>
 #include <unordered_set>
 
-#include "verify/scrambled.hpp"
+#include "system/splitmix64.hpp"
 
 namespace eses::verify {
 namespace {
@@ -14,7 +14,7 @@ namespace {
 /// not.
 class Random {
  public:
-  double below_one() { return static_cast<double>(scrambled(count_++) >> 11) * 0x1p-53; }
+  double below_one() { return static_cast<double>(splitmix64(count_++) >> 11) * 0x1p-53; }
   std::int64_t below(std::int64_t limit) {
     const auto number = static_cast<std::int64_t>(below_one() * static_cast<double>(limit));
     return std::min(number, limit - 1);
@@ -103,7 +103,7 @@ std::vector<GridIndex> draw_band_points(const Definition& definition, const Grid
 }
 
 void EdgeSample::add(const Grid& grid, const Edge& edge) {
-  add({scrambled(place_of(grid, edge.lower) * 3 + edge.crossing.axis), edge});
+  add({splitmix64(place_of(grid, edge.lower) * 3 + edge.crossing.axis), edge});
 }
 
 void EdgeSample::add(const Entry& entry) {

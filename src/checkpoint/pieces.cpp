@@ -1,0 +1,225 @@
+#include "checkpoint/pieces.hpp"
+
+#include <fmt/format.h>
+#include <zlib.h>
+
+#include <algorithm>
+#include <cstdio>
+#include <fstream>
+#include <iterator>
+#include <set>
+#include <system_error>
+#include <utility>
+
+#include "eses/error.hpp"
+#include "output/output_directory.hpp"
+#include "output/output_files.hpp"
+
+namespace eses {
+namespace {
+
+constexpr std::array<const char*, piece_texts> text_suffixes{".grid", ".edges", ".map", ".vertices",
+                                                             ".triangles"};
+
+std::string name_of(const PlaneRange& planes, std::string_view suffix) {
+  return fmt::format("{}-{}{}", planes.begin, planes.end, suffix);
+}
+
+std::optional<PlaneRange> planes_of(const std::string& name) {
+  PlaneRange planes;
+  int length = 0;
+  long long begin = 0, end = 0;
+  if (std::sscanf(name.c_str(), "%lld-%lld%n", &begin, &end, &length) != 2) return std::nullopt;
+  planes = {begin, end};
+  if (name != name_of(planes, sums_suffix) || planes.is_empty()) return std::nullopt;
+  return planes;
+}
+
+std::string read_all(const std::filesystem::path& path) {
+  std::ifstream file(path, std::ios::binary);
+  return {std::istreambuf_iterator<char>(file), {}};
+}
+
+std::uint32_t checksum(std::span<const std::byte> bytes) {
+  return static_cast<std::uint32_t>(
+      crc32_z(0, reinterpret_cast<const Bytef*>(bytes.data()), bytes.size()));
+}
+
+// What stands before the sums.
+struct SumsHeader {
+  PieceInfo info;
+  std::uint64_t count = 0;
+  std::uint64_t checksum = 0;  // of the sums
+};
+
+std::uint64_t size_of(const std::filesystem::path& path) {
+  std::error_code error;
+  const std::uint64_t size = std::filesystem::file_size(path, error);
+  return error ? 0 : size;
+}
+
+template <class Value>
+std::span<const std::byte> bytes_of(const Value& value) {
+  return std::as_bytes(std::span(&value, 1));
+}
+
+}  // namespace
+
+void TextChecksum::add(std::span<const char> text, std::uint64_t offset) {
+  if (text.empty()) return;
+  const std::uint32_t of_text = checksum(std::as_bytes(text));
+  const std::lock_guard lock(mutex_);
+  parts_[offset] = {text.size(), of_text};
+}
+
+std::uint32_t TextChecksum::value() const {
+  uLong sum = 0;
+  for (const auto& [offset, part] : parts_)
+    sum = crc32_combine(sum, part.checksum, static_cast<z_off_t>(part.bytes));
+  return static_cast<std::uint32_t>(sum);
+}
+
+PieceStore::PieceStore(const std::filesystem::path& output_directory, std::string identity)
+    : path_(path_in(output_directory, resume_name)), identity_(std::move(identity)) {}
+
+PieceStore::~PieceStore() {
+  if (!lock_) return;
+  lock_.reset();
+  std::error_code error;  // as when there are pieces
+  std::filesystem::remove(path_, error);
+}
+
+void PieceStore::lock() { lock_.emplace(path_); }
+
+std::vector<PlaneRange> PieceStore::complete() const {
+  std::error_code error;
+  std::vector<PlaneRange> pieces;
+  for (const auto& entry : std::filesystem::directory_iterator(path_, error))
+    if (const auto planes = planes_of(entry.path().filename().string())) pieces.push_back(*planes);
+  // Without anything done it does not matter of what run.
+  if (pieces.empty()) return {};
+  if (!std::filesystem::exists(path_ / run_name, error))
+    throw Error(fmt::format("cannot resume: {} does not tell of what run it is; remove it",
+                            path_.string()));
+  if (read_all(path_ / run_name) != identity_)
+    throw Error(fmt::format(
+        "cannot resume: {} is of a run of other input, options or version; remove it to begin anew",
+        path_.string()));
+  std::erase_if(pieces, [this](const PlaneRange& planes) { return !is_whole(planes); });
+  std::sort(pieces.begin(), pieces.end(),
+            [](const PlaneRange& a, const PlaneRange& b) { return a.begin < b.begin; });
+  const auto overlapping =
+      std::adjacent_find(pieces.begin(), pieces.end(),
+                         [](const PlaneRange& a, const PlaneRange& b) { return b.begin < a.end; });
+  if (overlapping != pieces.end())
+    throw Error(fmt::format("cannot resume: pieces in {} overlap; remove it to begin anew",
+                            path_.string()));
+  return pieces;
+}
+
+bool PieceStore::is_whole(const PlaneRange& planes) const {
+  try {
+    const PieceInfo info = read(planes).info;
+    for (std::size_t text = 0; text < piece_texts; ++text)
+      if (info.bytes[text] != size_of(path_ / name_of(planes, text_suffixes[text]))) return false;
+    return true;
+  } catch (const Error&) {
+    return false;
+  }
+}
+
+void PieceStore::remove_others(std::span<const PlaneRange> complete) const {
+  std::set<std::string> kept;
+  for (const PlaneRange& planes : complete) {
+    kept.insert(name_of(planes, sums_suffix));
+    for (const char* const suffix : text_suffixes) kept.insert(name_of(planes, suffix));
+  }
+  std::error_code error;  // what cannot be removed does no harm
+  std::vector<std::filesystem::path> others;
+  for (const auto& entry : std::filesystem::directory_iterator(path_, error)) {
+    const std::string name = entry.path().filename().string();
+    const bool is_of_piece = name.front() >= '0' && name.front() <= '9';
+    if (is_of_piece && !kept.contains(name)) others.push_back(entry.path());
+  }
+  for (const auto& path : others) std::filesystem::remove(path, error);
+}
+
+void PieceStore::drop(const PlaneRange& planes) const {
+  std::error_code error;  // if it stays, whoever reads it again will tell
+  std::filesystem::remove(sums_path(planes), error);
+}
+
+void PieceStore::prepare() const {
+  if (read_all(path_ / run_name) == identity_) return;
+  ScratchFile file(path_, run_name, ScratchFile::Kept::fresh);
+  file.append(std::as_bytes(std::span(identity_)));
+  file.sync();
+}
+
+// Sums that are there would speak of the old text.
+std::unique_ptr<ScratchFile> PieceStore::create(const PlaneRange& planes, PieceText text) const {
+  drop(planes);
+  const char* const suffix = text_suffixes[static_cast<std::size_t>(text)];
+  return std::make_unique<ScratchFile>(path_, name_of(planes, suffix), ScratchFile::Kept::fresh);
+}
+
+std::unique_ptr<ScratchFile> PieceStore::open(const PlaneRange& planes, PieceText text) const {
+  const char* const suffix = text_suffixes[static_cast<std::size_t>(text)];
+  return std::make_unique<ScratchFile>(path_, name_of(planes, suffix), ScratchFile::Kept::existing);
+}
+
+std::string PieceStore::sums_path(const PlaneRange& planes) const {
+  return path_in(path_, name_of(planes, sums_suffix));
+}
+
+// The sums come last, under their name when they are on the disk: where they are, all is.
+void PieceStore::finish(const Piece& piece) const {
+  for (const auto& text : piece.texts)
+    if (text) text->sync();
+  const std::string name = name_of(piece.info.planes, sums_suffix), temporary = name + ".part";
+  {
+    ScratchFile file(path_, temporary, ScratchFile::Kept::fresh);
+    const auto sums = std::as_bytes(std::span(piece.sums));
+    const SumsHeader header{piece.info, piece.sums.size(), checksum(sums)};
+    const std::uint64_t of_header = checksum(bytes_of(header));
+    for (const auto bytes : {bytes_of(of_header), bytes_of(header), sums}) file.append(bytes);
+    file.sync();
+  }
+  std::error_code error;
+  std::filesystem::rename(path_ / temporary, path_ / name, error);
+  if (error)
+    throw Error(fmt::format("cannot write {}: {}", (path_ / name).string(), error.message()));
+}
+
+Piece PieceStore::read(const PlaneRange& planes) const {
+  const ScratchFile file(path_, name_of(planes, sums_suffix), ScratchFile::Kept::existing);
+  std::uint64_t of_header = 0;
+  SumsHeader header;
+  constexpr std::uint64_t begin = sizeof of_header + sizeof header;
+  Piece piece;
+  const std::uint64_t bytes = size_of(sums_path(planes));
+  bool is_sound = bytes >= begin && (bytes - begin) % sizeof(AtomSum) == 0;
+  if (is_sound) {
+    file.read_at(std::as_writable_bytes(std::span(&of_header, 1)), 0);
+    file.read_at(std::as_writable_bytes(std::span(&header, 1)), sizeof of_header);
+    is_sound = of_header == checksum(bytes_of(header)) && header.info.planes == planes &&
+               header.count == (bytes - begin) / sizeof(AtomSum);
+  }
+  if (is_sound) {
+    piece.info = header.info;
+    piece.sums.resize(header.count);
+    file.read_at(std::as_writable_bytes(std::span(piece.sums)), begin);
+    is_sound = header.checksum == checksum(std::as_bytes(std::span(piece.sums)));
+  }
+  if (!is_sound)
+    throw Error(fmt::format("cannot resume: {} is damaged; remove it, and the piece is done again",
+                            sums_path(planes)));
+  return piece;
+}
+
+void PieceStore::remove() {
+  remove_pieces(path_);
+  lock_.reset();
+}
+
+}  // namespace eses

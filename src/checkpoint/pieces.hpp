@@ -1,0 +1,116 @@
+#pragma once
+/// What is done of a run: texts and sums of ranges of planes, to be joined in the end.
+
+#include <array>
+#include <cstdint>
+#include <filesystem>
+#include <map>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "distributed/processes.hpp"
+#include "distributed/slabs.hpp"
+#include "output/output_directory.hpp"
+#include "output/scratch_file.hpp"
+#include "sweep/region_totals.hpp"
+
+namespace eses {
+
+/// An atom's share of the area of some planes, as in Tally.
+struct AtomSum {
+  Tally::Sum share = 0;
+  AtomIndex atom = 0;                      ///< in the file
+  std::array<std::uint32_t, 3> padding{};  ///< these bytes are written, too
+};
+
+/// The texts of a piece, numbered: those of grid_info.txt and intersection_info.txt, rows of words
+/// for the map, and of the mesh vertices as text of its format and triangles as
+/// mesh::LocalTriangle.
+enum class PieceText : std::uint8_t { grid, edges, map, vertices, triangles };
+inline constexpr std::size_t piece_texts = 5;
+
+/// All that other processes are told of a piece.
+struct PieceInfo {
+  PlaneRange planes;
+  std::array<std::uint64_t, piece_texts> bytes{};
+  std::array<std::uint32_t, piece_texts> checksums{};  ///< crc32; of pieces in a store
+  std::uint32_t padding = 0;                           ///< these bytes are written, too
+  MeshCounts mesh;
+  RegionTotals totals;
+
+  std::uint64_t bytes_of(PieceText text) const { return bytes[static_cast<std::size_t>(text)]; }
+};
+
+struct Piece {
+  PieceInfo info;
+  std::vector<AtomSum> sums;  ///< of atoms whose share is not 0, ascending
+  /// While they are being written, and afterwards unless they are in a store.
+  std::array<std::unique_ptr<ScratchFile>, piece_texts> texts;
+};
+
+/// The checksum of a text that is written in parts, in any order and by several threads.
+class TextChecksum {
+ public:
+  void add(std::span<const char> text, std::uint64_t offset);
+  /// Of all parts, which must leave no gaps.
+  std::uint32_t value() const;
+
+ private:
+  struct Part {
+    std::uint64_t bytes;
+    std::uint32_t checksum;
+  };
+  std::mutex mutex_;
+  std::map<std::uint64_t, Part> parts_;  // by offset
+};
+
+/// Keeps the pieces of a run so that another one can go on from them: in a hidden directory beside
+/// the files, texts as they are, and behind them, when they are complete, the sums. Every failure
+/// throws Error.
+class PieceStore {
+ public:
+  /// `identity` is a text that tells apart runs whose pieces do not fit together.
+  PieceStore(const std::filesystem::path& output_directory, std::string identity);
+  /// Removes the directory if nothing is in it.
+  ~PieceStore();
+  PieceStore(const PieceStore&) = delete;
+  PieceStore& operator=(const PieceStore&) = delete;
+
+  /// Creates the directory, if need be, and locks it against other runs while this lives.
+  void lock();
+  /// The pieces that are complete, ascending and disjoint; of one whose sums are damaged or whose
+  /// texts are not as long as they should be nothing is told, so that it is done again. Throws
+  /// Error if there are pieces of a run of another identity.
+  std::vector<PlaneRange> complete() const;
+  /// Removes what is there of pieces that are not among these.
+  void remove_others(std::span<const PlaneRange> complete) const;
+  /// Drops a piece, so that it is done again.
+  void drop(const PlaneRange& planes) const;
+  /// Says that what comes is of this identity.
+  void prepare() const;
+
+  /// For a piece's text that is to be written.
+  std::unique_ptr<ScratchFile> create(const PlaneRange& planes, PieceText text) const;
+  /// Writes the sums behind its texts; from then on the piece is complete, and nothing of it needs
+  /// to be held.
+  void finish(const Piece& piece) const;
+  /// A complete piece without its texts.
+  Piece read(const PlaneRange& planes) const;
+  std::unique_ptr<ScratchFile> open(const PlaneRange& planes, PieceText text) const;
+  /// Removes everything.
+  void remove();
+
+ private:
+  bool is_whole(const PlaneRange& planes) const;
+  std::string sums_path(const PlaneRange& planes) const;
+
+  std::filesystem::path path_;
+  std::string identity_;
+  std::optional<OutputDirectory> lock_;
+};
+
+}  // namespace eses

@@ -1,0 +1,65 @@
+// What does not depend on how processes reach each other.
+#include "distributed/processes.hpp"
+
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <array>
+#include <cstring>
+#include <new>
+#include <optional>
+
+namespace eses {
+
+Processes::Share Processes::share_of(std::uint64_t count, std::uint64_t unit, int rank) const {
+  const std::uint64_t units = (count + unit - 1) / unit, all = static_cast<std::uint64_t>(count_);
+  const auto begin_of = [&](std::uint64_t r) {
+    // Without the product of two large numbers.
+    return std::min(count, unit * (units / all * r + units % all * r / all));
+  };
+  const auto r = static_cast<std::uint64_t>(rank);
+  return {begin_of(r), begin_of(r + 1)};
+}
+
+void Processes::agree(const std::function<void()>& action) const {
+  if (count_ == 1) {
+    action();
+    return;
+  }
+  std::optional<std::string> failure;
+  try {
+    action();
+  } catch (const SharedError&) {
+    throw;
+  } catch (const std::bad_alloc&) {
+    failure = "out of memory";
+  } catch (const Error& error) {
+    failure = error.what();
+  }
+  auto first = static_cast<std::uint64_t>(failure ? rank_ : count_);
+  take_least(std::span(&first, 1));
+  if (first == static_cast<std::uint64_t>(count_)) return;
+  throw SharedError(broadcast(failure.value_or(""), static_cast<int>(first)));
+}
+
+double Processes::hand_on(double value, const std::function<double(double)>& change) const {
+  const auto text_of = [](double number) {
+    return std::string(reinterpret_cast<const char*>(&number), sizeof number);
+  };
+  const auto number_of = [](const std::string& text) {
+    double number = 0;
+    std::memcpy(&number, text.data(), sizeof number);
+    return number;
+  };
+  return number_of(hand_on(
+      text_of(value), [&](const std::string& text) { return text_of(change(number_of(text))); }));
+}
+
+std::string Processes::place() const {
+  std::array<char, 256> name{};
+  if (count_ == 1 || gethostname(name.data(), name.size() - 1) != 0) return {};
+  return fmt::format(" on {}", name.data());
+}
+
+}  // namespace eses

@@ -1,0 +1,47 @@
+#pragma once
+/// A file into which all processes write.
+
+#include <cstdint>
+#include <memory>
+#include <span>
+#include <string>
+
+#include "distributed/processes.hpp"
+#include "output/output_file.hpp"
+
+namespace eses {
+
+/// Written by MPI-IO where there are several processes. Every failure throws Error, naming the
+/// file.
+class SharedFile {
+ public:
+  /// To be called by all processes. `file` is what the first has opened, and is null elsewhere.
+  /// Keeps references to `file` and `processes`. Throws SharedError.
+  SharedFile(const Processes& processes, OutputFile* file);
+  ~SharedFile();
+  SharedFile(const SharedFile&) = delete;
+  SharedFile& operator=(const SharedFile&) = delete;
+
+  void write_at(std::span<const char> bytes, std::uint64_t offset);
+  /// To be called by all processes: writes what each has behind what those before it have, from
+  /// `begin` on. Returns where it ends.
+  std::uint64_t write_in_turn(std::span<const char> own, std::uint64_t begin) {
+    write_at(own, begin + processes_.sum_before(own.size()));
+    return begin + processes_.sum(own.size());
+  }
+  /// Reads what any process has written before all called `sync`.
+  void read_at(std::span<char> bytes, std::uint64_t offset);
+  /// To be called by all processes. Throws SharedError.
+  void sync();
+  /// To be called by all processes when they have written everything. Throws SharedError.
+  void close();
+
+ private:
+  struct Handle;
+  const Processes& processes_;
+  OutputFile* file_;
+  std::string name_;
+  std::unique_ptr<Handle> handle_;  // none if this process is alone
+};
+
+}  // namespace eses

@@ -1,0 +1,100 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "distributed/mpi_errors.hpp"
+#include "distributed/shared_file.hpp"
+
+namespace eses {
+
+struct SharedFile::Handle {
+  MPI_File file = MPI_FILE_NULL;
+};
+
+namespace {
+
+// MPI counts in int.
+template <class Byte, class Action>
+void in_parts(std::span<Byte> bytes, std::uint64_t offset, Action&& action) {
+  constexpr std::size_t most = std::size_t{1} << 30;
+  for (std::size_t begin = 0; begin < bytes.size(); begin += most) {
+    MPI_Status status;
+    action(bytes.subspan(begin, std::min(most, bytes.size() - begin)),
+           static_cast<MPI_Offset>(offset + begin), &status);
+  }
+}
+
+bool is_done(const MPI_Status& status, std::size_t bytes) {
+  int done = 0;
+  MPI_Get_count(&status, MPI_BYTE, &done);
+  return done == static_cast<int>(bytes);
+}
+
+void require(int error, const char* action, const std::string& name) {
+  if (error != MPI_SUCCESS)
+    throw Error(fmt::format("cannot {} {}: {}", action, name, mpi_error_text(error)));
+}
+
+}  // namespace
+
+SharedFile::SharedFile(const Processes& processes, OutputFile* file)
+    : processes_(processes), file_(file) {
+  if (processes.count() == 1) return;
+  name_ = processes.broadcast(file != nullptr ? file->path() : "");
+  const std::string path = processes.broadcast(file != nullptr ? file->temporary_path() : "");
+  handle_ = std::make_unique<Handle>();
+  // All must be able to, or MPI waits for ever: see require_shared_directories.
+  const int error =
+      MPI_File_open(MPI_COMM_WORLD, path.c_str(), MPI_MODE_RDWR, MPI_INFO_NULL, &handle_->file);
+  processes.agree([&] { require(error, "open", name_); });
+}
+
+// Not closed here: after a failure the other processes would not close theirs.
+SharedFile::~SharedFile() = default;
+
+void SharedFile::write_at(std::span<const char> bytes, std::uint64_t offset) {
+  if (!handle_) {
+    file_->write_at(bytes, offset);
+    return;
+  }
+  in_parts(bytes, offset, [&](std::span<const char> part, MPI_Offset place, MPI_Status* status) {
+    require(MPI_File_write_at(handle_->file, place, part.data(), static_cast<int>(part.size()),
+                              MPI_BYTE, status),
+            "write", name_);
+    if (!is_done(*status, part.size()))
+      throw Error(fmt::format("cannot write {}{}: only part of it was written; is the disk full?",
+                              name_, processes_.place()));
+  });
+}
+
+void SharedFile::read_at(std::span<char> bytes, std::uint64_t offset) {
+  if (!handle_) {
+    file_->read_at(bytes, offset);
+    return;
+  }
+  in_parts(bytes, offset, [&](std::span<char> part, MPI_Offset place, MPI_Status* status) {
+    require(MPI_File_read_at(handle_->file, place, part.data(), static_cast<int>(part.size()),
+                             MPI_BYTE, status),
+            "read back", name_);
+    if (!is_done(*status, part.size()))
+      throw Error(fmt::format("cannot read back {}{}: it is shorter than what was written", name_,
+                              processes_.place()));
+  });
+}
+
+// MPI promises that others see what was written between two of their own.
+void SharedFile::sync() {
+  if (!handle_) return;
+  for (int i = 0; i < 2; ++i) {
+    const int error = MPI_File_sync(handle_->file);
+    processes_.agree([&] { require(error, "write", name_); });
+  }
+}
+
+void SharedFile::close() {
+  if (!handle_) return;
+  const int error = MPI_File_close(&handle_->file);
+  processes_.agree([&] { require(error, "write", name_); });
+}
+
+}  // namespace eses

@@ -1,0 +1,162 @@
+#include "distributed/shared_groups.hpp"
+
+#include <functional>
+#include <limits>
+#include <string_view>
+#include <unordered_map>
+#include <utility>
+
+#include "distributed/packed_texts.hpp"
+
+namespace eses {
+namespace {
+
+constexpr std::uint32_t none = std::numeric_limits<std::uint32_t>::max();
+
+// Keys on their way to the processes that look after them, and answers on their way back.
+class KeyExchange {
+ public:
+  KeyExchange(std::span<const std::string> keys, const Processes& processes)
+      : processes_(processes), sent_(static_cast<std::size_t>(processes.count())) {
+    std::vector<std::vector<char>> texts(sent_.size());
+    for (std::size_t k = 0; k < keys.size(); ++k) {
+      const std::size_t keeper = std::hash<std::string_view>()(keys[k]) % sent_.size();
+      sent_[keeper].push_back(k);
+      texts[keeper].insert(texts[keeper].end(), keys[k].begin(), keys[k].end());
+      texts[keeper].push_back('\0');
+    }
+    std::vector<std::vector<std::uint64_t>> counts;
+    counts.reserve(sent_.size());
+    for (const auto& part : sent_) counts.push_back({part.size()});
+    received_ = processes.exchange(std::move(counts));
+    const std::vector<char> all = processes.exchange(std::move(texts));
+    for (std::string& key : unpack({all.begin(), all.end()}))
+      ids_.push_back(id_of_.try_emplace(std::move(key), static_cast<std::uint32_t>(id_of_.size()))
+                         .first->second);
+  }
+
+  // Of the keys that this process looks after: as many as it got, by who sent them, equal ones with
+  // the same number.
+  std::span<const std::uint32_t> ids() const { return ids_; }
+  std::size_t id_count() const { return id_of_.size(); }
+
+  // From the keys of this process to those who look after them.
+  std::vector<std::uint32_t> tell(std::span<const std::uint32_t> of_key) const {
+    std::vector<std::vector<std::uint32_t>> to;
+    to.reserve(sent_.size());
+    for (const auto& part : sent_) {
+      to.emplace_back();
+      for (const std::size_t k : part) to.back().push_back(of_key[k]);
+    }
+    return processes_.exchange(std::move(to));
+  }
+
+  // The other way.
+  std::vector<std::uint32_t> answer(std::span<const std::uint32_t> of_id) const {
+    std::vector<std::vector<std::uint32_t>> to;
+    to.reserve(received_.size());
+    for (auto id = ids_.begin(); const std::uint64_t count : received_) {
+      to.emplace_back();
+      for (std::uint64_t q = 0; q < count; ++q) to.back().push_back(of_id[*id++]);
+    }
+    const std::vector<std::uint32_t> answers = processes_.exchange(std::move(to));
+    std::vector<std::uint32_t> of_key(answers.size());
+    for (auto one = answers.begin(); const auto& part : sent_)
+      for (const std::size_t k : part) of_key[k] = *one++;
+    return of_key;
+  }
+
+  // The rank of the first process that sent each of them.
+  std::vector<std::uint32_t> first_senders() const {
+    std::vector<std::uint32_t> first(id_count(), none);
+    auto id = ids_.begin();
+    for (std::uint32_t rank = 0; rank < received_.size(); ++rank)
+      for (std::uint64_t q = 0; q < received_[rank]; ++q, ++id)
+        if (first[*id] == none) first[*id] = rank;
+    return first;
+  }
+
+ private:
+  const Processes& processes_;
+  std::vector<std::vector<std::size_t>> sent_;  // keys by who looks after them
+  std::vector<std::uint64_t> received_;         // how many from each
+  std::unordered_map<std::string, std::uint32_t> id_of_;
+  std::vector<std::uint32_t> ids_;
+};
+
+// Parted by what no name holds.
+std::string chain_key(const AtomLabel& label) {
+  return std::string(mesh::written_name(label.chain));
+}
+
+std::string residue_key(const AtomLabel& label) {
+  std::string key = chain_key(label);
+  for (const std::string_view name : {label.residue_number, label.residue}) {
+    key += '\1';
+    key += mesh::written_name(name);
+  }
+  return key;
+}
+
+template <class Key>
+SharedNumbers number_labels(const ResidueRuns& runs, std::span<const AtomIndex> first, Key&& key,
+                            const Processes& processes, std::vector<AtomLabel>& names) {
+  std::vector<std::string> keys;
+  keys.reserve(first.size());
+  for (const AtomIndex run : first) keys.push_back(key(runs.labels[run]));
+  SharedNumbers numbers = number_jointly(keys, processes);
+  for (const std::size_t k : numbers.own) names.push_back(runs.labels[first[k]]);
+  return numbers;
+}
+
+}  // namespace
+
+SharedNumbers number_jointly(std::span<const std::string> keys, const Processes& processes) {
+  const KeyExchange exchange(keys, processes);
+  const std::vector<std::uint32_t> first = exchange.answer(exchange.first_senders());
+  SharedNumbers numbers;
+  for (std::size_t k = 0; k < keys.size(); ++k)
+    if (first[k] == static_cast<std::uint32_t>(processes.rank())) numbers.own.push_back(k);
+  numbers.first = static_cast<std::uint32_t>(processes.sum_before(numbers.own.size()));
+  std::vector<std::uint32_t> own(keys.size(), none);
+  for (std::size_t q = 0; q < numbers.own.size(); ++q)
+    own[numbers.own[q]] = numbers.first + static_cast<std::uint32_t>(q);
+  const std::vector<std::uint32_t> told = exchange.tell(own);
+  std::vector<std::uint32_t> of_id(exchange.id_count());
+  for (std::size_t q = 0; q < told.size(); ++q)
+    if (told[q] != none) of_id[exchange.ids()[q]] = told[q];
+  numbers.of_key = exchange.answer(of_id);
+  return numbers;
+}
+
+OwnGroups number_groups(AtomShare& share, const Processes& processes) {
+  const ResidueRuns& runs = share.residues;
+  OwnGroups groups;
+  groups.are_known = processes.sum(runs.labels.size()) > 0;
+  const mesh::AtomGroups local = mesh::group_atoms(runs.labels);
+  const SharedNumbers chains =
+      number_labels(runs, local.chains, chain_key, processes, groups.chains);
+  const SharedNumbers residues =
+      number_labels(runs, local.residues, residue_key, processes, groups.residues);
+  groups.first_chain = chains.first;
+  groups.first_residue = residues.first;
+  for (std::size_t run = 0; run < runs.labels.size(); ++run)
+    share.groups.insert(
+        share.groups.end(), runs.atoms[run],
+        {chains.of_key[local.chain_of[run]], residues.of_key[local.residue_of[run]]});
+  return groups;
+}
+
+mesh::AtomGroups groups_of(std::span<const GroupNumbers> numbers, bool are_known) {
+  mesh::AtomGroups groups;
+  groups.are_known = are_known;
+  groups.chain_of.reserve(numbers.size());
+  groups.residue_of.reserve(numbers.size());
+  for (const GroupNumbers& one : numbers) {
+    groups.chain_of.push_back(one.chain);
+    groups.residue_of.push_back(one.residue);
+  }
+  return groups;
+}
+
+}  // namespace eses

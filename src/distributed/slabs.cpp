@@ -1,0 +1,387 @@
+#include "distributed/slabs.hpp"
+
+#include <algorithm>
+#include <array>
+#include <functional>
+#include <limits>
+#include <numeric>
+#include <utility>
+
+#include "geometry/box.hpp"
+#include "plan/memory.hpp"
+#include "surface/survey.hpp"
+#include "sweep/region_box.hpp"
+
+namespace eses {
+namespace {
+
+// Seconds on one processor, as measured with proteins. Only their ratios matter.
+constexpr double seconds_per_atom = 14e-6;          // its patches
+constexpr double seconds_per_prepared_atom = 1e-6;  // and sent
+constexpr double seconds_per_crossing = 0.45e-6;
+constexpr double seconds_per_crossing_text = 0.25e-6;
+constexpr double seconds_per_point = 0.3e-9;
+constexpr double seconds_per_point_text = 2e-9;
+constexpr double seconds_per_crossing_of_mesh = 0.3e-6;
+constexpr double seconds_per_point_of_map = 3e-9;
+
+constexpr double infinity = std::numeric_limits<double>::infinity();
+
+// The grid's planes are dealt with in bins, so that a tall one takes no more memory than others.
+constexpr std::int64_t most_bins = 1 << 16;
+
+class Bins {
+ public:
+  explicit Bins(const Plan& plan)
+      : plan_(plan),
+        planes_{0, plan.grid.size[2]},
+        per_bin_((planes_.count() + most_bins - 1) / most_bins) {}
+
+  std::size_t count() const {
+    return static_cast<std::size_t>((planes_.count() + per_bin_ - 1) / per_bin_);
+  }
+  PlaneRange planes(std::size_t begin, std::size_t end) const { return {plane(begin), plane(end)}; }
+  // Of the plane that is nearest to `z`.
+  std::size_t bin_of(double z) const {
+    const double place = (z - plan_.grid.lower.z) / plan_.grid.spacing + 0.5;
+    const auto plane = static_cast<std::int64_t>(std::clamp(
+        place, static_cast<double>(planes_.begin), static_cast<double>(planes_.end - 1)));
+    return static_cast<std::size_t>((plane - planes_.begin) / per_bin_);
+  }
+
+ private:
+  std::int64_t plane(std::size_t bin) const {
+    return std::min(planes_.end, planes_.begin + static_cast<std::int64_t>(bin) * per_bin_);
+  }
+
+  const Plan& plan_;
+  PlaneRange planes_;
+  std::int64_t per_bin_;
+};
+
+PlaneRange region_planes(const Plan& plan) {
+  return {plan.tiling.region.begin[2], plan.tiling.region.end[2]};
+}
+
+// How many of a bin's planes are still to be done, as a share.
+double share_to_do(const PlaneRange& planes, std::span<const PlaneRange> done) {
+  const std::vector<PlaneRange> left = remaining(planes, done);
+  const std::int64_t count =
+      std::accumulate(left.begin(), left.end(), std::int64_t{0},
+                      [](std::int64_t sum, const PlaneRange& part) { return sum + part.count(); });
+  return static_cast<double>(count) / static_cast<double>(planes.count());
+}
+
+// Takes off what is not to be done, also of bins that are done in part.
+void leave_out(const Bins& bins, std::span<const PlaneRange> done, std::vector<double>& costs) {
+  for (std::size_t b = 0; b < costs.size(); ++b)
+    costs[b] *= share_to_do(bins.planes(b, b + 1), done);
+}
+
+std::vector<PlaneRange> cut_into_slabs(const Bins& bins, std::span<const double> costs,
+                                       std::span<const PlaneRange> done, int parts) {
+  const std::vector<std::size_t> begins = cut_evenly(costs, parts);
+  std::vector<PlaneRange> slabs;
+  for (std::size_t part = 0; part + 1 < begins.size(); ++part) {
+    const std::vector<PlaneRange> left =
+        remaining(bins.planes(begins[part], begins[part + 1]), done);
+    slabs.push_back(left.empty() ? PlaneRange{} : PlaneRange{left.front().begin, left.back().end});
+  }
+  return slabs;
+}
+
+double largest_cost(const Bins& bins, std::span<const double> costs,
+                    std::span<const PlaneRange> slabs) {
+  double largest = 0;
+  for (const PlaneRange& slab : slabs) {
+    double cost = 0;
+    for (std::size_t b = 0; b < costs.size(); ++b) {
+      const std::int64_t plane = bins.planes(b, b + 1).begin;
+      if (plane >= slab.begin && plane < slab.end) cost += costs[b];
+    }
+    largest = std::max(largest, cost);
+  }
+  return largest;
+}
+
+// What is sent from the process that has read an atom to those to whose slabs it matters.
+struct SentAtom {
+  Atom atom;
+  std::uint64_t line = 0;
+  AtomIndex number = 0;
+};
+
+struct SentAtoms {
+  std::vector<SentAtom> atoms;
+  std::vector<GroupNumbers> groups;  // of each, if the shares have them
+};
+
+// How far from a slab an atom matters: as far as Reach goes, for its patches, and from those atoms
+// as far as SAS spheres meet. Within this distance are also all that are odd beside each other.
+double influence(const Atom& atom, double largest_radius, double probe_radius) {
+  constexpr double slack = 1;  // angstrom
+  return atom.radius + 4 * largest_radius + 6 * probe_radius + slack;
+}
+
+// A slab that has planes, and where they are along z; both ends ascend from slab to slab.
+struct Reached {
+  std::size_t part;
+  double low, high;
+};
+
+SentAtoms send_atoms(const AtomShare& share, const Plan& plan, std::span<const PlaneRange> slabs,
+                     const Processes& processes) {
+  const double probe = plan.parameters.probe_radius;
+  double largest_radius = 0;
+  for (const Atom& atom : share.atoms) largest_radius = std::max(largest_radius, atom.radius);
+  processes.take_largest({&largest_radius, 1});
+  std::vector<Reached> reached;
+  for (std::size_t part = 0; part < slabs.size(); ++part) {
+    if (slabs[part].is_empty()) continue;
+    const Box box = slab_box(plan, slabs[part]);
+    reached.push_back({part, box.low.z, box.high.z});
+  }
+  std::vector<std::vector<SentAtom>> to(slabs.size());
+  std::vector<std::vector<GroupNumbers>> groups_to(slabs.size());
+  const auto send = [&](std::size_t i, std::size_t part) {
+    to[part].push_back({share.atoms[i], share.lines[i], static_cast<AtomIndex>(share.first + i)});
+    if (!share.groups.empty()) groups_to[part].push_back(share.groups[i]);
+  };
+  for (std::size_t i = 0; i < share.atoms.size(); ++i) {
+    const Atom& atom = share.atoms[i];
+    // The first goes to all that have planes, so that none of these is without any.
+    const bool matters_to_all = share.first + i == 0;
+    const double reach = matters_to_all ? infinity : influence(atom, largest_radius, probe);
+    auto slab = std::partition_point(reached.begin(), reached.end(), [&](const Reached& one) {
+      return one.high < atom.center.z - reach;
+    });
+    for (; slab != reached.end() && slab->low <= atom.center.z + reach; ++slab) send(i, slab->part);
+  }
+  SentAtoms sent;
+  sent.atoms = processes.exchange(std::move(to));
+  sent.groups = processes.exchange(std::move(groups_to));
+  return sent;
+}
+
+// Every atom is some slab's own.
+std::function<bool(const Atom&)> ownership(const Plan& plan, std::span<const PlaneRange> slabs,
+                                           std::size_t part) {
+  double low = -infinity, high = infinity;
+  for (std::size_t other = 0; other < slabs.size(); ++other) {
+    if (slabs[other].is_empty()) continue;
+    if (other < part) low = plan.grid.coordinate(2, slabs[part].begin);
+    if (other > part) {
+      high = plan.grid.coordinate(2, slabs[other].begin);
+      break;
+    }
+  }
+  return [low, high](const Atom& atom) { return atom.center.z >= low && atom.center.z < high; };
+}
+
+// With the lines of its atoms.
+struct NumberedSlab {
+  SlabShare share;
+  std::vector<std::uint64_t> lines;
+};
+
+NumberedSlab gather_slab(const AtomShare& share, const Plan& plan,
+                         std::span<const PlaneRange> slabs, int threads,
+                         const Processes& processes) {
+  SentAtoms sent = send_atoms(share, plan, slabs, processes);
+  NumberedSlab numbered;
+  SlabShare& slab = numbered.share;
+  std::vector<std::uint64_t>& lines = numbered.lines;
+  const auto part = static_cast<std::size_t>(processes.rank());
+  slab.planes = slabs[part];
+  processes.agree([&] {
+    std::vector<Atom> atoms;
+    atoms.reserve(sent.atoms.size());
+    slab.numbers.reserve(sent.atoms.size());
+    lines.reserve(sent.atoms.size());
+    for (const SentAtom& one : sent.atoms) {
+      atoms.push_back(one.atom);
+      slab.numbers.push_back(one.number);
+      lines.push_back(one.line);
+    }
+    slab.groups = std::move(sent.groups);
+    std::vector<SentAtom>().swap(sent.atoms);
+    slab.molecule = Molecule::part(std::move(atoms), ownership(plan, slabs, part), threads);
+  });
+  return numbered;
+}
+
+// What processes tell each other of what is odd.
+struct OddExample {
+  OddityKind kind{};
+  AtomIndex atom = 0, other = 0;
+  std::uint64_t line = 0, other_line = 0;
+};
+
+SharedOddities join_oddities(const NumberedSlab& slab, std::uint64_t atoms,
+                             const Processes& processes) {
+  std::vector<OddExample> own;
+  std::array<std::uint64_t, oddity_kinds> counts{};
+  for (const Oddity& oddity : slab.share.molecule.oddities()) {
+    counts[static_cast<std::size_t>(oddity.kind)] = oddity.count;
+    for (const auto& [atom, other] : oddity.examples)
+      own.push_back({oddity.kind, slab.share.numbers[atom], slab.share.numbers[other],
+                     slab.lines[atom], slab.lines[other]});
+  }
+  processes.add(counts);
+  // Radii are small if all are.
+  std::uint64_t& small = counts[static_cast<std::size_t>(OddityKind::small_radii)];
+  if (small < atoms) small = 0;
+  std::vector<OddExample> examples = processes.gather<OddExample>(own);
+  std::sort(examples.begin(), examples.end(), [](const OddExample& a, const OddExample& b) {
+    return std::pair(a.kind, a.atom) < std::pair(b.kind, b.atom);
+  });
+  SharedOddities odd;
+  for (std::size_t kind = 0; kind < counts.size(); ++kind)
+    if (counts[kind] > 0) odd.oddities.push_back({static_cast<OddityKind>(kind), counts[kind], {}});
+  for (Oddity& oddity : odd.oddities) {
+    for (const OddExample& example : examples) {
+      if (example.kind != oddity.kind) continue;
+      if (oddity.examples.size() == Oddity::most_examples) break;
+      oddity.examples.push_back({example.atom, example.other});
+      odd.lines[example.atom] = example.line;
+      odd.lines[example.other] = example.other_line;
+    }
+  }
+  return odd;
+}
+
+// The planes that do not belong to the region, and those that are done.
+std::vector<PlaneRange> planes_left_out(const Plan& plan, std::span<const PlaneRange> done) {
+  const PlaneRange within = region_planes(plan);
+  std::vector<PlaneRange> left_out;
+  if (within.begin > 0) left_out.push_back({0, within.begin});
+  left_out.insert(left_out.end(), done.begin(), done.end());
+  if (within.end < plan.grid.size[2]) left_out.push_back({within.end, plan.grid.size[2]});
+  return left_out;
+}
+
+// Cuts the planes into as many slabs as there are processes, to be asked by all of them.
+class SlabCutter {
+ public:
+  SlabCutter(const AtomShare& share, const Plan& plan, const OutputChoice& outputs,
+             const Processes& processes)
+      : plan_(plan), outputs_(outputs), processes_(processes), bins_(plan), atoms_(bins_.count()) {
+    for (const Atom& atom : share.atoms) ++atoms_[bins_.bin_of(atom.center.z)];
+    processes_.add(atoms_);
+    by_atoms_ = cut_into_slabs(bins_, atoms_, {}, processes_.count());
+  }
+
+  // All planes, with as many atoms in each slab.
+  const std::vector<PlaneRange>& by_atoms() const { return by_atoms_; }
+
+  // Those that are to be done, by costs that each process estimates from `slab`, which is its one
+  // of those by atoms; or these, where others would not make up for the time in which atoms are
+  // sent and prepared again.
+  std::vector<PlaneRange> by_costs(const SlabShare& slab, std::span<const PlaneRange> done) const {
+    const std::vector<PlaneRange> left_out = planes_left_out(plan_, done);
+    const bool is_alone = processes_.count() == 1;
+    if (is_alone && left_out.empty()) return by_atoms_;
+    std::vector<double> costs = is_alone ? atoms_ : estimate_costs(slab);
+    leave_out(bins_, left_out, costs);
+    std::vector<PlaneRange> slabs = cut_into_slabs(bins_, costs, left_out, processes_.count());
+    if (!left_out.empty()) return slabs;
+    const double gain = largest_cost(bins_, costs, by_atoms_) - largest_cost(bins_, costs, slabs);
+    const double loss = seconds_per_prepared_atom * largest_cost(bins_, atoms_, slabs);
+    return gain > loss ? slabs : by_atoms_;
+  }
+
+ private:
+  // Seconds for each bin.
+  std::vector<double> estimate_costs(const SlabShare& slab) const {
+    std::vector<double> costs(bins_.count());
+    processes_.agree([&] {
+      if (slab.planes.is_empty()) return;
+      const Grid& grid = plan_.grid;
+      const SurfaceSurvey survey(slab.molecule, plan_.parameters.probe_radius,
+                                 slab_box(plan_, slab.planes));
+      const double point = seconds_per_point + (outputs_.grid ? seconds_per_point_text : 0) +
+                           (outputs_.inside_map.empty() ? 0 : seconds_per_point_of_map);
+      const double crossing = seconds_per_crossing +
+                              (outputs_.edges ? seconds_per_crossing_text : 0) +
+                              (outputs_.mesh ? seconds_per_crossing_of_mesh : 0);
+      const GridIndex size = plan_.tiling.region.size();
+      const PlaneRange within = region_planes(plan_);
+      for (std::size_t b = 0; b < costs.size(); ++b) {
+        const PlaneRange planes = bins_.planes(b, b + 1);
+        if (planes.begin < slab.planes.begin || planes.begin >= slab.planes.end) continue;
+        if (planes.end <= within.begin || planes.begin >= within.end) continue;
+        const double area =
+            survey.area_between(grid.coordinate(2, planes.begin), grid.coordinate(2, planes.end));
+        costs[b] = seconds_per_atom * atoms_[b] +
+                   point * static_cast<double>(size[0] * size[1] * planes.count()) +
+                   crossing * expected_crossings(area, grid.spacing);
+      }
+    });
+    // Of each only one summand is not zero: the sum is the same everywhere.
+    processes_.add(costs);
+    return costs;
+  }
+
+  const Plan& plan_;
+  const OutputChoice& outputs_;
+  const Processes& processes_;
+  Bins bins_;
+  std::vector<double> atoms_;  // by bin
+  std::vector<PlaneRange> by_atoms_;
+};
+
+}  // namespace
+
+std::vector<std::size_t> cut_evenly(std::span<const double> costs, int parts) {
+  std::vector<double> sums(costs.size() + 1, 0);
+  std::partial_sum(costs.begin(), costs.end(), sums.begin() + 1);
+  std::vector<std::size_t> begins{0};
+  for (int part = 1; part < parts; ++part) {
+    const double wanted = sums.back() * part / parts;
+    auto place = std::lower_bound(sums.begin(), sums.end(), wanted);
+    // Of the sums around the one that is wanted the nearer.
+    if (place != sums.begin() && wanted - *(place - 1) < *place - wanted) --place;
+    begins.push_back(std::max(begins.back(), static_cast<std::size_t>(place - sums.begin())));
+  }
+  begins.push_back(costs.size());
+  return begins;
+}
+
+std::vector<PlaneRange> remaining(const PlaneRange& planes, std::span<const PlaneRange> done) {
+  std::vector<PlaneRange> left;
+  std::int64_t begin = planes.begin;
+  for (const PlaneRange& range : done) {
+    if (range.end <= begin) continue;
+    if (range.begin >= planes.end) break;
+    if (range.begin > begin) left.push_back({begin, range.begin});
+    begin = range.end;
+  }
+  if (begin < planes.end) left.push_back({begin, planes.end});
+  return left;
+}
+
+SharedMolecule share_molecule(const AtomShare& share, const Plan& plan, const OutputChoice& outputs,
+                              std::span<const PlaneRange> done, int threads,
+                              const Processes& processes) {
+  const SlabCutter cutter(share, plan, outputs, processes);
+  // All atoms, as all have to be looked at for what is odd.
+  NumberedSlab slab = gather_slab(share, plan, cutter.by_atoms(), threads, processes);
+  SharedMolecule shared;
+  shared.odd = join_oddities(slab, share.total, processes);
+  const std::vector<PlaneRange> slabs = cutter.by_costs(slab.share, done);
+  if (slabs != cutter.by_atoms()) {
+    slab = {};
+    slab = gather_slab(share, plan, slabs, threads, processes);
+  }
+  shared.slab = std::move(slab.share);
+  return shared;
+}
+
+Box slab_box(const Plan& plan, const PlaneRange& planes) {
+  GridRegion region = plan.tiling.region;
+  region.begin[2] = std::max<std::int64_t>(0, planes.begin - 1);
+  region.end[2] = planes.end;
+  return region_box(plan.grid, region);
+}
+
+}  // namespace eses

@@ -1,0 +1,647 @@
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstddef>
+#include <limits>
+#include <new>
+#include <stdexcept>
+#include <string>
+#include <system_error>
+#include <utility>
+#include <vector>
+
+#include "eses/error.hpp"
+#include "eses/read_atoms.hpp"
+#include "io/atom_lines.hpp"
+#include "io/file_descriptor.hpp"
+#include "io/pqr_labels.hpp"
+#include "io/text_fields.hpp"
+#include "io/text_source.hpp"
+#include "system/bytes_text.hpp"
+#include "system/resources.hpp"
+
+namespace eses {
+namespace {
+
+// Far beyond any molecule; a larger number is a misread column or a wrong unit, and would give a
+// grid that nobody can hold.
+constexpr double largest_length = 1e6;  // angstrom
+
+// `0 0 0 0` and a newline: no atom takes less text.
+constexpr std::size_t shortest_atom_line = 8;  // characters
+
+// Text that is parsed at a time; little enough that a large binary file passed by mistake is
+// noticed at once.
+constexpr std::size_t piece_bytes = std::size_t{1} << 18;
+static_assert(longest_line < piece_bytes);
+
+// Reading may add this to the memory of the process whatever the limit. Limits that are smaller
+// than that are refused when the run is planned, with the smallest limit that would do.
+constexpr std::uint64_t always_granted_bytes = std::uint64_t{4} << 20;
+
+// The largest index stays free, so that it may stand for "no atom".
+constexpr std::size_t most_atoms = std::numeric_limits<AtomIndex>::max();
+
+// ---------------------------------------------------------------------------- characters, fields
+
+constexpr bool is_control(char c) {
+  // Bitwise, as the compiler vectorises no short-circuits.
+  const auto byte = static_cast<unsigned char>(c);
+  return ((byte < 0x20) & (c != '\t') & (c != '\n') & (c != '\r')) | (byte == 0x7f);
+}
+
+bool starts_with_ignoring_case(std::string_view text, std::string_view lower_case_prefix) {
+  return text.size() >= lower_case_prefix.size() &&
+         std::equal(lower_case_prefix.begin(), lower_case_prefix.end(), text.begin(),
+                    [](char expected, char c) { return lower_case(c) == expected; });
+}
+
+std::size_t count_fields(std::string_view text) {
+  std::size_t count = 0;
+  while (!take_first(text).empty()) ++count;
+  return count;
+}
+
+/// Removes the first line from `rest`; its end, LF or CRLF, is not part of it.
+std::string_view take_line(std::string_view& rest) {
+  const std::size_t end = std::min(rest.find('\n'), rest.size());
+  std::string_view line = rest.substr(0, end);
+  rest.remove_prefix(std::min(end + 1, rest.size()));
+  while (line.ends_with('\r')) line.remove_suffix(1);
+  return line;
+}
+
+// --------------------------------------------------------------------------------------- numbers
+
+enum class Fault {
+  none,
+  missing,
+  not_a_number,
+  not_finite,
+  out_of_range,
+  negative,
+  too_large,
+  too_few_fields,
+  residue_number,
+  pqr_record,
+};
+
+struct Quantity {
+  std::string_view name;
+  double lowest;
+  double highest;
+};
+
+constexpr double largest_double = std::numeric_limits<double>::max();
+constexpr Quantity quantity_x{"x", -largest_length, largest_length};
+constexpr Quantity quantity_y{"y", -largest_length, largest_length};
+constexpr Quantity quantity_z{"z", -largest_length, largest_length};
+constexpr Quantity quantity_charge{"charge", -largest_double, largest_double};
+constexpr Quantity quantity_radius{"radius", 0, largest_length};
+
+/// What is wrong with a line; text for the user is made of it only when it is final, because the
+/// PQR reader tries two layouts.
+struct Problem {
+  Fault fault = Fault::none;
+  std::string_view quantity;  // name
+  std::string_view text;      // the field, a part of the line even if empty
+
+  explicit operator bool() const { return fault != Fault::none; }
+};
+
+Fault fault_of(std::errc error) {
+  if (error == std::errc{}) return Fault::none;
+  return error == std::errc::result_out_of_range ? Fault::out_of_range : Fault::not_a_number;
+}
+
+Fault check_value(double value, const Quantity& quantity) {
+  if (!std::isfinite(value)) return Fault::not_finite;
+  if (quantity.lowest == 0 && value < 0) return Fault::negative;
+  return value < quantity.lowest || value > quantity.highest ? Fault::too_large : Fault::none;
+}
+
+Problem read_value(std::string_view text, const Quantity& quantity, double& value) {
+  Fault fault = text.empty() ? Fault::missing : fault_of(parse_number(text, value));
+  if (fault == Fault::none) fault = check_value(value, quantity);
+  return {fault, quantity.name, text};
+}
+
+/// What one line tells.
+struct Record {
+  Atom atom;
+  AtomLabel label;  // of PQR only
+};
+
+// --------------------------------------------------------------------------------- lines: xyzr
+
+constexpr std::array xyzr_quantities{quantity_x, quantity_y, quantity_z, quantity_radius};
+
+bool is_pqr_record(std::string_view line) {
+  line = without_leading_blanks(line);
+  // The serial number may follow HETATM without a blank.
+  if (starts_with_ignoring_case(line, "hetatm")) return true;
+  if (!starts_with_ignoring_case(line, "atom")) return false;
+  return line.size() == 4 || is_blank(line[4]) || is_digit(line[4]);
+}
+
+bool is_xyzr_record(std::string_view line) {
+  line = without_leading_blanks(line);
+  return !line.empty() && line.front() != '#';
+}
+
+Problem parse_xyzr(std::string_view line, Record& record) {
+  std::array<double, xyzr_quantities.size()> values{};
+  std::string_view rest = line;
+  for (std::size_t i = 0; i < values.size(); ++i) {
+    Problem problem = read_value(take_first(rest), xyzr_quantities[i], values[i]);
+    if (!problem) continue;
+    if (i == 0 && is_pqr_record(line)) problem.fault = Fault::pqr_record;
+    return problem;
+  }
+  record.atom = {{values[0], values[1], values[2]}, values[3]};
+  return {};
+}
+
+// ---------------------------------------------------------------------------------- lines: PQR
+//
+// `ATOM serial name residue [chain] number x y z charge radius`, free format:
+// https://apbs.readthedocs.io/en/latest/formats/pqr.html
+// Programs that keep to the columns of PDB files write numbers without a blank in between,
+// https://www.wwpdb.org/documentation/file-format-content/format33/sect9.html
+// Some append an element symbol, as PDB files have it; ESES and APBS do not read that far.
+
+constexpr std::array pqr_quantities{quantity_x, quantity_y, quantity_z, quantity_charge,
+                                    quantity_radius};
+using PqrFields = std::array<std::string_view, pqr_quantities.size()>;
+
+constexpr std::size_t first_coordinate_column = 30;  // 0-based
+constexpr std::size_t coordinate_width = 8;
+constexpr std::size_t end_of_coordinates = first_coordinate_column + 3 * coordinate_width;
+// Charge and radius as pdb2pqr writes them, %8.4f and %7.4f.
+constexpr std::size_t charge_width = 8, radius_width = 7;
+constexpr std::size_t radius_column = end_of_coordinates + charge_width;
+constexpr std::size_t end_of_radius = radius_column + radius_width;
+
+Problem read_pqr_values(const PqrFields& fields, Atom& atom) {
+  std::array<double, pqr_quantities.size()> values{};
+  for (std::size_t i = 0; i < values.size(); ++i) {
+    if (Problem problem = read_value(fields[i], pqr_quantities[i], values[i])) return problem;
+  }
+  atom = {{values[0], values[1], values[2]}, values[4]};
+  return {};
+}
+
+/// Record, serial, name, residue and residue number; the chain may be absent.
+std::size_t fewest_leading_fields(std::string_view line) {
+  std::string_view rest = line;
+  const std::string_view record = take_first(rest);
+  const bool holds_serial = is_digit(record.back());
+  return holds_serial ? 4 : 5;
+}
+
+/// Where charge or radius is missing, counting from the end takes the residue number for x, and
+/// the atom would be read without complaint.
+bool looks_like_residue_number(std::string_view x, std::string_view leading) {
+  const bool is_integer =
+      std::all_of(x.begin(), x.end(), [](char c) { return c == '-' || is_digit(c); });
+  const std::string_view before = take_last(leading);
+  return is_integer && std::none_of(before.begin(), before.end(), is_digit);
+}
+
+Problem parse_pqr_fields(std::string_view line, Record& record) {
+  PqrFields fields;
+  std::string_view leading = line;
+  for (std::size_t i = fields.size(); i-- > 0;) fields[i] = take_last(leading);
+  if (count_fields(leading) < fewest_leading_fields(line)) return {Fault::too_few_fields, {}, line};
+  const Problem problem = read_pqr_values(fields, record.atom);
+  // Of two complaints the plainer one: text that is no number.
+  if (problem.fault != Fault::not_a_number && looks_like_residue_number(fields[0], leading)) {
+    return {Fault::residue_number, quantity_x.name, fields[0]};
+  }
+  if (!problem) record.label = label_of_fields(leading);
+  return problem;
+}
+
+std::string_view coordinate_column(std::string_view line, std::size_t axis) {
+  const std::size_t start = first_coordinate_column + axis * coordinate_width;
+  return without_leading_blanks(line.substr(start, coordinate_width));
+}
+
+/// A decimal point and a digit at the end are demanded because then no number of a line in free
+/// format, wherever the columns cut it, passes for two.
+bool is_column_number(std::string_view text) {
+  double value = 0;
+  return !text.empty() && is_digit(text.back()) && text.find('.') != std::string_view::npos &&
+         parse_number(text, value) == std::errc{};
+}
+
+bool has_coordinate_columns(std::string_view line) {
+  if (line.size() < end_of_coordinates || !is_blank(line[first_coordinate_column - 1]))
+    return false;
+  const std::string_view rest = line.substr(end_of_coordinates);
+  if (!rest.empty() && !is_blank(rest[0]) && rest[0] != '-' && rest[0] != '+') return false;
+  return is_column_number(coordinate_column(line, 0)) &&
+         is_column_number(coordinate_column(line, 1)) &&
+         is_column_number(coordinate_column(line, 2));
+}
+
+bool ends_at(std::string_view line, std::size_t column) {
+  return line.size() == column || (line.size() > column && is_blank(line[column]));
+}
+
+/// Whether charge and radius fill their columns without a blank in between.
+bool has_joined_charge_and_radius(std::string_view line) {
+  if (line.size() < end_of_radius || !ends_at(line, end_of_radius)) return false;
+  const std::string_view radius = line.substr(radius_column, radius_width);
+  return is_column_number(without_leading_blanks(line.substr(end_of_coordinates, charge_width))) &&
+         is_digit(radius.front()) && is_column_number(radius);
+}
+
+Problem parse_pqr_columns(std::string_view line, Record& record) {
+  std::string_view rest = line.substr(end_of_coordinates);
+  std::string_view radius = take_last(rest);
+  std::string_view charge = take_last(rest);
+  if (charge.empty() && has_joined_charge_and_radius(line)) {
+    charge = without_leading_blanks(line.substr(end_of_coordinates, charge_width));
+    radius = line.substr(radius_column, radius_width);
+  }
+  if (charge.empty()) charge = std::exchange(radius, line.substr(line.size()));
+  record.label = label_of_columns(line);
+  return read_pqr_values({coordinate_column(line, 0), coordinate_column(line, 1),
+                          coordinate_column(line, 2), charge, radius},
+                         record.atom);
+}
+
+/// Whether a field is an element symbol, perhaps with a formal charge: `N`, `Zn`, `O1-`.
+bool is_element(std::string_view field) {
+  std::size_t letters = 0;
+  while (letters < field.size() && is_letter(field[letters])) ++letters;
+  if (letters < 1 || letters > 2) return false;
+  const std::string_view charge = field.substr(letters);
+  return charge.empty() ||
+         (charge.size() == 2 && is_digit(charge[0]) && (charge[1] == '+' || charge[1] == '-'));
+}
+
+std::string_view without_element(std::string_view line) {
+  std::string_view rest = line;
+  return is_element(take_last(rest)) ? rest : line;
+}
+
+Problem parse_pqr(std::string_view line, Record& record) {
+  const std::string_view numbers = without_element(line);
+  const Problem problem = parse_pqr_fields(numbers, record);
+  return problem && has_coordinate_columns(numbers) ? parse_pqr_columns(numbers, record) : problem;
+}
+
+// ---------------------------------------------------------------- PDB files that are named .pqr
+//
+// PDB files have the occupancy in columns 55 to 60 and the B-factor in columns 61 to 66, both as
+// %6.2f, where PQR files have charge and radius.
+
+constexpr std::size_t occupancy_width = 6, b_factor_width = 6;
+constexpr std::size_t b_factor_column = end_of_coordinates + occupancy_width;
+constexpr std::size_t end_of_b_factor = b_factor_column + b_factor_width;
+constexpr double max_usual_radius = 4;  // angstrom; B-factors are mostly larger
+
+/// Reads a number that ends a column of `width` characters with so many decimals.
+bool read_fixed(std::string_view line, std::size_t column, std::size_t width, std::size_t decimals,
+                double& value) {
+  const std::string_view text = line.substr(column, width);
+  const std::string_view fraction = text.substr(width - decimals);
+  return text[width - decimals - 1] == '.' &&
+         std::all_of(fraction.begin(), fraction.end(), is_digit) &&
+         parse_number(without_leading_blanks(text), value) == std::errc{};
+}
+
+/// Adds a record to the counts.
+void add_record(std::string_view line, PdbLikeness& likeness) {
+  double x = 0, y = 0, z = 0, occupancy = 0, b_factor = 0;
+  const auto read = [line](std::size_t column, std::size_t width, std::size_t decimals,
+                           double& value) {
+    return read_fixed(line, column, width, decimals, value);
+  };
+  constexpr std::size_t first = first_coordinate_column, width = coordinate_width;
+  if (line.size() < end_of_b_factor || !ends_at(line, end_of_b_factor) ||
+      !read(b_factor_column, b_factor_width, 2, b_factor) ||
+      !read(end_of_coordinates, occupancy_width, 2, occupancy) || !read(first, width, 3, x) ||
+      !read(first + width, width, 3, y) || !read(first + 2 * width, width, 3, z))
+    return;
+  if (occupancy < 0 || occupancy > 1) return;
+  ++likeness.layout;
+  if (occupancy == 1 || b_factor > max_usual_radius) ++likeness.values;
+}
+
+// -------------------------------------------------------------------------------------- messages
+
+[[noreturn]] void fail(std::string_view name, std::size_t line, std::string_view what) {
+  throw Error(fmt::format("{}:{}: {}", name, line, what));
+}
+
+std::string reason(const Problem& problem) {
+  const std::string text = quoted(problem.text);
+  switch (problem.fault) {
+    case Fault::missing:
+      return "missing";
+    case Fault::not_a_number:
+      return "expected a number, found " + text;
+    case Fault::not_finite:
+      return "expected a finite number, found " + text;
+    case Fault::out_of_range:
+      return text + " is out of the range of double precision";
+    case Fault::negative:
+      return "must not be negative, found " + text;
+    case Fault::too_large:
+      return fmt::format("{} is beyond the limit of {:.0f} angstrom", text, largest_length);
+    case Fault::residue_number:
+      return text + " seems to be the residue number; expected x y z charge radius at the end";
+    case Fault::pqr_record:
+      return "expected a number, found " + text + "; is this a PQR file, read as xyzr?";
+    case Fault::none:
+    case Fault::too_few_fields:
+      break;
+  }
+  return {};
+}
+
+std::string description(const Problem& problem, std::string_view line) {
+  if (problem.fault == Fault::too_few_fields) {
+    return fmt::format(
+        "expected at least {} fields, the last five being x y z charge radius, found {}",
+        fewest_leading_fields(line) + pqr_quantities.size(), count_fields(line));
+  }
+  const auto start = static_cast<std::size_t>(problem.text.data() - line.data());
+  return fmt::format("field {} ({}): {}", count_fields(line.substr(0, start)) + 1, problem.quantity,
+                     reason(problem));
+}
+
+std::string describe(const Problem& problem, std::string_view line, bool is_pqr) {
+  std::string text = description(problem, line);
+  PdbLikeness likeness;
+  if (is_pqr) add_record(line, likeness);
+  if (likeness.layout > 0)
+    text += "; this looks like a PDB file, whose occupancy and B-factor are not charge and radius";
+  return text;
+}
+
+// ------------------------------------------------------------------------------------------ text
+
+void check_encoding(std::string_view text, std::string_view name) {
+  if (text.starts_with("\xff\xfe") || text.starts_with("\xfe\xff")) {
+    fail(name, 1, "UTF-16 text; convert the file to UTF-8 first");
+  }
+}
+
+/// Without an early exit, so that the loop over all of the text is vectorised.
+bool holds_control_character(std::string_view text) {
+  unsigned char found = 0;
+  for (const char c : text) found = static_cast<unsigned char>(found | is_control(c));
+  return found != 0;
+}
+
+void check_is_text(std::string_view text, std::string_view name, std::size_t first_line) {
+  if (!holds_control_character(text)) return;
+  const auto culprit = std::find_if(text.begin(), text.end(), is_control);
+  const auto line = static_cast<std::size_t>(std::count(text.begin(), culprit, '\n'));
+  fail(name, first_line + line,
+       fmt::format("control character \\x{:02x}; this looks like a binary file, not text",
+                   static_cast<unsigned>(*culprit)));
+}
+
+void check_line(std::string_view line, std::string_view name, std::size_t number) {
+  // Else a file whose lines all end in CR would be one line, with one atom and further columns.
+  if (line.find('\r') != std::string_view::npos) {
+    fail(name, number, "carriage return inside the line; lines must end in LF or CRLF");
+  }
+  if (line.size() > longest_line) {
+    fail(name, number, fmt::format("more than {} characters in the line", longest_line));
+  }
+}
+
+std::string_view without_byte_order_mark(std::string_view text) {
+  constexpr std::string_view mark = "\xef\xbb\xbf";
+  return text.starts_with(mark) ? text.substr(mark.size()) : text;
+}
+
+/// An upper bound of the number of atoms, so that the vector need not grow; blank lines, however
+/// many, do not inflate it.
+std::size_t estimate_atoms(std::string_view text) {
+  const auto lines = static_cast<std::size_t>(std::count(text.begin(), text.end(), '\n')) + 1;
+  return std::min(lines, text.size() / shortest_atom_line + 1);
+}
+
+// ----------------------------------------------------------------------------------------- files
+
+[[noreturn]] void fail_for_memory(std::string_view name) {
+  throw Error(fmt::format("cannot read {}: out of memory", name));
+}
+
+/// Calls `take` for pieces of a text, each of whole lines except for a line that is too long.
+void for_whole_lines(const ReadText& read, const std::function<void(std::string_view text)>& take) {
+  std::vector<char> buffer(piece_bytes);
+  for (std::size_t used = 0;;) {
+    const std::size_t count = read(std::span(buffer).subspan(used));
+    const std::string_view text(buffer.data(), used + count);
+    const bool is_last = count == 0;
+    const std::size_t newline = text.rfind('\n');
+    const bool has_end = newline != text.npos;
+    const bool is_whole = is_last || (!has_end && text.size() > longest_line);
+    const std::size_t taken = is_whole ? text.size() : has_end ? newline + 1 : 0;
+    if (taken > 0) take(text.substr(0, taken));
+    if (is_last) return;
+    std::copy(text.begin() + static_cast<std::ptrdiff_t>(taken), text.end(), buffer.begin());
+    used = text.size() - taken;
+  }
+}
+
+/// Keeps the memory of the process within a limit while lists of atoms grow.
+class GrowthLimit {
+ public:
+  explicit GrowthLimit(const AtomLines& lines)
+      : lines_(lines),
+        max_resident_(lines.max_memory == 0
+                          ? 0
+                          : std::max(lines.max_memory, resident_memory() + always_granted_bytes)) {}
+
+  /// Makes room for `added` more atoms, or throws Error if their memory exceeds the limit.
+  void make_room(std::size_t added, std::uint64_t line, NumberedAtoms& result) const {
+    auto& [atoms, numbers, labels] = result;
+    const std::size_t wanted = atoms.size() + added;
+    const bool is_copied = wanted > atoms.capacity();
+    require(bytes_per_atom() * (is_copied ? wanted : added), atoms.size(), line);
+    grow(added, atoms);
+    grow(added, numbers);
+    if (has_labels()) grow(added, labels);
+  }
+
+ private:
+  bool has_labels() const { return lines_.with_labels && lines_.format == AtomFormat::pqr; }
+
+  std::uint64_t bytes_per_atom() const {
+    return sizeof(Atom) + sizeof(std::uint64_t) + (has_labels() ? sizeof(AtomLabel) : 0);
+  }
+
+  void require(std::uint64_t bytes, std::size_t atoms, std::uint64_t line) const {
+    if (lines_.max_memory == 0 || resident_memory() + bytes <= max_resident_) return;
+    fail(lines_.name, line,
+         fmt::format("reading more than {} atoms takes more memory than the {} that the run may "
+                     "hold; use a larger limit (--max-memory)",
+                     atoms, binary_bytes_text(lines_.max_memory)));
+  }
+
+  template <class Value>
+  static void grow(std::size_t added, std::vector<Value>& list) {
+    const std::size_t wanted = list.size() + added;
+    if (wanted > list.capacity()) list.reserve(std::max(wanted, 2 * list.capacity()));
+  }
+
+  const AtomLines& lines_;
+  std::uint64_t max_resident_;
+};
+
+/// In lower case, and of `NAME.pqr.gz` the `.pqr`.
+std::string suffix_of(const std::filesystem::path& path) {
+  std::string suffix = lower_case(path.extension().string());
+  return suffix == ".gz" ? suffix_of(path.stem()) : suffix;
+}
+
+NumberedAtoms finished(NumberedAtoms atoms, const LinesRead& read, const AtomLines& lines) {
+  if (atoms.atoms.empty()) throw Error(no_atoms_message(lines.name, lines.format, read.lines));
+  refuse_pdb_records(lines.name, atoms.atoms.size(), read.likeness);
+  return atoms;
+}
+
+NumberedAtoms read_descriptor(int descriptor, const ReadOptions& options, const std::string& name) {
+  const AtomLines lines{.format = options.format,
+                        .name = name,
+                        .with_labels = options.with_labels,
+                        .max_memory = options.max_memory};
+  try {
+    TextSource source(descriptor, name);
+    NumberedAtoms atoms;
+    const LinesRead read = read_atom_lines(
+        [&source](std::span<char> buffer) { return source.read(buffer); }, lines, atoms);
+    return finished(std::move(atoms), read, lines);
+  } catch (const std::bad_alloc&) {
+    fail_for_memory(name);
+  } catch (const std::length_error&) {
+    fail_for_memory(name);
+  }
+}
+
+}  // namespace
+
+LinesRead parse_atom_lines(std::string_view text, const AtomLines& lines, NumberedAtoms& result) {
+  const auto& [format, name, first_line, with_labels, max_memory] = lines;
+  if (first_line == 1) check_encoding(text, name);
+  check_is_text(text, name, first_line);
+  if (first_line == 1) text = without_byte_order_mark(text);
+  const bool is_pqr = format == AtomFormat::pqr;
+  const auto is_record = is_pqr ? is_pqr_record : is_xyzr_record;
+  const auto parse_line = is_pqr ? parse_pqr : parse_xyzr;
+
+  auto& [atoms, line_numbers, labels] = result;
+  LinesRead read;
+  while (!text.empty()) {
+    const std::string_view line = take_line(text);
+    const std::uint64_t number = first_line + read.lines++;
+    check_line(line, name, number);
+    if (!is_record(line)) continue;
+    Record record;
+    if (const Problem problem = parse_line(line, record)) {
+      fail(name, number, describe(problem, line, is_pqr));
+    }
+    if (atoms.size() == most_atoms) {
+      fail(name, number, fmt::format("more than {} atoms", most_atoms));
+    }
+    if (is_pqr) add_record(line, read.likeness);
+    atoms.push_back(record.atom);
+    line_numbers.push_back(number);
+    if (is_pqr && with_labels) labels.push_back(std::move(record.label));
+  }
+  return read;
+}
+
+LinesRead read_atom_lines(const ReadText& read, const AtomLines& lines, NumberedAtoms& result,
+                          const std::function<void()>& after_piece) {
+  const GrowthLimit limit(lines);
+  LinesRead all;
+  for_whole_lines(read, [&](std::string_view text) {
+    AtomLines piece = lines;
+    piece.first_line += all.lines;
+    limit.make_room(estimate_atoms(text), piece.first_line, result);
+    const LinesRead part = parse_atom_lines(text, piece, result);
+    all.lines += part.lines;
+    all.likeness.layout += part.likeness.layout;
+    all.likeness.values += part.likeness.values;
+    if (after_piece) after_piece();
+  });
+  return all;
+}
+
+void refuse_pdb_records(std::string_view name, std::uint64_t atoms, const PdbLikeness& likeness) {
+  // Few records of PDB files are written otherwise. A PQR file with charges of two decimals has
+  // negative ones among them, which add_record does not count.
+  if (10 * likeness.layout < 9 * atoms || 2 * likeness.values < atoms) return;
+  throw Error(
+      fmt::format("{}: this is a PDB file: its columns 55 to 66 hold occupancy and B-factor, which "
+                  "are not charge and radius; make a PQR file of it with pdb2pqr",
+                  name));
+}
+
+std::string no_atoms_message(std::string_view name, AtomFormat format, std::uint64_t lines) {
+  return fmt::format("{}: no {} found; {} {} read", name,
+                     format == AtomFormat::pqr ? "ATOM or HETATM records" : "atoms", lines,
+                     lines == 1 ? "line" : "lines");
+}
+
+// Whoever reads such a file as PQR takes temperature factors for radii.
+void refuse_structure_files(const std::filesystem::path& path) {
+  const std::string suffix = suffix_of(path), name = path.string();
+  for (const std::string_view format : {".pdb", ".ent", ".cif", ".mmcif"})
+    if (suffix == format)
+      throw Error(
+          fmt::format("{}: {} files have no radii; make a PQR file of it with pdb2pqr, as "
+                      "scripts/pdbbind does",
+                      name, format));
+}
+
+NumberedAtoms parse_numbered_atoms(std::string_view text, AtomFormat format,
+                                   std::string_view name) {
+  const AtomLines lines{.format = format, .name = name, .with_labels = true};
+  NumberedAtoms atoms;
+  GrowthLimit(lines).make_room(estimate_atoms(text), 1, atoms);
+  const LinesRead read = parse_atom_lines(text, lines, atoms);
+  return finished(std::move(atoms), read, lines);
+}
+
+std::vector<Atom> parse_atoms(std::string_view text, AtomFormat format, std::string_view name) {
+  return parse_numbered_atoms(text, format, name).atoms;
+}
+
+AtomFormat format_of(const std::filesystem::path& path, AtomFormat format) {
+  if (format != AtomFormat::automatic) return format;
+  return suffix_of(path) == ".pqr" ? AtomFormat::pqr : AtomFormat::xyzr;
+}
+
+NumberedAtoms read_numbered_atoms(const std::filesystem::path& path, const ReadOptions& options) {
+  if (path == "-") return read_descriptor(STDIN_FILENO, options, "<stdin>");
+  const std::string name = path.string();
+  refuse_structure_files(path);
+  const FileDescriptor file(open_for_reading(path, name));
+  ReadOptions known = options;
+  known.format = format_of(path, options.format);
+  return read_descriptor(file.value(), known, name);
+}
+
+NumberedAtoms read_numbered_atoms(const std::filesystem::path& path, AtomFormat format) {
+  return read_numbered_atoms(path, ReadOptions{.format = format});
+}
+
+std::vector<Atom> read_atoms(const std::filesystem::path& path, AtomFormat format) {
+  return read_numbered_atoms(path, {.format = format, .with_labels = false}).atoms;
+}
+
+}  // namespace eses

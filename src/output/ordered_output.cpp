@@ -1,0 +1,32 @@
+#include "output/ordered_output.hpp"
+
+namespace eses {
+
+void OrderedOutput::write(std::int64_t chunk, std::span<const char> text) {
+  std::uint64_t offset = 0;
+  {
+    std::unique_lock lock(mutex_);
+    turn_.wait(lock, [&] { return next_ == chunk || is_abandoned_; });
+    if (is_abandoned_) return;
+    offset = offset_;
+    offset_ += text.size();
+    ++next_;
+  }
+  turn_.notify_all();
+  write_at_(text, offset);
+}
+
+void OrderedOutput::append(std::span<const char> text) {
+  write_at_(text, offset_);
+  offset_ += text.size();
+}
+
+void OrderedOutput::abandon() {
+  {
+    const std::lock_guard lock(mutex_);
+    is_abandoned_ = true;
+  }
+  turn_.notify_all();
+}
+
+}  // namespace eses

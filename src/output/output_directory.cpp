@@ -1,0 +1,142 @@
+#include "output/output_directory.hpp"
+
+#include <dirent.h>
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <sys/file.h>
+#include <sys/stat.h>
+
+#include <cerrno>
+#include <memory>
+#include <string_view>
+#include <system_error>
+#include <utility>
+
+#include "eses/error.hpp"
+
+namespace eses {
+namespace {
+
+constexpr std::string_view lock_name = ".eses-blocks.lock";
+constexpr std::string_view temporary_suffix = ".part";
+
+[[noreturn]] void refuse(const std::filesystem::path& directory, const std::string& reason) {
+  throw Error(fmt::format("cannot write into {}: {}", directory.string(), reason));
+}
+
+[[noreturn]] void refuse(const std::filesystem::path& directory, int error) {
+  refuse(directory, std::generic_category().message(error));
+}
+
+FileDescriptor open_directory(const std::filesystem::path& path) {
+  std::error_code error;
+  std::filesystem::create_directories(path, error);
+  if (error) refuse(path, error.message());
+  FileDescriptor directory(open(path.c_str(), O_PATH | O_DIRECTORY | O_CLOEXEC));
+  if (!directory.is_open()) refuse(path, errno);
+  return directory;
+}
+
+std::string lock_name_of(const std::string& file) {
+  return file.empty() ? std::string(lock_name) : fmt::format(".{}{}", file, lock_name);
+}
+
+FileDescriptor open_lock(const FileDescriptor& directory, const std::string& name) {
+  constexpr int flags = O_NOFOLLOW | O_CLOEXEC;
+  FileDescriptor lock(openat(directory.value(), name.c_str(), O_RDWR | O_CREAT | flags, 0666));
+  // Another user's run may have left it; to read is enough for locks, but on NFS.
+  if (!lock.is_open() && errno == EACCES) {
+    lock = FileDescriptor(openat(directory.value(), name.c_str(), O_RDONLY | flags));
+    if (!lock.is_open()) errno = EACCES;
+  }
+  return lock;
+}
+
+// Whoever had the lock may have removed its file after it was opened here.
+bool is_still_there(const FileDescriptor& directory, const FileDescriptor& lock,
+                    const std::string& name) {
+  struct stat opened {
+  }, named{};
+  return fstat(lock.value(), &opened) == 0 &&
+         fstatat(directory.value(), name.c_str(), &named, AT_SYMLINK_NOFOLLOW) == 0 &&
+         opened.st_dev == named.st_dev && opened.st_ino == named.st_ino;
+}
+
+struct CloseDirectory {
+  void operator()(DIR* directory) const { closedir(directory); }
+};
+
+// The name under which a temporary file would have appeared, or nothing if it is no such file.
+std::string_view final_name(std::string_view file) {
+  if (!file.starts_with('.') || !file.ends_with(temporary_suffix)) return {};
+  file.remove_prefix(1);
+  file.remove_suffix(temporary_suffix.size());
+  const std::size_t dot = file.rfind('.');
+  const bool has_process = dot != file.npos && dot + 1 < file.size() &&
+                           file.find_first_not_of("0123456789", dot + 1) == file.npos;
+  return has_process ? file.substr(0, dot) : std::string_view();
+}
+
+}  // namespace
+
+std::string lock_path(const std::filesystem::path& directory, const std::string& file) {
+  return path_in(directory, lock_name_of(file));
+}
+
+std::string path_in(const std::filesystem::path& directory, const std::string& name) {
+  return fmt::format("{}/{}", directory.native(), name);
+}
+
+std::string temporary_name(const std::string& name, long process) {
+  return fmt::format(".{}.{}{}", name, process, temporary_suffix);
+}
+
+OutputDirectory::OutputDirectory(std::filesystem::path path, std::string file)
+    : path_(std::move(path)),
+      file_(std::move(file)),
+      lock_name_(lock_name_of(file_)),
+      directory_(open_directory(path_)) {
+  lock();
+}
+
+OutputDirectory::~OutputDirectory() {
+  if (is_locked_) unlinkat(descriptor(), lock_name_.c_str(), 0);
+}
+
+void OutputDirectory::lock() {
+  while (!try_lock()) {
+  }
+}
+
+// False if the lock's file was removed in the meantime.
+bool OutputDirectory::try_lock() {
+  lock_ = open_lock(directory_, lock_name_);
+  if (!lock_.is_open()) refuse(path_, errno);
+  if (flock(lock_.value(), LOCK_EX | LOCK_NB) == 0) {
+    is_locked_ = is_still_there(directory_, lock_, lock_name_);
+    return is_locked_;
+  }
+  if (errno == EWOULDBLOCK && file_.empty()) refuse(path_, "another run is writing there");
+  if (errno == EWOULDBLOCK)
+    throw Error(fmt::format("cannot write {}: another run is writing it", path_in(path_, file_)));
+  return true;  // a file system without locks
+}
+
+void OutputDirectory::remove_abandoned(
+    const std::function<bool(std::string_view name)>& is_ours) const {
+  if (!is_locked_) return;
+  // Not std::filesystem's iterator: it ends the process where memory runs out.
+  const int readable = openat(descriptor(), ".", O_RDONLY | O_DIRECTORY | O_CLOEXEC);
+  const std::unique_ptr<DIR, CloseDirectory> listing(readable < 0 ? nullptr : fdopendir(readable));
+  if (!listing) return;
+  while (const dirent* const entry = readdir(listing.get()))
+    if (is_ours(final_name(entry->d_name))) unlinkat(descriptor(), entry->d_name, 0);
+}
+
+void OutputDirectory::remove(const std::string& name) const {
+  if (unlinkat(descriptor(), name.c_str(), 0) == 0 || errno == ENOENT) return;
+  throw Error(fmt::format("cannot replace {}: {}", path_in(path_, name),
+                          std::generic_category().message(errno)));
+}
+
+}  // namespace eses

@@ -1,0 +1,105 @@
+#include "output/output_file.hpp"
+
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <system_error>
+#include <utility>
+
+#include "eses/error.hpp"
+
+namespace eses {
+namespace {
+
+const char* kind_of_file(mode_t mode) {
+  if (S_ISDIR(mode)) return "a directory";
+  if (S_ISCHR(mode)) return "a character device";
+  if (S_ISBLK(mode)) return "a block device";
+  if (S_ISFIFO(mode)) return "a FIFO";
+  if (S_ISSOCK(mode)) return "a socket";
+  return "a special file";
+}
+
+}  // namespace
+
+void require_replaceable(const std::string& path) {
+  struct stat status {};
+  if (stat(path.c_str(), &status) != 0 || S_ISREG(status.st_mode)) return;
+  throw Error(fmt::format("cannot write {}: it is {}, not a regular file; choose another name",
+                          path, kind_of_file(status.st_mode)));
+}
+
+OutputFile::OutputFile(const OutputDirectory& directory, std::string name)
+    : directory_(directory),
+      name_(std::move(name)),
+      temporary_name_(temporary_name(name_, getpid())) {
+  require_replaceable(path());
+  file_ = FileDescriptor(openat(directory_.descriptor(), temporary_name_.c_str(),
+                                O_RDWR | O_CREAT | O_TRUNC | O_NOFOLLOW | O_CLOEXEC, 0666));
+  if (!file_.is_open()) fail("create", errno);
+  is_temporary_ = true;
+}
+
+OutputFile::~OutputFile() {
+  if (is_temporary_) unlinkat(directory_.descriptor(), temporary_name_.c_str(), 0);
+}
+
+void OutputFile::fail(const char* action, int error) const {
+  throw Error(
+      fmt::format("cannot {} {}: {}", action, path(), std::generic_category().message(error)));
+}
+
+void OutputFile::write_at(std::span<const char> bytes, std::uint64_t offset) {
+  while (!bytes.empty()) {
+    const ssize_t written =
+        pwrite(file_.value(), bytes.data(), bytes.size(), static_cast<off_t>(offset));
+    if (written < 0 && errno == EINTR) continue;
+    if (written < 0) fail("write", errno);
+    if (written == 0) fail("write", EIO);  // else a device that takes nothing would hang the run
+    bytes = bytes.subspan(static_cast<std::size_t>(written));
+    offset += static_cast<std::uint64_t>(written);
+  }
+}
+
+void OutputFile::read_at(std::span<char> bytes, std::uint64_t offset) {
+  while (!bytes.empty()) {
+    const ssize_t count =
+        pread(file_.value(), bytes.data(), bytes.size(), static_cast<off_t>(offset));
+    if (count < 0 && errno == EINTR) continue;
+    if (count < 0) fail("read back", errno);
+    if (count == 0) fail("read back", EIO);  // somebody else has cut the file
+    bytes = bytes.subspan(static_cast<std::size_t>(count));
+    offset += static_cast<std::uint64_t>(count);
+  }
+}
+
+void OutputFile::truncate(std::uint64_t bytes) {
+  while (ftruncate(file_.value(), static_cast<off_t>(bytes)) != 0)
+    if (errno != EINTR) fail("write", errno);
+}
+
+void OutputFile::close() {
+  if (file_.close() != 0 && errno != EINTR) fail("write", errno);
+}
+
+void OutputFile::remove_older() {
+  if (unlinkat(directory_.descriptor(), name_.c_str(), 0) != 0 && errno != ENOENT)
+    fail("replace", errno);
+}
+
+void OutputFile::commit() {
+  const int directory = directory_.descriptor();
+  if (renameat(directory, temporary_name_.c_str(), directory, name_.c_str()) != 0)
+    fail("rename the finished file to", errno);
+  is_temporary_ = false;
+  is_committed_ = true;
+}
+
+void OutputFile::withdraw() noexcept {
+  if (is_committed_) unlinkat(directory_.descriptor(), name_.c_str(), 0);
+}
+
+}  // namespace eses

@@ -1,0 +1,322 @@
+#include "output/output_files.hpp"
+
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <array>
+#include <cerrno>
+#include <climits>
+#include <new>
+#include <string_view>
+#include <system_error>
+#include <utility>
+
+#include "eses/error.hpp"
+#include "io/map_writer.hpp"
+#include "system/bytes_text.hpp"
+#include "system/resources.hpp"
+
+namespace eses {
+
+constexpr std::string_view gzip_suffix = ".gz";
+
+std::string text_file_name(const char* name, bool gzip) {
+  return fmt::format("{}{}", name, gzip ? gzip_suffix : "");
+}
+
+namespace {
+
+constexpr char residues_name[] = "residue_area.csv";
+constexpr char chains_name[] = "chain_area.csv";
+
+std::vector<std::string> text_names(const OutputChoice& choice, bool gzip) {
+  std::vector<std::string> names;
+  if (choice.box) names.push_back(text_file_name(box_name, gzip));
+  if (choice.grid) names.push_back(text_file_name(grid_name, gzip));
+  if (choice.edges) names.push_back(text_file_name(edges_name, gzip));
+  if (choice.areas) names.push_back(text_file_name(areas_name, gzip));
+  return names;
+}
+
+// Whether a run that has locked the directory may write a file of this name.
+bool is_ours(std::string_view name) {
+  if (map_format(name) || name == residues_name || name == chains_name) return true;
+  if (name.ends_with(gzip_suffix)) name.remove_suffix(gzip_suffix.size());
+  const std::array texts{box_name, grid_name, edges_name, areas_name};
+  return std::any_of(texts.begin(), texts.end(), [&](const char* text) { return name == text; });
+}
+
+// The directory itself, or the nearest one above it that exists.
+std::filesystem::path existing_part(std::filesystem::path directory) {
+  std::error_code error;
+  directory = std::filesystem::absolute(directory, error);
+  while (!std::filesystem::exists(directory, error) && directory.has_relative_path())
+    directory = directory.parent_path();
+  return directory;
+}
+
+/// Where a file goes. Not by std::filesystem: see path_in.
+struct FilePlace {
+  std::string directory, name;
+};
+
+FilePlace place_of(const std::string& path) {
+  const std::size_t slash = path.rfind('/');
+  if (slash == std::string::npos) return {".", path};
+  return {slash == 0 ? "/" : path.substr(0, slash), path.substr(slash + 1)};
+}
+
+// Where a symbolic link leads; nothing if there is none, or no end of them.
+std::optional<std::string> target_of(const FilePlace& place) {
+  std::array<char, PATH_MAX> target{};
+  const std::string path = path_in(place.directory, place.name);
+  const ssize_t length = readlink(path.c_str(), target.data(), target.size());
+  if (length <= 0) return std::nullopt;
+  std::string text(target.data(), static_cast<std::size_t>(length));
+  return text.front() == '/' ? text : path_in(place.directory, text);
+}
+
+// Of a symbolic link, the place where it leads: the link stays.
+FilePlace place_of(const MeshChoice& mesh) {
+  constexpr int most_links = 40;  // as Linux has it
+  FilePlace place = place_of(mesh.file.native());
+  for (int i = 0; i < most_links; ++i) {
+    const std::optional<std::string> target = target_of(place);
+    if (!target) return place;
+    place = place_of(*target);
+  }
+  throw Error(fmt::format("cannot write {}: {}", mesh.file.string(),
+                          std::generic_category().message(ELOOP)));
+}
+
+// What goes to a file system while a run goes on.
+struct DiskDemand {
+  std::filesystem::path directory;
+  std::uint64_t certain = 0, expected = 0;
+};
+
+std::optional<dev_t> file_system_of(const std::filesystem::path& directory) {
+  struct stat status {};
+  if (stat(directory.c_str(), &status) != 0) return std::nullopt;
+  return status.st_dev;
+}
+
+// The directory's first; one file system has one entry, unless it cannot be told.
+std::vector<DiskDemand> disk_demands(const Plan& plan, const OutputChoice& outputs,
+                                     const std::filesystem::path& directory) {
+  const std::uint64_t texts = plan.gzip ? 0 : plan.grid_file_bytes + plan.area_file_bytes;
+  std::vector<DiskDemand> demands{{directory, texts + plan.map_file_bytes + plan.map_scratch_bytes,
+                                   plan.output_bytes() - plan.mesh_file_bytes +
+                                       plan.map_scratch_bytes + plan.text_scratch_bytes}};
+  if (!outputs.mesh) return demands;
+  const std::filesystem::path mesh_directory = place_of(*outputs.mesh).directory;
+  const std::uint64_t of_mesh = plan.mesh_file_bytes + plan.mesh_scratch_bytes;
+  const auto file_system = file_system_of(existing_part(mesh_directory));
+  if (file_system && file_system == file_system_of(existing_part(directory))) {
+    demands.front().expected += of_mesh;
+  } else {
+    demands.push_back({mesh_directory, 0, of_mesh});
+  }
+  return demands;
+}
+
+// Not by access(2), which asks for the user who started the program and not for its own rights.
+void require_writable(const std::filesystem::path& directory) {
+  const std::filesystem::path existing = existing_part(directory);
+  struct stat status {};
+  int error = stat(existing.c_str(), &status) == 0 ? 0 : errno;
+  if (error == 0 && !S_ISDIR(status.st_mode)) error = ENOTDIR;
+  if (error == 0 && faccessat(AT_FDCWD, existing.c_str(), W_OK | X_OK, AT_EACCESS) != 0)
+    error = errno;
+  if (error != 0)
+    throw Error(fmt::format("cannot write into {}: {}", directory.string(),
+                            std::generic_category().message(error)));
+}
+
+// Where there is no directory yet, there is nothing of the name.
+void require_free_name(const FilePlace& place) {
+  const std::string path = path_in(place.directory, place.name);
+  require_replaceable(path);
+  struct stat status {};
+  const std::string temporary = temporary_name(place.name, getpid());
+  if (lstat(path_in(place.directory, temporary).c_str(), &status) != 0 && errno == ENAMETOOLONG)
+    throw Error(
+        fmt::format("cannot create {}: {}", path, std::generic_category().message(ENAMETOOLONG)));
+}
+
+}  // namespace
+
+DiskSpace require_disk_space(const Plan& plan, const OutputChoice& outputs,
+                             const std::filesystem::path& directory) {
+  DiskSpace space;
+  for (const DiskDemand& demand : disk_demands(plan, outputs, directory)) {
+    const std::uint64_t available = available_disk(existing_part(demand.directory));
+    if (demand.certain > available)
+      throw Error(fmt::format(
+          "the files need about {} besides intersection_info.txt{}, but {} has {} free; leave out "
+          "grid_info.txt (--write edges,areas) or use a larger spacing",
+          bytes_text(demand.certain), outputs.mesh ? " and the mesh" : "",
+          demand.directory.string(), bytes_text(available)));
+    space.places.push_back({demand.directory, available, demand.expected});
+  }
+  return space;
+}
+
+std::string mesh_directory_of(const MeshChoice& mesh) { return place_of(mesh).directory; }
+
+std::vector<std::string> file_names(const OutputChoice& choice) {
+  std::vector<std::string> names = text_names(choice, choice.gzip);
+  if (choice.residues) names.insert(names.end(), {residues_name, chains_name});
+  if (!choice.inside_map.empty()) names.push_back(choice.inside_map);
+  return names;
+}
+
+namespace {
+
+/// Of the chosen files and the mesh.
+std::vector<FilePlace> places_of(const OutputChoice& choice,
+                                 const std::filesystem::path& directory) {
+  std::vector<FilePlace> places;
+  for (std::string& name : file_names(choice))
+    places.push_back({directory.native(), std::move(name)});
+  if (choice.mesh) places.push_back(place_of(*choice.mesh));
+  return places;
+}
+
+}  // namespace
+
+std::vector<std::string> final_paths(const OutputChoice& choice,
+                                     const std::filesystem::path& directory) {
+  std::vector<std::string> paths;
+  for (const FilePlace& place : places_of(choice, directory))
+    paths.push_back(path_in(place.directory, place.name));
+  return paths;
+}
+
+std::vector<std::string> stale_paths(const OutputChoice& choice,
+                                     const std::filesystem::path& directory) {
+  std::vector<std::string> paths;
+  for (const std::string& name : text_names(choice, !choice.gzip))
+    paths.push_back(path_in(directory, name));
+  return paths;
+}
+
+void require_places(const OutputChoice& choice, const std::filesystem::path& directory) {
+  if (!file_names(choice).empty()) require_writable(directory);
+  if (choice.mesh) require_writable(place_of(*choice.mesh).directory);
+  if (choice.mesh &&
+      std::filesystem::path(place_of(*choice.mesh).directory).filename() == resume_name)
+    throw Error(fmt::format("{} would go where runs keep what can be resumed, and be removed",
+                            choice.mesh->file.string()));
+  if (choice.mesh) require_replaceable(choice.mesh->file);  // in messages, the name that was given
+  for (const FilePlace& place : places_of(choice, directory)) require_free_name(place);
+  for (const std::string& path : stale_paths(choice, directory)) require_replaceable(path);
+}
+
+std::vector<std::string> temporary_paths(const OutputChoice& choice,
+                                         const std::filesystem::path& directory) {
+  std::vector<std::string> paths;
+  for (const FilePlace& place : places_of(choice, directory))
+    paths.push_back(path_in(place.directory, temporary_name(place.name, getpid())));
+  return paths;
+}
+
+std::vector<std::string> lock_paths(const OutputChoice& choice,
+                                    const std::filesystem::path& directory) {
+  std::vector<std::string> paths;
+  if (!file_names(choice).empty()) paths.push_back(lock_path(directory));
+  if (choice.mesh) {
+    const auto [mesh_directory, name] = place_of(*choice.mesh);
+    paths.push_back(lock_path(mesh_directory, name));
+  }
+  return paths;
+}
+
+OutputFiles::OutputFiles(const OutputChoice& choice, const std::filesystem::path& path,
+                         const Plan& plan)
+    : gzip(choice.gzip), stale_(text_names(choice, !choice.gzip)) {
+  require_places(choice, path);
+  require_disk_space(plan, choice, path);
+  if (!file_names(choice).empty()) open_directory(choice, path);
+  if (choice.mesh) open_mesh(*choice.mesh);
+}
+
+void OutputFiles::open_directory(const OutputChoice& choice, const std::filesystem::path& path) {
+  directory.emplace(path);
+  directory->remove_abandoned(is_ours);
+  const auto open = [&](std::optional<OutputFile>& file, const char* name) {
+    file.emplace(*directory, text_file_name(name, choice.gzip));
+  };
+  if (choice.box) open(box, box_name);
+  if (choice.grid) open(grid, grid_name);
+  if (choice.edges) open(edges, edges_name);
+  if (choice.areas) open(areas, areas_name);
+  if (choice.residues) {
+    residues.emplace(*directory, residues_name);
+    chains.emplace(*directory, chains_name);
+  }
+  if (!choice.inside_map.empty()) inside_map.emplace(*directory, choice.inside_map);
+}
+
+void OutputFiles::open_mesh(const MeshChoice& choice) {
+  const FilePlace place = place_of(choice);
+  mesh_directory.emplace(place.directory, place.name);
+  mesh_directory->remove_abandoned([&](std::string_view name) { return name == place.name; });
+  mesh.emplace(*mesh_directory, place.name);
+}
+
+// The bounding box first.
+std::vector<OutputFile*> OutputFiles::all() {
+  std::vector<OutputFile*> files;
+  for (auto* file : {&box, &grid, &edges, &areas, &inside_map, &residues, &chains, &mesh})
+    if (*file) files.push_back(&**file);
+  return files;
+}
+
+void OutputFiles::commit(const std::function<void()>& check) {
+  std::vector<OutputFile*> files = all();
+  for (OutputFile* file : files) {
+    file->close();
+    check();
+  }
+  try {
+    for (OutputFile* file : files) file->remove_older();
+    for (const std::string& name : stale_) directory->remove(name);
+    std::reverse(files.begin(), files.end());
+    for (OutputFile* file : files) {
+      file->commit();
+      check();
+    }
+  } catch (...) {
+    for (OutputFile* file : files) file->withdraw();
+    throw;
+  }
+}
+
+// First what says that a piece is complete, the last what says of which run.
+void remove_pieces(const std::filesystem::path& directory) noexcept {
+  try {
+    std::error_code error;  // what is left does no harm
+    std::vector<std::filesystem::path> sums, others;
+    for (const auto& entry : std::filesystem::directory_iterator(directory, error))
+      (entry.path().extension() == sums_suffix ? sums : others).push_back(entry.path());
+    for (const auto* const paths : {&sums, &others})
+      for (const auto& path : *paths)
+        if (path.filename() != run_name) std::filesystem::remove(path, error);
+    std::filesystem::remove_all(directory, error);
+  } catch (const std::bad_alloc&) {  // nor then
+  }
+}
+
+void OutputFiles::remove_resumable() noexcept {
+  struct stat status {};
+  if (directory &&
+      fstatat(directory->descriptor(), resume_name, &status, AT_SYMLINK_NOFOLLOW) == 0 &&
+      S_ISDIR(status.st_mode))
+    remove_pieces(path_in(directory->path(), resume_name));
+}
+
+}  // namespace eses

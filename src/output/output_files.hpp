@@ -1,0 +1,89 @@
+#pragma once
+/// The files of a run: all of them, or none.
+
+#include <filesystem>
+#include <functional>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "eses/run.hpp"
+#include "output/output_directory.hpp"
+#include "output/output_file.hpp"
+
+namespace eses {
+
+/// Of the text files, if they are not gzipped.
+inline constexpr char box_name[] = "bounding_box.txt";
+inline constexpr char grid_name[] = "grid_info.txt";
+inline constexpr char edges_name[] = "intersection_info.txt";
+inline constexpr char areas_name[] = "partition_area.txt";
+
+/// Of one of them, plain or gzipped.
+std::string text_file_name(const char* name, bool gzip);
+
+/// Where a run that may be resumed keeps what is done, in its output directory.
+inline constexpr char resume_name[] = ".eses-blocks.resume";
+
+/// In it, what says of which run it is, and the suffix of what says that a piece is complete.
+inline constexpr char run_name[] = "run";
+inline constexpr char sums_suffix[] = ".sums";
+
+/// Removes the directory of that name with all that is in it. If that is cut off, what is left of
+/// the pieces in it can still be told from complete ones.
+void remove_pieces(const std::filesystem::path& directory) noexcept;
+
+/// The names of the chosen files, the mesh left out.
+std::vector<std::string> file_names(const OutputChoice& choice);
+
+/// Where these and the mesh are in the end.
+std::vector<std::string> final_paths(const OutputChoice& choice,
+                                     const std::filesystem::path& directory);
+
+/// What is removed besides, as it is another form of one of them.
+std::vector<std::string> stale_paths(const OutputChoice& choice,
+                                     const std::filesystem::path& directory);
+
+/// The directory of the mesh's file; if that is a symbolic link, of the file to which it leads.
+std::string mesh_directory_of(const MeshChoice& mesh);
+
+/// Throws Error if one of the files cannot be written where it goes, as far as can be told without
+/// writing there: its directory is none, or not to be written to, or its name leads to something
+/// else than a regular file. The same holds for stale_paths, which would be removed.
+void require_places(const OutputChoice& choice, const std::filesystem::path& directory);
+
+/// Where this process writes them until they are complete.
+std::vector<std::string> temporary_paths(const OutputChoice& choice,
+                                         const std::filesystem::path& directory);
+
+/// The files that it locks.
+std::vector<std::string> lock_paths(const OutputChoice& choice,
+                                    const std::filesystem::path& directory);
+
+/// Each file is there only if it was chosen. Nothing but `commit` touches what has a final name.
+struct OutputFiles {
+  bool gzip = false;                         ///< whether box, grid, edges and areas are gzipped
+  std::optional<OutputDirectory> directory;  ///< if any file but the mesh is there
+  std::optional<OutputDirectory> mesh_directory;  ///< if there is a mesh; locked for it alone
+  std::optional<OutputFile> box, grid, edges, areas, inside_map, residues, chains, mesh;
+
+  /// Throws Error as require_places, OutputDirectory, OutputFile and require_disk_space do.
+  OutputFiles(const OutputChoice& choice, const std::filesystem::path& path, const Plan& plan);
+
+  /// Gives all files their names. Older ones go first, so that old and new never stand beside each
+  /// other, and the bounding box comes last: where it is, the others are. What `check`, called
+  /// between the steps, throws is a failure like others, after which none of the files is there.
+  void commit(const std::function<void()>& check);
+
+  /// After it: what was kept for a run to be resumed has served, and goes.
+  void remove_resumable() noexcept;
+
+ private:
+  void open_directory(const OutputChoice& choice, const std::filesystem::path& path);
+  void open_mesh(const MeshChoice& choice);
+  std::vector<OutputFile*> all();
+
+  std::vector<std::string> stale_;  // the chosen files in their other form, plain or gzipped
+};
+
+}  // namespace eses

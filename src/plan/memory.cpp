@@ -1,0 +1,237 @@
+#include "plan/memory.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <numbers>
+#include <string>
+
+#include "io/area_table_writer.hpp"
+#include "io/gzip.hpp"
+#include "mesh/mesh_writer.hpp"
+#include "mesh/triangulate.hpp"
+#include "output/inside_map.hpp"
+#include "solve/block_solver.hpp"
+#include "sweep/text_chunks.hpp"
+
+namespace eses {
+namespace {
+
+constexpr double mebibyte = 1 << 20;
+constexpr double base_bytes = 6 * mebibyte;               // program, libraries, survey
+constexpr double bytes_per_thread = 0.75 * mebibyte;      // stack, allocator, batches
+constexpr double bytes_per_atom = sizeof(Atom) + 8 + 16;  // with line number and tree
+// Patches of ranges grow, and are joined one kind after the other.
+constexpr double making_of_patches = 2.75;
+// What the allocator keeps of a layer that is gone, for each thread that may have solved its
+// blocks.
+constexpr double kept_per_block = 256;
+constexpr double bytes_per_index = 48;  // of an axis, as text
+constexpr double bytes_per_layer = 64;  // that is still, or no longer, empty
+// A list that grows is copied into one of twice its length, of which part stays untouched.
+constexpr double growth = 1.5;
+// Crossings are denser than on average where the surface faces a cell's corner.
+constexpr double crossing_slack = 1.05;
+
+double as_double(std::int64_t value) { return static_cast<double>(value); }
+
+double patch_bytes(const SurfaceSurvey& survey) {
+  const PatchTotals& totals = survey.totals();
+  return sizeof(Arc) * totals.arcs + sizeof(ProbePlacement) * totals.placements +
+         sizeof(AtomIndex) * totals.face_neighbours + sizeof(PatchListing) * totals.crowded_patches;
+}
+
+// What threads hold while they build the patches of crowded atoms, of which each has one at a time.
+double crowd_bytes(const SurfaceSurvey& survey, int threads) {
+  using Neighbour = AtomPatchScratch::Neighbour;
+  // See AtomPatchScratch: caps, kept caps and their atoms and numbers, several times.
+  constexpr double bytes_per_neighbour =
+      growth * (sizeof(Neighbour) + 2 * sizeof(Cap) + sizeof(BurialCap) + 8 * sizeof(AtomIndex));
+  const PatchTotals& totals = survey.totals();
+  return bytes_per_neighbour * std::min(totals.crowded_neighbours, threads * totals.max_neighbours);
+}
+
+double per_atom_patch_bytes() {
+  return sizeof(AtomExposure) + 3 * sizeof(std::uint32_t) + sizeof(FaceDirections);
+}
+
+// Of a block, with the point behind the region's last.
+std::int64_t points_along(const BlockTiling& tiling, std::size_t axis) {
+  return std::min(tiling.block_size, tiling.region.size()[axis] + 1);
+}
+
+// What a thread unpacks for one block: see collect_features.
+double feature_bytes(const SurfaceSurvey& survey, const Grid& grid, const BlockTiling& tiling) {
+  const auto atoms = static_cast<double>(survey.patched_count());
+  const PatchTotals& totals = survey.totals();
+  Vec3 half;
+  for (std::size_t axis = 0; axis < 3; ++axis)
+    half[axis] = 0.5 * grid.spacing * as_double(points_along(tiling, axis) - 1);
+  const auto [reaching_box, found] = survey.most_atoms_near(half);
+  constexpr double denser = 1.1;  // than at the places looked at
+  const auto bound = [&](std::size_t count) {
+    return std::min(atoms, denser * static_cast<double>(count));
+  };
+  const double indices = 32;  // of a patch in the cells of PatchIndex
+  const double per_atom =
+      sizeof(BallFeature) + sizeof(FaceFeature) + indices +
+      (sizeof(CapCone) * totals.face_neighbours + (sizeof(ArcFeature) + indices) * totals.arcs +
+       (sizeof(PlacementFeature) + indices) * totals.placements) /
+          atoms;
+  // Of the block that has most; the lists that grew for it stay, and may have twice its length.
+  constexpr double doubled = 2;
+  return doubled * (sizeof(AtomIndex) * bound(found) + per_atom * bound(reaching_box));
+}
+
+double block_words(const BlockTiling& tiling) {
+  std::array<double, 3> points{};
+  for (std::size_t axis = 0; axis < 3; ++axis) points[axis] = as_double(points_along(tiling, axis));
+  return (std::floor(std::max(0.0, points[0] - 2) / PointBits::column_step) + 1) * points[1] *
+         points[2];
+}
+
+double blocks_in_layer(const BlockTiling& tiling) {
+  return as_double(tiling.blocks[0]) * as_double(tiling.blocks[1]);
+}
+
+double text_bytes(const GridRegion& region, const OutputChoice& outputs) {
+  // A line has more bytes than counted on, and crossings may crowd.
+  const std::int64_t row = region.size()[0];
+  const double points = as_double(rows_per_chunk(row) * row), chunk = points * 24;
+  double bytes = (outputs.grid ? chunk : 0) + (outputs.edges ? chunk / 2 : 0);
+  if (outputs.gzip) bytes += Gzip::state_bytes + (outputs.grid || outputs.edges ? chunk : 0);
+  if (const auto format = map_format(outputs.inside_map))
+    bytes += std::max(2 * points, InsideMap::thread_bytes(*format, region));
+  if (outputs.mesh) bytes += chunk;
+  return bytes;
+}
+
+// Numbers of the rows of a layer, and the plane that is kept of it.
+double mesh_bytes(const SurfaceSurvey& survey, double spacing, const BlockTiling& tiling) {
+  const auto side = as_double(std::min(tiling.block_size, tiling.grid_size[2]));
+  const double rows = as_double(tiling.region.size()[1]);
+  const double crossings =
+      far_corner_growth(tiling) * expected_crossings(survey.largest_slab_area(spacing), spacing);
+  return growth * sizeof(std::uint64_t) * side * rows +
+         rows * (sizeof(mesh::Row) + as_double(tiling.region.size()[0]) / 8) +
+         growth * sizeof(std::uint64_t) * crossings;
+}
+
+// With the numbers of chains and residues, and the sums of chains.
+double label_bytes(const LabelTotals& labels, double atoms, const OutputChoice& outputs) {
+  if (labels.labels == 0) return 0;
+  const auto residues = static_cast<double>(labels.residue_runs);
+  const auto chains = static_cast<double>(labels.chain_runs);
+  double bytes = sizeof(AtomLabel) * static_cast<double>(labels.labels) + labels.heap_bytes;
+  // Each list has its first atoms, and while it is made an order of these.
+  if (outputs.mesh && mesh::names_atoms(*outputs.mesh))
+    bytes +=
+        2 * sizeof(std::uint32_t) * atoms + 2 * growth * sizeof(AtomIndex) * (residues + chains);
+  constexpr double bytes_per_place = 64;  // in a table
+  if (outputs.residues) bytes += (growth * sizeof(ChainArea) + bytes_per_place) * chains;
+  return bytes;
+}
+
+// Of a string, and what the allocator adds.
+double heap_bytes_of(const std::string& text) {
+  static const std::size_t room_within = std::string().capacity();
+  constexpr double allocator = 24;
+  return text.capacity() > room_within ? static_cast<double>(text.capacity()) + allocator : 0;
+}
+
+double bytes_of_thread(const SurfaceSurvey& survey, const Grid& grid, const Schedule& schedule,
+                       const OutputChoice& outputs) {
+  // Undecided points, edges along three axes, and their ranks.
+  constexpr double bytes_per_word = 4 * sizeof(std::uint64_t) + sizeof(std::uint32_t);
+  return bytes_per_thread + text_bytes(schedule.tiling.region, outputs) +
+         bytes_per_word * block_words(schedule.tiling) +
+         feature_bytes(survey, grid, schedule.tiling) +
+         kept_per_block * blocks_in_layer(schedule.tiling) +
+         sizeof(Tally::Sum) * static_cast<double>(survey.atom_count());
+}
+
+// The results of a layer of blocks and of a share of the next one: bits, rows, crossings.
+double bytes_of_layers(const SurfaceSurvey& survey, const Grid& grid, const BlockTiling& tiling,
+                       double share_of_next, bool has_mesh) {
+  const auto side = as_double(points_along(tiling, 2));
+  const double rows = side * as_double(points_along(tiling, 1));
+  constexpr double allocator = 64;
+  const double bytes_per_block = sizeof(BlockResult) + allocator +
+                                 sizeof(std::uint64_t) * block_words(tiling) +
+                                 sizeof(std::uint32_t) * rows;
+  const double layers = 1 + share_of_next;
+  // The fullest layer's neighbours may have less.
+  const double area = std::min(layers * survey.largest_slab_area(side * grid.spacing),
+                               survey.largest_slab_area(2 * side * grid.spacing));
+  return layers * blocks_in_layer(tiling) * bytes_per_block +
+         sizeof(Crossing) * crossing_slack * (has_mesh ? far_corner_growth(tiling) : 1) *
+             expected_crossings(area, grid.spacing);
+}
+
+// Of the layer after the one that is unwritten, how much is solved at most: blocks differ.
+double share_ahead(const Schedule& schedule) {
+  constexpr double fullest = 2;  // against the mean
+  if (schedule.tiling.blocks[2] < 2) return 0;
+  return std::min(1.0,
+                  fullest * as_double(schedule.blocks_ahead) / blocks_in_layer(schedule.tiling));
+}
+
+}  // namespace
+
+LabelTotals total_labels(std::span<const AtomLabel> labels) {
+  LabelTotals totals;
+  totals.labels = labels.size();
+  for (std::size_t i = 0; i < labels.size(); ++i) {
+    const auto& [chain, residue, number, atom_name] = labels[i];
+    for (const std::string* const text : {&chain, &residue, &number, &atom_name})
+      totals.heap_bytes += heap_bytes_of(*text);
+    const bool is_new_chain = i == 0 || chain != labels[i - 1].chain;
+    if (is_new_chain) {
+      ++totals.chain_runs;
+      totals.chain_text_bytes += chain.size();
+    }
+    if (is_new_chain || residue != labels[i - 1].residue ||
+        number != labels[i - 1].residue_number) {
+      ++totals.residue_runs;
+      totals.residue_text_bytes += chain.size() + residue.size() + number.size();
+    }
+  }
+  return totals;
+}
+
+double far_corner_growth(const BlockTiling& tiling) {
+  const GridIndex size = tiling.region.size(), wider = tiling.corners.size();
+  double growth_of_points = 1;
+  for (std::size_t axis = 0; axis < 3; ++axis)
+    growth_of_points *= as_double(wider[axis]) / as_double(size[axis]);
+  return growth_of_points;
+}
+
+double min_expected_memory(std::size_t atoms) {
+  return base_bytes + static_cast<double>(atoms) * (bytes_per_atom + per_atom_patch_bytes());
+}
+
+double expected_memory(const SurfaceSurvey& survey, const LabelTotals& labels, const Grid& grid,
+                       const Schedule& schedule, const OutputChoice& outputs) {
+  const auto atoms = static_cast<double>(survey.atom_count());
+  const double patches = patch_bytes(survey), threads = schedule.threads;
+  const double always = min_expected_memory(survey.atom_count());
+  const double making = making_of_patches * patches + threads * bytes_per_thread +
+                        crowd_bytes(survey, schedule.threads);
+
+  const BlockTiling& tiling = schedule.tiling;
+  const double held =
+      bytes_of_layers(survey, grid, tiling, share_ahead(schedule), outputs.mesh.has_value()) +
+      2 * sizeof(std::uint64_t) * as_double(tiling.blocks[0]) * as_double(tiling.region.size()[1]) +
+      as_double(tiling.blocks[2]) * bytes_per_layer +
+      (outputs.mesh ? mesh_bytes(survey, grid.spacing, tiling) : 0);
+  constexpr double bytes_per_area = sizeof(Tally::Sum) + sizeof(double) + growth * 32;
+  const double axes = as_double(grid.size[0] + grid.size[1] + grid.size[2]) * bytes_per_index;
+  const double solving = patches + axes +
+                         threads * bytes_of_thread(survey, grid, schedule, outputs) +
+                         std::max(held, bytes_per_area * atoms);
+  // Labels are there from the beginning.
+  return always + label_bytes(labels, atoms, outputs) + std::max(making, solving);
+}
+
+}  // namespace eses

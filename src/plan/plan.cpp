@@ -1,0 +1,266 @@
+#include "plan/plan.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "eses/error.hpp"
+#include "io/eses_writer.hpp"
+#include "io/gzip.hpp"
+#include "mesh/mesh_writer.hpp"
+#include "output/inside_map.hpp"
+#include "plan/atom_hash.hpp"
+#include "plan/memory.hpp"
+#include "sweep/build_patches.hpp"
+#include "sweep/region_box.hpp"
+#include "sweep/verifier.hpp"
+#include "system/bytes_text.hpp"
+#include "system/parallel.hpp"
+#include "system/resources.hpp"
+
+namespace eses {
+namespace {
+
+constexpr std::uint64_t area_line_bytes = 32;
+// Of residue_area.csv and chain_area.csv, what is not the names, typically.
+constexpr std::uint64_t table_header_bytes = 66, table_line_bytes = 16;
+// What gzip leaves of the files, as it turned out for proteins.
+constexpr double grid_gzip_share = 0.2, edge_gzip_share = 0.3, area_gzip_share = 0.25;
+constexpr std::int64_t most_verified = 10'000'000;
+
+void require(bool holds, std::string_view what, double value) {
+  if (!holds) throw Error(fmt::format("{}, not {}", what, value));
+}
+
+void require_valid(const Parameters& p) {
+  require(p.probe_radius >= least_probe_radius && p.probe_radius <= largest_probe_radius,
+          fmt::format("the probe radius must be between {} and {} angstrom", least_probe_radius,
+                      largest_probe_radius),
+          p.probe_radius);
+  require(p.verify >= 0 && p.verify <= most_verified,
+          "the number of points to verify must be between 0 and 10000000",
+          static_cast<double>(p.verify));
+  require(p.threads >= 0, "the number of threads must not be negative", p.threads);
+  if (p.region && p.blocks) throw Error("a region and blocks cannot both be chosen");
+}
+
+void require_valid(const MeshChoice& mesh, const Molecule& molecule) {
+  if (!mesh_format(mesh.file))
+    throw Error(
+        fmt::format("the mesh's file must end in .ply, .obj or .off, not {}", mesh.file.string()));
+  if (mesh.color == MeshColor::chain && molecule.labels().empty())
+    throw Error("a mesh can be coloured by chain only if the input, a PQR file, tells the chains");
+}
+
+void require_enclosing_margin(const Plan& plan, const Parameters& p) {
+  if (plan.cut_depth < 0 || p.margin >= 0.5 * p.spacing) return;
+  throw Error(fmt::format(
+      "a margin of {} angstrom is too small for a spacing of {}: the grid, whose number "
+      "of points is truncated, would cut the surface; use a margin of at least {}",
+      p.margin, p.spacing, p.spacing));
+}
+
+// No more threads than there is work for: blocks, or ranges of atoms.
+int useful_threads(const BlockTiling& tiling, int wanted, std::size_t atoms) {
+  const std::int64_t most = std::max(tiling.block_count(), atom_range_count(atoms));
+  return static_cast<int>(std::min<std::int64_t>(wanted, most));
+}
+
+// The points to compute. Chosen blocks are those of the default size if none is given.
+GridRegion region_of(const Grid& grid, const Parameters& p) {
+  if (p.region) return points_in_box(grid, p.region->low, p.region->high);
+  if (!p.blocks) return grid.whole();
+  const std::int64_t block_size = p.block_size > 0 ? p.block_size : default_block_size;
+  return make_tiling(grid, block_size).points_of_blocks(*p.blocks);
+}
+
+// What there is to choose from, the fastest first: half the threads cost more than small blocks.
+std::vector<Schedule> possible_schedules(const Grid& grid, const GridRegion& region,
+                                         const Parameters& p, std::size_t atoms) {
+  std::vector<std::int64_t> block_sizes{p.block_size};
+  if (p.block_size == 0) block_sizes = {default_block_size, 48, 32, 24, 16};
+  std::vector<Schedule> schedules;
+  for (int threads = p.threads > 0 ? p.threads : available_threads(); threads > 0; threads /= 2) {
+    for (const std::int64_t block_size : block_sizes) {
+      const BlockTiling tiling = make_tiling(grid, block_size, region);
+      const int used = useful_threads(tiling, threads, atoms);
+      // So many that a thread rarely waits for the slowest block of a layer, or none. A thread that
+      // is alone never waits.
+      for (const std::int64_t ahead : {used > 1 ? 4 * used : 0, 0})
+        schedules.push_back({tiling, used, ahead});
+    }
+    if (p.threads > 0) break;
+  }
+  return schedules;
+}
+
+std::uint64_t whole_bytes(double bytes) {
+  return static_cast<std::uint64_t>(std::min(std::ceil(bytes), 1e19));
+}
+
+// Behind "the run needs ...": what the smallest schedule was not free to choose.
+std::string fixed_choices(const Parameters& p) {
+  std::string fixed;
+  if (p.block_size > 0) fixed += fmt::format(" in blocks of {}", p.block_size);
+  if (p.threads > 0)
+    fixed += fmt::format(" with {} thread{}", p.threads, p.threads == 1 ? "" : "s");
+  return fixed;
+}
+
+[[noreturn]] void refuse_limit(const Parameters& p, double smallest) {
+  const double mebibytes = std::ceil(smallest / (1 << 20));
+  throw Error(fmt::format(
+      "the run needs up to {}{}, more than the {} that it may hold; the smallest limit that would "
+      "do is {:.0f} MiB (--max-memory {:.0f}M)",
+      binary_bytes_text(whole_bytes(smallest)), fixed_choices(p), binary_bytes_text(p.max_memory),
+      mebibytes, mebibytes));
+}
+
+[[noreturn]] void refuse_memory(const GridRegion& region, const Parameters& p, double smallest,
+                                std::uint64_t available) {
+  std::string advice = "use a larger spacing";
+  if (p.block_size > 0) advice += " or a smaller block size";
+  if (p.threads > 1) advice += " or fewer threads";
+  throw Error(fmt::format("{:.3g} grid points{} need up to {} of memory, but {} are available; {}",
+                          static_cast<double>(region.point_count()), fixed_choices(p),
+                          bytes_text(whole_bytes(smallest)), bytes_text(available), advice));
+}
+
+// A closed mesh has about twice as many triangles as vertices.
+void expect_mesh(const MeshChoice& mesh, const LabelTotals& labels, double crossings, Plan& plan) {
+  const double vertices = far_corner_growth(plan.tiling) * crossings;
+  plan.mesh_scratch_bytes =
+      whole_bytes(2 * static_cast<double>(mesh::typical_triangle_bytes(mesh)) * vertices);
+  const bool has_names = labels.labels > 0 && mesh::names_atoms(mesh);
+  plan.mesh_file_bytes =
+      plan.mesh_scratch_bytes +
+      whole_bytes(static_cast<double>(mesh::typical_vertex_bytes(mesh, has_names)) * vertices);
+  if (has_names)
+    plan.mesh_file_bytes +=
+        labels.residue_text_bytes + labels.chain_text_bytes +
+        mesh::typical_name_line_bytes * (labels.residue_runs + labels.chain_runs);
+}
+
+// The fastest schedule that keeps the limit and what is available.
+void choose_schedule(const SurfaceSurvey& survey, const GridRegion& region,
+                     const Circumstances& circumstances, const OutputChoice& outputs, Plan& plan) {
+  const auto& [available, held, labels] = circumstances;
+  const Parameters& p = plan.parameters;
+  const std::uint64_t limit = p.max_memory > 0 ? std::min(p.max_memory, available) : available;
+  const double crossings = expected_crossings(survey.totals().area, p.spacing);
+  double smallest = std::numeric_limits<double>::infinity();
+  for (const Schedule& schedule :
+       possible_schedules(plan.grid, region, p, survey.patched_count())) {
+    const double memory = static_cast<double>(held) +
+                          expected_memory(survey, labels, plan.grid, schedule, outputs) +
+                          Verifier::memory_bytes(p.verify, schedule.threads, crossings);
+    smallest = std::min(smallest, memory);
+    if (memory > static_cast<double>(limit)) continue;
+    plan.tiling = schedule.tiling;
+    plan.threads = schedule.threads;
+    plan.blocks_ahead = schedule.blocks_ahead;
+    plan.memory_bytes = whole_bytes(memory);
+    return;
+  }
+  if (smallest > static_cast<double>(available)) refuse_memory(region, p, smallest, available);
+  refuse_limit(p, smallest);
+}
+
+SurfaceSurvey survey_of(const Molecule& molecule, const Grid& grid, const GridRegion& region,
+                        double probe_radius) {
+  if (region == grid.whole()) return {molecule, probe_radius};
+  return {molecule, probe_radius, region_box(grid, region)};
+}
+
+void expect_files(const SurfaceSurvey& survey, const LabelTotals& labels,
+                  const OutputChoice& outputs, Plan& plan) {
+  const GridRegion& region = plan.tiling.region;
+  plan.gzip = outputs.gzip;
+  const auto on_disk = [&](double bytes, double compressed_share) {
+    return static_cast<std::uint64_t>(outputs.gzip ? compressed_share * bytes : bytes);
+  };
+  const double crossings = expected_crossings(survey.totals().area, plan.grid.spacing);
+  if (outputs.box) plan.box_file_bytes = expected_box_bytes(plan.grid, outputs.gzip);
+  if (outputs.grid) plan.grid_file_bytes = expected_grid_bytes(region, outputs.gzip);
+  if (outputs.edges)
+    plan.edge_file_bytes = on_disk(typical_crossing_bytes * crossings, edge_gzip_share);
+  if (outputs.areas) plan.area_file_bytes = expected_area_bytes(survey.atom_count(), outputs.gzip);
+  if (outputs.mesh) expect_mesh(*outputs.mesh, labels, crossings, plan);
+  if (outputs.residues) plan.residue_file_bytes = expected_table_bytes(labels);
+  if (!outputs.inside_map.empty()) expect_map(outputs.inside_map, plan);
+}
+
+}  // namespace
+
+std::uint64_t expected_box_bytes(const Grid& grid, bool gzip) {
+  const std::string text = bounding_box_text(grid);
+  return gzip ? Gzip().member(text).size() : text.size();
+}
+
+std::uint64_t expected_grid_bytes(const GridRegion& region, bool gzip) {
+  const double share = gzip ? grid_gzip_share : 1;
+  return static_cast<std::uint64_t>(share * static_cast<double>(largest_grid_bytes(region)));
+}
+
+std::uint64_t expected_area_bytes(std::uint64_t atoms, bool gzip) {
+  const double share = gzip ? area_gzip_share : 1;
+  return static_cast<std::uint64_t>(share * static_cast<double>(area_line_bytes * atoms));
+}
+
+std::uint64_t expected_table_bytes(const LabelTotals& labels) {
+  return table_header_bytes + table_line_bytes * (labels.residue_runs + labels.chain_runs) +
+         labels.residue_text_bytes + labels.chain_text_bytes;
+}
+
+void expect_map(const std::string& name, Plan& plan) {
+  const MapFormat format = required_map_format(name);
+  plan.map_file_bytes = map_layout(format, plan.grid, plan.tiling.region).file_bytes();
+  plan.map_scratch_bytes = InsideMap::scratch_bytes(format, plan.tiling.region);
+}
+
+std::uint64_t checksum_of(std::span<const Atom> atoms) {
+  std::uint64_t sum = 0;
+  for (std::size_t i = 0; i < atoms.size(); ++i) sum += atom_hash(atoms[i], i);
+  return sum;
+}
+
+Plan plan_grid(const SphereBounds& bounds, const Parameters& parameters) {
+  require_valid(parameters);
+  Plan plan;
+  plan.parameters = parameters;
+  plan.grid = make_grid(bounds, parameters.spacing, parameters.margin);
+  plan.cut_depth = cut_depth(plan.grid, bounds);
+  require_enclosing_margin(plan, parameters);
+  plan.tiling.region = region_of(plan.grid, parameters);
+  return plan;
+}
+
+void plan_work(const Circumstances& circumstances, const Molecule& molecule,
+               const OutputChoice& outputs, Plan& plan) {
+  const GridRegion region = plan.tiling.region;
+  const SurfaceSurvey survey = survey_of(molecule, plan.grid, region, plan.parameters.probe_radius);
+  choose_schedule(survey, region, circumstances, outputs, plan);
+  expect_files(survey, circumstances.labels, outputs, plan);
+}
+
+Plan make_plan_within(std::uint64_t available, const Molecule& molecule,
+                      const Parameters& parameters, const OutputChoice& outputs) {
+  if (outputs.mesh) require_valid(*outputs.mesh, molecule);
+  Plan plan = plan_grid(sphere_bounds(molecule.atoms()), parameters);
+  plan.atoms_checksum = checksum_of(molecule.atoms());
+  plan_work({.available = available, .held = 0, .labels = total_labels(molecule.labels())},
+            molecule, outputs, plan);
+  return plan;
+}
+
+Plan make_plan(const Molecule& molecule, const Parameters& parameters,
+               const OutputChoice& outputs) {
+  return make_plan_within(available_memory(), molecule, parameters, outputs);
+}
+
+}  // namespace eses

@@ -1,0 +1,24 @@
+#pragma once
+/// What the volume is made of, of the whole grid or of the region that is computed.
+
+#include <cstdint>
+
+#include "eses/tiling.hpp"
+#include "sweep/layer.hpp"
+
+namespace eses {
+
+struct PointCounts {
+  std::int64_t inside = 0;          ///< inside points
+  std::int64_t inside_regular = 0;  ///< of these, those that end no reported edge
+  std::int64_t irregular = 0;       ///< points, inside or outside, that end one
+
+  void add(const PointCounts& other);
+};
+
+/// Counts the points that blocks [begin, end) of the layer own. `below` is the last plane of the
+/// layer before, if there is one.
+PointCounts count_points(const BlockTiling& tiling, const Plane& below, const Layer& layer,
+                         std::int64_t begin, std::int64_t end);
+
+}  // namespace eses

@@ -1,0 +1,223 @@
+#include "sweep/pipeline.hpp"
+
+#include <utility>
+
+#include "system/parallel.hpp"
+#include "system/resources.hpp"
+#include "system/stopwatch.hpp"
+
+namespace eses {
+namespace {
+
+std::span<const char> file_bytes(const TextBuffer& text, std::optional<Gzip>& gzip) {
+  if (!gzip || text.text().empty()) return text.text();
+  return gzip->member(text.text());
+}
+
+// The plane below the first one of a block.
+Block block_below(Block block) {
+  --block.first[2];
+  block.points[2] = 2;
+  block.owned[2] = 1;
+  return block;
+}
+
+}  // namespace
+
+Pipeline::Pipeline(const Surface& surface, const Plan& plan, Sinks sinks, ProgressReport& progress)
+    : surface_(surface),
+      plan_(plan),
+      sinks_(std::move(sinks)),
+      progress_(progress),
+      text_(plan.grid, plan.tiling.region, sinks_.atom_numbers),
+      chunks_(plan.tiling.region, sinks_.gzip),
+      layers_(static_cast<std::size_t>(plan.tiling.blocks[2])),
+      queue_(plan.tiling.blocks[2], plan.tiling.blocks[0] * plan.tiling.blocks[1],
+             plan.blocks_ahead),
+      workspaces_(static_cast<std::size_t>(plan.threads)),
+      writers_(static_cast<std::size_t>(plan.threads)) {
+  if (sinks_.grid) grid_.emplace(sinks_.grid);
+  if (sinks_.edges) edges_.emplace(sinks_.edges);
+  if (sinks_.gzip)
+    for (Writer& writer : writers_) writer.gzip.emplace();
+  make_room(0);
+  make_room(1);
+}
+
+void Pipeline::solve_plane_below() {
+  const BlockTiling& tiling = plan_.tiling;
+  if (tiling.region.begin[2] == 0) return;
+  Layer layer;
+  const std::int64_t per_layer = tiling.blocks[0] * tiling.blocks[1];
+  layer.blocks.resize(static_cast<std::size_t>(per_layer));
+  // Their sums belong to whoever owns that plane.
+  std::vector<BlockWorkspace> workspaces(static_cast<std::size_t>(plan_.threads));
+  parallel_for(per_layer, plan_.threads, [&](std::int64_t index, int thread) {
+    const std::int64_t bx = index % tiling.blocks[0], by = index / tiling.blocks[0];
+    layer.blocks[static_cast<std::size_t>(index)] = solve_block(
+        block_below(tiling.block(bx, by, 0)), block_below(tiling.block_with_far_corners(bx, by, 0)),
+        workspaces[static_cast<std::size_t>(thread)]);
+    progress_.check();
+  });
+  below_ = last_plane(layer);
+  if (sinks_.mesh != nullptr) sinks_.mesh->go_on_from(layer);
+}
+
+void Pipeline::run() {
+  parallel_for(plan_.threads, plan_.threads, [&](std::int64_t, int thread) {
+    try {
+      work(static_cast<std::size_t>(thread));
+    } catch (...) {
+      abandon();
+      throw;
+    }
+  });
+}
+
+// The others may wait for what will never come.
+void Pipeline::abandon() {
+  queue_.stop();
+  if (grid_) grid_->abandon();
+  if (edges_) edges_->abandon();
+  if (sinks_.mesh != nullptr) sinks_.mesh->abandon();
+}
+
+RegionSums Pipeline::sums() const {
+  RegionSums sums;
+  sums.tally.atom_shares.resize(surface_.atoms.size());
+  for (const BlockWorkspace& workspace : workspaces_) sums.tally.merge(workspace.tally);
+  for (const Writer& writer : writers_) sums.points.add(writer.counts);
+  return sums;
+}
+
+void Pipeline::add_seconds(PhaseSeconds& seconds) const {
+  for (const BlockWorkspace& workspace : workspaces_) {
+    seconds.classify += workspace.classify_seconds;
+    seconds.intersect += workspace.intersect_seconds;
+  }
+  for (const Writer& writer : writers_) seconds.output += writer.seconds;
+}
+
+std::uint64_t Pipeline::triangle_count() const {
+  std::uint64_t count = 0;
+  for (const Writer& writer : writers_) count += writer.mesh.triangle_count;
+  return count;
+}
+
+std::int64_t Pipeline::layer_planes(std::int64_t layer) const {
+  return plan_.tiling.block(0, 0, layer).owned[2];
+}
+
+void Pipeline::work(std::size_t thread) {
+  while (const auto task = queue_.take()) {
+    if (task->kind == Task::Kind::solve) {
+      solve(*task, thread);
+    } else {
+      write(*task, writers_[thread]);
+    }
+    queue_.finish(*task, layer_chunks(task->layer), [&](std::int64_t layer) { release(layer); });
+  }
+}
+
+void Pipeline::make_room(std::int64_t layer) {
+  if (layer < plan_.tiling.blocks[2])
+    layers_[static_cast<std::size_t>(layer)].blocks.resize(
+        static_cast<std::size_t>(plan_.tiling.blocks[0] * plan_.tiling.blocks[1]));
+}
+
+// No chunk is being written then: the next layer's wait for this one's last.
+void Pipeline::release(std::int64_t layer) {
+  Layer& done = layers_[static_cast<std::size_t>(layer)];
+  below_ = last_plane(done);
+  if (sinks_.mesh != nullptr) sinks_.mesh->release(done);
+  done = Layer();
+  make_room(layer + 2);
+}
+
+BlockResult Pipeline::solve_block(const Block& block, const Block& with_far_corners,
+                                  BlockWorkspace& workspace) const {
+  return sinks_.mesh != nullptr
+             ? solve_block_for_mesh(surface_, plan_.grid, block, with_far_corners, workspace)
+             : eses::solve_block(surface_, plan_.grid, block, workspace);
+}
+
+void Pipeline::solve(const Task& task, std::size_t thread) {
+  const std::int64_t bx = task.index % plan_.tiling.blocks[0];
+  const std::int64_t by = task.index / plan_.tiling.blocks[0];
+  BlockResult& result =
+      layers_[static_cast<std::size_t>(task.layer)].blocks[static_cast<std::size_t>(task.index)];
+  const Stopwatch watch;
+  result =
+      solve_block(plan_.tiling.block(bx, by, task.layer),
+                  plan_.tiling.block_with_far_corners(bx, by, task.layer), workspaces_[thread]);
+  result.seconds = watch.seconds();
+  if (sinks_.verifier != nullptr) sinks_.verifier->take(result, thread);
+  hand_out(result);
+  require_memory_within(plan_.parameters.max_memory);
+  progress_.add(1);
+}
+
+void Pipeline::hand_out(const BlockResult& result) {
+  if (!sinks_.block) return;
+  progress_.call([&] { sinks_.block(SolvedBlock(result)); });
+}
+
+void Pipeline::write(const Task& task, Writer& writer) {
+  const Stopwatch watch;
+  const Layer& layer = layers_[static_cast<std::size_t>(task.layer)];
+  const RowRange rows = chunks_.rows(task.index, layer_planes(task.layer));
+  take_rows(layer, rows, writer);
+  if (edges_) append_crossings(layer, rows, writer.edges);
+  count_share(task, layer, writer.counts);
+  // Layers before the last are all cut into the same number of chunks.
+  const std::int64_t chunk = task.layer * layer_chunks(0) + task.index;
+  if (grid_) grid_->write(chunk, file_bytes(writer.grid, writer.gzip));
+  if (edges_) edges_->write(chunk, file_bytes(writer.edges, writer.gzip));
+  if (sinks_.mesh != nullptr)
+    sinks_.mesh->write(layer, chunk, {task.index, layer_chunks(task.layer)}, writer.mesh);
+  writer.seconds += watch.seconds();
+  progress_.check();
+}
+
+// The points of a layer's blocks are counted along with its chunks, a share with each.
+void Pipeline::count_share(const Task& task, const Layer& layer, PointCounts& counts) const {
+  const auto blocks = static_cast<std::int64_t>(layer.blocks.size());
+  const std::int64_t chunks = layer_chunks(task.layer);
+  counts.add(count_points(plan_.tiling, below_, layer, task.index * blocks / chunks,
+                          (task.index + 1) * blocks / chunks));
+}
+
+// Rows of points as text, and as the map has them.
+void Pipeline::take_rows(const Layer& layer, const RowRange& rows, Writer& writer) const {
+  writer.grid.clear();
+  writer.map_rows.clear();
+  if (!grid_ && !sinks_.rows) return;
+  const GridRegion& region = plan_.tiling.region;
+  const std::int64_t plane_rows = region.size()[1];
+  const LayerRows layer_rows(plan_.tiling, layer);
+  for (std::int64_t row = rows.begin; row < rows.end; ++row) {
+    const std::int64_t y = row % plane_rows, z = row / plane_rows;
+    layer_rows.join(y, z, writer.row);
+    if (grid_) text_.append_row(writer.grid, region.begin[1] + y, layer.first_z() + z, writer.row);
+    if (sinks_.rows)
+      writer.map_rows.insert(writer.map_rows.end(), writer.row.begin(), writer.row.end());
+  }
+  if (sinks_.rows)
+    sinks_.rows((layer.first_z() - region.begin[2]) * plane_rows + rows.begin, writer.map_rows,
+                writer.map);
+}
+
+void Pipeline::append_crossings(const Layer& layer, const RowRange& rows, TextBuffer& text) const {
+  text.clear();
+  const GridRegion& region = plan_.tiling.region;
+  const std::int64_t plane_rows = region.size()[1];
+  const LayerCrossings crossings(plan_.tiling, layer);
+  for (std::int64_t row = rows.begin; row < rows.end; ++row) {
+    const std::int64_t y = row % plane_rows, z = row / plane_rows;
+    crossings.for_each_piece(y, z, [&](std::int64_t first_x, std::span<const Crossing> piece) {
+      text_.append_crossings(text, first_x, region.begin[1] + y, layer.first_z() + z, piece);
+    });
+  }
+}
+
+}  // namespace eses

@@ -1,0 +1,30 @@
+#pragma once
+/// What is told of a region in the end, from integers that add up to the same sums however it was
+/// cut.
+
+#include <array>
+#include <cstdint>
+
+#include "eses/run.hpp"
+#include "solve/tally.hpp"
+#include "sweep/count_points.hpp"
+
+namespace eses {
+
+struct RegionTotals {
+  std::array<std::int64_t, 3> crossings{};  ///< convex, saddle, concave
+  std::array<Tally::Sum, 3> kind_shares{};  ///< likewise, as in Tally
+  PointCounts points;
+
+  RegionTotals() = default;
+  RegionTotals(const Tally& tally, const PointCounts& counts);
+  void add(const RegionTotals& other);
+};
+
+/// Square angstrom.
+double atom_area(Tally::Sum share, double spacing);
+
+/// Everything in a summary that the totals tell.
+void fill_totals(const RegionTotals& totals, double spacing, Summary& summary);
+
+}  // namespace eses
