@@ -116,7 +116,7 @@ TEST_CASE("pieces are kept", "[processes]") {
   CHECK(store.complete().empty());
   store.lock();
   store.prepare();
-  put_piece(store, {10, 20}, "text", {{5, 3}, {Tally::Sum{1} << 100, 4000000000}});
+  put_piece(store, {10, 20}, "text", {{5, 3}, {AreaShare{1} << 100, 4000000000}});
   put_piece(store, {0, 4}, "", {});
   store.create({4, 10}, PieceText::grid);  // begun
   CHECK(store.complete() == Ranges{{0, 4}, {10, 20}});
@@ -129,7 +129,7 @@ TEST_CASE("pieces are kept", "[processes]") {
   CHECK(piece.info.totals.points.inside == 7);
   REQUIRE(piece.sums.size() == 2);
   CHECK(piece.sums[1].atom == 4000000000);
-  CHECK((piece.sums[1].share == Tally::Sum{1} << 100));
+  CHECK((piece.sums[1].share == AreaShare{1} << 100));
   std::string text(4, ' ');
   later.open({10, 20}, PieceText::grid)->read_at(std::as_writable_bytes(std::span(text)), 0);
   CHECK(text == "text");

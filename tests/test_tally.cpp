@@ -25,7 +25,7 @@ Tally make_tally(std::size_t atoms) {
 }
 
 double share(const Tally& tally, std::size_t atom) {
-  return static_cast<double>(tally.atom_shares[atom]) * Tally::unit;
+  return static_cast<double>(tally.atom_shares[atom]) * area_share_unit;
 }
 
 }  // namespace
@@ -49,9 +49,9 @@ TEST_CASE("a crossing's share goes to its atoms by their nearness") {
   one.merge(three);
   CHECK((one.kind_shares[0] + one.kind_shares[1] + one.kind_shares[2] ==
          one.atom_shares[0] + one.atom_shares[1] + one.atom_shares[2]));
-  CHECK(static_cast<double>(one.kind_shares[0]) * Tally::unit == Catch::Approx(0.5));
-  CHECK(static_cast<double>(one.kind_shares[1]) * Tally::unit == Catch::Approx(0.8));
-  CHECK(static_cast<double>(one.kind_shares[2]) * Tally::unit == Catch::Approx(1));
+  CHECK(static_cast<double>(one.kind_shares[0]) * area_share_unit == Catch::Approx(0.5));
+  CHECK(static_cast<double>(one.kind_shares[1]) * area_share_unit == Catch::Approx(0.8));
+  CHECK(static_cast<double>(one.kind_shares[2]) * area_share_unit == Catch::Approx(1));
 }
 
 TEST_CASE("more crossings than 64-bit sums of 2^-40 could hold") {

@@ -22,7 +22,7 @@ namespace eses {
 
 /// An atom's share of the area of some planes, as in Tally.
 struct AtomSum {
-  Tally::Sum share = 0;
+  AreaShare share = 0;
   AtomIndex atom = 0;                      ///< in the file
   std::array<std::uint32_t, 3> padding{};  ///< these bytes are written, too
 };

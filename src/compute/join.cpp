@@ -303,12 +303,12 @@ std::vector<double> Join::own_areas() {
     std::vector<AtomSum>().swap(piece.sums);
   }
   const Processes::Share share = share_of(processes_.rank());
-  std::vector<Tally::Sum> sums(share.end - share.begin);
+  std::vector<AreaShare> sums(share.end - share.begin);
   for (const AtomSum& sum : processes_.exchange(std::move(to)))
     sums[sum.atom - share.begin] += sum.share;
   std::vector<double> areas;
   areas.reserve(sums.size());
-  for (const Tally::Sum sum : sums) areas.push_back(atom_area(sum, task_.parameters.spacing));
+  for (const AreaShare sum : sums) areas.push_back(atom_area(sum, task_.parameters.spacing));
   return areas;
 }
 

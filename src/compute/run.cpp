@@ -14,7 +14,6 @@
 #include "output/output_files.hpp"
 #include "output/short_file.hpp"
 #include "plan/plan.hpp"
-#include "sweep/build_patches.hpp"
 #include "sweep/pipeline.hpp"
 #include "sweep/progress_report.hpp"
 #include "sweep/region_box.hpp"
@@ -27,10 +26,10 @@
 namespace eses {
 namespace {
 
-std::vector<double> atom_areas(const Tally& tally, double spacing) {
-  std::vector<double> areas(tally.atom_shares.size());
-  for (std::size_t i = 0; i < areas.size(); ++i)
-    areas[i] = atom_area(tally.atom_shares[i], spacing);
+std::vector<double> atom_areas(std::span<const AreaShare> shares, double spacing) {
+  std::vector<double> areas;
+  areas.reserve(shares.size());
+  for (const AreaShare share : shares) areas.push_back(atom_area(share, spacing));
   return areas;
 }
 
@@ -111,10 +110,7 @@ Summary run(const Molecule& molecule, const Plan& plan, const OutputChoice& outp
   Surface surface(molecule, plan.parameters.probe_radius);
   if (plan.tiling.region != plan.grid.whole())
     surface.confine_to(region_box(plan.grid, plan.tiling.region));
-  build_patches(surface, plan.threads, check);
-  release_free_memory();
-  require_memory_within(plan.parameters.max_memory);
-  summary.seconds.patches = total.seconds();
+  PatchSchedule patches(surface, heights_of(plan.grid, plan.tiling.region));
 
   std::optional<Verifier> verifier;
   if (plan.parameters.verify > 0) {
@@ -138,14 +134,14 @@ Summary run(const Molecule& molecule, const Plan& plan, const OutputChoice& outp
               .verifier = verifier ? &*verifier : nullptr,
               .block = callbacks.block,
               .atom_numbers = {}};
-  Pipeline pipeline(surface, plan, std::move(sinks), report);
+  Pipeline pipeline(patches, plan, std::move(sinks), report);
   pipeline.run();
   if (map) map->turn_pieces(0, map->piece_count(), plan.threads, check);
   summary.seconds.blocks = blocks.seconds();
   pipeline.add_seconds(summary.seconds);
-  const RegionSums sums = pipeline.sums();
-  fill_totals({sums.tally, sums.points}, plan.grid.spacing, summary);
-  summary.atom_areas = atom_areas(sums.tally, plan.grid.spacing);
+  const RegionSums sums = pipeline.take_sums();
+  fill_totals(sums.totals, plan.grid.spacing, summary);
+  summary.atom_areas = atom_areas(sums.atom_shares, plan.grid.spacing);
   for (const double area : summary.atom_areas) summary.area += area;
   if (verifier) {
     const Stopwatch checking;

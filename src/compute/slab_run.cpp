@@ -9,7 +9,6 @@
 #include <utility>
 
 #include "output/output_files.hpp"
-#include "sweep/build_patches.hpp"
 #include "sweep/mesh_output.hpp"
 #include "sweep/pipeline.hpp"
 #include "system/resources.hpp"
@@ -101,18 +100,16 @@ SlabRun::SlabRun(const JointTask& task, const JointPlan& plan, const Callbacks& 
 std::vector<Piece> SlabRun::solve(Summary& summary) {
   std::vector<Piece> pieces;
   if (to_do_.empty()) return pieces;
-  const Stopwatch watch;
-  const auto check = [this] { report_.check(); };
   Surface surface(plan_.slab.molecule, task_.parameters.probe_radius);
   if (plan_.slab.planes != PlaneRange{0, plan_.whole.grid.size[2]} ||
       plan_.whole.tiling.region != plan_.whole.grid.whole())
     surface.confine_to(slab_box(plan_.whole, plan_.slab.planes));
-  build_patches(surface, plan_.own.threads, check);
-  release_free_memory();
-  require_memory_within(task_.parameters.max_memory);
-  summary.seconds.patches = watch.seconds();
+  GridRegion slab = plan_.whole.tiling.region;
+  slab.begin[2] = plan_.slab.planes.begin;
+  slab.end[2] = plan_.slab.planes.end;
+  PatchSchedule patches(surface, heights_of(plan_.whole.grid, slab));
   const Stopwatch blocks;
-  for (const PlaneRange& planes : to_do_) pieces.push_back(solve(surface, planes, summary));
+  for (const PlaneRange& planes : to_do_) pieces.push_back(solve(patches, planes, summary));
   summary.seconds.blocks = blocks.seconds();
   return pieces;
 }
@@ -175,14 +172,14 @@ Plan SlabRun::plan_of(const PlaneRange& planes) const {
   return plan;
 }
 
-std::vector<AtomSum> SlabRun::sums_of(const Tally& tally) const {
+std::vector<AtomSum> SlabRun::sums_of(std::span<const AreaShare> shares) const {
   std::vector<AtomSum> sums;
-  for (std::size_t i = 0; i < tally.atom_shares.size(); ++i)
-    if (tally.atom_shares[i] != 0) sums.push_back({tally.atom_shares[i], plan_.slab.numbers[i]});
+  for (std::size_t i = 0; i < shares.size(); ++i)
+    if (shares[i] != 0) sums.push_back({shares[i], plan_.slab.numbers[i]});
   return sums;
 }
 
-Piece SlabRun::solve(const Surface& surface, const PlaneRange& planes, Summary& summary) {
+Piece SlabRun::solve(PatchSchedule& patches, const PlaneRange& planes, Summary& summary) {
   Piece piece = new_piece(planes);
   const Plan plan = plan_of(planes);
   TextChecksums checksums;
@@ -197,7 +194,7 @@ Piece SlabRun::solve(const Surface& surface, const PlaneRange& planes, Summary& 
                            .has_local_triangles = true});
   std::optional<Verifier> verifier;
   if (plan.parameters.verify > 0) verifier.emplace(plan_.slab.molecule.atoms(), plan);
-  Pipeline pipeline(surface, plan,
+  Pipeline pipeline(patches, plan,
                     {.grid = into(PieceText::grid),
                      .edges = into(PieceText::edges),
                      .gzip = task_.outputs.gzip,
@@ -210,14 +207,14 @@ Piece SlabRun::solve(const Surface& surface, const PlaneRange& planes, Summary& 
   if (planes.begin > plan_.whole.tiling.region.begin[2]) pipeline.solve_plane_below();
   pipeline.run();
   pipeline.add_seconds(summary.seconds);
-  const RegionSums sums = pipeline.sums();
-  piece.info.totals = {sums.tally, sums.points};
+  const RegionSums sums = pipeline.take_sums();
+  piece.info.totals = sums.totals;
   piece.info.bytes = {
       pipeline.grid_bytes(), pipeline.edge_bytes(),
       task_.outputs.inside_map.empty() ? 0 : InsideMap::bits_bytes(plan.tiling.region),
       mesh ? mesh->vertex_bytes() : 0, mesh ? mesh->triangle_bytes() : 0};
   if (mesh) piece.info.mesh = {mesh->vertex_count(), pipeline.triangle_count()};
-  piece.sums = sums_of(sums.tally);
+  piece.sums = sums_of(sums.atom_shares);
   const bool is_right = !verifier || verify(*verifier, summary);
   if (!plan_.store || !is_right) return piece;
   for (std::size_t text = 0; text < piece_texts; ++text)

@@ -4,13 +4,14 @@
 #include <cstdint>
 #include <memory>
 #include <optional>
+#include <span>
 #include <vector>
 
 #include "checkpoint/pieces.hpp"
 #include "compute/joint_run.hpp"
 #include "distributed/processes.hpp"
 #include "mesh/mesh_writer.hpp"
-#include "surface/patches.hpp"
+#include "sweep/patch_schedule.hpp"
 #include "sweep/progress_report.hpp"
 #include "sweep/verifier.hpp"
 
@@ -39,8 +40,8 @@ class SlabRun {
   Piece new_piece(const PlaneRange& planes) const;
   std::unique_ptr<ScratchFile> new_text(const PlaneRange& planes, PieceText text) const;
   Plan plan_of(const PlaneRange& planes) const;
-  std::vector<AtomSum> sums_of(const Tally& tally) const;
-  Piece solve(const Surface& surface, const PlaneRange& planes, Summary& summary);
+  std::vector<AtomSum> sums_of(std::span<const AreaShare> shares) const;
+  Piece solve(PatchSchedule& patches, const PlaneRange& planes, Summary& summary);
 
   const JointTask& task_;
   const JointPlan& plan_;

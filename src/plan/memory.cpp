@@ -20,9 +20,8 @@ namespace {
 constexpr double mebibyte = 1 << 20;
 constexpr double base_bytes = 6 * mebibyte;               // program, libraries, survey
 constexpr double bytes_per_thread = 0.75 * mebibyte;      // stack, allocator, batches
-constexpr double bytes_per_atom = sizeof(Atom) + 8 + 16;  // with line number and tree
-// Patches of ranges grow, and are joined one kind after the other.
-constexpr double making_of_patches = 2.75;
+// With line number, tree, place among the clusters and share of the area.
+constexpr double bytes_per_atom = sizeof(Atom) + 8 + 16 + 8 + sizeof(AreaShare);
 // What the allocator keeps of a layer that is gone, for each thread that may have solved its
 // blocks.
 constexpr double kept_per_block = 256;
@@ -35,10 +34,26 @@ constexpr double crossing_slack = 1.05;
 
 double as_double(std::int64_t value) { return static_cast<double>(value); }
 
+// Of all patches; keys of placements wait until their cluster is completed.
 double patch_bytes(const SurfaceSurvey& survey) {
   const PatchTotals& totals = survey.totals();
-  return sizeof(Arc) * totals.arcs + sizeof(ProbePlacement) * totals.placements +
-         sizeof(AtomIndex) * totals.face_neighbours + sizeof(PatchListing) * totals.crowded_patches;
+  constexpr double keys_per_placement = growth;
+  const double per_atom = sizeof(AtomExposure) + 3 * sizeof(std::uint32_t) +
+                          sizeof(FaceDirections) +
+                          sizeof(ClusterPatches) / double{AtomClusters::atoms_per_cluster};
+  return sizeof(Arc) * totals.arcs +
+         (sizeof(ProbePlacement) + keys_per_placement * sizeof(PlacementKey)) * totals.placements +
+         sizeof(AtomIndex) * totals.face_neighbours +
+         sizeof(PatchListing) * totals.crowded_patches +
+         per_atom * static_cast<double>(survey.patched_count());
+}
+
+// Of all patches, those that are held at a time while layers of this height are solved.
+double share_of_patches(const SurfaceSurvey& survey, double height) {
+  const double probe = survey.probe_radius(), radius = survey.largest_radius();
+  // Atoms whose patches matter in the layer, and those whose SAS spheres meet theirs.
+  const double reach = radius + 2 * probe + 2 * (radius + probe) + 3 * AtomClusters::layer_height;
+  return survey.largest_share(height + 2 * reach);
 }
 
 // What threads hold while they build the patches of crowded atoms, of which each has one at a time.
@@ -49,10 +64,6 @@ double crowd_bytes(const SurfaceSurvey& survey, int threads) {
       growth * (sizeof(Neighbour) + 2 * sizeof(Cap) + sizeof(BurialCap) + 8 * sizeof(AtomIndex));
   const PatchTotals& totals = survey.totals();
   return bytes_per_neighbour * std::min(totals.crowded_neighbours, threads * totals.max_neighbours);
-}
-
-double per_atom_patch_bytes() {
-  return sizeof(AtomExposure) + 3 * sizeof(std::uint32_t) + sizeof(FaceDirections);
 }
 
 // Of a block, with the point behind the region's last.
@@ -146,8 +157,7 @@ double bytes_of_thread(const SurfaceSurvey& survey, const Grid& grid, const Sche
   return bytes_per_thread + text_bytes(schedule.tiling.region, outputs) +
          bytes_per_word * block_words(schedule.tiling) +
          feature_bytes(survey, grid, schedule.tiling) +
-         kept_per_block * blocks_in_layer(schedule.tiling) +
-         sizeof(Tally::Sum) * static_cast<double>(survey.atom_count());
+         kept_per_block * blocks_in_layer(schedule.tiling);
 }
 
 // The results of a layer of blocks and of a share of the next one: bits, rows, crossings.
@@ -208,30 +218,31 @@ double far_corner_growth(const BlockTiling& tiling) {
 }
 
 double min_expected_memory(std::size_t atoms) {
-  return base_bytes + static_cast<double>(atoms) * (bytes_per_atom + per_atom_patch_bytes());
+  return base_bytes + static_cast<double>(atoms) * bytes_per_atom;
 }
 
 double expected_memory(const SurfaceSurvey& survey, const LabelTotals& labels, const Grid& grid,
                        const Schedule& schedule, const OutputChoice& outputs) {
   const auto atoms = static_cast<double>(survey.atom_count());
-  const double patches = patch_bytes(survey), threads = schedule.threads;
-  const double always = min_expected_memory(survey.atom_count());
-  const double making = making_of_patches * patches + threads * bytes_per_thread +
-                        crowd_bytes(survey, schedule.threads);
-
   const BlockTiling& tiling = schedule.tiling;
+  const double threads = schedule.threads, always = min_expected_memory(survey.atom_count());
+  // Where blocks of the next layer are solved ahead, its patches are there, too.
+  const double layers = schedule.blocks_ahead > 0 && tiling.blocks[2] > 1 ? 2 : 1;
+  const double height = layers * grid.spacing * as_double(points_along(tiling, 2) - 1);
+  const double patches = share_of_patches(survey, height) * patch_bytes(survey) +
+                         crowd_bytes(survey, schedule.threads);
   const double held =
       bytes_of_layers(survey, grid, tiling, share_ahead(schedule), outputs.mesh.has_value()) +
       2 * sizeof(std::uint64_t) * as_double(tiling.blocks[0]) * as_double(tiling.region.size()[1]) +
       as_double(tiling.blocks[2]) * bytes_per_layer +
       (outputs.mesh ? mesh_bytes(survey, grid.spacing, tiling) : 0);
-  constexpr double bytes_per_area = sizeof(Tally::Sum) + sizeof(double) + growth * 32;
+  constexpr double bytes_per_area = sizeof(double) + growth * 32;
   const double axes = as_double(grid.size[0] + grid.size[1] + grid.size[2]) * bytes_per_index;
   const double solving = patches + axes +
                          threads * bytes_of_thread(survey, grid, schedule, outputs) +
                          std::max(held, bytes_per_area * atoms);
   // Labels are there from the beginning.
-  return always + label_bytes(labels, atoms, outputs) + std::max(making, solving);
+  return always + label_bytes(labels, atoms, outputs) + solving;
 }
 
 }  // namespace eses

@@ -16,7 +16,6 @@
 #include "output/inside_map.hpp"
 #include "plan/atom_hash.hpp"
 #include "plan/memory.hpp"
-#include "sweep/build_patches.hpp"
 #include "sweep/region_box.hpp"
 #include "sweep/verifier.hpp"
 #include "system/bytes_text.hpp"
@@ -65,9 +64,10 @@ void require_enclosing_margin(const Plan& plan, const Parameters& p) {
       p.margin, p.spacing, p.spacing));
 }
 
-// No more threads than there is work for: blocks, or ranges of atoms.
+// No more threads than there is work for: blocks, or clusters of atoms.
 int useful_threads(const BlockTiling& tiling, int wanted, std::size_t atoms) {
-  const std::int64_t most = std::max(tiling.block_count(), atom_range_count(atoms));
+  const auto clusters = static_cast<std::int64_t>(atoms / AtomClusters::atoms_per_cluster + 1);
+  const std::int64_t most = std::max(tiling.block_count(), clusters);
   return static_cast<int>(std::min<std::int64_t>(wanted, most));
 }
 

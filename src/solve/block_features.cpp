@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "geometry/patch_boxes.hpp"
 #include "simd/padding.hpp"
@@ -50,27 +51,63 @@ PlacementFeature make_placement(const Surface& surface, const ProbePlacement& pl
   return feature;
 }
 
-void add_face(const Surface& surface, AtomIndex i, BlockFeatures& features) {
+// The listed patches of the cluster; nothing where no atom of it is crowded.
+const ListedPatches& listed_patches(const ClusterPatches& cluster, BlockFeatures& features) {
+  static const ListedPatches none;
+  const CrowdedPatches& crowded = cluster.crowded;
+  if (crowded.face_neighbours.empty() && crowded.arcs.empty() && crowded.placements.empty())
+    return none;
+  for (const ListedPatches& listed : features.listed)
+    if (listed.cluster == &cluster) return listed;
+  ListedPatches& listed = features.listed.emplace_back();
+  listed.cluster = &cluster;
+  find_listed(crowded.face_neighbours, features.nearby, listed.face_neighbours);
+  find_listed(crowded.arcs, features.nearby, listed.arcs);
+  find_listed(crowded.placements, features.nearby, listed.placements);
+  return listed;
+}
+
+void add_face(const Surface& surface, AtomIndex i, const AtomPatches& patches,
+              const ListedPatches& listed, BlockFeatures& features) {
   const SasSphere sphere = surface.sas_sphere(i);
   FaceFeature face;
   face.atom = i;
   face.center = sphere.center;
   face.radius = surface.atoms[i].radius;
   face.sas_radius = sphere.radius;
-  const Box directions = surface.patches.face_directions[i].box();
+  const Box directions = patches.face_directions();
   Box box = arc_box(face.center, face.radius, directions);
   face.surface_box = grown(box, box_slack);
   include_arc(box, face.center, face.sas_radius, directions);
   face.shell_box = grown(box, box_slack);
   face.cone_begin = static_cast<std::uint32_t>(features.cones.size());
-  const Patches& patches = surface.patches;
-  for_each_patch(patches.face_begin[i], patches.face_begin[i + 1], features.listed_neighbours,
-                 [&](std::uint32_t k) {
-                   const Cap cap = make_cap(sphere, surface.sas_sphere(patches.face_neighbours[k]));
-                   features.cones.push_back({cap.axis, cap.height / sphere.radius});
-                 });
+  const ClusterPatches& cluster = *patches.cluster;
+  for_each_patch(cluster.face_begin, patches.member, listed.face_neighbours, [&](std::uint32_t k) {
+    const Cap cap = make_cap(sphere, surface.sas_sphere(cluster.face_neighbours[k]));
+    features.cones.push_back({cap.axis, cap.height / sphere.radius});
+  });
   face.cone_end = static_cast<std::uint32_t>(features.cones.size());
   features.faces.push_back(face);
+}
+
+// Where a probe touches four or more atoms, or is in doubt, every triple of them gives the same
+// placement: of those in one small cube only that of the lowest triple stays, which comes first.
+void merge_irregular_placements(std::vector<const ProbePlacement*>& placements) {
+  // Two halves of a pair that a cell's wall parts stay two.
+  constexpr double cell = tolerance::same_placement;
+  using Place = std::array<double, 3>;
+  std::vector<std::pair<Place, std::size_t>> irregular;
+  for (std::size_t v = 0; v < placements.size(); ++v) {
+    if (placements[v]->is_regular) continue;
+    const Vec3 c = placements[v]->center;
+    irregular.emplace_back(
+        Place{std::floor(c.x / cell), std::floor(c.y / cell), std::floor(c.z / cell)}, v);
+  }
+  if (irregular.size() < 2) return;
+  std::sort(irregular.begin(), irregular.end());
+  for (std::size_t q = 1; q < irregular.size(); ++q)
+    if (irregular[q].first == irregular[q - 1].first) placements[irregular[q].second] = nullptr;
+  std::erase(placements, nullptr);
 }
 
 }  // namespace
@@ -90,47 +127,55 @@ void BlockGrid::reset(const Grid& new_grid, const Block& new_block) {
   }
 }
 
-void collect_features(const Surface& surface, const Box& box, BlockFeatures& features) {
+void collect_features(const Patches& patches, const Box& box, BlockFeatures& features) {
+  const Surface& surface = patches.surface();
   features.probe_radius = surface.probe_radius;
   features.balls.clear();
   features.faces.clear();
   features.cones.clear();
   features.arcs.clear();
   features.placements.clear();
+  features.listed.clear();
+  features.near_placements.clear();
   // With slack, so that the last bit of a distance does not make a block miss what another sees.
   const double probe = surface.probe_radius + box_slack;
   const double squared_probe = probe * probe;
-  const Patches& patches = surface.patches;
   surface.tree().find_reaching(0.5 * (box.low + box.high),
                                0.5 * norm(box.high - box.low) + 2 * probe, features.nearby);
   // The order of the tree depends on the block; where patches are equally near, order decides.
   std::sort(features.nearby.begin(), features.nearby.end());
-  find_listed(surface.crowded.face_neighbours, features.nearby, features.listed_neighbours);
-  find_listed(surface.crowded.arcs, features.nearby, features.listed_arcs);
-  find_listed(surface.crowded.placements, features.nearby, features.listed_placements);
   for (const AtomIndex i : features.nearby) {
-    const AtomExposure exposure = patches.exposure[i];
-    if (exposure == AtomExposure::contained) continue;
+    if (surface.molecule.is_contained(i)) continue;
     const Atom& atom = surface.atoms[i];
     const double sas_radius = atom.radius + probe;
     const double distance = squared_distance(box, atom.center);
+    if (distance > (sas_radius + probe) * (sas_radius + probe)) continue;
+    const AtomPatches of_atom = patches.of(i);
+    const ClusterPatches& cluster = *of_atom.cluster;
+    const ListedPatches& listed = listed_patches(cluster, features);
     if (distance <= sas_radius * sas_radius) {
       features.balls.push_back({atom.center, atom.radius, atom.radius + surface.probe_radius});
-      if (exposure == AtomExposure::exposed) add_face(surface, i, features);
+      if (of_atom.exposure() == AtomExposure::exposed)
+        add_face(surface, i, of_atom, listed, features);
     }
-    if (distance > (sas_radius + probe) * (sas_radius + probe)) continue;
-    for_each_patch(patches.arc_begin[i], patches.arc_begin[i + 1], features.listed_arcs,
-                   [&](std::uint32_t a) {
-                     const ArcFeature arc = make_arc(surface, patches.arcs[a]);
-                     if (overlap(arc.solid_box, box)) features.arcs.push_back(arc);
-                   });
-    for_each_patch(patches.placement_begin[i], patches.placement_begin[i + 1],
-                   features.listed_placements, [&](std::uint32_t v) {
-                     const ProbePlacement& placement = patches.placements[v];
-                     if (squared_distance(box, placement.center) <= squared_probe)
-                       features.placements.push_back(make_placement(surface, placement));
+    for_each_patch(cluster.arc_begin, of_atom.member, listed.arcs, [&](std::uint32_t a) {
+      const ArcFeature arc = make_arc(surface, cluster.arcs[a]);
+      if (overlap(arc.solid_box, box)) features.arcs.push_back(arc);
+    });
+    // A little farther, so that all placements are here of which one is kept.
+    constexpr double slack = 2 * tolerance::same_placement;
+    for_each_patch(cluster.placement_begin, of_atom.member, listed.placements,
+                   [&](std::uint32_t v) {
+                     const ProbePlacement& placement = cluster.placements[v];
+                     if (squared_distance(box, placement.center) <=
+                         (probe + slack) * (probe + slack))
+                       features.near_placements.push_back(&placement);
                    });
   }
+  merge_irregular_placements(features.near_placements);
+  for (const ProbePlacement* const placement : features.near_placements)
+    if (squared_distance(box, placement->center) <= squared_probe)
+      features.placements.push_back(make_placement(surface, *placement));
 }
 
 }  // namespace eses

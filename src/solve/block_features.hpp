@@ -71,6 +71,13 @@ struct PlacementFeature {
   Box box;                   ///< of the concave patch (of the whole probe if not regular)
 };
 
+/// Those patches of a cluster's crowded atoms that are listed under the atoms nearby, ascending; see
+/// CrowdedPatches.
+struct ListedPatches {
+  const ClusterPatches* cluster = nullptr;
+  std::vector<std::uint32_t> face_neighbours, arcs, placements;
+};
+
 struct BlockFeatures {
   double probe_radius = 0;
   std::vector<BallFeature> balls;
@@ -78,9 +85,11 @@ struct BlockFeatures {
   std::vector<CapCone> cones;
   std::vector<ArcFeature> arcs;
   std::vector<PlacementFeature> placements;
-  std::vector<AtomIndex> nearby;  ///< scratch
-  /// Patches of crowded atoms that are listed under the atoms nearby, see CrowdedPatches; scratch.
-  std::vector<std::uint32_t> listed_neighbours, listed_arcs, listed_placements;
+
+  // Scratch memory.
+  std::vector<AtomIndex> nearby;
+  std::vector<ListedPatches> listed;                   ///< of clusters that have crowded atoms
+  std::vector<const ProbePlacement*> near_placements;  ///< placements that may matter
 
   std::span<const CapCone> cones_of(const FaceFeature& face) const {
     return std::span(cones).subspan(face.cone_begin, face.cone_end - face.cone_begin);
@@ -89,7 +98,7 @@ struct BlockFeatures {
 
 /// Collects what can matter inside `box`: what happens at x depends on the atoms with
 /// |x - center| < radius + 2 probe, no others.
-void collect_features(const Surface& surface, const Box& box, BlockFeatures& features);
+void collect_features(const Patches& patches, const Box& box, BlockFeatures& features);
 
 /// Unit vector from the circle's centre to the arc's point nearest to `offset`. So near the axis
 /// that the slack of `faces` exceeds what the direction tells, it is the nearer end.

@@ -9,7 +9,6 @@ namespace {
 
 void add_to_tally(const Surface& surface, const BlockGrid& grid, const BlockResult& result,
                   Tally& tally) {
-  tally.atom_shares.resize(surface.atoms.size());
   const std::int64_t rows_y = result.block.owned[1];
   for (std::size_t row = 0; row + 1 < result.row_begin.size(); ++row)
     for (std::uint32_t c = result.row_begin[row]; c < result.row_begin[row + 1]; ++c) {
@@ -24,13 +23,13 @@ void add_to_tally(const Surface& surface, const BlockGrid& grid, const BlockResu
 }
 
 // Points and crossings, before they are counted.
-BlockResult find_crossings(const Surface& surface, const Grid& grid, const Block& block,
+BlockResult find_crossings(const Patches& patches, const Grid& grid, const Block& block,
                            BlockWorkspace& workspace) {
   BlockResult result;
   result.block = block;
   const Stopwatch classifying;
   workspace.grid.reset(grid, block);
-  collect_features(surface, workspace.grid.box, workspace.features);
+  collect_features(patches, workspace.grid.box, workspace.features);
   if (workspace.features.balls.empty()) {
     result.inside.reset_empty(block.points);
     return result;
@@ -83,18 +82,18 @@ void part_far_crossings(const Block& block, BlockResult& result) {
 
 }  // namespace
 
-BlockResult solve_block(const Surface& surface, const Grid& grid, const Block& block,
+BlockResult solve_block(const Patches& patches, const Grid& grid, const Block& block,
                         BlockWorkspace& workspace) {
-  BlockResult result = find_crossings(surface, grid, block, workspace);
-  count_crossings(surface, result, workspace);
+  BlockResult result = find_crossings(patches, grid, block, workspace);
+  count_crossings(patches.surface(), result, workspace);
   return result;
 }
 
-BlockResult solve_block_for_mesh(const Surface& surface, const Grid& grid, const Block& block,
+BlockResult solve_block_for_mesh(const Patches& patches, const Grid& grid, const Block& block,
                                  const Block& wider, BlockWorkspace& workspace) {
-  BlockResult result = find_crossings(surface, grid, wider, workspace);
+  BlockResult result = find_crossings(patches, grid, wider, workspace);
   part_far_crossings(block, result);
-  count_crossings(surface, result, workspace);
+  count_crossings(patches.surface(), result, workspace);
   return result;
 }
 

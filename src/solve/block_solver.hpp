@@ -36,12 +36,12 @@ struct BlockWorkspace {
   double intersect_seconds = 0;
 };
 
-BlockResult solve_block(const Surface& surface, const Grid& grid, const Block& block,
+BlockResult solve_block(const Patches& patches, const Grid& grid, const Block& block,
                         BlockWorkspace& workspace);
 
 /// The same, with the far crossings: those that `wider` owns besides, which is the same block with
 /// more owned points. They count for nothing else.
-BlockResult solve_block_for_mesh(const Surface& surface, const Grid& grid, const Block& block,
+BlockResult solve_block_for_mesh(const Patches& patches, const Grid& grid, const Block& block,
                                  const Block& wider, BlockWorkspace& workspace);
 
 }  // namespace eses

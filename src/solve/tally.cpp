@@ -16,10 +16,10 @@ std::int64_t rounded(double value) {
 void Tally::add(const Surface& surface, const Crossing& crossing, Vec3 point) {
   const std::size_t count = crossing.atom_count;
   ++crossings[count - 1];
-  const double share = std::fabs(crossing.normal[crossing.axis]) / unit;
+  const double share = std::fabs(crossing.normal[crossing.axis]) / area_share_unit;
   const auto give = [&](AtomIndex atom, double part) {
     const std::int64_t units = rounded(part);
-    atom_shares[atom] += units;
+    atom_shares.add(atom, units);
     kind_shares[count - 1] += units;
   };
   if (count == 1) {
@@ -38,14 +38,6 @@ void Tally::add(const Surface& surface, const Crossing& crossing, Vec3 point) {
   if (count == 2) weights[2] = 0;
   const double scale = share / (weights[0] + weights[1] + weights[2]);
   for (std::size_t q = 0; q < count; ++q) give(crossing.atoms[q], scale * weights[q]);
-}
-
-void Tally::merge(const Tally& other) {
-  for (std::size_t i = 0; i < other.atom_shares.size(); ++i) atom_shares[i] += other.atom_shares[i];
-  for (std::size_t kind = 0; kind < crossings.size(); ++kind) {
-    crossings[kind] += other.crossings[kind];
-    kind_shares[kind] += other.kind_shares[kind];
-  }
 }
 
 }  // namespace eses

@@ -2,22 +2,18 @@
 
 #include <algorithm>
 
-#include "surface/patches.hpp"
-
 namespace eses {
 namespace {
 
-// All atoms whose SAS sphere may meet one of those in [begin, end).
-void find_neighbours_of_group(const Surface& surface, AtomIndex begin, AtomIndex end,
+// All atoms whose SAS sphere may meet one of those of the group.
+void find_neighbours_of_group(const Surface& surface, std::span<const Atom> group,
                               AtomPatchScratch& scratch) {
   double largest = 0;
-  for (AtomIndex i = begin; i < end; ++i) largest = std::max(largest, surface.atoms[i].radius);
-  surface.tree().find_reaching_around(surface.atoms.subspan(begin, end - begin),
-                                      largest + 2 * surface.probe_radius, scratch.found);
+  for (const Atom& atom : group) largest = std::max(largest, atom.radius);
+  surface.tree().find_reaching_around(group, largest + 2 * surface.probe_radius, scratch.found);
   scratch.group.clear();
   for (const AtomIndex j : scratch.found)
-    if (surface.patches.exposure[j] != AtomExposure::contained)
-      scratch.group.push_back({surface.sas_sphere(j), j});
+    if (!surface.molecule.is_contained(j)) scratch.group.push_back({surface.sas_sphere(j), j});
 }
 
 void collect_caps(const Surface& surface, AtomIndex i, AtomPatchScratch& scratch) {
@@ -46,12 +42,6 @@ void keep_caps(AtomPatchScratch& scratch) {
     scratch.crowded.reset(scratch.kept_caps, scratch.kept_neighbours);
 }
 
-bool any_needs_patches(const Surface& surface, AtomIndex begin, AtomIndex end) {
-  for (AtomIndex i = begin; i < end; ++i)
-    if (surface.needs_patches(i)) return true;
-  return false;
-}
-
 PlacementKey make_key(AtomIndex i, AtomIndex j, AtomIndex k, const CircleEnd& end) {
   PlacementKey key{{i, j, k}, end.side, !end.is_doubtful};
   const auto order = [&](std::size_t a, std::size_t b) {
@@ -66,7 +56,7 @@ PlacementKey make_key(AtomIndex i, AtomIndex j, AtomIndex k, const CircleEnd& en
 }
 
 void add_circle(const Surface& surface, AtomIndex i, std::uint32_t own, AtomPatchScratch& scratch,
-                AtomRangePatches& patches) {
+                BuiltPatches& patches) {
   const AtomIndex j = scratch.kept_neighbours[own];
   const ContactCircle circle = make_contact_circle(surface.sas_sphere(i), surface.sas_sphere(j));
   scratch.arcs.clear();
@@ -83,7 +73,7 @@ void add_circle(const Surface& surface, AtomIndex i, std::uint32_t own, AtomPatc
 }
 
 void add_circles(const Surface& surface, AtomIndex i, AtomPatchScratch& scratch,
-                 AtomRangePatches& patches) {
+                 BuiltPatches& patches) {
   keep_caps(scratch);
   for (std::uint32_t k = 0; k < scratch.burial.relevant.size(); ++k)
     if (scratch.kept_neighbours[k] > i) add_circle(surface, i, k, scratch, patches);
@@ -93,7 +83,7 @@ void add_circles(const Surface& surface, AtomIndex i, AtomPatchScratch& scratch,
 // It must not depend on the tree, which has other atoms in other processes: caps in the order of
 // their atoms.
 void add_circles_in_order(const Surface& surface, AtomIndex i, AtomPatchScratch& scratch,
-                          AtomRangePatches& patches) {
+                          BuiltPatches& patches) {
   std::sort(scratch.burial.relevant.begin(), scratch.burial.relevant.end(),
             [&](std::uint32_t a, std::uint32_t b) {
               return scratch.neighbours[a] < scratch.neighbours[b];
@@ -102,7 +92,7 @@ void add_circles_in_order(const Surface& surface, AtomIndex i, AtomPatchScratch&
 }
 
 void add_exposed_atom(const Surface& surface, AtomIndex i, AtomPatchScratch& scratch,
-                      AtomRangePatches& patches) {
+                      BuiltPatches& patches) {
   const std::size_t first_arc = patches.arcs.size();
   const std::size_t first_placement = patches.placements.size();
   add_circles(surface, i, scratch, patches);
@@ -115,11 +105,13 @@ void add_exposed_atom(const Surface& surface, AtomIndex i, AtomPatchScratch& scr
 }
 
 void add_atom(const Surface& surface, const BurialPatches& burial, AtomIndex i,
-              AtomPatchScratch& scratch, AtomRangePatches& patches) {
-  AtomExposure exposure = surface.patches.exposure[i];
+              AtomPatchScratch& scratch, BuiltPatches& patches) {
+  AtomExposure exposure = AtomExposure::unknown;
   const std::size_t first_arc = patches.arcs.size();
   const std::size_t first_neighbour = patches.face_neighbours.size();
-  if (exposure != AtomExposure::contained && surface.needs_patches(i)) {
+  if (surface.molecule.is_contained(i)) {
+    exposure = AtomExposure::contained;
+  } else if (surface.needs_patches(i)) {
     collect_caps(surface, i, scratch);
     const double radius = surface.atoms[i].radius + surface.probe_radius;
     if (is_buried(scratch.caps, radius, burial, scratch.burial)) {
@@ -139,14 +131,30 @@ void add_atom(const Surface& surface, const BurialPatches& burial, AtomIndex i,
 
 }  // namespace
 
-void build_atom_patches(const Surface& surface, const BurialPatches& burial,
-                        AtomPatchScratch& scratch, AtomRangePatches& patches) {
-  for (AtomIndex begin = patches.begin; begin < patches.end;) {
-    const AtomIndex end = end_of_group(surface.atoms, begin, patches.end);
-    if (any_needs_patches(surface, begin, end))
-      find_neighbours_of_group(surface, begin, end, scratch);
-    for (AtomIndex i = begin; i < end; ++i) add_atom(surface, burial, i, scratch, patches);
-    begin = end;
+void BuiltPatches::clear() {
+  exposure.clear();
+  face_count.clear();
+  face_neighbours.clear();
+  arc_count.clear();
+  arcs.clear();
+  placements.clear();
+}
+
+void build_atom_patches(const Surface& surface, std::span<const AtomIndex> atoms,
+                        const BurialPatches& burial, AtomPatchScratch& scratch,
+                        BuiltPatches& patches) {
+  patches.clear();
+  scratch.atoms.clear();
+  for (const AtomIndex i : atoms) scratch.atoms.push_back(surface.atoms[i]);
+  const auto count = static_cast<AtomIndex>(atoms.size());
+  for (AtomIndex begin = 0, end = 0; begin < count; begin = end) {
+    end = end_of_group(scratch.atoms, begin, count);
+    const std::span<const AtomIndex> group = atoms.subspan(begin, end - begin);
+    if (std::any_of(group.begin(), group.end(),
+                    [&](AtomIndex i) { return surface.needs_patches(i); }))
+      find_neighbours_of_group(surface, std::span(scratch.atoms).subspan(begin, end - begin),
+                               scratch);
+    for (const AtomIndex i : group) add_atom(surface, burial, i, scratch, patches);
   }
 }
 

@@ -3,16 +3,16 @@
 
 #include <array>
 #include <cstdint>
+#include <span>
 #include <vector>
 
 #include "eses/atoms.hpp"
 #include "geometry/circle_arcs.hpp"
 #include "surface/burial.hpp"
 #include "surface/crowded_atoms.hpp"
+#include "surface/surface.hpp"
 
 namespace eses {
-
-struct Surface;
 
 enum class AtomExposure : std::uint8_t {
   unknown,
@@ -42,16 +42,17 @@ struct PlacementKey {
   auto operator<=>(const PlacementKey&) const = default;
 };
 
-/// The patches of a range of atoms. Face neighbours are listed for every atom that is not proved
-/// buried, as only all the arcs together tell which of them are exposed.
-struct AtomRangePatches {
-  AtomIndex begin = 0, end = 0;
-  std::vector<AtomExposure> exposure;     ///< per atom of the range
-  std::vector<std::uint32_t> face_count;  ///< per atom of the range
+/// The patches to which some atoms give rise. Face neighbours are listed for every atom that is not
+/// proved buried, as only all the arcs together tell which of them are exposed.
+struct BuiltPatches {
+  std::vector<AtomExposure> exposure;     ///< per atom
+  std::vector<std::uint32_t> face_count;  ///< per atom
   std::vector<AtomIndex> face_neighbours;
-  std::vector<std::uint32_t> arc_count;  ///< per atom of the range
+  std::vector<std::uint32_t> arc_count;  ///< per atom
   std::vector<Arc> arcs;
   std::vector<PlacementKey> placements;  ///< every end of every arc, so with repetitions
+
+  void clear();
 };
 
 /// Scratch memory of `build_atom_patches`, one per thread.
@@ -60,6 +61,7 @@ struct AtomPatchScratch {
     SasSphere sphere;
     AtomIndex atom;
   };
+  std::vector<Atom> atoms;  ///< those whose patches are built
   std::vector<AtomIndex> found;
   std::vector<Neighbour> group;       ///< of several atoms that are looked up together
   std::vector<AtomIndex> neighbours;  ///< those of `caps`
@@ -73,9 +75,10 @@ struct AtomPatchScratch {
   std::vector<CircleEnd> ends;
 };
 
-/// Builds the patches of atoms [patches.begin, patches.end).
-void build_atom_patches(const Surface& surface, const BurialPatches& burial,
-                        AtomPatchScratch& scratch, AtomRangePatches& patches);
+/// Replaces `patches` by those of some atoms, which are best near each other.
+void build_atom_patches(const Surface& surface, std::span<const AtomIndex> atoms,
+                        const BurialPatches& burial, AtomPatchScratch& scratch,
+                        BuiltPatches& patches);
 
 /// Where the probe stands. The first two spheres' contact circle is met by the third; where the
 /// centres are all but collinear any of the points in question is as good.

@@ -22,8 +22,7 @@ std::vector<PatchListing> list_patches(std::span<const std::uint32_t> begins,
 
 }  // namespace
 
-CrowdedPatches list_crowded_patches(const Surface& surface) {
-  const Patches& patches = surface.patches;
+CrowdedPatches list_crowded_patches(const Surface& surface, const ClusterPatches& patches) {
   // The smaller atom is near fewer blocks.
   const auto smaller = [&](AtomIndex a, AtomIndex b) {
     return surface.atoms[a].radius <= surface.atoms[b].radius ? a : b;

@@ -15,10 +15,9 @@
 
 #include "eses/atoms.hpp"
 #include "geometry/circle_arcs.hpp"
+#include "surface/surface.hpp"
 
 namespace eses {
-
-struct Surface;
 
 /// An atom with more caps, or more patches of one kind, is crowded.
 inline constexpr std::uint32_t max_uncrowded = 256;
@@ -30,24 +29,27 @@ struct PatchListing {
   auto operator<=>(const PatchListing&) const = default;
 };
 
-/// The patches of crowded atoms, ascending; `patch` is an index into the list of the same name in
-/// Patches.
+struct ClusterPatches;
+
+/// The patches of the crowded atoms of a cluster, ascending; `patch` is an index into the list of
+/// the same name in ClusterPatches.
 struct CrowdedPatches {
   std::vector<PatchListing> face_neighbours, arcs, placements;
 };
 
-/// Lists the patches of the crowded atoms of a surface that has all its patches.
-CrowdedPatches list_crowded_patches(const Surface& surface);
+/// Lists the patches of the crowded atoms of a cluster that has all its patches.
+CrowdedPatches list_crowded_patches(const Surface& surface, const ClusterPatches& patches);
 
 /// Replaces `found` by the listed patches of `atoms`, ascending.
 void find_listed(std::span<const PatchListing> listings, std::span<const AtomIndex> atoms,
                  std::vector<std::uint32_t>& found);
 
-/// Calls `action(patch)` for the patches [begin, end) of an atom, in ascending order; of a crowded
-/// atom only for those that are in `listed`.
+/// Calls `action(patch)` for the patches of an atom, from `begins[member]` up to the next one's, in
+/// ascending order; of a crowded atom only for those that are in `listed`.
 template <class Action>
-void for_each_patch(std::uint32_t begin, std::uint32_t end, std::span<const std::uint32_t> listed,
-                    Action&& action) {
+void for_each_patch(std::span<const std::uint32_t> begins, std::uint32_t member,
+                    std::span<const std::uint32_t> listed, Action&& action) {
+  const std::uint32_t begin = begins[member], end = begins[member + 1];
   if (end - begin <= max_uncrowded) {
     for (std::uint32_t patch = begin; patch < end; ++patch) action(patch);
     return;

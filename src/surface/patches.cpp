@@ -1,20 +1,23 @@
 #include "surface/patches.hpp"
 
 #include <algorithm>
+#include <atomic>
 #include <cmath>
 #include <cstddef>
 #include <functional>
 #include <limits>
-#include <numeric>
+#include <optional>
 #include <utility>
 
-#include "eses/error.hpp"
 #include "geometry/arc_sector.hpp"
+#include "geometry/patch_boxes.hpp"
 #include "surface/move_bound.hpp"
 #include "system/parallel.hpp"
 
 namespace eses {
 namespace {
+
+constexpr int covering_frequency = 5;  // 162 directions; more cost more than they settle
 
 // The directions to the three atoms must stand clearly off a common plane for their cone to be
 // told from its complement.
@@ -23,7 +26,7 @@ constexpr double least_cone_volume = 1e-6;
 // The atom whose face neighbours are looked at for further atoms near a placement. Any atom of the
 // placement that has such a list would do. It is the first one, unless that is crowded.
 AtomIndex atom_to_look_from(const Patches& patches, const ProbePlacement& placement) {
-  const auto count = [&](AtomIndex i) { return patches.face_begin[i + 1] - patches.face_begin[i]; };
+  const auto count = [&](AtomIndex i) { return patches.of(i).face_neighbours().size(); };
   AtomIndex chosen = placement.atoms[0];
   if (count(chosen) <= max_uncrowded) return chosen;
   for (const AtomIndex i : placement.atoms)
@@ -33,21 +36,18 @@ AtomIndex atom_to_look_from(const Patches& patches, const ProbePlacement& placem
 
 // Atoms that have all others among them that reach as far as the placement.
 std::span<const AtomIndex> neighbours_of(const Patches& patches, const ProbePlacement& placement) {
-  const AtomIndex i = atom_to_look_from(patches, placement);
-  return std::span(patches.face_neighbours)
-      .subspan(patches.face_begin[i], patches.face_begin[i + 1] - patches.face_begin[i]);
+  return patches.of(atom_to_look_from(patches, placement)).face_neighbours();
 }
 
 // How far the probe is inside a SAS ball, or off the sphere of an atom that it touches.
-double depth_of(const Surface& surface, const ProbePlacement& placement, Vec3 center) {
+double depth_of(const Patches& patches, const ProbePlacement& placement, Vec3 center) {
   const auto depth = [&](AtomIndex k) {
-    const SasSphere sphere = surface.sas_sphere(k);
+    const SasSphere sphere = patches.surface().sas_sphere(k);
     return sphere.radius - norm(center - sphere.center);
   };
   double deepest = 0;
   for (const AtomIndex k : placement.atoms) deepest = std::max(deepest, std::fabs(depth(k)));
-  for (const AtomIndex k : neighbours_of(surface.patches, placement))
-    deepest = std::max(deepest, depth(k));
+  for (const AtomIndex k : neighbours_of(patches, placement)) deepest = std::max(deepest, depth(k));
   return deepest;
 }
 
@@ -61,12 +61,12 @@ Vec3 center_of(const Surface& surface, const ProbePlacement& placement,
 // Where the circle of two of the atoms is met by the third's sphere. Of a placement in doubt the
 // three circles can yield places that differ, as small angles and differences amplify rounding: the
 // one that suits all spheres best is taken. Returns how ill it suits them.
-double place_doubtful_probe(const Surface& surface, ProbePlacement& placement) {
+double place_doubtful_probe(const Patches& patches, ProbePlacement& placement) {
   double least = std::numeric_limits<double>::infinity();
   for (const std::array<std::size_t, 3>& order :
        {std::array<std::size_t, 3>{0, 1, 2}, {1, 2, 0}, {2, 0, 1}}) {
-    const Vec3 center = center_of(surface, placement, order);
-    const double depth = depth_of(surface, placement, center);
+    const Vec3 center = center_of(patches.surface(), placement, order);
+    const double depth = depth_of(patches, placement, center);
     if (depth >= least) continue;
     least = depth;
     placement.center = center;
@@ -74,12 +74,13 @@ double place_doubtful_probe(const Surface& surface, ProbePlacement& placement) {
   return least;
 }
 
-bool is_regular(const Surface& surface, const ProbePlacement& placement) {
+bool is_regular(const Patches& patches, const ProbePlacement& placement) {
+  const Surface& surface = patches.surface();
   std::array<Vec3, 3> toward;
   for (std::size_t q = 0; q < 3; ++q)
     toward[q] = normalized(surface.atoms[placement.atoms[q]].center - placement.center);
   if (std::fabs(dot(toward[0], cross(toward[1], toward[2]))) < least_cone_volume) return false;
-  const std::span<const AtomIndex> neighbours = neighbours_of(surface.patches, placement);
+  const std::span<const AtomIndex> neighbours = neighbours_of(patches, placement);
   return std::none_of(neighbours.begin(), neighbours.end(), [&](AtomIndex k) {
     const auto& [a, b, c] = placement.atoms;
     if (k == a || k == b || k == c) return false;
@@ -88,130 +89,27 @@ bool is_regular(const Surface& surface, const ProbePlacement& placement) {
   });
 }
 
-void join_counts(std::vector<std::uint32_t>& begins) {
-  std::uint64_t sum = 0;
-  for (std::uint32_t& begin : begins) {
-    const std::uint32_t count = begin;
-    begin = static_cast<std::uint32_t>(sum);
-    sum += count;
+// The placement of a key. None if it is in doubt and turns out not to be accessible.
+std::optional<ProbePlacement> place_probe(const Patches& patches, const PlacementKey& key) {
+  ProbePlacement placement{{}, key.atoms, key.side, false};
+  if (key.is_certain) {
+    placement.center = center_of(patches.surface(), placement, {0, 1, 2});
+    placement.is_regular = is_regular(patches, placement);
+  } else if (place_doubtful_probe(patches, placement) > tolerance::covered) {
+    return std::nullopt;
   }
-  if (sum > std::numeric_limits<std::uint32_t>::max())
-    throw Error("the molecule has more than 4.29e9 patches of one kind");
+  return placement;
 }
 
-// Appends one list of every range to `joined`, allocated once, and frees the parts as it goes.
-template <class Value>
-void join_lists(std::span<AtomRangePatches> ranges, std::vector<Value> AtomRangePatches::*list,
-                std::vector<Value>& joined) {
-  std::size_t size = 0;
-  for (const AtomRangePatches& range : ranges) size += (range.*list).size();
-  joined.reserve(size);
-  for (AtomRangePatches& range : ranges) {
-    joined.insert(joined.end(), (range.*list).begin(), (range.*list).end());
-    range.*list = std::vector<Value>();  // unlike {}, this frees the memory
-  }
-}
-
-void join_arcs(Patches& patches, std::span<AtomRangePatches> ranges) {
-  for (const AtomRangePatches& range : ranges) {
-    for (AtomIndex i = range.begin; i < range.end; ++i) {
-      patches.exposure[i] = range.exposure[i - range.begin];
-      patches.arc_begin[i] = range.arc_count[i - range.begin];
-    }
-  }
-  join_lists(ranges, &AtomRangePatches::arcs, patches.arcs);
-  join_counts(patches.arc_begin);
-  for (const Arc& arc : patches.arcs)
-    patches.exposure[arc.first] = patches.exposure[arc.second] = AtomExposure::exposed;
-  std::replace(patches.exposure.begin(), patches.exposure.end(), AtomExposure::unknown,
-               AtomExposure::buried);
-}
-
-void join_faces(Patches& patches, std::span<AtomRangePatches> ranges) {
-  for (const AtomRangePatches& range : ranges)
-    std::copy(range.face_count.begin(), range.face_count.end(),
-              patches.face_begin.begin() + range.begin);
-  join_counts(patches.face_begin);
-  join_lists(ranges, &AtomRangePatches::face_neighbours, patches.face_neighbours);
-}
-
-// Ranges of atoms, by the lowest atom of a placement.
-constexpr AtomIndex atoms_per_bucket = 1024;
-
-std::size_t bucket_of(const PlacementKey& key) { return key.atoms[0] / atoms_per_bucket; }
-
-// The keys of all ranges by bucket, with where each of these begins; frees the parts as it goes.
-struct Buckets {
-  std::vector<PlacementKey> keys;
-  std::vector<std::size_t> begin;
-
-  Buckets(std::span<AtomRangePatches> ranges, std::size_t atoms)
-      : begin(atoms / atoms_per_bucket + 2) {
-    for (const AtomRangePatches& range : ranges)
-      for (const PlacementKey& key : range.placements) ++begin[bucket_of(key) + 1];
-    std::partial_sum(begin.begin(), begin.end(), begin.begin());
-    keys.resize(begin.back());
-    std::vector<std::size_t> next(begin);
-    for (AtomRangePatches& range : ranges) {
-      for (const PlacementKey& key : range.placements) keys[next[bucket_of(key)]++] = key;
-      range.placements = std::vector<PlacementKey>();
-    }
-  }
-
-  std::int64_t count() const { return static_cast<std::int64_t>(begin.size()) - 1; }
-  std::span<PlacementKey> bucket(std::size_t b) {
-    return std::span(keys).subspan(begin[b], begin[b + 1] - begin[b]);
-  }
-};
-
-// One placement for each key, sorted by its lowest atom; their centres follow in place_probes.
-void join_placements(Patches& patches, std::span<AtomRangePatches> ranges, int threads) {
-  Buckets buckets(ranges, patches.exposure.size());
-  std::vector<std::size_t> kept(buckets.begin.size());  // of the bucket before
-  parallel_for(buckets.count(), threads, [&](std::int64_t index, int) {
-    const auto b = static_cast<std::size_t>(index);
-    const std::span<PlacementKey> keys = buckets.bucket(b);
-    std::sort(keys.begin(), keys.end());
-    const auto end = std::unique(
-        keys.begin(), keys.end(),
-        [](const PlacementKey& key, const PlacementKey& next) { return key.is_same_place(next); });
-    kept[b + 1] = static_cast<std::size_t>(end - keys.begin());
-    for (auto key = keys.begin(); key != end; ++key) ++patches.placement_begin[key->atoms[0]];
-  });
-  std::partial_sum(kept.begin(), kept.end(), kept.begin());
-  patches.placements.resize(kept.back());
-  parallel_for(buckets.count(), threads, [&](std::int64_t index, int) {
-    const auto b = static_cast<std::size_t>(index);
-    const std::span<PlacementKey> keys = buckets.bucket(b).first(kept[b + 1] - kept[b]);
-    std::transform(keys.begin(), keys.end(),
-                   patches.placements.begin() + static_cast<std::ptrdiff_t>(kept[b]),
-                   [](const PlacementKey& key) {
-                     return ProbePlacement{{}, key.atoms, key.side, key.is_certain, false};
-                   });
-  });
-  join_counts(patches.placement_begin);
+// Where each list begins if the lists follow each other, and where the last one ends.
+std::vector<std::uint32_t> begins_of(std::span<const std::uint32_t> counts) {
+  std::vector<std::uint32_t> begins{0};
+  begins.reserve(counts.size() + 1);
+  for (const std::uint32_t count : counts) begins.push_back(begins.back() + count);
+  return begins;
 }
 
 }  // namespace
-
-Surface::Surface(Molecule of, double probe)
-    : molecule(std::move(of)), atoms(molecule.atoms()), probe_radius(probe) {
-  patches.exposure.assign(atoms.size(), AtomExposure::unknown);
-  for (AtomIndex i = 0; i < atoms.size(); ++i)
-    if (molecule.is_contained(i)) patches.exposure[i] = AtomExposure::contained;
-}
-
-void join_patches(Surface& surface, std::span<AtomRangePatches> ranges, int threads) {
-  Patches& patches = surface.patches;
-  const std::size_t begins = surface.atoms.size() + 1;
-  patches.face_begin.assign(begins, 0);
-  patches.arc_begin.assign(begins, 0);
-  patches.placement_begin.assign(begins, 0);
-  join_arcs(patches, ranges);
-  join_faces(patches, ranges);
-  join_placements(patches, ranges, threads);
-  patches.face_directions.resize(surface.atoms.size());
-}
 
 void FaceDirections::include(const Box& directions) {
   for (std::size_t axis = 0; axis < 3; ++axis) {
@@ -220,88 +118,141 @@ void FaceDirections::include(const Box& directions) {
   }
 }
 
-void bound_faces_by_arcs(Surface& surface, AtomIndex begin, AtomIndex end) {
-  Patches& patches = surface.patches;
-  for (std::uint32_t a = patches.arc_begin[begin]; a < patches.arc_begin[end]; ++a) {
-    const Arc& arc = patches.arcs[a];
-    const SasSphere first = surface.sas_sphere(arc.first), second = surface.sas_sphere(arc.second);
-    const ContactCircle circle = make_contact_circle(first, second);
-    const Box radial =
-        direction_bounds(make_arc_sector(circle.axis, arc.kind, arc.start, arc.end), circle.axis);
-    const auto seen_from = [&](const SasSphere& sphere, double height) {
-      return arc_box((height / sphere.radius) * circle.axis, circle.radius / sphere.radius, radial);
-    };
-    patches.face_directions[arc.first].include(seen_from(first, circle.first_height));
-    patches.face_directions[arc.second].include(seen_from(second, -circle.second_height));
-  }
+Patches::Patches(const Surface& surface)
+    : surface_(surface),
+      clusters_(surface),
+      burial_(make_covering_directions(covering_frequency)),
+      clusters_patches_(clusters_.count()) {}
+
+void Patches::open(ClusterIndex cluster) {
+  auto& patches = clusters_patches_[cluster];
+  const std::size_t count = clusters_.members(cluster).size();
+  patches = std::make_unique<ClusterPatches>();
+  patches->face_directions.resize(count);
+  patches->found.has_arc.resize(count);
 }
 
-void bound_faces_by_poles(Surface& surface, AtomIndex begin, AtomIndex end) {
-  Patches& patches = surface.patches;
-  for (AtomIndex i = begin; i < end; ++i) {
-    if (patches.exposure[i] != AtomExposure::exposed) continue;
-    const SasSphere sphere = surface.sas_sphere(i);
-    std::array<bool, 6> is_hidden{};  // -x, +x, -y, ...
-    for (std::uint32_t k = patches.face_begin[i]; k < patches.face_begin[i + 1]; ++k) {
-      const Cap cap = make_cap(sphere, surface.sas_sphere(patches.face_neighbours[k]));
-      for (std::size_t pole = 0; pole < 6; ++pole) {
-        const double along = pole % 2 == 0 ? -cap.axis[pole / 2] : cap.axis[pole / 2];
-        is_hidden[pole] = is_hidden[pole] || along * sphere.radius > cap.height + tolerance::seam;
-      }
-    }
-    for (std::size_t pole = 0; pole < 6; ++pole) {
-      if (is_hidden[pole]) continue;
-      Vec3 direction;
-      direction[pole / 2] = pole % 2 == 0 ? -1 : 1;
-      patches.face_directions[i].include({direction, direction});
-    }
-  }
+void Patches::close(ClusterIndex cluster) { clusters_patches_[cluster].reset(); }
+
+void Patches::find_arcs(ClusterIndex cluster, Scratch& scratch) {
+  BuiltPatches& built = scratch.built;
+  build_atom_patches(surface_, clusters_.members(cluster), burial_, scratch.atoms, built);
+  ClusterPatches& patches = *clusters_patches_[cluster];
+  patches.exposure = built.exposure;
+  patches.face_begin = begins_of(built.face_count);
+  patches.face_neighbours = built.face_neighbours;
+  patches.arc_begin = begins_of(built.arc_count);
+  patches.arcs = built.arcs;
+  for (const Arc& arc : patches.arcs) note_arc(arc);
+  note_placements(built.placements);
 }
 
-void merge_placements(Surface& surface) {
-  Patches& patches = surface.patches;
-  // Two halves of a pair that a cell's wall parts stay two.
-  constexpr double cell = tolerance::same_placement;
-  const auto place_of = [](const ProbePlacement& placement) {
-    const Vec3 c = placement.center;
-    return std::array<double, 3>{std::floor(c.x / cell), std::floor(c.y / cell),
-                                 std::floor(c.z / cell)};
+// A face has its extremes along its rim, where its atom sees arcs, and at the poles of its sphere.
+void Patches::note_arc(const Arc& arc) {
+  const SasSphere first = surface_.sas_sphere(arc.first), second = surface_.sas_sphere(arc.second);
+  const ContactCircle circle = make_contact_circle(first, second);
+  const Box radial =
+      direction_bounds(make_arc_sector(circle.axis, arc.kind, arc.start, arc.end), circle.axis);
+  const auto seen_from = [&](const SasSphere& sphere, double height) {
+    return arc_box((height / sphere.radius) * circle.axis, circle.radius / sphere.radius, radial);
   };
-  std::vector<std::uint32_t> irregular;
-  for (std::uint32_t v = 0; v < patches.placements.size(); ++v)
-    if (!patches.placements[v].is_regular) irregular.push_back(v);
-  if (irregular.empty()) return;
-  std::vector<bool> is_left_out(patches.placements.size());
-  for (const std::uint32_t v : irregular) is_left_out[v] = patches.placements[v].is_refuted;
-  std::erase_if(irregular, [&](std::uint32_t v) { return is_left_out[v]; });
-  std::stable_sort(irregular.begin(), irregular.end(), [&](std::uint32_t a, std::uint32_t b) {
-    return place_of(patches.placements[a]) < place_of(patches.placements[b]);
-  });
-  for (std::size_t q = 1; q < irregular.size(); ++q)
-    is_left_out[irregular[q]] = place_of(patches.placements[irregular[q]]) ==
-                                place_of(patches.placements[irregular[q - 1]]);
-  std::uint32_t kept = 0, next = 0;
-  for (std::size_t i = 0; i < surface.atoms.size(); ++i) {
-    const std::uint32_t end = patches.placement_begin[i + 1];
-    patches.placement_begin[i] = kept;
-    for (; next < end; ++next)
-      if (!is_left_out[next]) patches.placements[kept++] = patches.placements[next];
-  }
-  patches.placement_begin.back() = kept;
-  patches.placements.resize(kept);
+  note_on_face(arc.first, seen_from(first, circle.first_height));
+  note_on_face(arc.second, seen_from(second, -circle.second_height));
 }
 
-void place_probes(Surface& surface, AtomIndex begin, AtomIndex end) {
-  Patches& patches = surface.patches;
-  for (std::uint32_t v = patches.placement_begin[begin]; v < patches.placement_begin[end]; ++v) {
-    ProbePlacement& placement = patches.placements[v];
-    if (placement.is_certain) {
-      placement.center = center_of(surface, placement, {0, 1, 2});
-      placement.is_regular = is_regular(surface, placement);
-    } else {
-      placement.is_refuted = place_doubtful_probe(surface, placement) > tolerance::covered;
+void Patches::note_on_face(AtomIndex atom, const Box& directions) {
+  const auto [cluster, member] = clusters_.place_of(atom);
+  if (!is_open(cluster)) return;
+  ClusterPatches& patches = *clusters_patches_[cluster];
+  patches.face_directions[member].include(directions);
+  std::atomic_ref(patches.found.has_arc[member]).store(1, std::memory_order_relaxed);
+}
+
+void Patches::note_placements(std::span<const PlacementKey> keys) {
+  const auto cluster_of = [&](const PlacementKey& key) {
+    return clusters_.place_of(key.atoms[0]).cluster;
+  };
+  // Keys that follow each other mostly belong to the same cluster.
+  for (auto begin = keys.begin(), end = begin; begin != keys.end(); begin = end) {
+    const ClusterIndex cluster = cluster_of(*begin);
+    end = std::find_if(begin, keys.end(),
+                       [&](const PlacementKey& key) { return cluster_of(key) != cluster; });
+    if (!is_open(cluster)) continue;
+    ClusterPatches::Found& found = clusters_patches_[cluster]->found;
+    const std::lock_guard lock(found.mutex);
+    found.placements.insert(found.placements.end(), begin, end);
+  }
+}
+
+void Patches::complete(ClusterIndex cluster) {
+  ClusterPatches& patches = *clusters_patches_[cluster];
+  const std::span<const AtomIndex> members = clusters_.members(cluster);
+  for (std::size_t m = 0; m < members.size(); ++m) {
+    AtomExposure& exposure = patches.exposure[m];
+    if (patches.found.has_arc[m] != 0) exposure = AtomExposure::exposed;
+    if (exposure == AtomExposure::unknown) exposure = AtomExposure::buried;
+    if (exposure == AtomExposure::exposed) bound_face_by_poles(members[m]);
+  }
+  place_probes(patches);
+  patches.found.has_arc = {};
+  patches.crowded = list_crowded_patches(surface_, patches);
+}
+
+void Patches::bound_face_by_poles(AtomIndex atom) {
+  const SasSphere sphere = surface_.sas_sphere(atom);
+  std::array<bool, 6> is_hidden{};  // -x, +x, -y, ...
+  for (const AtomIndex neighbour : of(atom).face_neighbours()) {
+    const Cap cap = make_cap(sphere, surface_.sas_sphere(neighbour));
+    for (std::size_t pole = 0; pole < 6; ++pole) {
+      const double along = pole % 2 == 0 ? -cap.axis[pole / 2] : cap.axis[pole / 2];
+      is_hidden[pole] = is_hidden[pole] || along * sphere.radius > cap.height + tolerance::seam;
     }
   }
+  const auto [cluster, member] = clusters_.place_of(atom);
+  for (std::size_t pole = 0; pole < 6; ++pole) {
+    if (is_hidden[pole]) continue;
+    Vec3 direction;
+    direction[pole / 2] = pole % 2 == 0 ? -1 : 1;
+    clusters_patches_[cluster]->face_directions[member].include({direction, direction});
+  }
+}
+
+// One placement for each key that is accessible, by member and then in the order of keys.
+void Patches::place_probes(ClusterPatches& patches) {
+  std::vector<PlacementKey>& keys = patches.found.placements;
+  const auto member_of = [&](const PlacementKey& key) {
+    return clusters_.place_of(key.atoms[0]).member;
+  };
+  std::sort(keys.begin(), keys.end(), [&](const PlacementKey& a, const PlacementKey& b) {
+    const std::uint32_t member_a = member_of(a), member_b = member_of(b);
+    return member_a < member_b || (member_a == member_b && a < b);
+  });
+  const auto end =
+      std::unique(keys.begin(), keys.end(), [](const PlacementKey& key, const PlacementKey& next) {
+        return key.is_same_place(next);
+      });
+  std::vector<std::uint32_t> counts(patches.exposure.size());
+  patches.placements.reserve(static_cast<std::size_t>(end - keys.begin()));
+  for (auto key = keys.begin(); key != end; ++key)
+    if (const auto placement = place_probe(*this, *key)) {
+      patches.placements.push_back(*placement);
+      ++counts[member_of(*key)];
+    }
+  patches.placement_begin = begins_of(counts);
+  keys = std::vector<PlacementKey>();  // unlike {}, this frees the memory
+}
+
+void build_all_patches(Patches& patches, int threads) {
+  const ClusterIndex count = patches.clusters().count();
+  for (ClusterIndex cluster = 0; cluster < count; ++cluster) patches.open(cluster);
+  std::vector<Patches::Scratch> scratch(static_cast<std::size_t>(threads));
+  parallel_for(count, threads, [&](std::int64_t cluster, int thread) {
+    patches.find_arcs(static_cast<ClusterIndex>(cluster),
+                      scratch[static_cast<std::size_t>(thread)]);
+  });
+  parallel_for(count, threads, [&](std::int64_t cluster, int) {
+    patches.complete(static_cast<ClusterIndex>(cluster));
+  });
 }
 
 }  // namespace eses

@@ -1,23 +1,23 @@
 #pragma once
 /// The analytical patches of a molecule: exposed faces, accessible arcs and probe placements.
 ///
-/// Connolly, J. Appl. Cryst. 16 (1983) 548: a convex patch per exposed face of a SAS sphere, a
-/// saddle patch per accessible arc of a contact circle, a concave patch per probe placement. They
-/// do not depend on the grid, are built once per atom, and are read by every block.
+/// M. L. Connolly, J. Appl. Cryst. 16 (1983) 548, doi:10.1107/S0021889883010985: a convex patch per
+/// exposed face of a SAS sphere, a saddle patch per accessible arc of a contact circle, a concave
+/// patch per probe placement. They do not depend on the grid.
 
 #include <array>
 #include <cstdint>
-#include <optional>
+#include <memory>
+#include <mutex>
 #include <span>
 #include <vector>
 
-#include "eses/molecule.hpp"
 #include "geometry/box.hpp"
 #include "geometry/circle_arcs.hpp"
+#include "surface/atom_clusters.hpp"
 #include "surface/atom_patches.hpp"
 #include "surface/crowded_atoms.hpp"
-#include "surface/neighbors.hpp"
-#include "surface/reach.hpp"
+#include "surface/surface.hpp"
 
 namespace eses {
 
@@ -26,12 +26,9 @@ struct ProbePlacement {
   Vec3 center;
   std::array<AtomIndex, 3> atoms{};  ///< ascending
   std::int8_t side = 1;              ///< of the atoms' plane, see PlacementKey
-  bool is_certain = true;            ///< see PlacementKey
   /// Exactly three atoms are touched and their directions span a proper cone, which then is the
   /// normal cone of the accessible set there.
   bool is_regular = false;
-  /// A placement in doubt turned out not to be accessible.
-  bool is_refuted = false;
 };
 
 /// Bounds of the unit vectors from an atom's centre to its exposed face.
@@ -43,58 +40,102 @@ struct FaceDirections {
   Box box() const { return {{low[0], low[1], low[2]}, {high[0], high[1], high[2]}}; }
 };
 
-/// Patches by atom; an arc belongs to the lower of its two atoms, a placement to the lowest of
-/// three.
-struct Patches {
-  std::vector<AtomExposure> exposure;           ///< per atom
-  std::vector<std::uint32_t> face_begin;        ///< per atom, into face_neighbours; size atoms + 1
+/// The patches of one cluster, by its members; an arc belongs to the lower of its two atoms, a
+/// placement to the lowest of three. Each list `..._begin` has one more element than there are
+/// members.
+struct ClusterPatches {
+  std::vector<AtomExposure> exposure;
+  std::vector<FaceDirections> face_directions;  ///< empty bounds unless exposed
+  std::vector<std::uint32_t> face_begin;        ///< into face_neighbours
   std::vector<AtomIndex> face_neighbours;       ///< whose caps bound the atom's exposed face
-  std::vector<FaceDirections> face_directions;  ///< per atom; empty bounds unless exposed
-  std::vector<std::uint32_t> arc_begin;         ///< per atom, into arcs; size atoms + 1
+  std::vector<std::uint32_t> arc_begin;         ///< into arcs
   std::vector<Arc> arcs;
-  std::vector<std::uint32_t> placement_begin;  ///< per atom, into placements; size atoms + 1
+  std::vector<std::uint32_t> placement_begin;  ///< into placements
+  /// Where a probe touches four or more atoms, each triple of them has a placement there.
   std::vector<ProbePlacement> placements;
+  CrowdedPatches crowded;  ///< lists some of these
+
+  /// What the arcs of this and other clusters have told so far.
+  struct Found {
+    std::vector<std::uint8_t> has_arc;  ///< by member
+    std::vector<PlacementKey> placements;
+    std::mutex mutex;  ///< of `placements`
+  } found;
 };
 
-/// All that the blocks read.
-struct Surface {
-  Molecule molecule;
-  std::span<const Atom> atoms;  ///< the molecule's
-  double probe_radius = 0;
-  /// If only a part of space is looked at: other atoms need no patches.
-  std::optional<Reach> reach;
-  Patches patches;
-  CrowdedPatches crowded;  ///< lists some of `patches`
+/// The patches of one atom.
+struct AtomPatches {
+  const ClusterPatches* cluster = nullptr;
+  std::uint32_t member = 0;
 
-  bool needs_patches(AtomIndex i) const { return !reach || reach->holds(atoms[i]); }
+  AtomExposure exposure() const { return cluster->exposure[member]; }
+  Box face_directions() const { return cluster->face_directions[member].box(); }
+  std::span<const AtomIndex> face_neighbours() const {
+    return part(cluster->face_neighbours, cluster->face_begin);
+  }
+  std::span<const Arc> arcs() const { return part(cluster->arcs, cluster->arc_begin); }
+  std::span<const ProbePlacement> placements() const {
+    return part(cluster->placements, cluster->placement_begin);
+  }
 
-  /// Without patches as yet.
-  Surface(Molecule of, double probe);
-
-  /// Only what happens in `box` will be asked.
-  void confine_to(const Box& box) { reach = make_reach(atoms, box, probe_radius); }
-
-  const AtomTree& tree() const { return molecule.tree(); }
-
-  SasSphere sas_sphere(AtomIndex i) const {
-    return {atoms[i].center, atoms[i].radius + probe_radius};
+ private:
+  template <class Value>
+  std::span<const Value> part(const std::vector<Value>& all,
+                              const std::vector<std::uint32_t>& begin) const {
+    return std::span(all).subspan(begin[member], begin[member + 1] - begin[member]);
   }
 };
 
-/// Joins the patches of consecutive ranges of atoms, in their order.
-void join_patches(Surface& surface, std::span<AtomRangePatches> ranges, int threads);
+/// The patches of those clusters that are wanted. Each passes through four steps: it is opened, its
+/// arcs are found, its patches are completed, it is closed. What happens at a point depends on the
+/// completed patches of the atoms that are less than their radius and two probe radii away.
+class Patches {
+ public:
+  /// Keeps a reference to `surface`.
+  explicit Patches(const Surface& surface);
 
-/// After join_patches, the bounds of faces of atoms [begin, end), from several threads for disjoint
-/// ranges. A face has its extremes along its rim, where its atom sees arcs, ...
-void bound_faces_by_arcs(Surface& surface, AtomIndex begin, AtomIndex end);
-/// ... and at those poles of the sphere that are exposed.
-void bound_faces_by_poles(Surface& surface, AtomIndex begin, AtomIndex end);
+  const Surface& surface() const { return surface_; }
+  const AtomClusters& clusters() const { return clusters_; }
 
-/// Places the probes of atoms [begin, end), after join_patches.
-void place_probes(Surface& surface, AtomIndex begin, AtomIndex end);
+  /// Scratch memory of a thread.
+  struct Scratch {
+    AtomPatchScratch atoms;
+    BuiltPatches built;
+  };
 
-/// Where a probe touches four or more atoms, every triple of them gives the same placement: keeps
-/// that of the lowest triple. Leaves out what is refuted. After place_probes.
-void merge_placements(Surface& surface);
+  /// Makes room for a cluster. What is found of clusters that are not open is dropped.
+  void open(ClusterIndex cluster);
+  /// Finds the arcs of an open cluster, after all clusters whose heights overlap its own have been
+  /// opened, as far as they are wanted. Several threads may do so for different clusters.
+  void find_arcs(ClusterIndex cluster, Scratch& scratch);
+  /// Completes a cluster after the arcs of all those have been found whose heights overlap its own.
+  /// Several threads may do so for different clusters.
+  void complete(ClusterIndex cluster);
+  /// Frees a cluster, after all clusters have been completed whose heights overlap its own.
+  void close(ClusterIndex cluster);
+
+  bool is_open(ClusterIndex cluster) const { return clusters_patches_[cluster] != nullptr; }
+
+  /// Of an atom whose cluster has been completed.
+  AtomPatches of(AtomIndex atom) const {
+    const auto [cluster, member] = clusters_.place_of(atom);
+    return {clusters_patches_[cluster].get(), member};
+  }
+
+ private:
+  void note_arc(const Arc& arc);
+  void note_on_face(AtomIndex atom, const Box& directions);
+  void note_placements(std::span<const PlacementKey> keys);
+  void bound_face_by_poles(AtomIndex atom);
+  void place_probes(ClusterPatches& patches);
+
+  const Surface& surface_;
+  AtomClusters clusters_;
+  BurialPatches burial_;
+  std::vector<std::unique_ptr<ClusterPatches>> clusters_patches_;
+};
+
+/// Builds the patches of all atoms; the result does not depend on `threads`.
+void build_all_patches(Patches& patches, int threads);
 
 }  // namespace eses

@@ -126,6 +126,13 @@ void SurfaceSurvey::prepare_bins() {
     high = std::max(high, atom.center.z + atom.radius + probe);
   }
   bin_ = (high - low_z_) / static_cast<double>(bins);
+  atoms_.assign(bins, 0);
+  for (std::size_t i = 0; i < patched_count(); ++i) {
+    const double z = surface_.atoms[patched_atom(i)].center.z;
+    ++atoms_[static_cast<std::size_t>(
+        std::clamp((z - low_z_) / bin_, 0.0, static_cast<double>(bins - 1)))];
+    largest_radius_ = std::max(largest_radius_, surface_.atoms[patched_atom(i)].radius);
+  }
   area_.assign(bins + 1, 0);
   variance_.assign(bins + 1, 0);
 }
@@ -158,6 +165,7 @@ void SurfaceSurvey::take_samples() {
   prepare_bins();
   const Strata strata = make_strata();
   AtomPatchScratch scratch;
+  BuiltPatches patches;
   // The fractional part of the golden ratio's multiples: no period of the file is met in step.
   const auto place_in = [&](std::size_t s) {
     const auto stratum = static_cast<double>(s);
@@ -168,24 +176,22 @@ void SurfaceSurvey::take_samples() {
   for (std::size_t i = 0; i < patched_count(); ++i) {
     const double size = size_of(i);
     if (size >= strata.size) {
-      visit(patched_atom(i), 1, scratch);
+      visit(patched_atom(i), 1, scratch, patches);
       continue;
     }
     passed += size;
     double weight = 0;
     for (; stratum < strata.count && place_in(stratum) < passed; ++stratum)
       weight += strata.size / size;
-    if (weight > 0) visit(patched_atom(i), weight, scratch);
+    if (weight > 0) visit(patched_atom(i), weight, scratch, patches);
   }
   integrate(area_);
   integrate(variance_);
 }
 
-void SurfaceSurvey::visit(AtomIndex i, double weight, AtomPatchScratch& scratch) {
-  AtomRangePatches patches;
-  patches.begin = i;
-  patches.end = i + 1;
-  build_atom_patches(surface_, burial_, scratch, patches);
+void SurfaceSurvey::visit(AtomIndex i, double weight, AtomPatchScratch& scratch,
+                          BuiltPatches& patches) {
+  build_atom_patches(surface_, {&i, 1}, burial_, scratch, patches);
   totals_.arcs += weight * static_cast<double>(patches.arcs.size());
   totals_.placements += weight * static_cast<double>(patches.placements.size()) / 3;
   totals_.face_neighbours += weight * static_cast<double>(patches.face_neighbours.size());
@@ -288,6 +294,18 @@ double SurfaceSurvey::largest_slab_area(double thickness) const {
     largest = std::max(largest, within(area_) + 2 * std::sqrt(std::max(0.0, within(variance_))));
   }
   return largest;
+}
+
+double SurfaceSurvey::largest_share(double thickness) const {
+  const auto width = static_cast<std::size_t>(
+      std::min(static_cast<double>(bins), std::ceil(thickness / bin_) + 1));
+  std::size_t within = 0, largest = 0;
+  for (std::size_t end = 0; end < bins; ++end) {
+    within += atoms_[end];
+    if (end >= width) within -= atoms_[end - width];
+    largest = std::max(largest, within);
+  }
+  return static_cast<double>(largest) / static_cast<double>(patched_count());
 }
 
 SurfaceSurvey::AtomsNear SurfaceSurvey::most_atoms_near(Vec3 half_sides) const {

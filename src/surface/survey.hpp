@@ -41,6 +41,13 @@ class SurfaceSurvey {
   /// sampling error added twice over.
   double largest_slab_area(double thickness) const;
 
+  /// The largest share of the atoms that get patches with centres between two planes across z that
+  /// are `thickness` apart (angstrom).
+  double largest_share(double thickness) const;
+
+  /// Of the atoms that get patches (angstrom).
+  double largest_radius() const { return largest_radius_; }
+
   /// Numbers of atoms around a box: those whose SAS spheres may reach into it, and those that a
   /// look-up with a ball around the box finds.
   struct AtomsNear {
@@ -61,7 +68,7 @@ class SurfaceSurvey {
   double size_of(std::size_t patched) const;
   void prepare_bins();
   Strata make_strata() const;
-  void visit(AtomIndex i, double weight, AtomPatchScratch& scratch);
+  void visit(AtomIndex i, double weight, AtomPatchScratch& scratch, BuiltPatches& patches);
   void add_convex(AtomIndex i, double weight, std::span<const AtomIndex> neighbours);
   void add_area(double area, double weight, Box box, double patch_area);
 
@@ -70,7 +77,8 @@ class SurfaceSurvey {
   BurialPatches burial_;
   CoveringDirections directions_;
   PatchTotals totals_;
-  double low_z_ = 0, bin_ = 1;
+  double low_z_ = 0, bin_ = 1, largest_radius_ = 0;
+  std::vector<std::size_t> atoms_;  // per bin: those whose centre is in it
   // Per bin: while samples are taken, the steps to it; afterwards, the sums up to it.
   std::vector<double> area_, variance_;
 };

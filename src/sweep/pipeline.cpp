@@ -1,5 +1,6 @@
 #include "sweep/pipeline.hpp"
 
+#include <algorithm>
 #include <utility>
 
 #include "system/parallel.hpp"
@@ -22,31 +23,58 @@ Block block_below(Block block) {
   return block;
 }
 
+// The uppermost plane of each layer's closed boxes.
+std::vector<double> tops_of_layers(const Plan& plan) {
+  std::vector<double> tops;
+  for (std::int64_t layer = 0; layer < plan.tiling.blocks[2]; ++layer) {
+    const Block block = plan.tiling.block_with_far_corners(0, 0, layer);
+    tops.push_back(plan.grid.coordinate(2, block.first[2] + block.points[2] - 1));
+  }
+  return tops;
+}
+
+// The lowest plane that is looked at after each layer: the next one begins with the plane above, and
+// where it is another pipeline's, that one solves this plane, too.
+std::vector<double> bottoms_after_layers(const Plan& plan) {
+  std::vector<double> bottoms;
+  for (std::int64_t layer = 0; layer < plan.tiling.blocks[2]; ++layer) {
+    const Block block = plan.tiling.block(0, 0, layer);
+    bottoms.push_back(plan.grid.coordinate(2, block.first[2] + block.owned[2] - 1));
+  }
+  return bottoms;
+}
+
 }  // namespace
 
-Pipeline::Pipeline(const Surface& surface, const Plan& plan, Sinks sinks, ProgressReport& progress)
-    : surface_(surface),
+Pipeline::Pipeline(PatchSchedule& patches, const Plan& plan, Sinks sinks, ProgressReport& progress)
+    : patches_(patches),
       plan_(plan),
       sinks_(std::move(sinks)),
       progress_(progress),
       text_(plan.grid, plan.tiling.region, sinks_.atom_numbers),
       chunks_(plan.tiling.region, sinks_.gzip),
       layers_(static_cast<std::size_t>(plan.tiling.blocks[2])),
-      queue_(plan.tiling.blocks[2], plan.tiling.blocks[0] * plan.tiling.blocks[1],
-             plan.blocks_ahead),
+      queue_(patches, tops_of_layers(plan), bottoms_after_layers(plan),
+             plan.tiling.blocks[0] * plan.tiling.blocks[1], plan.blocks_ahead),
+      builders_(static_cast<std::size_t>(plan.threads)),
       workspaces_(static_cast<std::size_t>(plan.threads)),
-      writers_(static_cast<std::size_t>(plan.threads)) {
+      writers_(static_cast<std::size_t>(plan.threads)),
+      atom_shares_(patches.patches().surface().atoms.size()) {
   if (sinks_.grid) grid_.emplace(sinks_.grid);
   if (sinks_.edges) edges_.emplace(sinks_.edges);
   if (sinks_.gzip)
     for (Writer& writer : writers_) writer.gzip.emplace();
   make_room(0);
   make_room(1);
+  // The plane below may be looked at, too.
+  patches_.skip_to(
+      plan.grid.coordinate(2, std::max<std::int64_t>(0, plan.tiling.region.begin[2] - 1)));
 }
 
 void Pipeline::solve_plane_below() {
   const BlockTiling& tiling = plan_.tiling;
   if (tiling.region.begin[2] == 0) return;
+  build_patches_up_to(plan_.grid.coordinate(2, tiling.region.begin[2]));
   Layer layer;
   const std::int64_t per_layer = tiling.blocks[0] * tiling.blocks[1];
   layer.blocks.resize(static_cast<std::size_t>(per_layer));
@@ -82,11 +110,11 @@ void Pipeline::abandon() {
   if (sinks_.mesh != nullptr) sinks_.mesh->abandon();
 }
 
-RegionSums Pipeline::sums() const {
+RegionSums Pipeline::take_sums() {
   RegionSums sums;
-  sums.tally.atom_shares.resize(surface_.atoms.size());
-  for (const BlockWorkspace& workspace : workspaces_) sums.tally.merge(workspace.tally);
-  for (const Writer& writer : writers_) sums.points.add(writer.counts);
+  for (const BlockWorkspace& workspace : workspaces_) sums.totals.add(workspace.tally);
+  for (const Writer& writer : writers_) sums.totals.points.add(writer.counts);
+  sums.atom_shares = std::move(atom_shares_);
   return sums;
 }
 
@@ -95,6 +123,7 @@ void Pipeline::add_seconds(PhaseSeconds& seconds) const {
     seconds.classify += workspace.classify_seconds;
     seconds.intersect += workspace.intersect_seconds;
   }
+  for (const Builder& builder : builders_) seconds.patches += builder.seconds;
   for (const Writer& writer : writers_) seconds.output += writer.seconds;
 }
 
@@ -110,13 +139,39 @@ std::int64_t Pipeline::layer_planes(std::int64_t layer) const {
 
 void Pipeline::work(std::size_t thread) {
   while (const auto task = queue_.take()) {
-    if (task->kind == Task::Kind::solve) {
-      solve(*task, thread);
-    } else {
-      write(*task, writers_[thread]);
+    switch (task->kind) {
+      case Task::Kind::build: build(task->step, builders_[thread]); break;
+      case Task::Kind::solve: solve(*task, thread); break;
+      case Task::Kind::write: write(*task, writers_[thread]); break;
     }
     queue_.finish(*task, layer_chunks(task->layer), [&](std::int64_t layer) { release(layer); });
   }
+}
+
+void Pipeline::build_patches_up_to(double height) {
+  parallel_for(plan_.threads, plan_.threads, [&](std::int64_t, int thread) {
+    try {
+      while (const auto task = queue_.take_step(height)) {
+        build(task->step, builders_[static_cast<std::size_t>(thread)]);
+        queue_.finish(*task, 0, [](std::int64_t) {});
+      }
+    } catch (...) {
+      queue_.stop();
+      throw;
+    }
+  });
+}
+
+void Pipeline::build(const BuildStep& step, Builder& builder) {
+  const Stopwatch watch;
+  Patches& patches = patches_.patches();
+  switch (step.kind) {
+    case BuildStep::Kind::find_arcs: patches.find_arcs(step.cluster, builder.scratch); break;
+    case BuildStep::Kind::complete: patches.complete(step.cluster); break;
+  }
+  builder.seconds += watch.seconds();
+  require_memory_within(plan_.parameters.max_memory);
+  progress_.check();
 }
 
 void Pipeline::make_room(std::int64_t layer) {
@@ -137,8 +192,8 @@ void Pipeline::release(std::int64_t layer) {
 BlockResult Pipeline::solve_block(const Block& block, const Block& with_far_corners,
                                   BlockWorkspace& workspace) const {
   return sinks_.mesh != nullptr
-             ? solve_block_for_mesh(surface_, plan_.grid, block, with_far_corners, workspace)
-             : eses::solve_block(surface_, plan_.grid, block, workspace);
+             ? solve_block_for_mesh(patches_.patches(), plan_.grid, block, with_far_corners, workspace)
+             : eses::solve_block(patches_.patches(), plan_.grid, block, workspace);
 }
 
 void Pipeline::solve(const Task& task, std::size_t thread) {
@@ -151,10 +206,16 @@ void Pipeline::solve(const Task& task, std::size_t thread) {
       solve_block(plan_.tiling.block(bx, by, task.layer),
                   plan_.tiling.block_with_far_corners(bx, by, task.layer), workspaces_[thread]);
   result.seconds = watch.seconds();
+  add_shares(workspaces_[thread]);
   if (sinks_.verifier != nullptr) sinks_.verifier->take(result, thread);
   hand_out(result);
   require_memory_within(plan_.parameters.max_memory);
   progress_.add(1);
+}
+
+void Pipeline::add_shares(BlockWorkspace& workspace) {
+  const std::lock_guard lock(shares_mutex_);
+  workspace.tally.atom_shares.move_into(atom_shares_);
 }
 
 void Pipeline::hand_out(const BlockResult& result) {

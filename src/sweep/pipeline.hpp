@@ -1,9 +1,10 @@
 #pragma once
-/// From patches to text: solves the blocks of a region, layer by layer, and hands on what they
-/// give.
+/// The sweep: builds patches, solves the blocks of a region with them, layer by layer, and hands on
+/// what they give.
 
 #include <cstdint>
 #include <functional>
+#include <mutex>
 #include <optional>
 #include <span>
 #include <vector>
@@ -16,9 +17,11 @@
 #include "solve/block_solver.hpp"
 #include "sweep/count_points.hpp"
 #include "sweep/layer.hpp"
-#include "sweep/layer_queue.hpp"
 #include "sweep/mesh_output.hpp"
+#include "sweep/patch_schedule.hpp"
 #include "sweep/progress_report.hpp"
+#include "sweep/region_totals.hpp"
+#include "sweep/task_queue.hpp"
 #include "sweep/text_chunks.hpp"
 #include "sweep/verifier.hpp"
 
@@ -44,14 +47,15 @@ struct Sinks {
 
 /// Sums over a region that do not depend on how it was cut.
 struct RegionSums {
-  Tally tally;
-  PointCounts points;
+  RegionTotals totals;
+  std::vector<AreaShare> atom_shares;  ///< by atom of the surface
 };
 
 class Pipeline {
  public:
-  /// Keeps references to `surface`, `plan` and `progress`.
-  Pipeline(const Surface& surface, const Plan& plan, Sinks sinks, ProgressReport& progress);
+  /// Keeps references to `patches`, `plan` and `progress`. Several pipelines may use the same
+  /// patches, one after the other, in ascending order of their planes.
+  Pipeline(PatchSchedule& patches, const Plan& plan, Sinks sinks, ProgressReport& progress);
 
   /// To be called before `run` where the region goes on below its first plane: points there have
   /// no neighbours below, and the mesh has no cells there, unless this looks for them.
@@ -59,7 +63,8 @@ class Pipeline {
 
   void run();
 
-  RegionSums sums() const;
+  /// After `run`; not to be called again.
+  RegionSums take_sums();
   void add_seconds(PhaseSeconds& seconds) const;
   /// Bytes of the two texts, after `run`.
   std::uint64_t grid_bytes() const { return grid_ ? grid_->size() : 0; }
@@ -67,6 +72,12 @@ class Pipeline {
   std::uint64_t triangle_count() const;
 
  private:
+  // What one thread needs to build patches.
+  struct Builder {
+    Patches::Scratch scratch;
+    double seconds = 0;
+  };
+
   // What one thread needs to turn rows into text.
   struct Writer {
     TextBuffer grid, edges;
@@ -83,18 +94,21 @@ class Pipeline {
   std::int64_t layer_chunks(std::int64_t layer) const { return chunks_.count(layer_planes(layer)); }
   void abandon();
   void work(std::size_t thread);
+  void build_patches_up_to(double height);
+  void build(const BuildStep& step, Builder& builder);
   void make_room(std::int64_t layer);
   void release(std::int64_t layer);
   BlockResult solve_block(const Block& block, const Block& with_far_corners,
                           BlockWorkspace& workspace) const;
   void solve(const Task& task, std::size_t thread);
+  void add_shares(BlockWorkspace& workspace);
   void hand_out(const BlockResult& result);
   void write(const Task& task, Writer& writer);
   void count_share(const Task& task, const Layer& layer, PointCounts& counts) const;
   void take_rows(const Layer& layer, const RowRange& rows, Writer& writer) const;
   void append_crossings(const Layer& layer, const RowRange& rows, TextBuffer& text) const;
 
-  const Surface& surface_;
+  PatchSchedule& patches_;
   const Plan& plan_;
   Sinks sinks_;
   ProgressReport& progress_;
@@ -102,10 +116,13 @@ class Pipeline {
   RowChunks chunks_;
   std::vector<Layer> layers_;
   Plane below_;  // of the layer that is being written
-  LayerQueue queue_;
+  TaskQueue queue_;
   std::optional<OrderedOutput> grid_, edges_;
+  std::vector<Builder> builders_;
   std::vector<BlockWorkspace> workspaces_;
   std::vector<Writer> writers_;
+  std::mutex shares_mutex_;
+  std::vector<AreaShare> atom_shares_;  // by atom of the surface
 };
 
 }  // namespace eses

@@ -2,9 +2,6 @@
 
 namespace eses {
 
-RegionTotals::RegionTotals(const Tally& tally, const PointCounts& counts)
-    : crossings(tally.crossings), kind_shares(tally.kind_shares), points(counts) {}
-
 void RegionTotals::add(const RegionTotals& other) {
   for (std::size_t kind = 0; kind < crossings.size(); ++kind) {
     crossings[kind] += other.crossings[kind];
@@ -13,14 +10,21 @@ void RegionTotals::add(const RegionTotals& other) {
   points.add(other.points);
 }
 
-double atom_area(Tally::Sum share, double spacing) {
-  return static_cast<double>(share) * Tally::unit * spacing * spacing;
+void RegionTotals::add(const Tally& tally) {
+  for (std::size_t kind = 0; kind < crossings.size(); ++kind) {
+    crossings[kind] += tally.crossings[kind];
+    kind_shares[kind] += tally.kind_shares[kind];
+  }
+}
+
+double atom_area(AreaShare share, double spacing) {
+  return static_cast<double>(share) * area_share_unit * spacing * spacing;
 }
 
 void fill_totals(const RegionTotals& totals, double spacing, Summary& summary) {
   const double face = spacing * spacing, cell = face * spacing;
-  const auto area_of = [face](Tally::Sum share) {
-    return static_cast<double>(share) * Tally::unit * face;
+  const auto area_of = [face](AreaShare share) {
+    return static_cast<double>(share) * area_share_unit * face;
   };
   summary.volume = cell * (static_cast<double>(totals.points.inside_regular) +
                            0.5 * static_cast<double>(totals.points.irregular));

@@ -13,16 +13,15 @@ namespace eses {
 
 struct RegionTotals {
   std::array<std::int64_t, 3> crossings{};  ///< convex, saddle, concave
-  std::array<Tally::Sum, 3> kind_shares{};  ///< likewise, as in Tally
+  std::array<AreaShare, 3> kind_shares{};  ///< likewise, as in Tally
   PointCounts points;
 
-  RegionTotals() = default;
-  RegionTotals(const Tally& tally, const PointCounts& counts);
   void add(const RegionTotals& other);
+  void add(const Tally& tally);
 };
 
 /// Square angstrom.
-double atom_area(Tally::Sum share, double spacing);
+double atom_area(AreaShare share, double spacing);
 
 /// Everything in a summary that the totals tell.
 void fill_totals(const RegionTotals& totals, double spacing, Summary& summary);

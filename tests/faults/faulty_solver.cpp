@@ -32,16 +32,16 @@ void spoil(BlockResult& result) {
 
 }  // namespace
 
-BlockResult solve_block(const Surface& surface, const Grid& grid, const Block& block,
+BlockResult solve_block(const Patches& patches, const Grid& grid, const Block& block,
                         BlockWorkspace& workspace) {
-  BlockResult result = right_solve_block(surface, grid, block, workspace);
+  BlockResult result = right_solve_block(patches, grid, block, workspace);
   spoil(result);
   return result;
 }
 
-BlockResult solve_block_for_mesh(const Surface& surface, const Grid& grid, const Block& block,
+BlockResult solve_block_for_mesh(const Patches& patches, const Grid& grid, const Block& block,
                                  const Block& wider, BlockWorkspace& workspace) {
-  BlockResult result = right_solve_block_for_mesh(surface, grid, block, wider, workspace);
+  BlockResult result = right_solve_block_for_mesh(patches, grid, block, wider, workspace);
   spoil(result);
   return result;
 }

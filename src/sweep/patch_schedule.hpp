@@ -1,0 +1,75 @@
+#pragma once
+/// Which clusters of atoms get their patches next, and which are done with, while a sweep along z
+/// goes on.
+
+#include <cstdint>
+#include <optional>
+#include <vector>
+
+#include "eses/grid.hpp"
+#include "surface/patches.hpp"
+
+namespace eses {
+
+/// A step towards the patches of a cluster, see Patches.
+struct BuildStep {
+  enum class Kind : std::uint8_t { find_arcs, complete } kind = Kind::find_arcs;
+  ClusterIndex cluster = 0;
+};
+
+/// The heights of the planes that a sweep over a region looks at: its own, the one below, to which
+/// its points have neighbours, and the one above, at which its edges end.
+HeightRange heights_of(const Grid& grid, const GridRegion& region);
+
+/// Hands out the steps in the order of heights, each when those that it depends on are finished.
+/// Clusters are opened shortly before their first step and closed when the sweep has passed them.
+/// Not for several threads at a time, but the steps that it hands out are.
+class PatchSchedule {
+ public:
+  /// For a sweep between two heights (angstrom). Keeps a reference to `surface`.
+  PatchSchedule(const Surface& surface, const HeightRange& asked);
+
+  Patches& patches() { return patches_; }
+  const Patches& patches() const { return patches_; }
+
+  /// The next step to be taken before anything up to height `up_to` can be asked; none if all of
+  /// them are taken, or if those that the next one depends on are not finished.
+  std::optional<BuildStep> take(double up_to);
+  void finish(const BuildStep& step);
+
+  /// Whether all patches are there that matter up to this height.
+  bool is_ready(double up_to) const;
+
+  /// Says that nothing below this height will be asked any more.
+  void pass(double low);
+
+  /// The same, where the sweep leaves something out: what only matters below is not built.
+  void skip_to(double low);
+
+ private:
+  enum class Stage : std::uint8_t { none, has_arcs, complete };
+
+  bool is_asked(ClusterIndex cluster) const;
+  bool is_wanted(ClusterIndex cluster) const;
+  ClusterIndex overlap_end(ClusterIndex cluster) const;
+  ClusterIndex asked_end(double up_to) const;
+  ClusterIndex wanted_end(double up_to);
+  void find_wanted();
+  void open_before(ClusterIndex end);
+  void advance();
+  void close_passed();
+
+  Patches patches_;
+  double reach_;               // how far above and below a cluster its patches matter (angstrom)
+  HeightRange asked_;          // what will be asked
+  HeightRange wanted_;         // the clusters asked for lie in it: their neighbours need arcs
+  std::vector<Stage> stages_;  // by cluster
+  ClusterIndex next_arcs_ = 0, next_complete_ = 0;  // the next to be handed out
+  ClusterIndex arcs_before_ = 0;      // all wanted clusters before this one have their arcs
+  ClusterIndex complete_before_ = 0;  // all clusters asked for before this one are complete
+  ClusterIndex open_begin_ = 0, open_end_ = 0;  // no others are open
+  ClusterIndex highest_before_ = 0;   // `highest_` is that of the clusters before this one
+  double highest_;                    // top of the clusters asked for so far
+};
+
+}  // namespace eses
