@@ -1,5 +1,5 @@
-# `cpack` makes Debian packages of what is installed, see scripts/package: `eses-blocks`, the program,
-# and `libeses-dev`, the library with its headers and CMake package.
+# `cpack` makes Debian packages of what is installed, see scripts/dev/package: `eses-blocks`, the
+# program, and `libeses-dev`, the library with its headers and CMake package.
 
 set(CPACK_GENERATOR DEB)
 set(CPACK_PACKAGE_NAME eses-blocks)

@@ -1,4 +1,4 @@
-// What a molecule, its plan and each of its blocks cost, as CSV; for scripts/simulate.
+// What a molecule, its plan and each of its blocks cost, as CSV; for scripts/benchmarks/simulate.
 //
 //   print-block-costs FILE SPACING [BLOCK_SIZE]
 #include <fmt/format.h>

@@ -9,14 +9,15 @@ import tempfile
 import unittest
 
 PROJECT = pathlib.Path(__file__).resolve().parents[2]
+SCRIPTS = PROJECT / "scripts"
 DATA = PROJECT / "data"
 PROGRAM = pathlib.Path(os.environ.get("ESES_BINARY", PROJECT / "build" / "eses-blocks"))
 
-sys.path.insert(0, str(PROJECT / "scripts"))  # for their modules
+sys.path.insert(0, str(SCRIPTS / "lib"))  # for their modules
 
 
 def command(script, *arguments):
-    return [sys.executable, PROJECT / "scripts" / script, *map(str, arguments)]
+    return [sys.executable, SCRIPTS / script, *map(str, arguments)]
 
 
 def run(script, *arguments, **how):

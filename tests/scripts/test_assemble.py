@@ -5,10 +5,16 @@ import itertools
 import math
 import os
 import random
+import subprocess
 
-from support import DATA, TestCase, run
+from support import DATA, PROGRAM, TestCase, run
 
 WRITTEN = 0.0005  # coordinates have three decimals
+
+# Columns 1 to 54 of the first atoms of 1UBQ.
+RECORDS = ("ATOM      1  N   MET A   1      27.340  24.430   2.614",
+           "ATOM      2  CA  MET A   1      26.266  25.413   2.842",
+           "HETATM    3  C   MET A   1      26.913  26.639   3.531")
 
 
 def random_atoms(count):
@@ -86,6 +92,56 @@ class Assemble(TestCase):
             for i, j in itertools.combinations(range(len(atoms)), 2):
                 self.assertAlmostEqual(math.dist(copy[i][:3], copy[j][:3]),
                                        math.dist(atoms[i][:3], atoms[j][:3]), delta=5 * WRITTEN)
+
+    def program_accepts(self, path):
+        done = subprocess.run([PROGRAM, path, "--dry-run"], stdin=subprocess.DEVNULL,
+                              capture_output=True, check=False)
+        return done.returncode == 0
+
+    def one_copy(self, path):
+        """The atoms of a file that the program reads, too."""
+        self.assertTrue(self.program_accepts(path))
+        return self.assemble(path, "--copies", 1, "--rings", 1).stdout
+
+    def refused_like_the_program(self, path):
+        self.assertFalse(self.program_accepts(path))
+        return self.refused(path)
+
+    def write_records(self, name, ends):
+        path = self.folder / name
+        path.write_text("".join(record + end + "\n" for record, end in zip(RECORDS, ends)))
+        return path
+
+    def test_elements_behind_the_radius(self):
+        numbers = (" -0.3000 1.8500", "  0.2100 2.2750", "  0.5100 2.0000")
+        plain = self.one_copy(self.write_records("plain.pqr", numbers))
+        self.assertEqual([atom[3] for atom in parse(plain)], [1.85, 2.275, 2.0])
+        for element in ("N", "ZN", "Zn", "N1+", "ZN2+", "O1-"):
+            path = self.write_records("element.pqr",
+                                      [f"{end}  {element}" for end in numbers])
+            self.assertEqual(self.one_copy(path), plain)
+        for word in ("NAG", "N1", "N+", "N12", "N1+-"):
+            path = self.write_records("word.pqr", [f"{end}  {word}" for end in numbers])
+            self.assertIn(f"word.pqr:1: expected a number, found '{word}'",
+                          self.refused_like_the_program(path))
+        short = self.folder / "short.pqr"
+        short.write_text("ATOM 1 N MET 1 27.340 24.430 2.614 1.8500 N\n")
+        self.assertIn("short.pqr:1: expected at least 10 fields",
+                      self.refused_like_the_program(short))
+
+    def test_pdb_files_under_the_name_of_pqr(self):
+        numbers = ("  1.00  9.67", "  1.00 10.38", "  0.50  9.62")
+        for end in ("", "           N", "          ZN", "           N1+"):
+            path = self.write_records("1ubq.pqr", [number + end for number in numbers])
+            self.assertIn("1ubq.pqr: this is a PDB file", self.refused_like_the_program(path))
+        # With a segment, which is no number, and occupancies of 0.
+        path = self.write_records("1ubq.pqr", [number + "      1UBQ N" for number in numbers])
+        self.assertIn("1ubq.pqr:1: ", self.refused_like_the_program(path))
+        path = self.write_records("1ubq.pqr", ("  0.00  9.67", "  0.00 10.38", "  0.00  3.62"))
+        self.assertIn("1ubq.pqr: this is a PDB file", self.refused_like_the_program(path))
+        # Charges with two decimals: some are negative.
+        path = self.write_records("charges.pqr", (" -0.30  1.85", "  0.21  2.27", " -0.51  2.00"))
+        self.assertEqual([atom[3] for atom in parse(self.one_copy(path))], [1.85, 2.27, 2.0])
 
     def test_compressed(self):
         for name in ("boxb.pqr", "c60.xyzr"):

@@ -1,4 +1,4 @@
-"""scripts/bench: what is measured, saved and compared, and what goes wrong."""
+"""scripts/benchmarks/bench: what is measured, saved and compared, and what goes wrong."""
 
 import gzip
 import json
@@ -26,8 +26,8 @@ class BenchTest(TestCase):
         return shutil.copy(DATA / source, self.input / name)
 
     def bench(self, *arguments, code=0, program=PROGRAM):
-        done = run("bench", "--program", program, "--scratch", self.scratch, "--runs", "1",
-                   *arguments)
+        done = run("benchmarks/bench", "--program", program, "--scratch", self.scratch,
+                   "--runs", "1", *arguments)
         self.assertDone(done, code)
         if self.scratch.exists():
             self.assertEqual(list(self.scratch.iterdir()), [])
@@ -188,7 +188,7 @@ class Failures(BenchTest):
         self.assertIn("is not eses-blocks", self.refused(path, program="/bin/true"))
         self.add("c60.pqr")  # two files of one id
         self.assertIn("c60.pqr", self.refused(self.input))
-        done = run("bench", path, "--program", PROGRAM, "--scratch", path)
+        done = run("benchmarks/bench", path, "--program", PROGRAM, "--scratch", path)
         self.assertDone(done, 1)
         self.assertIn("File exists", done.stderr)
 

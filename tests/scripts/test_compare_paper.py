@@ -1,4 +1,4 @@
-"""scripts/compare-paper, on tables that differ from the paper's in a known way."""
+"""scripts/benchmarks/compare-paper, on tables that differ from the paper's in a known way."""
 
 import csv
 
@@ -22,7 +22,7 @@ class ComparePaper(TestCase):
             writer = csv.DictWriter(file, self.rows[0])
             writer.writeheader()
             writer.writerows(self.rows)
-        done = run("compare-paper", path, *options)
+        done = run("benchmarks/compare-paper", path, *options)
         self.assertDone(done, code)
         return done
 
@@ -72,7 +72,7 @@ class ComparePaper(TestCase):
         """The message; there must be one line of it."""
         path = self.folder / "wrong.csv"
         path.write_text(text)
-        done = run("compare-paper", path)
+        done = run("benchmarks/compare-paper", path)
         self.assertDone(done, 1)
         self.assertEqual(done.stderr.count("\n"), 1, done.stderr)
         return done.stderr
@@ -98,11 +98,11 @@ class ComparePaper(TestCase):
 
     def test_files_that_are_no_summary(self):
         for path in (self.folder / "missing", DATA / "c60.xyzr", "/bin/true"):
-            self.assertDone(run("compare-paper", path), 1)
+            self.assertDone(run("benchmarks/compare-paper", path), 1)
 
     def test_our_core_set(self):
         """The rows shipped agree with the paper's as the README says, and with their own
         differences."""
         again = self.folder / "again.csv"
-        self.assertDone(run("compare-paper", DATA / "core-set.csv", "-o", again))
+        self.assertDone(run("benchmarks/compare-paper", DATA / "core-set.csv", "-o", again))
         self.assertEqual(again.read_bytes(), (DATA / "core-set.csv").read_bytes())

@@ -1,4 +1,4 @@
-"""scripts/figures: measuring and plotting on small input; skipped without matplotlib."""
+"""scripts/benchmarks/figures: measuring and plotting on small input; skipped without matplotlib."""
 
 import csv
 import gzip
@@ -8,9 +8,9 @@ import subprocess
 import unittest
 import xml.etree.ElementTree
 
-from support import DATA, PROGRAM, PROJECT, TestCase, has_matplotlib, interpreter_of
+from support import DATA, PROGRAM, SCRIPTS, TestCase, has_matplotlib, interpreter_of
 
-SCRIPT = PROJECT / "scripts" / "figures"
+SCRIPT = SCRIPTS / "benchmarks" / "figures"
 
 
 @unittest.skipUnless(has_matplotlib(SCRIPT), "python3-matplotlib is not installed")

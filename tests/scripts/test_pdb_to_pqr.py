@@ -1,4 +1,4 @@
-"""scripts/pdb_to_pqr.py: what PDB2PQR is given."""
+"""scripts/lib/pdb_to_pqr.py: what PDB2PQR is given."""
 
 import gzip
 import unittest

@@ -11,7 +11,7 @@ import signal
 import subprocess
 import time
 
-from support import (DATA, PROGRAM, PROJECT, TestCase, command, forget_signals, run,
+from support import (DATA, PROGRAM, PROJECT, SCRIPTS, TestCase, command, forget_signals, run,
                      write_program)
 
 PATIENCE = 600  # seconds until a test gives up: only what would never end takes that long
@@ -493,7 +493,7 @@ class Tasks(PdbbindTest):
             environment = {**os.environ, "SLURM_SUBMIT_DIR": str(PROJECT),
                            "SLURM_ARRAY_TASK_ID": str(task), "SLURM_ARRAY_TASK_MIN": "4",
                            "SLURM_ARRAY_TASK_COUNT": "2", "SLURM_CPUS_PER_TASK": "1"}
-            subprocess.run(["bash", PROJECT / "scripts" / "pdbbind.sbatch", self.input, self.output,
+            subprocess.run(["bash", SCRIPTS / "pdbbind.sbatch", self.input, self.output,
                             "--keep", "none", "--program", PROGRAM],
                            env=environment, capture_output=True, check=False)
         self.merge()

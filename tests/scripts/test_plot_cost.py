@@ -1,13 +1,16 @@
-"""scripts/plot-cost: measuring on small input, and plotting; skipped without matplotlib."""
+"""scripts/benchmarks/plot-cost: measuring on small input, and plotting.
+
+Skipped without matplotlib.
+"""
 
 import json
 import subprocess
 import unittest
 import xml.etree.ElementTree
 
-from support import (DATA, PROGRAM, PROJECT, TestCase, has_matplotlib, interpreter_of)
+from support import (DATA, PROGRAM, PROJECT, SCRIPTS, TestCase, has_matplotlib, interpreter_of)
 
-SCRIPT = PROJECT / "scripts" / "plot-cost"
+SCRIPT = SCRIPTS / "benchmarks" / "plot-cost"
 FIGURES = ("cost-spacing.svg", "cost-atoms.svg")
 
 

@@ -7,9 +7,9 @@ import subprocess
 import unittest
 import zlib
 
-from support import DATA, PROGRAM, PROJECT, TestCase, can_import
+from support import DATA, PROGRAM, SCRIPTS, TestCase, can_import
 
-SCRIPT = PROJECT / "scripts" / "render"
+SCRIPT = SCRIPTS / "render"
 
 
 def can_draw():

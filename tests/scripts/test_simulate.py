@@ -1,4 +1,4 @@
-"""scripts/simulate: what follows from arithmetic, and the whole way from measuring to a plot."""
+"""scripts/benchmarks/simulate: what follows from arithmetic, and measuring up to a plot."""
 
 import json
 import os
@@ -8,12 +8,12 @@ import subprocess
 import unittest
 import xml.etree.ElementTree
 
-from support import (DATA, PROGRAM, PROJECT, TestCase, has_matplotlib, interpreter_of, run)
+from support import (DATA, PROGRAM, PROJECT, SCRIPTS, TestCase, has_matplotlib, interpreter_of, run)
 
 import costs
 import scaling
 
-SCRIPT = PROJECT / "scripts" / "simulate"
+SCRIPT = SCRIPTS / "benchmarks" / "simulate"
 BLOCK_COSTS = pathlib.Path(os.environ.get("ESES_BLOCK_COSTS",
                                           PROJECT / "build" / "tests" / "print-block-costs"))
 
@@ -267,7 +267,7 @@ class Runs(TestCase):
 
 class Files(TestCase):
     def simulate(self, *arguments, code=0):
-        done = run("simulate", *arguments)
+        done = run("benchmarks/simulate", *arguments)
         self.assertDone(done, code)
         return done
 

@@ -1,4 +1,6 @@
-"""Files of measured costs: what a structure's blocks, patches and texts cost, for scripts/simulate.
+"""Files of measured costs: what a structure's blocks, patches and texts cost.
+
+scripts/benchmarks/simulate writes and reads them.
 
 Lines of fields, with commas between them: a name and its value, and for each layer of blocks, from
 below, `crossings,BZ,N`, `plane_atoms,BZ,N N ...` (atoms nearest to each of its planes) and, for
@@ -43,7 +45,7 @@ def layer_planes(values):
 
 def write(path, costs):
     with complete_file(path, encoding="utf-8") as target:
-        target.write("# What a structure costs; written and read by scripts/simulate.\n")
+        target.write("# What a structure costs; written and read by scripts/benchmarks/simulate.\n")
         for name in (*WORDS, *NUMBERS):
             value = costs.values[name]
             target.write(f"{name},{value:.9g}\n" if isinstance(value, float)

@@ -15,7 +15,7 @@ import sys
 import tempfile
 import zlib
 
-PROJECT = pathlib.Path(__file__).resolve().parent.parent
+PROJECT = pathlib.Path(__file__).resolve().parents[2]
 DATA = PROJECT / "data"
 PROGRAM = PROJECT / "build" / "eses-blocks"
 COMPRESSION_LEVEL = 6  # of gzip, as gzip itself has it

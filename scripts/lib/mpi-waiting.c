@@ -1,8 +1,8 @@
 // What MPI's collective calls cost each process in CPU, most of which is waiting for others: counts
-// it, and tells it at the end. For `scripts/simulate real`.
+// it, and tells it at the end. For `scripts/benchmarks/simulate real`.
 //
-//   mpicc -O2 -shared -fPIC -o mpi-waiting.so scripts/mpi-waiting.c
-//   scripts/simulate real FILE --launch "mpirun -x LD_PRELOAD=$PWD/mpi-waiting.so"
+//   mpicc -O2 -shared -fPIC -o mpi-waiting.so scripts/lib/mpi-waiting.c
+//   scripts/benchmarks/simulate real FILE --launch "mpirun -x LD_PRELOAD=$PWD/mpi-waiting.so"
 #include <mpi.h>
 #include <stdio.h>
 #include <time.h>

@@ -2,9 +2,19 @@
 
 import math
 import pathlib
+import re
 import tempfile
 
 from common import Failed, unpacked
+
+# An element symbol, perhaps with a formal charge: N, Zn, O1-. Some programs append it to a record.
+ELEMENT = re.compile(r"[A-Za-z]{1,2}([0-9][+-])?")
+
+# Occupancy and B-factor in a record of a PDB file: first column, 0-based, width and decimals.
+OCCUPANCY, B_FACTOR = (54, 6, 2), (60, 6, 2)
+PDB_NUMBERS = ((30, 8, 3), (38, 8, 3), (46, 8, 3), OCCUPANCY, B_FACTOR)
+END_OF_B_FACTOR = 66
+MAX_USUAL_RADIUS = 4  # angstrom; B-factors are mostly larger
 
 
 def number(text):
@@ -23,6 +33,8 @@ def pqr_fields(line):
     if not line.upper().startswith(("ATOM", "HETATM")):
         return None
     fields = line.split()
+    if ELEMENT.fullmatch(fields[-1]):
+        fields.pop()
     # ATOM serial name residue number x y z charge radius; HETATM and serial may run together.
     fewest = 9 if fields[0][-1].isdigit() else 10
     if len(fields) < fewest:
@@ -41,8 +53,43 @@ def xyzr_fields(line):
     return fields
 
 
-def atoms_in(lines, fields_of):
+def fixed_number(line, column, width, decimals):
+    """The number in these columns; None if they hold no number with so many decimals."""
+    text = line[column:column + width]
+    is_number = len(text) == width and re.fullmatch(rf"[ \t]*[+-]?\d*\.\d{{{decimals}}}", text)
+    return float(text) if is_number else None
+
+
+class PdbLikeness:
+    """Recognises a PDB file that is read as PQR, by the rules of eses-blocks."""
+
+    def __init__(self):
+        self.records = 0
+        self.in_columns = 0  # records with numbers in the columns of PDB files
+        self.plausible = 0  # of these, records whose numbers are hardly charge and radius
+
+    def add(self, line):
+        self.records += 1
+        line = line.rstrip("\r\n")
+        if (any(fixed_number(line, *columns) is None for columns in PDB_NUMBERS)
+                or line[END_OF_B_FACTOR:END_OF_B_FACTOR + 1].strip(" \t")):
+            return
+        occupancy, b_factor = fixed_number(line, *OCCUPANCY), fixed_number(line, *B_FACTOR)
+        if 0 <= occupancy <= 1:
+            self.in_columns += 1
+            self.plausible += occupancy == 1 or b_factor > MAX_USUAL_RADIUS
+
+    def refuse(self):
+        """Throws Failed if the records are those of a PDB file."""
+        if 10 * self.in_columns >= 9 * self.records and 2 * self.plausible >= self.records:
+            raise Failed(" this is a PDB file: its columns 55 to 66 hold occupancy and B-factor, "
+                         "which are not charge and radius; make a PQR file of it with pdb2pqr")
+
+
+def atoms_in(lines, layout):
     """x, y, z and the text of the radius, atom by atom."""
+    fields_of = {"pqr": pqr_fields, "xyzr": xyzr_fields}[layout]
+    likeness = PdbLikeness()
     is_empty = True
     for count, line in enumerate(lines, 1):
         try:
@@ -55,21 +102,24 @@ def atoms_in(lines, fields_of):
         except Failed as error:
             raise Failed(f"{count}: {error}") from None
         is_empty = False
+        if layout == "pqr":
+            likeness.add(line)
         yield x, y, z, fields[3]
     if is_empty:
         raise Failed(" no atoms")
+    if layout == "pqr":
+        likeness.refuse()
 
 
 def read_atoms(name, layout="auto"):
     """x, y, z and the text of the radius, atom by atom; `-` is standard input."""
     if layout == "auto":
         layout = "pqr" if name.lower().removesuffix(".gz").endswith(".pqr") else "xyzr"
-    fields_of = {"pqr": pqr_fields, "xyzr": xyzr_fields}[layout]
     with tempfile.TemporaryDirectory() as scratch:
         source = 0 if name == "-" else unpacked(pathlib.Path(name), pathlib.Path(scratch))
         try:
             # Bytes that are no ASCII may stand in remarks; in a number they fail as such.
             with open(source, encoding="ascii", errors="replace", closefd=source != 0) as lines:
-                yield from atoms_in(lines, fields_of)
+                yield from atoms_in(lines, layout)
         except Failed as error:
             raise Failed(f"{'standard input' if source == 0 else name}:{error}") from None

@@ -3,7 +3,7 @@
 # Sourced, never run; leaves the caller in the project's directory.
 
 set -euo pipefail
-cd "$(dirname "${BASH_SOURCE[0]}")/.."
+cd "$(dirname "${BASH_SOURCE[0]}")/../.."
 
 # What CMakeLists.txt and tests/CMakeLists.txt look for, by Debian's names.
 packages=(g++ cmake make pkg-config libcli11-dev libnanoflann-dev libfmt-dev libhwy-dev zlib1g-dev

@@ -1,0 +1,44 @@
+"""The folders of scripts/: calls from elsewhere, and a line for every script."""
+
+import os
+import subprocess
+import sys
+
+from support import SCRIPTS, TestCase
+
+FOLDERS = [SCRIPTS, SCRIPTS / "dev", SCRIPTS / "benchmarks", SCRIPTS / "lib"]
+
+
+def files_in(folder):
+    return [path for path in sorted(folder.iterdir()) if path.is_file()]
+
+
+def interpreter(script):
+    is_python = "python" in script.read_text(encoding="utf-8").partition("\n")[0]
+    return sys.executable if is_python else "bash"
+
+
+class Layout(TestCase):
+    def test_called_through_a_link(self):
+        scripts = [path for folder in FOLDERS for path in files_in(folder)
+                   if os.access(path, os.X_OK)]
+        self.assertGreater(len(scripts), 15)
+        for script in scripts:
+            with self.subTest(script=script.relative_to(SCRIPTS)):
+                link = self.folder / script.name
+                link.symlink_to(script)
+                done = subprocess.run([interpreter(script), link.name, "--help"], cwd=self.folder,
+                                      stdin=subprocess.DEVNULL, capture_output=True, text=True,
+                                      check=False)
+                # Scripts without options print their usage as an error.
+                self.assertIn(done.returncode, (0, 2), done.stderr)
+                self.assertIn("usage: ", (done.stdout + done.stderr).lower())
+                self.assertNotIn("Traceback", done.stderr)
+
+    def test_every_script_is_described(self):
+        for folder in FOLDERS:
+            text = (folder / "README.md").read_text(encoding="utf-8")
+            described = {line.split("`")[1] for line in text.splitlines()
+                         if line.startswith("- `")}
+            names = {path.name for path in files_in(folder)} - {"README.md"}
+            self.assertEqual(described, names)
