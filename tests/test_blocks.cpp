@@ -17,9 +17,9 @@
 #include "solve/accessibility.hpp"
 #include "solve/classify.hpp"
 #include "solve/intersect.hpp"
+#include "support/all_patches.hpp"
 #include "support/atom_sets.hpp"
 #include "support/instruction_sets.hpp"
-#include "sweep/build_patches.hpp"
 
 HWY_BEFORE_NAMESPACE();
 namespace eses::HWY_NAMESPACE {
@@ -39,12 +39,6 @@ using eses::Crossing;
 using Classify = void (*)(const BlockGrid&, const BlockFeatures&, ClassifyScratch&, PointBits&);
 using Intersect = void (*)(const BlockGrid&, const BlockFeatures&, const PointBits&,
                            IntersectScratch&, std::vector<Crossing>&, std::vector<std::uint32_t>&);
-
-Surface make_surface(const Molecule& molecule, double probe) {
-  Surface surface(molecule, probe);
-  build_patches(surface, 1);
-  return surface;
-}
 
 // --- the nearest accessible probe centre -------------------------------------------------------
 
@@ -151,7 +145,8 @@ TEST_CASE("the nearest probe of the index is the nearest of all patches") {
     for (std::uint64_t seed = 1; seed <= 4; ++seed) {
       const std::vector<Atom> atoms = make_atom_set(kind, seed);
       const double probe = designed_probe_radius(seed);
-      const Surface surface = make_surface(atoms, probe);
+      const AllPatches all(atoms, probe);
+      const Surface& surface = all.surface;
       const Box molecule = grown(bounding_box(atoms), probe);
       Random random(seed);
       INFO(kind_name(kind) << " " << seed);
@@ -161,7 +156,7 @@ TEST_CASE("the nearest probe of the index is the nearest of all patches") {
         const Vec3 low = random_point_in(molecule, random);
         Box box = repetition == 0 ? molecule : Box{low, low + Vec3{side, side, 0.7 * side}};
         BlockFeatures features;
-        collect_features(surface, box, features);
+        collect_features(all.patches, box, features);
         PatchIndex patches;
         patches.reset(features, box);
         for (int i = 0; i < 200; ++i) {
@@ -223,7 +218,7 @@ struct Case {
 // Calls `action(surface, block)` for all blocks of a molecule that have atoms nearby.
 template <class Action>
 void for_each_block(const Case& molecule, Action&& action) {
-  const Surface surface = make_surface(molecule.atoms, molecule.probe);
+  const AllPatches all(molecule.atoms, molecule.probe);
   const Grid grid = make_grid(molecule.atoms, molecule.spacing, 2 * molecule.spacing);
   const BlockTiling tiling = make_tiling(grid, molecule.block_size);
   for (std::int64_t bz = 0; bz < tiling.blocks[2]; ++bz)
@@ -231,10 +226,10 @@ void for_each_block(const Case& molecule, Action&& action) {
       for (std::int64_t bx = 0; bx < tiling.blocks[0]; ++bx) {
         SolvedBlock block;
         block.grid.reset(grid, tiling.block(bx, by, bz));
-        collect_features(surface, block.grid.box, block.features);
+        collect_features(all.patches, block.grid.box, block.features);
         if (block.features.balls.empty()) continue;
         INFO("block " << bx << " " << by << " " << bz);
-        action(surface, block);
+        action(all.surface, block);
       }
 }
 
@@ -543,10 +538,10 @@ TEST_CASE("a point atom on a grid point is crossed there, outwards along each ed
     const Vec3 center{0, 0, 0};
     const Case molecule{{{center, radius}, {{8, 8, 8}, 1}}, 1.4, 0.25, 20};
     const Grid grid = make_grid(molecule.atoms, molecule.spacing, 2 * molecule.spacing);
-    const Surface surface = make_surface(molecule.atoms, molecule.probe);
+    const AllPatches all(molecule.atoms, molecule.probe);
     SolvedBlock block;
     block.grid.reset(grid, make_tiling(grid, molecule.block_size).block(0, 0, 0));
-    collect_features(surface, block.grid.box, block.features);
+    collect_features(all.patches, block.grid.box, block.features);
     block.inside = classified(ESES_VERSIONS(classify).baseline, block);
     INFO("radius " << radius);
     for_each_version(ESES_VERSIONS(intersect), [&](Intersect intersect) {

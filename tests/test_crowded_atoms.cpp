@@ -11,13 +11,13 @@
 #include "catch.hpp"
 #include "eses/run.hpp"
 #include "solve/block_features.hpp"
+#include "support/all_patches.hpp"
 #include "support/atom_sets.hpp"
 #include "support/brute_force.hpp"
 #include "support/eses_files.hpp"
 #include "surface/atom_slices.hpp"
 #include "surface/crowded_atoms.hpp"
 #include "surface/neighbors.hpp"
-#include "sweep/build_patches.hpp"
 #include "verify/atom_cells.hpp"
 
 namespace eses::test {
@@ -183,14 +183,12 @@ TEST_CASE("the arcs of a crowded atom are those that all its caps leave", "[crow
 
 TEST_CASE("a block looks only at those patches of a crowded atom that are near", "[crowded]") {
   const std::vector<Atom> atoms = make_crowd(6000, 80, 0);
-  Surface surface(atoms, probe);
-  build_patches(surface, 2);
-  const Patches& patches = surface.patches;
-  REQUIRE(patches.face_begin[1] > 3000);
-  REQUIRE(patches.arc_begin[1] > 3000);
+  const AllPatches all(atoms, probe, 2);
+  REQUIRE(all.of(0).face_neighbours().size() > 3000);
+  REQUIRE(all.of(0).arcs().size() > 3000);
   const Box block{{75, -5, -5}, {85, 5, 5}};
   BlockFeatures features;
-  collect_features(surface, block, features);
+  collect_features(all.patches, block, features);
   const auto is_near = [&](const Atom& atom) {
     const double distance = atom.radius + 2 * probe + 1e-3;
     return squared_distance(block, atom.center) <= distance * distance;
@@ -202,14 +200,15 @@ TEST_CASE("a block looks only at those patches of a crowded atom that are near",
   REQUIRE(large != features.faces.end());
   // A ball around the block is looked up, which holds some more than the block.
   CHECK(features.cones_of(*large).size() < 4 * near);
-  CHECK(features.listed_arcs.size() < 4 * near);
-  CHECK(features.listed_placements.size() < 8 * near);
+  REQUIRE(features.listed.size() == 1);
+  CHECK(features.listed[0].arcs.size() < 4 * near);
+  CHECK(features.listed[0].placements.size() < 8 * near);
 
   // All arcs and placements that matter are there.
   std::size_t arcs = 0, placements = 0;
-  for (const Arc& arc : patches.arcs) {
+  for (const Arc& arc : all.arcs()) {
     const ContactCircle circle =
-        make_contact_circle(surface.sas_sphere(arc.first), surface.sas_sphere(arc.second));
+        make_contact_circle(all.surface.sas_sphere(arc.first), all.surface.sas_sphere(arc.second));
     // The middle of the saddle's side, where the arc starts.
     const Vec3 on_saddle = circle.center + (circle.radius - probe) * arc.start;
     if (arc.kind == ArcKind::full || circle.radius < probe ||
@@ -221,7 +220,7 @@ TEST_CASE("a block looks only at those patches of a crowded atom that are near",
              feature.sector.start == arc.start;
     }));
   }
-  for (const ProbePlacement& placement : patches.placements) {
+  for (const ProbePlacement& placement : all.placements()) {
     if (squared_distance(block, placement.center) >= probe * probe) continue;
     ++placements;
     CHECK(std::any_of(
@@ -247,10 +246,8 @@ TEST_CASE("a crowd is what the definition says, whichever atom is the large one"
       parameters.margin = 1.5;
       parameters.block_size = block_size;
       parameters.threads = 2;
-      Surface surface(crowd, probe);
-      build_patches(surface, 1);
-      REQUIRE(surface.patches.face_begin[place + 1] - surface.patches.face_begin[place] >
-              max_uncrowded);
+      const AllPatches all(crowd, probe);
+      REQUIRE(all.of(static_cast<AtomIndex>(place)).face_neighbours().size() > max_uncrowded);
       const RunResult result = run_and_read(crowd, parameters);
       const std::vector<std::string> faults =
           find_faults(crowd, parameters, result.files, result.summary);

@@ -164,7 +164,7 @@ bool lies_in(const Block& block, const BlockTiling& tiling) {
   for (std::size_t q = 0; q < 3; ++q) {
     const bool last = tiling.region.end[q] == tiling.grid_size[q] &&
                       block.first[q] + block.points[q] == tiling.grid_size[q];
-    if (block.first[q] < tiling.region.begin[q] || block.points[q] > tiling.block_size ||
+    if (block.first[q] < tiling.region.begin[q] || block.points[q] > tiling.block_size[q] ||
         block.first[q] + block.points[q] > tiling.grid_size[q] ||
         block.owned[q] != block.points[q] - (last ? 0 : 1))
       return false;

@@ -19,10 +19,10 @@
 #include "catch.hpp"
 #include "eses/error.hpp"
 #include "solve/block_features.hpp"
+#include "support/all_patches.hpp"
 #include "support/atom_sets.hpp"
 #include "support/brute_force.hpp"
 #include "support/near_degenerate.hpp"
-#include "sweep/build_patches.hpp"
 
 namespace eses::test {
 namespace {
@@ -88,17 +88,16 @@ void for_each_meeting_point(const RealSphere& a, const RealSphere& b, const Real
 }
 
 struct Patchwork {
-  Surface surface;
+  AllPatches all;
   BlockFeatures features;
   std::vector<RealSphere> spheres;
 
   Patchwork(const std::vector<Atom>& atoms, double probe)
-      : surface(atoms, probe), spheres(sas_spheres(atoms, probe)) {
-    build_patches(surface, 1);
-    Box all{atoms.front().center, atoms.front().center};
-    for (const Atom& atom : atoms) all.include(atom.center);
+      : all(atoms, probe), spheres(sas_spheres(atoms, probe)) {
+    Box box{atoms.front().center, atoms.front().center};
+    for (const Atom& atom : atoms) box.include(atom.center);
     constexpr double max_radius = 2;
-    collect_features(surface, grown(all, 2 * (max_radius + probe)), features);
+    collect_features(all.patches, grown(box, 2 * (max_radius + probe)), features);
   }
 
   // Whether the point is on the face of an exposed atom.
@@ -117,7 +116,7 @@ struct Patchwork {
   // Distance from the nearest placement or arc.
   double distance_to_patches(RealVec3 point) const {
     double nearest = std::numeric_limits<double>::infinity();
-    for (const ProbePlacement& placement : surface.patches.placements)
+    for (const ProbePlacement& placement : all.placements())
       nearest = std::min(nearest, static_cast<double>(norm(point - extended(placement.center))));
     for (const ArcFeature& arc : features.arcs) {
       const Vec3 offset = rounded(point - extended(arc.circle.center));
@@ -132,7 +131,7 @@ struct Patchwork {
 constexpr double allowed_depth = 2 * (tolerance::accessible + tolerance::seam);
 
 void require_accessible_patches(const Patchwork& patchwork) {
-  for (const ProbePlacement& placement : patchwork.surface.patches.placements)
+  for (const ProbePlacement& placement : patchwork.all.placements())
     REQUIRE(depth_of(patchwork.spheres, extended(placement.center)) < tolerance::covered);
   for (const ArcFeature& arc : patchwork.features.arcs) {
     const ContactCircle& circle = arc.circle;

@@ -2,23 +2,19 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <set>
 #include <tuple>
 
 #include "catch.hpp"
 #include "solve/block_features.hpp"
+#include "support/all_patches.hpp"
 #include "support/atom_sets.hpp"
 #include "support/brute_force.hpp"
-#include "sweep/build_patches.hpp"
+#include "sweep/patch_schedule.hpp"
 
 namespace eses::test {
 namespace {
-
-Surface make_surface(const Molecule& molecule, double probe) {
-  Surface surface(molecule, probe);
-  build_patches(surface, 2);
-  return surface;
-}
 
 double distance_to_nearest(std::span<const Vec3> points, Vec3 p) {
   double nearest = 1e9;
@@ -26,17 +22,16 @@ double distance_to_nearest(std::span<const Vec3> points, Vec3 p) {
   return nearest;
 }
 
-std::vector<Vec3> placement_centers(const Surface& surface) {
+std::vector<Vec3> placement_centers(const AllPatches& all) {
   std::vector<Vec3> centers;
-  for (const ProbePlacement& placement : surface.patches.placements)
-    centers.push_back(placement.center);
+  for (const ProbePlacement& placement : all.placements()) centers.push_back(placement.center);
   return centers;
 }
 
 // Where two circles merely touch, the point is no end of an arc but lies on one.
-bool is_on_arc(const Surface& surface, Vec3 p) {
+bool is_on_arc(const AllPatches& all, Vec3 p) {
   BlockFeatures features;
-  collect_features(surface, ball_box(p, 0.1), features);
+  collect_features(all.patches, ball_box(p, 0.1), features);
   return std::any_of(features.arcs.begin(), features.arcs.end(), [&](const ArcFeature& arc) {
     const Vec3 offset = p - arc.circle.center;
     return norm(offset - arc.circle.radius * nearest_on_arc(arc, offset)) < 1e-7 &&
@@ -51,12 +46,12 @@ TEST_CASE("probe placements are the accessible points where three spheres meet")
     for (std::uint64_t seed = 1; seed <= 4; ++seed) {
       const std::vector<Atom> atoms = make_atom_set(kind, seed);
       const double probe = designed_probe_radius(seed);
-      const Surface surface = make_surface(atoms, probe);
+      const AllPatches all(atoms, probe, 2);
       const AccessibleSet expected = make_accessible_set(atoms, probe);
-      const std::vector<Vec3> found = placement_centers(surface);
+      const std::vector<Vec3> found = placement_centers(all);
       INFO(kind_name(kind) << " " << seed);
       for (const Vec3 v : expected.vertices)
-        REQUIRE((distance_to_nearest(found, v) < 1e-6 || is_on_arc(surface, v)));
+        REQUIRE((distance_to_nearest(found, v) < 1e-6 || is_on_arc(all, v)));
       for (const Vec3 v : found) REQUIRE(is_accessible(expected, v, 1e-8));
     }
 }
@@ -64,13 +59,14 @@ TEST_CASE("probe placements are the accessible points where three spheres meet")
 TEST_CASE("points of arcs are accessible, and end where a third sphere begins") {
   const std::vector<Atom> atoms = make_chain(80, 7);
   const double probe = 1.4;
-  const Surface surface = make_surface(atoms, probe);
+  const AllPatches all(atoms, probe, 2);
   const AccessibleSet expected = make_accessible_set(atoms, probe);
-  const std::vector<Vec3> placements = placement_centers(surface);
-  REQUIRE(surface.patches.arcs.size() > 50);
-  for (const Arc& arc : surface.patches.arcs) {
+  const std::vector<Vec3> placements = placement_centers(all);
+  const std::vector<Arc> arcs = all.arcs();
+  REQUIRE(arcs.size() > 50);
+  for (const Arc& arc : arcs) {
     const ContactCircle circle =
-        make_contact_circle(surface.sas_sphere(arc.first), surface.sas_sphere(arc.second));
+        make_contact_circle(all.surface.sas_sphere(arc.first), all.surface.sas_sphere(arc.second));
     if (arc.kind == ArcKind::full) {
       CHECK(is_accessible(expected, circle.center + circle.radius * any_perpendicular(circle.axis),
                           1e-8));
@@ -89,11 +85,12 @@ TEST_CASE("atoms are exposed exactly where some of their sphere is accessible") 
     for (std::uint64_t seed = 1; seed <= 3; ++seed) {
       const std::vector<Atom> atoms = make_atom_set(kind, seed);
       const double probe = designed_probe_radius(seed);
-      const Surface surface = make_surface(atoms, probe);
+      const AllPatches all(atoms, probe, 2);
       const AccessibleSet expected = make_accessible_set(atoms, probe);
       Random random(seed);
       for (std::size_t i = 0; i < atoms.size(); ++i) {
-        const bool is_exposed = surface.patches.exposure[i] == AtomExposure::exposed;
+        const bool is_exposed =
+            all.of(static_cast<AtomIndex>(i)).exposure() == AtomExposure::exposed;
         bool seen = false;
         for (int sample = 0; sample < 2000 && !seen; ++sample) {
           Vec3 d{random.uniform(-1, 1), random.uniform(-1, 1), random.uniform(-1, 1)};
@@ -113,9 +110,9 @@ TEST_CASE("the boxes of patches hold them") {
   for (const Kind kind : {Kind::chain, Kind::gas, Kind::ring, Kind::shell}) {
     const std::vector<Atom> atoms = make_atom_set(kind, 2);
     const double probe = designed_probe_radius(2);
-    const Surface surface = make_surface(atoms, probe);
+    const AllPatches all(atoms, probe, 2);
     BlockFeatures features;
-    collect_features(surface, {{-100, -100, -100}, {100, 100, 100}}, features);
+    collect_features(all.patches, {{-100, -100, -100}, {100, 100, 100}}, features);
     const auto holds = [](const Box& box, Vec3 p) { return squared_distance(box, p) == 0; };
     INFO(kind_name(kind));
     std::size_t on_faces = 0, on_saddles = 0, on_concave = 0;
@@ -165,28 +162,29 @@ TEST_CASE("the boxes of patches hold them") {
 }
 
 TEST_CASE("patches do not depend on the number of threads") {
-  // So many that their placements are joined in several parts.
+  // So many that they are in many clusters.
   const std::vector<Atom> atoms = make_chain(5000, 3);
-  Surface one(atoms, 1.4);
-  build_patches(one, 1);
+  const AllPatches one(atoms, 1.4, 1);
   for (const int threads : {2, 5}) {
-    Surface several(atoms, 1.4);
-    build_patches(several, threads);
-    const Patches &a = one.patches, &b = several.patches;
-    CHECK(a.exposure == b.exposure);
-    CHECK(a.face_begin == b.face_begin);
-    CHECK(a.face_neighbours == b.face_neighbours);
-    CHECK(a.arc_begin == b.arc_begin);
-    CHECK(a.placement_begin == b.placement_begin);
-    REQUIRE(a.placements.size() == b.placements.size());
+    const AllPatches several(atoms, 1.4, threads);
     std::size_t differences = 0;
-    for (std::size_t v = 0; v < a.placements.size(); ++v) {
-      const ProbePlacement &p = a.placements[v], &q = b.placements[v];
-      if (p.center != q.center || p.atoms != q.atoms || p.side != q.side) ++differences;
-    }
-    for (std::size_t i = 0; i < atoms.size(); ++i) {
-      const FaceDirections &p = a.face_directions[i], &q = b.face_directions[i];
-      if (p.low != q.low || p.high != q.high) ++differences;
+    for (AtomIndex i = 0; i < atoms.size(); ++i) {
+      const AtomPatches a = one.of(i), b = several.of(i);
+      const auto is_same_arc = [](const Arc& p, const Arc& q) {
+        return p.first == q.first && p.second == q.second && p.kind == q.kind &&
+               p.start == q.start && p.end == q.end;
+      };
+      const auto is_same_placement = [](const ProbePlacement& p, const ProbePlacement& q) {
+        return p.center == q.center && p.atoms == q.atoms && p.side == q.side &&
+               p.is_regular == q.is_regular;
+      };
+      const bool is_same = a.exposure() == b.exposure() &&
+                           a.face_directions().low == b.face_directions().low &&
+                           a.face_directions().high == b.face_directions().high &&
+                           std::ranges::equal(a.face_neighbours(), b.face_neighbours()) &&
+                           std::ranges::equal(a.arcs(), b.arcs(), is_same_arc) &&
+                           std::ranges::equal(a.placements(), b.placements(), is_same_placement);
+      if (!is_same) ++differences;
     }
     CHECK(differences == 0);
   }
@@ -194,19 +192,78 @@ TEST_CASE("patches do not depend on the number of threads") {
 
 TEST_CASE("placements are those of the lowest atoms, each once") {
   const std::vector<Atom> atoms = make_chain(3000, 8);
-  Surface surface(atoms, 1.4);
-  build_patches(surface, 2);
-  const Patches& patches = surface.patches;
-  REQUIRE(patches.placement_begin.back() == patches.placements.size());
+  const AllPatches all(atoms, 1.4, 2);
   std::set<std::tuple<AtomIndex, AtomIndex, AtomIndex, int>> seen;
   for (AtomIndex i = 0; i < atoms.size(); ++i)
-    for (std::uint32_t v = patches.placement_begin[i]; v < patches.placement_begin[i + 1]; ++v) {
-      const ProbePlacement& placement = patches.placements[v];
+    for (const ProbePlacement& placement : all.of(i).placements()) {
       REQUIRE(placement.atoms[0] == i);
       const auto& [first, second, third] = placement.atoms;
       CHECK(seen.emplace(first, second, third, placement.side).second);
     }
   CHECK(seen.size() > 1000);
+}
+
+// Solves the blocks of a sweep one after the other; returns the largest number of clusters that
+// were open at a time.
+std::size_t largest_window(PatchSchedule& schedule, double low, double high, double step,
+                           const std::function<void(const Patches&, double top)>& look) {
+  const ClusterIndex count = schedule.patches().clusters().count();
+  Patches::Scratch scratch;
+  std::size_t largest = 0;
+  for (double top = low + step; top <= high; top += step) {
+    while (!schedule.is_ready(top)) {
+      const auto next = schedule.take(top);
+      if (!next) continue;  // nothing was left to do but to notice it
+      if (next->kind == BuildStep::Kind::find_arcs) {
+        schedule.patches().find_arcs(next->cluster, scratch);
+      } else {
+        schedule.patches().complete(next->cluster);
+      }
+      schedule.finish(*next);
+    }
+    std::size_t open = 0;
+    for (ClusterIndex cluster = 0; cluster < count; ++cluster)
+      open += schedule.patches().is_open(cluster) ? 1 : 0;
+    largest = std::max(largest, open);
+    look(schedule.patches(), top);
+    schedule.pass(top);
+  }
+  return largest;
+}
+
+TEST_CASE("a sweep holds few patches at a time, and has all that matter") {
+  for (const bool with_giant : {false, true}) {
+    std::vector<Atom> atoms = make_chain(6000, 5);
+    Box box{atoms.front().center, atoms.front().center};
+    for (const Atom& atom : atoms) box.include(atom.center);
+    if (with_giant) atoms.push_back({box.high + Vec3{30, 0, 0}, 25});
+    const double low = box.low.z - 40, high = box.high.z + 40;
+    const AllPatches all(atoms, 1.4, 1);
+    PatchSchedule schedule(all.surface, {low, high});
+    std::size_t faces = 0;
+    const std::size_t largest =
+        largest_window(schedule, low, high, 5, [&](const Patches& window, double top) {
+          const Box layer{{box.low.x - 60, box.low.y - 60, top - 5},
+                          {box.high.x + 60, box.high.y + 60, top}};
+          BlockFeatures expected, found;
+          collect_features(all.patches, layer, expected);
+          collect_features(window, layer, found);
+          INFO("layer up to " << top);
+          REQUIRE(found.balls.size() == expected.balls.size());
+          REQUIRE(found.faces.size() == expected.faces.size());
+          REQUIRE(found.cones.size() == expected.cones.size());
+          REQUIRE(found.arcs.size() == expected.arcs.size());
+          REQUIRE(found.placements.size() == expected.placements.size());
+          for (std::size_t v = 0; v < found.placements.size(); ++v)
+            REQUIRE(found.placements[v].center == expected.placements[v].center);
+          for (std::size_t f = 0; f < found.faces.size(); ++f)
+            REQUIRE(found.faces[f].surface_box.low == expected.faces[f].surface_box.low);
+          faces += found.faces.size();
+        });
+    CHECK(faces > 3000);
+    INFO("with a giant atom: " << with_giant);
+    if (!with_giant) CHECK(largest < all.patches.clusters().count() / 2);
+  }
 }
 
 }  // namespace eses::test

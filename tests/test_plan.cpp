@@ -16,7 +16,7 @@
 #include "plan/plan.hpp"
 #include "support/temporary_directory.hpp"
 #include "surface/survey.hpp"
-#include "sweep/layer_queue.hpp"
+#include "sweep/task_queue.hpp"
 #include "system/bytes_text.hpp"
 
 namespace eses::test {
@@ -359,7 +359,9 @@ TEST_CASE("a run that needs more than its limit after all ends and leaves no fil
 TEST_CASE("no more blocks are solved ahead of the unwritten layer than allowed", "[plan]") {
   for (const std::int64_t ahead : {0, 1, 3, 100}) {
     INFO("ahead " << ahead);
-    LayerQueue queue(2, 4, ahead);
+    const Surface surface(std::vector<Atom>{{{0, 0, 0}, 1.5}}, 1.4);
+    PatchSchedule patches(surface, {10, 20});  // where there is no atom
+    TaskQueue queue(patches, {15, 20}, {15, 20}, 4, ahead);
     std::vector<Task> first;
     first.reserve(4);
     for (int b = 0; b < 4; ++b) first.push_back(queue.take().value());

@@ -10,10 +10,10 @@
 #include "catch.hpp"
 #include "eses/error.hpp"
 #include "eses/run.hpp"
+#include "support/all_patches.hpp"
 #include "support/atom_sets.hpp"
 #include "support/eses_files.hpp"
 #include "support/temporary_directory.hpp"
-#include "sweep/build_patches.hpp"
 #include "sweep/region_box.hpp"
 
 namespace eses::test {
@@ -289,12 +289,15 @@ TEST_CASE("only atoms near a region get patches, and the plan knows", "[region]"
   const Plan part = make_plan(atoms, parameters, {});
   CHECK(part.edge_file_bytes < full.edge_file_bytes / 20);
   CHECK(part.grid_file_bytes < full.grid_file_bytes / 100);
-  Surface everywhere(atoms, 1.4), near(atoms, 1.4);
-  near.confine_to(region_box(part.grid, part.tiling.region));
-  build_patches(everywhere, 2);
-  build_patches(near, 2);
-  CHECK(near.patches.placements.size() > 0);
-  CHECK(near.patches.placements.size() < everywhere.patches.placements.size() / 4);
+  const AllPatches everywhere(atoms, 1.4, 2);
+  Surface confined(atoms, 1.4);
+  confined.confine_to(region_box(part.grid, part.tiling.region));
+  Patches near(confined);
+  build_all_patches(near, 2);
+  std::size_t placements = 0;
+  for (AtomIndex i = 0; i < atoms.size(); ++i) placements += near.of(i).placements().size();
+  CHECK(placements > 0);
+  CHECK(placements < everywhere.placements().size() / 4);
 }
 
 TEST_CASE("a region where there is nothing", "[region]") {

@@ -15,10 +15,10 @@
 #include "eses/read_atoms.hpp"
 #include "eses/run.hpp"
 #include "solve/block_solver.hpp"
+#include "support/all_patches.hpp"
 #include "support/atom_sets.hpp"
 #include "support/brute_force.hpp"
 #include "support/eses_files.hpp"
-#include "sweep/build_patches.hpp"
 #include "sweep/verifier.hpp"
 #include "verify/definition.hpp"
 #include "verify/faults.hpp"
@@ -244,15 +244,14 @@ using Spoil = std::function<void(BlockResult&)>;
 Verification verification_of(const std::vector<Atom>& atoms, const Parameters& parameters,
                              const Spoil& spoil) {
   const Plan plan = make_plan(atoms, parameters, no_files);
-  Surface surface(atoms, parameters.probe_radius);
-  build_patches(surface, 1);
+  const AllPatches all(atoms, parameters.probe_radius);
   BlockWorkspace workspace;
   Verifier verifier(atoms, plan);
   const GridIndex& blocks = plan.tiling.blocks;
   for (std::int64_t b = 0; b < plan.tiling.block_count(); ++b) {
     const Block block =
         plan.tiling.block(b % blocks[0], b / blocks[0] % blocks[1], b / blocks[0] / blocks[1]);
-    BlockResult result = solve_block(surface, plan.grid, block, workspace);
+    BlockResult result = solve_block(all.patches, plan.grid, block, workspace);
     spoil(result);
     verifier.take(result, static_cast<std::size_t>(b % plan.threads));
   }

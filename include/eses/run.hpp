@@ -31,8 +31,8 @@ struct Parameters {
   double probe_radius = 1.4;  ///< angstrom, `least_probe_radius` to `largest_probe_radius`
   double spacing = 0.4;       ///< angstrom, > 0
   double margin = 0.8;        ///< angstrom, >= 0
-  /// Grid points on a side of a block, 2 to `largest_block_size`; 0: `default_block_size`, or less
-  /// to keep `max_memory`.
+  /// Grid points on a side of a block, 2 to `largest_block_size`; 0: `default_block_size`, or
+  /// flatter blocks where the molecule is wide, or smaller ones to keep `max_memory`.
   std::int64_t block_size = 0;
   /// 0: all that the process may use, or less to keep `max_memory`.
   int threads = 0;

@@ -1,5 +1,5 @@
 #pragma once
-/// The tiling of the grid into cubic blocks, and which block owns what.
+/// The tiling of the grid into blocks, usually cubes, and which block owns what.
 ///
 /// Zhao et al., "Divide-and-conquer strategy for large-scale Eulerian solvent excluded surface",
 /// Commun. Inf. Syst. 18 (2018). Block size `b` counts points on a side, the face shared with the
@@ -27,10 +27,11 @@ struct Block {
 /// The blocks of a region, usually the whole grid. The last ones along an axis end with the region:
 /// of the point behind it they know, but own it no more than blocks own the face that they share.
 struct BlockTiling {
-  std::int64_t block_size = default_block_size;  ///< points on a side
-  GridIndex blocks{};                            ///< number of blocks along x, y and z
-  GridIndex grid_size{};                         ///< points of the grid along x, y and z
-  GridRegion region;                             ///< the points that blocks own
+  /// Points on the sides of a block along x, y and z.
+  GridIndex block_size{default_block_size, default_block_size, default_block_size};
+  GridIndex blocks{};     ///< number of blocks along x, y and z
+  GridIndex grid_size{};  ///< points of the grid along x, y and z
+  GridRegion region;      ///< the points that blocks own
   /// The corners of all cells that belong to the region: for make_tiling those whose lowest corner
   /// is in it, so that there are also the points behind its last ones, as far as the grid has them.
   GridRegion corners;
@@ -45,10 +46,15 @@ struct BlockTiling {
   Block block_with_far_corners(std::int64_t bx, std::int64_t by, std::int64_t bz) const;
 };
 
-/// `(n - 2) / (b - 1) + 1` blocks along each axis. Throws Error if block_size < 2.
+/// The region in cubes: `(n - 2) / (b - 1) + 1` blocks along each axis, the first of which begins
+/// with the region, which is not empty. Throws Error if `block_size` is below `least_block_size` or
+/// above `largest_block_size`.
+BlockTiling make_tiling(const Grid& grid, std::int64_t block_size, const GridRegion& region);
+
+/// The same for the whole grid.
 BlockTiling make_tiling(const Grid& grid, std::int64_t block_size);
 
-/// The same for a part of the grid, not empty, with a block's first point at `region.begin`.
-BlockTiling make_tiling(const Grid& grid, std::int64_t block_size, const GridRegion& region);
+/// The same in blocks whose sides differ.
+BlockTiling make_tiling(const Grid& grid, const GridIndex& block_size, const GridRegion& region);
 
 }  // namespace eses

@@ -2,7 +2,7 @@
 
 The steps are those of src/compute and src/distributed: atoms read in equal parts and sent to the slabs that they
 matter to, and again where slabs are cut again; patches within reach of each slab; its blocks in
-layers, in the order in which src/sweep/layer_queue.cpp hands them out; texts copied from scratch
+layers, in the order in which src/sweep/task_queue.cpp hands them out; texts copied from scratch
 files into the shared files; areas added up. Every process waits for the slowest at the end of each
 step.
 """

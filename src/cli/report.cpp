@@ -149,7 +149,8 @@ std::string region_json(const Plan& plan) {
 
 std::string blocks_json(const BlockTiling& tiling) {
   const GridIndex& blocks = tiling.blocks;
-  return json::object({{"size", json::number(tiling.block_size)},
+  const GridIndex& size = tiling.block_size;
+  return json::object({{"size", json::triple(size[0], size[1], size[2])},
                        {"along_axes", json::triple(blocks[0], blocks[1], blocks[2])},
                        {"count", json::number(tiling.block_count())}});
 }
@@ -311,8 +312,8 @@ std::string plan_text(const Report& report) {
   text += fmt::format("grid: {} x {} x {} = {} points\n", points[0], points[1], points[2],
                       plan.grid.point_count());
   text += region_text(plan);
-  text += fmt::format("blocks: {} x {} x {}, {} points on a side; {}\n", blocks[0], blocks[1],
-                      blocks[2], plan.tiling.block_size, workers_text(report));
+  text += fmt::format("blocks: {} x {} x {} of {} points; {}\n", blocks[0], blocks[1], blocks[2],
+                      fmt::join(plan.tiling.block_size, " x "), workers_text(report));
   text += fmt::format("expected: {} of memory{}, {} of files\n", bytes_text(plan.memory_bytes),
                       report.processes.size() > 1 ? " in a process at most" : "",
                       bytes_text(plan.output_bytes()));

@@ -118,14 +118,19 @@ LabelTotals labels_of(const OwnGroups& groups, const ResidueRuns& read,
 // The largest of the processes' schedules.
 void choose_schedule(Plan& whole, const Plan& own, const Processes& processes) {
   const GridRegion region = whole.tiling.region;
-  std::array<std::uint64_t, 4> largest{
-      own.memory_bytes, static_cast<std::uint64_t>(own.tiling.block_size),
-      static_cast<std::uint64_t>(own.blocks_ahead), static_cast<std::uint64_t>(own.threads)};
+  const GridIndex& block_size = own.tiling.block_size;
+  std::array<std::uint64_t, 6> largest{own.memory_bytes,
+                                       static_cast<std::uint64_t>(own.blocks_ahead),
+                                       static_cast<std::uint64_t>(own.threads),
+                                       static_cast<std::uint64_t>(block_size[0]),
+                                       static_cast<std::uint64_t>(block_size[1]),
+                                       static_cast<std::uint64_t>(block_size[2])};
   processes.take_largest(largest);
   whole.memory_bytes = largest[0];
-  whole.tiling = make_tiling(whole.grid, static_cast<std::int64_t>(largest[1]), region);
-  whole.blocks_ahead = static_cast<std::int64_t>(largest[2]);
-  whole.threads = static_cast<int>(largest[3]);
+  whole.blocks_ahead = static_cast<std::int64_t>(largest[1]);
+  whole.threads = static_cast<int>(largest[2]);
+  const auto side = [&](std::size_t axis) { return static_cast<std::int64_t>(largest[3 + axis]); };
+  whole.tiling = make_tiling(whole.grid, GridIndex{side(0), side(1), side(2)}, region);
 }
 
 // Of all processes together; crossings and triangles of what is still to be done.

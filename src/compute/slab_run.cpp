@@ -21,7 +21,7 @@ namespace {
 // what a cut-off run may lose.
 constexpr std::int64_t most_pieces = 64;
 
-BlockTiling slab_tiling(const Plan& plan, std::int64_t block_size, const PlaneRange& planes) {
+BlockTiling slab_tiling(const Plan& plan, const GridIndex& block_size, const PlaneRange& planes) {
   GridRegion region = plan.tiling.region;
   region.begin[2] = planes.begin;
   region.end[2] = planes.end;
@@ -37,7 +37,7 @@ std::vector<PlaneRange> pieces_to_do(const JointTask& task, const JointPlan& pla
   for (const PlaneRange& range : remaining(plan.slab.planes, plan.done)) {
     std::int64_t planes = range.count();
     if (task.resume) {
-      const std::int64_t layer = plan.own.tiling.block_size - 1;
+      const std::int64_t layer = plan.own.tiling.block_size[2] - 1;
       const std::int64_t layers = (plan.slab.planes.count() + layer - 1) / layer;
       planes = layer * ((layers + most_pieces - 1) / most_pieces);
     }

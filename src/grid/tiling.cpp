@@ -13,9 +13,14 @@ BlockTiling make_tiling(const Grid& grid, std::int64_t block_size) {
 }
 
 BlockTiling make_tiling(const Grid& grid, std::int64_t block_size, const GridRegion& region) {
-  if (block_size < least_block_size || block_size > largest_block_size)
-    throw Error(fmt::format("the block size must be between {} and {} grid points, not {}",
-                            least_block_size, largest_block_size, block_size));
+  return make_tiling(grid, {block_size, block_size, block_size}, region);
+}
+
+BlockTiling make_tiling(const Grid& grid, const GridIndex& block_size, const GridRegion& region) {
+  for (const std::int64_t side : block_size)
+    if (side < least_block_size || side > largest_block_size)
+      throw Error(fmt::format("the block size must be between {} and {} grid points, not {}",
+                              least_block_size, largest_block_size, side));
   BlockTiling tiling;
   tiling.block_size = block_size;
   tiling.grid_size = grid.size;
@@ -25,7 +30,8 @@ BlockTiling make_tiling(const Grid& grid, std::int64_t block_size, const GridReg
     const std::int64_t points = region.end[axis] - region.begin[axis];
     const std::int64_t shared = region.end[axis] < grid.size[axis] ? 1 : 0;
     // A single point, which has no cell, is a block all the same.
-    tiling.blocks[axis] = (std::max<std::int64_t>(points + shared, 2) - 2) / (block_size - 1) + 1;
+    tiling.blocks[axis] =
+        (std::max<std::int64_t>(points + shared, 2) - 2) / (block_size[axis] - 1) + 1;
   }
   return tiling;
 }
@@ -38,10 +44,10 @@ GridRegion BlockTiling::points_of_blocks(const GridRegion& indices) const {
       throw Error(fmt::format(
           "blocks {}:{} along {} are asked for, but there are {} of {} points on a side: the first "
           "is 0, and the last ({}) stands before an end of {}",
-          begin, end, "xyz"[axis], blocks[axis], block_size, blocks[axis] - 1, blocks[axis]));
-    points.begin[axis] = region.begin[axis] + begin * (block_size - 1);
+          begin, end, "xyz"[axis], blocks[axis], block_size[axis], blocks[axis] - 1, blocks[axis]));
+    points.begin[axis] = region.begin[axis] + begin * (block_size[axis] - 1);
     points.end[axis] =
-        end == blocks[axis] ? region.end[axis] : region.begin[axis] + end * (block_size - 1);
+        end == blocks[axis] ? region.end[axis] : region.begin[axis] + end * (block_size[axis] - 1);
   }
   return points;
 }
@@ -50,11 +56,11 @@ Block BlockTiling::block(std::int64_t bx, std::int64_t by, std::int64_t bz) cons
   const GridIndex position{bx, by, bz};
   Block block;
   for (std::size_t axis = 0; axis < 3; ++axis) {
-    block.first[axis] = region.begin[axis] + position[axis] * (block_size - 1);
+    block.first[axis] = region.begin[axis] + position[axis] * (block_size[axis] - 1);
     const std::int64_t last = std::min(region.end[axis], grid_size[axis] - 1);
-    block.points[axis] = std::min(block_size, last - block.first[axis] + 1);
+    block.points[axis] = std::min(block_size[axis], last - block.first[axis] + 1);
     const bool is_last = position[axis] == blocks[axis] - 1;
-    block.owned[axis] = is_last ? region.end[axis] - block.first[axis] : block_size - 1;
+    block.owned[axis] = is_last ? region.end[axis] - block.first[axis] : block_size[axis] - 1;
   }
   return block;
 }

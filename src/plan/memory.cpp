@@ -18,8 +18,8 @@ namespace eses {
 namespace {
 
 constexpr double mebibyte = 1 << 20;
-constexpr double base_bytes = 6 * mebibyte;               // program, libraries, survey
-constexpr double bytes_per_thread = 0.75 * mebibyte;      // stack, allocator, batches
+constexpr double base_bytes = 6 * mebibyte;           // program, libraries, survey
+constexpr double bytes_per_thread = 0.75 * mebibyte;  // stack, allocator, batches
 // With line number, tree, place among the clusters and share of the area.
 constexpr double bytes_per_atom = sizeof(Atom) + 8 + 16 + 8 + sizeof(AreaShare);
 // What the allocator keeps of a layer that is gone, for each thread that may have solved its
@@ -68,7 +68,7 @@ double crowd_bytes(const SurfaceSurvey& survey, int threads) {
 
 // Of a block, with the point behind the region's last.
 std::int64_t points_along(const BlockTiling& tiling, std::size_t axis) {
-  return std::min(tiling.block_size, tiling.region.size()[axis] + 1);
+  return std::min(tiling.block_size[axis], tiling.region.size()[axis] + 1);
 }
 
 // What a thread unpacks for one block: see collect_features.
@@ -119,7 +119,7 @@ double text_bytes(const GridRegion& region, const OutputChoice& outputs) {
 
 // Numbers of the rows of a layer, and the plane that is kept of it.
 double mesh_bytes(const SurfaceSurvey& survey, double spacing, const BlockTiling& tiling) {
-  const auto side = as_double(std::min(tiling.block_size, tiling.grid_size[2]));
+  const auto side = as_double(std::min(tiling.block_size[2], tiling.grid_size[2]));
   const double rows = as_double(tiling.region.size()[1]);
   const double crossings =
       far_corner_growth(tiling) * expected_crossings(survey.largest_slab_area(spacing), spacing);

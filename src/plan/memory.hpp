@@ -14,7 +14,7 @@ namespace eses {
 struct Schedule {
   BlockTiling tiling;
   int threads = 1;
-  std::int64_t blocks_ahead = 0;  ///< see LayerQueue
+  std::int64_t blocks_ahead = 0;  ///< see TaskQueue
 };
 
 /// What the labels of atoms amount to; runs are of atoms that follow each other.

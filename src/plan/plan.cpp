@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 #include <span>
@@ -79,16 +80,40 @@ GridRegion region_of(const Grid& grid, const Parameters& p) {
   return make_tiling(grid, block_size).points_of_blocks(*p.blocks);
 }
 
+// Sides of blocks from which the plan chooses if none are given. The first is fastest, but where
+// the molecule is wide its layers hold many crossings, and many patches are needed at a time. The
+// flat ones, whose sides are longer instead, then cost next to nothing.
+constexpr std::array<GridIndex, 4> layer_shapes{
+    {{64, 64, 64}, {64, 64, 32}, {96, 96, 24}, {128, 128, 16}}};
+constexpr double most_layer_bytes = 8 << 20;  // of crossings
+// Smaller ones, to keep a limit.
+constexpr std::array<GridIndex, 3> small_shapes{{{32, 32, 32}, {24, 24, 24}, {16, 16, 16}}};
+
+bool has_full_layers(const SurfaceSurvey& survey, double spacing, const GridIndex& shape) {
+  const double height = spacing * static_cast<double>(shape[2] - 1);
+  return sizeof(Crossing) * expected_crossings(survey.largest_slab_area(height), spacing) >
+         most_layer_bytes;
+}
+
+std::vector<GridIndex> possible_block_sizes(const SurfaceSurvey& survey, const Parameters& p) {
+  if (p.block_size > 0) return {{p.block_size, p.block_size, p.block_size}};
+  auto fastest = layer_shapes.begin();
+  while (fastest + 1 != layer_shapes.end() && has_full_layers(survey, p.spacing, *fastest))
+    ++fastest;
+  std::vector<GridIndex> sizes(fastest, layer_shapes.end());
+  sizes.insert(sizes.end(), small_shapes.begin(), small_shapes.end());
+  return sizes;
+}
+
 // What there is to choose from, the fastest first: half the threads cost more than small blocks.
 std::vector<Schedule> possible_schedules(const Grid& grid, const GridRegion& region,
-                                         const Parameters& p, std::size_t atoms) {
-  std::vector<std::int64_t> block_sizes{p.block_size};
-  if (p.block_size == 0) block_sizes = {default_block_size, 48, 32, 24, 16};
+                                         const Parameters& p, const SurfaceSurvey& survey) {
+  const std::vector<GridIndex> block_sizes = possible_block_sizes(survey, p);
   std::vector<Schedule> schedules;
   for (int threads = p.threads > 0 ? p.threads : available_threads(); threads > 0; threads /= 2) {
-    for (const std::int64_t block_size : block_sizes) {
+    for (const GridIndex& block_size : block_sizes) {
       const BlockTiling tiling = make_tiling(grid, block_size, region);
-      const int used = useful_threads(tiling, threads, atoms);
+      const int used = useful_threads(tiling, threads, survey.patched_count());
       // So many that a thread rarely waits for the slowest block of a layer, or none. A thread that
       // is alone never waits.
       for (const std::int64_t ahead : {used > 1 ? 4 * used : 0, 0})
@@ -154,8 +179,7 @@ void choose_schedule(const SurfaceSurvey& survey, const GridRegion& region,
   const std::uint64_t limit = p.max_memory > 0 ? std::min(p.max_memory, available) : available;
   const double crossings = expected_crossings(survey.totals().area, p.spacing);
   double smallest = std::numeric_limits<double>::infinity();
-  for (const Schedule& schedule :
-       possible_schedules(plan.grid, region, p, survey.patched_count())) {
+  for (const Schedule& schedule : possible_schedules(plan.grid, region, p, survey)) {
     const double memory = static_cast<double>(held) +
                           expected_memory(survey, labels, plan.grid, schedule, outputs) +
                           Verifier::memory_bytes(p.verify, schedule.threads, crossings);

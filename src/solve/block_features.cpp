@@ -164,13 +164,12 @@ void collect_features(const Patches& patches, const Box& box, BlockFeatures& fea
     });
     // A little farther, so that all placements are here of which one is kept.
     constexpr double slack = 2 * tolerance::same_placement;
-    for_each_patch(cluster.placement_begin, of_atom.member, listed.placements,
-                   [&](std::uint32_t v) {
-                     const ProbePlacement& placement = cluster.placements[v];
-                     if (squared_distance(box, placement.center) <=
-                         (probe + slack) * (probe + slack))
-                       features.near_placements.push_back(&placement);
-                   });
+    for_each_patch(
+        cluster.placement_begin, of_atom.member, listed.placements, [&](std::uint32_t v) {
+          const ProbePlacement& placement = cluster.placements[v];
+          if (squared_distance(box, placement.center) <= (probe + slack) * (probe + slack))
+            features.near_placements.push_back(&placement);
+        });
   }
   merge_irregular_placements(features.near_placements);
   for (const ProbePlacement* const placement : features.near_placements)

@@ -71,8 +71,8 @@ struct PlacementFeature {
   Box box;                   ///< of the concave patch (of the whole probe if not regular)
 };
 
-/// Those patches of a cluster's crowded atoms that are listed under the atoms nearby, ascending; see
-/// CrowdedPatches.
+/// Those patches of a cluster's crowded atoms that are listed under the atoms nearby, ascending;
+/// see CrowdedPatches.
 struct ListedPatches {
   const ClusterPatches* cluster = nullptr;
   std::vector<std::uint32_t> face_neighbours, arcs, placements;

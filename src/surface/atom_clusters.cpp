@@ -19,8 +19,8 @@ std::vector<AtomIndex> sorted_by_cells(std::span<const Atom> atoms) {
   std::iota(order.begin(), order.end(), AtomIndex{0});
   const auto cell_of = [&](AtomIndex i) {
     const Vec3& center = atoms[i].center;
-    return std::tuple(std::floor(center.z / AtomClusters::layer_height), std::floor(center.y / cell_side),
-                      std::floor(center.x / cell_side), i);
+    return std::tuple(std::floor(center.z / AtomClusters::layer_height),
+                      std::floor(center.y / cell_side), std::floor(center.x / cell_side), i);
   };
   std::sort(order.begin(), order.end(),
             [&](AtomIndex a, AtomIndex b) { return cell_of(a) < cell_of(b); });

@@ -1,8 +1,8 @@
 #pragma once
 /// Clusters of atoms that are near each other, in the order of their heights.
 ///
-/// Patches are built cluster by cluster, shortly before a sweep along z needs them, and freed behind
-/// it. Atoms are sorted along z first, so that the clusters in use at a time follow the
+/// Patches are built cluster by cluster, shortly before a sweep along z needs them, and freed
+/// behind it. Atoms are sorted along z first, so that the clusters in use at a time follow the
 /// cross-section of the molecule.
 
 #include <cstdint>

@@ -227,10 +227,9 @@ void Patches::place_probes(ClusterPatches& patches) {
     const std::uint32_t member_a = member_of(a), member_b = member_of(b);
     return member_a < member_b || (member_a == member_b && a < b);
   });
-  const auto end =
-      std::unique(keys.begin(), keys.end(), [](const PlacementKey& key, const PlacementKey& next) {
-        return key.is_same_place(next);
-      });
+  const auto end = std::unique(
+      keys.begin(), keys.end(),
+      [](const PlacementKey& key, const PlacementKey& next) { return key.is_same_place(next); });
   std::vector<std::uint32_t> counts(patches.exposure.size());
   patches.placements.reserve(static_cast<std::size_t>(end - keys.begin()));
   for (auto key = keys.begin(); key != end; ++key)

@@ -25,8 +25,8 @@ std::span<const Crossing> piece_of_row(std::span<const Crossing> crossings,
 }  // namespace
 
 BlockRow block_row_of(const BlockTiling& tiling, std::int64_t y) {
-  const std::int64_t by = std::min(y / (tiling.block_size - 1), tiling.blocks[1] - 1);
-  return {by, y - by * (tiling.block_size - 1)};
+  const std::int64_t by = std::min(y / (tiling.block_size[1] - 1), tiling.blocks[1] - 1);
+  return {by, y - by * (tiling.block_size[1] - 1)};
 }
 
 LayerRows::LayerRows(const BlockTiling& tiling, const Layer& layer, Extent extent)

@@ -27,8 +27,8 @@ PatchSchedule::PatchSchedule(const Surface& surface, const HeightRange& asked)
   find_wanted();
 }
 
-// SAS spheres are in the heights of their cluster; a point depends on atoms one probe radius farther
-// away.
+// SAS spheres are in the heights of their cluster; a point depends on atoms one probe radius
+// farther away.
 bool PatchSchedule::is_asked(ClusterIndex cluster) const {
   const HeightRange& heights = patches_.clusters().heights(cluster);
   return heights.low - reach_ <= asked_.high && heights.high + reach_ >= asked_.low;
@@ -98,8 +98,7 @@ void PatchSchedule::finish(const BuildStep& step) {
 
 void PatchSchedule::advance() {
   const auto count = static_cast<ClusterIndex>(stages_.size());
-  while (arcs_before_ < count &&
-         (stages_[arcs_before_] != Stage::none || !is_wanted(arcs_before_)))
+  while (arcs_before_ < count && (stages_[arcs_before_] != Stage::none || !is_wanted(arcs_before_)))
     ++arcs_before_;
   while (complete_before_ < count &&
          (stages_[complete_before_] == Stage::complete || !is_asked(complete_before_)))

@@ -68,8 +68,8 @@ class PatchSchedule {
   ClusterIndex arcs_before_ = 0;      // all wanted clusters before this one have their arcs
   ClusterIndex complete_before_ = 0;  // all clusters asked for before this one are complete
   ClusterIndex open_begin_ = 0, open_end_ = 0;  // no others are open
-  ClusterIndex highest_before_ = 0;   // `highest_` is that of the clusters before this one
-  double highest_;                    // top of the clusters asked for so far
+  ClusterIndex highest_before_ = 0;  // `highest_` is that of the clusters before this one
+  double highest_;                   // top of the clusters asked for so far
 };
 
 }  // namespace eses

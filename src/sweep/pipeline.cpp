@@ -33,8 +33,8 @@ std::vector<double> tops_of_layers(const Plan& plan) {
   return tops;
 }
 
-// The lowest plane that is looked at after each layer: the next one begins with the plane above, and
-// where it is another pipeline's, that one solves this plane, too.
+// The lowest plane that is looked at after each layer: the next one begins with the plane above,
+// and where it is another pipeline's, that one solves this plane, too.
 std::vector<double> bottoms_after_layers(const Plan& plan) {
   std::vector<double> bottoms;
   for (std::int64_t layer = 0; layer < plan.tiling.blocks[2]; ++layer) {
@@ -140,9 +140,15 @@ std::int64_t Pipeline::layer_planes(std::int64_t layer) const {
 void Pipeline::work(std::size_t thread) {
   while (const auto task = queue_.take()) {
     switch (task->kind) {
-      case Task::Kind::build: build(task->step, builders_[thread]); break;
-      case Task::Kind::solve: solve(*task, thread); break;
-      case Task::Kind::write: write(*task, writers_[thread]); break;
+      case Task::Kind::build:
+        build(task->step, builders_[thread]);
+        break;
+      case Task::Kind::solve:
+        solve(*task, thread);
+        break;
+      case Task::Kind::write:
+        write(*task, writers_[thread]);
+        break;
     }
     queue_.finish(*task, layer_chunks(task->layer), [&](std::int64_t layer) { release(layer); });
   }
@@ -166,8 +172,12 @@ void Pipeline::build(const BuildStep& step, Builder& builder) {
   const Stopwatch watch;
   Patches& patches = patches_.patches();
   switch (step.kind) {
-    case BuildStep::Kind::find_arcs: patches.find_arcs(step.cluster, builder.scratch); break;
-    case BuildStep::Kind::complete: patches.complete(step.cluster); break;
+    case BuildStep::Kind::find_arcs:
+      patches.find_arcs(step.cluster, builder.scratch);
+      break;
+    case BuildStep::Kind::complete:
+      patches.complete(step.cluster);
+      break;
   }
   builder.seconds += watch.seconds();
   require_memory_within(plan_.parameters.max_memory);
@@ -192,7 +202,8 @@ void Pipeline::release(std::int64_t layer) {
 BlockResult Pipeline::solve_block(const Block& block, const Block& with_far_corners,
                                   BlockWorkspace& workspace) const {
   return sinks_.mesh != nullptr
-             ? solve_block_for_mesh(patches_.patches(), plan_.grid, block, with_far_corners, workspace)
+             ? solve_block_for_mesh(patches_.patches(), plan_.grid, block, with_far_corners,
+                                    workspace)
              : eses::solve_block(patches_.patches(), plan_.grid, block, workspace);
 }
 

@@ -70,8 +70,7 @@ bool TaskQueue::count_finished(const Task& task, std::int64_t chunks) {
   if (task.kind == Task::Kind::solve) {
     progress.chunks = chunks;
     ++progress.blocks_done;
-    if (is_solved(task.layer))
-      patches_.pass(next_bottoms_[static_cast<std::size_t>(task.layer)]);
+    if (is_solved(task.layer)) patches_.pass(next_bottoms_[static_cast<std::size_t>(task.layer)]);
     return false;
   }
   if (++progress.chunks_done < progress.chunks) return false;

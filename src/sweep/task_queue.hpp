@@ -1,5 +1,6 @@
 #pragma once
-/// What a thread does next: the order in which patches are built, and blocks are solved and written.
+/// What a thread does next: the order in which patches are built, and blocks are solved and
+/// written.
 
 #include <condition_variable>
 #include <cstdint>
@@ -20,9 +21,9 @@ struct Task {
 };
 
 /// Layers are solved and written in order. A solved layer is written before any other block is
-/// solved, so that its memory is free soon; threads that find neither to do build the patches of the
-/// next layer and start to solve it, so that none waits for the slowest block. At most one layer and
-/// `blocks_ahead` blocks of the next hold results that are not written.
+/// solved, so that its memory is free soon; threads that find neither to do build the patches of
+/// the next layer and start to solve it, so that none waits for the slowest block. At most one
+/// layer and `blocks_ahead` blocks of the next hold results that are not written.
 class TaskQueue {
  public:
   /// `tops` are the heights of the layers' uppermost planes, `next_bottoms` those of the lowest
@@ -37,9 +38,9 @@ class TaskQueue {
   /// Likewise, but only steps that must be taken before anything up to a height can be solved.
   std::optional<Task> take_step(double up_to);
 
-  /// Says that a task is done. `chunks` is the number of chunks into which the layer of a block will
-  /// be cut, and `on_written(layer)` is called, from one thread at a time, when the last of these is
-  /// done.
+  /// Says that a task is done. `chunks` is the number of chunks into which the layer of a block
+  /// will be cut, and `on_written(layer)` is called, from one thread at a time, when the last of
+  /// these is done.
   template <class OnWritten>
   void finish(const Task& task, std::int64_t chunks, OnWritten&& on_written) {
     const std::lock_guard lock(mutex_);

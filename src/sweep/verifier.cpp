@@ -50,7 +50,7 @@ std::int64_t number_of(const BlockTiling& tiling, const GridIndex& block) {
 std::int64_t owner_of(const BlockTiling& tiling, const GridIndex& point) {
   GridIndex block{};
   for (std::size_t q = 0; q < 3; ++q)
-    block[q] = std::min((point[q] - tiling.region.begin[q]) / (tiling.block_size - 1),
+    block[q] = std::min((point[q] - tiling.region.begin[q]) / (tiling.block_size[q] - 1),
                         tiling.blocks[q] - 1);
   return number_of(tiling, block);
 }

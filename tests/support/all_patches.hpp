@@ -1,0 +1,39 @@
+#pragma once
+/// The patches of all atoms of a molecule at once.
+
+#include <utility>
+#include <vector>
+
+#include "surface/patches.hpp"
+
+namespace eses::test {
+
+struct AllPatches {
+  Surface surface;
+  Patches patches;
+
+  AllPatches(Molecule molecule, double probe, int threads = 1)
+      : surface(std::move(molecule), probe), patches(surface) {
+    build_all_patches(patches, threads);
+  }
+  AllPatches(const AllPatches&) = delete;
+  AllPatches& operator=(const AllPatches&) = delete;
+
+  AtomPatches of(AtomIndex atom) const { return patches.of(atom); }
+
+  /// By atom, in the order of their indices.
+  std::vector<Arc> arcs() const {
+    std::vector<Arc> all;
+    for (AtomIndex i = 0; i < surface.atoms.size(); ++i)
+      all.insert(all.end(), of(i).arcs().begin(), of(i).arcs().end());
+    return all;
+  }
+  std::vector<ProbePlacement> placements() const {
+    std::vector<ProbePlacement> all;
+    for (AtomIndex i = 0; i < surface.atoms.size(); ++i)
+      all.insert(all.end(), of(i).placements().begin(), of(i).placements().end());
+    return all;
+  }
+};
+
+}  // namespace eses::test
