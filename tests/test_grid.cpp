@@ -197,7 +197,7 @@ bool each_owned_once(Ownership& ownership, const GridRegion& region) {
 void check_ownership(const BlockTiling& tiling) {
   const GridIndex& size = tiling.grid_size;
   INFO("size " << size[0] << ' ' << size[1] << ' ' << size[2] << ", block size "
-               << tiling.block_size);
+               << tiling.block_size[0]);
   Ownership ownership{size, {}};
   ownership.owners.resize(static_cast<std::size_t>(size[0] * size[1] * size[2]) * 4);
   bool inside = true;

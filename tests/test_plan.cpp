@@ -219,20 +219,38 @@ TEST_CASE("a molecule of few atoms is surveyed in full", "[plan]") {
   }
 }
 
+namespace {
+
+std::int64_t points_of_block(const Plan& plan) {
+  const auto& [x, y, z] = plan.tiling.block_size;
+  return x * y * z;
+}
+
+}  // namespace
+
+TEST_CASE("blocks are cubes, and flat where the molecule is wide", "[plan]") {
+  Parameters parameters;
+  const Plan small = plan_with_plenty(column_of_atoms(40), parameters);
+  CHECK((small.tiling.block_size == GridIndex{64, 64, 64}));
+  parameters.spacing = 0.2;
+  const Plan wide = plan_with_plenty({{{0, 0, 0}, 120}}, parameters);
+  CHECK(wide.tiling.block_size[2] < 64);
+  CHECK(wide.tiling.block_size[0] >= 64);
+}
+
 TEST_CASE("a plan keeps what memory is available as it keeps a limit", "[plan]") {
   const std::vector<Atom> atoms{{{0, 0, 0}, 120}};
   Parameters parameters;
   parameters.spacing = 0.2;
   parameters.threads = 2;
   const Plan free = plan_with_plenty(atoms, parameters);
-  CHECK(free.tiling.block_size == default_block_size);
   const std::uint64_t smallest = smallest_limit(atoms, parameters) << 20;
   const Plan tight = make_plan_within(smallest, atoms, parameters, {});
-  CHECK(tight.tiling.block_size < default_block_size);
+  CHECK(points_of_block(tight) < points_of_block(free));
   CHECK(tight.memory_bytes <= smallest);
   parameters.max_memory = smallest;
   const Plan limited = plan_with_plenty(atoms, parameters);
-  CHECK(limited.tiling.block_size == tight.tiling.block_size);
+  CHECK((limited.tiling.block_size == tight.tiling.block_size));
   CHECK(limited.memory_bytes == tight.memory_bytes);
   parameters.max_memory = plenty;  // more than there is
   CHECK(make_plan_within(smallest, atoms, parameters, {}).memory_bytes == tight.memory_bytes);
@@ -279,7 +297,7 @@ TEST_CASE("a memory limit that is large changes nothing", "[plan]") {
   const Plan free = plan_with_plenty(atoms, parameters);
   parameters.max_memory = std::uint64_t{1} << 40;
   const Plan limited = plan_with_plenty(atoms, parameters);
-  CHECK(limited.tiling.block_size == default_block_size);
+  CHECK((limited.tiling.block_size == free.tiling.block_size));
   CHECK(limited.threads == free.threads);
   CHECK(limited.blocks_ahead == free.blocks_ahead);
   CHECK(limited.memory_bytes >= free.memory_bytes);
@@ -298,7 +316,8 @@ TEST_CASE("the limit that a refusal names is the smallest that is accepted", "[p
       parameters.max_memory = smallest << 20;
       const Plan plan = plan_with_plenty(atoms, parameters);
       CHECK(plan.memory_bytes <= parameters.max_memory);
-      if (block_size > 0) CHECK(plan.tiling.block_size == block_size);
+      if (block_size > 0)
+        CHECK((plan.tiling.block_size == GridIndex{block_size, block_size, block_size}));
       if (threads > 0) CHECK(plan.threads == threads);
       parameters.max_memory = (smallest - 1) << 20;
       CHECK_THROWS_AS(plan_with_plenty(atoms, parameters), Error);
@@ -313,11 +332,11 @@ TEST_CASE("a tight limit makes blocks smaller, and holds fewer", "[plan]") {
   const Plan free = plan_with_plenty(atoms, parameters);
   parameters.max_memory = free.memory_bytes - 1;
   const Plan fewer = plan_with_plenty(atoms, parameters);
-  CHECK(fewer.tiling.block_size == default_block_size);
+  CHECK((fewer.tiling.block_size == free.tiling.block_size));
   CHECK(fewer.blocks_ahead < free.blocks_ahead);
   parameters.max_memory = smallest_limit(atoms, parameters) << 20;
   const Plan smallest = plan_with_plenty(atoms, parameters);
-  CHECK(smallest.tiling.block_size < default_block_size);
+  CHECK(points_of_block(smallest) < points_of_block(free));
   CHECK(smallest.memory_bytes < fewer.memory_bytes);
 }
 

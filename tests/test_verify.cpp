@@ -244,7 +244,7 @@ using Spoil = std::function<void(BlockResult&)>;
 Verification verification_of(const std::vector<Atom>& atoms, const Parameters& parameters,
                              const Spoil& spoil) {
   const Plan plan = make_plan(atoms, parameters, no_files);
-  const AllPatches all(atoms, parameters.probe_radius);
+  const test::AllPatches all(atoms, parameters.probe_radius);
   BlockWorkspace workspace;
   Verifier verifier(atoms, plan);
   const GridIndex& blocks = plan.tiling.blocks;

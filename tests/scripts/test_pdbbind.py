@@ -115,7 +115,7 @@ class Results(PdbbindTest):
         report = json.loads((self.output / "c60" / "status.json").read_text())["report"]
         self.assertEqual(report["parameters"],
                          {"probe_radius": 1.2, "spacing": 0.5, "margin": 0.8})
-        self.assertEqual(report["blocks"]["size"], 9)
+        self.assertEqual(report["blocks"]["size"], [9, 9, 9])
 
     def test_compressed_files(self):
         self.add("c60.xyzr")
