@@ -12,6 +12,7 @@
 #include <filesystem>
 #include <fstream>
 #include <iterator>
+#include <limits>
 #include <numbers>
 #include <set>
 #include <sstream>
@@ -823,8 +824,19 @@ TEST_CASE("JSON stays valid whatever the file names", "[cli]") {
   fs::copy_file(sandbox.directory() / "atom.xyzr", sandbox.directory() / broken);
   const Outcome replaced = sandbox.run({broken, "--json", "--write", "none"});
   REQUIRE(replaced.code == 0);
-  check_json(sandbox, replaced.out, "r['input'].replace(chr(0xFFFD), '~')", "'~~(~~~~~~~~.xyzr'");
+  check_json(sandbox, replaced.out, "r['input'].replace(chr(0xFFFD), '~')", "'~~(~~~~~~.xyzr'");
 #endif
+}
+
+TEST_CASE("JSON numbers are the shortest text that reads back, or null", "[cli]") {
+  eses::cli::Report report;
+  report.options.parameters.spacing = 1;
+  report.summary.area = 51756.72429763123;
+  report.summary.volume = std::numeric_limits<double>::quiet_NaN();
+  const std::string text = eses::cli::json_text(report);
+  CHECK(contains(text, "\"spacing\": 1, "));
+  CHECK(contains(text, "\"area\": 51756.72429763123,\n"));
+  CHECK(contains(text, "\"volume\": null,\n"));
 }
 
 TEST_CASE("a standard output that takes nothing is an error", "[cli]") {
