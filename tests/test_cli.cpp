@@ -12,6 +12,7 @@
 #include <filesystem>
 #include <fstream>
 #include <iterator>
+#include <limits>
 #include <numbers>
 #include <set>
 #include <sstream>
@@ -73,6 +74,7 @@ TEST_CASE("help names every option with unit and default, examples and exit code
   CHECK(outcome.code == 0);
   CHECK(outcome.err.empty());
   CHECK(sandbox.run({"-h"}).out == outcome.out);
+  CHECK(sandbox.run({"--spacing", "0", "--help", "--other"}).out == outcome.out);
   for (const std::string part : {"Usage: eses-blocks [OPTIONS] FILE [PROBE [SPACING [MARGIN]]]\n",
                                  "--probe-radius ANGSTROM ",
                                  " radius of the solvent probe, 0.01 to 1000 [1.4]\n",
@@ -135,12 +137,17 @@ TEST_CASE("usage errors name option, value and expectation, and write nothing", 
       ", expected i0:i1,j0:j1,k0:k1, whole numbers from 0, i0 < i1 and so on";
   const std::string bytes = ", expected a whole number of bytes above 0, or one with K, M, G or T";
   const std::vector<std::pair<Arguments, std::string>> cases{
-      {{}, "FILE is missing"},
-      {{""}, "FILE is missing"},
+      {{}, "FILE is required"},
+      {{""}, "FILE is '', expected a file"},
       {{"atom.xyzr", "1.4", "0.4", "0.8", "7"},
        "unexpected argument '7' after FILE, PROBE, SPACING and MARGIN"},
       {{"atom.xyzr", "--colour"}, "unknown option '--colour'"},
       {{"atom.xyzr", "-x"}, "unknown option '-x'"},
+      {{"--spcing", "0.5", "atom.xyzr"}, "unknown option '--spcing'"},
+      {{"atom.xyzr", "1.4", "-.5"},
+       "unexpected negative number '-.5' among FILE, PROBE, SPACING and MARGIN"},
+      {{"atom.xyzr", "0x1p1"}, "PROBE is '0x1p1'" + probe_range},
+      {{"atom.xyzr", " 1.4"}, "PROBE is ' 1.4'" + probe_range},
       {{"atom.xyzr", "-1.4"}, "PROBE is '-1.4'" + probe_range},
       {{"atom.xyzr", "1.4", "-0.4"}, "SPACING is '-0.4'" + above_zero},
       {{"atom.xyzr", "1.4", "0.4", "-0.8"}, "MARGIN is '-0.8'" + at_least_zero},
@@ -159,7 +166,7 @@ TEST_CASE("usage errors name option, value and expectation, and write nothing", 
       {{"atom.xyzr", "--margin", "-1"}, "--margin is '-1'" + at_least_zero},
       {{"atom.xyzr", "--margin"}, "--margin needs a value"},
       {{"--output-dir=", "atom.xyzr"}, "--output-dir= needs a value"},
-      {{"atom.xyzr", "-o", ""}, "--output-dir is missing"},
+      {{"atom.xyzr", "-o", ""}, "--output-dir is '', expected a directory"},
       {{"atom.xyzr", "1.4", "--probe-radius", "1.5"},
        "PROBE is 1.4 but --probe-radius is 1.5, give one of the two"},
       {{"atom.xyzr", "1.4", "0.4", "--spacing", "0.5"},
@@ -172,6 +179,7 @@ TEST_CASE("usage errors name option, value and expectation, and write nothing", 
        "--block-size is '4097', expected a whole number from 2 to 4096"},
       {{"atom.xyzr", "-b", "64.0"},
        "--block-size is '64.0', expected a whole number from 2 to 4096"},
+      {{"atom.xyzr", "-t", "0x2"}, "--threads is '0x2', expected a whole number from 1 to 4096"},
       {{"atom.xyzr", "-t", "0"}, "--threads is '0', expected a whole number from 1 to 4096"},
       {{"atom.xyzr", "-t", "-2"}, "--threads is '-2', expected a whole number from 1 to 4096"},
       {{"atom.xyzr", "-t", "99999999999999999999"},
@@ -212,7 +220,7 @@ TEST_CASE("usage errors name option, value and expectation, and write nothing", 
       {{"atom.xyzr", "--blocks", "0:1,-1:1,0:1"}, "--blocks is '0:1,-1:1,0:1'" + ranges},
       {{"atom.xyzr", "--blocks", "0,0,0"}, "--blocks is '0,0,0'" + ranges},
       {{"atom.xyzr", "--blocks", "0:1,0:1,0:1", "--region", "0,0,0,1,1,1"},
-       "--region and --blocks are given, choose one of the two"},
+       "--region excludes --blocks, give one of the two"},
       {{"atom.xyzr", "--json=no"}, "--json takes no value"},
       {{"atom.xyzr", "--verify=0"}, "--verify is '0', expected a whole number from 1 to 10000000"},
       {{"atom.xyzr", "--verify=all"},
@@ -816,8 +824,19 @@ TEST_CASE("JSON stays valid whatever the file names", "[cli]") {
   fs::copy_file(sandbox.directory() / "atom.xyzr", sandbox.directory() / broken);
   const Outcome replaced = sandbox.run({broken, "--json", "--write", "none"});
   REQUIRE(replaced.code == 0);
-  check_json(sandbox, replaced.out, "r['input'].replace(chr(0xFFFD), '~')", "'~~(~~~~~~~~.xyzr'");
+  check_json(sandbox, replaced.out, "r['input'].replace(chr(0xFFFD), '~')", "'~~(~~~~~~.xyzr'");
 #endif
+}
+
+TEST_CASE("JSON numbers are the shortest text that reads back, or null", "[cli]") {
+  eses::cli::Report report;
+  report.options.parameters.spacing = 1;
+  report.summary.area = 51756.72429763123;
+  report.summary.volume = std::numeric_limits<double>::quiet_NaN();
+  const std::string text = eses::cli::json_text(report);
+  CHECK(contains(text, "\"spacing\": 1, "));
+  CHECK(contains(text, "\"area\": 51756.72429763123,\n"));
+  CHECK(contains(text, "\"volume\": null,\n"));
 }
 
 TEST_CASE("a standard output that takes nothing is an error", "[cli]") {

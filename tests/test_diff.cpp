@@ -880,9 +880,9 @@ TEST_CASE("diff: usage errors name option, value and expectation", "[diff]") {
   const Sandbox sandbox;
   const std::string tolerance = ", expected a finite number of at least 0";
   const std::vector<std::pair<Arguments, std::string>> cases{
-      {{}, "DIR_A is missing"},
-      {{"a"}, "DIR_B is missing"},
-      {{"a", ""}, "DIR_B is missing"},
+      {{}, "DIR_A is required"},
+      {{"a"}, "DIR_B is required"},
+      {{"a", ""}, "DIR_B is '', expected a directory"},
       {{"a", "b", "c"}, "unexpected argument 'c' after DIR_A and DIR_B"},
       {{"a", "b", "--threads"}, "unknown option '--threads'"},
       {{"a", "b", "--tolerance"}, "--tolerance needs a value"},

@@ -22,15 +22,16 @@ class HelpFormatter : public CLI::Formatter {
   std::string make_usage(const CLI::App* /*app*/, std::string /*name*/) const override {
     return fmt::format("\nUsage: {}\n", usage_);
   }
-  // As other programs have it: `-o, --output-dir`.
+  // As other programs have it, `-o, --output-dir`, and without the `{N}` of CLI11 behind the name
+  // of a flag that may have a value.
   std::string make_option_name(const CLI::Option* option, bool is_positional) const override {
-    return CLI::detail::find_and_replace(CLI::Formatter::make_option_name(option, is_positional),
-                                         ",", ", ");
+    const std::string name = CLI::Formatter::make_option_name(option, is_positional);
+    return CLI::detail::find_and_replace(name.substr(0, name.find('{')), ",", ", ");
   }
-  // The value of a flag follows without a blank.
+  // The name of the value alone. The value of a flag follows without a blank.
   std::string make_option_opts(const CLI::Option* option) const override {
-    const std::string text = option->get_option_text();
-    return text.starts_with("[=") ? text : CLI::Formatter::make_option_opts(option);
+    const std::string& text = option->get_option_text();
+    return text.empty() || text.starts_with("[=") ? text : " " + text;
   }
   std::string make_help(const CLI::App* app, std::string name,
                         CLI::AppFormatMode mode) const override {
@@ -42,101 +43,132 @@ class HelpFormatter : public CLI::Formatter {
   std::string usage_;
 };
 
+std::string version_text() {
+  return fmt::format(
+      "eses-blocks {}\ncompiler: {}\nbuild type: {}\nflags: {}\ninstruction set: {}\n", version,
+      compiler, build_type, compiler_flags, name_of(instruction_set()));
+}
+
 /// CLI11 would take the next argument as the value of `--name=`.
 void refuse_empty_values(const std::vector<std::string>& arguments) {
   for (const std::string& argument : arguments) {
     if (argument == "--") return;
-    if (argument.starts_with("--") && argument.ends_with('=')) {
+    if (argument.starts_with("--") && argument.ends_with('='))
       throw UsageError(fmt::format("{} needs a value", argument));
-    }
   }
 }
 
 [[noreturn]] void refuse_extra(const std::string& extra, std::string_view positionals) {
-  if (!extra.starts_with('-')) {
+  if (!extra.starts_with('-'))
     throw UsageError(fmt::format("unexpected argument '{}' after {}", extra, positionals));
-  }
+  // CLI11 knows `-1` as a number, but takes `-.5` and `-inf` for options.
+  if (whole_text<double>(extra))
+    throw UsageError(fmt::format("unexpected negative number '{}' among {}", extra, positionals));
   std::error_code ignored;
   const bool is_file = std::filesystem::exists(extra, ignored);
   throw UsageError(fmt::format("unknown option '{}'{}", extra,
                                is_file ? "; the file of that name goes after --" : ""));
 }
 
-// Not by CLI::App::get_option, which looks options up in a function that is noexcept: where memory
-// runs out there, the process is ended.
-const std::vector<std::string>& results_of(const CLI::App& app, const std::string& name) {
-  for (const CLI::Option* option : app.get_options()) {
-    if (option->check_name(name)) return option->results();
-  }
-  throw CLI::OptionNotFound(name);
+void refuse_extras(const CLI::App& app, std::string_view positionals) {
+  for (const std::string& extra : app.remaining())
+    if (extra != "--") refuse_extra(extra, positionals);
 }
 
-}  // namespace
-
-void set_up(CLI::App& app, std::string usage) {
-  app.formatter(std::make_shared<HelpFormatter>(std::move(usage)));
-  app.allow_extras();  // `refuse_extras` does that, in our own words
+/// The message about an option with too many values or, only possible for `last`, with none.
+std::string mismatch_message(const CLI::App& app, const std::string& last) {
+  for (const CLI::Option* option : app.get_options())
+    if (option->get_multi_option_policy() == CLI::MultiOptionPolicy::Throw && option->count() > 1)
+      return fmt::format("{} is given more than once", option->get_name());
+  return fmt::format("{} needs a value", last);
 }
 
-CLI::Option* add_value(CLI::App& app, const char* name, const char* value_name,
-                       const std::string& description) {
-  return app.add_option(name)
-      ->option_text(value_name)
-      ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll)
-      ->description(description);
-}
-
-void parse(CLI::App& app, std::vector<std::string> arguments) {
-  refuse_empty_values(arguments);
+/// CLI11's parsing, with every error as UsageError.
+void parse_or_refuse(CLI::App& app, std::vector<std::string> arguments) {
   const std::string last = arguments.empty() ? "" : arguments.back();
-  std::reverse(arguments.begin(), arguments.end());  // as CLI11 wants them
+  std::reverse(arguments.begin(), arguments.end());  // CLI11 takes arguments from the end
   try {
     app.parse(std::move(arguments));
-  } catch (const CLI::ArgumentMismatch&) {
-    // Values are eaten whatever they look like, so only the last option can lack one.
-    throw UsageError(fmt::format("{} needs a value", last));
-  } catch (const CLI::CallForHelp&) {
+  } catch (const CLI::Success&) {
     throw;
+  } catch (const CLI::ArgumentMismatch&) {
+    throw UsageError(mismatch_message(app, last));
+  } catch (const CLI::ExcludesError& error) {
+    throw UsageError(fmt::format("{}, give one of the two", error.what()));
   } catch (const CLI::ParseError& error) {
     throw UsageError(error.what());
   }
 }
 
-void refuse_extras(const CLI::App& app, std::string_view positionals) {
-  for (const std::string& extra : app.remaining()) {
-    if (extra != "--") refuse_extra(extra, positionals);
-  }
+}  // namespace
+
+Format<double> number_between(double min, double max, std::string expected) {
+  const auto read = [min, max](const std::string& text) {
+    const std::optional<double> value = whole_text<double>(text);
+    // NaN is not in any range.
+    return value && *value >= min && *value <= max ? value : std::nullopt;
+  };
+  return {read, std::move(expected)};
 }
 
-std::optional<std::string> text_of(const CLI::App& app, const std::string& name) {
-  const std::vector<std::string>& results = results_of(app, name);
-  if (results.size() > 1) throw UsageError(fmt::format("{} is given more than once", name));
-  if (results.empty()) return std::nullopt;
-  return results.front();
+Format<std::int64_t> whole_number_between(std::int64_t min, std::int64_t max) {
+  const auto read = [min, max](const std::string& text) {
+    const std::optional<std::int64_t> value = whole_text<std::int64_t>(text);
+    return value && *value >= min && *value <= max ? value : std::nullopt;
+  };
+  return {read, fmt::format("a whole number from {} to {}", min, max)};
 }
 
-std::string required_text(const CLI::App& app, const std::string& name, std::string fallback) {
-  std::string text = text_of(app, name).value_or(std::move(fallback));
-  if (text.empty()) throw UsageError(fmt::format("{} is missing", name));
-  return text;
-}
-
-bool is_set(const CLI::App& app, const std::string& name) {
-  const std::vector<std::string>& results = results_of(app, name);
-  for (const std::string& result : results) {
-    if (result != "true") throw UsageError(fmt::format("{} takes no value", name));
-  }
-  return !results.empty();
+Format<std::filesystem::path> path_to(std::string expected) {
+  const auto read = [](const std::string& text) {
+    return text.empty() ? std::nullopt : std::optional<std::filesystem::path>(text);
+  };
+  return {read, std::move(expected)};
 }
 
 void refuse(std::string_view name, std::string_view value, std::string_view expected) {
   throw UsageError(fmt::format("{} is '{}', expected {}", name, value, expected));
 }
 
-std::string version_text() {
-  return fmt::format(
-      "eses-blocks {}\ncompiler: {}\nbuild type: {}\nflags: {}\ninstruction set: {}\n", version,
-      compiler, build_type, compiler_flags, name_of(instruction_set()));
+CLI::Option* add_flag(CLI::App& app, const std::string& name, const std::string& description,
+                      bool& target) {
+  CLI::Option* const flag = app.add_flag(name, target, description);
+  return flag->each([flag](const std::string& text) {
+    if (text != "true") throw UsageError(fmt::format("{} takes no value", flag->get_name()));
+  });
+}
+
+void set_up(CLI::App& app, std::string usage, std::string footer) {
+  app.formatter(std::make_shared<HelpFormatter>(std::move(usage)));
+  app.footer(std::move(footer));
+  app.allow_extras();  // `refuse_extras` says what they may have been meant to be
+  app.set_help_flag();
+}
+
+void add_notices(CLI::App& app) {
+  app.set_version_flag("--version", version_text, "show version and build, and exit")
+      ->trigger_on_parse();
+  app.add_flag_callback(
+         "-h,--help", [] { throw CLI::CallForHelp(); }, "show this help, and exit")
+      ->trigger_on_parse();
+}
+
+std::optional<Notice> parse(CLI::App& app, std::vector<std::string> arguments,
+                            std::string_view positionals) {
+  refuse_empty_values(arguments);
+  try {
+    parse_or_refuse(app, std::move(arguments));
+  } catch (const CLI::CallForHelp&) {
+    return Notice{app.help()};
+  } catch (const CLI::CallForVersion& notice) {
+    return Notice{notice.what()};
+  } catch (const UsageError&) {
+    // The value of an unknown option is taken for a positional argument, often a wrong one.
+    refuse_extras(app, positionals);
+    throw;
+  }
+  refuse_extras(app, positionals);
+  return std::nullopt;
 }
 
 }  // namespace eses::cli

@@ -1,49 +1,95 @@
 #pragma once
-/// What the program's command lines have in common: options as text, texts as values, and messages
-/// in our own words.
+/// Functions that the command lines of the program share: they add options and arguments to a
+/// CLI11 application, parse the command line and word the messages.
 
 #include <CLI/CLI.hpp>
 #include <charconv>
+#include <cstddef>
+#include <cstdint>
+#include <filesystem>
+#include <functional>
 #include <optional>
 #include <string>
 #include <string_view>
 #include <system_error>
+#include <utility>
 #include <vector>
 
 #include "cli/usage.hpp"
 
 namespace eses::cli {
 
-/// CLI11 shows this as nothing, and the empty string as its own `TEXT`.
-inline constexpr char no_value_name[] = " ";
+/// The texts of an option that are accepted, and their values.
+template <class Value>
+struct Format {
+  std::function<std::optional<Value>(const std::string& text)> read;  ///< nothing: not accepted
+  std::string expected;  ///< words for the message about other texts
+};
+template <class Value>
+Format(std::optional<Value> (*)(const std::string&), const char*) -> Format<Value>;
 
-/// Gives a command line the look of its help, where `usage` stands behind `Usage: `.
-void set_up(CLI::App& app, std::string usage);
+/// Numbers in [min, max].
+Format<double> number_between(double min, double max, std::string expected);
 
-/// Values are taken as text and converted by the functions below, so that every message can name
-/// what is expected.
-CLI::Option* add_value(CLI::App& app, const char* name, const char* value_name,
-                       const std::string& description);
+/// Whole numbers in [min, max].
+Format<std::int64_t> whole_number_between(std::int64_t min, std::int64_t max);
 
-/// Parses the arguments that follow the program's name. Throws UsageError and CLI::CallForHelp.
-void parse(CLI::App& app, std::vector<std::string> arguments);
+/// Paths that are not empty.
+Format<std::filesystem::path> path_to(std::string expected);
 
-/// Throws UsageError if there is more than options and what `positionals` names.
-void refuse_extras(const CLI::App& app, std::string_view positionals);
+/// One of two or more names. CLI::CheckedTransformer would accept the numbers of the enumerators,
+/// too, and CLI::IsMember words its message unlike the other options.
+template <class Value>
+Format<Value> one_of(const std::vector<std::pair<std::string, Value>>& choices) {
+  std::string expected = choices.front().first;
+  for (std::size_t i = 1; i < choices.size(); ++i)
+    expected += (i + 1 < choices.size() ? ", " : " or ") + choices[i].first;
+  const auto read = [choices](const std::string& text) {
+    for (const auto& [name, value] : choices)
+      if (name == text) return std::optional<Value>(value);
+    return std::optional<Value>();
+  };
+  return {read, expected};
+}
 
-/// The text given for an option, if any.
-std::optional<std::string> text_of(const CLI::App& app, const std::string& name);
-
-/// The text given for an option, or `fallback`; an empty text is refused.
-std::string required_text(const CLI::App& app, const std::string& name, std::string fallback);
-
-/// Whether a flag is given.
-bool is_set(const CLI::App& app, const std::string& name);
-
-/// What --version prints.
-std::string version_text();
-
+/// Reports that the value of an option or environment variable is not accepted: throws UsageError.
 [[noreturn]] void refuse(std::string_view name, std::string_view value, std::string_view expected);
+
+/// Sets `target` to the value of `option` when the command line is parsed. The conversions of CLI11
+/// are not used: they accept NaN, hexadecimal and octal numbers, and round twice.
+template <class Value, class Target>
+CLI::Option* read_into(CLI::Option* option, Target& target, const Format<Value>& format) {
+  return option->each([option, &target, format](const std::string& text) {
+    const std::optional<Value> value = format.read(text);
+    if (!value) refuse(option->get_name(), text, format.expected);
+    target = static_cast<Target>(*value);
+  });
+}
+
+/// Adds an option or, with a name without dashes, a positional argument.
+template <class Value, class Target>
+CLI::Option* add_value(CLI::App& app, const std::string& name, const std::string& value_name,
+                       const std::string& description, Target& target,
+                       const Format<Value>& format) {
+  CLI::Option* const option = app.add_option(name)->option_text(value_name);
+  return read_into(option->description(description), target, format);
+}
+
+/// Adds an option that takes no value.
+CLI::Option* add_flag(CLI::App& app, const std::string& name, const std::string& description,
+                      bool& target);
+
+/// Sets the layout of the help; `usage` follows `Usage: `.
+void set_up(CLI::App& app, std::string usage, std::string footer);
+
+/// Adds --version and --help, which end the parsing at once.
+void add_notices(CLI::App& app);
+
+/// Parses the arguments that follow the program's name. `positionals` names those of `app`, for the
+/// message about superfluous arguments. Returns the text that --help or --version asks for. Throws
+/// UsageError.
+std::optional<Notice> parse(CLI::App& app, std::vector<std::string> arguments,
+                            std::string_view positionals);
 
 /// The number that `text` spells from its first to its last character.
 template <typename Number>

@@ -176,84 +176,78 @@ std::string diff_text(const DiffOptions& options, const Differences& found) {
 
 namespace {
 
-std::string json_of(AtomIndex atom) { return json::number(atom); }
+json::Value json_of(AtomIndex atom) { return atom; }
 
-std::string json_of(const GridIndex& index) { return json::triple(index[0], index[1], index[2]); }
+json::Value json_of(const GridIndex& index) { return {index[0], index[1], index[2]}; }
 
-std::string json_of(const GridEdge& edge) {
-  return json::array({json_of(edge.inside()), json_of(edge.outside())});
+json::Value json_of(const GridEdge& edge) {
+  return {json_of(edge.inside()), json_of(edge.outside())};
 }
 
-std::string json_of(const SurfaceEdge& edge) {
-  std::vector<std::string> atoms;
-  for (const AtomIndex atom : atoms_of(edge)) atoms.push_back(json_of(atom));
-  return json::array(atoms);
+json::Value json_of(const SurfaceEdge& edge) { return atoms_of(edge); }
+
+json::Value json_of(const GridRow& row_of_a) {
+  return {{"at", json_of(row_of_a.point)},
+          {"a", sign_of(row_of_a.inside)},
+          {"b", sign_of(!row_of_a.inside)}};
 }
 
-std::string json_of(const GridRow& row_of_a) {
-  return json::object({{"at", json_of(row_of_a.point)},
-                       {"a", json::number(sign_of(row_of_a.inside))},
-                       {"b", json::number(sign_of(!row_of_a.inside))}});
-}
-
-std::string json_of(const Sides<SurfaceEdge>& edges) {
-  return json::object(
-      {{"at", json_of(edges[0].edge)}, {"a", json_of(edges[0])}, {"b", json_of(edges[1])}});
+json::Value json_of(const Sides<SurfaceEdge>& edges) {
+  return {{"at", json_of(edges[0].edge)}, {"a", json_of(edges[0])}, {"b", json_of(edges[1])}};
 }
 
 template <class Key>
-std::string json_of(const ItemDeviation<Key>& item) {
-  return json::object({{"at", json_of(item.key)}, {"difference", json::number(item.difference)}});
+json::Value json_of(const ItemDeviation<Key>& item) {
+  return {{"at", json_of(item.key)}, {"difference", item.difference}};
 }
 
 template <class Item>
-std::string json_of(const Counted<Item>& items) {
-  std::vector<std::string> first;
+json::Value json_of(const Counted<Item>& items) {
+  json::Value first = json::Value::array();
   for (const Item& item : items.first) first.push_back(json_of(item));
-  return json::object({{"count", json::number(items.count)}, {"first", json::array(first)}});
+  return {{"count", items.count}, {"first", first}};
 }
 
 template <class Key>
-std::string json_of(const Matching<Key>& matching) {
-  return json::object({{"both", json::number(matching.both)},
-                       {"only_in_a", json_of(matching.only[0])},
-                       {"only_in_b", json_of(matching.only[1])},
-                       {"repeated_in_a", json_of(matching.repeated[0])},
-                       {"repeated_in_b", json_of(matching.repeated[1])}});
+json::Value json_of(const Matching<Key>& matching) {
+  return {{"both", matching.both},
+          {"only_in_a", json_of(matching.only[0])},
+          {"only_in_b", json_of(matching.only[1])},
+          {"repeated_in_a", json_of(matching.repeated[0])},
+          {"repeated_in_b", json_of(matching.repeated[1])}};
 }
 
 template <class Key>
-std::string json_of(const Deviation<Key>& deviation) {
-  return json::object({{"largest", json::number(deviation.largest.difference)},
-                       {"mean", json::number(deviation.mean)},
-                       {"above_tolerance", json_of(deviation.above)}});
+json::Value json_of(const Deviation<Key>& deviation) {
+  return {{"largest", deviation.largest.difference},
+          {"mean", deviation.mean},
+          {"above_tolerance", json_of(deviation.above)}};
 }
 
-std::string json_of(const BoxDifference& box) {
-  return json::object({{"size_in_a", json_of(box.boxes[0].size)},
-                       {"size_in_b", json_of(box.boxes[1].size)},
-                       {"corners", json::number(box.corners)}});
+json::Value json_of(const BoxDifference& box) {
+  return {{"size_in_a", json_of(box.boxes[0].size)},
+          {"size_in_b", json_of(box.boxes[1].size)},
+          {"corners", box.corners}};
 }
 
-std::string json_of(const PointDifference& points) {
-  return json::object(
-      {{"points", json_of(points.matching)}, {"other_sign", json_of(points.other_sign)}});
+json::Value json_of(const PointDifference& points) {
+  return {{"points", json_of(points.matching)}, {"other_sign", json_of(points.other_sign)}};
 }
 
-std::string json_of(const EdgeDifference& edges) {
-  return json::object({{"edges", json_of(edges.matching)},
-                       {"position", json_of(edges.position)},
-                       {"normal", json_of(edges.normal)},
-                       {"other_atoms", json_of(edges.other_atoms)},
-                       {"same_contact", json::number(edges.same_contact)}});
+json::Value json_of(const EdgeDifference& edges) {
+  return {{"edges", json_of(edges.matching)},
+          {"position", json_of(edges.position)},
+          {"normal", json_of(edges.normal)},
+          {"other_atoms", json_of(edges.other_atoms)},
+          {"same_contact", edges.same_contact}};
 }
 
-std::string json_of(const AreaDifference& areas) {
-  return json::object({{"atoms", json_of(areas.matching)},
-                       {"area", json_of(areas.area)},
-                       {"area_allowing_for_shares", json_of(areas.unexplained)},
-                       {"total_in_a", json::number(areas.total[0])},
-                       {"total_in_b", json::number(areas.total[1])}});
+json::Value json_of(const AreaDifference& areas) {
+  return {{"atoms", json_of(areas.matching)},
+          {"area", json_of(areas.area)},
+          {"area_allowing_for_shares", json_of(areas.unexplained)},
+          {"total_in_a", areas.total[0]},
+          {"total_in_b", areas.total[1]}};
 }
 
 std::string_view name_of(Standing standing) {
@@ -263,13 +257,11 @@ std::string_view name_of(Standing standing) {
 }
 
 template <class Difference>
-std::string file_json(Standing standing, const Difference& difference) {
+json::Value file_json(Standing standing, const Difference& difference) {
   const bool compared = standing == Standing::compared;
-  return json::object({{"standing", json::string(name_of(standing))},
-                       {"same", !compared           ? "null"
-                                : difference.same() ? "true"
-                                                    : "false"},
-                       {"found", compared ? json_of(difference) : "null"}});
+  return {{"standing", name_of(standing)},
+          {"same", compared ? json::Value(difference.same()) : json::Value()},
+          {"found", compared ? json_of(difference) : json::Value()}};
 }
 
 }  // namespace
@@ -278,17 +270,17 @@ std::string diff_json_text(const DiffOptions& options, const Differences& found)
   const auto file = [&found](EsesFile which, const auto& difference) {
     return file_json(found.standing_of(which), difference);
   };
-  return json::object({{"program", json::string("eses-blocks diff")},
-                       {"version", json::string(version)},
-                       {"a", json::string(options.directories[0].string())},
-                       {"b", json::string(options.directories[1].string())},
-                       {"tolerance", json::number(options.tolerance)},
-                       {"same", found.same() ? "true" : "false"},
-                       {"bounding_box", file(EsesFile::box, found.box)},
-                       {"grid_info", file(EsesFile::grid, found.points)},
-                       {"intersection_info", file(EsesFile::edges, found.edges)},
-                       {"partition_area", file(EsesFile::areas, found.areas)}},
-                      ",\n ") +
+  return json::text_of({{"program", "eses-blocks diff"},
+                        {"version", version},
+                        {"a", options.directories[0].string()},
+                        {"b", options.directories[1].string()},
+                        {"tolerance", options.tolerance},
+                        {"same", found.same()},
+                        {"bounding_box", file(EsesFile::box, found.box)},
+                        {"grid_info", file(EsesFile::grid, found.points)},
+                        {"intersection_info", file(EsesFile::edges, found.edges)},
+                        {"partition_area", file(EsesFile::areas, found.areas)}},
+                       ",\n ") +
          "\n";
 }
 

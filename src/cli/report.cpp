@@ -115,18 +115,18 @@ std::string verification_text(const Summary& summary) {
                      counted(static_cast<std::int64_t>(faults.size()), "fault"));
 }
 
-std::string parameters_json(const Parameters& parameters) {
-  return json::object({{"probe_radius", json::number(parameters.probe_radius)},
-                       {"spacing", json::number(parameters.spacing)},
-                       {"margin", json::number(parameters.margin)}});
+json::Value parameters_json(const Parameters& parameters) {
+  return {{"probe_radius", parameters.probe_radius},
+          {"spacing", parameters.spacing},
+          {"margin", parameters.margin}};
 }
 
-std::string grid_json(const Grid& grid) {
+json::Value grid_json(const Grid& grid) {
   const auto& [lower, upper, spacing, size] = grid;
-  return json::object({{"lower", json::triple(lower.x, lower.y, lower.z)},
-                       {"upper", json::triple(upper.x, upper.y, upper.z)},
-                       {"size", json::triple(size[0], size[1], size[2])},
-                       {"points", json::number(grid.point_count())}});
+  return {{"lower", {lower.x, lower.y, lower.z}},
+          {"upper", {upper.x, upper.y, upper.z}},
+          {"size", {size[0], size[1], size[2]}},
+          {"points", grid.point_count()}};
 }
 
 bool is_whole(const Plan& plan) { return plan.tiling.region == plan.grid.whole(); }
@@ -139,124 +139,111 @@ std::string region_text(const Plan& plan) {
                      begin[1], end[1], begin[2], end[2], plan.tiling.region.point_count());
 }
 
-std::string region_json(const Plan& plan) {
-  if (is_whole(plan)) return "null";
+json::Value region_json(const Plan& plan) {
+  if (is_whole(plan)) return nullptr;
   const auto& [begin, end] = plan.tiling.region;
-  return json::object({{"begin", json::triple(begin[0], begin[1], begin[2])},
-                       {"end", json::triple(end[0], end[1], end[2])},
-                       {"points", json::number(plan.tiling.region.point_count())}});
+  return {{"begin", {begin[0], begin[1], begin[2]}},
+          {"end", {end[0], end[1], end[2]}},
+          {"points", plan.tiling.region.point_count()}};
 }
 
-std::string blocks_json(const BlockTiling& tiling) {
+json::Value blocks_json(const BlockTiling& tiling) {
   const GridIndex& blocks = tiling.blocks;
-  const GridIndex& size = tiling.block_size;
-  return json::object({{"size", json::triple(size[0], size[1], size[2])},
-                       {"along_axes", json::triple(blocks[0], blocks[1], blocks[2])},
-                       {"count", json::number(tiling.block_count())}});
+  return {{"size", tiling.block_size},
+          {"along_axes", {blocks[0], blocks[1], blocks[2]}},
+          {"count", tiling.block_count()}};
 }
 
 /// A number that may not be known.
-std::string number_unless(bool is_unknown, std::uint64_t value) {
-  return is_unknown ? "null" : json::number(value);
+json::Value number_unless(bool is_unknown, std::uint64_t value) {
+  return is_unknown ? json::Value() : json::Value(value);
 }
 
 /// What is free; null if that is unknown, or there is no such place.
-std::string disk_json(const DiskSpace& disk, std::size_t place) {
-  const bool is_unknown = place >= disk.places.size() || !is_known(disk.places[place]);
-  return is_unknown ? "null" : json::number(disk.places[place].available);
+json::Value disk_json(const DiskSpace& disk, std::size_t place) {
+  if (place >= disk.places.size() || !is_known(disk.places[place])) return nullptr;
+  return disk.places[place].available;
 }
 
-std::string plan_json(const Plan& plan, const DiskSpace& disk) {
-  return json::object(
-      {{"memory_bytes", json::number(plan.memory_bytes)},
-       {"max_memory_bytes",
-        number_unless(plan.parameters.max_memory == 0, plan.parameters.max_memory)},
-       {"blocks_ahead", json::number(plan.blocks_ahead)},
-       {"output_bytes", json::number(plan.output_bytes())},
-       {"box_file_bytes", json::number(plan.box_file_bytes)},
-       {"grid_file_bytes", json::number(plan.grid_file_bytes)},
-       {"edge_file_bytes", json::number(plan.edge_file_bytes)},
-       {"area_file_bytes", json::number(plan.area_file_bytes)},
-       {"mesh_file_bytes", json::number(plan.mesh_file_bytes)},
-       {"residue_file_bytes", json::number(plan.residue_file_bytes)},
-       {"map_file_bytes", json::number(plan.map_file_bytes)},
-       {"scratch_bytes",
-        json::number(plan.map_scratch_bytes + plan.mesh_scratch_bytes + plan.text_scratch_bytes)},
-       {"disk_bytes", disk_json(disk, 0)},
-       {"mesh_disk_bytes", disk_json(disk, 1)},
-       {"cut_depth", json::number(plan.cut_depth)}});
+json::Value plan_json(const Plan& plan, const DiskSpace& disk) {
+  return {
+      {"memory_bytes", plan.memory_bytes},
+      {"max_memory_bytes",
+       number_unless(plan.parameters.max_memory == 0, plan.parameters.max_memory)},
+      {"blocks_ahead", plan.blocks_ahead},
+      {"output_bytes", plan.output_bytes()},
+      {"box_file_bytes", plan.box_file_bytes},
+      {"grid_file_bytes", plan.grid_file_bytes},
+      {"edge_file_bytes", plan.edge_file_bytes},
+      {"area_file_bytes", plan.area_file_bytes},
+      {"mesh_file_bytes", plan.mesh_file_bytes},
+      {"residue_file_bytes", plan.residue_file_bytes},
+      {"map_file_bytes", plan.map_file_bytes},
+      {"scratch_bytes", plan.map_scratch_bytes + plan.mesh_scratch_bytes + plan.text_scratch_bytes},
+      {"disk_bytes", disk_json(disk, 0)},
+      {"mesh_disk_bytes", disk_json(disk, 1)},
+      {"cut_depth", plan.cut_depth}};
 }
 
-std::string findings_json(const std::vector<Finding>& findings) {
-  std::vector<std::string> items;
+json::Value findings_json(const std::vector<Finding>& findings) {
+  json::Value items = json::Value::array();
   for (const Finding& finding : findings) {
-    std::vector<std::string> examples;
+    json::Value examples = json::Value::array();
     for (const Finding::Example& example : finding.examples)
-      examples.push_back(
-          json::object({{"atom", json::number(example.atom)},
-                        {"line", json::number(example.line)},
-                        {"other_atom", number_unless(!example.has_other, example.other_atom)},
-                        {"other_line", number_unless(!example.has_other, example.other_line)}}));
-    items.push_back(json::object({{"kind", json::string(finding.name)},
-                                  {"severity", json::string(finding.is_usual ? "note" : "warning")},
-                                  {"count", json::number(finding.count)},
-                                  {"message", json::string(finding.message)},
-                                  {"first", json::array(examples)}}));
+      examples.push_back({{"atom", example.atom},
+                          {"line", example.line},
+                          {"other_atom", number_unless(!example.has_other, example.other_atom)},
+                          {"other_line", number_unless(!example.has_other, example.other_line)}});
+    items.push_back({{"kind", finding.name},
+                     {"severity", finding.is_usual ? "note" : "warning"},
+                     {"count", finding.count},
+                     {"message", finding.message},
+                     {"first", examples}});
   }
-  return json::array(items);
-}
-
-std::string crossings_json(const Summary& summary) {
-  return json::object({{"convex", json::number(summary.convex)},
-                       {"saddle", json::number(summary.saddle)},
-                       {"concave", json::number(summary.concave)},
-                       {"total", json::number(summary.edges())}});
-}
-
-std::string area_by_kind_json(const Summary& summary) {
-  return json::object({{"convex", json::number(summary.convex_area)},
-                       {"saddle", json::number(summary.saddle_area)},
-                       {"concave", json::number(summary.concave_area)}});
-}
-
-std::string seconds_json(const PhaseSeconds& seconds) {
-  return json::object({{"patches", json::number(seconds.patches)},
-                       {"blocks", json::number(seconds.blocks)},
-                       {"classify", json::number(seconds.classify)},
-                       {"intersect", json::number(seconds.intersect)},
-                       {"output", json::number(seconds.output)},
-                       {"verify", json::number(seconds.verify)},
-                       {"total", json::number(seconds.total)}});
-}
-
-std::vector<std::string> strings_json(const std::vector<std::string>& strings) {
-  std::vector<std::string> items;
-  items.reserve(strings.size());
-  for (const std::string& string : strings) items.push_back(json::string(string));
   return items;
 }
 
-std::string verification_json(const std::optional<Verification>& verification) {
-  if (!verification) return "null";
-  return json::object({{"points", json::number(verification->points)},
-                       {"edges", json::number(verification->edges)},
-                       {"faults", json::array(strings_json(verification->faults))}});
+json::Value crossings_json(const Summary& summary) {
+  return {{"convex", summary.convex},
+          {"saddle", summary.saddle},
+          {"concave", summary.concave},
+          {"total", summary.edges()}};
 }
 
-std::string mesh_json(const Report& report) {
+json::Value area_by_kind_json(const Summary& summary) {
+  return {{"convex", summary.convex_area},
+          {"saddle", summary.saddle_area},
+          {"concave", summary.concave_area}};
+}
+
+json::Value seconds_json(const PhaseSeconds& seconds) {
+  return {{"patches", seconds.patches},   {"blocks", seconds.blocks},
+          {"classify", seconds.classify}, {"intersect", seconds.intersect},
+          {"output", seconds.output},     {"verify", seconds.verify},
+          {"total", seconds.total}};
+}
+
+json::Value verification_json(const std::optional<Verification>& verification) {
+  if (!verification) return nullptr;
+  return {{"points", verification->points},
+          {"edges", verification->edges},
+          {"faults", verification->faults}};
+}
+
+json::Value mesh_json(const Report& report) {
   const auto& mesh = report.summary.mesh;
-  if (!mesh) return "null";
-  return json::object({{"file", json::string(report.options.outputs.mesh->file.string())},
-                       {"vertices", json::number(mesh->vertices)},
-                       {"triangles", json::number(mesh->triangles)}});
+  if (!mesh) return nullptr;
+  return {{"file", report.options.outputs.mesh->file.string()},
+          {"vertices", mesh->vertices},
+          {"triangles", mesh->triangles}};
 }
 
-std::string output_json(const Report& report) {
+json::Value output_json(const Report& report) {
   std::vector<std::string> names;
   if (!has_faults(report.summary)) names = written_files(report.options);
-  return json::object({{"directory", json::string(report.options.output_directory.string())},
-                       {"files", json::array(strings_json(names))},
-                       {"bytes", json::number(report.summary.bytes_written)}});
+  return {{"directory", report.options.output_directory.string()},
+          {"files", names},
+          {"bytes", report.summary.bytes_written}};
 }
 
 std::string workers_text(const Report& report) {
@@ -265,15 +252,15 @@ std::string workers_text(const Report& report) {
   return fmt::format("{} processes of {}", report.processes.size(), threads);
 }
 
-std::string processes_json(const Report& report) {
-  std::vector<std::string> items;
+json::Value processes_json(const Report& report) {
+  json::Value items = json::Value::array();
   for (const ProcessFigures& figures : report.processes)
-    items.push_back(json::object({{"first_plane", json::number(figures.planes.begin)},
-                                  {"planes", json::number(figures.planes.count())},
-                                  {"atoms", json::number(figures.atoms)},
-                                  {"cpu_seconds", json::number(figures.cpu_seconds)},
-                                  {"peak_memory_bytes", json::number(figures.peak_memory_bytes)}}));
-  return json::array(items);
+    items.push_back({{"first_plane", figures.planes.begin},
+                     {"planes", figures.planes.count()},
+                     {"atoms", figures.atoms},
+                     {"cpu_seconds", figures.cpu_seconds},
+                     {"peak_memory_bytes", figures.peak_memory_bytes}});
+  return items;
 }
 
 }  // namespace
@@ -350,32 +337,32 @@ std::string summary_text(const Report& report) {
 
 std::string json_text(const Report& report) {
   const Summary& summary = report.summary;
-  std::vector<json::Member> members{{"program", json::string("eses-blocks")},
-                                    {"version", json::string(version)},
-                                    {"input", json::string(report.options.input.string())},
-                                    {"atoms", json::number(report.atoms)},
-                                    {"diagnostics", findings_json(report.findings)},
-                                    {"parameters", parameters_json(report.options.parameters)},
-                                    {"grid", grid_json(report.plan.grid)},
-                                    {"region", region_json(report.plan)},
-                                    {"blocks", blocks_json(report.plan.tiling)},
-                                    {"threads", json::number(report.plan.threads)},
-                                    {"instruction_set", json::string(name_of(instruction_set()))},
-                                    {"plan", plan_json(report.plan, report.disk)},
-                                    {"dry_run", report.options.dry_run ? "true" : "false"}};
+  json::Value document{{"program", "eses-blocks"},
+                       {"version", version},
+                       {"input", report.options.input.string()},
+                       {"atoms", report.atoms},
+                       {"diagnostics", findings_json(report.findings)},
+                       {"parameters", parameters_json(report.options.parameters)},
+                       {"grid", grid_json(report.plan.grid)},
+                       {"region", region_json(report.plan)},
+                       {"blocks", blocks_json(report.plan.tiling)},
+                       {"threads", report.plan.threads},
+                       {"instruction_set", name_of(instruction_set())},
+                       {"plan", plan_json(report.plan, report.disk)},
+                       {"dry_run", report.options.dry_run}};
   if (!report.options.dry_run)
-    members.insert(members.end(), {{"area", json::number(summary.area)},
-                                   {"volume", json::number(summary.volume)},
-                                   {"inside_points", json::number(summary.inside_points)},
-                                   {"crossings", crossings_json(summary)},
-                                   {"area_by_kind", area_by_kind_json(summary)},
-                                   {"verification", verification_json(summary.verification)},
-                                   {"mesh", mesh_json(report)},
-                                   {"output", output_json(report)},
-                                   {"seconds", seconds_json(summary.seconds)},
-                                   {"peak_memory_bytes", json::number(report.peak_memory_bytes)},
-                                   {"processes", processes_json(report)}});
-  return json::object(members, ",\n ") + "\n";
+    document.update({{"area", summary.area},
+                     {"volume", summary.volume},
+                     {"inside_points", summary.inside_points},
+                     {"crossings", crossings_json(summary)},
+                     {"area_by_kind", area_by_kind_json(summary)},
+                     {"verification", verification_json(summary.verification)},
+                     {"mesh", mesh_json(report)},
+                     {"output", output_json(report)},
+                     {"seconds", seconds_json(summary.seconds)},
+                     {"peak_memory_bytes", report.peak_memory_bytes},
+                     {"processes", processes_json(report)}});
+  return json::text_of(document, ",\n ") + "\n";
 }
 
 std::vector<std::string> warnings(const Report& report) {
