@@ -260,8 +260,8 @@ std::string output_json(const Report& report) {
 
 std::string workers_text(const Report& report) {
   std::string threads = counted(report.plan.threads, "thread");
-  if (report.processes.size() < 2) return threads;
-  return fmt::format("{} processes of {}", report.processes.size(), threads);
+  if (report.process_count < 2) return threads;
+  return fmt::format("{} processes of {}", report.process_count, threads);
 }
 
 std::string processes_json(const Report& report) {
@@ -314,7 +314,7 @@ std::string plan_text(const Report& report) {
   text += fmt::format("blocks: {} x {} x {}, {} points on a side; {}\n", blocks[0], blocks[1],
                       blocks[2], plan.tiling.block_size, workers_text(report));
   text += fmt::format("expected: {} of memory{}, {} of files\n", bytes_text(plan.memory_bytes),
-                      report.processes.size() > 1 ? " in a process at most" : "",
+                      report.process_count > 1 ? " in a process at most" : "",
                       bytes_text(plan.output_bytes()));
   if (!report.options.dry_run) return text;
   if (parameters.max_memory > 0)

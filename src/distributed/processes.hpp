@@ -21,12 +21,12 @@ class SharedError : public Error {
   using Error::Error;
 };
 
-/// Everything here but `rank`, `count`, `agree`'s action and `abort` must be called by all
-/// processes alike, from their main threads, outside of parallel loops (MPI_THREAD_FUNNELED).
+/// Everything here but `rank`, `count`, the action of `all_or_throw` and `abort` must be called by
+/// all processes alike, from their main threads, outside of parallel loops (MPI_THREAD_FUNNELED).
 /// Elements are copied as bytes. A process that is alone has nothing to exchange.
 class Processes {
  public:
-  /// A process that is alone, whatever has started it.
+  /// A process that is alone, whatever has started it. Never uses MPI.
   Processes() = default;
   /// Joins the other processes if MPI knows of any: if this one was started by mpirun, srun or the
   /// like. Throws Error if MPI cannot be used.
@@ -52,10 +52,10 @@ class Processes {
   Share share_of(std::uint64_t count, std::uint64_t unit, int rank) const;
 
   /// Element by element, over all processes.
-  void take_least(std::span<double> values) const;
-  void take_largest(std::span<double> values) const;
-  void take_least(std::span<std::uint64_t> values) const;
-  void take_largest(std::span<std::uint64_t> values) const;
+  void allreduce_min(std::span<double> values) const;
+  void allreduce_max(std::span<double> values) const;
+  void allreduce_min(std::span<std::uint64_t> values) const;
+  void allreduce_max(std::span<std::uint64_t> values) const;
   void add(std::span<std::uint64_t> values) const;
   /// Likewise; not to be used where the order of the summands matters.
   void add(std::span<double> values) const;
@@ -76,14 +76,14 @@ class Processes {
   std::vector<T> exchange(std::vector<std::vector<T>> to) const;
   /// Hands a value from each process to the next: each changes what the one before has made of it.
   /// Returns what the last one made of it.
-  std::string hand_on(const std::string& first,
-                      const std::function<std::string(const std::string&)>& change) const;
-  double hand_on(double value, const std::function<double(double)>& change) const;
+  std::string chain(const std::string& first,
+                    const std::function<std::string(const std::string&)>& change) const;
+  double chain(double value, const std::function<double(double)>& change) const;
 
   /// Performs an action, which must not call any other process. If it throws Error in any of them,
   /// or lacks memory, all throw SharedError with the message of the first such process. What it
   /// throws in a process that is alone, or anything else, is thrown on.
-  void agree(const std::function<void()>& action) const;
+  void all_or_throw(const std::function<void()>& action) const;
 
   /// How many of the processes run on this machine, and of its processors how many a process has
   /// for its own if all have as many.
@@ -110,6 +110,7 @@ class Processes {
                          std::span<const std::uint64_t> from, std::size_t element_bytes) const;
 
   int rank_ = 0, count_ = 1;
+  bool has_mpi_ = false;  // started by this object, which also ends it
 };
 
 template <class T>
