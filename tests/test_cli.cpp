@@ -630,6 +630,23 @@ TEST_CASE("a memory limit is kept, or refused with one that would do", "[cli]") 
   }
 }
 
+TEST_CASE("more atoms than a memory limit allows are refused before the plan", "[cli]") {
+  if (holds_shadow_memory) SKIP("memory cannot be measured with a sanitizer");
+  const Sandbox sandbox;
+  std::string text;
+  for (int i = 0; i < 300000; ++i) text += "1 2 3 1.5\n";
+  write_file(sandbox.directory() / "many.xyzr", text);
+  for (const Arguments& more : {Arguments{}, Arguments{"--resume"}, Arguments{"--dry-run"}}) {
+    Arguments arguments{"many.xyzr", "--max-memory", "32M", "-o", "many"};
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    INFO(Sandbox::command(arguments));
+    const Outcome outcome = sandbox.run(arguments);
+    CHECK(outcome.code == 1);
+    CHECK(contains(outcome.err, "many.xyzr: 300000 atoms need more than "));
+    CHECK_FALSE(fs::exists(sandbox.directory() / "many"));
+  }
+}
+
 TEST_CASE("what is planned bounds what is held, and by no more than about twofold", "[cli]") {
   if (holds_shadow_memory) SKIP("memory cannot be measured with a sanitizer");
   const Sandbox sandbox;
