@@ -1,5 +1,6 @@
 #pragma once
-/// The processes that share one run: those that MPI has started, or this one alone.
+/// The processes of one run, MPI ranks, and how they exchange data. Without MPI, or where nothing
+/// has started several processes, there is one: a process alone.
 
 #include <cstddef>
 #include <cstdint>
@@ -16,7 +17,7 @@
 
 namespace eses {
 
-/// A failure of which all processes know, so that one of them may tell it and all end in order.
+/// A failure that all processes know, so that one of them can print it and all end in order.
 class SharedError : public Error {
   using Error::Error;
 };
@@ -44,20 +45,20 @@ class Processes {
   /// of an error message.
   static std::string_view advice();
 
-  /// The part of `count` things, [begin, end), that a process gets if each gets as many, in
+  /// The part [begin, end) of `count` things that a process gets: all get about the same number, in
   /// multiples of `unit`.
   struct Share {
     std::uint64_t begin = 0, end = 0;
   };
   Share share_of(std::uint64_t count, std::uint64_t unit, int rank) const;
 
-  /// Element by element, over all processes.
+  /// Minima, maxima and sums over all processes, element by element.
   void allreduce_min(std::span<double> values) const;
   void allreduce_max(std::span<double> values) const;
   void allreduce_min(std::span<std::uint64_t> values) const;
   void allreduce_max(std::span<std::uint64_t> values) const;
   void add(std::span<std::uint64_t> values) const;
-  /// Likewise; not to be used where the order of the summands matters.
+  /// Must not be used where the order of the summands matters.
   void add(std::span<double> values) const;
   /// The sum over all processes before this one.
   std::uint64_t sum_before(std::uint64_t value) const;
@@ -74,15 +75,15 @@ class Processes {
   /// Sends `to[rank]` to each process, and returns what they sent here, in the order of ranks.
   template <class T>
   std::vector<T> exchange(std::vector<std::vector<T>> to) const;
-  /// Hands a value from each process to the next: each changes what the one before has made of it.
-  /// Returns what the last one made of it.
+  /// Passes a value from each process to the next: each one changes it in turn. Returns the value
+  /// that the last process has made of it, in all processes.
   std::string chain(const std::string& first,
                     const std::function<std::string(const std::string&)>& change) const;
   double chain(double value, const std::function<double(double)>& change) const;
 
-  /// Performs an action, which must not call any other process. If it throws Error in any of them,
-  /// or lacks memory, all throw SharedError with the message of the first such process. What it
-  /// throws in a process that is alone, or anything else, is thrown on.
+  /// Performs an action, which must not communicate. If it throws Error or std::bad_alloc in any
+  /// process, all throw SharedError with the message of the first such process. Other exceptions
+  /// leave the process in which they are thrown. A process that is alone performs the action only.
   void all_or_throw(const std::function<void()>& action) const;
 
   /// How many of the processes run on this machine, and of its processors how many a process has

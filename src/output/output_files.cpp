@@ -143,10 +143,10 @@ void require_end_of_link(const MeshChoice& mesh) {
   const bool is_link = target_of(place_of(mesh.file.native())).has_value();
   struct stat status {};
   if (!is_link || stat(end.directory.c_str(), &status) == 0 || errno != ENOENT) return;
-  throw Error(
-      fmt::format("cannot write {}: it is a symbolic link into {}, which does not exist; create that "
-                  "directory, or remove the link",
-                  mesh.file.string(), end.directory));
+  throw Error(fmt::format(
+      "cannot write {}: it is a symbolic link into {}, which does not exist; create that "
+      "directory, or remove the link",
+      mesh.file.string(), end.directory));
 }
 
 // Where there is no directory yet, there is nothing of the name.
