@@ -496,7 +496,7 @@ TEST_CASE("the JSON report holds what the text says", "[cli]") {
   check("r['parameters']", "{'probe_radius': 1.4, 'spacing': 0.3, 'margin': 0.9}");
   check("r['grid']['lower'], r['grid']['size']", "([-2.4, -2.6, -2.6], [27, 18, 18])");
   check("r['grid']['points'] == 27 * 18 * 18 and len(r['grid']['upper'])", "3");
-  check("r['blocks']", "{'size': 8, 'along_axes': [4, 3, 3], 'count': 36}");
+  check("r['blocks']", "{'size': [8, 8, 8], 'along_axes': [4, 3, 3], 'count': 36}");
   check("sum(r['crossings'][k] for k in ('convex', 'saddle', 'concave')) - r['crossings']['total']",
         "0");
   check("r['crossings']['convex'] > 0 and r['inside_points'] > 0", "True");
@@ -635,6 +635,23 @@ TEST_CASE("a memory limit is kept, or refused with one that would do", "[cli]") 
     CHECK(read_file(sandbox.directory() / "intersection_info.txt") == expected);
     check_json(sandbox, outcome.out, "r['peak_memory_bytes'] <= r['plan']['max_memory_bytes']",
                "True");
+  }
+}
+
+TEST_CASE("more atoms than a memory limit allows are refused before the plan", "[cli]") {
+  if (holds_shadow_memory) SKIP("memory cannot be measured with a sanitizer");
+  const Sandbox sandbox;
+  std::string text;
+  for (int i = 0; i < 300000; ++i) text += "1 2 3 1.5\n";
+  write_file(sandbox.directory() / "many.xyzr", text);
+  for (const Arguments& more : {Arguments{}, Arguments{"--resume"}, Arguments{"--dry-run"}}) {
+    Arguments arguments{"many.xyzr", "--max-memory", "24M", "-o", "many"};
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    INFO(Sandbox::command(arguments));
+    const Outcome outcome = sandbox.run(arguments);
+    CHECK(outcome.code == 1);
+    CHECK(contains(outcome.err, "many.xyzr: 300000 atoms need more than "));
+    CHECK_FALSE(fs::exists(sandbox.directory() / "many"));
   }
 }
 

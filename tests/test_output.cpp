@@ -10,12 +10,15 @@
 #include <cstdio>
 #include <fstream>
 #include <limits>
+#include <span>
+#include <string>
 
 #include "catch.hpp"
 #include "eses/error.hpp"
 #include "eses/run.hpp"
 #include "io/number_text.hpp"
 #include "output/output_file.hpp"
+#include "output/scratch_file.hpp"
 #include "support/atom_sets.hpp"
 #include "support/eses_files.hpp"
 #include "support/sandbox.hpp"
@@ -157,6 +160,31 @@ TEST_CASE("a library's run does not replace a device, FIFO or socket") {
     CHECK(std::filesystem::is_symlink(link));
     std::filesystem::remove(link);
   }
+}
+
+TEST_CASE("a range is copied between files in the kernel, or by reading and writing", "[output]") {
+  const TemporaryDirectory directory;
+  const OutputDirectory place(directory.path());
+  std::string text(100'000, ' ');
+  for (std::size_t i = 0; i < text.size(); ++i) text[i] = static_cast<char>('a' + i * i % 23);
+  ScratchFile scratch(directory.path());
+  scratch.write_at(std::as_bytes(std::span(text)), 0);
+  OutputFile file(place, "file");
+  std::uint64_t copied = file.copy_from(scratch.descriptor(), {5000, 70, 60'000});
+  CHECK((copied == 0 || copied == 60'000));  // the file system may not be able to
+  if (copied > 0) {
+    std::string found(60'000, ' ');
+    file.read_at(found, 70);
+    CHECK(found == text.substr(5000, 60'000));
+  }
+  // Behind the end there is nothing to copy.
+  copied = file.copy_from(scratch.descriptor(), {text.size() - 10, 0, 100});
+  CHECK((copied == 0 || copied == 10));
+  // A pipe cannot be copied in the kernel.
+  std::array<int, 2> pipe_ends{};
+  REQUIRE(pipe(pipe_ends.data()) == 0);
+  CHECK(file.copy_from(pipe_ends[0], {0, 0, 10}) == 0);
+  for (const int end : pipe_ends) close(end);
 }
 
 TEST_CASE("a read-only directory is refused and left empty") {

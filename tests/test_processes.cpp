@@ -14,9 +14,9 @@
 
 #include "catch.hpp"
 #include "checkpoint/pieces.hpp"
+#include "distributed/group_numbers.hpp"
 #include "distributed/packed_texts.hpp"
 #include "distributed/processes.hpp"
-#include "distributed/shared_groups.hpp"
 #include "distributed/slabs.hpp"
 #include "eses/error.hpp"
 #include "io/atom_lines.hpp"
@@ -106,8 +106,8 @@ TEST_CASE("a process that is alone", "[processes]") {
   CHECK(alone.share_of(1000, 64, 0).end == 1000);
   CHECK(alone.gather<int>(std::vector{1, 2}) == std::vector{1, 2});
   CHECK(alone.exchange(std::vector<std::vector<int>>{{3, 4}}) == std::vector{3, 4});
-  CHECK(alone.hand_on(2, [](double value) { return value + 1; }) == 3);
-  CHECK_THROWS_AS(alone.agree([] { throw Error("no"); }), Error);
+  CHECK(alone.chain(2, [](double value) { return value + 1; }) == 3);
+  CHECK_THROWS_AS(alone.all_or_throw([] { throw Error("no"); }), Error);
 }
 
 TEST_CASE("pieces are kept", "[processes]") {
@@ -221,11 +221,11 @@ TEST_CASE("keys are numbered in their order", "[processes]") {
   char** argv = nullptr;
   const Processes alone(argc, argv);
   const std::vector<std::string> keys{"b", "", "a", "c"};
-  const SharedNumbers numbers = number_jointly(keys, alone);
+  const KeyNumbers numbers = number_keys(keys, alone);
   CHECK(numbers.of_key == std::vector<std::uint32_t>{0, 1, 2, 3});
   CHECK(numbers.own == std::vector<std::size_t>{0, 1, 2, 3});
   CHECK(numbers.first == 0);
-  CHECK(number_jointly({}, alone).of_key.empty());
+  CHECK(number_keys({}, alone).of_key.empty());
 }
 
 TEST_CASE("triangles of a part get the numbers of the whole", "[processes][mesh]") {

@@ -24,8 +24,13 @@ AtomLabel label(const char* chain, const char* number, const char* residue) {
 std::string tables_of(const std::vector<AtomLabel>& labels, const std::vector<double>& areas) {
   std::string text;
   const TextSink sink = [&text](std::string_view piece) { text += piece; };
-  write_residue_table(labels, areas, sink);
-  write_chain_table(labels, areas, sink);
+  TextPieces residues(sink);
+  AreaTables tables;
+  append_residue_header(residues);
+  add_residues(tables, residue_runs(labels), areas, residues);
+  end_residues(tables, residues);
+  residues.flush();
+  write_chain_table(tables.chains.chains(), sink);
   return text;
 }
 

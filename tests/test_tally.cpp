@@ -89,7 +89,7 @@ TEST_CASE("sums of parts are the sum of all, to the last bit, in any order") {
 }
 
 TEST_CASE("shares of many atoms, whatever their indices") {
-  AtomShares shares;
+  AreaShares shares;
   std::vector<AreaShare> sums(100000), expected(100000);
   for (const AtomIndex step : {1U, 64U, 4096U})
     for (AtomIndex atom = 0; atom < sums.size(); atom += step) {

@@ -94,8 +94,8 @@ struct Plan {
 };
 
 struct PhaseSeconds {
-  double patches = 0;    ///< neighbours, arcs, probe placements; wall clock
-  double blocks = 0;     ///< classification, intersection, text and writing; wall clock
+  double blocks = 0;   ///< patches, classification, intersection and text of all blocks; wall clock
+  double patches = 0;  ///< neighbours, arcs, probe placements; summed over threads
   double classify = 0;   ///< summed over threads
   double intersect = 0;  ///< summed over threads
   double output = 0;     ///< text and writing, summed over threads

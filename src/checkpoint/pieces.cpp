@@ -214,6 +214,7 @@ Piece PieceStore::read(const PlaneRange& planes) const {
   if (!is_sound)
     throw Error(fmt::format("cannot resume: {} is damaged; remove it, and the piece is done again",
                             sums_path(planes)));
+  piece.is_restored = true;
   return piece;
 }
 

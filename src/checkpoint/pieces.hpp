@@ -1,5 +1,7 @@
 #pragma once
-/// What is done of a run: texts and sums of ranges of planes, to be joined in the end.
+/// Pieces: the texts and sums of ranges of planes, which are merged into the files in the end. A
+/// store keeps them on disk, so that a run that was cut off can be resumed. May use what the sweep
+/// delivers and scratch files, but knows nothing of other processes.
 
 #include <array>
 #include <cstdint>
@@ -12,15 +14,14 @@
 #include <string>
 #include <vector>
 
-#include "distributed/processes.hpp"
-#include "distributed/slabs.hpp"
+#include "grid/plane_range.hpp"
 #include "output/output_directory.hpp"
 #include "output/scratch_file.hpp"
 #include "sweep/region_totals.hpp"
 
 namespace eses {
 
-/// An atom's share of the area of some planes, as in Tally.
+/// An atom's share of the area of some planes, in units of `area_share_unit`.
 struct AtomSum {
   AreaShare share = 0;
   AtomIndex atom = 0;                      ///< in the file
@@ -33,7 +34,7 @@ struct AtomSum {
 enum class PieceText : std::uint8_t { grid, edges, map, vertices, triangles };
 inline constexpr std::size_t piece_texts = 5;
 
-/// All that other processes are told of a piece.
+/// What all processes know about a piece.
 struct PieceInfo {
   PlaneRange planes;
   std::array<std::uint64_t, piece_texts> bytes{};
@@ -47,9 +48,18 @@ struct PieceInfo {
 
 struct Piece {
   PieceInfo info;
-  std::vector<AtomSum> sums;  ///< of atoms whose share is not 0, ascending
-  /// While they are being written, and afterwards unless they are in a store.
+  std::vector<AtomSum> sums;  ///< of atoms whose share is not 0, ascending; only for a store
+  /// Open while they are written, and afterwards unless they are in a store.
   std::array<std::unique_ptr<ScratchFile>, piece_texts> texts;
+  /// The piece is the whole run, and texts without a scratch file are at their place in the final
+  /// files. The triangles are in a scratch file, as text of the mesh's format.
+  bool is_in_place = false;
+  bool is_restored = false;  ///< left by an earlier run, so that its texts may be damaged
+
+  /// The scratch file of a text; null where there is none.
+  std::unique_ptr<ScratchFile>& text(PieceText which) {
+    return texts[static_cast<std::size_t>(which)];
+  }
 };
 
 /// The checksum of a text that is written in parts, in any order and by several threads.

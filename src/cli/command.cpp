@@ -66,7 +66,7 @@ void refuse_same_files(const Options& options, const Processes& processes) {
                   launched, Processes::advice()));
 }
 
-int compute_surface(int argc, char** argv, const Processes& processes) {
+int perform_surface(int argc, char** argv, const Processes& processes) {
   end_on_signals();
   const std::variant<Options, Notice> request = parse_command_line(argc, argv);
   if (const auto* const notice = std::get_if<Notice>(&request)) {
@@ -75,8 +75,7 @@ int compute_surface(int argc, char** argv, const Processes& processes) {
   }
   const auto& options = std::get<Options>(request);
   refuse_same_files(options, processes);
-  if (processes.count() > 1 || options.resume) return compute_jointly(options, processes);
-  return compute_alone(options);
+  return compute_surface(options, processes);
 }
 
 int compare_files(int argc, char** argv, const Processes& processes) {
@@ -99,7 +98,7 @@ struct Task {
   int failure_code;
 };
 
-constexpr Task surface_task{compute_surface, "eses-blocks --help", exit_failure};
+constexpr Task surface_task{perform_surface, "eses-blocks --help", exit_failure};
 constexpr Task diff_task{compare_files, "eses-blocks diff --help", exit_trouble};
 
 /// The exit code after a failure of which the other processes know nothing: they end, too.

@@ -248,8 +248,8 @@ json::Value output_json(const Report& report) {
 
 std::string workers_text(const Report& report) {
   std::string threads = counted(report.plan.threads, "thread");
-  if (report.processes.size() < 2) return threads;
-  return fmt::format("{} processes of {}", report.processes.size(), threads);
+  if (report.process_count < 2) return threads;
+  return fmt::format("{} processes of {}", report.process_count, threads);
 }
 
 json::Value processes_json(const Report& report) {
@@ -302,7 +302,7 @@ std::string plan_text(const Report& report) {
   text += fmt::format("blocks: {} x {} x {} of {} points; {}\n", blocks[0], blocks[1], blocks[2],
                       fmt::join(plan.tiling.block_size, " x "), workers_text(report));
   text += fmt::format("expected: {} of memory{}, {} of files\n", bytes_text(plan.memory_bytes),
-                      report.processes.size() > 1 ? " in a process at most" : "",
+                      report.process_count > 1 ? " in a process at most" : "",
                       bytes_text(plan.output_bytes()));
   if (!report.options.dry_run) return text;
   if (parameters.max_memory > 0)
@@ -328,8 +328,8 @@ std::string summary_text(const Report& report) {
   text += mesh_text(summary);
   text += verification_text(summary);
   text += fmt::format(
-      "time: {} (patches {}, blocks {}{})\n", duration_text(seconds.total),
-      duration_text(seconds.patches), duration_text(seconds.blocks),
+      "time: {} (blocks {}, with {} of processor time for patches{})\n",
+      duration_text(seconds.total), duration_text(seconds.blocks), duration_text(seconds.patches),
       summary.verification ? fmt::format(", verification {}", duration_text(seconds.verify)) : "");
   text += fmt::format("peak memory: {}\n", bytes_text(report.peak_memory_bytes));
   return text + written_text(report);

@@ -9,7 +9,7 @@
 
 #include "cli/findings.hpp"
 #include "cli/options.hpp"
-#include "compute/joint_run.hpp"
+#include "compute/engine.hpp"
 #include "eses/run.hpp"
 
 namespace eses::cli {
@@ -23,7 +23,8 @@ struct Report {
   DiskSpace disk;
   Summary summary;                      ///< empty before the run
   std::uint64_t peak_memory_bytes = 0;  ///< of the process, or the one that held most
-  /// Of a joint run; before it, empty figures.
+  int process_count = 1;
+  /// By rank, of a run with several processes or one that can be resumed; empty before the run.
   std::vector<ProcessFigures> processes;
 };
 

@@ -2,9 +2,11 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <filesystem>
-#include <span>
+#include <functional>
 #include <string>
+#include <string_view>
 #include <system_error>
 #include <utility>
 #include <vector>
@@ -14,72 +16,39 @@
 #include "cli/messages.hpp"
 #include "cli/report.hpp"
 #include "cli/run_display.hpp"
+#include "compute/engine.hpp"
 #include "eses/error.hpp"
-#include "eses/molecule.hpp"
 #include "eses/read_atoms.hpp"
 #include "output/output_files.hpp"
-#include "plan/memory.hpp"
-#include "system/bytes_text.hpp"
-#include "system/resources.hpp"
 
 namespace eses::cli {
 namespace {
 
-Summary run_with_progress(const Molecule& molecule, const Options& options, const Plan& plan) {
-  InterruptibleRun interruptible(temporary_paths(options.outputs, options.output_directory),
-                                 lock_paths(options.outputs, options.output_directory));
-  RunDisplay display(interruptible, !options.quiet);
-  Summary summary =
-      run(molecule, plan, options.outputs, options.output_directory, display.callbacks());
-  interruptible.check();
-  return summary;
+RunTask task_of(const Options& options) {
+  return {.input = options.input,
+          .format = options.format,
+          .parameters = options.parameters,
+          .outputs = options.outputs,
+          .output_directory = options.output_directory,
+          .resume = options.resume,
+          .dry_run = options.dry_run};
 }
 
-/// Refuses more atoms than any run within the memory limit could hold, before anything is made of
-/// them. Plans for few atoms take little memory, and tell the smallest limit that would do.
-void require_memory_for(std::size_t atoms, const Options& options) {
-  const double least = min_expected_memory(atoms), without_atoms = min_expected_memory(0);
-  const std::uint64_t limit = options.parameters.max_memory;
-  if (limit == 0 || least <= static_cast<double>(limit) || least < 2 * without_atoms) return;
-  throw Error(fmt::format(
-      "{}: {} atoms need more than {} of memory, and the run may hold {}; use a larger limit "
-      "(--max-memory)",
-      options.input.string(), atoms, binary_bytes_text(static_cast<std::uint64_t>(least)),
-      binary_bytes_text(limit)));
+// Performs an action in the first process. What it throws is thrown in all of them.
+void on_rank_zero(const Processes& processes, const std::function<void()>& action) {
+  std::vector<std::string> errors;
+  processes.all_or_throw([&] {
+    if (!processes.is_first()) return;
+    try {
+      action();
+    } catch (const StrictError& error) {
+      errors = error.lines;
+    }
+  });
+  if (processes.sum(errors.size()) > 0) throw StrictError{errors};
 }
 
-/// Throws Error if reading the atoms and preparing them has exceeded the memory limit.
-void require_memory_held(const Options& options) {
-  const std::uint64_t limit = options.parameters.max_memory, peak = peak_memory();
-  if (limit == 0 || peak <= limit) return;
-  throw Error(
-      fmt::format("{}: reading and preparing its atoms has taken {}, more than the {} that the run "
-                  "may hold; use "
-                  "a larger limit (--max-memory)",
-                  options.input.string(), binary_bytes_text(peak), binary_bytes_text(limit)));
-}
-
-// `lines` are those of the atoms in the file.
-Report plan_report(const Molecule& molecule, std::span<const std::uint64_t> lines,
-                   const Options& options) {
-  Report report;
-  report.options = options;
-  report.atoms = molecule.atoms().size();
-  report.findings = describe(
-      molecule.oddities(), [lines](AtomIndex atom) { return lines[atom]; }, options.input);
-  report.plan = make_plan(molecule, options.parameters, options.outputs);
-  require_memory_held(options);
-  report.disk = require_disk_space(report.plan, options.outputs, options.output_directory);
-  return report;
-}
-
-/// Whether any output names chains or residues.
-bool needs_labels(const OutputChoice& outputs) {
-  return outputs.residues || (outputs.mesh && mesh_format(outputs.mesh->file) == MeshFormat::ply);
-}
-
-}  // namespace
-
+// Throws Error if what is to be written would take the input's place.
 void refuse_to_lose_input(const Options& options) {
   const auto refuse_if_input = [&](const std::string& file, std::string_view fate) {
     std::error_code error;  // as where there is no such file yet
@@ -93,6 +62,7 @@ void refuse_to_lose_input(const Options& options) {
                                                : "removed, as a plain file takes its place");
 }
 
+// Throws Error if areas by residue are requested for a file without residues.
 void refuse_residues_of_xyzr(const Options& options) {
   if (options.outputs.residues && format_of(options.input, options.format) != AtomFormat::pqr)
     throw Error(
@@ -101,32 +71,84 @@ void refuse_residues_of_xyzr(const Options& options) {
                     options.input.string()));
 }
 
-int compute_alone(const Options& options) {
+// What can be refused before the input is read.
+void check_request(const Options& options) {
   require_standard_output();
   refuse_to_lose_input(options);
   refuse_residues_of_xyzr(options);
   require_places(options.outputs, options.output_directory);
-  NumberedAtoms input =
-      read_numbered_atoms(options.input, {.format = options.format,
-                                          .with_labels = needs_labels(options.outputs),
-                                          .max_memory = options.parameters.max_memory});
-  require_memory_for(input.atoms.size(), options);
-  const Molecule molecule(std::move(input.atoms), std::move(input.labels),
-                          options.parameters.threads);
-  Report report = plan_report(molecule, input.lines, options);
+}
+
+Report report_of(const Options& options, const RunPlan& plan, const Processes& processes) {
+  Report report;
+  report.options = options;
+  report.atoms = plan.atoms;
+  report.findings = describe(
+      plan.oddities.oddities, [&](AtomIndex atom) { return plan.oddities.lines.at(atom); },
+      options.input);
+  report.plan = plan.whole;
+  report.process_count = processes.count();
+  return report;
+}
+
+// Prints what is going to be done. Warnings that are errors come before it, but after the plan of a
+// dry run.
+void present_plan(Report& report) {
+  const Options& options = report.options;
+  report.disk = require_disk_space(report.plan, options.outputs, options.output_directory);
   if (options.dry_run) {
     print(options.json ? json_text(report) : plan_text(report));
     warn(report);
-    return exit_done;
+    return;
   }
   if (options.strict) warn(report);
   announce(report);
   if (!options.strict) warn(report);
-  report.summary = run_with_progress(molecule, options, report.plan);
-  report.peak_memory_bytes = peak_memory();
+}
+
+void present_result(const Report& report) {
   print(final_text(report));
   warn_if_empty(report);
   for (const std::string& fault : fault_lines(report.summary)) complain("error", fault);
+}
+
+RunResult run_with_progress(const RunTask& task, const RunPlan& plan, bool is_quiet,
+                            const Processes& processes) {
+  const RunPaths paths = paths_of(task, processes);
+  InterruptibleRun interruptible(paths.temporaries, paths.locks);
+  RunDisplay display(interruptible, !is_quiet && processes.is_first());
+  try {
+    RunResult result = execute(task, plan, paths, display.callbacks(), processes);
+    interruptible.check();
+    return result;
+  } catch (const SharedError&) {
+    throw;
+  } catch (...) {
+    // The process that has made them may be ended before it can remove them.
+    if (processes.count() > 1) interruptible.remove_leftovers();
+    throw;
+  }
+}
+
+void add_result(RunResult result, Report& report) {
+  report.summary = std::move(result.summary);
+  for (const ProcessFigures& figures : result.processes)
+    report.peak_memory_bytes = std::max(report.peak_memory_bytes, figures.peak_memory_bytes);
+  if (report.process_count > 1 || report.options.resume)
+    report.processes = std::move(result.processes);
+}
+
+}  // namespace
+
+int compute_surface(const Options& options, const Processes& processes) {
+  on_rank_zero(processes, [&] { check_request(options); });
+  const RunTask task = task_of(options);
+  const RunPlan plan = plan_run(task, processes);
+  Report report = report_of(options, plan, processes);
+  on_rank_zero(processes, [&] { present_plan(report); });
+  if (options.dry_run) return exit_done;
+  add_result(run_with_progress(task, plan, options.quiet, processes), report);
+  on_rank_zero(processes, [&] { present_result(report); });
   return exit_code(report.summary);
 }
 

@@ -15,7 +15,6 @@
 #include <utility>
 
 #include "eses/error.hpp"
-#include "io/area_table_writer.hpp"
 #include "io/atom_lines.hpp"
 #include "io/file_descriptor.hpp"
 #include "io/gzip.hpp"
@@ -24,7 +23,7 @@
 namespace eses {
 namespace {
 
-constexpr std::size_t piece_bytes = std::size_t{1} << 22;  // of a file whose lines are counted
+constexpr std::size_t counted_bytes = std::size_t{1} << 22;  // of a file, whose lines are counted
 
 // Reads a plain file from any place.
 class TextFile {
@@ -53,7 +52,7 @@ class TextFile {
   // Where the first line begins that does not begin before `offset`; `end` if there is none.
   std::uint64_t line_begin(std::uint64_t offset, std::uint64_t end) const {
     if (offset == 0) return 0;
-    std::string buffer(piece_bytes / 64, '\0');
+    std::string buffer(counted_bytes / 64, '\0');
     for (--offset; offset < end; offset += buffer.size()) {
       const std::string_view text = read_at(buffer, offset);
       if (text.empty()) break;
@@ -68,8 +67,8 @@ class TextFile {
   FileDescriptor file_;
 };
 
-// 0 if the file cannot be read in parts. One that is not regular, a pipe for example, may not even
-// be opened twice.
+// Returns 0 if the file cannot be read in parts. A file that is not regular, for example a pipe,
+// may not even be opened twice.
 std::uint64_t divisible_bytes(const std::filesystem::path& path) {
   struct stat status {};
   if (path == "-" || stat(path.c_str(), &status) != 0 || !S_ISREG(status.st_mode)) return 0;
@@ -77,40 +76,46 @@ std::uint64_t divisible_bytes(const std::filesystem::path& path) {
   return is_gzip(TextFile(path).read_at(head, 0)) ? 0 : static_cast<std::uint64_t>(status.st_size);
 }
 
-// The lines of a file that begin in a part of it.
+// The part of a file whose lines a process reads: those that begin in it.
 struct Part {
   std::uint64_t begin = 0, end = 0;  // bytes
 };
 
 std::uint64_t count_lines(const TextFile& file, const Part& part) {
-  std::string buffer(piece_bytes, '\0');
+  std::string buffer(counted_bytes, '\0');
   std::uint64_t lines = 0;
   for (std::uint64_t offset = part.begin; offset < part.end; offset += buffer.size()) {
-    buffer.resize(std::min<std::uint64_t>(piece_bytes, part.end - offset));
+    buffer.resize(std::min<std::uint64_t>(counted_bytes, part.end - offset));
     const std::string_view text = file.read_at(buffer, offset);
     lines += static_cast<std::uint64_t>(std::count(text.begin(), text.end(), '\n'));
   }
   return lines;
 }
 
-// Makes residues of labels, which go.
+// Turns labels into residues after each piece of the text, so that there are never many labels.
 void take_labels(std::vector<AtomLabel>& labels, ResidueRuns& runs) {
-  for (AtomLabel& label : labels) {
-    if (runs.labels.empty() || !is_same_residue(runs.labels.back(), label)) {
-      label.atom_name.clear();
-      runs.labels.push_back(std::move(label));
-      runs.atoms.push_back(0);
-    }
-    ++runs.atoms.back();
-  }
+  for (AtomLabel& label : labels) runs.add(std::move(label));
   labels.clear();
 }
 
-// Labels are made residues after each piece, so that there are never many of them.
-LinesRead read_part(const TextFile& file, const Part& part, const AtomLines& lines,
-                    NumberedAtoms& atoms, ResidueRuns& residues) {
+struct PartRead {
+  NumberedAtoms atoms;  // without labels
+  ResidueRuns residues;
+  std::uint64_t lines = 0;
+  PdbLikeness likeness;
+};
+
+// Reads the whole file, as read_numbered_atoms does.
+PartRead read_whole(const std::filesystem::path& path, const ReadOptions& options) {
+  PartRead part;
+  part.atoms = read_numbered_atoms(
+      path, options, [&](NumberedAtoms& atoms) { take_labels(atoms.labels, part.residues); });
+  return part;
+}
+
+void read_atoms_of(const TextFile& file, const Part& part, const AtomLines& lines, PartRead& read) {
   std::uint64_t offset = part.begin;
-  const auto read = [&](std::span<char> buffer) {
+  const auto read_text = [&](std::span<char> buffer) {
     buffer = buffer.first(std::min<std::uint64_t>(buffer.size(), part.end - offset));
     const std::size_t count = file.read_at(buffer, offset).size();
     if (count < buffer.size())
@@ -118,68 +123,90 @@ LinesRead read_part(const TextFile& file, const Part& part, const AtomLines& lin
     offset += count;
     return count;
   };
-  return read_atom_lines(read, lines, atoms, [&] { take_labels(atoms.labels, residues); });
+  read.likeness = read_atom_lines(read_text, lines, read.atoms, [&] {
+                    take_labels(read.atoms.labels, read.residues);
+                  }).likeness;
+}
+
+// Reads this process's part of a file of so many bytes.
+PartRead read_part(const std::filesystem::path& path, std::uint64_t bytes,
+                   const ReadOptions& options, const Processes& processes) {
+  PartRead read;
+  std::optional<TextFile> file;
+  Part part;
+  processes.all_or_throw([&] {
+    const TextFile& text = file.emplace(path);
+    const auto [begin, end] = processes.share_of(bytes, 1, processes.rank());
+    part = {text.line_begin(begin, bytes), text.line_begin(end, bytes)};
+    read.lines = count_lines(text, part);
+  });
+  const std::uint64_t lines_before = processes.sum_before(read.lines);
+  processes.all_or_throw([&] {
+    read_atoms_of(*file, part,
+                  {.format = options.format,
+                   .name = file->name(),
+                   .first_line = lines_before + 1,
+                   .with_labels = options.with_labels,
+                   .max_memory = options.max_memory},
+                  read);
+  });
+  return read;
+}
+
+// Returns the size of a file that several processes read in parts; 0 if the first one reads it.
+std::uint64_t shared_bytes(const std::filesystem::path& path, const Processes& processes) {
+  if (processes.count() == 1) return 0;
+  std::uint64_t bytes = 0;
+  processes.all_or_throw([&] {
+    if (processes.is_first()) bytes = divisible_bytes(path);
+  });
+  bytes = processes.sum(bytes);
+  processes.all_or_throw([&] {
+    if (bytes > 0 && divisible_bytes(path) != bytes)
+      throw Error(fmt::format("cannot read {}{}: it is not the file that the first process reads",
+                              path.string(), processes.place()));
+  });
+  return bytes;
+}
+
+// Checks what only all parts together tell.
+void require_atoms(const std::filesystem::path& path, AtomFormat format, const AtomShare& share,
+                   const PartRead& read, const Processes& processes) {
+  const std::uint64_t lines = processes.sum(read.lines);
+  const PdbLikeness likeness{processes.sum(read.likeness.layout),
+                             processes.sum(read.likeness.values)};
+  processes.all_or_throw([&] {
+    if (share.total == 0) throw Error(no_atoms_message(path.string(), format, lines));
+    refuse_pdb_records(path.string(), share.total, likeness);
+    if (share.total > std::numeric_limits<AtomIndex>::max())
+      throw Error(fmt::format("{}: more than {} atoms", path.string(),
+                              std::numeric_limits<AtomIndex>::max()));
+  });
 }
 
 }  // namespace
 
 AtomShare read_share(const std::filesystem::path& path, ReadOptions options,
                      const Processes& processes) {
-  std::uint64_t bytes = 0;
-  processes.agree([&] {
+  processes.all_or_throw([&] {
     refuse_structure_files(path);
     options.format = format_of(path, options.format);
-    if (processes.is_first()) bytes = divisible_bytes(path);
   });
-  bytes = processes.sum(bytes);
-  processes.agree([&] {
-    if (bytes > 0 && divisible_bytes(path) != bytes)
-      throw Error(fmt::format("cannot read {}{}: it is not the file that the first process reads",
-                              path.string(), processes.place()));
-  });
-  AtomShare share;
-  NumberedAtoms read;
-  std::uint64_t lines = 0;
-  PdbLikeness likeness;
-  if (bytes > 0) {
-    std::optional<TextFile> file;
-    Part part;
-    processes.agree([&] {
-      const TextFile& text = file.emplace(path);
-      const auto [begin, end] = processes.share_of(bytes, 1, processes.rank());
-      part = {text.line_begin(begin, bytes), text.line_begin(end, bytes)};
-      lines = count_lines(text, part);
-    });
-    const std::uint64_t before = processes.sum_before(lines);
-    processes.agree([&] {
-      likeness = read_part(*file, part,
-                           {.format = options.format,
-                            .name = file->name(),
-                            .first_line = before + 1,
-                            .with_labels = options.with_labels,
-                            .max_memory = options.max_memory},
-                           read, share.residues)
-                     .likeness;
-    });
+  PartRead read;
+  if (const std::uint64_t bytes = shared_bytes(path, processes); bytes > 0) {
+    read = read_part(path, bytes, options, processes);
   } else {
-    processes.agree([&] {
-      if (processes.is_first()) read = read_numbered_atoms(path, options);
-      take_labels(read.labels, share.residues);
+    processes.all_or_throw([&] {
+      if (processes.is_first()) read = read_whole(path, options);
     });
   }
-  share.atoms = std::move(read.atoms);
-  share.lines = std::move(read.lines);
-  share.first = processes.sum_before(share.atoms.size());
-  share.total = processes.sum(share.atoms.size());
-  const std::uint64_t all_lines = processes.sum(lines);
-  likeness = {processes.sum(likeness.layout), processes.sum(likeness.values)};
-  processes.agree([&] {
-    if (share.total == 0) throw Error(no_atoms_message(path.string(), options.format, all_lines));
-    refuse_pdb_records(path.string(), share.total, likeness);
-    if (share.total > std::numeric_limits<AtomIndex>::max())
-      throw Error(fmt::format("{}: more than {} atoms", path.string(),
-                              std::numeric_limits<AtomIndex>::max()));
-  });
+  AtomShare share;
+  share.first = processes.sum_before(read.atoms.atoms.size());
+  share.total = processes.sum(read.atoms.atoms.size());
+  require_atoms(path, options.format, share, read, processes);
+  share.atoms = std::move(read.atoms.atoms);
+  share.lines = std::move(read.atoms.lines);
+  share.residues = std::move(read.residues);
   return share;
 }
 

@@ -1,5 +1,5 @@
 #pragma once
-/// How processes read the atoms of one file, each a part.
+/// Reading the atoms of one file: all of them, or with several processes a part each.
 
 #include <cstdint>
 #include <filesystem>
@@ -7,6 +7,8 @@
 
 #include "distributed/processes.hpp"
 #include "eses/read_atoms.hpp"
+#include "io/residue_runs.hpp"
+#include "mesh/atom_groups.hpp"
 
 namespace eses {
 
@@ -15,34 +17,24 @@ struct AtomRange {
   std::uint64_t begin = 0, end = 0;
 };
 
-/// The residues of consecutive atoms: runs of those that have the same label.
-struct ResidueRuns {
-  std::vector<AtomLabel> labels;     ///< without the atom's name
-  std::vector<std::uint64_t> atoms;  ///< of each run
-};
-
-/// What a mesh calls an atom's chain and residue.
-struct GroupNumbers {
-  std::uint32_t chain = 0, residue = 0;
-};
-
 /// What a process reads of a file.
 struct AtomShare {
   std::vector<Atom> atoms;
-  std::vector<std::uint64_t> lines;  ///< of each, 1-based
-  std::uint64_t first = 0;           ///< index of the first in the file, 0-based
-  std::uint64_t total = 0;           ///< atoms of the file
-  ResidueRuns residues;              ///< if they are asked for and the file tells them
-  std::vector<GroupNumbers> groups;  ///< by atom: see number_groups
+  std::vector<std::uint64_t> lines;        ///< of each, 1-based
+  std::uint64_t first = 0;                 ///< index of the first atom in the file, 0-based
+  std::uint64_t total = 0;                 ///< number of atoms in the file
+  ResidueRuns residues;                    ///< if labels were requested and the file has them
+  std::vector<mesh::GroupNumbers> groups;  ///< by atom, filled by number_groups
 
   AtomRange range() const { return {first, first + atoms.size()}; }
 };
 
-/// To be called by all processes. A plain file is read in parts of as many bytes each; a compressed
-/// one, or one that is no regular file, such as standard input, by the first process alone. Throws
-/// SharedError where read_numbered_atoms would throw Error; of several errors in the file the first
-/// is told. Residues are read if `options` asks for labels; its limit on memory is that of each
-/// process.
+/// Reads a file; to be called by all processes. Several processes read a plain file in parts of
+/// equal size. The first process alone reads a compressed file, and one that is not regular, such
+/// as standard input. Labels, if `options` requests them, are kept as residues. The memory limit of
+/// `options` holds for each process.
+///
+/// Throws SharedError where read_numbered_atoms would throw Error, for the first error in the file.
 AtomShare read_share(const std::filesystem::path& path, ReadOptions options,
                      const Processes& processes);
 

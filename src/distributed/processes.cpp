@@ -22,7 +22,7 @@ Processes::Share Processes::share_of(std::uint64_t count, std::uint64_t unit, in
   return {begin_of(r), begin_of(r + 1)};
 }
 
-void Processes::agree(const std::function<void()>& action) const {
+void Processes::all_or_throw(const std::function<void()>& action) const {
   if (count_ == 1) {
     action();
     return;
@@ -38,12 +38,12 @@ void Processes::agree(const std::function<void()>& action) const {
     failure = error.what();
   }
   auto first = static_cast<std::uint64_t>(failure ? rank_ : count_);
-  take_least(std::span(&first, 1));
+  allreduce_min(std::span(&first, 1));
   if (first == static_cast<std::uint64_t>(count_)) return;
   throw SharedError(broadcast(failure.value_or(""), static_cast<int>(first)));
 }
 
-double Processes::hand_on(double value, const std::function<double(double)>& change) const {
+double Processes::chain(double value, const std::function<double(double)>& change) const {
   const auto text_of = [](double number) {
     return std::string(reinterpret_cast<const char*>(&number), sizeof number);
   };
@@ -52,7 +52,7 @@ double Processes::hand_on(double value, const std::function<double(double)>& cha
     std::memcpy(&number, text.data(), sizeof number);
     return number;
   };
-  return number_of(hand_on(
+  return number_of(chain(
       text_of(value), [&](const std::string& text) { return text_of(change(number_of(text))); }));
 }
 

@@ -1,5 +1,6 @@
 #pragma once
-/// The processes that share one run: those that MPI has started, or this one alone.
+/// The processes of one run, MPI ranks, and how they exchange data. Without MPI, or where nothing
+/// has started several processes, there is one: a process alone.
 
 #include <cstddef>
 #include <cstdint>
@@ -16,17 +17,17 @@
 
 namespace eses {
 
-/// A failure of which all processes know, so that one of them may tell it and all end in order.
+/// A failure that all processes know, so that one of them can print it and all end in order.
 class SharedError : public Error {
   using Error::Error;
 };
 
-/// Everything here but `rank`, `count`, `agree`'s action and `abort` must be called by all
-/// processes alike, from their main threads, outside of parallel loops (MPI_THREAD_FUNNELED).
+/// Everything here but `rank`, `count`, the action of `all_or_throw` and `abort` must be called by
+/// all processes alike, from their main threads, outside of parallel loops (MPI_THREAD_FUNNELED).
 /// Elements are copied as bytes. A process that is alone has nothing to exchange.
 class Processes {
  public:
-  /// A process that is alone, whatever has started it.
+  /// A process that is alone, whatever has started it. Never uses MPI.
   Processes() = default;
   /// Joins the other processes if MPI knows of any: if this one was started by mpirun, srun or the
   /// like. Throws Error if MPI cannot be used.
@@ -44,20 +45,20 @@ class Processes {
   /// of an error message.
   static std::string_view advice();
 
-  /// The part of `count` things, [begin, end), that a process gets if each gets as many, in
+  /// The part [begin, end) of `count` things that a process gets: all get about the same number, in
   /// multiples of `unit`.
   struct Share {
     std::uint64_t begin = 0, end = 0;
   };
   Share share_of(std::uint64_t count, std::uint64_t unit, int rank) const;
 
-  /// Element by element, over all processes.
-  void take_least(std::span<double> values) const;
-  void take_largest(std::span<double> values) const;
-  void take_least(std::span<std::uint64_t> values) const;
-  void take_largest(std::span<std::uint64_t> values) const;
+  /// Minima, maxima and sums over all processes, element by element.
+  void allreduce_min(std::span<double> values) const;
+  void allreduce_max(std::span<double> values) const;
+  void allreduce_min(std::span<std::uint64_t> values) const;
+  void allreduce_max(std::span<std::uint64_t> values) const;
   void add(std::span<std::uint64_t> values) const;
-  /// Likewise; not to be used where the order of the summands matters.
+  /// Must not be used where the order of the summands matters.
   void add(std::span<double> values) const;
   /// The sum over all processes before this one.
   std::uint64_t sum_before(std::uint64_t value) const;
@@ -74,16 +75,16 @@ class Processes {
   /// Sends `to[rank]` to each process, and returns what they sent here, in the order of ranks.
   template <class T>
   std::vector<T> exchange(std::vector<std::vector<T>> to) const;
-  /// Hands a value from each process to the next: each changes what the one before has made of it.
-  /// Returns what the last one made of it.
-  std::string hand_on(const std::string& first,
-                      const std::function<std::string(const std::string&)>& change) const;
-  double hand_on(double value, const std::function<double(double)>& change) const;
+  /// Passes a value from each process to the next: each one changes it in turn. Returns the value
+  /// that the last process has made of it, in all processes.
+  std::string chain(const std::string& first,
+                    const std::function<std::string(const std::string&)>& change) const;
+  double chain(double value, const std::function<double(double)>& change) const;
 
-  /// Performs an action, which must not call any other process. If it throws Error in any of them,
-  /// or lacks memory, all throw SharedError with the message of the first such process. What it
-  /// throws in a process that is alone, or anything else, is thrown on.
-  void agree(const std::function<void()>& action) const;
+  /// Performs an action, which must not communicate. If it throws Error or std::bad_alloc in any
+  /// process, all throw SharedError with the message of the first such process. Other exceptions
+  /// leave the process in which they are thrown. A process that is alone performs the action only.
+  void all_or_throw(const std::function<void()>& action) const;
 
   /// How many of the processes run on this machine, and of its processors how many a process has
   /// for its own if all have as many.
@@ -110,6 +111,7 @@ class Processes {
                          std::span<const std::uint64_t> from, std::size_t element_bytes) const;
 
   int rank_ = 0, count_ = 1;
+  bool has_mpi_ = false;  // started by this object, which also ends it
 };
 
 template <class T>

@@ -11,17 +11,17 @@ Processes::~Processes() = default;
 
 std::string_view Processes::advice() { return "build the program with -DESES_WITH_MPI=ON"; }
 
-void Processes::take_least(std::span<double>) const {}
-void Processes::take_largest(std::span<double>) const {}
-void Processes::take_least(std::span<std::uint64_t>) const {}
-void Processes::take_largest(std::span<std::uint64_t>) const {}
+void Processes::allreduce_min(std::span<double>) const {}
+void Processes::allreduce_max(std::span<double>) const {}
+void Processes::allreduce_min(std::span<std::uint64_t>) const {}
+void Processes::allreduce_max(std::span<std::uint64_t>) const {}
 void Processes::add(std::span<std::uint64_t>) const {}
 void Processes::add(std::span<double>) const {}
 std::uint64_t Processes::sum_before(std::uint64_t) const { return 0; }
 std::string Processes::broadcast(std::string text, int) const { return text; }
 
-std::string Processes::hand_on(const std::string& first,
-                               const std::function<std::string(const std::string&)>& change) const {
+std::string Processes::chain(const std::string& first,
+                             const std::function<std::string(const std::string&)>& change) const {
   return change(first);
 }
 

@@ -20,12 +20,6 @@ bool was_launched() {
                      [](const char* name) { return std::getenv(name) != nullptr; });
 }
 
-bool is_initialized() {
-  int is_initialized = 0;
-  MPI_Initialized(&is_initialized);
-  return is_initialized != 0;
-}
-
 // Where MPI does not end the processes itself.
 void require_success(int error, const char* what) {
   if (error != MPI_SUCCESS)
@@ -85,29 +79,30 @@ Processes::Processes(int& argc, char**& argv) {
   MPI_Comm_set_errhandler(MPI_COMM_WORLD, MPI_ERRORS_RETURN);
   MPI_Comm_rank(MPI_COMM_WORLD, &rank_);
   MPI_Comm_size(MPI_COMM_WORLD, &count_);
+  has_mpi_ = true;
   if (provided < MPI_THREAD_FUNNELED)
     throw Error("this MPI does not allow threads beside it (MPI_THREAD_FUNNELED)");
 }
 
 Processes::~Processes() {
-  if (is_initialized()) MPI_Finalize();
+  if (has_mpi_) MPI_Finalize();
 }
 
 std::string_view Processes::advice() { return "start them with mpirun or srun --mpi=pmix"; }
 
-void Processes::take_least(std::span<double> values) const {
+void Processes::allreduce_min(std::span<double> values) const {
   if (count_ > 1) reduce(values, MPI_DOUBLE, MPI_MIN);
 }
 
-void Processes::take_largest(std::span<double> values) const {
+void Processes::allreduce_max(std::span<double> values) const {
   if (count_ > 1) reduce(values, MPI_DOUBLE, MPI_MAX);
 }
 
-void Processes::take_least(std::span<std::uint64_t> values) const {
+void Processes::allreduce_min(std::span<std::uint64_t> values) const {
   if (count_ > 1) reduce(values, MPI_UINT64_T, MPI_MIN);
 }
 
-void Processes::take_largest(std::span<std::uint64_t> values) const {
+void Processes::allreduce_max(std::span<std::uint64_t> values) const {
   if (count_ > 1) reduce(values, MPI_UINT64_T, MPI_MAX);
 }
 
@@ -136,8 +131,8 @@ std::string Processes::broadcast(std::string text, int from) const {
   return text;
 }
 
-std::string Processes::hand_on(const std::string& first,
-                               const std::function<std::string(const std::string&)>& change) const {
+std::string Processes::chain(const std::string& first,
+                             const std::function<std::string(const std::string&)>& change) const {
   if (count_ == 1) return change(first);
   constexpr int tag = 1;
   std::string value = first;
@@ -181,7 +176,7 @@ Processes::Machine Processes::machine(int processors) const {
 // As measured with Open MPI 4.1: what it loads, and room shared with the others on a machine.
 std::uint64_t Processes::own_memory() const {
   constexpr std::uint64_t mebibyte = 1 << 20;
-  return is_initialized() ? 14 * mebibyte : 0;
+  return has_mpi_ ? 14 * mebibyte : 0;
 }
 
 void Processes::abort(int exit_code) const {

@@ -1,5 +1,6 @@
 #pragma once
-/// A file into which all processes write.
+/// A file into which all processes write. A process that is alone writes into the output file
+/// itself.
 
 #include <cstdint>
 #include <memory>
@@ -7,6 +8,7 @@
 #include <string>
 
 #include "distributed/processes.hpp"
+#include "output/kernel_copy.hpp"
 #include "output/output_file.hpp"
 
 namespace eses {
@@ -23,12 +25,9 @@ class SharedFile {
   SharedFile& operator=(const SharedFile&) = delete;
 
   void write_at(std::span<const char> bytes, std::uint64_t offset);
-  /// To be called by all processes: writes what each has behind what those before it have, from
-  /// `begin` on. Returns where it ends.
-  std::uint64_t write_in_turn(std::span<const char> own, std::uint64_t begin) {
-    write_at(own, begin + processes_.sum_before(own.size()));
-    return begin + processes_.sum(own.size());
-  }
+  /// Copies a range of an open scratch file as copy_in_kernel does. Returns 0 where that could lose
+  /// bytes: if the processes are on several machines, or the file system is not a local one.
+  std::uint64_t copy_from(int scratch, const CopyRange& range);
   /// Reads what any process has written before all called `sync`.
   void read_at(std::span<char> bytes, std::uint64_t offset);
   /// To be called by all processes. Throws SharedError.

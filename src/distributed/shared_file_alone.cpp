@@ -13,6 +13,10 @@ void SharedFile::write_at(std::span<const char> bytes, std::uint64_t offset) {
   file_->write_at(bytes, offset);
 }
 
+std::uint64_t SharedFile::copy_from(int scratch, const CopyRange& range) {
+  return file_->copy_from(scratch, range);
+}
+
 void SharedFile::read_at(std::span<char> bytes, std::uint64_t offset) {
   file_->read_at(bytes, offset);
 }

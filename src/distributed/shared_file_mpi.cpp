@@ -1,14 +1,19 @@
+#include <fcntl.h>
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <system_error>
+#include <utility>
 
 #include "distributed/mpi_errors.hpp"
 #include "distributed/shared_file.hpp"
+#include "io/file_descriptor.hpp"
 
 namespace eses {
 
 struct SharedFile::Handle {
   MPI_File file = MPI_FILE_NULL;
+  FileDescriptor local;  // the same file, open only where copy_from may use it
 };
 
 namespace {
@@ -46,7 +51,11 @@ SharedFile::SharedFile(const Processes& processes, OutputFile* file)
   // All must be able to, or MPI waits for ever: see require_shared_directories.
   const int error =
       MPI_File_open(MPI_COMM_WORLD, path.c_str(), MPI_MODE_RDWR, MPI_INFO_NULL, &handle_->file);
-  processes.agree([&] { require(error, "open", name_); });
+  processes.all_or_throw([&] { require(error, "open", name_); });
+  const bool is_one_machine = processes.machine(1).processes == processes.count();
+  FileDescriptor local(::open(path.c_str(), O_WRONLY | O_CLOEXEC));
+  if (is_one_machine && local.is_open() && is_in_local_file_system(local.value()))
+    handle_->local = std::move(local);
 }
 
 // Not closed here: after a failure the other processes would not close theirs.
@@ -65,6 +74,17 @@ void SharedFile::write_at(std::span<const char> bytes, std::uint64_t offset) {
       throw Error(fmt::format("cannot write {}{}: only part of it was written; is the disk full?",
                               name_, processes_.place()));
   });
+}
+
+std::uint64_t SharedFile::copy_from(int scratch, const CopyRange& range) {
+  if (!handle_) return file_->copy_from(scratch, range);
+  if (!handle_->local.is_open()) return 0;
+  try {
+    return copy_in_kernel(scratch, handle_->local.value(), range);
+  } catch (const std::system_error& error) {
+    throw Error(
+        fmt::format("cannot write {}{}: {}", name_, processes_.place(), error.code().message()));
+  }
 }
 
 void SharedFile::read_at(std::span<char> bytes, std::uint64_t offset) {
@@ -87,14 +107,14 @@ void SharedFile::sync() {
   if (!handle_) return;
   for (int i = 0; i < 2; ++i) {
     const int error = MPI_File_sync(handle_->file);
-    processes_.agree([&] { require(error, "write", name_); });
+    processes_.all_or_throw([&] { require(error, "write", name_); });
   }
 }
 
 void SharedFile::close() {
   if (!handle_) return;
   const int error = MPI_File_close(&handle_->file);
-  processes_.agree([&] { require(error, "write", name_); });
+  processes_.all_or_throw([&] { require(error, "write", name_); });
 }
 
 }  // namespace eses

@@ -59,10 +59,6 @@ class Bins {
   std::int64_t per_bin_;
 };
 
-PlaneRange region_planes(const Plan& plan) {
-  return {plan.tiling.region.begin[2], plan.tiling.region.end[2]};
-}
-
 // How many of a bin's planes are still to be done, as a share.
 double share_to_do(const PlaneRange& planes, std::span<const PlaneRange> done) {
   const std::vector<PlaneRange> left = remaining(planes, done);
@@ -78,15 +74,17 @@ void leave_out(const Bins& bins, std::span<const PlaneRange> done, std::vector<d
     costs[b] *= share_to_do(bins.planes(b, b + 1), done);
 }
 
+// The planes from the first to the last one that is left; empty if none is left.
+PlaneRange range_around(const std::vector<PlaneRange>& left) {
+  return left.empty() ? PlaneRange{} : PlaneRange{left.front().begin, left.back().end};
+}
+
 std::vector<PlaneRange> cut_into_slabs(const Bins& bins, std::span<const double> costs,
                                        std::span<const PlaneRange> done, int parts) {
   const std::vector<std::size_t> begins = cut_evenly(costs, parts);
   std::vector<PlaneRange> slabs;
-  for (std::size_t part = 0; part + 1 < begins.size(); ++part) {
-    const std::vector<PlaneRange> left =
-        remaining(bins.planes(begins[part], begins[part + 1]), done);
-    slabs.push_back(left.empty() ? PlaneRange{} : PlaneRange{left.front().begin, left.back().end});
-  }
+  for (std::size_t part = 0; part + 1 < begins.size(); ++part)
+    slabs.push_back(range_around(remaining(bins.planes(begins[part], begins[part + 1]), done)));
   return slabs;
 }
 
@@ -113,7 +111,7 @@ struct SentAtom {
 
 struct SentAtoms {
   std::vector<SentAtom> atoms;
-  std::vector<GroupNumbers> groups;  // of each, if the shares have them
+  std::vector<mesh::GroupNumbers> groups;  // of each, if the shares have them
 };
 
 // How far from a slab an atom matters: as far as Reach goes, for its patches, and from those atoms
@@ -134,7 +132,7 @@ SentAtoms send_atoms(const AtomShare& share, const Plan& plan, std::span<const P
   const double probe = plan.parameters.probe_radius;
   double largest_radius = 0;
   for (const Atom& atom : share.atoms) largest_radius = std::max(largest_radius, atom.radius);
-  processes.take_largest({&largest_radius, 1});
+  processes.allreduce_max({&largest_radius, 1});
   std::vector<Reached> reached;
   for (std::size_t part = 0; part < slabs.size(); ++part) {
     if (slabs[part].is_empty()) continue;
@@ -142,7 +140,7 @@ SentAtoms send_atoms(const AtomShare& share, const Plan& plan, std::span<const P
     reached.push_back({part, box.low.z, box.high.z});
   }
   std::vector<std::vector<SentAtom>> to(slabs.size());
-  std::vector<std::vector<GroupNumbers>> groups_to(slabs.size());
+  std::vector<std::vector<mesh::GroupNumbers>> groups_to(slabs.size());
   const auto send = [&](std::size_t i, std::size_t part) {
     to[part].push_back({share.atoms[i], share.lines[i], static_cast<AtomIndex>(share.first + i)});
     if (!share.groups.empty()) groups_to[part].push_back(share.groups[i]);
@@ -178,22 +176,30 @@ std::function<bool(const Atom&)> ownership(const Plan& plan, std::span<const Pla
   return [low, high](const Atom& atom) { return atom.center.z >= low && atom.center.z < high; };
 }
 
-// With the lines of its atoms.
-struct NumberedSlab {
-  SlabShare share;
-  std::vector<std::uint64_t> lines;
+struct SlabWithLines {
+  Slab slab;
+  std::vector<std::uint64_t> lines;  // by atom
 };
 
-NumberedSlab gather_slab(const AtomShare& share, const Plan& plan,
-                         std::span<const PlaneRange> slabs, int threads,
-                         const Processes& processes) {
+// A process that is alone keeps the atoms that it has read.
+SlabWithLines keep_atoms(AtomShare share, const PlaneRange& planes, int threads) {
+  SlabWithLines kept;
+  kept.slab.planes = planes;
+  kept.slab.molecule = Molecule(std::move(share.atoms), {}, threads);
+  kept.slab.groups = std::move(share.groups);
+  kept.lines = std::move(share.lines);
+  return kept;
+}
+
+SlabWithLines exchange_atoms(const AtomShare& share, const Plan& plan,
+                             std::span<const PlaneRange> slabs, int threads,
+                             const Processes& processes) {
   SentAtoms sent = send_atoms(share, plan, slabs, processes);
-  NumberedSlab numbered;
-  SlabShare& slab = numbered.share;
-  std::vector<std::uint64_t>& lines = numbered.lines;
+  SlabWithLines received;
+  auto& [slab, lines] = received;
   const auto part = static_cast<std::size_t>(processes.rank());
   slab.planes = slabs[part];
-  processes.agree([&] {
+  processes.all_or_throw([&] {
     std::vector<Atom> atoms;
     atoms.reserve(sent.atoms.size());
     slab.numbers.reserve(sent.atoms.size());
@@ -207,47 +213,48 @@ NumberedSlab gather_slab(const AtomShare& share, const Plan& plan,
     std::vector<SentAtom>().swap(sent.atoms);
     slab.molecule = Molecule::part(std::move(atoms), ownership(plan, slabs, part), threads);
   });
-  return numbered;
+  return received;
 }
 
-// What processes tell each other of what is odd.
-struct OddExample {
+// An example of an oddity, as processes exchange it.
+struct FileExample {
   OddityKind kind{};
   AtomIndex atom = 0, other = 0;
   std::uint64_t line = 0, other_line = 0;
 };
 
-SharedOddities join_oddities(const NumberedSlab& slab, std::uint64_t atoms,
+FileOddities gather_oddities(const SlabWithLines& part, std::uint64_t atoms,
                              const Processes& processes) {
-  std::vector<OddExample> own;
+  const auto& [slab, lines] = part;
+  std::vector<FileExample> own;
   std::array<std::uint64_t, oddity_kinds> counts{};
-  for (const Oddity& oddity : slab.share.molecule.oddities()) {
+  for (const Oddity& oddity : slab.molecule.oddities()) {
     counts[static_cast<std::size_t>(oddity.kind)] = oddity.count;
     for (const auto& [atom, other] : oddity.examples)
-      own.push_back({oddity.kind, slab.share.numbers[atom], slab.share.numbers[other],
-                     slab.lines[atom], slab.lines[other]});
+      own.push_back(
+          {oddity.kind, slab.number_of(atom), slab.number_of(other), lines[atom], lines[other]});
   }
   processes.add(counts);
-  // Radii are small if all are.
+  // The radii of the molecule are small only if all of them are.
   std::uint64_t& small = counts[static_cast<std::size_t>(OddityKind::small_radii)];
   if (small < atoms) small = 0;
-  std::vector<OddExample> examples = processes.gather<OddExample>(own);
-  std::sort(examples.begin(), examples.end(), [](const OddExample& a, const OddExample& b) {
+  std::vector<FileExample> examples = processes.gather<FileExample>(own);
+  std::sort(examples.begin(), examples.end(), [](const FileExample& a, const FileExample& b) {
     return std::pair(a.kind, a.atom) < std::pair(b.kind, b.atom);
   });
-  SharedOddities odd;
+  FileOddities all;
   for (std::size_t kind = 0; kind < counts.size(); ++kind)
-    if (counts[kind] > 0) odd.oddities.push_back({static_cast<OddityKind>(kind), counts[kind], {}});
-  for (Oddity& oddity : odd.oddities) {
-    for (const OddExample& example : examples) {
+    if (counts[kind] > 0) all.oddities.push_back({static_cast<OddityKind>(kind), counts[kind], {}});
+  for (Oddity& oddity : all.oddities) {
+    for (const FileExample& example : examples) {
       if (example.kind != oddity.kind) continue;
       if (oddity.examples.size() == Oddity::most_examples) break;
       oddity.examples.push_back({example.atom, example.other});
-      odd.lines[example.atom] = example.line;
-      odd.lines[example.other] = example.other_line;
+      all.lines[example.atom] = example.line;
+      all.lines[example.other] = example.other_line;
     }
   }
-  return odd;
+  return all;
 }
 
 // The planes that do not belong to the region, and those that are done.
@@ -260,7 +267,7 @@ std::vector<PlaneRange> planes_left_out(const Plan& plan, std::span<const PlaneR
   return left_out;
 }
 
-// Cuts the planes into as many slabs as there are processes, to be asked by all of them.
+// Cuts the planes into as many slabs as there are processes; all of them call it.
 class SlabCutter {
  public:
   SlabCutter(const AtomShare& share, const Plan& plan, const OutputChoice& outputs,
@@ -277,11 +284,9 @@ class SlabCutter {
   // Those that are to be done, by costs that each process estimates from `slab`, which is its one
   // of those by atoms; or these, where others would not make up for the time in which atoms are
   // sent and prepared again.
-  std::vector<PlaneRange> by_costs(const SlabShare& slab, std::span<const PlaneRange> done) const {
+  std::vector<PlaneRange> by_costs(const Slab& slab, std::span<const PlaneRange> done) const {
     const std::vector<PlaneRange> left_out = planes_left_out(plan_, done);
-    const bool is_alone = processes_.count() == 1;
-    if (is_alone && left_out.empty()) return by_atoms_;
-    std::vector<double> costs = is_alone ? atoms_ : estimate_costs(slab);
+    std::vector<double> costs = estimate_costs(slab);
     leave_out(bins_, left_out, costs);
     std::vector<PlaneRange> slabs = cut_into_slabs(bins_, costs, left_out, processes_.count());
     if (!left_out.empty()) return slabs;
@@ -292,9 +297,9 @@ class SlabCutter {
 
  private:
   // Seconds for each bin.
-  std::vector<double> estimate_costs(const SlabShare& slab) const {
+  std::vector<double> estimate_costs(const Slab& slab) const {
     std::vector<double> costs(bins_.count());
-    processes_.agree([&] {
+    processes_.all_or_throw([&] {
       if (slab.planes.is_empty()) return;
       const Grid& grid = plan_.grid;
       const SurfaceSurvey survey(slab.molecule, plan_.parameters.probe_radius,
@@ -347,39 +352,39 @@ std::vector<std::size_t> cut_evenly(std::span<const double> costs, int parts) {
   return begins;
 }
 
-std::vector<PlaneRange> remaining(const PlaneRange& planes, std::span<const PlaneRange> done) {
-  std::vector<PlaneRange> left;
-  std::int64_t begin = planes.begin;
-  for (const PlaneRange& range : done) {
-    if (range.end <= begin) continue;
-    if (range.begin >= planes.end) break;
-    if (range.begin > begin) left.push_back({begin, range.begin});
-    begin = range.end;
-  }
-  if (begin < planes.end) left.push_back({begin, planes.end});
-  return left;
+PlaneRange region_planes(const Plan& plan) {
+  return {plan.tiling.region.begin[2], plan.tiling.region.end[2]};
 }
 
-SharedMolecule share_molecule(const AtomShare& share, const Plan& plan, const OutputChoice& outputs,
-                              std::span<const PlaneRange> done, int threads,
-                              const Processes& processes) {
+SlabOfMolecule make_slab(AtomShare share, const Plan& plan, const OutputChoice& outputs,
+                         std::span<const PlaneRange> done, int threads,
+                         const Processes& processes) {
+  const std::uint64_t atoms = share.total;
+  SlabOfMolecule result;
+  if (processes.count() == 1) {
+    SlabWithLines slab =
+        keep_atoms(std::move(share), range_around(remaining(region_planes(plan), done)), threads);
+    result.oddities = gather_oddities(slab, atoms, processes);
+    result.slab = std::move(slab.slab);
+    return result;
+  }
   const SlabCutter cutter(share, plan, outputs, processes);
-  // All atoms, as all have to be looked at for what is odd.
-  NumberedSlab slab = gather_slab(share, plan, cutter.by_atoms(), threads, processes);
-  SharedMolecule shared;
-  shared.odd = join_oddities(slab, share.total, processes);
-  const std::vector<PlaneRange> slabs = cutter.by_costs(slab.share, done);
+  // All atoms take part, as the oddities are those of all atoms.
+  SlabWithLines slab = exchange_atoms(share, plan, cutter.by_atoms(), threads, processes);
+  result.oddities = gather_oddities(slab, atoms, processes);
+  const std::vector<PlaneRange> slabs = cutter.by_costs(slab.slab, done);
   if (slabs != cutter.by_atoms()) {
     slab = {};
-    slab = gather_slab(share, plan, slabs, threads, processes);
+    slab = exchange_atoms(share, plan, slabs, threads, processes);
   }
-  shared.slab = std::move(slab.share);
-  return shared;
+  result.slab = std::move(slab.slab);
+  return result;
 }
 
 Box slab_box(const Plan& plan, const PlaneRange& planes) {
   GridRegion region = plan.tiling.region;
-  region.begin[2] = std::max<std::int64_t>(0, planes.begin - 1);
+  const bool goes_on_below = planes.begin > region.begin[2];
+  region.begin[2] = goes_on_below ? planes.begin - 1 : planes.begin;
   region.end[2] = planes.end;
   return region_box(plan.grid, region);
 }

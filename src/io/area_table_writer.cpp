@@ -13,28 +13,13 @@ std::string field(std::string_view text) {
   return quoted + '"';
 }
 
-template <class Action>
-void for_each_residue(std::span<const AtomLabel> labels, std::span<const double> areas,
-                      Action&& action) {
-  for (std::size_t begin = 0, end = 0; begin < labels.size(); begin = end) {
-    const AtomLabel& first = labels[begin];
-    while (end < labels.size() && is_same_residue(labels[end], first)) ++end;
-    ResidueArea residue{first.chain, first.residue_number, first.residue};
-    residue.add(areas.subspan(begin, end - begin));
-    action(residue);
-  }
+void append_residue(TextPieces& text, const ResidueArea& residue) {
+  const AtomLabel& label = residue.label;
+  text.append("{},{},{},{},{:.6f}\n", field(label.chain), field(label.residue_number),
+              field(label.residue), residue.atoms, residue.area);
 }
 
 }  // namespace
-
-void ResidueArea::add(std::span<const double> areas) {
-  atoms += static_cast<std::int64_t>(areas.size());
-  for (const double one : areas) area += one;
-}
-
-bool is_same_residue(const AtomLabel& a, const AtomLabel& b) {
-  return a.chain == b.chain && a.residue_number == b.residue_number && a.residue == b.residue;
-}
 
 void ChainAreas::add(const ChainArea& part) {
   auto place = places_.find(part.chain);
@@ -48,25 +33,30 @@ void ChainAreas::add(const ChainArea& part) {
   chain.area += part.area;
 }
 
-void append_residue(TextPieces& text, const ResidueArea& residue) {
-  text.append("{},{},{},{},{:.6f}\n", field(residue.chain), field(residue.number),
-              field(residue.name), residue.atoms, residue.area);
+void append_residue_header(TextPieces& text) {
+  text.append("chain,residue_number,residue,atoms,area\n");
 }
 
-void write_residue_table(std::span<const AtomLabel> labels, std::span<const double> areas,
-                         const TextSink& sink) {
-  TextPieces text(sink);
-  text.append(residue_table_header);
-  for_each_residue(labels, areas,
-                   [&](const ResidueArea& residue) { append_residue(text, residue); });
-  text.flush();
+void add_residues(AreaTables& tables, const ResidueRuns& runs, std::span<const double> areas,
+                  TextPieces& text) {
+  for (std::size_t run = 0; run < runs.labels.size(); ++run) {
+    const AtomLabel& label = runs.labels[run];
+    if (!tables.open || !is_same_residue(tables.open->label, label)) {
+      end_residues(tables, text);
+      tables.open = {label, 0, 0};
+    }
+    ResidueArea& residue = *tables.open;
+    residue.atoms += static_cast<std::int64_t>(runs.atoms[run]);
+    for (const double area : areas.first(runs.atoms[run])) residue.area += area;
+    areas = areas.subspan(runs.atoms[run]);
+  }
 }
 
-void write_chain_table(std::span<const AtomLabel> labels, std::span<const double> areas,
-                       const TextSink& sink) {
-  ChainAreas chains;
-  for_each_residue(labels, areas, [&](const ResidueArea& residue) { chains.add(residue); });
-  write_chain_table(chains.chains(), sink);
+void end_residues(AreaTables& tables, TextPieces& text) {
+  if (!tables.open) return;
+  append_residue(text, *tables.open);
+  tables.chains.add({tables.open->label.chain, 1, tables.open->atoms, tables.open->area});
+  tables.open.reset();
 }
 
 void write_chain_table(std::span<const ChainArea> chains, const TextSink& sink) {

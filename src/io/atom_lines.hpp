@@ -47,6 +47,10 @@ LinesRead read_atom_lines(const ReadText& read, const AtomLines& lines, Numbered
 /// The same for a text in memory, which must consist of whole lines.
 LinesRead parse_atom_lines(std::string_view text, const AtomLines& lines, NumberedAtoms& result);
 
+/// read_numbered_atoms, which calls `after_piece` now and then with what it has read so far.
+NumberedAtoms read_numbered_atoms(const std::filesystem::path& path, const ReadOptions& options,
+                                  const std::function<void(NumberedAtoms& atoms)>& after_piece);
+
 /// Throws Error if the records of a PQR file, as many as `atoms`, are those of a PDB file.
 void refuse_pdb_records(std::string_view name, std::uint64_t atoms, const PdbLikeness& likeness);
 

@@ -513,7 +513,8 @@ NumberedAtoms finished(NumberedAtoms atoms, const LinesRead& read, const AtomLin
   return atoms;
 }
 
-NumberedAtoms read_descriptor(int descriptor, const ReadOptions& options, const std::string& name) {
+NumberedAtoms read_descriptor(int descriptor, const ReadOptions& options, const std::string& name,
+                              const std::function<void(NumberedAtoms& atoms)>& after_piece) {
   const AtomLines lines{.format = options.format,
                         .name = name,
                         .with_labels = options.with_labels,
@@ -522,7 +523,10 @@ NumberedAtoms read_descriptor(int descriptor, const ReadOptions& options, const 
     TextSource source(descriptor, name);
     NumberedAtoms atoms;
     const LinesRead read = read_atom_lines(
-        [&source](std::span<char> buffer) { return source.read(buffer); }, lines, atoms);
+        [&source](std::span<char> buffer) { return source.read(buffer); }, lines, atoms,
+        [&] {
+          if (after_piece) after_piece(atoms);
+        });
     return finished(std::move(atoms), read, lines);
   } catch (const std::bad_alloc&) {
     fail_for_memory(name);
@@ -626,14 +630,19 @@ AtomFormat format_of(const std::filesystem::path& path, AtomFormat format) {
   return suffix_of(path) == ".pqr" ? AtomFormat::pqr : AtomFormat::xyzr;
 }
 
-NumberedAtoms read_numbered_atoms(const std::filesystem::path& path, const ReadOptions& options) {
-  if (path == "-") return read_descriptor(STDIN_FILENO, options, "<stdin>");
+NumberedAtoms read_numbered_atoms(const std::filesystem::path& path, const ReadOptions& options,
+                                  const std::function<void(NumberedAtoms& atoms)>& after_piece) {
+  if (path == "-") return read_descriptor(STDIN_FILENO, options, "<stdin>", after_piece);
   const std::string name = path.string();
   refuse_structure_files(path);
   const FileDescriptor file(open_for_reading(path, name));
   ReadOptions known = options;
   known.format = format_of(path, options.format);
-  return read_descriptor(file.value(), known, name);
+  return read_descriptor(file.value(), known, name, after_piece);
+}
+
+NumberedAtoms read_numbered_atoms(const std::filesystem::path& path, const ReadOptions& options) {
+  return read_numbered_atoms(path, options, {});
 }
 
 NumberedAtoms read_numbered_atoms(const std::filesystem::path& path, AtomFormat format) {

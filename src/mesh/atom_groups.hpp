@@ -12,20 +12,26 @@
 
 namespace eses::mesh {
 
-/// Numbered from 0 in the order in which they come in the file. Names are not copied: they are
-/// those of the first atom.
-struct AtomGroups {
-  bool are_known = false;
-  std::span<const AtomLabel> labels;      ///< by atom
-  std::vector<std::uint32_t> chain_of;    ///< by atom
-  std::vector<std::uint32_t> residue_of;  ///< by atom
-  std::vector<AtomIndex> chains;          ///< by chain: its first atom
-  std::vector<AtomIndex> residues;        ///< by residue: its first atom
+/// An atom's chain and residue as a mesh numbers them.
+struct GroupNumbers {
+  std::uint32_t chain = 0, residue = 0;
 };
 
-/// All atoms with the same chain are in one chain; those with the same chain, number and name of
-/// residue in one residue; as far as names are written. Keeps a view of `labels`.
-AtomGroups group_atoms(std::span<const AtomLabel> labels);
+/// The chains and residues of atoms, if they are known.
+struct AtomGroups {
+  bool are_known = false;
+  std::span<const GroupNumbers> of_atom;
+};
+
+/// Chains and residues of labels, numbered from 0 in the order in which they come first.
+struct LabelNumbers {
+  std::vector<std::uint32_t> chain_of, residue_of;  ///< by label
+  std::vector<AtomIndex> chains, residues;          ///< by number: the first label that has it
+};
+
+/// Labels with the same chain are in one chain; those with the same chain, residue number and
+/// residue name in one residue; as far as names are written.
+LabelNumbers number_labels(std::span<const AtomLabel> labels);
 
 /// What is written of a name: readers of PLY files have room for lines of some length only.
 inline std::string_view written_name(std::string_view name) {

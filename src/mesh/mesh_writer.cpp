@@ -127,18 +127,7 @@ void append_residue_name(TextPieces& text, std::uint64_t number, const AtomLabel
 
 MeshText::MeshText(MeshFormat format, MeshColor color, AtomGroups groups,
                    std::span<const AtomIndex> atom_numbers)
-    : format_(format), color_(color), groups_(std::move(groups)), atom_numbers_(atom_numbers) {}
-
-void MeshText::write_header(const MeshCounts& counts, const TextSink& sink) const {
-  write_header_begin(sink);
-  TextPieces names(sink);
-  for (std::size_t i = 0; i < groups_.chains.size(); ++i)
-    append_chain_name(names, i, groups_.labels[groups_.chains[i]]);
-  for (std::size_t i = 0; i < groups_.residues.size(); ++i)
-    append_residue_name(names, i, groups_.labels[groups_.residues[i]]);
-  names.flush();
-  write_header_end(counts, sink);
-}
+    : format_(format), color_(color), groups_(groups), atom_numbers_(atom_numbers) {}
 
 void MeshText::write_header_begin(const TextSink& sink) const {
   constexpr bool is_little = std::endian::native == std::endian::little;
@@ -168,12 +157,6 @@ void MeshText::write_header_end(const MeshCounts& counts, const TextSink& sink) 
   text.flush();
 }
 
-std::uint64_t MeshText::header_bytes() const {
-  std::uint64_t bytes = 0;
-  write_header({}, [&](std::string_view piece) { bytes += piece.size(); });
-  return bytes;
-}
-
 void MeshText::append_ply_end(TextPieces& text, const MeshCounts& counts) const {
   const std::string vertices = fmt::format("{}", counts.vertices);
   const std::string triangles = fmt::format("{}", counts.triangles);
@@ -191,7 +174,7 @@ void MeshText::append_ply_end(TextPieces& text, const MeshCounts& counts) const 
 
 Color MeshText::color_of(const Vertex& vertex) const {
   if (color_ == MeshColor::atom) return wheel_color(number_of(vertex.atom));
-  if (color_ == MeshColor::chain) return wheel_color(groups_.chain_of[vertex.atom]);
+  if (color_ == MeshColor::chain) return wheel_color(groups_.of_atom[vertex.atom].chain);
   return vertex.patch == 1 ? convex_color : vertex.patch == 2 ? saddle_color : concave_color;
 }
 
@@ -205,8 +188,9 @@ void MeshText::append_ply_vertex(TextBuffer& text, const Vertex& vertex) const {
   out = put(out, vertex.patch);
   out = put(out, number_of(vertex.atom));
   if (groups_.are_known) {
-    out = put(out, groups_.chain_of[vertex.atom]);
-    out = put(out, groups_.residue_of[vertex.atom]);
+    const auto [chain, residue] = groups_.of_atom[vertex.atom];
+    out = put(out, chain);
+    out = put(out, residue);
   }
   text.advance_to(out);
 }

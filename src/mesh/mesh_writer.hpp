@@ -24,17 +24,15 @@ void require_numbers(std::uint64_t vertices);
 /// A file is the header, all vertices, all triangles.
 class MeshText {
  public:
-  /// `atom_numbers` are what atoms are called, by index, or empty if that is their index; they must
-  /// outlive this.
+  /// `atom_numbers` are what atoms are called, by index, or empty if that is their index. They and
+  /// the numbers of groups must outlive this.
   MeshText(MeshFormat format, MeshColor color, AtomGroups groups,
            std::span<const AtomIndex> atom_numbers = {});
 
-  /// Has the same length whatever the counts. It names all chains and residues, so it may be long.
-  void write_header(const MeshCounts& counts, const TextSink& sink) const;
-  /// Its parts before and behind the names; only a PLY header has both.
+  /// The header before and behind the lines that name chains and residues, which only PLY has. Both
+  /// parts have the same length whatever the counts.
   void write_header_begin(const TextSink& sink) const;
   void write_header_end(const MeshCounts& counts, const TextSink& sink) const;
-  std::uint64_t header_bytes() const;
   void append_vertex(TextBuffer& text, const Vertex& vertex) const;
   void append_triangle(TextBuffer& text, const Triangle& triangle) const;
 

@@ -64,6 +64,14 @@ void OutputFile::write_at(std::span<const char> bytes, std::uint64_t offset) {
   }
 }
 
+std::uint64_t OutputFile::copy_from(int file, const CopyRange& range) {
+  try {
+    return copy_in_kernel(file, file_.value(), range);
+  } catch (const std::system_error& error) {
+    fail("write", error.code().value());
+  }
+}
+
 void OutputFile::read_at(std::span<char> bytes, std::uint64_t offset) {
   while (!bytes.empty()) {
     const ssize_t count =

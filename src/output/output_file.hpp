@@ -6,6 +6,7 @@
 #include <span>
 #include <string>
 
+#include "output/kernel_copy.hpp"
 #include "output/output_directory.hpp"
 
 namespace eses {
@@ -32,6 +33,8 @@ class OutputFile {
 
   /// May be called from several threads for disjoint ranges.
   void write_at(std::span<const char> bytes, std::uint64_t offset);
+  /// Copies a range of another open file, as copy_in_kernel does.
+  std::uint64_t copy_from(int file, const CopyRange& range);
   /// Reads what has been written there before; bytes that nobody wrote are 0.
   void read_at(std::span<char> bytes, std::uint64_t offset);
   /// Cuts off what is behind the first `bytes`.

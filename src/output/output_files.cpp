@@ -136,6 +136,19 @@ void require_writable(const std::filesystem::path& directory) {
                             std::generic_category().message(error)));
 }
 
+// A missing directory is created, but not one to which only a symbolic link leads: it may have been
+// moved, or be on a disk that is not mounted.
+void require_end_of_link(const MeshChoice& mesh) {
+  const FilePlace end = place_of(mesh);
+  const bool is_link = target_of(place_of(mesh.file.native())).has_value();
+  struct stat status {};
+  if (!is_link || stat(end.directory.c_str(), &status) == 0 || errno != ENOENT) return;
+  throw Error(fmt::format(
+      "cannot write {}: it is a symbolic link into {}, which does not exist; create that "
+      "directory, or remove the link",
+      mesh.file.string(), end.directory));
+}
+
 // Where there is no directory yet, there is nothing of the name.
 void require_free_name(const FilePlace& place) {
   const std::string path = path_in(place.directory, place.name);
@@ -206,6 +219,7 @@ std::vector<std::string> stale_paths(const OutputChoice& choice,
 
 void require_places(const OutputChoice& choice, const std::filesystem::path& directory) {
   if (!file_names(choice).empty()) require_writable(directory);
+  if (choice.mesh) require_end_of_link(*choice.mesh);
   if (choice.mesh) require_writable(place_of(*choice.mesh).directory);
   if (choice.mesh &&
       std::filesystem::path(place_of(*choice.mesh).directory).filename() == resume_name)

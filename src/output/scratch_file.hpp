@@ -28,6 +28,8 @@ class ScratchFile {
   void write_at(std::span<const std::byte> bytes, std::uint64_t offset);
   /// All of `bytes`, which must have been written.
   void read_at(std::span<std::byte> bytes, std::uint64_t offset) const;
+  /// Open while this lives.
+  int descriptor() const { return descriptor_; }
   /// Waits until everything is on the disk.
   void sync();
   /// Of what was appended.

@@ -96,7 +96,7 @@ bool has_full_layers(const SurfaceSurvey& survey, double spacing, const GridInde
 }
 
 std::vector<GridIndex> possible_block_sizes(const SurfaceSurvey& survey, const Parameters& p) {
-  if (p.block_size > 0) return {{p.block_size, p.block_size, p.block_size}};
+  if (p.block_size != 0) return {{p.block_size, p.block_size, p.block_size}};
   auto fastest = layer_shapes.begin();
   while (fastest + 1 != layer_shapes.end() && has_full_layers(survey, p.spacing, *fastest))
     ++fastest;
@@ -161,7 +161,7 @@ void expect_mesh(const MeshChoice& mesh, const LabelTotals& labels, double cross
   const double vertices = far_corner_growth(plan.tiling) * crossings;
   plan.mesh_scratch_bytes =
       whole_bytes(2 * static_cast<double>(mesh::typical_triangle_bytes(mesh)) * vertices);
-  const bool has_names = labels.labels > 0 && mesh::names_atoms(mesh);
+  const bool has_names = labels.residue_runs > 0 && mesh::names_atoms(mesh);
   plan.mesh_file_bytes =
       plan.mesh_scratch_bytes +
       whole_bytes(static_cast<double>(mesh::typical_vertex_bytes(mesh, has_names)) * vertices);
@@ -173,8 +173,8 @@ void expect_mesh(const MeshChoice& mesh, const LabelTotals& labels, double cross
 
 // The fastest schedule that keeps the limit and what is available.
 void choose_schedule(const SurfaceSurvey& survey, const GridRegion& region,
-                     const Circumstances& circumstances, const OutputChoice& outputs, Plan& plan) {
-  const auto& [available, held, labels] = circumstances;
+                     const MemoryBudget& budget, const OutputChoice& outputs, Plan& plan) {
+  const auto& [available, held, labels] = budget;
   const Parameters& p = plan.parameters;
   const std::uint64_t limit = p.max_memory > 0 ? std::min(p.max_memory, available) : available;
   const double crossings = expected_crossings(survey.totals().area, p.spacing);
@@ -195,56 +195,57 @@ void choose_schedule(const SurfaceSurvey& survey, const GridRegion& region,
   refuse_limit(p, smallest);
 }
 
+// The labels of a molecule, and the copies of them that a run makes.
+LabelTotals with_copies(LabelTotals labels, const OutputChoice& outputs) {
+  if (labels.labels == 0) return labels;
+  std::size_t copies = outputs.residues ? labels.residue_runs : 0;
+  if (outputs.mesh && mesh::names_atoms(*outputs.mesh))
+    copies += 2 * labels.residue_runs + labels.chain_runs;
+  const std::size_t all = labels.labels + copies;
+  labels.heap_bytes *= static_cast<double>(all) / static_cast<double>(labels.labels);
+  labels.labels = all;
+  return labels;
+}
+
 SurfaceSurvey survey_of(const Molecule& molecule, const Grid& grid, const GridRegion& region,
                         double probe_radius) {
   if (region == grid.whole()) return {molecule, probe_radius};
   return {molecule, probe_radius, region_box(grid, region)};
 }
 
-void expect_files(const SurfaceSurvey& survey, const LabelTotals& labels,
-                  const OutputChoice& outputs, Plan& plan) {
-  const GridRegion& region = plan.tiling.region;
-  plan.gzip = outputs.gzip;
-  const auto on_disk = [&](double bytes, double compressed_share) {
-    return static_cast<std::uint64_t>(outputs.gzip ? compressed_share * bytes : bytes);
-  };
-  const double crossings = expected_crossings(survey.totals().area, plan.grid.spacing);
-  if (outputs.box) plan.box_file_bytes = expected_box_bytes(plan.grid, outputs.gzip);
-  if (outputs.grid) plan.grid_file_bytes = expected_grid_bytes(region, outputs.gzip);
-  if (outputs.edges)
-    plan.edge_file_bytes = on_disk(typical_crossing_bytes * crossings, edge_gzip_share);
-  if (outputs.areas) plan.area_file_bytes = expected_area_bytes(survey.atom_count(), outputs.gzip);
-  if (outputs.mesh) expect_mesh(*outputs.mesh, labels, crossings, plan);
-  if (outputs.residues) plan.residue_file_bytes = expected_table_bytes(labels);
-  if (!outputs.inside_map.empty()) expect_map(outputs.inside_map, plan);
-}
-
-}  // namespace
-
-std::uint64_t expected_box_bytes(const Grid& grid, bool gzip) {
-  const std::string text = bounding_box_text(grid);
-  return gzip ? Gzip().member(text).size() : text.size();
-}
-
-std::uint64_t expected_grid_bytes(const GridRegion& region, bool gzip) {
-  const double share = gzip ? grid_gzip_share : 1;
-  return static_cast<std::uint64_t>(share * static_cast<double>(largest_grid_bytes(region)));
-}
-
-std::uint64_t expected_area_bytes(std::uint64_t atoms, bool gzip) {
-  const double share = gzip ? area_gzip_share : 1;
-  return static_cast<std::uint64_t>(share * static_cast<double>(area_line_bytes * atoms));
-}
-
-std::uint64_t expected_table_bytes(const LabelTotals& labels) {
-  return table_header_bytes + table_line_bytes * (labels.residue_runs + labels.chain_runs) +
-         labels.residue_text_bytes + labels.chain_text_bytes;
-}
-
 void expect_map(const std::string& name, Plan& plan) {
   const MapFormat format = required_map_format(name);
   plan.map_file_bytes = map_layout(format, plan.grid, plan.tiling.region).file_bytes();
   plan.map_scratch_bytes = InsideMap::scratch_bytes(format, plan.tiling.region);
+}
+
+std::uint64_t box_bytes(const Grid& grid, bool gzip) {
+  const std::string text = bounding_box_text(grid);
+  return gzip ? Gzip().member(text).size() : text.size();
+}
+
+}  // namespace
+
+void plan_files(const FileContents& contents, const OutputChoice& outputs, Plan& plan) {
+  const auto& [atoms, crossings, labels] = contents;
+  plan.gzip = outputs.gzip;
+  const auto on_disk = [&](double bytes, double compressed_share) {
+    return static_cast<std::uint64_t>(outputs.gzip ? compressed_share * bytes : bytes);
+  };
+  if (outputs.box) plan.box_file_bytes = box_bytes(plan.grid, outputs.gzip);
+  if (outputs.grid)
+    plan.grid_file_bytes =
+        on_disk(static_cast<double>(largest_grid_bytes(plan.tiling.region)), grid_gzip_share);
+  if (outputs.edges)
+    plan.edge_file_bytes = on_disk(typical_crossing_bytes * crossings, edge_gzip_share);
+  if (outputs.areas)
+    plan.area_file_bytes = on_disk(static_cast<double>(area_line_bytes * atoms), area_gzip_share);
+  if (outputs.mesh) expect_mesh(*outputs.mesh, labels, crossings, plan);
+  if (outputs.residues)
+    plan.residue_file_bytes = table_header_bytes +
+                              table_line_bytes * (labels.residue_runs + labels.chain_runs) +
+                              labels.residue_text_bytes + labels.chain_text_bytes;
+  if (!outputs.inside_map.empty()) expect_map(outputs.inside_map, plan);
 }
 
 std::uint64_t checksum_of(std::span<const Atom> atoms) {
@@ -264,12 +265,12 @@ Plan plan_grid(const SphereBounds& bounds, const Parameters& parameters) {
   return plan;
 }
 
-void plan_work(const Circumstances& circumstances, const Molecule& molecule,
-               const OutputChoice& outputs, Plan& plan) {
+double plan_schedule(const MemoryBudget& budget, const Molecule& molecule,
+                     const OutputChoice& outputs, Plan& plan) {
   const GridRegion region = plan.tiling.region;
   const SurfaceSurvey survey = survey_of(molecule, plan.grid, region, plan.parameters.probe_radius);
-  choose_schedule(survey, region, circumstances, outputs, plan);
-  expect_files(survey, circumstances.labels, outputs, plan);
+  choose_schedule(survey, region, budget, outputs, plan);
+  return expected_crossings(survey.totals().area, plan.grid.spacing);
 }
 
 Plan make_plan_within(std::uint64_t available, const Molecule& molecule,
@@ -277,8 +278,11 @@ Plan make_plan_within(std::uint64_t available, const Molecule& molecule,
   if (outputs.mesh) require_valid(*outputs.mesh, molecule);
   Plan plan = plan_grid(sphere_bounds(molecule.atoms()), parameters);
   plan.atoms_checksum = checksum_of(molecule.atoms());
-  plan_work({.available = available, .held = 0, .labels = total_labels(molecule.labels())},
-            molecule, outputs, plan);
+  const LabelTotals labels = total_labels(molecule.labels());
+  const double crossings =
+      plan_schedule({.available = available, .held = 0, .labels = with_copies(labels, outputs)},
+                    molecule, outputs, plan);
+  plan_files({molecule.atoms().size(), crossings, labels}, outputs, plan);
   return plan;
 }
 

@@ -1,5 +1,6 @@
 #pragma once
-/// Plans for a machine of which it is told what memory is left.
+/// Plans: the grid, the schedule of a process, and the sizes of the files. May use everything below
+/// the sweep, but neither other processes nor files.
 
 #include <cstdint>
 #include <span>
@@ -18,31 +19,30 @@ Plan make_plan_within(std::uint64_t available, const Molecule& molecule,
 /// What `Plan::atoms_checksum` is for these atoms.
 std::uint64_t checksum_of(std::span<const Atom> atoms);
 
-/// The first half of it: the grid around atoms with these bounds, and the region to compute.
+/// Step 1 of a plan: the grid around atoms with these bounds, and the region to compute.
 Plan plan_grid(const SphereBounds& bounds, const Parameters& parameters);
 
-/// What a process has when it plans.
-struct Circumstances {
+/// The memory that a process has for its part of a run.
+struct MemoryBudget {
   std::uint64_t available = 0;  ///< bytes of memory that are free
-  std::uint64_t held = 0;       ///< bytes that a process which is alone would not hold
-  LabelTotals labels;           ///< of the atoms, as far as this process holds them
+  std::uint64_t held = 0;       ///< bytes that the process holds for exchange with other processes
+  LabelTotals labels;           ///< the labels that the process holds
 };
 
-/// The second half, for the region of `plan.tiling`, of which `molecule` must hold the atoms that
-/// matter there.
-void plan_work(const Circumstances& circumstances, const Molecule& molecule,
-               const OutputChoice& outputs, Plan& plan);
+/// Step 2: chooses the schedule for the region of `plan.tiling`. `molecule` must hold the atoms
+/// that influence the region. Returns the expected number of crossings in the region.
+double plan_schedule(const MemoryBudget& budget, const Molecule& molecule,
+                     const OutputChoice& outputs, Plan& plan);
 
-/// Of bounding_box.txt: exact.
-std::uint64_t expected_box_bytes(const Grid& grid, bool gzip);
-/// Of grid_info.txt and partition_area.txt: upper bounds, or estimates if they are gzipped.
-std::uint64_t expected_grid_bytes(const GridRegion& region, bool gzip);
-std::uint64_t expected_area_bytes(std::uint64_t atoms, bool gzip);
+/// What the sizes of the files of a whole run depend on, beside its plan.
+struct FileContents {
+  std::uint64_t atoms = 0;
+  double crossings = 0;  ///< expected
+  /// Residues and chains of all atoms. Only their numbers and the bytes of their names matter.
+  LabelTotals labels;
+};
 
-/// Of residue_area.csv and chain_area.csv together: an estimate.
-std::uint64_t expected_table_bytes(const LabelTotals& labels);
-
-/// Tells the plan about the map of this name of the plan's region.
-void expect_map(const std::string& name, Plan& plan);
+/// Step 3: the sizes of the files, and of what the disk holds beside them during the run.
+void plan_files(const FileContents& contents, const OutputChoice& outputs, Plan& plan);
 
 }  // namespace eses

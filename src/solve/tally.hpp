@@ -5,13 +5,13 @@
 #include <cstdint>
 
 #include "eses/crossing.hpp"
-#include "solve/atom_shares.hpp"
+#include "solve/area_shares.hpp"
 #include "surface/surface.hpp"
 
 namespace eses {
 
 struct Tally {
-  AtomShares atom_shares;
+  AreaShares atom_shares;
   std::array<std::int64_t, 3> crossings{};  ///< convex, saddle, concave
   std::array<AreaShare, 3> kind_shares{};   ///< likewise, together the sum over all atoms
 

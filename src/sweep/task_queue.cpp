@@ -70,12 +70,19 @@ bool TaskQueue::count_finished(const Task& task, std::int64_t chunks) {
   if (task.kind == Task::Kind::solve) {
     progress.chunks = chunks;
     ++progress.blocks_done;
-    if (is_solved(task.layer)) patches_.pass(next_bottoms_[static_cast<std::size_t>(task.layer)]);
+    pass_solved_layers();
     return false;
   }
   if (++progress.chunks_done < progress.chunks) return false;
   ++first_unwritten_;
   return true;
+}
+
+// A layer may be solved before the one below, whose blocks still need their patches.
+void TaskQueue::pass_solved_layers() {
+  const auto layers = static_cast<std::int64_t>(progress_.size());
+  for (; first_unpassed_ < layers && is_solved(first_unpassed_); ++first_unpassed_)
+    patches_.pass(next_bottoms_[static_cast<std::size_t>(first_unpassed_)]);
 }
 
 void TaskQueue::stop() {

@@ -60,6 +60,7 @@ class TaskQueue {
     return progress_[static_cast<std::size_t>(layer)].blocks_done == blocks_per_layer_;
   }
   bool count_finished(const Task& task, std::int64_t chunks);
+  void pass_solved_layers();
   std::optional<Task> try_take();
   std::optional<Task> try_take_step(double up_to);
 
@@ -70,6 +71,7 @@ class TaskQueue {
   std::int64_t blocks_per_layer_, blocks_ahead_;
   std::vector<Progress> progress_;  // per layer
   std::int64_t first_unwritten_ = 0;
+  std::int64_t first_unpassed_ = 0;  // all layers before it are solved
   std::int64_t first_unsolved_ = 0;  // the lowest layer with blocks that nobody has taken
   bool is_stopped_ = false;
 };

@@ -193,6 +193,25 @@ class Mesh(FaultTest):
         self.assertEqual(self.all_files(self.meshes), ["a.ply", "b.off"])
         self.assertEqual(self.all_files(), sorted([*NAMES, "b.off"]))
 
+    def test_link_into_a_missing_directory(self):
+        """It is refused, and the directory is not created; a missing directory without a link is."""
+        missing = self.folder / "unmounted"
+        link = self.folder / "link.ply"
+        link.symlink_to(missing / "a.ply")
+        chain = self.folder / "chain.ply"
+        chain.symlink_to(link)
+        for path in (link, chain):
+            for more in ((), ("--dry-run",), ("--resume", "-o", self.output)):
+                self.assertFailed(self.other_run("--mesh", path, *more),
+                                  f"cannot write {path}: it is a symbolic link into {missing}, "
+                                  "which does not exist")
+        self.assertFalse(missing.exists())
+        self.assertEqual(self.all_files(), [])
+        self.assertDone(self.other_run("--mesh", missing / "b.ply"))
+        self.assertDone(self.other_run("--mesh", link))
+        self.assertEqual(self.all_files(missing), ["a.ply", "b.ply"])
+        self.assertTrue(link.is_symlink())
+
     def test_directory_that_a_mesh_goes_to(self):
         """It may take the files of another run, which leaves the unfinished mesh alone."""
         program = self.stop_at("write 2", SMALL, "-q", "--write", "none", "--mesh",

@@ -1,4 +1,4 @@
-#include "solve/atom_shares.hpp"
+#include "solve/area_shares.hpp"
 
 #include <algorithm>
 #include <limits>
@@ -14,14 +14,14 @@ constexpr AtomIndex no_atom = std::numeric_limits<AtomIndex>::max();
 // The slot that has the atom, or the empty one where it would stand. The number of slots is a power
 // of two; the factor is 2^32 divided by the golden ratio (Knuth, The Art of Computer Programming 3,
 // section 6.4).
-std::size_t AtomShares::slot_of(AtomIndex atom) const {
+std::size_t AreaShares::slot_of(AtomIndex atom) const {
   const std::size_t mask = atoms_.size() - 1;
   std::size_t slot = (atom * std::uint32_t{2654435769}) & mask;
   while (atoms_[slot] != atom && atoms_[slot] != no_atom) slot = (slot + 1) & mask;
   return slot;
 }
 
-AreaShare& AtomShares::share_of(AtomIndex atom) {
+AreaShare& AreaShares::share_of(AtomIndex atom) {
   if (2 * taken_.size() >= atoms_.size()) grow();
   const std::size_t slot = slot_of(atom);
   if (atoms_[slot] == no_atom) {
@@ -31,11 +31,11 @@ AreaShare& AtomShares::share_of(AtomIndex atom) {
   return shares_[slot];
 }
 
-AreaShare AtomShares::operator[](AtomIndex atom) const {
+AreaShare AreaShares::operator[](AtomIndex atom) const {
   return atoms_.empty() ? 0 : shares_[slot_of(atom)];
 }
 
-void AtomShares::grow() {
+void AreaShares::grow() {
   const std::vector<AtomIndex> atoms = std::move(atoms_);
   const std::vector<AreaShare> shares = std::move(shares_);
   const std::vector<std::uint32_t> taken = std::exchange(taken_, {});
@@ -45,7 +45,7 @@ void AtomShares::grow() {
   for (const std::uint32_t slot : taken) share_of(atoms[slot]) = shares[slot];
 }
 
-void AtomShares::move_into(std::span<AreaShare> sums) {
+void AreaShares::move_into(std::span<AreaShare> sums) {
   for (const std::uint32_t slot : taken_) {
     sums[atoms_[slot]] += std::exchange(shares_[slot], 0);
     atoms_[slot] = no_atom;

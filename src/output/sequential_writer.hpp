@@ -1,5 +1,5 @@
 #pragma once
-/// Text files that are written by one thread, part by part.
+/// Files that one thread writes from the beginning to the end.
 
 #include <cstdint>
 #include <optional>
@@ -11,14 +11,11 @@
 
 namespace eses {
 
-/// Lines of partition_area.txt that are made, and compressed, at a time.
-inline constexpr std::size_t area_lines_at_a_time = 1 << 16;
-
-/// The parts of a file, one after the other, each a member of it if it is gzipped.
-class ShortFile {
+/// Appends parts to a file. In a gzip file each part is a member.
+class SequentialWriter {
  public:
   /// Keeps a reference to `file`.
-  ShortFile(OutputFile& file, bool gzip) : file_(file) {
+  SequentialWriter(OutputFile& file, bool gzip) : file_(file) {
     if (gzip) gzip_.emplace();
   }
 
@@ -38,7 +35,7 @@ class ShortFile {
 
 /// Writes bounding_box.txt; returns its bytes.
 inline std::uint64_t write_box(OutputFile& file, const Grid& grid, bool gzip) {
-  ShortFile box(file, gzip);
+  SequentialWriter box(file, gzip);
   box.append(bounding_box_text(grid));
   return box.size();
 }

@@ -16,7 +16,7 @@ __extension__ using AreaShare = __int128;
 inline constexpr double area_share_unit = 1.0 / (std::int64_t{1} << 40);
 
 /// The shares of a few atoms out of many: a hash table with open addressing.
-class AtomShares {
+class AreaShares {
  public:
   void add(AtomIndex atom, std::int64_t units) { share_of(atom) += units; }
 

@@ -1,7 +1,8 @@
-#include "distributed/shared_groups.hpp"
+#include "distributed/group_numbers.hpp"
 
 #include <functional>
 #include <limits>
+#include <numeric>
 #include <string_view>
 #include <unordered_map>
 #include <utility>
@@ -35,8 +36,7 @@ class KeyExchange {
                          .first->second);
   }
 
-  // Of the keys that this process looks after: as many as it got, by who sent them, equal ones with
-  // the same number.
+  // One for each key that this process got, ordered by sender; equal keys have equal ids.
   std::span<const std::uint32_t> ids() const { return ids_; }
   std::size_t id_count() const { return id_of_.size(); }
 
@@ -84,7 +84,7 @@ class KeyExchange {
   std::vector<std::uint32_t> ids_;
 };
 
-// Parted by what no name holds.
+// Names are separated by a character that no name contains.
 std::string chain_key(const AtomLabel& label) {
   return std::string(mesh::written_name(label.chain));
 }
@@ -98,23 +98,42 @@ std::string residue_key(const AtomLabel& label) {
   return key;
 }
 
+// The numbers of a process that is alone: those that it has given itself.
+KeyNumbers numbers_alone(std::size_t keys) {
+  KeyNumbers numbers;
+  numbers.of_key.resize(keys);
+  std::iota(numbers.of_key.begin(), numbers.of_key.end(), 0U);
+  numbers.own.resize(keys);
+  std::iota(numbers.own.begin(), numbers.own.end(), std::size_t{0});
+  return numbers;
+}
+
+// Numbers the labels in `first`, each of which comes first in this process, and keeps the names of
+// those that come first in all processes.
 template <class Key>
-SharedNumbers number_labels(const ResidueRuns& runs, std::span<const AtomIndex> first, Key&& key,
-                            const Processes& processes, std::vector<AtomLabel>& names) {
-  std::vector<std::string> keys;
-  keys.reserve(first.size());
-  for (const AtomIndex run : first) keys.push_back(key(runs.labels[run]));
-  SharedNumbers numbers = number_jointly(keys, processes);
-  for (const std::size_t k : numbers.own) names.push_back(runs.labels[first[k]]);
+KeyNumbers number_first_labels(std::span<const AtomLabel> labels, std::span<const AtomIndex> first,
+                               Key&& key, const Processes& processes,
+                               std::vector<AtomLabel>& names) {
+  KeyNumbers numbers;
+  if (processes.count() == 1) {
+    numbers = numbers_alone(first.size());
+  } else {
+    std::vector<std::string> keys;
+    keys.reserve(first.size());
+    for (const AtomIndex label : first) keys.push_back(key(labels[label]));
+    numbers = number_keys(keys, processes);
+  }
+  names.reserve(numbers.own.size());
+  for (const std::size_t k : numbers.own) names.push_back(labels[first[k]]);
   return numbers;
 }
 
 }  // namespace
 
-SharedNumbers number_jointly(std::span<const std::string> keys, const Processes& processes) {
+KeyNumbers number_keys(std::span<const std::string> keys, const Processes& processes) {
   const KeyExchange exchange(keys, processes);
   const std::vector<std::uint32_t> first = exchange.answer(exchange.first_senders());
-  SharedNumbers numbers;
+  KeyNumbers numbers;
   for (std::size_t k = 0; k < keys.size(); ++k)
     if (first[k] == static_cast<std::uint32_t>(processes.rank())) numbers.own.push_back(k);
   numbers.first = static_cast<std::uint32_t>(processes.sum_before(numbers.own.size()));
@@ -129,33 +148,22 @@ SharedNumbers number_jointly(std::span<const std::string> keys, const Processes&
   return numbers;
 }
 
-OwnGroups number_groups(AtomShare& share, const Processes& processes) {
-  const ResidueRuns& runs = share.residues;
-  OwnGroups groups;
-  groups.are_known = processes.sum(runs.labels.size()) > 0;
-  const mesh::AtomGroups local = mesh::group_atoms(runs.labels);
-  const SharedNumbers chains =
-      number_labels(runs, local.chains, chain_key, processes, groups.chains);
-  const SharedNumbers residues =
-      number_labels(runs, local.residues, residue_key, processes, groups.residues);
-  groups.first_chain = chains.first;
-  groups.first_residue = residues.first;
+NumberedGroups number_groups(const ResidueRuns& runs, const Processes& processes) {
+  NumberedGroups groups;
+  GroupNames& names = groups.names;
+  names.are_known = processes.sum(runs.labels.size()) > 0;
+  const mesh::LabelNumbers local = mesh::number_labels(runs.labels);
+  const KeyNumbers chains =
+      number_first_labels(runs.labels, local.chains, chain_key, processes, names.chains);
+  const KeyNumbers residues =
+      number_first_labels(runs.labels, local.residues, residue_key, processes, names.residues);
+  names.first_chain = chains.first;
+  names.first_residue = residues.first;
+  groups.of_atom.reserve(std::accumulate(runs.atoms.begin(), runs.atoms.end(), std::uint64_t{0}));
   for (std::size_t run = 0; run < runs.labels.size(); ++run)
-    share.groups.insert(
-        share.groups.end(), runs.atoms[run],
+    groups.of_atom.insert(
+        groups.of_atom.end(), runs.atoms[run],
         {chains.of_key[local.chain_of[run]], residues.of_key[local.residue_of[run]]});
-  return groups;
-}
-
-mesh::AtomGroups groups_of(std::span<const GroupNumbers> numbers, bool are_known) {
-  mesh::AtomGroups groups;
-  groups.are_known = are_known;
-  groups.chain_of.reserve(numbers.size());
-  groups.residue_of.reserve(numbers.size());
-  for (const GroupNumbers& one : numbers) {
-    groups.chain_of.push_back(one.chain);
-    groups.residue_of.push_back(one.residue);
-  }
   return groups;
 }
 

@@ -1,0 +1,105 @@
+#include "compute/areas.hpp"
+
+#include <algorithm>
+#include <optional>
+#include <utility>
+
+#include "distributed/shared_file.hpp"
+#include "io/eses_writer.hpp"
+#include "io/gzip.hpp"
+#include "sweep/region_totals.hpp"
+
+namespace eses {
+namespace {
+
+// Lines of partition_area.txt that are made, and compressed, at a time.
+constexpr std::size_t lines_per_part = std::size_t{1} << 16;
+
+// The atoms whose areas a process has. The parts of the file do not depend on the processes.
+Processes::Share atoms_of(int rank, const RunPlan& plan, const Processes& processes) {
+  return processes.share_of(plan.atoms, lines_per_part, rank);
+}
+
+// Sends each atom's shares to the process that has its area.
+std::vector<AreaShare> exchange_shares(AtomShares shares, const RunPlan& plan,
+                                       const Processes& processes) {
+  std::vector<std::vector<AtomSum>> to(static_cast<std::size_t>(processes.count()));
+  auto send = [&, rank = 0](const AtomSum& sum) mutable {
+    while (sum.atom < atoms_of(rank, plan, processes).begin) --rank;
+    while (sum.atom >= atoms_of(rank, plan, processes).end) ++rank;
+    to[static_cast<std::size_t>(rank)].push_back(sum);
+  };
+  for (std::size_t i = 0; i < shares.of_slab.size(); ++i)
+    if (shares.of_slab[i] != 0)
+      send({shares.of_slab[i], plan.slab.number_of(static_cast<AtomIndex>(i))});
+  for (const AtomSum& sum : shares.restored) send(sum);
+  shares = {};
+  const auto [begin, end] = atoms_of(processes.rank(), plan, processes);
+  std::vector<AreaShare> sums(end - begin);
+  for (const AtomSum& sum : processes.exchange(std::move(to))) sums[sum.atom - begin] += sum.share;
+  return sums;
+}
+
+// The shares of all atoms in a process that is alone.
+std::vector<AreaShare> shares_alone(AtomShares shares, const RunPlan& plan) {
+  std::vector<AreaShare> sums = std::move(shares.of_slab);
+  sums.resize(plan.atoms);
+  for (const AtomSum& sum : shares.restored) sums[sum.atom] += sum.share;
+  return sums;
+}
+
+// Calls take(text) for the parts of this process's lines as they are in the file.
+template <class Take>
+void for_area_texts(const AtomAreas& atoms, bool is_gzipped, const std::function<void()>& check,
+                    Take&& take) {
+  std::optional<Gzip> gzip;
+  if (is_gzipped) gzip.emplace();
+  const std::span<const double> areas = atoms.areas;
+  TextBuffer text;
+  for (std::size_t begin = 0; begin < areas.size(); begin += lines_per_part) {
+    check();
+    text.clear();
+    append_areas(text, atoms.first + begin,
+                 areas.subspan(begin, std::min(lines_per_part, areas.size() - begin)));
+    take(gzip ? gzip->member(text.text()) : text.text());
+  }
+}
+
+}  // namespace
+
+AtomAreas add_up_areas(AtomShares shares, const RunPlan& plan, const Processes& processes) {
+  const std::vector<AreaShare> sums = processes.count() == 1
+                                          ? shares_alone(std::move(shares), plan)
+                                          : exchange_shares(std::move(shares), plan, processes);
+  AtomAreas areas{atoms_of(processes.rank(), plan, processes).begin, {}};
+  areas.areas.reserve(sums.size());
+  for (const AreaShare sum : sums) areas.areas.push_back(atom_area(sum, plan.whole.grid.spacing));
+  return areas;
+}
+
+double total_area(const AtomAreas& areas, const Processes& processes) {
+  return processes.chain(0, [&](double sum) {
+    for (const double area : areas.areas) sum += area;
+    return sum;
+  });
+}
+
+std::uint64_t write_areas(const AtomAreas& areas, bool gzip, OutputFile* file,
+                          const std::function<void()>& check, const Processes& processes) {
+  SharedFile shared(processes, file);
+  std::uint64_t offset = 0;
+  if (processes.count() > 1) {
+    std::uint64_t bytes = 0;
+    for_area_texts(areas, gzip, check, [&](std::span<const char> text) { bytes += text.size(); });
+    offset = processes.sum_before(bytes);
+  }
+  const std::uint64_t begin = offset;
+  for_area_texts(areas, gzip, check, [&](std::span<const char> text) {
+    shared.write_at(text, offset);
+    offset += text.size();
+  });
+  shared.close();
+  return processes.sum(offset - begin);
+}
+
+}  // namespace eses

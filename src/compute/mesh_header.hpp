@@ -1,0 +1,26 @@
+#pragma once
+/// The header of a mesh file, in which each process names the chains and residues that it has seen
+/// first.
+
+#include <cstdint>
+
+#include "distributed/group_numbers.hpp"
+#include "distributed/processes.hpp"
+#include "distributed/shared_file.hpp"
+#include "eses/mesh.hpp"
+#include "mesh/mesh_writer.hpp"
+
+namespace eses {
+
+/// Returns the length of the header, which does not depend on the counts; to be called by all
+/// processes.
+std::uint64_t mesh_header_bytes(const mesh::MeshText& text, const GroupNames& names,
+                                const Processes& processes);
+
+/// Writes the header at the beginning of the file and returns its length; to be called by all
+/// processes.
+std::uint64_t write_mesh_header(const mesh::MeshText& text, const GroupNames& names,
+                                const MeshCounts& counts, const Processes& processes,
+                                SharedFile& file);
+
+}  // namespace eses

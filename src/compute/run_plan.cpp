@@ -1,0 +1,271 @@
+#include "compute/run_plan.hpp"
+
+#include <fmt/format.h>
+#include <zlib.h>
+
+#include <algorithm>
+#include <array>
+#include <bit>
+#include <span>
+#include <string>
+#include <utility>
+
+#include "eses/error.hpp"
+#include "eses/version.hpp"
+#include "mesh/mesh_writer.hpp"
+#include "output/inside_map.hpp"
+#include "plan/atom_hash.hpp"
+#include "plan/plan.hpp"
+#include "system/bytes_text.hpp"
+#include "system/parallel.hpp"
+#include "system/resources.hpp"
+#include "system/splitmix64.hpp"
+
+namespace eses {
+namespace {
+
+// Must grow with every change of what is computed or of how pieces are stored.
+constexpr int piece_format = 2;
+
+// A hash of all atoms. It does not depend on which process has read which atoms.
+std::uint64_t hash_of(const AtomShare& share, const Processes& processes) {
+  std::uint64_t sum = 0;
+  for (std::size_t i = 0; i < share.atoms.size(); ++i) {
+    std::uint64_t hash = atom_hash(share.atoms[i], share.first + i);
+    if (!share.groups.empty())
+      hash = splitmix64(hash ^ std::bit_cast<std::uint64_t>(share.groups[i]));
+    sum += hash;
+  }
+  return processes.sum(sum);
+}
+
+// A hash of all names. It does not depend on which process has which names.
+std::uint64_t hash_of(const GroupNames& groups, const Processes& processes) {
+  std::uint64_t sum = 0, number = groups.first_residue;
+  for (const AtomLabel& label : groups.residues) {
+    uLong hash = 0;
+    for (const std::string* const text : {&label.chain, &label.residue, &label.residue_number})
+      hash = crc32_z(hash, reinterpret_cast<const Bytef*>(text->c_str()), text->size() + 1);
+    sum += splitmix64(hash ^ number++ << 32);
+  }
+  return processes.sum(sum);
+}
+
+std::string mesh_identity(const std::optional<MeshChoice>& mesh) {
+  if (!mesh) return "none";
+  return fmt::format("{} {}", static_cast<int>(mesh_format(mesh->file).value()),
+                     static_cast<int>(mesh->color));
+}
+
+// Tells apart runs whose pieces do not fit together.
+std::string identity_of(const RunTask& task, const RunPlan& run, std::uint64_t hash) {
+  const Parameters& p = task.parameters;
+  const GridRegion& region = run.whole.tiling.region;
+  return fmt::format(
+      "eses-blocks {} format {} {} {}\natoms {} {:016x}\nprobe {:a} spacing {:a} margin {:a}\n"
+      "points {} {}\ngrid {} edges {} gzip {} map {} mesh {}\n",
+      version, piece_format, sizeof(PieceInfo), task.outputs.gzip ? zlibVersion() : "", run.atoms,
+      hash, p.probe_radius, p.spacing, p.margin, fmt::join(region.begin, " "),
+      fmt::join(region.end, " "), task.outputs.grid, task.outputs.edges, task.outputs.gzip,
+      !task.outputs.inside_map.empty(), mesh_identity(task.outputs.mesh));
+}
+
+bool names_groups(const OutputChoice& outputs) {
+  return outputs.mesh && mesh::names_atoms(*outputs.mesh);
+}
+
+// Refuses more atoms than any run within the memory limit could hold, before anything is made of
+// them. Plans for few atoms take little memory, and tell the smallest limit that would do.
+void require_memory_for(std::uint64_t atoms, const RunTask& task, const Processes& processes) {
+  const auto count = static_cast<std::uint64_t>(processes.count());
+  const double needed = min_expected_memory((atoms + count - 1) / count);
+  const std::uint64_t limit = task.parameters.max_memory;
+  if (limit == 0 || needed <= static_cast<double>(limit) || needed < 2 * min_expected_memory(0))
+    return;
+  throw Error(fmt::format(
+      "{}: {} atoms need more than {} of memory{}, and the run may hold {}; use a larger limit "
+      "(--max-memory)",
+      task.input.string(), atoms, binary_bytes_text(static_cast<std::uint64_t>(needed)),
+      count > 1 ? " in each process" : "", binary_bytes_text(limit)));
+}
+
+// Throws Error if reading the atoms and preparing them has exceeded the memory limit.
+void require_memory_held(const RunTask& task) {
+  const std::uint64_t limit = task.parameters.max_memory, peak = peak_memory();
+  if (limit == 0 || peak <= limit) return;
+  throw Error(
+      fmt::format("{}: reading and preparing its atoms has taken {}, more than the {} that the run "
+                  "may hold; use a larger limit (--max-memory)",
+                  task.input.string(), binary_bytes_text(peak), binary_bytes_text(limit)));
+}
+
+// Turns the labels of a part of the molecule into what the outputs need: numbers of groups by atom
+// and their names, and the residues for tables. Returns the totals of the labels.
+LabelTotals take_labels(ResidueRuns residues, const OutputChoice& outputs,
+                        const Processes& processes, RunPlan& run,
+                        std::vector<mesh::GroupNumbers>& groups) {
+  if (names_groups(outputs)) {
+    NumberedGroups numbered = number_groups(residues, processes);
+    run.groups = std::move(numbered.names);
+    groups = std::move(numbered.of_atom);
+  }
+  const LabelTotals totals = total_labels(residues.labels);
+  if (outputs.residues) run.residues = std::move(residues);
+  return totals;
+}
+
+// The labels that this process holds, of those with these totals.
+LabelTotals labels_held(LabelTotals totals, const RunPlan& run, const OutputChoice& outputs) {
+  if (!outputs.residues) {
+    totals.labels = 0;
+    totals.heap_bytes = 0;
+  }
+  for (const auto* const names : {&run.groups.chains, &run.groups.residues}) {
+    totals.labels += names->size();
+    totals.heap_bytes += total_labels(*names).heap_bytes;
+  }
+  // Atoms have numbers of groups also in a process where no group comes first.
+  if (run.groups.are_known) ++totals.labels;
+  return totals;
+}
+
+// The totals of all processes; memory is left out.
+LabelTotals sum_labels(const LabelTotals& own, const Processes& processes) {
+  std::array<std::uint64_t, 4> sums{own.residue_runs, own.chain_runs, own.residue_text_bytes,
+                                    own.chain_text_bytes};
+  processes.add(sums);
+  LabelTotals all;
+  all.residue_runs = sums[0];
+  all.chain_runs = sums[1];
+  all.residue_text_bytes = sums[2];
+  all.chain_text_bytes = sums[3];
+  return all;
+}
+
+SphereBounds bounds_of_all(std::span<const Atom> atoms, const Processes& processes) {
+  const SphereBounds own = sphere_bounds(atoms);
+  std::array<double, 3> low{own.low.x, own.low.y, own.low.z};
+  std::array<double, 3> high{own.high.x, own.high.y, own.high.z};
+  processes.allreduce_min(low);
+  processes.allreduce_max(high);
+  return {{low[0], low[1], low[2]}, {high[0], high[1], high[2]}};
+}
+
+// Opens the store of a run that can be resumed, and finds out what it has.
+void open_store(const RunTask& task, const AtomShare& share, const Processes& processes,
+                RunPlan& run) {
+  if (!task.resume) return;
+  const std::uint64_t hash = hash_of(share, processes) ^ hash_of(run.groups, processes);
+  std::vector<PlaneRange> done;
+  processes.all_or_throw([&] {
+    run.store = std::make_unique<PieceStore>(task.output_directory, identity_of(task, run, hash));
+    if (!processes.is_first()) return;
+    if (!task.dry_run) run.store->lock();
+    done = run.store->complete();
+    if (!task.dry_run) run.store->remove_others(done);
+  });
+  run.done = processes.gather<PlaneRange>(done);
+}
+
+// The threads of this process. Several processes on a machine share its processors.
+int threads_of(const RunTask& task, const Processes::Machine& machine, const Processes& processes) {
+  const int chosen = task.parameters.threads;
+  return chosen > 0 || processes.count() == 1 ? chosen : machine.processors;
+}
+
+// Plans what this process computes. Returns the expected number of crossings there.
+double plan_slab(const RunTask& task, const LabelTotals& labels, const Processes::Machine& machine,
+                 const Processes& processes, RunPlan& run) {
+  run.own = run.whole;
+  run.own.tiling.region.begin[2] = run.slab.planes.begin;
+  run.own.tiling.region.end[2] = run.slab.planes.end;
+  run.own.parameters.threads = threads_of(task, machine, processes);
+  double crossings = 0;
+  processes.all_or_throw([&] {
+    if (run.slab.planes.is_empty()) return;
+    const auto sharing = static_cast<std::uint64_t>(machine.processes);
+    crossings = plan_schedule({.available = available_memory() / sharing,
+                               .held = processes.own_memory(),
+                               .labels = labels},
+                              run.slab.molecule, task.outputs, run.own);
+    require_memory_held(task);
+  });
+  return crossings;
+}
+
+// Gives the plan of the whole run the maxima of the processes' schedules.
+void combine_schedules(const Processes& processes, RunPlan& run) {
+  const GridIndex& block_size = run.own.tiling.block_size;
+  std::array<std::uint64_t, 6> maxima{run.own.memory_bytes,
+                                      static_cast<std::uint64_t>(run.own.blocks_ahead),
+                                      static_cast<std::uint64_t>(run.own.threads),
+                                      static_cast<std::uint64_t>(block_size[0]),
+                                      static_cast<std::uint64_t>(block_size[1]),
+                                      static_cast<std::uint64_t>(block_size[2])};
+  processes.allreduce_max(maxima);
+  Plan& whole = run.whole;
+  const GridRegion region = whole.tiling.region;
+  whole.memory_bytes = maxima[0];
+  whole.blocks_ahead = static_cast<std::int64_t>(maxima[1]);
+  whole.threads = static_cast<int>(maxima[2]);
+  const auto side = [&](std::size_t axis) { return static_cast<std::int64_t>(maxima[3 + axis]); };
+  whole.tiling = make_tiling(whole.grid, GridIndex{side(0), side(1), side(2)}, region);
+}
+
+// Adds the pieces, which stand beside the files until they are merged. The store keeps all texts of
+// pieces in one place; otherwise those of the mesh are beside the mesh.
+void expect_pieces(const RunTask& task, Plan& whole) {
+  whole.text_scratch_bytes = whole.grid_file_bytes + whole.edge_file_bytes;
+  if (!task.outputs.inside_map.empty())
+    whole.text_scratch_bytes += InsideMap::bits_bytes(whole.tiling.region);
+  whole.mesh_scratch_bytes = task.resume ? 0 : whole.mesh_file_bytes;
+  if (task.resume) whole.text_scratch_bytes += whole.mesh_file_bytes;
+}
+
+}  // namespace
+
+RunPlan plan_run(const RunTask& task, const Processes& processes) {
+  const OutputChoice& outputs = task.outputs;
+  RunPlan run;
+  AtomShare share = read_share(task.input,
+                               {.format = task.format,
+                                .with_labels = outputs.residues || names_groups(outputs),
+                                .max_memory = task.parameters.max_memory},
+                               processes);
+  processes.all_or_throw([&] { require_memory_for(share.total, task, processes); });
+  run.atoms = share.total;
+  run.read = share.range();
+  const LabelTotals labels =
+      take_labels(std::exchange(share.residues, {}), outputs, processes, run, share.groups);
+  const SphereBounds bounds = bounds_of_all(share.atoms, processes);
+  processes.all_or_throw([&] { run.whole = plan_grid(bounds, task.parameters); });
+  open_store(task, share, processes, run);
+
+  const Processes::Machine machine = processes.machine(available_threads());
+  SlabOfMolecule part = make_slab(std::move(share), run.whole, outputs, run.done,
+                                  threads_of(task, machine, processes), processes);
+  run.slab = std::move(part.slab);
+  run.oddities = std::move(part.oddities);
+  release_free_memory();
+
+  std::array crossings{plan_slab(task, labels_held(labels, run, outputs), machine, processes, run)};
+  processes.add(std::span<double>(crossings));
+  combine_schedules(processes, run);
+  plan_files({run.atoms, crossings[0], sum_labels(labels, processes)}, outputs, run.whole);
+  if (processes.count() > 1 || task.resume) expect_pieces(task, run.whole);
+  return run;
+}
+
+RunPlan plan_of_molecule(const Molecule& molecule, const Plan& plan, const OutputChoice& outputs) {
+  RunPlan run;
+  run.whole = run.own = plan;
+  run.atoms = molecule.atoms().size();
+  run.read = {0, run.atoms};
+  run.slab.planes = region_planes(plan);
+  run.slab.molecule = molecule;
+  if (outputs.residues || names_groups(outputs))
+    take_labels(residue_runs(molecule.labels()), outputs, Processes(), run, run.slab.groups);
+  return run;
+}
+
+}  // namespace eses

@@ -1,0 +1,81 @@
+#pragma once
+/// Step 2 of a run: the sweep over the planes of this process, range by range. The rows, crossings
+/// and triangles of a range go to their place in the final files where that is known beforehand, or
+/// else into a piece.
+
+#include <cstdint>
+#include <functional>
+#include <span>
+#include <vector>
+
+#include "checkpoint/pieces.hpp"
+#include "compute/run_plan.hpp"
+#include "distributed/processes.hpp"
+#include "mesh/mesh_writer.hpp"
+#include "output/output_files.hpp"
+#include "sweep/patch_schedule.hpp"
+#include "sweep/pipeline.hpp"
+#include "sweep/progress_report.hpp"
+#include "sweep/verifier.hpp"
+
+namespace eses {
+
+/// Whether texts are written directly to their final places: one process sweeps the whole region at
+/// once.
+bool writes_in_place(const RunTask& task, const Processes& processes);
+
+/// The ranges of planes that this process sweeps, ascending. A run that can be resumed has several,
+/// as the range at hand is what it may lose.
+std::vector<PlaneRange> ranges_to_sweep(const RunTask& task, const RunPlan& plan);
+
+/// The number of blocks in these ranges.
+std::int64_t count_blocks(const RunPlan& plan, std::span<const PlaneRange> ranges);
+
+/// Where the texts of a sweep may go.
+struct SweepFiles {
+  OutputFiles* final_files = nullptr;         ///< for texts in place; null without them
+  std::uint64_t mesh_header_bytes = 0;        ///< before the vertices in the mesh's file
+  const mesh::MeshText* mesh_text = nullptr;  ///< null without a mesh
+};
+
+struct SweepResult {
+  std::vector<Piece> pieces;
+  std::vector<AreaShare> atom_shares;  ///< of the area, by atom of the slab; empty if none
+};
+
+class SlabSweep {
+ public:
+  /// Keeps references to all but `files` and `processes`.
+  SlabSweep(const RunTask& task, const RunPlan& plan, std::span<const PlaneRange> ranges,
+            const SweepFiles& files, const Callbacks& callbacks, ProgressReport& report,
+            const Processes& processes);
+
+  /// Sweeps all ranges. Adds their times and the results of the verification to the summary. What
+  /// the verification finds wrong is not kept for a later run.
+  SweepResult run(Summary& summary);
+
+ private:
+  struct RangeSinks;
+
+  Plan plan_of(const PlaneRange& planes) const;
+  std::int64_t checks_of(const PlaneRange& planes) const;
+  Surface make_surface() const;
+  Piece new_piece(const PlaneRange& planes) const;
+  RangeSinks sinks_in_place(Piece& piece) const;
+  RangeSinks sinks_of(Piece& piece, const GridRegion& region) const;
+  Piece sweep(PatchSchedule& patches, const PlaneRange& planes, SweepResult& result,
+              Summary& summary);
+  bool verify(Verifier& verifier, Summary& summary);
+  std::vector<AtomSum> sums_of(std::span<const AreaShare> shares) const;
+
+  const RunTask& task_;
+  const RunPlan& plan_;
+  std::span<const PlaneRange> ranges_;
+  SweepFiles files_;
+  const Callbacks& callbacks_;
+  ProgressReport& report_;
+  bool is_in_place_;
+  std::int64_t checks_;  // points, and as many edges, that this process verifies
+};
+
+}  // namespace eses

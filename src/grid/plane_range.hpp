@@ -1,0 +1,22 @@
+#pragma once
+/// Ranges of grid planes across z.
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+namespace eses {
+
+/// Grid planes [begin, end) across z.
+struct PlaneRange {
+  std::int64_t begin = 0, end = 0;
+
+  bool is_empty() const { return begin >= end; }
+  std::int64_t count() const { return end - begin; }
+  friend bool operator==(const PlaneRange&, const PlaneRange&) = default;
+};
+
+/// The planes of `planes` that are in none of the ranges `done` (ascending, disjoint).
+std::vector<PlaneRange> remaining(const PlaneRange& planes, std::span<const PlaneRange> done);
+
+}  // namespace eses
