@@ -82,7 +82,7 @@ struct Plan {
   std::uint64_t mesh_file_bytes = 0;     ///< estimate
   std::uint64_t map_scratch_bytes = 0;   ///< more that the map's file holds while it is being made
   std::uint64_t mesh_scratch_bytes = 0;  ///< beside the mesh while it is being made; estimate
-  /// Beside the texts while pieces of them wait to be joined; not of `run`. Estimate.
+  /// Pieces of texts that wait to be merged, beside the texts; 0 for `run`. Estimate.
   std::uint64_t text_scratch_bytes = 0;
   bool gzip = false;  ///< then the sizes of the text files are estimates
   /// Checksum of the centres and radii in their order, by which `run` knows the atoms again.

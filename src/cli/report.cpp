@@ -265,10 +265,6 @@ json::Value processes_json(const Report& report) {
 
 }  // namespace
 
-bool has_faults(const Summary& summary) {
-  return summary.verification && !summary.verification->faults.empty();
-}
-
 std::vector<std::string> fault_lines(const Summary& summary) {
   if (!has_faults(summary)) return {};
   constexpr std::size_t most_shown = 10;

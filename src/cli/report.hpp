@@ -28,9 +28,6 @@ struct Report {
   std::vector<ProcessFigures> processes;
 };
 
-/// Whether the run was verified and found wrong.
-bool has_faults(const Summary& summary);
-
 /// The first faults that the verification found, and how many there are; empty if there are none.
 std::vector<std::string> fault_lines(const Summary& summary);
 

@@ -171,11 +171,11 @@ void add_figures(const Stopwatch& total, const RunPlan& plan, const Processes& p
   result.processes = processes.gather<ProcessFigures>({&own, 1});
 }
 
+}  // namespace
+
 bool has_faults(const Summary& summary) {
   return summary.verification && !summary.verification->faults.empty();
 }
-
-}  // namespace
 
 RunPaths paths_of(const RunTask& task, const Processes& processes) {
   const auto share = [&](const std::vector<std::string>& own) {

@@ -32,6 +32,9 @@ struct RunResult {
   std::vector<ProcessFigures> processes;  ///< by rank
 };
 
+/// Whether the run was verified and found wrong. Then it has written no file.
+bool has_faults(const Summary& summary);
+
 /// What a run creates, and must not leave behind if it fails.
 struct RunPaths {
   std::vector<std::string> temporaries, locks;

@@ -83,10 +83,10 @@ void require_memory_for(std::uint64_t atoms, const RunTask& task, const Processe
   if (limit == 0 || needed <= static_cast<double>(limit) || needed < 2 * min_expected_memory(0))
     return;
   throw Error(fmt::format(
-      "{}: {} atoms need more than {} of memory{}, and the run may hold {}; use a larger limit "
+      "{}: {} atoms need more than {} of memory{}, and {} may hold {}; use a larger limit "
       "(--max-memory)",
       task.input.string(), atoms, binary_bytes_text(static_cast<std::uint64_t>(needed)),
-      count > 1 ? " in each process" : "", binary_bytes_text(limit)));
+      count > 1 ? " in a process" : "", count > 1 ? "each" : "the run", binary_bytes_text(limit)));
 }
 
 // Throws Error if reading the atoms and preparing them has exceeded the memory limit.

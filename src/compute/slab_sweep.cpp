@@ -250,14 +250,26 @@ std::vector<AtomSum> SlabSweep::sums_of(std::span<const AreaShare> shares) const
   return sums;
 }
 
+// Completes a piece in the store; from then on it need not be done again.
+void SlabSweep::keep(Piece& piece, const RangeSinks& sinks,
+                     std::span<const AreaShare> shares) const {
+  for (std::size_t text = 0; text < piece_texts; ++text)
+    piece.info.checksums[text] = (*sinks.checksums)[text].value();
+  piece.sums = sums_of(shares);
+  plan_.store->finish(piece);
+  piece.sums = {};
+  piece.texts = {};  // so many files cannot be open at a time
+}
+
 Piece SlabSweep::sweep(PatchSchedule& patches, const PlaneRange& planes, SweepResult& result,
                        Summary& summary) {
   Piece piece = new_piece(planes);
   const Plan plan = plan_of(planes);
-  RangeSinks sinks = is_in_place_ ? sinks_in_place(piece) : sinks_of(piece, plan.tiling.region);
+  const RangeSinks sinks =
+      is_in_place_ ? sinks_in_place(piece) : sinks_of(piece, plan.tiling.region);
   std::optional<MeshOutput> mesh;
   if (files_.mesh_text != nullptr)
-    mesh.emplace(plan, plan_.whole.tiling.corners, *files_.mesh_text, std::move(sinks.mesh));
+    mesh.emplace(plan, plan_.whole.tiling.corners, *files_.mesh_text, sinks.mesh);
   std::optional<Verifier> verifier;
   if (plan.parameters.verify > 0) {
     const Stopwatch drawing;
@@ -265,10 +277,10 @@ Piece SlabSweep::sweep(PatchSchedule& patches, const PlaneRange& planes, SweepRe
     summary.seconds.verify += drawing.seconds();
   }
   Pipeline pipeline(patches, plan,
-                    {.grid = std::move(sinks.grid),
-                     .edges = std::move(sinks.edges),
+                    {.grid = sinks.grid,
+                     .edges = sinks.edges,
                      .gzip = task_.outputs.gzip,
-                     .rows = std::move(sinks.rows),
+                     .rows = sinks.rows,
                      .mesh = mesh ? &*mesh : nullptr,
                      .verifier = verifier ? &*verifier : nullptr,
                      .block = callbacks_.block,
@@ -285,14 +297,7 @@ Piece SlabSweep::sweep(PatchSchedule& patches, const PlaneRange& planes, SweepRe
       mesh ? mesh->vertex_bytes() : 0, mesh ? mesh->triangle_bytes() : 0};
   if (mesh) piece.info.mesh = {mesh->vertex_count(), pipeline.triangle_count()};
   const bool is_right = !verifier || verify(*verifier, summary);
-  if (plan_.store && is_right) {
-    for (std::size_t text = 0; text < piece_texts; ++text)
-      piece.info.checksums[text] = (*sinks.checksums)[text].value();
-    piece.sums = sums_of(sums.atom_shares);
-    plan_.store->finish(piece);
-    piece.sums = {};
-    piece.texts = {};  // so many files cannot be open at a time
-  }
+  if (plan_.store && is_right) keep(piece, sinks, sums.atom_shares);
   add_shares(std::move(sums.atom_shares), result.atom_shares);
   return piece;
 }

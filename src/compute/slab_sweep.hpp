@@ -66,6 +66,7 @@ class SlabSweep {
   Piece sweep(PatchSchedule& patches, const PlaneRange& planes, SweepResult& result,
               Summary& summary);
   bool verify(Verifier& verifier, Summary& summary);
+  void keep(Piece& piece, const RangeSinks& sinks, std::span<const AreaShare> shares) const;
   std::vector<AtomSum> sums_of(std::span<const AreaShare> shares) const;
 
   const RunTask& task_;

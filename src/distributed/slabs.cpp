@@ -196,7 +196,8 @@ SlabWithLines exchange_atoms(const AtomShare& share, const Plan& plan,
                              const Processes& processes) {
   SentAtoms sent = send_atoms(share, plan, slabs, processes);
   SlabWithLines received;
-  auto& [slab, lines] = received;
+  Slab& slab = received.slab;
+  std::vector<std::uint64_t>& lines = received.lines;
   const auto part = static_cast<std::size_t>(processes.rank());
   slab.planes = slabs[part];
   processes.all_or_throw([&] {

@@ -306,6 +306,13 @@ class Failure(Processes):
             self.assertEnded(done, self.run_alone(path).stderr.strip().removeprefix(
                 "eses-blocks: error: "))
 
+    def test_more_atoms_than_the_memory_limit_allows(self):
+        path = self.folder / "many.xyzr"
+        path.write_text("1 2 3 1.5\n" * 2_600_000)
+        done = self.run_together(2, path, "--max-memory", "110M")
+        self.assertEnded(done, "2600000 atoms need more than ")
+        self.assertNothing()
+
     def test_usage(self):
         self.assertEnded(self.run_together(2, SMALL, "--spacing", "x"), "--spacing", code=2)
         self.assertEnded(self.run_together(2, SMALL, "--write", "residues"), "need a PQR file")
