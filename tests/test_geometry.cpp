@@ -26,7 +26,7 @@ struct CircleCase {
   SasSphere sphere, partner;
   std::vector<SasSphere> others;  // spheres whose caps follow the partner's
   ContactCircle circle;
-  std::vector<Cap> caps;
+  CapList caps;
 };
 
 CircleCase make_circle_case(Random& random) {
@@ -116,7 +116,7 @@ TEST_CASE("a point that two spheres just leave open stays accessible") {
                                        {{side, 0, 0}, radius},
                                        {{side, side, 0}, radius},
                                        {{0, side, 0}, radius}};
-  std::vector<Cap> caps;
+  CapList caps;
   for (std::size_t k = 1; k < 4; ++k) caps.push_back(make_cap(corners[0], corners[k]));
   ArcScratch scratch;
   std::vector<CircleArc> arcs;

@@ -102,13 +102,13 @@ void subtract(double from, double to, std::uint32_t cap, ArcScratch& scratch) {
 }
 
 // Whether a point of the circle is accessible for all caps but the two whose rims meet there.
-bool is_accessible(const ContactCircle& circle, std::span<const Cap> caps, std::uint32_t own,
+bool is_accessible(const ContactCircle& circle, const CapList& caps, std::uint32_t own,
                    std::uint32_t other, Vec3 direction) {
   for (std::uint32_t k = 0; k < caps.size(); ++k) {
     if (k == own || k == other) continue;
     const double height = circle.first_height * dot(circle.axis, caps[k].axis) +
                           circle.radius * dot(direction, caps[k].axis);
-    if (height > caps[k].blocking_height) return false;
+    if (height > caps.blocking_height[k]) return false;
   }
   return true;
 }
@@ -118,7 +118,7 @@ bool is_accessible(const ContactCircle& circle, std::span<const Cap> caps, std::
 // accessible, and others between them may be. Of ends at the same place there is one;
 // `scratch.places` has those that are known.
 void add_doubtful_ends(const ContactCircle& circle, const CircleFrame& frame,
-                       std::span<const Cap> caps, std::uint32_t own, double origin,
+                       const CapList& caps, std::uint32_t own, double origin,
                        const ArcScratch::Interval& open, ArcScratch& scratch,
                        std::vector<CircleEnd>& ends) {
   const auto is_known = [&](Vec3 direction) {
@@ -144,7 +144,7 @@ void add_doubtful_ends(const ContactCircle& circle, const CircleFrame& frame,
 
 // An interval that the slackened caps leave open: its arc between the exact caps, and its ends.
 void add_open_interval(const ContactCircle& circle, const CircleFrame& frame,
-                       std::span<const Cap> caps, std::uint32_t own, double origin,
+                       const CapList& caps, std::uint32_t own, double origin,
                        const ArcScratch::Interval& open, ArcScratch& scratch,
                        std::vector<CircleArc>& arcs, std::vector<CircleEnd>& ends) {
   const Direction start = exact_end(circle, frame, caps[open.low_cap], 1);
@@ -170,7 +170,7 @@ void add_open_interval(const ContactCircle& circle, const CircleFrame& frame,
 
 }  // namespace
 
-void accessible_arcs(const ContactCircle& circle, std::span<const Cap> caps, std::uint32_t own,
+void accessible_arcs(const ContactCircle& circle, const CapList& caps, std::uint32_t own,
                      ArcScratch& scratch, std::vector<CircleArc>& arcs,
                      std::vector<CircleEnd>& ends) {
   const Vec3 e1 = any_perpendicular(circle.axis);
@@ -181,7 +181,7 @@ void accessible_arcs(const ContactCircle& circle, std::span<const Cap> caps, std
   for (std::uint32_t k = 0; k < caps.size(); ++k) {
     if (k == own) continue;
     const double along = dot(circle.axis, caps[k].axis);
-    const double height = caps[k].blocking_height - circle.first_height * along;
+    const double height = caps.blocking_height[k] - circle.first_height * along;
     // Most caps block all or nothing; that is told without a root where it is told clearly.
     const double squared_reach = circle.radius * circle.radius * (1 - along) * (1 + along);
     const double squared_height = height * height;

@@ -2,10 +2,9 @@
 /// The accessible arcs of a contact circle: what the other neighbours' caps leave of it.
 
 #include <cstdint>
-#include <span>
 #include <vector>
 
-#include "geometry/contact_circle.hpp"
+#include "geometry/cap_list.hpp"
 
 namespace eses {
 
@@ -50,7 +49,7 @@ struct ArcScratch {
 /// sphere. A point counts as accessible if no neighbour reaches over it by more than
 /// tolerance::accessible. Ends are those of the exact caps. Arcs shorter than tolerance::arc_length
 /// are left out, but not their ends. Caps that block much are best placed first.
-void accessible_arcs(const ContactCircle& circle, std::span<const Cap> caps, std::uint32_t own,
+void accessible_arcs(const ContactCircle& circle, const CapList& caps, std::uint32_t own,
                      ArcScratch& scratch, std::vector<CircleArc>& arcs,
                      std::vector<CircleEnd>& ends);
 

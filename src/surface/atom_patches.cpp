@@ -14,23 +14,19 @@ void find_neighbours_of_group(const Surface& surface, AtomIndex begin, AtomIndex
   for (AtomIndex i = begin; i < end; ++i) largest = std::max(largest, surface.atoms[i].radius);
   surface.tree().find_reaching_around(surface.atoms.subspan(begin, end - begin),
                                       largest + 2 * surface.probe_radius, scratch.found);
-  scratch.group.clear();
-  for (const AtomIndex j : scratch.found)
-    if (surface.patches.exposure[j] != AtomExposure::contained)
-      scratch.group.push_back({surface.sas_sphere(j), j});
+  scratch.near.clear();
+  scratch.near_spheres.clear();
+  for (const AtomIndex j : scratch.found) {
+    if (surface.patches.exposure[j] == AtomExposure::contained) continue;
+    scratch.near.push_back(j);
+    scratch.near_spheres.push_back(surface.sas_sphere(j));
+  }
 }
 
 void collect_caps(const Surface& surface, AtomIndex i, AtomPatchScratch& scratch) {
   const SasSphere sphere = surface.sas_sphere(i);
-  scratch.neighbours.clear();
-  scratch.caps.clear();
-  for (const auto& [neighbour, j] : scratch.group) {
-    // Spheres that merely touch do not meet; rounding must not make a circle of the point.
-    const double reach = sphere.radius + neighbour.radius - tolerance::containment;
-    if (squared_norm(neighbour.center - sphere.center) >= reach * reach || j == i) continue;
-    scratch.neighbours.push_back(j);
-    scratch.caps.push_back(make_cap(sphere, neighbour));
-  }
+  find_meeting(sphere, scratch.near_spheres, scratch.neighbours);
+  make_caps(sphere, scratch.near_spheres, scratch.neighbours, scratch.caps);
 }
 
 // Relevant caps first, by size, then those that merely cover.
@@ -40,7 +36,7 @@ void keep_caps(AtomPatchScratch& scratch) {
   for (const auto* list : {&scratch.burial.relevant, &scratch.burial.covering})
     for (const std::uint32_t k : *list) {
       scratch.kept_caps.push_back(scratch.caps[k]);
-      scratch.kept_neighbours.push_back(scratch.neighbours[k]);
+      scratch.kept_neighbours.push_back(scratch.neighbour(k));
     }
   if (scratch.kept_caps.size() > max_uncrowded)
     scratch.crowded.reset(scratch.kept_caps, scratch.kept_neighbours);
@@ -68,7 +64,8 @@ PlacementKey make_key(AtomIndex i, AtomIndex j, AtomIndex k, const CircleEnd& en
 void add_circle(const Surface& surface, AtomIndex i, std::uint32_t own, AtomPatchScratch& scratch,
                 AtomRangePatches& patches) {
   const AtomIndex j = scratch.kept_neighbours[own];
-  const ContactCircle circle = make_contact_circle(surface.sas_sphere(i), surface.sas_sphere(j));
+  const ContactCircle circle =
+      make_contact_circle(surface.sas_sphere(i), surface.sas_sphere(j), scratch.kept_caps[own]);
   scratch.arcs.clear();
   scratch.ends.clear();
   if (scratch.kept_caps.size() > max_uncrowded) {
@@ -96,7 +93,7 @@ void add_circles_in_order(const Surface& surface, AtomIndex i, AtomPatchScratch&
                           AtomRangePatches& patches) {
   std::sort(scratch.burial.relevant.begin(), scratch.burial.relevant.end(),
             [&](std::uint32_t a, std::uint32_t b) {
-              return scratch.neighbours[a] < scratch.neighbours[b];
+              return scratch.neighbour(a) < scratch.neighbour(b);
             });
   add_circles(surface, i, scratch, patches);
 }

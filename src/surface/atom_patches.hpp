@@ -56,21 +56,23 @@ struct AtomRangePatches {
 
 /// Scratch memory of `build_atom_patches`, one per thread.
 struct AtomPatchScratch {
-  struct Neighbour {
-    SasSphere sphere;
-    AtomIndex atom;
-  };
-  std::vector<AtomIndex> found;
-  std::vector<Neighbour> group;       ///< of several atoms that are looked up together
-  std::vector<AtomIndex> neighbours;  ///< those of `caps`
-  std::vector<Cap> caps;
-  std::vector<Cap> kept_caps;
+  std::vector<AtomIndex> found;      ///< may meet an atom of a group that is looked up together
+  std::vector<AtomIndex> near;       ///< those of `found` that take part
+  SphereList near_spheres;           ///< the SAS spheres of `near`
+  SpherePositions neighbours;        ///< for each of `caps` the neighbour's position in `near`
+  CapList caps;                      ///< of one atom
+  CapList kept_caps;                 ///< those that matter
   std::vector<AtomIndex> kept_neighbours;
   BurialScratch burial;
   CrowdedCaps crowded;  ///< of `kept_caps`, where these are many
   ArcScratch arc;
   std::vector<CircleArc> arcs;
   std::vector<CircleEnd> ends;
+
+  /// The atom of cap number `k`.
+  AtomIndex neighbour(std::uint32_t k) const {
+    return near[static_cast<std::size_t>(neighbours.at[k])];
+  }
 };
 
 /// Builds the patches of atoms [patches.begin, patches.end).
