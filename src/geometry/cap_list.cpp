@@ -28,7 +28,7 @@ std::size_t meeting_positions(const SasSphere& sphere, const SphereList& spheres
                         load(&spheres.z[i]) - all(sphere.center.z)};
     const auto squared = squared_norm(offset);
     const auto reach = all(sphere.radius) + load(&spheres.radius[i]) - all(tolerance::containment);
-    const auto meets = hn::And(hn::And(squared < reach * reach, squared > all(0)),
+    const auto meets = hn::And(hn::And(squared<reach * reach, squared> all(0)),
                                hn::FirstN(doubles, spheres.count - i));
     if (hn::AllFalse(doubles, meets)) continue;
     found += hn::CompressStore(hn::Iota(lanes, static_cast<std::int64_t>(i)),
@@ -52,9 +52,8 @@ void caps_at_positions(const SasSphere& sphere, const SphereList& spheres,
     const auto radius = gather(spheres.radius);
     const auto squared = squared_norm(to_neighbour);
     const auto inverse = all(1) / hn::Sqrt(squared);
-    const auto height =
-        all(0.5) * inverse *
-        (squared + (all(sphere.radius) - radius) * (all(sphere.radius) + radius));
+    const auto height = all(0.5) * inverse *
+                        (squared + (all(sphere.radius) - radius) * (all(sphere.radius) + radius));
     const Points axis = inverse * to_neighbour;
     hn::StoreU(axis.x, doubles, &caps.x[k]);
     hn::StoreU(axis.y, doubles, &caps.y[k]);

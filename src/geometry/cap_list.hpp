@@ -29,7 +29,9 @@ struct CapList {
 
   std::size_t size() const { return count; }
   bool empty() const { return count == 0; }
-  Cap operator[](std::size_t k) const { return {{x[k], y[k], z[k]}, height[k], blocking_height[k]}; }
+  Cap operator[](std::size_t k) const {
+    return {{x[k], y[k], z[k]}, height[k], blocking_height[k]};
+  }
 
   void clear() { count = 0; }
   void push_back(const Cap& cap);
@@ -37,8 +39,8 @@ struct CapList {
   void make_room(std::size_t capacity);
 };
 
-/// Positions in a SphereList. The first `count` elements are in use; behind them are zeros as far as
-/// a vector loop may read.
+/// Positions in a SphereList. The first `count` elements are in use; behind them are zeros as far
+/// as a vector loop may read.
 struct SpherePositions {
   std::vector<std::int64_t> at;
   std::size_t count = 0;

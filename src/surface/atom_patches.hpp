@@ -56,12 +56,12 @@ struct AtomRangePatches {
 
 /// Scratch memory of `build_atom_patches`, one per thread.
 struct AtomPatchScratch {
-  std::vector<AtomIndex> found;      ///< may meet an atom of a group that is looked up together
-  std::vector<AtomIndex> near;       ///< those of `found` that take part
-  SphereList near_spheres;           ///< the SAS spheres of `near`
-  SpherePositions neighbours;        ///< for each of `caps` the neighbour's position in `near`
-  CapList caps;                      ///< of one atom
-  CapList kept_caps;                 ///< those that matter
+  std::vector<AtomIndex> found;  ///< may meet an atom of a group that is looked up together
+  std::vector<AtomIndex> near;   ///< those of `found` that take part
+  SphereList near_spheres;       ///< the SAS spheres of `near`
+  SpherePositions neighbours;    ///< for each of `caps` the neighbour's position in `near`
+  CapList caps;                  ///< of one atom
+  CapList kept_caps;             ///< those that matter
   std::vector<AtomIndex> kept_neighbours;
   BurialScratch burial;
   CrowdedCaps crowded;  ///< of `kept_caps`, where these are many

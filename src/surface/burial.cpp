@@ -120,13 +120,11 @@ void find_settled(const CapList& caps, const PatchCosines& patch, float* settled
     const auto height = load(&caps.height[k]), blocking = load(&caps.blocking_height[k]);
     // A neighbour in almost the same place blocks next to nothing within the tolerance: its cap
     // must not stand for others.
-    const auto shrinks =
-        (blocking - height) * all(patch.inverse_radius) > all(small_shrinkage);
+    const auto shrinks = (blocking - height) * all(patch.inverse_radius) > all(small_shrinkage);
     const auto [cosine, sine] =
         angular_radius(hn::IfThenElse(shrinks, blocking, height), patch.inverse_radius);
     const auto can_settle = cosine < all(patch.cosine);  // the cap is wider than a patch
-    const auto limit =
-        cosine * all(patch.cosine) + sine * all(patch.sine) + all(float_slack);
+    const auto limit = cosine * all(patch.cosine) + sine * all(patch.sine) + all(float_slack);
     store_floats(hn::IfThenElse(can_settle, limit, all(2)), settled + k);
   }
 }
@@ -136,8 +134,7 @@ void find_touched(const CapList& caps, const PatchCosines& patch, float* touched
   for (std::size_t k = 0; k < caps.count; k += hn::Lanes(Doubles())) {
     const auto [cosine, sine] = angular_radius(load(&caps.height[k]), patch.inverse_radius);
     const auto touches_any = cosine <= all(-patch.cosine);  // it reaches to the opposite patch
-    const auto limit =
-        cosine * all(patch.cosine) - sine * all(patch.sine) - all(float_slack);
+    const auto limit = cosine * all(patch.cosine) - sine * all(patch.sine) - all(float_slack);
     store_floats(hn::IfThenElse(touches_any, all(-2), limit), touched + k);
   }
 }
@@ -172,7 +169,8 @@ void order_by_size(std::span<const float> settled, std::vector<std::uint64_t>& o
   std::sort(order.begin(), order.begin() + std::min(sorted_caps, std::ssize(order)));
 }
 
-void append_caps(const CapList& caps, std::span<const std::uint64_t> order, BurialScratch& scratch) {
+void append_caps(const CapList& caps, std::span<const std::uint64_t> order,
+                 BurialScratch& scratch) {
   for (const std::uint64_t key : order) {
     const auto k = static_cast<std::uint32_t>(key);
     scratch.caps.push_back({static_cast<float>(caps.x[k]), static_cast<float>(caps.y[k]),
