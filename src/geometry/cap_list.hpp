@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "geometry/box.hpp"
 #include "geometry/contact_circle.hpp"
 
 namespace eses {
@@ -45,6 +46,15 @@ struct SpherePositions {
   std::vector<std::int64_t> at;
   std::size_t count = 0;
 };
+
+/// Replaces `positions` by those of the spheres whose surface is less than `distance` from a point
+/// of `box`, or inside of it, ascending.
+void find_near_box(const Box& box, double distance, const SphereList& spheres,
+                   SpherePositions& positions);
+
+/// Replaces `chosen` by the spheres at `positions`.
+void choose_spheres(const SphereList& spheres, const SpherePositions& positions,
+                    SphereList& chosen);
 
 /// Replaces `positions` by those of the spheres that meet `sphere`, ascending. Spheres that merely
 /// touch it do not meet it, and neither does the sphere itself.

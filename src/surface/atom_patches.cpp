@@ -7,13 +7,22 @@
 namespace eses {
 namespace {
 
-// All atoms whose SAS sphere may meet one of those in [begin, end).
-void find_neighbours_of_group(const Surface& surface, AtomIndex begin, AtomIndex end,
-                              AtomPatchScratch& scratch) {
-  double largest = 0;
-  for (AtomIndex i = begin; i < end; ++i) largest = std::max(largest, surface.atoms[i].radius);
-  surface.tree().find_reaching_around(surface.atoms.subspan(begin, end - begin),
-                                      largest + 2 * surface.probe_radius, scratch.found);
+// One look-up in the tree serves many atoms. What it finds is then sifted for fewer of them, which
+// have less around them that none of them meets.
+constexpr GroupBounds look_up_bounds{32, 9};
+constexpr GroupBounds sift_bounds{8, 6};
+
+double max_radius(std::span<const Atom> atoms) {
+  double radius = 0;
+  for (const Atom& atom : atoms) radius = std::max(radius, atom.radius);
+  return radius;
+}
+
+// All atoms whose SAS sphere may meet that of one of the group.
+void look_up_neighbours(const Surface& surface, std::span<const Atom> group,
+                        AtomPatchScratch& scratch) {
+  surface.tree().find_reaching_around(group, max_radius(group) + 2 * surface.probe_radius,
+                                      scratch.found);
   scratch.near.clear();
   scratch.near_spheres.clear();
   for (const AtomIndex j : scratch.found) {
@@ -23,10 +32,21 @@ void find_neighbours_of_group(const Surface& surface, AtomIndex begin, AtomIndex
   }
 }
 
+// Those of them whose SAS sphere may meet that of one of a smaller group.
+void sift_neighbours(const Surface& surface, std::span<const Atom> group,
+                     AtomPatchScratch& scratch) {
+  constexpr double slack = 1e-3;  // angstrom: far more than rounding amounts to
+  Box box{group.front().center, group.front().center};
+  for (const Atom& atom : group) box.include(atom.center);
+  find_near_box(box, max_radius(group) + surface.probe_radius + slack, scratch.near_spheres,
+                scratch.group_positions);
+  choose_spheres(scratch.near_spheres, scratch.group_positions, scratch.group_spheres);
+}
+
 void collect_caps(const Surface& surface, AtomIndex i, AtomPatchScratch& scratch) {
   const SasSphere sphere = surface.sas_sphere(i);
-  find_meeting(sphere, scratch.near_spheres, scratch.neighbours);
-  make_caps(sphere, scratch.near_spheres, scratch.neighbours, scratch.caps);
+  find_meeting(sphere, scratch.group_spheres, scratch.neighbours);
+  make_caps(sphere, scratch.group_spheres, scratch.neighbours, scratch.caps);
 }
 
 // Relevant caps first, by size, then those that merely cover.
@@ -139,11 +159,15 @@ void add_atom(const Surface& surface, const BurialPatches& burial, AtomIndex i,
 void build_atom_patches(const Surface& surface, const BurialPatches& burial,
                         AtomPatchScratch& scratch, AtomRangePatches& patches) {
   for (AtomIndex begin = patches.begin; begin < patches.end;) {
-    const AtomIndex end = end_of_group(surface.atoms, begin, patches.end);
-    if (any_needs_patches(surface, begin, end))
-      find_neighbours_of_group(surface, begin, end, scratch);
-    for (AtomIndex i = begin; i < end; ++i) add_atom(surface, burial, i, scratch, patches);
-    begin = end;
+    const AtomIndex end = end_of_group(surface.atoms, begin, patches.end, look_up_bounds);
+    const bool is_needed = any_needs_patches(surface, begin, end);
+    if (is_needed) look_up_neighbours(surface, surface.atoms.subspan(begin, end - begin), scratch);
+    while (begin < end) {
+      const AtomIndex group_end = end_of_group(surface.atoms, begin, end, sift_bounds);
+      if (is_needed)
+        sift_neighbours(surface, surface.atoms.subspan(begin, group_end - begin), scratch);
+      for (; begin < group_end; ++begin) add_atom(surface, burial, begin, scratch, patches);
+    }
   }
 }
 

@@ -56,12 +56,14 @@ struct AtomRangePatches {
 
 /// Scratch memory of `build_atom_patches`, one per thread.
 struct AtomPatchScratch {
-  std::vector<AtomIndex> found;  ///< may meet an atom of a group that is looked up together
-  std::vector<AtomIndex> near;   ///< those of `found` that take part
-  SphereList near_spheres;       ///< the SAS spheres of `near`
-  SpherePositions neighbours;    ///< for each of `caps` the neighbour's position in `near`
-  CapList caps;                  ///< of one atom
-  CapList kept_caps;             ///< those that matter
+  std::vector<AtomIndex> found;     ///< may meet one of the atoms that are looked up together
+  std::vector<AtomIndex> near;      ///< those of `found` that take part
+  SphereList near_spheres;          ///< the SAS spheres of `near`
+  SpherePositions group_positions;  ///< in `near`, of those that may meet one of a smaller group
+  SphereList group_spheres;         ///< the SAS spheres at `group_positions`
+  SpherePositions neighbours;       ///< for each of `caps` the position in `group_spheres`
+  CapList caps;                     ///< of one atom
+  CapList kept_caps;                ///< those that matter
   std::vector<AtomIndex> kept_neighbours;
   BurialScratch burial;
   CrowdedCaps crowded;  ///< of `kept_caps`, where these are many
@@ -71,7 +73,8 @@ struct AtomPatchScratch {
 
   /// The atom of cap number `k`.
   AtomIndex neighbour(std::uint32_t k) const {
-    return near[static_cast<std::size_t>(neighbours.at[k])];
+    const auto position = static_cast<std::size_t>(neighbours.at[k]);
+    return near[static_cast<std::size_t>(group_positions.at[position])];
   }
 };
 

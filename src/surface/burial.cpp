@@ -148,7 +148,7 @@ namespace eses {
 namespace {
 
 // Past the largest caps the order hardly matters, and a full sort would cost more than it saves.
-constexpr std::ptrdiff_t sorted_caps = 16;
+constexpr std::size_t sorted_caps = 16;
 
 // A cap settles the more patches the lower the cosine that settles one: orders caps by it and then
 // by their number. Negative floats are ordered by their inverted bits, others by their bits and
@@ -160,13 +160,24 @@ std::uint64_t order_key(float settled, std::uint32_t number) {
   return static_cast<std::uint64_t>(ordered) << 32 | number;
 }
 
-// Orders the caps by size, the largest ones first and the others as they come.
+// Lists the largest caps in order of their size, and then the others as they come. To keep few of
+// many sorted, most caps are compared with the last of these only.
 void order_by_size(std::span<const float> settled, std::vector<std::uint64_t>& order) {
+  const std::size_t sorted = std::min(sorted_caps, settled.size());
   order.clear();
-  for (std::uint32_t k = 0; k < settled.size(); ++k) order.push_back(order_key(settled[k], k));
-  if (order.size() > sorted_caps)
-    std::nth_element(order.begin(), order.begin() + sorted_caps, order.end());
-  std::sort(order.begin(), order.begin() + std::min(sorted_caps, std::ssize(order)));
+  for (std::uint32_t k = 0; k < sorted; ++k) order.push_back(order_key(settled[k], k));
+  std::sort(order.begin(), order.end());
+  for (auto k = static_cast<std::uint32_t>(sorted); k < settled.size(); ++k) {
+    std::uint64_t key = order_key(settled[k], k);
+    if (key < order[sorted - 1]) {
+      const auto place = std::upper_bound(order.begin(), order.begin() + sorted_caps, key);
+      const std::uint64_t dropped = order[sorted - 1];
+      std::move_backward(place, order.begin() + sorted_caps - 1, order.begin() + sorted_caps);
+      *place = key;
+      key = dropped;
+    }
+    order.push_back(key);
+  }
 }
 
 void append_caps(const CapList& caps, std::span<const std::uint64_t> order,
@@ -213,7 +224,7 @@ bool is_buried(const CapList& caps, double radius, const BurialPatches& patches,
   scratch.covering.clear();
   scratch.caps.clear();
   const std::span all(scratch.order);
-  const std::size_t largest = std::min<std::size_t>(sorted_caps, all.size());
+  const std::size_t largest = std::min(sorted_caps, all.size());
   for (const auto keys_of_size : {all.first(largest), all.subspan(largest)}) {
     const std::size_t first = scratch.caps.size();
     append_caps(caps, keys_of_size, scratch);
