@@ -44,8 +44,8 @@ double patch_bytes(const SurfaceSurvey& survey) {
 // What threads hold while they build the patches of crowded atoms, of which each has one at a time.
 double crowd_bytes(const SurfaceSurvey& survey, int threads) {
   // See AtomPatchScratch: caps, kept caps and their atoms and numbers, several times.
-  constexpr double bytes_per_neighbour =
-      growth * (sizeof(SasSphere) + 2 * sizeof(Cap) + sizeof(BurialCap) + 14 * sizeof(AtomIndex));
+  constexpr double bytes_per_neighbour = growth * (2 * sizeof(SasSphere) + 2 * sizeof(Cap) +
+                                                   sizeof(BurialCap) + 19 * sizeof(AtomIndex));
   const PatchTotals& totals = survey.totals();
   return bytes_per_neighbour * std::min(totals.crowded_neighbours, threads * totals.max_neighbours);
 }

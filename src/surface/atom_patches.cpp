@@ -9,7 +9,7 @@ namespace {
 
 // One look-up in the tree serves many atoms. What it finds is then sifted for fewer of them, which
 // have less around them that none of them meets.
-constexpr GroupBounds look_up_bounds{32, 9};
+constexpr GroupBounds look_up_bounds{64, 12};
 constexpr GroupBounds sift_bounds{8, 6};
 
 double max_radius(std::span<const Atom> atoms) {

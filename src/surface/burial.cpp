@@ -6,9 +6,9 @@
 #include <hwy/highway.h>
 
 #include <algorithm>
-#include <bit>
+#include <array>
 #include <cmath>
-#include <iterator>
+#include <numeric>
 
 #include "simd/dispatch.hpp"
 #include "simd/lanes-inl.hpp"
@@ -147,46 +147,32 @@ namespace eses {
 
 namespace {
 
-// Past the largest caps the order hardly matters, and a full sort would cost more than it saves.
-constexpr std::size_t sorted_caps = 16;
+// The patches left over are counted anew after so many caps, which most buried atoms do not exceed.
+constexpr std::array<std::size_t, 2> caps_per_count{16, 32};
 
-// A cap settles the more patches the lower the cosine that settles one: orders caps by it and then
-// by their number. Negative floats are ordered by their inverted bits, others by their bits and
-// above the negative ones.
-std::uint64_t order_key(float settled, std::uint32_t number) {
-  constexpr std::uint32_t sign = 0x80000000;
-  const auto bits = std::bit_cast<std::uint32_t>(settled);
-  const std::uint32_t ordered = (bits & sign) != 0 ? ~bits : bits | sign;
-  return static_cast<std::uint64_t>(ordered) << 32 | number;
+// A cap settles the more patches the lower the cosine that settles one. Caps are ordered by it in
+// steps of 1/32, and within a step as they come.
+constexpr std::size_t size_steps = 66;
+
+std::size_t size_step(float settled) {
+  constexpr float steps_per_unit = 32;
+  return static_cast<std::size_t>(steps_per_unit * (std::clamp(settled, -1.0F, 1.0F) + 1));
 }
 
-// Lists the largest caps in order of their size, and then the others as they come. To keep few of
-// many sorted, most caps are compared with the last of these only.
-void order_by_size(std::span<const float> settled, std::vector<std::uint64_t>& order) {
-  const std::size_t sorted = std::min(sorted_caps, settled.size());
-  order.clear();
-  for (std::uint32_t k = 0; k < sorted; ++k) order.push_back(order_key(settled[k], k));
-  std::sort(order.begin(), order.end());
-  for (auto k = static_cast<std::uint32_t>(sorted); k < settled.size(); ++k) {
-    std::uint64_t key = order_key(settled[k], k);
-    if (key < order[sorted - 1]) {
-      const auto place = std::upper_bound(order.begin(), order.begin() + sorted_caps, key);
-      const std::uint64_t dropped = order[sorted - 1];
-      std::move_backward(place, order.begin() + sorted_caps - 1, order.begin() + sorted_caps);
-      *place = key;
-      key = dropped;
-    }
-    order.push_back(key);
-  }
+// Orders the caps by size, the largest ones first.
+void order_by_size(std::span<const float> settled, std::vector<std::uint32_t>& order) {
+  std::array<std::uint32_t, size_steps> next{};
+  for (const float cosine : settled) ++next[size_step(cosine) + 1];
+  std::partial_sum(next.begin(), next.end(), next.begin());
+  order.resize(settled.size());
+  for (std::uint32_t k = 0; k < settled.size(); ++k) order[next[size_step(settled[k])]++] = k;
 }
 
-void append_caps(const CapList& caps, std::span<const std::uint64_t> order,
+void append_caps(const CapList& caps, std::span<const std::uint32_t> order,
                  BurialScratch& scratch) {
-  for (const std::uint64_t key : order) {
-    const auto k = static_cast<std::uint32_t>(key);
+  for (const std::uint32_t k : order)
     scratch.caps.push_back({static_cast<float>(caps.x[k]), static_cast<float>(caps.y[k]),
                             static_cast<float>(caps.z[k]), scratch.settled[k], k, false});
-  }
 }
 
 void make_room(std::vector<float>& values, std::size_t count) {
@@ -223,11 +209,12 @@ bool is_buried(const CapList& caps, double radius, const BurialPatches& patches,
   scratch.relevant.clear();
   scratch.covering.clear();
   scratch.caps.clear();
-  const std::span all(scratch.order);
-  const std::size_t largest = std::min(sorted_caps, all.size());
-  for (const auto keys_of_size : {all.first(largest), all.subspan(largest)}) {
+  std::span<const std::uint32_t> left(scratch.order);
+  for (const std::size_t caps_at_once : {caps_per_count[0], caps_per_count[1], left.size()}) {
     const std::size_t first = scratch.caps.size();
-    append_caps(caps, keys_of_size, scratch);
+    const std::size_t size = std::min(caps_at_once, left.size());
+    append_caps(caps, left.first(size), scratch);
+    left = left.subspan(size);
     count = keep(std::span(scratch.caps).subspan(first), scratch.x.data(), scratch.y.data(),
                  scratch.z.data(), count);
     if (count == 0) return true;

@@ -36,8 +36,8 @@ struct BurialCap {
 struct BurialScratch {
   std::vector<float> settled, touched;  ///< for each cap, cosines at which it settles a patch, and
                                         ///< at which it may have some of it
-  std::vector<std::uint64_t> order;  ///< keys of the caps, the largest first as far as that helps
-  std::vector<BurialCap> caps;       ///< in this order
+  std::vector<std::uint32_t> order;     ///< numbers of the caps, the largest first
+  std::vector<BurialCap> caps;          ///< in this order
   std::vector<std::uint32_t> relevant;  ///< caps whose circle may be accessible
   std::vector<std::uint32_t> covering;  ///< further caps that are needed to cover
   std::vector<float> x, y, z;           ///< patches not yet settled
