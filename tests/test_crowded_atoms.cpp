@@ -57,7 +57,7 @@ AtomTree tree_of(const std::vector<Atom>& atoms, std::size_t slices) {
 
 void check_arcs(const Surface& surface, AtomIndex i) {
   const auto sphere = surface.sas_sphere(i);
-  std::vector<Cap> caps;
+  CapList caps;
   std::vector<AtomIndex> neighbours;
   for (AtomIndex j = 0; j < surface.atoms.size(); ++j) {
     const auto other = surface.sas_sphere(j);

@@ -26,7 +26,7 @@ struct CircleCase {
   SasSphere sphere, partner;
   std::vector<SasSphere> others;  // spheres whose caps follow the partner's
   ContactCircle circle;
-  std::vector<Cap> caps;
+  CapList caps;
 };
 
 CircleCase make_circle_case(Random& random) {
@@ -108,6 +108,69 @@ TEST_CASE("accessible arcs are what the other spheres leave of a circle") {
   CHECK(partial > 300);
 }
 
+TEST_CASE("caps of many spheres are those of each, and of those that meet the sphere") {
+  Random random(11);
+  for (int round = 0; round < 200; ++round) {
+    const SasSphere sphere{random_point(random, 2), random.uniform(1, 4)};
+    SphereList spheres;
+    std::vector<SasSphere> others{sphere};
+    const std::size_t count = random.integer(0, 70);
+    while (others.size() <= count)
+      others.push_back({random_point(random, 6), random.uniform(1, 4)});
+    // One that touches, but does not meet.
+    others.push_back({sphere.center + Vec3{sphere.radius + 2, 0, 0}, 2});
+    for (const SasSphere& other : others) spheres.push_back(other);
+    std::vector<std::int64_t> expected;
+    for (std::size_t k = 1; k + 1 < others.size(); ++k)
+      if (norm(others[k].center - sphere.center) < sphere.radius + others[k].radius - 1e-9)
+        expected.push_back(static_cast<std::int64_t>(k));
+    SpherePositions positions;
+    find_meeting(sphere, spheres, positions);
+    REQUIRE(std::vector(positions.at.begin(),
+                        positions.at.begin() + static_cast<std::ptrdiff_t>(positions.count)) ==
+            expected);
+    CapList caps;
+    make_caps(sphere, spheres, positions, caps);
+    REQUIRE(caps.size() == expected.size());
+    for (std::size_t k = 0; k < expected.size(); ++k) {
+      const Cap cap = make_cap(sphere, others[static_cast<std::size_t>(expected[k])]);
+      CHECK(caps[k].axis == cap.axis);
+      CHECK(caps[k].height == cap.height);
+      CHECK(caps[k].blocking_height == cap.blocking_height);
+    }
+  }
+}
+
+TEST_CASE("spheres near a box are those that come within the distance of it") {
+  Random random(12);
+  std::size_t chosen_count = 0;
+  for (int round = 0; round < 200; ++round) {
+    Box box{random_point(random, 3), {}};
+    box.high = box.low + Vec3{random.uniform(0, 4), random.uniform(0, 4), random.uniform(0, 4)};
+    const double distance = random.uniform(0, 3);
+    SphereList spheres, expected, chosen;
+    const std::size_t count = random.integer(0, 70);
+    while (spheres.count < count) {
+      const SasSphere sphere{random_point(random, 12), random.uniform(1, 4)};
+      spheres.push_back(sphere);
+      if (std::sqrt(squared_distance(box, sphere.center)) < distance + sphere.radius)
+        expected.push_back(sphere);
+    }
+    SpherePositions positions;
+    find_near_box(box, distance, spheres, positions);
+    choose_spheres(spheres, positions, chosen);
+    REQUIRE(chosen.count == expected.count);
+    for (std::size_t k = 0; k < chosen.count; ++k) {
+      CHECK(chosen.x[k] == expected.x[k]);
+      CHECK(chosen.y[k] == expected.y[k]);
+      CHECK(chosen.z[k] == expected.z[k]);
+      CHECK(chosen.radius[k] == expected.radius[k]);
+    }
+    chosen_count += chosen.count;
+  }
+  CHECK(chosen_count > 1000);
+}
+
 TEST_CASE("a point that two spheres just leave open stays accessible") {
   // Four equal spheres at the corners of a square: every circle of neighbours is open but for
   // its two probes, where the circles of the diagonals have a single point each.
@@ -116,7 +179,7 @@ TEST_CASE("a point that two spheres just leave open stays accessible") {
                                        {{side, 0, 0}, radius},
                                        {{side, side, 0}, radius},
                                        {{0, side, 0}, radius}};
-  std::vector<Cap> caps;
+  CapList caps;
   for (std::size_t k = 1; k < 4; ++k) caps.push_back(make_cap(corners[0], corners[k]));
   ArcScratch scratch;
   std::vector<CircleArc> arcs;

@@ -1,7 +1,19 @@
+#undef HWY_TARGET_INCLUDE
+#define HWY_TARGET_INCLUDE "geometry/circle_arcs.cpp"
 #include "geometry/circle_arcs.hpp"
 
+#include <hwy/foreach_target.h>
+#include <hwy/highway.h>
+
+#include <algorithm>
 #include <cmath>
 
+#include "simd/dispatch.hpp"
+#include "simd/lanes-inl.hpp"
+#include "simd/padding.hpp"
+
+#ifndef ESES_GEOMETRY_CIRCLE_ARCS_SHARED_
+#define ESES_GEOMETRY_CIRCLE_ARCS_SHARED_
 namespace eses {
 namespace {
 
@@ -9,6 +21,113 @@ namespace {
 // turn is 2, and no trigonometry is needed.
 constexpr double full_turn = 4;
 constexpr double half_turn = 2;
+
+// Square angstrom, and relative to the squares compared: far above rounding, far below what leaves
+// an arc.
+constexpr double clear_margin = 1e-9;
+constexpr double relative_clear_margin = 1e-14;
+
+struct CircleFrame {
+  Vec3 e1, e2;
+};
+
+}  // namespace
+}  // namespace eses
+#endif  // ESES_GEOMETRY_CIRCLE_ARCS_SHARED_
+
+HWY_BEFORE_NAMESPACE();
+namespace eses::HWY_NAMESPACE {
+
+HWY_INLINE DoubleVector dot_at(Vec3 a, const double* x, const double* y, const double* z) {
+  return all(a.x) * load(x) + all(a.y) * load(y) + all(a.z) * load(z);
+}
+
+// See the function of the same name for one angle.
+HWY_INLINE DoubleVector diamond_angle(DoubleVector x, DoubleVector y) {
+  const auto is_right = x >= all(0), is_upper = y >= all(0);
+  const auto share = hn::IfThenElse(hn::Xor(is_right, is_upper), x, y) / (hn::Abs(x) + hn::Abs(y));
+  return hn::IfThenElse(is_upper, hn::IfThenElse(is_right, share, all(1) - share),
+                        hn::IfThenElse(is_right, all(3) + share, all(2) - share));
+}
+
+// Which of several caps block the whole circle, and which may block a part of it.
+struct CapsOnCircle {
+  DoubleMask block_all, meet;
+};
+
+// Most caps block all or nothing; that is told without a root where it is told clearly. `height` is
+// that of the slackened caps' planes above the circle's centre, `along` the cosine between the
+// axes.
+HWY_INLINE CapsOnCircle look_at_caps(const ContactCircle& circle, DoubleVector along,
+                                     DoubleVector height, DoubleMask is_other) {
+  const auto squared_reach =
+      all(circle.radius * circle.radius) * (all(1) - along) * (all(1) + along);
+  const auto is_clear =
+      height * height * all(1 - relative_clear_margin) > squared_reach + all(clear_margin);
+  const auto blocks_all = hn::AndNot(height > all(0), is_clear);
+  return {hn::And(is_other, blocks_all), hn::AndNot(is_clear, is_other)};
+}
+
+// The angles between which several caps block the circle, on the lanes of `block_part`.
+struct BlockedAngles {
+  DoubleVector from, to;
+  DoubleMask block_all, block_part;
+};
+
+HWY_INLINE BlockedAngles blocked_angles(const ContactCircle& circle, DoubleVector height,
+                                        DoubleVector along_e1, DoubleVector along_e2,
+                                        DoubleMask meet) {
+  const auto length = hn::Sqrt(along_e1 * along_e1 + along_e2 * along_e2);
+  const auto is_parallel = length == all(0);
+  const auto x = hn::IfThenElse(is_parallel, all(1), along_e1 / length);
+  const auto y = hn::IfThenElse(is_parallel, all(0), along_e2 / length);
+  const auto reach = all(circle.radius) * length;
+  const auto cosine = hn::IfThenElse(reach > all(0), height / reach, all(-1));
+  const auto block = hn::AndNot(hn::Or(height >= reach, cosine >= all(1)), meet);
+  const auto block_all = hn::And(block, cosine <= all(-1));
+  const auto sine = hn::Sqrt((all(1) - cosine) * (all(1) + cosine));
+  return {diamond_angle(x * cosine + y * sine, y * cosine - x * sine),
+          diamond_angle(x * cosine - y * sine, y * cosine + x * sine), block_all,
+          hn::AndNot(block_all, block)};
+}
+
+// Finds the intervals of the circle that the slackened caps leave open. Returns false if there are
+// none.
+bool find_open(const ContactCircle& circle, const CircleFrame& frame, const CapList& caps,
+               std::uint32_t own, OpenIntervals& open) {
+  const Doubles doubles;
+  const Words words;
+  open.clear();
+  for (std::size_t k = 0; k < caps.count; k += hn::Lanes(doubles)) {
+    const auto along = [&](Vec3 direction) {
+      return dot_at(direction, &caps.x[k], &caps.y[k], &caps.z[k]);
+    };
+    const auto along_axis = along(circle.axis);
+    const auto height = load(&caps.blocking_height[k]) - all(circle.first_height) * along_axis;
+    const auto is_other =
+        hn::And(hn::RebindMask(doubles, hn::Iota(words, k) != hn::Set(words, std::uint64_t{own})),
+                hn::FirstN(doubles, caps.count - k));
+    const auto [block_all, meet] = look_at_caps(circle, along_axis, height, is_other);
+    if (!hn::AllFalse(doubles, block_all)) return false;
+    if (hn::AllFalse(doubles, meet)) continue;
+    const BlockedAngles blocked =
+        blocked_angles(circle, height, along(frame.e1), along(frame.e2), meet);
+    if (!hn::AllFalse(doubles, blocked.block_all)) return false;
+    const LaneValues from(blocked.from), to(blocked.to);
+    for_each_lane(blocked.block_part, [&](std::size_t lane) {
+      open.block(from[lane], to[lane], static_cast<std::uint32_t>(k + lane));
+    });
+    if (open.is_empty()) return false;
+  }
+  return true;
+}
+
+}  // namespace eses::HWY_NAMESPACE
+HWY_AFTER_NAMESPACE();
+
+#if HWY_ONCE
+namespace eses {
+namespace {
 
 double diamond_angle(double x, double y) {
   const double r = std::fabs(x) + std::fabs(y);
@@ -20,11 +139,6 @@ double wrap(double angle) { return angle < 0 ? angle + full_turn : angle; }
 
 double wrap_any(double angle) { return angle - full_turn * std::floor(angle / full_turn); }
 
-// Square angstrom, and relative to the squares compared: far above rounding, far below what leaves
-// an arc.
-constexpr double clear_margin = 1e-9;
-constexpr double relative_clear_margin = 1e-14;
-
 // Angstrom: a sphere meets the circle if it reaches it up to rounding.
 constexpr double meeting_margin = 1e-12;
 
@@ -33,10 +147,6 @@ constexpr double interval_margin = 1e-6;
 
 struct Direction {
   double x, y;
-};
-
-struct CircleFrame {
-  Vec3 e1, e2;
 };
 
 // The blocked interval of one cap is centred on `toward` and reaches to both sides.
@@ -88,27 +198,14 @@ double turn_between(double from, double to) {
   return turn > half_turn + interval_margin ? 0 : turn;
 }
 
-void subtract(double from, double to, std::uint32_t cap, ArcScratch& scratch) {
-  scratch.next.clear();
-  for (const auto& open : scratch.open) {
-    if (to <= open.low || from >= open.high) {
-      scratch.next.push_back(open);
-      continue;
-    }
-    if (from > open.low) scratch.next.push_back({open.low, from, open.low_cap, cap});
-    if (to < open.high) scratch.next.push_back({to, open.high, cap, open.high_cap});
-  }
-  scratch.open.swap(scratch.next);
-}
-
 // Whether a point of the circle is accessible for all caps but the two whose rims meet there.
-bool is_accessible(const ContactCircle& circle, std::span<const Cap> caps, std::uint32_t own,
+bool is_accessible(const ContactCircle& circle, const CapList& caps, std::uint32_t own,
                    std::uint32_t other, Vec3 direction) {
   for (std::uint32_t k = 0; k < caps.size(); ++k) {
     if (k == own || k == other) continue;
     const double height = circle.first_height * dot(circle.axis, caps[k].axis) +
                           circle.radius * dot(direction, caps[k].axis);
-    if (height > caps[k].blocking_height) return false;
+    if (height > caps.blocking_height[k]) return false;
   }
   return true;
 }
@@ -117,10 +214,9 @@ bool is_accessible(const ContactCircle& circle, std::span<const Cap> caps, std::
 // hardly anything of what the slackened ones leave, the ends of the interval need not be
 // accessible, and others between them may be. Of ends at the same place there is one;
 // `scratch.places` has those that are known.
-void add_doubtful_ends(const ContactCircle& circle, const CircleFrame& frame,
-                       std::span<const Cap> caps, std::uint32_t own, double origin,
-                       const ArcScratch::Interval& open, ArcScratch& scratch,
-                       std::vector<CircleEnd>& ends) {
+void add_doubtful_ends(const ContactCircle& circle, const CircleFrame& frame, const CapList& caps,
+                       std::uint32_t own, double origin, const OpenIntervals::Interval& open,
+                       ArcScratch& scratch, std::vector<CircleEnd>& ends) {
   const auto is_known = [&](Vec3 direction) {
     return std::any_of(scratch.places.begin(), scratch.places.end(), [&](Vec3 place) {
       return circle.radius * norm(place - direction) < tolerance::same_placement;
@@ -143,10 +239,10 @@ void add_doubtful_ends(const ContactCircle& circle, const CircleFrame& frame,
 }
 
 // An interval that the slackened caps leave open: its arc between the exact caps, and its ends.
-void add_open_interval(const ContactCircle& circle, const CircleFrame& frame,
-                       std::span<const Cap> caps, std::uint32_t own, double origin,
-                       const ArcScratch::Interval& open, ArcScratch& scratch,
-                       std::vector<CircleArc>& arcs, std::vector<CircleEnd>& ends) {
+void add_open_interval(const ContactCircle& circle, const CircleFrame& frame, const CapList& caps,
+                       std::uint32_t own, double origin, const OpenIntervals::Interval& open,
+                       ArcScratch& scratch, std::vector<CircleArc>& arcs,
+                       std::vector<CircleEnd>& ends) {
   const Direction start = exact_end(circle, frame, caps[open.low_cap], 1);
   const Direction end = exact_end(circle, frame, caps[open.high_cap], -1);
   // The exact caps block more than the slackened ones: both ends move inwards, and may pass each
@@ -170,55 +266,62 @@ void add_open_interval(const ContactCircle& circle, const CircleFrame& frame,
 
 }  // namespace
 
-void accessible_arcs(const ContactCircle& circle, std::span<const Cap> caps, std::uint32_t own,
+void OpenIntervals::clear() {
+  is_whole = true;
+  origin = 0;
+  intervals.clear();
+}
+
+void OpenIntervals::block(double from, double to, std::uint32_t cap) {
+  if (is_whole) {
+    is_whole = false;
+    origin = to;
+    intervals.push_back({0, wrap(from - origin), cap, cap});
+    return;
+  }
+  const double from_origin = wrap(from - origin), to_origin = wrap(to - origin);
+  if (from_origin < to_origin) {
+    subtract(from_origin, to_origin, cap);
+  } else {
+    subtract(-1, to_origin, cap);
+    subtract(from_origin, full_turn + 1, cap);
+  }
+}
+
+// The part that is blocked can split one of the intervals at most, and then leaves the others as
+// they are.
+void OpenIntervals::subtract(double from, double to, std::uint32_t cap) {
+  auto kept = intervals.begin();
+  for (auto interval = intervals.begin(); interval != intervals.end(); ++interval) {
+    const auto [low, high, low_cap, high_cap] = *interval;
+    if (to <= low || from >= high) {
+      *kept++ = *interval;
+      continue;
+    }
+    if (from > low && to < high) {
+      *interval = {low, from, low_cap, cap};
+      intervals.insert(interval + 1, {to, high, cap, high_cap});
+      return;
+    }
+    if (from > low) *kept++ = {low, from, low_cap, cap};
+    if (to < high) *kept++ = {to, high, cap, high_cap};
+  }
+  intervals.erase(kept, intervals.end());
+}
+
+void accessible_arcs(const ContactCircle& circle, const CapList& caps, std::uint32_t own,
                      ArcScratch& scratch, std::vector<CircleArc>& arcs,
                      std::vector<CircleEnd>& ends) {
   const Vec3 e1 = any_perpendicular(circle.axis);
   const CircleFrame frame{e1, cross(circle.axis, e1)};
-  bool whole = true;
-  double origin = 0;
-  scratch.open.clear();
-  for (std::uint32_t k = 0; k < caps.size(); ++k) {
-    if (k == own) continue;
-    const double along = dot(circle.axis, caps[k].axis);
-    const double height = caps[k].blocking_height - circle.first_height * along;
-    // Most caps block all or nothing; that is told without a root where it is told clearly.
-    const double squared_reach = circle.radius * circle.radius * (1 - along) * (1 + along);
-    const double squared_height = height * height;
-    if (squared_height * (1 - relative_clear_margin) > squared_reach + clear_margin) {
-      if (height > 0) continue;
-      return;
-    }
-    const Blocked blocked = blocked_by(circle, frame, caps[k]);
-    if (height >= blocked.reach) continue;
-    const double cosine = blocked.reach > 0 ? height / blocked.reach : -1;
-    if (cosine >= 1) continue;
-    if (cosine <= -1) return;
-    const double sine = sine_of(cosine);
-    const Direction first = turned(blocked.toward, cosine, -sine);
-    const Direction last = turned(blocked.toward, cosine, sine);
-    const double from = diamond_angle(first.x, first.y), to = diamond_angle(last.x, last.y);
-    if (whole) {
-      whole = false;
-      origin = to;
-      scratch.open.push_back({0, wrap(from - origin), k, k});
-      continue;
-    }
-    const double from_origin = wrap(from - origin), to_origin = wrap(to - origin);
-    if (from_origin < to_origin) {
-      subtract(from_origin, to_origin, k, scratch);
-    } else {
-      subtract(-1, to_origin, k, scratch);
-      subtract(from_origin, full_turn + 1, k, scratch);
-    }
-    if (scratch.open.empty()) return;
-  }
-  if (whole) {
+  if (!ESES_BEST_VERSION(find_open)(circle, frame, caps, own, scratch.open)) return;
+  if (scratch.open.is_whole) {
     arcs.push_back({});
     return;
   }
-  for (const auto& open : scratch.open)
-    add_open_interval(circle, frame, caps, own, origin, open, scratch, arcs, ends);
+  for (const auto& open : scratch.open.intervals)
+    add_open_interval(circle, frame, caps, own, scratch.open.origin, open, scratch, arcs, ends);
 }
 
 }  // namespace eses
+#endif  // HWY_ONCE

@@ -2,10 +2,9 @@
 /// The accessible arcs of a contact circle: what the other neighbours' caps leave of it.
 
 #include <cstdint>
-#include <span>
 #include <vector>
 
-#include "geometry/contact_circle.hpp"
+#include "geometry/cap_list.hpp"
 
 namespace eses {
 
@@ -34,13 +33,29 @@ struct CircleEnd {
   friend bool operator==(const CircleEnd&, const CircleEnd&) = default;
 };
 
-/// Scratch memory of `accessible_arcs`.
-struct ArcScratch {
+/// What caps that block parts of a circle leave open. Angles are counted from the end of the first
+/// cap's part; they are pseudo-angles, of which a full turn has 4.
+struct OpenIntervals {
   struct Interval {
     double low, high;
     std::uint32_t low_cap, high_cap;
   };
-  std::vector<Interval> open, next;
+  bool is_whole = true;             ///< nothing is blocked yet
+  double origin = 0;                ///< angle from which the intervals are counted
+  std::vector<Interval> intervals;  ///< disjoint, ascending
+
+  void clear();
+  bool is_empty() const { return !is_whole && intervals.empty(); }
+  /// Blocks what lies between two angles in [0, 4), counter-clockwise.
+  void block(double from, double to, std::uint32_t cap);
+
+ private:
+  void subtract(double from, double to, std::uint32_t cap);
+};
+
+/// Scratch memory of `accessible_arcs`.
+struct ArcScratch {
+  OpenIntervals open;
   std::vector<Vec3>
       places;  ///< of the ends of one interval, as directions from the circle's centre
 };
@@ -50,7 +65,7 @@ struct ArcScratch {
 /// sphere. A point counts as accessible if no neighbour reaches over it by more than
 /// tolerance::accessible. Ends are those of the exact caps. Arcs shorter than tolerance::arc_length
 /// are left out, but not their ends. Caps that block much are best placed first.
-void accessible_arcs(const ContactCircle& circle, std::span<const Cap> caps, std::uint32_t own,
+void accessible_arcs(const ContactCircle& circle, const CapList& caps, std::uint32_t own,
                      ArcScratch& scratch, std::vector<CircleArc>& arcs,
                      std::vector<CircleEnd>& ends);
 

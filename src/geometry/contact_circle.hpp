@@ -42,12 +42,17 @@ inline Cap make_cap(const SasSphere& sphere, const SasSphere& neighbour) {
           height + tolerance::accessible * neighbour.radius * inverse};
 }
 
-/// The spheres must meet.
-inline ContactCircle make_contact_circle(const SasSphere& first, const SasSphere& second) {
-  const Cap cap = make_cap(first, second);
+/// The spheres must meet. `cap` is that of the second sphere on the first.
+inline ContactCircle make_contact_circle(const SasSphere& first, const SasSphere& second,
+                                         const Cap& cap) {
   const double squared_radius = (first.radius - cap.height) * (first.radius + cap.height);
   return {first.center + cap.height * cap.axis, cap.axis, std::sqrt(std::max(0.0, squared_radius)),
           cap.height, dot(second.center - first.center, cap.axis) - cap.height};
+}
+
+/// The spheres must meet.
+inline ContactCircle make_contact_circle(const SasSphere& first, const SasSphere& second) {
+  return make_contact_circle(first, second, make_cap(first, second));
 }
 
 /// A point in the half plane through a circle's axis, seen from the circle.

@@ -58,10 +58,9 @@ double share_of_patches(const SurfaceSurvey& survey, double height) {
 
 // What threads hold while they build the patches of crowded atoms, of which each has one at a time.
 double crowd_bytes(const SurfaceSurvey& survey, int threads) {
-  using Neighbour = AtomPatchScratch::Neighbour;
   // See AtomPatchScratch: caps, kept caps and their atoms and numbers, several times.
-  constexpr double bytes_per_neighbour =
-      growth * (sizeof(Neighbour) + 2 * sizeof(Cap) + sizeof(BurialCap) + 8 * sizeof(AtomIndex));
+  constexpr double bytes_per_neighbour = growth * (2 * sizeof(SasSphere) + 2 * sizeof(Cap) +
+                                                   sizeof(BurialCap) + 19 * sizeof(AtomIndex));
   const PatchTotals& totals = survey.totals();
   return bytes_per_neighbour * std::min(totals.crowded_neighbours, threads * totals.max_neighbours);
 }

@@ -5,28 +5,49 @@
 namespace eses {
 namespace {
 
-// All atoms whose SAS sphere may meet one of those of the group.
-void find_neighbours_of_group(const Surface& surface, std::span<const Atom> group,
-                              AtomPatchScratch& scratch) {
-  double largest = 0;
-  for (const Atom& atom : group) largest = std::max(largest, atom.radius);
-  surface.tree().find_reaching_around(group, largest + 2 * surface.probe_radius, scratch.found);
-  scratch.group.clear();
-  for (const AtomIndex j : scratch.found)
-    if (!surface.molecule.is_contained(j)) scratch.group.push_back({surface.sas_sphere(j), j});
+// One look-up in the tree serves many atoms. What it finds is then sifted for fewer of them, which
+// have less around them that none of them meets.
+constexpr GroupBounds look_up_bounds{64, 12};
+constexpr GroupBounds sift_bounds{8, 6};
+
+double max_radius(std::span<const Atom> atoms) {
+  double radius = 0;
+  for (const Atom& atom : atoms) radius = std::max(radius, atom.radius);
+  return radius;
+}
+
+// All atoms whose SAS sphere may meet that of one of the group.
+void look_up_neighbours(const Surface& surface, std::span<const Atom> group,
+                        AtomPatchScratch& scratch) {
+  surface.tree().find_reaching_around(group, max_radius(group) + 2 * surface.probe_radius,
+                                      scratch.found);
+  // Of several ends at the same place the one is named whose cap comes first. The order of the tree
+  // depends on which atoms are looked up together, and on those that other processes have.
+  std::sort(scratch.found.begin(), scratch.found.end());
+  scratch.near.clear();
+  scratch.near_spheres.clear();
+  for (const AtomIndex j : scratch.found) {
+    if (surface.molecule.is_contained(j)) continue;
+    scratch.near.push_back(j);
+    scratch.near_spheres.push_back(surface.sas_sphere(j));
+  }
+}
+
+// Those of them whose SAS sphere may meet that of one of a smaller group.
+void sift_neighbours(const Surface& surface, std::span<const Atom> group,
+                     AtomPatchScratch& scratch) {
+  constexpr double slack = 1e-3;  // angstrom: far more than rounding amounts to
+  Box box{group.front().center, group.front().center};
+  for (const Atom& atom : group) box.include(atom.center);
+  find_near_box(box, max_radius(group) + surface.probe_radius + slack, scratch.near_spheres,
+                scratch.group_positions);
+  choose_spheres(scratch.near_spheres, scratch.group_positions, scratch.group_spheres);
 }
 
 void collect_caps(const Surface& surface, AtomIndex i, AtomPatchScratch& scratch) {
   const SasSphere sphere = surface.sas_sphere(i);
-  scratch.neighbours.clear();
-  scratch.caps.clear();
-  for (const auto& [neighbour, j] : scratch.group) {
-    // Spheres that merely touch do not meet; rounding must not make a circle of the point.
-    const double reach = sphere.radius + neighbour.radius - tolerance::containment;
-    if (squared_norm(neighbour.center - sphere.center) >= reach * reach || j == i) continue;
-    scratch.neighbours.push_back(j);
-    scratch.caps.push_back(make_cap(sphere, neighbour));
-  }
+  find_meeting(sphere, scratch.group_spheres, scratch.neighbours);
+  make_caps(sphere, scratch.group_spheres, scratch.neighbours, scratch.caps);
 }
 
 // Relevant caps first, by size, then those that merely cover.
@@ -36,7 +57,7 @@ void keep_caps(AtomPatchScratch& scratch) {
   for (const auto* list : {&scratch.burial.relevant, &scratch.burial.covering})
     for (const std::uint32_t k : *list) {
       scratch.kept_caps.push_back(scratch.caps[k]);
-      scratch.kept_neighbours.push_back(scratch.neighbours[k]);
+      scratch.kept_neighbours.push_back(scratch.neighbour(k));
     }
   if (scratch.kept_caps.size() > max_uncrowded)
     scratch.crowded.reset(scratch.kept_caps, scratch.kept_neighbours);
@@ -58,7 +79,8 @@ PlacementKey make_key(AtomIndex i, AtomIndex j, AtomIndex k, const CircleEnd& en
 void add_circle(const Surface& surface, AtomIndex i, std::uint32_t own, AtomPatchScratch& scratch,
                 BuiltPatches& patches) {
   const AtomIndex j = scratch.kept_neighbours[own];
-  const ContactCircle circle = make_contact_circle(surface.sas_sphere(i), surface.sas_sphere(j));
+  const ContactCircle circle =
+      make_contact_circle(surface.sas_sphere(i), surface.sas_sphere(j), scratch.kept_caps[own]);
   scratch.arcs.clear();
   scratch.ends.clear();
   if (scratch.kept_caps.size() > max_uncrowded) {
@@ -79,15 +101,11 @@ void add_circles(const Surface& surface, AtomIndex i, AtomPatchScratch& scratch,
     if (scratch.kept_neighbours[k] > i) add_circle(surface, i, k, scratch, patches);
 }
 
-// The same, where the order of the caps decides which of several ends at the same place is named.
-// It must not depend on the tree, which has other atoms in other processes: caps in the order of
-// their atoms.
+// The same, with the caps in the order of their atoms: where ends are in doubt, that order names
+// one of several at the same place.
 void add_circles_in_order(const Surface& surface, AtomIndex i, AtomPatchScratch& scratch,
                           BuiltPatches& patches) {
-  std::sort(scratch.burial.relevant.begin(), scratch.burial.relevant.end(),
-            [&](std::uint32_t a, std::uint32_t b) {
-              return scratch.neighbours[a] < scratch.neighbours[b];
-            });
+  std::sort(scratch.burial.relevant.begin(), scratch.burial.relevant.end());
   add_circles(surface, i, scratch, patches);
 }
 
@@ -147,14 +165,20 @@ void build_atom_patches(const Surface& surface, std::span<const AtomIndex> atoms
   scratch.atoms.clear();
   for (const AtomIndex i : atoms) scratch.atoms.push_back(surface.atoms[i]);
   const auto count = static_cast<AtomIndex>(atoms.size());
-  for (AtomIndex begin = 0, end = 0; begin < count; begin = end) {
-    end = end_of_group(scratch.atoms, begin, count);
-    const std::span<const AtomIndex> group = atoms.subspan(begin, end - begin);
-    if (std::any_of(group.begin(), group.end(),
-                    [&](AtomIndex i) { return surface.needs_patches(i); }))
-      find_neighbours_of_group(surface, std::span(scratch.atoms).subspan(begin, end - begin),
-                               scratch);
-    for (const AtomIndex i : group) add_atom(surface, burial, i, scratch, patches);
+  const auto group_of = [&](AtomIndex begin, AtomIndex end) {
+    return std::span<const Atom>(scratch.atoms).subspan(begin, end - begin);
+  };
+  for (AtomIndex begin = 0; begin < count;) {
+    const AtomIndex end = end_of_group(scratch.atoms, begin, count, look_up_bounds);
+    const std::span<const AtomIndex> looked_up = atoms.subspan(begin, end - begin);
+    const bool is_needed = std::any_of(looked_up.begin(), looked_up.end(),
+                                       [&](AtomIndex i) { return surface.needs_patches(i); });
+    if (is_needed) look_up_neighbours(surface, group_of(begin, end), scratch);
+    while (begin < end) {
+      const AtomIndex group_end = end_of_group(scratch.atoms, begin, end, sift_bounds);
+      if (is_needed) sift_neighbours(surface, group_of(begin, group_end), scratch);
+      for (; begin < group_end; ++begin) add_atom(surface, burial, atoms[begin], scratch, patches);
+    }
   }
 }
 

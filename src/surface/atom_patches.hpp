@@ -57,22 +57,27 @@ struct BuiltPatches {
 
 /// Scratch memory of `build_atom_patches`, one per thread.
 struct AtomPatchScratch {
-  struct Neighbour {
-    SasSphere sphere;
-    AtomIndex atom;
-  };
-  std::vector<Atom> atoms;  ///< those whose patches are built
-  std::vector<AtomIndex> found;
-  std::vector<Neighbour> group;       ///< of several atoms that are looked up together
-  std::vector<AtomIndex> neighbours;  ///< those of `caps`
-  std::vector<Cap> caps;
-  std::vector<Cap> kept_caps;
+  std::vector<Atom> atoms;          ///< those whose patches are built
+  std::vector<AtomIndex> found;     ///< may meet one of the atoms that are looked up together
+  std::vector<AtomIndex> near;      ///< those of `found` that take part
+  SphereList near_spheres;          ///< the SAS spheres of `near`
+  SpherePositions group_positions;  ///< in `near`, of those that may meet one of a smaller group
+  SphereList group_spheres;         ///< the SAS spheres at `group_positions`
+  SpherePositions neighbours;       ///< for each of `caps` the position in `group_spheres`
+  CapList caps;                     ///< of one atom
+  CapList kept_caps;                ///< those that matter
   std::vector<AtomIndex> kept_neighbours;
   BurialScratch burial;
   CrowdedCaps crowded;  ///< of `kept_caps`, where these are many
   ArcScratch arc;
   std::vector<CircleArc> arcs;
   std::vector<CircleEnd> ends;
+
+  /// The atom of cap number `k`.
+  AtomIndex neighbour(std::uint32_t k) const {
+    const auto position = static_cast<std::size_t>(neighbours.at[k]);
+    return near[static_cast<std::size_t>(group_positions.at[position])];
+  }
 };
 
 /// Replaces `patches` by those of some atoms, which are best near each other.

@@ -6,11 +6,33 @@
 #include <hwy/highway.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
-#include <iterator>
+#include <numeric>
 
 #include "simd/dispatch.hpp"
+#include "simd/lanes-inl.hpp"
 #include "simd/padding.hpp"
+
+#ifndef ESES_SURFACE_BURIAL_SHARED_
+#define ESES_SURFACE_BURIAL_SHARED_
+namespace eses {
+namespace {
+
+// If the height of a cap, relative to the radius, grows by `small_shrinkage`, its rim turns by at
+// most sqrt(2 small_shrinkage) = 9e-5, which changes the cosines at which a patch of 0.2 radians is
+// settled or touched by at most 2e-5. The slack covers this and the rounding of single-precision
+// dot products, so that a patch is settled for certain.
+constexpr double small_shrinkage = 4e-9;
+constexpr double float_slack = 3e-5;
+// The inverse radius of the sphere; cosine and sine of the angular radius of every patch.
+struct PatchCosines {
+  double inverse_radius, cosine, sine;
+};
+
+}  // namespace
+}  // namespace eses
+#endif  // ESES_SURFACE_BURIAL_SHARED_
 
 HWY_BEFORE_NAMESPACE();
 namespace eses::HWY_NAMESPACE {
@@ -48,19 +70,73 @@ std::size_t keep_unsettled(std::span<BurialCap> caps, float* x, float* y, float*
   return kept;
 }
 
-bool any_above(float ax, float ay, float az, float cosine_limit, const float* x, const float* y,
-               const float* z, std::size_t count) {
+bool any_above(const BurialCap& cap, float cosine_limit, const BurialScratch& scratch,
+               std::size_t count) {
   const Lanes lanes;
-  const auto vx = hn::Set(lanes, ax), vy = hn::Set(lanes, ay), vz = hn::Set(lanes, az);
+  const auto vx = hn::Set(lanes, cap.x), vy = hn::Set(lanes, cap.y), vz = hn::Set(lanes, cap.z);
   const auto limit = hn::Set(lanes, cosine_limit);
   for (std::size_t i = 0; i < count; i += hn::Lanes(lanes)) {
-    const auto cosine =
-        hn::Add(hn::Add(hn::Mul(hn::LoadU(lanes, x + i), vx), hn::Mul(hn::LoadU(lanes, y + i), vy)),
-                hn::Mul(hn::LoadU(lanes, z + i), vz));
+    const auto cosine = hn::Add(hn::Add(hn::Mul(hn::LoadU(lanes, &scratch.x[i]), vx),
+                                        hn::Mul(hn::LoadU(lanes, &scratch.y[i]), vy)),
+                                hn::Mul(hn::LoadU(lanes, &scratch.z[i]), vz));
     const auto above = hn::And(hn::Ge(cosine, limit), hn::FirstN(lanes, count - i));
     if (!hn::AllFalse(lanes, above)) return true;
   }
   return false;
+}
+
+// Lists the caps that touch one of the `count` patches left over, and the others that settled one.
+void list_kept(BurialScratch& scratch, std::size_t count) {
+  for (const BurialCap& cap : scratch.caps) {
+    if (any_above(cap, scratch.touched[cap.number], scratch, count)) {
+      scratch.relevant.push_back(cap.number);
+    } else if (cap.is_used) {
+      scratch.covering.push_back(cap.number);
+    }
+  }
+}
+
+// The cosine of a cap's angular radius, and the sine.
+struct CosineAndSine {
+  DoubleVector cosine, sine;
+};
+
+HWY_INLINE CosineAndSine angular_radius(DoubleVector height, double inverse_radius) {
+  const auto quotient = height * all(inverse_radius);
+  const auto cosine = hn::IfThenElse(quotient < all(-1), all(-1),
+                                     hn::IfThenElse(all(1) < quotient, all(1), quotient));
+  return {cosine, hn::Sqrt((all(1) - cosine) * (all(1) + cosine))};
+}
+
+HWY_INLINE void store_floats(DoubleVector values, float* to) {
+  const hn::Rebind<float, Doubles> floats;
+  hn::StoreU(hn::DemoteTo(floats, values), floats, to);
+}
+
+// For each cap the cosine, from its axis, of the centres of the patches that it settles: that of
+// its angular radius less the patch's, with room for rounding.
+void find_settled(const CapList& caps, const PatchCosines& patch, float* settled) {
+  for (std::size_t k = 0; k < caps.count; k += hn::Lanes(Doubles())) {
+    const auto height = load(&caps.height[k]), blocking = load(&caps.blocking_height[k]);
+    // A neighbour in almost the same place blocks next to nothing within the tolerance: its cap
+    // must not stand for others.
+    const auto shrinks = (blocking - height) * all(patch.inverse_radius) > all(small_shrinkage);
+    const auto [cosine, sine] =
+        angular_radius(hn::IfThenElse(shrinks, blocking, height), patch.inverse_radius);
+    const auto can_settle = cosine < all(patch.cosine);  // the cap is wider than a patch
+    const auto limit = cosine * all(patch.cosine) + sine * all(patch.sine) + all(float_slack);
+    store_floats(hn::IfThenElse(can_settle, limit, all(2)), settled + k);
+  }
+}
+
+// For each cap the cosine from which on it may have some of a patch: that of both angular radii.
+void find_touched(const CapList& caps, const PatchCosines& patch, float* touched) {
+  for (std::size_t k = 0; k < caps.count; k += hn::Lanes(Doubles())) {
+    const auto [cosine, sine] = angular_radius(load(&caps.height[k]), patch.inverse_radius);
+    const auto touches_any = cosine <= all(-patch.cosine);  // it reaches to the opposite patch
+    const auto limit = cosine * all(patch.cosine) - sine * all(patch.sine) - all(float_slack);
+    store_floats(hn::IfThenElse(touches_any, all(-2), limit), touched + k);
+  }
 }
 
 }  // namespace eses::HWY_NAMESPACE
@@ -71,32 +147,36 @@ namespace eses {
 
 namespace {
 
-// If the height of a cap, relative to the radius, grows by `small_shrinkage`, its rim turns by at
-// most sqrt(2 small_shrinkage) = 9e-5, which changes the cosines at which a patch of 0.2 radians is
-// settled or touched by at most 2e-5. The slack covers this and the rounding of single-precision
-// dot products, so that a patch is settled for certain.
-constexpr double small_shrinkage = 4e-9;
-constexpr double float_slack = 3e-5;
-// Past the largest caps the order hardly matters, and a full sort would cost more than it saves.
-constexpr std::ptrdiff_t sorted_caps = 16;
+// The patches left over are counted anew after so many caps, which most buried atoms do not exceed.
+constexpr std::array<std::size_t, 2> caps_per_count{16, 32};
 
-// cos(angle -+ patch radius) for the angular radius of a cap, with room for rounding.
-struct PatchLimits {
-  double settled, touched;
-};
+// A cap settles the more patches the lower the cosine that settles one. Caps are ordered by it in
+// steps of 1/32, and within a step as they come.
+constexpr std::size_t size_steps = 66;
 
-PatchLimits patch_limits(double cap_cosine, double patch_cosine, double patch_sine) {
-  const double cosine = std::clamp(cap_cosine, -1.0, 1.0);
-  const double sine = std::sqrt((1 - cosine) * (1 + cosine));
-  const bool can_settle = cosine < patch_cosine;     // the cap is wider than a patch
-  const bool touches_any = cosine <= -patch_cosine;  // it reaches to the opposite patch
-  return {can_settle ? cosine * patch_cosine + sine * patch_sine + float_slack : 2.0,
-          touches_any ? -2.0 : cosine * patch_cosine - sine * patch_sine - float_slack};
+std::size_t size_step(float settled) {
+  constexpr float steps_per_unit = 32;
+  return static_cast<std::size_t>(steps_per_unit * (std::clamp(settled, -1.0F, 1.0F) + 1));
 }
 
-// A cap settles the more patches the lower the cosine that settles one.
-bool is_larger(const BurialCap& a, const BurialCap& b) {
-  return a.settled < b.settled || (a.settled == b.settled && a.number < b.number);
+// Orders the caps by size, the largest ones first.
+void order_by_size(std::span<const float> settled, std::vector<std::uint32_t>& order) {
+  std::array<std::uint32_t, size_steps> next{};
+  for (const float cosine : settled) ++next[size_step(cosine) + 1];
+  std::partial_sum(next.begin(), next.end(), next.begin());
+  order.resize(settled.size());
+  for (std::uint32_t k = 0; k < settled.size(); ++k) order[next[size_step(settled[k])]++] = k;
+}
+
+void append_caps(const CapList& caps, std::span<const std::uint32_t> order,
+                 BurialScratch& scratch) {
+  for (const std::uint32_t k : order)
+    scratch.caps.push_back({static_cast<float>(caps.x[k]), static_cast<float>(caps.y[k]),
+                            static_cast<float>(caps.z[k]), scratch.settled[k], k, false});
+}
+
+void make_room(std::vector<float>& values, std::size_t count) {
+  if (values.size() < count + vector_padding) values.resize(2 * count + vector_padding);
 }
 
 }  // namespace
@@ -110,53 +190,38 @@ BurialPatches::BurialPatches(const CoveringDirections& covering)
   }
 }
 
-bool is_buried(std::span<const Cap> caps, double radius, const BurialPatches& patches,
+bool is_buried(const CapList& caps, double radius, const BurialPatches& patches,
                BurialScratch& scratch) {
   const auto keep = ESES_BEST_VERSION(keep_unsettled);
-  const auto touches = ESES_BEST_VERSION(any_above);
   std::size_t count = patches.x.size();
   const auto load = [&](const std::vector<float>& from, std::vector<float>& to) {
-    to.resize(count + vector_padding);
+    to.resize(from.size() + vector_padding);
     std::copy(from.begin(), from.end(), to.begin());
   };
   load(patches.x, scratch.x);
   load(patches.y, scratch.y);
   load(patches.z, scratch.z);
 
-  const double inverse_radius = 1 / radius;
-  auto& order = scratch.order;
-  order.clear();
-  for (std::uint32_t k = 0; k < caps.size(); ++k) {
-    const auto& [axis, height, blocking_height] = caps[k];
-    auto [settled, touched] = patch_limits(height * inverse_radius, patches.cosine, patches.sine);
-    // A neighbour in almost the same place blocks next to nothing within the tolerance: its cap
-    // must not stand for others.
-    if ((blocking_height - height) * inverse_radius > small_shrinkage)
-      settled =
-          patch_limits(blocking_height * inverse_radius, patches.cosine, patches.sine).settled;
-    order.push_back({static_cast<float>(axis.x), static_cast<float>(axis.y),
-                     static_cast<float>(axis.z), static_cast<float>(settled),
-                     static_cast<float>(touched), k, false});
-  }
-  if (order.size() > sorted_caps)
-    std::nth_element(order.begin(), order.begin() + sorted_caps, order.end(), is_larger);
-  std::sort(order.begin(), order.begin() + std::min(sorted_caps, std::ssize(order)), is_larger);
+  const PatchCosines cosines{1 / radius, patches.cosine, patches.sine};
+  make_room(scratch.settled, caps.size());
+  ESES_BEST_VERSION(find_settled)(caps, cosines, scratch.settled.data());
+  order_by_size(std::span(scratch.settled).first(caps.size()), scratch.order);
   scratch.relevant.clear();
   scratch.covering.clear();
-  const std::span all(order);
-  const std::size_t largest = std::min<std::size_t>(sorted_caps, order.size());
-  for (const auto caps_of_size : {all.first(largest), all.subspan(largest)}) {
-    count = keep(caps_of_size, scratch.x.data(), scratch.y.data(), scratch.z.data(), count);
+  scratch.caps.clear();
+  std::span<const std::uint32_t> left(scratch.order);
+  for (const std::size_t caps_at_once : {caps_per_count[0], caps_per_count[1], left.size()}) {
+    const std::size_t first = scratch.caps.size();
+    const std::size_t size = std::min(caps_at_once, left.size());
+    append_caps(caps, left.first(size), scratch);
+    left = left.subspan(size);
+    count = keep(std::span(scratch.caps).subspan(first), scratch.x.data(), scratch.y.data(),
+                 scratch.z.data(), count);
     if (count == 0) return true;
   }
-  for (const BurialCap& cap : order) {
-    if (touches(cap.x, cap.y, cap.z, cap.touched, scratch.x.data(), scratch.y.data(),
-                scratch.z.data(), count)) {
-      scratch.relevant.push_back(cap.number);
-    } else if (cap.is_used) {
-      scratch.covering.push_back(cap.number);
-    }
-  }
+  make_room(scratch.touched, caps.size());
+  ESES_BEST_VERSION(find_touched)(caps, cosines, scratch.touched.data());
+  ESES_BEST_VERSION(list_kept)(scratch, count);
   return false;
 }
 

@@ -11,7 +11,7 @@
 #include <span>
 #include <vector>
 
-#include "geometry/contact_circle.hpp"
+#include "geometry/cap_list.hpp"
 #include "geometry/covering_directions.hpp"
 
 namespace eses {
@@ -28,14 +28,16 @@ struct BurialPatches {
 struct BurialCap {
   float x, y, z;  ///< axis
   float settled;  ///< patches whose centre is at least at this cosine from the axis lie in it
-  float touched;  ///< those from this cosine on may have some of it
   std::uint32_t number;  ///< index of the cap
   bool is_used;          ///< it settled a patch
 };
 
 /// The outcome: which of the caps given matter.
 struct BurialScratch {
-  std::vector<BurialCap> order;         ///< the largest first, as far as that helps
+  std::vector<float> settled, touched;  ///< for each cap, cosines at which it settles a patch, and
+                                        ///< at which it may have some of it
+  std::vector<std::uint32_t> order;     ///< numbers of the caps, the largest first
+  std::vector<BurialCap> caps;          ///< in this order
   std::vector<std::uint32_t> relevant;  ///< caps whose circle may be accessible
   std::vector<std::uint32_t> covering;  ///< further caps that are needed to cover
   std::vector<float> x, y, z;           ///< patches not yet settled
@@ -44,7 +46,7 @@ struct BurialScratch {
 /// True if the caps, each slackened to its blocking height, provably cover the sphere of `radius`.
 /// If not, fills `relevant` and `covering` with indices of caps whose union equals the union of all
 /// caps, both exact and slackened.
-bool is_buried(std::span<const Cap> caps, double radius, const BurialPatches& patches,
+bool is_buried(const CapList& caps, double radius, const BurialPatches& patches,
                BurialScratch& scratch);
 
 }  // namespace eses

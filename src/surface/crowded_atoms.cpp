@@ -51,8 +51,8 @@ void find_listed(std::span<const PatchListing> listings, std::span<const AtomInd
   std::sort(found.begin(), found.end());
 }
 
-void CrowdedCaps::reset(std::span<const Cap> caps, std::span<const AtomIndex> neighbours) {
-  caps_ = caps;
+void CrowdedCaps::reset(const CapList& caps, std::span<const AtomIndex> neighbours) {
+  caps_ = &caps;
   neighbours_ = neighbours;
   numbers_.clear();
   for (std::uint32_t k = 0; k < neighbours.size(); ++k) numbers_.emplace_back(neighbours[k], k);
@@ -76,7 +76,7 @@ void CrowdedCaps::accessible_arcs(const Surface& surface, const ContactCircle& c
                                   std::vector<CircleArc>& arcs, std::vector<CircleEnd>& ends) {
   choose_near(surface, neighbours_[own]);
   near_caps_.clear();
-  for (const std::uint32_t k : near_) near_caps_.push_back(caps_[k]);
+  for (const std::uint32_t k : near_) near_caps_.push_back((*caps_)[k]);
   const auto own_place = std::lower_bound(near_.begin(), near_.end(), own);
   const std::size_t first_end = ends.size();
   eses::accessible_arcs(circle, near_caps_, static_cast<std::uint32_t>(own_place - near_.begin()),

@@ -63,8 +63,8 @@ void for_each_patch(std::span<const std::uint32_t> begins, std::uint32_t member,
 /// thread.
 class CrowdedCaps {
  public:
-  /// `neighbours` has the atom of each cap.
-  void reset(std::span<const Cap> caps, std::span<const AtomIndex> neighbours);
+  /// `neighbours` has the atom of each cap. Keeps views of both.
+  void reset(const CapList& caps, std::span<const AtomIndex> neighbours);
 
   /// As the function accessible_arcs, for the contact circle with neighbour number `own`, but looks
   /// only at the caps of atoms whose SAS spheres come near to that neighbour's, on which the circle
@@ -76,12 +76,12 @@ class CrowdedCaps {
  private:
   void choose_near(const Surface& surface, AtomIndex neighbour);
 
-  std::span<const Cap> caps_;
+  const CapList* caps_ = nullptr;
   std::span<const AtomIndex> neighbours_;
   std::vector<std::pair<AtomIndex, std::uint32_t>> numbers_;  // of the caps, by atom
   std::vector<AtomIndex> found_;
   std::vector<std::uint32_t> near_;  // numbers of caps, ascending
-  std::vector<Cap> near_caps_;
+  CapList near_caps_;
 };
 
 }  // namespace eses

@@ -47,8 +47,6 @@ struct IndicesWithin {
 using Tree = nanoflann::KDTreeSingleIndexAdaptor<nanoflann::L2_Simple_Adaptor<double, AtomCloud>,
                                                  AtomCloud, 3, AtomIndex>;
 constexpr std::size_t atoms_per_leaf = 16;
-constexpr AtomIndex atoms_per_group = 8;
-constexpr double group_size = 6;  // angstrom, from the first atom's centre
 
 // Classes of radii: class 0 has all radii up to twice the median, and each further class those up
 // to twice the limit of the class before. In almost all molecules all atoms are in class 0.
@@ -200,13 +198,16 @@ void AtomTree::find_reaching_around(std::span<const Atom> group, double distance
   find_reaching(ball.center, distance + ball.radius, found);
 }
 
-AtomIndex end_of_group(std::span<const Atom> atoms, AtomIndex begin, AtomIndex end) {
-  const AtomIndex group_end = std::min(begin + atoms_per_group, end);
-  const bool is_compact =
-      std::all_of(atoms.begin() + begin, atoms.begin() + group_end, [&](const Atom& atom) {
-        return squared_norm(atom.center - atoms[begin].center) <= group_size * group_size;
-      });
-  return is_compact ? group_end : begin + 1;
+AtomIndex end_of_group(std::span<const Atom> atoms, AtomIndex begin, AtomIndex end,
+                       const GroupBounds& bounds) {
+  const AtomIndex last = begin + std::min(bounds.max_count, end - begin);
+  const auto is_far = [&](const Atom& atom) {
+    return squared_norm(atom.center - atoms[begin].center) >
+           bounds.max_distance * bounds.max_distance;
+  };
+  AtomIndex group_end = begin + 1;
+  while (group_end < last && !is_far(atoms[group_end])) ++group_end;
+  return group_end;
 }
 
 }  // namespace eses

@@ -48,8 +48,15 @@ class AtomTree {
   std::unique_ptr<Implementation> implementation_;
 };
 
+/// Bounds of a group of atoms that are looked up together.
+struct GroupBounds {
+  AtomIndex max_count;
+  double max_distance;  ///< angstrom, from the first atom's centre to those of the others
+};
+
 /// Atoms that follow each other in a file are mostly near each other, so that one look-up may serve
 /// several: those from `begin` on, up to the index returned, at most `end`.
-AtomIndex end_of_group(std::span<const Atom> atoms, AtomIndex begin, AtomIndex end);
+AtomIndex end_of_group(std::span<const Atom> atoms, AtomIndex begin, AtomIndex end,
+                       const GroupBounds& bounds = {8, 6});
 
 }  // namespace eses

@@ -1,0 +1,188 @@
+#undef HWY_TARGET_INCLUDE
+#define HWY_TARGET_INCLUDE "geometry/cap_list.cpp"
+#include "geometry/cap_list.hpp"
+
+#include <hwy/foreach_target.h>
+#include <hwy/highway.h>
+
+#include <algorithm>
+
+#include "simd/dispatch.hpp"
+#include "simd/lanes-inl.hpp"
+#include "simd/padding.hpp"
+#include "simd/points-inl.hpp"
+
+HWY_BEFORE_NAMESPACE();
+namespace eses::HWY_NAMESPACE {
+
+using Positions = hn::RebindToSigned<Doubles>;
+
+// Stores the positions of the spheres of which `is_wanted(offset, radius)` holds, where `offset` is
+// the way from `origin` to their centres, and a vector of zeros behind them. Returns their count.
+template <class Predicate>
+HWY_INLINE std::size_t wanted_positions(Vec3 origin, const SphereList& spheres,
+                                        std::int64_t* positions, Predicate&& is_wanted) {
+  const Doubles doubles;
+  const Positions lanes;
+  std::size_t found = 0;
+  for (std::size_t i = 0; i < spheres.count; i += hn::Lanes(doubles)) {
+    const Points offset{load(&spheres.x[i]) - all(origin.x), load(&spheres.y[i]) - all(origin.y),
+                        load(&spheres.z[i]) - all(origin.z)};
+    const auto wanted = hn::And(is_wanted(offset, load(&spheres.radius[i])),
+                                hn::FirstN(doubles, spheres.count - i));
+    if (hn::AllFalse(doubles, wanted)) continue;
+    found += hn::CompressStore(hn::Iota(lanes, static_cast<std::int64_t>(i)),
+                               hn::RebindMask(lanes, wanted), lanes, positions + found);
+  }
+  hn::StoreU(hn::Zero(lanes), lanes, positions + found);
+  return found;
+}
+
+std::size_t meeting_positions(const SasSphere& sphere, const SphereList& spheres,
+                              std::int64_t* positions) {
+  return wanted_positions(
+      sphere.center, spheres, positions, [&](const Points& offset, DoubleVector radius) {
+        const auto squared = squared_norm(offset);
+        const auto reach = all(sphere.radius) + radius - all(tolerance::containment);
+        return hn::And(squared<reach * reach, squared> all(0));
+      });
+}
+
+std::size_t positions_near_box(const Box& box, double distance, const SphereList& spheres,
+                               std::int64_t* positions) {
+  const Vec3 center = 0.5 * (box.low + box.high), half = 0.5 * (box.high - box.low);
+  const auto beyond = [](DoubleVector offset, double half_length) {
+    return hn::Max(hn::Abs(offset) - all(half_length), all(0));
+  };
+  return wanted_positions(
+      center, spheres, positions, [&](const Points& offset, DoubleVector radius) {
+        const auto reach = all(distance) + radius;
+        return squared_norm(Points{beyond(offset.x, half.x), beyond(offset.y, half.y),
+                                   beyond(offset.z, half.z)}) < reach * reach;
+      });
+}
+
+void copy_at_positions(const SphereList& spheres, const std::int64_t* positions,
+                       SphereList& chosen) {
+  const Doubles doubles;
+  for (std::size_t k = 0; k < chosen.count; k += hn::Lanes(doubles)) {
+    const auto at = hn::LoadU(Positions(), positions + k);
+    const auto copy = [&](const std::vector<double>& from, std::vector<double>& to) {
+      hn::StoreU(hn::GatherIndex(doubles, from.data(), at), doubles, &to[k]);
+    };
+    copy(spheres.x, chosen.x);
+    copy(spheres.y, chosen.y);
+    copy(spheres.z, chosen.z);
+    copy(spheres.radius, chosen.radius);
+  }
+}
+
+void caps_at_positions(const SasSphere& sphere, const SphereList& spheres,
+                       const std::int64_t* positions, CapList& caps) {
+  const Doubles doubles;
+  for (std::size_t k = 0; k < caps.count; k += hn::Lanes(doubles)) {
+    const auto at = hn::LoadU(Positions(), positions + k);
+    const auto gather = [&](const std::vector<double>& from) {
+      return hn::GatherIndex(doubles, from.data(), at);
+    };
+    const Points to_neighbour{gather(spheres.x) - all(sphere.center.x),
+                              gather(spheres.y) - all(sphere.center.y),
+                              gather(spheres.z) - all(sphere.center.z)};
+    const auto radius = gather(spheres.radius);
+    const auto squared = squared_norm(to_neighbour);
+    const auto inverse = all(1) / hn::Sqrt(squared);
+    const auto height = all(0.5) * inverse *
+                        (squared + (all(sphere.radius) - radius) * (all(sphere.radius) + radius));
+    const Points axis = inverse * to_neighbour;
+    hn::StoreU(axis.x, doubles, &caps.x[k]);
+    hn::StoreU(axis.y, doubles, &caps.y[k]);
+    hn::StoreU(axis.z, doubles, &caps.z[k]);
+    hn::StoreU(height, doubles, &caps.height[k]);
+    hn::StoreU(height + all(tolerance::accessible) * radius * inverse, doubles,
+               &caps.blocking_height[k]);
+  }
+}
+
+}  // namespace eses::HWY_NAMESPACE
+HWY_AFTER_NAMESPACE();
+
+#if HWY_ONCE
+namespace eses {
+namespace {
+
+// Lists of a few hundred elements are usual.
+constexpr std::size_t min_capacity = 512;
+
+// Elements that the arrays must have for a list of `capacity`, or 0 if they have as many.
+std::size_t grown_size(std::size_t size, std::size_t capacity) {
+  if (capacity + vector_padding <= size) return 0;
+  return std::max({2 * size, capacity, min_capacity}) + vector_padding;
+}
+
+// A vector of zeros follows one that is stored as a whole.
+void make_room(SpherePositions& positions, const SphereList& spheres) {
+  const std::size_t size = spheres.count + 2 * vector_padding;
+  if (positions.at.size() < size) positions.at.resize(2 * size);
+}
+
+}  // namespace
+
+void SphereList::make_room(std::size_t capacity) {
+  const std::size_t size = grown_size(x.size(), capacity);
+  if (size == 0) return;
+  for (auto* component : {&x, &y, &z, &radius}) component->resize(size);
+}
+
+void SphereList::push_back(const SasSphere& sphere) {
+  make_room(count + 1);
+  x[count] = sphere.center.x;
+  y[count] = sphere.center.y;
+  z[count] = sphere.center.z;
+  radius[count] = sphere.radius;
+  ++count;
+}
+
+void CapList::make_room(std::size_t capacity) {
+  const std::size_t size = grown_size(x.size(), capacity);
+  if (size == 0) return;
+  for (auto* component : {&x, &y, &z, &height, &blocking_height}) component->resize(size);
+}
+
+void CapList::push_back(const Cap& cap) {
+  make_room(count + 1);
+  x[count] = cap.axis.x;
+  y[count] = cap.axis.y;
+  z[count] = cap.axis.z;
+  height[count] = cap.height;
+  blocking_height[count] = cap.blocking_height;
+  ++count;
+}
+
+void find_near_box(const Box& box, double distance, const SphereList& spheres,
+                   SpherePositions& positions) {
+  make_room(positions, spheres);
+  positions.count =
+      ESES_BEST_VERSION(positions_near_box)(box, distance, spheres, positions.at.data());
+}
+
+void choose_spheres(const SphereList& spheres, const SpherePositions& positions,
+                    SphereList& chosen) {
+  chosen.make_room(positions.count);
+  chosen.count = positions.count;
+  ESES_BEST_VERSION(copy_at_positions)(spheres, positions.at.data(), chosen);
+}
+
+void find_meeting(const SasSphere& sphere, const SphereList& spheres, SpherePositions& positions) {
+  make_room(positions, spheres);
+  positions.count = ESES_BEST_VERSION(meeting_positions)(sphere, spheres, positions.at.data());
+}
+
+void make_caps(const SasSphere& sphere, const SphereList& spheres, const SpherePositions& positions,
+               CapList& caps) {
+  caps.make_room(positions.count);
+  caps.count = positions.count;
+  ESES_BEST_VERSION(caps_at_positions)(sphere, spheres, positions.at.data(), caps);
+}
+
+}  // namespace eses
+#endif  // HWY_ONCE
