@@ -14,6 +14,7 @@
 namespace eses {
 
 class AtomTree;
+class CellList;
 
 /// Atoms with an index of which are near each other: made once, read by whatever looks at them.
 /// Copies share what they hold, none of which changes.
@@ -52,6 +53,7 @@ class Molecule {
 
   /// For use within the library.
   const AtomTree& tree() const;
+  const CellList& cells() const;
 
  private:
   struct Parts;

@@ -52,7 +52,7 @@ double patch_bytes(const SurfaceSurvey& survey) {
 double share_of_patches(const SurfaceSurvey& survey, double height) {
   const double probe = survey.probe_radius(), radius = survey.largest_radius();
   // Atoms whose patches matter in the layer, and those whose SAS spheres meet theirs.
-  const double reach = radius + 2 * probe + 2 * (radius + probe) + 3 * AtomClusters::layer_height;
+  const double reach = radius + 2 * probe + 2 * (radius + probe) + 3 * CellList::sides[2];
   return survey.largest_share(height + 2 * reach);
 }
 

@@ -1,36 +1,11 @@
 #include "surface/atom_clusters.hpp"
 
 #include <algorithm>
-#include <cmath>
 #include <limits>
-#include <numeric>
-#include <tuple>
 
 namespace eses {
-namespace {
-
-// Sides of a cell along x and y (angstrom). Its atoms are so near each other that they have most
-// neighbours in common.
-constexpr double cell_side = 6;
-
-// Atoms are sorted by layers, in these by cells along y and x, and in these by index.
-std::vector<AtomIndex> sorted_by_cells(std::span<const Atom> atoms) {
-  std::vector<AtomIndex> order(atoms.size());
-  std::iota(order.begin(), order.end(), AtomIndex{0});
-  const auto cell_of = [&](AtomIndex i) {
-    const Vec3& center = atoms[i].center;
-    return std::tuple(std::floor(center.z / AtomClusters::layer_height),
-                      std::floor(center.y / cell_side), std::floor(center.x / cell_side), i);
-  };
-  std::sort(order.begin(), order.end(),
-            [&](AtomIndex a, AtomIndex b) { return cell_of(a) < cell_of(b); });
-  return order;
-}
-
-}  // namespace
-
 AtomClusters::AtomClusters(const Surface& surface)
-    : order_(sorted_by_cells(surface.atoms)), places_(order_.size()) {
+    : order_(surface.cells().order()), places_(order_.size()) {
   for (std::uint32_t place = 0; place < order_.size(); ++place) places_[order_[place]] = place;
   heights_.resize((order_.size() + atoms_per_cluster - 1) / atoms_per_cluster);
   for (ClusterIndex cluster = 0; cluster < count(); ++cluster) {
@@ -51,7 +26,7 @@ AtomClusters::AtomClusters(const Surface& surface)
 std::span<const AtomIndex> AtomClusters::members(ClusterIndex cluster) const {
   const std::size_t begin = std::size_t{cluster} * atoms_per_cluster;
   const std::size_t end = std::min(begin + atoms_per_cluster, order_.size());
-  return std::span(order_).subspan(begin, end - begin);
+  return order_.subspan(begin, end - begin);
 }
 
 ClusterIndex AtomClusters::count_below(double z) const {

@@ -26,9 +26,6 @@ class AtomClusters {
   explicit AtomClusters(const Surface& surface);
 
   static constexpr std::uint32_t atoms_per_cluster = 128;
-  /// The centres of a cluster's atoms are in few layers of this height (angstrom): in one or two
-  /// where the molecule is wide.
-  static constexpr double layer_height = 3;
 
   ClusterIndex count() const { return static_cast<ClusterIndex>(heights_.size()); }
 
@@ -51,7 +48,7 @@ class AtomClusters {
   ClusterIndex count_below(double z) const;
 
  private:
-  std::vector<AtomIndex> order_;       // atoms by cluster
+  std::span<const AtomIndex> order_;   // atoms by cluster: the order of the cell list
   std::vector<std::uint32_t> places_;  // by atom: its place in `order_`
   std::vector<HeightRange> heights_;   // by cluster
   std::vector<double> lowest_from_;    // by cluster: the lowest height of it and all later ones

@@ -5,8 +5,8 @@
 namespace eses {
 namespace {
 
-// One look-up in the tree serves many atoms. What it finds is then sifted for fewer of them, which
-// have less around them that none of them meets.
+// One look-up in the cell list serves many atoms. What it finds is then sifted for fewer of them,
+// which have less around them that none of them meets.
 constexpr GroupBounds look_up_bounds{64, 12};
 constexpr GroupBounds sift_bounds{8, 6};
 
@@ -16,14 +16,19 @@ double max_radius(std::span<const Atom> atoms) {
   return radius;
 }
 
-// All atoms whose SAS sphere may meet that of one of the group.
+Box box_of(std::span<const Atom> group) {
+  Box box{group.front().center, group.front().center};
+  for (const Atom& atom : group) box.include(atom.center);
+  return box;
+}
+
+// All atoms whose SAS sphere may meet that of one of the group. Their order does not depend on what
+// other atoms there are, in a part of the molecule for example: of several ends at the same place
+// the one is named whose cap comes first.
 void look_up_neighbours(const Surface& surface, std::span<const Atom> group,
                         AtomPatchScratch& scratch) {
-  surface.tree().find_reaching_around(group, max_radius(group) + 2 * surface.probe_radius,
-                                      scratch.found);
-  // Of several ends at the same place the one is named whose cap comes first. The order of the tree
-  // depends on which atoms are looked up together, and on those that other processes have.
-  std::sort(scratch.found.begin(), scratch.found.end());
+  surface.cells().find_reaching(box_of(group), max_radius(group) + 2 * surface.probe_radius,
+                                scratch.found);
   scratch.near.clear();
   scratch.near_spheres.clear();
   for (const AtomIndex j : scratch.found) {
@@ -37,10 +42,8 @@ void look_up_neighbours(const Surface& surface, std::span<const Atom> group,
 void sift_neighbours(const Surface& surface, std::span<const Atom> group,
                      AtomPatchScratch& scratch) {
   constexpr double slack = 1e-3;  // angstrom: far more than rounding amounts to
-  Box box{group.front().center, group.front().center};
-  for (const Atom& atom : group) box.include(atom.center);
-  find_near_box(box, max_radius(group) + surface.probe_radius + slack, scratch.near_spheres,
-                scratch.group_positions);
+  find_near_box(box_of(group), max_radius(group) + surface.probe_radius + slack,
+                scratch.near_spheres, scratch.group_positions);
   choose_spheres(scratch.near_spheres, scratch.group_positions, scratch.group_spheres);
 }
 
@@ -105,7 +108,10 @@ void add_circles(const Surface& surface, AtomIndex i, AtomPatchScratch& scratch,
 // one of several at the same place.
 void add_circles_in_order(const Surface& surface, AtomIndex i, AtomPatchScratch& scratch,
                           BuiltPatches& patches) {
-  std::sort(scratch.burial.relevant.begin(), scratch.burial.relevant.end());
+  std::sort(scratch.burial.relevant.begin(), scratch.burial.relevant.end(),
+            [&](std::uint32_t a, std::uint32_t b) {
+              return scratch.neighbour(a) < scratch.neighbour(b);
+            });
   add_circles(surface, i, scratch, patches);
 }
 

@@ -17,6 +17,7 @@
 #include "geometry/tolerances.hpp"
 #include "surface/atom_loops.hpp"
 #include "surface/atom_slices.hpp"
+#include "surface/cell_list.hpp"
 #include "surface/move_bound.hpp"
 #include "surface/neighbors.hpp"
 #include "surface/oddity_finder.hpp"
@@ -187,6 +188,7 @@ struct Molecule::Parts {
     AtomSlices slices = cut_into_slices(atoms, slice_count(atoms.size()), threads);
     const std::vector<AtomIndex> first_equal = take_out_equals(atoms, slices, threads);
     tree = AtomTree(atoms, std::move(slices), threads);
+    cells = CellList(atoms);
     for (AtomIndex i = 0; i < atoms.size(); ++i) is_contained[i] = first_equal[i] != i;
     look_around(first_equal, is_own, threads);
   }
@@ -227,6 +229,7 @@ struct Molecule::Parts {
   std::vector<Atom> atoms;
   std::vector<AtomLabel> labels;
   AtomTree tree;  // of atoms that equal none before them
+  CellList cells;
   std::vector<std::uint8_t> is_contained;
   std::vector<Oddity> oddities;
 };
@@ -248,5 +251,6 @@ std::span<const AtomLabel> Molecule::labels() const { return parts_->labels; }
 std::span<const Oddity> Molecule::oddities() const { return parts_->oddities; }
 bool Molecule::is_contained(AtomIndex atom) const { return parts_->is_contained[atom] != 0; }
 const AtomTree& Molecule::tree() const { return parts_->tree; }
+const CellList& Molecule::cells() const { return parts_->cells; }
 
 }  // namespace eses

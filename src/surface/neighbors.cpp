@@ -52,16 +52,7 @@ constexpr std::size_t atoms_per_leaf = 16;
 // to twice the limit of the class before. In almost all molecules all atoms are in class 0.
 class RadiusClasses {
  public:
-  explicit RadiusClasses(std::span<const Atom> atoms) {
-    std::vector<double> radii;
-    const std::size_t step = 1 + atoms.size() / most_samples;
-    for (std::size_t i = 0; i < atoms.size(); i += step)
-      if (atoms[i].radius > 0) radii.push_back(atoms[i].radius);
-    if (radii.empty()) return;
-    const auto middle = radii.begin() + static_cast<std::ptrdiff_t>(radii.size() / 2);
-    std::nth_element(radii.begin(), middle, radii.end());
-    limit_ = 2 * *middle;
-  }
+  explicit RadiusClasses(std::span<const Atom> atoms) : limit_(usual_radius_limit(atoms)) {}
 
   int operator()(double radius) const {
     if (radius <= limit_) return 0;
@@ -70,8 +61,7 @@ class RadiusClasses {
   }
 
  private:
-  static constexpr std::size_t most_samples = 4096;
-  double limit_ = 4;  // angstrom, where no sample has a radius
+  double limit_;
 };
 
 // Within which the centres of a slice are, along the axis of slices.
@@ -166,6 +156,18 @@ struct AtomTree::Implementation {
       std::move(of_slice.begin(), of_slice.end(), std::back_inserter(trees));
   }
 };
+
+double usual_radius_limit(std::span<const Atom> atoms) {
+  constexpr std::size_t most_samples = 4096;
+  std::vector<double> radii;
+  const std::size_t step = 1 + atoms.size() / most_samples;
+  for (std::size_t i = 0; i < atoms.size(); i += step)
+    if (atoms[i].radius > 0) radii.push_back(atoms[i].radius);
+  if (radii.empty()) return 4;  // where no sample has a radius, whatever it is
+  const auto middle = radii.begin() + static_cast<std::ptrdiff_t>(radii.size() / 2);
+  std::nth_element(radii.begin(), middle, radii.end());
+  return 2 * *middle;
+}
 
 AtomTree::AtomTree() : AtomTree({}, {}, 1) {}
 AtomTree::AtomTree(std::span<const Atom> atoms, AtomSlices slices, int threads)

@@ -14,6 +14,9 @@
 
 namespace eses {
 
+/// Twice the median radius, from a sample of the atoms (angstrom). Larger atoms count as large.
+double usual_radius_limit(std::span<const Atom> atoms);
+
 class AtomTree {
  public:
   /// Of no atoms.

@@ -7,6 +7,7 @@
 
 #include "eses/molecule.hpp"
 #include "geometry/contact_circle.hpp"
+#include "surface/cell_list.hpp"
 #include "surface/neighbors.hpp"
 #include "surface/reach.hpp"
 
@@ -28,6 +29,7 @@ struct Surface {
   bool needs_patches(AtomIndex i) const { return !reach || reach->holds(atoms[i]); }
 
   const AtomTree& tree() const { return molecule.tree(); }
+  const CellList& cells() const { return molecule.cells(); }
 
   SasSphere sas_sphere(AtomIndex i) const {
     return {atoms[i].center, atoms[i].radius + probe_radius};
