@@ -309,7 +309,7 @@ class Failure(Processes):
     def test_more_atoms_than_the_memory_limit_allows(self):
         path = self.folder / "many.xyzr"
         path.write_text("1 2 3 1.5\n" * 2_600_000)
-        done = self.run_together(2, path, "--max-memory", "110M")
+        done = self.run_together(2, path, "--max-memory", "100M")
         self.assertEnded(done, "2600000 atoms need more than ")
         self.assertNothing()
 
