@@ -233,7 +233,12 @@ std::size_t largest_window(PatchSchedule& schedule, double low, double high, dou
 
 TEST_CASE("a sweep holds few patches at a time, and has all that matter") {
   for (const bool with_giant : {false, true}) {
-    std::vector<Atom> atoms = make_chain(6000, 5);
+    // A tall molecule: three copies of a chain above each other.
+    const std::vector<Atom> chain = make_chain(2000, 5);
+    std::vector<Atom> atoms;
+    for (const double height : {0.0, 60.0, 120.0})
+      for (const Atom& atom : chain)
+        atoms.push_back({atom.center + Vec3{0, 0, height}, atom.radius});
     Box box{atoms.front().center, atoms.front().center};
     for (const Atom& atom : atoms) box.include(atom.center);
     if (with_giant) atoms.push_back({box.high + Vec3{30, 0, 0}, 25});
