@@ -89,6 +89,17 @@ constexpr double most_layer_bytes = 8 << 20;  // of crossings
 // Smaller ones, to keep a limit.
 constexpr std::array<GridIndex, 3> small_shapes{{{32, 32, 32}, {24, 24, 24}, {16, 16, 16}}};
 
+// On a coarse grid the sides are shorter: a block unpacks all patches in and around it.
+constexpr double longest_side = 63;  // angstrom: 64 points at a spacing of 1
+constexpr std::int64_t fewest_points = 8;
+
+GridIndex shortened(GridIndex size, double spacing) {
+  const double points = std::max(std::floor(longest_side / spacing) + 1, double{fewest_points});
+  for (std::int64_t& side : size)
+    if (static_cast<double>(side) > points) side = static_cast<std::int64_t>(points);
+  return size;
+}
+
 bool has_full_layers(const SurfaceSurvey& survey, double spacing, const GridIndex& shape) {
   const double height = spacing * static_cast<double>(shape[2] - 1);
   return sizeof(Crossing) * expected_crossings(survey.largest_slab_area(height), spacing) >
@@ -102,6 +113,7 @@ std::vector<GridIndex> possible_block_sizes(const SurfaceSurvey& survey, const P
     ++fastest;
   std::vector<GridIndex> sizes(fastest, layer_shapes.end());
   sizes.insert(sizes.end(), small_shapes.begin(), small_shapes.end());
+  for (GridIndex& size : sizes) size = shortened(size, p.spacing);
   return sizes;
 }
 
