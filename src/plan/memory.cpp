@@ -137,8 +137,11 @@ double label_bytes(const LabelTotals& labels, double atoms, const OutputChoice& 
   if (outputs.mesh && mesh::names_atoms(*outputs.mesh))
     bytes +=
         2 * sizeof(std::uint32_t) * atoms + 2 * growth * sizeof(AtomIndex) * (residues + chains);
-  constexpr double bytes_per_place = 64;  // in a table
-  if (outputs.residues) bytes += (growth * sizeof(ChainArea) + bytes_per_place) * chains;
+  // A chain has a place in a table, and texts by which one process tells the next of it.
+  constexpr double bytes_per_chain = growth * sizeof(ChainArea) + 64 + 4 * sizeof(std::string);
+  constexpr double copies_of_name = 4;
+  if (outputs.residues)
+    bytes += bytes_per_chain * chains + copies_of_name * static_cast<double>(labels.chain_text_bytes);
   return bytes;
 }
 
