@@ -55,7 +55,7 @@ void Merge::add_up() {
   std::int64_t next = plan_.whole.tiling.region.begin[2];
   for (const PieceInfo& info : all_) {
     if (info.planes.begin != next)
-      throw Error("the pieces of the run do not fit together; remove what is there to resume");
+      throw Error("the checkpoint has gaps or overlaps; remove its directory and run again");
     next = info.planes.end;
     totals_.add(info.totals);
     mesh_.vertices += info.mesh.vertices;

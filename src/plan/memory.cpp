@@ -141,7 +141,8 @@ double label_bytes(const LabelTotals& labels, double atoms, const OutputChoice& 
   constexpr double bytes_per_chain = growth * sizeof(ChainArea) + 64 + 4 * sizeof(std::string);
   constexpr double copies_of_name = 4;
   if (outputs.residues)
-    bytes += bytes_per_chain * chains + copies_of_name * static_cast<double>(labels.chain_text_bytes);
+    bytes +=
+        bytes_per_chain * chains + copies_of_name * static_cast<double>(labels.chain_text_bytes);
   return bytes;
 }
 

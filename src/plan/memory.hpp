@@ -1,5 +1,5 @@
 #pragma once
-/// How much memory a run takes, told beforehand.
+/// Estimates of the memory of a run.
 
 #include <cstddef>
 #include <cstdint>

@@ -1,6 +1,7 @@
 #include "solve/area_shares.hpp"
 
 #include <algorithm>
+#include <bit>
 #include <limits>
 #include <utility>
 
@@ -12,11 +13,11 @@ constexpr AtomIndex no_atom = std::numeric_limits<AtomIndex>::max();
 }  // namespace
 
 // The slot that has the atom, or the empty one where it would stand. The number of slots is a power
-// of two; the factor is 2^32 divided by the golden ratio (Knuth, The Art of Computer Programming 3,
-// section 6.4).
+// of two. The slot is given by the highest bits of the product with 2^32 divided by the golden
+// ratio (Knuth, The Art of Computer Programming 3, section 6.4).
 std::size_t AreaShares::slot_of(AtomIndex atom) const {
   const std::size_t mask = atoms_.size() - 1;
-  std::size_t slot = (atom * std::uint32_t{2654435769}) & mask;
+  std::size_t slot = (atom * std::uint32_t{2654435769}) >> shift_;
   while (atoms_[slot] != atom && atoms_[slot] != no_atom) slot = (slot + 1) & mask;
   return slot;
 }
@@ -40,6 +41,7 @@ void AreaShares::grow() {
   const std::vector<AreaShare> shares = std::move(shares_);
   const std::vector<std::uint32_t> taken = std::exchange(taken_, {});
   const std::size_t slots = std::max(fewest_slots, 2 * atoms.size());
+  shift_ = 32 - std::countr_zero(slots);
   atoms_.assign(slots, no_atom);
   shares_.assign(slots, 0);
   for (const std::uint32_t slot : taken) share_of(atoms[slot]) = shares[slot];

@@ -33,6 +33,7 @@ class AreaShares {
   AreaShare& share_of(AtomIndex atom);
   void grow();
 
+  int shift_ = 0;                     // 32 less the binary logarithm of the number of slots
   std::vector<AtomIndex> atoms_;      // by slot; `no_atom` where nothing is
   std::vector<AreaShare> shares_;     // by slot
   std::vector<std::uint32_t> taken_;  // the slots in use

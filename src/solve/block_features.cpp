@@ -91,9 +91,10 @@ void add_face(const Surface& surface, AtomIndex i, const AtomPatches& patches,
 }
 
 // Where a probe touches four or more atoms, or is in doubt, every triple of them gives the same
-// placement: of those in one small cube only that of the lowest triple stays, which comes first.
+// placement. Keeps one irregular placement for each cube of side tolerance::same_placement: that of
+// the lowest triple, which comes first.
 void merge_irregular_placements(std::vector<const ProbePlacement*>& placements) {
-  // Two halves of a pair that a cell's wall parts stay two.
+  // Equal placements on both sides of a cube's face are both kept, which is harmless.
   constexpr double cell = tolerance::same_placement;
   using Place = std::array<double, 3>;
   std::vector<std::pair<Place, std::size_t>> irregular;

@@ -44,7 +44,7 @@ class AtomClusters {
   /// in clusters whose intervals overlap.
   const HeightRange& heights(ClusterIndex cluster) const { return heights_[cluster]; }
 
-  /// The number of clusters at the front among which are all that begin below `z`.
+  /// The smallest n such that every cluster that begins at or below `z` is one of the first n.
   ClusterIndex count_below(double z) const;
 
  private:

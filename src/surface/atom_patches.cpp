@@ -10,6 +10,9 @@ namespace {
 constexpr GroupBounds look_up_bounds{64, 12};
 constexpr GroupBounds sift_bounds{8, 6};
 
+// Of the look-ups (angstrom): far more than rounding amounts to.
+constexpr double slack = 1e-3;
+
 double max_radius(std::span<const Atom> atoms) {
   double radius = 0;
   for (const Atom& atom : atoms) radius = std::max(radius, atom.radius);
@@ -27,7 +30,7 @@ Box box_of(std::span<const Atom> group) {
 // the one is named whose cap comes first.
 void look_up_neighbours(const Surface& surface, std::span<const Atom> group,
                         AtomPatchScratch& scratch) {
-  surface.cells().find_reaching(box_of(group), max_radius(group) + 2 * surface.probe_radius,
+  surface.cells().find_reaching(box_of(group), max_radius(group) + 2 * surface.probe_radius + slack,
                                 scratch.found);
   scratch.near.clear();
   scratch.near_spheres.clear();
@@ -41,7 +44,6 @@ void look_up_neighbours(const Surface& surface, std::span<const Atom> group,
 // Those of them whose SAS sphere may meet that of one of a smaller group.
 void sift_neighbours(const Surface& surface, std::span<const Atom> group,
                      AtomPatchScratch& scratch) {
-  constexpr double slack = 1e-3;  // angstrom: far more than rounding amounts to
   find_near_box(box_of(group), max_radius(group) + surface.probe_radius + slack,
                 scratch.near_spheres, scratch.group_positions);
   choose_spheres(scratch.near_spheres, scratch.group_positions, scratch.group_spheres);

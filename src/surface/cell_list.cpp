@@ -2,19 +2,24 @@
 
 #include <algorithm>
 #include <cmath>
-#include <iterator>
-#include <limits>
+#include <map>
 #include <numeric>
-
-#include "surface/neighbors.hpp"
+#include <utility>
 
 namespace eses {
 namespace {
 
 // Coordinates beyond 2^62 cells share the outermost ones.
 std::int64_t place_of(double coordinate, double side) {
-  constexpr double most = 0x1p62;
-  return static_cast<std::int64_t>(std::clamp(std::floor(coordinate / side), -most, most));
+  constexpr double limit = 0x1p62;
+  return static_cast<std::int64_t>(std::clamp(std::floor(coordinate / side), -limit, limit));
+}
+
+// Class 0 has radii up to 4 angstrom, as all atoms of molecules have, and each further class those
+// up to twice the limit of the class before.
+int class_of(double radius) {
+  constexpr double first_limit = 4;
+  return radius <= first_limit ? 0 : 1 + std::ilogb(radius / first_limit);
 }
 
 }  // namespace
@@ -24,65 +29,76 @@ CellList::Cell CellList::cell_of(Vec3 point) {
 }
 
 CellList::CellList(std::span<const Atom> atoms) : atoms_(atoms) {
-  std::vector<Cell> cells;
-  cells.reserve(atoms.size());
-  for (const Atom& atom : atoms) cells.push_back(cell_of(atom.center));
-  order_.resize(atoms.size());
-  std::iota(order_.begin(), order_.end(), AtomIndex{0});
-  std::sort(order_.begin(), order_.end(), [&](AtomIndex a, AtomIndex b) {
-    return cells[a] != cells[b] ? cells[a] < cells[b] : a < b;
-  });
-  for (std::uint32_t place = 0; place < order_.size(); ++place) {
-    const auto& [z, y, x] = cells[order_[place]];
-    if (rows_.empty() || rows_.back().z != z || rows_.back().y != y) rows_.push_back({z, y, place});
-  }
-  constexpr std::int64_t last = std::numeric_limits<std::int64_t>::max();
-  rows_.push_back({last, last, static_cast<std::uint32_t>(order_.size())});
-
-  const double limit = usual_radius_limit(atoms);
-  for (AtomIndex i = 0; i < atoms.size(); ++i) {
-    if (atoms[i].radius > limit) {
-      large_.push_back(i);
-    } else {
-      largest_usual_radius_ = std::max(largest_usual_radius_, atoms[i].radius);
-    }
-  }
+  std::vector<AtomIndex> members(atoms.size());
+  std::iota(members.begin(), members.end(), AtomIndex{0});
+  all_ = sorted(std::move(members));
+  make_classes();
 }
 
-void CellList::find_in_row(const Row& row, std::uint32_t end, std::int64_t first_x,
-                           std::int64_t last_x, std::vector<AtomIndex>& found) const {
-  const auto x_of = [&](AtomIndex i) { return place_of(atoms_[i].center.x, sides[0]); };
-  const auto row_end = order_.begin() + end;
-  const auto from = std::lower_bound(order_.begin() + row.begin, row_end, first_x,
-                                     [&](AtomIndex i, std::int64_t x) { return x_of(i) < x; });
-  for (auto atom = from; atom != row_end && x_of(*atom) <= last_x; ++atom)
-    if (large_.empty() || !std::binary_search(large_.begin(), large_.end(), *atom))
-      found.push_back(*atom);
+CellList::SortedAtoms CellList::sorted(std::vector<AtomIndex> members) const {
+  std::vector<std::pair<Cell, AtomIndex>> cells;
+  cells.reserve(members.size());
+  for (const AtomIndex i : members) cells.emplace_back(cell_of(atoms_[i].center), i);
+  std::sort(cells.begin(), cells.end());
+  SortedAtoms result;
+  result.order = std::move(members);
+  for (std::uint32_t place = 0; place < cells.size(); ++place) {
+    const auto& [cell, i] = cells[place];
+    result.order[place] = i;
+    result.largest_radius = std::max(result.largest_radius, atoms_[i].radius);
+    if (result.rows.empty() || result.rows.back().z != cell[0] || result.rows.back().y != cell[1])
+      result.rows.push_back({cell[0], cell[1], place});
+  }
+  result.rows.shrink_to_fit();
+  return result;
+}
+
+void CellList::make_classes() {
+  if (class_of(all_.largest_radius) == 0) return;
+  std::map<int, std::vector<AtomIndex>> members;
+  for (AtomIndex i = 0; i < atoms_.size(); ++i) members[class_of(atoms_[i].radius)].push_back(i);
+  if (members.size() == 1) return;
+  for (auto& [number, of_class] : members) classes_.push_back(sorted(std::move(of_class)));
 }
 
 void CellList::find_reaching(const Box& box, double distance, std::vector<AtomIndex>& found) const {
   found.clear();
-  const Box reach = grown(box, distance + largest_usual_radius_);
+  if (classes_.empty()) find_in_rows(all_, grown(box, distance + all_.largest_radius), found);
+  for (const SortedAtoms& of_class : classes_)
+    find_in_rows(of_class, grown(box, distance + of_class.largest_radius), found);
+}
+
+void CellList::find_in_rows(const SortedAtoms& atoms, const Box& reach,
+                            std::vector<AtomIndex>& found) const {
   const Cell low = cell_of(reach.low), high = cell_of(reach.high);
   const auto comes_before = [](const Row& row, const Row& other) {
     return row.z != other.z ? row.z < other.z : row.y < other.y;
   };
-  auto row = rows_.begin();
-  while (true) {
-    // The next row at a place that the box may reach.
-    Row wanted{std::max(row->z, low[0]), row->y, 0};
-    if (row->z < low[0] || row->y < low[1]) wanted.y = low[1];
-    if (wanted.y > high[1]) wanted = {wanted.z + 1, low[1], 0};
-    row = std::lower_bound(row, std::prev(rows_.end()), wanted, comes_before);
-    if (std::next(row) == rows_.end() || row->z > high[0]) break;
-    if (row->y < low[1] || row->y > high[1]) continue;
-    find_in_row(*row, std::next(row)->begin, low[2], high[2], found);
-    ++row;
+  const std::span<const AtomIndex> order = atoms.order;
+  auto row =
+      std::lower_bound(atoms.rows.begin(), atoms.rows.end(), Row{low[0], low[1], 0}, comes_before);
+  while (row != atoms.rows.end() && row->z <= high[0]) {
+    if (row->y < low[1]) {
+      row = std::lower_bound(row, atoms.rows.end(), Row{row->z, low[1], 0}, comes_before);
+    } else if (row->y > high[1]) {
+      row = std::lower_bound(row, atoms.rows.end(), Row{row->z + 1, low[1], 0}, comes_before);
+    } else {
+      const auto next = row + 1;
+      const std::size_t end = next == atoms.rows.end() ? order.size() : next->begin;
+      find_in_row(order.subspan(row->begin, end - row->begin), low[2], high[2], found);
+      row = next;
+    }
   }
-  for (const AtomIndex i : large_) {
-    const double reaching = distance + atoms_[i].radius;
-    if (squared_distance(box, atoms_[i].center) < reaching * reaching) found.push_back(i);
-  }
+}
+
+void CellList::find_in_row(std::span<const AtomIndex> row, std::int64_t first_x,
+                           std::int64_t last_x, std::vector<AtomIndex>& found) const {
+  const auto x_of = [&](AtomIndex i) { return place_of(atoms_[i].center.x, sides[0]); };
+  const auto begin = std::lower_bound(row.begin(), row.end(), first_x,
+                                      [&](AtomIndex i, std::int64_t x) { return x_of(i) < x; });
+  const auto end = std::upper_bound(begin, row.end(), last_x,
+                                    [&](std::int64_t x, AtomIndex i) { return x < x_of(i); });
+  found.insert(found.end(), begin, end);
 }
 
 }  // namespace eses

@@ -9,6 +9,7 @@
 #include <cstdint>
 #include <functional>
 #include <limits>
+#include <optional>
 #include <string_view>
 #include <tuple>
 #include <utility>
@@ -188,7 +189,7 @@ struct Molecule::Parts {
     AtomSlices slices = cut_into_slices(atoms, slice_count(atoms.size()), threads);
     const std::vector<AtomIndex> first_equal = take_out_equals(atoms, slices, threads);
     tree = AtomTree(atoms, std::move(slices), threads);
-    cells = CellList(atoms);
+    cells.emplace(atoms);
     for (AtomIndex i = 0; i < atoms.size(); ++i) is_contained[i] = first_equal[i] != i;
     look_around(first_equal, is_own, threads);
   }
@@ -229,7 +230,7 @@ struct Molecule::Parts {
   std::vector<Atom> atoms;
   std::vector<AtomLabel> labels;
   AtomTree tree;  // of atoms that equal none before them
-  CellList cells;
+  std::optional<CellList> cells;
   std::vector<std::uint8_t> is_contained;
   std::vector<Oddity> oddities;
 };
@@ -251,6 +252,6 @@ std::span<const AtomLabel> Molecule::labels() const { return parts_->labels; }
 std::span<const Oddity> Molecule::oddities() const { return parts_->oddities; }
 bool Molecule::is_contained(AtomIndex atom) const { return parts_->is_contained[atom] != 0; }
 const AtomTree& Molecule::tree() const { return parts_->tree; }
-const CellList& Molecule::cells() const { return parts_->cells; }
+const CellList& Molecule::cells() const { return *parts_->cells; }
 
 }  // namespace eses

@@ -52,7 +52,16 @@ constexpr std::size_t atoms_per_leaf = 16;
 // to twice the limit of the class before. In almost all molecules all atoms are in class 0.
 class RadiusClasses {
  public:
-  explicit RadiusClasses(std::span<const Atom> atoms) : limit_(usual_radius_limit(atoms)) {}
+  explicit RadiusClasses(std::span<const Atom> atoms) {
+    std::vector<double> radii;
+    const std::size_t step = 1 + atoms.size() / most_samples;
+    for (std::size_t i = 0; i < atoms.size(); i += step)
+      if (atoms[i].radius > 0) radii.push_back(atoms[i].radius);
+    if (radii.empty()) return;
+    const auto middle = radii.begin() + static_cast<std::ptrdiff_t>(radii.size() / 2);
+    std::nth_element(radii.begin(), middle, radii.end());
+    limit_ = 2 * *middle;
+  }
 
   int operator()(double radius) const {
     if (radius <= limit_) return 0;
@@ -61,7 +70,8 @@ class RadiusClasses {
   }
 
  private:
-  double limit_;
+  static constexpr std::size_t most_samples = 4096;
+  double limit_ = 4;  // angstrom, where no sample has a radius
 };
 
 // Within which the centres of a slice are, along the axis of slices.
@@ -157,18 +167,6 @@ struct AtomTree::Implementation {
   }
 };
 
-double usual_radius_limit(std::span<const Atom> atoms) {
-  constexpr std::size_t most_samples = 4096;
-  std::vector<double> radii;
-  const std::size_t step = 1 + atoms.size() / most_samples;
-  for (std::size_t i = 0; i < atoms.size(); i += step)
-    if (atoms[i].radius > 0) radii.push_back(atoms[i].radius);
-  if (radii.empty()) return 4;  // where no sample has a radius, whatever it is
-  const auto middle = radii.begin() + static_cast<std::ptrdiff_t>(radii.size() / 2);
-  std::nth_element(radii.begin(), middle, radii.end());
-  return 2 * *middle;
-}
-
 AtomTree::AtomTree() : AtomTree({}, {}, 1) {}
 AtomTree::AtomTree(std::span<const Atom> atoms, AtomSlices slices, int threads)
     : implementation_(std::make_unique<Implementation>(atoms, std::move(slices), threads)) {}
@@ -192,12 +190,6 @@ void AtomTree::find_around(std::span<const Atom> group, double distance,
                            std::vector<AtomIndex>& found) const {
   const GroupBall ball(group);
   find_within(ball.center, distance + ball.radius, found);
-}
-
-void AtomTree::find_reaching_around(std::span<const Atom> group, double distance,
-                                    std::vector<AtomIndex>& found) const {
-  const GroupBall ball(group);
-  find_reaching(ball.center, distance + ball.radius, found);
 }
 
 AtomIndex end_of_group(std::span<const Atom> atoms, AtomIndex begin, AtomIndex end,

@@ -14,9 +14,6 @@
 
 namespace eses {
 
-/// Twice the median radius, from a sample of the atoms (angstrom). Larger atoms count as large.
-double usual_radius_limit(std::span<const Atom> atoms);
-
 class AtomTree {
  public:
   /// Of no atoms.
@@ -40,11 +37,6 @@ class AtomTree {
   /// Replaces `found` by all atoms that come within `distance` of `point`, which means that
   /// |point - center| < distance + radius, and by some that are farther away.
   void find_reaching(Vec3 point, double distance, std::vector<AtomIndex>& found) const;
-
-  /// Replaces `found` by all atoms that come within `distance` of the centre of any of `group`, and
-  /// by some that are farther away.
-  void find_reaching_around(std::span<const Atom> group, double distance,
-                            std::vector<AtomIndex>& found) const;
 
  private:
   struct Implementation;

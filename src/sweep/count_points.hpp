@@ -1,5 +1,5 @@
 #pragma once
-/// What the volume is made of, of the whole grid or of the region that is computed.
+/// Counts of grid points, from which the volume follows.
 
 #include <cstdint>
 

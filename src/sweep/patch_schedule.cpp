@@ -18,34 +18,35 @@ HeightRange heights_of(const Grid& grid, const GridRegion& region) {
           grid.coordinate(2, std::min(region.end[2], grid.size[2] - 1))};
 }
 
-PatchSchedule::PatchSchedule(const Surface& surface, const HeightRange& asked)
+PatchSchedule::PatchSchedule(const Surface& surface, const HeightRange& heights_to_solve)
     : patches_(surface),
       reach_(surface.probe_radius + slack),
-      asked_(asked),
+      heights_to_solve_(heights_to_solve),
       stages_(patches_.clusters().count(), Stage::none),
       highest_(-infinity) {
-  find_wanted();
+  find_heights_with_arcs();
 }
 
 // SAS spheres are in the heights of their cluster; a point depends on atoms one probe radius
 // farther away.
-bool PatchSchedule::is_asked(ClusterIndex cluster) const {
+bool PatchSchedule::must_complete(ClusterIndex cluster) const {
   const HeightRange& heights = patches_.clusters().heights(cluster);
-  return heights.low - reach_ <= asked_.high && heights.high + reach_ >= asked_.low;
+  return heights.low - reach_ <= heights_to_solve_.high &&
+         heights.high + reach_ >= heights_to_solve_.low;
 }
 
-bool PatchSchedule::is_wanted(ClusterIndex cluster) const {
+bool PatchSchedule::needs_arcs(ClusterIndex cluster) const {
   const HeightRange& heights = patches_.clusters().heights(cluster);
-  return heights.low <= wanted_.high && heights.high >= wanted_.low;
+  return heights.low <= heights_with_arcs_.high && heights.high >= heights_with_arcs_.low;
 }
 
-void PatchSchedule::find_wanted() {
-  wanted_ = {infinity, -infinity};
+void PatchSchedule::find_heights_with_arcs() {
+  heights_with_arcs_ = {infinity, -infinity};
   for (ClusterIndex cluster = 0; cluster < stages_.size(); ++cluster) {
-    if (!is_asked(cluster)) continue;
+    if (!must_complete(cluster)) continue;
     const HeightRange& heights = patches_.clusters().heights(cluster);
-    wanted_.low = std::min(wanted_.low, heights.low - slack);
-    wanted_.high = std::max(wanted_.high, heights.high + slack);
+    heights_with_arcs_.low = std::min(heights_with_arcs_.low, heights.low - slack);
+    heights_with_arcs_.high = std::max(heights_with_arcs_.high, heights.high + slack);
   }
 }
 
@@ -55,27 +56,27 @@ ClusterIndex PatchSchedule::overlap_end(ClusterIndex cluster) const {
   return clusters.count_below(clusters.heights(cluster).high + slack);
 }
 
-ClusterIndex PatchSchedule::asked_end(double up_to) const {
+ClusterIndex PatchSchedule::complete_end(double up_to) const {
   return patches_.clusters().count_below(up_to + reach_);
 }
 
 // The arcs of all clusters before the one returned are needed to complete those up to a height.
-ClusterIndex PatchSchedule::wanted_end(double up_to) {
-  for (const ClusterIndex end = asked_end(up_to); highest_before_ < end; ++highest_before_)
-    if (is_asked(highest_before_))
+ClusterIndex PatchSchedule::arcs_end_for(double up_to) {
+  for (const ClusterIndex end = complete_end(up_to); highest_before_ < end; ++highest_before_)
+    if (must_complete(highest_before_))
       highest_ = std::max(highest_, patches_.clusters().heights(highest_before_).high);
   return patches_.clusters().count_below(highest_ + slack);
 }
 
-bool PatchSchedule::is_ready(double up_to) const { return complete_before_ >= asked_end(up_to); }
+bool PatchSchedule::is_ready(double up_to) const { return complete_before_ >= complete_end(up_to); }
 
 std::optional<BuildStep> PatchSchedule::take(double up_to) {
-  const ClusterIndex end = asked_end(up_to);
-  while (next_complete_ < end && !is_asked(next_complete_)) ++next_complete_;
+  const ClusterIndex end = complete_end(up_to);
+  while (next_complete_ < end && !must_complete(next_complete_)) ++next_complete_;
   if (next_complete_ < end && arcs_before_ >= overlap_end(next_complete_))
     return BuildStep{BuildStep::Kind::complete, next_complete_++};
-  const ClusterIndex arcs_end = wanted_end(up_to);
-  while (next_arcs_ < arcs_end && !is_wanted(next_arcs_)) ++next_arcs_;
+  const ClusterIndex arcs_end = arcs_end_for(up_to);
+  while (next_arcs_ < arcs_end && !needs_arcs(next_arcs_)) ++next_arcs_;
   if (next_arcs_ >= arcs_end) {
     advance();
     return std::nullopt;
@@ -87,7 +88,7 @@ std::optional<BuildStep> PatchSchedule::take(double up_to) {
 // Clusters are opened in time for what the arcs of others tell of them.
 void PatchSchedule::open_before(ClusterIndex end) {
   for (; open_end_ < end; ++open_end_)
-    if (is_wanted(open_end_)) patches_.open(open_end_);
+    if (needs_arcs(open_end_)) patches_.open(open_end_);
 }
 
 void PatchSchedule::finish(const BuildStep& step) {
@@ -98,22 +99,23 @@ void PatchSchedule::finish(const BuildStep& step) {
 
 void PatchSchedule::advance() {
   const auto count = static_cast<ClusterIndex>(stages_.size());
-  while (arcs_before_ < count && (stages_[arcs_before_] != Stage::none || !is_wanted(arcs_before_)))
+  while (arcs_before_ < count &&
+         (stages_[arcs_before_] != Stage::none || !needs_arcs(arcs_before_)))
     ++arcs_before_;
   while (complete_before_ < count &&
-         (stages_[complete_before_] == Stage::complete || !is_asked(complete_before_)))
+         (stages_[complete_before_] == Stage::complete || !must_complete(complete_before_)))
     ++complete_before_;
 }
 
 void PatchSchedule::pass(double low) {
-  asked_.low = low;
+  heights_to_solve_.low = std::max(heights_to_solve_.low, low);
   advance();
   close_passed();
 }
 
 void PatchSchedule::skip_to(double low) {
-  asked_.low = std::max(asked_.low, low);
-  find_wanted();
+  heights_to_solve_.low = std::max(heights_to_solve_.low, low);
+  find_heights_with_arcs();
   advance();
   close_passed();
 }
@@ -121,7 +123,7 @@ void PatchSchedule::skip_to(double low) {
 // A cluster is needed until the sweep has passed it and all that overlap it are complete.
 void PatchSchedule::close_passed() {
   for (ClusterIndex cluster = open_begin_; cluster < open_end_; ++cluster) {
-    if (!patches_.is_open(cluster) || is_asked(cluster)) continue;
+    if (!patches_.is_open(cluster) || must_complete(cluster)) continue;
     const ClusterIndex end = overlap_end(cluster);
     if (arcs_before_ >= end && complete_before_ >= end) patches_.close(cluster);
   }

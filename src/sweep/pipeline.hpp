@@ -40,8 +40,7 @@ struct Sinks {
   MeshOutput* mesh = nullptr;
   Verifier* verifier = nullptr;
   BlockCallback block;
-  /// What the surface's atoms are called in the text, ascending; the surface's own indices if
-  /// empty.
+  /// The numbers of atoms in the text, by atom index, ascending; the indices themselves if empty.
   std::span<const AtomIndex> atom_numbers;
 };
 

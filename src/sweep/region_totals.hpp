@@ -1,6 +1,5 @@
 #pragma once
-/// What is told of a region in the end, from integers that add up to the same sums however it was
-/// cut.
+/// Totals of a region: integer sums that do not depend on how it was divided.
 
 #include <array>
 #include <cstdint>

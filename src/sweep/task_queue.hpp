@@ -35,7 +35,8 @@ class TaskQueue {
   /// The next task, waiting for one if need be; none when all is done or `stop` was called.
   std::optional<Task> take();
 
-  /// Likewise, but only steps that must be taken before anything up to a height can be solved.
+  /// Returns the next build step that is needed to solve up to a height, waiting for one if need
+  /// be; none when all are finished or `stop` was called.
   std::optional<Task> take_step(double up_to);
 
   /// Says that a task is done. `chunks` is the number of chunks into which the layer of a block
