@@ -20,8 +20,8 @@ from common import Failed, complete_file
 # molecule_seconds: atoms prepared; plan_seconds: samples taken, and the plan made.
 # clusters_seconds: atoms sorted into clusters; patch_seconds: all patches.
 # text_seconds: texts made and written.
-# copy_read_seconds, copy_write_seconds: a file as long as the texts read, and written to another.
-# copy_kernel_seconds: the same file copied by copy_file_range.
+# copy_read_seconds, copy_write_seconds: texts read, and written to another file.
+# copy_kernel_seconds: texts copied by copy_file_range.
 # area_seconds: areas added up and written.
 # block_nx, block_ny, block_nz: points on the sides of a block.
 # thin_planes: what a layer of blocks of one plane costs, in planes of the whole blocks there.

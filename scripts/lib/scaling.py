@@ -43,8 +43,8 @@ EXCHANGES, REDUCTIONS = 12, 67
 # (src/surface/molecule.cpp): what threads do slice by slice, and the cell list, which one thread
 # makes.
 MOLECULE_SLICED, MOLECULE_BY_ONE = 0.25, 0.33
-# Of several processes (src/distributed/slabs.cpp), by one thread: seconds in which slabs are halved to
-# find an atom's, in which it is put among those to be sent, and among those that have come.
+# Seconds of one thread in src/distributed/slabs.cpp: to halve the slabs once in search of an atom's,
+# to put an atom among those to be sent, and among those that have come.
 SECONDS_PER_HALVING, SECONDS_PER_SENT_ATOM, SECONDS_PER_RECEIVED_ATOM = 1.2e-9, 60e-9, 25e-9
 SECONDS_PER_ADDITION = 1.3e-9  # of one area to the sum, in order: four cycles
 AREA_TEXTS = 2  # of several processes: to know its length, and to write it

@@ -134,7 +134,8 @@ class Runs(TestCase):
                   "probe_radius": 1.4, "mean_radius": 1.5, "largest_radius": 2, "read_seconds": 9,
                   "read_alone_seconds": 1, "molecule_seconds": 2, "plan_seconds": 0.25,
                   "clusters_seconds": 0.5, "patch_seconds": 3, "text_seconds": 4, "area_seconds": 5,
-                  "copy_read_seconds": 7, "copy_write_seconds": 8, "copy_kernel_seconds": 6}
+                  "copy_read_seconds": 7, "copy_write_seconds": 8,
+                  "copy_kernel_seconds": 6}
         model = scaling.Model(even_costs(plane_atoms=100, **values))
         for machine in (ONE_THREAD, scaling.Machine(16, 1e6, 1e6, 1e-3)):
             one = model.run(1, machine)
@@ -201,7 +202,7 @@ class Runs(TestCase):
                                  [made != PLANES / 2] * 2)
 
     def test_prepared_by_threads(self):
-        """Slices of 65,536 atoms, of which a thread has at least one; the cell list; else evenly."""
+        """Slices of 65,536 atoms, a cell list by one thread, the rest evenly."""
         sliced, by_one = scaling.MOLECULE_SLICED, scaling.MOLECULE_BY_ONE
         whole = 1 - sliced - by_one
         for planes_atoms, slices in ((500, 1), (3 * 1024, 3), (10**5, 16)):
