@@ -18,16 +18,18 @@ from common import Failed, complete_file
 # mean_radius, largest_radius: of the atoms, angstrom.
 # read_seconds: until the atoms are read; read_alone_seconds: the same by one process alone.
 # molecule_seconds: atoms prepared; plan_seconds: samples taken, and the plan made.
-# patch_seconds: all patches; text_seconds: texts made and written.
-# copy_read_seconds, copy_write_seconds: a file as long as the texts read, and written to another.
+# clusters_seconds: atoms sorted into clusters; patch_seconds: all patches.
+# text_seconds: texts made and written.
+# copy_read_seconds, copy_write_seconds: texts read, and written to another file.
+# copy_kernel_seconds: texts copied by copy_file_range.
 # area_seconds: areas added up and written.
+# block_nx, block_ny, block_nz: points on the sides of a block.
 # thin_planes: what a layer of blocks of one plane costs, in planes of the whole blocks there.
-# peak_bytes: memory of one process with one thread.
 NUMBERS = ("atoms", "input_bytes", "text_bytes", "area_bytes", "spacing", "probe_radius", "lower_z",
-           "block_size", "nx", "ny", "nz", "mean_radius", "largest_radius", "read_seconds",
-           "read_alone_seconds", "molecule_seconds", "plan_seconds", "patch_seconds",
-           "text_seconds", "copy_read_seconds", "copy_write_seconds", "area_seconds",
-           "thin_planes", "peak_bytes")
+           "block_nx", "block_ny", "block_nz", "nx", "ny", "nz", "mean_radius", "largest_radius",
+           "read_seconds", "read_alone_seconds", "molecule_seconds", "plan_seconds",
+           "clusters_seconds", "patch_seconds", "text_seconds", "copy_read_seconds",
+           "copy_write_seconds", "copy_kernel_seconds", "area_seconds", "thin_planes")
 WORDS = ("structure", "date", "cpu", "cores", "build", "write")
 
 # seconds: of blocks [by][bx]; plane_atoms: a number for each plane.
@@ -36,11 +38,15 @@ Layer = collections.namedtuple("Layer", "seconds plane_atoms crossings")
 Costs = collections.namedtuple("Costs", "values layers")
 
 
+def block_count(values, axis):
+    """How many blocks there are along an axis: x, y or z."""
+    return (max(int(values["n" + axis]), 2) - 2) // (int(values["block_n" + axis]) - 1) + 1
+
+
 def layer_planes(values):
     """How many planes each layer of blocks owns."""
-    side, planes = int(values["block_size"]) - 1, int(values["nz"])
-    layers = (max(planes, 2) - 2) // side + 1
-    return [side] * (layers - 1) + [planes - side * (layers - 1)]
+    side, layers = int(values["block_nz"]) - 1, block_count(values, "z")
+    return [side] * (layers - 1) + [int(values["nz"]) - side * (layers - 1)]
 
 
 def write(path, costs):
@@ -107,10 +113,10 @@ def make_layers(values, tables):
     for name in ("spacing", "nx", "ny", "nz"):
         if values[name] <= 0:
             raise Failed(f" {name} must be above 0")
-    if values["block_size"] < 2:
-        raise Failed(" block_size must be at least 2")
-    side = int(values["block_size"]) - 1
-    columns, rows = ((max(int(values[axis]), 2) - 2) // side + 1 for axis in ("nx", "ny"))
+    for name in ("block_nx", "block_ny", "block_nz"):
+        if values[name] < 2:
+            raise Failed(f" {name} must be at least 2")
+    columns, rows = block_count(values, "x"), block_count(values, "y")
 
     def table(name, place, count):
         numbers = tables[name].pop(place, None)

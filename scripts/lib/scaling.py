@@ -1,10 +1,10 @@
 """What a run shared by many processes takes, computed from measured costs (see costs.py).
 
-The steps are those of src/compute and src/distributed: atoms read in equal parts and sent to the slabs that they
-matter to, and again where slabs are cut again; patches within reach of each slab; its blocks in
-layers, in the order in which src/sweep/task_queue.cpp hands them out; texts copied from scratch
-files into the shared files; areas added up. Every process waits for the slowest at the end of each
-step.
+The steps are those of src/compute and src/distributed. Atoms are read in equal parts and sent to
+the slabs that they matter to, and sent again where slabs are cut again. Each process then sweeps
+its slab layer by layer: it builds patches, solves blocks and writes texts, in the order in which
+src/sweep/task_queue.cpp hands these tasks out. Texts are copied from scratch files into the shared
+files, and areas are added up. Every process waits for the slowest at the end of each step.
 """
 
 import bisect
@@ -22,33 +22,42 @@ ESTIMATE = {"atom": 14e-6, "prepared_atom": 1e-6, "crossing": 0.45e-6,
             "crossing_text": 0.25e-6, "point": 0.3e-9, "point_text": 2e-9}
 HALO_SLACK, REACH_SLACK = 1.0, 1e-3  # angstrom: slabs.cpp, src/surface/reach.hpp
 
-# Bytes: SentAtom, PieceInfo, AtomSum of src/distributed and src/checkpoint; what src/plan/memory.cpp counts with.
+# Bytes: SentAtom, PieceInfo, AtomSum of src/distributed and src/checkpoint.
 SENT_ATOM, PIECE_INFO, AREA_SHARE = 48, 208, 32
+# Bytes that src/plan/memory.cpp counts with.
 BASE_MEMORY, THREAD_MEMORY = 6 * 2**20, 0.75 * 2**20
-ATOM_MEMORY, ATOM_OF_THREAD, CROSSING_MEMORY = 104, 16, 48
-MAKING_OF_PATCHES = 2.75  # memory while they are made against what stays
+MPI_MEMORY = 14 * 2**20  # src/distributed/processes_mpi.cpp
+ATOM_MEMORY, CROSSING_MEMORY = 80, 48
+PATCH_MEMORY = 340  # bytes of an atom's patches, as allocated for a ribosome
+# Bytes of an atom while it is prepared, as measured. Several processes also keep the atoms that
+# they have read, and their lines, until slabs are final.
+PREPARED_ATOM, READ_ATOM = 102, 40
+CELL_HEIGHT = 3.0  # angstrom: src/surface/cell_list.hpp
 FEWEST_SAMPLES, MOST_SAMPLES, ATOMS_PER_SAMPLE = 128, 2048, 16  # src/surface/survey.cpp
 ATOMS_PER_SLICE, MOST_SLICES = 2**16, 16  # src/surface/atom_slices.cpp
 
 # Of a run of several processes, counted in one: calls in which each sends something to each, and
 # those that go up and down a tree.
-EXCHANGES, REDUCTIONS = 14, 62
-# Shares of a step's time with one thread, by stopwatches around its parts: of preparing atoms, what
-# threads do slice by slice (src/surface/molecule.cpp); of patches, what one thread does
-# (src/surface/patches.cpp).
-MOLECULE_SLICED = 0.40
-PATCHES_BY_ONE = 0.024
-# Of several processes (src/distributed/slabs.cpp), by one thread: seconds in which slabs are halved to
-# find an atom's, in which it is put among those to be sent, and among those that have come.
+EXCHANGES, REDUCTIONS = 12, 67
+# Shares of the time of preparing atoms with one thread, by stopwatches around its parts
+# (src/surface/molecule.cpp): what threads do slice by slice, and the cell list, which one thread
+# makes.
+MOLECULE_SLICED, MOLECULE_BY_ONE = 0.25, 0.33
+# Seconds of one thread in src/distributed/slabs.cpp: to halve the slabs once in search of an atom's,
+# to put an atom among those to be sent, and among those that have come.
 SECONDS_PER_HALVING, SECONDS_PER_SENT_ATOM, SECONDS_PER_RECEIVED_ATOM = 1.2e-9, 60e-9, 25e-9
 SECONDS_PER_ADDITION = 1.3e-9  # of one area to the sum, in order: four cycles
 AREA_TEXTS = 2  # of several processes: to know its length, and to write it
-BLOCKS_AHEAD, CHUNKS = 4, 4  # per thread: src/plan/plan.cpp; pieces of a layer's text
+BLOCKS_AHEAD = 4  # per thread: src/plan/plan.cpp
+# Into how many equal tasks the patches and the text of a layer are cut, per thread. The program
+# cuts them into more.
+PARTS = 4
 
 # file_system: bytes a second of all processes together; network: of one process; latency: seconds
-# of one message.
-Machine = collections.namedtuple("Machine", "threads file_system network latency",
-                                 defaults=(16, INFINITY, INFINITY, 0.0))
+# of one message; is_local: all processes share a machine and its file system, so that the kernel
+# copies texts.
+Machine = collections.namedtuple("Machine", "threads file_system network latency is_local",
+                                 defaults=(16, INFINITY, INFINITY, 0.0, False))
 
 # The planes of a part of a layer: seconds of its blocks per plane, [column]; the program adds
 # `overhead` planes to those of a block.
@@ -65,8 +74,11 @@ Share = collections.namedtuple("Share", "begin end atoms patched cpu memory")
 # phases: name -> seconds; sent: bytes sent by a process on average; memory: of the largest.
 Run = collections.namedtuple("Run", "ranks seconds phases sent memory shares file_system_bytes")
 
-READ, EXCHANGE, PREPARE, PATCHES, BLOCKS, JOIN, AREAS = PHASES = (
-    "reading", "exchange", "preparing", "patches", "blocks", "joining", "areas")
+READ, EXCHANGE, PREPARE, SWEEP, MERGE, AREAS = PHASES = (
+    "reading", "exchange", "preparing", "sweep", "merging", "areas")
+
+# The tasks of a layer of blocks: seconds of each.
+Layer = collections.namedtuple("Layer", "patches blocks chunks")
 
 
 def layers_of(begin, end, side, planes):
@@ -107,34 +119,45 @@ def slice_count(atoms):
 
 
 def makespan(layers, threads, ahead):
-    """When the last task is done: layers of (seconds of blocks, seconds of chunks of text).
+    """When the last task of these layers is done.
 
-    A layer's text is written when all its blocks are solved, before anything else; else threads
-    solve blocks of that layer or, if it has no more, `ahead` at most of the next.
+    A layer's text is written when all its blocks are solved, before anything else. Otherwise
+    threads solve blocks of that layer or, if it has no more, `ahead` at most of the next. The
+    patches of a layer are built before its first block.
     """
     if threads == 1:
-        return math.fsum(math.fsum(blocks) + math.fsum(chunks) for blocks, chunks in layers)
-    taken = [[0, 0] for _ in layers]  # blocks, chunks
-    done = [[0, 0] for _ in layers]
+        return math.fsum(itertools.chain.from_iterable(itertools.chain.from_iterable(layers)))
+    taken = [[0, 0, 0] for _ in layers]  # patches, blocks, chunks
+    done = [[0, 0, 0] for _ in layers]
+    patches, blocks, chunks = range(3)
     unwritten = unsolved = 0
+
+    def is_done(layer, kind):
+        return done[layer][kind] == len(layers[layer][kind])
+
+    def take_from(layer, kind):
+        index = taken[layer][kind]
+        if index == len(layers[layer][kind]):
+            return None
+        taken[layer][kind] += 1
+        return layers[layer][kind][index], kind, layer
 
     def take():
         nonlocal unsolved
         if unwritten == len(layers):
             return None
-        blocks, chunks = layers[unwritten]
-        if done[unwritten][0] == len(blocks) and taken[unwritten][1] < len(chunks):
-            taken[unwritten][1] += 1
-            return chunks[taken[unwritten][1] - 1], 1, unwritten
+        if is_done(unwritten, blocks) and (task := take_from(unwritten, chunks)):
+            return task
         if unsolved == len(layers) or unsolved > unwritten + 1:
             return None
-        if unsolved > unwritten and taken[unsolved][0] >= ahead:
+        if unsolved > unwritten and taken[unsolved][blocks] >= ahead:
             return None
-        layer, index = unsolved, taken[unsolved][0]
-        taken[layer][0] += 1
-        if index + 1 == len(layers[layer][0]):
+        if not is_done(unsolved, patches):
+            return take_from(unsolved, patches)
+        task = take_from(unsolved, blocks)
+        if taken[unsolved][blocks] == len(layers[unsolved].blocks):
             unsolved += 1
-        return layers[layer][0][index], 0, layer
+        return task
 
     now, idle, running = 0.0, threads, []
     while unwritten < len(layers):
@@ -144,7 +167,7 @@ def makespan(layers, threads, ahead):
         now, kind, layer = heapq.heappop(running)
         idle += 1
         done[layer][kind] += 1
-        if kind == 1 and done[layer][1] == len(layers[layer][1]):
+        if kind == chunks and is_done(layer, chunks):
             unwritten += 1
     return now
 
@@ -155,7 +178,7 @@ class Model:
     def __init__(self, costs, copies=1):
         values = self.values = costs.values
         self.copies = copies
-        self.side = int(values["block_size"]) - 1
+        self.side = int(values["block_nz"]) - 1
         # A block of n planes costs as much as n + overhead of its planes; so does a block of one,
         # where thin_planes have been measured.
         thin = values["thin_planes"]
@@ -275,26 +298,40 @@ class Model:
     def text_seconds(self, crossings):
         return self.of_all("text_seconds") * crossings / self.crossings if self.crossings else 0.0
 
-    def layers(self, slab, threads):
-        """Seconds of blocks and of chunks of text of each layer."""
-        for begin, end in layers_of(slab.begin, slab.end, self.side, self.planes):
-            seconds = self.text_seconds(self.crossings_of(begin, end))
-            chunks = CHUNKS * threads
-            yield self.block_seconds(begin, end), [seconds / chunks] * chunks
+    def patch_tasks(self, atoms, threads):
+        count = PARTS * threads
+        return [self.per_atom("patch_seconds") * atoms / count] * count if atoms > 0 else []
 
-    def blocks_below(self, slab):
-        """Of the plane below, which has to be solved again."""
+    def patched_up_to(self, slab, plane):
+        """Atoms whose patches are built before what lies up to a plane of a slab is solved."""
+        return self.atoms_near(slab.begin, plane, self.reach())
+
+    def layers(self, slab, threads):
+        """The tasks of each layer of a slab. The plane below it is solved before."""
+        patched = self.patched_up_to(slab, slab.begin + 1) if slab.begin else 0.0
+        for begin, end in layers_of(slab.begin, slab.end, self.side, self.planes):
+            before, patched = patched, self.patched_up_to(slab, end)
+            seconds = self.text_seconds(self.crossings_of(begin, end))
+            chunks = PARTS * threads
+            yield Layer(self.patch_tasks(patched - before, threads),
+                        self.block_seconds(begin, end), [seconds / chunks] * chunks)
+
+    def layer_below(self, slab, threads):
+        """The plane below, which has to be solved again, and its patches."""
         if slab.begin == 0 or slab.begin >= slab.end:
             return []
         (segment, _), = self.segments_of(slab.begin - 1, slab.begin)
-        return [self.plane_below * one for one in segment.seconds]
+        patched = self.patched_up_to(slab, slab.begin + 1)
+        return [Layer(self.patch_tasks(patched, threads),
+                      [self.plane_below * one for one in segment.seconds], [0.0])]
 
     def molecule_seconds(self, atoms, threads):
-        """Of neighbours and oddities of so many atoms."""
+        """Of the tree, the cell list and the diagnostics of so many atoms."""
         slices = slice_count(atoms)
         rounds = math.ceil(slices / threads)
         return self.per_atom("molecule_seconds") * atoms * (
-            MOLECULE_SLICED * rounds / slices + (1 - MOLECULE_SLICED) / threads)
+            MOLECULE_BY_ONE + MOLECULE_SLICED * rounds / slices
+            + (1 - MOLECULE_BY_ONE - MOLECULE_SLICED) / threads)
 
     def plan_seconds(self, atoms):
         """Of samples of so many atoms, each of which costs as much as its patches."""
@@ -320,37 +357,48 @@ class Model:
         return [sent + SECONDS_PER_RECEIVED_ATOM * count for count in counts]
 
     def prepare_seconds(self, slab, threads):
-        """Of its atoms, when they have come, and of what is estimated from samples."""
+        """Of its atoms, when they have come, of what is estimated from samples, and of clusters."""
         return (sum(self.molecule_seconds(count, threads)
                     for count in (slab.first_atoms, slab.atoms))
-                + sum(map(self.plan_seconds, slab.surveyed)))
+                + sum(map(self.plan_seconds, slab.surveyed))
+                + self.per_atom("clusters_seconds") * slab.atoms)
 
     def read_seconds(self, ranks):
         return (self.of_all("read_seconds") / ranks if ranks > 1
                 else self.of_all("read_alone_seconds"))
 
-    def patch_seconds(self, slab, threads):
-        by_one = PATCHES_BY_ONE + (1 - PATCHES_BY_ONE) / threads
-        return self.per_atom("patch_seconds") * slab.patched * by_one
-
-    def memory(self, slab, threads):
-        """As src/plan/memory.cpp has it, the bytes of patches those that were measured."""
-        patches = slab.patched * self.patch_memory()
-        always = BASE_MEMORY + ATOM_MEMORY * slab.atoms + threads * THREAD_MEMORY
+    def memory(self, slab, threads, ranks):
+        """Of the fuller of two steps: preparing atoms, and the sweep."""
+        always = BASE_MEMORY + threads * THREAD_MEMORY + (MPI_MEMORY if ranks > 1 else 0)
+        preparing = PREPARED_ATOM * slab.atoms
+        if ranks > 1:
+            preparing += READ_ATOM * self.atoms / ranks
         if slab.begin >= slab.end:
-            return always
-        fullest = max(self.crossings_of(begin, end) for begin, end in
-                      layers_of(slab.begin, slab.end, self.side, self.planes))
-        layers = 2 if threads > 1 and slab.end - slab.begin > self.side else 1
-        solving = (patches + threads * ATOM_OF_THREAD * slab.atoms
-                   + layers * CROSSING_MEMORY * fullest)
-        return always + max(MAKING_OF_PATCHES * patches, solving)
+            return always + preparing
+        layers = layers_of(slab.begin, slab.end, self.side, self.planes)
+        fullest = max(self.crossings_of(begin, end) for begin, end in layers)
+        # Several threads solve blocks of the next layer, too.
+        at_a_time = 2 if threads > 1 and len(layers) > 1 else 1
+        patched = max(self.patched_at_a_time(slab, begin, last)
+                      for (begin, _), (_, last) in zip(layers, layers[at_a_time - 1:]))
+        sweeping = (ATOM_MEMORY * slab.atoms + PATCH_MEMORY * patched
+                    + at_a_time * CROSSING_MEMORY * fullest)
+        return always + max(preparing, sweeping)
 
-    def patch_memory(self):
-        """Bytes per atom, of what was measured with one thread."""
-        atoms = self.values["atoms"]
-        left = (self.values["peak_bytes"] - BASE_MEMORY - THREAD_MEMORY - ATOM_MEMORY * atoms)
-        return max(0.0, left / (MAKING_OF_PATCHES * atoms)) if atoms else 0.0
+    def patched_at_a_time(self, slab, begin, end):
+        """Atoms whose patches are there while layers of a slab are solved.
+
+        Those below are needed as far as they matter, those above also as far as the SAS spheres of
+        these meet others. Clusters are as high as a cell.
+        """
+        values, spacing = self.values, self.values["spacing"]
+        probe, radius = values["probe_radius"], values["largest_radius"]
+        below = values["mean_radius"] + 2 * probe + CELL_HEIGHT
+        above = below + 2 * (radius + probe) + CELL_HEIGHT
+        reach = self.reach() / spacing
+        low = max(begin - 1 - below / spacing, slab.begin - 1 - reach)
+        high = min(end + above / spacing, slab.end + reach)
+        return self.atoms_below(high) - self.atoms_below(low)
 
     # ----------------------------------------------------------------------------------- a run
 
@@ -371,29 +419,26 @@ class Model:
         gathering = self.gather_seconds(slabs)
         for slab, come in zip(slabs, gathering):
             layers = list(self.layers(slab, threads)) if slab.begin < slab.end else []
-            below = self.blocks_below(slab)
-            solving = makespan(layers, threads, BLOCKS_AHEAD * threads)
-            solving += makespan([(below, [0.0])], threads, 0) if below else 0.0
-            longest = max(longest, solving)
+            below = self.layer_below(slab, threads)
+            longest = max(longest, makespan(below, threads, 0)
+                          + makespan(layers, threads, BLOCKS_AHEAD * threads))
             cpu = (self.read_seconds(ranks) + come + self.prepare_seconds(slab, 1)
-                   + self.patch_seconds(slab, 1)
-                   + math.fsum(math.fsum(blocks) + math.fsum(chunks) for blocks, chunks in layers)
-                   + math.fsum(below) + self.join_seconds(slab, ranks, 1))
+                   + makespan(below + layers, 1, 0)
+                   + self.merge_seconds(slab, ranks, machine._replace(threads=1)))
             shares.append(Share(slab.begin, slab.end, slab.atoms, slab.patched, cpu,
-                                self.memory(slab, threads)))
+                                self.memory(slab, threads, ranks)))
         text, area = self.of_all("text_bytes"), self.of_all("area_bytes")
         read = self.of_all("input_bytes")
         at_once = machine.file_system
-        joined = 2 * text + area if several else area
+        merged = 2 * text + area if several else area
         phases = {
             READ: max(self.read_seconds(ranks), read / at_once),
             EXCHANGE: (max(gathering) + received(atoms, SENT_ATOM) / machine.network
                        + EXCHANGES * messages + REDUCTIONS * steps),
             PREPARE: max(self.prepare_seconds(slab, threads) for slab in slabs),
-            PATCHES: max(self.patch_seconds(slab, threads) for slab in slabs),
-            BLOCKS: max(longest, text / at_once),
-            JOIN: max(max(self.join_seconds(slab, ranks, threads) for slab in slabs),
-                      joined / at_once),
+            SWEEP: max(longest, text / at_once),
+            MERGE: max(max(self.merge_seconds(slab, ranks, machine) for slab in slabs),
+                       merged / at_once),
             AREAS: several * (received(areas, AREA_SHARE) / machine.network
                               + SECONDS_PER_ADDITION * self.atoms + machine.latency * ranks),
         }
@@ -401,19 +446,23 @@ class Model:
                             + AREA_SHARE * slab.own_atoms, 1) for slab in slabs) / ranks
         sent += several * (PIECE_INFO * (ranks - 1) + 4 * 8 * self.planes)
         return Run(ranks, sum(phases.values()), phases, sent,
-                   max(share.memory for share in shares), shares, read + text + joined)
+                   max(share.memory for share in shares), shares, read + text + merged)
 
-    def join_seconds(self, slab, ranks, threads):
-        """Of its texts, read by one thread and written by another, and of its part of the areas.
+    def merge_seconds(self, slab, ranks, machine):
+        """Of copying its texts, and of its part of the areas.
 
-        One process alone writes its texts where they belong.
+        One process alone writes its texts where they belong. Where the kernel cannot copy them, one
+        thread reads them and another one writes them.
         """
         area = self.of_all("area_seconds")
         if ranks == 1:
             return area
         both = self.of_all("copy_read_seconds"), self.of_all("copy_write_seconds")
+        copying = max(both) if machine.threads > 1 else sum(both)
+        if machine.is_local:
+            copying = self.of_all("copy_kernel_seconds")
         share = slab.crossings / self.crossings if self.crossings else 0.0
-        return share * (max(both) if threads > 1 else sum(both)) + AREA_TEXTS * area / ranks
+        return share * copying + AREA_TEXTS * area / ranks
 
 
 # ----------------------------------------------------------------------------------- many runs
