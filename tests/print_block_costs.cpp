@@ -11,8 +11,8 @@
 #include <utility>
 #include <vector>
 
-#include "eses/read_atoms.hpp"
-#include "eses/run.hpp"
+#include "compute/run.hpp"
+#include "support/atom_lists.hpp"
 
 namespace {
 
@@ -26,31 +26,32 @@ int main(int argc, char** argv) try {
     std::fputs("usage: print-block-costs FILE SPACING [BLOCK_SIZE]\n", stderr);
     return 2;
   }
-  std::vector<eses::Atom> atoms = eses::read_atoms(argv[1]);
+  std::vector<eses::Atom> atoms = eses::detail::test::read_atom_list(argv[1]);
   const double read = cpu_seconds();
-  const eses::Molecule molecule(std::move(atoms));
+  const eses::detail::Molecule molecule(std::move(atoms));
   const double prepared = cpu_seconds();
-  eses::Parameters parameters;
+  eses::detail::Parameters parameters;
   parameters.spacing = std::atof(argv[2]);
   parameters.margin = std::max(parameters.margin, parameters.spacing);
-  parameters.block_size = argc > 3 ? std::atol(argv[3]) : eses::default_block_size;
+  parameters.block_size = argc > 3 ? std::atol(argv[3]) : eses::detail::default_block_size;
   parameters.threads = 1;
-  const eses::Plan plan = make_plan(molecule, parameters, eses::OutputChoice::none());
+  const eses::detail::Plan plan = make_plan(molecule, parameters, eses::Outputs::none());
   const double planned = cpu_seconds();
   fmt::print("# read_seconds {:.6f}\n# molecule_seconds {:.6f}\n# plan_seconds {:.6f}\n", read,
              prepared - read, planned - prepared);
   const auto& size = plan.grid.size;
   fmt::print("# atoms {}\n# spacing {}\n# block_size {}\n# points {} {} {}\n# lower_z {}\n",
              molecule.atoms().size(), parameters.spacing, parameters.block_size, size[0], size[1],
-             size[2], plan.grid.lower.z);
+             size[2], plan.grid.origin.z);
   fmt::print("bx,by,bz,seconds,crossings\n");
-  const auto print = [&](const eses::SolvedBlock& block) {
+  const auto print = [&](const eses::detail::SolvedBlock& block) {
     const auto& first = block.block().first;
     const auto index = [&](std::size_t axis) { return first[axis] / (parameters.block_size - 1); };
     fmt::print("{},{},{},{:.9f},{}\n", index(0), index(1), index(2), block.seconds(),
                block.crossings().size());
   };
-  const eses::Summary summary = eses::compute(molecule, plan, {.progress = {}, .block = print});
+  const eses::Summary summary =
+      eses::detail::compute(molecule, plan, {.progress = {}, .block = print});
   fmt::print("# patches_seconds {:.6f}\n", summary.seconds.patches);
   return 0;
 } catch (const std::exception& error) {

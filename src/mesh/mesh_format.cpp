@@ -1,9 +1,9 @@
 #include <string>
 
-#include "eses/mesh.hpp"
+#include "mesh/mesh_format.hpp"
 #include "io/text_fields.hpp"
 
-namespace eses {
+namespace eses::detail {
 
 std::optional<MeshFormat> mesh_format(const std::filesystem::path& file) {
   const std::string suffix = lower_case(file.extension().string());
@@ -13,4 +13,4 @@ std::optional<MeshFormat> mesh_format(const std::filesystem::path& file) {
   return std::nullopt;
 }
 
-}  // namespace eses
+}  // namespace eses::detail

@@ -4,7 +4,7 @@
 #include <limits>
 #include <utility>
 
-namespace eses {
+namespace eses::detail {
 namespace {
 
 constexpr AtomIndex no_atom = std::numeric_limits<AtomIndex>::max();
@@ -53,4 +53,4 @@ void AreaShares::move_into(std::span<AreaShare> sums) {
   taken_.clear();
 }
 
-}  // namespace eses
+}  // namespace eses::detail

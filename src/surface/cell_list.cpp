@@ -8,7 +8,7 @@
 
 #include "surface/neighbors.hpp"
 
-namespace eses {
+namespace eses::detail {
 namespace {
 
 // Coordinates beyond 2^62 cells share the outermost ones.
@@ -85,4 +85,4 @@ void CellList::find_reaching(const Box& box, double distance, std::vector<AtomIn
   }
 }
 
-}  // namespace eses
+}  // namespace eses::detail

@@ -10,7 +10,7 @@
 #include "eses/atoms.hpp"
 #include "geometry/box.hpp"
 
-namespace eses {
+namespace eses::detail {
 
 /// Cells are sorted by layers along z, in these by rows along y, in these along x, and the atoms of
 /// a cell by index. The cells stand at fixed places in space, so that the order of atoms does not
@@ -54,4 +54,4 @@ class CellList {
   double largest_usual_radius_ = 0;  // of the others
 };
 
-}  // namespace eses
+}  // namespace eses::detail

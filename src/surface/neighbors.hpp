@@ -12,7 +12,7 @@
 #include "eses/atoms.hpp"
 #include "surface/atom_slices.hpp"
 
-namespace eses {
+namespace eses::detail {
 
 /// Twice the median radius, from a sample of the atoms (angstrom). Larger atoms count as large.
 double usual_radius_limit(std::span<const Atom> atoms);
@@ -62,4 +62,4 @@ struct GroupBounds {
 AtomIndex end_of_group(std::span<const Atom> atoms, AtomIndex begin, AtomIndex end,
                        const GroupBounds& bounds = {8, 6});
 
-}  // namespace eses
+}  // namespace eses::detail
