@@ -1,4 +1,4 @@
-# Manual pages and completions. The pages are made from --help by help2man, where that is installed;
+# Manual pages, completions, and the reference of the library. The manual pages are made from --help by help2man, where that is installed;
 # the completions read --help when they are used.
 
 find_program(ESES_HELP2MAN help2man)
@@ -34,3 +34,28 @@ install(FILES packaging/completions/eses-blocks.bash
         RENAME eses-blocks)
 install(FILES packaging/completions/_eses-blocks
         DESTINATION ${CMAKE_INSTALL_DATADIR}/zsh/vendor-completions COMPONENT program)
+
+# The target `reference` makes HTML pages of the public headers. Names without a description, and
+# everything else that doxygen finds wrong, are errors.
+find_package(Doxygen QUIET)
+if(DOXYGEN_FOUND)
+  set(DOXYGEN_PROJECT_NAME "eses-blocks")
+  set(DOXYGEN_PROJECT_BRIEF "Analytical solvent excluded surface on a Cartesian grid")
+  set(DOXYGEN_OUTPUT_DIRECTORY ${PROJECT_BINARY_DIR}/reference)
+  set(DOXYGEN_STRIP_FROM_PATH ${PROJECT_SOURCE_DIR}/include ${PROJECT_BINARY_DIR}/generated)
+  set(DOXYGEN_STRIP_FROM_INC_PATH ${DOXYGEN_STRIP_FROM_PATH})
+  set(DOXYGEN_FILE_PATTERNS *.hpp)
+  set(DOXYGEN_EXCLUDE_SYMBOLS eses::detail "eses::detail::*")
+  set(DOXYGEN_EXTRACT_ALL NO)
+  set(DOXYGEN_EXTRACT_LOCAL_CLASSES NO)
+  set(DOXYGEN_WARN_IF_UNDOCUMENTED YES)
+  set(DOXYGEN_WARN_NO_PARAMDOC NO)
+  set(DOXYGEN_WARN_AS_ERROR FAIL_ON_WARNINGS)
+  set(DOXYGEN_QUIET YES)
+  set(DOXYGEN_JAVADOC_AUTOBRIEF YES)
+  set(DOXYGEN_GENERATE_LATEX NO)
+  set(DOXYGEN_HAVE_DOT NO)
+  doxygen_add_docs(reference ${PROJECT_SOURCE_DIR}/include/eses
+                   ${PROJECT_BINARY_DIR}/generated/eses
+                   COMMENT "Reference of the library in ${PROJECT_BINARY_DIR}/reference/html")
+endif()

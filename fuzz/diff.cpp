@@ -18,7 +18,7 @@
 #include "expect.hpp"
 #include "support/temporary_directory.hpp"
 
-namespace eses::fuzz {
+namespace eses::detail::fuzz {
 namespace {
 
 namespace fs = std::filesystem;
@@ -144,9 +144,9 @@ void check(std::string_view text) {
 }
 
 }  // namespace
-}  // namespace eses::fuzz
+}  // namespace eses::detail::fuzz
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
-  eses::fuzz::check(eses::fuzz::as_text(data, size));
+  eses::detail::fuzz::check(eses::detail::fuzz::as_text(data, size));
   return 0;
 }

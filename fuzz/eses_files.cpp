@@ -17,7 +17,7 @@
 #include "io/eses_reader.hpp"
 #include "memory_file.hpp"
 
-namespace eses::fuzz {
+namespace eses::detail::fuzz {
 namespace {
 
 /// The items before the end or before the first error, whose message it is.
@@ -149,9 +149,9 @@ void check(std::string_view bytes) {
 }
 
 }  // namespace
-}  // namespace eses::fuzz
+}  // namespace eses::detail::fuzz
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
-  eses::fuzz::check(eses::fuzz::as_text(data, size));
+  eses::detail::fuzz::check(eses::detail::fuzz::as_text(data, size));
   return 0;
 }

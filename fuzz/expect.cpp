@@ -6,7 +6,7 @@
 #include <cstdio>
 #include <cstdlib>
 
-namespace eses::fuzz {
+namespace eses::detail::fuzz {
 
 void fail(std::string_view what) {
   fmt::print(stderr, "FAULT: {}\n", what);
@@ -23,4 +23,4 @@ std::string checked_message(const Error& error, std::string_view name) {
   return message;
 }
 
-}  // namespace eses::fuzz
+}  // namespace eses::detail::fuzz

@@ -11,7 +11,7 @@
 /// One input; defined by each target, called by libFuzzer or by the main that replays a corpus.
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size);
 
-namespace eses::fuzz {
+namespace eses::detail::fuzz {
 
 /// Ends the process, which is how libFuzzer notices a finding.
 [[noreturn]] void fail(std::string_view what);
@@ -27,4 +27,4 @@ inline std::string_view as_text(const std::uint8_t* data, std::size_t size) {
   return {reinterpret_cast<const char*>(data), size};
 }
 
-}  // namespace eses::fuzz
+}  // namespace eses::detail::fuzz

@@ -15,7 +15,7 @@
 #include "support/brute_force.hpp"
 #include "support/eses_files.hpp"
 
-namespace eses::fuzz {
+namespace eses::detail::fuzz {
 namespace {
 
 std::vector<std::string> faults_of(const Molecule& molecule) {
@@ -36,9 +36,9 @@ void check(std::span<const std::uint8_t> bytes) {
 }
 
 }  // namespace
-}  // namespace eses::fuzz
+}  // namespace eses::detail::fuzz
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
-  eses::fuzz::check({data, size});
+  eses::detail::fuzz::check({data, size});
   return 0;
 }

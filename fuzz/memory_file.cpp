@@ -7,7 +7,7 @@
 
 #include "expect.hpp"
 
-namespace eses::fuzz {
+namespace eses::detail::fuzz {
 
 MemoryFile::MemoryFile()
     : descriptor_(memfd_create("eses-fuzz", MFD_CLOEXEC)),
@@ -24,4 +24,4 @@ void MemoryFile::assign(std::string_view bytes) const {
   expect(written, "no room for a file in memory");
 }
 
-}  // namespace eses::fuzz
+}  // namespace eses::detail::fuzz

@@ -4,7 +4,7 @@
 #include <filesystem>
 #include <string_view>
 
-namespace eses::fuzz {
+namespace eses::detail::fuzz {
 
 class MemoryFile {
  public:
@@ -23,4 +23,4 @@ class MemoryFile {
   std::filesystem::path path_;
 };
 
-}  // namespace eses::fuzz
+}  // namespace eses::detail::fuzz

@@ -8,10 +8,10 @@
 #include <cstddef>
 #include <numbers>
 
-#include "eses/grid.hpp"
 #include "eses/vec3.hpp"
+#include "grid/make_grid.hpp"
 
-namespace eses::fuzz {
+namespace eses::detail::fuzz {
 namespace {
 
 constexpr std::size_t most_atoms = 12;
@@ -205,4 +205,4 @@ std::string text_of(const Molecule& molecule) {
   return text;
 }
 
-}  // namespace eses::fuzz
+}  // namespace eses::detail::fuzz

@@ -6,10 +6,10 @@
 #include <string>
 #include <vector>
 
+#include "compute/run.hpp"
 #include "eses/atoms.hpp"
-#include "eses/run.hpp"
 
-namespace eses::fuzz {
+namespace eses::detail::fuzz {
 
 struct Molecule {
   std::vector<Atom> atoms;  ///< 1 to 12
@@ -26,4 +26,4 @@ Molecule make_molecule(std::span<const std::uint8_t> bytes);
 /// The molecule as an xyzr file whose comments tell the parameters.
 std::string text_of(const Molecule& molecule);
 
-}  // namespace eses::fuzz
+}  // namespace eses::detail::fuzz

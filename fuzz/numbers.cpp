@@ -20,7 +20,7 @@
 #include "io/number_text.hpp"
 #include "io/text_fields.hpp"
 
-namespace eses::fuzz {
+namespace eses::detail::fuzz {
 namespace {
 
 // ----------------------------------------------------------------------------------------- read
@@ -86,11 +86,11 @@ void check_printing(std::string_view bytes) {
 }
 
 }  // namespace
-}  // namespace eses::fuzz
+}  // namespace eses::detail::fuzz
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
-  const std::string_view bytes = eses::fuzz::as_text(data, size);
-  eses::fuzz::check_reading(bytes);
-  eses::fuzz::check_printing(bytes);
+  const std::string_view bytes = eses::detail::fuzz::as_text(data, size);
+  eses::detail::fuzz::check_reading(bytes);
+  eses::detail::fuzz::check_printing(bytes);
   return 0;
 }

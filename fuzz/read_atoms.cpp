@@ -17,7 +17,7 @@
 
 #include "expect.hpp"
 
-namespace eses::fuzz {
+namespace eses::detail::fuzz {
 namespace {
 
 constexpr AtomFormat format = AtomFormat::ESES_FUZZ_FORMAT;
@@ -32,7 +32,7 @@ struct Outcome {
 
 Outcome read(std::string_view text) {
   try {
-    NumberedAtoms atoms = parse_numbered_atoms(text, format, name);
+    AtomFile atoms = parse_atoms(text, format, name);
     const bool is_named = format == AtomFormat::pqr;
     expect(atoms.labels.size() == (is_named ? atoms.atoms.size() : 0), "atoms and their names");
     return {std::move(atoms.atoms), {}};
@@ -85,9 +85,9 @@ void check(std::string_view text) {
 }
 
 }  // namespace
-}  // namespace eses::fuzz
+}  // namespace eses::detail::fuzz
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
-  eses::fuzz::check(eses::fuzz::as_text(data, size));
+  eses::detail::fuzz::check(eses::detail::fuzz::as_text(data, size));
   return 0;
 }

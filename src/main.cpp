@@ -1,3 +1,3 @@
 #include "cli/command.hpp"
 
-int main(int argc, char** argv) { return eses::cli::run_command(argc, argv); }
+int main(int argc, char** argv) { return eses::detail::cli::run_command(argc, argv); }

@@ -13,8 +13,8 @@
 #include <utility>
 #include <vector>
 
-#include "eses/read_atoms.hpp"
-#include "eses/run.hpp"
+#include "compute/run.hpp"
+#include "support/atom_lists.hpp"
 
 namespace {
 
@@ -28,16 +28,16 @@ int main(int argc, char** argv) try {
     std::fputs("usage: print-block-costs FILE SPACING [BLOCK_SIZE]\n", stderr);
     return 2;
   }
-  std::vector<eses::Atom> atoms = eses::read_atoms(argv[1]);
+  std::vector<eses::Atom> atoms = eses::detail::test::read_atom_list(argv[1]);
   const double read = cpu_seconds();
-  const eses::Molecule molecule(std::move(atoms));
+  const eses::detail::Molecule molecule(std::move(atoms));
   const double prepared = cpu_seconds();
-  eses::Parameters parameters;
+  eses::detail::Parameters parameters;
   parameters.spacing = std::atof(argv[2]);
   parameters.margin = std::max(parameters.margin, parameters.spacing);
   if (argc > 3) parameters.block_size = std::atol(argv[3]);
   parameters.threads = 1;
-  const eses::Plan plan = make_plan(molecule, parameters, eses::OutputChoice::none());
+  const eses::detail::Plan plan = make_plan(molecule, parameters, eses::Outputs::none());
   const double planned = cpu_seconds();
   fmt::print("# read_seconds {:.6f}\n# molecule_seconds {:.6f}\n# plan_seconds {:.6f}\n", read,
              prepared - read, planned - prepared);
@@ -45,17 +45,18 @@ int main(int argc, char** argv) try {
   const auto& block_size = plan.tiling.block_size;
   fmt::print("# atoms {}\n# spacing {}\n# block_size {} {} {}\n# points {} {} {}\n# lower_z {}\n",
              molecule.atoms().size(), parameters.spacing, block_size[0], block_size[1],
-             block_size[2], size[0], size[1], size[2], plan.grid.lower.z);
+             block_size[2], size[0], size[1], size[2], plan.grid.origin.z);
   fmt::print("bx,by,bz,seconds,crossings\n");
   double solving = 0;
-  const auto print = [&](const eses::SolvedBlock& block) {
+  const auto print = [&](const eses::detail::SolvedBlock& block) {
     const auto& first = block.block().first;
     const auto index = [&](std::size_t axis) { return first[axis] / (block_size[axis] - 1); };
     solving += block.seconds();
     fmt::print("{},{},{},{:.9f},{}\n", index(0), index(1), index(2), block.seconds(),
                block.crossings().size());
   };
-  const eses::Summary summary = eses::compute(molecule, plan, {.progress = {}, .block = print});
+  const eses::Summary summary =
+      eses::detail::compute(molecule, plan, {.progress = {}, .block = print});
   const auto& seconds = summary.seconds;
   // With one thread, what remains is the sorting of atoms into clusters.
   fmt::print("# patches_seconds {:.6f}\n# clusters_seconds {:.6f}\n", seconds.patches,

@@ -5,4 +5,4 @@
 
 #include "simd/dispatch.hpp"
 
-int main() { std::printf("%d\n", static_cast<int>(eses::instruction_set())); }
+int main() { std::printf("%d\n", static_cast<int>(eses::detail::instruction_set())); }

@@ -22,20 +22,20 @@
 #include "support/instruction_sets.hpp"
 
 HWY_BEFORE_NAMESPACE();
-namespace eses::HWY_NAMESPACE {
+namespace eses::detail::HWY_NAMESPACE {
 void classify(const BlockGrid& grid, const BlockFeatures& features, ClassifyScratch& scratch,
               PointBits& inside);
 void intersect(const BlockGrid& grid, const BlockFeatures& features, const PointBits& inside,
                IntersectScratch& scratch, std::vector<Crossing>& crossings,
                std::vector<std::uint32_t>& row_begin);
-}  // namespace eses::HWY_NAMESPACE
+}  // namespace eses::detail::HWY_NAMESPACE
 HWY_AFTER_NAMESPACE();
 
 #if HWY_ONCE
-namespace eses::test {
+namespace eses::detail::test {
 namespace {
 
-using eses::Crossing;
+using eses::detail::Crossing;
 using Classify = void (*)(const BlockGrid&, const BlockFeatures&, ClassifyScratch&, PointBits&);
 using Intersect = void (*)(const BlockGrid&, const BlockFeatures&, const PointBits&,
                            IntersectScratch&, std::vector<Crossing>&, std::vector<std::uint32_t>&);
@@ -570,5 +570,5 @@ TEST_CASE("a point atom on a grid point is crossed there, outwards along each ed
   }
 }
 
-}  // namespace eses::test
+}  // namespace eses::detail::test
 #endif  // HWY_ONCE

@@ -8,7 +8,7 @@
 #include "support/atom_sets.hpp"
 #include "surface/cell_list.hpp"
 
-namespace eses::test {
+namespace eses::detail::test {
 namespace {
 
 enum class Radii { usual, zero, equal, some_large };
@@ -117,4 +117,4 @@ TEST_CASE("a cell list of no atoms finds none") {
   CHECK(found.empty());
 }
 
-}  // namespace eses::test
+}  // namespace eses::detail::test

@@ -32,7 +32,7 @@ namespace fs = std::filesystem;
 
 namespace {
 
-using namespace eses::test;
+using namespace eses::detail::test;
 
 const std::set<std::string> all_files{"bounding_box.txt", "grid_info.txt", "intersection_info.txt",
                                       "partition_area.txt"};
@@ -809,7 +809,7 @@ TEST_CASE("verify checks points and edges, and says how many", "[cli]") {
 }
 
 TEST_CASE("faults are an error: exit code, messages, and no numbers to take for right", "[cli]") {
-  using namespace eses;
+  using namespace eses::detail;
   cli::Report report;
   report.summary.area = 1;
   CHECK(cli::exit_code(report.summary) == 0);
@@ -846,11 +846,11 @@ TEST_CASE("JSON stays valid whatever the file names", "[cli]") {
 }
 
 TEST_CASE("JSON numbers are the shortest text that reads back, or null", "[cli]") {
-  eses::cli::Report report;
+  eses::detail::cli::Report report;
   report.options.parameters.spacing = 1;
   report.summary.area = 51756.72429763123;
   report.summary.volume = std::numeric_limits<double>::quiet_NaN();
-  const std::string text = eses::cli::json_text(report);
+  const std::string text = eses::detail::cli::json_text(report);
   CHECK(contains(text, "\"spacing\": 1, "));
   CHECK(contains(text, "\"area\": 51756.72429763123,\n"));
   CHECK(contains(text, "\"volume\": null,\n"));
@@ -946,12 +946,15 @@ TEST_CASE("a soft limit of the stack is raised, for all threads", "[cli]") {
     pthread_attr_init(&small);
     pthread_attr_setstacksize(&small, 128 << 10);
     pthread_setattr_default_np(&small);
-    eses::require_stack();
+    eses::detail::require_stack();
     getrlimit(RLIMIT_STACK, &limit);
     std::size_t of_threads = 0;
     pthread_getattr_default_np(&small);
     pthread_attr_getstacksize(&small, &of_threads);
-    _exit(limit.rlim_cur >= eses::min_stack_bytes && of_threads >= eses::min_stack_bytes ? 0 : 1);
+    _exit(limit.rlim_cur >= eses::detail::min_stack_bytes &&
+                  of_threads >= eses::detail::min_stack_bytes
+              ? 0
+              : 1);
   }
   int status = 0;
   waitpid(child, &status, 0);
@@ -960,7 +963,7 @@ TEST_CASE("a soft limit of the stack is raised, for all threads", "[cli]") {
 
 TEST_CASE("a signal ends a run in order: its exit code, and no file", "[cli]") {
   for (const int signal : {SIGINT, SIGTERM}) {
-    const eses::test::TemporaryDirectory directory;
+    const eses::detail::test::TemporaryDirectory directory;
     const auto input = directory.path() / "big.xyzr", output = directory.path() / "out";
     std::ofstream(input) << "0 0 0 200\n";
     const pid_t program = fork();

@@ -8,13 +8,13 @@
 #include <vector>
 
 #include "catch.hpp"
-#include "eses/run.hpp"
+#include "compute/run.hpp"
 #include "support/atom_sets.hpp"
 #include "support/brute_force.hpp"
 #include "support/eses_files.hpp"
 #include "support/temporary_directory.hpp"
 
-namespace eses::test {
+namespace eses::detail::test {
 namespace {
 
 using std::numbers::pi;
@@ -105,7 +105,7 @@ Measures three_spheres(double r, double side, double p) {
 
 Summary summary_of(const std::vector<Atom>& atoms, const Parameters& parameters) {
   const TemporaryDirectory directory;
-  const OutputChoice nothing{false, false, false, false};
+  const Outputs nothing{false, false, false, false};
   const Plan plan = make_plan(atoms, parameters, nothing);
   return run(atoms, plan, nothing, directory.path());
 }
@@ -221,7 +221,7 @@ TEST_CASE("atoms inside an atom change nothing") {
   more.push_back({alone[1].center + Vec3{0, 0.5, 0}, 0});
   more.push_back({alone[1].center + Vec3{0.1, 0, 0}, 1.2});
 
-  const OutputChoice all;
+  const Outputs all;
   const Parameters parameters;
   const TemporaryDirectory without, with;
   const Summary one = run(alone, make_plan(alone, parameters, all), all, without.path());
@@ -329,4 +329,4 @@ TEST_CASE("an atom of radius 0 on a grid point is a point") {
   CHECK(find_faults(atoms, parameters, result.files, result.summary).empty());
 }
 
-}  // namespace eses::test
+}  // namespace eses::detail::test

@@ -13,14 +13,14 @@
 #include "sweep/count_points.hpp"
 
 HWY_BEFORE_NAMESPACE();
-namespace eses::HWY_NAMESPACE {
+namespace eses::detail::HWY_NAMESPACE {
 void count_blocks(const BlockTiling& tiling, const Plane& below, const Layer& layer,
                   std::int64_t begin, std::int64_t end, PointCounts& counts);
-}  // namespace eses::HWY_NAMESPACE
+}  // namespace eses::detail::HWY_NAMESPACE
 HWY_AFTER_NAMESPACE();
 
 #if HWY_ONCE
-namespace eses::test {
+namespace eses::detail::test {
 namespace {
 
 using CountBlocks = void (*)(const BlockTiling&, const Plane&, const Layer&, std::int64_t,
@@ -192,5 +192,5 @@ TEST_CASE("points of a grid that is one point thick are counted, too") {
     }
 }
 
-}  // namespace eses::test
+}  // namespace eses::detail::test
 #endif  // HWY_ONCE

@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "catch.hpp"
-#include "eses/run.hpp"
+#include "compute/run.hpp"
 #include "solve/block_features.hpp"
 #include "support/all_patches.hpp"
 #include "support/atom_sets.hpp"
@@ -20,7 +20,7 @@
 #include "surface/neighbors.hpp"
 #include "verify/atom_cells.hpp"
 
-namespace eses::test {
+namespace eses::detail::test {
 namespace {
 
 constexpr double probe = 1.4;
@@ -269,4 +269,4 @@ TEST_CASE("a region far from a large atom needs patches only nearby", "[crowded]
   CHECK(surface.needs_patches(static_cast<AtomIndex>(atoms.size() - 1)));
 }
 
-}  // namespace eses::test
+}  // namespace eses::detail::test

@@ -17,10 +17,10 @@
 #include <vector>
 
 #include "catch.hpp"
+#include "compute/run.hpp"
 #include "diff/contact.hpp"
 #include "diff/ordered_edges.hpp"
 #include "eses/error.hpp"
-#include "eses/run.hpp"
 #include "support/atom_sets.hpp"
 #include "support/eses_files.hpp"
 #include "support/sandbox.hpp"
@@ -28,7 +28,7 @@
 
 namespace fs = std::filesystem;
 
-namespace eses::test {
+namespace eses::detail::test {
 namespace {
 
 constexpr char box_name[] = "bounding_box.txt";
@@ -965,4 +965,4 @@ TEST_CASE("diff: the JSON report holds what the text says", "[diff]") {
   check_json(pair.sandbox, Pair().diff({"--json"}).out, "r['same']", "True");
 }
 
-}  // namespace eses::test
+}  // namespace eses::detail::test

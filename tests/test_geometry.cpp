@@ -12,10 +12,10 @@
 #include "geometry/line_torus.hpp"
 #include "support/atom_sets.hpp"
 
-namespace eses::test {
+namespace eses::detail::test {
 namespace {
 
-using eses::SasSphere;
+using eses::detail::SasSphere;
 
 Vec3 random_point(Random& random, double half_side) {
   return {random.uniform(-half_side, half_side), random.uniform(-half_side, half_side),
@@ -249,4 +249,4 @@ TEST_CASE("every direction is within the covering radius of one of the set") {
   }
 }
 
-}  // namespace eses::test
+}  // namespace eses::detail::test

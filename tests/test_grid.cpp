@@ -12,14 +12,14 @@
 #include <vector>
 
 #include "catch.hpp"
+#include "compute/run.hpp"
 #include "eses/error.hpp"
-#include "eses/grid.hpp"
-#include "eses/run.hpp"
-#include "eses/tiling.hpp"
+#include "grid/make_grid.hpp"
+#include "grid/tiling.hpp"
 #include "plan/plan.hpp"
 #include "support/temporary_directory.hpp"
 
-namespace eses::test {
+namespace eses::detail::test {
 namespace {
 
 constexpr double infinity = std::numeric_limits<double>::infinity();
@@ -29,7 +29,6 @@ Grid grid_of_size(const GridIndex& size) {
   Grid grid;
   grid.spacing = 1;
   grid.size = size;
-  for (std::size_t q = 0; q < 3; ++q) grid.upper[q] = static_cast<double>(size[q] - 1);
   return grid;
 }
 
@@ -75,8 +74,8 @@ TEST_CASE("the grid of two atoms, worked out by hand") {
   const Grid grid = make_grid(atoms, 0.5, 1);
   CHECK(grid.spacing == 0.5);
   CHECK(grid.size == GridIndex{16, 11, 11});
-  CHECK(grid.lower == Vec3{-2, -2.5, -2.25});
-  CHECK(grid.upper == Vec3{5.5, 2.5, 2.75});
+  CHECK(grid.origin == Vec3{-2, -2.5, -2.25});
+  CHECK(grid.upper() == Vec3{5.5, 2.5, 2.75});
   CHECK(grid.point_count() == std::int64_t{16} * 11 * 11);
   CHECK(grid.coordinate(0, 3) == -0.5);
   CHECK(grid.coordinate(2, 10) == 2.75);
@@ -87,7 +86,7 @@ TEST_CASE("the number of points is truncated, not rounded") {
   const std::vector<Atom> atoms{{{0, 0, 0}, 1}};
   CHECK(make_grid(atoms, 0.75, 0.25).size == GridIndex{4, 4, 4});   // 2.5 / 0.75 = 3.33
   CHECK(make_grid(atoms, 0.75, 0.375).size == GridIndex{4, 4, 4});  // 2.75 / 0.75 = 3.67
-  CHECK(make_grid(atoms, 0.75, 0.375).upper == Vec3{0.875, 0.875, 0.875});
+  CHECK(make_grid(atoms, 0.75, 0.375).upper() == Vec3{0.875, 0.875, 0.875});
   CHECK(cut_depth(make_grid(atoms, 0.75, 0.375), sphere_bounds(atoms)) == 0.125);
 }
 
@@ -100,8 +99,8 @@ TEST_CASE("a grid that ESES made for atoms that reach this far") {
   const Grid grid = make_grid(atoms, 0.4, 0.8);
   CHECK(grid.size == GridIndex{81, 68, 81});
   const Vec3 lower{-5.497, -3.316, -9.622}, upper{26.503, 23.484, 22.378};
-  CHECK(norm(grid.lower - lower) < 1e-12);
-  CHECK(norm(grid.upper - upper) < 1e-12);
+  CHECK(norm(grid.origin - lower) < 1e-12);
+  CHECK(norm(grid.upper() - upper) < 1e-12);
 }
 
 TEST_CASE("the order of double operations is that of ESES") {
@@ -111,9 +110,9 @@ TEST_CASE("the order of double operations is that of ESES") {
   const Vec3 lower{0.1 - 1.7 - margin, 3.3 - 1.2 - margin, -31.3 - 1.7 - margin};
   const Vec3 upper{17.9 + 1.2 + margin, 12.7 + 1.7 + margin, 8.1 + 1.2 + margin};
   for (std::size_t q = 0; q < 3; ++q) {
-    CHECK(grid.lower[q] == lower[q]);
+    CHECK(grid.origin[q] == lower[q]);
     CHECK(grid.size[q] == static_cast<std::int64_t>((upper[q] - lower[q]) / spacing) + 1);
-    CHECK(grid.upper[q] == lower[q] + static_cast<double>(grid.size[q] - 1) * spacing);
+    CHECK(grid.upper()[q] == lower[q] + static_cast<double>(grid.size[q] - 1) * spacing);
   }
 }
 
@@ -294,7 +293,7 @@ TEST_CASE("a plan says what a run will do") {
 TEST_CASE("a run writes the chosen files, counts their bytes and leaves nothing else") {
   const std::vector<Atom> atoms{{{0, 0, 0}, 1.5}};
   const Parameters parameters;
-  const OutputChoice outputs{true, false, true, false};
+  const Outputs outputs{true, false, true, false};
   const TemporaryDirectory directory;
   const auto into = directory.path() / "made" / "on the way";
   const Summary summary = run(atoms, make_plan(atoms, parameters, outputs), outputs, into);
@@ -436,4 +435,4 @@ TEST_CASE("a plan refuses a margin so small that the grid cuts the surface") {
   }
 }
 
-}  // namespace eses::test
+}  // namespace eses::detail::test

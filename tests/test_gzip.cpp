@@ -9,13 +9,13 @@
 #include <string>
 
 #include "catch.hpp"
+#include "compute/run.hpp"
 #include "diff/compare_directories.hpp"
-#include "eses/run.hpp"
 #include "support/atom_sets.hpp"
 #include "support/eses_files.hpp"
 #include "support/temporary_directory.hpp"
 
-namespace eses::test {
+namespace eses::detail::test {
 namespace {
 
 using Files = std::map<std::string, std::string>;
@@ -64,14 +64,14 @@ Files files_in(const std::filesystem::path& directory) {
   return files;
 }
 
-OutputChoice choice(bool gzip) {
-  OutputChoice outputs;
+Outputs choice(bool gzip) {
+  Outputs outputs;
   outputs.gzip = gzip;
   return outputs;
 }
 
 Summary run_into(const std::filesystem::path& directory, const std::vector<Atom>& atoms,
-                 const Parameters& parameters, const OutputChoice& outputs) {
+                 const Parameters& parameters, const Outputs& outputs) {
   return run(atoms, make_plan(atoms, parameters, outputs), outputs, directory);
 }
 
@@ -131,7 +131,7 @@ TEST_CASE("a file is there plain or gzipped, whichever was written last", "[gzip
     return all;
   };
   run_into(directory.path(), atoms, {}, choice(false));
-  OutputChoice edges{.box = true, .grid = false, .edges = true, .areas = false, .gzip = true};
+  Outputs edges{.box = true, .grid = false, .edges = true, .areas = false, .gzip = true};
   run_into(directory.path(), atoms, {}, edges);
   CHECK(names() ==
         "bounding_box.txt.gz grid_info.txt intersection_info.txt.gz partition_area.txt ");
@@ -153,4 +153,4 @@ TEST_CASE("a file without a line is a gzip file all the same", "[gzip]") {
   CHECK(count_members(read_bytes(directory.path() / "intersection_info.txt.gz")) == 1);
 }
 
-}  // namespace eses::test
+}  // namespace eses::detail::test

@@ -17,7 +17,7 @@
 #include "support/eses_files.hpp"
 #include "support/temporary_directory.hpp"
 
-namespace eses::test {
+namespace eses::detail::test {
 namespace {
 
 constexpr std::array names{"baseline", "sse4", "avx2", "avx512"};
@@ -86,4 +86,4 @@ TEST_CASE("the files do not depend on the instruction set") {
     }
 }
 
-}  // namespace eses::test
+}  // namespace eses::detail::test

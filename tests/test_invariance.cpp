@@ -6,13 +6,13 @@
 #include <vector>
 
 #include "catch.hpp"
-#include "eses/run.hpp"
+#include "compute/run.hpp"
 #include "support/atom_sets.hpp"
 #include "support/brute_force.hpp"
 #include "support/eses_files.hpp"
 #include "support/temporary_directory.hpp"
 
-namespace eses::test {
+namespace eses::detail::test {
 namespace {
 
 using FileBytes = std::array<std::string, 4>;
@@ -24,7 +24,7 @@ struct Outcome {
 
 Outcome outcome_of(const std::vector<Atom>& atoms, const Parameters& parameters) {
   const TemporaryDirectory directory;
-  const OutputChoice all;
+  const Outputs all;
   Outcome outcome;
   outcome.summary = run(atoms, make_plan(atoms, parameters, all), all, directory.path());
   for (std::size_t f = 0; f < outcome.files.size(); ++f)
@@ -159,4 +159,4 @@ TEST_CASE("atoms larger than 2 angstrom reach into the blocks that they matter t
   }
 }
 
-}  // namespace eses::test
+}  // namespace eses::detail::test

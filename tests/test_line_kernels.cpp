@@ -22,7 +22,7 @@
 // What the versions and the tests hand each other, once for all instruction sets.
 #ifndef ESES_TEST_LINE_KERNELS_SHARED_
 #define ESES_TEST_LINE_KERNELS_SHARED_
-namespace eses::test {
+namespace eses::detail::test {
 
 struct Tube {
   Vec3 axis;
@@ -74,13 +74,13 @@ struct SaddleHit {
   Vec3 normal;
 };
 
-}  // namespace eses::test
+}  // namespace eses::detail::test
 #endif  // ESES_TEST_LINE_KERNELS_SHARED_
 
 HWY_BEFORE_NAMESPACE();
-namespace eses::test::HWY_NAMESPACE {
+namespace eses::detail::test::HWY_NAMESPACE {
 namespace hn = hwy::HWY_NAMESPACE;
-namespace kernel = eses::HWY_NAMESPACE;
+namespace kernel = eses::detail::HWY_NAMESPACE;
 
 template <std::size_t axis>
 void find_exits_along(const Tube& tube, const Lines& lines, double low, double high,
@@ -140,11 +140,11 @@ void meet_saddle(const ArcFeature& arc, double probe, double length, std::size_t
   if (axis == 2) kernel::meet_saddle<2>(arc, probe, length, batch, found);
 }
 
-}  // namespace eses::test::HWY_NAMESPACE
+}  // namespace eses::detail::test::HWY_NAMESPACE
 HWY_AFTER_NAMESPACE();
 
 #if HWY_ONCE
-namespace eses::test {
+namespace eses::detail::test {
 namespace {
 
 using FindExits = void (*)(const Tube&, const Lines&, double, double, LineExits&);
@@ -305,7 +305,7 @@ BlockGrid make_block_grid(double spacing, const GridIndex& first, const GridInde
                           const GridIndex& owned) {
   Grid grid;
   grid.spacing = spacing;
-  grid.lower = {-4, -3.7, -5.01};
+  grid.origin = {-4, -3.7, -5.01};
   BlockGrid block;
   block.reset(grid, {first, points, owned});
   return block;
@@ -416,7 +416,7 @@ TEST_CASE("grid lines meet a sphere among grid points, also where they touch it"
   const double spacing = 0.25;
   Grid grid;
   grid.spacing = spacing;
-  grid.lower = {-4, -4, -4};
+  grid.origin = {-4, -4, -4};
   BlockGrid block;
   block.reset(grid, {{0, 0, 0}, {33, 33, 33}, {33, 33, 33}});
   // Lines that pass it by a little meet it, those that pass it by more do not.
@@ -631,5 +631,5 @@ TEST_CASE("edges cross a saddle where they leave the tube between its atoms and 
   });
 }
 
-}  // namespace eses::test
+}  // namespace eses::detail::test
 #endif  // HWY_ONCE

@@ -9,8 +9,8 @@
 #include <vector>
 
 #include "catch.hpp"
+#include "compute/run.hpp"
 #include "eses/error.hpp"
-#include "eses/run.hpp"
 #include "output/inside_map.hpp"
 #include "output/output_directory.hpp"
 #include "output/output_file.hpp"
@@ -18,7 +18,7 @@
 #include "support/eses_files.hpp"
 #include "support/temporary_directory.hpp"
 
-namespace eses::test {
+namespace eses::detail::test {
 namespace {
 
 /// A map as a program sees it: where its points stand, and what it has there.
@@ -142,7 +142,7 @@ ReadMap parse(const std::string& name, const std::string& text) {
 std::string map_of(const std::vector<Atom>& atoms, const Parameters& parameters,
                    const std::string& name) {
   const TemporaryDirectory directory;
-  OutputChoice outputs = OutputChoice::none();
+  Outputs outputs = Outputs::none();
   outputs.inside_map = name;
   const Plan plan = make_plan(atoms, parameters, outputs);
   const Summary summary = run(atoms, plan, outputs, directory.path());
@@ -254,7 +254,7 @@ TEST_CASE("rows of a map come in any order, and are turned in several pieces", "
 TEST_CASE("a run with a map that is ended at any moment leaves nothing", "[maps]") {
   const TemporaryDirectory directory;
   const std::vector<Atom> atoms = make_chain(30, 4);
-  OutputChoice outputs;
+  Outputs outputs;
   outputs.inside_map = "map.dx";
   Parameters parameters;
   parameters.threads = 1;
@@ -277,7 +277,7 @@ TEST_CASE("a run with a map that is ended at any moment leaves nothing", "[maps]
 
 TEST_CASE("a map's name tells its format", "[maps]") {
   const std::vector<Atom> atoms{{{0, 0, 0}, 1.5}};
-  OutputChoice outputs;
+  Outputs outputs;
   for (const std::string name : {"map", "map.DX", "dx", "map.dx.gz"}) {
     outputs.inside_map = name;
     CHECK_THROWS_AS(make_plan(atoms, {}, outputs), Error);
@@ -297,4 +297,4 @@ TEST_CASE("what a killed run has left of a map goes with the next run", "[maps]"
   CHECK(std::filesystem::exists(directory.path() / ".old.png.123.part"));
 }
 
-}  // namespace eses::test
+}  // namespace eses::detail::test

@@ -14,9 +14,9 @@
 #include <vector>
 
 #include "catch.hpp"
+#include "compute/run.hpp"
 #include "eses/error.hpp"
 #include "eses/read_atoms.hpp"
-#include "eses/run.hpp"
 #include "mesh/case_table.hpp"
 #include "mesh/mesh_writer.hpp"
 #include "mesh/triangulate.hpp"
@@ -27,7 +27,7 @@
 #include "support/sandbox.hpp"
 #include "support/temporary_directory.hpp"
 
-namespace eses::test {
+namespace eses::detail::test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -183,8 +183,8 @@ struct MeshRun {
 
 MeshRun run_mesh(const std::vector<Atom>& atoms, const Parameters& parameters) {
   const TemporaryDirectory directory;
-  OutputChoice outputs;
-  outputs.mesh = MeshChoice{directory.path() / "mesh.ply"};
+  Outputs outputs;
+  outputs.mesh = MeshOptions{directory.path() / "mesh.ply"};
   MeshRun result;
   result.summary = run(atoms, make_plan(atoms, parameters, outputs), outputs, directory.path());
   result.mesh = read_mesh(directory.path() / "mesh.ply");
@@ -199,10 +199,10 @@ void check_no_faults(const Mesh& mesh) {
 }
 
 std::string bytes_of_mesh(const std::vector<Atom>& atoms, const Parameters& parameters,
-                          MeshChoice choice) {
+                          MeshOptions choice) {
   const TemporaryDirectory directory;
   choice.file = directory.path() / choice.file;
-  OutputChoice none = OutputChoice::none();
+  Outputs none = Outputs::none();
   none.mesh = choice;
   run(atoms, make_plan(atoms, parameters, none), none, directory.path());
   return read_bytes(choice.file);
@@ -455,8 +455,8 @@ TEST_CASE("mesh: it is open where the grid cuts the molecule, and nowhere else",
 TEST_CASE("mesh: its size is estimated", "[mesh]") {
   const std::vector<Atom> atoms = make_chain(200, 5);
   for (const char* name : {"a.ply", "a.obj", "a.off"}) {
-    OutputChoice outputs;
-    outputs.mesh = MeshChoice{name};
+    Outputs outputs;
+    outputs.mesh = MeshOptions{name};
     const Plan plan = make_plan(atoms, {}, outputs);
     const double ratio = static_cast<double>(plan.mesh_file_bytes) /
                          static_cast<double>(bytes_of_mesh(atoms, {}, *outputs.mesh).size());
@@ -474,7 +474,7 @@ TEST_CASE("mesh: threads and block size leave no trace", "[mesh]") {
     Parameters parameters;
     parameters.threads = 1;
     parameters.block_size = 64;
-    const MeshChoice choice{name};
+    const MeshOptions choice{name};
     const std::string reference = bytes_of_mesh(atoms, parameters, choice);
     REQUIRE(reference.size() > 10000);
     for (const int threads : {1, 3})
@@ -493,8 +493,8 @@ TEST_CASE("mesh: the formats hold the same", "[mesh]") {
   const TemporaryDirectory directory;
   std::vector<Mesh> meshes;
   for (const char* name : {"a.ply", "a.obj", "a.off"}) {
-    OutputChoice outputs = OutputChoice::none();
-    outputs.mesh = MeshChoice{directory.path() / name};
+    Outputs outputs = Outputs::none();
+    outputs.mesh = MeshOptions{directory.path() / name};
     const Summary summary = run(atoms, make_plan(atoms, {}, outputs), outputs, directory.path());
     CHECK(summary.bytes_written == fs::file_size(directory.path() / name));
     meshes.push_back(read_mesh(directory.path() / name));
@@ -513,7 +513,7 @@ TEST_CASE("mesh: the formats hold the same", "[mesh]") {
 }
 
 TEST_CASE("mesh: chains, residues and colours", "[mesh]") {
-  const NumberedAtoms read = parse_numbered_atoms(
+  const AtomFile read = parse_atoms(
       "ATOM 1 N ALA B 52A 0.0 0.0 0.0 0.0 1.5\n"
       "ATOM 2 C ALA B 52A 1.5 0.0 0.0 0.0 1.7\n"
       "ATOM 3 N GLY A 1 6.0 0.0 0.0 0.0 1.5\n"
@@ -523,8 +523,8 @@ TEST_CASE("mesh: chains, residues and colours", "[mesh]") {
   const std::vector<std::uint32_t> chains{0, 0, 1, 0}, residues{0, 0, 1, 2};
   const TemporaryDirectory directory;
   const auto mesh_in = [&](MeshColor color) {
-    OutputChoice outputs;
-    outputs.mesh = MeshChoice{directory.path() / "a.ply", color};
+    Outputs outputs;
+    outputs.mesh = MeshOptions{directory.path() / "a.ply", color};
     run(molecule, make_plan(molecule, {}, outputs), outputs, directory.path());
     return read_mesh(directory.path() / "a.ply");
   };
@@ -597,10 +597,10 @@ TEST_CASE("mesh: what cannot be is refused", "[mesh]") {
   CHECK_NOTHROW(mesh::require_numbers(2147483647));
   CHECK_THROWS_AS(mesh::require_numbers(2147483648), Error);
   const std::vector<Atom> atoms{{{0, 0, 0}, 1.5}};
-  OutputChoice outputs;
-  outputs.mesh = MeshChoice{"a.stl"};
+  Outputs outputs;
+  outputs.mesh = MeshOptions{"a.stl"};
   CHECK_THROWS_AS(make_plan(atoms, {}, outputs), Error);
-  outputs.mesh = MeshChoice{"a.ply", MeshColor::chain};
+  outputs.mesh = MeshOptions{"a.ply", MeshColor::chain};
   CHECK_THROWS_AS(make_plan(atoms, {}, outputs), Error);
   for (const char* name : {"a.ply", "b/a.PLY", "a.b.Ply"})
     CHECK(mesh_format(name) == MeshFormat::ply);
@@ -782,4 +782,4 @@ TEST_CASE("mesh: a dry run refuses places that cannot be written, and makes none
   CHECK_FALSE(fs::exists(sandbox.directory() / "other"));
 }
 
-}  // namespace eses::test
+}  // namespace eses::detail::test

@@ -7,13 +7,13 @@
 #include <vector>
 
 #include "catch.hpp"
-#include "eses/run.hpp"
+#include "compute/run.hpp"
 #include "support/atom_sets.hpp"
 #include "support/eses_files.hpp"
 #include "support/mesh_files.hpp"
 #include "support/temporary_directory.hpp"
 
-namespace eses::test {
+namespace eses::detail::test {
 namespace {
 
 /// Position, normal, patch and atom.
@@ -51,9 +51,9 @@ struct PartRun {
 
 PartRun run_part(const std::vector<Atom>& atoms, const Parameters& parameters, bool with_mesh) {
   const TemporaryDirectory directory;
-  OutputChoice outputs;
+  Outputs outputs;
   outputs.inside_map = "inside.vti";
-  if (with_mesh) outputs.mesh = MeshChoice{directory.path() / "mesh.ply"};
+  if (with_mesh) outputs.mesh = MeshOptions{directory.path() / "mesh.ply"};
   PartRun result;
   result.summary = run(atoms, make_plan(atoms, parameters, outputs), outputs, directory.path());
   for (const char* name : eses_file_names)
@@ -179,11 +179,11 @@ TEST_CASE("mesh: of a part it is the same at any block size and number of thread
   const std::vector<Atom> atoms = make_chain(120, 32);
   Parameters parameters;
   const Grid grid = make_plan(atoms, parameters, {}).grid;
-  parameters.region = RegionBox{grid.lower + Vec3{3, 4, 2.5}, grid.upper - Vec3{5, 3, 6}};
+  parameters.region = RegionBox{grid.origin + Vec3{3, 4, 2.5}, grid.upper() - Vec3{5, 3, 6}};
   const auto bytes = [&] {
     const TemporaryDirectory directory;
-    OutputChoice outputs = OutputChoice::none();
-    outputs.mesh = MeshChoice{directory.path() / "mesh.ply"};
+    Outputs outputs = Outputs::none();
+    outputs.mesh = MeshOptions{directory.path() / "mesh.ply"};
     run(atoms, make_plan(atoms, parameters, outputs), outputs, directory.path());
     return read_bytes(directory.path() / "mesh.ply");
   };
@@ -199,4 +199,4 @@ TEST_CASE("mesh: of a part it is the same at any block size and number of thread
     }
 }
 
-}  // namespace eses::test
+}  // namespace eses::detail::test

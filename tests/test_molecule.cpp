@@ -13,16 +13,16 @@
 #include <vector>
 
 #include "catch.hpp"
+#include "compute/run.hpp"
 #include "eses/error.hpp"
-#include "eses/molecule.hpp"
-#include "eses/run.hpp"
 #include "geometry/tolerances.hpp"
 #include "support/atom_sets.hpp"
 #include "surface/atom_loops.hpp"
 #include "surface/atom_slices.hpp"
+#include "surface/molecule.hpp"
 #include "surface/neighbors.hpp"
 
-namespace eses::test {
+namespace eses::detail::test {
 namespace {
 
 constexpr AtomIndex none = std::numeric_limits<AtomIndex>::max();
@@ -71,7 +71,7 @@ ScatteredSets scatter_sets(std::span<const Kind> kinds, std::size_t least_atoms)
 }
 
 struct Findings {
-  std::vector<Oddity> oddities;
+  std::vector<Diagnostic> oddities;
   std::vector<bool> is_contained;
 };
 
@@ -89,12 +89,12 @@ class Definition {
   Findings find() const {
     Findings findings;
     const auto count = static_cast<AtomIndex>(sets_.atoms.size());
-    for (std::size_t kind = 0; kind < oddity_kinds; ++kind) {
-      Oddity oddity{static_cast<OddityKind>(kind), 0, {}};
+    for (std::size_t kind = 0; kind < diagnostic_kinds; ++kind) {
+      Diagnostic oddity{static_cast<DiagnosticKind>(kind), 0, {}};
       for (AtomIndex i = 0; i < count; ++i) {
         const AtomIndex other = other_of(oddity.kind, i);
         if (other == none || !is_own_(sets_.atoms[i])) continue;
-        if (oddity.count++ < Oddity::most_examples) oddity.examples.push_back({i, other});
+        if (oddity.count++ < Diagnostic::max_examples) oddity.examples.push_back({i, other});
       }
       if (oddity.count > 0) findings.oddities.push_back(std::move(oddity));
     }
@@ -150,22 +150,22 @@ class Definition {
     return outer.empty() ? none : outer.front();
   }
 
-  AtomIndex other_of(OddityKind kind, AtomIndex i) const {
+  AtomIndex other_of(DiagnosticKind kind, AtomIndex i) const {
     const double radius = sets_.atoms[i].radius;
     switch (kind) {
-      case OddityKind::duplicate:
+      case DiagnosticKind::duplicate:
         return is_repeated(i) ? first_equal_[i] : none;
-      case OddityKind::close:
+      case DiagnosticKind::close:
         return first_close(i);
-      case OddityKind::nested:
+      case DiagnosticKind::nested:
         return radius > 1.4 ? first_outer(i) : none;
-      case OddityKind::large_radius:
+      case DiagnosticKind::large_radius:
         return radius > 4 ? i : none;
-      case OddityKind::small_radii:  // some are larger
+      case DiagnosticKind::small_radii:  // some are larger
         return none;
-      case OddityKind::zero_radius:
+      case DiagnosticKind::zero_radius:
         return radius == 0 ? i : none;
-      case OddityKind::nested_usual:
+      case DiagnosticKind::nested_usual:
         return radius <= 1.4 ? first_outer(i) : none;
     }
     return none;
@@ -187,10 +187,11 @@ class Definition {
   std::vector<AtomIndex> first_equal_;
 };
 
-auto comparable(std::span<const Oddity> oddities) {
-  std::vector<std::tuple<OddityKind, std::uint64_t, std::vector<std::pair<AtomIndex, AtomIndex>>>>
+auto comparable(std::span<const Diagnostic> oddities) {
+  std::vector<
+      std::tuple<DiagnosticKind, std::uint64_t, std::vector<std::pair<AtomIndex, AtomIndex>>>>
       result;
-  for (const Oddity& oddity : oddities) {
+  for (const Diagnostic& oddity : oddities) {
     result.push_back({oddity.kind, oddity.count, {}});
     for (const auto& [atom, other] : oddity.examples)
       std::get<2>(result.back()).emplace_back(atom, other);
@@ -239,7 +240,7 @@ void check_molecules(const ScatteredSets& sets, const Ownership& is_own) {
   for (const int threads : {1, 2, 3, 7, 0}) {
     INFO(threads << " threads");
     const Molecule molecule = Molecule::part(sets.atoms, is_own, threads);
-    CHECK(comparable(molecule.oddities()) == comparable(expected.oddities));
+    CHECK(comparable(molecule.diagnostics()) == comparable(expected.oddities));
     CHECK(count_differences(molecule, expected.is_contained) == 0);
     const auto found = find_neighbours(molecule.tree(), sets.atoms);
     CHECK((sorted(found) == neighbours));
@@ -277,13 +278,13 @@ TEST_CASE("radii that are all small are told with any number of threads", "[mole
     for (const int threads : {1, 2, 7}) {
       const Molecule molecule(atoms, {}, threads);
       if (is_last_large) {
-        CHECK(molecule.oddities().empty());
+        CHECK(molecule.diagnostics().empty());
         continue;
       }
-      REQUIRE(molecule.oddities().size() == 1);
-      CHECK(molecule.oddities()[0].kind == OddityKind::small_radii);
-      CHECK(molecule.oddities()[0].count == atoms.size());
-      CHECK(molecule.oddities()[0].examples.back().atom == Oddity::most_examples - 1);
+      REQUIRE(molecule.diagnostics().size() == 1);
+      CHECK(molecule.diagnostics()[0].kind == DiagnosticKind::small_radii);
+      CHECK(molecule.diagnostics()[0].count == atoms.size());
+      CHECK(molecule.diagnostics()[0].examples.back().atom == Diagnostic::max_examples - 1);
     }
   }
 }
@@ -340,15 +341,15 @@ TEST_CASE("a tree finds the same in any number of slices", "[molecule]") {
 TEST_CASE("a molecule of one place has one slice, and one of no atoms has nothing", "[molecule]") {
   const std::vector<Atom> atoms(200'000, {{1, 2, 3}, 1.5});
   const Molecule molecule(atoms, {}, 3);
-  REQUIRE(molecule.oddities().size() == 1);
-  CHECK(molecule.oddities()[0].count == atoms.size() - 1);
+  REQUIRE(molecule.diagnostics().size() == 1);
+  CHECK(molecule.diagnostics()[0].count == atoms.size() - 1);
   CHECK_FALSE(molecule.is_contained(0));
   CHECK(molecule.is_contained(1));
   std::vector<AtomIndex> found;
   molecule.tree().find_within({1, 2, 3}, 1, found);
   CHECK(found == std::vector<AtomIndex>{0});
   const Molecule nothing(std::vector<Atom>(), {}, 3);
-  CHECK(nothing.oddities().empty());
+  CHECK(nothing.diagnostics().empty());
   nothing.tree().find_within({1, 2, 3}, 1, found);
   CHECK(found.empty());
 }
@@ -391,4 +392,4 @@ TEST_CASE("a molecule cannot be made by less than no threads", "[molecule]") {
   CHECK_THROWS_AS(Molecule({{{0, 0, 0}, 1}}, {}, -1), Error);
 }
 
-}  // namespace eses::test
+}  // namespace eses::detail::test

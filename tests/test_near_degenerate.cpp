@@ -24,7 +24,7 @@
 #include "support/brute_force.hpp"
 #include "support/near_degenerate.hpp"
 
-namespace eses::test {
+namespace eses::detail::test {
 namespace {
 
 using Real = long double;
@@ -217,12 +217,12 @@ TEST_CASE("near-degenerate: an atom almost in another's place changes nothing", 
   const std::vector<Atom> three{{{0, 0, 0}, 1.7}, {{3, 0, 0}, 1.7}, {{1.5, 2.6, 0}, 1.7}};
   Parameters parameters;
   parameters.spacing = 0.2;
-  const Summary expected = compute(three, make_plan(three, parameters, OutputChoice::none()));
+  const Summary expected = compute(three, make_plan(three, parameters, Outputs::none()));
   for (const double offset : {1e-12, 1e-10, 1e-9, 1.1e-9, 1e-8, 1e-7}) {
     INFO("offset " << offset);
     std::vector<Atom> four = three;
     four.push_back({{offset, 0, 0}, 1.7});
-    const Summary found = compute(four, make_plan(four, parameters, OutputChoice::none()));
+    const Summary found = compute(four, make_plan(four, parameters, Outputs::none()));
     CHECK(found.area == Catch::Approx(expected.area).epsilon(1e-6));
     CHECK(found.inside_points == expected.inside_points);
     check_files(four, coarse_parameters(1.4));
@@ -267,7 +267,7 @@ TEST_CASE("near-degenerate: points on the axis of two atoms verify") {
     Parameters parameters;
     parameters.spacing = 0.3;
     parameters.verify = 20'000;
-    const Plan plan = make_plan(atoms, parameters, OutputChoice::none());
+    const Plan plan = make_plan(atoms, parameters, Outputs::none());
     const Summary summary = compute(atoms, plan);
     REQUIRE(summary.verification);
     CHECK(summary.verification->faults.empty());
@@ -282,15 +282,15 @@ TEST_CASE("near-degenerate: a probe radius at its lower bound") {
       atom.radius *= 0.02;
     }
     Parameters parameters;
-    parameters.probe_radius = least_probe_radius;
+    parameters.probe_radius = min_probe_radius;
     parameters.spacing = 0.008;
     parameters.margin = 0.02;
     check_files(atoms, parameters);
   }
   Parameters parameters;
-  parameters.probe_radius = 0.99 * least_probe_radius;
+  parameters.probe_radius = 0.99 * min_probe_radius;
   const std::vector<Atom> atom{{{0, 0, 0}, 1}};
-  CHECK_THROWS_AS(make_plan(atom, parameters, OutputChoice::none()), Error);
+  CHECK_THROWS_AS(make_plan(atom, parameters, Outputs::none()), Error);
 }
 
-}  // namespace eses::test
+}  // namespace eses::detail::test

@@ -19,13 +19,13 @@
 #include "support/instruction_sets.hpp"
 
 HWY_BEFORE_NAMESPACE();
-namespace eses::HWY_NAMESPACE {
+namespace eses::detail::HWY_NAMESPACE {
 void make_digits(NumberBatch& batch);
-}  // namespace eses::HWY_NAMESPACE
+}  // namespace eses::detail::HWY_NAMESPACE
 HWY_AFTER_NAMESPACE();
 
 #if HWY_ONCE
-namespace eses::test {
+namespace eses::detail::test {
 namespace {
 
 using MakeDigits = void (*)(NumberBatch&);
@@ -168,5 +168,5 @@ TEST_CASE("few numbers of the usual size need the slow way") {
   });
 }
 
-}  // namespace eses::test
+}  // namespace eses::detail::test
 #endif  // HWY_ONCE

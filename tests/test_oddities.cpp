@@ -7,22 +7,24 @@
 #include <vector>
 
 #include "catch.hpp"
-#include "eses/molecule.hpp"
-#include "eses/read_atoms.hpp"
+#include "support/atom_lists.hpp"
+#include "surface/molecule.hpp"
 
-namespace eses::test {
+namespace eses::detail::test {
 namespace {
 
-using Kind = OddityKind;
+using Kind = DiagnosticKind;
 using Counts = std::vector<std::pair<Kind, std::uint64_t>>;
 
-Counts counts_of(std::span<const Oddity> oddities) {
+Counts counts_of(std::span<const Diagnostic> oddities) {
   Counts counts;
-  for (const Oddity& oddity : oddities) counts.emplace_back(oddity.kind, oddity.count);
+  for (const Diagnostic& oddity : oddities) counts.emplace_back(oddity.kind, oddity.count);
   return counts;
 }
 
-Counts oddities_of(const std::vector<Atom>& atoms) { return counts_of(Molecule(atoms).oddities()); }
+Counts oddities_of(const std::vector<Atom>& atoms) {
+  return counts_of(Molecule(atoms).diagnostics());
+}
 
 }  // namespace
 
@@ -31,13 +33,13 @@ TEST_CASE("atoms in order are not odd", "[oddities]") {
   CHECK(oddities_of({{{0, 0, 0}, 1.7}, {{1.2, 0, 0}, 1.2}, {{0, 0.5, 0}, 1.7}}).empty());
   for (const std::string name : {"1ubq.xyzr", "1a0q.xyzr", "achbp.xyzr", "c60.xyzr", "mache.pqr"}) {
     INFO(name);
-    CHECK(oddities_of(read_atoms(std::string(ESES_DATA) + "/" + name)).empty());
+    CHECK(oddities_of(read_atom_list(std::string(ESES_DATA) + "/" + name)).empty());
   }
 }
 
 TEST_CASE("duplicates are counted once each, and name the first", "[oddities]") {
   const Molecule molecule({{{1, 2, 3}, 1.5}, {{9, 9, 9}, 1.5}, {{1, 2, 3}, 1.5}, {{1, 2, 3}, 1.5}});
-  const std::span<const Oddity> found = molecule.oddities();
+  const std::span<const Diagnostic> found = molecule.diagnostics();
   REQUIRE(counts_of(found) == Counts{{Kind::duplicate, 2}});
   REQUIRE(found[0].examples.size() == 2);
   CHECK(found[0].examples[0].atom == 2);
@@ -79,17 +81,17 @@ TEST_CASE("radii that no atom has, or only in nanometres", "[oddities]") {
 TEST_CASE("of many only the first five are shown", "[oddities]") {
   // So many that it would take an hour if each looked at each.
   const Molecule molecule(std::vector<Atom>(1'000'000, {{0, 0, 0}, 1.5}));
-  const std::span<const Oddity> found = molecule.oddities();
+  const std::span<const Diagnostic> found = molecule.diagnostics();
   REQUIRE(counts_of(found) == Counts{{Kind::duplicate, 999'999}});
   CHECK(found[0].examples.size() == 5);
   CHECK(found[0].examples.back().atom == 5);
 }
 
 TEST_CASE("atoms are read with the lines on which they stand", "[read_atoms][oddities]") {
-  const NumberedAtoms read =
-      parse_numbered_atoms("# x\n\n0 0 0 1\r\n\r\n1 0 0 1\n#\n2 0 0 1", AtomFormat::xyzr, "t");
+  const AtomFile read =
+      parse_atoms("# x\n\n0 0 0 1\r\n\r\n1 0 0 1\n#\n2 0 0 1", AtomFormat::xyzr, "t");
   CHECK(read.atoms.size() == 3);
   CHECK(read.lines == std::vector<std::uint64_t>{3, 5, 7});
 }
 
-}  // namespace eses::test
+}  // namespace eses::detail::test

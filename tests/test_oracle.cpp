@@ -18,13 +18,13 @@
 #include <vector>
 
 #include "catch.hpp"
-#include "eses/run.hpp"
+#include "compute/run.hpp"
 #include "support/atom_sets.hpp"
 #include "support/brute_force.hpp"
 #include "support/eses_files.hpp"
 #include "support/temporary_directory.hpp"
 
-namespace eses::test {
+namespace eses::detail::test {
 namespace {
 
 std::uint64_t sets_of_each_kind() {
@@ -446,4 +446,4 @@ TEST_CASE("the reader of results accepts nothing but the format") {
   CHECK_FALSE(is_read(3, "0\n"));
 }
 
-}  // namespace eses::test
+}  // namespace eses::detail::test

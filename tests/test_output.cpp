@@ -14,8 +14,8 @@
 #include <string>
 
 #include "catch.hpp"
+#include "compute/run.hpp"
 #include "eses/error.hpp"
-#include "eses/run.hpp"
 #include "io/number_text.hpp"
 #include "output/output_file.hpp"
 #include "output/scratch_file.hpp"
@@ -25,7 +25,7 @@
 #include "support/temporary_directory.hpp"
 #include "system/parallel.hpp"
 
-namespace eses::test {
+namespace eses::detail::test {
 namespace {
 
 std::string ours(double value) {
@@ -50,7 +50,7 @@ std::vector<std::string> names_in(const std::filesystem::path& directory) {
   return names;
 }
 
-Summary run_chain(const std::filesystem::path& directory, const OutputChoice& outputs = {}) {
+Summary run_chain(const std::filesystem::path& directory, const Outputs& outputs = {}) {
   const std::vector<Atom> atoms = make_chain(60, 5);
   Parameters parameters;
   parameters.threads = 2;
@@ -152,8 +152,8 @@ TEST_CASE("a library's run does not replace a device, FIFO or socket") {
     CHECK(names_in(out).size() == 1);
     std::filesystem::remove_all(out);
     std::filesystem::create_symlink(file, link);
-    OutputChoice outputs = OutputChoice::none();
-    outputs.mesh = MeshChoice{link};
+    Outputs outputs = Outputs::none();
+    outputs.mesh = MeshOptions{link};
     const std::vector<Atom> atoms{{{0, 0, 0}, 1.5}};
     CHECK_THROWS_AS(run(atoms, make_plan(atoms, {}, outputs), outputs, out), Error);
     CHECK_FALSE(std::filesystem::is_regular_file(link));
@@ -248,4 +248,4 @@ TEST_CASE("only the chosen files are written, and they are the same") {
   }
 }
 
-}  // namespace eses::test
+}  // namespace eses::detail::test

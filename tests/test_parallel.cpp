@@ -8,8 +8,8 @@
 #include <vector>
 
 #include "catch.hpp"
+#include "compute/run.hpp"
 #include "eses/error.hpp"
-#include "eses/run.hpp"
 #include "output/ordered_output.hpp"
 #include "output/output_file.hpp"
 #include "support/atom_sets.hpp"
@@ -17,7 +17,7 @@
 #include "support/temporary_directory.hpp"
 #include "system/parallel.hpp"
 
-namespace eses::test {
+namespace eses::detail::test {
 
 TEST_CASE("a parallel loop visits every index once") {
   for (const int threads : {1, 2, 3, 8}) {
@@ -157,4 +157,4 @@ TEST_CASE("of two runs into one directory, in one process, too, the second is re
   CHECK(std::distance(begin(entries), end(entries)) == 4);
 }
 
-}  // namespace eses::test
+}  // namespace eses::detail::test

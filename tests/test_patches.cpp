@@ -13,7 +13,7 @@
 #include "support/brute_force.hpp"
 #include "sweep/patch_schedule.hpp"
 
-namespace eses::test {
+namespace eses::detail::test {
 namespace {
 
 double distance_to_nearest(std::span<const Vec3> points, Vec3 p) {
@@ -271,4 +271,4 @@ TEST_CASE("a sweep holds few patches at a time, and has all that matter") {
   }
 }
 
-}  // namespace eses::test
+}  // namespace eses::detail::test

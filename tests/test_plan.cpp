@@ -10,16 +10,16 @@
 #include <vector>
 
 #include "catch.hpp"
+#include "compute/run.hpp"
 #include "eses/error.hpp"
-#include "eses/read_atoms.hpp"
-#include "eses/run.hpp"
 #include "plan/plan.hpp"
+#include "support/atom_lists.hpp"
 #include "support/temporary_directory.hpp"
 #include "surface/survey.hpp"
 #include "sweep/task_queue.hpp"
 #include "system/bytes_text.hpp"
 
-namespace eses::test {
+namespace eses::detail::test {
 namespace {
 
 constexpr double pi = std::numbers::pi;
@@ -132,8 +132,8 @@ TEST_CASE("a saddle that reaches the axis ends in cusps", "[plan]") {
 }
 
 TEST_CASE("a survey comes near the area of a protein", "[plan]") {
-  const std::vector<Atom> atoms = read_atoms(std::string(ESES_DATA) + "/1a0q.xyzr");
-  OutputChoice nothing{false, false, false, false};
+  const std::vector<Atom> atoms = read_atom_list(std::string(ESES_DATA) + "/1a0q.xyzr");
+  Outputs nothing{false, false, false, false};
   const Summary summary = run(atoms, make_plan(atoms, {}, nothing), nothing, ".");
   const SurfaceSurvey survey(atoms, probe);
   CHECK(survey.totals().area == Approx(summary.area).epsilon(0.35));
@@ -157,7 +157,7 @@ TEST_CASE("a survey sees a large atom once, wherever it stands in the file", "[p
     Parameters parameters;
     parameters.spacing = 3;
     parameters.margin = 3;
-    OutputChoice edges;
+    Outputs edges;
     edges.grid = edges.areas = false;
     const TemporaryDirectory directory;
     const Plan plan = make_plan(atoms, parameters, edges);
@@ -210,8 +210,8 @@ TEST_CASE("a molecule of few atoms is surveyed in full", "[plan]") {
   // Only concave patches that cut each other make the survey's area larger.
   for (const char* const file : {"c60.xyzr", "boxb.pqr"}) {
     INFO(file);
-    const std::vector<Atom> atoms = read_atoms(std::string(ESES_DATA) + "/" + file);
-    const OutputChoice nothing{false, false, false, false};
+    const std::vector<Atom> atoms = read_atom_list(std::string(ESES_DATA) + "/" + file);
+    const Outputs nothing{false, false, false, false};
     const Summary summary = run(atoms, make_plan(atoms, {}, nothing), nothing, ".");
     const SurfaceSurvey survey(atoms, probe);
     CHECK(survey.totals().area >= 0.95 * summary.area);
@@ -423,9 +423,9 @@ TEST_CASE("a plan whose files do not fit on the disk is refused", "[plan]") {
 TEST_CASE("every file system is held against what goes there", "[plan]") {
   const std::vector<Atom> atoms{{{0, 0, 0}, 1.5}};
   const TemporaryDirectory directory;
-  OutputChoice outputs;
+  Outputs outputs;
   outputs.inside_map = "map.dx";
-  outputs.mesh = MeshChoice{directory.path() / "a" / "mesh.ply"};
+  outputs.mesh = MeshOptions{directory.path() / "a" / "mesh.ply"};
   const Plan plan = make_plan(atoms, {}, outputs);
   REQUIRE(plan.mesh_scratch_bytes > 0);
   REQUIRE(plan.map_scratch_bytes > 0);
@@ -457,7 +457,7 @@ TEST_CASE("the plan knows the length of the tables and of the bounding box", "[p
                       "RESIDUE_WITH_A_LONG_NAME", std::to_string(i / 2), "C"});
   }
   const Molecule molecule(atoms, labels);
-  OutputChoice outputs;
+  Outputs outputs;
   outputs.residues = true;
   for (const bool gzip : {false, true}) {
     outputs.gzip = gzip;
@@ -479,10 +479,10 @@ TEST_CASE("no plan takes less memory than the number of atoms tells") {
   for (const std::size_t count : {1, 1000, 30000}) {
     const std::vector<Atom> atoms(count, {{0, 0, 0}, 1.5});
     INFO(count);
-    const auto bytes = static_cast<double>(make_plan(atoms, {}, OutputChoice::none()).memory_bytes);
+    const auto bytes = static_cast<double>(make_plan(atoms, {}, Outputs::none()).memory_bytes);
     CHECK(bytes >= min_expected_memory(count));
     CHECK(min_expected_memory(count) >= static_cast<double>(count * sizeof(Atom)));
   }
 }
 
-}  // namespace eses::test
+}  // namespace eses::detail::test

@@ -25,7 +25,7 @@
 #include "support/eses_files.hpp"
 #include "support/temporary_directory.hpp"
 
-namespace eses::test {
+namespace eses::detail::test {
 namespace {
 
 using Places = std::vector<std::size_t>;
@@ -201,7 +201,7 @@ TEST_CASE("pieces that overlap are refused", "[processes]") {
 }
 
 TEST_CASE("lines of a part of a file have the numbers of the whole", "[processes]") {
-  NumberedAtoms atoms;
+  AtomFile atoms;
   AtomLines part{.name = "file", .first_line = 100};
   CHECK(parse_atom_lines("1 2 3 1\n# no atom\n4 5 6 2\n", part, atoms).lines == 3);
   CHECK(atoms.lines == std::vector<std::uint64_t>{100, 102});
@@ -246,4 +246,4 @@ TEST_CASE("packed texts come out as they went in", "[processes]") {
   CHECK(unpack("").empty());
 }
 
-}  // namespace eses::test
+}  // namespace eses::detail::test

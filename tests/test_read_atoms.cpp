@@ -21,15 +21,17 @@
 
 #include "catch.hpp"
 #include "eses/error.hpp"
-#include "eses/read_atoms.hpp"
 #include "io/gzip.hpp"
+#include "support/atom_lists.hpp"
 
 namespace {
 
 namespace fs = std::filesystem;
 using eses::Atom;
 using eses::AtomFormat;
-using eses::Gzip;
+using eses::detail::Gzip;
+using eses::detail::test::parse_atom_list;
+using eses::detail::test::read_atom_list;
 using std::string_literals::operator""s;
 
 /// "" if nothing is thrown, which no message is.
@@ -44,11 +46,11 @@ std::string message_of(Action action) {
 }
 
 std::vector<Atom> xyzr(std::string_view text) {
-  return eses::parse_atoms(text, AtomFormat::xyzr, "t.xyzr");
+  return parse_atom_list(text, AtomFormat::xyzr, "t.xyzr");
 }
 
 std::vector<Atom> pqr(std::string_view text) {
-  return eses::parse_atoms(text, AtomFormat::pqr, "t.pqr");
+  return parse_atom_list(text, AtomFormat::pqr, "t.pqr");
 }
 
 std::string xyzr_error(std::string_view text) {
@@ -60,7 +62,7 @@ std::string pqr_error(std::string_view text) {
 }
 
 std::string file_error(const fs::path& path, AtomFormat format = AtomFormat::automatic) {
-  return message_of([&] { eses::read_atoms(path, format); });
+  return message_of([&] { read_atom_list(path, format); });
 }
 
 bool contains(std::string_view text, std::string_view part) {
@@ -574,7 +576,7 @@ TEST_CASE("PQR: what the atoms are called", "[read_atoms]") {
       "HETATM12345 HN11ALIG A1000      10.123-200.456-300.789-10.3000 1.8500\n"
       "ATOM      5  N   NAN   100B   -110.123-200.456-300.789  0.3000 1.8500\n"
       "ATOM      6  N   NTERA   1    -110.123-200.456-300.789  0.3000 1.8500\n";
-  const eses::NumberedAtoms read = eses::parse_numbered_atoms(text, AtomFormat::pqr, "t.pqr");
+  const eses::AtomFile read = eses::parse_atoms(text, AtomFormat::pqr, "t.pqr");
   const std::vector<eses::AtomLabel> expected{
       {"", "MET", "1", "N"},        {"BB", "LIG", "2", "C1"},     {"A", "MET", "3A", "CA"},
       {"A", "NTER", "1000B", "N'"}, {"C", "HOH", "-12", "O"},     {"", "HOH", "-12", "O"},
@@ -592,8 +594,7 @@ TEST_CASE("PQR: what the atoms are called", "[read_atoms]") {
 }
 
 TEST_CASE("xyzr: atoms have no names", "[read_atoms]") {
-  CHECK(eses::parse_numbered_atoms("1 2 3 4 0 N CYS 701 D\n", AtomFormat::xyzr, "t.xyzr")
-            .labels.empty());
+  CHECK(eses::parse_atoms("1 2 3 4 0 N CYS 701 D\n", AtomFormat::xyzr, "t.xyzr").labels.empty());
 }
 
 TEST_CASE("PQR: neither fields nor columns", "[read_atoms]") {
@@ -668,15 +669,15 @@ TEST_CASE("the format follows from the suffix or the caller", "[read_atoms]") {
   const std::string record = "ATOM 1 N MET 1 1 2 3 0.5 1.5\n";
   for (const char* name : {"a.pqr", "b.PQR", "c.d.Pqr"}) {
     const fs::path file = directory.write(name, record);
-    CHECK(is_sole_atom(eses::read_atoms(file), 1, 2, 3, 1.5));
+    CHECK(is_sole_atom(read_atom_list(file), 1, 2, 3, 1.5));
     CHECK(contains(file_error(file, AtomFormat::xyzr), "found \"ATOM\""));
   }
   for (const char* name : {"a.xyzr", "b.txt", "pqr", ".pqr", "c.pqrs", "d.pqr.old"}) {
-    CHECK(is_sole_atom(eses::read_atoms(directory.write(name, "1 2 3 4")), 1, 2, 3, 4));
+    CHECK(is_sole_atom(read_atom_list(directory.write(name, "1 2 3 4")), 1, 2, 3, 4));
     const fs::path file = directory.write(name, record);
-    CHECK(is_sole_atom(eses::read_atoms(file, AtomFormat::pqr), 1, 2, 3, 1.5));
+    CHECK(is_sole_atom(read_atom_list(file, AtomFormat::pqr), 1, 2, 3, 1.5));
   }
-  CHECK(is_sole_atom(eses::parse_atoms("1 2 3 4", AtomFormat::automatic, "t.pqr"), 1, 2, 3, 4));
+  CHECK(is_sole_atom(parse_atom_list("1 2 3 4", AtomFormat::automatic, "t.pqr"), 1, 2, 3, 4));
 }
 
 TEST_CASE("a file larger than one read", "[read_atoms]") {
@@ -684,7 +685,7 @@ TEST_CASE("a file larger than one read", "[read_atoms]") {
   const std::size_t count = 300000;
   std::string text;
   for (std::size_t i = 0; i < count; ++i) text += std::to_string(i) + " 2 3 1.5\n";
-  const auto atoms = eses::read_atoms(directory.write("large.xyzr", text));
+  const auto atoms = read_atom_list(directory.write("large.xyzr", text));
   REQUIRE(atoms.size() == count);
   for (std::size_t i = 0; i < count; ++i) {
     if (!is_atom(atoms[i], static_cast<double>(i), 2, 3, 1.5)) FAIL("atom " << i);
@@ -694,12 +695,12 @@ TEST_CASE("a file larger than one read", "[read_atoms]") {
 TEST_CASE("gzip files are read, of any number of members", "[read_atoms]") {
   const TemporaryDirectory directory;
   const std::string record = "ATOM 1 N MET 1 1 2 3 0.5 1.5\n";
-  CHECK(is_sole_atom(eses::read_atoms(directory.write("a.pqr.gz", gzip_member(record))), 1, 2, 3,
-                     1.5));
+  CHECK(
+      is_sole_atom(read_atom_list(directory.write("a.pqr.gz", gzip_member(record))), 1, 2, 3, 1.5));
   // Which is compressed tells the file itself.
-  CHECK(is_sole_atom(eses::read_atoms(directory.write("a.xyzr", gzip_member("1 2 3 4"))), 1, 2, 3,
-                     4));
-  CHECK(is_sole_atom(eses::read_atoms(directory.write("b.xyzr.gz", "1 2 3 4")), 1, 2, 3, 4));
+  CHECK(
+      is_sole_atom(read_atom_list(directory.write("a.xyzr", gzip_member("1 2 3 4"))), 1, 2, 3, 4));
+  CHECK(is_sole_atom(read_atom_list(directory.write("b.xyzr.gz", "1 2 3 4")), 1, 2, 3, 4));
 
   std::string lines, members;
   for (int i = 0; i < 50000; ++i) {
@@ -709,7 +710,7 @@ TEST_CASE("gzip files are read, of any number of members", "[read_atoms]") {
       lines.clear();
     }
   }
-  const std::vector<Atom> atoms = eses::read_atoms(directory.write("many.xyzr.gz", members));
+  const std::vector<Atom> atoms = read_atom_list(directory.write("many.xyzr.gz", members));
   REQUIRE(atoms.size() == 50000);
   for (std::size_t i = 0; i < atoms.size(); ++i)
     REQUIRE(atoms[i].center.x == static_cast<double>(i));
@@ -755,7 +756,7 @@ TEST_CASE("behind a gzip member only another one or zeros may follow", "[read_at
   const std::string line = "1 2 3 4\n";
   std::string many;
   for (int i = 0; i < 20000; ++i) many += gzip_member(line);
-  CHECK(eses::read_atoms(directory.write("b.xyzr.gz", many)).size() == 20000);
+  CHECK(read_atom_list(directory.write("b.xyzr.gz", many)).size() == 20000);
   CHECK(contains(error_of(many + "x"), damaged));
 }
 
@@ -803,7 +804,7 @@ TEST_CASE("a named pipe", "[read_atoms]") {
     const int end = ::open(fifo.c_str(), O_WRONLY);
     ::_exit(::write(end, record.data(), record.size()) > 0 ? 0 : 1);
   }
-  CHECK(is_sole_atom(eses::read_atoms(fifo), 1, 2, 3, 1.5));
+  CHECK(is_sole_atom(read_atom_list(fifo), 1, 2, 3, 1.5));
   ::waitpid(child, nullptr, 0);
 }
 
@@ -825,7 +826,7 @@ TEST_CASE("files whose size the system does not tell", "[read_atoms]") {
 TEST_CASE("standard input: a pipe", "[read_atoms]") {
   const PipeWriter writer({"1 2 3", ".5 4\n5 6 7 8"}, 20000);
   const StandardInput input(writer.read_end());
-  const auto atoms = eses::read_atoms("-");
+  const auto atoms = read_atom_list("-");
   REQUIRE(atoms.size() == 2);
   CHECK(is_atom(atoms[0], 1, 2, 3.5, 4));
   CHECK(is_atom(atoms[1], 5, 6, 7, 8));
@@ -837,7 +838,7 @@ TEST_CASE("standard input: more than a pipe holds", "[read_atoms]") {
   for (std::size_t i = 0; i < count; ++i) text += "1 2 3 " + std::to_string(i % 10) + '\n';
   const PipeWriter writer({text}, 0);
   const StandardInput input(writer.read_end());
-  const auto atoms = eses::read_atoms("-");
+  const auto atoms = read_atom_list("-");
   REQUIRE(atoms.size() == count);
   CHECK(is_atom(atoms.back(), 1, 2, 3, 9));
 }
@@ -846,7 +847,7 @@ TEST_CASE("standard input: signals do not disturb", "[read_atoms]") {
   const Interruptions interruptions;
   const PipeWriter writer({"1 2 3 4\n", "5 6 7 8\n", "9 10 11 12\n"}, 30000);
   const StandardInput input(writer.read_end());
-  CHECK(eses::read_atoms("-").size() == 3);
+  CHECK(read_atom_list("-").size() == 3);
   CHECK(alarm_count > 0);
 }
 
@@ -855,7 +856,7 @@ TEST_CASE("standard input: PQR when asked for", "[read_atoms]") {
   {
     const PipeWriter writer({record}, 0);
     const StandardInput input(writer.read_end());
-    CHECK(is_sole_atom(eses::read_atoms("-", AtomFormat::pqr), 1, 2, 3, 1.5));
+    CHECK(is_sole_atom(read_atom_list("-", AtomFormat::pqr), 1, 2, 3, 1.5));
   }
   const PipeWriter writer({record}, 0);
   const StandardInput input(writer.read_end());
@@ -866,7 +867,7 @@ TEST_CASE("standard input: a file under the name -", "[read_atoms]") {
   const TemporaryDirectory directory;
   const fs::path file = directory.write("a.xyzr", "1 2 3 4\n");
   const StandardInput input(::open(file.c_str(), O_RDONLY));
-  CHECK(is_sole_atom(eses::read_atoms("-"), 1, 2, 3, 4));
+  CHECK(is_sole_atom(read_atom_list("-"), 1, 2, 3, 4));
 }
 
 TEST_CASE("standard input: a file under the name /dev/stdin", "[read_atoms]") {
@@ -874,7 +875,7 @@ TEST_CASE("standard input: a file under the name /dev/stdin", "[read_atoms]") {
   const TemporaryDirectory directory;
   const fs::path file = directory.write("a.xyzr", "1 2 3 4\n");
   const StandardInput input(::open(file.c_str(), O_RDONLY));
-  CHECK(is_sole_atom(eses::read_atoms("/dev/stdin"), 1, 2, 3, 4));
+  CHECK(is_sole_atom(read_atom_list("/dev/stdin"), 1, 2, 3, 4));
 }
 
 TEST_CASE("standard input: errors", "[read_atoms]") {

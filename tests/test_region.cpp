@@ -8,15 +8,15 @@
 #include <vector>
 
 #include "catch.hpp"
+#include "compute/run.hpp"
 #include "eses/error.hpp"
-#include "eses/run.hpp"
 #include "support/all_patches.hpp"
 #include "support/atom_sets.hpp"
 #include "support/eses_files.hpp"
 #include "support/temporary_directory.hpp"
 #include "sweep/region_box.hpp"
 
-namespace eses::test {
+namespace eses::detail::test {
 namespace {
 
 struct Result {
@@ -159,7 +159,7 @@ TEST_CASE("block size and threads leave no trace in a region", "[region]") {
   const std::vector<Atom> atoms = make_chain(150, 12);
   Parameters parameters;
   const Grid grid = make_plan(atoms, parameters, {}).grid;
-  parameters.region = RegionBox{grid.lower + Vec3{3, 4, 2.5}, grid.upper - Vec3{5, 3, 6}};
+  parameters.region = RegionBox{grid.origin + Vec3{3, 4, 2.5}, grid.upper() - Vec3{5, 3, 6}};
   const Result expected = result_of(atoms, parameters);
   REQUIRE(expected.edges.size() > 1000);
   for (const int threads : {1, 3})
@@ -238,19 +238,19 @@ TEST_CASE("chosen blocks are those of the whole grid's tiling", "[region]") {
 
 TEST_CASE("a region is closed, and must hold a point", "[region]") {
   Grid grid;
-  grid.lower = {-1, 0.1, 5};
+  grid.origin = {-1, 0.1, 5};
   grid.spacing = 0.1;
   grid.size = {30, 40, 50};
   for (std::int64_t i = 0; i < 30; ++i) {
     const Vec3 at{grid.coordinate(0, i), grid.coordinate(1, i), grid.coordinate(2, i)};
-    CHECK(points_in_box(grid, at, at) == GridRegion{{i, i, i}, {i + 1, i + 1, i + 1}});
+    CHECK(points_between(grid, at, at) == GridRegion{{i, i, i}, {i + 1, i + 1, i + 1}});
   }
-  CHECK(points_in_box(grid, {-1e9, -1e9, -1e9}, {1e9, 1e9, 1e9}) == grid.whole());
-  CHECK(points_in_box(grid, {-0.95, 0, 5}, {-0.75, 0.35, 5}) == GridRegion{{1, 0, 0}, {3, 3, 1}});
-  CHECK_THROWS_AS(points_in_box(grid, {-0.98, 0, 5}, {-0.92, 9, 9}), Error);
-  CHECK_THROWS_AS(points_in_box(grid, {9, 0, 5}, {10, 9, 9}), Error);
-  CHECK_THROWS_AS(points_in_box(grid, {-9, -9, -9}, {-8, 9, 9}), Error);
-  CHECK(points_in_box(grid, {-1e300, -1e300, -1e300}, {1e300, 1e300, 1e300}) == grid.whole());
+  CHECK(points_between(grid, {-1e9, -1e9, -1e9}, {1e9, 1e9, 1e9}) == grid.whole());
+  CHECK(points_between(grid, {-0.95, 0, 5}, {-0.75, 0.35, 5}) == GridRegion{{1, 0, 0}, {3, 3, 1}});
+  CHECK_THROWS_AS(points_between(grid, {-0.98, 0, 5}, {-0.92, 9, 9}), Error);
+  CHECK_THROWS_AS(points_between(grid, {9, 0, 5}, {10, 9, 9}), Error);
+  CHECK_THROWS_AS(points_between(grid, {-9, -9, -9}, {-8, 9, 9}), Error);
+  CHECK(points_between(grid, {-1e300, -1e300, -1e300}, {1e300, 1e300, 1e300}) == grid.whole());
 }
 
 TEST_CASE("a region whose bounds are not finite is refused", "[region]") {
@@ -272,7 +272,7 @@ TEST_CASE("a region is verified within", "[region]") {
   const std::vector<Atom> atoms = make_chain(150, 15);
   Parameters parameters;
   const Grid grid = make_plan(atoms, parameters, {}).grid;
-  parameters.region = RegionBox{grid.lower + Vec3{4, 4, 4}, grid.upper - Vec3{4, 4, 4}};
+  parameters.region = RegionBox{grid.origin + Vec3{4, 4, 4}, grid.upper() - Vec3{4, 4, 4}};
   parameters.verify = 300;
   const Summary summary = result_of(atoms, parameters).summary;
   REQUIRE(summary.verification);
@@ -313,4 +313,4 @@ TEST_CASE("a region where there is nothing", "[region]") {
   CHECK(part.summary.volume == 0);
 }
 
-}  // namespace eses::test
+}  // namespace eses::detail::test

@@ -7,14 +7,14 @@
 #include <vector>
 
 #include "catch.hpp"
+#include "compute/run.hpp"
 #include "eses/error.hpp"
 #include "eses/read_atoms.hpp"
-#include "eses/run.hpp"
 #include "io/area_table_writer.hpp"
 #include "support/eses_files.hpp"
 #include "support/temporary_directory.hpp"
 
-namespace eses::test {
+namespace eses::detail::test {
 namespace {
 
 AtomLabel label(const char* chain, const char* number, const char* residue) {
@@ -74,11 +74,11 @@ TEST_CASE("labels that are missing or hold commas and quotes", "[residues]") {
 }
 
 TEST_CASE("the tables of a PQR file add up to its atoms' areas", "[residues]") {
-  const NumberedAtoms input = read_numbered_atoms(ESES_DATA "/mache.pqr");
+  const AtomFile input = read_atoms(ESES_DATA "/mache.pqr");
   const TemporaryDirectory directory;
   Parameters parameters;
   parameters.spacing = 0.8;
-  OutputChoice outputs{.box = true, .grid = false, .edges = false, .areas = true, .residues = true};
+  Outputs outputs{.box = true, .grid = false, .edges = false, .areas = true, .residues = true};
   const Plan plan = make_plan(input.atoms, parameters, outputs);
   const Summary summary = run({input.atoms, input.labels}, plan, outputs, directory.path());
 
@@ -124,10 +124,10 @@ TEST_CASE("the tables of a PQR file add up to its atoms' areas", "[residues]") {
 TEST_CASE("without labels there are no areas by residue", "[residues]") {
   const TemporaryDirectory directory;
   const std::vector<Atom> atoms{{{0, 0, 0}, 1.5}};
-  OutputChoice outputs;
+  Outputs outputs;
   outputs.residues = true;
   CHECK_THROWS_AS(run(atoms, make_plan(atoms, {}, outputs), outputs, directory.path()), Error);
   CHECK(std::filesystem::is_empty(directory.path()));
 }
 
-}  // namespace eses::test
+}  // namespace eses::detail::test

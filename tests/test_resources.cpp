@@ -18,7 +18,7 @@
 #include "system/parallel.hpp"
 #include "system/resources.hpp"
 
-namespace eses::test {
+namespace eses::detail::test {
 namespace {
 
 using Files = std::map<std::string, std::string>;
@@ -186,4 +186,4 @@ TEST_CASE("a program has no more threads than processors to which it is bound", 
              std::to_string(std::min(3, granted)));
 }
 
-}  // namespace eses::test
+}  // namespace eses::detail::test

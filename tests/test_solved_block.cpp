@@ -12,11 +12,11 @@
 #include <vector>
 
 #include "catch.hpp"
-#include "eses/run.hpp"
+#include "compute/run.hpp"
 #include "support/atom_sets.hpp"
 #include "support/eses_files.hpp"
 
-namespace eses::test {
+namespace eses::detail::test {
 namespace {
 
 // A line of intersection_info.txt, as far as the order goes: lower point z, y, x, then axis.
@@ -42,7 +42,7 @@ TEST_CASE("blocks handed out have the points and crossings of the files", "[solv
     parameters.threads = 3;
     INFO("block size " << block_size);
     const RunResult expected = run_and_read(atoms, parameters);
-    const Plan plan = make_plan(atoms, parameters, OutputChoice::none());
+    const Plan plan = make_plan(atoms, parameters, Outputs::none());
     const GridIndex& size = plan.grid.size;
 
     std::set<GridIndex> blocks;
@@ -59,7 +59,7 @@ TEST_CASE("blocks handed out have the points and crossings of the files", "[solv
           for (std::int64_t x = block.first[0]; x < block.first[0] + block.owned[0]; ++x)
             signs[static_cast<std::size_t>((z * size[1] + y) * size[0] + x)] =
                 solved.is_inside({x, y, z}) ? 1 : -1;
-          for (const eses::Crossing& crossing : solved.crossings_of_row(y, z))
+          for (const eses::detail::Crossing& crossing : solved.crossings_of_row(y, z))
             crossings.push_back(
                 {{z, y, block.first[0] + crossing.x, crossing.axis}, crossing.coordinate});
         }
@@ -106,7 +106,7 @@ TEST_CASE("callbacks of a run are called one at a time", "[solved_block]") {
       .progress = [&](std::int64_t, std::int64_t) { stay_a_while(progress_calls); },
       .block = [&](const SolvedBlock&) { stay_a_while(block_calls); },
       .verification = [&](std::int64_t, std::int64_t) { stay_a_while(checks); }};
-  const Plan plan = make_plan(atoms, parameters, OutputChoice::none());
+  const Plan plan = make_plan(atoms, parameters, Outputs::none());
   compute(atoms, plan, callbacks);
   CHECK(block_calls == plan.tiling.block_count());
   CHECK(progress_calls >= block_calls);
@@ -126,4 +126,4 @@ TEST_CASE("what the callback for blocks throws ends the run", "[solved_block]") 
                     "three are enough");
 }
 
-}  // namespace eses::test
+}  // namespace eses::detail::test

@@ -7,7 +7,7 @@
 #include "solve/tally.hpp"
 #include "sweep/region_totals.hpp"
 
-namespace eses::test {
+namespace eses::detail::test {
 namespace {
 
 Crossing make_crossing(double normal_x, std::vector<AtomIndex> atoms) {
@@ -103,4 +103,4 @@ TEST_CASE("shares of many atoms, whatever their indices") {
   CHECK((sums == expected));
 }
 
-}  // namespace eses::test
+}  // namespace eses::detail::test

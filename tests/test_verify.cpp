@@ -12,10 +12,10 @@
 #include <vector>
 
 #include "catch.hpp"
-#include "eses/read_atoms.hpp"
-#include "eses/run.hpp"
+#include "compute/run.hpp"
 #include "solve/block_solver.hpp"
 #include "support/all_patches.hpp"
+#include "support/atom_lists.hpp"
 #include "support/atom_sets.hpp"
 #include "support/brute_force.hpp"
 #include "support/eses_files.hpp"
@@ -24,10 +24,10 @@
 #include "verify/faults.hpp"
 #include "verify/sample.hpp"
 
-namespace eses {
+namespace eses::detail {
 namespace {
 
-// Not all of eses::test: it has a crossing of its own.
+// Not all of eses::detail::test: it has a crossing of its own.
 using test::AccessibleSet;
 using test::all_kinds;
 using test::designed_probe_radius;
@@ -40,11 +40,11 @@ using test::make_chain;
 using test::nearest_accessible;
 using test::Random;
 
-const OutputChoice no_files = OutputChoice::none();
+const Outputs no_files = Outputs::none();
 constexpr std::int64_t everything = 1'000'000;
 
 Vec3 random_point(Random& random, const Grid& grid) {
-  const auto along = [&](std::size_t q) { return random.uniform(grid.lower[q], grid.upper[q]); };
+  const auto along = [&](std::size_t q) { return random.uniform(grid.origin[q], grid.upper()[q]); };
   const double x = along(0), y = along(1), z = along(2);
   return {x, y, z};
 }
@@ -133,7 +133,7 @@ TEST_CASE("the nearest accessible centre among many atoms around a large probe",
 }
 
 TEST_CASE("a protein around which a large probe rolls is found right", "[verify]") {
-  const std::vector<Atom> atoms = read_atoms(std::string(ESES_DATA) + "/1ubq.xyzr");
+  const std::vector<Atom> atoms = read_atom_list(std::string(ESES_DATA) + "/1ubq.xyzr");
   Parameters parameters;
   parameters.probe_radius = 30;
   parameters.verify = 1000;
@@ -668,4 +668,4 @@ TEST_CASE("a verification tells how far it is", "[verify]") {
   }
 }
 
-}  // namespace eses
+}  // namespace eses::detail

@@ -1,19 +1,31 @@
 #pragma once
-/// Atoms as spheres.
+/// @file
+/// Atoms as spheres, and their names.
 
 #include <cstdint>
+#include <string>
 
 #include "eses/vec3.hpp"
 
 namespace eses {
 
-/// 0-based index of an atom in input order.
+/// Index of an atom in the order of the input, from 0.
 using AtomIndex = std::uint32_t;
 
-/// A molecule accepts finite numbers only.
+/// A van der Waals sphere. eses::Surface accepts finite numbers only.
 struct Atom {
-  Vec3 center;        ///< angstrom
-  double radius = 0;  ///< van der Waals radius, angstrom, >= 0
+  Vec3 center;        ///< Centre, in angstrom.
+  double radius = 0;  ///< Van der Waals radius, in angstrom; not negative.
+};
+
+/// The names of an atom as its PQR file spells them. A name that the file does not give is empty.
+struct AtomLabel {
+  std::string chain;           ///< Chain identifier, such as A.
+  std::string residue;         ///< Residue name, such as ALA.
+  std::string residue_number;  ///< Residue number with the insertion code, such as 52A.
+  std::string atom_name;       ///< Atom name, such as CA.
+  /// Compares all names.
+  friend bool operator==(const AtomLabel&, const AtomLabel&) = default;
 };
 
 }  // namespace eses

@@ -1,24 +1,43 @@
 #pragma once
-/// Where a grid edge crosses the solvent excluded surface.
+/// @file
+/// Crossings of grid edges with the surface.
 
 #include <array>
 #include <cstdint>
+#include <span>
 
 #include "eses/atoms.hpp"
-#include "eses/vec3.hpp"
+#include "eses/grid.hpp"
 
 namespace eses {
 
-/// Where an edge with one end inside and one outside crosses the surface: the last crossing on the
-/// way from the inside end to the outside end.
+/// A crossing of the surface with a grid edge that has one end inside and one outside. If the
+/// surface cuts the edge several times, it is the crossing that is nearest to the outside end.
+/// Edges whose ends are both inside or both outside have no crossing.
 struct Crossing {
-  double coordinate = 0;             ///< of the crossing along the edge's axis, angstrom
-  Vec3 normal;                       ///< outward unit normal
-  std::array<AtomIndex, 3> atoms{};  ///< adjacent atoms, ascending; the first `atom_count` count
-  std::uint16_t x = 0;               ///< of the edge's lower point, from the block's first point
-  std::uint8_t axis = 0;             ///< 0, 1, 2: the edge runs along x, y, z
-  std::uint8_t atom_count : 7 = 0;   ///< 1 convex, 2 saddle, 3 concave
-  std::uint8_t lower_is_inside : 1 = 0;  ///< whether the lower point is the inside end
+  GridIndex lower{};  ///< Lower end of the edge, as indices in the whole grid.
+  Vec3 position;      ///< Place of the crossing, in angstrom.
+  Vec3 normal;        ///< Outward unit normal of the surface.
+  /// Adjacent atoms, which the probe at this place of the surface touches, ascending; only the
+  /// first `atom_count` are set.
+  std::array<AtomIndex, 3> atoms{};
+  /// Number of adjacent atoms: 1 on convex, 2 on saddle, 3 on concave patches.
+  std::uint8_t atom_count = 0;
+  std::uint8_t axis = 0;         ///< Direction of the edge: 0, 1, 2 for x, y, z.
+  bool lower_is_inside = false;  ///< Whether the lower end of the edge is the inside one.
+
+  /// The upper end of the edge.
+  GridIndex upper() const {
+    GridIndex point = lower;
+    ++point[axis];
+    return point;
+  }
+  /// The end that is inside.
+  GridIndex inside_point() const { return lower_is_inside ? lower : upper(); }
+  /// The end that is outside.
+  GridIndex outside_point() const { return lower_is_inside ? upper() : lower; }
+  /// The adjacent atoms.
+  std::span<const AtomIndex> adjacent_atoms() const { return {atoms.data(), atom_count}; }
 };
 
 }  // namespace eses

@@ -1,16 +1,39 @@
 #pragma once
-/// The exception that the library throws for anything a user can mend.
+/// @file
+/// Exceptions of the library.
+///
+/// Functions throw std::invalid_argument for arguments that no computation could use, and Error for
+/// everything that depends on files and on the machine.
 
 #include <stdexcept>
 #include <string>
+#include <utility>
+
+#include "eses/summary.hpp"
 
 namespace eses {
 
-/// An input, output or resource error. `what()` is one complete sentence fragment for the user:
-/// it names the file (and line, where there is one), what is wrong and what was expected.
+/// An error in input, in output or of resources. `what()` is one line without a full stop that
+/// names the file, and the line where there is one, and tells what is wrong and what was expected.
 class Error : public std::runtime_error {
  public:
   using std::runtime_error::runtime_error;
+};
+
+/// The verification of a result has found faults. No file has been written.
+class VerificationError : public Error {
+ public:
+  /// An error with all that was checked; `found` has at least one fault.
+  explicit VerificationError(Verification found)
+      : Error("the verification found " + std::to_string(found.faults.size()) +
+              (found.faults.size() == 1 ? " fault" : " faults")),
+        verification_(std::move(found)) {}
+
+  /// The numbers of points and edges that were checked, and the faults.
+  const Verification& verification() const { return verification_; }
+
+ private:
+  Verification verification_;
 };
 
 }  // namespace eses

@@ -1,68 +1,83 @@
 #pragma once
-/// The padded Cartesian grid around a molecule.
+/// @file
+/// Cartesian grids.
 
 #include <array>
 #include <cstddef>
 #include <cstdint>
-#include <span>
 
-#include "eses/atoms.hpp"
+#include "eses/vec3.hpp"
 
 namespace eses {
 
-/// Indices of a grid point, 0-based, along x, y and z.
+class Surface;
+
+/// Indices of a grid point along x, y and z, from 0.
 using GridIndex = std::array<std::int64_t, 3>;
 
 /// The points with begin <= index < end along every axis.
 struct GridRegion {
-  GridIndex begin{};
-  GridIndex end{};
+  GridIndex begin{};  ///< Lowest point.
+  GridIndex end{};    ///< One more than the highest point along each axis.
 
+  /// Number of points along each axis.
   GridIndex size() const { return {end[0] - begin[0], end[1] - begin[1], end[2] - begin[2]}; }
+  /// Number of points.
   std::int64_t point_count() const { return size()[0] * size()[1] * size()[2]; }
+  /// Returns whether a point is in the region.
+  bool contains(const GridIndex& point) const {
+    for (std::size_t axis = 0; axis < 3; ++axis)
+      if (point[axis] < begin[axis] || point[axis] >= end[axis]) return false;
+    return true;
+  }
+  /// Compares both corners.
   friend bool operator==(const GridRegion&, const GridRegion&) = default;
 };
 
-/// Point (i,j,k) stands at `lower + (i,j,k) * spacing`.
+/// A grid with the same spacing along all axes: point (i, j, k) is at
+/// `origin + (i, j, k) * spacing`. An edge joins two points whose indices differ by one along one
+/// axis.
 struct Grid {
-  Vec3 lower;          ///< point (0,0,0), angstrom
-  Vec3 upper;          ///< point size - 1, angstrom
-  double spacing = 0;  ///< angstrom
-  GridIndex size{};    ///< number of points along x, y and z
+  Vec3 origin;         ///< Point (0, 0, 0), in angstrom.
+  double spacing = 0;  ///< Distance of neighbouring points, in angstrom.
+  GridIndex size{};    ///< Number of points along x, y and z.
 
+  /// A coordinate of the points with this index along an axis, in angstrom.
   double coordinate(std::size_t axis, std::int64_t index) const {
-    return lower[axis] + static_cast<double>(index) * spacing;
+    return origin[axis] + static_cast<double>(index) * spacing;
   }
+  /// The place of a point, in angstrom.
   Vec3 point(const GridIndex& index) const {
     return {coordinate(0, index[0]), coordinate(1, index[1]), coordinate(2, index[2])};
   }
+  /// The highest point, in angstrom.
+  Vec3 upper() const { return point({size[0] - 1, size[1] - 1, size[2] - 1}); }
+  /// Number of points.
   std::int64_t point_count() const { return size[0] * size[1] * size[2]; }
+  /// The region of all points.
   GridRegion whole() const { return {{}, size}; }
 };
 
-/// Two opposite corners, angstrom.
-struct SphereBounds {
-  Vec3 low, high;
+/// Choices of make_grid.
+struct GridOptions {
+  double spacing = 0.4;  ///< Distance of neighbouring points, in angstrom; positive.
+  /// Distance of the grid's faces from the van der Waals spheres, in angstrom, before the number of
+  /// points is truncated; not negative, and at least half the spacing unless the truncated grid
+  /// still encloses all spheres.
+  double margin = 0.8;
 };
 
-/// The bounding box of the van der Waals spheres; without atoms, low is +infinity and high
-/// -infinity.
-SphereBounds sphere_bounds(std::span<const Atom> atoms);
+/// Makes the grid of ESES (Liu et al., J. Comput. Chem. 38, 446, 2017, doi:10.1002/jcc.24682). It
+/// is the bounding box of the van der Waals spheres, extended by the margin on all sides. Along
+/// each axis it has `int((high - low) / spacing) + 1` points, so that up to one spacing of the
+/// upper margin may be missing.
+///
+/// Throws std::invalid_argument if an option is out of its range or not finite, or if there would
+/// be more than 2e9 points along an axis or 1e17 in all.
+Grid make_grid(const Surface& surface, const GridOptions& options = {});
 
-/// The grid of ESES, in the same order of double operations: the van der Waals spheres' bounding
-/// box padded by `margin`, the number of points truncated, `n = int((hi - lo) / h) + 1`.
-/// Throws Error if there are no atoms, if a parameter is not finite, if spacing <= 0 or margin
-/// < 0, or if the number of points exceeds what 64 bits hold.
-Grid make_grid(std::span<const Atom> atoms, double spacing, double margin);
-Grid make_grid(const SphereBounds& bounds, double spacing, double margin);
-
-/// The points in the closed box between two corners (angstrom). Throws Error if there are none, or
-/// if a coordinate of a corner is not finite.
+/// Returns the points in the closed box between two corners, in angstrom. Throws
+/// std::invalid_argument if there are none, or if a coordinate is not finite.
 GridRegion points_in_box(const Grid& grid, Vec3 low, Vec3 high);
-
-/// How far the grid's faces lie inside the bounding box of the van der Waals spheres, the largest
-/// of the six, in angstrom: <= 0 where a face only touches, negative where the grid encloses the
-/// molecule. The truncation above may take up to one spacing of the margin away.
-double cut_depth(const Grid& grid, const SphereBounds& bounds);
 
 }  // namespace eses

@@ -15,7 +15,7 @@
 #include "output/output_directory.hpp"
 #include "output/output_files.hpp"
 
-namespace eses {
+namespace eses::detail {
 namespace {
 
 constexpr std::array<const char*, piece_texts> text_suffixes{".grid", ".edges", ".map", ".vertices",
@@ -223,4 +223,4 @@ void PieceStore::remove() {
   lock_.reset();
 }
 
-}  // namespace eses
+}  // namespace eses::detail

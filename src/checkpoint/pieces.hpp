@@ -19,7 +19,7 @@
 #include "output/scratch_file.hpp"
 #include "sweep/region_totals.hpp"
 
-namespace eses {
+namespace eses::detail {
 
 /// An atom's share of the area of some planes, in units of `area_share_unit`.
 struct AtomSum {
@@ -123,4 +123,4 @@ class PieceStore {
   std::optional<OutputDirectory> lock_;
 };
 
-}  // namespace eses
+}  // namespace eses::detail

@@ -10,7 +10,7 @@
 #include "eses/version.hpp"
 #include "simd/dispatch.hpp"
 
-namespace eses::cli {
+namespace eses::detail::cli {
 namespace {
 
 class HelpFormatter : public CLI::Formatter {
@@ -171,4 +171,4 @@ std::optional<Notice> parse(CLI::App& app, std::vector<std::string> arguments,
   return std::nullopt;
 }
 
-}  // namespace eses::cli
+}  // namespace eses::detail::cli

@@ -17,7 +17,7 @@
 
 #include "cli/usage.hpp"
 
-namespace eses::cli {
+namespace eses::detail::cli {
 
 /// The texts of an option that are accepted, and their values.
 template <class Value>
@@ -101,4 +101,4 @@ std::optional<Number> whole_text(std::string_view text) {
   return value;
 }
 
-}  // namespace eses::cli
+}  // namespace eses::detail::cli

@@ -27,7 +27,7 @@
 #include "output/output_files.hpp"
 #include "system/resources.hpp"
 
-namespace eses::cli {
+namespace eses::detail::cli {
 namespace {
 
 /// If a standard stream is closed, the next file that is opened takes its number, and text for
@@ -174,4 +174,4 @@ int run_command(int argc, char** argv) {
   }
 }
 
-}  // namespace eses::cli
+}  // namespace eses::detail::cli

@@ -1,9 +1,9 @@
 #pragma once
 /// The program `eses-blocks` from its command line to its exit code.
 
-#include "eses/run.hpp"
+#include "task/task.hpp"
 
-namespace eses::cli {
+namespace eses::detail::cli {
 
 /// Exit codes of `run_command`.
 inline constexpr int exit_done = 0;
@@ -21,4 +21,4 @@ int exit_code(const Summary& summary);
 /// progress bar to standard error.
 int run_command(int argc, char** argv);
 
-}  // namespace eses::cli
+}  // namespace eses::detail::cli

@@ -9,7 +9,7 @@
 
 #include "cli/arguments.hpp"
 
-namespace eses::cli {
+namespace eses::detail::cli {
 namespace {
 
 constexpr char footer[] =
@@ -60,4 +60,4 @@ std::variant<DiffOptions, Notice> parse_diff_command_line(int argc, const char* 
   return options;
 }
 
-}  // namespace eses::cli
+}  // namespace eses::detail::cli

@@ -7,7 +7,7 @@
 
 #include "cli/usage.hpp"
 
-namespace eses::cli {
+namespace eses::detail::cli {
 
 struct DiffOptions {
   std::array<std::filesystem::path, 2> directories;  ///< A and B
@@ -18,4 +18,4 @@ struct DiffOptions {
 /// `argv[0]` is `diff`. Throws UsageError.
 std::variant<DiffOptions, Notice> parse_diff_command_line(int argc, const char* const* argv);
 
-}  // namespace eses::cli
+}  // namespace eses::detail::cli

@@ -12,7 +12,7 @@
 #include "cli/report.hpp"
 #include "eses/version.hpp"
 
-namespace eses::cli {
+namespace eses::detail::cli {
 namespace {
 
 std::vector<AtomIndex> atoms_of(const SurfaceEdge& edge) {
@@ -284,4 +284,4 @@ std::string diff_json_text(const DiffOptions& options, const Differences& found)
          "\n";
 }
 
-}  // namespace eses::cli
+}  // namespace eses::detail::cli

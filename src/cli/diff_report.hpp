@@ -6,7 +6,7 @@
 #include "cli/diff_options.hpp"
 #include "diff/differences.hpp"
 
-namespace eses::cli {
+namespace eses::detail::cli {
 
 /// File by file, and the verdict on the last line.
 std::string diff_text(const DiffOptions& options, const Differences& found);
@@ -14,4 +14,4 @@ std::string diff_text(const DiffOptions& options, const Differences& found);
 /// The same as one JSON object.
 std::string diff_json_text(const DiffOptions& options, const Differences& found);
 
-}  // namespace eses::cli
+}  // namespace eses::detail::cli

@@ -2,7 +2,7 @@
 
 #include <fmt/format.h>
 
-namespace eses::cli {
+namespace eses::detail::cli {
 namespace {
 
 struct Wording {
@@ -11,29 +11,29 @@ struct Wording {
   std::string_view relation;      // between the line of an atom and that of the other
 };
 
-Wording wording_of(OddityKind kind) {
+Wording wording_of(DiagnosticKind kind) {
   switch (kind) {
-    case OddityKind::duplicate:
+    case DiagnosticKind::duplicate:
       return {"duplicate", "atom has the centre and radius of an earlier one",
               "atoms have the centre and radius of an earlier one", "as"};
-    case OddityKind::close:
+    case DiagnosticKind::close:
       return {"close", "atom is within 0.5 angstrom of an earlier one",
               "atoms are within 0.5 angstrom of an earlier one", "near"};
-    case OddityKind::nested:
+    case DiagnosticKind::nested:
       return {"nested", "atom lies wholly inside another one",
               "atoms lie wholly inside another one", "in"};
-    case OddityKind::large_radius:
+    case DiagnosticKind::large_radius:
       return {"large_radius", "atom has a radius above 4 angstrom",
               "atoms have a radius above 4 angstrom", ""};
-    case OddityKind::small_radii:
+    case DiagnosticKind::small_radii:
       return {"small_radii",
               "atom, and none with a radius of 0.4 angstrom or more; are lengths in "
               "nanometres?",
               "atoms, and none with a radius of 0.4 angstrom or more; are lengths in nanometres?",
               ""};
-    case OddityKind::zero_radius:
+    case DiagnosticKind::zero_radius:
       return {"zero_radius", "of radius 0", "of radius 0", ""};
-    case OddityKind::nested_usual:
+    case DiagnosticKind::nested_usual:
       return {"nested_hydrogen", "of at most 1.4 angstrom inside another atom",
               "of at most 1.4 angstrom inside another atom", "in"};
   }
@@ -51,7 +51,8 @@ std::string lines_text(const Finding& finding, std::string_view relation) {
                      more > 0 ? fmt::format(" and {} more", more) : "");
 }
 
-Finding describe(const Oddity& oddity, const LineOf& line_of, const std::filesystem::path& input) {
+Finding describe(const Diagnostic& oddity, const LineOf& line_of,
+                 const std::filesystem::path& input) {
   const Wording wording = wording_of(oddity.kind);
   Finding finding;
   finding.name = wording.name;
@@ -68,11 +69,11 @@ Finding describe(const Oddity& oddity, const LineOf& line_of, const std::filesys
 
 }  // namespace
 
-std::vector<Finding> describe(std::span<const Oddity> oddities, const LineOf& line_of,
+std::vector<Finding> describe(std::span<const Diagnostic> oddities, const LineOf& line_of,
                               const std::filesystem::path& input) {
   std::vector<Finding> findings;
-  for (const Oddity& oddity : oddities) findings.push_back(describe(oddity, line_of, input));
+  for (const Diagnostic& oddity : oddities) findings.push_back(describe(oddity, line_of, input));
   return findings;
 }
 
-}  // namespace eses::cli
+}  // namespace eses::detail::cli

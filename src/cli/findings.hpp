@@ -9,9 +9,9 @@
 #include <string_view>
 #include <vector>
 
-#include "eses/oddities.hpp"
+#include "eses/diagnostics.hpp"
 
-namespace eses::cli {
+namespace eses::detail::cli {
 
 /// One kind of oddity.
 struct Finding {
@@ -33,7 +33,7 @@ struct Finding {
 /// The line of an atom, one of the oddities' examples, in the input.
 using LineOf = std::function<std::uint64_t(AtomIndex atom)>;
 
-std::vector<Finding> describe(std::span<const Oddity> oddities, const LineOf& line_of,
+std::vector<Finding> describe(std::span<const Diagnostic> oddities, const LineOf& line_of,
                               const std::filesystem::path& input);
 
-}  // namespace eses::cli
+}  // namespace eses::detail::cli

@@ -9,7 +9,7 @@
 #include <span>
 #include <utility>
 
-namespace eses::cli {
+namespace eses::detail::cli {
 namespace {
 
 constexpr unsigned grace = 1;  // seconds that a run has to end in order
@@ -106,4 +106,4 @@ void InterruptibleRun::remove_leftovers() const {
   for (const std::string& path : locks_) unlink(path.c_str());
 }
 
-}  // namespace eses::cli
+}  // namespace eses::detail::cli

@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-namespace eses::cli {
+namespace eses::detail::cli {
 
 /// Thrown by `InterruptibleRun::check`.
 struct Interrupted {
@@ -41,4 +41,4 @@ class InterruptibleRun {
   std::atomic<bool> has_locks_ = false;
 };
 
-}  // namespace eses::cli
+}  // namespace eses::detail::cli

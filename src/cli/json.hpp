@@ -8,7 +8,7 @@
 #include <string>
 #include <string_view>
 
-namespace eses::cli::json {
+namespace eses::detail::cli::json {
 
 /// Keeps the order of its keys.
 using Value = nlohmann::ordered_json;
@@ -31,4 +31,4 @@ inline std::string text_of(const Value& value, std::string_view separator = ", "
   return value.is_object() ? "{" + text + "}" : "[" + text + "]";
 }
 
-}  // namespace eses::cli::json
+}  // namespace eses::detail::cli::json

@@ -10,7 +10,7 @@
 
 #include "eses/error.hpp"
 
-namespace eses::cli {
+namespace eses::detail::cli {
 namespace {
 
 [[noreturn]] void fail_to_print(int error) {
@@ -69,4 +69,4 @@ void warn_if_empty(const Report& report) {
     complain("warning", "no grid point is inside the molecule; a smaller spacing would show it");
 }
 
-}  // namespace eses::cli
+}  // namespace eses::detail::cli

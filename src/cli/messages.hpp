@@ -7,7 +7,7 @@
 
 #include "cli/report.hpp"
 
-namespace eses::cli {
+namespace eses::detail::cli {
 
 /// Prints, and flushes, so that a full disk or a closed pipe is noticed here and not after the exit
 /// code: throws Error.
@@ -38,4 +38,4 @@ std::string final_text(const Report& report);
 /// A warning where not a single point is inside.
 void warn_if_empty(const Report& report);
 
-}  // namespace eses::cli
+}  // namespace eses::detail::cli

@@ -20,10 +20,12 @@
 #include <vector>
 
 #include "cli/arguments.hpp"
+#include "io/atom_lines.hpp"
 #include "io/map_writer.hpp"
+#include "mesh/mesh_format.hpp"
 #include "simd/dispatch.hpp"
 
-namespace eses::cli {
+namespace eses::detail::cli {
 namespace {
 
 // Far more threads than any one machine has; OpenMP ends the process if it cannot start them.
@@ -80,7 +82,7 @@ struct Length {
 struct CommandLine {
   Options options;
   Length probe_radius, spacing, margin;
-  OutputChoice text_files;
+  Outputs text_files;
   bool gzip = false;
   std::filesystem::path inside_map, mesh;  ///< empty: not given
   MeshColor color = MeshColor::none;
@@ -137,17 +139,17 @@ std::optional<GridRegion> blocks_in(const std::string& text) {
   return blocks;
 }
 
-std::optional<OutputChoice> text_files_in(const std::string& list) {
-  OutputChoice files = OutputChoice::none();
+std::optional<Outputs> text_files_in(const std::string& list) {
+  Outputs files = Outputs::none();
   if (list == "none") return files;
   files.box = true;
-  using File = bool OutputChoice::*;
+  using File = bool Outputs::*;
   const std::map<std::string, std::vector<File>> files_of{
-      {"grid", {&OutputChoice::grid}},
-      {"edges", {&OutputChoice::edges}},
-      {"areas", {&OutputChoice::areas}},
-      {"residues", {&OutputChoice::residues}},
-      {"all", {&OutputChoice::grid, &OutputChoice::edges, &OutputChoice::areas}}};
+      {"grid", {&Outputs::grid}},
+      {"edges", {&Outputs::edges}},
+      {"areas", {&Outputs::areas}},
+      {"residues", {&Outputs::residues}},
+      {"all", {&Outputs::grid, &Outputs::edges, &Outputs::areas}}};
   for (const std::string& name : CLI::detail::split(list, ',')) {
     const auto found = files_of.find(name);
     if (found == files_of.end()) return std::nullopt;
@@ -188,9 +190,9 @@ void add_grid_options(CLI::App& app, CommandLine& line) {
   };
   add_length("PROBE", "--probe-radius", "radius of the solvent probe, 0.01 to 1000",
              parameters.probe_radius, line.probe_radius,
-             number_between(least_probe_radius, largest_probe_radius,
-                            fmt::format("a number from {} to {}, in angstrom", least_probe_radius,
-                                        largest_probe_radius)));
+             number_between(min_probe_radius, max_probe_radius,
+                            fmt::format("a number from {} to {}, in angstrom", min_probe_radius,
+                                        max_probe_radius)));
   add_length(
       "SPACING", "--spacing", "distance between grid points, > 0", parameters.spacing, line.spacing,
       number_between(min_positive, max_finite, "a finite number greater than 0, in angstrom"));
@@ -323,13 +325,13 @@ std::string map_name(const std::filesystem::path& map,
   return map.filename();
 }
 
-std::optional<MeshChoice> mesh_of(const CommandLine& line) {
-  const MeshChoice mesh{line.mesh, line.color};
+std::optional<MeshOptions> mesh_of(const CommandLine& line) {
+  const MeshOptions mesh{line.mesh, line.color};
   if (mesh.color != MeshColor::none && mesh_format(mesh.file) != MeshFormat::ply)
     throw UsageError("--color needs --mesh with a .ply file");
   const Options& options = line.options;
   if (mesh.color == MeshColor::chain &&
-      eses::format_of(options.input, options.format) != AtomFormat::pqr)
+      eses::detail::format_of(options.input, options.format) != AtomFormat::pqr)
     throw UsageError(
         fmt::format("--color chain needs a PQR file, which tells the chains; {} is read as xyzr "
                     "(--format pqr if it is PQR)",
@@ -396,4 +398,4 @@ std::variant<Options, Notice> parse_command_line(int argc, const char* const* ar
   return options_of(line);
 }
 
-}  // namespace eses::cli
+}  // namespace eses::detail::cli

@@ -6,16 +6,16 @@
 
 #include "cli/usage.hpp"
 #include "eses/read_atoms.hpp"
-#include "eses/run.hpp"
+#include "task/task.hpp"
 
-namespace eses::cli {
+namespace eses::detail::cli {
 
 /// What the command line asks for.
 struct Options {
   std::filesystem::path input;  ///< `-` is standard input
   AtomFormat format = AtomFormat::automatic;
   Parameters parameters;
-  OutputChoice outputs;
+  Outputs outputs;
   std::filesystem::path output_directory = ".";
   bool resume = false;       ///< goes on from what a run that was cut off has done
   bool independent = false;  ///< shares nothing with processes that were started together with it
@@ -35,4 +35,4 @@ bool asks_to_be_independent(int argc, const char* const* argv);
 /// Throws UsageError.
 std::variant<Options, Notice> parse_command_line(int argc, const char* const* argv);
 
-}  // namespace eses::cli
+}  // namespace eses::detail::cli

@@ -10,7 +10,7 @@
 #include <cstdlib>
 #include <string_view>
 
-namespace eses::cli {
+namespace eses::detail::cli {
 namespace {
 
 using std::chrono::milliseconds;
@@ -100,4 +100,4 @@ bool ProgressBar::is_possible() {
   return isatty(STDERR_FILENO) == 1 && terminal && std::string_view(terminal) != "dumb";
 }
 
-}  // namespace eses::cli
+}  // namespace eses::detail::cli

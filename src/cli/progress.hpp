@@ -7,7 +7,7 @@
 #include <string>
 #include <string_view>
 
-namespace eses::cli {
+namespace eses::detail::cli {
 
 /// Steps of one kind, `blocks` or others, done so far out of all.
 struct Progress {
@@ -44,4 +44,4 @@ class ProgressBar {
   std::size_t columns_drawn_ = 0;
 };
 
-}  // namespace eses::cli
+}  // namespace eses::detail::cli

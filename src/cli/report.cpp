@@ -14,7 +14,7 @@
 #include "simd/dispatch.hpp"
 #include "system/bytes_text.hpp"
 
-namespace eses::cli {
+namespace eses::detail::cli {
 namespace {
 
 std::string duration_text(double seconds) {
@@ -38,7 +38,7 @@ std::string path_text(const std::filesystem::path& path) {
 
 std::string written_text(const Report& report) {
   if (has_faults(report.summary)) return "written: nothing, as there are faults\n";
-  const OutputChoice& outputs = report.options.outputs;
+  const Outputs& outputs = report.options.outputs;
   std::vector<std::string> places;
   if (const std::vector<std::string> names = file_names(outputs); !names.empty())
     places.push_back(fmt::format("to {} ({})", path_text(report.options.output_directory),
@@ -70,7 +70,7 @@ std::vector<std::string> written_files(const Options& options) {
 }
 
 /// `1 grid_info.txt ...`: the plan's files, and how well their sizes are known.
-std::string files_text(const Plan& plan, const OutputChoice& outputs) {
+std::string files_text(const Plan& plan, const Outputs& outputs) {
   std::vector<std::string> parts;
   const auto add = [&](std::uint64_t bytes, std::string_view quality, std::string_view name) {
     if (bytes > 0) parts.push_back(fmt::format("{} {} {}", name, quality, bytes_text(bytes)));
@@ -122,7 +122,8 @@ json::Value parameters_json(const Parameters& parameters) {
 }
 
 json::Value grid_json(const Grid& grid) {
-  const auto& [lower, upper, spacing, size] = grid;
+  const Vec3 lower = grid.origin, upper = grid.upper();
+  const GridIndex& size = grid.size;
   return {{"lower", {lower.x, lower.y, lower.z}},
           {"upper", {upper.x, upper.y, upper.z}},
           {"size", {size[0], size[1], size[2]}},
@@ -382,4 +383,4 @@ std::string counted(std::int64_t count, std::string_view noun) {
   return fmt::format("{} {}{}", count, noun, count == 1 ? "" : "s");
 }
 
-}  // namespace eses::cli
+}  // namespace eses::detail::cli

@@ -10,9 +10,10 @@
 #include "cli/findings.hpp"
 #include "cli/options.hpp"
 #include "compute/engine.hpp"
-#include "eses/run.hpp"
+#include "output/output_files.hpp"
+#include "task/task.hpp"
 
-namespace eses::cli {
+namespace eses::detail::cli {
 
 /// A run as far as the reports are concerned.
 struct Report {
@@ -45,7 +46,7 @@ std::string summary_text(const Report& report);
 std::string json_text(const Report& report);
 
 /// What to warn about, a line each: what is odd in the input, a grid that cuts the surface (see
-/// eses::cut_depth), a disk that is expected to fill up.
+/// eses::detail::cut_depth), a disk that is expected to fill up.
 std::vector<std::string> warnings(const Report& report);
 
 /// `text` as a single line: bytes that would move a terminal's cursor become `?`.
@@ -54,4 +55,4 @@ std::string one_line(std::string_view text);
 /// `1 edge`, `2 edges`
 std::string counted(std::int64_t count, std::string_view noun);
 
-}  // namespace eses::cli
+}  // namespace eses::detail::cli

@@ -6,9 +6,9 @@
 
 #include "cli/interruption.hpp"
 #include "cli/progress.hpp"
-#include "eses/run.hpp"
+#include "task/task.hpp"
 
-namespace eses::cli {
+namespace eses::detail::cli {
 
 /// Lives while `callbacks` are in use, and so must `interruptible`.
 class RunDisplay {
@@ -45,4 +45,4 @@ class RunDisplay {
   bool is_verifying_ = false;
 };
 
-}  // namespace eses::cli
+}  // namespace eses::detail::cli

@@ -19,9 +19,10 @@
 #include "compute/engine.hpp"
 #include "eses/error.hpp"
 #include "eses/read_atoms.hpp"
+#include "io/atom_lines.hpp"
 #include "output/output_files.hpp"
 
-namespace eses::cli {
+namespace eses::detail::cli {
 namespace {
 
 RunTask task_of(const Options& options) {
@@ -152,4 +153,4 @@ int compute_surface(const Options& options, const Processes& processes) {
   return exit_code(report.summary);
 }
 
-}  // namespace eses::cli
+}  // namespace eses::detail::cli

@@ -4,7 +4,7 @@
 #include <stdexcept>
 #include <string>
 
-namespace eses::cli {
+namespace eses::detail::cli {
 
 /// A text to print in place of a run: `--help` or `--version`.
 struct Notice {
@@ -17,4 +17,4 @@ class UsageError : public std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
-}  // namespace eses::cli
+}  // namespace eses::detail::cli

@@ -12,7 +12,7 @@
 #include "io/area_table_writer.hpp"
 #include "output/sequential_writer.hpp"
 
-namespace eses {
+namespace eses::detail {
 namespace {
 
 // The areas of the atoms `wanted`, from the processes that have them.
@@ -127,4 +127,4 @@ std::uint64_t write_area_tables(const AtomAreas& areas, const RunPlan& plan, Out
   return all.bytes + processes.sum(chain_bytes);
 }
 
-}  // namespace eses
+}  // namespace eses::detail

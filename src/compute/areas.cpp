@@ -9,7 +9,7 @@
 #include "io/gzip.hpp"
 #include "sweep/region_totals.hpp"
 
-namespace eses {
+namespace eses::detail {
 namespace {
 
 // Lines of partition_area.txt that are made, and compressed, at a time.
@@ -102,4 +102,4 @@ std::uint64_t write_areas(const AtomAreas& areas, bool gzip, OutputFile* file,
   return processes.sum(offset - begin);
 }
 
-}  // namespace eses
+}  // namespace eses::detail

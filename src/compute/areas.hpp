@@ -13,7 +13,7 @@
 #include "output/output_file.hpp"
 #include "solve/area_shares.hpp"
 
-namespace eses {
+namespace eses::detail {
 
 /// What a process knows of the atoms' shares of the area.
 struct AtomShares {
@@ -45,4 +45,4 @@ std::uint64_t write_areas(const AtomAreas& areas, bool gzip, OutputFile* file,
 std::uint64_t write_area_tables(const AtomAreas& areas, const RunPlan& plan, OutputFile* residues,
                                 OutputFile* chains, const Processes& processes);
 
-}  // namespace eses
+}  // namespace eses::detail

@@ -26,7 +26,7 @@
 #include "system/resources.hpp"
 #include "system/stopwatch.hpp"
 
-namespace eses {
+namespace eses::detail {
 namespace {
 
 // Opens the output files in the first process. Returns null in the others.
@@ -127,7 +127,7 @@ std::uint64_t write_files(const RunTask& task, const RunPlan& plan,
                           const std::optional<mesh::MeshText>& mesh, const AtomAreas& areas,
                           Merge& merge, OutputFiles* files, const std::function<void()>& check,
                           const Processes& processes) {
-  const OutputChoice& outputs = task.outputs;
+  const Outputs& outputs = task.outputs;
   const auto file = [&](std::optional<OutputFile> OutputFiles::*which) {
     return files != nullptr && files->*which ? &*(files->*which) : nullptr;
   };
@@ -229,4 +229,4 @@ RunResult execute(const RunTask& task, const RunPlan& plan, const RunPaths& path
   return result;
 }
 
-}  // namespace eses
+}  // namespace eses::detail

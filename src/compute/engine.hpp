@@ -13,10 +13,10 @@
 
 #include "compute/run_plan.hpp"
 #include "distributed/processes.hpp"
-#include "eses/run.hpp"
 #include "grid/plane_range.hpp"
+#include "task/task.hpp"
 
-namespace eses {
+namespace eses::detail {
 
 /// What each process had to do.
 struct ProcessFigures {
@@ -43,9 +43,10 @@ struct RunPaths {
 /// The paths of the first process; to be called by all processes.
 RunPaths paths_of(const RunTask& task, const Processes& processes);
 
-/// Computes the surface and writes the files as eses::run does; to be called by all processes. If
-/// it throws anything but SharedError, the other processes do not know, and have to be aborted.
+/// Computes the surface and writes the files as eses::detail::run does; to be called by all
+/// processes. If it throws anything but SharedError, the other processes do not know, and have to
+/// be aborted.
 RunResult execute(const RunTask& task, const RunPlan& plan, const RunPaths& paths,
                   const Callbacks& callbacks, const Processes& processes);
 
-}  // namespace eses
+}  // namespace eses::detail

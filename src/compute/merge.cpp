@@ -14,7 +14,7 @@
 #include "mesh/local_triangle.hpp"
 #include "output/inside_map.hpp"
 
-namespace eses {
+namespace eses::detail {
 namespace {
 
 // Bytes that are read, or copied in the kernel, at a time. After each part the run may be ended.
@@ -264,4 +264,4 @@ std::uint64_t Merge::write_triangles(SharedFile& file, std::uint64_t begin,
   return end;
 }
 
-}  // namespace eses
+}  // namespace eses::detail

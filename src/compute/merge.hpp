@@ -15,7 +15,7 @@
 #include "output/output_file.hpp"
 #include "sweep/region_totals.hpp"
 
-namespace eses {
+namespace eses::detail {
 
 /// All functions are to be called by all processes. Only the first process has an output file; the
 /// others pass null.
@@ -63,4 +63,4 @@ class Merge {
   MeshCounts mesh_;
 };
 
-}  // namespace eses
+}  // namespace eses::detail

@@ -7,7 +7,7 @@
 
 #include "io/text_pieces.hpp"
 
-namespace eses {
+namespace eses::detail {
 namespace {
 
 using WriteText = std::function<void(const TextSink& sink)>;
@@ -66,4 +66,4 @@ std::uint64_t write_mesh_header(const mesh::MeshText& text, const GroupNames& na
   return begin;
 }
 
-}  // namespace eses
+}  // namespace eses::detail

@@ -7,10 +7,10 @@
 #include "distributed/group_numbers.hpp"
 #include "distributed/processes.hpp"
 #include "distributed/shared_file.hpp"
-#include "eses/mesh.hpp"
+#include "mesh/mesh_format.hpp"
 #include "mesh/mesh_writer.hpp"
 
-namespace eses {
+namespace eses::detail {
 
 /// Returns the length of the header, which does not depend on the counts; to be called by all
 /// processes.
@@ -23,4 +23,4 @@ std::uint64_t write_mesh_header(const mesh::MeshText& text, const GroupNames& na
                                 const MeshCounts& counts, const Processes& processes,
                                 SharedFile& file);
 
-}  // namespace eses
+}  // namespace eses::detail

@@ -1,5 +1,4 @@
-// The functions of eses/run.hpp: doors to the engine for a molecule in memory.
-#include "eses/run.hpp"
+#include "compute/run.hpp"
 
 #include <fmt/format.h>
 
@@ -9,15 +8,9 @@
 #include "compute/run_plan.hpp"
 #include "distributed/processes.hpp"
 #include "eses/error.hpp"
-#include "plan/plan.hpp"
 
-namespace eses {
+namespace eses::detail {
 namespace {
-
-void require_labels(const OutputChoice& outputs, const Molecule& molecule) {
-  if (outputs.residues && molecule.labels().empty())
-    throw Error("areas by residue need to be told each atom's chain and residue");
-}
 
 void require_valid(const Plan& plan, const Molecule& molecule) {
   if (plan.threads < 1)
@@ -28,10 +21,10 @@ void require_valid(const Plan& plan, const Molecule& molecule) {
 
 }  // namespace
 
-Summary run(const Molecule& molecule, const Plan& plan, const OutputChoice& outputs,
+Summary run(const Molecule& molecule, const Plan& plan, const Outputs& outputs,
             const std::filesystem::path& directory, const Callbacks& callbacks) {
   require_valid(plan, molecule);
-  require_labels(outputs, molecule);
+  require_valid(outputs, molecule);
   const Processes alone;
   const RunTask task{
       .parameters = plan.parameters, .outputs = outputs, .output_directory = directory};
@@ -40,7 +33,7 @@ Summary run(const Molecule& molecule, const Plan& plan, const OutputChoice& outp
 }
 
 Summary compute(const Molecule& molecule, const Plan& plan, const Callbacks& callbacks) {
-  return run(molecule, plan, OutputChoice::none(), {}, callbacks);
+  return run(molecule, plan, Outputs::none(), {}, callbacks);
 }
 
-}  // namespace eses
+}  // namespace eses::detail

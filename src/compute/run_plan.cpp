@@ -21,7 +21,7 @@
 #include "system/resources.hpp"
 #include "system/splitmix64.hpp"
 
-namespace eses {
+namespace eses::detail {
 namespace {
 
 // Must grow with every change of what is computed or of how pieces are stored.
@@ -51,7 +51,7 @@ std::uint64_t hash_of(const GroupNames& groups, const Processes& processes) {
   return processes.sum(sum);
 }
 
-std::string mesh_identity(const std::optional<MeshChoice>& mesh) {
+std::string mesh_identity(const std::optional<MeshOptions>& mesh) {
   if (!mesh) return "none";
   return fmt::format("{} {}", static_cast<int>(mesh_format(mesh->file).value()),
                      static_cast<int>(mesh->color));
@@ -70,7 +70,7 @@ std::string identity_of(const RunTask& task, const RunPlan& run, std::uint64_t h
       !task.outputs.inside_map.empty(), mesh_identity(task.outputs.mesh));
 }
 
-bool names_groups(const OutputChoice& outputs) {
+bool names_groups(const Outputs& outputs) {
   return outputs.mesh && mesh::names_atoms(*outputs.mesh);
 }
 
@@ -101,9 +101,8 @@ void require_memory_held(const RunTask& task) {
 
 // Turns the labels of a part of the molecule into what the outputs need: numbers of groups by atom
 // and their names, and the residues for tables. Returns the totals of the labels.
-LabelTotals take_labels(ResidueRuns residues, const OutputChoice& outputs,
-                        const Processes& processes, RunPlan& run,
-                        std::vector<mesh::GroupNumbers>& groups) {
+LabelTotals take_labels(ResidueRuns residues, const Outputs& outputs, const Processes& processes,
+                        RunPlan& run, std::vector<mesh::GroupNumbers>& groups) {
   if (names_groups(outputs)) {
     NumberedGroups numbered = number_groups(residues, processes);
     run.groups = std::move(numbered.names);
@@ -115,7 +114,7 @@ LabelTotals take_labels(ResidueRuns residues, const OutputChoice& outputs,
 }
 
 // The labels that this process holds, of those with these totals.
-LabelTotals labels_held(LabelTotals totals, const RunPlan& run, const OutputChoice& outputs) {
+LabelTotals labels_held(LabelTotals totals, const RunPlan& run, const Outputs& outputs) {
   if (!outputs.residues) {
     totals.labels = 0;
     totals.heap_bytes = 0;
@@ -225,7 +224,7 @@ void expect_pieces(const RunTask& task, Plan& whole) {
 }  // namespace
 
 RunPlan plan_run(const RunTask& task, const Processes& processes) {
-  const OutputChoice& outputs = task.outputs;
+  const Outputs& outputs = task.outputs;
   RunPlan run;
   AtomShare share = read_share(task.input,
                                {.format = task.format,
@@ -256,7 +255,7 @@ RunPlan plan_run(const RunTask& task, const Processes& processes) {
   return run;
 }
 
-RunPlan plan_of_molecule(const Molecule& molecule, const Plan& plan, const OutputChoice& outputs) {
+RunPlan plan_of_molecule(const Molecule& molecule, const Plan& plan, const Outputs& outputs) {
   RunPlan run;
   run.whole = run.own = plan;
   run.atoms = molecule.atoms().size();
@@ -268,4 +267,4 @@ RunPlan plan_of_molecule(const Molecule& molecule, const Plan& plan, const Outpu
   return run;
 }
 
-}  // namespace eses
+}  // namespace eses::detail

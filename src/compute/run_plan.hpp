@@ -12,16 +12,16 @@
 #include "distributed/processes.hpp"
 #include "distributed/slabs.hpp"
 #include "eses/read_atoms.hpp"
-#include "eses/run.hpp"
+#include "task/task.hpp"
 
-namespace eses {
+namespace eses::detail {
 
 /// What the user has chosen.
 struct RunTask {
   std::filesystem::path input = {};
   AtomFormat format = AtomFormat::automatic;
   Parameters parameters;
-  OutputChoice outputs;
+  Outputs outputs;
   std::filesystem::path output_directory;
   /// Keep finished pieces on disk, and go on from those that an earlier run has left.
   bool resume = false;
@@ -47,6 +47,6 @@ struct RunPlan {
 RunPlan plan_run(const RunTask& task, const Processes& processes);
 
 /// The plan of a process that is alone for a molecule in memory, with what make_plan has chosen.
-RunPlan plan_of_molecule(const Molecule& molecule, const Plan& plan, const OutputChoice& outputs);
+RunPlan plan_of_molecule(const Molecule& molecule, const Plan& plan, const Outputs& outputs);
 
-}  // namespace eses
+}  // namespace eses::detail

@@ -13,7 +13,7 @@
 #include "system/resources.hpp"
 #include "system/stopwatch.hpp"
 
-namespace eses {
+namespace eses::detail {
 namespace {
 
 // The slab of a process has at most so many ranges if the run can be resumed.
@@ -58,14 +58,14 @@ TakeRows rows_as_words(const GridRegion& region, OrderedOutput::WriteAt write_at
   };
 }
 
-TakeRows rows_of_map(OutputFile& file, const OutputChoice& outputs, const Plan& plan) {
+TakeRows rows_of_map(OutputFile& file, const Outputs& outputs, const Plan& plan) {
   const auto map = std::make_shared<InsideMap>(
       map_file(file), required_map_format(outputs.inside_map), plan.grid, plan.tiling.region);
   return [map](std::int64_t first_row, std::span<const std::uint64_t> words,
                InsideMap::Scratch& scratch) { map->write_rows(first_row, words, scratch); };
 }
 
-std::vector<PieceText> chosen_texts(const OutputChoice& outputs) {
+std::vector<PieceText> chosen_texts(const Outputs& outputs) {
   std::vector<PieceText> texts;
   if (outputs.grid) texts.push_back(PieceText::grid);
   if (outputs.edges) texts.push_back(PieceText::edges);
@@ -302,4 +302,4 @@ Piece SlabSweep::sweep(PatchSchedule& patches, const PlaneRange& planes, SweepRe
   return piece;
 }
 
-}  // namespace eses
+}  // namespace eses::detail

@@ -18,7 +18,7 @@
 #include "sweep/progress_report.hpp"
 #include "sweep/verifier.hpp"
 
-namespace eses {
+namespace eses::detail {
 
 /// Whether texts are written directly to their final places: one process sweeps the whole region at
 /// once.
@@ -79,4 +79,4 @@ class SlabSweep {
   std::int64_t checks_;  // points, and as many edges, that this process verifies
 };
 
-}  // namespace eses
+}  // namespace eses::detail

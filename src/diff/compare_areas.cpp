@@ -8,7 +8,7 @@
 #include "diff/match_in_order.hpp"
 #include "io/eses_reader.hpp"
 
-namespace eses {
+namespace eses::detail {
 namespace {
 
 std::vector<AtomArea> read_areas(const std::filesystem::path& path) {
@@ -53,4 +53,4 @@ AreaDifference compare_areas(const Sides<std::filesystem::path>& paths, const Ar
   return result;
 }
 
-}  // namespace eses
+}  // namespace eses::detail

@@ -6,9 +6,9 @@
 #include "diff/compare_edges.hpp"
 #include "diff/differences.hpp"
 
-namespace eses {
+namespace eses::detail {
 
 AreaDifference compare_areas(const Sides<std::filesystem::path>& paths, const AreaShifts& shifts,
                              double tolerance);
 
-}  // namespace eses
+}  // namespace eses::detail

@@ -14,7 +14,7 @@
 #include "eses/error.hpp"
 #include "io/eses_reader.hpp"
 
-namespace eses {
+namespace eses::detail {
 namespace {
 
 constexpr std::array every_file{EsesFile::box, EsesFile::grid, EsesFile::edges, EsesFile::areas};
@@ -160,4 +160,4 @@ Differences compare_directories(const Sides<std::filesystem::path>& directories,
   return result;
 }
 
-}  // namespace eses
+}  // namespace eses::detail

@@ -11,7 +11,7 @@
 #include "diff/match_in_order.hpp"
 #include "diff/ordered_edges.hpp"
 
-namespace eses {
+namespace eses::detail {
 namespace {
 
 constexpr std::size_t atoms_of_concave = 3;
@@ -126,4 +126,4 @@ EdgeDifference compare_edges(const Sides<std::filesystem::path>& paths, const Co
   return result;
 }
 
-}  // namespace eses
+}  // namespace eses::detail

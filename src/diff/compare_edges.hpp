@@ -7,7 +7,7 @@
 
 #include "diff/differences.hpp"
 
-namespace eses {
+namespace eses::detail {
 
 /// What is to be known of the grids of both sides.
 struct ComparedGrids {
@@ -23,4 +23,4 @@ using AreaShifts = std::unordered_map<AtomIndex, double>;
 EdgeDifference compare_edges(const Sides<std::filesystem::path>& paths, const ComparedGrids& grids,
                              double tolerance, AreaShifts& shifts);
 
-}  // namespace eses
+}  // namespace eses::detail

@@ -13,7 +13,7 @@
 #include "system/bytes_text.hpp"
 #include "system/resources.hpp"
 
-namespace eses {
+namespace eses::detail {
 namespace {
 
 /// The point after `point`, x fastest; behind the last point it lies above the grid.
@@ -122,4 +122,4 @@ GridIndex extent_of_points(const std::filesystem::path& path) {
   return size;
 }
 
-}  // namespace eses
+}  // namespace eses::detail

@@ -5,7 +5,7 @@
 
 #include "diff/differences.hpp"
 
-namespace eses {
+namespace eses::detail {
 
 /// Both grids have the same size. Files in ESES's order are compared in lock step; for others,
 /// memory takes four bits a point. Throws Error if there is no room for them.
@@ -14,4 +14,4 @@ PointDifference compare_points(const Sides<std::filesystem::path>& paths, const 
 /// The size of the grid that a file of points is for, where nothing else tells it.
 GridIndex extent_of_points(const std::filesystem::path& path);
 
-}  // namespace eses
+}  // namespace eses::detail

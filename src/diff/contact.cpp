@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace eses {
+namespace eses::detail {
 
 void ContactSpheres::add_convex(const SurfaceEdge& edge) {
   // Welford's update: no difference of large sums.
@@ -41,4 +41,4 @@ bool touches_all(const SurfaceEdge& edge, std::span<const Sphere> spheres, doubl
   });
 }
 
-}  // namespace eses
+}  // namespace eses::detail

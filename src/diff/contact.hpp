@@ -16,7 +16,7 @@
 #include "eses/vec3.hpp"
 #include "io/eses_reader.hpp"
 
-namespace eses {
+namespace eses::detail {
 
 struct Sphere {
   Vec3 center;        ///< angstrom
@@ -47,4 +47,4 @@ class ContactSpheres {
 /// within `tolerance` angstrom. It takes more than two spheres to tell.
 bool touches_all(const SurfaceEdge& edge, std::span<const Sphere> spheres, double tolerance);
 
-}  // namespace eses
+}  // namespace eses::detail

@@ -11,7 +11,7 @@
 #include "eses/grid.hpp"
 #include "io/eses_reader.hpp"
 
-namespace eses {
+namespace eses::detail {
 
 template <class Value>
 using Sides = std::array<Value, 2>;
@@ -137,4 +137,4 @@ struct Differences {
   }
 };
 
-}  // namespace eses
+}  // namespace eses::detail

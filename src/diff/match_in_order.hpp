@@ -8,7 +8,7 @@
 
 #include "diff/differences.hpp"
 
-namespace eses {
+namespace eses::detail {
 
 /// Hands out the next item; false behind the last.
 template <class Item>
@@ -47,4 +47,4 @@ auto match_in_order(Sides<ItemStream<Item>> lists, KeyOf key_of, Both both) {
   return matching;
 }
 
-}  // namespace eses
+}  // namespace eses::detail

@@ -8,7 +8,7 @@
 #include <type_traits>
 #include <utility>
 
-namespace eses {
+namespace eses::detail {
 namespace {
 
 constexpr std::size_t edges_in_piece = std::size_t{1} << 16;  // 5 MB
@@ -146,4 +146,4 @@ ItemStream<SurfaceEdge> OrderedEdges::stream() const {
   };
 }
 
-}  // namespace eses
+}  // namespace eses::detail

@@ -11,7 +11,7 @@
 #include "io/eses_reader.hpp"
 #include "output/scratch_file.hpp"
 
-namespace eses {
+namespace eses::detail {
 
 /// A few edges are sorted in memory; a file that is in order is read as it stands; any other one
 /// is sorted in pieces, which lie in a scratch file and are merged.
@@ -41,4 +41,4 @@ class OrderedEdges {
   bool read_as_it_stands_ = false;
 };
 
-}  // namespace eses
+}  // namespace eses::detail

@@ -20,7 +20,7 @@
 #include "io/gzip.hpp"
 #include "io/text_source.hpp"
 
-namespace eses {
+namespace eses::detail {
 namespace {
 
 constexpr std::size_t counted_bytes = std::size_t{1} << 22;  // of a file, whose lines are counted
@@ -99,17 +99,17 @@ void take_labels(std::vector<AtomLabel>& labels, ResidueRuns& runs) {
 }
 
 struct PartRead {
-  NumberedAtoms atoms;  // without labels
+  AtomFile atoms;  // without labels
   ResidueRuns residues;
   std::uint64_t lines = 0;
   PdbLikeness likeness;
 };
 
-// Reads the whole file, as read_numbered_atoms does.
+// Reads the whole file, as read_atoms does.
 PartRead read_whole(const std::filesystem::path& path, const ReadOptions& options) {
   PartRead part;
-  part.atoms = read_numbered_atoms(
-      path, options, [&](NumberedAtoms& atoms) { take_labels(atoms.labels, part.residues); });
+  part.atoms = read_atom_file(path, options,
+                              [&](AtomFile& atoms) { take_labels(atoms.labels, part.residues); });
   return part;
 }
 
@@ -210,4 +210,4 @@ AtomShare read_share(const std::filesystem::path& path, ReadOptions options,
   return share;
 }
 
-}  // namespace eses
+}  // namespace eses::detail

@@ -10,7 +10,7 @@
 #include "io/residue_runs.hpp"
 #include "mesh/atom_groups.hpp"
 
-namespace eses {
+namespace eses::detail {
 
 /// Consecutive atoms of a file, 0-based.
 struct AtomRange {
@@ -34,8 +34,8 @@ struct AtomShare {
 /// as standard input. Labels, if `options` requests them, are kept as residues. The memory limit of
 /// `options` holds for each process.
 ///
-/// Throws SharedError where read_numbered_atoms would throw Error, for the first error in the file.
+/// Throws SharedError where read_atoms would throw Error, for the first error in the file.
 AtomShare read_share(const std::filesystem::path& path, ReadOptions options,
                      const Processes& processes);
 
-}  // namespace eses
+}  // namespace eses::detail

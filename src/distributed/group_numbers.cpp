@@ -9,7 +9,7 @@
 
 #include "distributed/packed_texts.hpp"
 
-namespace eses {
+namespace eses::detail {
 namespace {
 
 constexpr std::uint32_t none = std::numeric_limits<std::uint32_t>::max();
@@ -167,4 +167,4 @@ NumberedGroups number_groups(const ResidueRuns& runs, const Processes& processes
   return groups;
 }
 
-}  // namespace eses
+}  // namespace eses::detail

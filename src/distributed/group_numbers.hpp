@@ -7,11 +7,11 @@
 #include <vector>
 
 #include "distributed/processes.hpp"
-#include "eses/atom_labels.hpp"
+#include "eses/atoms.hpp"
 #include "io/residue_runs.hpp"
 #include "mesh/atom_groups.hpp"
 
-namespace eses {
+namespace eses::detail {
 
 /// Numbers of keys, from 0 in the order in which the keys come first, processes by rank.
 struct KeyNumbers {
@@ -40,4 +40,4 @@ struct NumberedGroups {
 /// processes, with consecutive parts of the molecule by rank.
 NumberedGroups number_groups(const ResidueRuns& runs, const Processes& processes);
 
-}  // namespace eses
+}  // namespace eses::detail

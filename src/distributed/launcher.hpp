@@ -4,7 +4,7 @@
 #include <cstdlib>
 #include <initializer_list>
 
-namespace eses {
+namespace eses::detail {
 
 /// Number of processes that a launcher (that of Open MPI, of MPICH, or Slurm's srun) has started
 /// together; 1 without a launcher.
@@ -17,4 +17,4 @@ inline int launched_processes() {
   return most;
 }
 
-}  // namespace eses
+}  // namespace eses::detail

@@ -6,7 +6,7 @@
 #include <array>
 #include <string>
 
-namespace eses {
+namespace eses::detail {
 
 inline std::string mpi_error_text(int error) {
   std::array<char, MPI_MAX_ERROR_STRING> text{};
@@ -15,4 +15,4 @@ inline std::string mpi_error_text(int error) {
   return {text.data(), static_cast<std::size_t>(length)};
 }
 
-}  // namespace eses
+}  // namespace eses::detail

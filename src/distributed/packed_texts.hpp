@@ -5,7 +5,7 @@
 #include <string_view>
 #include <vector>
 
-namespace eses {
+namespace eses::detail {
 
 /// Appends a text, which must not hold a NUL.
 inline void pack(std::string& packed, std::string_view text) {
@@ -20,4 +20,4 @@ inline std::vector<std::string> unpack(const std::string& packed) {
   return texts;
 }
 
-}  // namespace eses
+}  // namespace eses::detail

@@ -10,7 +10,7 @@
 #include <new>
 #include <optional>
 
-namespace eses {
+namespace eses::detail {
 
 Processes::Share Processes::share_of(std::uint64_t count, std::uint64_t unit, int rank) const {
   const std::uint64_t units = (count + unit - 1) / unit, all = static_cast<std::uint64_t>(count_);
@@ -62,4 +62,4 @@ std::string Processes::place() const {
   return fmt::format(" on {}", name.data());
 }
 
-}  // namespace eses
+}  // namespace eses::detail

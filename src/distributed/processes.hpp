@@ -15,7 +15,7 @@
 
 #include "eses/error.hpp"
 
-namespace eses {
+namespace eses::detail {
 
 /// A failure that all processes know, so that one of them can print it and all end in order.
 class SharedError : public Error {
@@ -140,4 +140,4 @@ std::vector<T> Processes::gather(std::span<const T> own) const {
       std::vector(static_cast<std::size_t>(count_), std::vector(own.begin(), own.end())));
 }
 
-}  // namespace eses
+}  // namespace eses::detail

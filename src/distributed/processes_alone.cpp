@@ -3,7 +3,7 @@
 
 #include "distributed/processes.hpp"
 
-namespace eses {
+namespace eses::detail {
 
 Processes::Processes(int&, char**&) {}
 
@@ -39,4 +39,4 @@ std::vector<std::uint64_t> Processes::exchange_counts(std::span<const std::uint6
 void Processes::exchange_elements(const void*, std::span<const std::uint64_t>, void*,
                                   std::span<const std::uint64_t>, std::size_t) const {}
 
-}  // namespace eses
+}  // namespace eses::detail

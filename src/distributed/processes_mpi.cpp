@@ -10,7 +10,7 @@
 #include "distributed/mpi_errors.hpp"
 #include "distributed/processes.hpp"
 
-namespace eses {
+namespace eses::detail {
 namespace {
 
 // Without a launcher MPI would start, for no gain, in a fifth of a second.
@@ -202,4 +202,4 @@ void Processes::exchange_elements(const void* sent, std::span<const std::uint64_
                   "exchange");
 }
 
-}  // namespace eses
+}  // namespace eses::detail

@@ -11,7 +11,7 @@
 #include "output/kernel_copy.hpp"
 #include "output/output_file.hpp"
 
-namespace eses {
+namespace eses::detail {
 
 /// Written by MPI-IO where there are several processes. Every failure throws Error, naming the
 /// file.
@@ -43,4 +43,4 @@ class SharedFile {
   std::unique_ptr<Handle> handle_;  // none if this process is alone
 };
 
-}  // namespace eses
+}  // namespace eses::detail

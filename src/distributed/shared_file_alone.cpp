@@ -1,6 +1,6 @@
 #include "distributed/shared_file.hpp"
 
-namespace eses {
+namespace eses::detail {
 
 struct SharedFile::Handle {};
 
@@ -25,4 +25,4 @@ void SharedFile::sync() {}
 
 void SharedFile::close() {}
 
-}  // namespace eses
+}  // namespace eses::detail

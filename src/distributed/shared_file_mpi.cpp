@@ -9,7 +9,7 @@
 #include "distributed/shared_file.hpp"
 #include "io/file_descriptor.hpp"
 
-namespace eses {
+namespace eses::detail {
 
 struct SharedFile::Handle {
   MPI_File file = MPI_FILE_NULL;
@@ -117,4 +117,4 @@ void SharedFile::close() {
   processes_.all_or_throw([&] { require(error, "write", name_); });
 }
 
-}  // namespace eses
+}  // namespace eses::detail

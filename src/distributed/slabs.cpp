@@ -12,7 +12,7 @@
 #include "surface/survey.hpp"
 #include "sweep/region_box.hpp"
 
-namespace eses {
+namespace eses::detail {
 namespace {
 
 // Seconds on one processor, as measured with proteins. Only their ratios matter.
@@ -43,7 +43,7 @@ class Bins {
   PlaneRange planes(std::size_t begin, std::size_t end) const { return {plane(begin), plane(end)}; }
   // Of the plane that is nearest to `z`.
   std::size_t bin_of(double z) const {
-    const double place = (z - plan_.grid.lower.z) / plan_.grid.spacing + 0.5;
+    const double place = (z - plan_.grid.origin.z) / plan_.grid.spacing + 0.5;
     const auto plane = static_cast<std::int64_t>(std::clamp(
         place, static_cast<double>(planes_.begin), static_cast<double>(planes_.end - 1)));
     return static_cast<std::size_t>((plane - planes_.begin) / per_bin_);
@@ -219,7 +219,7 @@ SlabWithLines exchange_atoms(const AtomShare& share, const Plan& plan,
 
 // An example of an oddity, as processes exchange it.
 struct FileExample {
-  OddityKind kind{};
+  DiagnosticKind kind{};
   AtomIndex atom = 0, other = 0;
   std::uint64_t line = 0, other_line = 0;
 };
@@ -228,8 +228,8 @@ FileOddities gather_oddities(const SlabWithLines& part, std::uint64_t atoms,
                              const Processes& processes) {
   const auto& [slab, lines] = part;
   std::vector<FileExample> own;
-  std::array<std::uint64_t, oddity_kinds> counts{};
-  for (const Oddity& oddity : slab.molecule.oddities()) {
+  std::array<std::uint64_t, diagnostic_kinds> counts{};
+  for (const Diagnostic& oddity : slab.molecule.diagnostics()) {
     counts[static_cast<std::size_t>(oddity.kind)] = oddity.count;
     for (const auto& [atom, other] : oddity.examples)
       own.push_back(
@@ -237,7 +237,7 @@ FileOddities gather_oddities(const SlabWithLines& part, std::uint64_t atoms,
   }
   processes.add(counts);
   // The radii of the molecule are small only if all of them are.
-  std::uint64_t& small = counts[static_cast<std::size_t>(OddityKind::small_radii)];
+  std::uint64_t& small = counts[static_cast<std::size_t>(DiagnosticKind::small_radii)];
   if (small < atoms) small = 0;
   std::vector<FileExample> examples = processes.gather<FileExample>(own);
   std::sort(examples.begin(), examples.end(), [](const FileExample& a, const FileExample& b) {
@@ -245,11 +245,12 @@ FileOddities gather_oddities(const SlabWithLines& part, std::uint64_t atoms,
   });
   FileOddities all;
   for (std::size_t kind = 0; kind < counts.size(); ++kind)
-    if (counts[kind] > 0) all.oddities.push_back({static_cast<OddityKind>(kind), counts[kind], {}});
-  for (Oddity& oddity : all.oddities) {
+    if (counts[kind] > 0)
+      all.oddities.push_back({static_cast<DiagnosticKind>(kind), counts[kind], {}});
+  for (Diagnostic& oddity : all.oddities) {
     for (const FileExample& example : examples) {
       if (example.kind != oddity.kind) continue;
-      if (oddity.examples.size() == Oddity::most_examples) break;
+      if (oddity.examples.size() == Diagnostic::max_examples) break;
       oddity.examples.push_back({example.atom, example.other});
       all.lines[example.atom] = example.line;
       all.lines[example.other] = example.other_line;
@@ -271,7 +272,7 @@ std::vector<PlaneRange> planes_left_out(const Plan& plan, std::span<const PlaneR
 // Cuts the planes into as many slabs as there are processes; all of them call it.
 class SlabCutter {
  public:
-  SlabCutter(const AtomShare& share, const Plan& plan, const OutputChoice& outputs,
+  SlabCutter(const AtomShare& share, const Plan& plan, const Outputs& outputs,
              const Processes& processes)
       : plan_(plan), outputs_(outputs), processes_(processes), bins_(plan), atoms_(bins_.count()) {
     for (const Atom& atom : share.atoms) ++atoms_[bins_.bin_of(atom.center.z)];
@@ -329,7 +330,7 @@ class SlabCutter {
   }
 
   const Plan& plan_;
-  const OutputChoice& outputs_;
+  const Outputs& outputs_;
   const Processes& processes_;
   Bins bins_;
   std::vector<double> atoms_;  // by bin
@@ -357,7 +358,7 @@ PlaneRange region_planes(const Plan& plan) {
   return {plan.tiling.region.begin[2], plan.tiling.region.end[2]};
 }
 
-SlabOfMolecule make_slab(AtomShare share, const Plan& plan, const OutputChoice& outputs,
+SlabOfMolecule make_slab(AtomShare share, const Plan& plan, const Outputs& outputs,
                          std::span<const PlaneRange> done, int threads,
                          const Processes& processes) {
   const std::uint64_t atoms = share.total;
@@ -390,4 +391,4 @@ Box slab_box(const Plan& plan, const PlaneRange& planes) {
   return region_box(plan.grid, region);
 }
 
-}  // namespace eses
+}  // namespace eses::detail

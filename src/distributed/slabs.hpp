@@ -9,12 +9,12 @@
 
 #include "distributed/atom_share.hpp"
 #include "distributed/processes.hpp"
-#include "eses/molecule.hpp"
-#include "eses/run.hpp"
 #include "geometry/box.hpp"
 #include "grid/plane_range.hpp"
+#include "surface/molecule.hpp"
+#include "task/task.hpp"
 
-namespace eses {
+namespace eses::detail {
 
 /// Cuts `costs` into `parts` consecutive ones whose sums are nearly equal, some perhaps empty: the
 /// first begins with the first cost, the last ends with the last. Returns where they begin, and the
@@ -35,7 +35,7 @@ struct Slab {
 
 /// The oddities of the whole molecule, with atoms by their numbers in the file.
 struct FileOddities {
-  std::vector<Oddity> oddities;
+  std::vector<Diagnostic> oddities;
   std::map<AtomIndex, std::uint64_t> lines;  ///< of all atoms that are examples
 };
 
@@ -47,7 +47,7 @@ struct SlabOfMolecule {
 /// Gives each process its slab of the region of `plan`, which has its grid; to be called by all
 /// processes. Costs are estimated from a sample of the atoms' patches; planes in `done` (ascending,
 /// disjoint) cost nothing. `threads` are those of this process.
-SlabOfMolecule make_slab(AtomShare share, const Plan& plan, const OutputChoice& outputs,
+SlabOfMolecule make_slab(AtomShare share, const Plan& plan, const Outputs& outputs,
                          std::span<const PlaneRange> done, int threads, const Processes& processes);
 
 /// The planes of the region of `plan`.
@@ -57,4 +57,4 @@ PlaneRange region_planes(const Plan& plan);
 /// on below, with the plane below, whose points are their neighbours.
 Box slab_box(const Plan& plan, const PlaneRange& planes);
 
-}  // namespace eses
+}  // namespace eses::detail

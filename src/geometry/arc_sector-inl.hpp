@@ -13,7 +13,7 @@
 #endif
 
 HWY_BEFORE_NAMESPACE();
-namespace eses::HWY_NAMESPACE {
+namespace eses::detail::HWY_NAMESPACE {
 
 /// See MeridianPoint.
 struct MeridianPoints {
@@ -35,7 +35,7 @@ HWY_INLINE DoubleMask faces(const ArcSector& sector, const Points& offset) {
   return hn::And(hn::And(after_start, before_end), dot(sector.start + sector.end, offset) >= seam);
 }
 
-}  // namespace eses::HWY_NAMESPACE
+}  // namespace eses::detail::HWY_NAMESPACE
 HWY_AFTER_NAMESPACE();
 
 #endif

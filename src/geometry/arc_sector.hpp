@@ -6,7 +6,7 @@
 #include "geometry/box.hpp"
 #include "geometry/circle_arcs.hpp"
 
-namespace eses {
+namespace eses::detail {
 
 struct ArcSector {
   ArcKind kind = ArcKind::full;
@@ -62,4 +62,4 @@ inline void include_arc(Box& box, Vec3 center, double radius, const Box& directi
   box.include(arc.high);
 }
 
-}  // namespace eses
+}  // namespace eses::detail

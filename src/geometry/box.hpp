@@ -5,7 +5,7 @@
 
 #include "eses/vec3.hpp"
 
-namespace eses {
+namespace eses::detail {
 
 struct Box {
   Vec3 low, high;
@@ -42,4 +42,4 @@ inline double squared_distance(const Box& box, Vec3 p) {
   return sum;
 }
 
-}  // namespace eses
+}  // namespace eses::detail

@@ -13,7 +13,7 @@
 #include "simd/points-inl.hpp"
 
 HWY_BEFORE_NAMESPACE();
-namespace eses::HWY_NAMESPACE {
+namespace eses::detail::HWY_NAMESPACE {
 
 using Positions = hn::RebindToSigned<Doubles>;
 
@@ -103,11 +103,11 @@ void caps_at_positions(const SasSphere& sphere, const SphereList& spheres,
   }
 }
 
-}  // namespace eses::HWY_NAMESPACE
+}  // namespace eses::detail::HWY_NAMESPACE
 HWY_AFTER_NAMESPACE();
 
 #if HWY_ONCE
-namespace eses {
+namespace eses::detail {
 namespace {
 
 // Lists of a few hundred elements are usual.
@@ -184,5 +184,5 @@ void make_caps(const SasSphere& sphere, const SphereList& spheres, const SphereP
   ESES_BEST_VERSION(caps_at_positions)(sphere, spheres, positions.at.data(), caps);
 }
 
-}  // namespace eses
+}  // namespace eses::detail
 #endif  // HWY_ONCE

@@ -9,7 +9,7 @@
 #include "geometry/box.hpp"
 #include "geometry/contact_circle.hpp"
 
-namespace eses {
+namespace eses::detail {
 
 /// SAS spheres. The first `count` elements of each array are in use.
 struct SphereList {
@@ -65,4 +65,4 @@ void find_meeting(const SasSphere& sphere, const SphereList& spheres, SpherePosi
 void make_caps(const SasSphere& sphere, const SphereList& spheres, const SpherePositions& positions,
                CapList& caps);
 
-}  // namespace eses
+}  // namespace eses::detail

@@ -14,7 +14,7 @@
 
 #ifndef ESES_GEOMETRY_CIRCLE_ARCS_SHARED_
 #define ESES_GEOMETRY_CIRCLE_ARCS_SHARED_
-namespace eses {
+namespace eses::detail {
 namespace {
 
 // Angles are measured in [0, 4) along the diamond |x| + |y| = 1: monotone in the true angle, half a
@@ -32,11 +32,11 @@ struct CircleFrame {
 };
 
 }  // namespace
-}  // namespace eses
+}  // namespace eses::detail
 #endif  // ESES_GEOMETRY_CIRCLE_ARCS_SHARED_
 
 HWY_BEFORE_NAMESPACE();
-namespace eses::HWY_NAMESPACE {
+namespace eses::detail::HWY_NAMESPACE {
 
 HWY_INLINE DoubleVector dot_at(Vec3 a, const double* x, const double* y, const double* z) {
   return all(a.x) * load(x) + all(a.y) * load(y) + all(a.z) * load(z);
@@ -122,11 +122,11 @@ bool find_open(const ContactCircle& circle, const CircleFrame& frame, const CapL
   return true;
 }
 
-}  // namespace eses::HWY_NAMESPACE
+}  // namespace eses::detail::HWY_NAMESPACE
 HWY_AFTER_NAMESPACE();
 
 #if HWY_ONCE
-namespace eses {
+namespace eses::detail {
 namespace {
 
 double diamond_angle(double x, double y) {
@@ -323,5 +323,5 @@ void accessible_arcs(const ContactCircle& circle, const CapList& caps, std::uint
     add_open_interval(circle, frame, caps, own, scratch.open.origin, open, scratch, arcs, ends);
 }
 
-}  // namespace eses
+}  // namespace eses::detail
 #endif  // HWY_ONCE

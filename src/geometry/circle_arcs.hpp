@@ -6,7 +6,7 @@
 
 #include "geometry/cap_list.hpp"
 
-namespace eses {
+namespace eses::detail {
 
 enum class ArcKind : std::uint8_t {
   full,   ///< the whole circle
@@ -69,4 +69,4 @@ void accessible_arcs(const ContactCircle& circle, const CapList& caps, std::uint
                      ArcScratch& scratch, std::vector<CircleArc>& arcs,
                      std::vector<CircleEnd>& ends);
 
-}  // namespace eses
+}  // namespace eses::detail

@@ -6,7 +6,7 @@
 #include "eses/vec3.hpp"
 #include "geometry/tolerances.hpp"
 
-namespace eses {
+namespace eses::detail {
 
 /// A SAS sphere: van der Waals radius plus probe radius, angstrom.
 struct SasSphere {
@@ -88,4 +88,4 @@ inline CircleCut cut_circle(const ContactCircle& circle, const Cap& cap) {
   return {toward, circle.radius * length, cap.height - circle.first_height * along};
 }
 
-}  // namespace eses
+}  // namespace eses::detail

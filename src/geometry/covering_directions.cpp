@@ -4,7 +4,7 @@
 #include <array>
 #include <cmath>
 
-namespace eses {
+namespace eses::detail {
 namespace {
 
 constexpr double golden = 1.6180339887498949;
@@ -65,4 +65,4 @@ CoveringDirections make_covering_directions(int frequency) {
   return covering;
 }
 
-}  // namespace eses
+}  // namespace eses::detail

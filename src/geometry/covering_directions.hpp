@@ -6,7 +6,7 @@
 
 #include "eses/vec3.hpp"
 
-namespace eses {
+namespace eses::detail {
 
 /// Every direction of space is within `radius` (radians) of one of `directions` (unit vectors).
 struct CoveringDirections {
@@ -19,4 +19,4 @@ struct CoveringDirections {
 /// so each of their points is as near as that to a corner.
 CoveringDirections make_covering_directions(int frequency);
 
-}  // namespace eses
+}  // namespace eses::detail

@@ -12,7 +12,7 @@
 #endif
 
 HWY_BEFORE_NAMESPACE();
-namespace eses::HWY_NAMESPACE {
+namespace eses::detail::HWY_NAMESPACE {
 
 struct OnlyTubeExits {
   DoubleVector parameters;
@@ -100,7 +100,7 @@ OnlyTubeExits only_tube_exits(const Points& start, DoubleVector step, Vec3 axis,
   return exits;
 }
 
-}  // namespace eses::HWY_NAMESPACE
+}  // namespace eses::detail::HWY_NAMESPACE
 HWY_AFTER_NAMESPACE();
 
 #endif

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace eses {
+namespace eses::detail {
 namespace {
 
 // Bernstein coefficients of a quartic on [0, 1]: no more roots there than changes of sign.
@@ -130,4 +130,4 @@ TubeExits tube_exits(Vec3 start, Vec3 step, Vec3 axis, double circle_radius, dou
   return exits;
 }
 
-}  // namespace eses
+}  // namespace eses::detail

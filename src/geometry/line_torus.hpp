@@ -6,7 +6,7 @@
 
 #include "eses/vec3.hpp"
 
-namespace eses {
+namespace eses::detail {
 
 /// At most four parameters, ascending.
 struct TubeExits {
@@ -38,4 +38,4 @@ inline double inner_sheet(double tube_radius) {
 }
 
 }  // namespace line_torus
-}  // namespace eses
+}  // namespace eses::detail

@@ -5,7 +5,7 @@
 
 #include "geometry/arc_sector.hpp"
 
-namespace eses {
+namespace eses::detail {
 
 Box cap_box(Vec3 center, double radius, Vec3 pole, double cosine) {
   const double sine = std::sqrt((1 - cosine) * (1 + cosine));
@@ -54,4 +54,4 @@ Box saddle_box(const ContactCircle& circle, const Box& directions,
   return box;
 }
 
-}  // namespace eses
+}  // namespace eses::detail

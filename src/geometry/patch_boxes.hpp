@@ -6,7 +6,7 @@
 #include "geometry/box.hpp"
 #include "geometry/contact_circle.hpp"
 
-namespace eses {
+namespace eses::detail {
 
 /// Of the spherical cap { center + radius u : u . pole >= cosine }; `pole` and u are unit vectors.
 Box cap_box(Vec3 center, double radius, Vec3 pole, double cosine);
@@ -19,4 +19,4 @@ Box concave_box(Vec3 center, double radius, const std::array<Vec3, 3>& corners);
 Box saddle_box(const ContactCircle& circle, const Box& directions,
                const std::array<double, 2>& atom_radii, double probe_radius);
 
-}  // namespace eses
+}  // namespace eses::detail

@@ -6,7 +6,7 @@
 /// place of the radii (1e-15 angstrom), and then moved to their place, which rounds them to 1.5e-11
 /// angstrom where coordinates are 1e5.
 
-namespace eses::tolerance {
+namespace eses::detail::tolerance {
 
 /// A probe centre counts as accessible if it is at most this far inside a SAS ball (angstrom). It
 /// is far above rounding, so a probe that just fits stays, whichever of its atoms it is computed
@@ -54,4 +54,4 @@ inline constexpr double covered = 1e-8;
 static_assert(containment <= accessible && accessible <= seam && accessible < covered &&
               same_placement <= covered && covered < same_crossing && end_shift <= touching);
 
-}  // namespace eses::tolerance
+}  // namespace eses::detail::tolerance

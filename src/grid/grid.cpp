@@ -1,5 +1,3 @@
-#include "eses/grid.hpp"
-
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -9,8 +7,9 @@
 #include <string>
 
 #include "eses/error.hpp"
+#include "grid/make_grid.hpp"
 
-namespace eses {
+namespace eses::detail {
 namespace {
 
 // A coordinate must tell neighbouring points apart, and 64-bit products must not overflow.
@@ -104,8 +103,7 @@ Grid make_grid(const SphereBounds& bounds, double spacing, double margin) {
                       spacing, cells, "xyz"[axis], max_cells_along_axis,
                       spacing_advice(bounds, spacing, margin)));
     grid.size[axis] = static_cast<std::int64_t>(cells) + 1;
-    grid.lower[axis] = box.low[axis];
-    grid.upper[axis] = box.low[axis] + static_cast<double>(grid.size[axis] - 1) * spacing;
+    grid.origin[axis] = box.low[axis];
   }
   const double points = points_in(box, spacing);
   if (points > max_points)
@@ -115,7 +113,36 @@ Grid make_grid(const SphereBounds& bounds, double spacing, double margin) {
   return grid;
 }
 
-GridRegion points_in_box(const Grid& grid, Vec3 low, Vec3 high) {
+void require_valid(const Grid& grid) {
+  if (!(grid.spacing > 0) || !std::isfinite(grid.spacing))
+    throw Error(fmt::format("the spacing of a grid must be a positive number of angstrom, not {}",
+                            grid.spacing));
+  double points = 1;
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    const auto size = static_cast<double>(grid.size[axis]);
+    if (size < 1 || size > max_cells_along_axis)
+      throw Error(fmt::format("a grid has {} points along {}; it must have 1 to {:g}",
+                              grid.size[axis], "xyz"[axis], max_cells_along_axis));
+    if (!std::isfinite(grid.origin[axis]) || !std::isfinite(grid.upper()[axis]))
+      throw Error(fmt::format("a grid goes from {} to {} along {}; its bounds must be finite",
+                              grid.origin[axis], grid.upper()[axis], "xyz"[axis]));
+    points *= size;
+  }
+  if (points > max_points)
+    throw Error(fmt::format("a grid has {:.3g} points; the limit is {:g}", points, max_points));
+}
+
+void require_within(const GridRegion& region, const Grid& grid) {
+  for (std::size_t axis = 0; axis < 3; ++axis)
+    if (region.begin[axis] < 0 || region.begin[axis] >= region.end[axis] ||
+        region.end[axis] > grid.size[axis])
+      throw Error(
+          fmt::format("the region of points {} to {} along {} is not within the {} points "
+                      "of the grid; its end must be above its begin",
+                      region.begin[axis], region.end[axis], "xyz"[axis], grid.size[axis]));
+}
+
+GridRegion points_between(const Grid& grid, Vec3 low, Vec3 high) {
   GridRegion region;
   for (std::size_t axis = 0; axis < 3; ++axis) {
     if (!std::isfinite(low[axis]) || !std::isfinite(high[axis]))
@@ -124,7 +151,7 @@ GridRegion points_in_box(const Grid& grid, Vec3 low, Vec3 high) {
     const auto size = grid.size[axis];
     // Near the place that the quotient tells, the coordinates themselves decide.
     const auto near = [&](double coordinate) {
-      const double place = (coordinate - grid.lower[axis]) / grid.spacing;
+      const double place = (coordinate - grid.origin[axis]) / grid.spacing;
       return static_cast<std::int64_t>(std::clamp(place, -2.0, static_cast<double>(size) + 1));
     };
     std::int64_t begin = std::clamp<std::int64_t>(near(low[axis]) - 2, 0, size);
@@ -135,7 +162,7 @@ GridRegion points_in_box(const Grid& grid, Vec3 low, Vec3 high) {
       throw Error(fmt::format(
           "the region from {} to {} along {} holds no point of the grid, whose "
           "{} points go from {} to {}",
-          low[axis], high[axis], "xyz"[axis], size, grid.lower[axis], grid.upper[axis]));
+          low[axis], high[axis], "xyz"[axis], size, grid.origin[axis], grid.upper()[axis]));
     region.begin[axis] = begin;
     region.end[axis] = end;
   }
@@ -146,8 +173,8 @@ double cut_depth(const Grid& grid, const SphereBounds& bounds) {
   double depth = -std::numeric_limits<double>::infinity();
   for (std::size_t axis = 0; axis < 3; ++axis)
     depth = std::max(
-        {depth, grid.lower[axis] - bounds.low[axis], bounds.high[axis] - grid.upper[axis]});
+        {depth, grid.origin[axis] - bounds.low[axis], bounds.high[axis] - grid.upper()[axis]});
   return depth;
 }
 
-}  // namespace eses
+}  // namespace eses::detail

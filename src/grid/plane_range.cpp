@@ -1,6 +1,6 @@
 #include "grid/plane_range.hpp"
 
-namespace eses {
+namespace eses::detail {
 
 std::vector<PlaneRange> remaining(const PlaneRange& planes, std::span<const PlaneRange> done) {
   std::vector<PlaneRange> left;
@@ -15,4 +15,4 @@ std::vector<PlaneRange> remaining(const PlaneRange& planes, std::span<const Plan
   return left;
 }
 
-}  // namespace eses
+}  // namespace eses::detail

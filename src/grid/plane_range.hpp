@@ -5,7 +5,7 @@
 #include <span>
 #include <vector>
 
-namespace eses {
+namespace eses::detail {
 
 /// Grid planes [begin, end) across z.
 struct PlaneRange {
@@ -19,4 +19,4 @@ struct PlaneRange {
 /// The planes of `planes` that are in none of the ranges `done` (ascending, disjoint).
 std::vector<PlaneRange> remaining(const PlaneRange& planes, std::span<const PlaneRange> done);
 
-}  // namespace eses
+}  // namespace eses::detail

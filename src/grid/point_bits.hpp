@@ -10,7 +10,7 @@
 #include "eses/grid.hpp"
 #include "simd/padding.hpp"
 
-namespace eses {
+namespace eses::detail {
 
 /// Rows are cut into columns of 64 points, of which neighbours share one, so that both ends of
 /// every edge along x lie in one word: column c holds the points [63 c, 63 c + 64).
@@ -61,4 +61,4 @@ void for_each_bit(std::uint64_t word, Action&& action) {
   for (; word != 0; word &= word - 1) action(std::countr_zero(word));
 }
 
-}  // namespace eses
+}  // namespace eses::detail

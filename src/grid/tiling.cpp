@@ -1,4 +1,4 @@
-#include "eses/tiling.hpp"
+#include "grid/tiling.hpp"
 
 #include <fmt/format.h>
 
@@ -6,7 +6,7 @@
 
 #include "eses/error.hpp"
 
-namespace eses {
+namespace eses::detail {
 
 BlockTiling make_tiling(const Grid& grid, std::int64_t block_size) {
   return make_tiling(grid, block_size, grid.whole());
@@ -74,4 +74,4 @@ Block BlockTiling::block_with_far_corners(std::int64_t bx, std::int64_t by, std:
   return wider;
 }
 
-}  // namespace eses
+}  // namespace eses::detail

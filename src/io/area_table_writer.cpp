@@ -1,6 +1,6 @@
 #include "io/area_table_writer.hpp"
 
-namespace eses {
+namespace eses::detail {
 namespace {
 
 std::string field(std::string_view text) {
@@ -67,4 +67,4 @@ void write_chain_table(std::span<const ChainArea> chains, const TextSink& sink) 
   text.flush();
 }
 
-}  // namespace eses
+}  // namespace eses::detail

@@ -20,7 +20,7 @@
 #include "io/residue_runs.hpp"
 #include "io/text_pieces.hpp"
 
-namespace eses {
+namespace eses::detail {
 
 struct ChainArea {
   std::string_view chain;
@@ -73,4 +73,4 @@ void end_residues(AreaTables& tables, TextPieces& text);
 /// All of chain_area.csv.
 void write_chain_table(std::span<const ChainArea> chains, const TextSink& sink);
 
-}  // namespace eses
+}  // namespace eses::detail

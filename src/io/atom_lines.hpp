@@ -11,7 +11,7 @@
 
 #include "eses/read_atoms.hpp"
 
-namespace eses {
+namespace eses::detail {
 
 /// How the lines of an atom file are read.
 struct AtomLines {
@@ -39,17 +39,23 @@ struct LinesRead {
 using ReadText = std::function<std::size_t(std::span<char> buffer)>;
 
 /// Appends the atoms of a text to `result`, in memory that does not grow with the text, and calls
-/// `after_piece` now and then. Throws Error as read_numbered_atoms does, but not if there is no
+/// `after_piece` now and then. Throws Error as read_atoms does, but not if there is no
 /// atom, nor if the text is a PDB file.
-LinesRead read_atom_lines(const ReadText& read, const AtomLines& lines, NumberedAtoms& result,
+LinesRead read_atom_lines(const ReadText& read, const AtomLines& lines, AtomFile& result,
                           const std::function<void()>& after_piece = {});
 
 /// The same for a text in memory, which must consist of whole lines.
-LinesRead parse_atom_lines(std::string_view text, const AtomLines& lines, NumberedAtoms& result);
+LinesRead parse_atom_lines(std::string_view text, const AtomLines& lines, AtomFile& result);
 
-/// read_numbered_atoms, which calls `after_piece` now and then with what it has read so far.
-NumberedAtoms read_numbered_atoms(const std::filesystem::path& path, const ReadOptions& options,
-                                  const std::function<void(NumberedAtoms& atoms)>& after_piece);
+/// read_atoms, which calls `after_piece` now and then with what it has read so far.
+AtomFile read_atom_file(const std::filesystem::path& path, const ReadOptions& options,
+                        const std::function<void(AtomFile& atoms)>& after_piece);
+
+/// parse_atoms, with the format, the name and the labels that `lines` has.
+AtomFile parse_atom_text(std::string_view text, const AtomLines& lines);
+
+/// What a file is read as: `format`, or by its suffix, of NAME.gz that of NAME.
+AtomFormat format_of(const std::filesystem::path& path, AtomFormat format);
 
 /// Throws Error if the records of a PQR file, as many as `atoms`, are those of a PDB file.
 void refuse_pdb_records(std::string_view name, std::uint64_t atoms, const PdbLikeness& likeness);
@@ -60,4 +66,4 @@ std::string no_atoms_message(std::string_view name, AtomFormat format, std::uint
 /// Throws Error if a file, by its suffix, has coordinates without radii.
 void refuse_structure_files(const std::filesystem::path& path);
 
-}  // namespace eses
+}  // namespace eses::detail

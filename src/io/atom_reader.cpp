@@ -23,7 +23,7 @@
 #include "system/bytes_text.hpp"
 #include "system/resources.hpp"
 
-namespace eses {
+namespace eses::detail {
 namespace {
 
 // Far beyond any molecule; a larger number is a misread column or a wrong unit, and would give a
@@ -466,7 +466,7 @@ class GrowthLimit {
                           : std::max(lines.max_memory, resident_memory() + always_granted_bytes)) {}
 
   /// Makes room for `added` more atoms, or throws Error if their memory exceeds the limit.
-  void make_room(std::size_t added, std::uint64_t line, NumberedAtoms& result) const {
+  void make_room(std::size_t added, std::uint64_t line, AtomFile& result) const {
     auto& [atoms, numbers, labels] = result;
     const std::size_t wanted = atoms.size() + added;
     const bool is_copied = wanted > atoms.capacity();
@@ -507,21 +507,21 @@ std::string suffix_of(const std::filesystem::path& path) {
   return suffix == ".gz" ? suffix_of(path.stem()) : suffix;
 }
 
-NumberedAtoms finished(NumberedAtoms atoms, const LinesRead& read, const AtomLines& lines) {
+AtomFile finished(AtomFile atoms, const LinesRead& read, const AtomLines& lines) {
   if (atoms.atoms.empty()) throw Error(no_atoms_message(lines.name, lines.format, read.lines));
   refuse_pdb_records(lines.name, atoms.atoms.size(), read.likeness);
   return atoms;
 }
 
-NumberedAtoms read_descriptor(int descriptor, const ReadOptions& options, const std::string& name,
-                              const std::function<void(NumberedAtoms& atoms)>& after_piece) {
+AtomFile read_descriptor(int descriptor, const ReadOptions& options, const std::string& name,
+                         const std::function<void(AtomFile& atoms)>& after_piece) {
   const AtomLines lines{.format = options.format,
                         .name = name,
                         .with_labels = options.with_labels,
                         .max_memory = options.max_memory};
   try {
     TextSource source(descriptor, name);
-    NumberedAtoms atoms;
+    AtomFile atoms;
     const LinesRead read = read_atom_lines(
         [&source](std::span<char> buffer) { return source.read(buffer); }, lines, atoms,
         [&] {
@@ -537,7 +537,7 @@ NumberedAtoms read_descriptor(int descriptor, const ReadOptions& options, const 
 
 }  // namespace
 
-LinesRead parse_atom_lines(std::string_view text, const AtomLines& lines, NumberedAtoms& result) {
+LinesRead parse_atom_lines(std::string_view text, const AtomLines& lines, AtomFile& result) {
   const auto& [format, name, first_line, with_labels, max_memory] = lines;
   if (first_line == 1) check_encoding(text, name);
   check_is_text(text, name, first_line);
@@ -568,7 +568,7 @@ LinesRead parse_atom_lines(std::string_view text, const AtomLines& lines, Number
   return read;
 }
 
-LinesRead read_atom_lines(const ReadText& read, const AtomLines& lines, NumberedAtoms& result,
+LinesRead read_atom_lines(const ReadText& read, const AtomLines& lines, AtomFile& result,
                           const std::function<void()>& after_piece) {
   const GrowthLimit limit(lines);
   LinesRead all;
@@ -612,26 +612,20 @@ void refuse_structure_files(const std::filesystem::path& path) {
                       name, format));
 }
 
-NumberedAtoms parse_numbered_atoms(std::string_view text, AtomFormat format,
-                                   std::string_view name) {
-  const AtomLines lines{.format = format, .name = name, .with_labels = true};
-  NumberedAtoms atoms;
-  GrowthLimit(lines).make_room(estimate_atoms(text), 1, atoms);
-  const LinesRead read = parse_atom_lines(text, lines, atoms);
-  return finished(std::move(atoms), read, lines);
-}
-
-std::vector<Atom> parse_atoms(std::string_view text, AtomFormat format, std::string_view name) {
-  return parse_numbered_atoms(text, format, name).atoms;
-}
-
 AtomFormat format_of(const std::filesystem::path& path, AtomFormat format) {
   if (format != AtomFormat::automatic) return format;
   return suffix_of(path) == ".pqr" ? AtomFormat::pqr : AtomFormat::xyzr;
 }
 
-NumberedAtoms read_numbered_atoms(const std::filesystem::path& path, const ReadOptions& options,
-                                  const std::function<void(NumberedAtoms& atoms)>& after_piece) {
+AtomFile parse_atom_text(std::string_view text, const AtomLines& lines) {
+  AtomFile atoms;
+  GrowthLimit(lines).make_room(estimate_atoms(text), 1, atoms);
+  const LinesRead read = parse_atom_lines(text, lines, atoms);
+  return finished(std::move(atoms), read, lines);
+}
+
+AtomFile read_atom_file(const std::filesystem::path& path, const ReadOptions& options,
+                        const std::function<void(AtomFile& atoms)>& after_piece) {
   if (path == "-") return read_descriptor(STDIN_FILENO, options, "<stdin>", after_piece);
   const std::string name = path.string();
   refuse_structure_files(path);
@@ -641,16 +635,16 @@ NumberedAtoms read_numbered_atoms(const std::filesystem::path& path, const ReadO
   return read_descriptor(file.value(), known, name, after_piece);
 }
 
-NumberedAtoms read_numbered_atoms(const std::filesystem::path& path, const ReadOptions& options) {
-  return read_numbered_atoms(path, options, {});
+}  // namespace eses::detail
+
+namespace eses {
+
+AtomFile read_atoms(const std::filesystem::path& path, const ReadOptions& options) {
+  return detail::read_atom_file(path, options, {});
 }
 
-NumberedAtoms read_numbered_atoms(const std::filesystem::path& path, AtomFormat format) {
-  return read_numbered_atoms(path, ReadOptions{.format = format});
-}
-
-std::vector<Atom> read_atoms(const std::filesystem::path& path, AtomFormat format) {
-  return read_numbered_atoms(path, {.format = format, .with_labels = false}).atoms;
+AtomFile parse_atoms(std::string_view text, AtomFormat format, std::string_view name) {
+  return detail::parse_atom_text(text, {.format = format, .name = name, .with_labels = true});
 }
 
 }  // namespace eses

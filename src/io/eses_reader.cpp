@@ -12,7 +12,7 @@
 #include "eses/error.hpp"
 #include "io/text_fields.hpp"
 
-namespace eses {
+namespace eses::detail {
 namespace {
 
 // As many as the program takes, and few enough for 64 bits.
@@ -246,4 +246,4 @@ bool AreaReader::next(AtomArea& area) {
   return true;
 }
 
-}  // namespace eses
+}  // namespace eses::detail

@@ -17,7 +17,7 @@
 #include "eses/vec3.hpp"
 #include "io/line_reader.hpp"
 
-namespace eses {
+namespace eses::detail {
 
 enum class EsesFile { box, grid, edges, areas };
 
@@ -127,4 +127,4 @@ class AreaReader {
   LineReader lines_;
 };
 
-}  // namespace eses
+}  // namespace eses::detail

@@ -7,7 +7,7 @@
 
 #include "io/number_text.hpp"
 
-namespace eses {
+namespace eses::detail {
 namespace {
 
 // Longest line of intersection_info.txt: 6 indices, 6 numbers, 3 atoms, each with a blank.
@@ -233,7 +233,7 @@ std::string bounding_box_text(const Grid& grid) {
     return out;
   };
   char* out = text.reserve(std::size_t{9} * (longest_number_text + 1));
-  for (const Vec3& corner : {grid.lower, grid.upper}) {
+  for (const Vec3& corner : {grid.origin, grid.upper()}) {
     for (std::size_t axis = 0; axis < 3; ++axis) {
       out = write_scientific(out, corner[axis]);
       *out++ = ' ';
@@ -259,4 +259,4 @@ void append_areas(TextBuffer& text, std::size_t first, std::span<const double> a
   text.advance_to(out);
 }
 
-}  // namespace eses
+}  // namespace eses::detail

@@ -7,11 +7,11 @@
 #include <string>
 #include <vector>
 
-#include "eses/crossing.hpp"
 #include "eses/grid.hpp"
+#include "grid/crossing.hpp"
 #include "io/number_text.hpp"
 
-namespace eses {
+namespace eses::detail {
 
 /// Text under construction: grows, and is reused without being cleared.
 class TextBuffer {
@@ -81,4 +81,4 @@ std::string bounding_box_text(const Grid& grid);
 /// Lines of partition_area.txt for atoms first, first + 1, ...
 void append_areas(TextBuffer& text, std::size_t first, std::span<const double> areas);
 
-}  // namespace eses
+}  // namespace eses::detail

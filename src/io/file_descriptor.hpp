@@ -5,7 +5,7 @@
 
 #include <utility>
 
-namespace eses {
+namespace eses::detail {
 
 class FileDescriptor {
  public:
@@ -28,4 +28,4 @@ class FileDescriptor {
   int value_ = -1;
 };
 
-}  // namespace eses
+}  // namespace eses::detail

@@ -2,7 +2,7 @@
 
 #include <new>
 
-namespace eses {
+namespace eses::detail {
 // zlib does not write to what it reads, though its interface does not say so.
 Bytef* zlib_bytes(std::span<const char> bytes) {
   return reinterpret_cast<Bytef*>(const_cast<char*>(bytes.data()));  // NOLINT
@@ -31,4 +31,4 @@ std::span<const char> Gzip::member(std::span<const char> text) {
   return std::span(bytes_).first(bytes_.size() - stream_.avail_out);
 }
 
-}  // namespace eses
+}  // namespace eses::detail

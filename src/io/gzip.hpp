@@ -7,7 +7,7 @@
 #include <string_view>
 #include <vector>
 
-namespace eses {
+namespace eses::detail {
 
 inline constexpr std::string_view gzip_magic = "\x1f\x8b";
 
@@ -42,4 +42,4 @@ bool is_gzip(std::string_view bytes);
 /// `bytes` as the input of zlib, which only reads them.
 Bytef* zlib_bytes(std::span<const char> bytes);
 
-}  // namespace eses
+}  // namespace eses::detail

@@ -8,7 +8,7 @@
 #include "eses/error.hpp"
 #include "io/text_fields.hpp"
 
-namespace eses {
+namespace eses::detail {
 namespace {
 
 constexpr std::size_t buffer_bytes = std::size_t{1} << 18;
@@ -64,4 +64,4 @@ void LineReader::fail_at(std::uint64_t line, std::string_view what) const {
   throw Error(fmt::format("{}:{}: {}", name_, line, what));
 }
 
-}  // namespace eses
+}  // namespace eses::detail

@@ -10,7 +10,7 @@
 #include "io/file_descriptor.hpp"
 #include "io/text_source.hpp"
 
-namespace eses {
+namespace eses::detail {
 
 /// Lines of a file that TextSource reads. Every failure throws Error with the name of the file, and
 /// with the number of the line where one is at fault.
@@ -41,4 +41,4 @@ class LineReader {
   std::uint64_t line_ = 0;  // 1-based number of the line that was read last
 };
 
-}  // namespace eses
+}  // namespace eses::detail

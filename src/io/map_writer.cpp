@@ -8,7 +8,7 @@
 
 #include "eses/error.hpp"
 
-namespace eses {
+namespace eses::detail {
 namespace {
 
 constexpr std::uint64_t values_per_line = 3;
@@ -64,7 +64,7 @@ MapLayout vti_layout(const Grid& grid, const GridRegion& region) {
       "    </Piece>\n"
       "  </ImageData>\n"
       "  <AppendedData encoding=\"raw\">\n_",
-      extent, fmt::format("{} {} {}", grid.lower.x, grid.lower.y, grid.lower.z), grid.spacing);
+      extent, fmt::format("{} {} {}", grid.origin.x, grid.origin.y, grid.origin.z), grid.spacing);
   for (int byte = 0; byte < 8; ++byte)
     layout.header += static_cast<char>(layout.points >> (8 * byte) & 0xFF);
   layout.footer = "\n  </AppendedData>\n</VTKFile>\n";
@@ -110,4 +110,4 @@ void fill_dx_zeros(std::uint64_t first_index, std::span<char> text) {
   }
 }
 
-}  // namespace eses
+}  // namespace eses::detail

@@ -10,7 +10,7 @@
 
 #include "eses/grid.hpp"
 
-namespace eses {
+namespace eses::detail {
 
 enum class MapFormat {
   dx,   ///< OpenDX as APBS writes it: text, z fastest, three values a line
@@ -46,4 +46,4 @@ void fill_vti_values(std::span<const std::uint64_t> bits, std::span<char> values
 /// bytes a value, of which bit 0 of the first becomes 1 inside.
 void fill_dx_zeros(std::uint64_t first_index, std::span<char> text);
 
-}  // namespace eses
+}  // namespace eses::detail

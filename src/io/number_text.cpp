@@ -21,7 +21,7 @@
 // What both ways to write a number share, once for all instruction sets.
 #ifndef ESES_IO_NUMBER_TEXT_SHARED_
 #define ESES_IO_NUMBER_TEXT_SHARED_
-namespace eses {
+namespace eses::detail {
 namespace {
 
 constexpr int digits_after_point = 12;
@@ -47,11 +47,11 @@ constexpr std::uint64_t leading_unit = 1000000000000;  // 13 digits
 constexpr std::uint64_t trailing_unit = 100000000;     // of which the last eight are below this
 
 }  // namespace
-}  // namespace eses
+}  // namespace eses::detail
 #endif  // ESES_IO_NUMBER_TEXT_SHARED_
 
 HWY_BEFORE_NAMESPACE();
-namespace eses::HWY_NAMESPACE {
+namespace eses::detail::HWY_NAMESPACE {
 #if HWY_TARGET == HWY_SCALAR
 
 // Without vectors write_scientific() is as good.
@@ -114,11 +114,11 @@ void make_digits(NumberBatch& batch) {
 
 #endif
 
-}  // namespace eses::HWY_NAMESPACE
+}  // namespace eses::detail::HWY_NAMESPACE
 HWY_AFTER_NAMESPACE();
 
 #if HWY_ONCE
-namespace eses {
+namespace eses::detail {
 namespace {
 
 // Eight decimal digits of `value` < 10^8, the first in the lowest byte. The number is split in
@@ -241,5 +241,5 @@ char* write_index(char* out, std::uint64_t value) {
   return std::to_chars(out, out + longest_number_text, value).ptr;
 }
 
-}  // namespace eses
+}  // namespace eses::detail
 #endif  // HWY_ONCE

@@ -5,7 +5,7 @@
 #include <cstddef>
 #include <cstdint>
 
-namespace eses {
+namespace eses::detail {
 
 /// The longest text that the functions below write.
 inline constexpr std::size_t longest_number_text = 24;
@@ -37,4 +37,4 @@ char* write_number(char* out, const NumberBatch& batch, std::size_t i);
 /// `value` >= 0 in decimal digits; returns the end.
 char* write_index(char* out, std::uint64_t value);
 
-}  // namespace eses
+}  // namespace eses::detail

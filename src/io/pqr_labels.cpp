@@ -4,7 +4,7 @@
 
 #include "io/text_fields.hpp"
 
-namespace eses {
+namespace eses::detail {
 namespace {
 
 /// `A1000`, `A-12B`: one letter, and what begins as a number does.
@@ -47,4 +47,4 @@ AtomLabel label_of_columns(std::string_view line) {
   return label;
 }
 
-}  // namespace eses
+}  // namespace eses::detail

@@ -3,9 +3,9 @@
 
 #include <string_view>
 
-#include "eses/atom_labels.hpp"
+#include "eses/atoms.hpp"
 
-namespace eses {
+namespace eses::detail {
 
 /// Of a record in free format. `leading` is what stands before the coordinates: record, serial,
 /// name, residue, residue number, with the chain before the number, apart from it or not. There is
@@ -16,4 +16,4 @@ AtomLabel label_of_fields(std::string_view leading);
 /// https://www.wwpdb.org/documentation/file-format-content/format33/sect9.html
 AtomLabel label_of_columns(std::string_view line);
 
-}  // namespace eses
+}  // namespace eses::detail

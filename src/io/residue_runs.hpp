@@ -6,9 +6,9 @@
 #include <utility>
 #include <vector>
 
-#include "eses/atom_labels.hpp"
+#include "eses/atoms.hpp"
 
-namespace eses {
+namespace eses::detail {
 
 /// Whether atoms that follow each other are of the same residue.
 inline bool is_same_residue(const AtomLabel& a, const AtomLabel& b) {
@@ -43,4 +43,4 @@ inline ResidueRuns residue_runs(std::span<const AtomLabel> labels) {
   return runs;
 }
 
-}  // namespace eses
+}  // namespace eses::detail

@@ -4,7 +4,7 @@
 
 #include <charconv>
 
-namespace eses {
+namespace eses::detail {
 namespace {
 
 constexpr std::size_t longest_quotation = 40;  // characters of the user's text in a message
@@ -91,4 +91,4 @@ std::string quoted(std::string_view text) {
   return result;
 }
 
-}  // namespace eses
+}  // namespace eses::detail

@@ -6,7 +6,7 @@
 #include <string_view>
 #include <system_error>
 
-namespace eses {
+namespace eses::detail {
 
 /// A text line longer than this holds none of our data; it bounds what is looked at for one
 /// message.
@@ -34,4 +34,4 @@ std::errc parse_number(std::string_view text, double& value);
 /// For messages: whatever the file holds, the result is short, printable ASCII.
 std::string quoted(std::string_view text);
 
-}  // namespace eses
+}  // namespace eses::detail

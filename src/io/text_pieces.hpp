@@ -10,7 +10,7 @@
 #include <string_view>
 #include <utility>
 
-namespace eses {
+namespace eses::detail {
 
 /// Gets the pieces of a text, in order.
 using TextSink = std::function<void(std::string_view piece)>;
@@ -38,4 +38,4 @@ class TextPieces {
   std::string text_;
 };
 
-}  // namespace eses
+}  // namespace eses::detail

@@ -14,7 +14,7 @@
 #include "eses/error.hpp"
 #include "io/gzip.hpp"
 
-namespace eses {
+namespace eses::detail {
 namespace {
 
 constexpr std::size_t buffer_bytes = std::size_t{1} << 16;
@@ -134,4 +134,4 @@ void TextSource::fail_as_damaged() const {
                           bytes_read_ - input_.size()));
 }
 
-}  // namespace eses
+}  // namespace eses::detail

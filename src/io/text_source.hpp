@@ -10,7 +10,7 @@
 #include <string_view>
 #include <vector>
 
-namespace eses {
+namespace eses::detail {
 
 /// Opens a file for reading and returns its descriptor. Throws Error with `name` in the message.
 int open_for_reading(const std::filesystem::path& path, std::string_view name);
@@ -50,4 +50,4 @@ class TextSource {
   std::unique_ptr<Inflation> inflation_;  // none if the text is plain
 };
 
-}  // namespace eses
+}  // namespace eses::detail

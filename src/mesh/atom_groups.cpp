@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <tuple>
 
-namespace eses::mesh {
+namespace eses::detail::mesh {
 namespace {
 
 // Numbers labels by key(label), in the order in which the keys come first; `first` gets the first
@@ -51,4 +51,4 @@ LabelNumbers number_labels(std::span<const AtomLabel> labels) {
   return numbers;
 }
 
-}  // namespace eses::mesh
+}  // namespace eses::detail::mesh

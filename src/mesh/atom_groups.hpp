@@ -7,10 +7,9 @@
 #include <string_view>
 #include <vector>
 
-#include "eses/atom_labels.hpp"
 #include "eses/atoms.hpp"
 
-namespace eses::mesh {
+namespace eses::detail::mesh {
 
 /// An atom's chain and residue as a mesh numbers them.
 struct GroupNumbers {
@@ -39,4 +38,4 @@ inline std::string_view written_name(std::string_view name) {
   return name.substr(0, longest_name);
 }
 
-}  // namespace eses::mesh
+}  // namespace eses::detail::mesh

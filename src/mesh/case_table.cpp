@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <vector>
 
-namespace eses::mesh {
+namespace eses::detail::mesh {
 namespace {
 
 using Face = std::array<std::size_t, 4>;
@@ -129,4 +129,4 @@ const std::array<CellCase, case_count>& case_table() {
   return table;
 }
 
-}  // namespace eses::mesh
+}  // namespace eses::detail::mesh

@@ -9,7 +9,7 @@
 #include <cstdint>
 #include <span>
 
-namespace eses::mesh {
+namespace eses::detail::mesh {
 
 inline constexpr std::size_t corner_count = 8;
 inline constexpr std::size_t edge_count = 12;
@@ -55,4 +55,4 @@ struct CellCase {
 /// to exactly one more, and around each vertex the triangles form one fan.
 const std::array<CellCase, case_count>& case_table();
 
-}  // namespace eses::mesh
+}  // namespace eses::detail::mesh

@@ -8,7 +8,7 @@
 #include "io/eses_writer.hpp"
 #include "mesh/triangulate.hpp"
 
-namespace eses::mesh {
+namespace eses::detail::mesh {
 
 /// Numbers of vertices from the part's first one on; those of the part before it are negative.
 using LocalTriangle = std::array<std::int32_t, 3>;
@@ -30,4 +30,4 @@ inline Triangle numbered_from(std::uint64_t first, const LocalTriangle& local) {
   return triangle;
 }
 
-}  // namespace eses::mesh
+}  // namespace eses::detail::mesh

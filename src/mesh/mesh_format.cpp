@@ -1,9 +1,10 @@
+#include "mesh/mesh_format.hpp"
+
 #include <string>
 
-#include "eses/mesh.hpp"
 #include "io/text_fields.hpp"
 
-namespace eses {
+namespace eses::detail {
 
 std::optional<MeshFormat> mesh_format(const std::filesystem::path& file) {
   const std::string suffix = lower_case(file.extension().string());
@@ -13,4 +14,4 @@ std::optional<MeshFormat> mesh_format(const std::filesystem::path& file) {
   return std::nullopt;
 }
 
-}  // namespace eses
+}  // namespace eses::detail

@@ -13,7 +13,7 @@
 #include "eses/error.hpp"
 #include "io/number_text.hpp"
 
-namespace eses::mesh {
+namespace eses::detail::mesh {
 namespace {
 
 using Color = std::array<std::uint8_t, 3>;
@@ -216,7 +216,7 @@ void MeshText::append_triangle(TextBuffer& text, const Triangle& triangle) const
   }
 }
 
-std::uint64_t typical_vertex_bytes(const MeshChoice& choice, bool has_labels) {
+std::uint64_t typical_vertex_bytes(const MeshOptions& choice, bool has_labels) {
   constexpr std::uint64_t vector_line = 57;  // three numbers with what parts them
   const std::optional<MeshFormat> format = mesh_format(choice.file);
   if (format == MeshFormat::off) return vector_line;
@@ -227,7 +227,7 @@ std::uint64_t typical_vertex_bytes(const MeshChoice& choice, bool has_labels) {
          (has_labels ? 2 * sizeof(std::uint32_t) : 0);
 }
 
-std::uint64_t typical_triangle_bytes(const MeshChoice& choice) {
+std::uint64_t typical_triangle_bytes(const MeshOptions& choice) {
   constexpr std::uint64_t index_text = 8;  // with a blank
   const std::optional<MeshFormat> format = mesh_format(choice.file);
   if (format == MeshFormat::off) return 2 + 3 * index_text;
@@ -235,4 +235,4 @@ std::uint64_t typical_triangle_bytes(const MeshChoice& choice) {
   return 1 + 3 * sizeof(std::int32_t);
 }
 
-}  // namespace eses::mesh
+}  // namespace eses::detail::mesh

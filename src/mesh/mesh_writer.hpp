@@ -9,14 +9,14 @@
 #include <cstdint>
 #include <span>
 
-#include "eses/mesh.hpp"
 #include "io/eses_writer.hpp"
 #include "io/text_pieces.hpp"
 #include "mesh/atom_groups.hpp"
+#include "mesh/mesh_format.hpp"
 #include "mesh/triangulate.hpp"
 #include "mesh/vertex.hpp"
 
-namespace eses::mesh {
+namespace eses::detail::mesh {
 
 /// Throws Error if there are more vertices than readers of such files can number.
 void require_numbers(std::uint64_t vertices);
@@ -55,7 +55,7 @@ void append_chain_name(TextPieces& text, std::uint64_t number, const AtomLabel& 
 void append_residue_name(TextPieces& text, std::uint64_t number, const AtomLabel& label);
 
 /// Whether vertices have a chain and a residue, where these are known.
-inline bool names_atoms(const MeshChoice& choice) {
+inline bool names_atoms(const MeshOptions& choice) {
   return mesh_format(choice.file) == MeshFormat::ply;
 }
 
@@ -63,7 +63,7 @@ inline bool names_atoms(const MeshChoice& choice) {
 inline constexpr std::uint64_t typical_name_line_bytes = 26;
 
 /// Bytes of a vertex and of a triangle, typically.
-std::uint64_t typical_vertex_bytes(const MeshChoice& choice, bool has_labels);
-std::uint64_t typical_triangle_bytes(const MeshChoice& choice);
+std::uint64_t typical_vertex_bytes(const MeshOptions& choice, bool has_labels);
+std::uint64_t typical_triangle_bytes(const MeshOptions& choice);
 
-}  // namespace eses::mesh
+}  // namespace eses::detail::mesh

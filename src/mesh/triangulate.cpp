@@ -5,7 +5,7 @@
 
 #include "mesh/case_table.hpp"
 
-namespace eses::mesh {
+namespace eses::detail::mesh {
 namespace {
 
 // Looks vertices up in a row, for cells in ascending order.
@@ -98,4 +98,4 @@ void triangulate(const CellRows& rows, std::int64_t points_x, std::vector<Triang
   CellRowWalk(rows, points_x, triangles).walk();
 }
 
-}  // namespace eses::mesh
+}  // namespace eses::detail::mesh

@@ -5,7 +5,7 @@
 #include <cstdint>
 #include <vector>
 
-namespace eses::mesh {
+namespace eses::detail::mesh {
 
 /// What the mesh needs of a row of the grid along x. Vertices are numbered like the crossings: by
 /// lower point (z, y, x), then axis.
@@ -27,4 +27,4 @@ using CellRows = std::array<const Row*, 4>;
 /// in the rows along x, y and z where these edges start.
 void triangulate(const CellRows& rows, std::int64_t points_x, std::vector<Triangle>& triangles);
 
-}  // namespace eses::mesh
+}  // namespace eses::detail::mesh

@@ -1,6 +1,6 @@
 #include "mesh/vertex.hpp"
 
-namespace eses::mesh {
+namespace eses::detail::mesh {
 namespace {
 
 double off_grid_points(double coordinate, double lower, double upper, double spacing) {
@@ -23,4 +23,4 @@ Vertex make_vertex(const Grid& grid, const GridIndex& lower, const Crossing& cro
   return vertex;
 }
 
-}  // namespace eses::mesh
+}  // namespace eses::detail::mesh

@@ -4,10 +4,10 @@
 #include <cstddef>
 #include <cstdint>
 
-#include "eses/crossing.hpp"
 #include "eses/grid.hpp"
+#include "grid/crossing.hpp"
 
-namespace eses::mesh {
+namespace eses::detail::mesh {
 
 struct Vertex {
   Vec3 position;           ///< angstrom
@@ -26,4 +26,4 @@ inline constexpr double clearance = 1e-4;  // of the spacing
 /// area, or sheets of the surface touch; so it stands a little off, on its edge.
 Vertex make_vertex(const Grid& grid, const GridIndex& lower, const Crossing& crossing);
 
-}  // namespace eses::mesh
+}  // namespace eses::detail::mesh

@@ -5,7 +5,7 @@
 
 #include "system/parallel.hpp"
 
-namespace eses {
+namespace eses::detail {
 namespace {
 
 constexpr std::int64_t piece_words = 1 << 16;
@@ -132,4 +132,4 @@ void InsideMap::write_ends() {
   file_.write_at(layout_.footer, layout_.value_offset(layout_.points));
 }
 
-}  // namespace eses
+}  // namespace eses::detail

@@ -6,10 +6,10 @@
 #include <span>
 #include <vector>
 
-#include "eses/tiling.hpp"
+#include "grid/tiling.hpp"
 #include "io/map_writer.hpp"
 
-namespace eses {
+namespace eses::detail {
 
 /// How a map gets at its file, from several threads for disjoint ranges.
 struct MapFile {
@@ -78,4 +78,4 @@ class InsideMap {
   GridIndex size_{};
 };
 
-}  // namespace eses
+}  // namespace eses::detail

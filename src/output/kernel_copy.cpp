@@ -9,7 +9,7 @@
 #include <cerrno>
 #include <system_error>
 
-namespace eses {
+namespace eses::detail {
 namespace {
 
 // Errors of kernels, file systems and sandboxes that do not support the copy.
@@ -46,4 +46,4 @@ bool is_in_local_file_system(int file) {
          local.end();
 }
 
-}  // namespace eses
+}  // namespace eses::detail

@@ -3,7 +3,7 @@
 
 #include <cstdint>
 
-namespace eses {
+namespace eses::detail {
 
 /// Bytes of one file, and their place in another one.
 struct CopyRange {
@@ -20,4 +20,4 @@ std::uint64_t copy_in_kernel(int from, int to, const CopyRange& range);
 /// them writes at once. False if that is not known.
 bool is_in_local_file_system(int file);
 
-}  // namespace eses
+}  // namespace eses::detail

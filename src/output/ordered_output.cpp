@@ -1,6 +1,6 @@
 #include "output/ordered_output.hpp"
 
-namespace eses {
+namespace eses::detail {
 
 void OrderedOutput::write(std::int64_t chunk, std::span<const char> text) {
   std::uint64_t offset = 0;
@@ -29,4 +29,4 @@ void OrderedOutput::abandon() {
   turn_.notify_all();
 }
 
-}  // namespace eses
+}  // namespace eses::detail

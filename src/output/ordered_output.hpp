@@ -11,7 +11,7 @@
 
 #include "output/output_file.hpp"
 
-namespace eses {
+namespace eses::detail {
 
 /// Hands out consecutive file offsets in the order of the chunks' numbers.
 class OrderedOutput {
@@ -44,4 +44,4 @@ class OrderedOutput {
   bool is_abandoned_ = false;
 };
 
-}  // namespace eses
+}  // namespace eses::detail

@@ -14,7 +14,7 @@
 
 #include "eses/error.hpp"
 
-namespace eses {
+namespace eses::detail {
 namespace {
 
 constexpr std::string_view lock_name = ".eses-blocks.lock";
@@ -139,4 +139,4 @@ void OutputDirectory::remove(const std::string& name) const {
                           std::generic_category().message(errno)));
 }
 
-}  // namespace eses
+}  // namespace eses::detail

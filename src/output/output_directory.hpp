@@ -8,7 +8,7 @@
 
 #include "io/file_descriptor.hpp"
 
-namespace eses {
+namespace eses::detail {
 
 /// `directory`/`name`. Where memory runs out while libstdc++ 12 joins two paths itself, it crashes.
 std::string path_in(const std::filesystem::path& directory, const std::string& name);
@@ -54,4 +54,4 @@ class OutputDirectory {
   bool is_locked_ = false;
 };
 
-}  // namespace eses
+}  // namespace eses::detail

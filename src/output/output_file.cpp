@@ -11,7 +11,7 @@
 
 #include "eses/error.hpp"
 
-namespace eses {
+namespace eses::detail {
 namespace {
 
 const char* kind_of_file(mode_t mode) {
@@ -110,4 +110,4 @@ void OutputFile::withdraw() noexcept {
   if (is_committed_) unlinkat(directory_.descriptor(), name_.c_str(), 0);
 }
 
-}  // namespace eses
+}  // namespace eses::detail

@@ -9,7 +9,7 @@
 #include "output/kernel_copy.hpp"
 #include "output/output_directory.hpp"
 
-namespace eses {
+namespace eses::detail {
 
 /// Throws Error if `path` leads, perhaps by symbolic links, to something that a regular file must
 /// not replace: a directory, device, FIFO or socket.
@@ -57,4 +57,4 @@ class OutputFile {
   bool is_temporary_ = false, is_committed_ = false;
 };
 
-}  // namespace eses
+}  // namespace eses::detail

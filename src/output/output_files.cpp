@@ -19,7 +19,7 @@
 #include "system/bytes_text.hpp"
 #include "system/resources.hpp"
 
-namespace eses {
+namespace eses::detail {
 
 constexpr std::string_view gzip_suffix = ".gz";
 
@@ -32,7 +32,7 @@ namespace {
 constexpr char residues_name[] = "residue_area.csv";
 constexpr char chains_name[] = "chain_area.csv";
 
-std::vector<std::string> text_names(const OutputChoice& choice, bool gzip) {
+std::vector<std::string> text_names(const Outputs& choice, bool gzip) {
   std::vector<std::string> names;
   if (choice.box) names.push_back(text_file_name(box_name, gzip));
   if (choice.grid) names.push_back(text_file_name(grid_name, gzip));
@@ -80,7 +80,7 @@ std::optional<std::string> target_of(const FilePlace& place) {
 }
 
 // Of a symbolic link, the place where it leads: the link stays.
-FilePlace place_of(const MeshChoice& mesh) {
+FilePlace place_of(const MeshOptions& mesh) {
   constexpr int most_links = 40;  // as Linux has it
   FilePlace place = place_of(mesh.file.native());
   for (int i = 0; i < most_links; ++i) {
@@ -105,7 +105,7 @@ std::optional<dev_t> file_system_of(const std::filesystem::path& directory) {
 }
 
 // The directory's first; one file system has one entry, unless it cannot be told.
-std::vector<DiskDemand> disk_demands(const Plan& plan, const OutputChoice& outputs,
+std::vector<DiskDemand> disk_demands(const Plan& plan, const Outputs& outputs,
                                      const std::filesystem::path& directory) {
   const std::uint64_t texts = plan.gzip ? 0 : plan.grid_file_bytes + plan.area_file_bytes;
   std::vector<DiskDemand> demands{{directory, texts + plan.map_file_bytes + plan.map_scratch_bytes,
@@ -138,7 +138,7 @@ void require_writable(const std::filesystem::path& directory) {
 
 // A missing directory is created, but not one to which only a symbolic link leads: it may have been
 // moved, or be on a disk that is not mounted.
-void require_end_of_link(const MeshChoice& mesh) {
+void require_end_of_link(const MeshOptions& mesh) {
   const FilePlace end = place_of(mesh);
   const bool is_link = target_of(place_of(mesh.file.native())).has_value();
   struct stat status {};
@@ -162,7 +162,7 @@ void require_free_name(const FilePlace& place) {
 
 }  // namespace
 
-DiskSpace require_disk_space(const Plan& plan, const OutputChoice& outputs,
+DiskSpace require_disk_space(const Plan& plan, const Outputs& outputs,
                              const std::filesystem::path& directory) {
   DiskSpace space;
   for (const DiskDemand& demand : disk_demands(plan, outputs, directory)) {
@@ -178,9 +178,9 @@ DiskSpace require_disk_space(const Plan& plan, const OutputChoice& outputs,
   return space;
 }
 
-std::string mesh_directory_of(const MeshChoice& mesh) { return place_of(mesh).directory; }
+std::string mesh_directory_of(const MeshOptions& mesh) { return place_of(mesh).directory; }
 
-std::vector<std::string> file_names(const OutputChoice& choice) {
+std::vector<std::string> file_names(const Outputs& choice) {
   std::vector<std::string> names = text_names(choice, choice.gzip);
   if (choice.residues) names.insert(names.end(), {residues_name, chains_name});
   if (!choice.inside_map.empty()) names.push_back(choice.inside_map);
@@ -190,8 +190,7 @@ std::vector<std::string> file_names(const OutputChoice& choice) {
 namespace {
 
 /// Of the chosen files and the mesh.
-std::vector<FilePlace> places_of(const OutputChoice& choice,
-                                 const std::filesystem::path& directory) {
+std::vector<FilePlace> places_of(const Outputs& choice, const std::filesystem::path& directory) {
   std::vector<FilePlace> places;
   for (std::string& name : file_names(choice))
     places.push_back({directory.native(), std::move(name)});
@@ -201,7 +200,7 @@ std::vector<FilePlace> places_of(const OutputChoice& choice,
 
 }  // namespace
 
-std::vector<std::string> final_paths(const OutputChoice& choice,
+std::vector<std::string> final_paths(const Outputs& choice,
                                      const std::filesystem::path& directory) {
   std::vector<std::string> paths;
   for (const FilePlace& place : places_of(choice, directory))
@@ -209,7 +208,7 @@ std::vector<std::string> final_paths(const OutputChoice& choice,
   return paths;
 }
 
-std::vector<std::string> stale_paths(const OutputChoice& choice,
+std::vector<std::string> stale_paths(const Outputs& choice,
                                      const std::filesystem::path& directory) {
   std::vector<std::string> paths;
   for (const std::string& name : text_names(choice, !choice.gzip))
@@ -217,7 +216,7 @@ std::vector<std::string> stale_paths(const OutputChoice& choice,
   return paths;
 }
 
-void require_places(const OutputChoice& choice, const std::filesystem::path& directory) {
+void require_places(const Outputs& choice, const std::filesystem::path& directory) {
   if (!file_names(choice).empty()) require_writable(directory);
   if (choice.mesh) require_end_of_link(*choice.mesh);
   if (choice.mesh) require_writable(place_of(*choice.mesh).directory);
@@ -230,7 +229,7 @@ void require_places(const OutputChoice& choice, const std::filesystem::path& dir
   for (const std::string& path : stale_paths(choice, directory)) require_replaceable(path);
 }
 
-std::vector<std::string> temporary_paths(const OutputChoice& choice,
+std::vector<std::string> temporary_paths(const Outputs& choice,
                                          const std::filesystem::path& directory) {
   std::vector<std::string> paths;
   for (const FilePlace& place : places_of(choice, directory))
@@ -238,8 +237,7 @@ std::vector<std::string> temporary_paths(const OutputChoice& choice,
   return paths;
 }
 
-std::vector<std::string> lock_paths(const OutputChoice& choice,
-                                    const std::filesystem::path& directory) {
+std::vector<std::string> lock_paths(const Outputs& choice, const std::filesystem::path& directory) {
   std::vector<std::string> paths;
   if (!file_names(choice).empty()) paths.push_back(lock_path(directory));
   if (choice.mesh) {
@@ -249,8 +247,7 @@ std::vector<std::string> lock_paths(const OutputChoice& choice,
   return paths;
 }
 
-OutputFiles::OutputFiles(const OutputChoice& choice, const std::filesystem::path& path,
-                         const Plan& plan)
+OutputFiles::OutputFiles(const Outputs& choice, const std::filesystem::path& path, const Plan& plan)
     : gzip(choice.gzip), stale_(text_names(choice, !choice.gzip)) {
   require_places(choice, path);
   require_disk_space(plan, choice, path);
@@ -258,7 +255,7 @@ OutputFiles::OutputFiles(const OutputChoice& choice, const std::filesystem::path
   if (choice.mesh) open_mesh(*choice.mesh);
 }
 
-void OutputFiles::open_directory(const OutputChoice& choice, const std::filesystem::path& path) {
+void OutputFiles::open_directory(const Outputs& choice, const std::filesystem::path& path) {
   directory.emplace(path);
   directory->remove_abandoned(is_ours);
   const auto open = [&](std::optional<OutputFile>& file, const char* name) {
@@ -275,7 +272,7 @@ void OutputFiles::open_directory(const OutputChoice& choice, const std::filesyst
   if (!choice.inside_map.empty()) inside_map.emplace(*directory, choice.inside_map);
 }
 
-void OutputFiles::open_mesh(const MeshChoice& choice) {
+void OutputFiles::open_mesh(const MeshOptions& choice) {
   const FilePlace place = place_of(choice);
   mesh_directory.emplace(place.directory, place.name);
   mesh_directory->remove_abandoned([&](std::string_view name) { return name == place.name; });
@@ -333,4 +330,4 @@ void OutputFiles::remove_resumable() noexcept {
     remove_pieces(path_in(directory->path(), resume_name));
 }
 
-}  // namespace eses
+}  // namespace eses::detail

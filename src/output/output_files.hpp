@@ -7,11 +7,11 @@
 #include <string>
 #include <vector>
 
-#include "eses/run.hpp"
 #include "output/output_directory.hpp"
 #include "output/output_file.hpp"
+#include "task/task.hpp"
 
-namespace eses {
+namespace eses::detail {
 
 /// Of the text files, if they are not gzipped.
 inline constexpr char box_name[] = "bounding_box.txt";
@@ -34,31 +34,44 @@ inline constexpr char sums_suffix[] = ".sums";
 void remove_pieces(const std::filesystem::path& directory) noexcept;
 
 /// The names of the chosen files, the mesh left out.
-std::vector<std::string> file_names(const OutputChoice& choice);
+std::vector<std::string> file_names(const Outputs& choice);
 
 /// Where these and the mesh are in the end.
-std::vector<std::string> final_paths(const OutputChoice& choice,
-                                     const std::filesystem::path& directory);
+std::vector<std::string> final_paths(const Outputs& choice, const std::filesystem::path& directory);
 
 /// What is removed besides, as it is another form of one of them.
-std::vector<std::string> stale_paths(const OutputChoice& choice,
-                                     const std::filesystem::path& directory);
+std::vector<std::string> stale_paths(const Outputs& choice, const std::filesystem::path& directory);
 
 /// The directory of the mesh's file; if that is a symbolic link, of the file to which it leads.
-std::string mesh_directory_of(const MeshChoice& mesh);
+std::string mesh_directory_of(const MeshOptions& mesh);
 
 /// Throws Error if one of the files cannot be written where it goes, as far as can be told without
 /// writing there: its directory is none, or not to be written to, or its name leads to something
 /// else than a regular file. The same holds for stale_paths, which would be removed.
-void require_places(const OutputChoice& choice, const std::filesystem::path& directory);
+void require_places(const Outputs& choice, const std::filesystem::path& directory);
 
 /// Where this process writes them until they are complete.
-std::vector<std::string> temporary_paths(const OutputChoice& choice,
+std::vector<std::string> temporary_paths(const Outputs& choice,
                                          const std::filesystem::path& directory);
 
 /// The files that it locks.
-std::vector<std::string> lock_paths(const OutputChoice& choice,
-                                    const std::filesystem::path& directory);
+std::vector<std::string> lock_paths(const Outputs& choice, const std::filesystem::path& directory);
+
+/// What the file systems of a plan's files have to give, and what goes there.
+struct DiskSpace {
+  struct Place {
+    std::filesystem::path directory;
+    std::uint64_t available = 0;  ///< bytes; the largest number if that cannot be told
+    std::uint64_t expected = 0;   ///< bytes of files, and beside them while they are being made
+  };
+  /// The output directory; then that of the mesh, if it is in another file system.
+  std::vector<Place> places;
+};
+
+/// The disk space for a plan's files in `directory` and that of the mesh, neither of which need
+/// exist yet. Throws Error if those whose size is known do not fit.
+DiskSpace require_disk_space(const Plan& plan, const Outputs& outputs,
+                             const std::filesystem::path& directory);
 
 /// Each file is there only if it was chosen. Nothing but `commit` touches what has a final name.
 struct OutputFiles {
@@ -68,7 +81,7 @@ struct OutputFiles {
   std::optional<OutputFile> box, grid, edges, areas, inside_map, residues, chains, mesh;
 
   /// Throws Error as require_places, OutputDirectory, OutputFile and require_disk_space do.
-  OutputFiles(const OutputChoice& choice, const std::filesystem::path& path, const Plan& plan);
+  OutputFiles(const Outputs& choice, const std::filesystem::path& path, const Plan& plan);
 
   /// Gives all files their names. Older ones go first, so that old and new never stand beside each
   /// other, and the bounding box comes last: where it is, the others are. What `check`, called
@@ -79,11 +92,11 @@ struct OutputFiles {
   void remove_resumable() noexcept;
 
  private:
-  void open_directory(const OutputChoice& choice, const std::filesystem::path& path);
-  void open_mesh(const MeshChoice& choice);
+  void open_directory(const Outputs& choice, const std::filesystem::path& path);
+  void open_mesh(const MeshOptions& choice);
   std::vector<OutputFile*> all();
 
   std::vector<std::string> stale_;  // the chosen files in their other form, plain or gzipped
 };
 
-}  // namespace eses
+}  // namespace eses::detail

@@ -12,7 +12,7 @@
 #include "eses/error.hpp"
 #include "output/output_directory.hpp"
 
-namespace eses {
+namespace eses::detail {
 namespace {
 
 [[noreturn]] void fail(const char* action, const std::filesystem::path& directory, int error) {
@@ -83,4 +83,4 @@ void ScratchFile::sync() {
     if (errno != EINTR) fail("write", directory_, errno);
 }
 
-}  // namespace eses
+}  // namespace eses::detail

@@ -7,7 +7,7 @@
 #include <span>
 #include <string>
 
-namespace eses {
+namespace eses::detail {
 
 /// A file without a name, gone with the object or the process, unless it is to stay. Every failure
 /// throws Error, naming the file's directory.
@@ -41,4 +41,4 @@ class ScratchFile {
   std::uint64_t size_ = 0;
 };
 
-}  // namespace eses
+}  // namespace eses::detail

@@ -9,7 +9,7 @@
 #include "io/gzip.hpp"
 #include "output/output_file.hpp"
 
-namespace eses {
+namespace eses::detail {
 
 /// Appends parts to a file. In a gzip file each part is a member.
 class SequentialWriter {
@@ -40,4 +40,4 @@ inline std::uint64_t write_box(OutputFile& file, const Grid& grid, bool gzip) {
   return box.size();
 }
 
-}  // namespace eses
+}  // namespace eses::detail

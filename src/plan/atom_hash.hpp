@@ -7,7 +7,7 @@
 #include "eses/atoms.hpp"
 #include "system/splitmix64.hpp"
 
-namespace eses {
+namespace eses::detail {
 
 /// Depends on every bit of the atom and on its number in the molecule.
 inline std::uint64_t atom_hash(const Atom& atom, std::uint64_t number) {
@@ -18,4 +18,4 @@ inline std::uint64_t atom_hash(const Atom& atom, std::uint64_t number) {
   return hash;
 }
 
-}  // namespace eses
+}  // namespace eses::detail

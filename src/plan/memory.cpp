@@ -14,7 +14,7 @@
 #include "solve/block_solver.hpp"
 #include "sweep/text_chunks.hpp"
 
-namespace eses {
+namespace eses::detail {
 namespace {
 
 constexpr double mebibyte = 1 << 20;
@@ -104,7 +104,7 @@ double blocks_in_layer(const BlockTiling& tiling) {
   return as_double(tiling.blocks[0]) * as_double(tiling.blocks[1]);
 }
 
-double text_bytes(const GridRegion& region, const OutputChoice& outputs) {
+double text_bytes(const GridRegion& region, const Outputs& outputs) {
   // A line has more bytes than counted on, and crossings may crowd.
   const std::int64_t row = region.size()[0];
   const double points = as_double(rows_per_chunk(row) * row), chunk = points * 24;
@@ -128,7 +128,7 @@ double mesh_bytes(const SurfaceSurvey& survey, double spacing, const BlockTiling
 }
 
 // With the numbers of chains and residues, and the sums of chains.
-double label_bytes(const LabelTotals& labels, double atoms, const OutputChoice& outputs) {
+double label_bytes(const LabelTotals& labels, double atoms, const Outputs& outputs) {
   if (labels.labels == 0) return 0;
   const auto residues = static_cast<double>(labels.residue_runs);
   const auto chains = static_cast<double>(labels.chain_runs);
@@ -154,7 +154,7 @@ double heap_bytes_of(const std::string& text) {
 }
 
 double bytes_of_thread(const SurfaceSurvey& survey, const Grid& grid, const Schedule& schedule,
-                       const OutputChoice& outputs) {
+                       const Outputs& outputs) {
   // Undecided points, edges along three axes, and their ranks.
   constexpr double bytes_per_word = 4 * sizeof(std::uint64_t) + sizeof(std::uint32_t);
   return bytes_per_thread + text_bytes(schedule.tiling.region, outputs) +
@@ -225,7 +225,7 @@ double min_expected_memory(std::size_t atoms) {
 }
 
 double expected_memory(const SurfaceSurvey& survey, const LabelTotals& labels, const Grid& grid,
-                       const Schedule& schedule, const OutputChoice& outputs) {
+                       const Schedule& schedule, const Outputs& outputs) {
   const auto atoms = static_cast<double>(survey.atom_count());
   const BlockTiling& tiling = schedule.tiling;
   const double threads = schedule.threads, always = min_expected_memory(survey.atom_count());
@@ -248,4 +248,4 @@ double expected_memory(const SurfaceSurvey& survey, const LabelTotals& labels, c
   return always + label_bytes(labels, atoms, outputs) + solving;
 }
 
-}  // namespace eses
+}  // namespace eses::detail

@@ -5,10 +5,10 @@
 #include <cstdint>
 #include <span>
 
-#include "eses/run.hpp"
 #include "surface/survey.hpp"
+#include "task/task.hpp"
 
-namespace eses {
+namespace eses::detail {
 
 /// What a run is free to choose, as its results do not depend on it.
 struct Schedule {
@@ -42,6 +42,6 @@ double min_expected_memory(std::size_t atoms);
 
 /// Bytes that the process holds at its peak: an estimate that is meant as an upper bound.
 double expected_memory(const SurfaceSurvey& survey, const LabelTotals& labels, const Grid& grid,
-                       const Schedule& schedule, const OutputChoice& outputs);
+                       const Schedule& schedule, const Outputs& outputs);
 
-}  // namespace eses
+}  // namespace eses::detail

@@ -23,7 +23,7 @@
 #include "system/parallel.hpp"
 #include "system/resources.hpp"
 
-namespace eses {
+namespace eses::detail {
 namespace {
 
 constexpr std::uint64_t area_line_bytes = 32;
@@ -37,19 +37,7 @@ void require(bool holds, std::string_view what, double value) {
   if (!holds) throw Error(fmt::format("{}, not {}", what, value));
 }
 
-void require_valid(const Parameters& p) {
-  require(p.probe_radius >= least_probe_radius && p.probe_radius <= largest_probe_radius,
-          fmt::format("the probe radius must be between {} and {} angstrom", least_probe_radius,
-                      largest_probe_radius),
-          p.probe_radius);
-  require(p.verify >= 0 && p.verify <= most_verified,
-          "the number of points to verify must be between 0 and 10000000",
-          static_cast<double>(p.verify));
-  require(p.threads >= 0, "the number of threads must not be negative", p.threads);
-  if (p.region && p.blocks) throw Error("a region and blocks cannot both be chosen");
-}
-
-void require_valid(const MeshChoice& mesh, const Molecule& molecule) {
+void require_valid(const MeshOptions& mesh, const Molecule& molecule) {
   if (!mesh_format(mesh.file))
     throw Error(
         fmt::format("the mesh's file must end in .ply, .obj or .off, not {}", mesh.file.string()));
@@ -57,8 +45,8 @@ void require_valid(const MeshChoice& mesh, const Molecule& molecule) {
     throw Error("a mesh can be coloured by chain only if the input, a PQR file, tells the chains");
 }
 
-void require_enclosing_margin(const Plan& plan, const Parameters& p) {
-  if (plan.cut_depth < 0 || p.margin >= 0.5 * p.spacing) return;
+void require_enclosing_margin(double depth, const Parameters& p) {
+  if (depth < 0 || p.margin >= 0.5 * p.spacing) return;
   throw Error(fmt::format(
       "a margin of {} angstrom is too small for a spacing of {}: the grid, whose number "
       "of points is truncated, would cut the surface; use a margin of at least {}",
@@ -74,7 +62,7 @@ int useful_threads(const BlockTiling& tiling, int wanted, std::size_t atoms) {
 
 // The points to compute. Chosen blocks are those of the default size if none is given.
 GridRegion region_of(const Grid& grid, const Parameters& p) {
-  if (p.region) return points_in_box(grid, p.region->low, p.region->high);
+  if (p.region) return points_between(grid, p.region->low, p.region->high);
   if (!p.blocks) return grid.whole();
   const std::int64_t block_size = p.block_size > 0 ? p.block_size : default_block_size;
   return make_tiling(grid, block_size).points_of_blocks(*p.blocks);
@@ -169,7 +157,7 @@ std::string fixed_choices(const Parameters& p) {
 }
 
 // A closed mesh has about twice as many triangles as vertices.
-void expect_mesh(const MeshChoice& mesh, const LabelTotals& labels, double crossings, Plan& plan) {
+void expect_mesh(const MeshOptions& mesh, const LabelTotals& labels, double crossings, Plan& plan) {
   const double vertices = far_corner_growth(plan.tiling) * crossings;
   plan.mesh_scratch_bytes =
       whole_bytes(2 * static_cast<double>(mesh::typical_triangle_bytes(mesh)) * vertices);
@@ -185,14 +173,14 @@ void expect_mesh(const MeshChoice& mesh, const LabelTotals& labels, double cross
 
 // The fastest schedule that keeps the limit and what is available.
 void choose_schedule(const SurfaceSurvey& survey, const GridRegion& region,
-                     const MemoryBudget& budget, const OutputChoice& outputs, Plan& plan) {
-  const auto& [available, held, labels] = budget;
+                     const MemoryBudget& budget, const Outputs& outputs, Plan& plan) {
+  const auto& [available, held, labels, held_per_crossing] = budget;
   const Parameters& p = plan.parameters;
   const std::uint64_t limit = p.max_memory > 0 ? std::min(p.max_memory, available) : available;
   const double crossings = expected_crossings(survey.totals().area, p.spacing);
   double smallest = std::numeric_limits<double>::infinity();
   for (const Schedule& schedule : possible_schedules(plan.grid, region, p, survey)) {
-    const double memory = static_cast<double>(held) +
+    const double memory = static_cast<double>(held) + held_per_crossing * crossings +
                           expected_memory(survey, labels, plan.grid, schedule, outputs) +
                           Verifier::memory_bytes(p.verify, schedule.threads, crossings);
     smallest = std::min(smallest, memory);
@@ -208,7 +196,7 @@ void choose_schedule(const SurfaceSurvey& survey, const GridRegion& region,
 }
 
 // The labels of a molecule, and the copies of them that a run makes.
-LabelTotals with_copies(LabelTotals labels, const OutputChoice& outputs) {
+LabelTotals with_copies(LabelTotals labels, const Outputs& outputs) {
   if (labels.labels == 0) return labels;
   std::size_t copies = outputs.residues ? labels.residue_runs : 0;
   if (outputs.mesh && mesh::names_atoms(*outputs.mesh))
@@ -238,7 +226,26 @@ std::uint64_t box_bytes(const Grid& grid, bool gzip) {
 
 }  // namespace
 
-void plan_files(const FileContents& contents, const OutputChoice& outputs, Plan& plan) {
+void require_valid(const Parameters& p) {
+  require(p.probe_radius >= min_probe_radius && p.probe_radius <= max_probe_radius,
+          fmt::format("the probe radius must be between {} and {} angstrom", min_probe_radius,
+                      max_probe_radius),
+          p.probe_radius);
+  require(p.verify >= 0 && p.verify <= most_verified,
+          "the number of points to verify must be between 0 and 10000000",
+          static_cast<double>(p.verify));
+  require(p.threads >= 0, "the number of threads must not be negative", p.threads);
+  if (p.region && p.blocks) throw Error("a region and blocks cannot both be chosen");
+}
+
+void require_valid(const Outputs& outputs, const Molecule& molecule) {
+  if (outputs.mesh) require_valid(*outputs.mesh, molecule);
+  if (!outputs.inside_map.empty()) required_map_format(outputs.inside_map);
+  if (outputs.residues && molecule.labels().empty())
+    throw Error("areas by residue need to be told each atom's chain and residue");
+}
+
+void plan_files(const FileContents& contents, const Outputs& outputs, Plan& plan) {
   const auto& [atoms, crossings, labels] = contents;
   plan.gzip = outputs.gzip;
   const auto on_disk = [&](double bytes, double compressed_share) {
@@ -266,41 +273,51 @@ std::uint64_t checksum_of(std::span<const Atom> atoms) {
   return sum;
 }
 
-Plan plan_grid(const SphereBounds& bounds, const Parameters& parameters) {
+Plan plan_on_grid(const Grid& grid, const SphereBounds& bounds, const Parameters& parameters) {
   require_valid(parameters);
   Plan plan;
   plan.parameters = parameters;
-  plan.grid = make_grid(bounds, parameters.spacing, parameters.margin);
-  plan.cut_depth = cut_depth(plan.grid, bounds);
-  require_enclosing_margin(plan, parameters);
-  plan.tiling.region = region_of(plan.grid, parameters);
+  plan.grid = grid;
+  plan.cut_depth = cut_depth(grid, bounds);
+  plan.tiling.region = region_of(grid, parameters);
   return plan;
 }
 
-double plan_schedule(const MemoryBudget& budget, const Molecule& molecule,
-                     const OutputChoice& outputs, Plan& plan) {
+Plan plan_grid(const SphereBounds& bounds, const Parameters& parameters) {
+  require_valid(parameters);
+  const Grid grid = make_grid(bounds, parameters.spacing, parameters.margin);
+  require_enclosing_margin(cut_depth(grid, bounds), parameters);
+  return plan_on_grid(grid, bounds, parameters);
+}
+
+double plan_schedule(const MemoryBudget& budget, const Molecule& molecule, const Outputs& outputs,
+                     Plan& plan) {
   const GridRegion region = plan.tiling.region;
   const SurfaceSurvey survey = survey_of(molecule, plan.grid, region, plan.parameters.probe_radius);
   choose_schedule(survey, region, budget, outputs, plan);
   return expected_crossings(survey.totals().area, plan.grid.spacing);
 }
 
-Plan make_plan_within(std::uint64_t available, const Molecule& molecule,
-                      const Parameters& parameters, const OutputChoice& outputs) {
-  if (outputs.mesh) require_valid(*outputs.mesh, molecule);
-  Plan plan = plan_grid(sphere_bounds(molecule.atoms()), parameters);
+double plan_alone(MemoryBudget budget, const Molecule& molecule, const Outputs& outputs,
+                  Plan& plan) {
   plan.atoms_checksum = checksum_of(molecule.atoms());
   const LabelTotals labels = total_labels(molecule.labels());
-  const double crossings =
-      plan_schedule({.available = available, .held = 0, .labels = with_copies(labels, outputs)},
-                    molecule, outputs, plan);
+  budget.labels = with_copies(labels, outputs);
+  const double crossings = plan_schedule(budget, molecule, outputs, plan);
   plan_files({molecule.atoms().size(), crossings, labels}, outputs, plan);
+  return crossings;
+}
+
+Plan make_plan_within(std::uint64_t available, const Molecule& molecule,
+                      const Parameters& parameters, const Outputs& outputs) {
+  if (outputs.mesh) require_valid(*outputs.mesh, molecule);
+  Plan plan = plan_grid(sphere_bounds(molecule.atoms()), parameters);
+  plan_alone({.available = available, .held = 0, .labels = {}}, molecule, outputs, plan);
   return plan;
 }
 
-Plan make_plan(const Molecule& molecule, const Parameters& parameters,
-               const OutputChoice& outputs) {
+Plan make_plan(const Molecule& molecule, const Parameters& parameters, const Outputs& outputs) {
   return make_plan_within(available_memory(), molecule, parameters, outputs);
 }
 
-}  // namespace eses
+}  // namespace eses::detail

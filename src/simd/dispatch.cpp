@@ -5,7 +5,7 @@
 #include <cstdlib>
 #include <string_view>
 
-namespace eses {
+namespace eses::detail {
 namespace {
 
 // What Highway asks of a target, as far as any processor has one without the other.
@@ -49,4 +49,4 @@ bool is_instruction_set(std::string_view name) {
   return std::find(names.begin(), names.end(), name) != names.end();
 }
 
-}  // namespace eses
+}  // namespace eses::detail

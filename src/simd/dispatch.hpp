@@ -9,7 +9,7 @@
 
 #include <string_view>
 
-namespace eses {
+namespace eses::detail {
 
 enum class InstructionSet { baseline, sse4, avx2, avx512 };
 
@@ -38,11 +38,11 @@ Function best_version(const Versions<Function>& versions) {
   return versions.baseline;
 }
 
-}  // namespace eses
+}  // namespace eses::detail
 
 /// Pointer to the best version of a function that was compiled by way of hwy/foreach_target.h. To
 /// be used in the namespace around HWY_NAMESPACE, once (#if HWY_ONCE).
 #define ESES_BEST_VERSION(function)                                                     \
-  ::eses::best_version<decltype(&HWY_STATIC_DISPATCH(function))>(                       \
+  ::eses::detail::best_version<decltype(&HWY_STATIC_DISPATCH(function))>(               \
       {HWY_CHOOSE_AVX3(function), HWY_CHOOSE_AVX2(function), HWY_CHOOSE_SSE4(function), \
        &HWY_STATIC_DISPATCH(function)})

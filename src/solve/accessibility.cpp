@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace eses {
+namespace eses::detail {
 namespace {
 
 bool is_exposed(std::span<const CapCone> cones, Vec3 offset, double length) {
@@ -64,4 +64,4 @@ NearestProbe nearest_probe(const PatchIndex& patches, Vec3 point, double limit, 
   return nearest;
 }
 
-}  // namespace eses
+}  // namespace eses::detail

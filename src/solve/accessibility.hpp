@@ -5,7 +5,7 @@
 
 #include "solve/patch_index.hpp"
 
-namespace eses {
+namespace eses::detail {
 
 struct NearestProbe {
   double distance = 0;  ///< from the point, angstrom
@@ -28,4 +28,4 @@ inline bool is_probe_nearer(const PatchIndex& patches, Vec3 point, double distan
   return nearest_probe(patches, point, distance, distance).distance < distance;
 }
 
-}  // namespace eses
+}  // namespace eses::detail

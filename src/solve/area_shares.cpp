@@ -5,7 +5,7 @@
 #include <limits>
 #include <utility>
 
-namespace eses {
+namespace eses::detail {
 namespace {
 
 constexpr AtomIndex no_atom = std::numeric_limits<AtomIndex>::max();
@@ -55,4 +55,4 @@ void AreaShares::move_into(std::span<AreaShare> sums) {
   taken_.clear();
 }
 
-}  // namespace eses
+}  // namespace eses::detail

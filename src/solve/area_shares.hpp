@@ -7,7 +7,7 @@
 
 #include "eses/atoms.hpp"
 
-namespace eses {
+namespace eses::detail {
 
 /// A sum of |n_axis| over crossings, their share of area / spacing^2, in units of
 /// `area_share_unit`: integers add up to the same sum in any order, at any block size and number of
@@ -39,4 +39,4 @@ class AreaShares {
   std::vector<std::uint32_t> taken_;  // the slots in use
 };
 
-}  // namespace eses
+}  // namespace eses::detail

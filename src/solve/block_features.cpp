@@ -7,7 +7,7 @@
 #include "geometry/patch_boxes.hpp"
 #include "simd/padding.hpp"
 
-namespace eses {
+namespace eses::detail {
 namespace {
 
 void bound_saddle(const Surface& surface, ArcFeature& arc) {
@@ -178,4 +178,4 @@ void collect_features(const Patches& patches, const Box& box, BlockFeatures& fea
       features.placements.push_back(make_placement(surface, *placement));
 }
 
-}  // namespace eses
+}  // namespace eses::detail

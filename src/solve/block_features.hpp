@@ -8,12 +8,12 @@
 #include <vector>
 
 #include "eses/grid.hpp"
-#include "eses/tiling.hpp"
 #include "geometry/arc_sector.hpp"
 #include "geometry/box.hpp"
+#include "grid/tiling.hpp"
 #include "surface/patches.hpp"
 
-namespace eses {
+namespace eses::detail {
 
 /// Boxes of patches are larger by this, so that seams lie inside (angstrom).
 inline constexpr double box_slack = 1e-5;
@@ -113,4 +113,4 @@ inline Vec3 nearest_on_arc(const ArcFeature& arc, Vec3 offset) {
                                                                      : arc.sector.start;
 }
 
-}  // namespace eses
+}  // namespace eses::detail

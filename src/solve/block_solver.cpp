@@ -4,7 +4,7 @@
 
 #include "system/stopwatch.hpp"
 
-namespace eses {
+namespace eses::detail {
 namespace {
 
 void add_to_tally(const Surface& surface, const BlockGrid& grid, const BlockResult& result,
@@ -97,4 +97,4 @@ BlockResult solve_block_for_mesh(const Patches& patches, const Grid& grid, const
   return result;
 }
 
-}  // namespace eses
+}  // namespace eses::detail

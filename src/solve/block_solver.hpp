@@ -4,13 +4,13 @@
 #include <cstdint>
 #include <vector>
 
-#include "eses/crossing.hpp"
+#include "grid/crossing.hpp"
 #include "grid/point_bits.hpp"
 #include "solve/classify.hpp"
 #include "solve/intersect.hpp"
 #include "solve/tally.hpp"
 
-namespace eses {
+namespace eses::detail {
 
 /// What a block contributes. Without any atom nearby `inside` has no words: all points are
 /// outside.
@@ -44,4 +44,4 @@ BlockResult solve_block(const Patches& patches, const Grid& grid, const Block& b
 BlockResult solve_block_for_mesh(const Patches& patches, const Grid& grid, const Block& block,
                                  const Block& wider, BlockWorkspace& workspace);
 
-}  // namespace eses
+}  // namespace eses::detail

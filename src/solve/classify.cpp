@@ -17,7 +17,7 @@
 #include "solve/index_range.hpp"
 
 HWY_BEFORE_NAMESPACE();
-namespace eses::HWY_NAMESPACE {
+namespace eses::detail::HWY_NAMESPACE {
 enum class Stamp { set, clear };
 
 // One plane of a ball in one column of points.
@@ -87,7 +87,7 @@ struct IndexRanges {
 
 HWY_INLINE IndexRanges points_within(const BlockGrid& grid, std::size_t axis, DoubleVector low,
                                      DoubleVector high) {
-  const auto origin = all(grid.grid.lower[axis]), inverse = all(grid.inverse_spacing);
+  const auto origin = all(grid.grid.origin[axis]), inverse = all(grid.inverse_spacing);
   const auto slack = all(range_slack), first = all(static_cast<double>(grid.block.first[axis]));
   const auto points = all(static_cast<double>(grid.block.points[axis]));
   const auto begin = hn::Ceil((low - origin) * inverse - slack) - first;
@@ -121,7 +121,7 @@ void for_each_plane(const BlockGrid& grid, const PointBits& bits, Vec3 center, d
       const IndexRange rows = y[lane];
       if (squared_radii[lane] < 0 || rows.begin >= rows.end) continue;
       BallPlane plane{
-          center.x, center.y, squared_radii[lane], grid.grid.lower.x, grid.inverse_spacing, 0, 0};
+          center.x, center.y, squared_radii[lane], grid.grid.origin.x, grid.inverse_spacing, 0, 0};
       for (std::int64_t column = columns.begin; column < columns.end; ++column) {
         plane.column_first =
             static_cast<double>(grid.block.first[0] + column * PointBits::column_step);
@@ -279,11 +279,11 @@ void classify(const BlockGrid& grid, const BlockFeatures& features, ClassifyScra
   for (std::size_t w = 0; w < inside.words.size(); ++w) inside.words[w] |= undecided.words[w];
 }
 
-}  // namespace eses::HWY_NAMESPACE
+}  // namespace eses::detail::HWY_NAMESPACE
 HWY_AFTER_NAMESPACE();
 
 #if HWY_ONCE
-namespace eses {
+namespace eses::detail {
 void classify_points(const BlockGrid& grid, const BlockFeatures& features, ClassifyScratch& scratch,
                      PointBits& inside) {
   inside.reset(grid.block.points);
@@ -292,5 +292,5 @@ void classify_points(const BlockGrid& grid, const BlockFeatures& features, Class
   ESES_BEST_VERSION(classify)(grid, features, scratch, inside);
 }
 
-}  // namespace eses
+}  // namespace eses::detail
 #endif  // HWY_ONCE

@@ -8,7 +8,7 @@
 #include "simd/padding.hpp"
 #include "solve/block_features.hpp"
 
-namespace eses {
+namespace eses::detail {
 
 /// Points that wait to be held against one patch.
 struct PointBatch {
@@ -36,4 +36,4 @@ struct ClassifyScratch {
 void classify_points(const BlockGrid& grid, const BlockFeatures& features, ClassifyScratch& scratch,
                      PointBits& inside);
 
-}  // namespace eses
+}  // namespace eses::detail

@@ -14,7 +14,7 @@
 #endif
 
 HWY_BEFORE_NAMESPACE();
-namespace eses::HWY_NAMESPACE {
+namespace eses::detail::HWY_NAMESPACE {
 
 /// Begins with the cone that held the last ones: neighbouring points tend to fall to the same. What
 /// is left does not depend on the order.
@@ -45,7 +45,7 @@ class ConeFilter {
   std::size_t last_ = 0;
 };
 
-}  // namespace eses::HWY_NAMESPACE
+}  // namespace eses::detail::HWY_NAMESPACE
 HWY_AFTER_NAMESPACE();
 
 #endif

@@ -8,7 +8,7 @@
 #include "eses/error.hpp"
 #include "solve/accessibility.hpp"
 
-namespace eses {
+namespace eses::detail {
 namespace {
 
 std::array<double, 3> components(Vec3 v) { return {v.x, v.y, v.z}; }
@@ -87,4 +87,4 @@ Crossing decide_crossing(const PatchIndex& patches, const Edge& edge,
   return chosen == candidates.end() ? bisect(patches, edge) : *chosen;
 }
 
-}  // namespace eses
+}  // namespace eses::detail

@@ -4,10 +4,10 @@
 #include <cstdint>
 #include <span>
 
-#include "eses/crossing.hpp"
+#include "grid/crossing.hpp"
 #include "solve/patch_index.hpp"
 
-namespace eses {
+namespace eses::detail {
 
 /// An edge whose ends differ: from its lower point one spacing along its axis.
 struct Edge {
@@ -51,4 +51,4 @@ inline bool is_point_atom(const FaceFeature& face) {
 Crossing decide_crossing(const PatchIndex& patches, const Edge& edge,
                          std::span<Crossing> candidates, bool needs_proof = false);
 
-}  // namespace eses
+}  // namespace eses::detail

@@ -8,7 +8,7 @@
 
 #include "simd/padding.hpp"
 
-namespace eses {
+namespace eses::detail {
 
 struct EdgeBatch {
   static constexpr std::size_t capacity = 512;
@@ -27,4 +27,4 @@ struct EdgeBatch {
   }
 };
 
-}  // namespace eses
+}  // namespace eses::detail

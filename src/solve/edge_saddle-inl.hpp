@@ -18,7 +18,7 @@
 #endif
 
 HWY_BEFORE_NAMESPACE();
-namespace eses::HWY_NAMESPACE {
+namespace eses::detail::HWY_NAMESPACE {
 
 HWY_INLINE Points batch_points(const EdgeBatch& batch, std::size_t i) {
   return {load(batch.start[0].data() + i), load(batch.start[1].data() + i),
@@ -156,7 +156,7 @@ void meet_saddle(const ArcFeature& arc, double probe, double length, EdgeBatch& 
   }
 }
 
-}  // namespace eses::HWY_NAMESPACE
+}  // namespace eses::detail::HWY_NAMESPACE
 HWY_AFTER_NAMESPACE();
 
 #endif

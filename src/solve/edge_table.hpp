@@ -7,7 +7,7 @@
 
 #include "grid/point_bits.hpp"
 
-namespace eses {
+namespace eses::detail {
 
 /// Edges are ranked in canonical order: by lower point (z, y, x), then axis.
 struct EdgeTable {
@@ -16,4 +16,4 @@ struct EdgeTable {
   std::uint32_t count = 0;
 };
 
-}  // namespace eses
+}  // namespace eses::detail

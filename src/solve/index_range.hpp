@@ -9,7 +9,7 @@
 #include "grid/point_bits.hpp"
 #include "solve/block_features.hpp"
 
-namespace eses {
+namespace eses::detail {
 
 /// Indices [begin, end) along one axis, from the block's first point.
 struct IndexRange {
@@ -24,8 +24,8 @@ inline IndexRange points_within(const BlockGrid& grid, std::size_t axis, double 
   const double inverse = grid.inverse_spacing;
   const auto first = static_cast<double>(grid.block.first[axis]);
   const auto points = static_cast<double>(grid.block.points[axis]);
-  const double a = std::ceil((low - grid.grid.lower[axis]) * inverse - range_slack) - first;
-  const double b = std::floor((high - grid.grid.lower[axis]) * inverse + range_slack) - first + 1;
+  const double a = std::ceil((low - grid.grid.origin[axis]) * inverse - range_slack) - first;
+  const double b = std::floor((high - grid.grid.origin[axis]) * inverse + range_slack) - first + 1;
   return {static_cast<std::int64_t>(std::clamp(a, 0.0, points)),
           static_cast<std::int64_t>(std::clamp(b, 0.0, points))};
 }
@@ -81,4 +81,4 @@ void for_each_word(const PointBits& layout, std::span<const std::uint64_t> words
   }
 }
 
-}  // namespace eses
+}  // namespace eses::detail

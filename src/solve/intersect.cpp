@@ -22,7 +22,7 @@
 #include "solve/line_sphere-inl.hpp"
 
 HWY_BEFORE_NAMESPACE();
-namespace eses::HWY_NAMESPACE {
+namespace eses::detail::HWY_NAMESPACE {
 
 // Which edges of one column in one plane have differing ends.
 void find_changes(const BlockGrid& grid, const PointBits& inside, std::int64_t column,
@@ -133,7 +133,7 @@ struct Search {
   void offer_on_line(GridIndex line, const Crossing& crossing, bool needs_proof = false) {
     constexpr double near_end = 2 * tolerance::edge_end;
     const std::size_t axis = crossing.axis;
-    const double place = (crossing.coordinate - grid.grid.lower[axis]) * grid.inverse_spacing -
+    const double place = (crossing.coordinate - grid.grid.origin[axis]) * grid.inverse_spacing -
                          static_cast<double>(grid.block.first[axis]);
     const double cell = std::floor(place);
     line[axis] = static_cast<std::int64_t>(cell);
@@ -324,11 +324,11 @@ void intersect(const BlockGrid& grid, const BlockFeatures& features, const Point
   decide_rest(grid, features, scratch, row_begin, crossings);
 }
 
-}  // namespace eses::HWY_NAMESPACE
+}  // namespace eses::detail::HWY_NAMESPACE
 HWY_AFTER_NAMESPACE();
 
 #if HWY_ONCE
-namespace eses {
+namespace eses::detail {
 void intersect_edges(const BlockGrid& grid, const BlockFeatures& features, const PointBits& inside,
                      IntersectScratch& scratch, std::vector<Crossing>& crossings,
                      std::vector<std::uint32_t>& row_begin) {
@@ -336,5 +336,5 @@ void intersect_edges(const BlockGrid& grid, const BlockFeatures& features, const
   ESES_BEST_VERSION(intersect)(grid, features, inside, scratch, crossings, row_begin);
 }
 
-}  // namespace eses
+}  // namespace eses::detail
 #endif  // HWY_ONCE

@@ -9,7 +9,7 @@
 #include "solve/edge_batch.hpp"
 #include "solve/edge_table.hpp"
 
-namespace eses {
+namespace eses::detail {
 
 struct IntersectScratch {
   struct Further {
@@ -31,4 +31,4 @@ void intersect_edges(const BlockGrid& grid, const BlockFeatures& features, const
                      IntersectScratch& scratch, std::vector<Crossing>& crossings,
                      std::vector<std::uint32_t>& row_begin);
 
-}  // namespace eses
+}  // namespace eses::detail

@@ -12,7 +12,7 @@
 #endif
 
 HWY_BEFORE_NAMESPACE();
-namespace eses::HWY_NAMESPACE {
+namespace eses::detail::HWY_NAMESPACE {
 
 /// A sphere of which the part in `box` is looked at.
 struct SpherePart {
@@ -73,7 +73,7 @@ void meet_lines(const BlockGrid& grid, const SpherePart& sphere, IsOnPatch&& is_
   }
 }
 
-}  // namespace eses::HWY_NAMESPACE
+}  // namespace eses::detail::HWY_NAMESPACE
 HWY_AFTER_NAMESPACE();
 
 #endif

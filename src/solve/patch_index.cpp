@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace eses {
+namespace eses::detail {
 namespace {
 
 // Cells are a little larger than the patches that they are to separate (angstrom), and not more
@@ -68,4 +68,4 @@ PatchIndex::Cell PatchIndex::cell_at(Vec3 point) const {
   return {placements_.of(cell), arcs_.of(cell), faces_.of(cell)};
 }
 
-}  // namespace eses
+}  // namespace eses::detail

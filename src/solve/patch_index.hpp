@@ -8,7 +8,7 @@
 
 #include "solve/block_features.hpp"
 
-namespace eses {
+namespace eses::detail {
 
 /// Cells over a block's box, each with the patches whose accessible probe centres can be nearest to
 /// a point in it.
@@ -48,4 +48,4 @@ class PatchIndex {
   Lists placements_, arcs_, faces_;
 };
 
-}  // namespace eses
+}  // namespace eses::detail

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace eses {
+namespace eses::detail {
 namespace {
 
 // Of non-negative numbers; std::llround is a call.
@@ -40,4 +40,4 @@ void Tally::add(const Surface& surface, const Crossing& crossing, Vec3 point) {
   for (std::size_t q = 0; q < count; ++q) give(crossing.atoms[q], scale * weights[q]);
 }
 
-}  // namespace eses
+}  // namespace eses::detail

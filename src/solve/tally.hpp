@@ -4,11 +4,11 @@
 #include <array>
 #include <cstdint>
 
-#include "eses/crossing.hpp"
+#include "grid/crossing.hpp"
 #include "solve/area_shares.hpp"
 #include "surface/surface.hpp"
 
-namespace eses {
+namespace eses::detail {
 
 struct Tally {
   AreaShares atom_shares;
@@ -20,4 +20,4 @@ struct Tally {
   void add(const Surface& surface, const Crossing& crossing, Vec3 point);
 };
 
-}  // namespace eses
+}  // namespace eses::detail

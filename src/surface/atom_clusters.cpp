@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <limits>
 
-namespace eses {
+namespace eses::detail {
 AtomClusters::AtomClusters(const Surface& surface)
     : order_(surface.cells().order()), places_(order_.size()) {
   for (std::uint32_t place = 0; place < order_.size(); ++place) places_[order_[place]] = place;
@@ -34,4 +34,4 @@ ClusterIndex AtomClusters::count_below(double z) const {
   return static_cast<ClusterIndex>(end - lowest_from_.begin());
 }
 
-}  // namespace eses
+}  // namespace eses::detail

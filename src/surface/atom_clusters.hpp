@@ -11,7 +11,7 @@
 
 #include "surface/surface.hpp"
 
-namespace eses {
+namespace eses::detail {
 
 /// Index of a cluster, 0-based.
 using ClusterIndex = std::uint32_t;
@@ -54,4 +54,4 @@ class AtomClusters {
   std::vector<double> lowest_from_;    // by cluster: the lowest height of it and all later ones
 };
 
-}  // namespace eses
+}  // namespace eses::detail

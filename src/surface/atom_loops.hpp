@@ -8,7 +8,7 @@
 #include "eses/atoms.hpp"
 #include "system/parallel.hpp"
 
-namespace eses {
+namespace eses::detail {
 
 /// So many that to start a thread costs little beside looking at them.
 inline constexpr std::size_t atoms_per_loop_range = 4096;
@@ -39,4 +39,4 @@ inline void for_loop_ranges(
   });
 }
 
-}  // namespace eses
+}  // namespace eses::detail

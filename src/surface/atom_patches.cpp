@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-namespace eses {
+namespace eses::detail {
 namespace {
 
 // One look-up in the cell list serves many atoms. What it finds is then sifted for fewer of them,
@@ -200,4 +200,4 @@ Vec3 placement_center(const SasSphere& first, const SasSphere& second, const Sas
          circle.radius * (cosine * cut.toward + sine * cross(circle.axis, cut.toward));
 }
 
-}  // namespace eses
+}  // namespace eses::detail

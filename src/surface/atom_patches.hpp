@@ -12,7 +12,7 @@
 #include "surface/crowded_atoms.hpp"
 #include "surface/surface.hpp"
 
-namespace eses {
+namespace eses::detail {
 
 enum class AtomExposure : std::uint8_t {
   unknown,
@@ -90,4 +90,4 @@ void build_atom_patches(const Surface& surface, std::span<const AtomIndex> atoms
 Vec3 placement_center(const SasSphere& first, const SasSphere& second, const SasSphere& third,
                       int side);
 
-}  // namespace eses
+}  // namespace eses::detail

@@ -6,7 +6,7 @@
 #include "geometry/box.hpp"
 #include "surface/atom_loops.hpp"
 
-namespace eses {
+namespace eses::detail {
 namespace {
 
 // Where slices meet, look-ups take longer: there are few, and they are thick.
@@ -66,4 +66,4 @@ AtomSlices cut_into_slices(std::span<const Atom> atoms, std::size_t count, int t
   return slices;
 }
 
-}  // namespace eses
+}  // namespace eses::detail

@@ -7,7 +7,7 @@
 
 #include "eses/atoms.hpp"
 
-namespace eses {
+namespace eses::detail {
 
 /// Atoms by where their centres are along one axis: slice k has those from `cuts[k - 1]` on that
 /// are below `cuts[k]`, without limit at both ends. Those with the same centre are in the same one.
@@ -24,4 +24,4 @@ std::size_t slice_count(std::size_t atoms);
 /// any number of threads.
 AtomSlices cut_into_slices(std::span<const Atom> atoms, std::size_t slices, int threads);
 
-}  // namespace eses
+}  // namespace eses::detail

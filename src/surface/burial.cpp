@@ -16,7 +16,7 @@
 
 #ifndef ESES_SURFACE_BURIAL_SHARED_
 #define ESES_SURFACE_BURIAL_SHARED_
-namespace eses {
+namespace eses::detail {
 namespace {
 
 // If the height of a cap, relative to the radius, grows by `small_shrinkage`, its rim turns by at
@@ -31,11 +31,11 @@ struct PatchCosines {
 };
 
 }  // namespace
-}  // namespace eses
+}  // namespace eses::detail
 #endif  // ESES_SURFACE_BURIAL_SHARED_
 
 HWY_BEFORE_NAMESPACE();
-namespace eses::HWY_NAMESPACE {
+namespace eses::detail::HWY_NAMESPACE {
 namespace hn = hwy::HWY_NAMESPACE;
 
 using Lanes = hn::ScalableTag<float>;
@@ -139,11 +139,11 @@ void find_touched(const CapList& caps, const PatchCosines& patch, float* touched
   }
 }
 
-}  // namespace eses::HWY_NAMESPACE
+}  // namespace eses::detail::HWY_NAMESPACE
 HWY_AFTER_NAMESPACE();
 
 #if HWY_ONCE
-namespace eses {
+namespace eses::detail {
 
 namespace {
 
@@ -225,5 +225,5 @@ bool is_buried(const CapList& caps, double radius, const BurialPatches& patches,
   return false;
 }
 
-}  // namespace eses
+}  // namespace eses::detail
 #endif  // HWY_ONCE

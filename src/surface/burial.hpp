@@ -14,7 +14,7 @@
 #include "geometry/cap_list.hpp"
 #include "geometry/covering_directions.hpp"
 
-namespace eses {
+namespace eses::detail {
 
 /// The covering directions in the layout of the kernel; built once, read by all threads.
 struct BurialPatches {
@@ -49,4 +49,4 @@ struct BurialScratch {
 bool is_buried(const CapList& caps, double radius, const BurialPatches& patches,
                BurialScratch& scratch);
 
-}  // namespace eses
+}  // namespace eses::detail

@@ -6,7 +6,7 @@
 #include <numeric>
 #include <utility>
 
-namespace eses {
+namespace eses::detail {
 namespace {
 
 // Coordinates beyond 2^62 cells share the outermost ones.
@@ -101,4 +101,4 @@ void CellList::find_in_row(std::span<const AtomIndex> row, std::int64_t first_x,
   found.insert(found.end(), begin, end);
 }
 
-}  // namespace eses
+}  // namespace eses::detail

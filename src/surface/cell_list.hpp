@@ -10,7 +10,7 @@
 #include "eses/atoms.hpp"
 #include "geometry/box.hpp"
 
-namespace eses {
+namespace eses::detail {
 
 /// Cells are sorted by layers along z, in these by rows along y, in these along x, and the atoms of
 /// a cell by index. A look-up goes as far as the radii of the atoms demand that it may find. So
@@ -63,4 +63,4 @@ class CellList {
   std::vector<SortedAtoms> classes_;  // by class; none if all atoms are in the same one
 };
 
-}  // namespace eses
+}  // namespace eses::detail

@@ -17,7 +17,7 @@
 #include "geometry/circle_arcs.hpp"
 #include "surface/surface.hpp"
 
-namespace eses {
+namespace eses::detail {
 
 /// An atom with more caps, or more patches of one kind, is crowded.
 inline constexpr std::uint32_t max_uncrowded = 256;
@@ -84,4 +84,4 @@ class CrowdedCaps {
   CapList near_caps_;
 };
 
-}  // namespace eses
+}  // namespace eses::detail

@@ -1,4 +1,4 @@
-#include "eses/molecule.hpp"
+#include "surface/molecule.hpp"
 
 #include <fmt/format.h>
 
@@ -23,7 +23,7 @@
 #include "surface/neighbors.hpp"
 #include "surface/oddity_finder.hpp"
 
-namespace eses {
+namespace eses::detail {
 namespace {
 
 [[noreturn]] void refuse(std::size_t i, std::string_view what, double value,
@@ -203,7 +203,7 @@ struct Molecule::Parts {
       look_around(begin, end, first_equal, containers, finder, tallies[range]);
     });
     mark_contained(atoms, tree, containers, is_contained);
-    oddities = finder.found(tallies);
+    diagnostics = finder.found(tallies);
   }
 
   void look_around(AtomIndex begin, AtomIndex end, std::span<const AtomIndex> first_equal,
@@ -232,7 +232,7 @@ struct Molecule::Parts {
   AtomTree tree;  // of atoms that equal none before them
   std::optional<CellList> cells;
   std::vector<std::uint8_t> is_contained;
-  std::vector<Oddity> oddities;
+  std::vector<Diagnostic> diagnostics;
 };
 
 Molecule::Molecule(std::vector<Atom> atoms) : Molecule(std::move(atoms), {}) {}
@@ -249,9 +249,9 @@ Molecule Molecule::part(std::vector<Atom> atoms, const std::function<bool(const 
 
 std::span<const Atom> Molecule::atoms() const { return parts_->atoms; }
 std::span<const AtomLabel> Molecule::labels() const { return parts_->labels; }
-std::span<const Oddity> Molecule::oddities() const { return parts_->oddities; }
+std::span<const Diagnostic> Molecule::diagnostics() const { return parts_->diagnostics; }
 bool Molecule::is_contained(AtomIndex atom) const { return parts_->is_contained[atom] != 0; }
 const AtomTree& Molecule::tree() const { return parts_->tree; }
 const CellList& Molecule::cells() const { return *parts_->cells; }
 
-}  // namespace eses
+}  // namespace eses::detail

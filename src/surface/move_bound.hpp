@@ -3,7 +3,7 @@
 
 #include <atomic>
 
-namespace eses {
+namespace eses::detail {
 
 /// Replaces the bound by the value if that comes before it.
 template <class Value, class Before>
@@ -15,4 +15,4 @@ void move_bound(Value& bound, Value value, Before is_before) {
   }
 }
 
-}  // namespace eses
+}  // namespace eses::detail

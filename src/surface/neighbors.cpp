@@ -10,7 +10,7 @@
 #include "geometry/box.hpp"
 #include "surface/atom_loops.hpp"
 
-namespace eses {
+namespace eses::detail {
 namespace {
 
 struct AtomCloud {
@@ -204,4 +204,4 @@ AtomIndex end_of_group(std::span<const Atom> atoms, AtomIndex begin, AtomIndex e
   return group_end;
 }
 
-}  // namespace eses
+}  // namespace eses::detail

@@ -12,7 +12,7 @@
 #include "eses/atoms.hpp"
 #include "surface/atom_slices.hpp"
 
-namespace eses {
+namespace eses::detail {
 
 class AtomTree {
  public:
@@ -54,4 +54,4 @@ struct GroupBounds {
 AtomIndex end_of_group(std::span<const Atom> atoms, AtomIndex begin, AtomIndex end,
                        const GroupBounds& bounds = {8, 6});
 
-}  // namespace eses
+}  // namespace eses::detail

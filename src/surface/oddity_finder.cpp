@@ -7,7 +7,7 @@
 
 #include "surface/move_bound.hpp"
 
-namespace eses {
+namespace eses::detail {
 namespace {
 
 constexpr double largest_usual = 4;       // angstrom
@@ -29,25 +29,25 @@ bool has_nanometre_radius(const Atom& atom) { return atom.radius < nanometre_rad
 
 }  // namespace
 
-void OddityTally::add(OddityKind kind, AtomIndex atom, AtomIndex other) {
-  Oddity& oddity = oddities_[static_cast<std::size_t>(kind)];
-  if (++oddity.count <= Oddity::most_examples) oddity.examples.push_back({atom, other});
+void OddityTally::add(DiagnosticKind kind, AtomIndex atom, AtomIndex other) {
+  Diagnostic& oddity = oddities_[static_cast<std::size_t>(kind)];
+  if (++oddity.count <= Diagnostic::max_examples) oddity.examples.push_back({atom, other});
 }
 
 void OddityTally::append(const OddityTally& later) {
   for (std::size_t kind = 0; kind < oddities_.size(); ++kind) {
-    Oddity& oddity = oddities_[kind];
+    Diagnostic& oddity = oddities_[kind];
     oddity.count += later.oddities_[kind].count;
-    for (const Oddity::Example& example : later.oddities_[kind].examples)
-      if (oddity.examples.size() < Oddity::most_examples) oddity.examples.push_back(example);
+    for (const Diagnostic::Example& example : later.oddities_[kind].examples)
+      if (oddity.examples.size() < Diagnostic::max_examples) oddity.examples.push_back(example);
   }
 }
 
-std::vector<Oddity> OddityTally::found() && {
-  std::vector<Oddity> result;
+std::vector<Diagnostic> OddityTally::found() && {
+  std::vector<Diagnostic> result;
   for (std::size_t kind = 0; kind < oddities_.size(); ++kind) {
     if (oddities_[kind].count == 0) continue;
-    oddities_[kind].kind = static_cast<OddityKind>(kind);
+    oddities_[kind].kind = static_cast<DiagnosticKind>(kind);
     result.push_back(std::move(oddities_[kind]));
   }
   return result;
@@ -59,12 +59,13 @@ OddityFinder::OddityFinder(std::span<const Atom> atoms, std::function<bool(const
       are_small_(std::all_of(atoms.begin(), atoms.end(), has_nanometre_radius)),
       outer_(atoms.size(), none) {}
 
-void OddityFinder::add(OddityKind kind, AtomIndex atom, AtomIndex other, OddityTally& tally) const {
+void OddityFinder::add(DiagnosticKind kind, AtomIndex atom, AtomIndex other,
+                       OddityTally& tally) const {
   if (!is_own_ || is_own_(atoms_[atom])) tally.add(kind, atom, other);
 }
 
 void OddityFinder::look_at_duplicate(AtomIndex i, AtomIndex first, OddityTally& tally) const {
-  add(OddityKind::duplicate, i, first, tally);
+  add(DiagnosticKind::duplicate, i, first, tally);
   look_at_radius(i, tally);
 }
 
@@ -78,15 +79,15 @@ void OddityFinder::look(AtomIndex i, std::span<const AtomIndex> near, OddityTall
       move_bound(outer_[j], i, std::less());
     }
   }
-  if (close != none) add(OddityKind::close, i, close, tally);
+  if (close != none) add(DiagnosticKind::close, i, close, tally);
   look_at_radius(i, tally);
 }
 
 void OddityFinder::look_at_radius(AtomIndex i, OddityTally& tally) const {
   const double radius = atoms_[i].radius;
-  if (are_small_) add(OddityKind::small_radii, i, i, tally);
-  if (radius > largest_usual) add(OddityKind::large_radius, i, i, tally);
-  if (radius == 0) add(OddityKind::zero_radius, i, i, tally);
+  if (are_small_) add(DiagnosticKind::small_radii, i, i, tally);
+  if (radius > largest_usual) add(DiagnosticKind::large_radius, i, i, tally);
+  if (radius == 0) add(DiagnosticKind::zero_radius, i, i, tally);
 }
 
 // An atom may lie in a later one: known only when all have been looked at.
@@ -95,15 +96,15 @@ OddityTally OddityFinder::find_nested() const {
   for (AtomIndex i = 0; i < atoms_.size(); ++i) {
     if (outer_[i] == none) continue;
     const bool is_large = atoms_[i].radius > largest_hydrogen;
-    add(is_large ? OddityKind::nested : OddityKind::nested_usual, i, outer_[i], nested);
+    add(is_large ? DiagnosticKind::nested : DiagnosticKind::nested_usual, i, outer_[i], nested);
   }
   return nested;
 }
 
-std::vector<Oddity> OddityFinder::found(std::span<const OddityTally> tallies) const {
+std::vector<Diagnostic> OddityFinder::found(std::span<const OddityTally> tallies) const {
   OddityTally all = find_nested();
   for (const OddityTally& tally : tallies) all.append(tally);
   return std::move(all).found();
 }
 
-}  // namespace eses
+}  // namespace eses::detail

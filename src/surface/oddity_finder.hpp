@@ -7,9 +7,9 @@
 #include <vector>
 
 #include "eses/atoms.hpp"
-#include "eses/oddities.hpp"
+#include "eses/diagnostics.hpp"
 
-namespace eses {
+namespace eses::detail {
 
 /// Atoms that overlap so deeply are odd (angstrom): half of any bond's length.
 inline constexpr double close_distance = 0.5;
@@ -17,16 +17,16 @@ inline constexpr double close_distance = 0.5;
 /// What is odd in some atoms, in ascending order: how many, and the first ones.
 class OddityTally {
  public:
-  void add(OddityKind kind, AtomIndex atom, AtomIndex other);
+  void add(DiagnosticKind kind, AtomIndex atom, AtomIndex other);
 
   /// Adds what is odd in later atoms.
   void append(const OddityTally& later);
 
-  /// All kinds that there are, in the order of `OddityKind`.
-  std::vector<Oddity> found() &&;
+  /// All kinds that there are, in the order of `DiagnosticKind`.
+  std::vector<Diagnostic> found() &&;
 
  private:
-  std::array<Oddity, oddity_kinds> oddities_;
+  std::array<Diagnostic, diagnostic_kinds> oddities_;
 };
 
 /// Threads may look at atoms at the same time, each with tallies of its own.
@@ -42,12 +42,12 @@ class OddityFinder {
   /// radius or within `close_distance`, in any order, but for those that equal an earlier one.
   void look(AtomIndex i, std::span<const AtomIndex> near, OddityTally& tally);
 
-  /// All kinds that there are, in the order of `OddityKind`, once all atoms have been looked at.
-  /// Each of the tallies has consecutive atoms, the first of them the first ones.
-  std::vector<Oddity> found(std::span<const OddityTally> tallies) const;
+  /// All kinds that there are, in the order of `DiagnosticKind`, once all atoms have been looked
+  /// at. Each of the tallies has consecutive atoms, the first of them the first ones.
+  std::vector<Diagnostic> found(std::span<const OddityTally> tallies) const;
 
  private:
-  void add(OddityKind kind, AtomIndex atom, AtomIndex other, OddityTally& tally) const;
+  void add(DiagnosticKind kind, AtomIndex atom, AtomIndex other, OddityTally& tally) const;
   void look_at_radius(AtomIndex i, OddityTally& tally) const;
   OddityTally find_nested() const;
 
@@ -57,4 +57,4 @@ class OddityFinder {
   std::vector<AtomIndex> outer_;  // of the atoms in which an atom lies the first, if any
 };
 
-}  // namespace eses
+}  // namespace eses::detail

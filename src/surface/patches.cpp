@@ -14,7 +14,7 @@
 #include "surface/move_bound.hpp"
 #include "system/parallel.hpp"
 
-namespace eses {
+namespace eses::detail {
 namespace {
 
 constexpr int covering_frequency = 5;  // 162 directions; more cost more than they settle
@@ -254,4 +254,4 @@ void build_all_patches(Patches& patches, int threads) {
   });
 }
 
-}  // namespace eses
+}  // namespace eses::detail

@@ -19,7 +19,7 @@
 #include "surface/crowded_atoms.hpp"
 #include "surface/surface.hpp"
 
-namespace eses {
+namespace eses::detail {
 
 /// An accessible probe centre at which the probe touches three atoms.
 struct ProbePlacement {
@@ -138,4 +138,4 @@ class Patches {
 /// Builds the patches of all atoms; the result does not depend on `threads`.
 void build_all_patches(Patches& patches, int threads);
 
-}  // namespace eses
+}  // namespace eses::detail

@@ -8,7 +8,7 @@
 #include "geometry/box.hpp"
 #include "surface/neighbors.hpp"
 
-namespace eses {
+namespace eses::detail {
 
 /// What happens in a box depends on the patches of atoms with |x - center| < radius + 2 probe for
 /// an x in it. The arcs that bound the faces of these are found from either of their two atoms, so
@@ -37,4 +37,4 @@ inline Reach make_reach(std::span<const Atom> atoms, const Box& box, double prob
   return reach;
 }
 
-}  // namespace eses
+}  // namespace eses::detail

@@ -5,13 +5,13 @@
 #include <span>
 #include <utility>
 
-#include "eses/molecule.hpp"
 #include "geometry/contact_circle.hpp"
 #include "surface/cell_list.hpp"
+#include "surface/molecule.hpp"
 #include "surface/neighbors.hpp"
 #include "surface/reach.hpp"
 
-namespace eses {
+namespace eses::detail {
 
 struct Surface {
   Molecule molecule;
@@ -36,4 +36,4 @@ struct Surface {
   }
 };
 
-}  // namespace eses
+}  // namespace eses::detail

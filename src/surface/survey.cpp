@@ -10,7 +10,7 @@
 #include "geometry/arc_sector.hpp"
 #include "geometry/patch_boxes.hpp"
 
-namespace eses {
+namespace eses::detail {
 namespace {
 
 constexpr double pi = std::numbers::pi;
@@ -327,4 +327,4 @@ SurfaceSurvey::AtomsNear SurfaceSurvey::most_atoms_near(Vec3 half_sides) const {
   return most;
 }
 
-}  // namespace eses
+}  // namespace eses::detail

@@ -6,7 +6,7 @@
 
 #include "surface/patches.hpp"
 
-namespace eses {
+namespace eses::detail {
 
 /// Totals of a molecule, extrapolated from its sample.
 struct PatchTotals {
@@ -83,4 +83,4 @@ class SurfaceSurvey {
   std::vector<double> area_, variance_;
 };
 
-}  // namespace eses
+}  // namespace eses::detail

@@ -13,7 +13,7 @@
 
 // Compiled for every instruction set, as a baseline build has no instruction that counts bits.
 HWY_BEFORE_NAMESPACE();
-namespace eses::HWY_NAMESPACE {
+namespace eses::detail::HWY_NAMESPACE {
 
 // Words of one column of points, by y, and those of the points around them. Where the grid ends,
 // the points themselves stand for their neighbours.
@@ -124,11 +124,11 @@ void count_blocks(const BlockTiling& tiling, const Plane& below, const Layer& la
     columns.count_block(b % tiling.blocks[0], b / tiling.blocks[0], counts);
 }
 
-}  // namespace eses::HWY_NAMESPACE
+}  // namespace eses::detail::HWY_NAMESPACE
 HWY_AFTER_NAMESPACE();
 
 #if HWY_ONCE
-namespace eses {
+namespace eses::detail {
 
 void PointCounts::add(const PointCounts& other) {
   inside += other.inside;
@@ -143,5 +143,5 @@ PointCounts count_points(const BlockTiling& tiling, const Plane& below, const La
   return counts;
 }
 
-}  // namespace eses
+}  // namespace eses::detail
 #endif  // HWY_ONCE

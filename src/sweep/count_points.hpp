@@ -3,10 +3,10 @@
 
 #include <cstdint>
 
-#include "eses/tiling.hpp"
+#include "grid/tiling.hpp"
 #include "sweep/layer.hpp"
 
-namespace eses {
+namespace eses::detail {
 
 struct PointCounts {
   std::int64_t inside = 0;          ///< inside points
@@ -21,4 +21,4 @@ struct PointCounts {
 PointCounts count_points(const BlockTiling& tiling, const Plane& below, const Layer& layer,
                          std::int64_t begin, std::int64_t end);
 
-}  // namespace eses
+}  // namespace eses::detail

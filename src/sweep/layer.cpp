@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <span>
 
-namespace eses {
+namespace eses::detail {
 namespace {
 
 // Appends the low `count` bits of `bits` behind `position` bits of a row that was zero from there.
@@ -96,4 +96,4 @@ Plane last_plane(const Layer& layer) {
   return plane;
 }
 
-}  // namespace eses
+}  // namespace eses::detail

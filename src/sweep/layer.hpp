@@ -5,10 +5,10 @@
 #include <span>
 #include <vector>
 
-#include "eses/tiling.hpp"
+#include "grid/tiling.hpp"
 #include "solve/block_solver.hpp"
 
-namespace eses {
+namespace eses::detail {
 
 struct Layer {
   std::vector<BlockResult> blocks;  ///< [by][bx]
@@ -100,4 +100,4 @@ struct Plane {
 
 Plane last_plane(const Layer& layer);
 
-}  // namespace eses
+}  // namespace eses::detail

@@ -7,7 +7,7 @@
 
 #include "mesh/local_triangle.hpp"
 
-namespace eses {
+namespace eses::detail {
 
 /// A layer, and where the pieces of its rows are.
 struct MeshOutput::LayerView {
@@ -176,4 +176,4 @@ void MeshOutput::abandon() {
   triangle_output_.abandon();
 }
 
-}  // namespace eses
+}  // namespace eses::detail

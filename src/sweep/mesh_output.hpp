@@ -6,14 +6,14 @@
 #include <span>
 #include <vector>
 
-#include "eses/run.hpp"
 #include "mesh/mesh_writer.hpp"
 #include "mesh/triangulate.hpp"
 #include "output/ordered_output.hpp"
 #include "sweep/layer.hpp"
 #include "sweep/text_chunks.hpp"
+#include "task/task.hpp"
 
-namespace eses {
+namespace eses::detail {
 
 /// What one thread needs to make a part of the mesh.
 struct MeshScratch {
@@ -93,4 +93,4 @@ class MeshOutput {
   std::vector<mesh::Row> below_;          // the last plane of the layer before, by y
 };
 
-}  // namespace eses
+}  // namespace eses::detail

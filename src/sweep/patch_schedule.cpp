@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <limits>
 
-namespace eses {
+namespace eses::detail {
 namespace {
 
 constexpr double infinity = std::numeric_limits<double>::infinity();
@@ -130,4 +130,4 @@ void PatchSchedule::close_passed() {
   while (open_begin_ < open_end_ && !patches_.is_open(open_begin_)) ++open_begin_;
 }
 
-}  // namespace eses
+}  // namespace eses::detail

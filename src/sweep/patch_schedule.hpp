@@ -9,7 +9,7 @@
 #include "eses/grid.hpp"
 #include "surface/patches.hpp"
 
-namespace eses {
+namespace eses::detail {
 
 /// A step towards the patches of a cluster, see Patches.
 struct BuildStep {
@@ -72,4 +72,4 @@ class PatchSchedule {
   double highest_;                   // top of the clusters that must be completed, so far
 };
 
-}  // namespace eses
+}  // namespace eses::detail

@@ -3,11 +3,12 @@
 #include <algorithm>
 #include <utility>
 
+#include "sweep/solved_block.hpp"
 #include "system/parallel.hpp"
 #include "system/resources.hpp"
 #include "system/stopwatch.hpp"
 
-namespace eses {
+namespace eses::detail {
 namespace {
 
 std::span<const char> file_bytes(const TextBuffer& text, std::optional<Gzip>& gzip) {
@@ -204,7 +205,7 @@ BlockResult Pipeline::solve_block(const Block& block, const Block& with_far_corn
   return sinks_.mesh != nullptr
              ? solve_block_for_mesh(patches_.patches(), plan_.grid, block, with_far_corners,
                                     workspace)
-             : eses::solve_block(patches_.patches(), plan_.grid, block, workspace);
+             : eses::detail::solve_block(patches_.patches(), plan_.grid, block, workspace);
 }
 
 void Pipeline::solve(const Task& task, std::size_t thread) {
@@ -292,4 +293,4 @@ void Pipeline::append_crossings(const Layer& layer, const RowRange& rows, TextBu
   }
 }
 
-}  // namespace eses
+}  // namespace eses::detail

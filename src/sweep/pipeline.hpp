@@ -9,7 +9,6 @@
 #include <span>
 #include <vector>
 
-#include "eses/run.hpp"
 #include "io/eses_writer.hpp"
 #include "io/gzip.hpp"
 #include "output/inside_map.hpp"
@@ -24,8 +23,9 @@
 #include "sweep/task_queue.hpp"
 #include "sweep/text_chunks.hpp"
 #include "sweep/verifier.hpp"
+#include "task/task.hpp"
 
-namespace eses {
+namespace eses::detail {
 
 /// Gets consecutive rows of points, as InsideMap::write_rows.
 using TakeRows = std::function<void(std::int64_t first_row, std::span<const std::uint64_t> words,
@@ -124,4 +124,4 @@ class Pipeline {
   std::vector<AreaShare> atom_shares_;  // by atom of the surface
 };
 
-}  // namespace eses
+}  // namespace eses::detail

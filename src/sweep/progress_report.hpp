@@ -4,9 +4,9 @@
 #include <cstdint>
 #include <mutex>
 
-#include "eses/run.hpp"
+#include "task/task.hpp"
 
-namespace eses {
+namespace eses::detail {
 
 /// Calls the progress callback, if there is one, and other callbacks of the run, one at a time. An
 /// exception that one of them throws ends the run.
@@ -38,4 +38,4 @@ class ProgressReport {
   std::int64_t blocks_, solved_blocks_ = 0;
 };
 
-}  // namespace eses
+}  // namespace eses::detail

@@ -6,7 +6,7 @@
 #include "eses/grid.hpp"
 #include "geometry/box.hpp"
 
-namespace eses {
+namespace eses::detail {
 
 inline Box region_box(const Grid& grid, const GridRegion& region) {
   Box box{grid.point(region.begin), {}};
@@ -15,4 +15,4 @@ inline Box region_box(const Grid& grid, const GridRegion& region) {
   return box;
 }
 
-}  // namespace eses
+}  // namespace eses::detail

@@ -1,6 +1,6 @@
 #include "sweep/region_totals.hpp"
 
-namespace eses {
+namespace eses::detail {
 
 void RegionTotals::add(const RegionTotals& other) {
   for (std::size_t kind = 0; kind < crossings.size(); ++kind) {
@@ -37,4 +37,4 @@ void fill_totals(const RegionTotals& totals, double spacing, Summary& summary) {
   summary.concave_area = area_of(totals.kind_shares[2]);
 }
 
-}  // namespace eses
+}  // namespace eses::detail

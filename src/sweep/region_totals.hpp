@@ -4,11 +4,11 @@
 #include <array>
 #include <cstdint>
 
-#include "eses/run.hpp"
 #include "solve/tally.hpp"
 #include "sweep/count_points.hpp"
+#include "task/task.hpp"
 
-namespace eses {
+namespace eses::detail {
 
 struct RegionTotals {
   std::array<std::int64_t, 3> crossings{};  ///< convex, saddle, concave
@@ -25,4 +25,4 @@ double atom_area(AreaShare share, double spacing);
 /// Everything in a summary that the totals tell.
 void fill_totals(const RegionTotals& totals, double spacing, Summary& summary);
 
-}  // namespace eses
+}  // namespace eses::detail

@@ -2,7 +2,7 @@
 
 #include <utility>
 
-namespace eses {
+namespace eses::detail {
 
 TaskQueue::TaskQueue(PatchSchedule& patches, std::vector<double> tops,
                      std::vector<double> next_bottoms, std::int64_t blocks_per_layer,
@@ -93,4 +93,4 @@ void TaskQueue::stop() {
   changed_.notify_all();
 }
 
-}  // namespace eses
+}  // namespace eses::detail

@@ -10,7 +10,7 @@
 
 #include "sweep/patch_schedule.hpp"
 
-namespace eses {
+namespace eses::detail {
 
 /// A step towards patches, one block to solve, or one chunk of a solved layer to write.
 struct Task {
@@ -77,4 +77,4 @@ class TaskQueue {
   bool is_stopped_ = false;
 };
 
-}  // namespace eses
+}  // namespace eses::detail

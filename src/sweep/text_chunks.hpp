@@ -6,7 +6,7 @@
 
 #include "eses/grid.hpp"
 
-namespace eses {
+namespace eses::detail {
 
 /// Rows of so many points that one thread turns into text at a time.
 inline std::int64_t rows_per_chunk(std::int64_t row_points) {
@@ -50,4 +50,4 @@ class RowChunks {
   bool ends_with_planes_;
 };
 
-}  // namespace eses
+}  // namespace eses::detail

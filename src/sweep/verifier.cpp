@@ -10,11 +10,11 @@
 #include <string>
 #include <utility>
 
-#include "eses/solved_block.hpp"
 #include "geometry/tolerances.hpp"
+#include "sweep/solved_block.hpp"
 #include "system/parallel.hpp"
 
-namespace eses {
+namespace eses::detail {
 
 using verify::CentreSearch;
 
@@ -167,4 +167,4 @@ Verification Verifier::check(const ProgressCallback& progress) {
   return result;
 }
 
-}  // namespace eses
+}  // namespace eses::detail

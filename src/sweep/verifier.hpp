@@ -7,12 +7,12 @@
 #include <span>
 #include <vector>
 
-#include "eses/run.hpp"
 #include "solve/block_solver.hpp"
+#include "task/task.hpp"
 #include "verify/definition.hpp"
 #include "verify/sample.hpp"
 
-namespace eses {
+namespace eses::detail {
 
 /// The points are drawn before the run, from all in the band between the van der Waals and the SAS
 /// surface. Of the edges that are cut, four times as many as wanted are kept while they come. Half
@@ -56,4 +56,4 @@ class Verifier {
   std::vector<verify::CentreSearch> searches_;
 };
 
-}  // namespace eses
+}  // namespace eses::detail

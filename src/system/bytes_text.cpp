@@ -5,7 +5,7 @@
 #include <array>
 #include <string_view>
 
-namespace eses {
+namespace eses::detail {
 namespace {
 
 std::string in_units(std::uint64_t bytes, double step,
@@ -27,4 +27,4 @@ std::string binary_bytes_text(std::uint64_t bytes) {
   return in_units(bytes, 1024, {"B", "KiB", "MiB", "GiB", "TiB", "PiB", "EiB"});
 }
 
-}  // namespace eses
+}  // namespace eses::detail

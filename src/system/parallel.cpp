@@ -9,7 +9,7 @@
 
 #include "system/resources.hpp"
 
-namespace eses {
+namespace eses::detail {
 
 int available_threads(const std::string& root) {
   return std::clamp(omp_get_max_threads(), 1, processor_quota(root));
@@ -38,4 +38,4 @@ void start_threads(int threads) {
   parallel_for(threads, threads, [](std::int64_t, int) {});
 }
 
-}  // namespace eses
+}  // namespace eses::detail

@@ -5,7 +5,7 @@
 #include <functional>
 #include <string>
 
-namespace eses {
+namespace eses::detail {
 
 /// Number of threads that this process may use: OMP_NUM_THREADS or, without it, the processors to
 /// which it is bound, but no more than the quota of the control group. For `root` see
@@ -20,4 +20,4 @@ void start_threads(int threads);
 void parallel_for(std::int64_t count, int threads,
                   const std::function<void(std::int64_t index, int thread)>& body);
 
-}  // namespace eses
+}  // namespace eses::detail

@@ -18,7 +18,7 @@
 #include "eses/error.hpp"
 #include "system/bytes_text.hpp"
 
-namespace eses {
+namespace eses::detail {
 namespace {
 
 constexpr std::uint64_t unlimited = std::numeric_limits<std::uint64_t>::max();
@@ -163,4 +163,4 @@ std::uint64_t available_disk(const std::filesystem::path& directory) {
   return std::uint64_t{status.f_bavail} * status.f_frsize;
 }
 
-}  // namespace eses
+}  // namespace eses::detail

@@ -5,7 +5,7 @@
 #include <filesystem>
 #include <string>
 
-namespace eses {
+namespace eses::detail {
 
 /// Number of processors that the quota of the control group amounts to, rounded up, and a large
 /// number if there is no quota. `root` is the directory below which proc/ and sys/ are mounted; it
@@ -40,4 +40,4 @@ void require_memory_within(std::uint64_t max_memory);
 /// if that cannot be told.
 std::uint64_t available_disk(const std::filesystem::path& directory);
 
-}  // namespace eses
+}  // namespace eses::detail

@@ -3,7 +3,7 @@
 
 #include <cstdint>
 
-namespace eses {
+namespace eses::detail {
 
 /// The output function of SplitMix64 (Steele et al., OOPSLA 2014): different numbers for different
 /// ones.
@@ -14,4 +14,4 @@ inline std::uint64_t splitmix64(std::uint64_t number) {
   return number ^ (number >> 31);
 }
 
-}  // namespace eses
+}  // namespace eses::detail

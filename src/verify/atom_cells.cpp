@@ -2,7 +2,7 @@
 
 #include <utility>
 
-namespace eses::verify {
+namespace eses::detail::verify {
 namespace {
 
 // The radii of a level differ by no more than this factor, but for those in the last level.
@@ -62,4 +62,4 @@ std::size_t AtomCells::Level::cell_of(const Atom& atom) const {
          cell_of(0, atom.center.x);
 }
 
-}  // namespace eses::verify
+}  // namespace eses::detail::verify

@@ -12,7 +12,7 @@
 
 #include "eses/atoms.hpp"
 
-namespace eses::verify {
+namespace eses::detail::verify {
 
 /// Atoms of similar radii have cells of their own, so that a few large atoms do not make all
 /// look-ups go as far as they themselves need.
@@ -75,4 +75,4 @@ class AtomCells {
   std::vector<Level> levels_;
 };
 
-}  // namespace eses::verify
+}  // namespace eses::detail::verify

@@ -6,7 +6,7 @@
 #include <limits>
 #include <numeric>
 
-namespace eses::verify {
+namespace eses::detail::verify {
 namespace {
 
 /// Lengths, in angstrom, below which a direction is lost in rounding.
@@ -415,4 +415,4 @@ double CentreSearch::distance_to_seam(Vec3 x, Vec3 center, double reach, const A
   return least;
 }
 
-}  // namespace eses::verify
+}  // namespace eses::detail::verify

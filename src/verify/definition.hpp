@@ -23,7 +23,7 @@
 #include "eses/atoms.hpp"
 #include "verify/atom_cells.hpp"
 
-namespace eses::verify {
+namespace eses::detail::verify {
 
 struct Definition {
   std::span<const Atom> atoms;
@@ -137,4 +137,4 @@ class CentreSearch {
   Access access_;
 };
 
-}  // namespace eses::verify
+}  // namespace eses::detail::verify

@@ -7,7 +7,7 @@
 #include <optional>
 #include <span>
 
-namespace eses::verify {
+namespace eses::detail::verify {
 namespace {
 
 /// How far from the surface a point may be called inside or outside, and a crossing may be.
@@ -206,4 +206,4 @@ double distance_to_seam(CentreSearch& search, const Grid& grid, const Edge& edge
   return std::min(distance, near);
 }
 
-}  // namespace eses::verify
+}  // namespace eses::detail::verify

@@ -3,11 +3,11 @@
 
 #include <string>
 
-#include "eses/crossing.hpp"
 #include "eses/grid.hpp"
+#include "grid/crossing.hpp"
 #include "verify/definition.hpp"
 
-namespace eses::verify {
+namespace eses::detail::verify {
 
 /// An edge that the surface cuts, as a result has it; `crossing.x` is ignored.
 struct Edge {
@@ -44,4 +44,4 @@ std::string fault_of_edge(CentreSearch& search, const Grid& grid, const Edge& ed
 /// if none is near. The normal is believed.
 double distance_to_seam(CentreSearch& search, const Grid& grid, const Edge& edge);
 
-}  // namespace eses::verify
+}  // namespace eses::detail::verify

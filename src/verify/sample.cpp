@@ -7,7 +7,7 @@
 
 #include "system/splitmix64.hpp"
 
-namespace eses::verify {
+namespace eses::detail::verify {
 namespace {
 
 /// Random numbers that are the same on every platform, which those of <random>'s distributions are
@@ -47,7 +47,7 @@ std::optional<GridIndex> draw_point_near(const Atom& atom, double sas_radius, co
                                          const GridRegion& region, Random& random) {
   GridIndex point{};
   for (std::size_t q = 0; q < 3; ++q) {
-    const double center = atom.center[q] - grid.lower[q];
+    const double center = atom.center[q] - grid.origin[q];
     const auto begin = static_cast<double>(region.begin[q]);
     const auto last = static_cast<double>(region.end[q] - 1);
     const double low = std::max(begin, std::ceil((center - sas_radius) / grid.spacing));
@@ -131,4 +131,4 @@ std::vector<Edge> EdgeSample::edges() const {
   return edges;
 }
 
-}  // namespace eses::verify
+}  // namespace eses::detail::verify

@@ -10,7 +10,7 @@
 #include "verify/definition.hpp"
 #include "verify/faults.hpp"
 
-namespace eses::verify {
+namespace eses::detail::verify {
 
 /// Up to `count` different grid points of a region outside all van der Waals spheres and inside a
 /// SAS sphere, ordered by z, y, x. Atoms and then points around them are drawn, so that clefts,
@@ -42,4 +42,4 @@ class EdgeSample {
   std::vector<Entry> heap_;  // the highest rank first
 };
 
-}  // namespace eses::verify
+}  // namespace eses::detail::verify

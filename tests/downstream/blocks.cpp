@@ -1,45 +1,38 @@
-// Two atoms, block by block, without any file: counts inside points and sums the area by itself,
-// and holds both against the run's own sums.
+// Two atoms on a grid, in memory and block by block, with the installed library.
 
 #include <cmath>
 #include <cstdint>
 #include <cstdio>
-#include <eses/error.hpp>
-#include <eses/run.hpp>
+#include <eses/eses.hpp>
+#include <stdexcept>
 #include <vector>
 
 int main() {
   const std::vector<eses::Atom> atoms{{{0, 0, 0}, 1.7}, {{2.5, 0.3, 0}, 1.5}};
-  const eses::Molecule molecule(atoms);
-  eses::Parameters parameters;
-  parameters.spacing = 0.2;
-  parameters.block_size = 9;
-  const eses::Plan plan = eses::make_plan(molecule, parameters, eses::OutputChoice::none());
+  const eses::Surface surface(atoms, {.probe_radius = 1.4});
+  const eses::Grid grid = eses::make_grid(surface, {.spacing = 0.2, .margin = 0.8});
 
   std::int64_t inside = 0;
   double area = 0;
-  eses::Callbacks callbacks;
-  callbacks.block = [&](const eses::SolvedBlock& solved) {
-    const eses::Block& block = solved.block();
-    for (std::int64_t z = block.first[2]; z < block.first[2] + block.owned[2]; ++z)
-      for (std::int64_t y = block.first[1]; y < block.first[1] + block.owned[1]; ++y) {
-        for (std::int64_t x = block.first[0]; x < block.first[0] + block.owned[0]; ++x)
-          inside += solved.is_inside({x, y, z});
-        for (const eses::Crossing& crossing : solved.crossings_of_row(y, z))
-          area +=
-              std::fabs(crossing.normal[crossing.axis]) * parameters.spacing * parameters.spacing;
-      }
+  const auto add_block = [&](const eses::Block& block) {
+    const eses::GridRegion& owned = block.owned();
+    for (std::int64_t z = owned.begin[2]; z < owned.end[2]; ++z)
+      for (std::int64_t y = owned.begin[1]; y < owned.end[1]; ++y)
+        for (std::int64_t x = owned.begin[0]; x < owned.end[0]; ++x)
+          inside += block.is_inside({x, y, z}) ? 1 : 0;
+    for (const eses::Crossing& crossing : block.crossings())
+      area += std::fabs(crossing.normal[crossing.axis]) * grid.spacing * grid.spacing;
   };
-  const eses::Summary summary = eses::compute(molecule, plan, callbacks);
+  const eses::Summary summary = eses::for_each_block(surface, grid, add_block, {.block_size = 9});
+  const eses::Result result = eses::compute(surface, grid);
 
   std::printf("%lld points inside, area %.6f\n", static_cast<long long>(inside), area);
-  const double sum = summary.atom_areas[0] + summary.atom_areas[1];
   const bool agrees = inside == summary.inside_points && std::fabs(area - summary.area) < 1e-6 &&
-                      std::fabs(sum - summary.area) < 1e-9;
+                      result.area() == summary.area && result.volume() == summary.volume &&
+                      static_cast<std::int64_t>(result.crossings().size()) == summary.edges();
   try {
-    parameters.spacing = -1;
-    eses::make_plan(molecule, parameters, {});
-  } catch (const eses::Error&) {
+    eses::make_grid(surface, {.spacing = -1});
+  } catch (const std::invalid_argument&) {
     return agrees ? 0 : 1;
   }
   return 1;

@@ -14,7 +14,7 @@
 #include <cstdlib>
 #include <string_view>
 
-namespace eses {
+namespace eses::detail {
 namespace {
 
 void spoil(BlockResult& result) {
@@ -46,4 +46,4 @@ BlockResult solve_block_for_mesh(const Patches& patches, const Grid& grid, const
   return result;
 }
 
-}  // namespace eses
+}  // namespace eses::detail

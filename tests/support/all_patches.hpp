@@ -6,7 +6,7 @@
 
 #include "surface/patches.hpp"
 
-namespace eses::test {
+namespace eses::detail::test {
 
 struct AllPatches {
   Surface surface;
@@ -36,4 +36,4 @@ struct AllPatches {
   }
 };
 
-}  // namespace eses::test
+}  // namespace eses::detail::test

@@ -7,7 +7,7 @@
 
 #include "eses/vec3.hpp"
 
-namespace eses::test {
+namespace eses::detail::test {
 namespace {
 
 using Atoms = std::vector<Atom>;
@@ -451,4 +451,4 @@ std::vector<Atom> make_icosahedron(double distance, double radius) {
   return atoms;
 }
 
-}  // namespace eses::test
+}  // namespace eses::detail::test

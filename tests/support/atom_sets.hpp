@@ -9,7 +9,7 @@
 
 #include "eses/atoms.hpp"
 
-namespace eses::test {
+namespace eses::detail::test {
 
 enum class Kind {
   gas,      ///< sparse and random
@@ -60,4 +60,4 @@ std::vector<Atom> make_cube(std::size_t side, double spacing, double radius);
 /// Twelve atoms at the vertices of an icosahedron around the origin, `distance` away from it.
 std::vector<Atom> make_icosahedron(double distance, double radius);
 
-}  // namespace eses::test
+}  // namespace eses::detail::test

@@ -9,7 +9,7 @@
 #include <sstream>
 #include <utility>
 
-namespace eses::test {
+namespace eses::detail::test {
 namespace {
 
 /// A probe that touches an atom stands where it may; rounding must not forbid it. Angstrom.
@@ -237,10 +237,9 @@ Grid expected_grid(std::span<const Atom> atoms, const Parameters& parameters) {
       low = std::min(low, atom.center[q] - atom.radius);
       high = std::max(high, atom.center[q] + atom.radius);
     }
-    grid.lower[q] = low - parameters.margin;
+    grid.origin[q] = low - parameters.margin;
     grid.size[q] =
-        static_cast<int>((high + parameters.margin - grid.lower[q]) / parameters.spacing) + 1;
-    grid.upper[q] = grid.lower[q] + static_cast<double>(grid.size[q] - 1) * parameters.spacing;
+        static_cast<int>((high + parameters.margin - grid.origin[q]) / parameters.spacing) + 1;
   }
   return grid;
 }
@@ -262,7 +261,7 @@ std::size_t place_in_file(const Grid& grid, const GridIndex& index) {
 void check_box(Check& check) {
   const double digits = 1e-12;
   for (std::size_t q = 0; q < 3; ++q) {
-    const double low = check.grid.lower[q], high = check.grid.upper[q];
+    const double low = check.grid.origin[q], high = check.grid.upper()[q];
     if (std::fabs(check.files.lower[q] - low) > digits * std::max(1.0, std::fabs(low)) ||
         std::fabs(check.files.upper[q] - high) > digits * std::max(1.0, std::fabs(high)))
       report(check, "box: axis ", q, " should reach from ", low, " to ", high);
@@ -626,4 +625,4 @@ std::vector<std::string> find_faults(std::span<const Atom> atoms, const Paramete
   return std::move(check.faults);
 }
 
-}  // namespace eses::test
+}  // namespace eses::detail::test

@@ -24,12 +24,12 @@
 #include <string>
 #include <vector>
 
+#include "compute/run.hpp"
 #include "eses/atoms.hpp"
-#include "eses/run.hpp"
 #include "eses/vec3.hpp"
 #include "support/eses_files.hpp"
 
-namespace eses::test {
+namespace eses::detail::test {
 
 struct SasSphere {
   Vec3 center;
@@ -71,4 +71,4 @@ std::optional<ProbePlace> nearest_accessible(const AccessibleSet& set, Vec3 x, d
 std::vector<std::string> find_faults(std::span<const Atom> atoms, const Parameters& parameters,
                                      const EsesFiles& files, const Summary& summary);
 
-}  // namespace eses::test
+}  // namespace eses::detail::test

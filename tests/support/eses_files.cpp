@@ -11,7 +11,7 @@
 
 #include "support/temporary_directory.hpp"
 
-namespace eses::test {
+namespace eses::detail::test {
 namespace {
 
 struct Line {
@@ -166,10 +166,10 @@ EsesFiles read_eses_files(const std::filesystem::path& directory) {
 
 RunResult run_and_read(const Molecule& molecule, const Parameters& parameters) {
   const TemporaryDirectory directory;
-  const OutputChoice all;
+  const Outputs all;
   const Plan plan = make_plan(molecule, parameters, all);
   const Summary summary = run(molecule, plan, all, directory.path());
   return {read_eses_files(directory.path()), summary};
 }
 
-}  // namespace eses::test
+}  // namespace eses::detail::test

@@ -8,12 +8,12 @@
 #include <string>
 #include <vector>
 
+#include "compute/run.hpp"
 #include "eses/atoms.hpp"
 #include "eses/grid.hpp"
-#include "eses/run.hpp"
 #include "eses/vec3.hpp"
 
-namespace eses::test {
+namespace eses::detail::test {
 
 struct GridPoint {
   GridIndex index{};
@@ -61,4 +61,4 @@ struct RunResult {
 /// Runs with all outputs, into a directory that is gone afterwards, and reads them back.
 RunResult run_and_read(const Molecule& molecule, const Parameters& parameters);
 
-}  // namespace eses::test
+}  // namespace eses::detail::test

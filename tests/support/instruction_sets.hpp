@@ -6,7 +6,7 @@
 #include "catch.hpp"
 #include "simd/dispatch.hpp"
 
-namespace eses::test {
+namespace eses::detail::test {
 
 /// Calls `check(function)` with every version that the build has and instruction_set() allows.
 template <class Function, class Check>
@@ -22,11 +22,11 @@ void for_each_version(const Versions<Function>& versions, Check&& check) {
   check_version(InstructionSet::avx512, "avx512", versions.avx512);
 }
 
-}  // namespace eses::test
+}  // namespace eses::detail::test
 
 /// All versions of a function; to be used like ESES_BEST_VERSION.
 #define ESES_VERSIONS(function)                                                      \
-  ::eses::Versions<decltype(&HWY_STATIC_DISPATCH(function))> {                       \
+  ::eses::detail::Versions<decltype(&HWY_STATIC_DISPATCH(function))> {               \
     HWY_CHOOSE_AVX3(function), HWY_CHOOSE_AVX2(function), HWY_CHOOSE_SSE4(function), \
         &HWY_STATIC_DISPATCH(function)                                               \
   }

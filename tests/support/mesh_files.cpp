@@ -13,7 +13,7 @@
 
 #include "support/eses_files.hpp"
 
-namespace eses::test {
+namespace eses::detail::test {
 namespace {
 
 void require(bool holds, const char* what) {
@@ -272,4 +272,4 @@ MeshMeasures measure(const Mesh& mesh) {
   return result;
 }
 
-}  // namespace eses::test
+}  // namespace eses::detail::test

@@ -10,7 +10,7 @@
 
 #include "eses/vec3.hpp"
 
-namespace eses::test {
+namespace eses::detail::test {
 
 using MeshTriangle = std::array<std::uint64_t, 3>;
 
@@ -43,4 +43,4 @@ struct MeshMeasures {
 
 MeshMeasures measure(const Mesh& mesh);
 
-}  // namespace eses::test
+}  // namespace eses::detail::test

@@ -6,7 +6,7 @@
 
 #include "support/atom_sets.hpp"
 
-namespace eses::test {
+namespace eses::detail::test {
 namespace {
 
 // Of a standard normal distribution, by Box and Muller, Ann. Math. Stat. 29 (1958) 610.
@@ -117,4 +117,4 @@ std::vector<Atom> moved(std::vector<Atom> atoms, Vec3 by) {
   return atoms;
 }
 
-}  // namespace eses::test
+}  // namespace eses::detail::test

@@ -7,7 +7,7 @@
 
 #include "eses/atoms.hpp"
 
-namespace eses::test {
+namespace eses::detail::test {
 
 struct NearDegenerateSet {
   std::string name;
@@ -23,4 +23,4 @@ NearDegenerateSet make_near_degenerate_set(std::uint64_t seed);
 /// All coordinates moved by this vector.
 std::vector<Atom> moved(std::vector<Atom> atoms, Vec3 by);
 
-}  // namespace eses::test
+}  // namespace eses::detail::test

@@ -14,7 +14,7 @@
 
 namespace fs = std::filesystem;
 
-namespace eses::test {
+namespace eses::detail::test {
 namespace {
 
 /// The value of a Python expression about the JSON report `r`.
@@ -107,4 +107,4 @@ void check_json(const Sandbox& sandbox, const std::string& json, const std::stri
   CHECK(ask_json(sandbox, json, question) == expected + "\n");
 }
 
-}  // namespace eses::test
+}  // namespace eses::detail::test

@@ -9,7 +9,7 @@
 
 #include "support/temporary_directory.hpp"
 
-namespace eses::test {
+namespace eses::detail::test {
 
 using Arguments = std::vector<std::string>;
 
@@ -63,4 +63,4 @@ bool contains(const std::string& text, const std::string& part);
 void check_json(const Sandbox& sandbox, const std::string& json, const std::string& question,
                 const std::string& expected);
 
-}  // namespace eses::test
+}  // namespace eses::detail::test

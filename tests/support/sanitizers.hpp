@@ -1,7 +1,7 @@
 #pragma once
 /// What the tests must know of sanitizers.
 
-namespace eses::test {
+namespace eses::detail::test {
 
 /// Whether memory cannot be measured, as a sanitizer holds several times what the program does.
 #if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
@@ -16,4 +16,4 @@ inline constexpr bool holds_shadow_memory = false;
 inline constexpr bool holds_shadow_memory = false;
 #endif
 
-}  // namespace eses::test
+}  // namespace eses::detail::test

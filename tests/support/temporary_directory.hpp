@@ -8,7 +8,7 @@
 #include <string>
 #include <system_error>
 
-namespace eses::test {
+namespace eses::detail::test {
 
 class TemporaryDirectory {
  public:
@@ -33,4 +33,4 @@ class TemporaryDirectory {
   std::filesystem::path path_;
 };
 
-}  // namespace eses::test
+}  // namespace eses::detail::test

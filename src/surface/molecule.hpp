@@ -7,11 +7,10 @@
 #include <utility>
 #include <vector>
 
-#include "eses/atom_labels.hpp"
 #include "eses/atoms.hpp"
-#include "eses/oddities.hpp"
+#include "eses/diagnostics.hpp"
 
-namespace eses {
+namespace eses::detail {
 
 class AtomTree;
 class CellList;
@@ -43,9 +42,9 @@ class Molecule {
   /// Chains and residues, by atom; empty if they are not known.
   std::span<const AtomLabel> labels() const;
 
-  /// What is odd in the atoms: all kinds of which there is at least one, in the order of
-  /// `OddityKind`.
-  std::span<const Oddity> oddities() const;
+  /// The diagnostics of the atoms: all kinds of which there is at least one, in the order of
+  /// `DiagnosticKind`.
+  std::span<const Diagnostic> diagnostics() const;
 
   /// Whether the atom's ball lies in that of another one. Then so does its SAS ball, whatever the
   /// probe, and the atom takes no part in the surface. Of equal atoms the first is not contained.
@@ -61,4 +60,4 @@ class Molecule {
   std::shared_ptr<const Parts> parts_;
 };
 
-}  // namespace eses
+}  // namespace eses::detail

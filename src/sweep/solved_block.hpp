@@ -2,14 +2,13 @@
 /// One block of the grid as it is handed out while a run goes on.
 
 #include <cstdint>
-#include <functional>
 #include <span>
 
-#include "eses/crossing.hpp"
 #include "eses/grid.hpp"
-#include "eses/tiling.hpp"
+#include "grid/crossing.hpp"
+#include "grid/tiling.hpp"
 
-namespace eses {
+namespace eses::detail {
 
 struct BlockResult;
 
@@ -22,6 +21,10 @@ class SolvedBlock {
 
   /// Whether a point of the block's closed box is inside the molecule; `point` has global indices.
   bool is_inside(const GridIndex& point) const;
+
+  /// Writes 1 for each inside point at the beginning of the row at `y` and `z`, global indices, of
+  /// the closed box. All elements of `row` must be 0.
+  void mark_inside(std::int64_t y, std::int64_t z, std::span<std::uint8_t> row) const;
 
   /// The crossings of all edges that start at points which the block owns, by lower point (z, y,
   /// x), then axis. `Crossing::x` counts from the block's first point.
@@ -38,8 +41,4 @@ class SolvedBlock {
   const BlockResult* result_;
 };
 
-/// Receives every block once, in no particular order. See `Callbacks` for the threads that call it.
-/// An exception that it throws ends the run, which throws it on.
-using BlockCallback = std::function<void(const SolvedBlock&)>;
-
-}  // namespace eses
+}  // namespace eses::detail

@@ -9,7 +9,7 @@
 
 #include "eses/grid.hpp"
 
-namespace eses {
+namespace eses::detail {
 
 /// Grid points on a side of a block; the largest bounds what a block's crossings can number.
 inline constexpr std::int64_t least_block_size = 2;
@@ -57,4 +57,4 @@ BlockTiling make_tiling(const Grid& grid, std::int64_t block_size);
 /// The same in blocks whose sides differ.
 BlockTiling make_tiling(const Grid& grid, const GridIndex& block_size, const GridRegion& region);
 
-}  // namespace eses
+}  // namespace eses::detail

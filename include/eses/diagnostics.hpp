@@ -1,0 +1,47 @@
+#pragma once
+/// @file
+/// Diagnostics of atoms: input that is valid and computed exactly, but suspicious.
+
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+#include "eses/atoms.hpp"
+
+namespace eses {
+
+/// What is suspicious about an atom.
+enum class DiagnosticKind : std::uint8_t {
+  duplicate,     ///< The atom has the centre and the radius of an earlier atom.
+  close,         ///< The centre is within 0.5 angstrom of an earlier atom's; both have a radius.
+  nested,        ///< The atom is larger than a hydrogen and lies wholly inside another atom.
+  large_radius,  ///< The radius is above 4 angstrom.
+  small_radii,   ///< Every radius is below 0.4 angstrom, as if in nanometres.
+  zero_radius,   ///< The radius is 0, as for hydrogens of some force fields; usual.
+  nested_usual,  ///< A hydrogen, of radius up to 1.4 angstrom, lies inside another atom; usual.
+};
+
+/// Number of kinds of diagnostics.
+inline constexpr std::size_t diagnostic_kinds = 7;
+
+/// Returns whether correct files have such atoms, too.
+constexpr bool is_usual(DiagnosticKind kind) { return kind >= DiagnosticKind::zero_radius; }
+
+/// All atoms with a diagnostic of one kind. An atom may have several diagnostics, but a duplicate
+/// or close atom has no other diagnostic of the same pair.
+struct Diagnostic {
+  /// An atom with this diagnostic.
+  struct Example {
+    AtomIndex atom = 0;  ///< The atom.
+    /// The atom that it repeats, is close to or lies in; `atom` itself if there is none.
+    AtomIndex other = 0;
+  };
+  /// The largest number of examples.
+  static constexpr std::size_t max_examples = 5;
+
+  DiagnosticKind kind = DiagnosticKind::duplicate;  ///< What is suspicious.
+  std::uint64_t count = 0;                          ///< Number of atoms with this diagnostic.
+  std::vector<Example> examples;  ///< The first of these atoms, ascending by `atom`.
+};
+
+}  // namespace eses

@@ -1,0 +1,24 @@
+#pragma once
+/// @file
+/// The whole library.
+///
+///     const eses::AtomFile file = eses::read_atoms("1ubq.pqr");
+///     const eses::Surface surface(file.atoms, {.probe_radius = 1.4});
+///     const eses::Grid grid = eses::make_grid(surface, {.spacing = 0.4, .margin = 0.8});
+///     const eses::Result result = eses::compute(surface, grid);
+///
+/// All names are in namespace eses. Lengths are in angstrom, and indices start from 0.
+
+#include "eses/atoms.hpp"
+#include "eses/compute.hpp"
+#include "eses/crossing.hpp"
+#include "eses/diagnostics.hpp"
+#include "eses/error.hpp"
+#include "eses/grid.hpp"
+#include "eses/outputs.hpp"
+#include "eses/read_atoms.hpp"
+#include "eses/run_options.hpp"
+#include "eses/summary.hpp"
+#include "eses/surface.hpp"
+#include "eses/vec3.hpp"
+#include "eses/version.hpp"

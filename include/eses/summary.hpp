@@ -1,0 +1,69 @@
+#pragma once
+/// @file
+/// Totals of a computation.
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace eses {
+
+/// Times, in seconds.
+struct PhaseSeconds {
+  /// Wall-clock time of patches, classification, intersection and text of all blocks.
+  double blocks = 0;
+  double patches = 0;    ///< Neighbours, arcs and probe placements, summed over threads.
+  double classify = 0;   ///< Classification of points, summed over threads.
+  double intersect = 0;  ///< Intersection of edges, summed over threads.
+  double output = 0;     ///< Text and writing, summed over threads.
+  double verify = 0;     ///< Wall-clock time of the verification.
+  double total = 0;      ///< Wall-clock time of everything.
+};
+
+/// Result of a check of random points and edges against the definition of the surface.
+struct Verification {
+  /// Number of points that were checked; smaller than requested if there are fewer.
+  std::int64_t points = 0;
+  /// Number of edges that were checked; smaller than requested if there are fewer.
+  std::int64_t edges = 0;
+  std::vector<std::string> faults;  ///< One line for each fault, which names the point or edge.
+};
+
+/// Number of elements of a mesh.
+struct MeshCounts {
+  std::uint64_t vertices = 0;   ///< Number of vertices.
+  std::uint64_t triangles = 0;  ///< Number of triangles.
+};
+
+/// Totals of the points and edges that were computed.
+///
+/// With the spacing h, the outward unit normal n of a crossing on an edge along `axis`, and sums
+/// over all crossings and points, the estimates are those of Liu et al. (J. Comput. Chem. 38, 446,
+/// 2017, doi:10.1002/jcc.24682):
+///
+///     area   = h^2 * sum |n[axis]|
+///     volume = h^3 * (inside points without a crossing + 1/2 * points that end a crossed edge)
+///
+/// The share of a crossing in the area goes to its atoms, with weights proportional to the inverse
+/// of the distance from each atom's van der Waals sphere if there are several.
+struct Summary {
+  double area = 0;                 ///< Surface area, in square angstrom.
+  std::vector<double> atom_areas;  ///< Area of each atom, in square angstrom, by atom index.
+  double volume = 0;               ///< Enclosed volume, in cubic angstrom.
+  std::int64_t inside_points = 0;  ///< Number of grid points inside the surface.
+  std::int64_t convex = 0;         ///< Number of crossings on convex patches: one atom.
+  std::int64_t saddle = 0;         ///< Number of crossings on saddle patches: two atoms.
+  std::int64_t concave = 0;        ///< Number of crossings on concave patches: three atoms.
+  double convex_area = 0;          ///< Area of convex patches, in square angstrom.
+  double saddle_area = 0;          ///< Area of saddle patches, in square angstrom.
+  double concave_area = 0;         ///< Area of concave patches, in square angstrom.
+  /// The number of crossings.
+  std::int64_t edges() const { return convex + saddle + concave; }
+  std::uint64_t bytes_written = 0;           ///< Length of all files.
+  std::optional<MeshCounts> mesh;            ///< Size of the mesh, if there is one.
+  std::optional<Verification> verification;  ///< What was verified, if anything.
+  PhaseSeconds seconds;                      ///< Times.
+};
+
+}  // namespace eses

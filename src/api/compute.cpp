@@ -1,0 +1,278 @@
+#include "eses/compute.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <stdexcept>
+#include <tuple>
+#include <utility>
+
+#include "api/arguments.hpp"
+#include "api/mesh_in_memory.hpp"
+#include "api/surface_access.hpp"
+#include "compute/engine.hpp"
+#include "compute/run.hpp"
+#include "eses/error.hpp"
+#include "grid/make_grid.hpp"
+#include "plan/plan.hpp"
+#include "sweep/solved_block.hpp"
+#include "system/resources.hpp"
+
+namespace eses {
+namespace {
+
+// A list that grows is copied into one of twice its length, of which part stays untouched.
+constexpr double growth = 1.5;
+
+// Memory of results, beside that of the run.
+struct HeldMemory {
+  std::uint64_t bytes = 0;
+  double per_crossing = 0;  // bytes
+};
+
+struct PlannedRun {
+  detail::Plan plan;
+  double crossings = 0;  // expected
+};
+
+const detail::Molecule& molecule_of(const Surface& surface) {
+  return detail::SurfaceAccess::molecule(surface);
+}
+
+detail::Parameters parameters_of(const Surface& surface, const Grid& grid,
+                                 const RunOptions& options) {
+  return {.probe_radius = surface.probe_radius(),
+          .spacing = grid.spacing,
+          .margin = 0,
+          .block_size = options.block_size,
+          .threads = options.threads,
+          .max_memory = options.max_memory,
+          .verify = options.verify};
+}
+
+// Everything that depends on the arguments alone.
+detail::Plan checked_plan(const Surface& surface, const Grid& grid, const Outputs& outputs,
+                          const RunOptions& options) {
+  return detail::check_arguments([&] {
+    detail::require_valid(grid);
+    const GridRegion region = options.region.value_or(grid.whole());
+    detail::require_within(region, grid);
+    if (options.block_size != 0) detail::make_tiling(grid, options.block_size, region);
+    if (std::filesystem::path(outputs.inside_map).has_parent_path())
+      throw Error(fmt::format("the map goes to the output directory: {} must be a plain file name",
+                              outputs.inside_map));
+    detail::require_valid(outputs, molecule_of(surface));
+    detail::Plan plan = detail::plan_on_grid(grid, detail::sphere_bounds(surface.atoms()),
+                                             parameters_of(surface, grid, options));
+    plan.tiling.region = region;
+    return plan;
+  });
+}
+
+PlannedRun plan_run(const Surface& surface, const Grid& grid, const Outputs& outputs,
+                    const RunOptions& options, const HeldMemory& held) {
+  PlannedRun run{checked_plan(surface, grid, outputs, options)};
+  run.crossings = detail::plan_alone({.available = detail::available_memory(),
+                                      .held = held.bytes,
+                                      .labels = {},
+                                      .held_per_crossing = held.per_crossing},
+                                     molecule_of(surface), outputs, run.plan);
+  return run;
+}
+
+detail::Callbacks callbacks_of(const RunOptions& options) {
+  return {.progress = options.progress, .block = {}, .verification = options.verification_progress};
+}
+
+Summary require_right(Summary summary) {
+  if (detail::has_faults(summary)) throw VerificationError(std::move(*summary.verification));
+  return summary;
+}
+
+Summary solve(const Surface& surface, const detail::Plan& plan,
+              const detail::Callbacks& callbacks) {
+  return require_right(detail::compute(molecule_of(surface), plan, callbacks));
+}
+
+HeldMemory memory_of_result(const Grid& grid, const RunOptions& options, const ResultParts& parts) {
+  const GridRegion region = options.region.value_or(grid.whole());
+  constexpr double mesh_bytes =
+      2 * sizeof(Vec3) + sizeof(AtomIndex) + 1 + 2 * sizeof(std::array<std::uint64_t, 3>);
+  HeldMemory held;
+  if (parts.inside || parts.mesh) held.bytes = static_cast<std::uint64_t>(region.point_count());
+  if (parts.crossings || parts.mesh) held.per_crossing = growth * sizeof(Crossing);
+  if (parts.mesh) held.per_crossing += growth * mesh_bytes;
+  return held;
+}
+
+std::invalid_argument point_error(const GridIndex& point, const GridRegion& region) {
+  return std::invalid_argument(fmt::format(
+      "point ({}, {}, {}) is not in the region from ({}, {}, {}) to, but without, ({}, {}, {})",
+      point[0], point[1], point[2], region.begin[0], region.begin[1], region.begin[2],
+      region.end[0], region.end[1], region.end[2]));
+}
+
+GridRegion region_at(const GridIndex& first, const GridIndex& size) {
+  return {first, {first[0] + size[0], first[1] + size[1], first[2] + size[2]}};
+}
+
+Crossing in_grid(const Grid& grid, const GridIndex& row_start, const detail::Crossing& found) {
+  Crossing crossing;
+  crossing.lower = {row_start[0] + found.x, row_start[1], row_start[2]};
+  crossing.position = grid.point(crossing.lower);
+  crossing.position[found.axis] = found.coordinate;
+  crossing.normal = found.normal;
+  crossing.atoms = found.atoms;
+  crossing.atom_count = found.atom_count;
+  crossing.axis = found.axis;
+  crossing.lower_is_inside = found.lower_is_inside != 0;
+  return crossing;
+}
+
+void append_crossings(const Grid& grid, const detail::SolvedBlock& solved,
+                      std::vector<Crossing>& crossings) {
+  if (solved.crossings().empty()) return;
+  const auto& [first, points, owned] = solved.block();
+  for (std::int64_t z = first[2]; z < first[2] + owned[2]; ++z)
+    for (std::int64_t y = first[1]; y < first[1] + owned[1]; ++y)
+      for (const detail::Crossing& found : solved.crossings_of_row(y, z))
+        crossings.push_back(in_grid(grid, {first[0], y, z}, found));
+}
+
+// By lower end (z, y, x), then axis. No two crossings are of the same edge.
+void sort_crossings(std::vector<Crossing>& crossings) {
+  const auto key = [](const Crossing& crossing) {
+    return std::tuple(crossing.lower[2], crossing.lower[1], crossing.lower[0], crossing.axis);
+  };
+  std::sort(crossings.begin(), crossings.end(),
+            [&](const Crossing& a, const Crossing& b) { return key(a) < key(b); });
+}
+
+}  // namespace
+
+namespace detail {
+
+/// Makes results and blocks, which only the library can make.
+struct ResultBuilder {
+  static eses::Block block(const SolvedBlock& solved, std::span<const eses::Crossing> crossings) {
+    return {solved, crossings};
+  }
+
+  static Result compute(const eses::Surface& surface, const Grid& grid, const RunOptions& options,
+                        const ResultParts& parts);
+
+ private:
+  static void mark_inside(const SolvedBlock& solved, Result& result);
+};
+
+void ResultBuilder::mark_inside(const SolvedBlock& solved, Result& result) {
+  const auto& [first, points, owned] = solved.block();
+  const GridIndex size = result.region_.size(), begin = result.region_.begin;
+  for (std::int64_t z = first[2]; z < first[2] + owned[2]; ++z)
+    for (std::int64_t y = first[1]; y < first[1] + owned[1]; ++y) {
+      const std::int64_t place =
+          ((z - begin[2]) * size[1] + y - begin[1]) * size[0] + first[0] - begin[0];
+      solved.mark_inside(
+          y, z,
+          std::span(result.inside_)
+              .subspan(static_cast<std::size_t>(place), static_cast<std::size_t>(owned[0])));
+    }
+}
+
+Result ResultBuilder::compute(const eses::Surface& surface, const Grid& grid,
+                              const RunOptions& options, const ResultParts& parts) {
+  const PlannedRun run =
+      plan_run(surface, grid, Outputs::none(), options, memory_of_result(grid, options, parts));
+  const bool has_inside = parts.inside || parts.mesh, has_crossings = parts.crossings || parts.mesh;
+  Result result;
+  result.grid_ = grid;
+  result.region_ = run.plan.tiling.region;
+  if (has_inside) result.inside_.assign(static_cast<std::size_t>(result.region_.point_count()), 0);
+  Callbacks callbacks = callbacks_of(options);
+  callbacks.block = [&](const SolvedBlock& solved) {
+    if (has_inside) mark_inside(solved, result);
+    if (has_crossings) append_crossings(grid, solved, result.crossings_);
+  };
+  result.summary_ = solve(surface, run.plan, callbacks);
+  sort_crossings(result.crossings_);
+  if (parts.mesh) {
+    result.mesh_ = make_mesh(grid, result.region_, result.inside_, result.crossings_);
+    result.summary_.mesh = {result.mesh_->vertices.size(), result.mesh_->faces.size()};
+  }
+  if (!parts.inside) result.inside_ = {};
+  if (!parts.crossings) result.crossings_ = {};
+  return result;
+}
+
+}  // namespace detail
+
+bool Result::is_inside(const GridIndex& point) const {
+  if (!region_.contains(point)) throw point_error(point, region_);
+  if (inside_.empty()) throw std::invalid_argument("ResultParts::inside was not chosen");
+  const GridIndex size = region_.size(), begin = region_.begin;
+  const std::int64_t place =
+      ((point[2] - begin[2]) * size[1] + point[1] - begin[1]) * size[0] + point[0] - begin[0];
+  return inside_[static_cast<std::size_t>(place)] != 0;
+}
+
+Block::Block(const detail::SolvedBlock& solved, std::span<const Crossing> crossings)
+    : solved_(&solved),
+      owned_(region_at(solved.block().first, solved.block().owned)),
+      points_(region_at(solved.block().first, solved.block().points)),
+      crossings_(crossings) {}
+
+bool Block::is_inside(const GridIndex& point) const {
+  if (!points_.contains(point)) throw point_error(point, points_);
+  return solved_->is_inside(point);
+}
+
+double Block::seconds() const { return solved_->seconds(); }
+
+Result compute(const Surface& surface, const Grid& grid, const RunOptions& options,
+               const ResultParts& parts) {
+  return detail::ResultBuilder::compute(surface, grid, options, parts);
+}
+
+Summary for_each_block(const Surface& surface, const Grid& grid, const BlockCallback& callback,
+                       const RunOptions& options) {
+  if (!callback) throw std::invalid_argument("for_each_block needs a callback");
+  const PlannedRun run = plan_run(surface, grid, Outputs::none(), options, {});
+  std::vector<Crossing> crossings;  // reused, as calls are never concurrent
+  detail::Callbacks callbacks = callbacks_of(options);
+  callbacks.block = [&](const detail::SolvedBlock& solved) {
+    crossings.clear();
+    append_crossings(grid, solved, crossings);
+    callback(detail::ResultBuilder::block(solved, crossings));
+  };
+  return solve(surface, run.plan, callbacks);
+}
+
+Summary write_files(const Surface& surface, const Grid& grid,
+                    const std::filesystem::path& directory, const Outputs& outputs,
+                    const RunOptions& options) {
+  const PlannedRun run = plan_run(surface, grid, outputs, options, {});
+  return require_right(
+      detail::run(molecule_of(surface), run.plan, outputs, directory, callbacks_of(options)));
+}
+
+Estimate estimate(const Surface& surface, const Grid& grid, const Outputs& outputs,
+                  const RunOptions& options) {
+  const auto& [plan, crossings] = plan_run(surface, grid, outputs, options, {});
+  return {.memory_bytes = plan.memory_bytes,
+          .threads = plan.threads,
+          .block_size = plan.tiling.block_size,
+          .blocks = plan.tiling.blocks,
+          .crossings = crossings,
+          .cut_depth = plan.cut_depth,
+          .box_bytes = plan.box_file_bytes,
+          .grid_bytes = plan.grid_file_bytes,
+          .edges_bytes = plan.edge_file_bytes,
+          .areas_bytes = plan.area_file_bytes,
+          .residues_bytes = plan.residue_file_bytes,
+          .map_bytes = plan.map_file_bytes,
+          .mesh_bytes = plan.mesh_file_bytes,
+          .scratch_bytes = plan.map_scratch_bytes + plan.mesh_scratch_bytes};
+}
+
+}  // namespace eses

@@ -1,0 +1,89 @@
+#include "api/mesh_in_memory.hpp"
+
+#include <cstddef>
+#include <utility>
+
+#include "grid/crossing.hpp"
+#include "mesh/triangulate.hpp"
+#include "mesh/vertex.hpp"
+
+namespace eses::detail {
+namespace {
+
+detail::Crossing as_in_blocks(const eses::Crossing& crossing) {
+  detail::Crossing result;
+  result.coordinate = crossing.position[crossing.axis];
+  result.normal = crossing.normal;
+  result.atoms = crossing.atoms;
+  result.axis = crossing.axis;
+  result.atom_count = crossing.atom_count & 3;
+  result.lower_is_inside = crossing.lower_is_inside ? 1 : 0;
+  return result;
+}
+
+void add_vertex(const eses::Grid& grid, const eses::Crossing& crossing, Mesh& mesh) {
+  const mesh::Vertex vertex = mesh::make_vertex(grid, crossing.lower, as_in_blocks(crossing));
+  mesh.vertices.push_back(vertex.position);
+  mesh.normals.push_back(vertex.normal);
+  mesh.atoms.push_back(vertex.atom);
+  mesh.patches.push_back(vertex.patch);
+}
+
+// Makes the rows of a region in their order, and with them the vertices.
+class RowMaker {
+ public:
+  RowMaker(const eses::Grid& grid, const GridRegion& region, std::span<const std::uint8_t> inside,
+           std::span<const eses::Crossing> crossings, Mesh& mesh)
+      : grid_(grid), region_(region), inside_(inside), crossings_(crossings), mesh_(mesh) {}
+
+  // The next row, whose points have these indices in the grid.
+  void make(std::int64_t y, std::int64_t z, mesh::Row& row) {
+    const auto points = static_cast<std::size_t>(region_.size()[0]);
+    row.inside.assign(points / 64 + 1, 0);
+    for (std::size_t x = 0; x < points; ++x)
+      row.inside[x / 64] |= std::uint64_t{inside_[point_ + x]} << (x % 64);
+    point_ += points;
+    row.edges.clear();
+    row.first_vertex = mesh_.vertices.size();
+    for (; next_ < crossings_.size() && is_in_row(crossings_[next_], y, z); ++next_) {
+      const eses::Crossing& crossing = crossings_[next_];
+      if (!region_.contains(crossing.upper())) continue;
+      row.edges.push_back(mesh::edge_key(
+          static_cast<std::uint64_t>(crossing.lower[0] - region_.begin[0]), crossing.axis));
+      add_vertex(grid_, crossing, mesh_);
+    }
+  }
+
+ private:
+  static bool is_in_row(const eses::Crossing& crossing, std::int64_t y, std::int64_t z) {
+    return crossing.lower[1] == y && crossing.lower[2] == z;
+  }
+
+  const eses::Grid& grid_;
+  const GridRegion& region_;
+  std::span<const std::uint8_t> inside_;
+  std::span<const eses::Crossing> crossings_;
+  Mesh& mesh_;
+  std::size_t point_ = 0, next_ = 0;
+};
+
+}  // namespace
+
+Mesh make_mesh(const eses::Grid& grid, const GridRegion& region,
+               std::span<const std::uint8_t> inside, std::span<const eses::Crossing> crossings) {
+  Mesh mesh;
+  RowMaker rows(grid, region, inside, crossings, mesh);
+  const auto rows_of_plane = static_cast<std::size_t>(region.size()[1]);
+  std::vector<mesh::Row> below(rows_of_plane), plane(rows_of_plane);
+  for (std::int64_t z = region.begin[2]; z < region.end[2]; ++z) {
+    for (std::size_t y = 0; y < rows_of_plane; ++y)
+      rows.make(region.begin[1] + static_cast<std::int64_t>(y), z, plane[y]);
+    for (std::size_t y = 1; z > region.begin[2] && y < rows_of_plane; ++y)
+      mesh::triangulate({&below[y - 1], &below[y], &plane[y - 1], &plane[y]}, region.size()[0],
+                        mesh.faces);
+    std::swap(below, plane);
+  }
+  return mesh;
+}
+
+}  // namespace eses::detail

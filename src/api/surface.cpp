@@ -1,0 +1,45 @@
+#include "eses/surface.hpp"
+
+#include <fmt/format.h>
+
+#include <limits>
+#include <utility>
+
+#include "api/arguments.hpp"
+#include "plan/plan.hpp"
+#include "surface/molecule.hpp"
+
+namespace eses {
+namespace {
+
+// The largest index stays free, as it stands for "no atom".
+constexpr std::size_t max_atoms = std::numeric_limits<AtomIndex>::max() - std::size_t{1};
+
+std::shared_ptr<const detail::Molecule> make_molecule(std::vector<Atom> atoms,
+                                                      std::vector<AtomLabel> labels,
+                                                      const SurfaceOptions& options) {
+  return detail::check_arguments([&] {
+    if (atoms.empty()) throw Error("a surface needs at least one atom");
+    if (atoms.size() > max_atoms)
+      throw Error(fmt::format("{} atoms are too many; the limit is {}", atoms.size(), max_atoms));
+    detail::require_valid(detail::Parameters{.probe_radius = options.probe_radius});
+    return std::make_shared<const detail::Molecule>(std::move(atoms), std::move(labels),
+                                                    options.threads);
+  });
+}
+
+}  // namespace
+
+Surface::Surface(std::vector<Atom> atoms, const SurfaceOptions& options)
+    : Surface(std::move(atoms), {}, options) {}
+
+Surface::Surface(std::vector<Atom> atoms, std::vector<AtomLabel> labels,
+                 const SurfaceOptions& options)
+    : molecule_(make_molecule(std::move(atoms), std::move(labels), options)),
+      probe_radius_(options.probe_radius) {}
+
+std::span<const Atom> Surface::atoms() const { return molecule_->atoms(); }
+std::span<const AtomLabel> Surface::labels() const { return molecule_->labels(); }
+std::span<const Diagnostic> Surface::diagnostics() const { return molecule_->diagnostics(); }
+
+}  // namespace eses

@@ -1,0 +1,13 @@
+#pragma once
+/// What the library sees of a public Surface.
+
+#include "eses/surface.hpp"
+#include "surface/molecule.hpp"
+
+namespace eses::detail {
+
+struct SurfaceAccess {
+  static const Molecule& molecule(const eses::Surface& surface) { return *surface.molecule_; }
+};
+
+}  // namespace eses::detail
