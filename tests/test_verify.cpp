@@ -38,6 +38,7 @@ using test::make_accessible_set;
 using test::make_atom_set;
 using test::make_chain;
 using test::nearest_accessible;
+using test::read_atom_list;
 using test::Random;
 
 const Outputs no_files = Outputs::none();
