@@ -68,9 +68,9 @@ struct GridOptions {
 };
 
 /// Makes the grid of ESES (Liu et al., J. Comput. Chem. 38, 446, 2017, doi:10.1002/jcc.24682). It
-/// is the bounding box of the van der Waals spheres, extended by the margin on all sides. Along each
-/// axis it has `int((high - low) / spacing) + 1` points, so that up to one spacing of the upper
-/// margin may be missing.
+/// is the bounding box of the van der Waals spheres, extended by the margin on all sides. Along
+/// each axis it has `int((high - low) / spacing) + 1` points, so that up to one spacing of the
+/// upper margin may be missing.
 ///
 /// Throws std::invalid_argument if an option is out of its range or not finite, or if there would
 /// be more than 2e9 points along an axis or 1e17 in all.

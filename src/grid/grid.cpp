@@ -1,5 +1,3 @@
-#include "grid/make_grid.hpp"
-
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -9,6 +7,7 @@
 #include <string>
 
 #include "eses/error.hpp"
+#include "grid/make_grid.hpp"
 
 namespace eses::detail {
 namespace {
@@ -137,9 +136,10 @@ void require_within(const GridRegion& region, const Grid& grid) {
   for (std::size_t axis = 0; axis < 3; ++axis)
     if (region.begin[axis] < 0 || region.begin[axis] >= region.end[axis] ||
         region.end[axis] > grid.size[axis])
-      throw Error(fmt::format("the region of points {} to {} along {} is not within the {} points "
-                              "of the grid; its end must be above its begin",
-                              region.begin[axis], region.end[axis], "xyz"[axis], grid.size[axis]));
+      throw Error(
+          fmt::format("the region of points {} to {} along {} is not within the {} points "
+                      "of the grid; its end must be above its begin",
+                      region.begin[axis], region.end[axis], "xyz"[axis], grid.size[axis]));
 }
 
 GridRegion points_between(const Grid& grid, Vec3 low, Vec3 high) {

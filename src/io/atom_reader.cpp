@@ -514,7 +514,7 @@ AtomFile finished(AtomFile atoms, const LinesRead& read, const AtomLines& lines)
 }
 
 AtomFile read_descriptor(int descriptor, const ReadOptions& options, const std::string& name,
-                              const std::function<void(AtomFile& atoms)>& after_piece) {
+                         const std::function<void(AtomFile& atoms)>& after_piece) {
   const AtomLines lines{.format = options.format,
                         .name = name,
                         .with_labels = options.with_labels,

@@ -7,8 +7,8 @@
 #include <string>
 #include <vector>
 
-#include "grid/crossing.hpp"
 #include "eses/grid.hpp"
+#include "grid/crossing.hpp"
 #include "io/number_text.hpp"
 
 namespace eses::detail {

@@ -8,7 +8,6 @@
 #include <vector>
 
 #include "eses/atoms.hpp"
-#include "eses/atoms.hpp"
 
 namespace eses::detail::mesh {
 

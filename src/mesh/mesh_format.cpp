@@ -1,6 +1,7 @@
+#include "mesh/mesh_format.hpp"
+
 #include <string>
 
-#include "mesh/mesh_format.hpp"
 #include "io/text_fields.hpp"
 
 namespace eses::detail {

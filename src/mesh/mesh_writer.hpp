@@ -9,10 +9,10 @@
 #include <cstdint>
 #include <span>
 
-#include "mesh/mesh_format.hpp"
 #include "io/eses_writer.hpp"
 #include "io/text_pieces.hpp"
 #include "mesh/atom_groups.hpp"
+#include "mesh/mesh_format.hpp"
 #include "mesh/triangulate.hpp"
 #include "mesh/vertex.hpp"
 

@@ -4,8 +4,8 @@
 #include <cstddef>
 #include <cstdint>
 
-#include "grid/crossing.hpp"
 #include "eses/grid.hpp"
+#include "grid/crossing.hpp"
 
 namespace eses::detail::mesh {
 

@@ -43,6 +43,6 @@ Function best_version(const Versions<Function>& versions) {
 /// Pointer to the best version of a function that was compiled by way of hwy/foreach_target.h. To
 /// be used in the namespace around HWY_NAMESPACE, once (#if HWY_ONCE).
 #define ESES_BEST_VERSION(function)                                                     \
-  ::eses::detail::best_version<decltype(&HWY_STATIC_DISPATCH(function))>(                       \
+  ::eses::detail::best_version<decltype(&HWY_STATIC_DISPATCH(function))>(               \
       {HWY_CHOOSE_AVX3(function), HWY_CHOOSE_AVX2(function), HWY_CHOOSE_SSE4(function), \
        &HWY_STATIC_DISPATCH(function)})

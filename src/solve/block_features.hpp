@@ -8,9 +8,9 @@
 #include <vector>
 
 #include "eses/grid.hpp"
-#include "grid/tiling.hpp"
 #include "geometry/arc_sector.hpp"
 #include "geometry/box.hpp"
+#include "grid/tiling.hpp"
 #include "surface/patches.hpp"
 
 namespace eses::detail {

@@ -59,7 +59,8 @@ OddityFinder::OddityFinder(std::span<const Atom> atoms, std::function<bool(const
       are_small_(std::all_of(atoms.begin(), atoms.end(), has_nanometre_radius)),
       outer_(atoms.size(), none) {}
 
-void OddityFinder::add(DiagnosticKind kind, AtomIndex atom, AtomIndex other, OddityTally& tally) const {
+void OddityFinder::add(DiagnosticKind kind, AtomIndex atom, AtomIndex other,
+                       OddityTally& tally) const {
   if (!is_own_ || is_own_(atoms_[atom])) tally.add(kind, atom, other);
 }
 

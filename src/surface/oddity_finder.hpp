@@ -42,8 +42,8 @@ class OddityFinder {
   /// radius or within `close_distance`, in any order, but for those that equal an earlier one.
   void look(AtomIndex i, std::span<const AtomIndex> near, OddityTally& tally);
 
-  /// All kinds that there are, in the order of `DiagnosticKind`, once all atoms have been looked at.
-  /// Each of the tallies has consecutive atoms, the first of them the first ones.
+  /// All kinds that there are, in the order of `DiagnosticKind`, once all atoms have been looked
+  /// at. Each of the tallies has consecutive atoms, the first of them the first ones.
   std::vector<Diagnostic> found(std::span<const OddityTally> tallies) const;
 
  private:

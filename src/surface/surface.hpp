@@ -5,9 +5,9 @@
 #include <span>
 #include <utility>
 
-#include "surface/molecule.hpp"
 #include "geometry/contact_circle.hpp"
 #include "surface/cell_list.hpp"
+#include "surface/molecule.hpp"
 #include "surface/neighbors.hpp"
 #include "surface/reach.hpp"
 

@@ -3,8 +3,8 @@
 
 #include <string>
 
-#include "grid/crossing.hpp"
 #include "eses/grid.hpp"
+#include "grid/crossing.hpp"
 #include "verify/definition.hpp"
 
 namespace eses::detail::verify {
