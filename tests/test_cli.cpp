@@ -809,6 +809,7 @@ TEST_CASE("verify checks points and edges, and says how many", "[cli]") {
 }
 
 TEST_CASE("faults are an error: exit code, messages, and no numbers to take for right", "[cli]") {
+  using namespace eses;
   using namespace eses::detail;
   cli::Report report;
   report.summary.area = 1;

@@ -12,6 +12,7 @@
 #include "catch.hpp"
 #include "compute/run.hpp"
 #include "eses/error.hpp"
+#include "output/output_files.hpp"
 #include "plan/plan.hpp"
 #include "support/atom_lists.hpp"
 #include "support/temporary_directory.hpp"

@@ -39,6 +39,7 @@ using test::make_atom_set;
 using test::make_chain;
 using test::nearest_accessible;
 using test::Random;
+using test::read_atom_list;
 
 const Outputs no_files = Outputs::none();
 constexpr std::int64_t everything = 1'000'000;
