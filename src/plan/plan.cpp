@@ -68,12 +68,12 @@ GridRegion region_of(const Grid& grid, const Parameters& p) {
   return make_tiling(grid, block_size).points_of_blocks(*p.blocks);
 }
 
-// Sides of blocks from which the plan chooses if none are given. The first is fastest, but where
-// the molecule is wide its layers hold many crossings, and many patches are needed at a time. The
-// flat ones, whose sides are longer instead, then cost next to nothing.
-constexpr std::array<GridIndex, 4> layer_shapes{
-    {{64, 64, 64}, {64, 64, 32}, {96, 96, 24}, {128, 128, 16}}};
-constexpr double most_layer_bytes = 8 << 20;  // of crossings
+// Sides of blocks from which the plan chooses if none are given. Cubes are fastest, but where the
+// molecule is wide, a layer of them holds many crossings, and needs many patches. Flat blocks,
+// whose other sides are longer instead, cost about 3 % more.
+constexpr std::array<GridIndex, 3> layer_shapes{{{64, 64, 64}, {64, 64, 32}, {96, 96, 20}}};
+constexpr double most_layer_bytes = 8 << 20;  // of crossings, where flatter blocks are possible
+constexpr double thinnest_layer = 6;          // angstrom; thinner ones cost far more
 // Smaller ones, to keep a limit.
 constexpr std::array<GridIndex, 3> small_shapes{{{32, 32, 32}, {24, 24, 24}, {16, 16, 16}}};
 
@@ -88,18 +88,23 @@ GridIndex shortened(GridIndex size, double spacing) {
   return size;
 }
 
+double height_of(const GridIndex& shape, double spacing) {
+  return spacing * static_cast<double>(shape[2] - 1);
+}
+
 bool has_full_layers(const SurfaceSurvey& survey, double spacing, const GridIndex& shape) {
-  const double height = spacing * static_cast<double>(shape[2] - 1);
-  return sizeof(Crossing) * expected_crossings(survey.largest_slab_area(height), spacing) >
-         most_layer_bytes;
+  const double area = survey.largest_slab_area(height_of(shape, spacing));
+  return sizeof(Crossing) * expected_crossings(area, spacing) > most_layer_bytes;
 }
 
 std::vector<GridIndex> possible_block_sizes(const SurfaceSurvey& survey, const Parameters& p) {
   if (p.block_size != 0) return {{p.block_size, p.block_size, p.block_size}};
-  auto fastest = layer_shapes.begin();
-  while (fastest + 1 != layer_shapes.end() && has_full_layers(survey, p.spacing, *fastest))
-    ++fastest;
-  std::vector<GridIndex> sizes(fastest, layer_shapes.end());
+  auto shape = layer_shapes.begin();
+  const auto can_be_flatter = [&] {
+    return shape + 1 != layer_shapes.end() && height_of(*(shape + 1), p.spacing) >= thinnest_layer;
+  };
+  while (can_be_flatter() && has_full_layers(survey, p.spacing, *shape)) ++shape;
+  std::vector<GridIndex> sizes(shape, layer_shapes.end());
   sizes.insert(sizes.end(), small_shapes.begin(), small_shapes.end());
   for (GridIndex& size : sizes) size = shortened(size, p.spacing);
   return sizes;
