@@ -95,12 +95,20 @@ Summary solve(const Surface& surface, const detail::Plan& plan,
   return require_right(detail::compute(molecule_of(surface), plan, callbacks));
 }
 
+// Of a grid or region that is not checked yet, so that integers might overflow.
+std::uint64_t bytes_of_inside(const GridRegion& region) {
+  constexpr double limit = 1e18;  // more than any machine has
+  double points = 1;
+  for (const std::int64_t count : region.size()) points *= static_cast<double>(count);
+  return static_cast<std::uint64_t>(std::clamp(points, 0.0, limit));
+}
+
 HeldMemory memory_of_result(const Grid& grid, const RunOptions& options, const ResultParts& parts) {
   const GridRegion region = options.region.value_or(grid.whole());
   constexpr double mesh_bytes =
       2 * sizeof(Vec3) + sizeof(AtomIndex) + 1 + 2 * sizeof(std::array<std::uint64_t, 3>);
   HeldMemory held;
-  if (parts.inside || parts.mesh) held.bytes = static_cast<std::uint64_t>(region.point_count());
+  if (parts.inside || parts.mesh) held.bytes = bytes_of_inside(region);
   if (parts.crossings || parts.mesh) held.per_crossing = growth * sizeof(Crossing);
   if (parts.mesh) held.per_crossing += growth * mesh_bytes;
   return held;
