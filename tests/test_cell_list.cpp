@@ -47,6 +47,7 @@ TEST_CASE("a cell list finds all atoms within reach, each once") {
     for (const double step : {0.0, 3.0, 6.0})
       for (const Radii radii : {Radii::usual, Radii::zero, Radii::equal, Radii::some_large}) {
         std::vector<Atom> atoms;
+        atoms.reserve(150);
         for (int i = 0; i < 150; ++i)
           atoms.push_back({make_place(scale, step, random), make_radius(radii, scale, random)});
         const CellList cells(atoms);
@@ -73,6 +74,7 @@ TEST_CASE("a cell list finds all atoms within reach, each once") {
 TEST_CASE("a cell list finds few atoms that are out of reach") {
   Random random(8);
   std::vector<Atom> atoms;
+  atoms.reserve(40001);
   for (int i = 0; i < 20000; ++i) atoms.push_back({make_place(100, 0, random), 1.7});
   // Half of them are far larger than the others, and one is huge.
   for (int i = 0; i < 20000; ++i) atoms.push_back({make_place(100, 0, random), 0.2});

@@ -372,7 +372,7 @@ TEST_CASE("no more blocks are solved ahead of the unwritten layer than allowed",
     INFO("ahead " << ahead);
     const Surface surface(std::vector<Atom>{{{0, 0, 0}, 1.5}}, 1.4);
     PatchSchedule patches(surface, {10, 20});  // where there is no atom
-    TaskQueue queue(patches, {15, 20}, {15, 20}, 4, ahead);
+    TaskQueue queue(patches, {{15, 15}, {20, 20}}, 4, ahead);
     std::vector<Task> first;
     first.reserve(4);
     for (int b = 0; b < 4; ++b) first.push_back(queue.take().value());

@@ -170,7 +170,7 @@ Summary write_files(const Surface& surface, const Grid& grid,
                     const std::filesystem::path& directory, const Outputs& outputs = {},
                     const RunOptions& options = {});
 
-/// What a computation will need, and how it will be divided.
+/// The memory, disk space and division of a computation, estimated beforehand.
 struct Estimate {
   std::uint64_t memory_bytes = 0;  ///< Peak of the process's memory; meant as an upper bound.
   int threads = 1;                 ///< Number of threads that will be used.

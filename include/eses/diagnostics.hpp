@@ -10,7 +10,7 @@
 
 namespace eses {
 
-/// What is suspicious about an atom.
+/// The kinds of suspicious atoms.
 enum class DiagnosticKind : std::uint8_t {
   duplicate,     ///< The atom has the centre and the radius of an earlier atom.
   close,         ///< The centre is within 0.5 angstrom of an earlier atom's; both have a radius.

@@ -60,7 +60,7 @@ class Surface {
   /// The radius of the probe, in angstrom.
   double probe_radius() const { return probe_radius_; }
 
-  /// What is suspicious in the atoms: all kinds that occur, in the order of DiagnosticKind.
+  /// The suspicious properties of the atoms: all kinds that occur, in the order of DiagnosticKind.
   std::span<const Diagnostic> diagnostics() const;
 
  private:

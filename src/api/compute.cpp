@@ -31,6 +31,8 @@ struct HeldMemory {
   double per_crossing = 0;  // bytes
 };
 
+constexpr ResultParts no_parts{.inside = false, .crossings = false, .mesh = false};
+
 struct PlannedRun {
   detail::Plan plan;
   double crossings = 0;  // expected
@@ -70,9 +72,21 @@ detail::Plan checked_plan(const Surface& surface, const Grid& grid, const Output
   });
 }
 
+HeldMemory memory_of_result(const GridRegion& region, const ResultParts& parts) {
+  constexpr double mesh_bytes =
+      2 * sizeof(Vec3) + sizeof(AtomIndex) + 1 + 2 * sizeof(std::array<std::uint64_t, 3>);
+  HeldMemory held;
+  if (parts.inside || parts.mesh) held.bytes = static_cast<std::uint64_t>(region.point_count());
+  if (parts.crossings || parts.mesh) held.per_crossing = growth * sizeof(Crossing);
+  if (parts.mesh) held.per_crossing += growth * mesh_bytes;
+  return held;
+}
+
+// `parts` are those that the result will hold.
 PlannedRun plan_run(const Surface& surface, const Grid& grid, const Outputs& outputs,
-                    const RunOptions& options, const HeldMemory& held) {
+                    const RunOptions& options, const ResultParts& parts = no_parts) {
   PlannedRun run{checked_plan(surface, grid, outputs, options)};
+  const HeldMemory held = memory_of_result(run.plan.tiling.region, parts);
   run.crossings = detail::plan_alone({.available = detail::available_memory(),
                                       .held = held.bytes,
                                       .labels = {},
@@ -95,25 +109,6 @@ Summary solve(const Surface& surface, const detail::Plan& plan,
   return require_right(detail::compute(molecule_of(surface), plan, callbacks));
 }
 
-// Of a grid or region that is not checked yet, so that integers might overflow.
-std::uint64_t bytes_of_inside(const GridRegion& region) {
-  constexpr double limit = 1e18;  // more than any machine has
-  double points = 1;
-  for (const std::int64_t count : region.size()) points *= static_cast<double>(count);
-  return static_cast<std::uint64_t>(std::clamp(points, 0.0, limit));
-}
-
-HeldMemory memory_of_result(const Grid& grid, const RunOptions& options, const ResultParts& parts) {
-  const GridRegion region = options.region.value_or(grid.whole());
-  constexpr double mesh_bytes =
-      2 * sizeof(Vec3) + sizeof(AtomIndex) + 1 + 2 * sizeof(std::array<std::uint64_t, 3>);
-  HeldMemory held;
-  if (parts.inside || parts.mesh) held.bytes = bytes_of_inside(region);
-  if (parts.crossings || parts.mesh) held.per_crossing = growth * sizeof(Crossing);
-  if (parts.mesh) held.per_crossing += growth * mesh_bytes;
-  return held;
-}
-
 std::invalid_argument point_error(const GridIndex& point, const GridRegion& region) {
   return std::invalid_argument(fmt::format(
       "point ({}, {}, {}) is not in the region from ({}, {}, {}) to, but without, ({}, {}, {})",
@@ -123,6 +118,13 @@ std::invalid_argument point_error(const GridIndex& point, const GridRegion& regi
 
 GridRegion region_at(const GridIndex& first, const GridIndex& size) {
   return {first, {first[0] + size[0], first[1] + size[1], first[2] + size[2]}};
+}
+
+// Index in Result::inside.
+std::size_t place_in(const GridRegion& region, const GridIndex& point) {
+  const GridIndex size = region.size(), begin = region.begin;
+  return static_cast<std::size_t>(
+      ((point[2] - begin[2]) * size[1] + point[1] - begin[1]) * size[0] + point[0] - begin[0]);
 }
 
 Crossing in_grid(const Grid& grid, const GridIndex& row_start, const detail::Crossing& found) {
@@ -176,22 +178,17 @@ struct ResultBuilder {
 
 void ResultBuilder::mark_inside(const SolvedBlock& solved, Result& result) {
   const auto& [first, points, owned] = solved.block();
-  const GridIndex size = result.region_.size(), begin = result.region_.begin;
   for (std::int64_t z = first[2]; z < first[2] + owned[2]; ++z)
-    for (std::int64_t y = first[1]; y < first[1] + owned[1]; ++y) {
-      const std::int64_t place =
-          ((z - begin[2]) * size[1] + y - begin[1]) * size[0] + first[0] - begin[0];
-      solved.mark_inside(
-          y, z,
-          std::span(result.inside_)
-              .subspan(static_cast<std::size_t>(place), static_cast<std::size_t>(owned[0])));
-    }
+    for (std::int64_t y = first[1]; y < first[1] + owned[1]; ++y)
+      solved.mark_inside(y, z,
+                         std::span(result.inside_)
+                             .subspan(place_in(result.region_, {first[0], y, z}),
+                                      static_cast<std::size_t>(owned[0])));
 }
 
 Result ResultBuilder::compute(const eses::Surface& surface, const Grid& grid,
                               const RunOptions& options, const ResultParts& parts) {
-  const PlannedRun run =
-      plan_run(surface, grid, Outputs::none(), options, memory_of_result(grid, options, parts));
+  const PlannedRun run = eses::plan_run(surface, grid, Outputs::none(), options, parts);
   const bool has_inside = parts.inside || parts.mesh, has_crossings = parts.crossings || parts.mesh;
   Result result;
   result.grid_ = grid;
@@ -218,10 +215,7 @@ Result ResultBuilder::compute(const eses::Surface& surface, const Grid& grid,
 bool Result::is_inside(const GridIndex& point) const {
   if (!region_.contains(point)) throw point_error(point, region_);
   if (inside_.empty()) throw std::invalid_argument("ResultParts::inside was not chosen");
-  const GridIndex size = region_.size(), begin = region_.begin;
-  const std::int64_t place =
-      ((point[2] - begin[2]) * size[1] + point[1] - begin[1]) * size[0] + point[0] - begin[0];
-  return inside_[static_cast<std::size_t>(place)] != 0;
+  return inside_[place_in(region_, point)] != 0;
 }
 
 Block::Block(const detail::SolvedBlock& solved, std::span<const Crossing> crossings)
@@ -245,7 +239,7 @@ Result compute(const Surface& surface, const Grid& grid, const RunOptions& optio
 Summary for_each_block(const Surface& surface, const Grid& grid, const BlockCallback& callback,
                        const RunOptions& options) {
   if (!callback) throw std::invalid_argument("for_each_block needs a callback");
-  const PlannedRun run = plan_run(surface, grid, Outputs::none(), options, {});
+  const PlannedRun run = plan_run(surface, grid, Outputs::none(), options);
   std::vector<Crossing> crossings;  // reused, as calls are never concurrent
   detail::Callbacks callbacks = callbacks_of(options);
   callbacks.block = [&](const detail::SolvedBlock& solved) {
@@ -259,14 +253,14 @@ Summary for_each_block(const Surface& surface, const Grid& grid, const BlockCall
 Summary write_files(const Surface& surface, const Grid& grid,
                     const std::filesystem::path& directory, const Outputs& outputs,
                     const RunOptions& options) {
-  const PlannedRun run = plan_run(surface, grid, outputs, options, {});
+  const PlannedRun run = plan_run(surface, grid, outputs, options);
   return require_right(
       detail::run(molecule_of(surface), run.plan, outputs, directory, callbacks_of(options)));
 }
 
 Estimate estimate(const Surface& surface, const Grid& grid, const Outputs& outputs,
                   const RunOptions& options) {
-  const auto& [plan, crossings] = plan_run(surface, grid, outputs, options, {});
+  const auto& [plan, crossings] = plan_run(surface, grid, outputs, options);
   return {.memory_bytes = plan.memory_bytes,
           .threads = plan.threads,
           .block_size = plan.tiling.block_size,

@@ -1,5 +1,5 @@
 #pragma once
-/// What the library sees of a public Surface.
+/// Access to the data of a public Surface.
 
 #include "eses/surface.hpp"
 #include "surface/molecule.hpp"

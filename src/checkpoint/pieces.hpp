@@ -34,7 +34,7 @@ struct AtomSum {
 enum class PieceText : std::uint8_t { grid, edges, map, vertices, triangles };
 inline constexpr std::size_t piece_texts = 5;
 
-/// What all processes know about a piece.
+/// The data of a piece that all processes know.
 struct PieceInfo {
   PlaneRange planes;
   std::array<std::uint64_t, piece_texts> bytes{};

@@ -22,8 +22,8 @@ class HelpFormatter : public CLI::Formatter {
   std::string make_usage(const CLI::App* /*app*/, std::string /*name*/) const override {
     return fmt::format("\nUsage: {}\n", usage_);
   }
-  // As other programs have it, `-o, --output-dir`, and without the `{N}` of CLI11 behind the name
-  // of a flag that may have a value.
+  // Names are written as other programs write them, `-o, --output-dir`, without the `{N}` that
+  // CLI11 appends to a flag that may have a value.
   std::string make_option_name(const CLI::Option* option, bool is_positional) const override {
     const std::string name = CLI::Formatter::make_option_name(option, is_positional);
     return CLI::detail::find_and_replace(name.substr(0, name.find('{')), ",", ", ");

@@ -72,7 +72,7 @@ void refuse_residues_of_xyzr(const Options& options) {
                     options.input.string()));
 }
 
-// What can be refused before the input is read.
+// Refuses options that can be refused before the input is read.
 void check_request(const Options& options) {
   require_standard_output();
   refuse_to_lose_input(options);

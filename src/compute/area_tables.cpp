@@ -30,8 +30,8 @@ std::vector<double> fetch_areas(const AtomRange& wanted, const AtomAreas& own,
   return processes.exchange(std::move(to));
 }
 
-// What one process passes to the next: the tables so far, as sums of floating-point numbers depend
-// on the order, and the length of the table of residues.
+// The message from one process to the next: the tables so far, as sums of floating-point numbers
+// depend on the order, and the length of the table of residues.
 class Progress {
  public:
   explicit Progress(const std::string& packed) : texts_(unpack(packed)) {

@@ -15,7 +15,7 @@
 
 namespace eses::detail {
 
-/// What a process knows of the atoms' shares of the area.
+/// The atoms' shares of the area, as far as a process has them.
 struct AtomShares {
   std::vector<AreaShare> of_slab;  ///< by atom of the slab; empty if nothing was swept
   std::vector<AtomSum> restored;   ///< from pieces that an earlier run has left

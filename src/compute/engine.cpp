@@ -208,7 +208,7 @@ RunResult execute(const RunTask& task, const RunPlan& plan, const RunPaths& path
   }
   SlabSweep sweep(task, plan, ranges, sweep_files, callbacks, report, processes);
   SweepResult swept = sweep.run(summary);
-  // What patches and blocks leave in the heap is too scattered for the long lists of areas.
+  // The heap that patches and blocks have freed is too scattered for the long lists of areas.
   release_free_memory();
   AtomShares shares{std::move(swept.atom_shares), {}};
   take_restored(plan, processes, swept.pieces, shares);

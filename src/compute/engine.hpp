@@ -18,7 +18,7 @@
 
 namespace eses::detail {
 
-/// What each process had to do.
+/// The work of one process.
 struct ProcessFigures {
   PlaneRange planes;
   std::uint64_t atoms = 0;  ///< that influence these planes

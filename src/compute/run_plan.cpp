@@ -176,8 +176,7 @@ int threads_of(const RunTask& task, const Processes::Machine& machine, const Pro
 double plan_slab(const RunTask& task, const LabelTotals& labels, const Processes::Machine& machine,
                  const Processes& processes, RunPlan& run) {
   run.own = run.whole;
-  run.own.tiling.region.begin[2] = run.slab.planes.begin;
-  run.own.tiling.region.end[2] = run.slab.planes.end;
+  run.own.tiling.region = with_planes(run.whole.tiling.region, run.slab.planes);
   run.own.parameters.threads = threads_of(task, machine, processes);
   double crossings = 0;
   processes.all_or_throw([&] {

@@ -20,10 +20,7 @@ namespace {
 constexpr std::int64_t max_ranges = 64;
 
 BlockTiling tiling_of(const Plan& plan, const GridIndex& block_size, const PlaneRange& planes) {
-  GridRegion region = plan.tiling.region;
-  region.begin[2] = planes.begin;
-  region.end[2] = planes.end;
-  BlockTiling tiling = make_tiling(plan.grid, block_size, region);
+  BlockTiling tiling = make_tiling(plan.grid, block_size, with_planes(plan.tiling.region, planes));
   // The cells between this range and the next one belong to that one, which solves the plane below
   // it again.
   if (planes.end < plan.tiling.region.end[2]) tiling.corners.end[2] = planes.end;
@@ -143,10 +140,8 @@ SweepResult SlabSweep::run(Summary& summary) {
   if (ranges_.empty()) return result;
   const Surface surface = make_surface();
   const Stopwatch sweeping;
-  GridRegion slab = plan_.whole.tiling.region;
-  slab.begin[2] = plan_.slab.planes.begin;
-  slab.end[2] = plan_.slab.planes.end;
-  PatchSchedule patches(surface, heights_of(plan_.whole.grid, slab));
+  const Box slab = slab_box(plan_.whole, plan_.slab.planes);
+  PatchSchedule patches(surface, {slab.low.z, slab.high.z});
   for (const PlaneRange& planes : ranges_)
     result.pieces.push_back(sweep(patches, planes, result, summary));
   summary.seconds.blocks = sweeping.seconds() - summary.seconds.verify;

@@ -384,11 +384,9 @@ SlabOfMolecule make_slab(AtomShare share, const Plan& plan, const Outputs& outpu
 }
 
 Box slab_box(const Plan& plan, const PlaneRange& planes) {
-  GridRegion region = plan.tiling.region;
-  const bool goes_on_below = planes.begin > region.begin[2];
-  region.begin[2] = goes_on_below ? planes.begin - 1 : planes.begin;
-  region.end[2] = planes.end;
-  return region_box(plan.grid, region);
+  const GridRegion& region = plan.tiling.region;
+  const std::int64_t begin = std::max(planes.begin - 1, region.begin[2]);
+  return region_box(plan.grid, with_planes(region, {begin, planes.end}));
 }
 
 }  // namespace eses::detail

@@ -5,6 +5,8 @@
 #include <span>
 #include <vector>
 
+#include "eses/grid.hpp"
+
 namespace eses::detail {
 
 /// Grid planes [begin, end) across z.
@@ -15,6 +17,13 @@ struct PlaneRange {
   std::int64_t count() const { return end - begin; }
   friend bool operator==(const PlaneRange&, const PlaneRange&) = default;
 };
+
+/// The part of a region that has these planes.
+inline GridRegion with_planes(GridRegion region, const PlaneRange& planes) {
+  region.begin[2] = planes.begin;
+  region.end[2] = planes.end;
+  return region;
+}
 
 /// The planes of `planes` that are in none of the ranges `done` (ascending, disjoint).
 std::vector<PlaneRange> remaining(const PlaneRange& planes, std::span<const PlaneRange> done);

@@ -10,9 +10,6 @@ namespace {
 constexpr GroupBounds look_up_bounds{64, 12};
 constexpr GroupBounds sift_bounds{8, 6};
 
-// Of the look-ups (angstrom): far more than rounding amounts to.
-constexpr double slack = 1e-3;
-
 double max_radius(std::span<const Atom> atoms) {
   double radius = 0;
   for (const Atom& atom : atoms) radius = std::max(radius, atom.radius);
@@ -30,8 +27,8 @@ Box box_of(std::span<const Atom> group) {
 // the one is named whose cap comes first.
 void look_up_neighbours(const Surface& surface, std::span<const Atom> group,
                         AtomPatchScratch& scratch) {
-  surface.cells().find_reaching(box_of(group), max_radius(group) + 2 * surface.probe_radius + slack,
-                                scratch.found);
+  surface.cells().find_reaching(
+      box_of(group), max_radius(group) + 2 * surface.probe_radius + look_up_slack, scratch.found);
   scratch.near.clear();
   scratch.near_spheres.clear();
   for (const AtomIndex j : scratch.found) {
@@ -44,7 +41,7 @@ void look_up_neighbours(const Surface& surface, std::span<const Atom> group,
 // Those of them whose SAS sphere may meet that of one of a smaller group.
 void sift_neighbours(const Surface& surface, std::span<const Atom> group,
                      AtomPatchScratch& scratch) {
-  find_near_box(box_of(group), max_radius(group) + surface.probe_radius + slack,
+  find_near_box(box_of(group), max_radius(group) + surface.probe_radius + look_up_slack,
                 scratch.near_spheres, scratch.group_positions);
   choose_spheres(scratch.near_spheres, scratch.group_positions, scratch.group_spheres);
 }

@@ -16,6 +16,9 @@
 
 namespace eses::detail {
 
+/// Frequency of the covering directions: 162 of them. More cost more than they settle.
+inline constexpr int burial_frequency = 5;
+
 /// The covering directions in the layout of the kernel; built once, read by all threads.
 struct BurialPatches {
   std::vector<float> x, y, z;

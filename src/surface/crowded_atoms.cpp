@@ -60,9 +60,9 @@ void CrowdedCaps::reset(const CapList& caps, std::span<const AtomIndex> neighbou
 }
 
 void CrowdedCaps::choose_near(const Surface& surface, AtomIndex neighbour) {
-  constexpr double slack = 1e-3;  // angstrom: far more than rounding and tolerances amount to
   const Atom& atom = surface.atoms[neighbour];
-  surface.tree().find_reaching(atom.center, atom.radius + 2 * surface.probe_radius + slack, found_);
+  surface.tree().find_reaching(atom.center, atom.radius + 2 * surface.probe_radius + look_up_slack,
+                               found_);
   near_.clear();
   for (const AtomIndex j : found_) {
     const auto number = std::lower_bound(numbers_.begin(), numbers_.end(), std::pair(j, 0U));

@@ -14,6 +14,10 @@
 
 namespace eses::detail {
 
+/// Look-ups of what may matter go farther by this (angstrom): far more than rounding and tolerances
+/// amount to.
+inline constexpr double look_up_slack = 1e-3;
+
 class AtomTree {
  public:
   /// Of no atoms.

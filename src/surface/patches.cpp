@@ -12,12 +12,9 @@
 #include "geometry/arc_sector.hpp"
 #include "geometry/patch_boxes.hpp"
 #include "surface/move_bound.hpp"
-#include "system/parallel.hpp"
 
 namespace eses::detail {
 namespace {
-
-constexpr int covering_frequency = 5;  // 162 directions; more cost more than they settle
 
 // The directions to the three atoms must stand clearly off a common plane for their cone to be
 // told from its complement.
@@ -121,7 +118,7 @@ void FaceDirections::include(const Box& directions) {
 Patches::Patches(const Surface& surface)
     : surface_(surface),
       clusters_(surface),
-      burial_(make_covering_directions(covering_frequency)),
+      burial_(make_covering_directions(burial_frequency)),
       clusters_patches_(clusters_.count()) {}
 
 void Patches::open(ClusterIndex cluster) {
@@ -239,19 +236,6 @@ void Patches::place_probes(ClusterPatches& patches) {
     }
   patches.placement_begin = begins_of(counts);
   keys = std::vector<PlacementKey>();  // unlike {}, this frees the memory
-}
-
-void build_all_patches(Patches& patches, int threads) {
-  const ClusterIndex count = patches.clusters().count();
-  for (ClusterIndex cluster = 0; cluster < count; ++cluster) patches.open(cluster);
-  std::vector<Patches::Scratch> scratch(static_cast<std::size_t>(threads));
-  parallel_for(count, threads, [&](std::int64_t cluster, int thread) {
-    patches.find_arcs(static_cast<ClusterIndex>(cluster),
-                      scratch[static_cast<std::size_t>(thread)]);
-  });
-  parallel_for(count, threads, [&](std::int64_t cluster, int) {
-    patches.complete(static_cast<ClusterIndex>(cluster));
-  });
 }
 
 }  // namespace eses::detail

@@ -135,7 +135,4 @@ class Patches {
   std::vector<std::unique_ptr<ClusterPatches>> clusters_patches_;
 };
 
-/// Builds the patches of all atoms; the result does not depend on `threads`.
-void build_all_patches(Patches& patches, int threads);
-
 }  // namespace eses::detail

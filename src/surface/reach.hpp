@@ -14,15 +14,12 @@ namespace eses::detail {
 /// an x in it. The arcs that bound the faces of these are found from either of their two atoms, so
 /// all whose SAS spheres meet theirs are counted in.
 struct Reach {
-  /// Angstrom: far more than rounding and tolerances amount to.
-  static constexpr double slack = 1e-3;
-
   Box box;
   double probe_radius = 0;
   double largest_radius = 0;  ///< of the atoms whose patches matter in the box
 
   bool holds(const Atom& atom) const {
-    const double distance = atom.radius + 2 * largest_radius + 4 * probe_radius + slack;
+    const double distance = atom.radius + 2 * largest_radius + 4 * probe_radius + look_up_slack;
     return squared_distance(box, atom.center) <= distance * distance;
   }
 };
@@ -30,7 +27,7 @@ struct Reach {
 inline Reach make_reach(std::span<const Atom> atoms, const Box& box, double probe_radius) {
   Reach reach{box, probe_radius, 0};
   for (const Atom& atom : atoms) {
-    const double distance = atom.radius + 2 * probe_radius + Reach::slack;
+    const double distance = atom.radius + 2 * probe_radius + look_up_slack;
     if (squared_distance(box, atom.center) <= distance * distance)
       reach.largest_radius = std::max(reach.largest_radius, atom.radius);
   }

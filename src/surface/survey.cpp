@@ -17,7 +17,6 @@ constexpr double pi = std::numbers::pi;
 // So few that they cost little beside the patches of all atoms.
 constexpr std::size_t fewest_samples = 128, most_samples = 2048, atoms_per_sample = 16;
 constexpr std::size_t places_looked_at = 12;
-constexpr int burial_frequency = 5;    // as where all patches are built
 constexpr int exposure_frequency = 3;  // 92 directions tell which part of a sphere is exposed
 constexpr std::size_t bins = 4096;     // along z, of all atoms
 

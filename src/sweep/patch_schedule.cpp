@@ -8,19 +8,11 @@ namespace {
 
 constexpr double infinity = std::numeric_limits<double>::infinity();
 
-// Angstrom: far more than rounding and tolerances amount to.
-constexpr double slack = 1e-3;
-
 }  // namespace
-
-HeightRange heights_of(const Grid& grid, const GridRegion& region) {
-  return {grid.coordinate(2, std::max<std::int64_t>(0, region.begin[2] - 1)),
-          grid.coordinate(2, std::min(region.end[2], grid.size[2] - 1))};
-}
 
 PatchSchedule::PatchSchedule(const Surface& surface, const HeightRange& heights_to_solve)
     : patches_(surface),
-      reach_(surface.probe_radius + slack),
+      reach_(surface.probe_radius + look_up_slack),
       heights_to_solve_(heights_to_solve),
       stages_(patches_.clusters().count(), Stage::none),
       highest_(-infinity) {
@@ -45,15 +37,15 @@ void PatchSchedule::find_heights_with_arcs() {
   for (ClusterIndex cluster = 0; cluster < stages_.size(); ++cluster) {
     if (!must_complete(cluster)) continue;
     const HeightRange& heights = patches_.clusters().heights(cluster);
-    heights_with_arcs_.low = std::min(heights_with_arcs_.low, heights.low - slack);
-    heights_with_arcs_.high = std::max(heights_with_arcs_.high, heights.high + slack);
+    heights_with_arcs_.low = std::min(heights_with_arcs_.low, heights.low - look_up_slack);
+    heights_with_arcs_.high = std::max(heights_with_arcs_.high, heights.high + look_up_slack);
   }
 }
 
 // All clusters whose heights overlap those of this one come before the one returned.
 ClusterIndex PatchSchedule::overlap_end(ClusterIndex cluster) const {
   const AtomClusters& clusters = patches_.clusters();
-  return clusters.count_below(clusters.heights(cluster).high + slack);
+  return clusters.count_below(clusters.heights(cluster).high + look_up_slack);
 }
 
 ClusterIndex PatchSchedule::complete_end(double up_to) const {
@@ -65,7 +57,7 @@ ClusterIndex PatchSchedule::arcs_end_for(double up_to) {
   for (const ClusterIndex end = complete_end(up_to); highest_before_ < end; ++highest_before_)
     if (must_complete(highest_before_))
       highest_ = std::max(highest_, patches_.clusters().heights(highest_before_).high);
-  return patches_.clusters().count_below(highest_ + slack);
+  return patches_.clusters().count_below(highest_ + look_up_slack);
 }
 
 bool PatchSchedule::is_ready(double up_to) const { return complete_before_ >= complete_end(up_to); }
@@ -116,8 +108,7 @@ void PatchSchedule::pass(double low) {
 void PatchSchedule::skip_to(double low) {
   heights_to_solve_.low = std::max(heights_to_solve_.low, low);
   find_heights_with_arcs();
-  advance();
-  close_passed();
+  pass(low);
 }
 
 // A cluster is needed until the sweep has passed it and all that overlap it are complete.

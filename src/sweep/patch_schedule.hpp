@@ -6,7 +6,6 @@
 #include <optional>
 #include <vector>
 
-#include "eses/grid.hpp"
 #include "surface/patches.hpp"
 
 namespace eses::detail {
@@ -16,10 +15,6 @@ struct BuildStep {
   enum class Kind : std::uint8_t { find_arcs, complete } kind = Kind::find_arcs;
   ClusterIndex cluster = 0;
 };
-
-/// The heights of the planes that a sweep over a region looks at: its own, the one below, to which
-/// its points have neighbours, and the one above, at which its edges end.
-HeightRange heights_of(const Grid& grid, const GridRegion& region);
 
 /// Hands out the steps in the order of heights, each when those that it depends on are finished.
 /// Clusters are opened shortly before their first step and closed when the sweep has passed them.

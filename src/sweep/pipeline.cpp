@@ -24,25 +24,18 @@ Block block_below(Block block) {
   return block;
 }
 
-// The uppermost plane of each layer's closed boxes.
-std::vector<double> tops_of_layers(const Plan& plan) {
-  std::vector<double> tops;
-  for (std::int64_t layer = 0; layer < plan.tiling.blocks[2]; ++layer) {
-    const Block block = plan.tiling.block_with_far_corners(0, 0, layer);
-    tops.push_back(plan.grid.coordinate(2, block.first[2] + block.points[2] - 1));
-  }
-  return tops;
-}
-
-// The lowest plane that is looked at after each layer: the next one begins with the plane above,
-// and where it is another pipeline's, that one solves this plane, too.
-std::vector<double> bottoms_after_layers(const Plan& plan) {
-  std::vector<double> bottoms;
+// The next layer begins with the plane above the last one that a layer owns. Where it is another
+// pipeline's, that one solves this last plane, too.
+std::vector<LayerHeights> heights_of_layers(const Plan& plan) {
+  std::vector<LayerHeights> layers;
   for (std::int64_t layer = 0; layer < plan.tiling.blocks[2]; ++layer) {
     const Block block = plan.tiling.block(0, 0, layer);
-    bottoms.push_back(plan.grid.coordinate(2, block.first[2] + block.owned[2] - 1));
+    const auto height_of = [&](std::int64_t planes) {
+      return plan.grid.coordinate(2, block.first[2] + planes - 1);
+    };
+    layers.push_back({height_of(block.points[2]), height_of(block.owned[2])});
   }
-  return bottoms;
+  return layers;
 }
 
 }  // namespace
@@ -55,8 +48,8 @@ Pipeline::Pipeline(PatchSchedule& patches, const Plan& plan, Sinks sinks, Progre
       text_(plan.grid, plan.tiling.region, sinks_.atom_numbers),
       chunks_(plan.tiling.region, sinks_.gzip),
       layers_(static_cast<std::size_t>(plan.tiling.blocks[2])),
-      queue_(patches, tops_of_layers(plan), bottoms_after_layers(plan),
-             plan.tiling.blocks[0] * plan.tiling.blocks[1], plan.blocks_ahead),
+      queue_(patches, heights_of_layers(plan), plan.tiling.blocks[0] * plan.tiling.blocks[1],
+             plan.blocks_ahead),
       builders_(static_cast<std::size_t>(plan.threads)),
       workspaces_(static_cast<std::size_t>(plan.threads)),
       writers_(static_cast<std::size_t>(plan.threads)),

@@ -4,15 +4,13 @@
 
 namespace eses::detail {
 
-TaskQueue::TaskQueue(PatchSchedule& patches, std::vector<double> tops,
-                     std::vector<double> next_bottoms, std::int64_t blocks_per_layer,
-                     std::int64_t blocks_ahead)
+TaskQueue::TaskQueue(PatchSchedule& patches, std::vector<LayerHeights> layers,
+                     std::int64_t blocks_per_layer, std::int64_t blocks_ahead)
     : patches_(patches),
-      tops_(std::move(tops)),
-      next_bottoms_(std::move(next_bottoms)),
+      layers_(std::move(layers)),
       blocks_per_layer_(blocks_per_layer),
       blocks_ahead_(blocks_ahead),
-      progress_(tops_.size()) {}
+      progress_(layers_.size()) {}
 
 std::optional<Task> TaskQueue::take() {
   std::unique_lock lock(mutex_);
@@ -51,7 +49,7 @@ std::optional<Task> TaskQueue::try_take() {
   Progress& solving = progress_[static_cast<std::size_t>(first_unsolved_)];
   if (first_unsolved_ > first_unwritten_ && solving.blocks_taken >= blocks_ahead_)
     return std::nullopt;
-  const double top = tops_[static_cast<std::size_t>(first_unsolved_)];
+  const double top = layers_[static_cast<std::size_t>(first_unsolved_)].top;
   if (!patches_.is_ready(top)) {
     if (const auto step = try_take_step(top)) return step;
     if (!patches_.is_ready(top)) return std::nullopt;
@@ -82,7 +80,7 @@ bool TaskQueue::count_finished(const Task& task, std::int64_t chunks) {
 void TaskQueue::pass_solved_layers() {
   const auto layers = static_cast<std::int64_t>(progress_.size());
   for (; first_unpassed_ < layers && is_solved(first_unpassed_); ++first_unpassed_)
-    patches_.pass(next_bottoms_[static_cast<std::size_t>(first_unpassed_)]);
+    patches_.pass(layers_[static_cast<std::size_t>(first_unpassed_)].passed);
 }
 
 void TaskQueue::stop() {

@@ -20,17 +20,21 @@ struct Task {
   BuildStep step;
 };
 
+/// Where a layer needs patches (angstrom).
+struct LayerHeights {
+  double top = 0;     ///< the uppermost plane of its blocks
+  double passed = 0;  ///< the lowest plane that is looked at after it
+};
+
 /// Layers are solved and written in order. A solved layer is written before any other block is
 /// solved, so that its memory is free soon; threads that find neither to do build the patches of
 /// the next layer and start to solve it, so that none waits for the slowest block. At most one
 /// layer and `blocks_ahead` blocks of the next hold results that are not written.
 class TaskQueue {
  public:
-  /// `tops` are the heights of the layers' uppermost planes, `next_bottoms` those of the lowest
-  /// planes that are still looked at when a layer is solved (angstrom). Keeps a reference to
-  /// `patches`.
-  TaskQueue(PatchSchedule& patches, std::vector<double> tops, std::vector<double> next_bottoms,
-            std::int64_t blocks_per_layer, std::int64_t blocks_ahead);
+  /// Keeps a reference to `patches`.
+  TaskQueue(PatchSchedule& patches, std::vector<LayerHeights> layers, std::int64_t blocks_per_layer,
+            std::int64_t blocks_ahead);
 
   /// The next task, waiting for one if need be; none when all is done or `stop` was called.
   std::optional<Task> take();
@@ -66,7 +70,7 @@ class TaskQueue {
   std::optional<Task> try_take_step(double up_to);
 
   PatchSchedule& patches_;
-  std::vector<double> tops_, next_bottoms_;  // per layer
+  std::vector<LayerHeights> layers_;
   std::mutex mutex_;
   std::condition_variable changed_;
   std::int64_t blocks_per_layer_, blocks_ahead_;

@@ -5,8 +5,23 @@
 #include <vector>
 
 #include "surface/patches.hpp"
+#include "system/parallel.hpp"
 
 namespace eses::detail::test {
+
+/// Builds the patches of all atoms.
+inline void build_all_patches(Patches& patches, int threads) {
+  const ClusterIndex count = patches.clusters().count();
+  for (ClusterIndex cluster = 0; cluster < count; ++cluster) patches.open(cluster);
+  std::vector<Patches::Scratch> scratch(static_cast<std::size_t>(threads));
+  parallel_for(count, threads, [&](std::int64_t cluster, int thread) {
+    patches.find_arcs(static_cast<ClusterIndex>(cluster),
+                      scratch[static_cast<std::size_t>(thread)]);
+  });
+  parallel_for(count, threads, [&](std::int64_t cluster, int) {
+    patches.complete(static_cast<ClusterIndex>(cluster));
+  });
+}
 
 struct AllPatches {
   Surface surface;
