@@ -40,19 +40,38 @@ Wording wording_of(DiagnosticKind kind) {
   return {};
 }
 
+/// The number of a line, and the label of the atom there if it has one.
+std::string place_text(std::uint64_t line, const std::string& label) {
+  return label.empty() ? fmt::format("{}", line) : fmt::format("{}, {}", line, label);
+}
+
 std::string lines_text(const Finding& finding, std::string_view relation) {
   std::vector<std::string> parts;
-  for (const Finding::Example& example : finding.examples)
+  bool has_labels = false;
+  for (const Finding::Example& example : finding.examples) {
+    has_labels = has_labels || !example.label.empty();
+    const std::string place = place_text(example.line, example.label);
     parts.push_back(example.has_other
-                        ? fmt::format("{} ({} {})", example.line, relation, example.other_line)
-                        : fmt::format("{}", example.line));
+                        ? fmt::format("{} ({} {})", place, relation,
+                                      place_text(example.other_line, example.other_label))
+                        : place);
+  }
   const std::uint64_t more = finding.count - finding.examples.size();
-  return fmt::format("{} {}{}", finding.count == 1 ? "line" : "lines", fmt::join(parts, ", "),
+  return fmt::format("{} {}{}", finding.count == 1 ? "line" : "lines", fmt::join(parts, has_labels ? "; " : ", "),
                      more > 0 ? fmt::format(" and {} more", more) : "");
 }
 
+/// `A/LYS 33/CE`; empty if the label is unknown.
+std::string label_text(const std::map<AtomIndex, AtomLabel>& labels, AtomIndex atom) {
+  const auto found = labels.find(atom);
+  if (found == labels.end()) return "";
+  const auto& [chain, residue, number, name] = found->second;
+  return fmt::format("{}/{} {}/{}", chain, residue, number, name);
+}
+
 Finding describe(const Diagnostic& oddity, const LineOf& line_of,
-                 const std::filesystem::path& input) {
+                 const std::filesystem::path& input,
+                 const std::map<AtomIndex, AtomLabel>& labels) {
   const Wording wording = wording_of(oddity.kind);
   Finding finding;
   finding.name = wording.name;
@@ -60,7 +79,8 @@ Finding describe(const Diagnostic& oddity, const LineOf& line_of,
   finding.count = oddity.count;
   finding.short_text = oddity.count == 1 ? wording.one : wording.several;
   for (const auto& [atom, other] : oddity.examples)
-    finding.examples.push_back({atom, line_of(atom), atom != other, other, line_of(other)});
+    finding.examples.push_back({atom, line_of(atom), atom != other, other, line_of(other),
+                                label_text(labels, atom), label_text(labels, other)});
   finding.message =
       fmt::format("{}: {} {}: {}", input == "-" ? "<stdin>" : input.string(), finding.count,
                   finding.short_text, lines_text(finding, wording.relation));
@@ -70,9 +90,11 @@ Finding describe(const Diagnostic& oddity, const LineOf& line_of,
 }  // namespace
 
 std::vector<Finding> describe(std::span<const Diagnostic> oddities, const LineOf& line_of,
-                              const std::filesystem::path& input) {
+                              const std::filesystem::path& input,
+                              const std::map<AtomIndex, AtomLabel>& labels) {
   std::vector<Finding> findings;
-  for (const Diagnostic& oddity : oddities) findings.push_back(describe(oddity, line_of, input));
+  for (const Diagnostic& oddity : oddities)
+    findings.push_back(describe(oddity, line_of, input, labels));
   return findings;
 }
 

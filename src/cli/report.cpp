@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "cli/json.hpp"
+#include "cli/structure_report.hpp"
 #include "eses/version.hpp"
 #include "output/output_files.hpp"
 #include "simd/dispatch.hpp"
@@ -186,15 +187,24 @@ json::Value plan_json(const Plan& plan, const DiskSpace& disk) {
       {"cut_depth", plan.cut_depth}};
 }
 
+json::Value label_or_null(const std::string& label) {
+  return label.empty() ? json::Value() : json::Value(label);
+}
+
 json::Value findings_json(const std::vector<Finding>& findings) {
   json::Value items = json::Value::array();
   for (const Finding& finding : findings) {
     json::Value examples = json::Value::array();
-    for (const Finding::Example& example : finding.examples)
+    for (const Finding::Example& example : finding.examples) {
       examples.push_back({{"atom", example.atom},
                           {"line", example.line},
                           {"other_atom", number_unless(!example.has_other, example.other_atom)},
                           {"other_line", number_unless(!example.has_other, example.other_line)}});
+      if (!example.label.empty())
+        examples.back().update(
+            {{"label", example.label},
+             {"other_label", label_or_null(example.has_other ? example.other_label : "")}});
+    }
     items.push_back({{"kind", finding.name},
                      {"severity", finding.is_usual ? "note" : "warning"},
                      {"count", finding.count},
@@ -291,6 +301,7 @@ std::string plan_text(const Report& report) {
   const auto atoms = static_cast<std::int64_t>(report.atoms);
   std::string text = fmt::format("input: {} ({}{})\n", path_text(report.options.input),
                                  counted(atoms, "atom"), usual_text(report.findings));
+  if (report.structure) text += structure_text(*report.structure);
   text += fmt::format("parameters: probe radius {}, spacing {}, margin {} (angstrom)\n",
                       parameters.probe_radius, parameters.spacing, parameters.margin);
   text += fmt::format("grid: {} x {} x {} = {} points\n", points[0], points[1], points[2],
@@ -338,6 +349,7 @@ std::string json_text(const Report& report) {
                        {"version", version},
                        {"input", report.options.input.string()},
                        {"atoms", report.atoms},
+                       {"structure", report.structure ? structure_json(*report.structure) : json::Value()},
                        {"diagnostics", findings_json(report.findings)},
                        {"parameters", parameters_json(report.options.parameters)},
                        {"grid", grid_json(report.plan.grid)},

@@ -12,6 +12,8 @@
 
 #include "eses/error.hpp"
 #include "eses/version.hpp"
+#include "io/atom_lines.hpp"
+#include "io/atom_names.hpp"
 #include "mesh/mesh_writer.hpp"
 #include "output/inside_map.hpp"
 #include "plan/atom_hash.hpp"
@@ -166,6 +168,12 @@ void open_store(const RunTask& task, const AtomShare& share, const Processes& pr
   run.done = processes.gather<PlaneRange>(done);
 }
 
+// Labels the examples of the diagnostics if the names of the atoms are known.
+void name_examples(const AtomNames& names, FileOddities& oddities) {
+  if (names.is_empty()) return;
+  for (const auto& [atom, line] : oddities.lines) oddities.labels[atom] = names.label(atom);
+}
+
 // The threads of this process. Several processes on a machine share its processors.
 int threads_of(const RunTask& task, const Processes::Machine& machine, const Processes& processes) {
   const int chosen = task.parameters.threads;
@@ -225,11 +233,16 @@ void expect_pieces(const RunTask& task, Plan& whole) {
 RunPlan plan_run(const RunTask& task, const Processes& processes) {
   const Outputs& outputs = task.outputs;
   RunPlan run;
-  AtomShare share = read_share(task.input,
-                               {.format = task.format,
-                                .with_labels = outputs.residues || names_groups(outputs),
-                                .max_memory = task.parameters.max_memory},
-                               processes);
+  const bool has_names = is_structure(format_of(task.input, task.format));
+  AtomShare share =
+      read_share(task.input,
+                 {.format = task.format,
+                  .with_labels = has_names || outputs.residues || names_groups(outputs),
+                  .max_memory = task.parameters.max_memory,
+                  .structure = task.structure},
+                 processes);
+  run.structure = std::move(share.structure);
+  AtomNames names = std::exchange(share.names, {});
   processes.all_or_throw([&] { require_memory_for(share.total, task, processes); });
   run.atoms = share.total;
   run.read = share.range();
@@ -244,6 +257,7 @@ RunPlan plan_run(const RunTask& task, const Processes& processes) {
                                   threads_of(task, machine, processes), processes);
   run.slab = std::move(part.slab);
   run.oddities = std::move(part.oddities);
+  name_examples(std::exchange(names, {}), run.oddities);
   release_free_memory();
 
   std::array crossings{plan_slab(task, labels_held(labels, run, outputs), machine, processes, run)};

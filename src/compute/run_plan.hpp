@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <memory>
+#include <optional>
 #include <vector>
 
 #include "checkpoint/pieces.hpp"
@@ -20,6 +21,7 @@ namespace eses::detail {
 struct RunTask {
   std::filesystem::path input = {};
   AtomFormat format = AtomFormat::automatic;
+  StructureOptions structure = {};  ///< of PDB and mmCIF files
   Parameters parameters;
   Outputs outputs;
   std::filesystem::path output_directory;
@@ -38,6 +40,8 @@ struct RunPlan {
   AtomRange read;                     ///< the atoms that this process has read
   ResidueRuns residues;               ///< of the atoms in `read`, if tables of residues are written
   GroupNames groups;                  ///< first seen in `read`, if the mesh names them
+  /// What the first process has read of a PDB or mmCIF file.
+  std::optional<StructureReport> structure;
   std::unique_ptr<PieceStore> store;  ///< of a run that can be resumed; the first process locks it
   std::vector<PlaneRange> done;       ///< planes whose pieces an earlier run has left
 };

@@ -37,6 +37,8 @@ struct Slab {
 struct FileOddities {
   std::vector<Diagnostic> oddities;
   std::map<AtomIndex, std::uint64_t> lines;  ///< of all atoms that are examples
+  /// Labels of these atoms, in the first process and if the file is a PDB or mmCIF file.
+  std::map<AtomIndex, AtomLabel> labels;
 };
 
 struct SlabOfMolecule {
