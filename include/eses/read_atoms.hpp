@@ -23,7 +23,8 @@ enum class AtomFormat {
   /// ATOM and HETATM records. The last two numbers, before an element symbol if there is one, are
   /// charge and radius.
   pqr,
-  /// ATOM and HETATM records in the columns of the Protein Data Bank. Radii come from a set of radii.
+  /// ATOM and HETATM records in the columns of the Protein Data Bank. Radii come from a set of
+  /// radii.
   pdb,
   /// The category atom_site of PDBx/mmCIF. Radii come from a set of radii.
   mmcif,
@@ -77,10 +78,10 @@ struct RadiusSource {
 /// What has been read of a PDB or mmCIF file, and what has been left out. All counts are of atoms,
 /// before the operations of an assembly unless said otherwise.
 struct StructureReport {
-  std::string radii;         ///< Name of the set of radii.
-  std::string model;         ///< Number of the model that was read.
-  std::uint64_t models = 0;  ///< Number of models in the file.
-  std::string assembly;      ///< Identifier of the assembly; empty if none was built.
+  std::string radii;            ///< Name of the set of radii.
+  std::string model;            ///< Number of the model that was read.
+  std::uint64_t models = 0;     ///< Number of models in the file.
+  std::string assembly;         ///< Identifier of the assembly; empty if none was built.
   std::uint64_t operators = 1;  ///< Number of operators of the assembly.
 
   std::uint64_t atom_records = 0;    ///< Read from ATOM records other than water.

@@ -57,7 +57,8 @@ std::string lines_text(const Finding& finding, std::string_view relation) {
                         : place);
   }
   const std::uint64_t more = finding.count - finding.examples.size();
-  return fmt::format("{} {}{}", finding.count == 1 ? "line" : "lines", fmt::join(parts, has_labels ? "; " : ", "),
+  return fmt::format("{} {}{}", finding.count == 1 ? "line" : "lines",
+                     fmt::join(parts, has_labels ? "; " : ", "),
                      more > 0 ? fmt::format(" and {} more", more) : "");
 }
 
@@ -70,8 +71,7 @@ std::string label_text(const std::map<AtomIndex, AtomLabel>& labels, AtomIndex a
 }
 
 Finding describe(const Diagnostic& oddity, const LineOf& line_of,
-                 const std::filesystem::path& input,
-                 const std::map<AtomIndex, AtomLabel>& labels) {
+                 const std::filesystem::path& input, const std::map<AtomIndex, AtomLabel>& labels) {
   const Wording wording = wording_of(oddity.kind);
   Finding finding;
   finding.name = wording.name;

@@ -183,8 +183,8 @@ void begin_group(CLI::App& app, const char* name) { app.option_defaults()->group
 void add_grid_options(CLI::App& app, CommandLine& line) {
   begin_group(app, "Surface and grid");
   Parameters& parameters = line.options.parameters;
-  add_value(app, "FILE", "", "atoms as xyzr, PQR, PDB or mmCIF file; - is standard input", line.options.input,
-            path_to("a file"))
+  add_value(app, "FILE", "", "atoms as xyzr, PQR, PDB or mmCIF file; - is standard input",
+            line.options.input, path_to("a file"))
       ->required();
   const auto add_length = [&app](const char* positional, const char* option,
                                  const std::string& description, double fallback, Length& length,
@@ -224,14 +224,13 @@ void add_grid_options(CLI::App& app, CommandLine& line) {
 void add_file_options(CLI::App& app, CommandLine& line) {
   begin_group(app, "Input and output");
   Options& options = line.options;
-  add_value(
-      app, "--format", "NAME", "auto (by the file's suffix), xyzr, pqr, pdb or mmcif [auto]",
-      options.format,
-      one_of<AtomFormat>({{"auto", AtomFormat::automatic},
-                          {"xyzr", AtomFormat::xyzr},
-                          {"pqr", AtomFormat::pqr},
-                          {"pdb", AtomFormat::pdb},
-                          {"mmcif", AtomFormat::mmcif}}));
+  add_value(app, "--format", "NAME", "auto (by the file's suffix), xyzr, pqr, pdb or mmcif [auto]",
+            options.format,
+            one_of<AtomFormat>({{"auto", AtomFormat::automatic},
+                                {"xyzr", AtomFormat::xyzr},
+                                {"pqr", AtomFormat::pqr},
+                                {"pdb", AtomFormat::pdb},
+                                {"mmcif", AtomFormat::mmcif}}));
   add_value(app, "-o,--output-dir", "DIR", "where to write files, created if missing [.]",
             options.output_directory, path_to("a directory"));
   add_value(app, "--write", "LIST",
@@ -256,8 +255,7 @@ void add_file_options(CLI::App& app, CommandLine& line) {
            "several processes; each needs its own --output-dir",
            options.independent);
   add_value(
-      app, "--color", "NAME", "colours in a .ply file: patch, atom or chain [none]",
-      line.color,
+      app, "--color", "NAME", "colours in a .ply file: patch, atom or chain [none]", line.color,
       one_of<MeshColor>(
           {{"patch", MeshColor::patch}, {"atom", MeshColor::atom}, {"chain", MeshColor::chain}}));
 }
@@ -274,9 +272,7 @@ std::optional<std::string> altloc_in(const std::string& text) {
 }
 
 Format<std::string> text_of(std::string expected) {
-  return {[](const std::string& text) {
-            return text.empty() ? std::nullopt : std::optional(text);
-          },
+  return {[](const std::string& text) { return text.empty() ? std::nullopt : std::optional(text); },
           std::move(expected)};
 }
 
@@ -300,12 +296,12 @@ void add_structure_options(CLI::App& app, CommandLine& line) {
   add_flag(app, "--waters", "water molecules, too [left out]", structure.with_waters);
   add_flag(app, "--no-hetatm", "no ligands, ions and modified residues (HETATM)",
            line.without_hetatm);
-  add_value(app, "--hydrogens", "NAME",
-            "keep or drop them [drop with protor and msms, whose\n"
-            "radii include hydrogens; keep with bondi]",
-            structure.hydrogens,
-            one_of<HydrogenChoice>(
-                {{"keep", HydrogenChoice::keep}, {"drop", HydrogenChoice::drop}}));
+  add_value(
+      app, "--hydrogens", "NAME",
+      "keep or drop them [drop with protor and msms, whose\n"
+      "radii include hydrogens; keep with bondi]",
+      structure.hydrogens,
+      one_of<HydrogenChoice>({{"keep", HydrogenChoice::keep}, {"drop", HydrogenChoice::drop}}));
   add_value(app, "--chains", "LIST", "only these chains, such as A,B", structure.chains,
             Format<std::vector<std::string>>{chains_in, "names of chains, such as A,B"});
   add_value(app, "--select", "TEXT", "only atoms of a selection of gemmi, such as //A/10-20",
@@ -423,10 +419,10 @@ void refuse_structure_options(const CLI::App& app, const Options& options) {
     if (option->count() == 0 || option->get_group() != structure_group) continue;
     const std::string name = option->get_name();
     if (format == AtomFormat::pqr && name == model_option) continue;
-    throw UsageError(fmt::format("{} needs a PDB or mmCIF file; {} is read as {} (--format pdb or "
-                                 "mmcif if it is one)",
-                                 name, options.input.string(),
-                                 format == AtomFormat::pqr ? "PQR" : "xyzr"));
+    throw UsageError(
+        fmt::format("{} needs a PDB or mmCIF file; {} is read as {} (--format pdb or "
+                    "mmcif if it is one)",
+                    name, options.input.string(), format == AtomFormat::pqr ? "PQR" : "xyzr"));
   }
 }
 

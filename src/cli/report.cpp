@@ -345,20 +345,21 @@ std::string summary_text(const Report& report) {
 
 std::string json_text(const Report& report) {
   const Summary& summary = report.summary;
-  json::Value document{{"program", "eses-blocks"},
-                       {"version", version},
-                       {"input", report.options.input.string()},
-                       {"atoms", report.atoms},
-                       {"structure", report.structure ? structure_json(*report.structure) : json::Value()},
-                       {"diagnostics", findings_json(report.findings)},
-                       {"parameters", parameters_json(report.options.parameters)},
-                       {"grid", grid_json(report.plan.grid)},
-                       {"region", region_json(report.plan)},
-                       {"blocks", blocks_json(report.plan.tiling)},
-                       {"threads", report.plan.threads},
-                       {"instruction_set", name_of(instruction_set())},
-                       {"plan", plan_json(report.plan, report.disk)},
-                       {"dry_run", report.options.dry_run}};
+  json::Value document{
+      {"program", "eses-blocks"},
+      {"version", version},
+      {"input", report.options.input.string()},
+      {"atoms", report.atoms},
+      {"structure", report.structure ? structure_json(*report.structure) : json::Value()},
+      {"diagnostics", findings_json(report.findings)},
+      {"parameters", parameters_json(report.options.parameters)},
+      {"grid", grid_json(report.plan.grid)},
+      {"region", region_json(report.plan)},
+      {"blocks", blocks_json(report.plan.tiling)},
+      {"threads", report.plan.threads},
+      {"instruction_set", name_of(instruction_set())},
+      {"plan", plan_json(report.plan, report.disk)},
+      {"dry_run", report.options.dry_run}};
   if (!report.options.dry_run)
     document.update({{"area", summary.area},
                      {"volume", summary.volume},

@@ -9,6 +9,8 @@
 #include <string_view>
 #include <vector>
 
+#include "io/text_fields.hpp"
+
 namespace eses::detail::cli {
 namespace {
 
@@ -65,8 +67,8 @@ std::string sources_text(const std::vector<RadiusSource>& sources, std::string_v
   constexpr std::size_t most_names = 4;
   std::vector<std::string> names;
   for (std::size_t i = 0; i < std::min(most_names, sources.size()); ++i)
-    names.push_back(fmt::format("{} {} {}", sources[i].residue, sources[i].atom_name,
-                                sources[i].radius));
+    names.push_back(printable(
+        fmt::format("{} {} {}", sources[i].residue, sources[i].atom_name, sources[i].radius)));
   if (sources.size() > most_names) names.emplace_back("...");
   const std::uint64_t atoms = count_atoms(sources);
   return fmt::format("; {} {} {} ({})", atoms, atoms == 1 ? "atom" : "atoms", how,
@@ -85,13 +87,14 @@ json::Value sources_json(const std::vector<RadiusSource>& sources) {
 }
 
 std::string model_text(const StructureReport& report) {
-  return report.models < 2 ? ""
-                           : fmt::format(" of model {} ({} models)", report.model, report.models);
+  return report.models < 2
+             ? ""
+             : fmt::format(" of model {} ({} models)", printable(report.model), report.models);
 }
 
 std::string assembly_text(const StructureReport& report) {
   if (report.assembly.empty()) return "";
-  return fmt::format("; assembly {} by {} {}", report.assembly, report.operators,
+  return fmt::format("; assembly {} by {} {}", printable(report.assembly), report.operators,
                      report.operators == 1 ? "operator" : "operators");
 }
 
@@ -101,8 +104,8 @@ std::string structure_text(const StructureReport& report) {
   const std::string dropped = counts_text(report, dropped_counts);
   return fmt::format("read: {}{}{}\n{}radii: {}{}{}\n", counts_text(report, kept_counts),
                      model_text(report), assembly_text(report),
-                     dropped.empty() ? "" : fmt::format("left out: {}\n", dropped), report.radii,
-                     sources_text(report.by_element, "by element"),
+                     dropped.empty() ? "" : fmt::format("left out: {}\n", dropped),
+                     printable(report.radii), sources_text(report.by_element, "by element"),
                      sources_text(report.unknown, "of unknown radius"));
 }
 

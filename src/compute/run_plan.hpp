@@ -36,10 +36,10 @@ struct RunPlan {
   Plan own;    ///< of this process's slab
   Slab slab;
   FileOddities oddities;
-  std::uint64_t atoms = 0;            ///< number of atoms in the molecule
-  AtomRange read;                     ///< the atoms that this process has read
-  ResidueRuns residues;               ///< of the atoms in `read`, if tables of residues are written
-  GroupNames groups;                  ///< first seen in `read`, if the mesh names them
+  std::uint64_t atoms = 0;  ///< number of atoms in the molecule
+  AtomRange read;           ///< the atoms that this process has read
+  ResidueRuns residues;     ///< of the atoms in `read`, if tables of residues are written
+  GroupNames groups;        ///< first seen in `read`, if the mesh names them
   /// What the first process has read of a PDB or mmCIF file.
   std::optional<StructureReport> structure;
   std::unique_ptr<PieceStore> store;  ///< of a run that can be resumed; the first process locks it

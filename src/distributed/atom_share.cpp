@@ -129,8 +129,8 @@ void read_atoms_of(const TextFile& file, const Part& part, const AtomLines& line
     offset += count;
     return count;
   };
-  const LinesRead found = read_atom_lines(
-      read_text, lines, read.atoms, [&] { take_labels(read.atoms.labels, read.residues); });
+  const LinesRead found = read_atom_lines(read_text, lines, read.atoms,
+                                          [&] { take_labels(read.atoms.labels, read.residues); });
   read.likeness = found.likeness;
   read.models = found.models;
 }

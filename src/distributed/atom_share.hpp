@@ -36,8 +36,8 @@ struct AtomShare {
 
 /// Reads a file; to be called by all processes. Several processes read a plain file in parts of
 /// equal size. The first process alone reads a compressed file, a PDB or mmCIF file, a model of
-/// a PQR file, and a file that is not regular, such as standard input. Labels, if `options` requests them, are kept as residues. The memory limit of
-/// `options` holds for each process.
+/// a PQR file, and a file that is not regular, such as standard input. Labels, if `options`
+/// requests them, are kept as residues. The memory limit of `options` holds for each process.
 ///
 /// Throws SharedError where read_atoms would throw Error, for the first error in the file.
 AtomShare read_share(const std::filesystem::path& path, ReadOptions options,

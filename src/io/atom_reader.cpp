@@ -505,8 +505,7 @@ void for_whole_lines(const ReadText& read, const std::function<void(std::string_
 class GrowthLimit {
  public:
   explicit GrowthLimit(const AtomLines& lines)
-      : lines_(lines),
-        max_resident_(max_resident_while_reading(lines.max_memory)) {}
+      : lines_(lines), max_resident_(max_resident_while_reading(lines.max_memory)) {}
 
   /// Makes room for `added` more atoms, or throws Error if their memory exceeds the limit.
   void make_room(std::size_t added, std::uint64_t line, AtomFile& result) const {
@@ -661,9 +660,10 @@ std::uint64_t max_resident_while_reading(std::uint64_t max_memory) {
 
 void refuse_models(std::string_view name, std::uint64_t models) {
   if (models < 2) return;
-  throw Error(fmt::format("{}: {} models, whose atoms lie on top of each other; choose one with "
-                          "--model N",
-                          name, models));
+  throw Error(
+      fmt::format("{}: {} models, whose atoms lie on top of each other; choose one with "
+                  "--model N",
+                  name, models));
 }
 
 AtomFormat format_of(const std::filesystem::path& path, AtomFormat format) {

@@ -63,8 +63,7 @@ constexpr std::array other_formats{
 };
 
 [[noreturn]] void refuse(std::string_view name, const OtherFormat& format) {
-  throw Error(
-      fmt::format("{}: {} files are not read; {}", name, format.name, format.advice));
+  throw Error(fmt::format("{}: {} files are not read; {}", name, format.name, format.advice));
 }
 
 /// The first line that is neither blank nor a comment that begins with `comment`.
@@ -104,10 +103,8 @@ struct Magic {
 };
 
 constexpr std::array magics{
-    Magic{0, {"\0\0\x07\xcb", 4}, &xtc},
-    Magic{0, {"\0\0\x07\xc9", 4}, &xtc},
-    Magic{4, {"CORD", 4}, &dcd},
-    Magic{0, {"%VERSION", 8}, &prmtop},
+    Magic{0, {"\0\0\x07\xcb", 4}, &xtc}, Magic{0, {"\0\0\x07\xc9", 4}, &xtc},
+    Magic{4, {"CORD", 4}, &dcd},         Magic{0, {"%VERSION", 8}, &prmtop},
     Magic{0, {"PSF ", 4}, &psf},
 };
 

@@ -11,7 +11,7 @@
 #include <vector>
 
 #include "eses/error.hpp"
-#include "structure/read_input.hpp"
+#include "io/text_fields.hpp"
 
 namespace eses::detail {
 namespace {
@@ -80,14 +80,14 @@ bool is_by_element(const AtomKind& kind) { return kind.found && kind.found->by_e
     if (atoms == 0) line = kind.first_line;
     atoms += kind.source.count;
     if (names.size() < most_names)
-      names.push_back(fmt::format("{} {}", kind.source.residue, kind.source.atom_name));
+      names.push_back(printable(fmt::format("{} {}", kind.source.residue, kind.source.atom_name)));
     else
       ++others;
   }
   throw Error(fmt::format(
       "{}:{}: {} without a radius in the set {}: {}{}; --unknown-radius gives them one, and a file "
       "for --radii names each",
-      file, line, atoms == 1 ? "1 atom is" : fmt::format("{} atoms are", atoms), radii,
+      file, line, atoms == 1 ? "1 atom is" : fmt::format("{} atoms are", atoms), printable(radii),
       fmt::join(names, ", "), others > 0 ? fmt::format(" and {} more names", others) : ""));
 }
 
@@ -98,14 +98,8 @@ AtomLabel label_of(const SelectedStructure& structure, const StructureAtom& atom
 
 }  // namespace
 
-std::string text_of(const RadiusSource& source) {
-  return fmt::format("{} {} {}{}", source.residue, source.atom_name, source.radius,
-                     source.count > 1 ? fmt::format(" ({} atoms)", source.count) : "");
-}
-
 AtomFile assign_radii(SelectedStructure structure, const RadiiSet& radii,
-                      std::optional<double> unknown_radius, bool with_labels,
-                      std::string_view file,
+                      std::optional<double> unknown_radius, bool with_labels, std::string_view file,
                       const std::function<void(AtomFile& atoms)>& after_piece) {
   constexpr std::size_t piece_atoms = std::size_t{1} << 14;
   AtomFile result;

@@ -104,9 +104,9 @@ constexpr RadiusGroup protor[] = {
 // (revision 1.13) of MSMS assign them to names of residues and atoms: M. F. Sanner, A. J. Olson,
 // J.-C. Spehner, Biopolymers 38 (1996) 305-320,
 // doi:10.1002/(SICI)1097-0282(199603)38:3%3C305::AID-BIP4%3E3.0.CO;2-Y. Carbon without hydrogens is
-// 1.74, aromatic CH 1.86, aliphatic carbon 2.00; nitrogen 1.70, NH2 1.80, NH3 2.00, without hydrogen
-// 1.54; oxygen 1.40, OH and water 1.60. As in MSMS, CG of leucine has no hydrogen. Manganese is
-// 1.24, which MSMS has too, but does not reach: there it is 0.
+// 1.74, aromatic CH 1.86, aliphatic carbon 2.00; nitrogen 1.70, NH2 1.80, NH3 2.00, without
+// hydrogen 1.54; oxygen 1.40, OH and water 1.60. As in MSMS, CG of leucine has no hydrogen.
+// Manganese is 1.24, which MSMS has too, but does not reach: there it is 0.
 constexpr RadiusGroup msms[] = {
     {1.60, "WAT HOH H2O DOD DIS", "O*"},
     {1.97, "CA", "CA"},

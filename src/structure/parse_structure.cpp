@@ -43,10 +43,10 @@ constexpr double largest_length = 1e6;  // angstrom
 std::string message_of(std::string_view what) {
   what = what.substr(0, what.find('\n'));
   // The caller names file and line.
-  if (what.starts_with("Problem in line ")) what.remove_prefix(std::min(what.size(), what.find(':') + 2));
+  if (what.starts_with("Problem in line "))
+    what.remove_prefix(std::min(what.size(), what.find(':') + 2));
   while (what.ends_with('.') || what.ends_with(':') || what.ends_with(' ')) what.remove_suffix(1);
-  std::string message = quoted(what);
-  return message.substr(1, message.size() - 2);
+  return printable(what);
 }
 
 // ------------------------------------------------------------------------------------------- PDB
@@ -85,6 +85,9 @@ class PdbLines {
  private:
   // https://www.wwpdb.org/documentation/file-format-content/format33/sect9.html
   static constexpr std::size_t serial_column = 6, serial_width = 5;
+  static constexpr std::size_t name_column = 12, name_width = 4;
+  static constexpr std::size_t residue_column = 17, residue_width = 3;
+  static constexpr std::size_t element_column = 76, charge_column = 78;
   static constexpr std::size_t coordinate_column = 30, coordinate_width = 8;
   static constexpr std::size_t end_of_coordinates = coordinate_column + 3 * coordinate_width;
 
@@ -94,19 +97,57 @@ class PdbLines {
     if (length < end_of_coordinates)
       fail(name_, line_, "the record ends before its coordinates; the file seems to be damaged");
     for (std::size_t axis = 0; axis < 3; ++axis)
-      check_coordinate(
-          record.substr(coordinate_column + axis * coordinate_width, coordinate_width), "xyz"[axis]);
+      check_coordinate(record.substr(coordinate_column + axis * coordinate_width, coordinate_width),
+                       "xyz"[axis]);
     write_line_number(buffer + serial_column);
+    // Charges are not used, and old files have line numbers there.
+    if (length > charge_column) std::memset(buffer + charge_column, ' ', length - charge_column);
+    if (!has_element(record)) write_element(buffer, length);
+  }
+
+  static bool has_element(std::string_view record) {
+    return record.size() > element_column + 1 &&
+           (is_letter(record[element_column]) || is_letter(record[element_column + 1]));
+  }
+
+  // Writes the element where gemmi would take it from the columns of the atom's name, which are
+  // those of calcium and mercury if the name is not aligned: `CA  ` and `HG  ` in an amino acid.
+  static void write_element(char* buffer, std::size_t length) {
+    const std::string_view record(buffer, length);
+    const std::string_view name = column_text(record, name_column, name_width);
+    const std::string_view residue = column_text(record, residue_column, residue_width);
+    const char element = element_by_name(name, residue);
+    if (element == '\0') return;
+    for (; length < element_column; ++length) buffer[length] = ' ';
+    std::memcpy(buffer + element_column, std::array{' ', element, '\n', '\0'}.data(), 4);
+  }
+
+  // 0 if the name does not tell. `HG` in a residue HG is mercury.
+  static char element_by_name(std::string_view name, std::string_view residue) {
+    const bool is_ion = name == residue;
+    while (!name.empty() && is_digit(name.front())) name.remove_prefix(1);
+    if (name.empty() || is_ion || name.starts_with("SE")) return '\0';
+    const char first = name.front();
+    if (first == 'H' || first == 'D') return first;
+    const gemmi::ResidueInfo& info = gemmi::find_tabulated_residue(std::string(residue));
+    const bool is_polymer = info.is_amino_acid() || info.is_nucleic_acid();
+    return is_polymer && std::string_view("CNOSP").find(first) != std::string_view::npos ? first
+                                                                                         : '\0';
+  }
+
+  static std::string_view column_text(std::string_view record, std::size_t first,
+                                      std::size_t width) {
+    return without_trailing_blanks(without_leading_blanks(record.substr(first, width)));
   }
 
   void check_coordinate(std::string_view column, char axis) const {
     const std::string_view field = without_trailing_blanks(without_leading_blanks(column));
     double value = 0;
     if (parse_number(field, value) != std::errc{} || !std::isfinite(value))
-      fail(name_, line_, fmt::format("expected a number for {} in columns {} to {}, found {}", axis,
-                                     coordinate_column + 1 + coordinate_width * (axis - 'x'),
-                                     coordinate_column + coordinate_width * (axis - 'w'),
-                                     quoted(field)));
+      fail(name_, line_,
+           fmt::format("expected a number for {} in columns {} to {}, found {}", axis,
+                       coordinate_column + 1 + coordinate_width * (axis - 'x'),
+                       coordinate_column + coordinate_width * (axis - 'w'), quoted(field)));
   }
 
   // Five digits, or from 100000 on the hybrid-36 numbers that gemmi reads:
@@ -162,8 +203,8 @@ struct NumberingAction<gemmi::cif::rules::loop_value> {
   }
 };
 
-/// Gives the atoms the numbers of their lines, which gemmi then reads as their serial numbers. Their
-/// anisotropic displacements, which refer to the former numbers, are removed.
+/// Gives the atoms the numbers of their lines, which gemmi then reads as their serial numbers.
+/// Their anisotropic displacements, which refer to the former numbers, are removed.
 void number_atoms(NumberedDocument& document) {
   std::size_t row = 0;
   for (gemmi::cif::Block& block : document.blocks) {
@@ -211,12 +252,11 @@ gemmi::Model& find_model(gemmi::Structure& structure, int number, std::string_vi
   if (number == 0) return structure.models.front();
   gemmi::Model* const model = structure.find_model(std::to_string(number));
   if (model != nullptr && !model->chains.empty()) return *model;
-  throw Error(fmt::format("{}: there is no model {} (--model); the file has {}, from {} to {}", name,
-                          number,
-                          structure.models.size() == 1
-                              ? "one model"
-                              : fmt::format("{} models", structure.models.size()),
-                          structure.models.front().name, structure.models.back().name));
+  throw Error(fmt::format(
+      "{}: there is no model {} (--model); the file has {}, from {} to {}", name, number,
+      structure.models.size() == 1 ? "one model"
+                                   : fmt::format("{} models", structure.models.size()),
+      printable(structure.models.front().name), printable(structure.models.back().name)));
 }
 
 std::uint64_t count_atoms(const gemmi::Residue& residue) { return residue.atoms.size(); }
@@ -264,7 +304,8 @@ std::uint64_t keep_chains(gemmi::Model& model, const std::vector<std::string>& n
   for (const std::string& name : names)
     if (!known.contains(name))
       throw Error(fmt::format("{}: there is no chain {} (--chains); its chains are {}", file,
-                              detail::quoted(name), detail::quoted(fmt::format("{}", fmt::join(known, ",")))));
+                              detail::quoted(name),
+                              detail::quoted(fmt::format("{}", fmt::join(known, ",")))));
   return drop(model.chains, [&](const gemmi::Chain& chain) {
     return std::find(names.begin(), names.end(), chain.name) == names.end();
   });
@@ -284,14 +325,13 @@ std::uint64_t keep_selected(gemmi::Structure& structure, gemmi::Model& model,
   const gemmi::Selection selection = parse_selection(text);
   if (!selection.matches(model))
     throw Error(fmt::format("{}: --select is of model {}, but model {} is read; use --model {}",
-                            file, selection.mdl, model.name, selection.mdl));
+                            file, selection.mdl, printable(model.name), selection.mdl));
   // The kinds of residues, such as ;polymer, are found out only if they are selected.
   if (!selection.entity_types.all) gemmi::setup_entities(structure);
-  std::uint64_t count = drop(model.chains, [&](const gemmi::Chain& chain) {
-    return !selection.matches(chain);
-  });
-  count += drop_residues(model,
-                         [&](const gemmi::Residue& residue) { return !selection.matches(residue); });
+  std::uint64_t count =
+      drop(model.chains, [&](const gemmi::Chain& chain) { return !selection.matches(chain); });
+  count += drop_residues(
+      model, [&](const gemmi::Residue& residue) { return !selection.matches(residue); });
   return count +
          drop_atoms(model, [&](const gemmi::Atom& atom) { return !selection.matches(atom); });
 }
@@ -305,9 +345,8 @@ std::vector<ResidueGroup> residue_groups(gemmi::Chain& chain) {
   std::vector<ResidueGroup> groups;
   const auto end = chain.residues.end();
   for (auto first = chain.residues.begin(); first != end;) {
-    const auto last = std::find_if(first, end, [&](const gemmi::Residue& residue) {
-      return residue.seqid != first->seqid;
-    });
+    const auto last = std::find_if(
+        first, end, [&](const gemmi::Residue& residue) { return residue.seqid != first->seqid; });
     groups.emplace_back(first, last);
     first = last;
   }
@@ -386,7 +425,8 @@ std::uint64_t keep_altlocs(gemmi::Model& model, const std::string& wanted, std::
       }
     }
   if (!is_known)
-    throw Error(fmt::format("{}: no atom has the alternate location {} (--altloc)", file, wanted));
+    throw Error(fmt::format("{}: no atom has the alternate location {} (--altloc)", file,
+                            printable(wanted)));
   return dropped;
 }
 
@@ -415,8 +455,8 @@ class AtomList {
     const gemmi::Position& at = atom.pos;
     for (const double value : {at.x, at.y, at.z})
       if (!(std::fabs(value) <= largest_length))
-        fail(file_, line, fmt::format("expected coordinates of at most {:.0f} angstrom",
-                                      largest_length));
+        fail(file_, line,
+             fmt::format("expected coordinates of at most {:.0f} angstrom", largest_length));
     result_.atoms.push_back({{at.x, at.y, at.z},
                              line,
                              residue,
@@ -457,10 +497,9 @@ class CopyNames {
 
   void begin_operator(const gemmi::Transform& transform) {
     constexpr double equal_transforms = 1e-6;
-    const auto found =
-        std::find_if(transforms_.begin(), transforms_.end(), [&](const gemmi::Transform& other) {
-          return other.approx(transform, equal_transforms);
-        });
+    const auto found = std::find_if(
+        transforms_.begin(), transforms_.end(),
+        [&](const gemmi::Transform& other) { return other.approx(transform, equal_transforms); });
     operator_ = static_cast<std::size_t>(found - transforms_.begin());
     if (found == transforms_.end()) transforms_.push_back(transform);
   }
@@ -505,11 +544,12 @@ const gemmi::Assembly& find_assembly(gemmi::Structure& structure, const std::str
                                      std::string_view file) {
   if (const gemmi::Assembly* const found = structure.find_assembly(id)) return *found;
   std::vector<std::string> ids;
-  for (const gemmi::Assembly& assembly : structure.assemblies) ids.push_back(assembly.name);
-  throw Error(fmt::format(
-      "{}: there is no assembly {} (--assembly); {}", file, detail::quoted(id),
-      ids.empty() ? "the file describes none"
-                  : fmt::format("its assemblies are {}", fmt::join(ids, ", "))));
+  for (const gemmi::Assembly& assembly : structure.assemblies)
+    ids.push_back(printable(assembly.name));
+  throw Error(fmt::format("{}: there is no assembly {} (--assembly); {}", file, detail::quoted(id),
+                          ids.empty()
+                              ? "the file describes none"
+                              : fmt::format("its assemblies are {}", fmt::join(ids, ", "))));
 }
 
 void build_assembly(const gemmi::Assembly& assembly, const gemmi::Model& model,
@@ -558,8 +598,7 @@ void count_kept(const gemmi::Model& model, StructureReport& report) {
 SelectedStructure parse_structure(const StructureText& text, const StructureOptions& options,
                                   bool with_hydrogens,
                                   const std::function<void(std::uint64_t bytes)>& require_memory) {
-  gemmi::Structure structure =
-      text.format == AtomFormat::pdb ? parse_pdb(text) : parse_mmcif(text);
+  gemmi::Structure structure = text.format == AtomFormat::pdb ? parse_pdb(text) : parse_mmcif(text);
   require_memory(0);
   gemmi::Model& model = find_model(structure, options.model, text.name);
   SelectedStructure result;

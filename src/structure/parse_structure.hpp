@@ -19,11 +19,11 @@ struct StructureResidue {
 
 struct StructureAtom {
   Vec3 center;
-  std::uint64_t line = 0;       ///< in the file, 1-based
-  std::uint32_t residue = 0;    ///< index in SelectedStructure::residues
-  std::uint32_t name = 0;       ///< index in SelectedStructure::atom_names
-  std::uint8_t element = 0;     ///< atomic number; 0 if unknown
-  bool is_hydrogen = false;     ///< hydrogen or deuterium
+  std::uint64_t line = 0;     ///< in the file, 1-based
+  std::uint32_t residue = 0;  ///< index in SelectedStructure::residues
+  std::uint32_t name = 0;     ///< index in SelectedStructure::atom_names
+  std::uint8_t element = 0;   ///< atomic number; 0 if unknown
+  bool is_hydrogen = false;   ///< hydrogen or deuterium
 };
 
 struct SelectedStructure {

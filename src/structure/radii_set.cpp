@@ -48,7 +48,8 @@ RadiiSet msms_set() {
           }};
 }
 
-// ------------------------------------------------------------------- FreeSASA's configuration files
+// ------------------------------------------------------------------- FreeSASA's configuration
+// files
 
 enum class Section { none, types, atoms };
 
@@ -98,9 +99,10 @@ class ConfigurationReader {
 
   RadiiSet finished() && {
     if (radii_.is_empty())
-      throw Error(fmt::format("{}: no atoms found; expected a set of radii in FreeSASA's "
-                              "configuration format, with the sections types: and atoms:",
-                              file_));
+      throw Error(
+          fmt::format("{}: no atoms found; expected a set of radii in FreeSASA's "
+                      "configuration format, with the sections types: and atoms:",
+                      file_));
     return {name_, !names_hydrogens_,
             [radii = std::move(radii_)](const AtomIdentity& atom) -> std::optional<FoundRadius> {
               if (const auto radius = radii.find(atom.residue, atom.atom))

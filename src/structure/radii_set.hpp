@@ -38,9 +38,9 @@ inline constexpr std::string_view named_radii = "protor, bondi or msms";
 std::optional<RadiiSet> named_radii_set(std::string_view name);
 
 /// Reads a set from a text in FreeSASA's configuration format: the sections `types:` (lines `TYPE
-/// RADIUS polar|apolar`) and `atoms:` (lines `RESIDUE ATOM TYPE`, ANY for all residues), and `name:`.
-/// Atoms that it does not name have FreeSASA's radius of their element. The radii are those of
-/// united atoms unless it names hydrogens. Throws Error with `file` and the line.
+/// RADIUS polar|apolar`) and `atoms:` (lines `RESIDUE ATOM TYPE`, ANY for all residues), and
+/// `name:`. Atoms that it does not name have FreeSASA's radius of their element. The radii are
+/// those of united atoms unless it names hydrogens. Throws Error with `file` and the line.
 RadiiSet parse_radii_set(std::string_view text, std::string_view file);
 
 }  // namespace eses::detail

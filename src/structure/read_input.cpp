@@ -34,14 +34,17 @@ constexpr std::uint64_t max_radii_bytes = std::uint64_t{4} << 20;
 class ReadingLimit {
  public:
   ReadingLimit(std::string_view name, std::uint64_t max_memory)
-      : name_(name), max_memory_(max_memory), max_resident_(max_resident_while_reading(max_memory)) {}
+      : name_(name),
+        max_memory_(max_memory),
+        max_resident_(max_resident_while_reading(max_memory)) {}
 
   /// Throws Error if so many bytes more exceed the limit.
   void require(std::uint64_t bytes) const {
     if (max_memory_ == 0 || resident_memory() + bytes <= max_resident_) return;
-    throw Error(fmt::format("{}: reading the file takes more memory than the {} that the run may "
-                            "hold; use a larger limit (--max-memory)",
-                            name_, binary_bytes_text(max_memory_)));
+    throw Error(
+        fmt::format("{}: reading the file takes more memory than the {} that the run may "
+                    "hold; use a larger limit (--max-memory)",
+                    name_, binary_bytes_text(max_memory_)));
   }
 
  private:
@@ -94,14 +97,14 @@ RadiiSet radii_set(const std::string& name_or_file) {
     return parse_radii_set(text, name_or_file);
   } catch (const Error& error) {
     if (std::filesystem::exists(name_or_file)) throw;
-    throw Error(fmt::format("--radii: expected {}, or a file in FreeSASA's configuration format: {}",
-                            named_radii, error.what()));
+    throw Error(
+        fmt::format("--radii: expected {}, or a file in FreeSASA's configuration format: {}",
+                    named_radii, error.what()));
   }
 }
 
 bool keeps_hydrogens(HydrogenChoice choice, const RadiiSet& radii) {
-  return choice == HydrogenChoice::keep ||
-         (choice == HydrogenChoice::by_radii && !radii.is_united);
+  return choice == HydrogenChoice::keep || (choice == HydrogenChoice::by_radii && !radii.is_united);
 }
 
 /// The first record or category decides, whatever the file is called.
@@ -117,11 +120,11 @@ void require_format(std::string_view text, std::string_view name, AtomFormat for
   const std::uint64_t dropped = report.dropped_chains + report.dropped_selection +
                                 report.dropped_waters + report.dropped_hetatm +
                                 report.dropped_hydrogens + report.dropped_altlocs;
-  throw Error(fmt::format("{}: no atoms left of {}; {} left out by chains, {} by --select, {} of "
-                          "water, {} of HETATM records, {} hydrogens",
-                          name, dropped, report.dropped_chains, report.dropped_selection,
-                          report.dropped_waters, report.dropped_hetatm,
-                          report.dropped_hydrogens));
+  throw Error(
+      fmt::format("{}: no atoms left of {}; {} left out by chains, {} by --select, {} of "
+                  "water, {} of HETATM records, {} hydrogens",
+                  name, dropped, report.dropped_chains, report.dropped_selection,
+                  report.dropped_waters, report.dropped_hetatm, report.dropped_hydrogens));
 }
 
 AtomFile parse(std::string_view text, std::string_view name, const ReadOptions& options,
@@ -131,16 +134,15 @@ AtomFile parse(std::string_view text, std::string_view name, const ReadOptions& 
   const StructureOptions& choices = options.structure;
   const RadiiSet radii = radii_set(choices.radii);
   limit.require(expected_bytes(text, options.format));
-  SelectedStructure structure =
-      parse_structure({text, name, options.format}, choices,
-                      keeps_hydrogens(choices.hydrogens, radii),
-                      [&limit](std::uint64_t bytes) { limit.require(bytes); });
+  SelectedStructure structure = parse_structure(
+      {text, name, options.format}, choices, keeps_hydrogens(choices.hydrogens, radii),
+      [&limit](std::uint64_t bytes) { limit.require(bytes); });
   // The memory of gemmi is free now, and counts no more.
   release_free_memory();
   if (structure.atoms.empty()) fail_without_atoms(name, structure.report);
   const bool keeps_labels = options.with_labels && !after_piece;
-  limit.require(structure.atoms.size() * (sizeof(Atom) + sizeof(std::uint64_t) +
-                                          (keeps_labels ? sizeof(AtomLabel) : 0)));
+  limit.require(structure.atoms.size() *
+                (sizeof(Atom) + sizeof(std::uint64_t) + (keeps_labels ? sizeof(AtomLabel) : 0)));
   return assign_radii(std::move(structure), radii, choices.unknown_radius, options.with_labels,
                       name, after_piece);
 }
@@ -186,8 +188,7 @@ AtomFile read_atoms(const std::filesystem::path& path, const ReadOptions& option
 AtomFile parse_atoms(std::string_view text, AtomFormat format, std::string_view name,
                      const StructureOptions& structure) {
   if (is_structure(format))
-    return detail::parse_structure_atoms(text, name,
-                                         {.format = format, .structure = structure});
+    return detail::parse_structure_atoms(text, name, {.format = format, .structure = structure});
   return detail::parse_atom_text(
       text, {.format = format, .name = name, .with_labels = true, .model = structure.model});
 }

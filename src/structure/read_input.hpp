@@ -17,7 +17,4 @@ AtomFile read_input(const std::filesystem::path& path, const ReadOptions& option
 AtomFile parse_structure_atoms(std::string_view text, std::string_view name,
                                const ReadOptions& options);
 
-/// What a report says about atoms of one name: residue, atom, radius and count.
-std::string text_of(const RadiusSource& source);
-
 }  // namespace eses::detail
