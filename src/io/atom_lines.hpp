@@ -21,8 +21,8 @@ struct AtomLines {
   bool with_labels = false;      ///< only PQR has labels
   std::uint64_t max_memory = 0;  ///< see ReadOptions
   int model = 0;                 ///< see StructureOptions; only PQR has models
-  /// Number of the model in whose records the text begins; 0 if none has begun before it.
-  int model_before = 0;
+  /// Number of the model in whose records the text begins. What is in no model is in model 1.
+  int model_before = 1;
 };
 
 /// Counts of PQR records that look like those of a PDB file.

@@ -209,9 +209,15 @@ void number_atoms(NumberedDocument& document) {
   std::size_t row = 0;
   for (gemmi::cif::Block& block : document.blocks) {
     for (gemmi::cif::Item& item : block.items) {
+      // A table of one atom need not be a loop.
+      if (item.type == gemmi::cif::ItemType::Pair && item.pair[0] == "_atom_site.id")
+        item.pair[1] = std::to_string(item.line_number);
       if (item.type != gemmi::cif::ItemType::Loop || item.loop.tags.empty()) continue;
       gemmi::cif::Loop& loop = item.loop;
-      if (loop.tags.front().starts_with("_atom_site_anisotrop.")) item.erase();
+      if (loop.tags.front().starts_with("_atom_site_anisotrop.")) {
+        item.erase();
+        continue;
+      }
       if (!loop.tags.front().starts_with(atom_category)) continue;
       const std::size_t rows = loop.length();
       if (const int id = loop.find_tag("_atom_site.id"); id >= 0)
