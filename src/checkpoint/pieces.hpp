@@ -29,7 +29,7 @@ struct AtomSum {
 };
 
 /// The texts of a piece, numbered: those of grid_info.txt and intersection_info.txt, rows of words
-/// for the map, and of the mesh vertices as text of its format and triangles as
+/// for the map, and of the mesh vertices as text or records of its format and triangles as
 /// mesh::LocalTriangle.
 enum class PieceText : std::uint8_t { grid, edges, map, vertices, triangles };
 inline constexpr std::size_t piece_texts = 5;
@@ -52,7 +52,8 @@ struct Piece {
   /// Open while they are written, and afterwards unless they are in a store.
   std::array<std::unique_ptr<ScratchFile>, piece_texts> texts;
   /// The piece is the whole run, and texts without a scratch file are at their place in the final
-  /// files. The triangles are in a scratch file, as text of the mesh's format.
+  /// files. Triangles that are in a scratch file are text of the mesh's format, or LocalTriangle in
+  /// a format with columns.
   bool is_in_place = false;
   bool is_restored = false;  ///< left by an earlier run, so that its texts may be damaged
 

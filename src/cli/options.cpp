@@ -86,6 +86,7 @@ struct CommandLine {
   bool gzip = false;
   std::filesystem::path inside_map, mesh;  ///< empty: not given
   MeshColor color = MeshColor::none;
+  bool is_ascii = false;
 };
 
 // --- formats of values --------------------------------------------------------------------------
@@ -235,8 +236,13 @@ void add_file_options(CLI::App& app, CommandLine& line) {
             "(OpenDX) or FILE.vti (VTK image data)",
             line.inside_map, Format{map_in, "the name of a file that ends with .dx or .vti"});
   add_flag(app, "--gzip", "text files compressed, as NAME.gz; diff reads both", line.gzip);
-  add_value(app, "--mesh", "FILE", "also the surface as triangles: .ply, .obj or .off", line.mesh,
-            Format{mesh_in, "a file that ends in .ply, .obj or .off"});
+  add_value(
+      app, "--mesh", "FILE",
+      "also the surface as triangles: .ply, .obj, .off, .vtp,\n"
+      "or .vert or .face for MSMS's pair of both",
+      line.mesh,
+      Format<std::filesystem::path>{mesh_in, fmt::format("a file that ends in {}", mesh_suffixes)});
+  add_flag(app, "--ply-ascii", "a .ply file as text, for programs such as PyMOL", line.is_ascii);
   add_flag(app, "--resume",
            "keep what is done where a run is cut off, and go on\n"
            "from there the next time",
@@ -246,7 +252,9 @@ void add_file_options(CLI::App& app, CommandLine& line) {
            "several processes; each needs its own --output-dir",
            options.independent);
   add_value(
-      app, "--color", "NAME", "colours in a .ply file: patch, atom or chain (PQR) [none]",
+      app, "--color", "NAME",
+      "colours in a .ply or .vtp file: patch, atom or chain\n"
+      "(PQR) [none]",
       line.color,
       one_of<MeshColor>(
           {{"patch", MeshColor::patch}, {"atom", MeshColor::atom}, {"chain", MeshColor::chain}}));
@@ -326,9 +334,12 @@ std::string map_name(const std::filesystem::path& map,
 }
 
 std::optional<MeshOptions> mesh_of(const CommandLine& line) {
-  const MeshOptions mesh{line.mesh, line.color};
-  if (mesh.color != MeshColor::none && mesh_format(mesh.file) != MeshFormat::ply)
-    throw UsageError("--color needs --mesh with a .ply file");
+  const MeshOptions mesh{line.mesh, line.color, line.is_ascii};
+  const std::optional<MeshFormat> format = mesh_format(mesh.file);
+  if (mesh.color != MeshColor::none && format != MeshFormat::ply && format != MeshFormat::vtp)
+    throw UsageError("--color needs --mesh with a .ply or .vtp file");
+  if (mesh.is_ascii && format != MeshFormat::ply)
+    throw UsageError("--ply-ascii needs --mesh with a .ply file");
   const Options& options = line.options;
   if (mesh.color == MeshColor::chain &&
       eses::detail::format_of(options.input, options.format) != AtomFormat::pqr)

@@ -10,6 +10,7 @@
 
 #include "cli/json.hpp"
 #include "eses/version.hpp"
+#include "mesh/mesh_format.hpp"
 #include "output/output_files.hpp"
 #include "simd/dispatch.hpp"
 #include "system/bytes_text.hpp"
@@ -43,7 +44,9 @@ std::string written_text(const Report& report) {
   if (const std::vector<std::string> names = file_names(outputs); !names.empty())
     places.push_back(fmt::format("to {} ({})", path_text(report.options.output_directory),
                                  path_text(fmt::format("{}", fmt::join(names, ", ")))));
-  if (outputs.mesh) places.push_back(fmt::format("to {}", path_text(outputs.mesh->file)));
+  if (outputs.mesh)
+    for (const std::filesystem::path& file : mesh_files(*outputs.mesh))
+      places.push_back(fmt::format("to {}", path_text(file)));
   if (places.empty()) return "written: nothing\n";
   return fmt::format("written: {} {}\n", bytes_text(report.summary.bytes_written),
                      fmt::join(places, " and "));
@@ -63,9 +66,11 @@ bool is_known(const DiskSpace::Place& place) {
 std::vector<std::string> written_files(const Options& options) {
   std::vector<std::string> files = file_names(options.outputs);
   if (!options.outputs.mesh) return files;
-  const std::filesystem::path mesh = std::filesystem::absolute(options.outputs.mesh->file);
-  const bool is_there = is_same_place(mesh.parent_path(), options.output_directory);
-  files.push_back((is_there ? mesh.filename() : mesh.lexically_normal()).string());
+  for (const std::filesystem::path& file : mesh_files(*options.outputs.mesh)) {
+    const std::filesystem::path mesh = std::filesystem::absolute(file);
+    const bool is_there = is_same_place(mesh.parent_path(), options.output_directory);
+    files.push_back((is_there ? mesh.filename() : mesh.lexically_normal()).string());
+  }
   return files;
 }
 

@@ -25,7 +25,7 @@ namespace eses::detail {
 namespace {
 
 // Must grow with every change of what is computed or of how pieces are stored.
-constexpr int piece_format = 2;
+constexpr int piece_format = 3;
 
 // A hash of all atoms. It does not depend on which process has read which atoms.
 std::uint64_t hash_of(const AtomShare& share, const Processes& processes) {
@@ -53,7 +53,7 @@ std::uint64_t hash_of(const GroupNames& groups, const Processes& processes) {
 
 std::string mesh_identity(const std::optional<MeshOptions>& mesh) {
   if (!mesh) return "none";
-  return fmt::format("{} {}", static_cast<int>(mesh_format(mesh->file).value()),
+  return fmt::format("{} {}", static_cast<int>(required_mesh_format(*mesh)),
                      static_cast<int>(mesh->color));
 }
 

@@ -177,13 +177,21 @@ Plan SlabSweep::plan_of(const PlaneRange& planes) const {
   return plan;
 }
 
+// Whether a text is written in place where the run is: its place must not depend on the length of
+// what stands before it.
+bool SlabSweep::goes_to_its_place(PieceText text) const {
+  if (!is_in_place_) return false;
+  if (text == PieceText::vertices) return !files_.mesh_text->has_columns();
+  if (text == PieceText::triangles) return files_.mesh_text->has_face_file();
+  return true;
+}
+
 Piece SlabSweep::new_piece(const PlaneRange& planes) const {
   Piece piece;
   piece.info.planes = planes;
   piece.is_in_place = is_in_place_;
   for (const PieceText text : chosen_texts(task_.outputs)) {
-    // In place, only triangles wait for what stands before them.
-    if (is_in_place_ && text != PieceText::triangles) continue;
+    if (goes_to_its_place(text)) continue;
     if (plan_.store)
       piece.text(text) = plan_.store->create(planes, text);
     else if (is_of_mesh(text))
@@ -194,14 +202,24 @@ Piece SlabSweep::new_piece(const PlaneRange& planes) const {
   return piece;
 }
 
+MeshSinks SlabSweep::mesh_sinks_in_place(Piece& piece) const {
+  OutputFiles& files = *files_.final_files;
+  const auto into = [&](PieceText text, std::optional<OutputFile>& file, std::uint64_t begin) {
+    return goes_to_its_place(text) ? sink_of(file, begin)
+                                   : sink_of(piece.text(text).get(), nullptr);
+  };
+  return {.vertices = into(PieceText::vertices, files.mesh, files_.mesh_header_bytes),
+          .triangles = into(PieceText::triangles, files.mesh_faces, files_.face_header_bytes),
+          .has_local_triangles = files_.mesh_text->has_columns()};
+}
+
 SlabSweep::RangeSinks SlabSweep::sinks_in_place(Piece& piece) const {
   OutputFiles& files = *files_.final_files;
   RangeSinks sinks;
   sinks.grid = sink_of(files.grid);
   sinks.edges = sink_of(files.edges);
   if (files.inside_map) sinks.rows = rows_of_map(*files.inside_map, task_.outputs, plan_.whole);
-  sinks.mesh = {.vertices = sink_of(files.mesh, files_.mesh_header_bytes),
-                .triangles = sink_of(piece.text(PieceText::triangles).get(), nullptr)};
+  if (files_.mesh_text != nullptr) sinks.mesh = mesh_sinks_in_place(piece);
   return sinks;
 }
 

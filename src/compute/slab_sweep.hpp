@@ -35,6 +35,7 @@ std::int64_t count_blocks(const RunPlan& plan, std::span<const PlaneRange> range
 struct SweepFiles {
   OutputFiles* final_files = nullptr;         ///< for texts in place; null without them
   std::uint64_t mesh_header_bytes = 0;        ///< before the vertices in the mesh's file
+  std::uint64_t face_header_bytes = 0;        ///< before the triangles, if they have their own file
   const mesh::MeshText* mesh_text = nullptr;  ///< null without a mesh
 };
 
@@ -61,6 +62,8 @@ class SlabSweep {
   std::int64_t checks_of(const PlaneRange& planes) const;
   Surface make_surface() const;
   Piece new_piece(const PlaneRange& planes) const;
+  bool goes_to_its_place(PieceText text) const;
+  MeshSinks mesh_sinks_in_place(Piece& piece) const;
   RangeSinks sinks_in_place(Piece& piece) const;
   RangeSinks sinks_of(Piece& piece, const GridRegion& region) const;
   Piece sweep(PatchSchedule& patches, const PlaneRange& planes, SweepResult& result,
