@@ -2,10 +2,11 @@
 Biopython and Open3D, from Debian's packages or from PyPI. What is missing is skipped."""
 
 import json
+import shutil
 import subprocess
 import unittest
 
-from support import DATA, PROGRAM, TestCase, python_with
+from support import DATA, PROGRAM, PROJECT, TestCase, python_with
 
 VTK = """
 import json, sys, vtk
@@ -106,6 +107,8 @@ class MeshReaders(TestCase):
         self.assertAlmostEqual(found["volume"] / measures["volume"], 1, delta=0.02)
 
     def check_whole_mesh(self, module, program, places):
+        if python_with(module) is None:
+            raise unittest.SkipTest(f"{module} is not installed")
         for name, *options in (("a.ply",), ("b.ply", "--ply-ascii"), ("a.off",), ("a.obj",)):
             with self.subTest(name=name):
                 measures = self.make(name, DATA / "c60.xyzr", *options)
@@ -177,6 +180,30 @@ json.dump({"cells": reader.GetOutput().GetNumberOfCells(), "error": reader.GetEr
         self.check_points(found, 11)
         nearest = min(sum(x * x for x in position) for position, _, _ in self.crossings())
         self.assertAlmostEqual(found["depth"], nearest ** 0.5, 9)
+
+    @unittest.skipUnless(shutil.which("awk"), "awk is not installed")
+    def test_names_for_masif(self):
+        """The command of doc/meshes.md adds a tenth column, which MaSIF splits at each _."""
+        records = [line.split() for line in
+                   (DATA / "fas2.pqr").read_text(encoding="ascii").splitlines()
+                   if line.startswith("ATOM")]
+        atoms = [record[:4] + ["B"] + record[4:] for record in records]
+        (self.folder / "1abc.pqr").write_text(
+            "".join(" ".join(record) + "\n" for record in atoms))
+        self.make("1abc.vert", self.folder / "1abc.pqr")
+        page = (PROJECT / "doc/meshes.md").read_text(encoding="utf-8")
+        begin = page.index("    awk '")
+        subprocess.run(page[begin:page.index("named.vert", begin) + len("named.vert")],
+                       shell=True, check=True, cwd=self.folder)
+        plain = (self.folder / "1abc.vert").read_text(encoding="ascii").splitlines()
+        named = (self.folder / "named.vert").read_text(encoding="ascii").splitlines()
+        self.assertEqual(plain[:3], named[:3])
+        self.assertEqual(len(plain), len(named))
+        for before, after in zip(plain[3:], named[3:]):
+            *fields, name = after.split()
+            self.assertEqual(fields, before.split())
+            _, _, atom, residue, chain, number, *_ = atoms[int(fields[7]) - 1]
+            self.assertEqual(name.split("_")[:5], [chain, number, "x", residue, atom])
 
     def test_triangles_of_msms(self):
         """Read as MaSIF and Jmol do: by the counts in the third line."""
