@@ -6,6 +6,7 @@
 #include <cmath>
 #include <cstdint>
 #include <filesystem>
+#include <limits>
 #include <set>
 #include <string>
 #include <utility>
@@ -160,18 +161,20 @@ TEST_CASE("mesh formats: the header of MSMS", "[mesh]") {
   CHECK(vertices / result.summary.area == Approx(density).epsilon(0.1));
 }
 
-TEST_CASE("mesh formats: MSMS's closest sphere is the closest of all", "[mesh]") {
+TEST_CASE("mesh formats: MSMS's closest sphere is the closest that the probe touches", "[mesh]") {
+  const double probe_radius = Parameters().probe_radius;
   for (const std::uint64_t seed : {1U, 2U}) {
     const std::vector<Atom> atoms = make_chain(60, seed);
     const Mesh mesh = run_format(Molecule(atoms), {.spacing = 0.5}, {"a.vert"}).mesh;
-    std::size_t not_first = 0;
     const Mesh ply = run_format(Molecule(atoms), {.spacing = 0.5}, {"a.ply"}).mesh;
+    std::size_t not_first = 0;
     for (std::size_t v = 0; v < mesh.positions.size(); ++v) {
-      double closest = distance_from(mesh.positions[v], atoms[0]);
+      const Vec3 point = mesh.positions[v], probe = point + probe_radius * mesh.normals[v];
+      double closest = std::numeric_limits<double>::infinity();
       for (const Atom& atom : atoms)
-        closest = std::min(closest, distance_from(mesh.positions[v], atom));
-      REQUIRE(distance_from(mesh.positions[v], atoms[mesh.atoms[v]]) ==
-              Approx(closest).margin(1e-9));
+        if (std::fabs(distance_from(probe, atom) - probe_radius) < 1e-5)
+          closest = std::min(closest, distance_from(point, atom));
+      REQUIRE(distance_from(point, atoms[mesh.atoms[v]]) == Approx(closest).margin(1e-9));
       not_first += mesh.atoms[v] != ply.atoms[v];
     }
     CHECK(not_first > 0);

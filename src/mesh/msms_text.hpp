@@ -29,7 +29,8 @@ void append_msms_face_header(TextPieces& text, std::uint64_t triangles, const Ms
 inline constexpr std::size_t longest_msms_vertex = 6 * 25 + 2 + 12 + 2;
 inline constexpr std::size_t longest_msms_triangle = 3 * 12 + 2 + 2;
 
-/// A line of NAME.vert. `closest_atom` is the index of the closest sphere, from 0. Returns the end.
+/// A line of NAME.vert. `closest_atom` is the index, from 0, of the closest sphere that the probe
+/// touches. Returns the end.
 char* put_msms_vertex(char* out, const Vertex& vertex, AtomIndex closest_atom);
 
 /// A line of NAME.face; `patch` is that of the triangle. Returns the end.

@@ -1,5 +1,5 @@
 """Meshes in formats that other programs define, as libraries of others read them: VTK, trimesh,
-Biopython and Open3D, from Debian's packages or from PyPI. What is missing is skipped."""
+Biopython, Open3D and PyMOL, from Debian's packages or from PyPI. What is missing is skipped."""
 
 import json
 import shutil
@@ -64,6 +64,13 @@ from Bio.PDB.ResidueDepth import _read_vertex_array, min_dist
 surface = _read_vertex_array(sys.argv[1])
 json.dump({"points": surface.tolist(), "version": Bio.__version__,
            "depth": float(min_dist(numpy.array([0.0, 0.0, 0.0]), surface))}, sys.stdout)
+"""
+PYMOL = """
+import json, sys
+from pymol import cmd
+cmd.load(sys.argv[1], "mesh")
+json.dump({"type": cmd.get_type("mesh"), "extent": cmd.get_extent("mesh"),
+           "version": cmd.get_version()[0]}, sys.stdout)
 """
 
 
@@ -180,6 +187,18 @@ json.dump({"cells": reader.GetOutput().GetNumberOfCells(), "error": reader.GetEr
         self.check_points(found, 11)
         nearest = min(sum(x * x for x in position) for position, _, _ in self.crossings())
         self.assertAlmostEqual(found["depth"], nearest ** 0.5, 9)
+
+    def test_pymol(self):
+        """PyMOL reads MSMS's files as they are, and PLY as text a hundred times as large."""
+        for name, scale, *options in (("a.vert", 1), ("a.face", 1), ("a.ply", 100, "--ply-ascii")):
+            with self.subTest(name=name):
+                self.make(name, DATA / "c60.xyzr", *options)
+                found = self.read_back("pymol", PYMOL, name)
+                self.assertEqual(found["type"], "object:cgo")
+                for end, theirs in zip((min, max), found["extent"]):
+                    for axis in range(3):
+                        mine = end(position[axis] for position, _, _ in self.crossings())
+                        self.assertAlmostEqual(theirs[axis] / scale, mine, 4)
 
     @unittest.skipUnless(shutil.which("awk"), "awk is not installed")
     def test_names_for_masif(self):
