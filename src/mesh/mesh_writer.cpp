@@ -32,7 +32,8 @@ void append_off_counts(TextPieces& text, const MeshCounts& counts) {
 }
 
 // Two vectors, and for PLY colours, patch, atom, chain and residue.
-constexpr std::size_t longest_vertex = 6 * (longest_number_text + 1) + 3 * 4 + 2 + 3 * 11 + 8;
+constexpr std::size_t longest_number = longest_number_text + 1, longest_index = 11, channel = 4;
+constexpr std::size_t longest_vertex = 6 * longest_number + 3 * channel + 2 + 3 * longest_index + 8;
 constexpr std::size_t longest_triangle = 6 * (longest_number_text + 2) + 4;
 static_assert(longest_msms_vertex <= longest_vertex);
 static_assert(longest_msms_triangle <= longest_triangle);

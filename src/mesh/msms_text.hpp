@@ -26,8 +26,8 @@ void append_msms_vertex_header(TextPieces& text, std::uint64_t vertices,
 void append_msms_face_header(TextPieces& text, std::uint64_t triangles, const MsmsSurface& surface);
 
 /// The longest lines of the two files, in bytes.
-inline constexpr std::size_t longest_msms_vertex = 6 * 25 + 2 + 12 + 2;
-inline constexpr std::size_t longest_msms_triangle = 3 * 12 + 2 + 2;
+inline constexpr std::size_t longest_msms_vertex = 168;
+inline constexpr std::size_t longest_msms_triangle = 48;
 
 /// A line of NAME.vert. `closest_atom` is the index, from 0, of the closest sphere that the probe
 /// touches. Returns the end.
