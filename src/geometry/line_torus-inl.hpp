@@ -26,7 +26,7 @@ HWY_INLINE DoubleVector bracketed_roots(const std::array<DoubleVector, 5>& c, Do
                                         DoubleMask active) {
   const Doubles doubles;
   auto low = all(0), high = all(1);
-  for (int i = 0; i < line_torus::most_iterations; ++i) {
+  for (int i = 0; i < line_torus::max_iterations; ++i) {
     const auto slope = ((all(4) * c[4] * u + all(3) * c[3]) * u + all(2) * c[2]) * u + c[1];
     const auto value = (((c[4] * u + c[3]) * u + c[2]) * u + c[1]) * u + c[0];
     const auto is_below = value < all(0);
@@ -55,7 +55,7 @@ HWY_INLINE DoubleVector polished_roots(DoubleVector u, const Points& point, Doub
   const auto across_span = span * (along_step - height * all(axis_step));
   const auto turn = hn::IfThenElseZero(s > all(0), all(2 * circle_radius) * across_span / s);
   const auto step = value / (all(2) * along_step * span - turn);
-  return hn::IfThenElse(hn::Abs(step) < all(line_torus::largest_polish), u - step, u);
+  return hn::IfThenElse(hn::Abs(step) < all(line_torus::max_polish), u - step, u);
 }
 
 /// As tube_exits(); the lines run from `start` along `line_axis` by `step`.

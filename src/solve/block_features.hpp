@@ -22,12 +22,12 @@ inline constexpr double box_slack = 1e-5;
 /// block that sees a point.
 struct BlockGrid {
   Grid grid;
-  Block block;
+  BlockBounds block;
   std::array<std::vector<double>, 3> coordinates;  ///< of the closed box's points, per axis, padded
   Box box;
   double inverse_spacing = 0;
 
-  void reset(const Grid& new_grid, const Block& new_block);
+  void reset(const Grid& new_grid, const BlockBounds& new_block);
 };
 
 /// An atom whose SAS ball reaches the block.
