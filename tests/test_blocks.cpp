@@ -383,7 +383,7 @@ struct Candidates {
       const double slack = -tolerance::seam * circle.radius;
       if (circle.radius * height + circle.first_height * inward < slack ||
           circle.second_height * inward - circle.radius * height < slack ||
-          !faces(arc.sector, point))
+          !projects_onto_arc(arc.sector, point))
         continue;
       const Vec3 center = circle.radius * nearest_on_arc(arc, point);
       add(point[edge.axis] + circle.center[edge.axis], normalized(center - point),

@@ -35,7 +35,7 @@ bool is_on_arc(const AllPatches& all, Vec3 p) {
   return std::any_of(features.arcs.begin(), features.arcs.end(), [&](const ArcFeature& arc) {
     const Vec3 offset = p - arc.circle.center;
     return norm(offset - arc.circle.radius * nearest_on_arc(arc, offset)) < 1e-7 &&
-           faces(arc.sector, offset);
+           projects_onto_arc(arc.sector, offset);
   });
 }
 
@@ -135,7 +135,7 @@ TEST_CASE("the boxes of patches hold them") {
       for (int sample = 0; sample < 500; ++sample) {
         const double angle = random.uniform(0, 6.3);
         const Vec3 outward = std::cos(angle) * arc.sector.start + std::sin(angle) * side;
-        if (!faces(arc.sector, outward)) continue;
+        if (!projects_onto_arc(arc.sector, outward)) continue;
         const Vec3 center = arc.circle.center + arc.circle.radius * outward;
         const double share = random.uniform(0, 1);
         const Vec3 toward =

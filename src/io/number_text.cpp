@@ -84,22 +84,22 @@ void make_digits(NumberBatch& batch) {
   const Doubles doubles;
   const Words words;
   const std::size_t lanes = hn::Lanes(doubles);
-  const auto half = all(0.5), one = all(1);
-  const auto unit = all(static_cast<double>(leading_unit));
-  const auto hundred_millions = all(static_cast<double>(trailing_unit));
+  const auto half = broadcast(0.5), one = broadcast(1);
+  const auto unit = broadcast(static_cast<double>(leading_unit));
+  const auto hundred_millions = broadcast(static_cast<double>(trailing_unit));
   batch.doubtful = 0;
   for (std::size_t i = 0; i < batch.count; i += lanes) {
     const auto scaled = load(batch.scaled.data() + i);
     const auto whole = hn::Floor(scaled);
     const auto fraction = scaled - whole;
     const auto digits = whole + hn::IfThenElseZero(fraction > half, one);
-    const auto is_plain = hn::And(hn::Abs(fraction - half) >= all(near_tie),
-                                  hn::And(digits >= unit, digits < all(10) * unit));
+    const auto is_plain = hn::And(hn::Abs(fraction - half) >= broadcast(near_tie),
+                                  hn::And(digits >= unit, digits < broadcast(10) * unit));
     batch.doubtful |= (~std::uint64_t{mask_bits(is_plain)} & low_bits(static_cast<int>(lanes)))
                       << i;
 
     // The quotient may be off by one, which the remainder tells.
-    auto high = hn::Floor(digits * all(1.0 / static_cast<double>(trailing_unit)));
+    auto high = hn::Floor(digits * broadcast(1.0 / static_cast<double>(trailing_unit)));
     const auto rest = digits - high * hundred_millions;
     high = high - hn::IfThenElseZero(rest < hn::Zero(doubles), one) +
            hn::IfThenElseZero(rest >= hundred_millions, one);

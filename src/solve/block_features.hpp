@@ -107,7 +107,7 @@ inline Vec3 nearest_on_arc(const ArcFeature& arc, Vec3 offset) {
   const double length = norm(radial);
   if (length > tolerance::seam) {
     const Vec3 direction = (1 / length) * radial;
-    if (faces(arc.sector, direction)) return direction;
+    if (projects_onto_arc(arc.sector, direction)) return direction;
   }
   return dot(radial, arc.sector.end) > dot(radial, arc.sector.start) ? arc.sector.end
                                                                      : arc.sector.start;

@@ -154,12 +154,12 @@ struct Search {
     for_each_axis([&](auto axis) {
       const auto is_exposed = [&](DoubleMask met, Points direction, DoubleVector length, int side) {
         if (is_point) {
-          direction = {all(0), all(0), all(0)};
-          along<axis()>(direction) = all(side);
-          length = all(1);
+          direction = {broadcast(0), broadcast(0), broadcast(0)};
+          along<axis()>(direction) = broadcast(side);
+          length = broadcast(1);
         }
         return filter.outside(met, direction, [&](const CapCone& cone) {
-          return all(cone.cosine) * length + all(tolerance::seam);
+          return broadcast(cone.cosine) * length + broadcast(tolerance::seam);
         });
       };
       meet_lines<axis()>(grid, {face.center, face.radius, face.surface_box}, is_exposed,
@@ -181,7 +181,7 @@ struct Search {
     const auto is_in_cone = [&](DoubleMask met, const Points& direction, DoubleVector, int) {
       if (!placement.is_regular) return met;
       for (const Vec3& normal : placement.cone)
-        met = hn::And(met, dot(normal, direction) >= all(-tolerance::seam));
+        met = hn::And(met, dot(normal, direction) >= broadcast(-tolerance::seam));
       return met;
     };
     for_each_axis([&](auto axis) {
