@@ -17,7 +17,7 @@ namespace eses::detail::mesh {
 namespace {
 
 // Readers take the indices of a PLY face for signed, and hold those of the others in an int.
-constexpr std::uint64_t most_vertices = std::numeric_limits<std::int32_t>::max();
+constexpr std::uint64_t max_vertices = std::numeric_limits<std::int32_t>::max();
 constexpr std::size_t count_digits = 12;
 
 bool is_ply(MeshFormat format) {
@@ -77,11 +77,11 @@ char* put_ply_triangle(char* out, const Triangle& triangle) {
 }  // namespace
 
 void require_numbers(std::uint64_t vertices) {
-  if (vertices <= most_vertices) return;
+  if (vertices <= max_vertices) return;
   throw Error(fmt::format(
       "the mesh has more than {} vertices, which is more than its readers can number; use a larger "
       "spacing",
-      most_vertices));
+      max_vertices));
 }
 
 MeshText::MeshText(MeshFormat format, MeshColor color, MeshSource source)
