@@ -254,7 +254,7 @@ TEST_CASE("mesh formats: a molecule without a surface in the grid", "[mesh]") {
   const std::vector<Atom> atoms{{{0, 0, 0}, 1.5}};
   Parameters parameters;
   parameters.margin = 3;
-  parameters.region = RegionBox{{-4.4, -4.4, -4.4}, {-3.5, -3.5, -3.5}};
+  parameters.region = Box{{-4.4, -4.4, -4.4}, {-3.5, -3.5, -3.5}};
   for (const MeshOptions& choice : all_formats) {
     INFO(name_of(choice));
     const FormatRun result = run_format(Molecule(atoms), parameters, choice);
