@@ -136,7 +136,10 @@ bool has_freesasa() { return std::system("freesasa --version >/dev/null 2>&1") =
 /// Radii that FreeSASA assigns, by the columns of the coordinates.
 std::map<std::string, double> freesasa_radii(const fs::path& pdb) {
   const std::unique_ptr<FILE, int (*)(FILE*)> pipe(
-      popen(fmt::format("freesasa --shrake-rupley --resolution=1 --hetatm --format=pdb '{}' 2>/dev/null", pdb.string()).c_str(),
+      popen(fmt::format(
+                "freesasa --shrake-rupley --resolution=1 --hetatm --format=pdb '{}' 2>/dev/null",
+                pdb.string())
+                .c_str(),
             "r"),
       pclose);
   std::map<std::string, double> radii;
@@ -255,8 +258,9 @@ TEST_CASE("msms: the atoms that MSMS has made of 1A8O", "[structure][radii]") {
   const AtomFile ours = read_file(biopython_data + "1A8O.pdb.gz", options);
   const AtomFile theirs = eses::parse_atoms(text_of(reference), AtomFormat::xyzr, "1A8O.xyzr");
   REQUIRE(ours.atoms.size() == theirs.atoms.size());
+  const Names names = names_of(ours);
   for (std::size_t i = 0; i < ours.atoms.size(); ++i) {
-    INFO(names_of(ours)[i]);
+    INFO(names[i]);
     CHECK(ours.atoms[i].center == theirs.atoms[i].center);
     CHECK(ours.atoms[i].radius == theirs.atoms[i].radius);
   }
@@ -282,12 +286,13 @@ TEST_CASE("protor: FreeSASA assigns the same radii", "[structure][radii][freesas
     StructureOptions options;
     options.with_waters = true;
     const AtomFile ours = read_file(path, options);
+    const Names names = names_of(ours);
     std::size_t found = 0;
     for (std::size_t i = 0; i < ours.atoms.size(); ++i) {
       const auto one = expected.find(columns_of(ours.atoms[i].center));
       // FreeSASA takes the first alternate location, not the one of the highest occupancy.
       if (one == expected.end()) continue;
-      INFO(path << ": " << names_of(ours)[i]);
+      INFO(path << ": " << names[i]);
       CHECK(ours.atoms[i].radius == one->second);
       ++found;
     }
@@ -882,8 +887,9 @@ TEST_CASE("the program reads a PDB file and says what it has left out", "[struct
 TEST_CASE("residues and chains of PDB files", "[structure][cli]") {
   const Sandbox sandbox;
   eses::detail::test::write_file(sandbox.directory() / "m.pdb", mixed_text());
-  REQUIRE(sandbox.run({"m.pdb", "--write", "residues", "--mesh", "m.ply", "--color", "chain"}).code ==
-          0);
+  REQUIRE(
+      sandbox.run({"m.pdb", "--write", "residues", "--mesh", "m.ply", "--color", "chain"}).code ==
+      0);
   const std::string table = eses::detail::test::read_file(sandbox.directory() / "residue_area.csv");
   CHECK(table.starts_with("chain,residue_number,residue,atoms,area\nA,1,ALA,1,"));
   CHECK(contains(table, "\nB,1,ALA,1,"));
@@ -895,8 +901,8 @@ TEST_CASE("residues and chains of PDB files", "[structure][cli]") {
 
 TEST_CASE("diagnostics name the atoms of PDB files", "[structure][cli]") {
   const Sandbox sandbox;
-  const std::string text = line_of({.number = "  33 "}) + line_of({.name = " CB ", .number = "  33 ",
-                                                                   .x = 0.2});
+  const std::string text =
+      line_of({.number = "  33 "}) + line_of({.name = " CB ", .number = "  33 ", .x = 0.2});
   eses::detail::test::write_file(sandbox.directory() / "m.pdb", text);
   const Outcome outcome = sandbox.run({"m.pdb", "--write", "none"});
   REQUIRE(outcome.code == 0);
@@ -910,10 +916,17 @@ TEST_CASE("options of structures need a structure", "[structure][cli]") {
   const Sandbox sandbox;
   eses::detail::test::write_file(sandbox.directory() / "a.xyzr", "0 0 0 1\n");
   eses::detail::test::write_file(sandbox.directory() / "a.pqr", "ATOM 1 N ALA A 1 0 0 0 0.1 1.5\n");
-  for (const std::vector<std::string>& option : std::vector<std::vector<std::string>>{
-           {"--radii", "bondi"}, {"--unknown-radius", "1"}, {"--model", "1"}, {"--altloc", "A"},
-           {"--waters"}, {"--no-hetatm"}, {"--hydrogens", "keep"}, {"--chains", "A"},
-           {"--select", "//A"}, {"--assembly", "1"}}) {
+  for (const std::vector<std::string>& option :
+       std::vector<std::vector<std::string>>{{"--radii", "bondi"},
+                                             {"--unknown-radius", "1"},
+                                             {"--model", "1"},
+                                             {"--altloc", "A"},
+                                             {"--waters"},
+                                             {"--no-hetatm"},
+                                             {"--hydrogens", "keep"},
+                                             {"--chains", "A"},
+                                             {"--select", "//A"},
+                                             {"--assembly", "1"}}) {
     for (const std::string file : {"a.xyzr", "a.pqr"}) {
       std::vector<std::string> arguments{file, "--write", "none"};
       arguments.insert(arguments.end(), option.begin(), option.end());
@@ -927,9 +940,14 @@ TEST_CASE("options of structures need a structure", "[structure][cli]") {
       CHECK(contains(outcome.err, option[0] + " needs a PDB or mmCIF file; " + file));
     }
   }
-  for (const std::vector<std::string>& option : std::vector<std::vector<std::string>>{
-           {"--unknown-radius", "-1"}, {"--model", "0"}, {"--altloc", "AB"}, {"--chains", "A,,B"},
-           {"--hydrogens", "some"}, {"--radii", ""}, {"--format", "mol2"}}) {
+  for (const std::vector<std::string>& option :
+       std::vector<std::vector<std::string>>{{"--unknown-radius", "-1"},
+                                             {"--model", "0"},
+                                             {"--altloc", "AB"},
+                                             {"--chains", "A,,B"},
+                                             {"--hydrogens", "some"},
+                                             {"--radii", ""},
+                                             {"--format", "mol2"}}) {
     std::vector<std::string> arguments{"a.pdb"};
     arguments.insert(arguments.end(), option.begin(), option.end());
     INFO(option[0]);

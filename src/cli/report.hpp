@@ -8,7 +8,7 @@
 #include <string_view>
 #include <vector>
 
-#include "cli/findings.hpp"
+#include "cli/diagnostics.hpp"
 #include "cli/options.hpp"
 #include "compute/engine.hpp"
 #include "output/output_files.hpp"
@@ -20,7 +20,7 @@ namespace eses::detail::cli {
 struct Report {
   Options options;
   std::size_t atoms = 0;
-  std::vector<Finding> findings;
+  std::vector<DiagnosticText> diagnostics;
   std::optional<StructureReport> structure;  ///< of a PDB or mmCIF file
   Plan plan;
   DiskSpace disk;

@@ -28,11 +28,11 @@ Plan make_plan_within(std::uint64_t available, const Molecule& molecule,
 std::uint64_t checksum_of(std::span<const Atom> atoms);
 
 /// Step 1 of a plan: the grid around atoms with these bounds, and the region to compute.
-Plan plan_grid(const SphereBounds& bounds, const Parameters& parameters);
+Plan plan_grid(const Box& bounds, const Parameters& parameters);
 
 /// The same for a grid that is there already. `parameters.margin` has no meaning, and
 /// `parameters.spacing` must be that of the grid.
-Plan plan_on_grid(const Grid& grid, const SphereBounds& bounds, const Parameters& parameters);
+Plan plan_on_grid(const Grid& grid, const Box& bounds, const Parameters& parameters);
 
 /// Throws Error if the probe radius, the number of threads or that of points to verify is out of
 /// its range.

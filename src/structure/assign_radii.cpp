@@ -100,8 +100,8 @@ AtomLabel label_of(const SelectedStructure& structure, const StructureAtom& atom
 
 AtomFile assign_radii(SelectedStructure structure, const RadiiSet& radii,
                       std::optional<double> unknown_radius, bool with_labels, std::string_view file,
-                      const std::function<void(AtomFile& atoms)>& after_piece) {
-  constexpr std::size_t piece_atoms = std::size_t{1} << 14;
+                      const std::function<void(AtomFile& atoms)>& after_part) {
+  constexpr std::size_t part_atoms = std::size_t{1} << 14;
   AtomFile result;
   result.atoms.reserve(structure.atoms.size());
   result.lines.reserve(structure.atoms.size());
@@ -111,7 +111,7 @@ AtomFile assign_radii(SelectedStructure structure, const RadiiSet& radii,
     result.atoms.push_back({atom.center, found ? found->radius : unknown_radius.value_or(0)});
     result.lines.push_back(atom.line);
     if (with_labels) result.labels.push_back(label_of(structure, atom));
-    if (after_piece && result.atoms.size() % piece_atoms == 0) after_piece(result);
+    if (after_part && result.atoms.size() % part_atoms == 0) after_part(result);
   }
   StructureReport& report = structure.report;
   report.radii = radii.name;
@@ -119,7 +119,7 @@ AtomFile assign_radii(SelectedStructure structure, const RadiiSet& radii,
   report.unknown = kinds.sources(unknown_radius.value_or(0), is_unknown);
   if (!report.unknown.empty() && !unknown_radius) fail_for_unknown(kinds, radii.name, file);
   result.structure = std::move(structure.report);
-  if (after_piece) after_piece(result);
+  if (after_part) after_part(result);
   return result;
 }
 

@@ -11,10 +11,10 @@
 namespace eses::detail {
 
 /// Gives every atom its radius, or `unknown_radius` where the set has none. Labels are made if
-/// `with_labels`. Calls `after_piece` now and then with the atoms so far. Throws Error, which lists
+/// `with_labels`. Calls `after_part` now and then with the atoms so far. Throws Error, which lists
 /// the names of atoms without a radius, with `file`.
 AtomFile assign_radii(SelectedStructure structure, const RadiiSet& radii,
                       std::optional<double> unknown_radius, bool with_labels, std::string_view file,
-                      const std::function<void(AtomFile& atoms)>& after_piece);
+                      const std::function<void(AtomFile& atoms)>& after_part);
 
 }  // namespace eses::detail

@@ -128,7 +128,7 @@ void require_format(std::string_view text, std::string_view name, AtomFormat for
 }
 
 AtomFile parse(std::string_view text, std::string_view name, const ReadOptions& options,
-               const ReadingLimit& limit, const std::function<void(AtomFile& atoms)>& after_piece) {
+               const ReadingLimit& limit, const std::function<void(AtomFile& atoms)>& after_part) {
   require_format(text, name, options.format);
   refuse_other_formats(text, name);
   const StructureOptions& choices = options.structure;
@@ -140,18 +140,18 @@ AtomFile parse(std::string_view text, std::string_view name, const ReadOptions& 
   // The memory of gemmi is free now, and counts no more.
   release_free_memory();
   if (structure.atoms.empty()) fail_without_atoms(name, structure.report);
-  const bool keeps_labels = options.with_labels && !after_piece;
+  const bool keeps_labels = options.with_labels && !after_part;
   limit.require(structure.atoms.size() *
                 (sizeof(Atom) + sizeof(std::uint64_t) + (keeps_labels ? sizeof(AtomLabel) : 0)));
   return assign_radii(std::move(structure), radii, choices.unknown_radius, options.with_labels,
-                      name, after_piece);
+                      name, after_part);
 }
 
 AtomFile read_structure(int descriptor, const std::string& name, const ReadOptions& options,
-                        const std::function<void(AtomFile& atoms)>& after_piece) {
+                        const std::function<void(AtomFile& atoms)>& after_part) {
   const ReadingLimit limit(name, options.max_memory);
   try {
-    return parse(read_text(descriptor, name, limit), name, options, limit, after_piece);
+    return parse(read_text(descriptor, name, limit), name, options, limit, after_part);
   } catch (const std::bad_alloc&) {
     throw Error(fmt::format("cannot read {}: out of memory", name));
   } catch (const std::length_error&) {
@@ -167,14 +167,14 @@ AtomFile parse_structure_atoms(std::string_view text, std::string_view name,
 }
 
 AtomFile read_input(const std::filesystem::path& path, const ReadOptions& options,
-                    const std::function<void(AtomFile& atoms)>& after_piece) {
+                    const std::function<void(AtomFile& atoms)>& after_part) {
   ReadOptions known = options;
   known.format = format_of(path, options.format);
-  if (!is_structure(known.format)) return read_atom_file(path, options, after_piece);
-  if (path == "-") return read_structure(STDIN_FILENO, "<stdin>", known, after_piece);
+  if (!is_structure(known.format)) return read_atom_file(path, options, after_part);
+  if (path == "-") return read_structure(STDIN_FILENO, "<stdin>", known, after_part);
   const std::string name = path.string();
   const FileDescriptor file(open_for_reading(path, name));
-  return read_structure(file.value(), name, known, after_piece);
+  return read_structure(file.value(), name, known, after_part);
 }
 
 }  // namespace eses::detail

@@ -9,9 +9,9 @@
 
 namespace eses::detail {
 
-/// read_atoms, which calls `after_piece` now and then with what it has read so far.
+/// read_atoms, which calls `after_part` now and then with what it has read so far.
 AtomFile read_input(const std::filesystem::path& path, const ReadOptions& options,
-                    const std::function<void(AtomFile& atoms)>& after_piece);
+                    const std::function<void(AtomFile& atoms)>& after_part);
 
 /// Reads the atoms of a PDB or mmCIF text. Throws Error as read_atoms does.
 AtomFile parse_structure_atoms(std::string_view text, std::string_view name,

@@ -1,4 +1,4 @@
-#include "cli/findings.hpp"
+#include "cli/diagnostics.hpp"
 
 #include <fmt/format.h>
 
@@ -45,10 +45,10 @@ std::string place_text(std::uint64_t line, const std::string& label) {
   return label.empty() ? fmt::format("{}", line) : fmt::format("{}, {}", line, label);
 }
 
-std::string lines_text(const Finding& finding, std::string_view relation) {
+std::string lines_text(const DiagnosticText& text, std::string_view relation) {
   std::vector<std::string> parts;
   bool has_labels = false;
-  for (const Finding::Example& example : finding.examples) {
+  for (const DiagnosticText::Example& example : text.examples) {
     has_labels = has_labels || !example.label.empty();
     const std::string place = place_text(example.line, example.label);
     parts.push_back(example.has_other
@@ -56,8 +56,8 @@ std::string lines_text(const Finding& finding, std::string_view relation) {
                                       place_text(example.other_line, example.other_label))
                         : place);
   }
-  const std::uint64_t more = finding.count - finding.examples.size();
-  return fmt::format("{} {}{}", finding.count == 1 ? "line" : "lines",
+  const std::uint64_t more = text.count - text.examples.size();
+  return fmt::format("{} {}{}", text.count == 1 ? "line" : "lines",
                      fmt::join(parts, has_labels ? "; " : ", "),
                      more > 0 ? fmt::format(" and {} more", more) : "");
 }
@@ -70,32 +70,32 @@ std::string label_text(const std::map<AtomIndex, AtomLabel>& labels, AtomIndex a
   return fmt::format("{}/{} {}/{}", chain, residue, number, name);
 }
 
-Finding describe(const Diagnostic& oddity, const LineOf& line_of,
-                 const std::filesystem::path& input, const std::map<AtomIndex, AtomLabel>& labels) {
-  const Wording wording = wording_of(oddity.kind);
-  Finding finding;
-  finding.name = wording.name;
-  finding.is_usual = is_usual(oddity.kind);
-  finding.count = oddity.count;
-  finding.short_text = oddity.count == 1 ? wording.one : wording.several;
-  for (const auto& [atom, other] : oddity.examples)
-    finding.examples.push_back({atom, line_of(atom), atom != other, other, line_of(other),
-                                label_text(labels, atom), label_text(labels, other)});
-  finding.message =
-      fmt::format("{}: {} {}: {}", input == "-" ? "<stdin>" : input.string(), finding.count,
-                  finding.short_text, lines_text(finding, wording.relation));
-  return finding;
+DiagnosticText describe(const Diagnostic& diagnostic, const LineOf& line_of,
+                        const std::filesystem::path& input,
+                        const std::map<AtomIndex, AtomLabel>& labels) {
+  const Wording wording = wording_of(diagnostic.kind);
+  DiagnosticText text;
+  text.name = wording.name;
+  text.is_usual = is_usual(diagnostic.kind);
+  text.count = diagnostic.count;
+  text.short_text = diagnostic.count == 1 ? wording.one : wording.several;
+  for (const auto& [atom, other] : diagnostic.examples)
+    text.examples.push_back({atom, line_of(atom), atom != other, other, line_of(other),
+                             label_text(labels, atom), label_text(labels, other)});
+  text.message = fmt::format("{}: {} {}: {}", input == "-" ? "<stdin>" : input.string(), text.count,
+                             text.short_text, lines_text(text, wording.relation));
+  return text;
 }
 
 }  // namespace
 
-std::vector<Finding> describe(std::span<const Diagnostic> oddities, const LineOf& line_of,
-                              const std::filesystem::path& input,
-                              const std::map<AtomIndex, AtomLabel>& labels) {
-  std::vector<Finding> findings;
-  for (const Diagnostic& oddity : oddities)
-    findings.push_back(describe(oddity, line_of, input, labels));
-  return findings;
+std::vector<DiagnosticText> describe(std::span<const Diagnostic> diagnostics, const LineOf& line_of,
+                                     const std::filesystem::path& input,
+                                     const std::map<AtomIndex, AtomLabel>& labels) {
+  std::vector<DiagnosticText> texts;
+  for (const Diagnostic& diagnostic : diagnostics)
+    texts.push_back(describe(diagnostic, line_of, input, labels));
+  return texts;
 }
 
 }  // namespace eses::detail::cli
