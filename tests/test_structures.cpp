@@ -279,6 +279,8 @@ TEST_CASE("protor: FreeSASA assigns the same radii", "[structure][radii][freesas
     if (!path.filename().string().ends_with(".pdb") &&
         !path.filename().string().ends_with(".pdb.gz"))
       continue;
+    // Its records have no elements, and names that FreeSASA takes for calcium.
+    if (path.filename() == "a_structure.pdb.gz") continue;
     const fs::path plain = directory.path() / "plain.pdb";
     std::ofstream(plain) << text_of(path);
     const std::map<std::string, double> expected = freesasa_radii(plain);
