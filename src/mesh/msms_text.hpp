@@ -1,7 +1,7 @@
 #pragma once
 /// The files NAME.vert and NAME.face of MSMS.
 ///
-/// The columns are those of the manual page of MSMS 2.6.1 (https://ccsb.scripps.edu/msms/);
+/// The columns are those of the manual page of MSMS (https://ccsb.scripps.edu/msms/);
 /// M. F. Sanner, A. J. Olson, J. C. Spehner, Biopolymers 38 (1996), 305-320. Patches have no
 /// numbers here, so that the columns for these hold 0.
 
