@@ -3,15 +3,15 @@
 #include <cstddef>
 #include <utility>
 
-#include "grid/crossing.hpp"
+#include "grid/block_crossing.hpp"
 #include "mesh/triangulate.hpp"
 #include "mesh/vertex.hpp"
 
 namespace eses::detail {
 namespace {
 
-detail::Crossing as_in_blocks(const eses::Crossing& crossing) {
-  detail::Crossing result;
+detail::BlockCrossing as_in_blocks(const eses::Crossing& crossing) {
+  detail::BlockCrossing result;
   result.coordinate = crossing.position[crossing.axis];
   result.normal = crossing.normal;
   result.atoms = crossing.atoms;
@@ -25,7 +25,7 @@ void add_vertex(const eses::Grid& grid, const eses::Crossing& crossing, Mesh& me
   const mesh::Vertex vertex = mesh::make_vertex(grid, crossing.lower, as_in_blocks(crossing));
   mesh.vertices.push_back(vertex.position);
   mesh.normals.push_back(vertex.normal);
-  mesh.atoms.push_back(vertex.atom);
+  mesh.atoms.push_back(vertex.first_atom());
   mesh.patches.push_back(vertex.patch);
 }
 

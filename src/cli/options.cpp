@@ -90,6 +90,7 @@ struct CommandLine {
   std::filesystem::path inside_map, ion_map, dielectric_prefix, mesh;  ///< empty: not given
   std::optional<double> solute, solvent, ion_radius;
   MeshColor color = MeshColor::none;
+  bool is_ascii = false;
 };
 
 // --- formats of values --------------------------------------------------------------------------
@@ -120,14 +121,14 @@ std::optional<std::array<Number, count>> numbers_in(const std::string& list, cha
   return numbers;
 }
 
-std::optional<RegionBox> box_in(const std::string& text) {
+std::optional<Box> box_in(const std::string& text) {
   const auto ends = numbers_in<double, 6>(text, ',');
   if (!ends) return std::nullopt;
   const auto& [x0, y0, z0, x1, y1, z1] = *ends;
   const auto is_finite = [](double value) { return std::isfinite(value); };
   if (!std::all_of(ends->begin(), ends->end(), is_finite)) return std::nullopt;
   if (x0 > x1 || y0 > y1 || z0 > z1) return std::nullopt;
-  return RegionBox{{x0, y0, z0}, {x1, y1, z1}};
+  return Box{{x0, y0, z0}, {x1, y1, z1}};
 }
 
 std::optional<Vec3> place_in(const std::string& text) {
@@ -319,8 +320,13 @@ void add_file_options(CLI::App& app, CommandLine& line) {
             "(OpenDX) or FILE.vti (VTK image data)",
             line.inside_map, Format{map_in, "the name of a file that ends with .dx or .vti"});
   add_flag(app, "--gzip", "text files compressed, as NAME.gz; diff reads both", line.gzip);
-  add_value(app, "--mesh", "FILE", "also the surface as triangles: .ply, .obj or .off", line.mesh,
-            Format{mesh_in, "a file that ends in .ply, .obj or .off"});
+  add_value(
+      app, "--mesh", "FILE",
+      "also the surface as triangles: .ply, .obj, .off, .vtp,\n"
+      "or .vert or .face for MSMS's pair of both",
+      line.mesh,
+      Format<std::filesystem::path>{mesh_in, fmt::format("a file that ends in {}", mesh_suffixes)});
+  add_flag(app, "--ply-ascii", "a .ply file as text, for programs such as PyMOL", line.is_ascii);
   add_flag(app, "--resume",
            "keep what is done where a run is cut off, and go on\n"
            "from there the next time",
@@ -330,7 +336,9 @@ void add_file_options(CLI::App& app, CommandLine& line) {
            "several processes; each needs its own --output-dir",
            options.independent);
   add_value(
-      app, "--color", "NAME", "colours in a .ply file: patch, atom or chain (PQR) [none]",
+      app, "--color", "NAME",
+      "colours in a .ply or .vtp file: patch, atom or chain\n"
+      "(PQR) [none]",
       line.color,
       one_of<MeshColor>(
           {{"patch", MeshColor::patch}, {"atom", MeshColor::atom}, {"chain", MeshColor::chain}}));
@@ -341,9 +349,9 @@ void add_computation_options(CLI::App& app, Parameters& parameters) {
   add_value(app, "-t,--threads", "N", "number of threads [all the process may use]",
             parameters.threads, whole_number_between(1, max_threads));
   add_value(app, "-b,--block-size", "N",
-            fmt::format("grid points on a side of a block, {} to {} [{}]", least_block_size,
-                        largest_block_size, default_block_size),
-            parameters.block_size, whole_number_between(least_block_size, largest_block_size));
+            fmt::format("grid points on a side of a block, {} to {} [{}]", min_block_size,
+                        max_block_size, default_block_size),
+            parameters.block_size, whole_number_between(min_block_size, max_block_size));
   add_value(app, "--max-memory", "BYTES",
             "memory that the process may hold, also as 500M or 2G\n"
             "(K, M, G, T: powers of 1024); kept by smaller blocks\n"
@@ -453,9 +461,12 @@ void add_maps(const CommandLine& line, const std::filesystem::path& directory, O
 }
 
 std::optional<MeshOptions> mesh_of(const CommandLine& line) {
-  const MeshOptions mesh{line.mesh, line.color};
-  if (mesh.color != MeshColor::none && mesh_format(mesh.file) != MeshFormat::ply)
-    throw UsageError("--color needs --mesh with a .ply file");
+  const MeshOptions mesh{line.mesh, line.color, line.is_ascii};
+  const std::optional<MeshFormat> format = mesh_format(mesh.file);
+  if (mesh.color != MeshColor::none && format != MeshFormat::ply && format != MeshFormat::vtp)
+    throw UsageError("--color needs --mesh with a .ply or .vtp file");
+  if (mesh.is_ascii && format != MeshFormat::ply)
+    throw UsageError("--ply-ascii needs --mesh with a .ply file");
   const Options& options = line.options;
   if (mesh.color == MeshColor::chain &&
       eses::detail::format_of(options.input, options.format) != AtomFormat::pqr)

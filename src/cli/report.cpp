@@ -11,6 +11,7 @@
 
 #include "cli/json.hpp"
 #include "eses/version.hpp"
+#include "mesh/mesh_format.hpp"
 #include "output/output_files.hpp"
 #include "simd/dispatch.hpp"
 #include "system/bytes_text.hpp"
@@ -44,7 +45,9 @@ std::string written_text(const Report& report) {
   if (const std::vector<std::string> names = file_names(outputs); !names.empty())
     places.push_back(fmt::format("to {} ({})", path_text(report.options.output_directory),
                                  path_text(fmt::format("{}", fmt::join(names, ", ")))));
-  if (outputs.mesh) places.push_back(fmt::format("to {}", path_text(outputs.mesh->file)));
+  if (outputs.mesh)
+    for (const std::filesystem::path& file : mesh_files(*outputs.mesh))
+      places.push_back(fmt::format("to {}", path_text(file)));
   if (places.empty()) return "written: nothing\n";
   return fmt::format("written: {} {}\n", bytes_text(report.summary.bytes_written),
                      fmt::join(places, " and "));
@@ -64,9 +67,11 @@ bool is_known(const DiskSpace::Place& place) {
 std::vector<std::string> written_files(const Options& options) {
   std::vector<std::string> files = file_names(options.outputs);
   if (!options.outputs.mesh) return files;
-  const std::filesystem::path mesh = std::filesystem::absolute(options.outputs.mesh->file);
-  const bool is_there = is_same_place(mesh.parent_path(), options.output_directory);
-  files.push_back((is_there ? mesh.filename() : mesh.lexically_normal()).string());
+  for (const std::filesystem::path& file : mesh_files(*options.outputs.mesh)) {
+    const std::filesystem::path mesh = std::filesystem::absolute(file);
+    const bool is_there = is_same_place(mesh.parent_path(), options.output_directory);
+    files.push_back((is_there ? mesh.filename() : mesh.lexically_normal()).string());
+  }
   return files;
 }
 
@@ -90,10 +95,11 @@ std::string files_text(const Plan& plan, const Outputs& outputs) {
 }
 
 /// What files that are in order have, too: one line for all of it.
-std::string usual_text(const std::vector<Finding>& findings) {
+std::string usual_text(const std::vector<DiagnosticText>& diagnostics) {
   std::string text;
-  for (const Finding& finding : findings)
-    if (finding.is_usual) text += fmt::format("; {} {}", finding.count, finding.short_text);
+  for (const DiagnosticText& diagnostic : diagnostics)
+    if (diagnostic.is_usual)
+      text += fmt::format("; {} {}", diagnostic.count, diagnostic.short_text);
   return text;
 }
 
@@ -217,19 +223,19 @@ json::Value plan_json(const Plan& plan, const DiskSpace& disk) {
       {"cut_depth", plan.cut_depth}};
 }
 
-json::Value findings_json(const std::vector<Finding>& findings) {
+json::Value diagnostics_json(const std::vector<DiagnosticText>& diagnostics) {
   json::Value items = json::Value::array();
-  for (const Finding& finding : findings) {
+  for (const DiagnosticText& diagnostic : diagnostics) {
     json::Value examples = json::Value::array();
-    for (const Finding::Example& example : finding.examples)
+    for (const DiagnosticText::Example& example : diagnostic.examples)
       examples.push_back({{"atom", example.atom},
                           {"line", example.line},
                           {"other_atom", number_unless(!example.has_other, example.other_atom)},
                           {"other_line", number_unless(!example.has_other, example.other_line)}});
-    items.push_back({{"kind", finding.name},
-                     {"severity", finding.is_usual ? "note" : "warning"},
-                     {"count", finding.count},
-                     {"message", finding.message},
+    items.push_back({{"kind", diagnostic.name},
+                     {"severity", diagnostic.is_usual ? "note" : "warning"},
+                     {"count", diagnostic.count},
+                     {"message", diagnostic.message},
                      {"first", examples}});
   }
   return items;
@@ -299,10 +305,10 @@ json::Value processes_json(const Report& report) {
 
 std::vector<std::string> fault_lines(const Summary& summary) {
   if (!has_faults(summary)) return {};
-  constexpr std::size_t most_shown = 10;
+  constexpr std::size_t max_shown = 10;
   std::vector<std::string> lines = summary.verification->faults;
   const auto count = static_cast<std::int64_t>(lines.size());
-  lines.resize(std::min(most_shown, lines.size()));
+  lines.resize(std::min(max_shown, lines.size()));
   lines.push_back(fmt::format(
       "the verification found {}, and no file is kept; please report this with the input file",
       counted(count, "fault")));
@@ -321,7 +327,7 @@ std::string plan_text(const Report& report) {
   const GridIndex& blocks = plan.tiling.blocks;
   const auto atoms = static_cast<std::int64_t>(report.atoms);
   std::string text = fmt::format("input: {} ({}{})\n", path_text(report.options.input),
-                                 counted(atoms, "atom"), usual_text(report.findings));
+                                 counted(atoms, "atom"), usual_text(report.diagnostics));
   text += fmt::format("parameters: probe radius {}, spacing {}{} (angstrom)\n",
                       parameters.probe_radius, parameters.spacing,
                       parameters.grid ? "" : fmt::format(", margin {}", parameters.margin));
@@ -376,7 +382,7 @@ std::string json_text(const Report& report) {
                        {"version", version},
                        {"input", report.options.input.string()},
                        {"atoms", report.atoms},
-                       {"diagnostics", findings_json(report.findings)},
+                       {"diagnostics", diagnostics_json(report.diagnostics)},
                        {"parameters", parameters_json(report.options.parameters)},
                        {"grid", grid_json(report.plan.grid)},
                        {"region", region_json(report.plan)},
@@ -403,8 +409,8 @@ std::string json_text(const Report& report) {
 
 std::vector<std::string> warnings(const Report& report) {
   std::vector<std::string> lines;
-  for (const Finding& finding : report.findings)
-    if (!finding.is_usual) lines.push_back(finding.message);
+  for (const DiagnosticText& diagnostic : report.diagnostics)
+    if (!diagnostic.is_usual) lines.push_back(diagnostic.message);
   if (report.plan.cut_depth > 0) lines.push_back(cut_warning(report.plan));
   for (const DiskSpace::Place& place : report.disk.places)
     if (place.expected > place.available) lines.push_back(disk_warning(place));

@@ -23,7 +23,7 @@ BlockTiling tiling_of(const Plan& plan, const GridIndex& block_size, const Plane
   BlockTiling tiling = make_tiling(plan.grid, block_size, with_planes(plan.tiling.region, planes));
   // The cells between this range and the next one belong to that one, which solves the plane below
   // it again.
-  if (planes.end < plan.tiling.region.end[2]) tiling.corners.end[2] = planes.end;
+  if (planes.end < plan.tiling.region.end[2]) tiling.region_with_halo.end[2] = planes.end;
   return tiling;
 }
 
@@ -43,7 +43,7 @@ OrderedOutput::WriteAt sink_of(ScratchFile* file, TextChecksum* checksum) {
   };
 }
 
-// Writes rows of words as they are; they become values of the map when pieces are merged.
+// Writes rows of words as they are; they become values of the map when chunks are merged.
 TakeRows rows_as_words(MapQuantity quantity, const GridRegion& region,
                        OrderedOutput::WriteAt write_at) {
   const auto row_bytes = sizeof(std::uint64_t) *
@@ -68,17 +68,17 @@ BlockExtras extras_of(const Outputs& outputs) {
   return extras;
 }
 
-std::vector<PieceText> chosen_texts(const Outputs& outputs) {
-  std::vector<PieceText> texts;
-  if (outputs.grid) texts.push_back(PieceText::grid);
-  if (outputs.edges) texts.push_back(PieceText::edges);
+std::vector<ChunkText> chosen_texts(const Outputs& outputs) {
+  std::vector<ChunkText> texts;
+  if (outputs.grid) texts.push_back(ChunkText::grid);
+  if (outputs.edges) texts.push_back(ChunkText::edges);
   for (const MapChoice& map : chosen_maps(outputs)) texts.push_back(text_of(map.quantity));
-  if (outputs.mesh) texts.insert(texts.end(), {PieceText::vertices, PieceText::triangles});
+  if (outputs.mesh) texts.insert(texts.end(), {ChunkText::vertices, ChunkText::triangles});
   return texts;
 }
 
-bool is_of_mesh(PieceText text) {
-  return text == PieceText::vertices || text == PieceText::triangles;
+bool is_of_mesh(ChunkText text) {
+  return text == ChunkText::vertices || text == ChunkText::triangles;
 }
 
 void add_shares(std::vector<AreaShare> shares, std::vector<AreaShare>& sums) {
@@ -122,8 +122,8 @@ struct SlabSweep::RangeSinks {
   OrderedOutput::WriteAt grid, edges;
   std::vector<MapSink> maps;
   MeshSinks mesh;
-  // Of the texts of a piece that is kept.
-  std::unique_ptr<std::array<TextChecksum, piece_texts>> checksums;
+  // Of the texts of a chunk that is kept.
+  std::unique_ptr<std::array<TextChecksum, chunk_text_count>> checksums;
 };
 
 SlabSweep::SlabSweep(const RunTask& task, const RunPlan& plan, std::span<const PlaneRange> ranges,
@@ -144,18 +144,18 @@ SlabSweep::SlabSweep(const RunTask& task, const RunPlan& plan, std::span<const P
 SweepResult SlabSweep::run(Summary& summary) {
   SweepResult result;
   if (ranges_.empty()) return result;
-  const Surface surface = make_surface();
+  const SurfaceModel surface = make_surface();
   const Stopwatch sweeping;
   const Box slab = slab_box(plan_.whole, plan_.slab.planes);
   PatchSchedule patches(surface, {slab.low.z, slab.high.z});
   for (const PlaneRange& planes : ranges_)
-    result.pieces.push_back(sweep(patches, planes, result, summary));
+    result.chunks.push_back(sweep(patches, planes, result, summary));
   summary.seconds.blocks = sweeping.seconds() - summary.seconds.verify;
   return result;
 }
 
-Surface SlabSweep::make_surface() const {
-  Surface surface(plan_.slab.molecule, task_.parameters.probe_radius);
+SurfaceModel SlabSweep::make_surface() const {
+  SurfaceModel surface(plan_.slab.molecule, task_.parameters.probe_radius);
   const GridRegion all = plan_.whole.grid.whole();
   const bool is_cut = plan_.whole.parameters.grid && plan_.whole.cut_depth > 0;
   if (is_cut || plan_.whole.tiling.region != all || plan_.slab.planes != PlaneRange{0, all.end[2]})
@@ -184,50 +184,69 @@ Plan SlabSweep::plan_of(const PlaneRange& planes) const {
   return plan;
 }
 
-Piece SlabSweep::new_piece(const PlaneRange& planes) const {
-  Piece piece;
-  piece.info.planes = planes;
-  piece.is_in_place = is_in_place_;
-  for (const PieceText text : chosen_texts(task_.outputs)) {
-    // In place, only triangles wait for what stands before them.
-    if (is_in_place_ && text != PieceText::triangles) continue;
-    if (plan_.store)
-      piece.text(text) = plan_.store->create(planes, text);
-    else if (is_of_mesh(text))
-      piece.text(text) = std::make_unique<ScratchFile>(mesh_directory_of(*task_.outputs.mesh));
-    else
-      piece.text(text) = std::make_unique<ScratchFile>(task_.output_directory);
-  }
-  return piece;
+// Whether a text is written in place where the run is: its place must not depend on the length of
+// what stands before it.
+bool SlabSweep::goes_to_its_place(ChunkText text) const {
+  if (!is_in_place_) return false;
+  if (text == ChunkText::vertices) return !files_.mesh_text->has_columns();
+  if (text == ChunkText::triangles) return files_.mesh_text->has_face_file();
+  return true;
 }
 
-SlabSweep::RangeSinks SlabSweep::sinks_in_place(Piece& piece) const {
+PlaneChunk SlabSweep::new_chunk(const PlaneRange& planes) const {
+  PlaneChunk chunk;
+  chunk.info.planes = planes;
+  chunk.is_in_place = is_in_place_;
+  for (const ChunkText text : chosen_texts(task_.outputs)) {
+    if (goes_to_its_place(text)) continue;
+    if (plan_.checkpoint)
+      chunk.text(text) = plan_.checkpoint->create(planes, text);
+    else if (is_of_mesh(text))
+      chunk.text(text) = std::make_unique<ScratchFile>(mesh_directory_of(*task_.outputs.mesh));
+    else
+      chunk.text(text) = std::make_unique<ScratchFile>(task_.output_directory);
+  }
+  return chunk;
+}
+
+MeshSinks SlabSweep::mesh_sinks_in_place(PlaneChunk& chunk) const {
+  OutputFiles& files = *files_.final_files;
+  const auto into = [&](ChunkText text, std::optional<OutputFile>& file, std::uint64_t begin) {
+    return goes_to_its_place(text) ? sink_of(file, begin)
+                                   : sink_of(chunk.text(text).get(), nullptr);
+  };
+  return {.vertices = into(ChunkText::vertices, files.mesh, files_.mesh_header_bytes),
+          .triangles = into(ChunkText::triangles, files.mesh_faces, files_.face_header_bytes),
+          .has_local_triangles = files_.mesh_text->has_columns()};
+}
+
+SlabSweep::RangeSinks SlabSweep::sinks_in_place(PlaneChunk& chunk) const {
   OutputFiles& files = *files_.final_files;
   RangeSinks sinks;
   sinks.grid = sink_of(files.grid);
   sinks.edges = sink_of(files.edges);
   for (const MapChoice& map : chosen_maps(task_.outputs))
     sinks.maps.push_back({map.quantity, rows_of_map(*files.map(map.quantity), map, plan_.whole)});
-  sinks.mesh = {.vertices = sink_of(files.mesh, files_.mesh_header_bytes),
-                .triangles = sink_of(piece.text(PieceText::triangles).get(), nullptr)};
+  if (files_.mesh_text != nullptr) sinks.mesh = mesh_sinks_in_place(chunk);
   return sinks;
 }
 
-SlabSweep::RangeSinks SlabSweep::sinks_of(Piece& piece, const GridRegion& region) const {
+SlabSweep::RangeSinks SlabSweep::sinks_of(PlaneChunk& chunk, const GridRegion& region) const {
   RangeSinks sinks;
-  if (plan_.store) sinks.checksums = std::make_unique<std::array<TextChecksum, piece_texts>>();
-  const auto into = [&](PieceText text) {
+  if (plan_.checkpoint)
+    sinks.checksums = std::make_unique<std::array<TextChecksum, chunk_text_count>>();
+  const auto into = [&](ChunkText text) {
     TextChecksum* const checksum =
         sinks.checksums ? &(*sinks.checksums)[static_cast<std::size_t>(text)] : nullptr;
-    return sink_of(piece.text(text).get(), checksum);
+    return sink_of(chunk.text(text).get(), checksum);
   };
-  sinks.grid = into(PieceText::grid);
-  sinks.edges = into(PieceText::edges);
+  sinks.grid = into(ChunkText::grid);
+  sinks.edges = into(ChunkText::edges);
   for (const MapChoice& map : chosen_maps(task_.outputs))
     sinks.maps.push_back(
         {map.quantity, rows_as_words(map.quantity, region, into(text_of(map.quantity)))});
-  sinks.mesh = {.vertices = into(PieceText::vertices),
-                .triangles = into(PieceText::triangles),
+  sinks.mesh = {.vertices = into(ChunkText::vertices),
+                .triangles = into(ChunkText::triangles),
                 .has_local_triangles = true};
   return sinks;
 }
@@ -255,26 +274,26 @@ std::vector<AtomSum> SlabSweep::sums_of(std::span<const AreaShare> shares) const
   return sums;
 }
 
-// Completes a piece in the store; from then on it need not be done again.
-void SlabSweep::keep(Piece& piece, const RangeSinks& sinks,
+// Completes a chunk in the checkpoint; from then on it need not be done again.
+void SlabSweep::keep(PlaneChunk& chunk, const RangeSinks& sinks,
                      std::span<const AreaShare> shares) const {
-  for (std::size_t text = 0; text < piece_texts; ++text)
-    piece.info.checksums[text] = (*sinks.checksums)[text].value();
-  piece.sums = sums_of(shares);
-  plan_.store->finish(piece);
-  piece.sums = {};
-  piece.texts = {};  // so many files cannot be open at a time
+  for (std::size_t text = 0; text < chunk_text_count; ++text)
+    chunk.info.checksums[text] = (*sinks.checksums)[text].value();
+  chunk.sums = sums_of(shares);
+  plan_.checkpoint->finish(chunk);
+  chunk.sums = {};
+  chunk.texts = {};  // so many files cannot be open at a time
 }
 
-Piece SlabSweep::sweep(PatchSchedule& patches, const PlaneRange& planes, SweepResult& result,
-                       Summary& summary) {
-  Piece piece = new_piece(planes);
+PlaneChunk SlabSweep::sweep(PatchSchedule& patches, const PlaneRange& planes, SweepResult& result,
+                            Summary& summary) {
+  PlaneChunk chunk = new_chunk(planes);
   const Plan plan = plan_of(planes);
   const RangeSinks sinks =
-      is_in_place_ ? sinks_in_place(piece) : sinks_of(piece, plan.tiling.region);
+      is_in_place_ ? sinks_in_place(chunk) : sinks_of(chunk, plan.tiling.region);
   std::optional<MeshOutput> mesh;
   if (files_.mesh_text != nullptr)
-    mesh.emplace(plan, plan_.whole.tiling.corners, *files_.mesh_text, sinks.mesh);
+    mesh.emplace(plan, plan_.whole.tiling.region_with_halo, *files_.mesh_text, sinks.mesh);
   std::optional<Verifier> verifier;
   if (plan.parameters.verify > 0) {
     const Stopwatch drawing;
@@ -296,21 +315,21 @@ Piece SlabSweep::sweep(PatchSchedule& patches, const PlaneRange& planes, SweepRe
   pipeline.run();
   pipeline.add_seconds(summary.seconds);
   RegionSums sums = pipeline.take_sums();
-  piece.info.totals = sums.totals;
-  const auto set_bytes = [&](PieceText text, std::uint64_t bytes) {
-    piece.info.bytes[static_cast<std::size_t>(text)] = bytes;
+  chunk.info.totals = sums.totals;
+  const auto set_bytes = [&](ChunkText text, std::uint64_t bytes) {
+    chunk.info.bytes[static_cast<std::size_t>(text)] = bytes;
   };
-  set_bytes(PieceText::grid, pipeline.grid_bytes());
-  set_bytes(PieceText::edges, pipeline.edge_bytes());
-  set_bytes(PieceText::vertices, mesh ? mesh->vertex_bytes() : 0);
-  set_bytes(PieceText::triangles, mesh ? mesh->triangle_bytes() : 0);
+  set_bytes(ChunkText::grid, pipeline.grid_bytes());
+  set_bytes(ChunkText::edges, pipeline.edge_bytes());
+  set_bytes(ChunkText::vertices, mesh ? mesh->vertex_bytes() : 0);
+  set_bytes(ChunkText::triangles, mesh ? mesh->triangle_bytes() : 0);
   for (const MapChoice& map : chosen_maps(task_.outputs))
     set_bytes(text_of(map.quantity), GridMap::row_bytes(map.quantity, plan.tiling.region));
-  if (mesh) piece.info.mesh = {mesh->vertex_count(), pipeline.triangle_count()};
+  if (mesh) chunk.info.mesh = {mesh->vertex_count(), pipeline.triangle_count()};
   const bool is_right = !verifier || verify(*verifier, summary);
-  if (plan_.store && is_right) keep(piece, sinks, sums.atom_shares);
+  if (plan_.checkpoint && is_right) keep(chunk, sinks, sums.atom_shares);
   add_shares(std::move(sums.atom_shares), result.atom_shares);
-  return piece;
+  return chunk;
 }
 
 }  // namespace eses::detail

@@ -11,7 +11,7 @@ double off_grid_points(double coordinate, double lower, double upper, double spa
 
 }  // namespace
 
-Vertex make_vertex(const Grid& grid, const GridIndex& lower, const Crossing& crossing) {
+Vertex make_vertex(const Grid& grid, const GridIndex& lower, const BlockCrossing& crossing) {
   const std::size_t axis = crossing.axis;
   Vertex vertex;
   vertex.position = grid.point(lower);
@@ -19,7 +19,7 @@ Vertex make_vertex(const Grid& grid, const GridIndex& lower, const Crossing& cro
                                           grid.coordinate(axis, lower[axis] + 1), grid.spacing);
   vertex.normal = crossing.normal;
   vertex.patch = crossing.atom_count;
-  vertex.atom = crossing.atoms[0];
+  vertex.atoms = crossing.atoms;
   return vertex;
 }
 

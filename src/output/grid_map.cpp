@@ -10,7 +10,7 @@
 namespace eses::detail {
 namespace {
 
-constexpr std::int64_t piece_words = 1 << 16;
+constexpr std::int64_t tile_words = 1 << 16;
 constexpr std::int64_t cell_points = 64;
 
 std::int64_t words_of_cell(MapQuantity quantity) { return is_of_edges(quantity) ? 32 : 1; }
@@ -19,9 +19,9 @@ std::int64_t cells_along(const GridIndex& size) {
   return (size[0] + cell_points - 1) / cell_points;
 }
 
-// Rows along y whose cells, of all planes, make a piece that is turned at a time.
-std::int64_t rows_in_piece(MapQuantity quantity, const GridIndex& size) {
-  return std::clamp<std::int64_t>(piece_words / (words_of_cell(quantity) * size[2]), 1, size[1]);
+// Rows along y whose cells, of all planes, make a tile that is turned at a time.
+std::int64_t rows_in_tile(MapQuantity quantity, const GridIndex& size) {
+  return std::clamp<std::int64_t>(tile_words / (words_of_cell(quantity) * size[2]), 1, size[1]);
 }
 
 std::span<char> as_chars(std::span<std::uint64_t> words) {
@@ -31,7 +31,7 @@ std::span<char> as_chars(std::span<std::uint64_t> words) {
 }  // namespace
 
 // The points of one cell along x, of some rows along y, and of all planes.
-struct GridMap::Piece {
+struct GridMap::Tile {
   std::int64_t cell = 0;
   std::int64_t y_begin = 0, y_end = 0;
 
@@ -61,13 +61,13 @@ std::uint64_t GridMap::scratch_bytes(const MapChoice& map, const GridRegion& reg
 double GridMap::thread_bytes(const MapChoice& map, const GridRegion& region) {
   if (map.format == MapFormat::vti) return 0;
   const GridIndex size = region.size();
-  const auto points = static_cast<double>(rows_in_piece(map.quantity, size) * size[2]);
+  const auto points = static_cast<double>(rows_in_tile(map.quantity, size) * size[2]);
   const auto words = static_cast<double>(words_of_cell(map.quantity));
   const double text = is_of_edges(map.quantity) ? dielectric_text_bytes : 2;
   return points * (words * sizeof(std::uint64_t) + text);
 }
 
-std::int64_t GridMap::rows_of_piece() const { return rows_in_piece(map_.quantity, size_); }
+std::int64_t GridMap::rows_of_tile() const { return rows_in_tile(map_.quantity, size_); }
 
 std::int64_t GridMap::cells_of_row() const { return cells_along(size_); }
 
@@ -102,24 +102,24 @@ void GridMap::write_rows(std::int64_t first_row, std::span<const std::uint64_t> 
   }
 }
 
-void GridMap::read_words(const Piece& piece, std::vector<std::uint64_t>& words) {
+void GridMap::read_words(const Tile& tile, std::vector<std::uint64_t>& words) {
   const std::int64_t per_cell = words_of_cell(map_.quantity);
-  words.resize(static_cast<std::size_t>(piece.rows() * size_[2] * per_cell));
-  if (piece.rows() == size_[1]) {
-    file_.read_at(as_chars(words), cell_offset(piece.cell, 0));
+  words.resize(static_cast<std::size_t>(tile.rows() * size_[2] * per_cell));
+  if (tile.rows() == size_[1]) {
+    file_.read_at(as_chars(words), cell_offset(tile.cell, 0));
     return;
   }
-  const auto row_words = static_cast<std::size_t>(piece.rows() * per_cell);
+  const auto row_words = static_cast<std::size_t>(tile.rows() * per_cell);
   for (std::int64_t z = 0; z < size_[2]; ++z)
     file_.read_at(
         as_chars(std::span(words).subspan(static_cast<std::size_t>(z) * row_words, row_words)),
-        cell_offset(piece.cell, z * size_[1] + piece.y_begin));
+        cell_offset(tile.cell, z * size_[1] + tile.y_begin));
 }
 
 // The values of all points with this x.
-void GridMap::fill_points(const Piece& piece, std::int64_t x, std::uint64_t first_index,
+void GridMap::fill_points(const Tile& tile, std::int64_t x, std::uint64_t first_index,
                           Scratch& scratch) const {
-  const auto rows = static_cast<std::size_t>(piece.rows());
+  const auto rows = static_cast<std::size_t>(tile.rows());
   const auto planes = static_cast<std::size_t>(size_[2]);
   scratch.values.resize(2 * rows * planes);
   fill_dx_zeros(first_index, scratch.values);
@@ -134,10 +134,10 @@ void GridMap::fill_points(const Piece& piece, std::int64_t x, std::uint64_t firs
 }
 
 // The values of all edges whose lower ends have this x.
-void GridMap::fill_edges(const Piece& piece, std::int64_t x, std::uint64_t first_index,
+void GridMap::fill_edges(const Tile& tile, std::int64_t x, std::uint64_t first_index,
                          Scratch& scratch) const {
   constexpr std::size_t digits = dielectric_text_bytes - 1;
-  const auto rows = static_cast<std::size_t>(piece.rows());
+  const auto rows = static_cast<std::size_t>(tile.rows());
   const auto planes = static_cast<std::size_t>(size_[2]);
   scratch.values.resize(dielectric_text_bytes * rows * planes);
   std::array<char, digits> solvent{}, solute{};
@@ -163,37 +163,37 @@ void GridMap::fill_edges(const Piece& piece, std::int64_t x, std::uint64_t first
     }
 }
 
-void GridMap::write_piece(const Piece& piece, Scratch& scratch) {
-  read_words(piece, scratch.words);
-  const std::int64_t first_x = cell_points * piece.cell;
+void GridMap::write_tile(const Tile& tile, Scratch& scratch) {
+  read_words(tile, scratch.words);
+  const std::int64_t first_x = cell_points * tile.cell;
   for (std::int64_t x = first_x; x < std::min(first_x + cell_points, size_[0]); ++x) {
-    const auto index = static_cast<std::uint64_t>((x * size_[1] + piece.y_begin) * size_[2]);
+    const auto index = static_cast<std::uint64_t>((x * size_[1] + tile.y_begin) * size_[2]);
     if (is_of_edges(map_.quantity))
-      fill_edges(piece, x, index, scratch);
+      fill_edges(tile, x, index, scratch);
     else
-      fill_points(piece, x, index, scratch);
+      fill_points(tile, x, index, scratch);
     file_.write_at(scratch.values, layout_.value_offset(index));
   }
 }
 
-std::int64_t GridMap::piece_count() const {
+std::int64_t GridMap::tile_count() const {
   if (layout_.format == MapFormat::vti) return 0;
-  const std::int64_t rows = rows_of_piece();
+  const std::int64_t rows = rows_of_tile();
   return cells_of_row() * ((size_[1] + rows - 1) / rows);
 }
 
-GridMap::Piece GridMap::piece(std::int64_t index) const {
-  const std::int64_t rows = rows_of_piece(), per_cell = (size_[1] + rows - 1) / rows;
+GridMap::Tile GridMap::tile(std::int64_t index) const {
+  const std::int64_t rows = rows_of_tile(), per_cell = (size_[1] + rows - 1) / rows;
   const std::int64_t begin = index % per_cell * rows;
   return {index / per_cell, begin, std::min(begin + rows, size_[1])};
 }
 
-void GridMap::turn_pieces(std::int64_t begin, std::int64_t end, int threads,
-                          const std::function<void()>& check) {
+void GridMap::transpose_tiles(std::int64_t begin, std::int64_t end, int threads,
+                              const std::function<void()>& check) {
   std::vector<Scratch> scratch(static_cast<std::size_t>(threads));
   parallel_for(end - begin, threads, [&](std::int64_t index, int thread) {
     check();
-    write_piece(piece(begin + index), scratch[static_cast<std::size_t>(thread)]);
+    write_tile(tile(begin + index), scratch[static_cast<std::size_t>(thread)]);
   });
 }
 

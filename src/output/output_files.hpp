@@ -25,7 +25,7 @@ inline constexpr char areas_name[] = "partition_area.txt";
 std::string text_file_name(const char* name, bool gzip);
 
 /// Where a run that may be resumed keeps what is done, in its output directory.
-inline constexpr char resume_name[] = ".eses-blocks.resume";
+inline constexpr char checkpoint_name[] = ".eses-blocks.resume";
 
 /// In it, what says of which run it is, and the suffix of what says that a piece is complete.
 inline constexpr char run_name[] = "run";
@@ -33,7 +33,7 @@ inline constexpr char sums_suffix[] = ".sums";
 
 /// Removes the directory of that name with all that is in it. If that is cut off, what is left of
 /// the pieces in it can still be told from complete ones.
-void remove_pieces(const std::filesystem::path& directory) noexcept;
+void remove_checkpoint_directory(const std::filesystem::path& directory) noexcept;
 
 /// The names of the chosen files, the mesh left out.
 std::vector<std::string> file_names(const Outputs& choice);
@@ -44,12 +44,14 @@ std::vector<std::string> final_paths(const Outputs& choice, const std::filesyste
 /// What is removed besides, as it is another form of one of them.
 std::vector<std::string> stale_paths(const Outputs& choice, const std::filesystem::path& directory);
 
-/// The directory of the mesh's file; if that is a symbolic link, of the file to which it leads.
+/// The directory of the mesh's first file; if that is a symbolic link, of the file to which it
+/// leads.
 std::string mesh_directory_of(const MeshOptions& mesh);
 
 /// Throws Error if one of the files cannot be written where it goes, as far as can be told without
 /// writing there: its directory is none, or not to be written to, or its name leads to something
-/// else than a regular file. The same holds for stale_paths, which would be removed.
+/// else than a regular file. The same holds for stale_paths, which would be removed. Throws Error,
+/// too, if two of the files are the same one, as by symbolic links.
 void require_places(const Outputs& choice, const std::filesystem::path& directory);
 
 /// Where this process writes them until they are complete.
@@ -79,8 +81,10 @@ DiskSpace require_disk_space(const Plan& plan, const Outputs& outputs,
 struct OutputFiles {
   bool gzip = false;                         ///< whether box, grid, edges and areas are gzipped
   std::optional<OutputDirectory> directory;  ///< if any file but the mesh is there
-  std::optional<OutputDirectory> mesh_directory;  ///< if there is a mesh; locked for it alone
-  std::optional<OutputFile> box, grid, edges, areas, residues, chains, mesh;
+  /// If there is a mesh, of its file, and of that of its triangles if they have one; each locked
+  /// for that file alone.
+  std::optional<OutputDirectory> mesh_directory, face_directory;
+  std::optional<OutputFile> box, grid, edges, areas, residues, chains, mesh, mesh_faces;
   std::array<std::optional<OutputFile>, map_quantities> maps;  ///< by quantity
 
   /// Throws Error as require_places, OutputDirectory, OutputFile and require_disk_space do.
@@ -98,7 +102,7 @@ struct OutputFiles {
   void commit(const std::function<void()>& check);
 
   /// After it: what was kept for a run to be resumed has served, and goes.
-  void remove_resumable() noexcept;
+  void remove_checkpoint() noexcept;
 
  private:
   void open_directory(const Outputs& choice, const std::filesystem::path& path);

@@ -16,7 +16,8 @@ std::uint32_t share_of(double inside) {
   return static_cast<std::uint32_t>(std::llround(parts));
 }
 
-std::uint32_t share_of(const BlockGrid& grid, const GridIndex& lower, const Crossing& crossing) {
+std::uint32_t share_of(const BlockGrid& grid, const GridIndex& lower,
+                       const BlockCrossing& crossing) {
   const auto& coordinates = grid.coordinates[crossing.axis];
   const auto index = static_cast<std::size_t>(lower[crossing.axis]);
   const double low = coordinates[index], high = coordinates[index + 1];
@@ -31,7 +32,7 @@ class EdgeDivider {
       : patches_(patches), features_(patches.features()), places_(places) {}
 
   // The share of the edge that lies inside. Its ends count as the points of the grid do.
-  double inside_share(const Edge& edge) {
+  double inside_share(const CrossedEdge& edge) {
     const double low = edge.lower[edge.axis], high = edge.upper;
     places_.assign({low, high});
     add_places(edge);
@@ -59,7 +60,7 @@ class EdgeDivider {
   }
 
   // An edge may pass through several cells of the index.
-  void add_places(const Edge& edge) {
+  void add_places(const CrossedEdge& edge) {
     const double low = edge.lower[edge.axis], length = edge.upper - low;
     const double steps = std::ceil(length / patches_.cell_side());
     for (double step = 0; step <= steps; ++step) {
@@ -75,12 +76,12 @@ class EdgeDivider {
   }
 
   // Only places in the box of the patch count: the patches of a cell depend on the block.
-  void add(const Edge& edge, double place, const Box& box) {
+  void add(const CrossedEdge& edge, double place, const Box& box) {
     if (place > edge.lower[edge.axis] && place < edge.upper && contains(box, edge.point_at(place)))
       places_.push_back(place);
   }
 
-  void add_sphere(const Edge& edge, Vec3 center, double radius, const Box& box) {
+  void add_sphere(const CrossedEdge& edge, Vec3 center, double radius, const Box& box) {
     Vec3 offset = edge.lower - center;
     offset[edge.axis] = 0;
     const double squared = radius * radius - squared_norm(offset);
@@ -90,7 +91,7 @@ class EdgeDivider {
     add(edge, center[edge.axis] + half_chord, box);
   }
 
-  void add_tube(const Edge& edge, const ArcFeature& arc) {
+  void add_tube(const CrossedEdge& edge, const ArcFeature& arc) {
     const Box& box = arc.surface_box;
     for (std::size_t axis = 0; axis < 3; ++axis) {
       const double low = edge.lower[axis], high = axis == edge.axis ? edge.upper : low;
@@ -127,8 +128,9 @@ void sort_doubtful(std::vector<DoubtfulEdge>& edges) {
 }  // namespace
 
 void find_edge_shares(const BlockGrid& grid, const BlockFeatures& features, const PointBits& inside,
-                      std::span<const Crossing> crossings, std::span<const std::uint32_t> row_begin,
-                      const GridIndex& owned, IntersectScratch& scratch, EdgeShares& shares) {
+                      std::span<const BlockCrossing> crossings,
+                      std::span<const std::uint32_t> row_begin, const GridIndex& owned,
+                      IntersectScratch& scratch, EdgeShares& shares) {
   sort_doubtful(scratch.doubtful);
   if (!scratch.doubtful.empty()) scratch.patches.reset(features, grid.box);
   EdgeDivider divider(scratch.patches, scratch.places);
@@ -147,12 +149,12 @@ void find_edge_shares(const BlockGrid& grid, const BlockFeatures& features, cons
     };
     const auto add_doubtful = [&] {
       const GridIndex lower{doubtful->x, y, z};
-      const Edge edge = make_edge(grid, doubtful->axis, lower, inside.test(lower));
+      const CrossedEdge edge = make_crossed_edge(grid, doubtful->axis, lower, inside.test(lower));
       add(doubtful->x, doubtful->axis, share_of(divider.inside_share(edge)));
       ++doubtful;
     };
     for (std::uint32_t c = row_begin[row]; c < row_begin[row + 1]; ++c) {
-      const Crossing& crossing = crossings[c];
+      const BlockCrossing& crossing = crossings[c];
       const std::tuple place(crossing.x, crossing.axis);
       while (doubtful != scratch.doubtful.cend() && doubtful->row == row &&
              std::tuple(doubtful->x, doubtful->axis) < place)

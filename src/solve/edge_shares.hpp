@@ -5,7 +5,7 @@
 #include <span>
 #include <vector>
 
-#include "grid/crossing.hpp"
+#include "grid/block_crossing.hpp"
 #include "solve/intersect.hpp"
 
 namespace eses::detail {
@@ -32,7 +32,8 @@ struct EdgeShares {
 /// none of the surface do no harm. An edge that meets only one patch that can be its crossing is
 /// cut once, and needs none of this.
 void find_edge_shares(const BlockGrid& grid, const BlockFeatures& features, const PointBits& inside,
-                      std::span<const Crossing> crossings, std::span<const std::uint32_t> row_begin,
-                      const GridIndex& owned, IntersectScratch& scratch, EdgeShares& shares);
+                      std::span<const BlockCrossing> crossings,
+                      std::span<const std::uint32_t> row_begin, const GridIndex& owned,
+                      IntersectScratch& scratch, EdgeShares& shares);
 
 }  // namespace eses::detail

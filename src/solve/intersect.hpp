@@ -22,7 +22,7 @@ struct IntersectScratch {
   struct Further {
     std::uint32_t edge;
     bool needs_proof;  ///< see decide_crossing
-    Crossing candidate;
+    BlockCrossing candidate;
   };
   EdgeTable edges;
   EdgeBatch batch;
@@ -32,14 +32,14 @@ struct IntersectScratch {
   /// Whether doubtful edges are to be found, and those found, in any order, perhaps several times.
   bool finds_doubtful = false;
   std::vector<DoubtfulEdge> doubtful;
-  std::vector<double> places;     ///< of find_edge_shares
-  std::vector<Crossing> of_edge;  ///< candidates of the edge that is being decided
+  std::vector<double> places;          ///< of find_edge_shares
+  std::vector<BlockCrossing> of_edge;  ///< candidates of the edge that is being decided
 };
 
 /// Appends the crossings in canonical order, and for each row (z, y) of owned points the number of
 /// crossings before it to `row_begin` (rows + 1 entries).
 void intersect_edges(const BlockGrid& grid, const BlockFeatures& features, const PointBits& inside,
-                     IntersectScratch& scratch, std::vector<Crossing>& crossings,
+                     IntersectScratch& scratch, std::vector<BlockCrossing>& crossings,
                      std::vector<std::uint32_t>& row_begin);
 
 }  // namespace eses::detail

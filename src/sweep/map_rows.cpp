@@ -14,7 +14,7 @@ PointBits BlockResult::*bits_of(MapQuantity quantity) {
 
 // Rows of edges need the points behind the region's last, too.
 Extent extent_of(MapQuantity quantity) {
-  return is_of_edges(quantity) ? Extent::far_corners : Extent::region;
+  return is_of_edges(quantity) ? Extent::with_halo : Extent::region;
 }
 
 // The shares of 64 edges, two in a word: all of an edge, or nothing.
@@ -50,7 +50,7 @@ void MapRows::append(std::int64_t y, std::int64_t z, std::vector<std::uint64_t>&
 }
 
 void MapRows::append_points(std::int64_t y, std::int64_t z, std::vector<std::uint64_t>& words) {
-  rows_.join(y, z, lower_);
+  rows_.merge_row(y, z, lower_);
   words.insert(words.end(), lower_.begin(), lower_.end());
 }
 
@@ -64,13 +64,13 @@ bool MapRows::join_upper_ends(std::int64_t y, std::int64_t z) {
   }
   const std::int64_t index = axis == 1 ? tiling_.region.begin[1] + y : layer_.first_z() + z;
   if (index + 1 >= tiling_.grid_size[axis]) return false;
-  rows_.join(axis == 1 ? y + 1 : y, axis == 2 ? z + 1 : z, upper_);
+  rows_.merge_row(axis == 1 ? y + 1 : y, axis == 2 ? z + 1 : z, upper_);
   return true;
 }
 
 void MapRows::append_edges(std::int64_t y, std::int64_t z, std::vector<std::uint64_t>& words) {
   const auto axis = static_cast<std::uint8_t>(edge_axis(quantity_));
-  rows_.join(y, z, lower_);
+  rows_.merge_row(y, z, lower_);
   upper_.assign(lower_.size(), 0);
   const bool has_edges = join_upper_ends(y, z);
   const std::size_t begin = words.size();
