@@ -15,6 +15,7 @@
 #include <vector>
 
 #include "grid/plane_range.hpp"
+#include "io/map_writer.hpp"
 #include "output/output_directory.hpp"
 #include "output/scratch_file.hpp"
 #include "sweep/region_totals.hpp"
@@ -28,11 +29,18 @@ struct AtomSum {
   std::array<std::uint32_t, 3> padding{};  ///< these bytes are written, too
 };
 
-/// The texts of a chunk, numbered: those of grid_info.txt and intersection_info.txt, rows of words
-/// for the map, and of the mesh vertices as text or records of its format and triangles as
-/// mesh::LocalTriangle.
-enum class ChunkText : std::uint8_t { grid, edges, map, vertices, triangles };
-inline constexpr std::size_t chunk_text_count = 5;
+/// The texts of a chunk, numbered: those of grid_info.txt and intersection_info.txt, of the mesh
+/// vertices as text of its format and triangles as mesh::LocalTriangle, and rows of words for maps,
+/// by their quantity.
+enum class ChunkText : std::uint8_t { grid, edges, vertices, triangles, first_map };
+inline constexpr std::size_t chunk_text_count =
+    static_cast<std::size_t>(ChunkText::first_map) + map_quantities;
+
+/// The rows of a map.
+constexpr ChunkText text_of(MapQuantity quantity) {
+  return static_cast<ChunkText>(static_cast<std::size_t>(ChunkText::first_map) +
+                                static_cast<std::size_t>(quantity));
+}
 
 /// The data of a chunk that all processes know.
 struct ChunkInfo {

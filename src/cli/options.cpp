@@ -21,7 +21,9 @@
 #include <vector>
 
 #include "cli/arguments.hpp"
+#include "eses/error.hpp"
 #include "io/atom_lines.hpp"
+#include "io/grid_reader.hpp"
 #include "io/map_writer.hpp"
 #include "mesh/mesh_format.hpp"
 #include "simd/dispatch.hpp"
@@ -49,6 +51,7 @@ constexpr char footer[] = R"(Files written:
 With --gzip each of these is NAME.gz. Only if asked for:
   residue_area.csv, chain_area.csv   areas of residues and chains; not of xyzr files
   the map of --inside                every grid point, 1 inside and 0 outside
+  the maps of --dielectric, --kappa  dielectric of edges, access of ions: for APBS
   the mesh of --mesh                 the surface as triangles
 
 Examples:
@@ -89,7 +92,8 @@ struct CommandLine {
   Length probe_radius, spacing, margin;
   Outputs text_files;
   bool gzip = false;
-  std::filesystem::path inside_map, mesh;  ///< empty: not given
+  std::filesystem::path inside_map, ion_map, dielectric_prefix, mesh;  ///< empty: not given
+  std::optional<double> solute, solvent, ion_radius;
   MeshColor color = MeshColor::none;
   bool without_hetatm = false;
   bool is_ascii = false;
@@ -133,6 +137,24 @@ std::optional<Box> box_in(const std::string& text) {
   return Box{{x0, y0, z0}, {x1, y1, z1}};
 }
 
+std::optional<Vec3> place_in(const std::string& text) {
+  const auto numbers = numbers_in<double, 3>(text, ',');
+  if (!numbers) return std::nullopt;
+  const auto& [x, y, z] = *numbers;
+  if (!std::isfinite(x) || !std::isfinite(y) || !std::isfinite(z)) return std::nullopt;
+  return Vec3{x, y, z};
+}
+
+std::optional<GridIndex> counts_in(const std::string& text) {
+  const auto counts = numbers_in<std::int64_t, 3>(text, ',');
+  if (!counts || *std::min_element(counts->begin(), counts->end()) < 2) return std::nullopt;
+  return counts;
+}
+
+std::optional<std::filesystem::path> grid_file_in(const std::string& text) {
+  return grid_file_format(text) ? std::optional<std::filesystem::path>(text) : std::nullopt;
+}
+
 std::optional<GridRegion> blocks_in(const std::string& text) {
   const std::vector<std::string> axes = CLI::detail::split(text, ',');
   if (axes.size() != 3) return std::nullopt;
@@ -172,6 +194,17 @@ std::optional<std::filesystem::path> map_in(const std::string& text) {
   return path;
 }
 
+std::optional<std::filesystem::path> dx_map_in(const std::string& text) {
+  const auto path = map_in(text);
+  return path && map_format(path->filename().string()) == MapFormat::dx ? path : std::nullopt;
+}
+
+std::optional<std::filesystem::path> prefix_in(const std::string& text) {
+  const std::filesystem::path path = text;
+  const std::string name = path.filename();
+  return name.empty() || name.starts_with('.') ? std::nullopt : std::optional(path);
+}
+
 std::optional<std::filesystem::path> mesh_in(const std::string& text) {
   return mesh_format(text) ? std::optional<std::filesystem::path>(text) : std::nullopt;
 }
@@ -180,6 +213,29 @@ std::optional<std::filesystem::path> mesh_in(const std::string& text) {
 
 /// The group of all options that are added next, in the help.
 void begin_group(CLI::App& app, const char* name) { app.option_defaults()->group(name); }
+
+void add_grid_choice(CLI::App& app, GridChoice& grid) {
+  const Format<Vec3> place{place_in, "three finite numbers x,y,z, in angstrom"};
+  CLI::Option* const origin =
+      add_value(app, "--grid-origin", "X,Y,Z", "lowest point of a chosen grid; with --grid-points",
+                grid.origin, place);
+  CLI::Option* const center =
+      add_value(app, "--grid-center", "X,Y,Z", "middle of a chosen grid; with --grid-points",
+                grid.center, place)
+          ->excludes(origin);
+  CLI::Option* const points =
+      add_value(app, "--grid-points", "NX,NY,NZ", "number of points of a chosen grid along x, y, z",
+                grid.points, Format{counts_in, "three whole numbers nx,ny,nz of at least 2"});
+  add_value(app, "--grid-like", "FILE",
+            "the grid of a map (.dx or .vti) or bounding_box.txt,\n"
+            "each also with .gz, and its spacing",
+            grid.like,
+            Format{grid_file_in,
+                   "the name of a file that ends with .dx, .vti or .txt, or one of these and .gz"})
+      ->excludes(origin)
+      ->excludes(center)
+      ->excludes(points);
+}
 
 void add_grid_options(CLI::App& app, CommandLine& line) {
   begin_group(app, "Surface and grid");
@@ -206,6 +262,7 @@ void add_grid_options(CLI::App& app, CommandLine& line) {
   add_length("MARGIN", "--margin", "room between molecule and edge of the grid, >= 0",
              parameters.margin, line.margin,
              number_between(0, max_finite, "a finite number of at least 0, in angstrom"));
+  add_grid_choice(app, line.options.grid);
   CLI::Option* const region =
       add_value(app, "--region", "X0,Y0,Z0,X1,Y1,Z1",
                 "only the grid points in this box (angstrom), and\n"
@@ -220,6 +277,33 @@ void add_grid_options(CLI::App& app, CommandLine& line) {
             parameters.blocks,
             Format{blocks_in, "i0:i1,j0:j1,k0:k1, whole numbers from 0, i0 < i1 and so on"})
       ->excludes(region);
+}
+
+void add_solver_maps(CLI::App& app, CommandLine& line) {
+  begin_group(app, "Maps for Poisson-Boltzmann solvers (APBS), in the output directory");
+  const auto permittivity =
+      number_between(min_dielectric, max_dielectric,
+                     fmt::format("a number from {:g} to {:g}", min_dielectric, max_dielectric));
+  add_value(app, "--dielectric", "PREFIX",
+            "maps of the dielectric at the middles of grid edges,\n"
+            "PREFIXx.dx, PREFIXy.dx and PREFIXz.dx (usemap diel)",
+            line.dielectric_prefix, Format{prefix_in, "the first part of a file name"});
+  add_value(app, "--solute-dielectric", "EPS",
+            fmt::format("relative permittivity inside [{}]", DielectricMaps().solute), line.solute,
+            permittivity);
+  add_value(app, "--solvent-dielectric", "EPS",
+            fmt::format("relative permittivity outside [{}]", DielectricMaps().solvent),
+            line.solvent, permittivity);
+  add_value(app, "--kappa", "FILE",
+            "map of the points to which ions have access: FILE.dx\n"
+            "with 1 there and 0 elsewhere (usemap kappa)",
+            line.ion_map, Format{dx_map_in, "the name of a file that ends with .dx"});
+  add_value(app, "--ion-radius", "ANGSTROM",
+            fmt::format("radius of the ions of --kappa, 0 to {} [{}]", max_ion_radius,
+                        IonAccessMap().ion_radius),
+            line.ion_radius,
+            number_between(0, max_ion_radius,
+                           fmt::format("a number from 0 to {}, in angstrom", max_ion_radius)));
 }
 
 void add_file_options(CLI::App& app, CommandLine& line) {
@@ -367,6 +451,7 @@ void add_options(CLI::App& app, CommandLine& line) {
   add_grid_options(app, line);
   add_file_options(app, line);
   add_structure_options(app, line);
+  add_solver_maps(app, line);
   add_computation_options(app, line.options.parameters);
   add_checks(app, line.options.parameters);
   add_messages(app, line.options);
@@ -382,15 +467,57 @@ void choose(const char* positional, const char* option, const Length& length, do
   target = length.positional ? *length.positional : length.option.value_or(target);
 }
 
+// A chosen grid needs a place and a size. The margin is that of the grid of ESES.
+void check_grid_choice(const CommandLine& line) {
+  const GridChoice& grid = line.options.grid;
+  const bool has_place = grid.origin || grid.center;
+  if (has_place && !grid.points)
+    throw UsageError(
+        fmt::format("{} needs --grid-points", grid.origin ? "--grid-origin" : "--grid-center"));
+  if (grid.points && !has_place)
+    throw UsageError("--grid-points needs --grid-origin or --grid-center");
+  const bool is_chosen = has_place || !grid.like.empty();
+  if (is_chosen && (line.margin.positional || line.margin.option))
+    throw UsageError(fmt::format(
+        "{} has no meaning for a grid that is chosen by {}",
+        line.margin.option ? "--margin" : "MARGIN",
+        grid.origin ? "--grid-origin" : (grid.center ? "--grid-center" : "--grid-like")));
+}
+
 /// The name of a map, which goes to the output directory like all files.
-std::string map_name(const std::filesystem::path& map,
+std::string map_name(std::string_view option, const std::filesystem::path& map,
                      const std::filesystem::path& output_directory) {
   if (map.has_parent_path() && !is_same_place(map.parent_path(), output_directory))
     throw UsageError(
-        fmt::format("--inside is '{}', but files go to {}: give its name alone, or "
+        fmt::format("{} is '{}', but files go to {}: give its name alone, or "
                     "--output-dir {}",
-                    map.string(), output_directory.string(), map.parent_path().string()));
+                    option, map.string(), output_directory.string(), map.parent_path().string()));
   return map.filename();
+}
+
+void add_maps(const CommandLine& line, const std::filesystem::path& directory, Outputs& outputs) {
+  outputs.inside_map = map_name("--inside", line.inside_map, directory);
+  if (!line.dielectric_prefix.empty()) {
+    DielectricMaps maps{map_name("--dielectric", line.dielectric_prefix, directory)};
+    maps.solute = line.solute.value_or(maps.solute);
+    maps.solvent = line.solvent.value_or(maps.solvent);
+    outputs.dielectric = std::move(maps);
+  } else if (line.solute || line.solvent) {
+    throw UsageError(fmt::format("{} needs --dielectric",
+                                 line.solute ? "--solute-dielectric" : "--solvent-dielectric"));
+  }
+  if (!line.ion_map.empty()) {
+    IonAccessMap map{map_name("--kappa", line.ion_map, directory)};
+    map.ion_radius = line.ion_radius.value_or(map.ion_radius);
+    outputs.ion_access = std::move(map);
+  } else if (line.ion_radius) {
+    throw UsageError("--ion-radius needs --kappa");
+  }
+  try {
+    require_valid_maps(outputs);
+  } catch (const Error& error) {
+    throw UsageError(error.what());
+  }
 }
 
 std::optional<MeshOptions> mesh_of(const CommandLine& line) {
@@ -415,9 +542,11 @@ Options options_of(const CommandLine& line) {
   choose("PROBE", "--probe-radius", line.probe_radius, options.parameters.probe_radius);
   choose("SPACING", "--spacing", line.spacing, options.parameters.spacing);
   choose("MARGIN", "--margin", line.margin, options.parameters.margin);
+  check_grid_choice(line);
+  options.grid.has_spacing = line.spacing.positional || line.spacing.option;
   options.outputs = line.text_files;
   options.outputs.gzip = line.gzip;
-  options.outputs.inside_map = map_name(line.inside_map, options.output_directory);
+  add_maps(line, options.output_directory, options.outputs);
   options.outputs.mesh = mesh_of(line);
   options.structure.with_hetatm = !line.without_hetatm;
   return options;
@@ -470,6 +599,20 @@ bool asks_to_be_independent(int argc, const char* const* argv) {
   const std::span arguments(argv + std::min(argc, 1), argv + argc);
   const auto end = std::find(arguments.begin(), arguments.end(), std::string_view("--"));
   return std::find(arguments.begin(), end, std::string_view(independent_flag)) != end;
+}
+
+std::optional<Grid> chosen_grid(const Options& options) {
+  const GridChoice& choice = options.grid;
+  const double spacing = options.parameters.spacing;
+  if (choice.origin) return Grid{*choice.origin, spacing, *choice.points};
+  if (choice.center) return centered_grid(*choice.center, spacing, *choice.points);
+  if (choice.like.empty()) return std::nullopt;
+  const Grid grid = read_grid(choice.like);
+  if (choice.has_spacing && !is_same_spacing(grid.spacing, spacing))
+    throw Error(fmt::format(
+        "{} has a grid with a spacing of {}, but the spacing is given as {}; leave it out",
+        choice.like.string(), grid.spacing, spacing));
+  return grid;
 }
 
 std::variant<Options, Notice> parse_command_line(int argc, const char* const* argv) {

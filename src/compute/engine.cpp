@@ -147,7 +147,8 @@ std::uint64_t write_files(const RunTask& task, const RunPlan& plan,
   if (outputs.edges) bytes += merge.write_text(file(&OutputFiles::edges), ChunkText::edges);
   if (mesh)
     bytes += merge.write_mesh(file(&OutputFiles::mesh), file(&OutputFiles::mesh_faces), *mesh);
-  if (!outputs.inside_map.empty()) bytes += merge.write_map(file(&OutputFiles::inside_map));
+  for (const MapChoice& map : chosen_maps(outputs))
+    bytes += merge.write_map(files != nullptr ? files->map(map.quantity) : nullptr, map);
   if (outputs.areas)
     bytes += write_areas(areas, outputs.gzip, file(&OutputFiles::areas), check, processes);
   if (outputs.residues)

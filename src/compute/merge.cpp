@@ -13,7 +13,7 @@
 #include "eses/error.hpp"
 #include "io/gzip.hpp"
 #include "mesh/local_triangle.hpp"
-#include "output/inside_map.hpp"
+#include "output/grid_map.hpp"
 
 namespace eses::detail {
 namespace {
@@ -209,26 +209,25 @@ std::uint64_t Merge::write_text(OutputFile* file, ChunkText text) {
   return bytes;
 }
 
-std::uint64_t Merge::write_map(OutputFile* file) {
+std::uint64_t Merge::write_map(OutputFile* file, const MapChoice& choice) {
   SharedFile shared(processes_, file);
   const GridRegion& region = plan_.whole.tiling.region;
-  InsideMap map(map_file(shared), required_map_format(task_.outputs.inside_map), plan_.whole.grid,
-                region);
-  const auto row_words = static_cast<std::uint64_t>(InsideMap::words_of_row(region.size()));
+  GridMap map(map_file(shared), choice, plan_.whole.grid, region);
+  const ChunkText text = text_of(choice.quantity);
+  const auto row_words =
+      static_cast<std::uint64_t>(GridMap::words_of_row(choice.quantity, region.size()));
   const std::uint64_t row_bytes = sizeof(std::uint64_t) * row_words;
-  InsideMap::Scratch scratch;
+  GridMap::Scratch scratch;
   std::vector<std::uint64_t> words;
   for (PlaneChunk& chunk : own_) {
     if (chunk.is_in_place) continue;
     const std::int64_t first_row = (chunk.info.planes.begin - region.begin[2]) * region.size()[1];
-    read(chunk, ChunkText::map, row_bytes, 0,
-         [&](std::span<const char> bytes, std::uint64_t offset) {
-           words.resize(bytes.size() / sizeof(std::uint64_t));
-           std::memcpy(words.data(), bytes.data(), bytes.size());
-           map.write_rows(first_row + static_cast<std::int64_t>(offset / row_bytes), words,
-                          scratch);
-         });
-    close(chunk, ChunkText::map);
+    read(chunk, text, row_bytes, 0, [&](std::span<const char> bytes, std::uint64_t offset) {
+      words.resize(bytes.size() / sizeof(std::uint64_t));
+      std::memcpy(words.data(), bytes.data(), bytes.size());
+      map.write_rows(first_row + static_cast<std::int64_t>(offset / row_bytes), words, scratch);
+    });
+    close(chunk, text);
   }
   shared.sync();
   const Processes::Share share =

@@ -32,7 +32,7 @@ class Merge {
 
   /// Each of these completes a file and returns its length.
   std::uint64_t write_text(OutputFile* file, ChunkText text);
-  std::uint64_t write_map(OutputFile* file);
+  std::uint64_t write_map(OutputFile* file, const MapChoice& choice);
   /// `face_file` is that of the triangles, where they have one.
   std::uint64_t write_mesh(OutputFile* file, OutputFile* face_file, const mesh::MeshText& text);
 

@@ -1,12 +1,14 @@
 #pragma once
 /// The files of a run: all of them, or none.
 
+#include <array>
 #include <filesystem>
 #include <functional>
 #include <optional>
 #include <string>
 #include <vector>
 
+#include "io/map_writer.hpp"
 #include "output/output_directory.hpp"
 #include "output/output_file.hpp"
 #include "task/task.hpp"
@@ -82,10 +84,17 @@ struct OutputFiles {
   /// If there is a mesh, of its file, and of that of its triangles if they have one; each locked
   /// for that file alone.
   std::optional<OutputDirectory> mesh_directory, face_directory;
-  std::optional<OutputFile> box, grid, edges, areas, inside_map, residues, chains, mesh, mesh_faces;
+  std::optional<OutputFile> box, grid, edges, areas, residues, chains, mesh, mesh_faces;
+  std::array<std::optional<OutputFile>, map_quantities> maps;  ///< by quantity
 
   /// Throws Error as require_places, OutputDirectory, OutputFile and require_disk_space do.
   OutputFiles(const Outputs& choice, const std::filesystem::path& path, const Plan& plan);
+
+  /// The file of a map; null if there is none.
+  OutputFile* map(MapQuantity quantity) {
+    auto& file = maps[static_cast<std::size_t>(quantity)];
+    return file ? &*file : nullptr;
+  }
 
   /// Gives all files their names. Older ones go first, so that old and new never stand beside each
   /// other, and the bounding box comes last: where it is, the others are. What `check`, called

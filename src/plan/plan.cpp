@@ -14,7 +14,7 @@
 #include "io/eses_writer.hpp"
 #include "io/gzip.hpp"
 #include "mesh/mesh_writer.hpp"
-#include "output/inside_map.hpp"
+#include "output/grid_map.hpp"
 #include "plan/atom_hash.hpp"
 #include "plan/memory.hpp"
 #include "sweep/region_box.hpp"
@@ -212,16 +212,19 @@ LabelTotals with_copies(LabelTotals labels, const Outputs& outputs) {
   return labels;
 }
 
+// `is_cut`: atoms may be beyond the grid.
 SurfaceSurvey survey_of(const Molecule& molecule, const Grid& grid, const GridRegion& region,
-                        double probe_radius) {
-  if (region == grid.whole()) return {molecule, probe_radius};
+                        double probe_radius, bool is_cut) {
+  if (region == grid.whole() && !is_cut) return {molecule, probe_radius};
   return {molecule, probe_radius, region_box(grid, region)};
 }
 
-void expect_map(const std::string& name, Plan& plan) {
-  const MapFormat format = required_map_format(name);
-  plan.map_file_bytes = map_layout(format, plan.grid, plan.tiling.region).file_bytes();
-  plan.map_scratch_bytes = InsideMap::scratch_bytes(format, plan.tiling.region);
+void expect_maps(const Outputs& outputs, Plan& plan) {
+  const GridRegion& region = plan.tiling.region;
+  for (const MapChoice& map : chosen_maps(outputs)) {
+    plan.map_file_bytes += map_layout(map, plan.grid, region).file_bytes();
+    plan.map_scratch_bytes += GridMap::scratch_bytes(map, region);
+  }
 }
 
 std::uint64_t box_bytes(const Grid& grid, bool gzip) {
@@ -245,7 +248,7 @@ void require_valid(const Parameters& p) {
 
 void require_valid(const Outputs& outputs, const Molecule& molecule) {
   if (outputs.mesh) require_valid(*outputs.mesh, molecule);
-  if (!outputs.inside_map.empty()) required_map_format(outputs.inside_map);
+  require_valid_maps(outputs);
   if (outputs.residues && molecule.labels().empty())
     throw Error("areas by residue need to be told each atom's chain and residue");
 }
@@ -269,7 +272,7 @@ void plan_files(const FileContents& contents, const Outputs& outputs, Plan& plan
     plan.residue_file_bytes = table_header_bytes +
                               table_line_bytes * (labels.residue_runs + labels.chain_runs) +
                               labels.residue_text_bytes + labels.chain_text_bytes;
-  if (!outputs.inside_map.empty()) expect_map(outputs.inside_map, plan);
+  expect_maps(outputs, plan);
 }
 
 std::uint64_t checksum_of(std::span<const Atom> atoms) {
@@ -283,6 +286,7 @@ Plan plan_on_grid(const Grid& grid, const Box& bounds, const Parameters& paramet
   Plan plan;
   plan.parameters = parameters;
   plan.grid = grid;
+  plan.cut_depths = depths_inside(grid, bounds);
   plan.cut_depth = cut_depth(grid, bounds);
   plan.tiling.region = region_of(grid, parameters);
   return plan;
@@ -290,6 +294,10 @@ Plan plan_on_grid(const Grid& grid, const Box& bounds, const Parameters& paramet
 
 Plan plan_grid(const Box& bounds, const Parameters& parameters) {
   require_valid(parameters);
+  if (parameters.grid) {
+    require_chosen(*parameters.grid);
+    return plan_on_grid(*parameters.grid, bounds, parameters);
+  }
   const Grid grid = make_grid(bounds, parameters.spacing, parameters.margin);
   require_enclosing_margin(cut_depth(grid, bounds), parameters);
   return plan_on_grid(grid, bounds, parameters);
@@ -298,7 +306,9 @@ Plan plan_grid(const Box& bounds, const Parameters& parameters) {
 double plan_schedule(const MemoryBudget& budget, const Molecule& molecule, const Outputs& outputs,
                      Plan& plan) {
   const GridRegion region = plan.tiling.region;
-  const SurfaceSurvey survey = survey_of(molecule, plan.grid, region, plan.parameters.probe_radius);
+  const bool is_cut = plan.parameters.grid && plan.cut_depth > 0;
+  const SurfaceSurvey survey =
+      survey_of(molecule, plan.grid, region, plan.parameters.probe_radius, is_cut);
   choose_schedule(survey, region, budget, outputs, plan);
   return expected_crossings(survey.totals().area, plan.grid.spacing);
 }

@@ -27,7 +27,8 @@ Plan make_plan_within(std::uint64_t available, const Molecule& molecule,
 /// What `Plan::atoms_checksum` is for these atoms.
 std::uint64_t checksum_of(std::span<const Atom> atoms);
 
-/// Step 1 of a plan: the grid around atoms with these bounds, and the region to compute.
+/// Step 1 of a plan: the grid around atoms with these bounds or, if there is one, the grid of the
+/// parameters, and the region to compute.
 Plan plan_grid(const Box& bounds, const Parameters& parameters);
 
 /// The same for a grid that is there already. `parameters.margin` has no meaning, and
@@ -38,8 +39,9 @@ Plan plan_on_grid(const Grid& grid, const Box& bounds, const Parameters& paramet
 /// its range.
 void require_valid(const Parameters& parameters);
 
-/// Throws Error if the files cannot be of this molecule: if the mesh or the map has an unknown
-/// suffix, or if labels are missing.
+/// Throws Error if the files cannot be of this molecule: if the mesh or a map has an unknown
+/// suffix, if two maps have one name or a number of theirs is out of its range, or if labels are
+/// missing.
 void require_valid(const Outputs& outputs, const Molecule& molecule);
 
 /// The memory that a process has for its part of a run.

@@ -28,10 +28,11 @@ enum class Extent { region, with_halo };
 /// Where the parts of a layer's rows stand in its blocks; made once for many rows.
 class LayerRows {
  public:
-  LayerRows(const BlockTiling& tiling, const Layer& layer, Extent extent = Extent::region);
+  LayerRows(const BlockTiling& tiling, const Layer& layer, Extent extent = Extent::region,
+            PointBits BlockResult::*bits = &BlockResult::inside);
 
-  /// Merges the inside bits of row (y, z) from all blocks along x. `y` counts from the region's
-  /// first row, `z` from the layer's first plane.
+  /// Merges the bits, by default those of inside points, of row (y, z) from all blocks along x. `y`
+  /// counts from the region's first row, `z` from the layer's first plane.
   void merge_row(std::int64_t y, std::int64_t z, RowBits& row) const;
 
  private:
