@@ -24,12 +24,12 @@ REFERENCE = "reference"  # the dielectric of the solute everywhere
 MULTIGRID_STEP = 32  # APBS's mg-manual halves the grid four times: 32 k + 1 points along an axis
 INPUT, ENERGIES, LOG = "apbs.in", "energies.txt", "apbs.log"
 
-# What APBS 3.4.1 takes, measured with grids of 65^3 to 161^3 points on one core.
-BYTES_PER_POINT = 200  # of the multigrid solver
+# What APBS 3.4.1 takes, measured on one core (CPU time) with grids of 0.3 to 2.7 million points.
+BYTES_PER_POINT = 260  # of the multigrid solver
 MAP_BYTES_PER_POINT = 8  # of each map that is read; all of them are read at the start
 FILE_BYTES_PER_POINT = 14  # of each map on disk
-SECONDS_PER_POINT = 8e-6  # to solve one calculation
-SECONDS_PER_BOUNDARY_TERM = 4e-8  # of bcfl mdh: for each atom at each point of the boundary
+SECONDS_PER_POINT = 3e-6  # to solve one calculation
+SECONDS_PER_BOUNDARY_TERM = 1e-8  # of bcfl mdh: for each atom at each point of the boundary
 
 Molecule = collections.namedtuple("Molecule", "path atoms")  # atoms: Atom, in the file's order
 Atom = collections.namedtuple("Atom", "x y z charge radius")

@@ -8,9 +8,10 @@ import math
 import os
 import pathlib
 import shutil
+import subprocess
 import unittest
 
-from support import DATA, PROGRAM, TestCase, run
+from support import DATA, PROGRAM, PROJECT, TestCase, run
 import poisson_boltzmann as pb
 
 EXAMPLES = pathlib.Path("/usr/share/apbs/examples")  # of Debian's apbs-data
@@ -139,11 +140,27 @@ class Energies(TestCase):
         for surface in ("mol", "smol"):
             self.assertLess(abs(ions["eses-blocks"] / ions[surface] - 1), 0.02)
 
+    def test_example_of_the_documentation(self):
+        """The commands and the input file of the page, as they are there."""
+        blocks = (PROJECT / "doc" / "poisson-boltzmann.md").read_text(encoding="utf-8").split("```")
+        call, = (block for block in blocks if block.startswith("\neses-blocks data/fas2.pqr"))
+        text, = (block for block in blocks if block.startswith("\nread\n"))
+        (self.folder / "data").symlink_to(DATA)
+        (self.folder / "apbs.in").write_text(text)
+        arguments = call.replace("\\\n", " ").split()[1:]
+        subprocess.run([PROGRAM, *arguments], cwd=self.folder, stdout=subprocess.DEVNULL, check=True)
+        done = subprocess.run(["apbs", "apbs.in"], cwd=self.folder, capture_output=True, text=True,
+                              check=True)
+        printed, = (line.strip() for line in done.stdout.splitlines() if "Global net" in line)
+        # Only the first digits are the same with other compilers.
+        shown, = (block for block in "".join(blocks).split("`") if block.startswith("Global net"))
+        self.assertAlmostEqual(float(printed.split()[-2]), float(shown.split()[-2]), delta=0.1)
+
     @unittest.skipUnless(EXAMPLES.is_dir(), "apbs-data is not installed")
     def test_binding(self):
         """Acetazolamide and carbonic anhydrase; finer grids give -109 kJ/mol."""
         folder = EXAMPLES / "hca-bind"
         energy = self.apbs(*(folder / f"{name}.pqr" for name in ("complex", "acet", "hca")),
-                           "--probe-radius", "1.4")["binding_energy"]["eses-blocks"]
+                           "--solute-dielectric", "1")["binding_energy"]["eses-blocks"]
         self.assertGreater(energy, -104)
         self.assertLess(energy, -98)
