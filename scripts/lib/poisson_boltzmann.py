@@ -90,8 +90,8 @@ def choose_grid(molecules, spacing, padding, center=None):
     reach = [max(high - middle, middle - low) + padding
              for low, middle, high in zip(lower, center, upper)]
     # A grid that is exactly as long as needed is not enlarged because of rounding.
-    points = [MULTIGRID_STEP * math.ceil(2 * length / (spacing * MULTIGRID_STEP) - 1e-9) + 1
-              for length in reach]
+    steps = [math.ceil(2 * length / (spacing * MULTIGRID_STEP) - 1e-9) for length in reach]
+    points = [MULTIGRID_STEP * max(1, count) + 1 for count in steps]
     return Grid(tuple(center), tuple(points), spacing)
 
 
