@@ -185,7 +185,7 @@ struct Estimate {
   std::uint64_t edges_bytes = 0;  ///< Length of intersection_info.txt, about.
   std::uint64_t areas_bytes = 0;  ///< Length of partition_area.txt; an upper bound unless gzipped.
   std::uint64_t residues_bytes = 0;  ///< Length of residue_area.csv and chain_area.csv, about.
-  std::uint64_t map_bytes = 0;       ///< Length of the map; exact.
+  std::uint64_t map_bytes = 0;       ///< Length of all maps; exact.
   std::uint64_t mesh_bytes = 0;      ///< Length of the mesh, about.
   std::uint64_t scratch_bytes = 0;   ///< Bytes on disk beside the files while they are made, about.
 

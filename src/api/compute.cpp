@@ -15,6 +15,7 @@
 #include "compute/run.hpp"
 #include "eses/error.hpp"
 #include "grid/make_grid.hpp"
+#include "io/map_writer.hpp"
 #include "plan/plan.hpp"
 #include "sweep/solved_block.hpp"
 #include "system/resources.hpp"
@@ -61,9 +62,10 @@ detail::Plan checked_plan(const Surface& surface, const Grid& grid, const Output
     const GridRegion region = options.region.value_or(grid.whole());
     detail::require_within(region, grid);
     if (options.block_size != 0) detail::make_tiling(grid, options.block_size, region);
-    if (std::filesystem::path(outputs.inside_map).has_parent_path())
-      throw Error(fmt::format("the map goes to the output directory: {} must be a plain file name",
-                              outputs.inside_map));
+    for (const detail::MapChoice& map : detail::chosen_maps(outputs))
+      if (std::filesystem::path(map.name).has_parent_path())
+        throw Error(fmt::format("maps go to the output directory: {} must be a plain file name",
+                                map.name));
     detail::require_valid(outputs, molecule_of(surface));
     detail::Plan plan = detail::plan_on_grid(grid, detail::sphere_bounds(surface.atoms()),
                                              parameters_of(surface, grid, options));

@@ -15,6 +15,7 @@
 #include <vector>
 
 #include "grid/plane_range.hpp"
+#include "io/map_writer.hpp"
 #include "output/output_directory.hpp"
 #include "output/scratch_file.hpp"
 #include "sweep/region_totals.hpp"
@@ -28,11 +29,18 @@ struct AtomSum {
   std::array<std::uint32_t, 3> padding{};  ///< these bytes are written, too
 };
 
-/// The texts of a piece, numbered: those of grid_info.txt and intersection_info.txt, rows of words
-/// for the map, and of the mesh vertices as text of its format and triangles as
-/// mesh::LocalTriangle.
-enum class PieceText : std::uint8_t { grid, edges, map, vertices, triangles };
-inline constexpr std::size_t piece_texts = 5;
+/// The texts of a piece, numbered: those of grid_info.txt and intersection_info.txt, of the mesh
+/// vertices as text of its format and triangles as mesh::LocalTriangle, and rows of words for maps,
+/// by their quantity.
+enum class PieceText : std::uint8_t { grid, edges, vertices, triangles, first_map };
+inline constexpr std::size_t piece_texts =
+    static_cast<std::size_t>(PieceText::first_map) + map_quantities;
+
+/// The rows of a map.
+constexpr PieceText text_of(MapQuantity quantity) {
+  return static_cast<PieceText>(static_cast<std::size_t>(PieceText::first_map) +
+                                static_cast<std::size_t>(quantity));
+}
 
 /// The data of a piece that all processes know.
 struct PieceInfo {

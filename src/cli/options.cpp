@@ -48,6 +48,7 @@ constexpr char footer[] = R"(Files written:
 With --gzip each of these is NAME.gz. Only if asked for:
   residue_area.csv, chain_area.csv   areas of residues and chains of a PQR file
   the map of --inside                every grid point, 1 inside and 0 outside
+  the maps of --dielectric, --kappa  dielectric of edges, access of ions: for APBS
   the mesh of --mesh                 the surface as triangles
 
 Examples:
@@ -86,7 +87,8 @@ struct CommandLine {
   Length probe_radius, spacing, margin;
   Outputs text_files;
   bool gzip = false;
-  std::filesystem::path inside_map, mesh;  ///< empty: not given
+  std::filesystem::path inside_map, ion_map, dielectric_prefix, mesh;  ///< empty: not given
+  std::optional<double> solute, solvent, ion_radius;
   MeshColor color = MeshColor::none;
 };
 
@@ -185,6 +187,17 @@ std::optional<std::filesystem::path> map_in(const std::string& text) {
   return path;
 }
 
+std::optional<std::filesystem::path> dx_map_in(const std::string& text) {
+  const auto path = map_in(text);
+  return path && map_format(path->filename().string()) == MapFormat::dx ? path : std::nullopt;
+}
+
+std::optional<std::filesystem::path> prefix_in(const std::string& text) {
+  const std::filesystem::path path = text;
+  const std::string name = path.filename();
+  return name.empty() || name.starts_with('.') ? std::nullopt : std::optional(path);
+}
+
 std::optional<std::filesystem::path> mesh_in(const std::string& text) {
   return mesh_format(text) ? std::optional<std::filesystem::path>(text) : std::nullopt;
 }
@@ -257,6 +270,33 @@ void add_grid_options(CLI::App& app, CommandLine& line) {
             parameters.blocks,
             Format{blocks_in, "i0:i1,j0:j1,k0:k1, whole numbers from 0, i0 < i1 and so on"})
       ->excludes(region);
+}
+
+void add_solver_maps(CLI::App& app, CommandLine& line) {
+  begin_group(app, "Maps for Poisson-Boltzmann solvers (APBS), in the output directory");
+  const auto permittivity = number_between(
+      min_dielectric, max_dielectric,
+      fmt::format("a number from {:g} to {:g}", min_dielectric, max_dielectric));
+  add_value(app, "--dielectric", "PREFIX",
+            "maps of the dielectric at the middles of grid edges,\n"
+            "PREFIXx.dx, PREFIXy.dx and PREFIXz.dx (usemap diel)",
+            line.dielectric_prefix, Format{prefix_in, "the first part of a file name"});
+  add_value(app, "--solute-dielectric", "EPS",
+            fmt::format("relative permittivity inside [{}]", DielectricMaps().solute), line.solute,
+            permittivity);
+  add_value(app, "--solvent-dielectric", "EPS",
+            fmt::format("relative permittivity outside [{}]", DielectricMaps().solvent),
+            line.solvent, permittivity);
+  add_value(app, "--kappa", "FILE",
+            "map of the points to which ions have access: FILE.dx\n"
+            "with 1 there and 0 elsewhere (usemap kappa)",
+            line.ion_map, Format{dx_map_in, "the name of a file that ends with .dx"});
+  add_value(app, "--ion-radius", "ANGSTROM",
+            fmt::format("radius of the ions of --kappa, 0 to {} [{}]", max_ion_radius,
+                        IonAccessMap().ion_radius),
+            line.ion_radius,
+            number_between(0, max_ion_radius,
+                           fmt::format("a number from 0 to {}, in angstrom", max_ion_radius)));
 }
 
 void add_file_options(CLI::App& app, CommandLine& line) {
@@ -343,6 +383,7 @@ void add_options(CLI::App& app, CommandLine& line) {
          footer);
   add_grid_options(app, line);
   add_file_options(app, line);
+  add_solver_maps(app, line);
   add_computation_options(app, line.options.parameters);
   add_checks(app, line.options.parameters);
   add_messages(app, line.options);
@@ -376,14 +417,39 @@ void check_grid_choice(const CommandLine& line) {
 }
 
 /// The name of a map, which goes to the output directory like all files.
-std::string map_name(const std::filesystem::path& map,
+std::string map_name(std::string_view option, const std::filesystem::path& map,
                      const std::filesystem::path& output_directory) {
   if (map.has_parent_path() && !is_same_place(map.parent_path(), output_directory))
     throw UsageError(
-        fmt::format("--inside is '{}', but files go to {}: give its name alone, or "
+        fmt::format("{} is '{}', but files go to {}: give its name alone, or "
                     "--output-dir {}",
-                    map.string(), output_directory.string(), map.parent_path().string()));
+                    option, map.string(), output_directory.string(), map.parent_path().string()));
   return map.filename();
+}
+
+void add_maps(const CommandLine& line, const std::filesystem::path& directory, Outputs& outputs) {
+  outputs.inside_map = map_name("--inside", line.inside_map, directory);
+  if (!line.dielectric_prefix.empty()) {
+    DielectricMaps maps{map_name("--dielectric", line.dielectric_prefix, directory)};
+    maps.solute = line.solute.value_or(maps.solute);
+    maps.solvent = line.solvent.value_or(maps.solvent);
+    outputs.dielectric = std::move(maps);
+  } else if (line.solute || line.solvent) {
+    throw UsageError(fmt::format("{} needs --dielectric",
+                                 line.solute ? "--solute-dielectric" : "--solvent-dielectric"));
+  }
+  if (!line.ion_map.empty()) {
+    IonAccessMap map{map_name("--kappa", line.ion_map, directory)};
+    map.ion_radius = line.ion_radius.value_or(map.ion_radius);
+    outputs.ion_access = std::move(map);
+  } else if (line.ion_radius) {
+    throw UsageError("--ion-radius needs --kappa");
+  }
+  try {
+    require_valid_maps(outputs);
+  } catch (const Error& error) {
+    throw UsageError(error.what());
+  }
 }
 
 std::optional<MeshOptions> mesh_of(const CommandLine& line) {
@@ -409,7 +475,7 @@ Options options_of(const CommandLine& line) {
   options.grid.has_spacing = line.spacing.positional || line.spacing.option;
   options.outputs = line.text_files;
   options.outputs.gzip = line.gzip;
-  options.outputs.inside_map = map_name(line.inside_map, options.output_directory);
+  add_maps(line, options.output_directory, options.outputs);
   options.outputs.mesh = mesh_of(line);
   return options;
 }

@@ -82,7 +82,9 @@ std::string files_text(const Plan& plan, const Outputs& outputs) {
   add(plan.edge_file_bytes, "about", fmt::format("intersection_info.txt{}", suffix));
   add(plan.area_file_bytes, bound, fmt::format("partition_area.txt{}", suffix));
   add(plan.residue_file_bytes, "about", "residue_area.csv and chain_area.csv");
-  add(plan.map_file_bytes, "exactly", path_text(outputs.inside_map));
+  std::vector<std::string> maps;
+  for (const MapChoice& map : chosen_maps(outputs)) maps.push_back(map.name);
+  add(plan.map_file_bytes, "exactly", path_text(fmt::format("{}", fmt::join(maps, ", "))));
   add(plan.mesh_file_bytes, "about", "the mesh");
   return fmt::format("{}", fmt::join(parts, ", "));
 }
@@ -356,6 +358,8 @@ std::string summary_text(const Report& report) {
   text += fmt::format("patches: {:.6g} convex, {:.6g} saddle, {:.6g} concave (square angstrom)\n",
                       summary.convex_area, summary.saddle_area, summary.concave_area);
   text += fmt::format("inside points: {}\n", summary.inside_points);
+  text += fmt::format("divergence theorem: {:.6g} cubic angstrom enclosed\n",
+                      summary.divergence_volume);
   text += mesh_text(summary);
   text += verification_text(summary);
   text += fmt::format(
@@ -384,6 +388,7 @@ std::string json_text(const Report& report) {
   if (!report.options.dry_run)
     document.update({{"area", summary.area},
                      {"volume", summary.volume},
+                     {"divergence_volume", summary.divergence_volume},
                      {"inside_points", summary.inside_points},
                      {"crossings", crossings_json(summary)},
                      {"area_by_kind", area_by_kind_json(summary)},

@@ -135,7 +135,8 @@ std::uint64_t write_files(const RunTask& task, const RunPlan& plan,
   if (outputs.grid) bytes += merge.write_text(file(&OutputFiles::grid), PieceText::grid);
   if (outputs.edges) bytes += merge.write_text(file(&OutputFiles::edges), PieceText::edges);
   if (mesh) bytes += merge.write_mesh(file(&OutputFiles::mesh), *mesh);
-  if (!outputs.inside_map.empty()) bytes += merge.write_map(file(&OutputFiles::inside_map));
+  for (const MapChoice& map : chosen_maps(outputs))
+    bytes += merge.write_map(files != nullptr ? files->map(map.quantity) : nullptr, map);
   if (outputs.areas)
     bytes += write_areas(areas, outputs.gzip, file(&OutputFiles::areas), check, processes);
   if (outputs.residues)

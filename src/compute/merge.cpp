@@ -12,7 +12,7 @@
 #include "eses/error.hpp"
 #include "io/gzip.hpp"
 #include "mesh/local_triangle.hpp"
-#include "output/inside_map.hpp"
+#include "output/grid_map.hpp"
 
 namespace eses::detail {
 namespace {
@@ -172,26 +172,27 @@ std::uint64_t Merge::write_text(OutputFile* file, PieceText text) {
   return bytes;
 }
 
-std::uint64_t Merge::write_map(OutputFile* file) {
+std::uint64_t Merge::write_map(OutputFile* file, const MapChoice& choice) {
   SharedFile shared(processes_, file);
   const GridRegion& region = plan_.whole.tiling.region;
-  InsideMap map(map_file(shared), required_map_format(task_.outputs.inside_map), plan_.whole.grid,
-                region);
-  const auto row_words = static_cast<std::uint64_t>(InsideMap::words_of_row(region.size()));
+  GridMap map(map_file(shared), choice, plan_.whole.grid, region);
+  const PieceText text = text_of(choice.quantity);
+  const auto row_words =
+      static_cast<std::uint64_t>(GridMap::words_of_row(choice.quantity, region.size()));
   const std::uint64_t row_bytes = sizeof(std::uint64_t) * row_words;
-  InsideMap::Scratch scratch;
+  GridMap::Scratch scratch;
   std::vector<std::uint64_t> words;
   for (Piece& piece : own_) {
     if (piece.is_in_place) continue;
     const std::int64_t first_row = (piece.info.planes.begin - region.begin[2]) * region.size()[1];
-    read(piece, PieceText::map, row_bytes, 0,
+    read(piece, text, row_bytes, 0,
          [&](std::span<const char> bytes, std::uint64_t offset) {
            words.resize(bytes.size() / sizeof(std::uint64_t));
            std::memcpy(words.data(), bytes.data(), bytes.size());
            map.write_rows(first_row + static_cast<std::int64_t>(offset / row_bytes), words,
                           scratch);
          });
-    close(piece, PieceText::map);
+    close(piece, text);
   }
   shared.sync();
   const Processes::Share share =

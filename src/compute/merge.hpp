@@ -32,7 +32,7 @@ class Merge {
 
   /// Each of these completes a file and returns its length.
   std::uint64_t write_text(OutputFile* file, PieceText text);
-  std::uint64_t write_map(OutputFile* file);
+  std::uint64_t write_map(OutputFile* file, const MapChoice& choice);
   std::uint64_t write_mesh(OutputFile* file, const mesh::MeshText& text);
 
  private:

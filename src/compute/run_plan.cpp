@@ -13,7 +13,7 @@
 #include "eses/error.hpp"
 #include "eses/version.hpp"
 #include "mesh/mesh_writer.hpp"
-#include "output/inside_map.hpp"
+#include "output/grid_map.hpp"
 #include "plan/atom_hash.hpp"
 #include "plan/plan.hpp"
 #include "system/bytes_text.hpp"
@@ -25,7 +25,7 @@ namespace eses::detail {
 namespace {
 
 // Must grow with every change of what is computed or of how pieces are stored.
-constexpr int piece_format = 2;
+constexpr int piece_format = 3;
 
 // A hash of all atoms. It does not depend on which process has read which atoms.
 std::uint64_t hash_of(const AtomShare& share, const Processes& processes) {
@@ -57,6 +57,15 @@ std::string mesh_identity(const std::optional<MeshOptions>& mesh) {
                      static_cast<int>(mesh->color));
 }
 
+// The permittivities are left out: pieces hold parts of edges.
+std::string map_identity(const Outputs& outputs) {
+  std::string identity;
+  for (const MapChoice& map : chosen_maps(outputs))
+    identity += fmt::format("{} ", static_cast<int>(map.quantity));
+  if (outputs.ion_access) identity += fmt::format("{:a}", outputs.ion_access->ion_radius);
+  return identity;
+}
+
 // Tells apart runs whose pieces do not fit together.
 std::string identity_of(const RunTask& task, const RunPlan& run, std::uint64_t hash) {
   const Parameters& p = task.parameters;
@@ -64,11 +73,11 @@ std::string identity_of(const RunTask& task, const RunPlan& run, std::uint64_t h
   const GridRegion& region = run.whole.tiling.region;
   return fmt::format(
       "eses-blocks {} format {} {} {}\natoms {} {:016x}\nprobe {:a} spacing {:a} margin {:a}\n"
-      "origin {:a} {:a} {:a} size {}\npoints {} {}\ngrid {} edges {} gzip {} map {} mesh {}\n",
+      "origin {:a} {:a} {:a} size {}\npoints {} {}\ngrid {} edges {} gzip {} maps {} mesh {}\n",
       version, piece_format, sizeof(PieceInfo), task.outputs.gzip ? zlibVersion() : "", run.atoms,
       hash, p.probe_radius, p.spacing, p.margin, grid.origin.x, grid.origin.y, grid.origin.z,
       fmt::join(grid.size, " "), fmt::join(region.begin, " "), fmt::join(region.end, " "),
-      task.outputs.grid, task.outputs.edges, task.outputs.gzip, !task.outputs.inside_map.empty(),
+      task.outputs.grid, task.outputs.edges, task.outputs.gzip, map_identity(task.outputs),
       mesh_identity(task.outputs.mesh));
 }
 
@@ -216,8 +225,8 @@ void combine_schedules(const Processes& processes, RunPlan& run) {
 // pieces in one place; otherwise those of the mesh are beside the mesh.
 void expect_pieces(const RunTask& task, Plan& whole) {
   whole.text_scratch_bytes = whole.grid_file_bytes + whole.edge_file_bytes;
-  if (!task.outputs.inside_map.empty())
-    whole.text_scratch_bytes += InsideMap::bits_bytes(whole.tiling.region);
+  for (const MapChoice& map : chosen_maps(task.outputs))
+    whole.text_scratch_bytes += GridMap::row_bytes(map.quantity, whole.tiling.region);
   whole.mesh_scratch_bytes = task.resume ? 0 : whole.mesh_file_bytes;
   if (task.resume) whole.text_scratch_bytes += whole.mesh_file_bytes;
 }

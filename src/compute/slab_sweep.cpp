@@ -7,7 +7,7 @@
 #include <optional>
 #include <utility>
 
-#include "output/inside_map.hpp"
+#include "output/grid_map.hpp"
 #include "sweep/mesh_output.hpp"
 #include "sweep/patch_schedule.hpp"
 #include "system/resources.hpp"
@@ -44,29 +44,36 @@ OrderedOutput::WriteAt sink_of(ScratchFile* file, TextChecksum* checksum) {
 }
 
 // Writes rows of words as they are; they become values of the map when pieces are merged.
-TakeRows rows_as_words(const GridRegion& region, OrderedOutput::WriteAt write_at) {
-  if (!write_at) return {};
-  const auto row_bytes =
-      sizeof(std::uint64_t) * static_cast<std::uint64_t>(InsideMap::words_of_row(region.size()));
+TakeRows rows_as_words(MapQuantity quantity, const GridRegion& region,
+                       OrderedOutput::WriteAt write_at) {
+  const auto row_bytes = sizeof(std::uint64_t) *
+                         static_cast<std::uint64_t>(GridMap::words_of_row(quantity, region.size()));
   return [row_bytes, write_at = std::move(write_at)](
-             std::int64_t first_row, std::span<const std::uint64_t> words, InsideMap::Scratch&) {
+             std::int64_t first_row, std::span<const std::uint64_t> words, GridMap::Scratch&) {
     write_at({reinterpret_cast<const char*>(words.data()), words.size_bytes()},
              row_bytes * static_cast<std::uint64_t>(first_row));
   };
 }
 
-TakeRows rows_of_map(OutputFile& file, const Outputs& outputs, const Plan& plan) {
-  const auto map = std::make_shared<InsideMap>(
-      map_file(file), required_map_format(outputs.inside_map), plan.grid, plan.tiling.region);
+TakeRows rows_of_map(OutputFile& file, const MapChoice& choice, const Plan& plan) {
+  const auto map =
+      std::make_shared<GridMap>(map_file(file), choice, plan.grid, plan.tiling.region);
   return [map](std::int64_t first_row, std::span<const std::uint64_t> words,
-               InsideMap::Scratch& scratch) { map->write_rows(first_row, words, scratch); };
+               GridMap::Scratch& scratch) { map->write_rows(first_row, words, scratch); };
+}
+
+BlockExtras extras_of(const Outputs& outputs) {
+  BlockExtras extras;
+  extras.edge_shares = outputs.dielectric.has_value();
+  if (outputs.ion_access) extras.ion_radius = outputs.ion_access->ion_radius;
+  return extras;
 }
 
 std::vector<PieceText> chosen_texts(const Outputs& outputs) {
   std::vector<PieceText> texts;
   if (outputs.grid) texts.push_back(PieceText::grid);
   if (outputs.edges) texts.push_back(PieceText::edges);
-  if (!outputs.inside_map.empty()) texts.push_back(PieceText::map);
+  for (const MapChoice& map : chosen_maps(outputs)) texts.push_back(text_of(map.quantity));
   if (outputs.mesh) texts.insert(texts.end(), {PieceText::vertices, PieceText::triangles});
   return texts;
 }
@@ -114,7 +121,7 @@ std::int64_t count_blocks(const RunPlan& plan, std::span<const PlaneRange> range
 // What the pipeline and the mesh get for one range.
 struct SlabSweep::RangeSinks {
   OrderedOutput::WriteAt grid, edges;
-  TakeRows rows;
+  std::vector<MapSink> maps;
   MeshSinks mesh;
   // Of the texts of a piece that is kept.
   std::unique_ptr<std::array<TextChecksum, piece_texts>> checksums;
@@ -200,7 +207,9 @@ SlabSweep::RangeSinks SlabSweep::sinks_in_place(Piece& piece) const {
   RangeSinks sinks;
   sinks.grid = sink_of(files.grid);
   sinks.edges = sink_of(files.edges);
-  if (files.inside_map) sinks.rows = rows_of_map(*files.inside_map, task_.outputs, plan_.whole);
+  for (const MapChoice& map : chosen_maps(task_.outputs))
+    sinks.maps.push_back(
+        {map.quantity, rows_of_map(*files.map(map.quantity), map, plan_.whole)});
   sinks.mesh = {.vertices = sink_of(files.mesh, files_.mesh_header_bytes),
                 .triangles = sink_of(piece.text(PieceText::triangles).get(), nullptr)};
   return sinks;
@@ -216,7 +225,9 @@ SlabSweep::RangeSinks SlabSweep::sinks_of(Piece& piece, const GridRegion& region
   };
   sinks.grid = into(PieceText::grid);
   sinks.edges = into(PieceText::edges);
-  sinks.rows = rows_as_words(region, into(PieceText::map));
+  for (const MapChoice& map : chosen_maps(task_.outputs))
+    sinks.maps.push_back(
+        {map.quantity, rows_as_words(map.quantity, region, into(text_of(map.quantity)))});
   sinks.mesh = {.vertices = into(PieceText::vertices),
                 .triangles = into(PieceText::triangles),
                 .has_local_triangles = true};
@@ -276,7 +287,8 @@ Piece SlabSweep::sweep(PatchSchedule& patches, const PlaneRange& planes, SweepRe
                     {.grid = sinks.grid,
                      .edges = sinks.edges,
                      .gzip = task_.outputs.gzip,
-                     .rows = sinks.rows,
+                     .maps = sinks.maps,
+                     .extras = extras_of(task_.outputs),
                      .mesh = mesh ? &*mesh : nullptr,
                      .verifier = verifier ? &*verifier : nullptr,
                      .block = callbacks_.block,
@@ -287,10 +299,15 @@ Piece SlabSweep::sweep(PatchSchedule& patches, const PlaneRange& planes, SweepRe
   pipeline.add_seconds(summary.seconds);
   RegionSums sums = pipeline.take_sums();
   piece.info.totals = sums.totals;
-  piece.info.bytes = {
-      pipeline.grid_bytes(), pipeline.edge_bytes(),
-      task_.outputs.inside_map.empty() ? 0 : InsideMap::bits_bytes(plan.tiling.region),
-      mesh ? mesh->vertex_bytes() : 0, mesh ? mesh->triangle_bytes() : 0};
+  const auto set_bytes = [&](PieceText text, std::uint64_t bytes) {
+    piece.info.bytes[static_cast<std::size_t>(text)] = bytes;
+  };
+  set_bytes(PieceText::grid, pipeline.grid_bytes());
+  set_bytes(PieceText::edges, pipeline.edge_bytes());
+  set_bytes(PieceText::vertices, mesh ? mesh->vertex_bytes() : 0);
+  set_bytes(PieceText::triangles, mesh ? mesh->triangle_bytes() : 0);
+  for (const MapChoice& map : chosen_maps(task_.outputs))
+    set_bytes(text_of(map.quantity), GridMap::row_bytes(map.quantity, plan.tiling.region));
   if (mesh) piece.info.mesh = {mesh->vertex_count(), pipeline.triangle_count()};
   const bool is_right = !verifier || verify(*verifier, summary);
   if (plan_.store && is_right) keep(piece, sinks, sums.atom_shares);

@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "geometry/box.hpp"
+#include "io/map_writer.hpp"
 #include "plan/memory.hpp"
 #include "surface/survey.hpp"
 #include "sweep/region_box.hpp"
@@ -116,9 +117,12 @@ struct SentAtoms {
 
 // How far from a slab an atom matters: as far as Reach goes, for its patches, and from those atoms
 // as far as SAS spheres meet. Within this distance are also all that are odd beside each other.
-double influence(const Atom& atom, double largest_radius, double probe_radius) {
+// Ions are kept off by atoms as far as their radius goes.
+double influence(const Atom& atom, double largest_radius, double probe_radius,
+                 const Outputs& outputs) {
   constexpr double slack = 1;  // angstrom
-  return atom.radius + 4 * largest_radius + 6 * probe_radius + slack;
+  const double ion_radius = outputs.ion_access ? outputs.ion_access->ion_radius : 0;
+  return atom.radius + slack + std::max(4 * largest_radius + 6 * probe_radius, ion_radius);
 }
 
 // A slab that has planes, and where they are along z; both ends ascend from slab to slab.
@@ -127,8 +131,8 @@ struct Reached {
   double low, high;
 };
 
-SentAtoms send_atoms(const AtomShare& share, const Plan& plan, std::span<const PlaneRange> slabs,
-                     const Processes& processes) {
+SentAtoms send_atoms(const AtomShare& share, const Plan& plan, const Outputs& outputs,
+                     std::span<const PlaneRange> slabs, const Processes& processes) {
   const double probe = plan.parameters.probe_radius;
   double largest_radius = 0;
   for (const Atom& atom : share.atoms) largest_radius = std::max(largest_radius, atom.radius);
@@ -149,7 +153,7 @@ SentAtoms send_atoms(const AtomShare& share, const Plan& plan, std::span<const P
     const Atom& atom = share.atoms[i];
     // The first goes to all that have planes, so that none of these is without any.
     const bool matters_to_all = share.first + i == 0;
-    const double reach = matters_to_all ? infinity : influence(atom, largest_radius, probe);
+    const double reach = matters_to_all ? infinity : influence(atom, largest_radius, probe, outputs);
     auto slab = std::partition_point(reached.begin(), reached.end(), [&](const Reached& one) {
       return one.high < atom.center.z - reach;
     });
@@ -191,10 +195,10 @@ SlabWithLines keep_atoms(AtomShare share, const PlaneRange& planes, int threads)
   return kept;
 }
 
-SlabWithLines exchange_atoms(const AtomShare& share, const Plan& plan,
+SlabWithLines exchange_atoms(const AtomShare& share, const Plan& plan, const Outputs& outputs,
                              std::span<const PlaneRange> slabs, int threads,
                              const Processes& processes) {
-  SentAtoms sent = send_atoms(share, plan, slabs, processes);
+  SentAtoms sent = send_atoms(share, plan, outputs, slabs, processes);
   SlabWithLines received;
   Slab& slab = received.slab;
   std::vector<std::uint64_t>& lines = received.lines;
@@ -307,7 +311,8 @@ class SlabCutter {
       const SurfaceSurvey survey(slab.molecule, plan_.parameters.probe_radius,
                                  slab_box(plan_, slab.planes));
       const double point = seconds_per_point + (outputs_.grid ? seconds_per_point_text : 0) +
-                           (outputs_.inside_map.empty() ? 0 : seconds_per_point_of_map);
+                           seconds_per_point_of_map *
+                               static_cast<double>(chosen_maps(outputs_).size());
       const double crossing = seconds_per_crossing +
                               (outputs_.edges ? seconds_per_crossing_text : 0) +
                               (outputs_.mesh ? seconds_per_crossing_of_mesh : 0);
@@ -372,12 +377,12 @@ SlabOfMolecule make_slab(AtomShare share, const Plan& plan, const Outputs& outpu
   }
   const SlabCutter cutter(share, plan, outputs, processes);
   // All atoms take part, as the oddities are those of all atoms.
-  SlabWithLines slab = exchange_atoms(share, plan, cutter.by_atoms(), threads, processes);
+  SlabWithLines slab = exchange_atoms(share, plan, outputs, cutter.by_atoms(), threads, processes);
   result.oddities = gather_oddities(slab, atoms, processes);
   const std::vector<PlaneRange> slabs = cutter.by_costs(slab.slab, done);
   if (slabs != cutter.by_atoms()) {
     slab = {};
-    slab = exchange_atoms(share, plan, slabs, threads, processes);
+    slab = exchange_atoms(share, plan, outputs, slabs, threads, processes);
   }
   result.slab = std::move(slab.slab);
   return result;

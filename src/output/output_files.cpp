@@ -183,7 +183,7 @@ std::string mesh_directory_of(const MeshOptions& mesh) { return place_of(mesh).d
 std::vector<std::string> file_names(const Outputs& choice) {
   std::vector<std::string> names = text_names(choice, choice.gzip);
   if (choice.residues) names.insert(names.end(), {residues_name, chains_name});
-  if (!choice.inside_map.empty()) names.push_back(choice.inside_map);
+  for (const MapChoice& map : chosen_maps(choice)) names.push_back(map.name);
   return names;
 }
 
@@ -269,7 +269,8 @@ void OutputFiles::open_directory(const Outputs& choice, const std::filesystem::p
     residues.emplace(*directory, residues_name);
     chains.emplace(*directory, chains_name);
   }
-  if (!choice.inside_map.empty()) inside_map.emplace(*directory, choice.inside_map);
+  for (const MapChoice& map : chosen_maps(choice))
+    maps[static_cast<std::size_t>(map.quantity)].emplace(*directory, map.name);
 }
 
 void OutputFiles::open_mesh(const MeshOptions& choice) {
@@ -282,7 +283,11 @@ void OutputFiles::open_mesh(const MeshOptions& choice) {
 // The bounding box first.
 std::vector<OutputFile*> OutputFiles::all() {
   std::vector<OutputFile*> files;
-  for (auto* file : {&box, &grid, &edges, &areas, &inside_map, &residues, &chains, &mesh})
+  for (auto* file : {&box, &grid, &edges, &areas})
+    if (*file) files.push_back(&**file);
+  for (auto& map : maps)
+    if (map) files.push_back(&*map);
+  for (auto* file : {&residues, &chains, &mesh})
     if (*file) files.push_back(&**file);
   return files;
 }

@@ -1,12 +1,14 @@
 #pragma once
 /// The files of a run: all of them, or none.
 
+#include <array>
 #include <filesystem>
 #include <functional>
 #include <optional>
 #include <string>
 #include <vector>
 
+#include "io/map_writer.hpp"
 #include "output/output_directory.hpp"
 #include "output/output_file.hpp"
 #include "task/task.hpp"
@@ -78,10 +80,17 @@ struct OutputFiles {
   bool gzip = false;                         ///< whether box, grid, edges and areas are gzipped
   std::optional<OutputDirectory> directory;  ///< if any file but the mesh is there
   std::optional<OutputDirectory> mesh_directory;  ///< if there is a mesh; locked for it alone
-  std::optional<OutputFile> box, grid, edges, areas, inside_map, residues, chains, mesh;
+  std::optional<OutputFile> box, grid, edges, areas, residues, chains, mesh;
+  std::array<std::optional<OutputFile>, map_quantities> maps;  ///< by quantity
 
   /// Throws Error as require_places, OutputDirectory, OutputFile and require_disk_space do.
   OutputFiles(const Outputs& choice, const std::filesystem::path& path, const Plan& plan);
+
+  /// The file of a map; null if there is none.
+  OutputFile* map(MapQuantity quantity) {
+    auto& file = maps[static_cast<std::size_t>(quantity)];
+    return file ? &*file : nullptr;
+  }
 
   /// Gives all files their names. Older ones go first, so that old and new never stand beside each
   /// other, and the bounding box comes last: where it is, the others are. What `check`, called

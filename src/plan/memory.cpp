@@ -10,7 +10,7 @@
 #include "io/gzip.hpp"
 #include "mesh/mesh_writer.hpp"
 #include "mesh/triangulate.hpp"
-#include "output/inside_map.hpp"
+#include "output/grid_map.hpp"
 #include "solve/block_solver.hpp"
 #include "sweep/text_chunks.hpp"
 
@@ -110,8 +110,13 @@ double text_bytes(const GridRegion& region, const Outputs& outputs) {
   const double points = as_double(rows_per_chunk(row) * row), chunk = points * 24;
   double bytes = (outputs.grid ? chunk : 0) + (outputs.edges ? chunk / 2 : 0);
   if (outputs.gzip) bytes += Gzip::state_bytes + (outputs.grid || outputs.edges ? chunk : 0);
-  if (const auto format = map_format(outputs.inside_map))
-    bytes += std::max(2 * points, InsideMap::thread_bytes(*format, region));
+  double map = 0;  // maps are made one after the other
+  for (const MapChoice& choice : chosen_maps(outputs)) {
+    // Rows, and a copy of each cell's words.
+    const double rows = is_of_edges(choice.quantity) ? 3 * sizeof(std::uint32_t) * points : 2 * points;
+    map = std::max({map, rows, GridMap::thread_bytes(choice, region)});
+  }
+  bytes += map;
   if (outputs.mesh) bytes += chunk;
   return bytes;
 }
@@ -165,19 +170,22 @@ double bytes_of_thread(const SurfaceSurvey& survey, const Grid& grid, const Sche
 
 // The results of a layer of blocks and of a share of the next one: bits, rows, crossings.
 double bytes_of_layers(const SurfaceSurvey& survey, const Grid& grid, const BlockTiling& tiling,
-                       double share_of_next, bool has_mesh) {
+                       double share_of_next, const Outputs& outputs) {
   const auto side = as_double(points_along(tiling, 2));
   const double rows = side * as_double(points_along(tiling, 1));
   constexpr double allocator = 64;
+  const double bit_sets = outputs.ion_access ? 2 : 1, edge_lists = outputs.dielectric ? 2 : 1;
+  const double bytes_per_crossing =
+      sizeof(Crossing) + (outputs.dielectric ? growth * sizeof(EdgeShares::Edge) : 0);
   const double bytes_per_block = sizeof(BlockResult) + allocator +
-                                 sizeof(std::uint64_t) * block_words(tiling) +
-                                 sizeof(std::uint32_t) * rows;
+                                 sizeof(std::uint64_t) * block_words(tiling) * bit_sets +
+                                 sizeof(std::uint32_t) * rows * edge_lists;
   const double layers = 1 + share_of_next;
   // The fullest layer's neighbours may have less.
   const double area = std::min(layers * survey.largest_slab_area(side * grid.spacing),
                                survey.largest_slab_area(2 * side * grid.spacing));
   return layers * blocks_in_layer(tiling) * bytes_per_block +
-         sizeof(Crossing) * crossing_slack * (has_mesh ? far_corner_growth(tiling) : 1) *
+         bytes_per_crossing * crossing_slack * (outputs.mesh ? far_corner_growth(tiling) : 1) *
              expected_crossings(area, grid.spacing);
 }
 
@@ -235,7 +243,7 @@ double expected_memory(const SurfaceSurvey& survey, const LabelTotals& labels, c
   const double patches = share_of_patches(survey, height) * patch_bytes(survey) +
                          crowd_bytes(survey, schedule.threads);
   const double held =
-      bytes_of_layers(survey, grid, tiling, share_ahead(schedule), outputs.mesh.has_value()) +
+      bytes_of_layers(survey, grid, tiling, share_ahead(schedule), outputs) +
       2 * sizeof(std::uint64_t) * as_double(tiling.blocks[0]) * as_double(tiling.region.size()[1]) +
       as_double(tiling.blocks[2]) * bytes_per_layer +
       (outputs.mesh ? mesh_bytes(survey, grid.spacing, tiling) : 0);

@@ -14,7 +14,7 @@
 #include "io/eses_writer.hpp"
 #include "io/gzip.hpp"
 #include "mesh/mesh_writer.hpp"
-#include "output/inside_map.hpp"
+#include "output/grid_map.hpp"
 #include "plan/atom_hash.hpp"
 #include "plan/memory.hpp"
 #include "sweep/region_box.hpp"
@@ -219,10 +219,12 @@ SurfaceSurvey survey_of(const Molecule& molecule, const Grid& grid, const GridRe
   return {molecule, probe_radius, region_box(grid, region)};
 }
 
-void expect_map(const std::string& name, Plan& plan) {
-  const MapFormat format = required_map_format(name);
-  plan.map_file_bytes = map_layout(format, plan.grid, plan.tiling.region).file_bytes();
-  plan.map_scratch_bytes = InsideMap::scratch_bytes(format, plan.tiling.region);
+void expect_maps(const Outputs& outputs, Plan& plan) {
+  const GridRegion& region = plan.tiling.region;
+  for (const MapChoice& map : chosen_maps(outputs)) {
+    plan.map_file_bytes += map_layout(map, plan.grid, region).file_bytes();
+    plan.map_scratch_bytes += GridMap::scratch_bytes(map, region);
+  }
 }
 
 std::uint64_t box_bytes(const Grid& grid, bool gzip) {
@@ -246,7 +248,7 @@ void require_valid(const Parameters& p) {
 
 void require_valid(const Outputs& outputs, const Molecule& molecule) {
   if (outputs.mesh) require_valid(*outputs.mesh, molecule);
-  if (!outputs.inside_map.empty()) required_map_format(outputs.inside_map);
+  require_valid_maps(outputs);
   if (outputs.residues && molecule.labels().empty())
     throw Error("areas by residue need to be told each atom's chain and residue");
 }
@@ -270,7 +272,7 @@ void plan_files(const FileContents& contents, const Outputs& outputs, Plan& plan
     plan.residue_file_bytes = table_header_bytes +
                               table_line_bytes * (labels.residue_runs + labels.chain_runs) +
                               labels.residue_text_bytes + labels.chain_text_bytes;
-  if (!outputs.inside_map.empty()) expect_map(outputs.inside_map, plan);
+  expect_maps(outputs, plan);
 }
 
 std::uint64_t checksum_of(std::span<const Atom> atoms) {

@@ -39,8 +39,9 @@ Plan plan_on_grid(const Grid& grid, const SphereBounds& bounds, const Parameters
 /// its range.
 void require_valid(const Parameters& parameters);
 
-/// Throws Error if the files cannot be of this molecule: if the mesh or the map has an unknown
-/// suffix, or if labels are missing.
+/// Throws Error if the files cannot be of this molecule: if the mesh or a map has an unknown
+/// suffix, if two maps have one name or a number of theirs is out of its range, or if labels are
+/// missing.
 void require_valid(const Outputs& outputs, const Molecule& molecule);
 
 /// The memory that a process has for its part of a run.

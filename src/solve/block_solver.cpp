@@ -17,18 +17,41 @@ void add_to_tally(const Surface& surface, const BlockGrid& grid, const BlockResu
       Vec3 point{grid.coordinates[0][crossing.x],
                  grid.coordinates[1][static_cast<std::size_t>(r % rows_y)],
                  grid.coordinates[2][static_cast<std::size_t>(r / rows_y)]};
+      const double start = point[crossing.axis];
       point[crossing.axis] = crossing.coordinate;
       tally.add(surface, crossing, point);
+      const double above = (crossing.coordinate - start) * grid.inverse_spacing;
+      tally.add_length(crossing.lower_is_inside ? above : 1 - above);
     }
 }
 
-// Points and crossings, before they are counted.
+// The points in spheres that are larger than those of the atoms by the radius of the ions.
+void cover_points(const Surface& surface, double ion_radius, BlockWorkspace& workspace,
+                  PointBits& covered) {
+  const Box& box = workspace.grid.box;
+  std::vector<AtomIndex>& nearby = workspace.features.nearby;
+  surface.tree().find_reaching(0.5 * (box.low + box.high),
+                               0.5 * norm(box.high - box.low) + ion_radius + look_up_slack, nearby);
+  std::erase_if(nearby, [&](AtomIndex i) {
+    const double reach = surface.atoms[i].radius + ion_radius + look_up_slack;
+    return squared_distance(box, surface.atoms[i].center) > reach * reach;
+  });
+  if (nearby.empty())
+    covered.reset_empty(workspace.grid.block.points);
+  else
+    fill_balls(workspace.grid, surface.atoms, nearby, ion_radius, covered);
+}
+
+// Points and crossings, before they are counted. Parts of edges are found for those that start at
+// the `owned` points.
 BlockResult find_crossings(const Patches& patches, const Grid& grid, const Block& block,
-                           BlockWorkspace& workspace) {
+                           const GridIndex& owned, BlockWorkspace& workspace) {
   BlockResult result;
   result.block = block;
   const Stopwatch classifying;
   workspace.grid.reset(grid, block);
+  if (workspace.extras.ion_radius)
+    cover_points(patches.surface(), *workspace.extras.ion_radius, workspace, result.covered);
   collect_features(patches, workspace.grid.box, workspace.features);
   if (workspace.features.balls.empty()) {
     result.inside.reset_empty(block.points);
@@ -37,8 +60,12 @@ BlockResult find_crossings(const Patches& patches, const Grid& grid, const Block
   classify_points(workspace.grid, workspace.features, workspace.classify, result.inside);
   workspace.classify_seconds += classifying.seconds();
   const Stopwatch intersecting;
+  workspace.intersect.finds_doubtful = workspace.extras.edge_shares;
   intersect_edges(workspace.grid, workspace.features, result.inside, workspace.intersect,
                   result.crossings, result.row_begin);
+  if (workspace.extras.edge_shares)
+    find_edge_shares(workspace.grid, workspace.features, result.inside, result.crossings,
+                     result.row_begin, owned, workspace.intersect, result.shares);
   workspace.intersect_seconds += intersecting.seconds();
   return result;
 }
@@ -84,14 +111,14 @@ void part_far_crossings(const Block& block, BlockResult& result) {
 
 BlockResult solve_block(const Patches& patches, const Grid& grid, const Block& block,
                         BlockWorkspace& workspace) {
-  BlockResult result = find_crossings(patches, grid, block, workspace);
+  BlockResult result = find_crossings(patches, grid, block, block.owned, workspace);
   count_crossings(patches.surface(), result, workspace);
   return result;
 }
 
 BlockResult solve_block_for_mesh(const Patches& patches, const Grid& grid, const Block& block,
                                  const Block& wider, BlockWorkspace& workspace) {
-  BlockResult result = find_crossings(patches, grid, wider, workspace);
+  BlockResult result = find_crossings(patches, grid, wider, block.owned, workspace);
   part_far_crossings(block, result);
   count_crossings(patches.surface(), result, workspace);
   return result;

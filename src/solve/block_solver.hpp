@@ -2,11 +2,13 @@
 /// One block: atoms and patches in, points and crossings out. Knows no files and no threads.
 
 #include <cstdint>
+#include <optional>
 #include <vector>
 
 #include "grid/crossing.hpp"
 #include "grid/point_bits.hpp"
 #include "solve/classify.hpp"
+#include "solve/edge_shares.hpp"
 #include "solve/intersect.hpp"
 #include "solve/tally.hpp"
 
@@ -22,11 +24,21 @@ struct BlockResult {
   /// Of edges between points that the block knows, but nobody owns: see solve_block_for_mesh.
   std::vector<Crossing> far_crossings;
   std::vector<std::uint32_t> far_row_begin;  ///< per row [z][y] of all points; or empty
-  double seconds = 0;                        ///< that solving it took
+  EdgeShares shares;                         ///< of the owned edges; empty unless wanted
+  /// Points to which ions have no access, of the closed box; no words unless wanted.
+  PointBits covered;
+  double seconds = 0;  ///< that solving it took
+};
+
+/// What a block is to be solved for besides its points and crossings.
+struct BlockExtras {
+  bool edge_shares = false;          ///< BlockResult::shares
+  std::optional<double> ion_radius;  ///< BlockResult::covered, for ions of this radius (angstrom)
 };
 
 /// Scratch memory and sums of one thread.
 struct BlockWorkspace {
+  BlockExtras extras;
   BlockGrid grid;
   BlockFeatures features;
   ClassifyScratch classify;

@@ -262,6 +262,12 @@ void settle_van_der_waals(PointBits& inside, PointBits& undecided) {
   }
 }
 
+void stamp_balls(const BlockGrid& grid, std::span<const Atom> atoms,
+                 std::span<const AtomIndex> indices, double radius, PointBits& bits) {
+  for (const AtomIndex i : indices)
+    stamp_ball<Stamp::set>(grid, atoms[i].center, atoms[i].radius + radius, bits);
+}
+
 void classify(const BlockGrid& grid, const BlockFeatures& features, ClassifyScratch& scratch,
               PointBits& inside) {
   PointBits& undecided = scratch.undecided;
@@ -284,6 +290,12 @@ HWY_AFTER_NAMESPACE();
 
 #if HWY_ONCE
 namespace eses::detail {
+void fill_balls(const BlockGrid& grid, std::span<const Atom> atoms,
+                std::span<const AtomIndex> indices, double radius, PointBits& bits) {
+  bits.reset(grid.block.points);
+  ESES_BEST_VERSION(stamp_balls)(grid, atoms, indices, radius, bits);
+}
+
 void classify_points(const BlockGrid& grid, const BlockFeatures& features, ClassifyScratch& scratch,
                      PointBits& inside) {
   inside.reset(grid.block.points);

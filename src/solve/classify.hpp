@@ -2,6 +2,7 @@
 /// Which points of a block are inside the solvent excluded surface.
 
 #include <cstdint>
+#include <span>
 #include <vector>
 
 #include "grid/point_bits.hpp"
@@ -28,6 +29,11 @@ struct ClassifyScratch {
   PointBits undecided;
   PointBatch batch;
 };
+
+/// Sets the bits of all points that are in one of the balls, whose radii are `radius` larger than
+/// those of the van der Waals spheres.
+void fill_balls(const BlockGrid& grid, std::span<const Atom> atoms,
+                std::span<const AtomIndex> indices, double radius, PointBits& bits);
 
 /// Sets the bits of all inside points. Points in no SAS ball are outside, those in a van der Waals
 /// ball inside; the others are inside unless some accessible probe centre is nearer than the probe

@@ -110,20 +110,34 @@ struct Search {
     }
   }
 
+  void add_doubtful(const GridIndex& lower, std::size_t axis) {
+    scratch.doubtful.push_back(
+        {static_cast<std::uint32_t>(lower[2] * grid.block.owned[1] + lower[1]),
+         static_cast<std::uint16_t>(lower[0]), static_cast<std::uint8_t>(axis)});
+  }
+
   // Offers a crossing to the edge that starts at `lower`, if there is one, if its ends lie on the
   // right sides, and if it reaches this far.
   void offer_to_edge(GridIndex lower, Crossing crossing, bool needs_proof) {
     const std::size_t axis = crossing.axis;
     if (lower[axis] < 0 || lower[axis] >= grid.block.owned[axis]) return;
+    if (lower[axis] + 1 >= grid.block.points[axis]) return;
     const std::int64_t column = std::min(lower[0] / PointBits::column_step, inside.columns - 1);
     const auto bit = static_cast<int>(lower[0] - column * PointBits::column_step);
     const std::size_t word = inside.word_index(column, lower[1], lower[2]);
-    if ((scratch.edges.changes[axis][word] >> bit & 1) == 0 ||
-        is_inside(word, bit) != crossing.lower_is_inside)
+    const bool is_change = (scratch.edges.changes[axis][word] >> bit & 1) != 0;
+    // Of an edge that is cut twice one crossing is of this direction.
+    const bool may_be_doubtful =
+        scratch.finds_doubtful && !is_change && !crossing.lower_is_inside;
+    if (!may_be_doubtful && (!is_change || is_inside(word, bit) != crossing.lower_is_inside))
       return;
     const double low = coordinate(axis, lower[axis]), high = coordinate(axis, lower[axis] + 1);
     const double slack = tolerance::edge_end * (high - low);
     if (crossing.coordinate < low - slack || crossing.coordinate > high + slack) return;
+    if (may_be_doubtful) {
+      add_doubtful(lower, axis);
+      return;
+    }
     crossing.coordinate = std::clamp(crossing.coordinate, low, high);
     offer(edge_rank(axis, word, bit), crossing, needs_proof);
   }
@@ -242,9 +256,76 @@ struct Search {
     });
   }
 
+  // Appends the edges near the patch that start in a row of points to the batch.
+  template <std::size_t axis>
+  void gather_row(const ArcFeature& arc, const IndexRange& x, std::int64_t y, std::int64_t z) {
+    EdgeBatch& batch = scratch.batch;
+    const Doubles doubles;
+    const auto lanes = static_cast<std::int64_t>(hn::Lanes(doubles));
+    const Vec3 center = arc.circle.center;
+    const double spacing = grid.grid.spacing;
+    Points start{all(0), all(coordinate(1, y) - center.y), all(coordinate(2, z) - center.z)};
+    for (std::int64_t i = x.begin; i < x.end; i += lanes) {
+      start.x = load(grid.coordinates[0].data() + i) - all(center.x);
+      const auto is_off =
+          misses_saddle<axis>(arc, features.probe_radius, spacing, start, all(spacing));
+      const auto may_cross =
+          hn::AndNot(is_off, hn::FirstN(doubles, static_cast<std::size_t>(x.end - i)));
+      if (hn::AllFalse(doubles, may_cross)) continue;
+      for_each_lane(may_cross, [&](std::size_t lane) {
+        const GridIndex lower{i + static_cast<std::int64_t>(lane), y, z};
+        const std::int64_t column = std::min(lower[0] / PointBits::column_step, inside.columns - 1);
+        const auto bit = static_cast<int>(lower[0] - column * PointBits::column_step);
+        const std::size_t word = inside.word_index(column, y, z);
+        if ((scratch.edges.changes[axis][word] >> bit & 1) != 0) return;
+        const Vec3 from = grid_point(lower) - center;
+        for (std::size_t a = 0; a < 3; ++a) batch.start[a][batch.count] = from[a];
+        batch.from[batch.count] = coordinate(axis, lower[axis]);
+        batch.step[batch.count] =
+            coordinate(axis, lower[axis] + 1) - coordinate(axis, lower[axis]);
+        batch.place[batch.count] =
+            static_cast<std::uint64_t>((z * grid.block.owned[1] + y) << 16 | lower[0]);
+        ++batch.count;
+      });
+      if (batch.count + hn::Lanes(doubles) > EdgeBatch::capacity) meet_doubtful<axis>(arc);
+    }
+  }
+
+  Vec3 grid_point(const GridIndex& index) const {
+    return {coordinate(0, index[0]), coordinate(1, index[1]), coordinate(2, index[2])};
+  }
+
+  template <std::size_t axis>
+  void meet_doubtful(const ArcFeature& arc) {
+    meet_saddle<axis>(arc, features.probe_radius, grid.grid.spacing, scratch.batch,
+                      [&](std::uint64_t place, double, Vec3) {
+                        scratch.doubtful.push_back({static_cast<std::uint32_t>(place >> 16),
+                                                    static_cast<std::uint16_t>(place), axis});
+                      });
+    scratch.batch.count = 0;
+  }
+
+  // Edges that have both ends on one side, and leave the tube of the arc on the way up.
+  void search_doubtful(const ArcFeature& arc) {
+    const Box& box = arc.surface_box;
+    for_each_axis([&](auto axis) {
+      std::array<IndexRange, 3> range{};
+      for (std::size_t a = 0; a < 3; ++a)
+        range[a] = a == axis() ? own_edges_within(grid, a, box.low[a], box.high[a])
+                               : own_points_within(grid, a, box.low[a], box.high[a]);
+      range[axis()].end = std::min(range[axis()].end, grid.block.points[axis()] - 1);
+      for (std::int64_t z = range[2].begin; z < range[2].end; ++z)
+        for (std::int64_t y = range[1].begin; y < range[1].end; ++y)
+          gather_row<axis()>(arc, range[0], y, z);
+      meet_doubtful<axis()>(arc);
+    });
+  }
+
   void search_all() {
     for (const FaceFeature& face : features.faces) search_face(face);
     for (const ArcFeature& arc : features.arcs) search_arc(arc);
+    if (scratch.finds_doubtful)
+      for (const ArcFeature& arc : features.arcs) search_doubtful(arc);
     for (const PlacementFeature& placement : features.placements) search_placement(placement);
   }
 };
@@ -290,6 +371,11 @@ void decide_rest(const BlockGrid& grid, const BlockFeatures& features, Intersect
   };
   const auto decide = [&](std::uint32_t rank, bool needs_proof) {
     const std::uint16_t x = crossings[rank].x;
+    if (scratch.finds_doubtful) {
+      const auto next_row = std::upper_bound(row_begin.begin(), row_begin.end(), rank);
+      scratch.doubtful.push_back({static_cast<std::uint32_t>(next_row - row_begin.begin() - 1), x,
+                                  crossings[rank].axis});
+    }
     if (!is_indexed) scratch.patches.reset(features, grid.box);
     is_indexed = true;
     crossings[rank] = decide_crossing(scratch.patches, edge_of(rank), scratch.of_edge, needs_proof);
@@ -320,6 +406,7 @@ void intersect(const BlockGrid& grid, const BlockFeatures& features, const Point
   tabulate_edges(grid, inside, scratch.edges);
   list_edges(grid, inside, scratch.edges, crossings, row_begin);
   scratch.further.clear();
+  scratch.doubtful.clear();
   Search{grid, features, inside, scratch, crossings}.search_all();
   decide_rest(grid, features, scratch, row_begin, crossings);
 }

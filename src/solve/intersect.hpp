@@ -11,6 +11,13 @@
 
 namespace eses::detail {
 
+/// An edge that the surface may cut more than once, or that has ends on one side and may be cut.
+struct DoubtfulEdge {
+  std::uint32_t row = 0;  ///< [z][y] of the block's owned points
+  std::uint16_t x = 0;    ///< of its lower point, from the block's first point
+  std::uint8_t axis = 0;
+};
+
 struct IntersectScratch {
   struct Further {
     std::uint32_t edge;
@@ -22,6 +29,10 @@ struct IntersectScratch {
   PatchIndex patches;
   /// Of each edge, all candidates but the first that was found, and all that need a proof.
   std::vector<Further> further;
+  /// Whether doubtful edges are to be found, and those found, in any order, perhaps several times.
+  bool finds_doubtful = false;
+  std::vector<DoubtfulEdge> doubtful;
+  std::vector<double> places;  ///< of find_edge_shares
   std::vector<Crossing> of_edge;  ///< candidates of the edge that is being decided
 };
 

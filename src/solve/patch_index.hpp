@@ -23,6 +23,9 @@ class PatchIndex {
   void reset(const BlockFeatures& features, const Box& box);
   const BlockFeatures& features() const { return *features_; }
 
+  /// Side of a cell, in angstrom.
+  double cell_side() const { return cell_side_; }
+
   /// The cell of a point, or for a point outside the box, the nearest.
   Cell cell_at(Vec3 point) const;
 

@@ -13,6 +13,10 @@ std::int64_t rounded(double value) {
 
 }  // namespace
 
+void Tally::add_length(double share) {
+  inside_lengths += std::llround((share - 0.5) / area_share_unit);
+}
+
 void Tally::add(const Surface& surface, const Crossing& crossing, Vec3 point) {
   const std::size_t count = crossing.atom_count;
   ++crossings[count - 1];

@@ -29,14 +29,15 @@ BlockRow block_row_of(const BlockTiling& tiling, std::int64_t y) {
   return {by, y - by * (tiling.block_size[1] - 1)};
 }
 
-LayerRows::LayerRows(const BlockTiling& tiling, const Layer& layer, Extent extent)
+LayerRows::LayerRows(const BlockTiling& tiling, const Layer& layer, Extent extent,
+                     PointBits BlockResult::*bits)
     : tiling_(tiling), pieces_(static_cast<std::size_t>(tiling.blocks[1])) {
   const GridRegion region = extent == Extent::region ? tiling.region : tiling.corners;
   words_ = static_cast<std::size_t>((region.size()[0] + 63) / 64);
   const auto blocks_x = static_cast<std::size_t>(tiling.blocks[0]);
   for (std::size_t b = 0; b < layer.blocks.size(); ++b) {
     const BlockResult& result = layer.blocks[b];
-    const PointBits& inside = result.inside;
+    const PointBits& inside = result.*bits;
     if (inside.words.empty()) continue;
     const bool is_last = b % blocks_x == blocks_x - 1;
     const std::int64_t owned =

@@ -28,9 +28,10 @@ enum class Extent { region, far_corners };
 /// Where the pieces of a layer's rows stand in its blocks; made once for many rows.
 class LayerRows {
  public:
-  LayerRows(const BlockTiling& tiling, const Layer& layer, Extent extent = Extent::region);
+  LayerRows(const BlockTiling& tiling, const Layer& layer, Extent extent = Extent::region,
+            PointBits BlockResult::*bits = &BlockResult::inside);
 
-  /// Joins the inside bits of row (y, z) from all blocks along x. `y` counts from the region's
+  /// Joins the bits, by default those of inside points, of row (y, z) from all blocks along x. `y` counts from the region's
   /// first row, `z` from the layer's first plane.
   void join(std::int64_t y, std::int64_t z, RowBits& row) const;
 

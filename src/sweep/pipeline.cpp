@@ -58,6 +58,7 @@ Pipeline::Pipeline(PatchSchedule& patches, const Plan& plan, Sinks sinks, Progre
   if (sinks_.edges) edges_.emplace(sinks_.edges);
   if (sinks_.gzip)
     for (Writer& writer : writers_) writer.gzip.emplace();
+  for (BlockWorkspace& workspace : workspaces_) workspace.extras = sinks_.extras;
   make_room(0);
   make_room(1);
   // The plane below may be looked at, too.
@@ -232,7 +233,8 @@ void Pipeline::write(const Task& task, Writer& writer) {
   const Stopwatch watch;
   const Layer& layer = layers_[static_cast<std::size_t>(task.layer)];
   const RowRange rows = chunks_.rows(task.index, layer_planes(task.layer));
-  take_rows(layer, rows, writer);
+  append_points(layer, rows, writer);
+  take_map_rows(layer, rows, writer);
   if (edges_) append_crossings(layer, rows, writer.edges);
   count_share(task, layer, writer.counts);
   // Layers before the last are all cut into the same number of chunks.
@@ -253,24 +255,32 @@ void Pipeline::count_share(const Task& task, const Layer& layer, PointCounts& co
                           (task.index + 1) * blocks / chunks));
 }
 
-// Rows of points as text, and as the map has them.
-void Pipeline::take_rows(const Layer& layer, const RowRange& rows, Writer& writer) const {
+// Rows of points as text.
+void Pipeline::append_points(const Layer& layer, const RowRange& rows, Writer& writer) const {
   writer.grid.clear();
-  writer.map_rows.clear();
-  if (!grid_ && !sinks_.rows) return;
-  const GridRegion& region = plan_.tiling.region;
-  const std::int64_t plane_rows = region.size()[1];
+  if (!grid_) return;
+  const std::int64_t plane_rows = plan_.tiling.region.size()[1];
   const LayerRows layer_rows(plan_.tiling, layer);
   for (std::int64_t row = rows.begin; row < rows.end; ++row) {
     const std::int64_t y = row % plane_rows, z = row / plane_rows;
     layer_rows.join(y, z, writer.row);
-    if (grid_) text_.append_row(writer.grid, region.begin[1] + y, layer.first_z() + z, writer.row);
-    if (sinks_.rows)
-      writer.map_rows.insert(writer.map_rows.end(), writer.row.begin(), writer.row.end());
+    text_.append_row(writer.grid, plan_.tiling.region.begin[1] + y, layer.first_z() + z,
+                     writer.row);
   }
-  if (sinks_.rows)
-    sinks_.rows((layer.first_z() - region.begin[2]) * plane_rows + rows.begin, writer.map_rows,
-                writer.map);
+}
+
+// The same rows as maps have them.
+void Pipeline::take_map_rows(const Layer& layer, const RowRange& rows, Writer& writer) const {
+  const GridRegion& region = plan_.tiling.region;
+  const std::int64_t plane_rows = region.size()[1];
+  for (const MapSink& map : sinks_.maps) {
+    writer.map_rows.clear();
+    MapRows map_rows(plan_.tiling, layer, map.quantity);
+    for (std::int64_t row = rows.begin; row < rows.end; ++row)
+      map_rows.append(row % plane_rows, row / plane_rows, writer.map_rows);
+    map.take_rows((layer.first_z() - region.begin[2]) * plane_rows + rows.begin, writer.map_rows,
+                  writer.map);
+  }
 }
 
 void Pipeline::append_crossings(const Layer& layer, const RowRange& rows, TextBuffer& text) const {

@@ -11,11 +11,12 @@
 
 #include "io/eses_writer.hpp"
 #include "io/gzip.hpp"
-#include "output/inside_map.hpp"
+#include "output/grid_map.hpp"
 #include "output/ordered_output.hpp"
 #include "solve/block_solver.hpp"
 #include "sweep/count_points.hpp"
 #include "sweep/layer.hpp"
+#include "sweep/map_rows.hpp"
 #include "sweep/mesh_output.hpp"
 #include "sweep/patch_schedule.hpp"
 #include "sweep/progress_report.hpp"
@@ -27,16 +28,23 @@
 
 namespace eses::detail {
 
-/// Gets consecutive rows of points, as InsideMap::write_rows.
+/// Gets consecutive rows of a map, as GridMap::write_rows.
 using TakeRows = std::function<void(std::int64_t first_row, std::span<const std::uint64_t> words,
-                                    InsideMap::Scratch& scratch)>;
+                                    GridMap::Scratch& scratch)>;
+
+/// Who gets the rows of a map; several threads call it for different rows.
+struct MapSink {
+  MapQuantity quantity = MapQuantity::inside;
+  TakeRows take_rows;
+};
 
 /// Who gets what comes out; each is left out where it is empty or null. All must outlive the
 /// pipeline.
 struct Sinks {
   OrderedOutput::WriteAt grid, edges;  ///< text of grid_info.txt and intersection_info.txt
   bool gzip = false;                   ///< both as members of a gzip file, none for no text
-  TakeRows rows;                       ///< several threads call it for different rows
+  std::vector<MapSink> maps;
+  BlockExtras extras;  ///< what blocks are solved for besides
   MeshOutput* mesh = nullptr;
   Verifier* verifier = nullptr;
   BlockCallback block;
@@ -82,8 +90,8 @@ class Pipeline {
     TextBuffer grid, edges;
     MeshScratch mesh;
     RowBits row;
-    RowBits map_rows;  // of a chunk, one behind the other
-    InsideMap::Scratch map;
+    std::vector<std::uint64_t> map_rows;  // of a chunk, one behind the other
+    GridMap::Scratch map;
     std::optional<Gzip> gzip;
     PointCounts counts;
     double seconds = 0;
@@ -104,7 +112,8 @@ class Pipeline {
   void hand_out(const BlockResult& result);
   void write(const Task& task, Writer& writer);
   void count_share(const Task& task, const Layer& layer, PointCounts& counts) const;
-  void take_rows(const Layer& layer, const RowRange& rows, Writer& writer) const;
+  void append_points(const Layer& layer, const RowRange& rows, Writer& writer) const;
+  void take_map_rows(const Layer& layer, const RowRange& rows, Writer& writer) const;
   void append_crossings(const Layer& layer, const RowRange& rows, TextBuffer& text) const;
 
   PatchSchedule& patches_;

@@ -13,6 +13,7 @@ namespace eses::detail {
 struct RegionTotals {
   std::array<std::int64_t, 3> crossings{};  ///< convex, saddle, concave
   std::array<AreaShare, 3> kind_shares{};   ///< likewise, as in Tally
+  AreaShare inside_lengths = 0;             ///< as in Tally
   PointCounts points;
 
   void add(const RegionTotals& other);
