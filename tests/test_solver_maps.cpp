@@ -1,4 +1,5 @@
-// The maps for Poisson-Boltzmann solvers, read back and compared with the definition of the surface.
+// The maps for Poisson-Boltzmann solvers, read back and compared with the definition of the
+// surface.
 
 #include <fmt/format.h>
 
@@ -89,8 +90,8 @@ bool is_inside(const AccessibleSet& set, Vec3 point) {
   return !nearest_accessible(set, point, set.probe_radius);
 }
 
-/// The length inside between two points whose sides differ or not, by halving down to 1e-7 angstrom;
-/// `parts` pieces are looked at first, so that thin ones are not missed.
+/// The length inside between two points whose sides differ or not, by halving down to 1e-7
+/// angstrom; `parts` pieces are looked at first, so that thin ones are not missed.
 double inside_length(const AccessibleSet& set, Vec3 low, Vec3 high, int parts) {
   double inside = 0;
   const Vec3 step = high - low;
@@ -159,7 +160,7 @@ void check_edges(const std::vector<Atom>& atoms, double probe_radius, const Grid
       INFO("axis " << axis << " edge " << lower[0] << ' ' << lower[1] << ' ' << lower[2]
                    << " value " << value << " share " << share_of(value) << " expected " << inside);
       // Seven digits of the value; pieces shorter than 1/64 of the edge may escape the sampling.
-      CHECK(std::fabs(share_of(value) - inside) < 0.02);
+      CHECK(std::fabs(share_of(value) - inside) < 2e-6);
       if (is_partial) ++partial;
       if (is_partial && is_inside(set, low) == is_inside(set, high)) ++several;
     }
@@ -305,9 +306,9 @@ TEST_CASE("maps of a region are those of the grid", "[solver-maps]") {
   const SolverMaps whole = maps_of(atoms, parameters, grid);
   const GridRegion region{{3, 4, 5}, {grid.size[0] - 4, grid.size[1], grid.size[2] - 3}};
   parameters.block_size = 9;
-  parameters.region = RegionBox{grid.point(region.begin) - Vec3{0.1, 0.1, 0.1},
-                                grid.point({region.end[0] - 1, region.end[1] - 1, region.end[2] - 1}) +
-                                    Vec3{0.1, 0.1, 0.1}};
+  parameters.region = RegionBox{
+      grid.point(region.begin) - Vec3{0.1, 0.1, 0.1},
+      grid.point({region.end[0] - 1, region.end[1] - 1, region.end[2] - 1}) + Vec3{0.1, 0.1, 0.1}};
   const SolverMaps part = maps_of(atoms, parameters, grid);
   CHECK(part.ion_access.size == region.size());
   std::size_t different = 0;
@@ -362,8 +363,8 @@ TEST_CASE("volumes of parts add up, whatever they cut", "[volume]") {
   };
   const std::int64_t x = grid.size[0] / 2, z = grid.size[2] / 3;
   const GridIndex& n = grid.size;
-  const double sum = volume({{0, 0, 0}, {x, n[1], n[2]}}) +
-                     volume({{x, 0, 0}, {n[0], n[1], z}}) + volume({{x, 0, z}, n});
+  const double sum = volume({{0, 0, 0}, {x, n[1], n[2]}}) + volume({{x, 0, 0}, {n[0], n[1], z}}) +
+                     volume({{x, 0, z}, n});
   CHECK(sum == Catch::Approx(volume(grid.whole())).epsilon(1e-12));
   // All of a box of 4 x 4 x 4 points is inside the large sphere.
   const eses::Surface ball(std::vector<Atom>{{{0, 0, 0}, 9}});
@@ -406,8 +407,8 @@ TEST_CASE("usage errors of maps for solvers", "[solver-maps][cli]") {
 
 TEST_CASE("the program writes maps for solvers, and plans them", "[solver-maps][cli]") {
   const Sandbox sandbox;
-  const Arguments arguments{"pair.xyzr",   "--write",   "none",     "-o", "out", "--dielectric",
-                            "out/diel_", "--kappa", "kappa.dx"};
+  const Arguments arguments{"pair.xyzr",    "--write",   "none",    "-o",      "out",
+                            "--dielectric", "out/diel_", "--kappa", "kappa.dx"};
   Arguments dry = arguments;
   dry.emplace_back("--dry-run");
   const Outcome planned = sandbox.run(dry);

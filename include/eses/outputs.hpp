@@ -37,8 +37,8 @@ struct DielectricMaps {
 };
 
 /// A map of the points to which the centres of ions have access, as APBS reads it with
-/// `usemap kappa`: 1 at points outside all spheres of the atoms' radius plus that of the ions, and 0
-/// at others.
+/// `usemap kappa`: 1 at points outside all spheres of the atoms' radius plus that of the ions, and
+/// 0 at others.
 struct IonAccessMap {
   std::string file;       ///< Name of an OpenDX file in the output directory; it ends with .dx.
   double ion_radius = 2;  ///< Radius of the ions, in angstrom; 0 to 1000.

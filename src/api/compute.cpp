@@ -64,8 +64,8 @@ detail::Plan checked_plan(const Surface& surface, const Grid& grid, const Output
     if (options.block_size != 0) detail::make_tiling(grid, options.block_size, region);
     for (const detail::MapChoice& map : detail::chosen_maps(outputs))
       if (std::filesystem::path(map.name).has_parent_path())
-        throw Error(fmt::format("maps go to the output directory: {} must be a plain file name",
-                                map.name));
+        throw Error(
+            fmt::format("maps go to the output directory: {} must be a plain file name", map.name));
     detail::require_valid(outputs, molecule_of(surface));
     detail::Plan plan = detail::plan_on_grid(grid, detail::sphere_bounds(surface.atoms()),
                                              parameters_of(surface, grid, options));

@@ -18,8 +18,9 @@
 namespace eses::detail {
 namespace {
 
-constexpr std::array<const char*, piece_texts> text_suffixes{
-    ".grid", ".edges", ".vertices", ".triangles", ".inside", ".ions", ".edges_x", ".edges_y", ".edges_z"};
+constexpr std::array<const char*, piece_texts> text_suffixes{".grid",      ".edges",   ".vertices",
+                                                             ".triangles", ".inside",  ".ions",
+                                                             ".edges_x",   ".edges_y", ".edges_z"};
 
 std::string name_of(const PlaneRange& planes, std::string_view suffix) {
   return fmt::format("{}-{}{}", planes.begin, planes.end, suffix);

@@ -274,9 +274,9 @@ void add_grid_options(CLI::App& app, CommandLine& line) {
 
 void add_solver_maps(CLI::App& app, CommandLine& line) {
   begin_group(app, "Maps for Poisson-Boltzmann solvers (APBS), in the output directory");
-  const auto permittivity = number_between(
-      min_dielectric, max_dielectric,
-      fmt::format("a number from {:g} to {:g}", min_dielectric, max_dielectric));
+  const auto permittivity =
+      number_between(min_dielectric, max_dielectric,
+                     fmt::format("a number from {:g} to {:g}", min_dielectric, max_dielectric));
   add_value(app, "--dielectric", "PREFIX",
             "maps of the dielectric at the middles of grid edges,\n"
             "PREFIXx.dx, PREFIXy.dx and PREFIXz.dx (usemap diel)",

@@ -185,13 +185,11 @@ std::uint64_t Merge::write_map(OutputFile* file, const MapChoice& choice) {
   for (Piece& piece : own_) {
     if (piece.is_in_place) continue;
     const std::int64_t first_row = (piece.info.planes.begin - region.begin[2]) * region.size()[1];
-    read(piece, text, row_bytes, 0,
-         [&](std::span<const char> bytes, std::uint64_t offset) {
-           words.resize(bytes.size() / sizeof(std::uint64_t));
-           std::memcpy(words.data(), bytes.data(), bytes.size());
-           map.write_rows(first_row + static_cast<std::int64_t>(offset / row_bytes), words,
-                          scratch);
-         });
+    read(piece, text, row_bytes, 0, [&](std::span<const char> bytes, std::uint64_t offset) {
+      words.resize(bytes.size() / sizeof(std::uint64_t));
+      std::memcpy(words.data(), bytes.data(), bytes.size());
+      map.write_rows(first_row + static_cast<std::int64_t>(offset / row_bytes), words, scratch);
+    });
     close(piece, text);
   }
   shared.sync();

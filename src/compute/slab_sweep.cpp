@@ -56,8 +56,7 @@ TakeRows rows_as_words(MapQuantity quantity, const GridRegion& region,
 }
 
 TakeRows rows_of_map(OutputFile& file, const MapChoice& choice, const Plan& plan) {
-  const auto map =
-      std::make_shared<GridMap>(map_file(file), choice, plan.grid, plan.tiling.region);
+  const auto map = std::make_shared<GridMap>(map_file(file), choice, plan.grid, plan.tiling.region);
   return [map](std::int64_t first_row, std::span<const std::uint64_t> words,
                GridMap::Scratch& scratch) { map->write_rows(first_row, words, scratch); };
 }
@@ -208,8 +207,7 @@ SlabSweep::RangeSinks SlabSweep::sinks_in_place(Piece& piece) const {
   sinks.grid = sink_of(files.grid);
   sinks.edges = sink_of(files.edges);
   for (const MapChoice& map : chosen_maps(task_.outputs))
-    sinks.maps.push_back(
-        {map.quantity, rows_of_map(*files.map(map.quantity), map, plan_.whole)});
+    sinks.maps.push_back({map.quantity, rows_of_map(*files.map(map.quantity), map, plan_.whole)});
   sinks.mesh = {.vertices = sink_of(files.mesh, files_.mesh_header_bytes),
                 .triangles = sink_of(piece.text(PieceText::triangles).get(), nullptr)};
   return sinks;

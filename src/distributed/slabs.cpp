@@ -153,7 +153,8 @@ SentAtoms send_atoms(const AtomShare& share, const Plan& plan, const Outputs& ou
     const Atom& atom = share.atoms[i];
     // The first goes to all that have planes, so that none of these is without any.
     const bool matters_to_all = share.first + i == 0;
-    const double reach = matters_to_all ? infinity : influence(atom, largest_radius, probe, outputs);
+    const double reach =
+        matters_to_all ? infinity : influence(atom, largest_radius, probe, outputs);
     auto slab = std::partition_point(reached.begin(), reached.end(), [&](const Reached& one) {
       return one.high < atom.center.z - reach;
     });
@@ -310,9 +311,9 @@ class SlabCutter {
       const Grid& grid = plan_.grid;
       const SurfaceSurvey survey(slab.molecule, plan_.parameters.probe_radius,
                                  slab_box(plan_, slab.planes));
-      const double point = seconds_per_point + (outputs_.grid ? seconds_per_point_text : 0) +
-                           seconds_per_point_of_map *
-                               static_cast<double>(chosen_maps(outputs_).size());
+      const double point =
+          seconds_per_point + (outputs_.grid ? seconds_per_point_text : 0) +
+          seconds_per_point_of_map * static_cast<double>(chosen_maps(outputs_).size());
       const double crossing = seconds_per_crossing +
                               (outputs_.edges ? seconds_per_crossing_text : 0) +
                               (outputs_.mesh ? seconds_per_crossing_of_mesh : 0);

@@ -144,9 +144,7 @@ double dielectric_of(const MapChoice& map, std::uint32_t share) {
   return 1 / (inside / map.solute + (1 - inside) / map.solvent);
 }
 
-void write_dielectric(char* text, double value) {
-  fmt::format_to(text, "{:.6e}", value);
-}
+void write_dielectric(char* text, double value) { fmt::format_to(text, "{:.6e}", value); }
 
 MapLayout map_layout(const MapChoice& map, const Grid& grid, const GridRegion& region) {
   return map.format == MapFormat::dx ? dx_layout(map.quantity, grid, region)

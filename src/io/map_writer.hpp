@@ -1,6 +1,6 @@
 #pragma once
-/// Maps as other programs read them: a value for every point of a regular grid, or for the middle of
-/// every edge along an axis.
+/// Maps as other programs read them: a value for every point of a regular grid, or for the middle
+/// of every edge along an axis.
 
 #include <cstdint>
 #include <optional>

@@ -26,8 +26,8 @@ MapFile map_file(File& file) {
 }
 
 /// Rows come in any order, as words: of a map of points a bit a point, of a map of edges 32 bits an
-/// edge, the part that lies inside. 64 points make a cell, of one word or of 32. `.vti` has the rows
-/// as they are. In `.dx` z runs fastest: until all rows have come, their words wait behind the
+/// edge, the part that lies inside. 64 points make a cell, of one word or of 32. `.vti` has the
+/// rows as they are. In `.dx` z runs fastest: until all rows have come, their words wait behind the
 /// values' place in the file, for each cell of a row the cells of all rows, so that memory does not
 /// grow with the grid.
 class GridMap {

@@ -113,7 +113,8 @@ double text_bytes(const GridRegion& region, const Outputs& outputs) {
   double map = 0;  // maps are made one after the other
   for (const MapChoice& choice : chosen_maps(outputs)) {
     // Rows, and a copy of each cell's words.
-    const double rows = is_of_edges(choice.quantity) ? 3 * sizeof(std::uint32_t) * points : 2 * points;
+    const double rows =
+        is_of_edges(choice.quantity) ? 3 * sizeof(std::uint32_t) * points : 2 * points;
     map = std::max({map, rows, GridMap::thread_bytes(choice, region)});
   }
   bytes += map;

@@ -127,8 +127,7 @@ struct Search {
     const std::size_t word = inside.word_index(column, lower[1], lower[2]);
     const bool is_change = (scratch.edges.changes[axis][word] >> bit & 1) != 0;
     // Of an edge that is cut twice one crossing is of this direction.
-    const bool may_be_doubtful =
-        scratch.finds_doubtful && !is_change && !crossing.lower_is_inside;
+    const bool may_be_doubtful = scratch.finds_doubtful && !is_change && !crossing.lower_is_inside;
     if (!may_be_doubtful && (!is_change || is_inside(word, bit) != crossing.lower_is_inside))
       return;
     const double low = coordinate(axis, lower[axis]), high = coordinate(axis, lower[axis] + 1);
@@ -281,8 +280,7 @@ struct Search {
         const Vec3 from = grid_point(lower) - center;
         for (std::size_t a = 0; a < 3; ++a) batch.start[a][batch.count] = from[a];
         batch.from[batch.count] = coordinate(axis, lower[axis]);
-        batch.step[batch.count] =
-            coordinate(axis, lower[axis] + 1) - coordinate(axis, lower[axis]);
+        batch.step[batch.count] = coordinate(axis, lower[axis] + 1) - coordinate(axis, lower[axis]);
         batch.place[batch.count] =
             static_cast<std::uint64_t>((z * grid.block.owned[1] + y) << 16 | lower[0]);
         ++batch.count;
@@ -373,8 +371,8 @@ void decide_rest(const BlockGrid& grid, const BlockFeatures& features, Intersect
     const std::uint16_t x = crossings[rank].x;
     if (scratch.finds_doubtful) {
       const auto next_row = std::upper_bound(row_begin.begin(), row_begin.end(), rank);
-      scratch.doubtful.push_back({static_cast<std::uint32_t>(next_row - row_begin.begin() - 1), x,
-                                  crossings[rank].axis});
+      scratch.doubtful.push_back(
+          {static_cast<std::uint32_t>(next_row - row_begin.begin() - 1), x, crossings[rank].axis});
     }
     if (!is_indexed) scratch.patches.reset(features, grid.box);
     is_indexed = true;

@@ -32,7 +32,7 @@ struct IntersectScratch {
   /// Whether doubtful edges are to be found, and those found, in any order, perhaps several times.
   bool finds_doubtful = false;
   std::vector<DoubtfulEdge> doubtful;
-  std::vector<double> places;  ///< of find_edge_shares
+  std::vector<double> places;     ///< of find_edge_shares
   std::vector<Crossing> of_edge;  ///< candidates of the edge that is being decided
 };
 

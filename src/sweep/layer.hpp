@@ -31,8 +31,8 @@ class LayerRows {
   LayerRows(const BlockTiling& tiling, const Layer& layer, Extent extent = Extent::region,
             PointBits BlockResult::*bits = &BlockResult::inside);
 
-  /// Joins the bits, by default those of inside points, of row (y, z) from all blocks along x. `y` counts from the region's
-  /// first row, `z` from the layer's first plane.
+  /// Joins the bits, by default those of inside points, of row (y, z) from all blocks along x. `y`
+  /// counts from the region's first row, `z` from the layer's first plane.
   void join(std::int64_t y, std::int64_t z, RowBits& row) const;
 
  private:

@@ -84,7 +84,8 @@ void MapRows::append_edges(std::int64_t y, std::int64_t z, std::vector<std::uint
     if (result.shares.edges.empty()) continue;
     const auto row = static_cast<std::size_t>(z * result.block.owned[1] + place.y);
     const std::int64_t first_x = result.block.first[0] - tiling_.region.begin[0];
-    for (std::uint32_t e = result.shares.row_begin[row]; e < result.shares.row_begin[row + 1]; ++e) {
+    for (std::uint32_t e = result.shares.row_begin[row]; e < result.shares.row_begin[row + 1];
+         ++e) {
       const EdgeShares::Edge& edge = result.shares.edges[e];
       if (edge.axis != axis) continue;
       const auto x = static_cast<std::size_t>(first_x + edge.x);
