@@ -66,7 +66,7 @@ void keep_caps(AtomPatchScratch& scratch) {
 }
 
 PlacementKey make_key(AtomIndex i, AtomIndex j, AtomIndex k, const CircleEnd& end) {
-  PlacementKey key{{i, j, k}, end.side, !end.is_doubtful};
+  PlacementKey key{{i, j, k}, end.side, !end.is_uncertain};
   const auto order = [&](std::size_t a, std::size_t b) {
     if (key.atoms[a] <= key.atoms[b]) return;
     std::swap(key.atoms[a], key.atoms[b]);

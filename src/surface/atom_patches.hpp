@@ -33,7 +33,7 @@ struct Arc {
 struct PlacementKey {
   std::array<AtomIndex, 3> atoms{};
   std::int8_t side = 1;
-  bool is_certain = true;  ///< false if an end that is doubtful led to it, see CircleEnd
+  bool is_certain = true;  ///< false if an end that is uncertain led to it, see CircleEnd
 
   bool is_same_place(const PlacementKey& other) const {
     return atoms == other.atoms && side == other.side;

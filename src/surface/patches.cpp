@@ -58,7 +58,7 @@ Vec3 center_of(const SurfaceModel& surface, const ProbePlacement& placement,
 // Where the circle of two of the atoms is met by the third's sphere. Of a placement in doubt the
 // three circles can yield places that differ, as small angles and differences amplify rounding: the
 // one that suits all spheres best is taken. Returns how ill it suits them.
-double place_doubtful_probe(const Patches& patches, ProbePlacement& placement) {
+double place_uncertain_probe(const Patches& patches, ProbePlacement& placement) {
   double least = std::numeric_limits<double>::infinity();
   for (const std::array<std::size_t, 3>& order :
        {std::array<std::size_t, 3>{0, 1, 2}, {1, 2, 0}, {2, 0, 1}}) {
@@ -92,7 +92,7 @@ std::optional<ProbePlacement> place_probe(const Patches& patches, const Placemen
   if (key.is_certain) {
     placement.center = center_of(patches.surface(), placement, {0, 1, 2});
     placement.is_regular = is_regular(patches, placement);
-  } else if (place_doubtful_probe(patches, placement) > tolerance::covered) {
+  } else if (place_uncertain_probe(patches, placement) > tolerance::covered) {
     return std::nullopt;
   }
   return placement;

@@ -60,8 +60,8 @@ CentreSearch::Surroundings CentreSearch::gather(Vec3 x) {
     const double limit =
         ball.radius - std::max(access_.tolerance, distance_rounding * (ball.radius + reach_));
     ball.min_square = square_of(limit);
-    ball.doubt_square = square_of(limit - access_.max_doubt);
-    const double inner = limit - access_.max_doubt - reach_;
+    ball.uncertain_square = square_of(limit - access_.max_uncertainty);
+    const double inner = limit - access_.max_uncertainty - reach_;
     if (inner >= 0 && square <= inner * inner) is_covered = true;
     if (square < ball.min_square) is_accessible_here = false;
     balls_.push_back(ball);
@@ -130,7 +130,7 @@ bool CentreSearch::is_covered_or_keep(const Cell& cell, std::size_t begin, std::
       nearest_square += outside * outside;
       farthest_square += (along + half) * (along + half);
     }
-    if (farthest_square < ball.doubt_square) return true;
+    if (farthest_square < ball.uncertain_square) return true;
     if (nearest_square <= ball.radius * ball.radius) around_.push_back(around_[i]);
   }
   drop_dominated(cell, end);
@@ -169,7 +169,7 @@ void CentreSearch::drop_dominated(const Cell& cell, std::size_t begin) {
 // How far rounding may have moved a centre that was computed from the balls whose spheres it lies
 // on: by the rounding of a distance, divided by the sine of the angle or by the determinant of the
 // directions to their centres.
-double CentreSearch::doubt_of(Vec3 c, const Origin& origin) const {
+double CentreSearch::uncertainty_of(Vec3 c, const Origin& origin) const {
   if (origin.count < 2) return 0;
   std::array<Vec3, 3> to_center{};
   double scale = reach_;
@@ -181,7 +181,7 @@ double CentreSearch::doubt_of(Vec3 c, const Origin& origin) const {
   const Vec3 normal = cross(to_center[0], to_center[1]);
   const double condition = origin.count == 2 ? norm(normal) : std::fabs(dot(normal, to_center[2]));
   const double moved = usual_rounding * scale;
-  return moved < condition * access_.max_doubt ? moved / condition : access_.max_doubt;
+  return moved < condition * access_.max_uncertainty ? moved / condition : access_.max_uncertainty;
 }
 
 bool CentreSearch::is_in(const Cell& cell, Vec3 c, double margin) {
@@ -191,13 +191,13 @@ bool CentreSearch::is_in(const Cell& cell, Vec3 c, double margin) {
 }
 
 bool CentreSearch::is_accessible(Vec3 c, const Origin& origin, std::span<const Ball> balls) const {
-  double doubt = -1;  // not known yet
+  double uncertainty = -1;  // not known yet
   for (const Ball& ball : balls) {
     const double square = squared_norm(c - ball.center);
     if (square >= ball.min_square) continue;
-    if (square < ball.doubt_square) return false;
-    if (doubt < 0) doubt = doubt_of(c, origin);
-    if (square < square_of(std::sqrt(ball.min_square) - doubt)) return false;
+    if (square < ball.uncertain_square) return false;
+    if (uncertainty < 0) uncertainty = uncertainty_of(c, origin);
+    if (square < square_of(std::sqrt(ball.min_square) - uncertainty)) return false;
   }
   return true;
 }
@@ -225,7 +225,7 @@ bool CentreSearch::is_certain(Vec3 x, Vec3 c) const {
 // cell.
 template <class Visit>
 bool CentreSearch::offer(const Cell& cell, Vec3 c, const Origin& origin, Visit& visit) {
-  const double stray = 1e-6 * reach_ + access_.max_doubt;
+  const double stray = 1e-6 * reach_ + access_.max_uncertainty;
   if (!is_in(cell, c, stray) || squared_norm(c) >= reach_ * reach_) return true;
   if (!is_accessible(c, origin, near_)) return true;
   if (!is_in(cell, c, margin()) && !is_accessible(c, origin, balls_)) return true;
@@ -377,7 +377,7 @@ void CentreSearch::visit_centres(Vec3 x, double reach, const Access& access, Vis
   around_.resize(balls_.size());
   std::iota(around_.begin(), around_.end(), std::uint32_t{0});
   const auto visit_certain = [&](Vec3 c) {
-    return access_.max_doubt == 0 && !is_certain(x, c) ? true : visit(c);
+    return access_.max_uncertainty == 0 && !is_certain(x, c) ? true : visit(c);
   };
   visit_cell({{}, reach}, 0, around_.size(), visit_certain);
 }

@@ -43,7 +43,7 @@ struct Access {
   /// Upper bound of what is added to the tolerance where the centre is ill-conditioned, angstrom:
   /// where two or three spheres almost coincide or almost touch, rounding of their radii moves the
   /// place where they meet.
-  double max_doubt = 0;
+  double max_uncertainty = 0;
 };
 
 /// Centres that are accessible beyond doubt: outside all SAS balls, up to the rounding of a
@@ -77,11 +77,11 @@ class CentreSearch {
 
  private:
   struct Ball {
-    Vec3 center;              // from x
-    double radius = 0;        // SAS radius less the shrinkage
-    double power = 0;         // |center|^2 - radius^2
-    double min_square = 0;    // squared distance from which on a centre counts as accessible
-    double doubt_square = 0;  // the same if the centre is as ill-conditioned as can be
+    Vec3 center;                  // from x
+    double radius = 0;            // SAS radius less the shrinkage
+    double power = 0;             // |center|^2 - radius^2
+    double min_square = 0;        // squared distance from which on a centre counts as accessible
+    double uncertain_square = 0;  // the same if the centre is as ill-conditioned as can be
   };
   struct Circle {
     Vec3 center, axis;
@@ -109,7 +109,7 @@ class CentreSearch {
   bool is_covered_or_keep(const Cell& cell, std::size_t begin, std::size_t end);
   void drop_dominated(const Cell& cell, std::size_t begin);
   std::optional<Circle> circle_of(const Ball& one, const Ball& other) const;
-  double doubt_of(Vec3 c, const Origin& origin) const;
+  double uncertainty_of(Vec3 c, const Origin& origin) const;
   static bool is_in(const Cell& cell, Vec3 c, double margin);
   bool is_accessible(Vec3 c, const Origin& origin, std::span<const Ball> balls) const;
   bool is_certain(Vec3 x, Vec3 c) const;

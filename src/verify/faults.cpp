@@ -45,7 +45,7 @@ std::string name_of(const GridIndex& index) {
 /// A place, and how far it moves if SAS radii change by `possibly_accessible.shrinkage`. Angstrom.
 struct Foot {
   Vec3 center;
-  double doubt = 0;
+  double uncertainty = 0;
 };
 
 Foot foot_on_sphere(const Atom& atom, double probe, Vec3 x) {
@@ -110,7 +110,7 @@ const char* fault_of_atoms(const Definition& definition, const Crossing& crossin
   const std::optional<Foot> foot =
       count == 1 ? foot_on_sphere(first, probe, halfway)
                  : foot_on_circle(first, definition.atoms[named[1]], probe, halfway);
-  if (!foot || norm(foot->center - center) > same_probe + foot->doubt)
+  if (!foot || norm(foot->center - center) > same_probe + foot->uncertainty)
     return "the normal and the crossing's atoms do not agree";
   return nullptr;
 }
