@@ -22,7 +22,7 @@ void add_to_tally(const SurfaceModel& surface, const BlockGrid& grid, const Bloc
     }
 }
 
-// Points and crossings, before they are counted.
+// Finds inside points and crossings without adding them to the sums.
 BlockResult find_crossings(const Patches& patches, const Grid& grid, const BlockBounds& block,
                            BlockWorkspace& workspace) {
   BlockResult result;
@@ -51,8 +51,8 @@ void count_crossings(const SurfaceModel& surface, const BlockResult& result,
   workspace.intersect_seconds += counting.seconds();
 }
 
-// Leaves to a result, solved with more owned points, what starts in those of `block`; the rest are
-// the far crossings.
+// Moves the crossings that `block` does not own from `crossings` to `halo_crossings`. The result
+// was computed for the same block with more owned points.
 void split_off_halo_crossings(const BlockBounds& block, BlockResult& result) {
   const GridIndex wider = result.block.owned, owned = block.owned;
   result.block = block;

@@ -1,5 +1,5 @@
 #pragma once
-/// Where the edges that a block owns cross the solvent excluded surface.
+/// Crossings of the edges that a block owns with the solvent excluded surface.
 
 #include <cstdint>
 #include <vector>
@@ -11,22 +11,24 @@
 
 namespace eses::detail {
 
+/// Scratch memory of intersect_edges.
 struct IntersectScratch {
-  struct Further {
-    std::uint32_t edge;
-    bool needs_proof;  ///< see decide_crossing
-    BlockCrossing candidate;
+  /// A candidate for the crossing of an edge.
+  struct Candidate {
+    std::uint32_t edge;  ///< index of the edge in canonical order
+    bool needs_proof;    ///< see decide_crossing
+    BlockCrossing crossing;
   };
   EdgeTable edges;
   EdgeBatch batch;
   PatchIndex patches;
-  /// Of each edge, all candidates but the first that was found, and all that need a proof.
-  std::vector<Further> further;
-  std::vector<BlockCrossing> of_edge;  ///< candidates of the edge that is being decided
+  /// All candidates of each edge except the first one, and all candidates that need a proof.
+  std::vector<Candidate> more_candidates;
+  std::vector<BlockCrossing> of_edge;  ///< candidates of the current edge
 };
 
-/// Appends the crossings in canonical order, and for each row (z, y) of owned points the number of
-/// crossings before it to `row_begin` (rows + 1 entries).
+/// Appends the crossings to `crossings` in canonical order. Appends to `row_begin` the number of
+/// crossings before each row (z, y) of owned points, and finally the total number.
 void intersect_edges(const BlockGrid& grid, const BlockFeatures& features, const PointBits& inside,
                      IntersectScratch& scratch, std::vector<BlockCrossing>& crossings,
                      std::vector<std::uint32_t>& row_begin);
