@@ -44,8 +44,8 @@ struct BlockTiling {
   std::int64_t block_count() const { return blocks[0] * blocks[1] * blocks[2]; }
   BlockBounds block(std::int64_t bx, std::int64_t by, std::int64_t bz) const;
 
-  /// The same block as it would be if the grid ended with `corners`: the last ones along an axis
-  /// own the far corners, too, and so the edges between them.
+  /// Returns the block as if the region included the halo: the last blocks along an axis own the
+  /// points of the halo and the edges between them.
   BlockBounds block_with_halo(std::int64_t bx, std::int64_t by, std::int64_t bz) const;
 };
 
