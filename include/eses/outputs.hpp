@@ -8,7 +8,7 @@
 
 namespace eses {
 
-/// Colours of the vertices of a PLY file.
+/// Colours of the vertices of a PLY or VTP file.
 enum class MeshColor {
   none,   ///< No colours.
   patch,  ///< One colour each for convex, saddle and concave patches.
@@ -16,11 +16,14 @@ enum class MeshColor {
   chain,  ///< A colour for the chain of the first adjacent atom; needs labels.
 };
 
-/// A mesh file.
+/// A mesh in a file, or in MSMS's pair of files.
 struct MeshOptions {
-  /// Path of the file. The suffix is the format: `.ply` (binary), `.obj` or `.off`, in any case.
+  /// Path of the file. The suffix, in upper or lower case, is the format: `.ply`, `.obj`, `.off`,
+  /// `.vtp` (VTK XML PolyData), or `.vert` or `.face` for the two files NAME.vert and NAME.face
+  /// of MSMS, which appear together or not at all. doc/meshes.md describes the formats.
   std::filesystem::path file;
-  MeshColor color = MeshColor::none;  ///< Colours, in PLY files only.
+  MeshColor color = MeshColor::none;  ///< Colours, in PLY and VTP files only.
+  bool is_ascii = false;              ///< Writes a PLY file as text; it is binary otherwise.
 };
 
 /// The files that write_files writes. The formats of the four text files are those of ESES.

@@ -7,7 +7,7 @@ cd "$(dirname "${BASH_SOURCE[0]}")/../.."
 
 # What CMakeLists.txt and tests/CMakeLists.txt look for, by Debian's names.
 packages=(g++ cmake make pkg-config libcli11-dev nlohmann-json3-dev libnanoflann-dev libfmt-dev
-  libhwy-dev zlib1g-dev catch2)
+  libhwy-dev zlib1g-dev catch2 gemmi-dev tao-pegtl-dev)
 
 # Every core, unless the caller has said otherwise.
 CMAKE_BUILD_PARALLEL_LEVEL=${CMAKE_BUILD_PARALLEL_LEVEL:-$(nproc)}

@@ -25,7 +25,7 @@ void add_vertex(const eses::Grid& grid, const eses::Crossing& crossing, Mesh& me
   const mesh::Vertex vertex = mesh::make_vertex(grid, crossing.lower, as_in_blocks(crossing));
   mesh.vertices.push_back(vertex.position);
   mesh.normals.push_back(vertex.normal);
-  mesh.atoms.push_back(vertex.atom);
+  mesh.atoms.push_back(vertex.first_atom());
   mesh.patches.push_back(vertex.patch);
 }
 

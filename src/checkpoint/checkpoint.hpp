@@ -29,7 +29,8 @@ struct AtomSum {
 };
 
 /// The texts of a chunk: the lines of grid_info.txt and intersection_info.txt, rows of words for
-/// the map, mesh vertices as text of the mesh's format, and mesh triangles as mesh::LocalTriangle.
+/// the map, mesh vertices as text or records of the mesh's format, and mesh triangles as
+/// mesh::LocalTriangle.
 enum class ChunkText : std::uint8_t { grid, edges, map, vertices, triangles };
 inline constexpr std::size_t chunk_text_count = 5;
 
@@ -54,7 +55,8 @@ struct PlaneChunk {
   /// Scratch files of the texts. In a checkpoint they are closed when the chunk is complete.
   std::array<std::unique_ptr<ScratchFile>, chunk_text_count> texts;
   /// Whether the chunk is the whole run. Texts without a scratch file are then in their final
-  /// files, and the triangles are in a scratch file as text of the mesh's format.
+  /// files. Triangles in a scratch file are text of the mesh's format, or LocalTriangle in a format
+  /// with columns.
   bool is_in_place = false;
   bool is_restored = false;  ///< whether an earlier run wrote it, so that it may be damaged
 

@@ -14,6 +14,7 @@ namespace eses::detail::cli {
 struct Options {
   std::filesystem::path input;  ///< `-` is standard input
   AtomFormat format = AtomFormat::automatic;
+  StructureOptions structure;  ///< what is read of a PDB or mmCIF file
   Parameters parameters;
   Outputs outputs;
   std::filesystem::path output_directory = ".";

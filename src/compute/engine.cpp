@@ -59,11 +59,21 @@ void require_shared_directories(const RunTask& task, const RunPaths& paths,
   });
 }
 
-std::optional<mesh::MeshText> mesh_text(const RunTask& task, const RunPlan& plan) {
+std::optional<mesh::MeshText> mesh_text(const RunTask& task, const RunPlan& plan,
+                                        const Processes& processes) {
   const auto& mesh = task.outputs.mesh;
   if (!mesh) return std::nullopt;
-  const mesh::AtomGroups groups{plan.groups.are_known, plan.slab.groups};
-  return mesh::MeshText(mesh_format(mesh->file).value(), mesh->color, groups, plan.slab.numbers);
+  const mesh::AtomGroups groups{.are_known = plan.groups.are_known,
+                                .of_atom = plan.slab.groups,
+                                .chain_count = processes.sum(plan.groups.chains.size()),
+                                .residue_count = processes.sum(plan.groups.residues.size())};
+  return mesh::MeshText(required_mesh_format(*mesh), mesh->color,
+                        {.groups = groups,
+                         .atom_numbers = plan.slab.numbers,
+                         .atoms = plan.slab.molecule.atoms(),
+                         .atom_count = plan.atoms,
+                         .probe_radius = plan.whole.parameters.probe_radius,
+                         .spacing = plan.whole.grid.spacing});
 }
 
 double cpu_seconds() {
@@ -136,7 +146,8 @@ std::uint64_t write_files(const RunTask& task, const RunPlan& plan,
   std::uint64_t bytes = 0;
   if (outputs.grid) bytes += merge.write_text(file(&OutputFiles::grid), ChunkText::grid);
   if (outputs.edges) bytes += merge.write_text(file(&OutputFiles::edges), ChunkText::edges);
-  if (mesh) bytes += merge.write_mesh(file(&OutputFiles::mesh), *mesh);
+  if (mesh)
+    bytes += merge.write_mesh(file(&OutputFiles::mesh), file(&OutputFiles::mesh_faces), *mesh);
   if (!outputs.inside_map.empty()) bytes += merge.write_map(file(&OutputFiles::inside_map));
   if (outputs.areas)
     bytes += write_areas(areas, outputs.gzip, file(&OutputFiles::areas), check, processes);
@@ -202,11 +213,12 @@ RunResult execute(const RunTask& task, const RunPlan& plan, const RunPaths& path
   RunResult result;
   Summary& summary = result.summary;
   if (task.parameters.verify > 0) summary.verification.emplace();
-  const std::optional<mesh::MeshText> mesh = mesh_text(task, plan);
+  const std::optional<mesh::MeshText> mesh = mesh_text(task, plan, processes);
   SweepFiles sweep_files{.final_files = files.get()};
   if (mesh) {
     sweep_files.mesh_text = &*mesh;
     sweep_files.mesh_header_bytes = mesh_header_bytes(*mesh, plan.groups, processes);
+    sweep_files.face_header_bytes = face_header_bytes(*mesh);
   }
   SlabSweep sweep(task, plan, ranges, sweep_files, callbacks, report, processes);
   SweepResult swept = sweep.run(summary);

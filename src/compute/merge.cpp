@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cstring>
 #include <future>
 #include <map>
@@ -29,6 +30,42 @@ std::uint64_t write_empty_member(const Processes& processes, SharedFile& file) {
   if (processes.is_first()) file.write_at(member, 0);
   return member.size();
 }
+
+// Divides records into the columns of a table, in a part of a file that begins at `begin`.
+class ColumnWriter {
+ public:
+  // Keeps references to the file and the table.
+  ColumnWriter(SharedFile& file, std::uint64_t begin, const mesh::ColumnTable& table)
+      : file_(file), begin_(begin), table_(table) {}
+
+  // Records from number `first` on.
+  void write(std::span<const char> records, std::uint64_t first) {
+    const std::size_t count = records.size() / table_.record_bytes;
+    for (const mesh::Column& column : table_.columns) {
+      values_.resize(count * column.bytes);
+      for (std::size_t i = 0; i < count; ++i)
+        std::memcpy(values_.data() + i * column.bytes,
+                    records.data() + i * table_.record_bytes + column.record_offset, column.bytes);
+      file_.write_at(values_, begin_ + column.begin + first * column.bytes);
+    }
+  }
+
+  // The length of each column, before its values.
+  void write_lengths() {
+    for (const mesh::Column& column : table_.columns) {
+      const std::uint64_t length = table_.record_count * column.bytes;
+      std::array<char, sizeof length> bytes{};
+      std::memcpy(bytes.data(), &length, sizeof length);
+      file_.write_at(bytes, begin_ + column.begin - sizeof length);
+    }
+  }
+
+ private:
+  SharedFile& file_;
+  std::uint64_t begin_;
+  const mesh::ColumnTable& table_;
+  std::vector<char> values_;
+};
 
 }  // namespace
 
@@ -211,13 +248,37 @@ std::uint64_t Merge::write_map(OutputFile* file) {
   return map.file_bytes();
 }
 
-std::uint64_t Merge::write_mesh(OutputFile* file, const mesh::MeshText& text) {
+std::uint64_t Merge::write_mesh(OutputFile* file, OutputFile* face_file,
+                                const mesh::MeshText& text) {
   SharedFile shared(processes_, file);
   std::uint64_t bytes = write_mesh_header(text, plan_.groups, mesh_, processes_, shared);
-  bytes = copy_all(ChunkText::vertices, shared, bytes);
-  bytes = write_triangles(shared, bytes, text);
+  if (text.has_columns()) {
+    bytes = write_columns(shared, bytes, text);
+  } else {
+    bytes = copy_all(ChunkText::vertices, shared, bytes);
+    if (!text.has_face_file()) bytes = write_triangles(shared, bytes, text);
+  }
   shared.close();
+  if (!text.has_face_file()) return bytes;
+  SharedFile faces(processes_, face_file);
+  const std::uint64_t header = write_face_header(text, mesh_, processes_, faces);
+  bytes += write_triangles(faces, header, text);
+  faces.close();
   return bytes;
+}
+
+// Calls `take(triangles, first)` for parts of a chunk's triangles. `first` is the index in the
+// chunk of the first triangle of the part.
+template <class Take>
+void Merge::for_triangles(PlaneChunk& chunk, Take&& take) const {
+  std::vector<mesh::LocalTriangle> triangles;
+  read(chunk, ChunkText::triangles, sizeof(mesh::LocalTriangle), 0,
+       [&](std::span<const char> bytes, std::uint64_t offset) {
+         triangles.resize(bytes.size() / sizeof(mesh::LocalTriangle));
+         std::memcpy(triangles.data(), bytes.data(), bytes.size());
+         take(std::span<const mesh::LocalTriangle>(triangles),
+              offset / sizeof(mesh::LocalTriangle));
+       });
 }
 
 // Calls `take(text)` for parts of the text of a chunk's triangles.
@@ -225,16 +286,13 @@ template <class Take>
 void Merge::for_triangle_texts(PlaneChunk& chunk, std::uint64_t first_vertex,
                                const mesh::MeshText& text, Take&& take) const {
   TextBuffer buffer;
-  read(chunk, ChunkText::triangles, sizeof(mesh::LocalTriangle), 0,
-       [&](std::span<const char> bytes, std::uint64_t) {
-         buffer.clear();
-         for (; !bytes.empty(); bytes = bytes.subspan(sizeof(mesh::LocalTriangle))) {
-           mesh::LocalTriangle local;
-           std::memcpy(&local, bytes.data(), sizeof local);
-           text.append_triangle(buffer, mesh::numbered_from(first_vertex, local));
-         }
-         take(buffer.text());
-       });
+  for_triangles(chunk, [&](std::span<const mesh::LocalTriangle> triangles, std::uint64_t) {
+    buffer.clear();
+    for (const mesh::LocalTriangle& local : triangles)
+      text.append_triangle(buffer, mesh::numbered_from(first_vertex, local),
+                           static_cast<std::uint8_t>(local.patch));
+    take(buffer.text());
+  });
 }
 
 // Writes the triangles from `begin` on and returns the offset of their end. The length of their
@@ -267,6 +325,44 @@ std::uint64_t Merge::write_triangles(SharedFile& file, std::uint64_t begin,
     close(chunk, ChunkText::triangles);
   });
   return end;
+}
+
+// Divides the records of vertices and triangles into columns, from `begin` on, and writes what
+// stands behind them. Returns where that ends.
+std::uint64_t Merge::write_columns(SharedFile& file, std::uint64_t begin,
+                                   const mesh::MeshText& text) {
+  const mesh::VtpData data = text.columns(mesh_);
+  ColumnWriter vertices(file, begin, data.vertices), triangles(file, begin, data.triangles);
+  const auto vertices_of = [](const ChunkInfo& info) { return info.mesh.vertices; };
+  const auto triangles_of = [](const ChunkInfo& info) { return info.mesh.triangles; };
+  std::vector<std::uint64_t> first_triangles;
+  for_own(triangles_of,
+          [&](PlaneChunk&, std::uint64_t first) { first_triangles.push_back(first); });
+  std::size_t index = 0;
+  TextBuffer records;
+  for_own(vertices_of, [&](PlaneChunk& chunk, std::uint64_t first_vertex) {
+    const std::uint64_t first_triangle = first_triangles[index++];
+    read(chunk, ChunkText::vertices, data.vertices.record_bytes, 0,
+         [&](std::span<const char> bytes, std::uint64_t offset) {
+           vertices.write(bytes, first_vertex + offset / data.vertices.record_bytes);
+         });
+    close(chunk, ChunkText::vertices);
+    for_triangles(chunk, [&](std::span<const mesh::LocalTriangle> locals, std::uint64_t before) {
+      records.clear();
+      std::uint64_t number = first_triangle + before;
+      for (const mesh::LocalTriangle& local : locals)
+        text.append_triangle_record(records, mesh::numbered_from(first_vertex, local), number++);
+      triangles.write(records.text(), first_triangle + before);
+    });
+    close(chunk, ChunkText::triangles);
+  });
+  const std::uint64_t end = begin + data.bytes;
+  if (processes_.is_first()) {
+    vertices.write_lengths();
+    triangles.write_lengths();
+    file.write_at(text.behind_columns(), end);
+  }
+  return end + text.behind_columns().size();
 }
 
 }  // namespace eses::detail

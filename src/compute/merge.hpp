@@ -32,7 +32,8 @@ class Merge {
   /// These functions complete a file and return its length in bytes.
   std::uint64_t write_text(OutputFile* file, ChunkText text);
   std::uint64_t write_map(OutputFile* file);
-  std::uint64_t write_mesh(OutputFile* file, const mesh::MeshText& text);
+  /// `face_file` is that of the triangles, where they have one.
+  std::uint64_t write_mesh(OutputFile* file, OutputFile* face_file, const mesh::MeshText& text);
 
  private:
   void add_up();
@@ -49,9 +50,12 @@ class Merge {
   void copy(PlaneChunk& chunk, ChunkText text, SharedFile& to, std::uint64_t begin);
   std::uint64_t copy_all(ChunkText text, SharedFile& to, std::uint64_t begin);
   template <class Take>
+  void for_triangles(PlaneChunk& chunk, Take&& take) const;
+  template <class Take>
   void for_triangle_texts(PlaneChunk& chunk, std::uint64_t first_vertex, const mesh::MeshText& text,
                           Take&& take) const;
   std::uint64_t write_triangles(SharedFile& file, std::uint64_t begin, const mesh::MeshText& text);
+  std::uint64_t write_columns(SharedFile& file, std::uint64_t begin, const mesh::MeshText& text);
 
   const RunTask& task_;
   const RunPlan& plan_;

@@ -12,6 +12,8 @@
 
 #include "eses/error.hpp"
 #include "eses/version.hpp"
+#include "io/atom_lines.hpp"
+#include "io/atom_names.hpp"
 #include "mesh/mesh_writer.hpp"
 #include "output/inside_map.hpp"
 #include "plan/atom_hash.hpp"
@@ -25,7 +27,7 @@ namespace eses::detail {
 namespace {
 
 // Version of checkpoints. Must increase with each change of the results or of the format of chunks.
-constexpr int checkpoint_format = 2;
+constexpr int checkpoint_format = 3;
 
 // Returns a hash of all atoms. It does not depend on the division of the atoms among the processes.
 std::uint64_t hash_of(const AtomShare& share, const Processes& processes) {
@@ -53,7 +55,7 @@ std::uint64_t hash_of(const GroupNames& groups, const Processes& processes) {
 
 std::string mesh_identity(const std::optional<MeshOptions>& mesh) {
   if (!mesh) return "none";
-  return fmt::format("{} {}", static_cast<int>(mesh_format(mesh->file).value()),
+  return fmt::format("{} {}", static_cast<int>(required_mesh_format(*mesh)),
                      static_cast<int>(mesh->color));
 }
 
@@ -167,6 +169,12 @@ void open_checkpoint(const RunTask& task, const AtomShare& share, const Processe
   run.done = processes.gather<PlaneRange>(done);
 }
 
+// Adds the labels of the examples to the diagnostics if the names of the atoms are known.
+void name_examples(const AtomNames& names, FileDiagnostics& diagnostics) {
+  if (names.is_empty()) return;
+  for (const auto& [atom, line] : diagnostics.lines) diagnostics.labels[atom] = names.label(atom);
+}
+
 // Returns the number of threads of this process. Several processes on a machine share its
 // processors.
 int threads_of(const RunTask& task, const Processes::Machine& machine, const Processes& processes) {
@@ -227,11 +235,16 @@ void expect_chunks(const RunTask& task, Plan& whole) {
 RunPlan plan_run(const RunTask& task, const Processes& processes) {
   const Outputs& outputs = task.outputs;
   RunPlan run;
-  AtomShare share = read_share(task.input,
-                               {.format = task.format,
-                                .with_labels = outputs.residues || names_groups(outputs),
-                                .max_memory = task.parameters.max_memory},
-                               processes);
+  const bool has_names = is_structure(format_of(task.input, task.format));
+  AtomShare share =
+      read_share(task.input,
+                 {.format = task.format,
+                  .with_labels = has_names || outputs.residues || names_groups(outputs),
+                  .max_memory = task.parameters.max_memory,
+                  .structure = task.structure},
+                 processes);
+  run.structure = std::move(share.structure);
+  AtomNames names = std::exchange(share.names, {});
   processes.all_or_throw([&] { require_memory_for(share.total, task, processes); });
   run.atoms = share.total;
   run.read = share.range();
@@ -246,6 +259,7 @@ RunPlan plan_run(const RunTask& task, const Processes& processes) {
                                   threads_of(task, machine, processes), processes);
   run.slab = std::move(part.slab);
   run.diagnostics = std::move(part.diagnostics);
+  name_examples(std::exchange(names, {}), run.diagnostics);
   release_free_memory();
 
   std::array crossings{plan_slab(task, labels_held(labels, run, outputs), machine, processes, run)};

@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <memory>
+#include <optional>
 #include <vector>
 
 #include "checkpoint/checkpoint.hpp"
@@ -20,6 +21,7 @@ namespace eses::detail {
 struct RunTask {
   std::filesystem::path input = {};
   AtomFormat format = AtomFormat::automatic;
+  StructureOptions structure = {};  ///< of PDB and mmCIF files
   Parameters parameters;
   Outputs outputs;
   std::filesystem::path output_directory;
@@ -38,6 +40,8 @@ struct RunPlan {
   AtomRange read;           ///< atoms that this process has read
   ResidueRuns residues;     ///< residues of the atoms in `read`, if tables of residues are written
   GroupNames groups;        ///< groups whose first atom is in `read`, if the mesh names them
+  /// The report of reading a PDB or mmCIF file; only in the first process.
+  std::optional<StructureReport> structure;
   /// Checkpoint of a run that can be resumed, else null. The first process locks it.
   std::unique_ptr<Checkpoint> checkpoint;
   std::vector<PlaneRange> done;  ///< planes of the chunks of an earlier run

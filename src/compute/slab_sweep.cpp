@@ -178,14 +178,21 @@ Plan SlabSweep::plan_of(const PlaneRange& planes) const {
   return plan;
 }
 
+// Whether a text is written in place where the run is: its place must not depend on the length of
+// what stands before it.
+bool SlabSweep::goes_to_its_place(ChunkText text) const {
+  if (!is_in_place_) return false;
+  if (text == ChunkText::vertices) return !files_.mesh_text->has_columns();
+  if (text == ChunkText::triangles) return files_.mesh_text->has_face_file();
+  return true;
+}
+
 PlaneChunk SlabSweep::new_chunk(const PlaneRange& planes) const {
   PlaneChunk chunk;
   chunk.info.planes = planes;
   chunk.is_in_place = is_in_place_;
   for (const ChunkText text : chosen_texts(task_.outputs)) {
-    // In place, only triangles need a scratch file, as their offset in the mesh file is not known
-    // yet.
-    if (is_in_place_ && text != ChunkText::triangles) continue;
+    if (goes_to_its_place(text)) continue;
     if (plan_.checkpoint)
       chunk.text(text) = plan_.checkpoint->create(planes, text);
     else if (is_of_mesh(text))
@@ -196,14 +203,24 @@ PlaneChunk SlabSweep::new_chunk(const PlaneRange& planes) const {
   return chunk;
 }
 
+MeshSinks SlabSweep::mesh_sinks_in_place(PlaneChunk& chunk) const {
+  OutputFiles& files = *files_.final_files;
+  const auto into = [&](ChunkText text, std::optional<OutputFile>& file, std::uint64_t begin) {
+    return goes_to_its_place(text) ? sink_of(file, begin)
+                                   : sink_of(chunk.text(text).get(), nullptr);
+  };
+  return {.vertices = into(ChunkText::vertices, files.mesh, files_.mesh_header_bytes),
+          .triangles = into(ChunkText::triangles, files.mesh_faces, files_.face_header_bytes),
+          .has_local_triangles = files_.mesh_text->has_columns()};
+}
+
 SlabSweep::RangeSinks SlabSweep::sinks_in_place(PlaneChunk& chunk) const {
   OutputFiles& files = *files_.final_files;
   RangeSinks sinks;
   sinks.grid = sink_of(files.grid);
   sinks.edges = sink_of(files.edges);
   if (files.inside_map) sinks.rows = rows_of_map(*files.inside_map, task_.outputs, plan_.whole);
-  sinks.mesh = {.vertices = sink_of(files.mesh, files_.mesh_header_bytes),
-                .triangles = sink_of(chunk.text(ChunkText::triangles).get(), nullptr)};
+  if (files_.mesh_text != nullptr) sinks.mesh = mesh_sinks_in_place(chunk);
   return sinks;
 }
 

@@ -32,8 +32,9 @@ std::int64_t count_blocks(const RunPlan& plan, std::span<const PlaneRange> range
 
 /// The files of a sweep.
 struct SweepFiles {
-  OutputFiles* final_files = nullptr;         ///< output files; null if chunks are written
-  std::uint64_t mesh_header_bytes = 0;        ///< offset of the vertices in the mesh file
+  OutputFiles* final_files = nullptr;   ///< output files; null if chunks are written
+  std::uint64_t mesh_header_bytes = 0;  ///< offset of the vertices in the mesh file
+  std::uint64_t face_header_bytes = 0;  ///< offset of the triangles if they have their own file
   const mesh::MeshText* mesh_text = nullptr;  ///< null without a mesh
 };
 
@@ -62,6 +63,8 @@ class SlabSweep {
   std::int64_t checks_of(const PlaneRange& planes) const;
   SurfaceModel make_surface() const;
   PlaneChunk new_chunk(const PlaneRange& planes) const;
+  bool goes_to_its_place(ChunkText text) const;
+  MeshSinks mesh_sinks_in_place(PlaneChunk& chunk) const;
   RangeSinks sinks_in_place(PlaneChunk& chunk) const;
   RangeSinks sinks_of(PlaneChunk& chunk, const GridRegion& region) const;
   PlaneChunk sweep(PatchSchedule& patches, const PlaneRange& planes, SweepResult& result,

@@ -18,7 +18,9 @@
 #include "io/atom_lines.hpp"
 #include "io/file_descriptor.hpp"
 #include "io/gzip.hpp"
+#include "io/other_formats.hpp"
 #include "io/text_source.hpp"
+#include "structure/read_input.hpp"
 
 namespace eses::detail {
 namespace {
@@ -103,15 +105,19 @@ void take_labels(std::vector<AtomLabel>& labels, ResidueRuns& runs) {
 struct PartRead {
   AtomFile atoms;  // without labels
   ResidueRuns residues;
-  std::uint64_t lines = 0;
+  AtomNames names;  // of a PDB or mmCIF file
+  std::uint64_t lines = 0, models = 0;
   PdbLikeness likeness;
 };
 
 // Reads the whole file, as read_atoms does.
 PartRead read_whole(const std::filesystem::path& path, const ReadOptions& options) {
   PartRead part;
-  part.atoms = read_atom_file(path, options,
-                              [&](AtomFile& atoms) { take_labels(atoms.labels, part.residues); });
+  part.atoms = read_input(path, options, [&](AtomFile& atoms) {
+    if (is_structure(options.format))
+      for (const AtomLabel& label : atoms.labels) part.names.add(label);
+    take_labels(atoms.labels, part.residues);
+  });
   return part;
 }
 
@@ -125,9 +131,10 @@ void read_atoms_of(const TextFile& file, const Part& part, const AtomLines& line
     offset += count;
     return count;
   };
-  read.likeness = read_atom_lines(read_text, lines, read.atoms, [&] {
-                    take_labels(read.atoms.labels, read.residues);
-                  }).likeness;
+  const LinesRead found = read_atom_lines(read_text, lines, read.atoms,
+                                          [&] { take_labels(read.atoms.labels, read.residues); });
+  read.likeness = found.likeness;
+  read.models = found.models;
 }
 
 // Reads this process's part of a file with this number of bytes.
@@ -156,8 +163,10 @@ PartRead read_part(const std::filesystem::path& path, std::uint64_t bytes,
 }
 
 // Returns the size of a file that several processes read in parts; 0 if the first one reads it.
-std::uint64_t shared_bytes(const std::filesystem::path& path, const Processes& processes) {
-  if (processes.count() == 1) return 0;
+std::uint64_t shared_bytes(const std::filesystem::path& path, const ReadOptions& options,
+                           const Processes& processes) {
+  if (processes.count() == 1 || is_structure(options.format) || options.structure.model != 0)
+    return 0;
   std::uint64_t bytes = 0;
   processes.all_or_throw([&] {
     if (processes.is_first()) bytes = divisible_bytes(path);
@@ -174,11 +183,12 @@ std::uint64_t shared_bytes(const std::filesystem::path& path, const Processes& p
 // Performs the checks that need all parts of the file.
 void require_atoms(const std::filesystem::path& path, AtomFormat format, const AtomShare& share,
                    const PartRead& read, const Processes& processes) {
-  const std::uint64_t lines = processes.sum(read.lines);
+  const std::uint64_t lines = processes.sum(read.lines), models = processes.sum(read.models);
   const PdbLikeness likeness{processes.sum(read.likeness.layout),
                              processes.sum(read.likeness.values)};
   processes.all_or_throw([&] {
     if (share.total == 0) throw Error(no_atoms_message(path.string(), format, lines));
+    refuse_models(path.string(), models);
     refuse_pdb_records(path.string(), share.total, likeness);
     if (share.total > std::numeric_limits<AtomIndex>::max())
       throw Error(fmt::format("{}: more than {} atoms", path.string(),
@@ -191,11 +201,11 @@ void require_atoms(const std::filesystem::path& path, AtomFormat format, const A
 AtomShare read_share(const std::filesystem::path& path, ReadOptions options,
                      const Processes& processes) {
   processes.all_or_throw([&] {
-    refuse_structure_files(path);
+    if (options.format == AtomFormat::automatic) refuse_other_suffix(path);
     options.format = format_of(path, options.format);
   });
   PartRead read;
-  if (const std::uint64_t bytes = shared_bytes(path, processes); bytes > 0) {
+  if (const std::uint64_t bytes = shared_bytes(path, options, processes); bytes > 0) {
     read = read_part(path, bytes, options, processes);
   } else {
     processes.all_or_throw([&] {
@@ -209,6 +219,8 @@ AtomShare read_share(const std::filesystem::path& path, ReadOptions options,
   share.atoms = std::move(read.atoms.atoms);
   share.lines = std::move(read.atoms.lines);
   share.residues = std::move(read.residues);
+  share.names = std::move(read.names);
+  share.structure = std::move(read.atoms.structure);
   return share;
 }
 

@@ -3,10 +3,12 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <optional>
 #include <vector>
 
 #include "distributed/processes.hpp"
 #include "eses/read_atoms.hpp"
+#include "io/atom_names.hpp"
 #include "io/residue_runs.hpp"
 #include "mesh/atom_groups.hpp"
 
@@ -25,14 +27,17 @@ struct AtomShare {
   std::uint64_t total = 0;                 ///< number of atoms in the file
   ResidueRuns residues;                    ///< if labels were requested and the file has them
   std::vector<mesh::GroupNumbers> groups;  ///< by atom, filled by number_groups
+  /// Labels and report of a PDB or mmCIF file, which the first process alone reads.
+  AtomNames names;
+  std::optional<StructureReport> structure;
 
   AtomRange range() const { return {first, first + atoms.size()}; }
 };
 
 /// Reads a file. All processes must call it. Several processes read a plain file in parts of equal
-/// size. The first process alone reads a compressed file, and a file that is not regular, such as
-/// standard input. Labels are kept as residues if `options` requests them. The memory limit of
-/// `options` applies to each process.
+/// size. The first process alone reads a compressed file, a PDB or mmCIF file, a model of a PQR
+/// file, and a file that is not regular, such as standard input. Labels are kept as residues if
+/// `options` requests them. The memory limit of `options` applies to each process.
 ///
 /// Throws SharedError if read_atoms would throw Error, for the first error in the file.
 AtomShare read_share(const std::filesystem::path& path, ReadOptions options,

@@ -38,6 +38,8 @@ struct Slab {
 struct FileDiagnostics {
   std::vector<Diagnostic> diagnostics;
   std::map<AtomIndex, std::uint64_t> lines;  ///< line of each atom that is an example, 1-based
+  /// Labels of these atoms; only in the first process, and only of a PDB or mmCIF file.
+  std::map<AtomIndex, AtomLabel> labels;
 };
 
 /// The slab of this process, and the diagnostics of the whole molecule.

@@ -42,12 +42,14 @@ std::vector<std::string> final_paths(const Outputs& choice, const std::filesyste
 /// What is removed besides, as it is another form of one of them.
 std::vector<std::string> stale_paths(const Outputs& choice, const std::filesystem::path& directory);
 
-/// The directory of the mesh's file; if that is a symbolic link, of the file to which it leads.
+/// The directory of the mesh's first file; if that is a symbolic link, of the file to which it
+/// leads.
 std::string mesh_directory_of(const MeshOptions& mesh);
 
 /// Throws Error if one of the files cannot be written where it goes, as far as can be told without
 /// writing there: its directory is none, or not to be written to, or its name leads to something
-/// else than a regular file. The same holds for stale_paths, which would be removed.
+/// else than a regular file. The same holds for stale_paths, which would be removed. Throws Error,
+/// too, if two of the files are the same one, as by symbolic links.
 void require_places(const Outputs& choice, const std::filesystem::path& directory);
 
 /// Where this process writes them until they are complete.
@@ -77,8 +79,10 @@ DiskSpace require_disk_space(const Plan& plan, const Outputs& outputs,
 struct OutputFiles {
   bool gzip = false;                         ///< whether box, grid, edges and areas are gzipped
   std::optional<OutputDirectory> directory;  ///< if any file but the mesh is there
-  std::optional<OutputDirectory> mesh_directory;  ///< if there is a mesh; locked for it alone
-  std::optional<OutputFile> box, grid, edges, areas, inside_map, residues, chains, mesh;
+  /// If there is a mesh, of its file, and of that of its triangles if they have one; each locked
+  /// for that file alone.
+  std::optional<OutputDirectory> mesh_directory, face_directory;
+  std::optional<OutputFile> box, grid, edges, areas, inside_map, residues, chains, mesh, mesh_faces;
 
   /// Throws Error as require_places, OutputDirectory, OutputFile and require_disk_space do.
   OutputFiles(const Outputs& choice, const std::filesystem::path& path, const Plan& plan);

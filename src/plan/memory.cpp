@@ -125,7 +125,7 @@ double mesh_bytes(const SurfaceSurvey& survey, double spacing, const BlockTiling
       halo_growth(tiling) * expected_crossings(survey.max_slab_area(spacing), spacing);
   return growth * sizeof(std::uint64_t) * side * rows +
          rows * (sizeof(mesh::Row) + as_double(tiling.region.size()[0]) / 8) +
-         growth * sizeof(std::uint64_t) * crossings;
+         growth * (sizeof(std::uint64_t) + sizeof(std::uint8_t)) * crossings;
 }
 
 // Returns the memory of labels, numbers of chains and residues, and sums of chains.

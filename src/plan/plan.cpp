@@ -38,9 +38,7 @@ void require(bool holds, std::string_view what, double value) {
 }
 
 void require_valid(const MeshOptions& mesh, const Molecule& molecule) {
-  if (!mesh_format(mesh.file))
-    throw Error(
-        fmt::format("the mesh's file must end in .ply, .obj or .off, not {}", mesh.file.string()));
+  required_mesh_format(mesh);
   if (mesh.color == MeshColor::chain && molecule.labels().empty())
     throw Error("a mesh can be coloured by chain only if the input, a PQR file, tells the chains");
 }
@@ -165,16 +163,18 @@ std::string fixed_choices(const Parameters& p) {
 // A closed mesh has about twice as many triangles as vertices.
 void expect_mesh(const MeshOptions& mesh, const LabelTotals& labels, double crossings, Plan& plan) {
   const double vertices = halo_growth(plan.tiling) * crossings;
-  plan.mesh_scratch_bytes =
-      whole_bytes(2 * static_cast<double>(mesh::typical_triangle_bytes(mesh)) * vertices);
   const bool has_names = labels.residue_runs > 0 && mesh::names_atoms(mesh);
-  plan.mesh_file_bytes =
-      plan.mesh_scratch_bytes +
-      whole_bytes(static_cast<double>(mesh::typical_vertex_bytes(mesh, has_names)) * vertices);
+  const mesh::MeshBytes bytes = mesh::typical_mesh_bytes(mesh, has_names);
+  const auto bytes_of = [vertices](std::uint64_t vertex, std::uint64_t triangle) {
+    return whole_bytes((static_cast<double>(vertex) + 2 * static_cast<double>(triangle)) *
+                       vertices);
+  };
+  plan.mesh_scratch_bytes = bytes_of(bytes.waiting_vertex, bytes.waiting_triangle);
+  plan.mesh_file_bytes = bytes_of(bytes.vertex, bytes.triangle);
   if (has_names)
     plan.mesh_file_bytes +=
-        labels.residue_text_bytes + labels.chain_text_bytes +
-        mesh::typical_name_line_bytes * (labels.residue_runs + labels.chain_runs);
+        bytes.name_character * (labels.residue_text_bytes + labels.chain_text_bytes) +
+        bytes.name_line * (labels.residue_runs + labels.chain_runs);
 }
 
 // Chooses the fastest schedule that exceeds neither the limit nor the available memory.
