@@ -16,7 +16,7 @@ namespace {
 
 constexpr AtomFormat format = AtomFormat::ESES_FUZZ_FORMAT;
 constexpr std::string_view name = "input";
-constexpr double largest_length = 1e6;  // angstrom
+constexpr double max_length = 1e6;  // angstrom
 
 /// Atoms, or the message that tells why there are none.
 struct Outcome {
@@ -43,8 +43,8 @@ void expect_whole(const AtomFile& file, std::string_view text) {
   for (std::size_t i = 0; i < count; ++i) {
     const Atom& atom = file.atoms[i];
     for (std::size_t axis = 0; axis < 3; ++axis)
-      expect(std::fabs(atom.center[axis]) <= largest_length, "a coordinate out of range");
-    expect(atom.radius >= 0 && atom.radius <= largest_length, "a radius out of range");
+      expect(std::fabs(atom.center[axis]) <= max_length, "a coordinate out of range");
+    expect(atom.radius >= 0 && atom.radius <= max_length, "a radius out of range");
     expect(file.lines[i] >= 1 && file.lines[i] <= lines, "a line that is not there");
   }
 }

@@ -8,8 +8,8 @@
 
 namespace eses::detail {
 
-/// The mesh of the cells that have all their corners in a region. `inside` and `crossings` are
-/// those of Result.
+/// Returns the mesh of the cells that have all their corners in a region. `inside` and `crossings`
+/// are those of Result.
 Mesh make_mesh(const eses::Grid& grid, const GridRegion& region,
                std::span<const std::uint8_t> inside, std::span<const eses::Crossing> crossings);
 

@@ -64,12 +64,12 @@ std::uint64_t count_atoms(const std::vector<RadiusSource>& sources) {
 /// `12 by element (HEM FE 1.26, ...)`
 std::string sources_text(const std::vector<RadiusSource>& sources, std::string_view how) {
   if (sources.empty()) return "";
-  constexpr std::size_t most_names = 4;
+  constexpr std::size_t max_names = 4;
   std::vector<std::string> names;
-  for (std::size_t i = 0; i < std::min(most_names, sources.size()); ++i)
+  for (std::size_t i = 0; i < std::min(max_names, sources.size()); ++i)
     names.push_back(printable(
         fmt::format("{} {} {}", sources[i].residue, sources[i].atom_name, sources[i].radius)));
-  if (sources.size() > most_names) names.emplace_back("...");
+  if (sources.size() > max_names) names.emplace_back("...");
   const std::uint64_t atoms = count_atoms(sources);
   return fmt::format("; {} {} {} ({})", atoms, atoms == 1 ? "atom" : "atoms", how,
                      fmt::join(names, ", "));

@@ -18,11 +18,12 @@
 namespace eses::detail {
 namespace {
 
-// Bytes that are read, or copied in the kernel, at a time. After each part the run may be ended.
+// Numbers of bytes that are read, or copied in the kernel, at a time. The run can end after each
+// part.
 constexpr std::uint64_t bytes_per_read = std::uint64_t{1} << 22;
 constexpr std::uint64_t bytes_per_copy = std::uint64_t{1} << 24;
 
-// Writes a gzip file without text. Without a single member it would not be one.
+// Writes a gzip file without text. A valid gzip file has at least one member.
 std::uint64_t write_empty_member(const Processes& processes, SharedFile& file) {
   Gzip gzip;
   const std::span<const char> member = gzip.member({});
@@ -102,8 +103,8 @@ void Merge::add_up() {
   mesh::require_numbers(mesh_.vertices);
 }
 
-// Calls action(chunk, sum) for the chunks of this process, with the sum of `amount` over all chunks
-// before. Returns the sum over all chunks.
+// Calls `action(chunk, sum)` for each chunk of this process, with the sum of `amount` over all
+// previous chunks. Returns the sum over all chunks.
 template <class Amount, class Action>
 std::uint64_t Merge::for_own(Amount&& amount, Action&& action) {
   std::uint64_t sum = 0;
@@ -121,20 +122,22 @@ ScratchFile& Merge::open(PlaneChunk& chunk, ChunkText text) const {
   return *file;
 }
 
-// So many files cannot be open at a time. Without a checkpoint, scratch files are gone when closed.
+// Closes the file of a text, as the number of open files is limited. Without a checkpoint, a closed
+// scratch file is deleted.
 void Merge::close(PlaneChunk& chunk, ChunkText text) const { chunk.text(text).reset(); }
 
 void Merge::require_sound(const PlaneChunk& chunk, ChunkText text, std::uint32_t checksum) const {
   if (checksum == chunk.info.checksums[static_cast<std::size_t>(text)]) return;
   plan_.checkpoint->drop(chunk.info.planes);
   throw Error(
-      fmt::format("cannot resume: what is done of planes {} to {} is damaged; the next run "
-                  "with --resume does it again",
+      fmt::format("cannot resume: the checkpoint of planes {} to {} is damaged; the next run "
+                  "with --resume computes them again",
                   chunk.info.planes.begin, chunk.info.planes.end - 1));
 }
 
-// Calls take(bytes, offset) for parts of a chunk's text from `begin` on, each a multiple of `unit`
-// long. Of a chunk that an earlier run has left all must be read, as its checksum is compared.
+// Calls `take(bytes, offset)` for parts of a chunk's text from `begin` on, whose lengths are
+// multiples of `unit`. For a chunk of an earlier run, `begin` must be 0, as its checksum is
+// compared.
 template <class Take>
 void Merge::read(PlaneChunk& chunk, ChunkText text, std::uint64_t unit, std::uint64_t begin,
                  Take&& take) const {
@@ -149,8 +152,8 @@ void Merge::read(PlaneChunk& chunk, ChunkText text, std::uint64_t unit, std::uin
     from.read_at(std::as_writable_bytes(std::span(next)), offset);
     if (chunk.is_restored) checksum.add(next, offset);
   };
-  // Only the main thread may write where there are several processes; another one reads ahead, if
-  // it can be started.
+  // With several processes, only the main thread may write. Another thread reads ahead if it can be
+  // started.
   const auto how =
       plan_.own.threads > 1 ? std::launch::async | std::launch::deferred : std::launch::deferred;
   std::future<void> loaded = std::async(how, load, begin);
@@ -165,7 +168,8 @@ void Merge::read(PlaneChunk& chunk, ChunkText text, std::uint64_t unit, std::uin
   if (plan_.checkpoint) close(chunk, text);
 }
 
-// Returns how many bytes have been copied: fewer than there are where the kernel cannot copy them.
+// Returns the number of bytes copied, which is smaller than the length if the kernel cannot copy
+// them.
 std::uint64_t Merge::copy_in_kernel(PlaneChunk& chunk, ChunkText text, SharedFile& to,
                                     std::uint64_t begin) {
   const std::uint64_t bytes = chunk.info.bytes_of(text);
@@ -193,7 +197,7 @@ void Merge::copy(PlaneChunk& chunk, ChunkText text, SharedFile& to, std::uint64_
   close(chunk, text);
 }
 
-// Copies this text of all chunks to their places from `begin` on. Returns where they end.
+// Copies a text of all chunks to the file from `begin` on. Returns the offset of their end.
 std::uint64_t Merge::copy_all(ChunkText text, SharedFile& to, std::uint64_t begin) {
   const auto bytes_of = [text](const ChunkInfo& info) { return info.bytes_of(text); };
   return begin + for_own(bytes_of, [&](PlaneChunk& chunk, std::uint64_t before) {
@@ -262,8 +266,8 @@ std::uint64_t Merge::write_mesh(OutputFile* file, OutputFile* face_file,
   return bytes;
 }
 
-// Calls take(triangles, first) for parts of a chunk's triangles, `first` the number in the chunk of
-// the first of them.
+// Calls `take(triangles, first)` for parts of a chunk's triangles. `first` is the index in the
+// chunk of the first triangle of the part.
 template <class Take>
 void Merge::for_triangles(PlaneChunk& chunk, Take&& take) const {
   std::vector<mesh::LocalTriangle> triangles;
@@ -276,7 +280,7 @@ void Merge::for_triangles(PlaneChunk& chunk, Take&& take) const {
        });
 }
 
-// Calls take(text) for parts of the text of a chunk's triangles.
+// Calls `take(text)` for parts of the text of a chunk's triangles.
 template <class Take>
 void Merge::for_triangle_texts(PlaneChunk& chunk, std::uint64_t first_vertex,
                                const mesh::MeshText& text, Take&& take) const {
@@ -290,24 +294,25 @@ void Merge::for_triangle_texts(PlaneChunk& chunk, std::uint64_t first_vertex,
   });
 }
 
-// Writes the triangles from `begin` on and returns where they end. The length of their text depends
-// on the numbers of their vertices, so that the text is made twice: once to learn its length.
+// Writes the triangles from `begin` on and returns the offset of their end. The length of their
+// text depends on the numbers of their vertices, so the text is formatted twice: first for its
+// length.
 std::uint64_t Merge::write_triangles(SharedFile& file, std::uint64_t begin,
                                      const mesh::MeshText& text) {
   if (!own_.empty() && own_.front().is_in_place) return copy_all(ChunkText::triangles, file, begin);
-  struct PieceBytes {
+  struct ChunkBytes {
     std::int64_t plane;
     std::uint64_t bytes;
   };
   const auto vertices_of = [](const ChunkInfo& info) { return info.mesh.vertices; };
-  std::vector<PieceBytes> own;
+  std::vector<ChunkBytes> own;
   for_own(vertices_of, [&](PlaneChunk& chunk, std::uint64_t first_vertex) {
     own.push_back({chunk.info.planes.begin, 0});
     for_triangle_texts(chunk, first_vertex, text,
                        [&](std::span<const char> part) { own.back().bytes += part.size(); });
   });
-  std::map<std::int64_t, std::uint64_t> begins;  // by chunk; at first the lengths
-  for (const PieceBytes& one : processes_.gather<PieceBytes>(own)) begins[one.plane] = one.bytes;
+  std::map<std::int64_t, std::uint64_t> begins;  // offset by first plane; the lengths at first
+  for (const ChunkBytes& one : processes_.gather<ChunkBytes>(own)) begins[one.plane] = one.bytes;
   std::uint64_t end = begin;
   for (auto& [plane, place] : begins) end += std::exchange(place, end);
   for_own(vertices_of, [&](PlaneChunk& chunk, std::uint64_t first_vertex) {

@@ -21,7 +21,8 @@ WriteText lines_of(std::span<const AtomLabel> labels, std::uint64_t first, Appen
   };
 }
 
-// The parts of the header in their order. In the file, each part is that of all processes by rank.
+// Returns functions that write this process's share of each part of the header. In the file, the
+// shares of a part follow each other in the order of ranks.
 std::array<WriteText, 5> parts_of(const mesh::MeshText& text, const GroupNames& names,
                                   const MeshCounts& counts, bool is_first) {
   return {[&text, is_first](const TextSink& sink) {

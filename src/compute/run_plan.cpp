@@ -26,10 +26,10 @@
 namespace eses::detail {
 namespace {
 
-// Must grow with every change of what is computed or of how chunks are stored.
+// Version of checkpoints. Must increase with each change of the results or of the format of chunks.
 constexpr int checkpoint_format = 3;
 
-// A hash of all atoms. It does not depend on which process has read which atoms.
+// Returns a hash of all atoms. It does not depend on the division of the atoms among the processes.
 std::uint64_t hash_of(const AtomShare& share, const Processes& processes) {
   std::uint64_t sum = 0;
   for (std::size_t i = 0; i < share.atoms.size(); ++i) {
@@ -41,7 +41,7 @@ std::uint64_t hash_of(const AtomShare& share, const Processes& processes) {
   return processes.sum(sum);
 }
 
-// A hash of all names. It does not depend on which process has which names.
+// Returns a hash of all names. It does not depend on the division of the names among the processes.
 std::uint64_t hash_of(const GroupNames& groups, const Processes& processes) {
   std::uint64_t sum = 0, number = groups.first_residue;
   for (const AtomLabel& label : groups.residues) {
@@ -59,7 +59,7 @@ std::string mesh_identity(const std::optional<MeshOptions>& mesh) {
                      static_cast<int>(mesh->color));
 }
 
-// The permittivities are left out: chunks hold parts of edges.
+// Identifies the maps. The permittivities are left out, as chunks hold inside lengths of edges.
 std::string map_identity(const Outputs& outputs) {
   std::string identity;
   for (const MapChoice& map : chosen_maps(outputs))
@@ -68,7 +68,7 @@ std::string map_identity(const Outputs& outputs) {
   return identity;
 }
 
-// Tells apart runs whose chunks do not fit together.
+// Returns a text that differs between runs whose chunks must not be combined.
 std::string identity_of(const RunTask& task, const RunPlan& run, std::uint64_t hash) {
   const Parameters& p = task.parameters;
   const Grid& grid = run.whole.grid;
@@ -87,8 +87,8 @@ bool names_groups(const Outputs& outputs) {
   return outputs.mesh && mesh::names_atoms(*outputs.mesh);
 }
 
-// Refuses more atoms than any run within the memory limit could hold, before anything is made of
-// them. Plans for few atoms take little memory, and tell the smallest limit that would do.
+// Throws Error if the atoms exceed the memory limit in any schedule, before anything is computed
+// from them. For few atoms, make_plan reports the minimum limit instead.
 void require_memory_for(std::uint64_t atoms, const RunTask& task, const Processes& processes) {
   const auto count = static_cast<std::uint64_t>(processes.count());
   const double needed = min_expected_memory((atoms + count - 1) / count);
@@ -96,24 +96,24 @@ void require_memory_for(std::uint64_t atoms, const RunTask& task, const Processe
   if (limit == 0 || needed <= static_cast<double>(limit) || needed < 2 * min_expected_memory(0))
     return;
   throw Error(fmt::format(
-      "{}: {} atoms need more than {} of memory{}, and {} may hold {}; use a larger limit "
+      "{}: {} atoms need more than {} of memory{}, but the limit is {}; use a larger limit "
       "(--max-memory)",
       task.input.string(), atoms, binary_bytes_text(static_cast<std::uint64_t>(needed)),
-      count > 1 ? " in a process" : "", count > 1 ? "each" : "the run", binary_bytes_text(limit)));
+      count > 1 ? " in each process" : "", binary_bytes_text(limit)));
 }
 
-// Throws Error if reading the atoms and preparing them has exceeded the memory limit.
+// Throws Error if reading and indexing the atoms has exceeded the memory limit.
 void require_memory_held(const RunTask& task) {
   const std::uint64_t limit = task.parameters.max_memory, peak = peak_memory();
   if (limit == 0 || peak <= limit) return;
-  throw Error(
-      fmt::format("{}: reading and preparing its atoms has taken {}, more than the {} that the run "
-                  "may hold; use a larger limit (--max-memory)",
-                  task.input.string(), binary_bytes_text(peak), binary_bytes_text(limit)));
+  throw Error(fmt::format(
+      "{}: reading the atoms took {} of memory, but the limit is {}; use a larger limit "
+      "(--max-memory)",
+      task.input.string(), binary_bytes_text(peak), binary_bytes_text(limit)));
 }
 
-// Turns the labels of a part of the molecule into what the outputs need: numbers of groups by atom
-// and their names, and the residues for tables. Returns the totals of the labels.
+// Converts the labels of a part of the molecule into the data that the outputs need: numbers and
+// names of groups, and residues for tables. Returns the totals of the labels.
 LabelTotals take_labels(ResidueRuns residues, const Outputs& outputs, const Processes& processes,
                         RunPlan& run, std::vector<mesh::GroupNumbers>& groups) {
   if (names_groups(outputs)) {
@@ -126,7 +126,7 @@ LabelTotals take_labels(ResidueRuns residues, const Outputs& outputs, const Proc
   return totals;
 }
 
-// The labels that this process holds, of those with these totals.
+// Returns the totals of the labels that stay in the memory of this process.
 LabelTotals labels_held(LabelTotals totals, const RunPlan& run, const Outputs& outputs) {
   if (!outputs.residues) {
     totals.labels = 0;
@@ -136,12 +136,12 @@ LabelTotals labels_held(LabelTotals totals, const RunPlan& run, const Outputs& o
     totals.labels += names->size();
     totals.heap_bytes += total_labels(*names).heap_bytes;
   }
-  // Atoms have numbers of groups also in a process where no group comes first.
+  // Atoms have group numbers even in a process without the first atom of any group.
   if (run.groups.are_known) ++totals.labels;
   return totals;
 }
 
-// The totals of all processes; memory is left out.
+// Returns the totals of all processes, without memory.
 LabelTotals sum_labels(const LabelTotals& own, const Processes& processes) {
   std::array<std::uint64_t, 4> sums{own.residue_runs, own.chain_runs, own.residue_text_bytes,
                                     own.chain_text_bytes};
@@ -163,7 +163,7 @@ Box bounds_of_all(std::span<const Atom> atoms, const Processes& processes) {
   return {{low[0], low[1], low[2]}, {high[0], high[1], high[2]}};
 }
 
-// Opens the checkpoint of a run that can be resumed, and finds out what it has.
+// Opens the checkpoint of a run that can be resumed, and finds its complete chunks.
 void open_checkpoint(const RunTask& task, const AtomShare& share, const Processes& processes,
                      RunPlan& run) {
   if (!task.resume) return;
@@ -180,19 +180,20 @@ void open_checkpoint(const RunTask& task, const AtomShare& share, const Processe
   run.done = processes.gather<PlaneRange>(done);
 }
 
-// Labels the examples of the diagnostics if the names of the atoms are known.
+// Adds the labels of the examples to the diagnostics if the names of the atoms are known.
 void name_examples(const AtomNames& names, FileDiagnostics& diagnostics) {
   if (names.is_empty()) return;
   for (const auto& [atom, line] : diagnostics.lines) diagnostics.labels[atom] = names.label(atom);
 }
 
-// The threads of this process. Several processes on a machine share its processors.
+// Returns the number of threads of this process. Several processes on a machine share its
+// processors.
 int threads_of(const RunTask& task, const Processes::Machine& machine, const Processes& processes) {
   const int chosen = task.parameters.threads;
   return chosen > 0 || processes.count() == 1 ? chosen : machine.processors;
 }
 
-// Plans what this process computes. Returns the expected number of crossings there.
+// Makes the plan of this process's slab. Returns the expected number of crossings in the slab.
 double plan_slab(const RunTask& task, const LabelTotals& labels, const Processes::Machine& machine,
                  const Processes& processes, RunPlan& run) {
   run.own = run.whole;
@@ -211,7 +212,7 @@ double plan_slab(const RunTask& task, const LabelTotals& labels, const Processes
   return crossings;
 }
 
-// Gives the plan of the whole run the maxima of the processes' schedules.
+// Sets the schedule of the whole run to the maxima over all processes.
 void combine_schedules(const Processes& processes, RunPlan& run) {
   const GridIndex& block_size = run.own.tiling.block_size;
   std::array<std::uint64_t, 6> maxima{run.own.memory_bytes,
@@ -230,9 +231,9 @@ void combine_schedules(const Processes& processes, RunPlan& run) {
   whole.tiling = make_tiling(whole.grid, GridIndex{side(0), side(1), side(2)}, region);
 }
 
-// Adds the chunks, which stand beside the files until they are merged. The checkpoint keeps all
-// texts of chunks in one place; otherwise those of the mesh are beside the mesh.
-void expect_pieces(const RunTask& task, Plan& whole) {
+// Adds the sizes of the chunks, which are on disk until they are merged. A checkpoint has all
+// texts; otherwise the texts of the mesh are in the mesh's directory.
+void expect_chunks(const RunTask& task, Plan& whole) {
   whole.text_scratch_bytes = whole.grid_file_bytes + whole.edge_file_bytes;
   for (const MapChoice& map : chosen_maps(task.outputs))
     whole.text_scratch_bytes += GridMap::row_bytes(map.quantity, whole.tiling.region);
@@ -276,7 +277,7 @@ RunPlan plan_run(const RunTask& task, const Processes& processes) {
   processes.add(std::span<double>(crossings));
   combine_schedules(processes, run);
   plan_files({run.atoms, crossings[0], sum_labels(labels, processes)}, outputs, run.whole);
-  if (processes.count() > 1 || task.resume) expect_pieces(task, run.whole);
+  if (processes.count() > 1 || task.resume) expect_chunks(task, run.whole);
   return run;
 }
 

@@ -16,13 +16,13 @@
 namespace eses::detail {
 namespace {
 
-// The slab of a process has at most so many ranges if the run can be resumed.
+// Maximum number of ranges of a slab if the run can be resumed.
 constexpr std::int64_t max_ranges = 64;
 
 BlockTiling tiling_of(const Plan& plan, const GridIndex& block_size, const PlaneRange& planes) {
   BlockTiling tiling = make_tiling(plan.grid, block_size, with_planes(plan.tiling.region, planes));
-  // The cells between this range and the next one belong to that one, which solves the plane below
-  // it again.
+  // The cells between this range and the next one belong to the next one, which computes the last
+  // plane of this range again.
   if (planes.end < plan.tiling.region.end[2]) tiling.region_with_halo.end[2] = planes.end;
   return tiling;
 }
@@ -34,7 +34,7 @@ OrderedOutput::WriteAt sink_of(std::optional<OutputFile>& file, std::uint64_t be
   };
 }
 
-// `checksum` is null where the text is not kept for a later run.
+// Returns a function that writes to a scratch file. `checksum` is null without a checkpoint.
 OrderedOutput::WriteAt sink_of(ScratchFile* file, TextChecksum* checksum) {
   if (file == nullptr) return {};
   return [file, checksum](std::span<const char> text, std::uint64_t offset) {
@@ -43,7 +43,8 @@ OrderedOutput::WriteAt sink_of(ScratchFile* file, TextChecksum* checksum) {
   };
 }
 
-// Writes rows of words as they are; they become values of the map when chunks are merged.
+// Returns a function that writes rows as words. They are converted to values of the map when chunks
+// are merged.
 TakeRows rows_as_words(MapQuantity quantity, const GridRegion& region,
                        OrderedOutput::WriteAt write_at) {
   const auto row_bytes = sizeof(std::uint64_t) *
@@ -117,12 +118,12 @@ std::int64_t count_blocks(const RunPlan& plan, std::span<const PlaneRange> range
   return blocks;
 }
 
-// What the pipeline and the mesh get for one range.
+// The destinations of the texts of one range.
 struct SlabSweep::RangeSinks {
   OrderedOutput::WriteAt grid, edges;
   std::vector<MapSink> maps;
   MeshSinks mesh;
-  // Of the texts of a chunk that is kept.
+  // Checksums of the texts of a chunk in a checkpoint; null without a checkpoint.
   std::unique_ptr<std::array<TextChecksum, chunk_text_count>> checksums;
 };
 
@@ -163,7 +164,7 @@ SurfaceModel SlabSweep::make_surface() const {
   return surface;
 }
 
-// The range's share of what this process verifies.
+// Returns the number of checks in a range, in proportion to its planes.
 std::int64_t SlabSweep::checks_of(const PlaneRange& planes) const {
   const auto planes_up_to = [&](std::int64_t plane) {
     std::int64_t count = 0;
@@ -274,7 +275,7 @@ std::vector<AtomSum> SlabSweep::sums_of(std::span<const AreaShare> shares) const
   return sums;
 }
 
-// Completes a chunk in the checkpoint; from then on it need not be done again.
+// Completes a chunk in the checkpoint.
 void SlabSweep::keep(PlaneChunk& chunk, const RangeSinks& sinks,
                      std::span<const AreaShare> shares) const {
   for (std::size_t text = 0; text < chunk_text_count; ++text)
@@ -282,7 +283,7 @@ void SlabSweep::keep(PlaneChunk& chunk, const RangeSinks& sinks,
   chunk.sums = sums_of(shares);
   plan_.checkpoint->finish(chunk);
   chunk.sums = {};
-  chunk.texts = {};  // so many files cannot be open at a time
+  chunk.texts = {};  // closes the files, as the number of open files is limited
 }
 
 PlaneChunk SlabSweep::sweep(PatchSchedule& patches, const PlaneRange& planes, SweepResult& result,

@@ -25,9 +25,9 @@
 namespace eses::detail {
 namespace {
 
-constexpr std::size_t counted_bytes = std::size_t{1} << 22;  // of a file, whose lines are counted
+constexpr std::size_t counted_bytes = std::size_t{1} << 22;  // buffer for the count of lines
 
-// Reads a plain file from any place.
+// A plain file with random access.
 class TextFile {
  public:
   explicit TextFile(const std::filesystem::path& path)
@@ -35,7 +35,7 @@ class TextFile {
 
   const std::string& name() const { return name_; }
 
-  // Reads as many bytes into `buffer` as there are at `offset`.
+  // Reads from `offset` until `buffer` is full or the file ends.
   std::string_view read_at(std::span<char> buffer, std::uint64_t offset) const {
     std::size_t used = 0;
     while (used < buffer.size()) {
@@ -51,7 +51,8 @@ class TextFile {
     return {buffer.data(), used};
   }
 
-  // Where the first line begins that does not begin before `offset`; `end` if there is none.
+  // Returns the begin of the first line that begins at or after `offset`, or `end` if there is
+  // none.
   std::uint64_t line_begin(std::uint64_t offset, std::uint64_t end) const {
     if (offset == 0) return 0;
     std::string buffer(counted_bytes / 64, '\0');
@@ -69,8 +70,8 @@ class TextFile {
   FileDescriptor file_;
 };
 
-// Returns 0 if the file cannot be read in parts. A file that is not regular, for example a pipe,
-// may not even be opened twice.
+// Returns the size of a file that can be read in parts, else 0. A file that is not regular, such as
+// a pipe, must not be opened twice.
 std::uint64_t divisible_bytes(const std::filesystem::path& path) {
   struct stat status {};
   if (path == "-" || stat(path.c_str(), &status) != 0 || !S_ISREG(status.st_mode)) return 0;
@@ -78,7 +79,7 @@ std::uint64_t divisible_bytes(const std::filesystem::path& path) {
   return is_gzip(TextFile(path).read_at(head, 0)) ? 0 : static_cast<std::uint64_t>(status.st_size);
 }
 
-// The part of a file whose lines a process reads: those that begin in it.
+// The part of a file whose lines a process reads: the lines that begin in this range of bytes.
 struct Part {
   std::uint64_t begin = 0, end = 0;  // bytes
 };
@@ -94,12 +95,13 @@ std::uint64_t count_lines(const TextFile& file, const Part& part) {
   return lines;
 }
 
-// Turns labels into residues after each piece of the text, so that there are never many labels.
+// Converts labels into residues after each part of the text, so that few labels are in memory.
 void take_labels(std::vector<AtomLabel>& labels, ResidueRuns& runs) {
   for (AtomLabel& label : labels) runs.add(std::move(label));
   labels.clear();
 }
 
+// The result of reading a part of a file.
 struct PartRead {
   AtomFile atoms;  // without labels
   ResidueRuns residues;
@@ -135,7 +137,7 @@ void read_atoms_of(const TextFile& file, const Part& part, const AtomLines& line
   read.models = found.models;
 }
 
-// Reads this process's part of a file of so many bytes.
+// Reads this process's part of a file with this number of bytes.
 PartRead read_part(const std::filesystem::path& path, std::uint64_t bytes,
                    const ReadOptions& options, const Processes& processes) {
   PartRead read;
@@ -178,7 +180,7 @@ std::uint64_t shared_bytes(const std::filesystem::path& path, const ReadOptions&
   return bytes;
 }
 
-// Checks what only all parts together tell.
+// Performs the checks that need all parts of the file.
 void require_atoms(const std::filesystem::path& path, AtomFormat format, const AtomShare& share,
                    const PartRead& read, const Processes& processes) {
   const std::uint64_t lines = processes.sum(read.lines), models = processes.sum(read.models);

@@ -25,7 +25,7 @@ void add_to_tally(const SurfaceModel& surface, const BlockGrid& grid, const Bloc
     }
 }
 
-// The points in spheres that are larger than those of the atoms by the radius of the ions.
+// Sets the bits of the points within `ion_radius` of a van der Waals sphere.
 void cover_points(const SurfaceModel& surface, double ion_radius, BlockWorkspace& workspace,
                   PointBits& covered) {
   const Box& box = workspace.grid.box;
@@ -42,8 +42,8 @@ void cover_points(const SurfaceModel& surface, double ion_radius, BlockWorkspace
     fill_balls(workspace.grid, surface.atoms, nearby, ion_radius, covered);
 }
 
-// Points and crossings, before they are counted. Parts of edges are found for those that start at
-// the `owned` points.
+// Finds inside points and crossings without adding them to the sums. Inside lengths are found for
+// the edges that start at the `owned` points.
 BlockResult find_crossings(const Patches& patches, const Grid& grid, const BlockBounds& block,
                            const GridIndex& owned, BlockWorkspace& workspace) {
   BlockResult result;
@@ -78,8 +78,8 @@ void count_crossings(const SurfaceModel& surface, const BlockResult& result,
   workspace.intersect_seconds += counting.seconds();
 }
 
-// Leaves to a result, solved with more owned points, what starts in those of `block`; the rest are
-// the far crossings.
+// Moves the crossings that `block` does not own from `crossings` to `halo_crossings`. The result
+// was computed for the same block with more owned points.
 void split_off_halo_crossings(const BlockBounds& block, BlockResult& result) {
   const GridIndex wider = result.block.owned, owned = block.owned;
   result.block = block;

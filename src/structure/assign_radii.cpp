@@ -71,7 +71,7 @@ bool is_by_element(const AtomKind& kind) { return kind.found && kind.found->by_e
 
 [[noreturn]] void fail_for_unknown(const AtomKinds& kinds, std::string_view radii,
                                    std::string_view file) {
-  constexpr std::size_t most_names = 10;
+  constexpr std::size_t max_names = 10;
   std::vector<std::string> names;
   std::uint64_t atoms = 0, line = 0;
   std::size_t others = 0;
@@ -79,7 +79,7 @@ bool is_by_element(const AtomKind& kind) { return kind.found && kind.found->by_e
     if (!is_unknown(kind)) continue;
     if (atoms == 0) line = kind.first_line;
     atoms += kind.source.count;
-    if (names.size() < most_names)
+    if (names.size() < max_names)
       names.push_back(printable(fmt::format("{} {}", kind.source.residue, kind.source.atom_name)));
     else
       ++others;

@@ -33,7 +33,7 @@ namespace eses::detail {
 namespace {
 
 // Far beyond any molecule, as for other formats.
-constexpr double largest_length = 1e6;  // angstrom
+constexpr double max_length = 1e6;  // angstrom
 
 [[noreturn]] void fail(std::string_view name, std::uint64_t line, std::string_view what) {
   throw Error(fmt::format("{}:{}: {}", name, line, what));
@@ -460,9 +460,9 @@ class AtomList {
     const auto line = static_cast<std::uint64_t>(atom.serial);
     const gemmi::Position& at = atom.pos;
     for (const double value : {at.x, at.y, at.z})
-      if (!(std::fabs(value) <= largest_length))
+      if (!(std::fabs(value) <= max_length))
         fail(file_, line,
-             fmt::format("expected coordinates of at most {:.0f} angstrom", largest_length));
+             fmt::format("expected coordinates of at most {:.0f} angstrom", max_length));
     result_.atoms.push_back({{at.x, at.y, at.z},
                              line,
                              residue,

@@ -9,7 +9,7 @@
 
 namespace eses::detail {
 
-/// A layer, and where the parts of its rows are.
+/// A layer with the index of its rows.
 struct MeshOutput::LayerView {
   LayerView(const BlockTiling& tiling, const Layer& layer)
       : first_z(layer.first_z()),
@@ -32,7 +32,8 @@ MeshOutput::MeshOutput(const Plan& plan, const GridRegion& region, const mesh::M
       vertex_output_(std::move(sinks.vertices)),
       triangle_output_(std::move(sinks.triangles)) {}
 
-// Behind the last layer the far corners make another plane, if this part has it.
+// Returns the number of planes of a layer. The last layer has the plane of the halo as well, if it
+// belongs to this part of the mesh.
 std::int64_t MeshOutput::planes_of(const Layer& layer) const {
   const std::int64_t end = layer.first_z() + layer.owned_planes();
   const BlockTiling& tiling = plan_.tiling;
@@ -91,7 +92,7 @@ bool MeshOutput::is_crossed(std::int64_t y, std::int64_t z) const {
   return row_begin_[row] < row_begin_[row + 1];
 }
 
-// Whether there may be any in the cells that end at a row.
+// Returns whether there may be triangles in the cells that end at a row.
 bool MeshOutput::has_triangles(std::int64_t y, std::int64_t z) const {
   return is_crossed(y - 1, z - 1) || is_crossed(y, z - 1) || is_crossed(y - 1, z) ||
          is_crossed(y, z);

@@ -24,8 +24,8 @@ BlockBounds block_below(BlockBounds block) {
   return block;
 }
 
-// The next layer begins with the plane above the last one that a layer owns. Where it is another
-// pipeline's, that one solves this last plane, too.
+// Returns the heights of all layers. The next layer begins with the plane above the last owned one.
+// If the next layer belongs to another pipeline, that one solves this last plane again.
 std::vector<LayerHeights> heights_of_layers(const Plan& plan) {
   std::vector<LayerHeights> layers;
   for (std::int64_t layer = 0; layer < plan.tiling.blocks[2]; ++layer) {
@@ -61,7 +61,7 @@ Pipeline::Pipeline(PatchSchedule& patches, const Plan& plan, Sinks sinks, Progre
   for (BlockWorkspace& workspace : workspaces_) workspace.extras = sinks_.extras;
   make_room(0);
   make_room(1);
-  // The plane below may be looked at, too.
+  // The sweep starts at the plane below the region, as it may be solved first.
   patches_.skip_to(
       plan.grid.coordinate(2, std::max<std::int64_t>(0, plan.tiling.region.begin[2] - 1)));
 }
@@ -73,7 +73,7 @@ void Pipeline::solve_plane_below() {
   Layer layer;
   const std::int64_t per_layer = tiling.blocks[0] * tiling.blocks[1];
   layer.blocks.resize(static_cast<std::size_t>(per_layer));
-  // Their sums belong to whoever owns that plane.
+  // The sums of this plane are discarded, as another pipeline owns it.
   std::vector<BlockWorkspace> workspaces(static_cast<std::size_t>(plan_.threads));
   parallel_for(per_layer, plan_.threads, [&](std::int64_t index, int thread) {
     const std::int64_t bx = index % tiling.blocks[0], by = index / tiling.blocks[0];
@@ -97,7 +97,7 @@ void Pipeline::run() {
   });
 }
 
-// The others may wait for what will never come.
+// Releases threads that wait for chunks of a failed thread.
 void Pipeline::abandon() {
   queue_.stop();
   if (grid_) grid_->abandon();
@@ -185,7 +185,8 @@ void Pipeline::make_room(std::int64_t layer) {
         static_cast<std::size_t>(plan_.tiling.blocks[0] * plan_.tiling.blocks[1]));
 }
 
-// No chunk is being written then: the next layer's wait for this one's last.
+// Frees a layer. No chunk is being written at this time, as the chunks of the next layer wait for
+// the last one of this layer.
 void Pipeline::release(std::int64_t layer) {
   Layer& done = layers_[static_cast<std::size_t>(layer)];
   below_ = last_plane(done);
@@ -212,7 +213,7 @@ void Pipeline::solve(const Task& task, std::size_t thread) {
   result.seconds = watch.seconds();
   add_shares(workspaces_[thread]);
   if (sinks_.verifier != nullptr) sinks_.verifier->take(result, thread);
-  hand_out(result);
+  call_block_callback(result);
   require_memory_within(plan_.parameters.max_memory);
   progress_.add(1);
 }
@@ -222,7 +223,7 @@ void Pipeline::add_shares(BlockWorkspace& workspace) {
   workspace.tally.atom_shares.move_into(atom_shares_);
 }
 
-void Pipeline::hand_out(const BlockResult& result) {
+void Pipeline::call_block_callback(const BlockResult& result) {
   if (!sinks_.block) return;
   progress_.call([&] { sinks_.block(SolvedBlock(result)); });
 }
@@ -235,7 +236,7 @@ void Pipeline::write(const Task& task, Writer& writer) {
   take_map_rows(layer, rows, writer);
   if (edges_) append_crossings(layer, rows, writer.edges);
   count_share(task, layer, writer.counts);
-  // Layers before the last are all cut into the same number of chunks.
+  // All layers before the last one have the same number of chunks.
   const std::int64_t chunk = task.layer * layer_chunks(0) + task.index;
   if (grid_) grid_->write(chunk, file_bytes(writer.grid, writer.gzip));
   if (edges_) edges_->write(chunk, file_bytes(writer.edges, writer.gzip));
@@ -245,7 +246,7 @@ void Pipeline::write(const Task& task, Writer& writer) {
   progress_.check();
 }
 
-// The points of a layer's blocks are counted along with its chunks, a share with each.
+// Counts the points of a part of the layer's blocks with each chunk.
 void Pipeline::count_share(const Task& task, const Layer& layer, PointCounts& counts) const {
   const auto blocks = static_cast<std::int64_t>(layer.blocks.size());
   const std::int64_t chunks = layer_chunks(task.layer);
@@ -253,7 +254,7 @@ void Pipeline::count_share(const Task& task, const Layer& layer, PointCounts& co
                           (task.index + 1) * blocks / chunks));
 }
 
-// Rows of points as text.
+// Formats rows of points as text.
 void Pipeline::append_points(const Layer& layer, const RowRange& rows, Writer& writer) const {
   writer.grid.clear();
   if (!grid_) return;
