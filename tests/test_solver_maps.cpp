@@ -306,7 +306,7 @@ TEST_CASE("maps of a region are those of the grid", "[solver-maps]") {
   const SolverMaps whole = maps_of(atoms, parameters, grid);
   const GridRegion region{{3, 4, 5}, {grid.size[0] - 4, grid.size[1], grid.size[2] - 3}};
   parameters.block_size = 9;
-  parameters.region = RegionBox{
+  parameters.region = Box{
       grid.point(region.begin) - Vec3{0.1, 0.1, 0.1},
       grid.point({region.end[0] - 1, region.end[1] - 1, region.end[2] - 1}) + Vec3{0.1, 0.1, 0.1}};
   const SolverMaps part = maps_of(atoms, parameters, grid);
