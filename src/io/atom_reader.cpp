@@ -435,7 +435,7 @@ std::size_t estimate_atoms(std::string_view text) {
 // ----------------------------------------------------------------------------------------- files
 
 [[noreturn]] void fail_for_memory(std::string_view name) {
-  throw Error(fmt::format("cannot read {}: out of memory", name));
+  throw MemoryLimitError(fmt::format("cannot read {}: out of memory", name));
 }
 
 /// Calls `take` for pieces of a text, each of whole lines except for a line that is too long.
@@ -640,7 +640,9 @@ AtomFile read_atom_file(const std::filesystem::path& path, const ReadOptions& op
 namespace eses {
 
 AtomFile read_atoms(const std::filesystem::path& path, const ReadOptions& options) {
-  return detail::read_atom_file(path, options, {});
+  return detail::read_atom_file(path, options, [&](AtomFile&) {
+    if (options.check) options.check();
+  });
 }
 
 AtomFile parse_atoms(std::string_view text, AtomFormat format, std::string_view name) {

@@ -22,6 +22,7 @@
 #include "surface/move_bound.hpp"
 #include "surface/neighbors.hpp"
 #include "surface/oddity_finder.hpp"
+#include "system/serial_check.hpp"
 
 namespace eses::detail {
 namespace {
@@ -90,13 +91,14 @@ void find_first_equal(std::span<const Atom> atoms, std::span<const AtomIndex> me
 }
 
 // Of atoms with the same centre and radius, the first, by atom. Only that one stays in its slice.
-std::vector<AtomIndex> take_out_equals(std::span<const Atom> atoms, AtomSlices& slices,
-                                       int threads) {
+std::vector<AtomIndex> take_out_equals(std::span<const Atom> atoms, AtomSlices& slices, int threads,
+                                       const CheckCallback& after_slice) {
   std::vector<AtomIndex> first_equal(atoms.size());
   for_each_index(slices.members.size(), threads, [&](std::size_t slice) {
     std::vector<AtomIndex>& members = slices.members[slice];
     find_first_equal(atoms, members, first_equal);
     std::erase_if(members, [&](AtomIndex i) { return first_equal[i] != i; });
+    after_slice();
   });
   return first_equal;
 }
@@ -180,27 +182,33 @@ int useful_threads(std::size_t atoms, int wanted) {
 
 struct Molecule::Parts {
   Parts(std::vector<Atom> all_atoms, std::vector<AtomLabel> all_labels,
-        const std::function<bool(const Atom&)>& is_own, int wanted_threads)
+        const std::function<bool(const Atom&)>& is_own, int wanted_threads,
+        const CheckCallback& check_callback)
       : atoms(std::move(all_atoms)), labels(std::move(all_labels)), is_contained(atoms.size()) {
     require_valid(atoms);
     if (!labels.empty() && labels.size() != atoms.size())
       throw Error(fmt::format("{} labels for {} atoms", labels.size(), atoms.size()));
     const int threads = useful_threads(atoms.size(), wanted_threads);
+    SerialCheck serial_check(check_callback);
+    const CheckCallback check = [&serial_check] { serial_check(); };
+    check();
     AtomSlices slices = cut_into_slices(atoms, slice_count(atoms.size()), threads);
-    const std::vector<AtomIndex> first_equal = take_out_equals(atoms, slices, threads);
-    tree = AtomTree(atoms, std::move(slices), threads);
+    const std::vector<AtomIndex> first_equal = take_out_equals(atoms, slices, threads, check);
+    tree = AtomTree(atoms, std::move(slices), threads, check);
     cells.emplace(atoms);
     for (AtomIndex i = 0; i < atoms.size(); ++i) is_contained[i] = first_equal[i] != i;
-    look_around(first_equal, is_own, threads);
+    look_around(first_equal, is_own, threads, check);
   }
 
   void look_around(std::span<const AtomIndex> first_equal,
-                   const std::function<bool(const Atom&)>& is_own, int threads) {
+                   const std::function<bool(const Atom&)>& is_own, int threads,
+                   const CheckCallback& check) {
     OddityFinder finder(atoms, is_own);
     std::vector<OddityTally> tallies(loop_range_count(atoms.size()));
     Containers containers(atoms.size(), none);
     for_loop_ranges(atoms.size(), threads, [&](std::size_t range, AtomIndex begin, AtomIndex end) {
       look_around(begin, end, first_equal, containers, finder, tallies[range]);
+      check();
     });
     mark_contained(atoms, tree, containers, is_contained);
     diagnostics = finder.found(tallies);
@@ -237,14 +245,15 @@ struct Molecule::Parts {
 
 Molecule::Molecule(std::vector<Atom> atoms) : Molecule(std::move(atoms), {}) {}
 
-Molecule::Molecule(std::vector<Atom> atoms, std::vector<AtomLabel> labels, int threads)
-    : parts_(std::make_shared<const Parts>(std::move(atoms), std::move(labels), nullptr, threads)) {
-}
+Molecule::Molecule(std::vector<Atom> atoms, std::vector<AtomLabel> labels, int threads,
+                   const CheckCallback& check)
+    : parts_(std::make_shared<const Parts>(std::move(atoms), std::move(labels), nullptr, threads,
+                                           check)) {}
 
 Molecule Molecule::part(std::vector<Atom> atoms, const std::function<bool(const Atom&)>& is_own,
                         int threads) {
-  return Molecule(
-      std::make_shared<const Parts>(std::move(atoms), std::vector<AtomLabel>(), is_own, threads));
+  return Molecule(std::make_shared<const Parts>(std::move(atoms), std::vector<AtomLabel>(), is_own,
+                                                threads, CheckCallback()));
 }
 
 std::span<const Atom> Molecule::atoms() const { return parts_->atoms; }

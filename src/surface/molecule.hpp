@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "eses/atoms.hpp"
+#include "eses/check.hpp"
 #include "eses/diagnostics.hpp"
 
 namespace eses::detail {
@@ -29,7 +30,9 @@ class Molecule {
   Molecule(std::vector<Atom> atoms);  // NOLINT(google-explicit-constructor)
 
   /// `labels` of all atoms, or of none. Throws Error if there are some, but not as many as atoms.
-  Molecule(std::vector<Atom> atoms, std::vector<AtomLabel> labels, int threads = 1);
+  /// `check`, if it is not empty, is called from time to time, and at least once.
+  Molecule(std::vector<Atom> atoms, std::vector<AtomLabel> labels, int threads = 1,
+           const CheckCallback& check = {});
 
   /// A part of a larger molecule: oddities are told only of the atoms that `is_own` accepts, while
   /// the others, around them, are what they are odd beside. `is_own` is called by all threads.
