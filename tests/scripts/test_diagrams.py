@@ -1,0 +1,111 @@
+"""scripts/dev/make-diagrams: the diagrams in doc/, and the geometry that they show."""
+
+import math
+import re
+import subprocess
+import sys
+import unittest
+import xml.etree.ElementTree
+
+from support import PROJECT, SCRIPTS, TestCase
+
+from common import Failed
+from diagrams import Diagram, Panel, on_circle
+from disc_surface import DiscSurface
+
+DOC = PROJECT / "doc"
+SVG = "{http://www.w3.org/2000/svg}"
+
+
+class MakeDiagrams(TestCase):
+    def setUp(self):
+        super().setUp()
+        done = subprocess.run(
+            [sys.executable, SCRIPTS / "dev" / "make-diagrams", "-o", self.folder],
+            stdin=subprocess.DEVNULL, capture_output=True, text=True, check=False)
+        self.assertDone(done)
+        self.assertEqual(done.stderr, "")
+
+    def test_those_in_doc_are_what_the_script_draws(self):
+        names = sorted(path.name for path in self.folder.iterdir())
+        self.assertEqual(names, sorted(path.name for path in DOC.glob("algorithm-*.svg")))
+        for name in names:
+            with self.subTest(name=name):
+                self.assertEqual((self.folder / name).read_text(encoding="utf-8"),
+                                 (DOC / name).read_text(encoding="utf-8"))
+
+    def test_they_are_wellformed(self):
+        for path in self.folder.iterdir():
+            with self.subTest(name=path.name):
+                root = xml.etree.ElementTree.parse(path).getroot()
+                self.assertEqual(root.tag, f"{SVG}svg")
+                self.assertLessEqual(int(root.get("width")), 700)
+                self.assertTrue(root.find(f"{SVG}title").text)
+                self.assertGreater(len(root.findall(f"{SVG}path")), 5)
+
+    def test_the_page_shows_each(self):
+        page = (DOC / "algorithm.md").read_text(encoding="utf-8")
+        shown = re.findall(r"!\[[^]]+\]\((algorithm-[a-z]+\.svg)\)", page)
+        self.assertEqual(sorted(shown), sorted(path.name for path in self.folder.iterdir()))
+
+
+class Labels(unittest.TestCase):
+    def test_overlapping(self):
+        diagram = Diagram(200, 100, "two labels")
+        diagram.label(50, 50, "first")
+        diagram.label(50, 70, "below")
+        diagram.text()
+        diagram.label(60, 55, "second")
+        with self.assertRaisesRegex(Failed, "'second' and 'first' overlap"):
+            diagram.text()
+
+    def test_beyond_the_page(self):
+        diagram = Diagram(200, 100, "a label")
+        diagram.label(180, 50, "too long")
+        with self.assertRaisesRegex(Failed, "'too long' leaves the page"):
+            diagram.text()
+
+    def test_mathematics(self):
+        diagram = Diagram(200, 100, "a formula")
+        diagram.label(50, 50, "radius $r_i$")
+        text = xml.etree.ElementTree.fromstring(diagram.text()).find(f"{SVG}text")
+        parts = [(part.text, part.get("font-style"), part.get("dy")) for part in text]
+        self.assertEqual(parts, [("radius", None, None), ("r", "italic", None),
+                                 ("i", "italic", "4")])
+
+
+class Surface(unittest.TestCase):
+    def test_one_disc_is_exposed_all_around(self):
+        faces = DiscSurface([(1, 2, 3)], 1).faces
+        self.assertEqual([(face.start, face.end) for face in faces], [(0, 2 * math.pi)])
+
+    def test_two_discs(self):
+        # SAS circles of radius 5 about (-3, 0) and (3, 0) meet at (0, 4) and (0, -4).
+        surface = DiscSurface([(-3, 0, 4), (3, 0, 4)], 1)
+        self.assertEqual(len(surface.faces), 2)
+        vertices = sorted(surface.vertex_behind(face) for face in surface.faces)
+        for vertex, expected in zip(sorted(vertices, key=lambda point: point[1]),
+                                    ((0, -4), (0, 4))):
+            self.assertLess(math.dist(vertex, expected), 1e-12)
+        for face in surface.loop(surface.faces[0]):
+            # The re-entrant arc begins and ends where the probe touches the discs.
+            vertex = surface.vertex_behind(face)
+            discs = (face.disc, surface.next_face(face).disc)
+            for angle, disc in zip(surface.contact_angles(face), discs):
+                self.assertAlmostEqual(math.dist(on_circle(vertex, 1, angle), disc[:2]), 4)
+
+    def test_a_buried_disc_has_no_face(self):
+        around = [(*on_circle((0, 0), 3, turn * math.pi / 3), 2) for turn in range(6)]
+        surface = DiscSurface([*around, (0, 0, 1)], 1.4)
+        self.assertEqual(len(surface.loop(surface.faces[0])), 6)
+        self.assertNotIn((0, 0, 1), [face.disc for face in surface.faces])
+
+    def test_arcs_on_the_page(self):
+        panel = Panel(Diagram(100, 100, "an arc"), (50, 50), 10)
+        # Upwards in the scene is upwards on the page: counter-clockwise is SVG's negative sense.
+        self.assertEqual(panel.arc_data((0, 0), 2, 0, math.pi / 2), "A20 20 0 0 0 50 30")
+        self.assertEqual(panel.arc_data((0, 0), 2, 0, -math.pi * 1.5), "A20 20 0 1 1 50 30")
+
+
+if __name__ == "__main__":
+    unittest.main()
