@@ -5,6 +5,7 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <filesystem>
 
 #include "eses/vec3.hpp"
 
@@ -80,6 +81,20 @@ Grid make_grid(const Surface& surface, const GridOptions& options = {});
 /// points along an axis, more than 1e17 points, a spacing that is not positive, or bounds that are
 /// not finite.
 void validate(const Grid& grid);
+
+/// Returns a grid around a point: `center` is midway between the lowest and the highest point along
+/// each axis. `center` and `spacing` are in angstrom. This function checks
+/// nothing; see validate.
+Grid centered_grid(Vec3 center, double spacing, const GridIndex& size);
+
+/// Reads the grid of a file: an OpenDX map (`.dx`, as APBS writes it), VTK image data (`.vti`) or
+/// bounding_box.txt (`.txt`), each also gzipped (with `.gz` at the end of its name). Of a map only
+/// the header is read. The corners in bounding_box.txt are rounded; of all spacings that they allow
+/// it is the one with the fewest decimal digits.
+///
+/// Throws Error, naming the file and line, if the file cannot be read, is of another format, or has
+/// no grid with axes along x, y and z and the same spacing, to six digits, along all of them.
+Grid read_grid(const std::filesystem::path& path);
 
 /// Returns the points in the closed box between two corners, in angstrom. Throws
 /// std::invalid_argument if there are none, or if a coordinate is not finite.

@@ -9,6 +9,7 @@
 
 #include "arrays.hpp"
 #include "interrupts.hpp"
+#include "read_file.hpp"
 
 namespace eses::python {
 namespace {
@@ -21,7 +22,7 @@ Read the atoms of a file.
 Parameters
 ----------
 path : str or os.PathLike
-    Name of the file, which may be gzipped. ``-`` is standard input.
+    Name of the file, which may be gzipped.
 format : {'auto', 'xyzr', 'pqr'}, optional
     Format of the file. With ``auto`` the suffix decides: ``.pqr`` and ``.pqr.gz`` are PQR files,
     everything else is xyzr, which has one atom a line as ``x y z radius``.
@@ -55,26 +56,14 @@ AtomFormat format_named(const std::string& name) {
   throw py::value_error("format must be 'auto', 'xyzr' or 'pqr', not '" + name + "'");
 }
 
-// Errors of the text are errors of a value; the others have their own Python exceptions.
-AtomFile read_file(const std::filesystem::path& path, ReadOptions options) {
-  const py::gil_scoped_release unlocked;
-  Interrupts interrupts;
-  options.check = [&interrupts] { interrupts.check(); };
-  try {
-    return read_atoms(path, options);
-  } catch (const FileError&) {
-    throw;
-  } catch (const MemoryLimitError&) {
-    throw;
-  } catch (const Error& error) {
-    throw std::invalid_argument(error.what());
-  }
-}
-
 std::shared_ptr<AtomFile> read(const std::filesystem::path& path, const std::string& format) {
+  // The library would read standard input, which does not listen to Ctrl-C.
+  if (path == "-") throw py::value_error("path must be the name of a file, not '-'");
   ReadOptions options;
   options.format = format_named(format);
-  return std::make_shared<AtomFile>(read_file(path, options));
+  Interrupts interrupts;
+  options.check = [&interrupts] { interrupts.check(); };
+  return std::make_shared<AtomFile>(read_file_as_value([&] { return read_atoms(path, options); }));
 }
 
 // Labels share the memory of the file.

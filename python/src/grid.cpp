@@ -1,11 +1,14 @@
 #include "grid.hpp"
 
 #include <pybind11/stl.h>
+#include <pybind11/stl/filesystem.h>
 
 #include <eses/eses.hpp>
+#include <filesystem>
 #include <string>
 
 #include "arrays.hpp"
+#include "read_file.hpp"
 
 namespace eses::python {
 namespace {
@@ -47,6 +50,33 @@ Returns
 -------
 numpy.ndarray
     (n,) float64, in angstrom.)";
+
+constexpr const char* read_text = R"(read_grid(path)
+--
+
+Read the grid of a file.
+
+Parameters
+----------
+path : str or os.PathLike
+    Name of an OpenDX map (``.dx``), of VTK image data (``.vti``) or of ``bounding_box.txt``, each of
+    which may be gzipped. Of a map only the header is read.
+
+Returns
+-------
+Grid
+    The grid, which has the same spacing along all axes.
+
+Raises
+------
+OSError
+    If the file cannot be opened or read.
+ValueError
+    If the file has no such grid. The message names the file and the line.)";
+
+Grid read(const std::filesystem::path& path) {
+  return read_file_as_value([&] { return read_grid(path); });
+}
 
 Grid make(const Triple& origin, double spacing, const GridIndex& shape) {
   const Grid grid{{origin[0], origin[1], origin[2]}, spacing, shape};
@@ -111,6 +141,7 @@ void bind_grid(py::module_& module) {
             return make(state[0].cast<Triple>(), state[1].cast<double>(),
                         state[2].cast<GridIndex>());
           }));
+  module.def("read_grid", &read, read_text, py::arg("path"));
 }
 
 }  // namespace eses::python

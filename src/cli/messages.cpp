@@ -64,7 +64,8 @@ std::string final_text(const Report& report) {
 
 void warn_if_empty(const Report& report) {
   const Parameters& parameters = report.options.parameters;
-  if (report.summary.inside_points > 0 || parameters.region || parameters.blocks) return;
+  if (report.summary.inside_points > 0 || parameters.region || parameters.blocks || parameters.grid)
+    return;
   if (!report.options.quiet)
     complain("warning", "no grid point is inside the molecule; a smaller spacing would show it");
 }

@@ -20,7 +20,9 @@
 #include <vector>
 
 #include "cli/arguments.hpp"
+#include "eses/error.hpp"
 #include "io/atom_lines.hpp"
+#include "io/grid_reader.hpp"
 #include "io/map_writer.hpp"
 #include "mesh/mesh_format.hpp"
 #include "simd/dispatch.hpp"
@@ -126,6 +128,24 @@ std::optional<RegionBox> box_in(const std::string& text) {
   return RegionBox{{x0, y0, z0}, {x1, y1, z1}};
 }
 
+std::optional<Vec3> place_in(const std::string& text) {
+  const auto numbers = numbers_in<double, 3>(text, ',');
+  if (!numbers) return std::nullopt;
+  const auto& [x, y, z] = *numbers;
+  if (!std::isfinite(x) || !std::isfinite(y) || !std::isfinite(z)) return std::nullopt;
+  return Vec3{x, y, z};
+}
+
+std::optional<GridIndex> counts_in(const std::string& text) {
+  const auto counts = numbers_in<std::int64_t, 3>(text, ',');
+  if (!counts || *std::min_element(counts->begin(), counts->end()) < 2) return std::nullopt;
+  return counts;
+}
+
+std::optional<std::filesystem::path> grid_file_in(const std::string& text) {
+  return grid_file_format(text) ? std::optional<std::filesystem::path>(text) : std::nullopt;
+}
+
 std::optional<GridRegion> blocks_in(const std::string& text) {
   const std::vector<std::string> axes = CLI::detail::split(text, ',');
   if (axes.size() != 3) return std::nullopt;
@@ -174,6 +194,29 @@ std::optional<std::filesystem::path> mesh_in(const std::string& text) {
 /// The group of all options that are added next, in the help.
 void begin_group(CLI::App& app, const char* name) { app.option_defaults()->group(name); }
 
+void add_grid_choice(CLI::App& app, GridChoice& grid) {
+  const Format<Vec3> place{place_in, "three finite numbers x,y,z, in angstrom"};
+  CLI::Option* const origin =
+      add_value(app, "--grid-origin", "X,Y,Z", "lowest point of a chosen grid; with --grid-points",
+                grid.origin, place);
+  CLI::Option* const center =
+      add_value(app, "--grid-center", "X,Y,Z", "middle of a chosen grid; with --grid-points",
+                grid.center, place)
+          ->excludes(origin);
+  CLI::Option* const points =
+      add_value(app, "--grid-points", "NX,NY,NZ", "number of points of a chosen grid along x, y, z",
+                grid.points, Format{counts_in, "three whole numbers nx,ny,nz of at least 2"});
+  add_value(app, "--grid-like", "FILE",
+            "the grid of a map (.dx or .vti) or bounding_box.txt,\n"
+            "each also with .gz, and its spacing",
+            grid.like,
+            Format{grid_file_in,
+                   "the name of a file that ends with .dx, .vti or .txt, or one of these and .gz"})
+      ->excludes(origin)
+      ->excludes(center)
+      ->excludes(points);
+}
+
 void add_grid_options(CLI::App& app, CommandLine& line) {
   begin_group(app, "Surface and grid");
   Parameters& parameters = line.options.parameters;
@@ -199,6 +242,7 @@ void add_grid_options(CLI::App& app, CommandLine& line) {
   add_length("MARGIN", "--margin", "room between molecule and edge of the grid, >= 0",
              parameters.margin, line.margin,
              number_between(0, max_finite, "a finite number of at least 0, in angstrom"));
+  add_grid_choice(app, line.options.grid);
   CLI::Option* const region =
       add_value(app, "--region", "X0,Y0,Z0,X1,Y1,Z1",
                 "only the grid points in this box (angstrom), and\n"
@@ -314,6 +358,23 @@ void choose(const char* positional, const char* option, const Length& length, do
   target = length.positional ? *length.positional : length.option.value_or(target);
 }
 
+// A chosen grid needs a place and a size. The margin is that of the grid of ESES.
+void check_grid_choice(const CommandLine& line) {
+  const GridChoice& grid = line.options.grid;
+  const bool has_place = grid.origin || grid.center;
+  if (has_place && !grid.points)
+    throw UsageError(
+        fmt::format("{} needs --grid-points", grid.origin ? "--grid-origin" : "--grid-center"));
+  if (grid.points && !has_place)
+    throw UsageError("--grid-points needs --grid-origin or --grid-center");
+  const bool is_chosen = has_place || !grid.like.empty();
+  if (is_chosen && (line.margin.positional || line.margin.option))
+    throw UsageError(fmt::format(
+        "{} has no meaning for a grid that is chosen by {}",
+        line.margin.option ? "--margin" : "MARGIN",
+        grid.origin ? "--grid-origin" : (grid.center ? "--grid-center" : "--grid-like")));
+}
+
 /// The name of a map, which goes to the output directory like all files.
 std::string map_name(const std::filesystem::path& map,
                      const std::filesystem::path& output_directory) {
@@ -344,6 +405,8 @@ Options options_of(const CommandLine& line) {
   choose("PROBE", "--probe-radius", line.probe_radius, options.parameters.probe_radius);
   choose("SPACING", "--spacing", line.spacing, options.parameters.spacing);
   choose("MARGIN", "--margin", line.margin, options.parameters.margin);
+  check_grid_choice(line);
+  options.grid.has_spacing = line.spacing.positional || line.spacing.option;
   options.outputs = line.text_files;
   options.outputs.gzip = line.gzip;
   options.outputs.inside_map = map_name(line.inside_map, options.output_directory);
@@ -383,6 +446,20 @@ bool asks_to_be_independent(int argc, const char* const* argv) {
   const std::span arguments(argv + std::min(argc, 1), argv + argc);
   const auto end = std::find(arguments.begin(), arguments.end(), std::string_view("--"));
   return std::find(arguments.begin(), end, std::string_view(independent_flag)) != end;
+}
+
+std::optional<Grid> chosen_grid(const Options& options) {
+  const GridChoice& choice = options.grid;
+  const double spacing = options.parameters.spacing;
+  if (choice.origin) return Grid{*choice.origin, spacing, *choice.points};
+  if (choice.center) return centered_grid(*choice.center, spacing, *choice.points);
+  if (choice.like.empty()) return std::nullopt;
+  const Grid grid = read_grid(choice.like);
+  if (choice.has_spacing && !is_same_spacing(grid.spacing, spacing))
+    throw Error(fmt::format(
+        "{} has a grid with a spacing of {}, but the spacing is given as {}; leave it out",
+        choice.like.string(), grid.spacing, spacing));
+  return grid;
 }
 
 std::variant<Options, Notice> parse_command_line(int argc, const char* const* argv) {

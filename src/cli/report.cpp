@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 #include <optional>
@@ -94,7 +95,35 @@ std::string usual_text(const std::vector<Finding>& findings) {
   return text;
 }
 
+/// `0.8 at low x, 1.2 at high z`
+std::string cut_sides_text(const Plan& plan) {
+  constexpr std::array<std::string_view, 6> sides{"low x",  "high x", "low y",
+                                                  "high y", "low z",  "high z"};
+  std::vector<std::string> parts;
+  for (std::size_t side = 0; side < sides.size(); ++side)
+    if (plan.cut_depths[side] > 0)
+      parts.push_back(fmt::format("{:.3g} at {}", plan.cut_depths[side], sides[side]));
+  return fmt::format("{}", fmt::join(parts, ", "));
+}
+
+/// Along some axis the grid ends before the van der Waals spheres begin, or the other way round.
+bool misses_molecule(const Plan& plan) {
+  const Vec3 length = plan.grid.upper() - plan.grid.origin;
+  for (std::size_t side = 0; side < plan.cut_depths.size(); ++side)
+    if (plan.cut_depths[side] < -length[side / 2]) return true;
+  return false;
+}
+
 std::string cut_warning(const Plan& plan) {
+  if (plan.parameters.grid && misses_molecule(plan))
+    return "the grid misses the molecule: no van der Waals sphere reaches it, and all of its "
+           "points "
+           "are outside";
+  if (plan.parameters.grid)
+    return fmt::format(
+        "the van der Waals spheres reach beyond the grid, by {} (angstrom); area and volume are "
+        "those of the part within",
+        cut_sides_text(plan));
   return fmt::format(
       "the grid ends {:.3g} angstrom inside the molecule, because the number of grid points is "
       "truncated as in ESES; a margin of at least the spacing ({}) avoids that",
@@ -118,7 +147,7 @@ std::string verification_text(const Summary& summary) {
 json::Value parameters_json(const Parameters& parameters) {
   return {{"probe_radius", parameters.probe_radius},
           {"spacing", parameters.spacing},
-          {"margin", parameters.margin}};
+          {"margin", parameters.grid ? json::Value() : json::Value(parameters.margin)}};
 }
 
 json::Value grid_json(const Grid& grid) {
@@ -291,10 +320,15 @@ std::string plan_text(const Report& report) {
   const auto atoms = static_cast<std::int64_t>(report.atoms);
   std::string text = fmt::format("input: {} ({}{})\n", path_text(report.options.input),
                                  counted(atoms, "atom"), usual_text(report.findings));
-  text += fmt::format("parameters: probe radius {}, spacing {}, margin {} (angstrom)\n",
-                      parameters.probe_radius, parameters.spacing, parameters.margin);
+  text += fmt::format("parameters: probe radius {}, spacing {}{} (angstrom)\n",
+                      parameters.probe_radius, parameters.spacing,
+                      parameters.grid ? "" : fmt::format(", margin {}", parameters.margin));
   text += fmt::format("grid: {} x {} x {} = {} points\n", points[0], points[1], points[2],
                       plan.grid.point_count());
+  if (parameters.grid)
+    text += fmt::format("chosen grid: from {} {} {} to {} {} {} (angstrom)\n", plan.grid.origin.x,
+                        plan.grid.origin.y, plan.grid.origin.z, plan.grid.upper().x,
+                        plan.grid.upper().y, plan.grid.upper().z);
   text += region_text(plan);
   text += fmt::format("blocks: {} x {} x {} of {} points; {}\n", blocks[0], blocks[1], blocks[2],
                       fmt::join(plan.tiling.block_size, " x "), workers_text(report));

@@ -49,12 +49,17 @@ void on_rank_zero(const Processes& processes, const std::function<void()>& actio
   if (processes.sum(errors.size()) > 0) throw StrictError{errors};
 }
 
-// Throws Error if what is to be written would take the input's place.
+// Throws Error if what is to be written would take the input's place, or that of --grid-like.
 void refuse_to_lose_input(const Options& options) {
-  const auto refuse_if_input = [&](const std::string& file, std::string_view fate) {
+  const auto is_same = [](const std::filesystem::path& one, const std::string& other) {
     std::error_code error;  // as where there is no such file yet
-    if (std::filesystem::equivalent(options.input, file, error) && !error)
+    return !one.empty() && std::filesystem::equivalent(one, other, error) && !error;
+  };
+  const auto refuse_if_input = [&](const std::string& file, std::string_view fate) {
+    if (is_same(options.input, file))
       throw Error(fmt::format("{} is the input, and would be {}", file, fate));
+    if (is_same(options.grid.like, file))
+      throw Error(fmt::format("{} is the file of --grid-like, and would be {}", file, fate));
   };
   for (const std::string& file : final_paths(options.outputs, options.output_directory))
     refuse_if_input(file, "overwritten");
@@ -139,10 +144,20 @@ void add_result(RunResult result, Report& report) {
     report.processes = std::move(result.processes);
 }
 
+// The options with the grid that they ask for, which each process reads for itself.
+Options with_chosen_grid(Options options, const Processes& processes) {
+  processes.all_or_throw([&] {
+    options.parameters.grid = chosen_grid(options);
+    if (options.parameters.grid) options.parameters.spacing = options.parameters.grid->spacing;
+  });
+  return options;
+}
+
 }  // namespace
 
-int compute_surface(const Options& options, const Processes& processes) {
-  on_rank_zero(processes, [&] { check_request(options); });
+int compute_surface(const Options& given, const Processes& processes) {
+  on_rank_zero(processes, [&] { check_request(given); });
+  const Options options = with_chosen_grid(given, processes);
   const RunTask task = task_of(options);
   const RunPlan plan = plan_run(task, processes);
   Report report = report_of(options, plan, processes);

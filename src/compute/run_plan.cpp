@@ -60,14 +60,16 @@ std::string mesh_identity(const std::optional<MeshOptions>& mesh) {
 // Tells apart runs whose pieces do not fit together.
 std::string identity_of(const RunTask& task, const RunPlan& run, std::uint64_t hash) {
   const Parameters& p = task.parameters;
+  const Grid& grid = run.whole.grid;
   const GridRegion& region = run.whole.tiling.region;
   return fmt::format(
       "eses-blocks {} format {} {} {}\natoms {} {:016x}\nprobe {:a} spacing {:a} margin {:a}\n"
-      "points {} {}\ngrid {} edges {} gzip {} map {} mesh {}\n",
+      "origin {:a} {:a} {:a} size {}\npoints {} {}\ngrid {} edges {} gzip {} map {} mesh {}\n",
       version, piece_format, sizeof(PieceInfo), task.outputs.gzip ? zlibVersion() : "", run.atoms,
-      hash, p.probe_radius, p.spacing, p.margin, fmt::join(region.begin, " "),
-      fmt::join(region.end, " "), task.outputs.grid, task.outputs.edges, task.outputs.gzip,
-      !task.outputs.inside_map.empty(), mesh_identity(task.outputs.mesh));
+      hash, p.probe_radius, p.spacing, p.margin, grid.origin.x, grid.origin.y, grid.origin.z,
+      fmt::join(grid.size, " "), fmt::join(region.begin, " "), fmt::join(region.end, " "),
+      task.outputs.grid, task.outputs.edges, task.outputs.gzip, !task.outputs.inside_map.empty(),
+      mesh_identity(task.outputs.mesh));
 }
 
 bool names_groups(const Outputs& outputs) {

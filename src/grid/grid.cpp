@@ -1,6 +1,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <charconv>
 #include <cmath>
 #include <limits>
@@ -132,6 +133,23 @@ void require_valid(const Grid& grid) {
     throw Error(fmt::format("a grid has {:.3g} points; the limit is {:g}", points, max_points));
 }
 
+void require_chosen(const Grid& grid) {
+  require_valid(grid);
+  // Positions on edges are told apart to a millionth of the spacing, see tolerance::edge_end.
+  constexpr double max_cells_from_zero = 1e9;
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    if (grid.size[axis] < 2)
+      throw Error(fmt::format("the grid has {} points along {}; it must have 2 or more",
+                              grid.size[axis], "xyz"[axis]));
+    const double farthest = std::max(std::fabs(grid.origin[axis]), std::fabs(grid.upper()[axis]));
+    if (farthest > max_cells_from_zero * grid.spacing)
+      throw Error(fmt::format(
+          "the grid goes from {} to {} along {}, too far from 0 for a spacing of {}; the limit is "
+          "{:g} times the spacing",
+          grid.origin[axis], grid.upper()[axis], "xyz"[axis], grid.spacing, max_cells_from_zero));
+  }
+}
+
 void require_within(const GridRegion& region, const Grid& grid) {
   for (std::size_t axis = 0; axis < 3; ++axis)
     if (region.begin[axis] < 0 || region.begin[axis] >= region.end[axis] ||
@@ -169,12 +187,29 @@ GridRegion points_between(const Grid& grid, Vec3 low, Vec3 high) {
   return region;
 }
 
+std::array<double, 6> depths_inside(const Grid& grid, const SphereBounds& bounds) {
+  std::array<double, 6> depths{};
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    depths[2 * axis] = grid.origin[axis] - bounds.low[axis];
+    depths[2 * axis + 1] = bounds.high[axis] - grid.upper()[axis];
+  }
+  return depths;
+}
+
 double cut_depth(const Grid& grid, const SphereBounds& bounds) {
-  double depth = -std::numeric_limits<double>::infinity();
-  for (std::size_t axis = 0; axis < 3; ++axis)
-    depth = std::max(
-        {depth, grid.origin[axis] - bounds.low[axis], bounds.high[axis] - grid.upper()[axis]});
-  return depth;
+  const std::array<double, 6> depths = depths_inside(grid, bounds);
+  return *std::max_element(depths.begin(), depths.end());
 }
 
 }  // namespace eses::detail
+
+namespace eses {
+
+Grid centered_grid(Vec3 center, double spacing, const GridIndex& size) {
+  Grid grid{center, spacing, size};
+  for (std::size_t axis = 0; axis < 3; ++axis)
+    grid.origin[axis] -= 0.5 * static_cast<double>(size[axis] - 1) * spacing;
+  return grid;
+}
+
+}  // namespace eses

@@ -1,6 +1,7 @@
 #pragma once
 /// Grids around atoms, and their regions.
 
+#include <array>
 #include <span>
 
 #include "eses/atoms.hpp"
@@ -28,12 +29,20 @@ Grid make_grid(const SphereBounds& bounds, double spacing, double margin);
 /// fewer than one point or more than 2e9 along an axis, or more than 1e17 points in all.
 void require_valid(const Grid& grid);
 
+/// Throws Error if a grid that the user has chosen does not pass require_valid, has fewer than two
+/// points along an axis, or is so far from the origin of the coordinates that rounding matters.
+void require_chosen(const Grid& grid);
+
 /// The points in the closed box between two corners (angstrom). Throws Error if there are none, or
 /// if a coordinate of a corner is not finite.
 GridRegion points_between(const Grid& grid, Vec3 low, Vec3 high);
 
 /// Throws Error if a region has no points or goes beyond the grid.
 void require_within(const GridRegion& region, const Grid& grid);
+
+/// How far each face of the grid lies inside the bounding box of the van der Waals spheres, in
+/// angstrom, in the order low x, high x, low y, high y, low z, high z; negative outside of it.
+std::array<double, 6> depths_inside(const Grid& grid, const SphereBounds& bounds);
 
 /// How far the grid's faces lie inside the bounding box of the van der Waals spheres, the largest
 /// of the six, in angstrom: <= 0 where a face only touches, negative where the grid encloses the

@@ -213,9 +213,10 @@ LabelTotals with_copies(LabelTotals labels, const Outputs& outputs) {
   return labels;
 }
 
+// `is_cut`: atoms may be beyond the grid.
 SurfaceSurvey survey_of(const Molecule& molecule, const Grid& grid, const GridRegion& region,
-                        double probe_radius) {
-  if (region == grid.whole()) return {molecule, probe_radius};
+                        double probe_radius, bool is_cut) {
+  if (region == grid.whole() && !is_cut) return {molecule, probe_radius};
   return {molecule, probe_radius, region_box(grid, region)};
 }
 
@@ -284,6 +285,7 @@ Plan plan_on_grid(const Grid& grid, const SphereBounds& bounds, const Parameters
   Plan plan;
   plan.parameters = parameters;
   plan.grid = grid;
+  plan.cut_depths = depths_inside(grid, bounds);
   plan.cut_depth = cut_depth(grid, bounds);
   plan.tiling.region = region_of(grid, parameters);
   return plan;
@@ -291,6 +293,10 @@ Plan plan_on_grid(const Grid& grid, const SphereBounds& bounds, const Parameters
 
 Plan plan_grid(const SphereBounds& bounds, const Parameters& parameters) {
   require_valid(parameters);
+  if (parameters.grid) {
+    require_chosen(*parameters.grid);
+    return plan_on_grid(*parameters.grid, bounds, parameters);
+  }
   const Grid grid = make_grid(bounds, parameters.spacing, parameters.margin);
   require_enclosing_margin(cut_depth(grid, bounds), parameters);
   return plan_on_grid(grid, bounds, parameters);
@@ -299,7 +305,9 @@ Plan plan_grid(const SphereBounds& bounds, const Parameters& parameters) {
 double plan_schedule(const MemoryBudget& budget, const Molecule& molecule, const Outputs& outputs,
                      Plan& plan) {
   const GridRegion region = plan.tiling.region;
-  const SurfaceSurvey survey = survey_of(molecule, plan.grid, region, plan.parameters.probe_radius);
+  const bool is_cut = plan.parameters.grid && plan.cut_depth > 0;
+  const SurfaceSurvey survey =
+      survey_of(molecule, plan.grid, region, plan.parameters.probe_radius, is_cut);
   choose_schedule(survey, region, budget, outputs, plan);
   return expected_crossings(survey.totals().area, plan.grid.spacing);
 }

@@ -27,7 +27,8 @@ Plan make_plan_within(std::uint64_t available, const Molecule& molecule,
 /// What `Plan::atoms_checksum` is for these atoms.
 std::uint64_t checksum_of(std::span<const Atom> atoms);
 
-/// Step 1 of a plan: the grid around atoms with these bounds, and the region to compute.
+/// Step 1 of a plan: the grid around atoms with these bounds or, if there is one, the grid of the
+/// parameters, and the region to compute.
 Plan plan_grid(const SphereBounds& bounds, const Parameters& parameters);
 
 /// The same for a grid that is there already. `parameters.margin` has no meaning, and

@@ -1,6 +1,7 @@
 #pragma once
 /// What a run is to do, as data: its parameters, its plan, and the functions that it calls.
 
+#include <array>
 #include <cstdint>
 #include <functional>
 #include <optional>
@@ -25,6 +26,9 @@ struct Parameters {
   double probe_radius = 1.4;  ///< angstrom, `min_probe_radius` to `max_probe_radius`
   double spacing = 0.4;       ///< angstrom, > 0
   double margin = 0.8;        ///< angstrom, >= 0
+  /// A grid that the user has chosen. Then the margin has no meaning, and the spacing is the
+  /// grid's.
+  std::optional<Grid> grid = {};
   /// Grid points on a side of a block, 2 to `largest_block_size`; 0: `default_block_size`, or
   /// flatter blocks where the molecule is wide, or smaller ones to keep `max_memory`.
   std::int64_t block_size = 0;
@@ -48,6 +52,9 @@ struct Plan {
   BlockTiling tiling;             ///< of the whole grid or of the region that is asked for
   int threads = 1;                ///< >= 1
   std::int64_t blocks_ahead = 0;  ///< solved at most of the next layer while one is unwritten
+  /// How far the van der Waals spheres reach beyond each face of the grid, see
+  /// eses::detail::depths_inside.
+  std::array<double, 6> cut_depths{};
   double cut_depth = 0;  ///< see eses::detail::cut_depth; > 0 means that the surface is cut
   /// Estimate of the process's peak, meant as an upper bound, if it holds nothing but the atoms.
   std::uint64_t memory_bytes = 0;

@@ -1,0 +1,230 @@
+// Grids of existing files: the headers of OpenDX and VTK image data, and bounding_box.txt.
+
+#include "io/grid_reader.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <optional>
+#include <string>
+#include <string_view>
+
+#include "eses/error.hpp"
+#include "eses/grid.hpp"
+#include "io/eses_reader.hpp"
+#include "io/line_reader.hpp"
+#include "io/text_fields.hpp"
+
+namespace eses::detail {
+namespace {
+
+// Spacings that differ by less than this share are equal: APBS prints seven digits.
+constexpr double spacing_precision = 2e-6;
+constexpr std::string_view gzip_suffix = ".gz";
+// What comes before the data of a file: a few lines. It bounds what is read of another file.
+constexpr int max_header_lines = 1000;
+
+double number_in(const LineReader& lines, std::string_view& fields, std::string_view what) {
+  const std::string_view field = take_first(fields);
+  double value = 0;
+  if (parse_number(field, value) != std::errc() || !std::isfinite(value))
+    lines.fail(fmt::format("{}: expected a finite number, found {}", what,
+                           field.empty() ? "the end of the line" : quoted(field)));
+  return value;
+}
+
+Vec3 vector_in(const LineReader& lines, std::string_view& fields, std::string_view what) {
+  Vec3 vector;
+  for (std::size_t axis = 0; axis < 3; ++axis) vector[axis] = number_in(lines, fields, what);
+  return vector;
+}
+
+// A whole number of at least `min`.
+std::int64_t index_in(const LineReader& lines, std::string_view& fields, std::string_view what,
+                      std::int64_t min) {
+  const double value = number_in(lines, fields, what);
+  if (value != std::floor(value) || value < static_cast<double>(min) ||
+      value > static_cast<double>(most_grid_points))
+    lines.fail(fmt::format("{}: expected a whole number from {} to {}, found {}", what, min,
+                           most_grid_points, value));
+  return static_cast<std::int64_t>(value);
+}
+
+// The one spacing of all axes.
+double common_spacing(const LineReader& lines, const Vec3& spacing) {
+  for (const double value : {spacing.x, spacing.y, spacing.z})
+    if (!(value > 0))
+      lines.fail(fmt::format("expected a positive spacing along x, y and z, found {}, {} and {}",
+                             spacing.x, spacing.y, spacing.z));
+  for (const double value : {spacing.y, spacing.z})
+    if (!is_same_spacing(value, spacing.x))
+      lines.fail(fmt::format(
+          "the spacing is {} along x, {} along y and {} along z; it must be the same along all "
+          "axes, such as by an equal ratio of length and cells",
+          spacing.x, spacing.y, spacing.z));
+  return spacing.x;
+}
+
+// OpenDX: the object of grid positions.
+Grid read_dx(const std::filesystem::path& path) {
+  LineReader lines(path);
+  Grid grid;
+  Vec3 spacing;
+  std::size_t deltas = 0;
+  bool has_counts = false, has_origin = false;
+  std::string_view line;
+  for (int i = 0; i < max_header_lines && deltas < 3; ++i) {
+    std::string_view fields = lines.expect("the positions of an OpenDX grid");
+    line = take_first(fields);
+    if (line == "object" && fields.find("gridpositions") != std::string_view::npos) {
+      while (!fields.empty() && take_first(fields) != "counts") continue;
+      for (std::int64_t& count : grid.size) count = index_in(lines, fields, "counts", 1);
+      has_counts = true;
+    } else if (line == "origin" && has_counts) {
+      grid.origin = vector_in(lines, fields, "origin");
+      has_origin = true;
+    } else if (line == "delta" && has_origin) {
+      Vec3 delta = vector_in(lines, fields, "delta");
+      spacing[deltas] = delta[deltas];
+      delta[deltas] = 0;
+      if (delta != Vec3{})
+        lines.fail("the axes of the grid must be those of the coordinates, in the order x, y, z");
+      ++deltas;
+    }
+  }
+  if (deltas < 3) lines.fail("expected the positions of an OpenDX grid: counts, origin and delta");
+  grid.spacing = common_spacing(lines, spacing);
+  return grid;
+}
+
+// The value of an attribute of an XML tag.
+std::string_view attribute_in(const LineReader& lines, std::string_view tag,
+                              std::string_view name) {
+  for (std::size_t at = tag.find(name); at != std::string_view::npos; at = tag.find(name, at + 1)) {
+    std::string_view rest = tag.substr(at + name.size());
+    const bool is_whole_name = at > 0 && tag[at - 1] == ' ';
+    if (!is_whole_name || rest.size() < 2 || rest[0] != '=') continue;
+    const char quote = rest[1];
+    rest.remove_prefix(2);
+    const std::size_t end = rest.find(quote);
+    if ((quote == '"' || quote == '\'') && end != std::string_view::npos)
+      return rest.substr(0, end);
+  }
+  lines.fail(fmt::format("the tag ImageData has no attribute {}", name));
+}
+
+// The tag <ImageData ...>, its line ends as blanks.
+std::string image_tag(LineReader& lines) {
+  constexpr std::string_view begin = "<ImageData";
+  std::string tag;
+  for (int i = 0; i < max_header_lines; ++i) {
+    std::string_view line = lines.expect("the tag ImageData of VTK image data");
+    if (tag.empty()) {
+      const std::size_t at = line.find(begin);
+      if (at == std::string_view::npos) continue;
+      line.remove_prefix(at);
+    }
+    const std::size_t end = line.find('>');
+    tag += fmt::format("{} ", line.substr(0, end));
+    if (end != std::string_view::npos) return tag;
+  }
+  lines.fail("expected the tag ImageData of VTK image data");
+}
+
+// VTK image data: indices need not begin with 0.
+Grid read_vti(const std::filesystem::path& path) {
+  LineReader lines(path);
+  const std::string tag = image_tag(lines);
+  std::string_view extent = attribute_in(lines, tag, "WholeExtent");
+  std::string_view origin = attribute_in(lines, tag, "Origin");
+  std::string_view spacing = attribute_in(lines, tag, "Spacing");
+  Grid grid;
+  grid.origin = vector_in(lines, origin, "Origin");
+  grid.spacing = common_spacing(lines, vector_in(lines, spacing, "Spacing"));
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    const std::int64_t first = index_in(lines, extent, "WholeExtent", -most_grid_points);
+    const std::int64_t last = index_in(lines, extent, "WholeExtent", first);
+    grid.origin[axis] = grid.coordinate(axis, first);
+    grid.size[axis] = last - first + 1;
+  }
+  return grid;
+}
+
+// How far the last point of a grid may be off that of the file: corners have 13 digits.
+double corner_precision(const BoundingBox& box, std::size_t axis) {
+  constexpr double printed = 1e-12;
+  return printed * std::max(std::fabs(box.lower[axis]), std::fabs(box.upper[axis]));
+}
+
+bool fits(const BoundingBox& box, double spacing) {
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    const double length = static_cast<double>(box.size[axis] - 1) * spacing;
+    if (!(std::fabs(box.lower[axis] + length - box.upper[axis]) <= corner_precision(box, axis)))
+      return false;
+  }
+  return true;
+}
+
+// The corners are rounded; of all spacings that they allow the one with the shortest text is most
+// likely the one with which they were made.
+double shortest_spacing(const BoundingBox& box, double estimate) {
+  for (int digits = 1; digits < 17; ++digits) {
+    double spacing = 0;
+    if (parse_number(fmt::format("{:.{}e}", estimate, digits - 1), spacing) == std::errc() &&
+        fits(box, spacing))
+      return spacing;
+  }
+  return estimate;
+}
+
+Grid read_box(const std::filesystem::path& path) {
+  const BoundingBox box = read_bounding_box(path);
+  const auto longest = static_cast<std::size_t>(std::max_element(box.size.begin(), box.size.end()) -
+                                                box.size.begin());
+  const auto cells = static_cast<double>(box.size[longest] - 1);
+  const double spacing = (box.upper[longest] - box.lower[longest]) / cells;
+  if (!(spacing > 0) || !std::isfinite(spacing))
+    throw Error(fmt::format("{}: the corners and counts give no spacing", path.string()));
+  Grid grid{box.lower, shortest_spacing(box, spacing), box.size};
+  for (std::size_t axis = 0; axis < 3; ++axis)
+    if (std::fabs(grid.upper()[axis] - box.upper[axis]) >
+        spacing_precision * grid.spacing * static_cast<double>(box.size[axis]))
+      throw Error(
+          fmt::format("{}: the corners give different spacings along the axes; they must be equal",
+                      path.string()));
+  return grid;
+}
+
+}  // namespace
+
+bool is_same_spacing(double a, double b) {
+  return std::fabs(a - b) <= spacing_precision * std::max(a, b);
+}
+
+std::optional<GridFileFormat> grid_file_format(std::string_view name) {
+  if (name.ends_with(gzip_suffix)) name.remove_suffix(gzip_suffix.size());
+  if (name.ends_with(".dx")) return GridFileFormat::dx;
+  if (name.ends_with(".vti")) return GridFileFormat::vti;
+  if (name.ends_with(".txt")) return GridFileFormat::box;
+  return std::nullopt;
+}
+
+}  // namespace eses::detail
+
+namespace eses {
+
+Grid read_grid(const std::filesystem::path& path) {
+  using detail::GridFileFormat;
+  const auto format = detail::grid_file_format(path.filename().string());
+  if (!format)
+    throw Error(fmt::format(
+        "{}: the name of a file that has a grid must end with .dx, .vti or .txt, or one of these "
+        "and .gz",
+        path.string()));
+  if (*format == GridFileFormat::dx) return detail::read_dx(path);
+  return *format == GridFileFormat::vti ? detail::read_vti(path) : detail::read_box(path);
+}
+
+}  // namespace eses

@@ -1,0 +1,405 @@
+// Grids that the user chooses: their options, the files from which they are read, and the surface
+// on them.
+
+#include <fmt/format.h>
+#include <zlib.h>
+
+#include <array>
+#include <cmath>
+#include <filesystem>
+#include <map>
+#include <set>
+#include <sstream>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "catch.hpp"
+#include "compute/run.hpp"
+#include "compute/run_plan.hpp"
+#include "eses/eses.hpp"
+#include "io/eses_reader.hpp"
+#include "plan/plan.hpp"
+#include "support/atom_sets.hpp"
+#include "support/eses_files.hpp"
+#include "support/sandbox.hpp"
+#include "support/temporary_directory.hpp"
+
+namespace eses::detail::test {
+namespace {
+
+namespace fs = std::filesystem;
+
+// As APBS 3.4.1 writes it.
+constexpr char apbs_map[] =
+    "# Data from 3.4.1\n# \n# POTENTIAL (kT/e)\n# \n"
+    "object 1 class gridpositions counts 9 17 5\n"
+    "origin -7.000000e+00 1.250000e-01 3.300000e+01\n"
+    "delta 7.291667e-01 0.000000e+00 0.000000e+00\n"
+    "delta 0.000000e+00 7.291667e-01 0.000000e+00\n"
+    "delta 0.000000e+00 0.000000e+00 7.291667e-01\n"
+    "object 2 class gridconnections counts 9 17 5\n"
+    "object 3 class array type double rank 0 items 765 data follows\n1 2 3\n";
+
+constexpr char image[] =
+    "<?xml version=\"1.0\"?>\n<VTKFile type=\"ImageData\">\n"
+    "  <ImageData WholeExtent=\"2 10 -1 15 0 4\"\n"
+    "    Origin=\"1 -2 3.5\" Spacing='0.25 0.25 0.25' Direction=\"1 0 0 0 1 0 0 0 1\">\n"
+    "    <Piece Extent=\"2 10 -1 15 0 4\">\n\x01\x02";
+
+void require_equal(const Grid& grid, const Grid& expected) {
+  CHECK(grid.origin == expected.origin);
+  CHECK(grid.spacing == expected.spacing);
+  CHECK(grid.size == expected.size);
+}
+
+void write_gzipped(const fs::path& path, const std::string& text) {
+  const gzFile file = gzopen(path.c_str(), "wb");
+  REQUIRE(file != nullptr);
+  CHECK(gzwrite(file, text.data(), static_cast<unsigned>(text.size())) ==
+        static_cast<int>(text.size()));
+  gzclose(file);
+}
+
+std::string message_of_reading(const fs::path& path) {
+  try {
+    read_grid(path);
+  } catch (const Error& error) {
+    return error.what();
+  }
+  return "";
+}
+
+std::string replaced(std::string text, const std::string& part, const std::string& by) {
+  const std::size_t at = text.find(part);
+  REQUIRE(at != std::string::npos);
+  return text.replace(at, part.size(), by);
+}
+
+/// The lines of grid_info.txt or intersection_info.txt by the points with which they begin, as they
+/// would be if the grid began at `shift`.
+std::map<std::vector<std::int64_t>, std::string> lines_by_points(const std::string& text,
+                                                                 std::size_t indices,
+                                                                 const GridIndex& shift) {
+  std::map<std::vector<std::int64_t>, std::string> lines;
+  std::istringstream stream(text);
+  for (std::string line; std::getline(stream, line);) {
+    std::istringstream fields(line);
+    std::vector<std::int64_t> key(indices);
+    for (std::size_t i = 0; i < indices; ++i) {
+      fields >> key[i];
+      key[i] += shift[i % 3];
+    }
+    std::getline(fields, lines[key]);
+  }
+  return lines;
+}
+
+struct Files {
+  std::string points, edges;
+  Summary summary;
+};
+
+Files files_of(const std::vector<Atom>& atoms, const Parameters& parameters) {
+  const TemporaryDirectory directory;
+  Files files;
+  files.summary = run(atoms, make_plan(atoms, parameters, {}), {}, directory.path());
+  files.points = read_bytes(directory.path() / "grid_info.txt");
+  files.edges = read_bytes(directory.path() / "intersection_info.txt");
+  return files;
+}
+
+}  // namespace
+
+TEST_CASE("the grid of an OpenDX map as APBS writes it", "[grid]") {
+  const TemporaryDirectory directory;
+  const Grid expected{{-7, 0.125, 33}, 0.7291667, {9, 17, 5}};
+  write_file(directory.path() / "a.dx", apbs_map);
+  write_gzipped(directory.path() / "a.dx.gz", apbs_map);
+  require_equal(read_grid(directory.path() / "a.dx"), expected);
+  require_equal(read_grid(directory.path() / "a.dx.gz"), expected);
+}
+
+TEST_CASE("the grid of VTK image data, whose indices begin anywhere", "[grid]") {
+  const TemporaryDirectory directory;
+  const Grid expected{{1.5, -2.25, 3.5}, 0.25, {9, 17, 5}};
+  write_file(directory.path() / "a.vti", std::string(image) + "\n");
+  write_gzipped(directory.path() / "a.vti.gz", std::string(image) + "\n");
+  require_equal(read_grid(directory.path() / "a.vti"), expected);
+  require_equal(read_grid(directory.path() / "a.vti.gz"), expected);
+}
+
+TEST_CASE("the spacing of bounding_box.txt is that with which it was made", "[grid]") {
+  const TemporaryDirectory directory;
+  for (const double spacing : {0.4, 0.37, 1.0 / 3, 0.123456789, 0.05, 1.0, 0.7291667})
+    for (const double origin : {0.0, -17.123456789012345, 312.7, 99999.5}) {
+      INFO(spacing << ' ' << origin);
+      const Grid grid{{origin, -origin, 3}, spacing, {41, 2, 160}};
+      Outputs outputs = Outputs::none();
+      outputs.box = true;
+      Parameters parameters{.spacing = spacing};
+      parameters.grid = grid;
+      const std::vector<Atom> atoms{{grid.origin, 1}};
+      run(atoms, make_plan(atoms, parameters, outputs), outputs, directory.path());
+      const Grid read = read_grid(directory.path() / "bounding_box.txt");
+      CHECK(read.size == grid.size);
+      for (std::size_t axis = 0; axis < 3; ++axis)
+        CHECK(std::fabs(read.origin[axis] - grid.origin[axis]) <=
+              1e-12 * std::fabs(grid.origin[axis]));
+      // Thirteen digits of the corners do not hold all of a third's.
+      if (spacing == 1.0 / 3) {
+        CHECK(std::fabs(read.spacing - spacing) < 1e-8 * spacing);
+      } else if (std::fabs(origin) < 1000) {
+        CHECK(read.spacing == spacing);
+      }
+    }
+}
+
+TEST_CASE("files without a grid are refused with the place of the fault", "[grid]") {
+  const TemporaryDirectory directory;
+  const std::string dx = apbs_map, vti = std::string(image) + "\n";
+  const std::string box = "0 0 0\n1 1 2\n3 3 5\n";
+  struct Case {
+    std::string name, text, message;
+  };
+  const std::vector<Case> cases{
+      {"a.dx", replaced(dx, "7.291667e-01 0.0", "7.391667e-01 0.0"),
+       ":9: the spacing is 0.7391667 along x, 0.7291667 along y and 0.7291667 along z; it must be "
+       "the same along all axes"},
+      {"a.dx", replaced(dx, "7.291667e-01 0.000000e+00", "7.291667e-01 1.000000e+00"),
+       ":7: the axes of the grid must be those of the coordinates"},
+      {"a.dx", replaced(dx, "counts 9", "counts nine"),
+       ":5: counts: expected a finite number, found \"nine\""},
+      {"a.dx", replaced(dx, "counts 9", "counts 9.5"),
+       ":5: counts: expected a whole number from 1"},
+      {"a.dx", replaced(dx, "counts 9 17 5", "counts 9 17"),
+       ":5: counts: expected a finite number, found the end of the line"},
+      {"a.dx", replaced(dx, "delta 7.291667e-01", "delta 0.000000e+00"),
+       ":9: expected a positive spacing along x, y and z"},
+      {"a.dx", replaced(dx, "-7.000000e+00", "inf"), ":6: origin: expected a finite number"},
+      {"a.dx", "# nothing\n", "expected the positions of an OpenDX grid"},
+      {"a.dx", "", "expected the positions of an OpenDX grid"},
+      {"a.vti", replaced(vti, "Origin", "Place"), "the tag ImageData has no attribute Origin"},
+      {"a.vti", replaced(vti, "\"2 10", "\"10 2"),
+       ":4: WholeExtent: expected a whole number from 10"},
+      {"a.vti", replaced(vti, "'0.25 0.25", "'0.25 0.35"), "it must be the same along all axes"},
+      {"a.vti", replaced(vti, "ImageData W", "RectilinearGrid W"), "the tag ImageData"},
+      {"b.txt", replaced(box, "1 1 2", "1 1.1 2"), "the corners give different spacings"},
+      {"b.txt", replaced(box, "1 1 2", "0 0 0"), "the corners and counts give no spacing"},
+      {"b.txt", replaced(box, "3 3 5", "1 1 1"), "the corners and counts give no spacing"},
+      {"b.txt", replaced(box, "3 3 5", "3 3"), ":3: field 3 (nz): expected a whole number"},
+      {"c.map", dx, "must end with .dx, .vti or .txt"},
+  };
+  for (const auto& [name, text, message] : cases) {
+    const fs::path path = directory.path() / name;
+    write_file(path, text);
+    const std::string found = message_of_reading(path);
+    INFO(found << "\nexpected " << message);
+    CHECK(contains(found, path.string()));
+    CHECK(contains(found, message));
+  }
+  CHECK(contains(message_of_reading(directory.path() / "none.dx"), "none.dx"));
+}
+
+TEST_CASE("a grid around a point", "[grid]") {
+  require_equal(centered_grid({1, 2, -3}, 0.5, {5, 4, 2}), {{0, 1.25, -3.25}, 0.5, {5, 4, 2}});
+}
+
+TEST_CASE("a chosen grid that lies within another has its lines", "[grid]") {
+  const std::vector<Atom> atoms = make_chain(40, 5);
+  // Multiples of 1/4 are exact, so that both grids have the same points.
+  const Grid wide{{-30, -30, -30}, 0.25, {240, 241, 239}};
+  const GridIndex shift{101, 95, 108};
+  const Grid narrow{wide.point(shift), 0.25, {37, 50, 21}};
+  Parameters parameters{.spacing = 0.25, .block_size = 17};
+  parameters.grid = wide;
+  const Files all = files_of(atoms, parameters);
+  parameters.grid = narrow;
+  const Files part = files_of(atoms, parameters);
+  REQUIRE(part.summary.edges() > 500);
+  REQUIRE(all.summary.edges() > 2 * part.summary.edges());
+  const auto all_points = lines_by_points(all.points, 3, {});
+  const auto points = lines_by_points(part.points, 3, shift);
+  CHECK(points.size() == static_cast<std::size_t>(narrow.point_count()));
+  for (const auto& [point, line] : points) REQUIRE(all_points.at(point) == line);
+  const auto all_edges = lines_by_points(all.edges, 6, {});
+  const auto edges = lines_by_points(part.edges, 6, shift);
+  CHECK(edges.size() == static_cast<std::size_t>(part.summary.edges()));
+  for (const auto& [edge, line] : edges) REQUIRE(all_edges.at(edge) == line);
+  std::size_t within = 0;
+  for (const auto& [edge, line] : all_edges) {
+    bool is_within = true;
+    for (std::size_t i = 0; i < 6; ++i)
+      is_within =
+          is_within && edge[i] >= shift[i % 3] && edge[i] < shift[i % 3] + narrow.size[i % 3];
+    within += is_within ? 1 : 0;
+  }
+  CHECK(within == edges.size());
+}
+
+TEST_CASE("chosen grids pass the verification on all kinds of atoms", "[grid]") {
+  for (const Kind kind : all_kinds)
+    for (const std::uint64_t seed : {1, 2}) {
+      INFO(kind_name(kind) << ' ' << seed);
+      const std::vector<Atom> atoms = make_atom_set(kind, seed);
+      Random random(seed);
+      Parameters parameters{.probe_radius = designed_probe_radius(seed)};
+      parameters.spacing = random.uniform(0.2, 0.6);
+      parameters.verify = 500;
+      const Vec3 center = atoms[random.integer(0, atoms.size() - 1)].center;
+      parameters.grid = centered_grid(center, parameters.spacing, {23, 31, 17});
+      const Plan plan = make_plan(atoms, parameters, Outputs::none());
+      const Summary summary = compute(atoms, plan, {});
+      CHECK(summary.inside_points > 0);
+      CHECK(summary.verification->points > 0);
+      CHECK(summary.verification->faults.empty());
+    }
+}
+
+TEST_CASE("what a chosen grid must be", "[grid]") {
+  const std::vector<Atom> atoms{{{0, 0, 0}, 1}};
+  const auto message = [&](const Grid& grid) {
+    Parameters parameters{.spacing = grid.spacing};
+    parameters.grid = grid;
+    try {
+      make_plan(atoms, parameters, Outputs::none());
+    } catch (const Error& error) {
+      return std::string(error.what());
+    }
+    return std::string();
+  };
+  CHECK(message({{0, 0, 0}, 0.5, {2, 2, 2}}).empty());
+  CHECK(contains(message({{0, 0, 0}, 0.5, {2, 1, 2}}), "1 points along y"));
+  CHECK(contains(message({{0, 0, 1e9}, 0.5, {2, 2, 2}}), "too far from 0"));
+  CHECK(contains(message({{0, 0, 0}, 0.5, {2, 2, 3000000000}}), "3000000000 points along z"));
+  CHECK(contains(message({{0, 0, 0}, 0.001, {1000000, 1000000, 1000000}}), "1e+18 points"));
+}
+
+TEST_CASE("a checkpoint of another grid is not resumed", "[grid][processes]") {
+  const TemporaryDirectory directory;
+  write_file(directory.path() / "a.xyzr", "0 0 0 1.5\n");
+  RunTask task;
+  task.input = directory.path() / "a.xyzr";
+  task.output_directory = directory.path();
+  task.resume = true;
+  task.parameters.spacing = 0.5;
+  task.parameters.grid = Grid{{-2, -2, -2}, 0.5, {9, 9, 9}};
+  const auto keep_piece = [&] {
+    const RunPlan plan = plan_run(task, Processes());
+    plan.store->prepare();
+    Piece piece;
+    piece.info.planes = {0, 4};
+    plan.store->finish(piece);
+  };
+  keep_piece();
+  CHECK(plan_run(task, Processes()).done.size() == 1);
+  task.parameters.grid->origin.x = -2.5;
+  CHECK_THROWS_AS(plan_run(task, Processes()), Error);
+  task.parameters.grid = Grid{{-2, -2, -2}, 0.5, {9, 10, 9}};
+  CHECK_THROWS_AS(plan_run(task, Processes()), Error);
+}
+
+TEST_CASE("usage errors of chosen grids", "[grid][cli]") {
+  const Sandbox sandbox;
+  const std::string place = ", expected three finite numbers x,y,z, in angstrom";
+  const std::string counts = ", expected three whole numbers nx,ny,nz of at least 2";
+  const std::string like =
+      ", expected the name of a file that ends with .dx, .vti or .txt, or one of these and .gz";
+  const std::vector<std::pair<Arguments, std::string>> cases{
+      {{"--grid-origin", "0,0"}, "--grid-origin is '0,0'" + place},
+      {{"--grid-origin", "0,0,nan"}, "--grid-origin is '0,0,nan'" + place},
+      {{"--grid-center=1,2,3,4"}, "--grid-center is '1,2,3,4'" + place},
+      {{"--grid-center="}, "--grid-center= needs a value"},
+      {{"--grid-points", "2,1,2"}, "--grid-points is '2,1,2'" + counts},
+      {{"--grid-points", "2,2.5,2"}, "--grid-points is '2,2.5,2'" + counts},
+      {{"--grid-points", "2,2,-2"}, "--grid-points is '2,2,-2'" + counts},
+      {{"--grid-origin", "0,0,0"}, "--grid-origin needs --grid-points"},
+      {{"--grid-center", "0,0,0"}, "--grid-center needs --grid-points"},
+      {{"--grid-points", "2,2,2"}, "--grid-points needs --grid-origin or --grid-center"},
+      {{"--grid-origin", "0,0,0", "--grid-center", "0,0,0", "--grid-points", "2,2,2"},
+       "--grid-origin excludes --grid-center, give one of the two"},
+      {{"--grid-like", "map.txt", "--grid-points", "2,2,2"},
+       "--grid-points excludes --grid-like, give one of the two"},
+      {{"--grid-like", "map.ccp4"}, "--grid-like is 'map.ccp4'" + like},
+      {{"--grid-like", "map.dx", "--margin", "1"},
+       "--margin has no meaning for a grid that is chosen by --grid-like"},
+      {{"1.4", "0.4", "0.8", "--grid-origin", "0,0,0", "--grid-points", "2,2,2"},
+       "MARGIN has no meaning for a grid that is chosen by --grid-origin"},
+  };
+  for (const auto& [given, message] : cases) {
+    Arguments arguments{"atom.xyzr"};
+    arguments.insert(arguments.end(), given.begin(), given.end());
+    INFO(Sandbox::command(arguments));
+    const Outcome outcome = sandbox.run(arguments);
+    CHECK(outcome.code == 2);
+    CHECK(outcome.out.empty());
+    CHECK(outcome.err == "eses-blocks: error: " + message + "\nTry 'eses-blocks --help'.\n");
+  }
+  CHECK(sandbox.files().empty());
+}
+
+TEST_CASE("the grid of every file that a run writes gives the same files", "[grid][cli]") {
+  const Sandbox sandbox;
+  REQUIRE(sandbox.run({"pair.xyzr", "1.4", "0.37", "-o", "a", "--inside", "map.dx"}).code == 0);
+  REQUIRE(
+      sandbox.run({"pair.xyzr", "1.4", "0.37", "-o", "b", "--inside", "map.vti", "--gzip"}).code ==
+      0);
+  const fs::path root = sandbox.directory();
+  for (const char* const file :
+       {"a/bounding_box.txt", "a/map.dx", "b/bounding_box.txt.gz", "b/map.vti"}) {
+    INFO(file);
+    REQUIRE(sandbox.run({"pair.xyzr", "--grid-like", file, "-o", "c"}).code == 0);
+    for (const std::string name : eses_file_names) {
+      INFO(name);
+      const bool is_same = read_file(root / "a" / name) == read_file(root / "c" / name);
+      CHECK(is_same);
+    }
+  }
+  const Outcome same = sandbox.run({"pair.xyzr", "1.4", "0.37", "--grid-like", "a/map.dx", "-q"});
+  CHECK(same.code == 0);
+  const Outcome other = sandbox.run({"pair.xyzr", "1.4", "0.38", "--grid-like", "a/map.dx"});
+  CHECK(other.code == 1);
+  CHECK(other.err ==
+        "eses-blocks: error: a/map.dx has a grid with a spacing of 0.37, but the spacing is given "
+        "as 0.38; leave it out\n");
+  const Outcome lost =
+      sandbox.run({"pair.xyzr", "--grid-like", "a/map.dx", "--inside", "map.dx", "-o", "a"});
+  CHECK(lost.code == 1);
+  CHECK(contains(lost.err, "is the file of --grid-like, and would be overwritten"));
+  CHECK(sandbox.run({"pair.xyzr", "--grid-like", "a/none.dx"}).code == 1);
+}
+
+TEST_CASE("a grid beyond which the molecule reaches is warned about once", "[grid][cli]") {
+  const Sandbox sandbox;
+  write_file(sandbox.directory() / "one.xyzr", "0 0 0 2\n");
+  const auto run_on = [&](const Arguments& grid) {
+    Arguments arguments{"one.xyzr", "--spacing", "0.5"};
+    arguments.insert(arguments.end(), grid.begin(), grid.end());
+    return sandbox.run(arguments);
+  };
+  const Outcome around = run_on({"--grid-center", "0,0,0", "--grid-points", "9,9,9"});
+  CHECK(around.code == 0);
+  CHECK(around.err.empty());
+  const Outcome cut = run_on({"--grid-origin=-2.5,-1,-2", "--grid-points", "9,9,9"});
+  CHECK(cut.code == 0);
+  CHECK(cut.err ==
+        "eses-blocks: warning: the van der Waals spheres reach beyond the grid, by 0.5 at high x, "
+        "1 at low y (angstrom); area and volume are those of the part within\n");
+  CHECK(run_on({"--grid-origin=-2.5,-1,-2", "--grid-points", "9,9,9", "--strict"}).code == 1);
+  const Outcome missed = run_on({"--grid-origin", "2.25,0,0", "--grid-points", "3,3,3"});
+  CHECK(missed.code == 0);
+  CHECK(missed.err ==
+        "eses-blocks: warning: the grid misses the molecule: no van der Waals sphere reaches it, "
+        "and all of its points are outside\n");
+  CHECK(read_file(sandbox.directory() / "intersection_info.txt").empty());
+  CHECK(contains(read_file(sandbox.directory() / "grid_info.txt"), "2 2 2 -1\n"));
+  const Outcome dry = run_on({"--grid-origin", "2.25,0,0", "--grid-points", "3,3,4", "--dry-run"});
+  CHECK(contains(dry.out, "grid: 3 x 3 x 4 = 36 points\n"));
+  CHECK(contains(dry.out, "chosen grid: from 2.25 0 0 to 3.25 1 1.5 (angstrom)\n"));
+  const Outcome json =
+      run_on({"--grid-origin", "2.25,0,0", "--grid-points", "3,3,4", "--json", "-q"});
+  CHECK(contains(json.out, R"("margin": null)"));
+  CHECK(contains(json.out, R"("size": [3, 3, 4])"));
+}
+
+}  // namespace eses::detail::test
