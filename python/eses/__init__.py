@@ -26,6 +26,7 @@ from ._core import (
     Surface,
     __version__,
     read_atoms,
+    read_grid,
 )
 
 __all__ = [
@@ -41,4 +42,5 @@ __all__ = [
     "Surface",
     "__version__",
     "read_atoms",
+    "read_grid",
 ]

@@ -58,6 +58,8 @@ class Grid:
     def __eq__(self, other: object) -> bool: ...
     def __hash__(self) -> int: ...
 
+def read_grid(path: Union[str, os.PathLike[str]]) -> Grid: ...
+
 class Crossings:
     def __len__(self) -> int: ...
     @property
@@ -178,6 +180,7 @@ class Surface:
         margin: Optional[float] = None,
         *,
         origin: Optional[Sequence[float]] = None,
+        center: Optional[Sequence[float]] = None,
         shape: Optional[Sequence[int]] = None,
     ) -> Grid: ...
     def compute(

@@ -18,6 +18,9 @@ namespace py = pybind11;
 /// Three Python numbers.
 using Triple = std::array<double, 3>;
 
+/// A vector with these components.
+inline Vec3 as_vector(const Triple& values) { return {values[0], values[1], values[2]}; }
+
 /// Two corners of a range of points or blocks: the first one, and one more than the last along each
 /// axis.
 using IndexRange = std::array<GridIndex, 2>;

@@ -79,7 +79,7 @@ Grid read(const std::filesystem::path& path) {
 }
 
 Grid make(const Triple& origin, double spacing, const GridIndex& shape) {
-  const Grid grid{{origin[0], origin[1], origin[2]}, spacing, shape};
+  const Grid grid{as_vector(origin), spacing, shape};
   validate(grid);
   return grid;
 }

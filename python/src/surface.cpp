@@ -47,10 +47,10 @@ TypeError
     If an array is not one of real numbers.)";
 
 constexpr const char* grid_text =
-    R"(grid($self, spacing=0.4, margin=None, *, origin=None, shape=None)
+    R"(grid($self, spacing=0.4, margin=None, *, origin=None, center=None, shape=None)
 --
 
-Make a grid around the atoms, or one with a given origin and shape.
+Make a grid around the atoms, or one with a given place and shape.
 
 Parameters
 ----------
@@ -61,8 +61,10 @@ margin : float, optional
     The number of points is truncated, so that up to one spacing of the upper margin may be missing.
 origin : sequence of 3 floats, optional
     Place of point (0, 0, 0), in angstrom, for a grid that does not depend on the atoms.
+center : sequence of 3 floats, optional
+    Place midway between the lowest and the highest point, in angstrom, instead of ``origin``.
 shape : sequence of 3 ints, optional
-    Number of points along x, y and z; needed with ``origin``.
+    Number of points along x, y and z; needed with ``origin`` and ``center``.
 
 Returns
 -------
@@ -73,7 +75,7 @@ Raises
 ------
 ValueError
     If an argument is out of its range, if there would be more than 2e9 points along an axis or 1e17
-    in all, or if ``margin`` is given together with ``origin`` and ``shape``.)";
+    in all, or if arguments are given that exclude each other.)";
 
 constexpr const char* compute_text =
     R"(compute($self, grid, *, threads=0, block_size=0, blocks=None, region=None, max_memory=0, inside=True, crossings=True, progress=None)
@@ -173,14 +175,18 @@ Surface make_surface(const py::object& centers, const py::object& radii, double 
 }
 
 Grid make_surface_grid(const Surface& surface, double spacing, std::optional<double> margin,
-                       const std::optional<Triple>& origin, const std::optional<GridIndex>& shape) {
-  if (!origin && !shape) {
+                       const std::optional<Triple>& origin, const std::optional<Triple>& center,
+                       const std::optional<GridIndex>& shape) {
+  if (!origin && !center && !shape) {
     const py::gil_scoped_release unlocked;
     return make_grid(surface, {.spacing = spacing, .margin = margin.value_or(default_margin)});
   }
-  if (!origin || !shape) throw py::value_error("origin and shape must be given together");
-  if (margin) throw py::value_error("margin cannot be given together with origin and shape");
-  const Grid grid{{(*origin)[0], (*origin)[1], (*origin)[2]}, spacing, *shape};
+  if (!shape) throw py::value_error("origin and center need a shape");
+  if (origin.has_value() == center.has_value())
+    throw py::value_error("a shape needs either an origin or a center");
+  if (margin) throw py::value_error("margin cannot be given together with shape");
+  const Grid grid = origin ? Grid{as_vector(*origin), spacing, *shape}
+                           : centered_grid(as_vector(*center), spacing, *shape);
   validate(grid);
   return grid;
 }
@@ -311,7 +317,7 @@ void bind_surface(py::module_& module) {
           "list of Diagnostic: suspicious properties of the atoms.")
       .def("grid", &make_surface_grid, grid_text, py::arg("spacing") = 0.4,
            py::arg("margin") = py::none(), py::kw_only(), py::arg("origin") = py::none(),
-           py::arg("shape") = py::none())
+           py::arg("center") = py::none(), py::arg("shape") = py::none())
       .def("compute", &compute_result, compute_text, py::arg("grid"), py::kw_only(),
            py::arg("threads") = 0, py::arg("block_size") = 0, py::arg("blocks") = py::none(),
            py::arg("region") = py::none(), py::arg("max_memory") = 0, py::arg("inside") = true,
