@@ -22,7 +22,7 @@ constexpr const char* iterator_text = R"(Iterator over the blocks of a grid, in 
 The blocks are computed by threads of their own, which stay at most a few blocks ahead of the loop.
 The iterator is also a context manager that calls ``close`` at its end.)";
 
-constexpr const char* close_text = R"(close($self)
+constexpr const char* close_text = R"(close(self)
 --
 
 End the computation. Blocks that are left are dropped.

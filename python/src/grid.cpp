@@ -13,10 +13,7 @@
 namespace eses::python {
 namespace {
 
-constexpr const char* class_text = R"(Grid(origin, spacing, shape)
---
-
-Cartesian grid with the same spacing along all axes.
+constexpr const char* class_text = R"(Cartesian grid with the same spacing along all axes.
 
 Point ``(i, j, k)`` is at ``origin + (i, j, k) * spacing``. Arrays over the grid have the shape
 ``(nx, ny, nz)``. A grid never changes.
@@ -36,7 +33,12 @@ ValueError
     If the spacing is not positive, a number is not finite, or if there are fewer than one or more
     than 2e9 points along an axis, or more than 1e17 in all.)";
 
-constexpr const char* coordinates_text = R"(coordinates($self, axis)
+constexpr const char* init_text = R"(__init__(self, origin, spacing, shape)
+--
+
+Check the grid.)";
+
+constexpr const char* coordinates_text = R"(coordinates(self, axis)
 --
 
 Return the coordinates of the points along an axis.
@@ -110,7 +112,7 @@ bool are_equal(const Grid& a, const Grid& b) {
 void bind_grid(py::module_& module) {
   py::class_<Grid> type(module, "Grid", class_text);
   type.attr("__module__") = "eses";
-  type.def(py::init(&make), py::arg("origin"), py::arg("spacing"), py::arg("shape"))
+  type.def(py::init(&make), init_text, py::arg("origin"), py::arg("spacing"), py::arg("shape"))
       .def_property_readonly("origin", &origin_of,
                              "tuple of 3 floats: place of point (0, 0, 0), in angstrom.")
       .def_property_readonly(

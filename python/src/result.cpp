@@ -26,7 +26,7 @@ constexpr const char* crossings_text = R"(Crossings: crossings of grid edges wit
 With a region, the crossings are those of the edges whose lower ends are in it. Raises ValueError if
 the surface was computed with ``crossings=False``.)";
 
-constexpr const char* mesh_text = R"(mesh($self)
+constexpr const char* mesh_text = R"(mesh(self)
 --
 
 Make a triangle mesh of the surface.

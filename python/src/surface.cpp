@@ -18,10 +18,8 @@
 namespace eses::python {
 namespace {
 
-constexpr const char* class_text = R"(Surface(centers, radii, probe_radius=1.4, *, threads=1)
---
-
-Solvent excluded surface of a set of atoms for a spherical probe.
+constexpr const char* class_text =
+    R"(Solvent excluded surface of a set of atoms for a spherical probe.
 
 The surface bounds the space that no probe can enter which keeps clear of all van der Waals spheres.
 A surface never changes, and may be used for many grids and by several threads at a time.
@@ -46,8 +44,13 @@ ValueError
 TypeError
     If an array is not one of real numbers.)";
 
+constexpr const char* init_text = R"(__init__(self, centers, radii, probe_radius=1.4, *, threads=1)
+--
+
+Check and index the atoms.)";
+
 constexpr const char* grid_text =
-    R"(grid($self, spacing=0.4, margin=None, *, origin=None, center=None, shape=None)
+    R"(grid(self, spacing=0.4, margin=None, *, origin=None, center=None, shape=None)
 --
 
 Make a grid around the atoms, or one with a given place and shape.
@@ -78,7 +81,7 @@ ValueError
     in all, or if arguments are given that exclude each other.)";
 
 constexpr const char* compute_text =
-    R"(compute($self, grid, *, threads=0, block_size=0, blocks=None, region=None, max_memory=0, inside=True, crossings=True, progress=None)
+    R"(compute(self, grid, *, threads=0, block_size=0, blocks=None, region=None, max_memory=0, inside=True, crossings=True, progress=None)
 --
 
 Compute the surface on a grid, in memory.
@@ -124,7 +127,7 @@ MemoryError
     If the computation needs more memory than there is, or than ``max_memory`` allows.)";
 
 constexpr const char* blocks_text =
-    R"(blocks($self, grid, *, threads=0, block_size=0, blocks=None, region=None, max_memory=0)
+    R"(blocks(self, grid, *, threads=0, block_size=0, blocks=None, region=None, max_memory=0)
 --
 
 Compute the surface on a grid, and iterate over its blocks as soon as they are solved.
@@ -287,7 +290,7 @@ void bind_surface(py::module_& module) {
   bind_diagnostic(module);
   py::class_<Surface> type(module, "Surface", class_text);
   type.attr("__module__") = "eses";
-  type.def(py::init(&make_surface), py::arg("centers"), py::arg("radii"),
+  type.def(py::init(&make_surface), init_text, py::arg("centers"), py::arg("radii"),
            py::arg("probe_radius") = 1.4, py::kw_only(), py::arg("threads") = 1)
       .def("__len__", [](const Surface& self) { return self.atoms().size(); })
       .def("__repr__",
