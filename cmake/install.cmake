@@ -35,8 +35,11 @@ install(DIRECTORY ${PROJECT_SOURCE_DIR}/include/ DESTINATION ${CMAKE_INSTALL_INC
         COMPONENT development FILES_MATCHING PATTERN "*.hpp")
 install(FILES ${PROJECT_BINARY_DIR}/generated/eses/version.hpp
         DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/eses COMPONENT development)
-install(FILES README.md LICENSE CHANGELOG.md CITATION.cff DESTINATION ${CMAKE_INSTALL_DOCDIR}
-        COMPONENT program)
+install(FILES README.md LICENSE CHANGELOG.md CITATION.cff CONTRIBUTING.md SECURITY.md
+        DESTINATION ${CMAKE_INSTALL_DOCDIR} COMPONENT program)
+# The pages and their figures, without the measurements from which these are made.
+install(DIRECTORY doc DESTINATION ${CMAKE_INSTALL_DOCDIR} COMPONENT program
+        FILES_MATCHING PATTERN "*.md" PATTERN "*.svg" PATTERN "*.png" PATTERN "*.sbatch")
 
 install(EXPORT eses-targets NAMESPACE eses:: DESTINATION ${ESES_INSTALL_CMAKEDIR}
         COMPONENT development)

@@ -23,8 +23,8 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr double tolerance = 1e-6;      // the program's own
-constexpr double most_points = 100000;  // of a grid: time and memory go with them
+constexpr double tolerance = 1e-6;     // the program's own
+constexpr double max_points = 100000;  // of a grid: time and memory go with them
 
 // ----------------------------------------------------------------------------------- directories
 
@@ -82,7 +82,7 @@ bool is_small(const fs::path& directory) {
   try {
     double points = 1;
     for (const std::int64_t n : size_in(directory)) points *= static_cast<double>(n);
-    return points <= most_points;
+    return points <= max_points;
   } catch (const Error&) {
     return true;  // the comparison must get over it
   }

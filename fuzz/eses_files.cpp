@@ -42,7 +42,7 @@ Outcome<Item> read_all(const MemoryFile& file) {
 bool is_finite(Vec3 v) { return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z); }
 
 void expect_index(std::int64_t index) {
-  expect(index >= 0 && index < most_grid_points, "an index out of range");
+  expect(index >= 0 && index < max_grid_points, "an index out of range");
 }
 
 // ---------------------------------------------------------------------------------------- items
@@ -53,14 +53,14 @@ void expect_in_range(const GridRow& row) {
 
 void expect_in_range(const AtomArea& area) { expect(std::isfinite(area.area), "no finite area"); }
 
-void expect_in_range(const SurfaceEdge& edge) {
-  for (const std::int32_t index : edge.edge.lower) expect_index(index);
-  expect(edge.edge.axis < 3, "no axis");
-  for (const std::int64_t index : edge.edge.inside()) expect_index(index);
-  for (const std::int64_t index : edge.edge.outside()) expect_index(index);
-  expect(is_finite(edge.position) && is_finite(edge.normal), "a vector that is not finite");
-  expect(edge.atom_count >= 1 && edge.atom_count <= 3, "not 1 to 3 atoms");
-  const auto atoms = std::span(edge.atoms).first(edge.atom_count);
+void expect_in_range(const Crossing& crossing) {
+  for (const std::int64_t index : crossing.lower) expect_index(index);
+  expect(crossing.axis < 3, "no axis");
+  for (const std::int64_t index : crossing.inside_point()) expect_index(index);
+  for (const std::int64_t index : crossing.outside_point()) expect_index(index);
+  expect(is_finite(crossing.position) && is_finite(crossing.normal), "a vector that is not finite");
+  expect(crossing.atom_count >= 1 && crossing.atom_count <= 3, "not 1 to 3 atoms");
+  const auto atoms = crossing.adjacent_atoms();
   expect(std::ranges::is_sorted(atoms, std::ranges::less_equal()), "atoms not ascending");
 }
 
@@ -75,11 +75,10 @@ std::string text_of(const GridRow& row) {
   return fmt::format("{} {}\n", fmt::join(row.point, " "), row.inside ? 1 : -1);
 }
 
-std::string text_of(const SurfaceEdge& edge) {
-  return fmt::format("{}  {}  {}  {}  {} \n", fmt::join(edge.edge.inside(), " "),
-                     fmt::join(edge.edge.outside(), " "), text_of(edge.position),
-                     text_of(edge.normal),
-                     fmt::join(std::span(edge.atoms).first(edge.atom_count), " "));
+std::string text_of(const Crossing& crossing) {
+  return fmt::format("{}  {}  {}  {}  {} \n", fmt::join(crossing.inside_point(), " "),
+                     fmt::join(crossing.outside_point(), " "), text_of(crossing.position),
+                     text_of(crossing.normal), fmt::join(crossing.adjacent_atoms(), " "));
 }
 
 std::string text_of(const AtomArea& area) { return fmt::format("{} {}\n", area.atom, area.area); }
@@ -109,7 +108,7 @@ void check_box(const MemoryFile& file) {
   try {
     const BoundingBox box = read_bounding_box(file.path());
     expect(is_finite(box.lower) && is_finite(box.upper), "a corner that is not finite");
-    for (const std::int64_t n : box.size) expect(n > 0 && n <= most_grid_points, "a size of none");
+    for (const std::int64_t n : box.size) expect(n > 0 && n <= max_grid_points, "a size of none");
     printed_file.assign(text_of(box));
     expect(text_of(read_bounding_box(printed_file.path())) == text_of(box),
            "a box that is printed does not read back");
@@ -120,13 +119,14 @@ void check_box(const MemoryFile& file) {
 
 /// A line's place is read in the same way with the rest of the line and without.
 void check_edges(const MemoryFile& file) {
-  const auto edges = check_lines<SurfaceEdge, EdgeReader>(file);
+  const auto edges = check_lines<Crossing, EdgeReader>(file);
   const auto places = read_all<GridEdge, EdgeReader>(file);
   expect(places.items.size() >= edges.items.size(), "edges are lost");
-  expect(
-      std::equal(edges.items.begin(), edges.items.end(), places.items.begin(),
-                 [](const SurfaceEdge& edge, const GridEdge& place) { return edge.edge == place; }),
-      "edges are in other places");
+  expect(std::equal(edges.items.begin(), edges.items.end(), places.items.begin(),
+                    [](const Crossing& crossing, const GridEdge& edge) {
+                      return edge_of(crossing) == edge;
+                    }),
+         "edges are in other places");
 }
 
 /// The first letters of the files' names choose them, and every other byte some.

@@ -14,8 +14,8 @@
 namespace eses::detail::fuzz {
 namespace {
 
-constexpr std::size_t most_atoms = 12;
-constexpr std::int64_t most_points = 1000;  // the oracle looks at each of them
+constexpr std::size_t max_atoms = 12;
+constexpr std::int64_t max_points = 1000;  // the oracle looks at each of them
 
 using std::numbers::phi, std::numbers::sqrt3;
 
@@ -163,7 +163,7 @@ void fit_grid(const std::vector<Atom>& atoms, double margin_in_spacings, Paramet
   for (;;) {
     parameters.margin = margin_in_spacings * parameters.spacing;
     const Grid grid = make_grid(atoms, parameters.spacing, parameters.margin);
-    if (grid.point_count() <= most_points) return;
+    if (grid.point_count() <= max_points) return;
     parameters.spacing *= 2;
   }
 }
@@ -190,7 +190,7 @@ Molecule make_molecule(std::span<const std::uint8_t> bytes) {
     Atom atom = make_atom(kind, {result.atoms, probe, unit, pick(radii, size), nudge, a, b, c});
     atom.radius = std::max(0.0, atom.radius);
     result.atoms.push_back(atom);
-  } while (rest.more() && result.atoms.size() < most_atoms);
+  } while (rest.more() && result.atoms.size() < max_atoms);
   place(result.atoms, frame);
   fit_grid(result.atoms, margin, parameters);
   return result;

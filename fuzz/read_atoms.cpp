@@ -22,7 +22,7 @@ namespace {
 
 constexpr AtomFormat format = AtomFormat::ESES_FUZZ_FORMAT;
 constexpr std::string_view name = "input";
-constexpr double largest_length = 1e6;  // angstrom
+constexpr double max_length = 1e6;  // angstrom
 
 /// Atoms, or the message that tells why there are none.
 struct Outcome {
@@ -51,9 +51,9 @@ bool same(const Outcome& a, const Outcome& b) {
 
 void expect_in_range(const Atom& atom) {
   for (std::size_t axis = 0; axis < 3; ++axis) {
-    expect(std::fabs(atom.center[axis]) <= largest_length, "a coordinate out of range");
+    expect(std::fabs(atom.center[axis]) <= max_length, "a coordinate out of range");
   }
-  expect(atom.radius >= 0 && atom.radius <= largest_length, "a radius out of range");
+  expect(atom.radius >= 0 && atom.radius <= max_length, "a radius out of range");
 }
 
 std::string with_crlf(std::string_view text) {

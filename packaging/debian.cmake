@@ -51,7 +51,7 @@ function(finish_component root package)
   file(WRITE ${doc}/changelog.Debian
 "eses-blocks (${CPACK_PACKAGE_VERSION}-${CPACK_DEBIAN_PACKAGE_RELEASE}) unstable; urgency=medium
 
-  * Release ${CPACK_PACKAGE_VERSION}; what is new in it tells changelog.gz.
+  * Release ${CPACK_PACKAGE_VERSION}. The changes are in changelog.gz.
 
  -- ${CPACK_PACKAGE_CONTACT}  ${date}
 ")

@@ -27,7 +27,7 @@ namespace eses::detail::HWY_NAMESPACE {
 void classify(const BlockGrid& grid, const BlockFeatures& features, ClassifyScratch& scratch,
               PointBits& inside);
 void intersect(const BlockGrid& grid, const BlockFeatures& features, const PointBits& inside,
-               IntersectScratch& scratch, std::vector<Crossing>& crossings,
+               IntersectScratch& scratch, std::vector<BlockCrossing>& crossings,
                std::vector<std::uint32_t>& row_begin);
 }  // namespace eses::detail::HWY_NAMESPACE
 HWY_AFTER_NAMESPACE();
@@ -36,10 +36,11 @@ HWY_AFTER_NAMESPACE();
 namespace eses::detail::test {
 namespace {
 
-using eses::detail::Crossing;
+using eses::detail::BlockCrossing;
 using Classify = void (*)(const BlockGrid&, const BlockFeatures&, ClassifyScratch&, PointBits&);
 using Intersect = void (*)(const BlockGrid&, const BlockFeatures&, const PointBits&,
-                           IntersectScratch&, std::vector<Crossing>&, std::vector<std::uint32_t>&);
+                           IntersectScratch&, std::vector<BlockCrossing>&,
+                           std::vector<std::uint32_t>&);
 
 // --- the nearest accessible probe centre -------------------------------------------------------
 
@@ -64,14 +65,15 @@ double distance_to_arc(const ArcFeature& arc, Vec3 point) {
 }
 
 // Held against all atoms: a probe that reaches into the block may stand outside it.
-bool is_accessible(const Surface& surface, Vec3 center) {
+bool is_accessible(const SurfaceModel& surface, Vec3 center) {
   return std::none_of(surface.atoms.begin(), surface.atoms.end(), [&](const Atom& atom) {
     const double sas_radius = atom.radius + surface.probe_radius;
     return norm(center - atom.center) < sas_radius - tolerance::accessible;
   });
 }
 
-double plain_probe_distance(const Surface& surface, const BlockFeatures& features, Vec3 point) {
+double plain_probe_distance(const SurfaceModel& surface, const BlockFeatures& features,
+                            Vec3 point) {
   double nearest = std::numeric_limits<double>::max();
   const auto offer = [&](double distance) { nearest = std::min(nearest, distance); };
   for (const PlacementFeature& placement : features.placements)
@@ -114,7 +116,8 @@ Box bounding_box(std::span<const Atom> atoms) {
   return box;
 }
 
-void require_probe(const Surface& surface, const PatchIndex& patches, Vec3 point, double expected) {
+void require_probe(const SurfaceModel& surface, const PatchIndex& patches, Vec3 point,
+                   double expected) {
   constexpr double rounding = 1e-8;
   const double probe = surface.probe_radius;
   const NearestProbe found = nearest_probe(patches, point, probe);
@@ -147,7 +150,7 @@ TEST_CASE("the nearest probe of the index is the nearest of all patches") {
       const std::vector<Atom> atoms = make_atom_set(kind, seed);
       const double probe = designed_probe_radius(seed);
       const AllPatches all(atoms, probe);
-      const Surface& surface = all.surface;
+      const SurfaceModel& surface = all.surface;
       const Box molecule = grown(bounding_box(atoms), probe);
       Random random(seed);
       INFO(kind_name(kind) << " " << seed);
@@ -268,7 +271,7 @@ void for_each_index(const GridIndex& size, Action&& action) {
 }
 
 // How far the point is from being classified otherwise, angstrom: positive inside.
-double plain_depth(const Surface& surface, const BlockFeatures& features, Vec3 point) {
+double plain_depth(const SurfaceModel& surface, const BlockFeatures& features, Vec3 point) {
   double in_atom = -1e9, in_sas_ball = -1e9;
   for (const BallFeature& ball : features.balls) {
     const double distance = norm(point - ball.center);
@@ -280,7 +283,7 @@ double plain_depth(const Surface& surface, const BlockFeatures& features, Vec3 p
   return plain_probe_distance(surface, features, point) - features.probe_radius;
 }
 
-void require_plain_points(const Surface& surface, const SolvedBlock& block) {
+void require_plain_points(const SurfaceModel& surface, const SolvedBlock& block) {
   const PointBits& inside = block.inside;
   for_each_index(block.grid.block.points, [&](const GridIndex& p) {
     const double depth = plain_depth(surface, block.features, grid_point(block.grid, p));
@@ -306,13 +309,13 @@ void require_plain_points(const Surface& surface, const SolvedBlock& block) {
 
 struct Candidates {
   const BlockFeatures& features;
-  Edge edge;
-  std::vector<Crossing> found;
+  CrossedEdge edge;
+  std::vector<BlockCrossing> found;
 
   double low() const { return edge.lower[edge.axis]; }
 
   void add(double coordinate, Vec3 normal, std::array<AtomIndex, 3> atoms, int count) {
-    Crossing crossing;
+    BlockCrossing crossing;
     crossing.coordinate = std::clamp(coordinate, low(), edge.upper);
     crossing.normal = normal;
     crossing.atoms = atoms;
@@ -380,7 +383,7 @@ struct Candidates {
       const double slack = -tolerance::seam * circle.radius;
       if (circle.radius * height + circle.first_height * inward < slack ||
           circle.second_height * inward - circle.radius * height < slack ||
-          !faces(arc.sector, point))
+          !projects_onto_arc(arc.sector, point))
         continue;
       const Vec3 center = circle.radius * nearest_on_arc(arc, point);
       add(point[edge.axis] + circle.center[edge.axis], normalized(center - point),
@@ -389,7 +392,8 @@ struct Candidates {
   }
 };
 
-std::vector<Crossing> plain_candidates(const BlockFeatures& features, const Edge& edge) {
+std::vector<BlockCrossing> plain_candidates(const BlockFeatures& features,
+                                            const CrossedEdge& edge) {
   Candidates candidates{features, edge, {}};
   for (const FaceFeature& face : features.faces) candidates.add_face(face);
   for (const PlacementFeature& placement : features.placements) candidates.add_placement(placement);
@@ -398,10 +402,10 @@ std::vector<Crossing> plain_candidates(const BlockFeatures& features, const Edge
 }
 
 struct PlainEdge {
-  Edge edge;
+  CrossedEdge edge;
   std::int64_t x = 0;
-  Crossing decided;
-  std::vector<Crossing> candidates;
+  BlockCrossing decided;
+  std::vector<BlockCrossing> candidates;
 };
 
 struct PlainEdges {
@@ -423,7 +427,7 @@ PlainEdges plain_edges(const SolvedBlock& block) {
       if (next[axis] == grid.block.points[axis] || is_inside(block.inside, next) == lower_is_inside)
         continue;
       PlainEdge edge;
-      edge.edge = make_edge(grid, axis, p, lower_is_inside);
+      edge.edge = make_crossed_edge(grid, axis, p, lower_is_inside);
       edge.x = p[0];
       edge.candidates = plain_candidates(block.features, edge.edge);
       edge.decided = decide_crossing(patches, edge.edge, edge.candidates);
@@ -434,13 +438,13 @@ PlainEdges plain_edges(const SolvedBlock& block) {
   return plain;
 }
 
-bool is_same_contact(const Crossing& a, const Crossing& b) {
+bool is_same_contact(const BlockCrossing& a, const BlockCrossing& b) {
   return a.atom_count == b.atom_count && a.atoms == b.atoms && norm(a.normal - b.normal) < 1e-5 &&
          std::fabs(a.coordinate - b.coordinate) < 1e-8;
 }
 
-void require_plain_crossing(const Crossing& crossing, const PlainEdge& plain) {
-  const Edge& edge = plain.edge;
+void require_plain_crossing(const BlockCrossing& crossing, const PlainEdge& plain) {
+  const CrossedEdge& edge = plain.edge;
   REQUIRE(crossing.axis == edge.axis);
   REQUIRE(crossing.x == plain.x);
   REQUIRE(crossing.lower_is_inside == edge.lower_is_inside);
@@ -452,8 +456,9 @@ void require_plain_crossing(const Crossing& crossing, const PlainEdge& plain) {
   if (is_same_contact(crossing, plain.decided)) return;
   // Where patches meet at one point, rounding decides which one it is.
   REQUIRE(std::fabs(crossing.coordinate - plain.decided.coordinate) < 2 * tolerance::same_crossing);
-  REQUIRE(std::any_of(plain.candidates.begin(), plain.candidates.end(),
-                      [&](const Crossing& other) { return is_same_contact(crossing, other); }));
+  REQUIRE(
+      std::any_of(plain.candidates.begin(), plain.candidates.end(),
+                  [&](const BlockCrossing& other) { return is_same_contact(crossing, other); }));
 }
 
 struct EdgeCounts {
@@ -473,7 +478,7 @@ EdgeCounts require_plain_edges(const SolvedBlock& block) {
   for_each_version(ESES_VERSIONS(intersect), [&](Intersect intersect) {
     IntersectScratch scratch;
     scratch.batch.make_room();
-    std::vector<Crossing> crossings;
+    std::vector<BlockCrossing> crossings;
     std::vector<std::uint32_t> row_begin;
     intersect(block.grid, block.features, block.inside, scratch, crossings, row_begin);
     REQUIRE(crossings.size() == plain.edges.size());
@@ -486,7 +491,7 @@ EdgeCounts require_plain_edges(const SolvedBlock& block) {
 
 EdgeCounts require_plain_blocks(const Case& molecule) {
   EdgeCounts counts;
-  for_each_block(molecule, [&](const Surface& surface, SolvedBlock& block) {
+  for_each_block(molecule, [&](const SurfaceModel& surface, SolvedBlock& block) {
     block.inside = classified(ESES_VERSIONS(classify).baseline, block);
     require_plain_points(surface, block);
     for_each_version(ESES_VERSIONS(classify), [&](Classify classify) {
@@ -548,13 +553,13 @@ TEST_CASE("a point atom on a grid point is crossed there, outwards along each ed
     for_each_version(ESES_VERSIONS(intersect), [&](Intersect intersect) {
       IntersectScratch scratch;
       scratch.batch.make_room();
-      std::vector<Crossing> crossings;
+      std::vector<BlockCrossing> crossings;
       std::vector<std::uint32_t> row_begin;
       intersect(block.grid, block.features, block.inside, scratch, crossings, row_begin);
       // Poles of the sphere are grid points: their edges end exactly on the surface, and count as
       // crossed there.
       std::size_t poles = 0;
-      for (const Crossing& crossing : crossings) {
+      for (const BlockCrossing& crossing : crossings) {
         const double outward = crossing.lower_is_inside ? 1 : -1;
         CHECK(crossing.atom_count == 1);
         CHECK(crossing.atoms[0] == 0);

@@ -744,29 +744,30 @@ TEST_CASE("reading takes memory for atoms, not for text, and keeps the limit", "
   }
 }
 
-TEST_CASE("what is odd in the input is warned about, counted, with line numbers", "[cli]") {
+TEST_CASE("suspicious atoms produce warnings with counts and line numbers", "[cli]") {
   const Sandbox sandbox;
   std::string text = "# atoms\n0 0 0 1.5\n";
   for (int i = 0; i < 8; ++i) text += "0 0 0 1.5\n";
-  write_file(sandbox.directory() / "odd.xyzr", text + "9 0 0 5\n9 0 0 0\n");
+  write_file(sandbox.directory() / "suspicious.xyzr", text + "9 0 0 5\n9 0 0 0\n");
   const std::string duplicates =
-      "odd.xyzr: 8 atoms have the centre and radius of an earlier one: lines 3 (as 2), 4 (as 2), "
+      "suspicious.xyzr: 8 atoms have the centre and radius of an earlier one: lines 3 (as 2), 4 "
+      "(as 2), "
       "5 (as 2), 6 (as 2), 7 (as 2) and 3 more\n";
-  const std::string large = "odd.xyzr: 1 atom has a radius above 4 angstrom: line 11\n";
+  const std::string large = "suspicious.xyzr: 1 atom has a radius above 4 angstrom: line 11\n";
 
-  const Outcome outcome = sandbox.run({"odd.xyzr"});
+  const Outcome outcome = sandbox.run({"suspicious.xyzr"});
   CHECK(outcome.code == 0);
   CHECK(outcome.err == "eses-blocks: warning: " + duplicates + "eses-blocks: warning: " + large);
-  CHECK(contains(outcome.out, "input: odd.xyzr (11 atoms; 1 of radius 0)\n"));
-  CHECK(sandbox.run({"odd.xyzr", "-q"}).err.empty());
+  CHECK(contains(outcome.out, "input: suspicious.xyzr (11 atoms; 1 of radius 0)\n"));
+  CHECK(sandbox.run({"suspicious.xyzr", "-q"}).err.empty());
 
-  const Outcome strict = sandbox.run({"odd.xyzr", "--strict", "-o", "strict", "-q"});
+  const Outcome strict = sandbox.run({"suspicious.xyzr", "--strict", "-o", "strict", "-q"});
   CHECK(strict.code == 1);
   CHECK(strict.out.empty());
   CHECK(strict.err == "eses-blocks: error: " + duplicates + "eses-blocks: error: " + large);
   CHECK_FALSE(fs::exists(sandbox.directory() / "strict"));
 
-  const Outcome json = sandbox.run({"odd.xyzr", "--json", "-q"});
+  const Outcome json = sandbox.run({"suspicious.xyzr", "--json", "-q"});
   REQUIRE(json.code == 0);
   CHECK(json.err.empty());
   check_json(sandbox, json.out,

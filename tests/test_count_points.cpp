@@ -74,7 +74,7 @@ PointCounts count_plainly(const GridPoints& points) {
   return counts;
 }
 
-BlockResult make_block(const GridPoints& points, const Block& block, bool keeps_zeros) {
+BlockResult make_block(const GridPoints& points, const BlockBounds& block, bool keeps_zeros) {
   BlockResult result;
   result.block = block;
   result.inside.reset(block.points);

@@ -55,7 +55,7 @@ AtomTree tree_of(const std::vector<Atom>& atoms, std::size_t slices) {
   return {atoms, cut_into_slices(atoms, slices, 2), 2};
 }
 
-void check_arcs(const Surface& surface, AtomIndex i) {
+void check_arcs(const SurfaceModel& surface, AtomIndex i) {
   const auto sphere = surface.sas_sphere(i);
   CapList caps;
   std::vector<AtomIndex> neighbours;
@@ -176,7 +176,7 @@ TEST_CASE("the arcs of a crowded atom are those that all its caps leave", "[crow
   for (const auto& [atoms, radius] : {std::pair<std::size_t, double>{600, 20}, {3000, 60}})
     for (const std::size_t place : {std::size_t{0}, atoms / 2, atoms}) {
       INFO(atoms << " atoms, the large one at " << place);
-      const Surface surface(make_crowd(atoms, radius, place), probe);
+      const SurfaceModel surface(make_crowd(atoms, radius, place), probe);
       check_arcs(surface, static_cast<AtomIndex>(place));
     }
 }
@@ -260,7 +260,7 @@ TEST_CASE("a region far from a large atom needs patches only nearby", "[crowded]
   std::vector<Atom> atoms = make_gas(20);
   atoms.push_back({{-1000 - 20, 90, 90}, 1000});
   const Box box{{160, 0, 0}, {170, 10, 10}};
-  Surface surface(atoms, probe);
+  SurfaceModel surface(atoms, probe);
   surface.confine_to(box);
   std::size_t needed = 0;
   for (AtomIndex i = 0; i < atoms.size(); ++i) needed += surface.needs_patches(i) ? 1 : 0;

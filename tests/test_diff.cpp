@@ -752,7 +752,7 @@ TEST_CASE("diff: spheres from convex edges, contacts from spheres", "[diff]") {
         (radius + probe_radius) * normalized({random.uniform(-1, 1), random.uniform(-1, 1), 1});
     CHECK_FALSE(spheres.sphere(atom));
     for (int i = 0; i < 5; ++i) {
-      SurfaceEdge edge;
+      eses::Crossing edge;
       edge.normal =
           normalized({random.uniform(-1, 1), random.uniform(-1, 1), random.uniform(-1, 1)});
       edge.position = center + radius * edge.normal;
@@ -765,7 +765,7 @@ TEST_CASE("diff: spheres from convex edges, contacts from spheres", "[diff]") {
     CHECK(norm(touched.back().center - center) < 1e-12);
     CHECK(std::fabs(touched.back().radius - radius) < 1e-12);
   }
-  SurfaceEdge edge;
+  eses::Crossing edge;
   edge.position = {0, 0, probe_radius};
   edge.normal = {0, 0, -1};
   CHECK(touches_all(edge, touched, 1e-9));
@@ -809,12 +809,12 @@ TEST_CASE("diff: edges come in order, whatever their number and their order in t
       write_file(path, text_of(some));
       const OrderedEdges edges(path, unknown_size);
       for (int pass = 0; pass < 2; ++pass) {
-        const ItemStream<SurfaceEdge> stream = edges.stream();
-        SurfaceEdge edge, last;
+        const ItemStream<eses::Crossing> stream = edges.stream();
+        eses::Crossing edge, last;
         std::size_t seen = 0, misplaced = 0, wrong = 0;
         for (; stream(edge); last = edge, ++seen) {
-          if (seen > 0 && edge.edge < last.edge) ++misplaced;
-          const auto& lower = edge.edge.lower;
+          if (seen > 0 && edge_of(edge) < edge_of(last)) ++misplaced;
+          const auto& lower = edge.lower;
           if (edge.position != Vec3{double(lower[0]), double(lower[1]), double(lower[2])}) ++wrong;
           const bool is_repeated = seen + 1 == count;
           if (edge.atom_count != (is_repeated ? 2 : 1) || edge.atoms[0] != AtomIndex(lower[0]))
@@ -941,8 +941,8 @@ TEST_CASE("diff: the JSON report holds what the text says", "[diff]") {
   };
   check_answer("r['program'], r['a'], r['b'], r['tolerance'], r['same']",
                "('eses-blocks diff', 'a', 'b', 1e-05, False)");
-  check_answer("r['bounding_box']", "{'standing': 'only in B', 'same': None, 'found': None}");
-  check_answer("r['grid_info']['standing'], r['grid_info']['same']", "('compared', False)");
+  check_answer("r['bounding_box']", "{'status': 'only in B', 'same': None, 'found': None}");
+  check_answer("r['grid_info']['status'], r['grid_info']['same']", "('compared', False)");
   check_answer("r['grid_info']['found']['other_sign']",
                "{'count': 1, 'first': [{'at': [4, 0, 0], 'a': -1, 'b': 1}]}");
   const Fields f = fields_of(dropped);

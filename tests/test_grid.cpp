@@ -142,7 +142,7 @@ struct Ownership {
   }
 };
 
-void claim_point(Ownership& ownership, const Block& block, const GridIndex& p) {
+void claim_point(Ownership& ownership, const BlockBounds& block, const GridIndex& p) {
   ++ownership.at(p[0], p[1], p[2], 3);
   for (std::size_t axis = 0; axis < 3; ++axis) {
     if (p[axis] + 1 == ownership.size[axis]) continue;
@@ -152,14 +152,14 @@ void claim_point(Ownership& ownership, const Block& block, const GridIndex& p) {
   }
 }
 
-void claim(Ownership& ownership, const Block& block) {
+void claim(Ownership& ownership, const BlockBounds& block) {
   for (std::int64_t k = 0; k < block.owned[2]; ++k)
     for (std::int64_t j = 0; j < block.owned[1]; ++j)
       for (std::int64_t i = 0; i < block.owned[0]; ++i)
         claim_point(ownership, block, {block.first[0] + i, block.first[1] + j, block.first[2] + k});
 }
 
-bool lies_in(const Block& block, const BlockTiling& tiling) {
+bool lies_in(const BlockBounds& block, const BlockTiling& tiling) {
   for (std::size_t q = 0; q < 3; ++q) {
     const bool last = tiling.region.end[q] == tiling.grid_size[q] &&
                       block.first[q] + block.points[q] == tiling.grid_size[q];
@@ -203,7 +203,7 @@ void check_ownership(const BlockTiling& tiling) {
   for (std::int64_t bz = 0; bz < tiling.blocks[2]; ++bz)
     for (std::int64_t by = 0; by < tiling.blocks[1]; ++by)
       for (std::int64_t bx = 0; bx < tiling.blocks[0]; ++bx) {
-        const Block block = tiling.block(bx, by, bz);
+        const BlockBounds block = tiling.block(bx, by, bz);
         inside = inside && lies_in(block, tiling);
         if (inside) claim(ownership, block);
       }

@@ -114,7 +114,7 @@ template <std::size_t axis>
 void meet_lines_along(const BlockGrid& grid, const HalfSphere& half, std::vector<LineHit>& hits) {
   const auto is_kept = [&](kernel::DoubleMask met, const kernel::Points& offset,
                            kernel::DoubleVector, int) {
-    return hn::And(met, kernel::dot(half.normal, offset) >= kernel::all(0));
+    return hn::And(met, kernel::dot(half.normal, offset) >= kernel::broadcast(0));
   };
   kernel::meet_lines<axis>(
       grid, {half.center, half.radius, half.box}, is_kept,

@@ -198,7 +198,7 @@ TEST_CASE("threads and block size leave no trace in the map", "[maps]") {
   }
 }
 
-TEST_CASE("rows of a map come in any order, and are turned in several pieces", "[maps]") {
+TEST_CASE("rows of a map come in any order, and are transposed in several tiles", "[maps]") {
   Random random(17);
   for (const GridIndex& size : {GridIndex{3, 300, 400}, {130, 5, 7}, {64, 2, 70000}, {1, 1, 1}}) {
     INFO(size[0] << " x " << size[1] << " x " << size[2]);
@@ -234,9 +234,9 @@ TEST_CASE("rows of a map come in any order, and are turned in several pieces", "
           end = begin;
         }
         // As several that have the file in common would.
-        const std::int64_t half = map.piece_count() / 2;
-        map.turn_pieces(half, map.piece_count(), 3, [] {});
-        map.turn_pieces(0, half, 2, [] {});
+        const std::int64_t half = map.tile_count() / 2;
+        map.transpose_tiles(half, map.tile_count(), 3, [] {});
+        map.transpose_tiles(0, half, 2, [] {});
         map.write_ends();
         file.truncate(map.file_bytes());
         file.close();
@@ -262,7 +262,7 @@ TEST_CASE("a run with a map that is ended at any moment leaves nothing", "[maps]
   int calls = 0;
   run(atoms, plan, outputs, directory.path() / "whole",
       {.progress = [&](std::int64_t, std::int64_t) { ++calls; }});
-  REQUIRE(calls > 12);  // ten for the five files, and one at least for the pieces of the map
+  REQUIRE(calls > 12);  // ten for the five files, and one at least for the tiles of the map
   for (int last = 1; last <= calls; ++last) {
     INFO("call " << last << " of " << calls);
     int call = 0;

@@ -389,7 +389,7 @@ TEST_CASE("mesh: sets of every kind, also where crossings coincide with grid poi
       check_no_faults(mesh);
       if (mesh.triangles.empty()) continue;
       const double least = mesh::coincidence * parameters.spacing;
-      CHECK(measure(mesh).smallest_area > 0.5 * least * least);
+      CHECK(measure(mesh).min_area > 0.5 * least * least);
       REQUIRE(mesh.positions.size() == files.crossings.size());
       for (std::size_t v = 0; v < mesh.positions.size(); ++v)
         REQUIRE(norm(mesh.positions[v] - files.crossings[v].point) <
@@ -415,7 +415,7 @@ TEST_CASE("mesh: a sphere through grid points", "[mesh]") {
   check_no_faults(mesh);
   const MeshMeasures measures = measure(mesh);
   CHECK(measures.euler_number == 2);
-  CHECK(measures.smallest_area > 1e-10);
+  CHECK(measures.min_area > 1e-10);
 }
 
 TEST_CASE("mesh: an atom of radius 0 on a grid point", "[mesh]") {
@@ -425,7 +425,7 @@ TEST_CASE("mesh: an atom of radius 0 on a grid point", "[mesh]") {
   const Mesh mesh = run_mesh({{{0, 0, 0}, 0}}, parameters).mesh;
   check_no_faults(mesh);
   REQUIRE(mesh.triangles.size() == 8);
-  CHECK(measure(mesh).smallest_area > 0);
+  CHECK(measure(mesh).min_area > 0);
 }
 
 TEST_CASE("mesh: it is open where the grid cuts the molecule, and nowhere else", "[mesh]") {

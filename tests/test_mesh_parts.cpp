@@ -99,7 +99,7 @@ std::vector<GridRegion> random_cuts(const GridIndex& size, Random& random) {
   return regions;
 }
 
-RegionBox box_of(const Grid& grid, const GridRegion& region) {
+Box box_of(const Grid& grid, const GridRegion& region) {
   return {grid.point(region.begin),
           grid.point({region.end[0] - 1, region.end[1] - 1, region.end[2] - 1})};
 }
@@ -179,7 +179,7 @@ TEST_CASE("mesh: of a part it is the same at any block size and number of thread
   const std::vector<Atom> atoms = make_chain(120, 32);
   Parameters parameters;
   const Grid grid = make_plan(atoms, parameters, {}).grid;
-  parameters.region = RegionBox{grid.origin + Vec3{3, 4, 2.5}, grid.upper() - Vec3{5, 3, 6}};
+  parameters.region = Box{grid.origin + Vec3{3, 4, 2.5}, grid.upper() - Vec3{5, 3, 6}};
   const auto bytes = [&] {
     const TemporaryDirectory directory;
     Outputs outputs = Outputs::none();

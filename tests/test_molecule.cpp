@@ -36,12 +36,12 @@ struct ScatteredSets {
 
 /// Part of the atoms change their places, so that those of a set are in many ranges. Of sets of
 /// `kinds` in turn.
-ScatteredSets scatter_sets(std::span<const Kind> kinds, std::size_t least_atoms) {
+ScatteredSets scatter_sets(std::span<const Kind> kinds, std::size_t min_atoms) {
   constexpr std::size_t sets_along_axis = 24;
   constexpr double distance = 256;  // angstrom; of two, so that what is snapped stays so
   ScatteredSets sets;
   std::uint32_t count = 0;
-  for (; sets.atoms.size() < least_atoms; ++count) {
+  for (; sets.atoms.size() < min_atoms; ++count) {
     const std::size_t n = count, rows = n / sets_along_axis, layers = rows / sets_along_axis;
     const Vec3 place =
         distance * Vec3{static_cast<double>(n % sets_along_axis),
@@ -51,16 +51,16 @@ ScatteredSets scatter_sets(std::span<const Kind> kinds, std::size_t least_atoms)
       sets.set_of.push_back(count);
     }
   }
-  Random random(least_atoms);
+  Random random(min_atoms);
   const auto any = [&] { return random.integer(0, sets.atoms.size() - 1); };
-  for (std::size_t more = least_atoms / 50; more > 0; --more) {
+  for (std::size_t more = min_atoms / 50; more > 0; --more) {
     const std::size_t i = any();
     const Atom repeated = sets.atoms[i];
     const std::uint32_t set = sets.set_of[i];
     sets.atoms.push_back(repeated);
     sets.set_of.push_back(set);
   }
-  for (std::size_t swaps = least_atoms / 8; swaps > 0; --swaps) {
+  for (std::size_t swaps = min_atoms / 8; swaps > 0; --swaps) {
     const std::size_t i = any(), j = any();
     std::swap(sets.atoms[i], sets.atoms[j]);
     std::swap(sets.set_of[i], sets.set_of[j]);
@@ -70,14 +70,14 @@ ScatteredSets scatter_sets(std::span<const Kind> kinds, std::size_t least_atoms)
   return sets;
 }
 
-struct Findings {
-  std::vector<Diagnostic> oddities;
+struct AtomProperties {
+  std::vector<Diagnostic> diagnostics;
   std::vector<bool> is_contained;
 };
 
 using Ownership = std::function<bool(const Atom&)>;
 
-/// By the definitions in oddities.hpp and molecule.hpp, each atom against each of its set.
+/// By the definitions in diagnostics.hpp and molecule.hpp, each atom against each of its set.
 class Definition {
  public:
   Definition(const ScatteredSets& sets, const Ownership& is_own) : sets_(sets), is_own_(is_own) {
@@ -86,20 +86,21 @@ class Definition {
 
   bool is_repeated(AtomIndex i) const { return first_equal_[i] != i; }
 
-  Findings find() const {
-    Findings findings;
+  AtomProperties find() const {
+    AtomProperties properties;
     const auto count = static_cast<AtomIndex>(sets_.atoms.size());
     for (std::size_t kind = 0; kind < diagnostic_kinds; ++kind) {
-      Diagnostic oddity{static_cast<DiagnosticKind>(kind), 0, {}};
+      Diagnostic diagnostic{static_cast<DiagnosticKind>(kind), 0, {}};
       for (AtomIndex i = 0; i < count; ++i) {
-        const AtomIndex other = other_of(oddity.kind, i);
+        const AtomIndex other = other_of(diagnostic.kind, i);
         if (other == none || !is_own_(sets_.atoms[i])) continue;
-        if (oddity.count++ < Diagnostic::max_examples) oddity.examples.push_back({i, other});
+        if (diagnostic.count++ < Diagnostic::max_examples)
+          diagnostic.examples.push_back({i, other});
       }
-      if (oddity.count > 0) findings.oddities.push_back(std::move(oddity));
+      if (diagnostic.count > 0) properties.diagnostics.push_back(std::move(diagnostic));
     }
-    for (AtomIndex i = 0; i < count; ++i) findings.is_contained.push_back(is_contained(i));
-    return findings;
+    for (AtomIndex i = 0; i < count; ++i) properties.is_contained.push_back(is_contained(i));
+    return properties;
   }
 
   /// Ascending, without those that equal an earlier one.
@@ -187,13 +188,13 @@ class Definition {
   std::vector<AtomIndex> first_equal_;
 };
 
-auto comparable(std::span<const Diagnostic> oddities) {
+auto comparable(std::span<const Diagnostic> diagnostics) {
   std::vector<
       std::tuple<DiagnosticKind, std::uint64_t, std::vector<std::pair<AtomIndex, AtomIndex>>>>
       result;
-  for (const Diagnostic& oddity : oddities) {
-    result.push_back({oddity.kind, oddity.count, {}});
-    for (const auto& [atom, other] : oddity.examples)
+  for (const Diagnostic& diagnostic : diagnostics) {
+    result.push_back({diagnostic.kind, diagnostic.count, {}});
+    for (const auto& [atom, other] : diagnostic.examples)
       std::get<2>(result.back()).emplace_back(atom, other);
   }
   return result;
@@ -234,13 +235,13 @@ bool is_any(const Atom&) { return true; }
 
 void check_molecules(const ScatteredSets& sets, const Ownership& is_own) {
   const Definition definition(sets, is_own);
-  const Findings expected = definition.find();
+  const AtomProperties expected = definition.find();
   const auto neighbours = expected_neighbours(definition, sets.atoms.size());
   std::vector<std::vector<AtomIndex>> with_one_thread;
   for (const int threads : {1, 2, 3, 7, 0}) {
     INFO(threads << " threads");
     const Molecule molecule = Molecule::part(sets.atoms, is_own, threads);
-    CHECK(comparable(molecule.diagnostics()) == comparable(expected.oddities));
+    CHECK(comparable(molecule.diagnostics()) == comparable(expected.diagnostics));
     CHECK(count_differences(molecule, expected.is_contained) == 0);
     const auto found = find_neighbours(molecule.tree(), sets.atoms);
     CHECK((sorted(found) == neighbours));
@@ -251,7 +252,8 @@ void check_molecules(const ScatteredSets& sets, const Ownership& is_own) {
 
 }  // namespace
 
-TEST_CASE("what is odd, contained and near is the same with any number of threads", "[molecule]") {
+TEST_CASE("diagnostics, containment and neighbours are the same with any number of threads",
+          "[molecule]") {
   for (const Kind kind : all_kinds) {
     INFO(kind_name(kind));
     const ScatteredSets sets = scatter_sets({{kind}}, 3 * atoms_per_loop_range);
@@ -265,7 +267,7 @@ TEST_CASE("of a part only what is its own is told, with any number of threads", 
   check_molecules(sets, [](const Atom& atom) { return std::fmod(atom.center.y, 7) < 3; });
 }
 
-TEST_CASE("what is odd, contained and near is the same in several slices", "[molecule]") {
+TEST_CASE("diagnostics, containment and neighbours are the same in several slices", "[molecule]") {
   const ScatteredSets sets = scatter_sets(all_kinds, 200'000);
   REQUIRE(slice_count(sets.atoms.size()) > 2);
   check_molecules(sets, is_any);

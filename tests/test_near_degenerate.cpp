@@ -140,7 +140,7 @@ void require_accessible_patches(const Patchwork& patchwork) {
     for (int s = 0; s < samples; ++s) {
       const double angle = 2 * M_PI * s / samples;
       const Vec3 direction = std::cos(angle) * e + std::sin(angle) * f;
-      if (!faces(arc.sector, direction)) continue;
+      if (!projects_onto_arc(arc.sector, direction)) continue;
       INFO("arc of " << arc.atoms[0] << " and " << arc.atoms[1]);
       REQUIRE(depth_of(patchwork.spheres, extended(circle.center) +
                                               circle.radius * extended(direction)) < allowed_depth);

@@ -63,11 +63,11 @@ std::size_t require_same_texts_in_batches(MakeDigits make, const std::vector<dou
   return doubtful;
 }
 
-std::vector<double> random_numbers(std::size_t count, int least_exponent, int largest_exponent) {
+std::vector<double> random_numbers(std::size_t count, int min_exponent, int largest_exponent) {
   Random random(21);
   std::vector<double> values;
   while (values.size() < count) {
-    const double exponent = random.uniform(least_exponent, largest_exponent);
+    const double exponent = random.uniform(min_exponent, largest_exponent);
     values.push_back(random.uniform(-1, 1) * std::pow(10, exponent));
   }
   return values;

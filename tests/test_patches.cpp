@@ -35,7 +35,7 @@ bool is_on_arc(const AllPatches& all, Vec3 p) {
   return std::any_of(features.arcs.begin(), features.arcs.end(), [&](const ArcFeature& arc) {
     const Vec3 offset = p - arc.circle.center;
     return norm(offset - arc.circle.radius * nearest_on_arc(arc, offset)) < 1e-7 &&
-           faces(arc.sector, offset);
+           projects_onto_arc(arc.sector, offset);
   });
 }
 
@@ -135,7 +135,7 @@ TEST_CASE("the boxes of patches hold them") {
       for (int sample = 0; sample < 500; ++sample) {
         const double angle = random.uniform(0, 6.3);
         const Vec3 outward = std::cos(angle) * arc.sector.start + std::sin(angle) * side;
-        if (!faces(arc.sector, outward)) continue;
+        if (!projects_onto_arc(arc.sector, outward)) continue;
         const Vec3 center = arc.circle.center + arc.circle.radius * outward;
         const double share = random.uniform(0, 1);
         const Vec3 toward =
@@ -205,8 +205,8 @@ TEST_CASE("placements are those of the lowest atoms, each once") {
 
 // Solves the blocks of a sweep one after the other; returns the largest number of clusters that
 // were open at a time.
-std::size_t largest_window(PatchSchedule& schedule, double low, double high, double step,
-                           const std::function<void(const Patches&, double top)>& look) {
+std::size_t max_window(PatchSchedule& schedule, double low, double high, double step,
+                       const std::function<void(const Patches&, double top)>& look) {
   const ClusterIndex count = schedule.patches().clusters().count();
   Patches::Scratch scratch;
   std::size_t largest = 0;
@@ -247,7 +247,7 @@ TEST_CASE("a sweep holds few patches at a time, and has all that matter") {
     PatchSchedule schedule(all.surface, {low, high});
     std::size_t faces = 0;
     const std::size_t largest =
-        largest_window(schedule, low, high, 5, [&](const Patches& window, double top) {
+        max_window(schedule, low, high, 5, [&](const Patches& window, double top) {
           const Box layer{{box.low.x - 60, box.low.y - 60, top - 5},
                           {box.high.x + 60, box.high.y + 60, top}};
           BlockFeatures expected, found;

@@ -47,7 +47,7 @@ std::string message_of(const std::vector<Atom>& atoms, const Parameters& paramet
 }
 
 // The limit that a refusal says would do, in MiB.
-std::uint64_t smallest_limit(const std::vector<Atom>& atoms, Parameters parameters) {
+std::uint64_t min_limit(const std::vector<Atom>& atoms, Parameters parameters) {
   parameters.max_memory = 1;
   const std::string message = message_of(atoms, parameters);
   const std::string option = "--max-memory ";
@@ -138,15 +138,15 @@ TEST_CASE("a survey comes near the area of a protein", "[plan]") {
   const Summary summary = run(atoms, make_plan(atoms, {}, nothing), nothing, ".");
   const SurfaceSurvey survey(atoms, probe);
   CHECK(survey.totals().area == Approx(summary.area).epsilon(0.35));
-  CHECK(survey.largest_slab_area(1000) >= survey.totals().area);
+  CHECK(survey.max_slab_area(1000) >= survey.totals().area);
 }
 
 TEST_CASE("a slab of a sphere has the area of its zone", "[plan]") {
   const std::vector<Atom> atoms{{{0, 0, 0}, 100}};
   const SurfaceSurvey survey(atoms, probe);
   const double zone = 2 * pi * 100 * 20;
-  CHECK(survey.largest_slab_area(20) >= zone);
-  CHECK(survey.largest_slab_area(20) <= 1.1 * zone);
+  CHECK(survey.max_slab_area(20) >= zone);
+  CHECK(survey.max_slab_area(20) <= 1.1 * zone);
 }
 
 TEST_CASE("a survey sees a large atom once, wherever it stands in the file", "[plan]") {
@@ -193,8 +193,8 @@ TEST_CASE("a thin slab has no more area than a zone of its thickness", "[plan]")
   for (const double thickness : {0.05, 0.16, 0.64}) {
     INFO("thickness " << thickness);
     const double zone = 2 * pi * 3 * thickness;
-    CHECK(survey.largest_slab_area(thickness) >= zone);
-    CHECK(survey.largest_slab_area(thickness) <= 1.1 * zone);
+    CHECK(survey.max_slab_area(thickness) >= zone);
+    CHECK(survey.max_slab_area(thickness) <= 1.1 * zone);
   }
 }
 
@@ -203,8 +203,8 @@ TEST_CASE("the top of a flat sheet lies in a thin slab", "[plan]") {
   const SurfaceSurvey survey(atoms, probe);
   // Between atoms, which are 1.42 apart, the surface is less than 0.3 below the tops.
   const double top = 2.13 * 19 * 2.46 * 19;
-  CHECK(survey.largest_slab_area(0.4) > top);
-  CHECK(survey.largest_slab_area(0.4) < 2 * top);
+  CHECK(survey.max_slab_area(0.4) > top);
+  CHECK(survey.max_slab_area(0.4) < 2 * top);
 }
 
 TEST_CASE("a molecule of few atoms is surveyed in full", "[plan]") {
@@ -236,7 +236,7 @@ TEST_CASE("a plan keeps what memory is available as it keeps a limit", "[plan]")
   parameters.spacing = 0.2;
   parameters.threads = 2;
   const Plan free = plan_with_plenty(atoms, parameters);
-  const std::uint64_t smallest = smallest_limit(atoms, parameters) << 20;
+  const std::uint64_t smallest = min_limit(atoms, parameters) << 20;
   const Plan tight = make_plan_within(smallest, atoms, parameters, {});
   CHECK(tight.memory_bytes < free.memory_bytes);
   CHECK(tight.memory_bytes <= smallest);
@@ -304,7 +304,7 @@ TEST_CASE("the limit that a refusal names is the smallest that is accepted", "[p
       parameters.spacing = 0.2;
       parameters.block_size = block_size;
       parameters.threads = threads;
-      const std::uint64_t smallest = smallest_limit(atoms, parameters);
+      const std::uint64_t smallest = min_limit(atoms, parameters);
       parameters.max_memory = smallest << 20;
       const Plan plan = plan_with_plenty(atoms, parameters);
       CHECK(plan.memory_bytes <= parameters.max_memory);
@@ -326,7 +326,7 @@ TEST_CASE("a tight limit makes blocks smaller, and holds fewer", "[plan]") {
   const Plan fewer = plan_with_plenty(atoms, parameters);
   CHECK((fewer.tiling.block_size == free.tiling.block_size));
   CHECK(fewer.blocks_ahead < free.blocks_ahead);
-  parameters.max_memory = smallest_limit(atoms, parameters) << 20;
+  parameters.max_memory = min_limit(atoms, parameters) << 20;
   const Plan smallest = plan_with_plenty(atoms, parameters);
   CHECK((smallest.tiling.block_size != free.tiling.block_size));
   CHECK(smallest.memory_bytes < fewer.memory_bytes);
@@ -370,7 +370,7 @@ TEST_CASE("a run that needs more than its limit after all ends and leaves no fil
 TEST_CASE("no more blocks are solved ahead of the unwritten layer than allowed", "[plan]") {
   for (const std::int64_t ahead : {0, 1, 3, 100}) {
     INFO("ahead " << ahead);
-    const Surface surface(std::vector<Atom>{{{0, 0, 0}, 1.5}}, 1.4);
+    const SurfaceModel surface(std::vector<Atom>{{{0, 0, 0}, 1.5}}, 1.4);
     PatchSchedule patches(surface, {10, 20});  // where there is no atom
     TaskQueue queue(patches, {{15, 15}, {20, 20}}, 4, ahead);
     std::vector<Task> first;

@@ -13,7 +13,7 @@
 #include <vector>
 
 #include "catch.hpp"
-#include "checkpoint/pieces.hpp"
+#include "checkpoint/checkpoint.hpp"
 #include "distributed/group_numbers.hpp"
 #include "distributed/packed_texts.hpp"
 #include "distributed/processes.hpp"
@@ -35,18 +35,18 @@ std::span<const std::byte> bytes_of(const std::string& text) {
   return std::as_bytes(std::span(text));
 }
 
-// A complete piece with these texts.
-void put_piece(const PieceStore& store, const PlaneRange& planes, const std::string& grid,
+// A complete chunk with these texts.
+void put_chunk(const Checkpoint& checkpoint, const PlaneRange& planes, const std::string& grid,
                std::vector<AtomSum> sums) {
-  Piece piece;
-  piece.info.planes = planes;
-  piece.info.bytes = {grid.size(), 0};
-  piece.info.totals.crossings = {1, 2, 3};
-  piece.info.totals.points.inside = 7;
-  piece.sums = std::move(sums);
-  piece.texts[0] = store.create(planes, PieceText::grid);
-  piece.texts[0]->append(bytes_of(grid));
-  store.finish(piece);
+  PlaneChunk chunk;
+  chunk.info.planes = planes;
+  chunk.info.bytes = {grid.size(), 0};
+  chunk.info.totals.crossings = {1, 2, 3};
+  chunk.info.totals.points.inside = 7;
+  chunk.sums = std::move(sums);
+  chunk.texts[0] = checkpoint.create(planes, ChunkText::grid);
+  chunk.texts[0]->append(bytes_of(grid));
+  checkpoint.finish(chunk);
 }
 
 }  // namespace
@@ -110,42 +110,42 @@ TEST_CASE("a process that is alone", "[processes]") {
   CHECK_THROWS_AS(alone.all_or_throw([] { throw Error("no"); }), Error);
 }
 
-TEST_CASE("pieces are kept", "[processes]") {
+TEST_CASE("chunks are kept", "[processes]") {
   const TemporaryDirectory directory;
-  PieceStore store(directory.path(), "one run");
-  CHECK(store.complete().empty());
-  store.lock();
-  store.prepare();
-  put_piece(store, {10, 20}, "text", {{5, 3}, {AreaShare{1} << 100, 4000000000}});
-  put_piece(store, {0, 4}, "", {});
-  store.create({4, 10}, PieceText::grid);  // begun
-  CHECK(store.complete() == Ranges{{0, 4}, {10, 20}});
+  Checkpoint checkpoint(directory.path(), "one run");
+  CHECK(checkpoint.complete().empty());
+  checkpoint.lock();
+  checkpoint.prepare();
+  put_chunk(checkpoint, {10, 20}, "text", {{5, 3}, {AreaShare{1} << 100, 4000000000}});
+  put_chunk(checkpoint, {0, 4}, "", {});
+  checkpoint.create({4, 10}, ChunkText::grid);  // begun
+  CHECK(checkpoint.complete() == Ranges{{0, 4}, {10, 20}});
 
-  const PieceStore later(directory.path(), "one run");
+  const Checkpoint later(directory.path(), "one run");
   CHECK(later.complete() == Ranges{{0, 4}, {10, 20}});
-  const Piece piece = later.read({10, 20});
-  CHECK(piece.info.bytes[0] == 4);
-  CHECK(piece.info.totals.crossings[2] == 3);
-  CHECK(piece.info.totals.points.inside == 7);
-  REQUIRE(piece.sums.size() == 2);
-  CHECK(piece.sums[1].atom == 4000000000);
-  CHECK((piece.sums[1].share == AreaShare{1} << 100));
+  const PlaneChunk chunk = later.read({10, 20});
+  CHECK(chunk.info.bytes[0] == 4);
+  CHECK(chunk.info.totals.crossings[2] == 3);
+  CHECK(chunk.info.totals.points.inside == 7);
+  REQUIRE(chunk.sums.size() == 2);
+  CHECK(chunk.sums[1].atom == 4000000000);
+  CHECK((chunk.sums[1].share == AreaShare{1} << 100));
   std::string text(4, ' ');
-  later.open({10, 20}, PieceText::grid)->read_at(std::as_writable_bytes(std::span(text)), 0);
+  later.open({10, 20}, ChunkText::grid)->read_at(std::as_writable_bytes(std::span(text)), 0);
   CHECK(text == "text");
 
-  CHECK_THROWS_AS(PieceStore(directory.path(), "another run").complete(), Error);
-  CHECK_THROWS_AS(PieceStore(directory.path(), "one run").lock(), Error);
+  CHECK_THROWS_AS(Checkpoint(directory.path(), "another run").complete(), Error);
+  CHECK_THROWS_AS(Checkpoint(directory.path(), "one run").lock(), Error);
 }
 
-TEST_CASE("pieces that are not whole are done again", "[processes]") {
+TEST_CASE("chunks that are not whole are done again", "[processes]") {
   const TemporaryDirectory directory;
-  PieceStore store(directory.path(), "one run");
-  store.lock();
-  store.prepare();
+  Checkpoint checkpoint(directory.path(), "one run");
+  checkpoint.lock();
+  checkpoint.prepare();
   for (const std::int64_t begin : {0, 10, 20, 30})
-    put_piece(store, {begin, begin + 10}, "some text", {{1, 2}, {3, 4}});
-  const auto path = [&](const char* name) { return directory.path() / resume_name / name; };
+    put_chunk(checkpoint, {begin, begin + 10}, "some text", {{1, 2}, {3, 4}});
+  const auto path = [&](const char* name) { return directory.path() / checkpoint_name / name; };
   std::filesystem::resize_file(path("0-10.sums"), 100);
   std::filesystem::resize_file(path("10-20.grid"), 5);
   const std::string sums = read_bytes(path("20-30.sums"));
@@ -153,14 +153,14 @@ TEST_CASE("pieces that are not whole are done again", "[processes]") {
     std::string damaged = sums;
     damaged[place] = static_cast<char>(damaged[place] ^ 1);
     std::ofstream(path("20-30.sums"), std::ios::binary) << damaged;
-    CHECK(store.complete() == Ranges{{30, 40}});
+    CHECK(checkpoint.complete() == Ranges{{30, 40}});
   }
   std::ofstream(path("20-30.sums"), std::ios::binary) << sums;
-  CHECK(store.complete() == Ranges{{20, 30}, {30, 40}});
-  store.create({20, 30}, PieceText::grid);  // begun anew
-  CHECK(store.complete() == Ranges{{30, 40}});
-  store.remove();
-  CHECK(!std::filesystem::exists(directory.path() / resume_name));
+  CHECK(checkpoint.complete() == Ranges{{20, 30}, {30, 40}});
+  checkpoint.create({20, 30}, ChunkText::grid);  // begun anew
+  CHECK(checkpoint.complete() == Ranges{{30, 40}});
+  checkpoint.remove();
+  CHECK(!std::filesystem::exists(directory.path() / checkpoint_name));
 }
 
 TEST_CASE("a text's checksum does not depend on its parts", "[processes]") {
@@ -181,23 +181,23 @@ TEST_CASE("a text's checksum does not depend on its parts", "[processes]") {
   CHECK(sums[2] == sums[0]);
 }
 
-TEST_CASE("pieces of another run are no hindrance while none is complete", "[processes]") {
+TEST_CASE("chunks of another run are no hindrance while none is complete", "[processes]") {
   const TemporaryDirectory directory;
-  PieceStore store(directory.path(), "one run");
-  store.lock();
-  store.prepare();
-  store.create({0, 4}, PieceText::grid);
-  CHECK(PieceStore(directory.path(), "another run").complete().empty());
+  Checkpoint checkpoint(directory.path(), "one run");
+  checkpoint.lock();
+  checkpoint.prepare();
+  checkpoint.create({0, 4}, ChunkText::grid);
+  CHECK(Checkpoint(directory.path(), "another run").complete().empty());
 }
 
-TEST_CASE("pieces that overlap are refused", "[processes]") {
+TEST_CASE("chunks that overlap are refused", "[processes]") {
   const TemporaryDirectory directory;
-  PieceStore store(directory.path(), "one run");
-  store.lock();
-  store.prepare();
-  put_piece(store, {0, 5}, "", {});
-  put_piece(store, {4, 8}, "", {});
-  CHECK_THROWS_AS(store.complete(), Error);
+  Checkpoint checkpoint(directory.path(), "one run");
+  checkpoint.lock();
+  checkpoint.prepare();
+  put_chunk(checkpoint, {0, 5}, "", {});
+  put_chunk(checkpoint, {4, 8}, "", {});
+  CHECK_THROWS_AS(checkpoint.complete(), Error);
 }
 
 TEST_CASE("lines of a part of a file have the numbers of the whole", "[processes]") {

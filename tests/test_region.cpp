@@ -96,7 +96,7 @@ double volume_of(const Result& result, double spacing) {
   return cells * spacing * spacing * spacing;
 }
 
-RegionBox box_of(const Grid& grid, const GridRegion& region) {
+Box box_of(const Grid& grid, const GridRegion& region) {
   const GridIndex last{region.end[0] - 1, region.end[1] - 1, region.end[2] - 1};
   return {grid.point(region.begin), grid.point(last)};
 }
@@ -159,7 +159,7 @@ TEST_CASE("block size and threads leave no trace in a region", "[region]") {
   const std::vector<Atom> atoms = make_chain(150, 12);
   Parameters parameters;
   const Grid grid = make_plan(atoms, parameters, {}).grid;
-  parameters.region = RegionBox{grid.origin + Vec3{3, 4, 2.5}, grid.upper() - Vec3{5, 3, 6}};
+  parameters.region = Box{grid.origin + Vec3{3, 4, 2.5}, grid.upper() - Vec3{5, 3, 6}};
   const Result expected = result_of(atoms, parameters);
   REQUIRE(expected.edges.size() > 1000);
   for (const int threads : {1, 3})
@@ -216,8 +216,8 @@ TEST_CASE("chosen blocks are those of the whole grid's tiling", "[region]") {
   const GridRegion chosen{{1, 0, tiling.blocks[2] - 1}, {3, 1, tiling.blocks[2]}};
   parameters.blocks = chosen;
   const Result part = result_of(atoms, parameters);
-  const Block first = tiling.block(1, 0, tiling.blocks[2] - 1);
-  const Block last = tiling.block(2, 0, tiling.blocks[2] - 1);
+  const BlockBounds first = tiling.block(1, 0, tiling.blocks[2] - 1);
+  const BlockBounds last = tiling.block(2, 0, tiling.blocks[2] - 1);
   GridRegion region;
   for (std::size_t q = 0; q < 3; ++q) {
     region.begin[q] = first.first[q];
@@ -260,7 +260,7 @@ TEST_CASE("a region whose bounds are not finite is refused", "[region]") {
     for (std::size_t axis = 0; axis < 3; ++axis)
       for (const bool is_low : {false, true}) {
         Parameters parameters;
-        parameters.region = RegionBox{{-1, -1, -1}, {1, 1, 1}};
+        parameters.region = Box{{-1, -1, -1}, {1, 1, 1}};
         (is_low ? parameters.region->low : parameters.region->high)[axis] = bad;
         CHECK_THROWS_WITH(make_plan(atoms, parameters, {}),
                           Catch::Matchers::ContainsSubstring(std::string(" along ") + "xyz"[axis] +
@@ -272,7 +272,7 @@ TEST_CASE("a region is verified within", "[region]") {
   const std::vector<Atom> atoms = make_chain(150, 15);
   Parameters parameters;
   const Grid grid = make_plan(atoms, parameters, {}).grid;
-  parameters.region = RegionBox{grid.origin + Vec3{4, 4, 4}, grid.upper() - Vec3{4, 4, 4}};
+  parameters.region = Box{grid.origin + Vec3{4, 4, 4}, grid.upper() - Vec3{4, 4, 4}};
   parameters.verify = 300;
   const Summary summary = result_of(atoms, parameters).summary;
   REQUIRE(summary.verification);
@@ -285,12 +285,12 @@ TEST_CASE("only atoms near a region get patches, and the plan knows", "[region]"
   const std::vector<Atom> atoms = make_cube(12, 3.6, 1.8);  // 40 angstrom a side
   Parameters parameters;
   const Plan full = make_plan(atoms, parameters, {});
-  parameters.region = RegionBox{{-2, -2, -2}, {3, 3, 3}};
+  parameters.region = Box{{-2, -2, -2}, {3, 3, 3}};
   const Plan part = make_plan(atoms, parameters, {});
   CHECK(part.edge_file_bytes < full.edge_file_bytes / 20);
   CHECK(part.grid_file_bytes < full.grid_file_bytes / 100);
   const AllPatches everywhere(atoms, 1.4, 2);
-  Surface confined(atoms, 1.4);
+  SurfaceModel confined(atoms, 1.4);
   confined.confine_to(region_box(part.grid, part.tiling.region));
   Patches near(confined);
   build_all_patches(near, 2);
@@ -304,7 +304,7 @@ TEST_CASE("a region where there is nothing", "[region]") {
   const std::vector<Atom> atoms{{{0, 0, 0}, 1}, {{60, 60, 60}, 1}};
   Parameters parameters;
   parameters.spacing = 1;
-  parameters.region = RegionBox{{30, 5, 5}, {40, 10, 10}};
+  parameters.region = Box{{30, 5, 5}, {40, 10, 10}};
   parameters.verify = 10;
   const Result part = result_of(atoms, parameters);
   CHECK(part.edges.empty());

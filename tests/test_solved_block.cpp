@@ -51,7 +51,7 @@ TEST_CASE("blocks handed out have the points and crossings of the files", "[solv
     std::size_t listed = 0;
     Callbacks callbacks;
     callbacks.block = [&](const SolvedBlock& solved) {
-      const Block& block = solved.block();
+      const BlockBounds& block = solved.block();
       CHECK(blocks.insert(block.first).second);
       listed += solved.crossings().size();
       for (std::int64_t z = block.first[2]; z < block.first[2] + block.owned[2]; ++z)
@@ -59,7 +59,7 @@ TEST_CASE("blocks handed out have the points and crossings of the files", "[solv
           for (std::int64_t x = block.first[0]; x < block.first[0] + block.owned[0]; ++x)
             signs[static_cast<std::size_t>((z * size[1] + y) * size[0] + x)] =
                 solved.is_inside({x, y, z}) ? 1 : -1;
-          for (const eses::detail::Crossing& crossing : solved.crossings_of_row(y, z))
+          for (const eses::detail::BlockCrossing& crossing : solved.crossings_of_row(y, z))
             crossings.push_back(
                 {{z, y, block.first[0] + crossing.x, crossing.axis}, crossing.coordinate});
         }

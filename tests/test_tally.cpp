@@ -10,8 +10,8 @@
 namespace eses::detail::test {
 namespace {
 
-Crossing make_crossing(double normal_x, std::vector<AtomIndex> atoms) {
-  Crossing crossing;
+BlockCrossing make_crossing(double normal_x, std::vector<AtomIndex> atoms) {
+  BlockCrossing crossing;
   crossing.normal = {normal_x, 0, 0};
   crossing.axis = 0;
   crossing.atom_count = static_cast<std::uint8_t>(atoms.size() & 3);
@@ -28,7 +28,7 @@ double share(const Tally& tally, AtomIndex atom) {
 TEST_CASE("a crossing's share goes to its atoms by their nearness") {
   // From the origin 1, 3 and 0 angstrom to the spheres.
   const std::vector<Atom> atoms{{{2, 0, 0}, 1}, {{0, 4, 0}, 1}, {{0, 0, 1}, 1}};
-  const Surface surface(atoms, 1.4);
+  const SurfaceModel surface(atoms, 1.4);
   Tally one;
   one.add(surface, make_crossing(-0.5, {1}), {0, 0, 0});
   CHECK(share(one, 1) == Catch::Approx(0.5));
@@ -56,7 +56,7 @@ TEST_CASE("a crossing's share goes to its atoms by their nearness") {
 
 TEST_CASE("more crossings than 64-bit sums of 2^-40 could hold") {
   const std::vector<Atom> atoms{{{0, 0, 0}, 350}};
-  const Surface surface(atoms, 1.4);
+  const SurfaceModel surface(atoms, 1.4);
   Tally tally;
   constexpr int count = 9000000;  // 2^23 is 8388608
   for (int i = 0; i < count; ++i) tally.add(surface, make_crossing(1, {0}), {350, 0, 0});
@@ -65,7 +65,7 @@ TEST_CASE("more crossings than 64-bit sums of 2^-40 could hold") {
 
 TEST_CASE("sums of parts are the sum of all, to the last bit, in any order") {
   const std::vector<Atom> atoms{{{2, 0, 0}, 1}, {{0, 4, 0}, 1}};
-  const Surface surface(atoms, 1.4);
+  const SurfaceModel surface(atoms, 1.4);
   Tally forward, backward, first, second;
   constexpr int count = 1000;
   const auto add = [&](Tally& tally, int i) {

@@ -190,20 +190,20 @@ TEST_CASE("points are drawn from the band, each once, and all of a small one", "
   }
 }
 
-TEST_CASE("a sample of edges is the same in whatever pieces they come", "[verify]") {
+TEST_CASE("a sample of edges is the same whatever the parts in which they come", "[verify]") {
   Grid grid;
   grid.size = {100, 100, 100};
-  verify::EdgeSample whole(50), left(50), right(50);
+  verify::CrossingSample whole(50), left(50), right(50);
   Random random(5);
   for (std::int64_t i = 0; i < 5000; ++i) {
-    verify::Edge edge;
-    edge.lower = {i % 100, i / 100 % 100, 7};
-    edge.crossing.axis = static_cast<std::uint8_t>(i % 3);
-    whole.add(grid, edge);
-    (random.chance(0.3) ? left : right).add(grid, edge);
+    Crossing crossing;
+    crossing.lower = {i % 100, i / 100 % 100, 7};
+    crossing.axis = static_cast<std::uint8_t>(i % 3);
+    whole.add(grid, crossing);
+    (random.chance(0.3) ? left : right).add(grid, crossing);
   }
   right.merge(left);
-  const auto edges = whole.edges(), merged = right.edges();
+  const auto edges = whole.crossings(), merged = right.crossings();
   REQUIRE(edges.size() == 50);
   REQUIRE(merged.size() == 50);
   for (std::size_t e = 0; e < edges.size(); ++e) REQUIRE(edges[e].lower == merged[e].lower);
@@ -250,7 +250,7 @@ Verification verification_of(const std::vector<Atom>& atoms, const Parameters& p
   Verifier verifier(atoms, plan);
   const GridIndex& blocks = plan.tiling.blocks;
   for (std::int64_t b = 0; b < plan.tiling.block_count(); ++b) {
-    const Block block =
+    const BlockBounds block =
         plan.tiling.block(b % blocks[0], b / blocks[0] % blocks[1], b / blocks[0] / blocks[1]);
     BlockResult result = solve_block(all.patches, plan.grid, block, workspace);
     spoil(result);
@@ -261,7 +261,7 @@ Verification verification_of(const std::vector<Atom>& atoms, const Parameters& p
 
 /// A chain in one block, of which one crossing is spoilt that cuts its edge well: what is said of
 /// it behind the name of its edge.
-std::string fault_of(std::uint8_t atom_count, const std::function<void(Crossing&)>& spoil) {
+std::string fault_of(std::uint8_t atom_count, const std::function<void(BlockCrossing&)>& spoil) {
   const std::vector<Atom> atoms = make_chain(12, 7);
   Parameters parameters;
   parameters.spacing = 0.5;
@@ -273,17 +273,18 @@ std::string fault_of(std::uint8_t atom_count, const std::function<void(Crossing&
     const std::int64_t rows_y = result.block.owned[1];
     for (std::size_t row = 0; row + 1 < result.row_begin.size() && name.empty(); ++row)
       for (auto c = result.row_begin[row]; c < result.row_begin[row + 1] && name.empty(); ++c) {
-        Crossing& crossing = result.crossings[c];
+        BlockCrossing& crossing = result.crossings[c];
         const auto r = static_cast<std::int64_t>(row);
-        const verify::Edge edge{{crossing.x, r % rows_y, r / rows_y}, crossing};
-        const double low = grid.coordinate(crossing.axis, edge.lower[crossing.axis]);
+        const GridIndex row_start{0, r % rows_y, r / rows_y};
+        const GridIndex lower = to_crossing(grid, row_start, crossing).lower;
+        const double low = grid.coordinate(crossing.axis, lower[crossing.axis]);
         const double place = (crossing.coordinate - low) / grid.spacing;
         if (crossing.atom_count != atom_count || place < 0.1 || place > 0.9 ||
             std::fabs(crossing.normal[crossing.axis]) < 0.5)
           continue;
         spoil(crossing);
-        const verify::Edge spoilt{edge.lower, crossing};
-        const GridIndex in = spoilt.inside(), out = spoilt.outside();
+        const Crossing spoilt = to_crossing(grid, row_start, crossing);
+        const GridIndex in = spoilt.inside_point(), out = spoilt.outside_point();
         std::ostringstream text;
         text << "edge " << in[0] << ' ' << in[1] << ' ' << in[2] << " -> " << out[0] << ' '
              << out[1] << ' ' << out[2] << ": ";
@@ -303,35 +304,35 @@ std::string fault_of(std::uint8_t atom_count, const std::function<void(Crossing&
 TEST_CASE("wrong crossings are found and named", "[verify]") {
   for (const std::uint8_t atoms : {std::uint8_t{1}, std::uint8_t{2}, std::uint8_t{3}}) {
     INFO("crossing of " << int{atoms} << " atoms");
-    CHECK(fault_of(atoms, [](Crossing&) {}).empty());
+    CHECK(fault_of(atoms, [](BlockCrossing&) {}).empty());
     const double inward = 1e-5;
-    CHECK(fault_of(atoms, [&](Crossing& c) {
+    CHECK(fault_of(atoms, [&](BlockCrossing& c) {
             c.coordinate += c.lower_is_inside ? inward : -inward;
           }) == "a probe covers the crossing");
-    CHECK(fault_of(atoms, [&](Crossing& c) {
+    CHECK(fault_of(atoms, [&](BlockCrossing& c) {
             c.coordinate -= c.lower_is_inside ? inward : -inward;
           }) != "");
-    CHECK(fault_of(atoms, [](Crossing& c) { c.coordinate += 0.5; }) ==
+    CHECK(fault_of(atoms, [](BlockCrossing& c) { c.coordinate += 0.5; }) ==
           "the crossing is not on the edge");
-    CHECK(fault_of(atoms, [](Crossing& c) { c.coordinate = std::nan(""); }) ==
+    CHECK(fault_of(atoms, [](BlockCrossing& c) { c.coordinate = std::nan(""); }) ==
           "the crossing is not on the edge");
-    CHECK(fault_of(atoms, [](Crossing& c) { c.normal = (1 + 1e-8) * c.normal; }) ==
+    CHECK(fault_of(atoms, [](BlockCrossing& c) { c.normal = (1 + 1e-8) * c.normal; }) ==
           "the normal has not length 1");
-    CHECK(fault_of(atoms, [](Crossing& c) { c.normal = -c.normal; }) ==
+    CHECK(fault_of(atoms, [](BlockCrossing& c) { c.normal = -c.normal; }) ==
           "the normal does not lead to an accessible probe");
-    CHECK(fault_of(atoms, [](Crossing& c) {
+    CHECK(fault_of(atoms, [](BlockCrossing& c) {
             c.normal = normalized(c.normal + 1e-4 * any_perpendicular(c.normal));
           }) != "");
-    CHECK(fault_of(atoms, [](Crossing& c) { c.atoms[0] = c.atoms[0] == 0 ? 11 : 0; }) != "");
-    CHECK(fault_of(atoms, [](Crossing& c) { c.atoms[c.atom_count - 1] = 12; }) ==
+    CHECK(fault_of(atoms, [](BlockCrossing& c) { c.atoms[0] = c.atoms[0] == 0 ? 11 : 0; }) != "");
+    CHECK(fault_of(atoms, [](BlockCrossing& c) { c.atoms[c.atom_count - 1] = 12; }) ==
           "there is no such atom");
-    CHECK(fault_of(atoms, [](Crossing& c) { c.atom_count = 0; }) ==
+    CHECK(fault_of(atoms, [](BlockCrossing& c) { c.atom_count = 0; }) ==
           "the crossing does not have 1 to 3 atoms");
-    CHECK(fault_of(atoms, [](Crossing& c) { c.lower_is_inside = !c.lower_is_inside; }) != "");
+    CHECK(fault_of(atoms, [](BlockCrossing& c) { c.lower_is_inside = !c.lower_is_inside; }) != "");
     if (atoms == 1) continue;
-    CHECK(fault_of(atoms, [](Crossing& c) { std::swap(c.atoms[0], c.atoms[1]); }) ==
+    CHECK(fault_of(atoms, [](BlockCrossing& c) { std::swap(c.atoms[0], c.atoms[1]); }) ==
           "the atoms are not in ascending order");
-    CHECK(fault_of(atoms, [](Crossing& c) { --c.atom_count; }) ==
+    CHECK(fault_of(atoms, [](BlockCrossing& c) { --c.atom_count; }) ==
           "the normal and the crossing's atoms do not agree");
   }
 }
@@ -347,7 +348,7 @@ TEST_CASE("a crossing that is not the last of its edge is found", "[verify]") {
   const std::vector<Atom> atoms{{{0, 0, 0}, 1}, {{1.35, 0, 0}, 0.1}};
   const auto verified = [&](bool spoil) {
     return verification_of(atoms, parameters, [&](BlockResult& result) {
-      for (Crossing& crossing : result.crossings)
+      for (BlockCrossing& crossing : result.crossings)
         if (spoil && crossing.axis == 0 && crossing.atoms[0] == 1) {
           crossing.coordinate = std::sqrt(1 - 2 * 0.02 * 0.02);
           crossing.normal = {crossing.coordinate, -0.02, -0.02};
@@ -383,21 +384,21 @@ std::vector<Atom> with_radii_changed(std::vector<Atom> atoms, double by) {
   return atoms;
 }
 
-/// The edges of a result, in one list.
-std::vector<verify::Edge> edges_of(const std::vector<Atom>& atoms, const Parameters& parameters) {
-  std::vector<verify::Edge> edges;
+/// All crossings of a result.
+std::vector<Crossing> crossings_of(const std::vector<Atom>& atoms, const Parameters& parameters) {
+  const Grid grid = make_grid(atoms, parameters.spacing, parameters.margin);
+  std::vector<Crossing> crossings;
   verification_of(atoms, parameters, [&](BlockResult& result) {
     const std::int64_t rows_y = result.block.owned[1];
     for (std::size_t row = 0; row + 1 < result.row_begin.size(); ++row)
       for (auto c = result.row_begin[row]; c < result.row_begin[row + 1]; ++c) {
         const auto r = static_cast<std::int64_t>(row);
-        const Crossing& crossing = result.crossings[c];
-        edges.push_back({{result.block.first[0] + crossing.x, result.block.first[1] + r % rows_y,
-                          result.block.first[2] + r / rows_y},
-                         crossing});
+        const GridIndex row_start{result.block.first[0], result.block.first[1] + r % rows_y,
+                                  result.block.first[2] + r / rows_y};
+        crossings.push_back(to_crossing(grid, row_start, result.crossings[c]));
       }
   });
-  return edges;
+  return crossings;
 }
 
 /// Ordinary and degenerate sets in which faults must be found.
@@ -457,31 +458,31 @@ TEST_CASE("an altered crossing is a fault, degenerate or not", "[verify]") {
     const verify::Definition definition(c.atoms, c.parameters.probe_radius);
     verify::CentreSearch search(definition);
     const Grid grid = make_grid(c.atoms, c.parameters.spacing, c.parameters.margin);
-    const std::vector<verify::Edge> edges = edges_of(c.atoms, c.parameters);
-    const std::size_t stride = edges.size() / 40 + 1;
-    for (std::size_t e = 0; e < edges.size(); e += stride) {
-      const verify::Edge& edge = edges[e];
-      const Crossing& crossing = edge.crossing;
-      const double low = grid.coordinate(crossing.axis, edge.lower[crossing.axis]);
-      const double place = (crossing.coordinate - low) / grid.spacing;
-      if (place < 0.1 || place > 0.9 || std::fabs(crossing.normal[crossing.axis]) < 0.5) continue;
+    const std::vector<Crossing> crossings = crossings_of(c.atoms, c.parameters);
+    const std::size_t stride = crossings.size() / 40 + 1;
+    for (std::size_t e = 0; e < crossings.size(); e += stride) {
+      const Crossing& crossing = crossings[e];
+      const std::uint8_t axis = crossing.axis;
+      const double low = grid.coordinate(axis, crossing.lower[axis]);
+      const double place = (crossing.position[axis] - low) / grid.spacing;
+      if (place < 0.1 || place > 0.9 || std::fabs(crossing.normal[axis]) < 0.5) continue;
       // Where the result itself is wrong, or where the probe fits only in doubt, a fault is not
       // certain.
-      const Vec3 center = edge.point(grid) + c.parameters.probe_radius * crossing.normal;
-      if (!fault_of_edge(search, grid, edge).empty() ||
+      const Vec3 center = crossing.position + c.parameters.probe_radius * crossing.normal;
+      if (!fault_of_edge(search, grid, crossing).empty() ||
           !search.is_any(center, 1e-6, verify::surely_accessible))
         continue;
-      INFO("edge " << edge.lower[0] << ' ' << edge.lower[1] << ' ' << edge.lower[2] << " along "
-                   << int{crossing.axis} << ", " << int{crossing.atom_count} << " atoms");
+      INFO("edge " << crossing.lower[0] << ' ' << crossing.lower[1] << ' ' << crossing.lower[2]
+                   << " along " << int{axis} << ", " << int{crossing.atom_count} << " atoms");
       ++altered;
       const auto is_found = [&](const std::function<void(Crossing&)>& alter) {
-        verify::Edge other = edge;
-        alter(other.crossing);
+        Crossing other = crossing;
+        alter(other);
         return !fault_of_edge(search, grid, other).empty();
       };
       const Vec3 normal = crossing.normal, across = any_perpendicular(normal);
-      CHECK(is_found([](Crossing& x) { x.coordinate += 1e-5; }));
-      CHECK(is_found([](Crossing& x) { x.coordinate -= 1e-5; }));
+      CHECK(is_found([](Crossing& x) { x.position[x.axis] += 1e-5; }));
+      CHECK(is_found([](Crossing& x) { x.position[x.axis] -= 1e-5; }));
       CHECK(is_found([&](Crossing& x) { x.normal = normalized(normal + 3e-4 * across); }));
       CHECK(is_found(
           [&](Crossing& x) { x.normal = normalized(normal + 3e-4 * cross(normal, across)); }));
@@ -514,17 +515,19 @@ TEST_CASE("a crossing that is not the last is a fault where atoms almost coincid
   const verify::Definition definition(atoms, parameters.probe_radius);
   verify::CentreSearch search(definition);
   const Grid grid = make_grid(std::vector<Atom>{{{0, 0, 0}, 1}, {{1.35, 0, 0}, 0.1}}, 0.5, 1.02);
-  verify::Edge edge{{6, 4, 4}, {}};
-  edge.crossing.lower_is_inside = true;
-  edge.crossing.atom_count = 1;
-  edge.crossing.atoms = {21, 0, 0};
-  edge.crossing.coordinate = 1.35 + std::sqrt(0.1 * 0.1 - 2 * 0.02 * 0.02);
-  edge.crossing.normal = 10.0 * (edge.point(grid) - Vec3{1.35, 0, 0});
-  CHECK(fault_of_edge(search, grid, edge).empty());
-  edge.crossing.atoms = {0, 0, 0};
-  edge.crossing.coordinate = std::sqrt(1 - 2 * 0.02 * 0.02);
-  edge.crossing.normal = edge.point(grid);
-  CHECK(fault_of_edge(search, grid, edge) ==
+  Crossing crossing;
+  crossing.lower = {6, 4, 4};
+  crossing.position = grid.point(crossing.lower);
+  crossing.lower_is_inside = true;
+  crossing.atom_count = 1;
+  crossing.atoms = {21, 0, 0};
+  crossing.position.x = 1.35 + std::sqrt(0.1 * 0.1 - 2 * 0.02 * 0.02);
+  crossing.normal = 10.0 * (crossing.position - Vec3{1.35, 0, 0});
+  CHECK(fault_of_edge(search, grid, crossing).empty());
+  crossing.atoms = {0, 0, 0};
+  crossing.position.x = std::sqrt(1 - 2 * 0.02 * 0.02);
+  crossing.normal = crossing.position;
+  CHECK(fault_of_edge(search, grid, crossing) ==
         "edge 6 4 4 -> 7 4 4: the crossing is not the last before the outside end");
 }
 
@@ -598,7 +601,7 @@ TEST_CASE("points on the wrong side are found and named, at any block size", "[v
       parameters.threads = threads;
       const Verification verification = verification_of(atoms, parameters, [](BlockResult& result) {
         for (std::uint64_t& word : result.inside.words) word = ~word;
-        for (Crossing& crossing : result.crossings) crossing.normal = -crossing.normal;
+        for (BlockCrossing& crossing : result.crossings) crossing.normal = -crossing.normal;
       });
       CHECK(verification.points == 100);
       CHECK(verification.edges == 100);

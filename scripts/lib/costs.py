@@ -15,7 +15,7 @@ from common import Failed, complete_file
 
 # All seconds are CPU of one thread. Of these numbers:
 # input_bytes, text_bytes, area_bytes: the atoms' file, those of points and edges, that of areas.
-# mean_radius, largest_radius: of the atoms, angstrom.
+# mean_radius, max_radius: of the atoms, angstrom.
 # read_seconds: until the atoms are read; read_alone_seconds: the same by one process alone.
 # molecule_seconds: atoms prepared; plan_seconds: samples taken, and the plan made.
 # clusters_seconds: atoms sorted into clusters; patch_seconds: all patches.
@@ -26,7 +26,7 @@ from common import Failed, complete_file
 # block_nx, block_ny, block_nz: points on the sides of a block.
 # thin_planes: what a layer of blocks of one plane costs, in planes of the whole blocks there.
 NUMBERS = ("atoms", "input_bytes", "text_bytes", "area_bytes", "spacing", "probe_radius", "lower_z",
-           "block_nx", "block_ny", "block_nz", "nx", "ny", "nz", "mean_radius", "largest_radius",
+           "block_nx", "block_ny", "block_nz", "nx", "ny", "nz", "mean_radius", "max_radius",
            "read_seconds", "read_alone_seconds", "molecule_seconds", "plan_seconds",
            "clusters_seconds", "patch_seconds", "text_seconds", "copy_read_seconds",
            "copy_write_seconds", "copy_kernel_seconds", "area_seconds", "thin_planes")

@@ -22,8 +22,8 @@ ESTIMATE = {"atom": 14e-6, "prepared_atom": 1e-6, "crossing": 0.45e-6,
             "crossing_text": 0.25e-6, "point": 0.3e-9, "point_text": 2e-9}
 HALO_SLACK, REACH_SLACK = 1.0, 1e-3  # angstrom: slabs.cpp, src/surface/reach.hpp
 
-# Bytes: SentAtom, PieceInfo, AtomSum of src/distributed and src/checkpoint.
-SENT_ATOM, PIECE_INFO, AREA_SHARE = 48, 208, 32
+# Bytes: SentAtom, ChunkInfo, AtomSum of src/distributed and src/checkpoint.
+SENT_ATOM, CHUNK_INFO, AREA_SHARE = 48, 208, 32
 # Bytes that src/plan/memory.cpp counts with.
 BASE_MEMORY, THREAD_MEMORY = 6 * 2**20, 0.75 * 2**20
 MPI_MEMORY = 14 * 2**20  # src/distributed/processes_mpi.cpp
@@ -33,8 +33,8 @@ PATCH_MEMORY = 340  # bytes of an atom's patches, as allocated for a ribosome
 # they have read, and their lines, until slabs are final.
 PREPARED_ATOM, READ_ATOM = 102, 40
 CELL_HEIGHT = 3.0  # angstrom: src/surface/cell_list.hpp
-FEWEST_SAMPLES, MOST_SAMPLES, ATOMS_PER_SAMPLE = 128, 2048, 16  # src/surface/survey.cpp
-ATOMS_PER_SLICE, MOST_SLICES = 2**16, 16  # src/surface/atom_slices.cpp
+MIN_SAMPLES, MAX_SAMPLES, ATOMS_PER_SAMPLE = 128, 2048, 16  # src/surface/survey.cpp
+ATOMS_PER_SLICE, MAX_SLICES = 2**16, 16  # src/surface/atom_slices.cpp
 
 # Of a run of several processes, counted in one: calls in which each sends something to each, and
 # those that go up and down a tree.
@@ -102,17 +102,17 @@ def cut_evenly(numbers, parts):
     return [*begins, len(numbers)]
 
 
-def largest_part(numbers, begins):
+def max_part(numbers, begins):
     sums = [0, *itertools.accumulate(numbers)]
     return max(sums[end] - sums[begin] for begin, end in zip(begins, begins[1:]))
 
 
 def sample_size(atoms):
-    return min(atoms, max(FEWEST_SAMPLES, min(atoms / ATOMS_PER_SAMPLE, MOST_SAMPLES)))
+    return min(atoms, max(MIN_SAMPLES, min(atoms / ATOMS_PER_SAMPLE, MAX_SAMPLES)))
 
 
 def slice_count(atoms):
-    return max(1, min(int(atoms / ATOMS_PER_SLICE), MOST_SLICES))
+    return max(1, min(int(atoms / ATOMS_PER_SLICE), MAX_SLICES))
 
 
 # ------------------------------------------------------------------------------------ one slab
@@ -227,12 +227,12 @@ class Model:
 
     def halo(self):
         values = self.values
-        return (values["mean_radius"] + 4 * values["largest_radius"] + 6 * values["probe_radius"]
+        return (values["mean_radius"] + 4 * values["max_radius"] + 6 * values["probe_radius"]
                 + HALO_SLACK)
 
     def reach(self):
         values = self.values
-        return (values["mean_radius"] + 2 * values["largest_radius"] + 4 * values["probe_radius"]
+        return (values["mean_radius"] + 2 * values["max_radius"] + 4 * values["probe_radius"]
                 + REACH_SLACK)
 
     def segments_of(self, begin, end):
@@ -272,8 +272,8 @@ class Model:
         """By estimates, if what that gains is more than to prepare atoms a second time."""
         estimates = self.estimated_costs()
         final = cut_evenly(estimates, ranks)
-        gain = largest_part(estimates, first) - largest_part(estimates, final)
-        loss = ESTIMATE["prepared_atom"] * largest_part(self.plane_atoms, final)
+        gain = max_part(estimates, first) - max_part(estimates, final)
+        loss = ESTIMATE["prepared_atom"] * max_part(self.plane_atoms, final)
         return final if gain > loss else first
 
     def slabs(self, ranks):
@@ -392,7 +392,7 @@ class Model:
         these meet others. Clusters are as high as a cell.
         """
         values, spacing = self.values, self.values["spacing"]
-        probe, radius = values["probe_radius"], values["largest_radius"]
+        probe, radius = values["probe_radius"], values["max_radius"]
         below = values["mean_radius"] + 2 * probe + CELL_HEIGHT
         above = below + 2 * (radius + probe) + CELL_HEIGHT
         reach = self.reach() / spacing
@@ -444,7 +444,7 @@ class Model:
         }
         sent = sum(received(SENT_ATOM * (slab.first_atoms + slab.atoms)
                             + AREA_SHARE * slab.own_atoms, 1) for slab in slabs) / ranks
-        sent += several * (PIECE_INFO * (ranks - 1) + 4 * 8 * self.planes)
+        sent += several * (CHUNK_INFO * (ranks - 1) + 4 * 8 * self.planes)
         return Run(ranks, sum(phases.values()), phases, sent,
                    max(share.memory for share in shares), shares, read + text + merged)
 

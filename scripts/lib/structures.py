@@ -35,13 +35,13 @@ def is_pocket(stem, stems):
     return stem.endswith("_pocket") and stem.removesuffix("_pocket") + "_protein" in stems
 
 
-def walk(root, without, complain):
+def walk(root, without, on_error):
     """Folder, and the names of its files, for the root and every folder below.
 
     Links are followed, but no folder is entered twice.
     """
     seen = {os.path.realpath(without)} if without else set()
-    for folder, below, files in os.walk(root, followlinks=True, onerror=complain):
+    for folder, below, files in os.walk(root, followlinks=True, onerror=on_error):
         place = os.path.realpath(folder)
         if place in seen:
             below.clear()
@@ -51,15 +51,15 @@ def walk(root, without, complain):
         yield pathlib.Path(folder), sorted(files)
 
 
-def find_structures(root, without=None, only=None, complain=None):
+def find_structures(root, without=None, only=None, on_error=None):
     """All structures below `root`, sorted by id; those below the folder `without` are none.
 
     `only` is a pattern for the path below the root, as a shell has them, where --only offers the
-    choice. `complain` is given the OSError of each folder that cannot be read. Throws Failed if two
+    choice. `on_error` is given the OSError of each folder that cannot be read. Throws Failed if two
     files claim one id.
     """
     found = {}
-    for folder, files in walk(root, without, complain):
+    for folder, files in walk(root, without, on_error):
         folders = folder.relative_to(root).parts
         known = {name: split for name in files if (split := split_name(name))}
         stems = {stem for stem, _ in known.values()}

@@ -138,27 +138,14 @@ void mark_owned_points(const detail::SolvedBlock& solved, const GridRegion& regi
           inside.subspan(place_in(region, {first[0], y, z}), static_cast<std::size_t>(owned[0])));
 }
 
-Crossing in_grid(const Grid& grid, const GridIndex& row_start, const detail::Crossing& found) {
-  Crossing crossing;
-  crossing.lower = {row_start[0] + found.x, row_start[1], row_start[2]};
-  crossing.position = grid.point(crossing.lower);
-  crossing.position[found.axis] = found.coordinate;
-  crossing.normal = found.normal;
-  crossing.atoms = found.atoms;
-  crossing.atom_count = found.atom_count;
-  crossing.axis = found.axis;
-  crossing.lower_is_inside = found.lower_is_inside != 0;
-  return crossing;
-}
-
 void append_crossings(const Grid& grid, const detail::SolvedBlock& solved,
                       std::vector<Crossing>& crossings) {
   if (solved.crossings().empty()) return;
   const auto& [first, points, owned] = solved.block();
   for (std::int64_t z = first[2]; z < first[2] + owned[2]; ++z)
     for (std::int64_t y = first[1]; y < first[1] + owned[1]; ++y)
-      for (const detail::Crossing& found : solved.crossings_of_row(y, z))
-        crossings.push_back(in_grid(grid, {first[0], y, z}, found));
+      for (const detail::BlockCrossing& found : solved.crossings_of_row(y, z))
+        crossings.push_back(detail::to_crossing(grid, {first[0], y, z}, found));
 }
 
 // So many comparisons take a few milliseconds.

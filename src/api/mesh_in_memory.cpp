@@ -3,15 +3,15 @@
 #include <cstddef>
 #include <utility>
 
-#include "grid/crossing.hpp"
+#include "grid/block_crossing.hpp"
 #include "mesh/triangulate.hpp"
 #include "mesh/vertex.hpp"
 
 namespace eses::detail {
 namespace {
 
-detail::Crossing as_in_blocks(const eses::Crossing& crossing) {
-  detail::Crossing result;
+detail::BlockCrossing as_in_blocks(const eses::Crossing& crossing) {
+  detail::BlockCrossing result;
   result.coordinate = crossing.position[crossing.axis];
   result.normal = crossing.normal;
   result.atoms = crossing.atoms;

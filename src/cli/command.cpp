@@ -46,7 +46,7 @@ void reserve_standard_streams() {
   try {
     if (std::current_exception()) throw;
   } catch (const std::bad_alloc&) {
-    complain_about_memory();
+    print_out_of_memory();
     _exit(exit_failure);
   } catch (...) {
   }
@@ -110,27 +110,27 @@ int end_all(const Processes& processes, int code) {
 // Throws std::bad_alloc and nothing else.
 int perform(const Task& task, int argc, char** argv, const Processes& processes) {
   const auto fail = [&](std::string_view message) {
-    complain("error", message);
+    print_message("error", message);
     return end_all(processes, task.failure_code);
   };
   try {
     return task.perform(argc, argv, processes);
   } catch (const UsageError& error) {
     if (!processes.is_first()) return exit_usage;
-    complain("error", error.what());
+    print_message("error", error.what());
     std::fputs(fmt::format("Try '{}'.\n", task.help).c_str(), stderr);
     return exit_usage;
   } catch (const StrictError& error) {
-    for (const std::string& line : error.lines) complain("error", line);
+    for (const std::string& line : error.lines) print_message("error", line);
     return exit_failure;
   } catch (const SharedError& error) {
-    if (processes.is_first()) complain("error", error.what());
+    if (processes.is_first()) print_message("error", error.what());
     return task.failure_code;
   } catch (const Interrupted& interrupted) {
     return end_all(processes, interrupted.exit_code);
   } catch (const std::bad_alloc&) {
     if (processes.count() == 1) throw;
-    complain_about_memory();
+    print_out_of_memory();
     return end_all(processes, task.failure_code);
   } catch (const std::exception& error) {
     return fail(error.what());
@@ -149,7 +149,7 @@ int perform(const Task& task, int argc, char** argv) {
     else
       processes.emplace(argc, argv);
   } catch (const Error& error) {
-    complain("error", error.what());
+    print_message("error", error.what());
     return task.failure_code;
   }
   return perform(task, argc, argv, *processes);
@@ -169,7 +169,7 @@ int run_command(int argc, char** argv) {
   try {
     return is_diff ? perform(task, argc - 1, argv + 1) : perform(task, argc, argv);
   } catch (const std::bad_alloc&) {
-    complain_about_memory();
+    print_out_of_memory();
     return task.failure_code;
   }
 }

@@ -15,10 +15,6 @@
 namespace eses::detail::cli {
 namespace {
 
-std::vector<AtomIndex> atoms_of(const SurfaceEdge& edge) {
-  return {edge.atoms.begin(), edge.atoms.begin() + edge.atom_count};
-}
-
 int sign_of(bool inside) { return inside ? 1 : -1; }
 
 // --- text: items --------------------------------------------------------------------------------
@@ -38,9 +34,10 @@ std::string text_of(const GridRow& row_of_a) {
                      sign_of(!row_of_a.inside));
 }
 
-std::string text_of(const Sides<SurfaceEdge>& edges) {
-  return fmt::format("{}: {} in A, {} in B", text_of(edges[0].edge),
-                     fmt::join(atoms_of(edges[0]), " "), fmt::join(atoms_of(edges[1]), " "));
+std::string text_of(const Sides<Crossing>& crossings) {
+  return fmt::format("{}: {} in A, {} in B", text_of(edge_of(crossings[0])),
+                     fmt::join(crossings[0].adjacent_atoms(), " "),
+                     fmt::join(crossings[1].adjacent_atoms(), " "));
 }
 
 template <class Key>
@@ -138,17 +135,17 @@ std::string details(const AreaDifference& areas, bool shares_moved) {
   return text + fmt::format("  total: {:.10g} in A, {:.10g} in B\n", a, b);
 }
 
-std::string verdict(Standing standing, bool same) {
-  switch (standing) {
-    case Standing::compared:
+std::string verdict(FileStatus status, bool same) {
+  switch (status) {
+    case FileStatus::compared:
       return same ? "the same" : "different";
-    case Standing::only_in_a:
+    case FileStatus::only_in_a:
       return "only in A";
-    case Standing::only_in_b:
+    case FileStatus::only_in_b:
       return "only in B";
-    case Standing::in_neither:
+    case FileStatus::in_neither:
       return "in neither";
-    case Standing::other_grid:
+    case FileStatus::other_grid:
       return "not compared: the grids have other sizes";
   }
   return {};
@@ -160,9 +157,9 @@ std::string diff_text(const DiffOptions& options, const Differences& found) {
   std::string text = fmt::format("A: {}\nB: {}\n", one_line(options.directories[0].string()),
                                  one_line(options.directories[1].string()));
   const auto add = [&](EsesFile file, bool same, const std::string& file_details) {
-    const Standing standing = found.standing_of(file);
-    text += fmt::format("{}: {}\n", name_of(file), verdict(standing, same));
-    if (standing == Standing::compared) text += file_details;
+    const FileStatus status = found.status_of(file);
+    text += fmt::format("{}: {}\n", name_of(file), verdict(status, same));
+    if (status == FileStatus::compared) text += file_details;
   };
   add(EsesFile::box, found.box.same(), details(found.box));
   add(EsesFile::grid, found.points.same(), details(found.points));
@@ -184,7 +181,7 @@ json::Value json_of(const GridEdge& edge) {
   return {json_of(edge.inside()), json_of(edge.outside())};
 }
 
-json::Value json_of(const SurfaceEdge& edge) { return atoms_of(edge); }
+json::Value json_of(const Crossing& crossing) { return crossing.adjacent_atoms(); }
 
 json::Value json_of(const GridRow& row_of_a) {
   return {{"at", json_of(row_of_a.point)},
@@ -192,8 +189,10 @@ json::Value json_of(const GridRow& row_of_a) {
           {"b", sign_of(!row_of_a.inside)}};
 }
 
-json::Value json_of(const Sides<SurfaceEdge>& edges) {
-  return {{"at", json_of(edges[0].edge)}, {"a", json_of(edges[0])}, {"b", json_of(edges[1])}};
+json::Value json_of(const Sides<Crossing>& crossings) {
+  return {{"at", json_of(edge_of(crossings[0]))},
+          {"a", json_of(crossings[0])},
+          {"b", json_of(crossings[1])}};
 }
 
 template <class Key>
@@ -250,16 +249,16 @@ json::Value json_of(const AreaDifference& areas) {
           {"total_in_b", areas.total[1]}};
 }
 
-std::string_view name_of(Standing standing) {
+std::string_view name_of(FileStatus status) {
   constexpr std::array<std::string_view, 5> names{"compared", "only in A", "only in B",
                                                   "in neither", "other grid"};
-  return names[static_cast<std::size_t>(standing)];
+  return names[static_cast<std::size_t>(status)];
 }
 
 template <class Difference>
-json::Value file_json(Standing standing, const Difference& difference) {
-  const bool compared = standing == Standing::compared;
-  return {{"standing", name_of(standing)},
+json::Value file_json(FileStatus status, const Difference& difference) {
+  const bool compared = status == FileStatus::compared;
+  return {{"status", name_of(status)},
           {"same", compared ? json::Value(difference.same()) : json::Value()},
           {"found", compared ? json_of(difference) : json::Value()}};
 }
@@ -268,7 +267,7 @@ json::Value file_json(Standing standing, const Difference& difference) {
 
 std::string diff_json_text(const DiffOptions& options, const Differences& found) {
   const auto file = [&found](EsesFile which, const auto& difference) {
-    return file_json(found.standing_of(which), difference);
+    return file_json(found.status_of(which), difference);
   };
   return json::text_of({{"program", "eses-blocks diff"},
                         {"version", version},

@@ -31,19 +31,19 @@ void require_standard_output() {
   if (flags == -1 || (flags & O_ACCMODE) == O_RDONLY) fail_to_print(EBADF);
 }
 
-void complain(std::string_view kind, std::string_view message) {
+void print_message(std::string_view kind, std::string_view message) {
   const std::string line = fmt::format("eses-blocks: {}: {}\n", kind, one_line(message));
   std::fwrite(line.data(), 1, line.size(), stderr);
 }
 
-void complain_about_memory() { std::fputs("eses-blocks: error: out of memory\n", stderr); }
+void print_out_of_memory() { std::fputs("eses-blocks: error: out of memory\n", stderr); }
 
 // Warnings come before the work, so that nobody waits for what he did not want.
 void warn(const Report& report) {
   const std::vector<std::string> lines = warnings(report);
   if (report.options.strict && !lines.empty()) throw StrictError{lines};
   if (report.options.quiet) return;
-  for (const std::string& line : lines) complain("warning", line);
+  for (const std::string& line : lines) print_message("warning", line);
 }
 
 void announce(const Report& report) {
@@ -67,7 +67,8 @@ void warn_if_empty(const Report& report) {
   if (report.summary.inside_points > 0 || parameters.region || parameters.blocks || parameters.grid)
     return;
   if (!report.options.quiet)
-    complain("warning", "no grid point is inside the molecule; a smaller spacing would show it");
+    print_message("warning",
+                  "no grid point is inside the molecule; a smaller spacing would show it");
 }
 
 }  // namespace eses::detail::cli

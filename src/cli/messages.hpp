@@ -17,9 +17,9 @@ void print(std::string_view text);
 void require_standard_output();
 
 /// A line on standard error.
-void complain(std::string_view kind, std::string_view message);
+void print_message(std::string_view kind, std::string_view message);
 /// Needs no memory itself.
-void complain_about_memory();
+void print_out_of_memory();
 
 /// Warnings of a run in which they are errors.
 struct StrictError {

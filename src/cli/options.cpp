@@ -118,14 +118,14 @@ std::optional<std::array<Number, count>> numbers_in(const std::string& list, cha
   return numbers;
 }
 
-std::optional<RegionBox> box_in(const std::string& text) {
+std::optional<Box> box_in(const std::string& text) {
   const auto ends = numbers_in<double, 6>(text, ',');
   if (!ends) return std::nullopt;
   const auto& [x0, y0, z0, x1, y1, z1] = *ends;
   const auto is_finite = [](double value) { return std::isfinite(value); };
   if (!std::all_of(ends->begin(), ends->end(), is_finite)) return std::nullopt;
   if (x0 > x1 || y0 > y1 || z0 > z1) return std::nullopt;
-  return RegionBox{{x0, y0, z0}, {x1, y1, z1}};
+  return Box{{x0, y0, z0}, {x1, y1, z1}};
 }
 
 std::optional<Vec3> place_in(const std::string& text) {
@@ -301,9 +301,9 @@ void add_computation_options(CLI::App& app, Parameters& parameters) {
   add_value(app, "-t,--threads", "N", "number of threads [all the process may use]",
             parameters.threads, whole_number_between(1, max_threads));
   add_value(app, "-b,--block-size", "N",
-            fmt::format("grid points on a side of a block, {} to {} [{}]", least_block_size,
-                        largest_block_size, default_block_size),
-            parameters.block_size, whole_number_between(least_block_size, largest_block_size));
+            fmt::format("grid points on a side of a block, {} to {} [{}]", min_block_size,
+                        max_block_size, default_block_size),
+            parameters.block_size, whole_number_between(min_block_size, max_block_size));
   add_value(app, "--max-memory", "BYTES",
             "memory that the process may hold, also as 500M or 2G\n"
             "(K, M, G, T: powers of 1024); kept by smaller blocks\n"

@@ -88,10 +88,11 @@ std::string files_text(const Plan& plan, const Outputs& outputs) {
 }
 
 /// What files that are in order have, too: one line for all of it.
-std::string usual_text(const std::vector<Finding>& findings) {
+std::string usual_text(const std::vector<DiagnosticText>& diagnostics) {
   std::string text;
-  for (const Finding& finding : findings)
-    if (finding.is_usual) text += fmt::format("; {} {}", finding.count, finding.short_text);
+  for (const DiagnosticText& diagnostic : diagnostics)
+    if (diagnostic.is_usual)
+      text += fmt::format("; {} {}", diagnostic.count, diagnostic.short_text);
   return text;
 }
 
@@ -215,19 +216,19 @@ json::Value plan_json(const Plan& plan, const DiskSpace& disk) {
       {"cut_depth", plan.cut_depth}};
 }
 
-json::Value findings_json(const std::vector<Finding>& findings) {
+json::Value diagnostics_json(const std::vector<DiagnosticText>& diagnostics) {
   json::Value items = json::Value::array();
-  for (const Finding& finding : findings) {
+  for (const DiagnosticText& diagnostic : diagnostics) {
     json::Value examples = json::Value::array();
-    for (const Finding::Example& example : finding.examples)
+    for (const DiagnosticText::Example& example : diagnostic.examples)
       examples.push_back({{"atom", example.atom},
                           {"line", example.line},
                           {"other_atom", number_unless(!example.has_other, example.other_atom)},
                           {"other_line", number_unless(!example.has_other, example.other_line)}});
-    items.push_back({{"kind", finding.name},
-                     {"severity", finding.is_usual ? "note" : "warning"},
-                     {"count", finding.count},
-                     {"message", finding.message},
+    items.push_back({{"kind", diagnostic.name},
+                     {"severity", diagnostic.is_usual ? "note" : "warning"},
+                     {"count", diagnostic.count},
+                     {"message", diagnostic.message},
                      {"first", examples}});
   }
   return items;
@@ -297,10 +298,10 @@ json::Value processes_json(const Report& report) {
 
 std::vector<std::string> fault_lines(const Summary& summary) {
   if (!has_faults(summary)) return {};
-  constexpr std::size_t most_shown = 10;
+  constexpr std::size_t max_shown = 10;
   std::vector<std::string> lines = summary.verification->faults;
   const auto count = static_cast<std::int64_t>(lines.size());
-  lines.resize(std::min(most_shown, lines.size()));
+  lines.resize(std::min(max_shown, lines.size()));
   lines.push_back(fmt::format(
       "the verification found {}, and no file is kept; please report this with the input file",
       counted(count, "fault")));
@@ -319,7 +320,7 @@ std::string plan_text(const Report& report) {
   const GridIndex& blocks = plan.tiling.blocks;
   const auto atoms = static_cast<std::int64_t>(report.atoms);
   std::string text = fmt::format("input: {} ({}{})\n", path_text(report.options.input),
-                                 counted(atoms, "atom"), usual_text(report.findings));
+                                 counted(atoms, "atom"), usual_text(report.diagnostics));
   text += fmt::format("parameters: probe radius {}, spacing {}{} (angstrom)\n",
                       parameters.probe_radius, parameters.spacing,
                       parameters.grid ? "" : fmt::format(", margin {}", parameters.margin));
@@ -372,7 +373,7 @@ std::string json_text(const Report& report) {
                        {"version", version},
                        {"input", report.options.input.string()},
                        {"atoms", report.atoms},
-                       {"diagnostics", findings_json(report.findings)},
+                       {"diagnostics", diagnostics_json(report.diagnostics)},
                        {"parameters", parameters_json(report.options.parameters)},
                        {"grid", grid_json(report.plan.grid)},
                        {"region", region_json(report.plan)},
@@ -398,8 +399,8 @@ std::string json_text(const Report& report) {
 
 std::vector<std::string> warnings(const Report& report) {
   std::vector<std::string> lines;
-  for (const Finding& finding : report.findings)
-    if (!finding.is_usual) lines.push_back(finding.message);
+  for (const DiagnosticText& diagnostic : report.diagnostics)
+    if (!diagnostic.is_usual) lines.push_back(diagnostic.message);
   if (report.plan.cut_depth > 0) lines.push_back(cut_warning(report.plan));
   for (const DiskSpace::Place& place : report.disk.places)
     if (place.expected > place.available) lines.push_back(disk_warning(place));

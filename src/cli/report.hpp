@@ -7,7 +7,7 @@
 #include <string_view>
 #include <vector>
 
-#include "cli/findings.hpp"
+#include "cli/diagnostics.hpp"
 #include "cli/options.hpp"
 #include "compute/engine.hpp"
 #include "output/output_files.hpp"
@@ -19,7 +19,7 @@ namespace eses::detail::cli {
 struct Report {
   Options options;
   std::size_t atoms = 0;
-  std::vector<Finding> findings;
+  std::vector<DiagnosticText> diagnostics;
   Plan plan;
   DiskSpace disk;
   Summary summary;                      ///< empty before the run

@@ -89,8 +89,8 @@ Report report_of(const Options& options, const RunPlan& plan, const Processes& p
   Report report;
   report.options = options;
   report.atoms = plan.atoms;
-  report.findings = describe(
-      plan.oddities.oddities, [&](AtomIndex atom) { return plan.oddities.lines.at(atom); },
+  report.diagnostics = describe(
+      plan.diagnostics.diagnostics, [&](AtomIndex atom) { return plan.diagnostics.lines.at(atom); },
       options.input);
   report.plan = plan.whole;
   report.process_count = processes.count();
@@ -115,7 +115,7 @@ void present_plan(Report& report) {
 void present_result(const Report& report) {
   print(final_text(report));
   warn_if_empty(report);
-  for (const std::string& fault : fault_lines(report.summary)) complain("error", fault);
+  for (const std::string& fault : fault_lines(report.summary)) print_message("error", fault);
 }
 
 RunResult run_with_progress(const RunTask& task, const RunPlan& plan, bool is_quiet,

@@ -7,7 +7,7 @@
 #include <span>
 #include <vector>
 
-#include "checkpoint/pieces.hpp"
+#include "checkpoint/checkpoint.hpp"
 #include "compute/run_plan.hpp"
 #include "distributed/processes.hpp"
 #include "output/output_file.hpp"
@@ -18,7 +18,7 @@ namespace eses::detail {
 /// The atoms' shares of the area, as far as a process has them.
 struct AtomShares {
   std::vector<AreaShare> of_slab;  ///< by atom of the slab; empty if nothing was swept
-  std::vector<AtomSum> restored;   ///< from pieces that an earlier run has left
+  std::vector<AtomSum> restored;   ///< from chunks that an earlier run has left
 };
 
 /// The areas of atoms [first, first + size) of the file, square angstrom.

@@ -36,7 +36,7 @@ std::unique_ptr<OutputFiles> open_files(const RunTask& task, const RunPlan& plan
   processes.all_or_throw([&] {
     if (!processes.is_first()) return;
     files = std::make_unique<OutputFiles>(task.outputs, task.output_directory, plan.whole);
-    if (plan.store) plan.store->prepare();
+    if (plan.checkpoint) plan.checkpoint->prepare();
   });
   return files;
 }
@@ -53,7 +53,8 @@ void require_shared_directories(const RunTask& task, const RunPaths& paths,
   };
   processes.all_or_throw([&] {
     for (const std::string& path : paths.temporaries) require(path, O_WRONLY);
-    if (task.resume) require(path_in(task.output_directory, resume_name), O_RDONLY | O_DIRECTORY);
+    if (task.resume)
+      require(path_in(task.output_directory, checkpoint_name), O_RDONLY | O_DIRECTORY);
   });
 }
 
@@ -110,15 +111,15 @@ void share_verification(Verification& found, const Processes& processes) {
   found.faults = std::move(all);
 }
 
-// Takes the pieces that an earlier run has left, in turn with the other processes.
-void take_restored(const RunPlan& plan, const Processes& processes, std::vector<Piece>& pieces,
+// Takes the chunks that an earlier run has left, in turn with the other processes.
+void take_restored(const RunPlan& plan, const Processes& processes, std::vector<PlaneChunk>& chunks,
                    AtomShares& shares) {
   const auto step = static_cast<std::size_t>(processes.count());
   for (auto i = static_cast<std::size_t>(processes.rank()); i < plan.done.size(); i += step) {
-    Piece piece = plan.store->read(plan.done[i]);
-    shares.restored.insert(shares.restored.end(), piece.sums.begin(), piece.sums.end());
-    piece.sums = {};
-    pieces.push_back(std::move(piece));
+    PlaneChunk chunk = plan.checkpoint->read(plan.done[i]);
+    shares.restored.insert(shares.restored.end(), chunk.sums.begin(), chunk.sums.end());
+    chunk.sums = {};
+    chunks.push_back(std::move(chunk));
   }
 }
 
@@ -132,8 +133,8 @@ std::uint64_t write_files(const RunTask& task, const RunPlan& plan,
     return files != nullptr && files->*which ? &*(files->*which) : nullptr;
   };
   std::uint64_t bytes = 0;
-  if (outputs.grid) bytes += merge.write_text(file(&OutputFiles::grid), PieceText::grid);
-  if (outputs.edges) bytes += merge.write_text(file(&OutputFiles::edges), PieceText::edges);
+  if (outputs.grid) bytes += merge.write_text(file(&OutputFiles::grid), ChunkText::grid);
+  if (outputs.edges) bytes += merge.write_text(file(&OutputFiles::edges), ChunkText::edges);
   if (mesh) bytes += merge.write_mesh(file(&OutputFiles::mesh), *mesh);
   if (!outputs.inside_map.empty()) bytes += merge.write_map(file(&OutputFiles::inside_map));
   if (outputs.areas)
@@ -153,10 +154,10 @@ std::uint64_t commit_files(const RunTask& task, const RunPlan& plan, OutputFiles
     if (files->box) box_bytes = write_box(*files->box, plan.whole.grid, files->gzip);
     require_memory_within(task.parameters.max_memory);
     files->commit(check);
-    if (plan.store)
-      plan.store->remove();
+    if (plan.checkpoint)
+      plan.checkpoint->remove();
     else
-      files->remove_resumable();
+      files->remove_checkpoint();
   });
   return processes.sum(box_bytes);
 }
@@ -211,10 +212,10 @@ RunResult execute(const RunTask& task, const RunPlan& plan, const RunPaths& path
   // The heap that patches and blocks have freed is too scattered for the long lists of areas.
   release_free_memory();
   AtomShares shares{std::move(swept.atom_shares), {}};
-  take_restored(plan, processes, swept.pieces, shares);
+  take_restored(plan, processes, swept.chunks, shares);
   if (summary.verification) share_verification(*summary.verification, processes);
 
-  Merge merge(task, plan, processes, std::move(swept.pieces), check);
+  Merge merge(task, plan, processes, std::move(swept.chunks), check);
   fill_totals(merge.totals(), plan.whole.grid.spacing, summary);
   AtomAreas areas = add_up_areas(std::move(shares), plan, processes);
   summary.area = total_area(areas, processes);

@@ -4,7 +4,7 @@
 /// A run is a sweep over ranges of planes that delivers rows, crossings and triangles in canonical
 /// order. A process that is alone has one range, whose texts go directly to their places in the
 /// files. With several processes each has a slab, and in a run that can be resumed a slab is cut
-/// into ranges; their texts go into pieces, which are merged into the files when all are there. The
+/// into ranges; their texts go into chunks, which are merged into the files when all are there. The
 /// files do not depend on who did what.
 
 #include <cstdint>

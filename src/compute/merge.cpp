@@ -32,28 +32,28 @@ std::uint64_t write_empty_member(const Processes& processes, SharedFile& file) {
 }  // namespace
 
 Merge::Merge(const RunTask& task, const RunPlan& plan, const Processes& processes,
-             std::vector<Piece> pieces, std::function<void()> check)
+             std::vector<PlaneChunk> chunks, std::function<void()> check)
     : task_(task),
       plan_(plan),
       processes_(processes),
       check_(std::move(check)),
-      own_(std::move(pieces)) {
-  const auto by_planes = [](const PieceInfo& a, const PieceInfo& b) {
+      own_(std::move(chunks)) {
+  const auto by_planes = [](const ChunkInfo& a, const ChunkInfo& b) {
     return a.planes.begin < b.planes.begin;
   };
   std::sort(own_.begin(), own_.end(),
-            [&](const Piece& a, const Piece& b) { return by_planes(a.info, b.info); });
-  std::vector<PieceInfo> infos;
+            [&](const PlaneChunk& a, const PlaneChunk& b) { return by_planes(a.info, b.info); });
+  std::vector<ChunkInfo> infos;
   infos.reserve(own_.size());
-  for (const Piece& piece : own_) infos.push_back(piece.info);
-  all_ = processes.gather<PieceInfo>(infos);
+  for (const PlaneChunk& chunk : own_) infos.push_back(chunk.info);
+  all_ = processes.gather<ChunkInfo>(infos);
   std::sort(all_.begin(), all_.end(), by_planes);
   processes.all_or_throw([this] { add_up(); });
 }
 
 void Merge::add_up() {
   std::int64_t next = plan_.whole.tiling.region.begin[2];
-  for (const PieceInfo& info : all_) {
+  for (const ChunkInfo& info : all_) {
     if (info.planes.begin != next)
       throw Error("the checkpoint has gaps or overlaps; remove its directory and run again");
     next = info.planes.end;
@@ -61,56 +61,56 @@ void Merge::add_up() {
     mesh_.vertices += info.mesh.vertices;
     mesh_.triangles += info.mesh.triangles;
   }
-  if (next != plan_.whole.tiling.region.end[2]) throw Error("pieces of the run are missing");
+  if (next != plan_.whole.tiling.region.end[2]) throw Error("chunks of the run are missing");
   mesh::require_numbers(mesh_.vertices);
 }
 
-// Calls action(piece, sum) for the pieces of this process, with the sum of `amount` over all pieces
-// before. Returns the sum over all pieces.
+// Calls action(chunk, sum) for the chunks of this process, with the sum of `amount` over all chunks
+// before. Returns the sum over all chunks.
 template <class Amount, class Action>
 std::uint64_t Merge::for_own(Amount&& amount, Action&& action) {
   std::uint64_t sum = 0;
   auto mine = own_.begin();
-  for (const PieceInfo& info : all_) {
+  for (const ChunkInfo& info : all_) {
     if (mine != own_.end() && mine->info.planes == info.planes) action(*mine++, sum);
     sum += amount(info);
   }
   return sum;
 }
 
-ScratchFile& Merge::open(Piece& piece, PieceText text) const {
-  auto& file = piece.text(text);
-  if (!file) file = plan_.store->open(piece.info.planes, text);
+ScratchFile& Merge::open(PlaneChunk& chunk, ChunkText text) const {
+  auto& file = chunk.text(text);
+  if (!file) file = plan_.checkpoint->open(chunk.info.planes, text);
   return *file;
 }
 
-// So many files cannot be open at a time. Without a store, scratch files are gone when closed.
-void Merge::close(Piece& piece, PieceText text) const { piece.text(text).reset(); }
+// So many files cannot be open at a time. Without a checkpoint, scratch files are gone when closed.
+void Merge::close(PlaneChunk& chunk, ChunkText text) const { chunk.text(text).reset(); }
 
-void Merge::require_sound(const Piece& piece, PieceText text, std::uint32_t checksum) const {
-  if (checksum == piece.info.checksums[static_cast<std::size_t>(text)]) return;
-  plan_.store->drop(piece.info.planes);
+void Merge::require_sound(const PlaneChunk& chunk, ChunkText text, std::uint32_t checksum) const {
+  if (checksum == chunk.info.checksums[static_cast<std::size_t>(text)]) return;
+  plan_.checkpoint->drop(chunk.info.planes);
   throw Error(
       fmt::format("cannot resume: what is done of planes {} to {} is damaged; the next run "
                   "with --resume does it again",
-                  piece.info.planes.begin, piece.info.planes.end - 1));
+                  chunk.info.planes.begin, chunk.info.planes.end - 1));
 }
 
-// Calls take(bytes, offset) for parts of a piece's text from `begin` on, each a multiple of `unit`
-// long. Of a piece that an earlier run has left all must be read, as its checksum is compared.
+// Calls take(bytes, offset) for parts of a chunk's text from `begin` on, each a multiple of `unit`
+// long. Of a chunk that an earlier run has left all must be read, as its checksum is compared.
 template <class Take>
-void Merge::read(Piece& piece, PieceText text, std::uint64_t unit, std::uint64_t begin,
+void Merge::read(PlaneChunk& chunk, ChunkText text, std::uint64_t unit, std::uint64_t begin,
                  Take&& take) const {
-  const std::uint64_t bytes = piece.info.bytes_of(text);
+  const std::uint64_t bytes = chunk.info.bytes_of(text);
   if (begin >= bytes) return;
-  const ScratchFile& from = open(piece, text);
+  const ScratchFile& from = open(chunk, text);
   const std::uint64_t step = std::max<std::uint64_t>(1, bytes_per_read / unit) * unit;
   TextChecksum checksum;
   std::vector<char> part, next;
   const auto load = [&](std::uint64_t offset) {
     next.resize(std::min(step, bytes - offset));
     from.read_at(std::as_writable_bytes(std::span(next)), offset);
-    if (piece.is_restored) checksum.add(next, offset);
+    if (chunk.is_restored) checksum.add(next, offset);
   };
   // Only the main thread may write where there are several processes; another one reads ahead, if
   // it can be started.
@@ -124,16 +124,16 @@ void Merge::read(Piece& piece, PieceText text, std::uint64_t unit, std::uint64_t
     if (done + part.size() < bytes) loaded = std::async(how, load, done + part.size());
     take(std::span<const char>(part), done);
   }
-  if (piece.is_restored) require_sound(piece, text, checksum.value());
-  if (plan_.store) close(piece, text);
+  if (chunk.is_restored) require_sound(chunk, text, checksum.value());
+  if (plan_.checkpoint) close(chunk, text);
 }
 
 // Returns how many bytes have been copied: fewer than there are where the kernel cannot copy them.
-std::uint64_t Merge::copy_in_kernel(Piece& piece, PieceText text, SharedFile& to,
+std::uint64_t Merge::copy_in_kernel(PlaneChunk& chunk, ChunkText text, SharedFile& to,
                                     std::uint64_t begin) {
-  const std::uint64_t bytes = piece.info.bytes_of(text);
-  if (bytes == 0 || piece.is_restored) return 0;
-  const int scratch = open(piece, text).descriptor();
+  const std::uint64_t bytes = chunk.info.bytes_of(text);
+  if (bytes == 0 || chunk.is_restored) return 0;
+  const int scratch = open(chunk, text).descriptor();
   std::uint64_t done = 0;
   while (done < bytes) {
     check_();
@@ -146,25 +146,25 @@ std::uint64_t Merge::copy_in_kernel(Piece& piece, PieceText text, SharedFile& to
   return done;
 }
 
-void Merge::copy(Piece& piece, PieceText text, SharedFile& to, std::uint64_t begin) {
-  const bool is_at_its_place = piece.is_in_place && !piece.text(text);
+void Merge::copy(PlaneChunk& chunk, ChunkText text, SharedFile& to, std::uint64_t begin) {
+  const bool is_at_its_place = chunk.is_in_place && !chunk.text(text);
   if (is_at_its_place) return;
-  const std::uint64_t copied = copy_in_kernel(piece, text, to, begin);
-  read(piece, text, 1, copied, [&](std::span<const char> bytes, std::uint64_t offset) {
+  const std::uint64_t copied = copy_in_kernel(chunk, text, to, begin);
+  read(chunk, text, 1, copied, [&](std::span<const char> bytes, std::uint64_t offset) {
     to.write_at(bytes, begin + offset);
   });
-  close(piece, text);
+  close(chunk, text);
 }
 
-// Copies this text of all pieces to their places from `begin` on. Returns where they end.
-std::uint64_t Merge::copy_all(PieceText text, SharedFile& to, std::uint64_t begin) {
-  const auto bytes_of = [text](const PieceInfo& info) { return info.bytes_of(text); };
-  return begin + for_own(bytes_of, [&](Piece& piece, std::uint64_t before) {
-           copy(piece, text, to, begin + before);
+// Copies this text of all chunks to their places from `begin` on. Returns where they end.
+std::uint64_t Merge::copy_all(ChunkText text, SharedFile& to, std::uint64_t begin) {
+  const auto bytes_of = [text](const ChunkInfo& info) { return info.bytes_of(text); };
+  return begin + for_own(bytes_of, [&](PlaneChunk& chunk, std::uint64_t before) {
+           copy(chunk, text, to, begin + before);
          });
 }
 
-std::uint64_t Merge::write_text(OutputFile* file, PieceText text) {
+std::uint64_t Merge::write_text(OutputFile* file, ChunkText text) {
   SharedFile shared(processes_, file);
   std::uint64_t bytes = copy_all(text, shared, 0);
   if (task_.outputs.gzip && bytes == 0) bytes = write_empty_member(processes_, shared);
@@ -181,24 +181,24 @@ std::uint64_t Merge::write_map(OutputFile* file) {
   const std::uint64_t row_bytes = sizeof(std::uint64_t) * row_words;
   InsideMap::Scratch scratch;
   std::vector<std::uint64_t> words;
-  for (Piece& piece : own_) {
-    if (piece.is_in_place) continue;
-    const std::int64_t first_row = (piece.info.planes.begin - region.begin[2]) * region.size()[1];
-    read(piece, PieceText::map, row_bytes, 0,
+  for (PlaneChunk& chunk : own_) {
+    if (chunk.is_in_place) continue;
+    const std::int64_t first_row = (chunk.info.planes.begin - region.begin[2]) * region.size()[1];
+    read(chunk, ChunkText::map, row_bytes, 0,
          [&](std::span<const char> bytes, std::uint64_t offset) {
            words.resize(bytes.size() / sizeof(std::uint64_t));
            std::memcpy(words.data(), bytes.data(), bytes.size());
            map.write_rows(first_row + static_cast<std::int64_t>(offset / row_bytes), words,
                           scratch);
          });
-    close(piece, PieceText::map);
+    close(chunk, ChunkText::map);
   }
   shared.sync();
   const Processes::Share share =
-      processes_.share_of(static_cast<std::uint64_t>(map.piece_count()), 1, processes_.rank());
+      processes_.share_of(static_cast<std::uint64_t>(map.tile_count()), 1, processes_.rank());
   // With several processes only the main thread may write.
-  map.turn_pieces(static_cast<std::int64_t>(share.begin), static_cast<std::int64_t>(share.end),
-                  processes_.count() > 1 ? 1 : plan_.own.threads, check_);
+  map.transpose_tiles(static_cast<std::int64_t>(share.begin), static_cast<std::int64_t>(share.end),
+                      processes_.count() > 1 ? 1 : plan_.own.threads, check_);
   if (processes_.is_first()) map.write_ends();
   shared.close();
   processes_.all_or_throw([&] {
@@ -210,18 +210,18 @@ std::uint64_t Merge::write_map(OutputFile* file) {
 std::uint64_t Merge::write_mesh(OutputFile* file, const mesh::MeshText& text) {
   SharedFile shared(processes_, file);
   std::uint64_t bytes = write_mesh_header(text, plan_.groups, mesh_, processes_, shared);
-  bytes = copy_all(PieceText::vertices, shared, bytes);
+  bytes = copy_all(ChunkText::vertices, shared, bytes);
   bytes = write_triangles(shared, bytes, text);
   shared.close();
   return bytes;
 }
 
-// Calls take(text) for parts of the text of a piece's triangles.
+// Calls take(text) for parts of the text of a chunk's triangles.
 template <class Take>
-void Merge::for_triangle_texts(Piece& piece, std::uint64_t first_vertex, const mesh::MeshText& text,
-                               Take&& take) const {
+void Merge::for_triangle_texts(PlaneChunk& chunk, std::uint64_t first_vertex,
+                               const mesh::MeshText& text, Take&& take) const {
   TextBuffer buffer;
-  read(piece, PieceText::triangles, sizeof(mesh::LocalTriangle), 0,
+  read(chunk, ChunkText::triangles, sizeof(mesh::LocalTriangle), 0,
        [&](std::span<const char> bytes, std::uint64_t) {
          buffer.clear();
          for (; !bytes.empty(); bytes = bytes.subspan(sizeof(mesh::LocalTriangle))) {
@@ -237,29 +237,29 @@ void Merge::for_triangle_texts(Piece& piece, std::uint64_t first_vertex, const m
 // on the numbers of their vertices, so that the text is made twice: once to learn its length.
 std::uint64_t Merge::write_triangles(SharedFile& file, std::uint64_t begin,
                                      const mesh::MeshText& text) {
-  if (!own_.empty() && own_.front().is_in_place) return copy_all(PieceText::triangles, file, begin);
+  if (!own_.empty() && own_.front().is_in_place) return copy_all(ChunkText::triangles, file, begin);
   struct PieceBytes {
     std::int64_t plane;
     std::uint64_t bytes;
   };
-  const auto vertices_of = [](const PieceInfo& info) { return info.mesh.vertices; };
+  const auto vertices_of = [](const ChunkInfo& info) { return info.mesh.vertices; };
   std::vector<PieceBytes> own;
-  for_own(vertices_of, [&](Piece& piece, std::uint64_t first_vertex) {
-    own.push_back({piece.info.planes.begin, 0});
-    for_triangle_texts(piece, first_vertex, text,
+  for_own(vertices_of, [&](PlaneChunk& chunk, std::uint64_t first_vertex) {
+    own.push_back({chunk.info.planes.begin, 0});
+    for_triangle_texts(chunk, first_vertex, text,
                        [&](std::span<const char> part) { own.back().bytes += part.size(); });
   });
-  std::map<std::int64_t, std::uint64_t> begins;  // by piece; at first the lengths
+  std::map<std::int64_t, std::uint64_t> begins;  // by chunk; at first the lengths
   for (const PieceBytes& one : processes_.gather<PieceBytes>(own)) begins[one.plane] = one.bytes;
   std::uint64_t end = begin;
   for (auto& [plane, place] : begins) end += std::exchange(place, end);
-  for_own(vertices_of, [&](Piece& piece, std::uint64_t first_vertex) {
-    std::uint64_t offset = begins.at(piece.info.planes.begin);
-    for_triangle_texts(piece, first_vertex, text, [&](std::span<const char> part) {
+  for_own(vertices_of, [&](PlaneChunk& chunk, std::uint64_t first_vertex) {
+    std::uint64_t offset = begins.at(chunk.info.planes.begin);
+    for_triangle_texts(chunk, first_vertex, text, [&](std::span<const char> part) {
       file.write_at(part, offset);
       offset += part.size();
     });
-    close(piece, PieceText::triangles);
+    close(chunk, ChunkText::triangles);
   });
   return end;
 }

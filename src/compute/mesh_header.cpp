@@ -57,9 +57,9 @@ std::uint64_t write_mesh_header(const mesh::MeshText& text, const GroupNames& na
   for (const WriteText& part : parts_of(text, names, counts, processes.is_first())) {
     const std::uint64_t bytes = length_of(part);
     std::uint64_t offset = begin + processes.sum_before(bytes);
-    part([&](std::string_view piece) {
-      file.write_at(piece, offset);
-      offset += piece.size();
+    part([&](std::string_view chunk) {
+      file.write_at(chunk, offset);
+      offset += chunk.size();
     });
     begin += processes.sum(bytes);
   }

@@ -24,8 +24,8 @@
 namespace eses::detail {
 namespace {
 
-// Must grow with every change of what is computed or of how pieces are stored.
-constexpr int piece_format = 2;
+// Must grow with every change of what is computed or of how chunks are stored.
+constexpr int checkpoint_format = 2;
 
 // A hash of all atoms. It does not depend on which process has read which atoms.
 std::uint64_t hash_of(const AtomShare& share, const Processes& processes) {
@@ -57,7 +57,7 @@ std::string mesh_identity(const std::optional<MeshOptions>& mesh) {
                      static_cast<int>(mesh->color));
 }
 
-// Tells apart runs whose pieces do not fit together.
+// Tells apart runs whose chunks do not fit together.
 std::string identity_of(const RunTask& task, const RunPlan& run, std::uint64_t hash) {
   const Parameters& p = task.parameters;
   const Grid& grid = run.whole.grid;
@@ -65,7 +65,7 @@ std::string identity_of(const RunTask& task, const RunPlan& run, std::uint64_t h
   return fmt::format(
       "eses-blocks {} format {} {} {}\natoms {} {:016x}\nprobe {:a} spacing {:a} margin {:a}\n"
       "origin {:a} {:a} {:a} size {}\npoints {} {}\ngrid {} edges {} gzip {} map {} mesh {}\n",
-      version, piece_format, sizeof(PieceInfo), task.outputs.gzip ? zlibVersion() : "", run.atoms,
+      version, checkpoint_format, sizeof(ChunkInfo), task.outputs.gzip ? zlibVersion() : "", run.atoms,
       hash, p.probe_radius, p.spacing, p.margin, grid.origin.x, grid.origin.y, grid.origin.z,
       fmt::join(grid.size, " "), fmt::join(region.begin, " "), fmt::join(region.end, " "),
       task.outputs.grid, task.outputs.edges, task.outputs.gzip, !task.outputs.inside_map.empty(),
@@ -106,7 +106,7 @@ void require_memory_held(const RunTask& task) {
 LabelTotals take_labels(ResidueRuns residues, const Outputs& outputs, const Processes& processes,
                         RunPlan& run, std::vector<mesh::GroupNumbers>& groups) {
   if (names_groups(outputs)) {
-    NumberedGroups numbered = number_groups(residues, processes);
+    GroupNumbering numbered = number_groups(residues, processes);
     run.groups = std::move(numbered.names);
     groups = std::move(numbered.of_atom);
   }
@@ -143,8 +143,8 @@ LabelTotals sum_labels(const LabelTotals& own, const Processes& processes) {
   return all;
 }
 
-SphereBounds bounds_of_all(std::span<const Atom> atoms, const Processes& processes) {
-  const SphereBounds own = sphere_bounds(atoms);
+Box bounds_of_all(std::span<const Atom> atoms, const Processes& processes) {
+  const Box own = sphere_bounds(atoms);
   std::array<double, 3> low{own.low.x, own.low.y, own.low.z};
   std::array<double, 3> high{own.high.x, own.high.y, own.high.z};
   processes.allreduce_min(low);
@@ -152,18 +152,19 @@ SphereBounds bounds_of_all(std::span<const Atom> atoms, const Processes& process
   return {{low[0], low[1], low[2]}, {high[0], high[1], high[2]}};
 }
 
-// Opens the store of a run that can be resumed, and finds out what it has.
-void open_store(const RunTask& task, const AtomShare& share, const Processes& processes,
-                RunPlan& run) {
+// Opens the checkpoint of a run that can be resumed, and finds out what it has.
+void open_checkpoint(const RunTask& task, const AtomShare& share, const Processes& processes,
+                     RunPlan& run) {
   if (!task.resume) return;
   const std::uint64_t hash = hash_of(share, processes) ^ hash_of(run.groups, processes);
   std::vector<PlaneRange> done;
   processes.all_or_throw([&] {
-    run.store = std::make_unique<PieceStore>(task.output_directory, identity_of(task, run, hash));
+    run.checkpoint =
+        std::make_unique<Checkpoint>(task.output_directory, identity_of(task, run, hash));
     if (!processes.is_first()) return;
-    if (!task.dry_run) run.store->lock();
-    done = run.store->complete();
-    if (!task.dry_run) run.store->remove_others(done);
+    if (!task.dry_run) run.checkpoint->lock();
+    done = run.checkpoint->complete();
+    if (!task.dry_run) run.checkpoint->remove_others(done);
   });
   run.done = processes.gather<PlaneRange>(done);
 }
@@ -212,8 +213,8 @@ void combine_schedules(const Processes& processes, RunPlan& run) {
   whole.tiling = make_tiling(whole.grid, GridIndex{side(0), side(1), side(2)}, region);
 }
 
-// Adds the pieces, which stand beside the files until they are merged. The store keeps all texts of
-// pieces in one place; otherwise those of the mesh are beside the mesh.
+// Adds the chunks, which stand beside the files until they are merged. The checkpoint keeps all
+// texts of chunks in one place; otherwise those of the mesh are beside the mesh.
 void expect_pieces(const RunTask& task, Plan& whole) {
   whole.text_scratch_bytes = whole.grid_file_bytes + whole.edge_file_bytes;
   if (!task.outputs.inside_map.empty())
@@ -237,15 +238,15 @@ RunPlan plan_run(const RunTask& task, const Processes& processes) {
   run.read = share.range();
   const LabelTotals labels =
       take_labels(std::exchange(share.residues, {}), outputs, processes, run, share.groups);
-  const SphereBounds bounds = bounds_of_all(share.atoms, processes);
+  const Box bounds = bounds_of_all(share.atoms, processes);
   processes.all_or_throw([&] { run.whole = plan_grid(bounds, task.parameters); });
-  open_store(task, share, processes, run);
+  open_checkpoint(task, share, processes, run);
 
   const Processes::Machine machine = processes.machine(available_threads());
   SlabOfMolecule part = make_slab(std::move(share), run.whole, outputs, run.done,
                                   threads_of(task, machine, processes), processes);
   run.slab = std::move(part.slab);
-  run.oddities = std::move(part.oddities);
+  run.diagnostics = std::move(part.diagnostics);
   release_free_memory();
 
   std::array crossings{plan_slab(task, labels_held(labels, run, outputs), machine, processes, run)};

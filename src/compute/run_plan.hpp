@@ -6,7 +6,7 @@
 #include <memory>
 #include <vector>
 
-#include "checkpoint/pieces.hpp"
+#include "checkpoint/checkpoint.hpp"
 #include "distributed/atom_share.hpp"
 #include "distributed/group_numbers.hpp"
 #include "distributed/processes.hpp"
@@ -23,7 +23,7 @@ struct RunTask {
   Parameters parameters;
   Outputs outputs;
   std::filesystem::path output_directory;
-  /// Keep finished pieces on disk, and go on from those that an earlier run has left.
+  /// Keep finished chunks on disk, and go on from those that an earlier run has left.
   bool resume = false;
   bool dry_run = false;  ///< create nothing
 };
@@ -33,13 +33,14 @@ struct RunPlan {
   Plan whole;  ///< of the whole run; memory and threads are the maxima over the processes
   Plan own;    ///< of this process's slab
   Slab slab;
-  FileOddities oddities;
-  std::uint64_t atoms = 0;            ///< number of atoms in the molecule
-  AtomRange read;                     ///< the atoms that this process has read
-  ResidueRuns residues;               ///< of the atoms in `read`, if tables of residues are written
-  GroupNames groups;                  ///< first seen in `read`, if the mesh names them
-  std::unique_ptr<PieceStore> store;  ///< of a run that can be resumed; the first process locks it
-  std::vector<PlaneRange> done;       ///< planes whose pieces an earlier run has left
+  FileDiagnostics diagnostics;
+  std::uint64_t atoms = 0;  ///< number of atoms in the molecule
+  AtomRange read;           ///< the atoms that this process has read
+  ResidueRuns residues;     ///< of the atoms in `read`, if tables of residues are written
+  GroupNames groups;        ///< first seen in `read`, if the mesh names them
+  std::unique_ptr<Checkpoint>
+      checkpoint;                ///< of a run that can be resumed; the first process locks it
+  std::vector<PlaneRange> done;  ///< planes whose chunks an earlier run has left
 };
 
 /// Reads the input and makes the plan; to be called by all processes. Throws SharedError where

@@ -23,7 +23,7 @@ BlockTiling tiling_of(const Plan& plan, const GridIndex& block_size, const Plane
   BlockTiling tiling = make_tiling(plan.grid, block_size, with_planes(plan.tiling.region, planes));
   // The cells between this range and the next one belong to that one, which solves the plane below
   // it again.
-  if (planes.end < plan.tiling.region.end[2]) tiling.corners.end[2] = planes.end;
+  if (planes.end < plan.tiling.region.end[2]) tiling.region_with_halo.end[2] = planes.end;
   return tiling;
 }
 
@@ -43,7 +43,7 @@ OrderedOutput::WriteAt sink_of(ScratchFile* file, TextChecksum* checksum) {
   };
 }
 
-// Writes rows of words as they are; they become values of the map when pieces are merged.
+// Writes rows of words as they are; they become values of the map when chunks are merged.
 TakeRows rows_as_words(const GridRegion& region, OrderedOutput::WriteAt write_at) {
   if (!write_at) return {};
   const auto row_bytes =
@@ -62,17 +62,17 @@ TakeRows rows_of_map(OutputFile& file, const Outputs& outputs, const Plan& plan)
                InsideMap::Scratch& scratch) { map->write_rows(first_row, words, scratch); };
 }
 
-std::vector<PieceText> chosen_texts(const Outputs& outputs) {
-  std::vector<PieceText> texts;
-  if (outputs.grid) texts.push_back(PieceText::grid);
-  if (outputs.edges) texts.push_back(PieceText::edges);
-  if (!outputs.inside_map.empty()) texts.push_back(PieceText::map);
-  if (outputs.mesh) texts.insert(texts.end(), {PieceText::vertices, PieceText::triangles});
+std::vector<ChunkText> chosen_texts(const Outputs& outputs) {
+  std::vector<ChunkText> texts;
+  if (outputs.grid) texts.push_back(ChunkText::grid);
+  if (outputs.edges) texts.push_back(ChunkText::edges);
+  if (!outputs.inside_map.empty()) texts.push_back(ChunkText::map);
+  if (outputs.mesh) texts.insert(texts.end(), {ChunkText::vertices, ChunkText::triangles});
   return texts;
 }
 
-bool is_of_mesh(PieceText text) {
-  return text == PieceText::vertices || text == PieceText::triangles;
+bool is_of_mesh(ChunkText text) {
+  return text == ChunkText::vertices || text == ChunkText::triangles;
 }
 
 void add_shares(std::vector<AreaShare> shares, std::vector<AreaShare>& sums) {
@@ -116,8 +116,8 @@ struct SlabSweep::RangeSinks {
   OrderedOutput::WriteAt grid, edges;
   TakeRows rows;
   MeshSinks mesh;
-  // Of the texts of a piece that is kept.
-  std::unique_ptr<std::array<TextChecksum, piece_texts>> checksums;
+  // Of the texts of a chunk that is kept.
+  std::unique_ptr<std::array<TextChecksum, chunk_text_count>> checksums;
 };
 
 SlabSweep::SlabSweep(const RunTask& task, const RunPlan& plan, std::span<const PlaneRange> ranges,
@@ -138,18 +138,18 @@ SlabSweep::SlabSweep(const RunTask& task, const RunPlan& plan, std::span<const P
 SweepResult SlabSweep::run(Summary& summary) {
   SweepResult result;
   if (ranges_.empty()) return result;
-  const Surface surface = make_surface();
+  const SurfaceModel surface = make_surface();
   const Stopwatch sweeping;
   const Box slab = slab_box(plan_.whole, plan_.slab.planes);
   PatchSchedule patches(surface, {slab.low.z, slab.high.z});
   for (const PlaneRange& planes : ranges_)
-    result.pieces.push_back(sweep(patches, planes, result, summary));
+    result.chunks.push_back(sweep(patches, planes, result, summary));
   summary.seconds.blocks = sweeping.seconds() - summary.seconds.verify;
   return result;
 }
 
-Surface SlabSweep::make_surface() const {
-  Surface surface(plan_.slab.molecule, task_.parameters.probe_radius);
+SurfaceModel SlabSweep::make_surface() const {
+  SurfaceModel surface(plan_.slab.molecule, task_.parameters.probe_radius);
   const GridRegion all = plan_.whole.grid.whole();
   const bool is_cut = plan_.whole.parameters.grid && plan_.whole.cut_depth > 0;
   if (is_cut || plan_.whole.tiling.region != all || plan_.slab.planes != PlaneRange{0, all.end[2]})
@@ -178,47 +178,48 @@ Plan SlabSweep::plan_of(const PlaneRange& planes) const {
   return plan;
 }
 
-Piece SlabSweep::new_piece(const PlaneRange& planes) const {
-  Piece piece;
-  piece.info.planes = planes;
-  piece.is_in_place = is_in_place_;
-  for (const PieceText text : chosen_texts(task_.outputs)) {
+PlaneChunk SlabSweep::new_chunk(const PlaneRange& planes) const {
+  PlaneChunk chunk;
+  chunk.info.planes = planes;
+  chunk.is_in_place = is_in_place_;
+  for (const ChunkText text : chosen_texts(task_.outputs)) {
     // In place, only triangles wait for what stands before them.
-    if (is_in_place_ && text != PieceText::triangles) continue;
-    if (plan_.store)
-      piece.text(text) = plan_.store->create(planes, text);
+    if (is_in_place_ && text != ChunkText::triangles) continue;
+    if (plan_.checkpoint)
+      chunk.text(text) = plan_.checkpoint->create(planes, text);
     else if (is_of_mesh(text))
-      piece.text(text) = std::make_unique<ScratchFile>(mesh_directory_of(*task_.outputs.mesh));
+      chunk.text(text) = std::make_unique<ScratchFile>(mesh_directory_of(*task_.outputs.mesh));
     else
-      piece.text(text) = std::make_unique<ScratchFile>(task_.output_directory);
+      chunk.text(text) = std::make_unique<ScratchFile>(task_.output_directory);
   }
-  return piece;
+  return chunk;
 }
 
-SlabSweep::RangeSinks SlabSweep::sinks_in_place(Piece& piece) const {
+SlabSweep::RangeSinks SlabSweep::sinks_in_place(PlaneChunk& chunk) const {
   OutputFiles& files = *files_.final_files;
   RangeSinks sinks;
   sinks.grid = sink_of(files.grid);
   sinks.edges = sink_of(files.edges);
   if (files.inside_map) sinks.rows = rows_of_map(*files.inside_map, task_.outputs, plan_.whole);
   sinks.mesh = {.vertices = sink_of(files.mesh, files_.mesh_header_bytes),
-                .triangles = sink_of(piece.text(PieceText::triangles).get(), nullptr)};
+                .triangles = sink_of(chunk.text(ChunkText::triangles).get(), nullptr)};
   return sinks;
 }
 
-SlabSweep::RangeSinks SlabSweep::sinks_of(Piece& piece, const GridRegion& region) const {
+SlabSweep::RangeSinks SlabSweep::sinks_of(PlaneChunk& chunk, const GridRegion& region) const {
   RangeSinks sinks;
-  if (plan_.store) sinks.checksums = std::make_unique<std::array<TextChecksum, piece_texts>>();
-  const auto into = [&](PieceText text) {
+  if (plan_.checkpoint)
+    sinks.checksums = std::make_unique<std::array<TextChecksum, chunk_text_count>>();
+  const auto into = [&](ChunkText text) {
     TextChecksum* const checksum =
         sinks.checksums ? &(*sinks.checksums)[static_cast<std::size_t>(text)] : nullptr;
-    return sink_of(piece.text(text).get(), checksum);
+    return sink_of(chunk.text(text).get(), checksum);
   };
-  sinks.grid = into(PieceText::grid);
-  sinks.edges = into(PieceText::edges);
-  sinks.rows = rows_as_words(region, into(PieceText::map));
-  sinks.mesh = {.vertices = into(PieceText::vertices),
-                .triangles = into(PieceText::triangles),
+  sinks.grid = into(ChunkText::grid);
+  sinks.edges = into(ChunkText::edges);
+  sinks.rows = rows_as_words(region, into(ChunkText::map));
+  sinks.mesh = {.vertices = into(ChunkText::vertices),
+                .triangles = into(ChunkText::triangles),
                 .has_local_triangles = true};
   return sinks;
 }
@@ -246,26 +247,26 @@ std::vector<AtomSum> SlabSweep::sums_of(std::span<const AreaShare> shares) const
   return sums;
 }
 
-// Completes a piece in the store; from then on it need not be done again.
-void SlabSweep::keep(Piece& piece, const RangeSinks& sinks,
+// Completes a chunk in the checkpoint; from then on it need not be done again.
+void SlabSweep::keep(PlaneChunk& chunk, const RangeSinks& sinks,
                      std::span<const AreaShare> shares) const {
-  for (std::size_t text = 0; text < piece_texts; ++text)
-    piece.info.checksums[text] = (*sinks.checksums)[text].value();
-  piece.sums = sums_of(shares);
-  plan_.store->finish(piece);
-  piece.sums = {};
-  piece.texts = {};  // so many files cannot be open at a time
+  for (std::size_t text = 0; text < chunk_text_count; ++text)
+    chunk.info.checksums[text] = (*sinks.checksums)[text].value();
+  chunk.sums = sums_of(shares);
+  plan_.checkpoint->finish(chunk);
+  chunk.sums = {};
+  chunk.texts = {};  // so many files cannot be open at a time
 }
 
-Piece SlabSweep::sweep(PatchSchedule& patches, const PlaneRange& planes, SweepResult& result,
-                       Summary& summary) {
-  Piece piece = new_piece(planes);
+PlaneChunk SlabSweep::sweep(PatchSchedule& patches, const PlaneRange& planes, SweepResult& result,
+                            Summary& summary) {
+  PlaneChunk chunk = new_chunk(planes);
   const Plan plan = plan_of(planes);
   const RangeSinks sinks =
-      is_in_place_ ? sinks_in_place(piece) : sinks_of(piece, plan.tiling.region);
+      is_in_place_ ? sinks_in_place(chunk) : sinks_of(chunk, plan.tiling.region);
   std::optional<MeshOutput> mesh;
   if (files_.mesh_text != nullptr)
-    mesh.emplace(plan, plan_.whole.tiling.corners, *files_.mesh_text, sinks.mesh);
+    mesh.emplace(plan, plan_.whole.tiling.region_with_halo, *files_.mesh_text, sinks.mesh);
   std::optional<Verifier> verifier;
   if (plan.parameters.verify > 0) {
     const Stopwatch drawing;
@@ -286,16 +287,16 @@ Piece SlabSweep::sweep(PatchSchedule& patches, const PlaneRange& planes, SweepRe
   pipeline.run();
   pipeline.add_seconds(summary.seconds);
   RegionSums sums = pipeline.take_sums();
-  piece.info.totals = sums.totals;
-  piece.info.bytes = {
+  chunk.info.totals = sums.totals;
+  chunk.info.bytes = {
       pipeline.grid_bytes(), pipeline.edge_bytes(),
       task_.outputs.inside_map.empty() ? 0 : InsideMap::bits_bytes(plan.tiling.region),
       mesh ? mesh->vertex_bytes() : 0, mesh ? mesh->triangle_bytes() : 0};
-  if (mesh) piece.info.mesh = {mesh->vertex_count(), pipeline.triangle_count()};
+  if (mesh) chunk.info.mesh = {mesh->vertex_count(), pipeline.triangle_count()};
   const bool is_right = !verifier || verify(*verifier, summary);
-  if (plan_.store && is_right) keep(piece, sinks, sums.atom_shares);
+  if (plan_.checkpoint && is_right) keep(chunk, sinks, sums.atom_shares);
   add_shares(std::move(sums.atom_shares), result.atom_shares);
-  return piece;
+  return chunk;
 }
 
 }  // namespace eses::detail

@@ -1,14 +1,14 @@
 #pragma once
 /// Step 2 of a run: the sweep over the planes of this process, range by range. The rows, crossings
 /// and triangles of a range go to their place in the final files where that is known beforehand, or
-/// else into a piece.
+/// else into a chunk.
 
 #include <cstdint>
 #include <functional>
 #include <span>
 #include <vector>
 
-#include "checkpoint/pieces.hpp"
+#include "checkpoint/checkpoint.hpp"
 #include "compute/run_plan.hpp"
 #include "distributed/processes.hpp"
 #include "mesh/mesh_writer.hpp"
@@ -39,7 +39,7 @@ struct SweepFiles {
 };
 
 struct SweepResult {
-  std::vector<Piece> pieces;
+  std::vector<PlaneChunk> chunks;
   std::vector<AreaShare> atom_shares;  ///< of the area, by atom of the slab; empty if none
 };
 
@@ -59,14 +59,14 @@ class SlabSweep {
 
   Plan plan_of(const PlaneRange& planes) const;
   std::int64_t checks_of(const PlaneRange& planes) const;
-  Surface make_surface() const;
-  Piece new_piece(const PlaneRange& planes) const;
-  RangeSinks sinks_in_place(Piece& piece) const;
-  RangeSinks sinks_of(Piece& piece, const GridRegion& region) const;
-  Piece sweep(PatchSchedule& patches, const PlaneRange& planes, SweepResult& result,
-              Summary& summary);
+  SurfaceModel make_surface() const;
+  PlaneChunk new_chunk(const PlaneRange& planes) const;
+  RangeSinks sinks_in_place(PlaneChunk& chunk) const;
+  RangeSinks sinks_of(PlaneChunk& chunk, const GridRegion& region) const;
+  PlaneChunk sweep(PatchSchedule& patches, const PlaneRange& planes, SweepResult& result,
+                   Summary& summary);
   bool verify(Verifier& verifier, Summary& summary);
-  void keep(Piece& piece, const RangeSinks& sinks, std::span<const AreaShare> shares) const;
+  void keep(PlaneChunk& chunk, const RangeSinks& sinks, std::span<const AreaShare> shares) const;
   std::vector<AtomSum> sums_of(std::span<const AreaShare> shares) const;
 
   const RunTask& task_;

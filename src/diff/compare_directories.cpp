@@ -106,11 +106,11 @@ ComparedGrids compared_grids(const Grids& grids) {
   return result;
 }
 
-Standing standing_of(EsesFile file, const Paths& paths, const Grids& grids) {
-  if (!paths[0]) return paths[1] ? Standing::only_in_b : Standing::in_neither;
-  if (!paths[1]) return Standing::only_in_a;
+FileStatus status_of(EsesFile file, const Paths& paths, const Grids& grids) {
+  if (!paths[0]) return paths[1] ? FileStatus::only_in_b : FileStatus::in_neither;
+  if (!paths[1]) return FileStatus::only_in_a;
   const bool needs_same_grid = file == EsesFile::grid || file == EsesFile::edges;
-  return needs_same_grid && !grids.same_size() ? Standing::other_grid : Standing::compared;
+  return needs_same_grid && !grids.same_size() ? FileStatus::other_grid : FileStatus::compared;
 }
 
 BoxDifference compare_boxes(const Sides<BoundingBox>& boxes, double tolerance) {
@@ -133,11 +133,10 @@ Differences compare_directories(const Sides<std::filesystem::path>& directories,
   const Grids grids = read_grids(paths);
   Differences result;
   for (const EsesFile file : every_file) {
-    result.standing[static_cast<std::size_t>(file)] =
-        standing_of(file, paths_of(paths, file), grids);
+    result.status[static_cast<std::size_t>(file)] = status_of(file, paths_of(paths, file), grids);
   }
   const auto is_compared = [&result](EsesFile file) {
-    return result.standing_of(file) == Standing::compared;
+    return result.status_of(file) == FileStatus::compared;
   };
   const auto both = [&paths](EsesFile file) {
     const Paths& pair = paths_of(paths, file);

@@ -17,43 +17,37 @@ namespace {
 constexpr std::size_t atoms_of_concave = 3;
 
 // A crossing nearer to an atom than this takes all of its share; what it is does not matter.
-constexpr double least_distance = 1e-12;  // angstrom
+constexpr double min_distance = 1e-12;  // angstrom
 
-GridEdge place_of(const SurfaceEdge& edge) { return edge.edge; }
-
-std::span<const AtomIndex> atoms_of(const SurfaceEdge& edge) {
-  return std::span(edge.atoms).first(edge.atom_count);
+bool same_atoms(const Crossing& a, const Crossing& b) {
+  return std::ranges::equal(a.adjacent_atoms(), b.adjacent_atoms());
 }
 
-bool same_atoms(const SurfaceEdge& a, const SurfaceEdge& b) {
-  return std::ranges::equal(atoms_of(a), atoms_of(b));
-}
-
-bool same_crossing(const SurfaceEdge& a, const SurfaceEdge& b, double tolerance) {
+bool same_crossing(const Crossing& a, const Crossing& b, double tolerance) {
   return norm(a.position - b.position) <= tolerance && norm(a.normal - b.normal) <= tolerance;
 }
 
 /// The spheres of the atoms that an edge names; fewer than these if one is not known.
-std::vector<Sphere> spheres_of(const SurfaceEdge& edge, const ContactSpheres& spheres) {
+std::vector<Sphere> spheres_of(const Crossing& crossing, const ContactSpheres& spheres) {
   std::vector<Sphere> result;
-  for (const AtomIndex atom : atoms_of(edge)) {
+  for (const AtomIndex atom : crossing.adjacent_atoms()) {
     if (const std::optional<Sphere> sphere = spheres.sphere(atom)) result.push_back(*sphere);
   }
   return result;
 }
 
 /// Adds `sign` times the share that each atom has of the edge's area.
-void add_shares(const SurfaceEdge& edge, std::span<const Sphere> spheres, double area, double sign,
+void add_shares(const Crossing& crossing, std::span<const Sphere> spheres, double area, double sign,
                 AreaShifts& shifts) {
   std::array<double, atoms_of_concave> weights{};
   double sum = 0;
   for (std::size_t i = 0; i < spheres.size(); ++i) {
-    const double distance = norm(edge.position - spheres[i].center) - spheres[i].radius;
-    weights[i] = 1 / std::max(distance, least_distance);
+    const double distance = norm(crossing.position - spheres[i].center) - spheres[i].radius;
+    weights[i] = 1 / std::max(distance, min_distance);
     sum += weights[i];
   }
   for (std::size_t i = 0; i < spheres.size(); ++i) {
-    shifts[edge.atoms[i]] += sign * area * weights[i] / sum;
+    shifts[crossing.atoms[i]] += sign * area * weights[i] / sum;
   }
 }
 
@@ -68,20 +62,20 @@ class AtomComparison {
         result_(result),
         shifts_(shifts) {}
 
-  void add(const SurfaceEdge& a, const SurfaceEdge& b) {
+  void add(const Crossing& a, const Crossing& b) {
     if (!is_same_contact(a, b)) {
       result_.other_atoms.add({a, b});
       return;
     }
     ++result_.same_contact;
     if (!spacing_) return;
-    const double area = *spacing_ * *spacing_ * std::fabs(a.normal[a.edge.axis]);
+    const double area = *spacing_ * *spacing_ * std::fabs(a.normal[a.axis]);
     add_shares(a, spheres_of(a, spheres_), area, 1, shifts_);
     add_shares(b, spheres_of(b, spheres_), area, -1, shifts_);
   }
 
  private:
-  bool is_same_contact(const SurfaceEdge& a, const SurfaceEdge& b) const {
+  bool is_same_contact(const Crossing& a, const Crossing& b) const {
     if (a.atom_count != atoms_of_concave || b.atom_count != atoms_of_concave) return false;
     if (!same_crossing(a, b, tolerance_)) return false;
     std::vector<Sphere> touched = spheres_of(a, spheres_);
@@ -106,23 +100,23 @@ EdgeDifference compare_edges(const Sides<std::filesystem::path>& paths, const Co
   EdgeDifference result;
   ContactSpheres spheres;
   bool all_name_the_same = true;
-  const auto compare = [&](const SurfaceEdge& in_a, const SurfaceEdge& in_b) {
-    result.position.add(in_a.edge, norm(in_a.position - in_b.position), tolerance);
-    result.normal.add(in_a.edge, norm(in_a.normal - in_b.normal), tolerance);
+  const auto compare = [&](const Crossing& in_a, const Crossing& in_b) {
+    result.position.add(edge_of(in_a), norm(in_a.position - in_b.position), tolerance);
+    result.normal.add(edge_of(in_a), norm(in_a.normal - in_b.normal), tolerance);
     if (!same_atoms(in_a, in_b)) {
       all_name_the_same = false;
     } else if (in_a.atom_count == 1 && same_crossing(in_a, in_b, tolerance)) {
       spheres.add_convex(in_a);
     }
   };
-  result.matching = match_in_order<SurfaceEdge>({a.stream(), b.stream()}, place_of, compare);
+  result.matching = match_in_order<Crossing>({a.stream(), b.stream()}, edge_of, compare);
   if (all_name_the_same) return result;
   // Only now are all spheres known.
   AtomComparison atoms(spheres, grids.spacing, tolerance, result, shifts);
-  match_in_order<SurfaceEdge>({a.stream(), b.stream()}, place_of,
-                              [&](const SurfaceEdge& in_a, const SurfaceEdge& in_b) {
-                                if (!same_atoms(in_a, in_b)) atoms.add(in_a, in_b);
-                              });
+  match_in_order<Crossing>({a.stream(), b.stream()}, edge_of,
+                           [&](const Crossing& in_a, const Crossing& in_b) {
+                             if (!same_atoms(in_a, in_b)) atoms.add(in_a, in_b);
+                           });
   return result;
 }
 

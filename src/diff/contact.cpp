@@ -5,15 +5,15 @@
 
 namespace eses::detail {
 
-void ContactSpheres::add_convex(const SurfaceEdge& edge) {
+void ContactSpheres::add_convex(const Crossing& crossing) {
   // Welford's update: no difference of large sums.
-  Fit& fit = fits_[edge.atoms[0]];
+  Fit& fit = fits_[crossing.atoms[0]];
   const double weight = 1 / static_cast<double>(++fit.count);
-  const Vec3 normal_step = edge.normal - fit.normal;
+  const Vec3 normal_step = crossing.normal - fit.normal;
   fit.normal = fit.normal + weight * normal_step;
-  fit.position = fit.position + weight * (edge.position - fit.position);
-  fit.covariance += dot(normal_step, edge.position - fit.position);
-  fit.variance += dot(normal_step, edge.normal - fit.normal);
+  fit.position = fit.position + weight * (crossing.position - fit.position);
+  fit.covariance += dot(normal_step, crossing.position - fit.position);
+  fit.variance += dot(normal_step, crossing.normal - fit.normal);
 }
 
 std::optional<Sphere> ContactSpheres::sphere(AtomIndex atom) const {
@@ -24,17 +24,17 @@ std::optional<Sphere> ContactSpheres::sphere(AtomIndex atom) const {
   return Sphere{fit.position - radius * fit.normal, radius};
 }
 
-bool touches_all(const SurfaceEdge& edge, std::span<const Sphere> spheres, double tolerance) {
+bool touches_all(const Crossing& crossing, std::span<const Sphere> spheres, double tolerance) {
   // |v + p n|^2 = (r + p)^2 with v = position - centre and |n| = 1: |v|^2 - r^2 = 2 p (r - n.v).
   double product = 0, square = 0;
   for (const Sphere& sphere : spheres) {
-    const Vec3 v = edge.position - sphere.center;
-    const double slope = 2 * (sphere.radius - dot(edge.normal, v));
+    const Vec3 v = crossing.position - sphere.center;
+    const double slope = 2 * (sphere.radius - dot(crossing.normal, v));
     product += slope * (squared_norm(v) - sphere.radius * sphere.radius);
     square += slope * slope;
   }
   const double probe_radius = product / square;
-  const Vec3 probe_center = edge.position + probe_radius * edge.normal;
+  const Vec3 probe_center = crossing.position + probe_radius * crossing.normal;
   return std::all_of(spheres.begin(), spheres.end(), [&](const Sphere& sphere) {
     const double gap = norm(probe_center - sphere.center) - sphere.radius - probe_radius;
     return std::fabs(gap) <= tolerance;  // false for what is no number

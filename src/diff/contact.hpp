@@ -27,7 +27,7 @@ struct Sphere {
 class ContactSpheres {
  public:
   /// An edge that names one atom.
-  void add_convex(const SurfaceEdge& edge);
+  void add_convex(const Crossing& crossing);
 
   /// Nothing for an atom with fewer than two edges.
   std::optional<Sphere> sphere(AtomIndex atom) const;
@@ -45,6 +45,6 @@ class ContactSpheres {
 
 /// Whether there is a probe radius with which the probe at this edge touches all of the spheres, to
 /// within `tolerance` angstrom. It takes more than two spheres to tell.
-bool touches_all(const SurfaceEdge& edge, std::span<const Sphere> spheres, double tolerance);
+bool touches_all(const Crossing& crossing, std::span<const Sphere> spheres, double tolerance);
 
 }  // namespace eses::detail

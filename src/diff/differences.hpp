@@ -21,13 +21,13 @@ inline constexpr Sides<std::size_t> both_sides{0, 1};
 /// How many there are, and the first few of them.
 template <class Item>
 struct Counted {
-  static constexpr std::size_t most_kept = 5;
+  static constexpr std::size_t max_examples = 5;
 
   std::int64_t count = 0;
   std::vector<Item> first;
 
   void add(const Item& item) {
-    if (first.size() < most_kept) first.push_back(item);
+    if (first.size() < max_examples) first.push_back(item);
     ++count;
   }
 };
@@ -94,7 +94,7 @@ struct EdgeDifference {
   Matching<GridEdge> matching;
   Deviation<GridEdge> position;  ///< distance of the positions, angstrom
   Deviation<GridEdge> normal;    ///< length of the difference of the normals
-  Counted<Sides<SurfaceEdge>> other_atoms;
+  Counted<Sides<Crossing>> other_atoms;
   /// Edges that name other atoms of the same contact, which is no difference: position and normal
   /// agree, both sides name three atoms, and the probe there touches all that are named.
   std::int64_t same_contact = 0;
@@ -116,23 +116,23 @@ struct AreaDifference {
 };
 
 /// What became of a file.
-enum class Standing { compared, only_in_a, only_in_b, in_neither, other_grid };
+enum class FileStatus { compared, only_in_a, only_in_b, in_neither, other_grid };
 
 struct Differences {
-  std::array<Standing, 4> standing{};  ///< by EsesFile
+  std::array<FileStatus, 4> status{};  ///< by EsesFile
   BoxDifference box;
   PointDifference points;
   EdgeDifference edges;
   AreaDifference areas;
 
-  Standing standing_of(EsesFile file) const { return standing[static_cast<std::size_t>(file)]; }
+  FileStatus status_of(EsesFile file) const { return status[static_cast<std::size_t>(file)]; }
   /// Whether a script may take one directory for the other: a file in one of them only is a
   /// difference, one in neither is none.
   bool same() const {
-    const auto is_same = [](Standing one) {
-      return one == Standing::compared || one == Standing::in_neither;
+    const auto is_same = [](FileStatus one) {
+      return one == FileStatus::compared || one == FileStatus::in_neither;
     };
-    return std::all_of(standing.begin(), standing.end(), is_same) && box.same() && points.same() &&
+    return std::all_of(status.begin(), status.end(), is_same) && box.same() && points.same() &&
            edges.same() && areas.same();
   }
 };

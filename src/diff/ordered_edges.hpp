@@ -14,28 +14,28 @@
 namespace eses::detail {
 
 /// A few edges are sorted in memory; a file that is in order is read as it stands; any other one
-/// is sorted in pieces, which lie in a scratch file and are merged.
+/// is sorted in runs, which lie in a scratch file and are merged.
 class OrderedEdges {
  public:
   OrderedEdges(std::filesystem::path path, const GridIndex& size);
 
   /// One pass over all edges; it must not outlive this object. Edges at the same place come in the
   /// order of the file.
-  ItemStream<SurfaceEdge> stream() const;
+  ItemStream<Crossing> stream() const;
 
  private:
-  /// A sorted piece in the scratch file.
+  /// A sorted run in the scratch file.
   struct Run {
     std::uint64_t begin = 0, end = 0;  // as numbers of edges
   };
   class Merge;
 
-  bool read_piece(EdgeReader& reader);
-  void spill_piece();
+  bool read_run(EdgeReader& reader);
+  void spill_run();
 
   std::filesystem::path path_;
   GridIndex size_;
-  std::vector<SurfaceEdge> piece_;  // all edges, if they are few
+  std::vector<Crossing> crossings_;  // all edges, if they are few
   std::optional<ScratchFile> scratch_;
   std::vector<Run> runs_;
   bool read_as_it_stands_ = false;

@@ -148,8 +148,8 @@ KeyNumbers number_keys(std::span<const std::string> keys, const Processes& proce
   return numbers;
 }
 
-NumberedGroups number_groups(const ResidueRuns& runs, const Processes& processes) {
-  NumberedGroups groups;
+GroupNumbering number_groups(const ResidueRuns& runs, const Processes& processes) {
+  GroupNumbering groups;
   GroupNames& names = groups.names;
   names.are_known = processes.sum(runs.labels.size()) > 0;
   const mesh::LabelNumbers local = mesh::number_labels(runs.labels);

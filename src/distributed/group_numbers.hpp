@@ -31,13 +31,13 @@ struct GroupNames {
   std::uint32_t first_chain = 0, first_residue = 0;  ///< numbers of the first ones
 };
 
-struct NumberedGroups {
+struct GroupNumbering {
   GroupNames names;
   std::vector<mesh::GroupNumbers> of_atom;  ///< of the atoms of `runs`
 };
 
 /// Numbers the chains and residues of the molecule as mesh::number_labels does; to be called by all
 /// processes, with consecutive parts of the molecule by rank.
-NumberedGroups number_groups(const ResidueRuns& runs, const Processes& processes);
+GroupNumbering number_groups(const ResidueRuns& runs, const Processes& processes);
 
 }  // namespace eses::detail

@@ -28,14 +28,14 @@ constexpr double seconds_per_point_of_map = 3e-9;
 constexpr double infinity = std::numeric_limits<double>::infinity();
 
 // The grid's planes are dealt with in bins, so that a tall one takes no more memory than others.
-constexpr std::int64_t most_bins = 1 << 16;
+constexpr std::int64_t max_bins = 1 << 16;
 
 class Bins {
  public:
   explicit Bins(const Plan& plan)
       : plan_(plan),
         planes_{0, plan.grid.size[2]},
-        per_bin_((planes_.count() + most_bins - 1) / most_bins) {}
+        per_bin_((planes_.count() + max_bins - 1) / max_bins) {}
 
   std::size_t count() const {
     return static_cast<std::size_t>((planes_.count() + per_bin_ - 1) / per_bin_);
@@ -88,8 +88,8 @@ std::vector<PlaneRange> cut_into_slabs(const Bins& bins, std::span<const double>
   return slabs;
 }
 
-double largest_cost(const Bins& bins, std::span<const double> costs,
-                    std::span<const PlaneRange> slabs) {
+double max_cost(const Bins& bins, std::span<const double> costs,
+                std::span<const PlaneRange> slabs) {
   double largest = 0;
   for (const PlaneRange& slab : slabs) {
     double cost = 0;
@@ -116,9 +116,9 @@ struct SentAtoms {
 
 // How far from a slab an atom matters: as far as Reach goes, for its patches, and from those atoms
 // as far as SAS spheres meet. Within this distance are also all that are odd beside each other.
-double influence(const Atom& atom, double largest_radius, double probe_radius) {
+double influence(const Atom& atom, double max_radius, double probe_radius) {
   constexpr double slack = 1;  // angstrom
-  return atom.radius + 4 * largest_radius + 6 * probe_radius + slack;
+  return atom.radius + 4 * max_radius + 6 * probe_radius + slack;
 }
 
 // A slab that has planes, and where they are along z; both ends ascend from slab to slab.
@@ -130,9 +130,9 @@ struct Reached {
 SentAtoms send_atoms(const AtomShare& share, const Plan& plan, std::span<const PlaneRange> slabs,
                      const Processes& processes) {
   const double probe = plan.parameters.probe_radius;
-  double largest_radius = 0;
-  for (const Atom& atom : share.atoms) largest_radius = std::max(largest_radius, atom.radius);
-  processes.allreduce_max({&largest_radius, 1});
+  double max_radius = 0;
+  for (const Atom& atom : share.atoms) max_radius = std::max(max_radius, atom.radius);
+  processes.allreduce_max({&max_radius, 1});
   std::vector<Reached> reached;
   for (std::size_t part = 0; part < slabs.size(); ++part) {
     if (slabs[part].is_empty()) continue;
@@ -149,7 +149,7 @@ SentAtoms send_atoms(const AtomShare& share, const Plan& plan, std::span<const P
     const Atom& atom = share.atoms[i];
     // The first goes to all that have planes, so that none of these is without any.
     const bool matters_to_all = share.first + i == 0;
-    const double reach = matters_to_all ? infinity : influence(atom, largest_radius, probe);
+    const double reach = matters_to_all ? infinity : influence(atom, max_radius, probe);
     auto slab = std::partition_point(reached.begin(), reached.end(), [&](const Reached& one) {
       return one.high < atom.center.z - reach;
     });
@@ -217,23 +217,23 @@ SlabWithLines exchange_atoms(const AtomShare& share, const Plan& plan,
   return received;
 }
 
-// An example of an oddity, as processes exchange it.
+// An example of an diagnostic, as processes exchange it.
 struct FileExample {
   DiagnosticKind kind{};
   AtomIndex atom = 0, other = 0;
   std::uint64_t line = 0, other_line = 0;
 };
 
-FileOddities gather_oddities(const SlabWithLines& part, std::uint64_t atoms,
-                             const Processes& processes) {
+FileDiagnostics gather_diagnostics(const SlabWithLines& part, std::uint64_t atoms,
+                                   const Processes& processes) {
   const auto& [slab, lines] = part;
   std::vector<FileExample> own;
   std::array<std::uint64_t, diagnostic_kinds> counts{};
-  for (const Diagnostic& oddity : slab.molecule.diagnostics()) {
-    counts[static_cast<std::size_t>(oddity.kind)] = oddity.count;
-    for (const auto& [atom, other] : oddity.examples)
-      own.push_back(
-          {oddity.kind, slab.number_of(atom), slab.number_of(other), lines[atom], lines[other]});
+  for (const Diagnostic& diagnostic : slab.molecule.diagnostics()) {
+    counts[static_cast<std::size_t>(diagnostic.kind)] = diagnostic.count;
+    for (const auto& [atom, other] : diagnostic.examples)
+      own.push_back({diagnostic.kind, slab.number_of(atom), slab.number_of(other), lines[atom],
+                     lines[other]});
   }
   processes.add(counts);
   // The radii of the molecule are small only if all of them are.
@@ -243,15 +243,15 @@ FileOddities gather_oddities(const SlabWithLines& part, std::uint64_t atoms,
   std::sort(examples.begin(), examples.end(), [](const FileExample& a, const FileExample& b) {
     return std::pair(a.kind, a.atom) < std::pair(b.kind, b.atom);
   });
-  FileOddities all;
+  FileDiagnostics all;
   for (std::size_t kind = 0; kind < counts.size(); ++kind)
     if (counts[kind] > 0)
-      all.oddities.push_back({static_cast<DiagnosticKind>(kind), counts[kind], {}});
-  for (Diagnostic& oddity : all.oddities) {
+      all.diagnostics.push_back({static_cast<DiagnosticKind>(kind), counts[kind], {}});
+  for (Diagnostic& diagnostic : all.diagnostics) {
     for (const FileExample& example : examples) {
-      if (example.kind != oddity.kind) continue;
-      if (oddity.examples.size() == Diagnostic::max_examples) break;
-      oddity.examples.push_back({example.atom, example.other});
+      if (example.kind != diagnostic.kind) continue;
+      if (diagnostic.examples.size() == Diagnostic::max_examples) break;
+      diagnostic.examples.push_back({example.atom, example.other});
       all.lines[example.atom] = example.line;
       all.lines[example.other] = example.other_line;
     }
@@ -292,8 +292,8 @@ class SlabCutter {
     leave_out(bins_, left_out, costs);
     std::vector<PlaneRange> slabs = cut_into_slabs(bins_, costs, left_out, processes_.count());
     if (!left_out.empty()) return slabs;
-    const double gain = largest_cost(bins_, costs, by_atoms_) - largest_cost(bins_, costs, slabs);
-    const double loss = seconds_per_prepared_atom * largest_cost(bins_, atoms_, slabs);
+    const double gain = max_cost(bins_, costs, by_atoms_) - max_cost(bins_, costs, slabs);
+    const double loss = seconds_per_prepared_atom * max_cost(bins_, atoms_, slabs);
     return gain > loss ? slabs : by_atoms_;
   }
 
@@ -366,14 +366,14 @@ SlabOfMolecule make_slab(AtomShare share, const Plan& plan, const Outputs& outpu
   if (processes.count() == 1) {
     SlabWithLines slab =
         keep_atoms(std::move(share), range_around(remaining(region_planes(plan), done)), threads);
-    result.oddities = gather_oddities(slab, atoms, processes);
+    result.diagnostics = gather_diagnostics(slab, atoms, processes);
     result.slab = std::move(slab.slab);
     return result;
   }
   const SlabCutter cutter(share, plan, outputs, processes);
-  // All atoms take part, as the oddities are those of all atoms.
+  // All atoms take part, as the diagnostics are those of all atoms.
   SlabWithLines slab = exchange_atoms(share, plan, cutter.by_atoms(), threads, processes);
-  result.oddities = gather_oddities(slab, atoms, processes);
+  result.diagnostics = gather_diagnostics(slab, atoms, processes);
   const std::vector<PlaneRange> slabs = cutter.by_costs(slab.slab, done);
   if (slabs != cutter.by_atoms()) {
     slab = {};

@@ -33,15 +33,15 @@ struct Slab {
   AtomIndex number_of(AtomIndex atom) const { return numbers.empty() ? atom : numbers[atom]; }
 };
 
-/// The oddities of the whole molecule, with atoms by their numbers in the file.
-struct FileOddities {
-  std::vector<Diagnostic> oddities;
+/// The diagnostics of the whole molecule, with atoms by their numbers in the file.
+struct FileDiagnostics {
+  std::vector<Diagnostic> diagnostics;
   std::map<AtomIndex, std::uint64_t> lines;  ///< of all atoms that are examples
 };
 
 struct SlabOfMolecule {
   Slab slab;
-  FileOddities oddities;
+  FileDiagnostics diagnostics;
 };
 
 /// Gives each process its slab of the region of `plan`, which has its grid; to be called by all

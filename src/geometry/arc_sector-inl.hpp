@@ -22,13 +22,14 @@ struct MeridianPoints {
 
 HWY_INLINE MeridianPoints meridian_points(const ContactCircle& circle, const Points& offset) {
   const auto height = dot(circle.axis, offset);
-  return {height, all(circle.radius) - hn::Sqrt(squared_norm(offset - height * circle.axis))};
+  return {height, broadcast(circle.radius) - hn::Sqrt(squared_norm(offset - height * circle.axis))};
 }
 
-/// See faces(): on which lanes the circle's point nearest to the offset lies on the arc.
-HWY_INLINE DoubleMask faces(const ArcSector& sector, const Points& offset) {
-  const auto seam = all(-tolerance::seam);
-  if (sector.kind == ArcKind::full) return seam < all(0);
+/// See projects_onto_arc(): on which lanes the circle's point nearest to the offset lies on the
+/// arc.
+HWY_INLINE DoubleMask projects_onto_arc(const ArcSector& sector, const Points& offset) {
+  const auto seam = broadcast(-tolerance::seam);
+  if (sector.kind == ArcKind::full) return seam < broadcast(0);
   const auto after_start = dot(sector.start_normal, offset) >= seam;
   const auto before_end = dot(sector.end_normal, offset) >= seam;
   if (sector.kind == ArcKind::major) return hn::Or(after_start, before_end);

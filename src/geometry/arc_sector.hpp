@@ -23,7 +23,7 @@ inline ArcSector make_arc_sector(Vec3 axis, ArcKind kind, Vec3 start, Vec3 end) 
 
 /// Whether the circle's point nearest to `offset` (from the centre) lies on the arc, seams
 /// included. On the axis every point of the circle is nearest.
-inline bool faces(const ArcSector& sector, Vec3 offset) {
+inline bool projects_onto_arc(const ArcSector& sector, Vec3 offset) {
   if (sector.kind == ArcKind::full) return true;
   const bool after_start = dot(sector.start_normal, offset) >= -tolerance::seam;
   const bool before_end = dot(sector.end_normal, offset) >= -tolerance::seam;
@@ -45,8 +45,8 @@ inline Box direction_bounds(const ArcSector& sector, Vec3 axis) {
     }
     Vec3 upward = -axis[q] * axis;  // towards the circle's highest point along q, times reach
     upward[q] += 1;
-    if (faces(sector, upward)) bounds.high[q] = reach;
-    if (faces(sector, -upward)) bounds.low[q] = -reach;
+    if (projects_onto_arc(sector, upward)) bounds.high[q] = reach;
+    if (projects_onto_arc(sector, -upward)) bounds.low[q] = -reach;
   }
   return bounds;
 }

@@ -7,6 +7,7 @@
 
 namespace eses::detail {
 
+/// A closed box; `low` and `high` are opposite corners, in angstrom.
 struct Box {
   Vec3 low, high;
 

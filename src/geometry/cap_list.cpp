@@ -26,8 +26,9 @@ HWY_INLINE std::size_t wanted_positions(Vec3 origin, const SphereList& spheres,
   const Positions lanes;
   std::size_t found = 0;
   for (std::size_t i = 0; i < spheres.count; i += hn::Lanes(doubles)) {
-    const Points offset{load(&spheres.x[i]) - all(origin.x), load(&spheres.y[i]) - all(origin.y),
-                        load(&spheres.z[i]) - all(origin.z)};
+    const Points offset{load(&spheres.x[i]) - broadcast(origin.x),
+                        load(&spheres.y[i]) - broadcast(origin.y),
+                        load(&spheres.z[i]) - broadcast(origin.z)};
     const auto wanted = hn::And(is_wanted(offset, load(&spheres.radius[i])),
                                 hn::FirstN(doubles, spheres.count - i));
     if (hn::AllFalse(doubles, wanted)) continue;
@@ -43,8 +44,8 @@ std::size_t meeting_positions(const SasSphere& sphere, const SphereList& spheres
   return wanted_positions(
       sphere.center, spheres, positions, [&](const Points& offset, DoubleVector radius) {
         const auto squared = squared_norm(offset);
-        const auto reach = all(sphere.radius) + radius - all(tolerance::containment);
-        return hn::And(squared<reach * reach, squared> all(0));
+        const auto reach = broadcast(sphere.radius) + radius - broadcast(tolerance::containment);
+        return hn::And(squared<reach * reach, squared> broadcast(0));
       });
 }
 
@@ -52,11 +53,11 @@ std::size_t positions_near_box(const Box& box, double distance, const SphereList
                                std::int64_t* positions) {
   const Vec3 center = 0.5 * (box.low + box.high), half = 0.5 * (box.high - box.low);
   const auto beyond = [](DoubleVector offset, double half_length) {
-    return hn::Max(hn::Abs(offset) - all(half_length), all(0));
+    return hn::Max(hn::Abs(offset) - broadcast(half_length), broadcast(0));
   };
   return wanted_positions(
       center, spheres, positions, [&](const Points& offset, DoubleVector radius) {
-        const auto reach = all(distance) + radius;
+        const auto reach = broadcast(distance) + radius;
         return squared_norm(Points{beyond(offset.x, half.x), beyond(offset.y, half.y),
                                    beyond(offset.z, half.z)}) < reach * reach;
       });
@@ -85,20 +86,21 @@ void caps_at_positions(const SasSphere& sphere, const SphereList& spheres,
     const auto gather = [&](const std::vector<double>& from) {
       return hn::GatherIndex(doubles, from.data(), at);
     };
-    const Points to_neighbour{gather(spheres.x) - all(sphere.center.x),
-                              gather(spheres.y) - all(sphere.center.y),
-                              gather(spheres.z) - all(sphere.center.z)};
+    const Points to_neighbour{gather(spheres.x) - broadcast(sphere.center.x),
+                              gather(spheres.y) - broadcast(sphere.center.y),
+                              gather(spheres.z) - broadcast(sphere.center.z)};
     const auto radius = gather(spheres.radius);
     const auto squared = squared_norm(to_neighbour);
-    const auto inverse = all(1) / hn::Sqrt(squared);
-    const auto height = all(0.5) * inverse *
-                        (squared + (all(sphere.radius) - radius) * (all(sphere.radius) + radius));
+    const auto inverse = broadcast(1) / hn::Sqrt(squared);
+    const auto height =
+        broadcast(0.5) * inverse *
+        (squared + (broadcast(sphere.radius) - radius) * (broadcast(sphere.radius) + radius));
     const Points axis = inverse * to_neighbour;
     hn::StoreU(axis.x, doubles, &caps.x[k]);
     hn::StoreU(axis.y, doubles, &caps.y[k]);
     hn::StoreU(axis.z, doubles, &caps.z[k]);
     hn::StoreU(height, doubles, &caps.height[k]);
-    hn::StoreU(height + all(tolerance::accessible) * radius * inverse, doubles,
+    hn::StoreU(height + broadcast(tolerance::accessible) * radius * inverse, doubles,
                &caps.blocking_height[k]);
   }
 }

@@ -39,15 +39,15 @@ HWY_BEFORE_NAMESPACE();
 namespace eses::detail::HWY_NAMESPACE {
 
 HWY_INLINE DoubleVector dot_at(Vec3 a, const double* x, const double* y, const double* z) {
-  return all(a.x) * load(x) + all(a.y) * load(y) + all(a.z) * load(z);
+  return broadcast(a.x) * load(x) + broadcast(a.y) * load(y) + broadcast(a.z) * load(z);
 }
 
 // See the function of the same name for one angle.
 HWY_INLINE DoubleVector diamond_angle(DoubleVector x, DoubleVector y) {
-  const auto is_right = x >= all(0), is_upper = y >= all(0);
+  const auto is_right = x >= broadcast(0), is_upper = y >= broadcast(0);
   const auto share = hn::IfThenElse(hn::Xor(is_right, is_upper), x, y) / (hn::Abs(x) + hn::Abs(y));
-  return hn::IfThenElse(is_upper, hn::IfThenElse(is_right, share, all(1) - share),
-                        hn::IfThenElse(is_right, all(3) + share, all(2) - share));
+  return hn::IfThenElse(is_upper, hn::IfThenElse(is_right, share, broadcast(1) - share),
+                        hn::IfThenElse(is_right, broadcast(3) + share, broadcast(2) - share));
 }
 
 // Which of several caps block the whole circle, and which may block a part of it.
@@ -61,10 +61,10 @@ struct CapsOnCircle {
 HWY_INLINE CapsOnCircle look_at_caps(const ContactCircle& circle, DoubleVector along,
                                      DoubleVector height, DoubleMask is_other) {
   const auto squared_reach =
-      all(circle.radius * circle.radius) * (all(1) - along) * (all(1) + along);
-  const auto is_clear =
-      height * height * all(1 - relative_clear_margin) > squared_reach + all(clear_margin);
-  const auto blocks_all = hn::AndNot(height > all(0), is_clear);
+      broadcast(circle.radius * circle.radius) * (broadcast(1) - along) * (broadcast(1) + along);
+  const auto is_clear = height * height * broadcast(1 - relative_clear_margin) >
+                        squared_reach + broadcast(clear_margin);
+  const auto blocks_all = hn::AndNot(height > broadcast(0), is_clear);
   return {hn::And(is_other, blocks_all), hn::AndNot(is_clear, is_other)};
 }
 
@@ -78,14 +78,14 @@ HWY_INLINE BlockedAngles blocked_angles(const ContactCircle& circle, DoubleVecto
                                         DoubleVector along_e1, DoubleVector along_e2,
                                         DoubleMask meet) {
   const auto length = hn::Sqrt(along_e1 * along_e1 + along_e2 * along_e2);
-  const auto is_parallel = length == all(0);
-  const auto x = hn::IfThenElse(is_parallel, all(1), along_e1 / length);
-  const auto y = hn::IfThenElse(is_parallel, all(0), along_e2 / length);
-  const auto reach = all(circle.radius) * length;
-  const auto cosine = hn::IfThenElse(reach > all(0), height / reach, all(-1));
-  const auto block = hn::AndNot(hn::Or(height >= reach, cosine >= all(1)), meet);
-  const auto block_all = hn::And(block, cosine <= all(-1));
-  const auto sine = hn::Sqrt((all(1) - cosine) * (all(1) + cosine));
+  const auto is_parallel = length == broadcast(0);
+  const auto x = hn::IfThenElse(is_parallel, broadcast(1), along_e1 / length);
+  const auto y = hn::IfThenElse(is_parallel, broadcast(0), along_e2 / length);
+  const auto reach = broadcast(circle.radius) * length;
+  const auto cosine = hn::IfThenElse(reach > broadcast(0), height / reach, broadcast(-1));
+  const auto block = hn::AndNot(hn::Or(height >= reach, cosine >= broadcast(1)), meet);
+  const auto block_all = hn::And(block, cosine <= broadcast(-1));
+  const auto sine = hn::Sqrt((broadcast(1) - cosine) * (broadcast(1) + cosine));
   return {diamond_angle(x * cosine + y * sine, y * cosine - x * sine),
           diamond_angle(x * cosine - y * sine, y * cosine + x * sine), block_all,
           hn::AndNot(block_all, block)};
@@ -103,7 +103,8 @@ bool find_open(const ContactCircle& circle, const CircleFrame& frame, const CapL
       return dot_at(direction, &caps.x[k], &caps.y[k], &caps.z[k]);
     };
     const auto along_axis = along(circle.axis);
-    const auto height = load(&caps.blocking_height[k]) - all(circle.first_height) * along_axis;
+    const auto height =
+        load(&caps.blocking_height[k]) - broadcast(circle.first_height) * along_axis;
     const auto is_other =
         hn::And(hn::RebindMask(doubles, hn::Iota(words, k) != hn::Set(words, std::uint64_t{own})),
                 hn::FirstN(doubles, caps.count - k));

@@ -25,19 +25,20 @@ struct OnlyTubeExits {
 HWY_INLINE DoubleVector bracketed_roots(const std::array<DoubleVector, 5>& c, DoubleVector u,
                                         DoubleMask active) {
   const Doubles doubles;
-  auto low = all(0), high = all(1);
-  for (int i = 0; i < line_torus::most_iterations; ++i) {
-    const auto slope = ((all(4) * c[4] * u + all(3) * c[3]) * u + all(2) * c[2]) * u + c[1];
+  auto low = broadcast(0), high = broadcast(1);
+  for (int i = 0; i < line_torus::max_iterations; ++i) {
+    const auto slope =
+        ((broadcast(4) * c[4] * u + broadcast(3) * c[3]) * u + broadcast(2) * c[2]) * u + c[1];
     const auto value = (((c[4] * u + c[3]) * u + c[2]) * u + c[1]) * u + c[0];
-    const auto is_below = value < all(0);
+    const auto is_below = value < broadcast(0);
     low = hn::IfThenElse(is_below, u, low);
     high = hn::IfThenElse(is_below, high, u);
     auto next = u - value / slope;
     const auto is_inside = hn::And(next >= low, next <= high);
-    next = hn::IfThenElse(is_inside, next, all(0.5) * (low + high));
+    next = hn::IfThenElse(is_inside, next, broadcast(0.5) * (low + high));
     const auto step = hn::Abs(next - u);
     u = hn::IfThenElse(active, next, u);
-    active = hn::And(active, step >= all(line_torus::last_step));
+    active = hn::And(active, step >= broadcast(line_torus::last_step));
     if (hn::AllFalse(doubles, active)) break;
   }
   return u;
@@ -50,12 +51,13 @@ HWY_INLINE DoubleVector polished_roots(DoubleVector u, const Points& point, Doub
   const auto height = dot(axis, point);
   const auto s = hn::Sqrt(squared_norm(point - height * axis));
   const auto value = squared_norm(point) +
-                     all((circle_radius - tube_radius) * (circle_radius + tube_radius)) -
-                     all(2 * circle_radius) * s;
-  const auto across_span = span * (along_step - height * all(axis_step));
-  const auto turn = hn::IfThenElseZero(s > all(0), all(2 * circle_radius) * across_span / s);
-  const auto step = value / (all(2) * along_step * span - turn);
-  return hn::IfThenElse(hn::Abs(step) < all(line_torus::largest_polish), u - step, u);
+                     broadcast((circle_radius - tube_radius) * (circle_radius + tube_radius)) -
+                     broadcast(2 * circle_radius) * s;
+  const auto across_span = span * (along_step - height * broadcast(axis_step));
+  const auto turn =
+      hn::IfThenElseZero(s > broadcast(0), broadcast(2 * circle_radius) * across_span / s);
+  const auto step = value / (broadcast(2) * along_step * span - turn);
+  return hn::IfThenElse(hn::Abs(step) < broadcast(line_torus::max_polish), u - step, u);
 }
 
 /// As tube_exits(); the lines run from `start` along `line_axis` by `step`.
@@ -64,22 +66,22 @@ OnlyTubeExits only_tube_exits(const Points& start, DoubleVector step, Vec3 axis,
                               double circle_radius, double tube_radius, double low, double high) {
   const Doubles doubles;
   const auto zero = hn::Zero(doubles);
-  const auto span = all(high - low) * step;
+  const auto span = broadcast(high - low) * step;
   Points first = start;
-  along<line_axis>(first) = along<line_axis>(first) + all(low) * step;
-  const auto w0 = squared_norm(first), w1 = all(2) * along<line_axis>(first) * span;
+  along<line_axis>(first) = along<line_axis>(first) + broadcast(low) * step;
+  const auto w0 = squared_norm(first), w1 = broadcast(2) * along<line_axis>(first) * span;
   const auto w2 = span * span;
-  const auto a0 = w0 + all((circle_radius - tube_radius) * (circle_radius + tube_radius));
-  const auto z0 = dot(axis, first), z1 = all(axis[line_axis]) * span;
-  const auto k = all(4 * circle_radius * circle_radius);
+  const auto a0 = w0 + broadcast((circle_radius - tube_radius) * (circle_radius + tube_radius));
+  const auto z0 = dot(axis, first), z1 = broadcast(axis[line_axis]) * span;
+  const auto k = broadcast(4 * circle_radius * circle_radius);
   const std::array<DoubleVector, 5> power{
-      a0 * a0 - k * (w0 - z0 * z0), all(2) * a0 * w1 - k * (w1 - all(2) * z0 * z1),
-      w1 * w1 + all(2) * a0 * w2 - k * (w2 - z1 * z1), all(2) * w1 * w2, w2 * w2};
+      a0 * a0 - k * (w0 - z0 * z0), broadcast(2) * a0 * w1 - k * (w1 - broadcast(2) * z0 * z1),
+      w1 * w1 + broadcast(2) * a0 * w2 - k * (w2 - z1 * z1), broadcast(2) * w1 * w2, w2 * w2};
   // Bernstein coefficients: no more roots than changes of sign.
-  const auto quarter = all(0.25), half = all(0.5);
+  const auto quarter = broadcast(0.25), half = broadcast(0.5);
   const std::array<DoubleVector, 5> b{
-      power[0], power[0] + quarter * power[1], power[0] + half * power[1] + power[2] / all(6),
-      power[0] + all(0.75) * power[1] + half * power[2] + quarter * power[3],
+      power[0], power[0] + quarter * power[1], power[0] + half * power[1] + power[2] / broadcast(6),
+      power[0] + broadcast(0.75) * power[1] + half * power[2] + quarter * power[3],
       power[0] + power[1] + power[2] + power[3] + power[4]};
   auto rises = zero < zero, falls = rises;
   for (std::size_t i = 1; i < b.size(); ++i) {
@@ -90,13 +92,14 @@ OnlyTubeExits only_tube_exits(const Points& start, DoubleVector step, Vec3 axis,
   OnlyTubeExits exits{zero, hn::AndNot(falls, rises), hn::And(falls, rises)};
   if (hn::AllFalse(doubles, exits.is_one)) return exits;
   const auto u = bracketed_roots(power, b[0] / (b[0] - b[4]), exits.is_one);
-  exits.is_one =
-      hn::And(exits.is_one, a0 + u * (w1 + u * w2) >= all(line_torus::inner_sheet(tube_radius)));
+  exits.is_one = hn::And(exits.is_one,
+                         a0 + u * (w1 + u * w2) >= broadcast(line_torus::inner_sheet(tube_radius)));
   Points point = first;
   along<line_axis>(point) = along<line_axis>(point) + u * span;
   const auto exact = polished_roots(u, point, along<line_axis>(point), span, axis, axis[line_axis],
                                     circle_radius, tube_radius);
-  exits.parameters = hn::Min(hn::Max(all(low) + exact * all(high - low), all(low)), all(high));
+  exits.parameters = hn::Min(
+      hn::Max(broadcast(low) + exact * broadcast(high - low), broadcast(low)), broadcast(high));
   return exits;
 }
 

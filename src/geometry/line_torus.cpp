@@ -48,7 +48,7 @@ ValueAndSlope evaluate(const std::array<double, 5>& c, double u) {
 // Newton's method inside a bracket that holds exactly one root and is negative at its low end,
 // bisection where it would leave the bracket. `u` is the first guess.
 double bracketed_root(const std::array<double, 5>& c, double low, double high, double u) {
-  for (int iteration = 0; iteration < line_torus::most_iterations; ++iteration) {
+  for (int iteration = 0; iteration < line_torus::max_iterations; ++iteration) {
     const auto [value, slope] = evaluate(c, u);
     (value < 0 ? low : high) = u;
     double next = u - value / slope;
@@ -95,7 +95,7 @@ double polished(double u, Vec3 first, Vec3 span, Vec3 axis, double circle_radius
                        2 * circle_radius * s;
   const double slope = 2 * dot(w, span) - (s > 0 ? 2 * circle_radius * dot(across, span) / s : 0.0);
   const double step = value / slope;
-  return std::fabs(step) < line_torus::largest_polish ? u - step : u;
+  return std::fabs(step) < line_torus::max_polish ? u - step : u;
 }
 
 }  // namespace

@@ -26,10 +26,10 @@ namespace line_torus {
 
 /// Newton's method squares the relative error: after a step this small the next would not move.
 inline constexpr double last_step = 1e-9;
-inline constexpr int most_iterations = 60;
+inline constexpr int max_iterations = 60;
 
 /// A root that is to move by more than this was no root of the outer sheet.
-inline constexpr double largest_polish = 1e-5;
+inline constexpr double max_polish = 1e-5;
 
 /// A point with |w|^2 + rho^2 - p^2 below this (square angstrom) lies on the inner sheet: rounding
 /// near a cusp stays above. Small tubes need a smaller bound, as the sheets are p apart at most.

@@ -43,14 +43,14 @@ Box saddle_box(const ContactCircle& circle, const Box& directions,
   const double high = second_share * circle.second_height;
   const double first_radius = circle.radius * (1 - first_share);
   const double second_radius = circle.radius * (1 - second_share);
-  const double least_radius = low < 0 && high > 0 ? std::max(0.0, circle.radius - probe_radius)
-                                                  : std::min(first_radius, second_radius);
+  const double min_radius = low < 0 && high > 0 ? std::max(0.0, circle.radius - probe_radius)
+                                                : std::min(first_radius, second_radius);
   const Vec3 first_center = circle.center + low * circle.axis;
   const Vec3 second_center = circle.center + high * circle.axis;
   Box box = arc_box(first_center, first_radius, directions);
   include_arc(box, second_center, second_radius, directions);
-  include_arc(box, first_center, least_radius, directions);
-  include_arc(box, second_center, least_radius, directions);
+  include_arc(box, first_center, min_radius, directions);
+  include_arc(box, second_center, min_radius, directions);
   return box;
 }
 

@@ -16,20 +16,12 @@ namespace {
 // A coordinate must tell neighbouring points apart, and 64-bit products must not overflow.
 constexpr double max_cells_along_axis = 2e9, max_points = 1e17;
 
-SphereBounds padded(SphereBounds bounds, double margin) {
-  for (std::size_t axis = 0; axis < 3; ++axis) {
-    bounds.low[axis] -= margin;
-    bounds.high[axis] += margin;
-  }
-  return bounds;
-}
-
-double cells_along(const SphereBounds& box, double spacing, std::size_t axis) {
+double cells_along(const Box& box, double spacing, std::size_t axis) {
   return (box.high[axis] - box.low[axis]) / spacing;
 }
 
 // Estimated number of points, from above.
-double points_in(const SphereBounds& box, double spacing) {
+double points_in(const Box& box, double spacing) {
   double points = 1;
   for (std::size_t axis = 0; axis < 3; ++axis) points *= cells_along(box, spacing, axis) + 1;
   return points;
@@ -40,8 +32,8 @@ double margin_for(double spacing, double margin) {
   return margin >= 0.5 * spacing ? margin : spacing;
 }
 
-bool is_possible(const SphereBounds& bounds, double spacing, double margin) {
-  const SphereBounds box = padded(bounds, margin_for(spacing, margin));
+bool is_possible(const Box& bounds, double spacing, double margin) {
+  const Box box = grown(bounds, margin_for(spacing, margin));
   for (std::size_t axis = 0; axis < 3; ++axis)
     if (!(cells_along(box, spacing, axis) < max_cells_along_axis)) return false;
   return points_in(box, spacing) <= max_points;
@@ -56,7 +48,7 @@ double three_digits(int digits, int exponent) {
 }
 
 // What to do where `spacing` gives too many points: a spacing that gives few enough, rounded up.
-std::string spacing_advice(const SphereBounds& bounds, double spacing, double margin) {
+std::string spacing_advice(const Box& bounds, double spacing, double margin) {
   constexpr int max_exponent = 300;
   int exponent = static_cast<int>(std::floor(std::log10(spacing))) - 2, digits = 100;
   while (exponent <= max_exponent && !is_possible(bounds, three_digits(999, exponent), margin))
@@ -70,9 +62,9 @@ std::string spacing_advice(const SphereBounds& bounds, double spacing, double ma
 
 }  // namespace
 
-SphereBounds sphere_bounds(std::span<const Atom> atoms) {
+Box sphere_bounds(std::span<const Atom> atoms) {
   constexpr double infinity = std::numeric_limits<double>::infinity();
-  SphereBounds bounds{{infinity, infinity, infinity}, {-infinity, -infinity, -infinity}};
+  Box bounds{{infinity, infinity, infinity}, {-infinity, -infinity, -infinity}};
   for (std::size_t axis = 0; axis < 3; ++axis) {
     for (const Atom& atom : atoms) {
       bounds.low[axis] = std::min(bounds.low[axis], atom.center[axis] - atom.radius);
@@ -86,13 +78,13 @@ Grid make_grid(std::span<const Atom> atoms, double spacing, double margin) {
   return make_grid(sphere_bounds(atoms), spacing, margin);
 }
 
-Grid make_grid(const SphereBounds& bounds, double spacing, double margin) {
+Grid make_grid(const Box& bounds, double spacing, double margin) {
   if (bounds.low.x > bounds.high.x) throw Error("there are no atoms to build a grid around");
   if (!(spacing > 0) || !std::isfinite(spacing))
     throw Error(fmt::format("spacing must be a positive number of angstrom, not {}", spacing));
   if (!(margin >= 0) || !std::isfinite(margin))
     throw Error(fmt::format("margin must be a non-negative number of angstrom, not {}", margin));
-  const SphereBounds box = padded(bounds, margin);
+  const Box box = grown(bounds, margin);
   Grid grid;
   grid.spacing = spacing;
   for (std::size_t axis = 0; axis < 3; ++axis) {
@@ -187,7 +179,7 @@ GridRegion points_between(const Grid& grid, Vec3 low, Vec3 high) {
   return region;
 }
 
-std::array<double, 6> depths_inside(const Grid& grid, const SphereBounds& bounds) {
+std::array<double, 6> depths_inside(const Grid& grid, const Box& bounds) {
   std::array<double, 6> depths{};
   for (std::size_t axis = 0; axis < 3; ++axis) {
     depths[2 * axis] = grid.origin[axis] - bounds.low[axis];
@@ -196,7 +188,7 @@ std::array<double, 6> depths_inside(const Grid& grid, const SphereBounds& bounds
   return depths;
 }
 
-double cut_depth(const Grid& grid, const SphereBounds& bounds) {
+double cut_depth(const Grid& grid, const Box& bounds) {
   const std::array<double, 6> depths = depths_inside(grid, bounds);
   return *std::max_element(depths.begin(), depths.end());
 }

@@ -6,24 +6,20 @@
 
 #include "eses/atoms.hpp"
 #include "eses/grid.hpp"
+#include "geometry/box.hpp"
 
 namespace eses::detail {
 
-/// Two opposite corners, angstrom.
-struct SphereBounds {
-  Vec3 low, high;
-};
-
 /// The bounding box of the van der Waals spheres; without atoms, low is +infinity and high
 /// -infinity.
-SphereBounds sphere_bounds(std::span<const Atom> atoms);
+Box sphere_bounds(std::span<const Atom> atoms);
 
 /// The grid of ESES, in the same order of double operations: the van der Waals spheres' bounding
 /// box padded by `margin`, the number of points truncated, `n = int((hi - lo) / h) + 1`.
 /// Throws Error if there are no atoms, if a parameter is not finite, if spacing <= 0 or margin
 /// < 0, or if the grid has more points than require_valid accepts.
 Grid make_grid(std::span<const Atom> atoms, double spacing, double margin);
-Grid make_grid(const SphereBounds& bounds, double spacing, double margin);
+Grid make_grid(const Box& bounds, double spacing, double margin);
 
 /// Throws Error if a grid, whoever has made it, is not finite, has a spacing that is not positive,
 /// fewer than one point or more than 2e9 along an axis, or more than 1e17 points in all.
@@ -42,11 +38,11 @@ void require_within(const GridRegion& region, const Grid& grid);
 
 /// How far each face of the grid lies inside the bounding box of the van der Waals spheres, in
 /// angstrom, in the order low x, high x, low y, high y, low z, high z; negative outside of it.
-std::array<double, 6> depths_inside(const Grid& grid, const SphereBounds& bounds);
+std::array<double, 6> depths_inside(const Grid& grid, const Box& bounds);
 
 /// How far the grid's faces lie inside the bounding box of the van der Waals spheres, the largest
 /// of the six, in angstrom: <= 0 where a face only touches, negative where the grid encloses the
 /// molecule. The truncation above may take up to one spacing of the margin away.
-double cut_depth(const Grid& grid, const SphereBounds& bounds);
+double cut_depth(const Grid& grid, const Box& bounds);
 
 }  // namespace eses::detail

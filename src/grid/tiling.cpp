@@ -18,15 +18,15 @@ BlockTiling make_tiling(const Grid& grid, std::int64_t block_size, const GridReg
 
 BlockTiling make_tiling(const Grid& grid, const GridIndex& block_size, const GridRegion& region) {
   for (const std::int64_t side : block_size)
-    if (side < least_block_size || side > largest_block_size)
+    if (side < min_block_size || side > max_block_size)
       throw Error(fmt::format("the block size must be between {} and {} grid points, not {}",
-                              least_block_size, largest_block_size, side));
+                              min_block_size, max_block_size, side));
   BlockTiling tiling;
   tiling.block_size = block_size;
   tiling.grid_size = grid.size;
-  tiling.region = tiling.corners = region;
+  tiling.region = tiling.region_with_halo = region;
   for (std::size_t axis = 0; axis < 3; ++axis) {
-    tiling.corners.end[axis] = std::min(region.end[axis] + 1, grid.size[axis]);
+    tiling.region_with_halo.end[axis] = std::min(region.end[axis] + 1, grid.size[axis]);
     const std::int64_t points = region.end[axis] - region.begin[axis];
     const std::int64_t shared = region.end[axis] < grid.size[axis] ? 1 : 0;
     // A single point, which has no cell, is a block all the same.
@@ -52,9 +52,9 @@ GridRegion BlockTiling::points_of_blocks(const GridRegion& indices) const {
   return points;
 }
 
-Block BlockTiling::block(std::int64_t bx, std::int64_t by, std::int64_t bz) const {
+BlockBounds BlockTiling::block(std::int64_t bx, std::int64_t by, std::int64_t bz) const {
   const GridIndex position{bx, by, bz};
-  Block block;
+  BlockBounds block;
   for (std::size_t axis = 0; axis < 3; ++axis) {
     block.first[axis] = region.begin[axis] + position[axis] * (block_size[axis] - 1);
     const std::int64_t last = std::min(region.end[axis], grid_size[axis] - 1);
@@ -65,12 +65,12 @@ Block BlockTiling::block(std::int64_t bx, std::int64_t by, std::int64_t bz) cons
   return block;
 }
 
-Block BlockTiling::block_with_far_corners(std::int64_t bx, std::int64_t by, std::int64_t bz) const {
+BlockBounds BlockTiling::block_with_halo(std::int64_t bx, std::int64_t by, std::int64_t bz) const {
   const GridIndex position{bx, by, bz};
-  Block wider = block(bx, by, bz);
+  BlockBounds wider = block(bx, by, bz);
   for (std::size_t axis = 0; axis < 3; ++axis)
     if (position[axis] == blocks[axis] - 1)
-      wider.owned[axis] = corners.end[axis] - wider.first[axis];
+      wider.owned[axis] = region_with_halo.end[axis] - wider.first[axis];
   return wider;
 }
 

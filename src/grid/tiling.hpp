@@ -12,13 +12,13 @@
 namespace eses::detail {
 
 /// Grid points on a side of a block; the largest bounds what a block's crossings can number.
-inline constexpr std::int64_t least_block_size = 2;
+inline constexpr std::int64_t min_block_size = 2;
 inline constexpr std::int64_t default_block_size = 64;
-inline constexpr std::int64_t largest_block_size = 4096;
+inline constexpr std::int64_t max_block_size = 4096;
 
 /// One block: the closed box of points [first, first + points), of which it owns the half-open
 /// part [first, first + owned) and the edges that start there in +x, +y and +z.
-struct Block {
+struct BlockBounds {
   GridIndex first{};   ///< global index of its lowest point
   GridIndex points{};  ///< points of the closed box along each axis
   GridIndex owned{};   ///< points owned along each axis: `points`, or one less
@@ -34,21 +34,21 @@ struct BlockTiling {
   GridRegion region;      ///< the points that blocks own
   /// The corners of all cells that belong to the region: for make_tiling those whose lowest corner
   /// is in it, so that there are also the points behind its last ones, as far as the grid has them.
-  GridRegion corners;
+  GridRegion region_with_halo;
 
   /// The points that blocks [begin, end) own. Throws Error if there are no such blocks.
   GridRegion points_of_blocks(const GridRegion& indices) const;
   std::int64_t block_count() const { return blocks[0] * blocks[1] * blocks[2]; }
-  Block block(std::int64_t bx, std::int64_t by, std::int64_t bz) const;
+  BlockBounds block(std::int64_t bx, std::int64_t by, std::int64_t bz) const;
 
   /// The same block as it would be if the grid ended with `corners`: the last ones along an axis
   /// own the far corners, too, and so the edges between them.
-  Block block_with_far_corners(std::int64_t bx, std::int64_t by, std::int64_t bz) const;
+  BlockBounds block_with_halo(std::int64_t bx, std::int64_t by, std::int64_t bz) const;
 };
 
 /// The region in cubes: `(n - 2) / (b - 1) + 1` blocks along each axis, the first of which begins
-/// with the region, which is not empty. Throws Error if `block_size` is below `least_block_size` or
-/// above `largest_block_size`.
+/// with the region, which is not empty. Throws Error if `block_size` is below `min_block_size` or
+/// above `max_block_size`.
 BlockTiling make_tiling(const Grid& grid, std::int64_t block_size, const GridRegion& region);
 
 /// The same for the whole grid.

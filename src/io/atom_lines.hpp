@@ -39,17 +39,17 @@ struct LinesRead {
 using ReadText = std::function<std::size_t(std::span<char> buffer)>;
 
 /// Appends the atoms of a text to `result`, in memory that does not grow with the text, and calls
-/// `after_piece` now and then. Throws Error as read_atoms does, but not if there is no
+/// `after_part` now and then. Throws Error as read_atoms does, but not if there is no
 /// atom, nor if the text is a PDB file.
 LinesRead read_atom_lines(const ReadText& read, const AtomLines& lines, AtomFile& result,
-                          const std::function<void()>& after_piece = {});
+                          const std::function<void()>& after_part = {});
 
 /// The same for a text in memory, which must consist of whole lines.
 LinesRead parse_atom_lines(std::string_view text, const AtomLines& lines, AtomFile& result);
 
-/// read_atoms, which calls `after_piece` now and then with what it has read so far.
+/// read_atoms, which calls `after_part` now and then with what it has read so far.
 AtomFile read_atom_file(const std::filesystem::path& path, const ReadOptions& options,
-                        const std::function<void(AtomFile& atoms)>& after_piece);
+                        const std::function<void(AtomFile& atoms)>& after_part);
 
 /// parse_atoms, with the format, the name and the labels that `lines` has.
 AtomFile parse_atom_text(std::string_view text, const AtomLines& lines);

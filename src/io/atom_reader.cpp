@@ -28,22 +28,22 @@ namespace {
 
 // Far beyond any molecule; a larger number is a misread column or a wrong unit, and would give a
 // grid that nobody can hold.
-constexpr double largest_length = 1e6;  // angstrom
+constexpr double max_length = 1e6;  // angstrom
 
 // `0 0 0 0` and a newline: no atom takes less text.
 constexpr std::size_t shortest_atom_line = 8;  // characters
 
 // Text that is parsed at a time; little enough that a large binary file passed by mistake is
 // noticed at once.
-constexpr std::size_t piece_bytes = std::size_t{1} << 18;
-static_assert(longest_line < piece_bytes);
+constexpr std::size_t part_bytes = std::size_t{1} << 18;
+static_assert(longest_line < part_bytes);
 
 // Reading may add this to the memory of the process whatever the limit. Limits that are smaller
 // than that are refused when the run is planned, with the smallest limit that would do.
 constexpr std::uint64_t always_granted_bytes = std::uint64_t{4} << 20;
 
 // The largest index stays free, so that it may stand for "no atom".
-constexpr std::size_t most_atoms = std::numeric_limits<AtomIndex>::max();
+constexpr std::size_t max_atoms = std::numeric_limits<AtomIndex>::max();
 
 // ---------------------------------------------------------------------------- characters, fields
 
@@ -95,12 +95,12 @@ struct Quantity {
   double highest;
 };
 
-constexpr double largest_double = std::numeric_limits<double>::max();
-constexpr Quantity quantity_x{"x", -largest_length, largest_length};
-constexpr Quantity quantity_y{"y", -largest_length, largest_length};
-constexpr Quantity quantity_z{"z", -largest_length, largest_length};
-constexpr Quantity quantity_charge{"charge", -largest_double, largest_double};
-constexpr Quantity quantity_radius{"radius", 0, largest_length};
+constexpr double max_double = std::numeric_limits<double>::max();
+constexpr Quantity quantity_x{"x", -max_length, max_length};
+constexpr Quantity quantity_y{"y", -max_length, max_length};
+constexpr Quantity quantity_z{"z", -max_length, max_length};
+constexpr Quantity quantity_charge{"charge", -max_double, max_double};
+constexpr Quantity quantity_radius{"radius", 0, max_length};
 
 /// What is wrong with a line; text for the user is made of it only when it is final, because the
 /// PQR reader tries two layouts.
@@ -195,7 +195,7 @@ Problem read_pqr_values(const PqrFields& fields, Atom& atom) {
 }
 
 /// Record, serial, name, residue and residue number; the chain may be absent.
-std::size_t fewest_leading_fields(std::string_view line) {
+std::size_t min_leading_fields(std::string_view line) {
   std::string_view rest = line;
   const std::string_view record = take_first(rest);
   const bool holds_serial = is_digit(record.back());
@@ -215,7 +215,7 @@ Problem parse_pqr_fields(std::string_view line, Record& record) {
   PqrFields fields;
   std::string_view leading = line;
   for (std::size_t i = fields.size(); i-- > 0;) fields[i] = take_last(leading);
-  if (count_fields(leading) < fewest_leading_fields(line)) return {Fault::too_few_fields, {}, line};
+  if (count_fields(leading) < min_leading_fields(line)) return {Fault::too_few_fields, {}, line};
   const Problem problem = read_pqr_values(fields, record.atom);
   // Of two complaints the plainer one: text that is no number.
   if (problem.fault != Fault::not_a_number && looks_like_residue_number(fields[0], leading)) {
@@ -354,7 +354,7 @@ std::string reason(const Problem& problem) {
     case Fault::negative:
       return "must not be negative, found " + text;
     case Fault::too_large:
-      return fmt::format("{} is beyond the limit of {:.0f} angstrom", text, largest_length);
+      return fmt::format("{} is beyond the limit of {:.0f} angstrom", text, max_length);
     case Fault::residue_number:
       return text + " seems to be the residue number; expected x y z charge radius at the end";
     case Fault::pqr_record:
@@ -370,7 +370,7 @@ std::string description(const Problem& problem, std::string_view line) {
   if (problem.fault == Fault::too_few_fields) {
     return fmt::format(
         "expected at least {} fields, the last five being x y z charge radius, found {}",
-        fewest_leading_fields(line) + pqr_quantities.size(), count_fields(line));
+        min_leading_fields(line) + pqr_quantities.size(), count_fields(line));
   }
   const auto start = static_cast<std::size_t>(problem.text.data() - line.data());
   return fmt::format("field {} ({}): {}", count_fields(line.substr(0, start)) + 1, problem.quantity,
@@ -440,7 +440,7 @@ std::size_t estimate_atoms(std::string_view text) {
 
 /// Calls `take` for pieces of a text, each of whole lines except for a line that is too long.
 void for_whole_lines(const ReadText& read, const std::function<void(std::string_view text)>& take) {
-  std::vector<char> buffer(piece_bytes);
+  std::vector<char> buffer(part_bytes);
   for (std::size_t used = 0;;) {
     const std::size_t count = read(std::span(buffer).subspan(used));
     const std::string_view text(buffer.data(), used + count);
@@ -514,7 +514,7 @@ AtomFile finished(AtomFile atoms, const LinesRead& read, const AtomLines& lines)
 }
 
 AtomFile read_descriptor(int descriptor, const ReadOptions& options, const std::string& name,
-                         const std::function<void(AtomFile& atoms)>& after_piece) {
+                         const std::function<void(AtomFile& atoms)>& after_part) {
   const AtomLines lines{.format = options.format,
                         .name = name,
                         .with_labels = options.with_labels,
@@ -525,7 +525,7 @@ AtomFile read_descriptor(int descriptor, const ReadOptions& options, const std::
     const LinesRead read = read_atom_lines(
         [&source](std::span<char> buffer) { return source.read(buffer); }, lines, atoms,
         [&] {
-          if (after_piece) after_piece(atoms);
+          if (after_part) after_part(atoms);
         });
     return finished(std::move(atoms), read, lines);
   } catch (const std::bad_alloc&) {
@@ -557,8 +557,8 @@ LinesRead parse_atom_lines(std::string_view text, const AtomLines& lines, AtomFi
     if (const Problem problem = parse_line(line, record)) {
       fail(name, number, describe(problem, line, is_pqr));
     }
-    if (atoms.size() == most_atoms) {
-      fail(name, number, fmt::format("more than {} atoms", most_atoms));
+    if (atoms.size() == max_atoms) {
+      fail(name, number, fmt::format("more than {} atoms", max_atoms));
     }
     if (is_pqr) add_record(line, read.likeness);
     atoms.push_back(record.atom);
@@ -569,7 +569,7 @@ LinesRead parse_atom_lines(std::string_view text, const AtomLines& lines, AtomFi
 }
 
 LinesRead read_atom_lines(const ReadText& read, const AtomLines& lines, AtomFile& result,
-                          const std::function<void()>& after_piece) {
+                          const std::function<void()>& after_part) {
   const GrowthLimit limit(lines);
   LinesRead all;
   for_whole_lines(read, [&](std::string_view text) {
@@ -580,7 +580,7 @@ LinesRead read_atom_lines(const ReadText& read, const AtomLines& lines, AtomFile
     all.lines += part.lines;
     all.likeness.layout += part.likeness.layout;
     all.likeness.values += part.likeness.values;
-    if (after_piece) after_piece();
+    if (after_part) after_part();
   });
   return all;
 }
@@ -625,14 +625,14 @@ AtomFile parse_atom_text(std::string_view text, const AtomLines& lines) {
 }
 
 AtomFile read_atom_file(const std::filesystem::path& path, const ReadOptions& options,
-                        const std::function<void(AtomFile& atoms)>& after_piece) {
-  if (path == "-") return read_descriptor(STDIN_FILENO, options, "<stdin>", after_piece);
+                        const std::function<void(AtomFile& atoms)>& after_part) {
+  if (path == "-") return read_descriptor(STDIN_FILENO, options, "<stdin>", after_part);
   const std::string name = path.string();
   refuse_structure_files(path);
   const FileDescriptor file(open_for_reading(path, name));
   ReadOptions known = options;
   known.format = format_of(path, options.format);
-  return read_descriptor(file.value(), known, name, after_piece);
+  return read_descriptor(file.value(), known, name, after_part);
 }
 
 }  // namespace eses::detail

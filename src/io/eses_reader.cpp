@@ -16,9 +16,9 @@ namespace eses::detail {
 namespace {
 
 // As many as the program takes, and few enough for 64 bits.
-constexpr double most_points = 1e17;
+constexpr double max_points = 1e17;
 // The largest index of an atom stays free, so that it may stand for "no atom".
-constexpr std::int64_t largest_atom = std::int64_t{std::numeric_limits<AtomIndex>::max()} - 1;
+constexpr std::int64_t max_atom = std::int64_t{std::numeric_limits<AtomIndex>::max()} - 1;
 
 /// Takes a line apart, field by field.
 class Fields {
@@ -71,7 +71,7 @@ class Fields {
   }
 
   GridIndex point(const std::array<std::string_view, 3>& names) {
-    return indices(names, most_grid_points - 1);
+    return indices(names, max_grid_points - 1);
   }
 
   Vec3 vector(const std::array<std::string_view, 3>& names) {
@@ -133,11 +133,11 @@ Vec3 read_corner(LineReader& lines, const std::array<std::string_view, 3>& names
 
 GridIndex read_size(LineReader& lines) {
   Fields fields(lines, lines.expect("nx ny nz"));
-  const GridIndex size = fields.indices({"nx", "ny", "nz"}, most_grid_points);
+  const GridIndex size = fields.indices({"nx", "ny", "nz"}, max_grid_points);
   fields.expect_end();
   double points = 1;
   for (const std::int64_t n : size) points *= static_cast<double>(n);
-  if (points < 1 || points > most_points)
+  if (points < 1 || points > max_points)
     lines.fail(fmt::format("a grid of {} points", fmt::join(size, " x ")));
   return size;
 }
@@ -164,18 +164,18 @@ GridEdge read_edge(const LineReader& lines, Fields& fields, const GridIndex& siz
 }
 
 /// The adjacent atoms as a set: ascending, none twice.
-void read_adjacent_atoms(Fields& fields, SurfaceEdge& edge) {
-  edge.atoms = {};
+void read_adjacent_atoms(Fields& fields, Crossing& crossing) {
+  crossing.atoms = {};
   std::size_t count = 0;
   do {
-    edge.atoms[count++] = static_cast<AtomIndex>(fields.index("atom", largest_atom));
-  } while (count < edge.atoms.size() && fields.more());
+    crossing.atoms[count++] = static_cast<AtomIndex>(fields.index("atom", max_atom));
+  } while (count < crossing.atoms.size() && fields.more());
   fields.expect_end();
-  const auto begin = edge.atoms.begin();
+  const auto begin = crossing.atoms.begin();
   std::sort(begin, begin + static_cast<std::ptrdiff_t>(count));
   const auto end = std::unique(begin, begin + static_cast<std::ptrdiff_t>(count));
-  std::fill(end, edge.atoms.end(), AtomIndex{0});
-  edge.atom_count = static_cast<std::uint8_t>(end - begin);
+  std::fill(end, crossing.atoms.end(), AtomIndex{0});
+  crossing.atom_count = static_cast<std::uint8_t>(end - begin);
 }
 
 }  // namespace
@@ -217,14 +217,17 @@ bool GridReader::next(GridRow& row) {
   return true;
 }
 
-bool EdgeReader::next(SurfaceEdge& edge) {
+bool EdgeReader::next(Crossing& crossing) {
   std::string_view line;
   if (!lines_.next(line)) return false;
   Fields fields(lines_, line);
-  edge.edge = read_edge(lines_, fields, size_);
-  edge.position = fields.vector({"px", "py", "pz"});
-  edge.normal = fields.vector({"nx", "ny", "nz"});
-  read_adjacent_atoms(fields, edge);
+  const GridEdge place = read_edge(lines_, fields, size_);
+  crossing.lower = {place.lower[0], place.lower[1], place.lower[2]};
+  crossing.axis = place.axis;
+  crossing.lower_is_inside = place.lower_is_inside;
+  crossing.position = fields.vector({"px", "py", "pz"});
+  crossing.normal = fields.vector({"nx", "ny", "nz"});
+  read_adjacent_atoms(fields, crossing);
   return true;
 }
 
@@ -240,7 +243,7 @@ bool AreaReader::next(AtomArea& area) {
   std::string_view line;
   if (!lines_.next(line)) return false;
   Fields fields(lines_, line);
-  area.atom = static_cast<AtomIndex>(fields.index("atom", largest_atom));
+  area.atom = static_cast<AtomIndex>(fields.index("atom", max_atom));
   area.area = fields.number("area");
   fields.expect_end();
   return true;

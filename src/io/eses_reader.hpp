@@ -13,6 +13,7 @@
 #include <string_view>
 
 #include "eses/atoms.hpp"
+#include "eses/crossing.hpp"
 #include "eses/grid.hpp"
 #include "eses/vec3.hpp"
 #include "io/line_reader.hpp"
@@ -42,8 +43,8 @@ BoundingBox read_bounding_box(const std::filesystem::path& path);
 
 /// The most points along an axis that the readers take; where the true size is unknown, it stands
 /// for it.
-inline constexpr std::int64_t most_grid_points = std::numeric_limits<std::int32_t>::max();
-inline constexpr GridIndex unknown_size{most_grid_points, most_grid_points, most_grid_points};
+inline constexpr std::int64_t max_grid_points = std::numeric_limits<std::int32_t>::max();
+inline constexpr GridIndex unknown_size{max_grid_points, max_grid_points, max_grid_points};
 
 /// A line of grid_info.txt.
 struct GridRow {
@@ -90,20 +91,19 @@ struct GridEdge {
   }
 };
 
-/// A line of intersection_info.txt.
-struct SurfaceEdge {
-  GridEdge edge;
-  Vec3 position;                     ///< of the crossing, angstrom
-  Vec3 normal;                       ///< outward unit normal
-  std::array<AtomIndex, 3> atoms{};  ///< adjacent atoms, ascending; the first `atom_count` count
-  std::uint8_t atom_count = 0;       ///< 1 to 3, different ones
-};
+/// The edge of a crossing.
+inline GridEdge edge_of(const Crossing& crossing) {
+  const auto lower = [&](std::size_t axis) {
+    return static_cast<std::int32_t>(crossing.lower[axis]);
+  };
+  return {{lower(0), lower(1), lower(2)}, crossing.axis, crossing.lower_is_inside};
+}
 
 class EdgeReader {
  public:
   explicit EdgeReader(const std::filesystem::path& path, const GridIndex& size = unknown_size)
       : lines_(path), size_(size) {}
-  bool next(SurfaceEdge& edge);
+  bool next(Crossing& crossing);
   /// The next line as far as it tells the place; what follows on it is not looked at.
   bool next(GridEdge& edge);
 

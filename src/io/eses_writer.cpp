@@ -36,7 +36,7 @@ char* append(char* out, const Token& token) {
   return out + token.length;
 }
 template <class Token>
-auto joined(const Token& first, const Token& second) {
+auto concatenated(const Token& first, const Token& second) {
   typename Token::Twice both;
   char* const end = append(append(both.text.data(), first), second);
   both.length = static_cast<std::uint8_t>(end - both.text.data());
@@ -166,14 +166,14 @@ GridText::RowText GridText::row_text(std::int64_t y, std::int64_t z) const {
   const auto& z_indices = axes_[2].indices;
   const std::size_t next_j = std::min(j + 1, y_indices.size() - 1);
   const std::size_t next_k = std::min(k + 1, z_indices.size() - 1);
-  return {{joined(y_indices[j], z_indices[k]), joined(y_indices[next_j], z_indices[k]),
-           joined(y_indices[j], z_indices[next_k])},
+  return {{concatenated(y_indices[j], z_indices[k]), concatenated(y_indices[next_j], z_indices[k]),
+           concatenated(y_indices[j], z_indices[next_k])},
           axes_[1].coordinates[j],
           axes_[2].coordinates[k]};
 }
 
 void GridText::append_crossings(TextBuffer& text, std::int64_t first_x, std::int64_t y,
-                                std::int64_t z, std::span<const Crossing> crossings) const {
+                                std::int64_t z, std::span<const BlockCrossing> crossings) const {
   constexpr std::size_t numbers_per_line = 4, lines = NumberBatch::capacity / numbers_per_line;
   char* out = text.reserve(crossings.size() * longest_crossing_line + overrun);
   NumberBatch numbers;
@@ -182,7 +182,7 @@ void GridText::append_crossings(TextBuffer& text, std::int64_t first_x, std::int
     const auto part = crossings.first(std::min(lines, crossings.size()));
     crossings = crossings.subspan(part.size());
     numbers.count = 0;
-    for (const Crossing& crossing : part)
+    for (const BlockCrossing& crossing : part)
       for (const double value :
            {crossing.normal.x, crossing.normal.y, crossing.normal.z, crossing.coordinate})
         numbers.add(value);
@@ -194,7 +194,7 @@ void GridText::append_crossings(TextBuffer& text, std::int64_t first_x, std::int
 }
 
 char* GridText::append_crossing(char* out, std::int64_t x, const RowText& row,
-                                const Crossing& crossing, const NumberBatch& numbers,
+                                const BlockCrossing& crossing, const NumberBatch& numbers,
                                 std::size_t first) const {
   const std::size_t axis = crossing.axis;
   const auto lower = static_cast<std::size_t>(x);
@@ -219,7 +219,7 @@ char* GridText::append_crossing(char* out, std::int64_t x, const RowText& row,
   return out;
 }
 
-std::uint64_t largest_grid_bytes(const GridRegion& region) {
+std::uint64_t max_grid_bytes(const GridRegion& region) {
   std::uint64_t line = 3;  // sign, digit, newline
   for (const std::int64_t n : region.end)
     line += static_cast<std::uint64_t>(decimal_digits(static_cast<std::uint64_t>(n - 1))) + 1;

@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "eses/grid.hpp"
-#include "grid/crossing.hpp"
+#include "grid/block_crossing.hpp"
 #include "io/number_text.hpp"
 
 namespace eses::detail {
@@ -42,7 +42,7 @@ class GridText {
 
   /// Lines of intersection_info.txt for crossings whose lower points are (first_x + x, y, z).
   void append_crossings(TextBuffer& text, std::int64_t first_x, std::int64_t y, std::int64_t z,
-                        std::span<const Crossing> crossings) const;
+                        std::span<const BlockCrossing> crossings) const;
 
  private:
   /// Text with a blank behind it, and its length in the last byte.
@@ -56,8 +56,9 @@ class GridText {
   RowText row_text(std::int64_t y, std::int64_t z) const;
 
   /// One line; its normal and coordinate are the numbers from `first`.
-  char* append_crossing(char* out, std::int64_t x, const RowText& row, const Crossing& crossing,
-                        const NumberBatch& numbers, std::size_t first) const;
+  char* append_crossing(char* out, std::int64_t x, const RowText& row,
+                        const BlockCrossing& crossing, const NumberBatch& numbers,
+                        std::size_t first) const;
 
   struct Axis {
     std::vector<Token<16>> indices;
@@ -70,7 +71,7 @@ class GridText {
 };
 
 /// Upper bound of the bytes of grid_info.txt.
-std::uint64_t largest_grid_bytes(const GridRegion& region);
+std::uint64_t max_grid_bytes(const GridRegion& region);
 
 /// A line of intersection_info.txt, typically.
 inline constexpr std::uint64_t typical_crossing_bytes = 150;

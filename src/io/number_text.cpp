@@ -27,18 +27,19 @@ namespace {
 constexpr int digits_after_point = 12;
 
 // 10^0 to 10^22 are exact in double precision.
-constexpr int largest_exact_power = 22;
-constexpr std::array<double, largest_exact_power + 1> exact_powers{
+constexpr int max_exact_power = 22;
+constexpr std::array<double, max_exact_power + 1> exact_powers{
     1e0,  1e1,  1e2,  1e3,  1e4,  1e5,  1e6,  1e7,  1e8,  1e9,  1e10, 1e11,
     1e12, 1e13, 1e14, 1e15, 1e16, 1e17, 1e18, 1e19, 1e20, 1e21, 1e22};
-constexpr int least_exponent = digits_after_point - largest_exact_power;
+constexpr int min_exponent = digits_after_point - max_exact_power;
 
-constexpr std::array<double, 21> powers_from_least{1e-10, 1e-9, 1e-8, 1e-7, 1e-6, 1e-5, 1e-4,
-                                                   1e-3,  1e-2, 1e-1, 1e0,  1e1,  1e2,  1e3,
-                                                   1e4,   1e5,  1e6,  1e7,  1e8,  1e9,  1e10};
+constexpr std::array<double, 21> powers_from_min{1e-10, 1e-9, 1e-8, 1e-7, 1e-6, 1e-5, 1e-4,
+                                                 1e-3,  1e-2, 1e-1, 1e0,  1e1,  1e2,  1e3,
+                                                 1e4,   1e5,  1e6,  1e7,  1e8,  1e9,  1e10};
 
-// Numbers in [least_plain, least_excluded) are written by tables: their exponent has one digit.
-constexpr double least_plain = 1e-9, least_excluded = 1e9;
+// Numbers in [min_fast_magnitude, fast_magnitude_end) are written by tables: their exponent has one
+// digit.
+constexpr double min_fast_magnitude = 1e-9, fast_magnitude_end = 1e9;
 
 // One rounding of a number below 1e13 errs by less than 0.001: only near a tie could it matter.
 constexpr double near_tie = 0.0015;
@@ -83,22 +84,22 @@ void make_digits(NumberBatch& batch) {
   const Doubles doubles;
   const Words words;
   const std::size_t lanes = hn::Lanes(doubles);
-  const auto half = all(0.5), one = all(1);
-  const auto unit = all(static_cast<double>(leading_unit));
-  const auto hundred_millions = all(static_cast<double>(trailing_unit));
+  const auto half = broadcast(0.5), one = broadcast(1);
+  const auto unit = broadcast(static_cast<double>(leading_unit));
+  const auto hundred_millions = broadcast(static_cast<double>(trailing_unit));
   batch.doubtful = 0;
   for (std::size_t i = 0; i < batch.count; i += lanes) {
     const auto scaled = load(batch.scaled.data() + i);
     const auto whole = hn::Floor(scaled);
     const auto fraction = scaled - whole;
     const auto digits = whole + hn::IfThenElseZero(fraction > half, one);
-    const auto is_plain = hn::And(hn::Abs(fraction - half) >= all(near_tie),
-                                  hn::And(digits >= unit, digits < all(10) * unit));
+    const auto is_plain = hn::And(hn::Abs(fraction - half) >= broadcast(near_tie),
+                                  hn::And(digits >= unit, digits < broadcast(10) * unit));
     batch.doubtful |= (~std::uint64_t{mask_bits(is_plain)} & low_bits(static_cast<int>(lanes)))
                       << i;
 
     // The quotient may be off by one, which the remainder tells.
-    auto high = hn::Floor(digits * all(1.0 / static_cast<double>(trailing_unit)));
+    auto high = hn::Floor(digits * broadcast(1.0 / static_cast<double>(trailing_unit)));
     const auto rest = digits - high * hundred_millions;
     high = high - hn::IfThenElseZero(rest < hn::Zero(doubles), one) +
            hn::IfThenElseZero(rest >= hundred_millions, one);
@@ -145,8 +146,8 @@ int decimal_exponent(double magnitude) {
   // floor(binary log10(2)), which is the exponent or one below it.
   const int guess = (binary * 1233) >> 12;
   const int next = guess + 1;
-  return next - least_exponent < static_cast<int>(powers_from_least.size()) &&
-                 magnitude >= powers_from_least[static_cast<std::size_t>(next - least_exponent)]
+  return next - min_exponent < static_cast<int>(powers_from_min.size()) &&
+                 magnitude >= powers_from_min[static_cast<std::size_t>(next - min_exponent)]
              ? next
              : guess;
 }
@@ -155,7 +156,7 @@ int decimal_exponent(double magnitude) {
 constexpr std::array<std::array<char, 4>, 20> power_texts = [] {
   std::array<std::array<char, 4>, 20> texts{};
   for (int i = 0; i < 20; ++i) {
-    const int exponent = i + least_exponent;
+    const int exponent = i + min_exponent;
     texts[static_cast<std::size_t>(i)] = {
         'e', exponent < 0 ? '-' : '+', '0',
         static_cast<char>('0' + (exponent < 0 ? -exponent : exponent) % 10)};
@@ -180,7 +181,8 @@ char* write_scientific(char* out, double value) {
     std::memcpy(out, "0.000000000000e+00", 18);
     return out + 18;
   }
-  if (!(magnitude >= least_plain && magnitude < least_excluded)) return write_exactly(out, value);
+  if (!(magnitude >= min_fast_magnitude && magnitude < fast_magnitude_end))
+    return write_exactly(out, value);
   int exponent = decimal_exponent(magnitude);
   const int power = digits_after_point - exponent;
   const double scaled = magnitude * exact_powers[static_cast<std::size_t>(power)];
@@ -200,7 +202,7 @@ char* write_scientific(char* out, double value) {
   out[0] = static_cast<char>(leading & 0xff);
   out[1] = '.';
   store_text(out + 6, eight_digits(digits % trailing_unit));
-  std::memcpy(out + 14, power_texts[static_cast<std::size_t>(exponent - least_exponent)].data(), 4);
+  std::memcpy(out + 14, power_texts[static_cast<std::size_t>(exponent - min_exponent)].data(), 4);
   return out + 18;
 }
 
@@ -208,11 +210,11 @@ void NumberBatch::add(double value) {
   const double magnitude = std::fabs(value);
   values[count] = value;
   scaled[count] = 0;  // which no plain number is
-  if (magnitude >= least_plain && magnitude < least_excluded) {
+  if (magnitude >= min_fast_magnitude && magnitude < fast_magnitude_end) {
     const int exponent = decimal_exponent(magnitude);
     scaled[count] =
         magnitude * exact_powers[static_cast<std::size_t>(digits_after_point - exponent)];
-    power[count] = power_texts[static_cast<std::size_t>(exponent - least_exponent)];
+    power[count] = power_texts[static_cast<std::size_t>(exponent - min_exponent)];
   }
   ++count;
 }

@@ -22,9 +22,9 @@ class TextPieces {
 
   template <class... Arguments>
   void append(fmt::format_string<Arguments...> format, Arguments&&... arguments) {
-    constexpr std::size_t piece_bytes = 1 << 16;
+    constexpr std::size_t part_bytes = 1 << 16;
     fmt::format_to(std::back_inserter(text_), format, std::forward<Arguments>(arguments)...);
-    if (text_.size() >= piece_bytes) flush();
+    if (text_.size() >= part_bytes) flush();
   }
 
   /// Hands on what is left; to be called at the end.

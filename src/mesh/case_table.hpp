@@ -14,7 +14,7 @@ namespace eses::detail::mesh {
 inline constexpr std::size_t corner_count = 8;
 inline constexpr std::size_t edge_count = 12;
 inline constexpr std::size_t case_count = 256;
-inline constexpr std::size_t most_triangles = 5;  ///< in one cell
+inline constexpr std::size_t max_triangles = 5;  ///< in one cell
 
 /// Corner c stands at (c & 1, c >> 1 & 1, c >> 2 & 1). An edge runs along `axis` from its lower
 /// corner.
@@ -40,7 +40,7 @@ using CellTriangle = std::array<std::uint8_t, 3>;
 
 /// The triangles of a cell.
 struct CellCase {
-  std::array<CellTriangle, most_triangles> triangles{};
+  std::array<CellTriangle, max_triangles> triangles{};
   std::size_t count = 0;
 
   std::span<const CellTriangle> all() const { return std::span(triangles).first(count); }

@@ -21,7 +21,7 @@ using Color = std::array<std::uint8_t, 3>;
 constexpr Color convex_color{86, 180, 233}, saddle_color{240, 228, 66}, concave_color{213, 94, 0};
 
 // Readers take the indices of a PLY face for signed, and hold those of the others in an int.
-constexpr std::uint64_t most_vertices = std::numeric_limits<std::int32_t>::max();
+constexpr std::uint64_t max_vertices = std::numeric_limits<std::int32_t>::max();
 constexpr std::size_t count_digits = 12;
 
 // Hues that differ for numbers that follow each other: fractions of the golden ratio. In whole
@@ -109,11 +109,11 @@ char* put_ply_triangle(char* out, const Triangle& triangle) {
 }  // namespace
 
 void require_numbers(std::uint64_t vertices) {
-  if (vertices <= most_vertices) return;
+  if (vertices <= max_vertices) return;
   throw Error(fmt::format(
       "the mesh has more than {} vertices, which is more than its readers can number; use a larger "
       "spacing",
-      most_vertices));
+      max_vertices));
 }
 
 void append_chain_name(TextPieces& text, std::uint64_t number, const AtomLabel& label) {

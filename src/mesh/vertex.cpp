@@ -11,7 +11,7 @@ double off_grid_points(double coordinate, double lower, double upper, double spa
 
 }  // namespace
 
-Vertex make_vertex(const Grid& grid, const GridIndex& lower, const Crossing& crossing) {
+Vertex make_vertex(const Grid& grid, const GridIndex& lower, const BlockCrossing& crossing) {
   const std::size_t axis = crossing.axis;
   Vertex vertex;
   vertex.position = grid.point(lower);

@@ -5,7 +5,7 @@
 #include <cstdint>
 
 #include "eses/grid.hpp"
-#include "grid/crossing.hpp"
+#include "grid/block_crossing.hpp"
 
 namespace eses::detail::mesh {
 
@@ -24,6 +24,6 @@ inline constexpr double clearance = 1e-4;  // of the spacing
 /// The vertex on an edge of the grid that starts at the point `lower`: its crossing. If that
 /// coincides with a grid point, so may those of other edges there, and triangles would have no
 /// area, or sheets of the surface touch; so it stands a little off, on its edge.
-Vertex make_vertex(const Grid& grid, const GridIndex& lower, const Crossing& crossing);
+Vertex make_vertex(const Grid& grid, const GridIndex& lower, const BlockCrossing& crossing);
 
 }  // namespace eses::detail::mesh

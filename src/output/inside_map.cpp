@@ -8,11 +8,11 @@
 namespace eses::detail {
 namespace {
 
-constexpr std::int64_t piece_words = 1 << 16;
+constexpr std::int64_t tile_words = 1 << 16;
 
-// Rows along y whose words, of all planes, make a piece that is turned at a time.
-std::int64_t rows_of_piece(const GridIndex& size) {
-  return std::clamp<std::int64_t>(piece_words / size[2], 1, size[1]);
+// Rows along y whose words, of all planes, make a tile that is turned at a time.
+std::int64_t rows_of_tile(const GridIndex& size) {
+  return std::clamp<std::int64_t>(tile_words / size[2], 1, size[1]);
 }
 
 std::span<char> as_chars(std::span<std::uint64_t> words) {
@@ -22,7 +22,7 @@ std::span<char> as_chars(std::span<std::uint64_t> words) {
 }  // namespace
 
 // The points of one word along x, of some rows along y, and of all planes.
-struct InsideMap::Piece {
+struct InsideMap::Tile {
   std::int64_t word = 0;
   std::int64_t y_begin = 0, y_end = 0;
 
@@ -45,7 +45,7 @@ std::uint64_t InsideMap::scratch_bytes(MapFormat format, const GridRegion& regio
 
 double InsideMap::thread_bytes(MapFormat format, const GridRegion& region) {
   const GridIndex size = region.size();
-  const std::int64_t points = format == MapFormat::vti ? 0 : rows_of_piece(size) * size[2];
+  const std::int64_t points = format == MapFormat::vti ? 0 : rows_of_tile(size) * size[2];
   return static_cast<double>(points) * (sizeof(std::uint64_t) + 2);
 }
 
@@ -76,26 +76,26 @@ void InsideMap::write_rows(std::int64_t first_row, std::span<const std::uint64_t
   }
 }
 
-void InsideMap::read_words(const Piece& piece, std::vector<std::uint64_t>& words) {
-  words.resize(static_cast<std::size_t>(piece.rows() * size_[2]));
-  if (piece.rows() == size_[1]) {
-    file_.read_at(as_chars(words), word_offset(piece.word, 0));
+void InsideMap::read_words(const Tile& tile, std::vector<std::uint64_t>& words) {
+  words.resize(static_cast<std::size_t>(tile.rows() * size_[2]));
+  if (tile.rows() == size_[1]) {
+    file_.read_at(as_chars(words), word_offset(tile.word, 0));
     return;
   }
-  const auto rows = static_cast<std::size_t>(piece.rows());
+  const auto rows = static_cast<std::size_t>(tile.rows());
   for (std::int64_t z = 0; z < size_[2]; ++z)
     file_.read_at(as_chars(std::span(words).subspan(static_cast<std::size_t>(z) * rows, rows)),
-                  word_offset(piece.word, z * size_[1] + piece.y_begin));
+                  word_offset(tile.word, z * size_[1] + tile.y_begin));
 }
 
-void InsideMap::write_piece(const Piece& piece, Scratch& scratch) {
-  read_words(piece, scratch.words);
-  const auto rows = static_cast<std::size_t>(piece.rows());
+void InsideMap::write_tile(const Tile& tile, Scratch& scratch) {
+  read_words(tile, scratch.words);
+  const auto rows = static_cast<std::size_t>(tile.rows());
   const auto planes = static_cast<std::size_t>(size_[2]);
   scratch.values.resize(2 * rows * planes);
-  const std::int64_t first_x = 64 * piece.word;
+  const std::int64_t first_x = 64 * tile.word;
   for (std::int64_t x = first_x; x < std::min(first_x + 64, size_[0]); ++x) {
-    const auto index = static_cast<std::uint64_t>((x * size_[1] + piece.y_begin) * size_[2]);
+    const auto index = static_cast<std::uint64_t>((x * size_[1] + tile.y_begin) * size_[2]);
     fill_dx_zeros(index, scratch.values);
     char* value = scratch.values.data();
     for (std::size_t y = 0; y < rows; ++y)
@@ -106,24 +106,24 @@ void InsideMap::write_piece(const Piece& piece, Scratch& scratch) {
   }
 }
 
-std::int64_t InsideMap::piece_count() const {
+std::int64_t InsideMap::tile_count() const {
   if (layout_.format == MapFormat::vti) return 0;
-  const std::int64_t rows = rows_of_piece(size_);
+  const std::int64_t rows = rows_of_tile(size_);
   return words_of_row(size_) * ((size_[1] + rows - 1) / rows);
 }
 
-InsideMap::Piece InsideMap::piece(std::int64_t index) const {
-  const std::int64_t rows = rows_of_piece(size_), per_word = (size_[1] + rows - 1) / rows;
+InsideMap::Tile InsideMap::tile(std::int64_t index) const {
+  const std::int64_t rows = rows_of_tile(size_), per_word = (size_[1] + rows - 1) / rows;
   const std::int64_t begin = index % per_word * rows;
   return {index / per_word, begin, std::min(begin + rows, size_[1])};
 }
 
-void InsideMap::turn_pieces(std::int64_t begin, std::int64_t end, int threads,
-                            const std::function<void()>& check) {
+void InsideMap::transpose_tiles(std::int64_t begin, std::int64_t end, int threads,
+                                const std::function<void()>& check) {
   std::vector<Scratch> scratch(static_cast<std::size_t>(threads));
   parallel_for(end - begin, threads, [&](std::int64_t index, int thread) {
     check();
-    write_piece(piece(begin + index), scratch[static_cast<std::size_t>(thread)]);
+    write_tile(tile(begin + index), scratch[static_cast<std::size_t>(thread)]);
   });
 }
 

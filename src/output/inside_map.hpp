@@ -42,16 +42,16 @@ class InsideMap {
   /// region. Several threads may call it for different rows.
   void write_rows(std::int64_t first_row, std::span<const std::uint64_t> words, Scratch& scratch);
 
-  /// When all rows have come, this many pieces are still to be turned, each once, in any order and
+  /// When all rows have come, this many tiles are still to be turned, each once, in any order and
   /// by anybody who has the file.
-  std::int64_t piece_count() const;
-  /// Turns pieces [begin, end). Calls `check` many times and from all threads.
-  void turn_pieces(std::int64_t begin, std::int64_t end, int threads,
-                   const std::function<void()>& check);
+  std::int64_t tile_count() const;
+  /// Turns tiles [begin, end). Calls `check` many times and from all threads.
+  void transpose_tiles(std::int64_t begin, std::int64_t end, int threads,
+                       const std::function<void()>& check);
   /// What stands before and behind the values.
   void write_ends();
 
-  /// What is behind these bytes, when all pieces are turned, has served.
+  /// What is behind these bytes, when all tiles are turned, has served.
   std::uint64_t file_bytes() const { return layout_.file_bytes(); }
 
   /// Words of a row of a region of this size.
@@ -67,11 +67,11 @@ class InsideMap {
   static double thread_bytes(MapFormat format, const GridRegion& region);
 
  private:
-  struct Piece;
-  Piece piece(std::int64_t index) const;
+  struct Tile;
+  Tile tile(std::int64_t index) const;
   std::uint64_t word_offset(std::int64_t word, std::int64_t row) const;
-  void read_words(const Piece& piece, std::vector<std::uint64_t>& words);
-  void write_piece(const Piece& piece, Scratch& scratch);
+  void read_words(const Tile& tile, std::vector<std::uint64_t>& words);
+  void write_tile(const Tile& tile, Scratch& scratch);
 
   MapFile file_;
   MapLayout layout_;

@@ -81,9 +81,9 @@ std::optional<std::string> target_of(const FilePlace& place) {
 
 // Of a symbolic link, the place where it leads: the link stays.
 FilePlace place_of(const MeshOptions& mesh) {
-  constexpr int most_links = 40;  // as Linux has it
+  constexpr int max_links = 40;  // as Linux has it
   FilePlace place = place_of(mesh.file.native());
-  for (int i = 0; i < most_links; ++i) {
+  for (int i = 0; i < max_links; ++i) {
     const std::optional<std::string> target = target_of(place);
     if (!target) return place;
     place = place_of(*target);
@@ -218,7 +218,7 @@ void require_places(const Outputs& choice, const std::filesystem::path& director
   if (choice.mesh) require_end_of_link(*choice.mesh);
   if (choice.mesh) require_writable(place_of(*choice.mesh).directory);
   if (choice.mesh &&
-      std::filesystem::path(place_of(*choice.mesh).directory).filename() == resume_name)
+      std::filesystem::path(place_of(*choice.mesh).directory).filename() == checkpoint_name)
     throw Error(fmt::format("{} would go where runs keep what can be resumed, and be removed",
                             choice.mesh->file.string()));
   if (choice.mesh) require_replaceable(choice.mesh->file);  // in messages, the name that was given
@@ -305,7 +305,7 @@ void OutputFiles::commit(const std::function<void()>& check) {
 }
 
 // First what says that a piece is complete, the last what says of which run.
-void remove_pieces(const std::filesystem::path& directory) noexcept {
+void remove_checkpoint_directory(const std::filesystem::path& directory) noexcept {
   try {
     std::error_code error;  // what is left does no harm
     std::vector<std::filesystem::path> sums, others;
@@ -319,12 +319,12 @@ void remove_pieces(const std::filesystem::path& directory) noexcept {
   }
 }
 
-void OutputFiles::remove_resumable() noexcept {
+void OutputFiles::remove_checkpoint() noexcept {
   struct stat status {};
   if (directory &&
-      fstatat(directory->descriptor(), resume_name, &status, AT_SYMLINK_NOFOLLOW) == 0 &&
+      fstatat(directory->descriptor(), checkpoint_name, &status, AT_SYMLINK_NOFOLLOW) == 0 &&
       S_ISDIR(status.st_mode))
-    remove_pieces(path_in(directory->path(), resume_name));
+    remove_checkpoint_directory(path_in(directory->path(), checkpoint_name));
 }
 
 }  // namespace eses::detail

@@ -23,7 +23,7 @@ inline constexpr char areas_name[] = "partition_area.txt";
 std::string text_file_name(const char* name, bool gzip);
 
 /// Where a run that may be resumed keeps what is done, in its output directory.
-inline constexpr char resume_name[] = ".eses-blocks.resume";
+inline constexpr char checkpoint_name[] = ".eses-blocks.resume";
 
 /// In it, what says of which run it is, and the suffix of what says that a piece is complete.
 inline constexpr char run_name[] = "run";
@@ -31,7 +31,7 @@ inline constexpr char sums_suffix[] = ".sums";
 
 /// Removes the directory of that name with all that is in it. If that is cut off, what is left of
 /// the pieces in it can still be told from complete ones.
-void remove_pieces(const std::filesystem::path& directory) noexcept;
+void remove_checkpoint_directory(const std::filesystem::path& directory) noexcept;
 
 /// The names of the chosen files, the mesh left out.
 std::vector<std::string> file_names(const Outputs& choice);
@@ -89,7 +89,7 @@ struct OutputFiles {
   void commit(const std::function<void()>& check);
 
   /// After it: what was kept for a run to be resumed has served, and goes.
-  void remove_resumable() noexcept;
+  void remove_checkpoint() noexcept;
 
  private:
   void open_directory(const Outputs& choice, const std::filesystem::path& path);

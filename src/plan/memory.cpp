@@ -50,10 +50,10 @@ double patch_bytes(const SurfaceSurvey& survey) {
 
 // Of all patches, those that are held at a time while layers of this height are solved.
 double share_of_patches(const SurfaceSurvey& survey, double height) {
-  const double probe = survey.probe_radius(), radius = survey.largest_radius();
+  const double probe = survey.probe_radius(), radius = survey.max_radius();
   // Atoms whose patches matter in the layer, and those whose SAS spheres meet theirs.
   const double reach = radius + 2 * probe + 2 * (radius + probe) + 3 * CellList::sides[2];
-  return survey.largest_share(height + 2 * reach);
+  return survey.max_share(height + 2 * reach);
 }
 
 // What threads hold while they build the patches of crowded atoms, of which each has one at a time.
@@ -77,7 +77,7 @@ double feature_bytes(const SurfaceSurvey& survey, const Grid& grid, const BlockT
   Vec3 half;
   for (std::size_t axis = 0; axis < 3; ++axis)
     half[axis] = 0.5 * grid.spacing * as_double(points_along(tiling, axis) - 1);
-  const auto [reaching_box, found] = survey.most_atoms_near(half);
+  const auto [reaching_box, found] = survey.max_atoms_near(half);
   constexpr double denser = 1.1;  // than at the places looked at
   const auto bound = [&](std::size_t count) {
     return std::min(atoms, denser * static_cast<double>(count));
@@ -121,7 +121,7 @@ double mesh_bytes(const SurfaceSurvey& survey, double spacing, const BlockTiling
   const auto side = as_double(std::min(tiling.block_size[2], tiling.grid_size[2]));
   const double rows = as_double(tiling.region.size()[1]);
   const double crossings =
-      far_corner_growth(tiling) * expected_crossings(survey.largest_slab_area(spacing), spacing);
+      halo_growth(tiling) * expected_crossings(survey.max_slab_area(spacing), spacing);
   return growth * sizeof(std::uint64_t) * side * rows +
          rows * (sizeof(mesh::Row) + as_double(tiling.region.size()[0]) / 8) +
          growth * sizeof(std::uint64_t) * crossings;
@@ -174,10 +174,10 @@ double bytes_of_layers(const SurfaceSurvey& survey, const Grid& grid, const Bloc
                                  sizeof(std::uint32_t) * rows;
   const double layers = 1 + share_of_next;
   // The fullest layer's neighbours may have less.
-  const double area = std::min(layers * survey.largest_slab_area(side * grid.spacing),
-                               survey.largest_slab_area(2 * side * grid.spacing));
+  const double area = std::min(layers * survey.max_slab_area(side * grid.spacing),
+                               survey.max_slab_area(2 * side * grid.spacing));
   return layers * blocks_in_layer(tiling) * bytes_per_block +
-         sizeof(Crossing) * crossing_slack * (has_mesh ? far_corner_growth(tiling) : 1) *
+         sizeof(BlockCrossing) * crossing_slack * (has_mesh ? halo_growth(tiling) : 1) *
              expected_crossings(area, grid.spacing);
 }
 
@@ -212,8 +212,8 @@ LabelTotals total_labels(std::span<const AtomLabel> labels) {
   return totals;
 }
 
-double far_corner_growth(const BlockTiling& tiling) {
-  const GridIndex size = tiling.region.size(), wider = tiling.corners.size();
+double halo_growth(const BlockTiling& tiling) {
+  const GridIndex size = tiling.region.size(), wider = tiling.region_with_halo.size();
   double growth_of_points = 1;
   for (std::size_t axis = 0; axis < 3; ++axis)
     growth_of_points *= as_double(wider[axis]) / as_double(size[axis]);

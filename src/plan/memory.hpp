@@ -34,8 +34,8 @@ constexpr double expected_crossings(double area, double spacing) {
 }
 
 /// By how much crossings grow if those of edges between far corners are added; see
-/// BlockTiling::corners.
-double far_corner_growth(const BlockTiling& tiling);
+/// BlockTiling::region_with_halo.
+double halo_growth(const BlockTiling& tiling);
 
 /// Lower bound of expected_memory for this number of atoms, whatever else is chosen.
 double min_expected_memory(std::size_t atoms);

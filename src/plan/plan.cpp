@@ -31,7 +31,7 @@ constexpr std::uint64_t area_line_bytes = 32;
 constexpr std::uint64_t table_header_bytes = 66, table_line_bytes = 16;
 // What gzip leaves of the files, as it turned out for proteins.
 constexpr double grid_gzip_share = 0.2, edge_gzip_share = 0.3, area_gzip_share = 0.25;
-constexpr std::int64_t most_verified = 10'000'000;
+constexpr std::int64_t max_verified = 10'000'000;
 
 void require(bool holds, std::string_view what, double value) {
   if (!holds) throw Error(fmt::format("{}, not {}", what, value));
@@ -72,17 +72,17 @@ GridRegion region_of(const Grid& grid, const Parameters& p) {
 // molecule is wide, a layer of them holds many crossings, and needs many patches. Flat blocks,
 // whose other sides are longer instead, cost about 3 % more.
 constexpr std::array<GridIndex, 3> layer_shapes{{{64, 64, 64}, {64, 64, 32}, {96, 96, 20}}};
-constexpr double most_layer_bytes = 8 << 20;  // of crossings, where flatter blocks are possible
-constexpr double thinnest_layer = 6;          // angstrom; thinner ones cost far more
+constexpr double max_layer_bytes = 8 << 20;  // of crossings, where flatter blocks are possible
+constexpr double thinnest_layer = 6;         // angstrom; thinner ones cost far more
 // Smaller ones, to keep a limit.
 constexpr std::array<GridIndex, 3> small_shapes{{{32, 32, 32}, {24, 24, 24}, {16, 16, 16}}};
 
 // On a coarse grid the sides are shorter: a block unpacks all patches in and around it.
 constexpr double longest_side = 63;  // angstrom: 64 points at a spacing of 1
-constexpr std::int64_t fewest_points = 8;
+constexpr std::int64_t min_points = 8;
 
 GridIndex shortened(GridIndex size, double spacing) {
-  const double points = std::max(std::floor(longest_side / spacing) + 1, double{fewest_points});
+  const double points = std::max(std::floor(longest_side / spacing) + 1, double{min_points});
   for (std::int64_t& side : size)
     if (static_cast<double>(side) > points) side = static_cast<std::int64_t>(points);
   return size;
@@ -93,8 +93,8 @@ double height_of(const GridIndex& shape, double spacing) {
 }
 
 bool has_full_layers(const SurfaceSurvey& survey, double spacing, const GridIndex& shape) {
-  const double area = survey.largest_slab_area(height_of(shape, spacing));
-  return sizeof(Crossing) * expected_crossings(area, spacing) > most_layer_bytes;
+  const double area = survey.max_slab_area(height_of(shape, spacing));
+  return sizeof(BlockCrossing) * expected_crossings(area, spacing) > max_layer_bytes;
 }
 
 std::vector<GridIndex> possible_block_sizes(const SurfaceSurvey& survey, const Parameters& p) {
@@ -164,7 +164,7 @@ std::string fixed_choices(const Parameters& p) {
 
 // A closed mesh has about twice as many triangles as vertices.
 void expect_mesh(const MeshOptions& mesh, const LabelTotals& labels, double crossings, Plan& plan) {
-  const double vertices = far_corner_growth(plan.tiling) * crossings;
+  const double vertices = halo_growth(plan.tiling) * crossings;
   plan.mesh_scratch_bytes =
       whole_bytes(2 * static_cast<double>(mesh::typical_triangle_bytes(mesh)) * vertices);
   const bool has_names = labels.residue_runs > 0 && mesh::names_atoms(mesh);
@@ -238,7 +238,7 @@ void require_valid(const Parameters& p) {
           fmt::format("the probe radius must be between {} and {} angstrom", min_probe_radius,
                       max_probe_radius),
           p.probe_radius);
-  require(p.verify >= 0 && p.verify <= most_verified,
+  require(p.verify >= 0 && p.verify <= max_verified,
           "the number of points to verify must be between 0 and 10000000",
           static_cast<double>(p.verify));
   require(p.threads >= 0, "the number of threads must not be negative", p.threads);
@@ -261,7 +261,7 @@ void plan_files(const FileContents& contents, const Outputs& outputs, Plan& plan
   if (outputs.box) plan.box_file_bytes = box_bytes(plan.grid, outputs.gzip);
   if (outputs.grid)
     plan.grid_file_bytes =
-        on_disk(static_cast<double>(largest_grid_bytes(plan.tiling.region)), grid_gzip_share);
+        on_disk(static_cast<double>(max_grid_bytes(plan.tiling.region)), grid_gzip_share);
   if (outputs.edges)
     plan.edge_file_bytes = on_disk(typical_crossing_bytes * crossings, edge_gzip_share);
   if (outputs.areas)
@@ -280,7 +280,7 @@ std::uint64_t checksum_of(std::span<const Atom> atoms) {
   return sum;
 }
 
-Plan plan_on_grid(const Grid& grid, const SphereBounds& bounds, const Parameters& parameters) {
+Plan plan_on_grid(const Grid& grid, const Box& bounds, const Parameters& parameters) {
   require_valid(parameters);
   Plan plan;
   plan.parameters = parameters;
@@ -291,7 +291,7 @@ Plan plan_on_grid(const Grid& grid, const SphereBounds& bounds, const Parameters
   return plan;
 }
 
-Plan plan_grid(const SphereBounds& bounds, const Parameters& parameters) {
+Plan plan_grid(const Box& bounds, const Parameters& parameters) {
   require_valid(parameters);
   if (parameters.grid) {
     require_chosen(*parameters.grid);

@@ -29,11 +29,11 @@ std::uint64_t checksum_of(std::span<const Atom> atoms);
 
 /// Step 1 of a plan: the grid around atoms with these bounds or, if there is one, the grid of the
 /// parameters, and the region to compute.
-Plan plan_grid(const SphereBounds& bounds, const Parameters& parameters);
+Plan plan_grid(const Box& bounds, const Parameters& parameters);
 
 /// The same for a grid that is there already. `parameters.margin` has no meaning, and
 /// `parameters.spacing` must be that of the grid.
-Plan plan_on_grid(const Grid& grid, const SphereBounds& bounds, const Parameters& parameters);
+Plan plan_on_grid(const Grid& grid, const Box& bounds, const Parameters& parameters);
 
 /// Throws Error if the probe radius, the number of threads or that of points to verify is out of
 /// its range.

@@ -25,13 +25,13 @@ using DoubleVector = hn::Vec<Doubles>;
 using WordVector = hn::Vec<Words>;
 using DoubleMask = hn::Mask<Doubles>;
 
-HWY_INLINE DoubleVector all(double value) { return hn::Set(Doubles(), value); }
+HWY_INLINE DoubleVector broadcast(double value) { return hn::Set(Doubles(), value); }
 HWY_INLINE DoubleVector load(const double* from) { return hn::LoadU(Doubles(), from); }
 
 /// Integers from 0 to 2^52 - 1 held in doubles, as integers: adding 2^52 leaves them in the low
 /// bits.
 HWY_INLINE WordVector to_words(DoubleVector whole) {
-  const auto two_to_52 = all(4503599627370496.0);
+  const auto two_to_52 = broadcast(4503599627370496.0);
   return hn::Xor(hn::BitCast(Words(), whole + two_to_52), hn::BitCast(Words(), two_to_52));
 }
 

@@ -29,11 +29,11 @@ HWY_INLINE Points operator-(const Points& a, const Points& b) {
 }
 HWY_INLINE Points operator*(DoubleVector s, const Points& a) { return {s * a.x, s * a.y, s * a.z}; }
 HWY_INLINE Points operator*(DoubleVector s, Vec3 a) {
-  return {s * all(a.x), s * all(a.y), s * all(a.z)};
+  return {s * broadcast(a.x), s * broadcast(a.y), s * broadcast(a.z)};
 }
 
 HWY_INLINE DoubleVector dot(Vec3 a, const Points& b) {
-  return all(a.x) * b.x + all(a.y) * b.y + all(a.z) * b.z;
+  return broadcast(a.x) * b.x + broadcast(a.y) * b.y + broadcast(a.z) * b.z;
 }
 
 HWY_INLINE DoubleVector squared_norm(const Points& a) { return a.x * a.x + a.y * a.y + a.z * a.z; }

@@ -15,7 +15,7 @@ bool is_exposed(std::span<const CapCone> cones, Vec3 offset, double length) {
 void offer_arc(const ArcFeature& arc, Vec3 point, NearestProbe& nearest) {
   const Vec3 offset = point - arc.circle.center;
   const double distance = std::sqrt(meridian_point(arc.circle, offset).squared_distance());
-  if (distance >= nearest.distance || !faces(arc.sector, offset)) return;
+  if (distance >= nearest.distance || !projects_onto_arc(arc.sector, offset)) return;
   nearest = {distance,
              arc.circle.center + arc.circle.radius * nearest_on_arc(arc, offset),
              {arc.atoms[0], arc.atoms[1]},

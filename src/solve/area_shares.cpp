@@ -40,7 +40,7 @@ void AreaShares::grow() {
   const std::vector<AtomIndex> atoms = std::move(atoms_);
   const std::vector<AreaShare> shares = std::move(shares_);
   const std::vector<std::uint32_t> taken = std::exchange(taken_, {});
-  const std::size_t slots = std::max(fewest_slots, 2 * atoms.size());
+  const std::size_t slots = std::max(min_slots, 2 * atoms.size());
   shift_ = 32 - std::countr_zero(slots);
   atoms_.assign(slots, no_atom);
   shares_.assign(slots, 0);

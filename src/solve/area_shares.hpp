@@ -27,7 +27,7 @@ class AreaShares {
   void move_into(std::span<AreaShare> sums);
 
  private:
-  static constexpr std::size_t fewest_slots = 64;
+  static constexpr std::size_t min_slots = 64;
 
   std::size_t slot_of(AtomIndex atom) const;
   AreaShare& share_of(AtomIndex atom);

@@ -10,7 +10,7 @@
 namespace eses::detail {
 namespace {
 
-void bound_saddle(const Surface& surface, ArcFeature& arc) {
+void bound_saddle(const SurfaceModel& surface, ArcFeature& arc) {
   const ContactCircle& circle = arc.circle;
   const Box directions = direction_bounds(arc.sector, circle.axis);
   Box box = saddle_box(circle, directions,
@@ -21,7 +21,7 @@ void bound_saddle(const Surface& surface, ArcFeature& arc) {
   arc.solid_box = grown(box, box_slack);
 }
 
-ArcFeature make_arc(const Surface& surface, const Arc& arc) {
+ArcFeature make_arc(const SurfaceModel& surface, const Arc& arc) {
   ArcFeature feature;
   feature.atoms = {arc.first, arc.second};
   feature.circle =
@@ -31,7 +31,7 @@ ArcFeature make_arc(const Surface& surface, const Arc& arc) {
   return feature;
 }
 
-PlacementFeature make_placement(const Surface& surface, const ProbePlacement& placement) {
+PlacementFeature make_placement(const SurfaceModel& surface, const ProbePlacement& placement) {
   PlacementFeature feature;
   feature.atoms = placement.atoms;
   feature.center = placement.center;
@@ -67,7 +67,7 @@ const ListedPatches& listed_patches(const ClusterPatches& cluster, BlockFeatures
   return listed;
 }
 
-void add_face(const Surface& surface, AtomIndex i, const AtomPatches& patches,
+void add_face(const SurfaceModel& surface, AtomIndex i, const AtomPatches& patches,
               const ListedPatches& listed, BlockFeatures& features) {
   const SasSphere sphere = surface.sas_sphere(i);
   FaceFeature face;
@@ -113,7 +113,7 @@ void merge_irregular_placements(std::vector<const ProbePlacement*>& placements) 
 
 }  // namespace
 
-void BlockGrid::reset(const Grid& new_grid, const Block& new_block) {
+void BlockGrid::reset(const Grid& new_grid, const BlockBounds& new_block) {
   grid = new_grid;
   block = new_block;
   inverse_spacing = 1 / grid.spacing;
@@ -129,7 +129,7 @@ void BlockGrid::reset(const Grid& new_grid, const Block& new_block) {
 }
 
 void collect_features(const Patches& patches, const Box& box, BlockFeatures& features) {
-  const Surface& surface = patches.surface();
+  const SurfaceModel& surface = patches.surface();
   features.probe_radius = surface.probe_radius;
   features.balls.clear();
   features.faces.clear();

@@ -22,12 +22,12 @@ inline constexpr double box_slack = 1e-5;
 /// block that sees a point.
 struct BlockGrid {
   Grid grid;
-  Block block;
+  BlockBounds block;
   std::array<std::vector<double>, 3> coordinates;  ///< of the closed box's points, per axis, padded
   Box box;
   double inverse_spacing = 0;
 
-  void reset(const Grid& new_grid, const Block& new_block);
+  void reset(const Grid& new_grid, const BlockBounds& new_block);
 };
 
 /// An atom whose SAS ball reaches the block.
@@ -107,7 +107,7 @@ inline Vec3 nearest_on_arc(const ArcFeature& arc, Vec3 offset) {
   const double length = norm(radial);
   if (length > tolerance::seam) {
     const Vec3 direction = (1 / length) * radial;
-    if (faces(arc.sector, direction)) return direction;
+    if (projects_onto_arc(arc.sector, direction)) return direction;
   }
   return dot(radial, arc.sector.end) > dot(radial, arc.sector.start) ? arc.sector.end
                                                                      : arc.sector.start;

@@ -7,12 +7,12 @@
 namespace eses::detail {
 namespace {
 
-void add_to_tally(const Surface& surface, const BlockGrid& grid, const BlockResult& result,
+void add_to_tally(const SurfaceModel& surface, const BlockGrid& grid, const BlockResult& result,
                   Tally& tally) {
   const std::int64_t rows_y = result.block.owned[1];
   for (std::size_t row = 0; row + 1 < result.row_begin.size(); ++row)
     for (std::uint32_t c = result.row_begin[row]; c < result.row_begin[row + 1]; ++c) {
-      const Crossing& crossing = result.crossings[c];
+      const BlockCrossing& crossing = result.crossings[c];
       const auto r = static_cast<std::int64_t>(row);
       Vec3 point{grid.coordinates[0][crossing.x],
                  grid.coordinates[1][static_cast<std::size_t>(r % rows_y)],
@@ -23,7 +23,7 @@ void add_to_tally(const Surface& surface, const BlockGrid& grid, const BlockResu
 }
 
 // Points and crossings, before they are counted.
-BlockResult find_crossings(const Patches& patches, const Grid& grid, const Block& block,
+BlockResult find_crossings(const Patches& patches, const Grid& grid, const BlockBounds& block,
                            BlockWorkspace& workspace) {
   BlockResult result;
   result.block = block;
@@ -43,7 +43,8 @@ BlockResult find_crossings(const Patches& patches, const Grid& grid, const Block
   return result;
 }
 
-void count_crossings(const Surface& surface, const BlockResult& result, BlockWorkspace& workspace) {
+void count_crossings(const SurfaceModel& surface, const BlockResult& result,
+                     BlockWorkspace& workspace) {
   if (result.row_begin.empty()) return;
   const Stopwatch counting;
   add_to_tally(surface, workspace.grid, result, workspace.tally);
@@ -52,7 +53,7 @@ void count_crossings(const Surface& surface, const BlockResult& result, BlockWor
 
 // Leaves to a result, solved with more owned points, what starts in those of `block`; the rest are
 // the far crossings.
-void part_far_crossings(const Block& block, BlockResult& result) {
+void split_off_halo_crossings(const BlockBounds& block, BlockResult& result) {
   const GridIndex wider = result.block.owned, owned = block.owned;
   result.block = block;
   if (wider == owned || result.row_begin.empty()) return;
@@ -63,36 +64,36 @@ void part_far_crossings(const Block& block, BlockResult& result) {
     for (std::int64_t y = 0; y < block.points[1]; ++y) {
       const bool is_owned = y < owned[1] && z < owned[2];
       if (is_owned) result.row_begin.push_back(kept);
-      result.far_row_begin.push_back(static_cast<std::uint32_t>(result.far_crossings.size()));
+      result.halo_row_begin.push_back(static_cast<std::uint32_t>(result.halo_crossings.size()));
       if (y >= wider[1] || z >= wider[2]) continue;
       const auto row = static_cast<std::size_t>(z * wider[1] + y);
       for (std::uint32_t c = row_begin[row]; c < row_begin[row + 1]; ++c) {
-        const Crossing crossing = result.crossings[c];
+        const BlockCrossing crossing = result.crossings[c];
         if (is_owned && crossing.x < owned[0]) {
           result.crossings[kept++] = crossing;
         } else {
-          result.far_crossings.push_back(crossing);
+          result.halo_crossings.push_back(crossing);
         }
       }
     }
   result.crossings.resize(kept);
   result.row_begin.push_back(kept);
-  result.far_row_begin.push_back(static_cast<std::uint32_t>(result.far_crossings.size()));
+  result.halo_row_begin.push_back(static_cast<std::uint32_t>(result.halo_crossings.size()));
 }
 
 }  // namespace
 
-BlockResult solve_block(const Patches& patches, const Grid& grid, const Block& block,
+BlockResult solve_block(const Patches& patches, const Grid& grid, const BlockBounds& block,
                         BlockWorkspace& workspace) {
   BlockResult result = find_crossings(patches, grid, block, workspace);
   count_crossings(patches.surface(), result, workspace);
   return result;
 }
 
-BlockResult solve_block_for_mesh(const Patches& patches, const Grid& grid, const Block& block,
-                                 const Block& wider, BlockWorkspace& workspace) {
+BlockResult solve_block_for_mesh(const Patches& patches, const Grid& grid, const BlockBounds& block,
+                                 const BlockBounds& wider, BlockWorkspace& workspace) {
   BlockResult result = find_crossings(patches, grid, wider, workspace);
-  part_far_crossings(block, result);
+  split_off_halo_crossings(block, result);
   count_crossings(patches.surface(), result, workspace);
   return result;
 }

@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "grid/crossing.hpp"
+#include "grid/block_crossing.hpp"
 #include "grid/point_bits.hpp"
 #include "solve/classify.hpp"
 #include "solve/intersect.hpp"
@@ -15,14 +15,14 @@ namespace eses::detail {
 /// What a block contributes. Without any atom nearby `inside` has no words: all points are
 /// outside.
 struct BlockResult {
-  Block block;
+  BlockBounds block;
   PointBits inside;                      ///< of the closed box
-  std::vector<Crossing> crossings;       ///< canonical order
+  std::vector<BlockCrossing> crossings;  ///< canonical order
   std::vector<std::uint32_t> row_begin;  ///< per row [z][y] of owned points, and one more
   /// Of edges between points that the block knows, but nobody owns: see solve_block_for_mesh.
-  std::vector<Crossing> far_crossings;
-  std::vector<std::uint32_t> far_row_begin;  ///< per row [z][y] of all points; or empty
-  double seconds = 0;                        ///< that solving it took
+  std::vector<BlockCrossing> halo_crossings;
+  std::vector<std::uint32_t> halo_row_begin;  ///< per row [z][y] of all points; or empty
+  double seconds = 0;                         ///< that solving it took
 };
 
 /// Scratch memory and sums of one thread.
@@ -36,12 +36,12 @@ struct BlockWorkspace {
   double intersect_seconds = 0;
 };
 
-BlockResult solve_block(const Patches& patches, const Grid& grid, const Block& block,
+BlockResult solve_block(const Patches& patches, const Grid& grid, const BlockBounds& block,
                         BlockWorkspace& workspace);
 
 /// The same, with the far crossings: those that `wider` owns besides, which is the same block with
 /// more owned points. They count for nothing else.
-BlockResult solve_block_for_mesh(const Patches& patches, const Grid& grid, const Block& block,
-                                 const Block& wider, BlockWorkspace& workspace);
+BlockResult solve_block_for_mesh(const Patches& patches, const Grid& grid, const BlockBounds& block,
+                                 const BlockBounds& wider, BlockWorkspace& workspace);
 
 }  // namespace eses::detail

@@ -35,16 +35,16 @@ HWY_INLINE WordVector disc_rows(const BallPlane& plane, const double* y, std::si
                                 std::size_t end) {
   const Doubles doubles;
   const Words words;
-  const auto zero = hn::Zero(doubles), last = all(63.0);
+  const auto zero = hn::Zero(doubles), last = broadcast(63.0);
   const auto ones = hn::Set(words, ~std::uint64_t{0});
-  const auto dy = load(y + j) - all(plane.y);
-  const auto squared = all(plane.squared_radius) - dy * dy;
+  const auto dy = load(y + j) - broadcast(plane.y);
+  const auto squared = broadcast(plane.squared_radius) - dy * dy;
   const auto half = hn::Sqrt(hn::Max(squared, zero));
   const auto place = [&](DoubleVector x) {
-    return (x - all(plane.origin)) * all(plane.inverse_spacing);
+    return (x - broadcast(plane.origin)) * broadcast(plane.inverse_spacing);
   };
-  const auto low = hn::Ceil(place(all(plane.x) - half)) - all(plane.column_first);
-  const auto high = hn::Floor(place(all(plane.x) + half)) - all(plane.column_first);
+  const auto low = hn::Ceil(place(broadcast(plane.x) - half)) - broadcast(plane.column_first);
+  const auto high = hn::Floor(place(broadcast(plane.x) + half)) - broadcast(plane.column_first);
   auto valid = hn::And(squared >= zero, low <= high);
   valid = hn::And(valid, hn::And(high >= zero, low <= last));
   valid = hn::And(valid, hn::FirstN(doubles, end - j));
@@ -87,13 +87,14 @@ struct IndexRanges {
 
 HWY_INLINE IndexRanges points_within(const BlockGrid& grid, std::size_t axis, DoubleVector low,
                                      DoubleVector high) {
-  const auto origin = all(grid.grid.origin[axis]), inverse = all(grid.inverse_spacing);
-  const auto slack = all(range_slack), first = all(static_cast<double>(grid.block.first[axis]));
-  const auto points = all(static_cast<double>(grid.block.points[axis]));
+  const auto origin = broadcast(grid.grid.origin[axis]), inverse = broadcast(grid.inverse_spacing);
+  const auto slack = broadcast(range_slack),
+             first = broadcast(static_cast<double>(grid.block.first[axis]));
+  const auto points = broadcast(static_cast<double>(grid.block.points[axis]));
   const auto begin = hn::Ceil((low - origin) * inverse - slack) - first;
-  const auto end = hn::Floor((high - origin) * inverse + slack) - first + all(1);
-  return {LaneValues(hn::Min(hn::Max(begin, all(0)), points)),
-          LaneValues(hn::Min(hn::Max(end, all(0)), points))};
+  const auto end = hn::Floor((high - origin) * inverse + slack) - first + broadcast(1);
+  return {LaneValues(hn::Min(hn::Max(begin, broadcast(0)), points)),
+          LaneValues(hn::Min(hn::Max(end, broadcast(0)), points))};
 }
 
 // Calls action(plane, column, z, y range) for every plane of a ball, as far as it reaches into
@@ -107,12 +108,13 @@ void for_each_plane(const BlockGrid& grid, const PointBits& bits, Vec3 center, d
   const IndexRange columns =
       columns_of(points_within(grid, 0, box.low.x, box.high.x), bits.columns);
   for (std::int64_t first_z = z.begin; first_z < z.end; first_z += lanes) {
-    const auto dz = load(grid.coordinates[2].data() + first_z) - all(center.z);
-    const auto squared = all(radius * radius) - dz * dz;
-    const auto half = hn::Sqrt(hn::Max(squared, all(0)));
+    const auto dz = load(grid.coordinates[2].data() + first_z) - broadcast(center.z);
+    const auto squared = broadcast(radius * radius) - dz * dz;
+    const auto half = hn::Sqrt(hn::Max(squared, broadcast(0)));
     const auto reach = [&](std::size_t axis) {
-      return points_within(grid, axis, hn::Max(all(box.low[axis]), all(center[axis]) - half),
-                           hn::Min(all(box.high[axis]), all(center[axis]) + half));
+      return points_within(grid, axis,
+                           hn::Max(broadcast(box.low[axis]), broadcast(center[axis]) - half),
+                           hn::Min(broadcast(box.high[axis]), broadcast(center[axis]) + half));
     };
     const IndexRanges x = reach(0), y = reach(1);
     const LaneValues squared_radii(squared);
@@ -182,7 +184,7 @@ void clear_exposed(std::span<const CapCone> cones, PointBatch& batch, std::uint6
     const auto length = hn::Sqrt(squared_norm(offset));
     const auto exposed =
         filter.outside(hn::FirstN(doubles, batch.count - i), offset,
-                       [&](const CapCone& cone) { return length * all(cone.cosine); });
+                       [&](const CapCone& cone) { return length * broadcast(cone.cosine); });
     clear_lanes(batch, i, exposed, words);
   }
   batch.count = 0;
@@ -226,8 +228,8 @@ void clear_near_arc(const ArcFeature& arc, double squared_probe, PointBatch& bat
   for (std::size_t i = 0; i < batch.count; i += hn::Lanes(doubles)) {
     const Points offset = batch_points(batch, i);
     const auto [height, inward] = meridian_points(arc.circle, offset);
-    const auto is_near =
-        hn::And(inward * inward + height * height < all(squared_probe), faces(arc.sector, offset));
+    const auto is_near = hn::And(inward * inward + height * height < broadcast(squared_probe),
+                                 projects_onto_arc(arc.sector, offset));
     clear_lanes(batch, i, hn::And(is_near, hn::FirstN(doubles, batch.count - i)), words);
   }
   batch.count = 0;

@@ -14,21 +14,21 @@ namespace {
 std::array<double, 3> components(Vec3 v) { return {v.x, v.y, v.z}; }
 
 // Patches of fewer and lower atoms first. Two placements of the same atoms differ in their normals.
-bool is_simpler(const Crossing& a, const Crossing& b) {
+bool is_simpler(const BlockCrossing& a, const BlockCrossing& b) {
   if (a.atom_count != b.atom_count) return a.atom_count < b.atom_count;
   if (a.atoms != b.atoms) return a.atoms < b.atoms;
   return components(a.normal) < components(b.normal);
 }
 
 // Seen from the outside end; the simpler first where they meet at one point.
-bool comes_before(const Crossing& a, const Crossing& b) {
+bool comes_before(const BlockCrossing& a, const BlockCrossing& b) {
   if (a.coordinate != b.coordinate) return (a.coordinate < b.coordinate) != a.lower_is_inside;
   return is_simpler(a, b);
 }
 
 // The outside end is nearer than the probe radius to an accessible centre, the inside end is not:
 // somewhere between this changes for the last time, to within rounding.
-Crossing bisect(const PatchIndex& patches, const Edge& edge) {
+BlockCrossing bisect(const PatchIndex& patches, const CrossedEdge& edge) {
   const double probe = patches.features().probe_radius;
   double outside = edge.lower_is_inside ? edge.upper : edge.lower[edge.axis];
   double inside = edge.lower_is_inside ? edge.lower[edge.axis] : edge.upper;
@@ -48,7 +48,7 @@ Crossing bisect(const PatchIndex& patches, const Edge& edge) {
   const Vec3 offset = probe_at.center - point;
   Vec3 inward;
   inward[edge.axis] = edge.inward();
-  Crossing crossing;
+  BlockCrossing crossing;
   crossing.coordinate = inside;
   crossing.normal = norm(offset) > 0 ? normalized(offset) : -inward;
   crossing.atoms = probe_at.atoms;
@@ -60,9 +60,9 @@ Crossing bisect(const PatchIndex& patches, const Edge& edge) {
 
 // Of crossings that are one, the simplest of those that no other's probe covers. A probe that
 // touches more than three atoms has no cone, and meets the edge also a little past its patch.
-Crossing innermost(std::span<const Crossing> candidates) {
+BlockCrossing innermost(std::span<const BlockCrossing> candidates) {
   const auto first =
-      std::find_if(candidates.begin(), candidates.end(), [&](const Crossing& candidate) {
+      std::find_if(candidates.begin(), candidates.end(), [&](const BlockCrossing& candidate) {
         return std::fabs(candidate.coordinate - candidates.back().coordinate) <= tolerance::seam;
       });
   return *std::min_element(first, candidates.end(), is_simpler);
@@ -70,8 +70,8 @@ Crossing innermost(std::span<const Crossing> candidates) {
 
 }  // namespace
 
-Crossing decide_crossing(const PatchIndex& patches, const Edge& edge,
-                         std::span<Crossing> candidates, bool needs_proof) {
+BlockCrossing decide_crossing(const PatchIndex& patches, const CrossedEdge& edge,
+                              std::span<BlockCrossing> candidates, bool needs_proof) {
   if (candidates.empty()) return bisect(patches, edge);
   std::sort(candidates.begin(), candidates.end(), comes_before);
   if (!needs_proof) {
@@ -80,7 +80,7 @@ Crossing decide_crossing(const PatchIndex& patches, const Edge& edge,
     if (spread < tolerance::same_crossing) return innermost(candidates);
   }
   const auto chosen =
-      std::find_if(candidates.begin(), candidates.end(), [&](const Crossing& candidate) {
+      std::find_if(candidates.begin(), candidates.end(), [&](const BlockCrossing& candidate) {
         return !is_probe_nearer(patches, edge.point_at(candidate.coordinate),
                                 patches.features().probe_radius - tolerance::covered);
       });

@@ -4,13 +4,13 @@
 #include <cstdint>
 #include <span>
 
-#include "grid/crossing.hpp"
+#include "grid/block_crossing.hpp"
 #include "solve/patch_index.hpp"
 
 namespace eses::detail {
 
 /// An edge whose ends differ: from its lower point one spacing along its axis.
-struct Edge {
+struct CrossedEdge {
   std::size_t axis = 0;
   bool lower_is_inside = false;
   Vec3 lower;
@@ -26,8 +26,8 @@ struct Edge {
 };
 
 /// The edge along `axis` that starts at `lower`, counted from the block's first point.
-inline Edge make_edge(const BlockGrid& grid, std::size_t axis, const GridIndex& lower,
-                      bool lower_is_inside) {
+inline CrossedEdge make_crossed_edge(const BlockGrid& grid, std::size_t axis,
+                                     const GridIndex& lower, bool lower_is_inside) {
   const auto coordinate = [&](std::size_t a, std::int64_t index) {
     return grid.coordinates[a][static_cast<std::size_t>(index)];
   };
@@ -39,8 +39,8 @@ inline Edge make_edge(const BlockGrid& grid, std::size_t axis, const GridIndex& 
 
 /// An atom without extent, on whose van der Waals sphere rounding leaves no direction.
 inline bool is_point_atom(const FaceFeature& face) {
-  constexpr double largest_radius = 1e-8;  // angstrom
-  return face.radius < largest_radius;
+  constexpr double max_radius = 1e-8;  // angstrom
+  return face.radius < max_radius;
 }
 
 /// The crossing nearest to the outside end among `candidates`, the places where the edge meets a
@@ -48,7 +48,7 @@ inline bool is_point_atom(const FaceFeature& face) {
 /// accessible probe covers is the one. A single candidate, and several that are one, are taken
 /// without this proof unless `needs_proof`. Sorts the candidates in place. If no candidate is left,
 /// the edge is bisected.
-Crossing decide_crossing(const PatchIndex& patches, const Edge& edge,
-                         std::span<Crossing> candidates, bool needs_proof = false);
+BlockCrossing decide_crossing(const PatchIndex& patches, const CrossedEdge& edge,
+                              std::span<BlockCrossing> candidates, bool needs_proof = false);
 
 }  // namespace eses::detail

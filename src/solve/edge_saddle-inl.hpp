@@ -30,19 +30,19 @@ HWY_INLINE Points batch_points(const EdgeBatch& batch, std::size_t i) {
 HWY_INLINE DoubleMask is_in_wedge(const ArcFeature& arc, const Points& offset) {
   const ContactCircle& circle = arc.circle;
   const auto [height, inward] = meridian_points(circle, offset);
-  const auto slack = all(-tolerance::seam * circle.radius);
-  const auto raised = all(circle.radius) * height;
-  const auto is_between = hn::And(all(circle.first_height) * inward + raised >= slack,
-                                  all(circle.second_height) * inward - raised >= slack);
-  return hn::And(is_between, faces(arc.sector, offset));
+  const auto slack = broadcast(-tolerance::seam * circle.radius);
+  const auto raised = broadcast(circle.radius) * height;
+  const auto is_between = hn::And(broadcast(circle.first_height) * inward + raised >= slack,
+                                  broadcast(circle.second_height) * inward - raised >= slack);
+  return hn::And(is_between, projects_onto_arc(arc.sector, offset));
 }
 
 /// An edge wholly beyond an arc's end.
 template <std::size_t axis>
 HWY_INLINE DoubleMask passes_beyond(Vec3 end_normal, const Points& start, DoubleVector step) {
   const auto distance = dot(end_normal, start);
-  const auto beyond = all(-tolerance::seam);
-  return hn::And(distance < beyond, distance + all(end_normal[axis]) * step < beyond);
+  const auto beyond = broadcast(-tolerance::seam);
+  return hn::And(distance < beyond, distance + broadcast(end_normal[axis]) * step < beyond);
 }
 
 /// No crossing anywhere on an edge, told from its midpoint: along the edge the distance to the
@@ -54,17 +54,17 @@ HWY_INLINE DoubleMask misses_saddle(const ArcFeature& arc, double probe, double 
   const double reach =
       0.5 * length * (1 + 4 * tolerance::edge_end) + tolerance::seam * (probe + circle.radius);
   Points middle = start;
-  along<axis>(middle) = along<axis>(middle) + all(0.5) * step;
+  along<axis>(middle) = along<axis>(middle) + broadcast(0.5) * step;
   const auto [height, inward] = meridian_points(circle, middle);
   const auto squared = inward * inward + height * height;
   const double nearest = std::max(0.0, probe - reach), farthest = probe + reach;
   const auto is_far_from_tube =
-      hn::Or(squared<all(nearest * nearest), squared> all(farthest * farthest));
-  const auto raised = all(circle.radius) * height;
-  const auto beyond_first = raised + all(circle.first_height) * inward <
-                            all(-reach * (circle.radius + std::fabs(circle.first_height)));
-  const auto beyond_second = all(circle.second_height) * inward - raised <
-                             all(-reach * (circle.radius + std::fabs(circle.second_height)));
+      hn::Or(squared<broadcast(nearest * nearest), squared> broadcast(farthest * farthest));
+  const auto raised = broadcast(circle.radius) * height;
+  const auto beyond_first = raised + broadcast(circle.first_height) * inward <
+                            broadcast(-reach * (circle.radius + std::fabs(circle.first_height)));
+  const auto beyond_second = broadcast(circle.second_height) * inward - raised <
+                             broadcast(-reach * (circle.radius + std::fabs(circle.second_height)));
   return hn::Or(is_far_from_tube, hn::Or(beyond_first, beyond_second));
 }
 
@@ -101,10 +101,11 @@ HWY_INLINE LanePoints saddle_normals(const ArcFeature& arc, const Points& offset
   const ContactCircle& circle = arc.circle;
   const Points radial = offset - dot(circle.axis, offset) * circle.axis;
   const auto length = hn::Sqrt(squared_norm(radial));
-  const Points direction = all(1) / length * radial;
-  const auto is_plain = hn::And(length > all(tolerance::seam), faces(arc.sector, direction));
-  const Points towards_probe = all(circle.radius) * direction - offset;
-  LanePoints normals(all(1) / hn::Sqrt(squared_norm(towards_probe)) * towards_probe);
+  const Points direction = broadcast(1) / length * radial;
+  const auto is_plain =
+      hn::And(length > broadcast(tolerance::seam), projects_onto_arc(arc.sector, direction));
+  const Points towards_probe = broadcast(circle.radius) * direction - offset;
+  LanePoints normals(broadcast(1) / hn::Sqrt(squared_norm(towards_probe)) * towards_probe);
   const auto is_other = hn::AndNot(is_plain, mask);
   if (hn::AllFalse(Doubles(), is_other)) return normals;
   const LanePoints offsets(offset);
@@ -128,7 +129,7 @@ void meet_saddle(const ArcFeature& arc, double probe, double length, EdgeBatch& 
     const Points start = batch_points(batch, i);
     const auto step = load(batch.step.data() + i);
     const auto offer = [&](DoubleVector parameter, DoubleMask exits) {
-      const auto share = hn::Min(hn::Max(parameter, all(0)), all(1));
+      const auto share = hn::Min(hn::Max(parameter, broadcast(0)), broadcast(1));
       Points point = start;
       along<axis>(point) = along<axis>(point) + share * step;
       exits = hn::And(exits, is_in_wedge(arc, point));
@@ -149,9 +150,9 @@ void meet_saddle(const ArcFeature& arc, double probe, double length, EdgeBatch& 
       const TubeExits several =
           tube_exits({batch.start[0][i + lane], batch.start[1][i + lane], batch.start[2][i + lane]},
                      one_step, circle.axis, circle.radius, probe, low, high);
-      const auto this_lane = hn::Eq(hn::Iota(doubles, 0), all(static_cast<double>(lane)));
+      const auto this_lane = hn::Eq(hn::Iota(doubles, 0), broadcast(static_cast<double>(lane)));
       for (int e = 0; e < several.count; ++e)
-        offer(all(several.parameters[static_cast<std::size_t>(e)]), this_lane);
+        offer(broadcast(several.parameters[static_cast<std::size_t>(e)]), this_lane);
     });
   }
 }

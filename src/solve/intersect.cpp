@@ -81,7 +81,7 @@ struct Search {
   const BlockFeatures& features;
   const PointBits& inside;
   IntersectScratch& scratch;
-  std::vector<Crossing>& crossings;
+  std::vector<BlockCrossing>& crossings;
 
   double coordinate(std::size_t axis, std::int64_t index) const {
     return grid.coordinates[axis][static_cast<std::size_t>(index)];
@@ -100,8 +100,8 @@ struct Search {
     return edges.rank[word] + static_cast<std::uint32_t>(rank);
   }
 
-  void offer(std::uint32_t edge, Crossing candidate, bool needs_proof = false) {
-    Crossing& first = crossings[edge];
+  void offer(std::uint32_t edge, BlockCrossing candidate, bool needs_proof = false) {
+    BlockCrossing& first = crossings[edge];
     candidate.x = first.x;
     if (first.atom_count == 0 && !needs_proof) {
       first = candidate;
@@ -112,7 +112,7 @@ struct Search {
 
   // Offers a crossing to the edge that starts at `lower`, if there is one, if its ends lie on the
   // right sides, and if it reaches this far.
-  void offer_to_edge(GridIndex lower, Crossing crossing, bool needs_proof) {
+  void offer_to_edge(GridIndex lower, BlockCrossing crossing, bool needs_proof) {
     const std::size_t axis = crossing.axis;
     if (lower[axis] < 0 || lower[axis] >= grid.block.owned[axis]) return;
     const std::int64_t column = std::min(lower[0] / PointBits::column_step, inside.columns - 1);
@@ -130,7 +130,7 @@ struct Search {
 
   // Offers a crossing to the edge of the line on which it lies, and to the next if it is at the
   // end.
-  void offer_on_line(GridIndex line, const Crossing& crossing, bool needs_proof = false) {
+  void offer_on_line(GridIndex line, const BlockCrossing& crossing, bool needs_proof = false) {
     constexpr double near_end = 2 * tolerance::edge_end;
     const std::size_t axis = crossing.axis;
     const double place = (crossing.coordinate - grid.grid.origin[axis]) * grid.inverse_spacing -
@@ -154,17 +154,18 @@ struct Search {
     for_each_axis([&](auto axis) {
       const auto is_exposed = [&](DoubleMask met, Points direction, DoubleVector length, int side) {
         if (is_point) {
-          direction = {all(0), all(0), all(0)};
-          along<axis()>(direction) = all(side);
-          length = all(1);
+          direction = {broadcast(0), broadcast(0), broadcast(0)};
+          along<axis()>(direction) = broadcast(side);
+          length = broadcast(1);
         }
         return filter.outside(met, direction, [&](const CapCone& cone) {
-          return all(cone.cosine) * length + all(tolerance::seam);
+          return broadcast(cone.cosine) * length + broadcast(tolerance::seam);
         });
       };
       meet_lines<axis()>(grid, {face.center, face.radius, face.surface_box}, is_exposed,
                          [&](const GridIndex& line, double met, int side, Vec3 direction) {
-                           Crossing crossing{met, direction, {face.atom}, 0, axis(), 1, side > 0};
+                           BlockCrossing crossing{met,    direction, {face.atom}, 0,
+                                                  axis(), 1,         side > 0};
                            if (is_point) {
                              crossing.normal = {};
                              crossing.normal[axis()] = side;
@@ -180,7 +181,7 @@ struct Search {
     const auto is_in_cone = [&](DoubleMask met, const Points& direction, DoubleVector, int) {
       if (!placement.is_regular) return met;
       for (const Vec3& normal : placement.cone)
-        met = hn::And(met, dot(normal, direction) >= all(-tolerance::seam));
+        met = hn::And(met, dot(normal, direction) >= broadcast(-tolerance::seam));
       return met;
     };
     for_each_axis([&](auto axis) {
@@ -249,13 +250,13 @@ struct Search {
   }
 };
 
-static_assert(largest_block_size - 1 <= std::numeric_limits<decltype(Crossing::x)>::max());
+static_assert(max_block_size - 1 <= std::numeric_limits<decltype(BlockCrossing::x)>::max());
 
 // Lists all edges in canonical order, as crossings of which only the edge is known.
 void list_edges(const BlockGrid& grid, const PointBits& inside, const EdgeTable& edges,
-                std::vector<Crossing>& crossings, std::vector<std::uint32_t>& row_begin) {
+                std::vector<BlockCrossing>& crossings, std::vector<std::uint32_t>& row_begin) {
   crossings.resize(edges.count);
-  Crossing* next = crossings.data();
+  BlockCrossing* next = crossings.data();
   for (std::int64_t z = 0; z < grid.block.owned[2]; ++z)
     for (std::int64_t y = 0; y < grid.block.owned[1]; ++y) {
       row_begin.push_back(static_cast<std::uint32_t>(next - crossings.data()));
@@ -279,14 +280,14 @@ void list_edges(const BlockGrid& grid, const PointBits& inside, const EdgeTable&
 
 // Decides the edges that met no patch or more than one.
 void decide_rest(const BlockGrid& grid, const BlockFeatures& features, IntersectScratch& scratch,
-                 std::span<const std::uint32_t> row_begin, std::vector<Crossing>& crossings) {
+                 std::span<const std::uint32_t> row_begin, std::vector<BlockCrossing>& crossings) {
   bool is_indexed = false;
   const auto edge_of = [&](std::uint32_t rank) {
-    const Crossing& crossing = crossings[rank];
+    const BlockCrossing& crossing = crossings[rank];
     const auto next_row = std::upper_bound(row_begin.begin(), row_begin.end(), rank);
     const std::int64_t row = next_row - row_begin.begin() - 1;
     const std::int64_t y = row % grid.block.owned[1], z = row / grid.block.owned[1];
-    return make_edge(grid, crossing.axis, {crossing.x, y, z}, crossing.lower_is_inside);
+    return make_crossed_edge(grid, crossing.axis, {crossing.x, y, z}, crossing.lower_is_inside);
   };
   const auto decide = [&](std::uint32_t rank, bool needs_proof) {
     const std::uint16_t x = crossings[rank].x;
@@ -315,7 +316,7 @@ void decide_rest(const BlockGrid& grid, const BlockFeatures& features, Intersect
 }
 
 void intersect(const BlockGrid& grid, const BlockFeatures& features, const PointBits& inside,
-               IntersectScratch& scratch, std::vector<Crossing>& crossings,
+               IntersectScratch& scratch, std::vector<BlockCrossing>& crossings,
                std::vector<std::uint32_t>& row_begin) {
   tabulate_edges(grid, inside, scratch.edges);
   list_edges(grid, inside, scratch.edges, crossings, row_begin);
@@ -330,7 +331,7 @@ HWY_AFTER_NAMESPACE();
 #if HWY_ONCE
 namespace eses::detail {
 void intersect_edges(const BlockGrid& grid, const BlockFeatures& features, const PointBits& inside,
-                     IntersectScratch& scratch, std::vector<Crossing>& crossings,
+                     IntersectScratch& scratch, std::vector<BlockCrossing>& crossings,
                      std::vector<std::uint32_t>& row_begin) {
   scratch.batch.make_room();
   ESES_BEST_VERSION(intersect)(grid, features, inside, scratch, crossings, row_begin);

@@ -36,19 +36,19 @@ void meet_lines(const BlockGrid& grid, const SpherePart& sphere, IsOnPatch&& is_
   const IndexRange rows = own_points_within(grid, row, sphere.box.low[row], sphere.box.high[row]);
   const IndexRange columns =
       own_points_within(grid, across, sphere.box.low[across], sphere.box.high[across]);
-  const auto low = all(sphere.box.low[axis]), high = all(sphere.box.high[axis]);
-  const auto center = all(sphere.center[axis]);
+  const auto low = broadcast(sphere.box.low[axis]), high = broadcast(sphere.box.high[axis]);
+  const auto center = broadcast(sphere.center[axis]);
   for (std::int64_t k = rows.begin; k < rows.end; ++k) {
     Points offset;
     along<row>(offset) =
-        all(grid.coordinates[row][static_cast<std::size_t>(k)] - sphere.center[row]);
+        broadcast(grid.coordinates[row][static_cast<std::size_t>(k)] - sphere.center[row]);
     const auto squared_row = along<row>(offset) * along<row>(offset);
     for (std::int64_t j = columns.begin; j < columns.end; j += lanes) {
       along<across>(offset) =
-          load(grid.coordinates[across].data() + j) - all(sphere.center[across]);
-      const auto squared = all(sphere.radius * sphere.radius) -
+          load(grid.coordinates[across].data() + j) - broadcast(sphere.center[across]);
+      const auto squared = broadcast(sphere.radius * sphere.radius) -
                            (along<across>(offset) * along<across>(offset) + squared_row);
-      const auto meets = hn::And(squared >= all(tangent),
+      const auto meets = hn::And(squared >= broadcast(tangent),
                                  hn::FirstN(doubles, static_cast<std::size_t>(columns.end - j)));
       if (hn::AllFalse(doubles, meets)) continue;
       const auto half_chord = hn::Sqrt(hn::Max(squared, hn::Zero(doubles)));
@@ -61,7 +61,7 @@ void meet_lines(const BlockGrid& grid, const SpherePart& sphere, IsOnPatch&& is_
         met = is_on_patch(met, offset, length, side);
         if (hn::AllFalse(doubles, met)) continue;
         const LaneValues coordinates(coordinate);
-        const LanePoints directions(all(1) / length * offset);
+        const LanePoints directions(broadcast(1) / length * offset);
         for_each_lane(met, [&](std::size_t lane) {
           GridIndex line{};
           line[row] = k;

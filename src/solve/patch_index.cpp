@@ -8,8 +8,8 @@ namespace {
 
 // Cells are a little larger than the patches that they are to separate (angstrom), and not more
 // along an axis than a coarse grid can afford.
-constexpr double least_cell_side = 4;
-constexpr double most_cells = 64;
+constexpr double min_cell_side = 4;
+constexpr double max_cells = 64;
 
 }  // namespace
 
@@ -47,8 +47,8 @@ void PatchIndex::reset(const BlockFeatures& features, const Box& box) {
   features_ = &features;
   box_ = box;
   const Vec3 sides = box.high - box.low;
-  cell_side_ = std::max({least_cell_side, 2 * features.probe_radius,
-                         std::max({sides.x, sides.y, sides.z}) / most_cells});
+  cell_side_ = std::max({min_cell_side, 2 * features.probe_radius,
+                         std::max({sides.x, sides.y, sides.z}) / max_cells});
   for (std::size_t axis = 0; axis < 3; ++axis)
     size_[axis] = std::max<std::size_t>(
         1, static_cast<std::size_t>((box.high[axis] - box.low[axis]) / cell_side_));

@@ -13,7 +13,7 @@ std::int64_t rounded(double value) {
 
 }  // namespace
 
-void Tally::add(const Surface& surface, const Crossing& crossing, Vec3 point) {
+void Tally::add(const SurfaceModel& surface, const BlockCrossing& crossing, Vec3 point) {
   const std::size_t count = crossing.atom_count;
   ++crossings[count - 1];
   const double share = std::fabs(crossing.normal[crossing.axis]) / area_share_unit;
@@ -27,11 +27,11 @@ void Tally::add(const Surface& surface, const Crossing& crossing, Vec3 point) {
     return;
   }
   // Below this the shares are those of the limit; rounding would make them anything.
-  constexpr double least_gap = 1e-12;  // angstrom
+  constexpr double min_gap = 1e-12;  // angstrom
   std::array<double, 3> gaps{1, 1, 1};
   for (std::size_t q = 0; q < count; ++q) {
     const Atom& atom = surface.atoms[crossing.atoms[q]];
-    gaps[q] = std::max(norm(point - atom.center) - atom.radius, least_gap);
+    gaps[q] = std::max(norm(point - atom.center) - atom.radius, min_gap);
   }
   // 1 / gap, times all three gaps.
   std::array<double, 3> weights{gaps[1] * gaps[2], gaps[2] * gaps[0], gaps[0] * gaps[1]};

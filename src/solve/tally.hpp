@@ -4,9 +4,9 @@
 #include <array>
 #include <cstdint>
 
-#include "grid/crossing.hpp"
+#include "grid/block_crossing.hpp"
 #include "solve/area_shares.hpp"
-#include "surface/surface.hpp"
+#include "surface/surface_model.hpp"
 
 namespace eses::detail {
 
@@ -17,7 +17,7 @@ struct Tally {
 
   /// Adds one crossing at `point`. A crossing's share goes to its atoms in proportion to
   /// 1 / (|point - center| - radius), all to those it touches where that is zero.
-  void add(const Surface& surface, const Crossing& crossing, Vec3 point);
+  void add(const SurfaceModel& surface, const BlockCrossing& crossing, Vec3 point);
 };
 
 }  // namespace eses::detail

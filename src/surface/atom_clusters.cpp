@@ -4,7 +4,7 @@
 #include <limits>
 
 namespace eses::detail {
-AtomClusters::AtomClusters(const Surface& surface)
+AtomClusters::AtomClusters(const SurfaceModel& surface)
     : order_(surface.cells().order()), places_(order_.size()) {
   for (std::uint32_t place = 0; place < order_.size(); ++place) places_[order_[place]] = place;
   heights_.resize((order_.size() + atoms_per_cluster - 1) / atoms_per_cluster);

@@ -9,7 +9,7 @@
 #include <span>
 #include <vector>
 
-#include "surface/surface.hpp"
+#include "surface/surface_model.hpp"
 
 namespace eses::detail {
 
@@ -23,7 +23,7 @@ struct HeightRange {
 
 class AtomClusters {
  public:
-  explicit AtomClusters(const Surface& surface);
+  explicit AtomClusters(const SurfaceModel& surface);
 
   static constexpr std::uint32_t atoms_per_cluster = 128;
 

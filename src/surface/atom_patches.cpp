@@ -25,7 +25,7 @@ Box box_of(std::span<const Atom> group) {
 // All atoms whose SAS sphere may meet that of one of the group. Their order does not depend on what
 // other atoms there are, in a part of the molecule for example: of several ends at the same place
 // the one is named whose cap comes first.
-void look_up_neighbours(const Surface& surface, std::span<const Atom> group,
+void look_up_neighbours(const SurfaceModel& surface, std::span<const Atom> group,
                         AtomPatchScratch& scratch) {
   surface.cells().find_reaching(
       box_of(group), max_radius(group) + 2 * surface.probe_radius + look_up_slack, scratch.found);
@@ -39,14 +39,14 @@ void look_up_neighbours(const Surface& surface, std::span<const Atom> group,
 }
 
 // Those of them whose SAS sphere may meet that of one of a smaller group.
-void sift_neighbours(const Surface& surface, std::span<const Atom> group,
+void sift_neighbours(const SurfaceModel& surface, std::span<const Atom> group,
                      AtomPatchScratch& scratch) {
   find_near_box(box_of(group), max_radius(group) + surface.probe_radius + look_up_slack,
                 scratch.near_spheres, scratch.group_positions);
   choose_spheres(scratch.near_spheres, scratch.group_positions, scratch.group_spheres);
 }
 
-void collect_caps(const Surface& surface, AtomIndex i, AtomPatchScratch& scratch) {
+void collect_caps(const SurfaceModel& surface, AtomIndex i, AtomPatchScratch& scratch) {
   const SasSphere sphere = surface.sas_sphere(i);
   find_meeting(sphere, scratch.group_spheres, scratch.neighbours);
   make_caps(sphere, scratch.group_spheres, scratch.neighbours, scratch.caps);
@@ -78,8 +78,8 @@ PlacementKey make_key(AtomIndex i, AtomIndex j, AtomIndex k, const CircleEnd& en
   return key;
 }
 
-void add_circle(const Surface& surface, AtomIndex i, std::uint32_t own, AtomPatchScratch& scratch,
-                BuiltPatches& patches) {
+void add_circle(const SurfaceModel& surface, AtomIndex i, std::uint32_t own,
+                AtomPatchScratch& scratch, BuiltPatches& patches) {
   const AtomIndex j = scratch.kept_neighbours[own];
   const ContactCircle circle =
       make_contact_circle(surface.sas_sphere(i), surface.sas_sphere(j), scratch.kept_caps[own]);
@@ -96,7 +96,7 @@ void add_circle(const Surface& surface, AtomIndex i, std::uint32_t own, AtomPatc
     patches.placements.push_back(make_key(i, j, scratch.kept_neighbours[end.cap], end));
 }
 
-void add_circles(const Surface& surface, AtomIndex i, AtomPatchScratch& scratch,
+void add_circles(const SurfaceModel& surface, AtomIndex i, AtomPatchScratch& scratch,
                  BuiltPatches& patches) {
   keep_caps(scratch);
   for (std::uint32_t k = 0; k < scratch.burial.relevant.size(); ++k)
@@ -105,7 +105,7 @@ void add_circles(const Surface& surface, AtomIndex i, AtomPatchScratch& scratch,
 
 // The same, with the caps in the order of their atoms: where ends are in doubt, that order names
 // one of several at the same place.
-void add_circles_in_order(const Surface& surface, AtomIndex i, AtomPatchScratch& scratch,
+void add_circles_in_order(const SurfaceModel& surface, AtomIndex i, AtomPatchScratch& scratch,
                           BuiltPatches& patches) {
   std::sort(scratch.burial.relevant.begin(), scratch.burial.relevant.end(),
             [&](std::uint32_t a, std::uint32_t b) {
@@ -114,7 +114,7 @@ void add_circles_in_order(const Surface& surface, AtomIndex i, AtomPatchScratch&
   add_circles(surface, i, scratch, patches);
 }
 
-void add_exposed_atom(const Surface& surface, AtomIndex i, AtomPatchScratch& scratch,
+void add_exposed_atom(const SurfaceModel& surface, AtomIndex i, AtomPatchScratch& scratch,
                       BuiltPatches& patches) {
   const std::size_t first_arc = patches.arcs.size();
   const std::size_t first_placement = patches.placements.size();
@@ -127,7 +127,7 @@ void add_exposed_atom(const Surface& surface, AtomIndex i, AtomPatchScratch& scr
   add_circles_in_order(surface, i, scratch, patches);
 }
 
-void add_atom(const Surface& surface, const BurialPatches& burial, AtomIndex i,
+void add_atom(const SurfaceModel& surface, const BurialPatches& burial, AtomIndex i,
               AtomPatchScratch& scratch, BuiltPatches& patches) {
   AtomExposure exposure = AtomExposure::unknown;
   const std::size_t first_arc = patches.arcs.size();
@@ -163,7 +163,7 @@ void BuiltPatches::clear() {
   placements.clear();
 }
 
-void build_atom_patches(const Surface& surface, std::span<const AtomIndex> atoms,
+void build_atom_patches(const SurfaceModel& surface, std::span<const AtomIndex> atoms,
                         const BurialPatches& burial, AtomPatchScratch& scratch,
                         BuiltPatches& patches) {
   patches.clear();

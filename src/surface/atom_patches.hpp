@@ -10,7 +10,7 @@
 #include "geometry/circle_arcs.hpp"
 #include "surface/burial.hpp"
 #include "surface/crowded_atoms.hpp"
-#include "surface/surface.hpp"
+#include "surface/surface_model.hpp"
 
 namespace eses::detail {
 
@@ -81,7 +81,7 @@ struct AtomPatchScratch {
 };
 
 /// Replaces `patches` by those of some atoms, which are best near each other.
-void build_atom_patches(const Surface& surface, std::span<const AtomIndex> atoms,
+void build_atom_patches(const SurfaceModel& surface, std::span<const AtomIndex> atoms,
                         const BurialPatches& burial, AtomPatchScratch& scratch,
                         BuiltPatches& patches);
 

@@ -10,7 +10,7 @@ namespace eses::detail {
 namespace {
 
 // Where slices meet, look-ups take longer: there are few, and they are thick.
-constexpr std::size_t atoms_per_slice = std::size_t{1} << 16, most_slices = 16;
+constexpr std::size_t atoms_per_slice = std::size_t{1} << 16, max_slices = 16;
 constexpr std::size_t samples_per_slice = 1024;
 
 std::vector<Vec3> sample_centers(std::span<const Atom> atoms, std::size_t samples) {
@@ -42,7 +42,7 @@ void choose_cuts(std::span<const Atom> atoms, std::size_t count, AtomSlices& sli
 }  // namespace
 
 std::size_t slice_count(std::size_t atoms) {
-  return std::clamp<std::size_t>(atoms / atoms_per_slice, 1, most_slices);
+  return std::clamp<std::size_t>(atoms / atoms_per_slice, 1, max_slices);
 }
 
 AtomSlices cut_into_slices(std::span<const Atom> atoms, std::size_t count, int threads) {

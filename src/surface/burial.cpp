@@ -102,10 +102,11 @@ struct CosineAndSine {
 };
 
 HWY_INLINE CosineAndSine angular_radius(DoubleVector height, double inverse_radius) {
-  const auto quotient = height * all(inverse_radius);
-  const auto cosine = hn::IfThenElse(quotient < all(-1), all(-1),
-                                     hn::IfThenElse(all(1) < quotient, all(1), quotient));
-  return {cosine, hn::Sqrt((all(1) - cosine) * (all(1) + cosine))};
+  const auto quotient = height * broadcast(inverse_radius);
+  const auto cosine =
+      hn::IfThenElse(quotient < broadcast(-1), broadcast(-1),
+                     hn::IfThenElse(broadcast(1) < quotient, broadcast(1), quotient));
+  return {cosine, hn::Sqrt((broadcast(1) - cosine) * (broadcast(1) + cosine))};
 }
 
 HWY_INLINE void store_floats(DoubleVector values, float* to) {
@@ -120,12 +121,14 @@ void find_settled(const CapList& caps, const PatchCosines& patch, float* settled
     const auto height = load(&caps.height[k]), blocking = load(&caps.blocking_height[k]);
     // A neighbour in almost the same place blocks next to nothing within the tolerance: its cap
     // must not stand for others.
-    const auto shrinks = (blocking - height) * all(patch.inverse_radius) > all(small_shrinkage);
+    const auto shrinks =
+        (blocking - height) * broadcast(patch.inverse_radius) > broadcast(small_shrinkage);
     const auto [cosine, sine] =
         angular_radius(hn::IfThenElse(shrinks, blocking, height), patch.inverse_radius);
-    const auto can_settle = cosine < all(patch.cosine);  // the cap is wider than a patch
-    const auto limit = cosine * all(patch.cosine) + sine * all(patch.sine) + all(float_slack);
-    store_floats(hn::IfThenElse(can_settle, limit, all(2)), settled + k);
+    const auto can_settle = cosine < broadcast(patch.cosine);  // the cap is wider than a patch
+    const auto limit =
+        cosine * broadcast(patch.cosine) + sine * broadcast(patch.sine) + broadcast(float_slack);
+    store_floats(hn::IfThenElse(can_settle, limit, broadcast(2)), settled + k);
   }
 }
 
@@ -133,9 +136,11 @@ void find_settled(const CapList& caps, const PatchCosines& patch, float* settled
 void find_touched(const CapList& caps, const PatchCosines& patch, float* touched) {
   for (std::size_t k = 0; k < caps.count; k += hn::Lanes(Doubles())) {
     const auto [cosine, sine] = angular_radius(load(&caps.height[k]), patch.inverse_radius);
-    const auto touches_any = cosine <= all(-patch.cosine);  // it reaches to the opposite patch
-    const auto limit = cosine * all(patch.cosine) - sine * all(patch.sine) - all(float_slack);
-    store_floats(hn::IfThenElse(touches_any, all(-2), limit), touched + k);
+    const auto touches_any =
+        cosine <= broadcast(-patch.cosine);  // it reaches to the opposite patch
+    const auto limit =
+        cosine * broadcast(patch.cosine) - sine * broadcast(patch.sine) - broadcast(float_slack);
+    store_floats(hn::IfThenElse(touches_any, broadcast(-2), limit), touched + k);
   }
 }
 

@@ -45,7 +45,7 @@ CellList::SortedAtoms CellList::sorted(std::vector<AtomIndex> members) const {
   for (std::uint32_t place = 0; place < cells.size(); ++place) {
     const auto& [cell, i] = cells[place];
     result.order[place] = i;
-    result.largest_radius = std::max(result.largest_radius, atoms_[i].radius);
+    result.max_radius = std::max(result.max_radius, atoms_[i].radius);
     if (result.rows.empty() || result.rows.back().z != cell[0] || result.rows.back().y != cell[1])
       result.rows.push_back({cell[0], cell[1], place});
   }
@@ -54,7 +54,7 @@ CellList::SortedAtoms CellList::sorted(std::vector<AtomIndex> members) const {
 }
 
 void CellList::make_classes() {
-  if (class_of(all_.largest_radius) == 0) return;
+  if (class_of(all_.max_radius) == 0) return;
   std::map<int, std::vector<AtomIndex>> members;
   for (AtomIndex i = 0; i < atoms_.size(); ++i) members[class_of(atoms_[i].radius)].push_back(i);
   if (members.size() == 1) return;
@@ -63,9 +63,9 @@ void CellList::make_classes() {
 
 void CellList::find_reaching(const Box& box, double distance, std::vector<AtomIndex>& found) const {
   found.clear();
-  if (classes_.empty()) find_in_rows(all_, grown(box, distance + all_.largest_radius), found);
+  if (classes_.empty()) find_in_rows(all_, grown(box, distance + all_.max_radius), found);
   for (const SortedAtoms& of_class : classes_)
-    find_in_rows(of_class, grown(box, distance + of_class.largest_radius), found);
+    find_in_rows(of_class, grown(box, distance + of_class.max_radius), found);
 }
 
 void CellList::find_in_rows(const SortedAtoms& atoms, const Box& reach,

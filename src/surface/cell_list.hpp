@@ -47,7 +47,7 @@ class CellList {
   struct SortedAtoms {
     std::vector<AtomIndex> order;
     std::vector<Row> rows;  // without the cells of which no atom is
-    double largest_radius = 0;
+    double max_radius = 0;
   };
 
   static Cell cell_of(Vec3 point);

@@ -22,7 +22,7 @@ std::vector<PatchListing> list_patches(std::span<const std::uint32_t> begins,
 
 }  // namespace
 
-CrowdedPatches list_crowded_patches(const Surface& surface, const ClusterPatches& patches) {
+CrowdedPatches list_crowded_patches(const SurfaceModel& surface, const ClusterPatches& patches) {
   // The smaller atom is near fewer blocks.
   const auto smaller = [&](AtomIndex a, AtomIndex b) {
     return surface.atoms[a].radius <= surface.atoms[b].radius ? a : b;
@@ -59,7 +59,7 @@ void CrowdedCaps::reset(const CapList& caps, std::span<const AtomIndex> neighbou
   std::sort(numbers_.begin(), numbers_.end());
 }
 
-void CrowdedCaps::choose_near(const Surface& surface, AtomIndex neighbour) {
+void CrowdedCaps::choose_near(const SurfaceModel& surface, AtomIndex neighbour) {
   const Atom& atom = surface.atoms[neighbour];
   surface.tree().find_reaching(atom.center, atom.radius + 2 * surface.probe_radius + look_up_slack,
                                found_);
@@ -71,7 +71,7 @@ void CrowdedCaps::choose_near(const Surface& surface, AtomIndex neighbour) {
   std::sort(near_.begin(), near_.end());
 }
 
-void CrowdedCaps::accessible_arcs(const Surface& surface, const ContactCircle& circle,
+void CrowdedCaps::accessible_arcs(const SurfaceModel& surface, const ContactCircle& circle,
                                   std::uint32_t own, ArcScratch& scratch,
                                   std::vector<CircleArc>& arcs, std::vector<CircleEnd>& ends) {
   choose_near(surface, neighbours_[own]);

@@ -15,7 +15,7 @@
 
 #include "eses/atoms.hpp"
 #include "geometry/circle_arcs.hpp"
-#include "surface/surface.hpp"
+#include "surface/surface_model.hpp"
 
 namespace eses::detail {
 
@@ -38,7 +38,7 @@ struct CrowdedPatches {
 };
 
 /// Lists the patches of the crowded atoms of a cluster that has all its patches.
-CrowdedPatches list_crowded_patches(const Surface& surface, const ClusterPatches& patches);
+CrowdedPatches list_crowded_patches(const SurfaceModel& surface, const ClusterPatches& patches);
 
 /// Replaces `found` by the listed patches of `atoms`, ascending.
 void find_listed(std::span<const PatchListing> listings, std::span<const AtomIndex> atoms,
@@ -69,12 +69,12 @@ class CrowdedCaps {
   /// As the function accessible_arcs, for the contact circle with neighbour number `own`, but looks
   /// only at the caps of atoms whose SAS spheres come near to that neighbour's, on which the circle
   /// lies. No other cap can block a point of it.
-  void accessible_arcs(const Surface& surface, const ContactCircle& circle, std::uint32_t own,
+  void accessible_arcs(const SurfaceModel& surface, const ContactCircle& circle, std::uint32_t own,
                        ArcScratch& scratch, std::vector<CircleArc>& arcs,
                        std::vector<CircleEnd>& ends);
 
  private:
-  void choose_near(const Surface& surface, AtomIndex neighbour);
+  void choose_near(const SurfaceModel& surface, AtomIndex neighbour);
 
   const CapList* caps_ = nullptr;
   std::span<const AtomIndex> neighbours_;

@@ -18,10 +18,10 @@
 #include "geometry/tolerances.hpp"
 #include "surface/atom_loops.hpp"
 #include "surface/atom_slices.hpp"
+#include "surface/atomic_update.hpp"
 #include "surface/cell_list.hpp"
-#include "surface/move_bound.hpp"
+#include "surface/diagnostic_finder.hpp"
 #include "surface/neighbors.hpp"
-#include "surface/oddity_finder.hpp"
 #include "system/serial_check.hpp"
 
 namespace eses::detail {
@@ -129,7 +129,7 @@ void note_contained(std::span<const Atom> atoms, AtomIndex i, std::span<const At
   };
   for (const AtomIndex j : near)
     if (contains(atoms[i], atoms[j]) && precedes(atoms[i], atoms[j]))
-      move_bound(containers[j], i, comes_first);
+      atomic_update(containers[j], i, comes_first);
 }
 
 // Whether an atom that takes part, and precedes atom `i`, contains it.
@@ -203,8 +203,8 @@ struct Molecule::Parts {
   void look_around(std::span<const AtomIndex> first_equal,
                    const std::function<bool(const Atom&)>& is_own, int threads,
                    const CheckCallback& check) {
-    OddityFinder finder(atoms, is_own);
-    std::vector<OddityTally> tallies(loop_range_count(atoms.size()));
+    DiagnosticFinder finder(atoms, is_own);
+    std::vector<DiagnosticTally> tallies(loop_range_count(atoms.size()));
     Containers containers(atoms.size(), none);
     for_loop_ranges(atoms.size(), threads, [&](std::size_t range, AtomIndex begin, AtomIndex end) {
       look_around(begin, end, first_equal, containers, finder, tallies[range]);
@@ -215,7 +215,7 @@ struct Molecule::Parts {
   }
 
   void look_around(AtomIndex begin, AtomIndex end, std::span<const AtomIndex> first_equal,
-                   Containers& containers, OddityFinder& finder, OddityTally& tally) {
+                   Containers& containers, DiagnosticFinder& finder, DiagnosticTally& tally) {
     std::vector<AtomIndex> found, near;
     for (AtomIndex group_end = begin; begin < end; begin = group_end) {
       group_end = end_of_group(atoms, begin, end);
@@ -225,12 +225,12 @@ struct Molecule::Parts {
       tree.find_around(std::span(atoms).subspan(begin, group_end - begin), reach, found);
       for (AtomIndex i = begin; i < group_end; ++i) {
         if (first_equal[i] != i) {
-          finder.look_at_duplicate(i, first_equal[i], tally);
+          finder.inspect_duplicate(i, first_equal[i], tally);
           continue;
         }
         keep_vicinity(atoms, i, found, near);
         note_contained(atoms, i, near, containers);
-        finder.look(i, near, tally);
+        finder.inspect(i, near, tally);
       }
     }
   }

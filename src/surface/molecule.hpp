@@ -34,8 +34,9 @@ class Molecule {
   Molecule(std::vector<Atom> atoms, std::vector<AtomLabel> labels, int threads = 1,
            const CheckCallback& check = {});
 
-  /// A part of a larger molecule: oddities are told only of the atoms that `is_own` accepts, while
-  /// the others, around them, are what they are odd beside. `is_own` is called by all threads.
+  /// A part of a larger molecule: diagnostics are told only of the atoms that `is_own` accepts,
+  /// while the others, around them, are what they are odd beside. `is_own` is called by all
+  /// threads.
   static Molecule part(std::vector<Atom> atoms, const std::function<bool(const Atom& atom)>& is_own,
                        int threads = 1);
 

@@ -54,7 +54,7 @@ class RadiusClasses {
  public:
   explicit RadiusClasses(std::span<const Atom> atoms) {
     std::vector<double> radii;
-    const std::size_t step = 1 + atoms.size() / most_samples;
+    const std::size_t step = 1 + atoms.size() / max_samples;
     for (std::size_t i = 0; i < atoms.size(); i += step)
       if (atoms[i].radius > 0) radii.push_back(atoms[i].radius);
     if (radii.empty()) return;
@@ -70,7 +70,7 @@ class RadiusClasses {
   }
 
  private:
-  static constexpr std::size_t most_samples = 4096;
+  static constexpr std::size_t max_samples = 4096;
   double limit_ = 4;  // angstrom, where no sample has a radius
 };
 
@@ -91,14 +91,14 @@ Extent extent_of(const AtomSlices& slices, std::size_t slice) {
 struct ClassTree {
   Extent extent;
   AtomCloud cloud;
-  double largest_radius = 0;
+  double max_radius = 0;
   Tree tree;
 
   ClassTree(std::span<const Atom> atoms, std::span<const AtomIndex> members, Extent slice_extent)
       : extent(slice_extent),
         cloud{atoms, members},
         tree(3, cloud, nanoflann::KDTreeSingleIndexAdaptorParams(atoms_per_leaf)) {
-    for (const AtomIndex i : members) largest_radius = std::max(largest_radius, atoms[i].radius);
+    for (const AtomIndex i : members) max_radius = std::max(max_radius, atoms[i].radius);
   }
 
   bool may_reach(double place, double distance) const {
@@ -187,7 +187,7 @@ void AtomTree::find_within(Vec3 point, double distance, std::vector<AtomIndex>& 
 void AtomTree::find_reaching(Vec3 point, double distance, std::vector<AtomIndex>& found) const {
   found.clear();
   for (const auto& tree : implementation_->trees)
-    tree->find_within(point, implementation_->slices.axis, distance + tree->largest_radius, found);
+    tree->find_within(point, implementation_->slices.axis, distance + tree->max_radius, found);
 }
 
 void AtomTree::find_around(std::span<const Atom> group, double distance,

@@ -11,14 +11,14 @@
 
 #include "geometry/arc_sector.hpp"
 #include "geometry/patch_boxes.hpp"
-#include "surface/move_bound.hpp"
+#include "surface/atomic_update.hpp"
 
 namespace eses::detail {
 namespace {
 
 // The directions to the three atoms must stand clearly off a common plane for their cone to be
 // told from its complement.
-constexpr double least_cone_volume = 1e-6;
+constexpr double min_cone_volume = 1e-6;
 
 // The atom whose face neighbours are looked at for further atoms near a placement. Any atom of the
 // placement that has such a list would do. It is the first one, unless that is crowded.
@@ -48,7 +48,7 @@ double depth_of(const Patches& patches, const ProbePlacement& placement, Vec3 ce
   return deepest;
 }
 
-Vec3 center_of(const Surface& surface, const ProbePlacement& placement,
+Vec3 center_of(const SurfaceModel& surface, const ProbePlacement& placement,
                const std::array<std::size_t, 3>& order) {
   return placement_center(surface.sas_sphere(placement.atoms[order[0]]),
                           surface.sas_sphere(placement.atoms[order[1]]),
@@ -72,11 +72,11 @@ double place_doubtful_probe(const Patches& patches, ProbePlacement& placement) {
 }
 
 bool is_regular(const Patches& patches, const ProbePlacement& placement) {
-  const Surface& surface = patches.surface();
+  const SurfaceModel& surface = patches.surface();
   std::array<Vec3, 3> toward;
   for (std::size_t q = 0; q < 3; ++q)
     toward[q] = normalized(surface.atoms[placement.atoms[q]].center - placement.center);
-  if (std::fabs(dot(toward[0], cross(toward[1], toward[2]))) < least_cone_volume) return false;
+  if (std::fabs(dot(toward[0], cross(toward[1], toward[2]))) < min_cone_volume) return false;
   const std::span<const AtomIndex> neighbours = neighbours_of(patches, placement);
   return std::none_of(neighbours.begin(), neighbours.end(), [&](AtomIndex k) {
     const auto& [a, b, c] = placement.atoms;
@@ -110,12 +110,12 @@ std::vector<std::uint32_t> begins_of(std::span<const std::uint32_t> counts) {
 
 void FaceDirections::include(const Box& directions) {
   for (std::size_t axis = 0; axis < 3; ++axis) {
-    move_bound(low[axis], static_cast<float>(directions.low[axis]), std::less());
-    move_bound(high[axis], static_cast<float>(directions.high[axis]), std::greater());
+    atomic_update(low[axis], static_cast<float>(directions.low[axis]), std::less());
+    atomic_update(high[axis], static_cast<float>(directions.high[axis]), std::greater());
   }
 }
 
-Patches::Patches(const Surface& surface)
+Patches::Patches(const SurfaceModel& surface)
     : surface_(surface),
       clusters_(surface),
       burial_(make_covering_directions(burial_frequency)),

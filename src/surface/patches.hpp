@@ -17,7 +17,7 @@
 #include "surface/atom_clusters.hpp"
 #include "surface/atom_patches.hpp"
 #include "surface/crowded_atoms.hpp"
-#include "surface/surface.hpp"
+#include "surface/surface_model.hpp"
 
 namespace eses::detail {
 
@@ -92,9 +92,9 @@ struct AtomPatches {
 class Patches {
  public:
   /// Keeps a reference to `surface`.
-  explicit Patches(const Surface& surface);
+  explicit Patches(const SurfaceModel& surface);
 
-  const Surface& surface() const { return surface_; }
+  const SurfaceModel& surface() const { return surface_; }
   const AtomClusters& clusters() const { return clusters_; }
 
   /// Scratch memory of a thread.
@@ -129,7 +129,7 @@ class Patches {
   void bound_face_by_poles(AtomIndex atom);
   void place_probes(ClusterPatches& patches);
 
-  const Surface& surface_;
+  const SurfaceModel& surface_;
   AtomClusters clusters_;
   BurialPatches burial_;
   std::vector<std::unique_ptr<ClusterPatches>> clusters_patches_;

@@ -16,10 +16,10 @@ namespace eses::detail {
 struct Reach {
   Box box;
   double probe_radius = 0;
-  double largest_radius = 0;  ///< of the atoms whose patches matter in the box
+  double max_radius = 0;  ///< of the atoms whose patches matter in the box
 
   bool holds(const Atom& atom) const {
-    const double distance = atom.radius + 2 * largest_radius + 4 * probe_radius + look_up_slack;
+    const double distance = atom.radius + 2 * max_radius + 4 * probe_radius + look_up_slack;
     return squared_distance(box, atom.center) <= distance * distance;
   }
 };
@@ -29,7 +29,7 @@ inline Reach make_reach(std::span<const Atom> atoms, const Box& box, double prob
   for (const Atom& atom : atoms) {
     const double distance = atom.radius + 2 * probe_radius + look_up_slack;
     if (squared_distance(box, atom.center) <= distance * distance)
-      reach.largest_radius = std::max(reach.largest_radius, atom.radius);
+      reach.max_radius = std::max(reach.max_radius, atom.radius);
   }
   return reach;
 }

@@ -15,13 +15,13 @@ namespace {
 
 constexpr double pi = std::numbers::pi;
 // So few that they cost little beside the patches of all atoms.
-constexpr std::size_t fewest_samples = 128, most_samples = 2048, atoms_per_sample = 16;
+constexpr std::size_t min_samples = 128, max_samples = 2048, atoms_per_sample = 16;
 constexpr std::size_t places_looked_at = 12;
 constexpr int exposure_frequency = 3;  // 92 directions tell which part of a sphere is exposed
 constexpr std::size_t bins = 4096;     // along z, of all atoms
 
 std::size_t sample_size(std::size_t atoms) {
-  return std::min(atoms, std::clamp(atoms / atoms_per_sample, fewest_samples, most_samples));
+  return std::min(atoms, std::clamp(atoms / atoms_per_sample, min_samples, max_samples));
 }
 
 double arc_angle(const Arc& arc, Vec3 axis) {
@@ -32,7 +32,7 @@ double arc_angle(const Arc& arc, Vec3 axis) {
 
 // Of the torus swept by the probe's outline between the points where it touches the two spheres,
 // as far as it does not reach beyond the axis.
-double saddle_area(const Surface& surface, const Arc& arc, const ContactCircle& circle) {
+double saddle_area(const SurfaceModel& surface, const Arc& arc, const ContactCircle& circle) {
   const double probe = surface.probe_radius, rho = circle.radius;
   const double low = -std::atan2(circle.first_height, rho);
   const double high = std::atan2(circle.second_height, rho);
@@ -64,7 +64,7 @@ double share_within(const Box& box, const Box& part) {
 }
 
 // Those of `directions` in which the atom's SAS sphere is outside its neighbours'.
-std::vector<Vec3> exposed_directions(const Surface& surface, AtomIndex i,
+std::vector<Vec3> exposed_directions(const SurfaceModel& surface, AtomIndex i,
                                      std::span<const AtomIndex> neighbours,
                                      std::span<const Vec3> directions) {
   const SasSphere sphere = surface.sas_sphere(i);
@@ -130,7 +130,7 @@ void SurfaceSurvey::prepare_bins() {
     const double z = surface_.atoms[patched_atom(i)].center.z;
     ++atoms_[static_cast<std::size_t>(
         std::clamp((z - low_z_) / bin_, 0.0, static_cast<double>(bins - 1)))];
-    largest_radius_ = std::max(largest_radius_, surface_.atoms[patched_atom(i)].radius);
+    max_radius_ = std::max(max_radius_, surface_.atoms[patched_atom(i)].radius);
   }
   area_.assign(bins + 1, 0);
   variance_.assign(bins + 1, 0);
@@ -282,7 +282,7 @@ double SurfaceSurvey::area_between(double low_z, double high_z) const {
   return area_below(high_z) - area_below(low_z);
 }
 
-double SurfaceSurvey::largest_slab_area(double thickness) const {
+double SurfaceSurvey::max_slab_area(double thickness) const {
   const auto count = static_cast<double>(area_.size());
   const auto width = static_cast<std::size_t>(std::min(count, std::ceil(thickness / bin_) + 1));
   double largest = 0;
@@ -295,7 +295,7 @@ double SurfaceSurvey::largest_slab_area(double thickness) const {
   return largest;
 }
 
-double SurfaceSurvey::largest_share(double thickness) const {
+double SurfaceSurvey::max_share(double thickness) const {
   const auto width = static_cast<std::size_t>(
       std::min(static_cast<double>(bins), std::ceil(thickness / bin_) + 1));
   std::size_t within = 0, largest = 0;
@@ -307,7 +307,7 @@ double SurfaceSurvey::largest_share(double thickness) const {
   return static_cast<double>(largest) / static_cast<double>(patched_count());
 }
 
-SurfaceSurvey::AtomsNear SurfaceSurvey::most_atoms_near(Vec3 half_sides) const {
+SurfaceSurvey::AtomsNear SurfaceSurvey::max_atoms_near(Vec3 half_sides) const {
   const double probe = surface_.probe_radius, distance = norm(half_sides) + probe;
   const std::size_t count = patched_count(), places = std::min(count, places_looked_at);
   std::vector<AtomIndex> found;

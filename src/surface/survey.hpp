@@ -39,14 +39,14 @@ class SurfaceSurvey {
 
   /// The largest area between two planes across z that are `thickness` apart (angstrom), with the
   /// sampling error added twice over.
-  double largest_slab_area(double thickness) const;
+  double max_slab_area(double thickness) const;
 
   /// The largest share of the atoms that get patches with centres between two planes across z that
   /// are `thickness` apart (angstrom).
-  double largest_share(double thickness) const;
+  double max_share(double thickness) const;
 
   /// Of the atoms that get patches (angstrom).
-  double largest_radius() const { return largest_radius_; }
+  double max_radius() const { return max_radius_; }
 
   /// Numbers of atoms around a box: those whose SAS spheres may reach into it, and those that a
   /// look-up with a ball around the box finds.
@@ -54,7 +54,7 @@ class SurfaceSurvey {
     std::size_t reaching_box = 0, found = 0;
   };
   /// The maxima for boxes with these half sides around some atoms.
-  AtomsNear most_atoms_near(Vec3 half_sides) const;
+  AtomsNear max_atoms_near(Vec3 half_sides) const;
 
  private:
   void take_samples();
@@ -72,12 +72,12 @@ class SurfaceSurvey {
   void add_convex(AtomIndex i, double weight, std::span<const AtomIndex> neighbours);
   void add_area(double area, double weight, Box box, double patch_area);
 
-  Surface surface_;
+  SurfaceModel surface_;
   std::vector<AtomIndex> reach_;  // of a box; all atoms if there is none
   BurialPatches burial_;
   CoveringDirections directions_;
   PatchTotals totals_;
-  double low_z_ = 0, bin_ = 1, largest_radius_ = 0;
+  double low_z_ = 0, bin_ = 1, max_radius_ = 0;
   std::vector<std::size_t> atoms_;  // per bin: those whose centre is in it
   // Per bin: while samples are taken, the steps to it; afterwards, the sums up to it.
   std::vector<double> area_, variance_;

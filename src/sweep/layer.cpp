@@ -16,8 +16,9 @@ void append_bits(RowBits& row, std::int64_t position, std::uint64_t bits, std::i
 }
 
 // Crossings of one row, of those that `row_begin` cuts into rows.
-std::span<const Crossing> piece_of_row(std::span<const Crossing> crossings,
-                                       std::span<const std::uint32_t> row_begin, std::int64_t row) {
+std::span<const BlockCrossing> row_crossings(std::span<const BlockCrossing> crossings,
+                                             std::span<const std::uint32_t> row_begin,
+                                             std::int64_t row) {
   const auto r = static_cast<std::size_t>(row);
   return crossings.subspan(row_begin[r], row_begin[r + 1] - row_begin[r]);
 }
@@ -30,8 +31,8 @@ BlockRow block_row_of(const BlockTiling& tiling, std::int64_t y) {
 }
 
 LayerRows::LayerRows(const BlockTiling& tiling, const Layer& layer, Extent extent)
-    : tiling_(tiling), pieces_(static_cast<std::size_t>(tiling.blocks[1])) {
-  const GridRegion region = extent == Extent::region ? tiling.region : tiling.corners;
+    : tiling_(tiling), parts_(static_cast<std::size_t>(tiling.blocks[1])) {
+  const GridRegion region = extent == Extent::region ? tiling.region : tiling.region_with_halo;
   words_ = static_cast<std::size_t>((region.size()[0] + 63) / 64);
   const auto blocks_x = static_cast<std::size_t>(tiling.blocks[0]);
   for (std::size_t b = 0; b < layer.blocks.size(); ++b) {
@@ -41,9 +42,9 @@ LayerRows::LayerRows(const BlockTiling& tiling, const Layer& layer, Extent exten
     const bool is_last = b % blocks_x == blocks_x - 1;
     const std::int64_t owned =
         is_last ? region.end[0] - result.block.first[0] : result.block.owned[0];
-    auto& pieces = pieces_[b / blocks_x];
+    auto& parts = parts_[b / blocks_x];
     for (std::int64_t column = 0; column < inside.columns; ++column) {
-      pieces.push_back(
+      parts.push_back(
           {inside.words.data() + inside.word_index(column, 0, 0), inside.size[1],
            result.block.first[0] - tiling.region.begin[0] + column * PointBits::column_step,
            inside.owned_in_column(column, owned)});
@@ -51,33 +52,34 @@ LayerRows::LayerRows(const BlockTiling& tiling, const Layer& layer, Extent exten
   }
 }
 
-void LayerRows::join(std::int64_t y, std::int64_t z, RowBits& row) const {
+void LayerRows::merge_row(std::int64_t y, std::int64_t z, RowBits& row) const {
   row.assign(words_, 0);
   const BlockRow place = block_row_of(tiling_, y);
-  for (const Piece& piece : pieces_[static_cast<std::size_t>(place.by)]) {
-    const std::uint64_t bits = piece.words[z * piece.rows + place.y];
-    if (bits != 0) append_bits(row, piece.position, bits, piece.count);
+  for (const Part& part : parts_[static_cast<std::size_t>(place.by)]) {
+    const std::uint64_t bits = part.words[z * part.rows + place.y];
+    if (bits != 0) append_bits(row, part.position, bits, part.count);
   }
 }
 
 LayerCrossings::LayerCrossings(const BlockTiling& tiling, const Layer& layer)
     : tiling_(tiling), blocks_(static_cast<std::size_t>(tiling.blocks[1])) {
   for (std::size_t b = 0; b < layer.blocks.size(); ++b)
-    if (!layer.blocks[b].crossings.empty() || !layer.blocks[b].far_crossings.empty())
+    if (!layer.blocks[b].crossings.empty() || !layer.blocks[b].halo_crossings.empty())
       blocks_[b / static_cast<std::size_t>(tiling.blocks[0])].push_back(&layer.blocks[b]);
 }
 
-std::span<const Crossing> LayerCrossings::owned_piece(const BlockResult& result, std::int64_t y,
-                                                      std::int64_t z) {
+std::span<const BlockCrossing> LayerCrossings::owned_part(const BlockResult& result, std::int64_t y,
+                                                          std::int64_t z) {
   const GridIndex& owned = result.block.owned;
   if (y >= owned[1] || z >= owned[2]) return {};
-  return piece_of_row(result.crossings, result.row_begin, z * owned[1] + y);
+  return row_crossings(result.crossings, result.row_begin, z * owned[1] + y);
 }
 
-std::span<const Crossing> LayerCrossings::far_piece(const BlockResult& result, std::int64_t y,
-                                                    std::int64_t z) {
-  if (result.far_row_begin.empty()) return {};
-  return piece_of_row(result.far_crossings, result.far_row_begin, z * result.block.points[1] + y);
+std::span<const BlockCrossing> LayerCrossings::halo_part(const BlockResult& result, std::int64_t y,
+                                                         std::int64_t z) {
+  if (result.halo_row_begin.empty()) return {};
+  return row_crossings(result.halo_crossings, result.halo_row_begin,
+                       z * result.block.points[1] + y);
 }
 
 Plane last_plane(const Layer& layer) {

@@ -22,20 +22,20 @@ struct Layer {
 using RowBits = std::vector<std::uint64_t>;
 
 /// Which of a layer's points are meant: those of the region, or also the far corners, for which see
-/// BlockTiling::corners.
-enum class Extent { region, far_corners };
+/// BlockTiling::region_with_halo.
+enum class Extent { region, with_halo };
 
-/// Where the pieces of a layer's rows stand in its blocks; made once for many rows.
+/// Where the parts of a layer's rows stand in its blocks; made once for many rows.
 class LayerRows {
  public:
   LayerRows(const BlockTiling& tiling, const Layer& layer, Extent extent = Extent::region);
 
-  /// Joins the inside bits of row (y, z) from all blocks along x. `y` counts from the region's
+  /// Merges the inside bits of row (y, z) from all blocks along x. `y` counts from the region's
   /// first row, `z` from the layer's first plane.
-  void join(std::int64_t y, std::int64_t z, RowBits& row) const;
+  void merge_row(std::int64_t y, std::int64_t z, RowBits& row) const;
 
  private:
-  struct Piece {
+  struct Part {
     const std::uint64_t* words;  // [z][y] of one column of a block
     std::int64_t rows;           // of the block along y
     std::int64_t position;       // of its first point in the row
@@ -43,8 +43,8 @@ class LayerRows {
   };
 
   const BlockTiling& tiling_;
-  std::size_t words_;                       // of a row
-  std::vector<std::vector<Piece>> pieces_;  // by block row
+  std::size_t words_;                     // of a row
+  std::vector<std::vector<Part>> parts_;  // by block row
 };
 
 /// The part of the blocks in row y: their index range along x is [0, blocks[0]), all in block row
@@ -59,34 +59,35 @@ class LayerCrossings {
  public:
   LayerCrossings(const BlockTiling& tiling, const Layer& layer);
 
-  /// Calls action(first_x, crossings) for the pieces of row (y, z), by x; a crossing's `x` counts
+  /// Calls action(first_x, crossings) for the parts of row (y, z), by x; a crossing's `x` counts
   /// from `first_x`, `z` from the layer's first plane.
   template <class Action>
-  void for_each_piece(std::int64_t y, std::int64_t z, Action&& action) const {
+  void for_each_row_part(std::int64_t y, std::int64_t z, Action&& action) const {
     const BlockRow place = block_row_of(tiling_, y);
     for (const BlockResult* const result : blocks_[static_cast<std::size_t>(place.by)])
-      act_on(*result, owned_piece(*result, place.y, z), action);
+      act_on(*result, owned_part(*result, place.y, z), action);
   }
 
   /// The same with those of the edges between far corners, among which there are further rows.
   template <class Action>
-  void for_each_piece_and_far(std::int64_t y, std::int64_t z, Action&& action) const {
+  void for_each_row_part_with_halo(std::int64_t y, std::int64_t z, Action&& action) const {
     const BlockRow place = block_row_of(tiling_, y);
     for (const BlockResult* const result : blocks_[static_cast<std::size_t>(place.by)]) {
-      act_on(*result, owned_piece(*result, place.y, z), action);
-      act_on(*result, far_piece(*result, place.y, z), action);
+      act_on(*result, owned_part(*result, place.y, z), action);
+      act_on(*result, halo_part(*result, place.y, z), action);
     }
   }
 
  private:
   template <class Action>
-  static void act_on(const BlockResult& result, std::span<const Crossing> piece, Action& action) {
-    if (!piece.empty()) action(result.block.first[0], piece);
+  static void act_on(const BlockResult& result, std::span<const BlockCrossing> part,
+                     Action& action) {
+    if (!part.empty()) action(result.block.first[0], part);
   }
-  static std::span<const Crossing> owned_piece(const BlockResult& result, std::int64_t y,
-                                               std::int64_t z);
-  static std::span<const Crossing> far_piece(const BlockResult& result, std::int64_t y,
-                                             std::int64_t z);
+  static std::span<const BlockCrossing> owned_part(const BlockResult& result, std::int64_t y,
+                                                   std::int64_t z);
+  static std::span<const BlockCrossing> halo_part(const BlockResult& result, std::int64_t y,
+                                                  std::int64_t z);
 
   const BlockTiling& tiling_;
   std::vector<std::vector<const BlockResult*>> blocks_;  // by block row

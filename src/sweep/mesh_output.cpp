@@ -9,11 +9,11 @@
 
 namespace eses::detail {
 
-/// A layer, and where the pieces of its rows are.
+/// A layer, and where the parts of its rows are.
 struct MeshOutput::LayerView {
   LayerView(const BlockTiling& tiling, const Layer& layer)
       : first_z(layer.first_z()),
-        rows(tiling, layer, Extent::far_corners),
+        rows(tiling, layer, Extent::with_halo),
         crossings(tiling, layer) {}
 
   std::int64_t first_z;
@@ -21,12 +21,12 @@ struct MeshOutput::LayerView {
   LayerCrossings crossings;
 };
 
-MeshOutput::MeshOutput(const Plan& plan, const GridRegion& corners, const mesh::MeshText& text,
+MeshOutput::MeshOutput(const Plan& plan, const GridRegion& region, const mesh::MeshText& text,
                        MeshSinks sinks)
     : plan_(plan),
-      corners_(corners),
-      rows_y_(corners_.size()[1]),
-      has_cells_(std::ranges::min(corners_.size()) > 1),
+      region_(region),
+      rows_y_(region_.size()[1]),
+      has_cells_(std::ranges::min(region_.size()) > 1),
       text_(text),
       has_local_triangles_(sinks.has_local_triangles),
       vertex_output_(std::move(sinks.vertices)),
@@ -36,7 +36,7 @@ MeshOutput::MeshOutput(const Plan& plan, const GridRegion& corners, const mesh::
 std::int64_t MeshOutput::planes_of(const Layer& layer) const {
   const std::int64_t end = layer.first_z() + layer.owned_planes();
   const BlockTiling& tiling = plan_.tiling;
-  return (end == tiling.region.end[2] ? tiling.corners.end[2] : end) - layer.first_z();
+  return (end == tiling.region.end[2] ? tiling.region_with_halo.end[2] : end) - layer.first_z();
 }
 
 void MeshOutput::number_rows(const Layer& layer) {
@@ -47,9 +47,9 @@ void MeshOutput::number_rows(const Layer& layer) {
   row_begin_.assign(1, layer_begin_);
   for (std::int64_t row = 0; row < rows; ++row) {
     std::uint64_t count = 0;
-    crossings.for_each_piece_and_far(
+    crossings.for_each_row_part_with_halo(
         row % rows_y_, row / rows_y_,
-        [&](std::int64_t, std::span<const Crossing> piece) { count += piece.size(); });
+        [&](std::int64_t, std::span<const BlockCrossing> part) { count += part.size(); });
     row_begin_.push_back(row_begin_.back() + count);
   }
   mesh::require_numbers(row_begin_.back());
@@ -58,13 +58,13 @@ void MeshOutput::number_rows(const Layer& layer) {
 
 void MeshOutput::make_row(const LayerView& view, std::int64_t y, std::int64_t z,
                           mesh::Row& row) const {
-  view.rows.join(y, z, row.inside);
+  view.rows.merge_row(y, z, row.inside);
   row.edges.clear();
-  view.crossings.for_each_piece_and_far(
-      y, z, [&](std::int64_t first_x, std::span<const Crossing> piece) {
-        for (const Crossing& crossing : piece)
+  view.crossings.for_each_row_part_with_halo(
+      y, z, [&](std::int64_t first_x, std::span<const BlockCrossing> part) {
+        for (const BlockCrossing& crossing : part)
           row.edges.push_back(mesh::edge_key(
-              static_cast<std::uint64_t>(first_x - corners_.begin[0] + crossing.x), crossing.axis));
+              static_cast<std::uint64_t>(first_x - region_.begin[0] + crossing.x), crossing.axis));
       });
   row.first_vertex = row_begin_[static_cast<std::size_t>(z * rows_y_ + y)];
 }
@@ -97,12 +97,12 @@ void MeshOutput::append_vertices(const LayerView& view, const RowRange& rows,
                                  TextBuffer& text) const {
   for (std::int64_t row = rows.begin; row < rows.end; ++row) {
     const std::int64_t y = row % rows_y_, z = row / rows_y_;
-    view.crossings.for_each_piece_and_far(
-        y, z, [&](std::int64_t first_x, std::span<const Crossing> piece) {
-          for (const Crossing& crossing : piece)
+    view.crossings.for_each_row_part_with_halo(
+        y, z, [&](std::int64_t first_x, std::span<const BlockCrossing> part) {
+          for (const BlockCrossing& crossing : part)
             text_.append_vertex(text, mesh::make_vertex(plan_.grid,
-                                                        {first_x + crossing.x,
-                                                         corners_.begin[1] + y, view.first_z + z},
+                                                        {first_x + crossing.x, region_.begin[1] + y,
+                                                         view.first_z + z},
                                                         crossing));
         });
   }
@@ -114,7 +114,7 @@ void MeshOutput::append_triangles(const LayerView& view, const RowRange& rows,
   std::int64_t made = -1;  // the row whose pair is `back`
   for (std::int64_t row = rows.begin; row < rows.end; ++row) {
     const std::int64_t y = row % rows_y_, z = row / rows_y_;
-    if (y == 0 || view.first_z + z == corners_.begin[2] || !has_triangles(y, z)) continue;
+    if (y == 0 || view.first_z + z == region_.begin[2] || !has_triangles(y, z)) continue;
     if (made == row - 1) {
       std::swap(front, back);
     } else {
@@ -125,7 +125,7 @@ void MeshOutput::append_triangles(const LayerView& view, const RowRange& rows,
     triangles.clear();
     mesh::triangulate(
         {&lower_row(front, y - 1, z), &lower_row(back, y, z), &front.upper, &back.upper},
-        corners_.size()[0], triangles);
+        region_.size()[0], triangles);
     for (const mesh::Triangle& triangle : triangles) {
       if (has_local_triangles_) {
         mesh::append_local_triangle(text, triangle);

@@ -42,7 +42,7 @@ class MeshOutput {
  public:
   /// The mesh of the cells that have all their corners in `corners`, or of the part of it that
   /// `plan.tiling` has. Keeps references to all but the sinks.
-  MeshOutput(const Plan& plan, const GridRegion& corners, const mesh::MeshText& text,
+  MeshOutput(const Plan& plan, const GridRegion& region, const mesh::MeshText& text,
              MeshSinks sinks);
 
   /// One of `count` about equal parts.
@@ -80,7 +80,7 @@ class MeshOutput {
   void append_triangles(const LayerView& view, const RowRange& rows, MeshScratch& scratch) const;
 
   const Plan& plan_;
-  GridRegion corners_;   // rows count from its first
+  GridRegion region_;    // rows count from its first
   std::int64_t rows_y_;  // of a plane
   bool has_cells_;
   const mesh::MeshText& text_;

@@ -10,7 +10,7 @@ constexpr double infinity = std::numeric_limits<double>::infinity();
 
 }  // namespace
 
-PatchSchedule::PatchSchedule(const Surface& surface, const HeightRange& heights_to_solve)
+PatchSchedule::PatchSchedule(const SurfaceModel& surface, const HeightRange& heights_to_solve)
     : patches_(surface),
       reach_(surface.probe_radius + look_up_slack),
       heights_to_solve_(heights_to_solve),

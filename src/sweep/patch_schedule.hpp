@@ -22,7 +22,7 @@ struct BuildStep {
 class PatchSchedule {
  public:
   /// For a sweep between two heights (angstrom). Keeps a reference to `surface`.
-  PatchSchedule(const Surface& surface, const HeightRange& heights_to_solve);
+  PatchSchedule(const SurfaceModel& surface, const HeightRange& heights_to_solve);
 
   Patches& patches() { return patches_; }
   const Patches& patches() const { return patches_; }

@@ -17,7 +17,7 @@ std::span<const char> file_bytes(const TextBuffer& text, std::optional<Gzip>& gz
 }
 
 // The plane below the first one of a block.
-Block block_below(Block block) {
+BlockBounds block_below(BlockBounds block) {
   --block.first[2];
   block.points[2] = 2;
   block.owned[2] = 1;
@@ -29,7 +29,7 @@ Block block_below(Block block) {
 std::vector<LayerHeights> heights_of_layers(const Plan& plan) {
   std::vector<LayerHeights> layers;
   for (std::int64_t layer = 0; layer < plan.tiling.blocks[2]; ++layer) {
-    const Block block = plan.tiling.block(0, 0, layer);
+    const BlockBounds block = plan.tiling.block(0, 0, layer);
     const auto height_of = [&](std::int64_t planes) {
       return plan.grid.coordinate(2, block.first[2] + planes - 1);
     };
@@ -77,7 +77,7 @@ void Pipeline::solve_plane_below() {
   parallel_for(per_layer, plan_.threads, [&](std::int64_t index, int thread) {
     const std::int64_t bx = index % tiling.blocks[0], by = index / tiling.blocks[0];
     layer.blocks[static_cast<std::size_t>(index)] = solve_block(
-        block_below(tiling.block(bx, by, 0)), block_below(tiling.block_with_far_corners(bx, by, 0)),
+        block_below(tiling.block(bx, by, 0)), block_below(tiling.block_with_halo(bx, by, 0)),
         workspaces[static_cast<std::size_t>(thread)]);
     progress_.check();
   });
@@ -193,11 +193,10 @@ void Pipeline::release(std::int64_t layer) {
   make_room(layer + 2);
 }
 
-BlockResult Pipeline::solve_block(const Block& block, const Block& with_far_corners,
+BlockResult Pipeline::solve_block(const BlockBounds& block, const BlockBounds& with_halo,
                                   BlockWorkspace& workspace) const {
   return sinks_.mesh != nullptr
-             ? solve_block_for_mesh(patches_.patches(), plan_.grid, block, with_far_corners,
-                                    workspace)
+             ? solve_block_for_mesh(patches_.patches(), plan_.grid, block, with_halo, workspace)
              : eses::detail::solve_block(patches_.patches(), plan_.grid, block, workspace);
 }
 
@@ -207,9 +206,8 @@ void Pipeline::solve(const Task& task, std::size_t thread) {
   BlockResult& result =
       layers_[static_cast<std::size_t>(task.layer)].blocks[static_cast<std::size_t>(task.index)];
   const Stopwatch watch;
-  result =
-      solve_block(plan_.tiling.block(bx, by, task.layer),
-                  plan_.tiling.block_with_far_corners(bx, by, task.layer), workspaces_[thread]);
+  result = solve_block(plan_.tiling.block(bx, by, task.layer),
+                       plan_.tiling.block_with_halo(bx, by, task.layer), workspaces_[thread]);
   result.seconds = watch.seconds();
   add_shares(workspaces_[thread]);
   if (sinks_.verifier != nullptr) sinks_.verifier->take(result, thread);
@@ -263,7 +261,7 @@ void Pipeline::take_rows(const Layer& layer, const RowRange& rows, Writer& write
   const LayerRows layer_rows(plan_.tiling, layer);
   for (std::int64_t row = rows.begin; row < rows.end; ++row) {
     const std::int64_t y = row % plane_rows, z = row / plane_rows;
-    layer_rows.join(y, z, writer.row);
+    layer_rows.merge_row(y, z, writer.row);
     if (grid_) text_.append_row(writer.grid, region.begin[1] + y, layer.first_z() + z, writer.row);
     if (sinks_.rows)
       writer.map_rows.insert(writer.map_rows.end(), writer.row.begin(), writer.row.end());
@@ -280,9 +278,10 @@ void Pipeline::append_crossings(const Layer& layer, const RowRange& rows, TextBu
   const LayerCrossings crossings(plan_.tiling, layer);
   for (std::int64_t row = rows.begin; row < rows.end; ++row) {
     const std::int64_t y = row % plane_rows, z = row / plane_rows;
-    crossings.for_each_piece(y, z, [&](std::int64_t first_x, std::span<const Crossing> piece) {
-      text_.append_crossings(text, first_x, region.begin[1] + y, layer.first_z() + z, piece);
-    });
+    crossings.for_each_row_part(
+        y, z, [&](std::int64_t first_x, std::span<const BlockCrossing> part) {
+          text_.append_crossings(text, first_x, region.begin[1] + y, layer.first_z() + z, part);
+        });
   }
 }
 

@@ -39,7 +39,7 @@ struct Sinks {
   TakeRows rows;                       ///< several threads call it for different rows
   MeshOutput* mesh = nullptr;
   Verifier* verifier = nullptr;
-  BlockCallback block;
+  SolvedBlockCallback block;
   /// The numbers of atoms in the text, by atom index, ascending; the indices themselves if empty.
   std::span<const AtomIndex> atom_numbers;
 };
@@ -97,7 +97,7 @@ class Pipeline {
   void build(const BuildStep& step, Builder& builder);
   void make_room(std::int64_t layer);
   void release(std::int64_t layer);
-  BlockResult solve_block(const Block& block, const Block& with_far_corners,
+  BlockResult solve_block(const BlockBounds& block, const BlockBounds& with_halo,
                           BlockWorkspace& workspace) const;
   void solve(const Task& task, std::size_t thread);
   void add_shares(BlockWorkspace& workspace);

@@ -6,7 +6,7 @@
 
 namespace eses::detail {
 
-const Block& SolvedBlock::block() const { return result_->block; }
+const BlockBounds& SolvedBlock::block() const { return result_->block; }
 
 bool SolvedBlock::is_inside(const GridIndex& point) const {
   const GridIndex& first = result_->block.first;
@@ -27,11 +27,11 @@ void SolvedBlock::mark_inside(std::int64_t y, std::int64_t z, std::span<std::uin
   }
 }
 
-std::span<const Crossing> SolvedBlock::crossings() const { return result_->crossings; }
+std::span<const BlockCrossing> SolvedBlock::crossings() const { return result_->crossings; }
 
-std::span<const Crossing> SolvedBlock::crossings_of_row(std::int64_t y, std::int64_t z) const {
+std::span<const BlockCrossing> SolvedBlock::crossings_of_row(std::int64_t y, std::int64_t z) const {
   if (result_->crossings.empty()) return {};
-  const Block& block = result_->block;
+  const BlockBounds& block = result_->block;
   const auto row =
       static_cast<std::size_t>((z - block.first[2]) * block.owned[1] + y - block.first[1]);
   const std::uint32_t begin = result_->row_begin[row], end = result_->row_begin[row + 1];

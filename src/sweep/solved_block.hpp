@@ -5,7 +5,7 @@
 #include <span>
 
 #include "eses/grid.hpp"
-#include "grid/crossing.hpp"
+#include "grid/block_crossing.hpp"
 #include "grid/tiling.hpp"
 
 namespace eses::detail {
@@ -17,7 +17,7 @@ class SolvedBlock {
  public:
   explicit SolvedBlock(const BlockResult& result) : result_(&result) {}
 
-  const Block& block() const;
+  const BlockBounds& block() const;
 
   /// Whether a point of the block's closed box is inside the molecule; `point` has global indices.
   bool is_inside(const GridIndex& point) const;
@@ -27,12 +27,12 @@ class SolvedBlock {
   void mark_inside(std::int64_t y, std::int64_t z, std::span<std::uint8_t> row) const;
 
   /// The crossings of all edges that start at points which the block owns, by lower point (z, y,
-  /// x), then axis. `Crossing::x` counts from the block's first point.
-  std::span<const Crossing> crossings() const;
+  /// x), then axis. `BlockCrossing::x` counts from the block's first point.
+  std::span<const BlockCrossing> crossings() const;
 
   /// Those of them whose edges start in the row of points at `y` and `z`, global indices of a row
   /// that the block owns.
-  std::span<const Crossing> crossings_of_row(std::int64_t y, std::int64_t z) const;
+  std::span<const BlockCrossing> crossings_of_row(std::int64_t y, std::int64_t z) const;
 
   /// What it took to solve the block, on one processor.
   double seconds() const;

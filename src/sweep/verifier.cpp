@@ -55,15 +55,14 @@ std::int64_t owner_of(const BlockTiling& tiling, const GridIndex& point) {
   return number_of(tiling, block);
 }
 
-void add_edges(const Grid& grid, const BlockResult& result, verify::EdgeSample& sample) {
+void add_edges(const Grid& grid, const BlockResult& result, verify::CrossingSample& sample) {
   const std::int64_t rows_y = result.block.owned[1];
   for (std::size_t row = 0; row + 1 < result.row_begin.size(); ++row) {
     const auto r = static_cast<std::int64_t>(row);
     for (std::uint32_t c = result.row_begin[row]; c < result.row_begin[row + 1]; ++c) {
-      const Crossing& crossing = result.crossings[c];
-      const GridIndex lower{result.block.first[0] + crossing.x, result.block.first[1] + r % rows_y,
-                            result.block.first[2] + r / rows_y};
-      sample.add(grid, {lower, crossing});
+      const GridIndex row_start{result.block.first[0], result.block.first[1] + r % rows_y,
+                                result.block.first[2] + r / rows_y};
+      sample.add(grid, to_crossing(grid, row_start, result.crossings[c]));
     }
   }
 }
@@ -74,7 +73,7 @@ Verifier::Verifier(std::span<const Atom> atoms, const Plan& plan)
     : plan_(plan),
       definition_(atoms, plan.parameters.probe_radius),
       samples_(static_cast<std::size_t>(plan.threads),
-               verify::EdgeSample(kept_per_checked * wanted(plan))),
+               verify::CrossingSample(kept_per_checked * wanted(plan))),
       searches_(static_cast<std::size_t>(plan.threads), CentreSearch(definition_)) {
   for (const GridIndex& point :
        draw_band_points(definition_, plan.grid, plan.tiling.region, wanted(plan)))
@@ -116,24 +115,24 @@ void Verifier::for_each_in_parallel(std::size_t count, Checks& checks, Action&& 
 }
 
 // The lower half of the ranks, and of the others those nearest to another patch.
-std::vector<verify::Edge> Verifier::choose(const std::vector<verify::Edge>& edges, Checks& checks) {
+std::vector<Crossing> Verifier::choose(const std::vector<Crossing>& edges, Checks& checks) {
   const std::size_t any = any_edges(plan_);
   std::vector<double> distances(edges.size());
   for_each_in_parallel(edges.size() - any, checks, [&](std::size_t i, CentreSearch& search) {
-    distances[any + i] = distance_to_seam(search, plan_.grid, edges[any + i]);
+    distances[any + i] = distance_to_seam(search, edges[any + i]);
   });
   std::vector<std::size_t> order(edges.size());
   std::iota(order.begin(), order.end(), std::size_t{0});
   std::stable_sort(order.begin() + static_cast<std::ptrdiff_t>(any), order.end(),
                    [&](std::size_t a, std::size_t b) { return distances[a] < distances[b]; });
-  std::vector<verify::Edge> chosen;
+  std::vector<Crossing> chosen;
   for (std::size_t c = 0; c < wanted(plan_); ++c) chosen.push_back(edges[order[c]]);
   return chosen;
 }
 
 Verification Verifier::check(const ProgressCallback& progress) {
   for (std::size_t s = 1; s < samples_.size(); ++s) samples_[0].merge(samples_[s]);
-  std::vector<verify::Edge> edges = samples_[0].edges();
+  std::vector<Crossing> edges = samples_[0].crossings();
   const bool is_choice = edges.size() > wanted(plan_);
   Checks checks{progress};
   checks.all = static_cast<std::int64_t>(
@@ -154,7 +153,7 @@ Verification Verifier::check(const ProgressCallback& progress) {
                                          : fault_of_missing(index));
   });
   for_each_in_parallel(edges.size(), checks, [&](std::size_t i, CentreSearch& search) {
-    report(place_of(edges[i].lower, 1 + edges[i].crossing.axis),
+    report(place_of(edges[i].lower, 1 + edges[i].axis),
            fault_of_edge(search, plan_.grid, edges[i]));
   });
   // The order in which threads find them is any.

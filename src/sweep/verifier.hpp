@@ -47,12 +47,12 @@ class Verifier {
 
   template <class Action>
   void for_each_in_parallel(std::size_t count, Checks& checks, Action&& action);
-  std::vector<verify::Edge> choose(const std::vector<verify::Edge>& edges, Checks& checks);
+  std::vector<Crossing> choose(const std::vector<Crossing>& edges, Checks& checks);
 
   const Plan& plan_;
   verify::Definition definition_;
-  std::vector<SampledPoint> points_;         // by block
-  std::vector<verify::EdgeSample> samples_;  // per thread
+  std::vector<SampledPoint> points_;             // by block
+  std::vector<verify::CrossingSample> samples_;  // per thread
   std::vector<verify::CentreSearch> searches_;
 };
 

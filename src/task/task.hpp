@@ -11,16 +11,12 @@
 #include "eses/run_options.hpp"
 #include "eses/summary.hpp"
 #include "eses/surface.hpp"
+#include "geometry/box.hpp"
 #include "grid/tiling.hpp"
 
 namespace eses::detail {
 
 class SolvedBlock;
-
-/// Two corners of a box, in angstrom.
-struct RegionBox {
-  Vec3 low, high;
-};
 
 struct Parameters {
   double probe_radius = 1.4;  ///< angstrom, `min_probe_radius` to `max_probe_radius`
@@ -29,7 +25,7 @@ struct Parameters {
   /// A grid that the user has chosen. Then the margin has no meaning, and the spacing is the
   /// grid's.
   std::optional<Grid> grid = {};
-  /// Grid points on a side of a block, 2 to `largest_block_size`; 0: `default_block_size`, or
+  /// Grid points on a side of a block, 2 to `max_block_size`; 0: `default_block_size`, or
   /// flatter blocks where the molecule is wide, or smaller ones to keep `max_memory`.
   std::int64_t block_size = 0;
   /// 0: all that the process may use, or less to keep `max_memory`.
@@ -39,7 +35,7 @@ struct Parameters {
   std::int64_t verify = 0;  ///< points, and as many edges, to check afterwards; 0 to 1e7
   /// Only the grid points in this closed box (angstrom, finite) are computed, and the edges that
   /// start there; indices and coordinates stay those of the whole grid.
-  std::optional<RegionBox> region = {};
+  std::optional<Box> region = {};
   /// The same for these blocks, as indices in the tiling of the whole grid; not with `region`.
   std::optional<GridRegion> blocks = {};
 };
@@ -80,13 +76,13 @@ struct Plan {
 
 /// Receives every block once, in no particular order. See `Callbacks` for the threads that call it.
 /// An exception that it throws ends the run, which throws it on.
-using BlockCallback = std::function<void(const SolvedBlock&)>;
+using SolvedBlockCallback = std::function<void(const SolvedBlock&)>;
 
 /// Functions that a run calls while it goes on; an empty one is not called. The calls come from any
 /// thread of the run, but never two at the same time, whichever of the functions they are of.
 struct Callbacks {
   ProgressCallback progress = {};
-  BlockCallback block = {};
+  SolvedBlockCallback block = {};
   /// Like `progress`, while the verification goes on: its checks so far out of all.
   ProgressCallback verification = {};
 };

@@ -9,9 +9,9 @@ namespace {
 constexpr double level_ratio = 4;
 constexpr std::size_t max_levels = 16;
 
-std::size_t level_of(double radius, double largest_radius) {
+std::size_t level_of(double radius, double max_radius) {
   std::size_t level = 0;
-  for (double limit = largest_radius / level_ratio; radius < limit && level + 1 < max_levels;
+  for (double limit = max_radius / level_ratio; radius < limit && level + 1 < max_levels;
        limit /= level_ratio)
     ++level;
   return level;
@@ -20,32 +20,32 @@ std::size_t level_of(double radius, double largest_radius) {
 }  // namespace
 
 AtomCells::AtomCells(std::span<const Atom> atoms, double reach) {
-  for (const Atom& atom : atoms) largest_radius_ = std::max(largest_radius_, atom.radius);
+  for (const Atom& atom : atoms) max_radius_ = std::max(max_radius_, atom.radius);
   std::array<std::vector<Atom>, max_levels> by_level;
-  for (const Atom& atom : atoms) by_level[level_of(atom.radius, largest_radius_)].push_back(atom);
+  for (const Atom& atom : atoms) by_level[level_of(atom.radius, max_radius_)].push_back(atom);
   for (std::vector<Atom>& level : by_level) {
     if (level.empty()) continue;
     double largest = 0;
     for (const Atom& atom : level) largest = std::max(largest, atom.radius);
     levels_.emplace_back(std::move(level), distance_in(largest, reach));
-    levels_.back().largest_radius = largest;
+    levels_.back().max_radius = largest;
   }
 }
 
 AtomCells::Level::Level(std::vector<Atom> level_atoms, double reach) : atoms(level_atoms.size()) {
-  constexpr double most_cells_per_atom = 4;
+  constexpr double max_cells_per_atom = 4;
   Vec3 upper = lower = level_atoms.front().center;
   for (const Atom& atom : level_atoms)
     for (std::size_t q = 0; q < 3; ++q) {
       lower[q] = std::min(lower[q], atom.center[q]);
       upper[q] = std::max(upper[q], atom.center[q]);
     }
-  const double most_cells = most_cells_per_atom * static_cast<double>(level_atoms.size());
+  const double max_cells = max_cells_per_atom * static_cast<double>(level_atoms.size());
   const auto cells_along = [&](std::size_t q, double edge) {
     return std::floor((upper[q] - lower[q]) / edge) + 1;
   };
   double edge = reach / 2;
-  while (cells_along(0, edge) * cells_along(1, edge) * cells_along(2, edge) > most_cells)
+  while (cells_along(0, edge) * cells_along(1, edge) * cells_along(2, edge) > max_cells)
     edge *= 1.25;
   inverse_edge = 1 / edge;
   for (std::size_t q = 0; q < 3; ++q) count[q] = static_cast<std::size_t>(cells_along(q, edge));

@@ -26,7 +26,7 @@ class AtomCells {
   template <class Action>
   void for_each_near(Vec3 point, double distance, Action&& action) const {
     for (const Level& level : levels_)
-      level.for_each_near(point, distance_in(level.largest_radius, distance), action);
+      level.for_each_near(point, distance_in(level.max_radius, distance), action);
   }
 
  private:
@@ -56,7 +56,7 @@ class AtomCells {
     }
     std::size_t cell_of(const Atom& atom) const;
 
-    double largest_radius = 0;
+    double max_radius = 0;
     Vec3 lower;
     double inverse_edge = 0;
     std::array<std::size_t, 3> count{};
@@ -68,10 +68,10 @@ class AtomCells {
   // or nothing, whatever is rounded.
   double distance_in(double level_radius, double distance) const {
     constexpr double slack = 1e-14;
-    return distance - (largest_radius_ - level_radius) + slack * (largest_radius_ + distance);
+    return distance - (max_radius_ - level_radius) + slack * (max_radius_ + distance);
   }
 
-  double largest_radius_ = 0;
+  double max_radius_ = 0;
   std::vector<Level> levels_;
 };
 

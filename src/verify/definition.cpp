@@ -30,7 +30,7 @@ double sum_of_parts(Vec3 v) { return std::fabs(v.x) + std::fabs(v.y) + std::fabs
 
 double square_of(double length) { return length > 0 ? length * length : 0; }
 
-double largest_radius_of(std::span<const Atom> atoms) {
+double max_radius_of(std::span<const Atom> atoms) {
   double largest = 0;
   for (const Atom& atom : atoms) largest = std::max(largest, atom.radius);
   return largest;
@@ -41,15 +41,15 @@ double largest_radius_of(std::span<const Atom> atoms) {
 Definition::Definition(std::span<const Atom> all_atoms, double probe)
     : atoms(all_atoms),
       probe_radius(probe),
-      largest_radius(largest_radius_of(all_atoms)),
-      cells(all_atoms, largest_radius + 2 * probe) {}
+      max_radius(max_radius_of(all_atoms)),
+      cells(all_atoms, max_radius + 2 * probe) {}
 
 // Collects the SAS balls within reach.
 CentreSearch::Surroundings CentreSearch::gather(Vec3 x) {
   balls_.clear();
   bool is_accessible_here = true, is_covered = false;
   const double probe = definition_.probe_radius;
-  const double farthest = definition_.largest_radius + probe + reach_;
+  const double farthest = definition_.max_radius + probe + reach_;
   definition_.cells.for_each_near(x, farthest, [&](const Atom& atom) {
     Ball ball;
     ball.center = atom.center - x;
@@ -112,7 +112,7 @@ void CentreSearch::order_balls() {
 double CentreSearch::margin() const {
   constexpr double share_of_reach = 1e-11, share_of_radius = 1e-14;
   return share_of_reach * reach_ +
-         share_of_radius * (definition_.largest_radius + definition_.probe_radius);
+         share_of_radius * (definition_.max_radius + definition_.probe_radius);
 }
 
 // Returns whether one of the balls around a larger cell, at [begin, end) of `around_`, covers all
@@ -207,7 +207,7 @@ bool CentreSearch::is_accessible(Vec3 c, const Origin& origin, std::span<const B
 bool CentreSearch::is_certain(Vec3 x, Vec3 c) const {
   bool is_certain = true;
   const double probe = definition_.probe_radius;
-  definition_.cells.for_each_near(x + c, definition_.largest_radius + probe, [&](const Atom& atom) {
+  definition_.cells.for_each_near(x + c, definition_.max_radius + probe, [&](const Atom& atom) {
     const Vec3 center = atom.center - x;
     const long double dx = static_cast<long double>(c.x) - center.x;
     const long double dy = static_cast<long double>(c.y) - center.y;

@@ -27,8 +27,8 @@ namespace eses::detail::verify {
 
 struct Definition {
   std::span<const Atom> atoms;
-  double probe_radius = 0;    ///< angstrom
-  double largest_radius = 0;  ///< of the van der Waals spheres, angstrom
+  double probe_radius = 0;  ///< angstrom
+  double max_radius = 0;    ///< of the van der Waals spheres, angstrom
   AtomCells cells;
 
   /// Keeps a view of `atoms`, which must outlive it.

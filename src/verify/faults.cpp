@@ -84,7 +84,7 @@ bool is_touched(const Atom& atom, double probe, Vec3 center) {
 bool is_accessible(const Definition& definition, Vec3 center, double depth) {
   const double probe = definition.probe_radius;
   bool is_accessible = true;
-  definition.cells.for_each_near(center, definition.largest_radius + probe, [&](const Atom& atom) {
+  definition.cells.for_each_near(center, definition.max_radius + probe, [&](const Atom& atom) {
     if (norm(center - atom.center) < atom.radius + probe - depth) is_accessible = false;
   });
   return is_accessible;
@@ -157,17 +157,18 @@ bool may_be_covered(CentreSearch& search, Vec3 x) {
 /// is the point of the patch of these atoms, and no other probe covers it: then the probe is the
 /// nearest one. To ask for the nearest one would let rounding choose between probes that are as
 /// near, but not at the same place.
-const char* fault_of_crossing(CentreSearch& search, const Grid& grid, const Edge& edge) {
+const char* fault_of_crossing(CentreSearch& search, const Grid& grid, const Crossing& crossing) {
   const Definition& definition = search.definition();
-  const Crossing& crossing = edge.crossing;
   const double probe = definition.probe_radius;
-  const double low = grid.coordinate(crossing.axis, edge.lower[crossing.axis]);
-  const double high = grid.coordinate(crossing.axis, edge.upper()[crossing.axis]);
-  if (!(crossing.coordinate >= low - on_edge && crossing.coordinate <= high + on_edge))
+  const double coordinate = crossing.position[crossing.axis];
+  const double low = grid.coordinate(crossing.axis, crossing.lower[crossing.axis]);
+  const double high = grid.coordinate(crossing.axis, crossing.upper()[crossing.axis]);
+  if (!(coordinate >= low - on_edge && coordinate <= high + on_edge))
     return "the crossing is not on the edge";
   if (!(std::fabs(norm(crossing.normal) - 1) <= unit_length)) return "the normal has not length 1";
-  if (is_covered(search, grid.point(edge.inside()))) return "a probe covers the inside end";
-  const Vec3 x = edge.point(grid);
+  if (is_covered(search, grid.point(crossing.inside_point())))
+    return "a probe covers the inside end";
+  const Vec3 x = crossing.position;
   if (is_covered(search, x)) return "a probe covers the crossing";
   const Vec3 center = x + probe * crossing.normal, halfway = x + 0.5 * probe * crossing.normal;
   if (!is_accessible(definition, center, same_probe))
@@ -176,7 +177,7 @@ const char* fault_of_crossing(CentreSearch& search, const Grid& grid, const Edge
       !may_be_covered(search, x))
     return "no probe touches the crossing";
   if (const char* fault = fault_of_atoms(definition, crossing, halfway, center)) return fault;
-  return fault_of_way_out(search, grid.point(edge.outside()), x, center);
+  return fault_of_way_out(search, grid.point(crossing.outside_point()), x, center);
 }
 
 }  // namespace
@@ -191,18 +192,19 @@ std::string fault_of_point(CentreSearch& search, const Grid& grid, const GridInd
       is_inside ? "inside, but a probe covers it" : "outside, but no probe covers it");
 }
 
-std::string fault_of_edge(CentreSearch& search, const Grid& grid, const Edge& edge) {
-  const char* fault = fault_of_crossing(search, grid, edge);
+std::string fault_of_edge(CentreSearch& search, const Grid& grid, const Crossing& crossing) {
+  const char* fault = fault_of_crossing(search, grid, crossing);
   if (fault == nullptr) return "";
-  return fmt::format("edge {} -> {}: {}", name_of(edge.inside()), name_of(edge.outside()), fault);
+  return fmt::format("edge {} -> {}: {}", name_of(crossing.inside_point()),
+                     name_of(crossing.outside_point()), fault);
 }
 
-double distance_to_seam(CentreSearch& search, const Grid& grid, const Edge& edge) {
+double distance_to_seam(CentreSearch& search, const Crossing& crossing) {
   const double probe = search.definition().probe_radius;
   const double near = near_seam(probe);
-  const Vec3 x = edge.point(grid);
+  const Vec3 x = crossing.position;
   const double distance =
-      search.distance_to_seam(x, x + probe * edge.crossing.normal, probe + near, touching_probe);
+      search.distance_to_seam(x, x + probe * crossing.normal, probe + near, touching_probe);
   return std::min(distance, near);
 }
 

@@ -66,7 +66,7 @@ bool is_in_band_of(const Atom& atom, double probe, Vec3 x) {
 
 bool is_in_any_atom(const Definition& definition, Vec3 x) {
   bool is_in_atom = false;
-  definition.cells.for_each_near(x, definition.largest_radius, [&](const Atom& atom) {
+  definition.cells.for_each_near(x, definition.max_radius, [&](const Atom& atom) {
     is_in_atom = is_in_atom || squared_norm(x - atom.center) <= atom.radius * atom.radius;
   });
   return is_in_atom;
@@ -102,11 +102,11 @@ std::vector<GridIndex> draw_band_points(const Definition& definition, const Grid
   return points;
 }
 
-void EdgeSample::add(const Grid& grid, const Edge& edge) {
-  add({splitmix64(place_of(grid, edge.lower) * 3 + edge.crossing.axis), edge});
+void CrossingSample::add(const Grid& grid, const Crossing& crossing) {
+  add({splitmix64(place_of(grid, crossing.lower) * 3 + crossing.axis), crossing});
 }
 
-void EdgeSample::add(const Entry& entry) {
+void CrossingSample::add(const Entry& entry) {
   const auto is_lower = [](const Entry& a, const Entry& b) { return a.rank < b.rank; };
   if (heap_.size() == capacity_) {
     if (entry.rank >= heap_.front().rank) return;
@@ -117,18 +117,18 @@ void EdgeSample::add(const Entry& entry) {
   std::push_heap(heap_.begin(), heap_.end(), is_lower);
 }
 
-void EdgeSample::merge(const EdgeSample& other) {
+void CrossingSample::merge(const CrossingSample& other) {
   for (const Entry& entry : other.heap_) add(entry);
 }
 
-std::vector<Edge> EdgeSample::edges() const {
+std::vector<Crossing> CrossingSample::crossings() const {
   std::vector<Entry> sorted = heap_;
   std::sort(sorted.begin(), sorted.end(),
             [](const Entry& a, const Entry& b) { return a.rank < b.rank; });
-  std::vector<Edge> edges;
-  edges.reserve(sorted.size());
-  for (const Entry& entry : sorted) edges.push_back(entry.edge);
-  return edges;
+  std::vector<Crossing> crossings;
+  crossings.reserve(sorted.size());
+  for (const Entry& entry : sorted) crossings.push_back(entry.crossing);
+  return crossings;
 }
 
 }  // namespace eses::detail::verify

@@ -19,21 +19,21 @@ std::vector<GridIndex> draw_band_points(const Definition& definition, const Grid
                                         const GridRegion& region, std::size_t count);
 
 /// A random choice among edges that come one by one, and of which few can be kept: those whose
-/// place in the grid, scrambled, gives the lowest numbers.
-class EdgeSample {
+/// place in the grid has the lowest hashes (splitmix64), which gives the lowest numbers.
+class CrossingSample {
  public:
-  explicit EdgeSample(std::size_t capacity) : capacity_(capacity) {}
+  explicit CrossingSample(std::size_t capacity) : capacity_(capacity) {}
 
-  void add(const Grid& grid, const Edge& edge);
-  void merge(const EdgeSample& other);
+  void add(const Grid& grid, const Crossing& crossing);
+  void merge(const CrossingSample& other);
 
   /// The edges kept, in random order.
-  std::vector<Edge> edges() const;
+  std::vector<Crossing> crossings() const;
 
  private:
   struct Entry {
     std::uint64_t rank = 0;
-    Edge edge;
+    Crossing crossing;
   };
 
   void add(const Entry& entry);

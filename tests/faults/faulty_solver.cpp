@@ -22,7 +22,7 @@ void spoil(BlockResult& result) {
   const std::string_view what = text == nullptr ? "" : text;
   if (what == "point")
     for (std::uint64_t& word : result.inside.words) word = ~word;
-  for (Crossing& crossing : result.crossings) {
+  for (BlockCrossing& crossing : result.crossings) {
     if (what == "crossing") crossing.coordinate += 1e-5;
     if (what == "normal")
       crossing.normal = normalized(crossing.normal + 1e-3 * any_perpendicular(crossing.normal));
@@ -32,15 +32,15 @@ void spoil(BlockResult& result) {
 
 }  // namespace
 
-BlockResult solve_block(const Patches& patches, const Grid& grid, const Block& block,
+BlockResult solve_block(const Patches& patches, const Grid& grid, const BlockBounds& block,
                         BlockWorkspace& workspace) {
   BlockResult result = right_solve_block(patches, grid, block, workspace);
   spoil(result);
   return result;
 }
 
-BlockResult solve_block_for_mesh(const Patches& patches, const Grid& grid, const Block& block,
-                                 const Block& wider, BlockWorkspace& workspace) {
+BlockResult solve_block_for_mesh(const Patches& patches, const Grid& grid, const BlockBounds& block,
+                                 const BlockBounds& wider, BlockWorkspace& workspace) {
   BlockResult result = right_solve_block_for_mesh(patches, grid, block, wider, workspace);
   spoil(result);
   return result;

@@ -21,7 +21,7 @@ IS_OPEN_MPI = LAUNCHER and any(name in subprocess.run(
 # search takes longer than these runs.
 FLAGS = ["--oversubscribe", "--mca", "btl", "self,vader"] if IS_OPEN_MPI else []
 ENVIRONMENT = {"OMPI_ALLOW_RUN_AS_ROOT": "1", "OMPI_ALLOW_RUN_AS_ROOT_CONFIRM": "1"}
-PIECES = ".eses-blocks.resume"
+CHECKPOINT = ".eses-blocks.resume"
 
 
 class Processes(FaultTest):
@@ -82,10 +82,10 @@ class Processes(FaultTest):
 
     def assertEnded(self, done, message, code=1):
         self.assertEqual(done.returncode, code, done)
-        complaints = [line for line in done.stderr.splitlines()
+        errors = [line for line in done.stderr.splitlines()
                       if line.startswith("eses-blocks: error: ")]
-        self.assertEqual(len(complaints), 1, done.stderr)
-        self.assertIn(message, complaints[0])
+        self.assertEqual(len(errors), 1, done.stderr)
+        self.assertIn(message, errors[0])
         self.assertNotIn("area:", done.stdout)
 
 
@@ -193,8 +193,8 @@ class Identity(Processes):
         again = [("ABCABD"[i // 5 % 6], "ALA" if i % 3 else "GLY", i // 10 % 4) for i in range(60)]
         single = [("A", "HOH", i) for i in range(60)]
         # PLY has room for 64 characters of a name, so these are two residues of one.
-        odd = [("A,B\"", "X" * (70 + i // 30), i // 40) for i in range(60)]
-        for labels in (every, long, again, single, odd):
+        suspicious = [("A,B\"", "X" * (70 + i // 30), i // 40) for i in range(60)]
+        for labels in (every, long, again, single, suspicious):
             path = self.write_pqr(labels)
             for count in (2, 3, 5, 7):
                 with self.subTest(first=labels[:7], count=count):
@@ -232,18 +232,18 @@ class Identity(Processes):
 
     def test_text_that_is_hard_to_divide(self):
         """Lines of very different length, comments, CRLF, and no newline at the end."""
-        path = self.folder / "odd.xyzr"
+        path = self.folder / "suspicious.xyzr"
         lines = [f"{3 * i} 0 {i % 7} 1.5 {'x' * (997 * i % 3000)}" for i in range(40)]
         path.write_bytes("\r\n".join(["# " + "c" * 4000, "", *lines]).encode())
         for count in (2, 3, 5):
             self.assertSame(count, path, "--spacing", "0.9")
 
     def test_diagnostics(self):
-        """Wherever the atoms that are odd beside each other are in the file and in space."""
-        path = self.folder / "odd.xyzr"
+        """Wherever the pairs of atoms with a diagnostic are in the file and in space."""
+        path = self.folder / "suspicious.xyzr"
         atoms = [f"{i % 5 * 4} {i // 5 % 5 * 4} {i // 25 * 4} 1.5" for i in range(250)]
-        odd = atoms[::20] + ["0.2 0 0 1.5", "8 8 20.1 0.3", "8 8 8.3 1.5", "0 0 36 4.5", "8 8 16 0"]
-        path.write_text("\n".join(atoms + odd) + "\n")
+        suspicious = atoms[::20] + ["0.2 0 0 1.5", "8 8 20.1 0.3", "8 8 8.3 1.5", "0 0 36 4.5", "8 8 16 0"]
+        path.write_text("\n".join(atoms + suspicious) + "\n")
         arguments = (path, "--spacing", "0.9", "--margin", "0.9", "--json")
         alone = json.loads(self.run_alone(*arguments).stdout)
         self.assertGreater(len(alone["diagnostics"]), 3)
@@ -320,9 +320,9 @@ class Failure(Processes):
                          "--color chain needs a PQR file", code=2)
 
     def test_strict(self):
-        path = self.folder / "odd.xyzr"
+        path = self.folder / "suspicious.xyzr"
         path.write_text("0 0 0 1.5\n0 0 0 1.5\n")
-        self.assertEnded(self.run_together(2, path, "--strict"), "odd.xyzr: 1 atom")
+        self.assertEnded(self.run_together(2, path, "--strict"), "suspicious.xyzr: 1 atom")
         self.assertNothing()
 
     def test_locked_directory(self):
@@ -378,12 +378,12 @@ class Failure(Processes):
         self.assertEqual([n for n in self.all_files() if not n.startswith(".")], [])
 
     def test_full_disk(self):
-        """In whichever process, while pieces are written, and while they are joined."""
+        """In whichever process, while chunks are written, and while they are merged."""
         arguments = (SMALL, "-q", "--spacing", "0.4", "--write", "grid")
         self.assertDone(self.run_alone(*arguments))
         needed = (self.alone / "grid_info.txt").stat().st_size
         self.output.mkdir()
-        for size in (needed // 2, needed * 3 // 2):  # pieces stand beside the file
+        for size in (needed // 2, needed * 3 // 2):  # chunks stand beside the file
             mounted = subprocess.run(["mount", "-t", "tmpfs", "-o", f"size={size}", "none",
                                       self.output], capture_output=True, check=False)
             if mounted.returncode != 0:
@@ -444,8 +444,8 @@ class Failure(Processes):
 
 
 class Resume(Processes):
-    def pieces(self):
-        return [name for name in self.all_files(self.output / PIECES) if name.endswith(".sums")]
+    def chunks(self):
+        return [name for name in self.all_files(self.output / CHECKPOINT) if name.endswith(".sums")]
 
     def test_by_other_processes(self):
         """What two processes have begun, three end, or one, as if one had done all."""
@@ -454,11 +454,11 @@ class Resume(Processes):
         arguments = (*arguments, "--mesh", self.output / "mesh.ply")
         for count in (1, 3):
             launched = self.start_together(2, *arguments, "--resume")
-            wait_for(lambda: len(self.pieces()) > 3)
+            wait_for(lambda: len(self.chunks()) > 3)
             for victim in self.processes_of(launched):
                 os.kill(victim, signal.SIGKILL)
             self.finish(launched)
-            self.assertGreater(len(self.pieces()), 3)
+            self.assertGreater(len(self.chunks()), 3)
             self.assertDone(self.run_together(count, *arguments, "--resume"))
             self.assertEqual(self.all_files(), self.all_files(self.alone))
             self.assertTrue(self.contents() == self.contents(self.alone))

@@ -9,8 +9,8 @@ import unittest
 from faults import FaultTest, SMALL, forget_signals, needs_library, wait_for
 from support import DATA
 
-PIECES = ".eses-blocks.resume"
-# Layers of 8 planes, so that there are pieces to lose and to keep.
+CHECKPOINT = ".eses-blocks.resume"
+# Layers of 8 planes, so that there are chunks to lose and to keep.
 RUN = (SMALL, "-q", "--spacing", "0.4", "-b", "9", "-t", "2")
 
 
@@ -20,8 +20,8 @@ class Resume(FaultTest):
         self.reference = self.make_reference(*RUN)
         self.assertTrue(self.reference)
 
-    def pieces(self):
-        return [name for name in self.all_files(self.output / PIECES) if name.endswith(".sums")]
+    def chunks(self):
+        return [name for name in self.all_files(self.output / CHECKPOINT) if name.endswith(".sums")]
 
     def cut_off(self, number, *arguments):
         """Killed before its write `number`; false if it does not come so far."""
@@ -43,7 +43,7 @@ class Resume(FaultTest):
         number, kept = 1, set()
         while self.cut_off(number):
             self.assertEqual([name for name in self.all_files() if not name.startswith(".")], [])
-            kept.add(len(self.pieces()))
+            kept.add(len(self.chunks()))
             self.assertSame()
             self.put({})
             number += 1
@@ -56,8 +56,8 @@ class Resume(FaultTest):
         runs, before = 0, 0
         while self.cut_off(6 + 3 * runs):
             runs += 1
-            self.assertGreaterEqual(len(self.pieces()), before)
-            before = len(self.pieces())
+            self.assertGreaterEqual(len(self.chunks()), before)
+            before = len(self.chunks())
             self.assertLess(runs, 100)
         self.assertGreater(runs, 1)
         self.assertEqual(self.contents(), self.reference)
@@ -65,11 +65,11 @@ class Resume(FaultTest):
     @needs_library
     def test_other_blocks_and_threads(self):
         self.assertTrue(self.cut_off(20))
-        self.assertGreater(len(self.pieces()), 0)
+        self.assertGreater(len(self.chunks()), 0)
         self.assertSame(SMALL, "-q", "--spacing", "0.4", "-b", "17", "-t", "1")
 
     def times(self):
-        return {name: (self.output / PIECES / name).stat().st_mtime_ns for name in self.pieces()}
+        return {name: (self.output / CHECKPOINT / name).stat().st_mtime_ns for name in self.chunks()}
 
     @needs_library
     def test_what_is_done_is_not_done_again(self):
@@ -92,8 +92,8 @@ class Resume(FaultTest):
             with self.subTest(suffix=suffix):
                 self.put({})
                 self.assertTrue(self.cut_off(90, *arguments))
-                folder = self.output / PIECES
-                path = max((folder / name.replace(".sums", suffix) for name in self.pieces()),
+                folder = self.output / CHECKPOINT
+                path = max((folder / name.replace(".sums", suffix) for name in self.chunks()),
                            key=lambda text: text.stat().st_size)
                 text = path.read_bytes()
                 path.write_bytes(text[:-2] + bytes([text[-2] ^ 1]) + text[-1:])
@@ -110,17 +110,17 @@ class Resume(FaultTest):
         reference = self.contents()
         self.put({})
         self.assertTrue(self.cut_off(60, *arguments))
-        empty = [name for name in self.all_files(self.output / PIECES)
-                 if name.endswith(".edges") and (self.output / PIECES / name).stat().st_size == 0]
+        empty = [name for name in self.all_files(self.output / CHECKPOINT)
+                 if name.endswith(".edges") and (self.output / CHECKPOINT / name).stat().st_size == 0]
         self.assertGreater(len(empty), 0)
         for name in empty:
-            (self.output / PIECES / name).unlink()
+            (self.output / CHECKPOINT / name).unlink()
         self.assertDone(self.run_program(*arguments, "--resume"))
         self.assertEqual(self.contents(), reference)
 
     @needs_library
-    def test_cut_off_while_pieces_are_removed(self):
-        """What is left is either told from a complete piece, or is one."""
+    def test_cut_off_while_chunks_are_removed(self):
+        """What is left is either told from a complete chunk, or is one."""
         number = 1
         while True:
             shutil.rmtree(self.output)
@@ -134,13 +134,13 @@ class Resume(FaultTest):
         self.assertGreater(number, 10)
 
     @needs_library
-    def test_pieces_that_are_not_complete_go(self):
+    def test_chunks_that_are_not_complete_go(self):
         """Those of other blocks would stay for ever."""
         for block in ("9", "11", "13"):
             self.cut_off(14, SMALL, "-q", "--spacing", "0.4", "-b", block, "-t", "2")
-        texts = {name.split(".")[0] for name in self.all_files(self.output / PIECES)
+        texts = {name.split(".")[0] for name in self.all_files(self.output / CHECKPOINT)
                  if name.endswith((".grid", ".edges"))}
-        complete = {name.removesuffix(".sums") for name in self.pieces()}
+        complete = {name.removesuffix(".sums") for name in self.chunks()}
         self.assertLessEqual(len(texts - complete), 1)
         self.assertSame()
 
@@ -148,7 +148,7 @@ class Resume(FaultTest):
     def test_verification(self):
         """Of what is still to be done."""
         self.assertTrue(self.cut_off(20, *RUN, "--verify=300"))
-        kept = len(self.pieces())
+        kept = len(self.chunks())
         self.assertGreater(kept, 0)
         done = self.run_program(*[part for part in RUN if part != "-q"], "--resume",
                                 "--verify=300")
@@ -173,19 +173,19 @@ class Resume(FaultTest):
                           (*RUN, "--probe-radius", "1.5"), (*RUN, "--write", "edges"),
                           (DATA / "1ubq.xyzr", *RUN[1:])):
             with self.subTest(arguments=arguments):
-                before = self.pieces()
+                before = self.chunks()
                 self.assertFailed(self.run_program(*arguments, "--resume"), "cannot resume")
-                self.assertEqual(self.pieces(), before)
+                self.assertEqual(self.chunks(), before)
         self.assertSame()
 
     @needs_library
-    def test_damaged_pieces_are_done_again(self):
+    def test_damaged_chunks_are_done_again(self):
         for suffix, damage in ((".sums", lambda old: old[:-1]), (".sums", lambda old: old + b"x"),
                                (".sums", lambda old: old[:40] + bytes([old[40] ^ 1]) + old[41:]),
                                (".grid", lambda old: old[:-5]), (".edges", lambda old: old + b"x")):
             with self.subTest(suffix=suffix):
                 self.assertTrue(self.cut_off(20))
-                path = self.output / PIECES / (self.pieces()[-1].removesuffix(".sums") + suffix)
+                path = self.output / CHECKPOINT / (self.chunks()[-1].removesuffix(".sums") + suffix)
                 path.write_bytes(damage(path.read_bytes()))
                 self.assertSame()
                 self.put({})
@@ -233,12 +233,12 @@ class Resume(FaultTest):
                                 for x in range(12) for y in range(12) for z in range(40)))
         arguments = (path, "-q", "--spacing", "0.35", "-b", "17", "-t", "1")
         for number in (signal.SIGINT, signal.SIGTERM):
-            before = len(self.pieces())
+            before = len(self.chunks())
             program = self.start(*arguments, "--resume")
-            wait_for(lambda: len(self.pieces()) > before + 1)
+            wait_for(lambda: len(self.chunks()) > before + 1)
             self.assertEqual(self.end_by(program, number).returncode, 128 + number.value)
-            self.assertEqual(self.all_files(), [PIECES])
-            self.assertGreater(len(self.pieces()), before)
+            self.assertEqual(self.all_files(), [CHECKPOINT])
+            self.assertGreater(len(self.chunks()), before)
         self.assertDone(self.run_program(*arguments, "--resume"))
         resumed = self.contents()
         self.put({})
@@ -261,7 +261,7 @@ class Resume(FaultTest):
             self.put({})
             while self.cut_off(number, *arguments):
                 self.assertEqual([n for n in self.all_files() if not n.startswith(".")], [])
-                kept.add(len(self.pieces()))
+                kept.add(len(self.chunks()))
                 self.assertDone(self.run_program(*arguments, "--resume"))
                 self.assertEqual(self.contents(), reference)
                 self.put({})
@@ -270,10 +270,10 @@ class Resume(FaultTest):
 
     @needs_library
     def test_other_mesh(self):
-        """Its pieces do not serve another one."""
+        """Its chunks do not serve another one."""
         arguments = (*RUN, "--mesh", self.output / "mesh.ply")
         self.assertTrue(self.cut_off(30, *arguments))
-        self.assertGreater(len(self.pieces()), 0)
+        self.assertGreater(len(self.chunks()), 0)
         for other in (RUN, (*RUN, "--mesh", self.output / "mesh.obj"),
                       (*arguments, "--color", "atom"), (*arguments, "--inside", "map.dx")):
             self.assertFailed(self.run_program(*other, "--resume"), "cannot resume")

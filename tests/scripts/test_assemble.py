@@ -33,7 +33,7 @@ def parse(text):
     return [tuple(map(float, line.split())) for line in text.splitlines()]
 
 
-def least_gap(one, other):
+def min_gap(one, other):
     return min(math.dist(a[:3], b[:3]) - a[3] - b[3] for a, b in itertools.product(one, other))
 
 
@@ -68,7 +68,7 @@ class Assemble(TestCase):
                 atoms = parse(done.stdout)
                 self.assertEqual(len(atoms), copies * count)
                 parts = [atoms[i:i + count] for i in range(0, len(atoms), count)]
-                gaps = [least_gap(*pair) for pair in itertools.combinations(parts, 2)]
+                gaps = [min_gap(*pair) for pair in itertools.combinations(parts, 2)]
                 self.assertGreaterEqual(min(gaps, default=gap), gap)
                 # They keep the gap from planes between them, and so may be a little further apart.
                 self.assertLess(min(gaps, default=gap), gap + 10)
@@ -78,7 +78,7 @@ class Assemble(TestCase):
         path = write_xyzr(self.folder / "one.xyzr", [(3.0, 4.0, 5.0, 1.5)])
         for copies, rings in ((2, 1), (3, 1), (8, 1), (5, 5)):
             atoms = parse(self.assemble(path, "--copies", copies, "--rings", rings).stdout)
-            gaps = [least_gap([a], [b]) for a, b in itertools.combinations(atoms, 2)]
+            gaps = [min_gap([a], [b]) for a, b in itertools.combinations(atoms, 2)]
             self.assertGreaterEqual(min(gaps), 1)
             self.assertLess(min(gaps), 1.01)
 

@@ -101,7 +101,7 @@ class ComparePaper(TestCase):
             self.assertDone(run("benchmarks/compare-paper", path), 1)
 
     def test_our_core_set(self):
-        """The rows shipped agree with the paper's as the README says, and with their own
+        """The rows shipped agree with the paper's as doc/pdbbind.md says, and with their own
         differences."""
         again = self.folder / "again.csv"
         self.assertDone(run("benchmarks/compare-paper", DATA / "core-set.csv", "-o", again))

@@ -98,8 +98,13 @@ class Install(TestCase):
         doc = "share/doc/eses-blocks"
         for name in ("bin/eses-blocks", "share/bash-completion/completions/eses-blocks",
                      "share/zsh/vendor-completions/_eses-blocks", f"{doc}/README.md",
-                     f"{doc}/LICENSE", f"{doc}/CHANGELOG.md", f"{doc}/CITATION.cff"):
+                     f"{doc}/LICENSE", f"{doc}/CHANGELOG.md", f"{doc}/CITATION.cff",
+                     f"{doc}/CONTRIBUTING.md", f"{doc}/SECURITY.md"):
             self.assertTrue((self.prefix / name).is_file(), name)
+        pages = {path.name for path in (PROJECT / "doc").iterdir()
+                 if path.suffix in (".md", ".png", ".sbatch", ".svg")}
+        self.assertGreater(len(pages), 10)
+        self.assertEqual({path.name for path in (self.prefix / doc / "doc").iterdir()}, pages)
 
     def test_manual_pages(self):
         cache = (BUILD / "CMakeCache.txt").read_text()

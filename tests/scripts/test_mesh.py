@@ -30,7 +30,7 @@ def open_or_branched_edges(mesh):
     return edges.GetOutput().GetNumberOfCells()
 
 
-def pieces(mesh):
+def component_count(mesh):
     connectivity = vtk.vtkPolyDataConnectivityFilter()
     connectivity.SetInputData(mesh)
     connectivity.SetExtractionModeToAllRegions()
@@ -93,7 +93,7 @@ class ReadByVtk(TestCase):
         mesh, _ = self.make("a.ply", self.folder / "ball.xyzr", "--spacing", "0.2")
         self.check_closed(mesh)
         self.assertEqual(mesh.GetNumberOfCells(), 2 * mesh.GetNumberOfPoints() - 4)
-        self.assertEqual(pieces(mesh), 1)
+        self.assertEqual(component_count(mesh), 1)
         normals = mesh.GetPointData().GetNormals()
         for i in range(mesh.GetNumberOfPoints()):
             for axis, centre in enumerate((0.1, 0.2, 0.3)):

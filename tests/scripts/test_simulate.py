@@ -131,7 +131,7 @@ class Runs(TestCase):
 
     def test_one_process(self):
         values = {"input_bytes": 10**6, "text_bytes": 10**7, "area_bytes": 10**5,
-                  "probe_radius": 1.4, "mean_radius": 1.5, "largest_radius": 2, "read_seconds": 9,
+                  "probe_radius": 1.4, "mean_radius": 1.5, "max_radius": 2, "read_seconds": 9,
                   "read_alone_seconds": 1, "molecule_seconds": 2, "plan_seconds": 0.25,
                   "clusters_seconds": 0.5, "patch_seconds": 3, "text_seconds": 4, "area_seconds": 5,
                   "copy_read_seconds": 7, "copy_write_seconds": 8,
@@ -167,7 +167,7 @@ class Runs(TestCase):
     def test_halo(self):
         """Radii of 1 and no probe: atoms matter 1 + 4 + 1 angstrom from a slab."""
         atoms = 100
-        model = scaling.Model(even_costs(plane_atoms=atoms, mean_radius=1.0, largest_radius=1.0))
+        model = scaling.Model(even_costs(plane_atoms=atoms, mean_radius=1.0, max_radius=1.0))
         # Four slabs of 16 planes, those in the middle with the plane below: from -1 - 6 to 16 + 6
         # planes. At the ends from the first atom on, half a plane below the first plane.
         run_of_four = model.run(4, ONE_THREAD)
@@ -245,13 +245,13 @@ class Runs(TestCase):
     def test_patches_of_the_halo(self):
         """Radii of 1, no probe: patches 1 + 2 angstrom from a slab."""
         model = scaling.Model(even_costs(plane_seconds=0.0, plane_atoms=1000, patch_seconds=64.0,
-                                         mean_radius=1.0, largest_radius=1.0))
+                                         mean_radius=1.0, max_radius=1.0))
         for threads in (1, 4):
             phases = model.run(4, scaling.Machine(threads)).phases
             self.assertAlmostEqual(phases[scaling.SWEEP], (16 + 1 + 2 * 3) / threads, places=2)
 
     def test_network(self):
-        model = scaling.Model(even_costs(plane_atoms=100, mean_radius=1.0, largest_radius=1.0))
+        model = scaling.Model(even_costs(plane_atoms=100, mean_radius=1.0, max_radius=1.0))
         fast = model.run(4, ONE_THREAD)
         slow = model.run(4, ONE_THREAD._replace(network=1e3))
         # The largest slab gets 29 planes of atoms, three quarters of them from others.
@@ -262,7 +262,7 @@ class Runs(TestCase):
         self.assertGreater(late.seconds - fast.seconds, 3)  # each hears from three others
 
     def test_memory(self):
-        model = scaling.Model(even_costs(plane_atoms=10000, mean_radius=1.5, largest_radius=2.0,
+        model = scaling.Model(even_costs(plane_atoms=10000, mean_radius=1.5, max_radius=2.0,
                                          probe_radius=1.4))
         memory = [model.run(ranks, ONE_THREAD).memory for ranks in (1, 2, 4, 8, 16, 32, 64)]
         self.assertEqual(memory[1:], sorted(memory[1:], reverse=True))
@@ -270,7 +270,7 @@ class Runs(TestCase):
     def test_patches_held(self):
         """Those of all atoms in a few planes, else of the heights around a layer."""
         few, many = (scaling.Model(even_costs(plane_atoms=100, block_size=9, mean_radius=radius,
-                                              largest_radius=radius))
+                                              max_radius=radius))
                      for radius in (30.0, 1.0))
         (slab,) = few.slabs(1)
         self.assertEqual(few.patched_at_a_time(slab, 24, 32), few.atoms)
@@ -291,7 +291,7 @@ class Runs(TestCase):
         for names, values in ((("sweep",), {}),
                               (("sweep", "preparing"),  # the latter samples patches
                                {"plane_atoms": 10**5, "patch_seconds": 1e3, "mean_radius": 2.0,
-                                "largest_radius": 2.0, "probe_radius": 1.4}),
+                                "max_radius": 2.0, "probe_radius": 1.4}),
                               (("merging",), {"copy_write_seconds": 1e4, "text_bytes": 10**6})):
             model = scaling.Model(even_costs(plane_seconds=0.01, **values))
             one = model.run(1, ONE_THREAD)

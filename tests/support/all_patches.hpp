@@ -24,7 +24,7 @@ inline void build_all_patches(Patches& patches, int threads) {
 }
 
 struct AllPatches {
-  Surface surface;
+  SurfaceModel surface;
   Patches patches;
 
   AllPatches(Molecule molecule, double probe, int threads = 1)

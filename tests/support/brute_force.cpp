@@ -33,7 +33,7 @@ constexpr double same_vertex = 1e-10;
 /// Sizes, in angstrom, below which a direction or a circle is lost in rounding.
 constexpr double no_direction = 1e-12;
 /// Pieces of an edge that are shorter than this are judged by their middle. Angstrom.
-constexpr double short_piece = 1e-4;
+constexpr double min_interval = 1e-4;
 /// Points nearer than this to the crossing, which is itself known to `on_surface`, are not judged.
 /// Angstrom.
 constexpr double short_of_crossing = 1e-5;
@@ -223,7 +223,7 @@ void report(Check& check, const Parts&... parts) {
   check.faults.push_back(text.str());
 }
 
-bool agree(double a, double b) {
+bool are_equal(double a, double b) {
   return std::fabs(a - b) <= same_sum * std::max(std::fabs(a), std::fabs(b));
 }
 
@@ -445,12 +445,12 @@ bool is_outside_between(const Check& check, Vec3 a, Vec3 b) {
   const Vec3 middle = 0.5 * (a + b);
   const auto nearest = nearest_accessible(check.set, middle, limit);
   if (!nearest) return false;
-  if (nearest->distance + half < limit || 2 * half < short_piece) return true;
+  if (nearest->distance + half < limit || 2 * half < min_interval) return true;
   return is_outside_between(check, middle, b) && is_outside_between(check, a, middle);
 }
 
 /// All points between the crossing and the outside end must be outside.
-const char* fault_of_last_piece(const Check& check, const Crossing& crossing) {
+const char* fault_of_last_interval(const Check& check, const Crossing& crossing) {
   const Vec3 end = position(check.grid, crossing.outside);
   const double length = norm(crossing.point - end);
   if (length <= short_of_crossing) return nullptr;
@@ -466,7 +466,7 @@ const char* fault_of_crossing(const Check& check, const Crossing& crossing) {
   const Vec3 probe = crossing.point + check.parameters.probe_radius * crossing.normal;
   if (!is_accessible(check.set, probe, contact)) return "no probe stands where the normal leads";
   if (const char* fault = fault_of_atoms(check, crossing, probe)) return fault;
-  return fault_of_last_piece(check, crossing);
+  return fault_of_last_interval(check, crossing);
 }
 
 void check_crossings(Check& check) {
@@ -535,7 +535,7 @@ void check_areas(Check& check) {
     if (!(std::fabs(listed.area - shares.area[a]) <= slack))
       report(check, "area: atom ", a, " has ", listed.area, ", not ", shares.area[a]);
   }
-  if (!agree(sum, check.summary.area))
+  if (!are_equal(sum, check.summary.area))
     report(check, "area: atoms have ", sum, " together, the summary ", check.summary.area);
 }
 
@@ -559,7 +559,7 @@ std::int64_t crossings_with(const Check& check, std::size_t atoms) {
 
 template <class Number>
 void check_sum(Check& check, const char* what, Number summary, Number expected) {
-  const bool same = agree(static_cast<double>(summary), static_cast<double>(expected));
+  const bool same = are_equal(static_cast<double>(summary), static_cast<double>(expected));
   if (!same) report(check, "sum: ", what, " ", summary, ", not ", expected);
 }
 

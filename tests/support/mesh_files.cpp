@@ -260,7 +260,7 @@ MeshMeasures measure(const Mesh& mesh) {
   for (const MeshTriangle& t : mesh.triangles) {
     const Vec3 a = mesh.positions[t[0]], b = mesh.positions[t[1]], c = mesh.positions[t[2]];
     const double area = 0.5 * norm(cross(b - a, c - a));
-    if (result.area == 0 || area < result.smallest_area) result.smallest_area = area;
+    if (result.area == 0 || area < result.min_area) result.min_area = area;
     result.area += area;
     const Vec3 origin = mesh.positions[0];  // so that little cancels
     result.volume += dot(a - origin, cross(b - origin, c - origin)) / 6;

@@ -35,8 +35,8 @@ std::vector<std::string> find_mesh_faults(std::size_t vertices,
 
 struct MeshMeasures {
   double area = 0;
-  double volume = 0;         ///< positive if triangles are counterclockwise seen from outside
-  double smallest_area = 0;  ///< of a triangle
+  double volume = 0;    ///< positive if triangles are counterclockwise seen from outside
+  double min_area = 0;  ///< of a triangle
   std::int64_t euler_number = 0;
   std::size_t components = 0;
 };

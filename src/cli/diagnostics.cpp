@@ -1,4 +1,4 @@
-#include "cli/findings.hpp"
+#include "cli/diagnostics.hpp"
 
 #include <fmt/format.h>
 
@@ -40,40 +40,40 @@ Wording wording_of(DiagnosticKind kind) {
   return {};
 }
 
-std::string lines_text(const Finding& finding, std::string_view relation) {
+std::string lines_text(const DiagnosticText& text, std::string_view relation) {
   std::vector<std::string> parts;
-  for (const Finding::Example& example : finding.examples)
+  for (const DiagnosticText::Example& example : text.examples)
     parts.push_back(example.has_other
                         ? fmt::format("{} ({} {})", example.line, relation, example.other_line)
                         : fmt::format("{}", example.line));
-  const std::uint64_t more = finding.count - finding.examples.size();
-  return fmt::format("{} {}{}", finding.count == 1 ? "line" : "lines", fmt::join(parts, ", "),
+  const std::uint64_t more = text.count - text.examples.size();
+  return fmt::format("{} {}{}", text.count == 1 ? "line" : "lines", fmt::join(parts, ", "),
                      more > 0 ? fmt::format(" and {} more", more) : "");
 }
 
-Finding describe(const Diagnostic& oddity, const LineOf& line_of,
-                 const std::filesystem::path& input) {
-  const Wording wording = wording_of(oddity.kind);
-  Finding finding;
-  finding.name = wording.name;
-  finding.is_usual = is_usual(oddity.kind);
-  finding.count = oddity.count;
-  finding.short_text = oddity.count == 1 ? wording.one : wording.several;
-  for (const auto& [atom, other] : oddity.examples)
-    finding.examples.push_back({atom, line_of(atom), atom != other, other, line_of(other)});
-  finding.message =
-      fmt::format("{}: {} {}: {}", input == "-" ? "<stdin>" : input.string(), finding.count,
-                  finding.short_text, lines_text(finding, wording.relation));
-  return finding;
+DiagnosticText describe(const Diagnostic& diagnostic, const LineOf& line_of,
+                        const std::filesystem::path& input) {
+  const Wording wording = wording_of(diagnostic.kind);
+  DiagnosticText text;
+  text.name = wording.name;
+  text.is_usual = is_usual(diagnostic.kind);
+  text.count = diagnostic.count;
+  text.short_text = diagnostic.count == 1 ? wording.one : wording.several;
+  for (const auto& [atom, other] : diagnostic.examples)
+    text.examples.push_back({atom, line_of(atom), atom != other, other, line_of(other)});
+  text.message = fmt::format("{}: {} {}: {}", input == "-" ? "<stdin>" : input.string(), text.count,
+                             text.short_text, lines_text(text, wording.relation));
+  return text;
 }
 
 }  // namespace
 
-std::vector<Finding> describe(std::span<const Diagnostic> oddities, const LineOf& line_of,
-                              const std::filesystem::path& input) {
-  std::vector<Finding> findings;
-  for (const Diagnostic& oddity : oddities) findings.push_back(describe(oddity, line_of, input));
-  return findings;
+std::vector<DiagnosticText> describe(std::span<const Diagnostic> diagnostics, const LineOf& line_of,
+                                     const std::filesystem::path& input) {
+  std::vector<DiagnosticText> texts;
+  for (const Diagnostic& diagnostic : diagnostics)
+    texts.push_back(describe(diagnostic, line_of, input));
+  return texts;
 }
 
 }  // namespace eses::detail::cli

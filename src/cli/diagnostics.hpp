@@ -13,8 +13,8 @@
 
 namespace eses::detail::cli {
 
-/// One kind of oddity.
-struct Finding {
+/// One kind of diagnostic.
+struct DiagnosticText {
   struct Example {
     AtomIndex atom = 0;
     std::uint64_t line = 0;
@@ -30,10 +30,10 @@ struct Finding {
   std::vector<Example> examples;
 };
 
-/// The line of an atom, one of the oddities' examples, in the input.
+/// The line of an atom, one of the diagnostics' examples, in the input.
 using LineOf = std::function<std::uint64_t(AtomIndex atom)>;
 
-std::vector<Finding> describe(std::span<const Diagnostic> oddities, const LineOf& line_of,
-                              const std::filesystem::path& input);
+std::vector<DiagnosticText> describe(std::span<const Diagnostic> diagnostics, const LineOf& line_of,
+                                     const std::filesystem::path& input);
 
 }  // namespace eses::detail::cli

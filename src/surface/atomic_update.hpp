@@ -7,7 +7,7 @@ namespace eses::detail {
 
 /// Replaces the bound by the value if that comes before it.
 template <class Value, class Before>
-void move_bound(Value& bound, Value value, Before is_before) {
+void atomic_update(Value& bound, Value value, Before is_before) {
   const std::atomic_ref<Value> shared(bound);
   Value seen = shared.load(std::memory_order_relaxed);
   while (is_before(value, seen) &&

@@ -13,14 +13,14 @@
 
 namespace eses::detail {
 
-struct Surface {
+struct SurfaceModel {
   Molecule molecule;
   std::span<const Atom> atoms;  ///< the molecule's
   double probe_radius = 0;      ///< angstrom
   /// If only a part of space is looked at: other atoms need no patches.
   std::optional<Reach> reach;
 
-  Surface(Molecule of, double probe)
+  SurfaceModel(Molecule of, double probe)
       : molecule(std::move(of)), atoms(molecule.atoms()), probe_radius(probe) {}
 
   /// Only what happens in `box` will be asked.

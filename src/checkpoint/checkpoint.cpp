@@ -1,4 +1,4 @@
-#include "checkpoint/pieces.hpp"
+#include "checkpoint/checkpoint.hpp"
 
 #include <fmt/format.h>
 #include <zlib.h>
@@ -18,8 +18,8 @@
 namespace eses::detail {
 namespace {
 
-constexpr std::array<const char*, piece_texts> text_suffixes{".grid", ".edges", ".map", ".vertices",
-                                                             ".triangles"};
+constexpr std::array<const char*, chunk_text_count> text_suffixes{".grid", ".edges", ".map",
+                                                                  ".vertices", ".triangles"};
 
 std::string name_of(const PlaneRange& planes, std::string_view suffix) {
   return fmt::format("{}-{}{}", planes.begin, planes.end, suffix);
@@ -47,7 +47,7 @@ std::uint32_t checksum(std::span<const std::byte> bytes) {
 
 // What stands before the sums.
 struct SumsHeader {
-  PieceInfo info;
+  ChunkInfo info;
   std::uint64_t count = 0;
   std::uint64_t checksum = 0;  // of the sums
 };
@@ -79,25 +79,25 @@ std::uint32_t TextChecksum::value() const {
   return static_cast<std::uint32_t>(sum);
 }
 
-PieceStore::PieceStore(const std::filesystem::path& output_directory, std::string identity)
-    : path_(path_in(output_directory, resume_name)), identity_(std::move(identity)) {}
+Checkpoint::Checkpoint(const std::filesystem::path& output_directory, std::string identity)
+    : path_(path_in(output_directory, checkpoint_name)), identity_(std::move(identity)) {}
 
-PieceStore::~PieceStore() {
+Checkpoint::~Checkpoint() {
   if (!lock_) return;
   lock_.reset();
-  std::error_code error;  // as when there are pieces
+  std::error_code error;  // as when there are chunks
   std::filesystem::remove(path_, error);
 }
 
-void PieceStore::lock() { lock_.emplace(path_); }
+void Checkpoint::lock() { lock_.emplace(path_); }
 
-std::vector<PlaneRange> PieceStore::complete() const {
+std::vector<PlaneRange> Checkpoint::complete() const {
   std::error_code error;
-  std::vector<PlaneRange> pieces;
+  std::vector<PlaneRange> chunks;
   for (const auto& entry : std::filesystem::directory_iterator(path_, error))
-    if (const auto planes = planes_of(entry.path().filename().string())) pieces.push_back(*planes);
+    if (const auto planes = planes_of(entry.path().filename().string())) chunks.push_back(*planes);
   // Without anything done it does not matter of what run.
-  if (pieces.empty()) return {};
+  if (chunks.empty()) return {};
   if (!std::filesystem::exists(path_ / run_name, error))
     throw Error(fmt::format("cannot resume: {} does not tell of what run it is; remove it",
                             path_.string()));
@@ -105,22 +105,22 @@ std::vector<PlaneRange> PieceStore::complete() const {
     throw Error(fmt::format(
         "cannot resume: {} is of a run of other input, options or version; remove it to begin anew",
         path_.string()));
-  std::erase_if(pieces, [this](const PlaneRange& planes) { return !is_whole(planes); });
-  std::sort(pieces.begin(), pieces.end(),
+  std::erase_if(chunks, [this](const PlaneRange& planes) { return !is_whole(planes); });
+  std::sort(chunks.begin(), chunks.end(),
             [](const PlaneRange& a, const PlaneRange& b) { return a.begin < b.begin; });
   const auto overlapping =
-      std::adjacent_find(pieces.begin(), pieces.end(),
+      std::adjacent_find(chunks.begin(), chunks.end(),
                          [](const PlaneRange& a, const PlaneRange& b) { return b.begin < a.end; });
-  if (overlapping != pieces.end())
-    throw Error(fmt::format("cannot resume: pieces in {} overlap; remove it to begin anew",
+  if (overlapping != chunks.end())
+    throw Error(fmt::format("cannot resume: chunks in {} overlap; remove it to begin anew",
                             path_.string()));
-  return pieces;
+  return chunks;
 }
 
-bool PieceStore::is_whole(const PlaneRange& planes) const {
+bool Checkpoint::is_whole(const PlaneRange& planes) const {
   try {
-    const PieceInfo info = read(planes).info;
-    for (std::size_t text = 0; text < piece_texts; ++text)
+    const ChunkInfo info = read(planes).info;
+    for (std::size_t text = 0; text < chunk_text_count; ++text)
       if (info.bytes[text] != size_of(path_ / name_of(planes, text_suffixes[text]))) return false;
     return true;
   } catch (const Error&) {
@@ -128,7 +128,7 @@ bool PieceStore::is_whole(const PlaneRange& planes) const {
   }
 }
 
-void PieceStore::remove_others(std::span<const PlaneRange> complete) const {
+void Checkpoint::remove_others(std::span<const PlaneRange> complete) const {
   std::set<std::string> kept;
   for (const PlaneRange& planes : complete) {
     kept.insert(name_of(planes, sums_suffix));
@@ -138,18 +138,18 @@ void PieceStore::remove_others(std::span<const PlaneRange> complete) const {
   std::vector<std::filesystem::path> others;
   for (const auto& entry : std::filesystem::directory_iterator(path_, error)) {
     const std::string name = entry.path().filename().string();
-    const bool is_of_piece = name.front() >= '0' && name.front() <= '9';
-    if (is_of_piece && !kept.contains(name)) others.push_back(entry.path());
+    const bool is_of_chunk = name.front() >= '0' && name.front() <= '9';
+    if (is_of_chunk && !kept.contains(name)) others.push_back(entry.path());
   }
   for (const auto& path : others) std::filesystem::remove(path, error);
 }
 
-void PieceStore::drop(const PlaneRange& planes) const {
+void Checkpoint::drop(const PlaneRange& planes) const {
   std::error_code error;  // if it stays, whoever reads it again will tell
   std::filesystem::remove(sums_path(planes), error);
 }
 
-void PieceStore::prepare() const {
+void Checkpoint::prepare() const {
   if (read_all(path_ / run_name) == identity_) return;
   ScratchFile file(path_, run_name, ScratchFile::Kept::fresh);
   file.append(std::as_bytes(std::span(identity_)));
@@ -157,30 +157,30 @@ void PieceStore::prepare() const {
 }
 
 // Sums that are there would speak of the old text.
-std::unique_ptr<ScratchFile> PieceStore::create(const PlaneRange& planes, PieceText text) const {
+std::unique_ptr<ScratchFile> Checkpoint::create(const PlaneRange& planes, ChunkText text) const {
   drop(planes);
   const char* const suffix = text_suffixes[static_cast<std::size_t>(text)];
   return std::make_unique<ScratchFile>(path_, name_of(planes, suffix), ScratchFile::Kept::fresh);
 }
 
-std::unique_ptr<ScratchFile> PieceStore::open(const PlaneRange& planes, PieceText text) const {
+std::unique_ptr<ScratchFile> Checkpoint::open(const PlaneRange& planes, ChunkText text) const {
   const char* const suffix = text_suffixes[static_cast<std::size_t>(text)];
   return std::make_unique<ScratchFile>(path_, name_of(planes, suffix), ScratchFile::Kept::existing);
 }
 
-std::string PieceStore::sums_path(const PlaneRange& planes) const {
+std::string Checkpoint::sums_path(const PlaneRange& planes) const {
   return path_in(path_, name_of(planes, sums_suffix));
 }
 
 // The sums come last, under their name when they are on the disk: where they are, all is.
-void PieceStore::finish(const Piece& piece) const {
-  for (const auto& text : piece.texts)
+void Checkpoint::finish(const PlaneChunk& chunk) const {
+  for (const auto& text : chunk.texts)
     if (text) text->sync();
-  const std::string name = name_of(piece.info.planes, sums_suffix), temporary = name + ".part";
+  const std::string name = name_of(chunk.info.planes, sums_suffix), temporary = name + ".part";
   {
     ScratchFile file(path_, temporary, ScratchFile::Kept::fresh);
-    const auto sums = std::as_bytes(std::span(piece.sums));
-    const SumsHeader header{piece.info, piece.sums.size(), checksum(sums)};
+    const auto sums = std::as_bytes(std::span(chunk.sums));
+    const SumsHeader header{chunk.info, chunk.sums.size(), checksum(sums)};
     const std::uint64_t of_header = checksum(bytes_of(header));
     for (const auto bytes : {bytes_of(of_header), bytes_of(header), sums}) file.append(bytes);
     file.sync();
@@ -191,12 +191,12 @@ void PieceStore::finish(const Piece& piece) const {
     throw Error(fmt::format("cannot write {}: {}", (path_ / name).string(), error.message()));
 }
 
-Piece PieceStore::read(const PlaneRange& planes) const {
+PlaneChunk Checkpoint::read(const PlaneRange& planes) const {
   const ScratchFile file(path_, name_of(planes, sums_suffix), ScratchFile::Kept::existing);
   std::uint64_t of_header = 0;
   SumsHeader header;
   constexpr std::uint64_t begin = sizeof of_header + sizeof header;
-  Piece piece;
+  PlaneChunk chunk;
   const std::uint64_t bytes = size_of(sums_path(planes));
   bool is_sound = bytes >= begin && (bytes - begin) % sizeof(AtomSum) == 0;
   if (is_sound) {
@@ -206,20 +206,20 @@ Piece PieceStore::read(const PlaneRange& planes) const {
                header.count == (bytes - begin) / sizeof(AtomSum);
   }
   if (is_sound) {
-    piece.info = header.info;
-    piece.sums.resize(header.count);
-    file.read_at(std::as_writable_bytes(std::span(piece.sums)), begin);
-    is_sound = header.checksum == checksum(std::as_bytes(std::span(piece.sums)));
+    chunk.info = header.info;
+    chunk.sums.resize(header.count);
+    file.read_at(std::as_writable_bytes(std::span(chunk.sums)), begin);
+    is_sound = header.checksum == checksum(std::as_bytes(std::span(chunk.sums)));
   }
   if (!is_sound)
-    throw Error(fmt::format("cannot resume: {} is damaged; remove it, and the piece is done again",
+    throw Error(fmt::format("cannot resume: {} is damaged; remove it, and the chunk is done again",
                             sums_path(planes)));
-  piece.is_restored = true;
-  return piece;
+  chunk.is_restored = true;
+  return chunk;
 }
 
-void PieceStore::remove() {
-  remove_pieces(path_);
+void Checkpoint::remove() {
+  remove_checkpoint_directory(path_);
   lock_.reset();
 }
 

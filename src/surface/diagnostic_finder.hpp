@@ -15,41 +15,41 @@ namespace eses::detail {
 inline constexpr double close_distance = 0.5;
 
 /// What is odd in some atoms, in ascending order: how many, and the first ones.
-class OddityTally {
+class DiagnosticTally {
  public:
   void add(DiagnosticKind kind, AtomIndex atom, AtomIndex other);
 
   /// Adds what is odd in later atoms.
-  void append(const OddityTally& later);
+  void append(const DiagnosticTally& later);
 
   /// All kinds that there are, in the order of `DiagnosticKind`.
   std::vector<Diagnostic> found() &&;
 
  private:
-  std::array<Diagnostic, diagnostic_kinds> oddities_;
+  std::array<Diagnostic, diagnostic_kinds> diagnostics_;
 };
 
 /// Threads may look at atoms at the same time, each with tallies of its own.
-class OddityFinder {
+class DiagnosticFinder {
  public:
   /// Keeps a view of `atoms`, and tells only of those that `is_own` accepts, if it is not empty.
-  OddityFinder(std::span<const Atom> atoms, std::function<bool(const Atom&)> is_own);
+  DiagnosticFinder(std::span<const Atom> atoms, std::function<bool(const Atom&)> is_own);
 
   /// Tells that atom `i` equals the earlier `first`.
-  void look_at_duplicate(AtomIndex i, AtomIndex first, OddityTally& tally) const;
+  void inspect_duplicate(AtomIndex i, AtomIndex first, DiagnosticTally& tally) const;
 
   /// Looks at atom `i`, which is no duplicate; `near` are all others whose centre is within its
   /// radius or within `close_distance`, in any order, but for those that equal an earlier one.
-  void look(AtomIndex i, std::span<const AtomIndex> near, OddityTally& tally);
+  void inspect(AtomIndex i, std::span<const AtomIndex> near, DiagnosticTally& tally);
 
   /// All kinds that there are, in the order of `DiagnosticKind`, once all atoms have been looked
   /// at. Each of the tallies has consecutive atoms, the first of them the first ones.
-  std::vector<Diagnostic> found(std::span<const OddityTally> tallies) const;
+  std::vector<Diagnostic> found(std::span<const DiagnosticTally> tallies) const;
 
  private:
-  void add(DiagnosticKind kind, AtomIndex atom, AtomIndex other, OddityTally& tally) const;
-  void look_at_radius(AtomIndex i, OddityTally& tally) const;
-  OddityTally find_nested() const;
+  void add(DiagnosticKind kind, AtomIndex atom, AtomIndex other, DiagnosticTally& tally) const;
+  void inspect_radius(AtomIndex i, DiagnosticTally& tally) const;
+  DiagnosticTally find_nested() const;
 
   std::span<const Atom> atoms_;
   std::function<bool(const Atom&)> is_own_;

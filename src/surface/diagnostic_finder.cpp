@@ -1,0 +1,114 @@
+#include "surface/diagnostic_finder.hpp"
+
+#include <algorithm>
+#include <functional>
+#include <limits>
+#include <utility>
+
+#include "surface/atomic_update.hpp"
+
+namespace eses::detail {
+namespace {
+
+constexpr double max_usual_radius = 4;       // angstrom
+constexpr double nanometre_radius = 0.4;     // a large atom's radius, in nanometres
+constexpr double max_hydrogen_radius = 1.4;  // angstrom
+constexpr AtomIndex none = std::numeric_limits<AtomIndex>::max();
+
+bool is_close(const Atom& a, const Atom& b) {
+  return a.radius > 0 && b.radius > 0 &&
+         squared_norm(a.center - b.center) < close_distance * close_distance;
+}
+
+bool lies_inside(const Atom& inner, const Atom& outer) {
+  const double room = outer.radius - inner.radius;
+  return inner.radius > 0 && room >= 0 && squared_norm(inner.center - outer.center) <= room * room;
+}
+
+bool has_nanometre_radius(const Atom& atom) { return atom.radius < nanometre_radius; }
+
+}  // namespace
+
+void DiagnosticTally::add(DiagnosticKind kind, AtomIndex atom, AtomIndex other) {
+  Diagnostic& diagnostic = diagnostics_[static_cast<std::size_t>(kind)];
+  if (++diagnostic.count <= Diagnostic::max_examples) diagnostic.examples.push_back({atom, other});
+}
+
+void DiagnosticTally::append(const DiagnosticTally& later) {
+  for (std::size_t kind = 0; kind < diagnostics_.size(); ++kind) {
+    Diagnostic& diagnostic = diagnostics_[kind];
+    diagnostic.count += later.diagnostics_[kind].count;
+    for (const Diagnostic::Example& example : later.diagnostics_[kind].examples)
+      if (diagnostic.examples.size() < Diagnostic::max_examples)
+        diagnostic.examples.push_back(example);
+  }
+}
+
+std::vector<Diagnostic> DiagnosticTally::found() && {
+  std::vector<Diagnostic> result;
+  for (std::size_t kind = 0; kind < diagnostics_.size(); ++kind) {
+    if (diagnostics_[kind].count == 0) continue;
+    diagnostics_[kind].kind = static_cast<DiagnosticKind>(kind);
+    result.push_back(std::move(diagnostics_[kind]));
+  }
+  return result;
+}
+
+DiagnosticFinder::DiagnosticFinder(std::span<const Atom> atoms,
+                                   std::function<bool(const Atom&)> is_own)
+    : atoms_(atoms),
+      is_own_(std::move(is_own)),
+      are_small_(std::all_of(atoms.begin(), atoms.end(), has_nanometre_radius)),
+      outer_(atoms.size(), none) {}
+
+void DiagnosticFinder::add(DiagnosticKind kind, AtomIndex atom, AtomIndex other,
+                           DiagnosticTally& tally) const {
+  if (!is_own_ || is_own_(atoms_[atom])) tally.add(kind, atom, other);
+}
+
+void DiagnosticFinder::inspect_duplicate(AtomIndex i, AtomIndex first,
+                                         DiagnosticTally& tally) const {
+  add(DiagnosticKind::duplicate, i, first, tally);
+  inspect_radius(i, tally);
+}
+
+// Pairs are told of their later atom.
+void DiagnosticFinder::inspect(AtomIndex i, std::span<const AtomIndex> near,
+                               DiagnosticTally& tally) {
+  AtomIndex close = none;
+  for (const AtomIndex j : near) {
+    if (is_close(atoms_[i], atoms_[j])) {
+      if (j < i) close = std::min(close, j);
+    } else if (lies_inside(atoms_[j], atoms_[i])) {
+      atomic_update(outer_[j], i, std::less());
+    }
+  }
+  if (close != none) add(DiagnosticKind::close, i, close, tally);
+  inspect_radius(i, tally);
+}
+
+void DiagnosticFinder::inspect_radius(AtomIndex i, DiagnosticTally& tally) const {
+  const double radius = atoms_[i].radius;
+  if (are_small_) add(DiagnosticKind::small_radii, i, i, tally);
+  if (radius > max_usual_radius) add(DiagnosticKind::large_radius, i, i, tally);
+  if (radius == 0) add(DiagnosticKind::zero_radius, i, i, tally);
+}
+
+// An atom may lie in a later one: known only when all have been looked at.
+DiagnosticTally DiagnosticFinder::find_nested() const {
+  DiagnosticTally nested;
+  for (AtomIndex i = 0; i < atoms_.size(); ++i) {
+    if (outer_[i] == none) continue;
+    const bool is_large = atoms_[i].radius > max_hydrogen_radius;
+    add(is_large ? DiagnosticKind::nested : DiagnosticKind::nested_usual, i, outer_[i], nested);
+  }
+  return nested;
+}
+
+std::vector<Diagnostic> DiagnosticFinder::found(std::span<const DiagnosticTally> tallies) const {
+  DiagnosticTally all = find_nested();
+  for (const DiagnosticTally& tally : tallies) all.append(tally);
+  return std::move(all).found();
+}
+
+}  // namespace eses::detail

@@ -1,0 +1,194 @@
+"""The documentation: links and anchors exist, and examples are those of the present program."""
+
+import json
+import re
+import subprocess
+import unittest
+import urllib.parse
+
+from support import PROGRAM, PROJECT, TestCase
+
+FENCE = re.compile(r"^```.*?^```$", re.MULTILINE | re.DOTALL)
+LINK = re.compile(r"\]\(([^()\s]+)\)")
+CODE = re.compile(r"`[^`\n]*`")
+
+MAX_README_LINES = 200
+
+# Lines of the report that depend on the machine or on the time that a run takes.
+VARIABLE_LINES = ("blocks: ", "expected: ", "time: ", "peak memory: ")
+
+
+def pages():
+    """All Markdown files that belong to the project."""
+    done = subprocess.run(["git", "ls-files", "--cached", "--others", "--exclude-standard", "*.md"],
+                          cwd=PROJECT, capture_output=True, text=True, check=False)
+    if done.returncode == 0 and done.stdout:
+        return [PROJECT / name for name in done.stdout.splitlines() if (PROJECT / name).is_file()]
+    # A source archive has no git.
+    folders = [PROJECT, *(PROJECT / name for name in ("doc", "data", "scripts", "src", ".github"))]
+    return sorted({path for folder in folders
+                   for path in folder.glob("*.md" if folder == PROJECT else "**/*.md")})
+
+
+def read(path):
+    return path.read_text(encoding="utf-8")
+
+
+def without_code(text):
+    return CODE.sub("", FENCE.sub("", text))
+
+
+def links_of(text):
+    """Targets of the links and images of a page, without addresses of other sites."""
+    return [target for target in LINK.findall(without_code(text))
+            if not urllib.parse.urlsplit(target).scheme]
+
+
+def anchors_of(text):
+    """Names of the headings of a page, as GitHub makes them."""
+    anchors = set()
+    for heading in re.findall(r"^#+ +(.*?)#*$", FENCE.sub("", text), re.MULTILINE):
+        label = re.sub(r"\[([^]]*)\]\([^)]*\)", r"\1", heading).strip().lower()
+        label = re.sub(r"[^\w\- ]", "", label).replace(" ", "-")
+        name, number = label, 0
+        while name in anchors:
+            number += 1
+            name = f"{label}-{number}"
+        anchors.add(name)
+    return anchors
+
+
+def broken_links(path):
+    """The links of a page whose file or heading is missing."""
+    broken = []
+    for link in links_of(read(path)):
+        name, _, anchor = urllib.parse.unquote(link).partition("#")
+        target = (path.parent / name).resolve() if name else path
+        if not target.exists() or (anchor and anchor not in anchors_of(read(target))):
+            broken.append(link)
+    return broken
+
+
+def blocks_of(text, language):
+    """The fenced blocks of a page in this language; those without one for an empty name."""
+    blocks = re.findall(r"^```(\w*)\n(.*?)^```$", text, re.MULTILINE | re.DOTALL)
+    return [code for name, code in blocks if name == language]
+
+
+def report_of(*arguments):
+    """A run of the program in the project's folder."""
+    return subprocess.run([PROGRAM, *arguments], cwd=PROJECT, capture_output=True, text=True,
+                          check=False)
+
+
+def lines_of(text):
+    """The lines of a program without their indentation and without empty lines."""
+    return [line.strip() for line in text.splitlines() if line.strip()]
+
+
+def contains(lines, part):
+    return any(lines[first:first + len(part)] == part for first in range(len(lines)))
+
+
+def keys_of(value):
+    """All keys of a JSON document."""
+    if isinstance(value, dict):
+        return set(value) | {key for item in value.values() for key in keys_of(item)}
+    if isinstance(value, list):
+        return {key for item in value for key in keys_of(item)}
+    return set()
+
+
+class Links(TestCase):
+    def test_pages_are_found(self):
+        names = {str(path.relative_to(PROJECT)) for path in pages()}
+        self.assertLessEqual({"README.md", "CONTRIBUTING.md", "doc/README.md", "doc/output.md",
+                              "data/README.md", "src/compute/README.md"}, names)
+
+    def test_links_exist(self):
+        for path in pages():
+            with self.subTest(page=str(path.relative_to(PROJECT))):
+                self.assertEqual(broken_links(path), [])
+
+    def test_index_names_every_page(self):
+        linked = set(links_of(read(PROJECT / "doc/README.md")))
+        for path in sorted((PROJECT / "doc").glob("*.md")):
+            if path.name != "README.md":
+                self.assertIn(path.name, linked)
+
+    def test_broken_links_are_found(self):
+        page = self.folder / "page.md"
+        page.write_text("# One: `two`\n\n[a](page.md#one-two) [b](#one-two) [c](#three) "
+                        "[d](gone.md) ![e](gone.png) [f](https://example.org/gone) `[g](gone.md)`\n"
+                        "```\n[h](gone.md)\n# three\n```\n")
+        self.assertEqual(broken_links(page), ["#three", "gone.md", "gone.png"])
+
+
+class Examples(TestCase):
+    def test_readme_is_short(self):
+        self.assertLessEqual(len(read(PROJECT / "README.md").splitlines()), MAX_README_LINES)
+
+    def test_report_in_readme(self):
+        shown, = (block for block in blocks_of(read(PROJECT / "README.md"), "")
+                  if block.startswith("input: "))
+        done = report_of("data/1ubq.xyzr", "1.4", "0.4", "0.8", "-o", self.folder / "out")
+        self.assertDone(done)
+        printed = done.stdout.replace(str(self.folder / "out"), "out").splitlines()
+        self.assertEqual([line.partition(": ")[0] for line in shown.splitlines()],
+                         [line.partition(": ")[0] for line in printed])
+        for line, expected in zip(printed, shown.splitlines()):
+            if not line.startswith(VARIABLE_LINES):
+                self.assertEqual(line, expected)
+
+    def test_options_in_readme_exist(self):
+        table = read(PROJECT / "README.md").partition("## Options")[2]
+        options = set(re.findall(r"(?<![\w-])(--[a-z][a-z-]*)", table))
+        self.assertGreater(len(options), 10)
+        done = report_of("--help")
+        self.assertDone(done)
+        self.assertLessEqual(options, set(re.findall(r"--[a-z][a-z-]*", done.stdout)))
+
+    def test_every_option_is_documented(self):
+        done = report_of("--help")
+        self.assertDone(done)
+        options = set(re.findall(r"^ +(?:-\w, )?(--[a-z][a-z-]*)", done.stdout, re.MULTILINE))
+        self.assertGreater(len(options), 20)
+        text = "\n".join(read(path) for path in pages() if path.parent in
+                         (PROJECT, PROJECT / "doc") and path.name != "CHANGELOG.md")
+        documented = set(re.findall(r"(?<![\w-])(--[a-z][a-z-]*)", text))
+        self.assertEqual(sorted(options - documented), [])
+
+    def test_json_keys_are_documented(self):
+        text = read(PROJECT / "doc/output.md")
+        done = report_of("data/boxb.pqr", "--json", "--quiet", "--verify=10", "--spacing", "1",
+                         "--margin", "2", "--region=-100,-100,-100,100,100,100", "--resume",
+                         "--mesh", self.folder / "mesh.ply", "-o", self.folder / "out")
+        self.assertDone(done)
+        keys = keys_of(json.loads(done.stdout))
+        self.assertGreater(len(keys), 60)
+        done = report_of("diff", "--json", self.folder / "out", self.folder / "out")
+        self.assertDone(done)
+        files = [entry for entry in json.loads(done.stdout).values() if isinstance(entry, dict)]
+        self.assertEqual(len(files), 4)
+        keys.update(key for entry in files for key in entry)
+        self.assertEqual(sorted(key for key in keys if f"`{key}`" not in text), [])
+
+    def test_code_in_the_library_page_is_from_examples(self):
+        sources = [lines_of(read(path)) for folder in ("examples", "tests/downstream")
+                   for path in sorted((PROJECT / folder).iterdir()) if path.is_file()]
+        text = read(PROJECT / "doc/library.md")
+        blocks = blocks_of(text, "cpp") + blocks_of(text, "cmake")
+        self.assertGreater(len(blocks), 6)
+        for block in blocks:
+            with self.subTest(code=block):
+                self.assertTrue(any(contains(source, lines_of(block)) for source in sources))
+
+    def test_packages_to_build_are_listed(self):
+        packages, = re.findall(r"^packages=\((.*?)\)", read(PROJECT / "scripts/lib/common.sh"),
+                               re.MULTILINE | re.DOTALL)
+        words = set(read(PROJECT / "doc/development.md").split())
+        self.assertEqual([name for name in packages.split() if name not in words], [])
+
+
+if __name__ == "__main__":
+    unittest.main()
