@@ -62,6 +62,6 @@ def test_ligand_features(tmp_path):
     assert protein_area == pytest.approx(surface.compute(grid).area, rel=0.01)
     buried = {part: sum(float(row["buried_area"]) for row in rows if row["part"] == part)
               for part in ("protein", "ligand")}
-    assert buried["protein"] > 5 and buried["ligand"] > 5
+    assert buried["protein"] > 1 and buried["ligand"] > 1
     # Residues that are far from the ligand lose nothing but rounding of the file.
     assert sum(abs(float(row["buried_area"])) < 1e-3 for row in rows) > len(rows) / 2

@@ -10,15 +10,18 @@ import pytest
 
 import eses
 
-ATTEMPTS = 5
+ATTEMPTS = 2
 
 
 def seconds_to_interrupt(action, delay):
-    """Time from SIGINT to KeyboardInterrupt; None if the action ended before."""
+    """CPU time from SIGINT to KeyboardInterrupt; None if the action ended before.
+
+    On a machine that is idle the CPU time is no less than the time on the clock.
+    """
     sent = []
 
     def send():
-        sent.append(time.monotonic())
+        sent.append(time.process_time())
         os.kill(os.getpid(), signal.SIGINT)
 
     timer = threading.Timer(delay, send)
@@ -26,7 +29,7 @@ def seconds_to_interrupt(action, delay):
     try:
         action()
     except KeyboardInterrupt:
-        return time.monotonic() - sent[0]
+        return time.process_time() - sent[0]
     finally:
         try:
             timer.cancel()
@@ -37,14 +40,9 @@ def seconds_to_interrupt(action, delay):
 
 
 def assert_interrupts(action, delay=0.3):
-    """The machine may be busy with other things: one of a few attempts is quick enough."""
-    times = []
-    for _ in range(ATTEMPTS):
-        times.append(seconds_to_interrupt(action, delay))
-        assert times[-1] is not None, "the action was too quick to be interrupted"
-        if times[-1] < 1:
-            return
-    assert min(times) < 1
+    times = [seconds_to_interrupt(action, delay) for _ in range(ATTEMPTS)]
+    assert None not in times, "the action was too quick to be interrupted"
+    assert max(times) < 1
 
 
 @pytest.fixture(scope="module")
@@ -56,7 +54,7 @@ def large():
 
 @pytest.fixture(scope="module")
 def medium(lattice):
-    return eses.Surface(*lattice(40))
+    return eses.Surface(*lattice(24))
 
 
 @pytest.mark.parametrize("threads", [1, 2])
@@ -76,7 +74,7 @@ def test_compute_with_large_blocks(medium):
 
 
 def test_mesh(medium):
-    result = medium.compute(medium.grid(0.4))
+    result = medium.compute(medium.grid(0.35))
     assert_interrupts(result.mesh, 0.2)
 
 

@@ -127,6 +127,17 @@ std::size_t place_in(const GridRegion& region, const GridIndex& point) {
       ((point[2] - begin[2]) * size[1] + point[1] - begin[1]) * size[0] + point[0] - begin[0]);
 }
 
+// Makes so many bytes 0. Gigabytes take seconds, so that `check` is called meanwhile.
+void clear_points(std::size_t points, const CheckCallback& check,
+                  std::vector<std::uint8_t>& inside) {
+  constexpr std::size_t points_between_checks = std::size_t{1} << 26;
+  inside.reserve(points);
+  while (inside.size() < points) {
+    inside.resize(std::min(points, inside.size() + points_between_checks));
+    check();
+  }
+}
+
 // `inside` has a byte for each point of `region`, which contains the points that the block owns.
 void mark_owned_points(const detail::SolvedBlock& solved, const GridRegion& region,
                        std::span<std::uint8_t> inside) {
@@ -186,17 +197,20 @@ Result ResultBuilder::compute(const eses::Surface& surface, const Grid& grid,
   result.grid_ = grid;
   result.region_ = run.plan.tiling.region;
   result.parts_ = parts;
-  if (has_inside) result.inside_.assign(static_cast<std::size_t>(result.region_.point_count()), 0);
+  const std::int64_t blocks = run.plan.tiling.block_count();
+  const auto tell = [&](std::int64_t done) {
+    if (options.progress) options.progress(done, blocks);
+  };
+  if (has_inside)
+    clear_points(
+        static_cast<std::size_t>(result.region_.point_count()), [&] { tell(0); }, result.inside_);
   Callbacks callbacks = callbacks_of(options);
   callbacks.block = [&](const SolvedBlock& solved) {
     if (has_inside) mark_owned_points(solved, result.region_, result.inside_);
     if (has_crossings) append_crossings(grid, solved, result.crossings_);
   };
   result.summary_ = solve(surface, run.plan, callbacks);
-  const std::int64_t blocks = run.plan.tiling.block_count();
-  const CheckCallback check = [&] {
-    if (options.progress) options.progress(blocks, blocks);
-  };
+  const CheckCallback check = [&] { tell(blocks); };
   sort_crossings(result.crossings_, check);
   if (parts.mesh) {
     result.mesh_ = make_mesh(grid, result.region_, result.inside_, result.crossings_, check);

@@ -65,11 +65,11 @@ std::string identity_of(const RunTask& task, const RunPlan& run, std::uint64_t h
   return fmt::format(
       "eses-blocks {} format {} {} {}\natoms {} {:016x}\nprobe {:a} spacing {:a} margin {:a}\n"
       "origin {:a} {:a} {:a} size {}\npoints {} {}\ngrid {} edges {} gzip {} map {} mesh {}\n",
-      version, checkpoint_format, sizeof(ChunkInfo), task.outputs.gzip ? zlibVersion() : "", run.atoms,
-      hash, p.probe_radius, p.spacing, p.margin, grid.origin.x, grid.origin.y, grid.origin.z,
-      fmt::join(grid.size, " "), fmt::join(region.begin, " "), fmt::join(region.end, " "),
-      task.outputs.grid, task.outputs.edges, task.outputs.gzip, !task.outputs.inside_map.empty(),
-      mesh_identity(task.outputs.mesh));
+      version, checkpoint_format, sizeof(ChunkInfo), task.outputs.gzip ? zlibVersion() : "",
+      run.atoms, hash, p.probe_radius, p.spacing, p.margin, grid.origin.x, grid.origin.y,
+      grid.origin.z, fmt::join(grid.size, " "), fmt::join(region.begin, " "),
+      fmt::join(region.end, " "), task.outputs.grid, task.outputs.edges, task.outputs.gzip,
+      !task.outputs.inside_map.empty(), mesh_identity(task.outputs.mesh));
 }
 
 bool names_groups(const Outputs& outputs) {

@@ -46,9 +46,9 @@ std::int64_t index_in(const LineReader& lines, std::string_view& fields, std::st
                       std::int64_t min) {
   const double value = number_in(lines, fields, what);
   if (value != std::floor(value) || value < static_cast<double>(min) ||
-      value > static_cast<double>(most_grid_points))
+      value > static_cast<double>(max_grid_points))
     lines.fail(fmt::format("{}: expected a whole number from {} to {}, found {}", what, min,
-                           most_grid_points, value));
+                           max_grid_points, value));
   return static_cast<std::int64_t>(value);
 }
 
@@ -144,7 +144,7 @@ Grid read_vti(const std::filesystem::path& path) {
   grid.origin = vector_in(lines, origin, "Origin");
   grid.spacing = common_spacing(lines, vector_in(lines, spacing, "Spacing"));
   for (std::size_t axis = 0; axis < 3; ++axis) {
-    const std::int64_t first = index_in(lines, extent, "WholeExtent", -most_grid_points);
+    const std::int64_t first = index_in(lines, extent, "WholeExtent", -max_grid_points);
     const std::int64_t last = index_in(lines, extent, "WholeExtent", first);
     grid.origin[axis] = grid.coordinate(axis, first);
     grid.size[axis] = last - first + 1;
