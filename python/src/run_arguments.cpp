@@ -2,6 +2,8 @@
 
 #include <string>
 
+#include "threads.hpp"
+
 namespace eses::python {
 namespace {
 
@@ -21,7 +23,7 @@ RunOptions make_options(const Grid& grid, const RunArguments& arguments) {
                           ", or 0 for a choice that fits, not " + std::to_string(block_size));
   if (blocks && region) throw py::value_error("blocks and region cannot both be given");
   RunOptions options;
-  options.threads = threads;
+  options.threads = usable_threads(threads);
   options.block_size = block_size;
   options.max_memory = max_memory;
   if (region) options.region = as_region(*region);

@@ -14,6 +14,7 @@
 #include "block_stream.hpp"
 #include "interrupts.hpp"
 #include "run_arguments.hpp"
+#include "threads.hpp"
 
 namespace eses::python {
 namespace {
@@ -173,7 +174,7 @@ Surface make_surface(const py::object& centers, const py::object& radii, double 
   const py::gil_scoped_release unlocked;
   Interrupts interrupts;
   return Surface(std::move(atoms), {.probe_radius = probe_radius,
-                                    .threads = threads,
+                                    .threads = usable_threads(threads),
                                     .check = [&interrupts] { interrupts.check(); }});
 }
 

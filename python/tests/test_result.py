@@ -1,6 +1,8 @@
 """Results in memory: mathematics, and equality with the files of the program."""
 
 import concurrent.futures
+import subprocess
+import sys
 import threading
 
 import numpy as np
@@ -172,6 +174,26 @@ def test_other_threads_run_during_a_computation(lattice):
     ended.set()
     counter.join()
     assert during >= 5
+
+
+def test_forked_processes_compute():
+    # In a process of its own: the threads of the tests must not take part.
+    code = """
+import multiprocessing
+import eses
+surface = eses.Surface([[0, 0, 0], [2, 0, 0]], [1.5, 1.7])
+grid = surface.grid(0.2)
+expected = surface.compute(grid, threads=2).area
+
+def area_of(threads):
+    return surface.compute(grid, threads=threads).area
+
+with multiprocessing.get_context("fork").Pool(2) as pool:
+    print(pool.map(area_of, [0, 1, 2, 5]) == 4 * [expected])
+"""
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True,
+                          check=False, timeout=300)
+    assert (done.stdout, done.stderr) == ("True\n", "")
 
 
 def test_region(ubiquitin_surface):
