@@ -1,5 +1,6 @@
 # `cpack` makes Debian packages of what is installed, see scripts/dev/package: `eses-blocks`, the
-# program, and `libeses-dev`, the library with its headers and CMake package.
+# program, `libeses-dev`, the library with its headers and CMake package, and, with
+# ESES_BUILD_PYTHON, `python3-eses-blocks`.
 
 set(CPACK_GENERATOR DEB)
 set(CPACK_PACKAGE_NAME eses-blocks)
@@ -8,6 +9,9 @@ set(CPACK_PACKAGE_DESCRIPTION_SUMMARY "")  # each has its own
 set(CPACK_PACKAGE_CONTACT "The eses-blocks authors <eses-blocks@example.org>")
 set(CPACK_STRIP_FILES ON)
 set(CPACK_COMPONENTS_ALL program development)
+if(ESES_BUILD_PYTHON)
+  list(APPEND CPACK_COMPONENTS_ALL python)
+endif()
 set(CPACK_COMPONENTS_GROUPING IGNORE)
 set(CPACK_DEB_COMPONENT_INSTALL ON)
 set(CPACK_DEBIAN_FILE_NAME DEB-DEFAULT)
@@ -39,4 +43,24 @@ The library of eses-blocks, with its C++20 headers and a CMake package.
 It hands out the analytical solvent excluded surface of a molecule block
 by block of a grid: inside points, crossings of grid lines with normals
 and adjacent atoms, areas.")
+
+# The module is of one version of Python, as its name tells.
+if(ESES_BUILD_PYTHON)
+  string(REPLACE "." ";" python_version ${ESES_PYTHON_VERSION})
+  list(GET python_version 0 python_major)
+  list(GET python_version 1 python_minor)
+  math(EXPR next_python_minor "${python_minor} + 1")
+  set(CPACK_DEBIAN_PYTHON_PACKAGE_NAME python3-eses-blocks)
+  set(CPACK_DEBIAN_PYTHON_PACKAGE_SECTION python)
+  set(CPACK_DEBIAN_PYTHON_PACKAGE_SHLIBDEPS ON)
+  set(CPACK_DEBIAN_PYTHON_PACKAGE_DEPENDS
+      "python3 (>= ${ESES_PYTHON_VERSION}), python3 (<< ${python_major}.${next_python_minor}), python3-numpy")
+  set(CPACK_DEBIAN_PYTHON_PACKAGE_SUGGESTS "eses-blocks, python3-mdanalysis")
+  set(CPACK_DEBIAN_PYTHON_DESCRIPTION
+"solvent excluded surface on a grid: Python package
+The library of eses-blocks as the Python package eses. It computes the
+analytical solvent excluded surface of a molecule on a Cartesian grid
+and returns numpy arrays: inside points, crossings of grid lines with
+normals and adjacent atoms, areas of atoms, meshes.")
+endif()
 include(CPack)

@@ -4,6 +4,9 @@
 set(project ${CMAKE_CURRENT_LIST_DIR}/..)
 # Whose headers are compiled into the program and the library.
 set(used_packages libcli11-dev libfmt-dev libhwy-dev libnanoflann-dev nlohmann-json3-dev gemmi-dev tao-pegtl-dev)
+if("python" IN_LIST CPACK_COMPONENTS_ALL)
+  list(APPEND used_packages pybind11-dev)
+endif()
 
 function(compress file)
   execute_process(COMMAND gzip --best --no-name ${file} COMMAND_ERROR_IS_FATAL ANY)

@@ -13,8 +13,8 @@
 /// - if a number of RunOptions is out of its range,
 /// - if the region is empty or not within the grid,
 ///
-/// and Error if memory cannot hold what is needed, or may not. They may be called by several
-/// threads at a time, also for the same Surface.
+/// and MemoryLimitError if memory cannot hold what is needed, or may not. They may be called by
+/// several threads at a time, also for the same Surface.
 
 #include <array>
 #include <cstdint>
@@ -24,6 +24,7 @@
 #include <span>
 #include <vector>
 
+#include "eses/check.hpp"
 #include "eses/crossing.hpp"
 #include "eses/grid.hpp"
 #include "eses/outputs.hpp"
@@ -92,6 +93,9 @@ class Result {
   /// x), then axis. Empty if ResultParts::crossings was not chosen.
   std::span<const Crossing> crossings() const { return crossings_; }
 
+  /// The parts of the result.
+  const ResultParts& parts() const { return parts_; }
+
   /// The mesh in the cells of the grid that have all their corners in the region, with the
   /// crossings of edges that have both ends in the region as vertices. None if ResultParts::mesh
   /// was not chosen.
@@ -103,6 +107,7 @@ class Result {
   Summary summary_;
   Grid grid_;
   GridRegion region_;
+  ResultParts parts_;
   std::vector<std::uint8_t> inside_;
   std::vector<Crossing> crossings_;
   std::optional<Mesh> mesh_;
@@ -112,6 +117,11 @@ class Result {
 /// compute.hpp, VerificationError if RunOptions::verify finds faults, and what a callback throws.
 Result compute(const Surface& surface, const Grid& grid, const RunOptions& options = {},
                const ResultParts& parts = {});
+
+/// Makes the mesh of a result, the same that compute makes with ResultParts::mesh. Throws
+/// std::invalid_argument if the result has no inside points or no crossings because ResultParts
+/// left them out, and what `check` throws, which is called for every plane of the region.
+Mesh make_mesh(const Result& result, const CheckCallback& check = {});
 
 /// A part of the grid that has been solved. It is a view that is valid during the call that gets
 /// it.
@@ -127,6 +137,9 @@ class Block {
   /// Returns whether a point, given by its indices in the grid, is inside the surface. Throws
   /// std::invalid_argument if the point is not in `points()`.
   bool is_inside(const GridIndex& point) const;
+
+  /// One byte for each point of `owned()`, in the order of Result::inside.
+  std::vector<std::uint8_t> owned_inside() const;
 
   /// The crossings of all edges whose lower ends the block owns, by lower end (z, then y, then x),
   /// then axis.

@@ -7,6 +7,7 @@
 
 #include <stdexcept>
 #include <string>
+#include <system_error>
 #include <utility>
 
 #include "eses/summary.hpp"
@@ -18,6 +19,29 @@ namespace eses {
 class Error : public std::runtime_error {
  public:
   using std::runtime_error::runtime_error;
+};
+
+/// A file or directory that the operating system refuses to open, read or write.
+class FileError : public Error {
+ public:
+  /// An error whose message is `failure`, which names the file, and the operating system's reason.
+  FileError(const std::string& failure, std::error_code code)
+      : Error(failure + ": " + code.message()), code_(code) {}
+  /// The same for a value of errno.
+  FileError(const std::string& failure, int code)
+      : FileError(failure, std::error_code(code, std::generic_category())) {}
+
+  /// The operating system's reason.
+  const std::error_code& code() const { return code_; }
+
+ private:
+  std::error_code code_;
+};
+
+/// The memory that is available, or that the caller allows, does not suffice.
+class MemoryLimitError : public Error {
+ public:
+  using Error::Error;
 };
 
 /// The verification of a result has found faults. No file has been written.

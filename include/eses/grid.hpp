@@ -77,9 +77,14 @@ struct GridOptions {
 /// be more than 2e9 points along an axis or 1e17 in all.
 Grid make_grid(const Surface& surface, const GridOptions& options = {});
 
+/// Throws std::invalid_argument if a grid is not valid: if it has fewer than one or more than 2e9
+/// points along an axis, more than 1e17 points, a spacing that is not positive, or bounds that are
+/// not finite.
+void validate(const Grid& grid);
+
 /// Returns a grid around a point: `center` is midway between the lowest and the highest point along
-/// each axis. `center` and `spacing` are in angstrom. The result is valid if it is accepted as
-/// described in compute.hpp; this function checks nothing.
+/// each axis. `center` and `spacing` are in angstrom. This function checks
+/// nothing; see validate.
 Grid centered_grid(Vec3 center, double spacing, const GridIndex& size);
 
 /// Reads the grid of a file: an OpenDX map (`.dx`, as APBS writes it), VTK image data (`.vti`) or
@@ -94,5 +99,11 @@ Grid read_grid(const std::filesystem::path& path);
 /// Returns the points in the closed box between two corners, in angstrom. Throws
 /// std::invalid_argument if there are none, or if a coordinate is not finite.
 GridRegion points_in_box(const Grid& grid, Vec3 low, Vec3 high);
+
+/// Returns the points that a range of blocks owns: those with begin <= index < end along every
+/// axis, if the whole grid is cut into blocks with `block_size` points on a side, of which
+/// neighbours share their faces. Throws std::invalid_argument if the block size is not 2 to 4096,
+/// or if there are no such blocks.
+GridRegion points_of_blocks(const Grid& grid, std::int64_t block_size, const GridRegion& blocks);
 
 }  // namespace eses

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "eses/atoms.hpp"
+#include "eses/check.hpp"
 
 namespace eses {
 
@@ -120,14 +121,18 @@ struct ReadOptions {
   /// Bytes that the process may hold resident while it reads; 0 for no limit. A few MiB are allowed
   /// in any case.
   std::uint64_t max_memory = 0;
-  /// What is read of a PDB or mmCIF file. Of other formats only the model of a PQR file is used.
+  /// Selection and radii of the atoms of a PDB or mmCIF file. Only the model applies to a PQR file.
   StructureOptions structure = {};
+  /// Called while the file is read, at least once for each piece of it.
+  CheckCallback check = {};
 };
 
 /// Reads the atoms of a file, which may be gzipped; `-` is standard input. Throws Error, which
 /// names file, line and field, if the file cannot be read, holds no atom, has a field that is
 /// missing, not a finite number or a negative radius, is of a format that is not read, takes more
-/// memory than allowed, or has atoms for which there is no radius.
+/// memory than allowed, or has atoms for which there is no radius. The Error is a FileError if the
+/// operating system refuses to open or read the file, and a MemoryLimitError if the memory does not
+/// suffice.
 AtomFile read_atoms(const std::filesystem::path& path, const ReadOptions& options = {});
 
 /// Reads the atoms of a text in memory, with labels. `name` is the name of the text in messages;

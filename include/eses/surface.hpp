@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "eses/atoms.hpp"
+#include "eses/check.hpp"
 #include "eses/diagnostics.hpp"
 
 namespace eses {
@@ -31,6 +32,8 @@ struct SurfaceOptions {
   /// Number of threads that index the atoms; 0 for all that the process may use. The result does
   /// not depend on it.
   int threads = 1;
+  /// Called while the atoms are indexed, at least once.
+  CheckCallback check = {};
 };
 
 /// The solvent excluded surface of atoms for a spherical probe: the boundary of the space that no

@@ -9,6 +9,10 @@ cd "$(dirname "${BASH_SOURCE[0]}")/../.."
 packages=(g++ cmake make pkg-config libcli11-dev nlohmann-json3-dev libnanoflann-dev libfmt-dev
   libhwy-dev zlib1g-dev catch2 gemmi-dev tao-pegtl-dev)
 
+# What python/CMakeLists.txt and the tests of the Python package look for.
+# shellcheck disable=SC2034  # used by the scripts that source this file
+python_packages=(pybind11-dev python3-dev python3-numpy python3-pytest python3-venv)
+
 # Every core, unless the caller has said otherwise.
 CMAKE_BUILD_PARALLEL_LEVEL=${CMAKE_BUILD_PARALLEL_LEVEL:-$(nproc)}
 CTEST_PARALLEL_LEVEL=${CTEST_PARALLEL_LEVEL:-$(nproc)}

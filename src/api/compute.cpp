@@ -129,6 +129,28 @@ std::size_t place_in(const GridRegion& region, const GridIndex& point) {
       ((point[2] - begin[2]) * size[1] + point[1] - begin[1]) * size[0] + point[0] - begin[0]);
 }
 
+// Makes so many bytes 0. Gigabytes take seconds, so that `check` is called meanwhile.
+void clear_points(std::size_t points, const CheckCallback& check,
+                  std::vector<std::uint8_t>& inside) {
+  constexpr std::size_t points_between_checks = std::size_t{1} << 26;
+  inside.reserve(points);
+  while (inside.size() < points) {
+    inside.resize(std::min(points, inside.size() + points_between_checks));
+    check();
+  }
+}
+
+// `inside` has a byte for each point of `region`, which contains the points that the block owns.
+void mark_owned_points(const detail::SolvedBlock& solved, const GridRegion& region,
+                       std::span<std::uint8_t> inside) {
+  const auto& [first, points, owned] = solved.block();
+  for (std::int64_t z = first[2]; z < first[2] + owned[2]; ++z)
+    for (std::int64_t y = first[1]; y < first[1] + owned[1]; ++y)
+      solved.mark_inside(
+          y, z,
+          inside.subspan(place_in(region, {first[0], y, z}), static_cast<std::size_t>(owned[0])));
+}
+
 void append_crossings(const Grid& grid, const detail::SolvedBlock& solved,
                       std::vector<Crossing>& crossings) {
   if (solved.crossings().empty()) return;
@@ -139,13 +161,20 @@ void append_crossings(const Grid& grid, const detail::SolvedBlock& solved,
         crossings.push_back(detail::to_crossing(grid, {first[0], y, z}, found));
 }
 
+// This number of comparisons takes a few milliseconds.
+constexpr std::uint32_t comparisons_between_checks = 1 << 17;
+
 // Sorts crossings by lower end (z, y, x) and then by axis. Each edge has at most one crossing.
-void sort_crossings(std::vector<Crossing>& crossings) {
+// Calls `check` from time to time, as millions of crossings take seconds.
+void sort_crossings(std::vector<Crossing>& crossings, const CheckCallback& check) {
   const auto key = [](const Crossing& crossing) {
     return std::tuple(crossing.lower[2], crossing.lower[1], crossing.lower[0], crossing.axis);
   };
-  std::sort(crossings.begin(), crossings.end(),
-            [&](const Crossing& a, const Crossing& b) { return key(a) < key(b); });
+  std::uint32_t comparisons = 0;
+  std::sort(crossings.begin(), crossings.end(), [&](const Crossing& a, const Crossing& b) {
+    if (++comparisons % comparisons_between_checks == 0) check();
+    return key(a) < key(b);
+  });
 }
 
 }  // namespace
@@ -160,20 +189,7 @@ struct ResultBuilder {
 
   static Result compute(const eses::Surface& surface, const Grid& grid, const RunOptions& options,
                         const ResultParts& parts);
-
- private:
-  static void mark_inside(const SolvedBlock& solved, Result& result);
 };
-
-void ResultBuilder::mark_inside(const SolvedBlock& solved, Result& result) {
-  const auto& [first, points, owned] = solved.block();
-  for (std::int64_t z = first[2]; z < first[2] + owned[2]; ++z)
-    for (std::int64_t y = first[1]; y < first[1] + owned[1]; ++y)
-      solved.mark_inside(y, z,
-                         std::span(result.inside_)
-                             .subspan(place_in(result.region_, {first[0], y, z}),
-                                      static_cast<std::size_t>(owned[0])));
-}
 
 Result ResultBuilder::compute(const eses::Surface& surface, const Grid& grid,
                               const RunOptions& options, const ResultParts& parts) {
@@ -182,16 +198,24 @@ Result ResultBuilder::compute(const eses::Surface& surface, const Grid& grid,
   Result result;
   result.grid_ = grid;
   result.region_ = run.plan.tiling.region;
-  if (has_inside) result.inside_.assign(static_cast<std::size_t>(result.region_.point_count()), 0);
+  result.parts_ = parts;
+  const std::int64_t blocks = run.plan.tiling.block_count();
+  const auto tell = [&](std::int64_t done) {
+    if (options.progress) options.progress(done, blocks);
+  };
+  if (has_inside)
+    clear_points(
+        static_cast<std::size_t>(result.region_.point_count()), [&] { tell(0); }, result.inside_);
   Callbacks callbacks = callbacks_of(options);
   callbacks.block = [&](const SolvedBlock& solved) {
-    if (has_inside) mark_inside(solved, result);
+    if (has_inside) mark_owned_points(solved, result.region_, result.inside_);
     if (has_crossings) append_crossings(grid, solved, result.crossings_);
   };
   result.summary_ = solve(surface, run.plan, callbacks);
-  sort_crossings(result.crossings_);
+  const CheckCallback check = [&] { tell(blocks); };
+  sort_crossings(result.crossings_, check);
   if (parts.mesh) {
-    result.mesh_ = make_mesh(grid, result.region_, result.inside_, result.crossings_);
+    result.mesh_ = make_mesh(grid, result.region_, result.inside_, result.crossings_, check);
     result.summary_.mesh = {result.mesh_->vertices.size(), result.mesh_->faces.size()};
   }
   if (!parts.inside) result.inside_ = {};
@@ -203,7 +227,7 @@ Result ResultBuilder::compute(const eses::Surface& surface, const Grid& grid,
 
 bool Result::is_inside(const GridIndex& point) const {
   if (!region_.contains(point)) throw point_error(point, region_);
-  if (inside_.empty()) throw std::invalid_argument("ResultParts::inside was not chosen");
+  if (!parts_.inside) throw std::invalid_argument("ResultParts::inside was not chosen");
   return inside_[place_in(region_, point)] != 0;
 }
 
@@ -218,11 +242,25 @@ bool Block::is_inside(const GridIndex& point) const {
   return solved_->is_inside(point);
 }
 
+std::vector<std::uint8_t> Block::owned_inside() const {
+  std::vector<std::uint8_t> inside(static_cast<std::size_t>(owned_.point_count()));
+  mark_owned_points(*solved_, owned_, inside);
+  return inside;
+}
+
 double Block::seconds() const { return solved_->seconds(); }
 
 Result compute(const Surface& surface, const Grid& grid, const RunOptions& options,
                const ResultParts& parts) {
   return detail::ResultBuilder::compute(surface, grid, options, parts);
+}
+
+Mesh make_mesh(const Result& result, const CheckCallback& check) {
+  if (!result.parts().inside || !result.parts().crossings)
+    throw std::invalid_argument(
+        "a mesh needs ResultParts::inside and ResultParts::crossings, which were not both chosen");
+  return detail::make_mesh(result.grid(), result.region(), result.inside(), result.crossings(),
+                           check);
 }
 
 Summary for_each_block(const Surface& surface, const Grid& grid, const BlockCallback& callback,

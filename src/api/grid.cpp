@@ -3,6 +3,7 @@
 #include "api/arguments.hpp"
 #include "eses/surface.hpp"
 #include "grid/make_grid.hpp"
+#include "grid/tiling.hpp"
 #include "plan/plan.hpp"
 
 namespace eses {
@@ -14,10 +15,21 @@ Grid make_grid(const Surface& surface, const GridOptions& options) {
   });
 }
 
+void validate(const Grid& grid) {
+  detail::check_arguments([&] { detail::require_valid(grid); });
+}
+
 GridRegion points_in_box(const Grid& grid, Vec3 low, Vec3 high) {
   return detail::check_arguments([&] {
     detail::require_valid(grid);
     return detail::points_between(grid, low, high);
+  });
+}
+
+GridRegion points_of_blocks(const Grid& grid, std::int64_t block_size, const GridRegion& blocks) {
+  return detail::check_arguments([&] {
+    detail::require_valid(grid);
+    return detail::make_tiling(grid, block_size).points_of_blocks(blocks);
   });
 }
 

@@ -70,12 +70,14 @@ class RowMaker {
 }  // namespace
 
 Mesh make_mesh(const eses::Grid& grid, const GridRegion& region,
-               std::span<const std::uint8_t> inside, std::span<const eses::Crossing> crossings) {
+               std::span<const std::uint8_t> inside, std::span<const eses::Crossing> crossings,
+               const CheckCallback& check) {
   Mesh mesh;
   RowMaker rows(grid, region, inside, crossings, mesh);
   const auto rows_of_plane = static_cast<std::size_t>(region.size()[1]);
   std::vector<mesh::Row> below(rows_of_plane), plane(rows_of_plane);
   for (std::int64_t z = region.begin[2]; z < region.end[2]; ++z) {
+    if (check) check();
     for (std::size_t y = 0; y < rows_of_plane; ++y)
       rows.make(region.begin[1] + static_cast<std::int64_t>(y), z, plane[y]);
     for (std::size_t y = 1; z > region.begin[2] && y < rows_of_plane; ++y)

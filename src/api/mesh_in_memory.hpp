@@ -4,13 +4,15 @@
 #include <cstdint>
 #include <span>
 
+#include "eses/check.hpp"
 #include "eses/compute.hpp"
 
 namespace eses::detail {
 
 /// Returns the mesh of the cells that have all their corners in a region. `inside` and `crossings`
-/// are those of Result.
+/// are those of Result. `check` is called for every plane, if it is not empty.
 Mesh make_mesh(const eses::Grid& grid, const GridRegion& region,
-               std::span<const std::uint8_t> inside, std::span<const eses::Crossing> crossings);
+               std::span<const std::uint8_t> inside, std::span<const eses::Crossing> crossings,
+               const CheckCallback& check);
 
 }  // namespace eses::detail

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <exception>
 #include <limits>
 #include <utility>
 
@@ -18,14 +19,29 @@ constexpr std::size_t max_atoms = std::numeric_limits<AtomIndex>::max() - std::s
 std::shared_ptr<const detail::Molecule> make_molecule(std::vector<Atom> atoms,
                                                       std::vector<AtomLabel> labels,
                                                       const SurfaceOptions& options) {
-  return detail::check_arguments([&] {
-    if (atoms.empty()) throw Error("a surface needs at least one atom");
-    if (atoms.size() > max_atoms)
-      throw Error(fmt::format("{} atoms are too many; the limit is {}", atoms.size(), max_atoms));
-    detail::require_valid(detail::Parameters{.probe_radius = options.probe_radius});
-    return std::make_shared<const detail::Molecule>(std::move(atoms), std::move(labels),
-                                                    options.threads);
-  });
+  // An exception of the callback is not one of the arguments.
+  std::exception_ptr failure;
+  const CheckCallback check = [&] {
+    try {
+      if (options.check) options.check();
+    } catch (...) {
+      failure = std::current_exception();
+      throw;
+    }
+  };
+  try {
+    return detail::check_arguments([&] {
+      if (atoms.empty()) throw Error("a surface needs at least one atom");
+      if (atoms.size() > max_atoms)
+        throw Error(fmt::format("{} atoms are too many; the limit is {}", atoms.size(), max_atoms));
+      detail::require_valid(detail::Parameters{.probe_radius = options.probe_radius});
+      return std::make_shared<const detail::Molecule>(std::move(atoms), std::move(labels),
+                                                      options.threads, check);
+    });
+  } catch (...) {
+    if (failure) std::rethrow_exception(failure);
+    throw;
+  }
 }
 
 }  // namespace

@@ -27,7 +27,7 @@ namespace eses::detail {
 namespace {
 
 // Version of checkpoints. Must increase with each change of the results or of the format of chunks.
-constexpr int checkpoint_format = 3;
+constexpr int checkpoint_format = 4;
 
 // Returns a hash of all atoms. It does not depend on the division of the atoms among the processes.
 std::uint64_t hash_of(const AtomShare& share, const Processes& processes) {

@@ -480,7 +480,7 @@ std::size_t estimate_atoms(std::string_view text) {
 // ----------------------------------------------------------------------------------------- files
 
 [[noreturn]] void fail_for_memory(std::string_view name) {
-  throw Error(fmt::format("cannot read {}: out of memory", name));
+  throw MemoryLimitError(fmt::format("cannot read {}: out of memory", name));
 }
 
 /// Calls `take` for pieces of a text, each of whole lines except for a line that is too long.

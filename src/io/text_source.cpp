@@ -21,7 +21,7 @@ constexpr std::size_t buffer_bytes = std::size_t{1} << 16;
 
 [[noreturn]] void fail_with_system_error(std::string_view action, std::string_view name, int code) {
   if (code == ENOMEM) throw std::bad_alloc();
-  throw Error(fmt::format("cannot {} {}: {}", action, name, std::generic_category().message(code)));
+  throw FileError(fmt::format("cannot {} {}", action, name), code);
 }
 
 }  // namespace

@@ -24,14 +24,18 @@ constexpr std::string_view temporary_suffix = ".part";
   throw Error(fmt::format("cannot write into {}: {}", directory.string(), reason));
 }
 
+[[noreturn]] void refuse(const std::filesystem::path& directory, std::error_code error) {
+  throw FileError(fmt::format("cannot write into {}", directory.string()), error);
+}
+
 [[noreturn]] void refuse(const std::filesystem::path& directory, int error) {
-  refuse(directory, std::generic_category().message(error));
+  refuse(directory, std::error_code(error, std::generic_category()));
 }
 
 FileDescriptor open_directory(const std::filesystem::path& path) {
   std::error_code error;
   std::filesystem::create_directories(path, error);
-  if (error) refuse(path, error.message());
+  if (error) refuse(path, error);
   FileDescriptor directory(open(path.c_str(), O_PATH | O_DIRECTORY | O_CLOEXEC));
   if (!directory.is_open()) refuse(path, errno);
   return directory;
@@ -135,8 +139,7 @@ void OutputDirectory::remove_abandoned(
 
 void OutputDirectory::remove(const std::string& name) const {
   if (unlinkat(descriptor(), name.c_str(), 0) == 0 || errno == ENOENT) return;
-  throw Error(fmt::format("cannot replace {}: {}", path_in(path_, name),
-                          std::generic_category().message(errno)));
+  throw FileError(fmt::format("cannot replace {}", path_in(path_, name)), errno);
 }
 
 }  // namespace eses::detail

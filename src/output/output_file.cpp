@@ -48,8 +48,7 @@ OutputFile::~OutputFile() {
 }
 
 void OutputFile::fail(const char* action, int error) const {
-  throw Error(
-      fmt::format("cannot {} {}: {}", action, path(), std::generic_category().message(error)));
+  throw FileError(fmt::format("cannot {} {}", action, path()), error);
 }
 
 void OutputFile::write_at(std::span<const char> bytes, std::uint64_t offset) {

@@ -90,8 +90,7 @@ FilePlace end_of_links(const std::filesystem::path& file) {
     if (!target) return place;
     place = place_of(*target);
   }
-  throw Error(
-      fmt::format("cannot write {}: {}", file.string(), std::generic_category().message(ELOOP)));
+  throw FileError(fmt::format("cannot write {}", file.string()), ELOOP);
 }
 
 // The places of all files of a mesh.
@@ -140,9 +139,7 @@ void require_writable(const std::filesystem::path& directory) {
   if (error == 0 && !S_ISDIR(status.st_mode)) error = ENOTDIR;
   if (error == 0 && faccessat(AT_FDCWD, existing.c_str(), W_OK | X_OK, AT_EACCESS) != 0)
     error = errno;
-  if (error != 0)
-    throw Error(fmt::format("cannot write into {}: {}", directory.string(),
-                            std::generic_category().message(error)));
+  if (error != 0) throw FileError(fmt::format("cannot write into {}", directory.string()), error);
 }
 
 // A missing directory is created, but not one to which only a symbolic link leads: it may have been

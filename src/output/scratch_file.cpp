@@ -16,14 +16,14 @@ namespace eses::detail {
 namespace {
 
 [[noreturn]] void fail(const char* action, const std::filesystem::path& directory, int error) {
-  throw Error(fmt::format("cannot {} a temporary file in {}: {}", action, directory.string(),
-                          std::generic_category().message(error)));
+  throw FileError(fmt::format("cannot {} a temporary file in {}", action, directory.string()),
+                  error);
 }
 
 std::filesystem::path temporary_directory() {
   std::error_code error;
   std::filesystem::path directory = std::filesystem::temp_directory_path(error);
-  if (error) throw Error(fmt::format("no directory for temporary files: {}", error.message()));
+  if (error) throw FileError("no directory for temporary files", error);
   return directory;
 }
 

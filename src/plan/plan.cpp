@@ -143,7 +143,7 @@ std::string fixed_choices(const Parameters& p) {
 
 [[noreturn]] void refuse_limit(const Parameters& p, double smallest) {
   const double mebibytes = std::ceil(smallest / (1 << 20));
-  throw Error(fmt::format(
+  throw MemoryLimitError(fmt::format(
       "the run needs up to {}{}, more than the {} that it may hold; the smallest limit that would "
       "do is {:.0f} MiB (--max-memory {:.0f}M)",
       binary_bytes_text(whole_bytes(smallest)), fixed_choices(p), binary_bytes_text(p.max_memory),
@@ -155,9 +155,10 @@ std::string fixed_choices(const Parameters& p) {
   std::string advice = "use a larger spacing";
   if (p.block_size > 0) advice += " or a smaller block size";
   if (p.threads > 1) advice += " or fewer threads";
-  throw Error(fmt::format("{:.3g} grid points{} need up to {} of memory, but {} are available; {}",
-                          static_cast<double>(region.point_count()), fixed_choices(p),
-                          bytes_text(whole_bytes(smallest)), bytes_text(available), advice));
+  throw MemoryLimitError(
+      fmt::format("{:.3g} grid points{} need up to {} of memory, but {} are available; {}",
+                  static_cast<double>(region.point_count()), fixed_choices(p),
+                  bytes_text(whole_bytes(smallest)), bytes_text(available), advice));
 }
 
 // A closed mesh has about twice as many triangles as vertices.

@@ -127,6 +127,10 @@ void require_format(std::string_view text, std::string_view name, AtomFormat for
                   report.dropped_waters, report.dropped_hetatm, report.dropped_hydrogens));
 }
 
+void call_check(const ReadOptions& options) {
+  if (options.check) options.check();
+}
+
 AtomFile parse(std::string_view text, std::string_view name, const ReadOptions& options,
                const ReadingLimit& limit, const std::function<void(AtomFile& atoms)>& after_part) {
   require_format(text, name, options.format);
@@ -134,9 +138,11 @@ AtomFile parse(std::string_view text, std::string_view name, const ReadOptions& 
   const StructureOptions& choices = options.structure;
   const RadiiSet radii = radii_set(choices.radii);
   limit.require(expected_bytes(text, options.format));
+  call_check(options);
   SelectedStructure structure = parse_structure(
       {text, name, options.format}, choices, keeps_hydrogens(choices.hydrogens, radii),
       [&limit](std::uint64_t bytes) { limit.require(bytes); });
+  call_check(options);
   // The memory of gemmi is free now, and counts no more.
   release_free_memory();
   if (structure.atoms.empty()) fail_without_atoms(name, structure.report);
@@ -153,9 +159,9 @@ AtomFile read_structure(int descriptor, const std::string& name, const ReadOptio
   try {
     return parse(read_text(descriptor, name, limit), name, options, limit, after_part);
   } catch (const std::bad_alloc&) {
-    throw Error(fmt::format("cannot read {}: out of memory", name));
+    throw MemoryLimitError(fmt::format("cannot read {}: out of memory", name));
   } catch (const std::length_error&) {
-    throw Error(fmt::format("cannot read {}: out of memory", name));
+    throw MemoryLimitError(fmt::format("cannot read {}: out of memory", name));
   }
 }
 
@@ -170,7 +176,12 @@ AtomFile read_input(const std::filesystem::path& path, const ReadOptions& option
                     const std::function<void(AtomFile& atoms)>& after_part) {
   ReadOptions known = options;
   known.format = format_of(path, options.format);
-  if (!is_structure(known.format)) return read_atom_file(path, options, after_part);
+  if (!is_structure(known.format)) {
+    return read_atom_file(path, options, [&](AtomFile& atoms) {
+      call_check(options);
+      if (after_part) after_part(atoms);
+    });
+  }
   if (path == "-") return read_structure(STDIN_FILENO, "<stdin>", known, after_part);
   const std::string name = path.string();
   const FileDescriptor file(open_for_reading(path, name));

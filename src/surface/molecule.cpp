@@ -22,6 +22,7 @@
 #include "surface/cell_list.hpp"
 #include "surface/diagnostic_finder.hpp"
 #include "surface/neighbors.hpp"
+#include "system/serial_check.hpp"
 
 namespace eses::detail {
 namespace {
@@ -92,12 +93,13 @@ void find_first_equal(std::span<const Atom> atoms, std::span<const AtomIndex> me
 // Removes atoms from their slice that have the centre and radius of an earlier atom. Returns for
 // each atom the first one with the same centre and radius.
 std::vector<AtomIndex> remove_duplicates(std::span<const Atom> atoms, AtomSlices& slices,
-                                         int threads) {
+                                         int threads, const CheckCallback& after_slice) {
   std::vector<AtomIndex> first_equal(atoms.size());
   for_each_index(slices.members.size(), threads, [&](std::size_t slice) {
     std::vector<AtomIndex>& members = slices.members[slice];
     find_first_equal(atoms, members, first_equal);
     std::erase_if(members, [&](AtomIndex i) { return first_equal[i] != i; });
+    after_slice();
   });
   return first_equal;
 }
@@ -184,28 +186,34 @@ int useful_threads(std::size_t atoms, int wanted) {
 
 struct Molecule::Parts {
   Parts(std::vector<Atom> all_atoms, std::vector<AtomLabel> all_labels,
-        const std::function<bool(const Atom&)>& is_own, int wanted_threads)
+        const std::function<bool(const Atom&)>& is_own, int wanted_threads,
+        const CheckCallback& check_callback)
       : atoms(std::move(all_atoms)), labels(std::move(all_labels)), is_contained(atoms.size()) {
     require_valid(atoms);
     if (!labels.empty() && labels.size() != atoms.size())
       throw Error(fmt::format("{} labels for {} atoms", labels.size(), atoms.size()));
     const int threads = useful_threads(atoms.size(), wanted_threads);
+    SerialCheck serial_check(check_callback);
+    const CheckCallback check = [&serial_check] { serial_check(); };
+    check();
     AtomSlices slices = cut_into_slices(atoms, slice_count(atoms.size()), threads);
-    const std::vector<AtomIndex> first_equal = remove_duplicates(atoms, slices, threads);
-    tree = AtomTree(atoms, std::move(slices), threads);
+    const std::vector<AtomIndex> first_equal = remove_duplicates(atoms, slices, threads, check);
+    tree = AtomTree(atoms, std::move(slices), threads, check);
     cells.emplace(atoms);
     for (AtomIndex i = 0; i < atoms.size(); ++i) is_contained[i] = first_equal[i] != i;
-    inspect_atoms(first_equal, is_own, threads);
+    inspect_atoms(first_equal, is_own, threads, check);
   }
 
   // Marks contained atoms and finds the diagnostics.
   void inspect_atoms(std::span<const AtomIndex> first_equal,
-                     const std::function<bool(const Atom&)>& is_own, int threads) {
+                     const std::function<bool(const Atom&)>& is_own, int threads,
+                     const CheckCallback& check) {
     DiagnosticFinder finder(atoms, is_own);
     std::vector<DiagnosticTally> tallies(loop_range_count(atoms.size()));
     Containers containers(atoms.size(), none);
     for_loop_ranges(atoms.size(), threads, [&](std::size_t range, AtomIndex begin, AtomIndex end) {
       inspect_range(begin, end, first_equal, containers, finder, tallies[range]);
+      check();
     });
     mark_contained(atoms, tree, containers, is_contained);
     diagnostics = finder.found(tallies);
@@ -242,14 +250,15 @@ struct Molecule::Parts {
 
 Molecule::Molecule(std::vector<Atom> atoms) : Molecule(std::move(atoms), {}) {}
 
-Molecule::Molecule(std::vector<Atom> atoms, std::vector<AtomLabel> labels, int threads)
-    : parts_(std::make_shared<const Parts>(std::move(atoms), std::move(labels), nullptr, threads)) {
-}
+Molecule::Molecule(std::vector<Atom> atoms, std::vector<AtomLabel> labels, int threads,
+                   const CheckCallback& check)
+    : parts_(std::make_shared<const Parts>(std::move(atoms), std::move(labels), nullptr, threads,
+                                           check)) {}
 
 Molecule Molecule::part(std::vector<Atom> atoms, const std::function<bool(const Atom&)>& is_own,
                         int threads) {
-  return Molecule(
-      std::make_shared<const Parts>(std::move(atoms), std::vector<AtomLabel>(), is_own, threads));
+  return Molecule(std::make_shared<const Parts>(std::move(atoms), std::vector<AtomLabel>(), is_own,
+                                                threads, CheckCallback()));
 }
 
 std::span<const Atom> Molecule::atoms() const { return parts_->atoms; }

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "eses/atoms.hpp"
+#include "eses/check.hpp"
 #include "eses/diagnostics.hpp"
 
 namespace eses::detail {
@@ -27,8 +28,10 @@ class Molecule {
   /// Implicit, so that a list of atoms can be passed as a molecule.
   Molecule(std::vector<Atom> atoms);  // NOLINT(google-explicit-constructor)
 
-  /// `labels` must be empty or have one element for each atom; otherwise throws Error.
-  Molecule(std::vector<Atom> atoms, std::vector<AtomLabel> labels, int threads = 1);
+  /// `labels` must be empty or have one element for each atom; otherwise throws Error. `check`, if
+  /// it is not empty, is called from time to time, and at least once.
+  Molecule(std::vector<Atom> atoms, std::vector<AtomLabel> labels, int threads = 1,
+           const CheckCallback& check = {});
 
   /// Makes a part of a larger molecule. Diagnostics are reported for the atoms that `is_own`
   /// accepts; the other atoms are their surroundings. All threads call `is_own`.

@@ -155,13 +155,15 @@ struct AtomTree::Implementation {
   AtomSlices slices;
   ClassTrees trees;
 
-  Implementation(std::span<const Atom> atoms, AtomSlices atom_slices, int threads)
+  Implementation(std::span<const Atom> atoms, AtomSlices atom_slices, int threads,
+                 const CheckCallback& after_slice)
       : slices(std::move(atom_slices)) {
     const RadiusClasses class_of(atoms);
     std::vector<ClassTrees> of_slices(slices.members.size());
     for_each_index(of_slices.size(), threads, [&](std::size_t slice) {
       of_slices[slice] =
           make_trees(atoms, class_of, slices.members[slice], extent_of(slices, slice));
+      if (after_slice) after_slice();
     });
     for (ClassTrees& of_slice : of_slices)
       std::move(of_slice.begin(), of_slice.end(), std::back_inserter(trees));
@@ -169,8 +171,10 @@ struct AtomTree::Implementation {
 };
 
 AtomTree::AtomTree() : AtomTree({}, {}, 1) {}
-AtomTree::AtomTree(std::span<const Atom> atoms, AtomSlices slices, int threads)
-    : implementation_(std::make_unique<Implementation>(atoms, std::move(slices), threads)) {}
+AtomTree::AtomTree(std::span<const Atom> atoms, AtomSlices slices, int threads,
+                   const CheckCallback& after_slice)
+    : implementation_(
+          std::make_unique<Implementation>(atoms, std::move(slices), threads, after_slice)) {}
 AtomTree::~AtomTree() = default;
 AtomTree::AtomTree(AtomTree&&) noexcept = default;
 AtomTree& AtomTree::operator=(AtomTree&&) noexcept = default;

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "eses/atoms.hpp"
+#include "eses/check.hpp"
 #include "surface/atom_slices.hpp"
 
 namespace eses::detail {
@@ -23,8 +24,10 @@ class AtomTree {
   /// Makes a tree without atoms.
   AtomTree();
   /// Makes a tree of the atoms that are members of slices, with one thread for each slice. Keeps a
-  /// view of `atoms`, which must outlive the tree.
-  AtomTree(std::span<const Atom> atoms, AtomSlices slices, int threads);
+  /// view of `atoms`, which must outlive the tree. All threads call `after_slice`, if it is not
+  /// empty, for every slice.
+  AtomTree(std::span<const Atom> atoms, AtomSlices slices, int threads,
+           const CheckCallback& after_slice = {});
   ~AtomTree();
   AtomTree(AtomTree&&) noexcept;
   AtomTree& operator=(AtomTree&&) noexcept;

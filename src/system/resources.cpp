@@ -152,7 +152,7 @@ void require_stack() {
 
 void require_memory_within(std::uint64_t max_memory) {
   if (max_memory > 0 && resident_memory() > max_memory)
-    throw Error(fmt::format(
+    throw MemoryLimitError(fmt::format(
         "the run needs more than the {} that it may hold, and was expected to need; use "
         "a larger limit",
         binary_bytes_text(max_memory)));

@@ -1,0 +1,46 @@
+"""Solvent excluded surface of molecules on Cartesian grids.
+
+Lengths are in angstrom, areas in square angstrom, volumes in cubic angstrom. Indices start from 0.
+
+Examples
+--------
+>>> import eses
+>>> atoms = eses.read_atoms("1ubq.xyzr")
+>>> surface = eses.Surface(atoms.centers, atoms.radii, probe_radius=1.4)
+>>> grid = surface.grid(spacing=0.5, margin=1.0)
+>>> result = surface.compute(grid)
+>>> result.inside.shape == grid.shape
+True
+"""
+
+from ._core import (
+    Atoms,
+    Block,
+    BlockIterator,
+    Crossings,
+    Diagnostic,
+    Grid,
+    Labels,
+    Mesh,
+    Result,
+    Surface,
+    __version__,
+    read_atoms,
+    read_grid,
+)
+
+__all__ = [
+    "Atoms",
+    "Block",
+    "BlockIterator",
+    "Crossings",
+    "Diagnostic",
+    "Grid",
+    "Labels",
+    "Mesh",
+    "Result",
+    "Surface",
+    "__version__",
+    "read_atoms",
+    "read_grid",
+]

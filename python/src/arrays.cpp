@@ -1,0 +1,69 @@
+#include "arrays.hpp"
+
+#include <string>
+
+namespace eses::python {
+namespace {
+
+std::string shape_text(const py::array& array) {
+  std::string text = "(";
+  for (py::ssize_t axis = 0; axis < array.ndim(); ++axis)
+    text += (axis > 0 ? ", " : "") + std::to_string(array.shape(axis));
+  return text + (array.ndim() == 1 ? ",)" : ")");
+}
+
+py::array_t<double> as_numbers(const py::object& values, const std::string& name) {
+  const auto array = py::module_::import("numpy").attr("asarray")(values).cast<py::array>();
+  // An empty list becomes an array of floats, too.
+  if (const char kind = array.dtype().kind(); kind != 'f' && kind != 'i' && kind != 'u')
+    throw py::type_error(name + " must be an array of real numbers, not of type " +
+                         py::str(array.dtype()).cast<std::string>());
+  auto numbers = py::array_t<double, py::array::forcecast>::ensure(array);
+  if (!numbers) throw py::error_already_set();
+  return py::reinterpret_steal<py::array_t<double>>(numbers.release());
+}
+
+}  // namespace
+
+py::array inside_view(std::span<const std::uint8_t> inside, const GridIndex& size,
+                      py::handle owner) {
+  static_assert(sizeof(bool) == 1);
+  py::array view(py::dtype::of<bool>(), {size[0], size[1], size[2]},
+                 {std::int64_t{1}, size[0], size[0] * size[1]}, inside.data(), owner);
+  view.attr("setflags")(py::arg("write") = false);
+  return view;
+}
+
+std::vector<Atom> make_atoms(const py::object& centers, const py::object& radii) {
+  const py::array_t<double> center_array = as_numbers(centers, "centers");
+  const py::array_t<double> radius_array = as_numbers(radii, "radii");
+  if (center_array.ndim() != 2 || center_array.shape(1) != 3)
+    throw py::value_error("centers must have shape (N, 3), not " + shape_text(center_array));
+  const py::ssize_t count = center_array.shape(0);
+  if (radius_array.ndim() != 1 || radius_array.shape(0) != count)
+    throw py::value_error("radii must have shape (" + std::to_string(count) +
+                          ",), one for each of the centers, not " + shape_text(radius_array));
+  const auto center = center_array.unchecked<2>();
+  const auto radius = radius_array.unchecked<1>();
+  std::vector<Atom> atoms;
+  atoms.reserve(static_cast<std::size_t>(count));
+  for (py::ssize_t i = 0; i < count; ++i)
+    atoms.push_back({{center(i, 0), center(i, 1), center(i, 2)}, radius(i)});
+  return atoms;
+}
+
+py::array centers_view(std::span<const Atom> atoms, py::handle owner) {
+  return field_view(&atoms.data()->center.x, atoms.size(), sizeof(Atom), owner, 3);
+}
+
+py::array radii_view(std::span<const Atom> atoms, py::handle owner) {
+  return field_view(&atoms.data()->radius, atoms.size(), sizeof(Atom), owner);
+}
+
+py::tuple as_tuple(const GridIndex& index) { return py::make_tuple(index[0], index[1], index[2]); }
+
+py::tuple as_tuple(const GridRegion& region) {
+  return py::make_tuple(as_tuple(region.begin), as_tuple(region.end));
+}
+
+}  // namespace eses::python

@@ -1,0 +1,66 @@
+#pragma once
+/// Conversion between numpy arrays and the types of the library.
+
+#include <pybind11/numpy.h>
+#include <pybind11/pybind11.h>
+
+#include <array>
+#include <cstdint>
+#include <eses/eses.hpp>
+#include <span>
+#include <string_view>
+#include <vector>
+
+namespace eses::python {
+
+namespace py = pybind11;
+
+/// Three Python numbers.
+using Triple = std::array<double, 3>;
+
+/// A vector with these components.
+inline Vec3 as_vector(const Triple& values) { return {values[0], values[1], values[2]}; }
+
+/// Two corners of a range of points or blocks: the first one, and one more than the last along each
+/// axis.
+using IndexRange = std::array<GridIndex, 2>;
+
+/// Returns the rows of a field of structs as a read-only array that shares their memory and keeps
+/// `owner` alive. `first` is the field of the first of `count` structs that are `stride` bytes
+/// apart. A field with several values becomes a row of `columns` values.
+template <class Value>
+py::array field_view(const Value* first, std::size_t count, std::size_t stride, py::handle owner,
+                     std::size_t columns = 0) {
+  std::vector<py::ssize_t> shape{static_cast<py::ssize_t>(count)};
+  std::vector<py::ssize_t> strides{static_cast<py::ssize_t>(stride)};
+  if (columns > 0) {
+    shape.push_back(static_cast<py::ssize_t>(columns));
+    strides.push_back(sizeof(Value));
+  }
+  py::array view(py::dtype::of<Value>(), std::move(shape), std::move(strides), first, owner);
+  view.attr("setflags")(py::arg("write") = false);
+  return view;
+}
+
+/// Returns a read-only array (nx, ny, nz) of bool that shares the memory of `inside`, which has a
+/// byte for each point, x fastest. It keeps `owner` alive.
+py::array inside_view(std::span<const std::uint8_t> inside, const GridIndex& size,
+                      py::handle owner);
+
+/// The atoms of arrays of shape (N, 3) and (N,), of any real type and memory layout. Raises
+/// TypeError and ValueError.
+std::vector<Atom> make_atoms(const py::object& centers, const py::object& radii);
+
+/// Centres (N, 3) of atoms as a view that keeps `owner` alive.
+py::array centers_view(std::span<const Atom> atoms, py::handle owner);
+
+/// Radii (N,) of atoms as a view that keeps `owner` alive.
+py::array radii_view(std::span<const Atom> atoms, py::handle owner);
+
+/// A tuple of three integers.
+py::tuple as_tuple(const GridIndex& index);
+
+/// A tuple of the two corners of a region.
+py::tuple as_tuple(const GridRegion& region);
+
+}  // namespace eses::python

@@ -1,0 +1,138 @@
+#include "atoms.hpp"
+
+#include <pybind11/stl/filesystem.h>
+
+#include <eses/eses.hpp>
+#include <filesystem>
+#include <memory>
+#include <string>
+
+#include "arrays.hpp"
+#include "interrupts.hpp"
+#include "read_file.hpp"
+
+namespace eses::python {
+namespace {
+
+constexpr const char* read_atoms_text = R"(read_atoms(path, *, format='auto')
+--
+
+Read the atoms of a file.
+
+Parameters
+----------
+path : str or os.PathLike
+    Name of the file, which may be gzipped.
+format : {'auto', 'xyzr', 'pqr'}, optional
+    Format of the file. With ``auto`` the suffix decides: ``.pqr`` and ``.pqr.gz`` are PQR files,
+    everything else is xyzr, which has one atom a line as ``x y z radius``.
+
+Returns
+-------
+Atoms
+    Centres, radii and names of the atoms.
+
+Raises
+------
+OSError
+    If the file cannot be opened or read.
+ValueError
+    If the text is not one of atoms. The message names the file, the line and the field.
+MemoryError
+    If the atoms do not fit into memory.)";
+
+constexpr const char* atoms_text = R"(Atoms of a file, in its order.
+
+All arrays are read-only. Copy an array to change it.)";
+
+constexpr const char* labels_text = R"(Names of the atoms of a file, as arrays of N strings.
+
+A name that the file does not give is empty.)";
+
+AtomFormat format_named(const std::string& name) {
+  if (name == "auto") return AtomFormat::automatic;
+  if (name == "xyzr") return AtomFormat::xyzr;
+  if (name == "pqr") return AtomFormat::pqr;
+  throw py::value_error("format must be 'auto', 'xyzr' or 'pqr', not '" + name + "'");
+}
+
+std::shared_ptr<AtomFile> read(const std::filesystem::path& path, const std::string& format) {
+  // The library would read standard input, which does not listen to Ctrl-C.
+  if (path == "-") throw py::value_error("path must be the name of a file, not '-'");
+  ReadOptions options;
+  options.format = format_named(format);
+  Interrupts interrupts;
+  options.check = [&interrupts] { interrupts.check(); };
+  return std::make_shared<AtomFile>(read_file_as_value([&] { return read_atoms(path, options); }));
+}
+
+// Labels share the memory of the file.
+struct Labels {
+  std::shared_ptr<const AtomFile> file;
+};
+
+py::object names(const Labels& labels, std::string AtomLabel::*name) {
+  py::list values;
+  for (const AtomLabel& label : labels.file->labels) values.append(py::str(label.*name));
+  return py::module_::import("numpy").attr("array")(values, py::arg("dtype") = "U");
+}
+
+}  // namespace
+
+void bind_atoms(py::module_& module) {
+  py::class_<Labels> labels(module, "Labels", labels_text);
+  labels.attr("__module__") = "eses";
+  labels.def("__len__", [](const Labels& self) { return self.file->labels.size(); })
+      .def_property_readonly(
+          "chain", [](const Labels& self) { return names(self, &AtomLabel::chain); },
+          "(N,) str: chain identifiers, such as A.")
+      .def_property_readonly(
+          "residue", [](const Labels& self) { return names(self, &AtomLabel::residue); },
+          "(N,) str: residue names, such as ALA.")
+      .def_property_readonly(
+          "residue_number",
+          [](const Labels& self) { return names(self, &AtomLabel::residue_number); },
+          "(N,) str: residue numbers with the insertion code, such as 52A.")
+      .def_property_readonly(
+          "atom_name", [](const Labels& self) { return names(self, &AtomLabel::atom_name); },
+          "(N,) str: atom names, such as CA.");
+
+  py::class_<AtomFile, std::shared_ptr<AtomFile>> atoms(module, "Atoms", atoms_text);
+  atoms.attr("__module__") = "eses";
+  atoms.def("__len__", [](const AtomFile& self) { return self.atoms.size(); })
+      .def("__repr__",
+           [](const AtomFile& self) {
+             return "<eses.Atoms: " + std::to_string(self.atoms.size()) + " atoms>";
+           })
+      .def_property_readonly(
+          "centers",
+          [](const py::object& self) {
+            return centers_view(self.cast<const AtomFile&>().atoms, self);
+          },
+          "(N, 3) float64: centres, in angstrom.")
+      .def_property_readonly(
+          "radii",
+          [](const py::object& self) {
+            return radii_view(self.cast<const AtomFile&>().atoms, self);
+          },
+          "(N,) float64: van der Waals radii, in angstrom.")
+      .def_property_readonly(
+          "lines",
+          [](const py::object& self) {
+            const auto& lines = self.cast<const AtomFile&>().lines;
+            return field_view(lines.data(), lines.size(), sizeof(lines[0]), self);
+          },
+          "(N,) uint64: line numbers in the file, from 1.")
+      .def_property_readonly(
+          "labels",
+          [](const std::shared_ptr<AtomFile>& self) -> py::object {
+            if (self->labels.empty()) return py::none();
+            return py::cast(Labels{self});
+          },
+          "Labels or None: names of the atoms; None if the file has none.");
+
+  module.def("read_atoms", &read, read_atoms_text, py::arg("path"), py::kw_only(),
+             py::arg("format") = "auto");
+}
+
+}  // namespace eses::python

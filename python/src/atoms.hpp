@@ -1,0 +1,10 @@
+#pragma once
+/// Atoms of files.
+
+#include <pybind11/pybind11.h>
+
+namespace eses::python {
+
+void bind_atoms(pybind11::module_& module);
+
+}  // namespace eses::python

@@ -1,0 +1,65 @@
+#pragma once
+/// The blocks of a grid, handed out one by one to a consumer. Knows nothing of Python.
+
+#include <condition_variable>
+#include <cstdint>
+#include <deque>
+#include <eses/eses.hpp>
+#include <exception>
+#include <functional>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <thread>
+#include <vector>
+
+namespace eses::python {
+
+/// A copy of a solved block.
+struct BlockCopy {
+  GridRegion owned;
+  std::vector<std::uint8_t> inside;  ///< of the owned points, as Result::inside
+  std::vector<Crossing> crossings;
+};
+
+/// Computes the blocks of a grid in a thread of its own and keeps those that are solved in a queue,
+/// until the consumer takes them. The thread waits while the queue is full.
+class BlockStream {
+ public:
+  /// Checks the arguments as for_each_block does, and starts to compute. Callbacks of `options` are
+  /// replaced. `max_waiting` is the largest number of blocks in the queue, at least 1.
+  BlockStream(Surface surface, const Grid& grid, RunOptions options, std::size_t max_waiting);
+
+  /// Ends the computation if it is not finished.
+  ~BlockStream() { close(); }
+  BlockStream(const BlockStream&) = delete;
+  BlockStream& operator=(const BlockStream&) = delete;
+
+  /// Waits for the next block and returns it, or null after the last one or `close`. Calls `check`
+  /// several times a second while it waits, and passes on its exceptions. An exception of the
+  /// computation is thrown once, in place of a block.
+  std::shared_ptr<BlockCopy> next(const std::function<void()>& check);
+
+  /// Ends the computation and waits until it has ended. Blocks in the queue are dropped.
+  void close();
+
+  /// Totals of the whole computation; null unless the last block has been taken.
+  const Summary* summary() const;
+
+ private:
+  void run(const Surface& surface, const Grid& grid, const RunOptions& options);
+  void put(const Block& block);
+  bool is_closed() const;
+
+  const std::size_t max_waiting_;
+  mutable std::mutex mutex_;
+  std::condition_variable changed_;
+  std::deque<std::shared_ptr<BlockCopy>> waiting_;
+  bool is_closed_ = false, has_ended_ = false;
+  std::exception_ptr failure_;
+  std::optional<Summary> summary_;
+  std::mutex closing_;
+  std::thread thread_;  // uses all the others
+};
+
+}  // namespace eses::python

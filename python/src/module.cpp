@@ -1,0 +1,46 @@
+// The extension module eses._core. Docstrings begin with the signature in the form from which
+// CPython makes __text_signature__.
+
+#include <pybind11/pybind11.h>
+
+#include <eses/eses.hpp>
+#include <exception>
+
+#include "atoms.hpp"
+#include "blocks.hpp"
+#include "crossings.hpp"
+#include "grid.hpp"
+#include "result.hpp"
+#include "surface.hpp"
+
+namespace py = pybind11;
+
+namespace {
+
+// Exceptions for which pybind11 has no Python counterpart.
+void translate(std::exception_ptr thrown) {
+  try {
+    if (thrown) std::rethrow_exception(thrown);
+  } catch (const eses::FileError& error) {
+    // With the number of the error Python chooses the class, such as FileNotFoundError.
+    PyErr_SetObject(PyExc_OSError, py::make_tuple(error.code().value(), error.what()).ptr());
+  } catch (const eses::MemoryLimitError& error) {
+    PyErr_SetString(PyExc_MemoryError, error.what());
+  }
+}
+
+}  // namespace
+
+PYBIND11_MODULE(_core, module) {
+  py::options options;
+  options.disable_function_signatures();
+  module.doc() = "Implementation of the package eses.";
+  module.attr("__version__") = eses::version;
+  py::register_local_exception_translator(&translate);
+  eses::python::bind_atoms(module);
+  eses::python::bind_grid(module);
+  eses::python::bind_crossings(module);
+  eses::python::bind_result(module);
+  eses::python::bind_blocks(module);
+  eses::python::bind_surface(module);
+}

@@ -1,0 +1,167 @@
+#include "result.hpp"
+
+#include <eses/eses.hpp>
+#include <memory>
+#include <stdexcept>
+#include <string>
+
+#include "arrays.hpp"
+#include "crossings.hpp"
+#include "interrupts.hpp"
+
+namespace eses::python {
+namespace {
+
+constexpr const char* result_text = R"(The surface on a grid.
+
+All arrays are read-only and share their memory with the result. Copy an array to change it.)";
+
+constexpr const char* inside_text = R"((nx, ny, nz) bool: whether each point is inside the surface.
+
+The shape is that of the grid, or of the region if one was chosen. The array is a view in Fortran
+order (x fastest). Raises ValueError if the surface was computed with ``inside=False``.)";
+
+constexpr const char* crossings_text = R"(Crossings: crossings of grid edges with the surface.
+
+With a region, the crossings are those of the edges whose lower ends are in it. Raises ValueError if
+the surface was computed with ``crossings=False``.)";
+
+constexpr const char* mesh_text = R"(mesh(self)
+--
+
+Make a triangle mesh of the surface.
+
+The mesh covers the cells of the grid that have all their corners in the region, and has one vertex
+for each crossing of an edge with both ends in the region.
+
+Returns
+-------
+Mesh
+    Vertices, normals and faces.
+
+Raises
+------
+ValueError
+    If the surface was computed with ``inside=False`` or ``crossings=False``.
+MemoryError
+    If the mesh does not fit into memory.)";
+
+constexpr const char* mesh_class_text = R"(Triangle mesh of a surface, with V vertices and F faces.
+
+The vertices are in the order of the crossings. A vertex is at its crossing, or 1e-4 of the spacing
+away from a grid point with which the crossing coincides. All arrays are read-only and share their
+memory with the mesh.)";
+
+std::shared_ptr<Mesh> mesh_of(const Result& result) {
+  const py::gil_scoped_release unlocked;
+  Interrupts interrupts;
+  return std::make_shared<Mesh>(make_mesh(result, [&interrupts] { interrupts.check(); }));
+}
+
+py::array inside_of(const py::object& self) {
+  const auto& result = self.cast<const Result&>();
+  if (!result.parts().inside)
+    throw py::value_error("the inside points were not chosen; compute with inside=True");
+  return inside_view(result.inside(), result.region().size(), self);
+}
+
+Crossings crossings_of(const std::shared_ptr<Result>& result) {
+  if (!result->parts().crossings)
+    throw py::value_error("the crossings were not chosen; compute with crossings=True");
+  return {result, result->crossings()};
+}
+
+py::array atom_areas_of(const py::object& self) {
+  const std::span<const double> areas = self.cast<const Result&>().atom_areas();
+  return field_view(areas.data(), areas.size(), sizeof(double), self);
+}
+
+py::str text_of(const Result& result) {
+  return py::str("<eses.Result: area {:.6g}, volume {:.6g}>")
+      .format(result.area(), result.volume());
+}
+
+void bind_mesh(py::module_& module) {
+  py::class_<Mesh, std::shared_ptr<Mesh>> type(module, "Mesh", mesh_class_text);
+  type.attr("__module__") = "eses";
+  const auto vectors = [](std::vector<Vec3> Mesh::*member) {
+    return [member](const py::object& self) {
+      const std::vector<Vec3>& list = self.cast<const Mesh&>().*member;
+      return field_view(reinterpret_cast<const double*>(list.data()), list.size(), sizeof(Vec3),
+                        self, 3);
+    };
+  };
+  type.def_property_readonly("vertices", vectors(&Mesh::vertices),
+                             "(V, 3) float64: places of the vertices, in angstrom.")
+      .def_property_readonly("normals", vectors(&Mesh::normals),
+                             "(V, 3) float64: outward unit normals of the vertices.")
+      .def_property_readonly(
+          "faces",
+          [](const py::object& self) {
+            const auto& faces = self.cast<const Mesh&>().faces;
+            // No index reaches 2^63, and most libraries want signed indices.
+            return field_view(reinterpret_cast<const std::int64_t*>(faces.data()), faces.size(),
+                              sizeof(faces[0]), self, 3);
+          },
+          "(F, 3) int64: indices of the vertices of each triangle, counterclockwise seen from "
+          "outside.")
+      .def_property_readonly(
+          "atoms",
+          [](const py::object& self) {
+            const auto& atoms = self.cast<const Mesh&>().atoms;
+            return field_view(atoms.data(), atoms.size(), sizeof(AtomIndex), self);
+          },
+          "(V,) uint32: first adjacent atom of each vertex.")
+      .def_property_readonly(
+          "kind",
+          [](const py::object& self) {
+            const auto& patches = self.cast<const Mesh&>().patches;
+            return field_view(patches.data(), patches.size(), 1, self);
+          },
+          "(V,) uint8: kinds of the patches, 1 convex, 2 saddle, 3 concave.")
+      .def("__repr__", [](const Mesh& self) {
+        return "<eses.Mesh: " + std::to_string(self.vertices.size()) + " vertices, " +
+               std::to_string(self.faces.size()) + " faces>";
+      });
+}
+
+// One number of the summary.
+template <class Value>
+auto total(Value Summary::*member) {
+  return [member](const Result& result) { return result.summary().*member; };
+}
+
+}  // namespace
+
+void bind_result(py::module_& module) {
+  bind_mesh(module);
+  py::class_<Result, std::shared_ptr<Result>> type(module, "Result", result_text);
+  type.attr("__module__") = "eses";
+  type.def_property_readonly("area", &Result::area,
+                             "float: area of the surface, in square angstrom.")
+      .def_property_readonly("volume", &Result::volume,
+                             "float: enclosed volume, in cubic angstrom.")
+      .def_property_readonly("atom_areas", &atom_areas_of,
+                             "(N,) float64: share of each atom in the area, in square angstrom.")
+      .def_property_readonly("convex_area", total(&Summary::convex_area),
+                             "float: area of the convex patches, in square angstrom.")
+      .def_property_readonly("saddle_area", total(&Summary::saddle_area),
+                             "float: area of the saddle patches, in square angstrom.")
+      .def_property_readonly("concave_area", total(&Summary::concave_area),
+                             "float: area of the concave patches, in square angstrom.")
+      .def_property_readonly("inside_points", total(&Summary::inside_points),
+                             "int: number of points inside the surface.")
+      .def_property_readonly(
+          "grid", [](const Result& self) { return self.grid(); },
+          "Grid: the grid that was passed to ``compute``.")
+      .def_property_readonly(
+          "region", [](const Result& self) { return as_tuple(self.region()); },
+          "tuple of 2 index triples: first point, and one more than the last point along each "
+          "axis.")
+      .def_property_readonly("inside", &inside_of, inside_text)
+      .def_property_readonly("crossings", &crossings_of, crossings_text)
+      .def("mesh", &mesh_of, mesh_text)
+      .def("__repr__", &text_of);
+}
+
+}  // namespace eses::python

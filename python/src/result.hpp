@@ -1,0 +1,10 @@
+#pragma once
+/// Results in memory.
+
+#include <pybind11/pybind11.h>
+
+namespace eses::python {
+
+void bind_result(pybind11::module_& module);
+
+}  // namespace eses::python

@@ -1,0 +1,36 @@
+#include "run_arguments.hpp"
+
+#include <string>
+
+#include "threads.hpp"
+
+namespace eses::python {
+namespace {
+
+// The solver looks for interrupts between blocks. One of 256 points on a side takes about 0.2 s.
+constexpr std::int64_t max_block_size = 256;
+
+constexpr std::int64_t default_block_size = 64;
+
+GridRegion as_region(const IndexRange& range) { return {range[0], range[1]}; }
+
+}  // namespace
+
+RunOptions make_options(const Grid& grid, const RunArguments& arguments) {
+  const auto& [threads, block_size, blocks, region, max_memory] = arguments;
+  if (block_size != 0 && (block_size < 2 || block_size > max_block_size))
+    throw py::value_error("block_size must be 2 to " + std::to_string(max_block_size) +
+                          ", or 0 for a choice that fits, not " + std::to_string(block_size));
+  if (blocks && region) throw py::value_error("blocks and region cannot both be given");
+  RunOptions options;
+  options.threads = usable_threads(threads);
+  options.block_size = block_size;
+  options.max_memory = max_memory;
+  if (region) options.region = as_region(*region);
+  if (blocks)
+    options.region = points_of_blocks(grid, block_size != 0 ? block_size : default_block_size,
+                                      as_region(*blocks));
+  return options;
+}
+
+}  // namespace eses::python

@@ -1,0 +1,26 @@
+#pragma once
+/// The arguments that all computations share.
+
+#include <pybind11/pybind11.h>
+#include <pybind11/stl.h>
+
+#include <cstdint>
+#include <eses/eses.hpp>
+#include <optional>
+
+#include "arrays.hpp"
+
+namespace eses::python {
+
+/// Arguments of a computation as Python gives them.
+struct RunArguments {
+  int threads = 0;
+  std::int64_t block_size = 0;
+  std::optional<IndexRange> blocks, region;
+  std::uint64_t max_memory = 0;
+};
+
+/// Makes options without callbacks. Raises ValueError.
+RunOptions make_options(const Grid& grid, const RunArguments& arguments);
+
+}  // namespace eses::python

@@ -1,0 +1,342 @@
+#include "surface.hpp"
+
+#include <pybind11/stl.h>
+
+#include <eses/eses.hpp>
+#include <functional>
+#include <memory>
+#include <optional>
+#include <stdexcept>
+#include <string>
+#include <utility>
+
+#include "arrays.hpp"
+#include "block_stream.hpp"
+#include "interrupts.hpp"
+#include "run_arguments.hpp"
+#include "threads.hpp"
+
+namespace eses::python {
+namespace {
+
+constexpr const char* class_text =
+    R"(Solvent excluded surface of a set of atoms for a spherical probe.
+
+The surface bounds the space that no probe can enter which keeps clear of all van der Waals spheres.
+A surface never changes, and may be used for many grids and by several threads at a time.
+
+Parameters
+----------
+centers : array_like
+    (N, 3) centres of the atoms, in angstrom. Arrays of any real type and memory layout will do.
+radii : array_like
+    (N,) van der Waals radii of the atoms, in angstrom.
+probe_radius : float, optional
+    Radius of the probe, in angstrom, 0.01 to 1000.
+threads : int, optional
+    Number of threads that index the atoms; 0 for all that the process may use. One is enough below
+    a million atoms.
+
+Raises
+------
+ValueError
+    If there are no atoms, if a shape is wrong, if a number is not finite, or if a radius is
+    negative. The message names the first such atom by its index, with the value.
+TypeError
+    If an array is not one of real numbers.)";
+
+constexpr const char* init_text = R"(__init__(self, centers, radii, probe_radius=1.4, *, threads=1)
+--
+
+Check and index the atoms.)";
+
+constexpr const char* grid_text =
+    R"(grid(self, spacing=0.4, margin=None, *, origin=None, center=None, shape=None)
+--
+
+Make a grid around the atoms, or one with a given place and shape.
+
+Parameters
+----------
+spacing : float, optional
+    Distance of neighbouring points, in angstrom.
+margin : float, optional
+    Distance of the faces of the grid from the van der Waals spheres, in angstrom; 0.8 by default.
+    The number of points is truncated, so that up to one spacing of the upper margin may be missing.
+origin : sequence of 3 floats, optional
+    Place of point (0, 0, 0), in angstrom, for a grid that does not depend on the atoms.
+center : sequence of 3 floats, optional
+    Place midway between the lowest and the highest point, in angstrom, instead of ``origin``.
+shape : sequence of 3 ints, optional
+    Number of points along x, y and z; needed with ``origin`` and ``center``.
+
+Returns
+-------
+Grid
+    The grid.
+
+Raises
+------
+ValueError
+    If an argument is out of its range, if there would be more than 2e9 points along an axis or 1e17
+    in all, or if arguments are given that exclude each other.)";
+
+constexpr const char* compute_text =
+    R"(compute(self, grid, *, threads=0, block_size=0, blocks=None, region=None, max_memory=0, inside=True, crossings=True, progress=None)
+--
+
+Compute the surface on a grid, in memory.
+
+The results depend on the surface, the grid and the region alone, to the last bit. Other Python
+threads run meanwhile. Ctrl-C ends the computation.
+
+Parameters
+----------
+grid : Grid
+    Any grid. Atoms may be outside of it.
+threads : int, optional
+    Number of threads; 0 for all that the process may use, or fewer to keep ``max_memory``.
+block_size : int, optional
+    Number of grid points along the side of a block, 2 to 256; 0 chooses it.
+blocks : pair of index triples, optional
+    First block, and one more than the last block along each axis: only these blocks are computed, of
+    those into which ``block_size`` (64 if it is 0) cuts the whole grid. Neighbouring blocks share
+    their faces.
+region : pair of index triples, optional
+    First point, and one more than the last point along each axis: only these points are computed,
+    and the crossings of the edges that start there.
+max_memory : int, optional
+    Bytes that the process may hold resident; 0 for the memory that is available.
+inside : bool, optional
+    Whether the result holds the inside points, at a byte for each point.
+crossings : bool, optional
+    Whether the result holds the crossings, at 88 bytes for each.
+progress : callable, optional
+    Called as ``progress(done, total)`` with the number of solved blocks, also from other threads. An
+    exception that it raises ends the computation.
+
+Returns
+-------
+Result
+    Area, volume, inside points and crossings.
+
+Raises
+------
+ValueError
+    If an argument is out of its range.
+MemoryError
+    If the computation needs more memory than there is, or than ``max_memory`` allows.)";
+
+constexpr const char* blocks_text =
+    R"(blocks(self, grid, *, threads=0, block_size=0, blocks=None, region=None, max_memory=0)
+--
+
+Compute the surface on a grid, and iterate over its blocks as soon as they are solved.
+
+The memory in use does not grow with the number of blocks, so that the grid may be of any size. The
+order of the blocks depends on the threads, but what is in them does not. Ctrl-C ends the loop.
+
+Parameters
+----------
+grid : Grid
+    Any grid. Atoms may be outside of it.
+threads : int, optional
+    Number of threads; 0 for all that the process may use, or fewer to keep ``max_memory``.
+block_size : int, optional
+    Number of grid points along the side of a block, 2 to 256; 0 chooses it.
+blocks : pair of index triples, optional
+    First block, and one more than the last block along each axis: as for ``compute``.
+region : pair of index triples, optional
+    First point, and one more than the last point along each axis: as for ``compute``.
+max_memory : int, optional
+    Bytes that the process may hold resident; 0 for the memory that is available.
+
+Returns
+-------
+BlockIterator
+    Iterator over objects of type Block.
+
+Raises
+------
+ValueError
+    If an argument is out of its range.
+MemoryError
+    If the computation needs more memory than there is, or than ``max_memory`` allows.)";
+
+constexpr const char* diagnostic_text =
+    R"(Atoms that are valid and computed exactly, but suspicious.)";
+
+constexpr double default_margin = 0.8;  // angstrom
+
+Surface make_surface(const py::object& centers, const py::object& radii, double probe_radius,
+                     int threads) {
+  std::vector<Atom> atoms = make_atoms(centers, radii);
+  const py::gil_scoped_release unlocked;
+  Interrupts interrupts;
+  return Surface(std::move(atoms), {.probe_radius = probe_radius,
+                                    .threads = usable_threads(threads),
+                                    .check = [&interrupts] { interrupts.check(); }});
+}
+
+Grid make_surface_grid(const Surface& surface, double spacing, std::optional<double> margin,
+                       const std::optional<Triple>& origin, const std::optional<Triple>& center,
+                       const std::optional<GridIndex>& shape) {
+  if (!origin && !center && !shape) {
+    const py::gil_scoped_release unlocked;
+    return make_grid(surface, {.spacing = spacing, .margin = margin.value_or(default_margin)});
+  }
+  if (!shape) throw py::value_error("origin and center need a shape");
+  if (origin.has_value() == center.has_value())
+    throw py::value_error("a shape needs either an origin or a center");
+  if (margin) throw py::value_error("margin cannot be given together with shape");
+  const Grid grid = origin ? Grid{as_vector(*origin), spacing, *shape}
+                           : centered_grid(as_vector(*center), spacing, *shape);
+  validate(grid);
+  return grid;
+}
+
+ProgressCallback make_progress(Interrupts& interrupts, const py::object& callback) {
+  if (callback.is_none()) return [&interrupts](std::int64_t, std::int64_t) { interrupts.check(); };
+  return [&interrupts, &callback](std::int64_t done, std::int64_t total) {
+    interrupts.check();
+    const py::gil_scoped_acquire lock;
+    callback(done, total);
+  };
+}
+
+std::shared_ptr<Result> compute_result(const Surface& surface, const Grid& grid, int threads,
+                                       std::int64_t block_size,
+                                       const std::optional<IndexRange>& blocks,
+                                       const std::optional<IndexRange>& region,
+                                       std::uint64_t max_memory, bool inside, bool crossings,
+                                       const py::object& progress) {
+  if (!progress.is_none() && PyCallable_Check(progress.ptr()) == 0)
+    throw py::type_error("progress must be callable");
+  RunOptions options = make_options(grid, {threads, block_size, blocks, region, max_memory});
+  Interrupts interrupts;
+  options.progress = make_progress(interrupts, progress);
+  const py::gil_scoped_release unlocked;
+  return std::make_shared<Result>(
+      compute(surface, grid, options, {.inside = inside, .crossings = crossings}));
+}
+
+std::unique_ptr<BlockStream> stream_blocks(const Surface& surface, const Grid& grid, int threads,
+                                           std::int64_t block_size,
+                                           const std::optional<IndexRange>& blocks,
+                                           const std::optional<IndexRange>& region,
+                                           std::uint64_t max_memory) {
+  constexpr std::size_t max_waiting = 4;
+  RunOptions options = make_options(grid, {threads, block_size, blocks, region, max_memory});
+  const py::gil_scoped_release unlocked;
+  return std::make_unique<BlockStream>(surface, grid, std::move(options), max_waiting);
+}
+
+const char* name_of(DiagnosticKind kind) {
+  switch (kind) {
+    case DiagnosticKind::duplicate:
+      return "duplicate";
+    case DiagnosticKind::close:
+      return "close";
+    case DiagnosticKind::nested:
+      return "nested";
+    case DiagnosticKind::large_radius:
+      return "large_radius";
+    case DiagnosticKind::small_radii:
+      return "small_radii";
+    case DiagnosticKind::zero_radius:
+      return "zero_radius";
+    case DiagnosticKind::nested_usual:
+      return "nested_usual";
+  }
+  return "";
+}
+
+py::list examples_of(const Diagnostic& diagnostic) {
+  py::list examples;
+  for (const Diagnostic::Example& example : diagnostic.examples)
+    examples.append(py::make_tuple(example.atom, example.other));
+  return examples;
+}
+
+void bind_diagnostic(py::module_& module) {
+  py::class_<Diagnostic> type(module, "Diagnostic", diagnostic_text);
+  type.attr("__module__") = "eses";
+  type.def_property_readonly(
+          "kind", [](const Diagnostic& self) { return name_of(self.kind); },
+          "str: what is suspicious.\n\n"
+          "``duplicate``: the atom has the centre and the radius of an earlier one. ``close``: its "
+          "centre is within 0.5 angstrom of an earlier one's. ``nested``: it is larger than a "
+          "hydrogen and lies inside another atom. ``large_radius``: its radius is above 4 "
+          "angstrom. "
+          "``small_radii``: every radius is below 0.4 angstrom, as if in nanometres. "
+          "``zero_radius``: its radius is 0. ``nested_usual``: a hydrogen lies inside another "
+          "atom.")
+      .def_property_readonly(
+          "count", [](const Diagnostic& self) { return self.count; },
+          "int: number of atoms with this diagnostic.")
+      .def_property_readonly("examples", &examples_of,
+                             "list of pairs of ints: the first five of these atoms, each with the "
+                             "atom that it repeats, is close to or lies in, or with itself.")
+      .def_property_readonly(
+          "is_usual", [](const Diagnostic& self) { return is_usual(self.kind); },
+          "bool: whether correct files have such atoms, too.")
+      .def("__repr__", [](const Diagnostic& self) {
+        return py::str("<eses.Diagnostic: {} ({} atoms)>").format(name_of(self.kind), self.count);
+      });
+}
+
+}  // namespace
+
+void bind_surface(py::module_& module) {
+  bind_diagnostic(module);
+  py::class_<Surface> type(module, "Surface", class_text);
+  type.attr("__module__") = "eses";
+  type.def(py::init(&make_surface), init_text, py::arg("centers"), py::arg("radii"),
+           py::arg("probe_radius") = 1.4, py::kw_only(), py::arg("threads") = 1)
+      .def("__len__", [](const Surface& self) { return self.atoms().size(); })
+      .def("__repr__",
+           [](const Surface& self) {
+             return py::str("<eses.Surface: {} atoms, probe radius {}>")
+                 .format(self.atoms().size(), self.probe_radius());
+           })
+      .def_property_readonly("probe_radius", &Surface::probe_radius,
+                             "float: radius of the probe, in angstrom.")
+      .def_property_readonly(
+          "centers",
+          [](const py::object& self) {
+            return centers_view(self.cast<const Surface&>().atoms(), self);
+          },
+          "(N, 3) float64: centres of the atoms, in angstrom; read-only.")
+      .def_property_readonly(
+          "radii",
+          [](const py::object& self) {
+            return radii_view(self.cast<const Surface&>().atoms(), self);
+          },
+          "(N,) float64: van der Waals radii of the atoms, in angstrom; read-only.")
+      .def_property_readonly(
+          "diagnostics",
+          [](const Surface& self) {
+            return std::vector<Diagnostic>(self.diagnostics().begin(), self.diagnostics().end());
+          },
+          "list of Diagnostic: suspicious properties of the atoms.")
+      .def("grid", &make_surface_grid, grid_text, py::arg("spacing") = 0.4,
+           py::arg("margin") = py::none(), py::kw_only(), py::arg("origin") = py::none(),
+           py::arg("center") = py::none(), py::arg("shape") = py::none())
+      .def("compute", &compute_result, compute_text, py::arg("grid"), py::kw_only(),
+           py::arg("threads") = 0, py::arg("block_size") = 0, py::arg("blocks") = py::none(),
+           py::arg("region") = py::none(), py::arg("max_memory") = 0, py::arg("inside") = true,
+           py::arg("crossings") = true, py::arg("progress") = py::none())
+      .def("blocks", &stream_blocks, blocks_text, py::arg("grid"), py::kw_only(),
+           py::arg("threads") = 0, py::arg("block_size") = 0, py::arg("blocks") = py::none(),
+           py::arg("region") = py::none(), py::arg("max_memory") = 0)
+      .def(py::pickle(
+          [](const py::object& self) {
+            return py::make_tuple(self.attr("centers"), self.attr("radii"),
+                                  self.attr("probe_radius"));
+          },
+          [](const py::tuple& state) {
+            return make_surface(state[0], state[1], state[2].cast<double>(), 1);
+          }));
+}
+
+}  // namespace eses::python

@@ -1,0 +1,61 @@
+"""What the tests share."""
+
+import os
+import pathlib
+import subprocess
+
+import numpy as np
+import pytest
+
+import eses
+
+PROJECT = pathlib.Path(__file__).resolve().parents[2]
+DATA = PROJECT / "data"
+
+
+@pytest.fixture(scope="session")
+def program():
+    """The command line program."""
+    path = os.environ.get("ESES_BINARY")
+    if not path:
+        pytest.skip("ESES_BINARY does not name the program")
+    return path
+
+
+@pytest.fixture(scope="session")
+def run_program(program):
+    """Runs the program with arguments."""
+
+    def run(*arguments):
+        subprocess.run([program, *map(str, arguments)], check=True, capture_output=True)
+
+    return run
+
+
+@pytest.fixture(scope="session")
+def ubiquitin():
+    return eses.read_atoms(DATA / "1ubq.xyzr")
+
+
+@pytest.fixture(scope="session")
+def ubiquitin_surface(ubiquitin):
+    return eses.Surface(ubiquitin.centers, ubiquitin.radii)
+
+
+@pytest.fixture(scope="session")
+def chain():
+    """Centres and radii of twelve atoms along a helix."""
+    step = np.arange(12)
+    centers = np.stack([2.3 * np.cos(1.7 * step), 2.3 * np.sin(1.7 * step), 1.1 * step], axis=1)
+    return centers, 1.4 + 0.05 * (step % 5)
+
+
+@pytest.fixture(scope="session")
+def lattice():
+    """Returns the centres and radii of n^3 atoms whose surface fills space."""
+
+    def make(n):
+        centers = np.stack(np.meshgrid(*[3.9 * np.arange(n)] * 3, indexing="ij"), axis=-1)
+        return centers.reshape(-1, 3), np.full(n**3, 1.7)
+
+    return make

@@ -1,0 +1,30 @@
+"""Runs one file of tests with pytest; exit code 77 tells ctest that it was skipped."""
+
+import importlib.util
+import os
+import sys
+
+sys.dont_write_bytecode = True
+for name in ("numpy", "pytest"):
+    if importlib.util.find_spec(name) is None:
+        print(f"test skipped: {sys.executable} has no {name}")
+        sys.exit(77)
+
+import pytest  # noqa: E402  # pylint: disable=wrong-import-position
+
+
+class Outcomes:
+    """Counts the tests that did not skip."""
+
+    def __init__(self):
+        self.done = 0
+
+    def pytest_runtest_logreport(self, report):
+        if report.when == "call" and not report.skipped:
+            self.done += 1
+
+
+outcomes = Outcomes()
+os.environ["PYTHONDONTWRITEBYTECODE"] = "1"
+code = pytest.main(["-p", "no:cacheprovider", "-q", "-rs", *sys.argv[1:]], plugins=[outcomes])
+sys.exit(77 if code == 0 and outcomes.done == 0 else code)

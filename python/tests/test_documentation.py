@@ -1,0 +1,34 @@
+"""The Python examples of doc/python.md and of the package, run as doctests."""
+
+import doctest
+import shutil
+
+import pytest
+
+import eses
+from conftest import DATA, PROJECT
+
+FLAGS = doctest.ELLIPSIS | doctest.NORMALIZE_WHITESPACE
+
+
+@pytest.fixture(autouse=True)
+def in_folder_with_data(tmp_path, monkeypatch):
+    for name in ("1ubq.xyzr", "fas2.pqr"):
+        shutil.copy(DATA / name, tmp_path)
+    monkeypatch.chdir(tmp_path)
+
+
+def test_page():
+    page = PROJECT / "doc/python.md"
+    # The end of a code block would count as output.
+    text = page.read_text(encoding="utf-8").replace("```\n", "\n")
+    examples = doctest.DocTestParser().get_doctest(text, {}, page.name, str(page), 0)
+    assert len(examples.examples) > 20
+    report = []
+    results = doctest.DocTestRunner(optionflags=FLAGS).run(examples, out=report.append)
+    assert results.failed == 0, "".join(report)
+
+
+def test_package():
+    results = doctest.testmod(eses, optionflags=FLAGS)
+    assert results.attempted > 3 and results.failed == 0

@@ -1,0 +1,67 @@
+"""The examples, run as programs."""
+
+import csv
+import subprocess
+import sys
+
+import numpy as np
+import pytest
+
+import eses
+from conftest import DATA, PROJECT
+
+EXAMPLES = PROJECT / "python/examples"
+
+
+def run(name, *arguments):
+    done = subprocess.run([sys.executable, EXAMPLES / name, *map(str, arguments)],
+                          capture_output=True, text=True, check=False)
+    assert done.returncode == 0, done.stderr
+    return list(csv.DictReader(done.stdout.splitlines()))
+
+
+def test_trajectory(tmp_path, ubiquitin):
+    rng = np.random.default_rng(2)
+    frames = ubiquitin.centers + rng.normal(0, 0.1, (3, 602, 3))
+    frames[0] = ubiquitin.centers
+    np.save(tmp_path / "frames.npy", frames.astype(np.float32))
+    rows = run("trajectory.py", DATA / "1ubq.xyzr", tmp_path / "frames.npy", "--spacing", "0.8")
+    assert [row["frame"] for row in rows] == ["0", "1", "2"]
+    for row, frame in zip(rows, frames.astype(np.float32)):
+        surface = eses.Surface(frame, ubiquitin.radii)
+        result = surface.compute(surface.grid(0.8))
+        assert float(row["area"]) == pytest.approx(result.area, rel=1e-5)
+        assert float(row["volume"]) == pytest.approx(result.volume, rel=1e-5)
+
+
+def test_trajectory_of_mdanalysis(tmp_path):
+    pytest.importorskip("MDAnalysis")
+    rows = run("trajectory.py", DATA / "fas2.pqr", DATA / "fas2.pqr", "--spacing", "0.8")
+    atoms = eses.read_atoms(DATA / "fas2.pqr")
+    surface = eses.Surface(atoms.centers, atoms.radii)
+    assert len(rows) == 1
+    assert float(rows[0]["area"]) == pytest.approx(surface.compute(surface.grid(0.8)).area, rel=1e-4)
+
+
+def test_ligand_features(tmp_path):
+    # A ligand of two atoms, in contact with the loops of fasciculin.
+    protein = eses.read_atoms(DATA / "fas2.pqr")
+    far = protein.centers[np.argmax(protein.centers[:, 2])]
+    ligand = tmp_path / "ligand.pqr"
+    ligand.write_text("".join(
+        f"HETATM{number:5} {name:<4} LIG     1    {x:8.3f}{y:8.3f}{z:8.3f} 0.000 1.700\n"
+        for number, name, (x, y, z) in ((1, "C1", far + [0, 0, 3.0]), (2, "O1", far + [0, 0, 4.2]))))
+    rows = run("ligand_features.py", DATA / "fas2.pqr", ligand, "--spacing", "0.5")
+    assert list(rows[0]) == ["part", "residue", "element", "area", "buried_area"]
+    assert {row["part"] for row in rows} == {"protein", "ligand"}
+    assert {row["element"] for row in rows if row["part"] == "ligand"} == {"C", "O"}
+    protein_area = sum(float(row["area"]) for row in rows if row["part"] == "protein")
+    surface = eses.Surface(protein.centers, protein.radii)
+    grid = surface.grid(0.5)
+    # Another grid gives the same area, but for the error of the sum.
+    assert protein_area == pytest.approx(surface.compute(grid).area, rel=0.01)
+    buried = {part: sum(float(row["buried_area"]) for row in rows if row["part"] == part)
+              for part in ("protein", "ligand")}
+    assert buried["protein"] > 1 and buried["ligand"] > 1
+    # Residues that are far from the ligand lose nothing but rounding of the file.
+    assert sum(abs(float(row["buried_area"])) < 1e-3 for row in rows) > len(rows) / 2

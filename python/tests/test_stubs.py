@@ -1,0 +1,127 @@
+"""The type stubs tell what the module has; docstrings tell of every name."""
+
+import ast
+import importlib.util
+import inspect
+import pathlib
+import subprocess
+import sys
+
+import pytest
+
+import eses
+from eses import _core
+
+STUB = pathlib.Path(eses.__file__).with_name("_core.pyi")
+# What Python gives to every class, and what pickle uses.
+INHERITED = set(dir(object)) | {"__module__", "__getstate__", "__setstate__", "__dict__",
+                                "__weakref__"}
+OWN = {"__init__", "__eq__", "__hash__"}
+
+
+def parameters(arguments):
+    """Names and defaults of a stub's parameters, and where keywords begin."""
+    plain = arguments.posonlyargs + arguments.args
+    defaults = [inspect.Parameter.empty] * (len(plain) - len(arguments.defaults)) + [
+        ast.literal_eval(default) for default in arguments.defaults]
+    keywords = [inspect.Parameter.empty if default is None else ast.literal_eval(default)
+                for default in arguments.kw_defaults]
+    return ([(each.arg, default, False) for each, default in zip(plain, defaults)] +
+            [(each.arg, default, True) for each, default in zip(arguments.kwonlyargs, keywords)])
+
+
+def actual_parameters(function):
+    return [(each.name, each.default, each.kind == each.KEYWORD_ONLY)
+            for each in inspect.signature(function).parameters.values()]
+
+
+def is_property(node):
+    return any(isinstance(each, ast.Name) and each.id == "property" for each in node.decorator_list)
+
+
+def stub_nodes():
+    return ast.parse(STUB.read_text(encoding="utf-8")).body
+
+
+def stub_classes():
+    return {node.name: node for node in stub_nodes() if isinstance(node, ast.ClassDef)}
+
+
+def test_same_names():
+    stub = set(stub_classes()) | {node.name for node in stub_nodes()
+                                  if isinstance(node, ast.FunctionDef)} | {"__version__"}
+    module = {name for name in vars(_core) if not name.startswith("_")} | {"__version__"}
+    assert stub == module == set(eses.__all__)
+    for name in module:
+        assert getattr(eses, name) is getattr(_core, name)
+
+
+@pytest.mark.parametrize("name", sorted(stub_classes()))
+def test_classes(name):
+    members = {node.name: node for node in stub_classes()[name].body}
+    actual = getattr(_core, name)
+    found = {member for member in vars(actual) if member not in INHERITED}
+    assert {member for member in members if member not in OWN} == found
+    assert inspect.getdoc(actual)
+    for member, node in members.items():
+        value = inspect.getattr_static(actual, member)
+        if is_property(node):
+            assert isinstance(value, property), member
+            assert value.__doc__ and value.fset is None, member
+        elif not member.startswith("__"):
+            assert parameters(node.args) == actual_parameters(getattr(actual, member)), member
+            assert "Returns\n-------" in value.__doc__ or member == "close", member
+
+
+@pytest.mark.parametrize("name", ["Grid", "Surface"])
+def test_constructors(name):
+    init = next(node for node in stub_classes()[name].body if node.name == "__init__")
+    assert parameters(init.args)[1:] == actual_parameters(getattr(_core, name))
+    for _, node in enumerate(parameters(init.args)[1:]):
+        assert f"\n{node[0]} : " in inspect.getdoc(getattr(_core, name))
+
+
+def test_functions():
+    functions = [node for node in stub_nodes() if isinstance(node, ast.FunctionDef)]
+    assert {node.name for node in functions} == {"read_atoms", "read_grid"}
+    for node in functions:
+        function = getattr(_core, node.name)
+        assert parameters(node.args) == actual_parameters(function)
+        for heading in ("Parameters\n----------", "Returns\n-------", "Raises\n------"):
+            assert heading in function.__doc__
+
+
+def test_documented_parameters():
+    for function in (eses.Surface.grid, eses.Surface.compute, eses.Surface.blocks,
+                     eses.Grid.coordinates, eses.read_atoms, eses.read_grid):
+        for name in inspect.signature(function).parameters:
+            assert name == "self" or f"\n{name} : " in inspect.getdoc(function), name
+
+
+def test_package_is_typed():
+    assert STUB.with_name("py.typed").is_file()
+    for name in eses.__all__:
+        if name != "__version__":
+            assert getattr(eses, name).__module__ in ("eses", "eses._core")
+
+
+def test_stubtest():
+    if importlib.util.find_spec("mypy") is None:
+        pytest.skip("mypy is not installed")
+    done = subprocess.run([sys.executable, "-m", "mypy.stubtest", "eses"], capture_output=True,
+                          text=True, check=False, cwd=STUB.parents[1])
+    assert done.returncode == 0, done.stdout + done.stderr
+
+
+def test_no_command_line():
+    done = subprocess.run([sys.executable, "-m", "eses"], capture_output=True, text=True,
+                          check=False)
+    assert done.returncode != 0 and "cannot be directly executed" in done.stderr
+
+
+def test_module_shows_one_symbol():
+    done = subprocess.run(["nm", "--dynamic", "--defined-only", _core.__file__],
+                          capture_output=True, text=True, check=True)
+    symbols = {line.split()[-1] for line in done.stdout.splitlines()}
+    assert "PyInit__core" in symbols
+    assert not {symbol for symbol in symbols if "eses" in symbol}

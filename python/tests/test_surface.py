@@ -1,0 +1,157 @@
+"""Surfaces from arrays."""
+
+import pickle
+
+import numpy as np
+import pytest
+
+import eses
+
+
+def area_of(surface):
+    return surface.compute(surface.grid(0.5)).area
+
+
+def test_surface_has_its_atoms(chain):
+    centers, radii = chain
+    surface = eses.Surface(centers, radii, 1.2)
+    assert len(surface) == 12
+    assert surface.probe_radius == 1.2
+    assert np.array_equal(surface.centers, centers)
+    assert np.array_equal(surface.radii, radii)
+    assert eses.Surface(centers, radii).probe_radius == 1.4
+    assert repr(surface) == "<eses.Surface: 12 atoms, probe radius 1.2>"
+    with pytest.raises(ValueError, match="read-only"):
+        surface.radii[0] = 2
+
+
+def test_surface_does_not_follow_changes_of_the_arrays(chain):
+    centers, radii = chain[0].copy(), chain[1].copy()
+    surface = eses.Surface(centers, radii)
+    area = area_of(surface)
+    centers[:] = 0
+    radii[:] = 1
+    assert area_of(surface) == area
+
+
+@pytest.mark.parametrize("change", [
+    lambda a: a.tolist(),
+    np.asfortranarray,
+    lambda a: np.repeat(a, 2, axis=0)[::2],
+    lambda a: a[::-1].copy()[::-1],
+    lambda a: a.astype(">f8"),
+    lambda a: a.astype(np.longdouble),
+    lambda a: np.frombuffer(a.tobytes()).reshape(a.shape),
+])
+def test_any_memory_layout(chain, change):
+    centers, radii = chain
+    surface = eses.Surface(change(centers), change(radii))
+    assert np.array_equal(surface.centers, centers)
+    assert np.array_equal(surface.radii, radii)
+
+
+def test_columns_of_one_array(chain):
+    table = np.column_stack(chain)
+    surface = eses.Surface(table[:, :3], table[:, 3])
+    assert np.array_equal(surface.centers, chain[0])
+
+
+@pytest.mark.parametrize("dtype", [np.float32, np.float16, np.int64, np.int8, np.uint16])
+def test_other_types_are_converted(dtype):
+    centers = np.array([[0, 0, 0], [4, 1, 2]], dtype)
+    surface = eses.Surface(centers, np.array([1, 2], dtype))
+    assert surface.centers.dtype == np.float64
+    assert surface.centers.tolist() == [[0, 0, 0], [4, 1, 2]]
+
+
+def test_float32_keeps_its_values(chain):
+    centers = chain[0].astype(np.float32)
+    surface = eses.Surface(centers, chain[1])
+    assert np.array_equal(surface.centers, centers.astype(np.float64))
+
+
+@pytest.mark.parametrize("values", [
+    np.zeros((2, 3), complex), np.zeros((2, 3), bool), np.full((2, 3), "1"),
+    np.full((2, 3), None), None, "atoms", {"x": 1},
+])
+def test_other_kinds_are_refused(values):
+    with pytest.raises(TypeError, match="centers must be an array of real numbers"):
+        eses.Surface(values, np.ones(2))
+    with pytest.raises(TypeError, match="radii must be an array of real numbers"):
+        eses.Surface(np.zeros((2, 3)), values)
+
+
+@pytest.mark.parametrize("shape", [(3,), (2, 2), (2, 4), (2, 3, 1), (), (3, 2)])
+def test_wrong_shape_of_centers(shape):
+    with pytest.raises(ValueError, match=r"centers must have shape \(N, 3\), not \("):
+        eses.Surface(np.zeros(shape), np.ones(2))
+
+
+@pytest.mark.parametrize("shape", [(1,), (3,), (2, 1), ()])
+def test_wrong_shape_of_radii(shape):
+    with pytest.raises(ValueError, match=r"radii must have shape \(2,\), .* not \("):
+        eses.Surface(np.zeros((2, 3)), np.ones(shape))
+
+
+def test_no_atoms():
+    for centers in (np.zeros((0, 3)), np.zeros((0, 3), np.float32)):
+        with pytest.raises(ValueError, match="at least one atom"):
+            eses.Surface(centers, [])
+    with pytest.raises(ValueError, match="shape"):
+        eses.Surface([], [])
+
+
+@pytest.mark.parametrize("value", [np.nan, np.inf, -np.inf])
+def test_values_that_are_not_finite(value):
+    centers, radii = np.zeros((5, 3)), np.ones(5)
+    centers[3, 1] = value
+    with pytest.raises(ValueError, match=rf"atom 3 .* y coordinate {value}"):
+        eses.Surface(centers, radii)
+    radii[2] = value
+    with pytest.raises(ValueError, match=rf"atom 2 .* radius {value}"):
+        eses.Surface(np.zeros((5, 3)), radii)
+
+
+def test_negative_radius():
+    with pytest.raises(ValueError, match=r"atom 1 .* radius -0.5"):
+        eses.Surface(np.zeros((2, 3)), [1, -0.5])
+
+
+def test_other_arguments(chain):
+    for probe_radius in (0, -1, np.nan, 1e4):
+        with pytest.raises(ValueError, match="probe radius"):
+            eses.Surface(*chain, probe_radius)
+    with pytest.raises(ValueError, match="threads"):
+        eses.Surface(*chain, threads=-1)
+    with pytest.raises(TypeError):
+        eses.Surface(*chain, 1.4, 2)
+    with pytest.raises(TypeError):
+        eses.Surface(*chain, probe_radius="1.4")
+    with pytest.raises(TypeError):
+        eses.Surface(chain[0])
+
+
+def test_diagnostics():
+    surface = eses.Surface([[0, 0, 0], [0, 0, 0], [9, 0, 0]], [1.5, 1.5, 5])
+    kinds = {diagnostic.kind: diagnostic for diagnostic in surface.diagnostics}
+    assert set(kinds) == {"duplicate", "large_radius"}
+    assert kinds["duplicate"].count == 1
+    assert kinds["duplicate"].examples == [(1, 0)]
+    assert kinds["large_radius"].examples == [(2, 2)]
+    assert not kinds["duplicate"].is_usual
+    assert repr(kinds["duplicate"]) == "<eses.Diagnostic: duplicate (1 atoms)>"
+    zero = eses.Surface([[0, 0, 0], [9, 0, 0]], [1.5, 0]).diagnostics
+    assert [(each.kind, each.is_usual) for each in zero] == [("zero_radius", True)]
+
+
+def test_pickle(chain):
+    surface = eses.Surface(*chain, 1.1)
+    again = pickle.loads(pickle.dumps(surface))
+    assert again.probe_radius == 1.1
+    assert np.array_equal(again.centers, surface.centers)
+    assert area_of(again) == area_of(surface)
+
+
+def test_arrays_outlive_the_surface(chain):
+    centers = (lambda surface: surface.centers)(eses.Surface(*chain))
+    assert np.array_equal(centers, chain[0])
