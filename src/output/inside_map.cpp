@@ -10,7 +10,7 @@ namespace {
 
 constexpr std::int64_t tile_words = 1 << 16;
 
-// Rows along y whose words, of all planes, make a tile that is turned at a time.
+// Returns the number of rows along y in a tile. A tile has the words of these rows in all planes.
 std::int64_t rows_of_tile(const GridIndex& size) {
   return std::clamp<std::int64_t>(tile_words / size[2], 1, size[1]);
 }
@@ -21,7 +21,7 @@ std::span<char> as_chars(std::span<std::uint64_t> words) {
 
 }  // namespace
 
-// The points of one word along x, of some rows along y, and of all planes.
+// A tile has one word (64 points) along x, the rows [y_begin, y_end) along y, and all planes.
 struct InsideMap::Tile {
   std::int64_t word = 0;
   std::int64_t y_begin = 0, y_end = 0;

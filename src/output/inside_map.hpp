@@ -1,5 +1,5 @@
 #pragma once
-/// The inside map on its way into its file.
+/// Writer of the inside map.
 
 #include <cstdint>
 #include <functional>
@@ -11,13 +11,13 @@
 
 namespace eses::detail {
 
-/// How a map gets at its file, from several threads for disjoint ranges.
+/// Access to the file of a map. Several threads call the functions for disjoint ranges.
 struct MapFile {
   std::function<void(std::span<const char> bytes, std::uint64_t offset)> write_at;
-  std::function<void(std::span<char> bytes, std::uint64_t offset)> read_at;  ///< what was written
+  std::function<void(std::span<char> bytes, std::uint64_t offset)> read_at;
 };
 
-/// Keeps a reference to `file`, an OutputFile or the like.
+/// Returns access to `file`, which may be an OutputFile. Keeps a reference to it.
 template <class File>
 MapFile map_file(File& file) {
   return {
@@ -25,9 +25,11 @@ MapFile map_file(File& file) {
       [&file](std::span<char> bytes, std::uint64_t offset) { file.read_at(bytes, offset); }};
 }
 
-/// Rows of points, as bits, come in any order. `.vti` has them as they are. In `.dx` z runs
-/// fastest: until all have come, their bits wait behind the values' place in the file, for each
-/// word of a row the words of all rows, so that memory does not grow with the grid.
+/// Writes an inside map from rows of points along x, which arrive in any order, one bit a point.
+/// A `.vti` file has x running fastest, so each row is written to its final place. In a `.dx` file
+/// z runs fastest, so the values must be transposed. Until all rows have arrived, their bits are
+/// kept in the file itself, behind the place of the values: first the words 0 of all rows, then the
+/// words 1, and so on. The memory therefore does not grow with the grid.
 class InsideMap {
  public:
   InsideMap(MapFile file, MapFormat format, const Grid& grid, const GridRegion& region);
@@ -38,32 +40,32 @@ class InsideMap {
     std::vector<char> values;
   };
 
-  /// `words` are those of consecutive rows, of which the first is number `first_row` of the
-  /// region. Several threads may call it for different rows.
+  /// Writes consecutive rows. `words` has words_of_row words for each row; `first_row` is the
+  /// 0-based number of the first row in the region. Several threads may call it for different rows.
   void write_rows(std::int64_t first_row, std::span<const std::uint64_t> words, Scratch& scratch);
 
-  /// When all rows have come, this many tiles are still to be turned, each once, in any order and
-  /// by anybody who has the file.
+  /// Number of tiles to transpose after all rows have been written. Each tile must be transposed
+  /// once; the order does not matter, and different processes may do it.
   std::int64_t tile_count() const;
-  /// Turns tiles [begin, end). Calls `check` many times and from all threads.
+  /// Transposes the tiles [begin, end). Calls `check` many times and from all threads.
   void transpose_tiles(std::int64_t begin, std::int64_t end, int threads,
                        const std::function<void()>& check);
-  /// What stands before and behind the values.
+  /// Writes the header and the footer of the file.
   void write_ends();
 
-  /// What is behind these bytes, when all tiles are turned, has served.
+  /// Size of the complete file. When all tiles are transposed, the bytes behind it can be cut off.
   std::uint64_t file_bytes() const { return layout_.file_bytes(); }
 
-  /// Words of a row of a region of this size.
+  /// Number of 64-bit words of a row along x.
   static std::int64_t words_of_row(const GridIndex& size);
 
   /// Bytes of the words of all rows.
   static std::uint64_t bits_bytes(const GridRegion& region);
 
-  /// What the file holds besides while it is being made.
+  /// Bytes that the file needs beyond its final size while it is written.
   static std::uint64_t scratch_bytes(MapFormat format, const GridRegion& region);
 
-  /// Memory that a thread needs, at most.
+  /// Upper bound of the memory of a thread, in bytes.
   static double thread_bytes(MapFormat format, const GridRegion& region);
 
  private:
