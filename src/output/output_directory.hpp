@@ -38,8 +38,8 @@ class OutputDirectory {
   /// Descriptor of the directory. It refers to the same directory even after a renaming.
   int descriptor() const { return directory_.value(); }
 
-  /// Removes the temporary files that killed runs have left, if `is_ours` accepts their final names.
-  /// Removes nothing without a lock, because the runs may still be alive.
+  /// Removes the temporary files that killed runs have left, if `is_ours` accepts their final
+  /// names. Removes nothing without a lock, because the runs may still be alive.
   void remove_abandoned(const std::function<bool(std::string_view name)>& is_ours) const;
 
   /// Removes a file if it exists. Throws Error on failure.

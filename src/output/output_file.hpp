@@ -11,13 +11,13 @@
 
 namespace eses::detail {
 
-/// Throws Error if `path` is, after following symbolic links, something that a regular file must not
-/// replace: a directory, device, FIFO or socket.
+/// Throws Error if `path` is, after following symbolic links, something that a regular file must
+/// not replace: a directory, device, FIFO or socket.
 void require_replaceable(const std::string& path);
 
-/// A file that is written under a temporary name in its final directory. `commit` gives it its final
-/// name. If the object is destroyed without `commit`, the temporary file is removed. Each failure
-/// throws Error with the name of the file.
+/// A file that is written under a temporary name in its final directory. `commit` gives it its
+/// final name. If the object is destroyed without `commit`, the temporary file is removed. Each
+/// failure throws Error with the name of the file.
 class OutputFile {
  public:
   /// Keeps a reference to `directory`, which must outlive the file. Throws Error if the file cannot

@@ -103,7 +103,8 @@ struct OutputFiles {
   void open_mesh(const MeshOptions& choice);
   std::vector<OutputFile*> all();
 
-  std::vector<std::string> stale_;  // names of the chosen files in their other form, see stale_paths
+  std::vector<std::string>
+      stale_;  // names of the chosen files in their other form, see stale_paths
 };
 
 }  // namespace eses::detail
