@@ -75,7 +75,7 @@ void check_printing(std::string_view bytes) {
     if (std::isfinite(value) && batch.count < NumberBatch::capacity) batch.add(value);
   }
   make_digits(batch);
-  std::array<char, longest_number_text> text{};
+  std::array<char, max_number_length> text{};
   for (std::size_t i = 0; i < batch.count; ++i) {
     const auto text_to = [&text](const char* end) {
       return std::string_view(text.data(), static_cast<std::size_t>(end - text.data()));

@@ -257,7 +257,7 @@ void require_exits_of_tube_exits(FindExits find, const Tube& tube, const Lines& 
   }
 }
 
-ExitCounts compare_exits(FindExits find, Place place, double longest_step) {
+ExitCounts compare_exits(FindExits find, Place place, double max_step) {
   ExitCounts counts;
   Random random(41);
   for (int repetition = 0; repetition < 600; ++repetition) {
@@ -269,7 +269,7 @@ ExitCounts compare_exits(FindExits find, Place place, double longest_step) {
     Lines lines;
     lines.axis = random.integer(0, 2);
     while (lines.step.size() < lines_per_tube) {
-      const double step = place == Place::lattice ? 0.5 : random.uniform(0.1, longest_step);
+      const double step = place == Place::lattice ? 0.5 : random.uniform(0.1, max_step);
       const double side = random.chance(0.5) ? 1 : -1;
       lines.add(line_start(tube, place, step, side * unit_vector(lines.axis), random), side * step);
     }

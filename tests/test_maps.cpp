@@ -32,7 +32,7 @@ struct ReadMap {
 ReadMap parse_dx(const std::string& text) {
   std::istringstream stream(text);
   std::string line, word;
-  std::size_t longest_line = 0;
+  std::size_t max_length = 0;
   while (stream.peek() == '#') std::getline(stream, line);
   const auto expect = [&](std::string_view words) {
     std::istringstream wanted{std::string(words)};
@@ -84,10 +84,10 @@ ReadMap parse_dx(const std::string& text) {
   std::istringstream lines(text);
   std::int64_t lines_of_values = 0;
   for (; std::getline(lines, line);) {
-    longest_line = std::max(longest_line, line.size());
+    max_length = std::max(max_length, line.size());
     if (line.find_first_not_of("01 ") == std::string::npos) ++lines_of_values;
   }
-  CHECK(longest_line < 84);
+  CHECK(max_length < 84);
   CHECK(lines_of_values == (items + 2) / 3);
   return map;
 }

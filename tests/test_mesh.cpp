@@ -594,8 +594,8 @@ TEST_CASE("mesh: the counts of an OFF file are separated by single blanks", "[me
 }
 
 TEST_CASE("mesh: what cannot be is refused", "[mesh]") {
-  CHECK_NOTHROW(mesh::require_numbers(2147483647));
-  CHECK_THROWS_AS(mesh::require_numbers(2147483648), Error);
+  CHECK_NOTHROW(mesh::require_vertex_count(2147483647));
+  CHECK_THROWS_AS(mesh::require_vertex_count(2147483648), Error);
   const std::vector<Atom> atoms{{{0, 0, 0}, 1.5}};
   Outputs outputs;
   outputs.mesh = MeshOptions{"a.stl"};

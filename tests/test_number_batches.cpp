@@ -46,7 +46,7 @@ std::size_t require_same_texts(MakeDigits make, std::span<const double> values) 
   make(batch);
   std::size_t uncertain = 0;
   for (std::size_t i = 0; i < values.size(); ++i) {
-    std::array<char, longest_number_text> text{};
+    std::array<char, max_number_length> text{};
     const std::string ours(text.data(), write_number(text.data(), batch, i));
     if (ours != printf_text(values[i])) REQUIRE(ours == printf_text(values[i]));
     uncertain += batch.needs_exact >> i & 1;

@@ -29,7 +29,7 @@ namespace eses::detail::test {
 namespace {
 
 std::string ours(double value) {
-  std::array<char, longest_number_text> text{};
+  std::array<char, max_number_length> text{};
   return {text.data(), write_scientific(text.data(), value)};
 }
 
@@ -89,7 +89,7 @@ TEST_CASE("numbers are those of printf's %.12e, digit for digit") {
 TEST_CASE("indices are plain decimals") {
   for (const std::uint64_t value : {std::uint64_t{0}, std::uint64_t{9}, std::uint64_t{10},
                                     std::uint64_t{4294967295}, ~std::uint64_t{0}}) {
-    std::array<char, longest_number_text> text{};
+    std::array<char, max_number_length> text{};
     CHECK(std::string(text.data(), write_index(text.data(), value)) == std::to_string(value));
   }
 }

@@ -236,7 +236,7 @@ TEST_CASE("triangles of a part get the numbers of the whole", "[processes][mesh]
   REQUIRE(bytes.text().size() == sizeof local);
   std::memcpy(&local, bytes.text().data(), sizeof local);
   CHECK(local == mesh::LocalTriangle{{-3, 5, 2'000'000'000}, 2});
-  CHECK(mesh::numbered_from(10, local) == mesh::Triangle{7, 15, 2'000'000'010});
+  CHECK(mesh::global_triangle(10, local) == mesh::Triangle{7, 15, 2'000'000'010});
 }
 
 TEST_CASE("packed texts come out as they went in", "[processes]") {

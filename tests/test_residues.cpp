@@ -24,7 +24,7 @@ AtomLabel label(const char* chain, const char* number, const char* residue) {
 std::string tables_of(const std::vector<AtomLabel>& labels, const std::vector<double>& areas) {
   std::string text;
   const TextSink sink = [&text](std::string_view piece) { text += piece; };
-  TextPieces residues(sink);
+  BufferedText residues(sink);
   AreaTables tables;
   append_residue_header(residues);
   add_residues(tables, residue_runs(labels), areas, residues);

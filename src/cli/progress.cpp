@@ -18,7 +18,7 @@ using std::chrono::milliseconds;
 constexpr milliseconds redraw_interval{100};
 constexpr std::size_t widest_bar = 60;
 constexpr std::size_t narrowest_bar = 5;
-constexpr double longest_estimate = 1000 * 3600.0;  // beyond that, an estimate tells nothing
+constexpr double max_estimate = 1000 * 3600.0;  // beyond that, an estimate tells nothing
 
 std::size_t terminal_width() {
   winsize size{};
@@ -92,7 +92,7 @@ std::optional<double> ProgressBar::seconds_left(const Progress& progress) const 
   const std::chrono::duration<double> elapsed = last_drawn_ - *start_;
   const double left =
       elapsed.count() * static_cast<double>(total - done) / static_cast<double>(done);
-  return left < longest_estimate ? std::optional(left) : std::nullopt;
+  return left < max_estimate ? std::optional(left) : std::nullopt;
 }
 
 bool ProgressBar::is_possible() {

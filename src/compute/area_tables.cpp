@@ -92,7 +92,7 @@ void add_own(const RunPlan& plan, std::span<const double> areas, const Processes
     file.write_at(text, progress.bytes);
     progress.bytes += text.size();
   };
-  TextPieces table(sink);
+  BufferedText table(sink);
   if (processes.is_first()) append_residue_header(table);
   add_residues(progress.tables, plan.residues, areas, table);
   const bool is_last = processes.rank() + 1 == processes.count();

@@ -100,7 +100,7 @@ void Merge::add_up() {
     mesh_.triangles += info.mesh.triangles;
   }
   if (next != plan_.whole.tiling.region.end[2]) throw Error("chunks of the run are missing");
-  mesh::require_numbers(mesh_.vertices);
+  mesh::require_vertex_count(mesh_.vertices);
 }
 
 // Calls `action(chunk, sum)` for each chunk of this process, with the sum of `amount` over all
@@ -288,7 +288,7 @@ void Merge::for_triangle_texts(PlaneChunk& chunk, std::uint64_t first_vertex,
   for_triangles(chunk, [&](std::span<const mesh::LocalTriangle> triangles, std::uint64_t) {
     buffer.clear();
     for (const mesh::LocalTriangle& local : triangles)
-      text.append_triangle(buffer, mesh::numbered_from(first_vertex, local),
+      text.append_triangle(buffer, mesh::global_triangle(first_vertex, local),
                            static_cast<std::uint8_t>(local.patch));
     take(buffer.text());
   });
@@ -350,7 +350,7 @@ std::uint64_t Merge::write_columns(SharedFile& file, std::uint64_t begin,
       records.clear();
       std::uint64_t number = first_triangle + before;
       for (const mesh::LocalTriangle& local : locals)
-        text.append_triangle_record(records, mesh::numbered_from(first_vertex, local), number++);
+        text.append_triangle_record(records, mesh::global_triangle(first_vertex, local), number++);
       triangles.write(records.text(), first_triangle + before);
     });
     close(chunk, ChunkText::triangles);
@@ -359,9 +359,9 @@ std::uint64_t Merge::write_columns(SharedFile& file, std::uint64_t begin,
   if (processes_.is_first()) {
     vertices.write_lengths();
     triangles.write_lengths();
-    file.write_at(text.behind_columns(), end);
+    file.write_at(text.footer(), end);
   }
-  return end + text.behind_columns().size();
+  return end + text.footer().size();
 }
 
 }  // namespace eses::detail

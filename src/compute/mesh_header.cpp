@@ -5,7 +5,7 @@
 #include <span>
 #include <string_view>
 
-#include "io/text_pieces.hpp"
+#include "io/buffered_text.hpp"
 
 namespace eses::detail {
 namespace {
@@ -15,7 +15,7 @@ using WriteText = std::function<void(const TextSink& sink)>;
 template <class AppendName>
 WriteText lines_of(std::span<const AtomLabel> labels, std::uint64_t first, AppendName append_name) {
   return [=](const TextSink& sink) {
-    TextPieces text(sink);
+    BufferedText text(sink);
     for (std::size_t i = 0; i < labels.size(); ++i) append_name(text, first + i, labels[i]);
     text.flush();
   };
@@ -29,14 +29,14 @@ std::array<WriteText, 5> parts_of(const mesh::MeshText& text, const GroupNames& 
             if (is_first) text.write_header_begin(sink);
           },
           lines_of(names.chains, names.first_chain,
-                   [&text](TextPieces& pieces, std::uint64_t number, const AtomLabel& label) {
+                   [&text](BufferedText& pieces, std::uint64_t number, const AtomLabel& label) {
                      text.append_chain_name(pieces, number, label);
                    }),
           [&text, is_first](const TextSink& sink) {
             if (is_first) text.write_header_middle(sink);
           },
           lines_of(names.residues, names.first_residue,
-                   [&text](TextPieces& pieces, std::uint64_t number, const AtomLabel& label) {
+                   [&text](BufferedText& pieces, std::uint64_t number, const AtomLabel& label) {
                      text.append_residue_name(pieces, number, label);
                    }),
           [&text, counts, is_first](const TextSink& sink) {

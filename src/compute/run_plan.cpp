@@ -84,7 +84,7 @@ std::string identity_of(const RunTask& task, const RunPlan& run, std::uint64_t h
 }
 
 bool names_groups(const Outputs& outputs) {
-  return outputs.mesh && mesh::names_atoms(*outputs.mesh);
+  return outputs.mesh && mesh::can_name_groups(*outputs.mesh);
 }
 
 // Throws Error if the atoms exceed the memory limit in any schedule, before anything is computed

@@ -88,7 +88,7 @@ class KeyExchange {
 
 // Returns the key of a label's chain.
 std::string chain_key(const AtomLabel& label) {
-  return std::string(mesh::written_name(label.chain));
+  return std::string(mesh::truncated_name(label.chain));
 }
 
 // Returns the key of a label's residue. Names are separated by a character that no name contains.
@@ -96,7 +96,7 @@ std::string residue_key(const AtomLabel& label) {
   std::string key = chain_key(label);
   for (const std::string_view name : {label.residue_number, label.residue}) {
     key += '\1';
-    key += mesh::written_name(name);
+    key += mesh::truncated_name(name);
   }
   return key;
 }

@@ -13,7 +13,7 @@ std::string field(std::string_view text) {
   return quoted + '"';
 }
 
-void append_residue(TextPieces& text, const ResidueArea& residue) {
+void append_residue(BufferedText& text, const ResidueArea& residue) {
   const AtomLabel& label = residue.label;
   text.append("{},{},{},{},{:.6f}\n", field(label.chain), field(label.residue_number),
               field(label.residue), residue.atoms, residue.area);
@@ -33,12 +33,12 @@ void ChainAreas::add(const ChainArea& part) {
   chain.area += part.area;
 }
 
-void append_residue_header(TextPieces& text) {
+void append_residue_header(BufferedText& text) {
   text.append("chain,residue_number,residue,atoms,area\n");
 }
 
 void add_residues(AreaTables& tables, const ResidueRuns& runs, std::span<const double> areas,
-                  TextPieces& text) {
+                  BufferedText& text) {
   for (std::size_t run = 0; run < runs.labels.size(); ++run) {
     const AtomLabel& label = runs.labels[run];
     if (!tables.open || !is_same_residue(tables.open->label, label)) {
@@ -52,7 +52,7 @@ void add_residues(AreaTables& tables, const ResidueRuns& runs, std::span<const d
   }
 }
 
-void end_residues(AreaTables& tables, TextPieces& text) {
+void end_residues(AreaTables& tables, BufferedText& text) {
   if (!tables.open) return;
   append_residue(text, *tables.open);
   tables.chains.add({tables.open->label.chain, 1, tables.open->atoms, tables.open->area});
@@ -60,7 +60,7 @@ void end_residues(AreaTables& tables, TextPieces& text) {
 }
 
 void write_chain_table(std::span<const ChainArea> chains, const TextSink& sink) {
-  TextPieces text(sink);
+  BufferedText text(sink);
   text.append("chain,residues,atoms,area\n");
   for (const ChainArea& chain : chains)
     text.append("{},{},{},{:.6f}\n", field(chain.chain), chain.residues, chain.atoms, chain.area);

@@ -17,8 +17,8 @@
 #include <string_view>
 #include <vector>
 
+#include "io/buffered_text.hpp"
 #include "io/residue_runs.hpp"
-#include "io/text_pieces.hpp"
 
 namespace eses::detail {
 
@@ -60,15 +60,15 @@ struct AreaTables {
 };
 
 /// Appends the first line of residue_area.csv.
-void append_residue_header(TextPieces& text);
+void append_residue_header(BufferedText& text);
 
 /// Adds further atoms, in their order, with an area for each. Appends a line of residue_area.csv
 /// for each residue that ends.
 void add_residues(AreaTables& tables, const ResidueRuns& runs, std::span<const double> areas,
-                  TextPieces& text);
+                  BufferedText& text);
 
 /// Ends the last residue and appends its line.
-void end_residues(AreaTables& tables, TextPieces& text);
+void end_residues(AreaTables& tables, BufferedText& text);
 
 /// All of chain_area.csv.
 void write_chain_table(std::span<const ChainArea> chains, const TextSink& sink);

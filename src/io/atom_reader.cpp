@@ -33,12 +33,12 @@ namespace {
 constexpr double max_length = 1e6;  // angstrom
 
 // `0 0 0 0` and a newline: no atom takes less text.
-constexpr std::size_t shortest_atom_line = 8;  // characters
+constexpr std::size_t min_atom_line_length = 8;  // characters
 
 // Text that is parsed at a time; little enough that a large binary file passed by mistake is
 // noticed at once.
 constexpr std::size_t part_bytes = std::size_t{1} << 18;
-static_assert(longest_line < part_bytes);
+static_assert(max_line_length < part_bytes);
 
 // Reading may add this to the memory of the process whatever the limit. Limits that are smaller
 // than that are refused when the run is planned, with the smallest limit that would do.
@@ -460,8 +460,8 @@ void check_line(std::string_view line, std::string_view name, std::size_t number
   if (line.find('\r') != std::string_view::npos) {
     fail(name, number, "carriage return inside the line; lines must end in LF or CRLF");
   }
-  if (line.size() > longest_line) {
-    fail(name, number, fmt::format("more than {} characters in the line", longest_line));
+  if (line.size() > max_line_length) {
+    fail(name, number, fmt::format("more than {} characters in the line", max_line_length));
   }
 }
 
@@ -474,7 +474,7 @@ std::string_view without_byte_order_mark(std::string_view text) {
 /// many, do not inflate it.
 std::size_t estimate_atoms(std::string_view text) {
   const auto lines = static_cast<std::size_t>(std::count(text.begin(), text.end(), '\n')) + 1;
-  return std::min(lines, text.size() / shortest_atom_line + 1);
+  return std::min(lines, text.size() / min_atom_line_length + 1);
 }
 
 // ----------------------------------------------------------------------------------------- files
@@ -492,7 +492,7 @@ void for_whole_lines(const ReadText& read, const std::function<void(std::string_
     const bool is_last = count == 0;
     const std::size_t newline = text.rfind('\n');
     const bool has_end = newline != text.npos;
-    const bool is_whole = is_last || (!has_end && text.size() > longest_line);
+    const bool is_whole = is_last || (!has_end && text.size() > max_line_length);
     const std::size_t taken = is_whole ? text.size() : has_end ? newline + 1 : 0;
     if (taken > 0) take(text.substr(0, taken));
     if (is_last) return;

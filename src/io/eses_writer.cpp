@@ -11,11 +11,11 @@ namespace eses::detail {
 namespace {
 
 // Longest line of intersection_info.txt: 6 indices, 6 numbers, 3 atoms, each with a blank.
-constexpr std::size_t longest_crossing_line = 15 * (longest_number_text + 1) + 1;
+constexpr std::size_t max_crossing_line_length = 15 * (max_number_length + 1) + 1;
 
 template <class Token>
 Token make_token(char* (*write)(char*, double), double value) {
-  std::array<char, longest_number_text + 1> text{};
+  std::array<char, max_number_length + 1> text{};
   char* end = write(text.data(), value);
   *end++ = ' ';
   Token token;
@@ -175,7 +175,7 @@ GridText::RowText GridText::row_text(std::int64_t y, std::int64_t z) const {
 void GridText::append_crossings(TextBuffer& text, std::int64_t first_x, std::int64_t y,
                                 std::int64_t z, std::span<const BlockCrossing> crossings) const {
   constexpr std::size_t numbers_per_line = 4, lines = NumberBatch::capacity / numbers_per_line;
-  char* out = text.reserve(crossings.size() * longest_crossing_line + overrun);
+  char* out = text.reserve(crossings.size() * max_crossing_line_length + overrun);
   NumberBatch numbers;
   const RowText row = row_text(y, z);
   while (!crossings.empty()) {
@@ -232,7 +232,7 @@ std::string bounding_box_text(const Grid& grid) {
     out[-1] = '\n';
     return out;
   };
-  char* out = text.reserve(std::size_t{9} * (longest_number_text + 1));
+  char* out = text.reserve(std::size_t{9} * (max_number_length + 1));
   for (const Vec3& corner : {grid.origin, grid.upper()}) {
     for (std::size_t axis = 0; axis < 3; ++axis) {
       out = write_scientific(out, corner[axis]);
@@ -249,7 +249,7 @@ std::string bounding_box_text(const Grid& grid) {
 }
 
 void append_areas(TextBuffer& text, std::size_t first, std::span<const double> areas) {
-  char* out = text.reserve(areas.size() * (2 * longest_number_text + 2));
+  char* out = text.reserve(areas.size() * (2 * max_number_length + 2));
   for (std::size_t i = 0; i < areas.size(); ++i) {
     out = write_index(out, first + i);
     *out++ = ' ';

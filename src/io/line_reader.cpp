@@ -12,7 +12,7 @@ namespace eses::detail {
 namespace {
 
 constexpr std::size_t buffer_bytes = std::size_t{1} << 18;
-static_assert(longest_line < buffer_bytes);
+static_assert(max_line_length < buffer_bytes);
 
 }  // namespace
 
@@ -27,7 +27,7 @@ bool LineReader::next(std::string_view& line) {
     return static_cast<const char*>(std::memchr(buffer_.data() + begin_, '\n', end_ - begin_));
   };
   const char* end = find_end();
-  while (end == nullptr && !at_end_of_file_ && end_ - begin_ <= longest_line) {
+  while (end == nullptr && !at_end_of_file_ && end_ - begin_ <= max_line_length) {
     refill();
     end = find_end();
   }
@@ -35,7 +35,7 @@ bool LineReader::next(std::string_view& line) {
   ++line_;
   const char* const begin = buffer_.data() + begin_;
   const std::size_t length = end == nullptr ? end_ - begin_ : static_cast<std::size_t>(end - begin);
-  if (length > longest_line) fail(fmt::format("more than {} characters", longest_line));
+  if (length > max_line_length) fail(fmt::format("more than {} characters", max_line_length));
   if (end == nullptr) fail("the line has no end; the file seems to be cut off");
   line = {begin, length};
   begin_ += length + 1;

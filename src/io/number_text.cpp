@@ -166,10 +166,10 @@ constexpr std::array<std::array<char, 4>, 20> power_texts = [] {
 
 char* write_exactly(char* out, double value) {
   if (std::isfinite(value))
-    return std::to_chars(out, out + longest_number_text, value, std::chars_format::scientific,
+    return std::to_chars(out, out + max_number_length, value, std::chars_format::scientific,
                          digits_after_point)
         .ptr;
-  return out + std::snprintf(out, longest_number_text, "%.12e", value);
+  return out + std::snprintf(out, max_number_length, "%.12e", value);
 }
 
 }  // namespace
@@ -240,7 +240,7 @@ char* write_index(char* out, std::uint64_t value) {
     store_text(out, digits >> (8 * zeros));
     return out + 8 - zeros;
   }
-  return std::to_chars(out, out + longest_number_text, value).ptr;
+  return std::to_chars(out, out + max_number_length, value).ptr;
 }
 
 }  // namespace eses::detail

@@ -8,7 +8,7 @@
 namespace eses::detail {
 
 /// The longest text that the functions below write.
-inline constexpr std::size_t longest_number_text = 24;
+inline constexpr std::size_t max_number_length = 24;
 
 /// `value` as printf's %.12e, digit for digit; returns the end.
 char* write_scientific(char* out, double value);

@@ -7,7 +7,7 @@
 namespace eses::detail {
 namespace {
 
-constexpr std::size_t longest_quotation = 40;  // characters of the user's text in a message
+constexpr std::size_t max_quotation_length = 40;  // characters of the user's text in a message
 
 std::from_chars_result convert(std::string_view text, double& value) {
   return std::from_chars(text.data(), text.data() + text.size(), value);
@@ -90,12 +90,12 @@ std::string printable(std::string_view text) {
 
 std::string quoted(std::string_view text) {
   std::string result = "\"";
-  for (const char c : text.substr(0, longest_quotation)) {
+  for (const char c : text.substr(0, max_quotation_length)) {
     if (c == '"' || c == '\\') result += '\\';
     result += printable({&c, 1});
   }
   result += '"';
-  if (text.size() > longest_quotation) result += "...";
+  if (text.size() > max_quotation_length) result += "...";
   return result;
 }
 

@@ -10,7 +10,7 @@ namespace eses::detail {
 
 /// A text line longer than this holds none of our data; it bounds what is looked at for one
 /// message.
-inline constexpr std::size_t longest_line = 4096;  // characters
+inline constexpr std::size_t max_line_length = 4096;  // characters
 
 constexpr bool is_blank(char c) { return c == ' ' || c == '\t'; }
 constexpr bool is_digit(char c) { return c >= '0' && c <= '9'; }

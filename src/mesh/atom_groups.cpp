@@ -6,9 +6,9 @@
 namespace eses::detail::mesh {
 namespace {
 
-// Numbers labels by key(label), in the order in which the keys come first; `first` gets the first
-// label of each number. Sorts the first labels of runs, as a table of the names would take far more
-// memory.
+// Numbers the different values of key(label) from 0, in the order of their first occurrence.
+// Returns the number of each label; `first` gets the first label of each number. Sorts only the
+// first labels of runs of equal keys. A hash table of the names would need far more memory.
 template <class Key>
 std::vector<std::uint32_t> number_by(std::size_t labels, const Key& key,
                                      std::vector<AtomIndex>& first) {
@@ -19,7 +19,7 @@ std::vector<std::uint32_t> number_by(std::size_t labels, const Key& key,
   std::sort(order.begin(), order.end(), [&](AtomIndex a, AtomIndex b) {
     return std::tuple_cat(key(a), std::tuple(a)) < std::tuple_cat(key(b), std::tuple(b));
   });
-  // Until a run's first label gets its number, it has the first label with the same key.
+  // At first, numbers[i] of the first label i of a run is the first label that has the same key.
   std::vector<std::uint32_t> numbers(labels);
   for (std::size_t q = 0; q < order.size(); ++q)
     numbers[order[q]] =
@@ -41,10 +41,10 @@ std::vector<std::uint32_t> number_by(std::size_t labels, const Key& key,
 
 LabelNumbers number_labels(std::span<const AtomLabel> labels) {
   LabelNumbers numbers;
-  const auto chain = [&](AtomIndex i) { return std::tuple(written_name(labels[i].chain)); };
+  const auto chain = [&](AtomIndex i) { return std::tuple(truncated_name(labels[i].chain)); };
   const auto residue = [&](AtomIndex i) {
-    return std::tuple(written_name(labels[i].chain), written_name(labels[i].residue_number),
-                      written_name(labels[i].residue));
+    return std::tuple(truncated_name(labels[i].chain), truncated_name(labels[i].residue_number),
+                      truncated_name(labels[i].residue));
   };
   numbers.chain_of = number_by(labels.size(), chain, numbers.chains);
   numbers.residue_of = number_by(labels.size(), residue, numbers.residues);

@@ -1,5 +1,5 @@
 #pragma once
-/// Chains and residues as numbers.
+/// Numbering of chains and residues.
 
 #include <cstddef>
 #include <cstdint>
@@ -11,32 +11,33 @@
 
 namespace eses::detail::mesh {
 
-/// An atom's chain and residue as a mesh numbers them.
+/// Numbers of an atom's chain and residue in a mesh file, from 0.
 struct GroupNumbers {
   std::uint32_t chain = 0, residue = 0;
 };
 
-/// The chains and residues of atoms, if they are known.
+/// Chains and residues of the atoms, if they are known.
 struct AtomGroups {
   bool are_known = false;
-  std::span<const GroupNumbers> of_atom;
-  std::uint64_t chain_count = 0, residue_count = 0;  ///< of the whole molecule
+  std::span<const GroupNumbers> of_atom;             ///< by atom index
+  std::uint64_t chain_count = 0, residue_count = 0;  ///< counts of the whole molecule
 };
 
-/// Chains and residues of labels, numbered from 0 in the order in which they come first.
+/// Numbers of the chains and residues of labels, from 0 in the order of their first occurrence.
 struct LabelNumbers {
   std::vector<std::uint32_t> chain_of, residue_of;  ///< by label
   std::vector<AtomIndex> chains, residues;          ///< by number: the first label that has it
 };
 
-/// Labels with the same chain are in one chain; those with the same chain, residue number and
-/// residue name in one residue; as far as names are written.
+/// Numbers chains and residues. A chain is a chain name; a residue is a combination of chain name,
+/// residue number and residue name. Names are compared as truncated by truncated_name.
 LabelNumbers number_labels(std::span<const AtomLabel> labels);
 
-/// What is written of a name: readers of PLY files have room for lines of some length only.
-inline std::string_view written_name(std::string_view name) {
-  constexpr std::size_t longest_name = 64;  // characters
-  return name.substr(0, longest_name);
+/// Returns the beginning of a name, as written to a mesh file. Names are truncated because PLY
+/// readers limit the length of lines.
+inline std::string_view truncated_name(std::string_view name) {
+  constexpr std::size_t max_name_length = 64;  // characters
+  return name.substr(0, max_name_length);
 }
 
 }  // namespace eses::detail::mesh

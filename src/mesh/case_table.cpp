@@ -47,7 +47,7 @@ class Tabulator {
     CellCase result;
     for (const Polygon& polygon : polygons(inside)) {
       std::vector<CellTriangle> triangles;
-      cut_up(polygon, triangles);
+      triangulate_polygon(polygon, triangles);
       for (const CellTriangle& triangle : triangles) result.triangles[result.count++] = triangle;
     }
     return result;
@@ -57,8 +57,9 @@ class Tabulator {
   static constexpr std::uint8_t none = edge_count;
   using Successors = std::array<std::uint8_t, edge_count>;
 
-  // The edge to which the polygon goes on from each edge: the segment from where a face's boundary
-  // comes to inside corners, to where it leaves them, has the outside on its right.
+  // Returns the segments on the faces as a map from cell edge to the next cell edge of the polygon.
+  // On a face, the boundary is followed counterclockwise. A segment starts at the cell edge at
+  // which the boundary enters a run of inside corners, and ends where it leaves the run.
   Successors successors(std::size_t inside) const {
     Successors next;
     next.fill(none);
@@ -95,16 +96,19 @@ class Tabulator {
                        [&](const Face& face) { return lies_in(a, face) && lies_in(b, face); });
   }
 
-  // The first of the ways that there are, if there is any: the triangle at the polygon's last side,
-  // then what is left on both sides of it.
-  bool cut_up(std::span<const std::uint8_t> polygon, std::vector<CellTriangle>& triangles) const {
+  // Appends the triangles of the first allowed triangulation and returns true, or returns false if
+  // there is none. Chooses the triangle at the polygon's last side, then recursively triangulates
+  // the polygons on both sides of it. A diagonal is allowed if its ends do not lie in one face.
+  bool triangulate_polygon(std::span<const std::uint8_t> polygon,
+                           std::vector<CellTriangle>& triangles) const {
     if (polygon.size() < 3) return true;
     const std::size_t count = triangles.size(), last = polygon.size() - 1;
     for (std::size_t k = 1; k < last; ++k) {
       if (k > 1 && lie_in_one_face(polygon[0], polygon[k])) continue;
       if (k + 1 < last && lie_in_one_face(polygon[k], polygon[last])) continue;
       triangles.push_back({polygon[0], polygon[k], polygon[last]});
-      if (cut_up(polygon.first(k + 1), triangles) && cut_up(polygon.subspan(k), triangles))
+      if (triangulate_polygon(polygon.first(k + 1), triangles) &&
+          triangulate_polygon(polygon.subspan(k), triangles))
         return true;
       triangles.resize(count);
     }

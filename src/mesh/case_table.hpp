@@ -1,8 +1,12 @@
 #pragma once
-/// Which triangles a cell of the grid holds, by which of its corners are inside.
+/// Table of the triangles in a cell of the grid, by the set of its inside corners.
 ///
-/// W. E. Lorensen, H. E. Cline, "Marching cubes: a high resolution 3D surface construction
-/// algorithm", SIGGRAPH 1987; here the table follows from one rule for the faces, see below.
+/// Marching cubes: W. E. Lorensen and H. E. Cline, "Marching cubes: a high resolution 3D surface
+/// construction algorithm", Computer Graphics 21(4), 163-169 (1987), doi:10.1145/37402.37422.
+/// The published table leaves holes at ambiguous faces, which have inside corners at the ends of
+/// one diagonal only. As C. Montani, R. Scateni and R. Scopigno, "A modified look-up table for
+/// implicit disambiguation of marching cubes", The Visual Computer 10, 353-355 (1994),
+/// doi:10.1007/BF01900830, do, one rule decides all ambiguous faces here; see case_table().
 
 #include <array>
 #include <cstddef>
@@ -16,14 +20,14 @@ inline constexpr std::size_t edge_count = 12;
 inline constexpr std::size_t case_count = 256;
 inline constexpr std::size_t max_triangles = 5;  ///< in one cell
 
-/// Corner c stands at (c & 1, c >> 1 & 1, c >> 2 & 1). An edge runs along `axis` from its lower
-/// corner.
+/// An edge of the cell, which runs along `axis` from its lower corner. Corner c has the coordinates
+/// (c & 1, c >> 1 & 1, c >> 2 & 1).
 struct CellEdge {
   std::size_t axis = 0;
   std::size_t corner = 0;
 };
 
-/// By lower corner, then axis.
+/// Returns the edges, ordered by lower corner, then axis.
 constexpr std::array<CellEdge, edge_count> make_cell_edges() {
   std::array<CellEdge, edge_count> edges;
   std::size_t count = 0;
@@ -34,8 +38,8 @@ constexpr std::array<CellEdge, edge_count> make_cell_edges() {
 }
 inline constexpr std::array<CellEdge, edge_count> cell_edges = make_cell_edges();
 
-/// Three edges of the cell, on which the corners lie, counterclockwise seen from outside the
-/// surface.
+/// The cell edges on which the three vertices of a triangle lie, counterclockwise seen from outside
+/// the surface.
 using CellTriangle = std::array<std::uint8_t, 3>;
 
 /// The triangles of a cell.
@@ -46,13 +50,14 @@ struct CellCase {
   std::span<const CellTriangle> all() const { return std::span(triangles).first(count); }
 };
 
-/// By the inside corners: bit c stands for corner c.
+/// Returns the table. Bit c of the index is set if corner c is inside.
 ///
-/// On each face of a cell, every run of inside corners is cut off by a segment; so where two
-/// opposite corners are inside, they are parted. Both cells at the face see it alike, hence their
-/// segments meet. The segments of a cell's faces join to polygons; these are cut into triangles by
-/// diagonals that lie in no face, which no other cell can have. So every edge of a triangle belongs
-/// to exactly one more, and around each vertex the triangles form one fan.
+/// On each face of a cell, a segment cuts off every run of adjacent inside corners. On an ambiguous
+/// face, the two inside corners are therefore separated. The rule depends on the face alone, so
+/// that the two cells at a face have the same segments. The segments on the faces of a cell form
+/// closed polygons, which are divided into triangles by diagonals that lie in no face. Such a
+/// diagonal belongs to one cell only. Each edge of a triangle hence belongs to exactly two
+/// triangles, and the triangles around each vertex form one fan.
 const std::array<CellCase, case_count>& case_table();
 
 }  // namespace eses::detail::mesh

@@ -1,5 +1,5 @@
 #pragma once
-/// Triangles of a part of a mesh, for as long as it is not known how many vertices come before it.
+/// Triangles of a part of a mesh, while the number of vertices before the part is not known.
 
 #include <array>
 #include <cstdint>
@@ -10,10 +10,11 @@
 
 namespace eses::detail::mesh {
 
+/// A triangle whose vertices are numbered from the first vertex of its part.
 struct LocalTriangle {
-  /// Numbers of vertices from the part's first one on; those of the part before it are negative.
+  /// Numbers of the vertices. Vertices of the previous part have negative numbers.
   std::array<std::int32_t, 3> corners{};
-  std::int32_t patch = 0;  ///< as patch_of has it, where the format needs it; else 0
+  std::int32_t patch = 0;  ///< result of patch_of if the format needs it, else 0
 
   friend bool operator==(const LocalTriangle&, const LocalTriangle&) = default;
 };
@@ -27,8 +28,8 @@ inline void append_local_triangle(TextBuffer& bytes, const Triangle& triangle, s
   bytes.advance_to(out + sizeof local);
 }
 
-/// With the numbers of the whole mesh, in which the part's first vertex is number `first`.
-inline Triangle numbered_from(std::uint64_t first, const LocalTriangle& local) {
+/// Returns the vertex numbers in the whole mesh. `first` is the number of the part's first vertex.
+inline Triangle global_triangle(std::uint64_t first, const LocalTriangle& local) {
   Triangle triangle{};
   for (std::size_t corner = 0; corner < triangle.size(); ++corner)
     triangle[corner] = first + static_cast<std::uint64_t>(std::int64_t{local.corners[corner]});

@@ -11,22 +11,22 @@
 
 namespace eses::detail {
 
-/// The formats of meshes. MSMS has two files, the others one.
+/// Formats of mesh files. An MSMS mesh has two files, other meshes have one.
 enum class MeshFormat : std::uint8_t { ply, obj, off, ascii_ply, msms, vtp };
 
 /// The suffixes of mesh files, for messages.
 inline constexpr char mesh_suffixes[] = ".ply, .obj, .off, .vtp, .vert or .face";
 
-/// The format that belongs to a file's suffix, in upper or lower case; `ply` for both kinds of PLY.
-/// None if the suffix is unknown.
+/// Format of a file by its suffix in upper or lower case: `ply` for both kinds of PLY, no value if
+/// the suffix is unknown.
 std::optional<MeshFormat> mesh_format(const std::filesystem::path& file);
 
-/// The format of a mesh. Throws Error if the suffix is unknown, or if text is chosen for another
+/// Format of a mesh. Throws Error if the suffix is unknown, or if `is_ascii` is set for another
 /// format than PLY.
 MeshFormat required_mesh_format(const MeshOptions& mesh);
 
-/// The files of a mesh: one, or that of the vertices and that of the triangles. The file that
-/// `mesh` names keeps its name; the suffix of the other one is in lower case.
+/// Paths of the files of a mesh: one, or for MSMS the file of the vertices and the file of the
+/// triangles. The path in `mesh` is kept as it is; the other one gets its suffix in lower case.
 std::vector<std::filesystem::path> mesh_files(const MeshOptions& mesh);
 
 }  // namespace eses::detail

@@ -16,7 +16,8 @@
 namespace eses::detail::mesh {
 namespace {
 
-// Readers take the indices of a PLY face for signed, and hold those of the others in an int.
+// Readers treat the vertex indices of a PLY face as signed, and store those of the other formats in
+// an int.
 constexpr std::uint64_t max_vertices = std::numeric_limits<std::int32_t>::max();
 constexpr std::size_t count_digits = 12;
 
@@ -24,19 +25,21 @@ bool is_ply(MeshFormat format) {
   return format == MeshFormat::ply || format == MeshFormat::ascii_ply;
 }
 
-// Padded behind the counts, where readers that split the line at single blanks, such as meshio, do
-// not take the padding for empty fields.
-void append_off_counts(TextPieces& text, const MeshCounts& counts) {
+// The padding is at the end of the line. Between the counts, readers that split the line at single
+// blanks, such as meshio, would take it for empty fields.
+void append_off_counts(BufferedText& text, const MeshCounts& counts) {
   const std::string line = fmt::format("{} {} 0", counts.vertices, counts.triangles);
   text.append("OFF\n{:<{}}\n", line, 2 * count_digits + 3);
 }
 
-// Two vectors, and for PLY colours, patch, atom, chain and residue.
-constexpr std::size_t longest_number = longest_number_text + 1, longest_index = 11, channel = 4;
-constexpr std::size_t longest_vertex = 6 * longest_number + 3 * channel + 2 + 3 * longest_index + 8;
-constexpr std::size_t longest_triangle = 6 * (longest_number_text + 2) + 4;
-static_assert(longest_msms_vertex <= longest_vertex);
-static_assert(longest_msms_triangle <= longest_triangle);
+// Upper bounds of the length of a line or record: a vertex has two vectors, and in PLY files a
+// colour, patch, atom, chain and residue.
+constexpr std::size_t max_field_length = max_number_length + 1, max_index_length = 11, channel = 4;
+constexpr std::size_t max_vertex_bytes =
+    6 * max_field_length + 3 * channel + 2 + 3 * max_index_length + 8;
+constexpr std::size_t max_triangle_bytes = 6 * (max_number_length + 2) + 4;
+static_assert(max_msms_vertex_bytes <= max_vertex_bytes);
+static_assert(max_msms_triangle_bytes <= max_triangle_bytes);
 
 char* put_obj_vertex(char* out, const Vertex& vertex) {
   *out++ = 'v';
@@ -61,7 +64,7 @@ char* put_obj_triangle(char* out, const Triangle& triangle) {
   return out;
 }
 
-// OFF, and PLY as text.
+// Writes a line of OFF or of text PLY.
 char* put_triangle_line(char* out, const Triangle& triangle) {
   out = put_index(out, 3);
   for (const std::uint64_t vertex : triangle) out = put_index(out, vertex);
@@ -76,7 +79,7 @@ char* put_ply_triangle(char* out, const Triangle& triangle) {
 
 }  // namespace
 
-void require_numbers(std::uint64_t vertices) {
+void require_vertex_count(std::uint64_t vertices) {
   if (vertices <= max_vertices) return;
   throw Error(fmt::format(
       "the mesh has more than {} vertices, which is more than its readers can number; use a larger "
@@ -93,7 +96,7 @@ VtpFields MeshText::vtp_fields() const {
 
 void MeshText::write_header_begin(const TextSink& sink) const {
   constexpr bool is_little = std::endian::native == std::endian::little;
-  TextPieces text(sink);
+  BufferedText text(sink);
   if (is_ply(format_))
     text.append(
         "ply\nformat {} 1.0\n"
@@ -106,31 +109,31 @@ void MeshText::write_header_begin(const TextSink& sink) const {
   text.flush();
 }
 
-void MeshText::append_chain_name(TextPieces& text, std::uint64_t number,
+void MeshText::append_chain_name(BufferedText& text, std::uint64_t number,
                                  const AtomLabel& label) const {
-  const std::string_view name = written_name(label.chain);
+  const std::string_view name = truncated_name(label.chain);
   if (is_ply(format_)) text.append("comment chain {} {}\n", number, name);
   if (format_ == MeshFormat::vtp) append_vtp_name(text, name);
 }
 
 void MeshText::write_header_middle(const TextSink& sink) const {
-  TextPieces text(sink);
+  BufferedText text(sink);
   if (format_ == MeshFormat::vtp)
     append_vtp_before_residues(text, vtp_fields(), source_.groups.residue_count);
   text.flush();
 }
 
-void MeshText::append_residue_name(TextPieces& text, std::uint64_t number,
+void MeshText::append_residue_name(BufferedText& text, std::uint64_t number,
                                    const AtomLabel& label) const {
   const std::string name =
-      fmt::format("{} {} {}", written_name(label.residue), written_name(label.residue_number),
-                  written_name(label.chain));
+      fmt::format("{} {} {}", truncated_name(label.residue), truncated_name(label.residue_number),
+                  truncated_name(label.chain));
   if (is_ply(format_)) text.append("comment residue {} {}\n", number, name);
   if (format_ == MeshFormat::vtp) append_vtp_name(text, name);
 }
 
 void MeshText::write_header_end(const MeshCounts& counts, const TextSink& sink) const {
-  TextPieces text(sink);
+  BufferedText text(sink);
   switch (format_) {
     case MeshFormat::ply:
     case MeshFormat::ascii_ply:
@@ -154,16 +157,16 @@ void MeshText::write_header_end(const MeshCounts& counts, const TextSink& sink) 
 }
 
 void MeshText::write_face_header(const MeshCounts& counts, const TextSink& sink) const {
-  TextPieces text(sink);
+  BufferedText text(sink);
   append_msms_face_header(text, counts.triangles,
                           {source_.atom_count, source_.probe_radius, source_.spacing});
   text.flush();
 }
 
-void MeshText::append_ply_end(TextPieces& text, const MeshCounts& counts) const {
+void MeshText::append_ply_end(BufferedText& text, const MeshCounts& counts) const {
   const std::string vertices = fmt::format("{}", counts.vertices);
   const std::string triangles = fmt::format("{}", counts.triangles);
-  // What the counts are shorter than the longest ones.
+  // The padding keeps the length of the header independent of the counts.
   const std::size_t padding = 2 * count_digits - vertices.size() - triangles.size();
   text.append("comment {:->{}}\nelement vertex {}\n", "", padding, vertices);
   for (const char* name : {"x", "y", "z"}) text.append("property double {}\n", name);
@@ -176,13 +179,14 @@ void MeshText::append_ply_end(TextPieces& text, const MeshCounts& counts) const 
 }
 
 Color MeshText::color_of(const Vertex& vertex) const {
-  if (color_ == MeshColor::atom) return wheel_color(number_of(vertex.first_atom()));
+  if (color_ == MeshColor::atom) return distinct_color(number_of(vertex.first_atom()));
   if (color_ == MeshColor::chain)
-    return wheel_color(source_.groups.of_atom[vertex.first_atom()].chain);
+    return distinct_color(source_.groups.of_atom[vertex.first_atom()].chain);
   return patch_color(vertex.patch);
 }
 
-// The distance from a sphere is that from its surface. The first of equally distant atoms counts.
+// Returns the adjacent atom whose van der Waals sphere has the least distance from the vertex, and
+// the first one of equally distant atoms.
 AtomIndex MeshText::closest_atom(const Vertex& vertex) const {
   const auto distance = [&](AtomIndex i) {
     const Atom& atom = source_.atoms[i];
@@ -194,9 +198,9 @@ AtomIndex MeshText::closest_atom(const Vertex& vertex) const {
   return closest;
 }
 
-// A vertex of binary PLY, and a record of VTP.
+// Appends a vertex of binary PLY, which is also the vertex record of VTP.
 void MeshText::append_record(TextBuffer& text, const Vertex& vertex) const {
-  char* out = text.reserve(longest_vertex);
+  char* out = text.reserve(max_vertex_bytes);
   for (std::size_t axis = 0; axis < 3; ++axis) out = put(out, vertex.position[axis]);
   for (std::size_t axis = 0; axis < 3; ++axis)
     out = put(out, static_cast<float>(vertex.normal[axis]));
@@ -212,9 +216,9 @@ void MeshText::append_record(TextBuffer& text, const Vertex& vertex) const {
   text.advance_to(out);
 }
 
-// The same values as text.
+// Appends a vertex of text PLY.
 void MeshText::append_ply_line(TextBuffer& text, const Vertex& vertex) const {
-  char* out = text.reserve(longest_vertex);
+  char* out = text.reserve(max_vertex_bytes);
   out = put_vector(out, vertex.position);
   out = put_vector(out, vertex.normal);
   if (color_ != MeshColor::none)
@@ -232,7 +236,7 @@ void MeshText::append_ply_line(TextBuffer& text, const Vertex& vertex) const {
 void MeshText::append_vertex(TextBuffer& text, const Vertex& vertex) const {
   if (format_ == MeshFormat::ply || format_ == MeshFormat::vtp) return append_record(text, vertex);
   if (format_ == MeshFormat::ascii_ply) return append_ply_line(text, vertex);
-  char* const out = text.reserve(longest_vertex);
+  char* const out = text.reserve(max_vertex_bytes);
   if (format_ == MeshFormat::obj) return text.advance_to(put_obj_vertex(out, vertex));
   if (format_ == MeshFormat::off)
     return text.advance_to(end_line(put_vector(out, vertex.position)));
@@ -241,7 +245,7 @@ void MeshText::append_vertex(TextBuffer& text, const Vertex& vertex) const {
 
 void MeshText::append_triangle(TextBuffer& text, const Triangle& triangle,
                                std::uint8_t patch) const {
-  char* const out = text.reserve(longest_triangle);
+  char* const out = text.reserve(max_triangle_bytes);
   switch (format_) {
     case MeshFormat::ply:
       return text.advance_to(put_ply_triangle(out, triangle));
@@ -253,7 +257,7 @@ void MeshText::append_triangle(TextBuffer& text, const Triangle& triangle,
     case MeshFormat::msms:
       return text.advance_to(put_msms_triangle(out, triangle, patch));
     case MeshFormat::vtp:
-      return;  // see append_triangle_record
+      return;  // Done by append_triangle_record.
   }
 }
 
@@ -262,14 +266,14 @@ void MeshText::append_triangle_record(TextBuffer& text, const Triangle& triangle
   text.advance_to(put_vtp_triangle(text.reserve(vtp_triangle_bytes), triangle, number));
 }
 
-bool names_atoms(const MeshOptions& choice) {
+bool can_name_groups(const MeshOptions& choice) {
   const std::optional<MeshFormat> format = mesh_format(choice.file);
   return format == MeshFormat::ply || format == MeshFormat::vtp;
 }
 
 MeshBytes typical_mesh_bytes(const MeshOptions& choice, bool has_labels) {
-  constexpr std::uint64_t vector_line = 57;  // three numbers with what parts them
-  constexpr std::uint64_t index_text = 8;    // with a blank
+  constexpr std::uint64_t vector_line = 57;  // three numbers with their separators
+  constexpr std::uint64_t index_text = 8;    // an index and a blank
   const std::uint64_t vectors = 3 * sizeof(double) + 3 * sizeof(float);
   const bool has_color = choice.color != MeshColor::none;
   const std::uint64_t record = vectors + sizeof(std::uint8_t) + sizeof(AtomIndex) +
@@ -297,14 +301,14 @@ MeshBytes typical_mesh_bytes(const MeshOptions& choice, bool has_labels) {
     case MeshFormat::vtp:
       bytes = {.vertex = record,
                .triangle = vtp_triangle_bytes,
-               .waiting_vertex = record,
-               .waiting_triangle = sizeof(LocalTriangle),
+               .scratch_vertex = record,
+               .scratch_triangle = sizeof(LocalTriangle),
                .name_line = 10,
                .name_character = 3};
       return bytes;
   }
-  if (required_mesh_format(choice) != MeshFormat::msms) bytes.waiting_triangle = bytes.triangle;
-  if (names_atoms(choice)) {
+  if (required_mesh_format(choice) != MeshFormat::msms) bytes.scratch_triangle = bytes.triangle;
+  if (can_name_groups(choice)) {
     bytes.name_line = 26;
     bytes.name_character = 1;
   }

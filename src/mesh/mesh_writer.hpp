@@ -1,7 +1,7 @@
 #pragma once
-/// The bytes of mesh files.
+/// Text and binary records of mesh files.
 ///
-/// PLY: G. Turk, https://paulbourke.net/dataformats/ply/
+/// PLY: https://paulbourke.net/dataformats/ply/
 /// OBJ: https://paulbourke.net/dataformats/obj/
 /// OFF: http://www.geomview.org/docs/html/OFF.html
 /// MSMS: msms_text.hpp; VTP: vtp_text.hpp
@@ -10,8 +10,8 @@
 #include <span>
 #include <string_view>
 
+#include "io/buffered_text.hpp"
 #include "io/eses_writer.hpp"
-#include "io/text_pieces.hpp"
 #include "mesh/atom_groups.hpp"
 #include "mesh/mesh_format.hpp"
 #include "mesh/triangulate.hpp"
@@ -21,60 +21,62 @@
 
 namespace eses::detail::mesh {
 
-/// Throws Error if there are more vertices than readers of such files can number.
-void require_numbers(std::uint64_t vertices);
+/// Throws Error if there are more vertices than readers of mesh files can index.
+void require_vertex_count(std::uint64_t vertices);
 
-/// What files tell besides vertices and triangles. Everything must outlive the MeshText.
+/// Atoms and parameters that mesh files contain besides vertices and triangles. All spans must
+/// outlive the MeshText.
 struct MeshSource {
   AtomGroups groups;
-  /// Numbers of the atoms in the input, by index; empty if they are the indices.
+  /// Numbers of the atoms in the input, by index; empty if index and number are equal.
   std::span<const AtomIndex> atom_numbers;
   std::span<const Atom> atoms;   ///< by index
-  std::uint64_t atom_count = 0;  ///< of the molecule
+  std::uint64_t atom_count = 0;  ///< number of atoms of the whole molecule
   double probe_radius = 0;       ///< angstrom
   double spacing = 0;            ///< angstrom
 };
 
-/// The texts of a mesh. Most formats have one file: a header, all vertices, all triangles. MSMS has
-/// a header and the vertices in one file, a header and the triangles in another. In VTP, vertices
-/// and triangles are records, which are divided into columns when all of them are there.
+/// Makes the text of mesh files. Most formats have one file: a header, all vertices, all triangles.
+/// MSMS has a header and the vertices in one file, a header and the triangles in another. For VTP,
+/// vertices and triangles are first made as records, which are later divided into columns.
 class MeshText {
  public:
   MeshText(MeshFormat format, MeshColor color, MeshSource source);
 
-  /// Whether triangles have a file of their own.
+  /// Whether the triangles are in a separate file.
   bool has_face_file() const { return format_ == MeshFormat::msms; }
-  /// Whether vertices and triangles are divided into columns, as vtp_data() tells.
+  /// Whether the records of vertices and triangles must be divided into columns, see vtp_data().
   bool has_columns() const { return format_ == MeshFormat::vtp; }
   /// Whether `append_triangle` needs the triangles' patches.
   bool has_triangle_patches() const { return format_ == MeshFormat::msms; }
 
-  /// The header: its begin, the names of all chains, a part in the middle, the names of all
-  /// residues, and its end. Names are there only in formats that name atoms. All parts have the
-  /// same length whatever the counts.
+  /// Write the parts of the header: its beginning, the names of all chains, its middle, the names
+  /// of all residues, its end. Names are written only in formats for which can_name_groups is true.
+  /// The length of no part depends on `counts`.
   void write_header_begin(const TextSink& sink) const;
-  void append_chain_name(TextPieces& text, std::uint64_t number, const AtomLabel& label) const;
+  void append_chain_name(BufferedText& text, std::uint64_t number, const AtomLabel& label) const;
   void write_header_middle(const TextSink& sink) const;
-  void append_residue_name(TextPieces& text, std::uint64_t number, const AtomLabel& label) const;
+  void append_residue_name(BufferedText& text, std::uint64_t number, const AtomLabel& label) const;
   void write_header_end(const MeshCounts& counts, const TextSink& sink) const;
-  /// The header of the file of the triangles, if there is one; its length does not depend on the
-  /// counts.
+  /// Writes the header of the separate file of the triangles. Its length does not depend on
+  /// `counts`.
   void write_face_header(const MeshCounts& counts, const TextSink& sink) const;
 
   void append_vertex(TextBuffer& text, const Vertex& vertex) const;
-  /// `patch` is that of the triangle, see patch_of; any number if it is not needed.
+  /// `patch` is the result of patch_of, or any number if has_triangle_patches() is false.
   void append_triangle(TextBuffer& text, const Triangle& triangle, std::uint8_t patch) const;
 
-  /// For a format with columns: they, the record of triangle number `number`, and what stands
-  /// behind the columns.
+  /// Layout of the columns, for formats with columns only.
   VtpData columns(const MeshCounts& counts) const { return vtp_data(counts, vtp_fields()); }
+  /// Appends the record of triangle number `number`, from 0, for formats with columns only.
   static void append_triangle_record(TextBuffer& text, const Triangle& triangle,
                                      std::uint64_t number);
-  static std::string_view behind_columns() { return vtp_end; }
+  /// Text behind the columns, for formats with columns only.
+  static std::string_view footer() { return vtp_end; }
 
  private:
   VtpFields vtp_fields() const;
-  void append_ply_end(TextPieces& text, const MeshCounts& counts) const;
+  void append_ply_end(BufferedText& text, const MeshCounts& counts) const;
   void append_record(TextBuffer& text, const Vertex& vertex) const;
   void append_ply_line(TextBuffer& text, const Vertex& vertex) const;
   Color color_of(const Vertex& vertex) const;
@@ -88,15 +90,16 @@ class MeshText {
   MeshSource source_;
 };
 
-/// Whether vertices have a chain and a residue, where these are known.
-bool names_atoms(const MeshOptions& choice);
+/// Whether the format has the names of chains and residues, if these are known.
+bool can_name_groups(const MeshOptions& choice);
 
-/// Typical size of a mesh in bytes.
+/// Typical sizes of the elements of a mesh, in bytes.
 struct MeshBytes {
   std::uint64_t vertex = 0, triangle = 0;
-  /// Of a vertex and a triangle, in files without a name until the mesh is complete.
-  std::uint64_t waiting_vertex = 0, waiting_triangle = 0;
-  /// Of each line that names a chain or residue, and of each character of a name.
+  /// Sizes of a vertex and a triangle in temporary files.
+  std::uint64_t scratch_vertex = 0, scratch_triangle = 0;
+  /// Sizes of a line with the name of a chain or residue, without the name, and of each character
+  /// of the name.
   std::uint64_t name_line = 0, name_character = 0;
 };
 

@@ -7,10 +7,11 @@
 namespace eses::detail::mesh {
 namespace {
 
-void append_header(TextPieces& text, std::string_view elements, std::string_view column,
+void append_header(BufferedText& text, std::string_view elements, std::string_view column,
                    std::uint64_t count, const MsmsSurface& surface) {
-  // The expected number of crossings in a unit of area: |n_x| + |n_y| + |n_z| is 3/2 in the mean
-  // over all directions of the normal.
+  // Expected number of crossings per unit area. A surface element with unit normal n has
+  // (|n_x| + |n_y| + |n_z|) / spacing^2 crossings per area, and the mean of the sum over all
+  // directions is 3/2.
   const double density = 1.5 / (surface.spacing * surface.spacing);
   text.append(
       "# solvent excluded surface {}, eses-blocks; format of MSMS; angstrom\n"
@@ -18,17 +19,18 @@ void append_header(TextPieces& text, std::string_view elements, std::string_view
       elements, column, count, surface.atom_count, density, surface.probe_radius);
 }
 
-// MSMS: 1 toric reentrant, 2 spheric reentrant, 3 contact; here 1 convex, 2 saddle, 3 concave.
+// Converts the number of a patch (1 convex, 2 saddle, 3 concave) to that of MSMS (1 toric
+// reentrant, 2 spheric reentrant, 3 contact).
 char msms_type(std::uint8_t patch) { return patch == 1 ? '3' : patch == 2 ? '1' : '2'; }
 
 }  // namespace
 
-void append_msms_vertex_header(TextPieces& text, std::uint64_t vertices,
+void append_msms_vertex_header(BufferedText& text, std::uint64_t vertices,
                                const MsmsSurface& surface) {
   append_header(text, "vertices", "vertex", vertices, surface);
 }
 
-void append_msms_face_header(TextPieces& text, std::uint64_t triangles,
+void append_msms_face_header(BufferedText& text, std::uint64_t triangles,
                              const MsmsSurface& surface) {
   append_header(text, "faces", "faces ", triangles, surface);
 }

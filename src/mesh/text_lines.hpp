@@ -1,6 +1,6 @@
 #pragma once
-/// Parts of lines that several text formats of meshes share. Each function returns the end of what
-/// it has written.
+/// Writers of the fields that several mesh formats share. Each function returns the end of the text
+/// that it has written.
 
 #include <cstddef>
 #include <cstdint>
@@ -11,14 +11,14 @@
 
 namespace eses::detail::mesh {
 
-/// A value in the machine's byte order, which the headers of binary files name.
+/// Writes a value in the machine's byte order, which the headers of binary files name.
 template <class Value>
 char* put(char* out, Value value) {
   std::memcpy(out, &value, sizeof value);
   return out + sizeof value;
 }
 
-/// Three numbers with the digits of intersection_info.txt, and a blank behind each.
+/// Writes three numbers with the digits of intersection_info.txt, each with a blank behind it.
 inline char* put_vector(char* out, const Vec3& numbers) {
   for (std::size_t axis = 0; axis < 3; ++axis) {
     out = write_scientific(out, numbers[axis]);
@@ -27,14 +27,14 @@ inline char* put_vector(char* out, const Vec3& numbers) {
   return out;
 }
 
-/// A number with a blank behind it.
+/// Writes a number with a blank behind it.
 inline char* put_index(char* out, std::uint64_t index) {
   out = write_index(out, index);
   *out++ = ' ';
   return out;
 }
 
-/// Ends a line whose last character is a blank.
+/// Replaces the blank at the end of a line by the end of line.
 inline char* end_line(char* out) {
   out[-1] = '\n';
   return out;

@@ -9,7 +9,7 @@
 namespace eses::detail::mesh {
 namespace {
 
-// Looks vertices up in a row, for cells in ascending order.
+// Finds the vertices on edges of a row, for cells in ascending order.
 class RowCursor {
  public:
   explicit RowCursor(const Row& row) : row_(row) {}
@@ -17,7 +17,8 @@ class RowCursor {
   void advance_to(std::uint64_t x) {
     while (at_ < row_.edges.size() && row_.edges[at_] < edge_key(x, 0)) ++at_;
   }
-  // Of an edge that starts at the cursor or one point behind it, and is there.
+  // Returns the vertex on the edge `key`. The edge must have a vertex and start at the cursor's
+  // point or at the next one.
   std::uint64_t vertex(std::uint64_t key) const {
     std::size_t i = at_;
     while (row_.edges[i] != key) ++i;
@@ -29,7 +30,7 @@ class RowCursor {
   std::size_t at_ = 0;
 };
 
-// Where a row of cells stands in the rows around it.
+// Walks along a row of cells and appends the triangles of each cell.
 class CellRowWalk {
  public:
   CellRowWalk(const CellRows& rows, std::int64_t points_x, std::vector<Triangle>& triangles)
@@ -46,14 +47,15 @@ class CellRowWalk {
   }
 
  private:
-  // Bit i: point 64 * word + i + shift of the row, for a shift of 0 or 1.
+  // Returns 64 points of a row, with a shift of 0 or 1. Bit i is point 64 * word + i + shift.
   std::uint64_t points(std::size_t row, std::size_t word, int shift) const {
     const auto& inside = rows_[row]->inside;
     if (shift == 0) return inside[word];
     return inside[word] >> 1 | (word + 1 < inside.size() ? inside[word + 1] << 63 : 0);
   }
 
-  // Bit i: the corners of cell 64 * word + i differ.
+  // Returns the cells that have triangles. Bit i is set if the corners of cell 64 * word + i are
+  // not all inside or all outside.
   std::uint64_t mixed_cells(std::size_t word) const {
     std::uint64_t any = 0, all = ~std::uint64_t{0};
     for (std::size_t row = 0; row < rows_.size(); ++row)
@@ -103,7 +105,7 @@ std::uint8_t patch_of(const CellRows& rows, const Triangle& triangle) {
   std::array<std::uint8_t, 3> patches{};
   for (std::size_t corner = 0; corner < patches.size(); ++corner)
     for (const Row* const row : rows) {
-      // Vertices before the first one of the row are far away, as the difference wraps.
+      // For vertices before the first one of the row, the difference wraps to a large number.
       const std::uint64_t place = triangle[corner] - row->first_vertex;
       if (place < row->patches.size()) patches[corner] = row->patches[place];
     }

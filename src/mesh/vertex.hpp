@@ -1,5 +1,5 @@
 #pragma once
-/// The mesh's vertices.
+/// Vertices of the mesh.
 
 #include <array>
 #include <cstddef>
@@ -14,19 +14,21 @@ struct Vertex {
   Vec3 position;                     ///< angstrom
   Vec3 normal;                       ///< outward unit normal
   std::uint8_t patch = 1;            ///< 1 convex, 2 saddle, 3 concave
-  std::array<AtomIndex, 3> atoms{};  ///< adjacent atoms, ascending; there are `patch` of them
+  std::array<AtomIndex, 3> atoms{};  ///< adjacent atoms, ascending; the first `patch` are used
 
   AtomIndex first_atom() const { return atoms[0]; }
 };
 
-/// A crossing that is nearer than this to a grid point coincides with it.
-inline constexpr double coincidence = 1e-6;  // of the spacing
-/// Vertices stay so far away from a grid point with which their crossings coincide.
-inline constexpr double clearance = 1e-4;  // of the spacing
+/// Distance below which a crossing coincides with a grid point, in units of the spacing.
+inline constexpr double coincidence = 1e-6;
+/// Distance of a vertex from the grid point with which its crossing coincides, in units of the
+/// spacing.
+inline constexpr double clearance = 1e-4;
 
-/// The vertex on an edge of the grid that starts at the point `lower`: its crossing. If that
-/// coincides with a grid point, so may those of other edges there, and triangles would have no
-/// area, or sheets of the surface touch; so it stands a little off, on its edge.
+/// Returns the vertex at a crossing; `lower` is the lower end of the grid edge. If the crossing
+/// coincides with a grid point, the vertex is moved away from it along the edge. Otherwise the
+/// vertices of several edges at the point could coincide; triangles would have no area, or parts of
+/// the surface would touch.
 Vertex make_vertex(const Grid& grid, const GridIndex& lower, const BlockCrossing& crossing);
 
 }  // namespace eses::detail::mesh

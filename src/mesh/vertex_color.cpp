@@ -7,9 +7,9 @@ Color patch_color(std::uint8_t patch) {
   return patch == 1 ? convex : patch == 2 ? saddle : concave;
 }
 
-// Hues are multiples of the golden ratio. They are computed in whole numbers, so that no machine
-// rounds them differently.
-Color wheel_color(std::uint64_t number) {
+// The hue of a number is the fractional part of its product with the golden ratio, whose multiples
+// are evenly distributed. Integer arithmetic gives the same result on all machines.
+Color distinct_color(std::uint64_t number) {
   constexpr std::uint64_t golden = 0x9E3779B9, low = 60, high = 235;
   const std::uint64_t hue = 6 * (number * golden & 0xFFFFFFFF);  // in sixths of 2^32
   const std::uint64_t rise = (hue & 0xFFFFFFFF) * (high - low) >> 32;

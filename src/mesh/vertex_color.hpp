@@ -6,13 +6,13 @@
 
 namespace eses::detail::mesh {
 
-/// Red, green and blue.
+/// Red, green and blue, 0 to 255.
 using Color = std::array<std::uint8_t, 3>;
 
-/// The colour of a patch: 1 convex, 2 saddle, 3 concave.
+/// Colour of a patch: 1 convex, 2 saddle, 3 concave.
 Color patch_color(std::uint8_t patch);
 
-/// A colour for a number, far from those of the numbers beside it.
-Color wheel_color(std::uint64_t number);
+/// Colour of a number, which differs clearly from the colours of the next numbers.
+Color distinct_color(std::uint64_t number);
 
 }  // namespace eses::detail::mesh

@@ -13,11 +13,11 @@ namespace {
 struct Array {
   const char* name;
   const char* type;
-  std::size_t components;  // of a point or cell
-  std::size_t bytes;       // of a record's value
+  std::size_t components;  // number of values per point or cell
+  std::size_t bytes;       // size of the values in a record
 };
 
-// In the order of the values in a vertex record, see MeshText.
+// Returns the arrays in the order of the values in a vertex record, see MeshText::append_record.
 std::vector<Array> vertex_arrays(const VtpFields& fields) {
   std::vector<Array> arrays{{"Points", "Float64", 3, 3 * sizeof(double)},
                             {"Normals", "Float32", 3, 3 * sizeof(float)}};
@@ -36,7 +36,7 @@ std::vector<Array> triangle_arrays() {
           {"offsets", "Int64", 1, sizeof(std::int64_t)}};
 }
 
-// Puts the columns of some records behind `bytes`, to which it adds theirs.
+// Returns the columns of some records at the offset `bytes`, and adds their sizes to `bytes`.
 ColumnTable table_of(const std::vector<Array>& arrays, std::uint64_t records,
                      std::uint64_t& bytes) {
   ColumnTable table;
@@ -49,14 +49,13 @@ ColumnTable table_of(const std::vector<Array>& arrays, std::uint64_t records,
   return table;
 }
 
-// Blanks behind the value make the text as long as that of the longest number.
+// Pads the attribute with blanks to the length of the longest value.
 std::string attribute(std::string_view name, std::uint64_t value) {
-  constexpr std::size_t longest_number = 20;
-  return fmt::format("{:<{}}", fmt::format("{}=\"{}\"", name, value),
-                     name.size() + longest_number + 3);
+  constexpr std::size_t max_digits = 20;
+  return fmt::format("{:<{}}", fmt::format("{}=\"{}\"", name, value), name.size() + max_digits + 3);
 }
 
-void append_array(TextPieces& text, const Array& array, const Column& column) {
+void append_array(BufferedText& text, const Array& array, const Column& column) {
   text.append(
       "<DataArray type=\"{}\" Name=\"{}\" NumberOfComponents=\"{}\" format=\"appended\" {}/>\n",
       array.type, array.name, array.components,
@@ -72,7 +71,7 @@ VtpData vtp_data(const MeshCounts& counts, const VtpFields& fields) {
   return data;
 }
 
-void append_vtp_begin(TextPieces& text, const VtpFields& fields, std::uint64_t chains) {
+void append_vtp_begin(BufferedText& text, const VtpFields& fields, std::uint64_t chains) {
   constexpr bool is_little = std::endian::native == std::endian::little;
   text.append(
       "<?xml version=\"1.0\"?>\n"
@@ -87,7 +86,8 @@ void append_vtp_begin(TextPieces& text, const VtpFields& fields, std::uint64_t c
         chains);
 }
 
-void append_vtp_before_residues(TextPieces& text, const VtpFields& fields, std::uint64_t residues) {
+void append_vtp_before_residues(BufferedText& text, const VtpFields& fields,
+                                std::uint64_t residues) {
   if (!fields.has_groups) return;
   text.append(
       "</DataArray>\n<DataArray type=\"String\" Name=\"residue_name\" NumberOfTuples=\"{}\" "
@@ -95,7 +95,7 @@ void append_vtp_before_residues(TextPieces& text, const VtpFields& fields, std::
       residues);
 }
 
-void append_vtp_before_data(TextPieces& text, const VtpFields& fields, const MeshCounts& counts) {
+void append_vtp_before_data(BufferedText& text, const VtpFields& fields, const MeshCounts& counts) {
   const VtpData data = vtp_data(counts, fields);
   if (fields.has_groups) text.append("</DataArray>\n</FieldData>\n");
   text.append(
@@ -114,8 +114,8 @@ void append_vtp_before_data(TextPieces& text, const VtpFields& fields, const Mes
   text.append("</Polys>\n</Piece>\n</PolyData>\n<AppendedData encoding=\"raw\">\n_");
 }
 
-// As VTK has strings: the codes of their bytes, and 0 at the end.
-void append_vtp_name(TextPieces& text, std::string_view name) {
+// A string of VTK is written as the codes of its bytes, with 0 at the end.
+void append_vtp_name(BufferedText& text, std::string_view name) {
   for (const char character : name) text.append("{} ", static_cast<unsigned char>(character));
   text.append("0\n");
 }

@@ -1,5 +1,5 @@
 #pragma once
-/// Maps on their way into their files.
+/// Writer of maps of grid points and edges.
 
 #include <cstdint>
 #include <functional>
@@ -11,13 +11,13 @@
 
 namespace eses::detail {
 
-/// How a map gets at its file, from several threads for disjoint ranges.
+/// Access to the file of a map. Several threads call the functions for disjoint ranges.
 struct MapFile {
   std::function<void(std::span<const char> bytes, std::uint64_t offset)> write_at;
-  std::function<void(std::span<char> bytes, std::uint64_t offset)> read_at;  ///< what was written
+  std::function<void(std::span<char> bytes, std::uint64_t offset)> read_at;
 };
 
-/// Keeps a reference to `file`, an OutputFile or the like.
+/// Returns access to `file`, which may be an OutputFile. Keeps a reference to it.
 template <class File>
 MapFile map_file(File& file) {
   return {
@@ -25,11 +25,13 @@ MapFile map_file(File& file) {
       [&file](std::span<char> bytes, std::uint64_t offset) { file.read_at(bytes, offset); }};
 }
 
-/// Rows come in any order, as words: of a map of points a bit a point, of a map of edges 32 bits an
-/// edge, the part that lies inside. 64 points make a cell, of one word or of 32. `.vti` has the
-/// rows as they are. In `.dx` z runs fastest: until all rows have come, their words wait behind the
-/// values' place in the file, for each cell of a row the cells of all rows, so that memory does not
-/// grow with the grid.
+/// Writes a map from rows of words along x, which arrive in any order. A map of points has one bit
+/// a point. A map of edges has 32 bits an edge: the fraction of the edge that lies inside. 64
+/// points make a cell, of one word or of 32. A `.vti` file has x running fastest, so each row is
+/// written to its final place. In a `.dx` file z runs fastest, so the values must be transposed.
+/// Until all rows have arrived, their words are kept in the file itself, behind the place of the
+/// values: first the cells 0 of all rows, then the cells 1, and so on. The memory therefore does
+/// not grow with the grid.
 class GridMap {
  public:
   GridMap(MapFile file, MapChoice map, const Grid& grid, const GridRegion& region);
@@ -40,32 +42,32 @@ class GridMap {
     std::vector<char> values;
   };
 
-  /// `words` are those of consecutive rows, of which the first is number `first_row` of the
-  /// region. Several threads may call it for different rows.
+  /// Writes consecutive rows. `words` has words_of_row words for each row; `first_row` is the
+  /// 0-based number of the first row in the region. Several threads may call it for different rows.
   void write_rows(std::int64_t first_row, std::span<const std::uint64_t> words, Scratch& scratch);
 
-  /// When all rows have come, this many tiles are still to be turned, each once, in any order and
-  /// by anybody who has the file.
+  /// Number of tiles to transpose after all rows have been written. Each tile must be transposed
+  /// once; the order does not matter, and different processes may do it.
   std::int64_t tile_count() const;
-  /// Turns tiles [begin, end). Calls `check` many times and from all threads.
+  /// Transposes the tiles [begin, end). Calls `check` many times and from all threads.
   void transpose_tiles(std::int64_t begin, std::int64_t end, int threads,
                        const std::function<void()>& check);
-  /// What stands before and behind the values.
+  /// Writes the header and the footer of the file.
   void write_ends();
 
-  /// What is behind these bytes, when all tiles are turned, has served.
+  /// Size of the complete file. When all tiles are transposed, the bytes behind it can be cut off.
   std::uint64_t file_bytes() const { return layout_.file_bytes(); }
 
-  /// Words of a row of a region of this size.
+  /// Number of 64-bit words of a row along x.
   static std::int64_t words_of_row(MapQuantity quantity, const GridIndex& size);
 
   /// Bytes of the words of all rows.
   static std::uint64_t row_bytes(MapQuantity quantity, const GridRegion& region);
 
-  /// What the file holds besides while it is being made.
+  /// Bytes that the file needs beyond its final size while it is written.
   static std::uint64_t scratch_bytes(const MapChoice& map, const GridRegion& region);
 
-  /// Memory that a thread needs, at most.
+  /// Upper bound of the memory of a thread, in bytes.
   static double thread_bytes(const MapChoice& map, const GridRegion& region);
 
  private:

@@ -12,7 +12,7 @@
 namespace eses::detail {
 namespace {
 
-// Errors of kernels, file systems and sandboxes that do not support the copy.
+// Whether an error means that the kernel, the file system or a sandbox does not support the copy.
 bool means_unsupported(int error) {
   constexpr std::array errors{EXDEV, EINVAL, ENOSYS, EOPNOTSUPP, EPERM};
   return std::find(errors.begin(), errors.end(), error) != errors.end();

@@ -1,6 +1,5 @@
 #pragma once
-/// The ordered window: chunks of text that are finished in any order, and stand in a file in
-/// theirs.
+/// Ordered output of chunks of text that are finished in any order.
 
 #include <condition_variable>
 #include <cstdint>
@@ -13,10 +12,10 @@
 
 namespace eses::detail {
 
-/// Hands out consecutive file offsets in the order of the chunks' numbers.
+/// Writes numbered chunks to consecutive ranges of a file, in the order of their numbers.
 class OrderedOutput {
  public:
-  /// Writes text at an offset; may be called from several threads for disjoint ranges.
+  /// Writes text at an offset. Several threads call it for disjoint ranges.
   using WriteAt = std::function<void(std::span<const char> text, std::uint64_t offset)>;
 
   explicit OrderedOutput(WriteAt write_at) : write_at_(std::move(write_at)) {}
@@ -25,12 +24,13 @@ class OrderedOutput {
           file.write_at(text, offset);
         }) {}
 
-  /// Writes chunk number `chunk`, once all before it have told their lengths; until then it waits.
-  /// Every number from 0 must come once, about in order, or another thread must call `abandon`.
+  /// Writes chunk number `chunk`. Waits until the lengths of all chunks with smaller numbers are
+  /// known. Each number from 0 must be passed once, unless another thread calls `abandon`; the
+  /// waits are short if the numbers come about in order.
   void write(std::int64_t chunk, std::span<const char> text);
-  /// Writes behind all chunks, once all of them have come.
+  /// Writes text behind all chunks. All chunks must have been written.
   void append(std::span<const char> text);
-  /// Releases all that wait, after a failure.
+  /// Releases all waiting threads, whose chunks are then not written. Called after a failure.
   void abandon();
 
   std::uint64_t size() const { return offset_; }

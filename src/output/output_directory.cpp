@@ -48,7 +48,8 @@ std::string lock_name_of(const std::string& file) {
 FileDescriptor open_lock(const FileDescriptor& directory, const std::string& name) {
   constexpr int flags = O_NOFOLLOW | O_CLOEXEC;
   FileDescriptor lock(openat(directory.value(), name.c_str(), O_RDWR | O_CREAT | flags, 0666));
-  // Another user's run may have left it; to read is enough for locks, but on NFS.
+  // A run of another user may have left the file, so that it is only readable. Except on NFS, a
+  // lock does not need the right to write.
   if (!lock.is_open() && errno == EACCES) {
     lock = FileDescriptor(openat(directory.value(), name.c_str(), O_RDONLY | flags));
     if (!lock.is_open()) errno = EACCES;
@@ -56,7 +57,8 @@ FileDescriptor open_lock(const FileDescriptor& directory, const std::string& nam
   return lock;
 }
 
-// Whoever had the lock may have removed its file after it was opened here.
+// Whether `lock` is still the file of this name. The run that held the lock may have removed the
+// file after it was opened here.
 bool is_still_there(const FileDescriptor& directory, const FileDescriptor& lock,
                     const std::string& name) {
   struct stat opened {
@@ -70,7 +72,7 @@ struct CloseDirectory {
   void operator()(DIR* directory) const { closedir(directory); }
 };
 
-// The name under which a temporary file would have appeared, or nothing if it is no such file.
+// Returns the final name of a temporary file, or an empty string if the name is not that of one.
 std::string_view final_name(std::string_view file) {
   if (!file.starts_with('.') || !file.ends_with(temporary_suffix)) return {};
   file.remove_prefix(1);
@@ -112,7 +114,7 @@ void OutputDirectory::lock() {
   }
 }
 
-// False if the lock's file was removed in the meantime.
+// Returns false if the lock's file was removed in the meantime.
 bool OutputDirectory::try_lock() {
   lock_ = open_lock(directory_, lock_name_);
   if (!lock_.is_open()) refuse(path_, errno);
@@ -123,13 +125,13 @@ bool OutputDirectory::try_lock() {
   if (errno == EWOULDBLOCK && file_.empty()) refuse(path_, "another run is writing there");
   if (errno == EWOULDBLOCK)
     throw Error(fmt::format("cannot write {}: another run is writing it", path_in(path_, file_)));
-  return true;  // a file system without locks
+  return true;  // The file system has no locks.
 }
 
 void OutputDirectory::remove_abandoned(
     const std::function<bool(std::string_view name)>& is_ours) const {
   if (!is_locked_) return;
-  // Not std::filesystem's iterator: it ends the process where memory runs out.
+  // std::filesystem::directory_iterator terminates the process when memory runs out.
   const int readable = openat(descriptor(), ".", O_RDONLY | O_DIRECTORY | O_CLOEXEC);
   const std::unique_ptr<DIR, CloseDirectory> listing(readable < 0 ? nullptr : fdopendir(readable));
   if (!listing) return;

@@ -1,5 +1,5 @@
 #pragma once
-/// A directory into which one run at a time writes, or writes a certain file.
+/// Output directories, locked so that only one run at a time writes into them.
 
 #include <filesystem>
 #include <functional>
@@ -10,22 +10,24 @@
 
 namespace eses::detail {
 
-/// `directory`/`name`. Where memory runs out while libstdc++ 12 joins two paths itself, it crashes.
+/// Path `directory`/`name`. Does not use operator/ of std::filesystem::path, because libstdc++ 12
+/// crashes in it when memory runs out.
 std::string path_in(const std::filesystem::path& directory, const std::string& name);
 
-/// The name under which process `process` writes the file `name` until it is complete.
+/// Temporary name under which process `process` writes the file `name` until it is complete.
 std::string temporary_name(const std::string& name, long process);
 
-/// The file in `directory` that runs lock which write there, or which write the file `file`.
+/// Path of the lock file in `directory`: of the directory if `file` is empty, else of that file.
 std::string lock_path(const std::filesystem::path& directory, const std::string& file = "");
 
-/// Open and locked while it lives. The lock is the system's on a hidden file, so that it goes with
-/// the process however that ends; where the file system has no locks there is none.
+/// An output directory, open and locked during the lifetime of the object. The lock is a flock(2)
+/// on a hidden file, so that the system releases it however the process ends. A file system that
+/// does not support locks is used without one.
 class OutputDirectory {
  public:
-  /// Creates the directory if it is missing. Locks it as a place for any files but those that are
-  /// locked for themselves, or, if there is a name, for the file `file` alone. Throws Error if
-  /// this, or writing there, is impossible, and if another run has the lock.
+  /// Creates the directory if it is missing. If `file` is empty, locks the directory for all files
+  /// that have no lock of their own; otherwise locks only the file `file` in it. Throws Error if
+  /// the directory cannot be created or written to, and if another run holds the lock.
   explicit OutputDirectory(std::filesystem::path path, std::string file = "");
   ~OutputDirectory();
   OutputDirectory(const OutputDirectory&) = delete;
@@ -33,14 +35,14 @@ class OutputDirectory {
 
   const std::filesystem::path& path() const { return path_; }
 
-  /// Stays the same directory if it is renamed.
+  /// Descriptor of the directory. It refers to the same directory even after a renaming.
   int descriptor() const { return directory_.value(); }
 
-  /// Removes what runs that were killed have left of files whose names `is_ours` accepts. Without a
-  /// lock nothing: their runs may be alive.
+  /// Removes the temporary files that killed runs have left, if `is_ours` accepts their final
+  /// names. Removes nothing without a lock, because the runs may still be alive.
   void remove_abandoned(const std::function<bool(std::string_view name)>& is_ours) const;
 
-  /// Removes a file, if it is there. Throws Error.
+  /// Removes a file if it exists. Throws Error on failure.
   void remove(const std::string& name) const;
 
  private:
@@ -48,7 +50,7 @@ class OutputDirectory {
   bool try_lock();
 
   std::filesystem::path path_;
-  std::string file_;  // that is locked; none if it is the directory
+  std::string file_;  // The locked file; empty if the whole directory is locked.
   std::string lock_name_;
   FileDescriptor directory_, lock_;
   bool is_locked_ = false;

@@ -57,7 +57,7 @@ void OutputFile::write_at(std::span<const char> bytes, std::uint64_t offset) {
         pwrite(file_.value(), bytes.data(), bytes.size(), static_cast<off_t>(offset));
     if (written < 0 && errno == EINTR) continue;
     if (written < 0) fail("write", errno);
-    if (written == 0) fail("write", EIO);  // else a device that takes nothing would hang the run
+    if (written == 0) fail("write", EIO);  // Otherwise the loop might never end.
     bytes = bytes.subspan(static_cast<std::size_t>(written));
     offset += static_cast<std::uint64_t>(written);
   }
@@ -77,7 +77,7 @@ void OutputFile::read_at(std::span<char> bytes, std::uint64_t offset) {
         pread(file_.value(), bytes.data(), bytes.size(), static_cast<off_t>(offset));
     if (count < 0 && errno == EINTR) continue;
     if (count < 0) fail("read back", errno);
-    if (count == 0) fail("read back", EIO);  // somebody else has cut the file
+    if (count == 0) fail("read back", EIO);  // Another process has truncated the file.
     bytes = bytes.subspan(static_cast<std::size_t>(count));
     offset += static_cast<std::uint64_t>(count);
   }

@@ -1,5 +1,5 @@
 #pragma once
-/// Files that are complete or absent.
+/// Output files that are either complete or absent.
 
 #include <cstdint>
 #include <filesystem>
@@ -11,37 +11,38 @@
 
 namespace eses::detail {
 
-/// Throws Error if `path` leads, perhaps by symbolic links, to something that a regular file must
+/// Throws Error if `path` is, after following symbolic links, something that a regular file must
 /// not replace: a directory, device, FIFO or socket.
 void require_replaceable(const std::string& path);
 
-/// A file that is written under a temporary name in its own directory, and gets its final name only
-/// by `commit`. Destroyed before that, it leaves nothing behind. Every failure throws Error, naming
-/// the file.
+/// A file that is written under a temporary name in its final directory. `commit` gives it its
+/// final name. If the object is destroyed without `commit`, the temporary file is removed. Each
+/// failure throws Error with the name of the file.
 class OutputFile {
  public:
-  /// Keeps a reference to `directory`, which must outlive the file. Throws Error as
-  /// require_replaceable does.
+  /// Keeps a reference to `directory`, which must outlive the file. Throws Error if the file cannot
+  /// be created, or if require_replaceable refuses its path.
   OutputFile(const OutputDirectory& directory, std::string name);
   ~OutputFile();
   OutputFile(const OutputFile&) = delete;
   OutputFile& operator=(const OutputFile&) = delete;
 
-  /// Where it is in the end, and for now.
+  /// Final path of the file.
   std::string path() const { return path_in(directory_.path(), name_); }
+  /// Path of the file before `commit`.
   std::string temporary_path() const { return path_in(directory_.path(), temporary_name_); }
 
-  /// May be called from several threads for disjoint ranges.
+  /// Writes bytes at an offset. Several threads may call it for disjoint ranges.
   void write_at(std::span<const char> bytes, std::uint64_t offset);
-  /// Copies a range of another open file, as copy_in_kernel does.
+  /// Copies a range of another open file by copy_in_kernel. Returns the number of bytes copied.
   std::uint64_t copy_from(int file, const CopyRange& range);
-  /// Reads what has been written there before; bytes that nobody wrote are 0.
+  /// Reads bytes that were written before. Bytes in gaps that were never written are 0.
   void read_at(std::span<char> bytes, std::uint64_t offset);
-  /// Cuts off what is behind the first `bytes`.
+  /// Sets the size of the file, in bytes.
   void truncate(std::uint64_t bytes);
-  /// Checks what the system reports only at the end; nothing can be written after it.
+  /// Closes the file. Some file systems report failed writes only here.
   void close();
-  /// Removes an older file of the name, if there is one.
+  /// Removes an older file of the final name, if there is one.
   void remove_older();
   /// Renames the closed file, replacing any older one.
   void commit();

@@ -60,7 +60,7 @@ std::filesystem::path existing_part(std::filesystem::path directory) {
   return directory;
 }
 
-/// Where a file goes. Not by std::filesystem: see path_in.
+// Directory and name of a file. std::filesystem::path is avoided for the reason given at path_in.
 struct FilePlace {
   std::string directory, name;
 };
@@ -71,7 +71,7 @@ FilePlace place_of(const std::string& path) {
   return {slash == 0 ? "/" : path.substr(0, slash), path.substr(slash + 1)};
 }
 
-// Where a symbolic link leads; nothing if there is none, or no end of them.
+// Returns the target of a symbolic link, or nothing if `place` is not a symbolic link.
 std::optional<std::string> target_of(const FilePlace& place) {
   std::array<char, PATH_MAX> target{};
   const std::string path = path_in(place.directory, place.name);
@@ -81,9 +81,10 @@ std::optional<std::string> target_of(const FilePlace& place) {
   return text.front() == '/' ? text : path_in(place.directory, text);
 }
 
-// Of a symbolic link, the place where it leads: the link stays.
+// Follows symbolic links from `file` to the place where a file is to be written, so that the links
+// themselves are kept.
 FilePlace end_of_links(const std::filesystem::path& file) {
-  constexpr int max_links = 40;  // as Linux has it
+  constexpr int max_links = 40;  // the limit of Linux
   FilePlace place = place_of(file.native());
   for (int i = 0; i < max_links; ++i) {
     const std::optional<std::string> target = target_of(place);
@@ -93,14 +94,14 @@ FilePlace end_of_links(const std::filesystem::path& file) {
   throw FileError(fmt::format("cannot write {}", file.string()), ELOOP);
 }
 
-// The places of all files of a mesh.
+// Returns the places of all files of a mesh.
 std::vector<FilePlace> places_of(const MeshOptions& mesh) {
   std::vector<FilePlace> places;
   for (const std::filesystem::path& file : mesh_files(mesh)) places.push_back(end_of_links(file));
   return places;
 }
 
-// What goes to a file system while a run goes on.
+// Bytes that a run writes to a file system: at least `certain`, and `expected` by the estimates.
 struct DiskDemand {
   std::filesystem::path directory;
   std::uint64_t certain = 0, expected = 0;
@@ -112,7 +113,8 @@ std::optional<dev_t> file_system_of(const std::filesystem::path& directory) {
   return status.st_dev;
 }
 
-// The directory's first; one file system has one entry, unless it cannot be told.
+// Returns the demand on the file system of the output directory. If the mesh is in another file
+// system, or if that is not known, its demand follows as a second entry.
 std::vector<DiskDemand> disk_demands(const Plan& plan, const Outputs& outputs,
                                      const std::filesystem::path& directory) {
   const std::uint64_t texts = plan.gzip ? 0 : plan.grid_file_bytes + plan.area_file_bytes;
@@ -131,7 +133,8 @@ std::vector<DiskDemand> disk_demands(const Plan& plan, const Outputs& outputs,
   return demands;
 }
 
-// Not by access(2), which asks for the user who started the program and not for its own rights.
+// Uses faccessat with AT_EACCESS and not access(2), which checks the rights of the user who started
+// the program instead of those of the process.
 void require_writable(const std::filesystem::path& directory) {
   const std::filesystem::path existing = existing_part(directory);
   struct stat status {};
@@ -142,8 +145,8 @@ void require_writable(const std::filesystem::path& directory) {
   if (error != 0) throw FileError(fmt::format("cannot write into {}", directory.string()), error);
 }
 
-// A missing directory is created, but not one to which only a symbolic link leads: it may have been
-// moved, or be on a disk that is not mounted.
+// Throws Error if `file` is a symbolic link into a directory that does not exist. Other missing
+// directories are created, but this one may have been moved, or be on a disk that is not mounted.
 void require_end_of_link(const std::filesystem::path& file) {
   const FilePlace end = end_of_links(file);
   const bool is_link = target_of(place_of(file.native())).has_value();
@@ -162,10 +165,10 @@ void require_mesh_place(const std::filesystem::path& file) {
   if (std::filesystem::path(directory).filename() == checkpoint_name)
     throw Error(fmt::format("{} would go where runs keep what can be resumed, and be removed",
                             file.string()));
-  require_replaceable(file);  // in messages, the name that was given
+  require_replaceable(file);  // The message has the name that the user gave.
 }
 
-// Directories that do not exist yet are told apart by their names.
+// Whether two directories are the same one. If one does not exist yet, their names are compared.
 bool is_same_directory(const std::string& a, const std::string& b) {
   struct stat of_a {
   }, of_b{};
@@ -182,7 +185,7 @@ void require_different(std::span<const FilePlace> places) {
                                 path_in(places[i].directory, places[i].name)));
 }
 
-// Where there is no directory yet, there is nothing of the name.
+// Throws Error if the file or its temporary file cannot have its name.
 void require_free_name(const FilePlace& place) {
   const std::string path = path_in(place.directory, place.name);
   require_replaceable(path);
@@ -222,7 +225,7 @@ std::vector<std::string> file_names(const Outputs& choice) {
 
 namespace {
 
-/// Of the chosen files and the mesh.
+// Returns the places of the chosen files and of the mesh.
 std::vector<FilePlace> places_of(const Outputs& choice, const std::filesystem::path& directory) {
   std::vector<FilePlace> places;
   for (std::string& name : file_names(choice))
@@ -315,7 +318,7 @@ void OutputFiles::open_mesh(const MeshOptions& choice) {
   if (places.size() > 1) open(places.back(), face_directory, mesh_faces);
 }
 
-// The bounding box first.
+// Returns all files, the bounding box first.
 std::vector<OutputFile*> OutputFiles::all() {
   std::vector<OutputFile*> files;
   for (auto* file : {&box, &grid, &edges, &areas})
@@ -347,10 +350,11 @@ void OutputFiles::commit(const std::function<void()>& check) {
   }
 }
 
-// First what says that a piece is complete, the last what says of which run.
+// Removes the checksum files first, which mark chunks as complete, and the file that identifies the
+// run last.
 void remove_checkpoint_directory(const std::filesystem::path& directory) noexcept {
   try {
-    std::error_code error;  // what is left does no harm
+    std::error_code error;  // Errors are ignored: files that are left do no harm.
     std::vector<std::filesystem::path> sums, others;
     for (const auto& entry : std::filesystem::directory_iterator(directory, error))
       (entry.path().extension() == sums_suffix ? sums : others).push_back(entry.path());
@@ -358,7 +362,7 @@ void remove_checkpoint_directory(const std::filesystem::path& directory) noexcep
       for (const auto& path : *paths)
         if (path.filename() != run_name) std::filesystem::remove(path, error);
     std::filesystem::remove_all(directory, error);
-  } catch (const std::bad_alloc&) {  // nor then
+  } catch (const std::bad_alloc&) {  // The files are left, which does no harm.
   }
 }
 

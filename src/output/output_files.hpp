@@ -1,5 +1,5 @@
 #pragma once
-/// The files of a run: all of them, or none.
+/// The output files of a run, of which either all or none get their final names.
 
 #include <array>
 #include <filesystem>
@@ -15,79 +15,81 @@
 
 namespace eses::detail {
 
-/// Of the text files, if they are not gzipped.
+/// Names of the uncompressed text files.
 inline constexpr char box_name[] = "bounding_box.txt";
 inline constexpr char grid_name[] = "grid_info.txt";
 inline constexpr char edges_name[] = "intersection_info.txt";
 inline constexpr char areas_name[] = "partition_area.txt";
 
-/// Of one of them, plain or gzipped.
+/// Name of a text output file, with ".gz" if compressed.
 std::string text_file_name(const char* name, bool gzip);
 
-/// Where a run that may be resumed keeps what is done, in its output directory.
+/// Name of the checkpoint directory in the output directory.
 inline constexpr char checkpoint_name[] = ".eses-blocks.resume";
 
-/// In it, what says of which run it is, and the suffix of what says that a piece is complete.
+/// Name of the file in the checkpoint directory that identifies the run.
 inline constexpr char run_name[] = "run";
+/// Suffix of the checksum file that marks a chunk as complete.
 inline constexpr char sums_suffix[] = ".sums";
 
-/// Removes the directory of that name with all that is in it. If that is cut off, what is left of
-/// the pieces in it can still be told from complete ones.
+/// Removes a checkpoint directory with all its files. If the removal is interrupted, the remaining
+/// chunks can still be recognized as incomplete.
 void remove_checkpoint_directory(const std::filesystem::path& directory) noexcept;
 
-/// The names of the chosen files, the mesh left out.
+/// Names of the chosen files, without the mesh.
 std::vector<std::string> file_names(const Outputs& choice);
 
-/// Where these and the mesh are in the end.
+/// Final paths of the chosen files and of the mesh.
 std::vector<std::string> final_paths(const Outputs& choice, const std::filesystem::path& directory);
 
-/// What is removed besides, as it is another form of one of them.
+/// Paths of the chosen text files in their other form, plain or compressed. `commit` removes them.
 std::vector<std::string> stale_paths(const Outputs& choice, const std::filesystem::path& directory);
 
-/// The directory of the mesh's first file; if that is a symbolic link, of the file to which it
-/// leads.
+/// Directory of the mesh's first file, after following symbolic links.
 std::string mesh_directory_of(const MeshOptions& mesh);
 
-/// Throws Error if one of the files cannot be written where it goes, as far as can be told without
-/// writing there: its directory is none, or not to be written to, or its name leads to something
-/// else than a regular file. The same holds for stale_paths, which would be removed. Throws Error,
-/// too, if two of the files are the same one, as by symbolic links.
+/// Checks, without writing, that all files of a run can be written. Throws Error if a directory
+/// cannot be written to, if the path of an output file or of stale_paths is something else than a
+/// regular file, or if two of the output files are the same file, perhaps by symbolic links.
 void require_places(const Outputs& choice, const std::filesystem::path& directory);
 
-/// Where this process writes them until they are complete.
+/// Paths under which this process writes the files until they are complete.
 std::vector<std::string> temporary_paths(const Outputs& choice,
                                          const std::filesystem::path& directory);
 
-/// The files that it locks.
+/// Paths of the lock files of a run.
 std::vector<std::string> lock_paths(const Outputs& choice, const std::filesystem::path& directory);
 
-/// What the file systems of a plan's files have to give, and what goes there.
+/// Available and expected disk space, for each file system of the output.
 struct DiskSpace {
   struct Place {
     std::filesystem::path directory;
-    std::uint64_t available = 0;  ///< bytes; the largest number if that cannot be told
-    std::uint64_t expected = 0;   ///< bytes of files, and beside them while they are being made
+    std::uint64_t available = 0;  ///< bytes; the largest number if it is not known
+    std::uint64_t expected = 0;   ///< bytes, with those of temporary data
   };
-  /// The output directory; then that of the mesh, if it is in another file system.
+  /// The output directory; then the directory of the mesh if it is in another file system.
   std::vector<Place> places;
 };
 
-/// The disk space for a plan's files in `directory` and that of the mesh, neither of which need
-/// exist yet. Throws Error if those whose size is known do not fit.
+/// Returns the disk space for the files of a plan. The output directory and the directory of the
+/// mesh need not exist yet. Throws Error if the files whose sizes are known do not fit.
 DiskSpace require_disk_space(const Plan& plan, const Outputs& outputs,
                              const std::filesystem::path& directory);
 
-/// Each file is there only if it was chosen. Nothing but `commit` touches what has a final name.
+/// The open output files of a run; only the chosen ones have a value. Only `commit` changes files
+/// that have final names.
 struct OutputFiles {
-  bool gzip = false;                         ///< whether box, grid, edges and areas are gzipped
-  std::optional<OutputDirectory> directory;  ///< if any file but the mesh is there
-  /// If there is a mesh, of its file, and of that of its triangles if they have one; each locked
-  /// for that file alone.
+  bool gzip = false;  ///< whether box, grid, edges and areas are compressed
+  /// The output directory, if any file other than the mesh is chosen.
+  std::optional<OutputDirectory> directory;
+  /// Directories of the mesh file and of the separate file of its triangles, if the format has one.
+  /// Each is locked for its file alone.
   std::optional<OutputDirectory> mesh_directory, face_directory;
   std::optional<OutputFile> box, grid, edges, areas, residues, chains, mesh, mesh_faces;
   std::array<std::optional<OutputFile>, map_quantities> maps;  ///< by quantity
 
-  /// Throws Error as require_places, OutputDirectory, OutputFile and require_disk_space do.
+  /// Opens the files. Throws the errors of require_places, OutputDirectory, OutputFile and
+  /// require_disk_space.
   OutputFiles(const Outputs& choice, const std::filesystem::path& path, const Plan& plan);
 
   /// The file of a map; null if there is none.
@@ -96,12 +98,13 @@ struct OutputFiles {
     return file ? &*file : nullptr;
   }
 
-  /// Gives all files their names. Older ones go first, so that old and new never stand beside each
-  /// other, and the bounding box comes last: where it is, the others are. What `check`, called
-  /// between the steps, throws is a failure like others, after which none of the files is there.
+  /// Gives all files their final names. Older files are removed first, so that old and new files
+  /// never exist together. The bounding box is renamed last, so that its presence means that all
+  /// files are complete. `check` is called between the steps. After an exception, from `check` or
+  /// otherwise, none of the files exists.
   void commit(const std::function<void()>& check);
 
-  /// After it: what was kept for a run to be resumed has served, and goes.
+  /// Removes the checkpoint after a successful `commit`.
   void remove_checkpoint() noexcept;
 
  private:
@@ -109,7 +112,8 @@ struct OutputFiles {
   void open_mesh(const MeshOptions& choice);
   std::vector<OutputFile*> all();
 
-  std::vector<std::string> stale_;  // the chosen files in their other form, plain or gzipped
+  std::vector<std::string>
+      stale_;  // names of the chosen files in their other form, see stale_paths
 };
 
 }  // namespace eses::detail

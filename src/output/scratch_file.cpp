@@ -34,7 +34,7 @@ ScratchFile::ScratchFile() : ScratchFile(temporary_directory()) {}
 ScratchFile::ScratchFile(std::filesystem::path directory) : directory_(std::move(directory)) {
   descriptor_ = open(directory_.c_str(), O_TMPFILE | O_RDWR | O_CLOEXEC, 0600);
   if (descriptor_ >= 0) return;
-  // Not every file system has files without names.
+  // Some file systems do not support O_TMPFILE.
   std::string name = directory_.native() + "/.eses-blocks-XXXXXX";
   descriptor_ = mkostemp(name.data(), O_CLOEXEC);
   if (descriptor_ < 0) fail("create", directory_, errno);

@@ -1,5 +1,5 @@
 #pragma once
-/// A file for what memory should not hold.
+/// Temporary files.
 
 #include <cstddef>
 #include <cstdint>
@@ -9,30 +9,32 @@
 
 namespace eses::detail {
 
-/// A file without a name, gone with the object or the process, unless it is to stay. Every failure
-/// throws Error, naming the file's directory.
+/// A file without a name, which disappears with the object or the process, or a file with a name,
+/// which is kept. Each failure throws Error with the directory of the file.
 class ScratchFile {
  public:
-  /// In the directory for temporary files (TMPDIR, or /tmp).
+  /// Creates a file without a name in the directory for temporary files (TMPDIR, or /tmp).
   ScratchFile();
+  /// Creates a file without a name in `directory`.
   explicit ScratchFile(std::filesystem::path directory);
-  /// One that has a name and stays: empty, or as it was left.
   enum class Kept { fresh, existing };
+  /// Creates an empty file with a name that is kept, or opens an existing one for reading.
   ScratchFile(std::filesystem::path directory, const std::string& name, Kept kept);
   ~ScratchFile();
   ScratchFile(const ScratchFile&) = delete;
   ScratchFile& operator=(const ScratchFile&) = delete;
 
   void append(std::span<const std::byte> bytes);
-  /// May be called from several threads for disjoint ranges; `size` does not count it.
+  /// Writes bytes at an offset. Several threads may call it for disjoint ranges. Does not change
+  /// `size`.
   void write_at(std::span<const std::byte> bytes, std::uint64_t offset);
-  /// All of `bytes`, which must have been written.
+  /// Reads bytes, all of which must have been written.
   void read_at(std::span<std::byte> bytes, std::uint64_t offset) const;
-  /// Open while this lives.
+  /// Descriptor of the file, open during the lifetime of the object.
   int descriptor() const { return descriptor_; }
-  /// Waits until everything is on the disk.
+  /// Waits until all written bytes are on the disk.
   void sync();
-  /// Of what was appended.
+  /// Number of appended bytes.
   std::uint64_t size() const { return size_; }
 
  private:

@@ -1,5 +1,5 @@
 #pragma once
-/// Files that one thread writes from the beginning to the end.
+/// Sequential output to files that one thread writes from beginning to end.
 
 #include <cstdint>
 #include <optional>
@@ -11,7 +11,7 @@
 
 namespace eses::detail {
 
-/// Appends parts to a file. In a gzip file each part is a member.
+/// Appends parts to a file. In a gzip file each part is one member (RFC 1952).
 class SequentialWriter {
  public:
   /// Keeps a reference to `file`.
@@ -33,7 +33,7 @@ class SequentialWriter {
   std::uint64_t size_ = 0;
 };
 
-/// Writes bounding_box.txt; returns its bytes.
+/// Writes bounding_box.txt. Returns the number of bytes written.
 inline std::uint64_t write_box(OutputFile& file, const Grid& grid, bool gzip) {
   SequentialWriter box(file, gzip);
   box.append(bounding_box_text(grid));

@@ -141,7 +141,7 @@ double label_bytes(const LabelTotals& labels, double atoms, const Outputs& outpu
   const auto chains = static_cast<double>(labels.chain_runs);
   double bytes = sizeof(AtomLabel) * static_cast<double>(labels.labels) + labels.heap_bytes;
   // Lists of the first atom of each residue and chain, and their temporary order.
-  if (outputs.mesh && mesh::names_atoms(*outputs.mesh))
+  if (outputs.mesh && mesh::can_name_groups(*outputs.mesh))
     bytes +=
         2 * sizeof(std::uint32_t) * atoms + 2 * growth * sizeof(AtomIndex) * (residues + chains);
   // A chain has an entry in a table, and texts in the messages between ranks.

@@ -164,13 +164,13 @@ std::string fixed_choices(const Parameters& p) {
 // A closed mesh has about twice as many triangles as vertices.
 void expect_mesh(const MeshOptions& mesh, const LabelTotals& labels, double crossings, Plan& plan) {
   const double vertices = halo_growth(plan.tiling) * crossings;
-  const bool has_names = labels.residue_runs > 0 && mesh::names_atoms(mesh);
+  const bool has_names = labels.residue_runs > 0 && mesh::can_name_groups(mesh);
   const mesh::MeshBytes bytes = mesh::typical_mesh_bytes(mesh, has_names);
   const auto bytes_of = [vertices](std::uint64_t vertex, std::uint64_t triangle) {
     return whole_bytes((static_cast<double>(vertex) + 2 * static_cast<double>(triangle)) *
                        vertices);
   };
-  plan.mesh_scratch_bytes = bytes_of(bytes.waiting_vertex, bytes.waiting_triangle);
+  plan.mesh_scratch_bytes = bytes_of(bytes.scratch_vertex, bytes.scratch_triangle);
   plan.mesh_file_bytes = bytes_of(bytes.vertex, bytes.triangle);
   if (has_names)
     plan.mesh_file_bytes +=
@@ -206,7 +206,7 @@ void choose_schedule(const SurfaceSurvey& survey, const GridRegion& region,
 LabelTotals with_copies(LabelTotals labels, const Outputs& outputs) {
   if (labels.labels == 0) return labels;
   std::size_t copies = outputs.residues ? labels.residue_runs : 0;
-  if (outputs.mesh && mesh::names_atoms(*outputs.mesh))
+  if (outputs.mesh && mesh::can_name_groups(*outputs.mesh))
     copies += 2 * labels.residue_runs + labels.chain_runs;
   const std::size_t all = labels.labels + copies;
   labels.heap_bytes *= static_cast<double>(all) / static_cast<double>(labels.labels);

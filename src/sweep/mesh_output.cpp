@@ -53,7 +53,7 @@ void MeshOutput::number_rows(const Layer& layer) {
         [&](std::int64_t, std::span<const BlockCrossing> part) { count += part.size(); });
     row_begin_.push_back(row_begin_.back() + count);
   }
-  mesh::require_numbers(row_begin_.back());
+  mesh::require_vertex_count(row_begin_.back());
   is_numbered_ = true;
 }
 

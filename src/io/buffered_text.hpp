@@ -1,5 +1,5 @@
 #pragma once
-/// Text that is handed on in pieces while it is made, so that memory does not grow with it.
+/// Formatted text that is passed on in parts, so that the memory does not grow with its length.
 
 #include <fmt/format.h>
 
@@ -12,13 +12,14 @@
 
 namespace eses::detail {
 
-/// Gets the pieces of a text, in order.
-using TextSink = std::function<void(std::string_view piece)>;
+/// Receives the parts of a text, in order.
+using TextSink = std::function<void(std::string_view part)>;
 
-class TextPieces {
+/// Buffers formatted text and passes it to a sink when the buffer is full.
+class BufferedText {
  public:
   /// Keeps a reference to `sink`, which must outlive it.
-  explicit TextPieces(const TextSink& sink) : sink_(sink) {}
+  explicit BufferedText(const TextSink& sink) : sink_(sink) {}
 
   template <class... Arguments>
   void append(fmt::format_string<Arguments...> format, Arguments&&... arguments) {
@@ -27,7 +28,7 @@ class TextPieces {
     if (text_.size() >= part_bytes) flush();
   }
 
-  /// Hands on what is left; to be called at the end.
+  /// Passes the rest of the text to the sink. Must be called at the end.
   void flush() {
     sink_(text_);
     text_.clear();
