@@ -23,7 +23,7 @@ set(CPACK_PRE_BUILD_SCRIPTS ${PROJECT_SOURCE_DIR}/packaging/debian.cmake)
 set(CPACK_DEBIAN_PROGRAM_PACKAGE_NAME eses-blocks)
 set(CPACK_DEBIAN_PROGRAM_PACKAGE_SECTION science)
 set(CPACK_DEBIAN_PROGRAM_PACKAGE_SHLIBDEPS ON)
-set(CPACK_DEBIAN_PROGRAM_PACKAGE_SUGGESTS "pdb2pqr, paraview")
+set(CPACK_DEBIAN_PROGRAM_PACKAGE_SUGGESTS "apbs, pdb2pqr, paraview")
 set(CPACK_DEBIAN_PROGRAM_DESCRIPTION
 "analytical solvent excluded surface on a Cartesian grid
 Computes which points of a grid lie inside the solvent excluded surface

@@ -347,6 +347,7 @@ TEST_CASE("api: outputs are checked", "[api]") {
   CHECK(refused({.mesh = MeshOptions{}}));
   CHECK(refused({.mesh = MeshOptions{.file = "mesh.stl"}}));
   CHECK(refused({.mesh = MeshOptions{.file = "mesh.ply", .color = MeshColor::chain}}));
+  CHECK(refused({.mesh = MeshOptions{.file = "mesh.vtp", .is_ascii = true}}));
   CHECK(fs::is_empty(directory.path()));
   CHECK_THROWS_AS(write_files(surface, grid, "/dev/null/here"), Error);
   CHECK_THROWS_AS(eses::compute(surface, grid, {.max_memory = 1}), Error);

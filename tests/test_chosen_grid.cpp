@@ -286,10 +286,10 @@ TEST_CASE("a checkpoint of another grid is not resumed", "[grid][processes]") {
   task.parameters.grid = Grid{{-2, -2, -2}, 0.5, {9, 9, 9}};
   const auto keep_piece = [&] {
     const RunPlan plan = plan_run(task, Processes());
-    plan.store->prepare();
-    Piece piece;
-    piece.info.planes = {0, 4};
-    plan.store->finish(piece);
+    plan.checkpoint->prepare();
+    PlaneChunk chunk;
+    chunk.info.planes = {0, 4};
+    plan.checkpoint->finish(chunk);
   };
   keep_piece();
   CHECK(plan_run(task, Processes()).done.size() == 1);

@@ -188,7 +188,7 @@ TEST_CASE("a point that two spheres just leave open stays accessible") {
   CHECK(arcs.empty());
   // At each of both points one of the two corners is named.
   REQUIRE(ends.size() == 2);
-  for (const CircleEnd& end : ends) CHECK(end.is_doubtful);
+  for (const CircleEnd& end : ends) CHECK(end.is_uncertain);
   const auto half = [](const CircleEnd& end) { return (end.cap == 0) == (end.side > 0); };
   CHECK(half(ends[0]) != half(ends[1]));
 }

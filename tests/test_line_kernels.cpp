@@ -314,10 +314,10 @@ BlockGrid make_block_grid(double spacing, const GridIndex& first, const GridInde
 // How far from being decided the other way.
 struct PlainHits {
   std::vector<LineHit> hits;
-  std::vector<LineHit> doubtful;
+  std::vector<LineHit> uncertain;
 };
 
-bool is_doubtful(double value, double margin) { return std::fabs(value) < margin; }
+bool is_uncertain(double value, double margin) { return std::fabs(value) < margin; }
 
 // Every line through own points, and both roots of |p - center| = radius on it.
 PlainHits plain_hits(const BlockGrid& grid, const HalfSphere& half) {
@@ -342,12 +342,12 @@ PlainHits plain_hits(const BlockGrid& grid, const HalfSphere& half) {
           for (std::size_t a = 0; a < 3; ++a) {
             const double depth = std::min(point[a] - half.box.low[a], half.box.high[a] - point[a]);
             in_box = std::min(in_box, depth);
-            is_near_range = is_near_range || is_doubtful(depth, a == axis ? rounding : near_range);
+            is_near_range = is_near_range || is_uncertain(depth, a == axis ? rounding : near_range);
           }
           const LineHit hit{axis, k, j, side, point[axis], (1 / norm(offset)) * offset};
-          if (is_near_range || is_doubtful(kept, rounding) ||
-              is_doubtful(discriminant - tangent, 0.01 * rounding)) {
-            plain.doubtful.push_back(hit);
+          if (is_near_range || is_uncertain(kept, rounding) ||
+              is_uncertain(discriminant - tangent, 0.01 * rounding)) {
+            plain.uncertain.push_back(hit);
           } else if (discriminant >= tangent && kept >= 0 && in_box >= 0) {
             plain.hits.push_back(hit);
           }
@@ -366,7 +366,7 @@ void require_plain_hits(MeetLines meet, const BlockGrid& grid, const HalfSphere&
                         const PlainHits& plain) {
   std::vector<LineHit> hits;
   meet(grid, half, hits);
-  std::erase_if(hits, [&](const LineHit& hit) { return is_among(plain.doubtful, hit); });
+  std::erase_if(hits, [&](const LineHit& hit) { return is_among(plain.uncertain, hit); });
   REQUIRE(hits.size() == plain.hits.size());
   const auto by_place = [](const LineHit& a, const LineHit& b) { return a.place() < b.place(); };
   std::sort(hits.begin(), hits.end(), by_place);
@@ -383,7 +383,7 @@ void require_plain_hits(MeetLines meet, const BlockGrid& grid, const HalfSphere&
 
 TEST_CASE("grid lines meet a part of a sphere where the quadratic formula says so") {
   Random random(42);
-  std::size_t found = 0, doubtful = 0;
+  std::size_t found = 0, uncertain = 0;
   for (int repetition = 0; repetition < 300; ++repetition) {
     const double spacing = random.uniform(0.2, 1);
     const bool is_last = random.chance(0.5);
@@ -402,13 +402,13 @@ TEST_CASE("grid lines meet a part of a sphere where the quadratic formula says s
     if (random.chance(0.5)) half.box.low[random.integer(0, 2)] += random.uniform(0, half.radius);
     const PlainHits plain = plain_hits(grid, half);
     found += plain.hits.size();
-    doubtful += plain.doubtful.size();
+    uncertain += plain.uncertain.size();
     INFO("repetition " << repetition);
     for_each_version(ESES_VERSIONS(meet_lines),
                      [&](MeetLines meet) { require_plain_hits(meet, grid, half, plain); });
   }
   CHECK(found > 10000);
-  CHECK(doubtful < found / 1000);
+  CHECK(uncertain < found / 1000);
 }
 
 TEST_CASE("grid lines meet a sphere among grid points, also where they touch it") {
@@ -579,13 +579,13 @@ Edges edges_near(const Saddle& saddle, double length, std::size_t count, Random&
 }
 
 struct SaddleCounts {
-  std::size_t clear = 0, doubtful = 0;
+  std::size_t clear = 0, uncertain = 0;
 };
 
-// Every clear exit is found, and nothing else but doubtful ones.
+// Every clear exit is found, and nothing else but uncertain ones.
 void require_plain_exits(MeetSaddle meet, const Saddle& saddle, double length, const Edges& edges,
                          SaddleCounts& counts) {
-  constexpr double doubt = 1e-7;  // angstrom or its square
+  constexpr double margin = 1e-7;  // angstrom or its square
   EdgeBatch batch = edges.batch;
   std::vector<SaddleHit> hits;
   meet(saddle.arc, saddle.probe, length, edges.axis, batch, hits);
@@ -600,16 +600,16 @@ void require_plain_exits(MeetSaddle meet, const Saddle& saddle, double length, c
     });
     if (match == exits.end()) FAIL("no exit of edge " << hit.place << " at " << hit.coordinate);
     match->matched = true;
-    if (match->depth < -doubt) REQUIRE(match->depth >= -doubt);
-    if (match->depth < doubt) continue;
+    if (match->depth < -margin) REQUIRE(match->depth >= -margin);
+    if (match->depth < margin) continue;
     if (!(norm(match->normal - hit.normal) < 1e-6))
       REQUIRE(norm(match->normal - hit.normal) < 1e-6);
   }
   for (std::size_t i = 0; i < plain.size(); ++i)
     for (const PlainExit& exit : plain[i]) {
-      counts.clear += exit.depth >= doubt;
-      counts.doubtful += std::fabs(exit.depth) < doubt;
-      if (exit.depth >= doubt && !exit.matched) FAIL("missed an exit of edge " << i);
+      counts.clear += exit.depth >= margin;
+      counts.uncertain += std::fabs(exit.depth) < margin;
+      if (exit.depth >= margin && !exit.matched) FAIL("missed an exit of edge " << i);
     }
 }
 
@@ -627,7 +627,7 @@ TEST_CASE("edges cross a saddle where they leave the tube between its atoms and 
       require_plain_exits(meet, saddle, length, edges_near(saddle, length, count, random), counts);
     }
     CHECK(counts.clear > 2000);
-    CHECK(counts.doubtful < counts.clear / 100);
+    CHECK(counts.uncertain < counts.clear / 100);
   });
 }
 

@@ -11,7 +11,7 @@
 #include "catch.hpp"
 #include "compute/run.hpp"
 #include "eses/error.hpp"
-#include "output/inside_map.hpp"
+#include "output/grid_map.hpp"
 #include "output/output_directory.hpp"
 #include "output/output_file.hpp"
 #include "support/atom_sets.hpp"
@@ -223,8 +223,8 @@ TEST_CASE("rows of a map come in any order, and are transposed in several tiles"
       {
         const OutputDirectory place(directory.path());
         OutputFile file(place, name);
-        InsideMap map(map_file(file), *map_format(name), grid, region);
-        InsideMap::Scratch scratch;
+        GridMap map(map_file(file), {MapQuantity::inside, name, *map_format(name)}, grid, region);
+        GridMap::Scratch scratch;
         const std::size_t step = 1 + rows / 7;
         for (std::size_t end = rows; end > 0;) {
           const std::size_t begin = end > step ? end - step : 0;

@@ -673,10 +673,16 @@ TEST_CASE("mesh: errors", "[mesh][cli]") {
     CHECK(sandbox.files().empty());
   };
   check({"pair.xyzr", "--mesh", "a.stl"}, 2,
-        "--mesh is 'a.stl', expected a file that ends in .ply, .obj or .off");
+        "--mesh is 'a.stl', expected a file that ends in .ply, .obj, .off, .vtp, .vert or .face");
   check({"pair.xyzr", "--mesh", ""}, 2, "--mesh is ''");
   check({"pair.xyzr", "--mesh"}, 2, "--mesh needs a value");
-  check({"pair.xyzr", "--color", "atom"}, 2, "--color needs --mesh with a .ply file");
+  check({"pair.xyzr", "--color", "atom"}, 2, "--color needs --mesh with a .ply or .vtp file");
+  check({"pair.xyzr", "--mesh", "a.vert", "--color", "atom"}, 2,
+        "--color needs --mesh with a .ply");
+  for (const char* file : {"a.obj", "a.off", "a.vtp", "a.face"})
+    check({"pair.xyzr", "--mesh", file, "--ply-ascii"}, 2,
+          "--ply-ascii needs --mesh with a .ply file");
+  check({"pair.xyzr", "--ply-ascii"}, 2, "--ply-ascii needs --mesh with a .ply file");
   check({"pair.xyzr", "--mesh", "a.obj", "--color", "atom"}, 2, "--color needs --mesh");
   check({"pair.xyzr", "--mesh", "a.ply", "--color", "red"}, 2,
         "--color is 'red', expected patch, atom or chain");

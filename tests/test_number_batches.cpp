@@ -41,33 +41,33 @@ std::size_t require_same_texts(MakeDigits make, std::span<const double> values) 
   NumberBatch batch;
   // What an earlier batch has left there must not matter.
   batch.scaled.fill(1.5e12);
-  batch.doubtful = ~std::uint64_t{0};
+  batch.needs_exact = ~std::uint64_t{0};
   for (const double value : values) batch.add(value);
   make(batch);
-  std::size_t doubtful = 0;
+  std::size_t uncertain = 0;
   for (std::size_t i = 0; i < values.size(); ++i) {
     std::array<char, longest_number_text> text{};
     const std::string ours(text.data(), write_number(text.data(), batch, i));
     if (ours != printf_text(values[i])) REQUIRE(ours == printf_text(values[i]));
-    doubtful += batch.doubtful >> i & 1;
+    uncertain += batch.needs_exact >> i & 1;
   }
-  return doubtful;
+  return uncertain;
 }
 
 std::size_t require_same_texts_in_batches(MakeDigits make, const std::vector<double>& values,
                                           std::size_t batch_size) {
-  std::size_t doubtful = 0;
+  std::size_t uncertain = 0;
   for (std::size_t i = 0; i < values.size(); i += batch_size)
-    doubtful += require_same_texts(
+    uncertain += require_same_texts(
         make, std::span(values).subspan(i, std::min(batch_size, values.size() - i)));
-  return doubtful;
+  return uncertain;
 }
 
-std::vector<double> random_numbers(std::size_t count, int min_exponent, int largest_exponent) {
+std::vector<double> random_numbers(std::size_t count, int min_exponent, int max_exponent) {
   Random random(21);
   std::vector<double> values;
   while (values.size() < count) {
-    const double exponent = random.uniform(min_exponent, largest_exponent);
+    const double exponent = random.uniform(min_exponent, max_exponent);
     values.push_back(random.uniform(-1, 1) * std::pow(10, exponent));
   }
   return values;
@@ -163,8 +163,8 @@ TEST_CASE("few numbers of the usual size need the slow way") {
   const std::vector<double> values = random_numbers(100000, -6, 3);
   for_each_version(versions, [&](MakeDigits make) {
     // Nearer to a tie than 0.0015 are 0.3 %; a build without vectors leaves everything to it.
-    const std::size_t doubtful = require_same_texts_in_batches(make, values, 64);
-    CHECK((doubtful < values.size() / 100 || HWY_TARGET == HWY_SCALAR));
+    const std::size_t uncertain = require_same_texts_in_batches(make, values, 64);
+    CHECK((uncertain < values.size() / 100 || HWY_TARGET == HWY_SCALAR));
   });
 }
 

@@ -231,11 +231,11 @@ TEST_CASE("keys are numbered in their order", "[processes]") {
 TEST_CASE("triangles of a part get the numbers of the whole", "[processes][mesh]") {
   TextBuffer bytes;
   const mesh::Triangle below{std::uint64_t{0} - 3, 5, 2'000'000'000};
-  mesh::append_local_triangle(bytes, below);
+  mesh::append_local_triangle(bytes, below, 2);
   mesh::LocalTriangle local;
   REQUIRE(bytes.text().size() == sizeof local);
   std::memcpy(&local, bytes.text().data(), sizeof local);
-  CHECK(local == mesh::LocalTriangle{-3, 5, 2'000'000'000});
+  CHECK(local == mesh::LocalTriangle{{-3, 5, 2'000'000'000}, 2});
   CHECK(mesh::numbered_from(10, local) == mesh::Triangle{7, 15, 2'000'000'010});
 }
 

@@ -18,7 +18,8 @@ struct Atom {
   double radius = 0;  ///< Van der Waals radius, in angstrom; not negative.
 };
 
-/// The names of an atom as its PQR file spells them. A name that the file does not give is empty.
+/// The names of an atom as its file spells them. A name that the file does not give is empty.
+/// Copies of a chain in an assembly are A, A-2, A-3 and so on.
 struct AtomLabel {
   std::string chain;           ///< Chain identifier, such as A.
   std::string residue;         ///< Residue name, such as ALA.

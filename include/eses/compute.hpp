@@ -171,14 +171,15 @@ Summary for_each_block(const Surface& surface, const Grid& grid, const BlockCall
 /// Computes the surface on a grid and writes files, in memory that does not grow with their length.
 /// The output directory and that of the mesh are created if they are missing, and locked against
 /// other runs. The files get their names when all of them are complete, and older files of these
-/// names are removed before; on failure there are none of them. If the mesh is a symbolic link, the
-/// file to which it leads is written.
+/// names are removed before; on failure there are none of them. If a file of the mesh is a symbolic
+/// link, the file to which it leads is written.
 ///
 /// Throws as described at the top of compute.hpp; std::invalid_argument also if the mesh or the map
-/// has an unknown suffix, if the map's name is not a plain file name, or if labels are missing that
-/// the outputs need; Error also if the disk has not enough space, if a file cannot be written, or
-/// if another run writes there; VerificationError, with no file written, if RunOptions::verify
-/// finds faults; and what a callback throws.
+/// has an unknown suffix, if text is chosen for a mesh that is not PLY, if the map's name is not a
+/// plain file name, or if labels are missing that the outputs need; Error also if the disk has not
+/// enough space, if a file cannot be written, if two of the files are the same one, or if another
+/// run writes there; VerificationError, with no file written, if RunOptions::verify finds faults;
+/// and what a callback throws.
 Summary write_files(const Surface& surface, const Grid& grid,
                     const std::filesystem::path& directory, const Outputs& outputs = {},
                     const RunOptions& options = {});
@@ -198,7 +199,7 @@ struct Estimate {
   std::uint64_t edges_bytes = 0;  ///< Length of intersection_info.txt, about.
   std::uint64_t areas_bytes = 0;  ///< Length of partition_area.txt; an upper bound unless gzipped.
   std::uint64_t residues_bytes = 0;  ///< Length of residue_area.csv and chain_area.csv, about.
-  std::uint64_t map_bytes = 0;       ///< Length of the map; exact.
+  std::uint64_t map_bytes = 0;       ///< Length of all maps; exact.
   std::uint64_t mesh_bytes = 0;      ///< Length of the mesh, about.
   std::uint64_t scratch_bytes = 0;   ///< Bytes on disk beside the files while they are made, about.
 

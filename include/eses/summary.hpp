@@ -51,6 +51,17 @@ struct Summary {
   double area = 0;                 ///< Surface area, in square angstrom.
   std::vector<double> atom_areas;  ///< Area of each atom, in square angstrom, by atom index.
   double volume = 0;               ///< Enclosed volume, in cubic angstrom.
+  /// Enclosed volume by the divergence theorem, in cubic angstrom:
+  ///
+  ///     divergence_volume = h^3 * (inside points + 1/3 * sum (t - 1/2))
+  ///
+  /// with the sum over all crossings, and t the share of the crossed edge between its inside end
+  /// and the crossing. For a surface within the grid this is `h^2 * sum s * x[axis]`, averaged over
+  /// the three axes, with s = 1 where the outside end is the upper one and -1 where it is the lower
+  /// one. It is second order in h and more accurate than `volume`. Where a region or a grid cuts
+  /// the surface, it is the volume of the part that is within half a spacing of the points; volumes
+  /// of regions that make up a grid add up to that of the grid.
+  double divergence_volume = 0;
   std::int64_t inside_points = 0;  ///< Number of grid points inside the surface.
   std::int64_t convex = 0;         ///< Number of crossings on convex patches: one atom.
   std::int64_t saddle = 0;         ///< Number of crossings on saddle patches: two atoms.

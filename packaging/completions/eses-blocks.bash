@@ -14,10 +14,14 @@ _eses_blocks() {
     --color) COMPREPLY=($(compgen -W 'patch atom chain' -- "$cur")) && return ;;
     --mesh) _filedir '@(ply|obj|off)' && return ;;
     --inside) _filedir '@(dx|vti)' && return ;;
+    --kappa) _filedir dx && return ;;
+    --grid-like) _filedir '@(dx|vti|txt)?(.gz)' && return ;;
+    --dielectric) _filedir && return ;;
     --output-dir | -o) _filedir -d && return ;;
     # Numbers.
     --probe-radius | --spacing | --margin | --threads | -t | --block-size | -b | --max-memory | \
-      --region | --blocks | --tolerance) return ;;
+      --region | --blocks | --tolerance | --grid-origin | --grid-center | --grid-points | \
+      --solute-dielectric | --solvent-dielectric | --ion-radius) return ;;
   esac
   if $split; then return; fi
 

@@ -29,7 +29,7 @@ def number(text):
 
 
 def pqr_fields(line):
-    """The texts of x, y, z, radius; None if the line is no atom."""
+    """The texts of x, y, z, charge, radius; None if the line is no atom."""
     if not line.upper().startswith(("ATOM", "HETATM")):
         return None
     fields = line.split()
@@ -40,17 +40,17 @@ def pqr_fields(line):
     if len(fields) < fewest:
         raise Failed(f"expected at least {fewest} fields separated by blanks, the last five "
                      f"being x y z charge radius, found {len(fields)}")
-    return (*fields[-5:-2], fields[-1])
+    return fields[-5:]
 
 
 def xyzr_fields(line):
-    """The texts of x, y, z, radius; None if the line is no atom."""
+    """The texts of x, y, z, charge, radius; None if the line is no atom. The charge is 0."""
     if not line.strip() or line.lstrip().startswith("#"):
         return None
     fields = line.split()[:4]
     if len(fields) < 4:
         raise Failed(f"expected x y z radius, found {len(fields)} fields")
-    return fields
+    return [*fields[:3], "0", fields[3]]
 
 
 def fixed_number(line, column, width, decimals):
@@ -87,7 +87,7 @@ class PdbLikeness:
 
 
 def atoms_in(lines, layout):
-    """x, y, z and the text of the radius, atom by atom."""
+    """x, y, z, charge and the text of the radius, atom by atom."""
     fields_of = {"pqr": pqr_fields, "xyzr": xyzr_fields}[layout]
     likeness = PdbLikeness()
     is_empty = True
@@ -96,25 +96,23 @@ def atoms_in(lines, layout):
             fields = fields_of(line)
             if fields is None:
                 continue
-            x, y, z = map(number, fields[:3])
-            if number(fields[3]) < 0:
-                raise Failed(f"negative radius {fields[3]}")
+            x, y, z, charge = map(number, fields[:4])
+            if number(fields[4]) < 0:
+                raise Failed(f"negative radius {fields[4]}")
         except Failed as error:
             raise Failed(f"{count}: {error}") from None
         is_empty = False
         if layout == "pqr":
             likeness.add(line)
-        yield x, y, z, fields[3]
+        yield x, y, z, charge, fields[4]
     if is_empty:
         raise Failed(" no atoms")
     if layout == "pqr":
         likeness.refuse()
 
 
-def read_atoms(name, layout="auto"):
-    """x, y, z and the text of the radius, atom by atom; `-` is standard input."""
-    if layout == "auto":
-        layout = "pqr" if name.lower().removesuffix(".gz").endswith(".pqr") else "xyzr"
+def read_records(name, layout):
+    """x, y, z, charge and the text of the radius, atom by atom; `-` is standard input."""
     with tempfile.TemporaryDirectory() as scratch:
         source = 0 if name == "-" else unpacked(pathlib.Path(name), pathlib.Path(scratch))
         try:
@@ -123,3 +121,17 @@ def read_atoms(name, layout="auto"):
                 yield from atoms_in(lines, layout)
         except Failed as error:
             raise Failed(f"{'standard input' if source == 0 else name}:{error}") from None
+
+
+def read_atoms(name, layout="auto"):
+    """x, y, z and the text of the radius, atom by atom; `-` is standard input."""
+    if layout == "auto":
+        layout = "pqr" if name.lower().removesuffix(".gz").endswith(".pqr") else "xyzr"
+    for x, y, z, _, radius in read_records(name, layout):
+        yield x, y, z, radius
+
+
+def read_charged_atoms(name):
+    """x, y, z, charge and radius of each atom of a PQR file."""
+    for x, y, z, charge, radius in read_records(name, "pqr"):
+        yield x, y, z, charge, number(radius)

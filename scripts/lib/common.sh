@@ -7,7 +7,7 @@ cd "$(dirname "${BASH_SOURCE[0]}")/../.."
 
 # What CMakeLists.txt and tests/CMakeLists.txt look for, by Debian's names.
 packages=(g++ cmake make pkg-config libcli11-dev nlohmann-json3-dev libnanoflann-dev libfmt-dev
-  libhwy-dev zlib1g-dev catch2)
+  libhwy-dev zlib1g-dev catch2 gemmi-dev tao-pegtl-dev)
 
 # What python/CMakeLists.txt and the tests of the Python package look for.
 # shellcheck disable=SC2034  # used by the scripts that source this file

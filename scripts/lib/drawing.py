@@ -107,13 +107,13 @@ def origin(figures):
             f"{figures['date'][:10]}")
 
 
-def finish(figure, axes, text, path):
-    """One legend for both panels, above them; what is the same in every run into the file."""
+def finish(figure, axes, text, path, top=TOP, wspace=0.24):
+    """One legend for all panels, above them; what is the same in every run into the file."""
     # In the order of the first panel; the second may have the same.
     handles, labels = axes[0].get_legend_handles_labels()
     figure.legend(handles, labels, loc="upper center", ncol=len(labels), frameon=False,
                   borderaxespad=0.2, handlelength=1.8, columnspacing=1.5)
     figure.text(0.5, 0.02, text, ha="center", va="bottom", fontsize=8.5, color="0.3",
                 linespacing=1.4)
-    figure.subplots_adjust(left=0.085, right=0.985, top=TOP, bottom=BOTTOM, wspace=0.24)
+    figure.subplots_adjust(left=0.085, right=0.985, top=top, bottom=BOTTOM, wspace=wspace)
     figure.savefig(path, metadata={"Date": None} if path.suffix == ".svg" else None)

@@ -14,8 +14,10 @@ import time
 from common import PROJECT, Failed, complete_file, machine
 
 
-def run(command, stdout, stderr):
+def run(command, stdout, stderr, **how):
     """Runs to the end; exit code, wall seconds and resource usage, the children's included.
+
+    `how` goes to Popen.
 
     Linux counts the peak of the process that starts another as the new one's own: under Python a
     small program would seem to need what Python does, whomever one asks. Hence a shell in between,
@@ -24,7 +26,7 @@ def run(command, stdout, stderr):
     start = time.perf_counter()
     process = subprocess.Popen(["/bin/sh", "-c", '"$@"; exit $?', "sh", *map(str, command)],
                                stdin=subprocess.DEVNULL, stdout=stdout, stderr=stderr,
-                               start_new_session=True)
+                               start_new_session=True, **how)
     try:
         _, status, usage = os.wait4(process.pid, 0)
     except BaseException:

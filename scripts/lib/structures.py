@@ -8,9 +8,13 @@ import re
 
 from common import Failed
 
-KINDS = ".xyzr, .pqr and .pdb, each also .gz"
+KINDS = ".xyzr, .pqr, .pdb, .ent, .cif and .mmcif, each also .gz"
 
-# id: path-like text, unique among the structures of a folder; layout: xyzr, pqr or pdb.
+# What the suffixes stand for, as eses-blocks --format has it.
+LAYOUTS = {"xyzr": "xyzr", "pqr": "pqr", "pdb": "pdb", "ent": "pdb", "cif": "mmcif",
+           "mmcif": "mmcif"}
+
+# id: path-like text, unique among the structures of a folder; layout: xyzr, pqr, pdb or mmcif.
 Structure = collections.namedtuple("Structure", "id path layout bytes mtime_ns")
 
 
@@ -19,9 +23,9 @@ def split_name(name):
 
     What begins with a dot is no structure: unfinished files, and what macOS leaves (._1abc.pdb).
     """
-    match = re.fullmatch(r"(?P<stem>[^.].*)\.(?P<layout>xyzr|pqr|pdb)(?:\.gz)?", name,
+    match = re.fullmatch(rf"(?P<stem>[^.].*)\.(?P<suffix>{'|'.join(LAYOUTS)})(?:\.gz)?", name,
                          re.IGNORECASE | re.DOTALL)
-    return match and (match["stem"], match["layout"].lower())
+    return match and (match["stem"], LAYOUTS[match["suffix"].lower()])
 
 
 def make_id(folders, stem):

@@ -1,5 +1,5 @@
 #pragma once
-/// Checks of arguments.
+/// Checks of the arguments of public functions.
 
 #include <stdexcept>
 #include <utility>
@@ -8,8 +8,8 @@
 
 namespace eses::detail {
 
-/// Performs checks that depend on the caller's arguments alone, and returns their result. Throws
-/// std::invalid_argument where they throw Error.
+/// Calls `check`, which depends on the caller's arguments only, and returns its result. Converts
+/// Error to std::invalid_argument.
 template <class Check>
 decltype(auto) check_arguments(Check&& check) {
   try {

@@ -15,6 +15,7 @@
 #include "compute/run.hpp"
 #include "eses/error.hpp"
 #include "grid/make_grid.hpp"
+#include "io/map_writer.hpp"
 #include "plan/plan.hpp"
 #include "sweep/solved_block.hpp"
 #include "system/resources.hpp"
@@ -22,10 +23,10 @@
 namespace eses {
 namespace {
 
-// A list that grows is copied into one of twice its length, of which part stays untouched.
+// Average ratio of the touched memory of a growing list to its size.
 constexpr double growth = 1.5;
 
-// Memory of results, beside that of the run.
+// Memory of a result, in addition to that of the run.
 struct HeldMemory {
   std::uint64_t bytes = 0;
   double per_crossing = 0;  // bytes
@@ -53,7 +54,7 @@ detail::Parameters parameters_of(const Surface& surface, const Grid& grid,
           .verify = options.verify};
 }
 
-// Everything that depends on the arguments alone.
+// Makes the part of the plan that depends on the arguments only.
 detail::Plan checked_plan(const Surface& surface, const Grid& grid, const Outputs& outputs,
                           const RunOptions& options) {
   return detail::check_arguments([&] {
@@ -61,9 +62,10 @@ detail::Plan checked_plan(const Surface& surface, const Grid& grid, const Output
     const GridRegion region = options.region.value_or(grid.whole());
     detail::require_within(region, grid);
     if (options.block_size != 0) detail::make_tiling(grid, options.block_size, region);
-    if (std::filesystem::path(outputs.inside_map).has_parent_path())
-      throw Error(fmt::format("the map goes to the output directory: {} must be a plain file name",
-                              outputs.inside_map));
+    for (const detail::MapChoice& map : detail::chosen_maps(outputs))
+      if (std::filesystem::path(map.name).has_parent_path())
+        throw Error(
+            fmt::format("maps go to the output directory: {} must be a plain file name", map.name));
     detail::require_valid(outputs, molecule_of(surface));
     detail::Plan plan = detail::plan_on_grid(grid, detail::sphere_bounds(surface.atoms()),
                                              parameters_of(surface, grid, options));
@@ -82,7 +84,7 @@ HeldMemory memory_of_result(const GridRegion& region, const ResultParts& parts) 
   return held;
 }
 
-// `parts` are those that the result will hold.
+// Plans a run. `parts` are the parts of the result in memory.
 PlannedRun plan_run(const Surface& surface, const Grid& grid, const Outputs& outputs,
                     const RunOptions& options, const ResultParts& parts = no_parts) {
   PlannedRun run{checked_plan(surface, grid, outputs, options)};
@@ -120,7 +122,7 @@ GridRegion region_at(const GridIndex& first, const GridIndex& size) {
   return {first, {first[0] + size[0], first[1] + size[1], first[2] + size[2]}};
 }
 
-// Index in Result::inside.
+// Returns the index of a point in Result::inside.
 std::size_t place_in(const GridRegion& region, const GridIndex& point) {
   const GridIndex size = region.size(), begin = region.begin;
   return static_cast<std::size_t>(
@@ -162,8 +164,8 @@ void append_crossings(const Grid& grid, const detail::SolvedBlock& solved,
 // So many comparisons take a few milliseconds.
 constexpr std::uint32_t comparisons_between_checks = 1 << 17;
 
-// By lower end (z, y, x), then axis. No two crossings are of the same edge. Millions of them take
-// seconds, so that `check` is called meanwhile.
+// Sorts crossings by lower end (z, y, x) and then by axis. Each edge has at most one crossing.
+// Millions of crossings take seconds, so that `check` is called meanwhile.
 void sort_crossings(std::vector<Crossing>& crossings, const CheckCallback& check) {
   const auto key = [](const Crossing& crossing) {
     return std::tuple(crossing.lower[2], crossing.lower[1], crossing.lower[0], crossing.axis);
@@ -179,7 +181,7 @@ void sort_crossings(std::vector<Crossing>& crossings, const CheckCallback& check
 
 namespace detail {
 
-/// Makes results and blocks, which only the library can make.
+/// A friend of Result and Block that constructs them.
 struct ResultBuilder {
   static eses::Block block(const SolvedBlock& solved, std::span<const eses::Crossing> crossings) {
     return {solved, crossings};

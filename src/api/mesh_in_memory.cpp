@@ -25,18 +25,18 @@ void add_vertex(const eses::Grid& grid, const eses::Crossing& crossing, Mesh& me
   const mesh::Vertex vertex = mesh::make_vertex(grid, crossing.lower, as_in_blocks(crossing));
   mesh.vertices.push_back(vertex.position);
   mesh.normals.push_back(vertex.normal);
-  mesh.atoms.push_back(vertex.atom);
+  mesh.atoms.push_back(vertex.first_atom());
   mesh.patches.push_back(vertex.patch);
 }
 
-// Makes the rows of a region in their order, and with them the vertices.
+// Makes the rows of a region in canonical order, and appends their vertices to the mesh.
 class RowMaker {
  public:
   RowMaker(const eses::Grid& grid, const GridRegion& region, std::span<const std::uint8_t> inside,
            std::span<const eses::Crossing> crossings, Mesh& mesh)
       : grid_(grid), region_(region), inside_(inside), crossings_(crossings), mesh_(mesh) {}
 
-  // The next row, whose points have these indices in the grid.
+  // Makes the next row, which has these indices in the grid.
   void make(std::int64_t y, std::int64_t z, mesh::Row& row) {
     const auto points = static_cast<std::size_t>(region_.size()[0]);
     row.inside.assign(points / 64 + 1, 0);

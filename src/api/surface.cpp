@@ -13,7 +13,7 @@
 namespace eses {
 namespace {
 
-// The largest index stays free, as it stands for "no atom".
+// The maximum index is reserved for "no atom".
 constexpr std::size_t max_atoms = std::numeric_limits<AtomIndex>::max() - std::size_t{1};
 
 std::shared_ptr<const detail::Molecule> make_molecule(std::vector<Atom> atoms,

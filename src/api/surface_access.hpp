@@ -6,6 +6,7 @@
 
 namespace eses::detail {
 
+/// A friend of the public Surface.
 struct SurfaceAccess {
   static const Molecule& molecule(const eses::Surface& surface) { return *surface.molecule_; }
 };

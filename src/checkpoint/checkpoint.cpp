@@ -18,8 +18,9 @@
 namespace eses::detail {
 namespace {
 
-constexpr std::array<const char*, chunk_text_count> text_suffixes{".grid", ".edges", ".map",
-                                                                  ".vertices", ".triangles"};
+constexpr std::array<const char*, chunk_text_count> text_suffixes{
+    ".grid", ".edges",   ".vertices", ".triangles", ".inside",
+    ".ions", ".edges_x", ".edges_y",  ".edges_z"};
 
 std::string name_of(const PlaneRange& planes, std::string_view suffix) {
   return fmt::format("{}-{}{}", planes.begin, planes.end, suffix);
@@ -45,7 +46,7 @@ std::uint32_t checksum(std::span<const std::byte> bytes) {
       crc32_z(0, reinterpret_cast<const Bytef*>(bytes.data()), bytes.size()));
 }
 
-// What stands before the sums.
+// The header of the file of the sums.
 struct SumsHeader {
   ChunkInfo info;
   std::uint64_t count = 0;
@@ -85,7 +86,7 @@ Checkpoint::Checkpoint(const std::filesystem::path& output_directory, std::strin
 Checkpoint::~Checkpoint() {
   if (!lock_) return;
   lock_.reset();
-  std::error_code error;  // as when there are chunks
+  std::error_code error;  // a directory with chunks cannot be removed
   std::filesystem::remove(path_, error);
 }
 
@@ -96,14 +97,15 @@ std::vector<PlaneRange> Checkpoint::complete() const {
   std::vector<PlaneRange> chunks;
   for (const auto& entry : std::filesystem::directory_iterator(path_, error))
     if (const auto planes = planes_of(entry.path().filename().string())) chunks.push_back(*planes);
-  // Without anything done it does not matter of what run.
+  // Without complete chunks, the identity does not matter.
   if (chunks.empty()) return {};
   if (!std::filesystem::exists(path_ / run_name, error))
-    throw Error(fmt::format("cannot resume: {} does not tell of what run it is; remove it",
-                            path_.string()));
+    throw Error(
+        fmt::format("cannot resume: {} does not identify its run; remove it", path_.string()));
   if (read_all(path_ / run_name) != identity_)
     throw Error(fmt::format(
-        "cannot resume: {} is of a run of other input, options or version; remove it to begin anew",
+        "cannot resume: {} belongs to a run with different input, options or version; remove it to "
+        "start again",
         path_.string()));
   std::erase_if(chunks, [this](const PlaneRange& planes) { return !is_whole(planes); });
   std::sort(chunks.begin(), chunks.end(),
@@ -112,7 +114,7 @@ std::vector<PlaneRange> Checkpoint::complete() const {
       std::adjacent_find(chunks.begin(), chunks.end(),
                          [](const PlaneRange& a, const PlaneRange& b) { return b.begin < a.end; });
   if (overlapping != chunks.end())
-    throw Error(fmt::format("cannot resume: chunks in {} overlap; remove it to begin anew",
+    throw Error(fmt::format("cannot resume: chunks in {} overlap; remove it to start again",
                             path_.string()));
   return chunks;
 }
@@ -134,7 +136,7 @@ void Checkpoint::remove_others(std::span<const PlaneRange> complete) const {
     kept.insert(name_of(planes, sums_suffix));
     for (const char* const suffix : text_suffixes) kept.insert(name_of(planes, suffix));
   }
-  std::error_code error;  // what cannot be removed does no harm
+  std::error_code error;  // files that cannot be removed are harmless
   std::vector<std::filesystem::path> others;
   for (const auto& entry : std::filesystem::directory_iterator(path_, error)) {
     const std::string name = entry.path().filename().string();
@@ -145,7 +147,7 @@ void Checkpoint::remove_others(std::span<const PlaneRange> complete) const {
 }
 
 void Checkpoint::drop(const PlaneRange& planes) const {
-  std::error_code error;  // if it stays, whoever reads it again will tell
+  std::error_code error;  // if the file remains, reading it detects the damage
   std::filesystem::remove(sums_path(planes), error);
 }
 
@@ -156,7 +158,7 @@ void Checkpoint::prepare() const {
   file.sync();
 }
 
-// Sums that are there would speak of the old text.
+// Existing sums belong to an old text and are removed first.
 std::unique_ptr<ScratchFile> Checkpoint::create(const PlaneRange& planes, ChunkText text) const {
   drop(planes);
   const char* const suffix = text_suffixes[static_cast<std::size_t>(text)];
@@ -172,7 +174,8 @@ std::string Checkpoint::sums_path(const PlaneRange& planes) const {
   return path_in(path_, name_of(planes, sums_suffix));
 }
 
-// The sums come last, under their name when they are on the disk: where they are, all is.
+// The file of the sums is written last and gets its name when it is on disk, so that its existence
+// implies that the chunk is complete.
 void Checkpoint::finish(const PlaneChunk& chunk) const {
   for (const auto& text : chunk.texts)
     if (text) text->sync();
@@ -212,7 +215,7 @@ PlaneChunk Checkpoint::read(const PlaneRange& planes) const {
     is_sound = header.checksum == checksum(std::as_bytes(std::span(chunk.sums)));
   }
   if (!is_sound)
-    throw Error(fmt::format("cannot resume: {} is damaged; remove it, and the chunk is done again",
+    throw Error(fmt::format("cannot resume: {} is damaged; remove it to compute its planes again",
                             sums_path(planes)));
   chunk.is_restored = true;
   return chunk;

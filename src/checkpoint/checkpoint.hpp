@@ -1,7 +1,7 @@
 #pragma once
-/// Chunks: the texts and sums of ranges of planes, which are merged into the files in the end. A
-/// checkpoint keeps them on disk, so that a run that was cut off can be resumed. May use what the
-/// sweep delivers and scratch files, but knows nothing of other processes.
+/// Chunks of planes and checkpoints. A chunk has the texts and sums of a range of planes; all
+/// chunks are merged into the output files at the end of a run. A checkpoint keeps them on disk, so
+/// that an interrupted run can be resumed. This room does not communicate with other processes.
 
 #include <array>
 #include <cstdint>
@@ -15,58 +15,71 @@
 #include <vector>
 
 #include "grid/plane_range.hpp"
+#include "io/map_writer.hpp"
 #include "output/output_directory.hpp"
 #include "output/scratch_file.hpp"
 #include "sweep/region_totals.hpp"
 
 namespace eses::detail {
 
-/// An atom's share of the area of some planes, in units of `area_share_unit`.
+/// An atom's area share of a range of planes, in units of `area_share_unit`.
 struct AtomSum {
   AreaShare share = 0;
-  AtomIndex atom = 0;                      ///< in the file
-  std::array<std::uint32_t, 3> padding{};  ///< these bytes are written, too
+  AtomIndex atom = 0;                      ///< index of the atom in the file
+  std::array<std::uint32_t, 3> padding{};  ///< explicit padding, as the struct is written to disk
 };
 
-/// The texts of a chunk, numbered: those of grid_info.txt and intersection_info.txt, rows of words
-/// for the map, and of the mesh vertices as text of its format and triangles as
-/// mesh::LocalTriangle.
-enum class ChunkText : std::uint8_t { grid, edges, map, vertices, triangles };
-inline constexpr std::size_t chunk_text_count = 5;
+/// The texts of a chunk: the lines of grid_info.txt and intersection_info.txt, mesh vertices as
+/// text or records of the mesh's format, mesh triangles as mesh::LocalTriangle, and rows of words
+/// for each map, by its quantity.
+enum class ChunkText : std::uint8_t { grid, edges, vertices, triangles, first_map };
+inline constexpr std::size_t chunk_text_count =
+    static_cast<std::size_t>(ChunkText::first_map) + map_quantities;
 
-/// The data of a chunk that all processes know.
+/// Returns the text with the rows of a map.
+constexpr ChunkText text_of(MapQuantity quantity) {
+  return static_cast<ChunkText>(static_cast<std::size_t>(ChunkText::first_map) +
+                                static_cast<std::size_t>(quantity));
+}
+
+/// The data of a chunk that all processes receive.
 struct ChunkInfo {
   PlaneRange planes;
-  std::array<std::uint64_t, chunk_text_count> bytes{};
-  std::array<std::uint32_t, chunk_text_count> checksums{};  ///< crc32; of chunks in a checkpoint
-  std::uint32_t padding = 0;                                ///< these bytes are written, too
+  std::array<std::uint64_t, chunk_text_count> bytes{};      ///< length of each text
+  std::array<std::uint32_t, chunk_text_count> checksums{};  ///< crc32; only in a checkpoint
+  std::uint32_t padding = 0;  ///< explicit padding, as the struct is written to disk
   MeshCounts mesh;
   RegionTotals totals;
 
+  /// Length of a text in bytes.
   std::uint64_t bytes_of(ChunkText text) const { return bytes[static_cast<std::size_t>(text)]; }
 };
 
+/// A chunk of planes.
 struct PlaneChunk {
   ChunkInfo info;
-  std::vector<AtomSum> sums;  ///< of atoms whose share is not 0, ascending; only for a checkpoint
-  /// Open while they are written, and afterwards unless they are in a checkpoint.
+  /// Shares of the atoms with a share that is not 0, ascending; only for a checkpoint.
+  std::vector<AtomSum> sums;
+  /// Scratch files of the texts. In a checkpoint they are closed when the chunk is complete.
   std::array<std::unique_ptr<ScratchFile>, chunk_text_count> texts;
-  /// The chunk is the whole run, and texts without a scratch file are at their place in the final
-  /// files. The triangles are in a scratch file, as text of the mesh's format.
+  /// Whether the chunk is the whole run. Texts without a scratch file are then in their final
+  /// files. Triangles in a scratch file are text of the mesh's format, or LocalTriangle in a format
+  /// with columns.
   bool is_in_place = false;
-  bool is_restored = false;  ///< left by an earlier run, so that its texts may be damaged
+  bool is_restored = false;  ///< whether an earlier run wrote it, so that it may be damaged
 
-  /// The scratch file of a text; null where there is none.
+  /// The scratch file of a text, or null.
   std::unique_ptr<ScratchFile>& text(ChunkText which) {
     return texts[static_cast<std::size_t>(which)];
   }
 };
 
-/// The checksum of a text that is written in parts, in any order and by several threads.
+/// The checksum of a text that several threads write in parts, in any order.
 class TextChecksum {
  public:
+  /// Adds a part of the text. Several threads may call it at the same time.
   void add(std::span<const char> text, std::uint64_t offset);
-  /// Of all parts, which must leave no gaps.
+  /// Returns the checksum of the whole text. The parts must leave no gaps.
   std::uint32_t value() const;
 
  private:
@@ -78,40 +91,41 @@ class TextChecksum {
   std::map<std::uint64_t, Part> parts_;  // by offset
 };
 
-/// Keeps the chunks of a run so that another one can go on from them: in a hidden directory beside
-/// the files, texts as they are, and behind them, when they are complete, the sums. Every failure
-/// throws Error.
+/// A hidden directory in the output directory that keeps the chunks of a run, so that another run
+/// can continue. Each text of a chunk is a file. The file of the sums is written last: a chunk with
+/// sums is complete. All failures throw Error.
 class Checkpoint {
  public:
-  /// `identity` is a text that tells apart runs whose chunks do not fit together.
+  /// `identity` is a text that identifies the run: runs whose chunks must not be combined have
+  /// different identities.
   Checkpoint(const std::filesystem::path& output_directory, std::string identity);
-  /// Removes the directory if nothing is in it.
+  /// Removes the directory if it is empty.
   ~Checkpoint();
   Checkpoint(const Checkpoint&) = delete;
   Checkpoint& operator=(const Checkpoint&) = delete;
 
-  /// Creates the directory, if need be, and locks it against other runs while this lives.
+  /// Creates the directory if necessary, and locks it against other runs while this object exists.
   void lock();
-  /// The chunks that are complete, ascending and disjoint; of one whose sums are damaged or whose
-  /// texts are not as long as they should be nothing is told, so that it is done again. Throws
-  /// Error if there are chunks of a run of another identity.
+  /// Returns the planes of the complete chunks, ascending and disjoint. A chunk with damaged sums
+  /// or with texts of the wrong length is not complete. Throws Error if there are chunks of a run
+  /// with another identity.
   std::vector<PlaneRange> complete() const;
-  /// Removes what is there of chunks that are not among these.
+  /// Removes the files of all other chunks than these.
   void remove_others(std::span<const PlaneRange> complete) const;
-  /// Drops a chunk, so that it is done again.
+  /// Marks a chunk as incomplete.
   void drop(const PlaneRange& planes) const;
-  /// Says that what comes is of this identity.
+  /// Writes the identity. Must be called before the first chunk is written.
   void prepare() const;
 
-  /// For a chunk's text that is to be written.
+  /// Creates the scratch file of a text, and marks the chunk as incomplete.
   std::unique_ptr<ScratchFile> create(const PlaneRange& planes, ChunkText text) const;
-  /// Writes the sums behind its texts; from then on the chunk is complete, and nothing of it needs
-  /// to be held.
+  /// Writes the sums of a chunk, which makes it complete.
   void finish(const PlaneChunk& chunk) const;
-  /// A complete chunk without its texts.
+  /// Reads a complete chunk without its texts.
   PlaneChunk read(const PlaneRange& planes) const;
+  /// Opens the scratch file of a text.
   std::unique_ptr<ScratchFile> open(const PlaneRange& planes, ChunkText text) const;
-  /// Removes everything.
+  /// Removes the checkpoint.
   void remove();
 
  private:

@@ -40,19 +40,39 @@ Wording wording_of(DiagnosticKind kind) {
   return {};
 }
 
+/// The number of a line, and the label of the atom there if it has one.
+std::string place_text(std::uint64_t line, const std::string& label) {
+  return label.empty() ? fmt::format("{}", line) : fmt::format("{}, {}", line, label);
+}
+
 std::string lines_text(const DiagnosticText& text, std::string_view relation) {
   std::vector<std::string> parts;
-  for (const DiagnosticText::Example& example : text.examples)
+  bool has_labels = false;
+  for (const DiagnosticText::Example& example : text.examples) {
+    has_labels = has_labels || !example.label.empty();
+    const std::string place = place_text(example.line, example.label);
     parts.push_back(example.has_other
-                        ? fmt::format("{} ({} {})", example.line, relation, example.other_line)
-                        : fmt::format("{}", example.line));
+                        ? fmt::format("{} ({} {})", place, relation,
+                                      place_text(example.other_line, example.other_label))
+                        : place);
+  }
   const std::uint64_t more = text.count - text.examples.size();
-  return fmt::format("{} {}{}", text.count == 1 ? "line" : "lines", fmt::join(parts, ", "),
+  return fmt::format("{} {}{}", text.count == 1 ? "line" : "lines",
+                     fmt::join(parts, has_labels ? "; " : ", "),
                      more > 0 ? fmt::format(" and {} more", more) : "");
 }
 
+/// `A/LYS 33/CE`; empty if the label is unknown.
+std::string label_text(const std::map<AtomIndex, AtomLabel>& labels, AtomIndex atom) {
+  const auto found = labels.find(atom);
+  if (found == labels.end()) return "";
+  const auto& [chain, residue, number, name] = found->second;
+  return fmt::format("{}/{} {}/{}", chain, residue, number, name);
+}
+
 DiagnosticText describe(const Diagnostic& diagnostic, const LineOf& line_of,
-                        const std::filesystem::path& input) {
+                        const std::filesystem::path& input,
+                        const std::map<AtomIndex, AtomLabel>& labels) {
   const Wording wording = wording_of(diagnostic.kind);
   DiagnosticText text;
   text.name = wording.name;
@@ -60,7 +80,8 @@ DiagnosticText describe(const Diagnostic& diagnostic, const LineOf& line_of,
   text.count = diagnostic.count;
   text.short_text = diagnostic.count == 1 ? wording.one : wording.several;
   for (const auto& [atom, other] : diagnostic.examples)
-    text.examples.push_back({atom, line_of(atom), atom != other, other, line_of(other)});
+    text.examples.push_back({atom, line_of(atom), atom != other, other, line_of(other),
+                             label_text(labels, atom), label_text(labels, other)});
   text.message = fmt::format("{}: {} {}: {}", input == "-" ? "<stdin>" : input.string(), text.count,
                              text.short_text, lines_text(text, wording.relation));
   return text;
@@ -69,10 +90,11 @@ DiagnosticText describe(const Diagnostic& diagnostic, const LineOf& line_of,
 }  // namespace
 
 std::vector<DiagnosticText> describe(std::span<const Diagnostic> diagnostics, const LineOf& line_of,
-                                     const std::filesystem::path& input) {
+                                     const std::filesystem::path& input,
+                                     const std::map<AtomIndex, AtomLabel>& labels) {
   std::vector<DiagnosticText> texts;
   for (const Diagnostic& diagnostic : diagnostics)
-    texts.push_back(describe(diagnostic, line_of, input));
+    texts.push_back(describe(diagnostic, line_of, input, labels));
   return texts;
 }
 

@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <functional>
+#include <map>
 #include <span>
 #include <string>
 #include <string_view>
@@ -21,6 +22,7 @@ struct DiagnosticText {
     bool has_other = false;
     AtomIndex other_atom = 0;
     std::uint64_t other_line = 0;
+    std::string label, other_label;  ///< such as A/LYS 33/CE; empty if unknown
   };
   std::string_view name;    ///< for programs, as in the JSON report
   bool is_usual = false;    ///< a note, not a warning
@@ -34,6 +36,7 @@ struct DiagnosticText {
 using LineOf = std::function<std::uint64_t(AtomIndex atom)>;
 
 std::vector<DiagnosticText> describe(std::span<const Diagnostic> diagnostics, const LineOf& line_of,
-                                     const std::filesystem::path& input);
+                                     const std::filesystem::path& input,
+                                     const std::map<AtomIndex, AtomLabel>& labels = {});
 
 }  // namespace eses::detail::cli

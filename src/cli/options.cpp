@@ -16,6 +16,7 @@
 #include <span>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <variant>
 #include <vector>
 
@@ -39,6 +40,8 @@ constexpr double min_positive = std::numeric_limits<double>::denorm_min();
 constexpr double max_finite = std::numeric_limits<double>::max();
 
 constexpr char independent_flag[] = "--independent";
+constexpr char model_option[] = "--model";
+constexpr char structure_group[] = "PDB and mmCIF files";
 
 constexpr char footer[] = R"(Files written:
   bounding_box.txt            lower corner, upper corner and number of points of the grid
@@ -46,13 +49,16 @@ constexpr char footer[] = R"(Files written:
   intersection_info.txt       every grid edge that the surface cuts: point, normal, atoms
   partition_area.txt          every atom's share of the area, in square angstrom
 With --gzip each of these is NAME.gz. Only if asked for:
-  residue_area.csv, chain_area.csv   areas of residues and chains of a PQR file
+  residue_area.csv, chain_area.csv   areas of residues and chains; not of xyzr files
   the map of --inside                every grid point, 1 inside and 0 outside
+  the maps of --dielectric, --kappa  dielectric of edges, access of ions: for APBS
   the mesh of --mesh                 the surface as triangles
 
 Examples:
   eses-blocks 1crn.xyzr                                defaults, files in this directory
   eses-blocks 1crn.xyzr 1.4 0.25 0.8                   probe radius, spacing, margin as in ESES
+  eses-blocks 1crn.pdb                                 radii of protor; no waters, no hydrogens
+  eses-blocks 1crn.cif.gz --radii bondi --assembly 1   a biological assembly
   eses-blocks 1crn.pqr --spacing 0.25 -o out --json    files in out/, report as JSON
   eses-blocks 1crn.pqr --mesh 1crn.ply --color chain   the surface to look at, too
   eses-blocks diff out ESES                            compares the files in two directories
@@ -86,8 +92,11 @@ struct CommandLine {
   Length probe_radius, spacing, margin;
   Outputs text_files;
   bool gzip = false;
-  std::filesystem::path inside_map, mesh;  ///< empty: not given
+  std::filesystem::path inside_map, ion_map, dielectric_prefix, mesh;  ///< empty: not given
+  std::optional<double> solute, solvent, ion_radius;
   MeshColor color = MeshColor::none;
+  bool without_hetatm = false;
+  bool is_ascii = false;
 };
 
 // --- formats of values --------------------------------------------------------------------------
@@ -185,6 +194,17 @@ std::optional<std::filesystem::path> map_in(const std::string& text) {
   return path;
 }
 
+std::optional<std::filesystem::path> dx_map_in(const std::string& text) {
+  const auto path = map_in(text);
+  return path && map_format(path->filename().string()) == MapFormat::dx ? path : std::nullopt;
+}
+
+std::optional<std::filesystem::path> prefix_in(const std::string& text) {
+  const std::filesystem::path path = text;
+  const std::string name = path.filename();
+  return name.empty() || name.starts_with('.') ? std::nullopt : std::optional(path);
+}
+
 std::optional<std::filesystem::path> mesh_in(const std::string& text) {
   return mesh_format(text) ? std::optional<std::filesystem::path>(text) : std::nullopt;
 }
@@ -220,8 +240,8 @@ void add_grid_choice(CLI::App& app, GridChoice& grid) {
 void add_grid_options(CLI::App& app, CommandLine& line) {
   begin_group(app, "Surface and grid");
   Parameters& parameters = line.options.parameters;
-  add_value(app, "FILE", "", "atoms as xyzr or PQR file; - is standard input", line.options.input,
-            path_to("a file"))
+  add_value(app, "FILE", "", "atoms as xyzr, PQR, PDB or mmCIF file; - is standard input",
+            line.options.input, path_to("a file"))
       ->required();
   const auto add_length = [&app](const char* positional, const char* option,
                                  const std::string& description, double fallback, Length& length,
@@ -259,13 +279,43 @@ void add_grid_options(CLI::App& app, CommandLine& line) {
       ->excludes(region);
 }
 
+void add_solver_maps(CLI::App& app, CommandLine& line) {
+  begin_group(app, "Maps for Poisson-Boltzmann solvers (APBS), in the output directory");
+  const auto permittivity =
+      number_between(min_dielectric, max_dielectric,
+                     fmt::format("a number from {:g} to {:g}", min_dielectric, max_dielectric));
+  add_value(app, "--dielectric", "PREFIX",
+            "maps of the dielectric at the middles of grid edges,\n"
+            "PREFIXx.dx, PREFIXy.dx and PREFIXz.dx (usemap diel)",
+            line.dielectric_prefix, Format{prefix_in, "the first part of a file name"});
+  add_value(app, "--solute-dielectric", "EPS",
+            fmt::format("relative permittivity inside [{}]", DielectricMaps().solute), line.solute,
+            permittivity);
+  add_value(app, "--solvent-dielectric", "EPS",
+            fmt::format("relative permittivity outside [{}]", DielectricMaps().solvent),
+            line.solvent, permittivity);
+  add_value(app, "--kappa", "FILE",
+            "map of the points to which ions have access: FILE.dx\n"
+            "with 1 there and 0 elsewhere (usemap kappa)",
+            line.ion_map, Format{dx_map_in, "the name of a file that ends with .dx"});
+  add_value(app, "--ion-radius", "ANGSTROM",
+            fmt::format("radius of the ions of --kappa, 0 to {} [{}]", max_ion_radius,
+                        IonAccessMap().ion_radius),
+            line.ion_radius,
+            number_between(0, max_ion_radius,
+                           fmt::format("a number from 0 to {}, in angstrom", max_ion_radius)));
+}
+
 void add_file_options(CLI::App& app, CommandLine& line) {
   begin_group(app, "Input and output");
   Options& options = line.options;
-  add_value(
-      app, "--format", "NAME", "auto (by the file's suffix), xyzr or pqr [auto]", options.format,
-      one_of<AtomFormat>(
-          {{"auto", AtomFormat::automatic}, {"xyzr", AtomFormat::xyzr}, {"pqr", AtomFormat::pqr}}));
+  add_value(app, "--format", "NAME", "auto (by the file's suffix), xyzr, pqr, pdb or mmcif [auto]",
+            options.format,
+            one_of<AtomFormat>({{"auto", AtomFormat::automatic},
+                                {"xyzr", AtomFormat::xyzr},
+                                {"pqr", AtomFormat::pqr},
+                                {"pdb", AtomFormat::pdb},
+                                {"mmcif", AtomFormat::mmcif}}));
   add_value(app, "-o,--output-dir", "DIR", "where to write files, created if missing [.]",
             options.output_directory, path_to("a directory"));
   add_value(app, "--write", "LIST",
@@ -279,8 +329,13 @@ void add_file_options(CLI::App& app, CommandLine& line) {
             "(OpenDX) or FILE.vti (VTK image data)",
             line.inside_map, Format{map_in, "the name of a file that ends with .dx or .vti"});
   add_flag(app, "--gzip", "text files compressed, as NAME.gz; diff reads both", line.gzip);
-  add_value(app, "--mesh", "FILE", "also the surface as triangles: .ply, .obj or .off", line.mesh,
-            Format{mesh_in, "a file that ends in .ply, .obj or .off"});
+  add_value(
+      app, "--mesh", "FILE",
+      "also the surface as triangles: .ply, .obj, .off, .vtp,\n"
+      "or .vert or .face for MSMS's pair of both",
+      line.mesh,
+      Format<std::filesystem::path>{mesh_in, fmt::format("a file that ends in {}", mesh_suffixes)});
+  add_flag(app, "--ply-ascii", "a .ply file as text, for programs such as PyMOL", line.is_ascii);
   add_flag(app, "--resume",
            "keep what is done where a run is cut off, and go on\n"
            "from there the next time",
@@ -290,10 +345,62 @@ void add_file_options(CLI::App& app, CommandLine& line) {
            "several processes; each needs its own --output-dir",
            options.independent);
   add_value(
-      app, "--color", "NAME", "colours in a .ply file: patch, atom or chain (PQR) [none]",
+      app, "--color", "NAME",
+      "colours in a .ply or .vtp file: patch, atom or chain\n"
+      "[none]",
       line.color,
       one_of<MeshColor>(
           {{"patch", MeshColor::patch}, {"atom", MeshColor::atom}, {"chain", MeshColor::chain}}));
+}
+
+std::optional<std::vector<std::string>> chains_in(const std::string& list) {
+  const std::vector<std::string> chains = CLI::detail::split(list, ',');
+  const bool has_empty = std::any_of(chains.begin(), chains.end(),
+                                     [](const std::string& chain) { return chain.empty(); });
+  return chains.empty() || has_empty ? std::nullopt : std::optional(chains);
+}
+
+std::optional<std::string> altloc_in(const std::string& text) {
+  return text.size() == 1 && text != " " && text != "." ? std::optional(text) : std::nullopt;
+}
+
+Format<std::string> text_of(std::string expected) {
+  return {[](const std::string& text) { return text.empty() ? std::nullopt : std::optional(text); },
+          std::move(expected)};
+}
+
+void add_structure_options(CLI::App& app, CommandLine& line) {
+  begin_group(app, structure_group);
+  StructureOptions& structure = line.options.structure;
+  add_value(app, "--radii", "NAME",
+            "radii of atoms: protor (Tsai et al. 1999), bondi, msms, or\n"
+            "a file in FreeSASA's configuration format [protor]",
+            structure.radii, text_of("protor, bondi, msms, or a file"));
+  constexpr double max_radius = 1000;
+  add_value(app, "--unknown-radius", "ANGSTROM",
+            "radius of atoms that have none [such atoms are an error]", structure.unknown_radius,
+            number_between(0, max_radius, "a number from 0 to 1000, in angstrom"));
+  add_value(app, model_option, "N", "the model with this number, also of a PQR file [first]",
+            structure.model, whole_number_between(1, std::numeric_limits<int>::max()));
+  add_value(app, "--altloc", "X",
+            "this alternate location where there are several\n"
+            "[that of the highest occupancy, by residue]",
+            structure.altloc, Format<std::string>{altloc_in, "one character, such as A"});
+  add_flag(app, "--waters", "water molecules, too [left out]", structure.with_waters);
+  add_flag(app, "--no-hetatm", "no ligands, ions and modified residues (HETATM)",
+           line.without_hetatm);
+  add_value(
+      app, "--hydrogens", "NAME",
+      "keep or drop them [drop with protor and msms, whose\n"
+      "radii include hydrogens; keep with bondi]",
+      structure.hydrogens,
+      one_of<HydrogenChoice>({{"keep", HydrogenChoice::keep}, {"drop", HydrogenChoice::drop}}));
+  add_value(app, "--chains", "LIST", "only these chains, such as A,B", structure.chains,
+            Format<std::vector<std::string>>{chains_in, "names of chains, such as A,B"});
+  add_value(app, "--select", "TEXT", "only atoms of a selection of gemmi, such as //A/10-20",
+            structure.select, text_of("a selection in gemmi's syntax, such as //A/10-20"));
+  add_value(app, "--assembly", "ID", "build this biological assembly from its description",
+            structure.assembly, text_of("the identifier of an assembly, such as 1"));
 }
 
 void add_computation_options(CLI::App& app, Parameters& parameters) {
@@ -343,6 +450,8 @@ void add_options(CLI::App& app, CommandLine& line) {
          footer);
   add_grid_options(app, line);
   add_file_options(app, line);
+  add_structure_options(app, line);
+  add_solver_maps(app, line);
   add_computation_options(app, line.options.parameters);
   add_checks(app, line.options.parameters);
   add_messages(app, line.options);
@@ -376,26 +485,54 @@ void check_grid_choice(const CommandLine& line) {
 }
 
 /// The name of a map, which goes to the output directory like all files.
-std::string map_name(const std::filesystem::path& map,
+std::string map_name(std::string_view option, const std::filesystem::path& map,
                      const std::filesystem::path& output_directory) {
   if (map.has_parent_path() && !is_same_place(map.parent_path(), output_directory))
     throw UsageError(
-        fmt::format("--inside is '{}', but files go to {}: give its name alone, or "
+        fmt::format("{} is '{}', but files go to {}: give its name alone, or "
                     "--output-dir {}",
-                    map.string(), output_directory.string(), map.parent_path().string()));
+                    option, map.string(), output_directory.string(), map.parent_path().string()));
   return map.filename();
 }
 
+void add_maps(const CommandLine& line, const std::filesystem::path& directory, Outputs& outputs) {
+  outputs.inside_map = map_name("--inside", line.inside_map, directory);
+  if (!line.dielectric_prefix.empty()) {
+    DielectricMaps maps{map_name("--dielectric", line.dielectric_prefix, directory)};
+    maps.solute = line.solute.value_or(maps.solute);
+    maps.solvent = line.solvent.value_or(maps.solvent);
+    outputs.dielectric = std::move(maps);
+  } else if (line.solute || line.solvent) {
+    throw UsageError(fmt::format("{} needs --dielectric",
+                                 line.solute ? "--solute-dielectric" : "--solvent-dielectric"));
+  }
+  if (!line.ion_map.empty()) {
+    IonAccessMap map{map_name("--kappa", line.ion_map, directory)};
+    map.ion_radius = line.ion_radius.value_or(map.ion_radius);
+    outputs.ion_access = std::move(map);
+  } else if (line.ion_radius) {
+    throw UsageError("--ion-radius needs --kappa");
+  }
+  try {
+    require_valid_maps(outputs);
+  } catch (const Error& error) {
+    throw UsageError(error.what());
+  }
+}
+
 std::optional<MeshOptions> mesh_of(const CommandLine& line) {
-  const MeshOptions mesh{line.mesh, line.color};
-  if (mesh.color != MeshColor::none && mesh_format(mesh.file) != MeshFormat::ply)
-    throw UsageError("--color needs --mesh with a .ply file");
+  const MeshOptions mesh{line.mesh, line.color, line.is_ascii};
+  const std::optional<MeshFormat> format = mesh_format(mesh.file);
+  if (mesh.color != MeshColor::none && format != MeshFormat::ply && format != MeshFormat::vtp)
+    throw UsageError("--color needs --mesh with a .ply or .vtp file");
+  if (mesh.is_ascii && format != MeshFormat::ply)
+    throw UsageError("--ply-ascii needs --mesh with a .ply file");
   const Options& options = line.options;
   if (mesh.color == MeshColor::chain &&
-      eses::detail::format_of(options.input, options.format) != AtomFormat::pqr)
+      eses::detail::format_of(options.input, options.format) == AtomFormat::xyzr)
     throw UsageError(
-        fmt::format("--color chain needs a PQR file, which tells the chains; {} is read as xyzr "
-                    "(--format pqr if it is PQR)",
+        fmt::format("--color chain needs a PQR, PDB or mmCIF file, which tells the chains; {} is "
+                    "read as xyzr (--format pqr if it is PQR)",
                     options.input.string()));
   return mesh.file.empty() ? std::nullopt : std::optional(mesh);
 }
@@ -409,9 +546,25 @@ Options options_of(const CommandLine& line) {
   options.grid.has_spacing = line.spacing.positional || line.spacing.option;
   options.outputs = line.text_files;
   options.outputs.gzip = line.gzip;
-  options.outputs.inside_map = map_name(line.inside_map, options.output_directory);
+  add_maps(line, options.output_directory, options.outputs);
   options.outputs.mesh = mesh_of(line);
+  options.structure.with_hetatm = !line.without_hetatm;
   return options;
+}
+
+/// Throws UsageError if an option of PDB and mmCIF files is given with another file.
+void refuse_structure_options(const CLI::App& app, const Options& options) {
+  const AtomFormat format = eses::detail::format_of(options.input, options.format);
+  if (is_structure(format)) return;
+  for (const CLI::Option* const option : app.get_options()) {
+    if (option->count() == 0 || option->get_group() != structure_group) continue;
+    const std::string name = option->get_name();
+    if (format == AtomFormat::pqr && name == model_option) continue;
+    throw UsageError(
+        fmt::format("{} needs a PDB or mmCIF file; {} is read as {} (--format pdb or "
+                    "mmcif if it is one)",
+                    name, options.input.string(), format == AtomFormat::pqr ? "PQR" : "xyzr"));
+  }
 }
 
 // --- errors that CLI11 does not see -------------------------------------------------------------
@@ -472,7 +625,9 @@ std::variant<Options, Notice> parse_command_line(int argc, const char* const* ar
   refuse_separate_number(arguments);
   if (std::optional<Notice> notice = parse(app, arguments, "FILE, PROBE, SPACING and MARGIN"))
     return *std::move(notice);
-  return options_of(line);
+  const Options options = options_of(line);
+  refuse_structure_options(app, options);
+  return options;
 }
 
 }  // namespace eses::detail::cli

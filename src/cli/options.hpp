@@ -24,6 +24,7 @@ struct GridChoice {
 struct Options {
   std::filesystem::path input;  ///< `-` is standard input
   AtomFormat format = AtomFormat::automatic;
+  StructureOptions structure;  ///< what is read of a PDB or mmCIF file
   Parameters parameters;
   GridChoice grid;
   Outputs outputs;

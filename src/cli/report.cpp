@@ -10,7 +10,9 @@
 #include <vector>
 
 #include "cli/json.hpp"
+#include "cli/structure_report.hpp"
 #include "eses/version.hpp"
+#include "mesh/mesh_format.hpp"
 #include "output/output_files.hpp"
 #include "simd/dispatch.hpp"
 #include "system/bytes_text.hpp"
@@ -44,7 +46,9 @@ std::string written_text(const Report& report) {
   if (const std::vector<std::string> names = file_names(outputs); !names.empty())
     places.push_back(fmt::format("to {} ({})", path_text(report.options.output_directory),
                                  path_text(fmt::format("{}", fmt::join(names, ", ")))));
-  if (outputs.mesh) places.push_back(fmt::format("to {}", path_text(outputs.mesh->file)));
+  if (outputs.mesh)
+    for (const std::filesystem::path& file : mesh_files(*outputs.mesh))
+      places.push_back(fmt::format("to {}", path_text(file)));
   if (places.empty()) return "written: nothing\n";
   return fmt::format("written: {} {}\n", bytes_text(report.summary.bytes_written),
                      fmt::join(places, " and "));
@@ -64,9 +68,11 @@ bool is_known(const DiskSpace::Place& place) {
 std::vector<std::string> written_files(const Options& options) {
   std::vector<std::string> files = file_names(options.outputs);
   if (!options.outputs.mesh) return files;
-  const std::filesystem::path mesh = std::filesystem::absolute(options.outputs.mesh->file);
-  const bool is_there = is_same_place(mesh.parent_path(), options.output_directory);
-  files.push_back((is_there ? mesh.filename() : mesh.lexically_normal()).string());
+  for (const std::filesystem::path& file : mesh_files(*options.outputs.mesh)) {
+    const std::filesystem::path mesh = std::filesystem::absolute(file);
+    const bool is_there = is_same_place(mesh.parent_path(), options.output_directory);
+    files.push_back((is_there ? mesh.filename() : mesh.lexically_normal()).string());
+  }
   return files;
 }
 
@@ -82,7 +88,9 @@ std::string files_text(const Plan& plan, const Outputs& outputs) {
   add(plan.edge_file_bytes, "about", fmt::format("intersection_info.txt{}", suffix));
   add(plan.area_file_bytes, bound, fmt::format("partition_area.txt{}", suffix));
   add(plan.residue_file_bytes, "about", "residue_area.csv and chain_area.csv");
-  add(plan.map_file_bytes, "exactly", path_text(outputs.inside_map));
+  std::vector<std::string> maps;
+  for (const MapChoice& map : chosen_maps(outputs)) maps.push_back(map.name);
+  add(plan.map_file_bytes, "exactly", path_text(fmt::format("{}", fmt::join(maps, ", "))));
   add(plan.mesh_file_bytes, "about", "the mesh");
   return fmt::format("{}", fmt::join(parts, ", "));
 }
@@ -216,15 +224,24 @@ json::Value plan_json(const Plan& plan, const DiskSpace& disk) {
       {"cut_depth", plan.cut_depth}};
 }
 
+json::Value label_or_null(const std::string& label) {
+  return label.empty() ? json::Value() : json::Value(label);
+}
+
 json::Value diagnostics_json(const std::vector<DiagnosticText>& diagnostics) {
   json::Value items = json::Value::array();
   for (const DiagnosticText& diagnostic : diagnostics) {
     json::Value examples = json::Value::array();
-    for (const DiagnosticText::Example& example : diagnostic.examples)
+    for (const DiagnosticText::Example& example : diagnostic.examples) {
       examples.push_back({{"atom", example.atom},
                           {"line", example.line},
                           {"other_atom", number_unless(!example.has_other, example.other_atom)},
                           {"other_line", number_unless(!example.has_other, example.other_line)}});
+      if (!example.label.empty())
+        examples.back().update(
+            {{"label", example.label},
+             {"other_label", label_or_null(example.has_other ? example.other_label : "")}});
+    }
     items.push_back({{"kind", diagnostic.name},
                      {"severity", diagnostic.is_usual ? "note" : "warning"},
                      {"count", diagnostic.count},
@@ -321,6 +338,7 @@ std::string plan_text(const Report& report) {
   const auto atoms = static_cast<std::int64_t>(report.atoms);
   std::string text = fmt::format("input: {} ({}{})\n", path_text(report.options.input),
                                  counted(atoms, "atom"), usual_text(report.diagnostics));
+  if (report.structure) text += structure_text(*report.structure);
   text += fmt::format("parameters: probe radius {}, spacing {}{} (angstrom)\n",
                       parameters.probe_radius, parameters.spacing,
                       parameters.grid ? "" : fmt::format(", margin {}", parameters.margin));
@@ -357,6 +375,8 @@ std::string summary_text(const Report& report) {
   text += fmt::format("patches: {:.6g} convex, {:.6g} saddle, {:.6g} concave (square angstrom)\n",
                       summary.convex_area, summary.saddle_area, summary.concave_area);
   text += fmt::format("inside points: {}\n", summary.inside_points);
+  text += fmt::format("divergence theorem: {:.6g} cubic angstrom enclosed\n",
+                      summary.divergence_volume);
   text += mesh_text(summary);
   text += verification_text(summary);
   text += fmt::format(
@@ -369,22 +389,25 @@ std::string summary_text(const Report& report) {
 
 std::string json_text(const Report& report) {
   const Summary& summary = report.summary;
-  json::Value document{{"program", "eses-blocks"},
-                       {"version", version},
-                       {"input", report.options.input.string()},
-                       {"atoms", report.atoms},
-                       {"diagnostics", diagnostics_json(report.diagnostics)},
-                       {"parameters", parameters_json(report.options.parameters)},
-                       {"grid", grid_json(report.plan.grid)},
-                       {"region", region_json(report.plan)},
-                       {"blocks", blocks_json(report.plan.tiling)},
-                       {"threads", report.plan.threads},
-                       {"instruction_set", name_of(instruction_set())},
-                       {"plan", plan_json(report.plan, report.disk)},
-                       {"dry_run", report.options.dry_run}};
+  json::Value document{
+      {"program", "eses-blocks"},
+      {"version", version},
+      {"input", report.options.input.string()},
+      {"atoms", report.atoms},
+      {"structure", report.structure ? structure_json(*report.structure) : json::Value()},
+      {"diagnostics", diagnostics_json(report.diagnostics)},
+      {"parameters", parameters_json(report.options.parameters)},
+      {"grid", grid_json(report.plan.grid)},
+      {"region", region_json(report.plan)},
+      {"blocks", blocks_json(report.plan.tiling)},
+      {"threads", report.plan.threads},
+      {"instruction_set", name_of(instruction_set())},
+      {"plan", plan_json(report.plan, report.disk)},
+      {"dry_run", report.options.dry_run}};
   if (!report.options.dry_run)
     document.update({{"area", summary.area},
                      {"volume", summary.volume},
+                     {"divergence_volume", summary.divergence_volume},
                      {"inside_points", summary.inside_points},
                      {"crossings", crossings_json(summary)},
                      {"area_by_kind", area_by_kind_json(summary)},

@@ -3,6 +3,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -20,6 +21,7 @@ struct Report {
   Options options;
   std::size_t atoms = 0;
   std::vector<DiagnosticText> diagnostics;
+  std::optional<StructureReport> structure;  ///< of a PDB or mmCIF file
   Plan plan;
   DiskSpace disk;
   Summary summary;                      ///< empty before the run

@@ -28,6 +28,7 @@ namespace {
 RunTask task_of(const Options& options) {
   return {.input = options.input,
           .format = options.format,
+          .structure = options.structure,
           .parameters = options.parameters,
           .outputs = options.outputs,
           .output_directory = options.output_directory,
@@ -70,10 +71,10 @@ void refuse_to_lose_input(const Options& options) {
 
 // Throws Error if areas by residue are requested for a file without residues.
 void refuse_residues_of_xyzr(const Options& options) {
-  if (options.outputs.residues && format_of(options.input, options.format) != AtomFormat::pqr)
+  if (options.outputs.residues && format_of(options.input, options.format) == AtomFormat::xyzr)
     throw Error(
-        fmt::format("{}: areas by residue (--write residues) need a PQR file; xyzr does not "
-                    "tell chains and residues",
+        fmt::format("{}: areas by residue (--write residues) need a PQR, PDB or mmCIF file; xyzr "
+                    "does not tell chains and residues",
                     options.input.string()));
 }
 
@@ -91,7 +92,8 @@ Report report_of(const Options& options, const RunPlan& plan, const Processes& p
   report.atoms = plan.atoms;
   report.diagnostics = describe(
       plan.diagnostics.diagnostics, [&](AtomIndex atom) { return plan.diagnostics.lines.at(atom); },
-      options.input);
+      options.input, plan.diagnostics.labels);
+  report.structure = plan.structure;
   report.plan = plan.whole;
   report.process_count = processes.count();
   return report;

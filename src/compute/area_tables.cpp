@@ -15,7 +15,7 @@
 namespace eses::detail {
 namespace {
 
-// The areas of the atoms `wanted`, from the processes that have them.
+// Returns the areas of the atoms `wanted`, which other processes may have.
 std::vector<double> fetch_areas(const AtomRange& wanted, const AtomAreas& own,
                                 const Processes& processes) {
   const AtomRange known = own.range();
@@ -30,8 +30,9 @@ std::vector<double> fetch_areas(const AtomRange& wanted, const AtomAreas& own,
   return processes.exchange(std::move(to));
 }
 
-// The message from one process to the next: the tables so far, as sums of floating-point numbers
-// depend on the order, and the length of the table of residues.
+// The message from each rank to the next one: the length of the residue table, the open residue and
+// the sums of the chains so far. Areas are added in the order of the atoms, as sums of
+// floating-point numbers depend on it.
 class Progress {
  public:
   explicit Progress(const std::string& packed) : texts_(unpack(packed)) {
@@ -84,7 +85,7 @@ class Progress {
   std::vector<std::string> texts_;
 };
 
-// Adds the residues of this process and writes the lines of those that end.
+// Adds the residues of this process and writes the lines of the complete ones.
 void add_own(const RunPlan& plan, std::span<const double> areas, const Processes& processes,
              SharedFile& file, Progress& progress) {
   const TextSink sink = [&](std::string_view text) {
@@ -104,7 +105,7 @@ void add_own(const RunPlan& plan, std::span<const double> areas, const Processes
 std::uint64_t write_area_tables(const AtomAreas& areas, const RunPlan& plan, OutputFile* residues,
                                 OutputFile* chains, const Processes& processes) {
   std::vector<double> fetched;
-  std::span<const double> of_read = areas.areas;  // all atoms, if the process is alone
+  std::span<const double> of_read = areas.areas;  // all atoms in a single process
   if (processes.count() > 1) {
     fetched = fetch_areas(plan.read, areas, processes);
     of_read = fetched;

@@ -12,15 +12,16 @@
 namespace eses::detail {
 namespace {
 
-// Lines of partition_area.txt that are made, and compressed, at a time.
+// Number of lines of partition_area.txt that are formatted and compressed at a time.
 constexpr std::size_t lines_per_part = std::size_t{1} << 16;
 
-// The atoms whose areas a process has. The parts of the file do not depend on the processes.
+// Returns the atoms whose areas a rank has. Ranges begin at multiples of `lines_per_part`, so that
+// the parts of the file do not depend on the number of ranks.
 Processes::Share atoms_of(int rank, const RunPlan& plan, const Processes& processes) {
   return processes.share_of(plan.atoms, lines_per_part, rank);
 }
 
-// Sends each atom's shares to the process that has its area.
+// Sends the shares of each atom to the process that has its area, and adds them up.
 std::vector<AreaShare> exchange_shares(AtomShares shares, const RunPlan& plan,
                                        const Processes& processes) {
   std::vector<std::vector<AtomSum>> to(static_cast<std::size_t>(processes.count()));
@@ -40,7 +41,7 @@ std::vector<AreaShare> exchange_shares(AtomShares shares, const RunPlan& plan,
   return sums;
 }
 
-// The shares of all atoms in a process that is alone.
+// Returns the shares of all atoms in a single process.
 std::vector<AreaShare> shares_alone(AtomShares shares, const RunPlan& plan) {
   std::vector<AreaShare> sums = std::move(shares.of_slab);
   sums.resize(plan.atoms);
@@ -48,7 +49,7 @@ std::vector<AreaShare> shares_alone(AtomShares shares, const RunPlan& plan) {
   return sums;
 }
 
-// Calls take(text) for the parts of this process's lines as they are in the file.
+// Calls `take(text)` for the parts of this process's lines, compressed if necessary.
 template <class Take>
 void for_area_texts(const AtomAreas& atoms, bool is_gzipped, const std::function<void()>& check,
                     Take&& take) {

@@ -1,6 +1,6 @@
 #pragma once
-/// Step 4 of a run: the areas of atoms, residues and chains. Each process has the areas of a share
-/// of the atoms, in the order of the file.
+/// Step 4 of a run: the areas of atoms, residues and chains. Each process has the areas of
+/// consecutive atoms of the file.
 
 #include <cstdint>
 #include <functional>
@@ -15,13 +15,13 @@
 
 namespace eses::detail {
 
-/// The atoms' shares of the area, as far as a process has them.
+/// The area shares that a process has computed or read.
 struct AtomShares {
   std::vector<AreaShare> of_slab;  ///< by atom of the slab; empty if nothing was swept
-  std::vector<AtomSum> restored;   ///< from chunks that an earlier run has left
+  std::vector<AtomSum> restored;   ///< from the chunks of an earlier run
 };
 
-/// The areas of atoms [first, first + size) of the file, square angstrom.
+/// The areas of the atoms [first, first + size) of the file, in square angstrom.
 struct AtomAreas {
   std::uint64_t first = 0;
   std::vector<double> areas;
@@ -29,19 +29,22 @@ struct AtomAreas {
   AtomRange range() const { return {first, first + areas.size()}; }
 };
 
-/// Adds up the shares of all processes; to be called by all of them. Returns the areas of this
-/// process's share of the atoms: all atoms if it is alone.
+/// Adds up the shares of all processes, which must all call it. Returns the areas of this process's
+/// atoms.
 AtomAreas add_up_areas(AtomShares shares, const RunPlan& plan, const Processes& processes);
 
-/// The sum of all areas in the order of the atoms, as the sum of floating-point numbers depends on
-/// it; to be called by all processes.
+/// Returns the sum of all areas (square angstrom). All processes must call it. Areas are added in
+/// the order of the atoms, as sums of floating-point numbers depend on it.
 double total_area(const AtomAreas& areas, const Processes& processes);
 
-/// Each of these writes its files and returns their length; to be called by all processes. Only the
-/// first process has output files; the others pass null. `check` is called now and then, and may
-/// end the run by an exception.
+/// Writes partition_area.txt and returns its length in bytes. All processes must call it. The first
+/// process passes the output file, the others pass null. `check` is called repeatedly, and may end
+/// the run by an exception.
 std::uint64_t write_areas(const AtomAreas& areas, bool gzip, OutputFile* file,
                           const std::function<void()>& check, const Processes& processes);
+
+/// Writes the tables of residues and chains and returns their length in bytes. All processes must
+/// call it. The first process passes the output files, the others pass null.
 std::uint64_t write_area_tables(const AtomAreas& areas, const RunPlan& plan, OutputFile* residues,
                                 OutputFile* chains, const Processes& processes);
 

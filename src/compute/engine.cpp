@@ -41,7 +41,8 @@ std::unique_ptr<OutputFiles> open_files(const RunTask& task, const RunPlan& plan
   return files;
 }
 
-// Otherwise MPI would wait for ever when the files are merged.
+// Checks that all processes can open the output files. Otherwise MPI would wait forever when the
+// files are merged.
 void require_shared_directories(const RunTask& task, const RunPaths& paths,
                                 const Processes& processes) {
   if (processes.count() == 1) return;
@@ -58,11 +59,21 @@ void require_shared_directories(const RunTask& task, const RunPaths& paths,
   });
 }
 
-std::optional<mesh::MeshText> mesh_text(const RunTask& task, const RunPlan& plan) {
+std::optional<mesh::MeshText> mesh_text(const RunTask& task, const RunPlan& plan,
+                                        const Processes& processes) {
   const auto& mesh = task.outputs.mesh;
   if (!mesh) return std::nullopt;
-  const mesh::AtomGroups groups{plan.groups.are_known, plan.slab.groups};
-  return mesh::MeshText(mesh_format(mesh->file).value(), mesh->color, groups, plan.slab.numbers);
+  const mesh::AtomGroups groups{.are_known = plan.groups.are_known,
+                                .of_atom = plan.slab.groups,
+                                .chain_count = processes.sum(plan.groups.chains.size()),
+                                .residue_count = processes.sum(plan.groups.residues.size())};
+  return mesh::MeshText(required_mesh_format(*mesh), mesh->color,
+                        {.groups = groups,
+                         .atom_numbers = plan.slab.numbers,
+                         .atoms = plan.slab.molecule.atoms(),
+                         .atom_count = plan.atoms,
+                         .probe_radius = plan.whole.parameters.probe_radius,
+                         .spacing = plan.whole.grid.spacing});
 }
 
 double cpu_seconds() {
@@ -83,13 +94,13 @@ std::vector<std::string> broadcast_lines(const std::vector<std::string>& own, in
   return unpack(processes.broadcast(std::move(packed), from));
 }
 
-// Takes the wall-clock times of the slowest process, and adds up the times of threads.
+// Replaces wall-clock times by their maxima, and times of threads by their sums over all processes.
 void share_seconds(PhaseSeconds& seconds, const Processes& processes) {
-  std::array largest{seconds.blocks, seconds.verify, seconds.total};
-  processes.allreduce_max(largest);
-  seconds.blocks = largest[0];
-  seconds.verify = largest[1];
-  seconds.total = largest[2];
+  std::array maxima{seconds.blocks, seconds.verify, seconds.total};
+  processes.allreduce_max(maxima);
+  seconds.blocks = maxima[0];
+  seconds.verify = maxima[1];
+  seconds.total = maxima[2];
   std::array sums{seconds.patches, seconds.classify, seconds.intersect, seconds.output};
   processes.add(std::span<double>(sums));
   seconds.patches = sums[0];
@@ -98,7 +109,7 @@ void share_seconds(PhaseSeconds& seconds, const Processes& processes) {
   seconds.output = sums[3];
 }
 
-// Adds up what the processes have verified, with the faults in the order of their slabs.
+// Adds up the verifications of all processes. Faults are in the order of the slabs.
 void share_verification(Verification& found, const Processes& processes) {
   found.points = static_cast<std::int64_t>(processes.sum(static_cast<std::uint64_t>(found.points)));
   found.edges = static_cast<std::int64_t>(processes.sum(static_cast<std::uint64_t>(found.edges)));
@@ -111,7 +122,7 @@ void share_verification(Verification& found, const Processes& processes) {
   found.faults = std::move(all);
 }
 
-// Takes the chunks that an earlier run has left, in turn with the other processes.
+// Reads the chunks of an earlier run. Each process reads a part of them.
 void take_restored(const RunPlan& plan, const Processes& processes, std::vector<PlaneChunk>& chunks,
                    AtomShares& shares) {
   const auto step = static_cast<std::size_t>(processes.count());
@@ -123,7 +134,7 @@ void take_restored(const RunPlan& plan, const Processes& processes, std::vector<
   }
 }
 
-// Completes all files but the bounding box. Returns their length.
+// Completes all files except the bounding box. Returns their length in bytes.
 std::uint64_t write_files(const RunTask& task, const RunPlan& plan,
                           const std::optional<mesh::MeshText>& mesh, const AtomAreas& areas,
                           Merge& merge, OutputFiles* files, const std::function<void()>& check,
@@ -135,8 +146,10 @@ std::uint64_t write_files(const RunTask& task, const RunPlan& plan,
   std::uint64_t bytes = 0;
   if (outputs.grid) bytes += merge.write_text(file(&OutputFiles::grid), ChunkText::grid);
   if (outputs.edges) bytes += merge.write_text(file(&OutputFiles::edges), ChunkText::edges);
-  if (mesh) bytes += merge.write_mesh(file(&OutputFiles::mesh), *mesh);
-  if (!outputs.inside_map.empty()) bytes += merge.write_map(file(&OutputFiles::inside_map));
+  if (mesh)
+    bytes += merge.write_mesh(file(&OutputFiles::mesh), file(&OutputFiles::mesh_faces), *mesh);
+  for (const MapChoice& map : chosen_maps(outputs))
+    bytes += merge.write_map(files != nullptr ? files->map(map.quantity) : nullptr, map);
   if (outputs.areas)
     bytes += write_areas(areas, outputs.gzip, file(&OutputFiles::areas), check, processes);
   if (outputs.residues)
@@ -145,7 +158,7 @@ std::uint64_t write_files(const RunTask& task, const RunPlan& plan,
   return bytes;
 }
 
-// Writes the bounding box, whose length it returns, and gives all files their names.
+// Writes the bounding box and renames all files. Returns the length of the bounding box in bytes.
 std::uint64_t commit_files(const RunTask& task, const RunPlan& plan, OutputFiles* files,
                            const std::function<void()>& check, const Processes& processes) {
   std::uint64_t box_bytes = 0;
@@ -196,20 +209,21 @@ RunResult execute(const RunTask& task, const RunPlan& plan, const RunPaths& path
   const std::vector<PlaneRange> ranges = ranges_to_sweep(task, plan);
   ProgressReport report(callbacks.progress, count_blocks(plan, ranges));
   const std::function<void()> check = [&report] { report.check(); };
-  check();  // the caller learns that the locks are held
+  check();  // from now on the caller must remove the locks on a signal
 
   RunResult result;
   Summary& summary = result.summary;
   if (task.parameters.verify > 0) summary.verification.emplace();
-  const std::optional<mesh::MeshText> mesh = mesh_text(task, plan);
+  const std::optional<mesh::MeshText> mesh = mesh_text(task, plan, processes);
   SweepFiles sweep_files{.final_files = files.get()};
   if (mesh) {
     sweep_files.mesh_text = &*mesh;
     sweep_files.mesh_header_bytes = mesh_header_bytes(*mesh, plan.groups, processes);
+    sweep_files.face_header_bytes = face_header_bytes(*mesh);
   }
   SlabSweep sweep(task, plan, ranges, sweep_files, callbacks, report, processes);
   SweepResult swept = sweep.run(summary);
-  // The heap that patches and blocks have freed is too scattered for the long lists of areas.
+  // The heap memory of patches and blocks is too fragmented for the long lists of areas.
   release_free_memory();
   AtomShares shares{std::move(swept.atom_shares), {}};
   take_restored(plan, processes, swept.chunks, shares);

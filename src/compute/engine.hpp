@@ -2,10 +2,11 @@
 /// The engine: one run, from its plan to its files and its summary.
 ///
 /// A run is a sweep over ranges of planes that delivers rows, crossings and triangles in canonical
-/// order. A process that is alone has one range, whose texts go directly to their places in the
-/// files. With several processes each has a slab, and in a run that can be resumed a slab is cut
-/// into ranges; their texts go into chunks, which are merged into the files when all are there. The
-/// files do not depend on who did what.
+/// order. A single process has one range and writes its texts directly to the output files.
+/// Otherwise the texts of each range go into a chunk, and all chunks are merged into the output
+/// files at the end. There are several ranges if there are several MPI ranks, of which each has a
+/// slab of planes, or if the run can be resumed. The bytes of the files do not depend on the
+/// ranges.
 
 #include <cstdint>
 #include <string>
@@ -26,26 +27,27 @@ struct ProcessFigures {
   std::uint64_t peak_memory_bytes = 0;
 };
 
+/// The result of a run.
 struct RunResult {
-  /// The same in all processes, but for `atom_areas`, which only a process that is alone has.
+  /// Equal in all processes. Summary::atom_areas is empty if there are several processes.
   Summary summary;
   std::vector<ProcessFigures> processes;  ///< by rank
 };
 
-/// Whether the run was verified and found wrong. Then it has written no file.
+/// Returns whether the verification has found faults. Then no file was written.
 bool has_faults(const Summary& summary);
 
-/// What a run creates, and must not leave behind if it fails.
+/// The temporary files and locks of a run, which are removed if the run fails.
 struct RunPaths {
   std::vector<std::string> temporaries, locks;
 };
 
-/// The paths of the first process; to be called by all processes.
+/// Returns the paths of the first process. All processes must call it.
 RunPaths paths_of(const RunTask& task, const Processes& processes);
 
-/// Computes the surface and writes the files as eses::detail::run does; to be called by all
-/// processes. If it throws anything but SharedError, the other processes do not know, and have to
-/// be aborted.
+/// Computes the surface and writes the files as eses::detail::run does. All processes must call it.
+/// If it throws another exception than SharedError, the other processes have not received it and
+/// must be aborted.
 RunResult execute(const RunTask& task, const RunPlan& plan, const RunPaths& paths,
                   const Callbacks& callbacks, const Processes& processes);
 

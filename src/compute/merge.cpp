@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cstring>
 #include <future>
 #include <map>
@@ -12,22 +13,59 @@
 #include "eses/error.hpp"
 #include "io/gzip.hpp"
 #include "mesh/local_triangle.hpp"
-#include "output/inside_map.hpp"
+#include "output/grid_map.hpp"
 
 namespace eses::detail {
 namespace {
 
-// Bytes that are read, or copied in the kernel, at a time. After each part the run may be ended.
+// Numbers of bytes that are read, or copied in the kernel, at a time. The run can end after each
+// part.
 constexpr std::uint64_t bytes_per_read = std::uint64_t{1} << 22;
 constexpr std::uint64_t bytes_per_copy = std::uint64_t{1} << 24;
 
-// Writes a gzip file without text. Without a single member it would not be one.
+// Writes a gzip file without text. A valid gzip file has at least one member.
 std::uint64_t write_empty_member(const Processes& processes, SharedFile& file) {
   Gzip gzip;
   const std::span<const char> member = gzip.member({});
   if (processes.is_first()) file.write_at(member, 0);
   return member.size();
 }
+
+// Divides records into the columns of a table, in a part of a file that begins at `begin`.
+class ColumnWriter {
+ public:
+  // Keeps references to the file and the table.
+  ColumnWriter(SharedFile& file, std::uint64_t begin, const mesh::ColumnTable& table)
+      : file_(file), begin_(begin), table_(table) {}
+
+  // Records from number `first` on.
+  void write(std::span<const char> records, std::uint64_t first) {
+    const std::size_t count = records.size() / table_.record_bytes;
+    for (const mesh::Column& column : table_.columns) {
+      values_.resize(count * column.bytes);
+      for (std::size_t i = 0; i < count; ++i)
+        std::memcpy(values_.data() + i * column.bytes,
+                    records.data() + i * table_.record_bytes + column.record_offset, column.bytes);
+      file_.write_at(values_, begin_ + column.begin + first * column.bytes);
+    }
+  }
+
+  // The length of each column, before its values.
+  void write_lengths() {
+    for (const mesh::Column& column : table_.columns) {
+      const std::uint64_t length = table_.record_count * column.bytes;
+      std::array<char, sizeof length> bytes{};
+      std::memcpy(bytes.data(), &length, sizeof length);
+      file_.write_at(bytes, begin_ + column.begin - sizeof length);
+    }
+  }
+
+ private:
+  SharedFile& file_;
+  std::uint64_t begin_;
+  const mesh::ColumnTable& table_;
+  std::vector<char> values_;
+};
 
 }  // namespace
 
@@ -65,8 +103,8 @@ void Merge::add_up() {
   mesh::require_numbers(mesh_.vertices);
 }
 
-// Calls action(chunk, sum) for the chunks of this process, with the sum of `amount` over all chunks
-// before. Returns the sum over all chunks.
+// Calls `action(chunk, sum)` for each chunk of this process, with the sum of `amount` over all
+// previous chunks. Returns the sum over all chunks.
 template <class Amount, class Action>
 std::uint64_t Merge::for_own(Amount&& amount, Action&& action) {
   std::uint64_t sum = 0;
@@ -84,20 +122,22 @@ ScratchFile& Merge::open(PlaneChunk& chunk, ChunkText text) const {
   return *file;
 }
 
-// So many files cannot be open at a time. Without a checkpoint, scratch files are gone when closed.
+// Closes the file of a text, as the number of open files is limited. Without a checkpoint, a closed
+// scratch file is deleted.
 void Merge::close(PlaneChunk& chunk, ChunkText text) const { chunk.text(text).reset(); }
 
 void Merge::require_sound(const PlaneChunk& chunk, ChunkText text, std::uint32_t checksum) const {
   if (checksum == chunk.info.checksums[static_cast<std::size_t>(text)]) return;
   plan_.checkpoint->drop(chunk.info.planes);
   throw Error(
-      fmt::format("cannot resume: what is done of planes {} to {} is damaged; the next run "
-                  "with --resume does it again",
+      fmt::format("cannot resume: the checkpoint of planes {} to {} is damaged; the next run "
+                  "with --resume computes them again",
                   chunk.info.planes.begin, chunk.info.planes.end - 1));
 }
 
-// Calls take(bytes, offset) for parts of a chunk's text from `begin` on, each a multiple of `unit`
-// long. Of a chunk that an earlier run has left all must be read, as its checksum is compared.
+// Calls `take(bytes, offset)` for parts of a chunk's text from `begin` on, whose lengths are
+// multiples of `unit`. For a chunk of an earlier run, `begin` must be 0, as its checksum is
+// compared.
 template <class Take>
 void Merge::read(PlaneChunk& chunk, ChunkText text, std::uint64_t unit, std::uint64_t begin,
                  Take&& take) const {
@@ -112,8 +152,8 @@ void Merge::read(PlaneChunk& chunk, ChunkText text, std::uint64_t unit, std::uin
     from.read_at(std::as_writable_bytes(std::span(next)), offset);
     if (chunk.is_restored) checksum.add(next, offset);
   };
-  // Only the main thread may write where there are several processes; another one reads ahead, if
-  // it can be started.
+  // With several processes, only the main thread may write. Another thread reads ahead if it can be
+  // started.
   const auto how =
       plan_.own.threads > 1 ? std::launch::async | std::launch::deferred : std::launch::deferred;
   std::future<void> loaded = std::async(how, load, begin);
@@ -128,7 +168,8 @@ void Merge::read(PlaneChunk& chunk, ChunkText text, std::uint64_t unit, std::uin
   if (plan_.checkpoint) close(chunk, text);
 }
 
-// Returns how many bytes have been copied: fewer than there are where the kernel cannot copy them.
+// Returns the number of bytes copied, which is smaller than the length if the kernel cannot copy
+// them.
 std::uint64_t Merge::copy_in_kernel(PlaneChunk& chunk, ChunkText text, SharedFile& to,
                                     std::uint64_t begin) {
   const std::uint64_t bytes = chunk.info.bytes_of(text);
@@ -156,7 +197,7 @@ void Merge::copy(PlaneChunk& chunk, ChunkText text, SharedFile& to, std::uint64_
   close(chunk, text);
 }
 
-// Copies this text of all chunks to their places from `begin` on. Returns where they end.
+// Copies a text of all chunks to the file from `begin` on. Returns the offset of their end.
 std::uint64_t Merge::copy_all(ChunkText text, SharedFile& to, std::uint64_t begin) {
   const auto bytes_of = [text](const ChunkInfo& info) { return info.bytes_of(text); };
   return begin + for_own(bytes_of, [&](PlaneChunk& chunk, std::uint64_t before) {
@@ -172,26 +213,25 @@ std::uint64_t Merge::write_text(OutputFile* file, ChunkText text) {
   return bytes;
 }
 
-std::uint64_t Merge::write_map(OutputFile* file) {
+std::uint64_t Merge::write_map(OutputFile* file, const MapChoice& choice) {
   SharedFile shared(processes_, file);
   const GridRegion& region = plan_.whole.tiling.region;
-  InsideMap map(map_file(shared), required_map_format(task_.outputs.inside_map), plan_.whole.grid,
-                region);
-  const auto row_words = static_cast<std::uint64_t>(InsideMap::words_of_row(region.size()));
+  GridMap map(map_file(shared), choice, plan_.whole.grid, region);
+  const ChunkText text = text_of(choice.quantity);
+  const auto row_words =
+      static_cast<std::uint64_t>(GridMap::words_of_row(choice.quantity, region.size()));
   const std::uint64_t row_bytes = sizeof(std::uint64_t) * row_words;
-  InsideMap::Scratch scratch;
+  GridMap::Scratch scratch;
   std::vector<std::uint64_t> words;
   for (PlaneChunk& chunk : own_) {
     if (chunk.is_in_place) continue;
     const std::int64_t first_row = (chunk.info.planes.begin - region.begin[2]) * region.size()[1];
-    read(chunk, ChunkText::map, row_bytes, 0,
-         [&](std::span<const char> bytes, std::uint64_t offset) {
-           words.resize(bytes.size() / sizeof(std::uint64_t));
-           std::memcpy(words.data(), bytes.data(), bytes.size());
-           map.write_rows(first_row + static_cast<std::int64_t>(offset / row_bytes), words,
-                          scratch);
-         });
-    close(chunk, ChunkText::map);
+    read(chunk, text, row_bytes, 0, [&](std::span<const char> bytes, std::uint64_t offset) {
+      words.resize(bytes.size() / sizeof(std::uint64_t));
+      std::memcpy(words.data(), bytes.data(), bytes.size());
+      map.write_rows(first_row + static_cast<std::int64_t>(offset / row_bytes), words, scratch);
+    });
+    close(chunk, text);
   }
   shared.sync();
   const Processes::Share share =
@@ -207,50 +247,72 @@ std::uint64_t Merge::write_map(OutputFile* file) {
   return map.file_bytes();
 }
 
-std::uint64_t Merge::write_mesh(OutputFile* file, const mesh::MeshText& text) {
+std::uint64_t Merge::write_mesh(OutputFile* file, OutputFile* face_file,
+                                const mesh::MeshText& text) {
   SharedFile shared(processes_, file);
   std::uint64_t bytes = write_mesh_header(text, plan_.groups, mesh_, processes_, shared);
-  bytes = copy_all(ChunkText::vertices, shared, bytes);
-  bytes = write_triangles(shared, bytes, text);
+  if (text.has_columns()) {
+    bytes = write_columns(shared, bytes, text);
+  } else {
+    bytes = copy_all(ChunkText::vertices, shared, bytes);
+    if (!text.has_face_file()) bytes = write_triangles(shared, bytes, text);
+  }
   shared.close();
+  if (!text.has_face_file()) return bytes;
+  SharedFile faces(processes_, face_file);
+  const std::uint64_t header = write_face_header(text, mesh_, processes_, faces);
+  bytes += write_triangles(faces, header, text);
+  faces.close();
   return bytes;
 }
 
-// Calls take(text) for parts of the text of a chunk's triangles.
+// Calls `take(triangles, first)` for parts of a chunk's triangles. `first` is the index in the
+// chunk of the first triangle of the part.
+template <class Take>
+void Merge::for_triangles(PlaneChunk& chunk, Take&& take) const {
+  std::vector<mesh::LocalTriangle> triangles;
+  read(chunk, ChunkText::triangles, sizeof(mesh::LocalTriangle), 0,
+       [&](std::span<const char> bytes, std::uint64_t offset) {
+         triangles.resize(bytes.size() / sizeof(mesh::LocalTriangle));
+         std::memcpy(triangles.data(), bytes.data(), bytes.size());
+         take(std::span<const mesh::LocalTriangle>(triangles),
+              offset / sizeof(mesh::LocalTriangle));
+       });
+}
+
+// Calls `take(text)` for parts of the text of a chunk's triangles.
 template <class Take>
 void Merge::for_triangle_texts(PlaneChunk& chunk, std::uint64_t first_vertex,
                                const mesh::MeshText& text, Take&& take) const {
   TextBuffer buffer;
-  read(chunk, ChunkText::triangles, sizeof(mesh::LocalTriangle), 0,
-       [&](std::span<const char> bytes, std::uint64_t) {
-         buffer.clear();
-         for (; !bytes.empty(); bytes = bytes.subspan(sizeof(mesh::LocalTriangle))) {
-           mesh::LocalTriangle local;
-           std::memcpy(&local, bytes.data(), sizeof local);
-           text.append_triangle(buffer, mesh::numbered_from(first_vertex, local));
-         }
-         take(buffer.text());
-       });
+  for_triangles(chunk, [&](std::span<const mesh::LocalTriangle> triangles, std::uint64_t) {
+    buffer.clear();
+    for (const mesh::LocalTriangle& local : triangles)
+      text.append_triangle(buffer, mesh::numbered_from(first_vertex, local),
+                           static_cast<std::uint8_t>(local.patch));
+    take(buffer.text());
+  });
 }
 
-// Writes the triangles from `begin` on and returns where they end. The length of their text depends
-// on the numbers of their vertices, so that the text is made twice: once to learn its length.
+// Writes the triangles from `begin` on and returns the offset of their end. The length of their
+// text depends on the numbers of their vertices, so the text is formatted twice: first for its
+// length.
 std::uint64_t Merge::write_triangles(SharedFile& file, std::uint64_t begin,
                                      const mesh::MeshText& text) {
   if (!own_.empty() && own_.front().is_in_place) return copy_all(ChunkText::triangles, file, begin);
-  struct PieceBytes {
+  struct ChunkBytes {
     std::int64_t plane;
     std::uint64_t bytes;
   };
   const auto vertices_of = [](const ChunkInfo& info) { return info.mesh.vertices; };
-  std::vector<PieceBytes> own;
+  std::vector<ChunkBytes> own;
   for_own(vertices_of, [&](PlaneChunk& chunk, std::uint64_t first_vertex) {
     own.push_back({chunk.info.planes.begin, 0});
     for_triangle_texts(chunk, first_vertex, text,
                        [&](std::span<const char> part) { own.back().bytes += part.size(); });
   });
-  std::map<std::int64_t, std::uint64_t> begins;  // by chunk; at first the lengths
-  for (const PieceBytes& one : processes_.gather<PieceBytes>(own)) begins[one.plane] = one.bytes;
+  std::map<std::int64_t, std::uint64_t> begins;  // offset by first plane; the lengths at first
+  for (const ChunkBytes& one : processes_.gather<ChunkBytes>(own)) begins[one.plane] = one.bytes;
   std::uint64_t end = begin;
   for (auto& [plane, place] : begins) end += std::exchange(place, end);
   for_own(vertices_of, [&](PlaneChunk& chunk, std::uint64_t first_vertex) {
@@ -262,6 +324,44 @@ std::uint64_t Merge::write_triangles(SharedFile& file, std::uint64_t begin,
     close(chunk, ChunkText::triangles);
   });
   return end;
+}
+
+// Divides the records of vertices and triangles into columns, from `begin` on, and writes what
+// stands behind them. Returns where that ends.
+std::uint64_t Merge::write_columns(SharedFile& file, std::uint64_t begin,
+                                   const mesh::MeshText& text) {
+  const mesh::VtpData data = text.columns(mesh_);
+  ColumnWriter vertices(file, begin, data.vertices), triangles(file, begin, data.triangles);
+  const auto vertices_of = [](const ChunkInfo& info) { return info.mesh.vertices; };
+  const auto triangles_of = [](const ChunkInfo& info) { return info.mesh.triangles; };
+  std::vector<std::uint64_t> first_triangles;
+  for_own(triangles_of,
+          [&](PlaneChunk&, std::uint64_t first) { first_triangles.push_back(first); });
+  std::size_t index = 0;
+  TextBuffer records;
+  for_own(vertices_of, [&](PlaneChunk& chunk, std::uint64_t first_vertex) {
+    const std::uint64_t first_triangle = first_triangles[index++];
+    read(chunk, ChunkText::vertices, data.vertices.record_bytes, 0,
+         [&](std::span<const char> bytes, std::uint64_t offset) {
+           vertices.write(bytes, first_vertex + offset / data.vertices.record_bytes);
+         });
+    close(chunk, ChunkText::vertices);
+    for_triangles(chunk, [&](std::span<const mesh::LocalTriangle> locals, std::uint64_t before) {
+      records.clear();
+      std::uint64_t number = first_triangle + before;
+      for (const mesh::LocalTriangle& local : locals)
+        text.append_triangle_record(records, mesh::numbered_from(first_vertex, local), number++);
+      triangles.write(records.text(), first_triangle + before);
+    });
+    close(chunk, ChunkText::triangles);
+  });
+  const std::uint64_t end = begin + data.bytes;
+  if (processes_.is_first()) {
+    vertices.write_lengths();
+    triangles.write_lengths();
+    file.write_at(text.behind_columns(), end);
+  }
+  return end + text.behind_columns().size();
 }
 
 }  // namespace eses::detail

@@ -1,6 +1,5 @@
 #pragma once
-/// Step 3 of a run: the chunks of all processes become the files. What is in place already stays
-/// there.
+/// Step 3 of a run: merging the chunks of all processes into the output files.
 
 #include <cstdint>
 #include <functional>
@@ -17,23 +16,24 @@
 
 namespace eses::detail {
 
-/// All functions are to be called by all processes. Only the first process has an output file; the
-/// others pass null.
+/// The merge of all chunks. All processes must call its functions. The first process passes the
+/// output file, the others pass null.
 class Merge {
  public:
-  /// Keeps references to all but `check`, which is called now and then, and may end the run by an
-  /// exception. Takes the chunks of this process. Throws SharedError if the chunks of all processes
-  /// are not those of the whole run, or if the mesh would have too many vertices.
+  /// `chunks` are those of this process. `check` is called repeatedly, and may end the run by an
+  /// exception. Keeps references to the other arguments. Throws SharedError if the chunks of all
+  /// processes do not cover the region exactly, or if the mesh has too many vertices.
   Merge(const RunTask& task, const RunPlan& plan, const Processes& processes,
         std::vector<PlaneChunk> chunks, std::function<void()> check);
 
   const RegionTotals& totals() const { return totals_; }
   const MeshCounts& mesh_counts() const { return mesh_; }
 
-  /// Each of these completes a file and returns its length.
+  /// These functions complete a file and return its length in bytes.
   std::uint64_t write_text(OutputFile* file, ChunkText text);
-  std::uint64_t write_map(OutputFile* file);
-  std::uint64_t write_mesh(OutputFile* file, const mesh::MeshText& text);
+  std::uint64_t write_map(OutputFile* file, const MapChoice& choice);
+  /// `face_file` is that of the triangles, where they have one.
+  std::uint64_t write_mesh(OutputFile* file, OutputFile* face_file, const mesh::MeshText& text);
 
  private:
   void add_up();
@@ -50,16 +50,19 @@ class Merge {
   void copy(PlaneChunk& chunk, ChunkText text, SharedFile& to, std::uint64_t begin);
   std::uint64_t copy_all(ChunkText text, SharedFile& to, std::uint64_t begin);
   template <class Take>
+  void for_triangles(PlaneChunk& chunk, Take&& take) const;
+  template <class Take>
   void for_triangle_texts(PlaneChunk& chunk, std::uint64_t first_vertex, const mesh::MeshText& text,
                           Take&& take) const;
   std::uint64_t write_triangles(SharedFile& file, std::uint64_t begin, const mesh::MeshText& text);
+  std::uint64_t write_columns(SharedFile& file, std::uint64_t begin, const mesh::MeshText& text);
 
   const RunTask& task_;
   const RunPlan& plan_;
   const Processes& processes_;
   std::function<void()> check_;
-  std::vector<ChunkInfo> all_;   // of all processes, by planes
-  std::vector<PlaneChunk> own_;  // by planes
+  std::vector<ChunkInfo> all_;   // chunks of all processes, sorted by planes
+  std::vector<PlaneChunk> own_;  // chunks of this process, sorted by planes
   RegionTotals totals_;
   MeshCounts mesh_;
 };

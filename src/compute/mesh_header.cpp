@@ -21,14 +21,24 @@ WriteText lines_of(std::span<const AtomLabel> labels, std::uint64_t first, Appen
   };
 }
 
-// The parts of the header in their order. In the file, each part is that of all processes by rank.
-std::array<WriteText, 4> parts_of(const mesh::MeshText& text, const GroupNames& names,
+// Returns functions that write this process's share of each part of the header. In the file, the
+// shares of a part follow each other in the order of ranks.
+std::array<WriteText, 5> parts_of(const mesh::MeshText& text, const GroupNames& names,
                                   const MeshCounts& counts, bool is_first) {
   return {[&text, is_first](const TextSink& sink) {
             if (is_first) text.write_header_begin(sink);
           },
-          lines_of(names.chains, names.first_chain, mesh::append_chain_name),
-          lines_of(names.residues, names.first_residue, mesh::append_residue_name),
+          lines_of(names.chains, names.first_chain,
+                   [&text](TextPieces& pieces, std::uint64_t number, const AtomLabel& label) {
+                     text.append_chain_name(pieces, number, label);
+                   }),
+          [&text, is_first](const TextSink& sink) {
+            if (is_first) text.write_header_middle(sink);
+          },
+          lines_of(names.residues, names.first_residue,
+                   [&text](TextPieces& pieces, std::uint64_t number, const AtomLabel& label) {
+                     text.append_residue_name(pieces, number, label);
+                   }),
           [&text, counts, is_first](const TextSink& sink) {
             if (is_first) text.write_header_end(counts, sink);
           }};
@@ -50,6 +60,10 @@ std::uint64_t mesh_header_bytes(const mesh::MeshText& text, const GroupNames& na
   return processes.sum(bytes);
 }
 
+std::uint64_t face_header_bytes(const mesh::MeshText& text) {
+  return length_of([&](const TextSink& sink) { text.write_face_header({}, sink); });
+}
+
 std::uint64_t write_mesh_header(const mesh::MeshText& text, const GroupNames& names,
                                 const MeshCounts& counts, const Processes& processes,
                                 SharedFile& file) {
@@ -64,6 +78,16 @@ std::uint64_t write_mesh_header(const mesh::MeshText& text, const GroupNames& na
     begin += processes.sum(bytes);
   }
   return begin;
+}
+
+std::uint64_t write_face_header(const mesh::MeshText& text, const MeshCounts& counts,
+                                const Processes& processes, SharedFile& file) {
+  std::uint64_t offset = 0;
+  text.write_face_header(counts, [&](std::string_view piece) {
+    if (processes.is_first()) file.write_at(piece, offset);
+    offset += piece.size();
+  });
+  return offset;
 }
 
 }  // namespace eses::detail

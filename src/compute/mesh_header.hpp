@@ -1,6 +1,6 @@
 #pragma once
-/// The header of a mesh file, in which each process names the chains and residues that it has seen
-/// first.
+/// The header of a mesh file, which names chains and residues. Each process writes the names of the
+/// groups whose first atom it has read.
 
 #include <cstdint>
 
@@ -12,15 +12,20 @@
 
 namespace eses::detail {
 
-/// Returns the length of the header, which does not depend on the counts; to be called by all
-/// processes.
+/// Returns the length of the header in bytes, which does not depend on the counts. All processes
+/// must call it.
 std::uint64_t mesh_header_bytes(const mesh::MeshText& text, const GroupNames& names,
                                 const Processes& processes);
 
-/// Writes the header at the beginning of the file and returns its length; to be called by all
-/// processes.
+/// Writes the header at the beginning of the file and returns its length in bytes. All processes
+/// must call it.
 std::uint64_t write_mesh_header(const mesh::MeshText& text, const GroupNames& names,
                                 const MeshCounts& counts, const Processes& processes,
                                 SharedFile& file);
+
+/// The same for the header of the file of the triangles, where they have one.
+std::uint64_t face_header_bytes(const mesh::MeshText& text);
+std::uint64_t write_face_header(const mesh::MeshText& text, const MeshCounts& counts,
+                                const Processes& processes, SharedFile& file);
 
 }  // namespace eses::detail

@@ -1,5 +1,5 @@
 #pragma once
-/// Runs for a molecule in memory, in a process that is alone.
+/// Runs in a single process, for a molecule in memory.
 
 #include <filesystem>
 
@@ -10,21 +10,23 @@
 
 namespace eses::detail {
 
-/// Computes the surface and writes the chosen files into `directory`, which it locks against other
-/// runs, and the mesh, for which it locks only that file, into its own directory; both are created
-/// if missing. A symbolic link in the mesh's place stays, and the file to which it leads is
-/// written. The files appear under their names
-/// only when all of them are complete, the bounding box last, and older ones are removed before; on
-/// failure none appears, nor if the verification that `plan.parameters` asks for finds a fault.
-/// Throws Error on write failures, lack of disk space, if another run is writing there, and where
-/// memory exceeds `max_memory` after all: the plan's figure is an estimate. Areas by residue need
-/// the molecule's labels; without them that, too, throws Error. Before anything is written it
-/// throws Error if the plan is of other atoms than `molecule` has, or has less than one thread.
+/// Computes the surface and writes the chosen files into `directory`, and the mesh into its own
+/// directory. Missing directories are created. The output directory is locked against other runs,
+/// and so is the mesh file. If the mesh file is a symbolic link, its target is written.
+///
+/// The files get their names when all of them are complete, the bounding box last. Older files of
+/// these names are removed before. On failure, and if the verification finds faults, no file
+/// appears.
+///
+/// Throws Error if a file cannot be written, if the disk has not enough space, if another run
+/// writes there, if memory use exceeds both `max_memory` and the estimate, or if labels are missing
+/// that the outputs need. Throws Error before anything is written if the plan was made for other
+/// atoms, or has less than one thread.
 Summary run(const Molecule& molecule, const Plan& plan, const Outputs& outputs,
             const std::filesystem::path& directory, const Callbacks& callbacks = {});
 
-/// The same without any file; what is to be known about points and crossings, `callbacks.block`
-/// gets. The plan is best made with `Outputs::none()`.
+/// Computes the surface without writing files. `callbacks.block` receives points and crossings. The
+/// plan should be made with `Outputs::none()`.
 Summary compute(const Molecule& molecule, const Plan& plan, const Callbacks& callbacks = {});
 
 }  // namespace eses::detail

@@ -12,8 +12,10 @@
 
 #include "eses/error.hpp"
 #include "eses/version.hpp"
+#include "io/atom_lines.hpp"
+#include "io/atom_names.hpp"
 #include "mesh/mesh_writer.hpp"
-#include "output/inside_map.hpp"
+#include "output/grid_map.hpp"
 #include "plan/atom_hash.hpp"
 #include "plan/plan.hpp"
 #include "system/bytes_text.hpp"
@@ -24,10 +26,10 @@
 namespace eses::detail {
 namespace {
 
-// Must grow with every change of what is computed or of how chunks are stored.
-constexpr int checkpoint_format = 2;
+// Version of checkpoints. Must increase with each change of the results or of the format of chunks.
+constexpr int checkpoint_format = 3;
 
-// A hash of all atoms. It does not depend on which process has read which atoms.
+// Returns a hash of all atoms. It does not depend on the division of the atoms among the processes.
 std::uint64_t hash_of(const AtomShare& share, const Processes& processes) {
   std::uint64_t sum = 0;
   for (std::size_t i = 0; i < share.atoms.size(); ++i) {
@@ -39,7 +41,7 @@ std::uint64_t hash_of(const AtomShare& share, const Processes& processes) {
   return processes.sum(sum);
 }
 
-// A hash of all names. It does not depend on which process has which names.
+// Returns a hash of all names. It does not depend on the division of the names among the processes.
 std::uint64_t hash_of(const GroupNames& groups, const Processes& processes) {
   std::uint64_t sum = 0, number = groups.first_residue;
   for (const AtomLabel& label : groups.residues) {
@@ -53,31 +55,40 @@ std::uint64_t hash_of(const GroupNames& groups, const Processes& processes) {
 
 std::string mesh_identity(const std::optional<MeshOptions>& mesh) {
   if (!mesh) return "none";
-  return fmt::format("{} {}", static_cast<int>(mesh_format(mesh->file).value()),
+  return fmt::format("{} {}", static_cast<int>(required_mesh_format(*mesh)),
                      static_cast<int>(mesh->color));
 }
 
-// Tells apart runs whose chunks do not fit together.
+// Identifies the maps. The permittivities are left out, as chunks hold inside lengths of edges.
+std::string map_identity(const Outputs& outputs) {
+  std::string identity;
+  for (const MapChoice& map : chosen_maps(outputs))
+    identity += fmt::format("{} ", static_cast<int>(map.quantity));
+  if (outputs.ion_access) identity += fmt::format("{:a}", outputs.ion_access->ion_radius);
+  return identity;
+}
+
+// Returns a text that differs between runs whose chunks must not be combined.
 std::string identity_of(const RunTask& task, const RunPlan& run, std::uint64_t hash) {
   const Parameters& p = task.parameters;
   const Grid& grid = run.whole.grid;
   const GridRegion& region = run.whole.tiling.region;
   return fmt::format(
       "eses-blocks {} format {} {} {}\natoms {} {:016x}\nprobe {:a} spacing {:a} margin {:a}\n"
-      "origin {:a} {:a} {:a} size {}\npoints {} {}\ngrid {} edges {} gzip {} map {} mesh {}\n",
+      "origin {:a} {:a} {:a} size {}\npoints {} {}\ngrid {} edges {} gzip {} maps {} mesh {}\n",
       version, checkpoint_format, sizeof(ChunkInfo), task.outputs.gzip ? zlibVersion() : "",
       run.atoms, hash, p.probe_radius, p.spacing, p.margin, grid.origin.x, grid.origin.y,
       grid.origin.z, fmt::join(grid.size, " "), fmt::join(region.begin, " "),
       fmt::join(region.end, " "), task.outputs.grid, task.outputs.edges, task.outputs.gzip,
-      !task.outputs.inside_map.empty(), mesh_identity(task.outputs.mesh));
+      map_identity(task.outputs), mesh_identity(task.outputs.mesh));
 }
 
 bool names_groups(const Outputs& outputs) {
   return outputs.mesh && mesh::names_atoms(*outputs.mesh);
 }
 
-// Refuses more atoms than any run within the memory limit could hold, before anything is made of
-// them. Plans for few atoms take little memory, and tell the smallest limit that would do.
+// Throws Error if the atoms exceed the memory limit in any schedule, before anything is computed
+// from them. For few atoms, make_plan reports the minimum limit instead.
 void require_memory_for(std::uint64_t atoms, const RunTask& task, const Processes& processes) {
   const auto count = static_cast<std::uint64_t>(processes.count());
   const double needed = min_expected_memory((atoms + count - 1) / count);
@@ -85,24 +96,24 @@ void require_memory_for(std::uint64_t atoms, const RunTask& task, const Processe
   if (limit == 0 || needed <= static_cast<double>(limit) || needed < 2 * min_expected_memory(0))
     return;
   throw Error(fmt::format(
-      "{}: {} atoms need more than {} of memory{}, and {} may hold {}; use a larger limit "
+      "{}: {} atoms need more than {} of memory{}, but the limit is {}; use a larger limit "
       "(--max-memory)",
       task.input.string(), atoms, binary_bytes_text(static_cast<std::uint64_t>(needed)),
-      count > 1 ? " in a process" : "", count > 1 ? "each" : "the run", binary_bytes_text(limit)));
+      count > 1 ? " in each process" : "", binary_bytes_text(limit)));
 }
 
-// Throws Error if reading the atoms and preparing them has exceeded the memory limit.
+// Throws Error if reading and indexing the atoms has exceeded the memory limit.
 void require_memory_held(const RunTask& task) {
   const std::uint64_t limit = task.parameters.max_memory, peak = peak_memory();
   if (limit == 0 || peak <= limit) return;
-  throw Error(
-      fmt::format("{}: reading and preparing its atoms has taken {}, more than the {} that the run "
-                  "may hold; use a larger limit (--max-memory)",
-                  task.input.string(), binary_bytes_text(peak), binary_bytes_text(limit)));
+  throw Error(fmt::format(
+      "{}: reading the atoms took {} of memory, but the limit is {}; use a larger limit "
+      "(--max-memory)",
+      task.input.string(), binary_bytes_text(peak), binary_bytes_text(limit)));
 }
 
-// Turns the labels of a part of the molecule into what the outputs need: numbers of groups by atom
-// and their names, and the residues for tables. Returns the totals of the labels.
+// Converts the labels of a part of the molecule into the data that the outputs need: numbers and
+// names of groups, and residues for tables. Returns the totals of the labels.
 LabelTotals take_labels(ResidueRuns residues, const Outputs& outputs, const Processes& processes,
                         RunPlan& run, std::vector<mesh::GroupNumbers>& groups) {
   if (names_groups(outputs)) {
@@ -115,7 +126,7 @@ LabelTotals take_labels(ResidueRuns residues, const Outputs& outputs, const Proc
   return totals;
 }
 
-// The labels that this process holds, of those with these totals.
+// Returns the totals of the labels that stay in the memory of this process.
 LabelTotals labels_held(LabelTotals totals, const RunPlan& run, const Outputs& outputs) {
   if (!outputs.residues) {
     totals.labels = 0;
@@ -125,12 +136,12 @@ LabelTotals labels_held(LabelTotals totals, const RunPlan& run, const Outputs& o
     totals.labels += names->size();
     totals.heap_bytes += total_labels(*names).heap_bytes;
   }
-  // Atoms have numbers of groups also in a process where no group comes first.
+  // Atoms have group numbers even in a process without the first atom of any group.
   if (run.groups.are_known) ++totals.labels;
   return totals;
 }
 
-// The totals of all processes; memory is left out.
+// Returns the totals of all processes, without memory.
 LabelTotals sum_labels(const LabelTotals& own, const Processes& processes) {
   std::array<std::uint64_t, 4> sums{own.residue_runs, own.chain_runs, own.residue_text_bytes,
                                     own.chain_text_bytes};
@@ -152,7 +163,7 @@ Box bounds_of_all(std::span<const Atom> atoms, const Processes& processes) {
   return {{low[0], low[1], low[2]}, {high[0], high[1], high[2]}};
 }
 
-// Opens the checkpoint of a run that can be resumed, and finds out what it has.
+// Opens the checkpoint of a run that can be resumed, and finds its complete chunks.
 void open_checkpoint(const RunTask& task, const AtomShare& share, const Processes& processes,
                      RunPlan& run) {
   if (!task.resume) return;
@@ -169,13 +180,20 @@ void open_checkpoint(const RunTask& task, const AtomShare& share, const Processe
   run.done = processes.gather<PlaneRange>(done);
 }
 
-// The threads of this process. Several processes on a machine share its processors.
+// Adds the labels of the examples to the diagnostics if the names of the atoms are known.
+void name_examples(const AtomNames& names, FileDiagnostics& diagnostics) {
+  if (names.is_empty()) return;
+  for (const auto& [atom, line] : diagnostics.lines) diagnostics.labels[atom] = names.label(atom);
+}
+
+// Returns the number of threads of this process. Several processes on a machine share its
+// processors.
 int threads_of(const RunTask& task, const Processes::Machine& machine, const Processes& processes) {
   const int chosen = task.parameters.threads;
   return chosen > 0 || processes.count() == 1 ? chosen : machine.processors;
 }
 
-// Plans what this process computes. Returns the expected number of crossings there.
+// Makes the plan of this process's slab. Returns the expected number of crossings in the slab.
 double plan_slab(const RunTask& task, const LabelTotals& labels, const Processes::Machine& machine,
                  const Processes& processes, RunPlan& run) {
   run.own = run.whole;
@@ -194,7 +212,7 @@ double plan_slab(const RunTask& task, const LabelTotals& labels, const Processes
   return crossings;
 }
 
-// Gives the plan of the whole run the maxima of the processes' schedules.
+// Sets the schedule of the whole run to the maxima over all processes.
 void combine_schedules(const Processes& processes, RunPlan& run) {
   const GridIndex& block_size = run.own.tiling.block_size;
   std::array<std::uint64_t, 6> maxima{run.own.memory_bytes,
@@ -213,12 +231,12 @@ void combine_schedules(const Processes& processes, RunPlan& run) {
   whole.tiling = make_tiling(whole.grid, GridIndex{side(0), side(1), side(2)}, region);
 }
 
-// Adds the chunks, which stand beside the files until they are merged. The checkpoint keeps all
-// texts of chunks in one place; otherwise those of the mesh are beside the mesh.
-void expect_pieces(const RunTask& task, Plan& whole) {
+// Adds the sizes of the chunks, which are on disk until they are merged. A checkpoint has all
+// texts; otherwise the texts of the mesh are in the mesh's directory.
+void expect_chunks(const RunTask& task, Plan& whole) {
   whole.text_scratch_bytes = whole.grid_file_bytes + whole.edge_file_bytes;
-  if (!task.outputs.inside_map.empty())
-    whole.text_scratch_bytes += InsideMap::bits_bytes(whole.tiling.region);
+  for (const MapChoice& map : chosen_maps(task.outputs))
+    whole.text_scratch_bytes += GridMap::row_bytes(map.quantity, whole.tiling.region);
   whole.mesh_scratch_bytes = task.resume ? 0 : whole.mesh_file_bytes;
   if (task.resume) whole.text_scratch_bytes += whole.mesh_file_bytes;
 }
@@ -228,11 +246,16 @@ void expect_pieces(const RunTask& task, Plan& whole) {
 RunPlan plan_run(const RunTask& task, const Processes& processes) {
   const Outputs& outputs = task.outputs;
   RunPlan run;
-  AtomShare share = read_share(task.input,
-                               {.format = task.format,
-                                .with_labels = outputs.residues || names_groups(outputs),
-                                .max_memory = task.parameters.max_memory},
-                               processes);
+  const bool has_names = is_structure(format_of(task.input, task.format));
+  AtomShare share =
+      read_share(task.input,
+                 {.format = task.format,
+                  .with_labels = has_names || outputs.residues || names_groups(outputs),
+                  .max_memory = task.parameters.max_memory,
+                  .structure = task.structure},
+                 processes);
+  run.structure = std::move(share.structure);
+  AtomNames names = std::exchange(share.names, {});
   processes.all_or_throw([&] { require_memory_for(share.total, task, processes); });
   run.atoms = share.total;
   run.read = share.range();
@@ -247,13 +270,14 @@ RunPlan plan_run(const RunTask& task, const Processes& processes) {
                                   threads_of(task, machine, processes), processes);
   run.slab = std::move(part.slab);
   run.diagnostics = std::move(part.diagnostics);
+  name_examples(std::exchange(names, {}), run.diagnostics);
   release_free_memory();
 
   std::array crossings{plan_slab(task, labels_held(labels, run, outputs), machine, processes, run)};
   processes.add(std::span<double>(crossings));
   combine_schedules(processes, run);
   plan_files({run.atoms, crossings[0], sum_labels(labels, processes)}, outputs, run.whole);
-  if (processes.count() > 1 || task.resume) expect_pieces(task, run.whole);
+  if (processes.count() > 1 || task.resume) expect_chunks(task, run.whole);
   return run;
 }
 

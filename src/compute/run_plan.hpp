@@ -1,9 +1,10 @@
 #pragma once
-/// Step 1 of a run: from the input file to the plan, and to the atoms of each process.
+/// Step 1 of a run: reading the input, planning, and sending the atoms to the processes.
 
 #include <cstdint>
 #include <filesystem>
 #include <memory>
+#include <optional>
 #include <vector>
 
 #include "checkpoint/checkpoint.hpp"
@@ -16,38 +17,42 @@
 
 namespace eses::detail {
 
-/// What the user has chosen.
+/// The choices of the user.
 struct RunTask {
   std::filesystem::path input = {};
   AtomFormat format = AtomFormat::automatic;
+  StructureOptions structure = {};  ///< of PDB and mmCIF files
   Parameters parameters;
   Outputs outputs;
   std::filesystem::path output_directory;
-  /// Keep finished chunks on disk, and go on from those that an earlier run has left.
+  /// Whether to keep finished chunks on disk, and to continue from those of an earlier run.
   bool resume = false;
-  bool dry_run = false;  ///< create nothing
+  bool dry_run = false;  ///< whether to create no files
 };
 
-/// What the processes have agreed upon, and what this one has of the molecule.
+/// The plan of a run, and the part of the molecule that this process has.
 struct RunPlan {
-  Plan whole;  ///< of the whole run; memory and threads are the maxima over the processes
-  Plan own;    ///< of this process's slab
+  Plan whole;  ///< plan of the whole run; memory and threads are maxima over the processes
+  Plan own;    ///< plan of this process's slab
   Slab slab;
   FileDiagnostics diagnostics;
   std::uint64_t atoms = 0;  ///< number of atoms in the molecule
-  AtomRange read;           ///< the atoms that this process has read
-  ResidueRuns residues;     ///< of the atoms in `read`, if tables of residues are written
-  GroupNames groups;        ///< first seen in `read`, if the mesh names them
-  std::unique_ptr<Checkpoint>
-      checkpoint;                ///< of a run that can be resumed; the first process locks it
-  std::vector<PlaneRange> done;  ///< planes whose chunks an earlier run has left
+  AtomRange read;           ///< atoms that this process has read
+  ResidueRuns residues;     ///< residues of the atoms in `read`, if tables of residues are written
+  GroupNames groups;        ///< groups whose first atom is in `read`, if the mesh names them
+  /// The report of reading a PDB or mmCIF file; only in the first process.
+  std::optional<StructureReport> structure;
+  /// Checkpoint of a run that can be resumed, else null. The first process locks it.
+  std::unique_ptr<Checkpoint> checkpoint;
+  std::vector<PlaneRange> done;  ///< planes of the chunks of an earlier run
 };
 
-/// Reads the input and makes the plan; to be called by all processes. Throws SharedError where
-/// reading the atoms or make_plan would throw Error, and if the memory limit cannot be kept.
+/// Reads the input and makes the plan. All processes must call it. Throws SharedError if reading
+/// the atoms or make_plan would throw Error, and if the memory limit is exceeded.
 RunPlan plan_run(const RunTask& task, const Processes& processes);
 
-/// The plan of a process that is alone for a molecule in memory, with what make_plan has chosen.
+/// Returns the plan of a single process for a molecule in memory. `plan` is the result of
+/// make_plan.
 RunPlan plan_of_molecule(const Molecule& molecule, const Plan& plan, const Outputs& outputs);
 
 }  // namespace eses::detail

@@ -7,7 +7,7 @@
 #include <optional>
 #include <utility>
 
-#include "output/inside_map.hpp"
+#include "output/grid_map.hpp"
 #include "sweep/mesh_output.hpp"
 #include "sweep/patch_schedule.hpp"
 #include "system/resources.hpp"
@@ -16,13 +16,13 @@
 namespace eses::detail {
 namespace {
 
-// The slab of a process has at most so many ranges if the run can be resumed.
+// Maximum number of ranges of a slab if the run can be resumed.
 constexpr std::int64_t max_ranges = 64;
 
 BlockTiling tiling_of(const Plan& plan, const GridIndex& block_size, const PlaneRange& planes) {
   BlockTiling tiling = make_tiling(plan.grid, block_size, with_planes(plan.tiling.region, planes));
-  // The cells between this range and the next one belong to that one, which solves the plane below
-  // it again.
+  // The cells between this range and the next one belong to the next one, which computes the last
+  // plane of this range again.
   if (planes.end < plan.tiling.region.end[2]) tiling.region_with_halo.end[2] = planes.end;
   return tiling;
 }
@@ -34,7 +34,7 @@ OrderedOutput::WriteAt sink_of(std::optional<OutputFile>& file, std::uint64_t be
   };
 }
 
-// `checksum` is null where the text is not kept for a later run.
+// Returns a function that writes to a scratch file. `checksum` is null without a checkpoint.
 OrderedOutput::WriteAt sink_of(ScratchFile* file, TextChecksum* checksum) {
   if (file == nullptr) return {};
   return [file, checksum](std::span<const char> text, std::uint64_t offset) {
@@ -43,30 +43,37 @@ OrderedOutput::WriteAt sink_of(ScratchFile* file, TextChecksum* checksum) {
   };
 }
 
-// Writes rows of words as they are; they become values of the map when chunks are merged.
-TakeRows rows_as_words(const GridRegion& region, OrderedOutput::WriteAt write_at) {
-  if (!write_at) return {};
-  const auto row_bytes =
-      sizeof(std::uint64_t) * static_cast<std::uint64_t>(InsideMap::words_of_row(region.size()));
+// Returns a function that writes rows as words. They are converted to values of the map when chunks
+// are merged.
+TakeRows rows_as_words(MapQuantity quantity, const GridRegion& region,
+                       OrderedOutput::WriteAt write_at) {
+  const auto row_bytes = sizeof(std::uint64_t) *
+                         static_cast<std::uint64_t>(GridMap::words_of_row(quantity, region.size()));
   return [row_bytes, write_at = std::move(write_at)](
-             std::int64_t first_row, std::span<const std::uint64_t> words, InsideMap::Scratch&) {
+             std::int64_t first_row, std::span<const std::uint64_t> words, GridMap::Scratch&) {
     write_at({reinterpret_cast<const char*>(words.data()), words.size_bytes()},
              row_bytes * static_cast<std::uint64_t>(first_row));
   };
 }
 
-TakeRows rows_of_map(OutputFile& file, const Outputs& outputs, const Plan& plan) {
-  const auto map = std::make_shared<InsideMap>(
-      map_file(file), required_map_format(outputs.inside_map), plan.grid, plan.tiling.region);
+TakeRows rows_of_map(OutputFile& file, const MapChoice& choice, const Plan& plan) {
+  const auto map = std::make_shared<GridMap>(map_file(file), choice, plan.grid, plan.tiling.region);
   return [map](std::int64_t first_row, std::span<const std::uint64_t> words,
-               InsideMap::Scratch& scratch) { map->write_rows(first_row, words, scratch); };
+               GridMap::Scratch& scratch) { map->write_rows(first_row, words, scratch); };
+}
+
+BlockExtras extras_of(const Outputs& outputs) {
+  BlockExtras extras;
+  extras.edge_shares = outputs.dielectric.has_value();
+  if (outputs.ion_access) extras.ion_radius = outputs.ion_access->ion_radius;
+  return extras;
 }
 
 std::vector<ChunkText> chosen_texts(const Outputs& outputs) {
   std::vector<ChunkText> texts;
   if (outputs.grid) texts.push_back(ChunkText::grid);
   if (outputs.edges) texts.push_back(ChunkText::edges);
-  if (!outputs.inside_map.empty()) texts.push_back(ChunkText::map);
+  for (const MapChoice& map : chosen_maps(outputs)) texts.push_back(text_of(map.quantity));
   if (outputs.mesh) texts.insert(texts.end(), {ChunkText::vertices, ChunkText::triangles});
   return texts;
 }
@@ -111,12 +118,12 @@ std::int64_t count_blocks(const RunPlan& plan, std::span<const PlaneRange> range
   return blocks;
 }
 
-// What the pipeline and the mesh get for one range.
+// The destinations of the texts of one range.
 struct SlabSweep::RangeSinks {
   OrderedOutput::WriteAt grid, edges;
-  TakeRows rows;
+  std::vector<MapSink> maps;
   MeshSinks mesh;
-  // Of the texts of a chunk that is kept.
+  // Checksums of the texts of a chunk in a checkpoint; null without a checkpoint.
   std::unique_ptr<std::array<TextChecksum, chunk_text_count>> checksums;
 };
 
@@ -157,7 +164,7 @@ SurfaceModel SlabSweep::make_surface() const {
   return surface;
 }
 
-// The range's share of what this process verifies.
+// Returns the number of checks in a range, in proportion to its planes.
 std::int64_t SlabSweep::checks_of(const PlaneRange& planes) const {
   const auto planes_up_to = [&](std::int64_t plane) {
     std::int64_t count = 0;
@@ -178,13 +185,21 @@ Plan SlabSweep::plan_of(const PlaneRange& planes) const {
   return plan;
 }
 
+// Whether a text is written in place where the run is: its place must not depend on the length of
+// what stands before it.
+bool SlabSweep::goes_to_its_place(ChunkText text) const {
+  if (!is_in_place_) return false;
+  if (text == ChunkText::vertices) return !files_.mesh_text->has_columns();
+  if (text == ChunkText::triangles) return files_.mesh_text->has_face_file();
+  return true;
+}
+
 PlaneChunk SlabSweep::new_chunk(const PlaneRange& planes) const {
   PlaneChunk chunk;
   chunk.info.planes = planes;
   chunk.is_in_place = is_in_place_;
   for (const ChunkText text : chosen_texts(task_.outputs)) {
-    // In place, only triangles wait for what stands before them.
-    if (is_in_place_ && text != ChunkText::triangles) continue;
+    if (goes_to_its_place(text)) continue;
     if (plan_.checkpoint)
       chunk.text(text) = plan_.checkpoint->create(planes, text);
     else if (is_of_mesh(text))
@@ -195,14 +210,25 @@ PlaneChunk SlabSweep::new_chunk(const PlaneRange& planes) const {
   return chunk;
 }
 
+MeshSinks SlabSweep::mesh_sinks_in_place(PlaneChunk& chunk) const {
+  OutputFiles& files = *files_.final_files;
+  const auto into = [&](ChunkText text, std::optional<OutputFile>& file, std::uint64_t begin) {
+    return goes_to_its_place(text) ? sink_of(file, begin)
+                                   : sink_of(chunk.text(text).get(), nullptr);
+  };
+  return {.vertices = into(ChunkText::vertices, files.mesh, files_.mesh_header_bytes),
+          .triangles = into(ChunkText::triangles, files.mesh_faces, files_.face_header_bytes),
+          .has_local_triangles = files_.mesh_text->has_columns()};
+}
+
 SlabSweep::RangeSinks SlabSweep::sinks_in_place(PlaneChunk& chunk) const {
   OutputFiles& files = *files_.final_files;
   RangeSinks sinks;
   sinks.grid = sink_of(files.grid);
   sinks.edges = sink_of(files.edges);
-  if (files.inside_map) sinks.rows = rows_of_map(*files.inside_map, task_.outputs, plan_.whole);
-  sinks.mesh = {.vertices = sink_of(files.mesh, files_.mesh_header_bytes),
-                .triangles = sink_of(chunk.text(ChunkText::triangles).get(), nullptr)};
+  for (const MapChoice& map : chosen_maps(task_.outputs))
+    sinks.maps.push_back({map.quantity, rows_of_map(*files.map(map.quantity), map, plan_.whole)});
+  if (files_.mesh_text != nullptr) sinks.mesh = mesh_sinks_in_place(chunk);
   return sinks;
 }
 
@@ -217,7 +243,9 @@ SlabSweep::RangeSinks SlabSweep::sinks_of(PlaneChunk& chunk, const GridRegion& r
   };
   sinks.grid = into(ChunkText::grid);
   sinks.edges = into(ChunkText::edges);
-  sinks.rows = rows_as_words(region, into(ChunkText::map));
+  for (const MapChoice& map : chosen_maps(task_.outputs))
+    sinks.maps.push_back(
+        {map.quantity, rows_as_words(map.quantity, region, into(text_of(map.quantity)))});
   sinks.mesh = {.vertices = into(ChunkText::vertices),
                 .triangles = into(ChunkText::triangles),
                 .has_local_triangles = true};
@@ -247,7 +275,7 @@ std::vector<AtomSum> SlabSweep::sums_of(std::span<const AreaShare> shares) const
   return sums;
 }
 
-// Completes a chunk in the checkpoint; from then on it need not be done again.
+// Completes a chunk in the checkpoint.
 void SlabSweep::keep(PlaneChunk& chunk, const RangeSinks& sinks,
                      std::span<const AreaShare> shares) const {
   for (std::size_t text = 0; text < chunk_text_count; ++text)
@@ -255,7 +283,7 @@ void SlabSweep::keep(PlaneChunk& chunk, const RangeSinks& sinks,
   chunk.sums = sums_of(shares);
   plan_.checkpoint->finish(chunk);
   chunk.sums = {};
-  chunk.texts = {};  // so many files cannot be open at a time
+  chunk.texts = {};  // closes the files, as the number of open files is limited
 }
 
 PlaneChunk SlabSweep::sweep(PatchSchedule& patches, const PlaneRange& planes, SweepResult& result,
@@ -277,7 +305,8 @@ PlaneChunk SlabSweep::sweep(PatchSchedule& patches, const PlaneRange& planes, Sw
                     {.grid = sinks.grid,
                      .edges = sinks.edges,
                      .gzip = task_.outputs.gzip,
-                     .rows = sinks.rows,
+                     .maps = sinks.maps,
+                     .extras = extras_of(task_.outputs),
                      .mesh = mesh ? &*mesh : nullptr,
                      .verifier = verifier ? &*verifier : nullptr,
                      .block = callbacks_.block,
@@ -288,10 +317,15 @@ PlaneChunk SlabSweep::sweep(PatchSchedule& patches, const PlaneRange& planes, Sw
   pipeline.add_seconds(summary.seconds);
   RegionSums sums = pipeline.take_sums();
   chunk.info.totals = sums.totals;
-  chunk.info.bytes = {
-      pipeline.grid_bytes(), pipeline.edge_bytes(),
-      task_.outputs.inside_map.empty() ? 0 : InsideMap::bits_bytes(plan.tiling.region),
-      mesh ? mesh->vertex_bytes() : 0, mesh ? mesh->triangle_bytes() : 0};
+  const auto set_bytes = [&](ChunkText text, std::uint64_t bytes) {
+    chunk.info.bytes[static_cast<std::size_t>(text)] = bytes;
+  };
+  set_bytes(ChunkText::grid, pipeline.grid_bytes());
+  set_bytes(ChunkText::edges, pipeline.edge_bytes());
+  set_bytes(ChunkText::vertices, mesh ? mesh->vertex_bytes() : 0);
+  set_bytes(ChunkText::triangles, mesh ? mesh->triangle_bytes() : 0);
+  for (const MapChoice& map : chosen_maps(task_.outputs))
+    set_bytes(text_of(map.quantity), GridMap::row_bytes(map.quantity, plan.tiling.region));
   if (mesh) chunk.info.mesh = {mesh->vertex_count(), pipeline.triangle_count()};
   const bool is_right = !verifier || verify(*verifier, summary);
   if (plan_.checkpoint && is_right) keep(chunk, sinks, sums.atom_shares);

@@ -1,7 +1,6 @@
 #pragma once
 /// Step 2 of a run: the sweep over the planes of this process, range by range. The rows, crossings
-/// and triangles of a range go to their place in the final files where that is known beforehand, or
-/// else into a chunk.
+/// and triangles of a range are written to the output files directly, or to a chunk.
 
 #include <cstdint>
 #include <functional>
@@ -20,38 +19,41 @@
 
 namespace eses::detail {
 
-/// Whether texts are written directly to their final places: one process sweeps the whole region at
-/// once.
+/// Returns whether texts are written directly to the output files: a single process sweeps the
+/// whole region as one range.
 bool writes_in_place(const RunTask& task, const Processes& processes);
 
-/// The ranges of planes that this process sweeps, ascending. A run that can be resumed has several,
-/// as the range at hand is what it may lose.
+/// Returns the ranges of planes that this process sweeps, ascending. A run that can be resumed has
+/// several ranges, as an interruption loses the current range.
 std::vector<PlaneRange> ranges_to_sweep(const RunTask& task, const RunPlan& plan);
 
-/// The number of blocks in these ranges.
+/// Returns the number of blocks in these ranges.
 std::int64_t count_blocks(const RunPlan& plan, std::span<const PlaneRange> ranges);
 
-/// Where the texts of a sweep may go.
+/// The files of a sweep.
 struct SweepFiles {
-  OutputFiles* final_files = nullptr;         ///< for texts in place; null without them
-  std::uint64_t mesh_header_bytes = 0;        ///< before the vertices in the mesh's file
+  OutputFiles* final_files = nullptr;   ///< output files; null if chunks are written
+  std::uint64_t mesh_header_bytes = 0;  ///< offset of the vertices in the mesh file
+  std::uint64_t face_header_bytes = 0;  ///< offset of the triangles if they have their own file
   const mesh::MeshText* mesh_text = nullptr;  ///< null without a mesh
 };
 
+/// The result of a sweep.
 struct SweepResult {
   std::vector<PlaneChunk> chunks;
-  std::vector<AreaShare> atom_shares;  ///< of the area, by atom of the slab; empty if none
+  std::vector<AreaShare> atom_shares;  ///< area share of each atom of the slab; empty if none
 };
 
+/// The sweep over a slab.
 class SlabSweep {
  public:
-  /// Keeps references to all but `files` and `processes`.
+  /// Keeps references to all arguments except `files` and `processes`.
   SlabSweep(const RunTask& task, const RunPlan& plan, std::span<const PlaneRange> ranges,
             const SweepFiles& files, const Callbacks& callbacks, ProgressReport& report,
             const Processes& processes);
 
-  /// Sweeps all ranges. Adds their times and the results of the verification to the summary. What
-  /// the verification finds wrong is not kept for a later run.
+  /// Sweeps all ranges. Adds their times and the results of the verification to the summary. A
+  /// chunk with faults is not kept in the checkpoint.
   SweepResult run(Summary& summary);
 
  private:
@@ -61,6 +63,8 @@ class SlabSweep {
   std::int64_t checks_of(const PlaneRange& planes) const;
   SurfaceModel make_surface() const;
   PlaneChunk new_chunk(const PlaneRange& planes) const;
+  bool goes_to_its_place(ChunkText text) const;
+  MeshSinks mesh_sinks_in_place(PlaneChunk& chunk) const;
   RangeSinks sinks_in_place(PlaneChunk& chunk) const;
   RangeSinks sinks_of(PlaneChunk& chunk, const GridRegion& region) const;
   PlaneChunk sweep(PatchSchedule& patches, const PlaneRange& planes, SweepResult& result,
@@ -76,7 +80,7 @@ class SlabSweep {
   const Callbacks& callbacks_;
   ProgressReport& report_;
   bool is_in_place_;
-  std::int64_t checks_;  // points, and as many edges, that this process verifies
+  std::int64_t checks_;  // number of points, and of edges, that this process verifies
 };
 
 }  // namespace eses::detail

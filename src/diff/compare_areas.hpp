@@ -1,5 +1,5 @@
 #pragma once
-/// Comparing two files of the atoms' areas.
+/// Comparison of two files of atom areas.
 
 #include <filesystem>
 
@@ -8,6 +8,8 @@
 
 namespace eses::detail {
 
+/// Compares the areas of atoms. `shifts` is the result of compare_edges. Throws Error if a file
+/// cannot be read or is malformed.
 AreaDifference compare_areas(const Sides<std::filesystem::path>& paths, const AreaShifts& shifts,
                              double tolerance);
 

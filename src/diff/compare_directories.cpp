@@ -41,7 +41,7 @@ void expect_regular_file(const std::filesystem::path& path) {
     throw Error(fmt::format("{}: not a regular file", path.string()));
 }
 
-/// To compare nothing would find everything the same.
+/// Throws Error if a directory has no file to compare.
 void expect_files(const AllPaths& paths, const Sides<std::filesystem::path>& directories) {
   for (const std::size_t side : both_sides) {
     const bool has_one = std::any_of(paths.begin(), paths.end(),
@@ -66,7 +66,7 @@ AllPaths find_files(const Sides<std::filesystem::path>& directories) {
   return paths;
 }
 
-/// What is known of the grids: by the boxes or, failing them, by the points.
+/// The grids, as far as they are known from the bounding boxes or else from the points.
 struct Grids {
   Sides<std::optional<BoundingBox>> boxes;
   Sides<std::optional<GridIndex>> sizes;
@@ -87,7 +87,7 @@ Grids read_grids(const AllPaths& paths) {
   return grids;
 }
 
-/// Angstrom; nothing for a grid of one point.
+/// Returns the spacing (angstrom), or nothing for a grid of one point.
 std::optional<double> spacing_of(const BoundingBox& box) {
   for (std::size_t axis = 0; axis < 3; ++axis) {
     if (box.size[axis] < 2) continue;

@@ -16,7 +16,8 @@ namespace {
 
 constexpr std::size_t atoms_of_concave = 3;
 
-// A crossing nearer to an atom than this takes all of its share; what it is does not matter.
+// Minimum distance from an atom in the weights. An atom at a smaller distance takes almost all of
+// the share.
 constexpr double min_distance = 1e-12;  // angstrom
 
 bool same_atoms(const Crossing& a, const Crossing& b) {
@@ -27,7 +28,7 @@ bool same_crossing(const Crossing& a, const Crossing& b, double tolerance) {
   return norm(a.position - b.position) <= tolerance && norm(a.normal - b.normal) <= tolerance;
 }
 
-/// The spheres of the atoms that an edge names; fewer than these if one is not known.
+/// Returns the known spheres of a crossing's atoms.
 std::vector<Sphere> spheres_of(const Crossing& crossing, const ContactSpheres& spheres) {
   std::vector<Sphere> result;
   for (const AtomIndex atom : crossing.adjacent_atoms()) {
@@ -36,7 +37,7 @@ std::vector<Sphere> spheres_of(const Crossing& crossing, const ContactSpheres& s
   return result;
 }
 
-/// Adds `sign` times the share that each atom has of the edge's area.
+/// Adds `sign` times the share of each atom in the area of a crossing.
 void add_shares(const Crossing& crossing, std::span<const Sphere> spheres, double area, double sign,
                 AreaShifts& shifts) {
   std::array<double, atoms_of_concave> weights{};
@@ -51,7 +52,7 @@ void add_shares(const Crossing& crossing, std::span<const Sphere> spheres, doubl
   }
 }
 
-/// Judges the edges at which the sides name other atoms.
+/// The comparison of crossings with different atoms.
 class AtomComparison {
  public:
   AtomComparison(const ContactSpheres& spheres, std::optional<double> spacing, double tolerance,
@@ -111,7 +112,7 @@ EdgeDifference compare_edges(const Sides<std::filesystem::path>& paths, const Co
   };
   result.matching = match_in_order<Crossing>({a.stream(), b.stream()}, edge_of, compare);
   if (all_name_the_same) return result;
-  // Only now are all spheres known.
+  // The second pass compares the atoms, as all spheres are known now.
   AtomComparison atoms(spheres, grids.spacing, tolerance, result, shifts);
   match_in_order<Crossing>({a.stream(), b.stream()}, edge_of,
                            [&](const Crossing& in_a, const Crossing& in_b) {

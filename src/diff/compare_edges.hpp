@@ -1,5 +1,5 @@
 #pragma once
-/// Comparing two files of intersections.
+/// Comparison of two files of crossings.
 
 #include <filesystem>
 #include <optional>
@@ -9,17 +9,18 @@
 
 namespace eses::detail {
 
-/// What is to be known of the grids of both sides.
+/// The grids of both sides, as far as they are known.
 struct ComparedGrids {
   Sides<GridIndex> sizes{unknown_size, unknown_size};
   std::optional<double> spacing;  ///< angstrom
 };
 
-/// By how much the areas of atoms differ (A - B, square angstrom) because edges name other atoms of
-/// the same contact.
+/// Differences of the areas of atoms (A - B, square angstrom) that are due to edges with different
+/// atoms of the same contact.
 using AreaShifts = std::unordered_map<AtomIndex, double>;
 
-/// Shifts are left out if the spacing is not known.
+/// Compares crossings, and adds to `shifts` if the spacing is known. Throws Error if a file cannot
+/// be read or is malformed.
 EdgeDifference compare_edges(const Sides<std::filesystem::path>& paths, const ComparedGrids& grids,
                              double tolerance, AreaShifts& shifts);
 

@@ -16,7 +16,7 @@
 namespace eses::detail {
 namespace {
 
-/// The point after `point`, x fastest; behind the last point it lies above the grid.
+/// Advances `point` to the next one, x fastest. After the last point, z equals the size.
 void advance(GridIndex& point, const GridIndex& size) {
   if (++point[0] < size[0]) return;
   point[0] = 0;
@@ -25,7 +25,8 @@ void advance(GridIndex& point, const GridIndex& size) {
   ++point[2];
 }
 
-/// Nothing if a file is not in order, or does not list every point once.
+/// Compares the files line by line. Returns nothing if a file is not in ESES's order, or does not
+/// list each point once.
 std::optional<PointDifference> compare_in_lock_step(const Sides<std::filesystem::path>& paths,
                                                     const GridIndex& size) {
   GridReader reader_a(paths[0], size), reader_b(paths[1], size);
@@ -41,7 +42,7 @@ std::optional<PointDifference> compare_in_lock_step(const Sides<std::filesystem:
   return result;
 }
 
-/// The points of a file, as two bits for every point of the grid.
+/// The points of a file, with two bits for each point of the grid.
 class PointTable {
  public:
   explicit PointTable(const GridIndex& size)
@@ -74,20 +75,20 @@ class PointTable {
   std::vector<bool> listed_, inside_;
 };
 
-void refuse_what_memory_cannot_hold(const std::filesystem::path& path, const GridIndex& size) {
-  double bytes = 2 * 2.0 / 8;  // two bits a point for either side
+void require_memory(const std::filesystem::path& path, const GridIndex& size) {
+  double bytes = 2 * 2.0 / 8;  // two bits for each point and side
   for (const std::int64_t n : size) bytes *= static_cast<double>(n);
   if (bytes < static_cast<double>(available_memory())) return;
-  throw Error(
-      fmt::format("{}: not every one of the {} points is listed in ESES's order; to compare them "
-                  "then takes {} of memory",
-                  path.string(), fmt::join(size, " x "),
-                  bytes_text(static_cast<std::uint64_t>(std::min(bytes, 1e19)))));
+  throw Error(fmt::format(
+      "{}: the {} points are not all listed in ESES's order; comparing them needs {} of "
+      "memory",
+      path.string(), fmt::join(size, " x "),
+      bytes_text(static_cast<std::uint64_t>(std::min(bytes, 1e19)))));
 }
 
 PointDifference compare_in_any_order(const Sides<std::filesystem::path>& paths,
                                      const GridIndex& size) {
-  refuse_what_memory_cannot_hold(paths[0], size);
+  require_memory(paths[0], size);
   PointDifference result;
   Matching<GridIndex>& matching = result.matching;
   PointTable a(size), b(size);

@@ -1,5 +1,5 @@
 #pragma once
-/// Comparing two files of grid points.
+/// Comparison of two files of grid points.
 
 #include <filesystem>
 
@@ -7,11 +7,12 @@
 
 namespace eses::detail {
 
-/// Both grids have the same size. Files in ESES's order are compared in lock step; for others,
-/// memory takes four bits a point. Throws Error if there is no room for them.
+/// Compares points of two grids of the same size. Files in ESES's order are compared line by line;
+/// other files need four bits of memory for each point. Throws Error if memory is insufficient, or
+/// if a file cannot be read or is malformed.
 PointDifference compare_points(const Sides<std::filesystem::path>& paths, const GridIndex& size);
 
-/// The size of the grid that a file of points is for, where nothing else tells it.
+/// Returns the size of the smallest grid that contains all points of a file.
 GridIndex extent_of_points(const std::filesystem::path& path);
 
 }  // namespace eses::detail

@@ -6,7 +6,8 @@
 namespace eses::detail {
 
 void ContactSpheres::add_convex(const Crossing& crossing) {
-  // Welford's update: no difference of large sums.
+  // Welford's update (Technometrics 4, 419, 1962, doi:10.1080/00401706.1962.10490022) avoids
+  // differences of large sums.
   Fit& fit = fits_[crossing.atoms[0]];
   const double weight = 1 / static_cast<double>(++fit.count);
   const Vec3 normal_step = crossing.normal - fit.normal;
@@ -37,7 +38,7 @@ bool touches_all(const Crossing& crossing, std::span<const Sphere> spheres, doub
   const Vec3 probe_center = crossing.position + probe_radius * crossing.normal;
   return std::all_of(spheres.begin(), spheres.end(), [&](const Sphere& sphere) {
     const double gap = norm(probe_center - sphere.center) - sphere.radius - probe_radius;
-    return std::fabs(gap) <= tolerance;  // false for what is no number
+    return std::fabs(gap) <= tolerance;  // false for NaN
   });
 }
 

@@ -1,11 +1,11 @@
 #pragma once
-/// Whether a probe touches the atoms that an edge names, told from nothing but the edges
-/// themselves.
+/// A test whether a probe touches the atoms of a crossing, from the crossings only.
 ///
-/// On an atom's convex patch the surface is its van der Waals sphere: position = centre + radius *
-/// normal. Two such edges or more give centre and radius, by least squares. At any edge the probe's
-/// centre is c = position + p * normal, and it touches an atom if |c - centre| = radius + p; that
-/// is linear in the probe radius p.
+/// On the convex patch of an atom, the surface is its van der Waals sphere: position = centre +
+/// radius
+/// * normal. Two or more such crossings determine centre and radius by least squares. At any
+/// crossing, the probe's centre is c = position + p * normal. It touches an atom if |c - centre| =
+/// radius + p, which is a linear equation for the probe radius p.
 
 #include <cstdint>
 #include <optional>
@@ -18,22 +18,23 @@
 
 namespace eses::detail {
 
+/// A van der Waals sphere.
 struct Sphere {
   Vec3 center;        ///< angstrom
   double radius = 0;  ///< angstrom
 };
 
-/// The van der Waals spheres of the atoms that have convex edges.
+/// The van der Waals spheres of the atoms that have crossings on convex patches.
 class ContactSpheres {
  public:
-  /// An edge that names one atom.
+  /// Adds a crossing with one atom.
   void add_convex(const Crossing& crossing);
 
-  /// Nothing for an atom with fewer than two edges.
+  /// Returns the sphere of an atom, or nothing if it has fewer than two crossings.
   std::optional<Sphere> sphere(AtomIndex atom) const;
 
  private:
-  /// The mean of the positions and normals so far, and the sums of dn.dx and dn.dn, d being the
+  /// Means of the positions x and normals n, and the sums of dn . dx and dn . dn, where d is the
   /// difference from the mean.
   struct Fit {
     std::int64_t count = 0;
@@ -43,8 +44,8 @@ class ContactSpheres {
   std::unordered_map<AtomIndex, Fit> fits_;
 };
 
-/// Whether there is a probe radius with which the probe at this edge touches all of the spheres, to
-/// within `tolerance` angstrom. It takes more than two spheres to tell.
+/// Returns whether a probe of some radius at this crossing touches all spheres within `tolerance`
+/// (angstrom). There must be more than two spheres.
 bool touches_all(const Crossing& crossing, std::span<const Sphere> spheres, double tolerance);
 
 }  // namespace eses::detail

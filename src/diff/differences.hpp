@@ -1,5 +1,5 @@
 #pragma once
-/// What the comparison of two directories of ESES's files finds. [0] is directory A, [1] is B.
+/// Results of the comparison of two directories of ESES files.
 
 #include <algorithm>
 #include <array>
@@ -13,12 +13,14 @@
 
 namespace eses::detail {
 
+/// Values for directories A [0] and B [1].
 template <class Value>
 using Sides = std::array<Value, 2>;
 
+/// The indices of both sides.
 inline constexpr Sides<std::size_t> both_sides{0, 1};
 
-/// How many there are, and the first few of them.
+/// The number of items, and the first few of them.
 template <class Item>
 struct Counted {
   static constexpr std::size_t max_examples = 5;
@@ -32,17 +34,19 @@ struct Counted {
   }
 };
 
-/// Which items two lists have in common; an item is known by its key.
+/// The common and the different items of two lists. An item is identified by its key.
 template <class Key>
 struct Matching {
-  std::int64_t both = 0;
-  Sides<Counted<Key>> only;      ///< on one side only
-  Sides<Counted<Key>> repeated;  ///< lines with a key that an earlier line has; not looked at
+  std::int64_t both = 0;         ///< number of items on both sides
+  Sides<Counted<Key>> only;      ///< items on one side only
+  Sides<Counted<Key>> repeated;  ///< items whose key occurred before; they are not compared
 
+  /// Returns whether both sides have the same items.
   bool same() const {
     return std::all_of(only.begin(), only.end(), is_empty) &&
            std::all_of(repeated.begin(), repeated.end(), is_empty);
   }
+  /// Number of items in the list of a side.
   std::int64_t listed(std::size_t side) const {
     return both + only[side].count + repeated[side].count;
   }
@@ -51,20 +55,21 @@ struct Matching {
   static bool is_empty(const Counted<Key>& counted) { return counted.count == 0; }
 };
 
-/// How far a quantity of one item differs.
+/// The difference of a quantity of one item.
 template <class Key>
 struct ItemDeviation {
   Key key{};
   double difference = 0;
 };
 
-/// How far a quantity differs between the items that both sides have.
+/// The differences of a quantity of the common items.
 template <class Key>
 struct Deviation {
   ItemDeviation<Key> largest;
   double mean = 0;
-  Counted<ItemDeviation<Key>> above;  ///< above the tolerance
+  Counted<ItemDeviation<Key>> above;  ///< differences above the tolerance
 
+  /// Adds the difference of an item.
   void add(const Key& key, double difference, double tolerance) {
     mean += (difference - mean) / static_cast<double>(++count_);
     if (difference > largest.difference) largest = {key, difference};
@@ -75,28 +80,31 @@ struct Deviation {
   std::int64_t count_ = 0;
 };
 
+/// The differences of bounding_box.txt.
 struct BoxDifference {
   Sides<BoundingBox> boxes;
-  double corners = 0;  ///< largest difference of a coordinate of the corners, angstrom
+  double corners = 0;  ///< maximum difference of a coordinate of the corners, angstrom
   bool same_corners = true, same_size = true;
 
   bool same() const { return same_corners && same_size; }
 };
 
+/// The differences of grid_info.txt.
 struct PointDifference {
   Matching<GridIndex> matching;
-  Counted<GridRow> other_sign;  ///< as A has them
+  Counted<GridRow> other_sign;  ///< points with different signs, with the sign of A
 
   bool same() const { return matching.same() && other_sign.count == 0; }
 };
 
+/// The differences of intersection_info.txt.
 struct EdgeDifference {
   Matching<GridEdge> matching;
-  Deviation<GridEdge> position;  ///< distance of the positions, angstrom
-  Deviation<GridEdge> normal;    ///< length of the difference of the normals
-  Counted<Sides<Crossing>> other_atoms;
-  /// Edges that name other atoms of the same contact, which is no difference: position and normal
-  /// agree, both sides name three atoms, and the probe there touches all that are named.
+  Deviation<GridEdge> position;          ///< distance of the positions, angstrom
+  Deviation<GridEdge> normal;            ///< length of the difference of the normals
+  Counted<Sides<Crossing>> other_atoms;  ///< edges with different atoms
+  /// Number of edges with different atoms of the same contact, which are not differences: positions
+  /// and normals are equal, both sides name three atoms, and the probe touches all named atoms.
   std::int64_t same_contact = 0;
 
   bool same() const {
@@ -105,19 +113,28 @@ struct EdgeDifference {
   }
 };
 
+/// The differences of partition_area.txt, in square angstrom.
 struct AreaDifference {
   Matching<AtomIndex> matching;
-  Sides<double> total{};             ///< of all lines, square angstrom
-  Deviation<AtomIndex> area;         ///< square angstrom
-  Deviation<AtomIndex> unexplained;  ///< what is left of it where edges name other atoms of the
-                                     ///< same contact, whose shares then go to other atoms
+  Sides<double> total{};      ///< sum of all lines
+  Deviation<AtomIndex> area;  ///< differences of the areas
+  /// Differences of the areas after the correction for edges with different atoms of the same
+  /// contact, whose shares go to different atoms.
+  Deviation<AtomIndex> unexplained;
 
   bool same() const { return matching.same() && unexplained.above.count == 0; }
 };
 
-/// What became of a file.
-enum class FileStatus { compared, only_in_a, only_in_b, in_neither, other_grid };
+/// The status of a file in the comparison.
+enum class FileStatus {
+  compared,
+  only_in_a,
+  only_in_b,
+  in_neither,
+  other_grid,  ///< not compared, as the grids have different numbers of points
+};
 
+/// All differences of two directories.
 struct Differences {
   std::array<FileStatus, 4> status{};  ///< by EsesFile
   BoxDifference box;
@@ -126,8 +143,8 @@ struct Differences {
   AreaDifference areas;
 
   FileStatus status_of(EsesFile file) const { return status[static_cast<std::size_t>(file)]; }
-  /// Whether a script may take one directory for the other: a file in one of them only is a
-  /// difference, one in neither is none.
+  /// Returns whether there is no difference. A file in only one directory is a difference; a file
+  /// in neither directory is not.
   bool same() const {
     const auto is_same = [](FileStatus one) {
       return one == FileStatus::compared || one == FileStatus::in_neither;

@@ -1,5 +1,5 @@
 #pragma once
-/// Matching two lists that are in the order of their keys.
+/// Matching of two lists that are sorted by key.
 
 #include <cstddef>
 #include <functional>
@@ -10,12 +10,12 @@
 
 namespace eses::detail {
 
-/// Hands out the next item; false behind the last.
+/// Sets its argument to the next item. Returns false at the end.
 template <class Item>
 using ItemStream = std::function<bool(Item&)>;
 
-/// Calls `both(a, b)` for every pair of items with the same key, and tells which others there are.
-/// Of items that repeat a key the first one counts.
+/// Calls `both(a, b)` for each pair of items with the same key. Returns the counts of all items.
+/// Only the first of several items with the same key is compared.
 template <class Item, class KeyOf, class Both>
 auto match_in_order(Sides<ItemStream<Item>> lists, KeyOf key_of, Both both) {
   Matching<std::decay_t<decltype(key_of(std::declval<const Item&>()))>> matching;

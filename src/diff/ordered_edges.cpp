@@ -11,9 +11,9 @@
 namespace eses::detail {
 namespace {
 
-constexpr std::size_t edges_per_run = std::size_t{1} << 16;  // 5 MB
+constexpr std::size_t edges_per_run = std::size_t{1} << 16;  // 6 MB
 
-// They are written to the scratch file as they lie in memory.
+// Crossings are written to the scratch file as they are in memory.
 static_assert(std::is_trivially_copyable_v<Crossing>);
 
 bool has_lower_edge(const Crossing& a, const Crossing& b) { return edge_of(a) < edge_of(b); }
@@ -73,7 +73,7 @@ class OrderedEdges::Merge {
     source.at = 0;
   }
 
-  /// Of edges at the same place that of the earlier run comes first.
+  /// Orders sources by their next edge, and by run for the same edge.
   struct ComesLater {
     const std::vector<Source>* sources;
     bool operator()(std::size_t a, std::size_t b) const {
@@ -83,7 +83,7 @@ class OrderedEdges::Merge {
   };
 
   const ScratchFile& scratch_;
-  std::size_t edges_read_at_once_;  // of each run; of all together as many as sorting takes
+  std::size_t edges_read_at_once_;  // buffer of each run; all buffers take as much memory as a run
   std::vector<Source> sources_;
   std::priority_queue<std::size_t, std::vector<std::size_t>, ComesLater> heads_;
 };
@@ -93,9 +93,9 @@ OrderedEdges::OrderedEdges(std::filesystem::path path, const GridIndex& size)
   EdgeReader reader(path_, size_);
   bool more = read_run(reader);
   if (more && std::is_sorted(crossings_.begin(), crossings_.end(), has_lower_edge)) {
-    read_as_it_stands_ = is_in_order(path_, size_);
+    is_sorted_ = is_in_order(path_, size_);
   }
-  if (more && !read_as_it_stands_) {
+  if (more && !is_sorted_) {
     scratch_.emplace();
     spill_run();
     while (more) {
@@ -103,14 +103,14 @@ OrderedEdges::OrderedEdges(std::filesystem::path path, const GridIndex& size)
       spill_run();
     }
   }
-  if (read_as_it_stands_ || scratch_) {
+  if (is_sorted_ || scratch_) {
     crossings_ = {};
   } else {
     std::stable_sort(crossings_.begin(), crossings_.end(), has_lower_edge);
   }
 }
 
-/// False at the end of the file.
+/// Reads a run into `crossings_`. Returns false at the end of the file.
 bool OrderedEdges::read_run(EdgeReader& reader) {
   crossings_.clear();
   Crossing crossing;
@@ -130,7 +130,7 @@ void OrderedEdges::spill_run() {
 }
 
 ItemStream<Crossing> OrderedEdges::stream() const {
-  if (read_as_it_stands_) {
+  if (is_sorted_) {
     return [reader = std::make_shared<EdgeReader>(path_, size_)](Crossing& crossing) {
       return reader->next(crossing);
     };

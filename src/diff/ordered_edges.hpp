@@ -1,6 +1,5 @@
 #pragma once
-/// The edges of a file in the order of their places in the grid, whatever their order in the file,
-/// in memory that does not grow with it.
+/// The crossings of a file in canonical order, in memory that does not grow with the file.
 
 #include <cstdint>
 #include <filesystem>
@@ -13,20 +12,20 @@
 
 namespace eses::detail {
 
-/// A few edges are sorted in memory; a file that is in order is read as it stands; any other one
-/// is sorted in runs, which lie in a scratch file and are merged.
+/// The sorted crossings of a file. A small file is sorted in memory, and a sorted file is read
+/// directly. Any other file is sorted in runs in a scratch file, which are merged.
 class OrderedEdges {
  public:
   OrderedEdges(std::filesystem::path path, const GridIndex& size);
 
-  /// One pass over all edges; it must not outlive this object. Edges at the same place come in the
-  /// order of the file.
+  /// Starts a pass over all crossings, which must not outlive this object. Crossings of the same
+  /// edge keep the order of the file.
   ItemStream<Crossing> stream() const;
 
  private:
   /// A sorted run in the scratch file.
   struct Run {
-    std::uint64_t begin = 0, end = 0;  // as numbers of edges
+    std::uint64_t begin = 0, end = 0;  // indices of crossings
   };
   class Merge;
 
@@ -35,10 +34,10 @@ class OrderedEdges {
 
   std::filesystem::path path_;
   GridIndex size_;
-  std::vector<Crossing> crossings_;  // all edges, if they are few
+  std::vector<Crossing> crossings_;  // all crossings of a small file
   std::optional<ScratchFile> scratch_;
   std::vector<Run> runs_;
-  bool read_as_it_stands_ = false;
+  bool is_sorted_ = false;
 };
 
 }  // namespace eses::detail

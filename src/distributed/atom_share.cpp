@@ -18,14 +18,16 @@
 #include "io/atom_lines.hpp"
 #include "io/file_descriptor.hpp"
 #include "io/gzip.hpp"
+#include "io/other_formats.hpp"
 #include "io/text_source.hpp"
+#include "structure/read_input.hpp"
 
 namespace eses::detail {
 namespace {
 
-constexpr std::size_t counted_bytes = std::size_t{1} << 22;  // of a file, whose lines are counted
+constexpr std::size_t counted_bytes = std::size_t{1} << 22;  // buffer for the count of lines
 
-// Reads a plain file from any place.
+// A plain file with random access.
 class TextFile {
  public:
   explicit TextFile(const std::filesystem::path& path)
@@ -33,7 +35,7 @@ class TextFile {
 
   const std::string& name() const { return name_; }
 
-  // Reads as many bytes into `buffer` as there are at `offset`.
+  // Reads from `offset` until `buffer` is full or the file ends.
   std::string_view read_at(std::span<char> buffer, std::uint64_t offset) const {
     std::size_t used = 0;
     while (used < buffer.size()) {
@@ -49,7 +51,8 @@ class TextFile {
     return {buffer.data(), used};
   }
 
-  // Where the first line begins that does not begin before `offset`; `end` if there is none.
+  // Returns the begin of the first line that begins at or after `offset`, or `end` if there is
+  // none.
   std::uint64_t line_begin(std::uint64_t offset, std::uint64_t end) const {
     if (offset == 0) return 0;
     std::string buffer(counted_bytes / 64, '\0');
@@ -67,8 +70,8 @@ class TextFile {
   FileDescriptor file_;
 };
 
-// Returns 0 if the file cannot be read in parts. A file that is not regular, for example a pipe,
-// may not even be opened twice.
+// Returns the size of a file that can be read in parts, else 0. A file that is not regular, such as
+// a pipe, must not be opened twice.
 std::uint64_t divisible_bytes(const std::filesystem::path& path) {
   struct stat status {};
   if (path == "-" || stat(path.c_str(), &status) != 0 || !S_ISREG(status.st_mode)) return 0;
@@ -76,7 +79,7 @@ std::uint64_t divisible_bytes(const std::filesystem::path& path) {
   return is_gzip(TextFile(path).read_at(head, 0)) ? 0 : static_cast<std::uint64_t>(status.st_size);
 }
 
-// The part of a file whose lines a process reads: those that begin in it.
+// The part of a file whose lines a process reads: the lines that begin in this range of bytes.
 struct Part {
   std::uint64_t begin = 0, end = 0;  // bytes
 };
@@ -92,24 +95,29 @@ std::uint64_t count_lines(const TextFile& file, const Part& part) {
   return lines;
 }
 
-// Turns labels into residues after each piece of the text, so that there are never many labels.
+// Converts labels into residues after each part of the text, so that few labels are in memory.
 void take_labels(std::vector<AtomLabel>& labels, ResidueRuns& runs) {
   for (AtomLabel& label : labels) runs.add(std::move(label));
   labels.clear();
 }
 
+// The result of reading a part of a file.
 struct PartRead {
   AtomFile atoms;  // without labels
   ResidueRuns residues;
-  std::uint64_t lines = 0;
+  AtomNames names;  // of a PDB or mmCIF file
+  std::uint64_t lines = 0, models = 0;
   PdbLikeness likeness;
 };
 
 // Reads the whole file, as read_atoms does.
 PartRead read_whole(const std::filesystem::path& path, const ReadOptions& options) {
   PartRead part;
-  part.atoms = read_atom_file(path, options,
-                              [&](AtomFile& atoms) { take_labels(atoms.labels, part.residues); });
+  part.atoms = read_input(path, options, [&](AtomFile& atoms) {
+    if (is_structure(options.format))
+      for (const AtomLabel& label : atoms.labels) part.names.add(label);
+    take_labels(atoms.labels, part.residues);
+  });
   return part;
 }
 
@@ -123,12 +131,13 @@ void read_atoms_of(const TextFile& file, const Part& part, const AtomLines& line
     offset += count;
     return count;
   };
-  read.likeness = read_atom_lines(read_text, lines, read.atoms, [&] {
-                    take_labels(read.atoms.labels, read.residues);
-                  }).likeness;
+  const LinesRead found = read_atom_lines(read_text, lines, read.atoms,
+                                          [&] { take_labels(read.atoms.labels, read.residues); });
+  read.likeness = found.likeness;
+  read.models = found.models;
 }
 
-// Reads this process's part of a file of so many bytes.
+// Reads this process's part of a file with this number of bytes.
 PartRead read_part(const std::filesystem::path& path, std::uint64_t bytes,
                    const ReadOptions& options, const Processes& processes) {
   PartRead read;
@@ -154,8 +163,10 @@ PartRead read_part(const std::filesystem::path& path, std::uint64_t bytes,
 }
 
 // Returns the size of a file that several processes read in parts; 0 if the first one reads it.
-std::uint64_t shared_bytes(const std::filesystem::path& path, const Processes& processes) {
-  if (processes.count() == 1) return 0;
+std::uint64_t shared_bytes(const std::filesystem::path& path, const ReadOptions& options,
+                           const Processes& processes) {
+  if (processes.count() == 1 || is_structure(options.format) || options.structure.model != 0)
+    return 0;
   std::uint64_t bytes = 0;
   processes.all_or_throw([&] {
     if (processes.is_first()) bytes = divisible_bytes(path);
@@ -169,14 +180,15 @@ std::uint64_t shared_bytes(const std::filesystem::path& path, const Processes& p
   return bytes;
 }
 
-// Checks what only all parts together tell.
+// Performs the checks that need all parts of the file.
 void require_atoms(const std::filesystem::path& path, AtomFormat format, const AtomShare& share,
                    const PartRead& read, const Processes& processes) {
-  const std::uint64_t lines = processes.sum(read.lines);
+  const std::uint64_t lines = processes.sum(read.lines), models = processes.sum(read.models);
   const PdbLikeness likeness{processes.sum(read.likeness.layout),
                              processes.sum(read.likeness.values)};
   processes.all_or_throw([&] {
     if (share.total == 0) throw Error(no_atoms_message(path.string(), format, lines));
+    refuse_models(path.string(), models);
     refuse_pdb_records(path.string(), share.total, likeness);
     if (share.total > std::numeric_limits<AtomIndex>::max())
       throw Error(fmt::format("{}: more than {} atoms", path.string(),
@@ -189,11 +201,11 @@ void require_atoms(const std::filesystem::path& path, AtomFormat format, const A
 AtomShare read_share(const std::filesystem::path& path, ReadOptions options,
                      const Processes& processes) {
   processes.all_or_throw([&] {
-    refuse_structure_files(path);
+    if (options.format == AtomFormat::automatic) refuse_other_suffix(path);
     options.format = format_of(path, options.format);
   });
   PartRead read;
-  if (const std::uint64_t bytes = shared_bytes(path, processes); bytes > 0) {
+  if (const std::uint64_t bytes = shared_bytes(path, options, processes); bytes > 0) {
     read = read_part(path, bytes, options, processes);
   } else {
     processes.all_or_throw([&] {
@@ -207,6 +219,8 @@ AtomShare read_share(const std::filesystem::path& path, ReadOptions options,
   share.atoms = std::move(read.atoms.atoms);
   share.lines = std::move(read.atoms.lines);
   share.residues = std::move(read.residues);
+  share.names = std::move(read.names);
+  share.structure = std::move(read.atoms.structure);
   return share;
 }
 

@@ -1,40 +1,45 @@
 #pragma once
-/// Reading the atoms of one file: all of them, or with several processes a part each.
+/// Distributed reading of an atom file.
 
 #include <cstdint>
 #include <filesystem>
+#include <optional>
 #include <vector>
 
 #include "distributed/processes.hpp"
 #include "eses/read_atoms.hpp"
+#include "io/atom_names.hpp"
 #include "io/residue_runs.hpp"
 #include "mesh/atom_groups.hpp"
 
 namespace eses::detail {
 
-/// Consecutive atoms of a file, 0-based.
+/// A range of consecutive atoms of a file, 0-based.
 struct AtomRange {
   std::uint64_t begin = 0, end = 0;
 };
 
-/// What a process reads of a file.
+/// The part of a file that a process has read.
 struct AtomShare {
   std::vector<Atom> atoms;
-  std::vector<std::uint64_t> lines;        ///< of each, 1-based
+  std::vector<std::uint64_t> lines;        ///< line of each atom, 1-based
   std::uint64_t first = 0;                 ///< index of the first atom in the file, 0-based
   std::uint64_t total = 0;                 ///< number of atoms in the file
   ResidueRuns residues;                    ///< if labels were requested and the file has them
   std::vector<mesh::GroupNumbers> groups;  ///< by atom, filled by number_groups
+  /// Labels and report of a PDB or mmCIF file, which the first process alone reads.
+  AtomNames names;
+  std::optional<StructureReport> structure;
 
   AtomRange range() const { return {first, first + atoms.size()}; }
 };
 
-/// Reads a file; to be called by all processes. Several processes read a plain file in parts of
-/// equal size. The first process alone reads a compressed file, and one that is not regular, such
-/// as standard input. Labels, if `options` requests them, are kept as residues. The memory limit of
-/// `options` holds for each process.
+/// Reads a file. All processes must call it. Several processes read a plain file in parts of equal
+/// size. The first process alone reads a compressed file, a PDB or mmCIF file, a model of a PQR
+/// file, and a file that is not regular, such as standard input. Labels are kept as residues if
+/// `options` requests them. The memory limit of `options` applies to each process.
 ///
-/// Throws SharedError where read_atoms would throw Error, for the first error in the file.
+/// Throws SharedError if read_atoms would throw Error, for the first error in the file.
 AtomShare read_share(const std::filesystem::path& path, ReadOptions options,
                      const Processes& processes);
 

@@ -14,7 +14,7 @@ namespace {
 
 constexpr std::uint32_t none = std::numeric_limits<std::uint32_t>::max();
 
-// Keys on their way to the processes that look after them, and answers on their way back.
+// The exchange of keys with the processes that are responsible for them.
 class KeyExchange {
  public:
   KeyExchange(std::span<const std::string> keys, const Processes& processes)
@@ -36,12 +36,13 @@ class KeyExchange {
                          .first->second);
   }
 
-  // One for each key that this process got, ordered by sender; equal keys have equal ids.
+  // Ids of the keys that this process received, ordered by sender. Equal keys have equal ids.
   std::span<const std::uint32_t> ids() const { return ids_; }
   std::size_t id_count() const { return id_of_.size(); }
 
-  // From the keys of this process to those who look after them.
-  std::vector<std::uint32_t> tell(std::span<const std::uint32_t> of_key) const {
+  // Sends a value for each key of this process to the responsible process. Returns the received
+  // ones.
+  std::vector<std::uint32_t> send(std::span<const std::uint32_t> of_key) const {
     std::vector<std::vector<std::uint32_t>> to;
     to.reserve(sent_.size());
     for (const auto& part : sent_) {
@@ -51,8 +52,9 @@ class KeyExchange {
     return processes_.exchange(std::move(to));
   }
 
-  // The other way.
-  std::vector<std::uint32_t> answer(std::span<const std::uint32_t> of_id) const {
+  // Sends a value for each received key back to its sender. Returns the values of this process's
+  // keys.
+  std::vector<std::uint32_t> send_back(std::span<const std::uint32_t> of_id) const {
     std::vector<std::vector<std::uint32_t>> to;
     to.reserve(received_.size());
     for (auto id = ids_.begin(); const std::uint64_t count : received_) {
@@ -66,7 +68,7 @@ class KeyExchange {
     return of_key;
   }
 
-  // The rank of the first process that sent each of them.
+  // Returns for each id the lowest rank that sent the key.
   std::vector<std::uint32_t> first_senders() const {
     std::vector<std::uint32_t> first(id_count(), none);
     auto id = ids_.begin();
@@ -78,17 +80,18 @@ class KeyExchange {
 
  private:
   const Processes& processes_;
-  std::vector<std::vector<std::size_t>> sent_;  // keys by who looks after them
-  std::vector<std::uint64_t> received_;         // how many from each
+  std::vector<std::vector<std::size_t>> sent_;  // indices of keys by responsible rank
+  std::vector<std::uint64_t> received_;         // number of keys by sender
   std::unordered_map<std::string, std::uint32_t> id_of_;
   std::vector<std::uint32_t> ids_;
 };
 
-// Names are separated by a character that no name contains.
+// Returns the key of a label's chain.
 std::string chain_key(const AtomLabel& label) {
   return std::string(mesh::written_name(label.chain));
 }
 
+// Returns the key of a label's residue. Names are separated by a character that no name contains.
 std::string residue_key(const AtomLabel& label) {
   std::string key = chain_key(label);
   for (const std::string_view name : {label.residue_number, label.residue}) {
@@ -98,7 +101,7 @@ std::string residue_key(const AtomLabel& label) {
   return key;
 }
 
-// The numbers of a process that is alone: those that it has given itself.
+// Returns the numbers of the keys of a single process.
 KeyNumbers numbers_alone(std::size_t keys) {
   KeyNumbers numbers;
   numbers.of_key.resize(keys);
@@ -108,8 +111,8 @@ KeyNumbers numbers_alone(std::size_t keys) {
   return numbers;
 }
 
-// Numbers the labels in `first`, each of which comes first in this process, and keeps the names of
-// those that come first in all processes.
+// Numbers the groups whose first labels in this process are `first`. Appends to `names` the labels
+// that are the first of their group in all processes.
 template <class Key>
 KeyNumbers number_first_labels(std::span<const AtomLabel> labels, std::span<const AtomIndex> first,
                                Key&& key, const Processes& processes,
@@ -132,7 +135,7 @@ KeyNumbers number_first_labels(std::span<const AtomLabel> labels, std::span<cons
 
 KeyNumbers number_keys(std::span<const std::string> keys, const Processes& processes) {
   const KeyExchange exchange(keys, processes);
-  const std::vector<std::uint32_t> first = exchange.answer(exchange.first_senders());
+  const std::vector<std::uint32_t> first = exchange.send_back(exchange.first_senders());
   KeyNumbers numbers;
   for (std::size_t k = 0; k < keys.size(); ++k)
     if (first[k] == static_cast<std::uint32_t>(processes.rank())) numbers.own.push_back(k);
@@ -140,11 +143,11 @@ KeyNumbers number_keys(std::span<const std::string> keys, const Processes& proce
   std::vector<std::uint32_t> own(keys.size(), none);
   for (std::size_t q = 0; q < numbers.own.size(); ++q)
     own[numbers.own[q]] = numbers.first + static_cast<std::uint32_t>(q);
-  const std::vector<std::uint32_t> told = exchange.tell(own);
+  const std::vector<std::uint32_t> received = exchange.send(own);
   std::vector<std::uint32_t> of_id(exchange.id_count());
-  for (std::size_t q = 0; q < told.size(); ++q)
-    if (told[q] != none) of_id[exchange.ids()[q]] = told[q];
-  numbers.of_key = exchange.answer(of_id);
+  for (std::size_t q = 0; q < received.size(); ++q)
+    if (received[q] != none) of_id[exchange.ids()[q]] = received[q];
+  numbers.of_key = exchange.send_back(of_id);
   return numbers;
 }
 

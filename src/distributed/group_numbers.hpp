@@ -1,5 +1,5 @@
 #pragma once
-/// Numbers of chains and residues, as a mesh has them, where no process has all labels.
+/// Distributed numbering of chains and residues for meshes.
 
 #include <cstdint>
 #include <span>
@@ -13,31 +13,32 @@
 
 namespace eses::detail {
 
-/// Numbers of keys, from 0 in the order in which the keys come first, processes by rank.
+/// Numbers of keys, from 0 in the order of their first occurrence, by rank and then by index.
 struct KeyNumbers {
-  std::vector<std::uint32_t> of_key;
-  std::vector<std::size_t> own;  ///< the keys that come first in this process, ascending
-  std::uint32_t first = 0;       ///< number of the first of these
+  std::vector<std::uint32_t> of_key;  ///< number of each key of this process
+  std::vector<std::size_t> own;       ///< indices of the keys that occur first here, ascending
+  std::uint32_t first = 0;            ///< number of the first of these
 };
 
-/// Numbers keys that differ from each other; to be called by all processes. One process, chosen by
-/// the key's hash, finds out which process has a key first.
+/// Numbers the distinct keys of each process. All processes must call it. The hash of a key
+/// determines the process that finds the first occurrence of the key.
 KeyNumbers number_keys(std::span<const std::string> keys, const Processes& processes);
 
-/// The chains and residues that come first in the part of the file that this process has read.
+/// The chains and residues whose first atom is in the part of the file that this process has read.
 struct GroupNames {
-  bool are_known = false;                            ///< the same in all processes
-  std::vector<AtomLabel> chains, residues;           ///< by number, from the first one on
+  bool are_known = false;  ///< whether the file has labels; the same in all processes
+  std::vector<AtomLabel> chains, residues;           ///< in the order of their numbers
   std::uint32_t first_chain = 0, first_residue = 0;  ///< numbers of the first ones
 };
 
+/// The numbers of chains and residues.
 struct GroupNumbering {
   GroupNames names;
-  std::vector<mesh::GroupNumbers> of_atom;  ///< of the atoms of `runs`
+  std::vector<mesh::GroupNumbers> of_atom;  ///< numbers of each atom of this process
 };
 
-/// Numbers the chains and residues of the molecule as mesh::number_labels does; to be called by all
-/// processes, with consecutive parts of the molecule by rank.
+/// Numbers the chains and residues of the molecule as mesh::number_labels does. All processes must
+/// call it with consecutive parts of the molecule by rank.
 GroupNumbering number_groups(const ResidueRuns& runs, const Processes& processes);
 
 }  // namespace eses::detail

@@ -1,5 +1,5 @@
 #pragma once
-/// What MPI says when it fails.
+/// Error messages of MPI.
 
 #include <mpi.h>
 
@@ -8,6 +8,7 @@
 
 namespace eses::detail {
 
+/// Returns the message of an MPI error code.
 inline std::string mpi_error_text(int error) {
   std::array<char, MPI_MAX_ERROR_STRING> text{};
   int length = 0;

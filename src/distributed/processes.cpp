@@ -1,4 +1,4 @@
-// What does not depend on how processes reach each other.
+// The parts of the communication that do not depend on MPI.
 #include "distributed/processes.hpp"
 
 #include <fmt/format.h>
@@ -15,7 +15,7 @@ namespace eses::detail {
 Processes::Share Processes::share_of(std::uint64_t count, std::uint64_t unit, int rank) const {
   const std::uint64_t units = (count + unit - 1) / unit, all = static_cast<std::uint64_t>(count_);
   const auto begin_of = [&](std::uint64_t r) {
-    // Without the product of two large numbers.
+    // This form avoids the product of two large numbers.
     return std::min(count, unit * (units / all * r + units % all * r / all));
   };
   const auto r = static_cast<std::uint64_t>(rank);

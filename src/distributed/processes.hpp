@@ -1,6 +1,6 @@
 #pragma once
-/// The processes of one run, MPI ranks, and how they exchange data. Without MPI, or where nothing
-/// has started several processes, there is one: a process alone.
+/// Communication of the MPI ranks of a run. Without MPI, or without an MPI launcher, there is a
+/// single process.
 
 #include <cstddef>
 #include <cstdint>
@@ -17,22 +17,23 @@
 
 namespace eses::detail {
 
-/// A failure that all processes know, so that one of them can print it and all end in order.
+/// An error that all processes have received, so that one of them can print it and all can exit.
 class SharedError : public Error {
   using Error::Error;
 };
 
-/// Everything here but `rank`, `count`, the action of `all_or_throw` and `abort` must be called by
-/// all processes alike, from their main threads, outside of parallel loops (MPI_THREAD_FUNNELED).
-/// Elements are copied as bytes. A process that is alone has nothing to exchange.
+/// The MPI processes of a run. All functions except `rank`, `count`, `is_first`, `share_of` and
+/// `abort` are collective: all processes must call them, from their main threads and outside of
+/// parallel loops (MPI_THREAD_FUNNELED). Elements are copied as bytes. In a single process all
+/// functions return at once.
 class Processes {
  public:
-  /// A process that is alone, whatever has started it. Never uses MPI.
+  /// Makes a single process, independent of any launcher. Never uses MPI.
   Processes() = default;
-  /// Joins the other processes if MPI knows of any: if this one was started by mpirun, srun or the
-  /// like. Throws Error if MPI cannot be used.
+  /// Starts MPI if the process was started by a launcher such as mpirun or srun. Throws Error if
+  /// MPI cannot be used.
   Processes(int& argc, char**& argv);
-  /// Leaves them; they must not be in need of this one any more.
+  /// Finalizes MPI.
   ~Processes();  // NOLINT(performance-trivially-destructible): with MPI it is not
   Processes(const Processes&) = delete;
   Processes& operator=(const Processes&) = delete;
@@ -41,77 +42,80 @@ class Processes {
   int count() const { return count_; }
   bool is_first() const { return rank_ == 0; }
 
-  /// What makes processes that were started together share one run, where they do not: the advice
-  /// of an error message.
+  /// Advice for an error message if processes were started together but do not share a run.
   static std::string_view advice();
 
-  /// The part [begin, end) of `count` things that a process gets: all get about the same number, in
-  /// multiples of `unit`.
+  /// A range [begin, end).
   struct Share {
     std::uint64_t begin = 0, end = 0;
   };
+  /// Returns the part of [0, count) that a rank processes. All parts have about the same size and
+  /// begin at multiples of `unit`.
   Share share_of(std::uint64_t count, std::uint64_t unit, int rank) const;
 
-  /// Minima, maxima and sums over all processes, element by element.
+  /// Replaces each element by its minimum over all processes.
   void allreduce_min(std::span<double> values) const;
-  void allreduce_max(std::span<double> values) const;
   void allreduce_min(std::span<std::uint64_t> values) const;
+  /// Replaces each element by its maximum over all processes.
+  void allreduce_max(std::span<double> values) const;
   void allreduce_max(std::span<std::uint64_t> values) const;
+  /// Replaces each element by its sum over all processes. The order of summation is unspecified.
   void add(std::span<std::uint64_t> values) const;
-  /// Must not be used where the order of the summands matters.
   void add(std::span<double> values) const;
-  /// The sum over all processes before this one.
+  /// Returns the sum over all lower ranks.
   std::uint64_t sum_before(std::uint64_t value) const;
+  /// Returns the sum over all processes.
   std::uint64_t sum(std::uint64_t value) const {
     add({&value, 1});
     return value;
   }
 
-  /// The elements of all processes, in the order of ranks.
+  /// Returns the elements of all processes in the order of ranks, in all processes.
   template <class T>
   std::vector<T> gather(std::span<const T> own) const;
-  /// What process `from` has.
+  /// Returns the text of rank `from`, in all processes.
   std::string broadcast(std::string text, int from = 0) const;
-  /// Sends `to[rank]` to each process, and returns what they sent here, in the order of ranks.
+  /// Sends `to[rank]` to each process. Returns the elements sent to this process, in the order of
+  /// ranks.
   template <class T>
   std::vector<T> exchange(std::vector<std::vector<T>> to) const;
-  /// Passes a value from each process to the next: each one changes it in turn. Returns the value
-  /// that the last process has made of it, in all processes.
+  /// Passes a value from rank to rank; each process applies `change` to it. Returns the final value
+  /// in all processes.
   std::string chain(const std::string& first,
                     const std::function<std::string(const std::string&)>& change) const;
   double chain(double value, const std::function<double(double)>& change) const;
 
-  /// Performs an action, which must not communicate. If it throws Error or std::bad_alloc in any
-  /// process, all throw SharedError with the message of the first such process. Other exceptions
-  /// leave the process in which they are thrown. A process that is alone performs the action only.
+  /// Performs an action that does not communicate. If it throws Error or std::bad_alloc in any
+  /// process, all processes throw SharedError with the message of the lowest such rank. Other
+  /// exceptions are thrown only in their process. A single process just performs the action.
   void all_or_throw(const std::function<void()>& action) const;
 
-  /// How many of the processes run on this machine, and of its processors how many a process has
-  /// for its own if all have as many.
+  /// The processes on this machine, and the number of processors for each of them.
   struct Machine {
     int processes = 1;
     int processors = 1;
   };
-  /// `processors` are those that this process may use at most.
+  /// Returns the data of this machine. A process uses at most `processors` processors.
   Machine machine(int processors) const;
 
-  /// Bytes that a process holds for messages and the like, typically.
+  /// Typical memory of MPI in a process, in bytes.
   std::uint64_t own_memory() const;
 
-  /// ` on NAME`, behind an action that failed, where there may be several machines; else empty.
+  /// Returns ` on NAME` with the name of the machine, for error messages; empty in a single
+  /// process.
   std::string place() const;
 
   /// Ends all processes at once with an exit code.
   [[noreturn]] void abort(int exit_code) const;
 
  private:
-  // How many elements come from each process if `to` says how many go to each.
+  // Returns the number of elements from each process, if `to` has the number to each process.
   std::vector<std::uint64_t> exchange_counts(std::span<const std::uint64_t> to) const;
   void exchange_elements(const void* sent, std::span<const std::uint64_t> to, void* received,
                          std::span<const std::uint64_t> from, std::size_t element_bytes) const;
 
   int rank_ = 0, count_ = 1;
-  bool has_mpi_ = false;  // started by this object, which also ends it
+  bool has_mpi_ = false;  // whether this object has started MPI
 };
 
 template <class T>

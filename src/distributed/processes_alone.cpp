@@ -1,4 +1,4 @@
-// Built without MPI: there is never more than one process.
+// The communication in a build without MPI, with a single process.
 #include <cstdlib>
 
 #include "distributed/processes.hpp"
@@ -35,7 +35,7 @@ std::vector<std::uint64_t> Processes::exchange_counts(std::span<const std::uint6
   return {to.begin(), to.end()};
 }
 
-// A process that is alone keeps what it has.
+// A single process has nothing to exchange.
 void Processes::exchange_elements(const void*, std::span<const std::uint64_t>, void*,
                                   std::span<const std::uint64_t>, std::size_t) const {}
 

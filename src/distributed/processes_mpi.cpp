@@ -13,14 +13,15 @@
 namespace eses::detail {
 namespace {
 
-// Without a launcher MPI would start, for no gain, in a fifth of a second.
+// Returns whether an MPI launcher has started this process. Starting MPI takes a fifth of a second,
+// so it is not started without a launcher.
 bool was_launched() {
   constexpr std::array names{"OMPI_COMM_WORLD_SIZE", "PMI_SIZE", "PMI_RANK", "PMIX_RANK"};
   return std::any_of(names.begin(), names.end(),
                      [](const char* name) { return std::getenv(name) != nullptr; });
 }
 
-// Where MPI does not end the processes itself.
+// Throws Error if an MPI function has failed.
 void require_success(int error, const char* what) {
   if (error != MPI_SUCCESS)
     throw Error(fmt::format("MPI cannot {}: {}", what, mpi_error_text(error)));
@@ -40,7 +41,7 @@ void reduce(std::span<Value> values, MPI_Datatype type, MPI_Op operation) {
                   "reduce");
 }
 
-// An MPI type while it lives.
+// An MPI datatype of contiguous bytes.
 class ByteType {
  public:
   explicit ByteType(std::size_t bytes) {
@@ -56,7 +57,7 @@ class ByteType {
   MPI_Datatype type_ = MPI_DATATYPE_NULL;
 };
 
-// Where each process's elements are, and how many.
+// Counts and offsets of each process's elements.
 struct Layout {
   std::vector<int> counts, begins;
 
@@ -118,7 +119,7 @@ std::uint64_t Processes::sum_before(std::uint64_t value) const {
   if (count_ == 1) return 0;
   std::uint64_t before = 0;
   require_success(MPI_Exscan(&value, &before, 1, MPI_UINT64_T, MPI_SUM, MPI_COMM_WORLD), "add");
-  return rank_ == 0 ? 0 : before;  // MPI leaves it undefined there
+  return rank_ == 0 ? 0 : before;  // MPI_Exscan leaves the result of rank 0 undefined
 }
 
 std::string Processes::broadcast(std::string text, int from) const {
@@ -154,7 +155,7 @@ std::string Processes::chain(const std::string& first,
   return broadcast(std::move(value), count_ - 1);
 }
 
-// mpirun may have bound each process to processors of its own, or have left all of them to all.
+// The launcher may bind each process to its own processors, or let all processes use all of them.
 Processes::Machine Processes::machine(int processors) const {
   if (count_ == 1) return {1, processors};
   MPI_Comm machine = MPI_COMM_NULL;
@@ -173,7 +174,7 @@ Processes::Machine Processes::machine(int processors) const {
   return {processes, std::min(processors, std::max(1, own * together / all))};
 }
 
-// As measured with Open MPI 4.1: what it loads, and room shared with the others on a machine.
+// The value was measured with Open MPI 4.1: its libraries and shared memory.
 std::uint64_t Processes::own_memory() const {
   constexpr std::uint64_t mebibyte = 1 << 20;
   return has_mpi_ ? 14 * mebibyte : 0;

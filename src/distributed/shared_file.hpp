@@ -1,6 +1,5 @@
 #pragma once
-/// A file into which all processes write. A process that is alone writes into the output file
-/// itself.
+/// An output file into which all processes write.
 
 #include <cstdint>
 #include <memory>
@@ -13,26 +12,28 @@
 
 namespace eses::detail {
 
-/// Written by MPI-IO where there are several processes. Every failure throws Error, naming the
-/// file.
+/// A file that several processes write with MPI-IO; a single process writes the output file
+/// directly. All failures throw Error with the name of the file.
 class SharedFile {
  public:
-  /// To be called by all processes. `file` is what the first has opened, and is null elsewhere.
-  /// Keeps references to `file` and `processes`. Throws SharedError.
+  /// Opens the file. All processes must call it. `file` is the output file in the first process,
+  /// and null in the others. Keeps references to `file` and `processes`. Throws SharedError.
   SharedFile(const Processes& processes, OutputFile* file);
   ~SharedFile();
   SharedFile(const SharedFile&) = delete;
   SharedFile& operator=(const SharedFile&) = delete;
 
+  /// Writes bytes at an offset.
   void write_at(std::span<const char> bytes, std::uint64_t offset);
-  /// Copies a range of an open scratch file as copy_in_kernel does. Returns 0 where that could lose
-  /// bytes: if the processes are on several machines, or the file system is not a local one.
+  /// Copies a range of an open scratch file as copy_in_kernel does. Returns 0 if such a copy could
+  /// lose bytes: if the processes are on several machines, or if the file system is not local.
   std::uint64_t copy_from(int scratch, const CopyRange& range);
-  /// Reads what any process has written before all called `sync`.
+  /// Reads bytes that any process has written before the last call of `sync`.
   void read_at(std::span<char> bytes, std::uint64_t offset);
-  /// To be called by all processes. Throws SharedError.
+  /// Makes the written bytes visible to all processes. All processes must call it. Throws
+  /// SharedError.
   void sync();
-  /// To be called by all processes when they have written everything. Throws SharedError.
+  /// Closes the file. All processes must call it after their last write. Throws SharedError.
   void close();
 
  private:
@@ -40,7 +41,7 @@ class SharedFile {
   const Processes& processes_;
   OutputFile* file_;
   std::string name_;
-  std::unique_ptr<Handle> handle_;  // none if this process is alone
+  std::unique_ptr<Handle> handle_;  // null in a single process
 };
 
 }  // namespace eses::detail

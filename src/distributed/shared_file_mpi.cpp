@@ -13,18 +13,18 @@ namespace eses::detail {
 
 struct SharedFile::Handle {
   MPI_File file = MPI_FILE_NULL;
-  FileDescriptor local;  // the same file, open only where copy_from may use it
+  FileDescriptor local;  // the same file; open only if copy_from may use it
 };
 
 namespace {
 
-// MPI counts in int.
+// Calls `action(part, offset, status)` for parts of the bytes. MPI counts are of type int.
 template <class Byte, class Action>
 void in_parts(std::span<Byte> bytes, std::uint64_t offset, Action&& action) {
-  constexpr std::size_t most = std::size_t{1} << 30;
-  for (std::size_t begin = 0; begin < bytes.size(); begin += most) {
+  constexpr std::size_t max_part = std::size_t{1} << 30;
+  for (std::size_t begin = 0; begin < bytes.size(); begin += max_part) {
     MPI_Status status;
-    action(bytes.subspan(begin, std::min(most, bytes.size() - begin)),
+    action(bytes.subspan(begin, std::min(max_part, bytes.size() - begin)),
            static_cast<MPI_Offset>(offset + begin), &status);
   }
 }
@@ -48,7 +48,7 @@ SharedFile::SharedFile(const Processes& processes, OutputFile* file)
   name_ = processes.broadcast(file != nullptr ? file->path() : "");
   const std::string path = processes.broadcast(file != nullptr ? file->temporary_path() : "");
   handle_ = std::make_unique<Handle>();
-  // All must be able to, or MPI waits for ever: see require_shared_directories.
+  // MPI waits forever unless all processes can open the file. See require_shared_directories.
   const int error =
       MPI_File_open(MPI_COMM_WORLD, path.c_str(), MPI_MODE_RDWR, MPI_INFO_NULL, &handle_->file);
   processes.all_or_throw([&] { require(error, "open", name_); });
@@ -58,7 +58,8 @@ SharedFile::SharedFile(const Processes& processes, OutputFile* file)
     handle_->local = std::move(local);
 }
 
-// Not closed here: after a failure the other processes would not close theirs.
+// The file is not closed here, as MPI_File_close is collective: after a failure the other processes
+// would not call it.
 SharedFile::~SharedFile() = default;
 
 void SharedFile::write_at(std::span<const char> bytes, std::uint64_t offset) {
@@ -102,7 +103,8 @@ void SharedFile::read_at(std::span<char> bytes, std::uint64_t offset) {
   });
 }
 
-// MPI promises that others see what was written between two of their own.
+// MPI guarantees that other processes see the written bytes after a sync of the writer and one of
+// the reader.
 void SharedFile::sync() {
   if (!handle_) return;
   for (int i = 0; i < 2; ++i) {

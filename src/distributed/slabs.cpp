@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "geometry/box.hpp"
+#include "io/map_writer.hpp"
 #include "plan/memory.hpp"
 #include "surface/survey.hpp"
 #include "sweep/region_box.hpp"
@@ -15,9 +16,9 @@
 namespace eses::detail {
 namespace {
 
-// Seconds on one processor, as measured with proteins. Only their ratios matter.
-constexpr double seconds_per_atom = 14e-6;          // its patches
-constexpr double seconds_per_prepared_atom = 1e-6;  // and sent
+// Seconds on one processor, measured with proteins. Only their ratios matter.
+constexpr double seconds_per_atom = 14e-6;          // building the patches
+constexpr double seconds_per_prepared_atom = 1e-6;  // sending the atom and building the indices
 constexpr double seconds_per_crossing = 0.45e-6;
 constexpr double seconds_per_crossing_text = 0.25e-6;
 constexpr double seconds_per_point = 0.3e-9;
@@ -27,9 +28,10 @@ constexpr double seconds_per_point_of_map = 3e-9;
 
 constexpr double infinity = std::numeric_limits<double>::infinity();
 
-// The grid's planes are dealt with in bins, so that a tall one takes no more memory than others.
+// Maximum number of bins of planes. It limits the memory for grids with very many planes.
 constexpr std::int64_t max_bins = 1 << 16;
 
+// Bins of consecutive planes of the whole grid.
 class Bins {
  public:
   explicit Bins(const Plan& plan)
@@ -41,7 +43,7 @@ class Bins {
     return static_cast<std::size_t>((planes_.count() + per_bin_ - 1) / per_bin_);
   }
   PlaneRange planes(std::size_t begin, std::size_t end) const { return {plane(begin), plane(end)}; }
-  // Of the plane that is nearest to `z`.
+  // Returns the bin of the plane nearest to `z`.
   std::size_t bin_of(double z) const {
     const double place = (z - plan_.grid.origin.z) / plan_.grid.spacing + 0.5;
     const auto plane = static_cast<std::int64_t>(std::clamp(
@@ -59,7 +61,7 @@ class Bins {
   std::int64_t per_bin_;
 };
 
-// How many of a bin's planes are still to be done, as a share.
+// Returns the fraction of a bin's planes that is not in `done`.
 double share_to_do(const PlaneRange& planes, std::span<const PlaneRange> done) {
   const std::vector<PlaneRange> left = remaining(planes, done);
   const std::int64_t count =
@@ -68,13 +70,13 @@ double share_to_do(const PlaneRange& planes, std::span<const PlaneRange> done) {
   return static_cast<double>(count) / static_cast<double>(planes.count());
 }
 
-// Takes off what is not to be done, also of bins that are done in part.
-void leave_out(const Bins& bins, std::span<const PlaneRange> done, std::vector<double>& costs) {
+// Subtracts the costs of the planes in `done`.
+void subtract_done(const Bins& bins, std::span<const PlaneRange> done, std::vector<double>& costs) {
   for (std::size_t b = 0; b < costs.size(); ++b)
     costs[b] *= share_to_do(bins.planes(b, b + 1), done);
 }
 
-// The planes from the first to the last one that is left; empty if none is left.
+// Returns the planes from the first to the last one of these ranges.
 PlaneRange range_around(const std::vector<PlaneRange>& left) {
   return left.empty() ? PlaneRange{} : PlaneRange{left.front().begin, left.back().end};
 }
@@ -90,19 +92,19 @@ std::vector<PlaneRange> cut_into_slabs(const Bins& bins, std::span<const double>
 
 double max_cost(const Bins& bins, std::span<const double> costs,
                 std::span<const PlaneRange> slabs) {
-  double largest = 0;
+  double result = 0;
   for (const PlaneRange& slab : slabs) {
     double cost = 0;
     for (std::size_t b = 0; b < costs.size(); ++b) {
       const std::int64_t plane = bins.planes(b, b + 1).begin;
       if (plane >= slab.begin && plane < slab.end) cost += costs[b];
     }
-    largest = std::max(largest, cost);
+    result = std::max(result, cost);
   }
-  return largest;
+  return result;
 }
 
-// What is sent from the process that has read an atom to those to whose slabs it matters.
+// An atom as it is sent to the processes whose slabs it influences.
 struct SentAtom {
   Atom atom;
   std::uint64_t line = 0;
@@ -111,24 +113,26 @@ struct SentAtom {
 
 struct SentAtoms {
   std::vector<SentAtom> atoms;
-  std::vector<mesh::GroupNumbers> groups;  // of each, if the shares have them
+  std::vector<mesh::GroupNumbers> groups;  // by atom; empty if groups are not numbered
 };
 
-// How far from a slab an atom matters: as far as Reach goes, for its patches, and from those atoms
-// as far as SAS spheres meet. Within this distance are also all that are odd beside each other.
-double influence(const Atom& atom, double max_radius, double probe_radius) {
+// Returns the maximum distance from a slab at which an atom influences it: the distance of Reach
+// for the patches, plus the distance at which SAS spheres meet. It includes all pairs of atoms that
+// give a diagnostic. For the map of ion access it is at least the ion radius.
+double influence(const Atom& atom, double max_radius, double probe_radius, const Outputs& outputs) {
   constexpr double slack = 1;  // angstrom
-  return atom.radius + 4 * max_radius + 6 * probe_radius + slack;
+  const double ion_radius = outputs.ion_access ? outputs.ion_access->ion_radius : 0;
+  return atom.radius + slack + std::max(4 * max_radius + 6 * probe_radius, ion_radius);
 }
 
-// A slab that has planes, and where they are along z; both ends ascend from slab to slab.
+// A slab with planes, and its interval along z. Both ends ascend from slab to slab.
 struct Reached {
   std::size_t part;
   double low, high;
 };
 
-SentAtoms send_atoms(const AtomShare& share, const Plan& plan, std::span<const PlaneRange> slabs,
-                     const Processes& processes) {
+SentAtoms send_atoms(const AtomShare& share, const Plan& plan, const Outputs& outputs,
+                     std::span<const PlaneRange> slabs, const Processes& processes) {
   const double probe = plan.parameters.probe_radius;
   double max_radius = 0;
   for (const Atom& atom : share.atoms) max_radius = std::max(max_radius, atom.radius);
@@ -147,9 +151,9 @@ SentAtoms send_atoms(const AtomShare& share, const Plan& plan, std::span<const P
   };
   for (std::size_t i = 0; i < share.atoms.size(); ++i) {
     const Atom& atom = share.atoms[i];
-    // The first goes to all that have planes, so that none of these is without any.
+    // The first atom is sent to all slabs with planes, so that each of them has an atom.
     const bool matters_to_all = share.first + i == 0;
-    const double reach = matters_to_all ? infinity : influence(atom, max_radius, probe);
+    const double reach = matters_to_all ? infinity : influence(atom, max_radius, probe, outputs);
     auto slab = std::partition_point(reached.begin(), reached.end(), [&](const Reached& one) {
       return one.high < atom.center.z - reach;
     });
@@ -161,7 +165,7 @@ SentAtoms send_atoms(const AtomShare& share, const Plan& plan, std::span<const P
   return sent;
 }
 
-// Every atom is some slab's own.
+// Returns a function that decides whether a slab owns an atom. Each atom is owned by one slab.
 std::function<bool(const Atom&)> ownership(const Plan& plan, std::span<const PlaneRange> slabs,
                                            std::size_t part) {
   double low = -infinity, high = infinity;
@@ -181,7 +185,7 @@ struct SlabWithLines {
   std::vector<std::uint64_t> lines;  // by atom
 };
 
-// A process that is alone keeps the atoms that it has read.
+// Makes the slab of a single process, which keeps the atoms that it has read.
 SlabWithLines keep_atoms(AtomShare share, const PlaneRange& planes, int threads) {
   SlabWithLines kept;
   kept.slab.planes = planes;
@@ -191,10 +195,10 @@ SlabWithLines keep_atoms(AtomShare share, const PlaneRange& planes, int threads)
   return kept;
 }
 
-SlabWithLines exchange_atoms(const AtomShare& share, const Plan& plan,
+SlabWithLines exchange_atoms(const AtomShare& share, const Plan& plan, const Outputs& outputs,
                              std::span<const PlaneRange> slabs, int threads,
                              const Processes& processes) {
-  SentAtoms sent = send_atoms(share, plan, slabs, processes);
+  SentAtoms sent = send_atoms(share, plan, outputs, slabs, processes);
   SlabWithLines received;
   Slab& slab = received.slab;
   std::vector<std::uint64_t>& lines = received.lines;
@@ -217,7 +221,7 @@ SlabWithLines exchange_atoms(const AtomShare& share, const Plan& plan,
   return received;
 }
 
-// An example of an diagnostic, as processes exchange it.
+// An example of a diagnostic, as processes exchange it.
 struct FileExample {
   DiagnosticKind kind{};
   AtomIndex atom = 0, other = 0;
@@ -236,7 +240,7 @@ FileDiagnostics gather_diagnostics(const SlabWithLines& part, std::uint64_t atom
                      lines[other]});
   }
   processes.add(counts);
-  // The radii of the molecule are small only if all of them are.
+  // The diagnostic applies only if all radii of the molecule are small.
   std::uint64_t& small = counts[static_cast<std::size_t>(DiagnosticKind::small_radii)];
   if (small < atoms) small = 0;
   std::vector<FileExample> examples = processes.gather<FileExample>(own);
@@ -259,7 +263,7 @@ FileDiagnostics gather_diagnostics(const SlabWithLines& part, std::uint64_t atom
   return all;
 }
 
-// The planes that do not belong to the region, and those that are done.
+// Returns the planes outside the region and the planes that are done.
 std::vector<PlaneRange> planes_left_out(const Plan& plan, std::span<const PlaneRange> done) {
   const PlaneRange within = region_planes(plan);
   std::vector<PlaneRange> left_out;
@@ -269,7 +273,7 @@ std::vector<PlaneRange> planes_left_out(const Plan& plan, std::span<const PlaneR
   return left_out;
 }
 
-// Cuts the planes into as many slabs as there are processes; all of them call it.
+// Cuts the planes into one slab for each process. All processes must call its functions.
 class SlabCutter {
  public:
   SlabCutter(const AtomShare& share, const Plan& plan, const Outputs& outputs,
@@ -280,16 +284,16 @@ class SlabCutter {
     by_atoms_ = cut_into_slabs(bins_, atoms_, {}, processes_.count());
   }
 
-  // All planes, with as many atoms in each slab.
+  // Slabs of all planes with equal numbers of atoms.
   const std::vector<PlaneRange>& by_atoms() const { return by_atoms_; }
 
-  // Those that are to be done, by costs that each process estimates from `slab`, which is its one
-  // of those by atoms; or these, where others would not make up for the time in which atoms are
-  // sent and prepared again.
+  // Slabs of the remaining planes with equal costs. Each process estimates the costs of `slab`,
+  // which is its slab by atoms. Returns the slabs by atoms if other slabs would not save the time
+  // for sending and preparing atoms again.
   std::vector<PlaneRange> by_costs(const Slab& slab, std::span<const PlaneRange> done) const {
     const std::vector<PlaneRange> left_out = planes_left_out(plan_, done);
     std::vector<double> costs = estimate_costs(slab);
-    leave_out(bins_, left_out, costs);
+    subtract_done(bins_, left_out, costs);
     std::vector<PlaneRange> slabs = cut_into_slabs(bins_, costs, left_out, processes_.count());
     if (!left_out.empty()) return slabs;
     const double gain = max_cost(bins_, costs, by_atoms_) - max_cost(bins_, costs, slabs);
@@ -298,7 +302,7 @@ class SlabCutter {
   }
 
  private:
-  // Seconds for each bin.
+  // Returns the estimated seconds of each bin.
   std::vector<double> estimate_costs(const Slab& slab) const {
     std::vector<double> costs(bins_.count());
     processes_.all_or_throw([&] {
@@ -306,8 +310,9 @@ class SlabCutter {
       const Grid& grid = plan_.grid;
       const SurfaceSurvey survey(slab.molecule, plan_.parameters.probe_radius,
                                  slab_box(plan_, slab.planes));
-      const double point = seconds_per_point + (outputs_.grid ? seconds_per_point_text : 0) +
-                           (outputs_.inside_map.empty() ? 0 : seconds_per_point_of_map);
+      const double point =
+          seconds_per_point + (outputs_.grid ? seconds_per_point_text : 0) +
+          seconds_per_point_of_map * static_cast<double>(chosen_maps(outputs_).size());
       const double crossing = seconds_per_crossing +
                               (outputs_.edges ? seconds_per_crossing_text : 0) +
                               (outputs_.mesh ? seconds_per_crossing_of_mesh : 0);
@@ -324,7 +329,7 @@ class SlabCutter {
                    crossing * expected_crossings(area, grid.spacing);
       }
     });
-    // Of each only one summand is not zero: the sum is the same everywhere.
+    // Only one summand of each sum is not zero, so the order of summation does not matter.
     processes_.add(costs);
     return costs;
   }
@@ -346,7 +351,7 @@ std::vector<std::size_t> cut_evenly(std::span<const double> costs, int parts) {
   for (int part = 1; part < parts; ++part) {
     const double wanted = sums.back() * part / parts;
     auto place = std::lower_bound(sums.begin(), sums.end(), wanted);
-    // Of the sums around the one that is wanted the nearer.
+    // Chooses the nearer of the two sums around the wanted one.
     if (place != sums.begin() && wanted - *(place - 1) < *place - wanted) --place;
     begins.push_back(std::max(begins.back(), static_cast<std::size_t>(place - sums.begin())));
   }
@@ -371,13 +376,13 @@ SlabOfMolecule make_slab(AtomShare share, const Plan& plan, const Outputs& outpu
     return result;
   }
   const SlabCutter cutter(share, plan, outputs, processes);
-  // All atoms take part, as the diagnostics are those of all atoms.
-  SlabWithLines slab = exchange_atoms(share, plan, cutter.by_atoms(), threads, processes);
+  // These slabs include all atoms, as the diagnostics need them.
+  SlabWithLines slab = exchange_atoms(share, plan, outputs, cutter.by_atoms(), threads, processes);
   result.diagnostics = gather_diagnostics(slab, atoms, processes);
   const std::vector<PlaneRange> slabs = cutter.by_costs(slab.slab, done);
   if (slabs != cutter.by_atoms()) {
     slab = {};
-    slab = exchange_atoms(share, plan, slabs, threads, processes);
+    slab = exchange_atoms(share, plan, outputs, slabs, threads, processes);
   }
   result.slab = std::move(slab.slab);
   return result;

@@ -1,6 +1,6 @@
 #pragma once
-/// How the planes of a grid are divided among processes: each gets a slab of consecutive planes,
-/// and all slabs cost about the same time.
+/// Division of the planes of a grid among processes. Each process gets a slab of consecutive
+/// planes, and all slabs take about the same time.
 
 #include <cstdint>
 #include <map>
@@ -16,45 +16,49 @@
 
 namespace eses::detail {
 
-/// Cuts `costs` into `parts` consecutive ones whose sums are nearly equal, some perhaps empty: the
-/// first begins with the first cost, the last ends with the last. Returns where they begin, and the
-/// number of costs.
+/// Cuts `costs` into `parts` consecutive ranges with nearly equal sums; ranges may be empty.
+/// Returns the begin of each range, and the number of costs.
 std::vector<std::size_t> cut_evenly(std::span<const double> costs, int parts);
 
-/// The planes that a process computes, and the atoms that influence them. A process that is alone
-/// has all atoms.
+/// The planes that a process computes, and the atoms that influence them. A single process has all
+/// atoms.
 struct Slab {
   PlaneRange planes;                       ///< may be empty
   Molecule molecule{std::vector<Atom>()};  ///< without labels
-  /// Numbers of the molecule's atoms in the file, ascending; empty if they are the atoms' indices.
+  /// Index in the file of each atom of the molecule, ascending; empty if the molecule has all
+  /// atoms.
   std::vector<AtomIndex> numbers;
-  std::vector<mesh::GroupNumbers> groups;  ///< by atom, if the shares of the file have them
+  std::vector<mesh::GroupNumbers> groups;  ///< by atom; empty if groups are not numbered
 
+  /// Returns the index in the file of an atom of the molecule.
   AtomIndex number_of(AtomIndex atom) const { return numbers.empty() ? atom : numbers[atom]; }
 };
 
-/// The diagnostics of the whole molecule, with atoms by their numbers in the file.
+/// The diagnostics of the whole molecule, with the indices of atoms in the file.
 struct FileDiagnostics {
   std::vector<Diagnostic> diagnostics;
-  std::map<AtomIndex, std::uint64_t> lines;  ///< of all atoms that are examples
+  std::map<AtomIndex, std::uint64_t> lines;  ///< line of each atom that is an example, 1-based
+  /// Labels of these atoms; only in the first process, and only of a PDB or mmCIF file.
+  std::map<AtomIndex, AtomLabel> labels;
 };
 
+/// The slab of this process, and the diagnostics of the whole molecule.
 struct SlabOfMolecule {
   Slab slab;
   FileDiagnostics diagnostics;
 };
 
-/// Gives each process its slab of the region of `plan`, which has its grid; to be called by all
-/// processes. Costs are estimated from a sample of the atoms' patches; planes in `done` (ascending,
-/// disjoint) cost nothing. `threads` are those of this process.
+/// Makes the slab of each process in the region of `plan`, which must have its grid. All processes
+/// must call it. Costs are estimated from a sample of the atoms' patches. Planes in `done`
+/// (ascending, disjoint) cost nothing. `threads` is the number of threads of this process.
 SlabOfMolecule make_slab(AtomShare share, const Plan& plan, const Outputs& outputs,
                          std::span<const PlaneRange> done, int threads, const Processes& processes);
 
-/// The planes of the region of `plan`.
+/// Returns the planes of the region of `plan`.
 PlaneRange region_planes(const Plan& plan);
 
-/// The box of the points of these planes and of the edges that start there; where the region goes
-/// on below, with the plane below, whose points are their neighbours.
+/// Returns the box of the points of these planes, of the edges that start there, and of the plane
+/// of the region below them.
 Box slab_box(const Plan& plan, const PlaneRange& planes);
 
 }  // namespace eses::detail

@@ -1,5 +1,5 @@
-/// Contact circles and arcs as several points see them. Included anew for every instruction set,
-/// see Highway.
+/// Positions of several points relative to contact circles and arcs. Highway includes this file
+/// once for each instruction set.
 
 #include "geometry/arc_sector.hpp"
 #include "geometry/contact_circle.hpp"
@@ -15,18 +15,19 @@
 HWY_BEFORE_NAMESPACE();
 namespace eses::detail::HWY_NAMESPACE {
 
-/// See MeridianPoint.
+/// The MeridianPoint of several points, one in each lane.
 struct MeridianPoints {
   DoubleVector height, inward;
 };
 
+/// Returns the meridian coordinates of the points at `offset` from the circle's centre.
 HWY_INLINE MeridianPoints meridian_points(const ContactCircle& circle, const Points& offset) {
   const auto height = dot(circle.axis, offset);
   return {height, broadcast(circle.radius) - hn::Sqrt(squared_norm(offset - height * circle.axis))};
 }
 
-/// See projects_onto_arc(): on which lanes the circle's point nearest to the offset lies on the
-/// arc.
+/// Returns the lanes on which the circle's point nearest to `offset` lies on the arc. See
+/// projects_onto_arc() in arc_sector.hpp.
 HWY_INLINE DoubleMask projects_onto_arc(const ArcSector& sector, const Points& offset) {
   const auto seam = broadcast(-tolerance::seam);
   if (sector.kind == ArcKind::full) return seam < broadcast(0);

@@ -1,5 +1,5 @@
 #pragma once
-/// The half planes of an arc, about its circle's axis, and the directions between them.
+/// The sector of directions about a circle's axis that belongs to an arc.
 
 #include <algorithm>
 
@@ -8,12 +8,13 @@
 
 namespace eses::detail {
 
+/// The directions from a circle's centre between the two half planes through the ends of an arc.
 struct ArcSector {
   ArcKind kind = ArcKind::full;
-  Vec3 start;         ///< unit, from the circle's centre to the arc's start
-  Vec3 end;           ///< likewise to its end
-  Vec3 start_normal;  ///< axis x start: positive on the arc's side of the half plane at the start
-  Vec3 end_normal;    ///< end x axis
+  Vec3 start;         ///< unit vector from the circle's centre to the arc's start
+  Vec3 end;           ///< unit vector from the circle's centre to the arc's end
+  Vec3 start_normal;  ///< axis x start: normal of the start's half plane, towards the arc
+  Vec3 end_normal;    ///< end x axis: normal of the end's half plane, towards the arc
 };
 
 inline ArcSector make_arc_sector(Vec3 axis, ArcKind kind, Vec3 start, Vec3 end) {
@@ -21,8 +22,8 @@ inline ArcSector make_arc_sector(Vec3 axis, ArcKind kind, Vec3 start, Vec3 end) 
   return {kind, start, end, cross(axis, start), cross(end, axis)};
 }
 
-/// Whether the circle's point nearest to `offset` (from the centre) lies on the arc, seams
-/// included. On the axis every point of the circle is nearest.
+/// Returns whether the circle's point nearest to `offset` lies on the arc, seams included. `offset`
+/// is relative to the circle's centre. On the axis, all points of the circle are nearest.
 inline bool projects_onto_arc(const ArcSector& sector, Vec3 offset) {
   if (sector.kind == ArcKind::full) return true;
   const bool after_start = dot(sector.start_normal, offset) >= -tolerance::seam;
@@ -31,8 +32,8 @@ inline bool projects_onto_arc(const ArcSector& sector, Vec3 offset) {
   return after_start && before_end && dot(sector.start + sector.end, offset) >= -tolerance::seam;
 }
 
-/// Bounds of the unit vectors from the circle's centre to its points on the arc: of its ends and of
-/// those extremes of the circle that lie on it.
+/// Returns the bounding box of the unit vectors from the circle's centre to the points of the arc.
+/// It is the box of the arc's ends and of the circle's extreme points that lie on the arc.
 inline Box direction_bounds(const ArcSector& sector, Vec3 axis) {
   Box bounds{sector.start, sector.start};
   bounds.include(sector.end);
@@ -43,7 +44,7 @@ inline Box direction_bounds(const ArcSector& sector, Vec3 axis) {
       bounds.high[q] = reach;
       continue;
     }
-    Vec3 upward = -axis[q] * axis;  // towards the circle's highest point along q, times reach
+    Vec3 upward = -axis[q] * axis;  // direction of the circle's highest point along q
     upward[q] += 1;
     if (projects_onto_arc(sector, upward)) bounds.high[q] = reach;
     if (projects_onto_arc(sector, -upward)) bounds.low[q] = -reach;
@@ -51,11 +52,12 @@ inline Box direction_bounds(const ArcSector& sector, Vec3 axis) {
   return bounds;
 }
 
-/// The box of what lies around `center` at distance `radius` in the directions given.
+/// Returns the bounding box of the points at distance `radius` from `center` in these directions.
 inline Box arc_box(Vec3 center, double radius, const Box& directions) {
   return {center + radius * directions.low, center + radius * directions.high};
 }
 
+/// Extends `box` by the box of an arc.
 inline void include_arc(Box& box, Vec3 center, double radius, const Box& directions) {
   const Box arc = arc_box(center, radius, directions);
   box.include(arc.low);

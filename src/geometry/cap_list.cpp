@@ -17,11 +17,12 @@ namespace eses::detail::HWY_NAMESPACE {
 
 using Positions = hn::RebindToSigned<Doubles>;
 
-// Stores the positions of the spheres of which `is_wanted(offset, radius)` holds, where `offset` is
-// the way from `origin` to their centres, and a vector of zeros behind them. Returns their count.
+// Stores the positions of the spheres that satisfy `is_selected(offset, radius)`, followed by a
+// vector of zeros. `offset` is the vector from `origin` to the sphere's centre. Returns the number
+// of selected spheres.
 template <class Predicate>
-HWY_INLINE std::size_t wanted_positions(Vec3 origin, const SphereList& spheres,
-                                        std::int64_t* positions, Predicate&& is_wanted) {
+HWY_INLINE std::size_t select_positions(Vec3 origin, const SphereList& spheres,
+                                        std::int64_t* positions, Predicate&& is_selected) {
   const Doubles doubles;
   const Positions lanes;
   std::size_t found = 0;
@@ -29,11 +30,11 @@ HWY_INLINE std::size_t wanted_positions(Vec3 origin, const SphereList& spheres,
     const Points offset{load(&spheres.x[i]) - broadcast(origin.x),
                         load(&spheres.y[i]) - broadcast(origin.y),
                         load(&spheres.z[i]) - broadcast(origin.z)};
-    const auto wanted = hn::And(is_wanted(offset, load(&spheres.radius[i])),
-                                hn::FirstN(doubles, spheres.count - i));
-    if (hn::AllFalse(doubles, wanted)) continue;
+    const auto selected = hn::And(is_selected(offset, load(&spheres.radius[i])),
+                                  hn::FirstN(doubles, spheres.count - i));
+    if (hn::AllFalse(doubles, selected)) continue;
     found += hn::CompressStore(hn::Iota(lanes, static_cast<std::int64_t>(i)),
-                               hn::RebindMask(lanes, wanted), lanes, positions + found);
+                               hn::RebindMask(lanes, selected), lanes, positions + found);
   }
   hn::StoreU(hn::Zero(lanes), lanes, positions + found);
   return found;
@@ -41,7 +42,7 @@ HWY_INLINE std::size_t wanted_positions(Vec3 origin, const SphereList& spheres,
 
 std::size_t meeting_positions(const SasSphere& sphere, const SphereList& spheres,
                               std::int64_t* positions) {
-  return wanted_positions(
+  return select_positions(
       sphere.center, spheres, positions, [&](const Points& offset, DoubleVector radius) {
         const auto squared = squared_norm(offset);
         const auto reach = broadcast(sphere.radius) + radius - broadcast(tolerance::containment);
@@ -55,7 +56,7 @@ std::size_t positions_near_box(const Box& box, double distance, const SphereList
   const auto beyond = [](DoubleVector offset, double half_length) {
     return hn::Max(hn::Abs(offset) - broadcast(half_length), broadcast(0));
   };
-  return wanted_positions(
+  return select_positions(
       center, spheres, positions, [&](const Points& offset, DoubleVector radius) {
         const auto reach = broadcast(distance) + radius;
         return squared_norm(Points{beyond(offset.x, half.x), beyond(offset.y, half.y),
@@ -112,16 +113,16 @@ HWY_AFTER_NAMESPACE();
 namespace eses::detail {
 namespace {
 
-// Lists of a few hundred elements are usual.
+// Most lists have a few hundred elements.
 constexpr std::size_t min_capacity = 512;
 
-// Elements that the arrays must have for a list of `capacity`, or 0 if they have as many.
+// Returns the array size for a list of `capacity` elements, or 0 if `size` is sufficient.
 std::size_t grown_size(std::size_t size, std::size_t capacity) {
   if (capacity + vector_padding <= size) return 0;
   return std::max({2 * size, capacity, min_capacity}) + vector_padding;
 }
 
-// A vector of zeros follows one that is stored as a whole.
+// Makes room for all positions, one vector that is stored as a whole, and one vector of zeros.
 void make_room(SpherePositions& positions, const SphereList& spheres) {
   const std::size_t size = spheres.count + 2 * vector_padding;
   if (positions.at.size() < size) positions.at.resize(2 * size);

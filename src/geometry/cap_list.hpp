@@ -1,6 +1,5 @@
 #pragma once
-/// Lists of spheres and of caps in the layout of vector loops: an array for each component, with
-/// room for whole vectors behind the last element.
+/// Lists of spheres and caps as structures of arrays, padded for vector loops.
 
 #include <cstddef>
 #include <cstdint>
@@ -11,20 +10,20 @@
 
 namespace eses::detail {
 
-/// SAS spheres. The first `count` elements of each array are in use.
+/// A list of SAS spheres. The first `count` elements of each array are in use.
 struct SphereList {
   std::vector<double> x, y, z, radius;
   std::size_t count = 0;
 
   void clear() { count = 0; }
   void push_back(const SasSphere& sphere);
-  /// Makes room for `capacity` spheres. The new elements have no defined values.
+  /// Makes room for `capacity` spheres. The values of new elements are unspecified.
   void make_room(std::size_t capacity);
 };
 
-/// Caps of one SAS sphere. The first `count` elements of each array are in use.
+/// A list of caps of one SAS sphere. The first `count` elements of each array are in use.
 struct CapList {
-  std::vector<double> x, y, z;  ///< axis
+  std::vector<double> x, y, z;  ///< components of the axes
   std::vector<double> height, blocking_height;
   std::size_t count = 0;
 
@@ -36,19 +35,19 @@ struct CapList {
 
   void clear() { count = 0; }
   void push_back(const Cap& cap);
-  /// Makes room for `capacity` caps. The new elements have no defined values.
+  /// Makes room for `capacity` caps. The values of new elements are unspecified.
   void make_room(std::size_t capacity);
 };
 
-/// Positions in a SphereList. The first `count` elements are in use; behind them are zeros as far
-/// as a vector loop may read.
+/// 0-based positions in a SphereList. The first `count` elements are in use. They are followed by
+/// zeros as far as a vector loop may read.
 struct SpherePositions {
   std::vector<std::int64_t> at;
   std::size_t count = 0;
 };
 
-/// Replaces `positions` by those of the spheres whose surface is less than `distance` from a point
-/// of `box`, or inside of it, ascending.
+/// Replaces `positions` by the ascending positions of the spheres whose ball is nearer to `box`
+/// than `distance`.
 void find_near_box(const Box& box, double distance, const SphereList& spheres,
                    SpherePositions& positions);
 
@@ -56,12 +55,12 @@ void find_near_box(const Box& box, double distance, const SphereList& spheres,
 void choose_spheres(const SphereList& spheres, const SpherePositions& positions,
                     SphereList& chosen);
 
-/// Replaces `positions` by those of the spheres that meet `sphere`, ascending. Spheres that merely
-/// touch it do not meet it, and neither does the sphere itself.
+/// Replaces `positions` by the ascending positions of the spheres that meet `sphere`. A sphere with
+/// the same centre, and one that overlaps it by at most tolerance::containment, does not meet it.
 void find_meeting(const SasSphere& sphere, const SphereList& spheres, SpherePositions& positions);
 
-/// Replaces `caps` by those that the spheres at `positions` cut from `sphere`. The values are those
-/// of make_cap, bit for bit.
+/// Replaces `caps` by the caps that the spheres at `positions` cut from `sphere`. The values equal
+/// those of make_cap, bit for bit.
 void make_caps(const SasSphere& sphere, const SphereList& spheres, const SpherePositions& positions,
                CapList& caps);
 

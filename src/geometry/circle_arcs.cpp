@@ -17,16 +17,17 @@
 namespace eses::detail {
 namespace {
 
-// Angles are measured in [0, 4) along the diamond |x| + |y| = 1: monotone in the true angle, half a
-// turn is 2, and no trigonometry is needed.
+// Pseudo-angles are lengths along the diamond |x| + |y| = 1, in [0, 4). They increase with the true
+// angle, half a turn is 2, and no trigonometric function is needed.
 constexpr double full_turn = 4;
 constexpr double half_turn = 2;
 
-// Square angstrom, and relative to the squares compared: far above rounding, far below what leaves
-// an arc.
+// Margins of the comparison of squares, in square angstrom and relative. They are far above
+// rounding errors, and far below the difference that leaves an arc of the minimum length.
 constexpr double clear_margin = 1e-9;
 constexpr double relative_clear_margin = 1e-14;
 
+// Two perpendicular unit vectors in a circle's plane.
 struct CircleFrame {
   Vec3 e1, e2;
 };
@@ -42,7 +43,7 @@ HWY_INLINE DoubleVector dot_at(Vec3 a, const double* x, const double* y, const d
   return broadcast(a.x) * load(x) + broadcast(a.y) * load(y) + broadcast(a.z) * load(z);
 }
 
-// See the function of the same name for one angle.
+// Returns the pseudo-angles of several vectors. See the scalar function of the same name.
 HWY_INLINE DoubleVector diamond_angle(DoubleVector x, DoubleVector y) {
   const auto is_right = x >= broadcast(0), is_upper = y >= broadcast(0);
   const auto share = hn::IfThenElse(hn::Xor(is_right, is_upper), x, y) / (hn::Abs(x) + hn::Abs(y));
@@ -50,16 +51,16 @@ HWY_INLINE DoubleVector diamond_angle(DoubleVector x, DoubleVector y) {
                         hn::IfThenElse(is_right, broadcast(3) + share, broadcast(2) - share));
 }
 
-// Which of several caps block the whole circle, and which may block a part of it.
+// The caps that block the whole circle, and those that may block a part of it.
 struct CapsOnCircle {
   DoubleMask block_all, meet;
 };
 
-// Most caps block all or nothing; that is told without a root where it is told clearly. `height` is
-// that of the slackened caps' planes above the circle's centre, `along` the cosine between the
-// axes.
-HWY_INLINE CapsOnCircle look_at_caps(const ContactCircle& circle, DoubleVector along,
-                                     DoubleVector height, DoubleMask is_other) {
+// Classifies caps without a square root: most of them clearly block the whole circle or nothing of
+// it. `height` is the height of the slackened cap's plane above the circle's centre, `along` the
+// cosine between the two axes.
+HWY_INLINE CapsOnCircle classify_caps(const ContactCircle& circle, DoubleVector along,
+                                      DoubleVector height, DoubleMask is_other) {
   const auto squared_reach =
       broadcast(circle.radius * circle.radius) * (broadcast(1) - along) * (broadcast(1) + along);
   const auto is_clear = height * height * broadcast(1 - relative_clear_margin) >
@@ -68,7 +69,7 @@ HWY_INLINE CapsOnCircle look_at_caps(const ContactCircle& circle, DoubleVector a
   return {hn::And(is_other, blocks_all), hn::AndNot(is_clear, is_other)};
 }
 
-// The angles between which several caps block the circle, on the lanes of `block_part`.
+// The angles between which caps block the circle, valid on the lanes of `block_part`.
 struct BlockedAngles {
   DoubleVector from, to;
   DoubleMask block_all, block_part;
@@ -91,8 +92,7 @@ HWY_INLINE BlockedAngles blocked_angles(const ContactCircle& circle, DoubleVecto
           hn::AndNot(block_all, block)};
 }
 
-// Finds the intervals of the circle that the slackened caps leave open. Returns false if there are
-// none.
+// Finds the intervals of the circle that no slackened cap blocks. Returns false if there are none.
 bool find_open(const ContactCircle& circle, const CircleFrame& frame, const CapList& caps,
                std::uint32_t own, OpenIntervals& open) {
   const Doubles doubles;
@@ -108,7 +108,7 @@ bool find_open(const ContactCircle& circle, const CircleFrame& frame, const CapL
     const auto is_other =
         hn::And(hn::RebindMask(doubles, hn::Iota(words, k) != hn::Set(words, std::uint64_t{own})),
                 hn::FirstN(doubles, caps.count - k));
-    const auto [block_all, meet] = look_at_caps(circle, along_axis, height, is_other);
+    const auto [block_all, meet] = classify_caps(circle, along_axis, height, is_other);
     if (!hn::AllFalse(doubles, block_all)) return false;
     if (hn::AllFalse(doubles, meet)) continue;
     const BlockedAngles blocked =
@@ -130,27 +130,31 @@ HWY_AFTER_NAMESPACE();
 namespace eses::detail {
 namespace {
 
+// Returns the pseudo-angle of a vector.
 double diamond_angle(double x, double y) {
   const double r = std::fabs(x) + std::fabs(y);
   return y >= 0 ? (x >= 0 ? y / r : 1 - x / r) : (x < 0 ? 2 - y / r : 3 + x / r);
 }
 
-// Of a difference of two angles in [0, 4).
+// Maps the difference of two angles in [0, 4) to [0, 4).
 double wrap(double angle) { return angle < 0 ? angle + full_turn : angle; }
 
+// Maps any angle to [0, 4).
 double wrap_any(double angle) { return angle - full_turn * std::floor(angle / full_turn); }
 
-// Angstrom: a sphere meets the circle if it reaches it up to rounding.
+// Slack of the test whether a sphere meets the circle, above rounding errors (angstrom).
 constexpr double meeting_margin = 1e-12;
 
-// Angle on the diamond: an end this far outside an open interval is still tested.
+// An end this far outside an open interval is tested as well (pseudo-angle).
 constexpr double interval_margin = 1e-6;
 
+// A unit vector in the frame of a circle.
 struct Direction {
   double x, y;
 };
 
-// The blocked interval of one cap is centred on `toward` and reaches to both sides.
+// The direction of a cap's axis in the circle's plane, which is the middle of the blocked interval,
+// and the circle's maximum height above its centre along the cap's axis (angstrom).
 struct Blocked {
   Direction toward;
   double reach;
@@ -163,43 +167,47 @@ Blocked blocked_by(const ContactCircle& circle, const CircleFrame& frame, const 
   return {{x / length, y / length}, circle.radius * length};
 }
 
+// Returns the height of the exact cap's plane above the circle's centre (angstrom).
 double exact_clearance(const ContactCircle& circle, const Cap& cap) {
   return cap.height - circle.first_height * dot(circle.axis, cap.axis);
 }
 
-Direction turned(Direction d, double cosine, double sine) {
+// Rotates a direction counter-clockwise.
+Direction rotated(Direction d, double cosine, double sine) {
   return {d.x * cosine - d.y * sine, d.y * cosine + d.x * sine};
 }
 
 double sine_of(double cosine) { return std::sqrt((1 - cosine) * (1 + cosine)); }
 
-// The direction in which `cap` of full size begins (side -1) or ceases (side +1) to block.
+// Returns the direction in which the blocked interval of the exact cap starts (side -1) or ends
+// (side +1).
 Direction exact_end(const ContactCircle& circle, const CircleFrame& frame, const Cap& cap,
                     double side) {
   const Blocked blocked = blocked_by(circle, frame, cap);
   const double cosine =
       blocked.reach > 0 ? std::clamp(exact_clearance(circle, cap) / blocked.reach, -1.0, 1.0) : 1.0;
-  return turned(blocked.toward, cosine, side * sine_of(cosine));
+  return rotated(blocked.toward, cosine, side * sine_of(cosine));
 }
 
 Vec3 in_space(const CircleFrame& frame, Direction d) { return d.x * frame.e1 + d.y * frame.e2; }
 
-// Whether the rim of the cap meets the circle in points. If it varies by less than the tolerance
-// along the circle, the circle as a whole is on one side of it.
+// Returns whether the rim of the cap meets the circle in points. If the height of the circle above
+// the cap's plane varies by less than the tolerance, the whole circle is on one side of the plane.
 bool ends_on_circle(const ContactCircle& circle, const CircleFrame& frame, const Cap& cap) {
   const double reach = blocked_by(circle, frame, cap).reach;
   return reach > tolerance::accessible &&
          std::fabs(exact_clearance(circle, cap)) <= reach + meeting_margin;
 }
 
-// From `from` counter-clockwise to `to`. A cap's end turns by half a turn at most between its two
-// sizes: what seems to be more is rounding of no turn at all.
-double turn_between(double from, double to) {
+// Returns the angle from `from` counter-clockwise to `to`. The end of a cap moves by at most half a
+// turn between its exact and its slackened size, so a larger angle is a rounding error of 0.
+double angle_between(double from, double to) {
   const double turn = wrap_any(to - from);
   return turn > half_turn + interval_margin ? 0 : turn;
 }
 
-// Whether a point of the circle is accessible for all caps but the two whose rims meet there.
+// Returns whether no slackened cap blocks a point of the circle, except for the two caps whose rims
+// meet there.
 bool is_accessible(const ContactCircle& circle, const CapList& caps, std::uint32_t own,
                    std::uint32_t other, Vec3 direction) {
   for (std::uint32_t k = 0; k < caps.size(); ++k) {
@@ -211,13 +219,13 @@ bool is_accessible(const ContactCircle& circle, const CapList& caps, std::uint32
   return true;
 }
 
-// Adds the accessible ends in an open interval, each tested by itself: where the exact caps leave
-// hardly anything of what the slackened ones leave, the ends of the interval need not be
-// accessible, and others between them may be. Of ends at the same place there is one;
-// `scratch.places` has those that are known.
-void add_doubtful_ends(const ContactCircle& circle, const CircleFrame& frame, const CapList& caps,
-                       std::uint32_t own, double origin, const OpenIntervals::Interval& open,
-                       ArcScratch& scratch, std::vector<CircleEnd>& ends) {
+// Adds all accessible ends in an open interval, after an individual test of each. If the exact caps
+// leave much less of the interval than the slackened ones, its ends need not be accessible, and
+// other ends within it may be. Ends at the same place are added once; `scratch.places` has the
+// known ones.
+void add_uncertain_ends(const ContactCircle& circle, const CircleFrame& frame, const CapList& caps,
+                        std::uint32_t own, double origin, const OpenIntervals::Interval& open,
+                        ArcScratch& scratch, std::vector<CircleEnd>& ends) {
   const auto is_known = [&](Vec3 direction) {
     return std::any_of(scratch.places.begin(), scratch.places.end(), [&](Vec3 place) {
       return circle.radius * norm(place - direction) < tolerance::same_placement;
@@ -239,30 +247,31 @@ void add_doubtful_ends(const ContactCircle& circle, const CircleFrame& frame, co
   }
 }
 
-// An interval that the slackened caps leave open: its arc between the exact caps, and its ends.
+// Adds the arc of an interval that no slackened cap blocks, and its ends. The arc lies between the
+// exact caps.
 void add_open_interval(const ContactCircle& circle, const CircleFrame& frame, const CapList& caps,
                        std::uint32_t own, double origin, const OpenIntervals::Interval& open,
                        ArcScratch& scratch, std::vector<CircleArc>& arcs,
                        std::vector<CircleEnd>& ends) {
   const Direction start = exact_end(circle, frame, caps[open.low_cap], 1);
   const Direction end = exact_end(circle, frame, caps[open.high_cap], -1);
-  // The exact caps block more than the slackened ones: both ends move inwards, and may pass each
-  // other.
-  const double start_turn = turn_between(open.low, diamond_angle(start.x, start.y) - origin);
-  const double end_turn = turn_between(diamond_angle(end.x, end.y) - origin, open.high);
+  // The exact caps block more than the slackened ones, so both ends move inwards. They may pass
+  // each other.
+  const double start_turn = angle_between(open.low, diamond_angle(start.x, start.y) - origin);
+  const double end_turn = angle_between(diamond_angle(end.x, end.y) - origin, open.high);
   const double span = (open.high - open.low) - start_turn - end_turn;
   const bool is_kept = span * circle.radius >= tolerance::arc_length;
-  const bool is_doubtful =
+  const bool is_uncertain =
       !is_kept || std::max(start_turn, end_turn) * circle.radius > tolerance::end_shift;
   scratch.places.clear();
   if (is_kept) {
     scratch.places.assign({in_space(frame, start), in_space(frame, end)});
     arcs.push_back({span <= half_turn ? ArcKind::minor : ArcKind::major, scratch.places[0],
                     scratch.places[1]});
-    ends.push_back({open.low_cap, +1, is_doubtful});
-    ends.push_back({open.high_cap, -1, is_doubtful});
+    ends.push_back({open.low_cap, +1, is_uncertain});
+    ends.push_back({open.high_cap, -1, is_uncertain});
   }
-  if (is_doubtful) add_doubtful_ends(circle, frame, caps, own, origin, open, scratch, ends);
+  if (is_uncertain) add_uncertain_ends(circle, frame, caps, own, origin, open, scratch, ends);
 }
 
 }  // namespace
@@ -289,8 +298,7 @@ void OpenIntervals::block(double from, double to, std::uint32_t cap) {
   }
 }
 
-// The part that is blocked can split one of the intervals at most, and then leaves the others as
-// they are.
+// Removes a part from all intervals. If the part splits an interval, it meets no other one.
 void OpenIntervals::subtract(double from, double to, std::uint32_t cap) {
   auto kept = intervals.begin();
   for (auto interval = intervals.begin(); interval != intervals.end(); ++interval) {

@@ -1,5 +1,5 @@
 #pragma once
-/// The accessible arcs of a contact circle: what the other neighbours' caps leave of it.
+/// The accessible arcs of a contact circle: the parts of it that lie in no neighbour's cap.
 
 #include <cstdint>
 #include <vector>
@@ -17,36 +17,39 @@ enum class ArcKind : std::uint8_t {
 /// An accessible arc, counter-clockwise about the circle's axis.
 struct CircleArc {
   ArcKind kind = ArcKind::full;
-  Vec3 start;  ///< unit, from the circle's centre (unless full)
-  Vec3 end;    ///< unit, from the circle's centre (unless full)
+  Vec3 start;  ///< unit vector from the circle's centre; unused if the arc is full
+  Vec3 end;    ///< unit vector from the circle's centre; unused if the arc is full
 };
 
-/// An accessible point where the rim of a third cap meets the circle: a probe placement.
+/// An accessible point in which the rim of a third cap meets the circle: a probe placement.
 struct CircleEnd {
   std::uint32_t cap = 0;  ///< index of the third cap
-  std::int8_t side =
-      1;  ///< +1 where the cap ceases to block, -1 where it begins to, along the arcs
-  /// The tolerance decided here: the arc is too short to be kept, or caps that reach differently
-  /// far within the tolerance end at different points.
-  bool is_doubtful = false;
+  /// +1 if the arc starts here, where the cap ends; -1 if the arc ends here, where the cap starts.
+  std::int8_t side = 1;
+  /// Whether the decision depends on the tolerance: the arc is too short to be kept, or the ends of
+  /// the exact and of the slackened cap are too far apart.
+  bool is_uncertain = false;
 
   friend bool operator==(const CircleEnd&, const CircleEnd&) = default;
 };
 
-/// What caps that block parts of a circle leave open. Angles are counted from the end of the first
-/// cap's part; they are pseudo-angles, of which a full turn has 4.
+/// The parts of a circle that no cap blocks. Angles are pseudo-angles, with 4 for a full turn,
+/// counted from the end of the first blocked part.
 struct OpenIntervals {
+  /// An open interval of angles, and the caps that bound it.
   struct Interval {
     double low, high;
     std::uint32_t low_cap, high_cap;
   };
-  bool is_whole = true;             ///< nothing is blocked yet
+  bool is_whole = true;             ///< whether nothing is blocked yet
   double origin = 0;                ///< angle from which the intervals are counted
   std::vector<Interval> intervals;  ///< disjoint, ascending
 
+  /// Opens the whole circle.
   void clear();
+  /// Returns whether the whole circle is blocked.
   bool is_empty() const { return !is_whole && intervals.empty(); }
-  /// Blocks what lies between two angles in [0, 4), counter-clockwise.
+  /// Blocks the interval from one angle in [0, 4) counter-clockwise to another one.
   void block(double from, double to, std::uint32_t cap);
 
  private:
@@ -56,15 +59,15 @@ struct OpenIntervals {
 /// Scratch memory of `accessible_arcs`.
 struct ArcScratch {
   OpenIntervals open;
-  std::vector<Vec3>
-      places;  ///< of the ends of one interval, as directions from the circle's centre
+  std::vector<Vec3> places;  ///< directions from the circle's centre to the ends of one interval
 };
 
-/// Appends the arcs of `circle` that are accessible to `arcs`, and the placements at their ends to
-/// `ends`. The circle lies on the sphere that has `caps`; cap number `own` is that of its second
-/// sphere. A point counts as accessible if no neighbour reaches over it by more than
-/// tolerance::accessible. Ends are those of the exact caps. Arcs shorter than tolerance::arc_length
-/// are left out, but not their ends. Caps that block much are best placed first.
+/// Appends the accessible arcs of `circle` to `arcs`, and the placements at their ends to `ends`.
+/// `caps` are the caps of the circle's first sphere; the one with index `own` belongs to its second
+/// sphere. A point counts as accessible if no neighbour covers it by more than
+/// tolerance::accessible. The ends are those of the exact caps. Arcs shorter than
+/// tolerance::arc_length are dropped, but their ends are kept. The function is faster if caps that
+/// block much come first.
 void accessible_arcs(const ContactCircle& circle, const CapList& caps, std::uint32_t own,
                      ArcScratch& scratch, std::vector<CircleArc>& arcs,
                      std::vector<CircleEnd>& ends);

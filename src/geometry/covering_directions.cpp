@@ -9,6 +9,7 @@ namespace {
 
 constexpr double golden = 1.6180339887498949;
 
+// The vertices of an icosahedron with edges of length 2.
 constexpr std::array<Vec3, 12> corners{{{-1, golden, 0},
                                         {1, golden, 0},
                                         {-1, -golden, 0},
@@ -22,6 +23,7 @@ constexpr std::array<Vec3, 12> corners{{{-1, golden, 0},
                                         {-golden, 0, -1},
                                         {-golden, 0, 1}}};
 
+// Returns the angular radius of the circle through three directions.
 double circumradius(Vec3 a, Vec3 b, Vec3 c) {
   const Vec3 pole = normalized(cross(b - a, c - a));
   return std::acos(std::min(1.0, std::fabs(dot(pole, a))));
@@ -37,7 +39,7 @@ void add_unless_known(std::vector<Vec3>& directions, Vec3 direction) {
 
 CoveringDirections make_covering_directions(int frequency) {
   CoveringDirections covering;
-  const double edge = 2;  // of the icosahedron above
+  const double edge = 2;
   const auto are_neighbours = [&](std::size_t a, std::size_t b) {
     return std::fabs(norm(corners[a] - corners[b]) - edge) < 1e-9;
   };

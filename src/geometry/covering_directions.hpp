@@ -1,5 +1,5 @@
 #pragma once
-/// A fixed set of directions whose spherical patches cover the sphere.
+/// A fixed set of directions whose surrounding caps cover the unit sphere.
 
 #include <cstddef>
 #include <vector>
@@ -8,15 +8,15 @@
 
 namespace eses::detail {
 
-/// Every direction of space is within `radius` (radians) of one of `directions` (unit vectors).
+/// Directions as unit vectors. Each direction in space is within `radius` (radians) of one of them.
 struct CoveringDirections {
   std::vector<Vec3> directions;
   double radius = 0;
 };
 
-/// Vertices of an icosahedron whose edges are divided by `frequency`: 10 frequency^2 + 2 of them.
-/// The radius is the largest circumradius of the triangles, which tile the sphere; they are acute,
-/// so each of their points is as near as that to a corner.
+/// Returns the 10 frequency^2 + 2 vertices of an icosahedron whose edges are divided into
+/// `frequency` parts. The radius is the maximum circumradius of the triangles, which tile the
+/// sphere. The triangles are acute, so each point of a triangle is within that radius of a corner.
 CoveringDirections make_covering_directions(int frequency);
 
 }  // namespace eses::detail

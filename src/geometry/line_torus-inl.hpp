@@ -1,5 +1,5 @@
-/// tube_exits() for several lines parallel to one axis, as long as a line has one exit at most.
-/// Included anew for every instruction set, see Highway.
+/// Exits of several parallel lines from a tube, for lines with at most one exit. See line_torus.hpp
+/// for the equations. Highway includes this file once for each instruction set.
 
 #include "geometry/line_torus.hpp"
 #include "simd/points-inl.hpp"
@@ -14,14 +14,15 @@
 HWY_BEFORE_NAMESPACE();
 namespace eses::detail::HWY_NAMESPACE {
 
+/// The only exit of each line.
 struct OnlyTubeExits {
   DoubleVector parameters;
-  DoubleMask is_one;          ///< the line has this one exit
-  DoubleMask may_be_several;  ///< to be found by tube_exits()
+  DoubleMask is_one;          ///< lines with exactly this exit
+  DoubleMask may_be_several;  ///< lines that may have several exits, which tube_exits() finds
 };
 
-/// Newton's method inside brackets that hold one root each and are negative at their low end, as
-/// bracketed_root(). Lanes that have arrived stand still, so none depends on the others.
+/// Returns one root for each active lane, as bracketed_root() does. A lane that has converged keeps
+/// its value, so that no lane depends on the others.
 HWY_INLINE DoubleVector bracketed_roots(const std::array<DoubleVector, 5>& c, DoubleVector u,
                                         DoubleMask active) {
   const Doubles doubles;
@@ -44,7 +45,7 @@ HWY_INLINE DoubleVector bracketed_roots(const std::array<DoubleVector, 5>& c, Do
   return u;
 }
 
-/// See polished().
+/// Improves roots as polished() does.
 HWY_INLINE DoubleVector polished_roots(DoubleVector u, const Points& point, DoubleVector along_step,
                                        DoubleVector span, Vec3 axis, double axis_step,
                                        double circle_radius, double tube_radius) {
@@ -60,7 +61,8 @@ HWY_INLINE DoubleVector polished_roots(DoubleVector u, const Points& point, Doub
   return hn::IfThenElse(hn::Abs(step) < broadcast(line_torus::max_polish), u - step, u);
 }
 
-/// As tube_exits(); the lines run from `start` along `line_axis` by `step`.
+/// Returns the exits of the lines from `start` along `line_axis` by `step`, with the parameters and
+/// results of tube_exits().
 template <std::size_t line_axis>
 OnlyTubeExits only_tube_exits(const Points& start, DoubleVector step, Vec3 axis,
                               double circle_radius, double tube_radius, double low, double high) {
@@ -77,7 +79,7 @@ OnlyTubeExits only_tube_exits(const Points& start, DoubleVector step, Vec3 axis,
   const std::array<DoubleVector, 5> power{
       a0 * a0 - k * (w0 - z0 * z0), broadcast(2) * a0 * w1 - k * (w1 - broadcast(2) * z0 * z1),
       w1 * w1 + broadcast(2) * a0 * w2 - k * (w2 - z1 * z1), broadcast(2) * w1 * w2, w2 * w2};
-  // Bernstein coefficients: no more roots than changes of sign.
+  // There are at most as many roots as the Bernstein coefficients have sign changes.
   const auto quarter = broadcast(0.25), half = broadcast(0.5);
   const std::array<DoubleVector, 5> b{
       power[0], power[0] + quarter * power[1], power[0] + half * power[1] + power[2] / broadcast(6),

@@ -6,21 +6,24 @@
 namespace eses::detail {
 namespace {
 
-// Bernstein coefficients of a quartic on [0, 1]: no more roots there than changes of sign.
+// Bernstein coefficients of a quartic on [0, 1].
 using Quartic = std::array<double, 5>;
 
+// Returns the number of sign changes, which is an upper bound for the number of roots in [0, 1].
 int sign_changes(const Quartic& b) {
   int changes = 0;
   for (std::size_t i = 1; i < b.size(); ++i) changes += (b[i - 1] < 0) != (b[i] < 0);
   return changes;
 }
 
+// Converts power coefficients, constant term first, to Bernstein coefficients.
 Quartic bernstein(const std::array<double, 5>& power) {
   const auto [c0, c1, c2, c3, c4] = power;
   return {c0, c0 + c1 / 4, c0 + c1 / 2 + c2 / 6, c0 + 3 * c1 / 4 + c2 / 2 + c3 / 4,
           c0 + c1 + c2 + c3 + c4};
 }
 
+// Computes the Bernstein coefficients on [0, 1/2] and on [1/2, 1] by de Casteljau's algorithm.
 void halve(const Quartic& b, Quartic& left, Quartic& right) {
   Quartic work = b;
   left[0] = b[0];
@@ -36,6 +39,7 @@ struct ValueAndSlope {
   double value, slope;
 };
 
+// Evaluates a polynomial in power coefficients and its derivative by Horner's method.
 ValueAndSlope evaluate(const std::array<double, 5>& c, double u) {
   double value = c[4], slope = 0;
   for (std::size_t i = 4; i-- > 0;) {
@@ -45,8 +49,9 @@ ValueAndSlope evaluate(const std::array<double, 5>& c, double u) {
   return {value, slope};
 }
 
-// Newton's method inside a bracket that holds exactly one root and is negative at its low end,
-// bisection where it would leave the bracket. `u` is the first guess.
+// Returns the root of a polynomial in a bracket that contains exactly one root, and in which the
+// polynomial rises from negative to positive. Uses Newton's method from `u`, and a bisection
+// instead of a step that would leave the bracket.
 double bracketed_root(const std::array<double, 5>& c, double low, double high, double u) {
   for (int iteration = 0; iteration < line_torus::max_iterations; ++iteration) {
     const auto [value, slope] = evaluate(c, u);
@@ -60,11 +65,15 @@ double bracketed_root(const std::array<double, 5>& c, double low, double high, d
   return u;
 }
 
+// A search for the roots at which a quartic rises. There the line passes from the inside of the
+// tube, where the quartic is negative, to the outside.
 struct RootSearch {
   const std::array<double, 5>& power;
-  std::array<double, 4> roots{};  // from negative (inside the tube) to positive
+  std::array<double, 4> roots{};
   int count = 0;
 
+  // Halves [low, high] until each part has at most one sign change. `b` has the Bernstein
+  // coefficients on this interval.
   void descend(const Quartic& b, double low, double high) {
     const int changes = sign_changes(b);
     if (changes == 0) return;
@@ -83,8 +92,8 @@ struct RootSearch {
   }
 };
 
-// One step of Newton's method on A - 2 rho s, which is better conditioned than its product with
-// A + 2 rho s: on the axis of a spindle torus both vanish.
+// Improves a root by one Newton step on A - 2 rho s. This function is better conditioned than its
+// product with A + 2 rho s, the quartic: on the axis of a spindle torus both factors vanish.
 double polished(double u, Vec3 first, Vec3 span, Vec3 axis, double circle_radius,
                 double tube_radius) {
   const Vec3 w = first + u * span;
@@ -102,8 +111,8 @@ double polished(double u, Vec3 first, Vec3 span, Vec3 axis, double circle_radius
 
 TubeExits tube_exits(Vec3 start, Vec3 step, Vec3 axis, double circle_radius, double tube_radius,
                      double low, double high) {
-  // With w = start + t step, s its distance from the axis and z its height, the tube's surface
-  // (s - rho)^2 + z^2 = p^2 reads A = 2 rho s, A = |w|^2 + rho^2 - p^2; squared, A^2 - 4 rho^2 s^2.
+  // The substitution w = first + u span with u in [0, 1] gives |w|^2 = w0 + w1 u + w2 u^2,
+  // z = z0 + z1 u, and s^2 = |w|^2 - z^2.
   const Vec3 first = start + low * step;
   const Vec3 span = (high - low) * step;
   const double w0 = squared_norm(first), w1 = 2 * dot(first, span), w2 = squared_norm(span);
@@ -121,7 +130,7 @@ TubeExits tube_exits(Vec3 start, Vec3 step, Vec3 axis, double circle_radius, dou
   const double inner_sheet = line_torus::inner_sheet(tube_radius);
   for (int i = 0; i < search.count; ++i) {
     const double u = search.roots[static_cast<std::size_t>(i)];
-    // A < 0 is the inner sheet: the far side of the circle is that near.
+    // A root with A < 0 lies on the inner sheet, where the far side of the circle is at distance p.
     if (a0 + u * (w1 + u * w2) < inner_sheet) continue;
     const double exact = polished(u, first, span, axis, circle_radius, tube_radius);
     exits.parameters[static_cast<std::size_t>(exits.count++)] =

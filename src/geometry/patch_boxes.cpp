@@ -13,7 +13,8 @@ Box cap_box(Vec3 center, double radius, Vec3 pole, double cosine) {
   for (std::size_t axis = 0; axis < 3; ++axis) {
     const double along = pole[axis];
     const double across = std::sqrt(std::max(0.0, (1 - along) * (1 + along)));
-    // The cap reaches the pole of the axis, or its rim's extreme.
+    // The extreme point is the sphere's pole along the axis if the cap contains it, else it is on
+    // the cap's rim.
     const double high = along >= cosine ? 1.0 : along * cosine + across * sine;
     const double low = -along >= cosine ? -1.0 : along * cosine - across * sine;
     box.high[axis] += radius * high;
@@ -22,8 +23,8 @@ Box cap_box(Vec3 center, double radius, Vec3 pole, double cosine) {
   return box;
 }
 
-// That of the cap around the corners' mean that holds them, unless it is too wide to bound
-// anything.
+// Uses the box of the smallest cap around the mean of the corners that contains them. If that cap
+// is almost a hemisphere, its box is hardly smaller than that of the whole sphere.
 Box concave_box(Vec3 center, double radius, const std::array<Vec3, 3>& corners) {
   const Vec3 mean = normalized(corners[0] + corners[1] + corners[2]);
   const double cosine =
@@ -31,10 +32,12 @@ Box concave_box(Vec3 center, double radius, const std::array<Vec3, 3>& corners) 
   return cosine < 0.1 ? ball_box(center, radius) : cap_box(center, radius, mean, cosine);
 }
 
-// The saddle is swept by the probe's outline between the points where it touches the two atoms. In
-// the half plane through the axis, with the probe at distance rho from it, the outline's height
-// rises from one point to the other, and it comes as near to the axis as rho - probe if these lie
-// on both sides of the probe, but not beyond the axis.
+// The saddle patch is swept by the arc of the probe's outline between its points of contact with
+// the two atoms. Consider the half plane that contains the axis and the probe's centre at the
+// distance rho from the axis. Along the arc, the height rises from one point of contact to the
+// other. The minimum distance from the axis is rho - probe, but not negative, if the points of
+// contact are on different sides of the circle's plane; otherwise it is reached at a point of
+// contact.
 Box saddle_box(const ContactCircle& circle, const Box& directions,
                const std::array<double, 2>& atom_radii, double probe_radius) {
   const double first_share = probe_radius / (atom_radii[0] + probe_radius);

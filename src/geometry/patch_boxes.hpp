@@ -1,5 +1,5 @@
 #pragma once
-/// Boxes that enclose pieces of the surface.
+/// Bounding boxes of patches of the surface. Lengths are in angstrom.
 
 #include <array>
 
@@ -8,14 +8,15 @@
 
 namespace eses::detail {
 
-/// Of the spherical cap { center + radius u : u . pole >= cosine }; `pole` and u are unit vectors.
+/// Returns the box of the spherical cap { center + radius u : u . pole >= cosine }, where `pole`
+/// and u are unit vectors.
 Box cap_box(Vec3 center, double radius, Vec3 pole, double cosine);
 
-/// Of the spherical triangle with the given corner directions (unit vectors).
+/// Returns a box that contains the spherical triangle with these corner directions (unit vectors).
 Box concave_box(Vec3 center, double radius, const std::array<Vec3, 3>& corners);
 
-/// Of the saddle between two atoms with these van der Waals radii; `directions` are the bounds of
-/// its arc's, see direction_bounds.
+/// Returns a box that contains the saddle patch between two atoms with these van der Waals radii.
+/// `directions` is the result of direction_bounds for its arc.
 Box saddle_box(const ContactCircle& circle, const Box& directions,
                const std::array<double, 2>& atom_radii, double probe_radius);
 

@@ -1,56 +1,57 @@
 #pragma once
-/// The tolerances of the geometry, each derived from an error bound; doc/accuracy.md explains how
-/// they work together. Slack that only keeps candidates for a closer look stands where it is used.
+/// The tolerances of the geometry, each derived from an error bound. doc/accuracy.md explains how
+/// they work together. Slack that only keeps more candidates for an exact test is defined where it
+/// is used.
 ///
-/// Lengths are computed relative to an atom's centre, with an error of a few units in the last
-/// place of the radii (1e-15 angstrom), and then moved to their place, which rounds them to 1.5e-11
-/// angstrom where coordinates are 1e5.
+/// Positions are computed relative to an atom's centre, with an error of a few units in the last
+/// place of the radii (1e-15 angstrom). Adding the centre rounds them to 1.5e-11 angstrom if
+/// coordinates are 1e5 angstrom.
 
 namespace eses::detail::tolerance {
 
-/// A probe centre counts as accessible if it is at most this far inside a SAS ball (angstrom). It
-/// is far above rounding, so a probe that just fits stays, whichever of its atoms it is computed
-/// from.
+/// A probe centre counts as accessible if it is at most this far inside a SAS ball (angstrom). The
+/// value is far above rounding errors, so a probe that just fits is accepted whichever of its atoms
+/// it is computed from.
 inline constexpr double accessible = 1e-9;
 
-/// A SAS ball that reaches out of another by no more than this is contained in it (angstrom). A
-/// larger value would expose places that do not count as accessible.
+/// A SAS ball that extends beyond another one by at most this is contained in it (angstrom). A
+/// larger value would expose points that do not count as accessible.
 inline constexpr double containment = accessible;
 
-/// A SAS sphere within this distance of a probe placement is touched by the probe (angstrom). If
-/// more than three are, the placement's normal cone is not that of its triple. It is 100 times
-/// `accessible`, as what is decided there moves the placement that far where circles meet at a
-/// hundredth of a radian.
+/// A probe placement touches the SAS spheres within this distance (angstrom). If it touches more
+/// than three, its normal cone is not that of its three atoms. The value is 100 times `accessible`:
+/// where circles meet at a hundredth of a radian, that tolerance moves the placement this far.
 inline constexpr double touching = 1e-7;
 
-/// Accessible arcs shorter than this are left out (angstrom). Their ends stay: a surface point at
-/// distance p from the arc then moves by at most arc^2 / (8 p), or 1.3e-11 for p = 0.01.
+/// Shorter accessible arcs are dropped (angstrom); their ends are kept as placements. A surface
+/// point at distance p from the arc then moves by at most arc^2 / (8 p), or 1.3e-11 for p = 0.01.
 inline constexpr double arc_length = 1e-6;
 
-/// The end of an arc is in doubt if it moves farther than this when the neighbours shrink by
-/// `accessible` (angstrom). There a sphere grazes the circle, where the shift is up to
-/// sqrt(2 R accessible) = 1e-4, and other spheres may end near it.
+/// The end of an arc is uncertain if it moves farther than this when the neighbours shrink by
+/// `accessible` (angstrom). A sphere that grazes the circle moves the end by up to
+/// sqrt(2 R accessible) = 1e-4, and other spheres may meet the circle nearby.
 inline constexpr double end_shift = 1e-7;
 
-/// Placements in doubt, or of more than three atoms, within a cube of this side are one (angstrom).
+/// Uncertain placements, and placements that touch more than three atoms, are the same placement
+/// within a cube of this side (angstrom).
 inline constexpr double same_placement = 1e-8;
 
-/// Slack of the tests that decide which patch a point belongs to (angstrom, or radians at unit
-/// distance). Inclusive, so that at least one patch claims a point on the seam of two.
+/// Slack of the tests that assign a point to a patch (angstrom, or radians at unit distance). The
+/// tests include the seam, so that at least one patch claims a point on the seam of two.
 inline constexpr double seam = 1e-9;
 
-/// A crossing may lie this far beyond its edge's end, relative to the edge, before it is clamped:
-/// the last bit decides on which side of the surface an end lies that stands on it.
+/// A crossing may lie this far beyond its edge's end, as a fraction of the edge, and is then moved
+/// to the end. Rounding decides on which side of the surface a point of the surface is.
 inline constexpr double edge_end = 1e-6;
 
-/// Crossings of one edge that lie closer together than this are one crossing (angstrom).
+/// Candidates on one edge that are closer together than this are the same crossing (angstrom).
 inline constexpr double same_crossing = 1e-7;
 
-/// A point counts as covered only if an accessible probe centre is nearer than the probe radius by
-/// more than this (angstrom). A placement that is farther than this off its spheres is refuted.
+/// A point counts as covered only if it is nearer to an accessible probe centre than the probe
+/// radius by more than this (angstrom). A placement farther than this from its spheres is rejected.
 inline constexpr double covered = 1e-8;
 
-// What one test accepts the next must not reject.
+// A later test must not reject what an earlier test accepts.
 static_assert(containment <= accessible && accessible <= seam && accessible < covered &&
               same_placement <= covered && covered < same_crossing && end_shift <= touching);
 

@@ -1,5 +1,5 @@
 #pragma once
-/// Where a grid edge crosses the solvent excluded surface.
+/// Crossings of grid edges in a compact form, relative to a block.
 
 #include <array>
 #include <cstdint>
@@ -11,20 +11,21 @@
 
 namespace eses::detail {
 
-/// Where an edge with one end inside and one outside crosses the surface: the last crossing on the
-/// way from the inside end to the outside end.
+/// A crossing of the surface with an edge that has one end inside and one outside: the one nearest
+/// to the outside end. The y and z of the edge follow from the position in a list that is sorted by
+/// row.
 struct BlockCrossing {
-  double coordinate = 0;             ///< of the crossing along the edge's axis, angstrom
+  double coordinate = 0;             ///< coordinate along the edge's axis, angstrom
   Vec3 normal;                       ///< outward unit normal
-  std::array<AtomIndex, 3> atoms{};  ///< adjacent atoms, ascending; the first `atom_count` count
-  std::uint16_t x = 0;               ///< of the edge's lower point, from the block's first point
-  std::uint8_t axis = 0;             ///< 0, 1, 2: the edge runs along x, y, z
-  std::uint8_t atom_count : 7 = 0;   ///< 1 convex, 2 saddle, 3 concave
-  std::uint8_t lower_is_inside : 1 = 0;  ///< whether the lower point is the inside end
+  std::array<AtomIndex, 3> atoms{};  ///< adjacent atoms, ascending; the first `atom_count` are set
+  std::uint16_t x = 0;    ///< index of the edge's lower end, relative to the block's first point
+  std::uint8_t axis = 0;  ///< direction of the edge: 0, 1, 2 for x, y, z
+  std::uint8_t atom_count : 7 = 0;       ///< 1 on convex, 2 on saddle, 3 on concave patches
+  std::uint8_t lower_is_inside : 1 = 0;  ///< whether the lower end is the inside one
 };
 
-/// Returns the crossing with its place in the grid. `row_start` is the first point of the block in
-/// the row of the edge's lower end.
+/// Returns the crossing in the coordinates of the whole grid. `row_start` is the block's first
+/// point in the row of the edge's lower end.
 inline Crossing to_crossing(const Grid& grid, const GridIndex& row_start,
                             const BlockCrossing& found) {
   Crossing crossing;

@@ -13,21 +13,22 @@
 namespace eses::detail {
 namespace {
 
-// A coordinate must tell neighbouring points apart, and 64-bit products must not overflow.
+// With these limits, coordinates distinguish neighbouring points, and 64-bit products do not
+// overflow.
 constexpr double max_cells_along_axis = 2e9, max_points = 1e17;
 
 double cells_along(const Box& box, double spacing, std::size_t axis) {
   return (box.high[axis] - box.low[axis]) / spacing;
 }
 
-// Estimated number of points, from above.
+// Returns an upper bound for the number of points.
 double points_in(const Box& box, double spacing) {
   double points = 1;
   for (std::size_t axis = 0; axis < 3; ++axis) points *= cells_along(box, spacing, axis) + 1;
   return points;
 }
 
-// The margin that goes with a spacing. Below half the spacing the grid might cut the molecule.
+// Returns the margin to use with a spacing. A margin below half the spacing could cut the molecule.
 double margin_for(double spacing, double margin) {
   return margin >= 0.5 * spacing ? margin : spacing;
 }
@@ -39,7 +40,7 @@ bool is_possible(const Box& bounds, double spacing, double margin) {
   return points_in(box, spacing) <= max_points;
 }
 
-// The number that a text with three significant digits spells, so that a user may copy it.
+// Returns the number that is printed with three significant digits, so that users can copy it.
 double three_digits(int digits, int exponent) {
   const std::string text = fmt::format("{}e{}", digits, exponent);
   double value = 0;
@@ -47,7 +48,8 @@ double three_digits(int digits, int exponent) {
   return value;
 }
 
-// What to do where `spacing` gives too many points: a spacing that gives few enough, rounded up.
+// Returns advice for a spacing that gives too many points: the smallest possible spacing, rounded
+// up.
 std::string spacing_advice(const Box& bounds, double spacing, double margin) {
   constexpr int max_exponent = 300;
   int exponent = static_cast<int>(std::floor(std::log10(spacing))) - 2, digits = 100;
@@ -159,7 +161,7 @@ GridRegion points_between(const Grid& grid, Vec3 low, Vec3 high) {
       throw Error(fmt::format("the region goes from {} to {} along {}; its bounds must be finite",
                               low[axis], high[axis], "xyz"[axis]));
     const auto size = grid.size[axis];
-    // Near the place that the quotient tells, the coordinates themselves decide.
+    // The quotient gives an approximate index. The coordinates near it decide.
     const auto near = [&](double coordinate) {
       const double place = (coordinate - grid.origin[axis]) / grid.spacing;
       return static_cast<std::int64_t>(std::clamp(place, -2.0, static_cast<double>(size) + 1));

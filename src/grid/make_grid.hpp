@@ -1,5 +1,5 @@
 #pragma once
-/// Grids around atoms, and their regions.
+/// Grids and their regions.
 
 #include <array>
 #include <span>
@@ -10,39 +10,43 @@
 
 namespace eses::detail {
 
-/// The bounding box of the van der Waals spheres; without atoms, low is +infinity and high
-/// -infinity.
+/// Returns the bounding box of the van der Waals spheres. Without atoms, `low` is +infinity and
+/// `high` is -infinity.
 Box sphere_bounds(std::span<const Atom> atoms);
 
-/// The grid of ESES, in the same order of double operations: the van der Waals spheres' bounding
-/// box padded by `margin`, the number of points truncated, `n = int((hi - lo) / h) + 1`.
-/// Throws Error if there are no atoms, if a parameter is not finite, if spacing <= 0 or margin
-/// < 0, or if the grid has more points than require_valid accepts.
+/// Makes the grid of ESES (Liu et al., J. Comput. Chem. 38, 446, 2017, doi:10.1002/jcc.24682), with
+/// the same order of floating-point operations. The bounding box of the van der Waals spheres is
+/// extended by `margin`, and the number of points along an axis is
+/// `int((high - low) / spacing) + 1`. Lengths are in angstrom. Throws Error if there are no atoms,
+/// if a parameter is not finite, if spacing <= 0 or margin < 0, or if the grid has more points than
+/// require_valid accepts.
 Grid make_grid(std::span<const Atom> atoms, double spacing, double margin);
 Grid make_grid(const Box& bounds, double spacing, double margin);
 
-/// Throws Error if a grid, whoever has made it, is not finite, has a spacing that is not positive,
-/// fewer than one point or more than 2e9 along an axis, or more than 1e17 points in all.
+/// Throws Error if the bounds of a grid are not finite, if its spacing is not positive, if it has
+/// fewer than one point or more than 2e9 points along an axis, or if it has more than 1e17 points.
 void require_valid(const Grid& grid);
 
 /// Throws Error if a grid that the user has chosen does not pass require_valid, has fewer than two
 /// points along an axis, or is so far from the origin of the coordinates that rounding matters.
 void require_chosen(const Grid& grid);
 
-/// The points in the closed box between two corners (angstrom). Throws Error if there are none, or
-/// if a coordinate of a corner is not finite.
+/// Returns the points in the closed box between two corners (angstrom). Throws Error if there are
+/// none, or if a coordinate of a corner is not finite.
 GridRegion points_between(const Grid& grid, Vec3 low, Vec3 high);
 
-/// Throws Error if a region has no points or goes beyond the grid.
+/// Throws Error if a region is empty or not within the grid.
 void require_within(const GridRegion& region, const Grid& grid);
 
-/// How far each face of the grid lies inside the bounding box of the van der Waals spheres, in
-/// angstrom, in the order low x, high x, low y, high y, low z, high z; negative outside of it.
+/// Returns the depth of each face of the grid inside the bounding box of the van der Waals spheres,
+/// in angstrom, in the order low x, high x, low y, high y, low z, high z. A face outside the box
+/// has a negative depth.
 std::array<double, 6> depths_inside(const Grid& grid, const Box& bounds);
 
-/// How far the grid's faces lie inside the bounding box of the van der Waals spheres, the largest
-/// of the six, in angstrom: <= 0 where a face only touches, negative where the grid encloses the
-/// molecule. The truncation above may take up to one spacing of the margin away.
+/// Returns the maximum of depths_inside: the distance by which the bounding box of the van der
+/// Waals spheres extends beyond the grid, in angstrom. It is positive if the grid cuts the box, and
+/// negative if the grid encloses it. The grid of ESES can cut the box, as the truncation of the
+/// number of points removes up to one spacing of the upper margin.
 double cut_depth(const Grid& grid, const Box& bounds);
 
 }  // namespace eses::detail

@@ -1,5 +1,5 @@
 #pragma once
-/// Ranges of grid planes across z.
+/// Ranges of grid planes perpendicular to z.
 
 #include <cstdint>
 #include <span>
@@ -9,7 +9,7 @@
 
 namespace eses::detail {
 
-/// Grid planes [begin, end) across z.
+/// The grid planes with z indices in [begin, end).
 struct PlaneRange {
   std::int64_t begin = 0, end = 0;
 
@@ -18,14 +18,14 @@ struct PlaneRange {
   friend bool operator==(const PlaneRange&, const PlaneRange&) = default;
 };
 
-/// The part of a region that has these planes.
+/// Returns the part of a region with these planes.
 inline GridRegion with_planes(GridRegion region, const PlaneRange& planes) {
   region.begin[2] = planes.begin;
   region.end[2] = planes.end;
   return region;
 }
 
-/// The planes of `planes` that are in none of the ranges `done` (ascending, disjoint).
+/// Returns the planes of `planes` that are in none of the ranges `done` (ascending, disjoint).
 std::vector<PlaneRange> remaining(const PlaneRange& planes, std::span<const PlaneRange> done);
 
 }  // namespace eses::detail

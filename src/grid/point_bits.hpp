@@ -1,5 +1,5 @@
 #pragma once
-/// One bit a grid point of a block, in rows along x.
+/// One bit for each grid point of a block.
 
 #include <algorithm>
 #include <bit>
@@ -12,33 +12,35 @@
 
 namespace eses::detail {
 
-/// Rows are cut into columns of 64 points, of which neighbours share one, so that both ends of
-/// every edge along x lie in one word: column c holds the points [63 c, 63 c + 64).
+/// Bits of the points of a block. Rows along x are divided into columns of 64 points. Neighbouring
+/// columns share one point, so that both ends of each edge along x are in the same word: column c
+/// has the points [63 c, 63 c + 64).
 struct PointBits {
   static constexpr std::int64_t column_points = 64;
   static constexpr std::int64_t column_step = 63;
 
-  GridIndex size{};  ///< points along x, y and z
-  std::int64_t columns = 0;
-  std::vector<std::uint64_t> words;  ///< [column][z][y]
+  GridIndex size{};                  ///< number of points along x, y and z
+  std::int64_t columns = 0;          ///< number of columns
+  std::vector<std::uint64_t> words;  ///< [column][z][y]; no words mean that no bit is set
 
-  /// As `reset`, but without words: no bit is set.
+  /// Clears all bits and frees the words.
   void reset_empty(const GridIndex& new_size) {
     size = new_size;
     columns = size[0] < 2 ? 1 : (size[0] - 2) / column_step + 1;
     words.clear();
   }
+  /// Sets the size and clears all bits.
   void reset(const GridIndex& new_size) {
     reset_empty(new_size);
     words.assign(static_cast<std::size_t>(columns * size[1] * size[2]) + vector_padding, 0);
   }
-  /// How many of a column's points, its lowest ones, it owns if the row owns its first `owned`: the
-  /// point that it shares with the next column belongs to that.
+  /// Returns the number of points that a column owns, if the row owns its first `owned` points. A
+  /// column owns its first points, but not the point that it shares with the next column.
   std::int64_t owned_in_column(std::int64_t column, std::int64_t owned) const {
     return std::min(owned - column * column_step,
                     column + 1 == columns ? column_points : column_step);
   }
-  /// Whether the point's bit is set.
+  /// Returns whether the bit of a point is set.
   bool test(const GridIndex& point) const {
     if (words.empty()) return false;
     const std::int64_t column = std::min(point[0] / column_step, columns - 1);
@@ -50,12 +52,12 @@ struct PointBits {
   }
 };
 
-/// Bits [0, count), for 0 <= count <= 64.
+/// Returns a word with the bits [0, count) set, for 0 <= count <= 64.
 constexpr std::uint64_t low_bits(std::int64_t count) {
   return count >= 64 ? ~std::uint64_t{0} : (std::uint64_t{1} << count) - 1;
 }
 
-/// Calls `action(bit)` for every bit of `word` that is set, the lowest first.
+/// Calls `action(bit)` for each set bit of `word`, in ascending order.
 template <class Action>
 void for_each_bit(std::uint64_t word, Action&& action) {
   for (; word != 0; word &= word - 1) action(std::countr_zero(word));

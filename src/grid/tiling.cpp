@@ -29,7 +29,7 @@ BlockTiling make_tiling(const Grid& grid, const GridIndex& block_size, const Gri
     tiling.region_with_halo.end[axis] = std::min(region.end[axis] + 1, grid.size[axis]);
     const std::int64_t points = region.end[axis] - region.begin[axis];
     const std::int64_t shared = region.end[axis] < grid.size[axis] ? 1 : 0;
-    // A single point, which has no cell, is a block all the same.
+    // A single plane of points, which has no cells, is one block.
     tiling.blocks[axis] =
         (std::max<std::int64_t>(points + shared, 2) - 2) / (block_size[axis] - 1) + 1;
   }

@@ -20,6 +20,9 @@ struct AtomLines {
   std::uint64_t first_line = 1;  ///< number of the first line in the file, 1-based
   bool with_labels = false;      ///< only PQR has labels
   std::uint64_t max_memory = 0;  ///< see ReadOptions
+  int model = 0;                 ///< see StructureOptions; only PQR has models
+  /// Number of the model in whose records the text begins. What is in no model is in model 1.
+  int model_before = 1;
 };
 
 /// Counts of PQR records that look like those of a PDB file.
@@ -33,6 +36,8 @@ struct PdbLikeness {
 struct LinesRead {
   std::uint64_t lines = 0;
   PdbLikeness likeness;
+  std::uint64_t models = 0;  ///< MODEL records
+  int last_model = 0;        ///< number of the model in whose records the text ends
 };
 
 /// Fills a part of a buffer and returns the number of characters; 0 at the end of the text.
@@ -57,13 +62,19 @@ AtomFile parse_atom_text(std::string_view text, const AtomLines& lines);
 /// What a file is read as: `format`, or by its suffix, of NAME.gz that of NAME.
 AtomFormat format_of(const std::filesystem::path& path, AtomFormat format);
 
+/// Memory that the process may hold while it reads within a limit; 0 if that is 0. A few MiB are
+/// allowed in any case.
+std::uint64_t max_resident_while_reading(std::uint64_t max_memory);
+
+/// Throws Error if a PQR file has several models, of which none is chosen.
+void refuse_models(std::string_view name, std::uint64_t models);
+
 /// Throws Error if the records of a PQR file, as many as `atoms`, are those of a PDB file.
 void refuse_pdb_records(std::string_view name, std::uint64_t atoms, const PdbLikeness& likeness);
 
-/// The message for a file that has this number of lines and no atom.
-std::string no_atoms_message(std::string_view name, AtomFormat format, std::uint64_t lines);
-
-/// Throws Error if a file, by its suffix, has coordinates without radii.
-void refuse_structure_files(const std::filesystem::path& path);
+/// The message for a file that has this number of lines and no atom, or none in the model that is
+/// read.
+std::string no_atoms_message(std::string_view name, AtomFormat format, std::uint64_t lines,
+                             int model = 0);
 
 }  // namespace eses::detail

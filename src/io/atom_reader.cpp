@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <array>
+#include <charconv>
 #include <cmath>
 #include <cstddef>
 #include <limits>
@@ -17,6 +18,7 @@
 #include "eses/read_atoms.hpp"
 #include "io/atom_lines.hpp"
 #include "io/file_descriptor.hpp"
+#include "io/other_formats.hpp"
 #include "io/pqr_labels.hpp"
 #include "io/text_fields.hpp"
 #include "io/text_source.hpp"
@@ -85,6 +87,7 @@ enum class Fault {
   negative,
   too_large,
   too_few_fields,
+  extra_number,
   residue_number,
   pqr_record,
 };
@@ -211,12 +214,23 @@ bool looks_like_residue_number(std::string_view x, std::string_view leading) {
   return is_integer && std::none_of(before.begin(), before.end(), is_digit);
 }
 
+/// Whether a field is a number with a decimal point, which no name or residue number is.
+bool is_decimal(std::string_view field) {
+  double value = 0;
+  return field.find('.') != std::string_view::npos && parse_number(field, value) == std::errc{};
+}
+
+/// ESES takes the last two numbers for charge and radius, APBS the fourth and fifth: where a record
+/// has more numbers they would read different atoms.
+bool ends_with_decimal(std::string_view leading) { return is_decimal(take_last(leading)); }
+
 Problem parse_pqr_fields(std::string_view line, Record& record) {
   PqrFields fields;
   std::string_view leading = line;
   for (std::size_t i = fields.size(); i-- > 0;) fields[i] = take_last(leading);
   if (count_fields(leading) < min_leading_fields(line)) return {Fault::too_few_fields, {}, line};
   const Problem problem = read_pqr_values(fields, record.atom);
+  if (!problem && ends_with_decimal(leading)) return {Fault::extra_number, {}, fields.back()};
   // Of two complaints the plainer one: text that is no number.
   if (problem.fault != Fault::not_a_number && looks_like_residue_number(fields[0], leading)) {
     return {Fault::residue_number, quantity_x.name, fields[0]};
@@ -269,6 +283,7 @@ Problem parse_pqr_columns(std::string_view line, Record& record) {
     radius = line.substr(radius_column, radius_width);
   }
   if (charge.empty()) charge = std::exchange(radius, line.substr(line.size()));
+  if (ends_with_decimal(rest)) return {Fault::extra_number, {}, radius};
   record.label = label_of_columns(line);
   return read_pqr_values({coordinate_column(line, 0), coordinate_column(line, 1),
                           coordinate_column(line, 2), charge, radius},
@@ -361,6 +376,7 @@ std::string reason(const Problem& problem) {
       return "expected a number, found " + text + "; is this a PQR file, read as xyzr?";
     case Fault::none:
     case Fault::too_few_fields:
+    case Fault::extra_number:
       break;
   }
   return {};
@@ -372,6 +388,9 @@ std::string description(const Problem& problem, std::string_view line) {
         "expected at least {} fields, the last five being x y z charge radius, found {}",
         min_leading_fields(line) + pqr_quantities.size(), count_fields(line));
   }
+  if (problem.fault == Fault::extra_number)
+    return "more than five numbers where x y z charge radius are expected; remove what is behind "
+           "the radius";
   const auto start = static_cast<std::size_t>(problem.text.data() - line.data());
   return fmt::format("field {} ({}): {}", count_fields(line.substr(0, start)) + 1, problem.quantity,
                      reason(problem));
@@ -408,6 +427,32 @@ void check_is_text(std::string_view text, std::string_view name, std::size_t fir
   fail(name, first_line + line,
        fmt::format("control character \\x{:02x}; this looks like a binary file, not text",
                    static_cast<unsigned>(*culprit)));
+}
+
+/// Names the format of PDB and mmCIF files that are read as another one. PQR files may have the
+/// header of the PDB file that they are made of.
+void refuse_structure(std::string_view text, std::string_view name, AtomFormat format) {
+  const AtomFormat found = structure_format_of(text);
+  if (found == AtomFormat::mmcif)
+    throw Error(fmt::format("{}: this is an mmCIF file; read it with --format mmcif", name));
+  if (found == AtomFormat::pdb && format != AtomFormat::pqr)
+    throw Error(fmt::format("{}: this is a PDB file; read it with --format pdb", name));
+}
+
+bool is_model_record(std::string_view line) {
+  return starts_with_ignoring_case(line, "model") && (line.size() == 5 || is_blank(line[5]));
+}
+
+/// The number in a MODEL record. Throws Error if there is none.
+int model_number(std::string_view line, std::string_view name, std::size_t number) {
+  std::string_view rest = line;
+  take_first(rest);
+  const std::string_view field = take_first(rest);
+  int model = 0;
+  const auto [end, error] = std::from_chars(field.data(), field.data() + field.size(), model);
+  if (error != std::errc{} || end != field.data() + field.size())
+    fail(name, number, fmt::format("expected the number of the model, found {}", quoted(field)));
+  return model;
 }
 
 void check_line(std::string_view line, std::string_view name, std::size_t number) {
@@ -460,20 +505,16 @@ void for_whole_lines(const ReadText& read, const std::function<void(std::string_
 class GrowthLimit {
  public:
   explicit GrowthLimit(const AtomLines& lines)
-      : lines_(lines),
-        max_resident_(lines.max_memory == 0
-                          ? 0
-                          : std::max(lines.max_memory, resident_memory() + always_granted_bytes)) {}
+      : lines_(lines), max_resident_(max_resident_while_reading(lines.max_memory)) {}
 
   /// Makes room for `added` more atoms, or throws Error if their memory exceeds the limit.
   void make_room(std::size_t added, std::uint64_t line, AtomFile& result) const {
-    auto& [atoms, numbers, labels] = result;
-    const std::size_t wanted = atoms.size() + added;
-    const bool is_copied = wanted > atoms.capacity();
-    require(bytes_per_atom() * (is_copied ? wanted : added), atoms.size(), line);
-    grow(added, atoms);
-    grow(added, numbers);
-    if (has_labels()) grow(added, labels);
+    const std::size_t wanted = result.atoms.size() + added;
+    const bool is_copied = wanted > result.atoms.capacity();
+    require(bytes_per_atom() * (is_copied ? wanted : added), result.atoms.size(), line);
+    grow(added, result.atoms);
+    grow(added, result.lines);
+    if (has_labels()) grow(added, result.labels);
   }
 
  private:
@@ -501,14 +542,10 @@ class GrowthLimit {
   std::uint64_t max_resident_;
 };
 
-/// In lower case, and of `NAME.pqr.gz` the `.pqr`.
-std::string suffix_of(const std::filesystem::path& path) {
-  std::string suffix = lower_case(path.extension().string());
-  return suffix == ".gz" ? suffix_of(path.stem()) : suffix;
-}
-
 AtomFile finished(AtomFile atoms, const LinesRead& read, const AtomLines& lines) {
-  if (atoms.atoms.empty()) throw Error(no_atoms_message(lines.name, lines.format, read.lines));
+  if (atoms.atoms.empty())
+    throw Error(no_atoms_message(lines.name, lines.format, read.lines, lines.model));
+  if (lines.model == 0) refuse_models(lines.name, read.models);
   refuse_pdb_records(lines.name, atoms.atoms.size(), read.likeness);
   return atoms;
 }
@@ -518,7 +555,8 @@ AtomFile read_descriptor(int descriptor, const ReadOptions& options, const std::
   const AtomLines lines{.format = options.format,
                         .name = name,
                         .with_labels = options.with_labels,
-                        .max_memory = options.max_memory};
+                        .max_memory = options.max_memory,
+                        .model = options.structure.model};
   try {
     TextSource source(descriptor, name);
     AtomFile atoms;
@@ -538,21 +576,30 @@ AtomFile read_descriptor(int descriptor, const ReadOptions& options, const std::
 }  // namespace
 
 LinesRead parse_atom_lines(std::string_view text, const AtomLines& lines, AtomFile& result) {
-  const auto& [format, name, first_line, with_labels, max_memory] = lines;
-  if (first_line == 1) check_encoding(text, name);
+  const auto& [format, name, first_line, with_labels, max_memory, model, model_before] = lines;
+  if (first_line == 1) {
+    check_encoding(text, name);
+    refuse_other_formats(text, name);
+    refuse_structure(text, name, format);
+  }
   check_is_text(text, name, first_line);
   if (first_line == 1) text = without_byte_order_mark(text);
   const bool is_pqr = format == AtomFormat::pqr;
   const auto is_record = is_pqr ? is_pqr_record : is_xyzr_record;
   const auto parse_line = is_pqr ? parse_pqr : parse_xyzr;
 
-  auto& [atoms, line_numbers, labels] = result;
+  auto& [atoms, line_numbers, labels, structure] = result;
   LinesRead read;
+  read.last_model = model_before;
   while (!text.empty()) {
     const std::string_view line = take_line(text);
     const std::uint64_t number = first_line + read.lines++;
     check_line(line, name, number);
-    if (!is_record(line)) continue;
+    if (is_pqr && is_model_record(line)) {
+      ++read.models;
+      read.last_model = model_number(line, name, number);
+    }
+    if (!is_record(line) || (is_pqr && model != 0 && read.last_model != model)) continue;
     Record record;
     if (const Problem problem = parse_line(line, record)) {
       fail(name, number, describe(problem, line, is_pqr));
@@ -575,11 +622,14 @@ LinesRead read_atom_lines(const ReadText& read, const AtomLines& lines, AtomFile
   for_whole_lines(read, [&](std::string_view text) {
     AtomLines piece = lines;
     piece.first_line += all.lines;
+    piece.model_before = all.models == 0 ? lines.model_before : all.last_model;
     limit.make_room(estimate_atoms(text), piece.first_line, result);
     const LinesRead part = parse_atom_lines(text, piece, result);
     all.lines += part.lines;
     all.likeness.layout += part.likeness.layout;
     all.likeness.values += part.likeness.values;
+    all.models += part.models;
+    all.last_model = part.last_model;
     if (after_part) after_part();
   });
   return all;
@@ -591,30 +641,38 @@ void refuse_pdb_records(std::string_view name, std::uint64_t atoms, const PdbLik
   if (10 * likeness.layout < 9 * atoms || 2 * likeness.values < atoms) return;
   throw Error(
       fmt::format("{}: this is a PDB file: its columns 55 to 66 hold occupancy and B-factor, which "
-                  "are not charge and radius; make a PQR file of it with pdb2pqr",
+                  "are not charge and radius; read it with --format pdb",
                   name));
 }
 
-std::string no_atoms_message(std::string_view name, AtomFormat format, std::uint64_t lines) {
-  return fmt::format("{}: no {} found; {} {} read", name,
-                     format == AtomFormat::pqr ? "ATOM or HETATM records" : "atoms", lines,
+std::string no_atoms_message(std::string_view name, AtomFormat format, std::uint64_t lines,
+                             int model) {
+  return fmt::format("{}: no {} found{}; {} {} read", name,
+                     format == AtomFormat::pqr ? "ATOM or HETATM records" : "atoms",
+                     model == 0 ? "" : fmt::format(" in model {} (--model)", model), lines,
                      lines == 1 ? "line" : "lines");
 }
 
-// Whoever reads such a file as PQR takes temperature factors for radii.
-void refuse_structure_files(const std::filesystem::path& path) {
-  const std::string suffix = suffix_of(path), name = path.string();
-  for (const std::string_view format : {".pdb", ".ent", ".cif", ".mmcif"})
-    if (suffix == format)
-      throw Error(
-          fmt::format("{}: {} files have no radii; make a PQR file of it with pdb2pqr, as "
-                      "scripts/pdbbind does",
-                      name, format));
+std::uint64_t max_resident_while_reading(std::uint64_t max_memory) {
+  if (max_memory == 0) return 0;
+  return std::max(max_memory, resident_memory() + always_granted_bytes);
+}
+
+void refuse_models(std::string_view name, std::uint64_t models) {
+  if (models < 2) return;
+  throw Error(
+      fmt::format("{}: {} models, whose atoms lie on top of each other; choose one with "
+                  "--model N",
+                  name, models));
 }
 
 AtomFormat format_of(const std::filesystem::path& path, AtomFormat format) {
   if (format != AtomFormat::automatic) return format;
-  return suffix_of(path) == ".pqr" ? AtomFormat::pqr : AtomFormat::xyzr;
+  const std::string suffix = input_suffix(path);
+  if (suffix == ".pqr") return AtomFormat::pqr;
+  if (suffix == ".pdb" || suffix == ".ent") return AtomFormat::pdb;
+  if (suffix == ".cif" || suffix == ".mmcif") return AtomFormat::mmcif;
+  return AtomFormat::xyzr;
 }
 
 AtomFile parse_atom_text(std::string_view text, const AtomLines& lines) {
@@ -628,7 +686,7 @@ AtomFile read_atom_file(const std::filesystem::path& path, const ReadOptions& op
                         const std::function<void(AtomFile& atoms)>& after_part) {
   if (path == "-") return read_descriptor(STDIN_FILENO, options, "<stdin>", after_part);
   const std::string name = path.string();
-  refuse_structure_files(path);
+  if (options.format == AtomFormat::automatic) refuse_other_suffix(path);
   const FileDescriptor file(open_for_reading(path, name));
   ReadOptions known = options;
   known.format = format_of(path, options.format);
@@ -636,17 +694,3 @@ AtomFile read_atom_file(const std::filesystem::path& path, const ReadOptions& op
 }
 
 }  // namespace eses::detail
-
-namespace eses {
-
-AtomFile read_atoms(const std::filesystem::path& path, const ReadOptions& options) {
-  return detail::read_atom_file(path, options, [&](AtomFile&) {
-    if (options.check) options.check();
-  });
-}
-
-AtomFile parse_atoms(std::string_view text, AtomFormat format, std::string_view name) {
-  return detail::parse_atom_text(text, {.format = format, .name = name, .with_labels = true});
-}
-
-}  // namespace eses

@@ -15,22 +15,39 @@ constexpr std::uint64_t values_per_line = 3;
 
 std::string scientific(Vec3 v) { return fmt::format("{:.12e} {:.12e} {:.12e}", v.x, v.y, v.z); }
 
+std::string_view title_of(MapQuantity quantity) {
+  constexpr std::array<std::string_view, map_quantities> titles{
+      "Inside of the solvent excluded surface: 1 inside, 0 outside",
+      "Access of ions: 1 where the centre of an ion may be, 0 elsewhere",
+      "Dielectric at the middles of the edges along x",
+      "Dielectric at the middles of the edges along y",
+      "Dielectric at the middles of the edges along z"};
+  return titles[static_cast<std::size_t>(quantity)];
+}
+
+void require_between(double value, double min, double max, std::string_view what) {
+  if (value >= min && value <= max) return;
+  throw Error(fmt::format("{} must be between {} and {}, not {}", what, min, max, value));
+}
+
 // What comes before the values in files of APBS. Readers go by lines and by words of them, some of
 // them with 84 characters a line at most.
-MapLayout dx_layout(const Grid& grid, const GridRegion& region) {
+MapLayout dx_layout(MapQuantity quantity, const Grid& grid, const GridRegion& region) {
   MapLayout layout;
   layout.format = MapFormat::dx;
-  layout.value_bytes = 2;
+  layout.value_bytes = is_of_edges(quantity) ? dielectric_text_bytes : 2;
   layout.points = static_cast<std::uint64_t>(region.point_count());
   const std::string counts = fmt::format("{}", fmt::join(region.size(), " "));
   const double h = grid.spacing;
+  Vec3 origin = grid.point(region.begin);
+  if (is_of_edges(quantity)) origin[edge_axis(quantity)] += 0.5 * h;
   layout.header = fmt::format(
-      "# Inside of the solvent excluded surface: 1 inside, 0 outside\n"
+      "# {}\n"
       "object 1 class gridpositions counts {}\n"
       "origin {}\ndelta {}\ndelta {}\ndelta {}\n"
       "object 2 class gridconnections counts {}\n"
       "object 3 class array type double rank 0 items {} data follows\n",
-      counts, scientific(grid.point(region.begin)), scientific({h, 0, 0}), scientific({0, h, 0}),
+      title_of(quantity), counts, scientific(origin), scientific({h, 0, 0}), scientific({0, h, 0}),
       scientific({0, 0, h}), counts, layout.points);
   layout.footer =
       "attribute \"dep\" string \"positions\"\n"
@@ -84,8 +101,54 @@ MapFormat required_map_format(std::string_view name) {
   throw Error(fmt::format("the name of a map must end with .dx or .vti, not {}", name));
 }
 
-MapLayout map_layout(MapFormat format, const Grid& grid, const GridRegion& region) {
-  return format == MapFormat::dx ? dx_layout(grid, region) : vti_layout(grid, region);
+std::vector<MapChoice> chosen_maps(const Outputs& outputs) {
+  std::vector<MapChoice> maps;
+  if (!outputs.inside_map.empty())
+    maps.push_back(
+        {MapQuantity::inside, outputs.inside_map, required_map_format(outputs.inside_map)});
+  if (outputs.ion_access)
+    maps.push_back({MapQuantity::ion_access, outputs.ion_access->file, MapFormat::dx});
+  if (!outputs.dielectric) return maps;
+  const auto& [prefix, solute, solvent] = *outputs.dielectric;
+  for (const MapQuantity quantity :
+       {MapQuantity::dielectric_x, MapQuantity::dielectric_y, MapQuantity::dielectric_z})
+    maps.push_back({quantity, fmt::format("{}{}.dx", prefix, "xyz"[edge_axis(quantity)]),
+                    MapFormat::dx, solute, solvent});
+  return maps;
+}
+
+void require_valid_maps(const Outputs& outputs) {
+  if (outputs.dielectric) {
+    require_between(outputs.dielectric->solute, min_dielectric, max_dielectric,
+                    "the dielectric of the solute");
+    require_between(outputs.dielectric->solvent, min_dielectric, max_dielectric,
+                    "the dielectric of the solvent");
+  }
+  if (outputs.ion_access) {
+    require_between(outputs.ion_access->ion_radius, 0, max_ion_radius, "the radius of the ions");
+    if (map_format(outputs.ion_access->file) != MapFormat::dx)
+      throw Error(fmt::format("the name of a map of the access of ions must end with .dx, not {}",
+                              outputs.ion_access->file));
+  }
+  const std::vector<MapChoice> maps = chosen_maps(outputs);
+  for (std::size_t i = 0; i < maps.size(); ++i)
+    for (std::size_t k = 0; k < i; ++k)
+      if (maps[i].name == maps[k].name)
+        throw Error(fmt::format("two maps would have the name {}", maps[i].name));
+}
+
+double dielectric_of(const MapChoice& map, std::uint32_t share) {
+  if (share == 0) return map.solvent;
+  if (share == whole_edge) return map.solute;
+  const double inside = static_cast<double>(share) / whole_edge;
+  return 1 / (inside / map.solute + (1 - inside) / map.solvent);
+}
+
+void write_dielectric(char* text, double value) { fmt::format_to(text, "{:.6e}", value); }
+
+MapLayout map_layout(const MapChoice& map, const Grid& grid, const GridRegion& region) {
+  return map.format == MapFormat::dx ? dx_layout(map.quantity, grid, region)
+                                     : vti_layout(grid, region);
 }
 
 void fill_vti_values(std::span<const std::uint64_t> bits, std::span<char> values) {

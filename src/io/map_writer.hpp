@@ -1,14 +1,17 @@
 #pragma once
-/// The inside map as other programs read it: a value for every point of a regular grid, 1 inside
-/// and 0 outside.
+/// Maps as other programs read them: a value for every point of a regular grid, or for the middle
+/// of every edge along an axis.
 
 #include <cstdint>
 #include <optional>
 #include <span>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "eses/grid.hpp"
+#include "eses/outputs.hpp"
+#include "grid/edge_share.hpp"
 
 namespace eses::detail {
 
@@ -23,6 +26,55 @@ std::optional<MapFormat> map_format(std::string_view name);
 /// Throws Error if the name ends with neither.
 MapFormat required_map_format(std::string_view name);
 
+/// What a map tells.
+enum class MapQuantity : std::uint8_t {
+  inside,      ///< of points: 1 inside the surface, else 0
+  ion_access,  ///< of points: 1 where the centre of an ion may be, else 0
+  dielectric_x,
+  dielectric_y,
+  dielectric_z,  ///< these three: of edges, the dielectric
+};
+inline constexpr std::size_t map_quantities = 5;
+
+/// Returns whether a map has values of edges, not of points.
+constexpr bool is_of_edges(MapQuantity quantity) { return quantity >= MapQuantity::dielectric_x; }
+
+/// The axis of the edges of a map that has values of edges.
+constexpr std::size_t edge_axis(MapQuantity quantity) {
+  return static_cast<std::size_t>(quantity) - static_cast<std::size_t>(MapQuantity::dielectric_x);
+}
+
+/// One map file.
+struct MapChoice {
+  MapQuantity quantity = MapQuantity::inside;
+  std::string name;  ///< in the output directory
+  MapFormat format = MapFormat::dx;
+  double solute = 0, solvent = 0;  ///< relative permittivities, of a map of edges
+};
+
+/// Bounds of a dielectric, such that its text has the same length everywhere, and of the radius of
+/// ions (angstrom).
+inline constexpr double min_dielectric = 1e-9, max_dielectric = 1e9, max_ion_radius = 1000;
+
+/// The maps that are chosen, at most one of each quantity, in their order. Throws Error as
+/// required_map_format does.
+std::vector<MapChoice> chosen_maps(const Outputs& outputs);
+
+/// Throws Error if a number is out of its range, or two maps have the same name.
+void require_valid_maps(const Outputs& outputs);
+
+/// The dielectric of an edge with `share` parts inside: the harmonic mean along the edge.
+double dielectric_of(const MapChoice& map, std::uint32_t share);
+
+/// Text of a value of a map of edges, the blank or line end behind it included.
+inline constexpr std::size_t dielectric_text_bytes = 13;
+
+/// Writes the text of a value, but not what is behind it.
+void write_dielectric(char* text, double value);
+
+/// What follows the value number `index` in a .dx file.
+constexpr char dx_separator(std::uint64_t index) { return index % 3 == 2 ? '\n' : ' '; }
+
 /// A map's text before and behind its values, each of which has the same number of bytes.
 struct MapLayout {
   MapFormat format = MapFormat::dx;
@@ -36,14 +88,15 @@ struct MapLayout {
   std::uint64_t file_bytes() const { return value_offset(points) + footer.size(); }
 };
 
-/// The map of the points of a region, with their places in the whole grid.
-MapLayout map_layout(MapFormat format, const Grid& grid, const GridRegion& region);
+/// The map of the points of a region, or of the edges that start there, with their places in the
+/// whole grid.
+MapLayout map_layout(const MapChoice& map, const Grid& grid, const GridRegion& region);
 
 /// Fills `values` with `.vti`'s bytes for as many bits.
 void fill_vti_values(std::span<const std::uint64_t> bits, std::span<char> values);
 
 /// Fills `text` with `.dx`'s text, all values 0, for the values from number `first_index` on: two
-/// bytes a value, of which bit 0 of the first becomes 1 inside.
+/// bytes a value, of which bit 0 of the first becomes 1 where the value is 1.
 void fill_dx_zeros(std::uint64_t first_index, std::span<char> text);
 
 }  // namespace eses::detail

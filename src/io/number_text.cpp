@@ -56,7 +56,7 @@ namespace eses::detail::HWY_NAMESPACE {
 #if HWY_TARGET == HWY_SCALAR
 
 // Without vectors write_scientific() is as good.
-void make_digits(NumberBatch& batch) { batch.doubtful = ~std::uint64_t{0}; }
+void make_digits(NumberBatch& batch) { batch.needs_exact = ~std::uint64_t{0}; }
 
 #else
 
@@ -87,7 +87,7 @@ void make_digits(NumberBatch& batch) {
   const auto half = broadcast(0.5), one = broadcast(1);
   const auto unit = broadcast(static_cast<double>(leading_unit));
   const auto hundred_millions = broadcast(static_cast<double>(trailing_unit));
-  batch.doubtful = 0;
+  batch.needs_exact = 0;
   for (std::size_t i = 0; i < batch.count; i += lanes) {
     const auto scaled = load(batch.scaled.data() + i);
     const auto whole = hn::Floor(scaled);
@@ -95,8 +95,8 @@ void make_digits(NumberBatch& batch) {
     const auto digits = whole + hn::IfThenElseZero(fraction > half, one);
     const auto is_plain = hn::And(hn::Abs(fraction - half) >= broadcast(near_tie),
                                   hn::And(digits >= unit, digits < broadcast(10) * unit));
-    batch.doubtful |= (~std::uint64_t{mask_bits(is_plain)} & low_bits(static_cast<int>(lanes)))
-                      << i;
+    batch.needs_exact |= (~std::uint64_t{mask_bits(is_plain)} & low_bits(static_cast<int>(lanes)))
+                         << i;
 
     // The quotient may be off by one, which the remainder tells.
     auto high = hn::Floor(digits * broadcast(1.0 / static_cast<double>(trailing_unit)));
@@ -222,7 +222,7 @@ void NumberBatch::add(double value) {
 void make_digits(NumberBatch& batch) { ESES_BEST_VERSION(make_digits)(batch); }
 
 char* write_number(char* out, const NumberBatch& batch, std::size_t i) {
-  if (batch.doubtful >> i & 1) return write_scientific(out, batch.values[i]);
+  if (batch.needs_exact >> i & 1) return write_scientific(out, batch.values[i]);
   // Without a branch, as half of all components are negative.
   *out = '-';
   out += static_cast<std::size_t>(std::signbit(batch.values[i]));

@@ -22,7 +22,7 @@ struct NumberBatch {
   std::array<std::uint64_t, capacity> leading;      ///< text of five digits, with the point
   std::array<std::uint64_t, capacity> trailing;     ///< text of the other eight
   std::array<std::array<char, 4>, capacity> power;  ///< text of the power of ten
-  std::uint64_t doubtful = 0;                       ///< bit i: number i needs write_scientific()
+  std::uint64_t needs_exact = 0;                    ///< bit i: number i needs write_scientific()
   std::size_t count = 0;
 
   void add(double value);

@@ -76,15 +76,23 @@ std::errc parse_number(std::string_view text, double& value) {
   return outcome_of(text, result);
 }
 
-std::string quoted(std::string_view text) {
-  std::string result = "\"";
-  for (const char c : text.substr(0, longest_quotation)) {
-    if (c == '"' || c == '\\') result += '\\';
+std::string printable(std::string_view text) {
+  std::string result;
+  for (const char c : text) {
     if (c >= ' ' && c <= '~') {
       result += c;
     } else {
       result += fmt::format("\\x{:02x}", static_cast<unsigned>(static_cast<unsigned char>(c)));
     }
+  }
+  return result;
+}
+
+std::string quoted(std::string_view text) {
+  std::string result = "\"";
+  for (const char c : text.substr(0, longest_quotation)) {
+    if (c == '"' || c == '\\') result += '\\';
+    result += printable({&c, 1});
   }
   result += '"';
   if (text.size() > longest_quotation) result += "...";

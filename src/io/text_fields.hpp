@@ -31,6 +31,9 @@ std::string_view take_last(std::string_view& rest);
 /// std::errc::invalid_argument or, beyond double precision, std::errc::result_out_of_range.
 std::errc parse_number(std::string_view text, double& value);
 
+/// Printable ASCII for messages; other bytes become `\xNN`.
+std::string printable(std::string_view text);
+
 /// For messages: whatever the file holds, the result is short, printable ASCII.
 std::string quoted(std::string_view text);
 

@@ -20,6 +20,7 @@ struct GroupNumbers {
 struct AtomGroups {
   bool are_known = false;
   std::span<const GroupNumbers> of_atom;
+  std::uint64_t chain_count = 0, residue_count = 0;  ///< of the whole molecule
 };
 
 /// Chains and residues of labels, numbered from 0 in the order in which they come first.

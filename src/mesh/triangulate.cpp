@@ -1,5 +1,6 @@
 #include "mesh/triangulate.hpp"
 
+#include <algorithm>
 #include <bit>
 #include <cstddef>
 
@@ -96,6 +97,18 @@ class CellRowWalk {
 
 void triangulate(const CellRows& rows, std::int64_t points_x, std::vector<Triangle>& triangles) {
   CellRowWalk(rows, points_x, triangles).walk();
+}
+
+std::uint8_t patch_of(const CellRows& rows, const Triangle& triangle) {
+  std::array<std::uint8_t, 3> patches{};
+  for (std::size_t corner = 0; corner < patches.size(); ++corner)
+    for (const Row* const row : rows) {
+      // Vertices before the first one of the row are far away, as the difference wraps.
+      const std::uint64_t place = triangle[corner] - row->first_vertex;
+      if (place < row->patches.size()) patches[corner] = row->patches[place];
+    }
+  std::sort(patches.begin(), patches.end());
+  return patches[1];
 }
 
 }  // namespace eses::detail::mesh

@@ -13,6 +13,7 @@ struct Row {
   std::vector<std::uint64_t> inside;  ///< bit i % 64 of word i / 64 is point i
   std::vector<std::uint64_t> edges;   ///< with a crossing: `edge_key`, ascending
   std::uint64_t first_vertex = 0;     ///< number of the first crossing
+  std::vector<std::uint8_t> patches;  ///< of the crossings, for `patch_of`; else empty
 };
 
 constexpr std::uint64_t edge_key(std::uint64_t x, std::uint64_t axis) { return x << 2 | axis; }
@@ -26,5 +27,9 @@ using CellRows = std::array<const Row*, 4>;
 /// Appends the triangles of a row of cells, by x. All edges whose ends differ must have a crossing,
 /// in the rows along x, y and z where these edges start.
 void triangulate(const CellRows& rows, std::int64_t points_x, std::vector<Triangle>& triangles);
+
+/// The patch of a triangle of these rows, which must have patches: the median of its corners'
+/// patches. That is the patch of at least two corners, or saddle where all three differ.
+std::uint8_t patch_of(const CellRows& rows, const Triangle& triangle);
 
 }  // namespace eses::detail::mesh

@@ -19,7 +19,7 @@ Vertex make_vertex(const Grid& grid, const GridIndex& lower, const BlockCrossing
                                           grid.coordinate(axis, lower[axis] + 1), grid.spacing);
   vertex.normal = crossing.normal;
   vertex.patch = crossing.atom_count;
-  vertex.atom = crossing.atoms[0];
+  vertex.atoms = crossing.atoms;
   return vertex;
 }
 

@@ -1,6 +1,7 @@
 #pragma once
 /// The mesh's vertices.
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
 
@@ -10,10 +11,12 @@
 namespace eses::detail::mesh {
 
 struct Vertex {
-  Vec3 position;           ///< angstrom
-  Vec3 normal;             ///< outward unit normal
-  std::uint8_t patch = 1;  ///< 1 convex, 2 saddle, 3 concave
-  AtomIndex atom = 0;      ///< first adjacent atom
+  Vec3 position;                     ///< angstrom
+  Vec3 normal;                       ///< outward unit normal
+  std::uint8_t patch = 1;            ///< 1 convex, 2 saddle, 3 concave
+  std::array<AtomIndex, 3> atoms{};  ///< adjacent atoms, ascending; there are `patch` of them
+
+  AtomIndex first_atom() const { return atoms[0]; }
 };
 
 /// A crossing that is nearer than this to a grid point coincides with it.

@@ -10,12 +10,14 @@
 #include <cerrno>
 #include <climits>
 #include <new>
+#include <span>
 #include <string_view>
 #include <system_error>
 #include <utility>
 
 #include "eses/error.hpp"
 #include "io/map_writer.hpp"
+#include "mesh/mesh_format.hpp"
 #include "system/bytes_text.hpp"
 #include "system/resources.hpp"
 
@@ -80,15 +82,22 @@ std::optional<std::string> target_of(const FilePlace& place) {
 }
 
 // Of a symbolic link, the place where it leads: the link stays.
-FilePlace place_of(const MeshOptions& mesh) {
+FilePlace end_of_links(const std::filesystem::path& file) {
   constexpr int max_links = 40;  // as Linux has it
-  FilePlace place = place_of(mesh.file.native());
+  FilePlace place = place_of(file.native());
   for (int i = 0; i < max_links; ++i) {
     const std::optional<std::string> target = target_of(place);
     if (!target) return place;
     place = place_of(*target);
   }
-  throw FileError(fmt::format("cannot write {}", mesh.file.string()), ELOOP);
+  throw FileError(fmt::format("cannot write {}", file.string()), ELOOP);
+}
+
+// The places of all files of a mesh.
+std::vector<FilePlace> places_of(const MeshOptions& mesh) {
+  std::vector<FilePlace> places;
+  for (const std::filesystem::path& file : mesh_files(mesh)) places.push_back(end_of_links(file));
+  return places;
 }
 
 // What goes to a file system while a run goes on.
@@ -111,7 +120,7 @@ std::vector<DiskDemand> disk_demands(const Plan& plan, const Outputs& outputs,
                                    plan.output_bytes() - plan.mesh_file_bytes +
                                        plan.map_scratch_bytes + plan.text_scratch_bytes}};
   if (!outputs.mesh) return demands;
-  const std::filesystem::path mesh_directory = place_of(*outputs.mesh).directory;
+  const std::filesystem::path mesh_directory = mesh_directory_of(*outputs.mesh);
   const std::uint64_t of_mesh = plan.mesh_file_bytes + plan.mesh_scratch_bytes;
   const auto file_system = file_system_of(existing_part(mesh_directory));
   if (file_system && file_system == file_system_of(existing_part(directory))) {
@@ -135,15 +144,42 @@ void require_writable(const std::filesystem::path& directory) {
 
 // A missing directory is created, but not one to which only a symbolic link leads: it may have been
 // moved, or be on a disk that is not mounted.
-void require_end_of_link(const MeshOptions& mesh) {
-  const FilePlace end = place_of(mesh);
-  const bool is_link = target_of(place_of(mesh.file.native())).has_value();
+void require_end_of_link(const std::filesystem::path& file) {
+  const FilePlace end = end_of_links(file);
+  const bool is_link = target_of(place_of(file.native())).has_value();
   struct stat status {};
   if (!is_link || stat(end.directory.c_str(), &status) == 0 || errno != ENOENT) return;
   throw Error(fmt::format(
       "cannot write {}: it is a symbolic link into {}, which does not exist; create that "
       "directory, or remove the link",
-      mesh.file.string(), end.directory));
+      file.string(), end.directory));
+}
+
+void require_mesh_place(const std::filesystem::path& file) {
+  require_end_of_link(file);
+  const std::string directory = end_of_links(file).directory;
+  require_writable(directory);
+  if (std::filesystem::path(directory).filename() == checkpoint_name)
+    throw Error(fmt::format("{} would go where runs keep what can be resumed, and be removed",
+                            file.string()));
+  require_replaceable(file);  // in messages, the name that was given
+}
+
+// Directories that do not exist yet are told apart by their names.
+bool is_same_directory(const std::string& a, const std::string& b) {
+  struct stat of_a {
+  }, of_b{};
+  if (stat(a.c_str(), &of_a) != 0 || stat(b.c_str(), &of_b) != 0) return a == b;
+  return of_a.st_dev == of_b.st_dev && of_a.st_ino == of_b.st_ino;
+}
+
+void require_different(std::span<const FilePlace> places) {
+  for (std::size_t i = 0; i < places.size(); ++i)
+    for (std::size_t j = 0; j < i; ++j)
+      if (places[i].name == places[j].name &&
+          is_same_directory(places[i].directory, places[j].directory))
+        throw Error(fmt::format("two of the files would be the same one: {}; choose another name",
+                                path_in(places[i].directory, places[i].name)));
 }
 
 // Where there is no directory yet, there is nothing of the name.
@@ -175,12 +211,12 @@ DiskSpace require_disk_space(const Plan& plan, const Outputs& outputs,
   return space;
 }
 
-std::string mesh_directory_of(const MeshOptions& mesh) { return place_of(mesh).directory; }
+std::string mesh_directory_of(const MeshOptions& mesh) { return places_of(mesh).front().directory; }
 
 std::vector<std::string> file_names(const Outputs& choice) {
   std::vector<std::string> names = text_names(choice, choice.gzip);
   if (choice.residues) names.insert(names.end(), {residues_name, chains_name});
-  if (!choice.inside_map.empty()) names.push_back(choice.inside_map);
+  for (const MapChoice& map : chosen_maps(choice)) names.push_back(map.name);
   return names;
 }
 
@@ -191,7 +227,8 @@ std::vector<FilePlace> places_of(const Outputs& choice, const std::filesystem::p
   std::vector<FilePlace> places;
   for (std::string& name : file_names(choice))
     places.push_back({directory.native(), std::move(name)});
-  if (choice.mesh) places.push_back(place_of(*choice.mesh));
+  if (choice.mesh)
+    for (FilePlace& place : places_of(*choice.mesh)) places.push_back(std::move(place));
   return places;
 }
 
@@ -215,14 +252,11 @@ std::vector<std::string> stale_paths(const Outputs& choice,
 
 void require_places(const Outputs& choice, const std::filesystem::path& directory) {
   if (!file_names(choice).empty()) require_writable(directory);
-  if (choice.mesh) require_end_of_link(*choice.mesh);
-  if (choice.mesh) require_writable(place_of(*choice.mesh).directory);
-  if (choice.mesh &&
-      std::filesystem::path(place_of(*choice.mesh).directory).filename() == checkpoint_name)
-    throw Error(fmt::format("{} would go where runs keep what can be resumed, and be removed",
-                            choice.mesh->file.string()));
-  if (choice.mesh) require_replaceable(choice.mesh->file);  // in messages, the name that was given
-  for (const FilePlace& place : places_of(choice, directory)) require_free_name(place);
+  if (choice.mesh)
+    for (const std::filesystem::path& file : mesh_files(*choice.mesh)) require_mesh_place(file);
+  const std::vector<FilePlace> places = places_of(choice, directory);
+  for (const FilePlace& place : places) require_free_name(place);
+  require_different(places);
   for (const std::string& path : stale_paths(choice, directory)) require_replaceable(path);
 }
 
@@ -237,10 +271,9 @@ std::vector<std::string> temporary_paths(const Outputs& choice,
 std::vector<std::string> lock_paths(const Outputs& choice, const std::filesystem::path& directory) {
   std::vector<std::string> paths;
   if (!file_names(choice).empty()) paths.push_back(lock_path(directory));
-  if (choice.mesh) {
-    const auto [mesh_directory, name] = place_of(*choice.mesh);
-    paths.push_back(lock_path(mesh_directory, name));
-  }
+  if (choice.mesh)
+    for (const auto& [mesh_directory, name] : places_of(*choice.mesh))
+      paths.push_back(lock_path(mesh_directory, name));
   return paths;
 }
 
@@ -266,20 +299,30 @@ void OutputFiles::open_directory(const Outputs& choice, const std::filesystem::p
     residues.emplace(*directory, residues_name);
     chains.emplace(*directory, chains_name);
   }
-  if (!choice.inside_map.empty()) inside_map.emplace(*directory, choice.inside_map);
+  for (const MapChoice& map : chosen_maps(choice))
+    maps[static_cast<std::size_t>(map.quantity)].emplace(*directory, map.name);
 }
 
 void OutputFiles::open_mesh(const MeshOptions& choice) {
-  const FilePlace place = place_of(choice);
-  mesh_directory.emplace(place.directory, place.name);
-  mesh_directory->remove_abandoned([&](std::string_view name) { return name == place.name; });
-  mesh.emplace(*mesh_directory, place.name);
+  const auto open = [](const FilePlace& place, std::optional<OutputDirectory>& in,
+                       std::optional<OutputFile>& file) {
+    in.emplace(place.directory, place.name);
+    in->remove_abandoned([&](std::string_view name) { return name == place.name; });
+    file.emplace(*in, place.name);
+  };
+  const std::vector<FilePlace> places = places_of(choice);
+  open(places.front(), mesh_directory, mesh);
+  if (places.size() > 1) open(places.back(), face_directory, mesh_faces);
 }
 
 // The bounding box first.
 std::vector<OutputFile*> OutputFiles::all() {
   std::vector<OutputFile*> files;
-  for (auto* file : {&box, &grid, &edges, &areas, &inside_map, &residues, &chains, &mesh})
+  for (auto* file : {&box, &grid, &edges, &areas})
+    if (*file) files.push_back(&**file);
+  for (auto& map : maps)
+    if (map) files.push_back(&*map);
+  for (auto* file : {&residues, &chains, &mesh, &mesh_faces})
     if (*file) files.push_back(&**file);
   return files;
 }

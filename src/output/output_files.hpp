@@ -1,12 +1,14 @@
 #pragma once
 /// The files of a run: all of them, or none.
 
+#include <array>
 #include <filesystem>
 #include <functional>
 #include <optional>
 #include <string>
 #include <vector>
 
+#include "io/map_writer.hpp"
 #include "output/output_directory.hpp"
 #include "output/output_file.hpp"
 #include "task/task.hpp"
@@ -42,12 +44,14 @@ std::vector<std::string> final_paths(const Outputs& choice, const std::filesyste
 /// What is removed besides, as it is another form of one of them.
 std::vector<std::string> stale_paths(const Outputs& choice, const std::filesystem::path& directory);
 
-/// The directory of the mesh's file; if that is a symbolic link, of the file to which it leads.
+/// The directory of the mesh's first file; if that is a symbolic link, of the file to which it
+/// leads.
 std::string mesh_directory_of(const MeshOptions& mesh);
 
 /// Throws Error if one of the files cannot be written where it goes, as far as can be told without
 /// writing there: its directory is none, or not to be written to, or its name leads to something
-/// else than a regular file. The same holds for stale_paths, which would be removed.
+/// else than a regular file. The same holds for stale_paths, which would be removed. Throws Error,
+/// too, if two of the files are the same one, as by symbolic links.
 void require_places(const Outputs& choice, const std::filesystem::path& directory);
 
 /// Where this process writes them until they are complete.
@@ -77,11 +81,20 @@ DiskSpace require_disk_space(const Plan& plan, const Outputs& outputs,
 struct OutputFiles {
   bool gzip = false;                         ///< whether box, grid, edges and areas are gzipped
   std::optional<OutputDirectory> directory;  ///< if any file but the mesh is there
-  std::optional<OutputDirectory> mesh_directory;  ///< if there is a mesh; locked for it alone
-  std::optional<OutputFile> box, grid, edges, areas, inside_map, residues, chains, mesh;
+  /// If there is a mesh, of its file, and of that of its triangles if they have one; each locked
+  /// for that file alone.
+  std::optional<OutputDirectory> mesh_directory, face_directory;
+  std::optional<OutputFile> box, grid, edges, areas, residues, chains, mesh, mesh_faces;
+  std::array<std::optional<OutputFile>, map_quantities> maps;  ///< by quantity
 
   /// Throws Error as require_places, OutputDirectory, OutputFile and require_disk_space do.
   OutputFiles(const Outputs& choice, const std::filesystem::path& path, const Plan& plan);
+
+  /// The file of a map; null if there is none.
+  OutputFile* map(MapQuantity quantity) {
+    auto& file = maps[static_cast<std::size_t>(quantity)];
+    return file ? &*file : nullptr;
+  }
 
   /// Gives all files their names. Older ones go first, so that old and new never stand beside each
   /// other, and the bounding box comes last: where it is, the others are. What `check`, called

@@ -1,5 +1,5 @@
 #pragma once
-/// Hashes of atoms, from which checksums of whole molecules are summed up.
+/// Hashes of atoms. The checksum of a molecule is their sum.
 
 #include <bit>
 #include <cstdint>
@@ -9,7 +9,7 @@
 
 namespace eses::detail {
 
-/// Depends on every bit of the atom and on its number in the molecule.
+/// Returns a hash of an atom and its index in the molecule.
 inline std::uint64_t atom_hash(const Atom& atom, std::uint64_t number) {
   const auto& [center, radius] = atom;
   std::uint64_t hash = splitmix64(number);

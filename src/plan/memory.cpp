@@ -10,7 +10,7 @@
 #include "io/gzip.hpp"
 #include "mesh/mesh_writer.hpp"
 #include "mesh/triangulate.hpp"
-#include "output/inside_map.hpp"
+#include "output/grid_map.hpp"
 #include "solve/block_solver.hpp"
 #include "sweep/text_chunks.hpp"
 
@@ -20,21 +20,20 @@ namespace {
 constexpr double mebibyte = 1 << 20;
 constexpr double base_bytes = 6 * mebibyte;           // program, libraries, survey
 constexpr double bytes_per_thread = 0.75 * mebibyte;  // stack, allocator, batches
-// With line number, tree, place among the clusters and share of the area.
+// The atom, its line number, tree entry, place in the clusters and area share.
 constexpr double bytes_per_atom = sizeof(Atom) + 8 + 16 + 8 + sizeof(AreaShare);
-// What the allocator keeps of a layer that is gone, for each thread that may have solved its
-// blocks.
+// Memory of a freed layer that the allocator keeps, for each block and thread.
 constexpr double kept_per_block = 256;
-constexpr double bytes_per_index = 48;  // of an axis, as text
-constexpr double bytes_per_layer = 64;  // that is still, or no longer, empty
-// A list that grows is copied into one of twice its length, of which part stays untouched.
+constexpr double bytes_per_index = 48;  // text of a grid index
+constexpr double bytes_per_layer = 64;  // an empty layer
+// Average ratio of the touched memory of a growing list to its size.
 constexpr double growth = 1.5;
-// Crossings are denser than on average where the surface faces a cell's corner.
+// The density of crossings is higher than average if the surface faces a cell's corner.
 constexpr double crossing_slack = 1.05;
 
 double as_double(std::int64_t value) { return static_cast<double>(value); }
 
-// Of all patches; keys of placements wait until their cluster is completed.
+// Returns the memory of all patches, including the keys of placements in incomplete clusters.
 double patch_bytes(const SurfaceSurvey& survey) {
   const PatchTotals& totals = survey.totals();
   constexpr double keys_per_placement = growth;
@@ -48,29 +47,30 @@ double patch_bytes(const SurfaceSurvey& survey) {
          per_atom * static_cast<double>(survey.patched_count());
 }
 
-// Of all patches, those that are held at a time while layers of this height are solved.
+// Returns the fraction of all patches that is in memory while layers of this height are solved.
 double share_of_patches(const SurfaceSurvey& survey, double height) {
   const double probe = survey.probe_radius(), radius = survey.max_radius();
-  // Atoms whose patches matter in the layer, and those whose SAS spheres meet theirs.
+  // The reach of atoms whose patches influence the layer, and of atoms whose SAS spheres meet
+  // theirs.
   const double reach = radius + 2 * probe + 2 * (radius + probe) + 3 * CellList::sides[2];
   return survey.max_share(height + 2 * reach);
 }
 
-// What threads hold while they build the patches of crowded atoms, of which each has one at a time.
+// Returns the scratch memory of the threads that build the patches of crowded atoms.
 double crowd_bytes(const SurfaceSurvey& survey, int threads) {
-  // See AtomPatchScratch: caps, kept caps and their atoms and numbers, several times.
+  // Caps, kept caps, and their atoms and numbers in AtomPatchScratch.
   constexpr double bytes_per_neighbour = growth * (2 * sizeof(SasSphere) + 2 * sizeof(Cap) +
                                                    sizeof(BurialCap) + 19 * sizeof(AtomIndex));
   const PatchTotals& totals = survey.totals();
   return bytes_per_neighbour * std::min(totals.crowded_neighbours, threads * totals.max_neighbours);
 }
 
-// Of a block, with the point behind the region's last.
+// Returns the number of points of a block along an axis, with the halo.
 std::int64_t points_along(const BlockTiling& tiling, std::size_t axis) {
   return std::min(tiling.block_size[axis], tiling.region.size()[axis] + 1);
 }
 
-// What a thread unpacks for one block: see collect_features.
+// Returns the memory of the BlockFeatures of one thread.
 double feature_bytes(const SurfaceSurvey& survey, const Grid& grid, const BlockTiling& tiling) {
   const auto atoms = static_cast<double>(survey.patched_count());
   const PatchTotals& totals = survey.totals();
@@ -78,21 +78,22 @@ double feature_bytes(const SurfaceSurvey& survey, const Grid& grid, const BlockT
   for (std::size_t axis = 0; axis < 3; ++axis)
     half[axis] = 0.5 * grid.spacing * as_double(points_along(tiling, axis) - 1);
   const auto [reaching_box, found] = survey.max_atoms_near(half);
-  constexpr double denser = 1.1;  // than at the places looked at
+  constexpr double denser = 1.1;  // ratio to the maximum of the sample
   const auto bound = [&](std::size_t count) {
     return std::min(atoms, denser * static_cast<double>(count));
   };
-  const double indices = 32;  // of a patch in the cells of PatchIndex
+  const double indices = 32;  // bytes of a patch in the cells of PatchIndex
   const double per_atom =
       sizeof(BallFeature) + sizeof(FaceFeature) + indices +
       (sizeof(CapCone) * totals.face_neighbours + (sizeof(ArcFeature) + indices) * totals.arcs +
        (sizeof(PlacementFeature) + indices) * totals.placements) /
           atoms;
-  // Of the block that has most; the lists that grew for it stay, and may have twice its length.
+  // Lists keep their maximum capacity, which can be twice the maximum size.
   constexpr double doubled = 2;
   return doubled * (sizeof(AtomIndex) * bound(found) + per_atom * bound(reaching_box));
 }
 
+// Returns the number of words of a block's PointBits.
 double block_words(const BlockTiling& tiling) {
   std::array<double, 3> points{};
   for (std::size_t axis = 0; axis < 3; ++axis) points[axis] = as_double(points_along(tiling, axis));
@@ -105,18 +106,24 @@ double blocks_in_layer(const BlockTiling& tiling) {
 }
 
 double text_bytes(const GridRegion& region, const Outputs& outputs) {
-  // A line has more bytes than counted on, and crossings may crowd.
+  // The estimate of 24 bytes for each point includes dense crossings.
   const std::int64_t row = region.size()[0];
   const double points = as_double(rows_per_chunk(row) * row), chunk = points * 24;
   double bytes = (outputs.grid ? chunk : 0) + (outputs.edges ? chunk / 2 : 0);
   if (outputs.gzip) bytes += Gzip::state_bytes + (outputs.grid || outputs.edges ? chunk : 0);
-  if (const auto format = map_format(outputs.inside_map))
-    bytes += std::max(2 * points, InsideMap::thread_bytes(*format, region));
+  double map = 0;  // maps are made one after the other
+  for (const MapChoice& choice : chosen_maps(outputs)) {
+    // Rows, and a copy of each cell's words.
+    const double rows =
+        is_of_edges(choice.quantity) ? 3 * sizeof(std::uint32_t) * points : 2 * points;
+    map = std::max({map, rows, GridMap::thread_bytes(choice, region)});
+  }
+  bytes += map;
   if (outputs.mesh) bytes += chunk;
   return bytes;
 }
 
-// Numbers of the rows of a layer, and the plane that is kept of it.
+// Returns the memory of the vertex numbers of a layer's rows, and of the plane that is kept.
 double mesh_bytes(const SurfaceSurvey& survey, double spacing, const BlockTiling& tiling) {
   const auto side = as_double(std::min(tiling.block_size[2], tiling.grid_size[2]));
   const double rows = as_double(tiling.region.size()[1]);
@@ -124,20 +131,20 @@ double mesh_bytes(const SurfaceSurvey& survey, double spacing, const BlockTiling
       halo_growth(tiling) * expected_crossings(survey.max_slab_area(spacing), spacing);
   return growth * sizeof(std::uint64_t) * side * rows +
          rows * (sizeof(mesh::Row) + as_double(tiling.region.size()[0]) / 8) +
-         growth * sizeof(std::uint64_t) * crossings;
+         growth * (sizeof(std::uint64_t) + sizeof(std::uint8_t)) * crossings;
 }
 
-// With the numbers of chains and residues, and the sums of chains.
+// Returns the memory of labels, numbers of chains and residues, and sums of chains.
 double label_bytes(const LabelTotals& labels, double atoms, const Outputs& outputs) {
   if (labels.labels == 0) return 0;
   const auto residues = static_cast<double>(labels.residue_runs);
   const auto chains = static_cast<double>(labels.chain_runs);
   double bytes = sizeof(AtomLabel) * static_cast<double>(labels.labels) + labels.heap_bytes;
-  // Each list has its first atoms, and while it is made an order of these.
+  // Lists of the first atom of each residue and chain, and their temporary order.
   if (outputs.mesh && mesh::names_atoms(*outputs.mesh))
     bytes +=
         2 * sizeof(std::uint32_t) * atoms + 2 * growth * sizeof(AtomIndex) * (residues + chains);
-  // A chain has a place in a table, and texts by which one process tells the next of it.
+  // A chain has an entry in a table, and texts in the messages between ranks.
   constexpr double bytes_per_chain = growth * sizeof(ChainArea) + 64 + 4 * sizeof(std::string);
   constexpr double copies_of_name = 4;
   if (outputs.residues)
@@ -146,7 +153,7 @@ double label_bytes(const LabelTotals& labels, double atoms, const Outputs& outpu
   return bytes;
 }
 
-// Of a string, and what the allocator adds.
+// Returns the heap memory of a string, with the overhead of the allocator.
 double heap_bytes_of(const std::string& text) {
   static const std::size_t room_within = std::string().capacity();
   constexpr double allocator = 24;
@@ -163,27 +170,30 @@ double bytes_of_thread(const SurfaceSurvey& survey, const Grid& grid, const Sche
          kept_per_block * blocks_in_layer(schedule.tiling);
 }
 
-// The results of a layer of blocks and of a share of the next one: bits, rows, crossings.
+// Returns the memory of the results of a layer and of a fraction of the next one.
 double bytes_of_layers(const SurfaceSurvey& survey, const Grid& grid, const BlockTiling& tiling,
-                       double share_of_next, bool has_mesh) {
+                       double share_of_next, const Outputs& outputs) {
   const auto side = as_double(points_along(tiling, 2));
   const double rows = side * as_double(points_along(tiling, 1));
   constexpr double allocator = 64;
+  const double bit_sets = outputs.ion_access ? 2 : 1, edge_lists = outputs.dielectric ? 2 : 1;
+  const double bytes_per_crossing =
+      sizeof(Crossing) + (outputs.dielectric ? growth * sizeof(EdgeShares::Edge) : 0);
   const double bytes_per_block = sizeof(BlockResult) + allocator +
-                                 sizeof(std::uint64_t) * block_words(tiling) +
-                                 sizeof(std::uint32_t) * rows;
+                                 sizeof(std::uint64_t) * block_words(tiling) * bit_sets +
+                                 sizeof(std::uint32_t) * rows * edge_lists;
   const double layers = 1 + share_of_next;
-  // The fullest layer's neighbours may have less.
+  // The neighbours of the layer with the maximum area may have a smaller area.
   const double area = std::min(layers * survey.max_slab_area(side * grid.spacing),
                                survey.max_slab_area(2 * side * grid.spacing));
   return layers * blocks_in_layer(tiling) * bytes_per_block +
-         sizeof(BlockCrossing) * crossing_slack * (has_mesh ? halo_growth(tiling) : 1) *
+         bytes_per_crossing * crossing_slack * (outputs.mesh ? halo_growth(tiling) : 1) *
              expected_crossings(area, grid.spacing);
 }
 
-// Of the layer after the one that is unwritten, how much is solved at most: blocks differ.
+// Returns the maximum fraction of the next layer that is solved before the current one is written.
 double share_ahead(const Schedule& schedule) {
-  constexpr double fullest = 2;  // against the mean
+  constexpr double fullest = 2;  // maximum memory of a block, relative to the mean
   if (schedule.tiling.blocks[2] < 2) return 0;
   return std::min(1.0,
                   fullest * as_double(schedule.blocks_ahead) / blocks_in_layer(schedule.tiling));
@@ -229,13 +239,13 @@ double expected_memory(const SurfaceSurvey& survey, const LabelTotals& labels, c
   const auto atoms = static_cast<double>(survey.atom_count());
   const BlockTiling& tiling = schedule.tiling;
   const double threads = schedule.threads, always = min_expected_memory(survey.atom_count());
-  // Where blocks of the next layer are solved ahead, its patches are there, too.
+  // If blocks of the next layer are solved ahead, the patches of two layers are in memory.
   const double layers = schedule.blocks_ahead > 0 && tiling.blocks[2] > 1 ? 2 : 1;
   const double height = layers * grid.spacing * as_double(points_along(tiling, 2) - 1);
   const double patches = share_of_patches(survey, height) * patch_bytes(survey) +
                          crowd_bytes(survey, schedule.threads);
   const double held =
-      bytes_of_layers(survey, grid, tiling, share_ahead(schedule), outputs.mesh.has_value()) +
+      bytes_of_layers(survey, grid, tiling, share_ahead(schedule), outputs) +
       2 * sizeof(std::uint64_t) * as_double(tiling.blocks[0]) * as_double(tiling.region.size()[1]) +
       as_double(tiling.blocks[2]) * bytes_per_layer +
       (outputs.mesh ? mesh_bytes(survey, grid.spacing, tiling) : 0);
@@ -244,7 +254,7 @@ double expected_memory(const SurfaceSurvey& survey, const LabelTotals& labels, c
   const double solving = patches + axes +
                          threads * bytes_of_thread(survey, grid, schedule, outputs) +
                          std::max(held, bytes_per_area * atoms);
-  // Labels are there from the beginning.
+  // Labels are in memory during the whole run.
   return always + label_bytes(labels, atoms, outputs) + solving;
 }
 

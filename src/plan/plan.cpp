@@ -14,7 +14,7 @@
 #include "io/eses_writer.hpp"
 #include "io/gzip.hpp"
 #include "mesh/mesh_writer.hpp"
-#include "output/inside_map.hpp"
+#include "output/grid_map.hpp"
 #include "plan/atom_hash.hpp"
 #include "plan/memory.hpp"
 #include "sweep/region_box.hpp"
@@ -27,9 +27,9 @@ namespace eses::detail {
 namespace {
 
 constexpr std::uint64_t area_line_bytes = 32;
-// Of residue_area.csv and chain_area.csv, what is not the names, typically.
+// Typical bytes of residue_area.csv and chain_area.csv without the names.
 constexpr std::uint64_t table_header_bytes = 66, table_line_bytes = 16;
-// What gzip leaves of the files, as it turned out for proteins.
+// Compression ratios of gzip, measured with proteins.
 constexpr double grid_gzip_share = 0.2, edge_gzip_share = 0.3, area_gzip_share = 0.25;
 constexpr std::int64_t max_verified = 10'000'000;
 
@@ -38,9 +38,7 @@ void require(bool holds, std::string_view what, double value) {
 }
 
 void require_valid(const MeshOptions& mesh, const Molecule& molecule) {
-  if (!mesh_format(mesh.file))
-    throw Error(
-        fmt::format("the mesh's file must end in .ply, .obj or .off, not {}", mesh.file.string()));
+  required_mesh_format(mesh);
   if (mesh.color == MeshColor::chain && molecule.labels().empty())
     throw Error("a mesh can be coloured by chain only if the input, a PQR file, tells the chains");
 }
@@ -53,14 +51,14 @@ void require_enclosing_margin(double depth, const Parameters& p) {
       p.margin, p.spacing, p.spacing));
 }
 
-// No more threads than there is work for: blocks, or clusters of atoms.
+// Returns the number of threads to use: at most one for each block or cluster of atoms.
 int useful_threads(const BlockTiling& tiling, int wanted, std::size_t atoms) {
   const auto clusters = static_cast<std::int64_t>(atoms / AtomClusters::atoms_per_cluster + 1);
-  const std::int64_t most = std::max(tiling.block_count(), clusters);
-  return static_cast<int>(std::min<std::int64_t>(wanted, most));
+  const std::int64_t tasks = std::max(tiling.block_count(), clusters);
+  return static_cast<int>(std::min<std::int64_t>(wanted, tasks));
 }
 
-// The points to compute. Chosen blocks are those of the default size if none is given.
+// Returns the points to compute. Without a block size, chosen blocks have the default size.
 GridRegion region_of(const Grid& grid, const Parameters& p) {
   if (p.region) return points_between(grid, p.region->low, p.region->high);
   if (!p.blocks) return grid.whole();
@@ -68,21 +66,20 @@ GridRegion region_of(const Grid& grid, const Parameters& p) {
   return make_tiling(grid, block_size).points_of_blocks(*p.blocks);
 }
 
-// Sides of blocks from which the plan chooses if none are given. Cubes are fastest, but where the
-// molecule is wide, a layer of them holds many crossings, and needs many patches. Flat blocks,
-// whose other sides are longer instead, cost about 3 % more.
+// Automatic block shapes. Cubes are fastest, but a layer of them has many crossings and needs many
+// patches if the molecule is wide. Flat blocks with longer sides take about 3 % more time.
 constexpr std::array<GridIndex, 3> layer_shapes{{{64, 64, 64}, {64, 64, 32}, {96, 96, 20}}};
-constexpr double max_layer_bytes = 8 << 20;  // of crossings, where flatter blocks are possible
-constexpr double thinnest_layer = 6;         // angstrom; thinner ones cost far more
-// Smaller ones, to keep a limit.
+constexpr double max_layer_bytes = 8 << 20;  // crossings of a layer before flatter blocks are used
+constexpr double min_layer_height = 6;       // angstrom; thinner layers take far more time
+// Smaller blocks to keep a memory limit.
 constexpr std::array<GridIndex, 3> small_shapes{{{32, 32, 32}, {24, 24, 24}, {16, 16, 16}}};
 
-// On a coarse grid the sides are shorter: a block unpacks all patches in and around it.
-constexpr double longest_side = 63;  // angstrom: 64 points at a spacing of 1
+// The sides are shorter on a coarse grid, as a block holds all patches in and around it.
+constexpr double max_side = 63;  // angstrom: 64 points at a spacing of 1
 constexpr std::int64_t min_points = 8;
 
 GridIndex shortened(GridIndex size, double spacing) {
-  const double points = std::max(std::floor(longest_side / spacing) + 1, double{min_points});
+  const double points = std::max(std::floor(max_side / spacing) + 1, double{min_points});
   for (std::int64_t& side : size)
     if (static_cast<double>(side) > points) side = static_cast<std::int64_t>(points);
   return size;
@@ -101,7 +98,8 @@ std::vector<GridIndex> possible_block_sizes(const SurfaceSurvey& survey, const P
   if (p.block_size != 0) return {{p.block_size, p.block_size, p.block_size}};
   auto shape = layer_shapes.begin();
   const auto can_be_flatter = [&] {
-    return shape + 1 != layer_shapes.end() && height_of(*(shape + 1), p.spacing) >= thinnest_layer;
+    return shape + 1 != layer_shapes.end() &&
+           height_of(*(shape + 1), p.spacing) >= min_layer_height;
   };
   while (can_be_flatter() && has_full_layers(survey, p.spacing, *shape)) ++shape;
   std::vector<GridIndex> sizes(shape, layer_shapes.end());
@@ -110,7 +108,8 @@ std::vector<GridIndex> possible_block_sizes(const SurfaceSurvey& survey, const P
   return sizes;
 }
 
-// What there is to choose from, the fastest first: half the threads cost more than small blocks.
+// Returns the schedules to choose from, the fastest first. Fewer threads cost more time than small
+// blocks.
 std::vector<Schedule> possible_schedules(const Grid& grid, const GridRegion& region,
                                          const Parameters& p, const SurfaceSurvey& survey) {
   const std::vector<GridIndex> block_sizes = possible_block_sizes(survey, p);
@@ -119,8 +118,8 @@ std::vector<Schedule> possible_schedules(const Grid& grid, const GridRegion& reg
     for (const GridIndex& block_size : block_sizes) {
       const BlockTiling tiling = make_tiling(grid, block_size, region);
       const int used = useful_threads(tiling, threads, survey.patched_count());
-      // So many that a thread rarely waits for the slowest block of a layer, or none. A thread that
-      // is alone never waits.
+      // With 4 blocks ahead for each thread, threads rarely wait for the slowest block of a layer.
+      // A single thread never waits.
       for (const std::int64_t ahead : {used > 1 ? 4 * used : 0, 0})
         schedules.push_back({tiling, used, ahead});
     }
@@ -133,7 +132,7 @@ std::uint64_t whole_bytes(double bytes) {
   return static_cast<std::uint64_t>(std::min(std::ceil(bytes), 1e19));
 }
 
-// Behind "the run needs ...": what the smallest schedule was not free to choose.
+// Returns the choices that the user has fixed, as a supplement to "the run needs ...".
 std::string fixed_choices(const Parameters& p) {
   std::string fixed;
   if (p.block_size > 0) fixed += fmt::format(" in blocks of {}", p.block_size);
@@ -165,19 +164,21 @@ std::string fixed_choices(const Parameters& p) {
 // A closed mesh has about twice as many triangles as vertices.
 void expect_mesh(const MeshOptions& mesh, const LabelTotals& labels, double crossings, Plan& plan) {
   const double vertices = halo_growth(plan.tiling) * crossings;
-  plan.mesh_scratch_bytes =
-      whole_bytes(2 * static_cast<double>(mesh::typical_triangle_bytes(mesh)) * vertices);
   const bool has_names = labels.residue_runs > 0 && mesh::names_atoms(mesh);
-  plan.mesh_file_bytes =
-      plan.mesh_scratch_bytes +
-      whole_bytes(static_cast<double>(mesh::typical_vertex_bytes(mesh, has_names)) * vertices);
+  const mesh::MeshBytes bytes = mesh::typical_mesh_bytes(mesh, has_names);
+  const auto bytes_of = [vertices](std::uint64_t vertex, std::uint64_t triangle) {
+    return whole_bytes((static_cast<double>(vertex) + 2 * static_cast<double>(triangle)) *
+                       vertices);
+  };
+  plan.mesh_scratch_bytes = bytes_of(bytes.waiting_vertex, bytes.waiting_triangle);
+  plan.mesh_file_bytes = bytes_of(bytes.vertex, bytes.triangle);
   if (has_names)
     plan.mesh_file_bytes +=
-        labels.residue_text_bytes + labels.chain_text_bytes +
-        mesh::typical_name_line_bytes * (labels.residue_runs + labels.chain_runs);
+        bytes.name_character * (labels.residue_text_bytes + labels.chain_text_bytes) +
+        bytes.name_line * (labels.residue_runs + labels.chain_runs);
 }
 
-// The fastest schedule that keeps the limit and what is available.
+// Chooses the fastest schedule that exceeds neither the limit nor the available memory.
 void choose_schedule(const SurfaceSurvey& survey, const GridRegion& region,
                      const MemoryBudget& budget, const Outputs& outputs, Plan& plan) {
   const auto& [available, held, labels, held_per_crossing] = budget;
@@ -201,7 +202,7 @@ void choose_schedule(const SurfaceSurvey& survey, const GridRegion& region,
   refuse_limit(p, smallest);
 }
 
-// The labels of a molecule, and the copies of them that a run makes.
+// Returns the totals of a molecule's labels and of the copies that a run makes.
 LabelTotals with_copies(LabelTotals labels, const Outputs& outputs) {
   if (labels.labels == 0) return labels;
   std::size_t copies = outputs.residues ? labels.residue_runs : 0;
@@ -220,10 +221,12 @@ SurfaceSurvey survey_of(const Molecule& molecule, const Grid& grid, const GridRe
   return {molecule, probe_radius, region_box(grid, region)};
 }
 
-void expect_map(const std::string& name, Plan& plan) {
-  const MapFormat format = required_map_format(name);
-  plan.map_file_bytes = map_layout(format, plan.grid, plan.tiling.region).file_bytes();
-  plan.map_scratch_bytes = InsideMap::scratch_bytes(format, plan.tiling.region);
+void expect_maps(const Outputs& outputs, Plan& plan) {
+  const GridRegion& region = plan.tiling.region;
+  for (const MapChoice& map : chosen_maps(outputs)) {
+    plan.map_file_bytes += map_layout(map, plan.grid, region).file_bytes();
+    plan.map_scratch_bytes += GridMap::scratch_bytes(map, region);
+  }
 }
 
 std::uint64_t box_bytes(const Grid& grid, bool gzip) {
@@ -247,7 +250,7 @@ void require_valid(const Parameters& p) {
 
 void require_valid(const Outputs& outputs, const Molecule& molecule) {
   if (outputs.mesh) require_valid(*outputs.mesh, molecule);
-  if (!outputs.inside_map.empty()) required_map_format(outputs.inside_map);
+  require_valid_maps(outputs);
   if (outputs.residues && molecule.labels().empty())
     throw Error("areas by residue need to be told each atom's chain and residue");
 }
@@ -271,7 +274,7 @@ void plan_files(const FileContents& contents, const Outputs& outputs, Plan& plan
     plan.residue_file_bytes = table_header_bytes +
                               table_line_bytes * (labels.residue_runs + labels.chain_runs) +
                               labels.residue_text_bytes + labels.chain_text_bytes;
-  if (!outputs.inside_map.empty()) expect_map(outputs.inside_map, plan);
+  expect_maps(outputs, plan);
 }
 
 std::uint64_t checksum_of(std::span<const Atom> atoms) {

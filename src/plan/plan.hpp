@@ -1,6 +1,6 @@
 #pragma once
-/// Plans: the grid, the schedule of a process, and the sizes of the files. May use everything below
-/// the sweep, but neither other processes nor files.
+/// Plans of runs: the grid, the schedule of a process, and the sizes of the files. This room uses
+/// neither files nor MPI.
 
 #include <cstdint>
 #include <span>
@@ -12,64 +12,64 @@
 
 namespace eses::detail {
 
-/// Grid, tiling, memory and bytes of output; what is left to it, block size, threads and blocks in
-/// flight, it chooses so that `max_memory` and what memory is available are kept. Throws Error if a
+/// Makes a plan. Chooses block size, threads and number of blocks in flight as far as they are not
+/// given, so that neither `max_memory` nor the available memory is exceeded. Throws Error if a
 /// parameter is out of its range, if the margin is so small that the grid would cut the surface
-/// (see README), if a bound of the region is not finite, or if memory cannot hold what the run
-/// needs, or may not.
+/// (see doc/grid.md), if a bound of the region is not finite, or if the run needs more memory than
+/// is available or allowed.
 Plan make_plan(const Molecule& molecule, const Parameters& parameters, const Outputs& outputs);
 
-/// make_plan where `available` bytes of memory are free: the plan keeps them as it keeps
-/// `max_memory`.
+/// Makes a plan for a machine on which `available` bytes of memory are free.
 Plan make_plan_within(std::uint64_t available, const Molecule& molecule,
                       const Parameters& parameters, const Outputs& outputs);
 
-/// What `Plan::atoms_checksum` is for these atoms.
+/// Returns Plan::atoms_checksum for these atoms.
 std::uint64_t checksum_of(std::span<const Atom> atoms);
 
-/// Step 1 of a plan: the grid around atoms with these bounds or, if there is one, the grid of the
-/// parameters, and the region to compute.
+/// Performs step 1 of a plan: takes the grid of the parameters or, if they have none, makes the
+/// grid around atoms with these bounds, and determines the region.
 Plan plan_grid(const Box& bounds, const Parameters& parameters);
 
-/// The same for a grid that is there already. `parameters.margin` has no meaning, and
+/// Performs step 1 of a plan for a given grid. `parameters.margin` is ignored, and
 /// `parameters.spacing` must be that of the grid.
 Plan plan_on_grid(const Grid& grid, const Box& bounds, const Parameters& parameters);
 
-/// Throws Error if the probe radius, the number of threads or that of points to verify is out of
-/// its range.
+/// Throws Error if the probe radius, the number of threads or the number of points to verify is out
+/// of its range.
 void require_valid(const Parameters& parameters);
 
-/// Throws Error if the files cannot be of this molecule: if the mesh or the map has an unknown
-/// suffix, or if labels are missing.
+/// Throws Error if the mesh or a map has an unknown suffix, if two maps have the same name, if a
+/// number of a map is out of its range, or if the molecule lacks labels that the outputs need.
 void require_valid(const Outputs& outputs, const Molecule& molecule);
 
-/// The memory that a process has for its part of a run.
+/// The memory of a process for its part of a run.
 struct MemoryBudget {
-  std::uint64_t available = 0;   ///< bytes of memory that are free
-  std::uint64_t held = 0;        ///< bytes that the process holds for exchange with other processes
-  LabelTotals labels;            ///< the labels that the process holds
-  double held_per_crossing = 0;  ///< bytes that the process will hold for each crossing
+  std::uint64_t available = 0;   ///< free memory in bytes
+  std::uint64_t held = 0;        ///< memory for communication with other MPI ranks, in bytes
+  LabelTotals labels;            ///< labels in the memory of the process
+  double held_per_crossing = 0;  ///< memory that the caller needs for each crossing, in bytes
 };
 
-/// Step 2: chooses the schedule for the region of `plan.tiling`. `molecule` must hold the atoms
-/// that influence the region. Returns the expected number of crossings in the region.
+/// Performs step 2 of a plan: chooses the schedule for the region of `plan.tiling`. `molecule` must
+/// have the atoms that influence the region. Returns the expected number of crossings in the
+/// region.
 double plan_schedule(const MemoryBudget& budget, const Molecule& molecule, const Outputs& outputs,
                      Plan& plan);
 
-/// Steps 2 and 3 for a process that is alone and has the whole molecule, whose labels it adds to
-/// the budget. Returns the expected number of crossings.
+/// Performs steps 2 and 3 of a plan for a single process with the whole molecule, whose labels are
+/// added to the budget. Returns the expected number of crossings.
 double plan_alone(MemoryBudget budget, const Molecule& molecule, const Outputs& outputs,
                   Plan& plan);
 
-/// What the sizes of the files of a whole run depend on, beside its plan.
+/// The contents of a run's files, as far as their sizes depend on them.
 struct FileContents {
   std::uint64_t atoms = 0;
-  double crossings = 0;  ///< expected
-  /// Residues and chains of all atoms. Only their numbers and the bytes of their names matter.
+  double crossings = 0;  ///< expected number
+  /// Labels of all atoms. Only the numbers of runs and the lengths of names are used.
   LabelTotals labels;
 };
 
-/// Step 3: the sizes of the files, and of what the disk holds beside them during the run.
+/// Performs step 3 of a plan: estimates the sizes of the files and of the scratch files.
 void plan_files(const FileContents& contents, const Outputs& outputs, Plan& plan);
 
 }  // namespace eses::detail

@@ -8,7 +8,8 @@
 namespace eses::detail {
 namespace {
 
-// What Highway asks of a target, as far as any processor has one without the other.
+// Tests the processor features that Highway's targets require. Features that occur only together
+// are tested once.
 InstructionSet widest_available() {
 #if defined(__x86_64__) || defined(__i386__)
   __builtin_cpu_init();

@@ -1,11 +1,12 @@
 #pragma once
-/// Which of the versions that Highway compiles, one per instruction set, runs on this processor.
+/// Choice of the instruction set at run time.
 ///
-/// Highway's own dispatcher lives in its shared library, which measures the timer's resolution when
-/// it is loaded: 2 ms, a tenth of the run on a small protein. Its headers alone cost nothing.
+/// Highway compiles a kernel once for each instruction set. Its own dispatcher is in its shared
+/// library, which spends 2 ms on measuring the timer's resolution when it is loaded. That is a
+/// tenth of the run time for a small protein, so this room uses Highway's headers only.
 ///
-/// All versions give the same bits: lanes do not depend on each other, only correctly rounded
-/// operations are used, and multiply-adds are not contracted.
+/// All versions of a kernel return the same bits: lanes are independent of each other, only
+/// correctly rounded operations are used, and multiply-adds are not contracted.
 
 #include <string_view>
 
@@ -13,17 +14,20 @@ namespace eses::detail {
 
 enum class InstructionSet { baseline, sse4, avx2, avx512 };
 
-/// The widest one of the processor, or a narrower one named by the environment variable
-/// ESES_INSTRUCTION_SET (baseline, sse4, avx2 or avx512) when it is first asked for.
+/// Returns the widest instruction set of the processor, limited by the environment variable
+/// ESES_INSTRUCTION_SET (baseline, sse4, avx2 or avx512), which is read at the first call.
 InstructionSet instruction_set();
 
 inline constexpr char instruction_set_variable[] = "ESES_INSTRUCTION_SET";
 
-/// As the environment variable has them.
+/// Returns the name of an instruction set, as the environment variable spells it.
 std::string_view name_of(InstructionSet set);
+
+/// Returns whether `name` is the name of an instruction set.
 bool is_instruction_set(std::string_view name);
 
-/// The versions of one function; null where the build has none, but for the baseline.
+/// The versions of one function. A version that the build does not have is null; the baseline
+/// always exists.
 template <class Function>
 struct Versions {
   Function avx512, avx2, sse4, baseline;
@@ -40,8 +44,8 @@ Function best_version(const Versions<Function>& versions) {
 
 }  // namespace eses::detail
 
-/// Pointer to the best version of a function that was compiled by way of hwy/foreach_target.h. To
-/// be used in the namespace around HWY_NAMESPACE, once (#if HWY_ONCE).
+/// Pointer to the best version of a function that was compiled through hwy/foreach_target.h. Use it
+/// in the namespace that encloses HWY_NAMESPACE, within `#if HWY_ONCE`.
 #define ESES_BEST_VERSION(function)                                                     \
   ::eses::detail::best_version<decltype(&HWY_STATIC_DISPATCH(function))>(               \
       {HWY_CHOOSE_AVX3(function), HWY_CHOOSE_AVX2(function), HWY_CHOOSE_SSE4(function), \

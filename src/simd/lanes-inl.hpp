@@ -1,5 +1,5 @@
-/// Vectors of doubles and 64-bit words, as wide as the instruction set has them. Included anew for
-/// every instruction set, see Highway.
+/// Vectors of doubles and of 64-bit words, of the width of the instruction set. Highway includes
+/// this file once for each instruction set.
 
 #include <hwy/highway.h>
 
@@ -25,24 +25,27 @@ using DoubleVector = hn::Vec<Doubles>;
 using WordVector = hn::Vec<Words>;
 using DoubleMask = hn::Mask<Doubles>;
 
+/// Returns a vector with this value in all lanes.
 HWY_INLINE DoubleVector broadcast(double value) { return hn::Set(Doubles(), value); }
+
+/// Loads a vector from memory that need not be aligned.
 HWY_INLINE DoubleVector load(const double* from) { return hn::LoadU(Doubles(), from); }
 
-/// Integers from 0 to 2^52 - 1 held in doubles, as integers: adding 2^52 leaves them in the low
-/// bits.
+/// Converts whole numbers from 0 to 2^52 - 1 from double to integer. Adding 2^52 moves the number
+/// into the low bits of the mantissa.
 HWY_INLINE WordVector to_words(DoubleVector whole) {
   const auto two_to_52 = broadcast(4503599627370496.0);
   return hn::Xor(hn::BitCast(Words(), whole + two_to_52), hn::BitCast(Words(), two_to_52));
 }
 
-/// The mask as bits, lane 0 the lowest.
+/// Returns the mask as bits; lane 0 is the lowest bit.
 HWY_INLINE unsigned mask_bits(DoubleMask mask) {
   std::array<std::uint8_t, 8> bytes{};
   hn::StoreMaskBits(Doubles(), mask, bytes.data());
   return bytes[0];
 }
 
-/// What stands in the lanes, to be read one by one.
+/// The values of a vector's lanes, for access by index.
 struct LaneValues {
   std::array<double, HWY_MAX_BYTES / sizeof(double)> values;
 
@@ -52,7 +55,7 @@ struct LaneValues {
   double operator[](std::size_t lane) const { return values[lane]; }
 };
 
-/// Calls `action(lane)` for every lane of the mask.
+/// Calls `action(lane)` for every lane that is set in the mask, in ascending order.
 template <class Action>
 HWY_INLINE void for_each_lane(DoubleMask mask, Action&& action) {
   for (unsigned bits = mask_bits(mask); bits != 0; bits &= bits - 1)

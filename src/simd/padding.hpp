@@ -1,12 +1,12 @@
 #pragma once
-/// Room that vector loops need.
+/// Padding of arrays that vector loops process.
 
 #include <cstddef>
 
 namespace eses::detail {
 
-/// Elements behind the last that a loop over vectors may read, and write back unchanged, in arrays
-/// of doubles, 64-bit words or floats: as many as the widest vector holds.
+/// Number of elements after the last one that a vector loop may read, or write back unchanged, in
+/// arrays of doubles, 64-bit words or floats. It is the number of floats in the widest vector.
 inline constexpr std::size_t vector_padding = 16;
 
 }  // namespace eses::detail

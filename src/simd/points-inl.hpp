@@ -1,4 +1,5 @@
-/// Points in space, one in each lane. Included anew for every instruction set, see Highway.
+/// Vectors of points in space, one point in each lane. Highway includes this file once for each
+/// instruction set.
 
 #include <cstddef>
 
@@ -15,10 +16,12 @@
 HWY_BEFORE_NAMESPACE();
 namespace eses::detail::HWY_NAMESPACE {
 
+/// One point in each lane.
 struct Points {
   DoubleVector x, y, z;
 };
 
+/// Returns the coordinates along an axis.
 template <std::size_t axis>
 HWY_INLINE DoubleVector& along(Points& points) {
   return axis == 0 ? points.x : axis == 1 ? points.y : points.z;
@@ -38,6 +41,7 @@ HWY_INLINE DoubleVector dot(Vec3 a, const Points& b) {
 
 HWY_INLINE DoubleVector squared_norm(const Points& a) { return a.x * a.x + a.y * a.y + a.z * a.z; }
 
+/// The points of the lanes, for access by index.
 struct LanePoints {
   LaneValues x, y, z;
 

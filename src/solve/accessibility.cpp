@@ -6,13 +6,15 @@
 namespace eses::detail {
 namespace {
 
+// Returns whether a direction from the centre of an atom lies in none of the cones.
 bool is_exposed(std::span<const CapCone> cones, Vec3 offset, double length) {
   return std::none_of(cones.begin(), cones.end(), [&](const CapCone& cone) {
     return dot(cone.axis, offset) > cone.cosine * length + tolerance::seam;
   });
 }
 
-void offer_arc(const ArcFeature& arc, Vec3 point, NearestProbe& nearest) {
+// Replaces `nearest` by the arc's nearest centre if that is nearer.
+void try_arc(const ArcFeature& arc, Vec3 point, NearestProbe& nearest) {
   const Vec3 offset = point - arc.circle.center;
   const double distance = std::sqrt(meridian_point(arc.circle, offset).squared_distance());
   if (distance >= nearest.distance || !projects_onto_arc(arc.sector, offset)) return;
@@ -22,8 +24,9 @@ void offer_arc(const ArcFeature& arc, Vec3 point, NearestProbe& nearest) {
              2};
 }
 
-void offer_face(const BlockFeatures& features, const FaceFeature& face, Vec3 point,
-                NearestProbe& nearest) {
+// Replaces `nearest` by the face's nearest centre if that is nearer.
+void try_face(const BlockFeatures& features, const FaceFeature& face, Vec3 point,
+              NearestProbe& nearest) {
   const Vec3 offset = point - face.center;
   const double length = norm(offset);
   const double distance = face.sas_radius - length;
@@ -40,7 +43,7 @@ bool is_in_sas_ball(const BlockFeatures& features, Vec3 point) {
   });
 }
 
-NearestProbe nearest_probe(const PatchIndex& patches, Vec3 point, double limit, double enough) {
+NearestProbe nearest_probe(const PatchIndex& patches, Vec3 point, double limit, double sufficient) {
   const BlockFeatures& features = patches.features();
   const PatchIndex::Cell near = patches.cell_at(point);
   NearestProbe nearest{limit, point, {}, 0};
@@ -49,17 +52,17 @@ NearestProbe nearest_probe(const PatchIndex& patches, Vec3 point, double limit, 
     const double squared = squared_norm(point - placement.center);
     if (squared >= nearest.distance * nearest.distance) continue;
     nearest = {std::sqrt(squared), placement.center, placement.atoms, 3};
-    if (nearest.distance < enough) return nearest;
+    if (nearest.distance < sufficient) return nearest;
   }
   for (const std::uint32_t i : near.arcs) {
     if (!contains(features.arcs[i].solid_box, point)) continue;
-    offer_arc(features.arcs[i], point, nearest);
-    if (nearest.distance < enough) return nearest;
+    try_arc(features.arcs[i], point, nearest);
+    if (nearest.distance < sufficient) return nearest;
   }
   for (const std::uint32_t i : near.faces) {
     if (!contains(features.faces[i].shell_box, point)) continue;
-    offer_face(features, features.faces[i], point, nearest);
-    if (nearest.distance < enough) return nearest;
+    try_face(features, features.faces[i], point, nearest);
+    if (nearest.distance < sufficient) return nearest;
   }
   return nearest;
 }

@@ -7,23 +7,26 @@
 
 namespace eses::detail {
 
+/// An accessible probe centre near a point.
 struct NearestProbe {
-  double distance = 0;  ///< from the point, angstrom
+  double distance = 0;  ///< distance from the point, angstrom
   Vec3 center;
-  std::array<AtomIndex, 3> atoms{};  ///< that the probe touches there, ascending
-  std::uint8_t atom_count = 0;       ///< 0 if none is near enough
+  std::array<AtomIndex, 3> atoms{};  ///< atoms that the probe touches, ascending
+  std::uint8_t atom_count = 0;       ///< number of these atoms; 0 if no centre was found
 };
 
-/// The nearest one, if nearer than `limit`; otherwise `distance` equals `limit`. Stops at the first
-/// that is nearer than `enough`. `point` must lie in a SAS ball, in the box of the index, and no
-/// deeper inside the molecule than rounding takes it: deeper down, none is seen.
-NearestProbe nearest_probe(const PatchIndex& patches, Vec3 point, double limit, double enough = 0);
+/// Returns the accessible probe centre nearest to `point`, if it is nearer than `limit` (angstrom);
+/// otherwise `atom_count` is 0 and `distance` equals `limit`. The search stops at the first centre
+/// that is nearer than `sufficient`. `point` must lie in a SAS ball, in the box of the index, and
+/// outside of the surface or on it up to rounding: for points inside, the search finds nothing.
+NearestProbe nearest_probe(const PatchIndex& patches, Vec3 point, double limit,
+                           double sufficient = 0);
 
-/// Whether a probe centre at `point` would be inside some SAS ball: if not, it is accessible
-/// itself.
+/// Returns whether `point` is inside some SAS ball. If it is not, it is an accessible probe centre.
 bool is_in_sas_ball(const BlockFeatures& features, Vec3 point);
 
-/// Whether some accessible probe centre is nearer than `distance`; `point` as above.
+/// Returns whether an accessible probe centre is nearer to `point` than `distance` (angstrom). See
+/// nearest_probe for the conditions on `point`.
 inline bool is_probe_nearer(const PatchIndex& patches, Vec3 point, double distance) {
   return nearest_probe(patches, point, distance, distance).distance < distance;
 }

@@ -51,7 +51,7 @@ PlacementFeature make_placement(const SurfaceModel& surface, const ProbePlacemen
   return feature;
 }
 
-// The listed patches of the cluster; nothing where no atom of it is crowded.
+// Returns the listed patches of the cluster, which are empty if it has no crowded atom.
 const ListedPatches& listed_patches(const ClusterPatches& cluster, BlockFeatures& features) {
   static const ListedPatches none;
   const CrowdedPatches& crowded = cluster.crowded;
@@ -90,11 +90,11 @@ void add_face(const SurfaceModel& surface, AtomIndex i, const AtomPatches& patch
   features.faces.push_back(face);
 }
 
-// Where a probe touches four or more atoms, or is in doubt, every triple of them gives the same
-// placement. Keeps one irregular placement for each cube of side tolerance::same_placement: that of
-// the lowest triple, which comes first.
+// If a probe touches more than three atoms, or is uncertain, each triple of the atoms gives the
+// same placement. Keeps one irregular placement for each cube of side tolerance::same_placement:
+// that of the lowest triple, which comes first.
 void merge_irregular_placements(std::vector<const ProbePlacement*>& placements) {
-  // Equal placements on both sides of a cube's face are both kept, which is harmless.
+  // Two placements near a common face of two cubes may both be kept, which is harmless.
   constexpr double cell = tolerance::same_placement;
   using Place = std::array<double, 3>;
   std::vector<std::pair<Place, std::size_t>> irregular;
@@ -138,12 +138,13 @@ void collect_features(const Patches& patches, const Box& box, BlockFeatures& fea
   features.placements.clear();
   features.listed.clear();
   features.near_placements.clear();
-  // With slack, so that the last bit of a distance does not make a block miss what another sees.
+  // The slack exceeds rounding errors, so that all blocks near a patch have it.
   const double probe = surface.probe_radius + box_slack;
   const double squared_probe = probe * probe;
   surface.tree().find_reaching(0.5 * (box.low + box.high),
                                0.5 * norm(box.high - box.low) + 2 * probe, features.nearby);
-  // The order of the tree depends on the block; where patches are equally near, order decides.
+  // The order of the search result depends on the block. Sorting makes the choice between equally
+  // near patches independent of it.
   std::sort(features.nearby.begin(), features.nearby.end());
   for (const AtomIndex i : features.nearby) {
     if (surface.molecule.is_contained(i)) continue;
@@ -163,7 +164,7 @@ void collect_features(const Patches& patches, const Box& box, BlockFeatures& fea
       const ArcFeature arc = make_arc(surface, cluster.arcs[a]);
       if (overlap(arc.solid_box, box)) features.arcs.push_back(arc);
     });
-    // A little farther, so that all placements are here of which one is kept.
+    // The slack includes all placements that are merged with one near the block.
     constexpr double slack = 2 * tolerance::same_placement;
     for_each_patch(
         cluster.placement_begin, of_atom.member, listed.placements, [&](std::uint32_t v) {

@@ -1,6 +1,6 @@
 #pragma once
-/// The atoms and patches that matter to one block, unpacked for the loops that classify points and
-/// intersect edges.
+/// The atoms and patches that influence one block, in the layout of the loops that classify points
+/// and intersect edges.
 
 #include <array>
 #include <cstdint>
@@ -15,69 +15,73 @@
 
 namespace eses::detail {
 
-/// Boxes of patches are larger by this, so that seams lie inside (angstrom).
+/// Boxes of patches are extended by this, so that they contain the seams (angstrom).
 inline constexpr double box_slack = 1e-5;
 
-/// A block's place in space. Coordinates follow from global indices, so they are the same in every
-/// block that sees a point.
+/// The points of a block in space. Coordinates are computed from global indices, so they are the
+/// same in all blocks that share a point.
 struct BlockGrid {
   Grid grid;
   BlockBounds block;
-  std::array<std::vector<double>, 3> coordinates;  ///< of the closed box's points, per axis, padded
-  Box box;
+  std::array<std::vector<double>, 3> coordinates;  ///< of the block's points by axis, padded
+  Box box;                                         ///< bounding box of the points
   double inverse_spacing = 0;
 
+  /// Replaces the block.
   void reset(const Grid& new_grid, const BlockBounds& new_block);
 };
 
-/// An atom whose SAS ball reaches the block.
+/// An atom whose SAS ball meets the block.
 struct BallFeature {
   Vec3 center;
-  double radius = 0;  ///< van der Waals
+  double radius = 0;  ///< van der Waals radius
   double sas_radius = 0;
 };
 
-/// The cone over a cap, apex in the sphere's centre: { d : d . axis > cosine |d| }.
+/// The cone of directions from a sphere's centre to a cap: { d : d . axis > cosine |d| }.
 struct CapCone {
   Vec3 axis;
   double cosine = 0;
 };
 
-/// An exposed atom: its face is its SAS sphere outside the cones.
+/// The exposed face of an atom: the part of its SAS sphere outside the cones.
 struct FaceFeature {
   AtomIndex atom = 0;
   Vec3 center;
   double radius = 0;
   double sas_radius = 0;
-  Box shell_box;    ///< of the points straight below the face, down to the van der Waals sphere
-  Box surface_box;  ///< of the convex patch
-  std::uint32_t cone_begin = 0, cone_end = 0;  ///< in BlockFeatures::cones
+  Box shell_box;    ///< box of the face, the convex patch and the points between the two
+  Box surface_box;  ///< box of the convex patch
+  std::uint32_t cone_begin = 0, cone_end = 0;  ///< range of indices into BlockFeatures::cones
 };
 
+/// An accessible arc.
 struct ArcFeature {
   std::array<AtomIndex, 2> atoms{};
   ContactCircle circle;
   ArcSector sector;
-  Box solid_box;    ///< of the points whose nearest accessible probe centre is on the arc
-  Box surface_box;  ///< of the saddle patch
+  Box solid_box;    ///< box of the arc, the saddle patch and the points between the two
+  Box surface_box;  ///< box of the saddle patch
 };
 
+/// A probe placement.
 struct PlacementFeature {
   std::array<AtomIndex, 3> atoms{};
   Vec3 center;
   std::int8_t side = 1;  ///< see PlacementKey
   bool is_regular = false;
-  std::array<Vec3, 3> cone;  ///< unit normals of the planes through the centre, inwards
-  Box box;                   ///< of the concave patch (of the whole probe if not regular)
+  std::array<Vec3, 3> cone;  ///< inward unit normals of the planes that bound the normal cone
+  Box box;                   ///< box of the concave patch; of the whole probe if not regular
 };
 
-/// Those patches of a cluster's crowded atoms that are listed under the atoms nearby, ascending;
-/// see CrowdedPatches.
+/// The patches of a cluster's crowded atoms that are listed for the atoms near a block, ascending.
+/// See CrowdedPatches.
 struct ListedPatches {
   const ClusterPatches* cluster = nullptr;
   std::vector<std::uint32_t> face_neighbours, arcs, placements;
 };
 
+/// All atoms and patches that influence a block.
 struct BlockFeatures {
   double probe_radius = 0;
   std::vector<BallFeature> balls;
@@ -88,20 +92,22 @@ struct BlockFeatures {
 
   // Scratch memory.
   std::vector<AtomIndex> nearby;
-  std::vector<ListedPatches> listed;                   ///< of clusters that have crowded atoms
-  std::vector<const ProbePlacement*> near_placements;  ///< placements that may matter
+  std::vector<ListedPatches> listed;                   ///< for clusters with crowded atoms
+  std::vector<const ProbePlacement*> near_placements;  ///< placements near the block
 
+  /// The cones of a face.
   std::span<const CapCone> cones_of(const FaceFeature& face) const {
     return std::span(cones).subspan(face.cone_begin, face.cone_end - face.cone_begin);
   }
 };
 
-/// Collects what can matter inside `box`: what happens at x depends on the atoms with
-/// |x - center| < radius + 2 probe, no others.
+/// Collects the atoms and patches that influence the points x in `box`: those of atoms with
+/// |x - center| < radius + 2 probe_radius.
 void collect_features(const Patches& patches, const Box& box, BlockFeatures& features);
 
-/// Unit vector from the circle's centre to the arc's point nearest to `offset`. So near the axis
-/// that the slack of `faces` exceeds what the direction tells, it is the nearer end.
+/// Returns the unit vector from the circle's centre to the arc's point nearest to `offset`. If
+/// `offset` is so near to the axis that its direction is uncertain, returns the nearer end of the
+/// arc.
 inline Vec3 nearest_on_arc(const ArcFeature& arc, Vec3 offset) {
   const Vec3 radial = offset - dot(offset, arc.circle.axis) * arc.circle.axis;
   const double length = norm(radial);

@@ -17,18 +17,41 @@ void add_to_tally(const SurfaceModel& surface, const BlockGrid& grid, const Bloc
       Vec3 point{grid.coordinates[0][crossing.x],
                  grid.coordinates[1][static_cast<std::size_t>(r % rows_y)],
                  grid.coordinates[2][static_cast<std::size_t>(r / rows_y)]};
+      const double start = point[crossing.axis];
       point[crossing.axis] = crossing.coordinate;
       tally.add(surface, crossing, point);
+      const double above = (crossing.coordinate - start) * grid.inverse_spacing;
+      tally.add_length(crossing.lower_is_inside ? above : 1 - above);
     }
 }
 
-// Points and crossings, before they are counted.
+// Sets the bits of the points within `ion_radius` of a van der Waals sphere.
+void cover_points(const SurfaceModel& surface, double ion_radius, BlockWorkspace& workspace,
+                  PointBits& covered) {
+  const Box& box = workspace.grid.box;
+  std::vector<AtomIndex>& nearby = workspace.features.nearby;
+  surface.tree().find_reaching(0.5 * (box.low + box.high),
+                               0.5 * norm(box.high - box.low) + ion_radius + look_up_slack, nearby);
+  std::erase_if(nearby, [&](AtomIndex i) {
+    const double reach = surface.atoms[i].radius + ion_radius + look_up_slack;
+    return squared_distance(box, surface.atoms[i].center) > reach * reach;
+  });
+  if (nearby.empty())
+    covered.reset_empty(workspace.grid.block.points);
+  else
+    fill_balls(workspace.grid, surface.atoms, nearby, ion_radius, covered);
+}
+
+// Finds inside points and crossings without adding them to the sums. Inside lengths are found for
+// the edges that start at the `owned` points.
 BlockResult find_crossings(const Patches& patches, const Grid& grid, const BlockBounds& block,
-                           BlockWorkspace& workspace) {
+                           const GridIndex& owned, BlockWorkspace& workspace) {
   BlockResult result;
   result.block = block;
   const Stopwatch classifying;
   workspace.grid.reset(grid, block);
+  if (workspace.extras.ion_radius)
+    cover_points(patches.surface(), *workspace.extras.ion_radius, workspace, result.covered);
   collect_features(patches, workspace.grid.box, workspace.features);
   if (workspace.features.balls.empty()) {
     result.inside.reset_empty(block.points);
@@ -37,8 +60,12 @@ BlockResult find_crossings(const Patches& patches, const Grid& grid, const Block
   classify_points(workspace.grid, workspace.features, workspace.classify, result.inside);
   workspace.classify_seconds += classifying.seconds();
   const Stopwatch intersecting;
+  workspace.intersect.finds_doubtful = workspace.extras.edge_shares;
   intersect_edges(workspace.grid, workspace.features, result.inside, workspace.intersect,
                   result.crossings, result.row_begin);
+  if (workspace.extras.edge_shares)
+    find_edge_shares(workspace.grid, workspace.features, result.inside, result.crossings,
+                     result.row_begin, owned, workspace.intersect, result.shares);
   workspace.intersect_seconds += intersecting.seconds();
   return result;
 }
@@ -51,8 +78,8 @@ void count_crossings(const SurfaceModel& surface, const BlockResult& result,
   workspace.intersect_seconds += counting.seconds();
 }
 
-// Leaves to a result, solved with more owned points, what starts in those of `block`; the rest are
-// the far crossings.
+// Moves the crossings that `block` does not own from `crossings` to `halo_crossings`. The result
+// was computed for the same block with more owned points.
 void split_off_halo_crossings(const BlockBounds& block, BlockResult& result) {
   const GridIndex wider = result.block.owned, owned = block.owned;
   result.block = block;
@@ -85,14 +112,14 @@ void split_off_halo_crossings(const BlockBounds& block, BlockResult& result) {
 
 BlockResult solve_block(const Patches& patches, const Grid& grid, const BlockBounds& block,
                         BlockWorkspace& workspace) {
-  BlockResult result = find_crossings(patches, grid, block, workspace);
+  BlockResult result = find_crossings(patches, grid, block, block.owned, workspace);
   count_crossings(patches.surface(), result, workspace);
   return result;
 }
 
 BlockResult solve_block_for_mesh(const Patches& patches, const Grid& grid, const BlockBounds& block,
                                  const BlockBounds& wider, BlockWorkspace& workspace) {
-  BlockResult result = find_crossings(patches, grid, wider, workspace);
+  BlockResult result = find_crossings(patches, grid, wider, block.owned, workspace);
   split_off_halo_crossings(block, result);
   count_crossings(patches.surface(), result, workspace);
   return result;

@@ -1,32 +1,47 @@
 #pragma once
-/// One block: atoms and patches in, points and crossings out. Knows no files and no threads.
+/// Solution of one block: from atoms and patches to inside points and crossings. It uses neither
+/// files nor threads.
 
 #include <cstdint>
+#include <optional>
 #include <vector>
 
 #include "grid/block_crossing.hpp"
 #include "grid/point_bits.hpp"
 #include "solve/classify.hpp"
+#include "solve/edge_shares.hpp"
 #include "solve/intersect.hpp"
 #include "solve/tally.hpp"
 
 namespace eses::detail {
 
-/// What a block contributes. Without any atom nearby `inside` has no words: all points are
-/// outside.
+/// The result of a block.
 struct BlockResult {
   BlockBounds block;
-  PointBits inside;                      ///< of the closed box
-  std::vector<BlockCrossing> crossings;  ///< canonical order
-  std::vector<std::uint32_t> row_begin;  ///< per row [z][y] of owned points, and one more
-  /// Of edges between points that the block knows, but nobody owns: see solve_block_for_mesh.
+  PointBits inside;  ///< all points of the block; without words if no atom is near
+  std::vector<BlockCrossing> crossings;  ///< of owned edges, in canonical order
+  /// Index of the first crossing of each row [z][y] of owned points, and the number of crossings.
+  /// Empty if no atom is near.
+  std::vector<std::uint32_t> row_begin;
+  /// Crossings of edges in the halo of the region, which no block owns. See solve_block_for_mesh.
   std::vector<BlockCrossing> halo_crossings;
-  std::vector<std::uint32_t> halo_row_begin;  ///< per row [z][y] of all points; or empty
-  double seconds = 0;                         ///< that solving it took
+  /// Like `row_begin` for the halo crossings, by row [z][y] of all points; empty if there is no
+  /// halo.
+  std::vector<std::uint32_t> halo_row_begin;
+  EdgeShares shares;   ///< inside lengths of the owned edges; empty unless BlockExtras has them
+  PointBits covered;   ///< points without ion access; no words unless BlockExtras has an ion radius
+  double seconds = 0;  ///< time to solve the block
+};
+
+/// Optional results of a block besides its points and crossings.
+struct BlockExtras {
+  bool edge_shares = false;          ///< whether to compute BlockResult::shares
+  std::optional<double> ion_radius;  ///< radius of the ions for BlockResult::covered (angstrom)
 };
 
 /// Scratch memory and sums of one thread.
 struct BlockWorkspace {
+  BlockExtras extras;
   BlockGrid grid;
   BlockFeatures features;
   ClassifyScratch classify;
@@ -36,11 +51,13 @@ struct BlockWorkspace {
   double intersect_seconds = 0;
 };
 
+/// Solves a block, and adds its crossings to the sums of the workspace. The clusters of all atoms
+/// near the block must be complete.
 BlockResult solve_block(const Patches& patches, const Grid& grid, const BlockBounds& block,
                         BlockWorkspace& workspace);
 
-/// The same, with the far crossings: those that `wider` owns besides, which is the same block with
-/// more owned points. They count for nothing else.
+/// Does the same, and finds the halo crossings: the crossings that are owned by `wider`, the same
+/// block with more owned points, but not by `block`. They are not added to the sums.
 BlockResult solve_block_for_mesh(const Patches& patches, const Grid& grid, const BlockBounds& block,
                                  const BlockBounds& wider, BlockWorkspace& workspace);
 

@@ -20,17 +20,17 @@ HWY_BEFORE_NAMESPACE();
 namespace eses::detail::HWY_NAMESPACE {
 enum class Stamp { set, clear };
 
-// One plane of a ball in one column of points.
+// The intersection of a ball with one grid plane and one column of points: a disc.
 struct BallPlane {
-  double x, y;            // the ball's centre
-  double squared_radius;  // of the plane's disc
+  double x, y;            // centre of the ball
+  double squared_radius;  // of the disc
   double origin;          // of the grid along x
   double inverse_spacing;
   double column_first;  // global index of the column's first point
-  std::uint64_t reach;  // the bits between the disc's outermost points, at least
+  std::uint64_t reach;  // bits of the column that the disc may cover
 };
 
-// The points of rows [j, end) inside the disc, as many rows as a vector holds.
+// Returns the points inside the disc, for as many of the rows [j, end) as a vector holds.
 HWY_INLINE WordVector disc_rows(const BallPlane& plane, const double* y, std::size_t j,
                                 std::size_t end) {
   const Doubles doubles;
@@ -56,8 +56,9 @@ HWY_INLINE WordVector disc_rows(const BallPlane& plane, const double* y, std::si
   return hn::And(filled, hn::BitCast(words, hn::VecFromMask(doubles, valid)));
 }
 
-// Applies the rows [begin, end) of a ball's plane to `rows`, which is indexed like `y`. Most rows
-// of most balls have been filled, or cleared, by their neighbours: these cost a look.
+// Sets or clears the points of a disc in the rows [begin, end) of `rows`, which is indexed like
+// `y`. Most rows of most balls have already been set or cleared by neighbouring balls, and are
+// skipped.
 template <Stamp stamp>
 void stamp_rows(const BallPlane& plane, const double* y, std::uint64_t* rows, std::size_t begin,
                 std::size_t end) {
@@ -76,7 +77,7 @@ void stamp_rows(const BallPlane& plane, const double* y, std::uint64_t* rows, st
   }
 }
 
-// See points_within(): the ends of the ranges between `low` and `high` on one axis, as numbers.
+// Ranges of indices, one in each lane.
 struct IndexRanges {
   LaneValues begin, end;
 
@@ -85,6 +86,7 @@ struct IndexRanges {
   }
 };
 
+// Returns the points between `low` and `high`. See the scalar function of the same name.
 HWY_INLINE IndexRanges points_within(const BlockGrid& grid, std::size_t axis, DoubleVector low,
                                      DoubleVector high) {
   const auto origin = broadcast(grid.grid.origin[axis]), inverse = broadcast(grid.inverse_spacing);
@@ -97,8 +99,8 @@ HWY_INLINE IndexRanges points_within(const BlockGrid& grid, std::size_t axis, Do
           LaneValues(hn::Min(hn::Max(end, broadcast(0)), points))};
 }
 
-// Calls action(plane, column, z, y range) for every plane of a ball, as far as it reaches into
-// `box`.
+// Calls action(plane, column, z, y range) for each plane and column in which the ball and `box`
+// have common points.
 template <class Action>
 void for_each_plane(const BlockGrid& grid, const PointBits& bits, Vec3 center, double radius,
                     const Box& box, Action&& action) {
@@ -146,7 +148,7 @@ void stamp_ball(const BlockGrid& grid, Vec3 center, double radius, PointBits& bi
                  });
 }
 
-// Points that a patch may clear, from the patch's centre.
+// Appends the points of one word to the batch, relative to `center`.
 void add_points(const BlockGrid& grid, Vec3 center, const WordPlace& place, std::uint64_t bits,
                 PointBatch& batch) {
   const auto first_x = static_cast<std::size_t>(place.column * PointBits::column_step);
@@ -162,6 +164,7 @@ void add_points(const BlockGrid& grid, Vec3 center, const WordPlace& place, std:
   });
 }
 
+// Clears the bits of the points of the batch from `first` on that are set in the mask.
 void clear_lanes(const PointBatch& batch, std::size_t first, DoubleMask mask,
                  std::uint64_t* words) {
   for_each_lane(mask, [&](std::size_t lane) {
@@ -174,8 +177,8 @@ HWY_INLINE Points batch_points(const PointBatch& batch, std::size_t i) {
   return {load(batch.x.data() + i), load(batch.y.data() + i), load(batch.z.data() + i)};
 }
 
-// Clears the points of the batch that lie in none of the cones: their nearest accessible probe
-// centre is the one straight out on the face.
+// Clears the points of the batch that lie in none of the cones. Their radial projection onto the
+// SAS sphere is an accessible probe centre, and nearer than the probe radius.
 void clear_exposed(std::span<const CapCone> cones, PointBatch& batch, std::uint64_t* words) {
   const Doubles doubles;
   ConeFilter filter(cones);
@@ -250,9 +253,8 @@ void clear_arc(const BlockGrid& grid, const ArcFeature& arc, double squared_prob
   clear_near_arc(arc, squared_probe, scratch.batch, undecided.words.data());
 }
 
-// Stamps fill whole words; bits behind a row's last point are cleared, as is what needs no
-// decision.
-void settle_van_der_waals(PointBits& inside, PointBits& undecided) {
+// Clears the bits after each row's last point, and the undecided bits of points that are inside.
+void mask_undecided(PointBits& inside, PointBits& undecided) {
   const std::int64_t rows = inside.size[1] * inside.size[2];
   for (std::int64_t column = 0; column < inside.columns; ++column) {
     const std::uint64_t in_row = low_bits(inside.size[0] - column * PointBits::column_step);
@@ -264,6 +266,12 @@ void settle_van_der_waals(PointBits& inside, PointBits& undecided) {
   }
 }
 
+void stamp_balls(const BlockGrid& grid, std::span<const Atom> atoms,
+                 std::span<const AtomIndex> indices, double radius, PointBits& bits) {
+  for (const AtomIndex i : indices)
+    stamp_ball<Stamp::set>(grid, atoms[i].center, atoms[i].radius + radius, bits);
+}
+
 void classify(const BlockGrid& grid, const BlockFeatures& features, ClassifyScratch& scratch,
               PointBits& inside) {
   PointBits& undecided = scratch.undecided;
@@ -271,7 +279,7 @@ void classify(const BlockGrid& grid, const BlockFeatures& features, ClassifyScra
     stamp_ball<Stamp::set>(grid, ball.center, ball.sas_radius, undecided);
     stamp_ball<Stamp::set>(grid, ball.center, ball.radius, inside);
   }
-  settle_van_der_waals(inside, undecided);
+  mask_undecided(inside, undecided);
   for (const PlacementFeature& placement : features.placements)
     stamp_ball<Stamp::clear>(grid, placement.center, features.probe_radius, undecided);
   for (const FaceFeature& face : features.faces)
@@ -286,6 +294,12 @@ HWY_AFTER_NAMESPACE();
 
 #if HWY_ONCE
 namespace eses::detail {
+void fill_balls(const BlockGrid& grid, std::span<const Atom> atoms,
+                std::span<const AtomIndex> indices, double radius, PointBits& bits) {
+  bits.reset(grid.block.points);
+  ESES_BEST_VERSION(stamp_balls)(grid, atoms, indices, radius, bits);
+}
+
 void classify_points(const BlockGrid& grid, const BlockFeatures& features, ClassifyScratch& scratch,
                      PointBits& inside) {
   inside.reset(grid.block.points);

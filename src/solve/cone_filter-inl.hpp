@@ -1,5 +1,5 @@
-/// Which directions lie in none of a face's cones, several at a time. Included anew for every
-/// instruction set, see Highway.
+/// Tests of several directions against the cones of a face. Highway includes this file once for
+/// each instruction set.
 
 #include <span>
 
@@ -16,14 +16,15 @@
 HWY_BEFORE_NAMESPACE();
 namespace eses::detail::HWY_NAMESPACE {
 
-/// Begins with the cone that held the last ones: neighbouring points tend to fall to the same. What
-/// is left does not depend on the order.
+/// Selects directions that lie in none of the cones. It starts with the cone that excluded the
+/// previous directions, as neighbouring points are often in the same cone. The result does not
+/// depend on the order of the cones.
 class ConeFilter {
  public:
   HWY_INLINE explicit ConeFilter(std::span<const CapCone> cones) : cones_(cones) {}
 
-  /// The lanes of `candidates` that lie in none of the cones, whose rims `limit(cone)` gives as the
-  /// largest `axis . direction`.
+  /// Returns the lanes of `candidates` whose directions lie in none of the cones: those with
+  /// `axis . direction <= limit(cone)` for each cone.
   template <class Limit>
   HWY_INLINE DoubleMask outside(DoubleMask candidates, const Points& direction, Limit&& limit) {
     auto left = candidates;

@@ -13,21 +13,24 @@ namespace {
 
 std::array<double, 3> components(Vec3 v) { return {v.x, v.y, v.z}; }
 
-// Patches of fewer and lower atoms first. Two placements of the same atoms differ in their normals.
+// Orders crossings by number of atoms, atoms, and normal. Two placements of the same atoms differ
+// in their normals.
 bool is_simpler(const BlockCrossing& a, const BlockCrossing& b) {
   if (a.atom_count != b.atom_count) return a.atom_count < b.atom_count;
   if (a.atoms != b.atoms) return a.atoms < b.atoms;
   return components(a.normal) < components(b.normal);
 }
 
-// Seen from the outside end; the simpler first where they meet at one point.
+// Orders crossings from the outside end to the inside end, and the simpler one first at the same
+// point.
 bool comes_before(const BlockCrossing& a, const BlockCrossing& b) {
   if (a.coordinate != b.coordinate) return (a.coordinate < b.coordinate) != a.lower_is_inside;
   return is_simpler(a, b);
 }
 
-// The outside end is nearer than the probe radius to an accessible centre, the inside end is not:
-// somewhere between this changes for the last time, to within rounding.
+// Returns the crossing by bisection. The outside end is nearer than the probe radius to an
+// accessible probe centre, and the inside end is not. Between the two, this changes at the
+// crossing.
 BlockCrossing bisect(const PatchIndex& patches, const CrossedEdge& edge) {
   const double probe = patches.features().probe_radius;
   double outside = edge.lower_is_inside ? edge.upper : edge.lower[edge.axis];
@@ -58,8 +61,9 @@ BlockCrossing bisect(const PatchIndex& patches, const CrossedEdge& edge) {
   return crossing;
 }
 
-// Of crossings that are one, the simplest of those that no other's probe covers. A probe that
-// touches more than three atoms has no cone, and meets the edge also a little past its patch.
+// Returns the simplest of the candidates at the same point that no other one's probe covers. The
+// candidates of a probe that touches more than three atoms can lie slightly beyond its patch, as
+// its normal cone is unknown.
 BlockCrossing innermost(std::span<const BlockCrossing> candidates) {
   const auto first =
       std::find_if(candidates.begin(), candidates.end(), [&](const BlockCrossing& candidate) {

@@ -1,5 +1,5 @@
 #pragma once
-/// Which of the places where an edge meets a patch is the crossing.
+/// Choice of the crossing among the candidates on an edge.
 
 #include <cstdint>
 #include <span>
@@ -9,15 +9,16 @@
 
 namespace eses::detail {
 
-/// An edge whose ends differ: from its lower point one spacing along its axis.
+/// A grid edge with one end inside and one outside, in space.
 struct CrossedEdge {
   std::size_t axis = 0;
   bool lower_is_inside = false;
   Vec3 lower;
   double upper = 0;  ///< coordinate of the upper point along the axis
 
-  /// Sign of the axis from the outside to the inside end.
+  /// Sign of the direction along the axis from the outside to the inside end.
   double inward() const { return lower_is_inside ? -1.0 : 1.0; }
+  /// The point of the edge with this coordinate along the axis.
   Vec3 point_at(double coordinate) const {
     Vec3 point = lower;
     point[axis] = coordinate;
@@ -25,7 +26,7 @@ struct CrossedEdge {
   }
 };
 
-/// The edge along `axis` that starts at `lower`, counted from the block's first point.
+/// Returns the edge along `axis` whose lower end is `lower`, relative to the block's first point.
 inline CrossedEdge make_crossed_edge(const BlockGrid& grid, std::size_t axis,
                                      const GridIndex& lower, bool lower_is_inside) {
   const auto coordinate = [&](std::size_t a, std::int64_t index) {
@@ -37,17 +38,18 @@ inline CrossedEdge make_crossed_edge(const BlockGrid& grid, std::size_t axis,
           coordinate(axis, lower[axis] + 1)};
 }
 
-/// An atom without extent, on whose van der Waals sphere rounding leaves no direction.
+/// Returns whether an atom is so small that the direction from its centre to a point of its van der
+/// Waals sphere is lost in rounding.
 inline bool is_point_atom(const FaceFeature& face) {
   constexpr double max_radius = 1e-8;  // angstrom
   return face.radius < max_radius;
 }
 
-/// The crossing nearest to the outside end among `candidates`, the places where the edge meets a
-/// patch. Every true crossing is among them, and the first, seen from the outside end, that no
-/// accessible probe covers is the one. A single candidate, and several that are one, are taken
-/// without this proof unless `needs_proof`. Sorts the candidates in place. If no candidate is left,
-/// the edge is bisected.
+/// Returns the crossing that is nearest to the outside end. `candidates` are all points in which
+/// the edge meets a patch. They include all crossings, so the result is the first one, from the
+/// outside end, that no accessible probe covers. A single candidate, and several at the same point,
+/// are accepted without this test unless `needs_proof`. If no candidate passes, the edge is
+/// bisected. Sorts the candidates in place.
 BlockCrossing decide_crossing(const PatchIndex& patches, const CrossedEdge& edge,
                               std::span<BlockCrossing> candidates, bool needs_proof = false);
 

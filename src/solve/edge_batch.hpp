@@ -1,5 +1,5 @@
 #pragma once
-/// Edges along one axis that wait to be held against one saddle patch.
+/// A batch of edges along one axis, for the intersection with one saddle patch.
 
 #include <array>
 #include <cstddef>
@@ -10,13 +10,14 @@
 
 namespace eses::detail {
 
+/// Edges as a structure of arrays. Lengths are in angstrom.
 struct EdgeBatch {
   static constexpr std::size_t capacity = 512;
 
-  /// The outside ends, from the centre of the arc's circle.
+  /// The outside ends, relative to the centre of the arc's circle.
   std::array<std::vector<double>, 3> start;
   std::vector<double> from;          ///< coordinate of the outside ends along the axis
-  std::vector<double> step;          ///< from there to the inside ends, signed
+  std::vector<double> step;          ///< signed step along the axis to the inside ends
   std::vector<std::uint64_t> place;  ///< word index * 64 + bit of the lower ends
   std::size_t count = 0;
 

@@ -1,5 +1,5 @@
-/// Where grid edges cross a saddle patch, several edges at a time. Included anew for every
-/// instruction set, see Highway.
+/// Intersections of several grid edges with a saddle patch. Highway includes this file once for
+/// each instruction set.
 
 #include <algorithm>
 #include <cmath>
@@ -25,8 +25,9 @@ HWY_INLINE Points batch_points(const EdgeBatch& batch, std::size_t i) {
           load(batch.start[2].data() + i)};
 }
 
-/// Whether the nearest point of the arc is the nearest accessible one as far as its two atoms tell:
-/// in the half plane through the axis, the point lies between the directions to both atoms.
+/// Returns whether points lie in the wedge of the saddle patch: in the half plane through the axis,
+/// a point lies between the directions from the circle to the two atoms, and its nearest point of
+/// the circle is on the arc. There no other point of the two SAS spheres is nearer than the arc.
 HWY_INLINE DoubleMask is_in_wedge(const ArcFeature& arc, const Points& offset) {
   const ContactCircle& circle = arc.circle;
   const auto [height, inward] = meridian_points(circle, offset);
@@ -37,7 +38,7 @@ HWY_INLINE DoubleMask is_in_wedge(const ArcFeature& arc, const Points& offset) {
   return hn::And(is_between, projects_onto_arc(arc.sector, offset));
 }
 
-/// An edge wholly beyond an arc's end.
+/// Returns whether edges lie wholly beyond an end of an arc.
 template <std::size_t axis>
 HWY_INLINE DoubleMask passes_beyond(Vec3 end_normal, const Points& start, DoubleVector step) {
   const auto distance = dot(end_normal, start);
@@ -45,8 +46,9 @@ HWY_INLINE DoubleMask passes_beyond(Vec3 end_normal, const Points& start, Double
   return hn::And(distance < beyond, distance + broadcast(end_normal[axis]) * step < beyond);
 }
 
-/// No crossing anywhere on an edge, told from its midpoint: along the edge the distance to the
-/// circle, the distance from its axis and the height change by at most half the edge's length.
+/// Returns whether edges certainly do not cross the patch, by a test of their midpoints: from there
+/// to an end, the distances to the circle and to its axis and the height change by at most half the
+/// edge's length.
 template <std::size_t axis>
 HWY_INLINE DoubleMask misses_saddle(const ArcFeature& arc, double probe, double length,
                                     const Points& start, DoubleVector step) {
@@ -68,7 +70,7 @@ HWY_INLINE DoubleMask misses_saddle(const ArcFeature& arc, double probe, double 
   return hn::Or(is_far_from_tube, hn::Or(beyond_first, beyond_second));
 }
 
-/// Keeps the edges of the batch that may cross the patch, at its front.
+/// Removes the edges that certainly do not cross the patch from the batch.
 template <std::size_t axis>
 void keep_near_saddle(const ArcFeature& arc, double probe, double length, EdgeBatch& batch) {
   const Doubles doubles;
@@ -84,7 +86,7 @@ void keep_near_saddle(const ArcFeature& arc, double probe, double length, EdgeBa
     const auto may_cross = hn::AndNot(is_off, hn::FirstN(doubles, batch.count - i));
     if (hn::AllFalse(doubles, may_cross)) continue;
     const auto place = hn::LoadU(words, batch.place.data() + i);
-    // Never past what has been read: the front is at most as far as this.
+    // Compression in place never overwrites elements that have not been read, as kept <= i.
     hn::CompressStore(start.x, may_cross, doubles, batch.start[0].data() + kept);
     hn::CompressStore(start.y, may_cross, doubles, batch.start[1].data() + kept);
     hn::CompressStore(start.z, may_cross, doubles, batch.start[2].data() + kept);
@@ -95,8 +97,9 @@ void keep_near_saddle(const ArcFeature& arc, double probe, double length, EdgeBa
   batch.count = kept;
 }
 
-/// Outward normals at points of a saddle patch, given from the circle's centre: from the point
-/// towards the probe that touches it, whose centre is the nearest on the arc. See nearest_on_arc().
+/// Returns the outward unit normals at points of a saddle patch, given relative to the circle's
+/// centre. A normal points to the centre of the probe that touches the point, which is the nearest
+/// point of the arc. See nearest_on_arc().
 HWY_INLINE LanePoints saddle_normals(const ArcFeature& arc, const Points& offset, DoubleMask mask) {
   const ContactCircle& circle = arc.circle;
   const Points radial = offset - dot(circle.axis, offset) * circle.axis;
@@ -116,8 +119,8 @@ HWY_INLINE LanePoints saddle_normals(const ArcFeature& arc, const Points& offset
   return normals;
 }
 
-/// Where the edges of the batch cross the patch: calls `found(place, coordinate, normal)`, the
-/// coordinate along the edges' axis.
+/// Calls `found(place, coordinate, normal)` for each point in which an edge of the batch crosses
+/// the patch. `coordinate` is that along the edges' axis.
 template <std::size_t axis, class Found>
 void meet_saddle(const ArcFeature& arc, double probe, double length, EdgeBatch& batch,
                  Found&& found) {
@@ -128,7 +131,7 @@ void meet_saddle(const ArcFeature& arc, double probe, double length, EdgeBatch& 
   for (std::size_t i = 0; i < batch.count; i += hn::Lanes(doubles)) {
     const Points start = batch_points(batch, i);
     const auto step = load(batch.step.data() + i);
-    const auto offer = [&](DoubleVector parameter, DoubleMask exits) {
+    const auto report = [&](DoubleVector parameter, DoubleMask exits) {
       const auto share = hn::Min(hn::Max(parameter, broadcast(0)), broadcast(1));
       Points point = start;
       along<axis>(point) = along<axis>(point) + share * step;
@@ -143,7 +146,7 @@ void meet_saddle(const ArcFeature& arc, double probe, double length, EdgeBatch& 
     const auto in_batch = hn::FirstN(doubles, batch.count - i);
     const OnlyTubeExits only =
         only_tube_exits<axis>(start, step, circle.axis, circle.radius, probe, low, high);
-    offer(only.parameters, hn::And(in_batch, only.is_one));
+    report(only.parameters, hn::And(in_batch, only.is_one));
     for_each_lane(hn::And(in_batch, only.may_be_several), [&](std::size_t lane) {
       Vec3 one_step;
       one_step[axis] = batch.step[i + lane];
@@ -152,7 +155,7 @@ void meet_saddle(const ArcFeature& arc, double probe, double length, EdgeBatch& 
                      one_step, circle.axis, circle.radius, probe, low, high);
       const auto this_lane = hn::Eq(hn::Iota(doubles, 0), broadcast(static_cast<double>(lane)));
       for (int e = 0; e < several.count; ++e)
-        offer(broadcast(several.parameters[static_cast<std::size_t>(e)]), this_lane);
+        report(broadcast(several.parameters[static_cast<std::size_t>(e)]), this_lane);
     });
   }
 }

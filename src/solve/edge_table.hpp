@@ -1,5 +1,5 @@
 #pragma once
-/// The edges of a block whose ends differ.
+/// The edges of a block with one end inside and one outside.
 
 #include <array>
 #include <cstdint>
@@ -9,10 +9,11 @@
 
 namespace eses::detail {
 
-/// Edges are ranked in canonical order: by lower point (z, y, x), then axis.
+/// Edges in canonical order: by lower point (z, y, x), then axis. `changes` and `rank` are indexed
+/// like PointBits::words.
 struct EdgeTable {
-  std::array<std::vector<std::uint64_t>, 3> changes;  ///< per axis, indexed like PointBits::words
-  std::vector<std::uint32_t> rank;                    ///< edges before a word's first, likewise
+  std::array<std::vector<std::uint64_t>, 3> changes;  ///< by axis: bits of the edges' lower points
+  std::vector<std::uint32_t> rank;  ///< number of edges before the first one of a word
   std::uint32_t count = 0;
 };
 

@@ -1,5 +1,5 @@
 #pragma once
-/// Which points of a block a box reaches.
+/// Ranges of a block's points and edges within intervals of space.
 
 #include <algorithm>
 #include <array>
@@ -11,15 +11,16 @@
 
 namespace eses::detail {
 
-/// Indices [begin, end) along one axis, from the block's first point.
+/// Indices [begin, end) along one axis, relative to the block's first point.
 struct IndexRange {
   std::int64_t begin, end;
 };
 
-/// A point this near to the bound of a range, in spacings, is in it, however it is rounded.
+/// A range includes points that are at most this far beyond its bounds, in spacings. The value is
+/// far above rounding errors.
 inline constexpr double range_slack = 1e-6;
 
-/// The points between `low` and `high`.
+/// Returns the block's points between `low` and `high` (angstrom).
 inline IndexRange points_within(const BlockGrid& grid, std::size_t axis, double low, double high) {
   const double inverse = grid.inverse_spacing;
   const auto first = static_cast<double>(grid.block.first[axis]);
@@ -30,42 +31,43 @@ inline IndexRange points_within(const BlockGrid& grid, std::size_t axis, double 
           static_cast<std::int64_t>(std::clamp(b, 0.0, points))};
 }
 
-/// Of those the ones that the block owns.
+/// Returns the points that the block owns between `low` and `high` (angstrom).
 inline IndexRange own_points_within(const BlockGrid& grid, std::size_t axis, double low,
                                     double high) {
   const IndexRange range = points_within(grid, axis, low, high);
   return {range.begin, std::min(range.end, grid.block.owned[axis])};
 }
 
-/// The block's own points at which edges along `axis` start that reach into the interval.
+/// Returns the lower points of the edges along `axis` that the block owns and that meet the
+/// interval.
 inline IndexRange own_edges_within(const BlockGrid& grid, std::size_t axis, double low,
                                    double high) {
   return own_points_within(grid, axis, low - grid.grid.spacing, high);
 }
 
-/// The columns that hold these points.
+/// Returns the columns of PointBits that contain these points.
 inline IndexRange columns_of(const IndexRange& x, std::int64_t columns) {
   if (x.begin >= x.end) return {0, 0};
-  // A shared point belongs to the column before, too.
+  // A point that two columns share also belongs to the previous one.
   return {std::max<std::int64_t>(0, (x.begin - 1) / PointBits::column_step),
           std::min(columns, (x.end - 1) / PointBits::column_step + 1)};
 }
 
-/// The bits of a column that belong to these points.
+/// Returns the bits of these points in a column.
 inline std::uint64_t column_bits(const IndexRange& x, std::int64_t column) {
   const std::int64_t first = column * PointBits::column_step;
   return low_bits(std::clamp<std::int64_t>(x.end - first, 0, PointBits::column_points)) &
          ~low_bits(std::clamp<std::int64_t>(x.begin - first, 0, PointBits::column_points));
 }
 
-/// A word of PointBits.
+/// The position of a word of PointBits.
 struct WordPlace {
   std::int64_t column = 0, y = 0, z = 0;
   std::size_t word = 0;
 };
 
-/// Calls `action(place, bits)` for every one of `words`, which are laid out as those of `layout`,
-/// with the bits that are set within the ranges along x, y and z, if there are any.
+/// Calls `action(place, bits)` for each of `words` that has set bits within the ranges along x, y
+/// and z. `bits` are these bits. `words` have the same layout as those of `layout`.
 template <class Action>
 void for_each_word(const PointBits& layout, std::span<const std::uint64_t> words,
                    const std::array<IndexRange, 3>& range, Action&& action) {

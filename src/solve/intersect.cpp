@@ -24,7 +24,7 @@
 HWY_BEFORE_NAMESPACE();
 namespace eses::detail::HWY_NAMESPACE {
 
-// Which edges of one column in one plane have differing ends.
+// Finds the edges of one column in one plane that have one end inside and one outside.
 void find_changes(const BlockGrid& grid, const PointBits& inside, std::int64_t column,
                   std::int64_t z, EdgeTable& edges) {
   const GridIndex points = grid.block.points, owned = grid.block.owned;
@@ -46,6 +46,7 @@ void find_changes(const BlockGrid& grid, const PointBits& inside, std::int64_t c
   if (owned[1] == points[1]) y[owned[1] - 1] = 0;
 }
 
+// Fills the table of edges.
 void tabulate_edges(const BlockGrid& grid, const PointBits& inside, EdgeTable& edges) {
   for (auto& changes : edges.changes) changes.resize(inside.words.size());
   edges.rank.resize(inside.words.size());
@@ -66,8 +67,7 @@ void tabulate_edges(const BlockGrid& grid, const PointBits& inside, EdgeTable& e
   edges.count = static_cast<std::uint32_t>(count);
 }
 
-// Calls `action(axis)` with each axis as a constant, so that the compiler sees which coordinates of
-// an edge are fixed.
+// Calls `action(axis)` with each axis as a compile-time constant.
 template <class Action>
 HWY_INLINE void for_each_axis(Action&& action) {
   action(std::integral_constant<std::size_t, 0>());
@@ -75,7 +75,7 @@ HWY_INLINE void for_each_axis(Action&& action) {
   action(std::integral_constant<std::size_t, 2>());
 }
 
-// Everything that one block's search for crossings reads and writes.
+// The search for the crossings of one block.
 struct Search {
   const BlockGrid& grid;
   const BlockFeatures& features;
@@ -89,6 +89,7 @@ struct Search {
 
   bool is_inside(std::size_t word, int bit) const { return (inside.words[word] >> bit & 1) != 0; }
 
+  // Returns the index of an edge in canonical order.
   std::uint32_t edge_rank(std::size_t axis, std::size_t word, int bit) const {
     const EdgeTable& edges = scratch.edges;
     const std::uint64_t before = (std::uint64_t{1} << bit) - 1;
@@ -100,54 +101,69 @@ struct Search {
     return edges.rank[word] + static_cast<std::uint32_t>(rank);
   }
 
-  void offer(std::uint32_t edge, BlockCrossing candidate, bool needs_proof = false) {
+  // Adds a candidate for the crossing of an edge.
+  void add_candidate(std::uint32_t edge, BlockCrossing candidate, bool needs_proof = false) {
     BlockCrossing& first = crossings[edge];
     candidate.x = first.x;
     if (first.atom_count == 0 && !needs_proof) {
       first = candidate;
     } else {
-      scratch.further.push_back({edge, needs_proof, candidate});
+      scratch.more_candidates.push_back({edge, needs_proof, candidate});
     }
   }
 
-  // Offers a crossing to the edge that starts at `lower`, if there is one, if its ends lie on the
-  // right sides, and if it reaches this far.
-  void offer_to_edge(GridIndex lower, BlockCrossing crossing, bool needs_proof) {
+  void add_doubtful(const GridIndex& lower, std::size_t axis) {
+    scratch.doubtful.push_back(
+        {static_cast<std::uint32_t>(lower[2] * grid.block.owned[1] + lower[1]),
+         static_cast<std::uint16_t>(lower[0]), static_cast<std::uint8_t>(axis)});
+  }
+
+  // Adds a candidate to the edge that starts at `lower`, if the block owns this edge, if its inside
+  // end is that of the candidate, and if the candidate lies on it.
+  void add_to_edge(GridIndex lower, BlockCrossing crossing, bool needs_proof) {
     const std::size_t axis = crossing.axis;
     if (lower[axis] < 0 || lower[axis] >= grid.block.owned[axis]) return;
+    if (lower[axis] + 1 >= grid.block.points[axis]) return;
     const std::int64_t column = std::min(lower[0] / PointBits::column_step, inside.columns - 1);
     const auto bit = static_cast<int>(lower[0] - column * PointBits::column_step);
     const std::size_t word = inside.word_index(column, lower[1], lower[2]);
-    if ((scratch.edges.changes[axis][word] >> bit & 1) == 0 ||
-        is_inside(word, bit) != crossing.lower_is_inside)
+    const bool is_change = (scratch.edges.changes[axis][word] >> bit & 1) != 0;
+    // Of an edge that is cut twice one crossing is of this direction.
+    const bool may_be_doubtful = scratch.finds_doubtful && !is_change && !crossing.lower_is_inside;
+    if (!may_be_doubtful && (!is_change || is_inside(word, bit) != crossing.lower_is_inside))
       return;
     const double low = coordinate(axis, lower[axis]), high = coordinate(axis, lower[axis] + 1);
     const double slack = tolerance::edge_end * (high - low);
     if (crossing.coordinate < low - slack || crossing.coordinate > high + slack) return;
+    if (may_be_doubtful) {
+      add_doubtful(lower, axis);
+      return;
+    }
     crossing.coordinate = std::clamp(crossing.coordinate, low, high);
-    offer(edge_rank(axis, word, bit), crossing, needs_proof);
+    add_candidate(edge_rank(axis, word, bit), crossing, needs_proof);
   }
 
-  // Offers a crossing to the edge of the line on which it lies, and to the next if it is at the
-  // end.
-  void offer_on_line(GridIndex line, const BlockCrossing& crossing, bool needs_proof = false) {
+  // Adds a candidate to the edge of the line on which it lies, and to the next edge if it lies near
+  // their common end.
+  void add_on_line(GridIndex line, const BlockCrossing& crossing, bool needs_proof = false) {
     constexpr double near_end = 2 * tolerance::edge_end;
     const std::size_t axis = crossing.axis;
     const double place = (crossing.coordinate - grid.grid.origin[axis]) * grid.inverse_spacing -
                          static_cast<double>(grid.block.first[axis]);
     const double cell = std::floor(place);
     line[axis] = static_cast<std::int64_t>(cell);
-    offer_to_edge(line, crossing, needs_proof);
+    add_to_edge(line, crossing, needs_proof);
     if (place - cell < near_end) {
       --line[axis];
-      offer_to_edge(line, crossing, needs_proof);
+      add_to_edge(line, crossing, needs_proof);
     } else if (place - cell > 1 - near_end) {
       ++line[axis];
-      offer_to_edge(line, crossing, needs_proof);
+      add_to_edge(line, crossing, needs_proof);
     }
   }
 
-  // Edges enter a van der Waals sphere where its face is exposed.
+  // Adds the points in which edges enter a convex patch: a van der Waals sphere in the directions
+  // of its exposed face.
   void search_face(const FaceFeature& face) {
     const bool is_point = is_point_atom(face);
     ConeFilter filter(features.cones_of(face));
@@ -170,13 +186,14 @@ struct Search {
                              crossing.normal = {};
                              crossing.normal[axis()] = side;
                            }
-                           offer_on_line(line, crossing);
+                           add_on_line(line, crossing);
                          });
     });
   }
 
-  // Edges leave a probe within the cone of the three atoms that it touches. Where the cone is not
-  // known they leave it anywhere, and other patches may lie farther out.
+  // Adds the points in which edges cross a concave patch: a probe's sphere in the directions of the
+  // placement's normal cone. If the cone is not known, the whole sphere is used, and each candidate
+  // needs a proof.
   void search_placement(const PlacementFeature& placement) {
     const auto is_in_cone = [&](DoubleMask met, const Points& direction, DoubleVector, int) {
       if (!placement.is_regular) return met;
@@ -187,9 +204,9 @@ struct Search {
     for_each_axis([&](auto axis) {
       meet_lines<axis()>(grid, {placement.center, features.probe_radius, placement.box}, is_in_cone,
                          [&](const GridIndex& line, double met, int side, Vec3 direction) {
-                           offer_on_line(line,
-                                         {met, -direction, placement.atoms, 0, axis(), 3, side < 0},
-                                         !placement.is_regular);
+                           add_on_line(line,
+                                       {met, -direction, placement.atoms, 0, axis(), 3, side < 0},
+                                       !placement.is_regular);
                          });
     });
   }
@@ -220,13 +237,14 @@ struct Search {
         [&](std::uint64_t place, double met, Vec3 normal) {
           const std::size_t word = place / 64;
           const auto bit = static_cast<int>(place % 64);
-          offer(edge_rank(axis, word, bit),
-                {met, normal, {arc.atoms[0], arc.atoms[1]}, 0, axis, 2, is_inside(word, bit)});
+          add_candidate(
+              edge_rank(axis, word, bit),
+              {met, normal, {arc.atoms[0], arc.atoms[1]}, 0, axis, 2, is_inside(word, bit)});
         });
     scratch.batch.count = 0;
   }
 
-  // Edges that reach into the box of a saddle patch.
+  // Adds the points in which edges cross a saddle patch. Only edges that meet its box are tested.
   void search_arc(const ArcFeature& arc) {
     const Box& box = arc.surface_box;
     for_each_axis([&](auto axis) {
@@ -243,16 +261,84 @@ struct Search {
     });
   }
 
+  // Appends the edges near the patch that start in a row of points to the batch.
+  template <std::size_t axis>
+  void gather_row(const ArcFeature& arc, const IndexRange& x, std::int64_t y, std::int64_t z) {
+    EdgeBatch& batch = scratch.batch;
+    const Doubles doubles;
+    const auto lanes = static_cast<std::int64_t>(hn::Lanes(doubles));
+    const Vec3 center = arc.circle.center;
+    const double spacing = grid.grid.spacing;
+    Points start{broadcast(0), broadcast(coordinate(1, y) - center.y),
+                 broadcast(coordinate(2, z) - center.z)};
+    for (std::int64_t i = x.begin; i < x.end; i += lanes) {
+      start.x = load(grid.coordinates[0].data() + i) - broadcast(center.x);
+      const auto is_off =
+          misses_saddle<axis>(arc, features.probe_radius, spacing, start, broadcast(spacing));
+      const auto may_cross =
+          hn::AndNot(is_off, hn::FirstN(doubles, static_cast<std::size_t>(x.end - i)));
+      if (hn::AllFalse(doubles, may_cross)) continue;
+      for_each_lane(may_cross, [&](std::size_t lane) {
+        const GridIndex lower{i + static_cast<std::int64_t>(lane), y, z};
+        const std::int64_t column = std::min(lower[0] / PointBits::column_step, inside.columns - 1);
+        const auto bit = static_cast<int>(lower[0] - column * PointBits::column_step);
+        const std::size_t word = inside.word_index(column, y, z);
+        if ((scratch.edges.changes[axis][word] >> bit & 1) != 0) return;
+        const Vec3 from = grid_point(lower) - center;
+        for (std::size_t a = 0; a < 3; ++a) batch.start[a][batch.count] = from[a];
+        batch.from[batch.count] = coordinate(axis, lower[axis]);
+        batch.step[batch.count] = coordinate(axis, lower[axis] + 1) - coordinate(axis, lower[axis]);
+        batch.place[batch.count] =
+            static_cast<std::uint64_t>((z * grid.block.owned[1] + y) << 16 | lower[0]);
+        ++batch.count;
+      });
+      if (batch.count + hn::Lanes(doubles) > EdgeBatch::capacity) meet_doubtful<axis>(arc);
+    }
+  }
+
+  Vec3 grid_point(const GridIndex& index) const {
+    return {coordinate(0, index[0]), coordinate(1, index[1]), coordinate(2, index[2])};
+  }
+
+  template <std::size_t axis>
+  void meet_doubtful(const ArcFeature& arc) {
+    meet_saddle<axis>(arc, features.probe_radius, grid.grid.spacing, scratch.batch,
+                      [&](std::uint64_t place, double, Vec3) {
+                        scratch.doubtful.push_back({static_cast<std::uint32_t>(place >> 16),
+                                                    static_cast<std::uint16_t>(place), axis});
+                      });
+    scratch.batch.count = 0;
+  }
+
+  // Edges that have both ends on one side, and leave the tube of the arc on the way up.
+  void search_doubtful(const ArcFeature& arc) {
+    const Box& box = arc.surface_box;
+    for_each_axis([&](auto axis) {
+      std::array<IndexRange, 3> range{};
+      for (std::size_t a = 0; a < 3; ++a)
+        range[a] = a == axis() ? own_edges_within(grid, a, box.low[a], box.high[a])
+                               : own_points_within(grid, a, box.low[a], box.high[a]);
+      range[axis()].end = std::min(range[axis()].end, grid.block.points[axis()] - 1);
+      for (std::int64_t z = range[2].begin; z < range[2].end; ++z)
+        for (std::int64_t y = range[1].begin; y < range[1].end; ++y)
+          gather_row<axis()>(arc, range[0], y, z);
+      meet_doubtful<axis()>(arc);
+    });
+  }
+
   void search_all() {
     for (const FaceFeature& face : features.faces) search_face(face);
     for (const ArcFeature& arc : features.arcs) search_arc(arc);
+    if (scratch.finds_doubtful)
+      for (const ArcFeature& arc : features.arcs) search_doubtful(arc);
     for (const PlacementFeature& placement : features.placements) search_placement(placement);
   }
 };
 
 static_assert(max_block_size - 1 <= std::numeric_limits<decltype(BlockCrossing::x)>::max());
 
-// Lists all edges in canonical order, as crossings of which only the edge is known.
+// Makes a crossing for each edge in canonical order, with the edge only. Atom count 0 means that no
+// candidate is known yet.
 void list_edges(const BlockGrid& grid, const PointBits& inside, const EdgeTable& edges,
                 std::vector<BlockCrossing>& crossings, std::vector<std::uint32_t>& row_begin) {
   crossings.resize(edges.count);
@@ -278,9 +364,10 @@ void list_edges(const BlockGrid& grid, const PointBits& inside, const EdgeTable&
   row_begin.push_back(edges.count);
 }
 
-// Decides the edges that met no patch or more than one.
-void decide_rest(const BlockGrid& grid, const BlockFeatures& features, IntersectScratch& scratch,
-                 std::span<const std::uint32_t> row_begin, std::vector<BlockCrossing>& crossings) {
+// Decides the crossings of edges that have no candidate, or more than one.
+void decide_remaining(const BlockGrid& grid, const BlockFeatures& features,
+                      IntersectScratch& scratch, std::span<const std::uint32_t> row_begin,
+                      std::vector<BlockCrossing>& crossings) {
   bool is_indexed = false;
   const auto edge_of = [&](std::uint32_t rank) {
     const BlockCrossing& crossing = crossings[rank];
@@ -291,21 +378,25 @@ void decide_rest(const BlockGrid& grid, const BlockFeatures& features, Intersect
   };
   const auto decide = [&](std::uint32_t rank, bool needs_proof) {
     const std::uint16_t x = crossings[rank].x;
+    if (scratch.finds_doubtful) {
+      const auto next_row = std::upper_bound(row_begin.begin(), row_begin.end(), rank);
+      scratch.doubtful.push_back(
+          {static_cast<std::uint32_t>(next_row - row_begin.begin() - 1), x, crossings[rank].axis});
+    }
     if (!is_indexed) scratch.patches.reset(features, grid.box);
     is_indexed = true;
     crossings[rank] = decide_crossing(scratch.patches, edge_of(rank), scratch.of_edge, needs_proof);
     crossings[rank].x = x;
   };
-  auto& further = scratch.further;
-  std::sort(further.begin(), further.end(),
-            [](const auto& a, const auto& b) { return a.edge < b.edge; });
-  for (auto next = further.begin(); next != further.end();) {
+  auto& more = scratch.more_candidates;
+  std::sort(more.begin(), more.end(), [](const auto& a, const auto& b) { return a.edge < b.edge; });
+  for (auto next = more.begin(); next != more.end();) {
     const std::uint32_t rank = next->edge;
     bool needs_proof = false;
     scratch.of_edge.clear();
     if (crossings[rank].atom_count != 0) scratch.of_edge.push_back(crossings[rank]);
-    for (; next != further.end() && next->edge == rank; ++next) {
-      scratch.of_edge.push_back(next->candidate);
+    for (; next != more.end() && next->edge == rank; ++next) {
+      scratch.of_edge.push_back(next->crossing);
       needs_proof = needs_proof || next->needs_proof;
     }
     decide(rank, needs_proof);
@@ -320,9 +411,10 @@ void intersect(const BlockGrid& grid, const BlockFeatures& features, const Point
                std::vector<std::uint32_t>& row_begin) {
   tabulate_edges(grid, inside, scratch.edges);
   list_edges(grid, inside, scratch.edges, crossings, row_begin);
-  scratch.further.clear();
+  scratch.more_candidates.clear();
+  scratch.doubtful.clear();
   Search{grid, features, inside, scratch, crossings}.search_all();
-  decide_rest(grid, features, scratch, row_begin, crossings);
+  decide_remaining(grid, features, scratch, row_begin, crossings);
 }
 
 }  // namespace eses::detail::HWY_NAMESPACE

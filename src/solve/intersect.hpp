@@ -1,5 +1,5 @@
 #pragma once
-/// Where the edges that a block owns cross the solvent excluded surface.
+/// Crossings of the edges that a block owns with the solvent excluded surface.
 
 #include <cstdint>
 #include <vector>
@@ -11,22 +11,35 @@
 
 namespace eses::detail {
 
+/// An edge that the surface may cut more than once, or an edge with both ends on one side that the
+/// surface may cut.
+struct DoubtfulEdge {
+  std::uint32_t row = 0;  ///< row [z][y] of the block's owned points
+  std::uint16_t x = 0;    ///< x of its lower point, relative to the block's first point
+  std::uint8_t axis = 0;
+};
+
+/// Scratch memory of intersect_edges.
 struct IntersectScratch {
-  struct Further {
-    std::uint32_t edge;
-    bool needs_proof;  ///< see decide_crossing
-    BlockCrossing candidate;
+  /// A candidate for the crossing of an edge.
+  struct Candidate {
+    std::uint32_t edge;  ///< index of the edge in canonical order
+    bool needs_proof;    ///< see decide_crossing
+    BlockCrossing crossing;
   };
   EdgeTable edges;
   EdgeBatch batch;
   PatchIndex patches;
-  /// Of each edge, all candidates but the first that was found, and all that need a proof.
-  std::vector<Further> further;
-  std::vector<BlockCrossing> of_edge;  ///< candidates of the edge that is being decided
+  /// All candidates of each edge except the first one, and all candidates that need a proof.
+  std::vector<Candidate> more_candidates;
+  bool finds_doubtful = false;         ///< whether to list doubtful edges
+  std::vector<DoubtfulEdge> doubtful;  ///< in any order, with repetitions
+  std::vector<double> places;          ///< scratch memory of find_edge_shares
+  std::vector<BlockCrossing> of_edge;  ///< candidates of the current edge
 };
 
-/// Appends the crossings in canonical order, and for each row (z, y) of owned points the number of
-/// crossings before it to `row_begin` (rows + 1 entries).
+/// Appends the crossings to `crossings` in canonical order. Appends to `row_begin` the number of
+/// crossings before each row (z, y) of owned points, and finally the total number.
 void intersect_edges(const BlockGrid& grid, const BlockFeatures& features, const PointBits& inside,
                      IntersectScratch& scratch, std::vector<BlockCrossing>& crossings,
                      std::vector<std::uint32_t>& row_begin);

@@ -1,5 +1,5 @@
-/// Where grid lines meet a sphere, several lines at a time: one root serves all edges of a line.
-/// Included anew for every instruction set, see Highway.
+/// Intersections of several grid lines with a sphere. One square root gives the intersections of
+/// all edges of a line. Highway includes this file once for each instruction set.
 
 #include "simd/points-inl.hpp"
 #include "solve/index_range.hpp"
@@ -14,23 +14,24 @@
 HWY_BEFORE_NAMESPACE();
 namespace eses::detail::HWY_NAMESPACE {
 
-/// A sphere of which the part in `box` is looked at.
+/// The part of a sphere in a box.
 struct SpherePart {
   Vec3 center;
   double radius = 0;
   Box box;
 };
 
-/// For the grid lines along `axis` through the block's own points, calls
-/// `found(line, coordinate, side, direction)` where a line meets the part: `line` has the indices
-/// of the line's points, whatever the one along the axis; `side` is +1 at the upper end of the
-/// chord that the sphere cuts from the line, -1 at the lower; `direction` is the unit vector from
-/// the centre. `is_on_patch(mask, from_center, length, side)` narrows a mask of lanes.
+/// Calls `found(line, coordinate, side, direction)` for each point in which a grid line along
+/// `axis` through owned points of the block meets the part of the sphere. `line` has the indices of
+/// the line's points; the index along the axis is unspecified. `side` is +1 at the upper and -1 at
+/// the lower end of the chord in the sphere. `direction` is the unit vector from the sphere's
+/// centre. `is_on_patch(mask, from_center, length, side)` returns the lanes of `mask` whose points
+/// are on the patch.
 template <std::size_t axis, class IsOnPatch, class Found>
 void meet_lines(const BlockGrid& grid, const SpherePart& sphere, IsOnPatch&& is_on_patch,
                 Found&& found) {
   constexpr std::size_t across = axis == 0 ? 1 : 0, row = axis == 2 ? 1 : 2;
-  constexpr double tangent = -1e-12;  // square angstrom: a line that grazes the sphere
+  constexpr double tangent = -1e-12;  // slack for lines that graze the sphere, square angstrom
   const Doubles doubles;
   const auto lanes = static_cast<std::int64_t>(hn::Lanes(doubles));
   const IndexRange rows = own_points_within(grid, row, sphere.box.low[row], sphere.box.high[row]);

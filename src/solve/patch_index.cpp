@@ -6,8 +6,8 @@
 namespace eses::detail {
 namespace {
 
-// Cells are a little larger than the patches that they are to separate (angstrom), and not more
-// along an axis than a coarse grid can afford.
+// The minimum side of a cell, a little larger than most patches (angstrom), and the maximum number
+// of cells along an axis.
 constexpr double min_cell_side = 4;
 constexpr double max_cells = 64;
 
@@ -33,7 +33,7 @@ void PatchIndex::fill(std::span<const Feature> features, BoxOf&& box_of, Lists& 
       for (std::size_t y = low[1]; y <= high[1]; ++y)
         for (std::size_t x = low[0]; x <= high[0]; ++x) action((z * size_[1] + y) * size_[0] + x);
   };
-  // Counts go one place up, so that filling the lists moves each cell's begin into place.
+  // Counts are stored one element further, so that filling the lists moves each begin to its place.
   lists.begin.assign(size_[0] * size_[1] * size_[2] + 2, 0);
   for (const Feature& feature : features)
     for_each_cell(feature, [&](std::size_t cell) { ++lists.begin[cell + 2]; });

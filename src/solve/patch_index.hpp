@@ -1,5 +1,5 @@
 #pragma once
-/// The patches of a block by place.
+/// A spatial index of the patches of a block.
 
 #include <array>
 #include <cstdint>
@@ -10,24 +10,27 @@
 
 namespace eses::detail {
 
-/// Cells over a block's box, each with the patches whose accessible probe centres can be nearest to
-/// a point in it.
+/// A grid of cells over a block's box. Each cell lists the patches whose probe centres can be the
+/// nearest to a point of the cell.
 class PatchIndex {
  public:
-  /// Features by their indices: first the placements, then the arcs, then the faces.
+  /// The patches of a cell, as indices into the lists of BlockFeatures.
   struct Cell {
     std::span<const std::uint32_t> placements, arcs, faces;
   };
 
-  /// Keeps a reference to `features`, which were collected for `box`.
+  /// Replaces the index. Keeps a reference to `features`, which were collected for `box`.
   void reset(const BlockFeatures& features, const Box& box);
   const BlockFeatures& features() const { return *features_; }
 
-  /// The cell of a point, or for a point outside the box, the nearest.
+  /// Side of a cell, in angstrom.
+  double cell_side() const { return cell_side_; }
+
+  /// Returns the cell of a point, or the nearest cell if the point is outside the box.
   Cell cell_at(Vec3 point) const;
 
  private:
-  /// One kind of patch: those of cell c are `items[begin[c]], ...` up to begin[c + 1].
+  /// Patches of one kind: cell c has the elements [begin[c], begin[c + 1]) of `items`.
   struct Lists {
     std::vector<std::uint32_t> begin, items;
 

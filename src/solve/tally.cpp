@@ -6,12 +6,16 @@
 namespace eses::detail {
 namespace {
 
-// Of non-negative numbers; std::llround is a call.
+// Rounds a non-negative number. It is faster than std::llround.
 std::int64_t rounded(double value) {
   return static_cast<std::int64_t>(value + 0.5);  // NOLINT(bugprone-incorrect-roundings)
 }
 
 }  // namespace
+
+void Tally::add_length(double share) {
+  inside_lengths += std::llround((share - 0.5) / area_share_unit);
+}
 
 void Tally::add(const SurfaceModel& surface, const BlockCrossing& crossing, Vec3 point) {
   const std::size_t count = crossing.atom_count;
@@ -26,14 +30,14 @@ void Tally::add(const SurfaceModel& surface, const BlockCrossing& crossing, Vec3
     give(crossing.atoms[0], share);
     return;
   }
-  // Below this the shares are those of the limit; rounding would make them anything.
+  // Shorter distances count as this one. Their quotients are lost in rounding.
   constexpr double min_gap = 1e-12;  // angstrom
   std::array<double, 3> gaps{1, 1, 1};
   for (std::size_t q = 0; q < count; ++q) {
     const Atom& atom = surface.atoms[crossing.atoms[q]];
     gaps[q] = std::max(norm(point - atom.center) - atom.radius, min_gap);
   }
-  // 1 / gap, times all three gaps.
+  // Each weight is 1 / gap times the product of all gaps.
   std::array<double, 3> weights{gaps[1] * gaps[2], gaps[2] * gaps[0], gaps[0] * gaps[1]};
   if (count == 2) weights[2] = 0;
   const double scale = share / (weights[0] + weights[1] + weights[2]);

@@ -17,10 +17,10 @@ AtomClusters::AtomClusters(const SurfaceModel& surface)
       heights.high = std::max(heights.high, sphere.center.z + sphere.radius);
     }
   }
-  lowest_from_.resize(heights_.size());
+  min_height_from_.resize(heights_.size());
   double lowest = std::numeric_limits<double>::infinity();
   for (ClusterIndex cluster = count(); cluster-- > 0;)
-    lowest_from_[cluster] = lowest = std::min(lowest, heights_[cluster].low);
+    min_height_from_[cluster] = lowest = std::min(lowest, heights_[cluster].low);
 }
 
 std::span<const AtomIndex> AtomClusters::members(ClusterIndex cluster) const {
@@ -30,8 +30,8 @@ std::span<const AtomIndex> AtomClusters::members(ClusterIndex cluster) const {
 }
 
 ClusterIndex AtomClusters::count_below(double z) const {
-  const auto end = std::upper_bound(lowest_from_.begin(), lowest_from_.end(), z);
-  return static_cast<ClusterIndex>(end - lowest_from_.begin());
+  const auto end = std::upper_bound(min_height_from_.begin(), min_height_from_.end(), z);
+  return static_cast<ClusterIndex>(end - min_height_from_.begin());
 }
 
 }  // namespace eses::detail

@@ -1,9 +1,9 @@
 #pragma once
-/// Clusters of atoms that are near each other, in the order of their heights.
+/// Clusters of neighbouring atoms, ordered along z.
 ///
-/// Patches are built cluster by cluster, shortly before a sweep along z needs them, and freed
-/// behind it. Atoms are sorted along z first, so that the clusters in use at a time follow the
-/// cross-section of the molecule.
+/// Patches are built cluster by cluster, shortly before a sweep along z needs them, and freed when
+/// the sweep has passed. Atoms are sorted along z first, so that the number of clusters in use at a
+/// time is proportional to the cross-section of the molecule.
 
 #include <cstdint>
 #include <span>
@@ -21,15 +21,17 @@ struct HeightRange {
   double low = 0, high = 0;
 };
 
+/// The division of all atoms into clusters of equal size.
 class AtomClusters {
  public:
   explicit AtomClusters(const SurfaceModel& surface);
 
+  /// Number of atoms in each cluster but the last one.
   static constexpr std::uint32_t atoms_per_cluster = 128;
 
   ClusterIndex count() const { return static_cast<ClusterIndex>(heights_.size()); }
 
-  /// Where an atom stands: its cluster, and its place among that cluster's atoms.
+  /// The position of an atom: its cluster, and its 0-based index within the cluster.
   struct Place {
     ClusterIndex cluster = 0;
     std::uint32_t member = 0;
@@ -38,20 +40,22 @@ class AtomClusters {
     return {places_[atom] / atoms_per_cluster, places_[atom] % atoms_per_cluster};
   }
 
+  /// The atoms of a cluster.
   std::span<const AtomIndex> members(ClusterIndex cluster) const;
 
-  /// The interval that holds the SAS spheres of a cluster's atoms. Atoms whose SAS spheres meet are
-  /// in clusters whose intervals overlap.
+  /// The interval along z that the SAS spheres of a cluster's atoms span. If two SAS spheres meet,
+  /// the intervals of their clusters overlap.
   const HeightRange& heights(ClusterIndex cluster) const { return heights_[cluster]; }
 
-  /// The smallest n such that every cluster that begins at or below `z` is one of the first n.
+  /// Returns the smallest n such that all clusters that begin at or below `z` are among the first
+  /// n.
   ClusterIndex count_below(double z) const;
 
  private:
-  std::span<const AtomIndex> order_;   // atoms by cluster: the order of the cell list
-  std::vector<std::uint32_t> places_;  // by atom: its place in `order_`
-  std::vector<HeightRange> heights_;   // by cluster
-  std::vector<double> lowest_from_;    // by cluster: the lowest height of it and all later ones
+  std::span<const AtomIndex> order_;     // atoms by cluster: the order of the cell list
+  std::vector<std::uint32_t> places_;    // by atom: its place in `order_`
+  std::vector<HeightRange> heights_;     // by cluster
+  std::vector<double> min_height_from_;  // by cluster: the minimum height of it and all later ones
 };
 
 }  // namespace eses::detail

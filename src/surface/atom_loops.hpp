@@ -1,5 +1,5 @@
 #pragma once
-/// Loops over atoms that threads share, if there are enough of them.
+/// Parallel loops over atoms.
 
 #include <algorithm>
 #include <cstdint>
@@ -10,15 +10,15 @@
 
 namespace eses::detail {
 
-/// So many that to start a thread costs little beside looking at them.
+/// Number of atoms in a range. Processing a range takes much longer than starting a thread.
 inline constexpr std::size_t atoms_per_loop_range = 4096;
 
+/// Returns the number of ranges of a loop over `atoms` atoms.
 inline std::size_t loop_range_count(std::size_t atoms) {
   return (atoms + atoms_per_loop_range - 1) / atoms_per_loop_range;
 }
 
-/// Calls `body(index)` once for every index in [0, count), from `threads` threads, or fewer if
-/// there are not so many indices.
+/// Calls `body(index)` once for every index in [0, count), from at most `threads` threads.
 inline void for_each_index(std::size_t count, int threads,
                            const std::function<void(std::size_t index)>& body) {
   const auto indices = static_cast<std::int64_t>(count);
@@ -27,8 +27,8 @@ inline void for_each_index(std::size_t count, int threads,
                [&](std::int64_t index, int) { body(static_cast<std::size_t>(index)); });
 }
 
-/// Calls `body(range, begin, end)` for the ranges [begin, end) that make up [0, atoms); the first
-/// is number 0.
+/// Divides [0, atoms) into ranges and calls `body(range, begin, end)` for each. `range` is the
+/// 0-based number of the range [begin, end).
 inline void for_loop_ranges(
     std::size_t atoms, int threads,
     const std::function<void(std::size_t range, AtomIndex begin, AtomIndex end)>& body) {

@@ -5,10 +5,10 @@
 namespace eses::detail {
 namespace {
 
-// One look-up in the cell list serves many atoms. What it finds is then sifted for fewer of them,
-// which have less around them that none of them meets.
+// One search in the cell list serves a large group of atoms. Its result is then filtered for
+// smaller groups.
 constexpr GroupBounds look_up_bounds{64, 12};
-constexpr GroupBounds sift_bounds{8, 6};
+constexpr GroupBounds filter_bounds{8, 6};
 
 double max_radius(std::span<const Atom> atoms) {
   double radius = 0;
@@ -22,9 +22,9 @@ Box box_of(std::span<const Atom> group) {
   return box;
 }
 
-// All atoms whose SAS sphere may meet that of one of the group. Their order does not depend on what
-// other atoms there are, in a part of the molecule for example: of several ends at the same place
-// the one is named whose cap comes first.
+// Finds all atoms whose SAS sphere may meet that of an atom of the group. Their order decides which
+// of several ends at the same place is kept. It does not depend on the other atoms, so it is the
+// same in a part of the molecule.
 void look_up_neighbours(const SurfaceModel& surface, std::span<const Atom> group,
                         AtomPatchScratch& scratch) {
   surface.cells().find_reaching(
@@ -38,9 +38,9 @@ void look_up_neighbours(const SurfaceModel& surface, std::span<const Atom> group
   }
 }
 
-// Those of them whose SAS sphere may meet that of one of a smaller group.
-void sift_neighbours(const SurfaceModel& surface, std::span<const Atom> group,
-                     AtomPatchScratch& scratch) {
+// Selects the found atoms whose SAS sphere may meet that of an atom of a smaller group.
+void filter_neighbours(const SurfaceModel& surface, std::span<const Atom> group,
+                       AtomPatchScratch& scratch) {
   find_near_box(box_of(group), max_radius(group) + surface.probe_radius + look_up_slack,
                 scratch.near_spheres, scratch.group_positions);
   choose_spheres(scratch.near_spheres, scratch.group_positions, scratch.group_spheres);
@@ -52,7 +52,7 @@ void collect_caps(const SurfaceModel& surface, AtomIndex i, AtomPatchScratch& sc
   make_caps(sphere, scratch.group_spheres, scratch.neighbours, scratch.caps);
 }
 
-// Relevant caps first, by size, then those that merely cover.
+// Keeps the relevant caps, by size, followed by the caps that are needed only to cover.
 void keep_caps(AtomPatchScratch& scratch) {
   scratch.kept_caps.clear();
   scratch.kept_neighbours.clear();
@@ -66,7 +66,7 @@ void keep_caps(AtomPatchScratch& scratch) {
 }
 
 PlacementKey make_key(AtomIndex i, AtomIndex j, AtomIndex k, const CircleEnd& end) {
-  PlacementKey key{{i, j, k}, end.side, !end.is_doubtful};
+  PlacementKey key{{i, j, k}, end.side, !end.is_uncertain};
   const auto order = [&](std::size_t a, std::size_t b) {
     if (key.atoms[a] <= key.atoms[b]) return;
     std::swap(key.atoms[a], key.atoms[b]);
@@ -103,8 +103,8 @@ void add_circles(const SurfaceModel& surface, AtomIndex i, AtomPatchScratch& scr
     if (scratch.kept_neighbours[k] > i) add_circle(surface, i, k, scratch, patches);
 }
 
-// The same, with the caps in the order of their atoms: where ends are in doubt, that order names
-// one of several at the same place.
+// Does the same with the caps in the order of their atoms. That order decides which of several
+// uncertain ends at the same place is kept.
 void add_circles_in_order(const SurfaceModel& surface, AtomIndex i, AtomPatchScratch& scratch,
                           BuiltPatches& patches) {
   std::sort(scratch.burial.relevant.begin(), scratch.burial.relevant.end(),
@@ -180,8 +180,8 @@ void build_atom_patches(const SurfaceModel& surface, std::span<const AtomIndex> 
                                        [&](AtomIndex i) { return surface.needs_patches(i); });
     if (is_needed) look_up_neighbours(surface, group_of(begin, end), scratch);
     while (begin < end) {
-      const AtomIndex group_end = end_of_group(scratch.atoms, begin, end, sift_bounds);
-      if (is_needed) sift_neighbours(surface, group_of(begin, group_end), scratch);
+      const AtomIndex group_end = end_of_group(scratch.atoms, begin, end, filter_bounds);
+      if (is_needed) filter_neighbours(surface, group_of(begin, group_end), scratch);
       for (; begin < group_end; ++begin) add_atom(surface, burial, atoms[begin], scratch, patches);
     }
   }

@@ -1,5 +1,5 @@
 #pragma once
-/// The patches to which one atom gives rise.
+/// The patches of single atoms.
 
 #include <array>
 #include <cstdint>
@@ -14,9 +14,10 @@
 
 namespace eses::detail {
 
+/// The role of an atom in the surface.
 enum class AtomExposure : std::uint8_t {
   unknown,
-  contained,  ///< its SAS ball lies in another one: it takes no part at all
+  contained,  ///< its SAS ball lies in another one, so it has no influence
   buried,     ///< no part of its SAS sphere is accessible
   exposed,    ///< it has an exposed face
 };
@@ -25,68 +26,73 @@ enum class AtomExposure : std::uint8_t {
 struct Arc {
   AtomIndex first = 0, second = 0;  ///< first < second
   ArcKind kind = ArcKind::full;
-  Vec3 start, end;  ///< unit, from the circle's centre, counter-clockwise about first -> second
+  /// Unit vectors from the circle's centre to the ends of the arc, which runs counter-clockwise
+  /// about the direction from the first to the second atom.
+  Vec3 start, end;
 };
 
-/// A probe placement by its atoms: ascending, and the side of their plane on which it stands, +1
-/// where (second - first) x (third - first) points.
+/// The atoms of a probe placement, and the side of their plane on which it lies.
 struct PlacementKey {
-  std::array<AtomIndex, 3> atoms{};
+  std::array<AtomIndex, 3> atoms{};  ///< ascending
+  /// +1 on the side to which (second - first) x (third - first) points, else -1.
   std::int8_t side = 1;
-  bool is_certain = true;  ///< false if an end that is doubtful led to it, see CircleEnd
+  bool is_certain = true;  ///< whether the end of an arc at the placement is certain, see CircleEnd
 
+  /// Returns whether two keys name the same placement.
   bool is_same_place(const PlacementKey& other) const {
     return atoms == other.atoms && side == other.side;
   }
-  /// Of keys for the same place, one that is not certain comes first.
+  /// Among keys of the same placement, uncertain ones come first.
   auto operator<=>(const PlacementKey&) const = default;
 };
 
-/// The patches to which some atoms give rise. Face neighbours are listed for every atom that is not
-/// proved buried, as only all the arcs together tell which of them are exposed.
+/// The patches of several atoms. Face neighbours are listed for every atom that is not proved to be
+/// buried. Whether it is exposed is known only when all arcs are known.
 struct BuiltPatches {
   std::vector<AtomExposure> exposure;     ///< per atom
   std::vector<std::uint32_t> face_count;  ///< per atom
   std::vector<AtomIndex> face_neighbours;
   std::vector<std::uint32_t> arc_count;  ///< per atom
   std::vector<Arc> arcs;
-  std::vector<PlacementKey> placements;  ///< every end of every arc, so with repetitions
+  std::vector<PlacementKey> placements;  ///< the ends of all arcs, with repetitions
 
+  /// Removes all patches.
   void clear();
 };
 
 /// Scratch memory of `build_atom_patches`, one per thread.
 struct AtomPatchScratch {
-  std::vector<Atom> atoms;          ///< those whose patches are built
-  std::vector<AtomIndex> found;     ///< may meet one of the atoms that are looked up together
-  std::vector<AtomIndex> near;      ///< those of `found` that take part
-  SphereList near_spheres;          ///< the SAS spheres of `near`
-  SpherePositions group_positions;  ///< in `near`, of those that may meet one of a smaller group
-  SphereList group_spheres;         ///< the SAS spheres at `group_positions`
-  SpherePositions neighbours;       ///< for each of `caps` the position in `group_spheres`
-  CapList caps;                     ///< of one atom
-  CapList kept_caps;                ///< those that matter
-  std::vector<AtomIndex> kept_neighbours;
+  std::vector<Atom> atoms;          ///< atoms whose patches are built
+  std::vector<AtomIndex> found;     ///< atoms near a group of atoms that is looked up together
+  std::vector<AtomIndex> near;      ///< atoms of `found` that are not contained in another one
+  SphereList near_spheres;          ///< SAS spheres of `near`
+  SpherePositions group_positions;  ///< positions in `near` of the atoms near a smaller group
+  SphereList group_spheres;         ///< SAS spheres at `group_positions`
+  SpherePositions neighbours;       ///< position in `group_spheres` of each cap of `caps`
+  CapList caps;                     ///< caps of one atom
+  CapList kept_caps;                ///< caps that can bound an accessible part or cover others
+  std::vector<AtomIndex> kept_neighbours;  ///< atom of each cap of `kept_caps`
   BurialScratch burial;
-  CrowdedCaps crowded;  ///< of `kept_caps`, where these are many
+  CrowdedCaps crowded;  ///< index of `kept_caps` if there are many
   ArcScratch arc;
   std::vector<CircleArc> arcs;
   std::vector<CircleEnd> ends;
 
-  /// The atom of cap number `k`.
+  /// The atom of cap `k` of `caps`.
   AtomIndex neighbour(std::uint32_t k) const {
     const auto position = static_cast<std::size_t>(neighbours.at[k]);
     return near[static_cast<std::size_t>(group_positions.at[position])];
   }
 };
 
-/// Replaces `patches` by those of some atoms, which are best near each other.
+/// Replaces `patches` by the patches of these atoms. It is faster if they are near each other.
 void build_atom_patches(const SurfaceModel& surface, std::span<const AtomIndex> atoms,
                         const BurialPatches& burial, AtomPatchScratch& scratch,
                         BuiltPatches& patches);
 
-/// Where the probe stands. The first two spheres' contact circle is met by the third; where the
-/// centres are all but collinear any of the points in question is as good.
+/// Returns the centre of the probe that touches three SAS spheres, on this side of their plane: the
+/// point in which the third sphere meets the contact circle of the other two. If the centres are
+/// almost collinear, the choice of the point on the circle does not matter.
 Vec3 placement_center(const SasSphere& first, const SasSphere& second, const SasSphere& third,
                       int side);
 

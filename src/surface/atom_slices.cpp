@@ -9,10 +9,11 @@
 namespace eses::detail {
 namespace {
 
-// Where slices meet, look-ups take longer: there are few, and they are thick.
+// Searches near the boundary of two slices take longer, so there are few slices with many atoms.
 constexpr std::size_t atoms_per_slice = std::size_t{1} << 16, max_slices = 16;
 constexpr std::size_t samples_per_slice = 1024;
 
+// Returns the centres of about `samples` atoms, evenly spread over the input order.
 std::vector<Vec3> sample_centers(std::span<const Atom> atoms, std::size_t samples) {
   const std::size_t step = std::max<std::size_t>(1, atoms.size() / samples);
   std::vector<Vec3> centers;
@@ -30,6 +31,7 @@ std::size_t longest_axis(std::span<const Vec3> points) {
   return longest;
 }
 
+// Chooses axis and cuts from a sample of the atoms.
 void choose_cuts(std::span<const Atom> atoms, std::size_t count, AtomSlices& slices) {
   std::vector<Vec3> centers = sample_centers(atoms, count * samples_per_slice);
   const std::size_t axis = slices.axis = longest_axis(centers);

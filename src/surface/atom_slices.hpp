@@ -1,5 +1,5 @@
 #pragma once
-/// Slices of a set of atoms, which threads take one by one.
+/// Slices of a set of atoms, for parallel processing.
 
 #include <cstddef>
 #include <span>
@@ -9,19 +9,20 @@
 
 namespace eses::detail {
 
-/// Atoms by where their centres are along one axis: slice k has those from `cuts[k - 1]` on that
-/// are below `cuts[k]`, without limit at both ends. Those with the same centre are in the same one.
+/// A division of atoms by the coordinate of their centres along one axis. Slice k has the atoms in
+/// [cuts[k - 1], cuts[k]); the first and the last slice are unbounded. Atoms with the same centre
+/// are in the same slice.
 struct AtomSlices {
   std::size_t axis = 0;
-  std::vector<double> cuts;                     ///< angstrom, ascending
-  std::vector<std::vector<AtomIndex>> members;  ///< by slice, ascending in each
+  std::vector<double> cuts;                     ///< coordinates in angstrom, ascending
+  std::vector<std::vector<AtomIndex>> members;  ///< atoms of each slice, ascending
 };
 
-/// How many slices so many atoms are worth.
+/// Returns a suitable number of slices for this number of atoms.
 std::size_t slice_count(std::size_t atoms);
 
-/// Slices of about as many atoms each, across the longest axis, at most 256. They are the same with
-/// any number of threads.
+/// Cuts atoms into slices of similar size, at most 256, across the longest axis. The result does
+/// not depend on the number of threads.
 AtomSlices cut_into_slices(std::span<const Atom> atoms, std::size_t slices, int threads);
 
 }  // namespace eses::detail

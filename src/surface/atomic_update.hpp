@@ -1,11 +1,12 @@
 #pragma once
-/// Bounds that threads move at the same time.
+/// Atomic minima and maxima.
 
 #include <atomic>
 
 namespace eses::detail {
 
-/// Replaces the bound by the value if that comes before it.
+/// Replaces `bound` by `value` if `is_before(value, bound)`. Several threads may update the same
+/// bound at the same time.
 template <class Value, class Before>
 void atomic_update(Value& bound, Value value, Before is_before) {
   const std::atomic_ref<Value> shared(bound);

@@ -19,13 +19,14 @@
 namespace eses::detail {
 namespace {
 
-// If the height of a cap, relative to the radius, grows by `small_shrinkage`, its rim turns by at
-// most sqrt(2 small_shrinkage) = 9e-5, which changes the cosines at which a patch of 0.2 radians is
-// settled or touched by at most 2e-5. The slack covers this and the rounding of single-precision
-// dot products, so that a patch is settled for certain.
+// If the height of a cap, relative to the radius, grows by `small_shrinkage`, its angular radius
+// changes by at most sqrt(2 small_shrinkage) = 9e-5. For patches of 0.2 radians this changes the
+// cosines `settled` and `touched` by at most 2e-5. The slack exceeds this and the rounding errors
+// of single-precision dot products, so that a settled patch lies in the cap with certainty.
 constexpr double small_shrinkage = 4e-9;
 constexpr double float_slack = 3e-5;
-// The inverse radius of the sphere; cosine and sine of the angular radius of every patch.
+
+// The inverse radius of the sphere, and cosine and sine of the angular radius of every patch.
 struct PatchCosines {
   double inverse_radius, cosine, sine;
 };
@@ -40,9 +41,9 @@ namespace hn = hwy::HWY_NAMESPACE;
 
 using Lanes = hn::ScalableTag<float>;
 
-// Keeps the directions whose patch is settled by none of the caps, and returns how many they are;
-// marks the caps that settled one. The arrays are padded to whole vectors; compressing in place
-// writes behind what was read.
+// Keeps the directions whose patch no cap settles, and returns their number. Marks the caps that
+// settled a patch. The arrays are padded to whole vectors, and compression in place never
+// overwrites elements that have not been read.
 std::size_t keep_unsettled(std::span<BurialCap> caps, float* x, float* y, float* z,
                            std::size_t count) {
   const Lanes lanes;
@@ -70,6 +71,7 @@ std::size_t keep_unsettled(std::span<BurialCap> caps, float* x, float* y, float*
   return kept;
 }
 
+// Returns whether one of the first `count` patches is at least at this cosine from the cap's axis.
 bool any_above(const BurialCap& cap, float cosine_limit, const BurialScratch& scratch,
                std::size_t count) {
   const Lanes lanes;
@@ -85,7 +87,8 @@ bool any_above(const BurialCap& cap, float cosine_limit, const BurialScratch& sc
   return false;
 }
 
-// Lists the caps that touch one of the `count` patches left over, and the others that settled one.
+// Lists the caps that may reach one of the `count` remaining patches, and the others that settled a
+// patch.
 void list_kept(BurialScratch& scratch, std::size_t count) {
   for (const BurialCap& cap : scratch.caps) {
     if (any_above(cap, scratch.touched[cap.number], scratch, count)) {
@@ -96,7 +99,7 @@ void list_kept(BurialScratch& scratch, std::size_t count) {
   }
 }
 
-// The cosine of a cap's angular radius, and the sine.
+// Cosine and sine of a cap's angular radius.
 struct CosineAndSine {
   DoubleVector cosine, sine;
 };
@@ -114,13 +117,13 @@ HWY_INLINE void store_floats(DoubleVector values, float* to) {
   hn::StoreU(hn::DemoteTo(floats, values), floats, to);
 }
 
-// For each cap the cosine, from its axis, of the centres of the patches that it settles: that of
-// its angular radius less the patch's, with room for rounding.
+// Computes for each cap the minimum cosine from its axis of patches that lie in it: the cosine of
+// the difference of the angular radii of cap and patch, plus slack for rounding.
 void find_settled(const CapList& caps, const PatchCosines& patch, float* settled) {
   for (std::size_t k = 0; k < caps.count; k += hn::Lanes(Doubles())) {
     const auto height = load(&caps.height[k]), blocking = load(&caps.blocking_height[k]);
-    // A neighbour in almost the same place blocks next to nothing within the tolerance: its cap
-    // must not stand for others.
+    // The slackened cap of a neighbour in almost the same place is nearly empty, so its exact cap
+    // must not replace others.
     const auto shrinks =
         (blocking - height) * broadcast(patch.inverse_radius) > broadcast(small_shrinkage);
     const auto [cosine, sine] =
@@ -132,12 +135,13 @@ void find_settled(const CapList& caps, const PatchCosines& patch, float* settled
   }
 }
 
-// For each cap the cosine from which on it may have some of a patch: that of both angular radii.
+// Computes for each cap the minimum cosine from its axis of patches that it may reach: the cosine
+// of the sum of the angular radii of cap and patch, less slack for rounding.
 void find_touched(const CapList& caps, const PatchCosines& patch, float* touched) {
   for (std::size_t k = 0; k < caps.count; k += hn::Lanes(Doubles())) {
     const auto [cosine, sine] = angular_radius(load(&caps.height[k]), patch.inverse_radius);
     const auto touches_any =
-        cosine <= broadcast(-patch.cosine);  // it reaches to the opposite patch
+        cosine <= broadcast(-patch.cosine);  // the cap reaches the opposite patch
     const auto limit =
         cosine * broadcast(patch.cosine) - sine * broadcast(patch.sine) - broadcast(float_slack);
     store_floats(hn::IfThenElse(touches_any, broadcast(-2), limit), touched + k);
@@ -152,11 +156,11 @@ namespace eses::detail {
 
 namespace {
 
-// The patches left over are counted anew after so many caps, which most buried atoms do not exceed.
+// Numbers of caps after which the remaining patches are counted. Most buried atoms need no more.
 constexpr std::array<std::size_t, 2> caps_per_count{16, 32};
 
-// A cap settles the more patches the lower the cosine that settles one. Caps are ordered by it in
-// steps of 1/32, and within a step as they come.
+// Caps with a lower minimum cosine settle more patches. They are ordered by this cosine in steps of
+// 1/32; within a step they keep their order.
 constexpr std::size_t size_steps = 66;
 
 std::size_t size_step(float settled) {

@@ -1,11 +1,12 @@
 #pragma once
-/// A proof that an atom is buried, and the few caps that matter where it is not, before any circle
-/// is looked at.
+/// A fast proof that an atom is buried, and a selection of the relevant caps of other atoms, before
+/// any contact circle is computed.
 ///
-/// The SAS sphere is covered by small patches around fixed directions. A patch that lies wholly in
-/// one cap is settled. If all are settled the atom is buried. Otherwise what is accessible lies in
-/// the patches left over, and on their ground two sets of caps suffice: those that settled a patch,
-/// and those whose circle passes through a patch left over. Their union equals that of all caps.
+/// Small spherical patches around fixed directions cover the SAS sphere. A patch is settled if it
+/// lies in a single cap. If all patches are settled, the atom is buried. Otherwise, all accessible
+/// points lie in the remaining patches. Then two sets of caps suffice: those that settled a patch,
+/// and those that may reach into a remaining patch. Their union equals the union of all caps.
+/// doc/algorithm.md derives this.
 
 #include <cstdint>
 #include <span>
@@ -16,39 +17,40 @@
 
 namespace eses::detail {
 
-/// Frequency of the covering directions: 162 of them. More cost more than they settle.
+/// Frequency of the covering directions, which gives 252 of them. More directions would take more
+/// time than they save.
 inline constexpr int burial_frequency = 5;
 
-/// The covering directions in the layout of the kernel; built once, read by all threads.
+/// The covering directions as a structure of arrays. Built once, read by all threads.
 struct BurialPatches {
   std::vector<float> x, y, z;
-  double cosine = 1, sine = 0;  ///< of the angular radius of every patch
+  double cosine = 1, sine = 0;  ///< cosine and sine of the angular radius of every patch
 
   explicit BurialPatches(const CoveringDirections& covering);
 };
 
-/// A cap as the kernel sees it.
+/// A cap in the layout of the kernel.
 struct BurialCap {
-  float x, y, z;  ///< axis
-  float settled;  ///< patches whose centre is at least at this cosine from the axis lie in it
+  float x, y, z;         ///< axis
+  float settled;         ///< minimum cosine from the axis of the patches that lie in the cap
   std::uint32_t number;  ///< index of the cap
-  bool is_used;          ///< it settled a patch
+  bool is_used;          ///< whether the cap settled a patch
 };
 
-/// The outcome: which of the caps given matter.
+/// Scratch memory of is_buried, and its selection of caps.
 struct BurialScratch {
-  std::vector<float> settled, touched;  ///< for each cap, cosines at which it settles a patch, and
-                                        ///< at which it may have some of it
-  std::vector<std::uint32_t> order;     ///< numbers of the caps, the largest first
-  std::vector<BurialCap> caps;          ///< in this order
-  std::vector<std::uint32_t> relevant;  ///< caps whose circle may be accessible
-  std::vector<std::uint32_t> covering;  ///< further caps that are needed to cover
-  std::vector<float> x, y, z;           ///< patches not yet settled
+  std::vector<float> settled;  ///< by cap: minimum cosine from the axis of patches that lie in it
+  std::vector<float> touched;  ///< by cap: minimum cosine from the axis of patches it may reach
+  std::vector<std::uint32_t> order;     ///< indices of the caps, the largest first
+  std::vector<BurialCap> caps;          ///< caps in this order
+  std::vector<std::uint32_t> relevant;  ///< result: caps whose circle may be accessible
+  std::vector<std::uint32_t> covering;  ///< result: further caps that are needed to cover
+  std::vector<float> x, y, z;           ///< patches that are not settled yet
 };
 
-/// True if the caps, each slackened to its blocking height, provably cover the sphere of `radius`.
-/// If not, fills `relevant` and `covering` with indices of caps whose union equals the union of all
-/// caps, both exact and slackened.
+/// Returns whether the caps, each with its blocking height, provably cover a sphere of this radius
+/// (angstrom). If not, fills `relevant` and `covering` with indices of caps whose union equals the
+/// union of all caps, both exact and slackened.
 bool is_buried(const CapList& caps, double radius, const BurialPatches& patches,
                BurialScratch& scratch);
 

@@ -9,14 +9,14 @@
 namespace eses::detail {
 namespace {
 
-// Coordinates beyond 2^62 cells share the outermost ones.
+// Returns the cell index of a coordinate, clamped to +-2^62.
 std::int64_t place_of(double coordinate, double side) {
   constexpr double limit = 0x1p62;
   return static_cast<std::int64_t>(std::clamp(std::floor(coordinate / side), -limit, limit));
 }
 
-// Class 0 has radii up to 4 angstrom, as all atoms of molecules have, and each further class those
-// up to twice the limit of the class before.
+// Returns the class of a radius. Class 0 has radii up to 4 angstrom, which includes all real atoms.
+// The limit of each further class is twice that of the previous one.
 int class_of(double radius) {
   constexpr double first_limit = 4;
   return radius <= first_limit ? 0 : 1 + std::ilogb(radius / first_limit);

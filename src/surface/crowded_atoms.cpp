@@ -5,8 +5,8 @@
 namespace eses::detail {
 namespace {
 
-// Lists the patches of crowded atoms; `other_atom(patch)` names an atom of the patch that is not
-// its first.
+// Lists the patches of crowded atoms. `other_atom(patch)` returns an atom of the patch other than
+// the one to which the patch belongs.
 template <class OtherAtom>
 std::vector<PatchListing> list_patches(std::span<const std::uint32_t> begins,
                                        OtherAtom&& other_atom) {
@@ -23,7 +23,7 @@ std::vector<PatchListing> list_patches(std::span<const std::uint32_t> begins,
 }  // namespace
 
 CrowdedPatches list_crowded_patches(const SurfaceModel& surface, const ClusterPatches& patches) {
-  // The smaller atom is near fewer blocks.
+  // Of two atoms, the smaller one is near fewer blocks.
   const auto smaller = [&](AtomIndex a, AtomIndex b) {
     return surface.atoms[a].radius <= surface.atoms[b].radius ? a : b;
   };

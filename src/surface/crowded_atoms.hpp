@@ -1,11 +1,10 @@
 #pragma once
 /// Atoms with very many neighbours.
 ///
-/// An atom that is much larger than the others may have a patch with each of them. To look at all
-/// its patches for every block, or at all its caps for every circle, takes a time that grows with
-/// the square of their number. Whatever happens near a patch is near each of the patch's atoms, so
-/// that it is enough to look at the patches and caps that belong to atoms nearby. For other atoms,
-/// that would cost more than it saves.
+/// An atom that is much larger than the others may share patches with each of them. Examining all
+/// its patches for every block, or all its caps for every circle, would take a time proportional to
+/// the square of their number. A patch is near each of its atoms, so only the patches and caps of
+/// atoms nearby need to be examined. For atoms with few neighbours, this would be slower.
 
 #include <algorithm>
 #include <cstdint>
@@ -19,10 +18,10 @@
 
 namespace eses::detail {
 
-/// An atom with more caps, or more patches of one kind, is crowded.
+/// An atom is crowded if it has more caps, or more patches of one kind, than this.
 inline constexpr std::uint32_t max_uncrowded = 256;
 
-/// Index of a patch of a crowded atom, and another atom of that patch.
+/// The index of a patch of a crowded atom, and another atom of that patch.
 struct PatchListing {
   AtomIndex atom = 0;
   std::uint32_t patch = 0;
@@ -31,21 +30,21 @@ struct PatchListing {
 
 struct ClusterPatches;
 
-/// The patches of the crowded atoms of a cluster, ascending; `patch` is an index into the list of
-/// the same name in ClusterPatches.
+/// The patches of the crowded atoms of a cluster, ascending. PatchListing::patch is an index into
+/// the list of the same name in ClusterPatches.
 struct CrowdedPatches {
   std::vector<PatchListing> face_neighbours, arcs, placements;
 };
 
-/// Lists the patches of the crowded atoms of a cluster that has all its patches.
+/// Lists the patches of the crowded atoms of a complete cluster.
 CrowdedPatches list_crowded_patches(const SurfaceModel& surface, const ClusterPatches& patches);
 
-/// Replaces `found` by the listed patches of `atoms`, ascending.
+/// Replaces `found` by the listed patches of `atoms`, in ascending order.
 void find_listed(std::span<const PatchListing> listings, std::span<const AtomIndex> atoms,
                  std::vector<std::uint32_t>& found);
 
-/// Calls `action(patch)` for the patches of an atom, from `begins[member]` up to the next one's, in
-/// ascending order; of a crowded atom only for those that are in `listed`.
+/// Calls `action(patch)` for the patches [begins[member], begins[member + 1]) of an atom, in
+/// ascending order. For a crowded atom, only the patches in `listed` are used.
 template <class Action>
 void for_each_patch(std::span<const std::uint32_t> begins, std::uint32_t member,
                     std::span<const std::uint32_t> listed, Action&& action) {
@@ -59,16 +58,16 @@ void for_each_patch(std::span<const std::uint32_t> begins, std::uint32_t member,
     action(*patch);
 }
 
-/// The caps of one atom, by the atom that each belongs to. Keeps scratch memory, one for each
-/// thread.
+/// The caps of one crowded atom, indexed by neighbour. The object holds scratch memory, so each
+/// thread needs its own.
 class CrowdedCaps {
  public:
-  /// `neighbours` has the atom of each cap. Keeps views of both.
+  /// Replaces the caps. `neighbours` has the atom of each cap. Keeps views of both.
   void reset(const CapList& caps, std::span<const AtomIndex> neighbours);
 
-  /// As the function accessible_arcs, for the contact circle with neighbour number `own`, but looks
-  /// only at the caps of atoms whose SAS spheres come near to that neighbour's, on which the circle
-  /// lies. No other cap can block a point of it.
+  /// Does the same as the function accessible_arcs for the contact circle with the neighbour of cap
+  /// `own`. Uses only the caps of atoms whose SAS spheres come near to the neighbour's: the circle
+  /// lies on that sphere, so no other cap can block a point of it.
   void accessible_arcs(const SurfaceModel& surface, const ContactCircle& circle, std::uint32_t own,
                        ArcScratch& scratch, std::vector<CircleArc>& arcs,
                        std::vector<CircleEnd>& ends);
@@ -78,9 +77,9 @@ class CrowdedCaps {
 
   const CapList* caps_ = nullptr;
   std::span<const AtomIndex> neighbours_;
-  std::vector<std::pair<AtomIndex, std::uint32_t>> numbers_;  // of the caps, by atom
+  std::vector<std::pair<AtomIndex, std::uint32_t>> numbers_;  // atom and index of each cap, sorted
   std::vector<AtomIndex> found_;
-  std::vector<std::uint32_t> near_;  // numbers of caps, ascending
+  std::vector<std::uint32_t> near_;  // indices of caps, ascending
   CapList near_caps_;
 };
 

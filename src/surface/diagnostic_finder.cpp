@@ -11,7 +11,7 @@ namespace eses::detail {
 namespace {
 
 constexpr double max_usual_radius = 4;       // angstrom
-constexpr double nanometre_radius = 0.4;     // a large atom's radius, in nanometres
+constexpr double nanometre_radius = 0.4;     // radius of a large atom in nanometres
 constexpr double max_hydrogen_radius = 1.4;  // angstrom
 constexpr AtomIndex none = std::numeric_limits<AtomIndex>::max();
 
@@ -72,7 +72,7 @@ void DiagnosticFinder::inspect_duplicate(AtomIndex i, AtomIndex first,
   inspect_radius(i, tally);
 }
 
-// Pairs are told of their later atom.
+// Reports a pair of atoms for the later one.
 void DiagnosticFinder::inspect(AtomIndex i, std::span<const AtomIndex> near,
                                DiagnosticTally& tally) {
   AtomIndex close = none;
@@ -94,7 +94,7 @@ void DiagnosticFinder::inspect_radius(AtomIndex i, DiagnosticTally& tally) const
   if (radius == 0) add(DiagnosticKind::zero_radius, i, i, tally);
 }
 
-// An atom may lie in a later one: known only when all have been looked at.
+// An atom may lie in a later one, so nested atoms are known only after all atoms are inspected.
 DiagnosticTally DiagnosticFinder::find_nested() const {
   DiagnosticTally nested;
   for (AtomIndex i = 0; i < atoms_.size(); ++i) {

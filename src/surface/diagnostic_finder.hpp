@@ -1,5 +1,5 @@
 #pragma once
-/// Finds what is odd in a set of atoms, one atom after the other.
+/// Diagnostics of a set of atoms.
 
 #include <array>
 #include <functional>
@@ -11,39 +11,42 @@
 
 namespace eses::detail {
 
-/// Atoms that overlap so deeply are odd (angstrom): half of any bond's length.
+/// Two atoms whose centres are nearer than this give a diagnostic (angstrom): about half the length
+/// of a short bond.
 inline constexpr double close_distance = 0.5;
 
-/// What is odd in some atoms, in ascending order: how many, and the first ones.
+/// Counts and first examples of the diagnostics of consecutive atoms.
 class DiagnosticTally {
  public:
+  /// Adds a diagnostic. Calls must come in ascending order of `atom`.
   void add(DiagnosticKind kind, AtomIndex atom, AtomIndex other);
 
-  /// Adds what is odd in later atoms.
+  /// Adds the diagnostics of later atoms.
   void append(const DiagnosticTally& later);
 
-  /// All kinds that there are, in the order of `DiagnosticKind`.
+  /// Returns the diagnostics with a positive count, in the order of `DiagnosticKind`.
   std::vector<Diagnostic> found() &&;
 
  private:
   std::array<Diagnostic, diagnostic_kinds> diagnostics_;
 };
 
-/// Threads may look at atoms at the same time, each with tallies of its own.
+/// A search for diagnostics. Several threads may inspect atoms at the same time, each with its own
+/// tallies.
 class DiagnosticFinder {
  public:
-  /// Keeps a view of `atoms`, and tells only of those that `is_own` accepts, if it is not empty.
+  /// Keeps a view of `atoms`. If `is_own` is not empty, only atoms that it accepts are reported.
   DiagnosticFinder(std::span<const Atom> atoms, std::function<bool(const Atom&)> is_own);
 
-  /// Tells that atom `i` equals the earlier `first`.
+  /// Inspects atom `i`, which has the centre and radius of the earlier atom `first`.
   void inspect_duplicate(AtomIndex i, AtomIndex first, DiagnosticTally& tally) const;
 
-  /// Looks at atom `i`, which is no duplicate; `near` are all others whose centre is within its
-  /// radius or within `close_distance`, in any order, but for those that equal an earlier one.
+  /// Inspects atom `i`, which is no duplicate. `near` has all other atoms whose centre is within
+  /// its radius or within `close_distance`, in any order, except for duplicates.
   void inspect(AtomIndex i, std::span<const AtomIndex> near, DiagnosticTally& tally);
 
-  /// All kinds that there are, in the order of `DiagnosticKind`, once all atoms have been looked
-  /// at. Each of the tallies has consecutive atoms, the first of them the first ones.
+  /// Returns the diagnostics with a positive count, in the order of `DiagnosticKind`. All atoms
+  /// must have been inspected. `tallies` are those of consecutive ranges of atoms.
   std::vector<Diagnostic> found(std::span<const DiagnosticTally> tallies) const;
 
  private:
@@ -53,8 +56,8 @@ class DiagnosticFinder {
 
   std::span<const Atom> atoms_;
   std::function<bool(const Atom&)> is_own_;
-  bool are_small_;                // all radii
-  std::vector<AtomIndex> outer_;  // of the atoms in which an atom lies the first, if any
+  bool are_small_;                // whether all radii are those of atoms in nanometres
+  std::vector<AtomIndex> outer_;  // by atom: the first atom that contains it, if any
 };
 
 }  // namespace eses::detail

@@ -44,7 +44,7 @@ void require_valid(std::span<const Atom> atoms) {
   }
 }
 
-// Equal atoms have the same.
+// Returns a hash that is the same for equal atoms.
 std::uint64_t hash_of(const Atom& atom) {
   const auto& [center, radius] = atom;
   // With 0 added, -0 becomes 0, which it equals.
@@ -53,14 +53,14 @@ std::uint64_t hash_of(const Atom& atom) {
   return std::hash<std::string_view>()({bytes.data(), bytes.size()});
 }
 
-// Half of an atom's hash and its index: quicker to sort than what the index stands for.
+// Half of an atom's hash, and the atom's index. Keys are faster to sort than atoms.
 using AtomKey = std::uint64_t;
 AtomKey make_key(const Atom& atom, AtomIndex i) { return hash_of(atom) << 32 | i; }
 AtomIndex index_of(AtomKey key) { return static_cast<AtomIndex>(key); }
 bool have_same_hash(AtomKey a, AtomKey b) { return a >> 32 == b >> 32; }
 
-// Of atoms with the same hash. Found by sorting: thousands of them in one place must not look at
-// each other.
+// Finds the first of the equal atoms among atoms with the same hash. Sorting avoids a quadratic
+// time for thousands of equal atoms.
 void find_first_equal(std::span<const Atom> atoms, std::span<AtomKey> keys,
                       std::vector<AtomIndex>& first_equal) {
   const auto values = [&](AtomKey key) {
@@ -90,9 +90,10 @@ void find_first_equal(std::span<const Atom> atoms, std::span<const AtomIndex> me
   }
 }
 
-// Of atoms with the same centre and radius, the first, by atom. Only that one stays in its slice.
-std::vector<AtomIndex> take_out_equals(std::span<const Atom> atoms, AtomSlices& slices, int threads,
-                                       const CheckCallback& after_slice) {
+// Removes atoms from their slice that have the centre and radius of an earlier atom. Returns for
+// each atom the first one with the same centre and radius.
+std::vector<AtomIndex> remove_duplicates(std::span<const Atom> atoms, AtomSlices& slices,
+                                         int threads, const CheckCallback& after_slice) {
   std::vector<AtomIndex> first_equal(atoms.size());
   for_each_index(slices.members.size(), threads, [&](std::size_t slice) {
     std::vector<AtomIndex>& members = slices.members[slice];
@@ -109,7 +110,7 @@ bool contains(const Atom& outer, const Atom& inner) {
 
 constexpr AtomIndex none = std::numeric_limits<AtomIndex>::max();
 
-// Orders atoms, none of which equal each other, independently of their indices: larger ones first.
+// Orders distinct atoms independently of their indices, the largest first.
 bool precedes(const Atom& a, const Atom& b) {
   const auto values = [](const Atom& atom) {
     return std::tuple(-atom.radius, atom.center.x, atom.center.y, atom.center.z);
@@ -117,13 +118,13 @@ bool precedes(const Atom& a, const Atom& b) {
   return values(a) < values(b);
 }
 
-// By atom, the first one in the order of `precedes` that contains it and precedes it; `none` if
-// there is none.
+// For each atom, the first one in the order of `precedes` that precedes and contains it, or `none`.
 using Containers = std::vector<AtomIndex>;
 
-// Notes `i` for those of the atoms near it that it contains. From several threads at a time.
-void note_contained(std::span<const Atom> atoms, AtomIndex i, std::span<const AtomIndex> near,
-                    Containers& containers) {
+// Records atom `i` as a container of the atoms of `near` that it contains. Several threads may call
+// it at the same time.
+void record_contained(std::span<const Atom> atoms, AtomIndex i, std::span<const AtomIndex> near,
+                      Containers& containers) {
   const auto comes_first = [&](AtomIndex a, AtomIndex b) {
     return b == none || precedes(atoms[a], atoms[b]);
   };
@@ -132,7 +133,7 @@ void note_contained(std::span<const Atom> atoms, AtomIndex i, std::span<const At
       atomic_update(containers[j], i, comes_first);
 }
 
-// Whether an atom that takes part, and precedes atom `i`, contains it.
+// Returns whether atom `i` is contained in a preceding atom that is itself not contained.
 bool is_in_kept_atom(std::span<const Atom> atoms, const AtomTree& tree, AtomIndex i,
                      std::span<const std::uint8_t> is_contained, std::vector<AtomIndex>& found) {
   tree.find_reaching(atoms[i].center, 2 * tolerance::containment, found);
@@ -141,8 +142,9 @@ bool is_in_kept_atom(std::span<const Atom> atoms, const AtomTree& tree, AtomInde
   });
 }
 
-// An atom is left out if one that takes part contains it. So each reaches out of an atom that takes
-// part by no more than the tolerance, however long a chain of atoms is that contain each other.
+// Marks the atoms that are contained in an atom that is itself not contained. So each of them
+// extends beyond an unmarked atom by at most the tolerance, even in long chains of atoms that
+// contain each other.
 void mark_contained(std::span<const Atom> atoms, const AtomTree& tree, const Containers& containers,
                     std::vector<std::uint8_t>& is_contained) {
   std::vector<AtomIndex> inner, found;
@@ -155,12 +157,13 @@ void mark_contained(std::span<const Atom> atoms, const AtomTree& tree, const Con
         is_contained[containers[i]] == 0 || is_in_kept_atom(atoms, tree, i, is_contained, found);
 }
 
-// What lies inside an atom, or is odd beside it, has its centre closer than this to the atom's.
+// Returns the maximum distance between the centres of an atom and of another one that it contains,
+// or that gives a diagnostic with it.
 double vicinity_radius(const Atom& atom) {
   return std::max(atom.radius + 2 * tolerance::containment, close_distance) * (1 + 1e-12);
 }
 
-// Of the atoms found around some, those in the vicinity of `i`, itself left out.
+// Selects the found atoms within the vicinity of atom `i`, without the atom itself.
 void keep_vicinity(std::span<const Atom> atoms, AtomIndex i, std::span<const AtomIndex> found,
                    std::vector<AtomIndex>& near) {
   const Vec3 center = atoms[i].center;
@@ -170,7 +173,8 @@ void keep_vicinity(std::span<const Atom> atoms, AtomIndex i, std::span<const Ato
     if (squared_norm(atoms[j].center - center) < squared_radius && j != i) near.push_back(j);
 }
 
-// To ask which threads there are takes longer than to prepare few atoms with one.
+// Returns the number of threads to use. For few atoms, one thread is faster than the query for the
+// available threads.
 int useful_threads(std::size_t atoms, int wanted) {
   if (wanted < 0)
     throw Error(fmt::format("the number of threads must not be negative, and is {}", wanted));
@@ -193,29 +197,30 @@ struct Molecule::Parts {
     const CheckCallback check = [&serial_check] { serial_check(); };
     check();
     AtomSlices slices = cut_into_slices(atoms, slice_count(atoms.size()), threads);
-    const std::vector<AtomIndex> first_equal = take_out_equals(atoms, slices, threads, check);
+    const std::vector<AtomIndex> first_equal = remove_duplicates(atoms, slices, threads, check);
     tree = AtomTree(atoms, std::move(slices), threads, check);
     cells.emplace(atoms);
     for (AtomIndex i = 0; i < atoms.size(); ++i) is_contained[i] = first_equal[i] != i;
-    look_around(first_equal, is_own, threads, check);
+    inspect_atoms(first_equal, is_own, threads, check);
   }
 
-  void look_around(std::span<const AtomIndex> first_equal,
-                   const std::function<bool(const Atom&)>& is_own, int threads,
-                   const CheckCallback& check) {
+  // Marks contained atoms and finds the diagnostics.
+  void inspect_atoms(std::span<const AtomIndex> first_equal,
+                     const std::function<bool(const Atom&)>& is_own, int threads,
+                     const CheckCallback& check) {
     DiagnosticFinder finder(atoms, is_own);
     std::vector<DiagnosticTally> tallies(loop_range_count(atoms.size()));
     Containers containers(atoms.size(), none);
     for_loop_ranges(atoms.size(), threads, [&](std::size_t range, AtomIndex begin, AtomIndex end) {
-      look_around(begin, end, first_equal, containers, finder, tallies[range]);
+      inspect_range(begin, end, first_equal, containers, finder, tallies[range]);
       check();
     });
     mark_contained(atoms, tree, containers, is_contained);
     diagnostics = finder.found(tallies);
   }
 
-  void look_around(AtomIndex begin, AtomIndex end, std::span<const AtomIndex> first_equal,
-                   Containers& containers, DiagnosticFinder& finder, DiagnosticTally& tally) {
+  void inspect_range(AtomIndex begin, AtomIndex end, std::span<const AtomIndex> first_equal,
+                     Containers& containers, DiagnosticFinder& finder, DiagnosticTally& tally) {
     std::vector<AtomIndex> found, near;
     for (AtomIndex group_end = begin; begin < end; begin = group_end) {
       group_end = end_of_group(atoms, begin, end);
@@ -229,7 +234,7 @@ struct Molecule::Parts {
           continue;
         }
         keep_vicinity(atoms, i, found, near);
-        note_contained(atoms, i, near, containers);
+        record_contained(atoms, i, near, containers);
         finder.inspect(i, near, tally);
       }
     }
@@ -237,7 +242,7 @@ struct Molecule::Parts {
 
   std::vector<Atom> atoms;
   std::vector<AtomLabel> labels;
-  AtomTree tree;  // of atoms that equal none before them
+  AtomTree tree;  // without duplicates
   std::optional<CellList> cells;
   std::vector<std::uint8_t> is_contained;
   std::vector<Diagnostic> diagnostics;

@@ -1,5 +1,5 @@
 #pragma once
-/// The atoms of a molecule, and what their places tell about them.
+/// Atoms with a spatial index and diagnostics.
 
 #include <functional>
 #include <memory>
@@ -16,46 +16,45 @@ namespace eses::detail {
 class AtomTree;
 class CellList;
 
-/// Atoms with an index of which are near each other: made once, read by whatever looks at them.
-/// Copies share what they hold, none of which changes.
+/// Immutable atoms with a spatial index and diagnostics. Copies share their data.
 ///
-/// Every way to make a molecule throws Error if a centre or a radius is not finite or a radius is
-/// negative. The message names the first such atom by its 0-based index, with the value.
+/// All constructors throw Error if a coordinate or a radius is not finite, or if a radius is
+/// negative. The message names the value and the 0-based index of the first such atom.
 ///
-/// Where `threads` is a parameter so many make it, or fewer if there are few atoms, and it is the
-/// same with any number; 0: all that the process may use. Throws Error if it is negative.
+/// `threads` is the maximum number of threads that build the index; 0 means all that the process
+/// may use. Throws Error if it is negative. The result does not depend on it.
 class Molecule {
  public:
-  /// Not explicit: a list of atoms may stand wherever a molecule is asked for.
+  /// Implicit, so that a list of atoms can be passed as a molecule.
   Molecule(std::vector<Atom> atoms);  // NOLINT(google-explicit-constructor)
 
-  /// `labels` of all atoms, or of none. Throws Error if there are some, but not as many as atoms.
+  /// `labels` must be empty or have one element for each atom; otherwise throws Error.
   /// `check`, if it is not empty, is called from time to time, and at least once.
   Molecule(std::vector<Atom> atoms, std::vector<AtomLabel> labels, int threads = 1,
            const CheckCallback& check = {});
 
-  /// A part of a larger molecule: diagnostics are told only of the atoms that `is_own` accepts,
-  /// while the others, around them, are what they are odd beside. `is_own` is called by all
-  /// threads.
+  /// Makes a part of a larger molecule. Diagnostics are reported for the atoms that `is_own`
+  /// accepts; the other atoms are their surroundings. All threads call `is_own`.
   static Molecule part(std::vector<Atom> atoms, const std::function<bool(const Atom& atom)>& is_own,
                        int threads = 1);
 
-  /// In input order.
+  /// The atoms in input order.
   std::span<const Atom> atoms() const;
 
-  /// Chains and residues, by atom; empty if they are not known.
+  /// The label of each atom; empty if there are no labels.
   std::span<const AtomLabel> labels() const;
 
-  /// The diagnostics of the atoms: all kinds of which there is at least one, in the order of
-  /// `DiagnosticKind`.
+  /// The diagnostics with a positive count, in the order of `DiagnosticKind`.
   std::span<const Diagnostic> diagnostics() const;
 
-  /// Whether the atom's ball lies in that of another one. Then so does its SAS ball, whatever the
-  /// probe, and the atom takes no part in the surface. Of equal atoms the first is not contained.
+  /// Returns whether the atom's ball lies in that of another atom. Then its SAS ball does, too, for
+  /// any probe radius, and the atom has no influence on the surface. The first of several equal
+  /// atoms is not contained in the others.
   bool is_contained(AtomIndex atom) const;
 
-  /// For use within the library.
+  /// A kd-tree of all atoms that are not duplicates.
   const AtomTree& tree() const;
+  /// A cell list of all atoms.
   const CellList& cells() const;
 
  private:

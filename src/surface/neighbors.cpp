@@ -13,6 +13,7 @@
 namespace eses::detail {
 namespace {
 
+// The atoms of a kd-tree, in the interface of nanoflann.
 struct AtomCloud {
   std::span<const Atom> atoms;
   std::span<const AtomIndex> members;
@@ -27,7 +28,7 @@ struct AtomCloud {
   }
 };
 
-// nanoflann's own radius result keeps distances too, and sorts them; only the indices matter here.
+// A result set of nanoflann that keeps indices only. Its own one also keeps and sorts distances.
 struct IndicesWithin {
   using DistanceType = double;
   double squared_distance;
@@ -48,8 +49,8 @@ using Tree = nanoflann::KDTreeSingleIndexAdaptor<nanoflann::L2_Simple_Adaptor<do
                                                  AtomCloud, 3, AtomIndex>;
 constexpr std::size_t atoms_per_leaf = 16;
 
-// Classes of radii: class 0 has all radii up to twice the median, and each further class those up
-// to twice the limit of the class before. In almost all molecules all atoms are in class 0.
+// Classes of radii. Class 0 has radii up to twice the median. The limit of each further class is
+// twice that of the previous one. In almost all molecules, all atoms are in class 0.
 class RadiusClasses {
  public:
   explicit RadiusClasses(std::span<const Atom> atoms) {
@@ -65,16 +66,16 @@ class RadiusClasses {
 
   int operator()(double radius) const {
     if (radius <= limit_) return 0;
-    constexpr double most = 1e300;  // a quotient that is infinite has no logarithm
-    return 1 + std::ilogb(std::min(radius / limit_, most));
+    constexpr double max_quotient = 1e300;  // ilogb needs a finite argument
+    return 1 + std::ilogb(std::min(radius / limit_, max_quotient));
   }
 
  private:
   static constexpr std::size_t max_samples = 4096;
-  double limit_ = 4;  // angstrom, where no sample has a radius
+  double limit_ = 4;  // angstrom; this value if all sampled radii are 0
 };
 
-// Within which the centres of a slice are, along the axis of slices.
+// The interval of a slice along the axis of the slices.
 struct Extent {
   double low = -std::numeric_limits<double>::infinity();
   double high = std::numeric_limits<double>::infinity();
@@ -87,7 +88,7 @@ Extent extent_of(const AtomSlices& slices, std::size_t slice) {
   return extent;
 }
 
-// Atoms of one slice and one class of radii.
+// A kd-tree of the atoms of one slice and one class of radii.
 struct ClassTree {
   Extent extent;
   AtomCloud cloud;
@@ -117,8 +118,8 @@ struct ClassTree {
 
 using ClassTrees = std::vector<std::unique_ptr<const ClassTree>>;
 
-// Sorts the members of a slice by class, ascending within each, and makes the trees, which keep
-// views of the members.
+// Sorts the members of a slice by class and then by index, and makes the trees, which keep views of
+// the members.
 ClassTrees make_trees(std::span<const Atom> atoms, const RadiusClasses& class_of,
                       std::vector<AtomIndex>& members, Extent extent) {
   const auto comes_before = [&](AtomIndex a, AtomIndex b) {
@@ -135,7 +136,7 @@ ClassTrees make_trees(std::span<const Atom> atoms, const RadiusClasses& class_of
   return trees;
 }
 
-// A ball around the centres of a group, which has at least one atom.
+// A ball that contains the centres of a group of at least one atom.
 struct GroupBall {
   Vec3 center;
   double radius = 0;

@@ -1,9 +1,9 @@
 #pragma once
-/// Which atoms are near a point: kd-trees over the atoms' centres (the one nanoflann room).
+/// Searches for the atoms near a point, with kd-trees of the atoms' centres. Only this room uses
+/// nanoflann.
 ///
-/// How far a look-up must go depends on how large the atoms are that it may find. So that a few
-/// large atoms do not widen the look-ups of all others, there are trees for classes of radii, each
-/// of which is searched as far as its own largest atom demands.
+/// The distance of a search depends on the maximum radius of the atoms. There is a tree for each
+/// class of radii, so that a few large atoms do not slow down the search for all others.
 
 #include <memory>
 #include <span>
@@ -15,34 +15,34 @@
 
 namespace eses::detail {
 
-/// Look-ups of what may matter go farther by this (angstrom): far more than rounding and tolerances
-/// amount to.
+/// Distance that is added to searches (angstrom). It is far above rounding errors and tolerances.
 inline constexpr double look_up_slack = 1e-3;
 
+/// A kd-tree for each slice and class of radii.
 class AtomTree {
  public:
-  /// Of no atoms.
+  /// Makes a tree without atoms.
   AtomTree();
-  /// Of those atoms that are members of slices, with a kd-tree for each slice and class of radii:
-  /// nanoflann makes one with one thread. Keeps a view of `atoms`, which must outlive the tree. All
-  /// threads call `after_slice`, if it is not empty, for every slice.
+  /// Makes a tree of the atoms that are members of slices, with one thread for each slice. Keeps a
+  /// view of `atoms`, which must outlive the tree. Calls `after_slice`, if it is not empty, after
+  /// each slice, from any of the threads.
   AtomTree(std::span<const Atom> atoms, AtomSlices slices, int threads,
            const CheckCallback& after_slice = {});
   ~AtomTree();
   AtomTree(AtomTree&&) noexcept;
   AtomTree& operator=(AtomTree&&) noexcept;
 
-  /// Replaces `found` by the indices, in no particular order, of all atoms whose centre is less
-  /// than `distance` (angstrom) from `point`.
+  /// Replaces `found` by all atoms whose centre is less than `distance` (angstrom) from `point`, in
+  /// unspecified order.
   void find_within(Vec3 point, double distance, std::vector<AtomIndex>& found) const;
 
-  /// Replaces `found` by all atoms whose centre is less than `distance` from that of any of
-  /// `group`, and by some that are farther away.
+  /// Replaces `found` by all atoms whose centre is less than `distance` from the centre of an atom
+  /// of `group`, and some that are farther away.
   void find_around(std::span<const Atom> group, double distance,
                    std::vector<AtomIndex>& found) const;
 
-  /// Replaces `found` by all atoms that come within `distance` of `point`, which means that
-  /// |point - center| < distance + radius, and by some that are farther away.
+  /// Replaces `found` by all atoms with |point - center| < distance + radius, and some that are
+  /// farther away.
   void find_reaching(Vec3 point, double distance, std::vector<AtomIndex>& found) const;
 
  private:
@@ -50,14 +50,14 @@ class AtomTree {
   std::unique_ptr<Implementation> implementation_;
 };
 
-/// Bounds of a group of atoms that are looked up together.
+/// Bounds of a group of atoms for which one search is made.
 struct GroupBounds {
   AtomIndex max_count;
-  double max_distance;  ///< angstrom, from the first atom's centre to those of the others
+  double max_distance;  ///< maximum distance from the first atom's centre to the others', angstrom
 };
 
-/// Atoms that follow each other in a file are mostly near each other, so that one look-up may serve
-/// several: those from `begin` on, up to the index returned, at most `end`.
+/// Returns the end of the group of consecutive atoms that starts at `begin`; at most `end`.
+/// Consecutive atoms of a file are usually near each other, so that one search serves them all.
 AtomIndex end_of_group(std::span<const Atom> atoms, AtomIndex begin, AtomIndex end,
                        const GroupBounds& bounds = {8, 6});
 

@@ -16,13 +16,13 @@
 namespace eses::detail {
 namespace {
 
-// The directions to the three atoms must stand clearly off a common plane for their cone to be
-// told from its complement.
+// Minimum volume of the parallelepiped of the three unit vectors to a placement's atoms. Below it
+// the vectors are almost coplanar, and rounding could exchange their cone and its complement.
 constexpr double min_cone_volume = 1e-6;
 
-// The atom whose face neighbours are looked at for further atoms near a placement. Any atom of the
-// placement that has such a list would do. It is the first one, unless that is crowded.
-AtomIndex atom_to_look_from(const Patches& patches, const ProbePlacement& placement) {
+// Returns the atom whose face neighbours are searched for further atoms near a placement. Any atom
+// of the placement with such a list is suitable. It is the first one, unless that one is crowded.
+AtomIndex atom_for_search(const Patches& patches, const ProbePlacement& placement) {
   const auto count = [&](AtomIndex i) { return patches.of(i).face_neighbours().size(); };
   AtomIndex chosen = placement.atoms[0];
   if (count(chosen) <= max_uncrowded) return chosen;
@@ -31,13 +31,14 @@ AtomIndex atom_to_look_from(const Patches& patches, const ProbePlacement& placem
   return chosen;
 }
 
-// Atoms that have all others among them that reach as far as the placement.
+// Returns atoms that include all further atoms whose SAS ball may contain the placement.
 std::span<const AtomIndex> neighbours_of(const Patches& patches, const ProbePlacement& placement) {
-  return patches.of(atom_to_look_from(patches, placement)).face_neighbours();
+  return patches.of(atom_for_search(patches, placement)).face_neighbours();
 }
 
-// How far the probe is inside a SAS ball, or off the sphere of an atom that it touches.
-double depth_of(const Patches& patches, const ProbePlacement& placement, Vec3 center) {
+// Returns the error of a probe centre: the maximum of its depth in any SAS ball, and of its
+// distance from the SAS spheres of the placement's atoms (angstrom).
+double error_of(const Patches& patches, const ProbePlacement& placement, Vec3 center) {
   const auto depth = [&](AtomIndex k) {
     const SasSphere sphere = patches.surface().sas_sphere(k);
     return sphere.radius - norm(center - sphere.center);
@@ -55,20 +56,20 @@ Vec3 center_of(const SurfaceModel& surface, const ProbePlacement& placement,
                           surface.sas_sphere(placement.atoms[order[2]]), placement.side);
 }
 
-// Where the circle of two of the atoms is met by the third's sphere. Of a placement in doubt the
-// three circles can yield places that differ, as small angles and differences amplify rounding: the
-// one that suits all spheres best is taken. Returns how ill it suits them.
-double place_doubtful_probe(const Patches& patches, ProbePlacement& placement) {
-  double least = std::numeric_limits<double>::infinity();
+// Sets the centre of an uncertain placement. Each of the three contact circles gives a centre. They
+// can differ, as small angles and differences amplify rounding. Takes the one with the smallest
+// error and returns this error (angstrom).
+double place_uncertain_probe(const Patches& patches, ProbePlacement& placement) {
+  double min_error = std::numeric_limits<double>::infinity();
   for (const std::array<std::size_t, 3>& order :
        {std::array<std::size_t, 3>{0, 1, 2}, {1, 2, 0}, {2, 0, 1}}) {
     const Vec3 center = center_of(patches.surface(), placement, order);
-    const double depth = depth_of(patches, placement, center);
-    if (depth >= least) continue;
-    least = depth;
+    const double error = error_of(patches, placement, center);
+    if (error >= min_error) continue;
+    min_error = error;
     placement.center = center;
   }
-  return least;
+  return min_error;
 }
 
 bool is_regular(const Patches& patches, const ProbePlacement& placement) {
@@ -86,19 +87,19 @@ bool is_regular(const Patches& patches, const ProbePlacement& placement) {
   });
 }
 
-// The placement of a key. None if it is in doubt and turns out not to be accessible.
+// Returns the placement of a key, or nothing if it is uncertain and not accessible.
 std::optional<ProbePlacement> place_probe(const Patches& patches, const PlacementKey& key) {
   ProbePlacement placement{{}, key.atoms, key.side, false};
   if (key.is_certain) {
     placement.center = center_of(patches.surface(), placement, {0, 1, 2});
     placement.is_regular = is_regular(patches, placement);
-  } else if (place_doubtful_probe(patches, placement) > tolerance::covered) {
+  } else if (place_uncertain_probe(patches, placement) > tolerance::covered) {
     return std::nullopt;
   }
   return placement;
 }
 
-// Where each list begins if the lists follow each other, and where the last one ends.
+// Returns the begin of each of several consecutive lists, and the end of the last one.
 std::vector<std::uint32_t> begins_of(std::span<const std::uint32_t> counts) {
   std::vector<std::uint32_t> begins{0};
   begins.reserve(counts.size() + 1);
@@ -140,12 +141,13 @@ void Patches::find_arcs(ClusterIndex cluster, Scratch& scratch) {
   patches.face_neighbours = built.face_neighbours;
   patches.arc_begin = begins_of(built.arc_count);
   patches.arcs = built.arcs;
-  for (const Arc& arc : patches.arcs) note_arc(arc);
-  note_placements(built.placements);
+  for (const Arc& arc : patches.arcs) record_arc(arc);
+  record_placements(built.placements);
 }
 
-// A face has its extremes along its rim, where its atom sees arcs, and at the poles of its sphere.
-void Patches::note_arc(const Arc& arc) {
+// Extends the bounds of the two faces at an arc. The extreme points of a face lie on the arcs that
+// bound it, or at the poles of its sphere.
+void Patches::record_arc(const Arc& arc) {
   const SasSphere first = surface_.sas_sphere(arc.first), second = surface_.sas_sphere(arc.second);
   const ContactCircle circle = make_contact_circle(first, second);
   const Box radial =
@@ -153,11 +155,11 @@ void Patches::note_arc(const Arc& arc) {
   const auto seen_from = [&](const SasSphere& sphere, double height) {
     return arc_box((height / sphere.radius) * circle.axis, circle.radius / sphere.radius, radial);
   };
-  note_on_face(arc.first, seen_from(first, circle.first_height));
-  note_on_face(arc.second, seen_from(second, -circle.second_height));
+  extend_face(arc.first, seen_from(first, circle.first_height));
+  extend_face(arc.second, seen_from(second, -circle.second_height));
 }
 
-void Patches::note_on_face(AtomIndex atom, const Box& directions) {
+void Patches::extend_face(AtomIndex atom, const Box& directions) {
   const auto [cluster, member] = clusters_.place_of(atom);
   if (!is_open(cluster)) return;
   ClusterPatches& patches = *clusters_patches_[cluster];
@@ -165,11 +167,11 @@ void Patches::note_on_face(AtomIndex atom, const Box& directions) {
   std::atomic_ref(patches.found.has_arc[member]).store(1, std::memory_order_relaxed);
 }
 
-void Patches::note_placements(std::span<const PlacementKey> keys) {
+void Patches::record_placements(std::span<const PlacementKey> keys) {
   const auto cluster_of = [&](const PlacementKey& key) {
     return clusters_.place_of(key.atoms[0]).cluster;
   };
-  // Keys that follow each other mostly belong to the same cluster.
+  // Consecutive keys usually belong to the same cluster.
   for (auto begin = keys.begin(), end = begin; begin != keys.end(); begin = end) {
     const ClusterIndex cluster = cluster_of(*begin);
     end = std::find_if(begin, keys.end(),
@@ -188,14 +190,14 @@ void Patches::complete(ClusterIndex cluster) {
     AtomExposure& exposure = patches.exposure[m];
     if (patches.found.has_arc[m] != 0) exposure = AtomExposure::exposed;
     if (exposure == AtomExposure::unknown) exposure = AtomExposure::buried;
-    if (exposure == AtomExposure::exposed) bound_face_by_poles(members[m]);
+    if (exposure == AtomExposure::exposed) extend_face_to_poles(members[m]);
   }
   place_probes(patches);
   patches.found.has_arc = {};
   patches.crowded = list_crowded_patches(surface_, patches);
 }
 
-void Patches::bound_face_by_poles(AtomIndex atom) {
+void Patches::extend_face_to_poles(AtomIndex atom) {
   const SasSphere sphere = surface_.sas_sphere(atom);
   std::array<bool, 6> is_hidden{};  // -x, +x, -y, ...
   for (const AtomIndex neighbour : of(atom).face_neighbours()) {
@@ -214,7 +216,7 @@ void Patches::bound_face_by_poles(AtomIndex atom) {
   }
 }
 
-// One placement for each key that is accessible, by member and then in the order of keys.
+// Makes one placement for each accessible key, sorted by member and then by key.
 void Patches::place_probes(ClusterPatches& patches) {
   std::vector<PlacementKey>& keys = patches.found.placements;
   const auto member_of = [&](const PlacementKey& key) {

@@ -1,9 +1,9 @@
 #pragma once
 /// The analytical patches of a molecule: exposed faces, accessible arcs and probe placements.
 ///
-/// M. L. Connolly, J. Appl. Cryst. 16 (1983) 548, doi:10.1107/S0021889883010985: a convex patch per
-/// exposed face of a SAS sphere, a saddle patch per accessible arc of a contact circle, a concave
-/// patch per probe placement. They do not depend on the grid.
+/// The surface has a convex patch for each exposed face of a SAS sphere, a saddle patch for each
+/// accessible arc of a contact circle, and a concave patch for each probe placement (Connolly, J.
+/// Appl. Cryst. 16, 548, 1983, doi:10.1107/S0021889883010985). Patches do not depend on the grid.
 
 #include <array>
 #include <cstdint>
@@ -21,13 +21,13 @@
 
 namespace eses::detail {
 
-/// An accessible probe centre at which the probe touches three atoms.
+/// An accessible probe centre at which the probe touches three atoms, in angstrom.
 struct ProbePlacement {
   Vec3 center;
   std::array<AtomIndex, 3> atoms{};  ///< ascending
-  std::int8_t side = 1;              ///< of the atoms' plane, see PlacementKey
-  /// Exactly three atoms are touched and their directions span a proper cone, which then is the
-  /// normal cone of the accessible set there.
+  std::int8_t side = 1;              ///< side of the atoms' plane, see PlacementKey
+  /// Whether the probe touches exactly three atoms, and the directions to them span a cone that is
+  /// not degenerate. That cone is then the normal cone of the accessible set.
   bool is_regular = false;
 };
 
@@ -35,31 +35,32 @@ struct ProbePlacement {
 struct FaceDirections {
   std::array<float, 3> low{1, 1, 1}, high{-1, -1, -1};
 
-  /// Several threads may do so at a time.
+  /// Extends the bounds. Several threads may call it at the same time.
   void include(const Box& directions);
+  /// The bounds as a box.
   Box box() const { return {{low[0], low[1], low[2]}, {high[0], high[1], high[2]}}; }
 };
 
-/// The patches of one cluster, by its members; an arc belongs to the lower of its two atoms, a
-/// placement to the lowest of three. Each list `..._begin` has one more element than there are
-/// members.
+/// The patches of one cluster, by member. An arc belongs to the lower of its two atoms, a placement
+/// to the lowest of three. The patches of member m are the elements [begin[m], begin[m + 1]) of a
+/// list, where `begin` is the corresponding list `..._begin`.
 struct ClusterPatches {
   std::vector<AtomExposure> exposure;
-  std::vector<FaceDirections> face_directions;  ///< empty bounds unless exposed
-  std::vector<std::uint32_t> face_begin;        ///< into face_neighbours
-  std::vector<AtomIndex> face_neighbours;       ///< whose caps bound the atom's exposed face
-  std::vector<std::uint32_t> arc_begin;         ///< into arcs
+  std::vector<FaceDirections> face_directions;  ///< bounds are empty if the atom is not exposed
+  std::vector<std::uint32_t> face_begin;        ///< indices into face_neighbours
+  std::vector<AtomIndex> face_neighbours;       ///< atoms whose caps bound the exposed face
+  std::vector<std::uint32_t> arc_begin;         ///< indices into arcs
   std::vector<Arc> arcs;
-  std::vector<std::uint32_t> placement_begin;  ///< into placements
-  /// Where a probe touches four or more atoms, each triple of them has a placement there.
+  std::vector<std::uint32_t> placement_begin;  ///< indices into placements
+  /// Placements. If a probe touches more than three atoms, each triple of them has a placement.
   std::vector<ProbePlacement> placements;
-  CrowdedPatches crowded;  ///< lists some of these
+  CrowdedPatches crowded;  ///< index of the patches of crowded atoms
 
-  /// What the arcs of this and other clusters have told so far.
+  /// Results of the arcs of this and other clusters, until the cluster is complete.
   struct Found {
     std::vector<std::uint8_t> has_arc;  ///< by member
     std::vector<PlacementKey> placements;
-    std::mutex mutex;  ///< of `placements`
+    std::mutex mutex;  ///< protects `placements`
   } found;
 };
 
@@ -86,9 +87,9 @@ struct AtomPatches {
   }
 };
 
-/// The patches of those clusters that are wanted. Each passes through four steps: it is opened, its
-/// arcs are found, its patches are completed, it is closed. What happens at a point depends on the
-/// completed patches of the atoms that are less than their radius and two probe radii away.
+/// The patches of the clusters that are currently needed. Each cluster passes through four steps:
+/// it is opened, its arcs are found, its patches are completed, and it is closed. The surface near
+/// a point x depends on the patches of atoms with |x - center| < radius + 2 probe_radius.
 class Patches {
  public:
   /// Keeps a reference to `surface`.
@@ -103,30 +104,30 @@ class Patches {
     BuiltPatches built;
   };
 
-  /// Makes room for a cluster. What is found of clusters that are not open is dropped.
+  /// Makes room for a cluster. Patches of clusters that are not open are dropped.
   void open(ClusterIndex cluster);
-  /// Finds the arcs of an open cluster, after all clusters whose heights overlap its own have been
-  /// opened, as far as they are wanted. Several threads may do so for different clusters.
+  /// Finds the arcs of an open cluster. All needed clusters whose heights overlap its own must be
+  /// open. Several threads may call it for different clusters.
   void find_arcs(ClusterIndex cluster, Scratch& scratch);
-  /// Completes a cluster after the arcs of all those have been found whose heights overlap its own.
-  /// Several threads may do so for different clusters.
+  /// Completes a cluster. The arcs of all needed clusters whose heights overlap its own must have
+  /// been found. Several threads may call it for different clusters.
   void complete(ClusterIndex cluster);
-  /// Frees a cluster, after all clusters have been completed whose heights overlap its own.
+  /// Frees a cluster. All needed clusters whose heights overlap its own must be complete.
   void close(ClusterIndex cluster);
 
   bool is_open(ClusterIndex cluster) const { return clusters_patches_[cluster] != nullptr; }
 
-  /// Of an atom whose cluster has been completed.
+  /// Returns the patches of an atom whose cluster is complete.
   AtomPatches of(AtomIndex atom) const {
     const auto [cluster, member] = clusters_.place_of(atom);
     return {clusters_patches_[cluster].get(), member};
   }
 
  private:
-  void note_arc(const Arc& arc);
-  void note_on_face(AtomIndex atom, const Box& directions);
-  void note_placements(std::span<const PlacementKey> keys);
-  void bound_face_by_poles(AtomIndex atom);
+  void record_arc(const Arc& arc);
+  void extend_face(AtomIndex atom, const Box& directions);
+  void record_placements(std::span<const PlacementKey> keys);
+  void extend_face_to_poles(AtomIndex atom);
   void place_probes(ClusterPatches& patches);
 
   const SurfaceModel& surface_;

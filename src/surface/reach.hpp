@@ -1,5 +1,5 @@
 #pragma once
-/// The atoms that matter to a part of space.
+/// The atoms that influence a part of space.
 
 #include <algorithm>
 #include <span>
@@ -10,20 +10,23 @@
 
 namespace eses::detail {
 
-/// What happens in a box depends on the patches of atoms with |x - center| < radius + 2 probe for
-/// an x in it. The arcs that bound the faces of these are found from either of their two atoms, so
-/// all whose SAS spheres meet theirs are counted in.
+/// The atoms whose patches are needed for the points x of a box. The surface there depends on the
+/// patches of atoms with |x - center| < radius + 2 probe_radius. The arcs that bound the faces of
+/// such an atom belong to either of two atoms, so the atoms whose SAS spheres meet that of such an
+/// atom are needed as well. Lengths are in angstrom.
 struct Reach {
   Box box;
   double probe_radius = 0;
-  double max_radius = 0;  ///< of the atoms whose patches matter in the box
+  double max_radius = 0;  ///< maximum radius of the atoms whose patches influence the box
 
-  bool holds(const Atom& atom) const {
+  /// Returns whether the patches of the atom are needed.
+  bool contains(const Atom& atom) const {
     const double distance = atom.radius + 2 * max_radius + 4 * probe_radius + look_up_slack;
     return squared_distance(box, atom.center) <= distance * distance;
   }
 };
 
+/// Returns the reach of a box.
 inline Reach make_reach(std::span<const Atom> atoms, const Box& box, double probe_radius) {
   Reach reach{box, probe_radius, 0};
   for (const Atom& atom : atoms) {

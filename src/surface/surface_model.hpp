@@ -1,5 +1,5 @@
 #pragma once
-/// A molecule and its probe: all that the geometry of the surface follows from.
+/// A molecule and a probe radius, which define the surface.
 
 #include <optional>
 #include <span>
@@ -13,24 +13,27 @@
 
 namespace eses::detail {
 
+/// The definition of a surface: its atoms and the probe radius.
 struct SurfaceModel {
   Molecule molecule;
-  std::span<const Atom> atoms;  ///< the molecule's
+  std::span<const Atom> atoms;  ///< atoms of `molecule`
   double probe_radius = 0;      ///< angstrom
-  /// If only a part of space is looked at: other atoms need no patches.
+  /// The part of space that is computed; all of it if empty. Atoms outside of it need no patches.
   std::optional<Reach> reach;
 
   SurfaceModel(Molecule of, double probe)
       : molecule(std::move(of)), atoms(molecule.atoms()), probe_radius(probe) {}
 
-  /// Only what happens in `box` will be asked.
+  /// Restricts the computation to the points in `box`.
   void confine_to(const Box& box) { reach = make_reach(atoms, box, probe_radius); }
 
-  bool needs_patches(AtomIndex i) const { return !reach || reach->holds(atoms[i]); }
+  /// Returns whether the patches of an atom are needed.
+  bool needs_patches(AtomIndex i) const { return !reach || reach->contains(atoms[i]); }
 
   const AtomTree& tree() const { return molecule.tree(); }
   const CellList& cells() const { return molecule.cells(); }
 
+  /// Returns the SAS sphere of an atom.
   SasSphere sas_sphere(AtomIndex i) const {
     return {atoms[i].center, atoms[i].radius + probe_radius};
   }

@@ -14,24 +14,27 @@ namespace eses::detail {
 namespace {
 
 constexpr double pi = std::numbers::pi;
-// So few that they cost little beside the patches of all atoms.
+// The sample is small, so that the survey takes little time compared with the patches of all atoms.
 constexpr std::size_t min_samples = 128, max_samples = 2048, atoms_per_sample = 16;
-constexpr std::size_t places_looked_at = 12;
-constexpr int exposure_frequency = 3;  // 92 directions tell which part of a sphere is exposed
-constexpr std::size_t bins = 4096;     // along z, of all atoms
+constexpr std::size_t sampled_boxes = 12;
+constexpr int exposure_frequency = 3;  // 92 directions sample the exposed part of a sphere
+constexpr std::size_t bins = 4096;     // number of bins along z
 
 std::size_t sample_size(std::size_t atoms) {
   return std::min(atoms, std::clamp(atoms / atoms_per_sample, min_samples, max_samples));
 }
 
+// Returns the angle of an arc in radians.
 double arc_angle(const Arc& arc, Vec3 axis) {
   if (arc.kind == ArcKind::full) return 2 * pi;
   const double angle = std::atan2(dot(axis, cross(arc.start, arc.end)), dot(arc.start, arc.end));
   return angle < 0 ? angle + 2 * pi : angle;
 }
 
-// Of the torus swept by the probe's outline between the points where it touches the two spheres,
-// as far as it does not reach beyond the axis.
+// Returns the area of a saddle patch: of the torus that is swept by the probe's outline between its
+// points of contact with the two atoms, without the part beyond the axis. By Pappus's theorem, it
+// is the integral of probe (rho - probe cos t) over the angle t along the outline, times the arc's
+// angle (Connolly, J. Appl. Cryst. 16, 548, 1983, doi:10.1107/S0021889883010985).
 double saddle_area(const SurfaceModel& surface, const Arc& arc, const ContactCircle& circle) {
   const double probe = surface.probe_radius, rho = circle.radius;
   const double low = -std::atan2(circle.first_height, rho);
@@ -44,13 +47,14 @@ double saddle_area(const SurfaceModel& surface, const Arc& arc, const ContactCir
          (swept(low, std::min(high, -cusp)) + swept(std::max(low, cusp), high));
 }
 
-// Van Oosterom and Strackee, IEEE Trans. Biomed. Eng. 30 (1983) 125.
+// Returns the solid angle of the cone of three unit vectors (Van Oosterom and Strackee, IEEE Trans.
+// Biomed. Eng. 30, 125, 1983, doi:10.1109/TBME.1983.325207).
 double solid_angle(const std::array<Vec3, 3>& toward) {
   const auto& [a, b, c] = toward;
   return 2 * std::atan2(std::fabs(dot(a, cross(b, c))), 1 + dot(a, b) + dot(b, c) + dot(c, a));
 }
 
-// The share of a box that lies in another one.
+// Returns the fraction of the box `part` that lies in `box`.
 double share_within(const Box& box, const Box& part) {
   double share = 1;
   for (std::size_t axis = 0; axis < 3; ++axis) {
@@ -63,7 +67,8 @@ double share_within(const Box& box, const Box& part) {
   return share;
 }
 
-// Those of `directions` in which the atom's SAS sphere is outside its neighbours'.
+// Returns the directions in which the atom's SAS sphere lies outside the SAS balls of its
+// neighbours.
 std::vector<Vec3> exposed_directions(const SurfaceModel& surface, AtomIndex i,
                                      std::span<const AtomIndex> neighbours,
                                      std::span<const Vec3> directions) {
@@ -83,7 +88,7 @@ std::vector<Vec3> exposed_directions(const SurfaceModel& surface, AtomIndex i,
 
 double squared(double x) { return x * x; }
 
-// Makes the sums up to each bin of the steps from bin to bin.
+// Replaces the steps from bin to bin by the sums over all bins up to each one.
 void integrate(std::vector<double>& steps) {
   std::partial_sum(steps.begin(), steps.end(), steps.begin());
   std::partial_sum(steps.begin(), steps.end(), steps.begin());
@@ -105,12 +110,12 @@ SurfaceSurvey::SurfaceSurvey(const Molecule& molecule, double probe_radius, cons
   surface_.confine_to(box);
   for (AtomIndex i = 0; i < surface_.atoms.size(); ++i)
     if (surface_.needs_patches(i)) reach_.push_back(i);
-  // A box far from all atoms has nothing in it: any one of them tells that.
+  // A box far from all atoms needs no patches. The survey needs at least one atom.
   if (reach_.empty()) reach_.push_back(0);
   take_samples();
 }
 
-// What an atom has of patches and area goes with its SAS sphere.
+// Returns the sampling weight of an atom, which is proportional to the area of its SAS sphere.
 double SurfaceSurvey::size_of(std::size_t patched) const {
   return squared(surface_.atoms[patched_atom(patched)].radius + surface_.probe_radius);
 }
@@ -136,8 +141,9 @@ void SurfaceSurvey::prepare_bins() {
   variance_.assign(bins + 1, 0);
 }
 
-// Strata of equal size, an atom drawn from each: its probability is its share of the stratum. Atoms
-// larger than a stratum are taken out and visited for certain.
+// Divides the atoms into strata of equal size. One atom is drawn from each stratum, with a
+// probability proportional to its size. Atoms larger than a stratum are excluded and always
+// visited.
 SurfaceSurvey::Strata SurfaceSurvey::make_strata() const {
   const std::size_t count = patched_count(), samples = sample_size(count);
   if (samples == count) return {};
@@ -146,10 +152,10 @@ SurfaceSurvey::Strata SurfaceSurvey::make_strata() const {
   std::partial_sort(sizes.begin(), sizes.begin() + static_cast<std::ptrdiff_t>(samples),
                     sizes.end(), std::greater<>());
   Strata strata{samples, 0};
-  // From the small ones on, so that a large one does not swallow them.
+  // Sums start with the small sizes, so that they are not lost in rounding.
   double sum =
       std::accumulate(sizes.rbegin(), sizes.rend() - static_cast<std::ptrdiff_t>(samples), 0.0);
-  std::vector<double> rest(samples);  // the sum from each of the largest on
+  std::vector<double> rest(samples);  // sum of this and all smaller sizes
   for (std::size_t k = samples; k-- > 0;) rest[k] = sum += sizes[k];
   std::size_t certain = 0;
   while (certain + 1 < samples &&
@@ -165,7 +171,8 @@ void SurfaceSurvey::take_samples() {
   const Strata strata = make_strata();
   AtomPatchScratch scratch;
   BuiltPatches patches;
-  // The fractional part of the golden ratio's multiples: no period of the file is met in step.
+  // The position within a stratum is the fractional part of a multiple of the golden ratio, so that
+  // the sample does not follow periods in the file.
   const auto place_in = [&](std::size_t s) {
     const auto stratum = static_cast<double>(s);
     return (stratum + std::fmod(stratum * std::numbers::phi, 1)) * strata.size;
@@ -217,7 +224,7 @@ void SurfaceSurvey::visit(AtomIndex i, double weight, AtomPatchScratch& scratch,
     const double area = saddle_area(surface_, arc, circle);
     add_area(area, weight, box, area);
   }
-  // Three arcs end at a placement.
+  // Three arcs end at each placement, so it is counted three times.
   for (const PlacementKey& key : patches.placements) {
     const Vec3 center =
         placement_center(surface_.sas_sphere(key.atoms[0]), surface_.sas_sphere(key.atoms[1]),
@@ -240,14 +247,15 @@ void SurfaceSurvey::add_convex(AtomIndex i, double weight, std::span<const AtomI
     return;
   }
   const double share = 1 / static_cast<double>(all.size());
-  const double cosine = 1 - 2 * share;  // of a cap of that share
+  const double cosine = 1 - 2 * share;  // of a cap with this fraction of the sphere's area
   const double area = sphere * share, whole = area * static_cast<double>(exposed.size());
   for (const Vec3 direction : exposed)
     add_area(area, weight, cap_box(atom.center, atom.radius, direction, cosine), whole);
 }
 
-// Of a sphere equal heights have equal areas (Archimedes); for the other patches that is near
-// enough. The sampling error is that of the patch that the piece is of.
+// Distributes an area evenly over the bins along z. This is exact for spheres, whose area between
+// two planes is proportional to their distance (Archimedes), and sufficient for other patches.
+// `patch_area` is the area of the whole patch, which determines the sampling error.
 void SurfaceSurvey::add_area(double area, double weight, Box box, double patch_area) {
   if (surface_.reach) {
     const Box& within = surface_.reach->box;
@@ -268,7 +276,7 @@ void SurfaceSurvey::add_area(double area, double weight, Box box, double patch_a
     steps[end] -= step;
   };
   add(area_, weight * area);
-  // An atom visited for certain has none.
+  // The variance is 0 for an atom that is always visited, with the weight 1.
   add(variance_, weight * (weight - 1) * area * patch_area);
 }
 
@@ -285,33 +293,33 @@ double SurfaceSurvey::area_between(double low_z, double high_z) const {
 double SurfaceSurvey::max_slab_area(double thickness) const {
   const auto count = static_cast<double>(area_.size());
   const auto width = static_cast<std::size_t>(std::min(count, std::ceil(thickness / bin_) + 1));
-  double largest = 0;
+  double max_area = 0;
   for (std::size_t end = width; end <= area_.size(); ++end) {
     const auto within = [&](const std::vector<double>& sums) {
       return sums[end - 1] - (end > width ? sums[end - width - 1] : 0);
     };
-    largest = std::max(largest, within(area_) + 2 * std::sqrt(std::max(0.0, within(variance_))));
+    max_area = std::max(max_area, within(area_) + 2 * std::sqrt(std::max(0.0, within(variance_))));
   }
-  return largest;
+  return max_area;
 }
 
 double SurfaceSurvey::max_share(double thickness) const {
   const auto width = static_cast<std::size_t>(
       std::min(static_cast<double>(bins), std::ceil(thickness / bin_) + 1));
-  std::size_t within = 0, largest = 0;
+  std::size_t within = 0, max_within = 0;
   for (std::size_t end = 0; end < bins; ++end) {
     within += atoms_[end];
     if (end >= width) within -= atoms_[end - width];
-    largest = std::max(largest, within);
+    max_within = std::max(max_within, within);
   }
-  return static_cast<double>(largest) / static_cast<double>(patched_count());
+  return static_cast<double>(max_within) / static_cast<double>(patched_count());
 }
 
 SurfaceSurvey::AtomsNear SurfaceSurvey::max_atoms_near(Vec3 half_sides) const {
   const double probe = surface_.probe_radius, distance = norm(half_sides) + probe;
-  const std::size_t count = patched_count(), places = std::min(count, places_looked_at);
+  const std::size_t count = patched_count(), places = std::min(count, sampled_boxes);
   std::vector<AtomIndex> found;
-  AtomsNear most;
+  AtomsNear maxima;
   for (std::size_t s = 0; s < places; ++s) {
     const Vec3 place = surface_.atoms[patched_atom((2 * s + 1) * count / (2 * places))].center;
     const Box box{place - half_sides, place + half_sides};
@@ -320,10 +328,10 @@ SurfaceSurvey::AtomsNear SurfaceSurvey::max_atoms_near(Vec3 half_sides) const {
       const Atom& atom = surface_.atoms[i];
       return overlap(box, ball_box(atom.center, atom.radius + probe));
     });
-    most.reaching_box = std::max(most.reaching_box, static_cast<std::size_t>(reaching));
-    most.found = std::max(most.found, found.size());
+    maxima.reaching_box = std::max(maxima.reaching_box, static_cast<std::size_t>(reaching));
+    maxima.found = std::max(maxima.found, found.size());
   }
-  return most;
+  return maxima;
 }
 
 }  // namespace eses::detail

@@ -1,5 +1,5 @@
 #pragma once
-/// What the surface of a molecule will amount to, from a sample of its atoms: enough to plan by.
+/// Estimates of the patches and the area of a molecule, from a sample of its atoms.
 
 #include <cstddef>
 #include <vector>
@@ -8,52 +8,53 @@
 
 namespace eses::detail {
 
-/// Totals of a molecule, extrapolated from its sample.
+/// Estimated totals of a molecule.
 struct PatchTotals {
   double arcs = 0;
   double placements = 0;
   double face_neighbours = 0;
-  double area = 0;  ///< square angstrom; concave patches that cut each other count in full
-  double crowded_patches = 0;     ///< of crowded atoms, see CrowdedPatches
-  double crowded_neighbours = 0;  ///< sum over crowded atoms
-  double max_neighbours = 0;      ///< of any crowded atom that was looked at
+  double area = 0;  ///< square angstrom; overlapping parts of concave patches are included
+  double crowded_patches = 0;     ///< patches of crowded atoms, see CrowdedPatches
+  double crowded_neighbours = 0;  ///< sum of the numbers of neighbours of crowded atoms
+  double max_neighbours = 0;      ///< maximum number of neighbours of a sampled crowded atom
 };
 
+/// A survey: the patches of a sample of the atoms.
 class SurfaceSurvey {
  public:
-  /// Builds the patches of a sample of the atoms, of all of them if they are few. The larger an
-  /// atom, the more surely it is in the sample.
+  /// Builds the patches of a sample of the atoms, or of all atoms if there are few. The probability
+  /// of an atom to be sampled is proportional to the area of its SAS sphere.
   SurfaceSurvey(const Molecule& molecule, double probe_radius);
-  /// Likewise for what happens in `box`: the totals are of the patches that are built for it, and
-  /// areas of what lies in it.
+  /// Surveys a part of space: the patches that are needed for the points in `box`, and the area in
+  /// the box.
   SurfaceSurvey(const Molecule& molecule, double probe_radius, const Box& box);
 
   const PatchTotals& totals() const { return totals_; }
   std::size_t atom_count() const { return surface_.atoms.size(); }
-  /// Of the atoms, those that get patches.
+  /// Number of atoms whose patches are built.
   std::size_t patched_count() const { return reach_.empty() ? atom_count() : reach_.size(); }
   double probe_radius() const { return surface_.probe_radius; }
 
-  /// The area between two heights, angstrom.
+  /// Returns the area (square angstrom) between two heights (angstrom).
   double area_between(double low_z, double high_z) const;
 
-  /// The largest area between two planes across z that are `thickness` apart (angstrom), with the
-  /// sampling error added twice over.
+  /// Returns the maximum area (square angstrom) between two planes across z that are `thickness`
+  /// apart (angstrom), plus twice the standard error of the sample.
   double max_slab_area(double thickness) const;
 
-  /// The largest share of the atoms that get patches with centres between two planes across z that
-  /// are `thickness` apart (angstrom).
+  /// Returns the maximum fraction of the atoms with patches whose centres are between two planes
+  /// across z that are `thickness` apart (angstrom).
   double max_share(double thickness) const;
 
-  /// Of the atoms that get patches (angstrom).
+  /// Maximum radius of the atoms with patches (angstrom).
   double max_radius() const { return max_radius_; }
 
-  /// Numbers of atoms around a box: those whose SAS spheres may reach into it, and those that a
-  /// look-up with a ball around the box finds.
+  /// Numbers of atoms near a box.
   struct AtomsNear {
-    std::size_t reaching_box = 0, found = 0;
+    std::size_t reaching_box = 0;  ///< atoms whose SAS ball may meet the box
+    std::size_t found = 0;         ///< atoms that a search with a ball around the box finds
   };
-  /// The maxima for boxes with these half sides around some atoms.
+  /// Returns the maxima for boxes with these half sides around some of the atoms.
   AtomsNear max_atoms_near(Vec3 half_sides) const;
 
  private:
@@ -63,7 +64,7 @@ class SurfaceSurvey {
   }
   struct Strata {
     std::size_t count = 0;
-    double size = 0;  // as of size_of
+    double size = 0;  // sum of size_of over a stratum
   };
   double size_of(std::size_t patched) const;
   void prepare_bins();
@@ -73,13 +74,14 @@ class SurfaceSurvey {
   void add_area(double area, double weight, Box box, double patch_area);
 
   SurfaceModel surface_;
-  std::vector<AtomIndex> reach_;  // of a box; all atoms if there is none
+  std::vector<AtomIndex> reach_;  // atoms with patches; empty if these are all atoms
   BurialPatches burial_;
   CoveringDirections directions_;
   PatchTotals totals_;
   double low_z_ = 0, bin_ = 1, max_radius_ = 0;
-  std::vector<std::size_t> atoms_;  // per bin: those whose centre is in it
-  // Per bin: while samples are taken, the steps to it; afterwards, the sums up to it.
+  std::vector<std::size_t> atoms_;  // per bin: number of atoms whose centre is in it
+  // Per bin: the step from the previous bin while samples are taken, and then the sum up to the
+  // bin.
   std::vector<double> area_, variance_;
 };
 

@@ -11,22 +11,22 @@
 #include "grid/point_bits.hpp"
 #include "simd/dispatch.hpp"
 
-// Compiled for every instruction set, as a baseline build has no instruction that counts bits.
+// This file is compiled for each instruction set, as the baseline has no instruction to count bits.
 HWY_BEFORE_NAMESPACE();
 namespace eses::detail::HWY_NAMESPACE {
 
-// Words of one column of points, by y, and those of the points around them. Where the grid ends,
-// the points themselves stand for their neighbours.
+// The words of one column of points in one plane, by y, and the words of their neighbours. At the
+// end of the grid, the words of the points themselves replace those of the missing neighbours.
 struct ColumnPlane {
   const std::uint64_t* words;
   const std::uint64_t* below;  // z - 1
   const std::uint64_t* above;  // z + 1
-  const std::uint64_t* left;   // the column before; null at the start of the rows
+  const std::uint64_t* left;   // the previous column; null at the start of the rows
   std::uint64_t before_first;  // the word at y - 1 of the first word
-  bool continues_in_y;         // there are words behind the last to be counted
-  std::int64_t left_bit;       // of `left`: the point before the first
+  bool continues_in_y;         // whether there is a word after the last one to be counted
+  std::int64_t left_bit;       // bit of the point before the first one in `left`
   std::uint64_t owned;         // bits to count
-  std::uint64_t row_end;       // the bit that ends the rows, if it is in this column
+  std::uint64_t row_end;       // the last bit of the rows if it is in this column, else 0
 };
 
 void count(const ColumnPlane& column, std::int64_t rows, PointCounts& counts) {
@@ -48,7 +48,7 @@ void count(const ColumnPlane& column, std::int64_t rows, PointCounts& counts) {
   }
 }
 
-// The columns of a layer, those of empty blocks included.
+// The columns of a layer, including those of empty blocks.
 class LayerColumns {
  public:
   LayerColumns(const BlockTiling& tiling, const Plane& below, const Layer& layer)
@@ -69,7 +69,7 @@ class LayerColumns {
     return layer_.blocks[static_cast<std::size_t>(by * tiling_.blocks[0] + bx)];
   }
 
-  // Words of plane z of a column, -1 being the plane below the layer.
+  // Returns the words of plane z of a column; -1 is the plane below the layer.
   const std::uint64_t* words(std::int64_t bx, std::int64_t by, std::int64_t c,
                              std::int64_t z) const {
     const PointBits& inside = block(bx, by).inside;
@@ -95,7 +95,7 @@ class LayerColumns {
     column.continues_in_y = result.block.owned[1] < inside.size[1];
     const std::int64_t owned = inside.owned_in_column(c, result.block.owned[0]);
     column.owned = low_bits(owned);
-    // Of the point behind the region's last the block knows.
+    // The rows end with this block, unless the block has the next point, in the halo of the region.
     const bool ends_rows = bx + 1 == tiling_.blocks[0] && c + 1 == inside.columns &&
                            result.block.owned[0] == result.block.points[0];
     column.row_end = ends_rows ? std::uint64_t{1} << (owned - 1) : 0;

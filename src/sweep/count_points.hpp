@@ -1,5 +1,5 @@
 #pragma once
-/// Counts of grid points, from which the volume follows.
+/// Counts of grid points for the volume.
 
 #include <cstdint>
 
@@ -8,16 +8,17 @@
 
 namespace eses::detail {
 
+/// Numbers of points. A point is irregular if it is an end of an edge with a crossing.
 struct PointCounts {
   std::int64_t inside = 0;          ///< inside points
-  std::int64_t inside_regular = 0;  ///< of these, those that end no reported edge
-  std::int64_t irregular = 0;       ///< points, inside or outside, that end one
+  std::int64_t inside_regular = 0;  ///< inside points that are not irregular
+  std::int64_t irregular = 0;       ///< irregular points, inside or outside
 
   void add(const PointCounts& other);
 };
 
-/// Counts the points that blocks [begin, end) of the layer own. `below` is the last plane of the
-/// layer before, if there is one.
+/// Counts the points that the blocks [begin, end) of the layer own. `below` is the last plane of
+/// the previous layer, without blocks if there is none.
 PointCounts count_points(const BlockTiling& tiling, const Plane& below, const Layer& layer,
                          std::int64_t begin, std::int64_t end);
 

@@ -6,7 +6,8 @@
 namespace eses::detail {
 namespace {
 
-// Appends the low `count` bits of `bits` behind `position` bits of a row that was zero from there.
+// Appends the low `count` bits of `bits` after the first `position` bits of a row. The further bits
+// of the row must be 0.
 void append_bits(RowBits& row, std::int64_t position, std::uint64_t bits, std::int64_t count) {
   bits &= low_bits(count);
   const auto word = static_cast<std::size_t>(position / 64);
@@ -15,7 +16,7 @@ void append_bits(RowBits& row, std::int64_t position, std::uint64_t bits, std::i
   if (shift + count > 64) row[word + 1] |= bits >> (64 - shift);
 }
 
-// Crossings of one row, of those that `row_begin` cuts into rows.
+// Returns the crossings of one row. `row_begin` has the begin of each row.
 std::span<const BlockCrossing> row_crossings(std::span<const BlockCrossing> crossings,
                                              std::span<const std::uint32_t> row_begin,
                                              std::int64_t row) {
@@ -30,14 +31,15 @@ BlockRow block_row_of(const BlockTiling& tiling, std::int64_t y) {
   return {by, y - by * (tiling.block_size[1] - 1)};
 }
 
-LayerRows::LayerRows(const BlockTiling& tiling, const Layer& layer, Extent extent)
+LayerRows::LayerRows(const BlockTiling& tiling, const Layer& layer, Extent extent,
+                     PointBits BlockResult::*bits)
     : tiling_(tiling), parts_(static_cast<std::size_t>(tiling.blocks[1])) {
   const GridRegion region = extent == Extent::region ? tiling.region : tiling.region_with_halo;
   words_ = static_cast<std::size_t>((region.size()[0] + 63) / 64);
   const auto blocks_x = static_cast<std::size_t>(tiling.blocks[0]);
   for (std::size_t b = 0; b < layer.blocks.size(); ++b) {
     const BlockResult& result = layer.blocks[b];
-    const PointBits& inside = result.inside;
+    const PointBits& inside = result.*bits;
     if (inside.words.empty()) continue;
     const bool is_last = b % blocks_x == blocks_x - 1;
     const std::int64_t owned =

@@ -1,5 +1,5 @@
 #pragma once
-/// One layer of blocks, solved, as rows of the whole grid.
+/// A solved layer of blocks as rows of the whole grid.
 
 #include <cstdint>
 #include <span>
@@ -10,6 +10,7 @@
 
 namespace eses::detail {
 
+/// The results of a layer of blocks.
 struct Layer {
   std::vector<BlockResult> blocks;  ///< [by][bx]
 
@@ -17,29 +18,28 @@ struct Layer {
   std::int64_t owned_planes() const { return blocks.front().block.owned[2]; }
 };
 
-/// Words of a row of the whole grid, or of the region that is computed: bit i % 64 of word i / 64
-/// is point i.
+/// The inside bits of a row of the region: bit i % 64 of word i / 64 is point i.
 using RowBits = std::vector<std::uint64_t>;
 
-/// Which of a layer's points are meant: those of the region, or also the far corners, for which see
-/// BlockTiling::region_with_halo.
+/// The points of rows: those of the region, or those of BlockTiling::region_with_halo.
 enum class Extent { region, with_halo };
 
-/// Where the parts of a layer's rows stand in its blocks; made once for many rows.
+/// An index of the parts of rows in the blocks of a layer, made once for many rows.
 class LayerRows {
  public:
-  LayerRows(const BlockTiling& tiling, const Layer& layer, Extent extent = Extent::region);
+  LayerRows(const BlockTiling& tiling, const Layer& layer, Extent extent = Extent::region,
+            PointBits BlockResult::*bits = &BlockResult::inside);
 
-  /// Merges the inside bits of row (y, z) from all blocks along x. `y` counts from the region's
-  /// first row, `z` from the layer's first plane.
+  /// Merges the bits, by default those of inside points, of row (y, z) from all blocks along x. `y`
+  /// is relative to the region's first row, `z` to the layer's first plane.
   void merge_row(std::int64_t y, std::int64_t z, RowBits& row) const;
 
  private:
   struct Part {
-    const std::uint64_t* words;  // [z][y] of one column of a block
-    std::int64_t rows;           // of the block along y
-    std::int64_t position;       // of its first point in the row
-    std::int64_t count;          // of the points that it owns
+    const std::uint64_t* words;  // words [z][y] of one column of a block
+    std::int64_t rows;           // number of rows of the block along y
+    std::int64_t position;       // index of the first point in the row
+    std::int64_t count;          // number of points that the column owns
   };
 
   const BlockTiling& tiling_;
@@ -47,20 +47,23 @@ class LayerRows {
   std::vector<std::vector<Part>> parts_;  // by block row
 };
 
-/// The part of the blocks in row y: their index range along x is [0, blocks[0]), all in block row
-/// `by`, where y is the local row `y`.
+/// The position of a row in its blocks: the index `by` of the blocks along y, and the local index
+/// `y` of the row in these blocks.
 struct BlockRow {
   std::int64_t by = 0, y = 0;
 };
+
+/// Returns the position of row `y`, relative to the region's first row.
 BlockRow block_row_of(const BlockTiling& tiling, std::int64_t y);
 
-/// Which of a layer's blocks have crossings; made once for many rows.
+/// An index of the blocks with crossings in a layer, made once for many rows.
 class LayerCrossings {
  public:
   LayerCrossings(const BlockTiling& tiling, const Layer& layer);
 
-  /// Calls action(first_x, crossings) for the parts of row (y, z), by x; a crossing's `x` counts
-  /// from `first_x`, `z` from the layer's first plane.
+  /// Calls `action(first_x, crossings)` for the parts of row (y, z), in the order of x. The `x` of
+  /// a crossing is relative to `first_x`. `y` is relative to the region's first row, `z` to the
+  /// layer's first plane.
   template <class Action>
   void for_each_row_part(std::int64_t y, std::int64_t z, Action&& action) const {
     const BlockRow place = block_row_of(tiling_, y);
@@ -68,7 +71,7 @@ class LayerCrossings {
       act_on(*result, owned_part(*result, place.y, z), action);
   }
 
-  /// The same with those of the edges between far corners, among which there are further rows.
+  /// Does the same with the crossings of the halo, which has further rows.
   template <class Action>
   void for_each_row_part_with_halo(std::int64_t y, std::int64_t z, Action&& action) const {
     const BlockRow place = block_row_of(tiling_, y);
@@ -93,12 +96,13 @@ class LayerCrossings {
   std::vector<std::vector<const BlockResult*>> blocks_;  // by block row
 };
 
-/// The inside bits of the last plane that a layer owns: all that is kept of it once it is written.
-/// By block [by][bx], words [column][y]; none where there is no layer or nothing inside.
+/// The inside bits of the last plane that a layer owns, which are kept when the layer has been
+/// written. By block [by][bx], words [column][y]; no words if nothing is inside.
 struct Plane {
   std::vector<std::vector<std::uint64_t>> blocks;
 };
 
+/// Returns the last plane that a layer owns.
 Plane last_plane(const Layer& layer);
 
 }  // namespace eses::detail

@@ -9,7 +9,7 @@
 
 namespace eses::detail {
 
-/// A layer, and where the parts of its rows are.
+/// A layer with the index of its rows.
 struct MeshOutput::LayerView {
   LayerView(const BlockTiling& tiling, const Layer& layer)
       : first_z(layer.first_z()),
@@ -32,7 +32,8 @@ MeshOutput::MeshOutput(const Plan& plan, const GridRegion& region, const mesh::M
       vertex_output_(std::move(sinks.vertices)),
       triangle_output_(std::move(sinks.triangles)) {}
 
-// Behind the last layer the far corners make another plane, if this part has it.
+// Returns the number of planes of a layer. The last layer has the plane of the halo as well, if it
+// belongs to this part of the mesh.
 std::int64_t MeshOutput::planes_of(const Layer& layer) const {
   const std::int64_t end = layer.first_z() + layer.owned_planes();
   const BlockTiling& tiling = plan_.tiling;
@@ -60,11 +61,15 @@ void MeshOutput::make_row(const LayerView& view, std::int64_t y, std::int64_t z,
                           mesh::Row& row) const {
   view.rows.merge_row(y, z, row.inside);
   row.edges.clear();
+  row.patches.clear();
+  const bool has_patches = text_.has_triangle_patches();
   view.crossings.for_each_row_part_with_halo(
       y, z, [&](std::int64_t first_x, std::span<const BlockCrossing> part) {
-        for (const BlockCrossing& crossing : part)
+        for (const BlockCrossing& crossing : part) {
           row.edges.push_back(mesh::edge_key(
               static_cast<std::uint64_t>(first_x - region_.begin[0] + crossing.x), crossing.axis));
+          if (has_patches) row.patches.push_back(crossing.atom_count);
+        }
       });
   row.first_vertex = row_begin_[static_cast<std::size_t>(z * rows_y_ + y)];
 }
@@ -87,7 +92,7 @@ bool MeshOutput::is_crossed(std::int64_t y, std::int64_t z) const {
   return row_begin_[row] < row_begin_[row + 1];
 }
 
-// Whether there may be any in the cells that end at a row.
+// Returns whether there may be triangles in the cells that end at a row.
 bool MeshOutput::has_triangles(std::int64_t y, std::int64_t z) const {
   return is_crossed(y - 1, z - 1) || is_crossed(y, z - 1) || is_crossed(y - 1, z) ||
          is_crossed(y, z);
@@ -123,14 +128,16 @@ void MeshOutput::append_triangles(const LayerView& view, const RowRange& rows,
     make_rows(view, row, back);
     made = row;
     triangles.clear();
-    mesh::triangulate(
-        {&lower_row(front, y - 1, z), &lower_row(back, y, z), &front.upper, &back.upper},
-        region_.size()[0], triangles);
+    const mesh::CellRows around{&lower_row(front, y - 1, z), &lower_row(back, y, z), &front.upper,
+                                &back.upper};
+    mesh::triangulate(around, region_.size()[0], triangles);
     for (const mesh::Triangle& triangle : triangles) {
+      const std::uint8_t patch =
+          text_.has_triangle_patches() ? mesh::patch_of(around, triangle) : std::uint8_t{0};
       if (has_local_triangles_) {
-        mesh::append_local_triangle(text, triangle);
+        mesh::append_local_triangle(text, triangle, patch);
       } else {
-        text_.append_triangle(text, triangle);
+        text_.append_triangle(text, triangle, patch);
       }
     }
     count += triangles.size();

@@ -1,5 +1,5 @@
 #pragma once
-/// The mesh, from layers of blocks as they are written.
+/// Output of the mesh from layers of blocks.
 
 #include <cstdint>
 #include <mutex>
@@ -15,50 +15,51 @@
 
 namespace eses::detail {
 
-/// What one thread needs to make a part of the mesh.
+/// Scratch memory of a thread that makes a part of the mesh.
 struct MeshScratch {
-  /// Rows with the same y, of two planes.
+  /// Rows with the same y in two neighbouring planes.
   struct RowPair {
     mesh::Row lower, upper;
   };
-  RowPair front, back;  ///< y and y + 1
+  RowPair front, back;  ///< rows y and y + 1
   std::vector<mesh::Triangle> triangles;
   TextBuffer vertex_text, triangle_text;
-  std::uint64_t triangle_count = 0;  ///< in all
+  std::uint64_t triangle_count = 0;  ///< total number of triangles of this thread
 };
 
-/// Who gets the mesh: first the vertices of each part, then its triangles.
+/// The receivers of the mesh.
 struct MeshSinks {
   OrderedOutput::WriteAt vertices;   ///< as text of the mesh's format
-  OrderedOutput::WriteAt triangles;  ///< likewise, or as mesh::LocalTriangle
+  OrderedOutput::WriteAt triangles;  ///< as text of the mesh's format, or as mesh::LocalTriangle
   bool has_local_triangles = false;
 };
 
-/// Cells between two planes are cut up when the upper plane is written. Of a layer that is done,
-/// its last plane is kept. Of a region there are the cells whose lowest corner is in it, so that
-/// regions that make up the grid have each cell once. Where there is no cell, there is no vertex
-/// either.
+/// The mesh of a region. The cells between two planes are triangulated when the upper plane is
+/// written, so the last plane of a written layer is kept. The cells of a region are those whose
+/// lowest corner is in the region, so that regions that divide the grid have each cell once. There
+/// are no vertices without cells.
 class MeshOutput {
  public:
-  /// The mesh of the cells that have all their corners in `corners`, or of the part of it that
-  /// `plan.tiling` has. Keeps references to all but the sinks.
+  /// Makes the output of the cells that have all their corners in `region`, as far as they belong
+  /// to `plan.tiling`. Keeps references to all arguments except `sinks`.
   MeshOutput(const Plan& plan, const GridRegion& region, const mesh::MeshText& text,
              MeshSinks sinks);
 
-  /// One of `count` about equal parts.
+  /// One of `count` parts of similar size.
   struct Share {
     std::int64_t index, count;
   };
 
-  /// Writes chunk number `chunk`, a share of the layer's rows: vertices that start there, and the
-  /// cells below and before them. Needs the far crossings of blocks. May be called from several
-  /// threads, for chunks of one layer at a time; layers come in order, `release` between them.
+  /// Writes the chunk with number `chunk`, a share of the layer's rows: the vertices on edges that
+  /// start in these rows, and the cells below and before them. Needs the halo crossings of blocks.
+  /// Several threads may call it for chunks of the same layer. Layers must be written in order,
+  /// with a call of `release` after each.
   void write(const Layer& layer, std::int64_t chunk, const Share& share, MeshScratch& scratch);
+  /// Keeps the last plane of a written layer.
   void release(const Layer& layer);
-  /// Before anything is written: that the plane of this layer is the one below, whose vertices
-  /// another part has.
+  /// Sets the plane below the first layer, whose vertices belong to another part of the mesh.
   void go_on_from(const Layer& below);
-  /// Releases all that wait, after a failure.
+  /// Ends all waiting calls of `write` after a failure.
   void abandon();
 
   std::uint64_t vertex_count() const { return layer_begin_; }
@@ -80,17 +81,18 @@ class MeshOutput {
   void append_triangles(const LayerView& view, const RowRange& rows, MeshScratch& scratch) const;
 
   const Plan& plan_;
-  GridRegion region_;    // rows count from its first
-  std::int64_t rows_y_;  // of a plane
+  GridRegion region_;    // region of the mesh; rows are relative to it
+  std::int64_t rows_y_;  // number of rows of a plane
   bool has_cells_;
   const mesh::MeshText& text_;
   bool has_local_triangles_;
   OrderedOutput vertex_output_, triangle_output_;
   std::mutex mutex_;
-  bool is_numbered_ = false;              // the layer at hand
-  std::uint64_t layer_begin_ = 0;         // number of its first vertex; before it, they wrap
-  std::vector<std::uint64_t> row_begin_;  // of its rows [z][y], and one more
-  std::vector<mesh::Row> below_;          // the last plane of the layer before, by y
+  bool is_numbered_ = false;       // whether the rows of the current layer are numbered
+  std::uint64_t layer_begin_ = 0;  // number of the first vertex of the current layer
+  std::vector<std::uint64_t>
+      row_begin_;                 // number of the first vertex of each row [z][y]; and the end
+  std::vector<mesh::Row> below_;  // last plane of the previous layer, by y
 };
 
 }  // namespace eses::detail

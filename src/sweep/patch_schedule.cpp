@@ -19,8 +19,8 @@ PatchSchedule::PatchSchedule(const SurfaceModel& surface, const HeightRange& hei
   find_heights_with_arcs();
 }
 
-// SAS spheres are in the heights of their cluster; a point depends on atoms one probe radius
-// farther away.
+// The heights of a cluster include its SAS spheres. A point can depend on atoms whose SAS spheres
+// are one probe radius away.
 bool PatchSchedule::must_complete(ClusterIndex cluster) const {
   const HeightRange& heights = patches_.clusters().heights(cluster);
   return heights.low - reach_ <= heights_to_solve_.high &&
@@ -42,7 +42,7 @@ void PatchSchedule::find_heights_with_arcs() {
   }
 }
 
-// All clusters whose heights overlap those of this one come before the one returned.
+// Returns the end of the clusters whose heights overlap those of this one.
 ClusterIndex PatchSchedule::overlap_end(ClusterIndex cluster) const {
   const AtomClusters& clusters = patches_.clusters();
   return clusters.count_below(clusters.heights(cluster).high + look_up_slack);
@@ -52,7 +52,7 @@ ClusterIndex PatchSchedule::complete_end(double up_to) const {
   return patches_.clusters().count_below(up_to + reach_);
 }
 
-// The arcs of all clusters before the one returned are needed to complete those up to a height.
+// Returns the end of the clusters whose arcs are required to complete the clusters up to a height.
 ClusterIndex PatchSchedule::arcs_end_for(double up_to) {
   for (const ClusterIndex end = complete_end(up_to); highest_before_ < end; ++highest_before_)
     if (must_complete(highest_before_))
@@ -77,7 +77,7 @@ std::optional<BuildStep> PatchSchedule::take(double up_to) {
   return BuildStep{BuildStep::Kind::find_arcs, next_arcs_++};
 }
 
-// Clusters are opened in time for what the arcs of others tell of them.
+// Opens clusters before the arcs of other clusters are found that contribute to them.
 void PatchSchedule::open_before(ClusterIndex end) {
   for (; open_end_ < end; ++open_end_)
     if (needs_arcs(open_end_)) patches_.open(open_end_);
@@ -111,7 +111,7 @@ void PatchSchedule::skip_to(double low) {
   pass(low);
 }
 
-// A cluster is needed until the sweep has passed it and all that overlap it are complete.
+// Closes the clusters that the sweep has passed, if all clusters that overlap them are complete.
 void PatchSchedule::close_passed() {
   for (ClusterIndex cluster = open_begin_; cluster < open_end_; ++cluster) {
     if (!patches_.is_open(cluster) || must_complete(cluster)) continue;

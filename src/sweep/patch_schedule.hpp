@@ -1,6 +1,5 @@
 #pragma once
-/// Which clusters of atoms get their patches next, and which are done with, while a sweep along z
-/// goes on.
+/// Schedule for building and freeing the patches of clusters during a sweep along z.
 
 #include <cstdint>
 #include <optional>
@@ -10,35 +9,38 @@
 
 namespace eses::detail {
 
-/// A step towards the patches of a cluster, see Patches.
+/// A step of building the patches of a cluster. See Patches.
 struct BuildStep {
   enum class Kind : std::uint8_t { find_arcs, complete } kind = Kind::find_arcs;
   ClusterIndex cluster = 0;
 };
 
-/// Hands out the steps in the order of heights, each when those that it depends on are finished.
-/// Clusters are opened shortly before their first step and closed when the sweep has passed them.
-/// Not thread-safe: TaskQueue serializes all calls. The steps may run concurrently.
+/// The schedule of the steps, in ascending order of heights. A step is returned when the steps on
+/// which it depends are finished. Clusters are opened shortly before their first step and closed
+/// when the sweep has passed them. The class is not thread-safe: TaskQueue serializes all calls.
+/// Steps may run concurrently.
 class PatchSchedule {
  public:
-  /// For a sweep between two heights (angstrom). Keeps a reference to `surface`.
+  /// Makes the schedule of a sweep between two heights (angstrom). Keeps a reference to `surface`.
   PatchSchedule(const SurfaceModel& surface, const HeightRange& heights_to_solve);
 
   Patches& patches() { return patches_; }
   const Patches& patches() const { return patches_; }
 
-  /// The next step to be taken before anything up to height `up_to` can be solved; none if all of
-  /// them are taken, or if those that the next one depends on are not finished.
+  /// Returns the next step that is required to solve points up to the height `up_to`. Returns
+  /// nothing if all these steps have been taken, or if the next one depends on unfinished steps.
   std::optional<BuildStep> take(double up_to);
+  /// Reports a step as finished.
   void finish(const BuildStep& step);
 
-  /// Whether all patches are there that matter up to this height.
+  /// Returns whether all patches are complete that are required to solve points up to this height.
   bool is_ready(double up_to) const;
 
-  /// Says that nothing below this height will be solved any more.
+  /// Frees patches that are not required at or above this height.
   void pass(double low);
 
-  /// Continues the sweep at a greater height. Patches that matter only below it are not built.
+  /// Continues the sweep at a greater height. Patches that are required only below it are not
+  /// built.
   void skip_to(double low);
 
  private:
@@ -55,16 +57,16 @@ class PatchSchedule {
   void close_passed();
 
   Patches patches_;
-  double reach_;                  // how far above and below a cluster its patches matter (angstrom)
-  HeightRange heights_to_solve_;  // where points will be classified
-  HeightRange heights_with_arcs_;                   // where clusters lie that must be completed
-  std::vector<Stage> stages_;                       // by cluster
-  ClusterIndex next_arcs_ = 0, next_complete_ = 0;  // the next to be handed out
-  ClusterIndex arcs_before_ = 0;                // all clusters before it that need arcs have them
-  ClusterIndex complete_before_ = 0;            // all clusters before it that must be are complete
-  ClusterIndex open_begin_ = 0, open_end_ = 0;  // no others are open
-  ClusterIndex highest_before_ = 0;  // `highest_` is that of the clusters before this one
-  double highest_;                   // top of the clusters that must be completed, so far
+  double reach_;  // distance from a cluster at which its patches are used (angstrom)
+  HeightRange heights_to_solve_;   // heights of the points that are still to be solved
+  HeightRange heights_with_arcs_;  // heights of the clusters to be completed
+  std::vector<Stage> stages_;      // by cluster
+  ClusterIndex next_arcs_ = 0, next_complete_ = 0;  // the next clusters to be scheduled
+  ClusterIndex arcs_before_ = 0;      // all clusters before it that need arcs have them
+  ClusterIndex complete_before_ = 0;  // all clusters before it that must be complete are complete
+  ClusterIndex open_begin_ = 0, open_end_ = 0;  // all open clusters are in this range
+  ClusterIndex highest_before_ = 0;             // number of clusters that `highest_` includes
+  double highest_;                              // maximum height of the clusters to be completed
 };
 
 }  // namespace eses::detail

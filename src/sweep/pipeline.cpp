@@ -24,8 +24,8 @@ BlockBounds block_below(BlockBounds block) {
   return block;
 }
 
-// The next layer begins with the plane above the last one that a layer owns. Where it is another
-// pipeline's, that one solves this last plane, too.
+// Returns the heights of all layers. The next layer begins with the plane above the last owned one.
+// If the next layer belongs to another pipeline, that one solves this last plane again.
 std::vector<LayerHeights> heights_of_layers(const Plan& plan) {
   std::vector<LayerHeights> layers;
   for (std::int64_t layer = 0; layer < plan.tiling.blocks[2]; ++layer) {
@@ -58,9 +58,10 @@ Pipeline::Pipeline(PatchSchedule& patches, const Plan& plan, Sinks sinks, Progre
   if (sinks_.edges) edges_.emplace(sinks_.edges);
   if (sinks_.gzip)
     for (Writer& writer : writers_) writer.gzip.emplace();
+  for (BlockWorkspace& workspace : workspaces_) workspace.extras = sinks_.extras;
   make_room(0);
   make_room(1);
-  // The plane below may be looked at, too.
+  // The sweep starts at the plane below the region, as it may be solved first.
   patches_.skip_to(
       plan.grid.coordinate(2, std::max<std::int64_t>(0, plan.tiling.region.begin[2] - 1)));
 }
@@ -72,7 +73,7 @@ void Pipeline::solve_plane_below() {
   Layer layer;
   const std::int64_t per_layer = tiling.blocks[0] * tiling.blocks[1];
   layer.blocks.resize(static_cast<std::size_t>(per_layer));
-  // Their sums belong to whoever owns that plane.
+  // The sums of this plane are discarded, as another pipeline owns it.
   std::vector<BlockWorkspace> workspaces(static_cast<std::size_t>(plan_.threads));
   parallel_for(per_layer, plan_.threads, [&](std::int64_t index, int thread) {
     const std::int64_t bx = index % tiling.blocks[0], by = index / tiling.blocks[0];
@@ -96,7 +97,7 @@ void Pipeline::run() {
   });
 }
 
-// The others may wait for what will never come.
+// Releases threads that wait for chunks of a failed thread.
 void Pipeline::abandon() {
   queue_.stop();
   if (grid_) grid_->abandon();
@@ -184,7 +185,8 @@ void Pipeline::make_room(std::int64_t layer) {
         static_cast<std::size_t>(plan_.tiling.blocks[0] * plan_.tiling.blocks[1]));
 }
 
-// No chunk is being written then: the next layer's wait for this one's last.
+// Frees a layer. No chunk is being written at this time, as the chunks of the next layer wait for
+// the last one of this layer.
 void Pipeline::release(std::int64_t layer) {
   Layer& done = layers_[static_cast<std::size_t>(layer)];
   below_ = last_plane(done);
@@ -211,7 +213,7 @@ void Pipeline::solve(const Task& task, std::size_t thread) {
   result.seconds = watch.seconds();
   add_shares(workspaces_[thread]);
   if (sinks_.verifier != nullptr) sinks_.verifier->take(result, thread);
-  hand_out(result);
+  call_block_callback(result);
   require_memory_within(plan_.parameters.max_memory);
   progress_.add(1);
 }
@@ -221,7 +223,7 @@ void Pipeline::add_shares(BlockWorkspace& workspace) {
   workspace.tally.atom_shares.move_into(atom_shares_);
 }
 
-void Pipeline::hand_out(const BlockResult& result) {
+void Pipeline::call_block_callback(const BlockResult& result) {
   if (!sinks_.block) return;
   progress_.call([&] { sinks_.block(SolvedBlock(result)); });
 }
@@ -230,10 +232,11 @@ void Pipeline::write(const Task& task, Writer& writer) {
   const Stopwatch watch;
   const Layer& layer = layers_[static_cast<std::size_t>(task.layer)];
   const RowRange rows = chunks_.rows(task.index, layer_planes(task.layer));
-  take_rows(layer, rows, writer);
+  append_points(layer, rows, writer);
+  take_map_rows(layer, rows, writer);
   if (edges_) append_crossings(layer, rows, writer.edges);
   count_share(task, layer, writer.counts);
-  // Layers before the last are all cut into the same number of chunks.
+  // All layers before the last one have the same number of chunks.
   const std::int64_t chunk = task.layer * layer_chunks(0) + task.index;
   if (grid_) grid_->write(chunk, file_bytes(writer.grid, writer.gzip));
   if (edges_) edges_->write(chunk, file_bytes(writer.edges, writer.gzip));
@@ -243,7 +246,7 @@ void Pipeline::write(const Task& task, Writer& writer) {
   progress_.check();
 }
 
-// The points of a layer's blocks are counted along with its chunks, a share with each.
+// Counts the points of a part of the layer's blocks with each chunk.
 void Pipeline::count_share(const Task& task, const Layer& layer, PointCounts& counts) const {
   const auto blocks = static_cast<std::int64_t>(layer.blocks.size());
   const std::int64_t chunks = layer_chunks(task.layer);
@@ -251,24 +254,32 @@ void Pipeline::count_share(const Task& task, const Layer& layer, PointCounts& co
                           (task.index + 1) * blocks / chunks));
 }
 
-// Rows of points as text, and as the map has them.
-void Pipeline::take_rows(const Layer& layer, const RowRange& rows, Writer& writer) const {
+// Formats rows of points as text.
+void Pipeline::append_points(const Layer& layer, const RowRange& rows, Writer& writer) const {
   writer.grid.clear();
-  writer.map_rows.clear();
-  if (!grid_ && !sinks_.rows) return;
-  const GridRegion& region = plan_.tiling.region;
-  const std::int64_t plane_rows = region.size()[1];
+  if (!grid_) return;
+  const std::int64_t plane_rows = plan_.tiling.region.size()[1];
   const LayerRows layer_rows(plan_.tiling, layer);
   for (std::int64_t row = rows.begin; row < rows.end; ++row) {
     const std::int64_t y = row % plane_rows, z = row / plane_rows;
     layer_rows.merge_row(y, z, writer.row);
-    if (grid_) text_.append_row(writer.grid, region.begin[1] + y, layer.first_z() + z, writer.row);
-    if (sinks_.rows)
-      writer.map_rows.insert(writer.map_rows.end(), writer.row.begin(), writer.row.end());
+    text_.append_row(writer.grid, plan_.tiling.region.begin[1] + y, layer.first_z() + z,
+                     writer.row);
   }
-  if (sinks_.rows)
-    sinks_.rows((layer.first_z() - region.begin[2]) * plane_rows + rows.begin, writer.map_rows,
-                writer.map);
+}
+
+// The same rows as maps have them.
+void Pipeline::take_map_rows(const Layer& layer, const RowRange& rows, Writer& writer) const {
+  const GridRegion& region = plan_.tiling.region;
+  const std::int64_t plane_rows = region.size()[1];
+  for (const MapSink& map : sinks_.maps) {
+    writer.map_rows.clear();
+    MapRows map_rows(plan_.tiling, layer, map.quantity);
+    for (std::int64_t row = rows.begin; row < rows.end; ++row)
+      map_rows.append(row % plane_rows, row / plane_rows, writer.map_rows);
+    map.take_rows((layer.first_z() - region.begin[2]) * plane_rows + rows.begin, writer.map_rows,
+                  writer.map);
+  }
 }
 
 void Pipeline::append_crossings(const Layer& layer, const RowRange& rows, TextBuffer& text) const {

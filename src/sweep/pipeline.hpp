@@ -1,6 +1,6 @@
 #pragma once
-/// The sweep: builds patches, solves the blocks of a region with them, layer by layer, and hands on
-/// what they give.
+/// The sweep: builds patches, solves the blocks of a region layer by layer, and delivers the
+/// results in canonical order.
 
 #include <cstdint>
 #include <functional>
@@ -11,11 +11,12 @@
 
 #include "io/eses_writer.hpp"
 #include "io/gzip.hpp"
-#include "output/inside_map.hpp"
+#include "output/grid_map.hpp"
 #include "output/ordered_output.hpp"
 #include "solve/block_solver.hpp"
 #include "sweep/count_points.hpp"
 #include "sweep/layer.hpp"
+#include "sweep/map_rows.hpp"
 #include "sweep/mesh_output.hpp"
 #include "sweep/patch_schedule.hpp"
 #include "sweep/progress_report.hpp"
@@ -27,63 +28,73 @@
 
 namespace eses::detail {
 
-/// Gets consecutive rows of points, as InsideMap::write_rows.
+/// Receives consecutive rows of a map. See GridMap::write_rows.
 using TakeRows = std::function<void(std::int64_t first_row, std::span<const std::uint64_t> words,
-                                    InsideMap::Scratch& scratch)>;
+                                    GridMap::Scratch& scratch)>;
 
-/// Who gets what comes out; each is left out where it is empty or null. All must outlive the
-/// pipeline.
+/// Who gets the rows of a map; several threads call it for different rows.
+struct MapSink {
+  MapQuantity quantity = MapQuantity::inside;
+  TakeRows take_rows;
+};
+
+/// The receivers of the results, which must outlive the pipeline. Empty or null ones are not used.
 struct Sinks {
   OrderedOutput::WriteAt grid, edges;  ///< text of grid_info.txt and intersection_info.txt
-  bool gzip = false;                   ///< both as members of a gzip file, none for no text
-  TakeRows rows;                       ///< several threads call it for different rows
+  bool gzip = false;                   ///< whether both texts are written as members of gzip files
+  std::vector<MapSink> maps;
+  BlockExtras extras;  ///< optional results of the blocks
   MeshOutput* mesh = nullptr;
   Verifier* verifier = nullptr;
   SolvedBlockCallback block;
-  /// The numbers of atoms in the text, by atom index, ascending; the indices themselves if empty.
+  /// The index in the file of each atom, ascending; empty if it equals the index in the surface.
   std::span<const AtomIndex> atom_numbers;
 };
 
-/// Sums over a region that do not depend on how it was cut.
+/// Sums over a region, which do not depend on its division into blocks.
 struct RegionSums {
   RegionTotals totals;
   std::vector<AreaShare> atom_shares;  ///< by atom of the surface
 };
 
+/// A sweep over the region of a plan.
 class Pipeline {
  public:
   /// Keeps references to `patches`, `plan` and `progress`. Several pipelines may use the same
   /// patches, one after the other, in ascending order of their planes.
   Pipeline(PatchSchedule& patches, const Plan& plan, Sinks sinks, ProgressReport& progress);
 
-  /// To be called before `run` where the region goes on below its first plane: points there have
-  /// no neighbours below, and the mesh has no cells there, unless this looks for them.
+  /// Solves the plane below the region, if the grid has it. It is required before `run` if the
+  /// plan's region continues the region of another pipeline: its points are neighbours of the first
+  /// plane, and the mesh has cells between the two planes.
   void solve_plane_below();
 
+  /// Performs the sweep.
   void run();
 
-  /// After `run`; not to be called again.
+  /// Returns the sums after `run`. May be called once.
   RegionSums take_sums();
+  /// Adds the times of all threads.
   void add_seconds(PhaseSeconds& seconds) const;
-  /// Bytes of the two texts, after `run`.
+  /// Lengths of the two texts in bytes, after `run`.
   std::uint64_t grid_bytes() const { return grid_ ? grid_->size() : 0; }
   std::uint64_t edge_bytes() const { return edges_ ? edges_->size() : 0; }
   std::uint64_t triangle_count() const;
 
  private:
-  // What one thread needs to build patches.
+  // Scratch memory of a thread that builds patches.
   struct Builder {
     Patches::Scratch scratch;
     double seconds = 0;
   };
 
-  // What one thread needs to turn rows into text.
+  // Scratch memory of a thread that formats rows.
   struct Writer {
     TextBuffer grid, edges;
     MeshScratch mesh;
     RowBits row;
-    RowBits map_rows;  // of a chunk, one behind the other
-    InsideMap::Scratch map;
+    std::vector<std::uint64_t> map_rows;  // all rows of a chunk
+    GridMap::Scratch map;
     std::optional<Gzip> gzip;
     PointCounts counts;
     double seconds = 0;
@@ -101,10 +112,11 @@ class Pipeline {
                           BlockWorkspace& workspace) const;
   void solve(const Task& task, std::size_t thread);
   void add_shares(BlockWorkspace& workspace);
-  void hand_out(const BlockResult& result);
+  void call_block_callback(const BlockResult& result);
   void write(const Task& task, Writer& writer);
   void count_share(const Task& task, const Layer& layer, PointCounts& counts) const;
-  void take_rows(const Layer& layer, const RowRange& rows, Writer& writer) const;
+  void append_points(const Layer& layer, const RowRange& rows, Writer& writer) const;
+  void take_map_rows(const Layer& layer, const RowRange& rows, Writer& writer) const;
   void append_crossings(const Layer& layer, const RowRange& rows, TextBuffer& text) const;
 
   PatchSchedule& patches_;
@@ -114,7 +126,7 @@ class Pipeline {
   GridText text_;
   RowChunks chunks_;
   std::vector<Layer> layers_;
-  Plane below_;  // of the layer that is being written
+  Plane below_;  // the plane below the layer that is being written
   TaskQueue queue_;
   std::optional<OrderedOutput> grid_, edges_;
   std::vector<Builder> builders_;

@@ -1,5 +1,5 @@
 #pragma once
-/// Where in space the points of a region and the edges that start there lie.
+/// The box of a region.
 
 #include <algorithm>
 
@@ -8,6 +8,7 @@
 
 namespace eses::detail {
 
+/// Returns the box of the points of a region and of the edges that start there.
 inline Box region_box(const Grid& grid, const GridRegion& region) {
   Box box{grid.point(region.begin), {}};
   for (std::size_t axis = 0; axis < 3; ++axis)

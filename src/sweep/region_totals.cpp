@@ -7,6 +7,7 @@ void RegionTotals::add(const RegionTotals& other) {
     crossings[kind] += other.crossings[kind];
     kind_shares[kind] += other.kind_shares[kind];
   }
+  inside_lengths += other.inside_lengths;
   points.add(other.points);
 }
 
@@ -15,6 +16,7 @@ void RegionTotals::add(const Tally& tally) {
     crossings[kind] += tally.crossings[kind];
     kind_shares[kind] += tally.kind_shares[kind];
   }
+  inside_lengths += tally.inside_lengths;
 }
 
 double atom_area(AreaShare share, double spacing) {
@@ -28,6 +30,8 @@ void fill_totals(const RegionTotals& totals, double spacing, Summary& summary) {
   };
   summary.volume = cell * (static_cast<double>(totals.points.inside_regular) +
                            0.5 * static_cast<double>(totals.points.irregular));
+  const double lengths = static_cast<double>(totals.inside_lengths) * area_share_unit;
+  summary.divergence_volume = cell * (static_cast<double>(totals.points.inside) + lengths / 3);
   summary.inside_points = totals.points.inside;
   summary.convex = totals.crossings[0];
   summary.saddle = totals.crossings[1];

@@ -1,5 +1,5 @@
 #pragma once
-/// Totals of a region: integer sums that do not depend on how it was divided.
+/// Totals of a region as integer sums, which do not depend on its division.
 
 #include <array>
 #include <cstdint>
@@ -10,19 +10,23 @@
 
 namespace eses::detail {
 
+/// Totals of a region.
 struct RegionTotals {
-  std::array<std::int64_t, 3> crossings{};  ///< convex, saddle, concave
-  std::array<AreaShare, 3> kind_shares{};   ///< likewise, as in Tally
+  std::array<std::int64_t, 3> crossings{};  ///< numbers of convex, saddle and concave crossings
+  std::array<AreaShare, 3> kind_shares{};   ///< area shares of the three kinds, as in Tally
+  AreaShare inside_lengths = 0;             ///< as in Tally
   PointCounts points;
 
   void add(const RegionTotals& other);
   void add(const Tally& tally);
 };
 
-/// Square angstrom.
+/// Returns the area of an atom in square angstrom.
 double atom_area(AreaShare share, double spacing);
 
-/// Everything in a summary that the totals tell.
+/// Sets the counts, the areas by kind and the volume of a summary. The volume is spacing^3 times
+/// the number of regular inside points plus half the number of irregular points, as in ESES (Liu et
+/// al., J. Comput. Chem. 38, 446, 2017, doi:10.1002/jcc.24682).
 void fill_totals(const RegionTotals& totals, double spacing, Summary& summary);
 
 }  // namespace eses::detail

@@ -1,5 +1,5 @@
 #pragma once
-/// One block of the grid as it is handed out while a run goes on.
+/// A solved block as callbacks receive it.
 
 #include <cstdint>
 #include <span>
@@ -12,29 +12,28 @@ namespace eses::detail {
 
 struct BlockResult;
 
-/// A view of what was found in a block; valid while the callback that gets it runs.
+/// A view of the result of a block, which is valid during the callback.
 class SolvedBlock {
  public:
   explicit SolvedBlock(const BlockResult& result) : result_(&result) {}
 
   const BlockBounds& block() const;
 
-  /// Whether a point of the block's closed box is inside the molecule; `point` has global indices.
+  /// Returns whether a point of the block is inside the surface. `point` has indices in the grid.
   bool is_inside(const GridIndex& point) const;
 
-  /// Writes 1 for each inside point at the beginning of the row at `y` and `z`, global indices, of
-  /// the closed box. All elements of `row` must be 0.
+  /// Sets the elements of `row` that correspond to inside points to 1. The row has the grid indices
+  /// `y` and `z`, and starts with the block's first point. All elements must be 0.
   void mark_inside(std::int64_t y, std::int64_t z, std::span<std::uint8_t> row) const;
 
-  /// The crossings of all edges that start at points which the block owns, by lower point (z, y,
-  /// x), then axis. `BlockCrossing::x` counts from the block's first point.
+  /// The crossings of all edges that the block owns, by lower point (z, y, x), then axis.
+  /// `BlockCrossing::x` is relative to the block's first point.
   std::span<const BlockCrossing> crossings() const;
 
-  /// Those of them whose edges start in the row of points at `y` and `z`, global indices of a row
-  /// that the block owns.
+  /// The crossings of the edges that start in an owned row with the grid indices `y` and `z`.
   std::span<const BlockCrossing> crossings_of_row(std::int64_t y, std::int64_t z) const;
 
-  /// What it took to solve the block, on one processor.
+  /// The time to solve the block on one processor, in seconds.
   double seconds() const;
 
  private:

@@ -76,7 +76,8 @@ bool TaskQueue::count_finished(const Task& task, std::int64_t chunks) {
   return true;
 }
 
-// A layer may be solved before the one below, whose blocks still need their patches.
+// Passes all layers that are solved. A layer may be solved before the one below it, whose blocks
+// still need their patches.
 void TaskQueue::pass_solved_layers() {
   const auto layers = static_cast<std::int64_t>(progress_.size());
   for (; first_unpassed_ < layers && is_solved(first_unpassed_); ++first_unpassed_)

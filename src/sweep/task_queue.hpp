@@ -1,6 +1,5 @@
 #pragma once
-/// What a thread does next: the order in which patches are built, and blocks are solved and
-/// written.
+/// The queue of the tasks of a sweep: building patches, solving blocks and writing chunks.
 
 #include <condition_variable>
 #include <cstdint>
@@ -12,40 +11,41 @@
 
 namespace eses::detail {
 
-/// A step towards patches, one block to solve, or one chunk of a solved layer to write.
+/// A step of building patches, a block to solve, or a chunk of a solved layer to write.
 struct Task {
   enum class Kind : std::uint8_t { build, solve, write } kind = Kind::solve;
-  std::int64_t layer = 0;  ///< of the block or chunk
-  std::int64_t index = 0;  ///< of the block or chunk within its layer
+  std::int64_t layer = 0;  ///< layer of the block or chunk
+  std::int64_t index = 0;  ///< index of the block or chunk within its layer
   BuildStep step;
 };
 
-/// Where a layer needs patches (angstrom).
+/// The heights of a layer (angstrom).
 struct LayerHeights {
-  double top = 0;     ///< the uppermost plane of its blocks
-  double passed = 0;  ///< the lowest plane that is looked at after it
+  double top = 0;     ///< highest plane of the layer's blocks
+  double passed = 0;  ///< lowest plane that is solved after the layer
 };
 
-/// Layers are solved and written in order. A solved layer is written before any other block is
-/// solved, so that its memory is free soon; threads that find neither to do build the patches of
-/// the next layer and start to solve it, so that none waits for the slowest block. At most one
-/// layer and `blocks_ahead` blocks of the next hold results that are not written.
+/// The task queue. Layers are solved and written in order. A solved layer is written before further
+/// blocks are solved, so that its memory is freed soon. Threads without such tasks build the
+/// patches of the next layer and start to solve it, so that they do not wait for the slowest block.
+/// At most one layer and `blocks_ahead` blocks of the next one have results that are not written
+/// yet.
 class TaskQueue {
  public:
   /// Keeps a reference to `patches`.
   TaskQueue(PatchSchedule& patches, std::vector<LayerHeights> layers, std::int64_t blocks_per_layer,
             std::int64_t blocks_ahead);
 
-  /// The next task, waiting for one if need be; none when all is done or `stop` was called.
+  /// Returns the next task, and waits for it if necessary. Returns nothing when all tasks are
+  /// finished or `stop` was called.
   std::optional<Task> take();
 
-  /// Returns the next build step that is needed to solve up to a height, waiting for one if need
-  /// be; none when all are finished or `stop` was called.
+  /// Returns the next step that is required to solve points up to a height, and waits for it if
+  /// necessary. Returns nothing when all these steps are finished or `stop` was called.
   std::optional<Task> take_step(double up_to);
 
-  /// Says that a task is done. `chunks` is the number of chunks into which the layer of a block
-  /// will be cut, and `on_written(layer)` is called, from one thread at a time, when the last of
-  /// these is done.
+  /// Reports a task as finished. `chunks` is the number of chunks of the task's layer. Calls
+  /// `on_written(layer)`, from one thread at a time, when the last chunk of a layer is finished.
   template <class OnWritten>
   void finish(const Task& task, std::int64_t chunks, OnWritten&& on_written) {
     const std::lock_guard lock(mutex_);
@@ -53,7 +53,7 @@ class TaskQueue {
     changed_.notify_all();
   }
 
-  /// Lets all threads run out of tasks, after a failure.
+  /// Ends all calls of `take` and `take_step` after a failure.
   void stop();
 
  private:
@@ -77,7 +77,7 @@ class TaskQueue {
   std::vector<Progress> progress_;  // per layer
   std::int64_t first_unwritten_ = 0;
   std::int64_t first_unpassed_ = 0;  // all layers before it are solved
-  std::int64_t first_unsolved_ = 0;  // the lowest layer with blocks that nobody has taken
+  std::int64_t first_unsolved_ = 0;  // the lowest layer with blocks that are not taken
   bool is_stopped_ = false;
 };
 

@@ -1,5 +1,5 @@
 #pragma once
-/// How a layer's rows are cut into chunks of text.
+/// Division of a layer's rows into chunks of text.
 
 #include <algorithm>
 #include <cstdint>
@@ -8,7 +8,7 @@
 
 namespace eses::detail {
 
-/// Rows of so many points that one thread turns into text at a time.
+/// Returns the number of rows that a thread formats at a time.
 inline std::int64_t rows_per_chunk(std::int64_t row_points) {
   constexpr std::int64_t text_bytes = 1 << 19;
   constexpr std::int64_t line_bytes = 16;
@@ -20,8 +20,8 @@ struct RowRange {
   std::int64_t begin, end;
 };
 
-/// The chunks of layers of a region. A layer's height follows the block size: where the chunks must
-/// not, they are cut at every plane's end, too.
+/// The chunks of the layers of a region. With `ends_with_planes`, they are also cut at the end of
+/// each plane, so that they do not depend on the height of layers, and so not on the block size.
 class RowChunks {
  public:
   RowChunks(const GridRegion& region, bool ends_with_planes)

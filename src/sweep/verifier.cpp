@@ -29,10 +29,10 @@ constexpr double bytes_per_checked = 200;
 
 std::size_t wanted(const Plan& plan) { return static_cast<std::size_t>(plan.parameters.verify); }
 
-/// Of the edges that are checked, those that are any.
+/// Returns the number of verified crossings that are chosen at random.
 std::size_t any_edges(const Plan& plan) { return wanted(plan) - wanted(plan) / 2; }
 
-/// Orders points, and edges after their lower point, as the files have them.
+/// A sort key of points and edges in canonical order: edges follow their lower point.
 using Place = std::array<std::int64_t, 4>;
 
 Place place_of(const GridIndex& point, std::int64_t kind) {
@@ -97,7 +97,7 @@ void Verifier::take(const BlockResult& result, std::size_t thread) {
   add_edges(plan_.grid, result, samples_[thread]);
 }
 
-/// How far the verification is.
+/// The progress of the checks.
 struct Verifier::Checks {
   const ProgressCallback& progress;
   std::int64_t all = 0;
@@ -114,7 +114,8 @@ void Verifier::for_each_in_parallel(std::size_t count, Checks& checks, Action&& 
       });
 }
 
-// The lower half of the ranks, and of the others those nearest to another patch.
+// Chooses the crossings to verify from the sample, which is in random order: the first ones, and
+// among the others those nearest to another patch.
 std::vector<Crossing> Verifier::choose(const std::vector<Crossing>& edges, Checks& checks) {
   const std::size_t any = any_edges(plan_);
   std::vector<double> distances(edges.size());
@@ -156,7 +157,7 @@ Verification Verifier::check(const ProgressCallback& progress) {
     report(place_of(edges[i].lower, 1 + edges[i].axis),
            fault_of_edge(search, plan_.grid, edges[i]));
   });
-  // The order in which threads find them is any.
+  // Sorting makes the order of faults independent of the threads.
   std::sort(faults.begin(), faults.end());
 
   Verification result;

@@ -1,5 +1,5 @@
 #pragma once
-/// Checks random points and edges of a run against the definition of the surface.
+/// Verification of random points and edges of a run against the definition of the surface.
 
 #include <cstddef>
 #include <cstdint>
@@ -14,33 +14,34 @@
 
 namespace eses::detail {
 
-/// The points are drawn before the run, from all in the band between the van der Waals and the SAS
-/// surface. Of the edges that are cut, four times as many as wanted are kept while they come. Half
-/// of those that are checked are any of these, the others those whose crossings are nearest to
-/// where another patch begins.
+/// The verification of a run. Points are drawn before the run, from the points between the van der
+/// Waals and the SAS surface. During the run, a random sample of crossings is kept, four times as
+/// many as are verified. Half of the verified crossings are chosen at random from this sample; the
+/// others are those nearest to the seam with another patch.
 class Verifier {
  public:
-  /// Keeps views of both, which must outlive it.
+  /// Keeps views of both arguments, which must outlive the object.
   Verifier(std::span<const Atom> atoms, const Plan& plan);
   Verifier(const Verifier&) = delete;
   Verifier& operator=(const Verifier&) = delete;
 
-  /// How much more memory a run needs, about, whose surface cuts so many edges.
+  /// Returns the estimated memory of a verification in bytes, for this number of crossings.
   static double memory_bytes(std::int64_t checked, int threads, double crossings);
 
-  /// Keeps what a block says of its share of the sample; called once for every block. Two threads
-  /// may call it at a time if they give different numbers, in [0, plan.threads).
+  /// Takes the sampled points and crossings of a block. Must be called once for each block. Several
+  /// threads may call it at the same time with different values of `thread`, in [0, plan.threads).
   void take(const BlockResult& result, std::size_t thread);
 
-  /// After all blocks. Tells `progress`, if there is one, from the calling thread, how many of all
-  /// checks are done; what it throws ends the verification.
+  /// Performs all checks after the last block. Calls `progress`, if it is not empty, from the
+  /// calling thread with the number of finished checks. An exception of `progress` ends the
+  /// verification.
   Verification check(const ProgressCallback& progress);
 
  private:
   struct SampledPoint {
-    std::int64_t block = 0;  // that owns it, as a number in the tiling
+    std::int64_t block = 0;  // number of the block that owns the point
     GridIndex index{};
-    std::optional<bool> is_inside;  // none until a block says so
+    std::optional<bool> is_inside;  // empty until the block is solved
   };
 
   struct Checks;

@@ -12,7 +12,7 @@ std::string in_units(std::uint64_t bytes, double step,
                      const std::array<std::string_view, 7>& units) {
   auto value = static_cast<double>(bytes);
   std::size_t unit = 0;
-  // 999.5 would be rounded to 1e+03.
+  // The format prints 999.5 as 1e+03, so that value already takes the next unit.
   for (; value >= 999.5 && unit + 1 < units.size(); ++unit) value /= step;
   return fmt::format("{:.3g} {}", value, units[unit]);
 }

@@ -23,9 +23,10 @@ namespace {
 
 constexpr std::uint64_t unlimited = std::numeric_limits<std::uint64_t>::max();
 
-// Directories with the limits of this process: its control group of version 2 or, by controller, of
-// version 1, and all groups above, each of which may limit it. They are plain text, with a slash at
-// the end: where memory runs out while libstdc++ 12 joins two paths, it crashes.
+// Returns the directories of the control group of this process (version 2, or version 1 with this
+// controller) and of all its parent groups, each of which may impose a limit. The paths are strings
+// that end with a slash: libstdc++ 12 crashes if memory runs out while it appends
+// std::filesystem::path objects.
 std::vector<std::string> control_groups(const std::string& mount_root,
                                         const std::string& controller) {
   std::vector<std::string> groups;
@@ -58,7 +59,7 @@ std::optional<Value> read_value(const std::string& path) {
   return std::nullopt;
 }
 
-// Bytes that a line of the form `Key:  123 kB` tells.
+// Returns the bytes in a line of the form `Key:  123 kB`.
 std::optional<std::uint64_t> memory_entry(const std::string& path, std::string_view wanted) {
   std::ifstream file(path);
   for (std::string key; file >> key;) {
@@ -69,7 +70,7 @@ std::optional<std::uint64_t> memory_entry(const std::string& path, std::string_v
   return std::nullopt;
 }
 
-// The page cache counts as used, but gives way when memory is needed.
+// Returns the bytes of the page cache. They count as used memory, but the system reclaims them.
 std::uint64_t cached_bytes(const std::string& group) {
   std::ifstream file(group + "memory.stat");
   std::uint64_t sum = 0, bytes = 0;
@@ -78,7 +79,8 @@ std::uint64_t cached_bytes(const std::string& group) {
   return sum;
 }
 
-std::uint64_t left_in(const std::string& group, const char* limit_file, const char* usage_file) {
+std::uint64_t remaining_memory(const std::string& group, const char* limit_file,
+                               const char* usage_file) {
   const auto limit = read_value<std::uint64_t>(group + limit_file);
   const auto used = read_value<std::uint64_t>(group + usage_file);
   if (!limit || !used) return unlimited;
@@ -107,15 +109,15 @@ std::uint64_t available_memory(const std::string& root) {
   std::uint64_t available =
       memory_entry(root + "proc/meminfo", "MemAvailable:").value_or(unlimited);
   for (const auto& group : control_groups(root, "memory"))
-    available = std::min({available, left_in(group, "memory.max", "memory.current"),
-                          left_in(group, "memory.limit_in_bytes", "memory.usage_in_bytes")});
+    available =
+        std::min({available, remaining_memory(group, "memory.max", "memory.current"),
+                  remaining_memory(group, "memory.limit_in_bytes", "memory.usage_in_bytes")});
   return available;
 }
 
 std::uint64_t resident_memory() { return memory_entry("/proc/self/status", "VmRSS:").value_or(0); }
 
-// Linux counts what the parent held before it became this program towards ru_maxrss, but not
-// towards VmHWM.
+// Reads VmHWM first, as ru_maxrss of Linux includes the memory of the parent process before exec.
 std::uint64_t peak_memory() {
   if (const auto peak = memory_entry("/proc/self/status", "VmHWM:")) return *peak;
   rusage usage{};
@@ -139,7 +141,7 @@ void require_stack() {
   limit.rlim_cur = min_stack_bytes;
   setrlimit(RLIMIT_STACK, &limit);
 #ifdef __GLIBC__
-  // The C library has read the limit before main() for the stacks of other threads.
+  // The C library has read the limit for the stacks of other threads before main() started.
   pthread_attr_t attributes;
   if (pthread_attr_init(&attributes) != 0) return;
   if (pthread_attr_setstacksize(&attributes, min_stack_bytes) == 0)
@@ -158,7 +160,7 @@ void require_memory_within(std::uint64_t max_memory) {
 
 std::uint64_t available_disk(const std::filesystem::path& directory) {
   struct statvfs status {};
-  // File systems that hold no files, such as /proc, have no blocks at all.
+  // File systems without storage, such as /proc, report no blocks.
   if (statvfs(directory.c_str(), &status) != 0 || status.f_blocks == 0) return unlimited;
   return std::uint64_t{status.f_bavail} * status.f_frsize;
 }

@@ -1,5 +1,5 @@
 #pragma once
-/// What the machine grants this process.
+/// Processors, memory, stack and disk space that are available to this process.
 
 #include <cstdint>
 #include <filesystem>
@@ -7,37 +7,38 @@
 
 namespace eses::detail {
 
-/// Number of processors that the quota of the control group amounts to, rounded up, and a large
+/// Returns the processor quota of the control group, rounded up to whole processors, or a large
 /// number if there is no quota. `root` is the directory below which proc/ and sys/ are mounted; it
 /// ends with a slash.
 int processor_quota(const std::string& root = "/");
 
-/// Bytes of memory that are free for this process: the minimum of what the system has available and
-/// what the control group leaves. `root` as above.
+/// Returns the bytes of memory that this process can still allocate: the minimum of the system's
+/// available memory and the remaining memory of the control groups. See processor_quota for `root`.
 std::uint64_t available_memory(const std::string& root = "/");
 
-/// Bytes of memory that this process holds resident, and the most it ever held; 0 if the system
-/// does not tell.
+/// Returns the resident memory of this process in bytes, or 0 if it is unknown.
 std::uint64_t resident_memory();
+
+/// Returns the maximum of the resident memory of this process so far, in bytes, or 0 if it is
+/// unknown.
 std::uint64_t peak_memory();
 
-/// Gives freed memory back to the system; glibc would keep it for each thread.
+/// Returns freed memory to the system. Without this call glibc keeps it for each thread.
 void release_free_memory();
 
-/// Bytes of stack that the program needs for each of its threads: ten times what its deepest calls
-/// were seen to use.
+/// Minimum stack of each thread in bytes: ten times the measured maximum.
 inline constexpr std::uint64_t min_stack_bytes = std::uint64_t{256} << 10;
 
-/// Raises a soft limit of the stack (`ulimit -S -s`) that is below `min_stack_bytes`, for the main
-/// thread and for threads that start from now on. Throws Error if the hard limit is below it.
+/// Raises the soft limit of the stack (`ulimit -S -s`) to `min_stack_bytes` if it is lower, for the
+/// main thread and for threads that start later. Throws Error if the hard limit is lower.
 void require_stack();
 
-/// Throws Error if the process holds more than `max_memory`, unless that is 0: it was expected to
-/// hold less.
+/// Throws Error if the resident memory of the process exceeds `max_memory` bytes. A limit of 0
+/// means no limit.
 void require_memory_within(std::uint64_t max_memory);
 
-/// Bytes free for this user in the file system of `directory`, which must exist; the largest number
-/// if that cannot be told.
+/// Returns the bytes that this user can write to the file system of `directory`, which must exist,
+/// or the largest number if the free space is unknown.
 std::uint64_t available_disk(const std::filesystem::path& directory);
 
 }  // namespace eses::detail

@@ -1,13 +1,14 @@
 #pragma once
-/// Wall clock time of a phase.
+/// Measurement of wall-clock time.
 
 #include <chrono>
 
 namespace eses::detail {
 
-/// Runs from its construction.
+/// A clock that starts when it is constructed.
 class Stopwatch {
  public:
+  /// Returns the time since construction in seconds.
   double seconds() const {
     return std::chrono::duration<double>(std::chrono::steady_clock::now() - start_).count();
   }

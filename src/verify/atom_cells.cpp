@@ -5,7 +5,7 @@
 namespace eses::detail::verify {
 namespace {
 
-// The radii of a level differ by no more than this factor, but for those in the last level.
+// Maximum ratio of the radii of a level. The last level has all smaller radii.
 constexpr double level_ratio = 4;
 constexpr std::size_t max_levels = 16;
 
@@ -25,10 +25,10 @@ AtomCells::AtomCells(std::span<const Atom> atoms, double reach) {
   for (const Atom& atom : atoms) by_level[level_of(atom.radius, max_radius_)].push_back(atom);
   for (std::vector<Atom>& level : by_level) {
     if (level.empty()) continue;
-    double largest = 0;
-    for (const Atom& atom : level) largest = std::max(largest, atom.radius);
-    levels_.emplace_back(std::move(level), distance_in(largest, reach));
-    levels_.back().max_radius = largest;
+    double max_radius = 0;
+    for (const Atom& atom : level) max_radius = std::max(max_radius, atom.radius);
+    levels_.emplace_back(std::move(level), distance_in(max_radius, reach));
+    levels_.back().max_radius = max_radius;
   }
 }
 

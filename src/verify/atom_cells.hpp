@@ -1,6 +1,6 @@
 #pragma once
-/// Which atoms are near a point: atoms sorted into cubic cells. The checks have their own look-up,
-/// so that a fault of the one that the surface is built with is noticed.
+/// A cell list of atoms for the verification. It is independent of the search structures that build
+/// the surface, so that their faults are detected.
 
 #include <algorithm>
 #include <array>
@@ -14,15 +14,15 @@
 
 namespace eses::detail::verify {
 
-/// Atoms of similar radii have cells of their own, so that a few large atoms do not make all
-/// look-ups go as far as they themselves need.
+/// Atoms sorted into cubic cells. Atoms of similar radii have their own cells, so that a few large
+/// atoms do not slow down the search for all others.
 class AtomCells {
  public:
-  /// `reach` is the distance that will be asked for most often.
+  /// `reach` is the usual distance of a search (angstrom).
   AtomCells(std::span<const Atom> atoms, double reach);
 
-  /// Calls `action(atom)` for all atoms whose centre is within `distance` of `point`, less the
-  /// difference between the largest radius of all and the atom's own, and for some others.
+  /// Calls `action(atom)` for all atoms with |center - point| < distance - (max_radius - radius),
+  /// where max_radius is the maximum over all atoms, and for some others.
   template <class Action>
   void for_each_near(Vec3 point, double distance, Action&& action) const {
     for (const Level& level : levels_)
@@ -43,13 +43,13 @@ class AtomCells {
       for (std::size_t z = low[2]; z <= high[2]; ++z)
         for (std::size_t y = low[1]; y <= high[1]; ++y) {
           const std::size_t row = (z * count[1] + y) * count[0];
-          // Cells along x are neighbours in memory, too.
+          // Cells along x are contiguous in memory.
           for (std::size_t a = begin[row + low[0]]; a < begin[row + high[0] + 1]; ++a)
             action(atoms[a]);
         }
     }
 
-    // The outermost cells reach to infinity.
+    // Returns the cell index of a coordinate. The outermost cells are unbounded.
     std::size_t cell_of(std::size_t axis, double coordinate) const {
       const double cell = (coordinate - lower[axis]) * inverse_edge;
       return static_cast<std::size_t>(std::clamp(cell, 0.0, static_cast<double>(count[axis] - 1)));
@@ -60,12 +60,12 @@ class AtomCells {
     Vec3 lower;
     double inverse_edge = 0;
     std::array<std::size_t, 3> count{};
-    std::vector<std::size_t> begin;  // of each cell, in `atoms`, and the end of the last
+    std::vector<std::size_t> begin;  // index into `atoms` of each cell's first atom, and the end
     std::vector<Atom> atoms;
   };
 
-  // How far to look for atoms up to a radius where `distance` is for the largest; never too little
-  // or nothing, whatever is rounded.
+  // Returns the search distance for atoms up to `level_radius`, if `distance` is that for the
+  // maximum radius. The slack exceeds rounding errors.
   double distance_in(double level_radius, double distance) const {
     constexpr double slack = 1e-14;
     return distance - (max_radius_ - level_radius) + slack * (max_radius_ + distance);

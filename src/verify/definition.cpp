@@ -11,29 +11,30 @@ namespace {
 
 /// Lengths, in angstrom, below which a direction is lost in rounding.
 constexpr double no_direction = 1e-12;
-/// Centres that are nearer to each other than this are one. Angstrom.
+/// Centres that are nearer to each other than this are the same, in angstrom.
 constexpr double same_center = 1e-6;
 constexpr double epsilon = std::numeric_limits<double>::epsilon();
-/// Upper bound of the rounding of a candidate's distance from a ball's centre, relative to the size
-/// of both.
+/// Upper bound of the rounding error of a candidate's distance from a ball's centre, relative to
+/// the lengths involved.
 constexpr double distance_rounding = 256 * epsilon;
-/// What this rounding hardly ever exceeds, for where it is amplified.
+/// Usual maximum of this rounding error, for ill-conditioned candidates that amplify it.
 constexpr double usual_rounding = 16 * epsilon;
-/// Up to so many balls are tried without halving their cell further.
-constexpr std::size_t few = 5;
-/// Up to so many are tried where halving the cell `stalled` times has separated none of them. Of
-/// more, those that reach deepest into the smallest cell are tried.
-constexpr std::size_t crowd = 32;
-constexpr int stalled = 3;
+/// A cell is not halved if at most this many balls meet it.
+constexpr std::size_t max_leaf_balls = 5;
+/// A cell is not halved either if at most `max_tried_balls` meet it and the last `max_stalled`
+/// halvings separated none of them. If more balls meet a cell of the minimum size, only those that
+/// cover its centre most are used.
+constexpr std::size_t max_tried_balls = 32;
+constexpr int max_stalled = 3;
 
-double sum_of_parts(Vec3 v) { return std::fabs(v.x) + std::fabs(v.y) + std::fabs(v.z); }
+double sum_norm(Vec3 v) { return std::fabs(v.x) + std::fabs(v.y) + std::fabs(v.z); }
 
 double square_of(double length) { return length > 0 ? length * length : 0; }
 
 double max_radius_of(std::span<const Atom> atoms) {
-  double largest = 0;
-  for (const Atom& atom : atoms) largest = std::max(largest, atom.radius);
-  return largest;
+  double result = 0;
+  for (const Atom& atom : atoms) result = std::max(result, atom.radius);
+  return result;
 }
 
 }  // namespace
@@ -44,7 +45,7 @@ Definition::Definition(std::span<const Atom> all_atoms, double probe)
       max_radius(max_radius_of(all_atoms)),
       cells(all_atoms, max_radius + 2 * probe) {}
 
-// Collects the SAS balls within reach.
+// Collects the SAS balls within reach of x.
 CentreSearch::Surroundings CentreSearch::gather(Vec3 x) {
   balls_.clear();
   bool is_accessible_here = true, is_covered = false;
@@ -60,8 +61,8 @@ CentreSearch::Surroundings CentreSearch::gather(Vec3 x) {
     const double limit =
         ball.radius - std::max(access_.tolerance, distance_rounding * (ball.radius + reach_));
     ball.min_square = square_of(limit);
-    ball.doubt_square = square_of(limit - access_.max_doubt);
-    const double inner = limit - access_.max_doubt - reach_;
+    ball.uncertain_square = square_of(limit - access_.max_uncertainty);
+    const double inner = limit - access_.max_uncertainty - reach_;
     if (inner >= 0 && square <= inner * inner) is_covered = true;
     if (square < ball.min_square) is_accessible_here = false;
     balls_.push_back(ball);
@@ -72,25 +73,26 @@ CentreSearch::Surroundings CentreSearch::gather(Vec3 x) {
   return Surroundings::mixed;
 }
 
-// Whether `other` covers what `ball` covers of the places c with |(c - center) . v| <= extent for
-// v the vector between their centres: there, the power of `ball` is nowhere lower. Rounding is
-// proportional to the differences, so balls that coincide are recognised, and balls however close
-// to each other are told apart.
+// Returns whether `other` covers all points c that `ball` covers and for which
+// |(c - center) . v| <= extent, with the vector v between the centres of the balls. This holds if
+// the power of no such point is lower for `ball`. The rounding error is proportional to the
+// differences of the balls, so equal balls dominate each other, and balls at any distance are
+// distinguished.
 bool CentreSearch::is_dominated(const Ball& ball, const Ball& other, Vec3 center, double extent) {
   const Vec3 between = ball.center - other.center;
   const Vec3 sum = (ball.center - center) + (other.center - center);
   const double difference = ball.radius - other.radius, radii = ball.radius + other.radius;
   const double ahead = dot(between, sum) - difference * radii - 2 * extent;
   if (ahead < 0) return false;
-  const double apart = sum_of_parts(between);
+  const double apart = sum_norm(between);
   const double rounding =
-      8 * epsilon * (apart * (sum_of_parts(sum) + apart) + std::fabs(difference) * radii);
+      8 * epsilon * (apart * (sum_norm(sum) + apart) + std::fabs(difference) * radii);
   return ahead >= rounding;
 }
 
-// The order in which balls are tried: first a few that hold x deepest and some from everywhere, one
-// of which covers most cells that are covered at all. Balls that the deepest one dominates within
-// reach are dropped.
+// Orders the balls: first those with the lowest power at x, then some from all directions. One of
+// them covers most of the cells that any ball covers. Drops the balls that the first one dominates
+// within reach.
 void CentreSearch::order_balls() {
   constexpr std::size_t deepest = 8, from_everywhere = 64;
   const std::size_t stride = balls_.size() / from_everywhere + 1;
@@ -108,17 +110,16 @@ void CentreSearch::order_balls() {
                balls_.end());
 }
 
-// Cells are larger than they seem by this, so that no centre is lost between them to rounding.
+// Returns the length by which cells overlap, so that rounding loses no centre between them.
 double CentreSearch::margin() const {
   constexpr double share_of_reach = 1e-11, share_of_radius = 1e-14;
   return share_of_reach * reach_ +
          share_of_radius * (definition_.max_radius + definition_.probe_radius);
 }
 
-// Returns whether one of the balls around a larger cell, at [begin, end) of `around_`, covers all
-// of the cell. If not, appends to `around_` the balls that matter in it: those that reach into it
-// and that no single other ball dominates. Because all but the outermost of many balls are dropped,
-// cells can stay large.
+// Returns whether a ball covers the whole cell. The balls that meet the parent cell are the
+// elements [begin, end) of `around_`. If no ball covers the cell, appends the balls that meet it
+// and that no other ball dominates. Dropping dominated balls allows larger cells.
 bool CentreSearch::is_covered_or_keep(const Cell& cell, std::size_t begin, std::size_t end) {
   const double half = cell.half + margin();
   for (std::size_t i = begin; i < end; ++i) {
@@ -130,16 +131,16 @@ bool CentreSearch::is_covered_or_keep(const Cell& cell, std::size_t begin, std::
       nearest_square += outside * outside;
       farthest_square += (along + half) * (along + half);
     }
-    if (farthest_square < ball.doubt_square) return true;
+    if (farthest_square < ball.uncertain_square) return true;
     if (nearest_square <= ball.radius * ball.radius) around_.push_back(around_[i]);
   }
   drop_dominated(cell, end);
   return false;
 }
 
-// Drops those balls from `begin` on that another one dominates in the cell: the lowest one, and
-// where halving the cell has separated no balls twice, a few others. Where clusters of almost
-// coincident balls meet, each cluster needs one of its own.
+// Drops the balls from `begin` on that a reference ball dominates in the cell. The reference is the
+// ball with the lowest power. If two halvings separated no balls, further references are used, as
+// each cluster of almost coincident balls needs its own.
 void CentreSearch::drop_dominated(const Cell& cell, std::size_t begin) {
   const std::size_t max_references = cell.stalled > 1 ? 4 : 1;
   const double half = cell.half + margin();
@@ -147,7 +148,7 @@ void CentreSearch::drop_dominated(const Cell& cell, std::size_t begin) {
     return squared_norm(balls_[i].center - cell.center) - balls_[i].radius * balls_[i].radius;
   };
   for (std::size_t r = begin; r < begin + max_references && around_.size() > r + 1; ++r) {
-    if (r > begin && around_.size() - begin <= few) return;
+    if (r > begin && around_.size() - begin <= max_leaf_balls) return;
     std::size_t lowest = r;
     double lowest_power = power_at(around_[r]);
     for (std::size_t i = r + 1; i < around_.size(); ++i)
@@ -159,17 +160,17 @@ void CentreSearch::drop_dominated(const Cell& cell, std::size_t begin) {
     const Ball& reference = balls_[around_[r]];
     const auto is_needless = [&](std::uint32_t i) {
       const Vec3 between = balls_[i].center - reference.center;
-      return is_dominated(balls_[i], reference, cell.center, half * sum_of_parts(between));
+      return is_dominated(balls_[i], reference, cell.center, half * sum_norm(between));
     };
     const auto first = around_.begin() + static_cast<std::ptrdiff_t>(r + 1);
     around_.erase(std::remove_if(first, around_.end(), is_needless), around_.end());
   }
 }
 
-// How far rounding may have moved a centre that was computed from the balls whose spheres it lies
-// on: by the rounding of a distance, divided by the sine of the angle or by the determinant of the
-// directions to their centres.
-double CentreSearch::doubt_of(Vec3 c, const Origin& origin) const {
+// Returns the maximum displacement of a centre by rounding. It is the rounding error of a distance,
+// divided by the sine of the angle between the directions to the two centres, or by the determinant
+// of the three directions.
+double CentreSearch::uncertainty_of(Vec3 c, const Origin& origin) const {
   if (origin.count < 2) return 0;
   std::array<Vec3, 3> to_center{};
   double scale = reach_;
@@ -181,7 +182,7 @@ double CentreSearch::doubt_of(Vec3 c, const Origin& origin) const {
   const Vec3 normal = cross(to_center[0], to_center[1]);
   const double condition = origin.count == 2 ? norm(normal) : std::fabs(dot(normal, to_center[2]));
   const double moved = usual_rounding * scale;
-  return moved < condition * access_.max_doubt ? moved / condition : access_.max_doubt;
+  return moved < condition * access_.max_uncertainty ? moved / condition : access_.max_uncertainty;
 }
 
 bool CentreSearch::is_in(const Cell& cell, Vec3 c, double margin) {
@@ -191,19 +192,19 @@ bool CentreSearch::is_in(const Cell& cell, Vec3 c, double margin) {
 }
 
 bool CentreSearch::is_accessible(Vec3 c, const Origin& origin, std::span<const Ball> balls) const {
-  double doubt = -1;  // not known yet
+  double uncertainty = -1;  // not known yet
   for (const Ball& ball : balls) {
     const double square = squared_norm(c - ball.center);
     if (square >= ball.min_square) continue;
-    if (square < ball.doubt_square) return false;
-    if (doubt < 0) doubt = doubt_of(c, origin);
-    if (square < square_of(std::sqrt(ball.min_square) - doubt)) return false;
+    if (square < ball.uncertain_square) return false;
+    if (uncertainty < 0) uncertainty = uncertainty_of(c, origin);
+    if (square < square_of(std::sqrt(ball.min_square) - uncertainty)) return false;
   }
   return true;
 }
 
-// Holds a centre, seen from x, against all atoms once more, in extended precision: the search has
-// dropped balls that it holds to be covered by others.
+// Tests a centre (relative to x) against all atoms in extended precision. The search has dropped
+// balls that are covered by others up to rounding.
 bool CentreSearch::is_certain(Vec3 x, Vec3 c) const {
   bool is_certain = true;
   const double probe = definition_.probe_radius;
@@ -220,19 +221,18 @@ bool CentreSearch::is_certain(Vec3 x, Vec3 c) const {
   return is_certain;
 }
 
-// Visits `c` if it is in the cell, near enough and accessible. The search goes on while this is
-// true. A centre that rounding has moved out of its cell may be near balls that are not near the
-// cell.
+// Visits `c` if it is in the cell, within reach and accessible. Returns false if the search ends. A
+// centre that rounding has moved out of its cell is tested against all balls.
 template <class Visit>
-bool CentreSearch::offer(const Cell& cell, Vec3 c, const Origin& origin, Visit& visit) {
-  const double stray = 1e-6 * reach_ + access_.max_doubt;
+bool CentreSearch::try_candidate(const Cell& cell, Vec3 c, const Origin& origin, Visit& visit) {
+  const double stray = 1e-6 * reach_ + access_.max_uncertainty;
   if (!is_in(cell, c, stray) || squared_norm(c) >= reach_ * reach_) return true;
   if (!is_accessible(c, origin, near_)) return true;
   if (!is_in(cell, c, margin()) && !is_accessible(c, origin, balls_)) return true;
   return visit(c);
 }
 
-// Nothing if the spheres do not meet, or meet out of reach.
+// Returns the circle in which two spheres meet, or nothing if they do not meet within reach.
 std::optional<CentreSearch::Circle> CentreSearch::circle_of(const Ball& one,
                                                             const Ball& other) const {
   const Vec3 between = other.center - one.center;
@@ -248,56 +248,57 @@ std::optional<CentreSearch::Circle> CentreSearch::circle_of(const Ball& one,
   return Circle{one.center + along * axis, axis, std::sqrt(radius_square)};
 }
 
-// The circle's point nearest to x, and its points on one of the spheres after those of its two
-// balls.
+// Tries the circle's point nearest to x, and its common points with the spheres of later balls.
 template <class Visit>
 bool CentreSearch::visit_circle(const Cell& cell, const Circle& circle, std::size_t one,
                                 std::size_t other, Visit& visit) {
   const double height = dot(circle.center, circle.axis), rho = circle.radius;
-  const Vec3 inward = height * circle.axis - circle.center;  // to x, as the circle's plane sees it
+  const Vec3 inward = height * circle.axis - circle.center;  // to x, projected onto the plane
   const double aside = norm(inward);
   const double gap = rho - aside;
   if (height * height + gap * gap >= reach_ * reach_) return true;
   Vec3 e = aside > no_direction ? (1 / aside) * inward : any_perpendicular(circle.axis);
-  // Close to the axis, `inward` has a part along it that is rounding only and that 1 / aside
+  // Close to the axis, the component of `inward` along the axis is a rounding error that 1 / aside
   // amplifies.
   e = normalized(e - dot(e, circle.axis) * circle.axis);
   const Vec3 f = cross(circle.axis, e);
   Origin origin{{&near_[one], &near_[other], nullptr}, 2};
-  if (!offer(cell, circle.center + rho * e, origin, visit)) return false;
+  if (!try_candidate(cell, circle.center + rho * e, origin, visit)) return false;
   origin.count = 3;
-  for (std::size_t k = other + 1; k < std::min(near_.size(), crowd); ++k) {
+  for (std::size_t k = other + 1; k < std::min(near_.size(), max_tried_balls); ++k) {
     const Ball& ball = near_[k];
     origin.balls[2] = &ball;
-    // At the angle t, the squared distance from the ball's centre is square + 2 rho (a cos t + b
-    // sin t).
+    // At the angle t on the circle, the squared distance from the ball's centre is
+    // square + 2 rho (a cos t + b sin t).
     const Vec3 w = circle.center - ball.center;
     const double square = squared_norm(w) + rho * rho, a = dot(w, e), b = dot(w, f);
     const double amplitude = std::sqrt(a * a + b * b);
     if (amplitude < no_direction) continue;
     const double span = 2 * rho * amplitude;
     const double sought = ball.radius * ball.radius - square;
-    // Where the circle just misses the sphere, its nearest point is as good within the tolerance.
+    // If the circle misses the sphere by less than the tolerance, its nearest point is used.
     if (std::fabs(sought) - span > 2 * ball.radius * ball.radius - 2 * ball.min_square) continue;
     const double cosine = std::clamp(sought / span, -1.0, 1.0);
     const double sine = std::sqrt((1 - cosine) * (1 + cosine));
     for (const double side : {sine, -sine}) {
       const double x = (cosine * a - side * b) / amplitude, y = (cosine * b + side * a) / amplitude;
-      if (!offer(cell, circle.center + (rho * x) * e + (rho * y) * f, origin, visit)) return false;
+      if (!try_candidate(cell, circle.center + (rho * x) * e + (rho * y) * f, origin, visit))
+        return false;
     }
   }
   return true;
 }
 
-// Visits the candidates of all of `near_`.
+// Tries all candidates of the balls in `near_`.
 template <class Visit>
 bool CentreSearch::visit_all_of(const Cell& cell, Visit& visit) {
-  const std::size_t count = std::min(near_.size(), crowd);
+  const std::size_t count = std::min(near_.size(), max_tried_balls);
   for (std::size_t i = 0; i < count; ++i) {
     const Ball& ball = near_[i];
     const double distance = norm(ball.center);
     const Vec3 outward = distance > no_direction ? (-1 / distance) * ball.center : Vec3{1, 0, 0};
-    if (!offer(cell, ball.center + ball.radius * outward, {{&ball, nullptr, nullptr}, 1}, visit))
+    if (!try_candidate(cell, ball.center + ball.radius * outward, {{&ball, nullptr, nullptr}, 1},
+                       visit))
       return false;
   }
   for (std::size_t i = 0; i < count; ++i)
@@ -308,22 +309,22 @@ bool CentreSearch::visit_all_of(const Cell& cell, Visit& visit) {
   return true;
 }
 
-// A cell that is not halved: its balls are those from `begin` on.
+// Tries the candidates of a cell that is not halved. Its balls are the elements from `begin` on.
 template <class Visit>
 bool CentreSearch::visit_leaf(const Cell& cell, std::size_t begin, Visit& visit) {
   near_.clear();
   for (std::size_t i = begin; i < around_.size(); ++i) near_.push_back(balls_[around_[i]]);
-  if (near_.size() <= crowd) return visit_all_of(cell, visit);
+  if (near_.size() <= max_tried_balls) return visit_all_of(cell, visit);
   const auto power_at = [&](const Ball& ball) {
     return squared_norm(ball.center - cell.center) - ball.radius * ball.radius;
   };
-  std::partial_sort(near_.begin(), near_.begin() + crowd, near_.end(),
+  std::partial_sort(near_.begin(), near_.begin() + max_tried_balls, near_.end(),
                     [&](const Ball& a, const Ball& b) { return power_at(a) < power_at(b); });
-  // The cell is so small that with some tolerance its centre is as good as any candidate.
-  return offer(cell, cell.center, {}, visit) && visit_all_of(cell, visit);
+  // The cell is so small that its centre represents all candidates.
+  return try_candidate(cell, cell.center, {}, visit) && visit_all_of(cell, visit);
 }
 
-// Visits the eighths of a cell, beginning with the one that is nearest to x.
+// Visits the eighths of a cell, starting with the one nearest to x.
 template <class Visit>
 bool CentreSearch::visit_parts(const Cell& cell, std::size_t begin, std::size_t end, Visit& visit) {
   const double half = 0.5 * cell.half;
@@ -338,31 +339,33 @@ bool CentreSearch::visit_parts(const Cell& cell, std::size_t begin, std::size_t 
   return true;
 }
 
-// Visits the centres in a cell. The balls around the larger cell are at [begin, end) of `around_`.
+// Visits the centres in a cell. The balls of the parent cell are the elements [begin, end) of
+// `around_`.
 template <class Visit>
 bool CentreSearch::visit_cell(const Cell& cell, std::size_t begin, std::size_t end, Visit& visit) {
-  constexpr double smallest = 16;  // margins
+  constexpr double min_margins = 16;  // minimum of half a cell's side, in units of the margin
   double square = 0;
   for (std::size_t q = 0; q < 3; ++q) {
     const double outside = std::max(0.0, std::fabs(cell.center[q]) - cell.half - margin());
     square += outside * outside;
   }
   if (square >= reach_ * reach_) return true;
-  bool goes_on = true;
+  bool continues = true;
   if (!is_covered_or_keep(cell, begin, end)) {
     const std::size_t count = around_.size() - end;
     Cell part = cell;
     part.stalled = count == end - begin ? cell.stalled + 1 : 0;
-    const bool is_leaf = count <= few || (count <= crowd && part.stalled >= stalled) ||
-                         cell.half <= smallest * margin();
-    goes_on = is_leaf ? visit_leaf(cell, end, visit) : visit_parts(part, end, end + count, visit);
+    const bool is_leaf = count <= max_leaf_balls ||
+                         (count <= max_tried_balls && part.stalled >= max_stalled) ||
+                         cell.half <= min_margins * margin();
+    continues = is_leaf ? visit_leaf(cell, end, visit) : visit_parts(part, end, end + count, visit);
   }
   around_.resize(end);
-  return goes_on;
+  return continues;
 }
 
-// Calls `visit(c)`, c being seen from x, with accessible centres within reach, among them the
-// nearest, until it returns false. It may lower the reach.
+// Calls `visit(c)` for accessible centres within reach, including the nearest one, until it returns
+// false. `c` is relative to x. `visit` may reduce the reach.
 template <class Visit>
 void CentreSearch::visit_centres(Vec3 x, double reach, const Access& access, Visit&& visit) {
   if (reach <= 0) return;
@@ -377,7 +380,7 @@ void CentreSearch::visit_centres(Vec3 x, double reach, const Access& access, Vis
   around_.resize(balls_.size());
   std::iota(around_.begin(), around_.end(), std::uint32_t{0});
   const auto visit_certain = [&](Vec3 c) {
-    return access_.max_doubt == 0 && !is_certain(x, c) ? true : visit(c);
+    return access_.max_uncertainty == 0 && !is_certain(x, c) ? true : visit(c);
   };
   visit_cell({{}, reach}, 0, around_.size(), visit_certain);
 }
@@ -402,17 +405,18 @@ bool CentreSearch::is_any(Vec3 x, double reach, const Access& access) {
 }
 
 double CentreSearch::distance_to_seam(Vec3 x, Vec3 center, double reach, const Access& access) {
-  double least = reach;
+  double min_distance = reach;
   const Vec3 own = center - x;
   visit_centres(x, reach, access, [&](Vec3 c) {
     const double apart = norm(c - own);
     if (apart <= same_center) return true;
-    least = std::min(least, std::fabs(squared_norm(c) - squared_norm(own)) / (2 * apart));
-    // Centres farther away than this have their plane farther away, too.
-    reach_ = std::min(reach_, norm(own) + 2 * least);
+    min_distance =
+        std::min(min_distance, std::fabs(squared_norm(c) - squared_norm(own)) / (2 * apart));
+    // The planes of more distant centres are more distant as well.
+    reach_ = std::min(reach_, norm(own) + 2 * min_distance);
     return true;
   });
-  return least;
+  return min_distance;
 }
 
 }  // namespace eses::detail::verify

@@ -10,27 +10,26 @@
 namespace eses::detail::verify {
 namespace {
 
-/// How far from the surface a point may be called inside or outside, and a crossing may be.
-/// Angstrom.
+/// Tolerance of the side of points and of the position of crossings (angstrom).
 constexpr double on_surface = 1e-6;
-/// How far a crossing may be off its edge. Angstrom.
+/// Tolerance of the position of a crossing along its edge (angstrom).
 constexpr double on_edge = 1e-9;
-/// How far the probe to which a normal leads may be from where it should be: what an error of 1e-5
-/// of the normal does at a probe radius of 1 angstrom. Angstrom.
+/// Tolerance of the probe centre to which a normal leads (angstrom). It corresponds to an error of
+/// 1e-5 of the normal for a probe radius of 1 angstrom.
 constexpr double same_probe = 1e-5;
-/// How far the length of a normal may be from 1.
+/// Tolerance of the length of a normal.
 constexpr double unit_length = 1e-9;
-/// Stride along an edge where the surface only grazes it. Angstrom.
+/// Minimum step along an edge that the surface grazes (angstrom).
 constexpr double grazing_stride = 1e-4;
-/// The way out ends this far before the crossing. Angstrom.
-constexpr double short_of_crossing = 1e-5;
-/// From so far away on a seam is not looked for. Around a large probe, many times as many places
-/// are nearly as near to it, and would all have to be tried. Angstrom.
+/// The points before a crossing are tested up to this distance from it (angstrom).
+constexpr double crossing_margin = 1e-5;
+/// Returns the maximum distance at which a seam is searched for (angstrom). For a large probe, a
+/// larger distance would give very many candidates.
 double near_seam(double probe) {
   constexpr double share = 0.02, usual_probe = 1.4;
   return share * std::min(probe, usual_probe);
 }
-/// Centres that are compared with a crossing's own: those that fit up to a tolerance. Angstrom.
+/// Centres that are compared with that of a crossing, with a tolerance in angstrom.
 constexpr Access touching_probe{0, 1e-9, 0};
 /// Lengths, in angstrom, below which a direction is lost in rounding.
 constexpr double no_direction = 1e-12;
@@ -39,13 +38,13 @@ std::string name_of(const GridIndex& index) {
   return fmt::format("{} {} {}", index[0], index[1], index[2]);
 }
 
-// --- where the probe that touches the named atoms is nearest to a point
-// ---------------------------
+// --- the probe that touches the named atoms and is nearest to a point ----------------------------
 
-/// A place, and how far it moves if SAS radii change by `possibly_accessible.shrinkage`. Angstrom.
+/// The nearest point of a sphere or circle to another point, and its maximum displacement if SAS
+/// radii change by `possibly_accessible.shrinkage` (angstrom).
 struct Foot {
   Vec3 center;
-  double doubt = 0;
+  double uncertainty = 0;
 };
 
 Foot foot_on_sphere(const Atom& atom, double probe, Vec3 x) {
@@ -55,9 +54,10 @@ Foot foot_on_sphere(const Atom& atom, double probe, Vec3 x) {
   return {atom.center + share * outward, 0};
 }
 
-/// The circle where the SAS spheres meet moves along its axis by the change of a radius times the
-/// ratio of radius and distance of the centres. Its own radius changes by at most the square root
-/// of what the square changes by. Spheres that do not meet touch, or would not be named.
+/// Returns the nearest point of the circle in which two SAS spheres meet. If a radius changes, the
+/// circle moves along its axis by this change times the ratio of the radius and the distance of the
+/// centres. The circle's radius changes by at most the square root of the change of its square.
+/// Spheres that do not meet are assumed to touch.
 std::optional<Foot> foot_on_circle(const Atom& one, const Atom& other, double probe, Vec3 x) {
   const Vec3 between = other.center - one.center;
   const double distance = norm(between);
@@ -80,7 +80,7 @@ bool is_touched(const Atom& atom, double probe, Vec3 center) {
   return std::fabs(norm(center - atom.center) - atom.radius - probe) < same_probe;
 }
 
-/// No SAS ball holds `center` deeper than `depth`. Unlike a search, this needs no nearest centre.
+/// Returns whether no SAS ball contains `center` at more than this depth.
 bool is_accessible(const Definition& definition, Vec3 center, double depth) {
   const double probe = definition.probe_radius;
   bool is_accessible = true;
@@ -90,9 +90,9 @@ bool is_accessible(const Definition& definition, Vec3 center, double depth) {
   return is_accessible;
 }
 
-/// The atoms of a crossing whose normal leads to a probe at `center`. `halfway` is a point of the
-/// normal: the probe nearest to it is the one at `center` alone, even where several probes are
-/// nearest to the crossing.
+/// Returns the fault of a crossing's atoms, or null. The normal leads to a probe at `center`.
+/// `halfway` is the middle of the line from the crossing to `center`. Its nearest centre is
+/// `center` alone, even if several centres are equally near to the crossing.
 const char* fault_of_atoms(const Definition& definition, const Crossing& crossing, Vec3 halfway,
                            Vec3 center) {
   const std::size_t count = crossing.atom_count;
@@ -110,53 +110,53 @@ const char* fault_of_atoms(const Definition& definition, const Crossing& crossin
   const std::optional<Foot> foot =
       count == 1 ? foot_on_sphere(first, probe, halfway)
                  : foot_on_circle(first, definition.atoms[named[1]], probe, halfway);
-  if (!foot || norm(foot->center - center) > same_probe + foot->doubt)
+  if (!foot || norm(foot->center - center) > same_probe + foot->uncertainty)
     return "the normal and the crossing's atoms do not agree";
   return nullptr;
 }
 
 // --- edges ---------------------------------------------------------------------------------------
 
-/// Where a ray from `y` in direction `unit` leaves the ball around `center`, as a length; not
-/// positive if the ball does not hold `y` or the ray leads out of it at once.
+/// Returns the length at which a ray from `y` in the direction `unit` leaves a ball. It is not
+/// positive if the ball does not contain `y`.
 double chord_ahead(Vec3 y, Vec3 unit, Vec3 center, double radius) {
   const Vec3 w = y - center;
   const double b = dot(w, unit), square = b * b - squared_norm(w) + radius * radius;
   return square < 0 ? 0 : std::sqrt(square) - b;
 }
 
-/// Goes from the outside end to the crossing `x`, from one probe that may be accessible to the
-/// next. The probe at `last` is known to reach the crossing.
-const char* fault_of_way_out(CentreSearch& search, Vec3 outside_end, Vec3 x, Vec3 last) {
+/// Tests that probes cover all points between the outside end and the crossing `x`. Proceeds from
+/// one possibly accessible probe to the next. The probe at `last` touches the crossing.
+const char* fault_of_outer_part(CentreSearch& search, Vec3 outside_end, Vec3 x, Vec3 last) {
   const double length = norm(x - outside_end), probe = search.definition().probe_radius;
-  if (length <= short_of_crossing) return nullptr;
+  if (length <= crossing_margin) return nullptr;
   const Vec3 unit = (1 / length) * (x - outside_end);
-  for (double way = 0; way < length - short_of_crossing;) {
-    const Vec3 y = outside_end + way * unit;
+  for (double passed = 0; passed < length - crossing_margin;) {
+    const Vec3 y = outside_end + passed * unit;
     if (squared_norm(y - last) < probe * probe) return nullptr;
     const std::optional<Vec3> center = search.nearest(y, probe + on_surface, possibly_accessible);
     if (!center)
-      return way == 0 ? "no probe covers the outside end"
-                      : "the crossing is not the last before the outside end";
-    way += std::max(grazing_stride, chord_ahead(y, unit, *center, probe));
+      return passed == 0 ? "no probe covers the outside end"
+                         : "the crossing is not the last before the outside end";
+    passed += std::max(grazing_stride, chord_ahead(y, unit, *center, probe));
   }
   return nullptr;
 }
 
-/// Whether a probe beyond doubt reaches past `x` by more than the tolerance.
+/// Returns whether a certainly accessible probe covers `x` by more than the tolerance.
 bool is_covered(CentreSearch& search, Vec3 x) {
   return search.is_any(x, search.definition().probe_radius - on_surface, surely_accessible);
 }
 
-/// Whether a probe may reach `x`.
+/// Returns whether a possibly accessible probe covers `x` up to the tolerance.
 bool may_be_covered(CentreSearch& search, Vec3 x) {
   return search.is_any(x, search.definition().probe_radius + on_surface, possibly_accessible);
 }
 
-/// The normal leads to a centre where a probe fits and touches the crossing's atoms, the crossing
-/// is the point of the patch of these atoms, and no other probe covers it: then the probe is the
-/// nearest one. To ask for the nearest one would let rounding choose between probes that are as
-/// near, but not at the same place.
+/// Returns the fault of a crossing, or null. The normal must lead to an accessible centre at which
+/// the probe touches the crossing's atoms, the crossing must be on the patch of these atoms, and no
+/// other probe may cover it. Then the probe is the nearest one. A search for the nearest one would
+/// not do: rounding would choose between equally near probes at different places.
 const char* fault_of_crossing(CentreSearch& search, const Grid& grid, const Crossing& crossing) {
   const Definition& definition = search.definition();
   const double probe = definition.probe_radius;
@@ -177,7 +177,7 @@ const char* fault_of_crossing(CentreSearch& search, const Grid& grid, const Cros
       !may_be_covered(search, x))
     return "no probe touches the crossing";
   if (const char* fault = fault_of_atoms(definition, crossing, halfway, center)) return fault;
-  return fault_of_way_out(search, grid.point(crossing.outside_point()), x, center);
+  return fault_of_outer_part(search, grid.point(crossing.outside_point()), x, center);
 }
 
 }  // namespace

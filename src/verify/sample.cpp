@@ -10,8 +10,8 @@
 namespace eses::detail::verify {
 namespace {
 
-/// Random numbers that are the same on every platform, which those of <random>'s distributions are
-/// not.
+/// Random numbers that are the same on all platforms, unlike those of the distributions in
+/// <random>.
 class Random {
  public:
   double below_one() { return static_cast<double>(splitmix64(count_++) >> 11) * 0x1p-53; }
@@ -24,8 +24,8 @@ class Random {
   std::uint64_t count_ = 0;
 };
 
-/// Atoms in whose SAS spheres there may be points of a region; empty if that is the whole grid,
-/// where all of them are.
+/// Returns the atoms whose SAS spheres may contain points of a region. Returns no atoms if the
+/// region is the whole grid, which stands for all atoms.
 std::vector<std::size_t> atoms_near(const Definition& definition, const Grid& grid,
                                     const GridRegion& region) {
   std::vector<std::size_t> near;
@@ -42,7 +42,7 @@ std::vector<std::size_t> atoms_near(const Definition& definition, const Grid& gr
   return near;
 }
 
-/// A grid point of the box around an atom's SAS sphere, as far as that is in the region.
+/// Draws a grid point in the common part of the box around an atom's SAS sphere and a region.
 std::optional<GridIndex> draw_point_near(const Atom& atom, double sas_radius, const Grid& grid,
                                          const GridRegion& region, Random& random) {
   GridIndex point{};
@@ -87,8 +87,8 @@ std::vector<GridIndex> draw_band_points(const Definition& definition, const Grid
   Random random;
   std::vector<GridIndex> points;
   std::unordered_set<std::uint64_t> drawn;
-  std::size_t vain_draws = 0;
-  while (points.size() < count && vain_draws++ < 1000 + 4 * points.size()) {
+  std::size_t failed_draws = 0;
+  while (points.size() < count && failed_draws++ < 1000 + 4 * points.size()) {
     const auto a = static_cast<std::size_t>(random.below(static_cast<std::int64_t>(candidates)));
     const Atom& atom = definition.atoms[near.empty() ? a : near[a]];
     const auto point = draw_point_near(atom, atom.radius + probe, grid, region, random);
@@ -97,7 +97,7 @@ std::vector<GridIndex> draw_band_points(const Definition& definition, const Grid
     if (!is_in_band_of(atom, probe, x) || is_in_any_atom(definition, x)) continue;
     if (!drawn.insert(place_of(grid, *point)).second) continue;
     points.push_back(*point);
-    vain_draws = 0;
+    failed_draws = 0;
   }
   return points;
 }

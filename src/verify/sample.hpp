@@ -1,6 +1,6 @@
 #pragma once
-/// Which points and edges are checked: random, but the same for the same atoms and grid, whatever
-/// the block size and the number of threads.
+/// Random choice of the points and crossings that are verified. It depends on atoms and grid only,
+/// not on the block size or the number of threads.
 
 #include <cstddef>
 #include <cstdint>
@@ -12,22 +12,25 @@
 
 namespace eses::detail::verify {
 
-/// Up to `count` different grid points of a region outside all van der Waals spheres and inside a
-/// SAS sphere, ordered by z, y, x. Atoms and then points around them are drawn, so that clefts,
-/// where more atoms are near, have more of them. Fewer if a long search finds no more.
+/// Draws up to `count` distinct grid points of a region that are outside all van der Waals spheres
+/// and inside a SAS sphere, sorted by z, y and x. An atom is drawn first and then a point near it,
+/// so that clefts, where many atoms are near, have more points. Returns fewer points if many
+/// successive draws fail.
 std::vector<GridIndex> draw_band_points(const Definition& definition, const Grid& grid,
                                         const GridRegion& region, std::size_t count);
 
-/// A random choice among edges that come one by one, and of which few can be kept: those whose
-/// place in the grid has the lowest hashes (splitmix64), which gives the lowest numbers.
+/// A random sample of limited size from a stream of crossings: the crossings whose edges have the
+/// lowest hashes (splitmix64).
 class CrossingSample {
  public:
   explicit CrossingSample(std::size_t capacity) : capacity_(capacity) {}
 
+  /// Adds a crossing to the stream.
   void add(const Grid& grid, const Crossing& crossing);
+  /// Adds the crossings of another sample.
   void merge(const CrossingSample& other);
 
-  /// The edges kept, in random order.
+  /// The sampled crossings, in random order.
   std::vector<Crossing> crossings() const;
 
  private:

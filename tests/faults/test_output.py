@@ -236,6 +236,60 @@ class Mesh(FaultTest):
 
 
 @needs_library
+class MeshOfTwoFiles(FaultTest):
+    """Both appear together or not at all."""
+
+    MESH = ["a.face", "a.vert"]
+
+    def setUp(self):
+        super().setUp()
+        self.meshes = self.folder / "meshes"
+        self.arguments = (*TINY, "--write", "none", "--mesh", self.meshes / "a.face")
+
+    def assertMesh(self, names):
+        self.assertEqual([name for name in self.all_files(self.meshes) if name in self.MESH], names)
+
+    def test_every_call(self):
+        self.assertDone(self.run_program(*self.arguments))
+        reference = self.contents(self.meshes)
+        self.assertEqual(sorted(reference), self.MESH)
+        for action in (f"fail={errno.EIO}", f"signal={signal.SIGTERM.value}"):
+            for number in range(1, 1000):
+                shutil.rmtree(self.meshes, ignore_errors=True)
+                done = self.run_program(*self.arguments, fault=f"file {number} {action}")
+                if not self.is_faulty():
+                    self.assertGreater(number, 10)
+                    break
+                with self.subTest(action=action, call=number):
+                    if done.returncode == 0 or self.all_files(self.meshes) == self.MESH:
+                        self.assertLessEqual(reference.items(),
+                                             self.contents(self.meshes).items())
+                    else:
+                        self.assertMesh([])
+
+    def test_full_disk_keeps_older_ones(self):
+        self.assertDone(self.run_program(*self.arguments))
+        older = self.contents(self.meshes)
+        for name in self.MESH:
+            for byte in (1, len(older[name])):
+                with self.subTest(name=name, byte=byte):
+                    done = self.run_program(*self.arguments, fault=f"space {byte} .{name}.")
+                    self.assertTrue(self.is_faulty())
+                    self.assertFailed(done, f"cannot write {self.meshes / name}: {NO_SPACE}")
+                    self.assertEqual(self.contents(self.meshes), older)
+
+    def test_one_run_at_a_time(self):
+        program = self.stop_at("write 2", *self.arguments)
+        for name in self.MESH:
+            done = subprocess.run([PROGRAM, SMALL, "-q", "--write", "none", "--mesh",
+                                   self.meshes / name], capture_output=True, text=True, check=False)
+            self.assertFailed(done, ": another run is writing it")
+        program.send_signal(signal.SIGCONT)
+        self.assertDone(self.finish(program))
+        self.assertEqual(self.all_files(self.meshes), self.MESH)
+
+
+@needs_library
 class MapsAndCompressedFiles(FaultTest):
     """What a run has to do for these besides."""
 

@@ -149,14 +149,15 @@ class Identity(Processes):
     def test_meshes(self):
         """Triangles between two slabs name vertices of both."""
         for count in (2, 3, 4, 5):
-            for mesh in ("mesh.ply", "mesh.obj", "mesh.off"):
+            for mesh in ("mesh.ply", "mesh.obj", "mesh.off", "mesh.vert", "mesh.vtp"):
                 with self.subTest(count=count, mesh=mesh):
                     self.assertSame(count, SMALL, "--spacing", "0.4", mesh=mesh,
                                     options=("-b", str(5 + 3 * count)))
         self.assertSame(3, DATA / "1ubq.xyzr", "--spacing", "0.6", "--color", "patch",
                         mesh="mesh.ply")
-        self.assertSame(3, DATA / "1ubq.xyzr", "--spacing", "0.6", "--color", "atom", "--write",
-                        "none", mesh="mesh.ply")
+        for mesh, *more in (("mesh.ply",), ("mesh.ply", "--ply-ascii"), ("mesh.vtp",)):
+            self.assertSame(3, DATA / "1ubq.xyzr", "--spacing", "0.6", "--color", "atom", "--write",
+                            "none", *more, mesh=mesh)
 
     def test_meshes_of_parts(self):
         for blocks in ("1:3,0:2,1:4", "0:4,0:4,0:1", "1:2,1:2,2:4"):
@@ -169,13 +170,15 @@ class Identity(Processes):
         path.write_text("0 0 0 1\n")
         self.assertSame(7, path, "--spacing", "0.9", "--margin", "0.9", "--inside", "map.dx",
                         mesh="mesh.off")
-        self.assertSame(3, path, "--spacing", "0.3", "--region=-2,-2,0,2,2,0.35",
-                        mesh="mesh.off")
+        for mesh in ("mesh.off", "mesh.face", "mesh.vtp"):
+            self.assertSame(3, path, "--spacing", "0.3", "--region=-2,-2,0,2,2,0.35", mesh=mesh)
 
     def test_residues(self):
         for count in (2, 3, 5):
             self.assertSame(count, DATA / "fas2.pqr", "--spacing", "0.8", "--write",
                             "all,residues", "--color", "chain", mesh="mesh.ply")
+            self.assertSame(count, DATA / "fas2.pqr", "--spacing", "0.8", "--write", "none",
+                            "--color", "chain", mesh="mesh.vtp")
 
     def write_pqr(self, labels):
         """Atoms on a winding line, with these chains, residues and numbers."""
@@ -200,6 +203,8 @@ class Identity(Processes):
                 with self.subTest(first=labels[:7], count=count):
                     self.assertSame(count, path, "--spacing", "1", "--margin", "1", "--write",
                                     "residues", "--color", "chain", mesh="mesh.ply")
+                    self.assertSame(count, path, "--spacing", "1", "--margin", "1", "--write",
+                                    "none", mesh="mesh.vtp")
 
     def test_standard_input(self):
         self.assertDone(self.run_alone(SMALL, "-q"))

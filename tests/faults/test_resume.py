@@ -250,6 +250,10 @@ class Resume(FaultTest):
         for name, mesh, more in (("fas2.pqr", "mesh.ply", ("--inside", "map.dx", "--color", "chain",
                                                            "--write", "residues")),
                                  ("c60.xyzr", "mesh.obj", ("--inside", "map.vti", "--write",
+                                                           "none")),
+                                 ("c60.xyzr", "mesh.vert", ("--write", "edges")),
+                                 ("c60.xyzr", "mesh.ply", ("--ply-ascii", "--write", "none")),
+                                 ("fas2.pqr", "mesh.vtp", ("--color", "atom", "--write",
                                                            "none"))):
             arguments = (DATA / name, "-q", "--spacing", "0.7", "-b", "9", "-t", "2", *more,
                          "--mesh", self.output / mesh)
@@ -266,7 +270,7 @@ class Resume(FaultTest):
                 self.assertEqual(self.contents(), reference)
                 self.put({})
                 number += 7
-            self.assertGreater(len(kept), 3)
+            self.assertGreater(len(kept), 2)
 
     @needs_library
     def test_other_mesh(self):
@@ -275,6 +279,7 @@ class Resume(FaultTest):
         self.assertTrue(self.cut_off(30, *arguments))
         self.assertGreater(len(self.chunks()), 0)
         for other in (RUN, (*RUN, "--mesh", self.output / "mesh.obj"),
+                      (*RUN, "--mesh", self.output / "mesh.vtp"), (*arguments, "--ply-ascii"),
                       (*arguments, "--color", "atom"), (*arguments, "--inside", "map.dx")):
             self.assertFailed(self.run_program(*other, "--resume"), "cannot resume")
 

@@ -51,6 +51,18 @@ def can_import(script, module):
         [python, "-c", f"import {module}"], stderr=subprocess.DEVNULL, check=False).returncode == 0
 
 
+def python_with(module):
+    """An interpreter that has the module: this one, or that of the system's packages; else None."""
+    for python in (sys.executable, "/usr/bin/python3"):
+        try:
+            if subprocess.run([python, "-c", f"import {module}"], capture_output=True,
+                              check=False).returncode == 0:
+                return python
+        except OSError:
+            pass
+    return None
+
+
 def has_matplotlib(script):
     return can_import(script, "matplotlib")
 

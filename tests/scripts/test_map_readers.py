@@ -3,10 +3,9 @@
 
 import json
 import subprocess
-import sys
 import unittest
 
-from support import DATA, PROGRAM, TestCase
+from support import DATA, PROGRAM, TestCase, python_with
 
 VTK = """
 import json, sys, vtk
@@ -29,18 +28,6 @@ grid = gridData.Grid(sys.argv[1])
 json.dump({"size": grid.grid.shape, "lower": list(grid.origin), "spacing": list(grid.delta),
            "values": [int(v) for v in grid.grid.flatten(order="F")]}, sys.stdout)
 """
-
-
-def python_with(module):
-    """An interpreter that has the module: this one, or that of the system's packages."""
-    for python in (sys.executable, "/usr/bin/python3"):
-        try:
-            if subprocess.run([python, "-c", f"import {module}"], capture_output=True,
-                              check=False).returncode == 0:
-                return python
-        except OSError:
-            pass
-    return None
 
 
 class MapReaders(TestCase):

@@ -15,10 +15,10 @@ except ImportError:
 class ReadByMeshio(TestCase):
     def test_same_in_every_format(self):
         meshes = []
-        for name in ("a.off", "a.obj", "a.ply"):
+        for name, *more in (("a.off",), ("a.obj",), ("a.ply",), ("b.ply", "--ply-ascii")):
             path = self.folder / name
             self.assertDone(subprocess.run(
-                [PROGRAM, DATA / "c60.xyzr", "-q", "--write", "none", "--mesh", path],
+                [PROGRAM, DATA / "c60.xyzr", "-q", "--write", "none", "--mesh", path, *more],
                 capture_output=True, text=True, check=False))
             meshes.append(meshio.read(path))
         for mesh in meshes:

@@ -100,6 +100,36 @@ class Results(PdbbindTest):
             self.assertGreater(int(row["peak_bytes"]), 1_000_000)
             self.assertEqual(row["status"], "done")
 
+    def test_structures_are_read_directly_with_radii(self):
+        self.add("a.cif.gz", PROJECT / "tests/data/1a8o.cif.gz")
+        record = "ATOM      1  CA  ALA A   1      {:6.3f}   0.000   0.000  1.00  0.00           C\n"
+        (self.input / "b.pdb").write_text(record.format(0) + record.format(3))
+        self.add("c.xyzr")
+        self.run_pdbbind("--radii", "bondi")
+        rows = summary(self.output)
+        self.assertEqual([int(row["atoms"]) for row in rows.values()], [556, 2, 60])
+        status = json.loads((self.output / "b/status.json").read_text())
+        self.assertEqual(status["report"]["structure"]["radii"], "bondi")
+        stamps = [self.stamp(name) for name in "abc"]
+        self.run_pdbbind("--radii", "bondi")
+        self.assertEqual([self.stamp(name) for name in "abc"], stamps)
+        # Other radii, other results; xyzr files have their own.
+        self.run_pdbbind("--radii", "msms")
+        changed = [self.stamp(name) != stamp for name, stamp in zip("abc", stamps)]
+        self.assertEqual(changed, [True, True, False])
+        # Without --radii, mmCIF files have those of protor.
+        (self.input / "b.pdb").unlink()
+        self.run_pdbbind()
+        status = json.loads((self.output / "a/status.json").read_text())
+        self.assertEqual(status["report"]["structure"]["radii"], "protor")
+
+    def test_options_of_structures(self):
+        self.add("a.cif.gz", PROJECT / "tests/data/1a8o.cif.gz")
+        self.run_pdbbind("--radii", "protor", "--", "--waters")
+        self.assertEqual(int(summary(self.output)["a"]["atoms"]), 644)
+        done = self.run_pdbbind("--", "--radii", "msms", code=2)
+        self.assertIn("--radii", done.stderr)
+
     def test_keep_chooses_the_files(self):
         self.add("c60.xyzr")
         kept = {"none": [], "edges": ["bounding_box.txt", "intersection_info.txt",

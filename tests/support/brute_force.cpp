@@ -486,8 +486,9 @@ double area_share(const Grid& grid, const Crossing& crossing) {
 }
 
 struct Shares {
-  std::vector<double> area;   ///< of each atom
-  std::vector<double> doubt;  ///< how far it may be wrong because distances are lost in rounding
+  std::vector<double> area;  ///< of each atom
+  std::vector<double>
+      uncertainty;  ///< how far it may be wrong because distances are lost in rounding
 };
 
 bool names_atoms(const Check& check, const Crossing& crossing) {
@@ -512,7 +513,7 @@ void add_shares(const Check& check, const Crossing& crossing, Shares& shares) {
     const auto atom = static_cast<std::size_t>(crossing.atoms[a]);
     shares.area[atom] += whole / (distances[a] * weights);
     // One tiny distance takes all, whatever its size; of two, rounding decides which is smaller.
-    if (tiny >= 2) shares.doubt[atom] += whole;
+    if (tiny >= 2) shares.uncertainty[atom] += whole;
   }
 }
 
@@ -531,7 +532,7 @@ void check_areas(Check& check) {
     sum += listed.area;
     if (listed.atom != static_cast<std::int64_t>(a))
       report(check, "area: line ", a + 1, " is that of atom ", listed.atom);
-    const double slack = shares.doubt[a] + same_sum * std::max(1.0, shares.area[a]);
+    const double slack = shares.uncertainty[a] + same_sum * std::max(1.0, shares.area[a]);
     if (!(std::fabs(listed.area - shares.area[a]) <= slack))
       report(check, "area: atom ", a, " has ", listed.area, ", not ", shares.area[a]);
   }

@@ -28,6 +28,7 @@ struct Property {
 
 struct PlyHeader {
   std::size_t vertices = 0, faces = 0, bytes = 0;
+  bool is_ascii = false;
   std::vector<Property> properties;  // of vertices
   std::vector<std::string> comments;
 };
@@ -43,7 +44,9 @@ PlyHeader read_ply_header(const std::string& bytes) {
   std::getline(lines, line);
   require(line == "ply", "PLY: not the magic number");
   std::getline(lines, line);
-  require(line == "format binary_little_endian 1.0", "PLY: not the format expected");
+  header.is_ascii = line == "format ascii 1.0";
+  require(header.is_ascii || line == "format binary_little_endian 1.0",
+          "PLY: not the format expected");
   while (std::getline(lines, line)) {
     std::istringstream words(line);
     std::string keyword;
@@ -94,10 +97,7 @@ double take_number(Bytes& bytes, const std::string& type) {
   return bytes.take<std::uint32_t>();
 }
 
-void take_vertex(Bytes& bytes, const std::vector<Property>& properties, Mesh& mesh) {
-  std::map<std::string, double> values;
-  for (const Property& property : properties)
-    values[property.name] = take_number(bytes, property.type);
+void add_vertex(const std::map<std::string, double>& values, Mesh& mesh) {
   mesh.positions.push_back({values.at("x"), values.at("y"), values.at("z")});
   mesh.normals.push_back({values.at("nx"), values.at("ny"), values.at("nz")});
   mesh.patches.push_back(static_cast<int>(values.at("patch")));
@@ -110,13 +110,42 @@ void take_vertex(Bytes& bytes, const std::vector<Property>& properties, Mesh& me
   mesh.residues.push_back(static_cast<std::uint32_t>(values.at("residue")));
 }
 
+void read_ascii_ply(const std::string& text, const PlyHeader& header, Mesh& mesh) {
+  std::istringstream lines(text.substr(header.bytes));
+  std::string line;
+  for (std::size_t v = 0; v < header.vertices; ++v) {
+    require(!std::getline(lines, line).fail(), "PLY: a vertex is missing");
+    std::istringstream words(line);
+    std::map<std::string, double> values;
+    for (const Property& property : header.properties) words >> values[property.name];
+    require(!words.fail() && (words >> std::ws).eof(), "PLY: a vertex that is not as the header");
+    add_vertex(values, mesh);
+  }
+  for (std::size_t f = 0; f < header.faces; ++f) {
+    int corners = 0;
+    MeshTriangle& triangle = mesh.triangles.emplace_back();
+    lines >> corners >> triangle[0] >> triangle[1] >> triangle[2];
+    require(!lines.fail() && corners == 3, "PLY: a face that is no triangle");
+  }
+  require((lines >> std::ws).eof(), "PLY: the file is too long");
+}
+
 Mesh read_ply(const std::string& text) {
   const PlyHeader header = read_ply_header(text);
   Mesh mesh;
   mesh.comments = header.comments;
+  if (header.is_ascii) {
+    read_ascii_ply(text, header, mesh);
+    return mesh;
+  }
   Bytes bytes(text);
   bytes.skip(header.bytes);
-  for (std::size_t v = 0; v < header.vertices; ++v) take_vertex(bytes, header.properties, mesh);
+  for (std::size_t v = 0; v < header.vertices; ++v) {
+    std::map<std::string, double> values;
+    for (const Property& property : header.properties)
+      values[property.name] = take_number(bytes, property.type);
+    add_vertex(values, mesh);
+  }
   for (std::size_t f = 0; f < header.faces; ++f) {
     require(bytes.take<std::uint8_t>() == 3, "PLY: a face that is no triangle");
     MeshTriangle& triangle = mesh.triangles.emplace_back();
@@ -179,6 +208,182 @@ Mesh read_off(const std::string& text) {
   return mesh;
 }
 
+// --- MSMS ---------------------------------------------------------------------------------------
+
+// The words of the lines behind the three of the header, each with so many of them.
+std::vector<std::vector<std::string>> msms_lines(const std::filesystem::path& path,
+                                                 std::size_t columns, std::string& header) {
+  std::istringstream lines(read_bytes(path));
+  std::string line;
+  for (int i = 0; i < 2; ++i) {
+    std::getline(lines, line);
+    require(line.starts_with('#'), "MSMS: not a comment");
+  }
+  std::getline(lines, header);
+  std::vector<std::vector<std::string>> result;
+  while (std::getline(lines, line)) {
+    std::istringstream words(line);
+    auto& row = result.emplace_back();
+    for (std::string word; words >> word;) row.push_back(word);
+    require(row.size() == columns, "MSMS: another number of columns");
+  }
+  return result;
+}
+
+int patch_of_msms(const std::string& type) {
+  require(type == "1" || type == "2" || type == "3", "MSMS: a type that is not known");
+  return type == "3" ? 1 : type == "1" ? 2 : 3;
+}
+
+Mesh read_msms(std::filesystem::path path) {
+  Mesh mesh;
+  std::string header;
+  for (const auto& row : msms_lines(path, 9, header)) {
+    const auto number = [&](std::size_t i) { return std::stod(row[i]); };
+    mesh.positions.push_back({number(0), number(1), number(2)});
+    mesh.normals.push_back({number(3), number(4), number(5)});
+    require(row[6] == "0", "MSMS: a number of an analytical face");
+    mesh.atoms.push_back(static_cast<std::uint32_t>(std::stoul(row[7]) - 1));
+    mesh.patches.push_back(patch_of_msms(row[8]));
+  }
+  std::istringstream words(header);
+  for (double& value : mesh.msms_header) words >> value;
+  require(!words.fail() && mesh.msms_header[0] == static_cast<double>(mesh.positions.size()),
+          "MSMS: another number of vertices");
+  for (const auto& row : msms_lines(path.replace_extension(".face"), 5, header)) {
+    MeshTriangle& triangle = mesh.triangles.emplace_back();
+    for (std::size_t i = 0; i < 3; ++i) triangle[i] = std::stoull(row[i]) - 1;
+    mesh.triangle_patches.push_back(patch_of_msms(row[3]));
+    require(row[4] == "0", "MSMS: a number of an analytical face");
+  }
+  require(std::stoull(header) == mesh.triangles.size(), "MSMS: another number of triangles");
+  return mesh;
+}
+
+// --- VTP ----------------------------------------------------------------------------------------
+
+std::string attribute_in(const std::string& element, const std::string& name) {
+  const std::string begin = " " + name + "=\"";
+  const std::size_t at = element.find(begin);
+  require(at != std::string::npos, "VTP: an attribute is missing");
+  const std::size_t value = at + begin.size();
+  return element.substr(value, element.find('"', value) - value);
+}
+
+class VtpFile {
+ public:
+  explicit VtpFile(const std::string& text) : text_(text) {
+    const std::string begin = "<AppendedData encoding=\"raw\">\n_";
+    data_ = text.find(begin);
+    require(data_ != std::string::npos, "VTP: no data");
+    data_ += begin.size();
+    require(text.starts_with("<?xml version=\"1.0\"?>\n<VTKFile type=\"PolyData\""), "VTP: no XML");
+    require(text.ends_with("\n</AppendedData>\n</VTKFile>\n"), "VTP: no end");
+  }
+
+  std::size_t count(const std::string& name) const {
+    return std::stoull(attribute_in(element("<Piece "), name));
+  }
+  bool has(const std::string& name) const { return text_.find(" Name=\"" + name + "\"") < data_; }
+
+  template <class Value>
+  std::vector<Value> values(const std::string& name, const char* type) const {
+    const std::string array = array_of(name);
+    require(attribute_in(array, "type") == type, "VTP: another type");
+    require(attribute_in(array, "format") == "appended", "VTP: not appended");
+    const std::size_t begin = data_ + std::stoull(attribute_in(array, "offset"));
+    std::uint64_t bytes = 0;
+    require(begin + sizeof bytes <= text_.size(), "VTP: an array behind the end");
+    std::memcpy(&bytes, text_.data() + begin, sizeof bytes);
+    require(bytes % sizeof(Value) == 0 && begin + sizeof bytes + bytes <= text_.size(),
+            "VTP: an array that is too long");
+    std::vector<Value> result(bytes / sizeof(Value));
+    if (bytes > 0) std::memcpy(result.data(), text_.data() + begin + sizeof bytes, bytes);
+    return result;
+  }
+
+  std::vector<std::string> names(const std::string& name) const {
+    const std::string array = array_of(name);
+    require(attribute_in(array, "type") == "String", "VTP: not an array of strings");
+    const std::size_t begin = text_.find(array) + array.size();
+    std::istringstream codes(text_.substr(begin, text_.find('<', begin) - begin));
+    std::vector<std::string> result;
+    std::string text;
+    for (int code = 0; codes >> code;) {
+      if (code != 0) {
+        text.push_back(static_cast<char>(code));
+        continue;
+      }
+      result.push_back(text);
+      text.clear();
+    }
+    require(result.size() == std::stoull(attribute_in(array, "NumberOfTuples")),
+            "VTP: another number of strings");
+    return result;
+  }
+
+ private:
+  std::string element(const std::string& begin) const {
+    const std::size_t at = text_.find(begin);
+    require(at < data_, "VTP: an element is missing");
+    return text_.substr(at, text_.find('>', at) + 1 - at);
+  }
+  std::string array_of(const std::string& name) const {
+    const std::size_t at = text_.find(" Name=\"" + name + "\"");
+    require(at < data_, "VTP: an array is missing");
+    const std::size_t begin = text_.rfind('<', at);
+    return text_.substr(begin, text_.find('>', at) + 1 - begin);
+  }
+
+  const std::string& text_;
+  std::size_t data_ = 0;
+};
+
+template <class Value>
+std::vector<Vec3> vectors_of(const std::vector<Value>& values) {
+  std::vector<Vec3> result;
+  for (std::size_t i = 0; i + 2 < values.size(); i += 3)
+    result.push_back({values[i], values[i + 1], values[i + 2]});
+  return result;
+}
+
+Mesh read_vtp(const std::string& text) {
+  const VtpFile file(text);
+  Mesh mesh;
+  mesh.positions = vectors_of(file.values<double>("Points", "Float64"));
+  mesh.normals = vectors_of(file.values<float>("Normals", "Float32"));
+  for (const std::uint8_t patch : file.values<std::uint8_t>("patch", "UInt8"))
+    mesh.patches.push_back(patch);
+  mesh.atoms = file.values<std::uint32_t>("atom", "UInt32");
+  if (file.has("color")) {
+    const auto channels = file.values<std::uint8_t>("color", "UInt8");
+    for (std::size_t i = 0; i + 2 < channels.size(); i += 3)
+      mesh.colors.push_back({channels[i], channels[i + 1], channels[i + 2]});
+  }
+  if (file.has("chain")) {
+    mesh.chains = file.values<std::uint32_t>("chain", "UInt32");
+    mesh.residues = file.values<std::uint32_t>("residue", "UInt32");
+    mesh.chain_names = file.names("chain_name");
+    mesh.residue_names = file.names("residue_name");
+  }
+  const auto corners = file.values<std::int32_t>("connectivity", "Int32");
+  const auto ends = file.values<std::int64_t>("offsets", "Int64");
+  require(corners.size() == 3 * ends.size(), "VTP: cells that are no triangles");
+  for (std::size_t i = 0; i < ends.size(); ++i) {
+    require(ends[i] == static_cast<std::int64_t>(3 * (i + 1)), "VTP: a cell that is no triangle");
+    MeshTriangle& triangle = mesh.triangles.emplace_back();
+    for (std::size_t k = 0; k < 3; ++k)
+      triangle[k] = static_cast<std::uint64_t>(corners[3 * i + k]);
+  }
+  require(file.count("NumberOfPoints") == mesh.positions.size() &&
+              file.count("NumberOfPolys") == mesh.triangles.size() &&
+              mesh.normals.size() == mesh.positions.size() &&
+              mesh.patches.size() == mesh.positions.size() &&
+              mesh.atoms.size() == mesh.positions.size(),
+          "VTP: counts that differ");
+  return mesh;
+}
+
 // --- shape --------------------------------------------------------------------------------------
 
 using DirectedEdge = std::pair<std::uint64_t, std::uint64_t>;
@@ -216,7 +421,9 @@ std::size_t count_components(const Mesh& mesh) {
 }  // namespace
 
 Mesh read_mesh(const std::filesystem::path& path) {
+  if (path.extension() == ".vert") return read_msms(path);
   const std::string text = read_bytes(path);
+  if (path.extension() == ".vtp") return read_vtp(text);
   if (path.extension() == ".ply") return read_ply(text);
   if (path.extension() == ".obj") return read_obj(text);
   require(path.extension() == ".off", "no format has this suffix");

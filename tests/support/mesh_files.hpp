@@ -21,10 +21,14 @@ struct Mesh {
   std::vector<std::uint32_t> atoms, chains, residues;
   std::vector<std::array<int, 3>> colors;
   std::vector<MeshTriangle> triangles;
+  std::vector<int> triangle_patches;
   std::vector<std::string> comments;
+  std::vector<std::string> chain_names, residue_names;  ///< of VTP files
+  std::array<double, 4> msms_header{};  ///< vertices, spheres, density, probe radius
 };
 
-/// By the suffix. Throws std::runtime_error if the file is not as the format has it.
+/// By the suffix; of a .vert file, together with the .face file beside it, whose `atoms` are the
+/// closest spheres, from 0. Throws std::runtime_error if a file is not as the format has it.
 Mesh read_mesh(const std::filesystem::path& path);
 
 /// What keeps triangles from being a closed, oriented 2-manifold, one line for each fault: an edge

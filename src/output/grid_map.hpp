@@ -1,5 +1,5 @@
 #pragma once
-/// The inside map on its way into its file.
+/// Maps on their way into their files.
 
 #include <cstdint>
 #include <functional>
@@ -25,12 +25,14 @@ MapFile map_file(File& file) {
       [&file](std::span<char> bytes, std::uint64_t offset) { file.read_at(bytes, offset); }};
 }
 
-/// Rows of points, as bits, come in any order. `.vti` has them as they are. In `.dx` z runs
-/// fastest: until all have come, their bits wait behind the values' place in the file, for each
-/// word of a row the words of all rows, so that memory does not grow with the grid.
-class InsideMap {
+/// Rows come in any order, as words: of a map of points a bit a point, of a map of edges 32 bits an
+/// edge, the part that lies inside. 64 points make a cell, of one word or of 32. `.vti` has the
+/// rows as they are. In `.dx` z runs fastest: until all rows have come, their words wait behind the
+/// values' place in the file, for each cell of a row the cells of all rows, so that memory does not
+/// grow with the grid.
+class GridMap {
  public:
-  InsideMap(MapFile file, MapFormat format, const Grid& grid, const GridRegion& region);
+  GridMap(MapFile file, MapChoice map, const Grid& grid, const GridRegion& region);
 
   /// Scratch memory of a thread.
   struct Scratch {
@@ -55,25 +57,32 @@ class InsideMap {
   std::uint64_t file_bytes() const { return layout_.file_bytes(); }
 
   /// Words of a row of a region of this size.
-  static std::int64_t words_of_row(const GridIndex& size);
+  static std::int64_t words_of_row(MapQuantity quantity, const GridIndex& size);
 
   /// Bytes of the words of all rows.
-  static std::uint64_t bits_bytes(const GridRegion& region);
+  static std::uint64_t row_bytes(MapQuantity quantity, const GridRegion& region);
 
   /// What the file holds besides while it is being made.
-  static std::uint64_t scratch_bytes(MapFormat format, const GridRegion& region);
+  static std::uint64_t scratch_bytes(const MapChoice& map, const GridRegion& region);
 
   /// Memory that a thread needs, at most.
-  static double thread_bytes(MapFormat format, const GridRegion& region);
+  static double thread_bytes(const MapChoice& map, const GridRegion& region);
 
  private:
   struct Tile;
   Tile tile(std::int64_t index) const;
-  std::uint64_t word_offset(std::int64_t word, std::int64_t row) const;
+  std::uint64_t cell_offset(std::int64_t cell, std::int64_t row) const;
+  std::int64_t rows_of_tile() const;
+  std::int64_t cells_of_row() const;
   void read_words(const Tile& tile, std::vector<std::uint64_t>& words);
+  void fill_points(const Tile& tile, std::int64_t x, std::uint64_t first_index,
+                   Scratch& scratch) const;
+  void fill_edges(const Tile& tile, std::int64_t x, std::uint64_t first_index,
+                  Scratch& scratch) const;
   void write_tile(const Tile& tile, Scratch& scratch);
 
   MapFile file_;
+  MapChoice map_;
   MapLayout layout_;
   GridIndex size_{};
 };

@@ -1,0 +1,310 @@
+"""Electrostatic energies of molecules from APBS, with dielectric maps made by eses-blocks.
+
+All molecules of a run share one grid, and all energies are total electrostatic energies on it.
+"""
+
+import collections
+import contextlib
+import itertools
+import math
+import os
+import pathlib
+import re
+import shutil
+import tempfile
+
+from atoms import read_charged_atoms
+from common import Failed, unpacked
+import measuring
+
+# The dielectric boundaries: maps of eses-blocks, and APBS's own `srfm mol` and `srfm smol`.
+ESES, MOL, SMOL = "eses-blocks", "mol", "smol"
+REFERENCE = "reference"  # the dielectric of the solute everywhere
+
+MULTIGRID_STEP = 32  # APBS's mg-manual halves the grid four times: 32 k + 1 points along an axis
+INPUT, ENERGIES, LOG = "apbs.in", "energies.txt", "apbs.log"
+
+# What APBS 3.4.1 takes, measured on one core (CPU time) with grids of 0.3 to 2.7 million points.
+BYTES_PER_POINT = 260  # of the multigrid solver
+MAP_BYTES_PER_POINT = 8  # of each map that is read; all of them are read at the start
+FILE_BYTES_PER_POINT = 14  # of each map on disk
+SECONDS_PER_POINT = 3e-6  # to solve one calculation
+SECONDS_PER_BOUNDARY_TERM = 1e-8  # of bcfl mdh: for each atom at each point of the boundary
+
+Molecule = collections.namedtuple("Molecule", "path atoms")  # atoms: Atom, in the file's order
+Atom = collections.namedtuple("Atom", "x y z charge radius")
+Grid = collections.namedtuple("Grid", "center points spacing")
+
+# Lengths in angstrom, ionic_strength in mol/l, temperature in kelvin; boundary and charges are
+# APBS's keywords bcfl and chgm.
+Settings = collections.namedtuple(
+    "Settings", "probe_radius solute_dielectric solvent_dielectric ionic_strength ion_radius "
+    "temperature boundary charges")
+
+# One `elec` section of the input file.
+Calculation = collections.namedtuple("Calculation", "name molecule surface")
+
+# energies: kJ/mol by calculation name.
+Result = collections.namedtuple("Result", "energies seconds peak_bytes")
+
+
+# --------------------------------------------------------------------------- molecules and grid
+
+
+def read_molecule(path):
+    return Molecule(path, [Atom(*fields) for fields in read_charged_atoms(str(path))])
+
+
+def identity(atom):
+    """Equal for the same atom in two files, which may have different numbers of decimals."""
+    return (*(round(value, 3) for value in atom[:3]), round(atom.charge, 4), round(atom.radius, 4))
+
+
+def require_parts(whole, parts):
+    """Throws Failed unless the atoms of the complex are those of its parts.
+
+    The energy of each charge in its own field, which grows without bound on finer grids, cancels
+    only if the charge is at the same place in both.
+    """
+    left = collections.Counter(map(identity, whole.atoms))
+    left.subtract(identity(atom) for part in parts for atom in part.atoms)
+    for atoms, where in ((left, "in none of the other files"), (-left, f"not in {whole.path}")):
+        unmatched = list((+atoms).elements())
+        if unmatched:
+            x, y, z, charge, radius = unmatched[0]
+            raise Failed(
+                f"{whole.path} is not the complex of the other molecules: {len(unmatched)} "
+                f"atom{'s are' if len(unmatched) > 1 else ' is'} {where}, the first at {x:g} {y:g} "
+                f"{z:g} with charge {charge:g} and radius {radius:g}; coordinates, charges and radii "
+                "of complex and parts must be the same")
+
+
+def choose_grid(molecules, spacing, padding, center=None):
+    """The smallest grid for APBS with at least `padding` between all spheres and its faces."""
+    lower = [min(atom[axis] - atom.radius for m in molecules for atom in m.atoms)
+             for axis in range(3)]
+    upper = [max(atom[axis] + atom.radius for m in molecules for atom in m.atoms)
+             for axis in range(3)]
+    if center is None:
+        center = [round((low + high) / 2, 3) for low, high in zip(lower, upper)]
+    reach = [max(high - middle, middle - low) + padding
+             for low, middle, high in zip(lower, center, upper)]
+    # A grid that is exactly as long as needed is not enlarged because of rounding.
+    steps = [math.ceil(2 * length / (spacing * MULTIGRID_STEP) - 1e-9) for length in reach]
+    points = [MULTIGRID_STEP * max(1, count) + 1 for count in steps]
+    return Grid(tuple(center), tuple(points), spacing)
+
+
+# ------------------------------------------------------------------------------------ estimates
+
+
+def has_map(calculation):
+    return calculation.surface == ESES
+
+
+def estimate(grid, molecules, calculations, settings):
+    """Bytes of memory, bytes of maps on disk and seconds that APBS takes, roughly."""
+    points = math.prod(grid.points)
+    maps = sum(map(has_map, calculations)) * (4 if settings.ionic_strength > 0 else 3)
+    seconds = points * SECONDS_PER_POINT * len(calculations)
+    if settings.boundary == "mdh":
+        faces = 2 * sum(a * b for a, b in itertools.combinations(grid.points, 2))
+        seconds += SECONDS_PER_BOUNDARY_TERM * faces * sum(
+            len(molecules[calculation.molecule].atoms) for calculation in calculations)
+    return (points * (BYTES_PER_POINT + maps * MAP_BYTES_PER_POINT),
+            points * maps * FILE_BYTES_PER_POINT, seconds)
+
+
+def available_bytes():
+    """Memory that processes can have without swapping; None where that is not known."""
+    with contextlib.suppress(OSError):
+        found = re.search(r"^MemAvailable:\s+(\d+) kB",
+                          pathlib.Path("/proc/meminfo").read_text(encoding="ascii"), re.MULTILINE)
+        if found:
+            return 1024 * int(found[1])
+    return None
+
+
+# ---------------------------------------------------------------------------------------- input
+
+
+def molecule_name(index):
+    return f"molecule{index + 1}"
+
+
+def plan(molecules, surfaces):
+    """The calculations: all molecules with all surfaces, and the reference of a molecule alone."""
+    kinds = [*surfaces, REFERENCE] if len(molecules) == 1 else surfaces
+    return [Calculation(f"{molecule_name(index)}-{surface}", index, surface)
+            for surface in kinds for index in range(len(molecules))]
+
+
+def elec_section(calculation, grid, settings):
+    """The `elec` section of a calculation."""
+    is_reference = calculation.surface == REFERENCE
+    lines = [
+        "mg-manual",
+        "dime " + " ".join(map(str, grid.points)),
+        "grid " + " ".join([repr(grid.spacing)] * 3),
+        "gcent " + " ".join(map(repr, grid.center)),
+        f"mol {calculation.molecule + 1}",
+        "lpbe",
+        f"bcfl {settings.boundary}",
+        f"pdie {settings.solute_dielectric!r}",
+        f"sdie {settings.solute_dielectric if is_reference else settings.solvent_dielectric!r}",
+        f"chgm {settings.charges}",
+        # Without a boundary, or with that of the maps, APBS need not look for one.
+        f"srfm {calculation.surface if calculation.surface in (MOL, SMOL) else MOL}",
+        f"srad {settings.probe_radius if calculation.surface in (MOL, SMOL) else 0.0!r}",
+        "swin 0.3",
+        "sdens 10.0",
+        f"temp {settings.temperature!r}",
+        "calcenergy total",
+        "calcforce no",
+    ]
+    if settings.ionic_strength > 0 and not is_reference:
+        lines += [f"ion charge {charge} conc {settings.ionic_strength!r} "
+                  f"radius {settings.ion_radius!r}" for charge in (1, -1)]
+    if has_map(calculation):
+        lines += [f"usemap diel {calculation.molecule + 1}"]
+        if settings.ionic_strength > 0:
+            lines += [f"usemap kappa {calculation.molecule + 1}"]
+    return "\n    ".join([f"elec name {calculation.name}", *lines]) + "\nend\n"
+
+
+def input_text(molecules, calculations, grid, settings):
+    """The input file of APBS. Maps and molecules are numbered in the order of the `read` section."""
+    names = [molecule_name(index) for index in range(len(molecules))]
+    reads = [f"mol pqr {name}.pqr" for name in names]
+    if any(map(has_map, calculations)):
+        reads += [f"diel dx {name}-x.dx {name}-y.dx {name}-z.dx" for name in names]
+        if settings.ionic_strength > 0:
+            reads += [f"kappa dx {name}-kappa.dx" for name in names]
+    sections = ["\n    ".join(["read", *reads]) + "\nend\n"]
+    sections += [elec_section(calculation, grid, settings) for calculation in calculations]
+    for surface in dict.fromkeys(calculation.surface for calculation in calculations):
+        if surface != REFERENCE:
+            terms = [f"{names[0]}-{surface}", *subtracted(molecules, surface)]
+            sections.append(f"print elecEnergy {' - '.join(terms)} end\n")
+    return "\n".join([*sections, "quit\n"])
+
+
+def write_pqr(path, atoms):
+    """The atoms as APBS reads them, with the digits that they have."""
+    with open(path, "w", encoding="ascii") as target:
+        for number, atom in enumerate(atoms, 1):
+            target.write(f"ATOM {number} X MOL 1 {' '.join(map(repr, atom))}\n")
+
+
+def map_command(program, atoms, name, grid, settings):
+    """The call of eses-blocks that writes NAME-x.dx, NAME-y.dx, NAME-z.dx and NAME-kappa.dx."""
+    command = [program, atoms, "--format", "pqr",
+               "--probe-radius", repr(settings.probe_radius), "--spacing", repr(grid.spacing),
+               "--grid-center=" + ",".join(map(repr, grid.center)),
+               "--grid-points", ",".join(map(str, grid.points)),
+               "--dielectric", f"{name}-",
+               "--solute-dielectric", repr(settings.solute_dielectric),
+               "--solvent-dielectric", repr(settings.solvent_dielectric),
+               "--write", "none", "--independent", "--json"]
+    if settings.ionic_strength > 0:
+        command += ["--kappa", f"{name}-kappa.dx", "--ion-radius", repr(settings.ion_radius)]
+    return command
+
+
+def write_maps(program, molecule, name, grid, settings, folder):
+    """Runs eses-blocks in the folder; its messages. Throws Failed if it fails."""
+    with tempfile.TemporaryDirectory() as scratch:
+        scratch = pathlib.Path(scratch)
+        # The user's own file, so that messages name its lines.
+        atoms = unpacked(molecule.path, scratch).absolute()
+        with open(scratch / "messages", "w+", encoding="utf-8", errors="replace") as messages, \
+                open(scratch / "report", "w", encoding="utf-8") as report:
+            code, _, _ = measuring.run(map_command(program, atoms, name, grid, settings), report,
+                                       messages, cwd=folder)
+            messages.seek(0)
+            told = messages.read().strip().replace(str(atoms), str(molecule.path))
+    told = re.sub(r"^eses-blocks: (error: )?", "", told, flags=re.MULTILINE)
+    if code != 0:
+        raise Failed(told or f"{program}: exit code {code}")
+    return told
+
+
+# ----------------------------------------------------------------------------------------- APBS
+
+
+def find_apbs(script):
+    """APBS in PATH; the script of the same name is not meant. Throws Failed if there is none."""
+    for folder in os.get_exec_path():
+        found = shutil.which("apbs", path=folder)
+        if found and not os.path.samefile(found, script):
+            return os.path.abspath(found)
+    raise Failed("APBS is not installed; install it with `apt-get install apbs`")
+
+
+def failure(log):
+    """The last line of APBS's output that tells of an error."""
+    told = [line.strip() for line in log.splitlines()
+            if re.search(r"error|fail|fatal|unable|invalid|off .*map", line, re.IGNORECASE)]
+    # The first is said at the end of every map, the second follows upon a line that says more.
+    told = [line for line in told if "bailing out" not in line and "VASSERT" not in line]
+    return (told or log.strip().splitlines() or ["no message"])[-1]
+
+
+def parse_energies(text):
+    """Total energies by calculation name, from APBS's flat output file."""
+    return {name: float(value) for name, value in
+            re.findall(r"^elec name (\S+)$.*?^\s+totEnergy (\S+) kJ/mol$", text,
+                       re.MULTILINE | re.DOTALL)}
+
+
+def run_apbs(apbs, calculations, folder):
+    """Runs APBS in the folder with the input file there. Throws Failed unless all energies are
+    finite numbers."""
+    (folder / ENERGIES).unlink(missing_ok=True)
+    with open(folder / LOG, "w", encoding="utf-8") as log:
+        code, seconds, usage = measuring.run(
+            [apbs, f"--output-file={ENERGIES}", "--output-format=flat", INPUT], log, log,
+            cwd=folder)
+    told = (folder / LOG).read_text(encoding="utf-8", errors="replace")
+    (folder / "io.mc").unlink(missing_ok=True)  # a log of a library of APBS
+    if code != 0 or not (folder / ENERGIES).is_file():
+        raise Failed(f"APBS fails (exit code {code}): {failure(told)}")
+    energies = parse_energies((folder / ENERGIES).read_text(encoding="utf-8", errors="replace"))
+    for calculation in calculations:
+        energy = energies.get(calculation.name)
+        if energy is None:
+            raise Failed(f"APBS gives no energy of {calculation.name}: {failure(told)}")
+        if not math.isfinite(energy):
+            raise Failed(f"APBS gives the energy {energy} for {calculation.name}; its solver does "
+                         "not converge")
+    return Result(energies, seconds, usage.ru_maxrss * 1024)
+
+
+def compute(program, apbs, molecules, calculations, grid, settings, folder, progress=lambda _: None,
+            warn=lambda _: None):
+    """Makes the maps and runs APBS in `folder`, where all files stay."""
+    for index, molecule in enumerate(molecules):
+        name = molecule_name(index)
+        write_pqr(folder / f"{name}.pqr", molecule.atoms)
+        if any(map(has_map, calculations)):
+            progress(f"dielectric maps of {molecule.path}")
+            told = write_maps(program, molecule, name, grid, settings, folder)
+            if told:
+                warn(told)
+    (folder / INPUT).write_text(input_text(molecules, calculations, grid, settings),
+                                encoding="ascii")
+    progress(f"APBS: {len(calculations)} calculation{'s' if len(calculations) > 1 else ''}")
+    return run_apbs(apbs, calculations, folder)
+
+
+def subtracted(molecules, surface):
+    """Names of the calculations whose energies are subtracted from that of the first molecule."""
+    if len(molecules) == 1:
+        return [f"{molecule_name(0)}-{REFERENCE}"]
+    return [f"{molecule_name(index)}-{surface}" for index in range(1, len(molecules))]
+
+
+def difference(molecules, surface, energies):
+    """Solvation energy of one molecule or binding energy of several, in kJ/mol."""
+    return energies[f"{molecule_name(0)}-{surface}"] - sum(
+        energies[name] for name in subtracted(molecules, surface))

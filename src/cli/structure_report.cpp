@@ -1,0 +1,124 @@
+#include "cli/structure_report.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <string_view>
+#include <vector>
+
+#include "io/text_fields.hpp"
+
+namespace eses::detail::cli {
+namespace {
+
+/// A count and how it is called, in the text and in JSON.
+struct Count {
+  std::string_view one, several;
+  std::string_view key;
+  std::uint64_t StructureReport::*member;
+};
+
+constexpr std::array kept_counts{
+    Count{"ATOM record", "ATOM records", "atom_records", &StructureReport::atom_records},
+    Count{"HETATM record", "HETATM records", "hetatm_records", &StructureReport::hetatm_records},
+    Count{"atom of water", "atoms of water", "waters", &StructureReport::waters},
+};
+
+constexpr std::array dropped_counts{
+    Count{"atom of other chains", "atoms of other chains", "chains",
+          &StructureReport::dropped_chains},
+    Count{"atom not selected", "atoms not selected", "selection",
+          &StructureReport::dropped_selection},
+    Count{"atom of water", "atoms of water", "waters", &StructureReport::dropped_waters},
+    Count{"HETATM record", "HETATM records", "hetatm_records", &StructureReport::dropped_hetatm},
+    Count{"hydrogen", "hydrogens", "hydrogens", &StructureReport::dropped_hydrogens},
+    Count{"atom of another alternate location", "atoms of other alternate locations", "altlocs",
+          &StructureReport::dropped_altlocs},
+    Count{"image that coincides with its atom", "images that coincide with their atom", "images",
+          &StructureReport::dropped_images},
+};
+
+std::string counts_text(const StructureReport& report, const auto& counts) {
+  std::vector<std::string> parts;
+  for (const Count& count : counts)
+    if (const std::uint64_t value = report.*count.member; value > 0)
+      parts.push_back(fmt::format("{} {}", value, value == 1 ? count.one : count.several));
+  return fmt::format("{}", fmt::join(parts, ", "));
+}
+
+json::Value counts_json(const StructureReport& report, const auto& counts) {
+  json::Value object = json::Value::object();
+  for (const Count& count : counts) object.update({{std::string(count.key), report.*count.member}});
+  return object;
+}
+
+std::uint64_t count_atoms(const std::vector<RadiusSource>& sources) {
+  std::uint64_t atoms = 0;
+  for (const RadiusSource& source : sources) atoms += source.count;
+  return atoms;
+}
+
+/// `12 by element (HEM FE 1.26, ...)`
+std::string sources_text(const std::vector<RadiusSource>& sources, std::string_view how) {
+  if (sources.empty()) return "";
+  constexpr std::size_t max_names = 4;
+  std::vector<std::string> names;
+  for (std::size_t i = 0; i < std::min(max_names, sources.size()); ++i)
+    names.push_back(printable(
+        fmt::format("{} {} {}", sources[i].residue, sources[i].atom_name, sources[i].radius)));
+  if (sources.size() > max_names) names.emplace_back("...");
+  const std::uint64_t atoms = count_atoms(sources);
+  return fmt::format("; {} {} {} ({})", atoms, atoms == 1 ? "atom" : "atoms", how,
+                     fmt::join(names, ", "));
+}
+
+json::Value sources_json(const std::vector<RadiusSource>& sources) {
+  json::Value items = json::Value::array();
+  for (const RadiusSource& source : sources)
+    items.push_back({{"residue", source.residue},
+                     {"atom_name", source.atom_name},
+                     {"element", source.element},
+                     {"radius", source.radius},
+                     {"count", source.count}});
+  return items;
+}
+
+std::string model_text(const StructureReport& report) {
+  return report.models < 2
+             ? ""
+             : fmt::format(" of model {} ({} models)", printable(report.model), report.models);
+}
+
+std::string assembly_text(const StructureReport& report) {
+  if (report.assembly.empty()) return "";
+  return fmt::format("; assembly {} by {} {}", printable(report.assembly), report.operators,
+                     report.operators == 1 ? "operator" : "operators");
+}
+
+}  // namespace
+
+std::string structure_text(const StructureReport& report) {
+  const std::string dropped = counts_text(report, dropped_counts);
+  return fmt::format("read: {}{}{}\n{}radii: {}{}{}\n", counts_text(report, kept_counts),
+                     model_text(report), assembly_text(report),
+                     dropped.empty() ? "" : fmt::format("left out: {}\n", dropped),
+                     printable(report.radii), sources_text(report.by_element, "by element"),
+                     sources_text(report.unknown, "of unknown radius"));
+}
+
+json::Value structure_json(const StructureReport& report) {
+  return {{"model", report.model},
+          {"models", report.models},
+          {"assembly", report.assembly.empty() ? json::Value() : json::Value(report.assembly)},
+          {"operators", report.operators},
+          {"read", counts_json(report, kept_counts)},
+          {"left_out", counts_json(report, dropped_counts)},
+          {"radii", report.radii},
+          {"radii_by_element", sources_json(report.by_element)},
+          {"unknown_radii", sources_json(report.unknown)}};
+}
+
+}  // namespace eses::detail::cli

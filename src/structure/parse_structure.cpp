@@ -1,0 +1,650 @@
+// The only file that includes gemmi, which takes long to compile.
+
+// gemmi would print numbers by stb_sprintf, which Debian has in another package; none are printed.
+#define USE_STD_SNPRINTF
+
+#include "structure/parse_structure.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <charconv>
+#include <cmath>
+#include <cstring>
+#include <gemmi/assembly.hpp>
+#include <gemmi/cif.hpp>
+#include <gemmi/mmcif.hpp>
+#include <gemmi/pdb.hpp>
+#include <gemmi/polyheur.hpp>
+#include <gemmi/select.hpp>
+#include <limits>
+#include <map>
+#include <new>
+#include <set>
+#include <span>
+#include <unordered_map>
+#include <utility>
+
+#include "eses/error.hpp"
+#include "io/text_fields.hpp"
+
+namespace eses::detail {
+namespace {
+
+// Far beyond any molecule, as for other formats.
+constexpr double max_length = 1e6;  // angstrom
+
+[[noreturn]] void fail(std::string_view name, std::uint64_t line, std::string_view what) {
+  throw Error(fmt::format("{}:{}: {}", name, line, what));
+}
+
+/// The first line of a message of gemmi, as ours are written.
+std::string message_of(std::string_view what) {
+  what = what.substr(0, what.find('\n'));
+  // The caller names file and line.
+  if (what.starts_with("Problem in line "))
+    what.remove_prefix(std::min(what.size(), what.find(':') + 2));
+  while (what.ends_with('.') || what.ends_with(':') || what.ends_with(' ')) what.remove_suffix(1);
+  return printable(what);
+}
+
+// ------------------------------------------------------------------------------------------- PDB
+
+/// A PDB text as gemmi reads it, line by line. Atoms get the number of their line as serial number,
+/// and coordinates are checked, because gemmi reads text that is no number as 0.
+class PdbLines {
+ public:
+  PdbLines(std::string_view text, std::string_view name) : rest_(text), name_(name) {}
+
+  std::uint64_t line() const { return line_; }
+
+  // What gemmi calls, as the functions of <cstdio>.
+  char* gets(char* buffer, int size) {
+    if (rest_.empty()) return nullptr;
+    ++line_;
+    const std::size_t room = static_cast<std::size_t>(size) - 1;
+    const std::size_t end = rest_.substr(0, room).find('\n');
+    const std::size_t length = end == rest_.npos ? std::min(room, rest_.size()) : end + 1;
+    std::memcpy(buffer, rest_.data(), length);
+    buffer[length] = '\0';
+    rest_.remove_prefix(length);
+    if (gemmi::pdb_impl::is_record_type(buffer, "ATOM") ||
+        gemmi::pdb_impl::is_record_type(buffer, "HETATM"))
+      prepare_atom(buffer, length);
+    return buffer;
+  }
+
+  int getc() {
+    if (rest_.empty()) return EOF;
+    const char c = rest_.front();
+    rest_.remove_prefix(1);
+    return static_cast<unsigned char>(c);
+  }
+
+ private:
+  // https://www.wwpdb.org/documentation/file-format-content/format33/sect9.html
+  static constexpr std::size_t serial_column = 6, serial_width = 5;
+  static constexpr std::size_t name_column = 12, name_width = 4;
+  static constexpr std::size_t residue_column = 17, residue_width = 3;
+  static constexpr std::size_t element_column = 76, charge_column = 78;
+  static constexpr std::size_t coordinate_column = 30, coordinate_width = 8;
+  static constexpr std::size_t end_of_coordinates = coordinate_column + 3 * coordinate_width;
+
+  void prepare_atom(char* buffer, std::size_t length) {
+    while (length > 0 && (buffer[length - 1] == '\n' || buffer[length - 1] == '\r')) --length;
+    const std::string_view record(buffer, length);
+    if (length < end_of_coordinates)
+      fail(name_, line_, "the record ends before its coordinates; the file seems to be damaged");
+    for (std::size_t axis = 0; axis < 3; ++axis)
+      check_coordinate(record.substr(coordinate_column + axis * coordinate_width, coordinate_width),
+                       "xyz"[axis]);
+    write_line_number(buffer + serial_column);
+    // Charges are not used, and old files have line numbers there.
+    if (length > charge_column) std::memset(buffer + charge_column, ' ', length - charge_column);
+    if (!has_element(record)) write_element(buffer, length);
+  }
+
+  static bool has_element(std::string_view record) {
+    return record.size() > element_column + 1 &&
+           (is_letter(record[element_column]) || is_letter(record[element_column + 1]));
+  }
+
+  // Writes the element where gemmi would take it from the columns of the atom's name, which are
+  // those of calcium and mercury if the name is not aligned: `CA  ` and `HG  ` in an amino acid.
+  static void write_element(char* buffer, std::size_t length) {
+    const std::string_view record(buffer, length);
+    const std::string_view name = column_text(record, name_column, name_width);
+    const std::string_view residue = column_text(record, residue_column, residue_width);
+    const char element = element_by_name(name, residue);
+    if (element == '\0') return;
+    for (; length < element_column; ++length) buffer[length] = ' ';
+    std::memcpy(buffer + element_column, std::array{' ', element, '\n', '\0'}.data(), 4);
+  }
+
+  // 0 if the name does not tell. `HG` in a residue HG is mercury.
+  static char element_by_name(std::string_view name, std::string_view residue) {
+    const bool is_ion = name == residue;
+    while (!name.empty() && is_digit(name.front())) name.remove_prefix(1);
+    if (name.empty() || is_ion || name.starts_with("SE")) return '\0';
+    const char first = name.front();
+    if (first == 'H' || first == 'D') return first;
+    const gemmi::ResidueInfo& info = gemmi::find_tabulated_residue(std::string(residue));
+    const bool is_polymer = info.is_amino_acid() || info.is_nucleic_acid();
+    return is_polymer && std::string_view("CNOSP").find(first) != std::string_view::npos ? first
+                                                                                         : '\0';
+  }
+
+  static std::string_view column_text(std::string_view record, std::size_t first,
+                                      std::size_t width) {
+    return without_trailing_blanks(without_leading_blanks(record.substr(first, width)));
+  }
+
+  void check_coordinate(std::string_view column, char axis) const {
+    const std::string_view field = without_trailing_blanks(without_leading_blanks(column));
+    double value = 0;
+    if (parse_number(field, value) != std::errc{} || !std::isfinite(value))
+      fail(name_, line_,
+           fmt::format("expected a number for {} in columns {} to {}, found {}", axis,
+                       coordinate_column + 1 + coordinate_width * (axis - 'x'),
+                       coordinate_column + coordinate_width * (axis - 'w'), quoted(field)));
+  }
+
+  // Five digits, or from 100000 on the hybrid-36 numbers that gemmi reads:
+  // http://cci.lbl.gov/hybrid_36
+  void write_line_number(char* target) const {
+    constexpr std::uint64_t first_hybrid = 100000, hybrid_offset = 16796160, hybrid_end = 60466176;
+    std::uint64_t number = line_;
+    if (number >= first_hybrid) number += hybrid_offset - first_hybrid;
+    if (number >= hybrid_end) fail(name_, line_, "too many lines for a PDB file");
+    const unsigned base = line_ < first_hybrid ? 10 : 36;
+    for (std::size_t digit = serial_width; digit-- > 0; number /= base)
+      target[digit] = "0123456789ABCDEFGHIJKLMNOPQRSTUVWXYZ"[number % base];
+  }
+
+  std::string_view rest_, name_;
+  std::uint64_t line_ = 0;
+};
+
+gemmi::Structure parse_pdb(const StructureText& input) {
+  PdbLines lines(input.text, input.name);
+  try {
+    return gemmi::pdb_impl::read_pdb_from_stream(lines, std::string(input.name),
+                                                 gemmi::PdbReadOptions());
+  } catch (const Error&) {
+    throw;
+  } catch (const std::bad_alloc&) {
+    throw;
+  } catch (const std::exception& error) {
+    fail(input.name, lines.line(), message_of(error.what()));
+  }
+}
+
+// ----------------------------------------------------------------------------------------- mmCIF
+
+/// A document, and the line of the first value in each row of the atoms' table.
+struct NumberedDocument : gemmi::cif::Document {
+  std::vector<std::uint64_t> atom_lines;
+};
+
+constexpr std::string_view atom_category = "_atom_site.";
+
+template <class Rule>
+struct NumberingAction : gemmi::cif::Action<Rule> {};
+
+template <>
+struct NumberingAction<gemmi::cif::rules::loop_value> {
+  template <class Input>
+  static void apply(const Input& in, NumberedDocument& document) {
+    const gemmi::cif::Loop& loop = document.items_->back().loop;
+    if (loop.values.size() % loop.tags.size() == 0 && loop.tags.front().starts_with(atom_category))
+      document.atom_lines.push_back(in.iterator().line);
+    gemmi::cif::Action<gemmi::cif::rules::loop_value>::apply(in, document);
+  }
+};
+
+/// Gives the atoms the numbers of their lines, which gemmi then reads as their serial numbers.
+/// Their anisotropic displacements, which refer to the former numbers, are removed.
+void number_atoms(NumberedDocument& document) {
+  std::size_t row = 0;
+  for (gemmi::cif::Block& block : document.blocks) {
+    for (gemmi::cif::Item& item : block.items) {
+      // A table of one atom need not be a loop.
+      if (item.type == gemmi::cif::ItemType::Pair && item.pair[0] == "_atom_site.id")
+        item.pair[1] = std::to_string(item.line_number);
+      if (item.type != gemmi::cif::ItemType::Loop || item.loop.tags.empty()) continue;
+      gemmi::cif::Loop& loop = item.loop;
+      if (loop.tags.front().starts_with("_atom_site_anisotrop.")) {
+        item.erase();
+        continue;
+      }
+      if (!loop.tags.front().starts_with(atom_category)) continue;
+      const std::size_t rows = loop.length();
+      if (const int id = loop.find_tag("_atom_site.id"); id >= 0)
+        for (std::size_t i = 0; i < rows && row + i < document.atom_lines.size(); ++i)
+          loop.values[i * loop.width() + static_cast<std::size_t>(id)] =
+              std::to_string(document.atom_lines[row + i]);
+      row += rows;
+    }
+  }
+}
+
+gemmi::Structure parse_mmcif(const StructureText& input) {
+  try {
+    NumberedDocument document;
+    document.source = input.name;
+    gemmi::cif::pegtl::memory_input<> in(input.text.data(), input.text.size(),
+                                         std::string(input.name));
+    gemmi::cif::pegtl::parse<gemmi::cif::rules::file, NumberingAction, gemmi::cif::Errors>(
+        in, document);
+    gemmi::cif::check_for_missing_values(document);
+    gemmi::cif::check_for_duplicates(document);
+    number_atoms(document);
+    return gemmi::make_structure(document);
+  } catch (const tao::pegtl::parse_error& error) {
+    fail(input.name, error.positions().front().line, message_of(error.message()));
+  } catch (const std::bad_alloc&) {
+    throw;
+  } catch (const std::exception& error) {
+    throw Error(fmt::format("{}: {}", input.name, message_of(error.what())));
+  }
+}
+
+// ------------------------------------------------------------------------------------- selection
+
+gemmi::Model& find_model(gemmi::Structure& structure, int number, std::string_view name) {
+  if (structure.models.empty() || structure.models.front().chains.empty())
+    throw Error(fmt::format("{}: no atoms found", name));
+  if (number == 0) return structure.models.front();
+  gemmi::Model* const model = structure.find_model(std::to_string(number));
+  if (model != nullptr && !model->chains.empty()) return *model;
+  throw Error(fmt::format(
+      "{}: there is no model {} (--model); the file has {}, from {} to {}", name, number,
+      structure.models.size() == 1 ? "one model"
+                                   : fmt::format("{} models", structure.models.size()),
+      printable(structure.models.front().name), printable(structure.models.back().name)));
+}
+
+std::uint64_t count_atoms(const gemmi::Residue& residue) { return residue.atoms.size(); }
+
+std::uint64_t count_atoms(const gemmi::Chain& chain) {
+  std::uint64_t count = 0;
+  for (const gemmi::Residue& residue : chain.residues) count += count_atoms(residue);
+  return count;
+}
+
+/// Removes the items for which `is_dropped` holds and returns how many atoms they have.
+template <class Item, class Predicate>
+std::uint64_t drop(std::vector<Item>& items, const Predicate& is_dropped) {
+  std::uint64_t atoms = 0;
+  gemmi::vector_remove_if(items, [&](const Item& item) {
+    if (!is_dropped(item)) return false;
+    atoms += count_atoms(item);
+    return true;
+  });
+  return atoms;
+}
+
+std::uint64_t drop_atoms(gemmi::Model& model, const auto& is_dropped) {
+  std::uint64_t count = 0;
+  for (gemmi::Chain& chain : model.chains)
+    for (gemmi::Residue& residue : chain.residues) {
+      const std::size_t before = residue.atoms.size();
+      gemmi::vector_remove_if(residue.atoms, is_dropped);
+      count += before - residue.atoms.size();
+    }
+  return count;
+}
+
+std::uint64_t drop_residues(gemmi::Model& model, const auto& is_dropped) {
+  std::uint64_t count = 0;
+  for (gemmi::Chain& chain : model.chains) count += drop(chain.residues, is_dropped);
+  return count;
+}
+
+std::uint64_t keep_chains(gemmi::Model& model, const std::vector<std::string>& names,
+                          std::string_view file) {
+  if (names.empty()) return 0;
+  std::set<std::string> known;
+  for (const gemmi::Chain& chain : model.chains) known.insert(chain.name);
+  for (const std::string& name : names)
+    if (!known.contains(name))
+      throw Error(fmt::format("{}: there is no chain {} (--chains); its chains are {}", file,
+                              detail::quoted(name),
+                              detail::quoted(fmt::format("{}", fmt::join(known, ",")))));
+  return drop(model.chains, [&](const gemmi::Chain& chain) {
+    return std::find(names.begin(), names.end(), chain.name) == names.end();
+  });
+}
+
+gemmi::Selection parse_selection(const std::string& text) {
+  try {
+    return gemmi::Selection(text);
+  } catch (const std::exception& error) {
+    throw Error(fmt::format("--select: {}", message_of(error.what())));
+  }
+}
+
+std::uint64_t keep_selected(gemmi::Structure& structure, gemmi::Model& model,
+                            const std::string& text, std::string_view file) {
+  if (text.empty()) return 0;
+  const gemmi::Selection selection = parse_selection(text);
+  if (!selection.matches(model))
+    throw Error(fmt::format("{}: --select is of model {}, but model {} is read; use --model {}",
+                            file, selection.mdl, printable(model.name), selection.mdl));
+  // The kinds of residues, such as ;polymer, are found out only if they are selected.
+  if (!selection.entity_types.all) gemmi::setup_entities(structure);
+  std::uint64_t count =
+      drop(model.chains, [&](const gemmi::Chain& chain) { return !selection.matches(chain); });
+  count += drop_residues(
+      model, [&](const gemmi::Residue& residue) { return !selection.matches(residue); });
+  return count +
+         drop_atoms(model, [&](const gemmi::Atom& atom) { return !selection.matches(atom); });
+}
+
+// --------------------------------------------------------------------------- alternate locations
+
+/// Residues of a chain with the same number: one, or several that occupy one place.
+using ResidueGroup = std::span<gemmi::Residue>;
+
+std::vector<ResidueGroup> residue_groups(gemmi::Chain& chain) {
+  std::vector<ResidueGroup> groups;
+  const auto end = chain.residues.end();
+  for (auto first = chain.residues.begin(); first != end;) {
+    const auto last = std::find_if(
+        first, end, [&](const gemmi::Residue& residue) { return residue.seqid != first->seqid; });
+    groups.emplace_back(first, last);
+    first = last;
+  }
+  return groups;
+}
+
+/// Mean occupancies by alternate location; empty if there are no alternate locations.
+std::map<char, double> mean_occupancies(ResidueGroup group) {
+  std::map<char, std::pair<double, double>> sums;
+  for (const gemmi::Residue& residue : group)
+    for (const gemmi::Atom& atom : residue.atoms)
+      if (atom.altloc != '\0') {
+        auto& [sum, count] = sums[atom.altloc];
+        sum += static_cast<double>(atom.occ);
+        ++count;
+      }
+  std::map<char, double> means;
+  for (const auto& [altloc, sum] : sums) means[altloc] = sum.first / sum.second;
+  return means;
+}
+
+/// The location with the highest occupancy, of equal ones the first; 0 if there is none.
+char best_altloc(const std::map<char, double>& occupancies) {
+  constexpr double equal_occupancies = 1e-5;  // files have two or three decimals
+  char best = '\0';
+  double highest = -std::numeric_limits<double>::infinity();
+  for (const auto& [altloc, occupancy] : occupancies)
+    if (occupancy > highest + equal_occupancies) {
+      best = altloc;
+      highest = occupancy;
+    }
+  return best;
+}
+
+/// Keeps one location of each atom: `chosen`, or where an atom does not have that, the location of
+/// its own highest occupancy. Returns the number of atoms left out.
+std::uint64_t keep_altloc(gemmi::Residue& residue, char chosen) {
+  std::map<std::string, std::map<char, double>> by_name;
+  for (const gemmi::Atom& atom : residue.atoms)
+    if (atom.altloc != '\0') by_name[atom.name][atom.altloc] = static_cast<double>(atom.occ);
+  const std::size_t before = residue.atoms.size();
+  gemmi::vector_remove_if(residue.atoms, [&](const gemmi::Atom& atom) {
+    if (atom.altloc == '\0') return false;
+    const auto& locations = by_name[atom.name];
+    return atom.altloc != (locations.contains(chosen) ? chosen : best_altloc(locations));
+  });
+  return before - residue.atoms.size();
+}
+
+/// Whether a residue is one of several at its place, and not the chosen one.
+bool is_other_residue(ResidueGroup group, const gemmi::Residue& residue, char chosen) {
+  if (group.size() == 1 || chosen == '\0') return false;
+  return std::all_of(residue.atoms.begin(), residue.atoms.end(), [&](const gemmi::Atom& atom) {
+    return atom.altloc != '\0' && atom.altloc != chosen;
+  });
+}
+
+std::uint64_t keep_altlocs(gemmi::Model& model, const std::string& wanted, std::string_view file) {
+  const char altloc = wanted.empty() ? '\0' : wanted.front();
+  std::uint64_t dropped = 0;
+  bool is_known = wanted.empty();
+  for (gemmi::Chain& chain : model.chains)
+    for (const ResidueGroup group : residue_groups(chain)) {
+      const std::map<char, double> occupancies = mean_occupancies(group);
+      if (occupancies.empty()) continue;
+      const bool has_wanted = occupancies.contains(altloc);
+      is_known = is_known || has_wanted;
+      const char chosen = has_wanted ? altloc : best_altloc(occupancies);
+      for (gemmi::Residue& residue : group) {
+        if (is_other_residue(group, residue, chosen)) {
+          dropped += residue.atoms.size();
+          residue.atoms.clear();
+        } else {
+          dropped += keep_altloc(residue, chosen);
+        }
+      }
+    }
+  if (!is_known)
+    throw Error(fmt::format("{}: no atom has the alternate location {} (--altloc)", file,
+                            printable(wanted)));
+  return dropped;
+}
+
+// --------------------------------------------------------------------------------- atoms as data
+
+bool is_hetatm(const gemmi::Residue& residue) { return residue.het_flag == 'H'; }
+
+/// Turns gemmi's chains into atoms.
+class AtomList {
+ public:
+  AtomList(SelectedStructure& result, std::string_view file) : result_(result), file_(file) {}
+
+  /// Adds the atoms for which `is_taken` holds, under the name `chain_name`.
+  void add(const gemmi::Chain& chain, const std::string& chain_name, const auto& is_taken) {
+    for (const gemmi::Residue& residue : chain.residues) {
+      const auto number = static_cast<std::uint32_t>(result_.residues.size());
+      result_.residues.push_back({chain_name, residue.name, residue.seqid.str()});
+      for (const gemmi::Atom& atom : residue.atoms)
+        if (is_taken(residue, atom)) add(atom, number);
+    }
+  }
+
+ private:
+  void add(const gemmi::Atom& atom, std::uint32_t residue) {
+    const auto line = static_cast<std::uint64_t>(atom.serial);
+    const gemmi::Position& at = atom.pos;
+    for (const double value : {at.x, at.y, at.z})
+      if (!(std::fabs(value) <= max_length))
+        fail(file_, line,
+             fmt::format("expected coordinates of at most {:.0f} angstrom", max_length));
+    result_.atoms.push_back({{at.x, at.y, at.z},
+                             line,
+                             residue,
+                             name_index(atom.name),
+                             static_cast<std::uint8_t>(atom.element.atomic_number()),
+                             atom.is_hydrogen()});
+  }
+
+  std::uint32_t name_index(const std::string& name) {
+    const auto next = static_cast<std::uint32_t>(result_.atom_names.size());
+    const auto [found, is_new] = names_.emplace(name, next);
+    if (is_new) result_.atom_names.push_back(name);
+    return found->second;
+  }
+
+  SelectedStructure& result_;
+  std::string_view file_;
+  std::unordered_map<std::string, std::uint32_t> names_;
+};
+
+void sort_by_line(std::vector<StructureAtom>& atoms) {
+  const auto is_before = [](const StructureAtom& a, const StructureAtom& b) {
+    return a.line < b.line;
+  };
+  if (!std::is_sorted(atoms.begin(), atoms.end(), is_before))
+    std::stable_sort(atoms.begin(), atoms.end(), is_before);
+}
+
+// ------------------------------------------------------------------------------------ assemblies
+
+/// Names of the copies of chains: A for the first one, then, as in the PDB's own files of
+/// assemblies. Two operators are the same if they move atoms alike.
+class CopyNames {
+ public:
+  explicit CopyNames(const gemmi::Model& model) {
+    for (const gemmi::Chain& chain : model.chains) used_.insert(chain.name);
+  }
+
+  void begin_operator(const gemmi::Transform& transform) {
+    constexpr double equal_transforms = 1e-6;
+    const auto found = std::find_if(
+        transforms_.begin(), transforms_.end(),
+        [&](const gemmi::Transform& other) { return other.approx(transform, equal_transforms); });
+    operator_ = static_cast<std::size_t>(found - transforms_.begin());
+    if (found == transforms_.end()) transforms_.push_back(transform);
+  }
+
+  const std::string& name_of(const std::string& chain) {
+    std::map<std::size_t, std::string>& copies = names_[chain];
+    const auto [found, is_new] = copies.emplace(operator_, chain);
+    if (is_new && copies.size() > 1) {
+      for (std::size_t n = copies.size(); used_.contains(found->second); ++n)
+        found->second = fmt::format("{}-{}", chain, n);
+      used_.insert(found->second);
+    }
+    return found->second;
+  }
+
+ private:
+  std::set<std::string> used_;
+  std::vector<gemmi::Transform> transforms_;
+  std::size_t operator_ = 0;
+  std::map<std::string, std::map<std::size_t, std::string>> names_;
+};
+
+/// Tells which images of an atom coincide with an earlier one. Ligands, ions and waters on an axis
+/// of symmetry are in the file once and have several images at the same place.
+class CoincidentImages {
+ public:
+  bool is_known(const gemmi::Residue& residue, const gemmi::Atom& atom) {
+    constexpr double distance = 0.5;  // angstrom; atoms are never so close
+    if (!is_hetatm(residue)) return false;
+    std::vector<gemmi::Position>& images = images_[atom.serial];
+    for (const gemmi::Position& image : images)
+      if (image.dist_sq(atom.pos) < distance * distance) return true;
+    images.push_back(atom.pos);
+    return false;
+  }
+
+ private:
+  std::unordered_map<int, std::vector<gemmi::Position>> images_;
+};
+
+const gemmi::Assembly& find_assembly(gemmi::Structure& structure, const std::string& id,
+                                     std::string_view file) {
+  if (const gemmi::Assembly* const found = structure.find_assembly(id)) return *found;
+  std::vector<std::string> ids;
+  for (const gemmi::Assembly& assembly : structure.assemblies)
+    ids.push_back(printable(assembly.name));
+  throw Error(fmt::format("{}: there is no assembly {} (--assembly); {}", file, detail::quoted(id),
+                          ids.empty()
+                              ? "the file describes none"
+                              : fmt::format("its assemblies are {}", fmt::join(ids, ", "))));
+}
+
+void build_assembly(const gemmi::Assembly& assembly, const gemmi::Model& model,
+                    const StructureText& text,
+                    const std::function<void(std::uint64_t bytes)>& require_memory,
+                    SelectedStructure& result) {
+  AtomList list(result, text.name);
+  CopyNames names(model);
+  CoincidentImages images;
+  result.report.operators = 0;
+  for (const gemmi::Assembly::Gen& generator : assembly.generators)
+    for (const gemmi::Assembly::Operator& one : generator.operators) {
+      ++result.report.operators;
+      names.begin_operator(one.transform);
+      gemmi::Assembly part(assembly.name);
+      part.generators.push_back({generator.chains, generator.subchains, {one}});
+      const gemmi::Model copy =
+          gemmi::make_assembly(part, model, gemmi::HowToNameCopiedChain::Dup, nullptr);
+      const std::uint64_t added = gemmi::count_atom_sites(copy);
+      if (result.atoms.size() + added >= std::numeric_limits<AtomIndex>::max())
+        throw Error(fmt::format("{}: assembly {} has more than {} atoms", text.name, assembly.name,
+                                std::numeric_limits<AtomIndex>::max()));
+      require_memory(added * 2 * sizeof(StructureAtom));
+      for (const gemmi::Chain& chain : copy.chains)
+        list.add(chain, names.name_of(chain.name),
+                 [&](const gemmi::Residue& residue, const gemmi::Atom& atom) {
+                   const bool is_known = images.is_known(residue, atom);
+                   if (is_known) ++result.report.dropped_images;
+                   return !is_known;
+                 });
+    }
+}
+
+void count_kept(const gemmi::Model& model, StructureReport& report) {
+  for (const gemmi::Chain& chain : model.chains)
+    for (const gemmi::Residue& residue : chain.residues) {
+      std::uint64_t& count = residue.is_water()   ? report.waters
+                             : is_hetatm(residue) ? report.hetatm_records
+                                                  : report.atom_records;
+      count += residue.atoms.size();
+    }
+}
+
+}  // namespace
+
+SelectedStructure parse_structure(const StructureText& text, const StructureOptions& options,
+                                  bool with_hydrogens,
+                                  const std::function<void(std::uint64_t bytes)>& require_memory) {
+  gemmi::Structure structure = text.format == AtomFormat::pdb ? parse_pdb(text) : parse_mmcif(text);
+  require_memory(0);
+  gemmi::Model& model = find_model(structure, options.model, text.name);
+  SelectedStructure result;
+  StructureReport& report = result.report;
+  report.model = model.name;
+  report.models = structure.models.size();
+  const bool has_assembly = !options.assembly.empty();
+  if (has_assembly) find_assembly(structure, options.assembly, text.name);
+
+  report.dropped_chains = keep_chains(model, options.chains, text.name);
+  report.dropped_selection = keep_selected(structure, model, options.select, text.name);
+  if (!options.with_waters)
+    report.dropped_waters =
+        drop_residues(model, [](const gemmi::Residue& residue) { return residue.is_water(); });
+  if (!options.with_hetatm)
+    report.dropped_hetatm = drop_residues(model, [](const gemmi::Residue& residue) {
+      return is_hetatm(residue) && !residue.is_water();
+    });
+  if (!with_hydrogens)
+    report.dropped_hydrogens =
+        drop_atoms(model, [](const gemmi::Atom& atom) { return atom.is_hydrogen(); });
+  report.dropped_altlocs = keep_altlocs(model, options.altloc, text.name);
+  gemmi::remove_empty_children(model);
+  count_kept(model, report);
+
+  if (has_assembly) {
+    report.assembly = options.assembly;
+    build_assembly(find_assembly(structure, options.assembly, text.name), model, text,
+                   require_memory, result);
+  } else {
+    AtomList list(result, text.name);
+    for (const gemmi::Chain& chain : model.chains)
+      list.add(chain, chain.name, [](const gemmi::Residue&, const gemmi::Atom&) { return true; });
+    sort_by_line(result.atoms);
+  }
+  return result;
+}
+
+std::string_view element_symbol(std::uint8_t atomic_number) {
+  return gemmi::element_name(static_cast<gemmi::El>(atomic_number));
+}
+
+}  // namespace eses::detail

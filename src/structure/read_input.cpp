@@ -1,0 +1,202 @@
+#include "structure/read_input.hpp"
+
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <new>
+#include <span>
+#include <stdexcept>
+#include <string>
+#include <utility>
+
+#include "eses/error.hpp"
+#include "io/atom_lines.hpp"
+#include "io/file_descriptor.hpp"
+#include "io/other_formats.hpp"
+#include "io/text_source.hpp"
+#include "structure/assign_radii.hpp"
+#include "structure/parse_structure.hpp"
+#include "structure/radii_set.hpp"
+#include "system/bytes_text.hpp"
+#include "system/resources.hpp"
+
+namespace eses::detail {
+namespace {
+
+// A set of radii is some kilobytes; more is a file that was passed by mistake.
+constexpr std::uint64_t max_radii_bytes = std::uint64_t{4} << 20;
+
+/// Memory that reading may take.
+class ReadingLimit {
+ public:
+  ReadingLimit(std::string_view name, std::uint64_t max_memory)
+      : name_(name),
+        max_memory_(max_memory),
+        max_resident_(max_resident_while_reading(max_memory)) {}
+
+  /// Throws Error if so many bytes more exceed the limit.
+  void require(std::uint64_t bytes) const {
+    if (max_memory_ == 0 || resident_memory() + bytes <= max_resident_) return;
+    throw Error(
+        fmt::format("{}: reading the file takes more memory than the {} that the run may "
+                    "hold; use a larger limit (--max-memory)",
+                    name_, binary_bytes_text(max_memory_)));
+  }
+
+ private:
+  std::string_view name_;
+  std::uint64_t max_memory_, max_resident_;
+};
+
+/// Reads all of a text, unpacked if it is gzipped.
+std::string read_text(int descriptor, const std::string& name, const ReadingLimit& limit,
+                      std::uint64_t max_bytes = std::numeric_limits<std::uint64_t>::max()) {
+  constexpr std::size_t piece_bytes = std::size_t{1} << 20;
+  TextSource source(descriptor, name);
+  std::string text;
+  for (std::size_t used = 0;; used = text.size()) {
+    if (used + piece_bytes > text.capacity()) {
+      // While the text is copied it is there twice.
+      limit.require(used + 2 * (used + piece_bytes));
+      text.reserve(2 * used + piece_bytes);
+    }
+    text.resize(used + piece_bytes);
+    const std::size_t count = source.read(std::span(text).subspan(used));
+    text.resize(used + count);
+    if (count == 0) return text;
+    if (text.size() > max_bytes)
+      throw Error(fmt::format("{}: expected a file of at most {}", name, bytes_text(max_bytes)));
+  }
+}
+
+/// Expected memory of gemmi for a text. An atom of a PDB file has a line of 81 characters and takes
+/// gemmi about 150 bytes; a value of an mmCIF file is a string of 32 bytes.
+std::uint64_t expected_bytes(std::string_view text, AtomFormat format) {
+  if (format == AtomFormat::pdb) return 2 * text.size();
+  std::uint64_t values = 0;
+  bool was_blank = true;
+  for (const char c : text) {
+    const bool is_blank = static_cast<unsigned char>(c) <= ' ';
+    values += static_cast<std::uint64_t>(was_blank && !is_blank);
+    was_blank = is_blank;
+  }
+  constexpr std::uint64_t value_bytes = 32, doubled_by_growth = 2;
+  return doubled_by_growth * value_bytes * values;
+}
+
+RadiiSet radii_set(const std::string& name_or_file) {
+  if (std::optional<RadiiSet> named = named_radii_set(name_or_file)) return *std::move(named);
+  try {
+    const FileDescriptor file(open_for_reading(name_or_file, name_or_file));
+    const std::string text =
+        read_text(file.value(), name_or_file, ReadingLimit(name_or_file, 0), max_radii_bytes);
+    return parse_radii_set(text, name_or_file);
+  } catch (const Error& error) {
+    if (std::filesystem::exists(name_or_file)) throw;
+    throw Error(
+        fmt::format("--radii: expected {}, or a file in FreeSASA's configuration format: {}",
+                    named_radii, error.what()));
+  }
+}
+
+bool keeps_hydrogens(HydrogenChoice choice, const RadiiSet& radii) {
+  return choice == HydrogenChoice::keep || (choice == HydrogenChoice::by_radii && !radii.is_united);
+}
+
+/// The first record or category decides, whatever the file is called.
+void require_format(std::string_view text, std::string_view name, AtomFormat format) {
+  const AtomFormat found = structure_format_of(text);
+  if (!is_structure(found) || found == format) return;
+  throw Error(fmt::format("{}: this is {} file; read it with --format {}", name,
+                          found == AtomFormat::pdb ? "a PDB" : "an mmCIF",
+                          found == AtomFormat::pdb ? "pdb" : "mmcif"));
+}
+
+[[noreturn]] void fail_without_atoms(std::string_view name, const StructureReport& report) {
+  const std::uint64_t dropped = report.dropped_chains + report.dropped_selection +
+                                report.dropped_waters + report.dropped_hetatm +
+                                report.dropped_hydrogens + report.dropped_altlocs;
+  throw Error(
+      fmt::format("{}: no atoms left of {}; {} left out by chains, {} by --select, {} of "
+                  "water, {} of HETATM records, {} hydrogens",
+                  name, dropped, report.dropped_chains, report.dropped_selection,
+                  report.dropped_waters, report.dropped_hetatm, report.dropped_hydrogens));
+}
+
+AtomFile parse(std::string_view text, std::string_view name, const ReadOptions& options,
+               const ReadingLimit& limit, const std::function<void(AtomFile& atoms)>& after_part) {
+  require_format(text, name, options.format);
+  refuse_other_formats(text, name);
+  const StructureOptions& choices = options.structure;
+  const RadiiSet radii = radii_set(choices.radii);
+  limit.require(expected_bytes(text, options.format));
+  SelectedStructure structure = parse_structure(
+      {text, name, options.format}, choices, keeps_hydrogens(choices.hydrogens, radii),
+      [&limit](std::uint64_t bytes) { limit.require(bytes); });
+  // The memory of gemmi is free now, and counts no more.
+  release_free_memory();
+  if (structure.atoms.empty()) fail_without_atoms(name, structure.report);
+  const bool keeps_labels = options.with_labels && !after_part;
+  limit.require(structure.atoms.size() *
+                (sizeof(Atom) + sizeof(std::uint64_t) + (keeps_labels ? sizeof(AtomLabel) : 0)));
+  return assign_radii(std::move(structure), radii, choices.unknown_radius, options.with_labels,
+                      name, after_part);
+}
+
+AtomFile read_structure(int descriptor, const std::string& name, const ReadOptions& options,
+                        const std::function<void(AtomFile& atoms)>& after_part) {
+  const ReadingLimit limit(name, options.max_memory);
+  try {
+    return parse(read_text(descriptor, name, limit), name, options, limit, after_part);
+  } catch (const std::bad_alloc&) {
+    throw MemoryLimitError(fmt::format("cannot read {}: out of memory", name));
+  } catch (const std::length_error&) {
+    throw MemoryLimitError(fmt::format("cannot read {}: out of memory", name));
+  }
+}
+
+}  // namespace
+
+AtomFile parse_structure_atoms(std::string_view text, std::string_view name,
+                               const ReadOptions& options) {
+  return parse(text, name, options, ReadingLimit(name, options.max_memory), {});
+}
+
+AtomFile read_input(const std::filesystem::path& path, const ReadOptions& options,
+                    const std::function<void(AtomFile& atoms)>& after_part) {
+  ReadOptions known = options;
+  known.format = format_of(path, options.format);
+  if (!is_structure(known.format)) return read_atom_file(path, options, after_part);
+  if (path == "-") return read_structure(STDIN_FILENO, "<stdin>", known, after_part);
+  const std::string name = path.string();
+  const FileDescriptor file(open_for_reading(path, name));
+  return read_structure(file.value(), name, known, after_part);
+}
+
+}  // namespace eses::detail
+
+namespace eses {
+
+AtomFile read_atoms(const std::filesystem::path& path, const ReadOptions& options) {
+  const CheckCallback check = [&options] {
+    if (options.check) options.check();
+  };
+  check();
+  if (is_structure(detail::format_of(path, options.format)))
+    return detail::read_input(path, options, {});
+  return detail::read_atom_file(path, options, [&check](AtomFile&) { check(); });
+}
+
+AtomFile parse_atoms(std::string_view text, AtomFormat format, std::string_view name,
+                     const StructureOptions& structure) {
+  if (is_structure(format))
+    return detail::parse_structure_atoms(text, name, {.format = format, .structure = structure});
+  return detail::parse_atom_text(
+      text, {.format = format, .name = name, .with_labels = true, .model = structure.model});
+}
+
+}  // namespace eses

@@ -1,0 +1,34 @@
+#pragma once
+/// Rows of a solved layer as maps have them.
+
+#include <cstdint>
+#include <vector>
+
+#include "io/map_writer.hpp"
+#include "sweep/layer.hpp"
+
+namespace eses::detail {
+
+/// Makes rows of words, as GridMap takes them, from the blocks of a layer; made once for many rows.
+/// Keeps references to both.
+class MapRows {
+ public:
+  MapRows(const BlockTiling& tiling, const Layer& layer, MapQuantity quantity);
+
+  /// Appends row (y, z) to `words`. `y` counts from the region's first row, `z` from the layer's
+  /// first plane.
+  void append(std::int64_t y, std::int64_t z, std::vector<std::uint64_t>& words);
+
+ private:
+  void append_points(std::int64_t y, std::int64_t z, std::vector<std::uint64_t>& words);
+  void append_edges(std::int64_t y, std::int64_t z, std::vector<std::uint64_t>& words);
+  bool join_upper_ends(std::int64_t y, std::int64_t z);
+
+  const BlockTiling& tiling_;
+  const Layer& layer_;
+  MapQuantity quantity_;
+  LayerRows rows_;
+  RowBits lower_, upper_;  // the ends of the edges of a row
+};
+
+}  // namespace eses::detail

@@ -1,0 +1,330 @@
+"""scripts/apbs with stand-ins for APBS and eses-blocks: grids, input files, results and errors.
+
+test_apbs_energies.py runs the real ones.
+"""
+
+import gzip
+import json
+import os
+import signal
+import subprocess
+import time
+import unittest
+
+from support import DATA, PROGRAM, SCRIPTS, TestCase, command, forget_signals, run, write_program
+import poisson_boltzmann as pb
+
+PATIENCE = 600  # seconds until a test gives up: only what would never end takes that long
+
+ION = "ATOM 1 I ION 1 0.000 0.000 0.000 1.0000 3.0000\n"
+OTHER = "ATOM 1 J ION 2 8.000 1.000 2.000 -1.0000 2.0000\n"
+
+# Stands for APBS: the energies are 2, 4, 8 ... kJ/mol, in the order of the input file.
+APBS = """for argument; do
+  case $argument in --output-file=*) energies=${argument#*=} ;; esac
+done
+awk '/^elec name/ { value = value ? 2 * value : 2; print; printf "    calc\\n"
+  printf "        totEnergy %.12E kJ/mol\\n", value; print "    end\\nend" }' "$argument" >"$energies"
+"""
+
+# Stands for eses-blocks: its arguments go to a file, one call a line.
+ESES = f"""case $1 in --version) exec '{PROGRAM}' --version ;; esac
+echo "$*" >>"$0.calls"
+echo {{}}
+"""
+
+
+def atom(x, y, z, radius, charge=0.0):
+    return pb.Atom(x, y, z, charge, radius)
+
+
+def molecule(*atoms):
+    return pb.Molecule("m.pqr", atoms)
+
+
+class Grids(unittest.TestCase):
+    def check(self, grid, molecules, padding):
+        """The grid encloses all spheres and the padding, and one that is smaller would not."""
+        for axis in range(3):
+            self.assertEqual(grid.points[axis] % 32, 1)
+            half = (grid.points[axis] - 1) / 2 * grid.spacing
+            needed = max(abs(one[axis] - grid.center[axis]) + one.radius
+                         for m in molecules for one in m.atoms) + padding
+            self.assertGreaterEqual(half, needed - 1e-6)
+            self.assertLess(half - 16 * grid.spacing, needed)
+
+    def test_enclosing(self):
+        molecules = [molecule(atom(0, 0, 0, 3), atom(-7, 20, 1, 1.5)), molecule(atom(0, -9, 30, 0))]
+        for spacing in (0.1, 0.25, 0.3, 0.5, 1.0, 3.0):
+            for padding in (0, 1.7, 10):
+                grid = pb.choose_grid(molecules, spacing, padding)
+                self.check(grid, molecules, padding)
+                self.assertEqual(grid.center, (-2.75, 6.25, 13.5))
+
+    def test_given_center(self):
+        molecules = [molecule(atom(1, 2, 3, 3))]
+        grid = pb.choose_grid(molecules, 0.5, 4, (1.2, 1.9, 8.0))
+        self.assertEqual(grid.center, (1.2, 1.9, 8.0))
+        self.check(grid, molecules, 4)
+
+    def test_exact_length(self):
+        """A length of 32 edges takes no more, though 16 is not a multiple of 0.1 in binary."""
+        for spacing in (0.1, 0.25, 0.3, 0.5, 0.7):
+            grid = pb.choose_grid([molecule(atom(0, 0, 0, 16 * spacing - 1))], spacing, 1)
+            self.assertEqual(grid.points, (33, 33, 33))
+
+
+class ApbsTest(TestCase):
+    def setUp(self):
+        super().setUp()
+        self.programs, self.temporary = self.folder / "bin", self.folder / "tmp"
+        for folder in (self.programs, self.temporary):
+            folder.mkdir()
+        self.set_apbs(APBS)
+        self.program = write_program(self.folder / "program", ESES)
+        self.ion = self.add("ion.pqr", ION)
+
+    def set_apbs(self, body):
+        write_program(self.programs / "apbs", body)
+
+    def add(self, name, text):
+        path = self.folder / name
+        path.write_text(text)
+        return path
+
+    def environment(self, *folders):
+        return {**os.environ, "TMPDIR": str(self.temporary),
+                "PATH": os.pathsep.join(map(str, folders or (self.programs, os.defpath)))}
+
+    def apbs(self, *arguments, code=0, path=()):
+        done = run("apbs", *arguments, "--program", self.program, env=self.environment(*path))
+        self.assertDone(done, code)
+        self.assertEqual(list(self.temporary.iterdir()), [])
+        if code:
+            self.assertEqual(done.stdout, "")
+            self.assertNotIn("Traceback", done.stderr)
+        return done
+
+    def report(self, *arguments):
+        return json.loads(self.apbs(*arguments, "--json").stdout)
+
+    def calls(self):
+        return self.program.with_name("program.calls").read_text().splitlines()
+
+    def add_complex(self):
+        return self.add("complex.pqr", ION + OTHER), self.ion, self.add("other.pqr", OTHER)
+
+
+class Results(ApbsTest):
+    def test_solvation(self):
+        done = self.report(self.ion)
+        self.assertEqual(done["solvation_energy"], {"eses-blocks": 2 - 4})
+        self.assertEqual([(row["surface"], row["energy"]) for row in done["energies"]],
+                         [("eses-blocks", 2), ("reference", 4)])
+        self.assertEqual(done["molecules"], [{"file": str(self.ion), "atoms": 1, "charge": 1}])
+
+    def test_binding(self):
+        files = self.add_complex()
+        done = self.report(*files)
+        self.assertEqual(done["binding_energy"], {"eses-blocks": 2 - 4 - 8})
+        self.assertEqual([row["file"] for row in done["energies"]], list(map(str, files)))
+        self.assertEqual([row["charge"] for row in done["molecules"]], [0, 1, -1])
+
+    def test_comparison(self):
+        self.assertEqual(self.report(*self.add_complex(), "--compare")["binding_energy"],
+                         {"eses-blocks": 2 - 4 - 8, "mol": 16 - 32 - 64, "smol": 128 - 256 - 512})
+        self.assertEqual(self.report(self.ion, "--compare")["solvation_energy"],
+                         {"eses-blocks": 2 - 16, "mol": 4 - 16, "smol": 8 - 16})
+
+    def test_table(self):
+        rows = self.apbs(self.ion, "--compare").stdout.splitlines()
+        self.assertEqual([len(row) for row in rows], [len(rows[0])] * 4)
+        self.assertEqual(rows[-1].split(),
+                         ["solvation", "energy", "-14.00", "-12.00", "-8.00"])
+
+    def test_announcement(self):
+        """Points and calculations are said before APBS starts, and if memory will not do."""
+        said = self.apbs(self.ion, "--padding", "5", "--spacing", "0.5").stderr
+        self.assertIn("33 x 33 x 33 grid points, 2 calculations", said)
+        self.assertNotIn("warning", said)
+        said = self.apbs(self.ion, "--spacing", "0.002").stderr
+        self.assertIn("warning: only", said)
+
+    def test_compressed_input(self):
+        packed = self.folder / "packed.pqr.gz"
+        with gzip.open(packed, "wt") as target:
+            target.write(ION)
+        self.assertEqual(self.report(packed)["grid"], self.report(self.ion)["grid"])
+
+
+class InputFile(ApbsTest):
+    """What APBS and eses-blocks are given."""
+
+    def input_text(self, *arguments):
+        kept = self.folder / "kept"
+        self.apbs(*arguments, "--keep", kept)
+        return (kept / "apbs.in").read_text()
+
+    def sections(self, text):
+        """Keyword -> rest of the line, for each elec section."""
+        return [dict(line.strip().split(" ", 1) for line in section.split("\nend")[0].splitlines()
+                     if " " in line.strip())
+                for section in text.split("elec ")[1:]]
+
+    def test_one_grid(self):
+        text = self.input_text(*self.add_complex(), "--compare", "--grid-center=-1.5,0.25,2")
+        sections = self.sections(text)
+        self.assertEqual(len(sections), 9)
+        grids = {(s["dime"], s["grid"], s["gcent"]) for s in sections}
+        self.assertEqual(grids, {("97 65 65", "0.5 0.5 0.5", "-1.5 0.25 2.0")})
+        for call in self.calls():
+            self.assertIn("--grid-center=-1.5,0.25,2.0 --grid-points 97,65,65 ", call)
+            self.assertIn("--spacing 0.5 ", call)
+        self.assertEqual(len(self.calls()), 3)
+
+    def test_maps(self):
+        sections = self.sections(self.input_text(self.ion, "--compare"))
+        self.assertEqual([section.get("usemap") for section in sections],
+                         ["diel 1", None, None, None])
+        self.assertEqual([(section["srfm"], section["srad"]) for section in sections[1:3]],
+                         [("mol", "1.4"), ("smol", "1.4")])
+
+    def test_reference(self):
+        sections = self.sections(self.input_text(self.ion, "--solute-dielectric", "4",
+                                                 "--solvent-dielectric", "80"))
+        self.assertEqual([(section["pdie"], section["sdie"]) for section in sections],
+                         [("4.0", "80.0"), ("4.0", "4.0")])
+        self.assertIn("--solute-dielectric 4.0 --solvent-dielectric 80.0", self.calls()[0])
+
+    def test_ions(self):
+        text = self.input_text(self.ion, "--ionic-strength", "0.15", "--ion-radius", "1.8")
+        solvated, reference = text.split("elec ")[1:]
+        for charge in ("1", "-1"):
+            self.assertIn(f"ion charge {charge} conc 0.15 radius 1.8\n", solvated)
+        self.assertIn("usemap kappa 1\n", solvated)
+        self.assertIn("kappa dx molecule1-kappa.dx\n", text)
+        self.assertIn("--kappa molecule1-kappa.dx --ion-radius 1.8", self.calls()[0])
+        self.assertNotIn("ion charge", reference)
+        self.assertNotIn("usemap", reference)
+        self.assertNotIn("kappa", self.input_text(self.ion))
+
+    def test_atoms(self):
+        """Atoms reach APBS with all digits, whatever the columns of the file."""
+        path = self.add("odd.pqr", "REMARK\nHETATM12345 C1  XYZ A   1      -1.5D+00 0.123456789 "
+                                   "2 -.25 1.7 C\n")
+        self.input_text(path)
+        self.assertEqual((self.folder / "kept" / "molecule1.pqr").read_text(),
+                         "ATOM 1 X MOL 1 -1.5 0.123456789 2.0 -0.25 1.7\n")
+
+
+class Errors(ApbsTest):
+    def test_apbs_missing(self):
+        (self.programs / "apbs").unlink()
+        # A script of the same name in PATH is not APBS.
+        for path in ((self.programs,), (SCRIPTS, self.programs)):
+            done = self.apbs(self.ion, code=1, path=path)
+            self.assertIn("apt-get install apbs", done.stderr)
+        self.set_apbs(APBS)
+        self.apbs(self.ion, path=(SCRIPTS, self.programs, os.defpath))
+
+    def test_apbs_fails(self):
+        self.set_apbs("echo 'Fatal error while reading from x.dx'; exit 13\n")
+        done = self.apbs(self.ion, code=1)
+        self.assertIn("exit code 13", done.stderr)
+        self.assertIn("Fatal error while reading from x.dx", done.stderr)
+
+    def test_apbs_crashes(self):
+        self.set_apbs("kill -SEGV $$\n")
+        self.assertIn("APBS fails", self.apbs(self.ion, code=1).stderr)
+
+    def test_energies_that_are_none(self):
+        for value in ("nan", "-nan", "inf", "-INF"):
+            self.set_apbs(APBS.replace("%.12E", value))
+            self.assertIn("molecule1-eses-blocks", self.apbs(self.ion, code=1).stderr)
+
+    def test_missing_energies(self):
+        self.set_apbs(APBS.replace("elec name/", "elec name molecule1-e/"))
+        self.assertIn("molecule1-reference", self.apbs(self.ion, code=1).stderr)
+        self.set_apbs("exit 0\n")
+        self.assertIn("APBS fails", self.apbs(self.ion, code=1).stderr)
+
+    def test_program_fails(self):
+        self.program = write_program(self.folder / "failing", f"""case $1 in
+  --version) exec '{PROGRAM}' --version ;;
+esac
+echo "eses-blocks: error: $1:7: no good" >&2
+exit 1
+""")
+        done = self.apbs(self.ion, code=1)
+        self.assertEqual(done.stderr.splitlines()[-1], f"apbs: {self.ion}:7: no good")
+        self.program = self.folder / "missing"
+        self.assertIn("scripts/quickstart", self.apbs(self.ion, code=1).stderr)
+
+    def test_warnings_of_the_program(self):
+        body = ESES + 'echo "eses-blocks: warning: $1: doubtful" >&2\n'
+        self.program = write_program(self.folder / "warning", body)
+        self.assertIn(f"apbs: warning: {self.ion}: doubtful\n", self.apbs(self.ion).stderr)
+
+    def test_no_complex(self):
+        """Complex and parts differ in number, place, charge or radius of an atom."""
+        _, ion, other = self.add_complex()
+        for text, words in ((ION, "1 atom is not in"), (ION + OTHER + OTHER, "1 atom is in none"),
+                            (ION + OTHER.replace("8.000", "8.002"), "the first at 8.002 1 2"),
+                            (ION + OTHER.replace("-1.0000", "-0.9000"), "charge -0.9"),
+                            (ION + OTHER.replace("2.0000", "2.1000"), "radius 2.1")):
+            with self.subTest(text=text):
+                whole = self.add("whole.pqr", text)
+                self.assertIn(words, self.apbs(whole, ion, other, code=1).stderr)
+        # More decimals are no difference.
+        self.apbs(self.add("whole.pqr", ION + OTHER.replace("8.000", "8.00000")), ion, other)
+
+    def test_files(self):
+        self.assertIn("missing.pqr", self.apbs(self.folder / "missing.pqr", code=1).stderr)
+        self.assertIn("no atoms", self.apbs(DATA / "c60.xyzr", code=1).stderr)
+        broken = self.add("broken.pqr", ION.replace("1.0000", "x"))
+        self.assertIn("broken.pqr:1: expected a number", self.apbs(broken, code=1).stderr)
+        taken = self.add("taken", "")
+        self.assertIn("taken", self.apbs(self.ion, "--keep", taken, code=1).stderr)
+
+    def test_options(self):
+        for arguments in (("--spacing", "0"), ("--spacing", "nan"), ("--padding", "-1"),
+                          ("--grid-center", "1,2"), ("--grid-center", "1,2,x"),
+                          ("--solute-dielectric", "0"), ("--solvent-dielectric", "-1"),
+                          ("--ionic-strength", "-0.1"), ("--probe-radius", "0"),
+                          ("--ion-radius", "inf"), ("--bcfl", "map"), ("--chgm", "spl1"),
+                          ("--unknown",)):
+            with self.subTest(arguments=arguments):
+                done = self.apbs(self.ion, *arguments, code=2)
+                self.assertEqual(done.stderr.count("\n"), 1, done.stderr)
+        self.apbs(code=2)
+
+
+class Interrupted(ApbsTest):
+    def check_signal(self, number, code):
+        started = self.folder / "started"
+        self.set_apbs(f"echo $$ >'{started}.part'; mv '{started}.part' '{started}'\n"
+                      "exec sleep 3600\n")
+        with subprocess.Popen(command("apbs", self.ion, "--program", self.program),
+                              env=self.environment(), stdout=subprocess.PIPE,
+                              stderr=subprocess.PIPE, text=True,
+                              preexec_fn=forget_signals) as process:
+            end = time.monotonic() + PATIENCE
+            while not started.exists():
+                self.assertIsNone(process.poll(), "ended before APBS started")
+                self.assertLess(time.monotonic(), end)
+                time.sleep(0.02)
+            process.send_signal(number)
+            output, errors = process.communicate(timeout=PATIENCE)
+        self.assertEqual((process.returncode, output), (code, ""))
+        self.assertNotIn("Traceback", errors)
+        self.assertEqual(list(self.temporary.iterdir()), [])
+        with self.assertRaises(ProcessLookupError):
+            while time.monotonic() < end:
+                os.kill(int(started.read_text()), 0)
+                time.sleep(0.02)
+
+    def test_ctrl_c(self):
+        self.check_signal(signal.SIGINT, 130)
+
+    def test_sigterm(self):
+        self.check_signal(signal.SIGTERM, 143)

@@ -1,0 +1,166 @@
+"""scripts/apbs with the real APBS, against exact energies and those of other surfaces.
+
+Skipped where APBS is not installed.
+"""
+
+import json
+import math
+import os
+import pathlib
+import shutil
+import subprocess
+import unittest
+
+from support import DATA, PROGRAM, PROJECT, TestCase, run
+import poisson_boltzmann as pb
+
+EXAMPLES = pathlib.Path("/usr/share/apbs/examples")  # of Debian's apbs-data
+
+# CODATA 2018: charge (C), Avogadro constant (1/mol), electric constant (F/m), Boltzmann constant.
+CHARGE, AVOGADRO, ELECTRIC, BOLTZMANN = 1.602176634e-19, 6.02214076e23, 8.8541878128e-12, 1.380649e-23
+ANGSTROM = 1e-10
+COULOMB = CHARGE**2 * AVOGADRO / (4 * math.pi * ELECTRIC * ANGSTROM) / 1000  # kJ/mol angstrom
+
+WATER = 78.54
+TEMPERATURE = 298.15
+
+
+def born_energy(radius, solute_dielectric=1):
+    """Solvation energy of a unit charge at the centre of a sphere, kJ/mol (Born, 1920)."""
+    return -COULOMB / (2 * radius) * (1 / solute_dielectric - 1 / WATER)
+
+
+def debye_energy(radius, molar):
+    """What ions that stay outside of `radius` add to it, kJ/mol (Debye and Hueckel, 1923)."""
+    per_cubic_meter = 1000 * molar * AVOGADRO
+    kappa = ANGSTROM * math.sqrt(2 * per_cubic_meter * CHARGE**2
+                                 / (ELECTRIC * WATER * BOLTZMANN * TEMPERATURE))
+    return -COULOMB / (2 * WATER) * kappa / (1 + kappa * radius)
+
+
+def map_values(path):
+    """The lines of numbers in a .dx file, which follow the object of class array."""
+    lines = iter(path.read_text().splitlines())
+    for line in lines:
+        if line.startswith("object") and "class array" in line:
+            count = int(line.split()[line.split().index("items") + 1])
+            break
+    values = []
+    while len(values) < count:
+        values += map(float, next(lines).split())
+    return values
+
+
+@unittest.skipUnless(shutil.which("apbs"), "apbs is not installed")
+class Energies(TestCase):
+    def apbs(self, *arguments):
+        done = run("apbs", *arguments, "--program", PROGRAM, "--json",
+                   env={**os.environ, "TMPDIR": str(self.folder)})
+        self.assertDone(done)
+        return json.loads(done.stdout)
+
+    def solvation(self, *arguments):
+        return self.apbs(*arguments)["solvation_energy"]
+
+    def ion(self, radius=3.0, charge=1.0):
+        path = self.folder / "ion.pqr"
+        path.write_text(f"ATOM 1 I ION 1 0.000 0.000 0.000 {charge} {radius}\n")
+        return path
+
+    def check_born(self, spacing, limit, padding):
+        """Wherever the grid lies: the centre of the ion at a point, between points and elsewhere."""
+        exact = born_energy(3)
+        for place in ((0, 0, 0), (0.5, 0.5, 0.5), (0.26, -0.42, 0.14), (0.1, 0.33, -0.48)):
+            center = ",".join(str(spacing * value) for value in place)
+            with self.subTest(spacing=spacing, place=place):
+                energy = self.solvation(
+                    self.ion(), "--solute-dielectric", "1", "--spacing", spacing, "--padding",
+                    padding, f"--grid-center={center}")["eses-blocks"]
+                self.assertLess(abs(energy / exact - 1), limit)
+
+    def test_born_ion(self):
+        self.check_born(0.5, 0.003, 4.7)
+
+    def test_born_ion_on_a_fine_grid(self):
+        self.check_born(0.25, 0.0007, 4.8)
+
+    def test_other_dielectrics_and_charges(self):
+        """The reference is the dielectric of the solute everywhere, the energy goes with q^2."""
+        energy = self.solvation(self.ion(2.0, -2.0), "--solute-dielectric", "4", "--spacing", "0.25",
+                                "--padding", "1.9")["eses-blocks"]
+        self.assertLess(abs(energy / (4 * born_energy(2, 4)) - 1), 0.002)
+
+    def test_born_ion_in_salt(self):
+        """The ions add what Debye and Hueckel computed; they stay 2 angstrom from the sphere.
+
+        APBS's boundary condition lets them come closer, so the boundary must be far away.
+        """
+        arguments = (self.ion(), "--solute-dielectric", "1", "--spacing", "0.5", "--padding", "13")
+        without = self.solvation(*arguments)["eses-blocks"]
+        ions = self.solvation(*arguments, "--ionic-strength", "0.15")["eses-blocks"] - without
+        self.assertLess(abs(ions / debye_energy(5, 0.15) - 1), 0.01)
+
+    def test_kappa_is_that_of_apbs(self):
+        """APBS writes its own ion accessibility: the map and the energy are the same."""
+        kept = self.folder / "kept"
+        result = self.apbs(DATA / "fas2.pqr", "--spacing", "0.8", "--padding", "3",
+                           "--ionic-strength", "0.15", "--keep", kept)
+        energy = result["energies"][0]["energy"]
+        # The same grid and ions, with the surface of APBS; its maps are written in place of ours.
+        text = (kept / "apbs.in").read_text()
+        section = text.split("\n\n")[1]
+        own = section.replace("usemap diel 1", "write kappa dx own").replace("usemap kappa 1", "")
+        (kept / "apbs.in").write_text("read\n    mol pqr molecule1.pqr\nend\n" + own + "\nquit\n")
+        calculation = pb.Calculation("molecule1-eses-blocks", 0, pb.ESES)
+        apbs = shutil.which("apbs")
+        pb.run_apbs(apbs, [calculation], kept)
+        written, = kept.glob("own*.dx")
+        ours, theirs = map_values(kept / "molecule1-kappa.dx"), map_values(written)
+        self.assertEqual(set(ours), {0, 1})
+        self.assertEqual(set(theirs), {0, 1})
+        self.assertEqual(len(ours), math.prod(result["grid"]["points"]))
+        different = sum(one != other for one, other in zip(ours, theirs, strict=True))
+        self.assertLess(different, 1e-5 * len(ours))  # points on a sphere, up to rounding
+        shutil.copy(written, kept / "molecule1-kappa.dx")
+        (kept / "apbs.in").write_text(text)
+        again = pb.run_apbs(apbs, [calculation], kept).energies[calculation.name]
+        self.assertLess(abs(again - energy), 1e-3)
+
+    def test_ions_around_a_protein(self):
+        """What ions contribute hardly depends on the surface: APBS's own gives the same.
+
+        APBS samples its surface with other points where there are ions, which changes the energy by
+        more than the ions do. Hence no ions are almost no ions here.
+        """
+        arguments = (DATA / "fas2.pqr", "--spacing", "0.6", "--padding", "3", "--compare")
+        without, ions = (self.solvation(*arguments, "--ionic-strength", molar)
+                         for molar in ("1e-9", "0.15"))
+        ions = {surface: energy - without[surface] for surface, energy in ions.items()}
+        self.assertLess(ions["eses-blocks"], -5)
+        for surface in ("mol", "smol"):
+            self.assertLess(abs(ions["eses-blocks"] / ions[surface] - 1), 0.02)
+
+    def test_example_of_the_documentation(self):
+        """The commands and the input file of the page, as they are there."""
+        blocks = (PROJECT / "doc" / "poisson-boltzmann.md").read_text(encoding="utf-8").split("```")
+        call, = (block for block in blocks if block.startswith("\neses-blocks data/fas2.pqr"))
+        text, = (block for block in blocks if block.startswith("\nread\n"))
+        (self.folder / "data").symlink_to(DATA)
+        (self.folder / "apbs.in").write_text(text)
+        arguments = call.replace("\\\n", " ").split()[1:]
+        subprocess.run([PROGRAM, *arguments], cwd=self.folder, stdout=subprocess.DEVNULL, check=True)
+        done = subprocess.run(["apbs", "apbs.in"], cwd=self.folder, capture_output=True, text=True,
+                              check=True)
+        printed, = (line.strip() for line in done.stdout.splitlines() if "Global net" in line)
+        # Only the first digits are the same with other compilers.
+        shown, = (block for block in "".join(blocks).split("`") if block.startswith("Global net"))
+        self.assertAlmostEqual(float(printed.split()[-2]), float(shown.split()[-2]), delta=0.1)
+
+    @unittest.skipUnless(EXAMPLES.is_dir(), "apbs-data is not installed")
+    def test_binding(self):
+        """Acetazolamide and carbonic anhydrase at 0.5 angstrom, where placements differ by 1 kJ/mol."""
+        folder = EXAMPLES / "hca-bind"
+        energy = self.apbs(*(folder / f"{name}.pqr" for name in ("complex", "acet", "hca")),
+                           "--solute-dielectric", "1")["binding_energy"]["eses-blocks"]
+        self.assertGreater(energy, -104)
+        self.assertLess(energy, -98)

@@ -1,0 +1,62 @@
+"""scripts/benchmarks/energies: measuring with a stand-in for APBS, and plotting.
+
+Skipped without matplotlib.
+"""
+
+import json
+import os
+import subprocess
+import unittest
+import xml.etree.ElementTree
+
+from support import PROGRAM, PROJECT, SCRIPTS, TestCase, has_matplotlib, interpreter_of
+from test_apbs import APBS, ESES, write_program
+
+SCRIPT = SCRIPTS / "benchmarks" / "energies"
+
+
+@unittest.skipUnless(has_matplotlib(SCRIPT), "python3-matplotlib is not installed")
+class Energies(TestCase):
+    def energies(self, *arguments, code=0, **environment):
+        done = subprocess.run([interpreter_of(SCRIPT), SCRIPT, "-o", self.folder,
+                               *map(str, arguments)], stdin=subprocess.DEVNULL,
+                              capture_output=True, text=True, check=False,
+                              env={**os.environ, **environment})
+        self.assertDone(done, code)
+        if code:
+            self.assertEqual(done.stderr.count("\n"), 1, done.stderr)
+        return done
+
+    def check_figure(self):
+        xml.etree.ElementTree.parse(self.folder / "energies.svg")
+
+    def test_what_was_saved(self):
+        saved = PROJECT / "doc" / "energies.json"
+        table = self.energies("--from", saved).stdout
+        self.check_figure()
+        text = (PROJECT / "doc" / "poisson-boltzmann.md").read_text(encoding="utf-8")
+        for row in table.splitlines():
+            self.assertIn(row, text)
+
+    def test_measuring(self):
+        write_program(self.folder / "apbs", APBS)
+        program = write_program(self.folder / "program", ESES)
+        path = os.pathsep.join((str(self.folder), os.defpath))
+        for surfaces, count in (("mol", 18), ("mol,smol", 36), ("mol,smol", 36)):
+            done = self.energies("--cases", "born", "--surfaces", surfaces, "--program", program,
+                                 *(["--continue"] if count > 18 else []), PATH=path)
+            rows = json.loads((self.folder / "energies.json").read_text())["rows"]
+            self.assertEqual(len(rows), count)
+            # Each is alone with its reference: 2 - 4 kJ/mol.
+            self.assertEqual({row["energy"] for row in rows}, {-2})
+            self.assertEqual(len({(row["spacing"], *row["offset"]) for row in rows}), 18)
+        self.assertNotIn("smol -", done.stdout)  # nothing is measured twice
+        self.check_figure()
+
+    def test_errors(self):
+        (self.folder / "energies.json").write_text("{}")
+        self.assertIn("energies.json", self.energies("--continue", "--program", PROGRAM,
+                                                     code=1).stderr)
+        self.energies("--from", self.folder / "missing", code=1)
+        self.energies("--cases", "unknown", code=2)
+        self.energies("--surfaces", "ses", code=2)

@@ -1,0 +1,244 @@
+"""Meshes in formats that other programs define, as libraries of others read them: VTK, trimesh,
+Biopython, Open3D and PyMOL, from Debian's packages or from PyPI. What is missing is skipped."""
+
+import json
+import shutil
+import subprocess
+import unittest
+
+from support import DATA, PROGRAM, PROJECT, TestCase, python_with
+
+VTK = """
+import json, sys, vtk
+from vtk.util.numpy_support import vtk_to_numpy
+path = sys.argv[1]
+reader = vtk.vtkPLYReader() if path.endswith(".ply") else vtk.vtkXMLPolyDataReader()
+reader.SetFileName(path)
+reader.Update()
+mesh = reader.GetOutput()
+edges = vtk.vtkFeatureEdges()
+edges.SetInputData(mesh)
+edges.FeatureEdgesOff()
+edges.ManifoldEdgesOff()
+edges.BoundaryEdgesOn()
+edges.NonManifoldEdgesOn()
+edges.Update()
+mass = vtk.vtkMassProperties()
+mass.SetInputData(mesh)
+data = mesh.GetPointData()
+arrays = {data.GetArrayName(i): vtk_to_numpy(data.GetArray(i)).tolist()
+          for i in range(data.GetNumberOfArrays())}
+field = mesh.GetFieldData()
+names = {field.GetArrayName(i): [field.GetAbstractArray(i).GetValue(k) for k in
+                                 range(field.GetAbstractArray(i).GetNumberOfValues())]
+         for i in range(field.GetNumberOfArrays())}
+cells = vtk_to_numpy(mesh.GetPolys().GetConnectivityArray()).reshape(-1, 3)
+json.dump({"points": vtk_to_numpy(mesh.GetPoints().GetData()).tolist(),
+           "triangles": cells.tolist(), "arrays": arrays, "names": names,
+           "scalars": data.GetScalars().GetName() if data.GetScalars() else None,
+           "has_normals": data.GetNormals() is not None,
+           "open": edges.GetOutput().GetNumberOfCells(),
+           "area": mass.GetSurfaceArea(), "volume": mass.GetVolume(),
+           "version": vtk.VTK_VERSION}, sys.stdout)
+"""
+TRIMESH = """
+import json, sys, trimesh
+mesh = trimesh.load(sys.argv[1], process=False)
+json.dump({"points": mesh.vertices.tolist(), "triangles": mesh.faces.tolist(),
+           "open": 0 if mesh.is_watertight and mesh.is_winding_consistent else 1,
+           "area": mesh.area, "volume": mesh.volume, "version": trimesh.__version__}, sys.stdout)
+"""
+OPEN3D = """
+import json, sys, numpy, open3d
+mesh = open3d.io.read_triangle_mesh(sys.argv[1])
+json.dump({"points": numpy.asarray(mesh.vertices).tolist(),
+           "triangles": numpy.asarray(mesh.triangles).tolist(),
+           "open": 0 if mesh.is_watertight() and mesh.is_edge_manifold(False) else 1,
+           "area": mesh.get_surface_area(), "volume": mesh.get_volume(),
+           "version": open3d.__version__}, sys.stdout)
+"""
+# The reader that Bio.PDB.ResidueDepth uses for the output of MSMS.
+BIOPYTHON = """
+import json, sys, Bio, numpy
+from Bio.PDB.ResidueDepth import _read_vertex_array, min_dist
+surface = _read_vertex_array(sys.argv[1])
+json.dump({"points": surface.tolist(), "version": Bio.__version__,
+           "depth": float(min_dist(numpy.array([0.0, 0.0, 0.0]), surface))}, sys.stdout)
+"""
+PYMOL = """
+import json, sys
+from pymol import cmd
+cmd.load(sys.argv[1], "mesh")
+json.dump({"type": cmd.get_type("mesh"), "extent": cmd.get_extent("mesh"),
+           "version": cmd.get_version()[0]}, sys.stdout)
+"""
+
+
+class MeshReaders(TestCase):
+    def make(self, name, atoms, *options):
+        """Writes a mesh, and the files that tell what is in it. Returns area and volume."""
+        done = subprocess.run([PROGRAM, atoms, "--spacing", "0.4", "-o", self.folder, "--mesh",
+                               self.folder / name, "-q", *options], capture_output=True, text=True,
+                              check=False)
+        self.assertDone(done)
+        return {key: float(value) for key, value in
+                (line.removeprefix("surface ").split(": ") for line in done.stdout.splitlines())}
+
+    def read_back(self, module, program, name):
+        python = python_with(module)
+        if python is None:
+            raise unittest.SkipTest(f"{module} is not installed")
+        done = subprocess.run([python, "-c", program, self.folder / name], capture_output=True,
+                              text=True, check=False)
+        self.assertDone(done)
+        # Open3D reports its progress before what is asked of it.
+        return json.loads(done.stdout[done.stdout.index("{"):])
+
+    def crossings(self):
+        """Position, normal and adjacent atoms of each line of intersection_info.txt."""
+        lines = (self.folder / "intersection_info.txt").read_text(encoding="ascii").splitlines()
+        rows = [line.split() for line in lines]
+        return [([float(x) for x in row[6:9]], [float(x) for x in row[9:12]],
+                 [int(x) for x in row[12:]]) for row in rows]
+
+    def check_points(self, found, places):
+        crossings = self.crossings()
+        self.assertEqual(len(found["points"]), len(crossings))
+        for point, (position, _, _) in zip(found["points"], crossings):
+            for mine, theirs in zip(position, point):
+                self.assertAlmostEqual(theirs, mine, places)
+
+    def check_shape(self, found, measures):
+        self.assertEqual(found["open"], 0)
+        self.assertAlmostEqual(found["area"] / measures["area"], 1, delta=0.02)
+        self.assertAlmostEqual(found["volume"] / measures["volume"], 1, delta=0.02)
+
+    def check_whole_mesh(self, module, program, places):
+        if python_with(module) is None:
+            raise unittest.SkipTest(f"{module} is not installed")
+        for name, *options in (("a.ply",), ("b.ply", "--ply-ascii"), ("a.off",), ("a.obj",)):
+            with self.subTest(name=name):
+                measures = self.make(name, DATA / "c60.xyzr", *options)
+                found = self.read_back(module, program, name)
+                self.check_points(found, places)
+                self.check_shape(found, measures)
+
+    def test_trimesh(self):
+        self.check_whole_mesh("trimesh", TRIMESH, 9)
+
+    def test_open3d(self):
+        self.check_whole_mesh("open3d", OPEN3D, 6)  # of OFF and OBJ it keeps floats
+
+    def test_vtp(self):
+        measures = self.make("a.vtp", DATA / "c60.xyzr")
+        found = self.read_back("vtk", VTK, "a.vtp")
+        self.check_points(found, 11)
+        self.check_shape(found, measures)
+        self.assertTrue(found["has_normals"])
+        self.assertEqual(found["scalars"], "patch")
+        self.assertEqual(found["names"], {})
+        self.assertEqual(sorted(found["arrays"]), ["Normals", "atom", "patch"])
+        crossings = self.crossings()
+        self.assertEqual(found["arrays"]["patch"], [len(atoms) for _, _, atoms in crossings])
+        self.assertEqual(found["arrays"]["atom"], [atoms[0] for _, _, atoms in crossings])
+        for theirs, (_, mine, _) in zip(found["arrays"]["Normals"], crossings):
+            for a, b in zip(theirs, mine):
+                self.assertAlmostEqual(a, b, 6)
+
+    def test_vtp_of_a_pqr_file(self):
+        """Chains and residues, compared with what the file itself says of the atoms."""
+        self.make("a.vtp", DATA / "fas2.pqr", "--color", "chain")
+        found = self.read_back("vtk", VTK, "a.vtp")
+        self.assertEqual(found["scalars"], "color")
+        self.assertEqual(found["open"], 0)
+        arrays, names = found["arrays"], found["names"]
+        records = [line.split() for line in
+                   (DATA / "fas2.pqr").read_text(encoding="ascii").splitlines()
+                   if line.startswith(("ATOM", "HETATM"))]
+        self.assertGreater(len(names["residue_name"]), 50)
+        for atom, residue, chain, color in zip(arrays["atom"], arrays["residue"], arrays["chain"],
+                                               arrays["color"]):
+            label = names["residue_name"][residue].split()
+            self.assertEqual(label[:2], [records[atom][3], records[atom][-6]])
+            self.assertEqual(" ".join(label[2:]), names["chain_name"][chain])
+            self.assertEqual(len(color), 3)
+
+    def test_vtp_without_triangles(self):
+        self.make("a.vtp", DATA / "c60.xyzr", "--margin", "3", "--region=-9,-9,-9,-8,-8,-8")
+        done = self.read_back("vtk", """
+import json, sys, vtk
+reader = vtk.vtkXMLPolyDataReader()
+reader.SetFileName(sys.argv[1])
+reader.Update()
+json.dump({"cells": reader.GetOutput().GetNumberOfCells(), "error": reader.GetErrorCode()},
+          sys.stdout)
+""", "a.vtp")
+        self.assertEqual(done, {"cells": 0, "error": 0})
+
+    def test_ascii_ply_in_vtk(self):
+        measures = self.make("a.ply", DATA / "c60.xyzr", "--ply-ascii")
+        found = self.read_back("vtk", VTK, "a.ply")
+        self.check_points(found, 4)  # in single precision
+        self.check_shape(found, measures)
+
+    def test_biopython(self):
+        self.make("a.vert", DATA / "c60.xyzr")
+        found = self.read_back("Bio", BIOPYTHON, "a.vert")
+        self.check_points(found, 11)
+        nearest = min(sum(x * x for x in position) for position, _, _ in self.crossings())
+        self.assertAlmostEqual(found["depth"], nearest ** 0.5, 9)
+
+    def test_pymol(self):
+        """PyMOL reads MSMS's files as they are, and PLY as text a hundred times as large."""
+        for name, scale, *options in (("a.vert", 1), ("a.face", 1), ("a.ply", 100, "--ply-ascii")):
+            with self.subTest(name=name):
+                self.make(name, DATA / "c60.xyzr", *options)
+                found = self.read_back("pymol", PYMOL, name)
+                self.assertEqual(found["type"], "object:cgo")
+                for end, theirs in zip((min, max), found["extent"]):
+                    for axis in range(3):
+                        mine = end(position[axis] for position, _, _ in self.crossings())
+                        self.assertAlmostEqual(theirs[axis] / scale, mine, 4)
+
+    @unittest.skipUnless(shutil.which("awk"), "awk is not installed")
+    def test_names_for_masif(self):
+        """The command of doc/meshes.md adds a tenth column, which MaSIF splits at each _."""
+        records = [line.split() for line in
+                   (DATA / "fas2.pqr").read_text(encoding="ascii").splitlines()
+                   if line.startswith("ATOM")]
+        atoms = [record[:4] + ["B"] + record[4:] for record in records]
+        (self.folder / "1abc.pqr").write_text(
+            "".join(" ".join(record) + "\n" for record in atoms))
+        self.make("1abc.vert", self.folder / "1abc.pqr")
+        page = (PROJECT / "doc/meshes.md").read_text(encoding="utf-8")
+        begin = page.index("    awk '")
+        subprocess.run(page[begin:page.index("named.vert", begin) + len("named.vert")],
+                       shell=True, check=True, cwd=self.folder)
+        plain = (self.folder / "1abc.vert").read_text(encoding="ascii").splitlines()
+        named = (self.folder / "named.vert").read_text(encoding="ascii").splitlines()
+        self.assertEqual(plain[:3], named[:3])
+        self.assertEqual(len(plain), len(named))
+        for before, after in zip(plain[3:], named[3:]):
+            *fields, name = after.split()
+            self.assertEqual(fields, before.split())
+            _, _, atom, residue, chain, number, *_ = atoms[int(fields[7]) - 1]
+            self.assertEqual(name.split("_")[:5], [chain, number, "x", residue, atom])
+
+    def test_triangles_of_msms(self):
+        """Read as MaSIF and Jmol do: by the counts in the third line."""
+        self.make("a.vert", DATA / "c60.xyzr")
+        self.make("a.off", DATA / "c60.xyzr")
+        off = (self.folder / "a.off").read_text(encoding="ascii").splitlines()
+        vertices, triangles = map(int, off[1].split()[:2])
+        for suffix, count, columns in ((".vert", vertices, 9), (".face", triangles, 5)):
+            lines = (self.folder / f"a{suffix}").read_text(encoding="ascii").splitlines()
+            self.assertEqual(int(lines[2].split()[0]), count)
+            self.assertEqual(len(lines), 3 + count)
+            self.assertEqual({len(line.split()) for line in lines[3:]}, {columns})
+        for mine, theirs in zip(lines[3:], off[2 + vertices:]):
+            self.assertEqual([int(x) - 1 for x in mine.split()[:3]],
+                             [int(x) for x in theirs.split()[1:]])
+
+
+if __name__ == "__main__":
+    unittest.main()

@@ -1,0 +1,335 @@
+/// The formats of meshes: MSMS's pair of files, PLY as text and VTP beside the others.
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <filesystem>
+#include <limits>
+#include <set>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "catch.hpp"
+#include "compute/run.hpp"
+#include "eses/error.hpp"
+#include "eses/read_atoms.hpp"
+#include "mesh/mesh_writer.hpp"
+#include "support/atom_sets.hpp"
+#include "support/eses_files.hpp"
+#include "support/mesh_files.hpp"
+#include "support/sandbox.hpp"
+#include "support/temporary_directory.hpp"
+
+namespace eses::detail::test {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// Every format, with a name of a file.
+const std::vector<MeshOptions> all_formats{
+    {"a.ply"}, {"a.ply", MeshColor::none, true}, {"a.obj"}, {"a.off"}, {"a.vert"}, {"a.vtp"}};
+
+std::string name_of(const MeshOptions& choice) {
+  return choice.file.string() + (choice.is_ascii ? " as text" : "");
+}
+
+struct FormatRun {
+  Mesh mesh;
+  std::string bytes;  // of all files of the mesh
+  Summary summary;
+  Plan plan;
+};
+
+FormatRun run_format(const Molecule& molecule, const Parameters& parameters, MeshOptions choice) {
+  const TemporaryDirectory directory;
+  choice.file = directory.path() / choice.file;
+  Outputs outputs = Outputs::none();
+  outputs.mesh = choice;
+  FormatRun result;
+  result.plan = make_plan(molecule, parameters, outputs);
+  result.summary = run(molecule, result.plan, outputs, directory.path());
+  result.mesh = read_mesh(choice.file);
+  for (const fs::path& file : mesh_files(choice)) result.bytes += read_bytes(file);
+  return result;
+}
+
+double distance_from(const Vec3& point, const Atom& atom) {
+  return norm(point - atom.center) - atom.radius;
+}
+
+std::string header_of(const mesh::MeshText& text, const MeshCounts& counts) {
+  std::string header;
+  const TextSink sink = [&](std::string_view part) { header += part; };
+  text.write_header_begin(sink);
+  text.write_header_middle(sink);
+  text.write_header_end(counts, sink);
+  if (text.has_face_file()) text.write_face_header(counts, sink);
+  return header;
+}
+
+std::set<std::string> names_in(const fs::path& directory) {
+  std::set<std::string> names;
+  for (const auto& entry : fs::directory_iterator(directory))
+    names.insert(entry.path().filename().string());
+  return names;
+}
+
+}  // namespace
+
+TEST_CASE("mesh formats: each holds the same mesh", "[mesh]") {
+  const Molecule molecule(make_chain(40, 3));
+  const Mesh expected = run_format(molecule, {}, {"a.ply"}).mesh;
+  REQUIRE(!expected.triangles.empty());
+  for (const MeshOptions& choice : all_formats) {
+    INFO(name_of(choice));
+    const auto [mesh, bytes, summary, plan] = run_format(molecule, {}, choice);
+    CHECK(summary.bytes_written == bytes.size());
+    CHECK(mesh.triangles == expected.triangles);
+    REQUIRE(mesh.positions.size() == expected.positions.size());
+    for (std::size_t v = 0; v < mesh.positions.size(); ++v)
+      REQUIRE(norm(mesh.positions[v] - expected.positions[v]) < 1e-10);
+    if (!mesh.normals.empty()) {
+      REQUIRE(mesh.normals.size() == expected.normals.size());
+      for (std::size_t v = 0; v < mesh.normals.size(); ++v)
+        REQUIRE(norm(mesh.normals[v] - expected.normals[v]) < 1e-6);
+    }
+    if (!mesh.patches.empty()) CHECK(mesh.patches == expected.patches);
+    if (choice.file != "a.vert" && !mesh.atoms.empty()) CHECK(mesh.atoms == expected.atoms);
+  }
+}
+
+TEST_CASE("mesh formats: threads and block size leave no trace", "[mesh]") {
+  const Molecule molecule(make_chain(120, 20180102));
+  for (const MeshOptions& choice : all_formats) {
+    Parameters parameters;
+    parameters.threads = 1;
+    const std::string reference = run_format(molecule, parameters, choice).bytes;
+    REQUIRE(reference.size() > 10000);
+    for (const auto& [threads, block_size] :
+         {std::pair(1, 2), std::pair(3, 9), std::pair(2, 33), std::pair(4, 1000)}) {
+      INFO(name_of(choice) << ", " << threads << " threads, block size " << block_size);
+      parameters.threads = threads;
+      parameters.block_size = block_size;
+      const bool same = run_format(molecule, parameters, choice).bytes == reference;
+      CHECK(same);
+    }
+  }
+}
+
+TEST_CASE("mesh formats: sizes are estimated", "[mesh]") {
+  const Molecule molecule(make_chain(200, 5));
+  for (const MeshOptions& choice : all_formats) {
+    const FormatRun result = run_format(molecule, {}, choice);
+    const double ratio =
+        static_cast<double>(result.plan.mesh_file_bytes) / static_cast<double>(result.bytes.size());
+    INFO(name_of(choice) << ": " << ratio);
+    CHECK(ratio > 0.7);
+    CHECK(ratio < 1.6);
+    CHECK((result.plan.mesh_scratch_bytes == 0) == (choice.file == "a.vert"));
+  }
+}
+
+TEST_CASE("mesh formats: the header's length does not depend on the counts", "[mesh]") {
+  for (const MeshFormat format : {MeshFormat::ascii_ply, MeshFormat::msms, MeshFormat::vtp})
+    for (const MeshColor color : {MeshColor::none, MeshColor::patch}) {
+      const mesh::MeshText text(
+          format, color,
+          {.groups = {.are_known = true, .of_atom = {}, .chain_count = 3, .residue_count = 200},
+           .atom_numbers = {},
+           .atoms = {},
+           .atom_count = 1000,
+           .probe_radius = 1.4,
+           .spacing = 0.4});
+      const std::uint64_t expected = header_of(text, {0, 0}).size();
+      for (const std::uint64_t count : {1ULL, 99ULL, 2147483647ULL, 99999999999ULL})
+        CHECK(header_of(text, {count, 2 * count}).size() == expected);
+    }
+}
+
+TEST_CASE("mesh formats: the header of MSMS", "[mesh]") {
+  const std::vector<Atom> atoms = make_chain(40, 3);
+  const FormatRun result = run_format(Molecule(atoms), {.spacing = 0.5}, {"a.vert"});
+  const auto [vertices, spheres, density, probe_radius] = result.mesh.msms_header;
+  CHECK(vertices == static_cast<double>(result.summary.mesh->vertices));
+  CHECK(spheres == static_cast<double>(atoms.size()));
+  CHECK(density == 6);  // 1.5 / 0.5^2
+  CHECK(probe_radius == 1.4);
+  // The density is that of the vertices, as far as the surface has all directions.
+  CHECK(vertices / result.summary.area == Approx(density).epsilon(0.1));
+}
+
+TEST_CASE("mesh formats: MSMS's closest sphere is the closest that the probe touches", "[mesh]") {
+  const double probe_radius = Parameters().probe_radius;
+  for (const std::uint64_t seed : {1U, 2U}) {
+    const std::vector<Atom> atoms = make_chain(60, seed);
+    const Mesh mesh = run_format(Molecule(atoms), {.spacing = 0.5}, {"a.vert"}).mesh;
+    const Mesh ply = run_format(Molecule(atoms), {.spacing = 0.5}, {"a.ply"}).mesh;
+    std::size_t not_first = 0;
+    for (std::size_t v = 0; v < mesh.positions.size(); ++v) {
+      const Vec3 point = mesh.positions[v], probe = point + probe_radius * mesh.normals[v];
+      double closest = std::numeric_limits<double>::infinity();
+      for (const Atom& atom : atoms)
+        if (std::fabs(distance_from(probe, atom) - probe_radius) < 1e-5)
+          closest = std::min(closest, distance_from(point, atom));
+      REQUIRE(distance_from(point, atoms[mesh.atoms[v]]) == Approx(closest).margin(1e-9));
+      not_first += mesh.atoms[v] != ply.atoms[v];
+    }
+    CHECK(not_first > 0);
+  }
+}
+
+TEST_CASE("mesh formats: a triangle's type in MSMS is that of most corners, or toric", "[mesh]") {
+  Parameters parameters;
+  parameters.spacing = 0.6;
+  parameters.block_size = 7;
+  const Mesh mesh = run_format(Molecule(make_chain(60, 9)), parameters, {"a.vert"}).mesh;
+  REQUIRE(mesh.triangle_patches.size() == mesh.triangles.size());
+  std::set<std::set<int>> seen;
+  for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
+    std::multiset<int> corners;
+    for (const std::uint64_t v : mesh.triangles[t]) corners.insert(mesh.patches[v]);
+    const std::set<int> kinds(corners.begin(), corners.end());
+    seen.insert(kinds);
+    if (kinds.size() == 3) {
+      REQUIRE(mesh.triangle_patches[t] == 2);
+    } else {
+      REQUIRE(corners.count(mesh.triangle_patches[t]) >= 2);
+    }
+  }
+  CHECK(seen.contains({1, 2}));
+  CHECK(seen.contains({2, 3}));
+}
+
+TEST_CASE("mesh formats: the pair's names", "[mesh]") {
+  using Paths = std::vector<fs::path>;
+  CHECK(mesh_files({"b/a.vert"}) == Paths{"b/a.vert", "b/a.face"});
+  CHECK(mesh_files({"a.face"}) == Paths{"a.vert", "a.face"});
+  CHECK(mesh_files({"a.b.VERT"}) == Paths{"a.b.VERT", "a.b.face"});
+  CHECK(mesh_files({"a.Face"}) == Paths{"a.vert", "a.Face"});
+  CHECK(mesh_files({"a.vtp"}) == Paths{"a.vtp"});
+  CHECK(mesh_format("A.VTP") == MeshFormat::vtp);
+  CHECK(mesh_format("a.vert") == MeshFormat::msms);
+  CHECK(mesh_format("a.vertex") == std::nullopt);
+  CHECK(required_mesh_format({"a.ply", MeshColor::none, true}) == MeshFormat::ascii_ply);
+  CHECK_THROWS_AS(required_mesh_format({"a.off", MeshColor::none, true}), Error);
+  const std::vector<Atom> atoms{{{0, 0, 0}, 1.5}};
+  Outputs outputs;
+  outputs.mesh = MeshOptions{"a.vtp", MeshColor::none, true};
+  CHECK_THROWS_AS(make_plan(atoms, {}, outputs), Error);
+}
+
+TEST_CASE("mesh formats: chains, residues and colours in VTP and in PLY as text", "[mesh]") {
+  const AtomFile read = parse_atoms(
+      "ATOM 1 N ALA B 52A 0.0 0.0 0.0 0.0 1.5\n"
+      "ATOM 2 C ALA B 52A 1.5 0.0 0.0 0.0 1.7\n"
+      "ATOM 3 N GLY A 1 6.0 0.0 0.0 0.0 1.5\n"
+      "ATOM 4 N GLY B 53 9.5 0.0 0.0 0.0 1.5\n",
+      AtomFormat::pqr, "t.pqr");
+  const Molecule molecule(read.atoms, read.labels);
+  const Mesh ply = run_format(molecule, {}, {"a.ply", MeshColor::chain}).mesh;
+  REQUIRE(ply.chains.size() == ply.positions.size());
+  for (const MeshOptions& choice :
+       {MeshOptions{"a.vtp", MeshColor::chain}, MeshOptions{"a.ply", MeshColor::chain, true}}) {
+    INFO(name_of(choice));
+    const Mesh mesh = run_format(molecule, {}, choice).mesh;
+    CHECK(mesh.atoms == ply.atoms);
+    CHECK(mesh.patches == ply.patches);
+    CHECK(mesh.chains == ply.chains);
+    CHECK(mesh.residues == ply.residues);
+    CHECK(mesh.colors == ply.colors);
+    if (choice.is_ascii) {
+      CHECK(mesh.comments == ply.comments);
+    } else {
+      CHECK(mesh.chain_names == std::vector<std::string>{"B", "A"});
+      CHECK(mesh.residue_names == std::vector<std::string>{"ALA 52A B", "GLY 1 A", "GLY 53 B"});
+    }
+  }
+}
+
+TEST_CASE("mesh formats: a molecule without a surface in the grid", "[mesh]") {
+  // Of a region far from the molecule's surface the mesh is empty, but whole.
+  const std::vector<Atom> atoms{{{0, 0, 0}, 1.5}};
+  Parameters parameters;
+  parameters.margin = 3;
+  parameters.region = Box{{-4.4, -4.4, -4.4}, {-3.5, -3.5, -3.5}};
+  for (const MeshOptions& choice : all_formats) {
+    INFO(name_of(choice));
+    const FormatRun result = run_format(Molecule(atoms), parameters, choice);
+    CHECK(result.mesh.positions.empty());
+    CHECK(result.mesh.triangles.empty());
+  }
+}
+
+// --- the program --------------------------------------------------------------------------------
+
+TEST_CASE("mesh formats: the program writes both files of MSMS for either", "[mesh][cli]") {
+  const Sandbox sandbox;
+  const Outcome outcome = sandbox.run({"pair.xyzr", "--mesh", "one/a.vert", "--json", "-o", "out"});
+  INFO(outcome.err);
+  REQUIRE(outcome.code == 0);
+  CHECK(names_in(sandbox.directory() / "one") == std::set<std::string>{"a.vert", "a.face"});
+  check_json(sandbox, outcome.out, "r['output']['files'][-2:]",
+             fmt::format("['{0}/one/a.vert', '{0}/one/a.face']", sandbox.directory().string()));
+  check_json(sandbox, outcome.out, "r['plan']['scratch_bytes']", "0");
+  const Outcome other = sandbox.run({"pair.xyzr", "--mesh", "two/b.face", "--write", "none"});
+  REQUIRE(other.code == 0);
+  CHECK(contains(other.out, " to two/b.vert and to two/b.face\n"));
+  for (const char* suffix : {".vert", ".face"})
+    CHECK(read_file(sandbox.directory() / "one" / (std::string("a") + suffix)) ==
+          read_file(sandbox.directory() / "two" / (std::string("b") + suffix)));
+}
+
+TEST_CASE("mesh formats: both files of MSMS or none", "[mesh][cli]") {
+  const Sandbox sandbox;
+  fs::create_directory(sandbox.directory() / "taken.face");
+  for (const char* more : {"-q", "--dry-run"}) {
+    const Outcome outcome = sandbox.run({"pair.xyzr", "--mesh", "taken.vert", more});
+    CHECK(outcome.code == 1);
+    CHECK(contains(outcome.err, "cannot write taken.face: it is a directory"));
+  }
+  fs::create_symlink("same", sandbox.directory() / "a.vert");
+  fs::create_symlink("./same", sandbox.directory() / "a.face");
+  const Outcome same = sandbox.run({"pair.xyzr", "--mesh", "a.vert"});
+  CHECK(same.code == 1);
+  CHECK(contains(same.err, "two of the files would be the same one: ./"));
+  fs::create_symlink("grid_info.txt", sandbox.directory() / "b.face");
+  CHECK(contains(sandbox.run({"pair.xyzr", "--mesh", "b.vert"}).err,
+                 "two of the files would be the same one"));
+  fs::create_symlink("nowhere/x", sandbox.directory() / "c.face");
+  CHECK(contains(sandbox.run({"pair.xyzr", "--mesh", "c.vert"}).err,
+                 "cannot write c.face: it is a symbolic link into "));
+  CHECK(sandbox.files().empty());
+  for (const char* name : {"taken.vert", "b.vert", "c.vert"})
+    CHECK_FALSE(fs::exists(sandbox.directory() / name));
+}
+
+TEST_CASE("mesh formats: links to the files of MSMS stay", "[mesh][cli]") {
+  const Sandbox sandbox;
+  fs::create_directory(sandbox.directory() / "far");
+  fs::create_symlink("far/points", sandbox.directory() / "a.vert");
+  fs::create_symlink("triangles", sandbox.directory() / "a.face");
+  REQUIRE(sandbox.run({"pair.xyzr", "--write", "none", "--mesh", "a.vert"}).code == 0);
+  REQUIRE(sandbox.run({"pair.xyzr", "--write", "none", "--mesh", "b.vert"}).code == 0);
+  CHECK(fs::is_symlink(sandbox.directory() / "a.vert"));
+  CHECK(fs::is_symlink(sandbox.directory() / "a.face"));
+  CHECK(read_file(sandbox.directory() / "far/points") == read_file(sandbox.directory() / "b.vert"));
+  CHECK(read_file(sandbox.directory() / "triangles") == read_file(sandbox.directory() / "b.face"));
+}
+
+TEST_CASE("mesh formats: PLY as text", "[mesh][cli]") {
+  const Sandbox sandbox;
+  REQUIRE(sandbox
+              .run({"pair.xyzr", "--write", "none", "--mesh", "a.ply", "--ply-ascii", "--color",
+                    "atom"})
+              .code == 0);
+  const std::string text = read_file(sandbox.directory() / "a.ply");
+  CHECK(text.starts_with("ply\nformat ascii 1.0\n"));
+  CHECK(std::all_of(text.begin(), text.end(),
+                    [](char c) { return c == '\n' || (c >= ' ' && c <= '~'); }));
+  CHECK(!read_mesh(sandbox.directory() / "a.ply").colors.empty());
+}
+
+}  // namespace eses::detail::test

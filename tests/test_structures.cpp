@@ -1,0 +1,958 @@
+// PDB and mmCIF files: what is read, what is left out, and which radii atoms have. The references
+// are the wwPDB's formats, FreeSASA, MSMS and the papers of the radii.
+
+#include <fmt/format.h>
+
+#include <cmath>
+#include <cstdio>
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+#include <map>
+#include <memory>
+#include <optional>
+#include <set>
+#include <sstream>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include "catch.hpp"
+#include "eses/error.hpp"
+#include "eses/read_atoms.hpp"
+#include "io/other_formats.hpp"
+#include "structure/radii_set.hpp"
+#include "support/sandbox.hpp"
+#include "support/temporary_directory.hpp"
+
+namespace fs = std::filesystem;
+
+namespace {
+
+using eses::AtomFile;
+using eses::AtomFormat;
+using eses::HydrogenChoice;
+using eses::ReadOptions;
+using eses::StructureOptions;
+using eses::detail::test::TemporaryDirectory;
+
+const std::string freesasa_data = "/usr/share/freesasa/";
+const std::string biopython_data = "/usr/share/doc/python-biopython-doc/Tests/PDB/";
+const std::string crystal = ESES_TEST_DATA "/1a8o.cif.gz";
+
+/// A record of a PDB file.
+struct PdbAtom {
+  std::string record = "ATOM", name = " CA ";
+  char altloc = ' ';
+  std::string residue = "ALA", chain = "A", number = "   1 ";
+  double x = 0, y = 0, z = 0, occupancy = 1;
+  std::string element = " C";
+};
+
+std::string line_of(const PdbAtom& a) {
+  return fmt::format(
+      "{:<6}{:>5} {}{}{:>3} {}{}   {:8.3f}{:8.3f}{:8.3f}{:6.2f}{:6.2f}          {}\n", a.record, 1,
+      a.name, a.altloc, a.residue, a.chain, a.number, a.x, a.y, a.z, a.occupancy, 20.0, a.element);
+}
+
+AtomFile read_pdb(std::string_view text, const StructureOptions& options = {}) {
+  return eses::parse_atoms(text, AtomFormat::pdb, "t.pdb", options);
+}
+
+AtomFile read_mmcif(std::string_view text, const StructureOptions& options = {}) {
+  return eses::parse_atoms(text, AtomFormat::mmcif, "t.cif", options);
+}
+
+AtomFile read_file(const fs::path& path, const StructureOptions& options = {}) {
+  ReadOptions all;
+  all.structure = options;
+  return eses::read_atoms(path, all);
+}
+
+std::string error_of(const auto& action) {
+  try {
+    action();
+  } catch (const eses::Error& error) {
+    return error.what();
+  }
+  return "";
+}
+
+std::string pdb_error(std::string_view text, const StructureOptions& options = {}) {
+  return error_of([&] { read_pdb(text, options); });
+}
+
+bool contains(const std::string& text, std::string_view part) {
+  return text.find(part) != std::string::npos;
+}
+
+/// `A ALA 1 CA` of each atom.
+std::vector<std::string> names_of(const AtomFile& file) {
+  std::vector<std::string> names;
+  for (const auto& [chain, residue, number, name] : file.labels)
+    names.push_back(fmt::format("{} {} {} {}", chain, residue, number, name));
+  return names;
+}
+
+using Names = std::vector<std::string>;
+
+const std::string mmcif_head = R"(data_TEST
+loop_
+_atom_site.group_PDB
+_atom_site.id
+_atom_site.type_symbol
+_atom_site.label_atom_id
+_atom_site.label_alt_id
+_atom_site.label_comp_id
+_atom_site.label_asym_id
+_atom_site.label_entity_id
+_atom_site.label_seq_id
+_atom_site.pdbx_PDB_ins_code
+_atom_site.Cartn_x
+_atom_site.Cartn_y
+_atom_site.Cartn_z
+_atom_site.occupancy
+_atom_site.B_iso_or_equiv
+_atom_site.auth_seq_id
+_atom_site.auth_asym_id
+_atom_site.pdbx_PDB_model_num
+)";
+
+/// The text of a gzipped or plain file.
+std::string text_of(const fs::path& path) {
+  const std::unique_ptr<FILE, int (*)(FILE*)> pipe(
+      popen(fmt::format("gzip -dcf '{}'", path.string()).c_str(), "r"), pclose);
+  std::string text;
+  std::array<char, 65536> buffer{};
+  for (std::size_t count = 0; (count = fread(buffer.data(), 1, buffer.size(), pipe.get())) > 0;)
+    text.append(buffer.data(), count);
+  return text;
+}
+
+bool has_freesasa() { return std::system("freesasa --version >/dev/null 2>&1") == 0; }
+
+/// Radii that FreeSASA assigns, by the columns of the coordinates.
+std::map<std::string, double> freesasa_radii(const fs::path& pdb) {
+  const std::unique_ptr<FILE, int (*)(FILE*)> pipe(
+      popen(fmt::format(
+                "freesasa --shrake-rupley --resolution=1 --hetatm --format=pdb '{}' 2>/dev/null",
+                pdb.string())
+                .c_str(),
+            "r"),
+      pclose);
+  std::map<std::string, double> radii;
+  std::array<char, 512> line{};
+  while (fgets(line.data(), line.size(), pipe.get()) != nullptr) {
+    const std::string record = line.data();
+    if (record.starts_with("ATOM") || record.starts_with("HETATM"))
+      radii[record.substr(30, 24)] = std::stod(record.substr(54, 6));
+  }
+  return radii;
+}
+
+std::string columns_of(const eses::Vec3& at) {
+  return fmt::format("{:8.3f}{:8.3f}{:8.3f}", at.x, at.y, at.z);
+}
+
+}  // namespace
+
+// ---------------------------------------------------------------------------------------- radii
+
+TEST_CASE("protor: FreeSASA's table, atom by atom", "[structure][radii]") {
+  const fs::path path = freesasa_data + "protor.config";
+  if (!fs::exists(path)) SKIP("freesasa is not installed");
+  const std::string text = text_of(path);
+  const auto file = eses::detail::parse_radii_set(text, "protor.config");
+  CHECK(file.name == "ProtOr");
+  CHECK(file.is_united);
+  const auto named = eses::detail::named_radii_set("protor").value();
+  std::istringstream stream(text.substr(text.find("\natoms:") + 7));
+  int atoms = 0;
+  for (std::string line; std::getline(stream, line);) {
+    std::istringstream fields(line.substr(0, line.find('#')));
+    std::string residue, atom, type;
+    if (!(fields >> residue >> atom >> type)) continue;
+    ++atoms;
+    const eses::detail::AtomIdentity identity{residue, atom, "X"};
+    const auto expected = file.find(identity), found = named.find(identity);
+    INFO(line);
+    REQUIRE(expected);
+    REQUIRE(found);
+    CHECK(found->radius == expected->radius);
+    CHECK_FALSE(found->by_element);
+  }
+  CHECK(atoms == 506);
+}
+
+TEST_CASE("protor: radii of the paper's types", "[structure][radii]") {
+  // Tsai et al. (1999), table 2.
+  const auto set = eses::detail::named_radii_set("protor").value();
+  const auto radius = [&](std::string_view residue, std::string_view atom) {
+    return set.find({residue, atom, "X"}).value().radius;
+  };
+  CHECK(radius("ALA", "C") == 1.61);
+  CHECK(radius("PHE", "CZ") == 1.76);
+  CHECK(radius("LEU", "CD1") == 1.88);
+  CHECK(radius("LYS", "NZ") == 1.64);
+  CHECK(radius("GLY", "O") == 1.42);
+  CHECK(radius("SER", "OG") == 1.46);
+  CHECK(radius("CYS", "SG") == 1.77);
+  CHECK_FALSE(set.find({"ALA", "XX", "X"}));
+  const auto zinc = set.find({"ZN", "ZN", "Zn"});
+  REQUIRE(zinc);
+  CHECK(zinc->by_element);
+  CHECK(zinc->radius == 1.39);
+}
+
+TEST_CASE("bondi: the papers' radii", "[structure][radii]") {
+  const auto set = eses::detail::named_radii_set("bondi").value();
+  CHECK_FALSE(set.is_united);
+  const std::vector<std::pair<std::string, double>> expected{
+      {"H", 1.20},  {"C", 1.70},  {"N", 1.55},  {"O", 1.52},  {"F", 1.47},  {"P", 1.80},
+      {"S", 1.80},  {"Cl", 1.75}, {"I", 1.98},  {"Zn", 1.39}, {"Cu", 1.40},  // Bondi (1964)
+      {"B", 1.92},  {"Al", 1.84}, {"Ca", 2.31}, {"Cs", 3.43},  // Mantina et al. (2009)
+      {"Fe", 2.44}, {"Mn", 2.45}, {"Mo", 2.45}, {"Gd", 2.83},  // Alvarez (2013)
+      {"D", 1.20}};
+  for (const auto& [element, radius] : expected) {
+    INFO(element);
+    const auto found = set.find({"LIG", "X1", element});
+    REQUIRE(found);
+    CHECK(found->radius == radius);
+    CHECK_FALSE(found->by_element);
+  }
+  CHECK_FALSE(set.find({"LIG", "X1", "X"}));
+  CHECK_FALSE(set.find({"LIG", "X1", "Pm"}));
+}
+
+TEST_CASE("msms: united atoms of amino acids", "[structure][radii]") {
+  // Connolly's united radii; OG of serine has a hydrogen, ND1 of histidine has none.
+  const auto set = eses::detail::named_radii_set("msms").value();
+  CHECK(set.is_united);
+  const std::vector<std::tuple<std::string, std::string, double>> expected{
+      {"ALA", "N", 1.70},   {"ALA", "CA", 2.00},  {"ALA", "C", 1.74},   {"ALA", "O", 1.40},
+      {"ALA", "OXT", 1.40}, {"ARG", "CZ", 1.74},  {"ARG", "NH1", 1.80}, {"ARG", "NE", 1.70},
+      {"ASN", "CG", 1.74},  {"ASN", "ND2", 1.80}, {"GLN", "CD", 1.74},  {"LYS", "CD", 2.00},
+      {"HIS", "ND1", 1.54}, {"HIS", "NE2", 1.70}, {"HIS", "CE1", 1.86}, {"LYS", "NZ", 2.00},
+      {"MET", "SD", 1.80},  {"PHE", "CG", 1.74},  {"PHE", "CZ", 1.86},  {"SER", "OG", 1.60},
+      {"TRP", "CD2", 1.74}, {"TRP", "CH2", 1.86}, {"TYR", "OH", 1.60},  {"VAL", "CG1", 2.00},
+      {"HOH", "O", 1.60},   {"DA", "P", 1.80},    {"MSE", "SE", 2.15},  {"ZN", "ZN", 1.40}};
+  for (const auto& [residue, atom, radius] : expected) {
+    INFO(residue << " " << atom);
+    const auto found = set.find({residue, atom, "X"});
+    REQUIRE(found);
+    CHECK(found->radius == radius);
+  }
+  CHECK(set.find({"ALA", "HA", "H", true}).value().radius == 1.20);
+  CHECK_FALSE(set.find({"XE", "XE", "X"}));
+}
+
+TEST_CASE("msms: the atoms that MSMS has made of 1A8O", "[structure][radii]") {
+  // Biopython's tests have the output of pdb_to_xyzr of MSMS.
+  const fs::path reference = biopython_data + "1A8O.xyzr.gz";
+  if (!fs::exists(reference)) SKIP("python-biopython-doc is not installed");
+  StructureOptions options;
+  options.radii = "msms";
+  options.with_waters = true;
+  const AtomFile ours = read_file(biopython_data + "1A8O.pdb.gz", options);
+  const AtomFile theirs = eses::parse_atoms(text_of(reference), AtomFormat::xyzr, "1A8O.xyzr");
+  REQUIRE(ours.atoms.size() == theirs.atoms.size());
+  const Names names = names_of(ours);
+  for (std::size_t i = 0; i < ours.atoms.size(); ++i) {
+    INFO(names[i]);
+    CHECK(ours.atoms[i].center == theirs.atoms[i].center);
+    CHECK(ours.atoms[i].radius == theirs.atoms[i].radius);
+  }
+}
+
+TEST_CASE("protor: FreeSASA assigns the same radii", "[structure][radii][freesasa]") {
+  if (!has_freesasa()) SKIP("freesasa is not installed");
+  std::vector<fs::path> files;
+  for (const std::string& folder :
+       {freesasa_data + "test-data/", biopython_data, std::string("/usr/share/pymol/data/demo/")})
+    if (fs::is_directory(folder))
+      for (const auto& entry : fs::directory_iterator(folder)) files.push_back(entry.path());
+  const TemporaryDirectory directory;
+  int compared = 0;
+  for (const fs::path& path : files) {
+    if (!path.filename().string().ends_with(".pdb") &&
+        !path.filename().string().ends_with(".pdb.gz"))
+      continue;
+    // Its records have no elements, and names that FreeSASA takes for calcium.
+    if (path.filename() == "a_structure.pdb.gz") continue;
+    const fs::path plain = directory.path() / "plain.pdb";
+    std::ofstream(plain) << text_of(path);
+    const std::map<std::string, double> expected = freesasa_radii(plain);
+    if (expected.empty()) continue;  // as for a file with a header alone
+    StructureOptions options;
+    options.with_waters = true;
+    const AtomFile ours = read_file(path, options);
+    const Names names = names_of(ours);
+    std::size_t found = 0;
+    for (std::size_t i = 0; i < ours.atoms.size(); ++i) {
+      const auto one = expected.find(columns_of(ours.atoms[i].center));
+      // FreeSASA takes the first alternate location, not the one of the highest occupancy.
+      if (one == expected.end()) continue;
+      INFO(path << ": " << names[i]);
+      CHECK(ours.atoms[i].radius == one->second);
+      ++found;
+    }
+    INFO(path);
+    if (ours.structure->dropped_altlocs == 0) CHECK(found == expected.size());
+    ++compared;
+  }
+  CHECK(compared >= 4);
+}
+
+TEST_CASE("a file of radii in FreeSASA's format", "[structure][radii]") {
+  const std::string text =
+      "# a comment\nname: mine\r\n\ntypes:\nC_ALI 2.00 apolar\nO 1.4 polar # oxygen\n"
+      "atoms:\nANY CA C_ALI\nALA O O\nALA CA O\n";
+  const auto set = eses::detail::parse_radii_set(text, "mine.config");
+  CHECK(set.name == "mine");
+  CHECK(set.is_united);
+  CHECK(set.find({"GLY", "CA", "C"}).value().radius == 2.0);
+  CHECK(set.find({"ALA", "CA", "C"}).value().radius == 1.4);
+  CHECK(set.find({"GLY", "O", "O"}).value().by_element);
+  CHECK_FALSE(eses::detail::parse_radii_set(text + "ALA HA O\n", "mine.config").is_united);
+  const auto error = [](const std::string& bad) {
+    return error_of([&] { eses::detail::parse_radii_set(bad, "f"); });
+  };
+  CHECK(
+      contains(error("types:\nC x apolar\n"), "f:2: expected a radius of at least 0, found \"x\""));
+  CHECK(contains(error("types:\nC -1 apolar\n"), "f:2: expected a radius"));
+  CHECK(contains(error("types:\nC 1 odd\n"), "f:2: expected polar or apolar, found \"odd\""));
+  CHECK(contains(error("types:\nC 1\n"), "f:2: expected three fields"));
+  CHECK(
+      contains(error("types:\nC 1 polar\nC 2 polar\n"), "f:3: the type \"C\" has another radius"));
+  CHECK(contains(error("atoms:\nALA CA C\n"), "f:2: the type \"C\" has no radius"));
+  CHECK(contains(error("ALA CA C\n"), "f:1: expected types:, atoms: or name:"));
+  CHECK(contains(error("types:\nC 1 polar\n"), "f: no atoms found"));
+  CHECK(contains(error(""), "f: no atoms found"));
+}
+
+TEST_CASE("radii: names, files and what is neither", "[structure][radii]") {
+  const std::string text = line_of({});
+  StructureOptions options;
+  options.radii = "bondy";
+  CHECK(contains(pdb_error(text, options), "--radii: expected protor, bondi or msms, or a file"));
+  const TemporaryDirectory directory;
+  const fs::path file = directory.path() / "my.config";
+  std::ofstream(file) << "types:\nT 3.5 apolar\natoms:\nANY CA T\n";
+  options.radii = file.string();
+  CHECK(read_pdb(text, options).atoms.at(0).radius == 3.5);
+  std::ofstream(file) << "nonsense\n";
+  CHECK(contains(pdb_error(text, options), file.string() + ":1: expected types:"));
+}
+
+TEST_CASE("atoms without a radius are named", "[structure][radii]") {
+  const std::string text = line_of({}) + line_of({.record = "HETATM",
+                                                  .name = " X1 ",
+                                                  .residue = "UNX",
+                                                  .number = "   2 ",
+                                                  .x = 9,
+                                                  .element = " X"});
+  CHECK(pdb_error(text).starts_with(
+      "t.pdb:2: 1 atom is without a radius in the set protor: UNX X1;"));
+  StructureOptions options;
+  options.unknown_radius = 1.25;
+  const AtomFile file = read_pdb(text, options);
+  REQUIRE(file.atoms.size() == 2);
+  CHECK(file.atoms[1].radius == 1.25);
+  REQUIRE(file.structure->unknown.size() == 1);
+  CHECK(file.structure->unknown[0].residue == "UNX");
+  CHECK(file.structure->unknown[0].radius == 1.25);
+}
+
+// ------------------------------------------------------------------------------------------ PDB
+
+TEST_CASE("PDB: atoms, labels and lines", "[structure]") {
+  const std::string text =
+      "REMARK nothing\n" + line_of({.number = "  52A", .x = 1.5}) + "TER\n" +
+      line_of({.name = " O  ", .chain = "B", .number = "  -1 ", .z = -2, .element = " O"}) +
+      "END\n";
+  const AtomFile file = read_pdb(text);
+  CHECK(names_of(file) == Names{"A ALA 52A CA", "B ALA -1 O"});
+  CHECK(file.lines == std::vector<std::uint64_t>{2, 4});
+  REQUIRE(file.atoms.size() == 2);
+  CHECK(file.atoms[0].center == eses::Vec3{1.5, 0, 0});
+  CHECK(file.atoms[0].radius == 1.88);
+  CHECK(file.atoms[1].radius == 1.42);
+  REQUIRE(file.structure);
+  CHECK(file.structure->radii == "protor");
+  CHECK(file.structure->atom_records == 2);
+}
+
+TEST_CASE("PDB: line ends do not matter", "[structure]") {
+  std::string text = "REMARK\n" + line_of({}) + line_of({.name = " CB ", .x = 2}), crlf;
+  for (const char c : text) crlf += c == '\n' ? "\r\n" : std::string(1, c);
+  const AtomFile file = read_pdb(text), other = read_pdb(crlf);
+  CHECK(names_of(file) == names_of(other));
+  CHECK(file.lines == other.lines);
+  // Records may end after the coordinates.
+  const AtomFile cut = read_pdb(line_of({}).substr(0, 54) + "\r\n");
+  CHECK(cut.atoms.at(0).radius == 1.88);
+}
+
+TEST_CASE("PDB: atoms keep the order of the file", "[structure]") {
+  // The second atom of residue 1 comes after residue 2.
+  const std::string text =
+      line_of({}) + line_of({.number = "   2 ", .x = 5}) + line_of({.name = " CB ", .x = 9});
+  CHECK(read_pdb(text).lines == std::vector<std::uint64_t>{1, 2, 3});
+}
+
+TEST_CASE("PDB: damaged records are named", "[structure]") {
+  const std::string good = line_of({});
+  CHECK(pdb_error(good + good.substr(0, 40) + "\n") ==
+        "t.pdb:2: the record ends before its coordinates; the file seems to be damaged");
+  std::string bad = good;
+  bad.replace(38, 8, "   abc  ");
+  CHECK(pdb_error(good + bad) ==
+        "t.pdb:2: expected a number for y in columns 39 to 46, found \"abc\"");
+  bad.replace(38, 8, "     nan");
+  CHECK(contains(pdb_error(bad), "expected a number for y"));
+  bad.replace(38, 8, "        ");
+  CHECK(contains(pdb_error(bad), "expected a number for y"));
+  CHECK(pdb_error("") == "t.pdb: no atoms found");
+  CHECK(pdb_error("REMARK\nEND\n") == "t.pdb: no atoms found");
+  CHECK(contains(pdb_error(std::string("\0\1\2\xff", 4)), "t.pdb: no atoms found"));
+  CHECK(contains(pdb_error("MODEL        1\n" + good + "MODEL        1\n"), "t.pdb:3: MODEL"));
+}
+
+TEST_CASE("PDB: columns that old files use otherwise", "[structure]") {
+  // The entry and the line's number stood where elements and charges stand now.
+  std::string old = line_of({}).substr(0, 66) + "      1HPV 168\n";
+  CHECK(read_pdb(old).atoms.at(0).radius == 1.88);
+  StructureOptions bondi;
+  bondi.radii = "bondi";
+  // Names that do not begin in the column of their element.
+  for (const auto& [name, element] : std::map<std::string, double>{
+           {"CA  ", 1.70}, {"HG  ", 1.20}, {"NE  ", 1.55}, {"1HB ", 1.20}, {"OD1 ", 1.52}}) {
+    std::string text = line_of({.name = name}).substr(0, 66) + "\n";
+    INFO(name);
+    CHECK(read_pdb(text, bondi).atoms.at(0).radius == element);
+  }
+  const std::string mercury =
+      line_of({.record = "HETATM", .name = "HG  ", .residue = " HG"}).substr(0, 66) + "\n";
+  CHECK(read_pdb(mercury, bondi).atoms.at(0).radius == 1.55);
+}
+
+TEST_CASE("PDB: models", "[structure]") {
+  const auto model = [](int number, double x) {
+    return fmt::format("MODEL {:8}\n", number) + line_of({.x = x}) + "ENDMDL\n";
+  };
+  const std::string text = model(3, 1) + model(4, 2);
+  CHECK(read_pdb(text).atoms.at(0).center.x == 1);
+  CHECK(read_pdb(text).structure->models == 2);
+  CHECK(read_pdb(text).structure->model == "3");
+  StructureOptions options;
+  options.model = 4;
+  CHECK(read_pdb(text, options).atoms.at(0).center.x == 2);
+  CHECK(read_pdb(text, options).lines.at(0) == 5);
+  options.model = 5;
+  CHECK(pdb_error(text, options) ==
+        "t.pdb: there is no model 5 (--model); the file has 2 models, from 3 to 4");
+}
+
+TEST_CASE("alternate locations are chosen by residue", "[structure]") {
+  const std::string text = line_of({.name = " N  ", .element = " N"}) +
+                           line_of({.altloc = 'A', .x = 1, .occupancy = 0.4}) +
+                           line_of({.altloc = 'B', .x = 2, .occupancy = 0.6}) +
+                           line_of({.name = " CB ", .altloc = 'A', .x = 3, .occupancy = 0.55}) +
+                           line_of({.name = " CB ", .altloc = 'B', .x = 4, .occupancy = 0.45}) +
+                           line_of({.name = " C  ", .altloc = 'A', .x = 5, .occupancy = 0.2}) +
+                           line_of({.name = " C  ", .altloc = 'B', .x = 6, .occupancy = 0.8});
+  // B has the higher mean occupancy, although CB has the higher one in A.
+  AtomFile file = read_pdb(text);
+  CHECK(file.lines == std::vector<std::uint64_t>{1, 3, 5, 7});
+  CHECK(file.structure->dropped_altlocs == 3);
+  StructureOptions options;
+  options.altloc = "A";
+  CHECK(read_pdb(text, options).lines == std::vector<std::uint64_t>{1, 2, 4, 6});
+  options.altloc = "C";
+  CHECK(pdb_error(text, options) == "t.pdb: no atom has the alternate location C (--altloc)");
+  // Of equal occupancies the first location.
+  const std::string equal = line_of({.altloc = 'B', .x = 1, .occupancy = 0.5}) +
+                            line_of({.altloc = 'A', .x = 2, .occupancy = 0.5});
+  CHECK(read_pdb(equal).atoms.at(0).center.x == 2);
+}
+
+TEST_CASE("one of several residues at a place is read", "[structure]") {
+  const std::string text =
+      line_of({.altloc = 'A', .residue = "SER", .occupancy = 0.3}) +
+      line_of({.name = " OG ", .altloc = 'A', .residue = "SER", .x = 3, .occupancy = 0.3}) +
+      line_of({.altloc = 'B', .residue = "THR", .x = 0.1, .occupancy = 0.7}) +
+      line_of({.name = " OG1", .altloc = 'B', .residue = "THR", .x = 3, .occupancy = 0.7});
+  CHECK(names_of(read_pdb(text)) == Names{"A THR 1 CA", "A THR 1 OG1"});
+  StructureOptions options;
+  options.altloc = "A";
+  CHECK(names_of(read_pdb(text, options)) == Names{"A SER 1 CA", "A SER 1 OG"});
+}
+
+TEST_CASE("an atom without the chosen location keeps its own best", "[structure]") {
+  const std::string text = line_of({.altloc = 'A', .occupancy = 0.9}) +
+                           line_of({.altloc = 'B', .x = 1, .occupancy = 0.1}) +
+                           line_of({.name = " CB ", .altloc = 'C', .x = 2, .occupancy = 0.2}) +
+                           line_of({.name = " CB ", .altloc = 'D', .x = 3, .occupancy = 0.3});
+  CHECK(read_pdb(text).lines == std::vector<std::uint64_t>{1, 4});
+}
+
+namespace {
+
+std::string mixed_text() {
+  return line_of({}) + line_of({.name = " HA ", .x = 1, .element = " H"}) +
+         line_of({.chain = "B", .x = 20}) +
+         line_of({.record = "HETATM",
+                  .name = " C1 ",
+                  .residue = "LIG",
+                  .chain = "B",
+                  .number = " 900 ",
+                  .x = 40}) +
+         line_of({.record = "HETATM",
+                  .name = " O  ",
+                  .residue = "HOH",
+                  .chain = "B",
+                  .number = " 901 ",
+                  .x = 60,
+                  .element = " O"});
+}
+
+}  // namespace
+
+TEST_CASE("waters, ligands, hydrogens and chains", "[structure]") {
+  const std::string text = mixed_text();
+  AtomFile file = read_pdb(text);
+  CHECK(file.lines == std::vector<std::uint64_t>{1, 3, 4});
+  CHECK(file.structure->atom_records == 2);
+  CHECK(file.structure->hetatm_records == 1);
+  CHECK(file.structure->dropped_waters == 1);
+  CHECK(file.structure->dropped_hydrogens == 1);
+  REQUIRE(file.structure->by_element.size() == 1);
+  CHECK(file.structure->by_element[0].atom_name == "C1");
+
+  StructureOptions options;
+  options.with_waters = true;
+  CHECK(read_pdb(text, options).lines == std::vector<std::uint64_t>{1, 3, 4, 5});
+  options = {};
+  options.with_hetatm = false;
+  CHECK(read_pdb(text, options).lines == std::vector<std::uint64_t>{1, 3});
+  options = {};
+  options.hydrogens = HydrogenChoice::keep;
+  CHECK(read_pdb(text, options).lines == std::vector<std::uint64_t>{1, 2, 3, 4});
+  options = {};
+  options.radii = "bondi";
+  CHECK(read_pdb(text, options).lines == std::vector<std::uint64_t>{1, 2, 3, 4});
+  options.hydrogens = HydrogenChoice::drop;
+  CHECK(read_pdb(text, options).lines == std::vector<std::uint64_t>{1, 3, 4});
+  options = {};
+  options.chains = {"B"};
+  file = read_pdb(text, options);
+  CHECK(file.lines == std::vector<std::uint64_t>{3, 4});
+  CHECK(file.structure->dropped_chains == 2);
+  options.chains = {"A", "C"};
+  CHECK(pdb_error(text, options) ==
+        "t.pdb: there is no chain \"C\" (--chains); its chains are \"A,B\"");
+}
+
+TEST_CASE("selections in gemmi's syntax", "[structure]") {
+  const std::string text = mixed_text();
+  StructureOptions options;
+  options.select = "/1/B";
+  CHECK(read_pdb(text, options).lines == std::vector<std::uint64_t>{3, 4});
+  CHECK(read_pdb(text, options).structure->dropped_selection == 2);
+  options.select = "(LIG)";
+  CHECK(read_pdb(text, options).lines == std::vector<std::uint64_t>{4});
+  options.select = "CA[C]";
+  CHECK(read_pdb(text, options).lines == std::vector<std::uint64_t>{1, 3});
+  options.select = "//[";
+  CHECK(contains(pdb_error(text, options), "--select: Invalid selection syntax"));
+  options.select = "/2/A";
+  CHECK(contains(pdb_error(text, options), "use --model 2"));
+  options.select = "//Z";
+  CHECK(contains(pdb_error(text, options), "t.pdb: no atoms left of 5"));
+}
+
+// ---------------------------------------------------------------------------------------- mmCIF
+
+TEST_CASE("mmCIF: atoms, labels and lines", "[structure]") {
+  const std::string text = mmcif_head +
+                           "ATOM 1 C CA . ALA A 1 1 ? 1.5 0 0 1.0 20 52 X 1\n"
+                           "ATOM 2 O O . ALA A 1 1\n? 0 0 2 1.0 20 52 X 1\n"
+                           "HETATM 3 ZN ZN . ZN B 2 . A 5 5 5 1.0 20 900 X 1\n#\n";
+  const AtomFile file = read_mmcif(text);
+  CHECK(names_of(file) == Names{"X ALA 52 CA", "X ALA 52 O", "X ZN 900A ZN"});
+  // The head has 20 lines; the second atom takes two.
+  CHECK(file.lines == std::vector<std::uint64_t>{21, 22, 24});
+  CHECK(file.atoms.at(2).radius == 1.39);
+  std::string crlf;
+  for (const char c : text) crlf += c == '\n' ? "\r\n" : std::string(1, c);
+  CHECK(names_of(read_mmcif(crlf)) == names_of(file));
+  CHECK(read_mmcif(crlf).lines == file.lines);
+}
+
+TEST_CASE("mmCIF: damaged files are refused", "[structure]") {
+  const auto error = [](const std::string& text) { return error_of([&] { read_mmcif(text); }); };
+  const std::string row = "ATOM 1 C CA . ALA A 1 1 ? 1.5 0 0 1.0 20 52 X 1\n";
+  CHECK(contains(error(mmcif_head + row + "ATOM 2 C\n"), "Wrong number of values in the loop"));
+  CHECK(contains(error(mmcif_head + row + "'unterminated\n"), "t.cif:22: unterminated"));
+  CHECK(contains(error(mmcif_head + "ATOM 1 C CA . ALA A 1 1 ? ? 0 0 1.0 20 52 X 1\n"),
+                 "t.cif:21: expected coordinates"));
+  CHECK(contains(error("data_x\n_cell.length_a 3\n"), "t.cif: no atoms found"));
+  CHECK(contains(error(""), "t.cif: "));
+  const std::string whole = text_of(crystal);
+  for (const double part : {0.1, 0.5, 0.7}) {
+    const auto length = static_cast<std::size_t>(part * static_cast<double>(whole.size()));
+    CHECK_FALSE(error(whole.substr(0, length)).empty());
+  }
+}
+
+TEST_CASE("mmCIF: a crystal structure with modified residues", "[structure]") {
+  // The C-terminal domain of a capsid protein: 70 residues, four of them selenomethionine.
+  const AtomFile file = read_file(crystal);
+  CHECK(file.atoms.size() == 556);
+  CHECK(file.structure->atom_records == 556);
+  CHECK(file.structure->dropped_waters == 88);
+  CHECK(file.structure->by_element.empty());
+  std::set<std::string> residues;
+  for (const auto& label : file.labels) residues.insert(label.residue_number);
+  CHECK(residues.size() == 70);
+}
+
+TEST_CASE("PDB and mmCIF files of an entry have the same atoms", "[structure]") {
+  if (!fs::is_directory(biopython_data)) SKIP("python-biopython-doc is not installed");
+  for (const std::string entry : {"1A8O", "1LCD", "2BEG", "2XHE"}) {
+    INFO(entry);
+    const AtomFile pdb = read_file(biopython_data + entry + ".pdb.gz");
+    const AtomFile mmcif = read_file(biopython_data + entry + ".cif.gz");
+    std::multiset<std::string> in_pdb, in_mmcif;
+    const auto add = [](const AtomFile& file, std::multiset<std::string>& texts) {
+      const Names names = names_of(file);
+      for (std::size_t i = 0; i < names.size(); ++i)
+        texts.insert(fmt::format("{} {} {}", names[i], columns_of(file.atoms[i].center),
+                                 file.atoms[i].radius));
+    };
+    add(pdb, in_pdb);
+    add(mmcif, in_mmcif);
+    CHECK(in_pdb == in_mmcif);
+  }
+}
+
+// ----------------------------------------------------------------------------------- assemblies
+
+TEST_CASE("an assembly has copies with names of their own", "[structure]") {
+  StructureOptions options;
+  options.assembly = "1";
+  const AtomFile one = read_file(crystal), file = read_file(crystal, options);
+  REQUIRE(file.atoms.size() == 2 * one.atoms.size());
+  CHECK(file.structure->operators == 2);
+  CHECK(file.structure->assembly == "1");
+  std::map<std::string, int> chains;
+  for (const auto& label : file.labels) ++chains[label.chain];
+  CHECK(chains == std::map<std::string, int>{{"A", 556}, {"A-2", 556}});
+  // The second operator of the entry is a rotation: (-x, y, z) -> (y, x, -z) of P 43 21 2 or alike
+  // keeps distances.
+  const std::size_t n = one.atoms.size();
+  for (std::size_t i = 1; i < n; ++i) {
+    const auto distance = [&](std::size_t a, std::size_t b) {
+      const eses::Vec3 d = file.atoms[a].center - file.atoms[b].center;
+      return std::sqrt(dot(d, d));
+    };
+    CHECK(std::fabs(distance(0, i) - distance(n, n + i)) < 1e-3);
+    CHECK(file.lines[i] == file.lines[n + i]);
+    CHECK(file.atoms[i].radius == file.atoms[n + i].radius);
+  }
+  options.assembly = "2";
+  CHECK(contains(error_of([&] { read_file(crystal, options); }),
+                 "there is no assembly \"2\" (--assembly); its assemblies are 1"));
+}
+
+namespace {
+
+const std::string dimer_remarks =
+    "REMARK 350\n"
+    "REMARK 350 BIOMOLECULE: 1\n"
+    "REMARK 350 APPLY THE FOLLOWING TO CHAINS: A\n"
+    "REMARK 350   BIOMT1   1  1.000000  0.000000  0.000000        0.00000\n"
+    "REMARK 350   BIOMT2   1  0.000000  1.000000  0.000000        0.00000\n"
+    "REMARK 350   BIOMT3   1  0.000000  0.000000  1.000000        0.00000\n"
+    "REMARK 350   BIOMT1   2 -1.000000  0.000000  0.000000        0.00000\n"
+    "REMARK 350   BIOMT2   2  0.000000 -1.000000  0.000000        0.00000\n"
+    "REMARK 350   BIOMT3   2  0.000000  0.000000  1.000000       10.00000\n";
+
+}  // namespace
+
+TEST_CASE("an assembly of a PDB file", "[structure]") {
+  const std::string text =
+      dimer_remarks + line_of({.x = 3, .y = 4, .z = 5}) + line_of({.chain = "B", .x = 30});
+  StructureOptions options;
+  options.assembly = "1";
+  const AtomFile file = read_pdb(text, options);
+  CHECK(names_of(file) == Names{"A ALA 1 CA", "A-2 ALA 1 CA"});
+  CHECK(file.atoms.at(1).center == eses::Vec3{-3, -4, 15});
+  CHECK(read_pdb(text).atoms.size() == 2);
+  CHECK(contains(pdb_error(line_of({}), options), "the file describes none"));
+}
+
+TEST_CASE("an ion on an axis of symmetry is read once", "[structure]") {
+  std::string remarks = dimer_remarks;
+  remarks.replace(remarks.rfind("10.00000"), 8, " 0.00000");
+  const std::string text = remarks + line_of({.x = 3, .y = 4, .z = 5}) +
+                           line_of({.record = "HETATM",
+                                    .name = "ZN  ",
+                                    .residue = " ZN",
+                                    .number = " 900 ",
+                                    .z = 7,
+                                    .element = "ZN"});
+  StructureOptions options;
+  options.assembly = "1";
+  const AtomFile file = read_pdb(text, options);
+  CHECK(file.atoms.size() == 3);
+  CHECK(file.structure->dropped_images == 1);
+}
+
+// --------------------------------------------------------------------------- files and formats
+
+TEST_CASE("suffixes and contents decide how structures are read", "[structure]") {
+  const TemporaryDirectory directory;
+  const std::string text = line_of({});
+  for (const std::string name : {"a.pdb", "a.ent", "A.PDB"}) {
+    std::ofstream(directory.path() / name) << text;
+    CHECK(read_file(directory.path() / name).atoms.size() == 1);
+  }
+  const std::string cif = text_of(crystal);
+  for (const std::string name : {"a.cif", "a.mmcif"}) {
+    std::ofstream(directory.path() / name) << cif;
+    CHECK(read_file(directory.path() / name).atoms.size() == 556);
+  }
+  CHECK(error_of([&] { read_pdb(cif); }) ==
+        "t.pdb: this is an mmCIF file; read it with --format mmcif");
+  CHECK(error_of([&] { read_mmcif("HEADER    X\n" + text); }) ==
+        "t.cif: this is a PDB file; read it with --format pdb");
+  CHECK(error_of([&] { eses::parse_atoms(cif, AtomFormat::xyzr, "t"); }) ==
+        "t: this is an mmCIF file; read it with --format mmcif");
+  CHECK(error_of([&] { eses::parse_atoms("HEADER    X\n" + text, AtomFormat::xyzr, "t"); }) ==
+        "t: this is a PDB file; read it with --format pdb");
+}
+
+TEST_CASE("damaged gzip files are refused", "[structure]") {
+  const TemporaryDirectory directory;
+  std::ifstream stream(crystal, std::ios::binary);
+  const std::string packed{std::istreambuf_iterator<char>(stream), {}};
+  const fs::path path = directory.path() / "cut.cif.gz";
+  std::ofstream(path, std::ios::binary) << packed.substr(0, packed.size() / 2);
+  CHECK(contains(error_of([&] { read_file(path); }), "the compressed data ends too early"));
+  std::string damaged = packed;
+  for (std::size_t i = damaged.size() / 2; i < damaged.size() / 2 + 8; ++i) damaged[i] = '\xff';
+  std::ofstream(path, std::ios::binary) << damaged;
+  CHECK(contains(error_of([&] { read_file(path); }), "the compressed data is damaged"));
+}
+
+TEST_CASE("reading structures keeps the limit of memory", "[structure]") {
+  std::string text;
+  for (int i = 0; i < 200000; ++i) text += line_of({.x = i * 0.01, .y = i * 0.001});
+  const TemporaryDirectory directory;
+  const fs::path path = directory.path() / "big.pdb";
+  std::ofstream(path) << text;
+  ReadOptions options;
+  options.max_memory = 1 << 20;
+  const std::string message = error_of([&] { eses::read_atoms(path, options); });
+  CHECK(contains(message, "reading the file takes more memory than the 1 MiB"));
+}
+
+TEST_CASE("formats that are not read are named, with a way to convert them", "[structure]") {
+  const auto by_suffix = [](const std::string& name) {
+    return error_of([&] { eses::detail::refuse_other_suffix(name); });
+  };
+  CHECK(by_suffix("a.mol2") ==
+        "a.mol2: Tripos MOL2 files are not read; convert it with `obabel FILE -O FILE.pdb`");
+  CHECK(contains(by_suffix("a.SDF.gz"), "obabel"));
+  CHECK(contains(by_suffix("a.gro"), "gmx editconf"));
+  CHECK(contains(by_suffix("a.xtc"), "gmx trjconv"));
+  CHECK(contains(by_suffix("a.prmtop"), "ambpdb"));
+  CHECK(contains(by_suffix("a.json"), "gemmi convert"));
+  for (const std::string name : {"a.xyz", "a.pdbqt", "a.dcd", "a.trr", "a.psf", "a.mmtf", "a.bcif",
+                                 "a.mol", "a.crd", "a.mae"})
+    CHECK(contains(by_suffix(name), "files are not read"));
+  for (const std::string name : {"a", "a.xyzr", "a.pqr", "a.pdb", "a.cif", "a.txt", "-"})
+    CHECK(by_suffix(name).empty());
+
+  const auto by_content = [](std::string_view text) {
+    return error_of([&] { eses::parse_atoms(text, AtomFormat::xyzr, "t"); });
+  };
+  CHECK(contains(by_content("# made by\n@<TRIPOS>MOLECULE\nx\n"), "t: Tripos MOL2"));
+  CHECK(
+      contains(by_content("water\n  obabel\n\n  3  2  0  0  0  0  0  0  0  0999 V2000\n"), "MDL"));
+  CHECK(contains(by_content("%VERSION  VERSION_STAMP = V0001.000\n"), "Amber"));
+  CHECK(contains(by_content("PSF CMAP\n\n"), "CHARMM PSF"));
+  CHECK(contains(by_content("{\"data_1ABC\": {"), "mmJSON"));
+  CHECK(contains(by_content(std::string_view("\x54\0\0\0CORD\0\0", 10)), "DCD"));
+  CHECK(contains(by_content(std::string_view("\0\0\x07\xcb\0\0", 6)), "GROMACS trajectory"));
+  CHECK(contains(by_content("\xde\x01\xabmmtfVersion\xa3"), "MMTF"));
+  CHECK(contains(by_content("\x83\xa7"
+                            "encoder\xa3"),
+                 "BinaryCIF"));
+  // The format that is given holds.
+  const TemporaryDirectory directory;
+  const fs::path path = directory.path() / "spheres.xyz";
+  std::ofstream(path) << "0 0 0 1\n";
+  CHECK(contains(error_of([&] { eses::read_atoms(path); }), "XYZ files are not read"));
+  CHECK(eses::read_atoms(path, {.format = AtomFormat::xyzr}).atoms.size() == 1);
+}
+
+// ------------------------------------------------------------------------------------------ PQR
+
+TEST_CASE("PQR: several models", "[structure][pqr]") {
+  const auto model = [](int number, double x) {
+    return fmt::format("MODEL        {}\nATOM 1 N ALA A 1 {} 0 0 0.1 1.5\nENDMDL\n", number, x);
+  };
+  const auto read = [](const std::string& text, int number = 0) {
+    StructureOptions options;
+    options.model = number;
+    return eses::parse_atoms(text, AtomFormat::pqr, "t.pqr", options);
+  };
+  CHECK(read(model(1, 0)).atoms.size() == 1);
+  CHECK(read("ATOM 1 N ALA A 1 0 0 0 0.1 1.5\n", 1).atoms.size() == 1);
+  const std::string two = model(1, 0) + model(2, 7);
+  CHECK(error_of([&] { read(two); }) ==
+        "t.pqr: 2 models, whose atoms lie on top of each other; choose one with --model N");
+  CHECK(read(two, 2).atoms.at(0).center.x == 7);
+  CHECK(read(two, 2).lines.at(0) == 5);
+  CHECK(contains(error_of([&] { read(two, 3); }), "no ATOM or HETATM records found in model 3"));
+  CHECK(contains(error_of([&] { read("MODEL x\n" + two); }), "t.pqr:1: expected the number"));
+}
+
+TEST_CASE("PQR: models in pieces of a file", "[structure][pqr]") {
+  // Long enough for several pieces of text.
+  std::string text;
+  for (int model = 1; model <= 3; ++model) {
+    text += fmt::format("MODEL        {}\n", model);
+    for (int i = 0; i < 10000; ++i)
+      text += fmt::format("ATOM  {} N ALA A {} {} {} 0 0.1 1.5\n", i, i % 1000, i, model);
+    text += "ENDMDL\n";
+  }
+  const TemporaryDirectory directory;
+  const fs::path path = directory.path() / "models.pqr";
+  std::ofstream(path) << text;
+  StructureOptions options;
+  options.model = 2;
+  const AtomFile file = read_file(path, options);
+  REQUIRE(file.atoms.size() == 10000);
+  for (const auto& atom : file.atoms) REQUIRE(atom.center.y == 2);
+  CHECK(contains(error_of([&] { read_file(path); }), "3 models"));
+}
+
+TEST_CASE("PQR: numbers behind the radius are refused", "[structure][pqr]") {
+  const auto read = [](const std::string& text) {
+    return eses::parse_atoms(text, AtomFormat::pqr, "t.pqr");
+  };
+  const std::string expected = "t.pqr:1: more than five numbers where x y z charge radius";
+  CHECK(
+      error_of([&] { read("ATOM 1 N ALA A 1 1.0 2.0 3.0 0.1 1.5 9.5\n"); }).starts_with(expected));
+  CHECK(error_of([&] { read("ATOM 1 N ALA 1 1.0 2.0 3.0 0.1 1.5 9.5\n"); }).starts_with(expected));
+  // In columns, where coordinates run together.
+  const std::string columns =
+      "ATOM      1  N   ALA A   1    -100.000-100.000-100.000  0.1000 1.5000";
+  CHECK(read(columns + "\n").atoms.at(0).radius == 1.5);
+  CHECK(error_of([&] { read(columns + "  9.5\n"); }).starts_with(expected));
+  CHECK(read("ATOM 1 N ALA A 1 1.0 2.0 3.0 0.1 1.5 N\n").atoms.at(0).radius == 1.5);
+}
+
+// ----------------------------------------------------------------------------------- the program
+
+using eses::detail::test::check_json;
+using eses::detail::test::Outcome;
+using eses::detail::test::Sandbox;
+
+TEST_CASE("the program reads a PDB file and says what it has left out", "[structure][cli]") {
+  const Sandbox sandbox;
+  eses::detail::test::write_file(sandbox.directory() / "m.pdb", mixed_text());
+  const Outcome text = sandbox.run({"m.pdb", "--write", "none"});
+  REQUIRE(text.code == 0);
+  CHECK(contains(text.out, "input: m.pdb (3 atoms)\n"));
+  CHECK(contains(text.out, "read: 2 ATOM records, 1 HETATM record\n"));
+  CHECK(contains(text.out, "left out: 1 atom of water, 1 hydrogen\n"));
+  CHECK(contains(text.out, "radii: protor; 1 atom by element (LIG C1 1.7)\n"));
+
+  const Outcome json = sandbox.run({"m.pdb", "--write", "none", "--json"});
+  REQUIRE(json.code == 0);
+  check_json(sandbox, json.out, "r['structure']['left_out']['waters']", "1");
+  check_json(sandbox, json.out, "r['structure']['read']['hetatm_records']", "1");
+  check_json(sandbox, json.out, "r['structure']['radii_by_element'][0]['element']", "C");
+  check_json(sandbox, json.out, "r['structure']['assembly']", "None");
+
+  // The same by standard input.
+  const Outcome piped = sandbox.run({"-", "--format", "pdb", "--write", "none"}, "< m.pdb");
+  CHECK(contains(piped.out, "read: 2 ATOM records, 1 HETATM record\n"));
+}
+
+TEST_CASE("residues and chains of PDB files", "[structure][cli]") {
+  const Sandbox sandbox;
+  eses::detail::test::write_file(sandbox.directory() / "m.pdb", mixed_text());
+  REQUIRE(
+      sandbox.run({"m.pdb", "--write", "residues", "--mesh", "m.ply", "--color", "chain"}).code ==
+      0);
+  const std::string table = eses::detail::test::read_file(sandbox.directory() / "residue_area.csv");
+  CHECK(table.starts_with("chain,residue_number,residue,atoms,area\nA,1,ALA,1,"));
+  CHECK(contains(table, "\nB,1,ALA,1,"));
+  CHECK(contains(table, "\nB,900,LIG,1,"));
+  const std::string mesh = eses::detail::test::read_file(sandbox.directory() / "m.ply");
+  CHECK(contains(mesh, "comment chain 1 B\n"));
+  CHECK(contains(mesh, "comment residue 2 LIG 900 B\n"));
+}
+
+TEST_CASE("diagnostics name the atoms of PDB files", "[structure][cli]") {
+  const Sandbox sandbox;
+  const std::string text =
+      line_of({.number = "  33 "}) + line_of({.name = " CB ", .number = "  33 ", .x = 0.2});
+  eses::detail::test::write_file(sandbox.directory() / "m.pdb", text);
+  const Outcome outcome = sandbox.run({"m.pdb", "--write", "none"});
+  REQUIRE(outcome.code == 0);
+  CHECK(contains(outcome.err, "line 2, A/ALA 33/CB (near 1, A/ALA 33/CA)"));
+  const Outcome json = sandbox.run({"m.pdb", "--write", "none", "--json"});
+  check_json(sandbox, json.out, "r['diagnostics'][0]['first'][0]['label']", "A/ALA 33/CB");
+  check_json(sandbox, json.out, "r['diagnostics'][0]['first'][0]['other_label']", "A/ALA 33/CA");
+}
+
+TEST_CASE("options of structures need a structure", "[structure][cli]") {
+  const Sandbox sandbox;
+  eses::detail::test::write_file(sandbox.directory() / "a.xyzr", "0 0 0 1\n");
+  eses::detail::test::write_file(sandbox.directory() / "a.pqr", "ATOM 1 N ALA A 1 0 0 0 0.1 1.5\n");
+  for (const std::vector<std::string>& option :
+       std::vector<std::vector<std::string>>{{"--radii", "bondi"},
+                                             {"--unknown-radius", "1"},
+                                             {"--model", "1"},
+                                             {"--altloc", "A"},
+                                             {"--waters"},
+                                             {"--no-hetatm"},
+                                             {"--hydrogens", "keep"},
+                                             {"--chains", "A"},
+                                             {"--select", "//A"},
+                                             {"--assembly", "1"}}) {
+    for (const std::string file : {"a.xyzr", "a.pqr"}) {
+      std::vector<std::string> arguments{file, "--write", "none"};
+      arguments.insert(arguments.end(), option.begin(), option.end());
+      INFO(file << " " << option[0]);
+      const Outcome outcome = sandbox.run(arguments);
+      if (file == "a.pqr" && option[0] == "--model") {
+        CHECK(outcome.code == 0);
+        continue;
+      }
+      CHECK(outcome.code == 2);
+      CHECK(contains(outcome.err, option[0] + " needs a PDB or mmCIF file; " + file));
+    }
+  }
+  for (const std::vector<std::string>& option :
+       std::vector<std::vector<std::string>>{{"--unknown-radius", "-1"},
+                                             {"--model", "0"},
+                                             {"--altloc", "AB"},
+                                             {"--chains", "A,,B"},
+                                             {"--hydrogens", "some"},
+                                             {"--radii", ""},
+                                             {"--format", "mol2"}}) {
+    std::vector<std::string> arguments{"a.pdb"};
+    arguments.insert(arguments.end(), option.begin(), option.end());
+    INFO(option[0]);
+    CHECK(sandbox.run(arguments).code == 2);
+  }
+}
