@@ -41,7 +41,19 @@ class Atoms:
     def labels(self) -> Optional[Labels]: ...
 
 def read_atoms(
-    path: Union[str, os.PathLike[str]], *, format: Literal["auto", "xyzr", "pqr"] = "auto"
+    path: Union[str, os.PathLike[str]],
+    *,
+    format: Literal["auto", "xyzr", "pqr", "pdb", "mmcif"] = "auto",
+    radii: str = "protor",
+    unknown_radius: Optional[float] = None,
+    model: int = 0,
+    altloc: str = "",
+    waters: bool = False,
+    hetatm: bool = True,
+    hydrogens: Literal["auto", "keep", "drop"] = "auto",
+    chains: Sequence[str] = (),
+    select: str = "",
+    assembly: str = "",
 ) -> Atoms: ...
 
 class Grid:

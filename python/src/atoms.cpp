@@ -1,11 +1,14 @@
 #include "atoms.hpp"
 
+#include <pybind11/stl.h>
 #include <pybind11/stl/filesystem.h>
 
 #include <eses/eses.hpp>
 #include <filesystem>
 #include <memory>
+#include <optional>
 #include <string>
+#include <vector>
 
 #include "arrays.hpp"
 #include "interrupts.hpp"
@@ -14,7 +17,8 @@
 namespace eses::python {
 namespace {
 
-constexpr const char* read_atoms_text = R"(read_atoms(path, *, format='auto')
+constexpr const char* read_atoms_text =
+    R"(read_atoms(path, *, format='auto', radii='protor', unknown_radius=None, model=0, altloc='', waters=False, hetatm=True, hydrogens='auto', chains=(), select='', assembly='')
 --
 
 Read the atoms of a file.
@@ -23,9 +27,31 @@ Parameters
 ----------
 path : str or os.PathLike
     Name of the file, which may be gzipped.
-format : {'auto', 'xyzr', 'pqr'}, optional
-    Format of the file. With ``auto`` the suffix decides: ``.pqr`` and ``.pqr.gz`` are PQR files,
-    everything else is xyzr, which has one atom a line as ``x y z radius``.
+format : {'auto', 'xyzr', 'pqr', 'pdb', 'mmcif'}, optional
+    Format of the file. With ``auto`` the suffix decides: ``.pqr``, ``.pdb`` and ``.ent``, ``.cif`` and
+    ``.mmcif``, each also with ``.gz``. Everything else is xyzr, which has one atom a line as
+    ``x y z radius``. The arguments below are for PDB and mmCIF files.
+radii : str, optional
+    Set of radii: ``protor``, ``bondi``, ``msms``, or the path of a file in FreeSASA's configuration
+    format.
+unknown_radius : float, optional
+    Radius of atoms for which the set has none, in angstrom. Without it such atoms are an error.
+model : int, optional
+    Number of the model; 0 for the first one. PQR files have models, too.
+altloc : str, optional
+    Alternate location, such as ``A``; empty for that of the highest occupancy in each residue.
+waters : bool, optional
+    Whether water molecules are read.
+hetatm : bool, optional
+    Whether HETATM records other than water are read.
+hydrogens : {'auto', 'keep', 'drop'}, optional
+    Whether hydrogens are read; ``auto`` drops them if the radii are those of united atoms.
+chains : sequence of str, optional
+    Chains to read; empty for all.
+select : str, optional
+    Selection in gemmi's syntax, such as ``/1/A/10-20/CA``.
+assembly : str, optional
+    Identifier of the biological assembly to build; empty for the atoms of the file.
 
 Returns
 -------
@@ -37,7 +63,8 @@ Raises
 OSError
     If the file cannot be opened or read.
 ValueError
-    If the text is not one of atoms. The message names the file, the line and the field.
+    If the text is not one of atoms, or if there is no radius for an atom. The message names the
+    file, the line and the field.
 MemoryError
     If the atoms do not fit into memory.)";
 
@@ -53,14 +80,38 @@ AtomFormat format_named(const std::string& name) {
   if (name == "auto") return AtomFormat::automatic;
   if (name == "xyzr") return AtomFormat::xyzr;
   if (name == "pqr") return AtomFormat::pqr;
-  throw py::value_error("format must be 'auto', 'xyzr' or 'pqr', not '" + name + "'");
+  if (name == "pdb") return AtomFormat::pdb;
+  if (name == "mmcif") return AtomFormat::mmcif;
+  throw py::value_error("format must be 'auto', 'xyzr', 'pqr', 'pdb' or 'mmcif', not '" + name +
+                        "'");
 }
 
-std::shared_ptr<AtomFile> read(const std::filesystem::path& path, const std::string& format) {
+HydrogenChoice hydrogens_named(const std::string& name) {
+  if (name == "auto") return HydrogenChoice::by_radii;
+  if (name == "keep") return HydrogenChoice::keep;
+  if (name == "drop") return HydrogenChoice::drop;
+  throw py::value_error("hydrogens must be 'auto', 'keep' or 'drop', not '" + name + "'");
+}
+
+std::shared_ptr<AtomFile> read(const std::filesystem::path& path, const std::string& format,
+                               const std::string& radii, std::optional<double> unknown_radius,
+                               int model, const std::string& altloc, bool waters, bool hetatm,
+                               const std::string& hydrogens, const std::vector<std::string>& chains,
+                               const std::string& select, const std::string& assembly) {
   // The library would read standard input, which does not listen to Ctrl-C.
   if (path == "-") throw py::value_error("path must be the name of a file, not '-'");
   ReadOptions options;
   options.format = format_named(format);
+  options.structure = {.radii = radii,
+                       .unknown_radius = unknown_radius,
+                       .model = model,
+                       .altloc = altloc,
+                       .with_waters = waters,
+                       .with_hetatm = hetatm,
+                       .hydrogens = hydrogens_named(hydrogens),
+                       .chains = chains,
+                       .select = select,
+                       .assembly = assembly};
   Interrupts interrupts;
   options.check = [&interrupts] { interrupts.check(); };
   return std::make_shared<AtomFile>(read_file_as_value([&] { return read_atoms(path, options); }));
@@ -132,7 +183,10 @@ void bind_atoms(py::module_& module) {
           "Labels or None: names of the atoms; None if the file has none.");
 
   module.def("read_atoms", &read, read_atoms_text, py::arg("path"), py::kw_only(),
-             py::arg("format") = "auto");
+             py::arg("format") = "auto", py::arg("radii") = "protor",
+             py::arg("unknown_radius") = py::none(), py::arg("model") = 0, py::arg("altloc") = "",
+             py::arg("waters") = false, py::arg("hetatm") = true, py::arg("hydrogens") = "auto",
+             py::arg("chains") = py::tuple(), py::arg("select") = "", py::arg("assembly") = "");
 }
 
 }  // namespace eses::python

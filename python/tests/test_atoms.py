@@ -49,6 +49,39 @@ def test_gzipped_file_and_format(tmp_path):
     assert atoms.radii.tolist() == [1.5, 1.2]
 
 
+PDB = """\
+ATOM      1  N   GLY A   1       1.000   2.000   3.000  1.00  0.00           N
+ATOM      2  CA  GLY A   1       2.400   2.000   3.000  1.00  0.00           C
+ATOM      3  H   GLY A   1       0.500   2.800   3.000  1.00  0.00           H
+ATOM      4  CA  GLY B   2       9.000   2.000   3.000  1.00  0.00           C
+HETATM    5 XE   XE  A   3      20.000   2.000   3.000  1.00  0.00          XE
+HETATM    6  O   HOH A   4      30.000   2.000   3.000  1.00  0.00           O
+END
+"""
+
+
+def test_pdb_file(tmp_path):
+    path = tmp_path / "five.pdb"
+    path.write_text(PDB)
+    # Bondi (1964): N 1.55, C 1.70, O 1.52, Xe 2.16; H 1.10 of Rowland and Taylor (1996) or 1.20.
+    atoms = eses.read_atoms(path, radii="bondi")
+    assert atoms.radii[[0, 1, 3, 4]].tolist() == [1.55, 1.7, 1.7, 2.16]
+    assert 1.0 <= atoms.radii[2] <= 1.2
+    assert list(atoms.labels.atom_name) == ["N", "CA", "H", "CA", "XE"]
+    assert list(atoms.labels.chain) == ["A", "A", "A", "B", "A"]
+    assert atoms.centers[3].tolist() == [9, 2, 3]
+    numbers = {"waters": True, "hetatm": False, "hydrogens": "drop", "chains": ["B"],
+               "select": "//A"}
+    counts = [len(eses.read_atoms(path, radii="bondi", **{name: value}))
+              for name, value in numbers.items()]
+    assert counts == [6, 4, 4, 1, 4]
+    assert len(eses.read_atoms(path, radii="protor", hetatm=False)) == 3
+    with pytest.raises(ValueError, match="hydrogens must be"):
+        eses.read_atoms(path, hydrogens="some")
+    with pytest.raises(ValueError, match="five.pdb"):
+        eses.read_atoms(path, radii="bondi", model=7)
+
+
 def test_missing_file_is_an_os_error(tmp_path):
     with pytest.raises(FileNotFoundError, match="nowhere.xyzr"):
         eses.read_atoms(tmp_path / "nowhere.xyzr")
@@ -68,7 +101,7 @@ def test_wrong_text_is_a_value_error(tmp_path):
 
 def test_wrong_arguments():
     with pytest.raises(ValueError, match="format must be"):
-        eses.read_atoms(DATA / "c60.xyzr", format="xyz")
+        eses.read_atoms(DATA / "c60.xyzr", format="mol2")
     with pytest.raises(TypeError):
         eses.read_atoms(DATA / "c60.xyzr", "xyzr")
     with pytest.raises(TypeError):
