@@ -687,12 +687,12 @@ TEST_CASE("mesh: errors", "[mesh][cli]") {
   check({"pair.xyzr", "--mesh", "a.ply", "--color", "red"}, 2,
         "--color is 'red', expected patch, atom or chain");
   for (const char* file : {"pair.xyzr", "missing.xyzr", "-"})
-    check({file, "--mesh", "a.ply", "--color", "chain"}, 2, "--color chain needs a PQR file");
+    check({file, "--mesh", "a.ply", "--color", "chain"}, 2, "--color chain needs a PQR, PDB or mmCIF file");
   check({"missing.PQR.gz", "--mesh", "a.ply", "--color", "chain"}, 1, "missing.PQR.gz");
   check({"missing.xyzr", "--format", "pqr", "--mesh", "a.ply", "--color", "chain"}, 1,
         "missing.xyzr");
   check({"missing.pqr", "--format", "xyzr", "--mesh", "a.ply", "--color", "chain"}, 2,
-        "--color chain needs a PQR file");
+        "--color chain needs a PQR, PDB or mmCIF file");
   check({"pair.xyzr", "--mesh", "pair.xyzr/a.ply"}, 1, "cannot write into pair.xyzr");
   fs::create_directory(sandbox.directory() / "taken.ply");
   check({"pair.xyzr", "--mesh", "taken.ply"}, 1, "taken.ply");

@@ -540,7 +540,7 @@ TEST_CASE("PQR: a PDB file is refused with the reason", "[read_atoms]") {
       "HETATM    4  O   HOH A   2     -26.913 -26.639  -3.531  1.00  2.00"};
   const std::string reason =
       "t.pqr: this is a PDB file: its columns 55 to 66 hold occupancy and B-factor, which are not "
-      "charge and radius; make a PQR file of it with pdb2pqr";
+      "charge and radius; read it with --format pdb";
   for (const char* end : {"", "           N  ", "           N1+"}) {
     CAPTURE(end);
     std::string text = "HEADER\n";
@@ -758,16 +758,6 @@ TEST_CASE("behind a gzip member only another one or zeros may follow", "[read_at
   for (int i = 0; i < 20000; ++i) many += gzip_member(line);
   CHECK(read_atom_list(directory.write("b.xyzr.gz", many)).size() == 20000);
   CHECK(contains(error_of(many + "x"), damaged));
-}
-
-TEST_CASE("structure files without radii are refused", "[read_atoms]") {
-  const TemporaryDirectory directory;
-  const std::string record = "ATOM 1 N MET 1 1 2 3 0.5 1.5\n";
-  for (const char* name : {"a.pdb", "b.PDB", "c.ent", "d.cif", "e.pdb.gz"})
-    for (const AtomFormat format : {AtomFormat::automatic, AtomFormat::pqr, AtomFormat::xyzr}) {
-      INFO(name);
-      CHECK(contains(file_error(directory.write(name, record), format), "files have no radii"));
-    }
 }
 
 TEST_CASE("files that cannot be read", "[read_atoms]") {

@@ -878,7 +878,7 @@ TEST_CASE("the program reads a PDB file and says what it has left out", "[struct
   REQUIRE(json.code == 0);
   check_json(sandbox, json.out, "r['structure']['left_out']['waters']", "1");
   check_json(sandbox, json.out, "r['structure']['read']['hetatm_records']", "1");
-  check_json(sandbox, json.out, "r['structure']['radii_by_element'][0]['element']", "C");
+  check_json(sandbox, json.out, "r['structure']['radii_by_element'][0]['element']", "'C'");
   check_json(sandbox, json.out, "r['structure']['assembly']", "None");
 
   // The same by standard input.
@@ -910,8 +910,8 @@ TEST_CASE("diagnostics name the atoms of PDB files", "[structure][cli]") {
   REQUIRE(outcome.code == 0);
   CHECK(contains(outcome.err, "line 2, A/ALA 33/CB (near 1, A/ALA 33/CA)"));
   const Outcome json = sandbox.run({"m.pdb", "--write", "none", "--json"});
-  check_json(sandbox, json.out, "r['diagnostics'][0]['first'][0]['label']", "A/ALA 33/CB");
-  check_json(sandbox, json.out, "r['diagnostics'][0]['first'][0]['other_label']", "A/ALA 33/CA");
+  check_json(sandbox, json.out, "r['diagnostics'][0]['first'][0]['label']", "'A/ALA 33/CB'");
+  check_json(sandbox, json.out, "r['diagnostics'][0]['first'][0]['other_label']", "'A/ALA 33/CA'");
 }
 
 TEST_CASE("options of structures need a structure", "[structure][cli]") {

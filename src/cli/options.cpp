@@ -377,7 +377,7 @@ void add_structure_options(CLI::App& app, CommandLine& line) {
             "a file in FreeSASA's configuration format [protor]",
             structure.radii, text_of("protor, bondi, msms, or a file"));
   constexpr double max_radius = 1000;
-  add_value(app, "--unknown-radius", "ANGSTROM",
+  add_value(app, "--unknown-radius", "R",
             "radius of atoms that have none [such atoms are an error]", structure.unknown_radius,
             number_between(0, max_radius, "a number from 0 to 1000, in angstrom"));
   add_value(app, model_option, "N", "the model with this number, also of a PQR file [first]",

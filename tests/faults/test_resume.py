@@ -88,7 +88,7 @@ class Resume(FaultTest):
         arguments = (*RUN, "--inside", "map.dx", "--mesh", self.output / "mesh.ply")
         self.assertDone(self.run_program(*arguments))
         reference = self.contents()
-        for suffix in (".grid", ".edges", ".map", ".vertices", ".triangles"):
+        for suffix in (".grid", ".edges", ".inside", ".vertices", ".triangles"):
             with self.subTest(suffix=suffix):
                 self.put({})
                 self.assertTrue(self.cut_off(90, *arguments))
