@@ -8,7 +8,7 @@ _eses_blocks() {
   if ((cword > 1)) && [[ ${words[1]} == diff ]]; then is_diff=true; fi
 
   case $prev in
-    --format) COMPREPLY=($(compgen -W 'auto xyzr pqr' -- "$cur")) && return ;;
+    --format) COMPREPLY=($(compgen -W 'auto xyzr pqr pdb mmcif' -- "$cur")) && return ;;
     --write) COMPREPLY=($(compgen -W 'all none grid edges areas residues grid,edges grid,areas \
       edges,areas' -- "$cur")) && return ;;
     --color) COMPREPLY=($(compgen -W 'patch atom chain' -- "$cur")) && return ;;
@@ -35,7 +35,7 @@ _eses_blocks() {
   elif $is_diff; then
     _filedir -d
   else
-    _filedir '@(xyzr|pqr)?(.gz)'
+    _filedir '@(xyzr|pqr|pdb|ent|cif|mmcif)?(.gz)'
     if ((cword == 1)); then COMPREPLY+=($(compgen -W diff -- "$cur")); fi
   fi
 }

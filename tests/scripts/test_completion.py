@@ -89,7 +89,7 @@ class Bash(TestCase):
         (self.folder / "sub").mkdir()
         self.assertEqual(self.complete("--mesh", ""), {"m.ply", "m.obj", "m.off", "sub"})
         self.assertEqual(self.complete("--inside", ""), {"i.dx", "i.vti", "sub"})
-        self.assertEqual(self.complete("--format", ""), {"auto", "xyzr", "pqr"})
+        self.assertEqual(self.complete("--format", ""), {"auto", "xyzr", "pqr", "pdb", "mmcif"})
         self.assertEqual(self.complete("a"), {"a.xyzr"})
         self.assertEqual(self.complete("a.xyzr", "-o", ""), {"sub"})
         self.assertEqual(self.complete("diff", ""), {"sub"})
@@ -156,11 +156,12 @@ class Zsh(TestCase):
         self.assertEqual(self.complete(f"{PROGRAM.name} --js"), ["--json"])
 
     def test_words(self):
-        for name in ("a.xyzr", "b.pqr.gz", "c.ply", "d.obj", "e.off", "f.dx", "g.vti", "h.txt"):
+        for name in ("a.xyzr", "b.pqr.gz", "c.ply", "d.obj", "e.off", "f.dx", "g.vti", "h.txt", "i.cif.gz",
+                     "j.vtp"):
             (self.folder / name).touch()
         (self.folder / "sub").mkdir()
-        meshes, maps = {"c.ply", "d.obj", "e.off"}, {"f.dx", "g.vti"}
-        atoms = {"a.xyzr", "b.pqr.gz"}
+        meshes, maps = {"c.ply", "d.obj", "e.off", "j.vtp"}, {"f.dx", "g.vti"}
+        atoms = {"a.xyzr", "b.pqr.gz", "i.cif.gz"}
         for line, expected in (
                 ("", atoms | {"sub", "diff"}),
                 ("di", {"diff"}),
@@ -171,7 +172,7 @@ class Zsh(TestCase):
                 ("a.xyzr --mesh=", meshes | {"sub"}),
                 ("a.xyzr --inside ", maps | {"sub"}),
                 ("a.xyzr --color ", {"patch", "atom", "chain"}),
-                ("a.xyzr --format ", {"auto", "xyzr", "pqr"}),
+                ("a.xyzr --format ", {"auto", "xyzr", "pqr", "pdb", "mmcif"}),
                 ("a.xyzr --write ", {"all", "none", "grid", "edges", "areas", "residues"}),
                 ("a.xyzr --write grid,", {"all", "none", "edges", "areas", "residues"}),
                 ("a.xyzr --threads ", set()),
