@@ -195,7 +195,8 @@ TEST_CASE("usage errors name option, value and expectation, and write nothing", 
        "--max-memory is given more than once"},
       {{"atom.xyzr", "--dry-run=yes"}, "--dry-run takes no value"},
       {{"atom.xyzr", "--strict=1"}, "--strict takes no value"},
-      {{"atom.xyzr", "--format", "gro"}, "--format is 'gro', expected auto, xyzr, pqr, pdb or mmcif"},
+      {{"atom.xyzr", "--format", "gro"},
+       "--format is 'gro', expected auto, xyzr, pqr, pdb or mmcif"},
       {{"atom.xyzr", "--write", "faces"},
        "--write is 'faces', expected some of grid,edges,areas,residues, or all, or none"},
       {{"atom.xyzr", "--write", "grid,none"},
@@ -411,7 +412,8 @@ TEST_CASE("maps, compressed files and tables are written where asked for", "[cli
   CHECK(contains(residues, "\nB,1,HOH,1,"));
   const Outcome xyzr = sandbox.run({"pair.xyzr", "-o", "e", "--write", "residues"});
   CHECK(xyzr.code == 1);
-  CHECK(contains(xyzr.err, "pair.xyzr: areas by residue (--write residues) need a PQR, PDB or mmCIF file"));
+  CHECK(contains(xyzr.err,
+                 "pair.xyzr: areas by residue (--write residues) need a PQR, PDB or mmCIF file"));
   CHECK_FALSE(fs::exists(sandbox.directory() / "e"));
 }
 

@@ -687,7 +687,8 @@ TEST_CASE("mesh: errors", "[mesh][cli]") {
   check({"pair.xyzr", "--mesh", "a.ply", "--color", "red"}, 2,
         "--color is 'red', expected patch, atom or chain");
   for (const char* file : {"pair.xyzr", "missing.xyzr", "-"})
-    check({file, "--mesh", "a.ply", "--color", "chain"}, 2, "--color chain needs a PQR, PDB or mmCIF file");
+    check({file, "--mesh", "a.ply", "--color", "chain"}, 2,
+          "--color chain needs a PQR, PDB or mmCIF file");
   check({"missing.PQR.gz", "--mesh", "a.ply", "--color", "chain"}, 1, "missing.PQR.gz");
   check({"missing.xyzr", "--format", "pqr", "--mesh", "a.ply", "--color", "chain"}, 1,
         "missing.xyzr");

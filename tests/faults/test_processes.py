@@ -320,9 +320,9 @@ class Failure(Processes):
 
     def test_usage(self):
         self.assertEnded(self.run_together(2, SMALL, "--spacing", "x"), "--spacing", code=2)
-        self.assertEnded(self.run_together(2, SMALL, "--write", "residues"), "need a PQR file")
+        self.assertEnded(self.run_together(2, SMALL, "--write", "residues"), "need a PQR, PDB or mmCIF file")
         self.assertEnded(self.run_together(2, SMALL, "--mesh", "x.ply", "--color", "chain"),
-                         "--color chain needs a PQR file", code=2)
+                         "--color chain needs a PQR, PDB or mmCIF file", code=2)
 
     def test_strict(self):
         path = self.folder / "suspicious.xyzr"
