@@ -97,7 +97,7 @@ grid : Grid
 threads : int, optional
     Number of threads; 0 for all that the process may use, or fewer to keep ``max_memory``.
 block_size : int, optional
-    Number of grid points along the side of a block, 2 to 256; 0 chooses it.
+    Number of grid points along the side of a block, 2 to 128; 0 chooses it.
 blocks : pair of index triples, optional
     First block, and one more than the last block along each axis: only these blocks are computed, of
     those into which ``block_size`` (64 if it is 0) cuts the whole grid. Neighbouring blocks share
@@ -143,7 +143,7 @@ grid : Grid
 threads : int, optional
     Number of threads; 0 for all that the process may use, or fewer to keep ``max_memory``.
 block_size : int, optional
-    Number of grid points along the side of a block, 2 to 256; 0 chooses it.
+    Number of grid points along the side of a block, 2 to 128; 0 chooses it.
 blocks : pair of index triples, optional
     First block, and one more than the last block along each axis: as for ``compute``.
 region : pair of index triples, optional

@@ -70,7 +70,7 @@ def test_compute(medium, threads):
 
 def test_compute_with_large_blocks(medium):
     grid = medium.grid(0.15)
-    assert_interrupts(lambda: medium.compute(grid, threads=1, block_size=256, crossings=False))
+    assert_interrupts(lambda: medium.compute(grid, threads=1, block_size=128, crossings=False))
 
 
 def test_mesh(medium):
