@@ -30,7 +30,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// As APBS 3.4.1 writes it.
+// The header and first values of a map that APBS 3.4.1 has written.
 constexpr char apbs_map[] =
     "# Data from 3.4.1\n# \n# POTENTIAL (kT/e)\n# \n"
     "object 1 class gridpositions counts 9 17 5\n"

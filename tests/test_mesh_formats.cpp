@@ -250,7 +250,7 @@ TEST_CASE("mesh formats: chains, residues and colours in VTP and in PLY as text"
 }
 
 TEST_CASE("mesh formats: a molecule without a surface in the grid", "[mesh]") {
-  // Of a region far from the molecule's surface the mesh is empty, but whole.
+  // In a region far from the molecule's surface the mesh is empty, but its file is complete.
   const std::vector<Atom> atoms{{{0, 0, 0}, 1.5}};
   Parameters parameters;
   parameters.margin = 3;

@@ -43,7 +43,7 @@ enum class HydrogenChoice {
   drop,      ///< None.
 };
 
-/// What is read of a PDB or mmCIF file, and with which radii.
+/// Selection and radii of the atoms of a PDB or mmCIF file.
 struct StructureOptions {
   /// A set of radii, `protor`, `bondi` or `msms`, or the path of a file in FreeSASA's configuration
   /// format.
@@ -76,8 +76,8 @@ struct RadiusSource {
   std::uint64_t count = 0;  ///< Number of atoms.
 };
 
-/// What has been read of a PDB or mmCIF file, and what has been left out. All counts are of atoms,
-/// before the operations of an assembly unless said otherwise.
+/// Report on the atoms of a PDB or mmCIF file that were read and left out. Unless said otherwise,
+/// all counts are numbers of atoms before the operations of an assembly.
 struct StructureReport {
   std::string radii;            ///< Name of the set of radii.
   std::string model;            ///< Number of the model that was read.
@@ -109,7 +109,7 @@ struct AtomFile {
   std::vector<Atom> atoms;           ///< Atoms in the order of the file.
   std::vector<std::uint64_t> lines;  ///< Line number of each atom, from 1.
   std::vector<AtomLabel> labels;     ///< Names of each atom; empty for xyzr files.
-  /// What was read of a PDB or mmCIF file; nothing for other formats.
+  /// Report on a PDB or mmCIF file; empty for other formats.
   std::optional<StructureReport> structure = {};
 };
 

@@ -23,7 +23,8 @@ namespace {
 // Spacings that differ by less than this share are equal: APBS prints seven digits.
 constexpr double spacing_precision = 2e-6;
 constexpr std::string_view gzip_suffix = ".gz";
-// What comes before the data of a file: a few lines. It bounds what is read of another file.
+// Maximum number of lines before the data. Files have a few; the limit ends the reading of a file
+// of another format.
 constexpr int max_header_lines = 1000;
 
 double number_in(const LineReader& lines, std::string_view& fields, std::string_view what) {

@@ -26,7 +26,7 @@ std::optional<MapFormat> map_format(std::string_view name);
 /// Throws Error if the name ends with neither.
 MapFormat required_map_format(std::string_view name);
 
-/// What a map tells.
+/// The quantity of a map.
 enum class MapQuantity : std::uint8_t {
   inside,      ///< of points: 1 inside the surface, else 0
   ion_access,  ///< of points: 1 where the centre of an ion may be, else 0
@@ -72,7 +72,7 @@ inline constexpr std::size_t dielectric_text_bytes = 13;
 /// Writes the text of a value, but not what is behind it.
 void write_dielectric(char* text, double value);
 
-/// What follows the value number `index` in a .dx file.
+/// Returns the character behind value number `index` (from 0) in a .dx file: three values a line.
 constexpr char dx_separator(std::uint64_t index) { return index % 3 == 2 ? '\n' : ' '; }
 
 /// A map's text before and behind its values, each of which has the same number of bytes.

@@ -128,7 +128,7 @@ struct Search {
     const auto bit = static_cast<int>(lower[0] - column * PointBits::column_step);
     const std::size_t word = inside.word_index(column, lower[1], lower[2]);
     const bool is_change = (scratch.edges.changes[axis][word] >> bit & 1) != 0;
-    // Of an edge that is cut twice one crossing is of this direction.
+    // If an edge is cut twice, one of its crossings has the inside end above.
     const bool may_be_doubtful = scratch.finds_doubtful && !is_change && !crossing.lower_is_inside;
     if (!may_be_doubtful && (!is_change || is_inside(word, bit) != crossing.lower_is_inside))
       return;

@@ -59,7 +59,7 @@ class PdbLines {
 
   std::uint64_t line() const { return line_; }
 
-  // What gemmi calls, as the functions of <cstdio>.
+  // The interface that gemmi expects of a stream, with the meaning of the functions of <cstdio>.
   char* gets(char* buffer, int size) {
     if (rest_.empty()) return nullptr;
     ++line_;

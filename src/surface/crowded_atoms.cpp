@@ -23,7 +23,7 @@ std::vector<PatchListing> list_patches(std::span<const std::uint32_t> begins,
 }  // namespace
 
 CrowdedPatches list_crowded_patches(const SurfaceModel& surface, const ClusterPatches& patches) {
-  // Of two atoms, the smaller one is near fewer blocks.
+  // The smaller of two atoms is near fewer blocks.
   const auto smaller = [&](AtomIndex a, AtomIndex b) {
     return surface.atoms[a].radius <= surface.atoms[b].radius ? a : b;
   };
