@@ -329,11 +329,7 @@ TEST_CASE("usage errors of chosen grids", "[grid][cli]") {
   for (const auto& [given, message] : cases) {
     Arguments arguments{"atom.xyzr"};
     arguments.insert(arguments.end(), given.begin(), given.end());
-    INFO(Sandbox::command(arguments));
-    const Outcome outcome = sandbox.run(arguments);
-    CHECK(outcome.code == 2);
-    CHECK(outcome.out.empty());
-    CHECK(outcome.err == "eses-blocks: error: " + message + "\nTry 'eses-blocks --help'.\n");
+    check_usage_error(sandbox, arguments, message);
   }
   CHECK(sandbox.files().empty());
 }

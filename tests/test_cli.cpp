@@ -233,11 +233,7 @@ TEST_CASE("usage errors name option, value and expectation, and write nothing", 
        "MARGIN"},
   };
   for (const auto& [arguments, message] : cases) {
-    INFO(Sandbox::command(arguments));
-    const Outcome outcome = sandbox.run(arguments);
-    CHECK(outcome.code == 2);
-    CHECK(outcome.out.empty());
-    CHECK(outcome.err == usage_message(message));
+    check_usage_error(sandbox, arguments, message);
   }
   CHECK(sandbox.files().empty());
 }

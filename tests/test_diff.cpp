@@ -896,11 +896,7 @@ TEST_CASE("diff: usage errors name option, value and expectation", "[diff]") {
   for (const auto& [arguments, message] : cases) {
     Arguments all{"diff"};
     all.insert(all.end(), arguments.begin(), arguments.end());
-    INFO(Sandbox::command(all));
-    const Outcome outcome = sandbox.run(all);
-    CHECK(outcome.code == 2);
-    CHECK(outcome.out.empty());
-    CHECK(outcome.err == "eses-blocks: error: " + message + "\nTry 'eses-blocks diff --help'.\n");
+    check_usage_error(sandbox, all, message);
   }
 }
 

@@ -102,6 +102,17 @@ bool contains(const std::string& text, const std::string& part) {
   return text.find(part) != std::string::npos;
 }
 
+void check_usage_error(const Sandbox& sandbox, const Arguments& arguments,
+                       const std::string& message) {
+  INFO(Sandbox::command(arguments));
+  const bool is_diff = !arguments.empty() && arguments.front() == "diff";
+  const Outcome outcome = sandbox.run(arguments);
+  CHECK(outcome.code == 2);
+  CHECK(outcome.out.empty());
+  CHECK(outcome.err == "eses-blocks: error: " + message + "\nTry 'eses-blocks " +
+                           (is_diff ? "diff " : "") + "--help'.\n");
+}
+
 void check_json(const Sandbox& sandbox, const std::string& json, const std::string& question,
                 const std::string& expected) {
   CHECK(ask_json(sandbox, json, question) == expected + "\n");

@@ -59,6 +59,11 @@ struct SpecialFiles {
 
 bool contains(const std::string& text, const std::string& part);
 
+/// Runs the program and checks that it ends with this usage error and prints nothing else. With
+/// `diff` as the first argument, the advice is that of this command.
+void check_usage_error(const Sandbox& sandbox, const Arguments& arguments,
+                       const std::string& message);
+
 /// Checks the value of a Python expression about the JSON report `r`.
 void check_json(const Sandbox& sandbox, const std::string& json, const std::string& question,
                 const std::string& expected);
