@@ -16,7 +16,6 @@
 #include "catch.hpp"
 #include "compute/run.hpp"
 #include "eses/error.hpp"
-#include "eses/read_atoms.hpp"
 #include "mesh/case_table.hpp"
 #include "mesh/mesh_writer.hpp"
 #include "mesh/triangulate.hpp"
@@ -513,13 +512,7 @@ TEST_CASE("mesh: the formats hold the same", "[mesh]") {
 }
 
 TEST_CASE("mesh: chains, residues and colours", "[mesh]") {
-  const AtomFile read = parse_atoms(
-      "ATOM 1 N ALA B 52A 0.0 0.0 0.0 0.0 1.5\n"
-      "ATOM 2 C ALA B 52A 1.5 0.0 0.0 0.0 1.7\n"
-      "ATOM 3 N GLY A 1 6.0 0.0 0.0 0.0 1.5\n"
-      "ATOM 4 N GLY B 53 9.5 0.0 0.0 0.0 1.5\n",
-      AtomFormat::pqr, "t.pqr");
-  const Molecule molecule(read.atoms, read.labels);
+  const Molecule molecule = make_two_chains();
   const std::vector<std::uint32_t> chains{0, 0, 1, 0}, residues{0, 0, 1, 2};
   const TemporaryDirectory directory;
   const auto mesh_in = [&](MeshColor color) {

@@ -15,7 +15,6 @@
 #include "catch.hpp"
 #include "compute/run.hpp"
 #include "eses/error.hpp"
-#include "eses/read_atoms.hpp"
 #include "mesh/mesh_writer.hpp"
 #include "support/atom_sets.hpp"
 #include "support/eses_files.hpp"
@@ -222,13 +221,7 @@ TEST_CASE("mesh formats: the pair's names", "[mesh]") {
 }
 
 TEST_CASE("mesh formats: chains, residues and colours in VTP and in PLY as text", "[mesh]") {
-  const AtomFile read = parse_atoms(
-      "ATOM 1 N ALA B 52A 0.0 0.0 0.0 0.0 1.5\n"
-      "ATOM 2 C ALA B 52A 1.5 0.0 0.0 0.0 1.7\n"
-      "ATOM 3 N GLY A 1 6.0 0.0 0.0 0.0 1.5\n"
-      "ATOM 4 N GLY B 53 9.5 0.0 0.0 0.0 1.5\n",
-      AtomFormat::pqr, "t.pqr");
-  const Molecule molecule(read.atoms, read.labels);
+  const Molecule molecule = make_two_chains();
   const Mesh ply = run_format(molecule, {}, {"a.ply", MeshColor::chain}).mesh;
   REQUIRE(ply.chains.size() == ply.positions.size());
   for (const MeshOptions& choice :

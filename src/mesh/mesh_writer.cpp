@@ -71,6 +71,12 @@ char* put_triangle_line(char* out, const Triangle& triangle) {
   return end_line(out);
 }
 
+template <class Component>
+char* put_components(char* out, const Vec3& vector) {
+  for (std::size_t axis = 0; axis < 3; ++axis) out = put(out, static_cast<Component>(vector[axis]));
+  return out;
+}
+
 char* put_ply_triangle(char* out, const Triangle& triangle) {
   out = put(out, std::uint8_t{3});
   for (const std::uint64_t vertex : triangle) out = put(out, static_cast<std::int32_t>(vertex));
@@ -198,49 +204,51 @@ AtomIndex MeshText::closest_atom(const Vertex& vertex) const {
   return closest;
 }
 
-// Appends a vertex of binary PLY, which is also the vertex record of VTP.
-void MeshText::append_record(TextBuffer& text, const Vertex& vertex) const {
-  char* out = text.reserve(max_vertex_bytes);
-  for (std::size_t axis = 0; axis < 3; ++axis) out = put(out, vertex.position[axis]);
-  for (std::size_t axis = 0; axis < 3; ++axis)
-    out = put(out, static_cast<float>(vertex.normal[axis]));
+// Writes what the file has of a vertex with these writers of a position, a normal and an integer,
+// which return the end of what they have written.
+template <class PutPosition, class PutNormal, class PutInteger>
+char* MeshText::put_fields(char* out, const Vertex& vertex, PutPosition put_position,
+                           PutNormal put_normal, PutInteger put_integer) const {
+  out = put_position(out, vertex.position);
+  out = put_normal(out, vertex.normal);
   if (color_ != MeshColor::none)
-    for (const std::uint8_t channel : color_of(vertex)) out = put(out, channel);
-  out = put(out, vertex.patch);
-  out = put(out, number_of(vertex.first_atom()));
+    for (const std::uint8_t channel : color_of(vertex)) out = put_integer(out, channel);
+  out = put_integer(out, vertex.patch);
+  out = put_integer(out, number_of(vertex.first_atom()));
   if (source_.groups.are_known) {
     const auto [chain, residue] = source_.groups.of_atom[vertex.first_atom()];
-    out = put(out, chain);
-    out = put(out, residue);
+    out = put_integer(out, chain);
+    out = put_integer(out, residue);
   }
-  text.advance_to(out);
+  return out;
 }
 
-// Appends a vertex of text PLY.
-void MeshText::append_ply_line(TextBuffer& text, const Vertex& vertex) const {
-  char* out = text.reserve(max_vertex_bytes);
-  out = put_vector(out, vertex.position);
-  out = put_vector(out, vertex.normal);
-  if (color_ != MeshColor::none)
-    for (const std::uint8_t channel : color_of(vertex)) out = put_index(out, channel);
-  out = put_index(out, vertex.patch);
-  out = put_index(out, number_of(vertex.first_atom()));
-  if (source_.groups.are_known) {
-    const auto [chain, residue] = source_.groups.of_atom[vertex.first_atom()];
-    out = put_index(out, chain);
-    out = put_index(out, residue);
-  }
-  text.advance_to(end_line(out));
+// Writes a vertex of binary PLY, which is also the vertex record of VTP.
+char* MeshText::put_record(char* out, const Vertex& vertex) const {
+  return put_fields(out, vertex, put_components<double>, put_components<float>,
+                    [](char* end, auto integer) { return put(end, integer); });
+}
+
+// Writes a vertex of text PLY.
+char* MeshText::put_ply_line(char* out, const Vertex& vertex) const {
+  return end_line(put_fields(out, vertex, put_vector, put_vector, put_index));
 }
 
 void MeshText::append_vertex(TextBuffer& text, const Vertex& vertex) const {
-  if (format_ == MeshFormat::ply || format_ == MeshFormat::vtp) return append_record(text, vertex);
-  if (format_ == MeshFormat::ascii_ply) return append_ply_line(text, vertex);
   char* const out = text.reserve(max_vertex_bytes);
-  if (format_ == MeshFormat::obj) return text.advance_to(put_obj_vertex(out, vertex));
-  if (format_ == MeshFormat::off)
-    return text.advance_to(end_line(put_vector(out, vertex.position)));
-  text.advance_to(put_msms_vertex(out, vertex, number_of(closest_atom(vertex))));
+  switch (format_) {
+    case MeshFormat::ply:
+    case MeshFormat::vtp:
+      return text.advance_to(put_record(out, vertex));
+    case MeshFormat::ascii_ply:
+      return text.advance_to(put_ply_line(out, vertex));
+    case MeshFormat::obj:
+      return text.advance_to(put_obj_vertex(out, vertex));
+    case MeshFormat::off:
+      return text.advance_to(end_line(put_vector(out, vertex.position)));
+    case MeshFormat::msms:
+      return text.advance_to(put_msms_vertex(out, vertex, number_of(closest_atom(vertex))));
+  }
 }
 
 void MeshText::append_triangle(TextBuffer& text, const Triangle& triangle,

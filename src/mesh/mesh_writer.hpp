@@ -77,8 +77,11 @@ class MeshText {
  private:
   VtpFields vtp_fields() const;
   void append_ply_end(BufferedText& text, const MeshCounts& counts) const;
-  void append_record(TextBuffer& text, const Vertex& vertex) const;
-  void append_ply_line(TextBuffer& text, const Vertex& vertex) const;
+  template <class PutPosition, class PutNormal, class PutInteger>
+  char* put_fields(char* out, const Vertex& vertex, PutPosition put_position, PutNormal put_normal,
+                   PutInteger put_integer) const;
+  char* put_record(char* out, const Vertex& vertex) const;
+  char* put_ply_line(char* out, const Vertex& vertex) const;
   Color color_of(const Vertex& vertex) const;
   AtomIndex closest_atom(const Vertex& vertex) const;
   AtomIndex number_of(AtomIndex atom) const {

@@ -17,7 +17,7 @@ struct Array {
   std::size_t bytes;       // size of the values in a record
 };
 
-// Returns the arrays in the order of the values in a vertex record, see MeshText::append_record.
+// Returns the arrays in the order of the values in a vertex record, see MeshText::put_record.
 std::vector<Array> vertex_arrays(const VtpFields& fields) {
   std::vector<Array> arrays{{"Points", "Float64", 3, 3 * sizeof(double)},
                             {"Normals", "Float32", 3, 3 * sizeof(float)}};

@@ -11,6 +11,7 @@
 #include <stdexcept>
 #include <utility>
 
+#include "eses/read_atoms.hpp"
 #include "support/eses_files.hpp"
 
 namespace eses::detail::test {
@@ -477,6 +478,16 @@ MeshMeasures measure(const Mesh& mesh) {
       static_cast<std::int64_t>(mesh.positions.size() + mesh.triangles.size() - edges.size());
   result.components = count_components(mesh);
   return result;
+}
+
+Molecule make_two_chains() {
+  const AtomFile file = parse_atoms(
+      "ATOM 1 N ALA B 52A 0.0 0.0 0.0 0.0 1.5\n"
+      "ATOM 2 C ALA B 52A 1.5 0.0 0.0 0.0 1.7\n"
+      "ATOM 3 N GLY A 1 6.0 0.0 0.0 0.0 1.5\n"
+      "ATOM 4 N GLY B 53 9.5 0.0 0.0 0.0 1.5\n",
+      AtomFormat::pqr, "t.pqr");
+  return {file.atoms, file.labels};
 }
 
 }  // namespace eses::detail::test

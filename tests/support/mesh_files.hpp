@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "eses/vec3.hpp"
+#include "surface/molecule.hpp"
 
 namespace eses::detail::test {
 
@@ -46,5 +47,8 @@ struct MeshMeasures {
 };
 
 MeshMeasures measure(const Mesh& mesh);
+
+/// Four atoms of three residues in two chains, one of which is interrupted by the other.
+Molecule make_two_chains();
 
 }  // namespace eses::detail::test
