@@ -757,7 +757,7 @@ TEST_CASE("reading structures keeps the limit of memory", "[structure]") {
   ReadOptions options;
   options.max_memory = 1 << 20;
   const std::string message = error_of([&] { eses::read_atoms(path, options); });
-  CHECK(contains(message, "reading the file takes more memory than the 1 MiB"));
+  CHECK(contains(message, "reading the file exceeds the memory limit of 1 MiB"));
 }
 
 TEST_CASE("formats that are not read are named, with a way to convert them", "[structure]") {
