@@ -846,7 +846,7 @@ TEST_CASE("PQR: numbers behind the radius are refused", "[structure][pqr]") {
   const auto read = [](const std::string& text) {
     return eses::parse_atoms(text, AtomFormat::pqr, "t.pqr");
   };
-  const std::string expected = "t.pqr:1: more than five numbers where x y z charge radius";
+  const std::string expected = "t.pqr:1: more than five numbers, expected x y z charge radius";
   CHECK(
       error_of([&] { read("ATOM 1 N ALA A 1 1.0 2.0 3.0 0.1 1.5 9.5\n"); }).starts_with(expected));
   CHECK(error_of([&] { read("ATOM 1 N ALA 1 1.0 2.0 3.0 0.1 1.5 9.5\n"); }).starts_with(expected));

@@ -390,8 +390,8 @@ std::string description(const Problem& problem, std::string_view line) {
         min_leading_fields(line) + pqr_quantities.size(), count_fields(line));
   }
   if (problem.fault == Fault::extra_number)
-    return "more than five numbers where x y z charge radius are expected; remove what is behind "
-           "the radius";
+    return "more than five numbers, expected x y z charge radius; remove the fields after the "
+           "radius";
   const auto start = static_cast<std::size_t>(problem.text.data() - line.data());
   return fmt::format("field {} ({}): {}", count_fields(line.substr(0, start)) + 1, problem.quantity,
                      reason(problem));

@@ -22,7 +22,7 @@ Gzip::~Gzip() { deflateEnd(&stream_); }
 std::span<const char> Gzip::member(std::span<const char> text) {
   deflateReset(&stream_);
   const uLong max_bytes = deflateBound(&stream_, static_cast<uLong>(text.size()));
-  if (bytes_.size() < max_bytes) bytes_.resize(most);
+  if (bytes_.size() < max_bytes) bytes_.resize(max_bytes);
   stream_.next_in = zlib_bytes(text);
   stream_.avail_in = static_cast<uInt>(text.size());
   stream_.next_out = reinterpret_cast<Bytef*>(bytes_.data());

@@ -45,7 +45,7 @@ class AtomKinds {
     return kind.found;
   }
 
-  /// Returns the kinds of atoms for which `is_taken` holds, with their radii.
+  /// Returns the kinds of atoms for which `is_taken` is true, with their radii.
   std::vector<RadiusSource> sources(double unknown_radius, const auto& is_taken) const {
     std::vector<RadiusSource> taken;
     for (const AtomKind& kind : kinds_)
