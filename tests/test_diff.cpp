@@ -731,7 +731,7 @@ TEST_CASE("diff: an atom that the probe does not touch is a difference", "[diff]
                fmt::format("  atoms: 1 edge with different atoms:\n    {}: 0 1 2 in A, 1 2 4 in B\n"
                            "  atoms: {} edges with different atoms touched by the same probe",
                            place_of(*found), renamed - 1)));
-  // The same atoms at another place are no contact either.
+  // The same atoms at another place are not the same contact.
   pair.b = run_files().lines;
   name_other_atoms(pair.b);
   for (std::string& line : pair.b[edges_name])

@@ -315,7 +315,7 @@ class Failures(PdbbindTest):
     def test_help_tells_of_every_option(self):
         told = run("pdbbind", "--help").stdout
         for option, word in (("--probe-radius", "solvent"), ("--spacing", "grid points"),
-                             ("--margin", "edge of the grid"), ("--block-size", "side of a cubic block")):
+                             ("--margin", "edge of the grid"), ("--block-size", "side of a block")):
             self.assertIn(word, " ".join(told.partition(option)[2].split())[:120])
 
     def test_nothing_can_be_written(self):
