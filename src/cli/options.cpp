@@ -376,9 +376,9 @@ void add_structure_options(CLI::App& app, CommandLine& line) {
             "a file in FreeSASA's configuration format [protor]",
             structure.radii, text_of("protor, bondi, msms, or a file"));
   constexpr double max_radius = 1000;
-  add_value(app, "--unknown-radius", "ANGSTROM",
-            "radius of atoms that are not in the set of radii\n"
-            "[such atoms are an error]",
+  add_value(app, "--unknown-radius", "R",
+            "radius of atoms that are not in the set of radii, in\n"
+            "angstrom [such atoms are an error]",
             structure.unknown_radius,
             number_between(0, max_radius, "a number from 0 to 1000, in angstrom"));
   add_value(app, model_option, "N", "number of the model, also for PQR files [first]",
