@@ -185,10 +185,10 @@ TEST_CASE("files without a grid are refused with the place of the fault", "[grid
       {"a.vti", replaced(vti, "'0.25 0.25", "'0.25 0.35"), "it must be the same along all axes"},
       {"a.vti", replaced(vti, "ImageData W", "RectilinearGrid W"), "the tag ImageData"},
       {"b.txt", replaced(box, "1 1 2", "1 1.1 2"), "the corners give different spacings"},
-      {"b.txt", replaced(box, "1 1 2", "0 0 0"), "the corners and counts give no spacing"},
-      {"b.txt", replaced(box, "3 3 5", "1 1 1"), "the corners and counts give no spacing"},
+      {"b.txt", replaced(box, "1 1 2", "0 0 0"), "the corners and counts give no valid spacing"},
+      {"b.txt", replaced(box, "3 3 5", "1 1 1"), "the corners and counts give no valid spacing"},
       {"b.txt", replaced(box, "3 3 5", "3 3"), ":3: field 3 (nz): expected a whole number"},
-      {"c.map", dx, "must end with .dx, .vti or .txt"},
+      {"c.map", dx, "needs the suffix .dx, .vti or .txt"},
   };
   for (const auto& [name, text, message] : cases) {
     const fs::path path = directory.path() / name;
@@ -304,7 +304,7 @@ TEST_CASE("usage errors of chosen grids", "[grid][cli]") {
   const std::string place = ", expected three finite numbers x,y,z, in angstrom";
   const std::string counts = ", expected three whole numbers nx,ny,nz of at least 2";
   const std::string like =
-      ", expected the name of a file that ends with .dx, .vti or .txt, or one of these and .gz";
+      ", expected a file name with the suffix .dx, .vti or .txt, or one of these and .gz";
   const std::vector<std::pair<Arguments, std::string>> cases{
       {{"--grid-origin", "0,0"}, "--grid-origin is '0,0'" + place},
       {{"--grid-origin", "0,0,nan"}, "--grid-origin is '0,0,nan'" + place},
@@ -317,14 +317,13 @@ TEST_CASE("usage errors of chosen grids", "[grid][cli]") {
       {{"--grid-center", "0,0,0"}, "--grid-center needs --grid-points"},
       {{"--grid-points", "2,2,2"}, "--grid-points needs --grid-origin or --grid-center"},
       {{"--grid-origin", "0,0,0", "--grid-center", "0,0,0", "--grid-points", "2,2,2"},
-       "--grid-origin excludes --grid-center, give one of the two"},
+       "--grid-origin excludes --grid-center; use only one of them"},
       {{"--grid-like", "map.txt", "--grid-points", "2,2,2"},
-       "--grid-points excludes --grid-like, give one of the two"},
+       "--grid-points excludes --grid-like; use only one of them"},
       {{"--grid-like", "map.ccp4"}, "--grid-like is 'map.ccp4'" + like},
-      {{"--grid-like", "map.dx", "--margin", "1"},
-       "--margin has no meaning for a grid that is chosen by --grid-like"},
+      {{"--grid-like", "map.dx", "--margin", "1"}, "--margin cannot be combined with --grid-like"},
       {{"1.4", "0.4", "0.8", "--grid-origin", "0,0,0", "--grid-points", "2,2,2"},
-       "MARGIN has no meaning for a grid that is chosen by --grid-origin"},
+       "MARGIN cannot be combined with --grid-origin"},
   };
   for (const auto& [given, message] : cases) {
     Arguments arguments{"atom.xyzr"};
@@ -356,8 +355,8 @@ TEST_CASE("the grid of every file that a run writes gives the same files", "[gri
   const Outcome other = sandbox.run({"pair.xyzr", "1.4", "0.38", "--grid-like", "a/map.dx"});
   CHECK(other.code == 1);
   CHECK(other.err ==
-        "eses-blocks: error: a/map.dx has a grid with a spacing of 0.37, but the spacing is given "
-        "as 0.38; leave it out\n");
+        "eses-blocks: error: a/map.dx has a grid with a spacing of 0.37, but the given spacing "
+        "is 0.38; omit it\n");
   const Outcome lost =
       sandbox.run({"pair.xyzr", "--grid-like", "a/map.dx", "--inside", "map.dx", "-o", "a"});
   CHECK(lost.code == 1);
@@ -379,19 +378,19 @@ TEST_CASE("a grid beyond which the molecule reaches is warned about once", "[gri
   const Outcome cut = run_on({"--grid-origin=-2.5,-1,-2", "--grid-points", "9,9,9"});
   CHECK(cut.code == 0);
   CHECK(cut.err ==
-        "eses-blocks: warning: the van der Waals spheres reach beyond the grid, by 0.5 at high x, "
-        "1 at low y (angstrom); area and volume are those of the part within\n");
+        "eses-blocks: warning: the van der Waals spheres extend beyond the grid by 0.5 at high x, "
+        "1 at low y (angstrom); area and volume are those of the part inside the grid\n");
   CHECK(run_on({"--grid-origin=-2.5,-1,-2", "--grid-points", "9,9,9", "--strict"}).code == 1);
   const Outcome missed = run_on({"--grid-origin", "2.25,0,0", "--grid-points", "3,3,3"});
   CHECK(missed.code == 0);
   CHECK(missed.err ==
-        "eses-blocks: warning: the grid misses the molecule: no van der Waals sphere reaches it, "
-        "and all of its points are outside\n");
+        "eses-blocks: warning: the grid does not overlap the molecule; all grid points are "
+        "outside\n");
   CHECK(read_file(sandbox.directory() / "intersection_info.txt").empty());
   CHECK(contains(read_file(sandbox.directory() / "grid_info.txt"), "2 2 2 -1\n"));
   const Outcome dry = run_on({"--grid-origin", "2.25,0,0", "--grid-points", "3,3,4", "--dry-run"});
   CHECK(contains(dry.out, "grid: 3 x 3 x 4 = 36 points\n"));
-  CHECK(contains(dry.out, "chosen grid: from 2.25 0 0 to 3.25 1 1.5 (angstrom)\n"));
+  CHECK(contains(dry.out, "custom grid: from 2.25 0 0 to 3.25 1 1.5 (angstrom)\n"));
   const Outcome json =
       run_on({"--grid-origin", "2.25,0,0", "--grid-points", "3,3,4", "--json", "-q"});
   CHECK(contains(json.out, R"("margin": null)"));

@@ -81,11 +81,12 @@ TEST_CASE("help names every option with unit and default, examples and exit code
                                  "--spacing ANGSTROM ",
                                  " distance between grid points, > 0 [0.4]\n",
                                  "--margin ANGSTROM ",
-                                 " room between molecule and edge of the grid, >= 0 [0.8]\n",
+                                 " distance from molecule to grid boundary, >= 0 [0.8]\n",
                                  "-o, --output-dir DIR",
                                  "-t, --threads N",
                                  "-b, --block-size N",
-                                 "2 to 4096 [64]",
+                                 "2 to 4096\n",
+                                 " [automatic; 64 with --blocks]\n",
                                  "--format NAME",
                                  "--write LIST",
                                  "--mesh FILE",
@@ -130,7 +131,7 @@ TEST_CASE("usage errors name option, value and expectation, and write nothing", 
   const std::string above_zero = ", expected a finite number greater than 0, in angstrom";
   const std::string probe_range = ", expected a number from 0.01 to 1000, in angstrom";
   const std::string at_least_zero = ", expected a finite number of at least 0, in angstrom";
-  const std::string map_name = ", expected the name of a file that ends with .dx or .vti";
+  const std::string map_name = ", expected a file name with the suffix .dx or .vti";
   const std::string six_numbers =
       ", expected six finite numbers x0,y0,z0,x1,y1,z1 in angstrom, x0 <= x1 and so on";
   const std::string ranges =
@@ -168,11 +169,11 @@ TEST_CASE("usage errors name option, value and expectation, and write nothing", 
       {{"--output-dir=", "atom.xyzr"}, "--output-dir= needs a value"},
       {{"atom.xyzr", "-o", ""}, "--output-dir is '', expected a directory"},
       {{"atom.xyzr", "1.4", "--probe-radius", "1.5"},
-       "PROBE is 1.4 but --probe-radius is 1.5, give one of the two"},
+       "PROBE is 1.4 but --probe-radius is 1.5; use only one of them"},
       {{"atom.xyzr", "1.4", "0.4", "--spacing", "0.5"},
-       "SPACING is 0.4 but --spacing is 0.5, give one of the two"},
+       "SPACING is 0.4 but --spacing is 0.5; use only one of them"},
       {{"atom.xyzr", "1.4", "0.4", "0.8", "--margin", "0"},
-       "MARGIN is 0.8 but --margin is 0, give one of the two"},
+       "MARGIN is 0.8 but --margin is 0; use only one of them"},
       {{"atom.xyzr", "--spacing", "0.4", "--spacing", "0.5"}, "--spacing is given more than once"},
       {{"atom.xyzr", "-b", "1"}, "--block-size is '1', expected a whole number from 2 to 4096"},
       {{"atom.xyzr", "-b", "4097"},
@@ -208,7 +209,8 @@ TEST_CASE("usage errors name option, value and expectation, and write nothing", 
       {{"atom.xyzr", "--inside", "a/.vti"}, "--inside is 'a/.vti'" + map_name},
       {{"atom.xyzr", "--inside", ""}, "--inside is ''" + map_name},
       {{"atom.xyzr", "--inside", "a/map.dx", "-o", "b"},
-       "--inside is 'a/map.dx', but files go to b: give its name alone, or --output-dir a"},
+       "--inside is 'a/map.dx', but the output directory is b; use the file name alone or "
+       "--output-dir a"},
       {{"atom.xyzr", "--inside", "a.dx", "--inside", "b.dx"}, "--inside is given more than once"},
       {{"atom.xyzr", "--gzip=9"}, "--gzip takes no value"},
       {{"atom.xyzr", "--region", "0,0,0,1,1"}, "--region is '0,0,0,1,1'" + six_numbers},
@@ -221,16 +223,14 @@ TEST_CASE("usage errors name option, value and expectation, and write nothing", 
       {{"atom.xyzr", "--blocks", "0:1,-1:1,0:1"}, "--blocks is '0:1,-1:1,0:1'" + ranges},
       {{"atom.xyzr", "--blocks", "0,0,0"}, "--blocks is '0,0,0'" + ranges},
       {{"atom.xyzr", "--blocks", "0:1,0:1,0:1", "--region", "0,0,0,1,1,1"},
-       "--region excludes --blocks, give one of the two"},
+       "--region excludes --blocks; use only one of them"},
       {{"atom.xyzr", "--json=no"}, "--json takes no value"},
       {{"atom.xyzr", "--verify=0"}, "--verify is '0', expected a whole number from 1 to 10000000"},
       {{"atom.xyzr", "--verify=all"},
        "--verify is 'all', expected a whole number from 1 to 10000000"},
       {{"atom.xyzr", "--verify", "--verify=3"}, "--verify is given more than once"},
       {{"atom.xyzr", "--verify", "100"},
-       "the number of --verify goes behind =: --verify=100; as it is, 100 would be PROBE, SPACING "
-       "or "
-       "MARGIN"},
+       "--verify takes its number after '='; use --verify=100, as 100 is a positional argument"},
   };
   for (const auto& [arguments, message] : cases) {
     check_usage_error(sandbox, arguments, message);
@@ -431,7 +431,8 @@ TEST_CASE("a region is told, and must be one", "[cli]") {
   CHECK(contains(none.err, "the region from 50 to 60 along x holds no point of the grid"));
   const Outcome beyond = sandbox.run({"pair.xyzr", "--blocks", "0:1,0:9,0:1", "-b", "6"});
   CHECK(beyond.code == 1);
-  CHECK(contains(beyond.err, "blocks 0:9 along y are asked for"));
+  CHECK(contains(beyond.err,
+                 "block range 0:9 along y is not within 0:1, the range of all blocks of 6 points"));
   CHECK(sandbox.files().empty());
 }
 
@@ -465,7 +466,7 @@ TEST_CASE("file names with blanks, quotes, other letters and leading dashes", "[
   CHECK(result_lines(sandbox.run({"--", "-1.xyzr"})) == expected);
   CHECK(result_lines(sandbox.run({"-q", "--", "-pair.xyzr", "1.4"})) == expected);
   CHECK(sandbox.run({"-pair.xyzr"}).err ==
-        usage_message("unknown option '-pair.xyzr'; the file of that name goes after --"));
+        usage_message("unknown option '-pair.xyzr'; put a file of this name after --"));
 }
 
 TEST_CASE("standard input is the file -", "[cli]") {
@@ -737,7 +738,7 @@ TEST_CASE("reading takes memory for atoms, not for text, and keeps the limit", "
     INFO(Sandbox::command(arguments));
     const Outcome outcome = sandbox.run(arguments);
     CHECK(outcome.code == 1);
-    CHECK(contains(outcome.err, " atoms takes more memory than the 30 MiB that the run may hold"));
+    CHECK(contains(outcome.err, " atoms exceeds the memory limit of 30 MiB"));
     CHECK_FALSE(fs::exists(sandbox.directory() / "many"));
   }
 }
@@ -898,8 +899,8 @@ TEST_CASE("processes that would write the same files are refused unless they are
     CHECK(refused.code == 1);
     CHECK(refused.out.empty());
     CHECK(contains(refused.err, "eses-blocks: error: started as one of " + count +
-                                    " processes, each of which would write the same files"));
-    CHECK(contains(refused.err, "use --independent\n"));
+                                    " processes that would all write the same files"));
+    CHECK(contains(refused.err, "use --independent and separate output directories\n"));
     CHECK(run({"pair.xyzr", "--write", "none", "--mesh", "mesh.ply"}).code == 1);
     CHECK(run({"pair.xyzr", "--write", "none", "--resume", "-o", "out"}).code == 1);
     CHECK_FALSE(fs::exists(sandbox.directory() / "out"));

@@ -331,7 +331,7 @@ TEST_CASE("diff: points that are flipped, in either order of the lines", "[diff]
     Expected expected = with_difference();
     expected.points = fmt::format(
         "grid_info.txt: different\n  {} points in both\n"
-        "  7 points inside in one alone; the first 5:\n{}",
+        "  7 points inside in only one; the first 5:\n{}",
         lines.size(), listed);
     check(pair.diff(), expected);
   }
@@ -346,8 +346,8 @@ TEST_CASE("diff: points that are missing or repeated", "[diff]") {
   lines.erase(lines.begin());
   Expected expected = with_difference();
   expected.points = fmt::format(
-      "grid_info.txt: different\n  {} points in both\n  1 point in A alone:\n    0 0 0\n"
-      "  1 point in B repeated, not compared:\n    {}\n",
+      "grid_info.txt: different\n  {} points in both\n  1 point only in A:\n    0 0 0\n"
+      "  1 point repeated in B, not compared:\n    {}\n",
       count - 1, repeated);
   check(pair.diff(), expected);
   // A file that ends too early.
@@ -355,7 +355,7 @@ TEST_CASE("diff: points that are missing or repeated", "[diff]") {
       Lines(run_files().lines.at(points_name).begin(), run_files().lines.at(points_name).end() - 1);
   const auto& size = run_files().values.size;
   expected.points = fmt::format(
-      "grid_info.txt: different\n  {} points in both\n  1 point in A alone:\n    {} {} {}\n",
+      "grid_info.txt: different\n  {} points in both\n  1 point only in A:\n    {} {} {}\n",
       count - 1, size[0] - 1, size[1] - 1, size[2] - 1);
   check(pair.diff(), expected);
 }
@@ -372,8 +372,8 @@ TEST_CASE("diff: edges that are dropped, added, reversed", "[diff]") {
   lines.push_back("0 0 0 1 0 0 0 0 0 1 0 0 4 ");
   Expected expected = with_difference();
   expected.edges =
-      edges_text(edge_count() - 2, fmt::format("  2 edges in A alone:\n    {}\n    {}\n"
-                                               "  2 edges in B alone:\n    0 0 0 -> 1 0 0\n    {}\n"
+      edges_text(edge_count() - 2, fmt::format("  2 edges only in A:\n    {}\n    {}\n"
+                                               "  2 edges only in B:\n    0 0 0 -> 1 0 0\n    {}\n"
                                                "{}",
                                                dropped, before, reversed, nothing_above));
   check(pair.diff(), expected);
@@ -386,7 +386,7 @@ TEST_CASE("diff: an edge that is listed twice", "[diff]") {
   add_to_field(lines.back(), 6, 1);  // of the two the first is compared
   Expected expected = with_difference();
   expected.edges =
-      edges_text(edge_count(), fmt::format("  1 edge in B repeated, not compared:\n    {}\n{}",
+      edges_text(edge_count(), fmt::format("  1 edge repeated in B, not compared:\n    {}\n{}",
                                            place_of(lines[5]), nothing_above));
   check(pair.diff(), expected);
 }
@@ -417,7 +417,7 @@ TEST_CASE("diff: atoms that are dropped or replaced", "[diff]") {
   Expected expected = with_difference();
   expected.edges =
       edges_text(edge_count(), fmt::format("  position: no difference\n  normal: no difference\n"
-                                           "  atoms: 3 edges with other atoms:\n{}{}{}",
+                                           "  atoms: 3 edges with different atoms:\n{}{}{}",
                                            listed[0].second, listed[1].second, listed[2].second));
   check(pair.diff(), expected);
 }
@@ -431,8 +431,8 @@ TEST_CASE("diff: areas that differ, are missing or repeated", "[diff]") {
   Expected expected = with_difference();
   expected.areas =
       "partition_area.txt: different\n  4 atoms in both\n"
-      "  1 atom in A alone:\n    atom 2\n"
-      "  1 atom in B repeated, not compared:\n    atom 3\n"
+      "  1 atom only in A:\n    atom 2\n"
+      "  1 atom repeated in B, not compared:\n    atom 3\n"
       "  area: at most 0.25 square angstrom apart (atom 1), 0.0625 on average\n"
       "  area: 1 atom above the tolerance:\n    atom 1: 0.25\n" +
       totals_text(run_files().lines.at(areas_name), lines);
@@ -459,8 +459,8 @@ TEST_CASE("diff: grids of other sizes are not compared point by point", "[diff]"
   expected.box = fmt::format(
       "bounding_box.txt: different\n  {} points in A, {} points in B\n  corners: no difference\n",
       fmt::join(run_files().values.size, " x "), fmt::join(size, " x "));
-  expected.points = "grid_info.txt: not compared: the grids have other sizes\n";
-  expected.edges = "intersection_info.txt: not compared: the grids have other sizes\n";
+  expected.points = "grid_info.txt: not compared: the grids have different sizes\n";
+  expected.edges = "intersection_info.txt: not compared: the grids have different sizes\n";
   check(pair.diff(), expected);
 }
 
@@ -689,15 +689,15 @@ TEST_CASE("diff: any three atoms of a probe that touches four are the same conta
   const Outcome outcome = pair.diff();
   CHECK(outcome.code == 0);
   CHECK(contains(outcome.out,
-                 fmt::format("  atoms: {} edges with other atoms of a probe that touches more than "
-                             "three; no difference\n",
+                 fmt::format("  atoms: {} edges with different atoms touched by the same probe; "
+                             "no difference\n",
                              renamed)));
-  CHECK(contains(outcome.out, "\n  area, allowing for the shares of those edges: at most "));
+  CHECK(contains(outcome.out, "\n  area, corrected for these edges: at most "));
   CHECK(contains(outcome.out, "\nthe same, with a tolerance of 1e-06\n"));
   check_json(pair.sandbox, pair.diff({"--json"}).out,
              "r['intersection_info']['found']['same_contact'], "
              "r['partition_area']['found']['area']['largest'] > 0.01, "
-             "r['partition_area']['found']['area_allowing_for_shares']['largest'] < 1e-9",
+             "r['partition_area']['found']['corrected_area']['largest'] < 1e-9",
              fmt::format("({}, True, True)", renamed));
 }
 
@@ -709,8 +709,7 @@ TEST_CASE("diff: shares that stay with the wrong atoms are a difference", "[diff
   CHECK(outcome.code == 1);
   CHECK(contains(outcome.out, "\npartition_area.txt: different\n"));
   CHECK(contains(outcome.out, "\n  area: no difference\n"));
-  CHECK(contains(outcome.out,
-                 "\n  area, allowing for the shares of those edges: 4 atoms above the "));
+  CHECK(contains(outcome.out, "\n  area, corrected for these edges: 4 atoms above the "));
 }
 
 TEST_CASE("diff: an atom that the probe does not touch is a difference", "[diff]") {
@@ -727,17 +726,19 @@ TEST_CASE("diff: an atom that the probe does not touch is a difference", "[diff]
   *found = line_of(fields);
   const Outcome outcome = pair.diff();
   CHECK(outcome.code == 1);
-  CHECK(contains(outcome.out,
-                 fmt::format("  atoms: 1 edge with other atoms:\n    {}: 0 1 2 in A, 1 2 4 in B\n"
-                             "  atoms: {} edges with other atoms of a probe",
-                             place_of(*found), renamed - 1)));
-  // The same atoms at another place are no contact either.
+  CHECK(
+      contains(outcome.out,
+               fmt::format("  atoms: 1 edge with different atoms:\n    {}: 0 1 2 in A, 1 2 4 in B\n"
+                           "  atoms: {} edges with different atoms touched by the same probe",
+                           place_of(*found), renamed - 1)));
+  // The same atoms at another place are not the same contact.
   pair.b = run_files().lines;
   name_other_atoms(pair.b);
   for (std::string& line : pair.b[edges_name])
     if (const Fields f = fields_of(line); f.size() == 15 && f[12] == "3")
       add_to_field(line, 6, 1e-3);
-  CHECK(contains(pair.diff().out, fmt::format("  atoms: {} edges with other atoms; ", renamed)));
+  CHECK(
+      contains(pair.diff().out, fmt::format("  atoms: {} edges with different atoms; ", renamed)));
 }
 
 TEST_CASE("diff: spheres from convex edges, contacts from spheres", "[diff]") {
@@ -843,7 +844,7 @@ TEST_CASE("diff: only many edges in disorder need the disk, and say so where it 
     write_file(sandbox.directory() / name / edges_name, text_of(lines));
     std::swap(lines[0], lines.back());
   }
-  CHECK(contains(diff("a", "a").out, "  1 edge in A repeated, not compared:\n    59 49 49 -> "));
+  CHECK(contains(diff("a", "a").out, "  1 edge repeated in A, not compared:\n    59 49 49 -> "));
   const Outcome outcome = diff("a", "b");
   CHECK(outcome.code == 2);
   CHECK(outcome.err.rfind("eses-blocks: error: no directory for temporary files: ", 0) == 0);

@@ -665,8 +665,9 @@ TEST_CASE("mesh: errors", "[mesh][cli]") {
     CHECK(contains(outcome.err, message));
     CHECK(sandbox.files().empty());
   };
-  check({"pair.xyzr", "--mesh", "a.stl"}, 2,
-        "--mesh is 'a.stl', expected a file that ends in .ply, .obj, .off, .vtp, .vert or .face");
+  check(
+      {"pair.xyzr", "--mesh", "a.stl"}, 2,
+      "--mesh is 'a.stl', expected a file with the suffix .ply, .obj, .off, .vtp, .vert or .face");
   check({"pair.xyzr", "--mesh", ""}, 2, "--mesh is ''");
   check({"pair.xyzr", "--mesh"}, 2, "--mesh needs a value");
   check({"pair.xyzr", "--color", "atom"}, 2, "--color needs --mesh with a .ply or .vtp file");

@@ -253,7 +253,7 @@ TEST_CASE("a refusal tells whether the limit or the machine is too small", "[pla
   Parameters parameters;
   parameters.spacing = 0.2;
   const std::string machine = "but 1 MB are available; use a larger spacing";
-  const std::string limit = "more than the 1 MiB that it may hold";
+  const std::string limit = "but the limit is 1 MiB";
   CHECK(refusal(1'000'000, atoms, parameters).find(machine) != std::string::npos);
   parameters.max_memory = 1 << 20;
   CHECK(refusal(1'000'000, atoms, parameters).find(machine) != std::string::npos);

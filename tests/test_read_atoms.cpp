@@ -399,7 +399,7 @@ TEST_CASE("UTF-16 files are named", "[read_atoms]") {
 
 TEST_CASE("a carriage return inside a line is refused", "[read_atoms]") {
   CHECK(xyzr_error("1 2 3 4 C\r5 6 7 8 N\r") ==
-        "t.xyzr:1: carriage return inside the line; lines must end in LF or CRLF");
+        "t.xyzr:1: carriage return inside the line; expected LF or CRLF line ends");
 }
 
 TEST_CASE("lines are limited to 4096 characters", "[read_atoms]") {

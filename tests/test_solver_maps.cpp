@@ -387,10 +387,11 @@ TEST_CASE("usage errors of maps for solvers", "[solver-maps][cli]") {
       {{"--ion-radius", "2"}, "--ion-radius needs --kappa"},
       {{"--kappa", "a.dx", "--ion-radius", "-1"},
        "--ion-radius is '-1', expected a number from 0 to 1000, in angstrom"},
-      {{"--kappa", "a.vti"}, "--kappa is 'a.vti', expected the name of a file that ends with .dx"},
+      {{"--kappa", "a.vti"}, "--kappa is 'a.vti', expected a file name with the suffix .dx"},
       {{"--dielectric", "a/"}, "--dielectric is 'a/', expected the first part of a file name"},
       {{"--dielectric", "b/a"},
-       "--dielectric is 'b/a', but files go to .: give its name alone, or --output-dir b"},
+       "--dielectric is 'b/a', but the output directory is .; use the file name alone or "
+       "--output-dir b"},
       {{"--dielectric", "a", "--inside", "ay.dx"}, "two maps would have the name ay.dx"},
       {{"--kappa", "a.dx", "--inside", "a.dx"}, "two maps would have the name a.dx"},
   };

@@ -757,7 +757,7 @@ TEST_CASE("reading structures keeps the limit of memory", "[structure]") {
   ReadOptions options;
   options.max_memory = 1 << 20;
   const std::string message = error_of([&] { eses::read_atoms(path, options); });
-  CHECK(contains(message, "reading the file takes more memory than the 1 MiB"));
+  CHECK(contains(message, "reading the file exceeds the memory limit of 1 MiB"));
 }
 
 TEST_CASE("formats that are not read are named, with a way to convert them", "[structure]") {
@@ -846,7 +846,7 @@ TEST_CASE("PQR: numbers behind the radius are refused", "[structure][pqr]") {
   const auto read = [](const std::string& text) {
     return eses::parse_atoms(text, AtomFormat::pqr, "t.pqr");
   };
-  const std::string expected = "t.pqr:1: more than five numbers where x y z charge radius";
+  const std::string expected = "t.pqr:1: more than five numbers, expected x y z charge radius";
   CHECK(
       error_of([&] { read("ATOM 1 N ALA A 1 1.0 2.0 3.0 0.1 1.5 9.5\n"); }).starts_with(expected));
   CHECK(error_of([&] { read("ATOM 1 N ALA 1 1.0 2.0 3.0 0.1 1.5 9.5\n"); }).starts_with(expected));

@@ -12,14 +12,14 @@ namespace eses {
 /// Index of an atom in the order of the input, from 0.
 using AtomIndex = std::uint32_t;
 
-/// A van der Waals sphere. eses::Surface accepts finite numbers only.
+/// A van der Waals sphere. Surface accepts only finite numbers.
 struct Atom {
   Vec3 center;        ///< Centre, in angstrom.
   double radius = 0;  ///< Van der Waals radius, in angstrom; not negative.
 };
 
-/// The names of an atom as its file spells them. A name that the file does not give is empty.
-/// Copies of a chain in an assembly are A, A-2, A-3 and so on.
+/// The names of an atom in its file. Missing names are empty. The copies of a chain in an assembly
+/// are named A, A-2, A-3 and so on.
 struct AtomLabel {
   std::string chain;           ///< Chain identifier, such as A.
   std::string residue;         ///< Residue name, such as ALA.

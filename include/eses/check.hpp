@@ -1,14 +1,14 @@
 #pragma once
 /// @file
-/// The callback by which callers end an operation early.
+/// The callback with which callers can cancel an operation.
 
 #include <functional>
 
 namespace eses {
 
-/// Called from time to time during an operation, by any of its threads, but never by two at the
-/// same time. An exception that it throws ends the operation, which throws it on. It serves to
-/// look for an interrupt of the user.
+/// Called repeatedly during an operation, from any of its threads, but never from two at the same
+/// time. If it throws an exception, the operation ends and throws this exception. Its purpose is to
+/// cancel the operation, for example after a signal.
 using CheckCallback = std::function<void()>;
 
 }  // namespace eses

@@ -2,10 +2,9 @@
 /// @file
 /// Computing the surface on a grid: in memory, block by block, or into files.
 ///
-/// All functions take a Surface and a Grid. The results depend on these and on
-/// RunOptions::region alone, to the last bit: not on the number of threads or the block size. A
-/// grid made for another surface may be used, and so may any grid that is valid; atoms may be
-/// outside of it.
+/// All functions take a Surface and a Grid. The results depend only on these and on
+/// RunOptions::region, to the last bit. They do not depend on the number of threads or the block
+/// size. Any valid grid may be used; atoms may be outside of it.
 ///
 /// All functions throw std::invalid_argument
 /// - if the grid has fewer than one or more than 2e9 points along an axis, more than 1e17 points, a
@@ -13,8 +12,8 @@
 /// - if a number of RunOptions is out of its range,
 /// - if the region is empty or not within the grid,
 ///
-/// and MemoryLimitError if memory cannot hold what is needed, or may not. They may be called by
-/// several threads at a time, also for the same Surface.
+/// and MemoryLimitError if the available memory or RunOptions::max_memory does not suffice. They
+/// may be called from several threads at the same time, also for the same Surface.
 
 #include <array>
 #include <cstdint>
@@ -39,18 +38,18 @@ class SolvedBlock;
 struct ResultBuilder;
 }  // namespace detail
 
-/// The parts of a Result. What is not chosen takes no memory.
+/// Selection of the parts of a Result. Other parts need no memory.
 struct ResultParts {
-  bool inside = true;     ///< Result::inside: a byte for each point.
-  bool crossings = true;  ///< Result::crossings: 88 bytes for each crossing.
+  bool inside = true;     ///< Result::inside, one byte for each point.
+  bool crossings = true;  ///< Result::crossings, 88 bytes for each crossing.
   bool mesh = false;      ///< Result::mesh.
 };
 
 /// A triangle mesh of the surface. It has one vertex for each crossing, in the same order. A vertex
-/// is at its crossing, or 1e-4 of the spacing away from a grid point with which the crossing
-/// coincides. All lists of vertices have the same length.
+/// is at the position of its crossing. If the crossing coincides with a grid point, the vertex is
+/// 1e-4 of the spacing away from that point. All lists of vertices have the same length.
 struct Mesh {
-  std::vector<Vec3> vertices;         ///< Places of the vertices, in angstrom.
+  std::vector<Vec3> vertices;         ///< Positions of the vertices, in angstrom.
   std::vector<Vec3> normals;          ///< Outward unit normals of the vertices.
   std::vector<AtomIndex> atoms;       ///< First adjacent atom of each vertex.
   std::vector<std::uint8_t> patches;  ///< Patch of each vertex: 1 convex, 2 saddle, 3 concave.
@@ -96,9 +95,8 @@ class Result {
   /// The parts of the result.
   const ResultParts& parts() const { return parts_; }
 
-  /// The mesh in the cells of the grid that have all their corners in the region, with the
-  /// crossings of edges that have both ends in the region as vertices. None if ResultParts::mesh
-  /// was not chosen.
+  /// The mesh in the grid cells that have all corners in the region. Its vertices are the crossings
+  /// of edges that have both ends in the region. Empty if ResultParts::mesh was not chosen.
   const std::optional<Mesh>& mesh() const { return mesh_; }
 
  private:
@@ -113,25 +111,25 @@ class Result {
   std::optional<Mesh> mesh_;
 };
 
-/// Computes the surface on a grid and holds the result in memory. Throws as described at the top of
-/// compute.hpp, VerificationError if RunOptions::verify finds faults, and what a callback throws.
+/// Computes the surface on a grid, with the result in memory. Throws the exceptions listed at the
+/// top of compute.hpp, VerificationError if RunOptions::verify finds faults, and all exceptions of
+/// callbacks.
 Result compute(const Surface& surface, const Grid& grid, const RunOptions& options = {},
                const ResultParts& parts = {});
 
-/// Makes the mesh of a result, the same that compute makes with ResultParts::mesh. Throws
-/// std::invalid_argument if the result has no inside points or no crossings because ResultParts
-/// left them out, and what `check` throws, which is called for every plane of the region.
+/// Returns the mesh of a result, which is equal to that of compute with ResultParts::mesh. Calls
+/// `check` for every plane of the region. Throws std::invalid_argument if ResultParts excluded the
+/// inside points or the crossings, and all exceptions of `check`.
 Mesh make_mesh(const Result& result, const CheckCallback& check = {});
 
-/// A part of the grid that has been solved. It is a view that is valid during the call that gets
-/// it.
+/// A solved block of the grid. The object is a view, which is valid during the callback.
 class Block {
  public:
-  /// The points that this block and no other one has.
+  /// The points that this block owns. Each point of the grid is owned by exactly one block.
   const GridRegion& owned() const { return owned_; }
 
-  /// All points that the block knows: those that it owns, and those that it shares with the next
-  /// blocks along each axis.
+  /// All points of the block: the owned points, and the points shared with the next block along
+  /// each axis.
   const GridRegion& points() const { return points_; }
 
   /// Returns whether a point, given by its indices in the grid, is inside the surface. Throws
@@ -141,11 +139,11 @@ class Block {
   /// One byte for each point of `owned()`, in the order of Result::inside.
   std::vector<std::uint8_t> owned_inside() const;
 
-  /// The crossings of all edges whose lower ends the block owns, by lower end (z, then y, then x),
-  /// then axis.
+  /// The crossings of all edges whose lower ends are owned, by lower end (z, then y, then x), then
+  /// axis.
   std::span<const Crossing> crossings() const { return crossings_; }
 
-  /// The time that it took to solve the block on one processor, in seconds.
+  /// The time to solve the block on one processor, in seconds.
   double seconds() const;
 
  private:
@@ -156,62 +154,65 @@ class Block {
   std::span<const Crossing> crossings_;
 };
 
-/// Receives a block. An exception that it throws ends the computation, which throws it on.
+/// Receives a block. If it throws an exception, the computation ends and throws this exception.
 using BlockCallback = std::function<void(const Block& block)>;
 
-/// Computes the surface on a grid and hands out every block once, in no particular order, as soon
-/// as it is solved. The memory in use does not grow with the number of blocks. Each point and each
-/// crossing belongs to exactly one block. The callback is called by any thread, but never by two at
-/// the same time. Throws as described at the top of compute.hpp, std::invalid_argument if
-/// `callback` is empty, VerificationError if RunOptions::verify finds faults, and what a callback
-/// throws.
+/// Computes the surface on a grid and calls `callback` for each block, in unspecified order, as
+/// soon as the block is solved. The memory does not grow with the number of blocks. Each point and
+/// each crossing is owned by exactly one block. The callback is called from any thread, but never
+/// from two at the same time. Throws the exceptions listed at the top of compute.hpp,
+/// std::invalid_argument if `callback` is empty, VerificationError if RunOptions::verify finds
+/// faults, and all exceptions of callbacks.
 Summary for_each_block(const Surface& surface, const Grid& grid, const BlockCallback& callback,
                        const RunOptions& options = {});
 
-/// Computes the surface on a grid and writes files, in memory that does not grow with their length.
-/// The output directory and that of the mesh are created if they are missing, and locked against
-/// other runs. The files get their names when all of them are complete, and older files of these
-/// names are removed before; on failure there are none of them. If a file of the mesh is a symbolic
-/// link, the file to which it leads is written.
+/// Computes the surface on a grid and writes files. The memory does not grow with their length.
+/// Creates the output directory and the directory of the mesh if they are missing, and locks them
+/// against other runs. The files get their final names when all of them are complete. Older files
+/// of these names are removed before. On failure, none of the files exists. If a mesh file is a
+/// symbolic link, its target is written.
 ///
-/// Throws as described at the top of compute.hpp; std::invalid_argument also if the mesh or the map
-/// has an unknown suffix, if text is chosen for a mesh that is not PLY, if the map's name is not a
-/// plain file name, or if labels are missing that the outputs need; Error also if the disk has not
-/// enough space, if a file cannot be written, if two of the files are the same one, or if another
-/// run writes there; VerificationError, with no file written, if RunOptions::verify finds faults;
-/// and what a callback throws.
+/// Throws the exceptions listed at the top of compute.hpp, and
+/// - std::invalid_argument if the suffix of the mesh or of a map is unknown, if
+/// MeshOptions::is_ascii
+///   is set for a mesh other than PLY, if the name of a map is not a plain file name, or if the
+///   outputs need labels that are missing,
+/// - Error if the disk space is insufficient, if a file cannot be written, if two of the files are
+///   the same file, or if another run writes to a directory,
+/// - VerificationError if RunOptions::verify finds faults; no file is written,
+/// - all exceptions of callbacks.
 Summary write_files(const Surface& surface, const Grid& grid,
                     const std::filesystem::path& directory, const Outputs& outputs = {},
                     const RunOptions& options = {});
 
-/// The memory, disk space and division of a computation, estimated beforehand.
+/// Estimated memory, disk space and block division of a computation.
 struct Estimate {
-  std::uint64_t memory_bytes = 0;  ///< Peak of the process's memory; meant as an upper bound.
+  std::uint64_t memory_bytes = 0;  ///< Peak memory of the process, intended as an upper bound.
   int threads = 1;                 ///< Number of threads that will be used.
   GridIndex block_size{};          ///< Points along the sides of a block.
   GridIndex blocks{};              ///< Number of blocks along x, y and z.
   double crossings = 0;            ///< Expected number of crossings.
-  /// How far the van der Waals spheres reach beyond the grid, in angstrom. Positive where the grid
-  /// cuts the spheres, negative where it encloses all of them.
+  /// Maximum distance by which the van der Waals spheres extend beyond the grid, in angstrom.
+  /// Negative if the grid encloses all spheres.
   double cut_depth = 0;
-  std::uint64_t box_bytes = 0;    ///< Length of bounding_box.txt; exact.
-  std::uint64_t grid_bytes = 0;   ///< Length of grid_info.txt; an upper bound unless gzipped.
-  std::uint64_t edges_bytes = 0;  ///< Length of intersection_info.txt, about.
-  std::uint64_t areas_bytes = 0;  ///< Length of partition_area.txt; an upper bound unless gzipped.
-  std::uint64_t residues_bytes = 0;  ///< Length of residue_area.csv and chain_area.csv, about.
-  std::uint64_t map_bytes = 0;       ///< Length of all maps; exact.
-  std::uint64_t mesh_bytes = 0;      ///< Length of the mesh, about.
-  std::uint64_t scratch_bytes = 0;   ///< Bytes on disk beside the files while they are made, about.
+  std::uint64_t box_bytes = 0;       ///< Size of bounding_box.txt; exact.
+  std::uint64_t grid_bytes = 0;      ///< Size of grid_info.txt; an upper bound unless gzipped.
+  std::uint64_t edges_bytes = 0;     ///< Size of intersection_info.txt; an estimate.
+  std::uint64_t areas_bytes = 0;     ///< Size of partition_area.txt; an upper bound unless gzipped.
+  std::uint64_t residues_bytes = 0;  ///< Size of residue_area.csv and chain_area.csv; an estimate.
+  std::uint64_t map_bytes = 0;       ///< Size of all maps; exact.
+  std::uint64_t mesh_bytes = 0;      ///< Size of the mesh; an estimate.
+  std::uint64_t scratch_bytes = 0;   ///< Additional disk space during the run; an estimate.
 
-  /// Length of all files.
+  /// Total size of all files, in bytes.
   std::uint64_t file_bytes() const {
     return box_bytes + grid_bytes + edges_bytes + areas_bytes + residues_bytes + map_bytes +
            mesh_bytes;
   }
 };
 
-/// Estimates what write_files would need with the same arguments, or with Outputs::none() what
-/// for_each_block would need. Throws as write_files does, but computes and writes nothing.
+/// Estimates the resources of write_files with the same arguments or, with Outputs::none(), those
+/// of for_each_block. Throws the same exceptions as write_files, but computes and writes nothing.
 Estimate estimate(const Surface& surface, const Grid& grid, const Outputs& outputs = {},
                   const RunOptions& options = {});
 

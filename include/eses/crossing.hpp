@@ -16,10 +16,10 @@ namespace eses {
 /// Edges whose ends are both inside or both outside have no crossing.
 struct Crossing {
   GridIndex lower{};  ///< Lower end of the edge, as indices in the whole grid.
-  Vec3 position;      ///< Place of the crossing, in angstrom.
+  Vec3 position;      ///< Position of the crossing, in angstrom.
   Vec3 normal;        ///< Outward unit normal of the surface.
-  /// Adjacent atoms, which the probe at this place of the surface touches, ascending; only the
-  /// first `atom_count` are set.
+  /// Adjacent atoms, which are touched by the probe that touches the crossing. In ascending order;
+  /// only the first `atom_count` elements are set.
   std::array<AtomIndex, 3> atoms{};
   /// Number of adjacent atoms: 1 on convex, 2 on saddle, 3 on concave patches.
   std::uint8_t atom_count = 0;
@@ -32,9 +32,9 @@ struct Crossing {
     ++point[axis];
     return point;
   }
-  /// The end that is inside.
+  /// The inside end of the edge.
   GridIndex inside_point() const { return lower_is_inside ? lower : upper(); }
-  /// The end that is outside.
+  /// The outside end of the edge.
   GridIndex outside_point() const { return lower_is_inside ? upper() : lower; }
   /// The adjacent atoms.
   std::span<const AtomIndex> adjacent_atoms() const { return {atoms.data(), atom_count}; }

@@ -1,6 +1,7 @@
 #pragma once
 /// @file
-/// Diagnostics of atoms: input that is valid and computed exactly, but suspicious.
+/// Diagnostics of atoms: valid but suspicious input. It does not affect the accuracy of the
+/// results.
 
 #include <cstddef>
 #include <cstdint>
@@ -13,10 +14,10 @@ namespace eses {
 /// The kinds of suspicious atoms.
 enum class DiagnosticKind : std::uint8_t {
   duplicate,     ///< The atom has the centre and the radius of an earlier atom.
-  close,         ///< The centre is within 0.5 angstrom of an earlier atom's; both have a radius.
+  close,         ///< The centre is within 0.5 angstrom of an earlier one; both radii are positive.
   nested,        ///< The atom is larger than a hydrogen and lies wholly inside another atom.
   large_radius,  ///< The radius is above 4 angstrom.
-  small_radii,   ///< Every radius is below 0.4 angstrom, as if in nanometres.
+  small_radii,   ///< All radii are below 0.4 angstrom; lengths may be in nanometres.
   zero_radius,   ///< The radius is 0, as for hydrogens of some force fields; usual.
   nested_usual,  ///< A hydrogen, of radius up to 1.4 angstrom, lies inside another atom; usual.
 };
@@ -24,7 +25,7 @@ enum class DiagnosticKind : std::uint8_t {
 /// Number of kinds of diagnostics.
 inline constexpr std::size_t diagnostic_kinds = 7;
 
-/// Returns whether correct files have such atoms, too.
+/// Returns whether such atoms also occur in correct files.
 constexpr bool is_usual(DiagnosticKind kind) { return kind >= DiagnosticKind::zero_radius; }
 
 /// All atoms with a diagnostic of one kind. An atom may have several diagnostics, but a duplicate

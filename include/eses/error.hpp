@@ -2,8 +2,8 @@
 /// @file
 /// Exceptions of the library.
 ///
-/// Functions throw std::invalid_argument for arguments that no computation could use, and Error for
-/// everything that depends on files and on the machine.
+/// Functions throw std::invalid_argument for invalid arguments, and Error for problems with files
+/// and resources.
 
 #include <stdexcept>
 #include <string>
@@ -14,8 +14,8 @@
 
 namespace eses {
 
-/// An error in input, in output or of resources. `what()` is one line without a full stop that
-/// names the file, and the line where there is one, and tells what is wrong and what was expected.
+/// An error of input, output or resources. `what()` is one line without a full stop. It names the
+/// file and, if known, the line, and states the problem and the expected value.
 class Error : public std::runtime_error {
  public:
   using std::runtime_error::runtime_error;
@@ -24,21 +24,21 @@ class Error : public std::runtime_error {
 /// A file or directory that the operating system refuses to open, read or write.
 class FileError : public Error {
  public:
-  /// An error whose message is `failure`, which names the file, and the operating system's reason.
+  /// Makes an error from a message, which names the file, and the reason of the operating system.
   FileError(const std::string& failure, std::error_code code)
       : Error(failure + ": " + code.message()), code_(code) {}
-  /// The same for a value of errno.
+  /// Does the same for a value of errno.
   FileError(const std::string& failure, int code)
       : FileError(failure, std::error_code(code, std::generic_category())) {}
 
-  /// The operating system's reason.
+  /// The reason of the operating system.
   const std::error_code& code() const { return code_; }
 
  private:
   std::error_code code_;
 };
 
-/// The memory that is available, or that the caller allows, does not suffice.
+/// The available memory, or the memory limit of the caller, does not suffice.
 class MemoryLimitError : public Error {
  public:
   using Error::Error;
@@ -47,7 +47,7 @@ class MemoryLimitError : public Error {
 /// The verification of a result has found faults. No file has been written.
 class VerificationError : public Error {
  public:
-  /// An error with all that was checked; `found` has at least one fault.
+  /// Makes an error from a verification with at least one fault.
   explicit VerificationError(Verification found)
       : Error("the verification found " + std::to_string(found.faults.size()) +
               (found.faults.size() == 1 ? " fault" : " faults")),

@@ -1,6 +1,6 @@
 #pragma once
 /// @file
-/// The whole library.
+/// Includes all headers of the library.
 ///
 ///     const eses::AtomFile file = eses::read_atoms("1ubq.pqr");
 ///     const eses::Surface surface(file.atoms, {.probe_radius = 1.4});

@@ -19,7 +19,7 @@ using GridIndex = std::array<std::int64_t, 3>;
 /// The points with begin <= index < end along every axis.
 struct GridRegion {
   GridIndex begin{};  ///< Lowest point.
-  GridIndex end{};    ///< One more than the highest point along each axis.
+  GridIndex end{};    ///< Index of the highest point plus one, along each axis.
 
   /// Number of points along each axis.
   GridIndex size() const { return {end[0] - begin[0], end[1] - begin[1], end[2] - begin[2]}; }
@@ -47,7 +47,7 @@ struct Grid {
   double coordinate(std::size_t axis, std::int64_t index) const {
     return origin[axis] + static_cast<double>(index) * spacing;
   }
-  /// The place of a point, in angstrom.
+  /// The position of a point, in angstrom.
   Vec3 point(const GridIndex& index) const {
     return {coordinate(0, index[0]), coordinate(1, index[1]), coordinate(2, index[2])};
   }
@@ -82,28 +82,28 @@ Grid make_grid(const Surface& surface, const GridOptions& options = {});
 /// not finite.
 void validate(const Grid& grid);
 
-/// Returns a grid around a point: `center` is midway between the lowest and the highest point along
-/// each axis. `center` and `spacing` are in angstrom. This function checks
-/// nothing; see validate.
+/// Returns a grid with its centre at a given point. `center` and `spacing` are in angstrom. The
+/// arguments are not checked; see validate.
 Grid centered_grid(Vec3 center, double spacing, const GridIndex& size);
 
 /// Reads the grid of a file: an OpenDX map (`.dx`, as APBS writes it), VTK image data (`.vti`) or
-/// bounding_box.txt (`.txt`), each also gzipped (with `.gz` at the end of its name). Of a map only
-/// the header is read. The corners in bounding_box.txt are rounded; of all spacings that they allow
-/// it is the one with the fewest decimal digits.
+/// bounding_box.txt (`.txt`), plain or gzipped (with the additional suffix `.gz`). Only the header
+/// of a map is read. The corners in bounding_box.txt are rounded, so several spacings are
+/// consistent with them; the grid has the one with the fewest decimal digits.
 ///
-/// Throws Error, naming the file and line, if the file cannot be read, is of another format, or has
-/// no grid with axes along x, y and z and the same spacing, to six digits, along all of them.
+/// Throws Error, with the file and line, if the file cannot be read or has another format, if the
+/// axes of the grid are not along x, y and z, or if the spacings of the axes differ in the first
+/// six digits.
 Grid read_grid(const std::filesystem::path& path);
 
 /// Returns the points in the closed box between two corners, in angstrom. Throws
-/// std::invalid_argument if there are none, or if a coordinate is not finite.
+/// std::invalid_argument if the box contains no point, or if a coordinate is not finite.
 GridRegion points_in_box(const Grid& grid, Vec3 low, Vec3 high);
 
-/// Returns the points that a range of blocks owns: those with begin <= index < end along every
-/// axis, if the whole grid is cut into blocks with `block_size` points on a side, of which
-/// neighbours share their faces. Throws std::invalid_argument if the block size is not 2 to 4096,
-/// or if there are no such blocks.
+/// Returns the points that a range of blocks owns. The whole grid is divided into blocks with
+/// `block_size` points on a side; neighbouring blocks share their faces. `blocks` has the indices
+/// of the blocks, with begin <= index < end along every axis. Throws std::invalid_argument if the
+/// block size is not 2 to 4096, or if the range is empty or not within the grid.
 GridRegion points_of_blocks(const Grid& grid, std::int64_t block_size, const GridRegion& blocks);
 
 }  // namespace eses

@@ -1,6 +1,6 @@
 #pragma once
 /// @file
-/// The files that can be written.
+/// Selection of output files.
 
 #include <filesystem>
 #include <optional>
@@ -11,59 +11,59 @@ namespace eses {
 /// Colours of the vertices of a PLY or VTP file.
 enum class MeshColor {
   none,   ///< No colours.
-  patch,  ///< One colour each for convex, saddle and concave patches.
+  patch,  ///< Different colours for convex, saddle and concave patches.
   atom,   ///< A colour for the first adjacent atom.
   chain,  ///< A colour for the chain of the first adjacent atom; needs labels.
 };
 
-/// A mesh in a file, or in MSMS's pair of files.
+/// A mesh file, or the pair of mesh files of MSMS.
 struct MeshOptions {
-  /// Path of the file. The suffix, in upper or lower case, is the format: `.ply`, `.obj`, `.off`,
-  /// `.vtp` (VTK XML PolyData), or `.vert` or `.face` for the two files NAME.vert and NAME.face
-  /// of MSMS, which appear together or not at all. doc/meshes.md describes the formats.
+  /// Path of the file. The suffix, in upper or lower case, determines the format: `.ply`, `.obj`,
+  /// `.off` or `.vtp` (VTK XML PolyData). With `.vert` or `.face`, both files of MSMS are written,
+  /// NAME.vert and NAME.face. doc/meshes.md describes the formats.
   std::filesystem::path file;
   MeshColor color = MeshColor::none;  ///< Colours, in PLY and VTP files only.
-  bool is_ascii = false;              ///< Writes a PLY file as text; it is binary otherwise.
+  bool is_ascii = false;              ///< Whether a PLY file is text instead of binary.
 };
 
-/// Maps of the dielectric for finite-difference Poisson-Boltzmann solvers, such as APBS reads with
-/// `usemap diel`: three OpenDX files with the values at the middles of the grid's edges along x, y
-/// and z. An edge of which the share t lies inside the surface has the harmonic mean
-/// `1 / (t / solute + (1 - t) / solvent)`; if the surface cuts it several times, t is the total of
-/// all parts inside. Each map has the counts of the grid, and an origin that is shifted by half a
-/// spacing along its axis; values beyond the last points of the grid are those of the solvent.
+/// Maps of the dielectric for finite-difference Poisson-Boltzmann solvers, such as APBS with
+/// `usemap diel`. They are three OpenDX files with the values at the midpoints of the grid edges
+/// along x, y and z. The value of an edge is the harmonic mean `1 / (t / solute + (1 - t) /
+/// solvent)`, where t is the fraction of the edge inside the surface. Each map has the size of the
+/// grid, and an origin that is shifted by half a spacing along its axis. Values beyond the last
+/// points of the grid are those of the solvent.
 struct DielectricMaps {
-  /// The files are `PREFIXx.dx`, `PREFIXy.dx` and `PREFIXz.dx` in the output directory.
+  /// Prefix of the file names `PREFIXx.dx`, `PREFIXy.dx` and `PREFIXz.dx` in the output directory.
   std::string prefix;
   double solute = 2;       ///< Relative permittivity inside the surface, 1e-9 to 1e9.
   double solvent = 78.54;  ///< Relative permittivity outside the surface, 1e-9 to 1e9.
 };
 
-/// A map of the points to which the centres of ions have access, as APBS reads it with
-/// `usemap kappa`: 1 at points outside all spheres of the atoms' radius plus that of the ions, and
-/// 0 at others.
+/// A map of ion accessibility, as APBS reads it with `usemap kappa`. A point is 1 if the centre of
+/// an ion may be there: its distance from every atom is at least the sum of the radii of atom and
+/// ion. Other points are 0.
 struct IonAccessMap {
   std::string file;       ///< Name of an OpenDX file in the output directory; it ends with .dx.
   double ion_radius = 2;  ///< Radius of the ions, in angstrom; 0 to 1000.
 };
 
-/// The files that write_files writes. The formats of the four text files are those of ESES.
+/// Selection of the files that write_files writes. The four text files have the formats of ESES.
 struct Outputs {
   bool box = true;    ///< bounding_box.txt: corners and size of the grid.
-  bool grid = true;   ///< grid_info.txt: every grid point with 1 inside, -1 outside.
+  bool grid = true;   ///< grid_info.txt: every grid point, 1 inside and -1 outside.
   bool edges = true;  ///< intersection_info.txt: every crossing.
   bool areas = true;  ///< partition_area.txt: the area of every atom.
   /// residue_area.csv and chain_area.csv: areas of residues and chains; need labels.
   bool residues = false;
-  bool gzip = false;  ///< Compresses the four text files, whose names then end with .gz.
-  /// Name of a map in the output directory with 1 inside and 0 outside: OpenDX if it ends with .dx,
-  /// VTK image data if it ends with .vti. Empty for no map.
+  bool gzip = false;  ///< Whether the four text files are compressed, with the suffix .gz.
+  /// File name, in the output directory, of a map with 1 inside and 0 outside. The suffix .dx gives
+  /// OpenDX, and .vti gives VTK image data. Empty for no map.
   std::string inside_map = {};
   std::optional<DielectricMaps> dielectric = {};  ///< Maps of the dielectric.
-  std::optional<IonAccessMap> ion_access = {};    ///< A map of the access of ions.
+  std::optional<IonAccessMap> ion_access = {};    ///< A map of ion accessibility.
   std::optional<MeshOptions> mesh = {};           ///< A triangle mesh of the surface.
 
-  /// No file at all.
+  /// Returns a selection without any file.
   static Outputs none() { return {false, false, false, false}; }
 };
 

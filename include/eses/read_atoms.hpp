@@ -1,6 +1,6 @@
 #pragma once
 /// @file
-/// Reading atoms from xyzr, PQR, PDB and mmCIF files.
+/// Reading of atoms from xyzr, PQR, PDB and mmCIF files.
 
 #include <cstdint>
 #include <filesystem>
@@ -16,44 +16,45 @@ namespace eses {
 
 /// Format of an input file.
 enum class AtomFormat {
-  /// The suffix decides: `.pqr` is PQR, `.pdb` and `.ent` are PDB, `.cif` and `.mmcif` are mmCIF,
-  /// each also with `.gz` behind it; everything else is xyzr.
+  /// The format is given by the suffix: `.pqr` for PQR, `.pdb` and `.ent` for PDB, `.cif` and
+  /// `.mmcif` for mmCIF, also with an additional `.gz`. All other files are xyzr.
   automatic,
   /// One atom a line: `x y z r`. Further columns, blank lines and lines with `#` are ignored.
   xyzr,
-  /// ATOM and HETATM records. The last two numbers, before an element symbol if there is one, are
-  /// charge and radius.
+  /// ATOM and HETATM records. The last two numbers, which an element symbol may follow, are charge
+  /// and radius.
   pqr,
-  /// ATOM and HETATM records in the columns of the Protein Data Bank. Radii come from a set of
-  /// radii.
+  /// ATOM and HETATM records in the columns of the Protein Data Bank. Radii are assigned from
+  /// StructureOptions::radii.
   pdb,
-  /// The category atom_site of PDBx/mmCIF. Radii come from a set of radii.
+  /// The category atom_site of PDBx/mmCIF. Radii are assigned from StructureOptions::radii.
   mmcif,
 };
 
-/// Returns whether files of a format are read with StructureOptions.
+/// Returns whether StructureOptions apply to files of a format.
 constexpr bool is_structure(AtomFormat format) {
   return format == AtomFormat::pdb || format == AtomFormat::mmcif;
 }
 
-/// Which hydrogens of a PDB or mmCIF file are atoms of the surface.
+/// Selection of the hydrogens of a PDB or mmCIF file.
 enum class HydrogenChoice {
-  by_radii,  ///< None if the radii are those of united atoms, which include hydrogens; else all.
+  by_radii,  ///< None if the radii are those of united atoms, which include hydrogens; all
+             ///< otherwise.
   keep,      ///< All.
   drop,      ///< None.
 };
 
 /// Selection and radii of the atoms of a PDB or mmCIF file.
 struct StructureOptions {
-  /// A set of radii, `protor`, `bondi` or `msms`, or the path of a file in FreeSASA's configuration
-  /// format.
+  /// The set of radii: `protor`, `bondi` or `msms`, or the path of a file in FreeSASA's
+  /// configuration format.
   std::string radii = "protor";
-  /// Radius of atoms for which the set has none, in angstrom. Without it such atoms are an error.
+  /// Radius of atoms that are not in the set, in angstrom. If it is empty, such atoms are an error.
   std::optional<double> unknown_radius;
-  /// The number of the model that is read; 0 for the first one. PQR files have models, too.
+  /// Number of the model to read; 0 for the first one. It also applies to PQR files.
   int model = 0;
-  /// The alternate location that is read, such as `A`; empty for that of the highest occupancy in
-  /// each residue.
+  /// The alternate location to read, such as `A`; empty for the location with the highest occupancy
+  /// in each residue.
   std::string altloc;
   bool with_waters = false;  ///< Whether water molecules are read.
   bool with_hetatm = true;   ///< Whether HETATM records other than water are read.
@@ -67,7 +68,7 @@ struct StructureOptions {
   friend bool operator==(const StructureOptions&, const StructureOptions&) = default;
 };
 
-/// Atoms of a PDB or mmCIF file that share a residue name and an atom name, and so a radius.
+/// Atoms of a PDB or mmCIF file with the same residue name and atom name, and thus the same radius.
 struct RadiusSource {
   std::string residue;      ///< Residue name, such as HEM.
   std::string atom_name;    ///< Atom name, such as FE.
@@ -85,22 +86,22 @@ struct StructureReport {
   std::string assembly;         ///< Identifier of the assembly; empty if none was built.
   std::uint64_t operators = 1;  ///< Number of operators of the assembly.
 
-  std::uint64_t atom_records = 0;    ///< Read from ATOM records other than water.
-  std::uint64_t hetatm_records = 0;  ///< Read from HETATM records other than water.
-  std::uint64_t waters = 0;          ///< Read from water molecules.
+  std::uint64_t atom_records = 0;    ///< Atoms read from ATOM records, without water.
+  std::uint64_t hetatm_records = 0;  ///< Atoms read from HETATM records, without water.
+  std::uint64_t waters = 0;          ///< Atoms read from water molecules.
 
-  std::uint64_t dropped_chains = 0;     ///< Left out: of other chains.
-  std::uint64_t dropped_selection = 0;  ///< Left out: not in the selection.
-  std::uint64_t dropped_waters = 0;     ///< Left out: water.
-  std::uint64_t dropped_hetatm = 0;     ///< Left out: HETATM records other than water.
-  std::uint64_t dropped_hydrogens = 0;  ///< Left out: hydrogens.
-  std::uint64_t dropped_altlocs = 0;    ///< Left out: other alternate locations.
-  /// Left out of an assembly: images that coincide with their atom, as on axes of symmetry.
+  std::uint64_t dropped_chains = 0;     ///< Atoms left out: other chains.
+  std::uint64_t dropped_selection = 0;  ///< Atoms left out: not in the selection.
+  std::uint64_t dropped_waters = 0;     ///< Atoms left out: water molecules.
+  std::uint64_t dropped_hetatm = 0;     ///< Atoms left out: HETATM records, without water.
+  std::uint64_t dropped_hydrogens = 0;  ///< Atoms left out: hydrogens.
+  std::uint64_t dropped_altlocs = 0;    ///< Atoms left out: other alternate locations.
+  /// Atoms left out of an assembly: images that coincide with their atom, as on axes of symmetry.
   std::uint64_t dropped_images = 0;
 
-  /// Atoms whose radius the set has by their element alone, with the images of an assembly.
+  /// Atoms whose radius is that of their element. The counts include the images of an assembly.
   std::vector<RadiusSource> by_element;
-  /// Atoms with StructureOptions::unknown_radius, with the images of an assembly.
+  /// Atoms with StructureOptions::unknown_radius. The counts include the images of an assembly.
   std::vector<RadiusSource> unknown;
 };
 
@@ -113,29 +114,30 @@ struct AtomFile {
   std::optional<StructureReport> structure = {};
 };
 
-/// Choices of read_atoms.
+/// Options of read_atoms.
 struct ReadOptions {
   AtomFormat format = AtomFormat::automatic;  ///< Format of the file.
-  /// Whether labels are read; labels take more memory than atoms.
+  /// Whether labels are read. Labels need more memory than atoms.
   bool with_labels = true;
-  /// Bytes that the process may hold resident while it reads; 0 for no limit. A few MiB are allowed
-  /// in any case.
+  /// Limit of the resident memory of the process while it reads, in bytes; 0 for no limit. Reading
+  /// may always add a few MiB.
   std::uint64_t max_memory = 0;
   /// Selection and radii of the atoms of a PDB or mmCIF file. Only the model applies to a PQR file.
   StructureOptions structure = {};
-  /// Called while the file is read, at least once for each piece of it.
+  /// Called while the file is read, at least once for each part of it.
   CheckCallback check = {};
 };
 
-/// Reads the atoms of a file, which may be gzipped; `-` is standard input. Throws Error, which
-/// names file, line and field, if the file cannot be read, holds no atom, has a field that is
-/// missing, not a finite number or a negative radius, is of a format that is not read, takes more
-/// memory than allowed, or has atoms for which there is no radius. The Error is a FileError if the
-/// operating system refuses to open or read the file, and a MemoryLimitError if the memory does not
+/// Reads the atoms of a file, which may be gzipped; `-` is standard input.
+///
+/// Throws Error, with file, line and field, if the file cannot be read, contains no atoms, or has
+/// an unsupported format; if a field is missing or not a finite number; if a radius is negative or
+/// unknown; or if the memory limit is exceeded. The Error is a FileError if the operating system
+/// refuses to open or read the file, and a MemoryLimitError if the available memory does not
 /// suffice.
 AtomFile read_atoms(const std::filesystem::path& path, const ReadOptions& options = {});
 
-/// Reads the atoms of a text in memory, with labels. `name` is the name of the text in messages;
+/// Reads the atoms of a text in memory, with labels. `name` is the name of the text for messages.
 /// AtomFormat::automatic means xyzr. Throws Error as read_atoms does.
 AtomFile parse_atoms(std::string_view text, AtomFormat format = AtomFormat::automatic,
                      std::string_view name = "text", const StructureOptions& structure = {});

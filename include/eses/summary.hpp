@@ -18,16 +18,16 @@ struct PhaseSeconds {
   double intersect = 0;  ///< Intersection of edges, summed over threads.
   double output = 0;     ///< Text and writing, summed over threads.
   double verify = 0;     ///< Wall-clock time of the verification.
-  double total = 0;      ///< Wall-clock time of everything.
+  double total = 0;      ///< Wall-clock time of the whole computation.
 };
 
 /// Result of a check of random points and edges against the definition of the surface.
 struct Verification {
-  /// Number of points that were checked; smaller than requested if there are fewer.
+  /// Number of checked points. Smaller than requested if there are fewer points.
   std::int64_t points = 0;
-  /// Number of edges that were checked; smaller than requested if there are fewer.
+  /// Number of checked edges. Smaller than requested if there are fewer crossings.
   std::int64_t edges = 0;
-  std::vector<std::string> faults;  ///< One line for each fault, which names the point or edge.
+  std::vector<std::string> faults;  ///< One line for each fault, with the point or edge.
 };
 
 /// Number of elements of a mesh.
@@ -45,8 +45,9 @@ struct MeshCounts {
 ///     area   = h^2 * sum |n[axis]|
 ///     volume = h^3 * (inside points without a crossing + 1/2 * points that end a crossed edge)
 ///
-/// The share of a crossing in the area goes to its atoms, with weights proportional to the inverse
-/// of the distance from each atom's van der Waals sphere if there are several.
+/// The area share of a crossing is assigned to its adjacent atoms. If there are several, the
+/// weights are proportional to the inverse of the distance from the van der Waals sphere of each
+/// atom.
 struct Summary {
   double area = 0;                 ///< Surface area, in square angstrom.
   std::vector<double> atom_areas;  ///< Area of each atom, in square angstrom, by atom index.
@@ -55,12 +56,12 @@ struct Summary {
   ///
   ///     divergence_volume = h^3 * (inside points + 1/3 * sum (t - 1/2))
   ///
-  /// with the sum over all crossings, and t the share of the crossed edge between its inside end
-  /// and the crossing. For a surface within the grid this is `h^2 * sum s * x[axis]`, averaged over
-  /// the three axes, with s = 1 where the outside end is the upper one and -1 where it is the lower
-  /// one. It is second order in h and more accurate than `volume`. Where a region or a grid cuts
-  /// the surface, it is the volume of the part that is within half a spacing of the points; volumes
-  /// of regions that make up a grid add up to that of the grid.
+  /// The sum is over all crossings, and t is the fraction of the crossed edge between its inside
+  /// end and the crossing. For a surface within the grid this equals `h^2 * sum s * x[axis]`,
+  /// averaged over the three axes, with s = 1 if the outside end is the upper end and s = -1
+  /// otherwise. It is second order in h and more accurate than `volume`. If a region or a grid cuts
+  /// the surface, it is the volume of the part within half a spacing of the points. The volumes of
+  /// regions that divide a grid add up to that of the grid.
   double divergence_volume = 0;
   std::int64_t inside_points = 0;  ///< Number of grid points inside the surface.
   std::int64_t convex = 0;         ///< Number of crossings on convex patches: one atom.
@@ -71,9 +72,9 @@ struct Summary {
   double concave_area = 0;         ///< Area of concave patches, in square angstrom.
   /// The number of crossings.
   std::int64_t edges() const { return convex + saddle + concave; }
-  std::uint64_t bytes_written = 0;           ///< Length of all files.
+  std::uint64_t bytes_written = 0;           ///< Total size of all files, in bytes.
   std::optional<MeshCounts> mesh;            ///< Size of the mesh, if there is one.
-  std::optional<Verification> verification;  ///< What was verified, if anything.
+  std::optional<Verification> verification;  ///< Result of the verification, if there was one.
   PhaseSeconds seconds;                      ///< Times.
 };
 

@@ -17,32 +17,34 @@ class Molecule;
 struct SurfaceAccess;
 }  // namespace detail
 
-/// Smallest probe radius, in angstrom. A probe that fits between spheres that graze each other is
-/// known to the square root of the rounding error, 1e-7; normals that are right to 1e-5 need a
-/// hundredth of an angstrom.
+/// Minimum probe radius, in angstrom. Near almost tangent spheres, the centre of a probe has an
+/// error of 1e-7 angstrom, the square root of the rounding error. Normals with an error of at most
+/// 1e-5 therefore need a probe radius of a hundredth of an angstrom.
 inline constexpr double min_probe_radius = 0.01;
 
-/// Largest probe radius, in angstrom. Above it, differences of squares have too few digits left.
+/// Maximum probe radius, in angstrom. For larger radii, differences of squares lose too many
+/// digits.
 inline constexpr double max_probe_radius = 1000;
 
-/// Choices of a Surface.
+/// Options of a Surface.
 struct SurfaceOptions {
   /// Radius of the probe, in angstrom, `min_probe_radius` to `max_probe_radius`.
   double probe_radius = 1.4;
-  /// Number of threads that index the atoms; 0 for all that the process may use. The result does
-  /// not depend on it.
+  /// Number of threads that index the atoms; 0 for all available processors. It does not affect the
+  /// result.
   int threads = 1;
   /// Called while the atoms are indexed, at least once.
   CheckCallback check = {};
 };
 
-/// The solvent excluded surface of atoms for a spherical probe: the boundary of the space that no
-/// probe can enter which keeps clear of all van der Waals spheres. It consists of convex spherical,
-/// saddle toroidal and concave spherical patches (M. L. Connolly, J. Appl. Cryst. 16, 548, 1983,
-/// doi:10.1107/S0021889883010985). Cavities that can hold a probe are outside.
+/// The solvent excluded surface of atoms for a spherical probe. A probe is accessible if it does
+/// not overlap any van der Waals sphere. The surface is the boundary of the space that no
+/// accessible probe covers. It consists of convex spherical, saddle toroidal and concave spherical
+/// patches (M. L. Connolly, J. Appl. Cryst. 16, 548, 1983, doi:10.1107/S0021889883010985). Cavities
+/// that can contain a probe are outside.
 ///
-/// A Surface never changes after it is made. Copies share all data and are cheap. One Surface may
-/// be used for many grids, and by several threads at a time.
+/// A Surface is immutable. Copies share all data and are cheap. A Surface may be used for many
+/// grids, and from several threads at the same time.
 class Surface {
  public:
   /// Checks and indexes the atoms. Throws std::invalid_argument if there are no atoms or more than
@@ -50,8 +52,9 @@ class Surface {
   /// out of its range. The message names the first such atom by its index.
   explicit Surface(std::vector<Atom> atoms, const SurfaceOptions& options = {});
 
-  /// Does the same for atoms with names, which Outputs::residues and MeshColor::chain need. Throws
-  /// std::invalid_argument also if there are labels, but not as many as atoms.
+  /// Does the same for atoms with labels, which Outputs::residues and MeshColor::chain need. The
+  /// labels may be empty. Throws std::invalid_argument also if the numbers of labels and atoms
+  /// differ.
   Surface(std::vector<Atom> atoms, std::vector<AtomLabel> labels, const SurfaceOptions& options);
 
   /// The atoms, in the order in which they were given.
@@ -63,7 +66,7 @@ class Surface {
   /// The radius of the probe, in angstrom.
   double probe_radius() const { return probe_radius_; }
 
-  /// The suspicious properties of the atoms: all kinds that occur, in the order of DiagnosticKind.
+  /// The diagnostics of the atoms, one for each kind that occurs, in the order of DiagnosticKind.
   std::span<const Diagnostic> diagnostics() const;
 
  private:

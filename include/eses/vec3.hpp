@@ -15,7 +15,7 @@ struct Vec3 {
 
   /// The component along an axis: 0, 1, 2 for x, y, z.
   constexpr double operator[](std::size_t axis) const { return axis == 0 ? x : axis == 1 ? y : z; }
-  /// The component along an axis, which may be changed.
+  /// A reference to the component along an axis.
   constexpr double& operator[](std::size_t axis) { return axis == 0 ? x : axis == 1 ? y : z; }
   /// Compares all components; 0 and -0 are equal.
   friend constexpr bool operator==(const Vec3&, const Vec3&) = default;

@@ -106,7 +106,7 @@ region : pair of index triples, optional
     First point, and one more than the last point along each axis: only these points are computed,
     and the crossings of the edges that start there.
 max_memory : int, optional
-    Bytes that the process may hold resident; 0 for the memory that is available.
+    Limit of the resident memory of the process, in bytes; 0 for the available memory.
 inside : bool, optional
     Whether the result holds the inside points, at a byte for each point.
 crossings : bool, optional
@@ -149,7 +149,7 @@ blocks : pair of index triples, optional
 region : pair of index triples, optional
     First point, and one more than the last point along each axis: as for ``compute``.
 max_memory : int, optional
-    Bytes that the process may hold resident; 0 for the memory that is available.
+    Limit of the resident memory of the process, in bytes; 0 for the available memory.
 
 Returns
 -------

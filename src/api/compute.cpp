@@ -112,10 +112,11 @@ Summary solve(const Surface& surface, const detail::Plan& plan,
 }
 
 std::invalid_argument point_error(const GridIndex& point, const GridRegion& region) {
-  return std::invalid_argument(fmt::format(
-      "point ({}, {}, {}) is not in the region from ({}, {}, {}) to, but without, ({}, {}, {})",
-      point[0], point[1], point[2], region.begin[0], region.begin[1], region.begin[2],
-      region.end[0], region.end[1], region.end[2]));
+  return std::invalid_argument(
+      fmt::format("point ({}, {}, {}) is not in the region ({}, {}, {}) to ({}, {}, {}), whose end "
+                  "is exclusive",
+                  point[0], point[1], point[2], region.begin[0], region.begin[1], region.begin[2],
+                  region.end[0], region.end[1], region.end[2]));
 }
 
 GridRegion region_at(const GridIndex& first, const GridIndex& size) {
@@ -129,7 +130,8 @@ std::size_t place_in(const GridRegion& region, const GridIndex& point) {
       ((point[2] - begin[2]) * size[1] + point[1] - begin[1]) * size[0] + point[0] - begin[0]);
 }
 
-// Makes so many bytes 0. Gigabytes take seconds, so that `check` is called meanwhile.
+// Resizes `inside` to zero bytes for all points. Calls `check` from time to time, as gigabytes take
+// seconds.
 void clear_points(std::size_t points, const CheckCallback& check,
                   std::vector<std::uint8_t>& inside) {
   constexpr std::size_t points_between_checks = std::size_t{1} << 26;
@@ -200,19 +202,19 @@ Result ResultBuilder::compute(const eses::Surface& surface, const Grid& grid,
   result.region_ = run.plan.tiling.region;
   result.parts_ = parts;
   const std::int64_t blocks = run.plan.tiling.block_count();
-  const auto tell = [&](std::int64_t done) {
+  const auto report = [&](std::int64_t done) {
     if (options.progress) options.progress(done, blocks);
   };
   if (has_inside)
     clear_points(
-        static_cast<std::size_t>(result.region_.point_count()), [&] { tell(0); }, result.inside_);
+        static_cast<std::size_t>(result.region_.point_count()), [&] { report(0); }, result.inside_);
   Callbacks callbacks = callbacks_of(options);
   callbacks.block = [&](const SolvedBlock& solved) {
     if (has_inside) mark_owned_points(solved, result.region_, result.inside_);
     if (has_crossings) append_crossings(grid, solved, result.crossings_);
   };
   result.summary_ = solve(surface, run.plan, callbacks);
-  const CheckCallback check = [&] { tell(blocks); };
+  const CheckCallback check = [&] { report(blocks); };
   sort_crossings(result.crossings_, check);
   if (parts.mesh) {
     result.mesh_ = make_mesh(grid, result.region_, result.inside_, result.crossings_, check);

@@ -19,7 +19,8 @@ constexpr std::size_t max_atoms = std::numeric_limits<AtomIndex>::max() - std::s
 std::shared_ptr<const detail::Molecule> make_molecule(std::vector<Atom> atoms,
                                                       std::vector<AtomLabel> labels,
                                                       const SurfaceOptions& options) {
-  // An exception of the callback is not one of the arguments.
+  // Exceptions of the callback are rethrown unchanged: check_arguments() would convert an Error to
+  // std::invalid_argument.
   std::exception_ptr failure;
   const CheckCallback check = [&] {
     try {

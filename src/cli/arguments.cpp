@@ -22,13 +22,13 @@ class HelpFormatter : public CLI::Formatter {
   std::string make_usage(const CLI::App* /*app*/, std::string /*name*/) const override {
     return fmt::format("\nUsage: {}\n", usage_);
   }
-  // Names are written as other programs write them, `-o, --output-dir`, without the `{N}` that
-  // CLI11 appends to a flag that may have a value.
+  // Writes names in the usual form, `-o, --output-dir`, without the `{N}` that CLI11 appends to a
+  // flag with an optional value.
   std::string make_option_name(const CLI::Option* option, bool is_positional) const override {
     const std::string name = CLI::Formatter::make_option_name(option, is_positional);
     return CLI::detail::find_and_replace(name.substr(0, name.find('{')), ",", ", ");
   }
-  // The name of the value alone. The value of a flag follows without a blank.
+  // Writes only the name of the value. The value of a flag follows without a blank.
   std::string make_option_opts(const CLI::Option* option) const override {
     const std::string& text = option->get_option_text();
     return text.empty() || text.starts_with("[=") ? text : " " + text;
@@ -49,7 +49,7 @@ std::string version_text() {
       compiler, build_type, compiler_flags, name_of(instruction_set()));
 }
 
-/// CLI11 would take the next argument as the value of `--name=`.
+/// Throws UsageError for `--name=`, for which CLI11 would use the next argument as the value.
 void refuse_empty_values(const std::vector<std::string>& arguments) {
   for (const std::string& argument : arguments) {
     if (argument == "--") return;
@@ -61,13 +61,13 @@ void refuse_empty_values(const std::vector<std::string>& arguments) {
 [[noreturn]] void refuse_extra(const std::string& extra, std::string_view positionals) {
   if (!extra.starts_with('-'))
     throw UsageError(fmt::format("unexpected argument '{}' after {}", extra, positionals));
-  // CLI11 knows `-1` as a number, but takes `-.5` and `-inf` for options.
+  // CLI11 recognizes `-1` as a number, but treats `-.5` and `-inf` as options.
   if (whole_text<double>(extra))
     throw UsageError(fmt::format("unexpected negative number '{}' among {}", extra, positionals));
   std::error_code ignored;
   const bool is_file = std::filesystem::exists(extra, ignored);
   throw UsageError(fmt::format("unknown option '{}'{}", extra,
-                               is_file ? "; the file of that name goes after --" : ""));
+                               is_file ? "; put a file of this name after --" : ""));
 }
 
 void refuse_extras(const CLI::App& app, std::string_view positionals) {
@@ -75,7 +75,8 @@ void refuse_extras(const CLI::App& app, std::string_view positionals) {
     if (extra != "--") refuse_extra(extra, positionals);
 }
 
-/// The message about an option with too many values or, only possible for `last`, with none.
+/// Returns the message for an option with too many values or, which is possible only for the last
+/// argument, with no value.
 std::string mismatch_message(const CLI::App& app, const std::string& last) {
   for (const CLI::Option* option : app.get_options())
     if (option->get_multi_option_policy() == CLI::MultiOptionPolicy::Throw && option->count() > 1)
@@ -83,10 +84,10 @@ std::string mismatch_message(const CLI::App& app, const std::string& last) {
   return fmt::format("{} needs a value", last);
 }
 
-/// CLI11's parsing, with every error as UsageError.
+/// Parses with CLI11 and converts all its errors to UsageError.
 void parse_or_refuse(CLI::App& app, std::vector<std::string> arguments) {
   const std::string last = arguments.empty() ? "" : arguments.back();
-  std::reverse(arguments.begin(), arguments.end());  // CLI11 takes arguments from the end
+  std::reverse(arguments.begin(), arguments.end());  // CLI11 expects them in reverse order
   try {
     app.parse(std::move(arguments));
   } catch (const CLI::Success&) {
@@ -94,7 +95,7 @@ void parse_or_refuse(CLI::App& app, std::vector<std::string> arguments) {
   } catch (const CLI::ArgumentMismatch&) {
     throw UsageError(mismatch_message(app, last));
   } catch (const CLI::ExcludesError& error) {
-    throw UsageError(fmt::format("{}, give one of the two", error.what()));
+    throw UsageError(fmt::format("{}; use only one of them", error.what()));
   } catch (const CLI::ParseError& error) {
     throw UsageError(error.what());
   }
@@ -141,15 +142,15 @@ CLI::Option* add_flag(CLI::App& app, const std::string& name, const std::string&
 void set_up(CLI::App& app, std::string usage, std::string footer) {
   app.formatter(std::make_shared<HelpFormatter>(std::move(usage)));
   app.footer(std::move(footer));
-  app.allow_extras();  // `refuse_extras` says what they may have been meant to be
+  app.allow_extras();  // refuse_extras() gives better messages
   app.set_help_flag();
 }
 
 void add_notices(CLI::App& app) {
-  app.set_version_flag("--version", version_text, "show version and build, and exit")
+  app.set_version_flag("--version", version_text, "print version and build information")
       ->trigger_on_parse();
   app.add_flag_callback(
-         "-h,--help", [] { throw CLI::CallForHelp(); }, "show this help, and exit")
+         "-h,--help", [] { throw CLI::CallForHelp(); }, "print this help")
       ->trigger_on_parse();
 }
 
@@ -163,7 +164,8 @@ std::optional<Notice> parse(CLI::App& app, std::vector<std::string> arguments,
   } catch (const CLI::CallForVersion& notice) {
     return Notice{notice.what()};
   } catch (const UsageError&) {
-    // The value of an unknown option is taken for a positional argument, often a wrong one.
+    // The value of an unknown option is parsed as a positional argument, so the unknown option is
+    // reported instead of an error in that argument.
     refuse_extras(app, positionals);
     throw;
   }

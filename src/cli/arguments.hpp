@@ -1,6 +1,6 @@
 #pragma once
-/// Functions that the command lines of the program share: they add options and arguments to a
-/// CLI11 application, parse the command line and word the messages.
+/// Common functions of the command lines: adding options and arguments to a CLI11 application,
+/// parsing, and messages for usage errors.
 
 #include <CLI/CLI.hpp>
 #include <charconv>
@@ -19,26 +19,26 @@
 
 namespace eses::detail::cli {
 
-/// The texts of an option that are accepted, and their values.
+/// The accepted texts of an option, and their values.
 template <class Value>
 struct Format {
-  std::function<std::optional<Value>(const std::string& text)> read;  ///< nothing: not accepted
-  std::string expected;  ///< words for the message about other texts
+  std::function<std::optional<Value>(const std::string& text)> read;  ///< empty if not accepted
+  std::string expected;  ///< description for the message about other texts
 };
 template <class Value>
 Format(std::optional<Value> (*)(const std::string&), const char*) -> Format<Value>;
 
-/// Numbers in [min, max].
+/// Accepts numbers in [min, max].
 Format<double> number_between(double min, double max, std::string expected);
 
-/// Whole numbers in [min, max].
+/// Accepts whole numbers in [min, max].
 Format<std::int64_t> whole_number_between(std::int64_t min, std::int64_t max);
 
-/// Paths that are not empty.
+/// Accepts all paths that are not empty.
 Format<std::filesystem::path> path_to(std::string expected);
 
-/// One of two or more names. CLI::CheckedTransformer would accept the numbers of the enumerators,
-/// too, and CLI::IsMember words its message unlike the other options.
+/// Accepts one of two or more names. CLI::CheckedTransformer would also accept the numbers of the
+/// enumerators, and CLI::IsMember has messages in another form.
 template <class Value>
 Format<Value> one_of(const std::vector<std::pair<std::string, Value>>& choices) {
   std::string expected = choices.front().first;
@@ -52,11 +52,11 @@ Format<Value> one_of(const std::vector<std::pair<std::string, Value>>& choices) 
   return {read, expected};
 }
 
-/// Reports that the value of an option or environment variable is not accepted: throws UsageError.
+/// Throws UsageError for an unaccepted value of an option or environment variable.
 [[noreturn]] void refuse(std::string_view name, std::string_view value, std::string_view expected);
 
-/// Sets `target` to the value of `option` when the command line is parsed. The conversions of CLI11
-/// are not used: they accept NaN, hexadecimal and octal numbers, and round twice.
+/// Sets `target` to the value of `option` when the command line is parsed. Does not use CLI11's
+/// conversions, which accept NaN, hexadecimal and octal numbers, and round twice.
 template <class Value, class Target>
 CLI::Option* read_into(CLI::Option* option, Target& target, const Format<Value>& format) {
   return option->each([option, &target, format](const std::string& text) {
@@ -82,16 +82,16 @@ CLI::Option* add_flag(CLI::App& app, const std::string& name, const std::string&
 /// Sets the layout of the help; `usage` follows `Usage: `.
 void set_up(CLI::App& app, std::string usage, std::string footer);
 
-/// Adds --version and --help, which end the parsing at once.
+/// Adds --version and --help, which stop the parsing.
 void add_notices(CLI::App& app);
 
-/// Parses the arguments that follow the program's name. `positionals` names those of `app`, for the
-/// message about superfluous arguments. Returns the text that --help or --version asks for. Throws
-/// UsageError.
+/// Parses the arguments after the name of the program. `positionals` has the names of the
+/// positional arguments, for the message about superfluous ones. Returns the text of --help or
+/// --version if one of them is given. Throws UsageError.
 std::optional<Notice> parse(CLI::App& app, std::vector<std::string> arguments,
                             std::string_view positionals);
 
-/// The number that `text` spells from its first to its last character.
+/// Returns the number that is the whole of `text`, or nothing if `text` is not a number.
 template <typename Number>
 std::optional<Number> whole_text(std::string_view text) {
   Number value{};

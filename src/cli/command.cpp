@@ -30,18 +30,18 @@
 namespace eses::detail::cli {
 namespace {
 
-/// If a standard stream is closed, the next file that is opened takes its number, and text for
-/// the terminal ends up in an output file. A descriptor of the wrong direction keeps the place
-/// and still makes every use fail.
+/// Opens /dev/null in place of closed standard streams. Otherwise the next opened file would get
+/// the descriptor, and messages would be written to an output file. The descriptors have the wrong
+/// direction, so that every use of them still fails.
 void reserve_standard_streams() {
   for (const int stream : {STDIN_FILENO, STDOUT_FILENO, STDERR_FILENO}) {
     if (fcntl(stream, F_GETFD) != -1) continue;
-    // The lowest free number is `stream`, as those below it are in use.
+    // open() returns the lowest free descriptor, which is `stream`: all lower ones are in use.
     static_cast<void>(open("/dev/null", stream == STDIN_FILENO ? O_WRONLY : O_RDONLY));
   }
 }
 
-// CLI11 promises not to throw where it allocates; nothing else should come here.
+// Some functions of CLI11 are noexcept but allocate memory, so std::bad_alloc can end here.
 [[noreturn]] void end_on_uncaught_exception() {
   try {
     if (std::current_exception()) throw;
@@ -53,16 +53,16 @@ void reserve_standard_streams() {
   std::abort();
 }
 
-/// Processes that were started together but know nothing of each other have the same command line,
-/// as a rule, and would write the same files.
+/// Throws Error if several processes were started together but cannot communicate. They usually
+/// have the same command line and would write the same files.
 void refuse_same_files(const Options& options, const Processes& processes) {
   const int launched = launched_processes();
   if (launched == 1 || processes.count() > 1 || options.independent || options.dry_run) return;
   if (!options.resume && final_paths(options.outputs, options.output_directory).empty()) return;
   throw Error(
-      fmt::format("started as one of {} processes, each of which would write the same files; to "
-                  "share one run, {}; to let each run by itself, with an output directory of its "
-                  "own, use --independent",
+      fmt::format("started as one of {} processes that would all write the same files; to share "
+                  "one run, {}; for separate runs, use --independent and separate output "
+                  "directories",
                   launched, Processes::advice()));
 }
 
@@ -79,7 +79,7 @@ int perform_surface(int argc, char** argv, const Processes& processes) {
 }
 
 int compare_files(int argc, char** argv, const Processes& processes) {
-  if (!processes.is_first()) return exit_done;  // one is enough
+  if (!processes.is_first()) return exit_done;  // one process performs the comparison
   const std::variant<DiffOptions, Notice> request = parse_diff_command_line(argc, argv);
   if (const auto* const notice = std::get_if<Notice>(&request)) {
     print(notice->text);
@@ -91,7 +91,7 @@ int compare_files(int argc, char** argv, const Processes& processes) {
   return found.same() ? exit_done : exit_different;
 }
 
-/// What the program is asked to do, up to its exit code, and what goes with its failure.
+/// A command of the program.
 struct Task {
   int (*perform)(int argc, char** argv, const Processes& processes);
   std::string_view help;
@@ -101,7 +101,7 @@ struct Task {
 constexpr Task surface_task{perform_surface, "eses-blocks --help", exit_failure};
 constexpr Task diff_task{compare_files, "eses-blocks diff --help", exit_trouble};
 
-/// The exit code after a failure of which the other processes know nothing: they end, too.
+/// Ends the other processes after a failure in this process only. Returns the exit code.
 int end_all(const Processes& processes, int code) {
   if (processes.count() > 1) processes.abort(code);
   return code;
@@ -162,7 +162,7 @@ int exit_code(const Summary& summary) { return has_faults(summary) ? exit_failur
 int run_command(int argc, char** argv) {
   reserve_standard_streams();
   std::set_terminate(end_on_uncaught_exception);
-  // A reader that has gone away, or a file that may not grow, is a write error like others.
+  // Closed pipes and the file size limit are then reported as write errors.
   for (const int signal : {SIGPIPE, SIGXFSZ}) std::signal(signal, SIG_IGN);
   const bool is_diff = argc > 1 && std::string_view(argv[1]) == "diff";
   const Task& task = is_diff ? diff_task : surface_task;

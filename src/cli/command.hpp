@@ -7,18 +7,19 @@ namespace eses::detail::cli {
 
 /// Exit codes of `run_command`.
 inline constexpr int exit_done = 0;
-inline constexpr int exit_failure = 1;  ///< input, output or resources, or a fault in the result
-inline constexpr int exit_usage = 2;    ///< the command line itself
+inline constexpr int exit_failure = 1;  ///< input, output or resource error, or faults found
+inline constexpr int exit_usage = 2;    ///< error in the command line
 
-/// Exit codes of `eses-blocks diff`, those of diff(1), besides 0 for directories that are the same.
+/// Exit codes of `eses-blocks diff`, which are those of diff(1); 0 means that there are no
+/// differences.
 inline constexpr int exit_different = 1;
-inline constexpr int exit_trouble = 2;  ///< input, output, resources or the command line
+inline constexpr int exit_trouble = 2;  ///< input, output, resource or usage error
 
-/// That of a run which came to its end.
+/// Returns the exit code of a completed run.
 int exit_code(const Summary& summary);
 
-/// Runs the program; throws nothing. Results go to standard output; errors, warnings and the
-/// progress bar to standard error.
+/// Runs the program. Prints results to standard output, and errors, warnings and the progress bar
+/// to standard error. Throws nothing. Returns the exit code.
 int run_command(int argc, char** argv);
 
 }  // namespace eses::detail::cli

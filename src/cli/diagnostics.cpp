@@ -7,8 +7,8 @@ namespace {
 
 struct Wording {
   std::string_view name;
-  std::string_view one, several;  // behind the count
-  std::string_view relation;      // between the line of an atom and that of the other
+  std::string_view one, several;  // text after the count
+  std::string_view relation;      // text between the line of an atom and that of the other atom
 };
 
 Wording wording_of(DiagnosticKind kind) {
@@ -26,11 +26,8 @@ Wording wording_of(DiagnosticKind kind) {
       return {"large_radius", "atom has a radius above 4 angstrom",
               "atoms have a radius above 4 angstrom", ""};
     case DiagnosticKind::small_radii:
-      return {"small_radii",
-              "atom, and none with a radius of 0.4 angstrom or more; are lengths in "
-              "nanometres?",
-              "atoms, and none with a radius of 0.4 angstrom or more; are lengths in nanometres?",
-              ""};
+      return {"small_radii", "atom, with a radius below 0.4 angstrom; are lengths in nanometres?",
+              "atoms, all with a radius below 0.4 angstrom; are lengths in nanometres?", ""};
     case DiagnosticKind::zero_radius:
       return {"zero_radius", "of radius 0", "of radius 0", ""};
     case DiagnosticKind::nested_usual:
@@ -40,7 +37,7 @@ Wording wording_of(DiagnosticKind kind) {
   return {};
 }
 
-/// The number of a line, and the label of the atom there if it has one.
+/// Returns the number of a line, with the label of its atom if there is one.
 std::string place_text(std::uint64_t line, const std::string& label) {
   return label.empty() ? fmt::format("{}", line) : fmt::format("{}, {}", line, label);
 }
@@ -62,7 +59,7 @@ std::string lines_text(const DiagnosticText& text, std::string_view relation) {
                      more > 0 ? fmt::format(" and {} more", more) : "");
 }
 
-/// `A/LYS 33/CE`; empty if the label is unknown.
+/// Returns a label such as `A/LYS 33/CE`; empty if it is unknown.
 std::string label_text(const std::map<AtomIndex, AtomLabel>& labels, AtomIndex atom) {
   const auto found = labels.find(atom);
   if (found == labels.end()) return "";

@@ -1,5 +1,5 @@
 #pragma once
-/// What is odd in the input, in words and with line numbers.
+/// Text of input diagnostics, with line numbers.
 
 #include <cstdint>
 #include <filesystem>
@@ -24,15 +24,15 @@ struct DiagnosticText {
     std::uint64_t other_line = 0;
     std::string label, other_label;  ///< such as A/LYS 33/CE; empty if unknown
   };
-  std::string_view name;    ///< for programs, as in the JSON report
-  bool is_usual = false;    ///< a note, not a warning
-  std::uint64_t count = 0;  ///< atoms
-  std::string short_text;   ///< behind the count, where notes are listed in one line
-  std::string message;      ///< one line: file, count, what it is, the first few lines
+  std::string_view name;    ///< identifier in the JSON report
+  bool is_usual = false;    ///< whether it is a note rather than a warning
+  std::uint64_t count = 0;  ///< number of atoms
+  std::string short_text;   ///< text after the count in the summary of notes
+  std::string message;      ///< one line: file, count, description and first few line numbers
   std::vector<Example> examples;
 };
 
-/// The line of an atom, one of the diagnostics' examples, in the input.
+/// Returns the line number of an atom in the input. The atom must be an example of a diagnostic.
 using LineOf = std::function<std::uint64_t(AtomIndex atom)>;
 
 std::vector<DiagnosticText> describe(std::span<const Diagnostic> diagnostics, const LineOf& line_of,

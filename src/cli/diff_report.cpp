@@ -62,11 +62,11 @@ std::string matching_text(const Matching<Key>& matching, std::string_view noun) 
   for (const std::size_t side : both_sides) {
     const auto& only = matching.only[side];
     text +=
-        list_text(only, fmt::format("{} in {} alone", counted(only.count, noun), side_names[side]));
+        list_text(only, fmt::format("{} only in {}", counted(only.count, noun), side_names[side]));
   }
   for (const std::size_t side : both_sides) {
     const auto& repeated = matching.repeated[side];
-    text += list_text(repeated, fmt::format("{} in {} repeated, not compared",
+    text += list_text(repeated, fmt::format("{} repeated in {}, not compared",
                                             counted(repeated.count, noun), side_names[side]));
   }
   return text;
@@ -99,8 +99,8 @@ std::string details(const BoxDifference& box) {
 
 std::string details(const PointDifference& points) {
   return matching_text(points.matching, "point") +
-         list_text(points.other_sign, fmt::format("{} inside in one alone",
-                                                  counted(points.other_sign.count, "point")));
+         list_text(points.other_sign,
+                   fmt::format("{} inside in only one", counted(points.other_sign.count, "point")));
 }
 
 std::string details(const EdgeDifference& edges) {
@@ -110,11 +110,11 @@ std::string details(const EdgeDifference& edges) {
   const std::int64_t other = edges.other_atoms.count, touching = edges.same_contact;
   if (other == 0 && touching == 0) text += "  atoms: no difference\n";
   text += list_text(edges.other_atoms,
-                    fmt::format("atoms: {} with other atoms", counted(other, "edge")));
+                    fmt::format("atoms: {} with different atoms", counted(other, "edge")));
   if (touching > 0) {
-    text += fmt::format(
-        "  atoms: {} with other atoms of a probe that touches more than three; no difference\n",
-        counted(touching, "edge"));
+    text +=
+        fmt::format("  atoms: {} with different atoms touched by the same probe; no difference\n",
+                    counted(touching, "edge"));
   }
   return text;
 }
@@ -126,8 +126,7 @@ std::string details(const AreaDifference& areas, bool shares_moved) {
     Deviation<AtomIndex> before = areas.area;
     before.above = {};
     text += deviation_text(before, "area", unit, "atom") +
-            deviation_text(areas.unexplained, "area, allowing for the shares of those edges", unit,
-                           "atom");
+            deviation_text(areas.unexplained, "area, corrected for these edges", unit, "atom");
   } else {
     text += deviation_text(areas.area, "area", unit, "atom");
   }
@@ -146,7 +145,7 @@ std::string verdict(FileStatus status, bool same) {
     case FileStatus::in_neither:
       return "in neither";
     case FileStatus::other_grid:
-      return "not compared: the grids have other sizes";
+      return "not compared: the grids have different sizes";
   }
   return {};
 }
@@ -244,7 +243,7 @@ json::Value json_of(const EdgeDifference& edges) {
 json::Value json_of(const AreaDifference& areas) {
   return {{"atoms", json_of(areas.matching)},
           {"area", json_of(areas.area)},
-          {"area_allowing_for_shares", json_of(areas.unexplained)},
+          {"corrected_area", json_of(areas.unexplained)},
           {"total_in_a", areas.total[0]},
           {"total_in_b", areas.total[1]}};
 }

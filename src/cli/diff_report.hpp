@@ -1,5 +1,5 @@
 #pragma once
-/// What `eses-blocks diff` tells.
+/// Reports of `eses-blocks diff`.
 
 #include <string>
 
@@ -8,10 +8,10 @@
 
 namespace eses::detail::cli {
 
-/// File by file, and the verdict on the last line.
+/// Returns the text report: the differences of each file, and the overall result in the last line.
 std::string diff_text(const DiffOptions& options, const Differences& found);
 
-/// The same as one JSON object.
+/// Returns the report as one JSON object.
 std::string diff_json_text(const DiffOptions& options, const Differences& found);
 
 }  // namespace eses::detail::cli

@@ -12,16 +12,15 @@
 namespace eses::detail::cli {
 namespace {
 
-constexpr unsigned grace = 1;  // seconds that a run has to end in order
+constexpr unsigned grace = 1;  // seconds that a run has for an orderly end
 
-// Signals that no handler can take, and those whose default action does not end a process. All
-// others do.
+// Signals that cannot be handled, and signals whose default action does not end the process.
 constexpr std::array not_ending{SIGKILL, SIGSTOP, SIGTSTP, SIGTTIN, SIGTTOU,
                                 SIGCONT, SIGCHLD, SIGURG,  SIGWINCH};
-// Signals whose default action is a core dump. SIGXCPU, which has one, too, is a time limit.
+// Signals whose default action is a core dump, except SIGXCPU, which is a time limit.
 constexpr std::array crashes{SIGQUIT, SIGABRT, SIGSEGV, SIGBUS, SIGFPE, SIGILL, SIGSYS, SIGTRAP};
 
-// A signal handler sees global variables only, and may use them only if they are lock-free.
+// Signal handlers can use only global variables, which must be lock-free.
 std::atomic<int> received_signal = 0;
 std::atomic<const InterruptibleRun*> current_run = nullptr;
 std::atomic<bool> is_ending = false;
@@ -45,9 +44,8 @@ void handle(int signal, void (*handler)(int)) {
   sigaction(signal, &action, nullptr);
 }
 
-// Removes the leftovers and then takes the default action, which writes a core dump if the system
-// is set up for that. The signal is blocked in its own handler; where a second one of its kind
-// comes from a fault in here, the system ends the process.
+// Removes the temporary files and locks, and then performs the default action, a core dump. The
+// signal is blocked in its handler; if the handler itself causes it, the system ends the process.
 void end_with_core_dump(int signal) {
   remove_leftovers();
   handle(signal, SIG_DFL);
@@ -62,9 +60,9 @@ void take_signal(int signal) {
   alarm(grace);
 }
 
-// A signal with another action is ignored by the wish of whoever started the program (nohup, `trap
-// '' INT`, a shell's background job), or is used by a library such as MPI, a profiler or a
-// sanitizer.
+// Returns whether a signal has its default action. Other signals are ignored on request of the
+// parent process (nohup, `trap '' INT`, background jobs of a shell), or used by a library such as
+// MPI, a profiler or a sanitizer.
 bool has_default_action(int signal) {
   struct sigaction action {};
   return sigaction(signal, nullptr, &action) == 0 && (action.sa_flags & SA_SIGINFO) == 0 &&
@@ -91,7 +89,7 @@ InterruptibleRun::InterruptibleRun(std::vector<std::string> temporaries,
 
 InterruptibleRun::~InterruptibleRun() {
   current_run = nullptr;
-  // A handler in another thread may be using this; then the process is about to end.
+  // A handler in another thread may be using this object. In that case the process is about to end.
   while (is_ending) pause();
 }
 

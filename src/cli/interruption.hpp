@@ -1,5 +1,5 @@
 #pragma once
-/// Signals that end the process: a prompt end that leaves nothing unfinished.
+/// Handling of the signals that end the process, without leaving temporary files.
 
 #include <atomic>
 #include <string>
@@ -7,24 +7,25 @@
 
 namespace eses::detail::cli {
 
-/// Thrown by `InterruptibleRun::check`.
+/// Thrown by `InterruptibleRun::check` after a signal.
 struct Interrupted {
   int exit_code;  ///< 128 + the signal's number
 };
 
-/// Installs handlers for the signals whose default action ends a process, apart from SIGKILL. From
-/// now on a signal ends the process with exit code 128 + its number: during an InterruptibleRun in
-/// order, else at once. A signal that is usually followed by a core dump (SIGQUIT, SIGABRT, SIGSEGV
-/// and the like) keeps its default action, but the files of an InterruptibleRun are removed first.
-/// A signal whose action is not the default one, in particular one that is ignored, is left alone.
+/// Installs handlers for the signals whose default action ends the process, except SIGKILL. Such a
+/// signal then ends the process with exit code 128 + its number: in an orderly way during an
+/// InterruptibleRun, otherwise immediately. Signals that cause a core dump, such as SIGQUIT,
+/// SIGABRT and SIGSEGV, keep their default action, but the files of an InterruptibleRun are removed
+/// first. Signals whose action is not the default one, such as ignored signals, are not changed.
 void end_on_signals();
 
-/// While it lives, a signal is recorded, and `check` throws. If the run does not end within a
-/// second, or a second signal arrives, the process ends without waiting for the run, and the files
-/// that the run may have left are removed. Only one object may exist at a time.
+/// An interruptible run. During the lifetime of the object, a signal is recorded, and `check`
+/// throws. If the run does not end within a second, or if a second signal arrives, the temporary
+/// files of the run are removed and the process ends. Only one object may exist at a time.
 class InterruptibleRun {
  public:
-  /// `locks` are removed only if `check` has been called: from then on the run holds them.
+  /// `temporaries` and `locks` are paths. The locks are removed only if `check` has been called,
+  /// because the run does not hold them before.
   InterruptibleRun(std::vector<std::string> temporaries, std::vector<std::string> locks);
   ~InterruptibleRun();
   InterruptibleRun(const InterruptibleRun&) = delete;

@@ -10,14 +10,14 @@
 
 namespace eses::detail::cli::json {
 
-/// Keeps the order of its keys.
+/// A JSON value that keeps the order of its keys.
 using Value = nlohmann::ordered_json;
 
-/// The text of `value`, with `separator` between the members of the outermost object only.
+/// Returns the text of `value`, with `separator` between the members of the outermost object.
 ///
-/// Numbers are the shortest text that reads back as the same number. nlohmann's own text is longer
-/// for one number in 1500, and ends with `.0` for whole numbers. Infinity and NaN become null.
-/// Bytes that are not UTF-8, which file names may hold, become U+FFFD.
+/// Numbers have the shortest text that is parsed as the same number. (The text of nlohmann::json is
+/// longer for one number in 1500, and ends with `.0` for whole numbers.) Infinity and NaN become
+/// null. Bytes that are not UTF-8, such as in file names, become U+FFFD.
 inline std::string text_of(const Value& value, std::string_view separator = ", ") {
   if (value.is_number_float() && std::isfinite(value.get<double>()))
     return fmt::format("{}", value.get<double>());

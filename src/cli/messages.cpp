@@ -38,7 +38,7 @@ void print_message(std::string_view kind, std::string_view message) {
 
 void print_out_of_memory() { std::fputs("eses-blocks: error: out of memory\n", stderr); }
 
-// Warnings come before the work, so that nobody waits for what he did not want.
+// Warnings are printed before the computation starts.
 void warn(const Report& report) {
   const std::vector<std::string> lines = warnings(report);
   if (report.options.strict && !lines.empty()) throw StrictError{lines};
@@ -57,7 +57,7 @@ void announce(const Report& report) {
 
 std::string final_text(const Report& report) {
   if (report.options.json) return json_text(report);
-  // Callers that look for the two lines only must not find numbers that are wrong.
+  // Scripts search for these two lines, so faulty results must not be printed.
   const std::string result = has_faults(report.summary) ? "" : result_text(report.summary);
   return report.options.quiet ? result : result + summary_text(report);
 }
@@ -67,8 +67,7 @@ void warn_if_empty(const Report& report) {
   if (report.summary.inside_points > 0 || parameters.region || parameters.blocks || parameters.grid)
     return;
   if (!report.options.quiet)
-    print_message("warning",
-                  "no grid point is inside the molecule; a smaller spacing would show it");
+    print_message("warning", "no grid point is inside the surface; use a smaller spacing");
 }
 
 }  // namespace eses::detail::cli

@@ -1,5 +1,5 @@
 #pragma once
-/// What the program says, and where.
+/// Messages of the program on standard output and standard error.
 
 #include <string>
 #include <string_view>
@@ -9,33 +9,33 @@
 
 namespace eses::detail::cli {
 
-/// Prints, and flushes, so that a full disk or a closed pipe is noticed here and not after the exit
-/// code: throws Error.
+/// Prints a text to standard output and flushes it. Throws Error if that fails, for example because
+/// of a full disk or a closed pipe.
 void print(std::string_view text);
 
-/// Throws Error if nothing can be printed: better now than after a long run.
+/// Throws Error if standard output cannot be written. Called before a run starts.
 void require_standard_output();
 
-/// A line on standard error.
+/// Prints a line to standard error. `kind` is `error` or `warning`.
 void print_message(std::string_view kind, std::string_view message);
-/// Needs no memory itself.
+/// Prints the message about insufficient memory without allocating any.
 void print_out_of_memory();
 
-/// Warnings of a run in which they are errors.
+/// The warnings of a run with --strict.
 struct StrictError {
   std::vector<std::string> lines;
 };
 
-/// Prints warnings, or throws StrictError with them if they are to be errors.
+/// Prints the warnings, or throws StrictError with --strict.
 void warn(const Report& report);
 
-/// Prints the plan, unless the user wants to hear less.
+/// Prints the plan, unless --quiet is given.
 void announce(const Report& report);
 
-/// What is printed when all is done: text or JSON.
+/// Returns the final report, as text or JSON.
 std::string final_text(const Report& report);
 
-/// A warning where not a single point is inside.
+/// Prints a warning if no point is inside the surface.
 void warn_if_empty(const Report& report);
 
 }  // namespace eses::detail::cli

@@ -31,7 +31,7 @@
 namespace eses::detail::cli {
 namespace {
 
-// Far more threads than any one machine has; OpenMP ends the process if it cannot start them.
+// More threads than any machine has. OpenMP ends the process if it cannot start all threads.
 constexpr std::int64_t max_threads = 4096;
 constexpr std::int64_t default_verify = 2000;
 constexpr std::int64_t max_verify = 10'000'000;
@@ -43,50 +43,50 @@ constexpr char independent_flag[] = "--independent";
 constexpr char model_option[] = "--model";
 constexpr char structure_group[] = "PDB and mmCIF files";
 
-constexpr char footer[] = R"(Files written:
-  bounding_box.txt            lower corner, upper corner and number of points of the grid
-  grid_info.txt               every grid point, 1 inside and -1 outside
-  intersection_info.txt       every grid edge that the surface cuts: point, normal, atoms
-  partition_area.txt          every atom's share of the area, in square angstrom
-With --gzip each of these is NAME.gz. Only if asked for:
-  residue_area.csv, chain_area.csv   areas of residues and chains; not of xyzr files
-  the map of --inside                every grid point, 1 inside and 0 outside
-  the maps of --dielectric, --kappa  dielectric of edges, access of ions: for APBS
-  the mesh of --mesh                 the surface as triangles
+constexpr char footer[] = R"(Output files:
+  bounding_box.txt            corners and number of points of the grid
+  grid_info.txt               every grid point: 1 inside, -1 outside
+  intersection_info.txt       every crossing of a grid edge: position, normal, atoms
+  partition_area.txt          area of every atom, in square angstrom
+With --gzip these files are named NAME.gz. Optional output files:
+  residue_area.csv, chain_area.csv   areas of residues and chains (--write residues)
+  map (--inside)                     every grid point: 1 inside, 0 outside
+  maps (--dielectric, --kappa)       dielectric and ion accessibility for APBS
+  mesh (--mesh)                      triangles of the surface
+All files appear together when the run succeeds. Only one run at a time can write to a directory.
 
 Examples:
-  eses-blocks 1crn.xyzr                                defaults, files in this directory
+  eses-blocks 1crn.xyzr                                default parameters, current directory
   eses-blocks 1crn.xyzr 1.4 0.25 0.8                   probe radius, spacing, margin as in ESES
-  eses-blocks 1crn.pdb                                 radii of protor; no waters, no hydrogens
+  eses-blocks 1crn.pdb                                 protor radii; no waters, no hydrogens
   eses-blocks 1crn.cif.gz --radii bondi --assembly 1   a biological assembly
-  eses-blocks 1crn.pqr --spacing 0.25 -o out --json    files in out/, report as JSON
-  eses-blocks 1crn.pqr --mesh 1crn.ply --color chain   the surface to look at, too
-  eses-blocks diff out ESES                            compares the files in two directories
-  eses-blocks 1crn.xyzr --spacing 0.1 --dry-run        points, memory and disk it would take
-  eses-blocks 1crn.xyzr --inside map.dx --gzip         text files as NAME.gz, and a map for VMD
-  eses-blocks 1crn.xyzr --region=-5,0,0,5,10,10        only the part in this box
+  eses-blocks 1crn.pqr --spacing 0.25 -o out --json    output in out/, report as JSON
+  eses-blocks 1crn.pqr --mesh 1crn.ply --color chain   a mesh coloured by chain
+  eses-blocks diff out ESES                            compare the files of two directories
+  eses-blocks 1crn.xyzr --spacing 0.1 --dry-run        estimate points, memory and disk space
+  eses-blocks 1crn.xyzr --inside map.dx --gzip         compressed text files, and a map for VMD
+  eses-blocks 1crn.xyzr --region=-5,0,0,5,10,10        only the grid points in a box
 
 Exit codes:
   0  done
-  1  input, output or resource error, or --verify finds a fault
+  1  input, output or resource error, or faults found by --verify
   2  error in the command line
   128 + N  ended by signal N, such as 130 (SIGINT) or 143 (SIGTERM)
 
-Several processes (mpirun -n 4 eses-blocks ..., if built with MPI) share one run and write the
-same files. Without MPI, or with --independent, each process is a run of its own.
+MPI ranks (mpirun -n 4 eses-blocks ..., if built with MPI) share one run and write the same files.
+Without MPI, or with --independent, each process performs its own run.
 
 Environment:
-  OMP_NUM_THREADS             most threads, where --threads is not given
-  ESES_INSTRUCTION_SET        baseline, sse4 or avx2: holds it back; results are the same
+  OMP_NUM_THREADS             maximum number of threads if --threads is not given
+  ESES_INSTRUCTION_SET        limits SIMD to baseline, sse4, avx2 or avx512; does not
+                              affect results)";
 
-Files get their names when all of them are complete; a directory takes one run at a time.)";
-
-/// A parameter that is a positional argument as well as an option.
+/// A parameter that can be given as a positional argument or as an option.
 struct Length {
   std::optional<double> positional, option;
 };
 
-/// The command line, before values that depend on each other are combined.
+/// The parsed command line, before dependent values are combined.
 struct CommandLine {
   Options options;
   Length probe_radius, spacing, margin;
@@ -113,7 +113,7 @@ std::optional<std::uint64_t> bytes_in(const std::string& text) {
   return *value << shift;
 }
 
-/// The numbers of a list, if it holds exactly `count` of them.
+/// Parses a list of exactly `count` numbers.
 template <class Number, std::size_t count>
 std::optional<std::array<Number, count>> numbers_in(const std::string& list, char separator) {
   const std::vector<std::string> parts = CLI::detail::split(list, separator);
@@ -211,27 +211,27 @@ std::optional<std::filesystem::path> mesh_in(const std::string& text) {
 
 // --- options and arguments ----------------------------------------------------------------------
 
-/// The group of all options that are added next, in the help.
+/// Sets the group, in the help, of the options that are added next.
 void begin_group(CLI::App& app, const char* name) { app.option_defaults()->group(name); }
 
 void add_grid_choice(CLI::App& app, GridChoice& grid) {
   const Format<Vec3> place{place_in, "three finite numbers x,y,z, in angstrom"};
   CLI::Option* const origin =
-      add_value(app, "--grid-origin", "X,Y,Z", "lowest point of a chosen grid; with --grid-points",
+      add_value(app, "--grid-origin", "X,Y,Z", "first point of a custom grid; needs --grid-points",
                 grid.origin, place);
   CLI::Option* const center =
-      add_value(app, "--grid-center", "X,Y,Z", "middle of a chosen grid; with --grid-points",
+      add_value(app, "--grid-center", "X,Y,Z", "centre of a custom grid; needs --grid-points",
                 grid.center, place)
           ->excludes(origin);
   CLI::Option* const points =
-      add_value(app, "--grid-points", "NX,NY,NZ", "number of points of a chosen grid along x, y, z",
+      add_value(app, "--grid-points", "NX,NY,NZ", "number of points of a custom grid along x, y, z",
                 grid.points, Format{counts_in, "three whole numbers nx,ny,nz of at least 2"});
   add_value(app, "--grid-like", "FILE",
-            "the grid of a map (.dx or .vti) or bounding_box.txt,\n"
-            "each also with .gz, and its spacing",
+            "use the grid and spacing of a map (.dx or .vti) or of\n"
+            "bounding_box.txt, plain or gzipped (.gz)",
             grid.like,
             Format{grid_file_in,
-                   "the name of a file that ends with .dx, .vti or .txt, or one of these and .gz"})
+                   "a file name with the suffix .dx, .vti or .txt, or one of these and .gz"})
       ->excludes(origin)
       ->excludes(center)
       ->excludes(points);
@@ -240,14 +240,13 @@ void add_grid_choice(CLI::App& app, GridChoice& grid) {
 void add_grid_options(CLI::App& app, CommandLine& line) {
   begin_group(app, "Surface and grid");
   Parameters& parameters = line.options.parameters;
-  add_value(app, "FILE", "", "atoms as xyzr, PQR, PDB or mmCIF file; - is standard input",
+  add_value(app, "FILE", "", "input file (xyzr, PQR, PDB or mmCIF); - for standard input",
             line.options.input, path_to("a file"))
       ->required();
   const auto add_length = [&app](const char* positional, const char* option,
                                  const std::string& description, double fallback, Length& length,
                                  const Format<double>& format) {
-    add_value(app, positional, "", fmt::format("the same as {}", option), length.positional,
-              format);
+    add_value(app, positional, "", fmt::format("same as {}", option), length.positional, format);
     add_value(app, option, "ANGSTROM", fmt::format("{} [{}]", description, fallback), length.option,
               format);
   };
@@ -259,21 +258,21 @@ void add_grid_options(CLI::App& app, CommandLine& line) {
   add_length(
       "SPACING", "--spacing", "distance between grid points, > 0", parameters.spacing, line.spacing,
       number_between(min_positive, max_finite, "a finite number greater than 0, in angstrom"));
-  add_length("MARGIN", "--margin", "room between molecule and edge of the grid, >= 0",
+  add_length("MARGIN", "--margin", "distance from molecule to grid boundary, >= 0",
              parameters.margin, line.margin,
              number_between(0, max_finite, "a finite number of at least 0, in angstrom"));
   add_grid_choice(app, line.options.grid);
   CLI::Option* const region =
       add_value(app, "--region", "X0,Y0,Z0,X1,Y1,Z1",
-                "only the grid points in this box (angstrom), and\n"
-                "the edges that start there; all else as in a full run",
+                "compute only the grid points in this box (angstrom)\n"
+                "and the edges that start there",
                 parameters.region,
                 Format{box_in,
                        "six finite numbers x0,y0,z0,x1,y1,z1 in angstrom, x0 <= x1 and "
                        "so on"});
   add_value(app, "--blocks", "I0:I1,J0:J1,K0:K1",
-            "only these blocks, from 0 and without the last-named,\n"
-            "as --block-size cuts the whole grid",
+            "compute only these blocks of the whole grid; indices\n"
+            "start at 0, ends are exclusive",
             parameters.blocks,
             Format{blocks_in, "i0:i1,j0:j1,k0:k1, whole numbers from 0, i0 < i1 and so on"})
       ->excludes(region);
@@ -285,21 +284,21 @@ void add_solver_maps(CLI::App& app, CommandLine& line) {
       number_between(min_dielectric, max_dielectric,
                      fmt::format("a number from {:g} to {:g}", min_dielectric, max_dielectric));
   add_value(app, "--dielectric", "PREFIX",
-            "maps of the dielectric at the middles of grid edges,\n"
+            "write maps of the dielectric at edge midpoints:\n"
             "PREFIXx.dx, PREFIXy.dx and PREFIXz.dx (usemap diel)",
             line.dielectric_prefix, Format{prefix_in, "the first part of a file name"});
   add_value(app, "--solute-dielectric", "EPS",
-            fmt::format("relative permittivity inside [{}]", DielectricMaps().solute), line.solute,
-            permittivity);
+            fmt::format("relative permittivity inside the surface [{}]", DielectricMaps().solute),
+            line.solute, permittivity);
   add_value(app, "--solvent-dielectric", "EPS",
-            fmt::format("relative permittivity outside [{}]", DielectricMaps().solvent),
+            fmt::format("relative permittivity outside the surface [{}]", DielectricMaps().solvent),
             line.solvent, permittivity);
   add_value(app, "--kappa", "FILE",
-            "map of the points to which ions have access: FILE.dx\n"
-            "with 1 there and 0 elsewhere (usemap kappa)",
-            line.ion_map, Format{dx_map_in, "the name of a file that ends with .dx"});
+            "write a map of ion accessibility (.dx): 1 where the\n"
+            "centre of an ion may be, 0 elsewhere (usemap kappa)",
+            line.ion_map, Format{dx_map_in, "a file name with the suffix .dx"});
   add_value(app, "--ion-radius", "ANGSTROM",
-            fmt::format("radius of the ions of --kappa, 0 to {} [{}]", max_ion_radius,
+            fmt::format("radius of the ions for --kappa, 0 to {} [{}]", max_ion_radius,
                         IonAccessMap().ion_radius),
             line.ion_radius,
             number_between(0, max_ion_radius,
@@ -309,48 +308,48 @@ void add_solver_maps(CLI::App& app, CommandLine& line) {
 void add_file_options(CLI::App& app, CommandLine& line) {
   begin_group(app, "Input and output");
   Options& options = line.options;
-  add_value(app, "--format", "NAME", "auto (by the file's suffix), xyzr, pqr, pdb or mmcif [auto]",
+  add_value(app, "--format", "NAME", "auto (by suffix), xyzr, pqr, pdb or mmcif [auto]",
             options.format,
             one_of<AtomFormat>({{"auto", AtomFormat::automatic},
                                 {"xyzr", AtomFormat::xyzr},
                                 {"pqr", AtomFormat::pqr},
                                 {"pdb", AtomFormat::pdb},
                                 {"mmcif", AtomFormat::mmcif}}));
-  add_value(app, "-o,--output-dir", "DIR", "where to write files, created if missing [.]",
+  add_value(app, "-o,--output-dir", "DIR", "output directory, created if missing [.]",
             options.output_directory, path_to("a directory"));
   add_value(app, "--write", "LIST",
             "files to write besides bounding_box.txt: some of\n"
-            "grid,edges,areas,residues; all for the first three;\n"
+            "grid,edges,areas,residues; all (the first three);\n"
             "or none [all]",
             line.text_files,
             Format{text_files_in, "some of grid,edges,areas,residues, or all, or none"});
   add_value(app, "--inside", "FILE",
-            "map of the inside, in the output directory: FILE.dx\n"
-            "(OpenDX) or FILE.vti (VTK image data)",
-            line.inside_map, Format{map_in, "the name of a file that ends with .dx or .vti"});
-  add_flag(app, "--gzip", "text files compressed, as NAME.gz; diff reads both", line.gzip);
-  add_value(
-      app, "--mesh", "FILE",
-      "also the surface as triangles: .ply, .obj, .off, .vtp,\n"
-      "or .vert or .face for MSMS's pair of both",
-      line.mesh,
-      Format<std::filesystem::path>{mesh_in, fmt::format("a file that ends in {}", mesh_suffixes)});
-  add_flag(app, "--ply-ascii", "a .ply file as text, for programs such as PyMOL", line.is_ascii);
-  add_flag(app, "--resume",
-           "keep what is done where a run is cut off, and go on\n"
-           "from there the next time",
-           options.resume);
-  add_flag(app, independent_flag,
-           "a run of its own, though srun or mpirun has started\n"
-           "several processes; each needs its own --output-dir",
-           options.independent);
+            "write a map of inside points to the output directory:\n"
+            ".dx (OpenDX) or .vti (VTK image data)",
+            line.inside_map, Format{map_in, "a file name with the suffix .dx or .vti"});
+  add_flag(app, "--gzip", "compress the text files, as NAME.gz", line.gzip);
+  add_value(app, "--mesh", "FILE",
+            "write a triangle mesh: .ply, .obj, .off, .vtp, or\n"
+            ".vert or .face (both files of MSMS)",
+            line.mesh,
+            Format<std::filesystem::path>{mesh_in,
+                                          fmt::format("a file with the suffix {}", mesh_suffixes)});
   add_value(
       app, "--color", "NAME",
-      "colours in a .ply or .vtp file: patch, atom or chain\n"
-      "[none]",
+      "colour the vertices of a .ply or .vtp mesh by patch,\n"
+      "atom or chain [none]",
       line.color,
       one_of<MeshColor>(
           {{"patch", MeshColor::patch}, {"atom", MeshColor::atom}, {"chain", MeshColor::chain}}));
+  add_flag(app, "--ply-ascii", "write a .ply mesh as text, such as for PyMOL", line.is_ascii);
+  add_flag(app, "--resume",
+           "keep finished parts if the run is interrupted, and\n"
+           "continue an interrupted run",
+           options.resume);
+  add_flag(app, independent_flag,
+           "do not share the run with other processes of srun or\n"
+           "mpirun; each needs its own --output-dir",
+           options.independent);
 }
 
 std::optional<std::vector<std::string>> chains_in(const std::string& list) {
@@ -373,49 +372,51 @@ void add_structure_options(CLI::App& app, CommandLine& line) {
   begin_group(app, structure_group);
   StructureOptions& structure = line.options.structure;
   add_value(app, "--radii", "NAME",
-            "radii of atoms: protor (Tsai et al. 1999), bondi, msms, or\n"
+            "atomic radii: protor (Tsai et al. 1999), bondi, msms, or\n"
             "a file in FreeSASA's configuration format [protor]",
             structure.radii, text_of("protor, bondi, msms, or a file"));
   constexpr double max_radius = 1000;
   add_value(app, "--unknown-radius", "R",
-            "radius of atoms that have none [such atoms are an error]", structure.unknown_radius,
+            "radius of atoms that are not in the set of radii, in\n"
+            "angstrom [such atoms are an error]",
+            structure.unknown_radius,
             number_between(0, max_radius, "a number from 0 to 1000, in angstrom"));
-  add_value(app, model_option, "N", "the model with this number, also of a PQR file [first]",
+  add_value(app, model_option, "N", "number of the model, also for PQR files [first]",
             structure.model, whole_number_between(1, std::numeric_limits<int>::max()));
-  add_value(app, "--altloc", "X",
-            "this alternate location where there are several\n"
-            "[that of the highest occupancy, by residue]",
+  add_value(app, "--altloc", "X", "alternate location [highest occupancy, by residue]",
             structure.altloc, Format<std::string>{altloc_in, "one character, such as A"});
-  add_flag(app, "--waters", "water molecules, too [left out]", structure.with_waters);
-  add_flag(app, "--no-hetatm", "no ligands, ions and modified residues (HETATM)",
+  add_flag(app, "--waters", "include water molecules", structure.with_waters);
+  add_flag(app, "--no-hetatm", "exclude ligands, ions and modified residues (HETATM)",
            line.without_hetatm);
   add_value(
       app, "--hydrogens", "NAME",
-      "keep or drop them [drop with protor and msms, whose\n"
-      "radii include hydrogens; keep with bondi]",
+      "keep or drop hydrogens [drop with protor and msms,\n"
+      "whose radii include them; keep with bondi]",
       structure.hydrogens,
       one_of<HydrogenChoice>({{"keep", HydrogenChoice::keep}, {"drop", HydrogenChoice::drop}}));
-  add_value(app, "--chains", "LIST", "only these chains, such as A,B", structure.chains,
+  add_value(app, "--chains", "LIST", "include only these chains, such as A,B", structure.chains,
             Format<std::vector<std::string>>{chains_in, "names of chains, such as A,B"});
-  add_value(app, "--select", "TEXT", "only atoms of a selection of gemmi, such as //A/10-20",
-            structure.select, text_of("a selection in gemmi's syntax, such as //A/10-20"));
-  add_value(app, "--assembly", "ID", "build this biological assembly from its description",
-            structure.assembly, text_of("the identifier of an assembly, such as 1"));
+  add_value(app, "--select", "TEXT",
+            "include only a selection in gemmi's syntax, such as\n//A/10-20", structure.select,
+            text_of("a selection in gemmi's syntax, such as //A/10-20"));
+  add_value(app, "--assembly", "ID", "build this biological assembly", structure.assembly,
+            text_of("the identifier of an assembly, such as 1"));
 }
 
 void add_computation_options(CLI::App& app, Parameters& parameters) {
-  begin_group(app, "Computation (results do not depend on it)");
-  add_value(app, "-t,--threads", "N", "number of threads [all the process may use]",
+  begin_group(app, "Computation (does not affect results)");
+  add_value(app, "-t,--threads", "N", "number of threads [all available processors]",
             parameters.threads, whole_number_between(1, max_threads));
   add_value(app, "-b,--block-size", "N",
-            fmt::format("grid points on a side of a block, {} to {} [{}]", min_block_size,
-                        max_block_size, default_block_size),
+            fmt::format("points along the side of a cubic block, {} to {}\n"
+                        "[automatic; {} with --blocks]",
+                        min_block_size, max_block_size, default_block_size),
             parameters.block_size, whole_number_between(min_block_size, max_block_size));
   add_value(app, "--max-memory", "BYTES",
-            "memory that the process may hold, also as 500M or 2G\n"
-            "(K, M, G, T: powers of 1024); kept by smaller blocks\n"
-            "and fewer threads where these are not given, or refused\n"
-            "[what is available]",
+            "limit of the resident memory, such as 500M or 2G (K,\n"
+            "M, G, T: powers of 1024); reduces the block size and\n"
+            "the number of threads unless these are given\n"
+            "[available memory]",
             parameters.max_memory,
             Format{bytes_in, "a whole number of bytes above 0, or one with K, M, G or T"});
 }
@@ -427,19 +428,19 @@ void add_checks(CLI::App& app, Parameters& parameters) {
           ->option_text("[=N]")
           ->multi_option_policy(CLI::MultiOptionPolicy::Throw)
           ->description(fmt::format("check N random points and N random edges by brute force;\n"
-                                    "a fault is an error, and no file appears [{}]",
+                                    "a fault is an error, and no file is written [{}]",
                                     default_verify));
   read_into(verify, parameters.verify, whole_number_between(1, max_verify));
 }
 
 void add_messages(CLI::App& app, Options& options) {
   begin_group(app, "Messages");
-  add_flag(app, "--dry-run", "print the plan and what is odd in the input, compute nothing",
+  add_flag(app, "--dry-run", "print the plan and input diagnostics; compute nothing",
            options.dry_run);
-  add_flag(app, "--strict", "what would be warned about is an error", options.strict);
-  add_flag(app, "-q,--quiet", "only area and volume (or JSON), no notes, warnings or progress",
+  add_flag(app, "--strict", "treat warnings as errors", options.strict);
+  add_flag(app, "-q,--quiet", "print only area and volume (or JSON), no plan or warnings",
            options.quiet);
-  add_flag(app, "--json", "report as one JSON object in place of the text", options.json);
+  add_flag(app, "--json", "print the report as one JSON object", options.json);
   add_notices(app);
 }
 
@@ -459,15 +460,15 @@ void add_options(CLI::App& app, CommandLine& line) {
 
 // --- values that depend on each other -----------------------------------------------------------
 
-/// Sets `target` if the length is given. Giving the same value twice does no harm.
+/// Sets `target` if the length is given. Argument and option may both be given with equal values.
 void choose(const char* positional, const char* option, const Length& length, double& target) {
   if (length.positional && length.option && *length.positional != *length.option)
-    throw UsageError(fmt::format("{} is {} but {} is {}, give one of the two", positional,
+    throw UsageError(fmt::format("{} is {} but {} is {}; use only one of them", positional,
                                  *length.positional, option, *length.option));
   target = length.positional ? *length.positional : length.option.value_or(target);
 }
 
-// A chosen grid needs a place and a size. The margin is that of the grid of ESES.
+// A custom grid needs a position and a size. The margin applies only to the default grid.
 void check_grid_choice(const CommandLine& line) {
   const GridChoice& grid = line.options.grid;
   const bool has_place = grid.origin || grid.center;
@@ -479,17 +480,16 @@ void check_grid_choice(const CommandLine& line) {
   const bool is_chosen = has_place || !grid.like.empty();
   if (is_chosen && (line.margin.positional || line.margin.option))
     throw UsageError(fmt::format(
-        "{} has no meaning for a grid that is chosen by {}",
-        line.margin.option ? "--margin" : "MARGIN",
+        "{} cannot be combined with {}", line.margin.option ? "--margin" : "MARGIN",
         grid.origin ? "--grid-origin" : (grid.center ? "--grid-center" : "--grid-like")));
 }
 
-/// The name of a map, which goes to the output directory like all files.
+/// Returns the file name of a map. Throws UsageError if it is not in the output directory.
 std::string map_name(std::string_view option, const std::filesystem::path& map,
                      const std::filesystem::path& output_directory) {
   if (map.has_parent_path() && !is_same_place(map.parent_path(), output_directory))
     throw UsageError(
-        fmt::format("{} is '{}', but files go to {}: give its name alone, or "
+        fmt::format("{} is '{}', but the output directory is {}; use the file name alone or "
                     "--output-dir {}",
                     option, map.string(), output_directory.string(), map.parent_path().string()));
   return map.filename();
@@ -531,8 +531,8 @@ std::optional<MeshOptions> mesh_of(const CommandLine& line) {
   if (mesh.color == MeshColor::chain &&
       eses::detail::format_of(options.input, options.format) == AtomFormat::xyzr)
     throw UsageError(
-        fmt::format("--color chain needs a PQR, PDB or mmCIF file, which tells the chains; {} is "
-                    "read as xyzr (--format pqr if it is PQR)",
+        fmt::format("--color chain needs a PQR, PDB or mmCIF file; {} is read as xyzr, which has "
+                    "no chains (use --format pqr if it is PQR)",
                     options.input.string()));
   return mesh.file.empty() ? std::nullopt : std::optional(mesh);
 }
@@ -552,7 +552,7 @@ Options options_of(const CommandLine& line) {
   return options;
 }
 
-/// Throws UsageError if an option of PDB and mmCIF files is given with another file.
+/// Throws UsageError if an option for PDB and mmCIF files is given with a file of another format.
 void refuse_structure_options(const CLI::App& app, const Options& options) {
   const AtomFormat format = eses::detail::format_of(options.input, options.format);
   if (is_structure(format)) return;
@@ -561,28 +561,28 @@ void refuse_structure_options(const CLI::App& app, const Options& options) {
     const std::string name = option->get_name();
     if (format == AtomFormat::pqr && name == model_option) continue;
     throw UsageError(
-        fmt::format("{} needs a PDB or mmCIF file; {} is read as {} (--format pdb or "
-                    "mmcif if it is one)",
+        fmt::format("{} needs a PDB or mmCIF file; {} is read as {} (use --format pdb or "
+                    "--format mmcif if it is one)",
                     name, options.input.string(), format == AtomFormat::pqr ? "PQR" : "xyzr"));
   }
 }
 
-// --- errors that CLI11 does not see -------------------------------------------------------------
+// --- errors that CLI11 does not detect ----------------------------------------------------------
 
-/// A name that is misspelt must not go unnoticed.
+/// Throws UsageError if the environment variable has an unknown name.
 void require_known_instruction_set() {
   const char* const wish = std::getenv(instruction_set_variable);
   if (wish != nullptr && *wish != '\0' && !is_instruction_set(wish))
     refuse(instruction_set_variable, wish, "baseline, sse4, avx2 or avx512");
 }
 
-/// `--verify 100` would otherwise take 100 for the probe radius.
+/// Throws UsageError for `--verify 100`, in which 100 would be parsed as the probe radius.
 void refuse_separate_number(std::span<const std::string> arguments) {
   for (std::size_t i = 0; i + 1 < arguments.size() && arguments[i] != "--"; ++i)
     if (arguments[i] == "--verify" && whole_text<std::int64_t>(arguments[i + 1]))
       throw UsageError(
-          fmt::format("the number of --verify goes behind =: --verify={0}; as it is, {0} "
-                      "would be PROBE, SPACING or MARGIN",
+          fmt::format("--verify takes its number after '='; use --verify={0}, as {0} is a "
+                      "positional argument",
                       arguments[i + 1]));
 }
 
@@ -609,9 +609,9 @@ std::optional<Grid> chosen_grid(const Options& options) {
   if (choice.like.empty()) return std::nullopt;
   const Grid grid = read_grid(choice.like);
   if (choice.has_spacing && !is_same_spacing(grid.spacing, spacing))
-    throw Error(fmt::format(
-        "{} has a grid with a spacing of {}, but the spacing is given as {}; leave it out",
-        choice.like.string(), grid.spacing, spacing));
+    throw Error(
+        fmt::format("{} has a grid with a spacing of {}, but the given spacing is {}; omit it",
+                    choice.like.string(), grid.spacing, spacing));
   return grid;
 }
 

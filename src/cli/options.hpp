@@ -1,5 +1,5 @@
 #pragma once
-/// The command line as plain data.
+/// Options of the command line.
 
 #include <filesystem>
 #include <optional>
@@ -11,44 +11,43 @@
 
 namespace eses::detail::cli {
 
-/// The grid that the command line asks for, if not that of ESES: from a file, or of so many points
-/// around a point or from it on.
+/// A custom grid: the grid of a file, or a number of points with a given centre or origin.
 struct GridChoice {
-  std::filesystem::path like;  ///< empty: none
+  std::filesystem::path like;  ///< empty if none
   std::optional<Vec3> origin, center;
   std::optional<GridIndex> points;
-  bool has_spacing = false;  ///< the spacing is given, not the default
+  bool has_spacing = false;  ///< whether the spacing is given
 };
 
-/// What the command line asks for.
+/// The values of all options.
 struct Options {
   std::filesystem::path input;  ///< `-` is standard input
   AtomFormat format = AtomFormat::automatic;
-  StructureOptions structure;  ///< what is read of a PDB or mmCIF file
+  StructureOptions structure;  ///< for PDB and mmCIF files
   Parameters parameters;
   GridChoice grid;
   Outputs outputs;
   std::filesystem::path output_directory = ".";
-  bool resume = false;       ///< goes on from what a run that was cut off has done
-  bool independent = false;  ///< shares nothing with processes that were started together with it
+  bool resume = false;       ///< whether to keep a checkpoint and resume from it
+  bool independent = false;  ///< whether not to share the run with other processes
   bool quiet = false;
   bool json = false;
-  bool dry_run = false;  ///< plan only
-  bool strict = false;   ///< what would be warned about is an error
+  bool dry_run = false;  ///< whether to print only the plan
+  bool strict = false;   ///< whether warnings are errors
 };
 
-/// Whether two paths are those of one directory, as far as the names tell.
+/// Returns whether two paths name the same directory, without following symbolic links.
 bool is_same_place(const std::filesystem::path& a, const std::filesystem::path& b);
 
-/// Whether --independent is among the arguments. For the time before MPI has been started, which
-/// may take arguments of its own from the command line.
+/// Returns whether --independent is among the arguments. Used before MPI is initialized, which may
+/// remove its own arguments from the command line.
 bool asks_to_be_independent(int argc, const char* const* argv);
 
-/// Returns the grid that is asked for, or none for that of ESES. Reads the file of --grid-like.
-/// Throws Error if that cannot be read, or if its spacing is not the one that is given.
+/// Returns the custom grid, or nothing for the default grid. Reads the file of --grid-like. Throws
+/// Error if the file cannot be read, or if its spacing differs from a given one.
 std::optional<Grid> chosen_grid(const Options& options);
 
-/// Throws UsageError.
+/// Parses the command line. Throws UsageError.
 std::variant<Options, Notice> parse_command_line(int argc, const char* const* argv);
 
 }  // namespace eses::detail::cli

@@ -18,7 +18,7 @@ using std::chrono::milliseconds;
 constexpr milliseconds redraw_interval{100};
 constexpr std::size_t widest_bar = 60;
 constexpr std::size_t narrowest_bar = 5;
-constexpr double max_estimate = 1000 * 3600.0;  // beyond that, an estimate tells nothing
+constexpr double max_estimate = 1000 * 3600.0;  // longer estimates are not shown
 
 std::size_t terminal_width() {
   winsize size{};
@@ -70,14 +70,14 @@ ProgressBar::~ProgressBar() {
 
 void ProgressBar::show(const Progress& progress) {
   const Clock::time_point now = Clock::now();
-  // Nothing is drawn at the first call, so that short runs leave the terminal alone.
+  // Nothing is drawn at the first call, so that short runs show no bar.
   if (!start_) last_drawn_ = now;
-  // What comes before the blocks tells nothing of the time that they take.
+  // The estimate of the remaining time excludes the time before the first step.
   if (!start_ || progress.done == 0 || progress.steps != steps_) start_ = now;
   steps_ = progress.steps;
   if (now - last_drawn_ < redraw_interval) return;
   last_drawn_ = now;
-  // A character in the last column would make some terminals break the line.
+  // Some terminals wrap the line after a character in the last column.
   const std::size_t width = terminal_width() - 1;
   std::string line = progress_line(progress, seconds_left(progress), width);
   const std::size_t columns = line.size();

@@ -9,17 +9,17 @@
 
 namespace eses::detail::cli {
 
-/// Steps of one kind, `blocks` or others, done so far out of all.
+/// The numbers of finished and of all steps of one kind, such as `blocks`.
 struct Progress {
   std::int64_t done = 0, total = 0;
   std::string_view steps = "blocks";
 };
 
-/// One line of at most `width` columns: percentage, bar, steps and time left, as far as known.
+/// Returns a line of at most `width` columns: percentage, bar, steps and, if known, remaining time.
 std::string progress_line(const Progress& progress, std::optional<double> seconds_left,
                           std::size_t width);
 
-/// Draws over itself while it lives and is gone afterwards, also when an exception ends the run.
+/// A progress bar, which is removed when the object is destroyed.
 class ProgressBar {
  public:
   ProgressBar() = default;
@@ -27,10 +27,10 @@ class ProgressBar {
   ProgressBar(const ProgressBar&) = delete;
   ProgressBar& operator=(const ProgressBar&) = delete;
 
-  /// The kind of steps may change.
+  /// Draws the bar. The kind of steps may change between calls.
   void show(const Progress& progress);
 
-  /// Whether standard error is a terminal that a bar can be drawn on.
+  /// Returns whether standard error is a terminal on which a bar can be drawn.
   static bool is_possible();
 
  private:
@@ -38,7 +38,7 @@ class ProgressBar {
 
   std::optional<double> seconds_left(const Progress& progress) const;
 
-  std::optional<Clock::time_point> start_;  // of these steps
+  std::optional<Clock::time_point> start_;  // start of steps of the current kind
   std::string_view steps_;
   Clock::time_point last_drawn_;
   std::size_t columns_drawn_ = 0;

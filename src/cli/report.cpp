@@ -27,8 +27,8 @@ std::string duration_text(double seconds) {
   return fmt::format("{} h {} min", whole / 3600, whole / 60 % 60);
 }
 
-/// A path for the text report. Callers search that for `area:` and `volume:`, which a path may
-/// hold as well.
+/// Returns a path for the text report. Replaces `area:` and `volume:` in it, for which scripts
+/// search the report.
 std::string path_text(const std::filesystem::path& path) {
   std::string text = one_line(path.string());
   for (const std::string_view key : {"area:", "volume:"}) {
@@ -64,7 +64,7 @@ bool is_known(const DiskSpace::Place& place) {
   return place.available != std::numeric_limits<std::uint64_t>::max();
 }
 
-/// Names of the files in the output directory, and the whole path of a mesh that is elsewhere.
+/// Returns the names of the files in the output directory, and the path of a mesh elsewhere.
 std::vector<std::string> written_files(const Options& options) {
   std::vector<std::string> files = file_names(options.outputs);
   if (!options.outputs.mesh) return files;
@@ -76,7 +76,7 @@ std::vector<std::string> written_files(const Options& options) {
   return files;
 }
 
-/// `1 grid_info.txt ...`: the plan's files, and how well their sizes are known.
+/// Returns a list of the planned files such as `grid_info.txt at most 1.2 MB`.
 std::string files_text(const Plan& plan, const Outputs& outputs) {
   std::vector<std::string> parts;
   const auto add = [&](std::uint64_t bytes, std::string_view quality, std::string_view name) {
@@ -95,7 +95,7 @@ std::string files_text(const Plan& plan, const Outputs& outputs) {
   return fmt::format("{}", fmt::join(parts, ", "));
 }
 
-/// What files that are in order have, too: one line for all of it.
+/// Returns the notes in one line. Notes are diagnostics that also occur in valid files.
 std::string usual_text(const std::vector<DiagnosticText>& diagnostics) {
   std::string text;
   for (const DiagnosticText& diagnostic : diagnostics)
@@ -104,7 +104,7 @@ std::string usual_text(const std::vector<DiagnosticText>& diagnostics) {
   return text;
 }
 
-/// `0.8 at low x, 1.2 at high z`
+/// Returns the depths at which the grid cuts the spheres, such as `0.8 at low x, 1.2 at high z`.
 std::string cut_sides_text(const Plan& plan) {
   constexpr std::array<std::string_view, 6> sides{"low x",  "high x", "low y",
                                                   "high y", "low z",  "high z"};
@@ -115,7 +115,7 @@ std::string cut_sides_text(const Plan& plan) {
   return fmt::format("{}", fmt::join(parts, ", "));
 }
 
-/// Along some axis the grid ends before the van der Waals spheres begin, or the other way round.
+/// Returns whether the grid and the bounding box of the van der Waals spheres are disjoint.
 bool misses_molecule(const Plan& plan) {
   const Vec3 length = plan.grid.upper() - plan.grid.origin;
   for (std::size_t side = 0; side < plan.cut_depths.size(); ++side)
@@ -125,24 +125,22 @@ bool misses_molecule(const Plan& plan) {
 
 std::string cut_warning(const Plan& plan) {
   if (plan.parameters.grid && misses_molecule(plan))
-    return "the grid misses the molecule: no van der Waals sphere reaches it, and all of its "
-           "points "
-           "are outside";
+    return "the grid does not overlap the molecule; all grid points are outside";
   if (plan.parameters.grid)
     return fmt::format(
-        "the van der Waals spheres reach beyond the grid, by {} (angstrom); area and volume are "
-        "those of the part within",
+        "the van der Waals spheres extend beyond the grid by {} (angstrom); area and volume are "
+        "those of the part inside the grid",
         cut_sides_text(plan));
   return fmt::format(
       "the grid ends {:.3g} angstrom inside the molecule, because the number of grid points is "
-      "truncated as in ESES; a margin of at least the spacing ({}) avoids that",
+      "truncated as in ESES; use a margin of at least the spacing ({})",
       plan.cut_depth, plan.grid.spacing);
 }
 
 std::string disk_warning(const DiskSpace::Place& place) {
   return fmt::format(
-      "the files are expected to take {}, but {} has {} free; some of it is estimated, "
-      "so this may yet do, and a disk that fills up ends the run and leaves no file",
+      "the files need about {}, but {} has {} free; if the disk fills up, the run fails and writes "
+      "no files",
       bytes_text(place.expected), path_text(place.directory), bytes_text(place.available));
 }
 
@@ -170,7 +168,7 @@ json::Value grid_json(const Grid& grid) {
 
 bool is_whole(const Plan& plan) { return plan.tiling.region == plan.grid.whole(); }
 
-/// `10:20 x 0:5 x 0:7`
+/// Returns the line of the region, with ranges such as `10:20 x 0:5 x 0:7`.
 std::string region_text(const Plan& plan) {
   if (is_whole(plan)) return "";
   const auto& [begin, end] = plan.tiling.region;
@@ -193,12 +191,12 @@ json::Value blocks_json(const BlockTiling& tiling) {
           {"count", tiling.block_count()}};
 }
 
-/// A number that may not be known.
+/// Returns a number, or null if it is unknown.
 json::Value number_unless(bool is_unknown, std::uint64_t value) {
   return is_unknown ? json::Value() : json::Value(value);
 }
 
-/// What is free; null if that is unknown, or there is no such place.
+/// Returns the free space; null if it is unknown or if there is no such place.
 json::Value disk_json(const DiskSpace& disk, std::size_t place) {
   if (place >= disk.places.size() || !is_known(disk.places[place])) return nullptr;
   return disk.places[place].available;
@@ -320,7 +318,7 @@ std::vector<std::string> fault_lines(const Summary& summary) {
   const auto count = static_cast<std::int64_t>(lines.size());
   lines.resize(std::min(max_shown, lines.size()));
   lines.push_back(fmt::format(
-      "the verification found {}, and no file is kept; please report this with the input file",
+      "the verification found {}; no files were written; please report this with the input file",
       counted(count, "fault")));
   return lines;
 }
@@ -345,14 +343,14 @@ std::string plan_text(const Report& report) {
   text += fmt::format("grid: {} x {} x {} = {} points\n", points[0], points[1], points[2],
                       plan.grid.point_count());
   if (parameters.grid)
-    text += fmt::format("chosen grid: from {} {} {} to {} {} {} (angstrom)\n", plan.grid.origin.x,
+    text += fmt::format("custom grid: from {} {} {} to {} {} {} (angstrom)\n", plan.grid.origin.x,
                         plan.grid.origin.y, plan.grid.origin.z, plan.grid.upper().x,
                         plan.grid.upper().y, plan.grid.upper().z);
   text += region_text(plan);
   text += fmt::format("blocks: {} x {} x {} of {} points; {}\n", blocks[0], blocks[1], blocks[2],
                       fmt::join(plan.tiling.block_size, " x "), workers_text(report));
   text += fmt::format("expected: {} of memory{}, {} of files\n", bytes_text(plan.memory_bytes),
-                      report.process_count > 1 ? " in a process at most" : "",
+                      report.process_count > 1 ? " per process at most" : "",
                       bytes_text(plan.output_bytes()));
   if (!report.options.dry_run) return text;
   if (parameters.max_memory > 0)

@@ -1,5 +1,5 @@
 #pragma once
-/// What the user is told: the plan before the work, the results after it.
+/// Reports of a run: the plan before the computation, and the results after it.
 
 #include <cstddef>
 #include <cstdint>
@@ -16,45 +16,46 @@
 
 namespace eses::detail::cli {
 
-/// A run as far as the reports are concerned.
+/// The data of a run for its reports.
 struct Report {
   Options options;
   std::size_t atoms = 0;
   std::vector<DiagnosticText> diagnostics;
-  std::optional<StructureReport> structure;  ///< of a PDB or mmCIF file
+  std::optional<StructureReport> structure;  ///< only for PDB and mmCIF files
   Plan plan;
   DiskSpace disk;
   Summary summary;                      ///< empty before the run
-  std::uint64_t peak_memory_bytes = 0;  ///< of the process, or the one that held most
+  std::uint64_t peak_memory_bytes = 0;  ///< maximum over all processes
   int process_count = 1;
-  /// By rank, of a run with several processes or one that can be resumed; empty before the run.
+  /// Figures by rank, only of a distributed or resumable run; empty before the run.
   std::vector<ProcessFigures> processes;
 };
 
-/// The first faults that the verification found, and how many there are; empty if there are none.
+/// Returns the first faults that the verification found, and a line with their number. Empty if
+/// there are no faults.
 std::vector<std::string> fault_lines(const Summary& summary);
 
-/// `area` and `volume`, each alone on its line, for callers that search for `area:` and `volume:`.
-/// No line of the other texts holds either.
+/// Returns the lines `surface area: ...` and `surface volume: ...`. Scripts search for `area:` and
+/// `volume:`, so no other line of the report contains these texts.
 std::string result_text(const Summary& summary);
 
-/// What is going to be done.
+/// Returns the plan of the run as text.
 std::string plan_text(const Report& report);
 
-/// What was done, besides area and volume.
+/// Returns all results as text, except area and volume.
 std::string summary_text(const Report& report);
 
-/// Plan, result and summary as one JSON object; of a dry run, the plan.
+/// Returns plan and results as one JSON object; for a dry run, only the plan.
 std::string json_text(const Report& report);
 
-/// What to warn about, a line each: what is odd in the input, a grid that cuts the surface (see
-/// eses::detail::cut_depth), a disk that is expected to fill up.
+/// Returns the warnings, one line each: diagnostics of the input, a grid that cuts the surface (see
+/// eses::detail::cut_depth), and insufficient disk space.
 std::vector<std::string> warnings(const Report& report);
 
-/// `text` as a single line: bytes that would move a terminal's cursor become `?`.
+/// Returns `text` as a single line, in which `?` replaces control characters.
 std::string one_line(std::string_view text);
 
-/// `1 edge`, `2 edges`
+/// Returns a count with its noun, such as `1 edge` or `2 edges`.
 std::string counted(std::int64_t count, std::string_view noun);
 
 }  // namespace eses::detail::cli

@@ -1,5 +1,5 @@
 #pragma once
-/// What is shown of a run while it goes on, and how a signal ends it.
+/// Progress display of a run, with checks for signals.
 
 #include <cstdint>
 #include <optional>
@@ -10,7 +10,8 @@
 
 namespace eses::detail::cli {
 
-/// Lives while `callbacks` are in use, and so must `interruptible`.
+/// The progress bar and callbacks of a run. The object and `interruptible` must outlive the use of
+/// the callbacks.
 class RunDisplay {
  public:
   RunDisplay(InterruptibleRun& interruptible, bool with_bar) : interruptible_(interruptible) {
@@ -26,7 +27,8 @@ class RunDisplay {
   }
 
  private:
-  // What was solved before is told again while checks go on.
+  // Also called during the verification, with an unchanged number of blocks. The bar then continues
+  // to show the checks.
   void show_blocks(std::int64_t done, std::int64_t all) {
     interruptible_.check();
     if (done > blocks_done_) is_verifying_ = false;

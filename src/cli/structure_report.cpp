@@ -14,7 +14,7 @@
 namespace eses::detail::cli {
 namespace {
 
-/// A count and how it is called, in the text and in JSON.
+/// A count of the report, with its names in text and JSON.
 struct Count {
   std::string_view one, several;
   std::string_view key;
@@ -61,7 +61,7 @@ std::uint64_t count_atoms(const std::vector<RadiusSource>& sources) {
   return atoms;
 }
 
-/// `12 by element (HEM FE 1.26, ...)`
+/// Returns the sources of radii, such as `12 atoms by element (HEM FE 1.26, ...)`.
 std::string sources_text(const std::vector<RadiusSource>& sources, std::string_view how) {
   if (sources.empty()) return "";
   constexpr std::size_t max_names = 4;

@@ -1,5 +1,5 @@
 #pragma once
-/// Reports of what was read of a PDB or mmCIF file, and what was left out.
+/// Reports of the atoms that were read from a PDB or mmCIF file or left out.
 
 #include <string>
 
@@ -8,10 +8,10 @@
 
 namespace eses::detail::cli {
 
-/// Lines for the text report, which begin with `read:`, `left out:` and `radii:`.
+/// Returns the lines of the text report, which begin with `read:`, `left out:` and `radii:`.
 std::string structure_text(const StructureReport& report);
 
-/// One JSON object.
+/// Returns the report as one JSON object.
 json::Value structure_json(const StructureReport& report);
 
 }  // namespace eses::detail::cli

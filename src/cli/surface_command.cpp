@@ -36,7 +36,7 @@ RunTask task_of(const Options& options) {
           .dry_run = options.dry_run};
 }
 
-// Performs an action in the first process. What it throws is thrown in all of them.
+// Performs an action in the first process. All processes throw its exceptions.
 void on_rank_zero(const Processes& processes, const std::function<void()>& action) {
   std::vector<std::string> errors;
   processes.all_or_throw([&] {
@@ -50,10 +50,10 @@ void on_rank_zero(const Processes& processes, const std::function<void()>& actio
   if (processes.sum(errors.size()) > 0) throw StrictError{errors};
 }
 
-// Throws Error if what is to be written would take the input's place, or that of --grid-like.
+// Throws Error if the run would overwrite or remove the input or the file of --grid-like.
 void refuse_to_lose_input(const Options& options) {
   const auto is_same = [](const std::filesystem::path& one, const std::string& other) {
-    std::error_code error;  // as where there is no such file yet
+    std::error_code error;  // set if the output file does not exist yet
     return !one.empty() && std::filesystem::equivalent(one, other, error) && !error;
   };
   const auto refuse_if_input = [&](const std::string& file, std::string_view fate) {
@@ -74,11 +74,11 @@ void refuse_residues_of_xyzr(const Options& options) {
   if (options.outputs.residues && format_of(options.input, options.format) == AtomFormat::xyzr)
     throw Error(
         fmt::format("{}: areas by residue (--write residues) need a PQR, PDB or mmCIF file; xyzr "
-                    "does not tell chains and residues",
+                    "files have no residues",
                     options.input.string()));
 }
 
-// Refuses options that can be refused before the input is read.
+// Performs the checks that do not need the input.
 void check_request(const Options& options) {
   require_standard_output();
   refuse_to_lose_input(options);
@@ -99,8 +99,8 @@ Report report_of(const Options& options, const RunPlan& plan, const Processes& p
   return report;
 }
 
-// Prints what is going to be done. Warnings that are errors come before it, but after the plan of a
-// dry run.
+// Prints the plan and the warnings. With --strict, warnings end the run before the plan is printed,
+// except in a dry run.
 void present_plan(Report& report) {
   const Options& options = report.options;
   report.disk = require_disk_space(report.plan, options.outputs, options.output_directory);
@@ -132,7 +132,7 @@ RunResult run_with_progress(const RunTask& task, const RunPlan& plan, bool is_qu
   } catch (const SharedError&) {
     throw;
   } catch (...) {
-    // The process that has made them may be ended before it can remove them.
+    // The process that made the files may be ended before it can remove them.
     if (processes.count() > 1) interruptible.remove_leftovers();
     throw;
   }
@@ -146,7 +146,7 @@ void add_result(RunResult result, Report& report) {
     report.processes = std::move(result.processes);
 }
 
-// The options with the grid that they ask for, which each process reads for itself.
+// Returns the options with the custom grid, if any. Each process reads its file.
 Options with_chosen_grid(Options options, const Processes& processes) {
   processes.all_or_throw([&] {
     options.parameters.grid = chosen_grid(options);

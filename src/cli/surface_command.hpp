@@ -1,12 +1,12 @@
 #pragma once
-/// What `eses-blocks FILE` does.
+/// The command `eses-blocks FILE`.
 
 #include "cli/options.hpp"
 #include "distributed/processes.hpp"
 
 namespace eses::detail::cli {
 
-/// Computes the surface and writes the files; to be called by all processes. Returns the exit code.
+/// Computes the surface and writes the files. All processes must call it. Returns the exit code.
 int compute_surface(const Options& options, const Processes& processes);
 
 }  // namespace eses::detail::cli

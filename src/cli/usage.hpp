@@ -1,17 +1,17 @@
 #pragma once
-/// What a command line may amount to besides something to do.
+/// Outcomes of parsing a command line that do not start a command.
 
 #include <stdexcept>
 #include <string>
 
 namespace eses::detail::cli {
 
-/// A text to print in place of a run: `--help` or `--version`.
+/// The text of `--help` or `--version`.
 struct Notice {
   std::string text;
 };
 
-/// A command line that asks for nothing sensible; `what()` names option, value and expectation.
+/// An error in the command line. `what()` names the option, its value and the expected value.
 class UsageError : public std::runtime_error {
  public:
   using std::runtime_error::runtime_error;

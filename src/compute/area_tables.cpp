@@ -31,11 +31,11 @@ std::vector<double> fetch_areas(const AtomRange& wanted, const AtomAreas& own,
 }
 
 // The message from each rank to the next one: the length of the residue table, the open residue and
-// the sums of the chains so far. Areas are added in the order of the atoms, as sums of
-// floating-point numbers depend on it.
-class Progress {
+// the sums of the chains so far. Areas are added in the order of the atoms, because floating-point
+// sums depend on the order.
+class TableState {
  public:
-  explicit Progress(const std::string& packed) : texts_(unpack(packed)) {
+  explicit TableState(const std::string& packed) : texts_(unpack(packed)) {
     auto text = texts_.begin();
     const auto next = [&]() -> std::string& { return *text++; };
     const auto next_count = [&] { return std::strtoll(next().c_str(), nullptr, 10); };
@@ -87,16 +87,16 @@ class Progress {
 
 // Adds the residues of this process and writes the lines of the complete ones.
 void add_own(const RunPlan& plan, std::span<const double> areas, const Processes& processes,
-             SharedFile& file, Progress& progress) {
+             SharedFile& file, TableState& state) {
   const TextSink sink = [&](std::string_view text) {
-    file.write_at(text, progress.bytes);
-    progress.bytes += text.size();
+    file.write_at(text, state.bytes);
+    state.bytes += text.size();
   };
   BufferedText table(sink);
   if (processes.is_first()) append_residue_header(table);
-  add_residues(progress.tables, plan.residues, areas, table);
+  add_residues(state.tables, plan.residues, areas, table);
   const bool is_last = processes.rank() + 1 == processes.count();
-  if (is_last) end_residues(progress.tables, table);
+  if (is_last) end_residues(state.tables, table);
   table.flush();
 }
 
@@ -111,10 +111,10 @@ std::uint64_t write_area_tables(const AtomAreas& areas, const RunPlan& plan, Out
     of_read = fetched;
   }
   SharedFile shared(processes, residues);
-  const Progress all(processes.chain(std::string(), [&](const std::string& before) {
-    Progress progress(before);
-    add_own(plan, of_read, processes, shared, progress);
-    return progress.packed();
+  const TableState all(processes.chain(std::string(), [&](const std::string& before) {
+    TableState state(before);
+    add_own(plan, of_read, processes, shared, state);
+    return state.packed();
   }));
   shared.close();
   std::uint64_t chain_bytes = 0;

@@ -18,7 +18,7 @@ namespace eses::detail {
 /// The area shares that a process has computed or read.
 struct AtomShares {
   std::vector<AreaShare> of_slab;  ///< by atom of the slab; empty if nothing was swept
-  std::vector<AtomSum> restored;   ///< from the chunks of an earlier run
+  std::vector<AtomSum> restored;   ///< shares from the chunks of an earlier run
 };
 
 /// The areas of the atoms [first, first + size) of the file, in square angstrom.
@@ -34,7 +34,7 @@ struct AtomAreas {
 AtomAreas add_up_areas(AtomShares shares, const RunPlan& plan, const Processes& processes);
 
 /// Returns the sum of all areas (square angstrom). All processes must call it. Areas are added in
-/// the order of the atoms, as sums of floating-point numbers depend on it.
+/// the order of the atoms, because floating-point sums depend on the order.
 double total_area(const AtomAreas& areas, const Processes& processes);
 
 /// Writes partition_area.txt and returns its length in bytes. All processes must call it. The first

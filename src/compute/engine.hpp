@@ -22,7 +22,7 @@ namespace eses::detail {
 /// The work of one process.
 struct ProcessFigures {
   PlaneRange planes;
-  std::uint64_t atoms = 0;  ///< that influence these planes
+  std::uint64_t atoms = 0;  ///< number of atoms that influence these planes
   double cpu_seconds = 0;
   std::uint64_t peak_memory_bytes = 0;
 };

@@ -326,8 +326,8 @@ std::uint64_t Merge::write_triangles(SharedFile& file, std::uint64_t begin,
   return end;
 }
 
-// Divides the records of vertices and triangles into columns, from `begin` on, and writes what
-// stands behind them. Returns where that ends.
+// Writes the records of vertices and triangles as columns from `begin` on, and then the footer of
+// the file. Returns the end of the footer.
 std::uint64_t Merge::write_columns(SharedFile& file, std::uint64_t begin,
                                    const mesh::MeshText& text) {
   const mesh::VtpData data = text.columns(mesh_);

@@ -32,7 +32,7 @@ class Merge {
   /// These functions complete a file and return its length in bytes.
   std::uint64_t write_text(OutputFile* file, ChunkText text);
   std::uint64_t write_map(OutputFile* file, const MapChoice& choice);
-  /// `face_file` is that of the triangles, where they have one.
+  /// `face_file` is the separate file of the triangles, if the format has one.
   std::uint64_t write_mesh(OutputFile* file, OutputFile* face_file, const mesh::MeshText& text);
 
  private:

@@ -16,7 +16,7 @@ void require_valid(const Plan& plan, const Molecule& molecule) {
   if (plan.threads < 1)
     throw Error(fmt::format("the plan has {} threads; it must have 1 or more", plan.threads));
   if (plan.atoms_checksum != checksum_of(molecule.atoms()))
-    throw Error("the plan was made for other atoms than the molecule's; make a plan for these");
+    throw Error("the plan was made for other atoms; make a plan for this molecule");
 }
 
 }  // namespace

@@ -14,14 +14,14 @@ namespace eses::detail {
 /// directory. Missing directories are created. The output directory is locked against other runs,
 /// and so is the mesh file. If the mesh file is a symbolic link, its target is written.
 ///
-/// The files get their names when all of them are complete, the bounding box last. Older files of
-/// these names are removed before. On failure, and if the verification finds faults, no file
-/// appears.
+/// The files get their final names when all of them are complete, the bounding box last. Older
+/// files of these names are removed before. On failure, and if the verification finds faults, none
+/// of the files exists.
 ///
-/// Throws Error if a file cannot be written, if the disk has not enough space, if another run
-/// writes there, if memory use exceeds both `max_memory` and the estimate, or if labels are missing
-/// that the outputs need. Throws Error before anything is written if the plan was made for other
-/// atoms, or has less than one thread.
+/// Throws Error if a file cannot be written, if the disk space is insufficient, if another run
+/// writes to the directory, if memory use exceeds both `max_memory` and the estimate, or if the
+/// outputs need labels that are missing. Throws Error before anything is written if the plan was
+/// made for other atoms, or has less than one thread.
 Summary run(const Molecule& molecule, const Plan& plan, const Outputs& outputs,
             const std::filesystem::path& directory, const Callbacks& callbacks = {});
 

@@ -21,7 +21,7 @@ namespace eses::detail {
 struct RunTask {
   std::filesystem::path input = {};
   AtomFormat format = AtomFormat::automatic;
-  StructureOptions structure = {};  ///< of PDB and mmCIF files
+  StructureOptions structure = {};  ///< options for PDB and mmCIF files
   Parameters parameters;
   Outputs outputs;
   std::filesystem::path output_directory;

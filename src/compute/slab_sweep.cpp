@@ -185,8 +185,8 @@ Plan SlabSweep::plan_of(const PlaneRange& planes) const {
   return plan;
 }
 
-// Whether a text is written in place where the run is: its place must not depend on the length of
-// what stands before it.
+// Returns whether a text is written directly to its final file. In a run in place, this is possible
+// if its offset does not depend on the length of another text.
 bool SlabSweep::goes_to_its_place(ChunkText text) const {
   if (!is_in_place_) return false;
   if (text == ChunkText::vertices) return !files_.mesh_text->has_columns();

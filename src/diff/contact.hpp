@@ -1,11 +1,10 @@
 #pragma once
 /// A test whether a probe touches the atoms of a crossing, from the crossings only.
 ///
-/// On the convex patch of an atom, the surface is its van der Waals sphere: position = centre +
-/// radius
-/// * normal. Two or more such crossings determine centre and radius by least squares. At any
-/// crossing, the probe's centre is c = position + p * normal. It touches an atom if |c - centre| =
-/// radius + p, which is a linear equation for the probe radius p.
+/// On the convex patch of an atom, the surface is its van der Waals sphere. With the outward unit
+/// normal n, its points are x = centre + radius n. Two or more such crossings determine centre and
+/// radius by least squares. At any crossing, the centre of the probe is c = x + p n. The probe
+/// touches an atom if |c - centre| = radius + p, which is a linear equation for the probe radius p.
 
 #include <cstdint>
 #include <optional>

@@ -129,7 +129,7 @@ void require_valid(const Grid& grid) {
 
 void require_chosen(const Grid& grid) {
   require_valid(grid);
-  // Positions on edges are told apart to a millionth of the spacing, see tolerance::edge_end.
+  // Positions on edges are distinguished to a millionth of the spacing, see tolerance::edge_end.
   constexpr double max_cells_from_zero = 1e9;
   for (std::size_t axis = 0; axis < 3; ++axis) {
     if (grid.size[axis] < 2)

@@ -1,11 +1,12 @@
 #pragma once
-/// Areas by residue and by chain, as CSV (RFC 4180, but with plain newlines).
+/// Areas by residue and by chain, as CSV (RFC 4180, but with LF as line end).
 ///
-/// residue_area.csv: `chain,residue_number,residue,atoms,area`. A residue for each run of atoms
-/// with the same chain, number and name, in the order of the file.
+/// residue_area.csv: `chain,residue_number,residue,atoms,area`. One line for each run of atoms with
+/// the same chain, number and name, in the order of the file.
 ///
-/// chain_area.csv: `chain,residues,atoms,area`. A chain for each label, in the order in which they
-/// come first: what a file lists behind the last chain belongs to the chain that it names.
+/// chain_area.csv: `chain,residues,atoms,area`. One line for each chain identifier, in the order of
+/// first occurrence. Waters and ligands that a file lists after the last chain are counted with the
+/// chain that they name.
 
 #include <cstddef>
 #include <cstdint>
@@ -37,12 +38,12 @@ class ChainAreas {
   ChainAreas& operator=(ChainAreas&&) = default;
 
   void add(const ChainArea& part);
-  /// In the order in which they came first.
+  /// Returns the chains in the order of first occurrence.
   std::span<const ChainArea> chains() const { return chains_; }
 
  private:
   std::vector<ChainArea> chains_;
-  std::map<std::string, std::size_t, std::less<>> places_;  // whose names the chains have
+  std::map<std::string, std::size_t, std::less<>> places_;  // index of each chain by name
 };
 
 /// Atoms of one residue, and the sum of their areas (square angstrom).
@@ -52,25 +53,25 @@ struct ResidueArea {
   double area = 0;
 };
 
-/// The sums over the atoms that have been added so far. The last residue stays open, as it may go
-/// on with the next atoms.
+/// The sums over the atoms that have been added so far. The last residue stays open, because the
+/// next atoms may belong to it.
 struct AreaTables {
   std::optional<ResidueArea> open;
   ChainAreas chains;
 };
 
-/// Appends the first line of residue_area.csv.
+/// Appends the header line of residue_area.csv.
 void append_residue_header(BufferedText& text);
 
-/// Adds further atoms, in their order, with an area for each. Appends a line of residue_area.csv
-/// for each residue that ends.
+/// Adds consecutive atoms with their areas. Appends a line of residue_area.csv for each residue
+/// that ends.
 void add_residues(AreaTables& tables, const ResidueRuns& runs, std::span<const double> areas,
                   BufferedText& text);
 
 /// Ends the last residue and appends its line.
 void end_residues(AreaTables& tables, BufferedText& text);
 
-/// All of chain_area.csv.
+/// Writes the whole of chain_area.csv.
 void write_chain_table(std::span<const ChainArea> chains, const TextSink& sink);
 
 }  // namespace eses::detail

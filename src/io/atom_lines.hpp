@@ -1,5 +1,5 @@
 #pragma once
-/// Reading atoms from text that arrives in pieces.
+/// Parsing of atoms from text that arrives in parts.
 
 #include <cstddef>
 #include <cstdint>
@@ -13,67 +13,67 @@
 
 namespace eses::detail {
 
-/// How the lines of an atom file are read.
+/// Parameters for reading the lines of an atom file.
 struct AtomLines {
   AtomFormat format = AtomFormat::xyzr;
-  std::string_view name;         ///< of the file, in messages
-  std::uint64_t first_line = 1;  ///< number of the first line in the file, 1-based
-  bool with_labels = false;      ///< only PQR has labels
-  std::uint64_t max_memory = 0;  ///< see ReadOptions
-  int model = 0;                 ///< see StructureOptions; only PQR has models
-  /// Number of the model in whose records the text begins. What is in no model is in model 1.
+  std::string_view name;         ///< name of the file, for messages
+  std::uint64_t first_line = 1;  ///< number of the first line in the file, from 1
+  bool with_labels = false;      ///< whether to read labels; only PQR files have them
+  std::uint64_t max_memory = 0;  ///< see ReadOptions::max_memory
+  int model = 0;                 ///< see StructureOptions::model; only for PQR files
+  /// Number of the model at the start of the text. Atoms outside of all models belong to model 1.
   int model_before = 1;
 };
 
-/// Counts of PQR records that look like those of a PDB file.
+/// Counts of PQR records that look like records of a PDB file.
 struct PdbLikeness {
-  /// Records with numbers where PDB files have occupancy and B-factor, as these are written there.
+  /// Number of records that have numbers in the columns and format of occupancy and B-factor.
   std::uint64_t layout = 0;
-  /// Of these, records whose numbers are improbable as charge and radius.
+  /// Number of these records whose values are improbable as charge and radius.
   std::uint64_t values = 0;
 };
 
 struct LinesRead {
   std::uint64_t lines = 0;
   PdbLikeness likeness;
-  std::uint64_t models = 0;  ///< MODEL records
-  int last_model = 0;        ///< number of the model in whose records the text ends
+  std::uint64_t models = 0;  ///< number of MODEL records
+  int last_model = 0;        ///< number of the model at the end of the text
 };
 
 /// Fills a part of a buffer and returns the number of characters; 0 at the end of the text.
 using ReadText = std::function<std::size_t(std::span<char> buffer)>;
 
-/// Appends the atoms of a text to `result`, in memory that does not grow with the text, and calls
-/// `after_part` now and then. Throws Error as read_atoms does, but not if there is no
-/// atom, nor if the text is a PDB file.
+/// Appends the atoms of a text to `result`. The memory does not grow with the text. Calls
+/// `after_part` after each part. Throws Error as read_atoms does, except for files without atoms
+/// and for PDB files.
 LinesRead read_atom_lines(const ReadText& read, const AtomLines& lines, AtomFile& result,
                           const std::function<void()>& after_part = {});
 
-/// The same for a text in memory, which must consist of whole lines.
+/// Does the same for a text in memory, which must consist of whole lines.
 LinesRead parse_atom_lines(std::string_view text, const AtomLines& lines, AtomFile& result);
 
-/// read_atoms, which calls `after_part` now and then with what it has read so far.
+/// Implements read_atoms. Calls `after_part` after each part with the atoms read so far.
 AtomFile read_atom_file(const std::filesystem::path& path, const ReadOptions& options,
                         const std::function<void(AtomFile& atoms)>& after_part);
 
-/// parse_atoms, with the format, the name and the labels that `lines` has.
+/// Implements parse_atoms, with the format, name and labels of `lines`.
 AtomFile parse_atom_text(std::string_view text, const AtomLines& lines);
 
-/// What a file is read as: `format`, or by its suffix, of NAME.gz that of NAME.
+/// Returns `format` or, if it is automatic, the format by the suffix of the path without .gz.
 AtomFormat format_of(const std::filesystem::path& path, AtomFormat format);
 
-/// Memory that the process may hold while it reads within a limit; 0 if that is 0. A few MiB are
-/// allowed in any case.
+/// Returns the limit of the resident memory while the process reads, in bytes; 0 if `max_memory` is
+/// 0. Reading may always add a few MiB.
 std::uint64_t max_resident_while_reading(std::uint64_t max_memory);
 
-/// Throws Error if a PQR file has several models, of which none is chosen.
+/// Throws Error if a PQR file has several models and none was chosen.
 void refuse_models(std::string_view name, std::uint64_t models);
 
-/// Throws Error if the records of a PQR file, as many as `atoms`, are those of a PDB file.
+/// Throws Error if most of the `atoms` records of a PQR file look like records of a PDB file.
 void refuse_pdb_records(std::string_view name, std::uint64_t atoms, const PdbLikeness& likeness);
 
-/// The message for a file that has this number of lines and no atom, or none in the model that is
-/// read.
+/// Returns the message for a file of this number of lines without atoms, or without atoms in the
+/// chosen model.
 std::string no_atoms_message(std::string_view name, AtomFormat format, std::uint64_t lines,
                              int model = 0);
 

@@ -1,5 +1,5 @@
 #pragma once
-/// Names of many atoms in little memory, for messages about a few of them.
+/// Compact storage of the names of many atoms.
 
 #include <algorithm>
 #include <cstddef>
@@ -14,7 +14,8 @@
 
 namespace eses::detail {
 
-/// The labels of consecutive atoms. Atoms share the labels of their residues and their names.
+/// The labels of consecutive atoms. Labels of residues and names of atoms are stored once and
+/// shared.
 class AtomNames {
  public:
   bool is_empty() const { return of_atom_.empty(); }
@@ -29,7 +30,7 @@ class AtomNames {
     of_atom_.push_back(found->second);
   }
 
-  /// The label of an atom, numbered from 0 in the order of add().
+  /// Returns the label of an atom, numbered from 0 in the order of add().
   AtomLabel label(std::size_t atom) const {
     const auto after = std::upper_bound(first_atoms_.begin(), first_atoms_.end(), atom);
     AtomLabel result = residues_.labels[static_cast<std::size_t>(after - first_atoms_.begin()) - 1];
@@ -39,8 +40,8 @@ class AtomNames {
 
  private:
   ResidueRuns residues_;
-  std::vector<std::size_t> first_atoms_;  // by run
-  std::vector<std::string> names_;        // each once
+  std::vector<std::size_t> first_atoms_;  // first atom of each residue run
+  std::vector<std::string> names_;        // distinct names of atoms
   std::unordered_map<std::string, std::uint32_t> indices_;
   std::vector<std::uint32_t> of_atom_;
 };

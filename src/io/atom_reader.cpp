@@ -28,29 +28,29 @@
 namespace eses::detail {
 namespace {
 
-// Far beyond any molecule; a larger number is a misread column or a wrong unit, and would give a
-// grid that nobody can hold.
+// Maximum absolute value of a coordinate or radius. Larger numbers come from misread columns or a
+// wrong unit, and would give a grid that exceeds any memory.
 constexpr double max_length = 1e6;  // angstrom
 
-// `0 0 0 0` and a newline: no atom takes less text.
+// Length of `0 0 0 0` and a newline, the shortest line of an atom.
 constexpr std::size_t min_atom_line_length = 8;  // characters
 
-// Text that is parsed at a time; little enough that a large binary file passed by mistake is
-// noticed at once.
+// Size of the parts in which text is parsed. It is small, so that a large binary file is detected
+// early.
 constexpr std::size_t part_bytes = std::size_t{1} << 18;
 static_assert(max_line_length < part_bytes);
 
-// Reading may add this to the memory of the process whatever the limit. Limits that are smaller
-// than that are refused when the run is planned, with the smallest limit that would do.
+// Memory that reading may always add to that of the process. A limit below it is refused later, by
+// the plan, whose message names the smallest sufficient limit.
 constexpr std::uint64_t always_granted_bytes = std::uint64_t{4} << 20;
 
-// The largest index stays free, so that it may stand for "no atom".
+// The largest index is reserved for "no atom".
 constexpr std::size_t max_atoms = std::numeric_limits<AtomIndex>::max();
 
 // ---------------------------------------------------------------------------- characters, fields
 
 constexpr bool is_control(char c) {
-  // Bitwise, as the compiler vectorises no short-circuits.
+  // Bitwise operators, because compilers do not vectorize short-circuit evaluation.
   const auto byte = static_cast<unsigned char>(c);
   return ((byte < 0x20) & (c != '\t') & (c != '\n') & (c != '\r')) | (byte == 0x7f);
 }
@@ -67,7 +67,7 @@ std::size_t count_fields(std::string_view text) {
   return count;
 }
 
-/// Removes the first line from `rest`; its end, LF or CRLF, is not part of it.
+/// Removes the first line from `rest`, and returns it without its end, LF or CRLF.
 std::string_view take_line(std::string_view& rest) {
   const std::size_t end = std::min(rest.find('\n'), rest.size());
   std::string_view line = rest.substr(0, end);
@@ -105,12 +105,12 @@ constexpr Quantity quantity_z{"z", -max_length, max_length};
 constexpr Quantity quantity_charge{"charge", -max_double, max_double};
 constexpr Quantity quantity_radius{"radius", 0, max_length};
 
-/// What is wrong with a line; text for the user is made of it only when it is final, because the
-/// PQR reader tries two layouts.
+/// The fault of a line. Its message is made only when the line is rejected, because the PQR reader
+/// tries two layouts.
 struct Problem {
   Fault fault = Fault::none;
-  std::string_view quantity;  // name
-  std::string_view text;      // the field, a part of the line even if empty
+  std::string_view quantity;  // name of the quantity
+  std::string_view text;      // the field, a view of the line even if empty
 
   explicit operator bool() const { return fault != Fault::none; }
 };
@@ -132,10 +132,10 @@ Problem read_value(std::string_view text, const Quantity& quantity, double& valu
   return {fault, quantity.name, text};
 }
 
-/// What one line tells.
+/// The data of one line.
 struct Record {
   Atom atom;
-  AtomLabel label;  // of PQR only
+  AtomLabel label;  // only for PQR
 };
 
 // --------------------------------------------------------------------------------- lines: xyzr
@@ -170,11 +170,11 @@ Problem parse_xyzr(std::string_view line, Record& record) {
 
 // ---------------------------------------------------------------------------------- lines: PQR
 //
-// `ATOM serial name residue [chain] number x y z charge radius`, free format:
-// https://apbs.readthedocs.io/en/latest/formats/pqr.html
-// Programs that keep to the columns of PDB files write numbers without a blank in between,
-// https://www.wwpdb.org/documentation/file-format-content/format33/sect9.html
-// Some append an element symbol, as PDB files have it; ESES and APBS do not read that far.
+// The free format is `ATOM serial name residue [chain] number x y z charge radius`, see
+// https://apbs.readthedocs.io/en/latest/formats/pqr.html. Programs that use the columns of PDB
+// files may write numbers without a blank between them, see
+// https://www.wwpdb.org/documentation/file-format-content/format33/sect9.html. Some programs append
+// an element symbol, as in PDB files. ESES and APBS ignore it.
 
 constexpr std::array pqr_quantities{quantity_x, quantity_y, quantity_z, quantity_charge,
                                     quantity_radius};
@@ -183,7 +183,7 @@ using PqrFields = std::array<std::string_view, pqr_quantities.size()>;
 constexpr std::size_t first_coordinate_column = 30;  // 0-based
 constexpr std::size_t coordinate_width = 8;
 constexpr std::size_t end_of_coordinates = first_coordinate_column + 3 * coordinate_width;
-// Charge and radius as pdb2pqr writes them, %8.4f and %7.4f.
+// Widths of charge and radius as pdb2pqr writes them, %8.4f and %7.4f.
 constexpr std::size_t charge_width = 8, radius_width = 7;
 constexpr std::size_t radius_column = end_of_coordinates + charge_width;
 constexpr std::size_t end_of_radius = radius_column + radius_width;
@@ -197,7 +197,8 @@ Problem read_pqr_values(const PqrFields& fields, Atom& atom) {
   return {};
 }
 
-/// Record, serial, name, residue and residue number; the chain may be absent.
+/// Returns the number of fields before the coordinates without a chain: record, serial number, atom
+/// name, residue name and residue number.
 std::size_t min_leading_fields(std::string_view line) {
   std::string_view rest = line;
   const std::string_view record = take_first(rest);
@@ -205,8 +206,8 @@ std::size_t min_leading_fields(std::string_view line) {
   return holds_serial ? 4 : 5;
 }
 
-/// Where charge or radius is missing, counting from the end takes the residue number for x, and
-/// the atom would be read without complaint.
+/// Returns whether x seems to be the residue number, because charge or radius is missing. Fields
+/// are counted from the end of the line, so the record would otherwise be read with wrong values.
 bool looks_like_residue_number(std::string_view x, std::string_view leading) {
   const bool is_integer =
       std::all_of(x.begin(), x.end(), [](char c) { return c == '-' || is_digit(c); });
@@ -214,14 +215,14 @@ bool looks_like_residue_number(std::string_view x, std::string_view leading) {
   return is_integer && std::none_of(before.begin(), before.end(), is_digit);
 }
 
-/// Whether a field is a number with a decimal point, which no name or residue number is.
+/// Returns whether a field is a number with a decimal point. Names and residue numbers are not.
 bool is_decimal(std::string_view field) {
   double value = 0;
   return field.find('.') != std::string_view::npos && parse_number(field, value) == std::errc{};
 }
 
-/// ESES takes the last two numbers for charge and radius, APBS the fourth and fifth: where a record
-/// has more numbers they would read different atoms.
+/// Returns whether there are more than five numbers. Such a record is ambiguous: ESES reads the
+/// last two numbers as charge and radius, APBS the fourth and fifth.
 bool ends_with_decimal(std::string_view leading) { return is_decimal(take_last(leading)); }
 
 Problem parse_pqr_fields(std::string_view line, Record& record) {
@@ -231,7 +232,7 @@ Problem parse_pqr_fields(std::string_view line, Record& record) {
   if (count_fields(leading) < min_leading_fields(line)) return {Fault::too_few_fields, {}, line};
   const Problem problem = read_pqr_values(fields, record.atom);
   if (!problem && ends_with_decimal(leading)) return {Fault::extra_number, {}, fields.back()};
-  // Of two complaints the plainer one: text that is no number.
+  // If two errors apply, the one about text that is not a number is clearer.
   if (problem.fault != Fault::not_a_number && looks_like_residue_number(fields[0], leading)) {
     return {Fault::residue_number, quantity_x.name, fields[0]};
   }
@@ -244,8 +245,8 @@ std::string_view coordinate_column(std::string_view line, std::size_t axis) {
   return without_leading_blanks(line.substr(start, coordinate_width));
 }
 
-/// A decimal point and a digit at the end are demanded because then no number of a line in free
-/// format, wherever the columns cut it, passes for two.
+/// Returns whether a column holds a number. A decimal point and a digit at the end are required, so
+/// that columns never split one number of the free format into two.
 bool is_column_number(std::string_view text) {
   double value = 0;
   return !text.empty() && is_digit(text.back()) && text.find('.') != std::string_view::npos &&
@@ -266,7 +267,7 @@ bool ends_at(std::string_view line, std::size_t column) {
   return line.size() == column || (line.size() > column && is_blank(line[column]));
 }
 
-/// Whether charge and radius fill their columns without a blank in between.
+/// Returns whether charge and radius fill their columns without a blank between them.
 bool has_joined_charge_and_radius(std::string_view line) {
   if (line.size() < end_of_radius || !ends_at(line, end_of_radius)) return false;
   const std::string_view radius = line.substr(radius_column, radius_width);
@@ -290,7 +291,7 @@ Problem parse_pqr_columns(std::string_view line, Record& record) {
                          record.atom);
 }
 
-/// Whether a field is an element symbol, perhaps with a formal charge: `N`, `Zn`, `O1-`.
+/// Returns whether a field is an element symbol, optionally with a formal charge: `N`, `Zn`, `O1-`.
 bool is_element(std::string_view field) {
   std::size_t letters = 0;
   while (letters < field.size() && is_letter(field[letters])) ++letters;
@@ -313,15 +314,15 @@ Problem parse_pqr(std::string_view line, Record& record) {
 
 // ---------------------------------------------------------------- PDB files that are named .pqr
 //
-// PDB files have the occupancy in columns 55 to 60 and the B-factor in columns 61 to 66, both as
-// %6.2f, where PQR files have charge and radius.
+// PDB files have the occupancy in columns 55 to 60 and the B-factor in columns 61 to 66, both in
+// the format %6.2f. PQR files have charge and radius there.
 
 constexpr std::size_t occupancy_width = 6, b_factor_width = 6;
 constexpr std::size_t b_factor_column = end_of_coordinates + occupancy_width;
 constexpr std::size_t end_of_b_factor = b_factor_column + b_factor_width;
-constexpr double max_usual_radius = 4;  // angstrom; B-factors are mostly larger
+constexpr double max_usual_radius = 4;  // angstrom; most B-factors are larger
 
-/// Reads a number that ends a column of `width` characters with so many decimals.
+/// Reads a number that fills a column of `width` characters and has this number of decimals.
 bool read_fixed(std::string_view line, std::size_t column, std::size_t width, std::size_t decimals,
                 double& value) {
   const std::string_view text = line.substr(column, width);
@@ -331,7 +332,7 @@ bool read_fixed(std::string_view line, std::size_t column, std::size_t width, st
          parse_number(without_leading_blanks(text), value) == std::errc{};
 }
 
-/// Adds a record to the counts.
+/// Updates the counts with a record.
 void add_record(std::string_view line, PdbLikeness& likeness) {
   double x = 0, y = 0, z = 0, occupancy = 0, b_factor = 0;
   const auto read = [line](std::size_t column, std::size_t width, std::size_t decimals,
@@ -389,8 +390,8 @@ std::string description(const Problem& problem, std::string_view line) {
         min_leading_fields(line) + pqr_quantities.size(), count_fields(line));
   }
   if (problem.fault == Fault::extra_number)
-    return "more than five numbers where x y z charge radius are expected; remove what is behind "
-           "the radius";
+    return "more than five numbers, expected x y z charge radius; remove the fields after the "
+           "radius";
   const auto start = static_cast<std::size_t>(problem.text.data() - line.data());
   return fmt::format("field {} ({}): {}", count_fields(line.substr(0, start)) + 1, problem.quantity,
                      reason(problem));
@@ -413,7 +414,7 @@ void check_encoding(std::string_view text, std::string_view name) {
   }
 }
 
-/// Without an early exit, so that the loop over all of the text is vectorised.
+/// Scans the whole text without an early exit, so that the loop is vectorized.
 bool holds_control_character(std::string_view text) {
   unsigned char found = 0;
   for (const char c : text) found = static_cast<unsigned char>(found | is_control(c));
@@ -429,8 +430,8 @@ void check_is_text(std::string_view text, std::string_view name, std::size_t fir
                    static_cast<unsigned>(*culprit)));
 }
 
-/// Names the format of PDB and mmCIF files that are read as another one. PQR files may have the
-/// header of the PDB file that they are made of.
+/// Throws Error with the name of the format if a text is a PDB or mmCIF file. PQR files may keep
+/// the header of the PDB file from which they were made.
 void refuse_structure(std::string_view text, std::string_view name, AtomFormat format) {
   const AtomFormat found = structure_format_of(text);
   if (found == AtomFormat::mmcif)
@@ -443,7 +444,7 @@ bool is_model_record(std::string_view line) {
   return starts_with_ignoring_case(line, "model") && (line.size() == 5 || is_blank(line[5]));
 }
 
-/// The number in a MODEL record. Throws Error if there is none.
+/// Returns the number of a MODEL record. Throws Error if there is none.
 int model_number(std::string_view line, std::string_view name, std::size_t number) {
   std::string_view rest = line;
   take_first(rest);
@@ -456,9 +457,9 @@ int model_number(std::string_view line, std::string_view name, std::size_t numbe
 }
 
 void check_line(std::string_view line, std::string_view name, std::size_t number) {
-  // Else a file whose lines all end in CR would be one line, with one atom and further columns.
+  // A file with CR line ends would otherwise be read as one line, with one atom and extra columns.
   if (line.find('\r') != std::string_view::npos) {
-    fail(name, number, "carriage return inside the line; lines must end in LF or CRLF");
+    fail(name, number, "carriage return inside the line; expected LF or CRLF line ends");
   }
   if (line.size() > max_line_length) {
     fail(name, number, fmt::format("more than {} characters in the line", max_line_length));
@@ -470,8 +471,8 @@ std::string_view without_byte_order_mark(std::string_view text) {
   return text.starts_with(mark) ? text.substr(mark.size()) : text;
 }
 
-/// An upper bound of the number of atoms, so that the vector need not grow; blank lines, however
-/// many, do not inflate it.
+/// Returns an upper bound of the number of atoms, for the capacity of the vector. Blank lines are
+/// not counted.
 std::size_t estimate_atoms(std::string_view text) {
   const auto lines = static_cast<std::size_t>(std::count(text.begin(), text.end(), '\n')) + 1;
   return std::min(lines, text.size() / min_atom_line_length + 1);
@@ -483,7 +484,8 @@ std::size_t estimate_atoms(std::string_view text) {
   throw MemoryLimitError(fmt::format("cannot read {}: out of memory", name));
 }
 
-/// Calls `take` for pieces of a text, each of whole lines except for a line that is too long.
+/// Calls `take` with parts of a text that consist of whole lines. A line longer than the limit may
+/// be split.
 void for_whole_lines(const ReadText& read, const std::function<void(std::string_view text)>& take) {
   std::vector<char> buffer(part_bytes);
   for (std::size_t used = 0;;) {
@@ -501,13 +503,13 @@ void for_whole_lines(const ReadText& read, const std::function<void(std::string_
   }
 }
 
-/// Keeps the memory of the process within a limit while lists of atoms grow.
+/// Keeps the resident memory within the limit while the lists of atoms grow.
 class GrowthLimit {
  public:
   explicit GrowthLimit(const AtomLines& lines)
       : lines_(lines), max_resident_(max_resident_while_reading(lines.max_memory)) {}
 
-  /// Makes room for `added` more atoms, or throws Error if their memory exceeds the limit.
+  /// Reserves memory for `added` more atoms. Throws Error if it exceeds the limit.
   void make_room(std::size_t added, std::uint64_t line, AtomFile& result) const {
     const std::size_t wanted = result.atoms.size() + added;
     const bool is_copied = wanted > result.atoms.capacity();
@@ -527,8 +529,8 @@ class GrowthLimit {
   void require(std::uint64_t bytes, std::size_t atoms, std::uint64_t line) const {
     if (lines_.max_memory == 0 || resident_memory() + bytes <= max_resident_) return;
     fail(lines_.name, line,
-         fmt::format("reading more than {} atoms takes more memory than the {} that the run may "
-                     "hold; use a larger limit (--max-memory)",
+         fmt::format("reading more than {} atoms exceeds the memory limit of {}; use a larger "
+                     "limit (--max-memory)",
                      atoms, binary_bytes_text(lines_.max_memory)));
   }
 
@@ -636,8 +638,8 @@ LinesRead read_atom_lines(const ReadText& read, const AtomLines& lines, AtomFile
 }
 
 void refuse_pdb_records(std::string_view name, std::uint64_t atoms, const PdbLikeness& likeness) {
-  // Few records of PDB files are written otherwise. A PQR file with charges of two decimals has
-  // negative ones among them, which add_record does not count.
+  // Most records of PDB files have these formats. PQR files with charges of two decimals do as
+  // well, but half of their charges are negative, and add_record does not count those.
   if (10 * likeness.layout < 9 * atoms || 2 * likeness.values < atoms) return;
   throw Error(
       fmt::format("{}: this is a PDB file: its columns 55 to 66 hold occupancy and B-factor, which "

@@ -15,12 +15,12 @@
 namespace eses::detail {
 namespace {
 
-// As many as the program takes, and few enough for 64 bits.
+// Maximum number of grid points that the program accepts. It fits into 64 bits.
 constexpr double max_points = 1e17;
-// The largest index of an atom stays free, so that it may stand for "no atom".
+// Maximum index of an atom. The largest value of AtomIndex is reserved for "no atom".
 constexpr std::int64_t max_atom = std::int64_t{std::numeric_limits<AtomIndex>::max()} - 1;
 
-/// Takes a line apart, field by field.
+/// Parses the fields of a line, one after the other.
 class Fields {
  public:
   Fields(const LineReader& lines, std::string_view line)
@@ -31,7 +31,7 @@ class Fields {
     return at_ != end_;
   }
 
-  /// A whole number from 0 to `largest`.
+  /// Returns a whole number from 0 to `largest`.
   std::int64_t index(std::string_view name, std::int64_t largest) {
     more();
     const char* const start = at_;
@@ -47,7 +47,7 @@ class Fields {
     more();
     const char* const start = at_;
     double value = 0;
-    // What C prints is read in one go; the rest may be in order all the same.
+    // std::from_chars reads everything that C prints. Other spellings are parsed again below.
     const auto [stop, error] = std::from_chars(at_, end_, value);
     at_ = stop;
     if (error != std::errc{} || !is_field_end(stop)) value = number_in_other_spelling(start, name);
@@ -55,7 +55,7 @@ class Fields {
     return value;
   }
 
-  /// Whether a point is inside.
+  /// Returns whether a point is inside.
   bool sign(std::string_view name) {
     more();
     const char* const start = at_;
@@ -163,7 +163,7 @@ GridEdge read_edge(const LineReader& lines, Fields& fields, const GridIndex& siz
   return edge;
 }
 
-/// The adjacent atoms as a set: ascending, none twice.
+/// Reads the adjacent atoms as a set: in ascending order, without duplicates.
 void read_adjacent_atoms(Fields& fields, Crossing& crossing) {
   crossing.atoms = {};
   std::size_t count = 0;
@@ -182,7 +182,7 @@ void read_adjacent_atoms(Fields& fields, Crossing& crossing) {
 
 std::optional<std::filesystem::path> find_eses_file(const std::filesystem::path& directory,
                                                     EsesFile file) {
-  // Whatever has the name counts, so that opening it tells what is wrong with it.
+  // Accepts anything of this name, so that opening it gives a specific error.
   const auto is_there = [](const std::filesystem::path& path) {
     std::error_code ignored;
     return std::filesystem::symlink_status(path, ignored).type() !=

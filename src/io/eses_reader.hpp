@@ -1,7 +1,7 @@
 #pragma once
-/// Reading the files that ESES and this program write: plain or gzipped, in any order of lines,
-/// with numbers in any spelling of C or Fortran, line by line. Every reader throws Error, naming
-/// file, line and field, at the first line that is not as the format says.
+/// Readers for the files that ESES and this program write. The files may be plain or gzipped, with
+/// lines in any order and numbers in any format of C or Fortran. They are read line by line. All
+/// readers throw Error with the file, line and field of the first error.
 
 #include <array>
 #include <compare>
@@ -29,11 +29,11 @@ constexpr std::string_view name_of(EsesFile file) {
   return eses_file_names[static_cast<std::size_t>(file)];
 }
 
-/// NAME in `directory` or, where there is none, NAME.gz.
+/// Returns the path of NAME in `directory` or, if it does not exist, of NAME.gz.
 std::optional<std::filesystem::path> find_eses_file(const std::filesystem::path& directory,
                                                     EsesFile file);
 
-/// What bounding_box.txt holds.
+/// The contents of bounding_box.txt.
 struct BoundingBox {
   Vec3 lower, upper;  ///< first and last grid point, angstrom
   GridIndex size{};   ///< points along x, y and z, > 0
@@ -41,8 +41,8 @@ struct BoundingBox {
 
 BoundingBox read_bounding_box(const std::filesystem::path& path);
 
-/// The most points along an axis that the readers take; where the true size is unknown, it stands
-/// for it.
+/// Maximum number of points along an axis that the readers accept. It also serves as the size of a
+/// grid of unknown size.
 inline constexpr std::int64_t max_grid_points = std::numeric_limits<std::int32_t>::max();
 inline constexpr GridIndex unknown_size{max_grid_points, max_grid_points, max_grid_points};
 
@@ -63,8 +63,8 @@ class GridReader {
   GridIndex size_;
 };
 
-/// A grid edge with one end inside and one outside, as a place in the grid. They are ordered by
-/// their lower grid point (z, then y, then x), then by axis.
+/// A grid edge with one end inside and one outside. Edges are ordered by their lower grid point (z,
+/// then y, then x), then by axis.
 struct GridEdge {
   std::array<std::int32_t, 3> lower{};  ///< grid index of its lower end
   std::uint8_t axis = 0;                ///< 0, 1, 2: it runs along x, y, z
@@ -91,7 +91,7 @@ struct GridEdge {
   }
 };
 
-/// The edge of a crossing.
+/// Returns the edge of a crossing.
 inline GridEdge edge_of(const Crossing& crossing) {
   const auto lower = [&](std::size_t axis) {
     return static_cast<std::int32_t>(crossing.lower[axis]);
@@ -104,7 +104,7 @@ class EdgeReader {
   explicit EdgeReader(const std::filesystem::path& path, const GridIndex& size = unknown_size)
       : lines_(path), size_(size) {}
   bool next(Crossing& crossing);
-  /// The next line as far as it tells the place; what follows on it is not looked at.
+  /// Reads the edge of the next line. The remaining fields of the line are not parsed.
   bool next(GridEdge& edge);
 
  private:

@@ -10,7 +10,8 @@
 namespace eses::detail {
 namespace {
 
-// Longest line of intersection_info.txt: 6 indices, 6 numbers, 3 atoms, each with a blank.
+// Maximum length of a line of intersection_info.txt: 6 indices, 6 numbers and 3 atoms, each with a
+// separator.
 constexpr std::size_t max_crossing_line_length = 15 * (max_number_length + 1) + 1;
 
 template <class Token>
@@ -28,8 +29,8 @@ char* write_grid_index(char* out, double value) {
   return write_index(out, static_cast<std::uint64_t>(value));
 }
 
-// Copies the whole token and lets what follows overwrite what is too much; where it is written
-// there is room for it.
+// Copies the whole fixed-size token, which is faster than its exact length. The next text
+// overwrites the excess. The caller reserves `overrun` bytes for the last token.
 template <class Token>
 char* append(char* out, const Token& token) {
   std::memcpy(out, &token, sizeof token);
@@ -56,12 +57,12 @@ std::size_t decimal_digits(std::uint64_t value) {
   return digits;
 }
 
-// A line of grid_info.txt less its first index, with zeros in that one's place: lines come of a
-// bitwise or with the index's text.
+// A line of grid_info.txt after its first index, with zero bytes in place of that index. A bitwise
+// or with the text of the index gives the line.
 template <std::size_t words>
 struct LineTail {
   std::array<std::uint64_t, words> text{};
-  std::size_t length = 0;  // of the whole line
+  std::size_t length = 0;  // length of the whole line
 
   LineTail(std::size_t index_length, std::span<const char> tail)
       : length(index_length + tail.size()) {
@@ -79,7 +80,7 @@ char* append_line(char* out, const std::array<std::uint64_t, 2>& index,
   return out + tail.length;
 }
 
-// The lines of points whose first index has the same number of digits.
+// Appends the lines of points whose first indices have the same number of digits.
 template <std::size_t words>
 char* append_lines(char* out, std::span<const std::array<std::uint64_t, 2>> indices,
                    std::size_t begin, std::size_t end, std::span<const std::uint64_t> inside,
@@ -97,8 +98,8 @@ char* append_lines(char* out, std::span<const std::array<std::uint64_t, 2>> indi
   return out;
 }
 
-// `first` is the first point's index, and `tails` by sign what follows it, the same in the whole
-// row.
+// Appends the lines of a row. `first` is the first index of the first point. `tails` is the rest of
+// the line for each sign, which is the same for all points of the row.
 template <std::size_t words>
 char* append_row_lines(char* out, std::span<const std::array<std::uint64_t, 2>> indices,
                        std::size_t first, std::span<const std::uint64_t> inside,
@@ -153,7 +154,7 @@ void GridText::append_row(TextBuffer& text, std::int64_t y, std::int64_t z,
                       : append_row_lines<long_words>(out, row_indices_, first, inside, tails));
 }
 
-// What the lines of one row have in common.
+// Text that the lines of one row share.
 struct GridText::RowText {
   std::array<Token<32>, 3> indices;  // `y z` of the upper ends of edges along x, y and z
   const Token<32>& y;                // coordinates
@@ -220,7 +221,7 @@ char* GridText::append_crossing(char* out, std::int64_t x, const RowText& row,
 }
 
 std::uint64_t max_grid_bytes(const GridRegion& region) {
-  std::uint64_t line = 3;  // sign, digit, newline
+  std::uint64_t line = 3;  // sign, digit and newline
   for (const std::int64_t n : region.end)
     line += static_cast<std::uint64_t>(decimal_digits(static_cast<std::uint64_t>(n - 1))) + 1;
   return static_cast<std::uint64_t>(region.point_count()) * line;

@@ -1,5 +1,5 @@
 #pragma once
-/// A file descriptor that is closed with its owner.
+/// Owner of a file descriptor.
 
 #include <unistd.h>
 
@@ -21,7 +21,7 @@ class FileDescriptor {
   bool is_open() const { return value_ >= 0; }
   int value() const { return value_; }
 
-  /// 0, or -1 with errno set; the descriptor is gone in either case.
+  /// Returns 0, or -1 and sets errno. The descriptor is released in either case.
   int close() noexcept { return is_open() ? ::close(std::exchange(value_, -1)) : 0; }
 
  private:

@@ -1,4 +1,4 @@
-// Grids of existing files: the headers of OpenDX and VTK image data, and bounding_box.txt.
+// Readers of grids from existing files: headers of OpenDX and VTK image data, and bounding_box.txt.
 
 #include "io/grid_reader.hpp"
 
@@ -20,11 +20,11 @@
 namespace eses::detail {
 namespace {
 
-// Spacings that differ by less than this share are equal: APBS prints seven digits.
+// Spacings that differ by a smaller relative amount are treated as equal. APBS prints seven digits.
 constexpr double spacing_precision = 2e-6;
 constexpr std::string_view gzip_suffix = ".gz";
-// Maximum number of lines before the data. Files have a few; the limit ends the reading of a file
-// of another format.
+// Maximum number of lines before the data. Valid files have a few lines; the limit stops the search
+// in files of other formats.
 constexpr int max_header_lines = 1000;
 
 double number_in(const LineReader& lines, std::string_view& fields, std::string_view what) {
@@ -42,7 +42,7 @@ Vec3 vector_in(const LineReader& lines, std::string_view& fields, std::string_vi
   return vector;
 }
 
-// A whole number of at least `min`.
+// Parses a whole number of at least `min`.
 std::int64_t index_in(const LineReader& lines, std::string_view& fields, std::string_view what,
                       std::int64_t min) {
   const double value = number_in(lines, fields, what);
@@ -53,7 +53,7 @@ std::int64_t index_in(const LineReader& lines, std::string_view& fields, std::st
   return static_cast<std::int64_t>(value);
 }
 
-// The one spacing of all axes.
+// Returns the spacing, which must be the same along all axes.
 double common_spacing(const LineReader& lines, const Vec3& spacing) {
   for (const double value : {spacing.x, spacing.y, spacing.z})
     if (!(value > 0))
@@ -68,7 +68,7 @@ double common_spacing(const LineReader& lines, const Vec3& spacing) {
   return spacing.x;
 }
 
-// OpenDX: the object of grid positions.
+// Reads the grid positions of an OpenDX file.
 Grid read_dx(const std::filesystem::path& path) {
   LineReader lines(path);
   Grid grid;
@@ -100,7 +100,7 @@ Grid read_dx(const std::filesystem::path& path) {
   return grid;
 }
 
-// The value of an attribute of an XML tag.
+// Returns the value of an attribute of an XML tag.
 std::string_view attribute_in(const LineReader& lines, std::string_view tag,
                               std::string_view name) {
   for (std::size_t at = tag.find(name); at != std::string_view::npos; at = tag.find(name, at + 1)) {
@@ -116,7 +116,7 @@ std::string_view attribute_in(const LineReader& lines, std::string_view tag,
   lines.fail(fmt::format("the tag ImageData has no attribute {}", name));
 }
 
-// The tag <ImageData ...>, its line ends as blanks.
+// Returns the tag <ImageData ...>, with line ends replaced by blanks.
 std::string image_tag(LineReader& lines) {
   constexpr std::string_view begin = "<ImageData";
   std::string tag;
@@ -134,7 +134,7 @@ std::string image_tag(LineReader& lines) {
   lines.fail("expected the tag ImageData of VTK image data");
 }
 
-// VTK image data: indices need not begin with 0.
+// Reads the grid of VTK image data. Its indices need not start at 0.
 Grid read_vti(const std::filesystem::path& path) {
   LineReader lines(path);
   const std::string tag = image_tag(lines);
@@ -153,7 +153,7 @@ Grid read_vti(const std::filesystem::path& path) {
   return grid;
 }
 
-// How far the last point of a grid may be off that of the file: corners have 13 digits.
+// Returns the tolerance of the last corner: corners are written with 13 digits.
 double corner_precision(const BoundingBox& box, std::size_t axis) {
   constexpr double printed = 1e-12;
   return printed * std::max(std::fabs(box.lower[axis]), std::fabs(box.upper[axis]));
@@ -168,8 +168,8 @@ bool fits(const BoundingBox& box, double spacing) {
   return true;
 }
 
-// The corners are rounded; of all spacings that they allow the one with the shortest text is most
-// likely the one with which they were made.
+// The corners are rounded, so a range of spacings is consistent with them. The spacing with the
+// shortest decimal text is most likely the original one.
 double shortest_spacing(const BoundingBox& box, double estimate) {
   for (int digits = 1; digits < 17; ++digits) {
     double spacing = 0;
@@ -187,7 +187,7 @@ Grid read_box(const std::filesystem::path& path) {
   const auto cells = static_cast<double>(box.size[longest] - 1);
   const double spacing = (box.upper[longest] - box.lower[longest]) / cells;
   if (!(spacing > 0) || !std::isfinite(spacing))
-    throw Error(fmt::format("{}: the corners and counts give no spacing", path.string()));
+    throw Error(fmt::format("{}: the corners and counts give no valid spacing", path.string()));
   Grid grid{box.lower, shortest_spacing(box, spacing), box.size};
   for (std::size_t axis = 0; axis < 3; ++axis)
     if (std::fabs(grid.upper()[axis] - box.upper[axis]) >
@@ -220,10 +220,9 @@ Grid read_grid(const std::filesystem::path& path) {
   using detail::GridFileFormat;
   const auto format = detail::grid_file_format(path.filename().string());
   if (!format)
-    throw Error(fmt::format(
-        "{}: the name of a file that has a grid must end with .dx, .vti or .txt, or one of these "
-        "and .gz",
-        path.string()));
+    throw Error(
+        fmt::format("{}: a grid file needs the suffix .dx, .vti or .txt, or one of these and .gz",
+                    path.string()));
   if (*format == GridFileFormat::dx) return detail::read_dx(path);
   return *format == GridFileFormat::vti ? detail::read_vti(path) : detail::read_box(path);
 }

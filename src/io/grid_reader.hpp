@@ -1,5 +1,5 @@
 #pragma once
-/// The files from which eses::read_grid takes a grid.
+/// Formats of the files from which eses::read_grid takes a grid.
 
 #include <optional>
 #include <string_view>
@@ -12,10 +12,10 @@ enum class GridFileFormat {
   box,  ///< bounding_box.txt
 };
 
-/// By the end of the name, with or without .gz: `.dx`, `.vti` or `.txt`.
+/// Returns the format by the suffix of the name without .gz: `.dx`, `.vti` or `.txt`.
 std::optional<GridFileFormat> grid_file_format(std::string_view name);
 
-/// Returns whether two spacings are equal as far as the seven digits tell that APBS prints.
+/// Returns whether two spacings are equal within the seven digits that APBS prints.
 bool is_same_spacing(double a, double b);
 
 }  // namespace eses::detail

@@ -3,7 +3,7 @@
 #include <new>
 
 namespace eses::detail {
-// zlib does not write to what it reads, though its interface does not say so.
+// zlib does not modify its input, but its interface takes a pointer to non-const.
 Bytef* zlib_bytes(std::span<const char> bytes) {
   return reinterpret_cast<Bytef*>(const_cast<char*>(bytes.data()));  // NOLINT
 }
@@ -21,13 +21,13 @@ Gzip::~Gzip() { deflateEnd(&stream_); }
 
 std::span<const char> Gzip::member(std::span<const char> text) {
   deflateReset(&stream_);
-  const uLong most = deflateBound(&stream_, static_cast<uLong>(text.size()));
-  if (bytes_.size() < most) bytes_.resize(most);
+  const uLong max_bytes = deflateBound(&stream_, static_cast<uLong>(text.size()));
+  if (bytes_.size() < max_bytes) bytes_.resize(max_bytes);
   stream_.next_in = zlib_bytes(text);
   stream_.avail_in = static_cast<uInt>(text.size());
   stream_.next_out = reinterpret_cast<Bytef*>(bytes_.data());
   stream_.avail_out = static_cast<uInt>(bytes_.size());
-  deflate(&stream_, Z_FINISH);  // into as much room as it may need: it always comes to the end
+  deflate(&stream_, Z_FINISH);  // completes in one call, as the buffer has deflateBound() bytes
   return std::span(bytes_).first(bytes_.size() - stream_.avail_out);
 }
 

@@ -11,13 +11,13 @@ namespace eses::detail {
 
 inline constexpr std::string_view gzip_magic = "\x1f\x8b";
 
-/// What zlib is told of the format: the largest window, and 16 for gzip.
+/// Argument of deflateInit2 and inflateInit2: the largest window, plus 16 for the gzip format.
 inline constexpr int gzip_window_bits = MAX_WBITS + 16;
 
-/// Of the levels the fastest: the next ones take more time than the computation for little space.
+/// The fastest level. Higher levels take more time than the computation and save little space.
 inline constexpr int gzip_level = 1;
 
-/// Compresses, again and again. The bytes depend on the text and on zlib's version alone.
+/// A reusable compressor. The bytes depend only on the text and on the version of zlib.
 class Gzip {
  public:
   Gzip();
@@ -25,10 +25,10 @@ class Gzip {
   Gzip(const Gzip&) = delete;
   Gzip& operator=(const Gzip&) = delete;
 
-  /// `text`, of less than 2 GB, as one member; valid until the next call.
+  /// Compresses a text of less than 2 GB into one member, which is valid until the next call.
   std::span<const char> member(std::span<const char> text);
 
-  /// Memory that zlib takes for one of these.
+  /// Memory of zlib for one compressor, in bytes.
   static constexpr double state_bytes = 272 << 10;
 
  private:
@@ -36,10 +36,10 @@ class Gzip {
   std::vector<char> bytes_;
 };
 
-/// Whether a text begins as gzip files do.
+/// Returns whether a text starts with the magic bytes of gzip.
 bool is_gzip(std::string_view bytes);
 
-/// `bytes` as the input of zlib, which only reads them.
+/// Returns `bytes` as input for zlib, which does not modify it.
 Bytef* zlib_bytes(std::span<const char> bytes);
 
 }  // namespace eses::detail

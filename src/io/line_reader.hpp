@@ -1,5 +1,5 @@
 #pragma once
-/// Text files, plain or gzipped, line by line, in memory that does not grow with the file.
+/// Reading of text files, plain or gzipped, line by line. The memory does not grow with the file.
 
 #include <cstdint>
 #include <filesystem>
@@ -12,20 +12,22 @@
 
 namespace eses::detail {
 
-/// Lines of a file that TextSource reads. Every failure throws Error with the name of the file, and
-/// with the number of the line where one is at fault.
+/// The lines of a file. All failures throw Error with the name of the file and, if a line is
+/// faulty, with its number.
 class LineReader {
  public:
   explicit LineReader(const std::filesystem::path& path);
 
-  /// The next line without its end, LF or CRLF, valid until the next call; false behind the last.
-  /// A line without an end is refused: the file has been cut off.
+  /// Reads the next line without its end, LF or CRLF. It is valid until the next call. Returns
+  /// false at the end of the file. Throws Error for a last line without an end, as the file is
+  /// truncated.
   bool next(std::string_view& line);
 
-  /// The next line, where there must be one; `what` tells what it should hold.
+  /// Returns the next line. Throws Error at the end of the file; `what` describes the expected
+  /// line.
   std::string_view expect(std::string_view what);
 
-  /// Throws Error about the line that was read last.
+  /// Throws Error with the number of the current line.
   [[noreturn]] void fail(std::string_view what) const;
 
  private:
@@ -36,9 +38,9 @@ class LineReader {
   FileDescriptor file_;
   TextSource source_;
   std::vector<char> buffer_;
-  std::size_t begin_ = 0, end_ = 0;  // of what is in the buffer and not yet handed out
+  std::size_t begin_ = 0, end_ = 0;  // the unread part of the buffer
   bool at_end_of_file_ = false;
-  std::uint64_t line_ = 0;  // 1-based number of the line that was read last
+  std::uint64_t line_ = 0;  // number of the current line, from 1
 };
 
 }  // namespace eses::detail

@@ -30,8 +30,8 @@ void require_between(double value, double min, double max, std::string_view what
   throw Error(fmt::format("{} must be between {} and {}, not {}", what, min, max, value));
 }
 
-// What comes before the values in files of APBS. Readers go by lines and by words of them, some of
-// them with 84 characters a line at most.
+// Header of an OpenDX file as APBS writes it. Some readers depend on its line breaks and words, and
+// some accept at most 84 characters a line.
 MapLayout dx_layout(MapQuantity quantity, const Grid& grid, const GridRegion& region) {
   MapLayout layout;
   layout.format = MapFormat::dx;
@@ -98,7 +98,7 @@ std::optional<MapFormat> map_format(std::string_view name) {
 
 MapFormat required_map_format(std::string_view name) {
   if (const auto format = map_format(name)) return *format;
-  throw Error(fmt::format("the name of a map must end with .dx or .vti, not {}", name));
+  throw Error(fmt::format("the map file needs the suffix .dx or .vti, found {}", name));
 }
 
 std::vector<MapChoice> chosen_maps(const Outputs& outputs) {
@@ -127,7 +127,7 @@ void require_valid_maps(const Outputs& outputs) {
   if (outputs.ion_access) {
     require_between(outputs.ion_access->ion_radius, 0, max_ion_radius, "the radius of the ions");
     if (map_format(outputs.ion_access->file) != MapFormat::dx)
-      throw Error(fmt::format("the name of a map of the access of ions must end with .dx, not {}",
+      throw Error(fmt::format("the map file of ion accessibility needs the suffix .dx, found {}",
                               outputs.ion_access->file));
   }
   const std::vector<MapChoice> maps = chosen_maps(outputs);
@@ -162,7 +162,7 @@ void fill_dx_zeros(std::uint64_t first_index, std::span<char> text) {
   const std::size_t skipped = 2 * static_cast<std::size_t>(first_index % values_per_line);
   const std::size_t start = std::min(text.size(), line.size() - skipped);
   std::memcpy(text.data(), line.data() + skipped, start);
-  // Each copy doubles what is there, whole lines of it.
+  // Each copy doubles the number of complete lines.
   std::span<char> lines = text.subspan(start);
   std::size_t filled = std::min(lines.size(), line.size());
   std::memcpy(lines.data(), line.data(), filled);

@@ -1,6 +1,6 @@
 #pragma once
-/// Maps as other programs read them: a value for every point of a regular grid, or for the middle
-/// of every edge along an axis.
+/// Map files for other programs: a value for each point of a regular grid, or for the midpoint of
+/// each edge along an axis.
 
 #include <cstdint>
 #include <optional>
@@ -17,29 +17,29 @@ namespace eses::detail {
 
 enum class MapFormat {
   dx,   ///< OpenDX as APBS writes it: text, z fastest, three values a line
-  vti,  ///< VTK's XML image data: x fastest, a byte a value, raw behind the XML
+  vti,  ///< VTK XML image data: x fastest, one byte a value, raw data after the XML
 };
 
-/// By the end of the name: `.dx` or `.vti`.
+/// Returns the format by the suffix, `.dx` or `.vti`.
 std::optional<MapFormat> map_format(std::string_view name);
 
-/// Throws Error if the name ends with neither.
+/// Does the same. Throws Error for other suffixes.
 MapFormat required_map_format(std::string_view name);
 
 /// The quantity of a map.
 enum class MapQuantity : std::uint8_t {
-  inside,      ///< of points: 1 inside the surface, else 0
-  ion_access,  ///< of points: 1 where the centre of an ion may be, else 0
+  inside,      ///< points: 1 inside the surface, else 0
+  ion_access,  ///< points: 1 where the centre of an ion may be, else 0
   dielectric_x,
   dielectric_y,
-  dielectric_z,  ///< these three: of edges, the dielectric
+  dielectric_z,  ///< all three: edges, the dielectric
 };
 inline constexpr std::size_t map_quantities = 5;
 
-/// Returns whether a map has values of edges, not of points.
+/// Returns whether the values of a map belong to edges rather than points.
 constexpr bool is_of_edges(MapQuantity quantity) { return quantity >= MapQuantity::dielectric_x; }
 
-/// The axis of the edges of a map that has values of edges.
+/// Returns the axis of the edges of a map.
 constexpr std::size_t edge_axis(MapQuantity quantity) {
   return static_cast<std::size_t>(quantity) - static_cast<std::size_t>(MapQuantity::dielectric_x);
 }
@@ -47,35 +47,36 @@ constexpr std::size_t edge_axis(MapQuantity quantity) {
 /// One map file.
 struct MapChoice {
   MapQuantity quantity = MapQuantity::inside;
-  std::string name;  ///< in the output directory
+  std::string name;  ///< file name in the output directory
   MapFormat format = MapFormat::dx;
-  double solute = 0, solvent = 0;  ///< relative permittivities, of a map of edges
+  double solute = 0, solvent = 0;  ///< relative permittivities, for maps of edges
 };
 
-/// Bounds of a dielectric, such that its text has the same length everywhere, and of the radius of
+/// Bounds of a dielectric, within which all its texts have the same length, and of the radius of
 /// ions (angstrom).
 inline constexpr double min_dielectric = 1e-9, max_dielectric = 1e9, max_ion_radius = 1000;
 
-/// The maps that are chosen, at most one of each quantity, in their order. Throws Error as
-/// required_map_format does.
+/// Returns the chosen maps in the order of MapQuantity. Throws Error as required_map_format does.
 std::vector<MapChoice> chosen_maps(const Outputs& outputs);
 
-/// Throws Error if a number is out of its range, or two maps have the same name.
+/// Throws Error if a number is out of range, or if two maps have the same name.
 void require_valid_maps(const Outputs& outputs);
 
-/// The dielectric of an edge with `share` parts inside: the harmonic mean along the edge.
+/// Returns the dielectric of an edge: the harmonic mean along the edge. `share` is the part of the
+/// edge that is inside, in units of 1 / whole_edge.
 double dielectric_of(const MapChoice& map, std::uint32_t share);
 
-/// Text of a value of a map of edges, the blank or line end behind it included.
+/// Length of a value of a map of edges as text, with its separator.
 inline constexpr std::size_t dielectric_text_bytes = 13;
 
-/// Writes the text of a value, but not what is behind it.
+/// Writes the text of a value without its separator.
 void write_dielectric(char* text, double value);
 
-/// Returns the character behind value number `index` (from 0) in a .dx file: three values a line.
+/// Returns the separator after the value with number `index` (from 0) in a .dx file: three values a
+/// line.
 constexpr char dx_separator(std::uint64_t index) { return index % 3 == 2 ? '\n' : ' '; }
 
-/// A map's text before and behind its values, each of which has the same number of bytes.
+/// The header and footer of a map file, and the size of a value.
 struct MapLayout {
   MapFormat format = MapFormat::dx;
   std::string header, footer;
@@ -88,15 +89,14 @@ struct MapLayout {
   std::uint64_t file_bytes() const { return value_offset(points) + footer.size(); }
 };
 
-/// The map of the points of a region, or of the edges that start there, with their places in the
-/// whole grid.
+/// Returns the layout of the map of a region. Coordinates and indices are those of the whole grid.
 MapLayout map_layout(const MapChoice& map, const Grid& grid, const GridRegion& region);
 
-/// Fills `values` with `.vti`'s bytes for as many bits.
+/// Fills `values` with the bytes of a .vti file, one for each bit.
 void fill_vti_values(std::span<const std::uint64_t> bits, std::span<char> values);
 
-/// Fills `text` with `.dx`'s text, all values 0, for the values from number `first_index` on: two
-/// bytes a value, of which bit 0 of the first becomes 1 where the value is 1.
+/// Fills `text` with the text of zero values of a .dx file, two bytes a value, starting with value
+/// number `first_index`. Setting bit 0 of the first byte of a value makes it 1.
 void fill_dx_zeros(std::uint64_t first_index, std::span<char> text);
 
 }  // namespace eses::detail

@@ -18,7 +18,7 @@
 #include "simd/dispatch.hpp"
 #include "simd/lanes-inl.hpp"
 
-// What both ways to write a number share, once for all instruction sets.
+// Constants of the scalar and the vector code, defined once for all instruction sets.
 #ifndef ESES_IO_NUMBER_TEXT_SHARED_
 #define ESES_IO_NUMBER_TEXT_SHARED_
 namespace eses::detail {
@@ -37,15 +37,16 @@ constexpr std::array<double, 21> powers_from_min{1e-10, 1e-9, 1e-8, 1e-7, 1e-6, 
                                                  1e-3,  1e-2, 1e-1, 1e0,  1e1,  1e2,  1e3,
                                                  1e4,   1e5,  1e6,  1e7,  1e8,  1e9,  1e10};
 
-// Numbers in [min_fast_magnitude, fast_magnitude_end) are written by tables: their exponent has one
+// Numbers in [min_fast_magnitude, fast_magnitude_end) take the fast path. Their exponent has one
 // digit.
 constexpr double min_fast_magnitude = 1e-9, fast_magnitude_end = 1e9;
 
-// One rounding of a number below 1e13 errs by less than 0.001: only near a tie could it matter.
+// Distance from 1/2 within which the fraction of a scaled number does not decide the rounding. The
+// error of a product below 1e13 is at most half a unit in the last place, 2^-10 < 0.001.
 constexpr double near_tie = 0.0015;
 
-constexpr std::uint64_t leading_unit = 1000000000000;  // 13 digits
-constexpr std::uint64_t trailing_unit = 100000000;     // of which the last eight are below this
+constexpr std::uint64_t leading_unit = 1000000000000;  // smallest number with 13 digits
+constexpr std::uint64_t trailing_unit = 100000000;     // separates the last eight digits
 
 }  // namespace
 }  // namespace eses::detail
@@ -55,12 +56,12 @@ HWY_BEFORE_NAMESPACE();
 namespace eses::detail::HWY_NAMESPACE {
 #if HWY_TARGET == HWY_SCALAR
 
-// Without vectors write_scientific() is as good.
+// Without vectors, write_scientific() is as fast.
 void make_digits(NumberBatch& batch) { batch.needs_exact = ~std::uint64_t{0}; }
 
 #else
 
-// As eight_digits().
+// The vector version of eight_digits() below.
 HWY_INLINE WordVector eight_digits(WordVector value) {
   const Words words;
   const hn::Repartition<std::uint32_t, Doubles> halves;
@@ -68,7 +69,8 @@ HWY_INLINE WordVector eight_digits(WordVector value) {
   const auto multiply = [&](WordVector low_halves, std::uint32_t factor) {
     return hn::MulEven(hn::BitCast(halves, low_halves), hn::Set(halves, factor));
   };
-  // 109951163 / 2^40 is 1e-4 and so little more that below 10^8 the quotient is exact.
+  // 109951163 / 2^40 exceeds 1e-4 so little that all quotients of numbers below 10^8 are exact: T.
+  // Granlund and P. L. Montgomery, Proc. PLDI '94, 61, 1994, doi:10.1145/178243.178249.
   const auto ten_thousands = hn::ShiftRight<40>(multiply(value, 109951163));
   const auto fours = hn::BitCast(
       halves, ten_thousands | hn::ShiftLeft<32>(value - multiply(ten_thousands, 10000)));
@@ -98,7 +100,7 @@ void make_digits(NumberBatch& batch) {
     batch.needs_exact |= (~std::uint64_t{mask_bits(is_plain)} & low_bits(static_cast<int>(lanes)))
                          << i;
 
-    // The quotient may be off by one, which the remainder tells.
+    // The quotient may be off by one. The remainder shows it.
     auto high = hn::Floor(digits * broadcast(1.0 / static_cast<double>(trailing_unit)));
     const auto rest = digits - high * hundred_millions;
     high = high - hn::IfThenElseZero(rest < hn::Zero(doubles), one) +
@@ -122,9 +124,10 @@ HWY_AFTER_NAMESPACE();
 namespace eses::detail {
 namespace {
 
-// Eight decimal digits of `value` < 10^8, the first in the lowest byte. The number is split in
-// halves three times, in all parts at once: fours of digits in 32-bit lanes, pairs in 16, digits
-// in 8. The multiplications are divisions by 100 and 10, exact for what a lane can hold.
+// Returns the eight decimal digits of `value` < 10^8, the first in the lowest byte. Splits the
+// number into halves three times: into groups of four digits in 32-bit lanes, pairs in 16-bit
+// lanes, and digits in bytes. Multiplications by 10486 / 2^20 and 103 / 2^10 divide by 100 and 10.
+// They are exact for all values below 10^4 and 10^2.
 std::uint64_t eight_digits(std::uint64_t value) {
   const std::uint64_t fours = value / 10000 | value % 10000 << 32;
   const std::uint64_t hundreds = (fours * 10486 >> 20) & 0x0000007f0000007f;
@@ -139,11 +142,12 @@ void store_text(char* out, std::uint64_t bytes) {
   std::memcpy(out, &bytes, sizeof bytes);
 }
 
-// The power of ten at or below `magnitude`, which lies in [1e-10, 1e10), or one off where the
-// magnitude is within rounding of a power; the digits tell.
+// Returns the exponent of the largest power of ten that does not exceed `magnitude`, in [1e-10,
+// 1e10). It may be off by one if rounding in the multiplication carries to another number of
+// digits; callers check the digits.
 int decimal_exponent(double magnitude) {
   const int binary = static_cast<int>(std::bit_cast<std::uint64_t>(magnitude) >> 52) - 1023;
-  // floor(binary log10(2)), which is the exponent or one below it.
+  // floor(binary * log10(2)): the exponent, or one below it.
   const int guess = (binary * 1233) >> 12;
   const int next = guess + 1;
   return next - min_exponent < static_cast<int>(powers_from_min.size()) &&
@@ -152,7 +156,7 @@ int decimal_exponent(double magnitude) {
              : guess;
 }
 
-// e-10 has two digits, and is never used: such numbers are not plain.
+// The text for 1e-10 would be wrong, but is not used: the fast path starts at 1e-9.
 constexpr std::array<std::array<char, 4>, 20> power_texts = [] {
   std::array<std::array<char, 4>, 20> texts{};
   for (int i = 0; i < 20; ++i) {
@@ -196,7 +200,8 @@ char* write_scientific(char* out, double value) {
   }
   if (digits < leading_unit) return write_exactly(out, value);
   if (value < 0) *out++ = '-';
-  // Five digits, one place to the right: the point then takes the place of the first.
+  // The five digits are stored one byte to the right. The point then overwrites the byte of the
+  // first digit, which moves to the left.
   const std::uint64_t leading = eight_digits(digits / trailing_unit) >> 24;
   store_text(out + 1, leading);
   out[0] = static_cast<char>(leading & 0xff);
@@ -209,7 +214,7 @@ char* write_scientific(char* out, double value) {
 void NumberBatch::add(double value) {
   const double magnitude = std::fabs(value);
   values[count] = value;
-  scaled[count] = 0;  // which no plain number is
+  scaled[count] = 0;  // never valid, so the number needs write_scientific()
   if (magnitude >= min_fast_magnitude && magnitude < fast_magnitude_end) {
     const int exponent = decimal_exponent(magnitude);
     scaled[count] =
@@ -223,7 +228,7 @@ void make_digits(NumberBatch& batch) { ESES_BEST_VERSION(make_digits)(batch); }
 
 char* write_number(char* out, const NumberBatch& batch, std::size_t i) {
   if (batch.needs_exact >> i & 1) return write_scientific(out, batch.values[i]);
-  // Without a branch, as half of all components are negative.
+  // Branch-free: half of all components of normals are negative.
   *out = '-';
   out += static_cast<std::size_t>(std::signbit(batch.values[i]));
   store_text(out, batch.leading[i]);
@@ -234,7 +239,7 @@ char* write_number(char* out, const NumberBatch& batch, std::size_t i) {
 
 char* write_index(char* out, std::uint64_t value) {
   if (value < 100000000) {
-    // The leading zeros are shifted out.
+    // Shifts out the leading zeros.
     const std::uint64_t digits = eight_digits(value);
     const int zeros = std::min(std::countr_zero(digits & 0x0f0f0f0f0f0f0f0f) / 8, 7);
     store_text(out, digits >> (8 * zeros));

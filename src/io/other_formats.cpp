@@ -12,11 +12,11 @@
 namespace eses::detail {
 namespace {
 
-/// A format that is not read.
+/// A format of molecules that cannot be read.
 struct OtherFormat {
   std::string_view name;
   std::string_view suffixes;  ///< separated by blanks
-  std::string_view advice;    ///< how to get a file that is read
+  std::string_view advice;    ///< how to convert the file
 };
 
 constexpr std::string_view open_babel = "convert it with `obabel FILE -O FILE.pdb`";
@@ -66,7 +66,7 @@ constexpr std::array other_formats{
   throw Error(fmt::format("{}: {} files are not read; {}", name, format.name, format.advice));
 }
 
-/// The first line that is neither blank nor a comment that begins with `comment`.
+/// Returns the first line that is neither blank nor a comment, which begins with `comment`.
 std::string_view first_line(std::string_view text, char comment) {
   while (!text.empty()) {
     const std::size_t end = std::min(text.find('\n'), text.size());
@@ -83,7 +83,7 @@ bool begins_with(std::string_view text, std::string_view lower_case_prefix) {
                     [](char expected, char c) { return lower_case(c) == expected; });
 }
 
-/// The fourth line, the counts line, ends with the version.
+/// Returns whether the fourth line, the counts line, ends with the version.
 bool is_molfile(std::string_view text) {
   for (int line = 0; line < 3; ++line) {
     const std::size_t end = text.find('\n');
@@ -95,7 +95,7 @@ bool is_molfile(std::string_view text) {
   return counts.ends_with("V2000") || counts.ends_with("V3000");
 }
 
-/// Bytes that binary files begin with.
+/// Magic bytes of a binary format.
 struct Magic {
   std::size_t offset;
   std::string_view bytes;
@@ -108,7 +108,8 @@ constexpr std::array magics{
     Magic{0, {"PSF ", 4}, &psf},
 };
 
-// MessagePack: a map with keys that these formats have near the beginning.
+// Maximum distance from the start of a MessagePack map at which these formats have their first
+// keys.
 constexpr std::size_t message_pack_head = 512;  // bytes
 
 const OtherFormat* format_by_content(std::string_view text) {

@@ -1,6 +1,5 @@
 #pragma once
-/// Formats of molecules that are not read as xyzr or PQR: how they are recognised, and how to
-/// convert them.
+/// Recognition of molecule formats that cannot be read, with advice on how to convert them.
 
 #include <filesystem>
 #include <string>
@@ -10,19 +9,18 @@
 
 namespace eses::detail {
 
-/// The suffix of a path in lower case, and of `NAME.pqr.gz` that of `NAME.pqr`.
+/// Returns the suffix of a path in lower case. For `NAME.pqr.gz`, it is that of `NAME.pqr`.
 std::string input_suffix(const std::filesystem::path& path);
 
-/// AtomFormat::pdb or AtomFormat::mmcif if a text begins as such files do, else
+/// Returns AtomFormat::pdb or AtomFormat::mmcif if the start of a text has that format, otherwise
 /// AtomFormat::automatic.
 AtomFormat structure_format_of(std::string_view text);
 
-/// Throws Error if a file has the suffix of a format that is not read. The message names the format
-/// and a command that converts it.
+/// Throws Error if a file has the suffix of an unsupported format. The message names the format and
+/// a command for its conversion.
 void refuse_other_suffix(const std::filesystem::path& path);
 
-/// Throws Error if a file begins like one of a format that is not read. The message begins with
-/// `name`.
+/// Throws Error if the start of a text has an unsupported format. The message starts with `name`.
 void refuse_other_formats(std::string_view text, std::string_view name);
 
 }  // namespace eses::detail

@@ -7,13 +7,14 @@
 namespace eses::detail {
 namespace {
 
-/// `A1000`, `A-12B`: one letter, and what begins as a number does.
+/// Returns whether a field consists of a chain letter and a residue number, such as `A1000` or
+/// `A-12B`.
 bool holds_chain(std::string_view number) {
   if (number.size() < 2 || number[0] == '-' || is_digit(number[0])) return false;
   return is_digit(number[1]) || (number.size() > 2 && number[1] == '-' && is_digit(number[2]));
 }
 
-/// Without the blanks around it; columns begin with 0.
+/// Returns the text of a column without surrounding blanks. `first` counts from 0.
 std::string column_text(std::string_view line, std::size_t first, std::size_t width) {
   return std::string(without_trailing_blanks(without_leading_blanks(line.substr(first, width))));
 }
@@ -38,7 +39,7 @@ AtomLabel label_of_fields(std::string_view leading) {
 }
 
 AtomLabel label_of_columns(std::string_view line) {
-  // The fourth character of a residue's name stands in a column that the format leaves blank.
+  // Column 20 is blank in the PDB format, but may hold the fourth character of a residue name.
   AtomLabel label;
   label.atom_name = column_text(line, 12, 4);
   label.residue = column_text(line, 17, 4);

@@ -1,5 +1,5 @@
 #pragma once
-/// The names in an ATOM or HETATM record of a PQR file.
+/// Names in the ATOM and HETATM records of PQR files.
 
 #include <string_view>
 
@@ -7,13 +7,13 @@
 
 namespace eses::detail {
 
-/// Of a record in free format. `leading` is what stands before the coordinates: record, serial,
-/// name, residue, residue number, with the chain before the number, apart from it or not. There is
-/// no field for the serial if it follows the record's name without a blank.
+/// Returns the label of a record in free format. `leading` has the fields before the coordinates:
+/// record name, serial number, atom name, residue name, chain (optional) and residue number. The
+/// chain may be joined with the residue number, and the record name with the serial number.
 AtomLabel label_of_fields(std::string_view leading);
 
-/// Of a record in the columns of PDB files, of at least 27 characters,
-/// https://www.wwpdb.org/documentation/file-format-content/format33/sect9.html
+/// Returns the label of a record in the columns of PDB files. The record must have at least 27
+/// characters. See https://www.wwpdb.org/documentation/file-format-content/format33/sect9.html.
 AtomLabel label_of_columns(std::string_view line);
 
 }  // namespace eses::detail

@@ -1,5 +1,5 @@
 #pragma once
-/// Residues of consecutive atoms: far fewer labels than atoms.
+/// Residues of consecutive atoms, which need far fewer labels than atoms.
 
 #include <cstdint>
 #include <span>
@@ -10,15 +10,15 @@
 
 namespace eses::detail {
 
-/// Whether atoms that follow each other are of the same residue.
+/// Returns whether two consecutive atoms belong to the same residue.
 inline bool is_same_residue(const AtomLabel& a, const AtomLabel& b) {
   return a.chain == b.chain && a.residue_number == b.residue_number && a.residue == b.residue;
 }
 
 /// Runs of consecutive atoms with the same chain, residue number and residue name.
 struct ResidueRuns {
-  std::vector<AtomLabel> labels;     ///< by run, without the atom's name
-  std::vector<std::uint64_t> atoms;  ///< by run
+  std::vector<AtomLabel> labels;     ///< label of each run, without the atom name
+  std::vector<std::uint64_t> atoms;  ///< number of atoms of each run
 
   void add(AtomLabel label) {
     if (labels.empty() || !is_same_residue(labels.back(), label)) {
@@ -30,11 +30,11 @@ struct ResidueRuns {
   }
 };
 
-/// The runs of all atoms, by the label of each.
+/// Returns the runs of atoms with these labels.
 inline ResidueRuns residue_runs(std::span<const AtomLabel> labels) {
   ResidueRuns runs;
   for (const AtomLabel& label : labels) {
-    // A label is copied only where a run begins.
+    // Copies a label only at the start of a run.
     if (!runs.labels.empty() && is_same_residue(runs.labels.back(), label))
       ++runs.atoms.back();
     else

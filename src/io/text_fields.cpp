@@ -7,7 +7,7 @@
 namespace eses::detail {
 namespace {
 
-constexpr std::size_t max_quotation_length = 40;  // characters of the user's text in a message
+constexpr std::size_t max_quotation_length = 40;  // characters of input text in a message
 
 std::from_chars_result convert(std::string_view text, double& value) {
   return std::from_chars(text.data(), text.data() + text.size(), value);
@@ -20,7 +20,7 @@ std::errc outcome_of(std::string_view text, std::from_chars_result result) {
   return result.ec;
 }
 
-/// Fortran's double precision exponents have a D, which std::from_chars does not know.
+/// Parses a number with the exponent letter D of Fortran, which std::from_chars does not accept.
 std::errc parse_fortran(std::string_view text, std::size_t exponent_letter, double& value) {
   std::string with_e(text);
   with_e[exponent_letter] = 'e';

@@ -60,12 +60,12 @@ std::size_t TextSource::read(std::span<char> text) {
     input_ = input_.subspan(count);
     return count;
   }
-  std::size_t count = 0;  // a call of zlib may use input without producing text
+  std::size_t count = 0;  // zlib may consume input without producing text
   while (count == 0 && enter_member()) count = inflate_part(text);
   return count;
 }
 
-// Reads the two bytes that mark a gzip file, which a pipe may deliver one by one.
+// Reads the two magic bytes of gzip. A pipe may deliver them one by one.
 void TextSource::begin() {
   has_begun_ = true;
   std::size_t used = 0;
@@ -87,13 +87,13 @@ std::size_t TextSource::read_bytes(std::span<char> bytes) {
   return static_cast<std::size_t>(count);
 }
 
-// Refills the buffer if it is used up; returns false at the end of the file.
+// Refills the buffer if it is empty. Returns false at the end of the file.
 bool TextSource::has_input() {
   if (input_.empty()) input_ = std::span(buffer_).first(read_bytes(buffer_));
   return !input_.empty();
 }
 
-// Goes to the next member if the last one has ended; returns false if there is none.
+// Enters the next member if the current one has ended. Returns false at the end of the file.
 bool TextSource::enter_member() {
   while (!is_in_member_ && has_input()) {
     if (input_.front() == 0) {
@@ -101,7 +101,7 @@ bool TextSource::enter_member() {
       input_ = input_.subspan(1);
       continue;
     }
-    // What else is wrong with the header of a member, zlib finds.
+    // zlib checks the rest of the header.
     if (is_padded_ || input_.front() != gzip_magic.front()) fail_as_damaged();
     inflateReset(&inflation_->stream);
     is_in_member_ = true;
@@ -109,12 +109,12 @@ bool TextSource::enter_member() {
   return is_in_member_;
 }
 
-// Decompresses a part of the current member and returns the number of characters.
+// Decompresses a part of the current member. Returns the number of characters.
 std::size_t TextSource::inflate_part(std::span<char> text) {
   if (!has_input())
     throw Error(
         fmt::format("{}: the compressed data ends too early, after {} bytes", name_, bytes_read_));
-  constexpr std::size_t max_at_once = std::size_t{1} << 30;  // zlib counts in unsigned int
+  constexpr std::size_t max_at_once = std::size_t{1} << 30;  // zlib uses unsigned int for lengths
   const std::size_t room = std::min(text.size(), max_at_once);
   z_stream& stream = inflation_->stream;
   stream.next_in = zlib_bytes(input_);

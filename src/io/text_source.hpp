@@ -1,5 +1,5 @@
 #pragma once
-/// Sequential reading of text, plain or gzipped, in memory that does not grow with the file.
+/// Sequential reading of text, plain or gzipped. The memory does not grow with the file.
 
 #include <cstddef>
 #include <cstdint>
@@ -15,9 +15,9 @@ namespace eses::detail {
 /// Opens a file for reading and returns its descriptor. Throws Error with `name` in the message.
 int open_for_reading(const std::filesystem::path& path, std::string_view name);
 
-/// The text behind a file descriptor. Its first two bytes, not its name, decide whether it is
-/// gzipped. The members of a gzip file (RFC 1952, section 2.2) are read as one text; behind the
-/// last member only zero bytes are accepted, as by `gzip -t`.
+/// The text of an open file. The file is treated as gzipped if its first two bytes are those of
+/// gzip, whatever its name. All members of a gzip file are read as one text (RFC 1952, section
+/// 2.2). After the last member only zero bytes are accepted, as by `gzip -t`.
 class TextSource {
  public:
   /// Reads from `descriptor`, which must stay open. Messages begin with `name`.
@@ -44,10 +44,10 @@ class TextSource {
   int descriptor_;
   std::string name_;
   std::vector<char> buffer_;
-  std::span<const char> input_;   // bytes of the buffer that are not used yet
-  std::uint64_t bytes_read_ = 0;  // from the descriptor
+  std::span<const char> input_;   // unused bytes of the buffer
+  std::uint64_t bytes_read_ = 0;  // number of bytes read from the descriptor
   bool has_begun_ = false, is_in_member_ = false, is_padded_ = false;
-  std::unique_ptr<Inflation> inflation_;  // none if the text is plain
+  std::unique_ptr<Inflation> inflation_;  // null if the text is plain
 };
 
 }  // namespace eses::detail

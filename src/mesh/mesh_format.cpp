@@ -35,12 +35,11 @@ std::optional<MeshFormat> mesh_format(const std::filesystem::path& file) {
 MeshFormat required_mesh_format(const MeshOptions& mesh) {
   const std::optional<MeshFormat> format = mesh_format(mesh.file);
   if (!format)
-    throw Error(
-        fmt::format("the mesh's file must end in {}, not {}", mesh_suffixes, mesh.file.string()));
+    throw Error(fmt::format("the mesh file needs the suffix {}, found {}", mesh_suffixes,
+                            mesh.file.string()));
   if (!mesh.is_ascii) return *format;
   if (format != MeshFormat::ply)
-    throw Error(
-        fmt::format("only a .ply mesh can be chosen to be text, not {}", mesh.file.string()));
+    throw Error(fmt::format("only .ply meshes can be written as text, not {}", mesh.file.string()));
   return MeshFormat::ascii_ply;
 }
 

@@ -66,12 +66,12 @@ class MeshText {
   /// `patch` is the result of patch_of, or any number if has_triangle_patches() is false.
   void append_triangle(TextBuffer& text, const Triangle& triangle, std::uint8_t patch) const;
 
-  /// Layout of the columns, for formats with columns only.
+  /// Layout of the columns, only for formats with columns.
   VtpData columns(const MeshCounts& counts) const { return vtp_data(counts, vtp_fields()); }
-  /// Appends the record of triangle number `number`, from 0, for formats with columns only.
+  /// Appends the record of triangle number `number`, from 0, only for formats with columns.
   static void append_triangle_record(TextBuffer& text, const Triangle& triangle,
                                      std::uint64_t number);
-  /// Text behind the columns, for formats with columns only.
+  /// Text after the columns, only for formats with columns.
   static std::string_view footer() { return vtp_end; }
 
  private:

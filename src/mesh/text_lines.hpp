@@ -18,7 +18,7 @@ char* put(char* out, Value value) {
   return out + sizeof value;
 }
 
-/// Writes three numbers with the digits of intersection_info.txt, each with a blank behind it.
+/// Writes three numbers with the digits of intersection_info.txt, each followed by a blank.
 inline char* put_vector(char* out, const Vec3& numbers) {
   for (std::size_t axis = 0; axis < 3; ++axis) {
     out = write_scientific(out, numbers[axis]);
@@ -27,7 +27,7 @@ inline char* put_vector(char* out, const Vec3& numbers) {
   return out;
 }
 
-/// Writes a number with a blank behind it.
+/// Writes a number followed by a blank.
 inline char* put_index(char* out, std::uint64_t index) {
   out = write_index(out, index);
   *out++ = ' ';

@@ -1,5 +1,5 @@
 #pragma once
-/// Text of VTK's XML files of polygons (VTP), with the data as raw bytes behind the XML:
+/// Text of VTK's XML files of polygons (VTP), with the data as raw bytes after the XML:
 /// https://docs.vtk.org/en/latest/vtk_file_formats/vtkxml_file_format.html
 ///
 /// The data are columns: the positions of all vertices, then all normals, and so on. The place of a
@@ -39,7 +39,7 @@ struct ColumnTable {
   std::uint64_t record_count = 0;
 };
 
-/// Layout of the data behind the XML. Each column has its size in bytes before it, as 8 bytes.
+/// Layout of the data after the XML. Each column has its size in bytes before it, as 8 bytes.
 struct VtpData {
   ColumnTable vertices, triangles;
   std::uint64_t bytes = 0;
@@ -48,13 +48,13 @@ struct VtpData {
 VtpData vtp_data(const MeshCounts& counts, const VtpFields& fields);
 
 /// Append the three parts of the XML before the data: up to the chain names, between the chain
-/// names and the residue names, and behind the residue names. Only files with groups have names.
+/// names and the residue names, and after the residue names. Only files with groups have names.
 /// The length of the last part does not depend on the counts.
 void append_vtp_begin(BufferedText& text, const VtpFields& fields, std::uint64_t chains);
 void append_vtp_before_residues(BufferedText& text, const VtpFields& fields,
                                 std::uint64_t residues);
 void append_vtp_before_data(BufferedText& text, const VtpFields& fields, const MeshCounts& counts);
-/// The XML behind the data.
+/// The XML after the data.
 inline constexpr std::string_view vtp_end = "\n</AppendedData>\n</VTKFile>\n";
 
 /// Appends a name to an array of strings.

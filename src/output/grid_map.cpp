@@ -19,7 +19,7 @@ std::int64_t cells_along(const GridIndex& size) {
   return (size[0] + cell_points - 1) / cell_points;
 }
 
-// Rows along y whose cells, of all planes, make a tile that is turned at a time.
+// Returns the number of rows along y in a tile, which is transposed at a time.
 std::int64_t rows_in_tile(MapQuantity quantity, const GridIndex& size) {
   return std::clamp<std::int64_t>(tile_words / (words_of_cell(quantity) * size[2]), 1, size[1]);
 }
@@ -30,7 +30,7 @@ std::span<char> as_chars(std::span<std::uint64_t> words) {
 
 }  // namespace
 
-// The points of one cell along x, of some rows along y, and of all planes.
+// A tile: the points of one cell along x, of some rows along y, and of all planes.
 struct GridMap::Tile {
   std::int64_t cell = 0;
   std::int64_t y_begin = 0, y_end = 0;
@@ -116,7 +116,7 @@ void GridMap::read_words(const Tile& tile, std::vector<std::uint64_t>& words) {
         cell_offset(tile.cell, z * size_[1] + tile.y_begin));
 }
 
-// The values of all points with this x.
+// Writes the values of all points of the tile with this x.
 void GridMap::fill_points(const Tile& tile, std::int64_t x, std::uint64_t first_index,
                           Scratch& scratch) const {
   const auto rows = static_cast<std::size_t>(tile.rows());
@@ -124,7 +124,7 @@ void GridMap::fill_points(const Tile& tile, std::int64_t x, std::uint64_t first_
   scratch.values.resize(2 * rows * planes);
   fill_dx_zeros(first_index, scratch.values);
   const auto shift = static_cast<int>(x % cell_points);
-  // Bits are those of points without access.
+  // For ion access, the bits mark points without access.
   const unsigned inverted = map_.quantity == MapQuantity::ion_access ? 1 : 0;
   char* value = scratch.values.data();
   for (std::size_t y = 0; y < rows; ++y)
@@ -133,7 +133,7 @@ void GridMap::fill_points(const Tile& tile, std::int64_t x, std::uint64_t first_
           *value | static_cast<char>((scratch.words[z * rows + y] >> shift & 1) ^ inverted));
 }
 
-// The values of all edges whose lower ends have this x.
+// Writes the values of all edges of the tile whose lower ends have this x.
 void GridMap::fill_edges(const Tile& tile, std::int64_t x, std::uint64_t first_index,
                          Scratch& scratch) const {
   constexpr std::size_t digits = dielectric_text_bytes - 1;
@@ -148,7 +148,7 @@ void GridMap::fill_edges(const Tile& tile, std::int64_t x, std::uint64_t first_i
   const std::uint64_t* const words = scratch.words.data() + in_cell / 2;
   const int shift = in_cell % 2 == 0 ? 0 : 32;
   char* value = scratch.values.data();
-  std::uint64_t index = first_index % 3;  // only where lines end matters
+  std::uint64_t index = first_index % 3;  // sufficient for dx_separator()
   for (std::size_t y = 0; y < rows; ++y)
     for (std::size_t z = 0; z < planes; ++z, value += dielectric_text_bytes) {
       const auto share = static_cast<std::uint32_t>(words[(z * rows + y) * per_cell] >> shift);

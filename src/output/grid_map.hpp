@@ -29,7 +29,7 @@ MapFile map_file(File& file) {
 /// a point. A map of edges has 32 bits an edge: the fraction of the edge that lies inside. 64
 /// points make a cell, of one word or of 32. A `.vti` file has x running fastest, so each row is
 /// written to its final place. In a `.dx` file z runs fastest, so the values must be transposed.
-/// Until all rows have arrived, their words are kept in the file itself, behind the place of the
+/// Until all rows have arrived, their words are kept in the file itself, after the space for the
 /// values: first the cells 0 of all rows, then the cells 1, and so on. The memory therefore does
 /// not grow with the grid.
 class GridMap {
@@ -55,7 +55,7 @@ class GridMap {
   /// Writes the header and the footer of the file.
   void write_ends();
 
-  /// Size of the complete file. When all tiles are transposed, the bytes behind it can be cut off.
+  /// Size of the complete file. When all tiles are transposed, the bytes after it can be cut off.
   std::uint64_t file_bytes() const { return layout_.file_bytes(); }
 
   /// Number of 64-bit words of a row along x.

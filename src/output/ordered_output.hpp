@@ -26,9 +26,9 @@ class OrderedOutput {
 
   /// Writes chunk number `chunk`. Waits until the lengths of all chunks with smaller numbers are
   /// known. Each number from 0 must be passed once, unless another thread calls `abandon`; the
-  /// waits are short if the numbers come about in order.
+  /// waits are short if the chunks are finished roughly in order.
   void write(std::int64_t chunk, std::span<const char> text);
-  /// Writes text behind all chunks. All chunks must have been written.
+  /// Writes text after all chunks. All chunks must have been written.
   void append(std::span<const char> text);
   /// Releases all waiting threads, whose chunks are then not written. Called after a failure.
   void abandon();

@@ -40,7 +40,7 @@ void require(bool holds, std::string_view what, double value) {
 void require_valid(const MeshOptions& mesh, const Molecule& molecule) {
   required_mesh_format(mesh);
   if (mesh.color == MeshColor::chain && molecule.labels().empty())
-    throw Error("a mesh can be coloured by chain only if the input, a PQR file, tells the chains");
+    throw Error("colouring a mesh by chain needs atoms with labels; xyzr files have none");
 }
 
 void require_enclosing_margin(double depth, const Parameters& p) {
@@ -144,8 +144,8 @@ std::string fixed_choices(const Parameters& p) {
 [[noreturn]] void refuse_limit(const Parameters& p, double smallest) {
   const double mebibytes = std::ceil(smallest / (1 << 20));
   throw MemoryLimitError(fmt::format(
-      "the run needs up to {}{}, more than the {} that it may hold; the smallest limit that would "
-      "do is {:.0f} MiB (--max-memory {:.0f}M)",
+      "the run needs up to {} of memory{}, but the limit is {}; use a limit of at least {:.0f} MiB "
+      "(--max-memory {:.0f}M)",
       binary_bytes_text(whole_bytes(smallest)), fixed_choices(p), binary_bytes_text(p.max_memory),
       mebibytes, mebibytes));
 }
@@ -214,7 +214,7 @@ LabelTotals with_copies(LabelTotals labels, const Outputs& outputs) {
   return labels;
 }
 
-// `is_cut`: atoms may be beyond the grid.
+// Returns a survey of the surface. `is_cut` states that atoms may lie outside the grid.
 SurfaceSurvey survey_of(const Molecule& molecule, const Grid& grid, const GridRegion& region,
                         double probe_radius, bool is_cut) {
   if (region == grid.whole() && !is_cut) return {molecule, probe_radius};
@@ -252,7 +252,7 @@ void require_valid(const Outputs& outputs, const Molecule& molecule) {
   if (outputs.mesh) require_valid(*outputs.mesh, molecule);
   require_valid_maps(outputs);
   if (outputs.residues && molecule.labels().empty())
-    throw Error("areas by residue need to be told each atom's chain and residue");
+    throw Error("areas by residue need atoms with labels; xyzr files have none");
 }
 
 void plan_files(const FileContents& contents, const Outputs& outputs, Plan& plan) {

@@ -23,7 +23,7 @@ inline constexpr double box_slack = 1e-5;
 struct BlockGrid {
   Grid grid;
   BlockBounds block;
-  std::array<std::vector<double>, 3> coordinates;  ///< of the block's points by axis, padded
+  std::array<std::vector<double>, 3> coordinates;  ///< coordinates of the points by axis, padded
   Box box;                                         ///< bounding box of the points
   double inverse_spacing = 0;
 

@@ -19,7 +19,7 @@ namespace eses::detail {
 struct BlockResult {
   BlockBounds block;
   PointBits inside;  ///< all points of the block; without words if no atom is near
-  std::vector<BlockCrossing> crossings;  ///< of owned edges, in canonical order
+  std::vector<BlockCrossing> crossings;  ///< crossings of owned edges, in canonical order
   /// Index of the first crossing of each row [z][y] of owned points, and the number of crossings.
   /// Empty if no atom is near.
   std::vector<std::uint32_t> row_begin;

@@ -25,13 +25,13 @@ std::uint32_t share_of(const BlockGrid& grid, const GridIndex& lower,
   return share_of(crossing.lower_is_inside ? above : 1 - above);
 }
 
-// The places where the line of one edge may meet the surface, and the decision between them.
+// Divides an edge at all places where it may meet the surface, and classifies the parts.
 class EdgeDivider {
  public:
   EdgeDivider(const PatchIndex& patches, std::vector<double>& places)
       : patches_(patches), features_(patches.features()), places_(places) {}
 
-  // The share of the edge that lies inside. Its ends count as the points of the grid do.
+  // Returns the fraction of the edge that lies inside.
   double inside_share(const CrossedEdge& edge) {
     const double low = edge.lower[edge.axis], high = edge.upper;
     places_.assign({low, high});
@@ -39,7 +39,8 @@ class EdgeDivider {
     std::sort(places_.begin(), places_.end());
     double inside = 0, begin = low, previous = low;
     bool is_inside_before = false;
-    // Only where the side changes a length is taken, so that other places leave no trace.
+    // A length is added only where the side changes. Places that are not on the surface therefore
+    // do not influence the rounding of the sum.
     for (const double place : places_) {
       if (place - previous < tolerance::same_crossing && place < high) continue;
       const bool is_inside_now =
@@ -59,7 +60,7 @@ class EdgeDivider {
            is_in_sas_ball(features_, point);
   }
 
-  // An edge may pass through several cells of the index.
+  // Adds the places of all patches in the cells of the index through which the edge passes.
   void add_places(const CrossedEdge& edge) {
     const double low = edge.lower[edge.axis], length = edge.upper - low;
     const double steps = std::ceil(length / patches_.cell_side());
@@ -75,7 +76,8 @@ class EdgeDivider {
     }
   }
 
-  // Only places in the box of the patch count: the patches of a cell depend on the block.
+  // Adds a place if it is in the box of its patch. The set of patches in a cell depends on the
+  // block, but the places in their boxes do not.
   void add(const CrossedEdge& edge, double place, const Box& box) {
     if (place > edge.lower[edge.axis] && place < edge.upper && contains(box, edge.point_at(place)))
       places_.push_back(place);
@@ -115,7 +117,7 @@ class EdgeDivider {
   std::vector<double>& places_;
 };
 
-// By row, lower point and axis, each edge once.
+// Sorts edges by row, lower point and axis, and removes duplicates.
 void sort_doubtful(std::vector<DoubtfulEdge>& edges) {
   const auto key = [](const DoubtfulEdge& edge) { return std::tuple(edge.row, edge.x, edge.axis); };
   std::sort(edges.begin(), edges.end(),

@@ -1,5 +1,5 @@
 #pragma once
-/// How much of an edge lies inside the surface, however often the surface cuts it.
+/// The fraction of each edge that lies inside the surface, for any number of crossings of the edge.
 
 #include <cstdint>
 #include <span>
@@ -10,27 +10,27 @@
 
 namespace eses::detail {
 
-/// The parts of the edges of a block that lie inside, of all edges that are cut; an edge that is
-/// not among these lies inside as a whole if both its ends do, and outside as a whole otherwise.
+/// The inside fractions of all edges of a block that the surface may cut. Any other edge is wholly
+/// inside if both ends are inside, and wholly outside otherwise.
 struct EdgeShares {
   struct Edge {
-    std::uint32_t share = 0;  ///< of `whole_edge` parts
-    std::uint16_t x = 0;      ///< of the edge's lower point, from the block's first point
+    std::uint32_t share = 0;  ///< inside fraction, in units of 1 / `whole_edge`
+    std::uint16_t x = 0;      ///< x of the edge's lower point, relative to the block's first point
     std::uint8_t axis = 0;
   };
   std::vector<Edge> edges;               ///< by lower point (z, y, x), then axis
-  std::vector<std::uint32_t> row_begin;  ///< per row [z][y] of owned points, and one more
+  std::vector<std::uint32_t> row_begin;  ///< first edge of each row [z][y], and the number of edges
 };
 
-/// Finds the parts inside after intersect_edges, with which it shares `scratch`; that must have
-/// found `doubtful` edges, too. `crossings` and `row_begin` are the results for the block of
-/// `grid`, of which `owned` points are those whose edges count.
+/// Computes the inside fractions of the edges that start at the `owned` points of the block of
+/// `grid`. `crossings`, `row_begin` and `scratch` are the results of intersect_edges, which must
+/// have listed doubtful edges.
 ///
-/// Along an edge the surface can only be where the edge's line meets a van der Waals sphere, the
-/// tube around an arc or the sphere of a probe placement. All these places are found, and between
-/// two that follow each other the definition decides for the point midway, so that places that are
-/// none of the surface do no harm. An edge that meets only one patch that can be its crossing is
-/// cut once, and needs none of this.
+/// The surface can cut an edge only where the edge meets a van der Waals sphere, the tube around an
+/// arc, or the sphere of a probe placement. All these places are computed. The midpoint between two
+/// consecutive places decides by the definition of the surface whether the part between them is
+/// inside, so places that are not on the surface do no harm. An edge that is not doubtful is cut
+/// once, and its crossing gives the fraction.
 void find_edge_shares(const BlockGrid& grid, const BlockFeatures& features, const PointBits& inside,
                       std::span<const BlockCrossing> crossings,
                       std::span<const std::uint32_t> row_begin, const GridIndex& owned,

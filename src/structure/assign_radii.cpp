@@ -16,14 +16,14 @@
 namespace eses::detail {
 namespace {
 
-/// Atoms with the same names and element, and so the same radius.
+/// Atoms with the same names and element, which have the same radius.
 struct AtomKind {
   std::optional<FoundRadius> found;
   RadiusSource source;
   std::uint64_t first_line = 0;
 };
 
-/// The radii of atoms, found once for each combination of residue name, atom name and element.
+/// Cache of radii, with one entry for each combination of residue name, atom name and element.
 class AtomKinds {
  public:
   AtomKinds(const SelectedStructure& structure, const RadiiSet& radii)
@@ -45,7 +45,7 @@ class AtomKinds {
     return kind.found;
   }
 
-  /// Returns the kinds of atoms for which `is_taken` holds, with their radii.
+  /// Returns the kinds of atoms for which `is_taken` is true, with their radii.
   std::vector<RadiusSource> sources(double unknown_radius, const auto& is_taken) const {
     std::vector<RadiusSource> taken;
     for (const AtomKind& kind : kinds_)
@@ -85,8 +85,8 @@ bool is_by_element(const AtomKind& kind) { return kind.found && kind.found->by_e
       ++others;
   }
   throw Error(fmt::format(
-      "{}:{}: {} without a radius in the set {}: {}{}; --unknown-radius gives them one, and a file "
-      "for --radii names each",
+      "{}:{}: {} without a radius in the set {}: {}{}; use --unknown-radius, or a file with their "
+      "radii for --radii",
       file, line, atoms == 1 ? "1 atom is" : fmt::format("{} atoms are", atoms), printable(radii),
       fmt::join(names, ", "), others > 0 ? fmt::format(" and {} more names", others) : ""));
 }

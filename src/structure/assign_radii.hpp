@@ -1,5 +1,5 @@
 #pragma once
-/// From the atoms of a structure and a set of radii to spheres.
+/// Assignment of radii to the atoms of a structure.
 
 #include <functional>
 #include <optional>
@@ -10,9 +10,9 @@
 
 namespace eses::detail {
 
-/// Gives every atom its radius, or `unknown_radius` where the set has none. Labels are made if
-/// `with_labels`. Calls `after_part` now and then with the atoms so far. Throws Error, which lists
-/// the names of atoms without a radius, with `file`.
+/// Returns the atoms with their radii. An atom that is not in the set gets `unknown_radius`. Labels
+/// are empty unless `with_labels` is true. Calls `after_part` after each part with the atoms so
+/// far. Throws Error with `file` and the names of atoms without a radius.
 AtomFile assign_radii(SelectedStructure structure, const RadiiSet& radii,
                       std::optional<double> unknown_radius, bool with_labels, std::string_view file,
                       const std::function<void(AtomFile& atoms)>& after_part);

@@ -18,9 +18,9 @@ constexpr std::string_view nucleotides = "A C G I T U DA DC DG DI DT DU";
 // J. Tsai, R. Taylor, C. Chothia, M. Gerstein, "The packing density in proteins: standard radii and
 // volumes", J. Mol. Biol. 290 (1999) 253-266, doi:10.1006/jmbi.1999.2829. The radius depends on
 // element, number of neighbours and number of hydrogens: C3H0 1.61, C3H1 1.76, C4H1 to C4H3 1.88,
-// N3H0 to N4H3 1.64, O1H0 1.42, O2H1 1.46, S2H0 and S2H1 1.77. Which atoms are of which type, and
-// the radii of phosphorus (1.80), selenium (1.90) and of X in ASX and GLX (1.50), follow FreeSASA
-// 2.1.2, which took the types from the bonds in the chemical component dictionary of the PDB.
+// N3H0 to N4H3 1.64, O1H0 1.42, O2H1 1.46, S2H0 and S2H1 1.77. The types of atoms, and the radii of
+// phosphorus (1.80), selenium (1.90) and X in ASX and GLX (1.50), are those of FreeSASA 2.1.2,
+// which derives the types from the bonds in the chemical component dictionary of the PDB.
 constexpr RadiusGroup protor[] = {
     // C3H0: carbon with three neighbours and no hydrogen
     {1.61, amino_acids, "C"},
@@ -106,7 +106,7 @@ constexpr RadiusGroup protor[] = {
 // doi:10.1002/(SICI)1097-0282(199603)38:3%3C305::AID-BIP4%3E3.0.CO;2-Y. Carbon without hydrogens is
 // 1.74, aromatic CH 1.86, aliphatic carbon 2.00; nitrogen 1.70, NH2 1.80, NH3 2.00, without
 // hydrogen 1.54; oxygen 1.40, OH and water 1.60. As in MSMS, CG of leucine has no hydrogen.
-// Manganese is 1.24, which MSMS has too, but does not reach: there it is 0.
+// Manganese is 1.24. The table of MSMS has this value, too, but an earlier rule gives 0.
 constexpr RadiusGroup msms[] = {
     {1.60, "WAT HOH H2O DOD DIS", "O*"},
     {1.97, "CA", "CA"},

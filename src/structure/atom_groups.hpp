@@ -1,5 +1,5 @@
 #pragma once
-/// The tables behind the named sets of radii.
+/// Tables of the built-in sets of radii.
 
 #include <optional>
 #include <span>
@@ -21,7 +21,7 @@ std::span<const RadiusGroup> protor_groups();
 /// Radii of united atoms as pdb_to_xyzr of MSMS assigns them.
 std::span<const RadiusGroup> msms_groups();
 
-/// The radius of the first group that has the atom.
+/// Returns the radius of the first group that contains the atom, or nothing if there is none.
 std::optional<double> find_radius(std::span<const RadiusGroup> groups, std::string_view residue,
                                   std::string_view atom);
 

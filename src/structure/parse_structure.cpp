@@ -1,6 +1,6 @@
-// The only file that includes gemmi, which takes long to compile.
+// This is the only file that includes gemmi, whose headers take long to compile.
 
-// gemmi would print numbers by stb_sprintf, which Debian has in another package; none are printed.
+// Avoids the dependence of gemmi on stb_sprintf, which is another package in Debian.
 #define USE_STD_SNPRINTF
 
 #include "structure/parse_structure.hpp"
@@ -32,17 +32,17 @@
 namespace eses::detail {
 namespace {
 
-// Far beyond any molecule, as for other formats.
+// Maximum absolute value of a coordinate, as for other formats.
 constexpr double max_length = 1e6;  // angstrom
 
 [[noreturn]] void fail(std::string_view name, std::uint64_t line, std::string_view what) {
   throw Error(fmt::format("{}:{}: {}", name, line, what));
 }
 
-/// The first line of a message of gemmi, as ours are written.
+/// Returns the first line of a message of gemmi, in the style of this program.
 std::string message_of(std::string_view what) {
   what = what.substr(0, what.find('\n'));
-  // The caller names file and line.
+  // The caller adds file and line.
   if (what.starts_with("Problem in line "))
     what.remove_prefix(std::min(what.size(), what.find(':') + 2));
   while (what.ends_with('.') || what.ends_with(':') || what.ends_with(' ')) what.remove_suffix(1);
@@ -51,15 +51,15 @@ std::string message_of(std::string_view what) {
 
 // ------------------------------------------------------------------------------------------- PDB
 
-/// A PDB text as gemmi reads it, line by line. Atoms get the number of their line as serial number,
-/// and coordinates are checked, because gemmi reads text that is no number as 0.
+/// An input stream of gemmi with the lines of a PDB text. Replaces the serial numbers of atoms by
+/// their line numbers. Checks coordinates, because gemmi reads invalid numbers as 0.
 class PdbLines {
  public:
   PdbLines(std::string_view text, std::string_view name) : rest_(text), name_(name) {}
 
   std::uint64_t line() const { return line_; }
 
-  // The interface that gemmi expects of a stream, with the meaning of the functions of <cstdio>.
+  // The interface of gemmi's streams; the functions are like those of <cstdio>.
   char* gets(char* buffer, int size) {
     if (rest_.empty()) return nullptr;
     ++line_;
@@ -100,7 +100,7 @@ class PdbLines {
       check_coordinate(record.substr(coordinate_column + axis * coordinate_width, coordinate_width),
                        "xyz"[axis]);
     write_line_number(buffer + serial_column);
-    // Charges are not used, and old files have line numbers there.
+    // Removes the charges, which are not used: old files have line numbers in these columns.
     if (length > charge_column) std::memset(buffer + charge_column, ' ', length - charge_column);
     if (!has_element(record)) write_element(buffer, length);
   }
@@ -110,8 +110,9 @@ class PdbLines {
            (is_letter(record[element_column]) || is_letter(record[element_column + 1]));
   }
 
-  // Writes the element where gemmi would take it from the columns of the atom's name, which are
-  // those of calcium and mercury if the name is not aligned: `CA  ` and `HG  ` in an amino acid.
+  // Adds a missing element symbol. Otherwise gemmi would derive it from the alignment of the atom
+  // name, and read misaligned names such as `CA  ` and `HG  ` in amino acids as calcium and
+  // mercury.
   static void write_element(char* buffer, std::size_t length) {
     const std::string_view record(buffer, length);
     const std::string_view name = column_text(record, name_column, name_width);
@@ -122,7 +123,8 @@ class PdbLines {
     std::memcpy(buffer + element_column, std::array{' ', element, '\n', '\0'}.data(), 4);
   }
 
-  // 0 if the name does not tell. `HG` in a residue HG is mercury.
+  // Returns the element of an atom by its name, or 0 if the name is ambiguous. `HG` in a residue HG
+  // is mercury.
   static char element_by_name(std::string_view name, std::string_view residue) {
     const bool is_ion = name == residue;
     while (!name.empty() && is_digit(name.front())) name.remove_prefix(1);
@@ -150,8 +152,8 @@ class PdbLines {
                        coordinate_column + coordinate_width * (axis - 'w'), quoted(field)));
   }
 
-  // Five digits, or from 100000 on the hybrid-36 numbers that gemmi reads:
-  // http://cci.lbl.gov/hybrid_36
+  // Writes the line number as five digits or, from 100000 on, as a hybrid-36 number, which gemmi
+  // can read: http://cci.lbl.gov/hybrid_36
   void write_line_number(char* target) const {
     constexpr std::uint64_t first_hybrid = 100000, hybrid_offset = 16796160, hybrid_end = 60466176;
     std::uint64_t number = line_;
@@ -182,7 +184,7 @@ gemmi::Structure parse_pdb(const StructureText& input) {
 
 // ----------------------------------------------------------------------------------------- mmCIF
 
-/// A document, and the line of the first value in each row of the atoms' table.
+/// A document with the line numbers of the rows of the table of atoms.
 struct NumberedDocument : gemmi::cif::Document {
   std::vector<std::uint64_t> atom_lines;
 };
@@ -203,8 +205,8 @@ struct NumberingAction<gemmi::cif::rules::loop_value> {
   }
 };
 
-/// Gives the atoms the numbers of their lines, which gemmi then reads as their serial numbers.
-/// Their anisotropic displacements, which refer to the former numbers, are removed.
+/// Replaces the serial numbers of atoms by their line numbers. Removes anisotropic displacements,
+/// which refer to the original serial numbers.
 void number_atoms(NumberedDocument& document) {
   std::size_t row = 0;
   for (gemmi::cif::Block& block : document.blocks) {
@@ -273,7 +275,7 @@ std::uint64_t count_atoms(const gemmi::Chain& chain) {
   return count;
 }
 
-/// Removes the items for which `is_dropped` holds and returns how many atoms they have.
+/// Removes the items for which `is_dropped` is true. Returns the number of their atoms.
 template <class Item, class Predicate>
 std::uint64_t drop(std::vector<Item>& items, const Predicate& is_dropped) {
   std::uint64_t atoms = 0;
@@ -330,9 +332,9 @@ std::uint64_t keep_selected(gemmi::Structure& structure, gemmi::Model& model,
   if (text.empty()) return 0;
   const gemmi::Selection selection = parse_selection(text);
   if (!selection.matches(model))
-    throw Error(fmt::format("{}: --select is of model {}, but model {} is read; use --model {}",
+    throw Error(fmt::format("{}: --select names model {}, but model {} is read; use --model {}",
                             file, selection.mdl, printable(model.name), selection.mdl));
-  // The kinds of residues, such as ;polymer, are found out only if they are selected.
+  // Residues are assigned to entities only if the selection uses these, as in `;polymer`.
   if (!selection.entity_types.all) gemmi::setup_entities(structure);
   std::uint64_t count =
       drop(model.chains, [&](const gemmi::Chain& chain) { return !selection.matches(chain); });
@@ -344,7 +346,7 @@ std::uint64_t keep_selected(gemmi::Structure& structure, gemmi::Model& model,
 
 // --------------------------------------------------------------------------- alternate locations
 
-/// Residues of a chain with the same number: one, or several that occupy one place.
+/// Residues of a chain with the same number. Several residues are alternatives.
 using ResidueGroup = std::span<gemmi::Residue>;
 
 std::vector<ResidueGroup> residue_groups(gemmi::Chain& chain) {
@@ -359,7 +361,7 @@ std::vector<ResidueGroup> residue_groups(gemmi::Chain& chain) {
   return groups;
 }
 
-/// Mean occupancies by alternate location; empty if there are no alternate locations.
+/// Returns the mean occupancy of each alternate location; empty if there are none.
 std::map<char, double> mean_occupancies(ResidueGroup group) {
   std::map<char, std::pair<double, double>> sums;
   for (const gemmi::Residue& residue : group)
@@ -374,7 +376,8 @@ std::map<char, double> mean_occupancies(ResidueGroup group) {
   return means;
 }
 
-/// The location with the highest occupancy, of equal ones the first; 0 if there is none.
+/// Returns the location with the highest occupancy, or the first one of several; 0 if there is
+/// none.
 char best_altloc(const std::map<char, double>& occupancies) {
   constexpr double equal_occupancies = 1e-5;  // files have two or three decimals
   char best = '\0';
@@ -387,8 +390,8 @@ char best_altloc(const std::map<char, double>& occupancies) {
   return best;
 }
 
-/// Keeps one location of each atom: `chosen`, or where an atom does not have that, the location of
-/// its own highest occupancy. Returns the number of atoms left out.
+/// Keeps one location of each atom: `chosen` or, if the atom does not have it, the location with
+/// the highest occupancy. Returns the number of removed atoms.
 std::uint64_t keep_altloc(gemmi::Residue& residue, char chosen) {
   std::map<std::string, std::map<char, double>> by_name;
   for (const gemmi::Atom& atom : residue.atoms)
@@ -402,7 +405,7 @@ std::uint64_t keep_altloc(gemmi::Residue& residue, char chosen) {
   return before - residue.atoms.size();
 }
 
-/// Whether a residue is one of several at its place, and not the chosen one.
+/// Returns whether a residue is one of several alternatives, and not the chosen one.
 bool is_other_residue(ResidueGroup group, const gemmi::Residue& residue, char chosen) {
   if (group.size() == 1 || chosen == '\0') return false;
   return std::all_of(residue.atoms.begin(), residue.atoms.end(), [&](const gemmi::Atom& atom) {
@@ -440,12 +443,12 @@ std::uint64_t keep_altlocs(gemmi::Model& model, const std::string& wanted, std::
 
 bool is_hetatm(const gemmi::Residue& residue) { return residue.het_flag == 'H'; }
 
-/// Turns gemmi's chains into atoms.
+/// Converts chains of gemmi to atoms.
 class AtomList {
  public:
   AtomList(SelectedStructure& result, std::string_view file) : result_(result), file_(file) {}
 
-  /// Adds the atoms for which `is_taken` holds, under the name `chain_name`.
+  /// Adds the atoms for which `is_taken` is true, with the chain name `chain_name`.
   void add(const gemmi::Chain& chain, const std::string& chain_name, const auto& is_taken) {
     for (const gemmi::Residue& residue : chain.residues) {
       const auto number = static_cast<std::uint32_t>(result_.residues.size());
@@ -493,8 +496,8 @@ void sort_by_line(std::vector<StructureAtom>& atoms) {
 
 // ------------------------------------------------------------------------------------ assemblies
 
-/// Names of the copies of chains: A for the first one, then, as in the PDB's own files of
-/// assemblies. Two operators are the same if they move atoms alike.
+/// Names of the copies of a chain: A, A-2, A-3 and so on, as in the assembly files of the PDB.
+/// Operators with equal transformations give the same name.
 class CopyNames {
  public:
   explicit CopyNames(const gemmi::Model& model) {
@@ -528,12 +531,12 @@ class CopyNames {
   std::map<std::string, std::map<std::size_t, std::string>> names_;
 };
 
-/// Tells which images of an atom coincide with an earlier one. Ligands, ions and waters on an axis
-/// of symmetry are in the file once and have several images at the same place.
+/// Detects images of an atom that coincide with an earlier image. Ligands, ions and waters on an
+/// axis of symmetry are in the file once, and have several images at the same position.
 class CoincidentImages {
  public:
   bool is_known(const gemmi::Residue& residue, const gemmi::Atom& atom) {
-    constexpr double distance = 0.5;  // angstrom; atoms are never so close
+    constexpr double distance = 0.5;  // angstrom; smaller than any distance of two atoms
     if (!is_hetatm(residue)) return false;
     std::vector<gemmi::Position>& images = images_[atom.serial];
     for (const gemmi::Position& image : images)

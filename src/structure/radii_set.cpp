@@ -48,12 +48,11 @@ RadiiSet msms_set() {
           }};
 }
 
-// ------------------------------------------------------------------- FreeSASA's configuration
-// files
+// ------------------------------------------------------------------ FreeSASA configuration files
 
 enum class Section { none, types, atoms };
 
-/// Radii by residue and atom name.
+/// Radii by residue name and atom name. The residue name ANY stands for all residues.
 class NamedRadii {
  public:
   bool add(std::string_view residue, std::string_view atom, double radius) {
@@ -118,7 +117,7 @@ class ConfigurationReader {
 
   void read_name(std::string_view rest) {
     name_ = take_first(rest);
-    if (name_.empty()) fail("expected a name behind name:");
+    if (name_.empty()) fail("expected a name after name:");
     section_ = Section::none;
   }
 
@@ -152,7 +151,7 @@ class ConfigurationReader {
     const auto found = types_.find(std::string(type));
     if (found == types_.end())
       fail(fmt::format("the type {} has no radius; types: must come before atoms:", quoted(type)));
-    // FreeSASA keeps the first of several entries, too.
+    // Keeps the first of several entries, as FreeSASA does.
     if (radii_.add(residue, atom, found->second) && is_hydrogen_name(atom)) names_hydrogens_ = true;
   }
 

@@ -1,5 +1,5 @@
 #pragma once
-/// Sets of radii: which radius an atom of a PDB or mmCIF file has.
+/// Sets of radii for the atoms of PDB and mmCIF files.
 
 #include <functional>
 #include <optional>
@@ -8,7 +8,7 @@
 
 namespace eses::detail {
 
-/// An atom as sets of radii know it.
+/// The properties of an atom that determine its radius.
 struct AtomIdentity {
   std::string_view residue;  ///< residue name, such as ALA
   std::string_view atom;     ///< atom name without blanks, such as CA
@@ -19,28 +19,29 @@ struct AtomIdentity {
 /// A radius that a set has for an atom.
 struct FoundRadius {
   double radius = 0;  ///< in angstrom
-  /// The set does not name the atom, and another table has given the radius of its element.
+  /// Whether the set does not name the atom, and the radius is that of its element.
   bool by_element = false;
 };
 
 struct RadiiSet {
   std::string name;
-  /// Radii are those of united atoms, which include hydrogens.
+  /// Whether the radii are those of united atoms, which include hydrogens.
   bool is_united = false;
-  /// The radius of an atom; nothing if there is none.
+  /// Returns the radius of an atom, or nothing if there is none.
   std::function<std::optional<FoundRadius>(const AtomIdentity& atom)> find;
 };
 
-/// Names of the sets that are built in, for messages.
+/// Names of the built-in sets, for messages.
 inline constexpr std::string_view named_radii = "protor, bondi or msms";
 
-/// A set that is built in; nothing for other names.
+/// Returns a built-in set, or nothing for other names.
 std::optional<RadiiSet> named_radii_set(std::string_view name);
 
-/// Reads a set from a text in FreeSASA's configuration format: the sections `types:` (lines `TYPE
-/// RADIUS polar|apolar`) and `atoms:` (lines `RESIDUE ATOM TYPE`, ANY for all residues), and
-/// `name:`. Atoms that it does not name have FreeSASA's radius of their element. The radii are
-/// those of united atoms unless it names hydrogens. Throws Error with `file` and the line.
+/// Parses a set of radii in FreeSASA's configuration format. The section `types:` has lines `TYPE
+/// RADIUS polar|apolar`, and the section `atoms:` has lines `RESIDUE ATOM TYPE`, with ANY for all
+/// residues. The line `name:` gives the name of the set. Atoms that are not listed get FreeSASA's
+/// radius of their element. The radii are those of united atoms unless hydrogens are listed. Throws
+/// Error with `file` and the line.
 RadiiSet parse_radii_set(std::string_view text, std::string_view file);
 
 }  // namespace eses::detail

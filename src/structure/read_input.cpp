@@ -27,10 +27,10 @@
 namespace eses::detail {
 namespace {
 
-// A set of radii is some kilobytes; more is a file that was passed by mistake.
+// Maximum size of a set of radii. Valid files have a few kilobytes.
 constexpr std::uint64_t max_radii_bytes = std::uint64_t{4} << 20;
 
-/// Memory that reading may take.
+/// The memory limit while a file is read.
 class ReadingLimit {
  public:
   ReadingLimit(std::string_view name, std::uint64_t max_memory)
@@ -38,12 +38,12 @@ class ReadingLimit {
         max_memory_(max_memory),
         max_resident_(max_resident_while_reading(max_memory)) {}
 
-  /// Throws Error if so many bytes more exceed the limit.
+  /// Throws Error if this number of additional bytes exceeds the limit.
   void require(std::uint64_t bytes) const {
     if (max_memory_ == 0 || resident_memory() + bytes <= max_resident_) return;
     throw Error(
-        fmt::format("{}: reading the file takes more memory than the {} that the run may "
-                    "hold; use a larger limit (--max-memory)",
+        fmt::format("{}: reading the file exceeds the memory limit of {}; use a larger limit "
+                    "(--max-memory)",
                     name_, binary_bytes_text(max_memory_)));
   }
 
@@ -52,7 +52,7 @@ class ReadingLimit {
   std::uint64_t max_memory_, max_resident_;
 };
 
-/// Reads all of a text, unpacked if it is gzipped.
+/// Reads a whole text, decompressed if it is gzipped.
 std::string read_text(int descriptor, const std::string& name, const ReadingLimit& limit,
                       std::uint64_t max_bytes = std::numeric_limits<std::uint64_t>::max()) {
   constexpr std::size_t piece_bytes = std::size_t{1} << 20;
@@ -60,7 +60,7 @@ std::string read_text(int descriptor, const std::string& name, const ReadingLimi
   std::string text;
   for (std::size_t used = 0;; used = text.size()) {
     if (used + piece_bytes > text.capacity()) {
-      // While the text is copied it is there twice.
+      // Both copies of the text are in memory while reserve() copies it.
       limit.require(used + 2 * (used + piece_bytes));
       text.reserve(2 * used + piece_bytes);
     }
@@ -73,8 +73,8 @@ std::string read_text(int descriptor, const std::string& name, const ReadingLimi
   }
 }
 
-/// Expected memory of gemmi for a text. An atom of a PDB file has a line of 81 characters and takes
-/// gemmi about 150 bytes; a value of an mmCIF file is a string of 32 bytes.
+/// Returns the expected memory of gemmi for a text. An atom of a PDB file has a line of 81
+/// characters and needs about 150 bytes. A value of an mmCIF file is a string of 32 bytes.
 std::uint64_t expected_bytes(std::string_view text, AtomFormat format) {
   if (format == AtomFormat::pdb) return 2 * text.size();
   std::uint64_t values = 0;
@@ -107,7 +107,7 @@ bool keeps_hydrogens(HydrogenChoice choice, const RadiiSet& radii) {
   return choice == HydrogenChoice::keep || (choice == HydrogenChoice::by_radii && !radii.is_united);
 }
 
-/// The first record or category decides, whatever the file is called.
+/// Throws Error if the text has the other structure format, judged by its first record or category.
 void require_format(std::string_view text, std::string_view name, AtomFormat format) {
   const AtomFormat found = structure_format_of(text);
   if (!is_structure(found) || found == format) return;
@@ -121,7 +121,7 @@ void require_format(std::string_view text, std::string_view name, AtomFormat for
                                 report.dropped_waters + report.dropped_hetatm +
                                 report.dropped_hydrogens + report.dropped_altlocs;
   throw Error(
-      fmt::format("{}: no atoms left of {}; {} left out by chains, {} by --select, {} of "
+      fmt::format("{}: no atoms left of {}; left out: {} of other chains, {} not selected, {} of "
                   "water, {} of HETATM records, {} hydrogens",
                   name, dropped, report.dropped_chains, report.dropped_selection,
                   report.dropped_waters, report.dropped_hetatm, report.dropped_hydrogens));
@@ -143,7 +143,7 @@ AtomFile parse(std::string_view text, std::string_view name, const ReadOptions& 
       {text, name, options.format}, choices, keeps_hydrogens(choices.hydrogens, radii),
       [&limit](std::uint64_t bytes) { limit.require(bytes); });
   call_check(options);
-  // The memory of gemmi is free now, and counts no more.
+  // Returns the memory that gemmi has freed to the system, so that the limit does not include it.
   release_free_memory();
   if (structure.atoms.empty()) fail_without_atoms(name, structure.report);
   const bool keeps_labels = options.with_labels && !after_part;

@@ -1,5 +1,5 @@
 #pragma once
-/// Reading atoms from files of any format.
+/// Reading of atoms from files of any format.
 
 #include <filesystem>
 #include <functional>
@@ -9,7 +9,7 @@
 
 namespace eses::detail {
 
-/// read_atoms, which calls `after_part` now and then with what it has read so far.
+/// Implements read_atoms. Calls `after_part` after each part with the atoms read so far.
 AtomFile read_input(const std::filesystem::path& path, const ReadOptions& options,
                     const std::function<void(AtomFile& atoms)>& after_part);
 

@@ -56,7 +56,7 @@ class DiagnosticFinder {
 
   std::span<const Atom> atoms_;
   std::function<bool(const Atom&)> is_own_;
-  bool are_small_;                // whether all radii are those of atoms in nanometres
+  bool are_small_;                // whether all radii are as small as those in nanometres
   std::vector<AtomIndex> outer_;  // by atom: the first atom that contains it, if any
 };
 

@@ -88,7 +88,7 @@ std::vector<Vec3> exposed_directions(const SurfaceModel& surface, AtomIndex i,
 
 double squared(double x) { return x * x; }
 
-// Replaces the steps from bin to bin by the sums over all bins up to each one.
+// Converts the differences between consecutive bins to cumulative sums of the values of all bins.
 void integrate(std::vector<double>& steps) {
   std::partial_sum(steps.begin(), steps.end(), steps.begin());
   std::partial_sum(steps.begin(), steps.end(), steps.begin());
@@ -247,7 +247,8 @@ void SurfaceSurvey::add_convex(AtomIndex i, double weight, std::span<const AtomI
     return;
   }
   const double share = 1 / static_cast<double>(all.size());
-  const double cosine = 1 - 2 * share;  // of a cap with this fraction of the sphere's area
+  // Cosine of the angular radius of a cap with this fraction of the sphere's area.
+  const double cosine = 1 - 2 * share;
   const double area = sphere * share, whole = area * static_cast<double>(exposed.size());
   for (const Vec3 direction : exposed)
     add_area(area, weight, cap_box(atom.center, atom.radius, direction, cosine), whole);

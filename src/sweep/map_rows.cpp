@@ -12,12 +12,13 @@ PointBits BlockResult::*bits_of(MapQuantity quantity) {
   return quantity == MapQuantity::ion_access ? &BlockResult::covered : &BlockResult::inside;
 }
 
-// Rows of edges need the points behind the region's last, too.
+// Rows of edges also need the points of the halo, at which edges of the region end.
 Extent extent_of(MapQuantity quantity) {
   return is_of_edges(quantity) ? Extent::with_halo : Extent::region;
 }
 
-// The shares of 64 edges, two in a word: all of an edge, or nothing.
+// Appends the inside fractions of 64 edges, two in a word. Set bits stand for edges that are wholly
+// inside, others for edges that are wholly outside.
 void append_whole_edges(std::uint64_t bits, std::vector<std::uint64_t>& words) {
   constexpr std::uint64_t low = whole_edge, high = std::uint64_t{whole_edge} << 32;
   constexpr std::array<std::uint64_t, 4> pairs{0, low, high, low | high};
@@ -54,8 +55,9 @@ void MapRows::append_points(std::int64_t y, std::int64_t z, std::vector<std::uin
   words.insert(words.end(), lower_.begin(), lower_.end());
 }
 
-// Returns false where the edges of a row would end beyond the grid.
-bool MapRows::join_upper_ends(std::int64_t y, std::int64_t z) {
+// Merges the row of the upper ends of edges into `upper_`. Returns false if the edges would end
+// beyond the grid.
+bool MapRows::merge_upper_ends(std::int64_t y, std::int64_t z) {
   const std::size_t axis = edge_axis(quantity_);
   if (axis == 0) {
     for (std::size_t w = 0; w < lower_.size(); ++w)
@@ -72,7 +74,7 @@ void MapRows::append_edges(std::int64_t y, std::int64_t z, std::vector<std::uint
   const auto axis = static_cast<std::uint8_t>(edge_axis(quantity_));
   rows_.merge_row(y, z, lower_);
   upper_.assign(lower_.size(), 0);
-  const bool has_edges = join_upper_ends(y, z);
+  const bool has_edges = merge_upper_ends(y, z);
   const std::size_t begin = words.size();
   const auto cells = static_cast<std::size_t>((tiling_.region.size()[0] + 63) / 64);
   for (std::size_t cell = 0; cell < cells; ++cell)

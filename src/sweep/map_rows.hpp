@@ -1,5 +1,5 @@
 #pragma once
-/// Rows of a solved layer as maps have them.
+/// Rows of maps from a solved layer.
 
 #include <cstdint>
 #include <vector>
@@ -9,8 +9,8 @@
 
 namespace eses::detail {
 
-/// Makes rows of words, as GridMap takes them, from the blocks of a layer; made once for many rows.
-/// Keeps references to both.
+/// Makes rows of words for GridMap from the blocks of a layer. Keeps references to `tiling` and
+/// `layer`.
 class MapRows {
  public:
   MapRows(const BlockTiling& tiling, const Layer& layer, MapQuantity quantity);
@@ -22,13 +22,13 @@ class MapRows {
  private:
   void append_points(std::int64_t y, std::int64_t z, std::vector<std::uint64_t>& words);
   void append_edges(std::int64_t y, std::int64_t z, std::vector<std::uint64_t>& words);
-  bool join_upper_ends(std::int64_t y, std::int64_t z);
+  bool merge_upper_ends(std::int64_t y, std::int64_t z);
 
   const BlockTiling& tiling_;
   const Layer& layer_;
   MapQuantity quantity_;
   LayerRows rows_;
-  RowBits lower_, upper_;  // the ends of the edges of a row
+  RowBits lower_, upper_;  // inside bits of the lower and upper ends of the edges of a row
 };
 
 }  // namespace eses::detail

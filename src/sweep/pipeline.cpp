@@ -268,7 +268,7 @@ void Pipeline::append_points(const Layer& layer, const RowRange& rows, Writer& w
   }
 }
 
-// The same rows as maps have them.
+// Passes the same rows to the maps.
 void Pipeline::take_map_rows(const Layer& layer, const RowRange& rows, Writer& writer) const {
   const GridRegion& region = plan_.tiling.region;
   const std::int64_t plane_rows = region.size()[1];

@@ -32,7 +32,7 @@ namespace eses::detail {
 using TakeRows = std::function<void(std::int64_t first_row, std::span<const std::uint64_t> words,
                                     GridMap::Scratch& scratch)>;
 
-/// Who gets the rows of a map; several threads call it for different rows.
+/// The receiver of the rows of a map. Several threads call it for different rows.
 struct MapSink {
   MapQuantity quantity = MapQuantity::inside;
   TakeRows take_rows;

@@ -152,10 +152,10 @@ void require_stack() {
 
 void require_memory_within(std::uint64_t max_memory) {
   if (max_memory > 0 && resident_memory() > max_memory)
-    throw MemoryLimitError(fmt::format(
-        "the run needs more than the {} that it may hold, and was expected to need; use "
-        "a larger limit",
-        binary_bytes_text(max_memory)));
+    throw MemoryLimitError(
+        fmt::format("memory use exceeded both the limit of {} and the estimate; use a larger limit "
+                    "(--max-memory)",
+                    binary_bytes_text(max_memory)));
 }
 
 std::uint64_t available_disk(const std::filesystem::path& directory) {

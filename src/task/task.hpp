@@ -23,13 +23,13 @@ struct Parameters {
   double probe_radius = 1.4;  ///< angstrom, `min_probe_radius` to `max_probe_radius`
   double spacing = 0.4;       ///< angstrom, > 0
   double margin = 0.8;        ///< angstrom, >= 0
-  /// A grid that the user has chosen. The margin is ignored then, and the spacing is the grid's.
+  /// A custom grid. If it is set, the margin is ignored, and `spacing` must be that of the grid.
   std::optional<Grid> grid = {};
   /// Number of grid points on a side of a block, 2 to `max_block_size`. 0 means an automatic
-  /// choice: `default_block_size`, flatter blocks for wide molecules, or smaller ones to keep
-  /// `max_memory`.
+  /// choice: `default_block_size`, flatter blocks for wide molecules, and smaller blocks for coarse
+  /// grids or to satisfy `max_memory`.
   std::int64_t block_size = 0;
-  /// Number of threads. 0 means all that the process may use, or fewer to keep `max_memory`.
+  /// Number of threads. 0 means all available processors, or fewer to satisfy `max_memory`.
   int threads = 0;
   /// Maximum resident memory of the process in bytes. 0 means all available memory.
   std::uint64_t max_memory = 0;

@@ -124,7 +124,7 @@ class Reading(FaultTest):
         plain.write_bytes(60 * block)
         packed.write_bytes(60 * gzip.compress(block))
         for path in (plain, packed):
-            self.check(path, "takes more memory than the 64 MiB that the run may hold")
+            self.check(path, "exceeds the memory limit of 64 MiB")
 
     def test_one_line(self):
         block = b"1" * (1 << 20)

@@ -45,6 +45,6 @@ class Verify(FaultTest):
                                             spoil=spoil)
                     self.assertDone(done, 1)
                     self.assertRegex(done.stderr, f"error: {message}")
-                    self.assertIn("and no file is kept", done.stderr)
+                    self.assertIn("no files were written", done.stderr)
                     self.assertNotIn("area:", done.stdout)
                     self.assertEqual(self.all_files(), [])
