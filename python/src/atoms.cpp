@@ -98,7 +98,7 @@ std::shared_ptr<AtomFile> read(const std::filesystem::path& path, const std::str
                                int model, const std::string& altloc, bool waters, bool hetatm,
                                const std::string& hydrogens, const std::vector<std::string>& chains,
                                const std::string& select, const std::string& assembly) {
-  // The library would read standard input, which does not listen to Ctrl-C.
+  // The library would read "-" from standard input, where Ctrl-C cannot interrupt it.
   if (path == "-") throw py::value_error("path must be the name of a file, not '-'");
   ReadOptions options;
   options.format = format_named(format);

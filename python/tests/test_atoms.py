@@ -1,4 +1,4 @@
-"""Reading of files."""
+"""Tests of reading files."""
 
 import gzip
 import os

@@ -1,4 +1,4 @@
-"""Iteration over blocks."""
+"""Tests of the iteration over blocks."""
 
 import gc
 import subprocess
@@ -26,7 +26,7 @@ def wait_for_threads(count):
 
 @pytest.fixture(name="slow")
 def fixture_slow(lattice):
-    """A surface and a grid with many blocks."""
+    """Returns a surface and a grid with many blocks."""
     surface = eses.Surface(*lattice(10))
     return surface, surface.grid(0.3)
 
@@ -89,7 +89,7 @@ def test_totals_wait_for_the_last_block(slow):
 @pytest.mark.parametrize("leave", ["break", "raise", "close", "with", "delete", "unused"])
 def test_loops_that_end_early_leave_no_threads(slow, leave):
     surface, grid = slow
-    surface.compute(surface.grid(2.0), threads=2)  # starts the threads that stay
+    surface.compute(surface.grid(2.0), threads=2)  # starts the OpenMP threads, which stay alive
     before = thread_count()
     if leave == "break":
         for _ in surface.blocks(grid, threads=2):

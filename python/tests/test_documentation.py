@@ -1,4 +1,4 @@
-"""The Python examples of doc/python.md and of the package, run as doctests."""
+"""Runs the Python examples of doc/python.md and of the package as doctests."""
 
 import doctest
 import shutil
@@ -20,7 +20,7 @@ def in_folder_with_data(tmp_path, monkeypatch):
 
 def test_page():
     page = PROJECT / "doc/python.md"
-    # The end of a code block would count as output.
+    # The end of a code block would count as expected output.
     text = page.read_text(encoding="utf-8").replace("```\n", "\n")
     examples = doctest.DocTestParser().get_doctest(text, {}, page.name, str(page), 0)
     assert len(examples.examples) > 20

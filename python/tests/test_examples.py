@@ -1,4 +1,4 @@
-"""The examples, run as programs."""
+"""Runs the examples as programs."""
 
 import csv
 import subprocess
@@ -44,7 +44,7 @@ def test_trajectory_of_mdanalysis(tmp_path):
 
 
 def test_ligand_features(tmp_path):
-    # A ligand of two atoms, in contact with the loops of fasciculin.
+    # The ligand has two atoms, in contact with the loops of fasciculin.
     protein = eses.read_atoms(DATA / "fas2.pqr")
     far = protein.centers[np.argmax(protein.centers[:, 2])]
     ligand = tmp_path / "ligand.pqr"
@@ -58,10 +58,10 @@ def test_ligand_features(tmp_path):
     protein_area = sum(float(row["area"]) for row in rows if row["part"] == "protein")
     surface = eses.Surface(protein.centers, protein.radii)
     grid = surface.grid(0.5)
-    # Another grid gives the same area, but for the error of the sum.
+    # Another grid gives the same area within the error of the sum.
     assert protein_area == pytest.approx(surface.compute(grid).area, rel=0.01)
     buried = {part: sum(float(row["buried_area"]) for row in rows if row["part"] == part)
               for part in ("protein", "ligand")}
     assert buried["protein"] > 1 and buried["ligand"] > 1
-    # Residues that are far from the ligand lose nothing but rounding of the file.
+    # Residues far from the ligand lose nothing but the rounding of the file.
     assert sum(abs(float(row["buried_area"])) < 1e-3 for row in rows) > len(rows) / 2

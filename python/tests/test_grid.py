@@ -1,4 +1,4 @@
-"""Grids."""
+"""Tests of grids."""
 
 import pickle
 
@@ -9,7 +9,7 @@ import eses
 
 
 def test_grid_of_a_surface():
-    # By hand: from -1.5 - 0.75 to 4 + 1 + 0.75 along x, and 8 / 0.5 + 1 points.
+    # Computed by hand: from -1.5 - 0.75 to 4 + 1 + 0.75 along x, and 8 / 0.5 + 1 points.
     surface = eses.Surface([[0, 0, 0], [4, 0, 0]], [1.5, 1])
     grid = surface.grid(0.5, margin=0.75)
     assert grid.origin == (-2.25, -2.25, -2.25)

@@ -1,4 +1,4 @@
-"""Ctrl-C during each kind of call."""
+"""Tests of Ctrl-C during each kind of call."""
 
 import os
 import signal
@@ -14,9 +14,9 @@ ATTEMPTS = 2
 
 
 def seconds_to_interrupt(action, delay):
-    """CPU time from SIGINT to KeyboardInterrupt; None if the action ended before.
+    """Returns the CPU time from SIGINT to KeyboardInterrupt, or None if the action ended before.
 
-    On a machine that is idle the CPU time is no less than the time on the clock.
+    On an idle machine the CPU time is at least the wall-clock time.
     """
     sent = []
 

@@ -1,4 +1,4 @@
-"""Thousands of calls take no more memory than some."""
+"""Checks that thousands of calls take no more memory than a few."""
 
 import gc
 import os
@@ -16,7 +16,7 @@ def resident_bytes():
 
 
 def growth(action, calls):
-    """Growth of resident memory over this many calls, after as many that warm up."""
+    """Returns the growth of resident memory over `calls` calls, after as many calls to warm up."""
     for _ in range(calls):
         action()
     gc.collect()
@@ -27,7 +27,7 @@ def growth(action, calls):
     return resident_bytes() - before
 
 
-# A single leaked object of a call takes at least 32 bytes, and the arrays of these some kilobytes.
+# A leaked object of each call takes at least 32 bytes. A leaked array takes several kilobytes.
 CALLS = 2000
 BOUND = 2_000_000
 

@@ -1,4 +1,4 @@
-"""Results in memory: mathematics, and equality with the files of the program."""
+"""Compares results in memory with closed forms and with the files of the program."""
 
 import concurrent.futures
 import subprocess
@@ -13,7 +13,7 @@ from conftest import DATA
 
 
 def crossing_lines(crossings):
-    """The lines of intersection_info.txt."""
+    """Formats crossings as the lines of intersection_info.txt."""
     lines = []
     for row in zip(crossings.inside_point.tolist(), crossings.outside_point.tolist(),
                    crossings.position.tolist(), crossings.normal.tolist(),
@@ -109,7 +109,7 @@ def test_arrays(ubiquitin_surface):
     assert np.array_equal(crossings.inside_point, np.where(is_lower_inside, lower, upper))
     assert np.array_equal(crossings.outside_point, np.where(is_lower_inside, upper, lower))
     assert np.array_equal((crossings.atoms >= 0).sum(axis=1), crossings.kind)
-    # All edges whose ends differ have a crossing.
+    # Every edge whose ends differ has a crossing.
     assert count == sum(int((np.diff(inside, axis=a) != 0).sum()) for a in range(3))
     normal_along = abs(crossings.normal[rows, axis])
     assert result.area == pytest.approx(normal_along.sum(), rel=1e-12)
@@ -128,7 +128,7 @@ def test_arrays_are_read_only_views_that_live_on(ubiquitin_surface):
     assert np.shares_memory(result.crossings.normal, result.crossings.normal)
     copies = [array.copy() for array in arrays]
     del result
-    np.full(10**6, 7)  # takes freed memory
+    np.full(10**6, 7)  # overwrites freed memory
     for array, copy in zip(arrays, copies):
         assert np.array_equal(array, copy)
         with pytest.raises(ValueError, match="read-only"):
@@ -177,7 +177,7 @@ def test_other_threads_run_during_a_computation(lattice):
 
 
 def test_forked_processes_compute():
-    # In a process of its own: the threads of the tests must not take part.
+    # The test runs in a process of its own, because the threads of this one must not take part.
     code = """
 import multiprocessing
 import eses
@@ -234,12 +234,13 @@ def test_mesh(ubiquitin_surface):
     assert np.array_equal(mesh.kind, crossings.kind)
     faces = mesh.faces
     assert faces.dtype == np.int64 and faces.shape[1] == 3
-    # Closed and oriented: each edge of a triangle belongs to one more, the other way round.
+    # The mesh is closed and oriented: each edge of a triangle belongs to one other triangle, in the
+    # opposite direction.
     edges = np.concatenate([faces[:, [0, 1]], faces[:, [1, 2]], faces[:, [2, 0]]])
     forth = np.sort(edges[:, 0] * len(crossings) + edges[:, 1])
     back = np.sort(edges[:, 1] * len(crossings) + edges[:, 0])
     assert np.array_equal(forth, back) and (np.diff(forth) > 0).all()
-    # The volume of the polyhedron, by the divergence theorem, is positive: normals point outward.
+    # The volume of the polyhedron by the divergence theorem is positive if normals point outward.
     a, b, c = (mesh.vertices[faces[:, q]] for q in range(3))
     volume = np.einsum("ij,ij->i", a, np.cross(b, c)).sum() / 6
     assert volume == pytest.approx(result.volume, rel=0.02)

@@ -1,4 +1,4 @@
-"""The type stubs tell what the module has; docstrings tell of every name."""
+"""Checks that type stubs and docstrings describe every name of the module."""
 
 import ast
 import importlib.util
@@ -13,14 +13,15 @@ import eses
 from eses import _core
 
 STUB = pathlib.Path(eses.__file__).with_name("_core.pyi")
-# What Python gives to every class, and what pickle uses.
+# Names that Python gives to every class, and those that pickle uses.
 INHERITED = set(dir(object)) | {"__module__", "__getstate__", "__setstate__", "__dict__",
                                 "__weakref__"}
 OWN = {"__init__", "__eq__", "__hash__"}
 
 
 def parameters(arguments):
-    """Names and defaults of a stub's parameters, and where keywords begin."""
+    """Returns the names and defaults of a stub's parameters, and the position where keywords
+    begin."""
     plain = arguments.posonlyargs + arguments.args
     defaults = [inspect.Parameter.empty] * (len(plain) - len(arguments.defaults)) + [
         ast.literal_eval(default) for default in arguments.defaults]

@@ -1,4 +1,4 @@
-"""Surfaces from arrays."""
+"""Tests of surfaces made from arrays."""
 
 import pickle
 
