@@ -59,7 +59,7 @@ def test_blocks_make_up_the_grid(ubiquitin_surface, threads):
     assert list(blocks) == []
 
 
-def test_region_and_range_of_blocks(ubiquitin_surface):
+def test_region_and_range_of_blocks_are_iterated(ubiquitin_surface):
     grid = ubiquitin_surface.grid(0.8)
     for arguments in ({"region": ((3, 4, 5), (20, 30, 25))},
                       {"blocks": ((0, 1, 0), (2, 2, 1)), "block_size": 17}):
@@ -118,7 +118,7 @@ def test_loops_that_end_early_leave_no_threads(slow, leave):
     assert wait_for_threads(before) <= before
 
 
-def test_close_from_another_thread(slow):
+def test_close_from_another_thread_ends_the_loop(slow):
     surface, grid = slow
     blocks = surface.blocks(grid)
     timer = threading.Timer(0.1, blocks.close)

@@ -20,7 +20,7 @@ def run(name, *arguments):
     return list(csv.DictReader(done.stdout.splitlines()))
 
 
-def test_trajectory(tmp_path, ubiquitin):
+def test_trajectory_prints_area_and_volume(tmp_path, ubiquitin):
     rng = np.random.default_rng(2)
     frames = ubiquitin.centers + rng.normal(0, 0.1, (3, 602, 3))
     frames[0] = ubiquitin.centers
@@ -34,7 +34,7 @@ def test_trajectory(tmp_path, ubiquitin):
         assert float(row["volume"]) == pytest.approx(result.volume, rel=1e-5)
 
 
-def test_trajectory_of_mdanalysis(tmp_path):
+def test_trajectory_of_mdanalysis_is_read(tmp_path):
     pytest.importorskip("MDAnalysis")
     rows = run("trajectory.py", DATA / "fas2.pqr", DATA / "fas2.pqr", "--spacing", "0.8")
     atoms = eses.read_atoms(DATA / "fas2.pqr")
@@ -43,7 +43,7 @@ def test_trajectory_of_mdanalysis(tmp_path):
     assert float(rows[0]["area"]) == pytest.approx(surface.compute(surface.grid(0.8)).area, rel=1e-4)
 
 
-def test_ligand_features(tmp_path):
+def test_ligand_features_prints_buried_areas(tmp_path):
     # The ligand has two atoms, in contact with the loops of fasciculin.
     protein = eses.read_atoms(DATA / "fas2.pqr")
     far = protein.centers[np.argmax(protein.centers[:, 2])]

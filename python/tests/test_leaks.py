@@ -32,7 +32,7 @@ CALLS = 2000
 BOUND = 2_000_000
 
 
-def test_everything_small(chain):
+def test_small_calls_do_not_leak(chain):
     def action():
         surface = eses.Surface(*chain)
         grid = surface.grid(1.0)
@@ -47,7 +47,7 @@ def test_everything_small(chain):
     assert growth(action, CALLS) < BOUND
 
 
-def test_iterators(chain):
+def test_iterators_do_not_leak(chain):
     surface = eses.Surface(*chain)
     grid = surface.grid(0.5)
 
@@ -60,7 +60,7 @@ def test_iterators(chain):
     assert growth(action, CALLS // 4) < BOUND
 
 
-def test_files_and_errors(tmp_path):
+def test_files_and_errors_do_not_leak(tmp_path):
     (tmp_path / "bad.xyzr").write_text("0 0 0 x\n")
 
     def fail(action, error):
@@ -78,7 +78,7 @@ def test_files_and_errors(tmp_path):
     assert growth(action, CALLS) < BOUND
 
 
-def test_callbacks(chain):
+def test_callbacks_do_not_leak(chain):
     surface = eses.Surface(*chain)
     grid = surface.grid(1.0)
 
@@ -93,7 +93,7 @@ def test_callbacks(chain):
     assert growth(action, CALLS // 2) < BOUND
 
 
-def test_large_results(ubiquitin_surface):
+def test_large_results_do_not_leak(ubiquitin_surface):
     grid = ubiquitin_surface.grid(0.5)
 
     def action():

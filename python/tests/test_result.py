@@ -56,7 +56,7 @@ def test_chosen_grid_is_that_of_the_files(tmp_path, run_program, ubiquitin_surfa
     assert_equal_files(ubiquitin_surface.compute(grid), tmp_path)
 
 
-def test_sphere():
+def test_sphere_agrees_with_its_closed_form():
     # The surface of a sphere of radius 2 in closed form.
     surface = eses.Surface([[0.1, 0.2, 0.3]], [2.0])
     result = surface.compute(surface.grid(0.1))
@@ -78,7 +78,7 @@ def test_sphere():
     assert result.inside_points == result.inside.sum()
 
 
-def test_arrays(ubiquitin_surface):
+def test_arrays_have_documented_shapes_and_types(ubiquitin_surface):
     grid = ubiquitin_surface.grid(1.0)
     result = ubiquitin_surface.compute(grid)
     inside, crossings = result.inside, result.crossings
@@ -196,7 +196,7 @@ with multiprocessing.get_context("fork").Pool(2) as pool:
     assert (done.stdout, done.stderr) == ("True\n", "")
 
 
-def test_region(ubiquitin_surface):
+def test_region_is_a_part_of_the_whole(ubiquitin_surface):
     grid = ubiquitin_surface.grid(0.9)
     whole = ubiquitin_surface.compute(grid)
     begin, end = (5, 10, 3), (25, 24, 31)
@@ -211,7 +211,7 @@ def test_region(ubiquitin_surface):
     assert np.array_equal(part.crossings.position, whole.crossings.position[is_in_region])
 
 
-def test_range_of_blocks(ubiquitin_surface):
+def test_range_of_blocks_is_a_part_of_the_whole(ubiquitin_surface):
     grid = ubiquitin_surface.grid(0.9)
     nx, ny, nz = grid.shape
     # A block of 17 points has 16 cells; the last one along an axis owns the rest.
@@ -224,7 +224,7 @@ def test_range_of_blocks(ubiquitin_surface):
         (0, 0, 0), (min(nx, 64) if nx <= 64 else 63, min(ny, 64), min(nz, 64)))
 
 
-def test_mesh(ubiquitin_surface):
+def test_mesh_is_closed_and_oriented(ubiquitin_surface):
     result = ubiquitin_surface.compute(ubiquitin_surface.grid(0.8))
     mesh, crossings = result.mesh(), result.crossings
     assert mesh.vertices.shape == mesh.normals.shape == (len(crossings), 3)
@@ -247,7 +247,7 @@ def test_mesh(ubiquitin_surface):
     assert "vertices" in repr(mesh)
 
 
-def test_nothing_inside(chain):
+def test_grid_without_inside_points_has_empty_results(chain):
     surface = eses.Surface(*chain)
     result = surface.compute(surface.grid(0.5, origin=(100, 0, 0), shape=(4, 5, 6)))
     assert result.area == result.volume == result.inside_points == 0
@@ -258,7 +258,7 @@ def test_nothing_inside(chain):
     assert result.mesh().vertices.shape == result.mesh().faces.shape == (0, 3)
 
 
-def test_parts(chain):
+def test_only_chosen_parts_are_computed(chain):
     surface = eses.Surface(*chain)
     grid = surface.grid(0.5)
     whole = surface.compute(grid)
@@ -270,7 +270,7 @@ def test_parts(chain):
             part()
 
 
-def test_progress(ubiquitin_surface):
+def test_progress_is_reported(ubiquitin_surface):
     calls = []
     ubiquitin_surface.compute(ubiquitin_surface.grid(0.8), block_size=20,
                               progress=lambda done, total: calls.append((done, total)))
@@ -287,7 +287,7 @@ def test_progress(ubiquitin_surface):
         ubiquitin_surface.compute(ubiquitin_surface.grid(0.8), progress=3)
 
 
-def test_wrong_arguments(chain):
+def test_wrong_arguments_are_refused(chain):
     surface = eses.Surface(*chain)
     grid = surface.grid(0.5)
     for arguments, message in (({"threads": -1}, "threads"), ({"block_size": 1}, "block_size"),
@@ -311,7 +311,7 @@ def test_wrong_arguments(chain):
             method("grid")
 
 
-def test_memory_limits(chain):
+def test_memory_limits_are_kept(chain):
     surface = eses.Surface(*chain)
     with pytest.raises(MemoryError, match="needs"):
         surface.compute(surface.grid(0.05), max_memory=1 << 20)

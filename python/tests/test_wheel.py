@@ -39,7 +39,7 @@ def fixture_environment(tmp_path):
     return folder
 
 
-def test_wheel(environment, tmp_path):
+def test_wheel_is_built_and_installed(environment, tmp_path):
     done = run(environment / "bin/pip", "install", "--no-cache-dir", PROJECT,
                env={**os.environ, "TMPDIR": str(tmp_path)})
     assert done.returncode == 0, done.stdout + done.stderr
