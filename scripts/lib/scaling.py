@@ -47,7 +47,7 @@ MOLECULE_SLICED, MOLECULE_BY_ONE = 0.25, 0.33
 # for an atom's slab, to append a sent atom, and to append a received one.
 SECONDS_PER_HALVING, SECONDS_PER_SENT_ATOM, SECONDS_PER_RECEIVED_ATOM = 1.2e-9, 60e-9, 25e-9
 SECONDS_PER_ADDITION = 1.3e-9  # to add one area to the sum, in order: four cycles
-AREA_TEXTS = 2  # of several processes: one to know its length, one to write it
+AREA_TEXTS = 2  # each process makes its text twice: for the length, and to write it
 BLOCKS_AHEAD = 4  # per thread: src/plan/plan.cpp
 # Number of equal tasks per thread into which the patches and the text of a layer are cut. The
 # program cuts them into more tasks.

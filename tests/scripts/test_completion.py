@@ -15,7 +15,7 @@ from support import PROGRAM, PROJECT, TestCase
 COMPLETIONS = PROJECT / "packaging" / "completions"
 BASH_COMPLETION = pathlib.Path("/usr/share/bash-completion/bash_completion")
 
-# What bash does when Tab is pressed after the last word.
+# Runs the steps of bash when Tab is pressed after the last word.
 COMPLETE = """
 shopt -s progcomp extglob
 source {library}

@@ -314,7 +314,7 @@ class Failures(PdbbindTest):
     def test_help_describes_every_option(self):
         output = run("pdbbind", "--help").stdout
         for option, word in (("--probe-radius", "solvent"), ("--spacing", "grid points"),
-                             ("--margin", "edge of the grid"), ("--block-size", "side of a block")):
+                             ("--margin", "grid boundary"), ("--block-size", "side of a block")):
             self.assertIn(word, " ".join(output.partition(option)[2].split())[:120])
 
     def test_unwritable_output_is_refused(self):

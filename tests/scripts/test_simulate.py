@@ -180,8 +180,8 @@ class Runs(TestCase):
         areas = (2 * 17.5 + 2 * 19) * atoms  # 1 angstrom around each slab
         self.assertEqual([share.atoms for share in run_of_four.shares],
                          [22.5 * atoms, 29 * atoms, 29 * atoms, 22.5 * atoms])
-        # Of 48 bytes for each atom and 32 for each area, three quarters go to other processes.
-        # Atoms are sent once, because the cut by atoms is also the cut by time.
+        # An atom takes 48 bytes and an area 32. Three quarters of them go to other processes. Atoms
+        # are sent once, because the cut by atoms is also the cut by time.
         sent = (48 * halo + 32 * areas) * 3 / 4 / 4
         few = run_of_four.sent - sent
         self.assertGreater(few, 0)

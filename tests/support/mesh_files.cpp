@@ -29,7 +29,7 @@ struct Property {
 struct PlyHeader {
   std::size_t vertices = 0, faces = 0, bytes = 0;
   bool is_ascii = false;
-  std::vector<Property> properties;  // of vertices
+  std::vector<Property> properties;  // properties of vertices
   std::vector<std::string> comments;
 };
 
