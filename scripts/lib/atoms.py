@@ -108,7 +108,7 @@ def atoms_in(lines, layout):
             likeness.add(line)
         yield x, y, z, charge, fields[4]
     if is_empty:
-        raise Failed(" no atoms")
+        raise Failed(" no atoms" + ("; expected ATOM or HETATM records" if layout == "pqr" else ""))
     if layout == "pqr":
         likeness.refuse()
 

@@ -305,7 +305,7 @@ class Failures(PdbbindTest):
                       ("--spacing", "0.5", "--dry-run")):
             done = self.run_pdbbind("--", *words, code=2)
             self.assertEqual(done.stderr.count("\n"), 1, done.stderr)
-            self.assertIn("may not be among the arguments after --", done.stderr)
+            self.assertIn("is refused after --", done.stderr)
             self.assertFalse(self.output.exists())
         self.run_pdbbind("--", "-qb32", "--verify=10", "--strict", "--max-memory", "1G",
                          "--region", "-5,-5,-5,5,5,5")
