@@ -1,5 +1,5 @@
-// Compares kernels for several lines at a time, which meet spheres and tubes, with the plain
-// formulas.
+// Compares the kernels that intersect several lines at a time with spheres and tubes with plain
+// formulas for one line.
 
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "test_line_kernels.cpp"
@@ -50,8 +50,8 @@ struct LineExits {
   std::vector<double> parameters;
 };
 
-// A sphere as for search_face() and search_placement(). The half space { d : d . normal >= 0 } of
-// it is kept.
+// The part of a sphere where the offset d from the centre satisfies d . normal >= 0. Only lines
+// through the box are searched, as in search_face() and search_placement().
 struct HalfSphere {
   Vec3 center;
   double radius = 0;
@@ -283,7 +283,7 @@ ExitCounts compare_exits(FindExits find, Place place, double max_step) {
 
 TEST_CASE("lines with one exit from a tube have the exit of tube_exits()") {
   for_each_version(ESES_VERSIONS(find_exits), [](FindExits find) {
-    // These are edges as in a grid. Hardly any of them needs the slow way.
+    // These lines are as short as grid edges. Hardly any of them has several possible exits.
     const ExitCounts edges = compare_exits(find, Place::near_surface, 0.5);
     CHECK(edges.one > edges.lines / 10);
     CHECK(edges.maybe_several < edges.lines / 20);
@@ -399,7 +399,7 @@ TEST_CASE("grid lines meet a part of a sphere where the quadratic formula says s
     half.radius = random.uniform(0.3, 4);
     half.box = grown(ball_box(half.center, half.radius), 1e-5);
     half.normal = random_direction(random);
-    // The part is bounded, as patches are.
+    // The box cuts the part off, as it does for patches.
     if (random.chance(0.5)) half.box.low[random.integer(0, 2)] += random.uniform(0, half.radius);
     const PlainHits plain = plain_hits(grid, half);
     found += plain.hits.size();

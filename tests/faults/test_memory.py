@@ -67,7 +67,7 @@ class Memory(FaultTest):
     def test_address_space_limit_ends_the_run_in_order(self):
         """The limits range from too little to start to just not enough."""
         if not os.environ.get("ESES_FAULT_LIBRARY"):
-            self.skipTest("sanitizers need all addresses there are")
+            self.skipTest("sanitizers need the whole address space")
         path = self.folder / "gas.xyzr"  # 27,000 isolated atoms
         path.write_text("".join(f"{x * 9} {y * 9} {z * 9} 1.5\n"
                                 for x in range(30) for y in range(30) for z in range(30)))
@@ -89,7 +89,7 @@ class Memory(FaultTest):
 
     def test_threads_that_cannot_start_are_an_error(self):
         if not os.environ.get("ESES_FAULT_LIBRARY"):
-            self.skipTest("sanitizers need all addresses there are")
+            self.skipTest("sanitizers need the whole address space")
 
         def limit():
             forget_signals()
@@ -100,7 +100,7 @@ class Memory(FaultTest):
         self.assertEqual(self.all_files(), [])
 
 
-@unittest.skipUnless(os.environ.get("ESES_FAULT_LIBRARY"), "sanitizers take memory of their own")
+@unittest.skipUnless(os.environ.get("ESES_FAULT_LIBRARY"), "sanitizers need memory themselves")
 class Reading(FaultTest):
     """Input that is much larger than the limit is refused before it is in memory."""
 

@@ -16,7 +16,7 @@ BALL = "0 0 0 200\n"  # at a spacing of 0.3 a grid of 2.4e9 points
 
 needs_prompt_signals = unittest.skipIf(
     os.environ.get("ESES_SANITIZE") == "thread",
-    "this sanitizer holds signals back while a file is being opened or read")
+    "this sanitizer delays signals while a file is opened or read")
 
 
 class Phase(FaultTest):
@@ -73,7 +73,7 @@ class Phase(FaultTest):
         fifo = self.folder / "fifo.xyzr"
         os.mkfifo(fifo)
         program = self.start(fifo)
-        # It sleeps in open().
+        # The program sleeps in open().
         wait_for(lambda: "S (sleeping)" in self.status(program) and self.catches_signals(program))
         self.check_end(program, signal.SIGINT.value)
 
