@@ -59,7 +59,7 @@ int main(int argc, char** argv) try {
   const eses::Summary summary =
       eses::detail::compute(molecule, plan, {.progress = {}, .block = print});
   const auto& seconds = summary.seconds;
-  // With one thread, the rest of the time is for sorting atoms into clusters.
+  // The run has one thread. The time that is left is that of sorting atoms into clusters.
   fmt::print("# patches_seconds {:.6f}\n# clusters_seconds {:.6f}\n", seconds.patches,
              std::max(0.0, seconds.blocks - seconds.patches - seconds.output - solving));
   return 0;

@@ -24,7 +24,7 @@ Vec3 random_point(Random& random, double half_side) {
 
 struct CircleCase {
   SasSphere sphere, partner;
-  std::vector<SasSphere> others;  // spheres whose caps follow the partner's
+  std::vector<SasSphere> others;  // their caps follow the partner's cap in `caps`
   ContactCircle circle;
   CapList caps;
 };

@@ -131,8 +131,8 @@ TEST_CASE("a grid is refused if it cannot be made") {
 
 namespace {
 
-/// Counts the blocks that own each point and each edge, by grid point and axis; axis 3 is the
-/// point.
+/// Numbers of blocks that own each edge, by its lower grid point and its axis. Axis 3 counts the
+/// blocks that own the point itself.
 struct Ownership {
   GridIndex size{};
   std::vector<unsigned char> owners;
@@ -410,7 +410,7 @@ TEST_CASE("a margin that a message recommends is accepted") {
 
 TEST_CASE("a plan refuses a margin so small that the grid cuts the surface") {
   SECTION("margin below half the spacing, grid cut short by truncation") {
-    const std::vector<Atom> atoms{{{0, 0, 0}, 1.15}};  // 2.68 / 0.4 = 6.7, up to 1.06
+    const std::vector<Atom> atoms{{{0, 0, 0}, 1.15}};  // 2.68 / 0.4 = 6.7; last point at 1.06
     CHECK_THROWS_AS(make_plan(atoms, with_margin(0.4, 0.19), {}), Error);
   }
   SECTION("no margin") {
@@ -418,12 +418,12 @@ TEST_CASE("a plan refuses a margin so small that the grid cuts the surface") {
     CHECK_THROWS_AS(make_plan(atoms, with_margin(0.4, 0), {}), Error);
   }
   SECTION("margin below half the spacing, yet the grid encloses the atoms") {
-    const std::vector<Atom> atoms{{{0, 0, 0}, 0.9}};  // 2.1 / 0.4 = 5.25, up to 0.95
+    const std::vector<Atom> atoms{{{0, 0, 0}, 0.9}};  // 2.1 / 0.4 = 5.25; last point at 0.95
     const Plan plan = make_plan(atoms, with_margin(0.4, 0.15), {});
     CHECK(std::fabs(plan.cut_depth + 0.05) < 1e-12);
   }
-  SECTION("margin of half the spacing, grid cut short: said, not refused") {
-    const std::vector<Atom> atoms{{{0, 0, 0}, 1.2}};  // 2.9 / 0.5 = 5.8, up to 1.05
+  SECTION("margin of half the spacing, grid cut short: not refused") {
+    const std::vector<Atom> atoms{{{0, 0, 0}, 1.2}};  // 2.9 / 0.5 = 5.8; last point at 1.05
     const Plan plan = make_plan(atoms, with_margin(0.5, 0.25), {});
     CHECK(plan.grid.size == GridIndex{6, 6, 6});
     CHECK(std::fabs(plan.cut_depth - 0.15) < 1e-12);
