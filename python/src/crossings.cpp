@@ -81,7 +81,7 @@ void bind_crossings(py::module_& module) {
           "(M,) uint8: directions of the edges, 0, 1, 2 for x, y, z.")
       .def_property_readonly(
           "position", [](const py::object& self) { return vectors(self, &Crossing::position); },
-          "(M, 3) float64: places of the crossings, in angstrom.")
+          "(M, 3) float64: positions of the crossings, in angstrom.")
       .def_property_readonly(
           "normal", [](const py::object& self) { return vectors(self, &Crossing::normal); },
           "(M, 3) float64: outward unit normals of the surface.")

@@ -92,7 +92,7 @@ void bind_mesh(py::module_& module) {
     };
   };
   type.def_property_readonly("vertices", vectors(&Mesh::vertices),
-                             "(V, 3) float64: places of the vertices, in angstrom.")
+                             "(V, 3) float64: positions of the vertices, in angstrom.")
       .def_property_readonly("normals", vectors(&Mesh::normals),
                              "(V, 3) float64: outward unit normals of the vertices.")
       .def_property_readonly(
