@@ -1,5 +1,5 @@
-# Manual pages, completions, and the reference of the library. The manual pages are made from --help by help2man, where that is installed;
-# the completions read --help when they are used.
+# Manual pages, completions, and the reference of the library. help2man makes the manual pages from
+# --help if it is installed. The completions read --help when they are used.
 
 find_program(ESES_HELP2MAN help2man)
 if(ESES_HELP2MAN AND NOT ESES_SANITIZE AND NOT CMAKE_CROSSCOMPILING)
@@ -35,8 +35,8 @@ install(FILES packaging/completions/eses-blocks.bash
 install(FILES packaging/completions/_eses-blocks
         DESTINATION ${CMAKE_INSTALL_DATADIR}/zsh/vendor-completions COMPONENT program)
 
-# The target `reference` makes HTML pages of the public headers. Names without a description, and
-# everything else that doxygen finds wrong, are errors.
+# The target `reference` makes HTML pages of the public headers. Every warning of Doxygen is an
+# error, such as a name without a description.
 find_package(Doxygen QUIET)
 if(DOXYGEN_FOUND)
   set(DOXYGEN_PROJECT_NAME "eses-blocks")

@@ -3,8 +3,8 @@
 #   find_package(eses REQUIRED)
 #   target_link_libraries(mine PRIVATE eses::eses)
 #
-# The components are those of the Debian packages, see package.cmake: `program`, and `development`
-# for what only those need who build with the library.
+# The components are those of the Debian packages (package.cmake): `program`, and `development` for
+# users of the library.
 
 include(GNUInstallDirs)
 include(CMakePackageConfigHelpers)
@@ -16,7 +16,7 @@ set_target_properties(eses PROPERTIES
   VERSION ${PROJECT_VERSION}
   SOVERSION ${PROJECT_VERSION_MAJOR}.${PROJECT_VERSION_MINOR})
 
-# The installed program finds it, wherever both are put.
+# The installed program finds the shared library wherever both are moved together.
 if(BUILD_SHARED_LIBS)
   set_target_properties(eses-blocks PROPERTIES
     INSTALL_RPATH "$ORIGIN/../${CMAKE_INSTALL_LIBDIR}")
@@ -37,7 +37,7 @@ install(FILES ${PROJECT_BINARY_DIR}/generated/eses/version.hpp
         DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/eses COMPONENT development)
 install(FILES README.md LICENSE CHANGELOG.md CITATION.cff CONTRIBUTING.md SECURITY.md
         DESTINATION ${CMAKE_INSTALL_DOCDIR} COMPONENT program)
-# The pages and their figures, without the measurements from which these are made.
+# Install the pages and their figures, but not the measurements from which the figures are made.
 install(DIRECTORY doc DESTINATION ${CMAKE_INSTALL_DOCDIR} COMPONENT program
         FILES_MATCHING PATTERN "*.md" PATTERN "*.svg" PATTERN "*.png" PATTERN "*.sbatch")
 
@@ -48,7 +48,7 @@ configure_package_config_file(
   ${CMAKE_CURRENT_LIST_DIR}/eses-config.cmake.in ${PROJECT_BINARY_DIR}/eses-config.cmake
   INSTALL_DESTINATION ${ESES_INSTALL_CMAKEDIR}
   NO_SET_AND_CHECK_MACRO)
-# Before 1.0 a minor version may break callers.
+# Before 1.0 a minor version may be incompatible with the previous one.
 write_basic_package_version_file(${PROJECT_BINARY_DIR}/eses-config-version.cmake
   COMPATIBILITY SameMinorVersion)
 install(FILES ${PROJECT_BINARY_DIR}/eses-config.cmake

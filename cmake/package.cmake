@@ -1,11 +1,11 @@
-# `cpack` makes Debian packages of what is installed, see scripts/dev/package: `eses-blocks`, the
-# program, `libeses-dev`, the library with its headers and CMake package, and, with
+# `cpack` makes Debian packages of the installed files (scripts/dev/package): `eses-blocks` with the
+# program, `libeses-dev` with the library, its headers and CMake package, and, with
 # ESES_BUILD_PYTHON, `python3-eses-blocks`.
 
 set(CPACK_GENERATOR DEB)
 set(CPACK_PACKAGE_NAME eses-blocks)
 set(CPACK_PACKAGE_VENDOR "eses-blocks")
-set(CPACK_PACKAGE_DESCRIPTION_SUMMARY "")  # each has its own
+set(CPACK_PACKAGE_DESCRIPTION_SUMMARY "")  # each package has its own
 set(CPACK_PACKAGE_CONTACT "The eses-blocks authors <eses-blocks@example.org>")
 set(CPACK_STRIP_FILES ON)
 set(CPACK_COMPONENTS_ALL program development)
@@ -15,9 +15,10 @@ endif()
 set(CPACK_COMPONENTS_GROUPING IGNORE)
 set(CPACK_DEB_COMPONENT_INSTALL ON)
 set(CPACK_DEBIAN_FILE_NAME DEB-DEFAULT)
-# As Ubuntu's 0ubuntu1: of nothing that is in Debian, whose own would be -1.
+# Debian's own package would have revision -1. Revision 0eses1 sorts before it, like Ubuntu's
+# 0ubuntu1.
 set(CPACK_DEBIAN_PACKAGE_RELEASE 0eses1)
-# Manual pages, changelogs and licences where Debian wants them.
+# Put manual pages, changelogs and licences where Debian expects them.
 set(CPACK_PRE_BUILD_SCRIPTS ${PROJECT_SOURCE_DIR}/packaging/debian.cmake)
 
 set(CPACK_DEBIAN_PROGRAM_PACKAGE_NAME eses-blocks)
@@ -31,7 +32,7 @@ of a biomolecule, where the grid lines cross it, with normals and
 adjacent atoms, and each atom's share of its area: the files of ESES,
 exact on every input, block by block, in parallel and in bounded memory.")
 
-# What eses-config.cmake looks for; OpenMP comes with the compiler.
+# These are the packages that eses-config.cmake looks for. OpenMP comes with the compiler.
 set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_NAME libeses-dev)
 set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_SECTION libdevel)
 set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_DEPENDS zlib1g-dev)
@@ -44,7 +45,7 @@ It hands out the analytical solvent excluded surface of a molecule block
 by block of a grid: inside points, crossings of grid lines with normals
 and adjacent atoms, areas.")
 
-# The module is of one version of Python, as its name tells.
+# The file name of the module contains the version of Python for which it is built.
 if(ESES_BUILD_PYTHON)
   string(REPLACE "." ";" python_version ${ESES_PYTHON_VERSION})
   list(GET python_version 0 python_major)

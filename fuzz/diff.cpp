@@ -1,8 +1,9 @@
-/// The comparison of two directories of ESES's files. The input is all of their files in one text:
-/// behind a line `== a/NAME` or `== b/NAME` follows what NAME of directory A or B holds.
+/// Fuzzes the comparison of two directories of ESES's files. The input contains all files in one
+/// text: the line `== a/NAME` or `== b/NAME` precedes the content of file NAME in directory A or B.
 ///
-/// Whatever they hold, there is a comparison or an error with a proper message; either order of the
-/// directories finds the same; and a directory differs from itself in repeated lines at most.
+/// The comparison either succeeds or ends with a well-formed error message. It finds the same
+/// differences in either order of the directories. A directory differs from itself at most in
+/// repeated lines.
 
 #include <algorithm>
 #include <cstddef>
@@ -23,8 +24,8 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr double tolerance = 1e-6;     // the program's own
-constexpr double max_points = 100000;  // of a grid: time and memory go with them
+constexpr double tolerance = 1e-6;     // the program's default
+constexpr double max_points = 100000;  // larger grids would take too much time and memory
 
 // ----------------------------------------------------------------------------------- directories
 
@@ -44,7 +45,7 @@ std::string_view take_line(std::string_view& rest) {
   return line;
 }
 
-/// What follows the line `== name`, up to the next one of its kind; nothing if there is none.
+/// Returns the text between the line `== name` and the next such line, or nothing if there is none.
 std::optional<std::string_view> section(std::string_view text, std::string_view name) {
   constexpr std::string_view mark = "== ";
   while (!text.empty()) {
@@ -84,7 +85,7 @@ bool is_small(const fs::path& directory) {
     for (const std::int64_t n : size_in(directory)) points *= static_cast<double>(n);
     return points <= max_points;
   } catch (const Error&) {
-    return true;  // the comparison must get over it
+    return true;  // the comparison must handle a malformed box
   }
 }
 

@@ -1,6 +1,7 @@
-/// The readers of ESES's files. The first byte of an input chooses the file, the rest is what the
-/// file holds, plain or gzipped. Whatever the bytes, the reader gives items in their range and, if
-/// it stops before the end, a proper message; what is printed of the items reads back.
+/// Fuzzes the readers of ESES's files. The first byte of an input chooses the file; the rest is the
+/// content of the file, plain or gzipped. For any bytes the reader returns items in their valid
+/// range. If it stops early, its message is well-formed. Items that are printed and read again are
+/// the same.
 
 #include <fmt/format.h>
 
@@ -20,7 +21,7 @@
 namespace eses::detail::fuzz {
 namespace {
 
-/// The items before the end or before the first error, whose message it is.
+/// The items before the end or the first error, and the message of that error.
 template <class Item>
 struct Outcome {
   std::vector<Item> items;
@@ -117,7 +118,7 @@ void check_box(const MemoryFile& file) {
   }
 }
 
-/// A line's place is read in the same way with the rest of the line and without.
+/// Checks that the reader of edges alone finds the same edges as the reader of whole lines.
 void check_edges(const MemoryFile& file) {
   const auto edges = check_lines<Crossing, EdgeReader>(file);
   const auto places = read_all<GridEdge, EdgeReader>(file);
@@ -129,7 +130,7 @@ void check_edges(const MemoryFile& file) {
          "edges are in other places");
 }
 
-/// The first letters of the files' names choose them, and every other byte some.
+/// The first byte is the first letter of a file's name. Every other byte also chooses a file.
 void check(std::string_view bytes) {
   static const MemoryFile file;
   if (bytes.empty()) return;

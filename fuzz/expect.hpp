@@ -1,5 +1,5 @@
 #pragma once
-/// What every target needs: its entry, and a way to say that something is wrong.
+/// The entry point and the checks that all fuzz targets share.
 
 #include <cstddef>
 #include <cstdint>
@@ -8,19 +8,20 @@
 
 #include "eses/error.hpp"
 
-/// One input; defined by each target, called by libFuzzer or by the main that replays a corpus.
+/// Runs one input. Each target defines it; libFuzzer or the main function of replay.cpp calls it.
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size);
 
 namespace eses::detail::fuzz {
 
-/// Ends the process, which is how libFuzzer notices a finding.
+/// Ends the process, which libFuzzer reports as a finding.
 [[noreturn]] void fail(std::string_view what);
 
 inline void expect(bool holds, std::string_view what) {
   if (!holds) fail(what);
 }
 
-/// The message, which must be one line of printable ASCII that begins with the file's name.
+/// Checks the message of an error and returns it: one line of printable ASCII that begins with the
+/// file's name.
 std::string checked_message(const Error& error, std::string_view name);
 
 inline std::string_view as_text(const std::uint8_t* data, std::size_t size) {

@@ -1,5 +1,5 @@
-/// The whole of the geometry: every point, edge and sum of a run on a small, degenerate molecule
-/// is held against the brute-force oracle.
+/// Fuzzes the whole geometry: compares every point, edge and sum of a run on a small, degenerate
+/// molecule with the brute-force oracle.
 
 #include <fmt/format.h>
 

@@ -1,5 +1,5 @@
 #pragma once
-/// A file in memory: zlib, by which ESES's files are read, takes files only.
+/// A file in memory. The readers of ESES's files use zlib, which reads only files.
 
 #include <filesystem>
 #include <string_view>
@@ -15,7 +15,7 @@ class MemoryFile {
 
   const std::filesystem::path& path() const { return path_; }
 
-  /// Replaces what the file holds.
+  /// Replaces the content of the file.
   void assign(std::string_view bytes) const;
 
  private:

@@ -15,7 +15,7 @@ namespace eses::detail::fuzz {
 namespace {
 
 constexpr std::size_t max_atoms = 12;
-constexpr std::int64_t max_points = 1000;  // the oracle looks at each of them
+constexpr std::int64_t max_points = 1000;  // the oracle tests each of them
 
 using std::numbers::phi, std::numbers::sqrt3;
 
@@ -48,7 +48,7 @@ Value pick(const std::array<Value, n>& values, std::uint8_t byte) {
   return values[byte % n];
 }
 
-/// Bits 0 to 3 choose the direction, bits 4 to 6 turn its components round.
+/// Bits 0 to 3 choose the direction, bits 4 to 6 the signs of its components.
 Vec3 direction(std::uint8_t byte) {
   Vec3 v = normalized(pick(directions, byte));
   for (std::size_t axis = 0; axis < 3; ++axis)
@@ -56,7 +56,7 @@ Vec3 direction(std::uint8_t byte) {
   return v;
 }
 
-/// -4 to 4.
+/// Returns a whole number from -4 to 4.
 double step(std::uint8_t byte) { return static_cast<double>(byte % 9) - 4; }
 
 class Bytes {
@@ -74,11 +74,11 @@ class Bytes {
   std::span<const std::uint8_t> rest_;
 };
 
-/// What an atom is made of, and of what it depends on.
+/// The numbers from which an atom is made, and the atoms to which it is related.
 struct Recipe {
   std::span<const Atom> others;
   double probe;
-  double unit;  ///< of the lattice
+  double unit;  ///< spacing of the lattice
   double radius, nudge;
   std::uint8_t a, b, c;
 
@@ -90,7 +90,8 @@ Atom on_lattice(const Recipe& r) {
   return {r.unit * Vec3{step(r.a), step(r.b), step(r.c)} + Vec3{r.nudge, 0, 0}, r.radius};
 }
 
-/// The atoms touch, their SAS spheres do, the SAS sphere of one touches the other, or they bond.
+/// At the four gaps the atoms touch, their SAS spheres touch, the SAS sphere of one touches the
+/// other atom, or the atoms overlap like bonded ones.
 Atom beside_another(const Recipe& r) {
   const std::array gaps{0.0, 2 * r.probe, r.probe, -r.radius};
   return {r.beside(r.other().radius + r.radius + pick(gaps, r.c)), r.radius};
@@ -104,14 +105,14 @@ Atom same_center(const Recipe& r) {
   return {r.other().center, r.c % 2 == 0 ? r.other().radius + r.nudge : r.radius};
 }
 
-/// The atom touches a probe at one of the lattice points around the origin.
+/// The atom touches a probe that is at one of the lattice points around the origin.
 Atom at_probe(const Recipe& r) {
   const Vec3 probe = r.unit * Vec3{static_cast<double>(r.a % 2), static_cast<double>(r.a / 2 % 2),
                                    static_cast<double>(r.a / 4 % 2)};
   return {probe + (r.radius + r.probe + r.nudge) * direction(r.b), r.radius};
 }
 
-/// The SAS sphere goes through a circle about the z-axis.
+/// The SAS sphere passes through a circle about the z-axis.
 Atom at_circle(const Recipe& r) {
   constexpr std::array widths{0.5, 0.25, 1.0, 0.0};
   const double circle = r.probe + pick(widths, r.b), z = r.unit * step(r.a);
@@ -147,8 +148,8 @@ Atom make_atom(std::uint8_t kind, const Recipe& recipe) {
   }
 }
 
-/// Bit 0: turned off the grid's axes. Bit 1: away from the origin, by halves, so that what is on a
-/// lattice stays on it.
+/// Bit 0 rotates the atoms, so that they are not aligned with the grid. Bit 1 moves them away from
+/// the origin by multiples of 0.5, which keeps lattice points on lattice points.
 void place(std::vector<Atom>& atoms, std::uint8_t frame) {
   constexpr Vec3 x{0.48, 0.6, 0.64}, y{0.8, -0.6, 0}, z{0.384, 0.512, -0.768};
   for (Atom& atom : atoms) {
@@ -158,7 +159,7 @@ void place(std::vector<Atom>& atoms, std::uint8_t frame) {
   }
 }
 
-/// The spacing is doubled until the grid is small, which keeps grid points on lattice points.
+/// Doubles the spacing until the grid is small enough. Grid points stay on lattice points.
 void fit_grid(const std::vector<Atom>& atoms, double margin_in_spacings, Parameters& parameters) {
   for (;;) {
     parameters.margin = margin_in_spacings * parameters.spacing;

@@ -1,5 +1,5 @@
 #pragma once
-/// Molecules made of bytes, so that degenerate ones are likely.
+/// Molecules made from bytes such that degenerate arrangements are likely.
 
 #include <cstdint>
 #include <span>
@@ -13,17 +13,18 @@ namespace eses::detail::fuzz {
 
 struct Molecule {
   std::vector<Atom> atoms;  ///< 1 to 12
-  Parameters parameters;    ///< one thread, a grid of 1000 points at most
+  Parameters parameters;    ///< one thread, a grid of at most 1000 points
 };
 
-/// Any bytes give a molecule. The first six set the parameters, the lattice and its frame, every
-/// five more an atom: one on the lattice, one that touches another from without or within (itself
-/// or with its SAS sphere), a duplicate, one that a probe at some lattice point touches, one whose
-/// SAS sphere shares a circle with others, or a corner of a regular polygon. Sizes come from small
-/// sets; some are off by a little. Bytes that lack are 0.
+/// Makes a molecule from any bytes; missing bytes count as 0. The first six bytes set the
+/// parameters, the lattice and its frame. Every further five bytes add an atom of one of these
+/// kinds: an atom on the lattice; an atom that touches another one from outside or inside, itself
+/// or with its SAS sphere; a duplicate; an atom that touches a probe at a lattice point; an atom
+/// whose SAS sphere shares a circle with others; or a corner of a regular polygon. Sizes are from
+/// small sets. Some are changed by a small amount.
 Molecule make_molecule(std::span<const std::uint8_t> bytes);
 
-/// The molecule as an xyzr file whose comments tell the parameters.
+/// Writes the molecule as an xyzr file whose comments list the parameters.
 std::string text_of(const Molecule& molecule);
 
 }  // namespace eses::detail::fuzz

@@ -1,5 +1,5 @@
-/// Numbers from and to text, against the C library: the input as the text of a number, and as
-/// numbers to be printed.
+/// Fuzzes the conversion of numbers from and to text, with the C library as the reference. The
+/// input is used both as the text of a number and as the bytes of numbers to print.
 
 #include <fmt/format.h>
 
@@ -25,13 +25,13 @@ namespace {
 
 // ----------------------------------------------------------------------------------------- read
 
-/// Text that strtod reads in the same way but for Fortran's exponents: neither hexadecimal numbers
-/// nor leading blanks.
+/// Whether strtod reads the text in the same way, except for Fortran's exponents. This excludes
+/// hexadecimal numbers and leading blanks.
 bool is_decimal(std::string_view text) {
   return text.find_first_not_of("0123456789+-.eEdD") == std::string_view::npos;
 }
 
-/// What strtod makes of the text; errc as parse_number has it.
+/// Converts the text with strtod and returns the error code that parse_number should return.
 std::errc read_by_c(std::string_view text, double& value) {
   std::string with_e(text);
   for (char& c : with_e)
@@ -40,7 +40,7 @@ std::errc read_by_c(std::string_view text, double& value) {
   errno = 0;
   value = std::strtod(with_e.c_str(), &end);
   if (text.empty() || end != with_e.c_str() + with_e.size()) return std::errc::invalid_argument;
-  // C may call subnormal numbers out of range, too, but has them.
+  // C may report subnormal numbers as out of range, but returns their value.
   const bool is_lost = errno == ERANGE && (value == 0 || std::isinf(value));
   return is_lost ? std::errc::result_out_of_range : std::errc{};
 }

@@ -1,6 +1,6 @@
-/// The reader of atoms, for the format that the build sets. Whatever the text, there are atoms in
-/// their range or an error with a proper message; line ends do not matter; and what is printed of
-/// the atoms reads back.
+/// Fuzzes the reader of atoms for the format that the build chooses. For any text the reader
+/// returns atoms in their valid range or a well-formed error message. Line ends do not matter.
+/// Atoms that are printed and read again are the same.
 
 #include "eses/read_atoms.hpp"
 
@@ -24,7 +24,7 @@ constexpr AtomFormat format = AtomFormat::ESES_FUZZ_FORMAT;
 constexpr std::string_view name = "input";
 constexpr double max_length = 1e6;  // angstrom
 
-/// Atoms, or the message that tells why there are none.
+/// The atoms, or the error message if there are none.
 struct Outcome {
   std::vector<Atom> atoms;
   std::string message;

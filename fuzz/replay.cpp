@@ -1,5 +1,5 @@
-/// Runs a target on files, or on all files of directories: what libFuzzer's own main does, for
-/// compilers without libFuzzer.
+/// Runs a target on files, or on all files of directories. This replaces libFuzzer's main function
+/// for compilers without libFuzzer.
 
 #include <fmt/format.h>
 
@@ -31,7 +31,7 @@ void replay(const fs::path& path) {
   std::ifstream stream(path, std::ios::binary);
   const std::string bytes{std::istreambuf_iterator<char>(stream), std::istreambuf_iterator<char>()};
   if (!stream) throw std::runtime_error(path.string() + ": cannot be read");
-  // A finding ends the process: tell beforehand whose it is.
+  // A finding ends the process, so the name of the input is printed first.
   fmt::print("{}: {} bytes\n", path.string(), bytes.size());
   std::fflush(stdout);
   LLVMFuzzerTestOneInput(reinterpret_cast<const std::uint8_t*>(bytes.data()), bytes.size());

@@ -1,5 +1,5 @@
-/// The reader of PDB and mmCIF files, for the format that the build sets. Whatever the text, there
-/// are atoms with a place, a radius, a line and a label, or an error with a proper message.
+/// Fuzzes the reader of PDB and mmCIF files, for the format that the build chooses. For any text
+/// the reader returns atoms with position, radius, line and label, or a well-formed error message.
 
 #include <algorithm>
 #include <cmath>
@@ -18,7 +18,7 @@ constexpr AtomFormat format = AtomFormat::ESES_FUZZ_FORMAT;
 constexpr std::string_view name = "input";
 constexpr double max_length = 1e6;  // angstrom
 
-/// Atoms, or the message that tells why there are none.
+/// The atoms, or the error message if there are none.
 struct Outcome {
   AtomFile file;
   std::string message;
@@ -56,7 +56,7 @@ void check(std::string_view text) {
   options.hydrogens = HydrogenChoice::keep;
   const Outcome all = read(text, options);
   if (all.message.empty()) expect_whole(all.file, text);
-  // Other choices take other ways through the reader; they select a part.
+  // Other options use other paths through the reader. They select a part of the atoms.
   options = {};
   options.radii = "msms";
   options.unknown_radius = 1;

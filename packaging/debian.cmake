@@ -1,8 +1,8 @@
-# Run by cpack when everything is in place, before Debian packages are made of it: compresses manual
-# pages and the changelog, and adds what Debian wants to know of licences and changes.
+# cpack runs this script before it makes Debian packages of the installed files. It compresses
+# manual pages and the changelog, and adds the files on licences and changes that Debian requires.
 
 set(project ${CMAKE_CURRENT_LIST_DIR}/..)
-# Whose headers are compiled into the program and the library.
+# Packages whose headers are compiled into the program and the library.
 set(used_packages libcli11-dev libfmt-dev libhwy-dev libnanoflann-dev nlohmann-json3-dev gemmi-dev tao-pegtl-dev)
 if(CPACK_COMPONENTS_ALL MATCHES "python")
   list(APPEND used_packages pybind11-dev)
@@ -21,7 +21,8 @@ endif()
 execute_process(COMMAND date --utc --rfc-email --date ${CMAKE_MATCH_2}
   OUTPUT_VARIABLE date OUTPUT_STRIP_TRAILING_WHITESPACE COMMAND_ERROR_IS_FATAL ANY)
 
-# Debian's form of LICENSE, whose first line is its name and whose third the copyright.
+# Converts LICENSE into Debian's format. Its first line is the name of the licence, its third line
+# the copyright.
 file(READ ${project}/LICENSE license)
 string(REGEX REPLACE "^[^\n]*\n\n([^\n]*)\n\n(.*)\n$" "\\2" terms "${license}")
 string(REGEX REPLACE "^Copyright \\(c\\) " "" holders "${CMAKE_MATCH_1}")

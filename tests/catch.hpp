@@ -1,11 +1,11 @@
 #pragma once
-/// Catch2, whichever major version is installed.
+/// Includes Catch2, whichever major version is installed.
 
 #if __has_include(<catch2/catch_all.hpp>)
 #include <catch2/catch_all.hpp>
 #else
 #include <catch2/catch.hpp>
-// Names of version 3.
+// Version 2 gets the names of version 3.
 namespace Catch {
 using Detail::Approx;
 namespace Matchers {
@@ -14,9 +14,9 @@ inline auto ContainsSubstring(const std::string& text) { return Contains(text); 
 }  // namespace Matchers
 }  // namespace Catch
 
-// Ends the test case. ctest counts it as skipped because of what is printed, even if assertions
-// have failed before: so it comes first. It returns from the function that has it, so that it must
-// be in the test case itself.
+// Ends the test case. ctest counts it as skipped because of the printed text, even if assertions
+// have failed before, so it must come first. It returns from the current function, so it must be in
+// the test case itself.
 #define SKIP(reason)                    \
   do {                                  \
     WARN("test skipped: " << (reason)); \

@@ -1,4 +1,5 @@
-// What a molecule, its plan and each of its blocks cost, as CSV; for scripts/benchmarks/simulate.
+// Prints the costs of a molecule, its plan and each of its blocks as CSV, for
+// scripts/benchmarks/simulate.
 //
 //   print-block-costs FILE SPACING [BLOCK_SIZE]
 //
@@ -18,7 +19,7 @@
 
 namespace {
 
-// Of the processors, since the program has begun.
+// CPU time of the process since the start of the program.
 double cpu_seconds() { return static_cast<double>(std::clock()) / CLOCKS_PER_SEC; }
 
 }  // namespace
@@ -58,7 +59,7 @@ int main(int argc, char** argv) try {
   const eses::Summary summary =
       eses::detail::compute(molecule, plan, {.progress = {}, .block = print});
   const auto& seconds = summary.seconds;
-  // With one thread, what remains is the sorting of atoms into clusters.
+  // The run has one thread. The time that is left is that of sorting atoms into clusters.
   fmt::print("# patches_seconds {:.6f}\n# clusters_seconds {:.6f}\n", seconds.patches,
              std::max(0.0, seconds.blocks - seconds.patches - seconds.output - solving));
   return 0;

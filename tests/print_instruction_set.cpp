@@ -1,5 +1,5 @@
 // Prints the number of the instruction set that the dispatch chooses, for
-// test_instruction_sets.cpp: within one process it is chosen once.
+// test_instruction_sets.cpp. A process chooses it only once.
 
 #include <cstdio>
 

@@ -1,4 +1,4 @@
-// The public functions of eses/eses.hpp.
+// Tests of the public functions of eses/eses.hpp.
 
 #include <algorithm>
 #include <atomic>
@@ -32,7 +32,7 @@ constexpr double nan = std::numeric_limits<double>::quiet_NaN();
 
 std::vector<Atom> chain() { return make_atom_set(Kind::chain, 3); }
 
-/// "" if nothing is thrown or anything but std::invalid_argument.
+/// Returns the message of std::invalid_argument, or "" if nothing or something else is thrown.
 std::string argument_error(const std::function<void()>& action) {
   try {
     action();
@@ -42,7 +42,7 @@ std::string argument_error(const std::function<void()>& action) {
   return {};
 }
 
-/// The texts of grid_info.txt and intersection_info.txt as the results tell them.
+/// The texts of grid_info.txt and intersection_info.txt made from results in memory.
 std::string grid_text(const Result& result) {
   std::string text;
   const GridRegion& region = result.region();
@@ -83,7 +83,7 @@ std::string areas_text(std::span<const double> areas) {
   return text;
 }
 
-/// The bytes of a text without blanks before the ends of lines.
+/// Returns a text without the blanks at the ends of its lines.
 std::string without_last_blanks(const std::string& text) {
   std::string result;
   for (const char c : text) {
@@ -104,7 +104,7 @@ void require_same_files(const Result& result, const fs::path& directory) {
   REQUIRE(text_of("partition_area.txt") == areas_text(result.atom_areas()));
 }
 
-/// Everything that must not depend on anything but the surface and the grid.
+/// Returns all values that may depend only on the surface and the grid.
 auto values_of(const Result& result) {
   std::vector<std::uint8_t> inside(result.inside().begin(), result.inside().end());
   std::vector<double> areas(result.atom_areas().begin(), result.atom_areas().end());
@@ -228,7 +228,7 @@ TEST_CASE("api: one surface serves several spacings and threads", "[api]") {
   CHECK(is_coarse_equal);
 }
 
-TEST_CASE("api: a grid may be that of another surface, or any other one", "[api]") {
+TEST_CASE("api: any grid is accepted, also that of another surface", "[api]") {
   const std::vector<Atom> atoms = chain();
   const eses::Surface surface(atoms);
   const std::vector<Atom> half(atoms.begin(), atoms.begin() + static_cast<long>(atoms.size() / 2));
@@ -356,7 +356,7 @@ TEST_CASE("api: outputs are checked", "[api]") {
   CHECK(fs::exists(directory.path() / "residue_area.csv"));
 }
 
-TEST_CASE("api: what is not chosen is not in the result", "[api]") {
+TEST_CASE("api: a result has only the chosen parts", "[api]") {
   const eses::Surface surface(chain());
   const Grid grid = make_grid(surface);
   const Result sums = eses::compute(surface, grid, {}, {.inside = false, .crossings = false});
@@ -375,7 +375,8 @@ TEST_CASE("api: what is not chosen is not in the result", "[api]") {
   CHECK(mesh.mesh()->vertices.size() == all.crossings().size());
 }
 
-TEST_CASE("api: callbacks are called one at a time, and their exceptions passed on", "[api]") {
+TEST_CASE("api: callbacks are called one at a time and their exceptions reach the caller",
+          "[api]") {
   const eses::Surface surface(chain());
   const Grid grid = make_grid(surface, {.spacing = 0.4});
   std::atomic<int> running = 0;
@@ -412,7 +413,7 @@ TEST_CASE("api: callbacks are called one at a time, and their exceptions passed 
   CHECK_THROWS_WITH(eses::compute(surface, grid, options), "two are enough");
 }
 
-TEST_CASE("api: estimates tell the size of files", "[api]") {
+TEST_CASE("api: estimates bound or approximate the size of files", "[api]") {
   const eses::Surface surface(chain());
   const Grid grid = make_grid(surface, {.spacing = 0.3});
   const TemporaryDirectory directory;

@@ -1,5 +1,5 @@
-// Blocks as the kernels solve them, against all points and edges held against all patches, one by
-// one, with no boxes, no index and no vectors.
+// Compares the blocks of the kernels with a plain computation, which compares all points and edges
+// with all patches one by one, without boxes, index and vector instructions.
 
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "test_blocks.cpp"
@@ -64,7 +64,7 @@ double distance_to_arc(const ArcFeature& arc, Vec3 point) {
                   norm(offset - circle.radius * arc.sector.end));
 }
 
-// Held against all atoms: a probe that reaches into the block may stand outside it.
+// The test uses all atoms, because a probe that reaches into the block may be centred outside it.
 bool is_accessible(const SurfaceModel& surface, Vec3 center) {
   return std::none_of(surface.atoms.begin(), surface.atoms.end(), [&](const Atom& atom) {
     const double sas_radius = atom.radius + surface.probe_radius;
@@ -124,7 +124,7 @@ void require_probe(const SurfaceModel& surface, const PatchIndex& patches, Vec3 
   REQUIRE(found.distance == Catch::Approx(std::min(expected, probe)).epsilon(0).margin(rounding));
   if (std::fabs(expected - probe) < rounding) return;
   REQUIRE((found.atom_count > 0) == (expected < probe));
-  // Stops early, but only where that is right.
+  // The search may stop early only if the answer is then certain.
   const double enough = 0.8 * probe;
   if (std::fabs(expected - enough) > rounding) {
     REQUIRE((nearest_probe(patches, point, probe, enough).distance < enough) ==
@@ -143,7 +143,7 @@ void require_probe(const SurfaceModel& surface, const PatchIndex& patches, Vec3 
 
 }  // namespace
 
-TEST_CASE("the nearest probe of the index is the nearest of all patches") {
+TEST_CASE("the patch index finds the nearest probe of all patches") {
   std::size_t near = 0, none = 0;
   for (const Kind kind : all_kinds)
     for (std::uint64_t seed = 1; seed <= 4; ++seed) {
@@ -155,7 +155,8 @@ TEST_CASE("the nearest probe of the index is the nearest of all patches") {
       Random random(seed);
       INFO(kind_name(kind) << " " << seed);
       for (int repetition = 0; repetition < 10; ++repetition) {
-        // From small boxes to those around the whole molecule, which the index cuts into cells.
+        // The boxes range from small ones to boxes around the whole molecule, which the index cuts
+        // into cells.
         const double side = repetition == 0 ? 1e3 : random.uniform(0.5, 12);
         const Vec3 low = random_point_in(molecule, random);
         Box box = repetition == 0 ? molecule : Box{low, low + Vec3{side, side, 0.7 * side}};
@@ -165,7 +166,7 @@ TEST_CASE("the nearest probe of the index is the nearest of all patches") {
         patches.reset(features, box);
         for (int i = 0; i < 200; ++i) {
           Vec3 point = random_point_in(box, random);
-          // On the box's faces and the boundaries of cells, too.
+          // Some points are on the faces of the box and on boundaries of cells.
           const std::size_t axis = random.integer(0, 2);
           const double place = box.low[axis] + 4 * static_cast<double>(random.integer(0, 3));
           if (random.chance(0.2)) point[axis] = std::min(place, box.high[axis]);
@@ -180,8 +181,8 @@ TEST_CASE("the nearest probe of the index is the nearest of all patches") {
   CHECK(none > 500);
 }
 
-TEST_CASE("a probe is seen by the points of its sphere however they are rounded") {
-  // The sphere's poles stand at cell boundaries, to the last bits.
+TEST_CASE("points on a probe's sphere find this probe however they are rounded") {
+  // The poles of the sphere are at cell boundaries, to the last bits.
   Random random(51);
   for (int repetition = 0; repetition < 20000; ++repetition) {
     BlockFeatures features;
@@ -270,7 +271,7 @@ void for_each_index(const GridIndex& size, Action&& action) {
       for (std::int64_t x = 0; x < size[0]; ++x) action(GridIndex{x, y, z});
 }
 
-// How far the point is from being classified otherwise, angstrom: positive inside.
+// Returns how far the point must move to be classified otherwise, in angstrom; positive inside.
 double plain_depth(const SurfaceModel& surface, const BlockFeatures& features, Vec3 point) {
   double in_atom = -1e9, in_sas_ball = -1e9;
   for (const BallFeature& ball : features.balls) {
@@ -292,7 +293,7 @@ void require_plain_points(const SurfaceModel& surface, const SolvedBlock& block)
       REQUIRE(is_inside(inside, p) == (depth > 0));
     }
   });
-  // The shared points of columns are the same in both, and there is nothing behind the last.
+  // Points that two columns share are equal in both, and there are no bits after the last point.
   for (std::int64_t column = 0; column + 1 < inside.columns; ++column)
     for_each_index({1, inside.size[1], inside.size[2]}, [&](GridIndex p) {
       p[0] = (column + 1) * PointBits::column_step;
@@ -305,7 +306,7 @@ void require_plain_points(const SurfaceModel& surface, const SolvedBlock& block)
     });
 }
 
-// --- candidates, by the formulas of the patches -----------------------------------------------
+// --- candidates by the formulas of the patches -----------------------------------------------
 
 struct Candidates {
   const BlockFeatures& features;
@@ -325,8 +326,8 @@ struct Candidates {
     found.push_back(crossing);
   }
 
-  // Where the edge meets a sphere on its way from outside the ball into it (or out of it), within
-  // the slack at its ends: calls action(coordinate, offset from the centre).
+  // Calls action(coordinate, offset from the centre) where the edge enters or leaves the ball,
+  // within the slack at its ends. The edge goes from its outside end to its inside end.
   template <class Action>
   void meet_sphere(Vec3 center, double radius, bool enters_ball, Action&& action) const {
     Vec3 offset = edge.lower - center;
@@ -454,7 +455,7 @@ void require_plain_crossing(const BlockCrossing& crossing, const PlainEdge& plai
                << plain.decided.coordinate << " with "
                << static_cast<int>(plain.decided.atom_count));
   if (is_same_contact(crossing, plain.decided)) return;
-  // Where patches meet at one point, rounding decides which one it is.
+  // Where patches meet at one point, rounding decides which patch is named.
   REQUIRE(std::fabs(crossing.coordinate - plain.decided.coordinate) < 2 * tolerance::same_crossing);
   REQUIRE(
       std::any_of(plain.candidates.begin(), plain.candidates.end(),
@@ -508,12 +509,12 @@ EdgeCounts require_plain_blocks(const Case& molecule) {
 
 }  // namespace
 
-TEST_CASE("blocks have the points and crossings of all patches held against all edges") {
+TEST_CASE("blocks have the points and crossings of a plain computation") {
   EdgeCounts counts;
   for (const Kind kind : all_kinds)
     for (std::uint64_t seed = 1; seed <= 2; ++seed) {
       Case molecule{make_atom_set(kind, seed), designed_probe_radius(seed), 0.5, 64};
-      // Coarser ones, too, and blocks of an odd size.
+      // Coarse grids and odd block sizes are included.
       if (seed == 2) {
         molecule.spacing = 0.83;
         molecule.block_size = 11;
@@ -527,19 +528,19 @@ TEST_CASE("blocks have the points and crossings of all patches held against all 
     }
   for (const std::size_t count : counts.by_atoms) CHECK(count > 2000);
   CHECK(counts.several > 200);
-  // Bisection is for what rounding has left.
+  // Bisection is only needed where rounding has removed all candidates.
   CHECK(counts.none < counts.edges / 1000);
 }
 
-TEST_CASE("a block of several columns has the crossings of all patches") {
+TEST_CASE("a block of several columns has the crossings of a plain computation") {
   Case molecule{make_chain(40, 6), 1.4, 0.21, 150};
   const EdgeCounts counts = require_plain_blocks(molecule);
   CHECK(counts.edges > 5000);
   CHECK(counts.none == 0);
 }
 
-TEST_CASE("a point atom on a grid point is crossed there, outwards along each edge") {
-  // With the other atom far away, the point itself is the surface.
+TEST_CASE("an atom of radius 0 on a grid point has crossings outward along each edge") {
+  // The other atom is far away, so that the point itself is the surface.
   for (const double radius : {0.0, 0.5}) {
     const Vec3 center{0, 0, 0};
     const Case molecule{{{center, radius}, {{8, 8, 8}, 1}}, 1.4, 0.25, 20};
@@ -556,7 +557,7 @@ TEST_CASE("a point atom on a grid point is crossed there, outwards along each ed
       std::vector<BlockCrossing> crossings;
       std::vector<std::uint32_t> row_begin;
       intersect(block.grid, block.features, block.inside, scratch, crossings, row_begin);
-      // Poles of the sphere are grid points: their edges end exactly on the surface, and count as
+      // Poles of the sphere are grid points. Their edges end exactly on the surface and count as
       // crossed there.
       std::size_t poles = 0;
       for (const BlockCrossing& crossing : crossings) {

@@ -1,4 +1,4 @@
-// The cell list against the plain definition of what it finds.
+// Compares the cell list with the plain definition of its results.
 
 #include <algorithm>
 #include <cmath>
@@ -28,7 +28,7 @@ double make_radius(Radii radii, double scale, Random& random) {
   return random.uniform(0.5, 2);
 }
 
-// At places on the borders of cells, if `step` is not 0.
+// Places are on borders of cells if `step` is not 0.
 Vec3 make_place(double scale, double step, Random& random) {
   Vec3 place;
   for (std::size_t axis = 0; axis < 3; ++axis) {
@@ -76,7 +76,7 @@ TEST_CASE("a cell list finds few atoms that are out of reach") {
   std::vector<Atom> atoms;
   atoms.reserve(40001);
   for (int i = 0; i < 20000; ++i) atoms.push_back({make_place(100, 0, random), 1.7});
-  // Half of them are far larger than the others, and one is huge.
+  // Half of the atoms are far larger than the others, and one is huge.
   for (int i = 0; i < 20000; ++i) atoms.push_back({make_place(100, 0, random), 0.2});
   atoms.push_back({{150, 0, 0}, 60});
   const CellList cells(atoms);

@@ -1,5 +1,5 @@
-// Callbacks that end an operation, errors that tell their kind, and the functions for callers that
-// hold results in other forms, such as the Python package.
+// Tests of callbacks that end an operation, of errors that have a kind, and of functions for
+// callers that hold results in other forms, such as the Python package.
 
 #include <atomic>
 #include <cstdint>
@@ -67,7 +67,7 @@ TEST_CASE("checks: a callback ends the indexing of atoms", "[api]") {
   for (const int threads : {1, 2}) {
     StopAt counter(never);
     eses::Surface(atoms, {.threads = threads, .check = counter.callback()});
-    // There is one call for each few thousand atoms.
+    // There is one call for every few thousand atoms.
     CHECK(counter.calls() > 4);
     for (int n = 1; n <= counter.calls(); ++n) {
       StopAt stop(n);
@@ -76,7 +76,7 @@ TEST_CASE("checks: a callback ends the indexing of atoms", "[api]") {
   }
 }
 
-TEST_CASE("checks: an error of a callback is not one of the arguments", "[api]") {
+TEST_CASE("checks: an exception of a callback is not taken for an invalid argument", "[api]") {
   const CheckCallback fail = [] { throw Error("enough"); };
   CHECK(throws<Error>([&] { eses::Surface({{{0, 0, 0}, 1}}, {.check = fail}); }));
 }
@@ -94,7 +94,7 @@ TEST_CASE("checks: a callback ends the reading of a file", "[api]") {
   CHECK_THROWS_AS(read_atoms(path, {.check = stop.callback()}), Stop);
 }
 
-TEST_CASE("checks: progress is told while crossings are sorted and the mesh is made", "[api]") {
+TEST_CASE("checks: progress is reported while crossings are sorted and the mesh is made", "[api]") {
   const eses::Surface surface(lattice(6));
   const Grid grid = grid_of(surface, 0.25);
   std::int64_t at_end = 0;
@@ -102,7 +102,8 @@ TEST_CASE("checks: progress is told while crossings are sorted and the mesh is m
                              if (done == total) ++at_end;
                            }};
   const Result result = compute(surface, grid, options, {.mesh = true});
-  // Each plane of the mesh has a call, and the crossings are more than what is sorted between two.
+  // There is a call for each plane of the mesh. There are more crossings than are sorted between
+  // two calls.
   REQUIRE(result.crossings().size() > 30000);
   CHECK(at_end > grid.size[2] + 2);
 }
@@ -154,7 +155,7 @@ TEST_CASE("api: the inside of a block is a part of that of the result", "[api]")
   CHECK(points == grid.point_count());
 }
 
-TEST_CASE("api: points of a range of blocks", "[api]") {
+TEST_CASE("api: a range of blocks has the points that its blocks own", "[api]") {
   // 100 points make (100 - 2) / 15 + 1 = 7 blocks of 16 points; the last owns the far face.
   const Grid grid{{0, 0, 0}, 0.5, {100, 31, 2}};
   CHECK(points_of_blocks(grid, 16, {{0, 0, 0}, {7, 2, 1}}) == grid.whole());
@@ -200,12 +201,12 @@ TEST_CASE("api: errors of files have the code of the operating system", "[api]")
       read_atoms(path);
     } catch (const FileError&) {
       throw;
-    } catch (const Error&) {  // of the text
+    } catch (const Error&) {  // for errors in the text
     }
   }));
 }
 
-TEST_CASE("api: too little memory is an error of its own", "[api]") {
+TEST_CASE("api: too little memory throws MemoryLimitError", "[api]") {
   const eses::Surface surface({{{0, 0, 0}, 2}});
   const Grid grid = grid_of(surface, 0.05);
   CHECK_THROWS_AS(compute(surface, grid, {.max_memory = 1 << 20}), MemoryLimitError);

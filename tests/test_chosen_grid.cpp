@@ -1,5 +1,5 @@
-// Grids that the user chooses: their options, the files from which they are read, and the surface
-// on them.
+// Tests of grids that the user chooses: their options, the files from which they are read, and the
+// surface on them.
 
 #include <fmt/format.h>
 #include <zlib.h>
@@ -30,7 +30,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// The header and first values of a map that APBS 3.4.1 has written.
+// Header and first values of a map that APBS 3.4.1 has written.
 constexpr char apbs_map[] =
     "# Data from 3.4.1\n# \n# POTENTIAL (kT/e)\n# \n"
     "object 1 class gridpositions counts 9 17 5\n"
@@ -76,8 +76,8 @@ std::string replaced(std::string text, const std::string& part, const std::strin
   return text.replace(at, part.size(), by);
 }
 
-/// The lines of grid_info.txt or intersection_info.txt by the points with which they begin, as they
-/// would be if the grid began at `shift`.
+/// Returns the lines of grid_info.txt or intersection_info.txt by the points with which they begin,
+/// renumbered as if the grid began at `shift`.
 std::map<std::vector<std::int64_t>, std::string> lines_by_points(const std::string& text,
                                                                  std::size_t indices,
                                                                  const GridIndex& shift) {
@@ -111,7 +111,7 @@ Files files_of(const std::vector<Atom>& atoms, const Parameters& parameters) {
 
 }  // namespace
 
-TEST_CASE("the grid of an OpenDX map as APBS writes it", "[grid]") {
+TEST_CASE("the grid of an OpenDX map is read as APBS writes it", "[grid]") {
   const TemporaryDirectory directory;
   const Grid expected{{-7, 0.125, 33}, 0.7291667, {9, 17, 5}};
   write_file(directory.path() / "a.dx", apbs_map);
@@ -120,7 +120,7 @@ TEST_CASE("the grid of an OpenDX map as APBS writes it", "[grid]") {
   require_equal(read_grid(directory.path() / "a.dx.gz"), expected);
 }
 
-TEST_CASE("the grid of VTK image data, whose indices begin anywhere", "[grid]") {
+TEST_CASE("the grid of VTK image data is read whatever its first index", "[grid]") {
   const TemporaryDirectory directory;
   const Grid expected{{1.5, -2.25, 3.5}, 0.25, {9, 17, 5}};
   write_file(directory.path() / "a.vti", std::string(image) + "\n");
@@ -129,7 +129,7 @@ TEST_CASE("the grid of VTK image data, whose indices begin anywhere", "[grid]") 
   require_equal(read_grid(directory.path() / "a.vti.gz"), expected);
 }
 
-TEST_CASE("the spacing of bounding_box.txt is that with which it was made", "[grid]") {
+TEST_CASE("the spacing of bounding_box.txt is recovered from its corners", "[grid]") {
   const TemporaryDirectory directory;
   for (const double spacing : {0.4, 0.37, 1.0 / 3, 0.123456789, 0.05, 1.0, 0.7291667})
     for (const double origin : {0.0, -17.123456789012345, 312.7, 99999.5}) {
@@ -146,7 +146,7 @@ TEST_CASE("the spacing of bounding_box.txt is that with which it was made", "[gr
       for (std::size_t axis = 0; axis < 3; ++axis)
         CHECK(std::fabs(read.origin[axis] - grid.origin[axis]) <=
               1e-12 * std::fabs(grid.origin[axis]));
-      // Thirteen digits of the corners do not hold all of a third's.
+      // The thirteen digits of the corners do not hold all digits of a third.
       if (spacing == 1.0 / 3) {
         CHECK(std::fabs(read.spacing - spacing) < 1e-8 * spacing);
       } else if (std::fabs(origin) < 1000) {
@@ -201,13 +201,13 @@ TEST_CASE("files without a grid are refused with the place of the fault", "[grid
   CHECK(contains(message_of_reading(directory.path() / "none.dx"), "none.dx"));
 }
 
-TEST_CASE("a grid around a point", "[grid]") {
+TEST_CASE("a centred grid has its centre at the given point", "[grid]") {
   require_equal(centered_grid({1, 2, -3}, 0.5, {5, 4, 2}), {{0, 1.25, -3.25}, 0.5, {5, 4, 2}});
 }
 
 TEST_CASE("a chosen grid that lies within another has its lines", "[grid]") {
   const std::vector<Atom> atoms = make_chain(40, 5);
-  // Multiples of 1/4 are exact, so that both grids have the same points.
+  // Multiples of 1/4 are exact, so both grids have the same points.
   const Grid wide{{-30, -30, -30}, 0.25, {240, 241, 239}};
   const GridIndex shift{101, 95, 108};
   const Grid narrow{wide.point(shift), 0.25, {37, 50, 21}};
@@ -256,7 +256,7 @@ TEST_CASE("chosen grids pass the verification on all kinds of atoms", "[grid]") 
     }
 }
 
-TEST_CASE("what a chosen grid must be", "[grid]") {
+TEST_CASE("invalid chosen grids are refused", "[grid]") {
   const std::vector<Atom> atoms{{{0, 0, 0}, 1}};
   const auto message = [&](const Grid& grid) {
     Parameters parameters{.spacing = grid.spacing};
@@ -299,7 +299,7 @@ TEST_CASE("a checkpoint of another grid is not resumed", "[grid][processes]") {
   CHECK_THROWS_AS(plan_run(task, Processes()), Error);
 }
 
-TEST_CASE("usage errors of chosen grids", "[grid][cli]") {
+TEST_CASE("usage errors of chosen grids name the option", "[grid][cli]") {
   const Sandbox sandbox;
   const std::string place = ", expected three finite numbers x,y,z, in angstrom";
   const std::string counts = ", expected three whole numbers nx,ny,nz of at least 2";
@@ -364,7 +364,7 @@ TEST_CASE("the grid of every file that a run writes gives the same files", "[gri
   CHECK(sandbox.run({"pair.xyzr", "--grid-like", "a/none.dx"}).code == 1);
 }
 
-TEST_CASE("a grid beyond which the molecule reaches is warned about once", "[grid][cli]") {
+TEST_CASE("a molecule that reaches beyond the grid produces one warning", "[grid][cli]") {
   const Sandbox sandbox;
   write_file(sandbox.directory() / "one.xyzr", "0 0 0 2\n");
   const auto run_on = [&](const Arguments& grid) {

@@ -1,4 +1,4 @@
-// The real program: command line, exit codes, both reports, and what goes to which stream.
+// Tests of the real program: command line, exit codes, both reports, and the use of the streams.
 
 #include <fmt/format.h>
 #include <pthread.h>
@@ -46,7 +46,7 @@ std::vector<std::string> lines_with(const std::string& text, const std::string& 
   return lines;
 }
 
-/// The value behind `key`, as callers of ESES look for it: in the one line that holds `key`.
+/// Returns the value after `key` in the only line that contains it, as callers of ESES look for it.
 double value_of(const std::string& text, const std::string& key) {
   const std::vector<std::string> lines = lines_with(text, key);
   REQUIRE(lines.size() == 1);
@@ -115,7 +115,7 @@ TEST_CASE("help names every option with unit and default, examples and exit code
   CHECK_FALSE(contains(outcome.out, "\n\n\n"));
 }
 
-TEST_CASE("version tells how the program was built", "[cli]") {
+TEST_CASE("version names compiler, build type and flags", "[cli]") {
   const Sandbox sandbox;
   const Outcome outcome = sandbox.run({"--version"});
   CHECK(outcome.code == 0);
@@ -251,7 +251,7 @@ TEST_CASE("a run does not overwrite its input", "[cli]") {
   }
 }
 
-TEST_CASE("a run does not remove its input for another form of a file", "[cli]") {
+TEST_CASE("a run does not remove its input when it writes the other form of the file", "[cli]") {
   const Sandbox sandbox;
   const std::string atoms = "0 0 0 1.5\n";
   for (const auto& [name, gzip] :
@@ -265,7 +265,7 @@ TEST_CASE("a run does not remove its input for another form of a file", "[cli]")
     CHECK(contains(outcome.err, std::string(name) + " is the input, and would be removed, as a " +
                                     (gzip ? "gzipped" : "plain") + " file takes its place"));
     CHECK(read_file(sandbox.directory() / name) == atoms);
-    // Where the file is not written, its other form stays.
+    // If the file is not written, its other form stays.
     arguments.insert(arguments.end(), {"--write", "edges"});
     CHECK(sandbox.run(arguments).code == 0);
     CHECK(read_file(sandbox.directory() / name) == atoms);
@@ -328,7 +328,7 @@ TEST_CASE("one atom's area and volume are near those of a sphere", "[cli]") {
   CHECK(sandbox.files() == all_files);
 }
 
-TEST_CASE("positionals, flags and their defaults mean the same", "[cli]") {
+TEST_CASE("positional arguments, options and defaults have the same effect", "[cli]") {
   const Sandbox sandbox;
   const std::string defaults = result_lines(sandbox.run({"pair.xyzr"}));
   CHECK(result_lines(sandbox.run({"pair.xyzr", "1.4", "0.4", "0.8"})) == defaults);
@@ -342,7 +342,7 @@ TEST_CASE("positionals, flags and their defaults mean the same", "[cli]") {
                                   "--margin", "1"})) == fine);
 }
 
-TEST_CASE("quiet leaves the two result lines alone", "[cli]") {
+TEST_CASE("quiet prints only the two result lines", "[cli]") {
   const Sandbox sandbox;
   const Outcome full = sandbox.run({"pair.xyzr"});
   const Outcome quiet = sandbox.run({"pair.xyzr", "--quiet"});
@@ -351,7 +351,7 @@ TEST_CASE("quiet leaves the two result lines alone", "[cli]") {
   CHECK(sandbox.run({"missing.xyzr", "-q"}).err.rfind("eses-blocks: error: ", 0) == 0);
 }
 
-TEST_CASE("a grid that cuts the molecule is warned about, unless quiet", "[cli]") {
+TEST_CASE("a grid that cuts the molecule produces a warning, unless quiet", "[cli]") {
   const Sandbox sandbox;
   const Arguments cutting{"atom.xyzr", "1.4", "0.8", "0.45", "--write", "none"};
   const Outcome outcome = sandbox.run(cutting);
@@ -363,7 +363,7 @@ TEST_CASE("a grid that cuts the molecule is warned about, unless quiet", "[cli]"
   CHECK(sandbox.run(quiet).err.empty());
 }
 
-TEST_CASE("write chooses the files", "[cli]") {
+TEST_CASE("the option --write chooses the files", "[cli]") {
   const Sandbox sandbox;
   REQUIRE(sandbox.run({"pair.xyzr", "--write", "none"}).code == 0);
   CHECK(sandbox.files().empty());
@@ -375,7 +375,7 @@ TEST_CASE("write chooses the files", "[cli]") {
   CHECK(sandbox.files().empty());
 }
 
-TEST_CASE("maps, compressed files and tables are written where asked for", "[cli]") {
+TEST_CASE("maps, compressed files and tables are written into the output directory", "[cli]") {
   const Sandbox sandbox;
   const auto names = [&](const std::string& directory) {
     std::set<std::string> all;
@@ -413,11 +413,11 @@ TEST_CASE("maps, compressed files and tables are written where asked for", "[cli
   CHECK_FALSE(fs::exists(sandbox.directory() / "e"));
 }
 
-TEST_CASE("a region is told, and must be one", "[cli]") {
+TEST_CASE("the report has the region, and an invalid region is refused", "[cli]") {
   const Sandbox sandbox;
   const Outcome text = sandbox.run({"pair.xyzr", "--region", "-1,-1,-1,2,1.05,0", "--dry-run"});
   REQUIRE(text.code == 0);
-  // Points stand at -2.3 + 0.4 i, -2.5 + 0.4 j and k.
+  // The points are at -2.3 + 0.4 i, -2.5 + 0.4 j and k.
   CHECK(contains(text.out, "\nregion: points 4:11 x 4:9 x 4:7 = 105 points\n"));
   const Outcome json =
       sandbox.run({"pair.xyzr", "--blocks", "1:2,0:1,0:2", "-b", "6", "--json", "-o", "blocks"});
@@ -444,7 +444,7 @@ TEST_CASE("the output directory is created", "[cli]") {
   CHECK(contains(outcome.out, "new/deep er/\xC3\xA9"));
 }
 
-TEST_CASE("no path disturbs callers that look for area and volume", "[cli]") {
+TEST_CASE("paths with the words of the result lines do not confuse callers", "[cli]") {
   const Sandbox sandbox;
   const std::string name = "area: 1\nvolume: 2\r";
   fs::copy_file(sandbox.directory() / "pair.xyzr", sandbox.directory() / name);
@@ -453,7 +453,7 @@ TEST_CASE("no path disturbs callers that look for area and volume", "[cli]") {
   CHECK(result_lines(outcome) == sandbox.run({"pair.xyzr", "-q"}).out);
 }
 
-TEST_CASE("file names with blanks, quotes, other letters and leading dashes", "[cli]") {
+TEST_CASE("file names may have blanks, quotes, other letters and leading dashes", "[cli]") {
   const Sandbox sandbox;
   const std::string expected = result_lines(sandbox.run({"pair.xyzr"}));
   for (const std::string name : {"a b.xyzr", "it's \"x\".xyzr", "\xE5\x8E\x9F\xE5\xAD\x90.xyzr"}) {
@@ -469,7 +469,7 @@ TEST_CASE("file names with blanks, quotes, other letters and leading dashes", "[
         usage_message("unknown option '-pair.xyzr'; put a file of this name after --"));
 }
 
-TEST_CASE("standard input is the file -", "[cli]") {
+TEST_CASE("the file name - means standard input", "[cli]") {
   const Sandbox sandbox;
   const std::string expected = result_lines(sandbox.run({"pair.xyzr"}));
   CHECK(result_lines(sandbox.run({"-"}, "<pair.xyzr")) == expected);
@@ -479,7 +479,7 @@ TEST_CASE("standard input is the file -", "[cli]") {
   CHECK(sandbox.run({"-"}, "<&-").code == 1);
 }
 
-TEST_CASE("the JSON report holds what the text says", "[cli]") {
+TEST_CASE("the JSON report has the values of the text report", "[cli]") {
   const Sandbox sandbox;
   const Outcome text = sandbox.run({"pair.xyzr", "1.4", "0.3", "0.9", "-q"});
   const Outcome json =
@@ -532,7 +532,7 @@ TEST_CASE("a dry run prints the plan of the run and writes nothing", "[cli]") {
   CHECK(contains(plan.out, "grid_info.txt at most "));
   CHECK(contains(plan.out, "intersection_info.txt about "));
 
-  // What both say of the plan is the same.
+  // Both print the same plan.
   const Outcome run = sandbox.run(arguments);
   const std::size_t shared = run.out.find("surface area:");
   REQUIRE(shared != std::string::npos);
@@ -566,16 +566,17 @@ TEST_CASE("only regular files are replaced or removed", "[cli]") {
     const char* name;
     Arguments arguments;
   };
-  const std::vector<Case> cases{{"bounding_box.txt", {}},
-                                {"grid_info.txt", {}},
-                                {"intersection_info.txt.gz", {"--gzip"}},
-                                {"partition_area.txt", {"--gzip"}},  // whose plain form is removed
-                                {"partition_area.txt.gz", {}},       // likewise its compressed form
-                                {"residue_area.csv", {"--write", "residues"}},
-                                {"chain_area.csv", {"--write", "residues"}},
-                                {"map.dx", {"--inside", "map.dx"}},
-                                {"map.vti", {"--inside", "map.vti", "--resume"}},
-                                {"grid_info.txt", {"--resume"}}};
+  const std::vector<Case> cases{
+      {"bounding_box.txt", {}},
+      {"grid_info.txt", {}},
+      {"intersection_info.txt.gz", {"--gzip"}},
+      {"partition_area.txt", {"--gzip"}},  // the plain form would be removed
+      {"partition_area.txt.gz", {}},       // the compressed form would be removed
+      {"residue_area.csv", {"--write", "residues"}},
+      {"chain_area.csv", {"--write", "residues"}},
+      {"map.dx", {"--inside", "map.dx"}},
+      {"map.vti", {"--inside", "map.vti", "--resume"}},
+      {"grid_info.txt", {"--resume"}}};
   const SpecialFiles special(sandbox.directory());
   const fs::path out = sandbox.directory() / "out";
   for (const auto& [name, more] : cases)
@@ -595,7 +596,7 @@ TEST_CASE("only regular files are replaced or removed", "[cli]") {
       CHECK(fs::is_symlink(out / name));
       fs::remove_all(out);
     }
-  // The file that a link leads to is not written; the link makes room for the new one.
+  // The target of a link is not written; the new link replaces the old one.
   fs::create_directory(out);
   write_file(sandbox.directory() / "older", "older");
   fs::create_symlink("../older", out / "bounding_box.txt");
@@ -603,7 +604,7 @@ TEST_CASE("only regular files are replaced or removed", "[cli]") {
   CHECK(read_file(sandbox.directory() / "older") == "older");
 }
 
-TEST_CASE("a memory limit is kept, or refused with one that would do", "[cli]") {
+TEST_CASE("a memory limit is kept, or refused with the smallest sufficient one", "[cli]") {
   const Sandbox sandbox;
   write_file(sandbox.directory() / "ball.xyzr", "0 0 0 60\n");
   const Arguments arguments{"ball.xyzr", "1.4", "0.25", "0.8", "--write", "edges", "-q"};
@@ -654,7 +655,7 @@ TEST_CASE("more atoms than a memory limit allows are refused before the plan", "
   }
 }
 
-TEST_CASE("what is planned bounds what is held, and by no more than about twofold", "[cli]") {
+TEST_CASE("planned memory bounds the memory held, by at most about a factor of two", "[cli]") {
   if (holds_shadow_memory) SKIP("memory cannot be measured with a sanitizer");
   const Sandbox sandbox;
   struct Case {
@@ -664,9 +665,9 @@ TEST_CASE("what is planned bounds what is held, and by no more than about twofol
                                                   {"c60.xyzr", "0.02", "64"},
                                                   {"1ubq.xyzr", "0.1", "16"},
                                                   {"mache.pqr", "0.4", "64"}}) {
-    // One thread does all in one order, so that it always holds the same. What several threads hold
-    // depends on which of them is given a processor when: the plan assumes the most that is
-    // possible, and a run may hold much less.
+    // One thread works in a fixed order, so it always holds the same memory. With several threads,
+    // memory depends on the order in which they get a processor. The plan assumes the worst case,
+    // and a run may hold much less.
     for (const int threads : {1, 2, 5}) {
       INFO(file << " at " << spacing << " in blocks of " << block_size << ", " << threads
                 << " threads");
@@ -681,10 +682,10 @@ TEST_CASE("what is planned bounds what is held, and by no more than about twofol
   }
 }
 
-TEST_CASE("what is planned bounds what a crowded atom takes", "[cli]") {
+TEST_CASE("planned memory bounds the memory of a crowded atom", "[cli]") {
   if (holds_shadow_memory) SKIP("memory cannot be measured with a sanitizer");
   const Sandbox sandbox;
-  // A large atom, all of whose surface is covered by others.
+  // The other atoms cover all of the large atom's surface.
   std::string text = "0 0 0 200\n";
   constexpr int count = 60'000;
   for (int i = 0; i < count; ++i) {
@@ -700,7 +701,7 @@ TEST_CASE("what is planned bounds what a crowded atom takes", "[cli]") {
              "True");
 }
 
-TEST_CASE("what is planned bounds what long names of residues take", "[cli]") {
+TEST_CASE("planned memory bounds the memory of long residue names", "[cli]") {
   if (holds_shadow_memory) SKIP("memory cannot be measured with a sanitizer");
   const Sandbox sandbox;
   // Every atom is a residue and a chain of its own.
@@ -722,7 +723,7 @@ TEST_CASE("what is planned bounds what long names of residues take", "[cli]") {
   }
 }
 
-TEST_CASE("reading takes memory for atoms, not for text, and keeps the limit", "[cli]") {
+TEST_CASE("reading holds atoms but not the text, and keeps the limit", "[cli]") {
   const Sandbox sandbox;
   write_file(sandbox.directory() / "talk.xyzr",
              std::string(std::size_t{40} << 20, '\n') + "0 0 0 1.5\n");
@@ -779,7 +780,7 @@ TEST_CASE("suspicious atoms produce warnings with counts and line numbers", "[cl
              "[{'atom': 9, 'line': 11, 'other_atom': None, 'other_line': None}]");
 }
 
-TEST_CASE("what is usual passes strict, a grid that cuts the molecule does not", "[cli]") {
+TEST_CASE("strict accepts usual input and refuses a grid that cuts the molecule", "[cli]") {
   const Sandbox sandbox;
   write_file(sandbox.directory() / "usual.xyzr", "0 0 0 1.85\n1 0 0 0.2245\n0 1 0 0\n");
   const Outcome usual = sandbox.run({"usual.xyzr", "--strict"});
@@ -791,14 +792,15 @@ TEST_CASE("what is usual passes strict, a grid that cuts the molecule does not",
   CHECK_FALSE(fs::exists(sandbox.directory() / "cut"));
 }
 
-TEST_CASE("verify checks points and edges, and says how many", "[cli]") {
+TEST_CASE("verify checks points and edges and reports their numbers", "[cli]") {
   const Sandbox sandbox;
   const Outcome text = sandbox.run({"--verify=25", "pair.xyzr"});
   REQUIRE(text.code == 0);
   CHECK(contains(text.out, "\nverified: 25 points, 25 edges; 0 faults\n"));
   CHECK(sandbox.files() == all_files);
 
-  // What follows a blank is not its value. The molecule has fewer edges than the default.
+  // A word after a blank is not the value of --verify. The molecule has fewer edges than the
+  // default.
   const Outcome by_default = sandbox.run({"--verify", "pair.xyzr", "--json"});
   REQUIRE(by_default.code == 0);
   check_json(sandbox, by_default.out,
@@ -808,7 +810,7 @@ TEST_CASE("verify checks points and edges, and says how many", "[cli]") {
   check_json(sandbox, sandbox.run({"pair.xyzr", "--json"}).out, "r['verification']", "None");
 }
 
-TEST_CASE("faults are an error: exit code, messages, and no numbers to take for right", "[cli]") {
+TEST_CASE("faults end the run with exit code 1 and messages, and without results", "[cli]") {
   using namespace eses;
   using namespace eses::detail;
   cli::Report report;
@@ -830,7 +832,7 @@ TEST_CASE("faults are an error: exit code, messages, and no numbers to take for 
              "r['verification']['faults'][11], r['output']['files']", "('point 1 2 3: wrong', [])");
 }
 
-TEST_CASE("JSON stays valid whatever the file names", "[cli]") {
+TEST_CASE("the JSON report is valid whatever the file names", "[cli]") {
   const Sandbox sandbox;
   const std::string name = "q\"b\\n\nt\t\x01 \xC3\xA9\xF0\x9F\x98\x80.xyzr";
   fs::copy_file(sandbox.directory() / "atom.xyzr", sandbox.directory() / name);
@@ -846,7 +848,7 @@ TEST_CASE("JSON stays valid whatever the file names", "[cli]") {
 #endif
 }
 
-TEST_CASE("JSON numbers are the shortest text that reads back, or null", "[cli]") {
+TEST_CASE("JSON numbers are the shortest text that reads back exactly, or null", "[cli]") {
   eses::detail::cli::Report report;
   report.options.parameters.spacing = 1;
   report.summary.area = 51756.72429763123;
@@ -857,7 +859,7 @@ TEST_CASE("JSON numbers are the shortest text that reads back, or null", "[cli]"
   CHECK(contains(text, "\"volume\": null,\n"));
 }
 
-TEST_CASE("a standard output that takes nothing is an error", "[cli]") {
+TEST_CASE("a full standard output is an error", "[cli]") {
   const Sandbox sandbox;
   if (fs::exists("/dev/full")) {
     for (const Arguments& arguments :
@@ -888,7 +890,7 @@ TEST_CASE("closed standard streams do not end up in the files", "[cli]") {
 
 TEST_CASE("processes that would write the same files are refused unless they are independent",
           "[cli]") {
-  // What launchers tell their processes, where MPI is not told of the others.
+  // The variables with which launchers number their processes, without MPI between these.
   for (const std::string count : {"4", "2"}) {
     INFO(count);
     const Sandbox sandbox;
@@ -917,7 +919,7 @@ TEST_CASE("processes that would write the same files are refused unless they are
     CHECK(same.code == 0);
     CHECK(contains(same.out, "the same"));
   }
-  // Behind -- and as a value it is no option.
+  // After -- and as the value of an option, the word is not an option.
   const Sandbox sandbox;
   for (const Arguments& arguments :
        {Arguments{"--", "--independent"}, Arguments{"pair.xyzr", "-o", "--independent"}})
@@ -962,7 +964,7 @@ TEST_CASE("a soft limit of the stack is raised, for all threads", "[cli]") {
   CHECK(status == 0);
 }
 
-TEST_CASE("a signal ends a run in order: its exit code, and no file", "[cli]") {
+TEST_CASE("a signal ends a run with its exit code and without files", "[cli]") {
   for (const int signal : {SIGINT, SIGTERM}) {
     const eses::detail::test::TemporaryDirectory directory;
     const auto input = directory.path() / "big.xyzr", output = directory.path() / "out";
@@ -971,13 +973,13 @@ TEST_CASE("a signal ends a run in order: its exit code, and no file", "[cli]") {
     if (program == 0) {
       std::freopen("/dev/null", "w", stdout);
       std::freopen("/dev/null", "w", stderr);
-      std::signal(signal, SIG_DFL);  // it may be ignored here, and the program would inherit that
+      std::signal(signal, SIG_DFL);  // the program would inherit an ignored signal
       execl(ESES_BINARY, "eses-blocks", input.c_str(), "--spacing", "0.3", "--write", "edges", "-o",
             output.c_str(), nullptr);
       _exit(127);
     }
     INFO("signal " << signal);
-    // A run of many seconds, interrupted once there are files, however long that takes.
+    // The run would take many seconds. It is interrupted as soon as there are files.
     int status = 0;
     const auto has_files = [&] {
       return std::filesystem::exists(output) && !std::filesystem::is_empty(output);
@@ -994,9 +996,9 @@ TEST_CASE("a signal ends a run in order: its exit code, and no file", "[cli]") {
   }
 }
 
-TEST_CASE("a reader that has gone away is an error, not a signal", "[cli]") {
+TEST_CASE("a closed pipe is an error, not a signal", "[cli]") {
   const Sandbox sandbox;
-  // The right side closes its end of the pipe before it lets the left side begin.
+  // The right side closes its end of the pipe before it lets the left side start.
   REQUIRE(shell("cd " + shell_quoted(sandbox.directory().string()) + " && mkfifo go && { cat go; " +
                 Sandbox::command({"pair.xyzr"}) +
                 " 2>err; echo $? >code; } | { exec <&-; echo >go; }; cat code >/dev/null") == 0);

@@ -1,4 +1,4 @@
-/// Surfaces whose area and volume are known in closed form, or whose shape is plain.
+/// Tests of surfaces whose area and volume are known in closed form, or whose shape is simple.
 
 #include <algorithm>
 #include <array>
@@ -28,19 +28,21 @@ Measures operator+(Measures a, Measures b) { return {a.area + b.area, a.volume +
 
 Measures sphere(double r) { return {4 * pi * r * r, 4 * pi / 3 * r * r * r}; }
 
-/// The part of a ball of radius r below the plane at height r * cosine over its centre.
+/// The cap of a ball of radius r below the plane at height r * cosine over its centre.
 Measures ball_below(double r, double cosine) {
   return {2 * pi * r * r * (1 + cosine),
           pi * r * r * r * (2.0 / 3 + cosine - cosine * cosine * cosine / 3)};
 }
 
-/// A saddle and what it encloses about its axis, from the plane of the contact circle of radius
-/// rho to where the probe touches the atom, at the angle phi as seen from the probe's centre.
+/// A saddle and the volume between it and its axis, from the plane of the contact circle of radius
+/// rho to the place where the probe touches the atom, at the angle phi seen from the probe's
+/// centre.
 ///
-/// The meridian is the arc of radius p about a point at distance rho from the axis; area and volume
-/// are those of its revolution (Pappus; Connolly, J. Appl. Cryst. 16 (1983), 548-558):
+/// The meridian is an arc of radius p about a point at distance rho from the axis. Area and volume
+/// follow by revolution (Pappus; Connolly, J. Appl. Cryst. 16 (1983), 548-558,
+/// doi:10.1107/S0021889883010985):
 ///   dA = 2 pi (rho - p cos t) p dt,   dV = pi (rho - sqrt(p^2 - z^2))^2 dz,   z = p sin t.
-/// If rho < p the arc crosses the axis: between the two crossings, the cusps, nothing is left.
+/// If rho < p, the arc crosses the axis in two cusps, and the part between them is left out.
 Measures half_saddle(double rho, double p, double phi) {
   const auto from_plane = [&](double t) {
     const double z = p * std::sin(t);
@@ -52,9 +54,9 @@ Measures half_saddle(double rho, double p, double phi) {
   return {whole.area - missing.area, whole.volume - missing.volume};
 }
 
-/// Two atoms, neither in the other, whose SAS spheres meet. `along` is the signed distance of the
-/// plane of the contact circle from the first centre: if it is negative, the smaller atom's saddle
-/// begins beyond the plane.
+/// Two atoms, neither inside the other, whose SAS spheres meet. `along` is the signed distance of
+/// the plane of the contact circle from the first centre. If it is negative, the saddle of the
+/// smaller atom begins beyond the plane.
 Measures two_spheres(double r1, double r2, double distance, double p) {
   const double R1 = r1 + p, R2 = r2 + p;
   const double along = (distance * distance + R1 * R1 - R2 * R2) / (2 * distance);
@@ -64,17 +66,17 @@ Measures two_spheres(double r1, double r2, double distance, double p) {
          half_saddle(rho, p, std::asin(cosine1)) + half_saddle(rho, p, std::asin(cosine2));
 }
 
-/// Three equal atoms at the corners of an equilateral triangle, such that two probes, one on each
-/// side, touch all of them, do not reach each other, and leave the saddles without cusps.
+/// Three equal atoms at the corners of an equilateral triangle. Two probes, one on each side, touch
+/// all of them. The probes do not overlap, and the saddles have no cusps.
 ///
-/// The solid angles are, of an atom's exposed SAS face, from the Gauss-Bonnet theorem,
-///   omega = 2 psi cos(theta) + 2 delta,
-/// with psi the accessible angle of a contact circle, theta the angle it subtends at the atom and
-/// delta the face's angle at a vertex; and, of a concave triangle, its angular excess. Volume: the
-/// SES is the SAS's inner parallel surface, so that
-///   V_SES = V_SAS - integral over t from 0 to p of the area of the surface at depth t,
-/// and V_SAS follows from the divergence theorem: each face and the flat segments between its arcs
-/// and their chord make a closed surface.
+/// The solid angle of an atom's exposed SAS face follows from the Gauss-Bonnet theorem,
+///   omega = 2 psi cos(theta) + 2 delta.
+/// Here psi is the accessible angle of a contact circle, theta the angle that it subtends at the
+/// atom, and delta the angle of the face at a vertex. The solid angle of a concave triangle is its
+/// angular excess. The SES is an inner parallel surface of the SAS, so that
+///   V_SES = V_SAS - integral over t from 0 to p of the area of the surface at depth t.
+/// V_SAS follows from the divergence theorem: each face, with the flat segments between its arcs
+/// and their chords, makes a closed surface.
 Measures three_spheres(double r, double side, double p) {
   const double R = r + p, half = side / 2;
   const double rho = std::sqrt(R * R - half * half);
@@ -110,7 +112,7 @@ Summary summary_of(const std::vector<Atom>& atoms, const Parameters& parameters)
   return run(atoms, plan, nothing, directory.path());
 }
 
-/// Relative errors. `counted` is that of the volume as the number of inside points has it.
+/// Relative errors. `counted` is the error of the volume that counts inside points.
 struct Errors {
   double area = 0;
   double volume = 0;
@@ -122,7 +124,7 @@ double square_of_error(double found, double exact) {
   return error * error;
 }
 
-/// Root mean square over a few margins, which shift the grid: one grid may be lucky.
+/// Returns the root mean square over a few margins, which shift the grid: one grid may be lucky.
 Errors errors_at(double spacing, const std::vector<Atom>& atoms, double p, Measures exact) {
   constexpr std::array margins{0.8, 0.87, 0.93, 1.01};
   Errors mean;
@@ -146,9 +148,10 @@ std::string describe(const Errors& errors) {
          std::to_string(errors.counted);
 }
 
-/// The volume counts points by the surface for half a cell, on either side, and there are more of
-/// them outside a convex body than inside: its error falls as h^2, by 16 from 0.4 to 0.1. That of
-/// the area is as good as random and may be small on a coarse grid by luck.
+/// ESES's volume counts points near the surface, on either side, for half a cell. Outside a convex
+/// body there are more of them than inside. Its error therefore falls as h^2, by a factor of 16
+/// from 0.4 to 0.1. The error of the area is almost random and may be small on a coarse grid by
+/// chance.
 void check_convergence(const std::vector<Atom>& atoms, double p, Measures exact) {
   INFO("exact area " << exact.area << ", volume " << exact.volume);
   const Errors coarse = errors_at(0.4, atoms, p, exact), fine = errors_at(0.1, atoms, p, exact);
@@ -162,7 +165,7 @@ void check_convergence(const std::vector<Atom>& atoms, double p, Measures exact)
   CHECK(fine.counted < coarse.counted);
 }
 
-/// Askew, so that no symmetry of the atoms is one of the grid.
+/// The atoms are rotated, so that their symmetries are not those of the grid.
 const Vec3 askew{0.36, 0.48, 0.8};
 
 std::vector<Atom> pair_of_atoms(double r1, double r2, double distance) {
@@ -176,7 +179,7 @@ void check_pair(double r1, double r2, double distance, double p) {
 
 }  // namespace
 
-TEST_CASE("one sphere") {
+TEST_CASE("one sphere has area and volume of the closed form") {
   for (const double r : {1.2, 1.7, 3.1}) {
     INFO("radius " << r);
     check_convergence({{{0.1, -0.2, 0.3}, r}}, 1.4, sphere(r));
@@ -191,7 +194,7 @@ TEST_CASE("spheres whose SAS spheres just touch add up") {
   check_convergence(pair_of_atoms(1.7, 1.2, 1.7 + 1.2 + 2.8), 1.4, sphere(1.7) + sphere(1.2));
 }
 
-TEST_CASE("two spheres with a saddle between them") {
+TEST_CASE("two spheres with a saddle between them have area and volume of the closed form") {
   SECTION("atoms overlap") { check_pair(1.7, 1.2, 2.0, 1.4); }
   SECTION("atoms touch") { check_pair(1.5, 1.5, 3.0, 1.4); }
   SECTION("atoms apart") { check_pair(1.5, 1.9, 4.2, 1.4); }
@@ -199,13 +202,13 @@ TEST_CASE("two spheres with a saddle between them") {
   SECTION("contact circle beyond the small atom's centre") { check_pair(0.8, 2.5, 2.5, 1.4); }
 }
 
-TEST_CASE("two spheres with a spindle torus between them") {
+TEST_CASE("two spheres with a spindle torus between them have area and volume of the closed form") {
   SECTION("equal") { check_pair(1.5, 1.5, 5.2, 1.4); }
   SECTION("unequal") { check_pair(1.8, 1.0, 5.0, 1.4); }
   SECTION("large probe") { check_pair(1.5, 1.2, 7.0, 3.0); }
 }
 
-TEST_CASE("three spheres with concave triangles") {
+TEST_CASE("three spheres with concave triangles have area and volume of the closed form") {
   const double r = 1.7, side = 2.5, p = 1.4;
   const Vec3 u = askew, v = any_perpendicular(u);
   const std::vector<Atom> atoms{
@@ -235,7 +238,7 @@ TEST_CASE("atoms inside an atom change nothing") {
   }
 }
 
-TEST_CASE("atoms that are there twice change no measure") {
+TEST_CASE("duplicate atoms change neither area nor volume") {
   const std::vector<Atom> alone = pair_of_atoms(1.8, 1.4, 2.6);
   std::vector<Atom> more = alone;
   more.insert(more.end(), alone.begin(), alone.end());
@@ -248,7 +251,7 @@ TEST_CASE("atoms that are there twice change no measure") {
 
 namespace {
 
-/// Grid points of a run, by their place in grid_info.txt.
+/// The grid points of a run, by their place in grid_info.txt.
 struct Signs {
   GridIndex size{};
   std::vector<int> signs;
@@ -264,7 +267,7 @@ Signs signs_of(const EsesFiles& files) {
   return result;
 }
 
-/// The grid point nearest to the origin.
+/// Returns the grid point nearest to the origin.
 GridIndex nearest_to_origin(const EsesFiles& files, double spacing) {
   GridIndex index{};
   for (std::size_t q = 0; q < 3; ++q) index[q] = std::llround(-files.lower[q] / spacing);
@@ -310,7 +313,7 @@ TEST_CASE("a closed cavity is outside if it holds a probe, and inside if it does
 
 TEST_CASE("an atom of radius 0 has no surface") {
   Parameters parameters;
-  parameters.margin = 0.9;  // no grid point on the atom
+  parameters.margin = 0.9;  // keeps grid points off the atom
   const std::vector<Atom> atoms{{{0, 0, 0}, 0}};
   const RunResult result = run_and_read(atoms, parameters);
   CHECK(result.summary.inside_points == 0);
@@ -320,7 +323,7 @@ TEST_CASE("an atom of radius 0 has no surface") {
   CHECK(find_faults(atoms, parameters, result.files, result.summary).empty());
 }
 
-TEST_CASE("an atom of radius 0 on a grid point is a point") {
+TEST_CASE("an atom of radius 0 on a grid point makes at most this point inside") {
   Parameters parameters;
   parameters.margin = 2 * parameters.spacing;
   const std::vector<Atom> atoms{{{0, 0, 0}, 0}};

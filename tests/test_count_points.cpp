@@ -1,4 +1,5 @@
-// Points counted by words of bits, against a look at each point and its six neighbours.
+// Compares the counting of points by words of bits with a test of each point and its six
+// neighbours.
 
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "test_count_points.cpp"
@@ -43,7 +44,7 @@ void for_each_index(const GridIndex& size, Action&& action) {
       for (std::int64_t x = 0; x < size[0]; ++x) action(GridIndex{x, y, z});
 }
 
-// Each point at random, but none in a half space, so that blocks may be empty.
+// Points are random, except in a half space without any, so that blocks may be empty.
 GridPoints random_points(const GridIndex& size, double density, Random& random) {
   GridPoints points{size, {}};
   const auto axis = random.integer(0, 2);
@@ -125,7 +126,7 @@ PointCounts count_all(CountBlocks count, const CutGrid& grid, Random& random) {
   PointCounts counts;
   Plane below;
   for (const Layer& layer : grid.layers) {
-    // In two parts, as threads may.
+    // The count is made in two parts, as threads make it.
     const auto blocks = static_cast<std::int64_t>(layer.blocks.size());
     const auto middle =
         static_cast<std::int64_t>(random.integer(0, static_cast<std::size_t>(blocks)));
@@ -142,12 +143,12 @@ const Versions<CountBlocks> versions = ESES_VERSIONS(count_blocks);
 
 }  // namespace
 
-TEST_CASE("points are counted as one by one, however the grid is cut") {
+TEST_CASE("points are counted correctly however the grid is cut") {
   Random random(31);
   std::size_t blocks_without_words = 0;
   for (const std::int64_t block_size : {2, 3, 7, 64, 65, 66, 100, 130})
     for (int repetition = 0; repetition < 6; ++repetition) {
-      // The last block of an axis may have two points only; large blocks are cut thin.
+      // The last block of an axis may have only two points. Large blocks are cut thin.
       const std::size_t thin = block_size > 7 ? random.integer(0, 2) : 3;
       GridIndex size{};
       for (std::size_t axis = 0; axis < 3; ++axis) {

@@ -1,4 +1,4 @@
-// Atoms that are much larger than the others: what they do not cost, and that nothing is lost.
+// Tests of atoms that are much larger than the others: they cost little, and nothing is lost.
 
 #include <algorithm>
 #include <array>
@@ -25,7 +25,7 @@ namespace {
 
 constexpr double probe = 1.4;
 
-/// Atoms all over the surface of a large one around the origin, which has index `place`.
+/// Makes atoms all over the surface of a large one around the origin, which has index `place`.
 std::vector<Atom> make_crowd(std::size_t atoms, double radius, std::size_t place) {
   Random random(atoms);
   std::vector<Atom> crowd;
@@ -42,7 +42,7 @@ std::vector<Atom> make_crowd(std::size_t atoms, double radius, std::size_t place
   return crowd;
 }
 
-/// Atoms far apart from each other.
+/// Makes atoms that are far from each other.
 std::vector<Atom> make_gas(int side) {
   std::vector<Atom> atoms;
   for (int x = 0; x < side; ++x)
@@ -101,7 +101,7 @@ TEST_CASE("a look-up finds all atoms that reach a point, whatever their radii", 
   for (const std::size_t slices : std::array<std::size_t, 3>{1, 4, 16}) {
     std::vector<Atom> atoms;
     for (int i = 0; i < 4000; ++i) {
-      // From 0 to 2^40, most of them small.
+      // Radii range from 0 to 2^40; most of them are small.
       const double radius =
           random.chance(0.1) ? 0 : std::exp2(40 * std::pow(random.uniform(0, 1), 20));
       const auto place = [&] { return random.uniform(-100, 100); };
@@ -137,7 +137,7 @@ TEST_CASE("large atoms do not widen the look-ups of small ones", "[crowded]") {
       std::vector<AtomIndex> found;
       for (const Atom& atom : gas) {
         tree.find_reaching(atom.center, atom.radius + 2 * probe, found);
-        // Itself and the large one: all others are 9 angstrom away.
+        // The results are the atom itself and the large one. All others are 9 angstrom away.
         CHECK(found.size() <= 2);
       }
     }
@@ -158,7 +158,7 @@ TEST_CASE("large atoms do not widen the look-ups of checks", "[crowded]") {
       });
       CHECK(is_found);
     }
-    // All atoms are near the large one, and few near any of the others.
+    // All atoms are near the large one. Few are near any of the others.
     CHECK(looked_at < 20 * atoms.size());
     // Every atom is found from the farthest points that it reaches.
     for (std::size_t i = 0; i < atoms.size(); i += 97) {
@@ -181,7 +181,7 @@ TEST_CASE("the arcs of a crowded atom are those that all its caps leave", "[crow
     }
 }
 
-TEST_CASE("a block looks only at those patches of a crowded atom that are near", "[crowded]") {
+TEST_CASE("a block takes only the nearby patches of a crowded atom", "[crowded]") {
   const std::vector<Atom> atoms = make_crowd(6000, 80, 0);
   const AllPatches all(atoms, probe, 2);
   REQUIRE(all.of(0).face_neighbours().size() > 3000);
@@ -198,18 +198,18 @@ TEST_CASE("a block looks only at those patches of a crowded atom that are near",
   const auto large = std::find_if(features.faces.begin(), features.faces.end(),
                                   [](const FaceFeature& face) { return face.atom == 0; });
   REQUIRE(large != features.faces.end());
-  // A ball around the block is looked up, which holds some more than the block.
+  // The look-up covers a ball around the block, which contains more than the block.
   CHECK(features.cones_of(*large).size() < 4 * near);
   REQUIRE(features.listed.size() == 1);
   CHECK(features.listed[0].arcs.size() < 4 * near);
   CHECK(features.listed[0].placements.size() < 8 * near);
 
-  // All arcs and placements that matter are there.
+  // All arcs and placements that the block needs are found.
   std::size_t arcs = 0, placements = 0;
   for (const Arc& arc : all.arcs()) {
     const ContactCircle circle =
         make_contact_circle(all.surface.sas_sphere(arc.first), all.surface.sas_sphere(arc.second));
-    // The middle of the saddle's side, where the arc starts.
+    // The middle of the saddle's side, at the start of the arc.
     const Vec3 on_saddle = circle.center + (circle.radius - probe) * arc.start;
     if (arc.kind == ArcKind::full || circle.radius < probe ||
         squared_distance(block, on_saddle) > 0)
@@ -229,13 +229,13 @@ TEST_CASE("a block looks only at those patches of a crowded atom that are near",
   }
   CHECK(arcs > 10);
   CHECK(placements > 20);
-  // In the order in which they stand in the surface: where patches are equally near, order decides.
+  // The order is that of the surface, because it decides where patches are equally near.
   CHECK(std::is_sorted(
       features.arcs.begin(), features.arcs.end(),
       [](const ArcFeature& a, const ArcFeature& b) { return a.atoms[0] < b.atoms[0]; }));
 }
 
-TEST_CASE("a crowd is what the definition says, whichever atom is the large one", "[crowded]") {
+TEST_CASE("a crowded molecule agrees with the definition, whichever atom is large", "[crowded]") {
   constexpr std::size_t atoms = 420;
   for (const std::size_t place : {std::size_t{0}, atoms / 3, atoms})
     for (const std::int64_t block_size : {7, 64}) {

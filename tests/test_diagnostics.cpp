@@ -1,4 +1,4 @@
-// Diagnostics of a set of atoms: warnings and notes.
+// Tests of the diagnostics of a set of atoms: warnings and notes.
 
 #include <cstdint>
 #include <span>
@@ -53,11 +53,11 @@ TEST_CASE("zeros are equal, whatever their sign", "[diagnostics]") {
   CHECK(diagnostics_of({{{0, 1, 0}, 1.5}, {{-0.0, 1, -0.0}, 1.5}}) == Counts{{Kind::duplicate, 1}});
 }
 
-TEST_CASE("atoms within half an angstrom are close, at it they are not", "[diagnostics]") {
+TEST_CASE("atoms are close below half an angstrom, not at exactly this distance", "[diagnostics]") {
   CHECK(diagnostics_of({{{0, 0, 0}, 1.5}, {{0.49, 0, 0}, 1.6}}) == Counts{{Kind::close, 1}});
   CHECK(diagnostics_of({{{0, 0, 0}, 1.5}, {{0, 0, 0}, 1.6}}) == Counts{{Kind::close, 1}});
   CHECK(diagnostics_of({{{0, 0, 0}, 1.5}, {{0.5, 0, 0}, 1.6}}).empty());
-  // Virtual sites without a radius stand there in water models.
+  // Water models have virtual sites without a radius there.
   CHECK(diagnostics_of({{{0, 0, 0}, 1.5}, {{0.15, 0, 0}, 0}}) == Counts{{Kind::zero_radius, 1}});
 }
 
@@ -73,15 +73,15 @@ TEST_CASE("a nested atom is a warning, a nested hydrogen is a note", "[diagnosti
   CHECK(is_usual(Kind::zero_radius));
 }
 
-TEST_CASE("radii that no atom has, or only in nanometres", "[diagnostics]") {
+TEST_CASE("unusually large radii, and radii in nanometres, are reported", "[diagnostics]") {
   CHECK(diagnostics_of({{{0, 0, 0}, 4}}).empty());
   CHECK(diagnostics_of({{{0, 0, 0}, 4.01}}) == Counts{{Kind::large_radius, 1}});
   CHECK(diagnostics_of({{{0, 0, 0}, 0.17}, {{1, 0, 0}, 0.39}}) == Counts{{Kind::small_radii, 2}});
   CHECK(diagnostics_of({{{0, 0, 0}, 0.17}, {{1, 0, 0}, 0.4}}).empty());
 }
 
-TEST_CASE("of many only the first five are shown", "[diagnostics]") {
-  // So many that it would take an hour if each looked at each.
+TEST_CASE("only the first five examples are listed", "[diagnostics]") {
+  // There are so many atoms that comparing all pairs would take an hour.
   const Molecule molecule(std::vector<Atom>(1'000'000, {{0, 0, 0}, 1.5}));
   const std::span<const Diagnostic> found = molecule.diagnostics();
   REQUIRE(counts_of(found) == Counts{{Kind::duplicate, 999'999}});

@@ -1,5 +1,5 @@
-// Comparing directories: known differences, injected into the files of a run, and the exact report
-// that each must give.
+// Tests of comparing directories. Known differences are put into the files of a run, and each must
+// give an exact report.
 
 #include <fmt/format.h>
 #include <sys/stat.h>
@@ -65,7 +65,7 @@ void add_to_field(std::string& line, std::size_t field, double step) {
   line = line_of(fields);
 }
 
-/// Four atoms at the corners of a square, so that a probe rests on all of them, and one apart.
+/// Four atoms at the corners of a square, so that a probe touches all of them, and one apart.
 std::vector<Atom> square_and_one() {
   std::vector<Atom> atoms;
   for (const auto& [x, y] : {std::pair{1.5, 1.5}, {-1.5, 1.5}, {-1.5, -1.5}, {1.5, -1.5}}) {
@@ -98,7 +98,7 @@ const RunFiles& run_files() {
   return files;
 }
 
-/// What diff says of each file, and in the end.
+/// The expected report: a text for each file, and the verdict.
 struct Expected {
   std::string box, points, edges, areas;
   std::string verdict = "the same, with a tolerance of 1e-06\n";
@@ -143,7 +143,7 @@ Expected with_difference() {
   return expected;
 }
 
-/// Directory `a` as the program has written it, and `b` as a test changes it.
+/// Directory `a` as the program has written it, and `b` as a test has changed it.
 struct Pair {
   Sandbox sandbox;
   std::map<std::string, Lines> b = run_files().lines;
@@ -198,7 +198,7 @@ void shuffle(std::vector<Item>& items, std::uint64_t seed) {
     std::swap(items[i - 1], items[random.integer(0, i - 1)]);
 }
 
-/// `3 4 5 -> 3 4 6` of a line of intersection_info.txt.
+/// Returns the text `3 4 5 -> 3 4 6` for a line of intersection_info.txt.
 std::string place_of(const std::string& line) {
   const Fields f = fields_of(line);
   return fmt::format("{} -> {}", fmt::join(f.begin(), f.begin() + 3, " "),
@@ -231,7 +231,7 @@ TEST_CASE("diff: neither the order of lines nor that of adjacent atoms matters",
   check(pair.diff(), all_the_same());
 }
 
-TEST_CASE("diff: numbers may be spelt as C, Fortran or Windows has it", "[diff]") {
+TEST_CASE("diff: numbers may have the spelling of C, Fortran or Windows", "[diff]") {
   Pair pair;
   const auto respelt = [](const std::string& line, std::size_t first_number,
                           std::size_t end_of_numbers) {
@@ -252,17 +252,17 @@ TEST_CASE("diff: numbers may be spelt as C, Fortran or Windows has it", "[diff]"
   check(pair.diff(), all_the_same());
 }
 
-TEST_CASE("diff: gzipped files, plain ones before them", "[diff]") {
+TEST_CASE("diff: gzipped files are read, and plain ones first", "[diff]") {
   const Pair pair;
   for (const auto& [name, lines] : pair.b) pair.write_gzipped("b", name, text_of(lines));
   check(pair.diff_as_is(), all_the_same());
-  // Both are there: the plain one counts.
+  // Both files exist, and the plain one counts.
   pair.write_gzipped("b", edges_name, "not looked at\n");
   pair.write("b", edges_name, text_of(pair.b.at(edges_name)));
   check(pair.diff_as_is(), all_the_same());
 }
 
-TEST_CASE("diff: differences up to the tolerance count as none", "[diff]") {
+TEST_CASE("diff: differences up to the tolerance are ignored", "[diff]") {
   Pair pair;
   std::string& line = pair.b[edges_name][7];
   add_to_field(line, 6, 1e-3);
@@ -278,7 +278,7 @@ TEST_CASE("diff: differences up to the tolerance count as none", "[diff]") {
 
 // --- different -----------------------------------------------------------------------------------
 
-TEST_CASE("diff: a position that is moved", "[diff]") {
+TEST_CASE("diff: a moved position is reported", "[diff]") {
   Pair pair;
   std::string& line = pair.b[edges_name][11];
   add_to_field(line, 7, 1e-3);
@@ -292,7 +292,7 @@ TEST_CASE("diff: a position that is moved", "[diff]") {
   check(pair.diff(), expected);
 }
 
-TEST_CASE("diff: normals that are turned, more than are shown", "[diff]") {
+TEST_CASE("diff: turned normals are counted, and the first ones listed", "[diff]") {
   Pair pair;
   std::string listed;
   for (std::size_t i = 0; i < 6; ++i) {
@@ -311,7 +311,7 @@ TEST_CASE("diff: normals that are turned, more than are shown", "[diff]") {
   check(pair.diff(), expected);
 }
 
-TEST_CASE("diff: points that are flipped, in either order of the lines", "[diff]") {
+TEST_CASE("diff: flipped points are reported in either order of the lines", "[diff]") {
   for (const bool shuffled : {false, true}) {
     Pair pair;
     Lines& lines = pair.b[points_name];
@@ -337,7 +337,7 @@ TEST_CASE("diff: points that are flipped, in either order of the lines", "[diff]
   }
 }
 
-TEST_CASE("diff: points that are missing or repeated", "[diff]") {
+TEST_CASE("diff: missing and repeated points are reported", "[diff]") {
   Pair pair;
   Lines& lines = pair.b[points_name];
   const std::size_t count = lines.size();
@@ -350,7 +350,7 @@ TEST_CASE("diff: points that are missing or repeated", "[diff]") {
       "  1 point repeated in B, not compared:\n    {}\n",
       count - 1, repeated);
   check(pair.diff(), expected);
-  // A file that ends too early.
+  // A file ends too early.
   pair.b[points_name] =
       Lines(run_files().lines.at(points_name).begin(), run_files().lines.at(points_name).end() - 1);
   const auto& size = run_files().values.size;
@@ -360,7 +360,7 @@ TEST_CASE("diff: points that are missing or repeated", "[diff]") {
   check(pair.diff(), expected);
 }
 
-TEST_CASE("diff: edges that are dropped, added, reversed", "[diff]") {
+TEST_CASE("diff: dropped, added and reversed edges are reported", "[diff]") {
   Pair pair;
   Lines& lines = pair.b[edges_name];
   const std::string dropped = place_of(lines[20]), before = place_of(lines[40]);
@@ -379,11 +379,11 @@ TEST_CASE("diff: edges that are dropped, added, reversed", "[diff]") {
   check(pair.diff(), expected);
 }
 
-TEST_CASE("diff: an edge that is listed twice", "[diff]") {
+TEST_CASE("diff: an edge that is listed twice is reported", "[diff]") {
   Pair pair;
   Lines& lines = pair.b[edges_name];
   lines.push_back(lines[5]);
-  add_to_field(lines.back(), 6, 1);  // of the two the first is compared
+  add_to_field(lines.back(), 6, 1);  // the first of the two is compared
   Expected expected = with_difference();
   expected.edges =
       edges_text(edge_count(), fmt::format("  1 edge repeated in B, not compared:\n    {}\n{}",
@@ -391,10 +391,10 @@ TEST_CASE("diff: an edge that is listed twice", "[diff]") {
   check(pair.diff(), expected);
 }
 
-TEST_CASE("diff: atoms that are dropped or replaced", "[diff]") {
+TEST_CASE("diff: dropped and replaced atoms are reported", "[diff]") {
   Pair pair;
   Lines& lines = pair.b[edges_name];
-  // The first edge of each kind of patch names one atom less or, if it has but one, another.
+  // The first edge of each kind of patch names one atom less or, if it has only one, another.
   std::vector<std::pair<std::size_t, std::string>> listed;
   for (std::size_t atoms = 1; atoms <= 3; ++atoms) {
     const auto found = std::find_if(lines.begin(), lines.end(), [atoms](const std::string& line) {
@@ -422,7 +422,7 @@ TEST_CASE("diff: atoms that are dropped or replaced", "[diff]") {
   check(pair.diff(), expected);
 }
 
-TEST_CASE("diff: areas that differ, are missing or repeated", "[diff]") {
+TEST_CASE("diff: different, missing and repeated areas are reported", "[diff]") {
   Pair pair;
   Lines& lines = pair.b[areas_name];
   add_to_field(lines[1], 1, 0.25);
@@ -439,7 +439,7 @@ TEST_CASE("diff: areas that differ, are missing or repeated", "[diff]") {
   check(pair.diff(), expected);
 }
 
-TEST_CASE("diff: a box that is moved", "[diff]") {
+TEST_CASE("diff: a moved box is reported", "[diff]") {
   Pair pair;
   add_to_field(pair.b[box_name][1], 2, 0.5);
   Expected expected = with_difference();
@@ -464,9 +464,10 @@ TEST_CASE("diff: grids of other sizes are not compared point by point", "[diff]"
   check(pair.diff(), expected);
 }
 
-// --- files that are not there --------------------------------------------------------------------
+// --- missing files --------------------------------------------------------------------
 
-TEST_CASE("diff: a file in one directory only is a difference, one in neither is none", "[diff]") {
+TEST_CASE("diff: a file in only one directory is a difference, a file in neither is not",
+          "[diff]") {
   Pair pair;
   pair.b.erase(points_name);
   fs::remove(pair.sandbox.directory() / "a" / areas_name);
@@ -484,7 +485,7 @@ TEST_CASE("diff: a file in one directory only is a difference, one in neither is
   check(pair.diff(), expected);
 }
 
-TEST_CASE("diff: points and edges are compared without a box, too", "[diff]") {
+TEST_CASE("diff: points and edges are compared even without a box", "[diff]") {
   Pair pair;
   pair.b.erase(box_name);
   fs::remove(pair.sandbox.directory() / "a" / box_name);
@@ -495,7 +496,7 @@ TEST_CASE("diff: points and edges are compared without a box, too", "[diff]") {
   check(pair.diff(), expected);
 }
 
-TEST_CASE("diff: nothing to compare is trouble", "[diff]") {
+TEST_CASE("diff: nothing to compare is an error", "[diff]") {
   const Pair pair;
   const std::string names =
       "bounding_box.txt, grid_info.txt, intersection_info.txt, partition_area.txt";
@@ -511,7 +512,7 @@ TEST_CASE("diff: nothing to compare is trouble", "[diff]") {
 
 // --- malformed files -----------------------------------------------------------------------------
 
-TEST_CASE("diff: a pipe or device is refused, not waited for", "[diff]") {
+TEST_CASE("diff: a pipe or device is refused without waiting", "[diff]") {
   Pair pair;
   pair.b.erase(areas_name);
   const fs::path areas = pair.sandbox.directory() / "b" / areas_name;
@@ -528,13 +529,13 @@ TEST_CASE("diff: a pipe or device is refused, not waited for", "[diff]") {
   fs::remove(areas);
   REQUIRE(::mkfifo((areas.string() + ".gz").c_str(), 0600) == 0);
   check_refused(std::string(areas_name) + ".gz");
-  // A link to a file is one.
+  // A link to a file is accepted.
   fs::remove(areas.string() + ".gz");
   fs::create_symlink(fs::path("../a") / areas_name, areas);
   CHECK(pair.diff_as_is().code == 0);
 }
 
-TEST_CASE("diff: a malformed line is named with file, line and field", "[diff]") {
+TEST_CASE("diff: an error of a malformed line names file, line and field", "[diff]") {
   struct Malformed {
     const char* file;
     std::string line, message;
@@ -599,7 +600,7 @@ TEST_CASE("diff: a malformed line is named with file, line and field", "[diff]")
   }
 }
 
-TEST_CASE("diff: a box has three lines", "[diff]") {
+TEST_CASE("diff: a box without exactly three lines is refused", "[diff]") {
   Pair pair;
   pair.b[box_name].pop_back();
   check_trouble(pair.diff(), "b/bounding_box.txt:3: expected nx ny nz, found the end of the file");
@@ -609,12 +610,12 @@ TEST_CASE("diff: a box has three lines", "[diff]") {
                 "b/bounding_box.txt:4: expected the end of the file after three lines");
 }
 
-TEST_CASE("diff: a file that is cut off or damaged", "[diff]") {
+TEST_CASE("diff: a truncated or damaged file is refused", "[diff]") {
   const Pair pair;
   pair.diff();
   const fs::path plain = pair.sandbox.directory() / "b" / areas_name;
   const std::string text = text_of(pair.b.at(areas_name));
-  // Also inside the last number, where what is left is a number as well.
+  // Some cuts are inside the last number, where the rest is also a number.
   for (const std::size_t lost : {std::size_t{1}, std::size_t{5}}) {
     pair.write("b", areas_name, text.substr(0, text.size() - lost));
     check_trouble(pair.diff_as_is(),
@@ -629,12 +630,12 @@ TEST_CASE("diff: a file that is cut off or damaged", "[diff]") {
                 "b/partition_area.txt.gz: the compressed data ends too early, after " +
                     std::to_string(gzipped.size() - 3) + " bytes");
   std::string damaged = gzipped;
-  damaged[damaged.size() - 6] ^= 1;  // of the checksum
+  damaged[damaged.size() - 6] ^= 1;  // a bit of the checksum
   write_file(path, damaged);
   const std::string start = "b/partition_area.txt.gz: the compressed data ";
   check_trouble(pair.diff_as_is(),
                 fmt::format("{}is damaged near byte {}", start, gzipped.size() - 4));
-  // Behind it a member that does not begin as it must, or of which only a byte is left.
+  // Then follows a member with a wrong header, or with only one byte.
   write_file(path, gzipped + "\x1e\x8b\x08");
   check_trouble(pair.diff_as_is(), fmt::format("{}is damaged near byte {}", start, gzipped.size()));
   write_file(path, gzipped + "\x1f");
@@ -648,8 +649,8 @@ TEST_CASE("diff: a file that is cut off or damaged", "[diff]") {
 
 namespace {
 
-/// Lets concave edges on the square name atoms 1, 2 and 3 where they named 0, 1 and 2, moving their
-/// shares of the area; returns how many.
+/// Lets concave edges on the square name atoms 1, 2 and 3 instead of 0, 1 and 2, and moves their
+/// shares of the area. Returns the number of these edges.
 std::size_t name_other_atoms(std::map<std::string, Lines>& files) {
   const std::vector<Atom> atoms = square_and_one();
   const double spacing = Parameters{}.spacing;
@@ -701,7 +702,7 @@ TEST_CASE("diff: any three atoms of a probe that touches four are the same conta
              fmt::format("({}, True, True)", renamed));
 }
 
-TEST_CASE("diff: shares that stay with the wrong atoms are a difference", "[diff]") {
+TEST_CASE("diff: shares of the wrong atoms are a difference", "[diff]") {
   Pair pair;
   name_other_atoms(pair.b);
   pair.b[areas_name] = run_files().lines.at(areas_name);
@@ -741,10 +742,10 @@ TEST_CASE("diff: an atom that the probe does not touch is a difference", "[diff]
       contains(pair.diff().out, fmt::format("  atoms: {} edges with different atoms; ", renamed)));
 }
 
-TEST_CASE("diff: spheres from convex edges, contacts from spheres", "[diff]") {
+TEST_CASE("diff: spheres are found from convex edges, and contacts from spheres", "[diff]") {
   Random random(3);
   const double probe_radius = 1.4;
-  // Four spheres that a probe at the origin touches.
+  // A probe at the origin touches four spheres.
   ContactSpheres spheres;
   std::vector<Sphere> touched;
   for (AtomIndex atom = 0; atom < 4; ++atom) {
@@ -779,7 +780,7 @@ TEST_CASE("diff: spheres from convex edges, contacts from spheres", "[diff]") {
 
 namespace {
 
-/// More edges than are sorted in memory, in order, the last one twice.
+/// More edges than are sorted in memory, in order. The last one is listed twice.
 Lines many_edges() {
   Lines lines;
   for (int z = 0; z < 50; ++z)
@@ -798,7 +799,8 @@ TEST_CASE("diff: edges come in order, whatever their number and their order in t
   const TemporaryDirectory directory;
   const Lines in_order = many_edges();
   Lines shuffled = in_order;
-  // The repeated edge stays behind the first: those at the same place keep the order of the file.
+  // The repeated edge stays after the first one, because edges at the same place keep the order of
+  // the file.
   const std::string repeated = shuffled.back();
   shuffled.pop_back();
   shuffle(shuffled, 8);
@@ -829,7 +831,7 @@ TEST_CASE("diff: edges come in order, whatever their number and their order in t
   }
 }
 
-TEST_CASE("diff: only many edges in disorder need the disk, and say so where it fails", "[diff]") {
+TEST_CASE("diff: only many unordered edges need the disk, and its failure is reported", "[diff]") {
   const Sandbox sandbox;
   Lines lines = many_edges();
   const auto diff = [&sandbox](const std::string& a, const std::string& b) {
@@ -901,13 +903,13 @@ TEST_CASE("diff: usage errors name option, value and expectation", "[diff]") {
   }
 }
 
-TEST_CASE("diff: the exit code stands without standard error, too", "[diff]") {
+TEST_CASE("diff: the exit code does not depend on standard error", "[diff]") {
   const Sandbox sandbox;
   CHECK(sandbox.run({"diff"}, "2>&-").code == 2);
   CHECK(sandbox.run({"diff", "nowhere", "nowhere"}, "2>&-").code == 2);
 }
 
-TEST_CASE("diff: a structure file of that name is ./diff", "[diff]") {
+TEST_CASE("diff: a structure file named diff is given as ./diff", "[diff]") {
   const Sandbox sandbox;
   fs::copy_file(sandbox.directory() / "pair.xyzr", sandbox.directory() / "diff");
   const Outcome outcome = sandbox.run({"pair.xyzr", "-q"});
@@ -916,14 +918,14 @@ TEST_CASE("diff: a structure file of that name is ./diff", "[diff]") {
   CHECK(sandbox.run({"--", "diff"}).code == 0);
 }
 
-TEST_CASE("diff: a standard output that takes nothing is trouble", "[diff]") {
+TEST_CASE("diff: a full standard output is an error", "[diff]") {
   if (!fs::exists("/dev/full")) SKIP("there is no /dev/full");
   const Pair pair;
   pair.diff();
   CHECK(pair.sandbox.run({"diff", "a", "b"}, ">/dev/full").code == 2);
 }
 
-TEST_CASE("diff: the JSON report holds what the text says", "[diff]") {
+TEST_CASE("diff: the JSON report has the values of the text report", "[diff]") {
   Pair pair;
   add_to_field(pair.b[edges_name][11], 7, 1e-3);
   add_to_field(pair.b[areas_name][1], 1, 0.25);

@@ -1,4 +1,4 @@
-// Arcs, tube crossings and covering directions against the plain definition, by dense sampling.
+// Compares arcs, tube crossings and covering directions with their definitions, by dense sampling.
 
 #include <algorithm>
 #include <cmath>
@@ -24,7 +24,7 @@ Vec3 random_point(Random& random, double half_side) {
 
 struct CircleCase {
   SasSphere sphere, partner;
-  std::vector<SasSphere> others;  // spheres whose caps follow the partner's
+  std::vector<SasSphere> others;  // their caps follow the partner's cap in `caps`
   ContactCircle circle;
   CapList caps;
 };
@@ -70,7 +70,7 @@ double depth_inside(const std::vector<SasSphere>& spheres, Vec3 point) {
 
 }  // namespace
 
-TEST_CASE("accessible arcs are what the other spheres leave of a circle") {
+TEST_CASE("accessible arcs are the parts of a circle outside all other spheres") {
   Random random(1);
   ArcScratch scratch;
   std::size_t partial = 0;
@@ -108,7 +108,7 @@ TEST_CASE("accessible arcs are what the other spheres leave of a circle") {
   CHECK(partial > 300);
 }
 
-TEST_CASE("caps of many spheres are those of each, and of those that meet the sphere") {
+TEST_CASE("caps of many spheres are the caps of those that meet the sphere") {
   Random random(11);
   for (int round = 0; round < 200; ++round) {
     const SasSphere sphere{random_point(random, 2), random.uniform(1, 4)};
@@ -117,7 +117,7 @@ TEST_CASE("caps of many spheres are those of each, and of those that meet the sp
     const std::size_t count = random.integer(0, 70);
     while (others.size() <= count)
       others.push_back({random_point(random, 6), random.uniform(1, 4)});
-    // One that touches, but does not meet.
+    // This sphere touches but does not meet the other.
     others.push_back({sphere.center + Vec3{sphere.radius + 2, 0, 0}, 2});
     for (const SasSphere& other : others) spheres.push_back(other);
     std::vector<std::int64_t> expected;
@@ -141,7 +141,7 @@ TEST_CASE("caps of many spheres are those of each, and of those that meet the sp
   }
 }
 
-TEST_CASE("spheres near a box are those that come within the distance of it") {
+TEST_CASE("spheres near a box are exactly those within the distance") {
   Random random(12);
   std::size_t chosen_count = 0;
   for (int round = 0; round < 200; ++round) {
@@ -171,9 +171,9 @@ TEST_CASE("spheres near a box are those that come within the distance of it") {
   CHECK(chosen_count > 300);
 }
 
-TEST_CASE("a point that two spheres just leave open stays accessible") {
-  // Four equal spheres at the corners of a square: every circle of neighbours is open but for
-  // its two probes, where the circles of the diagonals have a single point each.
+TEST_CASE("a point that two spheres leave just open stays accessible") {
+  // Four equal spheres are at the corners of a square. Every circle of neighbours is open except at
+  // its two probes, where each circle of a diagonal has a single point.
   const double side = 2, radius = 2;
   const std::vector<SasSphere> corners{{{0, 0, 0}, radius},
                                        {{side, 0, 0}, radius},
@@ -186,7 +186,7 @@ TEST_CASE("a point that two spheres just leave open stays accessible") {
   std::vector<CircleEnd> ends;
   accessible_arcs(make_contact_circle(corners[0], corners[2]), caps, 1, scratch, arcs, ends);
   CHECK(arcs.empty());
-  // At each of both points one of the two corners is named.
+  // At both points one of the two corners is named.
   REQUIRE(ends.size() == 2);
   for (const CircleEnd& end : ends) CHECK(end.is_uncertain);
   const auto half = [](const CircleEnd& end) { return (end.cap == 0) == (end.side > 0); };
@@ -208,7 +208,7 @@ TEST_CASE("tube exits are where the distance to the circle rises through the tub
     const TubeExits exits = tube_exits(start, step, axis, circle_radius, tube_radius, 0, 1);
     std::vector<double> expected;
     constexpr int samples = 4000;
-    bool is_clear = true;  // no grazing, which sampling cannot decide
+    bool is_clear = true;  // sampling cannot decide grazing
     for (int s = 0; s < samples; ++s) {
       const double t0 = static_cast<double>(s) / samples, t1 = (s + 1.0) / samples;
       const double d0 = distance(t0) - tube_radius, d1 = distance(t1) - tube_radius;

@@ -1,4 +1,4 @@
-/// The padded grid, its blocks, and what a plan refuses.
+/// Tests of the padded grid, its blocks, and the input that a plan refuses.
 
 #include <algorithm>
 #include <cmath>
@@ -69,7 +69,7 @@ TEST_CASE("blocks of 64 points reproduce the block counts of the paper's table")
   }
 }
 
-TEST_CASE("the grid of two atoms, worked out by hand") {
+TEST_CASE("the grid of two atoms is the one computed by hand") {
   const std::vector<Atom> atoms{{{0, 0, 0}, 1}, {{3, 0, 0.25}, 1.5}};
   const Grid grid = make_grid(atoms, 0.5, 1);
   CHECK(grid.spacing == 0.5);
@@ -90,9 +90,9 @@ TEST_CASE("the number of points is truncated, not rounded") {
   CHECK(cut_depth(make_grid(atoms, 0.75, 0.375), sphere_bounds(atoms)) == 0.125);
 }
 
-TEST_CASE("a grid that ESES made for atoms that reach this far") {
-  // Crambin, 1crn: the atoms that reach farthest along each axis, and what ESES wrote for spacing
-  // 0.4 and margin 0.8.
+TEST_CASE("the grid of crambin is that of ESES") {
+  // Crambin (1crn): the atoms that reach farthest along each axis, and the grid that ESES wrote for
+  // spacing 0.4 and margin 0.8.
   const std::vector<Atom> atoms{{{-3.097, 7.057, 5.458}, 1.6},   {{24.284, 13.401, 10.709}, 1.6},
                                 {{11.185, -0.516, 15.142}, 2.0}, {{18.238, 20.937, 5.908}, 2.0},
                                 {{3.26, 7.045, -7.422}, 1.4},    {{12.933, 12.737, 19.58}, 2.0}};
@@ -131,7 +131,8 @@ TEST_CASE("a grid is refused if it cannot be made") {
 
 namespace {
 
-/// How many blocks own each point and each edge, by grid point and axis; axis 3 is the point.
+/// Numbers of blocks that own each edge, by its lower grid point and its axis. Axis 3 counts the
+/// blocks that own the point itself.
 struct Ownership {
   GridIndex size{};
   std::vector<unsigned char> owners;
@@ -177,7 +178,7 @@ bool lies_in(const GridIndex& p, const GridRegion& region) {
   return true;
 }
 
-/// Everything in the region is owned once, but for the edges that would lead out of the grid.
+/// Checks that everything in the region is owned once, except the edges that lead out of the grid.
 bool each_owned_once(Ownership& ownership, const GridRegion& region) {
   const GridIndex& n = ownership.size;
   for (std::int64_t k = 0; k < n[2]; ++k)
@@ -266,7 +267,7 @@ Parameters with_margin(double spacing, double margin) {
 
 }  // namespace
 
-TEST_CASE("a plan says what a run will do") {
+TEST_CASE("a plan has the grid, blocks and sizes of the run") {
   const std::vector<Atom> atoms{{{0, 0, 0}, 1}, {{3, 0, 0.25}, 1.5}};
   Parameters parameters = with_margin(0.5, 1);
   parameters.block_size = 8;
@@ -328,7 +329,7 @@ TEST_CASE("a plan refuses parameters out of their range") {
 
 TEST_CASE("requests that no machine can fulfil are refused before anything is written") {
   const std::vector<Atom> atoms{{{0, 0, 0}, 1.5}};
-  // 1e20, 1e17 and 1e14 points: too many to count, to hold, to write.
+  // The grids have 1e20, 1e17 and 1e14 points: too many to count, to hold and to write.
   for (const double spacing : {1e-6, 1e-5, 1e-4}) {
     INFO("spacing " << spacing);
     const TemporaryDirectory directory;
@@ -347,7 +348,7 @@ TEST_CASE("requests that no machine can fulfil are refused before anything is wr
 
 namespace {
 
-/// The number that follows `words` in a message.
+/// Returns the number that follows `words` in a message.
 std::optional<double> number_behind(const std::string& message, const std::string& words) {
   const std::size_t at = message.find(words);
   if (at == std::string::npos) return std::nullopt;
@@ -356,11 +357,11 @@ std::optional<double> number_behind(const std::string& message, const std::strin
 
 }  // namespace
 
-TEST_CASE("a spacing that a message names is accepted") {
+TEST_CASE("a spacing that a message recommends is accepted") {
   const auto diatomic = [](double distance, double radius) {
     return std::vector<Atom>{{{0, 0, 0}, radius}, {{distance, 0, 0}, radius}};
   };
-  // Large and flat grids, and extents whose ratio to the limit has many digits.
+  // The cases are large and flat grids, and extents whose ratio to the limit has many digits.
   const std::vector<std::vector<Atom>> molecules{
       {{{0, 0, 0}, 1.5}},          {{{0.1, 0.2, 0.3}, 1.234567890123}},
       diatomic(1e6, 1.7),          diatomic(123456.7891, 0),
@@ -381,7 +382,7 @@ TEST_CASE("a spacing that a message names is accepted") {
         CHECK(*advised > spacing);
         CHECK_NOTHROW(
             plan_grid(sphere_bounds(atoms), with_margin(*advised, wider.value_or(margin))));
-        // A spacing that is smaller by two of the digits named does not work.
+        // A spacing that is smaller by two of the last digit is refused.
         if (!wider)
           CHECK_THROWS_AS(plan_grid(sphere_bounds(atoms), with_margin(0.98 * *advised, margin)),
                           Error);
@@ -391,7 +392,7 @@ TEST_CASE("a spacing that a message names is accepted") {
   CHECK_THROWS_AS(make_grid(molecules[0], 0.4, 1e308), Error);
 }
 
-TEST_CASE("a margin that a message names is accepted") {
+TEST_CASE("a margin that a message recommends is accepted") {
   for (const double spacing : {0.4, 0.1 + 0.2, 1.0 / 3, 7.123456789012345, 1e-5}) {
     const std::vector<Atom> atoms{{{0, 0, 0}, 1.7 * spacing}};
     std::string message;
@@ -409,7 +410,7 @@ TEST_CASE("a margin that a message names is accepted") {
 
 TEST_CASE("a plan refuses a margin so small that the grid cuts the surface") {
   SECTION("margin below half the spacing, grid cut short by truncation") {
-    const std::vector<Atom> atoms{{{0, 0, 0}, 1.15}};  // 2.68 / 0.4 = 6.7, up to 1.06
+    const std::vector<Atom> atoms{{{0, 0, 0}, 1.15}};  // 2.68 / 0.4 = 6.7; last point at 1.06
     CHECK_THROWS_AS(make_plan(atoms, with_margin(0.4, 0.19), {}), Error);
   }
   SECTION("no margin") {
@@ -417,12 +418,12 @@ TEST_CASE("a plan refuses a margin so small that the grid cuts the surface") {
     CHECK_THROWS_AS(make_plan(atoms, with_margin(0.4, 0), {}), Error);
   }
   SECTION("margin below half the spacing, yet the grid encloses the atoms") {
-    const std::vector<Atom> atoms{{{0, 0, 0}, 0.9}};  // 2.1 / 0.4 = 5.25, up to 0.95
+    const std::vector<Atom> atoms{{{0, 0, 0}, 0.9}};  // 2.1 / 0.4 = 5.25; last point at 0.95
     const Plan plan = make_plan(atoms, with_margin(0.4, 0.15), {});
     CHECK(std::fabs(plan.cut_depth + 0.05) < 1e-12);
   }
-  SECTION("margin of half the spacing, grid cut short: said, not refused") {
-    const std::vector<Atom> atoms{{{0, 0, 0}, 1.2}};  // 2.9 / 0.5 = 5.8, up to 1.05
+  SECTION("margin of half the spacing, grid cut short: not refused") {
+    const std::vector<Atom> atoms{{{0, 0, 0}, 1.2}};  // 2.9 / 0.5 = 5.8; last point at 1.05
     const Plan plan = make_plan(atoms, with_margin(0.5, 0.25), {});
     CHECK(plan.grid.size == GridIndex{6, 6, 6});
     CHECK(std::fabs(plan.cut_depth - 0.15) < 1e-12);

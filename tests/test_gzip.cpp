@@ -1,4 +1,5 @@
-// Gzipped files: the same text, the same bytes, and one form of a file at a time.
+// Tests of gzipped files: the same text and bytes as expected, and only one form of a file at a
+// time.
 
 #include <zlib.h>
 
@@ -20,7 +21,7 @@ namespace {
 
 using Files = std::map<std::string, std::string>;
 
-/// By zlib's own reader of files.
+/// Unpacks with zlib's own reader of files.
 std::string unzipped(const std::filesystem::path& path) {
   auto* const file = gzopen(path.c_str(), "rb");
   if (file == nullptr) throw std::runtime_error("cannot open " + path.string());
@@ -96,10 +97,10 @@ TEST_CASE("gzipped files hold the text of the plain ones, in several members", "
   CHECK(compare_directories({plain.path(), zipped.path()}, 0).same());
 }
 
-TEST_CASE("threads and block size leave no trace in gzipped files", "[gzip]") {
+TEST_CASE("gzipped files do not depend on threads and block size", "[gzip]") {
   const std::vector<Atom> atoms = make_chain(100, 9);
   Files expected;
-  // Rows of 2000 points: a plane has several chunks.
+  // With rows of 2000 points, a plane has several chunks.
   for (const double spacing : {0.4, 0.02}) {
     const std::vector<Atom> input =
         spacing < 0.1 ? std::vector<Atom>{{{0, 0, 0}, 0.1}, {{36, 0.1, 0}, 0.1}} : atoms;
@@ -122,7 +123,7 @@ TEST_CASE("threads and block size leave no trace in gzipped files", "[gzip]") {
   }
 }
 
-TEST_CASE("a file is there plain or gzipped, whichever was written last", "[gzip]") {
+TEST_CASE("a file exists only in the form that was written last, plain or gzipped", "[gzip]") {
   const TemporaryDirectory directory;
   const std::vector<Atom> atoms = make_chain(20, 10);
   const auto names = [&] {
@@ -142,9 +143,9 @@ TEST_CASE("a file is there plain or gzipped, whichever was written last", "[gzip
   CHECK(names() == "bounding_box.txt grid_info.txt intersection_info.txt partition_area.txt ");
 }
 
-TEST_CASE("a file without a line is a gzip file all the same", "[gzip]") {
+TEST_CASE("a file without lines is a valid gzip file", "[gzip]") {
   const TemporaryDirectory directory;
-  const std::vector<Atom> atoms{{{0, 0, 0}, 0.01}};  // between the points of the grid
+  const std::vector<Atom> atoms{{{0, 0, 0}, 0.01}};  // between grid points
   Parameters parameters;
   parameters.margin = 0.5;
   const Summary summary = run_into(directory.path(), atoms, parameters, choice(true));

@@ -1,4 +1,4 @@
-// The same bytes whatever instruction set the processor offers.
+// Tests that the bytes of all files are the same on every instruction set.
 
 #include <algorithm>
 #include <array>
@@ -22,7 +22,7 @@ namespace {
 
 constexpr std::array names{"baseline", "sse4", "avx2", "avx512"};
 
-// What a program prints when the environment names the set, or none.
+// Returns the output of a program when the environment names the set, or none.
 std::string output_of(const std::optional<std::string>& set, const std::string& program,
                       const std::filesystem::path& directory) {
   const std::string environment =
@@ -61,7 +61,7 @@ std::vector<std::string> files_of(std::span<const Atom> atoms, const std::string
 
 }  // namespace
 
-TEST_CASE("the environment narrows the instruction set") {
+TEST_CASE("the environment restricts the instruction set") {
   const InstructionSet widest = chosen({});
   for (std::size_t i = 0; i < names.size(); ++i) {
     INFO(names[i]);

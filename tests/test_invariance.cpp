@@ -1,5 +1,5 @@
-/// The bytes of every file depend on the atoms and on probe radius, spacing and margin alone, and
-/// no block misses an atom that matters to it, however large the atom.
+/// Tests that the bytes of every file depend only on the atoms, probe radius, spacing and margin,
+/// and that no block misses an atom that it needs, however large the atom.
 
 #include <array>
 #include <string>
@@ -32,7 +32,7 @@ Outcome outcome_of(const std::vector<Atom>& atoms, const Parameters& parameters)
   return outcome;
 }
 
-/// Sums are compared to the last bit, too: the files print twelve digits, the callers read six.
+/// Sums are compared to the last bit, because the files have only twelve digits.
 void check_same(const Outcome& outcome, const Outcome& reference) {
   for (std::size_t f = 0; f < reference.files.size(); ++f) {
     INFO(eses_file_names[f]);
@@ -63,25 +63,25 @@ void check_invariance(const std::vector<Atom>& atoms, Parameters parameters) {
 
 }  // namespace
 
-TEST_CASE("threads and block size leave no trace: chain") {
+TEST_CASE("files do not depend on threads and block size: chain") {
   check_invariance(make_chain(150, 20180101), {});
 }
 
-TEST_CASE("threads and block size leave no trace: lattice") {
+TEST_CASE("files do not depend on threads and block size: lattice") {
   // Probes touch four atoms at once, on the faces of the cells.
   check_invariance(make_cube(5, 2.4, 1.5), {});
 }
 
-TEST_CASE("threads and block size leave no trace: grid points on atoms and on the surface") {
+TEST_CASE("files do not depend on threads and block size: grid points on the surface") {
   Parameters parameters;
   parameters.spacing = 0.5;
   parameters.margin = 1;
   check_invariance(make_atom_set(Kind::snapped, 2), parameters);
 }
 
-TEST_CASE("block size leaves no trace where distances are decided by the last bit") {
-  // Atoms on a lattice of twice the probe radius, grid points on a fraction of it: probes stand
-  // exactly at a probe radius from corners of blocks.
+TEST_CASE("files do not depend on the block size where the last bit decides") {
+  // The atoms are on a lattice of twice the probe radius, the grid points on a fraction of it.
+  // Probes are exactly at a probe radius from corners of blocks.
   for (std::uint64_t seed = 0; seed < 6; ++seed) {
     Random random(seed);
     std::vector<Atom> atoms(14);
@@ -99,7 +99,7 @@ TEST_CASE("block size leaves no trace where distances are decided by the last bi
   }
 }
 
-TEST_CASE("grid points near the axes of spindle tori, and atoms that are points") {
+TEST_CASE("grid points near axes of spindle tori, and atoms of radius 0, verify") {
   for (std::uint64_t seed = 0; seed < 30; ++seed) {
     Random random(seed + 500);
     std::vector<Atom> atoms(25);
@@ -122,7 +122,7 @@ TEST_CASE("grid points near the axes of spindle tori, and atoms that are points"
 
 namespace {
 
-/// A gas of atoms larger than the 2 angstrom that the original allows for.
+/// A gas of atoms larger than the 2 angstrom that ESES assumes.
 std::vector<Atom> large_atoms(std::uint64_t seed) {
   Random random(seed);
   std::vector<Atom> atoms(random.integer(8, 20));
@@ -130,7 +130,7 @@ std::vector<Atom> large_atoms(std::uint64_t seed) {
     for (std::size_t q = 0; q < 3; ++q) atom.center[q] = random.uniform(0, 14);
     atom.radius = random.uniform(2.5, 4);
   }
-  // And small ones by their side, which have to be found at smaller distances.
+  // There are small atoms as well, which must be found at smaller distances.
   for (int small = 0; small < 8; ++small) {
     const Vec3 center{random.uniform(-2, 16), random.uniform(-2, 16), random.uniform(-2, 16)};
     atoms.push_back({center, random.uniform(0, 1)});
@@ -140,7 +140,7 @@ std::vector<Atom> large_atoms(std::uint64_t seed) {
 
 }  // namespace
 
-TEST_CASE("atoms larger than 2 angstrom reach into the blocks that they matter to") {
+TEST_CASE("atoms larger than 2 angstrom reach all blocks that need them") {
   for (std::uint64_t seed = 0; seed < 6; ++seed) {
     Parameters parameters;
     parameters.probe_radius = designed_probe_radius(seed);

@@ -1,4 +1,5 @@
-// Lines that meet spheres and tubes, several at a time, against the plain formulas one by one.
+// Compares the kernels that intersect several lines at a time with spheres and tubes with plain
+// formulas for one line.
 
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "test_line_kernels.cpp"
@@ -19,7 +20,7 @@
 #include "support/atom_sets.hpp"
 #include "support/instruction_sets.hpp"
 
-// What the versions and the tests hand each other, once for all instruction sets.
+// The types that the versions and the tests share, defined once for all instruction sets.
 #ifndef ESES_TEST_LINE_KERNELS_SHARED_
 #define ESES_TEST_LINE_KERNELS_SHARED_
 namespace eses::detail::test {
@@ -29,7 +30,7 @@ struct Tube {
   double circle_radius = 0, tube_radius = 0;
 };
 
-// Lines along one coordinate axis, from the circle's centre.
+// Lines along one coordinate axis, relative to the circle's centre.
 struct Lines {
   std::size_t axis = 0;
   std::vector<double> x, y, z, step;
@@ -49,8 +50,8 @@ struct LineExits {
   std::vector<double> parameters;
 };
 
-// A sphere as search_face() and search_placement() look at it, of which the half space
-// { d : d . normal >= 0 } is kept.
+// The part of a sphere where the offset d from the centre satisfies d . normal >= 0. Only lines
+// through the box are searched, as in search_face() and search_placement().
 struct HalfSphere {
   Vec3 center;
   double radius = 0;
@@ -101,7 +102,7 @@ void find_exits_along(const Tube& tube, const Lines& lines, double low, double h
   }
 }
 
-// The number of lines must be a multiple of that of lanes.
+// The number of lines must be a multiple of the number of lanes.
 void find_exits(const Tube& tube, const Lines& lines, double low, double high, LineExits& found) {
   found.exits.assign(lines.step.size(), Exits::none);
   found.parameters.assign(lines.step.size(), 0);
@@ -186,7 +187,7 @@ Tube random_tube(Random& random, bool is_along_axis) {
   return {axis, random.uniform(0.05, 4), random.uniform(0.7, 3)};
 }
 
-// A point of the tube whose normal is perpendicular to `along`, where there is one.
+// Returns a point of the tube whose normal is perpendicular to `along`, if there is one.
 Vec3 tangent_point(const Tube& tube, Vec3 along, Random& random) {
   const Vec3 e1 = any_perpendicular(tube.axis), e2 = cross(tube.axis, e1);
   const double angle = random.uniform(0, 2 * std::numbers::pi);
@@ -251,7 +252,7 @@ void require_exits_of_tube_exits(FindExits find, const Tube& tube, const Lines& 
     if (!(std::fabs(parameter - expected.parameters[0]) < 1e-9))
       REQUIRE(parameter == Catch::Approx(expected.parameters[0]).epsilon(0).margin(1e-9));
     const double distance = distance_to_circle(tube, start + parameter * step);
-    // Beyond the ends of the edge lies what is clamped.
+    // Values beyond the ends of the edge are clamped.
     if (!(std::fabs(distance - tube.tube_radius) < 1e-12) && parameter > low && parameter < high)
       REQUIRE(distance == Catch::Approx(tube.tube_radius).epsilon(0).margin(1e-12));
   }
@@ -280,16 +281,16 @@ ExitCounts compare_exits(FindExits find, Place place, double max_step) {
 
 }  // namespace
 
-TEST_CASE("lines with one exit from a tube have it where tube_exits() has it") {
+TEST_CASE("lines with one exit from a tube have the exit of tube_exits()") {
   for_each_version(ESES_VERSIONS(find_exits), [](FindExits find) {
-    // Edges as the grid has them: hardly one needs the slow way.
+    // These lines are as short as grid edges. Hardly any of them has several possible exits.
     const ExitCounts edges = compare_exits(find, Place::near_surface, 0.5);
     CHECK(edges.one > edges.lines / 10);
     CHECK(edges.maybe_several < edges.lines / 20);
     const ExitCounts lattice = compare_exits(find, Place::lattice, 0.5);
     CHECK(lattice.one > lattice.lines / 200);
     CHECK(lattice.maybe_several < lattice.lines / 20);
-    // Long lines, those through the axis, and those that graze.
+    // These are long lines, lines through the axis, and lines that graze.
     for (const Place place : {Place::near_surface, Place::through_axis, Place::tangent}) {
       const ExitCounts counts = compare_exits(find, place, 5);
       CHECK(counts.one > counts.lines / 100);
@@ -311,7 +312,7 @@ BlockGrid make_block_grid(double spacing, const GridIndex& first, const GridInde
   return block;
 }
 
-// How far from being decided the other way.
+// The hits that are certain, and those that rounding may decide either way.
 struct PlainHits {
   std::vector<LineHit> hits;
   std::vector<LineHit> uncertain;
@@ -319,7 +320,7 @@ struct PlainHits {
 
 bool is_uncertain(double value, double margin) { return std::fabs(value) < margin; }
 
-// Every line through own points, and both roots of |p - center| = radius on it.
+// Solves |p - center| = radius for every line through owned points, and tests both roots.
 PlainHits plain_hits(const BlockGrid& grid, const HalfSphere& half) {
   constexpr double tangent = -1e-12, rounding = 1e-12;
   const double near_range = 2e-6 * grid.grid.spacing;
@@ -398,7 +399,7 @@ TEST_CASE("grid lines meet a part of a sphere where the quadratic formula says s
     half.radius = random.uniform(0.3, 4);
     half.box = grown(ball_box(half.center, half.radius), 1e-5);
     half.normal = random_direction(random);
-    // A bounded part, as patches are.
+    // The box cuts the part off, as it does for patches.
     if (random.chance(0.5)) half.box.low[random.integer(0, 2)] += random.uniform(0, half.radius);
     const PlainHits plain = plain_hits(grid, half);
     found += plain.hits.size();
@@ -411,20 +412,20 @@ TEST_CASE("grid lines meet a part of a sphere where the quadratic formula says s
   CHECK(uncertain < found / 1000);
 }
 
-TEST_CASE("grid lines meet a sphere among grid points, also where they touch it") {
-  // Powers of two, so that coordinates and distances are exact: radius 0, and tangent lines.
+TEST_CASE("grid lines meet a sphere through grid points, also where they touch it") {
+  // Coordinates and distances are powers of two, and so exact: radius 0, and tangent lines.
   const double spacing = 0.25;
   Grid grid;
   grid.spacing = spacing;
   grid.origin = {-4, -4, -4};
   BlockGrid block;
   block.reset(grid, {{0, 0, 0}, {33, 33, 33}, {33, 33, 33}});
-  // Lines that pass it by a little meet it, those that pass it by more do not.
+  // A line that misses the sphere by very little counts as meeting it.
   for (const double radius : {0.0, 1e-9, 0.25, 1.0, 1.25, 1 - 2e-13, 1 - 1e-11}) {
     for (const Vec3 center : {Vec3{0, 0, 0}, {0.25, -1, 2}, {-4, 4, 0}}) {
       const HalfSphere half{center, radius, grown(ball_box(center, radius), 1e-5), {0, 0, 0}};
       INFO("radius " << radius);
-      // All lines that come within 1e-12 square angstrom of the ball: no rounding decides.
+      // All lines within 1e-12 square angstrom of the ball meet it. Rounding decides nothing here.
       PlainHits plain;
       for (std::size_t axis = 0; axis < 3; ++axis)
         for (std::int64_t k = 0; k < 33; ++k)
@@ -461,7 +462,8 @@ struct Saddle {
 Saddle random_saddle(Random& random) {
   Saddle saddle;
   saddle.probe = random.uniform(0.7, 3);
-  // Hardly touching SAS balls make spindles, those of a small and a large atom one-sided saddles.
+  // SAS balls that hardly touch make spindle tori. Atoms of very different size make one-sided
+  // saddles.
   const double first = random.uniform(0, 2) + saddle.probe;
   const double second = random.uniform(0, 2) + saddle.probe;
   const double distance = random.uniform(std::fabs(first - second) + 0.05, first + second - 0.01);
@@ -485,14 +487,14 @@ Saddle random_saddle(Random& random) {
   return saddle;
 }
 
-// Counter-clockwise from the arc's start, in [0, 2 pi).
+// Angle counter-clockwise from the arc's start, in [0, 2 pi).
 double angle_on_arc(const ArcFeature& arc, Vec3 offset) {
   const Vec3 start = arc.sector.start;
   const double angle = std::atan2(dot(cross(arc.circle.axis, start), offset), dot(start, offset));
   return angle < 0 ? angle + 2 * std::numbers::pi : angle;
 }
 
-// How clearly a point on the tube lies on the saddle: negative if it does not.
+// Returns how clearly a point on the tube lies on the saddle; negative if it does not.
 double depth_in_saddle(const ArcFeature& arc, Vec3 offset) {
   const ContactCircle& circle = arc.circle;
   const double height = dot(offset, circle.axis);
@@ -503,14 +505,14 @@ double depth_in_saddle(const ArcFeature& arc, Vec3 offset) {
   const double below_second = circle.second_height * inward - circle.radius * height;
   double depth = std::min(above_first, below_second);
   if (arc.sector.kind == ArcKind::full) return depth;
-  // On the axis all angles are one.
+  // On the axis all angles are the same point.
   const double angle = angle_on_arc(arc, radial), end = angle_on_arc(arc, arc.sector.end);
   const double from_ends = std::min({std::fabs(end - angle), angle, 2 * std::numbers::pi - angle});
   const double along = norm(radial) * std::sin(std::min(from_ends, std::numbers::pi / 2));
   return std::min(depth, angle <= end ? along : -along);
 }
 
-// Where an edge leaves the tube on the saddle, clearly or perhaps.
+// The places where an edge leaves the tube on the saddle, certainly or possibly.
 struct PlainExit {
   double coordinate = 0, depth = 0;
   Vec3 normal;
@@ -548,7 +550,7 @@ Vec3 random_saddle_point(const Saddle& saddle, Random& random) {
   const double angle = random.uniform(0, end);
   const Vec3 out =
       std::cos(angle) * sector.start + std::sin(angle) * cross(circle.axis, sector.start);
-  // From the direction to one atom to that to the other, but not beyond the axis.
+  // The direction lies between those to the two atoms. Points beyond the axis are drawn again.
   const double first = std::atan2(-circle.first_height, circle.radius);
   const double second = std::atan2(circle.second_height, circle.radius);
   for (;;) {
@@ -558,7 +560,7 @@ Vec3 random_saddle_point(const Saddle& saddle, Random& random) {
   }
 }
 
-// Edges of length `length` near the saddle, or with an end on it.
+// Makes edges of length `length` near the saddle, or with an end on it.
 Edges edges_near(const Saddle& saddle, double length, std::size_t count, Random& random) {
   Edges edges;
   edges.axis = random.integer(0, 2);
@@ -582,10 +584,10 @@ struct SaddleCounts {
   std::size_t clear = 0, uncertain = 0;
 };
 
-// Every clear exit is found, and nothing else but uncertain ones.
+// Checks that every certain exit is found, and otherwise only possible ones.
 void require_plain_exits(MeetSaddle meet, const Saddle& saddle, double length, const Edges& edges,
                          SaddleCounts& counts) {
-  constexpr double margin = 1e-7;  // angstrom or its square
+  constexpr double margin = 1e-7;  // angstrom, or square angstrom
   EdgeBatch batch = edges.batch;
   std::vector<SaddleHit> hits;
   meet(saddle.arc, saddle.probe, length, edges.axis, batch, hits);

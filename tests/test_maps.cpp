@@ -1,4 +1,4 @@
-// The inside map, read back by code that knows the formats and nothing of the program.
+// Reads the inside map back with code that knows the formats but shares nothing with the program.
 
 #include <filesystem>
 #include <fstream>
@@ -21,14 +21,14 @@
 namespace eses::detail::test {
 namespace {
 
-/// A map as a program sees it: where its points stand, and what it has there.
+/// A map as another program reads it: the places of its points and their values.
 struct ReadMap {
   GridIndex size{};
   Vec3 origin, spacing;
   std::vector<int> values;  // x fastest, then y, then z
 };
 
-/// As APBS reads: word by word, comments only before the first object.
+/// Reads as APBS does: word by word, with comments only before the first object.
 ReadMap parse_dx(const std::string& text) {
   std::istringstream stream(text);
   std::string line, word;
@@ -80,7 +80,7 @@ ReadMap parse_dx(const std::string& text) {
   expect("component \"connections\" value 2");
   expect("component \"data\" value 3");
   CHECK_FALSE(stream >> word);
-  // VMD reads by lines of up to 84 characters, and three values of each.
+  // VMD reads lines of up to 84 characters with three values each.
   std::istringstream lines(text);
   std::int64_t lines_of_values = 0;
   for (; std::getline(lines, line);) {
@@ -154,9 +154,9 @@ std::string map_of(const std::vector<Atom>& atoms, const Parameters& parameters,
 
 }  // namespace
 
-TEST_CASE("the inside map has what grid_info.txt has, where that has it", "[maps]") {
-  std::size_t endings = 0;  // whether the last line has one, two or three values
-  // What the seeds give depends on the compiler.
+TEST_CASE("the inside map has the points of grid_info.txt", "[maps]") {
+  std::size_t endings = 0;  // bits: last lines with one, two or three values occur
+  // The sets that the seeds give depend on the compiler.
   for (std::uint64_t seed = 0; seed < 6 || (endings != 7 && seed < 40); ++seed) {
     const std::vector<Atom> atoms = make_chain(10 + 7 * (seed % 6), seed);
     Parameters parameters;
@@ -181,7 +181,7 @@ TEST_CASE("the inside map has what grid_info.txt has, where that has it", "[maps
   CHECK(endings == 7);
 }
 
-TEST_CASE("threads and block size leave no trace in the map", "[maps]") {
+TEST_CASE("the map does not depend on threads and block size", "[maps]") {
   const std::vector<Atom> atoms = make_chain(80, 3);
   for (const std::string name : {"map.dx", "map.vti"}) {
     Parameters parameters;
@@ -198,7 +198,7 @@ TEST_CASE("threads and block size leave no trace in the map", "[maps]") {
   }
 }
 
-TEST_CASE("rows of a map come in any order, and are transposed in several tiles", "[maps]") {
+TEST_CASE("rows of a map may come in any order and are transposed in several tiles", "[maps]") {
   Random random(17);
   for (const GridIndex& size : {GridIndex{3, 300, 400}, {130, 5, 7}, {64, 2, 70000}, {1, 1, 1}}) {
     INFO(size[0] << " x " << size[1] << " x " << size[2]);
@@ -233,7 +233,7 @@ TEST_CASE("rows of a map come in any order, and are transposed in several tiles"
                          scratch);
           end = begin;
         }
-        // As several that have the file in common would.
+        // Several writers that share the file would write in this way.
         const std::int64_t half = map.tile_count() / 2;
         map.transpose_tiles(half, map.tile_count(), 3, [] {});
         map.transpose_tiles(0, half, 2, [] {});
@@ -251,7 +251,7 @@ TEST_CASE("rows of a map come in any order, and are transposed in several tiles"
   }
 }
 
-TEST_CASE("a run with a map that is ended at any moment leaves nothing", "[maps]") {
+TEST_CASE("a run with a map leaves nothing if it is ended at any moment", "[maps]") {
   const TemporaryDirectory directory;
   const std::vector<Atom> atoms = make_chain(30, 4);
   Outputs outputs;
@@ -275,7 +275,7 @@ TEST_CASE("a run with a map that is ended at any moment leaves nothing", "[maps]
   }
 }
 
-TEST_CASE("a map's name tells its format", "[maps]") {
+TEST_CASE("the suffix of a map decides its format", "[maps]") {
   const std::vector<Atom> atoms{{{0, 0, 0}, 1.5}};
   Outputs outputs;
   for (const std::string name : {"map", "map.DX", "dx", "map.dx.gz"}) {
@@ -284,7 +284,7 @@ TEST_CASE("a map's name tells its format", "[maps]") {
   }
 }
 
-TEST_CASE("what a killed run has left of a map goes with the next run", "[maps]") {
+TEST_CASE("the next run removes the parts of a map that a killed run has left", "[maps]") {
   const TemporaryDirectory directory;
   for (const char* left : {".old.dx.123.part", ".old.vti.7.part", ".grid_info.txt.gz.5.part"})
     std::ofstream(directory.path() / left) << "left";

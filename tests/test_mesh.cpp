@@ -1,4 +1,4 @@
-/// The mesh: its table of cases, its shape whatever the points, and its files.
+/// Tests of the mesh: its table of cases, its shape for any points, and its files.
 
 #include <fmt/format.h>
 
@@ -55,7 +55,7 @@ int faces_of(const Segment& segment) {
   return count;
 }
 
-/// Sides of triangles that no other triangle of the cell has the other way round.
+/// Returns the sides of triangles that no other triangle of the cell has in the opposite direction.
 std::set<Segment> border_of(const mesh::CellCase& cell) {
   std::set<Segment> sides;
   for (const mesh::CellTriangle& t : cell.all())
@@ -69,7 +69,8 @@ std::set<Segment> border_of(const mesh::CellCase& cell) {
   return border;
 }
 
-/// Of a cell's border, what lies in a face, with the edges named as in the cell's neighbour there.
+/// Returns the part of a cell's border in a face, optionally with the edge numbers of the neighbour
+/// there.
 std::set<Segment> border_in_face(const mesh::CellCase& cell, std::size_t axis, std::size_t side,
                                  bool as_neighbour) {
   const auto named = [&](int edge) {
@@ -88,7 +89,7 @@ std::set<Segment> border_in_face(const mesh::CellCase& cell, std::size_t axis, s
   return result;
 }
 
-/// The corners of the face at `side`, as bits in the same order on both sides.
+/// Returns the inside corners of the face at `side` as bits, in the same order on both sides.
 std::size_t face_corners(std::size_t inside, std::size_t axis, std::size_t side) {
   std::size_t bits = 0, count = 0;
   for (std::size_t corner = 0; corner < mesh::corner_count; ++corner)
@@ -109,11 +110,11 @@ struct PointGrid {
   }
 };
 
-/// Outside on the border, at random elsewhere.
+/// Makes a grid whose points are outside on the border and random elsewhere.
 PointGrid random_grid(Random& random) {
   PointGrid grid;
   for (std::int64_t& n : grid.size) n = static_cast<std::int64_t>(random.integer(3, 9));
-  if (random.chance(0.2)) grid.size[0] += 60;  // more than a word
+  if (random.chance(0.2)) grid.size[0] += 60;  // more points than a word has bits
   const double density = random.uniform(0.05, 0.95);
   for (std::int64_t z = 0; z < grid.size[2]; ++z)
     for (std::int64_t y = 0; y < grid.size[1]; ++y)
@@ -125,7 +126,7 @@ PointGrid random_grid(Random& random) {
   return grid;
 }
 
-/// The mesh of a grid, its crossings anywhere on their edges.
+/// Makes the mesh of a grid with crossings at random places on their edges.
 Mesh mesh_of(const PointGrid& grid, Random& random) {
   Mesh result;
   std::vector<mesh::Row> rows;
@@ -158,8 +159,9 @@ Mesh mesh_of(const PointGrid& grid, Random& random) {
   return result;
 }
 
-/// How often the mesh winds around a point, by the solid angles of its triangles.
-/// A. van Oosterom, J. Strackee, IEEE Trans. Biomed. Eng. 30 (1983), 125-126.
+/// Returns how often the mesh winds around a point, from the solid angles of its triangles: A. van
+/// Oosterom, J. Strackee, IEEE Trans. Biomed. Eng. 30 (1983), 125-126,
+/// doi:10.1109/TBME.1983.325207.
 double winding_number(const Mesh& mesh, Vec3 point) {
   double angle = 0;
   for (const MeshTriangle& t : mesh.triangles) {
@@ -232,7 +234,7 @@ TEST_CASE("mesh: each case of the table cuts exactly the edges whose ends differ
   }
 }
 
-TEST_CASE("mesh: sides of triangles lie in one face, diagonals in none", "[mesh]") {
+TEST_CASE("mesh: sides of triangles lie in exactly one face, diagonals in none", "[mesh]") {
   for (std::size_t inside = 0; inside < mesh::case_count; ++inside) {
     INFO("case " << inside);
     const mesh::CellCase& cell = mesh::case_table()[inside];
@@ -247,16 +249,16 @@ TEST_CASE("mesh: sides of triangles lie in one face, diagonals in none", "[mesh]
       for (std::size_t i = 0; i < 3; ++i) {
         const Segment side{t[i], t[(i + 1) % 3]};
         if (!border.contains(side)) CHECK(faces_of(side) == 0);
-        // One polygon comes to each vertex, and leaves it.
+        // One polygon enters each vertex and leaves it.
         CHECK(from[t[i]] == 1);
         CHECK(to[t[i]] == 1);
       }
   }
 }
 
-TEST_CASE("mesh: cells that share a face meet in it, whatever their other corners", "[mesh]") {
+TEST_CASE("mesh: cells that share a face have the same segments in it", "[mesh]") {
   for (std::size_t axis = 0; axis < 3; ++axis) {
-    // What the first case with these corners in the face has there.
+    // The segments that the first case with these corners has in the face.
     std::map<std::size_t, std::set<Segment>> lower, upper;
     for (std::size_t inside = 0; inside < mesh::case_count; ++inside) {
       const mesh::CellCase& cell = mesh::case_table()[inside];
@@ -279,7 +281,7 @@ TEST_CASE("mesh: cells that share a face meet in it, whatever their other corner
   }
 }
 
-TEST_CASE("mesh: of any points it is closed, oriented and 2-manifold", "[mesh]") {
+TEST_CASE("mesh: the mesh of any points is closed, oriented and 2-manifold", "[mesh]") {
   Random random(20190611);
   for (int i = 0; i < 200; ++i) {
     INFO("grid " << i);
@@ -288,7 +290,7 @@ TEST_CASE("mesh: of any points it is closed, oriented and 2-manifold", "[mesh]")
   }
 }
 
-TEST_CASE("mesh: it winds once around inside points and not around the others", "[mesh]") {
+TEST_CASE("mesh: the mesh winds once around inside points and not around the others", "[mesh]") {
   Random random(7);
   for (int i = 0; i < 10; ++i) {
     const PointGrid grid = random_grid(random);
@@ -324,7 +326,7 @@ TEST_CASE("mesh: vertices are the crossings, in their order", "[mesh]") {
   CHECK(mesh.colors.empty());
 }
 
-TEST_CASE("mesh: a sphere, to second order", "[mesh]") {
+TEST_CASE("mesh: area and volume of a sphere converge to second order", "[mesh]") {
   constexpr double r = 2.1, pi = std::numbers::pi;
   std::vector<double> area_errors, volume_errors;
   for (const double spacing : {0.4, 0.2, 0.1}) {
@@ -347,7 +349,8 @@ TEST_CASE("mesh: a sphere, to second order", "[mesh]") {
   CHECK(area_errors.back() < 4 * pi * r * r * 1e-3);
 }
 
-TEST_CASE("mesh: a ring, a ball with a cavity, balls apart", "[mesh]") {
+TEST_CASE("mesh: a ring, a ball with a cavity and separate balls have the right Euler number",
+          "[mesh]") {
   const auto shape_of = [](const std::vector<Atom>& atoms) {
     const Mesh mesh = run_mesh(atoms, {}).mesh;
     check_no_faults(mesh);
@@ -368,14 +371,15 @@ TEST_CASE("mesh: a ring, a ball with a cavity, balls apart", "[mesh]") {
   CHECK(apart.volume == Approx(4 * std::numbers::pi / 3 * volumes).epsilon(0.05));
 }
 
-TEST_CASE("mesh: area and volume come near the surface's own", "[mesh]") {
+TEST_CASE("mesh: area and volume approximate those of the surface", "[mesh]") {
   const auto [mesh, files, summary] = run_mesh(make_chain(60, 9), {.spacing = 0.15});
   const MeshMeasures measures = measure(mesh);
   CHECK(measures.area == Approx(summary.area).epsilon(0.01));
   CHECK(measures.volume == Approx(summary.volume).epsilon(0.01));
 }
 
-TEST_CASE("mesh: sets of every kind, also where crossings coincide with grid points", "[mesh]") {
+TEST_CASE("mesh: sets of every kind have a valid mesh, also with crossings on grid points",
+          "[mesh]") {
   for (const Kind kind : all_kinds)
     for (std::uint64_t seed = 0; seed < 4; ++seed) {
       INFO(kind_name(kind) << ", seed " << seed);
@@ -396,8 +400,8 @@ TEST_CASE("mesh: sets of every kind, also where crossings coincide with grid poi
     }
 }
 
-TEST_CASE("mesh: a sphere through grid points", "[mesh]") {
-  // Centre and poles are grid points, and so are others on it: 3-4-5.
+TEST_CASE("mesh: a sphere through grid points has a valid mesh", "[mesh]") {
+  // The centre, the poles and other points of the sphere (3-4-5) are grid points.
   Parameters parameters;
   parameters.spacing = 0.5;
   parameters.margin = 1;
@@ -417,7 +421,7 @@ TEST_CASE("mesh: a sphere through grid points", "[mesh]") {
   CHECK(measures.min_area > 1e-10);
 }
 
-TEST_CASE("mesh: an atom of radius 0 on a grid point", "[mesh]") {
+TEST_CASE("mesh: an atom of radius 0 on a grid point has a valid mesh", "[mesh]") {
   Parameters parameters;
   parameters.spacing = 0.5;
   parameters.margin = 1;
@@ -427,7 +431,7 @@ TEST_CASE("mesh: an atom of radius 0 on a grid point", "[mesh]") {
   CHECK(measure(mesh).min_area > 0);
 }
 
-TEST_CASE("mesh: it is open where the grid cuts the molecule, and nowhere else", "[mesh]") {
+TEST_CASE("mesh: the mesh is open only where the grid cuts the molecule", "[mesh]") {
   Parameters parameters;
   parameters.margin = 0.2;
   const auto [mesh, files, summary] = run_mesh({{{0.1, 0.2, 0.3}, 2.15}}, parameters);
@@ -451,7 +455,7 @@ TEST_CASE("mesh: it is open where the grid cuts the molecule, and nowhere else",
   CHECK(open >= 12);  // three faces, each with a hole
 }
 
-TEST_CASE("mesh: its size is estimated", "[mesh]") {
+TEST_CASE("mesh: the size of the file is estimated", "[mesh]") {
   const std::vector<Atom> atoms = make_chain(200, 5);
   for (const char* name : {"a.ply", "a.obj", "a.off"}) {
     Outputs outputs;
@@ -467,7 +471,7 @@ TEST_CASE("mesh: its size is estimated", "[mesh]") {
   }
 }
 
-TEST_CASE("mesh: threads and block size leave no trace", "[mesh]") {
+TEST_CASE("mesh: the bytes do not depend on threads and block size", "[mesh]") {
   const std::vector<Atom> atoms = make_chain(120, 20180102);
   for (const char* name : {"a.ply", "a.obj", "a.off"}) {
     Parameters parameters;
@@ -487,7 +491,7 @@ TEST_CASE("mesh: threads and block size leave no trace", "[mesh]") {
   }
 }
 
-TEST_CASE("mesh: the formats hold the same", "[mesh]") {
+TEST_CASE("mesh: all formats have the same vertices and triangles", "[mesh]") {
   const std::vector<Atom> atoms = make_chain(30, 3);
   const TemporaryDirectory directory;
   std::vector<Mesh> meshes;
@@ -511,7 +515,7 @@ TEST_CASE("mesh: the formats hold the same", "[mesh]") {
     REQUIRE(norm(meshes[1].normals[v] - ply.normals[v]) < 1e-6);
 }
 
-TEST_CASE("mesh: chains, residues and colours", "[mesh]") {
+TEST_CASE("mesh: chains, residues and colours are those of the atoms", "[mesh]") {
   const Molecule molecule = make_two_chains();
   const std::vector<std::uint32_t> chains{0, 0, 1, 0}, residues{0, 0, 1, 2};
   const TemporaryDirectory directory;
@@ -573,8 +577,7 @@ TEST_CASE("mesh: the header's length does not depend on the counts", "[mesh]") {
 }
 
 TEST_CASE("mesh: the counts of an OFF file are separated by single blanks", "[mesh]") {
-  // The format allows any white space, but meshio splits the line, without what surrounds it, at
-  // each blank.
+  // The format allows any white space, but meshio splits the stripped line at each blank.
   const mesh::MeshText text(MeshFormat::off, MeshColor::none, {});
   for (const std::uint64_t count : {1ULL, 99ULL, 2147483647ULL}) {
     const std::string header = header_of(text, {count, 2 * count});
@@ -586,7 +589,7 @@ TEST_CASE("mesh: the counts of an OFF file are separated by single blanks", "[me
   }
 }
 
-TEST_CASE("mesh: what cannot be is refused", "[mesh]") {
+TEST_CASE("mesh: invalid outputs are refused", "[mesh]") {
   CHECK_NOTHROW(mesh::require_vertex_count(2147483647));
   CHECK_THROWS_AS(mesh::require_vertex_count(2147483648), Error);
   const std::vector<Atom> atoms{{{0, 0, 0}, 1.5}};
@@ -602,7 +605,7 @@ TEST_CASE("mesh: what cannot be is refused", "[mesh]") {
 
 // --- the program --------------------------------------------------------------------------------
 
-TEST_CASE("mesh: the program writes it where it is told, and nothing else there", "[mesh][cli]") {
+TEST_CASE("mesh: the program writes only the mesh at the given path", "[mesh][cli]") {
   const Sandbox sandbox;
   const auto names_in = [&](const char* below) {
     std::set<std::string> names;
@@ -622,7 +625,7 @@ TEST_CASE("mesh: the program writes it where it is told, and nothing else there"
   CHECK(contains(outcome.out, "mesh: " + std::to_string(mesh.positions.size()) + " vertices, " +
                                   std::to_string(mesh.triangles.size()) + " triangles\n"));
 
-  // In the directory of the other files, by whatever path; and alone.
+  // The mesh is written into the directory of the other files, named by different paths, and alone.
   CHECK(sandbox.run({"pair.xyzr", "--mesh", "./out/../out/b.obj", "-o", "out"}).code == 0);
   CHECK(names_in("out").size() == 5);
   CHECK(sandbox.run({"pair.xyzr", "--mesh", "alone/c.off", "--write", "none"}).code == 0);
@@ -630,7 +633,7 @@ TEST_CASE("mesh: the program writes it where it is told, and nothing else there"
   CHECK(sandbox.files().empty());
 }
 
-TEST_CASE("mesh: in the JSON report and the plan", "[mesh][cli]") {
+TEST_CASE("mesh: the JSON report and the plan have the mesh", "[mesh][cli]") {
   const Sandbox sandbox;
   const Outcome outcome = sandbox.run({"pair.xyzr", "--mesh", "a.ply", "--json"});
   REQUIRE(outcome.code == 0);
@@ -655,7 +658,7 @@ TEST_CASE("mesh: in the JSON report and the plan", "[mesh][cli]") {
   CHECK_FALSE(fs::exists(sandbox.directory() / "b.ply"));
 }
 
-TEST_CASE("mesh: errors", "[mesh][cli]") {
+TEST_CASE("mesh: errors leave no mesh and name the path", "[mesh][cli]") {
   const Sandbox sandbox;
   const auto check = [&](const Arguments& arguments, int code, const std::string& message) {
     INFO(Sandbox::command(arguments));
@@ -731,14 +734,14 @@ TEST_CASE("mesh: only a regular file is replaced", "[mesh][cli]") {
   }
 }
 
-TEST_CASE("mesh: a symbolic link stays, and the file is where it leads", "[mesh][cli]") {
+TEST_CASE("mesh: a symbolic link stays, and its target is written", "[mesh][cli]") {
   const Sandbox sandbox;
   fs::create_directory(sandbox.directory() / "far");
   const auto link = [&](const char* name, const char* target) {
     fs::create_symlink(target, sandbox.directory() / name);
   };
   link("a.ply", "far/b.ply");
-  link("far/b.ply", "../c.ply");  // which is not there yet
+  link("far/b.ply", "../c.ply");  // a target that does not exist yet
   link("d.ply", (sandbox.directory() / "far/data.with.any.name").c_str());
   REQUIRE(sandbox.run({"pair.xyzr", "--write", "none", "--mesh", "plain.ply"}).code == 0);
   const std::string mesh = read_file(sandbox.directory() / "plain.ply");
@@ -755,7 +758,7 @@ TEST_CASE("mesh: a symbolic link stays, and the file is where it leads", "[mesh]
   }
 }
 
-TEST_CASE("mesh: a dry run refuses places that cannot be written, and makes none", "[mesh][cli]") {
+TEST_CASE("mesh: a dry run refuses paths that cannot be written, and creates none", "[mesh][cli]") {
   const Sandbox sandbox;
   fs::create_directories(sandbox.directory() / "taken.ply");
   fs::create_directories(sandbox.directory() / "out/map.dx");

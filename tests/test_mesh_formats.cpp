@@ -1,4 +1,4 @@
-/// The formats of meshes: MSMS's pair of files, PLY as text and VTP beside the others.
+/// Tests of the formats of meshes: MSMS's pair of files, PLY as text, and VTP, beside the others.
 
 #include <fmt/format.h>
 
@@ -27,7 +27,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// Every format, with a name of a file.
+/// Returns every format with the name of a file.
 const std::vector<MeshOptions> all_formats{
     {"a.ply"}, {"a.ply", MeshColor::none, true}, {"a.obj"}, {"a.off"}, {"a.vert"}, {"a.vtp"}};
 
@@ -37,7 +37,7 @@ std::string name_of(const MeshOptions& choice) {
 
 struct FormatRun {
   Mesh mesh;
-  std::string bytes;  // of all files of the mesh
+  std::string bytes;  // contents of all files of the mesh
   Summary summary;
   Plan plan;
 };
@@ -78,7 +78,7 @@ std::set<std::string> names_in(const fs::path& directory) {
 
 }  // namespace
 
-TEST_CASE("mesh formats: each holds the same mesh", "[mesh]") {
+TEST_CASE("mesh formats: every format has the same mesh", "[mesh]") {
   const Molecule molecule(make_chain(40, 3));
   const Mesh expected = run_format(molecule, {}, {"a.ply"}).mesh;
   REQUIRE(!expected.triangles.empty());
@@ -100,7 +100,7 @@ TEST_CASE("mesh formats: each holds the same mesh", "[mesh]") {
   }
 }
 
-TEST_CASE("mesh formats: threads and block size leave no trace", "[mesh]") {
+TEST_CASE("mesh formats: the bytes do not depend on threads and block size", "[mesh]") {
   const Molecule molecule(make_chain(120, 20180102));
   for (const MeshOptions& choice : all_formats) {
     Parameters parameters;
@@ -118,7 +118,7 @@ TEST_CASE("mesh formats: threads and block size leave no trace", "[mesh]") {
   }
 }
 
-TEST_CASE("mesh formats: sizes are estimated", "[mesh]") {
+TEST_CASE("mesh formats: the sizes of files are estimated", "[mesh]") {
   const Molecule molecule(make_chain(200, 5));
   for (const MeshOptions& choice : all_formats) {
     const FormatRun result = run_format(molecule, {}, choice);
@@ -148,7 +148,7 @@ TEST_CASE("mesh formats: the header's length does not depend on the counts", "[m
     }
 }
 
-TEST_CASE("mesh formats: the header of MSMS", "[mesh]") {
+TEST_CASE("mesh formats: the header of MSMS has counts, density and probe radius", "[mesh]") {
   const std::vector<Atom> atoms = make_chain(40, 3);
   const FormatRun result = run_format(Molecule(atoms), {.spacing = 0.5}, {"a.vert"});
   const auto [vertices, spheres, density, probe_radius] = result.mesh.msms_header;
@@ -156,11 +156,11 @@ TEST_CASE("mesh formats: the header of MSMS", "[mesh]") {
   CHECK(spheres == static_cast<double>(atoms.size()));
   CHECK(density == 6);  // 1.5 / 0.5^2
   CHECK(probe_radius == 1.4);
-  // The density is that of the vertices, as far as the surface has all directions.
+  // The density is that of the vertices if the surface has all directions.
   CHECK(vertices / result.summary.area == Approx(density).epsilon(0.1));
 }
 
-TEST_CASE("mesh formats: MSMS's closest sphere is the closest that the probe touches", "[mesh]") {
+TEST_CASE("mesh formats: the closest sphere of MSMS is the closest adjacent atom", "[mesh]") {
   const double probe_radius = Parameters().probe_radius;
   for (const std::uint64_t seed : {1U, 2U}) {
     const std::vector<Atom> atoms = make_chain(60, seed);
@@ -180,7 +180,8 @@ TEST_CASE("mesh formats: MSMS's closest sphere is the closest that the probe tou
   }
 }
 
-TEST_CASE("mesh formats: a triangle's type in MSMS is that of most corners, or toric", "[mesh]") {
+TEST_CASE("mesh formats: the type of a triangle in MSMS is that of most corners, or toric",
+          "[mesh]") {
   Parameters parameters;
   parameters.spacing = 0.6;
   parameters.block_size = 7;
@@ -202,7 +203,7 @@ TEST_CASE("mesh formats: a triangle's type in MSMS is that of most corners, or t
   CHECK(seen.contains({2, 3}));
 }
 
-TEST_CASE("mesh formats: the pair's names", "[mesh]") {
+TEST_CASE("mesh formats: either name of MSMS's pair gives both names", "[mesh]") {
   using Paths = std::vector<fs::path>;
   CHECK(mesh_files({"b/a.vert"}) == Paths{"b/a.vert", "b/a.face"});
   CHECK(mesh_files({"a.face"}) == Paths{"a.vert", "a.face"});
@@ -220,7 +221,7 @@ TEST_CASE("mesh formats: the pair's names", "[mesh]") {
   CHECK_THROWS_AS(make_plan(atoms, {}, outputs), Error);
 }
 
-TEST_CASE("mesh formats: chains, residues and colours in VTP and in PLY as text", "[mesh]") {
+TEST_CASE("mesh formats: VTP and PLY as text have chains, residues and colours", "[mesh]") {
   const Molecule molecule = make_two_chains();
   const Mesh ply = run_format(molecule, {}, {"a.ply", MeshColor::chain}).mesh;
   REQUIRE(ply.chains.size() == ply.positions.size());
@@ -242,7 +243,7 @@ TEST_CASE("mesh formats: chains, residues and colours in VTP and in PLY as text"
   }
 }
 
-TEST_CASE("mesh formats: a molecule without a surface in the grid", "[mesh]") {
+TEST_CASE("mesh formats: a mesh without triangles is a complete file", "[mesh]") {
   // In a region far from the molecule's surface the mesh is empty, but its file is complete.
   const std::vector<Atom> atoms{{{0, 0, 0}, 1.5}};
   Parameters parameters;
@@ -275,7 +276,7 @@ TEST_CASE("mesh formats: the program writes both files of MSMS for either", "[me
           read_file(sandbox.directory() / "two" / (std::string("b") + suffix)));
 }
 
-TEST_CASE("mesh formats: both files of MSMS or none", "[mesh][cli]") {
+TEST_CASE("mesh formats: either both files of MSMS are written or none", "[mesh][cli]") {
   const Sandbox sandbox;
   fs::create_directory(sandbox.directory() / "taken.face");
   for (const char* more : {"-q", "--dry-run"}) {
@@ -312,7 +313,7 @@ TEST_CASE("mesh formats: links to the files of MSMS stay", "[mesh][cli]") {
   CHECK(read_file(sandbox.directory() / "triangles") == read_file(sandbox.directory() / "b.face"));
 }
 
-TEST_CASE("mesh formats: PLY as text", "[mesh][cli]") {
+TEST_CASE("mesh formats: --ply-ascii writes PLY as text", "[mesh][cli]") {
   const Sandbox sandbox;
   REQUIRE(sandbox
               .run({"pair.xyzr", "--write", "none", "--mesh", "a.ply", "--ply-ascii", "--color",

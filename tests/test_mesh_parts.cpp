@@ -1,4 +1,4 @@
-/// Meshes of parts of the grid tile the surface.
+/// Tests that the meshes of parts of the grid make up the mesh of the whole surface.
 
 #include <algorithm>
 #include <array>
@@ -16,9 +16,10 @@
 namespace eses::detail::test {
 namespace {
 
-/// Position, normal, patch and atom.
+/// A vertex: position, normal, patch and atom.
 using Corner = std::array<double, 8>;
-/// From its lowest corner on, so that it has one form whatever its vertices' numbers.
+/// A triangle that starts at its lowest corner, so that it is the same whatever the vertices'
+/// numbers.
 using Facet = std::array<Corner, 3>;
 
 std::vector<Facet> facets_of(const Mesh& mesh) {
@@ -46,7 +47,7 @@ bool has_stray_vertices(const Mesh& mesh) {
 struct PartRun {
   Mesh mesh;
   Summary summary;
-  std::vector<std::string> files;  // without the mesh
+  std::vector<std::string> files;  // all files except the mesh
 };
 
 PartRun run_part(const std::vector<Atom>& atoms, const Parameters& parameters, bool with_mesh) {
@@ -75,7 +76,7 @@ void check_same_but_for_mesh(const PartRun& with, const PartRun& without) {
   CHECK(with.summary.saddle_area == without.summary.saddle_area);
 }
 
-/// The regions between some planes of points, at random, which make up the grid.
+/// Returns regions between random planes of points, which make up the grid.
 std::vector<GridRegion> random_cuts(const GridIndex& size, Random& random) {
   std::array<std::vector<std::int64_t>, 3> planes;
   for (std::size_t axis = 0; axis < 3; ++axis) {
@@ -83,7 +84,7 @@ std::vector<GridRegion> random_cuts(const GridIndex& size, Random& random) {
     for (std::size_t cut = random.integer(0, 2); cut > 0; --cut)
       planes[axis].push_back(
           static_cast<std::int64_t>(random.integer(1, static_cast<std::size_t>(size[axis] - 1))));
-    // Also a part of one plane of points, and the last plane for itself.
+    // There are also parts of one plane of points, and the last plane alone.
     if (random.chance(0.3)) planes[axis].push_back(size[axis] / 2);
     if (random.chance(0.3)) planes[axis].push_back(size[axis] / 2 + 1);
     if (random.chance(0.2)) planes[axis].push_back(size[axis] - 1);
@@ -115,7 +116,7 @@ void check_same_facets(std::vector<Facet> parts, const Mesh& whole) {
 
 }  // namespace
 
-TEST_CASE("mesh: those of regions make up the whole one", "[mesh][region]") {
+TEST_CASE("mesh: the meshes of regions make up the mesh of the grid", "[mesh][region]") {
   Random random(64);
   std::size_t triangles = 0;
   for (const Kind kind : all_kinds)
@@ -124,7 +125,7 @@ TEST_CASE("mesh: those of regions make up the whole one", "[mesh][region]") {
       Parameters parameters;
       parameters.probe_radius = designed_probe_radius(seed);
       parameters.spacing = 0.5;
-      // With the least margin the surface may touch the grid's faces.
+      // With the smallest margin the surface may touch the faces of the grid.
       parameters.margin = seed == 2 ? 0.25 : 0.8;
       const Plan plan = make_plan(atoms, parameters, {});
       const PartRun whole = run_part(atoms, parameters, true);
@@ -146,7 +147,7 @@ TEST_CASE("mesh: those of regions make up the whole one", "[mesh][region]") {
   CHECK(triangles > 10000);
 }
 
-TEST_CASE("mesh: those of blocks make up the whole one", "[mesh][region]") {
+TEST_CASE("mesh: the meshes of blocks make up the mesh of the grid", "[mesh][region]") {
   const std::vector<Atom> atoms = make_chain(120, 31);
   for (const std::int64_t block_size : {16, 64}) {
     Parameters parameters;
@@ -174,8 +175,7 @@ TEST_CASE("mesh: those of blocks make up the whole one", "[mesh][region]") {
   }
 }
 
-TEST_CASE("mesh: of a part it is the same at any block size and number of threads",
-          "[mesh][region]") {
+TEST_CASE("mesh: the mesh of a part does not depend on threads and block size", "[mesh][region]") {
   const std::vector<Atom> atoms = make_chain(120, 32);
   Parameters parameters;
   const Grid grid = make_plan(atoms, parameters, {}).grid;

@@ -1,4 +1,5 @@
-// What a molecule knows of its atoms, held against the definition, with any number of threads.
+// Compares the properties that a molecule finds for its atoms with their definitions, with any
+// number of threads.
 
 #include <algorithm>
 #include <array>
@@ -27,18 +28,18 @@ namespace {
 
 constexpr AtomIndex none = std::numeric_limits<AtomIndex>::max();
 
-/// Small sets, so far from each other that each can be looked at for itself.
+/// Small sets that are so far from each other that each can be examined alone.
 struct ScatteredSets {
   std::vector<Atom> atoms;
-  std::vector<std::uint32_t> set_of;            ///< by atom
-  std::vector<std::vector<AtomIndex>> members;  ///< by set, ascending
+  std::vector<std::uint32_t> set_of;            ///< set of each atom
+  std::vector<std::vector<AtomIndex>> members;  ///< atoms of each set, ascending
 };
 
-/// Part of the atoms change their places, so that those of a set are in many ranges. Of sets of
-/// `kinds` in turn.
+/// Makes sets of `kinds` in turn. Some atoms exchange their places in the list, so that those of a
+/// set are in many ranges.
 ScatteredSets scatter_sets(std::span<const Kind> kinds, std::size_t min_atoms) {
   constexpr std::size_t sets_along_axis = 24;
-  constexpr double distance = 256;  // angstrom; of two, so that what is snapped stays so
+  constexpr double distance = 256;  // angstrom; a power of two keeps snapped atoms snapped
   ScatteredSets sets;
   std::uint32_t count = 0;
   for (; sets.atoms.size() < min_atoms; ++count) {
@@ -77,7 +78,8 @@ struct AtomProperties {
 
 using Ownership = std::function<bool(const Atom&)>;
 
-/// By the definitions in diagnostics.hpp and molecule.hpp, each atom against each of its set.
+/// Applies the definitions in diagnostics.hpp and molecule.hpp to each atom and each atom of its
+/// set.
 class Definition {
  public:
   Definition(const ScatteredSets& sets, const Ownership& is_own) : sets_(sets), is_own_(is_own) {
@@ -103,7 +105,7 @@ class Definition {
     return properties;
   }
 
-  /// Ascending, without those that equal an earlier one.
+  /// Returns neighbours in ascending order, without atoms that equal an earlier one.
   std::vector<AtomIndex> neighbours(AtomIndex i, double distance) const {
     return those_around(i, [&](AtomIndex j) {
       const auto& atoms = sets_.atoms;
@@ -162,7 +164,7 @@ class Definition {
         return radius > 1.4 ? first_outer(i) : none;
       case DiagnosticKind::large_radius:
         return radius > 4 ? i : none;
-      case DiagnosticKind::small_radii:  // some are larger
+      case DiagnosticKind::small_radii:  // some radii are larger
         return none;
       case DiagnosticKind::zero_radius:
         return radius == 0 ? i : none;
@@ -207,7 +209,7 @@ std::size_t count_differences(const Molecule& molecule, const std::vector<bool>&
   return differences;
 }
 
-/// Of some of the atoms, one after the other, as the tree finds them.
+/// The neighbours of some of the atoms, one after the other, as the tree finds them.
 std::vector<std::vector<AtomIndex>> find_neighbours(const AtomTree& tree,
                                                     std::span<const Atom> atoms) {
   Random random(atoms.size());
@@ -262,7 +264,7 @@ TEST_CASE("diagnostics, containment and neighbours are the same with any number 
   }
 }
 
-TEST_CASE("of a part only what is its own is told, with any number of threads", "[molecule]") {
+TEST_CASE("a part reports only its own atoms, with any number of threads", "[molecule]") {
   const ScatteredSets sets = scatter_sets({{Kind::nested, Kind::snapped}}, 20'000);
   check_molecules(sets, [](const Atom& atom) { return std::fmod(atom.center.y, 7) < 3; });
 }
@@ -273,7 +275,7 @@ TEST_CASE("diagnostics, containment and neighbours are the same in several slice
   check_molecules(sets, is_any);
 }
 
-TEST_CASE("radii that are all small are told with any number of threads", "[molecule]") {
+TEST_CASE("radii that are all small are reported with any number of threads", "[molecule]") {
   std::vector<Atom> atoms = make_cube(24, 1, 0.2);
   for (const bool is_last_large : {false, true}) {
     if (is_last_large) atoms.back().radius = 0.4;
@@ -291,7 +293,7 @@ TEST_CASE("radii that are all small are told with any number of threads", "[mole
   }
 }
 
-TEST_CASE("slices have every atom once, and those with the same centre together", "[molecule]") {
+TEST_CASE("slices have every atom once, and atoms with the same centre together", "[molecule]") {
   const ScatteredSets sets = scatter_sets(all_kinds, 10'000);
   for (const std::size_t count : std::array<std::size_t, 5>{1, 2, 3, 16, 200}) {
     const AtomSlices slices = cut_into_slices(sets.atoms, count, 3);
@@ -330,7 +332,7 @@ TEST_CASE("slices lie across the longest axis, and have about as many atoms each
   }
 }
 
-TEST_CASE("a tree finds the same in any number of slices", "[molecule]") {
+TEST_CASE("a tree finds the same atoms with any number of slices", "[molecule]") {
   const ScatteredSets sets = scatter_sets(all_kinds, 10'000);
   const AtomTree whole(sets.atoms, cut_into_slices(sets.atoms, 1, 1), 1);
   const auto expected = sorted(find_neighbours(whole, sets.atoms));
@@ -340,7 +342,7 @@ TEST_CASE("a tree finds the same in any number of slices", "[molecule]") {
   }
 }
 
-TEST_CASE("a molecule of one place has one slice, and one of no atoms has nothing", "[molecule]") {
+TEST_CASE("atoms at one place make one slice, and no atoms none", "[molecule]") {
   const std::vector<Atom> atoms(200'000, {{1, 2, 3}, 1.5});
   const Molecule molecule(atoms, {}, 3);
   REQUIRE(molecule.diagnostics().size() == 1);
@@ -378,7 +380,7 @@ TEST_CASE("a molecule refuses atoms that are not finite or have negative radii",
       atoms.reserve(10'001);
       for (int i = 0; i < 10'000; ++i) atoms.push_back({{3.0 * i, 0, 0}, 1.5});
       atoms[place] = bad;
-      // A later one is not named.
+      // A later invalid atom is not named.
       atoms.push_back({{0, 0, 0}, -7});
       const auto expected = Catch::Matchers::ContainsSubstring(
           "atom " + std::to_string(place) + " (counted from 0) " + message + ";");
@@ -390,7 +392,7 @@ TEST_CASE("a molecule refuses atoms that are not finite or have negative radii",
   CHECK_NOTHROW(Molecule({{{0, 0, 0}, 0}, {{-1e6, 1e6, -0.0}, -0.0}}));
 }
 
-TEST_CASE("a molecule cannot be made by less than no threads", "[molecule]") {
+TEST_CASE("a negative number of threads is refused", "[molecule]") {
   CHECK_THROWS_AS(Molecule({{{0, 0, 0}, 1}}, {}, -1), Error);
 }
 

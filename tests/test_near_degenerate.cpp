@@ -1,9 +1,9 @@
-/// Patches of atom sets close to degenerate ones, in extended precision.
+/// Tests of the patches of almost degenerate atom sets, in extended precision.
 ///
-/// The accessible set of the program lies between two: that of the atoms, and that of atoms smaller
-/// by tolerance::accessible. So every patch must be accessible up to the tolerance, and every point
-/// where three spheres meet and that is accessible up to it must be a placement or lie on an arc or
-/// a face.
+/// The accessible set of the program lies between that of the atoms and that of atoms whose radii
+/// are smaller by tolerance::accessible. Every patch must therefore be accessible up to this
+/// tolerance. Every point where three spheres meet and that is accessible up to the tolerance must
+/// be a placement, or lie on an arc or a face.
 ///
 /// The environment variable ESES_NEAR_DEGENERATE_SETS=N sets the number of sets.
 
@@ -113,7 +113,7 @@ struct Patchwork {
     });
   }
 
-  // Distance from the nearest placement or arc.
+  // Returns the distance from the nearest placement or arc.
   double distance_to_patches(RealVec3 point) const {
     double nearest = std::numeric_limits<double>::infinity();
     for (const ProbePlacement& placement : all.placements())
@@ -127,7 +127,7 @@ struct Patchwork {
   }
 };
 
-// How far a point of a patch may be inside a SAS ball: besides the tolerance the slack of seams.
+// Maximum depth of a point of a patch in a SAS ball: the tolerance and the slack of seams.
 constexpr double allowed_depth = 2 * (tolerance::accessible + tolerance::seam);
 
 void require_accessible_patches(const Patchwork& patchwork) {
@@ -185,7 +185,7 @@ void check_files(const std::vector<Atom>& atoms, const Parameters& parameters) {
 
 }  // namespace
 
-TEST_CASE("near-degenerate: every patch is accessible, every vertex on a patch") {
+TEST_CASE("near-degenerate: every patch is accessible, and every vertex is on a patch") {
   for (std::uint64_t seed = 0; seed < set_count(); ++seed) {
     const NearDegenerateSet set = make_near_degenerate_set(seed);
     INFO(set.name << ", noise " << set.noise << ", probe radius " << set.probe_radius);
@@ -195,7 +195,7 @@ TEST_CASE("near-degenerate: every patch is accessible, every vertex on a patch")
   }
 }
 
-TEST_CASE("near-degenerate: files against the oracle") {
+TEST_CASE("near-degenerate: files agree with the oracle") {
   for (std::uint64_t seed = 0; seed < set_count() / 2; ++seed) {
     const NearDegenerateSet set = make_near_degenerate_set(seed);
     INFO(set.name << ", noise " << set.noise << ", probe radius " << set.probe_radius);
@@ -203,7 +203,7 @@ TEST_CASE("near-degenerate: files against the oracle") {
   }
 }
 
-TEST_CASE("near-degenerate: far from the origin") {
+TEST_CASE("near-degenerate: files agree with the oracle far from the origin") {
   for (std::uint64_t seed = 1; seed < set_count() / 5; ++seed) {
     const NearDegenerateSet set = make_near_degenerate_set(seed);
     INFO(set.name << ", noise " << set.noise << ", probe radius " << set.probe_radius);
@@ -229,8 +229,9 @@ TEST_CASE("near-degenerate: an atom almost in another's place changes nothing", 
   }
 }
 
-TEST_CASE("near-degenerate: which atoms stand for others does not depend on their order") {
-  // Each of the chain is within the tolerance of the next, the last is far beyond it of the first.
+TEST_CASE("near-degenerate: the choice among equivalent atoms does not depend on their order") {
+  // Each atom of the chain is within the tolerance of the next. The last one is far beyond the
+  // tolerance from the first.
   for (const double share : {0.3, 0.9}) {
     INFO("distance " << share << " of the tolerance");
     std::vector<Atom> chain;
@@ -274,7 +275,7 @@ TEST_CASE("near-degenerate: points on the axis of two atoms verify") {
   }
 }
 
-TEST_CASE("near-degenerate: a probe radius at its lower bound") {
+TEST_CASE("near-degenerate: the smallest probe radius keeps the bounds") {
   for (std::uint64_t seed = 1; seed <= 3; ++seed) {
     std::vector<Atom> atoms = make_chain(12, seed);
     for (Atom& atom : atoms) {

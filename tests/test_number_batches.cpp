@@ -1,4 +1,4 @@
-// Numbers that become text a batch at a time, against printf.
+// Compares numbers that become text a batch at a time with printf.
 
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "test_number_batches.cpp"
@@ -36,10 +36,10 @@ std::string printf_text(double value) {
   return text.data();
 }
 
-// The numbers that the batch leaves to write_scientific().
+// Returns the numbers that the batch leaves to write_scientific().
 std::size_t require_same_texts(MakeDigits make, std::span<const double> values) {
   NumberBatch batch;
-  // What an earlier batch has left there must not matter.
+  // Text of an earlier batch must not matter.
   batch.scaled.fill(1.5e12);
   batch.needs_exact = ~std::uint64_t{0};
   for (const double value : values) batch.add(value);
@@ -73,7 +73,7 @@ std::vector<double> random_numbers(std::size_t count, int min_exponent, int max_
   return values;
 }
 
-// Powers of ten as near as doubles come to them, and their neighbours.
+// Doubles nearest to powers of ten, and their neighbours.
 std::vector<double> powers_of_ten() {
   std::vector<double> values;
   for (int exponent = -25; exponent <= 25; ++exponent) {
@@ -83,20 +83,20 @@ std::vector<double> powers_of_ten() {
       below = std::nextafter(below, 0);
       above = std::nextafter(above, 1e300);
     }
-    // The last digits round up, and the power of ten with them or not.
+    // The last digits round up, and may carry into the power of ten.
     for (const double nines : {9.9999999999994, 9.9999999999995, 9.9999999999996, 9.99999999999949})
       values.push_back(nines * std::pow(10, exponent));
   }
   return values;
 }
 
-// Halves of the last digit, exact in binary, and what is next to them.
+// Halves of the last digit that are exact in binary, and their neighbours.
 std::vector<double> ties() {
   Random random(22);
   std::vector<double> values;
   for (int power = 0; power <= 8; ++power) {
-    // (n + 1/2) 10^(power - 12) is exact if 2n + 1 holds all the fives: then it is an odd number of
-    // these.
+    // (n + 1/2) 10^(power - 12) is exact if 2n + 1 has all factors of five. It is then an odd
+    // multiple of the power of five.
     const double unit = std::ldexp(1, power - 13);
     const double low = std::pow(10, power) / unit;
     for (int i = 0; i < 400; ++i) {
@@ -132,7 +132,7 @@ const Versions<MakeDigits> versions = ESES_VERSIONS(make_digits);
 
 }  // namespace
 
-TEST_CASE("batches of numbers are those of printf's %.12e, digit for digit") {
+TEST_CASE("batches of numbers have the digits of printf's %.12e") {
   for_each_version(versions, [](MakeDigits make) {
     require_same_texts_in_batches(make, random_numbers(100000, -14, 14), 64);
     require_same_texts_in_batches(make, random_numbers(20000, -320, 309), 64);
@@ -145,7 +145,7 @@ TEST_CASE("batches of numbers are those of printf's %.12e, digit for digit") {
   });
 }
 
-TEST_CASE("a batch of any size has the texts of its numbers, whatever is among them") {
+TEST_CASE("a batch of any size has the texts of any numbers") {
   const std::vector<double> special = special_numbers();
   for_each_version(versions, [&](MakeDigits make) {
     Random random(23);
@@ -162,7 +162,8 @@ TEST_CASE("a batch of any size has the texts of its numbers, whatever is among t
 TEST_CASE("few numbers of the usual size need the slow way") {
   const std::vector<double> values = random_numbers(100000, -6, 3);
   for_each_version(versions, [&](MakeDigits make) {
-    // Nearer to a tie than 0.0015 are 0.3 %; a build without vectors leaves everything to it.
+    // 0.3 % of the numbers are nearer to a tie than 0.0015. A build without vectors does all in the
+    // slow way.
     const std::size_t uncertain = require_same_texts_in_batches(make, values, 64);
     CHECK((uncertain < values.size() / 100 || HWY_TARGET == HWY_SCALAR));
   });

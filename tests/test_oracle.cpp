@@ -1,8 +1,8 @@
-/// Runs of generated sets of atoms against the oracle of support/brute_force.hpp, and tests that
-/// the oracle finds fault with what is wrong.
+/// Compares runs of generated atom sets with the oracle of support/brute_force.hpp, and tests that
+/// the oracle finds faults.
 ///
-/// The environment variable ESES_ORACLE_SETS=N sets the number of sets of each kind, for long
-/// runs: `ESES_ORACLE_SETS=200 ctest -R oracle`.
+/// The environment variable ESES_ORACLE_SETS=N sets the number of sets of each kind for long runs:
+/// `ESES_ORACLE_SETS=200 ctest -R oracle`.
 
 #include <algorithm>
 #include <array>
@@ -33,8 +33,8 @@ std::uint64_t sets_of_each_kind() {
   return wanted == nullptr ? by_default : std::stoull(wanted);
 }
 
-/// The grid has to be coarse where a large probe makes a large molecule. Sets that are snapped to
-/// halves often get a spacing and a margin that put grid points on atoms and on the surface.
+/// Large probes make large molecules, whose grids must be coarse. Snapped sets often get a spacing
+/// and a margin that put grid points on atoms and on the surface.
 Parameters parameters_for(Kind kind, std::uint64_t seed) {
   Random random(seed + 1000);
   Parameters parameters;
@@ -96,7 +96,8 @@ TEST_CASE("oracle: tangent") { check_kind(Kind::tangent); }
 
 namespace {
 
-/// Atoms at the ends of these vectors, lengthened to `distance`, and turned off the grid's axes.
+/// Places atoms at the ends of these vectors, lengthened to `distance`, and rotates them off the
+/// grid's axes.
 std::vector<Atom> around_origin(const std::vector<Vec3>& vectors, double distance, double radius) {
   const Vec3 x{0.48, 0.6, 0.64}, y{0.8, -0.6, 0}, z{0.384, 0.512, -0.768};
   std::vector<Atom> atoms;
@@ -119,9 +120,9 @@ void check_near_miss(const char* what, double miss, const std::vector<Atom>& ato
 
 }  // namespace
 
-TEST_CASE("oracle: near misses of degenerate arrangements") {
+TEST_CASE("oracle: near misses of degenerate arrangements agree") {
   const double sqrt3 = std::sqrt(3.0), r = 1.6, sas = r + Parameters{}.probe_radius;
-  // Not 1e-9 itself: that far into an atom a probe may stand.
+  // The offset 1e-9 itself is left out, because a probe may be that far inside an atom.
   for (const double size : {0.0, 1e-15, 1e-13, 1e-11, 1e-10, 1e-8, 1e-7, 1e-6, 1e-5, 1e-4, 1e-3})
     for (const double miss : {size, -size}) {
       check_near_miss("two SAS spheres touch", miss,
@@ -145,7 +146,7 @@ TEST_CASE("oracle: near misses of degenerate arrangements") {
     }
 }
 
-TEST_CASE("oracle: grid points on the surface, where an edge leaves as it begins") {
+TEST_CASE("oracle: edges that leave the surface at their first point agree") {
   Parameters parameters;
   parameters.spacing = 0.5;
   parameters.margin = 1;
@@ -161,7 +162,7 @@ TEST_CASE("oracle: grid points on the surface, where an edge leaves as it begins
   CHECK(faults.empty());
 }
 
-TEST_CASE("oracle: SAS spheres that touch, by their last digits") {
+TEST_CASE("oracle: SAS spheres that touch up to their last digits agree") {
   const std::vector<Atom> atoms{
       {{-3.5, 12.5, 7}, 1.5536810449722906},
       {{-3.6796730073542512, 13.997979721688129, 11.582378430281144}, 1.8706756701210745}};
@@ -177,7 +178,7 @@ TEST_CASE("oracle: SAS spheres that touch, by their last digits") {
 
 namespace {
 
-/// A result without faults, to be spoilt.
+/// A result without faults, which tests then alter.
 struct Sample {
   std::vector<Atom> atoms;
   Parameters parameters;
@@ -212,7 +213,8 @@ std::size_t axis_of(const Crossing& crossing) {
   return axis;
 }
 
-/// One with so many atoms that the surface crosses at a good angle, far from the edge's ends.
+/// Returns a crossing with so many atoms where the surface cuts the edge at a large angle, far from
+/// its ends.
 Crossing& clear_crossing(Sample& sample, std::size_t atoms) {
   const Vec3 lower = sample.result.files.lower;
   const auto clear = [&](const Crossing& crossing) {
@@ -226,7 +228,7 @@ Crossing& clear_crossing(Sample& sample, std::size_t atoms) {
   return *found;
 }
 
-/// Any atom that the crossing does not have.
+/// Returns an atom that the crossing does not have.
 std::int64_t other_atom(const Crossing& crossing) {
   std::int64_t atom = 0;
   while (std::count(crossing.atoms.begin(), crossing.atoms.end(), atom) != 0) ++atom;
@@ -235,7 +237,7 @@ std::int64_t other_atom(const Crossing& crossing) {
 
 }  // namespace
 
-TEST_CASE("the oracle finds fault with points") {
+TEST_CASE("the oracle finds faults of points") {
   Sample sample = make_sample();
   REQUIRE(sample.faults().empty());
   auto& points = sample.result.files.points;
@@ -250,7 +252,7 @@ TEST_CASE("the oracle finds fault with points") {
   CHECK(any_begins(sample.faults(), "point"));
 }
 
-TEST_CASE("the oracle finds fault with the box") {
+TEST_CASE("the oracle finds faults of the box") {
   Sample sample = make_sample();
   SECTION("moved") { sample.result.files.lower.y += 1e-9; }
   SECTION("of another size") { ++sample.result.files.size[2]; }
@@ -258,7 +260,7 @@ TEST_CASE("the oracle finds fault with the box") {
   CHECK(any_begins(sample.faults(), "box"));
 }
 
-TEST_CASE("the oracle finds fault with the list of edges") {
+TEST_CASE("the oracle finds faults of the list of edges") {
   Sample sample = make_sample();
   auto& crossings = sample.crossings();
   const auto middle = crossings.begin() + static_cast<std::ptrdiff_t>(crossings.size() / 2);
@@ -286,7 +288,7 @@ TEST_CASE("the oracle finds fault with the list of edges") {
   }
 }
 
-TEST_CASE("the oracle finds fault with crossings") {
+TEST_CASE("the oracle finds faults of crossings") {
   Sample sample = make_sample();
   for (const std::size_t atoms : {1U, 2U, 3U}) {
     INFO("crossing of " << atoms << " atoms");
@@ -325,15 +327,15 @@ TEST_CASE("the oracle finds fault with crossings") {
   }
 }
 
-TEST_CASE("the oracle finds fault with swapped normals") {
+TEST_CASE("the oracle finds swapped normals") {
   Sample sample = make_sample();
   std::swap(sample.crossings().front().normal, sample.crossings().back().normal);
   CHECK(any_begins(sample.faults(), "crossing"));
 }
 
-TEST_CASE("the last of three crossings of an edge is reported, and the oracle wants it") {
-  // Along x: inside the large atom up to 1, outside up to 1.25, inside the small one up to 1.45.
-  // The margin puts grid points at 0.98 and 1.48 on a line 0.02 off the axis.
+TEST_CASE("the last of three crossings of an edge is reported, and the oracle requires it") {
+  // Along x, the line is inside the large atom up to 1, outside up to 1.25, and inside the small
+  // one up to 1.45. The margin puts grid points at 0.98 and 1.48 on a line 0.02 off the axis.
   Parameters parameters;
   parameters.probe_radius = 0.1;
   parameters.spacing = 0.5;
@@ -354,7 +356,7 @@ TEST_CASE("the last of three crossings of an edge is reported, and the oracle wa
   CHECK(any_begins(sample.faults(), "crossing 6 4 4 -> 7 4 4: not the last"));
 }
 
-TEST_CASE("the oracle finds fault with areas and sums") {
+TEST_CASE("the oracle finds faults of areas and sums") {
   Sample sample = make_sample();
   Summary& summary = sample.result.summary;
   auto& areas = sample.result.files.areas;
@@ -393,7 +395,8 @@ TEST_CASE("the oracle finds fault with areas and sums") {
 
 namespace {
 
-/// The files of a grid of one point, with one of them, by its place in eses_file_names, replaced.
+/// Reads the files of a grid of one point, one of which, given by its place in eses_file_names, is
+/// replaced.
 void write_files(const std::filesystem::path& directory, std::size_t replaced,
                  const std::string& text) {
   const std::string zero = "0.000000000000e+00";
@@ -419,7 +422,7 @@ bool is_read(std::size_t replaced, const std::string& text) {
 
 }  // namespace
 
-TEST_CASE("the reader of results accepts nothing but the format") {
+TEST_CASE("the reader of results accepts only the exact format") {
   const std::string v = "0.000000000000e+00 0.000000000000e+00 0.000000000000e+00";
   CHECK(is_read(4, ""));
   CHECK(is_read(1, "0 0 0 1\n0 0 0 -1\n"));

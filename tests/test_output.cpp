@@ -1,4 +1,4 @@
-// Numbers as printf writes them, and files that are complete or absent.
+// Tests that numbers are written as by printf, and that files are complete or absent.
 
 #include <sys/resource.h>
 #include <sys/wait.h>
@@ -59,7 +59,7 @@ Summary run_chain(const std::filesystem::path& directory, const Outputs& outputs
 
 }  // namespace
 
-TEST_CASE("numbers are those of printf's %.12e, digit for digit") {
+TEST_CASE("numbers have the digits of printf's %.12e") {
   Random random(11);
   for (int i = 0; i < 300000; ++i) {
     const double exponent = random.uniform(-14, 14);
@@ -86,7 +86,7 @@ TEST_CASE("numbers are those of printf's %.12e, digit for digit") {
     require_same_text(value);
 }
 
-TEST_CASE("indices are plain decimals") {
+TEST_CASE("indices are written as plain decimals") {
   for (const std::uint64_t value : {std::uint64_t{0}, std::uint64_t{9}, std::uint64_t{10},
                                     std::uint64_t{4294967295}, ~std::uint64_t{0}}) {
     std::array<char, max_number_length> text{};
@@ -111,7 +111,7 @@ TEST_CASE("a file has its name only once it is committed") {
   CHECK(names_in(directory.path()).size() == 1);
 }
 
-TEST_CASE("a file that is given up leaves the older one as it was") {
+TEST_CASE("an abandoned file leaves the older one unchanged") {
   const TemporaryDirectory directory;
   const auto path = directory.path() / "file.txt";
   std::ofstream(path) << "older";
@@ -171,16 +171,16 @@ TEST_CASE("a range is copied between files in the kernel, or by reading and writ
   scratch.write_at(std::as_bytes(std::span(text)), 0);
   OutputFile file(place, "file");
   std::uint64_t copied = file.copy_from(scratch.descriptor(), {5000, 70, 60'000});
-  CHECK((copied == 0 || copied == 60'000));  // the file system may not be able to
+  CHECK((copied == 0 || copied == 60'000));  // the file system may not support it
   if (copied > 0) {
     std::string found(60'000, ' ');
     file.read_at(found, 70);
     CHECK(found == text.substr(5000, 60'000));
   }
-  // Behind the end there is nothing to copy.
+  // After the end of the file there is nothing to copy.
   copied = file.copy_from(scratch.descriptor(), {text.size() - 10, 0, 100});
   CHECK((copied == 0 || copied == 10));
-  // A pipe cannot be copied in the kernel.
+  // The kernel cannot copy a pipe.
   std::array<int, 2> pipe_ends{};
   REQUIRE(pipe(pipe_ends.data()) == 0);
   CHECK(file.copy_from(pipe_ends[0], {0, 0, 10}) == 0);
@@ -197,8 +197,8 @@ TEST_CASE("a read-only directory is refused and left empty") {
   CHECK(names_in(directory.path()).empty());
 }
 
-TEST_CASE("no space for the files: an error, and nothing is left") {
-  // A limit on the size of files stands for a full disk: write fails in the same way.
+TEST_CASE("without space for the files a run fails and leaves nothing") {
+  // A limit on the size of files replaces a full disk: writing fails in the same way.
   for (const rlim_t limit : {rlim_t{0}, rlim_t{1000}, rlim_t{100000}}) {
     const TemporaryDirectory directory;
     const pid_t child = fork();
@@ -226,7 +226,7 @@ TEST_CASE("no space for the files: an error, and nothing is left") {
   }
 }
 
-TEST_CASE("only the chosen files are written, and they are the same") {
+TEST_CASE("only the chosen files are written, with the bytes of a full run") {
   const TemporaryDirectory everything;
   const Summary summary = run_chain(everything.path());
   std::uint64_t bytes = 0;

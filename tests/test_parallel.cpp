@@ -1,4 +1,4 @@
-// Loops, the ordered window and what failures do to them.
+// Tests of loops, of the ordered window, and of their failures.
 
 #include <atomic>
 #include <filesystem>
@@ -33,7 +33,7 @@ TEST_CASE("a parallel loop visits every index once") {
   parallel_for(0, 4, [](std::int64_t, int) { FAIL("no index to visit"); });
 }
 
-TEST_CASE("an exception in any index of a parallel loop is thrown on") {
+TEST_CASE("an exception at any index of a parallel loop reaches the caller") {
   for (const std::int64_t bad : {0, 57, 99})
     for (const int threads : {1, 4}) {
       const auto run = [&] {
@@ -64,7 +64,7 @@ TEST_CASE("chunks stand in a file in the order of their numbers") {
   CHECK(read_bytes(path) == expected);
 }
 
-TEST_CASE("a chunk that never comes does not hold up the others once abandoned") {
+TEST_CASE("a missing chunk does not block the others once it is abandoned") {
   const TemporaryDirectory directory;
   const OutputDirectory place(directory.path());
   OutputFile file(place, "chunks");
@@ -81,7 +81,7 @@ TEST_CASE("a chunk that never comes does not hold up the others once abandoned")
   CHECK_THROWS_AS(run(), Error);
 }
 
-TEST_CASE("an exception in any block, or before the first, ends a run with its message") {
+TEST_CASE("an exception in any block ends the run with its message") {
   const std::vector<Atom> atoms = make_chain(60, 5);
   Parameters parameters;
   parameters.block_size = 12;
@@ -104,7 +104,7 @@ TEST_CASE("an exception in any block, or before the first, ends a run with its m
   }
 }
 
-TEST_CASE("what ends a run while its files get their names leaves none of them, new or old") {
+TEST_CASE("a run that ends while its files get their names leaves none of them") {
   const std::vector<Atom> atoms = make_chain(60, 5);
   Parameters parameters;
   parameters.threads = 1;
@@ -112,7 +112,8 @@ TEST_CASE("what ends a run while its files get their names leaves none of them, 
   std::int64_t calls = 0;
   const TemporaryDirectory whole;
   run(atoms, plan, {}, whole.path(), {.progress = [&](std::int64_t, std::int64_t) { ++calls; }});
-  // The last eight calls are after the four files are closed, and after each gets its name.
+  // The last eight calls come after the four files are closed, and after each of them gets its
+  // name.
   for (std::int64_t bad = calls - 8; bad <= calls; ++bad) {
     INFO("call " << bad << " of " << calls);
     const TemporaryDirectory directory;
@@ -137,7 +138,7 @@ TEST_CASE("what ends a run while its files get their names leaves none of them, 
   }
 }
 
-TEST_CASE("of two runs into one directory, in one process, too, the second is refused") {
+TEST_CASE("the second of two runs into one directory is refused") {
   const TemporaryDirectory directory;
   const std::vector<Atom> atoms = make_chain(60, 5);
   Parameters parameters;

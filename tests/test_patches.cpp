@@ -1,4 +1,5 @@
-// The patches of whole molecules against the plain formulation: all pairs and triples of atoms.
+// Compares the patches of whole molecules with a plain computation for all pairs and triples of
+// atoms.
 
 #include <algorithm>
 #include <cmath>
@@ -28,7 +29,7 @@ std::vector<Vec3> placement_centers(const AllPatches& all) {
   return centers;
 }
 
-// Where two circles merely touch, the point is no end of an arc but lies on one.
+// Where two circles just touch, the point is not an end of an arc but lies on one.
 bool is_on_arc(const AllPatches& all, Vec3 p) {
   BlockFeatures features;
   collect_features(all.patches, ball_box(p, 0.1), features);
@@ -56,7 +57,7 @@ TEST_CASE("probe placements are the accessible points where three spheres meet")
     }
 }
 
-TEST_CASE("points of arcs are accessible, and end where a third sphere begins") {
+TEST_CASE("arcs are accessible and end at a third sphere") {
   const std::vector<Atom> atoms = make_chain(80, 7);
   const double probe = 1.4;
   const AllPatches all(atoms, probe, 2);
@@ -95,18 +96,19 @@ TEST_CASE("atoms are exposed exactly where some of their sphere is accessible") 
         for (int sample = 0; sample < 2000 && !seen; ++sample) {
           Vec3 d{random.uniform(-1, 1), random.uniform(-1, 1), random.uniform(-1, 1)};
           if (squared_norm(d) < 1e-3) continue;
-          // Strictly accessible, so that atoms that share a sphere do not count for each other.
+          // The test requires strict accessibility, so that atoms that share a sphere do not count
+          // for each other.
           seen = is_accessible(expected,
                                atoms[i].center + (atoms[i].radius + probe) * normalized(d), -1e-6);
         }
-        // Its own sphere is touched, so by that measure nothing is accessible but farther out.
+        // Its own sphere is touched, so strict accessibility requires points slightly farther out.
         INFO(kind_name(kind) << " " << seed << " atom " << i);
         if (seen) CHECK(is_exposed);
       }
     }
 }
 
-TEST_CASE("the boxes of patches hold them") {
+TEST_CASE("the boxes of patches contain them") {
   for (const Kind kind : {Kind::chain, Kind::gas, Kind::ring, Kind::shell}) {
     const std::vector<Atom> atoms = make_atom_set(kind, 2);
     const double probe = designed_probe_radius(2);
@@ -162,7 +164,7 @@ TEST_CASE("the boxes of patches hold them") {
 }
 
 TEST_CASE("patches do not depend on the number of threads") {
-  // So many that they are in many clusters.
+  // There are so many atoms that they are in many clusters.
   const std::vector<Atom> atoms = make_chain(5000, 3);
   const AllPatches one(atoms, 1.4, 1);
   for (const int threads : {2, 5}) {
@@ -190,7 +192,7 @@ TEST_CASE("patches do not depend on the number of threads") {
   }
 }
 
-TEST_CASE("placements are those of the lowest atoms, each once") {
+TEST_CASE("each placement belongs to its lowest atom, once") {
   const std::vector<Atom> atoms = make_chain(3000, 8);
   const AllPatches all(atoms, 1.4, 2);
   std::set<std::tuple<AtomIndex, AtomIndex, AtomIndex, int>> seen;
@@ -203,8 +205,8 @@ TEST_CASE("placements are those of the lowest atoms, each once") {
   CHECK(seen.size() > 1000);
 }
 
-// Solves the blocks of a sweep one after the other; returns the largest number of clusters that
-// were open at a time.
+// Solves the blocks of a sweep one after the other. Returns the largest number of clusters that
+// were open at once.
 std::size_t max_window(PatchSchedule& schedule, double low, double high, double step,
                        const std::function<void(const Patches&, double top)>& look) {
   const ClusterIndex count = schedule.patches().clusters().count();
@@ -213,7 +215,7 @@ std::size_t max_window(PatchSchedule& schedule, double low, double high, double 
   for (double top = low + step; top <= high; top += step) {
     while (!schedule.is_ready(top)) {
       const auto next = schedule.take(top);
-      if (!next) continue;  // nothing was left to do but to notice it
+      if (!next) continue;  // the task only noticed that nothing was left
       if (next->kind == BuildStep::Kind::find_arcs) {
         schedule.patches().find_arcs(next->cluster, scratch);
       } else {
@@ -231,9 +233,9 @@ std::size_t max_window(PatchSchedule& schedule, double low, double high, double 
   return largest;
 }
 
-TEST_CASE("a sweep holds few patches at a time, and has all that matter") {
+TEST_CASE("a sweep holds few patches at a time, and all that its blocks need") {
   for (const bool with_giant : {false, true}) {
-    // A tall molecule: three copies of a chain above each other.
+    // The molecule is tall: three copies of a chain above each other.
     const std::vector<Atom> chain = make_chain(2000, 5);
     std::vector<Atom> atoms;
     for (const double height : {0.0, 60.0, 120.0})

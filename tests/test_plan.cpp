@@ -1,4 +1,4 @@
-// Plans: what the surface will amount to, memory limits, and the disk.
+// Tests of plans: estimates of the surface, memory limits, and the disk.
 
 #include <algorithm>
 #include <cmath>
@@ -30,7 +30,7 @@ double surveyed_area(const std::vector<Atom>& atoms) {
   return SurfaceSurvey(atoms, probe).totals().area;
 }
 
-/// Bytes of a machine that has more than enough, whatever this one has.
+/// Memory of a machine that has more than enough, whatever this machine has.
 constexpr std::uint64_t plenty = std::uint64_t{1} << 42;
 
 Plan plan_with_plenty(const std::vector<Atom>& atoms, const Parameters& parameters) {
@@ -46,7 +46,7 @@ std::string message_of(const std::vector<Atom>& atoms, const Parameters& paramet
   return "";
 }
 
-// The limit that a refusal says would do, in MiB.
+// Returns the limit that a refusal recommends, in MiB.
 std::uint64_t min_limit(const std::vector<Atom>& atoms, Parameters parameters) {
   parameters.max_memory = 1;
   const std::string message = message_of(atoms, parameters);
@@ -56,7 +56,7 @@ std::uint64_t min_limit(const std::vector<Atom>& atoms, Parameters parameters) {
   return std::stoull(message.substr(at + option.size()));
 }
 
-// Atoms in a row, far apart in z: many layers.
+// Atoms in a row, far apart in z, so that there are many layers.
 std::vector<Atom> column_of_atoms(int count) {
   std::vector<Atom> atoms;
   atoms.reserve(static_cast<std::size_t>(count));
@@ -76,7 +76,7 @@ std::vector<Atom> flat_sheet(int side) {
   return atoms;
 }
 
-// Spheres that do not meet, one of them 30,000 times as large in area as each of the others.
+// Spheres that do not meet. The area of one is 30,000 times that of each of the others.
 std::vector<Atom> gas_around_a_large_atom(std::size_t place_of_large) {
   std::vector<Atom> atoms;
   atoms.reserve(8001);
@@ -88,7 +88,7 @@ std::vector<Atom> gas_around_a_large_atom(std::size_t place_of_large) {
   return atoms;
 }
 
-// The message with which a plan is refused where so much memory is available.
+// Returns the message with which a plan is refused if this much memory is available.
 std::string refusal(std::uint64_t available, const std::vector<Atom>& atoms,
                     const Parameters& parameters) {
   try {
@@ -122,7 +122,7 @@ TEST_CASE("the survey of two atoms has their caps and saddle", "[plan]") {
   CHECK(surveyed_area({{{0, 0, 0}, r}, {{0, 0, d}, r}}) == Approx(saddle + caps).epsilon(0.02));
 }
 
-TEST_CASE("a saddle that reaches the axis ends in cusps", "[plan]") {
+TEST_CASE("the survey of a saddle that reaches the axis ends at its cusps", "[plan]") {
   const double r = 1, d = 4.4, rho = std::sqrt((r + probe) * (r + probe) - d * d / 4);
   REQUIRE(rho < probe);
   const double a = std::asin(d / 2 / (r + probe)), cusp = std::acos(rho / probe);
@@ -132,7 +132,7 @@ TEST_CASE("a saddle that reaches the axis ends in cusps", "[plan]") {
   CHECK(surveyed_area({{{0, 0, 0}, r}, {{0, 0, d}, r}}) == Approx(saddle + caps).epsilon(0.02));
 }
 
-TEST_CASE("a survey comes near the area of a protein", "[plan]") {
+TEST_CASE("a survey approximates the area of a protein", "[plan]") {
   const std::vector<Atom> atoms = read_atom_list(std::string(ESES_DATA) + "/1a0q.xyzr");
   Outputs nothing{false, false, false, false};
   const Summary summary = run(atoms, make_plan(atoms, {}, nothing), nothing, ".");
@@ -149,7 +149,7 @@ TEST_CASE("a slab of a sphere has the area of its zone", "[plan]") {
   CHECK(survey.max_slab_area(20) <= 1.1 * zone);
 }
 
-TEST_CASE("a survey sees a large atom once, wherever it stands in the file", "[plan]") {
+TEST_CASE("a survey counts a large atom once, wherever it is in the file", "[plan]") {
   for (const std::size_t place : {std::size_t{0}, std::size_t{4000}, std::size_t{8000}}) {
     INFO("the large atom has index " << place);
     const std::vector<Atom> atoms = gas_around_a_large_atom(place);
@@ -169,11 +169,11 @@ TEST_CASE("a survey sees a large atom once, wherever it stands in the file", "[p
   }
 }
 
-TEST_CASE("many sizes of atoms are surveyed in any order", "[plan]") {
+TEST_CASE("a survey of atoms of many sizes does not depend on their order", "[plan]") {
   std::vector<Atom> atoms;
   double area = 0;
   for (int i = 0; i < 20000; ++i) {
-    // Radii such that there are few large ones: 1 to 20.
+    // The radii, from 1 to 20, are such that few are large.
     const double radius = 20 / (1 + 19 * std::sqrt(std::fmod(i * 0.754877666, 1)));
     const int layer = i / 729;
     atoms.push_back({{50.0 * (i % 27), 50.0 * (i / 27 % 27), 50.0 * layer}, radius});
@@ -207,8 +207,8 @@ TEST_CASE("the top of a flat sheet lies in a thin slab", "[plan]") {
   CHECK(survey.max_slab_area(0.4) < 2 * top);
 }
 
-TEST_CASE("a molecule of few atoms is surveyed in full", "[plan]") {
-  // Only concave patches that cut each other make the survey's area larger.
+TEST_CASE("a survey includes all atoms of a small molecule", "[plan]") {
+  // The survey's area is larger only where concave patches cut each other.
   for (const char* const file : {"c60.xyzr", "boxb.pqr"}) {
     INFO(file);
     const std::vector<Atom> atoms = read_atom_list(std::string(ESES_DATA) + "/" + file);
@@ -220,7 +220,7 @@ TEST_CASE("a molecule of few atoms is surveyed in full", "[plan]") {
   }
 }
 
-TEST_CASE("blocks are cubes, and flat where the molecule is wide", "[plan]") {
+TEST_CASE("blocks are cubes, or flat if the molecule is wide", "[plan]") {
   Parameters parameters;
   const Plan small = plan_with_plenty(column_of_atoms(40), parameters);
   CHECK((small.tiling.block_size == GridIndex{64, 64, 64}));
@@ -230,7 +230,7 @@ TEST_CASE("blocks are cubes, and flat where the molecule is wide", "[plan]") {
   CHECK(wide.tiling.block_size[0] >= 64);
 }
 
-TEST_CASE("a plan keeps what memory is available as it keeps a limit", "[plan]") {
+TEST_CASE("a plan treats the available memory as a limit", "[plan]") {
   const std::vector<Atom> atoms{{{0, 0, 0}, 120}};
   Parameters parameters;
   parameters.spacing = 0.2;
@@ -244,11 +244,11 @@ TEST_CASE("a plan keeps what memory is available as it keeps a limit", "[plan]")
   const Plan limited = plan_with_plenty(atoms, parameters);
   CHECK((limited.tiling.block_size == tight.tiling.block_size));
   CHECK(limited.memory_bytes == tight.memory_bytes);
-  parameters.max_memory = plenty;  // more than there is
+  parameters.max_memory = plenty;  // more than is available
   CHECK(make_plan_within(smallest, atoms, parameters, {}).memory_bytes == tight.memory_bytes);
 }
 
-TEST_CASE("a refusal tells whether the limit or the machine is too small", "[plan]") {
+TEST_CASE("a refusal says whether the limit or the machine is too small", "[plan]") {
   const std::vector<Atom> atoms{{{0, 0, 0}, 120}};
   Parameters parameters;
   parameters.spacing = 0.2;
@@ -265,7 +265,8 @@ TEST_CASE("a refusal tells whether the limit or the machine is too small", "[pla
   CHECK(text.find("or a smaller block size or fewer threads") != std::string::npos);
 }
 
-TEST_CASE("bytes are told in the unit that leaves one to three digits before the point", "[plan]") {
+TEST_CASE("bytes are printed in the unit that leaves one to three digits before the point",
+          "[plan]") {
   CHECK(bytes_text(0) == "0 B");
   CHECK(bytes_text(999) == "999 B");
   CHECK(bytes_text(1000) == "1 kB");
@@ -282,7 +283,7 @@ TEST_CASE("bytes are told in the unit that leaves one to three digits before the
   CHECK(binary_bytes_text(18'446'744'073'709'551'615U) == "16 EiB");
 }
 
-TEST_CASE("a memory limit that is large changes nothing", "[plan]") {
+TEST_CASE("a large memory limit changes nothing", "[plan]") {
   const std::vector<Atom> atoms = column_of_atoms(40);
   Parameters parameters;
   parameters.threads = 2;
@@ -295,7 +296,7 @@ TEST_CASE("a memory limit that is large changes nothing", "[plan]") {
   CHECK(limited.memory_bytes >= free.memory_bytes);
 }
 
-TEST_CASE("the limit that a refusal names is the smallest that is accepted", "[plan]") {
+TEST_CASE("a refusal names the smallest limit that is accepted", "[plan]") {
   const std::vector<Atom> atoms{{{0, 0, 0}, 120}};
   for (const std::int64_t block_size : {0, 64, 100})
     for (const int threads : {0, 1, 2}) {
@@ -316,7 +317,7 @@ TEST_CASE("the limit that a refusal names is the smallest that is accepted", "[p
     }
 }
 
-TEST_CASE("a tight limit makes blocks smaller, and holds fewer", "[plan]") {
+TEST_CASE("a tight limit gives smaller blocks and holds fewer of them", "[plan]") {
   const std::vector<Atom> atoms{{{0, 0, 0}, 120}};
   Parameters parameters;
   parameters.spacing = 0.2;
@@ -358,7 +359,7 @@ TEST_CASE("a plan is refused if it has no threads or is of other atoms", "[plan]
   CHECK(compute(std::vector<Atom>(atoms), plan).area > 0);  // the same atoms in another list
 }
 
-TEST_CASE("a run that needs more than its limit after all ends and leaves no file", "[plan]") {
+TEST_CASE("a run that exceeds its memory limit ends and leaves no file", "[plan]") {
   const std::vector<Atom> atoms = column_of_atoms(40);
   Plan plan = make_plan(atoms, {}, {});
   plan.parameters.max_memory = 1000;
@@ -371,12 +372,12 @@ TEST_CASE("no more blocks are solved ahead of the unwritten layer than allowed",
   for (const std::int64_t ahead : {0, 1, 3, 100}) {
     INFO("ahead " << ahead);
     const SurfaceModel surface(std::vector<Atom>{{{0, 0, 0}, 1.5}}, 1.4);
-    PatchSchedule patches(surface, {10, 20});  // where there is no atom
+    PatchSchedule patches(surface, {10, 20});  // a range without atoms
     TaskQueue queue(patches, {{15, 15}, {20, 20}}, 4, ahead);
     std::vector<Task> first;
     first.reserve(4);
     for (int b = 0; b < 4; ++b) first.push_back(queue.take().value());
-    // The last block of the first layer is still being solved.
+    // The last block of the first layer is not solved yet.
     for (int b = 0; b < 3; ++b)
       queue.finish(first[static_cast<std::size_t>(b)], 1, [](std::int64_t) {});
     for (std::int64_t b = 0; b < std::min<std::int64_t>(ahead, 4); ++b) {
@@ -396,7 +397,7 @@ TEST_CASE("no more blocks are solved ahead of the unwritten layer than allowed",
   }
 }
 
-TEST_CASE("the disk is looked at where the directory will be", "[plan]") {
+TEST_CASE("free disk space is that of the place where the directory will be", "[plan]") {
   const std::vector<Atom> atoms{{{0, 0, 0}, 1.5}};
   const Plan plan = make_plan(atoms, {}, {});
   const DiskSpace here = require_disk_space(plan, {}, ".");
@@ -413,7 +414,7 @@ TEST_CASE("a plan whose files do not fit on the disk is refused", "[plan]") {
   Plan plan = make_plan(atoms, {}, {});
   const DiskSpace here = require_disk_space(plan, {}, ".");
   if (here.places[0].available > std::uint64_t{1} << 60)
-    SKIP("the file system does not tell how much is free");
+    SKIP("the file system does not report its free space");
   plan.edge_file_bytes = std::uint64_t{1} << 62;
   const DiskSpace::Place full = require_disk_space(plan, {}, ".").places[0];
   CHECK(full.expected > full.available);
@@ -421,7 +422,7 @@ TEST_CASE("a plan whose files do not fit on the disk is refused", "[plan]") {
   CHECK_THROWS_AS(require_disk_space(plan, {}, "."), Error);
 }
 
-TEST_CASE("every file system is held against what goes there", "[plan]") {
+TEST_CASE("each file system is checked for the files that it receives", "[plan]") {
   const std::vector<Atom> atoms{{{0, 0, 0}, 1.5}};
   const TemporaryDirectory directory;
   Outputs outputs;
@@ -438,7 +439,7 @@ TEST_CASE("every file system is held against what goes there", "[plan]") {
   REQUIRE(one.places.size() == 1);
   CHECK(one.places[0].expected == of_mesh + of_others);
 
-  // Files of /proc are in a file system of their own.
+  // The files of /proc are in a file system of their own.
   const DiskSpace two = require_disk_space(plan, outputs, "/proc/self");
   REQUIRE(two.places.size() == 2);
   CHECK(two.places[0].directory == "/proc/self");
@@ -475,8 +476,8 @@ TEST_CASE("the plan knows the length of the tables and of the bounding box", "[p
   }
 }
 
-TEST_CASE("no plan takes less memory than the number of atoms tells") {
-  // Equal atoms, of which one takes part in the surface, need the least.
+TEST_CASE("no plan takes less memory than the minimum for its number of atoms") {
+  // Equal atoms need the least memory, because only one of them is part of the surface.
   for (const std::size_t count : {1, 1000, 30000}) {
     const std::vector<Atom> atoms(count, {{0, 0, 0}, 1.5});
     INFO(count);

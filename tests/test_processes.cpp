@@ -1,4 +1,4 @@
-// How a run is cut up and put together again, without any other process.
+// Tests of dividing a run among processes and of merging its parts, without other processes.
 
 #include <zlib.h>
 
@@ -35,7 +35,7 @@ std::span<const std::byte> bytes_of(const std::string& text) {
   return std::as_bytes(std::span(text));
 }
 
-// A complete chunk with these texts.
+// Makes a complete chunk with these texts.
 void put_chunk(const Checkpoint& checkpoint, const PlaneRange& planes, const std::string& grid,
                std::vector<AtomSum> sums) {
   PlaneChunk chunk;
@@ -59,7 +59,7 @@ TEST_CASE("costs are cut into parts of equal sums", "[processes]") {
   CHECK(cut_evenly(std::vector<double>{6, 1, 1, 1, 1, 1, 1}, 2) == Places{0, 1, 7});
   CHECK(cut_evenly(std::vector<double>{1, 1, 1, 1, 1, 1, 6}, 2) == Places{0, 6, 7});
   const Places begins = cut_evenly(std::vector<double>{0, 0, 2, 0, 2, 0, 0}, 2);
-  CHECK((begins[1] == 3 || begins[1] == 4));  // what costs nothing goes with a neighbour
+  CHECK((begins[1] == 3 || begins[1] == 4));  // items without cost go with a neighbour
 }
 
 TEST_CASE("no part costs more than its share and one cost", "[processes]") {
@@ -87,7 +87,7 @@ TEST_CASE("with more parts than costs some are empty", "[processes]") {
   CHECK(begins.back() == 2);
 }
 
-TEST_CASE("planes that are left", "[processes]") {
+TEST_CASE("the planes without a chunk are the remaining ones", "[processes]") {
   CHECK(remaining({0, 10}, {}) == Ranges{{0, 10}});
   CHECK(remaining({0, 10}, Ranges{{0, 10}}).empty());
   CHECK(remaining({0, 10}, Ranges{{2, 4}, {4, 5}, {8, 20}}) == Ranges{{0, 2}, {5, 8}});
@@ -95,7 +95,7 @@ TEST_CASE("planes that are left", "[processes]") {
   CHECK(remaining({3, 3}, {}).empty());
 }
 
-TEST_CASE("a process that is alone", "[processes]") {
+TEST_CASE("collective operations of a single process return its own values", "[processes]") {
   int argc = 0;
   char** argv = nullptr;
   const Processes alone(argc, argv);
@@ -110,7 +110,7 @@ TEST_CASE("a process that is alone", "[processes]") {
   CHECK_THROWS_AS(alone.all_or_throw([] { throw Error("no"); }), Error);
 }
 
-TEST_CASE("chunks are kept", "[processes]") {
+TEST_CASE("complete chunks are kept", "[processes]") {
   const TemporaryDirectory directory;
   Checkpoint checkpoint(directory.path(), "one run");
   CHECK(checkpoint.complete().empty());
@@ -118,7 +118,7 @@ TEST_CASE("chunks are kept", "[processes]") {
   checkpoint.prepare();
   put_chunk(checkpoint, {10, 20}, "text", {{5, 3}, {AreaShare{1} << 100, 4000000000}});
   put_chunk(checkpoint, {0, 4}, "", {});
-  checkpoint.create({4, 10}, ChunkText::grid);  // begun
+  checkpoint.create({4, 10}, ChunkText::grid);  // incomplete
   CHECK(checkpoint.complete() == Ranges{{0, 4}, {10, 20}});
 
   const Checkpoint later(directory.path(), "one run");
@@ -138,7 +138,7 @@ TEST_CASE("chunks are kept", "[processes]") {
   CHECK_THROWS_AS(Checkpoint(directory.path(), "one run").lock(), Error);
 }
 
-TEST_CASE("chunks that are not whole are done again", "[processes]") {
+TEST_CASE("incomplete chunks are computed again", "[processes]") {
   const TemporaryDirectory directory;
   Checkpoint checkpoint(directory.path(), "one run");
   checkpoint.lock();
@@ -157,7 +157,7 @@ TEST_CASE("chunks that are not whole are done again", "[processes]") {
   }
   std::ofstream(path("20-30.sums"), std::ios::binary) << sums;
   CHECK(checkpoint.complete() == Ranges{{20, 30}, {30, 40}});
-  checkpoint.create({20, 30}, ChunkText::grid);  // begun anew
+  checkpoint.create({20, 30}, ChunkText::grid);  // started again
   CHECK(checkpoint.complete() == Ranges{{30, 40}});
   checkpoint.remove();
   CHECK(!std::filesystem::exists(directory.path() / checkpoint_name));
@@ -181,7 +181,7 @@ TEST_CASE("a text's checksum does not depend on its parts", "[processes]") {
   CHECK(sums[2] == sums[0]);
 }
 
-TEST_CASE("chunks of another run are no hindrance while none is complete", "[processes]") {
+TEST_CASE("incomplete chunks of another run are ignored", "[processes]") {
   const TemporaryDirectory directory;
   Checkpoint checkpoint(directory.path(), "one run");
   checkpoint.lock();
@@ -200,7 +200,7 @@ TEST_CASE("chunks that overlap are refused", "[processes]") {
   CHECK_THROWS_AS(checkpoint.complete(), Error);
 }
 
-TEST_CASE("lines of a part of a file have the numbers of the whole", "[processes]") {
+TEST_CASE("lines of a part of a file have their numbers in the whole file", "[processes]") {
   AtomFile atoms;
   AtomLines part{.name = "file", .first_line = 100};
   CHECK(parse_atom_lines("1 2 3 1\n# no atom\n4 5 6 2\n", part, atoms).lines == 3);
@@ -216,7 +216,7 @@ TEST_CASE("lines of a part of a file have the numbers of the whole", "[processes
   CHECK(message.find("file:104: ") == 0);
 }
 
-TEST_CASE("keys are numbered in their order", "[processes]") {
+TEST_CASE("keys are numbered in the order of their first occurrence", "[processes]") {
   int argc = 0;
   char** argv = nullptr;
   const Processes alone(argc, argv);
@@ -228,7 +228,7 @@ TEST_CASE("keys are numbered in their order", "[processes]") {
   CHECK(number_keys({}, alone).of_key.empty());
 }
 
-TEST_CASE("triangles of a part get the numbers of the whole", "[processes][mesh]") {
+TEST_CASE("triangles of a part get the vertex numbers of the whole mesh", "[processes][mesh]") {
   TextBuffer bytes;
   const mesh::Triangle below{std::uint64_t{0} - 3, 5, 2'000'000'000};
   mesh::append_local_triangle(bytes, below, 2);
@@ -239,7 +239,7 @@ TEST_CASE("triangles of a part get the numbers of the whole", "[processes][mesh]
   CHECK(mesh::global_triangle(10, local) == mesh::Triangle{7, 15, 2'000'000'010});
 }
 
-TEST_CASE("packed texts come out as they went in", "[processes]") {
+TEST_CASE("packed texts are unpacked unchanged", "[processes]") {
   std::string packed;
   for (const char* text : {"", "one", "", "two words"}) pack(packed, text);
   CHECK(unpack(packed) == std::vector<std::string>{"", "one", "", "two words"});

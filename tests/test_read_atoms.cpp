@@ -34,7 +34,7 @@ using eses::detail::test::parse_atom_list;
 using eses::detail::test::read_atom_list;
 using std::string_literals::operator""s;
 
-/// "" if nothing is thrown, which no message is.
+/// Returns the message of the error, or "" if nothing is thrown.
 template <class Action>
 std::string message_of(Action action) {
   try {
@@ -77,7 +77,7 @@ bool is_sole_atom(const std::vector<Atom>& atoms, double x, double y, double z, 
   return atoms.size() == 1 && is_atom(atoms[0], x, y, z, radius);
 }
 
-/// A directory of its own for each test, gone afterwards.
+/// A temporary directory for a test.
 class TemporaryDirectory {
  public:
   TemporaryDirectory() {
@@ -106,7 +106,7 @@ class TemporaryDirectory {
   fs::path path_;
 };
 
-/// Puts another file in the place of standard input for a while.
+/// Replaces standard input by another file during its lifetime.
 class StandardInput {
  public:
   explicit StandardInput(int replacement) : saved_(::dup(STDIN_FILENO)) {
@@ -171,7 +171,7 @@ volatile std::sig_atomic_t alarm_count = 0;
 
 void count_alarm(int) { alarm_count = alarm_count + 1; }
 
-/// Interrupts system calls every few milliseconds: the handler is set without SA_RESTART.
+/// Interrupts system calls every few milliseconds, because the handler is set without SA_RESTART.
 class Interruptions {
  public:
   Interruptions() {
@@ -206,7 +206,7 @@ std::string gzip_member(const std::string& text) {
   return {bytes.begin(), bytes.end()};
 }
 
-/// With magnitudes from 1e-300 to almost the largest that is accepted.
+/// Returns a number with a magnitude from 1e-300 almost to the largest that is accepted.
 double random_number(std::mt19937_64& generator) {
   std::uniform_real_distribution<double> mantissa(-1, 1);
   std::uniform_real_distribution<double> exponent(-300, 6);
@@ -218,14 +218,14 @@ double random_number(std::mt19937_64& generator) {
 
 // ----------------------------------------------------------------------------------------- xyzr
 
-TEST_CASE("xyzr: one atom a line, in order", "[read_atoms]") {
+TEST_CASE("xyzr: each line is an atom, in the same order", "[read_atoms]") {
   const auto atoms = xyzr("1.5 -2.25 3 1.75\n-4e1 0.5 6.125 0\n");
   REQUIRE(atoms.size() == 2);
   CHECK(is_atom(atoms[0], 1.5, -2.25, 3, 1.75));
   CHECK(is_atom(atoms[1], -40, 0.5, 6.125, 0));
 }
 
-TEST_CASE("xyzr: accepted layouts", "[read_atoms]") {
+TEST_CASE("xyzr: blanks, tabs and further columns are accepted", "[read_atoms]") {
   CHECK(is_sole_atom(xyzr("1 2 3 4"), 1, 2, 3, 4));
   CHECK(is_sole_atom(xyzr("1\t2\t3\t4\n"), 1, 2, 3, 4));
   CHECK(is_sole_atom(xyzr(" \t 1 \t 2   3\t\t4 \t \n"), 1, 2, 3, 4));
@@ -248,7 +248,7 @@ TEST_CASE("xyzr: blank lines and comments are skipped, but counted", "[read_atom
   CHECK(contains(xyzr_error(text + "bad\n"), "t.xyzr:10: "));
 }
 
-TEST_CASE("xyzr: line ends", "[read_atoms]") {
+TEST_CASE("xyzr: Unix and Windows line ends are accepted", "[read_atoms]") {
   for (const char* text :
        {"1 2 3 4\r\n\r\n# c\r\n5 6 7 8\r\n", "1 2 3 4\r\n5 6 7 8", "1 2 3 4\r\n5 6 7 8\r",
         "1 2 3 4\n5 6 7 8\r\n", "1 2 3 4\r\r\n5 6 7 8\r\r\n"}) {
@@ -259,7 +259,7 @@ TEST_CASE("xyzr: line ends", "[read_atoms]") {
   }
 }
 
-TEST_CASE("xyzr: accepted numbers", "[read_atoms]") {
+TEST_CASE("xyzr: signs and exponents of C and Fortran are accepted", "[read_atoms]") {
   CHECK(is_sole_atom(xyzr("+1 +2.5 -3 +.5"), 1, 2.5, -3, 0.5));
   CHECK(is_sole_atom(xyzr("1. .25 -.5 007"), 1, 0.25, -0.5, 7));
   CHECK(is_sole_atom(xyzr("1e2 1E+2 -1.5e-1 25e-1"), 100, 100, -0.15, 2.5));
@@ -292,7 +292,7 @@ TEST_CASE("xyzr: numbers written with 17 digits come back exactly", "[read_atoms
   }
 }
 
-TEST_CASE("xyzr: a field that is no number", "[read_atoms]") {
+TEST_CASE("xyzr: a field that is not a number is refused", "[read_atoms]") {
   CHECK(xyzr_error("1 2 3 4\n1 2 abc 4\n") ==
         "t.xyzr:2: field 3 (z): expected a number, found \"abc\"");
   CHECK(xyzr_error("  x 2 3 4") == "t.xyzr:1: field 1 (x): expected a number, found \"x\"");
@@ -327,13 +327,13 @@ TEST_CASE("xyzr: a field that is no number", "[read_atoms]") {
   }
 }
 
-TEST_CASE("xyzr: a missing field", "[read_atoms]") {
+TEST_CASE("xyzr: a missing field is refused", "[read_atoms]") {
   CHECK(xyzr_error("1 2 3 4\n\n1 2 3\n") == "t.xyzr:3: field 4 (radius): missing");
   CHECK(xyzr_error("1 2 \t\r\n") == "t.xyzr:1: field 3 (z): missing");
   CHECK(xyzr_error("327\n1 2 3 4\n") == "t.xyzr:1: field 2 (y): missing");
 }
 
-TEST_CASE("xyzr: numbers that are not finite", "[read_atoms]") {
+TEST_CASE("xyzr: numbers that are not finite are refused", "[read_atoms]") {
   CHECK(xyzr_error("1 nan 3 4") ==
         "t.xyzr:1: field 2 (y): expected a finite number, found \"nan\"");
   for (const char* text : {"NaN", "-nan", "inf", "-inf", "+Inf", "INFINITY"}) {
@@ -342,7 +342,7 @@ TEST_CASE("xyzr: numbers that are not finite", "[read_atoms]") {
   }
 }
 
-TEST_CASE("xyzr: numbers out of range", "[read_atoms]") {
+TEST_CASE("xyzr: numbers out of range are refused", "[read_atoms]") {
   CHECK(xyzr_error("1 2 1e999 4") ==
         "t.xyzr:1: field 3 (z): \"1e999\" is out of the range of double precision");
   for (const char* text : {"-1e309", "+1D+400", "1e-400", "1e99999999999999999999"}) {
@@ -351,7 +351,7 @@ TEST_CASE("xyzr: numbers out of range", "[read_atoms]") {
   }
 }
 
-TEST_CASE("xyzr: lengths beyond the limit", "[read_atoms]") {
+TEST_CASE("xyzr: lengths beyond the limit are refused", "[read_atoms]") {
   CHECK(xyzr_error("1000000.1 2 3 4") ==
         "t.xyzr:1: field 1 (x): \"1000000.1\" is beyond the limit of 1000000 angstrom");
   CHECK(contains(xyzr_error("1 -2e6 3 4"), "field 2 (y): \"-2e6\" is beyond the limit"));
@@ -359,13 +359,13 @@ TEST_CASE("xyzr: lengths beyond the limit", "[read_atoms]") {
   CHECK(contains(xyzr_error("1 2 3 4e6"), "field 4 (radius): \"4e6\" is beyond the limit"));
 }
 
-TEST_CASE("xyzr: a negative radius", "[read_atoms]") {
+TEST_CASE("xyzr: a negative radius is refused", "[read_atoms]") {
   CHECK(xyzr_error("1 2 3 -1.5") ==
         "t.xyzr:1: field 4 (radius): must not be negative, found \"-1.5\"");
   CHECK(contains(xyzr_error("1 2 3 -1e-300"), "must not be negative, found \"-1e-300\""));
 }
 
-TEST_CASE("xyzr: no atoms", "[read_atoms]") {
+TEST_CASE("xyzr: a file without atoms is refused", "[read_atoms]") {
   CHECK(xyzr_error("") == "t.xyzr: no atoms found; 0 lines read");
   CHECK(xyzr_error("\n") == "t.xyzr: no atoms found; 1 line read");
   CHECK(xyzr_error("# only\r\n\r\n  # comments") == "t.xyzr: no atoms found; 3 lines read");
@@ -378,7 +378,7 @@ TEST_CASE("xyzr: a PQR file is recognised", "[read_atoms]") {
         "xyzr?");
 }
 
-// ----------------------------------------------------------------------- what is not clean text
+// ----------------------------------------------------------------------- text that is not clean
 
 TEST_CASE("control characters are refused", "[read_atoms]") {
   CHECK(xyzr_error("1 2 3 4\n1 2\0 3 4\n"s) ==
@@ -389,7 +389,7 @@ TEST_CASE("control characters are refused", "[read_atoms]") {
   CHECK(contains(pqr_error("REMARK\nREMARK \x01\n"), "t.pqr:2: control character \\x01"));
 }
 
-TEST_CASE("UTF-16 files are named", "[read_atoms]") {
+TEST_CASE("UTF-16 files are refused by name", "[read_atoms]") {
   const std::string utf16 = "t.xyzr:1: UTF-16 text; convert the file to UTF-8 first";
   CHECK(xyzr_error("\xff\xfe"
                    "1\0 \0"s) == utf16);
@@ -411,7 +411,7 @@ TEST_CASE("lines are limited to 4096 characters", "[read_atoms]") {
         "t.xyzr:2: more than 4096 characters in the line");
 }
 
-TEST_CASE("what is quoted is short, printable ASCII", "[read_atoms]") {
+TEST_CASE("quoted text is short, printable ASCII", "[read_atoms]") {
   CHECK(contains(xyzr_error("\xc3\xa9\"\\ 2 3 4"), "found \"\\xc3\\xa9\\\"\\\\\""));
   const std::string forty(40, 'a');
   CHECK(contains(xyzr_error(forty + " 2 3 4"), "found \"" + forty + "\""));
@@ -422,7 +422,7 @@ TEST_CASE("what is quoted is short, printable ASCII", "[read_atoms]") {
 
 // ------------------------------------------------------------------------------------------ PQR
 
-TEST_CASE("PQR: whitespace-separated records", "[read_atoms]") {
+TEST_CASE("PQR: records separated by whitespace are read", "[read_atoms]") {
   const auto atoms =
       pqr("REMARK   1 PQR file 1 2 3 4 5\n"
           "ATOM  5 N      MET    1   -6.40600   5.46900  -3.25900 -0.30000 1.85000\n"
@@ -436,7 +436,7 @@ TEST_CASE("PQR: whitespace-separated records", "[read_atoms]") {
   CHECK(is_atom(atoms[2], 11.104, 6.134, -6.504, 2.275));
 }
 
-TEST_CASE("PQR: the record's name", "[read_atoms]") {
+TEST_CASE("PQR: only ATOM and HETATM records are read", "[read_atoms]") {
   const std::string rest = " 1 N MET 1 1 2 3 0.5 1.5\n";
   for (const char* record :
        {"ATOM", "HETATM", "atom", "Hetatm", "  ATOM", "HETATM1234", "ATOM99"}) {
@@ -454,7 +454,7 @@ TEST_CASE("PQR: the record's name", "[read_atoms]") {
                      1, 2, 3, 1.5));
 }
 
-TEST_CASE("PQR: columns where coordinates run together", "[read_atoms]") {
+TEST_CASE("PQR: coordinates that run together are read by columns", "[read_atoms]") {
   const auto atoms =
       pqr("ATOM      1  N   MET A   1     -10.123-200.456  30.000  0.1000 1.8500\n"
           "ATOM      2  N   MET A   1    -110.123-200.456-300.789 -0.3000 1.8500\r\n"
@@ -474,7 +474,7 @@ TEST_CASE("PQR: columns where coordinates run together", "[read_atoms]") {
 TEST_CASE("PQR: free format is not cut at the columns", "[read_atoms]") {
   CHECK(is_sole_atom(pqr("ATOM  5 N      MET    1   -6.40612   5.46934  -3.25956 -0.30000 1.85"),
                      -6.40612, 5.46934, -3.25956, 1.85));
-  // Columns 31 to 38 hold "4067" in the first and ".4067" in the second.
+  // Columns 31 to 38 contain "4067" in the first record and ".4067" in the second.
   const std::string rest = "      5.4693  -3.259 -0.30000 1.85";
   CHECK(pqr_error("ATOM  5 N      MET    1   x-6.4067" + rest) ==
         "t.pqr:1: field 6 (x): expected a number, found \"x-6.4067\"");
@@ -491,15 +491,16 @@ TEST_CASE("PQR: a number is not cut in two", "[read_atoms]") {
   CHECK(contains(pqr_error(start + "   1234." + "567.8901" + rest), "t.pqr:1: field 7 (y): "));
 }
 
-TEST_CASE("PQR: an element symbol behind the radius", "[read_atoms]") {
+TEST_CASE("PQR: an element symbol after the radius is accepted", "[read_atoms]") {
   for (const char* element : {"N", "C", "ZN", "Zn", "N1+", "ZN2+", "O1-"}) {
     CAPTURE(element);
     const std::string end = std::string(" ") + element;
     CHECK(is_sole_atom(pqr("ATOM 1 N MET A 1 1.0 2.0 3.0 -0.5 1.5" + end), 1, 2, 3, 1.5));
     CHECK(is_sole_atom(pqr("ATOM 1 N MET 1 1.0 2.0 3.0 -0.5 1.5" + end + "  \r\n"), 1, 2, 3, 1.5));
   }
-  // As Open Babel writes it, as pdb2pqr writes charge and radius, and with those where PDB files
-  // have occupancy and B-factor. ESES finds the first radius in columns 63 to 69.
+  // These are records of Open Babel, records with charge and radius as pdb2pqr writes them, and
+  // records with both where PDB files have occupancy and B-factor. ESES finds the first radius in
+  // columns 63 to 69.
   const auto atoms =
       pqr("ATOM      1  N   MET A   1      27.340  24.430   2.614 -0.30000000   1.550  N  \n"
           "ATOM      2  N   MET A   1     -10.123-200.456-300.789 -0.3000 1.8500       N\n"
@@ -511,7 +512,7 @@ TEST_CASE("PQR: an element symbol behind the radius", "[read_atoms]") {
   CHECK(is_atom(atoms[2], -110.123, -200.456, -300.789, 1.39));
   CHECK(is_atom(atoms[3], 26.266, 25.413, 2.842, 1.7));
 
-  // A number that is missing before the symbol is missing as without it.
+  // A number that is missing before the symbol gives the same error as without the symbol.
   CHECK(contains(pqr_error("ATOM 1 N MET 1 1.0 2.0 3.0 1.5 N"), "at least 10 fields"));
   CHECK(contains(pqr_error("ATOM 1 N MET A 1 1.0 2.0 3.0 1.5 N"), "the residue number"));
   CHECK(contains(pqr_error("ATOM      1  N   MET A   1     -10.123-200.456  30.000  0.1000   N"),
@@ -523,7 +524,7 @@ TEST_CASE("PQR: an element symbol behind the radius", "[read_atoms]") {
   }
 }
 
-TEST_CASE("PQR: charge and radius that run together in columns", "[read_atoms]") {
+TEST_CASE("PQR: charge and radius that run together are read by columns", "[read_atoms]") {
   const std::string start = "ATOM      1  N   MET A   1     -10.123-200.456  30.000";
   CHECK(is_sole_atom(pqr(start + "  0.100010.5000"), -10.123, -200.456, 30, 10.5));
   CHECK(is_sole_atom(pqr(start + " -0.100010.5000       N"), -10.123, -200.456, 30, 10.5));
@@ -532,7 +533,7 @@ TEST_CASE("PQR: charge and radius that run together in columns", "[read_atoms]")
 }
 
 TEST_CASE("PQR: a PDB file is refused with the reason", "[read_atoms]") {
-  // The first atoms of 1UBQ, and what follows in the columns of segment and element.
+  // The first atoms of 1UBQ, and text in the columns of segment and element.
   const std::vector<std::string> records{
       "ATOM      1  N   MET A   1      27.340  24.430   2.614  1.00  9.67",
       "ATOM      2  CA  MET A   1      26.266  25.413   2.842  1.00 10.38",
@@ -554,7 +555,7 @@ TEST_CASE("PQR: a PDB file is refused with the reason", "[read_atoms]") {
   CHECK(contains(pqr_error(records[0] + "      PROA N"), hint));
   CHECK(contains(pqr_error(records[0] + "      1UBQ  71"), hint));
 
-  // Charges and radii in the same columns: not one record decides.
+  // Charges and radii in the same columns are accepted: not one record decides.
   const std::string negative =
       "ATOM      5  N   MET A   1      27.340  24.430   2.614 -0.30  1.85           N\n";
   const std::string small =
@@ -563,7 +564,7 @@ TEST_CASE("PQR: a PDB file is refused with the reason", "[read_atoms]") {
   CHECK(pqr(small + small + records[0] + "\n").size() == 3);
 }
 
-TEST_CASE("PQR: what the atoms are called", "[read_atoms]") {
+TEST_CASE("PQR: chain, residue and name of the atoms are read", "[read_atoms]") {
   const std::string text =
       "ATOM  5 N      MET    1   -6.40600   5.46900  -3.25900 -0.30000 1.85000\n"
       "REMARK\n"
@@ -597,7 +598,7 @@ TEST_CASE("xyzr: atoms have no names", "[read_atoms]") {
   CHECK(eses::parse_atoms("1 2 3 4 0 N CYS 701 D\n", AtomFormat::xyzr, "t.xyzr").labels.empty());
 }
 
-TEST_CASE("PQR: neither fields nor columns", "[read_atoms]") {
+TEST_CASE("PQR: a record with neither fields nor columns is refused", "[read_atoms]") {
   const std::string too_few =
       "t.pqr:1: expected at least 10 fields, the last five being x y z charge radius, found ";
   CHECK(pqr_error("ATOM      1  N   MET A   1   8-110.123-200.456-300.789 -0.3000 1.85") ==
@@ -608,7 +609,7 @@ TEST_CASE("PQR: neither fields nor columns", "[read_atoms]") {
         "t.pqr:1: field 7 (y): expected a number, found \"-10.123-200.4x6\"");
 }
 
-TEST_CASE("PQR: fields that are wrong in free format", "[read_atoms]") {
+TEST_CASE("PQR: wrong fields in free format are refused", "[read_atoms]") {
   const std::string start = "REMARK\nATOM 1 N MET A 1 ";
   CHECK(pqr_error(start + "1.0 2.0 zz 0.5 1.5\n") ==
         "t.pqr:2: field 9 (z): expected a number, found \"zz\"");
@@ -626,7 +627,7 @@ TEST_CASE("PQR: fields that are wrong in free format", "[read_atoms]") {
         "t.pqr:2: field 12 (radius): expected a number, found \"PROA\"");
 }
 
-TEST_CASE("PQR: fields that are wrong in columns", "[read_atoms]") {
+TEST_CASE("PQR: wrong fields in columns are refused", "[read_atoms]") {
   const std::string start = "ATOM      1  N   MET A   1     -10.123-200.456  30.000";
   CHECK(pqr_error(start + "  0.1000    bad\n") ==
         "t.pqr:1: field 10 (radius): expected a number, found \"bad\"");
@@ -636,7 +637,7 @@ TEST_CASE("PQR: fields that are wrong in columns", "[read_atoms]") {
   CHECK(pqr_error(start + "\n") == "t.pqr:1: field 9 (charge): missing");
 }
 
-TEST_CASE("PQR: no other field is taken for one that is missing", "[read_atoms]") {
+TEST_CASE("PQR: a missing field is not replaced by another one", "[read_atoms]") {
   const std::string ten =
       "t.pqr:1: expected at least 10 fields, the last five being x y z charge "
       "radius, found ";
@@ -652,7 +653,7 @@ TEST_CASE("PQR: no other field is taken for one that is missing", "[read_atoms]"
         "t.pqr:1: field 11 (radius): missing");
 }
 
-TEST_CASE("PQR: no atoms", "[read_atoms]") {
+TEST_CASE("PQR: a file without atoms is refused", "[read_atoms]") {
   CHECK(pqr_error("") == "t.pqr: no ATOM or HETATM records found; 0 lines read");
   CHECK(pqr_error("1 2 3 4\n5 6 7 8\n") == "t.pqr: no ATOM or HETATM records found; 2 lines read");
 }
@@ -680,7 +681,7 @@ TEST_CASE("the format follows from the suffix or the caller", "[read_atoms]") {
   CHECK(is_sole_atom(parse_atom_list("1 2 3 4", AtomFormat::automatic, "t.pqr"), 1, 2, 3, 4));
 }
 
-TEST_CASE("a file larger than one read", "[read_atoms]") {
+TEST_CASE("a file larger than one read is complete", "[read_atoms]") {
   const TemporaryDirectory directory;
   const std::size_t count = 300000;
   std::string text;
@@ -692,12 +693,12 @@ TEST_CASE("a file larger than one read", "[read_atoms]") {
   }
 }
 
-TEST_CASE("gzip files are read, of any number of members", "[read_atoms]") {
+TEST_CASE("gzip files with any number of members are read", "[read_atoms]") {
   const TemporaryDirectory directory;
   const std::string record = "ATOM 1 N MET 1 1 2 3 0.5 1.5\n";
   CHECK(
       is_sole_atom(read_atom_list(directory.write("a.pqr.gz", gzip_member(record))), 1, 2, 3, 1.5));
-  // Which is compressed tells the file itself.
+  // The content of the file decides whether it is compressed.
   CHECK(
       is_sole_atom(read_atom_list(directory.write("a.xyzr", gzip_member("1 2 3 4"))), 1, 2, 3, 4));
   CHECK(is_sole_atom(read_atom_list(directory.write("b.xyzr.gz", "1 2 3 4")), 1, 2, 3, 4));
@@ -720,24 +721,24 @@ TEST_CASE("gzip files are read, of any number of members", "[read_atoms]") {
     CHECK(contains(file_error(directory.write("cut.xyzr.gz", whole.substr(0, size))),
                    "cut.xyzr.gz: the compressed data ends too early"));
   std::string damaged = whole;
-  damaged[whole.size() - 6] ^= 1;  // in the check sum
+  damaged[whole.size() - 6] ^= 1;  // a bit of the check sum
   CHECK(contains(file_error(directory.write("bad.xyzr.gz", damaged)),
                  "bad.xyzr.gz: the compressed data is damaged"));
   CHECK(contains(file_error(directory.write("line.xyzr.gz", gzip_member("1 2 3 4\n1 2 x 4\n"))),
                  "line.xyzr.gz:2: field 3"));
 }
 
-TEST_CASE("behind a gzip member only another one or zeros may follow", "[read_atoms]") {
+TEST_CASE("only another member or zeros may follow a gzip member", "[read_atoms]") {
   const TemporaryDirectory directory;
   const std::string first = gzip_member("1 2 3 4\n"), second = gzip_member("5 6 7 8\n");
   const auto error_of = [&](const std::string& bytes) {
     return file_error(directory.write("a.xyzr.gz", bytes));
   };
-  // What gzip -t accepts is read, what it refuses is refused.
+  // The program reads what `gzip -t` accepts and refuses what it refuses.
   CHECK(error_of(first + second).empty());
   CHECK(error_of(first + second + std::string(1000000, '\0')).empty());
   const std::string damaged = "a.xyzr.gz: the compressed data is damaged near byte ";
-  for (std::size_t byte = 0; byte < 4; ++byte) {  // of the second member's header
+  for (std::size_t byte = 0; byte < 4; ++byte) {  // a byte of the second member's header
     INFO(byte);
     std::string bytes = second;
     bytes[byte] = '\x7e';
@@ -752,7 +753,7 @@ TEST_CASE("behind a gzip member only another one or zeros may follow", "[read_at
                    "a.xyzr.gz: the compressed data ends too early, after " +
                        std::to_string(first.size() + size) + " bytes"));
   }
-  // Boundaries of members and of what is read at a time meet in every way.
+  // Boundaries of members meet boundaries of reads in every way.
   const std::string line = "1 2 3 4\n";
   std::string many;
   for (int i = 0; i < 20000; ++i) many += gzip_member(line);
@@ -760,7 +761,7 @@ TEST_CASE("behind a gzip member only another one or zeros may follow", "[read_at
   CHECK(contains(error_of(many + "x"), damaged));
 }
 
-TEST_CASE("files that cannot be read", "[read_atoms]") {
+TEST_CASE("files that cannot be read are refused", "[read_atoms]") {
   const TemporaryDirectory directory;
   const fs::path missing = directory.path() / "missing.xyzr";
   CHECK(file_error(missing) == "cannot open " + missing.string() + ": No such file or directory");
@@ -784,7 +785,7 @@ TEST_CASE("messages name the file as it was given", "[read_atoms]") {
   CHECK(file_error(empty) == empty.string() + ": no ATOM or HETATM records found; 0 lines read");
 }
 
-TEST_CASE("a named pipe", "[read_atoms]") {
+TEST_CASE("a named pipe is read", "[read_atoms]") {
   const TemporaryDirectory directory;
   const fs::path fifo = directory.path() / "fifo.pqr";
   REQUIRE(::mkfifo(fifo.c_str(), 0600) == 0);
@@ -798,7 +799,7 @@ TEST_CASE("a named pipe", "[read_atoms]") {
   ::waitpid(child, nullptr, 0);
 }
 
-TEST_CASE("files whose size the system does not tell", "[read_atoms]") {
+TEST_CASE("files whose size the system does not report are read", "[read_atoms]") {
   if (fs::exists("/proc/version")) {
     CHECK(file_error("/proc/version") ==
           "/proc/version:1: field 1 (x): expected a number, found \"Linux\"");
@@ -813,7 +814,7 @@ TEST_CASE("files whose size the system does not tell", "[read_atoms]") {
 
 // ------------------------------------------------------------------------------- standard input
 
-TEST_CASE("standard input: a pipe", "[read_atoms]") {
+TEST_CASE("standard input: a pipe is read", "[read_atoms]") {
   const PipeWriter writer({"1 2 3", ".5 4\n5 6 7 8"}, 20000);
   const StandardInput input(writer.read_end());
   const auto atoms = read_atom_list("-");
@@ -822,7 +823,7 @@ TEST_CASE("standard input: a pipe", "[read_atoms]") {
   CHECK(is_atom(atoms[1], 5, 6, 7, 8));
 }
 
-TEST_CASE("standard input: more than a pipe holds", "[read_atoms]") {
+TEST_CASE("standard input: more than the size of a pipe is read", "[read_atoms]") {
   const std::size_t count = 200000;
   std::string text;
   for (std::size_t i = 0; i < count; ++i) text += "1 2 3 " + std::to_string(i % 10) + '\n';
@@ -833,7 +834,7 @@ TEST_CASE("standard input: more than a pipe holds", "[read_atoms]") {
   CHECK(is_atom(atoms.back(), 1, 2, 3, 9));
 }
 
-TEST_CASE("standard input: signals do not disturb", "[read_atoms]") {
+TEST_CASE("standard input: signals do not disturb reading", "[read_atoms]") {
   const Interruptions interruptions;
   const PipeWriter writer({"1 2 3 4\n", "5 6 7 8\n", "9 10 11 12\n"}, 30000);
   const StandardInput input(writer.read_end());
@@ -841,7 +842,7 @@ TEST_CASE("standard input: signals do not disturb", "[read_atoms]") {
   CHECK(alarm_count > 0);
 }
 
-TEST_CASE("standard input: PQR when asked for", "[read_atoms]") {
+TEST_CASE("standard input: PQR is read if the caller chooses it", "[read_atoms]") {
   const std::string record = "ATOM 1 N MET 1 1 2 3 0.5 1.5\n";
   {
     const PipeWriter writer({record}, 0);
@@ -853,14 +854,14 @@ TEST_CASE("standard input: PQR when asked for", "[read_atoms]") {
   CHECK(contains(file_error("-"), "<stdin>:1: field 1 (x): expected a number, found \"ATOM\""));
 }
 
-TEST_CASE("standard input: a file under the name -", "[read_atoms]") {
+TEST_CASE("standard input: the name - reads a redirected file", "[read_atoms]") {
   const TemporaryDirectory directory;
   const fs::path file = directory.write("a.xyzr", "1 2 3 4\n");
   const StandardInput input(::open(file.c_str(), O_RDONLY));
   CHECK(is_sole_atom(read_atom_list("-"), 1, 2, 3, 4));
 }
 
-TEST_CASE("standard input: a file under the name /dev/stdin", "[read_atoms]") {
+TEST_CASE("standard input: the name /dev/stdin reads a redirected file", "[read_atoms]") {
   if (!fs::exists("/dev/stdin")) SKIP("there is no /dev/stdin");
   const TemporaryDirectory directory;
   const fs::path file = directory.write("a.xyzr", "1 2 3 4\n");
@@ -868,7 +869,7 @@ TEST_CASE("standard input: a file under the name /dev/stdin", "[read_atoms]") {
   CHECK(is_sole_atom(read_atom_list("/dev/stdin"), 1, 2, 3, 4));
 }
 
-TEST_CASE("standard input: errors", "[read_atoms]") {
+TEST_CASE("standard input: errors name standard input", "[read_atoms]") {
   const TemporaryDirectory directory;
   {
     const StandardInput input(::open(directory.path().c_str(), O_RDONLY));

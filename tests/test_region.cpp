@@ -1,4 +1,4 @@
-// A part of the grid: the lines of a full run, and nothing else.
+// Tests that a part of the grid has the lines of a full run and nothing else.
 
 #include <filesystem>
 #include <limits>
@@ -51,7 +51,7 @@ bool holds(const GridRegion& region, const GridIndex& p) {
   return true;
 }
 
-/// The lower of the points that a line begins with, of which there are one or two.
+/// Returns the lower of the one or two points with which a line begins.
 GridIndex lower_point(const std::string& line, int points) {
   std::istringstream stream(line);
   GridIndex lower{}, other{};
@@ -71,7 +71,7 @@ std::vector<std::string> lines_in(const std::vector<std::string>& lines, const G
   return chosen;
 }
 
-/// As README defines it, from the lines alone.
+/// Computes the volume of a part from the lines alone, as doc/grid.md defines it.
 double volume_of(const Result& result, double spacing) {
   std::set<GridIndex> ends;
   for (const std::string& line : result.edges) {
@@ -155,7 +155,7 @@ TEST_CASE("a region has the lines of a full run, to the last byte", "[region]") 
   CHECK(edges > 10000);
 }
 
-TEST_CASE("block size and threads leave no trace in a region", "[region]") {
+TEST_CASE("a region does not depend on block size and threads", "[region]") {
   const std::vector<Atom> atoms = make_chain(150, 12);
   Parameters parameters;
   const Grid grid = make_plan(atoms, parameters, {}).grid;
@@ -178,7 +178,7 @@ TEST_CASE("block size and threads leave no trace in a region", "[region]") {
     }
 }
 
-TEST_CASE("parts that make up the grid make up the area, atom by atom", "[region]") {
+TEST_CASE("areas of parts that make up the grid add up, atom by atom", "[region]") {
   const std::vector<Atom> atoms = make_chain(60, 13);
   Parameters parameters;
   const Result full = result_of(atoms, parameters);
@@ -206,7 +206,7 @@ TEST_CASE("parts that make up the grid make up the area, atom by atom", "[region
           Catch::Approx(std::stod(full.areas[a].substr(full.areas[a].find(' ')))).margin(1e-10));
 }
 
-TEST_CASE("chosen blocks are those of the whole grid's tiling", "[region]") {
+TEST_CASE("chosen blocks are blocks of the whole grid", "[region]") {
   const std::vector<Atom> atoms = make_chain(60, 14);
   Parameters parameters;
   parameters.block_size = 20;
@@ -236,7 +236,7 @@ TEST_CASE("chosen blocks are those of the whole grid's tiling", "[region]") {
   }
 }
 
-TEST_CASE("a region is closed, and must hold a point", "[region]") {
+TEST_CASE("a region includes its boundary and must contain a point", "[region]") {
   Grid grid;
   grid.origin = {-1, 0.1, 5};
   grid.spacing = 0.1;
@@ -268,7 +268,7 @@ TEST_CASE("a region whose bounds are not finite is refused", "[region]") {
       }
 }
 
-TEST_CASE("a region is verified within", "[region]") {
+TEST_CASE("a verification checks points and edges of the region", "[region]") {
   const std::vector<Atom> atoms = make_chain(150, 15);
   Parameters parameters;
   const Grid grid = make_plan(atoms, parameters, {}).grid;
@@ -281,7 +281,7 @@ TEST_CASE("a region is verified within", "[region]") {
   CHECK(summary.verification->faults.empty());
 }
 
-TEST_CASE("only atoms near a region get patches, and the plan knows", "[region]") {
+TEST_CASE("only atoms near a region get patches, and the plan counts them", "[region]") {
   const std::vector<Atom> atoms = make_cube(12, 3.6, 1.8);  // 40 angstrom a side
   Parameters parameters;
   const Plan full = make_plan(atoms, parameters, {});
@@ -300,7 +300,7 @@ TEST_CASE("only atoms near a region get patches, and the plan knows", "[region]"
   CHECK(placements < everywhere.placements().size() / 4);
 }
 
-TEST_CASE("a region where there is nothing", "[region]") {
+TEST_CASE("a region without atoms has empty results", "[region]") {
   const std::vector<Atom> atoms{{{0, 0, 0}, 1}, {{60, 60, 60}, 1}};
   Parameters parameters;
   parameters.spacing = 1;

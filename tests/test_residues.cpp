@@ -1,4 +1,4 @@
-// Areas of residues and chains: sums of the atoms' areas, as a table.
+// Tests of the areas of residues and chains: tables with sums of the atoms' areas.
 
 #include <filesystem>
 #include <numeric>
@@ -47,7 +47,7 @@ std::vector<std::vector<std::string>> rows_of(const std::filesystem::path& path)
 
 }  // namespace
 
-TEST_CASE("a residue is a run of atoms, a chain whatever has its label", "[residues]") {
+TEST_CASE("a residue is a run of atoms, a chain all atoms with its label", "[residues]") {
   const std::vector<AtomLabel> labels{label("A", "1", "ALA"),  label("A", "1", "ALA"),
                                       label("A", "1A", "ALA"), label("B", "1", "ALA"),
                                       label("B", "1", "GLY"),  label("A", "1", "ALA")};
@@ -63,7 +63,7 @@ TEST_CASE("a residue is a run of atoms, a chain whatever has its label", "[resid
         "B,2,2,24.000000\n");
 }
 
-TEST_CASE("labels that are missing or hold commas and quotes", "[residues]") {
+TEST_CASE("missing labels and labels with commas and quotes are written as CSV", "[residues]") {
   CHECK(tables_of({label("", "1", "A,B"), label("\"", "", "X\"Y")}, {1, 2}) ==
         "chain,residue_number,residue,atoms,area\n"
         ",1,\"A,B\",1,1.000000\n"

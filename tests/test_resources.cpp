@@ -1,4 +1,5 @@
-// What the machine grants: threads and memory, with control groups as they might be.
+// Tests of the resources that the machine grants: threads and memory, with simulated control
+// groups.
 
 #include <sched.h>
 #include <sys/wait.h>
@@ -27,7 +28,7 @@ constexpr int without_quota = 1 << 20;
 constexpr std::uint64_t kibibyte = 1024;
 constexpr std::uint64_t unlimited = std::numeric_limits<std::uint64_t>::max();
 
-/// A directory with these files, in place of the one below which proc/ and sys/ are mounted.
+/// A directory with these files, which replaces the parent of proc/ and sys/.
 class FakeRoot {
  public:
   explicit FakeRoot(const Files& files) {
@@ -83,7 +84,7 @@ TEST_CASE("the smallest quota of a control group and those above counts", "[reso
   CHECK(quota(files) == 1);
 }
 
-TEST_CASE("a quota of version 1 stands below its controller", "[resources]") {
+TEST_CASE("a quota of version 1 is read below its controller", "[resources]") {
   const std::string groups = "12:memory:/other\n4:cpu,cpuacct:/job\n1:name=systemd:/x\n";
   Files files{{"proc/self/cgroup", groups},
               {"sys/fs/cgroup/cpu/job/cpu.cfs_quota_us", "250000\n"},
@@ -93,13 +94,13 @@ TEST_CASE("a quota of version 1 stands below its controller", "[resources]") {
   CHECK(quota(files) == 3);
   files["sys/fs/cgroup/cpu/job/cpu.cfs_quota_us"] = "-1\n";
   CHECK(quota(files) == without_quota);
-  // A controller whose name only contains the wanted one is another.
+  // A controller whose name only contains the wanted name is another one.
   files["proc/self/cgroup"] = "3:cpuset:/job\n";
   files["sys/fs/cgroup/cpuset/job/cpu.max"] = "100000 100000\n";
   CHECK(quota(files) == without_quota);
 }
 
-TEST_CASE("memory is the least of what the system and the control groups leave", "[resources]") {
+TEST_CASE("available memory is the minimum over the system and the control groups", "[resources]") {
   CHECK(memory({}) == unlimited);
   Files files{{"proc/meminfo", "MemTotal: 9000 kB\nMemFree: 1 kB\nMemAvailable:   4000 kB\n"}};
   CHECK(memory(files) == 4000 * kibibyte);
@@ -111,7 +112,7 @@ TEST_CASE("memory is the least of what the system and the control groups leave",
   files["sys/fs/cgroup/job/memory.max"] = "1000000\n";
   files["sys/fs/cgroup/job/memory.current"] = "400000\n";
   CHECK(memory(files) == 600'000);
-  // The page cache gives way, other memory of files does not.
+  // The page cache can be freed, other memory of files cannot.
   files["sys/fs/cgroup/job/memory.stat"] =
       "anon 1\nactive_file 100000\ninactive_file 50000\nshmem 7";
   CHECK(memory(files) == 750'000);
@@ -122,7 +123,7 @@ TEST_CASE("memory is the least of what the system and the control groups leave",
   CHECK(memory(files) == 0);
 }
 
-TEST_CASE("memory limits of version 1 stand below their controller", "[resources]") {
+TEST_CASE("memory limits of version 1 are read below their controller", "[resources]") {
   Files files{{"proc/meminfo", "MemAvailable: 4000 kB\n"},
               {"proc/self/cgroup", "9:memory:/job\n4:cpu:/job\n"},
               {"sys/fs/cgroup/memory/job/memory.limit_in_bytes", "2000000\n"},
@@ -130,7 +131,7 @@ TEST_CASE("memory limits of version 1 stand below their controller", "[resources
               {"sys/fs/cgroup/cpu/job/memory.limit_in_bytes", "10\n"},
               {"sys/fs/cgroup/cpu/job/memory.usage_in_bytes", "0\n"}};
   CHECK(memory(files) == 1'500'000);
-  files["sys/fs/cgroup/memory/job/memory.limit_in_bytes"] = "9223372036854771712\n";  // none
+  files["sys/fs/cgroup/memory/job/memory.limit_in_bytes"] = "9223372036854771712\n";  // no limit
   CHECK(memory(files) == 4000 * kibibyte);
 }
 
@@ -152,7 +153,7 @@ TEST_CASE("a program has no more threads than processors to which it is bound", 
   CPU_ZERO(&allowed);
   REQUIRE(sched_getaffinity(0, sizeof(allowed), &allowed) == 0);
   const Sandbox sandbox;
-  // Many blocks, so that there is work for many threads.
+  // There are many blocks, so that there is work for many threads.
   const std::string run =
       Sandbox::command({"atom.xyzr", "1.4", "0.2", "0.8", "-b", "3", "--dry-run", "--json"});
   const std::string to_file = " >" + shell_quoted((sandbox.directory() / "report").string());
@@ -181,7 +182,8 @@ TEST_CASE("a program has no more threads than processors to which it is bound", 
     check_json(sandbox, threads_when(processors, ""), "r['threads']",
                std::to_string(std::min(processors, granted)));
   }
-  // OpenMP's variable counts more than the processors, and less than the quota.
+  // The value of OpenMP's variable is larger than the number of processors and smaller than the
+  // quota.
   check_json(sandbox, threads_when(1, "OMP_NUM_THREADS=3 "), "r['threads']",
              std::to_string(std::min(3, granted)));
 }

@@ -1,4 +1,4 @@
-// Results handed out block by block.
+// Tests of results that are passed on block by block.
 
 #include <algorithm>
 #include <array>
@@ -19,7 +19,8 @@
 namespace eses::detail::test {
 namespace {
 
-// A line of intersection_info.txt, as far as the order goes: lower point z, y, x, then axis.
+// The part of a line of intersection_info.txt that decides its order: lower point z, y, x, then
+// axis.
 using EdgePlace = std::array<std::int64_t, 4>;
 
 EdgePlace place_of(const test::Crossing& crossing) {
@@ -33,7 +34,7 @@ EdgePlace place_of(const test::Crossing& crossing) {
 
 }  // namespace
 
-TEST_CASE("blocks handed out have the points and crossings of the files", "[solved_block]") {
+TEST_CASE("solved blocks have the points and crossings of the files", "[solved_block]") {
   const std::vector<Atom> atoms = make_atom_set(Kind::chain, 3);
   for (const std::int64_t block_size : {5, 12, 64}) {
     Parameters parameters;
@@ -93,12 +94,12 @@ TEST_CASE("callbacks of a run are called one at a time", "[solved_block]") {
   parameters.verify = 100;
   std::atomic<int> running = 0;
   std::atomic<std::int64_t> overlaps = 0, progress_calls = 0, block_calls = 0;
-  // One thread calls the one for verification, and only where the others leave it something to do.
+  // The callback for verification is called by a thread that has nothing else to do.
   std::atomic<std::int64_t> checks = 0;
   const auto stay_a_while = [&](std::atomic<std::int64_t>& calls) {
     if (++running > 1) ++overlaps;
     ++calls;
-    // Long enough for the other threads to end a block each and call, too.
+    // The wait is so long that each of the other threads ends a block and calls as well.
     std::this_thread::sleep_for(std::chrono::microseconds(500));
     if (--running > 0) ++overlaps;
   };
@@ -113,7 +114,7 @@ TEST_CASE("callbacks of a run are called one at a time", "[solved_block]") {
   CHECK(overlaps == 0);
 }
 
-TEST_CASE("what the callback for blocks throws ends the run", "[solved_block]") {
+TEST_CASE("an exception of the callback for blocks ends the run", "[solved_block]") {
   const std::vector<Atom> atoms = make_atom_set(Kind::gas, 1);
   Parameters parameters;
   parameters.block_size = 8;

@@ -1,4 +1,4 @@
-// The maps for Poisson-Boltzmann solvers, read back and compared with the definition of the
+// Reads the maps for Poisson-Boltzmann solvers back and compares them with the definition of the
 // surface.
 
 #include <fmt/format.h>
@@ -81,7 +81,7 @@ SolverMaps maps_in(const fs::path& directory) {
   return maps;
 }
 
-/// The share of an edge that lies inside, from its dielectric.
+/// Returns the share of an edge that lies inside, from its dielectric.
 double share_of(double dielectric) {
   return (1 / dielectric - 1 / solvent) / (1 / solute - 1 / solvent);
 }
@@ -90,8 +90,8 @@ bool is_inside(const AccessibleSet& set, Vec3 point) {
   return !nearest_accessible(set, point, set.probe_radius);
 }
 
-/// The length inside between two points whose sides differ or not, by halving down to 1e-7
-/// angstrom; `parts` pieces are looked at first, so that thin ones are not missed.
+/// Returns the length inside between two points. `parts` pieces are tested first, so that thin ones
+/// are not missed. Pieces whose ends differ are halved down to 1e-8 angstrom.
 double inside_length(const AccessibleSet& set, Vec3 low, Vec3 high, int parts) {
   double inside = 0;
   const Vec3 step = high - low;
@@ -116,8 +116,7 @@ double inside_length(const AccessibleSet& set, Vec3 low, Vec3 high, int parts) {
   return inside;
 }
 
-/// Compares every edge that has a mean, or that has neighbours of another value, with the
-/// definition.
+/// Compares edges with the definition if they have a mean value or a neighbour with another value.
 void check_edges(const std::vector<Atom>& atoms, double probe_radius, const Grid& grid,
                  const SolverMaps& maps, int max_edges) {
   const AccessibleSet set = make_accessible_set(atoms, probe_radius);
@@ -142,7 +141,7 @@ void check_edges(const std::vector<Atom>& atoms, double probe_radius, const Grid
           CHECK((value >= solute && value <= solvent));
           edges.push_back(lower);
         }
-    // Edges with a mean first; of the others, any.
+    // Edges with a mean come first, then any others.
     std::stable_partition(edges.begin(), edges.end(), [&](const GridIndex& lower) {
       const double value = map.at(lower);
       return value != solute && value != solvent;
@@ -159,7 +158,7 @@ void check_edges(const std::vector<Atom>& atoms, double probe_radius, const Grid
       const double inside = inside_length(set, low, high, 64) / grid.spacing;
       INFO("axis " << axis << " edge " << lower[0] << ' ' << lower[1] << ' ' << lower[2]
                    << " value " << value << " share " << share_of(value) << " expected " << inside);
-      // Seven digits of the value; pieces shorter than 1/64 of the edge may escape the sampling.
+      // The value has seven digits. Pieces shorter than 1/64 of the edge may escape the sampling.
       CHECK(std::fabs(share_of(value) - inside) < 2e-6);
       if (is_partial) ++partial;
       if (is_partial && is_inside(set, low) == is_inside(set, high)) ++several;
@@ -181,7 +180,7 @@ void check_ion_access(const std::vector<Atom>& atoms, double ion_radius, const G
         double depth = -1e9;
         for (const Atom& atom : atoms)
           depth = std::max(depth, atom.radius + ion_radius - norm(point - atom.center));
-        if (std::fabs(depth) < 1e-9) continue;  // on a sphere, to within rounding
+        if (std::fabs(depth) < 1e-9) continue;  // on a sphere up to rounding
         const double expected = depth > 0 ? 0 : 1;
         wrong += map.at({x, y, z}) != expected ? 1 : 0;
         covered += depth > 0 ? 1 : 0;
@@ -222,13 +221,13 @@ TEST_CASE("maps for solvers agree with the definition on all kinds of atoms", "[
     }
 }
 
-// Where spheres are coarse on the grid the surface cuts many edges twice.
-TEST_CASE("edges that the surface cuts several times have the sum of their parts",
+// Where spheres are coarse on the grid, the surface cuts many edges twice.
+TEST_CASE("edges that the surface cuts several times have the sum of their inside lengths",
           "[solver-maps]") {
   const double r = 0.3, probe = 1.4, h = 1;
   Parameters parameters = parameters_for(probe, h);
-  // The edge from (0, 0, 0) to (1, 0, 0) passes the centre of the first sphere, that along y passes
-  // the second 0.2 off its centre; both ends of either are outside.
+  // The edge from (0, 0, 0) to (1, 0, 0) passes through the centre of the first sphere. The edge
+  // along y passes the centre of the second one at 0.2. Both ends of both edges are outside.
   const std::vector<Atom> atoms{{{0.5, 0, 0}, r}, {{8.2, 0.45, 0}, r}};
   parameters.grid = Grid{{-2, -2, -2}, h, {14, 6, 6}};
   Grid grid;
@@ -237,7 +236,7 @@ TEST_CASE("edges that the surface cuts several times have the sum of their parts
   const double aside = maps.dielectric[1].at({10, 2, 2});
   CHECK(share_of(through) == Catch::Approx(2 * r).epsilon(1e-5));
   CHECK(share_of(aside) == Catch::Approx(2 * std::sqrt(r * r - 0.04)).epsilon(1e-5));
-  // All other edges pass the spheres by.
+  // All other edges miss the spheres.
   int others = 0;
   for (const DxMap& map : maps.dielectric)
     others += static_cast<int>(std::count_if(map.values.begin(), map.values.end(),
@@ -247,7 +246,7 @@ TEST_CASE("edges that the surface cuts several times have the sum of their parts
 
 TEST_CASE("a hole that a probe reaches is left out of an edge whose ends are inside",
           "[solver-maps]") {
-  // Two large atoms with a slit between them that holds no grid point.
+  // There is a slit between two large atoms that contains no grid point.
   const std::vector<Atom> atoms{{{-3.2, 0, 0}, 3}, {{3.2, 0, 0}, 3}};
   Parameters parameters = parameters_for(0.1, 1);
   parameters.grid = Grid{{-8.5, -4, -4}, 1, {18, 9, 9}};
@@ -263,7 +262,7 @@ TEST_CASE("the dielectric of an edge is the harmonic mean", "[solver-maps]") {
   parameters.grid = Grid{{-2, -2, -2}, 0.5, {9, 9, 9}};
   Grid grid;
   const SolverMaps maps = maps_of(atoms, parameters, grid);
-  const double t = (1.3 - 1) / 0.5;  // of the edge from 1 to 1.5
+  const double t = (1.3 - 1) / 0.5;  // share of the edge from 1 to 1.5
   const double mean = 1 / (t / solute + (1 - t) / solvent);
   CHECK(maps.dielectric[0].at({6, 4, 4}) == Catch::Approx(mean).epsilon(1e-6));
   CHECK(maps.dielectric[1].at({4, 6, 4}) == Catch::Approx(mean).epsilon(1e-6));
@@ -273,7 +272,7 @@ TEST_CASE("the dielectric of an edge is the harmonic mean", "[solver-maps]") {
   CHECK(maps.dielectric[0].at({7, 4, 4}) == solvent);
 }
 
-TEST_CASE("threads, block size and a mesh leave no trace in maps for solvers", "[solver-maps]") {
+TEST_CASE("maps for solvers do not depend on threads, block size and a mesh", "[solver-maps]") {
   for (const Kind kind : {Kind::chain, Kind::lattice, Kind::snapped, Kind::tangent}) {
     const std::vector<Atom> atoms = make_atom_set(kind, 3);
     std::array<std::string, 4> expected;
@@ -341,7 +340,8 @@ TEST_CASE("the volume by the divergence theorem converges to that of a sphere", 
   }
 }
 
-TEST_CASE("the volume is that of the design: signed distances summed over crossings", "[volume]") {
+TEST_CASE("the volume by the divergence theorem is the sum of signed coordinates of crossings",
+          "[volume]") {
   const std::vector<Atom> atoms = make_chain(60, 2);
   const RunResult result = run_and_read(Molecule(atoms, {}), parameters_for(1.4, 0.5));
   double sum = 0;
@@ -352,7 +352,7 @@ TEST_CASE("the volume is that of the design: signed distances summed over crossi
   CHECK(result.summary.divergence_volume == Catch::Approx(0.25 * sum / 3).epsilon(1e-9));
 }
 
-TEST_CASE("volumes of parts add up, whatever they cut", "[volume]") {
+TEST_CASE("volumes of parts by the divergence theorem add up", "[volume]") {
   const std::vector<Atom> atoms = make_chain(60, 2);
   const Grid grid = make_grid(eses::Surface(atoms), {.spacing = 0.5});
   const eses::Surface whole_surface(atoms);
@@ -366,13 +366,13 @@ TEST_CASE("volumes of parts add up, whatever they cut", "[volume]") {
   const double sum = volume({{0, 0, 0}, {x, n[1], n[2]}}) + volume({{x, 0, 0}, {n[0], n[1], z}}) +
                      volume({{x, 0, z}, n});
   CHECK(sum == Catch::Approx(volume(grid.whole())).epsilon(1e-12));
-  // All of a box of 4 x 4 x 4 points is inside the large sphere.
+  // A box of 4 x 4 x 4 points is completely inside the large sphere.
   const eses::Surface ball(std::vector<Atom>{{{0, 0, 0}, 9}});
   const Grid within{{-1, -1, -1}, 0.5, {4, 4, 4}};
   CHECK(eses::compute(ball, within).summary().divergence_volume == Catch::Approx(8));
 }
 
-TEST_CASE("usage errors of maps for solvers", "[solver-maps][cli]") {
+TEST_CASE("usage errors of maps for solvers name the option", "[solver-maps][cli]") {
   const Sandbox sandbox;
   const std::string permittivity = ", expected a number from 1e-09 to 1e+09";
   const std::vector<std::pair<Arguments, std::string>> cases{
@@ -403,7 +403,8 @@ TEST_CASE("usage errors of maps for solvers", "[solver-maps][cli]") {
   CHECK(sandbox.files().empty());
 }
 
-TEST_CASE("the program writes maps for solvers, and plans them", "[solver-maps][cli]") {
+TEST_CASE("the program writes maps for solvers, and the plan has their sizes",
+          "[solver-maps][cli]") {
   const Sandbox sandbox;
   const Arguments arguments{"pair.xyzr",    "--write",   "none",    "-o",      "out",
                             "--dielectric", "out/diel_", "--kappa", "kappa.dx"};

@@ -1,5 +1,5 @@
-// PDB and mmCIF files: what is read, what is left out, and which radii atoms have. The references
-// are the wwPDB's formats, FreeSASA, MSMS and the papers of the radii.
+// Tests of PDB and mmCIF files: records that are read and left out, and the radii of atoms. The
+// references are the wwPDB's formats, FreeSASA, MSMS and the articles on the radii.
 
 #include <fmt/format.h>
 
@@ -88,7 +88,7 @@ bool contains(const std::string& text, std::string_view part) {
   return text.find(part) != std::string::npos;
 }
 
-/// `A ALA 1 CA` of each atom.
+/// Returns the label of each atom, such as `A ALA 1 CA`.
 std::vector<std::string> names_of(const AtomFile& file) {
   std::vector<std::string> names;
   for (const auto& [chain, residue, number, name] : file.labels)
@@ -120,7 +120,7 @@ _atom_site.auth_asym_id
 _atom_site.pdbx_PDB_model_num
 )";
 
-/// The text of a gzipped or plain file.
+/// Returns the text of a gzipped or plain file.
 std::string text_of(const fs::path& path) {
   const std::unique_ptr<FILE, int (*)(FILE*)> pipe(
       popen(fmt::format("gzip -dcf '{}'", path.string()).c_str(), "r"), pclose);
@@ -133,7 +133,7 @@ std::string text_of(const fs::path& path) {
 
 bool has_freesasa() { return std::system("freesasa --version >/dev/null 2>&1") == 0; }
 
-/// Radii that FreeSASA assigns, by the columns of the coordinates.
+/// Returns the radii that FreeSASA assigns, by the columns of the coordinates.
 std::map<std::string, double> freesasa_radii(const fs::path& pdb) {
   const std::unique_ptr<FILE, int (*)(FILE*)> pipe(
       popen(fmt::format(
@@ -160,7 +160,7 @@ std::string columns_of(const eses::Vec3& at) {
 
 // ---------------------------------------------------------------------------------------- radii
 
-TEST_CASE("protor: FreeSASA's table, atom by atom", "[structure][radii]") {
+TEST_CASE("protor: the radii are those of FreeSASA's table, atom by atom", "[structure][radii]") {
   const fs::path path = freesasa_data + "protor.config";
   if (!fs::exists(path)) SKIP("freesasa is not installed");
   const std::string text = text_of(path);
@@ -186,7 +186,7 @@ TEST_CASE("protor: FreeSASA's table, atom by atom", "[structure][radii]") {
   CHECK(atoms == 506);
 }
 
-TEST_CASE("protor: radii of the paper's types", "[structure][radii]") {
+TEST_CASE("protor: the radii of atom types are those of the article", "[structure][radii]") {
   // Tsai et al. (1999), table 2.
   const auto set = eses::detail::named_radii_set("protor").value();
   const auto radius = [&](std::string_view residue, std::string_view atom) {
@@ -206,7 +206,7 @@ TEST_CASE("protor: radii of the paper's types", "[structure][radii]") {
   CHECK(zinc->radius == 1.39);
 }
 
-TEST_CASE("bondi: the papers' radii", "[structure][radii]") {
+TEST_CASE("bondi: the radii are those of the articles", "[structure][radii]") {
   const auto set = eses::detail::named_radii_set("bondi").value();
   CHECK_FALSE(set.is_united);
   const std::vector<std::pair<std::string, double>> expected{
@@ -226,7 +226,7 @@ TEST_CASE("bondi: the papers' radii", "[structure][radii]") {
   CHECK_FALSE(set.find({"LIG", "X1", "Pm"}));
 }
 
-TEST_CASE("msms: united atoms of amino acids", "[structure][radii]") {
+TEST_CASE("msms: united atoms of amino acids have Connolly's radii", "[structure][radii]") {
   // Connolly's united radii; OG of serine has a hydrogen, ND1 of histidine has none.
   const auto set = eses::detail::named_radii_set("msms").value();
   CHECK(set.is_united);
@@ -248,8 +248,8 @@ TEST_CASE("msms: united atoms of amino acids", "[structure][radii]") {
   CHECK_FALSE(set.find({"XE", "XE", "X"}));
 }
 
-TEST_CASE("msms: the atoms that MSMS has made of 1A8O", "[structure][radii]") {
-  // Biopython's tests have the output of pdb_to_xyzr of MSMS.
+TEST_CASE("msms: the atoms of 1A8O are those of MSMS", "[structure][radii]") {
+  // Biopython's tests contain the output of pdb_to_xyzr of MSMS.
   const fs::path reference = biopython_data + "1A8O.xyzr.gz";
   if (!fs::exists(reference)) SKIP("python-biopython-doc is not installed");
   StructureOptions options;
@@ -279,12 +279,12 @@ TEST_CASE("protor: FreeSASA assigns the same radii", "[structure][radii][freesas
     if (!path.filename().string().ends_with(".pdb") &&
         !path.filename().string().ends_with(".pdb.gz"))
       continue;
-    // Its records have no elements, and names that FreeSASA takes for calcium.
+    // Its records have no elements, and FreeSASA takes some of its names for calcium.
     if (path.filename() == "a_structure.pdb.gz") continue;
     const fs::path plain = directory.path() / "plain.pdb";
     std::ofstream(plain) << text_of(path);
     const std::map<std::string, double> expected = freesasa_radii(plain);
-    if (expected.empty()) continue;  // as for a file with a header alone
+    if (expected.empty()) continue;  // the file has only a header
     StructureOptions options;
     options.with_waters = true;
     const AtomFile ours = read_file(path, options);
@@ -305,7 +305,7 @@ TEST_CASE("protor: FreeSASA assigns the same radii", "[structure][radii][freesas
   CHECK(compared >= 4);
 }
 
-TEST_CASE("a file of radii in FreeSASA's format", "[structure][radii]") {
+TEST_CASE("a file of radii in FreeSASA's format is read", "[structure][radii]") {
   const std::string text =
       "# a comment\nname: mine\r\n\ntypes:\nC_ALI 2.00 apolar\nO 1.4 polar # oxygen\n"
       "atoms:\nANY CA C_ALI\nALA O O\nALA CA O\n";
@@ -332,7 +332,7 @@ TEST_CASE("a file of radii in FreeSASA's format", "[structure][radii]") {
   CHECK(contains(error(""), "f: no atoms found"));
 }
 
-TEST_CASE("radii: names, files and what is neither", "[structure][radii]") {
+TEST_CASE("radii: a name or a file is accepted, and other text refused", "[structure][radii]") {
   const std::string text = line_of({});
   StructureOptions options;
   options.radii = "bondy";
@@ -367,7 +367,7 @@ TEST_CASE("atoms without a radius are named", "[structure][radii]") {
 
 // ------------------------------------------------------------------------------------------ PDB
 
-TEST_CASE("PDB: atoms, labels and lines", "[structure]") {
+TEST_CASE("PDB: atoms have their labels and lines", "[structure]") {
   const std::string text =
       "REMARK nothing\n" + line_of({.number = "  52A", .x = 1.5}) + "TER\n" +
       line_of({.name = " O  ", .chain = "B", .number = "  -1 ", .z = -2, .element = " O"}) +
@@ -420,13 +420,13 @@ TEST_CASE("PDB: damaged records are named", "[structure]") {
   CHECK(contains(pdb_error("MODEL        1\n" + good + "MODEL        1\n"), "t.pdb:3: MODEL"));
 }
 
-TEST_CASE("PDB: columns that old files use otherwise", "[structure]") {
-  // The entry and the line's number stood where elements and charges stand now.
+TEST_CASE("PDB: columns with another meaning in old files are ignored", "[structure]") {
+  // Old files have the entry and the number of the line where newer ones have elements and charges.
   std::string old = line_of({}).substr(0, 66) + "      1HPV 168\n";
   CHECK(read_pdb(old).atoms.at(0).radius == 1.88);
   StructureOptions bondi;
   bondi.radii = "bondi";
-  // Names that do not begin in the column of their element.
+  // These names do not begin in the column of their element.
   for (const auto& [name, element] : std::map<std::string, double>{
            {"CA  ", 1.70}, {"HG  ", 1.20}, {"NE  ", 1.55}, {"1HB ", 1.20}, {"OD1 ", 1.52}}) {
     std::string text = line_of({.name = name}).substr(0, 66) + "\n";
@@ -438,7 +438,7 @@ TEST_CASE("PDB: columns that old files use otherwise", "[structure]") {
   CHECK(read_pdb(mercury, bondi).atoms.at(0).radius == 1.55);
 }
 
-TEST_CASE("PDB: models", "[structure]") {
+TEST_CASE("PDB: the first or the chosen model is read", "[structure]") {
   const auto model = [](int number, double x) {
     return fmt::format("MODEL {:8}\n", number) + line_of({.x = x}) + "ENDMDL\n";
   };
@@ -472,7 +472,7 @@ TEST_CASE("alternate locations are chosen by residue", "[structure]") {
   CHECK(read_pdb(text, options).lines == std::vector<std::uint64_t>{1, 2, 4, 6});
   options.altloc = "C";
   CHECK(pdb_error(text, options) == "t.pdb: no atom has the alternate location C (--altloc)");
-  // Of equal occupancies the first location.
+  // With equal occupancies the first location is chosen.
   const std::string equal = line_of({.altloc = 'B', .x = 1, .occupancy = 0.5}) +
                             line_of({.altloc = 'A', .x = 2, .occupancy = 0.5});
   CHECK(read_pdb(equal).atoms.at(0).center.x == 2);
@@ -490,7 +490,8 @@ TEST_CASE("one of several residues at a place is read", "[structure]") {
   CHECK(names_of(read_pdb(text, options)) == Names{"A SER 1 CA", "A SER 1 OG"});
 }
 
-TEST_CASE("an atom without the chosen location keeps its own best", "[structure]") {
+TEST_CASE("an atom without the chosen location keeps its location of highest occupancy",
+          "[structure]") {
   const std::string text = line_of({.altloc = 'A', .occupancy = 0.9}) +
                            line_of({.altloc = 'B', .x = 1, .occupancy = 0.1}) +
                            line_of({.name = " CB ", .altloc = 'C', .x = 2, .occupancy = 0.2}) +
@@ -520,7 +521,7 @@ std::string mixed_text() {
 
 }  // namespace
 
-TEST_CASE("waters, ligands, hydrogens and chains", "[structure]") {
+TEST_CASE("waters, ligands, hydrogens and chains are read as the options say", "[structure]") {
   const std::string text = mixed_text();
   AtomFile file = read_pdb(text);
   CHECK(file.lines == std::vector<std::uint64_t>{1, 3, 4});
@@ -555,7 +556,7 @@ TEST_CASE("waters, ligands, hydrogens and chains", "[structure]") {
         "t.pdb: there is no chain \"C\" (--chains); its chains are \"A,B\"");
 }
 
-TEST_CASE("selections in gemmi's syntax", "[structure]") {
+TEST_CASE("selections in gemmi's syntax choose atoms", "[structure]") {
   const std::string text = mixed_text();
   StructureOptions options;
   options.select = "/1/B";
@@ -575,7 +576,7 @@ TEST_CASE("selections in gemmi's syntax", "[structure]") {
 
 // ---------------------------------------------------------------------------------------- mmCIF
 
-TEST_CASE("mmCIF: atoms, labels and lines", "[structure]") {
+TEST_CASE("mmCIF: atoms have their labels and lines", "[structure]") {
   const std::string text = mmcif_head +
                            "ATOM 1 C CA . ALA A 1 1 ? 1.5 0 0 1.0 20 52 X 1\n"
                            "ATOM 2 O O . ALA A 1 1\n? 0 0 2 1.0 20 52 X 1\n"
@@ -607,7 +608,7 @@ TEST_CASE("mmCIF: damaged files are refused", "[structure]") {
   }
 }
 
-TEST_CASE("mmCIF: a crystal structure with modified residues", "[structure]") {
+TEST_CASE("mmCIF: a crystal structure with modified residues is read", "[structure]") {
   // The C-terminal domain of a capsid protein: 70 residues, four of them selenomethionine.
   const AtomFile file = read_file(crystal);
   CHECK(file.atoms.size() == 556);
@@ -650,8 +651,8 @@ TEST_CASE("an assembly has copies with names of their own", "[structure]") {
   std::map<std::string, int> chains;
   for (const auto& label : file.labels) ++chains[label.chain];
   CHECK(chains == std::map<std::string, int>{{"A", 556}, {"A-2", 556}});
-  // The second operator of the entry is a rotation: (-x, y, z) -> (y, x, -z) of P 43 21 2 or alike
-  // keeps distances.
+  // The second operator of the entry is a rotation, (-x, y, z) -> (y, x, -z) of P 43 21 2 or a
+  // similar one. It keeps distances.
   const std::size_t n = one.atoms.size();
   for (std::size_t i = 1; i < n; ++i) {
     const auto distance = [&](std::size_t a, std::size_t b) {
@@ -682,7 +683,7 @@ const std::string dimer_remarks =
 
 }  // namespace
 
-TEST_CASE("an assembly of a PDB file", "[structure]") {
+TEST_CASE("an assembly of a PDB file has copies", "[structure]") {
   const std::string text =
       dimer_remarks + line_of({.x = 3, .y = 4, .z = 5}) + line_of({.chain = "B", .x = 30});
   StructureOptions options;
@@ -760,7 +761,8 @@ TEST_CASE("reading structures keeps the limit of memory", "[structure]") {
   CHECK(contains(message, "reading the file exceeds the memory limit of 1 MiB"));
 }
 
-TEST_CASE("formats that are not read are named, with a way to convert them", "[structure]") {
+TEST_CASE("formats that are not read are refused with a command that converts them",
+          "[structure]") {
   const auto by_suffix = [](const std::string& name) {
     return error_of([&] { eses::detail::refuse_other_suffix(name); });
   };
@@ -792,7 +794,7 @@ TEST_CASE("formats that are not read are named, with a way to convert them", "[s
   CHECK(contains(by_content("\x83\xa7"
                             "encoder\xa3"),
                  "BinaryCIF"));
-  // The format that is given holds.
+  // A format that the user gives is used.
   const TemporaryDirectory directory;
   const fs::path path = directory.path() / "spheres.xyz";
   std::ofstream(path) << "0 0 0 1\n";
@@ -802,7 +804,7 @@ TEST_CASE("formats that are not read are named, with a way to convert them", "[s
 
 // ------------------------------------------------------------------------------------------ PQR
 
-TEST_CASE("PQR: several models", "[structure][pqr]") {
+TEST_CASE("PQR: a file with several models needs a chosen one", "[structure][pqr]") {
   const auto model = [](int number, double x) {
     return fmt::format("MODEL        {}\nATOM 1 N ALA A 1 {} 0 0 0.1 1.5\nENDMDL\n", number, x);
   };
@@ -822,8 +824,8 @@ TEST_CASE("PQR: several models", "[structure][pqr]") {
   CHECK(contains(error_of([&] { read("MODEL x\n" + two); }), "t.pqr:1: expected the number"));
 }
 
-TEST_CASE("PQR: models in pieces of a file", "[structure][pqr]") {
-  // Long enough for several pieces of text.
+TEST_CASE("PQR: models are found in parts of a file", "[structure][pqr]") {
+  // The text is long enough to be read in several parts.
   std::string text;
   for (int model = 1; model <= 3; ++model) {
     text += fmt::format("MODEL        {}\n", model);
@@ -850,7 +852,7 @@ TEST_CASE("PQR: numbers behind the radius are refused", "[structure][pqr]") {
   CHECK(
       error_of([&] { read("ATOM 1 N ALA A 1 1.0 2.0 3.0 0.1 1.5 9.5\n"); }).starts_with(expected));
   CHECK(error_of([&] { read("ATOM 1 N ALA 1 1.0 2.0 3.0 0.1 1.5 9.5\n"); }).starts_with(expected));
-  // In columns, where coordinates run together.
+  // In columns, coordinates may run together.
   const std::string columns =
       "ATOM      1  N   ALA A   1    -100.000-100.000-100.000  0.1000 1.5000";
   CHECK(read(columns + "\n").atoms.at(0).radius == 1.5);
@@ -864,7 +866,8 @@ using eses::detail::test::check_json;
 using eses::detail::test::Outcome;
 using eses::detail::test::Sandbox;
 
-TEST_CASE("the program reads a PDB file and says what it has left out", "[structure][cli]") {
+TEST_CASE("the program reads a PDB file and reports the atoms that it leaves out",
+          "[structure][cli]") {
   const Sandbox sandbox;
   eses::detail::test::write_file(sandbox.directory() / "m.pdb", mixed_text());
   const Outcome text = sandbox.run({"m.pdb", "--write", "none"});
@@ -881,12 +884,12 @@ TEST_CASE("the program reads a PDB file and says what it has left out", "[struct
   check_json(sandbox, json.out, "r['structure']['radii_by_element'][0]['element']", "'C'");
   check_json(sandbox, json.out, "r['structure']['assembly']", "None");
 
-  // The same by standard input.
+  // Standard input gives the same result.
   const Outcome piped = sandbox.run({"-", "--format", "pdb", "--write", "none"}, "< m.pdb");
   CHECK(contains(piped.out, "read: 2 ATOM records, 1 HETATM record\n"));
 }
 
-TEST_CASE("residues and chains of PDB files", "[structure][cli]") {
+TEST_CASE("areas of residues and chains of PDB files are written", "[structure][cli]") {
   const Sandbox sandbox;
   eses::detail::test::write_file(sandbox.directory() / "m.pdb", mixed_text());
   REQUIRE(
@@ -914,7 +917,7 @@ TEST_CASE("diagnostics name the atoms of PDB files", "[structure][cli]") {
   check_json(sandbox, json.out, "r['diagnostics'][0]['first'][0]['other_label']", "'A/ALA 33/CA'");
 }
 
-TEST_CASE("options of structures need a structure", "[structure][cli]") {
+TEST_CASE("options of structure files are refused for xyzr files", "[structure][cli]") {
   const Sandbox sandbox;
   eses::detail::test::write_file(sandbox.directory() / "a.xyzr", "0 0 0 1\n");
   eses::detail::test::write_file(sandbox.directory() / "a.pqr", "ATOM 1 N ALA A 1 0 0 0 0.1 1.5\n");

@@ -1,4 +1,4 @@
-// Sums over crossings: how a share is divided, and that no order and no number of them matters.
+// Tests of sums over crossings: how a share is divided, and that order and number do not matter.
 
 #include <array>
 #include <vector>
@@ -25,8 +25,8 @@ double share(const Tally& tally, AtomIndex atom) {
 
 }  // namespace
 
-TEST_CASE("a crossing's share goes to its atoms by their nearness") {
-  // From the origin 1, 3 and 0 angstrom to the spheres.
+TEST_CASE("a crossing's share is divided among its atoms by their distances") {
+  // The distances from the origin to the spheres are 1, 3 and 0 angstrom.
   const std::vector<Atom> atoms{{{2, 0, 0}, 1}, {{0, 4, 0}, 1}, {{0, 0, 1}, 1}};
   const SurfaceModel surface(atoms, 1.4);
   Tally one;
@@ -54,7 +54,7 @@ TEST_CASE("a crossing's share goes to its atoms by their nearness") {
   CHECK(static_cast<double>(kinds[2]) * area_share_unit == Catch::Approx(1));
 }
 
-TEST_CASE("more crossings than 64-bit sums of 2^-40 could hold") {
+TEST_CASE("sums hold more crossings than 64 bits in units of 2^-40 could") {
   const std::vector<Atom> atoms{{{0, 0, 0}, 350}};
   const SurfaceModel surface(atoms, 1.4);
   Tally tally;
@@ -88,7 +88,7 @@ TEST_CASE("sums of parts are the sum of all, to the last bit, in any order") {
   CHECK(forward.crossings[1] == first.crossings[1] + second.crossings[1]);
 }
 
-TEST_CASE("shares of many atoms, whatever their indices") {
+TEST_CASE("shares of many atoms are right whatever their indices") {
   AreaShares shares;
   std::vector<AreaShare> sums(100000), expected(100000);
   for (const AtomIndex step : {1U, 64U, 4096U})

@@ -1,6 +1,5 @@
-/// The check of a run by the definition: its searches against the oracle of
-/// support/brute_force.hpp, which lists all centres of a molecule without any short cut; what it
-/// says of right results, and of wrong ones.
+/// Tests of --verify: its searches are compared with the oracle of support/brute_force.hpp, which
+/// lists all centres of a molecule without any shortcut. Then right and wrong results are verified.
 
 #include <algorithm>
 #include <cmath>
@@ -27,7 +26,7 @@
 namespace eses::detail {
 namespace {
 
-// Not all of eses::detail::test: it has a crossing of its own.
+// Only some names are used: eses::detail::test has a crossing of its own.
 using test::AccessibleSet;
 using test::all_kinds;
 using test::designed_probe_radius;
@@ -68,9 +67,9 @@ double distance_of(const std::optional<Vec3>& center, Vec3 x, double reach) {
   return center ? norm(*center - x) : reach;
 }
 
-/// Holds the two distances that bracket the definition against the oracle's at one point, which
-/// counts centres up to 1e-9 angstrom inside a SAS ball as accessible. Returns whether the bracket
-/// is so narrow that it leaves no doubt.
+/// Compares the two distances that bracket the definition with the oracle's distance at one point.
+/// The oracle counts centres up to 1e-9 angstrom inside a SAS ball as accessible. Returns whether
+/// the bracket is narrow enough to leave no doubt.
 bool check_bracket(verify::CentreSearch& search, const AccessibleSet& set, Vec3 x, double reach) {
   constexpr double rounding = 1e-8;
   const auto expected = nearest_accessible(set, x, reach);
@@ -91,7 +90,8 @@ bool check_bracket(verify::CentreSearch& search, const AccessibleSet& set, Vec3 
 
 }  // namespace
 
-TEST_CASE("the nearest accessible centre is the oracle's, up to doubt", "[verify]") {
+TEST_CASE("the nearest accessible centre is the oracle's where rounding leaves no doubt",
+          "[verify]") {
   for (const Kind kind : all_kinds)
     for (std::uint64_t seed = 0; seed < 6; ++seed) {
       INFO(kind_name(kind) << ", seed " << seed);
@@ -110,7 +110,8 @@ TEST_CASE("the nearest accessible centre is the oracle's, up to doubt", "[verify
     }
 }
 
-TEST_CASE("the nearest accessible centre among many atoms around a large probe", "[verify]") {
+TEST_CASE("the nearest accessible centre is found among many atoms around a large probe",
+          "[verify]") {
   for (std::uint64_t seed = 0; seed < 3; ++seed)
     for (const double probe : {4.0, 12.0, 40.0}) {
       INFO("seed " << seed << ", probe radius " << probe);
@@ -133,7 +134,7 @@ TEST_CASE("the nearest accessible centre among many atoms around a large probe",
     }
 }
 
-TEST_CASE("a protein around which a large probe rolls is found right", "[verify]") {
+TEST_CASE("a protein with a large probe verifies", "[verify]") {
   const std::vector<Atom> atoms = read_atom_list(std::string(ESES_DATA) + "/1ubq.xyzr");
   Parameters parameters;
   parameters.probe_radius = 30;
@@ -145,8 +146,8 @@ TEST_CASE("a protein around which a large probe rolls is found right", "[verify]
   CHECK(summary.verification->faults.empty());
 }
 
-TEST_CASE("the way to where another probe is as near", "[verify]") {
-  // On the sphere of an atom, as far as the angle between its SAS circle and the point says.
+TEST_CASE("the distance to the place where another probe is as near is exact", "[verify]") {
+  // On the sphere of an atom, the angle between its SAS circle and the point gives the distance.
   const double probe = 1.4, r = 1.6, distance = 4;
   const std::vector<Atom> atoms{{{0, 0, 0}, r}, {{distance, 0, 0}, r}};
   const verify::Definition definition(atoms, probe);
@@ -161,7 +162,7 @@ TEST_CASE("the way to where another probe is as near", "[verify]") {
   }
 }
 
-TEST_CASE("points are drawn from the band, each once, and all of a small one", "[verify]") {
+TEST_CASE("points are drawn from the band, each once, and all points of a small band", "[verify]") {
   const std::vector<Atom> atoms = make_chain(20, 3);
   const verify::Definition definition(atoms, 1.4);
   const Grid grid = make_grid(atoms, 0.7, 1);
@@ -190,7 +191,7 @@ TEST_CASE("points are drawn from the band, each once, and all of a small one", "
   }
 }
 
-TEST_CASE("a sample of edges is the same whatever the parts in which they come", "[verify]") {
+TEST_CASE("a sample of edges does not depend on the parts in which they come", "[verify]") {
   Grid grid;
   grid.size = {100, 100, 100};
   verify::CrossingSample whole(50), left(50), right(50);
@@ -209,7 +210,7 @@ TEST_CASE("a sample of edges is the same whatever the parts in which they come",
   for (std::size_t e = 0; e < edges.size(); ++e) REQUIRE(edges[e].lower == merged[e].lower);
 }
 
-TEST_CASE("right results are found right, degenerate ones too", "[verify]") {
+TEST_CASE("right results have no faults, degenerate ones included", "[verify]") {
   for (const Kind kind : all_kinds)
     for (std::uint64_t seed = 0; seed < 12; ++seed) {
       INFO(kind_name(kind) << ", seed " << seed);
@@ -227,7 +228,7 @@ TEST_CASE("right results are found right, degenerate ones too", "[verify]") {
 }
 
 TEST_CASE("a probe that touches four atoms does not reach past its patch", "[verify]") {
-  // Where it also meets edges of the saddle patches around it, within 1e-7 angstrom of them.
+  // The probe also meets edges of the saddle patches around it, within 1e-7 angstrom of them.
   const std::vector<Atom> atoms = test::make_cube(4, 3.8, 1.5);
   Parameters parameters;
   parameters.spacing = 0.25;
@@ -241,7 +242,7 @@ namespace {
 
 using Spoil = std::function<void(BlockResult&)>;
 
-/// What the verification says if all blocks are spoilt before it sees them.
+/// Returns the verification of results that are all altered before.
 Verification verification_of(const std::vector<Atom>& atoms, const Parameters& parameters,
                              const Spoil& spoil) {
   const Plan plan = make_plan(atoms, parameters, no_files);
@@ -259,8 +260,8 @@ Verification verification_of(const std::vector<Atom>& atoms, const Parameters& p
   return verifier.check({});
 }
 
-/// A chain in one block, of which one crossing is spoilt that cuts its edge well: what is said of
-/// it behind the name of its edge.
+/// Verifies a chain in one block after one crossing that cuts its edge well was altered. Returns
+/// the text of its fault after the name of the edge.
 std::string fault_of(std::uint8_t atom_count, const std::function<void(BlockCrossing&)>& spoil) {
   const std::vector<Atom> atoms = make_chain(12, 7);
   Parameters parameters;
@@ -337,9 +338,9 @@ TEST_CASE("wrong crossings are found and named", "[verify]") {
   }
 }
 
-TEST_CASE("a crossing that is not the last of its edge is found", "[verify]") {
-  // Along x: inside the large atom up to 1, outside up to 1.25, inside the small one up to 1.45.
-  // Grid points are at 0.98 and 1.48 on a line 0.02 off the axis.
+TEST_CASE("a crossing that is not the last of its edge is a fault", "[verify]") {
+  // Along x, the line is inside the large atom up to 1, outside up to 1.25, and inside the small
+  // one up to 1.45. Grid points are at 0.98 and 1.48 on a line 0.02 off the axis.
   Parameters parameters;
   parameters.probe_radius = 0.1;
   parameters.spacing = 0.5;
@@ -365,7 +366,7 @@ TEST_CASE("a crossing that is not the last of its edge is found", "[verify]") {
 
 namespace {
 
-/// The atoms, each followed by copies of it that are at most `apart` away along each axis.
+/// Returns the atoms, each followed by copies that are at most `apart` away along each axis.
 std::vector<Atom> with_copies(const std::vector<Atom>& atoms, std::size_t copies, double apart,
                               Random& random) {
   std::vector<Atom> all;
@@ -384,7 +385,7 @@ std::vector<Atom> with_radii_changed(std::vector<Atom> atoms, double by) {
   return atoms;
 }
 
-/// All crossings of a result.
+/// Returns all crossings of a result.
 std::vector<Crossing> crossings_of(const std::vector<Atom>& atoms, const Parameters& parameters) {
   const Grid grid = make_grid(atoms, parameters.spacing, parameters.margin);
   std::vector<Crossing> crossings;
@@ -401,7 +402,7 @@ std::vector<Crossing> crossings_of(const std::vector<Atom>& atoms, const Paramet
   return crossings;
 }
 
-/// Ordinary and degenerate sets in which faults must be found.
+/// Returns ordinary and degenerate sets in which faults must be found.
 struct Case {
   std::string name;
   std::vector<Atom> atoms;
@@ -434,7 +435,7 @@ TEST_CASE("a point on the wrong side is a fault, on either side, degenerate or n
     const verify::Definition definition(c.atoms, probe);
     verify::CentreSearch search(definition);
     const Grid grid = make_grid(c.atoms, c.parameters.spacing, c.parameters.margin);
-    // Points are clear if the oracle decides them whatever a small change of the radii does.
+    // Points are clear if the oracle's decision does not change with a small change of the radii.
     const AccessibleSet larger = make_accessible_set(with_radii_changed(c.atoms, 1e-7), probe);
     const AccessibleSet smaller = make_accessible_set(with_radii_changed(c.atoms, -1e-7), probe);
     int inside = 0, outside = 0;
@@ -466,8 +467,7 @@ TEST_CASE("an altered crossing is a fault, degenerate or not", "[verify]") {
       const double low = grid.coordinate(axis, crossing.lower[axis]);
       const double place = (crossing.position[axis] - low) / grid.spacing;
       if (place < 0.1 || place > 0.9 || std::fabs(crossing.normal[axis]) < 0.5) continue;
-      // Where the result itself is wrong, or where the probe fits only in doubt, a fault is not
-      // certain.
+      // If the result itself is wrong, or the probe fits only in doubt, a fault is not certain.
       const Vec3 center = crossing.position + c.parameters.probe_radius * crossing.normal;
       if (!fault_of_edge(search, grid, crossing).empty() ||
           !search.is_any(center, 1e-6, verify::surely_accessible))
@@ -506,7 +506,8 @@ TEST_CASE("an altered crossing is a fault, degenerate or not", "[verify]") {
 }
 
 TEST_CASE("a crossing that is not the last is a fault where atoms almost coincide", "[verify]") {
-  // As above: a large and a small atom, and an edge that the surface cuts three times.
+  // The arrangement is the one above: a large and a small atom, and an edge that the surface cuts
+  // three times.
   Parameters parameters;
   parameters.probe_radius = 0.1;
   Random random(1);
@@ -531,8 +532,7 @@ TEST_CASE("a crossing that is not the last is a fault where atoms almost coincid
         "edge 6 4 4 -> 7 4 4: the crossing is not the last before the outside end");
 }
 
-TEST_CASE("atoms that almost coincide are not found at fault where the oracle finds none",
-          "[verify]") {
+TEST_CASE("atoms that almost coincide have no faults if the oracle finds none", "[verify]") {
   int right = 0, sets = 0;
   const auto check = [&](const std::vector<Atom>& atoms, Parameters parameters) {
     ++sets;
@@ -561,7 +561,7 @@ TEST_CASE("atoms that almost coincide are not found at fault where the oracle fi
   CHECK(2 * right > sets);
 }
 
-TEST_CASE("crowds of atoms that almost coincide are as easy as one atom", "[verify]") {
+TEST_CASE("crowds of atoms that almost coincide take as little time as one atom", "[verify]") {
   const double probe = 1.4, radius = 1.7;
   for (const double apart : {0.0, 1e-13, 1e-11, 1e-9, 1e-7, 1e-5}) {
     INFO(apart << " apart");
@@ -580,7 +580,8 @@ TEST_CASE("crowds of atoms that almost coincide are as easy as one atom", "[veri
         const Vec3 x = random_point(random, grid);
         const auto expected = nearest_accessible(set, x, 1.2 * probe);
         const double distance = expected ? expected->distance : 1.2 * probe;
-        // The surface of one or three atoms moves by a few times what the atoms move by.
+        // The surface of one or three atoms moves by at most a few times the displacement of the
+        // atoms.
         for (const auto& access : {verify::possibly_accessible, verify::surely_accessible}) {
           const double found = distance_of(search.nearest(x, 1.2 * probe, access), x, 1.2 * probe);
           REQUIRE(std::fabs(found - distance) < 20 * apart + 2e-8);
@@ -608,7 +609,7 @@ TEST_CASE("points on the wrong side are found and named, at any block size", "[v
       if (expected.empty()) expected = verification.faults;
       CHECK(verification.faults == expected);
     }
-  // Blocks without atoms have no words to flip, but no points of the band either.
+  // Blocks without atoms have no words to flip, but also no points of the band.
   CHECK(expected.size() == 200);
   const auto begins = [&](const std::string& name) {
     return std::count_if(expected.begin(), expected.end(),
@@ -618,7 +619,7 @@ TEST_CASE("points on the wrong side are found and named, at any block size", "[v
   CHECK(begins("edge ") == 100);
 }
 
-TEST_CASE("a block that is left out is found", "[verify]") {
+TEST_CASE("a missing block is found", "[verify]") {
   const std::vector<Atom> atoms = make_chain(20, 7);
   Parameters parameters;
   parameters.verify = 100;
@@ -629,7 +630,7 @@ TEST_CASE("a block that is left out is found", "[verify]") {
   CHECK(verification.faults.front().ends_with("is in no block"));
 }
 
-TEST_CASE("a verification can be ended by its progress callback", "[verify]") {
+TEST_CASE("the progress callback can end a verification", "[verify]") {
   const std::vector<Atom> atoms = make_chain(20, 7);
   Parameters parameters;
   parameters.verify = 100;
@@ -647,9 +648,9 @@ TEST_CASE("a verification can be ended by its progress callback", "[verify]") {
                   std::runtime_error);
 }
 
-TEST_CASE("a verification tells how far it is", "[verify]") {
+TEST_CASE("a verification reports its progress", "[verify]") {
   const std::vector<Atom> atoms = make_chain(20, 7);
-  // Of few edges all are checked; of many, some are looked at first.
+  // If there are few edges, all are checked. If there are many, some are looked at first.
   for (const std::int64_t wanted : {50, 100000}) {
     Parameters parameters;
     parameters.verify = wanted;

@@ -1,4 +1,4 @@
-# bash completion for eses-blocks: the options are read from --help.
+# bash completion for eses-blocks: reads the options from --help.
 # shellcheck shell=bash disable=SC2016,SC2034,SC2154,SC2207
 
 _eses_blocks() {
@@ -12,13 +12,13 @@ _eses_blocks() {
     --write) COMPREPLY=($(compgen -W 'all none grid edges areas residues grid,edges grid,areas \
       edges,areas' -- "$cur")) && return ;;
     --color) COMPREPLY=($(compgen -W 'patch atom chain' -- "$cur")) && return ;;
-    --mesh) _filedir '@(ply|obj|off)' && return ;;
+    --mesh) _filedir '@(ply|obj|off|vtp|vert|face)' && return ;;
     --inside) _filedir '@(dx|vti)' && return ;;
     --kappa) _filedir dx && return ;;
     --grid-like) _filedir '@(dx|vti|txt)?(.gz)' && return ;;
     --dielectric) _filedir && return ;;
     --output-dir | -o) _filedir -d && return ;;
-    # Numbers.
+    # These options take numbers, which cannot be completed.
     --probe-radius | --spacing | --margin | --threads | -t | --block-size | -b | --max-memory | \
       --region | --blocks | --tolerance | --grid-origin | --grid-center | --grid-points | \
       --solute-dielectric | --solvent-dielectric | --ion-radius) return ;;

@@ -3,9 +3,9 @@
 
     ligand_features.py PROTEIN.pqr LIGAND.pqr [--spacing ANGSTROM]
 
-The area of a row is that of the protein alone or the ligand alone; the buried area is what it loses in
-the complex. All three surfaces are computed on the grid of the complex, so that atoms far from the
-interface lose exactly nothing.
+The area of a row is that of the protein alone or the ligand alone. The buried area is the area that
+it loses in the complex. All three surfaces are computed on the grid of the complex, so that atoms
+far from the interface lose exactly nothing.
 """
 
 import argparse

@@ -14,7 +14,7 @@ std::string shape_text(const py::array& array) {
 
 py::array_t<double> as_numbers(const py::object& values, const std::string& name) {
   const auto array = py::module_::import("numpy").attr("asarray")(values).cast<py::array>();
-  // An empty list becomes an array of floats, too.
+  // asarray makes an array of floats from an empty list, so an empty list passes this check.
   if (const char kind = array.dtype().kind(); kind != 'f' && kind != 'i' && kind != 'u')
     throw py::type_error(name + " must be an array of real numbers, not of type " +
                          py::str(array.dtype()).cast<std::string>());

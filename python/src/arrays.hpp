@@ -15,14 +15,13 @@ namespace eses::python {
 
 namespace py = pybind11;
 
-/// Three Python numbers.
+/// Three numbers as Python passes them.
 using Triple = std::array<double, 3>;
 
-/// A vector with these components.
+/// Makes a vector from three numbers.
 inline Vec3 as_vector(const Triple& values) { return {values[0], values[1], values[2]}; }
 
-/// Two corners of a range of points or blocks: the first one, and one more than the last along each
-/// axis.
+/// The two corners of a range of points or blocks. The second corner is not included.
 using IndexRange = std::array<GridIndex, 2>;
 
 /// Returns the rows of a field of structs as a read-only array that shares their memory and keeps
@@ -47,20 +46,20 @@ py::array field_view(const Value* first, std::size_t count, std::size_t stride, 
 py::array inside_view(std::span<const std::uint8_t> inside, const GridIndex& size,
                       py::handle owner);
 
-/// The atoms of arrays of shape (N, 3) and (N,), of any real type and memory layout. Raises
+/// Makes atoms from arrays of shape (N, 3) and (N,), of any real type and memory layout. Raises
 /// TypeError and ValueError.
 std::vector<Atom> make_atoms(const py::object& centers, const py::object& radii);
 
-/// Centres (N, 3) of atoms as a view that keeps `owner` alive.
+/// Returns the centres (N, 3) of atoms as a view that keeps `owner` alive.
 py::array centers_view(std::span<const Atom> atoms, py::handle owner);
 
-/// Radii (N,) of atoms as a view that keeps `owner` alive.
+/// Returns the radii (N,) of atoms as a view that keeps `owner` alive.
 py::array radii_view(std::span<const Atom> atoms, py::handle owner);
 
-/// A tuple of three integers.
+/// Makes a tuple of three integers.
 py::tuple as_tuple(const GridIndex& index);
 
-/// A tuple of the two corners of a region.
+/// Makes a tuple of the two corners of a region.
 py::tuple as_tuple(const GridRegion& region);
 
 }  // namespace eses::python

@@ -63,8 +63,8 @@ Raises
 OSError
     If the file cannot be opened or read.
 ValueError
-    If the text is not one of atoms, or if there is no radius for an atom. The message names the
-    file, the line and the field.
+    If the content of the file is not valid, or if there is no radius for an atom. The message
+    names the file, the line and the field.
 MemoryError
     If the atoms do not fit into memory.)";
 
@@ -74,7 +74,7 @@ All arrays are read-only. Copy an array to change it.)";
 
 constexpr const char* labels_text = R"(Names of the atoms of a file, as arrays of N strings.
 
-A name that the file does not give is empty.)";
+Names that the file does not contain are empty.)";
 
 AtomFormat format_named(const std::string& name) {
   if (name == "auto") return AtomFormat::automatic;
@@ -98,7 +98,7 @@ std::shared_ptr<AtomFile> read(const std::filesystem::path& path, const std::str
                                int model, const std::string& altloc, bool waters, bool hetatm,
                                const std::string& hydrogens, const std::vector<std::string>& chains,
                                const std::string& select, const std::string& assembly) {
-  // The library would read standard input, which does not listen to Ctrl-C.
+  // The library would read "-" from standard input, where Ctrl-C cannot interrupt it.
   if (path == "-") throw py::value_error("path must be the name of a file, not '-'");
   ReadOptions options;
   options.format = format_named(format);

@@ -1,5 +1,5 @@
 #pragma once
-/// Atoms of files.
+/// Bindings for atoms read from files.
 
 #include <pybind11/pybind11.h>
 

@@ -6,7 +6,7 @@
 namespace eses::python {
 namespace {
 
-// Ends a computation whose results nobody wants any more.
+// Ends a computation whose results are no longer needed.
 struct Closed {};
 
 constexpr std::chrono::milliseconds time_between_checks{50};
@@ -19,7 +19,7 @@ BlockStream::BlockStream(Surface surface, const Grid& grid, RunOptions options,
   options.progress = [this](std::int64_t, std::int64_t) {
     if (is_closed()) throw Closed();
   };
-  // Reports wrong arguments to the caller, not to the first who asks for a block.
+  // Errors in the arguments are reported here, not at the first request for a block.
   estimate(surface, grid, Outputs::none(), options);
   thread_ = std::thread([this, surface = std::move(surface), grid, options = std::move(options)] {
     run(surface, grid, options);

@@ -1,5 +1,5 @@
 #pragma once
-/// The blocks of a grid, handed out one by one to a consumer. Knows nothing of Python.
+/// A queue of solved blocks. It does not depend on Python.
 
 #include <condition_variable>
 #include <cstdint>
@@ -18,7 +18,7 @@ namespace eses::python {
 /// A copy of a solved block.
 struct BlockCopy {
   GridRegion owned;
-  std::vector<std::uint8_t> inside;  ///< of the owned points, as Result::inside
+  std::vector<std::uint8_t> inside;  ///< owned points, in the order of Result::inside
   std::vector<Crossing> crossings;
 };
 
@@ -59,7 +59,7 @@ class BlockStream {
   std::exception_ptr failure_;
   std::optional<Summary> summary_;
   std::mutex closing_;
-  std::thread thread_;  // uses all the others
+  std::thread thread_;  // declared last, because it uses the other members
 };
 
 }  // namespace eses::python

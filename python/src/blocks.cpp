@@ -19,15 +19,15 @@ share their memory with the block.)";
 
 constexpr const char* iterator_text = R"(Iterator over the blocks of a grid, in no particular order.
 
-The blocks are computed by threads of their own, which stay at most a few blocks ahead of the loop.
+Other threads compute the blocks, at most a few ahead of the loop.
 The iterator is also a context manager that calls ``close`` at its end.)";
 
 constexpr const char* close_text = R"(close(self)
 --
 
-End the computation. Blocks that are left are dropped.
+End the computation and drop the remaining blocks.
 
-The iterator does so itself when it is deleted, for example after a loop that was left early.)";
+A deleted iterator does so as well, for example after a loop that was left early.)";
 
 std::shared_ptr<BlockCopy> next_block(BlockStream& stream) {
   std::shared_ptr<BlockCopy> block;

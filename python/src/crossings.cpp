@@ -16,13 +16,13 @@ of the lower ends (z, then y, then x), and then of the axis.
 
 All arrays are read-only. Copy an array to change it or to make it contiguous.)";
 
-// Without crossings there is no first one, but views of no values need a place, too.
+// An empty list has no first element, but a view of no values still needs an address.
 const Crossing& first_of(std::span<const Crossing> list) {
   static const Crossing placeholder;
   return list.empty() ? placeholder : list.front();
 }
 
-// One field of all crossings, as an array.
+// Returns one field of all crossings as an array.
 template <class Member>
 py::array view(const py::object& self, Member Crossing::*member) {
   const std::span<const Crossing> list = self.cast<const Crossings&>().list();
@@ -81,7 +81,7 @@ void bind_crossings(py::module_& module) {
           "(M,) uint8: directions of the edges, 0, 1, 2 for x, y, z.")
       .def_property_readonly(
           "position", [](const py::object& self) { return vectors(self, &Crossing::position); },
-          "(M, 3) float64: places of the crossings, in angstrom.")
+          "(M, 3) float64: positions of the crossings, in angstrom.")
       .def_property_readonly(
           "normal", [](const py::object& self) { return vectors(self, &Crossing::normal); },
           "(M, 3) float64: outward unit normals of the surface.")

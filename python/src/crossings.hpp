@@ -1,5 +1,5 @@
 #pragma once
-/// Crossings as arrays.
+/// Bindings for crossings as arrays.
 
 #include <pybind11/numpy.h>
 #include <pybind11/pybind11.h>
@@ -11,17 +11,17 @@
 
 namespace eses::python {
 
-/// A list of crossings that other objects own.
+/// Crossings in the memory of another object.
 class Crossings {
  public:
-  /// `owner` keeps the memory of `list`.
+  /// `owner` keeps the memory of `list` alive.
   Crossings(std::shared_ptr<const void> owner, std::span<const Crossing> list)
       : owner_(std::move(owner)), list_(list) {}
 
   std::span<const Crossing> list() const { return list_; }
 
-  /// Adjacent atoms as an array (M, 3) of int64 with -1 where there is none. It is made when it is
-  /// first needed.
+  /// Returns the adjacent atoms as an array (M, 3) of int64 with -1 where there is none. The array
+  /// is made at the first call.
   pybind11::array atoms();
 
  private:

@@ -21,9 +21,9 @@ Point ``(i, j, k)`` is at ``origin + (i, j, k) * spacing``. Arrays over the grid
 Parameters
 ----------
 origin : sequence of 3 floats
-    Place of point (0, 0, 0), in angstrom.
+    Position of point (0, 0, 0), in angstrom.
 spacing : float
-    Distance of neighbouring points, in angstrom.
+    Distance between neighbouring points, in angstrom.
 shape : sequence of 3 ints
     Number of points along x, y and z.
 
@@ -114,10 +114,10 @@ void bind_grid(py::module_& module) {
   type.attr("__module__") = "eses";
   type.def(py::init(&make), init_text, py::arg("origin"), py::arg("spacing"), py::arg("shape"))
       .def_property_readonly("origin", &origin_of,
-                             "tuple of 3 floats: place of point (0, 0, 0), in angstrom.")
+                             "tuple of 3 floats: position of point (0, 0, 0), in angstrom.")
       .def_property_readonly(
           "spacing", [](const Grid& self) { return self.spacing; },
-          "float: distance of neighbouring points, in angstrom.")
+          "float: distance between neighbouring points, in angstrom.")
       .def_property_readonly(
           "shape", [](const Grid& self) { return as_tuple(self.size); },
           "tuple of 3 ints: number of points along x, y and z.")

@@ -1,5 +1,5 @@
 #pragma once
-/// Grids.
+/// Bindings for grids.
 
 #include <pybind11/pybind11.h>
 

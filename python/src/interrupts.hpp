@@ -1,18 +1,18 @@
 #pragma once
-/// Signals such as that of Ctrl-C during computations that do not hold the interpreter's lock.
+/// Handles signals such as SIGINT during computations that have released the interpreter's lock.
 
 #include <chrono>
 #include <thread>
 
 namespace eses::python {
 
-/// Lets Python handle its signals from time to time. It belongs to the thread that makes it: Python
-/// handles signals in its main thread alone.
+/// Runs Python's signal handlers from time to time. Python handles signals in its main thread only,
+/// so an object acts only in the thread that made it.
 class Interrupts {
  public:
-  /// Runs the signal handlers of Python if the last time was a while ago and if the caller is the
-  /// thread that made the object; does nothing otherwise. Must be called without the interpreter's
-  /// lock. Throws pybind11::error_already_set if a handler raises an exception, as that of SIGINT
+  /// Runs the signal handlers of Python if the last time was a while ago. Does nothing in other
+  /// threads than the one that made the object. Must be called without the interpreter's lock.
+  /// Throws pybind11::error_already_set if a handler raises an exception, as the handler of SIGINT
   /// does.
   void check();
 

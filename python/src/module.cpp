@@ -17,12 +17,12 @@ namespace py = pybind11;
 
 namespace {
 
-// Exceptions for which pybind11 has no Python counterpart.
+// Exceptions that pybind11 cannot translate by itself.
 void translate(std::exception_ptr thrown) {
   try {
     if (thrown) std::rethrow_exception(thrown);
   } catch (const eses::FileError& error) {
-    // With the number of the error Python chooses the class, such as FileNotFoundError.
+    // With the error number Python chooses the class, such as FileNotFoundError.
     PyErr_SetObject(PyExc_OSError, py::make_tuple(error.code().value(), error.what()).ptr());
   } catch (const eses::MemoryLimitError& error) {
     PyErr_SetString(PyExc_MemoryError, error.what());

@@ -1,5 +1,5 @@
 #pragma once
-/// Reading of files.
+/// Calls functions that read files.
 
 #include <pybind11/pybind11.h>
 
@@ -9,8 +9,8 @@
 
 namespace eses::python {
 
-/// Calls `read` without the interpreter's lock and returns its result. An error of the text in the
-/// file becomes an error of a value; those of the operating system and of memory stay as they are.
+/// Calls `read` without the interpreter's lock and returns its result. An error in the content of
+/// the file becomes a ValueError. Errors of the operating system and of memory stay as they are.
 template <class Read>
 auto read_file_as_value(Read&& read) {
   const pybind11::gil_scoped_release unlocked;

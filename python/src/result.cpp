@@ -92,14 +92,14 @@ void bind_mesh(py::module_& module) {
     };
   };
   type.def_property_readonly("vertices", vectors(&Mesh::vertices),
-                             "(V, 3) float64: places of the vertices, in angstrom.")
+                             "(V, 3) float64: positions of the vertices, in angstrom.")
       .def_property_readonly("normals", vectors(&Mesh::normals),
                              "(V, 3) float64: outward unit normals of the vertices.")
       .def_property_readonly(
           "faces",
           [](const py::object& self) {
             const auto& faces = self.cast<const Mesh&>().faces;
-            // No index reaches 2^63, and most libraries want signed indices.
+            // No index reaches 2^63, and most libraries expect signed indices.
             return field_view(reinterpret_cast<const std::int64_t*>(faces.data()), faces.size(),
                               sizeof(faces[0]), self, 3);
           },
@@ -125,7 +125,7 @@ void bind_mesh(py::module_& module) {
       });
 }
 
-// One number of the summary.
+// Defines a property for one number of the summary.
 template <class Value>
 auto total(Value Summary::*member) {
   return [member](const Result& result) { return result.summary().*member; };

@@ -1,5 +1,5 @@
 #pragma once
-/// Results in memory.
+/// Bindings for results in memory.
 
 #include <pybind11/pybind11.h>
 

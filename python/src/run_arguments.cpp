@@ -7,7 +7,8 @@
 namespace eses::python {
 namespace {
 
-// The solver looks for interrupts between blocks. One of 128 points on a side takes about 0.3 s.
+// The solver checks for interrupts between blocks. A block of 128 points on a side takes about 0.3
+// s.
 constexpr std::int64_t max_block_size = 128;
 
 constexpr std::int64_t default_block_size = 64;

@@ -22,13 +22,13 @@ namespace {
 constexpr const char* class_text =
     R"(Solvent excluded surface of a set of atoms for a spherical probe.
 
-The surface bounds the space that no probe can enter which keeps clear of all van der Waals spheres.
+The surface bounds the space that no probe can reach without overlapping a van der Waals sphere.
 A surface never changes, and may be used for many grids and by several threads at a time.
 
 Parameters
 ----------
 centers : array_like
-    (N, 3) centres of the atoms, in angstrom. Arrays of any real type and memory layout will do.
+    (N, 3) centres of the atoms, in angstrom. Any real type and memory layout is accepted.
 radii : array_like
     (N,) van der Waals radii of the atoms, in angstrom.
 probe_radius : float, optional
@@ -43,7 +43,7 @@ ValueError
     If there are no atoms, if a shape is wrong, if a number is not finite, or if a radius is
     negative. The message names the first such atom by its index, with the value.
 TypeError
-    If an array is not one of real numbers.)";
+    If an array does not contain real numbers.)";
 
 constexpr const char* init_text = R"(__init__(self, centers, radii, probe_radius=1.4, *, threads=1)
 --
@@ -54,19 +54,19 @@ constexpr const char* grid_text =
     R"(grid(self, spacing=0.4, margin=None, *, origin=None, center=None, shape=None)
 --
 
-Make a grid around the atoms, or one with a given place and shape.
+Make a grid around the atoms, or one with a given position and shape.
 
 Parameters
 ----------
 spacing : float, optional
-    Distance of neighbouring points, in angstrom.
+    Distance between neighbouring points, in angstrom.
 margin : float, optional
     Distance of the faces of the grid from the van der Waals spheres, in angstrom; 0.8 by default.
     The number of points is truncated, so that up to one spacing of the upper margin may be missing.
 origin : sequence of 3 floats, optional
-    Place of point (0, 0, 0), in angstrom, for a grid that does not depend on the atoms.
+    Position of point (0, 0, 0), in angstrom, for a grid that does not depend on the atoms.
 center : sequence of 3 floats, optional
-    Place midway between the lowest and the highest point, in angstrom, instead of ``origin``.
+    Middle between the lowest and the highest point, in angstrom; replaces ``origin``.
 shape : sequence of 3 ints, optional
     Number of points along x, y and z; needed with ``origin`` and ``center``.
 
@@ -79,7 +79,7 @@ Raises
 ------
 ValueError
     If an argument is out of its range, if there would be more than 2e9 points along an axis or 1e17
-    in all, or if arguments are given that exclude each other.)";
+    in all, or if arguments contradict each other.)";
 
 constexpr const char* compute_text =
     R"(compute(self, grid, *, threads=0, block_size=0, blocks=None, region=None, max_memory=0, inside=True, crossings=True, progress=None)
@@ -99,18 +99,18 @@ threads : int, optional
 block_size : int, optional
     Number of grid points along the side of a block, 2 to 128; 0 chooses it.
 blocks : pair of index triples, optional
-    First block, and one more than the last block along each axis: only these blocks are computed, of
-    those into which ``block_size`` (64 if it is 0) cuts the whole grid. Neighbouring blocks share
-    their faces.
+    First block, and one more than the last block along each axis: only these blocks are computed.
+    Blocks have ``block_size`` points on a side, or 64 if it is 0. Neighbouring blocks share their
+    faces.
 region : pair of index triples, optional
     First point, and one more than the last point along each axis: only these points are computed,
     and the crossings of the edges that start there.
 max_memory : int, optional
     Limit of the resident memory of the process, in bytes; 0 for the available memory.
 inside : bool, optional
-    Whether the result holds the inside points, at a byte for each point.
+    Whether the result holds the inside points, which take a byte for each point.
 crossings : bool, optional
-    Whether the result holds the crossings, at 88 bytes for each.
+    Whether the result holds the crossings, which take 88 bytes each.
 progress : callable, optional
     Called as ``progress(done, total)`` with the number of solved blocks, also from other threads. An
     exception that it raises ends the computation.
@@ -134,7 +134,7 @@ constexpr const char* blocks_text =
 Compute the surface on a grid, and iterate over its blocks as soon as they are solved.
 
 The memory in use does not grow with the number of blocks, so that the grid may be of any size. The
-order of the blocks depends on the threads, but what is in them does not. Ctrl-C ends the loop.
+order of the blocks depends on the threads, but their content does not. Ctrl-C ends the loop.
 
 Parameters
 ----------
@@ -276,10 +276,10 @@ void bind_diagnostic(py::module_& module) {
           "int: number of atoms with this diagnostic.")
       .def_property_readonly("examples", &examples_of,
                              "list of pairs of ints: the first five of these atoms, each with the "
-                             "atom that it repeats, is close to or lies in, or with itself.")
+                             "other atom involved, or with itself if there is none.")
       .def_property_readonly(
           "is_usual", [](const Diagnostic& self) { return is_usual(self.kind); },
-          "bool: whether correct files have such atoms, too.")
+          "bool: whether correct files often have such atoms.")
       .def("__repr__", [](const Diagnostic& self) {
         return py::str("<eses.Diagnostic: {} ({} atoms)>").format(name_of(self.kind), self.count);
       });

@@ -1,5 +1,5 @@
 #pragma once
-/// Surfaces, and what is computed from them.
+/// Bindings for surfaces and their computations.
 
 #include <pybind11/pybind11.h>
 

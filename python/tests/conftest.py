@@ -1,4 +1,4 @@
-"""What the tests share."""
+"""Fixtures of the tests."""
 
 import os
 import pathlib
@@ -15,7 +15,7 @@ DATA = PROJECT / "data"
 
 @pytest.fixture(scope="session")
 def program():
-    """The command line program."""
+    """Returns the path of the command-line program."""
     path = os.environ.get("ESES_BINARY")
     if not path:
         pytest.skip("ESES_BINARY does not name the program")
@@ -24,7 +24,7 @@ def program():
 
 @pytest.fixture(scope="session")
 def run_program(program):
-    """Runs the program with arguments."""
+    """Returns a function that runs the program with arguments."""
 
     def run(*arguments):
         subprocess.run([program, *map(str, arguments)], check=True, capture_output=True)
@@ -44,7 +44,7 @@ def ubiquitin_surface(ubiquitin):
 
 @pytest.fixture(scope="session")
 def chain():
-    """Centres and radii of twelve atoms along a helix."""
+    """Returns the centres and radii of twelve atoms along a helix."""
     step = np.arange(12)
     centers = np.stack([2.3 * np.cos(1.7 * step), 2.3 * np.sin(1.7 * step), 1.1 * step], axis=1)
     return centers, 1.4 + 0.05 * (step % 5)

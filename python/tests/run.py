@@ -1,4 +1,4 @@
-"""Runs one file of tests with pytest; exit code 77 tells ctest that it was skipped."""
+"""Runs one test file with pytest. Exit code 77 means to ctest that the file was skipped."""
 
 import importlib.util
 import os

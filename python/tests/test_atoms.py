@@ -1,4 +1,4 @@
-"""Reading of files."""
+"""Tests of reading files."""
 
 import gzip
 import os
@@ -38,11 +38,11 @@ def test_pqr_file_has_labels():
 
 
 @pytest.mark.parametrize("as_path", [str, pathlib.Path, os.fspath])
-def test_any_kind_of_path(as_path):
+def test_any_kind_of_path_is_accepted(as_path):
     assert len(eses.read_atoms(as_path(DATA / "c60.xyzr"))) == 60
 
 
-def test_gzipped_file_and_format(tmp_path):
+def test_gzipped_file_and_format_are_accepted(tmp_path):
     text = b"0 0 0 1.5\n3 0 0 1.2\n"
     (tmp_path / "two.pqr.gz").write_bytes(gzip.compress(text))
     atoms = eses.read_atoms(tmp_path / "two.pqr.gz", format="xyzr")
@@ -60,7 +60,7 @@ END
 """
 
 
-def test_pdb_file(tmp_path):
+def test_pdb_file_is_read_with_bondi_radii(tmp_path):
     path = tmp_path / "five.pdb"
     path.write_text(PDB)
     # Bondi (1964): N 1.55, C 1.70, O 1.52, Xe 2.16; H 1.10 of Rowland and Taylor (1996) or 1.20.
@@ -99,7 +99,7 @@ def test_wrong_text_is_a_value_error(tmp_path):
         eses.read_atoms(path)
 
 
-def test_wrong_arguments():
+def test_wrong_arguments_are_refused():
     with pytest.raises(ValueError, match="format must be"):
         eses.read_atoms(DATA / "c60.xyzr", format="mol2")
     with pytest.raises(TypeError):

@@ -1,4 +1,4 @@
-"""Iteration over blocks."""
+"""Tests of the iteration over blocks."""
 
 import gc
 import subprocess
@@ -26,7 +26,7 @@ def wait_for_threads(count):
 
 @pytest.fixture(name="slow")
 def fixture_slow(lattice):
-    """A surface and a grid with many blocks."""
+    """Returns a surface and a grid with many blocks."""
     surface = eses.Surface(*lattice(10))
     return surface, surface.grid(0.3)
 
@@ -59,7 +59,7 @@ def test_blocks_make_up_the_grid(ubiquitin_surface, threads):
     assert list(blocks) == []
 
 
-def test_region_and_range_of_blocks(ubiquitin_surface):
+def test_region_and_range_of_blocks_are_iterated(ubiquitin_surface):
     grid = ubiquitin_surface.grid(0.8)
     for arguments in ({"region": ((3, 4, 5), (20, 30, 25))},
                       {"blocks": ((0, 1, 0), (2, 2, 1)), "block_size": 17}):
@@ -89,7 +89,7 @@ def test_totals_wait_for_the_last_block(slow):
 @pytest.mark.parametrize("leave", ["break", "raise", "close", "with", "delete", "unused"])
 def test_loops_that_end_early_leave_no_threads(slow, leave):
     surface, grid = slow
-    surface.compute(surface.grid(2.0), threads=2)  # starts the threads that stay
+    surface.compute(surface.grid(2.0), threads=2)  # starts the OpenMP threads, which stay alive
     before = thread_count()
     if leave == "break":
         for _ in surface.blocks(grid, threads=2):
@@ -118,7 +118,7 @@ def test_loops_that_end_early_leave_no_threads(slow, leave):
     assert wait_for_threads(before) <= before
 
 
-def test_close_from_another_thread(slow):
+def test_close_from_another_thread_ends_the_loop(slow):
     surface, grid = slow
     blocks = surface.blocks(grid)
     timer = threading.Timer(0.1, blocks.close)

@@ -1,4 +1,4 @@
-"""The Python examples of doc/python.md and of the package, run as doctests."""
+"""Runs the Python examples of doc/python.md and of the package as doctests."""
 
 import doctest
 import shutil
@@ -18,9 +18,9 @@ def in_folder_with_data(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
 
 
-def test_page():
+def test_examples_of_the_page_run():
     page = PROJECT / "doc/python.md"
-    # The end of a code block would count as output.
+    # The end of a code block would count as expected output.
     text = page.read_text(encoding="utf-8").replace("```\n", "\n")
     examples = doctest.DocTestParser().get_doctest(text, {}, page.name, str(page), 0)
     assert len(examples.examples) > 20
@@ -29,6 +29,6 @@ def test_page():
     assert results.failed == 0, "".join(report)
 
 
-def test_package():
+def test_examples_of_the_package_run():
     results = doctest.testmod(eses, optionflags=FLAGS)
     assert results.attempted > 3 and results.failed == 0

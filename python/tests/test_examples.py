@@ -1,4 +1,4 @@
-"""The examples, run as programs."""
+"""Runs the examples as programs."""
 
 import csv
 import subprocess
@@ -20,7 +20,7 @@ def run(name, *arguments):
     return list(csv.DictReader(done.stdout.splitlines()))
 
 
-def test_trajectory(tmp_path, ubiquitin):
+def test_trajectory_prints_area_and_volume(tmp_path, ubiquitin):
     rng = np.random.default_rng(2)
     frames = ubiquitin.centers + rng.normal(0, 0.1, (3, 602, 3))
     frames[0] = ubiquitin.centers
@@ -34,7 +34,7 @@ def test_trajectory(tmp_path, ubiquitin):
         assert float(row["volume"]) == pytest.approx(result.volume, rel=1e-5)
 
 
-def test_trajectory_of_mdanalysis(tmp_path):
+def test_trajectory_of_mdanalysis_is_read(tmp_path):
     pytest.importorskip("MDAnalysis")
     rows = run("trajectory.py", DATA / "fas2.pqr", DATA / "fas2.pqr", "--spacing", "0.8")
     atoms = eses.read_atoms(DATA / "fas2.pqr")
@@ -43,8 +43,8 @@ def test_trajectory_of_mdanalysis(tmp_path):
     assert float(rows[0]["area"]) == pytest.approx(surface.compute(surface.grid(0.8)).area, rel=1e-4)
 
 
-def test_ligand_features(tmp_path):
-    # A ligand of two atoms, in contact with the loops of fasciculin.
+def test_ligand_features_prints_buried_areas(tmp_path):
+    # The ligand has two atoms, in contact with the loops of fasciculin.
     protein = eses.read_atoms(DATA / "fas2.pqr")
     far = protein.centers[np.argmax(protein.centers[:, 2])]
     ligand = tmp_path / "ligand.pqr"
@@ -58,10 +58,10 @@ def test_ligand_features(tmp_path):
     protein_area = sum(float(row["area"]) for row in rows if row["part"] == "protein")
     surface = eses.Surface(protein.centers, protein.radii)
     grid = surface.grid(0.5)
-    # Another grid gives the same area, but for the error of the sum.
+    # Another grid gives the same area within the error of the sum.
     assert protein_area == pytest.approx(surface.compute(grid).area, rel=0.01)
     buried = {part: sum(float(row["buried_area"]) for row in rows if row["part"] == part)
               for part in ("protein", "ligand")}
     assert buried["protein"] > 1 and buried["ligand"] > 1
-    # Residues that are far from the ligand lose nothing but rounding of the file.
+    # Residues far from the ligand lose nothing but the rounding of the file.
     assert sum(abs(float(row["buried_area"])) < 1e-3 for row in rows) > len(rows) / 2

@@ -1,4 +1,4 @@
-"""Grids."""
+"""Tests of grids."""
 
 import pickle
 
@@ -8,8 +8,8 @@ import pytest
 import eses
 
 
-def test_grid_of_a_surface():
-    # By hand: from -1.5 - 0.75 to 4 + 1 + 0.75 along x, and 8 / 0.5 + 1 points.
+def test_grid_of_a_surface_is_the_one_computed_by_hand():
+    # Computed by hand: from -1.5 - 0.75 to 4 + 1 + 0.75 along x, and 8 / 0.5 + 1 points.
     surface = eses.Surface([[0, 0, 0], [4, 0, 0]], [1.5, 1])
     grid = surface.grid(0.5, margin=0.75)
     assert grid.origin == (-2.25, -2.25, -2.25)
@@ -19,7 +19,7 @@ def test_grid_of_a_surface():
     assert surface.grid() == surface.grid(spacing=0.4, margin=0.8)
 
 
-def test_chosen_grid(chain):
+def test_chosen_grid_has_its_center_and_shape(chain):
     surface = eses.Surface(*chain)
     grid = surface.grid(0.25, origin=(-1, 2, 3.5), shape=(33, 65, 17))
     assert grid == eses.Grid((-1, 2, 3.5), 0.25, (33, 65, 17))
@@ -28,7 +28,7 @@ def test_chosen_grid(chain):
     assert centered == eses.Grid((0, 0.5, 1), 0.5, (5, 7, 9))
 
 
-def test_coordinates():
+def test_coordinates_follow_origin_and_spacing():
     grid = eses.Grid((1, 2, 3), 0.5, (3, 1, 2))
     assert grid.coordinates(0).tolist() == [1, 1.5, 2]
     assert grid.coordinates(1).tolist() == [2]
@@ -39,7 +39,7 @@ def test_coordinates():
         grid.coordinates(-1)
 
 
-def test_equality_and_text():
+def test_grids_compare_and_print():
     grid = eses.Grid((1, 2, 3), 0.5, (3, 4, 5))
     same = eses.Grid([1, 2, 3], 0.5, [3, 4, 5])
     assert grid == same and hash(grid) == hash(same)
@@ -71,7 +71,7 @@ def test_grids_are_checked(chain):
             eses.Grid(*arguments)
 
 
-def test_choices_that_exclude_each_other(chain):
+def test_contradictory_choices_are_refused(chain):
     surface = eses.Surface(*chain)
     with pytest.raises(ValueError, match="need a shape"):
         surface.grid(origin=(0, 0, 0))
@@ -87,7 +87,7 @@ def test_choices_that_exclude_each_other(chain):
         surface.grid(margin=-1)
 
 
-def test_grid_of_a_file(tmp_path, ubiquitin_surface, run_program):
+def test_grid_of_a_file_is_read(tmp_path, ubiquitin_surface, run_program):
     from conftest import DATA
     run_program(DATA / "1ubq.xyzr", "1.4", "0.75", "1.5", "-o", tmp_path, "--inside", "map.dx")
     # The program writes origins with twelve digits.

@@ -1,4 +1,4 @@
-"""Ctrl-C during each kind of call."""
+"""Tests of Ctrl-C during each kind of call."""
 
 import os
 import signal
@@ -14,9 +14,9 @@ ATTEMPTS = 2
 
 
 def seconds_to_interrupt(action, delay):
-    """CPU time from SIGINT to KeyboardInterrupt; None if the action ended before.
+    """Returns the CPU time from SIGINT to KeyboardInterrupt, or None if the action ended before.
 
-    On a machine that is idle the CPU time is no less than the time on the clock.
+    On an idle machine the CPU time is at least the wall-clock time.
     """
     sent = []
 
@@ -58,27 +58,27 @@ def medium(lattice):
 
 
 @pytest.mark.parametrize("threads", [1, 2])
-def test_surface(large, threads):
+def test_ctrl_c_ends_the_making_of_a_surface(large, threads):
     assert_interrupts(lambda: eses.Surface(*large, threads=threads))
 
 
 @pytest.mark.parametrize("threads", [1, 2])
-def test_compute(medium, threads):
+def test_ctrl_c_ends_compute(medium, threads):
     grid = medium.grid(0.15)
     assert_interrupts(lambda: medium.compute(grid, threads=threads, crossings=False))
 
 
-def test_compute_with_large_blocks(medium):
+def test_ctrl_c_ends_compute_with_large_blocks(medium):
     grid = medium.grid(0.15)
     assert_interrupts(lambda: medium.compute(grid, threads=1, block_size=128, crossings=False))
 
 
-def test_mesh(medium):
+def test_ctrl_c_ends_the_making_of_a_mesh(medium):
     result = medium.compute(medium.grid(0.35))
     assert_interrupts(result.mesh, 0.2)
 
 
-def test_blocks(medium):
+def test_ctrl_c_ends_an_iteration_over_blocks(medium):
     grid = medium.grid(0.15)
 
     def loop():
@@ -88,7 +88,7 @@ def test_blocks(medium):
     assert_interrupts(loop)
 
 
-def test_read_atoms(tmp_path):
+def test_ctrl_c_ends_reading(tmp_path):
     path = tmp_path / "large.xyzr"
     line = b"12.345 23.456 34.567 1.75\n"
     with open(path, "wb") as file:

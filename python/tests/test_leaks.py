@@ -1,4 +1,4 @@
-"""Thousands of calls take no more memory than some."""
+"""Checks that thousands of calls take no more memory than a few."""
 
 import gc
 import os
@@ -16,7 +16,7 @@ def resident_bytes():
 
 
 def growth(action, calls):
-    """Growth of resident memory over this many calls, after as many that warm up."""
+    """Returns the growth of resident memory over `calls` calls, after as many calls to warm up."""
     for _ in range(calls):
         action()
     gc.collect()
@@ -27,12 +27,12 @@ def growth(action, calls):
     return resident_bytes() - before
 
 
-# A single leaked object of a call takes at least 32 bytes, and the arrays of these some kilobytes.
+# A leaked object of each call takes at least 32 bytes. A leaked array takes several kilobytes.
 CALLS = 2000
 BOUND = 2_000_000
 
 
-def test_everything_small(chain):
+def test_small_calls_do_not_leak(chain):
     def action():
         surface = eses.Surface(*chain)
         grid = surface.grid(1.0)
@@ -47,7 +47,7 @@ def test_everything_small(chain):
     assert growth(action, CALLS) < BOUND
 
 
-def test_iterators(chain):
+def test_iterators_do_not_leak(chain):
     surface = eses.Surface(*chain)
     grid = surface.grid(0.5)
 
@@ -60,7 +60,7 @@ def test_iterators(chain):
     assert growth(action, CALLS // 4) < BOUND
 
 
-def test_files_and_errors(tmp_path):
+def test_files_and_errors_do_not_leak(tmp_path):
     (tmp_path / "bad.xyzr").write_text("0 0 0 x\n")
 
     def fail(action, error):
@@ -78,7 +78,7 @@ def test_files_and_errors(tmp_path):
     assert growth(action, CALLS) < BOUND
 
 
-def test_callbacks(chain):
+def test_callbacks_do_not_leak(chain):
     surface = eses.Surface(*chain)
     grid = surface.grid(1.0)
 
@@ -93,7 +93,7 @@ def test_callbacks(chain):
     assert growth(action, CALLS // 2) < BOUND
 
 
-def test_large_results(ubiquitin_surface):
+def test_large_results_do_not_leak(ubiquitin_surface):
     grid = ubiquitin_surface.grid(0.5)
 
     def action():

@@ -1,4 +1,4 @@
-"""Results in memory: mathematics, and equality with the files of the program."""
+"""Compares results in memory with closed forms and with the files of the program."""
 
 import concurrent.futures
 import subprocess
@@ -13,7 +13,7 @@ from conftest import DATA
 
 
 def crossing_lines(crossings):
-    """The lines of intersection_info.txt."""
+    """Formats crossings as the lines of intersection_info.txt."""
     lines = []
     for row in zip(crossings.inside_point.tolist(), crossings.outside_point.tolist(),
                    crossings.position.tolist(), crossings.normal.tolist(),
@@ -56,7 +56,7 @@ def test_chosen_grid_is_that_of_the_files(tmp_path, run_program, ubiquitin_surfa
     assert_equal_files(ubiquitin_surface.compute(grid), tmp_path)
 
 
-def test_sphere():
+def test_sphere_agrees_with_its_closed_form():
     # The surface of a sphere of radius 2 in closed form.
     surface = eses.Surface([[0.1, 0.2, 0.3]], [2.0])
     result = surface.compute(surface.grid(0.1))
@@ -78,7 +78,7 @@ def test_sphere():
     assert result.inside_points == result.inside.sum()
 
 
-def test_arrays(ubiquitin_surface):
+def test_arrays_have_documented_shapes_and_types(ubiquitin_surface):
     grid = ubiquitin_surface.grid(1.0)
     result = ubiquitin_surface.compute(grid)
     inside, crossings = result.inside, result.crossings
@@ -109,7 +109,7 @@ def test_arrays(ubiquitin_surface):
     assert np.array_equal(crossings.inside_point, np.where(is_lower_inside, lower, upper))
     assert np.array_equal(crossings.outside_point, np.where(is_lower_inside, upper, lower))
     assert np.array_equal((crossings.atoms >= 0).sum(axis=1), crossings.kind)
-    # All edges whose ends differ have a crossing.
+    # Every edge whose ends differ has a crossing.
     assert count == sum(int((np.diff(inside, axis=a) != 0).sum()) for a in range(3))
     normal_along = abs(crossings.normal[rows, axis])
     assert result.area == pytest.approx(normal_along.sum(), rel=1e-12)
@@ -128,7 +128,7 @@ def test_arrays_are_read_only_views_that_live_on(ubiquitin_surface):
     assert np.shares_memory(result.crossings.normal, result.crossings.normal)
     copies = [array.copy() for array in arrays]
     del result
-    np.full(10**6, 7)  # takes freed memory
+    np.full(10**6, 7)  # overwrites freed memory
     for array, copy in zip(arrays, copies):
         assert np.array_equal(array, copy)
         with pytest.raises(ValueError, match="read-only"):
@@ -177,7 +177,7 @@ def test_other_threads_run_during_a_computation(lattice):
 
 
 def test_forked_processes_compute():
-    # In a process of its own: the threads of the tests must not take part.
+    # The test runs in a process of its own, because the threads of this one must not take part.
     code = """
 import multiprocessing
 import eses
@@ -196,7 +196,7 @@ with multiprocessing.get_context("fork").Pool(2) as pool:
     assert (done.stdout, done.stderr) == ("True\n", "")
 
 
-def test_region(ubiquitin_surface):
+def test_region_is_a_part_of_the_whole(ubiquitin_surface):
     grid = ubiquitin_surface.grid(0.9)
     whole = ubiquitin_surface.compute(grid)
     begin, end = (5, 10, 3), (25, 24, 31)
@@ -211,7 +211,7 @@ def test_region(ubiquitin_surface):
     assert np.array_equal(part.crossings.position, whole.crossings.position[is_in_region])
 
 
-def test_range_of_blocks(ubiquitin_surface):
+def test_range_of_blocks_is_a_part_of_the_whole(ubiquitin_surface):
     grid = ubiquitin_surface.grid(0.9)
     nx, ny, nz = grid.shape
     # A block of 17 points has 16 cells; the last one along an axis owns the rest.
@@ -224,7 +224,7 @@ def test_range_of_blocks(ubiquitin_surface):
         (0, 0, 0), (min(nx, 64) if nx <= 64 else 63, min(ny, 64), min(nz, 64)))
 
 
-def test_mesh(ubiquitin_surface):
+def test_mesh_is_closed_and_oriented(ubiquitin_surface):
     result = ubiquitin_surface.compute(ubiquitin_surface.grid(0.8))
     mesh, crossings = result.mesh(), result.crossings
     assert mesh.vertices.shape == mesh.normals.shape == (len(crossings), 3)
@@ -234,19 +234,20 @@ def test_mesh(ubiquitin_surface):
     assert np.array_equal(mesh.kind, crossings.kind)
     faces = mesh.faces
     assert faces.dtype == np.int64 and faces.shape[1] == 3
-    # Closed and oriented: each edge of a triangle belongs to one more, the other way round.
+    # The mesh is closed and oriented: each edge of a triangle belongs to one other triangle, in the
+    # opposite direction.
     edges = np.concatenate([faces[:, [0, 1]], faces[:, [1, 2]], faces[:, [2, 0]]])
     forth = np.sort(edges[:, 0] * len(crossings) + edges[:, 1])
     back = np.sort(edges[:, 1] * len(crossings) + edges[:, 0])
     assert np.array_equal(forth, back) and (np.diff(forth) > 0).all()
-    # The volume of the polyhedron, by the divergence theorem, is positive: normals point outward.
+    # The volume of the polyhedron by the divergence theorem is positive if normals point outward.
     a, b, c = (mesh.vertices[faces[:, q]] for q in range(3))
     volume = np.einsum("ij,ij->i", a, np.cross(b, c)).sum() / 6
     assert volume == pytest.approx(result.volume, rel=0.02)
     assert "vertices" in repr(mesh)
 
 
-def test_nothing_inside(chain):
+def test_grid_without_inside_points_has_empty_results(chain):
     surface = eses.Surface(*chain)
     result = surface.compute(surface.grid(0.5, origin=(100, 0, 0), shape=(4, 5, 6)))
     assert result.area == result.volume == result.inside_points == 0
@@ -257,7 +258,7 @@ def test_nothing_inside(chain):
     assert result.mesh().vertices.shape == result.mesh().faces.shape == (0, 3)
 
 
-def test_parts(chain):
+def test_only_chosen_parts_are_computed(chain):
     surface = eses.Surface(*chain)
     grid = surface.grid(0.5)
     whole = surface.compute(grid)
@@ -269,7 +270,7 @@ def test_parts(chain):
             part()
 
 
-def test_progress(ubiquitin_surface):
+def test_progress_is_reported(ubiquitin_surface):
     calls = []
     ubiquitin_surface.compute(ubiquitin_surface.grid(0.8), block_size=20,
                               progress=lambda done, total: calls.append((done, total)))
@@ -286,7 +287,7 @@ def test_progress(ubiquitin_surface):
         ubiquitin_surface.compute(ubiquitin_surface.grid(0.8), progress=3)
 
 
-def test_wrong_arguments(chain):
+def test_wrong_arguments_are_refused(chain):
     surface = eses.Surface(*chain)
     grid = surface.grid(0.5)
     for arguments, message in (({"threads": -1}, "threads"), ({"block_size": 1}, "block_size"),
@@ -310,7 +311,7 @@ def test_wrong_arguments(chain):
             method("grid")
 
 
-def test_memory_limits(chain):
+def test_memory_limits_are_kept(chain):
     surface = eses.Surface(*chain)
     with pytest.raises(MemoryError, match="needs"):
         surface.compute(surface.grid(0.05), max_memory=1 << 20)

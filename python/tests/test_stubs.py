@@ -1,4 +1,4 @@
-"""The type stubs tell what the module has; docstrings tell of every name."""
+"""Checks that type stubs and docstrings describe every name of the module."""
 
 import ast
 import importlib.util
@@ -13,14 +13,15 @@ import eses
 from eses import _core
 
 STUB = pathlib.Path(eses.__file__).with_name("_core.pyi")
-# What Python gives to every class, and what pickle uses.
+# Names that Python gives to every class, and those that pickle uses.
 INHERITED = set(dir(object)) | {"__module__", "__getstate__", "__setstate__", "__dict__",
                                 "__weakref__"}
 OWN = {"__init__", "__eq__", "__hash__"}
 
 
 def parameters(arguments):
-    """Names and defaults of a stub's parameters, and where keywords begin."""
+    """Returns the names and defaults of a stub's parameters, and the position where keywords
+    begin."""
     plain = arguments.posonlyargs + arguments.args
     defaults = [inspect.Parameter.empty] * (len(plain) - len(arguments.defaults)) + [
         ast.literal_eval(default) for default in arguments.defaults]
@@ -47,7 +48,7 @@ def stub_classes():
     return {node.name: node for node in stub_nodes() if isinstance(node, ast.ClassDef)}
 
 
-def test_same_names():
+def test_stubs_have_the_names_of_the_module():
     stub = set(stub_classes()) | {node.name for node in stub_nodes()
                                   if isinstance(node, ast.FunctionDef)} | {"__version__"}
     module = {name for name in vars(_core) if not name.startswith("_")} | {"__version__"}
@@ -57,7 +58,7 @@ def test_same_names():
 
 
 @pytest.mark.parametrize("name", sorted(stub_classes()))
-def test_classes(name):
+def test_stubs_have_the_members_of_classes(name):
     members = {node.name: node for node in stub_classes()[name].body}
     actual = getattr(_core, name)
     found = {member for member in vars(actual) if member not in INHERITED}
@@ -74,14 +75,14 @@ def test_classes(name):
 
 
 @pytest.mark.parametrize("name", ["Grid", "Surface"])
-def test_constructors(name):
+def test_stubs_have_the_parameters_of_constructors(name):
     init = next(node for node in stub_classes()[name].body if node.name == "__init__")
     assert parameters(init.args)[1:] == actual_parameters(getattr(_core, name))
     for _, node in enumerate(parameters(init.args)[1:]):
         assert f"\n{node[0]} : " in inspect.getdoc(getattr(_core, name))
 
 
-def test_functions():
+def test_stubs_have_the_parameters_of_functions():
     functions = [node for node in stub_nodes() if isinstance(node, ast.FunctionDef)]
     assert {node.name for node in functions} == {"read_atoms", "read_grid"}
     for node in functions:
@@ -91,7 +92,7 @@ def test_functions():
             assert heading in function.__doc__
 
 
-def test_documented_parameters():
+def test_docstrings_name_every_parameter():
     for function in (eses.Surface.grid, eses.Surface.compute, eses.Surface.blocks,
                      eses.Grid.coordinates, eses.read_atoms, eses.read_grid):
         for name in inspect.signature(function).parameters:
@@ -105,7 +106,7 @@ def test_package_is_typed():
             assert getattr(eses, name).__module__ in ("eses", "eses._core")
 
 
-def test_stubtest():
+def test_stubtest_finds_no_difference():
     if importlib.util.find_spec("mypy") is None:
         pytest.skip("mypy is not installed")
     done = subprocess.run([sys.executable, "-m", "mypy.stubtest", "eses"], capture_output=True,
@@ -113,7 +114,7 @@ def test_stubtest():
     assert done.returncode == 0, done.stdout + done.stderr
 
 
-def test_no_command_line():
+def test_module_has_no_command_line():
     done = subprocess.run([sys.executable, "-m", "eses"], capture_output=True, text=True,
                           check=False)
     assert done.returncode != 0 and "cannot be directly executed" in done.stderr

@@ -1,4 +1,4 @@
-"""Surfaces from arrays."""
+"""Tests of surfaces made from arrays."""
 
 import pickle
 
@@ -43,14 +43,14 @@ def test_surface_does_not_follow_changes_of_the_arrays(chain):
     lambda a: a.astype(np.longdouble),
     lambda a: np.frombuffer(a.tobytes()).reshape(a.shape),
 ])
-def test_any_memory_layout(chain, change):
+def test_any_memory_layout_is_accepted(chain, change):
     centers, radii = chain
     surface = eses.Surface(change(centers), change(radii))
     assert np.array_equal(surface.centers, centers)
     assert np.array_equal(surface.radii, radii)
 
 
-def test_columns_of_one_array(chain):
+def test_columns_of_one_array_are_accepted(chain):
     table = np.column_stack(chain)
     surface = eses.Surface(table[:, :3], table[:, 3])
     assert np.array_equal(surface.centers, chain[0])
@@ -82,18 +82,18 @@ def test_other_kinds_are_refused(values):
 
 
 @pytest.mark.parametrize("shape", [(3,), (2, 2), (2, 4), (2, 3, 1), (), (3, 2)])
-def test_wrong_shape_of_centers(shape):
+def test_wrong_shape_of_centers_is_refused(shape):
     with pytest.raises(ValueError, match=r"centers must have shape \(N, 3\), not \("):
         eses.Surface(np.zeros(shape), np.ones(2))
 
 
 @pytest.mark.parametrize("shape", [(1,), (3,), (2, 1), ()])
-def test_wrong_shape_of_radii(shape):
+def test_wrong_shape_of_radii_is_refused(shape):
     with pytest.raises(ValueError, match=r"radii must have shape \(2,\), .* not \("):
         eses.Surface(np.zeros((2, 3)), np.ones(shape))
 
 
-def test_no_atoms():
+def test_surface_without_atoms_is_refused():
     for centers in (np.zeros((0, 3)), np.zeros((0, 3), np.float32)):
         with pytest.raises(ValueError, match="at least one atom"):
             eses.Surface(centers, [])
@@ -102,7 +102,7 @@ def test_no_atoms():
 
 
 @pytest.mark.parametrize("value", [np.nan, np.inf, -np.inf])
-def test_values_that_are_not_finite(value):
+def test_values_that_are_not_finite_are_refused(value):
     centers, radii = np.zeros((5, 3)), np.ones(5)
     centers[3, 1] = value
     with pytest.raises(ValueError, match=rf"atom 3 .* y coordinate {value}"):
@@ -112,12 +112,12 @@ def test_values_that_are_not_finite(value):
         eses.Surface(np.zeros((5, 3)), radii)
 
 
-def test_negative_radius():
+def test_negative_radius_is_refused():
     with pytest.raises(ValueError, match=r"atom 1 .* radius -0.5"):
         eses.Surface(np.zeros((2, 3)), [1, -0.5])
 
 
-def test_other_arguments(chain):
+def test_other_arguments_are_checked(chain):
     for probe_radius in (0, -1, np.nan, 1e4):
         with pytest.raises(ValueError, match="probe radius"):
             eses.Surface(*chain, probe_radius)
@@ -131,7 +131,7 @@ def test_other_arguments(chain):
         eses.Surface(chain[0])
 
 
-def test_diagnostics():
+def test_diagnostics_are_reported():
     surface = eses.Surface([[0, 0, 0], [0, 0, 0], [9, 0, 0]], [1.5, 1.5, 5])
     kinds = {diagnostic.kind: diagnostic for diagnostic in surface.diagnostics}
     assert set(kinds) == {"duplicate", "large_radius"}
@@ -144,7 +144,7 @@ def test_diagnostics():
     assert [(each.kind, each.is_usual) for each in zero] == [("zero_radius", True)]
 
 
-def test_pickle(chain):
+def test_surface_can_be_pickled(chain):
     surface = eses.Surface(*chain, 1.1)
     again = pickle.loads(pickle.dumps(surface))
     assert again.probe_radius == 1.1

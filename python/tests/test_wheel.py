@@ -1,4 +1,4 @@
-"""`pip install .` in a fresh virtual environment. Skipped where PyPI cannot be reached."""
+"""Tests `pip install .` in a fresh virtual environment. Skipped if PyPI cannot be reached."""
 
 import os
 import socket
@@ -28,7 +28,7 @@ def fixture_environment(tmp_path):
     try:
         socket.create_connection(("pypi.org", 443), timeout=5).close()
     except OSError:
-        # A mirror may serve instead.
+        # A mirror may replace PyPI.
         if run(sys.executable, "-m", "pip", "download", "--no-deps", "-q", "-d", tmp_path,
                "scikit-build-core").returncode != 0:
             pytest.skip("PyPI cannot be reached")
@@ -39,7 +39,7 @@ def fixture_environment(tmp_path):
     return folder
 
 
-def test_wheel(environment, tmp_path):
+def test_wheel_is_built_and_installed(environment, tmp_path):
     done = run(environment / "bin/pip", "install", "--no-cache-dir", PROJECT,
                env={**os.environ, "TMPDIR": str(tmp_path)})
     assert done.returncode == 0, done.stdout + done.stderr

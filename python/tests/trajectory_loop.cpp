@@ -1,4 +1,4 @@
-// Computes the area of frames of a trajectory: see scripts/benchmarks/trajectory.
+// Computes the surface area of each frame of a trajectory, for scripts/benchmarks/trajectory.
 //
 //   trajectory-loop ATOMS FRAMES COUNT SPACING
 //

@@ -7,18 +7,19 @@ import tempfile
 
 from common import Failed, unpacked
 
-# An element symbol, perhaps with a formal charge: N, Zn, O1-. Some programs append it to a record.
+# Matches an element symbol with an optional formal charge: N, Zn, O1-. Some programs append it.
 ELEMENT = re.compile(r"[A-Za-z]{1,2}([0-9][+-])?")
 
-# Occupancy and B-factor in a record of a PDB file: first column, 0-based, width and decimals.
+# Occupancy and B-factor in a record of a PDB file: first column (from 0), width and decimals.
 OCCUPANCY, B_FACTOR = (54, 6, 2), (60, 6, 2)
 PDB_NUMBERS = ((30, 8, 3), (38, 8, 3), (46, 8, 3), OCCUPANCY, B_FACTOR)
 END_OF_B_FACTOR = 66
-MAX_USUAL_RADIUS = 4  # angstrom; B-factors are mostly larger
+MAX_USUAL_RADIUS = 4  # angstrom; most B-factors are larger
 
 
 def number(text):
-    """As eses-blocks reads it: also Fortran's D exponents, but no underscores, nan or inf."""
+    """Parses a number as eses-blocks does: with Fortran's D exponents, without underscores, nan
+    or inf."""
     try:
         value = float(text.lower().replace("d", "e"))
     except ValueError:
@@ -29,13 +30,14 @@ def number(text):
 
 
 def pqr_fields(line):
-    """The texts of x, y, z, charge, radius; None if the line is no atom."""
+    """Returns the texts of x, y, z, charge and radius, or None if the line is not an atom."""
     if not line.upper().startswith(("ATOM", "HETATM")):
         return None
     fields = line.split()
     if ELEMENT.fullmatch(fields[-1]):
         fields.pop()
-    # ATOM serial name residue number x y z charge radius; HETATM and serial may run together.
+    # The fields are: ATOM serial name residue number x y z charge radius. HETATM and serial may
+    # have no blank between them.
     fewest = 9 if fields[0][-1].isdigit() else 10
     if len(fields) < fewest:
         raise Failed(f"expected at least {fewest} fields separated by blanks, the last five "
@@ -44,7 +46,7 @@ def pqr_fields(line):
 
 
 def xyzr_fields(line):
-    """The texts of x, y, z, charge, radius; None if the line is no atom. The charge is 0."""
+    """Returns the texts of x, y, z, charge (0) and radius, or None if the line is not an atom."""
     if not line.strip() or line.lstrip().startswith("#"):
         return None
     fields = line.split()[:4]
@@ -54,7 +56,7 @@ def xyzr_fields(line):
 
 
 def fixed_number(line, column, width, decimals):
-    """The number in these columns; None if they hold no number with so many decimals."""
+    """Returns the number in these columns, or None if there is no number with so many decimals."""
     text = line[column:column + width]
     is_number = len(text) == width and re.fullmatch(rf"[ \t]*[+-]?\d*\.\d{{{decimals}}}", text)
     return float(text) if is_number else None
@@ -66,7 +68,7 @@ class PdbLikeness:
     def __init__(self):
         self.records = 0
         self.in_columns = 0  # records with numbers in the columns of PDB files
-        self.plausible = 0  # of these, records whose numbers are hardly charge and radius
+        self.plausible = 0  # records among them whose numbers can hardly be charge and radius
 
     def add(self, line):
         self.records += 1
@@ -87,7 +89,7 @@ class PdbLikeness:
 
 
 def atoms_in(lines, layout):
-    """x, y, z, charge and the text of the radius, atom by atom."""
+    """Yields x, y, z, charge and the text of the radius of each atom."""
     fields_of = {"pqr": pqr_fields, "xyzr": xyzr_fields}[layout]
     likeness = PdbLikeness()
     is_empty = True
@@ -106,17 +108,17 @@ def atoms_in(lines, layout):
             likeness.add(line)
         yield x, y, z, charge, fields[4]
     if is_empty:
-        raise Failed(" no atoms")
+        raise Failed(" no atoms" + ("; expected ATOM or HETATM records" if layout == "pqr" else ""))
     if layout == "pqr":
         likeness.refuse()
 
 
 def read_records(name, layout):
-    """x, y, z, charge and the text of the radius, atom by atom; `-` is standard input."""
+    """Yields x, y, z, charge and the text of the radius of each atom; `-` is standard input."""
     with tempfile.TemporaryDirectory() as scratch:
         source = 0 if name == "-" else unpacked(pathlib.Path(name), pathlib.Path(scratch))
         try:
-            # Bytes that are no ASCII may stand in remarks; in a number they fail as such.
+            # Remarks may contain bytes that are not ASCII. In a number they are an error.
             with open(source, encoding="ascii", errors="replace", closefd=source != 0) as lines:
                 yield from atoms_in(lines, layout)
         except Failed as error:
@@ -124,7 +126,7 @@ def read_records(name, layout):
 
 
 def read_atoms(name, layout="auto"):
-    """x, y, z and the text of the radius, atom by atom; `-` is standard input."""
+    """Yields x, y, z and the text of the radius of each atom; `-` is standard input."""
     if layout == "auto":
         layout = "pqr" if name.lower().removesuffix(".gz").endswith(".pqr") else "xyzr"
     for x, y, z, _, radius in read_records(name, layout):
@@ -132,6 +134,6 @@ def read_atoms(name, layout="auto"):
 
 
 def read_charged_atoms(name):
-    """x, y, z, charge and radius of each atom of a PQR file."""
+    """Returns x, y, z, charge and radius of each atom of a PQR file."""
     for x, y, z, charge, radius in read_records(name, "pqr"):
         yield x, y, z, charge, number(radius)

@@ -1,4 +1,4 @@
-"""What the Python scripts share: places, command lines, errors, files, the machine."""
+"""Shared by the Python scripts: paths, command lines, errors, files, and the machine."""
 
 import argparse
 import contextlib
@@ -18,11 +18,11 @@ import zlib
 PROJECT = pathlib.Path(__file__).resolve().parents[2]
 DATA = PROJECT / "data"
 PROGRAM = PROJECT / "build" / "eses-blocks"
-COMPRESSION_LEVEL = 6  # of gzip, as gzip itself has it
+COMPRESSION_LEVEL = 6  # gzip's own default
 
 
 class Failed(Exception):
-    """A run has failed, or what is needed is not there."""
+    """A run has failed, or something that it needs is missing."""
 
 
 # -------------------------------------------------------------------------------- command line
@@ -41,13 +41,13 @@ def positive(text):
 
 
 def end_with(name, main):
-    """Runs a script's main function; errors become one line, and the exit code tells."""
+    """Runs a script's main function. Turns errors into one line and an exit code."""
     try:
         if signal.getsignal(signal.SIGINT) == signal.SIG_DFL:  # see quiet_interrupt
             signal.signal(signal.SIGINT, signal.default_int_handler)
         main()
     except BrokenPipeError:
-        sys.exit(1)  # whoever reads has seen enough
+        sys.exit(1)  # the reader has closed the pipe
     except Failed as error:
         sys.exit(f"{name}: {error}")
     except OSError as error:
@@ -57,13 +57,13 @@ def end_with(name, main):
 
 
 def show(text):
-    """What is being done, on a line that the next one replaces; only for people to see."""
+    """Shows the progress on a line that the next one replaces, if standard error is a terminal."""
     if sys.stderr.isatty():
         print(f"\r\033[K{text}", end="", file=sys.stderr, flush=True)
 
 
 def printable(text):
-    """On one line, and without bytes that are no text."""
+    """Returns the text on one line; characters that cannot be printed become question marks."""
     text = str(text).encode("utf-8", "backslashreplace").decode()
     return "".join(c if c.isprintable() else "?" for c in text)
 
@@ -73,9 +73,9 @@ def printable(text):
 
 @contextlib.contextmanager
 def text_file(name, compressed=False, **how):
-    """A text file to write, gzipped if `compressed`. The same text gives the same bytes.
+    """Opens a text file for writing, gzipped if `compressed`. Equal text gives equal bytes.
 
-    `name` may be a descriptor, which stays open. `how` goes to open().
+    `name` may be a descriptor, which stays open. `how` is passed to open().
     """
     owned = not isinstance(name, int)
     if not compressed:
@@ -90,16 +90,16 @@ def text_file(name, compressed=False, **how):
 
 @contextlib.contextmanager
 def complete_file(name, **how):
-    """A text file that takes its name only when it is complete; `-` is standard output.
+    """Opens a text file that gets its name when it is complete; `-` is standard output.
 
-    Devices and pipes are written as they are: renaming would put a file in their place.
-    `how` goes to text_file().
+    Devices and pipes are written directly, because renaming would put a file in their place. `how`
+    is passed to text_file().
     """
     if str(name) == "-" or (os.path.exists(name) and not os.path.isfile(name)):
         with text_file(1 if str(name) == "-" else name, **how) as target:
             yield target
         return
-    final = pathlib.Path(os.path.realpath(name))  # of a symbolic link, what it points to
+    final = pathlib.Path(os.path.realpath(name))  # the target of a symbolic link
     part = final.with_name(f".{final.name}.{os.getpid()}.part")
     with contextlib.ExitStack() as opened:
         try:
@@ -111,14 +111,14 @@ def complete_file(name, **how):
             opened.close()
             os.replace(part, final)
         except OSError as error:
-            error.filename = error.filename or str(name)  # a full disk has no name
+            error.filename = error.filename or str(name)  # errors of a full disk have no file name
             raise
         finally:
             part.unlink(missing_ok=True)
 
 
 def require_writable(folder):
-    """Makes the folder; fails now rather than when there are results to lose."""
+    """Creates the folder. Fails now if results could not be written into it later."""
     try:
         folder.mkdir(parents=True, exist_ok=True)
         tempfile.TemporaryFile(dir=folder).close()
@@ -127,7 +127,7 @@ def require_writable(folder):
 
 
 def require_writable_file(path):
-    """The same for a file, as complete_file() will write it; its folder has to be there."""
+    """Fails now if complete_file() could not write this file later. Its folder must exist."""
     try:
         if os.path.isdir(path):
             raise IsADirectoryError(errno.EISDIR, os.strerror(errno.EISDIR))
@@ -140,9 +140,9 @@ def require_writable_file(path):
 
 
 def unpacked(path, directory):
-    """The program reads plain files: the file itself, or what a .gz holds, in `directory`.
+    """Returns a plain file for the program: the file itself, or the unpacked .gz in `directory`.
 
-    Throws Failed if the .gz is cut off or damaged, OSError if files cannot be read or written.
+    Throws Failed if the .gz is truncated or damaged, OSError if files cannot be read or written.
     """
     if path.suffix.lower() != ".gz":
         return path
@@ -171,7 +171,7 @@ def machine():
 
 
 def describe_build(program):
-    """The lines of --version: program and version, then compiler, build type and flags."""
+    """Returns the lines of --version: program and version, then compiler, build type and flags."""
     try:
         done = subprocess.run([program, "--version"], stdin=subprocess.DEVNULL, capture_output=True,
                               text=True, check=True)

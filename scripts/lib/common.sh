@@ -1,19 +1,19 @@
 # shellcheck shell=bash
-# What the scripts share: the packages, how they are installed, how the project is built.
-# Sourced, never run; leaves the caller in the project's directory.
+# Shared by the shell scripts: lists of packages, their installation, and building the project. It
+# is sourced, never run, and changes the caller's directory to that of the project.
 
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/../.."
 
-# What CMakeLists.txt and tests/CMakeLists.txt look for, by Debian's names.
+# The Debian packages that CMakeLists.txt and tests/CMakeLists.txt need.
 packages=(g++ cmake make pkg-config libcli11-dev nlohmann-json3-dev libnanoflann-dev libfmt-dev
   libhwy-dev zlib1g-dev catch2 gemmi-dev tao-pegtl-dev)
 
-# What python/CMakeLists.txt and the tests of the Python package look for.
+# The Debian packages that python/CMakeLists.txt and the tests of the Python package need.
 # shellcheck disable=SC2034  # used by the scripts that source this file
 python_packages=(pybind11-dev python3-dev python3-numpy python3-pytest python3-venv)
 
-# Every core, unless the caller has said otherwise.
+# Build on all cores, unless the caller has set another number.
 CMAKE_BUILD_PARALLEL_LEVEL=${CMAKE_BUILD_PARALLEL_LEVEL:-$(nproc)}
 CTEST_PARALLEL_LEVEL=${CTEST_PARALLEL_LEVEL:-$(nproc)}
 export CMAKE_BUILD_PARALLEL_LEVEL CTEST_PARALLEL_LEVEL
@@ -23,7 +23,7 @@ fail() {
   exit 1
 }
 
-# install_packages PACKAGE...: those that are missing, and only then as root.
+# install_packages PACKAGE...: installs missing packages, as root if there are any.
 install_packages() {
   local package missing=() as_root=()
   if ! command -v apt-get >/dev/null; then
@@ -31,7 +31,7 @@ install_packages() {
     return
   fi
   for package in "$@"; do
-    # A package that was removed but not purged is known to dpkg, too: look at the status.
+    # dpkg also lists packages that were removed but not purged, so their status is checked.
     if ! dpkg -s "$package" 2>/dev/null | grep -q '^Status: .* installed$'; then
       missing+=("$package")
     fi
@@ -44,7 +44,7 @@ install_packages() {
   apt-get install ${missing[*]}"
     fi
     as_root=(sudo)
-    # Without a terminal nobody can type a password: fail rather than wait.
+    # Without a terminal no password can be typed, so fail at once.
     if [[ ! -t 0 ]]; then as_root+=(-n); fi
   fi
   as_root+=(env DEBIAN_FRONTEND=noninteractive apt-get -o DPkg::Lock::Timeout=300)
@@ -60,14 +60,14 @@ configure() {
   cmake -S . -B "$1" "${@:2}"
 }
 
-# build DIRECTORY [TARGET...]: everything, or the targets named.
+# build DIRECTORY [TARGET...]: builds everything, or the named targets.
 build() {
   local directory=$1
   shift
   cmake --build "$directory" ${1:+--target "$@"}
 }
 
-# The release build in build/: the program alone.
+# Builds the program alone, as a release build in build/.
 build_release() {
   install_packages "${packages[@]}"
   configure build -DCMAKE_BUILD_TYPE=Release

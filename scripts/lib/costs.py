@@ -1,11 +1,11 @@
-"""Files of measured costs: what a structure's blocks, patches and texts cost.
+"""Files with the measured costs of a structure's blocks, patches and texts.
 
 scripts/benchmarks/simulate writes and reads them.
 
-Lines of fields, with commas between them: a name and its value, and for each layer of blocks, from
-below, `crossings,BZ,N`, `plane_atoms,BZ,N N ...` (atoms nearest to each of its planes) and, for
-each row of blocks, `blocks,BZ,BY,T T ...` (microseconds). Empty lines and those that begin with #
-say nothing.
+A line consists of fields with commas between them. Most lines are a name and its value. Each layer
+of blocks, from below, has the lines `crossings,BZ,N` and `plane_atoms,BZ,N N ...` (atoms nearest to
+each of its planes). Each row of blocks has the line `blocks,BZ,BY,T T ...` (microseconds). Empty
+lines and lines that begin with # are ignored.
 """
 
 import collections
@@ -13,18 +13,18 @@ import math
 
 from common import Failed, complete_file
 
-# All seconds are CPU of one thread. Of these numbers:
-# input_bytes, text_bytes, area_bytes: the atoms' file, those of points and edges, that of areas.
-# mean_radius, max_radius: of the atoms, angstrom.
-# read_seconds: until the atoms are read; read_alone_seconds: the same by one process alone.
-# molecule_seconds: atoms prepared; plan_seconds: samples taken, and the plan made.
-# clusters_seconds: atoms sorted into clusters; patch_seconds: all patches.
-# text_seconds: texts made and written.
-# copy_read_seconds, copy_write_seconds: texts read, and written to another file.
-# copy_kernel_seconds: texts copied by copy_file_range.
-# area_seconds: areas added up and written.
+# All seconds are CPU seconds of one thread.
+# input_bytes, text_bytes, area_bytes: size of the input, of points and edges, and of areas.
+# mean_radius, max_radius: radius of the atoms, angstrom.
+# read_seconds: reading the atoms; read_alone_seconds: the same by one process alone.
+# molecule_seconds: preparing atoms; plan_seconds: taking samples and making the plan.
+# clusters_seconds: sorting atoms into clusters; patch_seconds: building all patches.
+# text_seconds: making and writing texts.
+# copy_read_seconds, copy_write_seconds: reading texts, and writing them to another file.
+# copy_kernel_seconds: copying texts by copy_file_range.
+# area_seconds: adding up and writing areas.
 # block_nx, block_ny, block_nz: points on the sides of a block.
-# thin_planes: what a layer of blocks of one plane costs, in planes of the whole blocks there.
+# thin_planes: cost of a layer of blocks of one plane, divided by that of a plane of whole blocks.
 NUMBERS = ("atoms", "input_bytes", "text_bytes", "area_bytes", "spacing", "probe_radius", "lower_z",
            "block_nx", "block_ny", "block_nz", "nx", "ny", "nz", "mean_radius", "max_radius",
            "read_seconds", "read_alone_seconds", "molecule_seconds", "plan_seconds",
@@ -32,19 +32,19 @@ NUMBERS = ("atoms", "input_bytes", "text_bytes", "area_bytes", "spacing", "probe
            "copy_write_seconds", "copy_kernel_seconds", "area_seconds", "thin_planes")
 WORDS = ("structure", "date", "cpu", "cores", "build", "write")
 
-# seconds: of blocks [by][bx]; plane_atoms: a number for each plane.
+# seconds: cost of each block, [by][bx]. plane_atoms: a number for each plane.
 Layer = collections.namedtuple("Layer", "seconds plane_atoms crossings")
-# values: by name; layers: from below.
+# values: numbers and words by name. layers: from below.
 Costs = collections.namedtuple("Costs", "values layers")
 
 
 def block_count(values, axis):
-    """How many blocks there are along an axis: x, y or z."""
+    """Returns the number of blocks along an axis: x, y or z."""
     return (max(int(values["n" + axis]), 2) - 2) // (int(values["block_n" + axis]) - 1) + 1
 
 
 def layer_planes(values):
-    """How many planes each layer of blocks owns."""
+    """Returns the number of planes that each layer of blocks owns."""
     side, layers = int(values["block_nz"]) - 1, block_count(values, "z")
     return [side] * (layers - 1) + [int(values["nz"]) - side * (layers - 1)]
 
@@ -139,7 +139,8 @@ def make_layers(values, tables):
 
 
 def read(path):
-    """Throws Failed, with the line where there is one, if the file is not what `write` makes."""
+    """Reads a file. Throws Failed, with the line if there is one, if `write` has not made the
+    file."""
     values, tables = {}, {"crossings": {}, "plane_atoms": {}, "blocks": {}}
     try:
         with open(path, encoding="utf-8", errors="replace") as source:

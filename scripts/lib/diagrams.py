@@ -1,4 +1,4 @@
-"""Draws diagrams as SVG files, with the standard library alone: the same bytes on every machine.
+"""Draws diagrams as SVG files with the standard library alone. The bytes are always the same.
 
 Lengths on the page are in pixels. A panel maps scene coordinates, with y upwards, to the page.
 Labels are plain text with $mathematics$: letters in italics, `_x` or `_{xyz}` as subscripts.
@@ -10,7 +10,7 @@ import xml.sax.saxutils
 
 from common import Failed
 
-# Okabe and Ito's colours, which the colour-blind can tell apart, and light tints of them.
+# Colours of Okabe and Ito, which colour-blind readers can distinguish, and light tints of them.
 BLUE, ORANGE, GREEN, PURPLE = "#0072B2", "#D55E00", "#009E73", "#9A5580"
 LIGHT_BLUE, LIGHT_ORANGE, LIGHT_GREEN = "#D6E8F4", "#FBE3D3", "#D3EFE5"
 BLACK, DARK, GREY, LIGHT = "#222222", "#444444", "#8A8A8A", "#ECECEC"
@@ -18,7 +18,7 @@ BLACK, DARK, GREY, LIGHT = "#222222", "#444444", "#8A8A8A", "#ECECEC"
 FONT_SIZE = 14
 SUBSCRIPT_SIZE = 10.5
 SPACE_WIDTH = 4.5
-LETTER_WIDTH = 0.56  # of the font size: the average of a sans-serif font, with some room
+LETTER_WIDTH = 0.56  # share of the font size: the average of a sans-serif font, with some room
 
 
 def number(value):
@@ -31,13 +31,13 @@ def on_circle(center, radius, angle):
 
 
 def toward(start, end, length):
-    """The point at a distance from `start` on the way to `end`."""
+    """Returns the point at a distance from `start` on the way to `end`."""
     share = length / math.dist(start, end)
     return start[0] + share * (end[0] - start[0]), start[1] + share * (end[1] - start[1])
 
 
 def segments(label):
-    """The parts of a label: text, whether it is in italics, whether it is a subscript."""
+    """Yields the parts of a label: text, whether it is in italics, whether it is a subscript."""
     for index, part in enumerate(label.split("$")):
         if index % 2 == 0:
             if part:
@@ -90,7 +90,7 @@ class Diagram:
         for part, is_italic, is_subscript in segments(text):
             wanted = 4 if is_subscript else 0
             style = {}
-            # Renderers drop spaces at the ends of a part: a shift takes their place.
+            # Renderers drop spaces at the ends of a part, so a shift replaces them.
             space += SPACE_WIDTH if part.startswith(" ") else 0
             if space:
                 style["dx"] = space
@@ -129,7 +129,7 @@ class Diagram:
 
 
 class Panel:
-    """A part of a diagram with its own coordinates: `origin` is where (0, 0) is on the page."""
+    """A part of a diagram with its own coordinates. `origin` is the place of (0, 0) on the page."""
 
     def __init__(self, diagram, origin, scale):
         self.diagram, self.origin, self.scale = diagram, origin, scale
@@ -162,7 +162,7 @@ class Panel:
         self.lines([low, (high[0], low[1]), high, (low[0], high[1])], is_closed=True, **style)
 
     def arc_data(self, center, radius, start, end):
-        """The part of a path that continues to the end of an arc, from its start."""
+        """Returns the part of a path that continues to the end of an arc, from its start."""
         size = number(radius * self.scale)
         is_large = 1 if abs(end - start) > math.pi else 0
         is_clockwise = 1 if end < start else 0
@@ -170,12 +170,13 @@ class Panel:
             on_circle(center, radius, end))
 
     def arc(self, center, radius, start, end, **style):
-        """An arc between two angles (radians): counter-clockwise if `end` is the larger one."""
+        """Draws an arc between two angles (radians), counter-clockwise if `end` is the larger
+        one."""
         self.path("M" + self.place(on_circle(center, radius, start)) +
                   self.arc_data(center, radius, start, end), **style)
 
     def sector(self, center, inner, outer, start, end, **style):
-        """What lies between two arcs about the same centre."""
+        """Draws the region between two arcs about the same centre."""
         self.path("M" + self.place(on_circle(center, outer, start)) +
                   self.arc_data(center, outer, start, end) +
                   "L" + self.place(on_circle(center, inner, end)) +
@@ -192,6 +193,6 @@ class Panel:
         self.path(data, fill=color)
 
     def label(self, point, text, offset=(0, 0), **how):
-        """`offset` is in pixels, to the right and upwards."""
+        """Draws a label. `offset` is in pixels, to the right and upwards."""
         x, y = self.page(point)
         self.diagram.label(x + offset[0], y - offset[1], text, **how)

@@ -1,6 +1,6 @@
 """The solvent excluded surface of discs in a plane, for diagrams.
 
-What is a sphere in space is a circle here. The accessible set is bounded by arcs of SAS circles,
+Circles replace the spheres of space. The accessible set is bounded by arcs of SAS circles,
 which meet at vertices, where the probe touches two discs.
 """
 
@@ -19,7 +19,7 @@ class Face:
 
 
 class DiscSurface:
-    """`discs` are (x, y, radius)."""
+    """The surface of discs. `discs` are (x, y, radius)."""
 
     def __init__(self, discs, probe):
         self.discs, self.probe = discs, probe
@@ -33,7 +33,7 @@ class DiscSurface:
                    for disc in self.discs if disc is not apart_from)
 
     def ends_on(self, disc):
-        """The angles at which other SAS circles meet that of the disc."""
+        """Returns the angles at which other SAS circles meet that of the disc."""
         radius = self.sas_radius(disc)
         for other in self.discs:
             distance = math.dist(disc[:2], other[:2])
@@ -49,7 +49,7 @@ class DiscSurface:
         ends = sorted(self.ends_on(disc))
         if not ends:
             return [Face(disc, 0, FULL_TURN)]
-        # Beside each end, one side is inside the other circle: faces do not touch each other.
+        # At each end the other circle covers one side, so faces do not touch each other.
         return [Face(disc, start, end)
                 for start, end in zip(ends, ends[1:] + [ends[0] + FULL_TURN])
                 if self.is_accessible(on_circle(disc[:2], self.sas_radius(disc),
@@ -64,14 +64,14 @@ class DiscSurface:
             other.disc[:2], self.sas_radius(other.disc), other.start)))
 
     def loop(self, first):
-        """The faces around one component of the boundary, from `first` on."""
+        """Returns the faces around one component of the boundary, beginning with `first`."""
         faces = [first]
         while (face := self.next_face(faces[-1])) is not first:
             faces.append(face)
         return faces
 
     def sas_data(self, panel, faces):
-        """The SAS along a loop, as data of a path."""
+        """Returns the SAS along a loop, as data of a path."""
         data = "M" + panel.place(on_circle(faces[0].disc[:2], self.sas_radius(faces[0].disc),
                                            faces[0].start))
         for face in faces:
@@ -79,7 +79,8 @@ class DiscSurface:
         return data + "Z"
 
     def contact_angles(self, face):
-        """Where the probe behind a face touches its disc and the next one, seen from the probe."""
+        """Returns where the probe at the end of a face touches its disc and the next one, as
+        seen from the probe."""
         vertex, after = self.vertex_behind(face), self.next_face(face)
         angles = [math.atan2(disc[1] - vertex[1], disc[0] - vertex[0])
                   for disc in (face.disc, after.disc)]
@@ -88,7 +89,7 @@ class DiscSurface:
         return angles
 
     def ses_data(self, panel, faces):
-        """The solvent excluded surface along a loop, as data of a path."""
+        """Returns the solvent excluded surface along a loop, as data of a path."""
         data = "M" + panel.place(on_circle(faces[0].disc[:2], faces[0].disc[2], faces[0].start))
         for face in faces:
             data += panel.arc_data(face.disc[:2], face.disc[2], face.start, face.end)

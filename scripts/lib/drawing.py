@@ -1,13 +1,13 @@
-"""How the scripts draw: pairs of panels on logarithmic scales, as SVG for a README."""
+"""Draws pairs of panels on logarithmic scales as SVG."""
 
 import importlib.util
 
 from common import Failed
 
 WIDTH, HEIGHT = 600 / 72, 315 / 72  # inches; an SVG of 600 pt is 800 px wide
-TOP, BOTTOM = 0.87, 0.25  # of the height: the axes, between legend and caption
+TOP, BOTTOM = 0.87, 0.25  # share of the height: the axes, between legend and caption
 
-# Okabe and Ito's colours, which the colour-blind can tell apart; markers tell the series, too.
+# Colours of Okabe and Ito, which colour-blind readers can distinguish. Markers differ as well.
 BLUE = {"color": "#0072B2", "marker": "o"}
 ORANGE = {"color": "#D55E00", "marker": "s"}
 GREEN = {"color": "#009E73", "marker": "^"}
@@ -21,7 +21,8 @@ GUIDE_STYLES = {
 
 
 def require_matplotlib():
-    """Without loading it, as its memory would be counted (see measuring.run)."""
+    """Fails if matplotlib is missing. Does not load it, as its memory would be counted
+    (measuring.run)."""
     if importlib.util.find_spec("matplotlib") is None:
         raise Failed("matplotlib is missing; install it with `apt-get install python3-matplotlib`")
 
@@ -30,8 +31,8 @@ def load_pyplot():
     import matplotlib
     matplotlib.use("svg")  # no display
     matplotlib.rcParams.update({
-        "svg.hashsalt": "eses-blocks",  # else identifiers change from run to run
-        "svg.fonttype": "path",  # the same everywhere, whatever fonts the reader has
+        "svg.hashsalt": "eses-blocks",  # otherwise identifiers change from run to run
+        "svg.fonttype": "path",  # outlines look the same whatever fonts the reader has
         "font.family": "DejaVu Sans", "font.size": 10, "axes.titlesize": 10,
         "legend.fontsize": 10, "axes.spines.top": False, "axes.spines.right": False,
         "axes.axisbelow": True,
@@ -41,7 +42,8 @@ def load_pyplot():
 
 
 def plain_ticks(axis, places=None):
-    """0.1, 1, 10 rather than powers of ten: at given places, or 1, 2, 5 where that is few."""
+    """Labels an axis with 0.1, 1, 10, not powers of ten: at `places`, or at 1, 2, 5 on short
+    scales."""
     from matplotlib import ticker
     if places is None:
         low, high = axis.get_view_interval()
@@ -63,7 +65,7 @@ def draw_series(axes, series, styles, x_of, y_of):
 
 
 def draw_guides(axes, anchor, slopes):
-    """Lines of a given slope through a point, across the panel; the scale stays the data's."""
+    """Draws lines of given slopes through a point across the panel, without changing its scale."""
     x, y = anchor
     ends = axes.get_xlim()
     for slope in slopes:
@@ -72,7 +74,8 @@ def draw_guides(axes, anchor, slopes):
 
 
 def set_scale(axes, x, y):
-    """Room beside the points; up and down at least a decade in all, so that a slope is seen."""
+    """Leaves room around the points. The y-axis spans at least a decade, so that slopes are
+    visible."""
     axes.set_xscale("log")
     axes.set_yscale("log")
     axes.set_xlim(min(x) / 1.15, max(x) * 1.15)
@@ -82,9 +85,10 @@ def set_scale(axes, x, y):
 
 
 def panels(pyplot, series, styles, x_of, quantities):
-    """Two panels with their data: key -> rows, drawn by styles[key]; quantities: title, y_of.
+    """Draws two panels with the same data.
 
-    A row of which y_of knows nothing, None, is left out of that panel.
+    `series`: key -> rows, drawn by `styles[key]`. `quantities`: a title and a function y_of for
+    each panel. A row for which y_of returns None is left out of that panel.
     """
     figure, both = pyplot.subplots(1, 2, figsize=(WIDTH, HEIGHT))
     for axes, (name, y_of) in zip(both, quantities):
@@ -100,7 +104,7 @@ def panels(pyplot, series, styles, x_of, quantities):
 
 
 def origin(figures):
-    """Program, machine and day of the measurements, for a caption."""
+    """Returns program, machine and day of the measurements, for a caption."""
     cpu = figures["machine"]["cpu"].replace("(R)", "").replace("(TM)", "")
     cores = figures["machine"]["cores"]
     return (f"{figures['build'][0]}; {cpu}, {cores} core{'s' if cores > 1 else ''}; "
@@ -108,8 +112,8 @@ def origin(figures):
 
 
 def finish(figure, axes, text, path, top=TOP, wspace=0.24):
-    """One legend for all panels, above them; what is the same in every run into the file."""
-    # In the order of the first panel; the second may have the same.
+    """Adds one legend above all panels and a caption, and saves the figure without its date."""
+    # The legend is that of the first panel; the second one has the same series.
     handles, labels = axes[0].get_legend_handles_labels()
     figure.legend(handles, labels, loc="upper center", ncol=len(labels), frameon=False,
                   borderaxespad=0.2, handlelength=1.8, columnspacing=1.5)

@@ -1,4 +1,4 @@
-"""What a run of the program costs; shared by the scripts that measure."""
+"""Measures the cost of a run of the program, for the scripts that measure."""
 
 import datetime
 import json
@@ -15,13 +15,13 @@ from common import PROJECT, Failed, complete_file, machine
 
 
 def run(command, stdout, stderr, **how):
-    """Runs to the end; exit code, wall seconds and resource usage, the children's included.
+    """Runs a command and returns exit code, wall seconds and resource usage, including children.
 
-    `how` goes to Popen.
+    `how` is passed to Popen.
 
-    Linux counts the peak of the process that starts another as the new one's own: under Python a
-    small program would seem to need what Python does, whomever one asks. Hence a shell in between,
-    which costs a millisecond; `exit` keeps it from becoming the program.
+    Linux gives a new process the peak memory of the process that starts it. Started by Python, a
+    small program would seem to need as much memory as Python. A shell is therefore started in
+    between, which costs a millisecond. `exit` keeps the shell from replacing itself by the program.
     """
     start = time.perf_counter()
     process = subprocess.Popen(["/bin/sh", "-c", '"$@"; exit $?', "sh", *map(str, command)],
@@ -30,7 +30,7 @@ def run(command, stdout, stderr, **how):
     try:
         _, status, usage = os.wait4(process.pid, 0)
     except BaseException:
-        os.killpg(process.pid, signal.SIGKILL)  # the program, not only the shell
+        os.killpg(process.pid, signal.SIGKILL)  # kill the program, not only the shell
         process.wait()
         raise
     process.returncode = os.waitstatus_to_exitcode(status)
@@ -38,14 +38,16 @@ def run(command, stdout, stderr, **how):
 
 
 def peak_bytes(usage, report):
-    """Of program, shell and Python (see above) wait4 gives the largest; is that Python?"""
+    """Returns the peak memory. wait4 gives the largest of program, shell and Python (see above),
+    so the report counts if Python's is the largest."""
     peak = usage.ru_maxrss * 1024
     own = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss * 1024
     return peak if peak > own else report["peak_memory_bytes"]
 
 
 def run_program(program, arguments, directory):
-    """Report of the program, and what the run has cost; its files go to `directory`/out."""
+    """Runs the program. Returns its report and the cost of the run; its files are in
+    `directory`/out."""
     with open(directory / "report", "w+", encoding="utf-8") as report_file, \
             open(directory / "messages", "w+", encoding="utf-8") as messages:
         command = [program, *arguments, "--output-dir", directory / "out", "--json"]
@@ -60,13 +62,13 @@ def run_program(program, arguments, directory):
 
 
 def measure_once(program, arguments, scratch):
-    """The same in a directory that is new; its files are gone afterwards."""
+    """Runs the program in a new directory and removes its files."""
     with tempfile.TemporaryDirectory(dir=scratch) as name:
         return run_program(program, arguments, pathlib.Path(name))
 
 
 def summarize(measured):
-    """What counts of several runs: the least time, the highest memory; and all of them."""
+    """Combines several runs: least time, highest memory, and the costs of all runs."""
     report = measured[0][0]
     costs = [cost for _, cost in measured]
     return {
@@ -81,17 +83,18 @@ def summarize(measured):
 
 
 def end_on_sigterm():
-    """As Ctrl-C does: the run is stopped, and temporary files go."""
+    """Makes SIGTERM stop the run and remove temporary files, as Ctrl-C does."""
     signal.signal(signal.SIGTERM, lambda *_: sys.exit(143))
 
 
 def rings_for(copies):
-    """The divisor next to the square root: neither a tower nor a wheel."""
+    """Returns the largest divisor up to the square root, for a shape that is neither tall nor
+    wide."""
     return max(n for n in range(1, copies + 1) if copies % n == 0 and n * n <= copies)
 
 
 def assemble(source, copies, target):
-    """Writes a complex of copies of the structure, by scripts/assemble."""
+    """Writes a complex of copies of the structure with scripts/assemble."""
     command = [sys.executable, PROJECT / "scripts" / "assemble", source, "--copies", str(copies),
                "--rings", str(rings_for(copies)), "--output", target]
     done = subprocess.run(command, stdin=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True,
@@ -112,7 +115,7 @@ def save(path, build, settings, **results):
 
 
 def load(path, *results):
-    """What has been saved, with at least these results."""
+    """Loads saved measurements that have at least these results."""
     try:
         figures = json.loads(path.read_text(encoding="utf-8"))
     except ValueError as error:

@@ -1,5 +1,5 @@
-// What MPI's collective calls cost each process in CPU, most of which is waiting for others: counts
-// it, and tells it at the end. For `scripts/benchmarks/simulate real`.
+// Counts the CPU time that each process spends in MPI's collective calls, mostly waiting for
+// others, and prints it at the end. For `scripts/benchmarks/simulate real`.
 //
 //   mpicc -O2 -shared -fPIC -o mpi-waiting.so scripts/lib/mpi-waiting.c
 //   scripts/benchmarks/simulate real FILE --launch "mpirun -x LD_PRELOAD=$PWD/mpi-waiting.so"

@@ -1,9 +1,9 @@
-"""From a PDB file to atoms with CHARMM radii, by PDB2PQR.
+"""Prepares PDB files for PDB2PQR, which assigns CHARMM radii.
 
-Prepared as the structures in the table of Zhao et al. (2018) were: HETATM records and hydrogens are
-removed; hydrogens and missing atoms are then rebuilt, and radii assigned, by `pdb2pqr --ff=CHARMM`.
-The paper does not say so: found by trying, as these atoms reproduce its numbers of atoms and its
-grids.
+The steps are those of the structures in the table of Zhao et al. (2018). HETATM records and
+hydrogens are removed. Then `pdb2pqr --ff=CHARMM` rebuilds hydrogens and missing atoms and assigns
+radii. The paper does not describe its preparation; these steps were found by trial, and reproduce
+its numbers of atoms and its grids.
 
 Columns: "Protein Data Bank contents guide: atomic coordinate entry format, version 3.3".
 """
@@ -16,11 +16,11 @@ import shutil
 from common import Failed
 
 OPTIONS = ["--ff=CHARMM"]
-PACKAGE = "pdb2pqr"  # of Debian; elsewhere it is installed by pip under the same name
+PACKAGE = "pdb2pqr"  # name of Debian's package; pip installs it under the same name
 
 
 def find_program():
-    """PDB2PQR under either of its names, or None."""
+    """Returns PDB2PQR under either of its names, or None."""
     return shutil.which("pdb2pqr30") or shutil.which("pdb2pqr")
 
 
@@ -29,7 +29,7 @@ def find_program():
 
 def is_hydrogen(line):
     element = line[76:78].strip()
-    if not element.isalpha():  # old files have none, or other things there
+    if not element.isalpha():  # old files have other text or none there
         element = line[12:16].strip().lstrip("0123456789")[:1]
     return element.upper() in ("H", "D")
 
@@ -42,15 +42,15 @@ def first_model(lines):
 
 
 def residue(line):
-    """Equal for neighbouring lines of one residue; TER ends it."""
+    """Returns a key that is equal for neighbouring lines of one residue. TER ends a residue."""
     return line[:3] == "TER", line[17:27]
 
 
 def protein_lines(lines):
-    """What PDB2PQR shall see: heavy atoms of the first model, and the ends of chains.
+    """Yields the input of PDB2PQR: heavy atoms of the first model, and the ends of chains.
 
-    A residue of which nothing but the nitrogen of the backbone is there is left out. It stands at
-    the end of some chains, where PDB2PQR cannot rebuild it and gives up.
+    A residue with only the nitrogen of the backbone is left out. Some chains end with one, and
+    PDB2PQR fails because it cannot rebuild it.
     """
     kept = (line for line in first_model(lines)
             if line.startswith("TER") or (line.startswith("ATOM  ") and not is_hydrogen(line)))
@@ -61,9 +61,9 @@ def protein_lines(lines):
 
 
 def write_protein(source, target):
-    """Throws Failed if no atom is left."""
+    """Writes the input of PDB2PQR. Throws Failed if no atom is left."""
     opened = gzip.open if source.suffix.lower() == ".gz" else open
-    # Any byte may stand in remarks.
+    # Remarks may contain any byte.
     with opened(source, "rt", encoding="latin-1") as file:
         lines = [line.rstrip() + "\n" for line in protein_lines(file)]
     if not any(line.startswith("ATOM") for line in lines):
@@ -76,13 +76,14 @@ def write_protein(source, target):
 
 
 def failure(log):
-    """Why PDB2PQR gave up, as far as one line can tell."""
-    told = re.findall(r"^(?:ERROR|CRITICAL):\s*(.*\S)", log, re.MULTILINE)
-    told = [text for text in told if text != "Giving up."]
-    return (told or log.strip().splitlines() or ["no message"])[-1]
+    """Returns the reason why PDB2PQR failed, as one line."""
+    errors = re.findall(r"^(?:ERROR|CRITICAL):\s*(.*\S)", log, re.MULTILINE)
+    errors = [text for text in errors if text != "Giving up."]
+    return (errors or log.strip().splitlines() or ["no message"])[-1]
 
 
 def remark(log):
-    """What a user must know of a success: PDB2PQR leaves out what it has no parameters for."""
+    """Returns a remark for the user on a success: the residues without parameters, which PDB2PQR
+    drops."""
     left_out = re.search(r"^WARNING:\s*Ignoring (\d+) missing lines", log, re.MULTILINE)
     return f"PDB2PQR has left out {left_out[1]} atoms that it does not know" if left_out else ""

@@ -17,19 +17,20 @@ from atoms import read_charged_atoms
 from common import Failed, unpacked
 import measuring
 
-# The dielectric boundaries: maps of eses-blocks, and APBS's own `srfm mol` and `srfm smol`.
+# Dielectric boundaries: maps of eses-blocks, and APBS's own `srfm mol` and `srfm smol`.
 ESES, MOL, SMOL = "eses-blocks", "mol", "smol"
 REFERENCE = "reference"  # the dielectric of the solute everywhere
 
 MULTIGRID_STEP = 32  # APBS's mg-manual halves the grid four times: 32 k + 1 points along an axis
 INPUT, ENERGIES, LOG = "apbs.in", "energies.txt", "apbs.log"
 
-# What APBS 3.4.1 takes, measured on one core (CPU time) with grids of 0.3 to 2.7 million points.
-BYTES_PER_POINT = 260  # of the multigrid solver
-MAP_BYTES_PER_POINT = 8  # of each map that is read; all of them are read at the start
-FILE_BYTES_PER_POINT = 14  # of each map on disk
-SECONDS_PER_POINT = 3e-6  # to solve one calculation
-SECONDS_PER_BOUNDARY_TERM = 1e-8  # of bcfl mdh: for each atom at each point of the boundary
+# Resources that APBS 3.4.1 takes, measured on one core (CPU time) with grids of 0.3 to 2.7 million
+# points.
+BYTES_PER_POINT = 260  # memory of the multigrid solver
+MAP_BYTES_PER_POINT = 8  # memory of each map; all maps are read at the start
+FILE_BYTES_PER_POINT = 14  # size of each map on disk
+SECONDS_PER_POINT = 3e-6  # time to solve one calculation
+SECONDS_PER_BOUNDARY_TERM = 1e-8  # time of bcfl mdh for each atom at each point of the boundary
 
 Molecule = collections.namedtuple("Molecule", "path atoms")  # atoms: Atom, in the file's order
 Atom = collections.namedtuple("Atom", "x y z charge radius")
@@ -41,10 +42,10 @@ Settings = collections.namedtuple(
     "Settings", "probe_radius solute_dielectric solvent_dielectric ionic_strength ion_radius "
     "temperature boundary charges")
 
-# One `elec` section of the input file.
+# A section `elec` of the input file.
 Calculation = collections.namedtuple("Calculation", "name molecule surface")
 
-# energies: kJ/mol by calculation name.
+# energies: kJ/mol, by name of the calculation.
 Result = collections.namedtuple("Result", "energies seconds peak_bytes")
 
 
@@ -56,7 +57,8 @@ def read_molecule(path):
 
 
 def identity(atom):
-    """Equal for the same atom in two files, which may have different numbers of decimals."""
+    """Returns a key that is equal for the same atom in two files with different numbers of
+    decimals."""
     return (*(round(value, 3) for value in atom[:3]), round(atom.charge, 4), round(atom.radius, 4))
 
 
@@ -116,7 +118,7 @@ def estimate(grid, molecules, calculations, settings):
 
 
 def available_bytes():
-    """Memory that processes can have without swapping; None where that is not known."""
+    """Returns the memory that processes can use without swapping, or None if it is unknown."""
     with contextlib.suppress(OSError):
         found = re.search(r"^MemAvailable:\s+(\d+) kB",
                           pathlib.Path("/proc/meminfo").read_text(encoding="ascii"), re.MULTILINE)
@@ -133,14 +135,15 @@ def molecule_name(index):
 
 
 def plan(molecules, surfaces):
-    """The calculations: all molecules with all surfaces, and the reference of a molecule alone."""
+    """Returns the calculations: all molecules with all surfaces, and the reference of a single
+    molecule."""
     kinds = [*surfaces, REFERENCE] if len(molecules) == 1 else surfaces
     return [Calculation(f"{molecule_name(index)}-{surface}", index, surface)
             for surface in kinds for index in range(len(molecules))]
 
 
 def elec_section(calculation, grid, settings):
-    """The `elec` section of a calculation."""
+    """Returns the `elec` section of a calculation."""
     is_reference = calculation.surface == REFERENCE
     lines = [
         "mg-manual",
@@ -153,7 +156,7 @@ def elec_section(calculation, grid, settings):
         f"pdie {settings.solute_dielectric!r}",
         f"sdie {settings.solute_dielectric if is_reference else settings.solvent_dielectric!r}",
         f"chgm {settings.charges}",
-        # Without a boundary, or with that of the maps, APBS need not look for one.
+        # Without a boundary, or with one from maps, APBS need not construct one.
         f"srfm {calculation.surface if calculation.surface in (MOL, SMOL) else MOL}",
         f"srad {settings.probe_radius if calculation.surface in (MOL, SMOL) else 0.0!r}",
         "swin 0.3",
@@ -173,7 +176,8 @@ def elec_section(calculation, grid, settings):
 
 
 def input_text(molecules, calculations, grid, settings):
-    """The input file of APBS. Maps and molecules are numbered in the order of the `read` section."""
+    """Returns the input file of APBS. Maps and molecules are numbered in the order of the `read`
+    section."""
     names = [molecule_name(index) for index in range(len(molecules))]
     reads = [f"mol pqr {name}.pqr" for name in names]
     if any(map(has_map, calculations)):
@@ -190,14 +194,14 @@ def input_text(molecules, calculations, grid, settings):
 
 
 def write_pqr(path, atoms):
-    """The atoms as APBS reads them, with the digits that they have."""
+    """Writes the atoms as APBS reads them, with all their digits."""
     with open(path, "w", encoding="ascii") as target:
         for number, atom in enumerate(atoms, 1):
             target.write(f"ATOM {number} X MOL 1 {' '.join(map(repr, atom))}\n")
 
 
 def map_command(program, atoms, name, grid, settings):
-    """The call of eses-blocks that writes NAME-x.dx, NAME-y.dx, NAME-z.dx and NAME-kappa.dx."""
+    """Returns the command that writes NAME-x.dx, NAME-y.dx, NAME-z.dx and NAME-kappa.dx."""
     command = [program, atoms, "--format", "pqr",
                "--probe-radius", repr(settings.probe_radius), "--spacing", repr(grid.spacing),
                "--grid-center=" + ",".join(map(repr, grid.center)),
@@ -212,28 +216,29 @@ def map_command(program, atoms, name, grid, settings):
 
 
 def write_maps(program, molecule, name, grid, settings, folder):
-    """Runs eses-blocks in the folder; its messages. Throws Failed if it fails."""
+    """Runs eses-blocks in the folder and returns its messages. Throws Failed if it fails."""
     with tempfile.TemporaryDirectory() as scratch:
         scratch = pathlib.Path(scratch)
-        # The user's own file, so that messages name its lines.
+        # Messages name the user's own file, so that its line numbers are right.
         atoms = unpacked(molecule.path, scratch).absolute()
         with open(scratch / "messages", "w+", encoding="utf-8", errors="replace") as messages, \
                 open(scratch / "report", "w", encoding="utf-8") as report:
             code, _, _ = measuring.run(map_command(program, atoms, name, grid, settings), report,
                                        messages, cwd=folder)
             messages.seek(0)
-            told = messages.read().strip().replace(str(atoms), str(molecule.path))
-    told = re.sub(r"^eses-blocks: (error: )?", "", told, flags=re.MULTILINE)
+            text = messages.read().strip().replace(str(atoms), str(molecule.path))
+    text = re.sub(r"^eses-blocks: (error: )?", "", text, flags=re.MULTILINE)
     if code != 0:
-        raise Failed(told or f"{program}: exit code {code}")
-    return told
+        raise Failed(text or f"{program}: exit code {code}")
+    return text
 
 
 # ----------------------------------------------------------------------------------------- APBS
 
 
 def find_apbs(script):
-    """APBS in PATH; the script of the same name is not meant. Throws Failed if there is none."""
+    """Returns the path of APBS, skipping the script of the same name. Throws Failed if it is
+    missing."""
     for folder in os.get_exec_path():
         found = shutil.which("apbs", path=folder)
         if found and not os.path.samefile(found, script):
@@ -242,16 +247,16 @@ def find_apbs(script):
 
 
 def failure(log):
-    """The last line of APBS's output that tells of an error."""
-    told = [line.strip() for line in log.splitlines()
+    """Returns the last line of APBS's output that describes an error."""
+    lines = [line.strip() for line in log.splitlines()
             if re.search(r"error|fail|fatal|unable|invalid|off .*map", line, re.IGNORECASE)]
-    # The first is said at the end of every map, the second follows upon a line that says more.
-    told = [line for line in told if "bailing out" not in line and "VASSERT" not in line]
-    return (told or log.strip().splitlines() or ["no message"])[-1]
+    # "bailing out" ends every map, and "VASSERT" follows a line that says more.
+    lines = [line for line in lines if "bailing out" not in line and "VASSERT" not in line]
+    return (lines or log.strip().splitlines() or ["no message"])[-1]
 
 
 def parse_energies(text):
-    """Total energies by calculation name, from APBS's flat output file."""
+    """Returns total energies by name of the calculation, from APBS's flat output file."""
     return {name: float(value) for name, value in
             re.findall(r"^elec name (\S+)$.*?^\s+totEnergy (\S+) kJ/mol$", text,
                        re.MULTILINE | re.DOTALL)}
@@ -259,21 +264,21 @@ def parse_energies(text):
 
 def run_apbs(apbs, calculations, folder):
     """Runs APBS in the folder with the input file there. Throws Failed unless all energies are
-    finite numbers."""
+    finite."""
     (folder / ENERGIES).unlink(missing_ok=True)
     with open(folder / LOG, "w", encoding="utf-8") as log:
         code, seconds, usage = measuring.run(
             [apbs, f"--output-file={ENERGIES}", "--output-format=flat", INPUT], log, log,
             cwd=folder)
-    told = (folder / LOG).read_text(encoding="utf-8", errors="replace")
-    (folder / "io.mc").unlink(missing_ok=True)  # a log of a library of APBS
+    log = (folder / LOG).read_text(encoding="utf-8", errors="replace")
+    (folder / "io.mc").unlink(missing_ok=True)  # log of a library that APBS uses
     if code != 0 or not (folder / ENERGIES).is_file():
-        raise Failed(f"APBS fails (exit code {code}): {failure(told)}")
+        raise Failed(f"APBS fails (exit code {code}): {failure(log)}")
     energies = parse_energies((folder / ENERGIES).read_text(encoding="utf-8", errors="replace"))
     for calculation in calculations:
         energy = energies.get(calculation.name)
         if energy is None:
-            raise Failed(f"APBS gives no energy of {calculation.name}: {failure(told)}")
+            raise Failed(f"APBS gives no energy of {calculation.name}: {failure(log)}")
         if not math.isfinite(energy):
             raise Failed(f"APBS gives the energy {energy} for {calculation.name}; its solver does "
                          "not converge")
@@ -282,15 +287,15 @@ def run_apbs(apbs, calculations, folder):
 
 def compute(program, apbs, molecules, calculations, grid, settings, folder, progress=lambda _: None,
             warn=lambda _: None):
-    """Makes the maps and runs APBS in `folder`, where all files stay."""
+    """Makes the maps and runs APBS in `folder`, and leaves all files there."""
     for index, molecule in enumerate(molecules):
         name = molecule_name(index)
         write_pqr(folder / f"{name}.pqr", molecule.atoms)
         if any(map(has_map, calculations)):
             progress(f"dielectric maps of {molecule.path}")
-            told = write_maps(program, molecule, name, grid, settings, folder)
-            if told:
-                warn(told)
+            messages = write_maps(program, molecule, name, grid, settings, folder)
+            if messages:
+                warn(messages)
     (folder / INPUT).write_text(input_text(molecules, calculations, grid, settings),
                                 encoding="ascii")
     progress(f"APBS: {len(calculations)} calculation{'s' if len(calculations) > 1 else ''}")
@@ -298,13 +303,13 @@ def compute(program, apbs, molecules, calculations, grid, settings, folder, prog
 
 
 def subtracted(molecules, surface):
-    """Names of the calculations whose energies are subtracted from that of the first molecule."""
+    """Returns the calculations whose energies are subtracted from that of the first molecule."""
     if len(molecules) == 1:
         return [f"{molecule_name(0)}-{REFERENCE}"]
     return [f"{molecule_name(index)}-{surface}" for index in range(1, len(molecules))]
 
 
 def difference(molecules, surface, energies):
-    """Solvation energy of one molecule or binding energy of several, in kJ/mol."""
+    """Returns the solvation energy of one molecule or the binding energy of several, in kJ/mol."""
     return energies[f"{molecule_name(0)}-{surface}"] - sum(
         energies[name] for name in subtracted(molecules, surface))

@@ -1,7 +1,7 @@
-"""What a run shared by many processes takes, computed from measured costs (see costs.py).
+"""Computes the cost of a run with many processes from measured costs (see costs.py).
 
 The steps are those of src/compute and src/distributed. Atoms are read in equal parts and sent to
-the slabs that they matter to, and sent again where slabs are cut again. Each process then sweeps
+the slabs that need them, and sent again if the slabs are cut again. Each process then sweeps
 its slab layer by layer: it builds patches, solves blocks and writes texts, in the order in which
 src/sweep/task_queue.cpp hands these tasks out. Texts are copied from scratch files into the shared
 files, and areas are added up. Every process waits for the slowest at the end of each step.
@@ -17,72 +17,72 @@ import costs as measured
 
 INFINITY = math.inf
 
-# src/distributed/slabs.cpp: seconds by which the program estimates what a plane costs.
+# src/distributed/slabs.cpp: seconds from which the program estimates the cost of a plane.
 ESTIMATE = {"atom": 14e-6, "prepared_atom": 1e-6, "crossing": 0.45e-6,
             "crossing_text": 0.25e-6, "point": 0.3e-9, "point_text": 2e-9}
 HALO_SLACK, REACH_SLACK = 1.0, 1e-3  # angstrom: slabs.cpp, src/surface/reach.hpp
 
-# Bytes: SentAtom, ChunkInfo, AtomSum of src/distributed and src/checkpoint.
+# Bytes of SentAtom, ChunkInfo and AtomSum in src/distributed and src/checkpoint.
 SENT_ATOM, CHUNK_INFO, AREA_SHARE = 48, 208, 32
-# Bytes that src/plan/memory.cpp counts with.
+# Bytes as assumed by src/plan/memory.cpp.
 BASE_MEMORY, THREAD_MEMORY = 6 * 2**20, 0.75 * 2**20
 MPI_MEMORY = 14 * 2**20  # src/distributed/processes_mpi.cpp
 ATOM_MEMORY, CROSSING_MEMORY = 80, 48
 PATCH_MEMORY = 340  # bytes of an atom's patches, as allocated for a ribosome
-# Bytes of an atom while it is prepared, as measured. Several processes also keep the atoms that
-# they have read, and their lines, until slabs are final.
+# Measured bytes of an atom while it is prepared. Several processes also keep the atoms that they
+# have read, and their lines, until the slabs are final.
 PREPARED_ATOM, READ_ATOM = 102, 40
 CELL_HEIGHT = 3.0  # angstrom: src/surface/cell_list.hpp
 MIN_SAMPLES, MAX_SAMPLES, ATOMS_PER_SAMPLE = 128, 2048, 16  # src/surface/survey.cpp
 ATOMS_PER_SLICE, MAX_SLICES = 2**16, 16  # src/surface/atom_slices.cpp
 
-# Of a run of several processes, counted in one: calls in which each sends something to each, and
-# those that go up and down a tree.
+# Numbers of calls in a run of several processes, as counted in one process. In an exchange each
+# process sends something to each. Reductions and broadcasts go up and down a tree.
 EXCHANGES, REDUCTIONS = 12, 67
-# Shares of the time of preparing atoms with one thread, by stopwatches around its parts
-# (src/surface/molecule.cpp): what threads do slice by slice, and the cell list, which one thread
-# makes.
+# Shares of the time of preparing atoms with one thread, from stopwatches around its parts
+# (src/surface/molecule.cpp). Threads share the first part slice by slice. One thread makes the cell
+# list.
 MOLECULE_SLICED, MOLECULE_BY_ONE = 0.25, 0.33
-# Seconds of one thread in src/distributed/slabs.cpp: to halve the slabs once in search of an atom's,
-# to put an atom among those to be sent, and among those that have come.
+# Seconds of one thread in src/distributed/slabs.cpp: to halve the range of slabs once in the search
+# for an atom's slab, to append a sent atom, and to append a received one.
 SECONDS_PER_HALVING, SECONDS_PER_SENT_ATOM, SECONDS_PER_RECEIVED_ATOM = 1.2e-9, 60e-9, 25e-9
-SECONDS_PER_ADDITION = 1.3e-9  # of one area to the sum, in order: four cycles
-AREA_TEXTS = 2  # of several processes: to know its length, and to write it
+SECONDS_PER_ADDITION = 1.3e-9  # to add one area to the sum, in order: four cycles
+AREA_TEXTS = 2  # each process makes its text twice: for the length, and to write it
 BLOCKS_AHEAD = 4  # per thread: src/plan/plan.cpp
-# Into how many equal tasks the patches and the text of a layer are cut, per thread. The program
-# cuts them into more.
+# Number of equal tasks per thread into which the patches and the text of a layer are cut. The
+# program cuts them into more tasks.
 PARTS = 4
 
-# file_system: bytes a second of all processes together; network: of one process; latency: seconds
-# of one message; is_local: all processes share a machine and its file system, so that the kernel
-# copies texts.
+# file_system: bytes per second of all processes together. network: bytes per second of one process.
+# latency: seconds of one message. is_local: all processes share a machine and its file system, so
+# that the kernel copies texts.
 Machine = collections.namedtuple("Machine", "threads file_system network latency is_local",
                                  defaults=(16, INFINITY, INFINITY, 0.0, False))
 
-# The planes of a part of a layer: seconds of its blocks per plane, [column]; the program adds
-# `overhead` planes to those of a block.
+# The planes [begin, end) of a part of a layer. seconds: time of its blocks per plane, for each
+# column. The program adds `overhead` planes to those of a block.
 Segment = collections.namedtuple("Segment", "begin end seconds crossings")
 
-# Planes [begin, end). first_atoms: sent for the slab that is cut first, by atoms, 0 if that one
-# stays; atoms: for this one; patched: those within reach; surveyed: of which samples are taken, by
-# turn.
+# Planes [begin, end). first_atoms: atoms sent for the first slab, which is cut by atoms; 0 if it is
+# final. atoms: atoms sent for the final slab. patched: atoms whose patches the slab needs.
+# surveyed: atoms from which samples are taken, for each cut.
 Slab = collections.namedtuple(
     "Slab", "begin end first_atoms atoms patched surveyed own_atoms crossings")
-# What one process does; cpu: of all its threads.
+# The work of one process. cpu: seconds of all its threads.
 Share = collections.namedtuple("Share", "begin end atoms patched cpu memory")
 
-# phases: name -> seconds; sent: bytes sent by a process on average; memory: of the largest.
+# phases: name -> seconds. sent: mean bytes sent by a process. memory: of the process with the most.
 Run = collections.namedtuple("Run", "ranks seconds phases sent memory shares file_system_bytes")
 
 READ, EXCHANGE, PREPARE, SWEEP, MERGE, AREAS = PHASES = (
     "reading", "exchange", "preparing", "sweep", "merging", "areas")
 
-# The tasks of a layer of blocks: seconds of each.
+# The tasks of a layer of blocks, as seconds of each task.
 Layer = collections.namedtuple("Layer", "patches blocks chunks")
 
 
 def layers_of(begin, end, side, planes):
-    """The layers of blocks of a slab, as make_tiling cuts it."""
+    """Returns the layers of blocks of a slab, as make_tiling cuts it."""
     count = end - begin + (end < planes)
     layers = (max(count, 2) - 2) // side + 1
     cuts = [begin + side * i for i in range(layers)] + [end]
@@ -90,7 +90,7 @@ def layers_of(begin, end, side, planes):
 
 
 def cut_evenly(numbers, parts):
-    """As slabs.cpp does."""
+    """Cuts as slabs.cpp does."""
     sums = [0, *itertools.accumulate(numbers)]
     begins = [0]
     for part in range(1, parts):
@@ -119,11 +119,11 @@ def slice_count(atoms):
 
 
 def makespan(layers, threads, ahead):
-    """When the last task of these layers is done.
+    """Returns the time at which the last task of these layers is done.
 
-    A layer's text is written when all its blocks are solved, before anything else. Otherwise
-    threads solve blocks of that layer or, if it has no more, `ahead` at most of the next. The
-    patches of a layer are built before its first block.
+    The text of a layer is written as soon as all its blocks are solved, before any other task.
+    Otherwise threads solve blocks of that layer. If none is left, they solve up to `ahead` blocks
+    of the next layer. The patches of a layer are built before its first block.
     """
     if threads == 1:
         return math.fsum(itertools.chain.from_iterable(itertools.chain.from_iterable(layers)))
@@ -173,17 +173,17 @@ def makespan(layers, threads, ahead):
 
 
 class Model:
-    """One structure, perhaps several copies of it one above the other."""
+    """One structure, or several copies of it one above the other."""
 
     def __init__(self, costs, copies=1):
         values = self.values = costs.values
         self.copies = copies
         self.side = int(values["block_nz"]) - 1
-        # A block of n planes costs as much as n + overhead of its planes; so does a block of one,
-        # where thin_planes have been measured.
+        # A block of n planes costs as much as n + overhead of its planes. This includes a block of
+        # one plane, if thin_planes has been measured.
         thin = values["thin_planes"]
         if thin >= self.side > 1:
-            thin = self.side - 0.5  # planes cost nothing, blocks do
+            thin = self.side - 0.5  # then the cost is in blocks, not in planes
         self.overhead = max(0.0, self.side * (thin - 1) / (self.side - thin)
                             if self.side > thin else 0.0)
         self.plane_below = 0.0 if thin == 0 else 1 + self.overhead
@@ -212,13 +212,14 @@ class Model:
     # ------------------------------------------------------------------------- atoms and planes
 
     def atoms_below(self, plane):
-        """How many atoms lie below a place between planes, those of a plane spread evenly."""
-        place = min(max(plane + 0.5, 0), self.planes)  # a plane's atoms are half a spacing around
+        """Returns the number of atoms below a plane; the atoms of a plane are spread evenly
+        around it."""
+        place = min(max(plane + 0.5, 0), self.planes)  # atoms of a plane are within half a spacing
         whole = min(int(place), self.planes - 1)
         return self.atom_sums[whole] + (place - whole) * self.plane_atoms[whole]
 
     def atoms_near(self, begin, end, distance):
-        """Atoms no further than that from a slab and the plane below it."""
+        """Returns the number of atoms within `distance` of a slab and the plane below it."""
         if begin >= end:
             return 0.0
         reach = distance / self.values["spacing"]
@@ -236,7 +237,7 @@ class Model:
                 + REACH_SLACK)
 
     def segments_of(self, begin, end):
-        """Segments and how many of the planes each has."""
+        """Yields segments and their numbers of planes in the range."""
         i = bisect.bisect_right(self.segment_begins, begin) - 1
         while i < len(self.segments) and self.segments[i].begin < end:
             segment = self.segments[i]
@@ -247,7 +248,7 @@ class Model:
         return sum(planes * segment.crossings for segment, planes in self.segments_of(begin, end))
 
     def block_seconds(self, begin, end):
-        """Of the blocks of one layer, by column."""
+        """Returns the seconds of the blocks of one layer, by column."""
         parts = list(self.segments_of(begin, end))
         scale = 1 + self.overhead / (end - begin)
         if len(parts) == 1:
@@ -259,7 +260,7 @@ class Model:
     # ----------------------------------------------------------------------------------- slabs
 
     def estimated_costs(self):
-        """Of each plane, as the program estimates them before it cuts."""
+        """Returns the cost of each plane as the program estimates it before the cut."""
         write = self.values["write"]
         crossing = ESTIMATE["crossing"] + ESTIMATE["crossing_text"] * ("edges" in write)
         point = ESTIMATE["point"] + ESTIMATE["point_text"] * ("grid" in write)
@@ -269,7 +270,7 @@ class Model:
                 for atoms in self.plane_atoms[segment.begin:segment.end]]
 
     def final_cuts(self, first, ranks):
-        """By estimates, if what that gains is more than to prepare atoms a second time."""
+        """Cuts by estimated costs if this gains more than preparing atoms a second time costs."""
         estimates = self.estimated_costs()
         final = cut_evenly(estimates, ranks)
         gain = max_part(estimates, first) - max_part(estimates, final)
@@ -303,11 +304,12 @@ class Model:
         return [self.per_atom("patch_seconds") * atoms / count] * count if atoms > 0 else []
 
     def patched_up_to(self, slab, plane):
-        """Atoms whose patches are built before what lies up to a plane of a slab is solved."""
+        """Returns the number of atoms whose patches are built before planes up to `plane` are
+        solved."""
         return self.atoms_near(slab.begin, plane, self.reach())
 
     def layers(self, slab, threads):
-        """The tasks of each layer of a slab. The plane below it is solved before."""
+        """Yields the tasks of each layer of a slab. The plane below it is solved before."""
         patched = self.patched_up_to(slab, slab.begin + 1) if slab.begin else 0.0
         for begin, end in layers_of(slab.begin, slab.end, self.side, self.planes):
             before, patched = patched, self.patched_up_to(slab, end)
@@ -317,7 +319,7 @@ class Model:
                         self.block_seconds(begin, end), [seconds / chunks] * chunks)
 
     def layer_below(self, slab, threads):
-        """The plane below, which has to be solved again, and its patches."""
+        """Returns the tasks of the plane below the slab, which is solved again, and its patches."""
         if slab.begin == 0 or slab.begin >= slab.end:
             return []
         (segment, _), = self.segments_of(slab.begin - 1, slab.begin)
@@ -326,7 +328,7 @@ class Model:
                       [self.plane_below * one for one in segment.seconds], [0.0])]
 
     def molecule_seconds(self, atoms, threads):
-        """Of the tree, the cell list and the diagnostics of so many atoms."""
+        """Returns the seconds of the tree, the cell list and the diagnostics of `atoms` atoms."""
         slices = slice_count(atoms)
         rounds = math.ceil(slices / threads)
         return self.per_atom("molecule_seconds") * atoms * (
@@ -334,7 +336,8 @@ class Model:
             + (1 - MOLECULE_BY_ONE - MOLECULE_SLICED) / threads)
 
     def plan_seconds(self, atoms):
-        """Of samples of so many atoms, each of which costs as much as its patches."""
+        """Returns the seconds of taking samples. Each sample costs as much as the patches of an
+        atom."""
         patch, all_atoms = self.per_atom("patch_seconds"), self.values["atoms"]
         if not all_atoms:
             return 0.0
@@ -343,9 +346,9 @@ class Model:
         return per_atom * atoms + patch * sample_size(atoms)
 
     def gather_seconds(self, slabs):
-        """In which a process sends atoms to all slabs, and for each slab those in which they come.
+        """Returns, for each slab, the seconds of sending all atoms and receiving those of the slab.
 
-        A process has read as many atoms of each slab as any other.
+        Each process has read the same number of atoms of each slab.
         """
         ranks = len(slabs)
         if ranks == 1:
@@ -357,7 +360,8 @@ class Model:
         return [sent + SECONDS_PER_RECEIVED_ATOM * count for count in counts]
 
     def prepare_seconds(self, slab, threads):
-        """Of its atoms, when they have come, of what is estimated from samples, and of clusters."""
+        """Returns the seconds of preparing atoms, taking samples and sorting atoms into
+        clusters."""
         return (sum(self.molecule_seconds(count, threads)
                     for count in (slab.first_atoms, slab.atoms))
                 + sum(map(self.plan_seconds, slab.surveyed))
@@ -368,7 +372,7 @@ class Model:
                 else self.of_all("read_alone_seconds"))
 
     def memory(self, slab, threads, ranks):
-        """Of the fuller of two steps: preparing atoms, and the sweep."""
+        """Returns the bytes of the larger step: preparing atoms, or the sweep."""
         always = BASE_MEMORY + threads * THREAD_MEMORY + (MPI_MEMORY if ranks > 1 else 0)
         preparing = PREPARED_ATOM * slab.atoms
         if ranks > 1:
@@ -377,7 +381,7 @@ class Model:
             return always + preparing
         layers = layers_of(slab.begin, slab.end, self.side, self.planes)
         fullest = max(self.crossings_of(begin, end) for begin, end in layers)
-        # Several threads solve blocks of the next layer, too.
+        # Several threads also solve blocks of the next layer.
         at_a_time = 2 if threads > 1 and len(layers) > 1 else 1
         patched = max(self.patched_at_a_time(slab, begin, last)
                       for (begin, _), (_, last) in zip(layers, layers[at_a_time - 1:]))
@@ -386,10 +390,10 @@ class Model:
         return always + max(preparing, sweeping)
 
     def patched_at_a_time(self, slab, begin, end):
-        """Atoms whose patches are there while layers of a slab are solved.
+        """Returns the number of atoms whose patches are held while layers of a slab are solved.
 
-        Those below are needed as far as they matter, those above also as far as the SAS spheres of
-        these meet others. Clusters are as high as a cell.
+        Patches below are held as long as blocks need them. Patches above are built early, because
+        the arcs of an atom need the neighbours of its neighbours. Clusters are as high as a cell.
         """
         values, spacing = self.values, self.values["spacing"]
         probe, radius = values["probe_radius"], values["max_radius"]
@@ -406,7 +410,7 @@ class Model:
         slabs = self.slabs(ranks)
         several = ranks > 1
         threads = machine.threads
-        messages = several * machine.latency * (ranks - 1)  # of one exchange
+        messages = several * machine.latency * (ranks - 1)  # seconds of one exchange
         steps = several * machine.latency * math.ceil(math.log2(ranks))
 
         def received(count, size):
@@ -449,10 +453,10 @@ class Model:
                    max(share.memory for share in shares), shares, read + text + merged)
 
     def merge_seconds(self, slab, ranks, machine):
-        """Of copying its texts, and of its part of the areas.
+        """Returns the seconds of copying the texts of a slab, and of its part of the areas.
 
-        One process alone writes its texts where they belong. Where the kernel cannot copy them, one
-        thread reads them and another one writes them.
+        One process alone writes its texts directly. If the kernel cannot copy them, one thread
+        reads them and another one writes them.
         """
         area = self.of_all("area_seconds")
         if ranks == 1:
@@ -473,7 +477,7 @@ def efficiency(run, one):
 
 
 def limit(run, one):
-    """The step that takes most more than its share of what one process takes; None for one."""
+    """Returns the step that exceeds its share of one process's time most; None for one process."""
     lost = {name: run.phases[name] - one.phases[name] / run.ranks for name in PHASES}
     name = max(PHASES, key=lost.get)
     return name if lost[name] > 1e-9 * run.seconds else None

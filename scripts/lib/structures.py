@@ -1,4 +1,4 @@
-"""The structures below a folder, and what they are called."""
+"""Finds the structures below a folder and gives them ids."""
 
 import collections
 import fnmatch
@@ -10,18 +10,19 @@ from common import Failed
 
 KINDS = ".xyzr, .pqr, .pdb, .ent, .cif and .mmcif, each also .gz"
 
-# What the suffixes stand for, as eses-blocks --format has it.
+# Suffixes and the formats of eses-blocks --format.
 LAYOUTS = {"xyzr": "xyzr", "pqr": "pqr", "pdb": "pdb", "ent": "pdb", "cif": "mmcif",
            "mmcif": "mmcif"}
 
-# id: path-like text, unique among the structures of a folder; layout: xyzr, pqr, pdb or mmcif.
+# id: text like a path, unique among the structures of a folder. layout: xyzr, pqr, pdb or mmcif.
 Structure = collections.namedtuple("Structure", "id path layout bytes mtime_ns")
 
 
 def split_name(name):
-    """Stem and layout of a structure file; None if the name is that of another file.
+    """Returns stem and layout of a structure file, or None for other files.
 
-    What begins with a dot is no structure: unfinished files, and what macOS leaves (._1abc.pdb).
+    Names that begin with a dot are skipped: unfinished files, and files that macOS leaves
+    (._1abc.pdb).
     """
     match = re.fullmatch(rf"(?P<stem>[^.].*)\.(?P<suffix>{'|'.join(LAYOUTS)})(?:\.gz)?", name,
                          re.IGNORECASE | re.DOTALL)
@@ -29,18 +30,18 @@ def split_name(name):
 
 
 def make_id(folders, stem):
-    """Folders and stem, without what PDBbind repeats: 1a30/1a30_protein.pdb is 1a30."""
+    """Joins folders and stem, without the repetition of PDBbind: 1a30/1a30_protein.pdb is 1a30."""
     name = stem.removesuffix("_protein") or stem
     return "/".join(folders if folders[-1:] == (name,) else (*folders, name))
 
 
 def is_pocket(stem, stems):
-    """PDBbind puts a part of each protein beside it, the pocket, which is no structure."""
+    """Whether the file is a pocket, the part of a protein that PDBbind stores beside it."""
     return stem.endswith("_pocket") and stem.removesuffix("_pocket") + "_protein" in stems
 
 
 def walk(root, without, on_error):
-    """Folder, and the names of its files, for the root and every folder below.
+    """Yields each folder with the names of its files, for the root and every folder below.
 
     Links are followed, but no folder is entered twice.
     """
@@ -56,11 +57,11 @@ def walk(root, without, on_error):
 
 
 def find_structures(root, without=None, only=None, on_error=None):
-    """All structures below `root`, sorted by id; those below the folder `without` are none.
+    """Returns all structures below `root`, sorted by id, except those below the folder `without`.
 
-    `only` is a pattern for the path below the root, as a shell has them, where --only offers the
-    choice. `on_error` is given the OSError of each folder that cannot be read. Throws Failed if two
-    files claim one id.
+    `only` is a shell pattern for the path below the root; scripts with an option --only pass it.
+    `on_error` receives the OSError of each folder that cannot be read. Throws Failed if two files
+    have the same id.
     """
     found = {}
     for folder, files in walk(root, without, on_error):

@@ -1,4 +1,4 @@
-"""The summary of many structures as CSV: a row for each, with the columns of the paper's table."""
+"""Reads and writes the summary of many structures as CSV, with the columns of the paper's table."""
 
 import collections
 import csv
@@ -12,7 +12,7 @@ COLUMNS = ("id", "atoms", "nx", "ny", "nz", "bx", "by", "bz", "area", "volume", 
 
 
 def row(name, status):
-    """Of the structure's status; None if it has not been computed."""
+    """Returns the row of a structure with this status; None if it has not been computed."""
     result = {"id": name, "status": "pending"}
     if status:
         result.update(status=status["status"], message=printable(status["message"]))
@@ -26,7 +26,7 @@ def row(name, status):
 
 
 def write(path, rows, columns=COLUMNS):
-    # Names of files are bytes, and not always text: they are written as they are.
+    # Names of files are bytes and not always text, so they are written unchanged.
     with complete_file(path, encoding="utf-8", errors="surrogateescape", newline="") as target:
         writer = csv.DictWriter(target, columns, lineterminator="\n")
         writer.writeheader()
@@ -34,10 +34,10 @@ def write(path, rows, columns=COLUMNS):
 
 
 def read(path, needed=COLUMNS):
-    """The rows, all values as text.
+    """Returns the rows, with all values as text.
 
-    Throws Failed if a column that is needed is missing, or if a row has more or fewer fields than
-    the header.
+    Throws Failed if a needed column is missing, or if a row has more or fewer fields than the
+    header.
     """
     rows = []
     with open(path, encoding="utf-8", errors="surrogateescape", newline="") as source:
@@ -73,18 +73,19 @@ def share_name(task, tasks):
 
 
 def share_in(name):
-    """The task and the number of tasks in the name of a share; None for other names."""
+    """Returns the task and the number of tasks in the name of a share, or None for other names."""
     match = re.fullmatch(r"summary-(\d+)-of-(\d+)\.csv", name)
     return match and (int(match[1]), int(match[2]))
 
 
 def is_name(name):
-    """Whether this is the name of a summary, be it of all structures or of a share."""
+    """Whether this is the name of a summary, of all structures or of a share."""
     return name == NAME or share_in(name) is not None
 
 
 def share_paths(folder):
-    """Of all tasks, in order. Throws Failed if there are none, too few or too many."""
+    """Returns the shares of all tasks in order. Throws Failed if there are none, too few or too
+    many."""
     shares = {}
     for path in folder.iterdir():
         if share := share_in(path.name):
@@ -103,7 +104,7 @@ def share_paths(folder):
 
 
 def merge(folder):
-    """Joins the summaries of all tasks into one; its rows and its path."""
+    """Joins the summaries of all tasks into one. Returns its rows and its path."""
     rows = sorted((row for path in share_paths(folder) for row in read(path)),
                   key=lambda row: row["id"])
     for one, next_one in zip(rows, rows[1:]):

@@ -1,4 +1,4 @@
-// Two atoms on a grid, in memory and block by block, with the installed library.
+// Computes two atoms on a grid, in memory and block by block, with the installed library.
 
 #include <cmath>
 #include <cstdint>

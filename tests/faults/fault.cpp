@@ -1,19 +1,19 @@
-// Makes one system call or allocation of a program go wrong; loaded with LD_PRELOAD. What goes
-// wrong is told by ESES_FAULT, `CALL NUMBER ACTION`:
+// Makes one system call or allocation of a program fail. The library is loaded with LD_PRELOAD. The
+// environment variable ESES_FAULT chooses the fault as `CALL NUMBER ACTION`:
 //
-//   CALL    file      any of those that follow
-//           open close lock write read cut rename unlink    on a file that is being written, or
+//   CALL    open close lock write read cut rename unlink    on a file that is being written, or on
 //           its lock
+//           file      any of these calls
 //           alloc     an allocation
-//           space     writing past byte NUMBER of a file whose name contains ACTION: the disk is
-//           full
-//   NUMBER  from 1: that call, in the order of the whole process
-//   ACTION  fail=N    it fails with errno N, once
-//           stay=N    it fails with errno N, and so do all after it
-//           signal=N  signal N is raised before it
-//           hang      it takes a minute
+//           space     the disk is full: writing beyond byte NUMBER of a file whose name contains
+//                     ACTION fails
+//   NUMBER  number of the call in the whole process, from 1
+//   ACTION  fail=N    the call fails once with errno N
+//           stay=N    the call and all later ones fail with errno N
+//           signal=N  signal N is raised before the call
+//           hang      the call takes an hour
 //
-// The file named by ESES_FAULT_MARK is created when that happens.
+// When the fault occurs, the file named by ESES_FAULT_MARK is created.
 
 #include <dlfcn.h>
 #include <fcntl.h>
@@ -68,14 +68,14 @@ void mark() {
 
 int number_of_action() { return std::atoi(std::strchr(fault.action.data(), '=') + 1); }
 
-// Longer than any test waits: whoever ends has not waited for it.
+// Sleeps longer than any test waits. A program that ends has not waited for this call.
 void sleep_for_an_hour() {
   timespec left{3600, 0};
   while (nanosleep(&left, &left) != 0 && errno == EINTR) {
   }
 }
 
-// Counts the call; whether it has to fail, and errno then.
+// Counts the call. Returns whether it must fail, and sets errno.
 bool fails() {
   const std::string_view action = fault.action.data();
   const long count = ++calls;
@@ -120,7 +120,7 @@ bool descriptor_call_fails(std::string_view call, int descriptor) {
   return is_output(path_of(descriptor, buffer)) && call_fails(call);
 }
 
-// How many of `size` bytes the disk has room for; all if it is not this file's.
+// Returns how many of `size` bytes fit on the disk; all of them if the fault is for another file.
 std::size_t room_for(int descriptor, std::size_t size, off_t offset) {
   if (std::string_view("space") != fault.call.data()) return size;
   std::array<char, 4096> buffer;
@@ -168,7 +168,7 @@ int openat(int directory, const char* path, int flags, ...) {
 }
 
 int close(int descriptor) {
-  // A close that fails has closed the file all the same.
+  // close() closes the file even if it fails.
   const bool is_failing = descriptor_call_fails("close", descriptor);
   const int error = errno;
   const auto result = static_cast<int>(syscall(SYS_close, descriptor));
@@ -193,7 +193,7 @@ ssize_t pwrite(int descriptor, const void* bytes, std::size_t size, off_t offset
                                                                        offset);
 }
 
-// The disk has room for whole copies only.
+// Fails unless the whole copy fits on the disk.
 ssize_t copy_file_range(int from, off64_t* from_offset, int to, off64_t* to_offset,
                         std::size_t size, unsigned flags) {
   if (descriptor_call_fails("write", to)) return -1;

@@ -1,4 +1,4 @@
-"""What the tests of faults share: runs of the program with something going wrong around them."""
+"""Shared by the tests of faults: runs of the program in which a call fails or a signal arrives."""
 
 import errno
 import os
@@ -14,10 +14,10 @@ NAMES = ("bounding_box.txt", "grid_info.txt", "intersection_info.txt", "partitio
 LIBRARY = os.environ.get("ESES_FAULT_LIBRARY")  # see fault.cpp
 FAULTY_PROGRAM = os.environ.get("ESES_FAULTY_BINARY")  # see faulty_solver.cpp
 SMALL = DATA / "c60.xyzr"
-# Seconds until a test gives up: only what would never end takes that long, on any machine.
+# Seconds until a test gives up. Only a run that never ends takes so long, on any machine.
 PATIENCE = 600
-# Seconds of processor time that a run may take to end. It takes far less, and how busy the machine is
-# makes no difference to it, as it would to the time of a clock.
+# Seconds of CPU time that a run may take to end after a signal. It takes far less. Unlike
+# wall-clock time, CPU time does not depend on how busy the machine is.
 PROMPT = 5
 TICKS = os.sysconf("SC_CLK_TCK")
 
@@ -33,7 +33,7 @@ def wait_for(condition):
 
 
 def cpu_seconds(program):
-    """The processor time of a program, also of one that has ended but was not waited for."""
+    """Returns the CPU time of a program, also if it has ended but was not waited for."""
     with open(f"/proc/{program.pid}/stat", encoding="ascii", errors="replace") as stat:
         fields = stat.read().rpartition(")")[2].split()
     user, system = fields[11:13]
@@ -41,12 +41,12 @@ def cpu_seconds(program):
 
 
 def has_ended(program):
-    """Leaves it to others to wait for the program."""
+    """Whether the program has ended. It can still be waited for afterwards."""
     return os.waitid(os.P_PID, program.pid, os.WEXITED | os.WNOWAIT | os.WNOHANG) is not None
 
 
 def let_work(program, seconds):
-    """Returns when the program has taken so much more processor time, or has ended."""
+    """Returns when the program has used `seconds` more CPU time, or has ended."""
     end = cpu_seconds(program) + seconds
     wait_for(lambda: has_ended(program) or cpu_seconds(program) > end)
 
@@ -58,8 +58,11 @@ class FaultTest(TestCase):
         self.mark = self.folder / "mark"
 
     def start(self, *arguments, fault=None, spoil=None, prepare=forget_signals, **how):
-        """Starts the program, which writes into `self.output`, with a fault as fault.cpp reads it,
-        or the program whose results are spoilt as faulty_solver.cpp reads it."""
+        """Starts the program, which writes into `self.output`.
+
+        With `fault`, fault.cpp makes a call fail. With `spoil`, the program of faulty_solver.cpp is
+        started, whose results are wrong.
+        """
         environment = dict(os.environ)
         if spoil is not None:
             environment["ESES_SPOIL"] = spoil
@@ -85,7 +88,7 @@ class FaultTest(TestCase):
         return subprocess.CompletedProcess(program.args, program.returncode, out, err)
 
     def end_by(self, program, *signals):
-        """The program after these signals, which has to end soon."""
+        """Sends the signals and returns the ended program. It must end soon."""
         before = cpu_seconds(program)
         for number in signals:
             program.send_signal(number)
@@ -101,14 +104,14 @@ class FaultTest(TestCase):
         return self.mark.exists()
 
     def stop_at(self, fault, *arguments, **how):
-        """A run that has stopped itself at a call."""
+        """Returns a run that has stopped itself at a call."""
         program = self.start(*arguments, fault=f"{fault} signal={signal.SIGSTOP.value}", **how)
         wait_for(lambda: os.waitpid(program.pid, os.WNOHANG | os.WUNTRACED)[0] == program.pid)
         self.assertTrue(self.is_faulty())
         return program
 
     def all_files(self, folder=None):
-        """The hidden ones, too."""
+        """Returns the names of all files, hidden ones included."""
         folder = folder or self.output
         return sorted(os.listdir(folder)) if folder.is_dir() else []
 
@@ -117,7 +120,7 @@ class FaultTest(TestCase):
         return {name: (folder / name).read_bytes() for name in self.all_files(folder)}
 
     def make_reference(self, *arguments):
-        """What a run without faults writes; the folder is as it was."""
+        """Returns the files that a run without faults writes, and removes them again."""
         self.assertDone(self.run_program(*arguments))
         files = self.contents()
         self.assertEqual(sorted(files), sorted(NAMES))

@@ -1,4 +1,4 @@
-// The library with a solver whose results are wrong: the verification throws what it has found, and
+// Uses the library with a solver that gives wrong results. The verification throws the faults, and
 // no file is left.
 
 #include <cstdio>

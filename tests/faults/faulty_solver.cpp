@@ -1,7 +1,6 @@
-/// The solver of a program whose results are wrong on purpose: it stands in the place of
-/// solve/block_solver.cpp, which it calls under other names. The environment variable ESES_SPOIL
-/// says what is wrong with every result: `point`, `crossing`, `normal` or `atoms`; without it,
-/// results are right.
+/// A solver that gives wrong results on purpose. It replaces solve/block_solver.cpp, whose
+/// functions it calls under other names. The environment variable ESES_SPOIL chooses the error of
+/// every result: `point`, `crossing`, `normal` or `atoms`. Without it the results are right.
 
 // NOLINTBEGIN(readability-identifier-naming,bugprone-suspicious-include): functions, renamed
 #define solve_block right_solve_block

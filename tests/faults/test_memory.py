@@ -1,4 +1,4 @@
-"""Allocations that fail, in every phase, and memory that reading takes."""
+"""Tests of allocations that fail in every phase, and of the memory that reading takes."""
 
 import errno
 import gzip
@@ -11,9 +11,9 @@ import unittest
 
 from faults import NAMES, PROGRAM, SMALL, TINY, FaultTest, forget_signals, needs_library
 
-# The last two are what OpenMP's runtimes say where they cannot start a thread.
+# The last two messages are from OpenMP's runtimes, which cannot start a thread.
 OUT_OF_MEMORY = "[Oo]ut of memory|libgomp: |OMP: Error"
-# A process of its own, as the peak that a child reports is not less than that of its parent.
+# The check needs a new process: the peak that a child reports is not below that of its parent.
 PRINT_PEAK = """
 import os, subprocess, sys
 program = subprocess.Popen(sys.argv[1:], stdout=subprocess.DEVNULL)
@@ -21,23 +21,23 @@ _, status, usage = os.wait4(program.pid, 0)
 print(usage.ru_maxrss)
 sys.exit(os.waitstatus_to_exitcode(status))
 """
-STRIDE = 7  # of the allocations that are made to fail; a prime, so that no pattern hides from it
+STRIDE = 7  # step between failing allocations; a prime, so that no pattern escapes
 
 
 class Memory(FaultTest):
     has_begun = False
 
     def check(self, done, reference):
-        if done.returncode == -signal.SIGABRT and not self.has_begun:  # what comes before main()
+        if done.returncode == -signal.SIGABRT and not self.has_begun:  # in code before main()
             self.assertEqual(self.all_files(), [])
             return
         self.has_begun = True
-        if done.returncode == 0:  # the C library has done without
+        if done.returncode == 0:  # the C library did not need the memory
             self.assertEqual(self.contents(), reference)
         else:
             self.assertEqual(done.returncode, 1, done)
             self.assertRegex(done.stderr, OUT_OF_MEMORY)
-            # Where only the report is left to print, the files are there, and whole.
+            # If only the report was left to print, the files exist and are complete.
             self.assertIn(self.contents(), ({}, reference))
 
     def for_allocations(self, action):
@@ -57,18 +57,18 @@ class Memory(FaultTest):
         self.fail("there is no end of allocations")
 
     @needs_library
-    def test_one_fails(self):
+    def test_one_failing_allocation_ends_the_run_in_order(self):
         self.for_allocations(f"fail={errno.ENOMEM}")
 
     @needs_library
-    def test_all_fail_from_some_moment_on(self):
+    def test_persistent_failure_ends_the_run_in_order(self):
         self.for_allocations(f"stay={errno.ENOMEM}")
 
-    def test_limit(self):
-        """From too little to begin with to just not enough."""
+    def test_address_space_limit_ends_the_run_in_order(self):
+        """The limits range from too little to start to just not enough."""
         if not os.environ.get("ESES_FAULT_LIBRARY"):
-            self.skipTest("sanitizers need all addresses there are")
-        path = self.folder / "gas.xyzr"  # 27,000 atoms, far from each other
+            self.skipTest("sanitizers need the whole address space")
+        path = self.folder / "gas.xyzr"  # 27,000 isolated atoms
         path.write_text("".join(f"{x * 9} {y * 9} {z * 9} 1.5\n"
                                 for x in range(30) for y in range(30) for z in range(30)))
         codes = set()
@@ -81,15 +81,15 @@ class Memory(FaultTest):
             codes.add(done.returncode)
             if done.returncode == 0:
                 self.assertEqual(self.all_files(), sorted(NAMES))
-            elif done.returncode != 127:  # 127: not even the C library fits in
+            elif done.returncode != 127:  # 127: the C library does not fit
                 self.assertEqual(done.returncode, 1, done)
                 self.assertRegex(done.stderr, OUT_OF_MEMORY)
                 self.assertEqual(self.all_files(), [])
         self.assertLessEqual({0, 1}, codes)
 
-    def test_threads_that_cannot_start(self):
+    def test_threads_that_cannot_start_are_an_error(self):
         if not os.environ.get("ESES_FAULT_LIBRARY"):
-            self.skipTest("sanitizers need all addresses there are")
+            self.skipTest("sanitizers need the whole address space")
 
         def limit():
             forget_signals()
@@ -100,7 +100,7 @@ class Memory(FaultTest):
         self.assertEqual(self.all_files(), [])
 
 
-@unittest.skipUnless(os.environ.get("ESES_FAULT_LIBRARY"), "sanitizers take memory of their own")
+@unittest.skipUnless(os.environ.get("ESES_FAULT_LIBRARY"), "sanitizers need memory themselves")
 class Reading(FaultTest):
     """Input that is much larger than the limit is refused before it is in memory."""
 
@@ -118,15 +118,15 @@ class Reading(FaultTest):
                 self.assertLess(int(done.stdout) << 10, self.LIMIT)
                 self.assertEqual(self.all_files(), [])
 
-    def test_atoms(self):
-        block = b"1 2 3 1.5\n" * 100_000  # 60 of them are 240 MB of atoms
+    def test_too_many_atoms_are_refused_while_reading(self):
+        block = b"1 2 3 1.5\n" * 100_000  # 60 blocks are 240 MB of atoms
         plain, packed = self.folder / "a.xyzr", self.folder / "b.xyzr.gz"
         plain.write_bytes(60 * block)
         packed.write_bytes(60 * gzip.compress(block))
         for path in (plain, packed):
             self.check(path, "exceeds the memory limit of 64 MiB")
 
-    def test_one_line(self):
+    def test_one_endless_line_is_refused_while_reading(self):
         block = b"1" * (1 << 20)
         plain, packed = self.folder / "a.xyzr", self.folder / "b.xyzr.gz"
         plain.write_bytes(128 * block)

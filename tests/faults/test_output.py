@@ -1,4 +1,4 @@
-"""Disks that are full, directories that vanish, streams that are closed, runs that are killed."""
+"""Tests of full disks, vanishing directories, closed streams and killed runs."""
 
 import errno
 import os
@@ -16,7 +16,7 @@ NOBODY = 65534
 
 class FullDisk(FaultTest):
     @needs_library
-    def test_first_middle_and_last_byte_of_each_file(self):
+    def test_full_disk_at_any_byte_leaves_no_file(self):
         reference = self.make_reference(*TINY)
         for name, content in reference.items():
             for byte in (1, len(content) // 2, len(content)):
@@ -26,12 +26,12 @@ class FullDisk(FaultTest):
                     self.assertFailed(done, f"cannot write {self.output / name}: {NO_SPACE}")
                     self.assertEqual(self.all_files(), [])
             self.run_program(*TINY, fault=f"space {len(content) + 1} .{name}.")
-            self.assertFalse(self.is_faulty())  # so that the byte above was the last
+            self.assertFalse(self.is_faulty())  # the byte above was the last one
             self.assertEqual(self.contents(), reference)
             self.put({})
 
     @needs_library
-    def test_older_files_survive(self):
+    def test_older_files_survive_a_full_disk(self):
         older = {name: b"older" for name in NAMES}
         self.output.mkdir()
         for name in NAMES:
@@ -42,7 +42,7 @@ class FullDisk(FaultTest):
 
     @unittest.skipIf(os.environ.get("ESES_SANITIZE") == "thread",
                      "the sanitizer itself maps files that are larger")
-    def test_limit_on_the_size_of_files(self):
+    def test_limit_on_the_size_of_files_is_an_error(self):
         def limit():
             forget_signals()
             resource.setrlimit(resource.RLIMIT_FSIZE, (1000, 1000))
@@ -50,7 +50,7 @@ class FullDisk(FaultTest):
         self.assertFailed(done, message_of(errno.EFBIG))
         self.assertEqual(self.all_files(), [])
 
-    def test_full_file_system(self):
+    def test_full_file_system_is_an_error(self):
         mount = ["mount", "-t", "tmpfs", "-o", "size=64k", "none", self.output]
         self.output.mkdir()
         if os.geteuid() != 0 or subprocess.run(mount, capture_output=True, check=False).returncode:
@@ -63,7 +63,7 @@ class FullDisk(FaultTest):
 
 @needs_library
 class EveryCall(FaultTest):
-    """What opens, locks, writes, closes, renames or removes a file, each call in turn."""
+    """Makes each call that opens, locks, writes, closes, renames or removes a file fail in turn."""
 
     def for_every_call(self, action, check):
         for number in range(1, 1000):
@@ -76,11 +76,11 @@ class EveryCall(FaultTest):
                 check(done)
         self.fail("there is no end of calls")
 
-    def test_failure(self):
+    def test_failure_of_any_call_leaves_no_file(self):
         reference = self.make_reference(*TINY)
 
         def check(done):
-            if done.returncode == 0:  # a lock that is not to be had, or that stays
+            if done.returncode == 0:  # locks may fail, and may stay
                 self.assertEqual({name: content for name, content in self.contents().items()
                                   if name in NAMES}, reference)
             else:
@@ -89,8 +89,8 @@ class EveryCall(FaultTest):
             self.put({})
         self.for_every_call(f"fail={errno.EIO}", check)
 
-    def test_kill(self):
-        """Files under their final names are those of one run; the next run puts all in order."""
+    def test_kill_at_any_call_leaves_files_of_one_run(self):
+        """Files under their final names are from one run. The next run removes the other files."""
         reference = self.make_reference(*TINY)
         older = {name: b"older" for name in NAMES}
         self.put(older)
@@ -130,7 +130,7 @@ class Mesh(FaultTest):
         self.assertEqual(self.all_files(self.meshes), ["a.ply"])
         return (self.meshes / "a.ply").read_bytes()
 
-    def test_full_disk(self):
+    def test_full_disk_keeps_the_older_mesh(self):
         mesh = self.make_mesh()
         older = self.contents()
         for byte in (1, len(mesh) // 2, len(mesh)):
@@ -153,22 +153,22 @@ class Mesh(FaultTest):
                 check(done)
         self.fail("there is no end of calls")
 
-    def test_failure_of_every_call(self):
+    def test_failure_of_any_call_leaves_no_files(self):
         mesh = self.make_mesh()
 
         def check(done):
-            if done.returncode == 0:  # a lock that is not to be had, or that stays
+            if done.returncode == 0:  # locks may fail, and may stay
                 self.assertEqual((self.meshes / "a.ply").read_bytes(), mesh)
             else:
                 self.assertFailed(done, message_of(errno.EIO))
                 self.assertNothing()
         self.for_every_call(f"fail={errno.EIO}", check)
 
-    def test_signal_at_every_call(self):
+    def test_signal_at_any_call_leaves_all_files_or_none(self):
         def check(done):
             self.assertIn(done.returncode, (0, 128 + signal.SIGTERM.value), done)
             left = self.all_files() + self.all_files(self.meshes)
-            complete = [*sorted(NAMES), "a.ply"]  # when only the locks are left to go
+            complete = [*sorted(NAMES), "a.ply"]  # only the locks remain to be removed
             self.assertIn(left, ([], complete) if done.returncode else (complete,))
         self.for_every_call(f"signal={signal.SIGTERM.value}", check)
 
@@ -176,8 +176,9 @@ class Mesh(FaultTest):
         return subprocess.run([PROGRAM, SMALL, "-q", "--write", "none", *map(str, arguments)],
                               capture_output=True, text=True, check=False)
 
-    def test_one_run_at_a_time(self):
-        """For one mesh; other meshes may go there meanwhile, also into the output directory."""
+    def test_one_run_writes_a_mesh_at_a_time(self):
+        """A second run for the same mesh is refused; other meshes may be written, also into the
+        output directory."""
         program = self.stop_at("write 2", *self.arguments)
         link = self.folder / "link.ply"
         link.symlink_to(self.meshes / "a.ply")
@@ -193,8 +194,9 @@ class Mesh(FaultTest):
         self.assertEqual(self.all_files(self.meshes), ["a.ply", "b.off"])
         self.assertEqual(self.all_files(), sorted([*NAMES, "b.off"]))
 
-    def test_link_into_a_missing_directory(self):
-        """It is refused, and the directory is not created; a missing directory without a link is."""
+    def test_link_into_a_missing_directory_is_refused(self):
+        """The mesh is refused and the directory is not created. Without a link it would be
+        created."""
         missing = self.folder / "unmounted"
         link = self.folder / "link.ply"
         link.symlink_to(missing / "a.ply")
@@ -212,8 +214,9 @@ class Mesh(FaultTest):
         self.assertEqual(self.all_files(missing), ["a.ply", "b.ply"])
         self.assertTrue(link.is_symlink())
 
-    def test_directory_that_a_mesh_goes_to(self):
-        """It may take the files of another run, which leaves the unfinished mesh alone."""
+    def test_runs_may_share_the_directory_of_a_mesh(self):
+        """The directory may receive the files of another run, which leaves the unfinished mesh
+        alone."""
         program = self.stop_at("write 2", SMALL, "-q", "--write", "none", "--mesh",
                                self.output / "a.ply")
         self.assertDone(subprocess.run([PROGRAM, *TINY, "-o", self.output], capture_output=True,
@@ -222,8 +225,9 @@ class Mesh(FaultTest):
         self.assertDone(self.finish(program))
         self.assertEqual(self.all_files(), sorted([*NAMES, "a.ply"]))
 
-    def test_killed_run(self):
-        """What it leaves is removed by the next run for the mesh, and by no other one."""
+    def test_next_run_removes_files_of_a_killed_run(self):
+        """The next run for the same mesh removes the files of a killed run; other runs leave
+        them."""
         program = self.stop_at("write 2", *self.arguments)
         program.kill()
         self.finish(program)
@@ -237,7 +241,7 @@ class Mesh(FaultTest):
 
 @needs_library
 class MeshOfTwoFiles(FaultTest):
-    """Both appear together or not at all."""
+    """Both files appear together or not at all."""
 
     MESH = ["a.face", "a.vert"]
 
@@ -249,7 +253,7 @@ class MeshOfTwoFiles(FaultTest):
     def assertMesh(self, names):
         self.assertEqual([name for name in self.all_files(self.meshes) if name in self.MESH], names)
 
-    def test_every_call(self):
+    def test_failure_of_any_call_leaves_both_files_or_none(self):
         self.assertDone(self.run_program(*self.arguments))
         reference = self.contents(self.meshes)
         self.assertEqual(sorted(reference), self.MESH)
@@ -267,7 +271,7 @@ class MeshOfTwoFiles(FaultTest):
                     else:
                         self.assertMesh([])
 
-    def test_full_disk_keeps_older_ones(self):
+    def test_full_disk_keeps_the_older_pair(self):
         self.assertDone(self.run_program(*self.arguments))
         older = self.contents(self.meshes)
         for name in self.MESH:
@@ -278,7 +282,7 @@ class MeshOfTwoFiles(FaultTest):
                     self.assertFailed(done, f"cannot write {self.meshes / name}: {NO_SPACE}")
                     self.assertEqual(self.contents(self.meshes), older)
 
-    def test_one_run_at_a_time(self):
+    def test_one_run_writes_a_mesh_at_a_time(self):
         program = self.stop_at("write 2", *self.arguments)
         for name in self.MESH:
             done = subprocess.run([PROGRAM, SMALL, "-q", "--write", "none", "--mesh",
@@ -291,12 +295,12 @@ class MeshOfTwoFiles(FaultTest):
 
 @needs_library
 class MapsAndCompressedFiles(FaultTest):
-    """What a run has to do for these besides."""
+    """Further steps of a run with a map and compressed files."""
 
     ARGUMENTS = (*TINY, "--gzip", "--inside", "map.dx")
     FILES = sorted([*(name + ".gz" for name in NAMES), "map.dx"])
 
-    def test_failure_of_every_call(self):
+    def test_failure_of_any_call_leaves_no_files(self):
         self.assertDone(self.run_program(*self.ARGUMENTS))
         reference = self.contents()
         self.assertEqual(sorted(reference), self.FILES)
@@ -310,7 +314,7 @@ class MapsAndCompressedFiles(FaultTest):
                     break
                 met.add(call)
                 with self.subTest(call=call, number=number):
-                    if done.returncode == 0:  # the lock's file was not closed in order
+                    if done.returncode == 0:  # closing the lock's file has failed
                         self.assertEqual(self.contents(), reference)
                     else:
                         self.assertFailed(done, message_of(errno.EIO))
@@ -319,11 +323,11 @@ class MapsAndCompressedFiles(FaultTest):
                 self.put({})
         self.assertEqual(met, {"read", "cut", "rename", "close", "open"})
 
-    def test_disk_that_fills_up_while_the_map_is_made(self):
+    def test_full_disk_while_the_map_is_made_leaves_no_file(self):
         self.assertDone(self.run_program(*self.ARGUMENTS))
         size = len(self.contents()["map.dx"])
         self.put({})
-        for byte in (1, size // 2, size, size + 1):  # the last one where the bits wait
+        for byte in (1, size // 2, size, size + 1):  # the last one is in the bits
             with self.subTest(byte=byte):
                 done = self.run_program(*self.ARGUMENTS, fault=f"space {byte} .map.dx.")
                 self.assertTrue(self.is_faulty())
@@ -342,18 +346,18 @@ class MapsAndCompressedFiles(FaultTest):
 
 
 class Directory(FaultTest):
-    def test_file_in_its_place(self):
+    def test_file_in_place_of_the_directory_is_refused(self):
         self.output.write_text("no directory")
         self.assertFailed(self.run_program(SMALL, "-q"), str(self.output))
         self.assertEqual(self.output.read_text(), "no directory")
 
-    def test_directory_in_place_of_a_file(self):
+    def test_directory_in_place_of_a_file_is_refused(self):
         (self.output / "grid_info.txt").mkdir(parents=True)
         self.assertFailed(self.run_program(SMALL, "-q"), "it is a directory, not a regular file")
         self.assertEqual(self.all_files(), ["grid_info.txt"])
 
     def as_nobody(self):
-        """Rights do not bind the super-user."""
+        """Returns a function that drops the rights of the super-user, who may write anywhere."""
         if os.geteuid() != 0:
             return forget_signals
 
@@ -369,7 +373,7 @@ class Directory(FaultTest):
             self.skipTest("other users than root cannot reach the program")
         return prepare
 
-    def test_read_only(self):
+    def test_read_only_directory_is_refused(self):
         nobody = self.as_nobody()
         self.output.mkdir()
         self.output.chmod(0o555)
@@ -378,7 +382,7 @@ class Directory(FaultTest):
         self.assertEqual(self.all_files(), [])
 
     @needs_library
-    def test_read_only_during_the_run(self):
+    def test_directory_that_becomes_read_only_is_an_error(self):
         nobody = self.as_nobody()
         self.output.mkdir()
         self.output.chmod(0o777)
@@ -389,11 +393,11 @@ class Directory(FaultTest):
         self.assertFailed(self.finish(program), message_of(errno.EACCES))
         self.assertEqual([name for name in self.all_files() if name in NAMES], [])
         self.output.chmod(0o777)
-        self.assertDone(self.run_program(*TINY, prepare=nobody))  # removes what could not be
+        self.assertDone(self.run_program(*TINY, prepare=nobody))  # removes the rest
         self.assertEqual(self.all_files(), sorted(NAMES))
 
     @needs_library
-    def test_vanishes(self):
+    def test_directory_that_vanishes_is_an_error(self):
         program = self.stop_at("write 2", *TINY)
         shutil.rmtree(self.output)
         program.send_signal(signal.SIGCONT)
@@ -401,14 +405,14 @@ class Directory(FaultTest):
         self.assertFalse(self.output.exists())
 
     @needs_library
-    def test_vanishes_before_the_first_file(self):
+    def test_directory_that_vanishes_before_the_first_file_is_an_error(self):
         program = self.stop_at("open 1", *TINY)
         shutil.rmtree(self.output)
         program.send_signal(signal.SIGCONT)
         self.assertFailed(self.finish(program), str(self.output))
 
     @needs_library
-    def test_is_renamed(self):
+    def test_renamed_directory_receives_the_files(self):
         reference = self.make_reference(*TINY)
         program = self.stop_at("write 2", *TINY)
         self.output.rename(self.folder / "moved")
@@ -426,14 +430,14 @@ class Streams(FaultTest):
             os.close(1)
         return self.run_program(*arguments, prepare=prepare, stdout=None)
 
-    def test_closed_standard_output(self):
+    def test_closed_standard_output_is_an_error(self):
         for more in ([], ["-q"], ["--json"]):
             done = self.run_closed(SMALL, *more)
             self.assertEqual(done.returncode, 1)
             self.assertIn("cannot write to standard output", done.stderr)
-            self.assertEqual(self.all_files(), [])  # it is known before the run
+            self.assertEqual(self.all_files(), [])  # found before the run
 
-    def test_full_standard_output(self):
+    def test_full_standard_output_is_an_error(self):
         if not os.path.exists("/dev/full"):
             self.skipTest("no /dev/full")
         for more, files in (([], []), (["-q"], sorted(NAMES)), (["--json"], sorted(NAMES))):
@@ -441,9 +445,9 @@ class Streams(FaultTest):
                 done = self.run_program(SMALL, *more, stdout=full)
             self.assertEqual(done.returncode, 1)
             self.assertIn(f"cannot write to standard output: {NO_SPACE}", done.stderr)
-            self.assertEqual(self.all_files(), files)  # complete where it is known only after it
+            self.assertEqual(self.all_files(), files)  # complete if found after the run
 
-    def test_closed_pipe(self):
+    def test_closed_pipe_is_an_error(self):
         reader, writer = os.pipe()
         os.close(reader)
         with os.fdopen(writer, "wb") as pipe:
@@ -454,7 +458,7 @@ class Streams(FaultTest):
 
 
 class TwoRuns(FaultTest):
-    """A run of many seconds that is stopped stands for one that goes on."""
+    """A stopped run of many seconds replaces one that is running."""
 
     def long_run(self, *more):
         big = self.folder / "big.xyzr"
@@ -468,7 +472,7 @@ class TwoRuns(FaultTest):
     def test_run_without_files_leaves_the_lock_alone(self):
         first = self.long_run()
         there = self.all_files()
-        for _ in range(2):  # two signals at once: the second ends a run without waiting for it
+        for _ in range(2):  # the second signal ends a run at once
             other = self.start(self.folder / "big.xyzr", "--spacing", "0.3", "--write", "none", "-q")
             let_work(other, 0.3)
             self.assertFalse(has_ended(other))
@@ -480,7 +484,7 @@ class TwoRuns(FaultTest):
         first.kill()
         first.wait()
 
-    def test_second_is_refused(self):
+    def test_second_run_is_refused(self):
         first = self.long_run()
         there = self.all_files()
         for choice in ("edges", "grid", "areas", "grid,edges,areas"):
@@ -492,11 +496,11 @@ class TwoRuns(FaultTest):
         self.assertEqual(self.all_files(), there)
         first.kill()
         first.wait()
-        self.assertEqual(self.all_files(), there)  # nothing under a final name
+        self.assertEqual(self.all_files(), there)  # nothing has a final name
         self.assertDone(self.run_program(SMALL, "-q", "--write", "grid"))
         self.assertEqual(self.all_files(), ["bounding_box.txt", "grid_info.txt"])
 
-    def test_by_another_name(self):
+    def test_second_run_by_another_name_is_refused(self):
         first = self.long_run()
         link = self.folder / "link"
         link.symlink_to(self.output)
@@ -504,8 +508,8 @@ class TwoRuns(FaultTest):
         self.assertFailed(self.run_program(SMALL, "-q"), "another run is writing there")
         first.kill()
 
-    def test_many_at_a_time(self):
-        """Each of them does its work or is refused, and what is there is whole."""
+    def test_many_runs_at_once_leave_complete_files(self):
+        """Each run completes or is refused, and the files are complete."""
         reference = self.make_reference(*TINY)
         runs = [self.start(*TINY) for _ in range(12)]
         done = [self.finish(program) for program in runs]
@@ -525,8 +529,8 @@ class TwoRuns(FaultTest):
         self.assertEqual(self.all_files(), sorted([*others, *NAMES]))
 
     @needs_library
-    def test_no_locks(self):
-        """As on some network file systems: the run goes on without one."""
+    def test_run_continues_without_locks(self):
+        """Without locks, as on some network file systems, the run continues."""
         reference = self.make_reference(*TINY)
         for code in (errno.ENOLCK, errno.EOPNOTSUPP, errno.EBADF):
             self.assertDone(self.run_program(*TINY, fault=f"lock 1 fail={code}"))

@@ -1,4 +1,4 @@
-"""Runs that several processes share: the same files as one writes, or none."""
+"""Tests of runs that several processes share: they write the same files as one process, or none."""
 
 import fcntl
 import gzip
@@ -17,8 +17,8 @@ LAUNCHER = os.environ.get("ESES_MPIEXEC")
 IS_OPEN_MPI = LAUNCHER and any(name in subprocess.run(
     [LAUNCHER, "--version"], capture_output=True, check=False).stdout
     for name in (b"Open MPI", b"OpenRTE"))
-# Open MPI: more processes than processors, also for root, and without the network's drivers, whose
-# search takes longer than these runs.
+# Options of Open MPI: more processes than processors, root is allowed, and no network drivers,
+# whose search takes longer than these runs.
 FLAGS = ["--oversubscribe", "--mca", "btl", "self,vader"] if IS_OPEN_MPI else []
 ENVIRONMENT = {"OMPI_ALLOW_RUN_AS_ROOT": "1", "OMPI_ALLOW_RUN_AS_ROOT_CONFIRM": "1"}
 CHECKPOINT = ".eses-blocks.resume"
@@ -47,8 +47,8 @@ class Processes(FaultTest):
                               stdin=subprocess.DEVNULL, capture_output=True, text=True)
 
     def assertSame(self, count, *arguments, options=(), mesh=None):
-        """The same output as of one process, and the same files, byte for byte. `mesh` is the name
-        of one among them."""
+        """Checks that several processes write the same output and files as one process, byte for
+        byte. `mesh` is the name of a mesh among the files."""
         def mesh_in(folder):
             return ("--mesh", folder / mesh) if mesh else ()
         alone = self.run_alone(*arguments, "-q", *mesh_in(self.alone))
@@ -69,7 +69,7 @@ class Processes(FaultTest):
         return (path, "-q", "--spacing", spacing, "-t", "1", "-b", "33", "--write", chosen)
 
     def processes_of(self, launched):
-        """The numbers of the program's processes below the launcher."""
+        """Returns the process ids of the program below the launcher."""
         found = subprocess.run(["pgrep", "-P", str(launched.pid), "-f", "eses-blocks"],
                                capture_output=True, text=True, check=False)
         return [int(number) for number in found.stdout.split()]
@@ -90,7 +90,7 @@ class Processes(FaultTest):
 
 
 class Identity(Processes):
-    def test_counts_and_blocks(self):
+    def test_files_do_not_depend_on_processes_and_blocks(self):
         for count in range(1, 6):
             for name, spacing, block in (("1ubq.xyzr", 0.5, 64), ("c60.xyzr", 0.3, 9),
                                          ("1a0q.xyzr", 0.8, 17)):
@@ -98,47 +98,47 @@ class Identity(Processes):
                     self.assertSame(count, DATA / name, "--spacing", spacing,
                                     options=("-b", block))
 
-    def test_pqr(self):
+    def test_pqr_input_gives_the_same_files(self):
         self.assertSame(3, DATA / "fas2.pqr", "--spacing", "0.7")
 
-    def test_more_processes_than_layers(self):
+    def test_more_processes_than_layers_give_the_same_files(self):
         self.assertSame(5, SMALL, "--spacing", "0.8", options=("-b", "500"))
 
-    def test_more_processes_than_planes(self):
+    def test_more_processes_than_planes_give_the_same_files(self):
         path = self.folder / "one.xyzr"
         path.write_text("0 0 0 1\n")
         self.assertSame(7, path, "--spacing", "2", "--margin", "1")
 
-    def test_atoms_far_from_each_other(self):
-        """Slabs without any atom near them."""
+    def test_isolated_atoms_give_the_same_files(self):
+        """Some slabs have no atom near them."""
         path = self.folder / "far.xyzr"
         path.write_text("".join(f"0 0 {z} 1.5\n" for z in (200, 0, 90)))
         for count in (2, 3, 5):
             self.assertSame(count, path, "--spacing", "0.9")
 
-    def test_large_atom(self):
+    def test_large_atom_gives_the_same_files(self):
         path = self.folder / "large.xyzr"
         path.write_text("0 0 0 30\n" + "".join(
             f"{31 * x} {31 * y} {31 * z} 1.7\n" for x in (-1, 0, 1) for y in (-1, 0, 1)
             for z in (-1, 0, 1)))
         self.assertSame(4, path, "--spacing", "1.5", "--margin", "2")
 
-    def test_gzip(self):
+    def test_compressed_files_are_the_same(self):
         self.assertSame(3, DATA / "1ubq.xyzr", "--spacing", "0.6", "--gzip")
         path = self.folder / "nothing.xyzr"
         path.write_text("0.3 0.2 0.1 0\n5 5 5 0\n")
         self.assertSame(2, path, "--spacing", "3", "--margin", "4", "--gzip")
 
-    def test_region(self):
+    def test_region_has_the_same_files(self):
         self.assertSame(3, DATA / "1ubq.xyzr", "--spacing", "0.6", "--blocks", "0:1,0:2,1:4",
                         "-b", "17")
 
-    def test_chosen_files(self):
+    def test_chosen_files_are_the_same(self):
         for chosen in ("grid", "edges", "areas", "none"):
             with self.subTest(chosen=chosen):
                 self.assertSame(2, SMALL, "--write", chosen)
 
-    def test_maps(self):
+    def test_maps_are_the_same(self):
         for count in (2, 3, 5):
             self.assertSame(count, DATA / "1ubq.xyzr", "--spacing", "0.6", "--inside", "map.dx")
             self.assertSame(count, DATA / "c60.xyzr", "--spacing", "0.3", "--inside", "map.vti",
@@ -146,8 +146,8 @@ class Identity(Processes):
         self.assertSame(3, DATA / "1ubq.xyzr", "--spacing", "0.5", "--blocks", "1:3,0:2,1:4",
                         "-b", "17", "--inside", "map.dx", "--gzip")
 
-    def test_meshes(self):
-        """Triangles between two slabs name vertices of both."""
+    def test_meshes_are_the_same(self):
+        """Triangles between two slabs have vertices of both."""
         for count in (2, 3, 4, 5):
             for mesh in ("mesh.ply", "mesh.obj", "mesh.off", "mesh.vert", "mesh.vtp"):
                 with self.subTest(count=count, mesh=mesh):
@@ -159,13 +159,13 @@ class Identity(Processes):
             self.assertSame(3, DATA / "1ubq.xyzr", "--spacing", "0.6", "--color", "atom", "--write",
                             "none", *more, mesh=mesh)
 
-    def test_meshes_of_parts(self):
+    def test_meshes_of_parts_are_the_same(self):
         for blocks in ("1:3,0:2,1:4", "0:4,0:4,0:1", "1:2,1:2,2:4"):
             with self.subTest(blocks=blocks):
                 self.assertSame(3, DATA / "1ubq.xyzr", "--spacing", "0.5", "--blocks", blocks,
                                 "-b", "17", mesh="mesh.off")
 
-    def test_meshes_of_few_planes(self):
+    def test_meshes_of_few_planes_are_the_same(self):
         path = self.folder / "one.xyzr"
         path.write_text("0 0 0 1\n")
         self.assertSame(7, path, "--spacing", "0.9", "--margin", "0.9", "--inside", "map.dx",
@@ -173,7 +173,7 @@ class Identity(Processes):
         for mesh in ("mesh.off", "mesh.face", "mesh.vtp"):
             self.assertSame(3, path, "--spacing", "0.3", "--region=-2,-2,0,2,2,0.35", mesh=mesh)
 
-    def test_residues(self):
+    def test_residues_are_the_same(self):
         for count in (2, 3, 5):
             self.assertSame(count, DATA / "fas2.pqr", "--spacing", "0.8", "--write",
                             "all,residues", "--color", "chain", mesh="mesh.ply")
@@ -181,21 +181,21 @@ class Identity(Processes):
                             "--color", "chain", mesh="mesh.vtp")
 
     def write_pqr(self, labels):
-        """Atoms on a winding line, with these chains, residues and numbers."""
+        """Writes atoms on a winding line with these chains, residues and numbers."""
         path = self.folder / "labels.pqr"
         path.write_text("".join(
             f"ATOM {i} C {residue} {chain} {number} {3 * (i % 5)} {3 * (i // 5 % 5)} "
             f"{2.5 * (i // 25)} 0 1.7\n" for i, (chain, residue, number) in enumerate(labels)))
         return path
 
-    def test_residues_that_processes_share(self):
-        """One for all atoms; some that go on from one process's share of the file to the next, or
-        over several; chains and residues that come again."""
+    def test_residues_that_processes_share_are_the_same(self):
+        """Cases: one residue for all atoms; residues that continue in the file part of the next
+        process or of several; chains and residues that occur again."""
         every = [("A", "ALA", 1)] * 60
         long = [("A", "ALA", 1)] * 3 + [("B", "GLY", 7)] * 50 + [("A", "SER", 2)] * 7
         again = [("ABCABD"[i // 5 % 6], "ALA" if i % 3 else "GLY", i // 10 % 4) for i in range(60)]
         single = [("A", "HOH", i) for i in range(60)]
-        # PLY has room for 64 characters of a name, so these are two residues of one.
+        # PLY cuts names at 64 characters, so these are two residues with one name.
         suspicious = [("A,B\"", "X" * (70 + i // 30), i // 40) for i in range(60)]
         for labels in (every, long, again, single, suspicious):
             path = self.write_pqr(labels)
@@ -206,21 +206,21 @@ class Identity(Processes):
                     self.assertSame(count, path, "--spacing", "1", "--margin", "1", "--write",
                                     "none", mesh="mesh.vtp")
 
-    def test_standard_input(self):
+    def test_standard_input_gives_the_same_files(self):
         self.assertDone(self.run_alone(SMALL, "-q"))
         with open(SMALL, encoding="ascii") as file:
             self.assertDone(self.run_together(2, "-", "-q", stdin=file))
         self.assertTrue(self.contents() == self.contents(self.alone))
 
-    def test_labels_of_standard_input(self):
+    def test_labels_of_standard_input_are_the_same(self):
         arguments = ("-q", "--format", "pqr", "--write", "residues", "--spacing", "0.9")
         self.assertDone(self.run_alone(DATA / "fas2.pqr", *arguments))
         with open(DATA / "fas2.pqr", encoding="ascii") as file:
             self.assertDone(self.run_together(3, "-", *arguments, stdin=file))
         self.assertTrue(self.contents() == self.contents(self.alone))
 
-    def test_mesh_in_another_directory(self):
-        """Also where a link leads."""
+    def test_mesh_in_another_directory_is_the_same(self):
+        """The directory may be reached through a link."""
         places = [self.folder / "meshes" / name for name in ("alone.off", "together.off")]
         places[0].parent.mkdir()
         (self.folder / "link.off").symlink_to(places[1])
@@ -230,21 +230,22 @@ class Identity(Processes):
         self.assertEqual(places[0].read_bytes(), places[1].read_bytes())
         self.assertTrue((self.folder / "link.off").is_symlink())
 
-    def test_compressed_input(self):
+    def test_compressed_input_gives_the_same_files(self):
         path = self.folder / "c60.xyzr.gz"
         path.write_bytes(gzip.compress(SMALL.read_bytes()))
         self.assertSame(2, path)
 
-    def test_text_that_is_hard_to_divide(self):
-        """Lines of very different length, comments, CRLF, and no newline at the end."""
+    def test_text_that_is_hard_to_divide_gives_the_same_files(self):
+        """The text has lines of very different length, comments, CRLF, and no newline at the
+        end."""
         path = self.folder / "suspicious.xyzr"
         lines = [f"{3 * i} 0 {i % 7} 1.5 {'x' * (997 * i % 3000)}" for i in range(40)]
         path.write_bytes("\r\n".join(["# " + "c" * 4000, "", *lines]).encode())
         for count in (2, 3, 5):
             self.assertSame(count, path, "--spacing", "0.9")
 
-    def test_diagnostics(self):
-        """Wherever the pairs of atoms with a diagnostic are in the file and in space."""
+    def test_diagnostics_are_the_same(self):
+        """Pairs of atoms with a diagnostic may be anywhere in the file and in space."""
         path = self.folder / "suspicious.xyzr"
         atoms = [f"{i % 5 * 4} {i // 5 % 5 * 4} {i // 25 * 4} 1.5" for i in range(250)]
         suspicious = atoms[::20] + ["0.2 0 0 1.5", "8 8 20.1 0.3", "8 8 8.3 1.5", "0 0 36 4.5", "8 8 16 0"]
@@ -261,8 +262,8 @@ class Identity(Processes):
             self.assertEqual(sum(p["planes"] for p in together["processes"]),
                              alone["grid"]["size"][2])
 
-    def test_atoms_are_shared(self):
-        """No process has all of them."""
+    def test_each_process_holds_a_part_of_the_atoms(self):
+        """No process holds all atoms."""
         path = self.folder / "rod.xyzr"
         path.write_text("".join(f"{i % 3 * 3} 0 {i} 1.5\n" for i in range(2000)))
         done = self.run_together(4, path, "--spacing", "1", "--margin", "1", "--json")
@@ -271,14 +272,15 @@ class Identity(Processes):
             self.assertLess(share["atoms"], 2000 / 4 + 100)
         self.assertLess(max(p["planes"] for p in shares), 1.1 * 2000 / 4)
 
-    def test_verification(self):
-        """Together as many points and edges as one process checks, and the same files."""
+    def test_verification_has_the_same_size(self):
+        """All processes together check as many points and edges as one process, and write the
+        same files."""
         self.assertSame(3, DATA / "1ubq.xyzr", "--spacing", "0.5", options=("--verify",))
         done = self.run_together(3, DATA / "1ubq.xyzr", "--verify=500", "--json")
         self.assertEqual(json.loads(done.stdout)["verification"],
                          {"points": 500, "edges": 500, "faults": []})
 
-    def test_dry_run(self):
+    def test_dry_run_plans_the_same_grid(self):
         alone = self.run_alone(SMALL, "--dry-run", "--json")
         done = self.run_together(2, SMALL, "--dry-run", "--json")
         self.assertDone(done)
@@ -292,7 +294,7 @@ class Identity(Processes):
 
 
 class Failure(Processes):
-    def test_bad_line_wherever_it_is(self):
+    def test_bad_line_is_reported_wherever_it_is(self):
         lines = [f"{3 * i} 0 0 1.5" for i in range(300)]
         for number in (1, 150, 300):
             path = self.folder / "bad.xyzr"
@@ -303,7 +305,7 @@ class Failure(Processes):
             self.assertIn(alone.stderr.strip(), done.stderr)
             self.assertNothing()
 
-    def test_what_cannot_be_read(self):
+    def test_unreadable_input_is_an_error(self):
         empty = self.folder / "empty.xyzr"
         empty.write_text("# nothing\n")
         for path in (self.folder / "missing.xyzr", self.folder, empty):
@@ -311,37 +313,37 @@ class Failure(Processes):
             self.assertEnded(done, self.run_alone(path).stderr.strip().removeprefix(
                 "eses-blocks: error: "))
 
-    def test_more_atoms_than_the_memory_limit_allows(self):
+    def test_more_atoms_than_the_memory_limit_allows_are_refused(self):
         path = self.folder / "many.xyzr"
         path.write_text("1 2 3 1.5\n" * 2_600_000)
         done = self.run_together(2, path, "--max-memory", "100M")
         self.assertEnded(done, "2600000 atoms need more than ")
         self.assertNothing()
 
-    def test_usage(self):
+    def test_usage_errors_are_printed_once(self):
         self.assertEnded(self.run_together(2, SMALL, "--spacing", "x"), "--spacing", code=2)
         self.assertEnded(self.run_together(2, SMALL, "--write", "residues"), "need a PQR, PDB or mmCIF file")
         self.assertEnded(self.run_together(2, SMALL, "--mesh", "x.ply", "--color", "chain"),
                          "--color chain needs a PQR, PDB or mmCIF file", code=2)
 
-    def test_strict(self):
+    def test_strict_refuses_warnings(self):
         path = self.folder / "suspicious.xyzr"
         path.write_text("0 0 0 1.5\n0 0 0 1.5\n")
         self.assertEnded(self.run_together(2, path, "--strict"), "suspicious.xyzr: 1 atom")
         self.assertNothing()
 
-    def test_locked_directory(self):
+    def test_locked_directory_is_refused(self):
         self.output.mkdir()
         with open(self.output / ".eses-blocks.lock", "w", encoding="ascii") as file:
             fcntl.flock(file, fcntl.LOCK_EX)
             self.assertEnded(self.run_together(2, SMALL), "another run is writing there")
 
-    def test_directory_that_cannot_be_made(self):
+    def test_directory_that_cannot_be_created_is_an_error(self):
         self.output.write_text("a file")
         self.assertEnded(self.run_together(2, SMALL), "cannot write into")
 
     def run_with_other_place(self, place, content):
-        """Two processes, the second of which sees a file system of its own at `place`."""
+        """Runs two processes, the second of which sees a file system of its own at `place`."""
         body = (f"mount -t tmpfs none {place} && "
                 f"{{ [ -z '{content}' ] || echo '{content}' > {place}/in.xyzr; }} && ")
         wrapper = write_program(
@@ -358,17 +360,17 @@ class Failure(Processes):
         self.output.mkdir(exist_ok=True)
         return self.run_together(2, folder / "in.xyzr", program=wrapper)
 
-    def test_machines_with_other_directories(self):
+    def test_machines_with_different_directories_are_refused(self):
         self.assertEnded(self.run_with_other_place(self.output, ""), "same directory")
         self.assertNothing()
 
-    def test_machines_with_other_files(self):
+    def test_machines_with_different_files_are_refused(self):
         done = self.run_with_other_place(self.folder / "input", "")
         self.assertEnded(done, "in.xyzr")
         done = self.run_with_other_place(self.folder / "input", "1 2 3 4")
         self.assertEnded(done, "not the file that the first process reads")
 
-    def test_killed_while_files_are_joined(self):
+    def test_kill_while_files_are_merged_ends_all(self):
         arguments = self.big_run("0.1", "edges")
         launched = self.start_together(3, *arguments)
         wait_for(lambda: launched.poll() is not None or any(
@@ -378,17 +380,18 @@ class Failure(Processes):
         if len(victims) != 3:
             self.skipTest("it was over too soon")
         os.kill(victims[1], signal.SIGKILL)
-        # The others do not wait for the dead one, which would be for ever.
+        # The other processes do not wait for the killed one.
         self.assertNotEqual(self.finish(launched).returncode, 0)
         self.assertEqual([n for n in self.all_files() if not n.startswith(".")], [])
 
-    def test_full_disk(self):
-        """In whichever process, while chunks are written, and while they are merged."""
+    def test_full_disk_of_one_process_ends_all(self):
+        """The disk is full in any of the processes, while chunks are written and while they are
+        merged."""
         arguments = (SMALL, "-q", "--spacing", "0.4", "--write", "grid")
         self.assertDone(self.run_alone(*arguments))
         needed = (self.alone / "grid_info.txt").stat().st_size
         self.output.mkdir()
-        for size in (needed // 2, needed * 3 // 2):  # chunks stand beside the file
+        for size in (needed // 2, needed * 3 // 2):  # chunks are beside the file
             mounted = subprocess.run(["mount", "-t", "tmpfs", "-o", f"size={size}", "none",
                                       self.output], capture_output=True, check=False)
             if mounted.returncode != 0:
@@ -402,13 +405,13 @@ class Failure(Processes):
             finally:
                 subprocess.run(["umount", self.output], check=True)
 
-    def test_failing_allocation(self):
-        """In one of the processes, for which a limit leaves ever more memory."""
+    def test_failing_allocation_of_one_process_ends_all(self):
+        """A limit leaves one of the processes step by step more memory."""
         path = self.folder / "many.xyzr"
         path.write_text("".join(f"{i % 50 * 3} {i // 50 % 50 * 3} {i // 2500 * 3} 1.5\n"
                                 for i in range(50000)))
         found = False
-        for limit in range(200_000, 900_000, 20_000):  # KiB of addresses
+        for limit in range(200_000, 900_000, 20_000):  # KiB of address space
             wrapper = write_program(
                 self.folder / "limited",
                 f"if [ \"$OMPI_COMM_WORLD_RANK$PMI_RANK\" = 1 ]; then ulimit -v {limit}; fi\n"
@@ -423,8 +426,8 @@ class Failure(Processes):
         if not found:
             self.skipTest("no limit left enough memory to start, and too little to go on")
 
-    def test_killed_process(self):
-        """The others end at once, and leave nothing behind that has a final name."""
+    def test_killed_process_ends_all(self):
+        """The other processes end at once, and no file gets its final name."""
         arguments = self.big_run()
         for which in (0, -1):
             launched = self.start_together(3, *arguments)
@@ -436,9 +439,9 @@ class Failure(Processes):
             done = self.finish(launched)
             self.assertNotEqual(done.returncode, 0)
             self.assertEqual([n for n in self.all_files() if not n.startswith(".")], [])
-        self.assertSame(2, SMALL)  # and the next run puts all in order
+        self.assertSame(2, SMALL)  # the next run removes the rest
 
-    def test_terminated(self):
+    def test_sigterm_ends_all(self):
         launched = self.start_together(3, *self.big_run())
         wait_for(self.has_temporaries)
         time.sleep(0.3)
@@ -452,8 +455,8 @@ class Resume(Processes):
     def chunks(self):
         return [name for name in self.all_files(self.output / CHECKPOINT) if name.endswith(".sums")]
 
-    def test_by_other_processes(self):
-        """What two processes have begun, three end, or one, as if one had done all."""
+    def test_other_numbers_of_processes_continue_a_run(self):
+        """Three processes, or one, continue a run of two. The files are those of one process."""
         arguments = (*self.big_run("0.15", "edges"), "--inside", "map.vti")
         self.assertDone(self.run_alone(*arguments, "--mesh", self.alone / "mesh.ply"))
         arguments = (*arguments, "--mesh", self.output / "mesh.ply")

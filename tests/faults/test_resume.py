@@ -1,4 +1,4 @@
-"""Runs that are cut off, and go on from what they have done."""
+"""Tests of runs that are interrupted and continued with --resume."""
 
 import os
 import resource
@@ -10,7 +10,7 @@ from faults import FaultTest, SMALL, forget_signals, needs_library, wait_for
 from support import DATA
 
 CHECKPOINT = ".eses-blocks.resume"
-# Layers of 8 planes, so that there are chunks to lose and to keep.
+# Layers have 8 planes, so that there are several chunks.
 RUN = (SMALL, "-q", "--spacing", "0.4", "-b", "9", "-t", "2")
 
 
@@ -24,7 +24,7 @@ class Resume(FaultTest):
         return [name for name in self.all_files(self.output / CHECKPOINT) if name.endswith(".sums")]
 
     def cut_off(self, number, *arguments):
-        """Killed before its write `number`; false if it does not come so far."""
+        """Kills a run before its write `number`. Returns false if it has fewer writes."""
         done = self.run_program(*(arguments or RUN), "--resume",
                                 fault=f"write {number} signal={signal.SIGKILL.value}")
         return done.returncode == -signal.SIGKILL
@@ -33,13 +33,13 @@ class Resume(FaultTest):
         self.assertDone(self.run_program(*(arguments or RUN), "--resume"))
         self.assertEqual(self.contents(), self.reference)
 
-    def test_without_anything_to_resume(self):
+    def test_resume_without_chunks_computes_everything(self):
         self.assertSame()
         self.assertSame()
 
     @needs_library
-    def test_killed_at_every_write(self):
-        """Nothing has a final name, and the next run ends with the same bytes."""
+    def test_run_killed_at_any_write_is_continued(self):
+        """No file has a final name, and the next run writes the same bytes."""
         number, kept = 1, set()
         while self.cut_off(number):
             self.assertEqual([name for name in self.all_files() if not name.startswith(".")], [])
@@ -51,8 +51,8 @@ class Resume(FaultTest):
         self.assertGreater(len(kept), 3)
 
     @needs_library
-    def test_killed_again_and_again(self):
-        """Each run goes on from where the one before was, and comes to an end in the end."""
+    def test_run_killed_repeatedly_completes(self):
+        """Each run continues where the previous one stopped, and finally completes."""
         runs, before = 0, 0
         while self.cut_off(6 + 3 * runs):
             runs += 1
@@ -63,7 +63,7 @@ class Resume(FaultTest):
         self.assertEqual(self.contents(), self.reference)
 
     @needs_library
-    def test_other_blocks_and_threads(self):
+    def test_other_blocks_and_threads_continue_a_run(self):
         self.assertTrue(self.cut_off(20))
         self.assertGreater(len(self.chunks()), 0)
         self.assertSame(SMALL, "-q", "--spacing", "0.4", "-b", "17", "-t", "1")
@@ -72,7 +72,7 @@ class Resume(FaultTest):
         return {name: (self.output / CHECKPOINT / name).stat().st_mtime_ns for name in self.chunks()}
 
     @needs_library
-    def test_what_is_done_is_not_done_again(self):
+    def test_complete_chunks_are_not_computed_again(self):
         self.assertTrue(self.cut_off(20))
         first = self.times()
         self.assertGreater(len(first), 0)
@@ -83,8 +83,8 @@ class Resume(FaultTest):
             self.assertEqual(second[name], time_)
 
     @needs_library
-    def test_altered_text(self):
-        """It is as long as it was, and found all the same."""
+    def test_altered_text_is_found_and_computed_again(self):
+        """An altered text of the same length is found."""
         arguments = (*RUN, "--inside", "map.dx", "--mesh", self.output / "mesh.ply")
         self.assertDone(self.run_program(*arguments))
         reference = self.contents()
@@ -103,8 +103,8 @@ class Resume(FaultTest):
                 self.assertEqual(self.contents(), reference)
 
     @needs_library
-    def test_empty_text_that_is_gone(self):
-        """Of a slab without surface, for example: nothing is missing."""
+    def test_missing_empty_text_is_accepted(self):
+        """A missing text that was empty is no fault, for example of a slab without surface."""
         arguments = (SMALL, "-q", "--spacing", "0.4", "-b", "3", "--margin", "4", "--write", "edges")
         self.assertDone(self.run_program(*arguments))
         reference = self.contents()
@@ -119,8 +119,8 @@ class Resume(FaultTest):
         self.assertEqual(self.contents(), reference)
 
     @needs_library
-    def test_cut_off_while_chunks_are_removed(self):
-        """What is left is either told from a complete chunk, or is one."""
+    def test_run_killed_while_chunks_are_removed_is_continued(self):
+        """A killed run leaves only files that the next run recognises and removes."""
         number = 1
         while True:
             shutil.rmtree(self.output)
@@ -134,8 +134,8 @@ class Resume(FaultTest):
         self.assertGreater(number, 10)
 
     @needs_library
-    def test_chunks_that_are_not_complete_go(self):
-        """Those of other blocks would stay for ever."""
+    def test_incomplete_chunks_are_removed(self):
+        """Incomplete chunks are removed. Otherwise those of other blocks would stay forever."""
         for block in ("9", "11", "13"):
             self.cut_off(14, SMALL, "-q", "--spacing", "0.4", "-b", block, "-t", "2")
         texts = {name.split(".")[0] for name in self.all_files(self.output / CHECKPOINT)
@@ -145,8 +145,8 @@ class Resume(FaultTest):
         self.assertSame()
 
     @needs_library
-    def test_verification(self):
-        """Of what is still to be done."""
+    def test_resumed_run_verifies_only_the_rest(self):
+        """Only the part that is still to be computed is verified."""
         self.assertTrue(self.cut_off(20, *RUN, "--verify=300"))
         kept = len(self.chunks())
         self.assertGreater(kept, 0)
@@ -157,7 +157,7 @@ class Resume(FaultTest):
         self.assertEqual(self.contents(), self.reference)
 
     @needs_library
-    def test_gzip(self):
+    def test_compressed_files_are_continued(self):
         arguments = (*RUN, "--gzip")
         self.assertDone(self.run_program(*arguments))
         reference = self.contents()
@@ -167,7 +167,7 @@ class Resume(FaultTest):
         self.assertEqual(self.contents(), reference)
 
     @needs_library
-    def test_other_input_or_options(self):
+    def test_other_input_or_options_are_refused(self):
         self.assertTrue(self.cut_off(20))
         for arguments in ((SMALL, "-q", "--spacing", "0.5", "-b", "9"),
                           (*RUN, "--probe-radius", "1.5"), (*RUN, "--write", "edges"),
@@ -179,7 +179,7 @@ class Resume(FaultTest):
         self.assertSame()
 
     @needs_library
-    def test_damaged_chunks_are_done_again(self):
+    def test_damaged_chunks_are_computed_again(self):
         for suffix, damage in ((".sums", lambda old: old[:-1]), (".sums", lambda old: old + b"x"),
                                (".sums", lambda old: old[:40] + bytes([old[40] ^ 1]) + old[41:]),
                                (".grid", lambda old: old[:-5]), (".edges", lambda old: old + b"x")):
@@ -191,7 +191,7 @@ class Resume(FaultTest):
                 self.put({})
 
     @needs_library
-    def test_two_at_once(self):
+    def test_second_run_at_once_is_refused(self):
         for chosen in ("edges", "none"):
             arguments = (*RUN, "--write", chosen, "--resume")
             first = self.stop_at("write 12", *arguments)
@@ -201,13 +201,13 @@ class Resume(FaultTest):
             self.assertDone(self.run_program(*arguments))
             self.put({})
 
-    def test_no_file_at_all(self):
-        """And then something else."""
+    def test_run_without_files_leaves_no_chunks(self):
+        """The next run into the same directory writes files."""
         self.assertDone(self.run_program(*RUN, "--write", "none", "--resume"))
         self.assertEqual(self.all_files(), [])
         self.assertSame()
 
-    def test_pipe(self):
+    def test_pipe_as_input_gives_the_same_files(self):
         pipe = self.folder / "pipe.xyzr"
         os.mkfifo(pipe)
         program = self.start(pipe, *RUN[1:], "--resume")
@@ -215,19 +215,19 @@ class Resume(FaultTest):
         self.assertDone(self.finish(program))
         self.assertEqual(self.contents(), self.reference)
 
-    def test_dry_run(self):
+    def test_dry_run_writes_nothing(self):
         self.assertDone(self.run_program(*RUN, "--resume", "--dry-run"))
         self.assertEqual(self.all_files(), [])
 
     @needs_library
-    def test_run_without_it(self):
-        """It begins anew, and what was kept is of no use any more."""
+    def test_run_without_resume_removes_the_chunks(self):
+        """A run without --resume starts again and removes the chunks."""
         self.assertTrue(self.cut_off(20))
         self.assertDone(self.run_program(*RUN))
         self.assertEqual(self.contents(), self.reference)
 
     @unittest.skipIf(os.environ.get("ESES_SANITIZE") == "thread", "takes too long there")
-    def test_signals(self):
+    def test_signals_keep_complete_chunks(self):
         path = self.folder / "big.xyzr"
         path.write_text("".join(f"{x * 3} {y * 3} {z * 3} 1.7\n"
                                 for x in range(12) for y in range(12) for z in range(40)))
@@ -246,7 +246,7 @@ class Resume(FaultTest):
         self.assertEqual(self.contents(), resumed)
 
     @needs_library
-    def test_meshes_maps_and_residues(self):
+    def test_meshes_maps_and_residues_are_continued(self):
         for name, mesh, more in (("fas2.pqr", "mesh.ply", ("--inside", "map.dx", "--color", "chain",
                                                            "--write", "residues")),
                                  ("c60.xyzr", "mesh.obj", ("--inside", "map.vti", "--write",
@@ -273,8 +273,8 @@ class Resume(FaultTest):
             self.assertGreater(len(kept), 2)
 
     @needs_library
-    def test_other_mesh(self):
-        """Its chunks do not serve another one."""
+    def test_other_mesh_is_refused(self):
+        """The chunks of a mesh do not serve another mesh."""
         arguments = (*RUN, "--mesh", self.output / "mesh.ply")
         self.assertTrue(self.cut_off(30, *arguments))
         self.assertGreater(len(self.chunks()), 0)
@@ -285,7 +285,7 @@ class Resume(FaultTest):
 
     @unittest.skipIf(os.environ.get("ESES_SANITIZE") == "thread",
                      "the sanitizer itself maps files that are larger")
-    def test_full_disk(self):
+    def test_full_disk_keeps_complete_chunks(self):
         done = self.run_program(*RUN, "--resume", prepare=lambda: self.limit(20000))
         self.assertFailed(done, "cannot write")
         self.assertEqual([n for n in self.all_files() if not n.startswith(".")], [])

@@ -1,4 +1,4 @@
-"""Signals in every phase: a prompt end, the exit code of the signal, and no file left."""
+"""Tests of signals in every phase: a prompt end, the exit code of the signal, and no file left."""
 
 import array
 import fcntl
@@ -11,16 +11,16 @@ import unittest
 from faults import (NAMES, SMALL, TINY, FaultTest, forget_signals, has_ended, let_work,
                     needs_library, wait_for)
 
-STRIDE = 13  # of the allocations at which a signal comes
+STRIDE = 13  # step between the allocations at which a signal arrives
 BALL = "0 0 0 200\n"  # at a spacing of 0.3 a grid of 2.4e9 points
 
 needs_prompt_signals = unittest.skipIf(
     os.environ.get("ESES_SANITIZE") == "thread",
-    "this sanitizer holds signals back while a file is being opened or read")
+    "this sanitizer delays signals while a file is opened or read")
 
 
 class Phase(FaultTest):
-    """`number` is the signal that a test sends."""
+    """A run in one phase. `number` is the signal that a test sends."""
 
     def big_input(self, text=BALL):
         path = self.folder / "big.xyzr"
@@ -37,7 +37,7 @@ class Phase(FaultTest):
             return False
 
     def check_end(self, program, number):
-        """Sends the signal; the run has to end soon."""
+        """Sends the signal and checks that the run ends soon."""
         self.assertFalse(has_ended(program), "the run was over before the signal")
         done = self.end_by(program, number)
         self.assertEqual(done.returncode, 128 + number, done)
@@ -51,15 +51,15 @@ class Phase(FaultTest):
                 self.check_end(program, number.value)
 
     @needs_prompt_signals
-    def test_waiting_for_input(self):
+    def test_signal_ends_waiting_for_input(self):
         fifo = self.folder / "fifo.xyzr"
         os.mkfifo(fifo)
         for number in (signal.SIGINT, signal.SIGTERM):
             program = self.start(fifo)
-            with open(fifo, "w") as input_end:  # returns once the program has opened it, too
+            with open(fifo, "w") as input_end:  # returns when the program has opened it
                 input_end.write("0 0 0 1\n")
                 input_end.flush()
-                wait_for(lambda pipe=input_end: self.is_empty(pipe))  # it waits for more, then
+                wait_for(lambda pipe=input_end: self.is_empty(pipe))  # then it waits for more
                 self.check_end(program, number.value)
 
     @staticmethod
@@ -69,16 +69,16 @@ class Phase(FaultTest):
         return waiting[0] == 0
 
     @needs_prompt_signals
-    def test_waiting_for_a_writer(self):
+    def test_signal_ends_waiting_for_a_writer(self):
         fifo = self.folder / "fifo.xyzr"
         os.mkfifo(fifo)
         program = self.start(fifo)
-        # It sleeps in open().
+        # The program sleeps in open().
         wait_for(lambda: "S (sleeping)" in self.status(program) and self.catches_signals(program))
         self.check_end(program, signal.SIGINT.value)
 
-    def test_verification(self):
-        """Of far more points and edges than can be checked in the meantime."""
+    def test_signal_ends_a_verification(self):
+        """There are far more points and edges than can be checked in this time."""
         for number in (signal.SIGINT, signal.SIGTERM):
             program = self.start(SMALL, "30", "--write", "none", "--verify=1000000")
             let_work(program, 1)  # the blocks take a few milliseconds
@@ -94,8 +94,8 @@ class Phase(FaultTest):
                       if line.startswith("SigCgt:"))
         return int(caught.split()[1], 16) >> (signal.SIGTERM.value - 1) & 1
 
-    def test_patches(self):
-        """A hundred thousand atoms, each of which has many neighbours."""
+    def test_signal_ends_the_building_of_patches(self):
+        """There are a hundred thousand atoms with many neighbours each."""
         edge = 47
         path = self.big_input("".join(
             f"{x * 1.1:.1f} {y * 1.1:.1f} {z * 1.1:.1f} 3\n"
@@ -103,18 +103,18 @@ class Phase(FaultTest):
         self.for_signals(lambda: self.start(path, "-q", "-t", "1", "--write", "areas"),
                          self.has_temporaries)
 
-    def test_blocks(self):
+    def test_signal_ends_the_solving_of_blocks(self):
         path = self.big_input()
         self.for_signals(lambda: self.start(path, "-q", "--spacing", "0.3", "--write", "edges"),
                          self.has_text)
 
-    def test_writing(self):
-        """Blocks that are empty, and much text."""
+    def test_signal_ends_writing(self):
+        """The blocks are empty, and there is much text."""
         path = self.big_input("0 0 0 1\n500 500 500 1\n")
         self.for_signals(lambda: self.start(path, "-q", "--spacing", "0.5", "--write", "grid"),
                          self.has_text)
 
-    def test_one_block_that_takes_long(self):
+    def test_signal_ends_a_long_block(self):
         path = self.big_input()
         program = self.start(path, "-q", "--spacing", "0.5", "-b", "900", "--write", "edges")
         wait_for(lambda: has_ended(program) or self.has_temporaries())
@@ -123,7 +123,7 @@ class Phase(FaultTest):
             self.skipTest("not enough memory for a large block")
         self.check_end(program, signal.SIGTERM.value)
 
-    def test_ignored_signals(self):
+    def test_ignored_signals_stay_ignored(self):
         """Signals that nohup, `trap '' INT` or a background job had ignored stay ignored."""
         ignored = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP, signal.SIGUSR1, signal.SIGALRM,
                    signal.SIGQUIT)
@@ -144,7 +144,7 @@ class Phase(FaultTest):
     def start_blocks(self, **how):
         return self.start(self.big_input(), "-q", "--spacing", "0.3", "--write", "edges", **how)
 
-    def test_other_signals(self):
+    def test_other_signals_leave_no_files(self):
         for number in (signal.SIGUSR1, signal.SIGUSR2, signal.SIGALRM, signal.SIGXCPU,
                        signal.SIGVTALRM, signal.SIGPROF, signal.SIGIO, signal.SIGPWR,
                        signal.SIGRTMIN, signal.SIGRTMAX):
@@ -153,7 +153,7 @@ class Phase(FaultTest):
                 wait_for(self.has_temporaries)
                 self.check_end(program, number.value)
 
-    def test_inherited_timer(self):
+    def test_inherited_timer_ends_the_run(self):
         """A timer survives exec(): `perl -e 'alarm 3; exec @ARGV' eses-blocks ...`."""
         def prepare():
             forget_signals()
@@ -164,8 +164,8 @@ class Phase(FaultTest):
         self.assertEqual(self.all_files(), [])
 
     @unittest.skipIf(os.environ.get("ESES_SANITIZE"), "sanitizers handle these signals")
-    def test_core_dumps(self):
-        """The process ends by the signal itself, so that there may be a core dump."""
+    def test_core_dumps_are_still_possible(self):
+        """The process is ended by the signal itself, so that it can dump core."""
         def prepare():
             forget_signals()
             resource.setrlimit(resource.RLIMIT_CORE, (0, 0))
@@ -178,7 +178,7 @@ class Phase(FaultTest):
                 self.assertEqual(self.all_files(), [])
 
     @needs_library
-    def test_file_system_that_hangs(self):
+    def test_signal_ends_a_run_on_a_file_system_that_hangs(self):
         for call in ("open 2", "write 1", "close 1", "rename 2"):
             with self.subTest(call=call):
                 program = self.start(*TINY, fault=f"{call} hang")
@@ -192,7 +192,7 @@ class Phase(FaultTest):
                 self.put({})
 
     @needs_library
-    def test_second_signal(self):
+    def test_second_signal_ends_at_once(self):
         program = self.start(*TINY, fault="write 1 hang")
         wait_for(self.is_faulty)
         done = self.end_by(program, signal.SIGINT, signal.SIGTERM)
@@ -202,7 +202,7 @@ class Phase(FaultTest):
 
 @needs_library
 class EveryMoment(FaultTest):
-    """Signals that come at every call on a file, and at allocations all through a run."""
+    """Signals that arrive at every call on a file, and at allocations during a run."""
 
     def for_every(self, call, stride, least):
         reference = self.make_reference(*TINY)
@@ -215,18 +215,18 @@ class EveryMoment(FaultTest):
                 self.assertGreater(interrupted, least)
                 return
             with self.subTest(call=1 + turn * stride):
-                if done.returncode == -number:  # before the program has begun
+                if done.returncode == -number:  # before main() has started
                     self.assertEqual((interrupted, self.all_files()), (0, []))
                 else:
                     self.assertEqual(done.returncode, 128 + number, done)
                     interrupted += 1
-                # After the last rename all are there, and only then.
+                # After the last rename all files exist, and only then.
                 self.assertIn(self.contents(), ({}, reference))
                 self.put({})
         self.fail("there is no end of calls")
 
-    def test_calls(self):
+    def test_signal_at_every_call_leaves_no_file(self):
         self.for_every("file", 1, 20)
 
-    def test_allocations(self):
+    def test_signal_at_allocations_leaves_no_file(self):
         self.for_every("alloc", STRIDE, 20)

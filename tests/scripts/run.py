@@ -1,4 +1,4 @@
-"""Runs the tests of one file; exit code 77 tells ctest that all of them were skipped."""
+"""Runs the tests of one file. Exit code 77 means to ctest that all of them were skipped."""
 
 import pathlib
 import sys

@@ -1,4 +1,4 @@
-"""What the tests of the scripts share."""
+"""Shared by the tests of the scripts."""
 
 import os
 import pathlib
@@ -13,7 +13,7 @@ SCRIPTS = PROJECT / "scripts"
 DATA = PROJECT / "data"
 PROGRAM = pathlib.Path(os.environ.get("ESES_BINARY", PROJECT / "build" / "eses-blocks"))
 
-sys.path.insert(0, str(SCRIPTS / "lib"))  # for their modules
+sys.path.insert(0, str(SCRIPTS / "lib"))  # modules of the scripts
 
 
 def command(script, *arguments):
@@ -21,7 +21,7 @@ def command(script, *arguments):
 
 
 def run(script, *arguments, **how):
-    """Runs to the end; returncode, stdout and stderr."""
+    """Runs a script to its end. Returns returncode, stdout and stderr."""
     return subprocess.run(command(script, *arguments), stdin=subprocess.DEVNULL, timeout=300,
                           capture_output=True, encoding="utf-8", errors="backslashreplace",
                           check=False, **how)
@@ -41,7 +41,7 @@ def write_program(path, body):
 
 
 def interpreter_of(script):
-    """The script's own, to which Debian's matplotlib and VTK belong."""
+    """Returns the interpreter of a script's first line, which has Debian's matplotlib and VTK."""
     return script.read_text(encoding="utf-8").partition("\n")[0].removeprefix("#!")
 
 
@@ -52,7 +52,7 @@ def can_import(script, module):
 
 
 def python_with(module):
-    """An interpreter that has the module: this one, or that of the system's packages; else None."""
+    """Returns an interpreter that has the module, this one or the system's; None without one."""
     for python in (sys.executable, "/usr/bin/python3"):
         try:
             if subprocess.run([python, "-c", f"import {module}"], capture_output=True,
@@ -68,7 +68,7 @@ def has_matplotlib(script):
 
 
 class TestCase(unittest.TestCase):
-    """Has an empty folder for each test."""
+    """A test case with an empty folder for each test."""
 
     def setUp(self):
         folder = tempfile.TemporaryDirectory()

@@ -1,6 +1,7 @@
-"""scripts/apbs with stand-ins for APBS and eses-blocks: grids, input files, results and errors.
+"""Tests of scripts/apbs with replacements for APBS and eses-blocks: grids, input files, results and
+errors.
 
-test_apbs_energies.py runs the real ones.
+test_apbs_energies.py runs the real programs.
 """
 
 import gzip
@@ -14,12 +15,12 @@ import unittest
 from support import DATA, PROGRAM, SCRIPTS, TestCase, command, forget_signals, run, write_program
 import poisson_boltzmann as pb
 
-PATIENCE = 600  # seconds until a test gives up: only what would never end takes that long
+PATIENCE = 600  # seconds until a test gives up; no normal run takes so long
 
 ION = "ATOM 1 I ION 1 0.000 0.000 0.000 1.0000 3.0000\n"
 OTHER = "ATOM 1 J ION 2 8.000 1.000 2.000 -1.0000 2.0000\n"
 
-# Stands for APBS: the energies are 2, 4, 8 ... kJ/mol, in the order of the input file.
+# Replaces APBS. The energies are 2, 4, 8 ... kJ/mol, in the order of the input file.
 APBS = """for argument; do
   case $argument in --output-file=*) energies=${argument#*=} ;; esac
 done
@@ -27,7 +28,7 @@ awk '/^elec name/ { value = value ? 2 * value : 2; print; printf "    calc\\n"
   printf "        totEnergy %.12E kJ/mol\\n", value; print "    end\\nend" }' "$argument" >"$energies"
 """
 
-# Stands for eses-blocks: its arguments go to a file, one call a line.
+# Replaces eses-blocks. It writes its arguments to a file, one call per line.
 ESES = f"""case $1 in --version) exec '{PROGRAM}' --version ;; esac
 echo "$*" >>"$0.calls"
 echo {{}}
@@ -44,7 +45,8 @@ def molecule(*atoms):
 
 class Grids(unittest.TestCase):
     def check(self, grid, molecules, padding):
-        """The grid encloses all spheres and the padding, and one that is smaller would not."""
+        """Checks that the grid encloses all spheres and the padding, and that a smaller one
+        would not."""
         for axis in range(3):
             self.assertEqual(grid.points[axis] % 32, 1)
             half = (grid.points[axis] - 1) / 2 * grid.spacing
@@ -53,7 +55,7 @@ class Grids(unittest.TestCase):
             self.assertGreaterEqual(half, needed - 1e-6)
             self.assertLess(half - 16 * grid.spacing, needed)
 
-    def test_enclosing(self):
+    def test_grid_encloses_molecule_and_padding(self):
         molecules = [molecule(atom(0, 0, 0, 3), atom(-7, 20, 1, 1.5)), molecule(atom(0, -9, 30, 0))]
         for spacing in (0.1, 0.25, 0.3, 0.5, 1.0, 3.0):
             for padding in (0, 1.7, 10):
@@ -61,14 +63,15 @@ class Grids(unittest.TestCase):
                 self.check(grid, molecules, padding)
                 self.assertEqual(grid.center, (-2.75, 6.25, 13.5))
 
-    def test_given_center(self):
+    def test_grid_has_the_given_center(self):
         molecules = [molecule(atom(1, 2, 3, 3))]
         grid = pb.choose_grid(molecules, 0.5, 4, (1.2, 1.9, 8.0))
         self.assertEqual(grid.center, (1.2, 1.9, 8.0))
         self.check(grid, molecules, 4)
 
-    def test_exact_length(self):
-        """A length of 32 edges takes no more, though 16 is not a multiple of 0.1 in binary."""
+    def test_exact_length_needs_no_further_points(self):
+        """A length of 32 edges gives exactly 33 points, although 16 is not a multiple of 0.1 in
+        binary."""
         for spacing in (0.1, 0.25, 0.3, 0.5, 0.7):
             grid = pb.choose_grid([molecule(atom(0, 0, 0, 16 * spacing - 1))], spacing, 1)
             self.assertEqual(grid.points, (33, 33, 33))
@@ -116,41 +119,42 @@ class ApbsTest(TestCase):
 
 
 class Results(ApbsTest):
-    def test_solvation(self):
+    def test_solvation_energy_of_one_file(self):
         done = self.report(self.ion)
         self.assertEqual(done["solvation_energy"], {"eses-blocks": 2 - 4})
         self.assertEqual([(row["surface"], row["energy"]) for row in done["energies"]],
                          [("eses-blocks", 2), ("reference", 4)])
         self.assertEqual(done["molecules"], [{"file": str(self.ion), "atoms": 1, "charge": 1}])
 
-    def test_binding(self):
+    def test_binding_energy_of_several_files(self):
         files = self.add_complex()
         done = self.report(*files)
         self.assertEqual(done["binding_energy"], {"eses-blocks": 2 - 4 - 8})
         self.assertEqual([row["file"] for row in done["energies"]], list(map(str, files)))
         self.assertEqual([row["charge"] for row in done["molecules"]], [0, 1, -1])
 
-    def test_comparison(self):
+    def test_compare_adds_the_surfaces_of_apbs(self):
         self.assertEqual(self.report(*self.add_complex(), "--compare")["binding_energy"],
                          {"eses-blocks": 2 - 4 - 8, "mol": 16 - 32 - 64, "smol": 128 - 256 - 512})
         self.assertEqual(self.report(self.ion, "--compare")["solvation_energy"],
                          {"eses-blocks": 2 - 16, "mol": 4 - 16, "smol": 8 - 16})
 
-    def test_table(self):
+    def test_table_lists_all_energies(self):
         rows = self.apbs(self.ion, "--compare").stdout.splitlines()
         self.assertEqual([len(row) for row in rows], [len(rows[0])] * 4)
         self.assertEqual(rows[-1].split(),
                          ["solvation", "energy", "-14.00", "-12.00", "-8.00"])
 
-    def test_announcement(self):
-        """Points and calculations are said before APBS starts, and if memory will not do."""
+    def test_resources_are_announced_before_apbs_starts(self):
+        """Points and calculations are announced before APBS starts, with a warning if memory is
+        short."""
         said = self.apbs(self.ion, "--padding", "5", "--spacing", "0.5").stderr
         self.assertIn("33 x 33 x 33 grid points, 2 calculations", said)
         self.assertNotIn("warning", said)
         said = self.apbs(self.ion, "--spacing", "0.002").stderr
         self.assertIn("warning: only", said)
 
-    def test_compressed_input(self):
+    def test_compressed_input_is_read(self):
         packed = self.folder / "packed.pqr.gz"
         with gzip.open(packed, "wt") as target:
             target.write(ION)
@@ -158,7 +162,7 @@ class Results(ApbsTest):
 
 
 class InputFile(ApbsTest):
-    """What APBS and eses-blocks are given."""
+    """The input of APBS and eses-blocks."""
 
     def input_text(self, *arguments):
         kept = self.folder / "kept"
@@ -166,12 +170,12 @@ class InputFile(ApbsTest):
         return (kept / "apbs.in").read_text()
 
     def sections(self, text):
-        """Keyword -> rest of the line, for each elec section."""
+        """Returns a dictionary from keyword to the rest of the line, for each `elec` section."""
         return [dict(line.strip().split(" ", 1) for line in section.split("\nend")[0].splitlines()
                      if " " in line.strip())
                 for section in text.split("elec ")[1:]]
 
-    def test_one_grid(self):
+    def test_all_calculations_use_one_grid(self):
         text = self.input_text(*self.add_complex(), "--compare", "--grid-center=-1.5,0.25,2")
         sections = self.sections(text)
         self.assertEqual(len(sections), 9)
@@ -182,21 +186,21 @@ class InputFile(ApbsTest):
             self.assertIn("--spacing 0.5 ", call)
         self.assertEqual(len(self.calls()), 3)
 
-    def test_maps(self):
+    def test_only_the_surface_of_eses_blocks_uses_maps(self):
         sections = self.sections(self.input_text(self.ion, "--compare"))
         self.assertEqual([section.get("usemap") for section in sections],
                          ["diel 1", None, None, None])
         self.assertEqual([(section["srfm"], section["srad"]) for section in sections[1:3]],
                          [("mol", "1.4"), ("smol", "1.4")])
 
-    def test_reference(self):
+    def test_reference_has_the_solute_dielectric_everywhere(self):
         sections = self.sections(self.input_text(self.ion, "--solute-dielectric", "4",
                                                  "--solvent-dielectric", "80"))
         self.assertEqual([(section["pdie"], section["sdie"]) for section in sections],
                          [("4.0", "80.0"), ("4.0", "4.0")])
         self.assertIn("--solute-dielectric 4.0 --solvent-dielectric 80.0", self.calls()[0])
 
-    def test_ions(self):
+    def test_ionic_strength_adds_ions_and_kappa_maps(self):
         text = self.input_text(self.ion, "--ionic-strength", "0.15", "--ion-radius", "1.8")
         solvated, reference = text.split("elec ")[1:]
         for charge in ("1", "-1"):
@@ -208,8 +212,8 @@ class InputFile(ApbsTest):
         self.assertNotIn("usemap", reference)
         self.assertNotIn("kappa", self.input_text(self.ion))
 
-    def test_atoms(self):
-        """Atoms reach APBS with all digits, whatever the columns of the file."""
+    def test_atoms_keep_all_digits(self):
+        """APBS gets the atoms with all digits, whatever the columns of the file."""
         path = self.add("odd.pqr", "REMARK\nHETATM12345 C1  XYZ A   1      -1.5D+00 0.123456789 "
                                    "2 -.25 1.7 C\n")
         self.input_text(path)
@@ -218,7 +222,7 @@ class InputFile(ApbsTest):
 
 
 class Errors(ApbsTest):
-    def test_apbs_missing(self):
+    def test_missing_apbs_is_an_error(self):
         (self.programs / "apbs").unlink()
         # A script of the same name in PATH is not APBS.
         for path in ((self.programs,), (SCRIPTS, self.programs)):
@@ -227,28 +231,28 @@ class Errors(ApbsTest):
         self.set_apbs(APBS)
         self.apbs(self.ion, path=(SCRIPTS, self.programs, os.defpath))
 
-    def test_apbs_fails(self):
+    def test_failure_of_apbs_is_an_error(self):
         self.set_apbs("echo 'Fatal error while reading from x.dx'; exit 13\n")
         done = self.apbs(self.ion, code=1)
         self.assertIn("exit code 13", done.stderr)
         self.assertIn("Fatal error while reading from x.dx", done.stderr)
 
-    def test_apbs_crashes(self):
+    def test_crash_of_apbs_is_an_error(self):
         self.set_apbs("kill -SEGV $$\n")
         self.assertIn("APBS fails", self.apbs(self.ion, code=1).stderr)
 
-    def test_energies_that_are_none(self):
+    def test_energies_that_are_not_numbers_are_an_error(self):
         for value in ("nan", "-nan", "inf", "-INF"):
             self.set_apbs(APBS.replace("%.12E", value))
             self.assertIn("molecule1-eses-blocks", self.apbs(self.ion, code=1).stderr)
 
-    def test_missing_energies(self):
+    def test_missing_energies_are_an_error(self):
         self.set_apbs(APBS.replace("elec name/", "elec name molecule1-e/"))
         self.assertIn("molecule1-reference", self.apbs(self.ion, code=1).stderr)
         self.set_apbs("exit 0\n")
         self.assertIn("APBS fails", self.apbs(self.ion, code=1).stderr)
 
-    def test_program_fails(self):
+    def test_failure_of_the_program_is_an_error(self):
         self.program = write_program(self.folder / "failing", f"""case $1 in
   --version) exec '{PROGRAM}' --version ;;
 esac
@@ -260,13 +264,13 @@ exit 1
         self.program = self.folder / "missing"
         self.assertIn("scripts/quickstart", self.apbs(self.ion, code=1).stderr)
 
-    def test_warnings_of_the_program(self):
+    def test_warnings_of_the_program_are_shown(self):
         body = ESES + 'echo "eses-blocks: warning: $1: doubtful" >&2\n'
         self.program = write_program(self.folder / "warning", body)
         self.assertIn(f"apbs: warning: {self.ion}: doubtful\n", self.apbs(self.ion).stderr)
 
-    def test_no_complex(self):
-        """Complex and parts differ in number, place, charge or radius of an atom."""
+    def test_files_that_are_not_a_complex_are_refused(self):
+        """Complex and parts differ in the number, position, charge or radius of an atom."""
         _, ion, other = self.add_complex()
         for text, words in ((ION, "1 atom is not in"), (ION + OTHER + OTHER, "1 atom is in none"),
                             (ION + OTHER.replace("8.000", "8.002"), "the first at 8.002 1 2"),
@@ -275,10 +279,10 @@ exit 1
             with self.subTest(text=text):
                 whole = self.add("whole.pqr", text)
                 self.assertIn(words, self.apbs(whole, ion, other, code=1).stderr)
-        # More decimals are no difference.
+        # Atoms with different numbers of decimals are equal.
         self.apbs(self.add("whole.pqr", ION + OTHER.replace("8.000", "8.00000")), ion, other)
 
-    def test_files(self):
+    def test_unusable_files_and_folders_are_refused(self):
         self.assertIn("missing.pqr", self.apbs(self.folder / "missing.pqr", code=1).stderr)
         self.assertIn("no atoms", self.apbs(DATA / "c60.xyzr", code=1).stderr)
         broken = self.add("broken.pqr", ION.replace("1.0000", "x"))
@@ -286,7 +290,7 @@ exit 1
         taken = self.add("taken", "")
         self.assertIn("taken", self.apbs(self.ion, "--keep", taken, code=1).stderr)
 
-    def test_options(self):
+    def test_invalid_options_are_refused(self):
         for arguments in (("--spacing", "0"), ("--spacing", "nan"), ("--padding", "-1"),
                           ("--grid-center", "1,2"), ("--grid-center", "1,2,x"),
                           ("--solute-dielectric", "0"), ("--solvent-dielectric", "-1"),
@@ -323,8 +327,8 @@ class Interrupted(ApbsTest):
                 os.kill(int(started.read_text()), 0)
                 time.sleep(0.02)
 
-    def test_ctrl_c(self):
+    def test_ctrl_c_ends_apbs_and_removes_files(self):
         self.check_signal(signal.SIGINT, 130)
 
-    def test_sigterm(self):
+    def test_sigterm_ends_apbs_and_removes_files(self):
         self.check_signal(signal.SIGTERM, 143)

@@ -1,6 +1,6 @@
-"""scripts/apbs with the real APBS, against exact energies and those of other surfaces.
+"""Tests of scripts/apbs with the real APBS, against exact energies and those of other surfaces.
 
-Skipped where APBS is not installed.
+Skipped if APBS is not installed.
 """
 
 import json
@@ -14,7 +14,7 @@ import unittest
 from support import DATA, PROGRAM, PROJECT, TestCase, run
 import poisson_boltzmann as pb
 
-EXAMPLES = pathlib.Path("/usr/share/apbs/examples")  # of Debian's apbs-data
+EXAMPLES = pathlib.Path("/usr/share/apbs/examples")  # in Debian's package apbs-data
 
 # CODATA 2018: charge (C), Avogadro constant (1/mol), electric constant (F/m), Boltzmann constant.
 CHARGE, AVOGADRO, ELECTRIC, BOLTZMANN = 1.602176634e-19, 6.02214076e23, 8.8541878128e-12, 1.380649e-23
@@ -26,12 +26,14 @@ TEMPERATURE = 298.15
 
 
 def born_energy(radius, solute_dielectric=1):
-    """Solvation energy of a unit charge at the centre of a sphere, kJ/mol (Born, 1920)."""
+    """Returns the solvation energy of a unit charge at the centre of a sphere, kJ/mol (Born,
+    1920)."""
     return -COULOMB / (2 * radius) * (1 / solute_dielectric - 1 / WATER)
 
 
 def debye_energy(radius, molar):
-    """What ions that stay outside of `radius` add to it, kJ/mol (Debye and Hueckel, 1923)."""
+    """Returns the contribution of ions that stay outside of `radius`, kJ/mol (Debye and Hueckel,
+    1923)."""
     per_cubic_meter = 1000 * molar * AVOGADRO
     kappa = ANGSTROM * math.sqrt(2 * per_cubic_meter * CHARGE**2
                                  / (ELECTRIC * WATER * BOLTZMANN * TEMPERATURE))
@@ -39,7 +41,7 @@ def debye_energy(radius, molar):
 
 
 def map_values(path):
-    """The lines of numbers in a .dx file, which follow the object of class array."""
+    """Returns the lines of numbers in a .dx file, which follow the object of class array."""
     lines = iter(path.read_text().splitlines())
     for line in lines:
         if line.startswith("object") and "class array" in line:
@@ -68,7 +70,8 @@ class Energies(TestCase):
         return path
 
     def check_born(self, spacing, limit, padding):
-        """Wherever the grid lies: the centre of the ion at a point, between points and elsewhere."""
+        """Checks several grids: the centre of the ion is at a grid point, between points and
+        elsewhere."""
         exact = born_energy(3)
         for place in ((0, 0, 0), (0.5, 0.5, 0.5), (0.26, -0.42, 0.14), (0.1, 0.33, -0.48)):
             center = ",".join(str(spacing * value) for value in place)
@@ -78,20 +81,21 @@ class Energies(TestCase):
                     padding, f"--grid-center={center}")["eses-blocks"]
                 self.assertLess(abs(energy / exact - 1), limit)
 
-    def test_born_ion(self):
+    def test_born_ion_is_within_its_limit(self):
         self.check_born(0.5, 0.003, 4.7)
 
-    def test_born_ion_on_a_fine_grid(self):
+    def test_born_ion_on_a_fine_grid_is_within_its_limit(self):
         self.check_born(0.25, 0.0007, 4.8)
 
-    def test_other_dielectrics_and_charges(self):
-        """The reference is the dielectric of the solute everywhere, the energy goes with q^2."""
+    def test_energy_follows_dielectrics_and_charge(self):
+        """The reference has the dielectric of the solute everywhere. The energy is proportional
+        to q^2."""
         energy = self.solvation(self.ion(2.0, -2.0), "--solute-dielectric", "4", "--spacing", "0.25",
                                 "--padding", "1.9")["eses-blocks"]
         self.assertLess(abs(energy / (4 * born_energy(2, 4)) - 1), 0.002)
 
-    def test_born_ion_in_salt(self):
-        """The ions add what Debye and Hueckel computed; they stay 2 angstrom from the sphere.
+    def test_born_ion_in_salt_has_the_debye_energy(self):
+        """The ions add the energy of Debye and Hueckel. They stay 2 angstrom from the sphere.
 
         APBS's boundary condition lets them come closer, so the boundary must be far away.
         """
@@ -100,13 +104,13 @@ class Energies(TestCase):
         ions = self.solvation(*arguments, "--ionic-strength", "0.15")["eses-blocks"] - without
         self.assertLess(abs(ions / debye_energy(5, 0.15) - 1), 0.01)
 
-    def test_kappa_is_that_of_apbs(self):
-        """APBS writes its own ion accessibility: the map and the energy are the same."""
+    def test_kappa_map_is_that_of_apbs(self):
+        """The ion accessibility that APBS writes itself gives the same map and energy."""
         kept = self.folder / "kept"
         result = self.apbs(DATA / "fas2.pqr", "--spacing", "0.8", "--padding", "3",
                            "--ionic-strength", "0.15", "--keep", kept)
         energy = result["energies"][0]["energy"]
-        # The same grid and ions, with the surface of APBS; its maps are written in place of ours.
+        # The grid and ions are the same, the surface is that of APBS. Its maps replace ours.
         text = (kept / "apbs.in").read_text()
         section = text.split("\n\n")[1]
         own = section.replace("usemap diel 1", "write kappa dx own").replace("usemap kappa 1", "")
@@ -120,17 +124,17 @@ class Energies(TestCase):
         self.assertEqual(set(theirs), {0, 1})
         self.assertEqual(len(ours), math.prod(result["grid"]["points"]))
         different = sum(one != other for one, other in zip(ours, theirs, strict=True))
-        self.assertLess(different, 1e-5 * len(ours))  # points on a sphere, up to rounding
+        self.assertLess(different, 1e-5 * len(ours))  # rounding of points on a sphere
         shutil.copy(written, kept / "molecule1-kappa.dx")
         (kept / "apbs.in").write_text(text)
         again = pb.run_apbs(apbs, [calculation], kept).energies[calculation.name]
         self.assertLess(abs(again - energy), 1e-3)
 
-    def test_ions_around_a_protein(self):
-        """What ions contribute hardly depends on the surface: APBS's own gives the same.
+    def test_ions_around_a_protein_contribute_as_with_apbs(self):
+        """The contribution of ions hardly depends on the surface: APBS's own surface gives the same.
 
-        APBS samples its surface with other points where there are ions, which changes the energy by
-        more than the ions do. Hence no ions are almost no ions here.
+        With ions APBS samples its surface with other points, which changes the energy by more than
+        the ions do. The calculation without ions therefore has a very small concentration of them.
         """
         arguments = (DATA / "fas2.pqr", "--spacing", "0.6", "--padding", "3", "--compare")
         without, ions = (self.solvation(*arguments, "--ionic-strength", molar)
@@ -140,8 +144,8 @@ class Energies(TestCase):
         for surface in ("mol", "smol"):
             self.assertLess(abs(ions["eses-blocks"] / ions[surface] - 1), 0.02)
 
-    def test_example_of_the_documentation(self):
-        """The commands and the input file of the page, as they are there."""
+    def test_example_of_the_documentation_runs(self):
+        """Runs the commands and the input file of the page unchanged."""
         blocks = (PROJECT / "doc" / "poisson-boltzmann.md").read_text(encoding="utf-8").split("```")
         call, = (block for block in blocks if block.startswith("\neses-blocks data/fas2.pqr"))
         text, = (block for block in blocks if block.startswith("\nread\n"))
@@ -157,8 +161,9 @@ class Energies(TestCase):
         self.assertAlmostEqual(float(printed.split()[-2]), float(shown.split()[-2]), delta=0.1)
 
     @unittest.skipUnless(EXAMPLES.is_dir(), "apbs-data is not installed")
-    def test_binding(self):
-        """Acetazolamide and carbonic anhydrase at 0.5 angstrom, where placements differ by 1 kJ/mol."""
+    def test_binding_energy_of_hca_bind_is_in_range(self):
+        """Acetazolamide and carbonic anhydrase at 0.5 angstrom, where placements differ by 1
+        kJ/mol."""
         folder = EXAMPLES / "hca-bind"
         energy = self.apbs(*(folder / f"{name}.pqr" for name in ("complex", "acet", "hca")),
                            "--solute-dielectric", "1")["binding_energy"]["eses-blocks"]

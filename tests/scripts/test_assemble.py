@@ -1,4 +1,4 @@
-"""scripts/assemble: copies, the gap between them, and wrong input."""
+"""Tests of scripts/assemble: copies, the gap between them, and invalid input."""
 
 import gzip
 import itertools
@@ -9,7 +9,7 @@ import subprocess
 
 from support import DATA, PROGRAM, TestCase, run
 
-WRITTEN = 0.0005  # coordinates have three decimals
+WRITTEN = 0.0005  # rounding error: coordinates have three decimals
 
 # Columns 1 to 54 of the first atoms of 1UBQ.
 RECORDS = ("ATOM      1  N   MET A   1      27.340  24.430   2.614",
@@ -18,7 +18,7 @@ RECORDS = ("ATOM      1  N   MET A   1      27.340  24.430   2.614",
 
 
 def random_atoms(count):
-    """Not round, and away from the origin; a radius of 0 is allowed."""
+    """Returns atoms with many digits, away from the origin. A radius may be 0."""
     chance = random.Random(7)
     return [(chance.gauss(30, 3), chance.gauss(-12, 5), chance.gauss(4, 2),
              chance.choice((0.0, 1.1, 1.7))) for _ in range(count)]
@@ -50,15 +50,16 @@ class Assemble(TestCase):
         self.assertTrue(done.stderr.startswith("assemble: "), done.stderr)
         return done.stderr
 
-    def test_number_of_atoms(self):
+    def test_complex_has_all_atoms_of_all_copies(self):
         for source, atoms in (("c60.xyzr", 60), ("boxb.pqr", 619)):
             target = self.folder / "complex.xyzr"
             done = self.assemble(DATA / source, "-o", target)
             self.assertEqual(len(parse(target.read_text())), 42 * atoms)
             self.assertIn(f"{42 * atoms:,} in all; rings: 6 of 7", done.stderr)
 
-    def test_gap(self):
-        """No two atoms of different copies are nearer than the gap, nor are copies scattered."""
+    def test_copies_keep_the_gap(self):
+        """No two atoms of different copies are nearer than the gap, and the copies are close
+        together."""
         count = 24
         path = write_xyzr(self.folder / "some.xyzr", random_atoms(count))
         for copies, rings, gap in ((1, 1, 1), (2, 1, 1), (3, 1, 0), (7, 1, 2.5), (4, 4, 1),
@@ -70,11 +71,13 @@ class Assemble(TestCase):
                 parts = [atoms[i:i + count] for i in range(0, len(atoms), count)]
                 gaps = [min_gap(*pair) for pair in itertools.combinations(parts, 2)]
                 self.assertGreaterEqual(min(gaps, default=gap), gap)
-                # They keep the gap from planes between them, and so may be a little further apart.
+                # Copies keep the gap from planes between them, so their distance may be slightly
+                # larger.
                 self.assertLess(min(gaps, default=gap), gap + 10)
 
-    def test_spheres_are_as_near_as_the_gap(self):
-        """Where each copy is one sphere its neighbours are known: they are as far as the gap."""
+    def test_distance_of_single_spheres_is_the_gap(self):
+        """Each copy is one sphere, so its neighbours are known. Their distance is exactly the
+        gap."""
         path = write_xyzr(self.folder / "one.xyzr", [(3.0, 4.0, 5.0, 1.5)])
         for copies, rings in ((2, 1), (3, 1), (8, 1), (5, 5)):
             atoms = parse(self.assemble(path, "--copies", copies, "--rings", rings).stdout)
@@ -99,7 +102,7 @@ class Assemble(TestCase):
         return done.returncode == 0
 
     def one_copy(self, path):
-        """The atoms of a file that the program reads, too."""
+        """Returns the atoms of a file that the program also reads."""
         self.assertTrue(self.program_accepts(path))
         return self.assemble(path, "--copies", 1, "--rings", 1).stdout
 
@@ -112,7 +115,7 @@ class Assemble(TestCase):
         path.write_text("".join(record + end + "\n" for record, end in zip(RECORDS, ends)))
         return path
 
-    def test_elements_behind_the_radius(self):
+    def test_elements_after_the_radius_are_accepted(self):
         numbers = (" -0.3000 1.8500", "  0.2100 2.2750", "  0.5100 2.0000")
         plain = self.one_copy(self.write_records("plain.pqr", numbers))
         self.assertEqual([atom[3] for atom in parse(plain)], [1.85, 2.275, 2.0])
@@ -129,27 +132,27 @@ class Assemble(TestCase):
         self.assertIn("short.pqr:1: expected at least 10 fields",
                       self.refused_like_the_program(short))
 
-    def test_pdb_files_under_the_name_of_pqr(self):
+    def test_pdb_files_named_pqr_are_refused(self):
         numbers = ("  1.00  9.67", "  1.00 10.38", "  0.50  9.62")
         for end in ("", "           N", "          ZN", "           N1+"):
             path = self.write_records("1ubq.pqr", [number + end for number in numbers])
             self.assertIn("1ubq.pqr: this is a PDB file", self.refused_like_the_program(path))
-        # With a segment, which is no number, and occupancies of 0.
+        # The records have a segment, which is not a number, and occupancies of 0.
         path = self.write_records("1ubq.pqr", [number + "      1UBQ N" for number in numbers])
         self.assertIn("1ubq.pqr:1: ", self.refused_like_the_program(path))
         path = self.write_records("1ubq.pqr", ("  0.00  9.67", "  0.00 10.38", "  0.00  3.62"))
         self.assertIn("1ubq.pqr: this is a PDB file", self.refused_like_the_program(path))
-        # Charges with two decimals: some are negative.
+        # The charges have two decimals, and some are negative.
         path = self.write_records("charges.pqr", (" -0.30  1.85", "  0.21  2.27", " -0.51  2.00"))
         self.assertEqual([atom[3] for atom in parse(self.one_copy(path))], [1.85, 2.27, 2.0])
 
-    def test_compressed(self):
+    def test_compressed_input_is_read(self):
         for name in ("boxb.pqr", "c60.xyzr"):
             packed = self.folder / (name + ".gz")
             packed.write_bytes(gzip.compress((DATA / name).read_bytes()))
             self.assertEqual(self.assemble(packed).stdout, self.assemble(DATA / name).stdout)
 
-    def test_compressed_output(self):
+    def test_compressed_output_is_written(self):
         plain = self.assemble(DATA / "c60.xyzr").stdout
         for name in ("big.xyzr.gz", "big.GZ"):
             target = self.folder / name
@@ -165,19 +168,19 @@ class Assemble(TestCase):
         self.assertIn("No space left", self.refused(DATA / "c60.xyzr", "-o", full))
         self.assertIn("nodir", self.refused(DATA / "c60.xyzr", "-o", self.folder / "nodir/x.gz"))
 
-    def test_copies_that_do_not_divide(self):
+    def test_copies_must_be_a_multiple_of_rings(self):
         self.assertIn("10 copies", self.refused(DATA / "c60.xyzr", "--copies", "10", code=2))
         self.refused(DATA / "c60.xyzr", "--copies", "4", "--rings", "6", code=2)
 
-    def test_command_line(self):
+    def test_invalid_options_are_refused(self):
         for arguments in ((), (DATA / "c60.xyzr", "--copies", "0"),
                           (DATA / "c60.xyzr", "--gap", "-1"), (DATA / "c60.xyzr", "--gap", "nan"),
                           (DATA / "c60.xyzr", "-o", DATA / "c60.xyzr")):
             self.refused(*arguments, code=2)
 
-    def test_wrong_input(self):
+    def test_wrong_input_is_refused(self):
         target = self.folder / "out.xyzr"
-        for name, content, told in (
+        for name, content, message in (
                 ("short.xyzr", b"0 0 0 1\n1 2 3\n", "short.xyzr:2: expected x y z radius"),
                 ("word.xyzr", b"0 0 0 1\n\n1 2 x 1\n", "word.xyzr:3: expected a number, found 'x'"),
                 ("negative.xyzr", b"0 0 0 -1\n", "negative.xyzr:1: negative radius"),
@@ -189,7 +192,7 @@ class Assemble(TestCase):
                 ("plain.xyzr.gz", b"0 0 0 1\n", "plain.xyzr.gz: ")):
             path = self.folder / name
             path.write_bytes(content)
-            self.assertIn(told, self.refused(path, "-o", target))
+            self.assertIn(message, self.refused(path, "-o", target))
         self.assertIn("missing.xyzr", self.refused(self.folder / "missing.xyzr"))
         self.assertIn("missing.xyzr.gz", self.refused(self.folder / "missing.xyzr.gz"))
         self.assertIn("nodir", self.refused(DATA / "c60.xyzr", "-o", self.folder / "nodir" / "x"))

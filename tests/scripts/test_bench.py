@@ -1,4 +1,4 @@
-"""scripts/benchmarks/bench: what is measured, saved and compared, and what goes wrong."""
+"""Tests of scripts/benchmarks/bench: measuring, saving, comparing, and errors."""
 
 import gzip
 import json
@@ -34,7 +34,7 @@ class BenchTest(TestCase):
         return done
 
     def refused(self, *arguments, code=1, **how):
-        """One line on standard error, before anything is measured; the line."""
+        """Checks that the script prints one line of error before it measures. Returns the line."""
         done = self.bench(*arguments, code=code, **how)
         self.assertEqual(done.stdout, "")
         self.assertEqual(done.stderr.count("\n"), 1, done.stderr)
@@ -46,12 +46,12 @@ class BenchTest(TestCase):
 
 
 class Figures(BenchTest):
-    def test_a_folder(self):
+    def test_structures_of_a_folder_are_measured(self):
         self.add("c60.xyzr")
         self.add("boxb.pqr", "boxb.pqr")
         with gzip.open(self.input / "packed.pqr.gz", "wb") as packed:
             packed.write((DATA / "boxb.pqr").read_bytes())
-        (self.input / "1abc.pdb").write_text("")  # would have to be prepared
+        (self.input / "1abc.pdb").write_text("")  # would have to be prepared by PDB2PQR
         done = self.bench(self.input, "--json", self.saved, "--threads", "1", "--block-size", "16")
         lines = done.stdout.splitlines()
         for column in COLUMNS:
@@ -71,7 +71,7 @@ class Figures(BenchTest):
             self.assertGreater(row["peak_bytes"], 1_000_000)
             self.assertIn("total", row["seconds"])
 
-    def test_bytes_and_settings_are_the_programs(self):
+    def test_bytes_and_settings_are_those_of_the_program(self):
         arguments = self.folder / "arguments"
         program = write_program(self.folder / "program", f"""echo "$@" >> '{arguments}'
 exec '{PROGRAM}' "$@"
@@ -80,9 +80,9 @@ exec '{PROGRAM}' "$@"
         self.bench(path, "--json", self.saved, "--spacing", "0.5", "--margin", "1",
                    "--probe-radius", "1.2", "--write", "edges", "--threads", "2",
                    "--block-size", "9", "--runs", "2", program=program)
-        told = [line for line in arguments.read_text().splitlines() if "c60" in line]
-        self.assertEqual(len(told), 2)
-        for line in told:
+        lines = [line for line in arguments.read_text().splitlines() if "c60" in line]
+        self.assertEqual(len(lines), 2)
+        for line in lines:
             self.assertIn("1.2 0.5 1.0 --threads 2 --write edges --block-size 9 ", line)
         out = self.folder / "out"
         done = run_program(path, "1.2", "0.5", "1", "--write", "edges", "--output-dir", out)
@@ -90,7 +90,7 @@ exec '{PROGRAM}' "$@"
         self.assertEqual(row["area"], done["area"])
         self.assertEqual(row["bytes"], sum(path.stat().st_size for path in out.iterdir()))
 
-    def test_files_of_one_name(self):
+    def test_files_of_one_name_are_shown_by_their_paths(self):
         first = self.add("c60.xyzr")
         done = self.bench(first, DATA / "c60.xyzr", "--write", "none")
         self.assertIn(str(first), done.stdout)
@@ -113,7 +113,7 @@ class Comparison(BenchTest):
         done = self.bench(self.input, "--against", self.saved)
         return {line.split()[0]: line for line in done.stdout.partition("against")[2].splitlines()}
 
-    def test_times_and_results(self):
+    def test_comparison_shows_times_and_different_results(self):
         def change(figures):
             figures["structures"]["c60"]["cpu"] = 1e3
             figures["structures"]["c60"]["area"] *= 1 + 1e-8
@@ -127,12 +127,12 @@ class Comparison(BenchTest):
         self.assertTrue(lines["boxb"].endswith(" same"), lines["boxb"])
         self.assertIn("geometric", lines)
 
-    def test_without_block_size_as_saved_before(self):
+    def test_figures_without_block_size_are_compared(self):
         self.change(lambda figures: (figures["settings"].pop("block_size"),
                                      figures.pop("build")))
         self.assertIn("boxb", self.lines())
 
-    def test_other_structures_and_machines(self):
+    def test_comparison_names_other_structures_and_machines(self):
         self.change(lambda figures: figures["structures"].pop("c60"))
         self.assertNotIn("c60", self.lines())
         self.change(lambda figures: figures.update(machine={"cpu": "abacus"}))
@@ -140,13 +140,13 @@ class Comparison(BenchTest):
         self.change(lambda figures: figures["structures"].clear())
         self.assertIn("no", self.lines())
 
-    def test_other_settings(self):
+    def test_figures_with_other_settings_are_refused(self):
         for option, value in (("--spacing", "0.5"), ("--threads", "1"), ("--block-size", "32"),
                               ("--write", "edges")):
             line = self.refused(self.input, "--against", self.saved, option, value)
             self.assertIn(option[2:].replace("-", "_"), line)
 
-    def test_no_figures(self):
+    def test_files_without_figures_are_refused(self):
         self.assertIn("No such file",
                       self.refused(self.input, "--against", self.folder / "missing"))
         for text in ("{", "{}", "[]", "3", "\0", self.saved.read_text().replace('"cpu"', '"c"'),
@@ -158,7 +158,7 @@ class Comparison(BenchTest):
 
 
 class Failures(BenchTest):
-    def test_one_bad_structure_costs_no_other(self):
+    def test_one_bad_structure_does_not_stop_the_others(self):
         self.add("c60.xyzr")
         (self.input / "bad.xyzr").write_text("0 0 0 1\n1 2 x 1\n")
         (self.input / "cut.xyzr.gz").write_bytes(gzip.compress(b"0 0 0 1\n" * 100)[:-12])
@@ -171,14 +171,14 @@ class Failures(BenchTest):
             self.assertIn(name, done.stderr)
         self.assertEqual(done.stderr.count("\n"), 4, done.stderr)
 
-    def test_all_fail(self):
+    def test_no_result_is_an_error(self):
         (self.input / "bad.xyzr").write_text("x\n")
         self.saved.write_text("kept")
         done = self.bench(self.input, "--json", self.saved, code=1)
         self.assertIn("no run has succeeded", done.stderr)
         self.assertEqual(self.saved.read_text(), "kept")
 
-    def test_places(self):
+    def test_unusable_paths_are_refused(self):
         self.assertIn("no structures", self.refused(self.input))
         path = self.add("c60.xyzr")
         self.assertIn("missing", self.refused(self.folder / "missing"))
@@ -186,12 +186,12 @@ class Failures(BenchTest):
             self.assertIn(str(place), self.refused(path, "--json", place))
         self.assertIn("missing", self.refused(path, program=self.folder / "missing"))
         self.assertIn("is not eses-blocks", self.refused(path, program="/bin/true"))
-        self.add("c60.pqr")  # two files of one id
+        self.add("c60.pqr")  # two files with the same id
         self.assertIn("c60.pqr", self.refused(self.input))
         done = run("benchmarks/bench", path, "--program", PROGRAM, "--scratch", path)
         self.assertDone(done, 1)
         self.assertIn("File exists", done.stderr)
 
-    def test_command_line(self):
+    def test_invalid_options_are_refused(self):
         for arguments in (("--runs", "0"), ("--spacing", "x"), ("--block-size", "x"), ("--what",)):
             self.refused(*arguments, code=2)

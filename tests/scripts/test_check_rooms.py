@@ -1,4 +1,4 @@
-"""scripts/dev/check-rooms, on a small tree with one fault at a time."""
+"""Tests of scripts/dev/check-rooms on a small tree with one fault at a time."""
 
 from support import TestCase, run
 
@@ -50,85 +50,85 @@ class CheckRooms(TestCase):
         self.assertEqual(done.stderr.splitlines(), list(problems))
         self.assertDone(done, 1 if problems else 0)
 
-    def test_as_listed(self):
+    def test_tree_as_listed_has_no_problems(self):
         self.check()
 
-    def test_forbidden_include(self):
+    def test_forbidden_include_is_reported(self):
         self.write("src/low/sub.cpp", '\n# include "middle/find.hpp"\n')
         self.check('src/low/sub.cpp:2: room low must not use middle: "middle/find.hpp"')
 
-    def test_forbidden_include_by_another_spelling(self):
+    def test_forbidden_include_by_another_spelling_is_reported(self):
         self.write("src/low/sub.cpp", '#include "../middle/find.hpp"\n#include <high/run.hpp>\n')
         self.check('src/low/sub.cpp:1: room low must not use middle: "../middle/find.hpp"',
                    "src/low/sub.cpp:2: room low must not use high: <high/run.hpp>")
 
-    def test_public_header_that_uses_a_room(self):
+    def test_public_header_that_uses_a_room_is_reported(self):
         self.write("include/eses/number.hpp", '#include "low/add.hpp"\n')
         self.check('include/eses/number.hpp:1: include must not use src: "low/add.hpp"')
 
-    def test_unknown_include(self):
+    def test_unknown_include_is_reported(self):
         self.write("src/low/sub.cpp", '#include "low/missing.hpp"\n')
         self.check('src/low/sub.cpp:1: "low/missing.hpp" is neither in src nor in include')
 
-    def test_room_that_is_not_listed(self):
+    def test_room_that_is_not_listed_is_reported(self):
         self.write("src/attic/old.cpp", '#include "low/add.hpp"\n')
         self.check("src/attic: this room is not listed in src/rooms.txt")
 
-    def test_listed_room_that_is_not_there(self):
+    def test_listed_room_that_does_not_exist_is_reported(self):
         self.change_list("high: ", "attic: Old things.\nhigh: ")
         self.check("src/rooms.txt:4: room attic is not there")
 
-    def test_use_that_is_not_there(self):
+    def test_unused_permission_is_reported(self):
         self.change_list("entry point. | high", "entry point. | high low")
         self.check("src/rooms.txt:5: room main.cpp does not use low")
 
-    def test_use_of_a_room_that_is_not_listed(self):
+    def test_use_of_a_room_that_is_not_listed_is_reported(self):
         self.change_list("Files. | low", "Files. | low attic")
         self.check("src/rooms.txt:3: room middle may use attic, which is not listed")
 
-    def test_cycle(self):
+    def test_cycle_is_reported(self):
         self.change_list("Arithmetic.", "Arithmetic. | high")
         self.write("src/low/sub.cpp", '#include "high/run.hpp"\n')
         self.check("src/rooms.txt:2: cycle of rooms: low -> high -> low")
 
-    def test_longer_cycle(self):
+    def test_longer_cycle_is_reported(self):
         self.change_list("Arithmetic.", "Arithmetic. | main.cpp")
         self.write("src/low/sub.cpp", '#include "main.cpp"\n')
         self.check("src/rooms.txt:2: cycle of rooms: low -> main.cpp -> high -> low")
 
-    def test_room_that_uses_itself(self):
+    def test_room_that_uses_itself_is_reported(self):
         self.change_list("Files. | low", "Files. | low middle")
         self.check("src/rooms.txt:3: cycle of rooms: middle -> middle",
                    "src/rooms.txt:3: room middle does not use middle")
 
-    def test_malformed_and_repeated_lines(self):
+    def test_malformed_and_repeated_lines_are_reported(self):
         self.write("src/rooms.txt", LIST + "attic | low\nlow: Again.\n")
         self.check("src/rooms.txt:10: expected `ROOM: SENTENCE. | ROOM...` or "
                    "`<HEADER> only in PATH`",
                    "src/rooms.txt:11: room low is listed twice")
 
-    def test_library_elsewhere(self):
+    def test_library_in_another_place_is_reported(self):
         self.write("src/middle/other.cpp",
                    "#include <tree.hpp>\n#include <LIB/more.hpp>\n#pragma omp critical\n")
         self.check("src/middle/other.cpp:1: <tree.hpp> is only allowed in src/middle/find.cpp",
                    "src/middle/other.cpp:2: <LIB/more.hpp> is only allowed in src/high/",
                    "src/middle/other.cpp:3: #pragma omp is only allowed in src/low/")
 
-    def test_library_in_public_header(self):
+    def test_library_in_public_header_is_reported(self):
         self.write("include/eses/number.hpp", "#include <tree.hpp>\n")
         self.check("include/eses/number.hpp:1: <tree.hpp> is only allowed in src/middle/find.cpp")
 
-    def test_two_places(self):
+    def test_two_places_may_use_a_library(self):
         self.write("src/rooms.txt", LIST + "#pragma omp only in middle/\n")
         self.check("src/rooms.txt:10: middle/ does not use #pragma omp")
         self.write("src/middle/other.cpp", "#pragma omp parallel\n")
         self.check()
 
-    def test_readme(self):
+    def test_readme_must_agree_with_the_list(self):
         self.write("src/middle/README.md", "# middle\n\nMay use: `low`, `high`.\n")
         self.check("src/middle/README.md:3: lists other rooms than src/rooms.txt:3")
 
-    def test_missing_list(self):
+    def test_missing_list_is_an_error(self):
         (self.folder / "src/rooms.txt").unlink()
         done = run("dev/check-rooms", "--root", self.folder)
         self.assertDone(done, 1)

@@ -1,4 +1,4 @@
-"""The completions of the shells."""
+"""Tests of the completions of the shells."""
 
 import os
 import pathlib
@@ -15,7 +15,7 @@ from support import PROGRAM, PROJECT, TestCase
 COMPLETIONS = PROJECT / "packaging" / "completions"
 BASH_COMPLETION = pathlib.Path("/usr/share/bash-completion/bash_completion")
 
-# What bash does when Tab is pressed behind the last word.
+# Runs the steps of bash when Tab is pressed after the last word.
 COMPLETE = """
 shopt -s progcomp extglob
 source {library}
@@ -28,8 +28,8 @@ printf '%s\\n' "${{COMPREPLY[@]}}"
 """
 
 
-# An interactive zsh that notes down what it is offered, and ends when that is done. Calls of compadd
-# with -A, -D or -O only ask what would match.
+# An interactive zsh writes down the completions that it is offered, and then ends. Calls of compadd
+# with -A, -D or -O only ask which words match.
 ZSH_SETUP = """
 unsetopt prompt_cr prompt_sp beep
 fpath=({completions} $fpath)
@@ -66,12 +66,12 @@ class Bash(TestCase):
         self.assertEqual(done.stderr, "")
         return set(done.stdout.split())
 
-    def test_options(self):
+    def test_options_are_those_of_help(self):
         found = {name.rstrip("=") for name in self.complete("--")}
         self.assertEqual(found, options_of())
         self.assertEqual(self.complete("diff", "--"), options_of("diff"))
 
-    def test_values_are_accepted(self):
+    def test_completed_values_are_accepted_by_the_program(self):
         for option, others in (("--format", ()), ("--write", ()), ("--color", ("--mesh", "a.ply"))):
             values = self.complete(option, "")
             self.assertTrue(values)
@@ -81,13 +81,14 @@ class Bash(TestCase):
                 self.assertEqual(done.returncode, 1, done.stderr)
                 self.assertIn("cannot open missing.pqr", done.stderr)
 
-    def test_values(self):
+    def test_values_and_files_are_completed(self):
         (self.folder / "a.xyzr").touch()
         (self.folder / "a.txt").touch()
-        for name in ("m.ply", "m.obj", "m.off", "i.dx", "i.vti"):
+        for name in ("m.ply", "m.obj", "m.off", "m.vtp", "m.face", "i.dx", "i.vti"):
             (self.folder / name).touch()
         (self.folder / "sub").mkdir()
-        self.assertEqual(self.complete("--mesh", ""), {"m.ply", "m.obj", "m.off", "sub"})
+        self.assertEqual(self.complete("--mesh", ""),
+                         {"m.ply", "m.obj", "m.off", "m.vtp", "m.face", "sub"})
         self.assertEqual(self.complete("--inside", ""), {"i.dx", "i.vti", "sub"})
         self.assertEqual(self.complete("--format", ""), {"auto", "xyzr", "pqr", "pdb", "mmcif"})
         self.assertEqual(self.complete("a"), {"a.xyzr"})
@@ -103,7 +104,8 @@ class Zsh(TestCase):
             self.skipTest("zsh is not installed")
 
     def complete(self, line):
-        """What an interactive zsh offers when Tab is pressed behind the line."""
+        """Returns the completions of an interactive zsh when Tab is pressed at the end of the
+        line."""
         with tempfile.TemporaryDirectory() as folder:
             offered = pathlib.Path(folder, "offered")
             setup = pathlib.Path(folder, "setup")
@@ -118,7 +120,7 @@ class Zsh(TestCase):
                 os.write(terminal, f"source {setup}\n".encode())
                 shown = self.read_until(terminal, b"READY>")
                 os.write(terminal, f"{line}\t".encode())
-                # zsh ends itself behind the completion, and with it the terminal.
+                # zsh ends itself after the completion, and with it the terminal.
                 shown += self.read_until(terminal, None)
             finally:
                 os.close(terminal)
@@ -135,27 +137,27 @@ class Zsh(TestCase):
                 raise TimeoutError(shown)
             try:
                 read = os.read(terminal, 4096)
-            except OSError:  # what Linux says when nobody is left at the other end
+            except OSError:  # Linux reports that the other end is closed
                 read = b""
             if not read:
                 break
             shown += read
         return shown
 
-    def test_syntax(self):
+    def test_script_has_no_syntax_error(self):
         done = subprocess.run(["zsh", "-n", COMPLETIONS / "_eses-blocks"], capture_output=True,
                               text=True, check=False)
         self.assertDone(done)
         self.assertEqual(done.stderr, "")
 
-    def test_options(self):
+    def test_options_are_those_of_help(self):
         for command in ((), ("diff",)):
             words = " ".join((PROGRAM.name, *command))
             found = {name.rstrip("=") for name in self.complete(f"{words} --")}
             self.assertEqual(found, options_of(*command))
         self.assertEqual(self.complete(f"{PROGRAM.name} --js"), ["--json"])
 
-    def test_words(self):
+    def test_files_commands_and_values_are_completed(self):
         for name in ("a.xyzr", "b.pqr.gz", "c.ply", "d.obj", "e.off", "f.dx", "g.vti", "h.txt", "i.cif.gz",
                      "j.vtp"):
             (self.folder / name).touch()

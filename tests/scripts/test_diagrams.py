@@ -1,4 +1,4 @@
-"""scripts/dev/make-diagrams: the diagrams in doc/, and the geometry that they show."""
+"""Tests of scripts/dev/make-diagrams: the diagrams in doc/, and their geometry."""
 
 import math
 import re
@@ -26,7 +26,7 @@ class MakeDiagrams(TestCase):
         self.assertDone(done)
         self.assertEqual(done.stderr, "")
 
-    def test_those_in_doc_are_what_the_script_draws(self):
+    def test_diagrams_in_doc_are_those_of_the_script(self):
         names = sorted(path.name for path in self.folder.iterdir())
         self.assertEqual(names, sorted(path.name for path in DOC.glob("algorithm-*.svg")))
         for name in names:
@@ -34,7 +34,7 @@ class MakeDiagrams(TestCase):
                 self.assertEqual((self.folder / name).read_text(encoding="utf-8"),
                                  (DOC / name).read_text(encoding="utf-8"))
 
-    def test_they_are_wellformed(self):
+    def test_diagrams_are_wellformed_xml(self):
         for path in self.folder.iterdir():
             with self.subTest(name=path.name):
                 root = xml.etree.ElementTree.parse(path).getroot()
@@ -43,14 +43,14 @@ class MakeDiagrams(TestCase):
                 self.assertTrue(root.find(f"{SVG}title").text)
                 self.assertGreater(len(root.findall(f"{SVG}path")), 5)
 
-    def test_the_page_shows_each(self):
+    def test_page_shows_each_diagram(self):
         page = (DOC / "algorithm.md").read_text(encoding="utf-8")
         shown = re.findall(r"!\[[^]]+\]\((algorithm-[a-z]+\.svg)\)", page)
         self.assertEqual(sorted(shown), sorted(path.name for path in self.folder.iterdir()))
 
 
 class Labels(unittest.TestCase):
-    def test_overlapping(self):
+    def test_overlapping_labels_are_refused(self):
         diagram = Diagram(200, 100, "two labels")
         diagram.label(50, 50, "first")
         diagram.label(50, 70, "below")
@@ -59,13 +59,13 @@ class Labels(unittest.TestCase):
         with self.assertRaisesRegex(Failed, "'second' and 'first' overlap"):
             diagram.text()
 
-    def test_beyond_the_page(self):
+    def test_labels_beyond_the_page_are_refused(self):
         diagram = Diagram(200, 100, "a label")
         diagram.label(180, 50, "too long")
         with self.assertRaisesRegex(Failed, "'too long' leaves the page"):
             diagram.text()
 
-    def test_mathematics(self):
+    def test_mathematics_is_set_in_italics_and_subscripts(self):
         diagram = Diagram(200, 100, "a formula")
         diagram.label(50, 50, "radius $r_i$")
         text = xml.etree.ElementTree.fromstring(diagram.text()).find(f"{SVG}text")
@@ -79,7 +79,7 @@ class Surface(unittest.TestCase):
         faces = DiscSurface([(1, 2, 3)], 1).faces
         self.assertEqual([(face.start, face.end) for face in faces], [(0, 2 * math.pi)])
 
-    def test_two_discs(self):
+    def test_two_discs_have_the_arcs_computed_by_hand(self):
         # SAS circles of radius 5 about (-3, 0) and (3, 0) meet at (0, 4) and (0, -4).
         surface = DiscSurface([(-3, 0, 4), (3, 0, 4)], 1)
         self.assertEqual(len(surface.faces), 2)
@@ -100,9 +100,9 @@ class Surface(unittest.TestCase):
         self.assertEqual(len(surface.loop(surface.faces[0])), 6)
         self.assertNotIn((0, 0, 1), [face.disc for face in surface.faces])
 
-    def test_arcs_on_the_page(self):
+    def test_arcs_have_the_right_direction_on_the_page(self):
         panel = Panel(Diagram(100, 100, "an arc"), (50, 50), 10)
-        # Upwards in the scene is upwards on the page: counter-clockwise is SVG's negative sense.
+        # Upwards in the scene is upwards on the page, so counter-clockwise is negative in SVG.
         self.assertEqual(panel.arc_data((0, 0), 2, 0, math.pi / 2), "A20 20 0 0 0 50 30")
         self.assertEqual(panel.arc_data((0, 0), 2, 0, -math.pi * 1.5), "A20 20 0 1 1 50 30")
 

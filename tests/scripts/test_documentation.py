@@ -1,4 +1,4 @@
-"""The documentation: links and anchors exist, and examples are those of the present program."""
+"""Tests of the documentation: links and anchors exist, and examples agree with the program."""
 
 import json
 import re
@@ -14,17 +14,17 @@ CODE = re.compile(r"`[^`\n]*`")
 
 MAX_README_LINES = 200
 
-# Lines of the report that depend on the machine or on the time that a run takes.
+# Lines of the report that depend on the machine or on the time of a run.
 VARIABLE_LINES = ("blocks: ", "expected: ", "time: ", "peak memory: ")
 
 
 def pages():
-    """All Markdown files that belong to the project."""
+    """Returns all Markdown files of the project."""
     done = subprocess.run(["git", "ls-files", "--cached", "--others", "--exclude-standard", "*.md"],
                           cwd=PROJECT, capture_output=True, text=True, check=False)
     if done.returncode == 0 and done.stdout:
         return [PROJECT / name for name in done.stdout.splitlines() if (PROJECT / name).is_file()]
-    # A source archive has no git.
+    # A source archive has no git repository.
     folders = [PROJECT, *(PROJECT / name for name in ("doc", "data", "scripts", "src", ".github"))]
     return sorted({path for folder in folders
                    for path in folder.glob("*.md" if folder == PROJECT else "**/*.md")})
@@ -39,13 +39,13 @@ def without_code(text):
 
 
 def links_of(text):
-    """Targets of the links and images of a page, without addresses of other sites."""
+    """Returns the targets of the links and images of a page, without addresses of other sites."""
     return [target for target in LINK.findall(without_code(text))
             if not urllib.parse.urlsplit(target).scheme]
 
 
 def anchors_of(text):
-    """Names of the headings of a page, as GitHub makes them."""
+    """Returns the names of the headings of a page, as GitHub makes them."""
     anchors = set()
     for heading in re.findall(r"^#+ +(.*?)#*$", FENCE.sub("", text), re.MULTILINE):
         label = re.sub(r"\[([^]]*)\]\([^)]*\)", r"\1", heading).strip().lower()
@@ -59,7 +59,7 @@ def anchors_of(text):
 
 
 def broken_links(path):
-    """The links of a page whose file or heading is missing."""
+    """Returns the links of a page whose file or heading is missing."""
     broken = []
     for link in links_of(read(path)):
         name, _, anchor = urllib.parse.unquote(link).partition("#")
@@ -70,19 +70,20 @@ def broken_links(path):
 
 
 def blocks_of(text, language):
-    """The fenced blocks of a page in this language; those without one for an empty name."""
+    """Returns the fenced blocks of a page in this language; an empty name means blocks without
+    one."""
     blocks = re.findall(r"^```(\w*)\n(.*?)^```$", text, re.MULTILINE | re.DOTALL)
     return [code for name, code in blocks if name == language]
 
 
 def report_of(*arguments):
-    """A run of the program in the project's folder."""
+    """Runs the program in the project's folder and returns its output."""
     return subprocess.run([PROGRAM, *arguments], cwd=PROJECT, capture_output=True, text=True,
                           check=False)
 
 
 def lines_of(text):
-    """The lines of a program without their indentation and without empty lines."""
+    """Returns the lines of a program without their indentation and without empty lines."""
     return [line.strip() for line in text.splitlines() if line.strip()]
 
 
@@ -91,7 +92,7 @@ def contains(lines, part):
 
 
 def keys_of(value):
-    """All keys of a JSON document."""
+    """Returns all keys of a JSON document."""
     if isinstance(value, dict):
         return set(value) | {key for item in value.values() for key in keys_of(item)}
     if isinstance(value, list):
@@ -128,7 +129,7 @@ class Examples(TestCase):
     def test_readme_is_short(self):
         self.assertLessEqual(len(read(PROJECT / "README.md").splitlines()), MAX_README_LINES)
 
-    def test_report_in_readme(self):
+    def test_report_in_readme_is_that_of_the_program(self):
         shown, = (block for block in blocks_of(read(PROJECT / "README.md"), "")
                   if block.startswith("input: "))
         done = report_of("data/1ubq.xyzr", "1.4", "0.4", "0.8", "-o", self.folder / "out")

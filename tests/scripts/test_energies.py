@@ -1,4 +1,4 @@
-"""scripts/benchmarks/energies: measuring with a stand-in for APBS, and plotting.
+"""Tests of scripts/benchmarks/energies: measuring with a replacement for APBS, and plotting.
 
 Skipped without matplotlib.
 """
@@ -30,7 +30,7 @@ class Energies(TestCase):
     def check_figure(self):
         xml.etree.ElementTree.parse(self.folder / "energies.svg")
 
-    def test_what_was_saved(self):
+    def test_saved_energies_are_drawn_again(self):
         saved = PROJECT / "doc" / "energies.json"
         table = self.energies("--from", saved).stdout
         self.check_figure()
@@ -38,7 +38,7 @@ class Energies(TestCase):
         for row in table.splitlines():
             self.assertIn(row, text)
 
-    def test_measuring(self):
+    def test_energies_are_measured_and_drawn(self):
         write_program(self.folder / "apbs", APBS)
         program = write_program(self.folder / "program", ESES)
         path = os.pathsep.join((str(self.folder), os.defpath))
@@ -47,13 +47,13 @@ class Energies(TestCase):
                                  *(["--continue"] if count > 18 else []), PATH=path)
             rows = json.loads((self.folder / "energies.json").read_text())["rows"]
             self.assertEqual(len(rows), count)
-            # Each is alone with its reference: 2 - 4 kJ/mol.
+            # Each energy is the difference from its reference: 2 - 4 kJ/mol.
             self.assertEqual({row["energy"] for row in rows}, {-2})
             self.assertEqual(len({(row["spacing"], *row["offset"]) for row in rows}), 18)
         self.assertNotIn("smol -", done.stdout)  # nothing is measured twice
         self.check_figure()
 
-    def test_errors(self):
+    def test_errors_are_one_line(self):
         (self.folder / "energies.json").write_text("{}")
         self.assertIn("energies.json", self.energies("--continue", "--program", PROGRAM,
                                                      code=1).stderr)

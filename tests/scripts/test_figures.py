@@ -1,4 +1,5 @@
-"""scripts/benchmarks/figures: measuring and plotting on small input; skipped without matplotlib."""
+"""Tests of scripts/benchmarks/figures: measuring and plotting on small input; skipped without
+matplotlib."""
 
 import csv
 import gzip
@@ -29,12 +30,12 @@ class Figures(TestCase):
         return json.loads(path.read_text(encoding="utf-8")) if code == 0 else None
 
     def words(self, name):
-        """Of a figure: it is XML, and its text stands in comments beside the outlines."""
+        """Returns the text of a figure. SVG has it in comments beside the outlines of letters."""
         text = (self.folder / f"paper-{name}.svg").read_text(encoding="utf-8")
         xml.etree.ElementTree.fromstring(text)
         return text
 
-    def test_spacings_and_blocks(self):
+    def test_spacings_and_blocks_are_measured_and_drawn(self):
         saved = self.measure("single", "--structure", "boxb", "--spacings", "0.8,0.4",
                              "--blocks", "none,16")
         self.assertEqual([(row["spacing"], row["block"]) for row in saved["rows"]],
@@ -43,19 +44,19 @@ class Figures(TestCase):
             self.assertEqual(row["atoms"], 619)
             self.assertGreater(row["wall"], 0)
             self.assertGreater(row["peak_bytes"], 1_000_000)
-        self.assertEqual(len({row["area"] for row in saved["rows"]}), 2)  # blocks change nothing
+        self.assertEqual(len({row["area"] for row in saved["rows"]}), 2)  # the same area
         self.figures("plot")
         words = self.words("single")
         for word in ("time (s)", "peak memory (MB)", "no blocks", "619 atoms",
                      saved["date"][:10], f"{saved['machine']['cores']} core"):
             self.assertIn(word, words)
 
-    def test_copies(self):
+    def test_copies_are_measured_and_drawn(self):
         saved = self.measure("complex", "--structure", "c60", "--copies", "6",
                              "--spacings", "0.8,0.6")
         self.assertEqual({row["atoms"] for row in saved["rows"]}, {360})
 
-    def test_core_set(self):
+    def test_core_set_is_measured_and_drawn(self):
         (self.folder / "in").mkdir()
         with open(DATA / "zhao2018.csv", encoding="utf-8", newline="") as table:
             first, second, third = sorted(row["id"] for row in csv.DictReader(table))[:3]
@@ -64,7 +65,7 @@ class Figures(TestCase):
             path = self.folder / "in" / name
             path.parent.mkdir(exist_ok=True)
             shutil.copy(DATA / ("c60.xyzr" if path.suffix == ".xyzr" else "boxb.pqr"), path)
-        # One that is cut off must not cost the others.
+        # A truncated structure must not affect the others.
         (self.folder / "in" / f"{third}.xyzr.gz").write_bytes(
             gzip.compress(b"0 0 0 1\n" * 100)[:-12])
         done = self.figures("measure", "core", self.folder / "in", "--program", PROGRAM,
@@ -85,10 +86,10 @@ class Figures(TestCase):
         self.assertIn("2ymd, 60 atoms", self.words("threads"))
         self.assertNotIn("set/2ymd", self.words("threads"))
 
-    def test_errors(self):
+    def test_errors_are_one_line(self):
         self.assertIn("nothing measured", self.figures("plot", code=1).stderr)
-        self.measure("single", code=1)  # no 5z10 there
-        self.measure("core", code=1)  # and nothing of the paper's table
+        self.measure("single", code=1)  # 5z10 is missing
+        self.measure("core", code=1)  # no structure of the paper's table
         (self.folder / "paper-single.json").mkdir()
         done = self.figures("measure", "single", DATA, "--structure", "c60", "--program", PROGRAM,
                             "--scratch", self.folder, code=1)

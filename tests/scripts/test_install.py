@@ -1,4 +1,5 @@
-"""What is installed: files, a downstream project, and that nothing of ours leaks into it."""
+"""Tests of the installation: its files, a downstream project, and that it does not affect other
+code."""
 
 import os
 import pathlib
@@ -12,9 +13,9 @@ from support import PROJECT, TestCase
 BUILD = pathlib.Path(os.environ["ESES_BUILD"])
 COMPILER = os.environ["CXX"]
 
-# Of a mangled name that is outside our namespace, what it may begin with. What we take from the
-# standard library and from libraries of headers, its templates and inline functions, is compiled into
-# ours, as into any library of C++: weak symbols, of which the linker keeps one of each.
+# The beginnings of mangled names outside our namespace that are permitted. Templates and inline
+# functions of the standard library and of header-only libraries are compiled into the library, as
+# in any C++ library. They are weak symbols, of which the linker keeps one each.
 SPECIAL = r"(?:T[VTISC]|GV|GR)?Z*"             # vtable of, type of, guard of; local to
 NESTED = r"(?:N[rVKRO]*)?"
 STANDARD = r"S[tabsiod]|9__gnu_cxx|10__cxxabiv1"
@@ -23,7 +24,7 @@ OTHERS = re.compile(
     f"_Z{SPECIAL}{NESTED}(?:{STANDARD}|3fmt|3hwy|9nanoflann|5gemmi|3tao|10fast_float)"
     r"|_ZT[IS]P?K?F"                           # the type of a function, as std::function asks for
     r"|_Zn[wa]mPv$|_Zd[la]PvS_$"               # placement new, an inline function
-    r"|DW\.ref\.|__clang_call_terminate$")     # of the compiler
+    r"|DW\.ref\.|__clang_call_terminate$")     # made by the compiler
 
 
 def run(*command, **how):
@@ -47,9 +48,10 @@ class Install(TestCase):
             self.skipTest("the library is a shared one")
         return libraries[0]
 
-    def test_downstream_project(self):
+    def test_downstream_project_builds_and_runs(self):
         build = self.folder / "build"
-        # Without pkg-config, fmt and Highway, which are for building the library alone.
+        # pkg-config, fmt and Highway are hidden, because only building the library itself needs
+        # them.
         missing = [f"-DCMAKE_DISABLE_FIND_PACKAGE_{name}=ON" for name in ("PkgConfig", "fmt", "hwy")]
         self.assertDone(run("cmake", "-G", "Unix Makefiles", "-S", PROJECT / "tests/downstream", "-B", build,
                             f"-DCMAKE_PREFIX_PATH={self.prefix}", f"-DCMAKE_CXX_COMPILER={COMPILER}",
@@ -79,7 +81,7 @@ class Install(TestCase):
         done = run("nm", "--extern-only", "--defined-only", self.static_library())
         self.assertDone(done)
         symbols = re.findall(r"^[0-9a-f]+ (\w) (\S+)$", done.stdout, re.MULTILINE)
-        # nm's letters for weak symbols, and those that the whole process has once.
+        # nm's letters for weak symbols, and for symbols that exist once in the process.
         weak = {name for kind, name in symbols if kind in "VWvwu"}
         strong = {name for kind, name in symbols} - weak
         self.assertGreater(len(strong), 50)
@@ -94,7 +96,7 @@ class Install(TestCase):
         self.assertIn(".text", done.stdout)
         self.assertNotIn(".gnu.lto_", done.stdout)
 
-    def test_files(self):
+    def test_all_files_are_installed(self):
         doc = "share/doc/eses-blocks"
         for name in ("bin/eses-blocks", "share/bash-completion/completions/eses-blocks",
                      "share/zsh/vendor-completions/_eses-blocks", f"{doc}/README.md",
@@ -106,28 +108,28 @@ class Install(TestCase):
         self.assertGreater(len(pages), 10)
         self.assertEqual({path.name for path in (self.prefix / doc / "doc").iterdir()}, pages)
 
-    def test_manual_pages(self):
+    def test_manual_pages_are_made_from_help(self):
         cache = (BUILD / "CMakeCache.txt").read_text()
         if re.search(r"^ESES_HELP2MAN:\w+=(.*-NOTFOUND)?$", cache, re.MULTILINE):
             self.skipTest("help2man is not installed")
         for page, command in (("eses-blocks", ()), ("eses-blocks-diff", ("diff",))):
             text = (self.prefix / f"share/man/man1/{page}.1").read_text()
             self.assertTrue(re.match(r"[^\n]*\n\.TH ", text), text[:200])
-            # One source: every option of --help is in the page.
+            # The page is made from --help, so every option is in it.
             done = run(self.prefix / "bin/eses-blocks", *command, "--help")
             self.assertDone(done)
             options = re.findall(r"^  (?:-\w, )?--([\w-]+)", done.stdout, re.MULTILINE)
             self.assertGreater(len(options), 2)
-            told = text.replace("\\-", "-")
+            page_text = text.replace("\\-", "-")
             for option in options:
-                self.assertIn(f"--{option}", told)
+                self.assertIn(f"--{option}", page_text)
             if shutil.which("man"):
                 done = run("man", "--warnings", "--local-file",
                            self.prefix / f"share/man/man1/{page}.1", env={**os.environ, "LC_ALL": "C.UTF-8"})
                 self.assertDone(done)
                 self.assertEqual(done.stderr, "")
 
-    def test_missing_help2man_is_told(self):
+    def test_missing_help2man_is_reported(self):
         done = run("cmake", "-S", PROJECT, "-B", self.folder / "build", "-DESES_HELP2MAN=",
                    "-DESES_BUILD_TESTS=OFF", f"-DCMAKE_CXX_COMPILER={COMPILER}")
         self.assertDone(done)

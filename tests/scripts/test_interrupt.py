@@ -1,11 +1,11 @@
-"""Ctrl-C while a script imports its modules."""
+"""Tests of Ctrl-C while a script imports its modules."""
 
 import os
 import signal
 
 from support import SCRIPTS, TestCase, forget_signals, run
 
-# Stands for a module of the standard library that common.py imports.
+# Replaces a module of the standard library that common.py imports.
 MODULE = "platform.py"
 INTERRUPTED = """import os, signal, time
 os.kill(os.getpid(), signal.SIGINT)
@@ -20,7 +20,7 @@ class Interrupt(TestCase):
         return run(script, "--help", preexec_fn=prepare,
                    env={**os.environ, "PYTHONPATH": str(self.folder)})
 
-    def test_no_traceback(self):
+    def test_ctrl_c_prints_no_traceback(self):
         scripts = [str(path.relative_to(SCRIPTS)) for path in SCRIPTS.rglob("*")
                    if path.suffix == "" and path.is_file() and b"end_with(" in path.read_bytes()]
         self.assertLess({"pdbbind", "benchmarks/bench"}, set(scripts))
@@ -30,8 +30,8 @@ class Interrupt(TestCase):
                 self.assertEqual((done.returncode, done.stdout, done.stderr),
                                  (-signal.SIGINT, "", ""))
 
-    def test_ignored(self):
-        """As in a background job of a shell."""
+    def test_ignored_ctrl_c_stays_ignored(self):
+        """Ctrl-C is ignored in a background job of a shell."""
         def prepare():
             forget_signals()
             signal.signal(signal.SIGINT, signal.SIG_IGN)

@@ -1,4 +1,5 @@
-"""The folders of scripts/: calls from elsewhere, and a line for every script."""
+"""Tests of the folders of scripts/: calls from other directories, and descriptions in the
+READMEs."""
 
 import os
 import subprocess
@@ -19,7 +20,7 @@ def interpreter(script):
 
 
 class Layout(TestCase):
-    def test_called_through_a_link(self):
+    def test_scripts_can_be_called_through_a_link(self):
         scripts = [path for folder in FOLDERS for path in files_in(folder)
                    if os.access(path, os.X_OK)]
         self.assertGreater(len(scripts), 15)

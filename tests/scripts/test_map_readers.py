@@ -1,5 +1,5 @@
-"""Maps of the inside, read by the programs' own libraries, where Debian's packages of these
-(python3-vtk9, python3-griddataformats) are installed."""
+"""Tests that other programs' libraries read maps of the inside. Needs Debian's packages
+python3-vtk9 and python3-griddataformats; what is missing is skipped."""
 
 import json
 import subprocess
@@ -53,15 +53,15 @@ class MapReaders(TestCase):
         self.assertIn(1, found["values"])
         return found
 
-    def test_vtk(self):
+    def test_vtk_reads_a_map(self):
         self.assertEqual(self.read_back("vtk", VTK, "map.vti")["name"], "inside")
 
-    def test_vtk_of_a_region(self):
+    def test_vtk_reads_a_map_of_a_region(self):
         found = self.read_back("vtk", VTK, "map.vti", "--region=-3,-2,-1,4,5,3")
         self.assertTrue(all(first > 0 for first in found["first"]))
 
-    def test_grid_data_formats(self):
+    def test_grid_data_formats_reads_a_map(self):
         self.read_back("gridData", GRID_DATA, "map.dx")
 
-    def test_grid_data_formats_of_a_region(self):
+    def test_grid_data_formats_reads_a_map_of_a_region(self):
         self.read_back("gridData", GRID_DATA, "map.dx", "--region=-3,-2,-1,4,5,3")

@@ -1,4 +1,4 @@
-"""Meshes as VTK reads them; skipped without Debian's python3-vtk9."""
+"""Tests that VTK reads meshes; skipped without Debian's python3-vtk9."""
 
 import math
 import subprocess
@@ -39,7 +39,7 @@ def component_count(mesh):
 
 
 def off_lines(path):
-    """Positions and triangles."""
+    """Returns positions and triangles."""
     lines = path.read_text().splitlines()
     vertices, faces, _ = map(int, lines[1].split())
     return lines[2:2 + vertices], lines[2 + vertices:2 + vertices + faces]
@@ -63,7 +63,7 @@ class ReadByVtk(TestCase):
         self.assertGreater(mesh.GetNumberOfCells(), 0)
         self.assertEqual(open_or_branched_edges(mesh), 0)
 
-    def test_protein(self):
+    def test_mesh_of_a_protein_is_closed(self):
         for name in ("a.ply", "a.obj"):
             with self.subTest(name=name):
                 mesh, measures = self.make(name, DATA / "1ubq.xyzr", "--spacing", "0.25")
@@ -74,7 +74,7 @@ class ReadByVtk(TestCase):
                 self.assertAlmostEqual(mass.GetSurfaceArea() / measures["area"], 1, delta=0.01)
                 self.assertAlmostEqual(mass.GetVolume() / measures["volume"], 1, delta=0.01)
 
-    def test_same_as_the_text(self):
+    def test_vertices_are_those_of_the_text_files(self):
         path = self.folder / "a.off"
         self.run_program(DATA / "c60.xyzr", "--mesh", path)
         positions, triangles = off_lines(path)
@@ -88,7 +88,7 @@ class ReadByVtk(TestCase):
             ids = mesh.GetCell(i).GetPointIds()
             self.assertEqual([3] + [ids.GetId(k) for k in range(3)], list(map(int, line.split())))
 
-    def test_ball(self):
+    def test_normals_of_a_ball_point_outward(self):
         (self.folder / "ball.xyzr").write_text("0.1 0.2 0.3 2.03\n")
         mesh, _ = self.make("a.ply", self.folder / "ball.xyzr", "--spacing", "0.2")
         self.check_closed(mesh)
@@ -99,7 +99,7 @@ class ReadByVtk(TestCase):
             for axis, centre in enumerate((0.1, 0.2, 0.3)):
                 self.assertAlmostEqual(2.03 * normals.GetComponent(i, axis),
                                        mesh.GetPoint(i)[axis] - centre, places=5)
-        # VTK's own outward normals, from the order of the corners.
+        # VTK's outward normals follow from the order of the corners.
         for i in range(0, mesh.GetNumberOfCells(), 7):
             cell = mesh.GetCell(i)
             corners = [mesh.GetPoint(cell.GetPointId(k)) for k in range(3)]
@@ -108,7 +108,7 @@ class ReadByVtk(TestCase):
             self.assertGreater(sum(n * (c - o) for n, c, o in
                                    zip(normal, corners[0], (0.1, 0.2, 0.3))), 1.9)
 
-    def test_colours(self):
+    def test_colours_are_read(self):
         mesh, _ = self.make("a.ply", DATA / "fas2.pqr", "--color", "chain", "--spacing", "0.8")
         self.check_closed(mesh)
         colours = mesh.GetPointData().GetScalars()

@@ -1,5 +1,5 @@
-"""Meshes in formats that other programs define, as libraries of others read them: VTK, trimesh,
-Biopython, Open3D and PyMOL, from Debian's packages or from PyPI. What is missing is skipped."""
+"""Tests that other libraries read meshes: VTK, trimesh, Biopython, Open3D and PyMOL, from
+Debian's packages or from PyPI. Missing libraries are skipped."""
 
 import json
 import shutil
@@ -57,7 +57,7 @@ json.dump({"points": numpy.asarray(mesh.vertices).tolist(),
            "area": mesh.get_surface_area(), "volume": mesh.get_volume(),
            "version": open3d.__version__}, sys.stdout)
 """
-# The reader that Bio.PDB.ResidueDepth uses for the output of MSMS.
+# Bio.PDB.ResidueDepth reads the output of MSMS with this function.
 BIOPYTHON = """
 import json, sys, Bio, numpy
 from Bio.PDB.ResidueDepth import _read_vertex_array, min_dist
@@ -76,7 +76,7 @@ json.dump({"type": cmd.get_type("mesh"), "extent": cmd.get_extent("mesh"),
 
 class MeshReaders(TestCase):
     def make(self, name, atoms, *options):
-        """Writes a mesh, and the files that tell what is in it. Returns area and volume."""
+        """Writes a mesh and the text files with the same surface. Returns area and volume."""
         done = subprocess.run([PROGRAM, atoms, "--spacing", "0.4", "-o", self.folder, "--mesh",
                                self.folder / name, "-q", *options], capture_output=True, text=True,
                               check=False)
@@ -91,11 +91,11 @@ class MeshReaders(TestCase):
         done = subprocess.run([python, "-c", program, self.folder / name], capture_output=True,
                               text=True, check=False)
         self.assertDone(done)
-        # Open3D reports its progress before what is asked of it.
+        # Open3D prints its progress before the output of the script.
         return json.loads(done.stdout[done.stdout.index("{"):])
 
     def crossings(self):
-        """Position, normal and adjacent atoms of each line of intersection_info.txt."""
+        """Returns position, normal and adjacent atoms of each line of intersection_info.txt."""
         lines = (self.folder / "intersection_info.txt").read_text(encoding="ascii").splitlines()
         rows = [line.split() for line in lines]
         return [([float(x) for x in row[6:9]], [float(x) for x in row[9:12]],
@@ -123,13 +123,13 @@ class MeshReaders(TestCase):
                 self.check_points(found, places)
                 self.check_shape(found, measures)
 
-    def test_trimesh(self):
+    def test_trimesh_reads_all_values(self):
         self.check_whole_mesh("trimesh", TRIMESH, 9)
 
-    def test_open3d(self):
-        self.check_whole_mesh("open3d", OPEN3D, 6)  # of OFF and OBJ it keeps floats
+    def test_open3d_reads_the_mesh(self):
+        self.check_whole_mesh("open3d", OPEN3D, 6)  # it stores OFF and OBJ in single precision
 
-    def test_vtp(self):
+    def test_vtk_reads_vtp_files(self):
         measures = self.make("a.vtp", DATA / "c60.xyzr")
         found = self.read_back("vtk", VTK, "a.vtp")
         self.check_points(found, 11)
@@ -145,8 +145,8 @@ class MeshReaders(TestCase):
             for a, b in zip(theirs, mine):
                 self.assertAlmostEqual(a, b, 6)
 
-    def test_vtp_of_a_pqr_file(self):
-        """Chains and residues, compared with what the file itself says of the atoms."""
+    def test_vtp_of_a_pqr_file_has_chains_and_residues(self):
+        """Chains and residues are those of the file's records."""
         self.make("a.vtp", DATA / "fas2.pqr", "--color", "chain")
         found = self.read_back("vtk", VTK, "a.vtp")
         self.assertEqual(found["scalars"], "color")
@@ -163,7 +163,7 @@ class MeshReaders(TestCase):
             self.assertEqual(" ".join(label[2:]), names["chain_name"][chain])
             self.assertEqual(len(color), 3)
 
-    def test_vtp_without_triangles(self):
+    def test_vtp_without_triangles_is_read(self):
         self.make("a.vtp", DATA / "c60.xyzr", "--margin", "3", "--region=-9,-9,-9,-8,-8,-8")
         done = self.read_back("vtk", """
 import json, sys, vtk
@@ -175,21 +175,22 @@ json.dump({"cells": reader.GetOutput().GetNumberOfCells(), "error": reader.GetEr
 """, "a.vtp")
         self.assertEqual(done, {"cells": 0, "error": 0})
 
-    def test_ascii_ply_in_vtk(self):
+    def test_vtk_reads_ply_as_text(self):
         measures = self.make("a.ply", DATA / "c60.xyzr", "--ply-ascii")
         found = self.read_back("vtk", VTK, "a.ply")
         self.check_points(found, 4)  # in single precision
         self.check_shape(found, measures)
 
-    def test_biopython(self):
+    def test_biopython_reads_the_vertices(self):
         self.make("a.vert", DATA / "c60.xyzr")
         found = self.read_back("Bio", BIOPYTHON, "a.vert")
         self.check_points(found, 11)
         nearest = min(sum(x * x for x in position) for position, _, _ in self.crossings())
         self.assertAlmostEqual(found["depth"], nearest ** 0.5, 9)
 
-    def test_pymol(self):
-        """PyMOL reads MSMS's files as they are, and PLY as text a hundred times as large."""
+    def test_pymol_reads_both_formats(self):
+        """PyMOL reads MSMS's files unchanged, and multiplies the coordinates of text PLY by a
+        hundred."""
         for name, scale, *options in (("a.vert", 1), ("a.face", 1), ("a.ply", 100, "--ply-ascii")):
             with self.subTest(name=name):
                 self.make(name, DATA / "c60.xyzr", *options)
@@ -201,7 +202,7 @@ json.dump({"cells": reader.GetOutput().GetNumberOfCells(), "error": reader.GetEr
                         self.assertAlmostEqual(theirs[axis] / scale, mine, 4)
 
     @unittest.skipUnless(shutil.which("awk"), "awk is not installed")
-    def test_names_for_masif(self):
+    def test_documented_command_adds_names_for_masif(self):
         """The command of doc/meshes.md adds a tenth column, which MaSIF splits at each _."""
         records = [line.split() for line in
                    (DATA / "fas2.pqr").read_text(encoding="ascii").splitlines()
@@ -224,8 +225,8 @@ json.dump({"cells": reader.GetOutput().GetNumberOfCells(), "error": reader.GetEr
             _, _, atom, residue, chain, number, *_ = atoms[int(fields[7]) - 1]
             self.assertEqual(name.split("_")[:5], [chain, number, "x", residue, atom])
 
-    def test_triangles_of_msms(self):
-        """Read as MaSIF and Jmol do: by the counts in the third line."""
+    def test_triangles_of_msms_are_read_by_their_counts(self):
+        """The counts in the third line are read, as MaSIF and Jmol do."""
         self.make("a.vert", DATA / "c60.xyzr")
         self.make("a.off", DATA / "c60.xyzr")
         off = (self.folder / "a.off").read_text(encoding="ascii").splitlines()

@@ -1,4 +1,4 @@
-"""Meshes as meshio reads them; skipped without it (pip install meshio)."""
+"""Tests that meshio reads meshes; skipped without it (pip install meshio)."""
 
 import subprocess
 import unittest
@@ -13,7 +13,7 @@ except ImportError:
 
 @unittest.skipUnless(meshio, "meshio is not installed")
 class ReadByMeshio(TestCase):
-    def test_same_in_every_format(self):
+    def test_every_format_has_the_same_mesh(self):
         meshes = []
         for name, *more in (("a.off",), ("a.obj",), ("a.ply",), ("b.ply", "--ply-ascii")):
             path = self.folder / name

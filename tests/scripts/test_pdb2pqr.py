@@ -1,4 +1,4 @@
-"""PDB files through scripts/pdbbind and the real PDB2PQR; skipped where that is not installed."""
+"""Tests of PDB files through scripts/pdbbind and the real PDB2PQR; skipped without PDB2PQR."""
 
 import csv
 import unittest
@@ -12,13 +12,13 @@ ATOMS = {("ILE", "CD"): "CD1"}
 ENDS = {"NTE", "CTE"}
 OXYGENS = {"OT1": "O", "OT2": "OXT"}
 
-# Half of Rmin in the CHARMM force field, angstrom: of the backbone's nitrogen, carbons (the alpha
-# carbon of glycine is a smaller one), oxygen and polar hydrogen.
+# Half of Rmin in the CHARMM force field, angstrom: nitrogen, carbons and oxygen of the backbone,
+# and its polar hydrogen. The alpha carbon of glycine is smaller.
 BACKBONE_RADII = {"N": {1.85}, "CA": {2.275, 2.175}, "C": {2.0}, "O": {1.7}, "H": {0.2245}}
 
 
 def fasciculin():
-    """Its atoms, hydrogens included: name, residue, number, place (as text)."""
+    """Returns the atoms of fasciculin with hydrogens: name, residue, number, position (as text)."""
     lines = [line.split() for line in (DATA / "fas2.pqr").read_text().splitlines()
              if line.startswith("ATOM")]
     residue_of = {fields[4]: fields[3] for fields in lines if fields[3] not in ENDS}
@@ -65,7 +65,7 @@ class Pdb2pqr(TestCase):
         heavy = [atom for atom in self.atoms if not atom[0].startswith("H")]
         self.assertEqual(len(self.atoms), 906)
         first = self.run_on("".join(record("ATOM", *atom) for atom in heavy) + "TER\nEND\n")
-        # As many as the file has that others have prepared, hydrogens and all.
+        # The number of atoms is that of the file that others have prepared, hydrogens included.
         self.assertEqual(int(first["atoms"]), len(self.atoms))
         made = list(pqr_atoms(self.output / "1fsc" / "atoms.pqr"))
         for name, radii in BACKBONE_RADII.items():
@@ -86,7 +86,7 @@ class Pdb2pqr(TestCase):
         self.run_on(self.protein())
         atoms = self.output / "1fsc" / "atoms.pqr"
         before = atoms.stat()
-        self.run_on(self.protein(), 0, "--spacing", "0.5")  # the file is written anew
+        self.run_on(self.protein(), 0, "--spacing", "0.5")  # the file is written again
         self.assertNotEqual(atoms.stat().st_mtime_ns, before.st_mtime_ns)
         before = atoms.stat()
         done = run("pdbbind", self.folder / "in", "-o", self.output, "--program", PROGRAM)
@@ -94,14 +94,14 @@ class Pdb2pqr(TestCase):
         self.assertEqual(atoms.stat().st_mtime_ns, before.st_mtime_ns)
         self.assertIn("INFO", (self.output / "1fsc" / "pdb2pqr.log").read_text())
 
-    def test_what_it_cannot_do_is_told(self):
+    def test_failures_of_pdb2pqr_are_reported(self):
         row = self.run_on("".join(record("ATOM", *atom) for atom in self.atoms if atom[0] == "CA"),
                           1)
         self.assertEqual(row["status"], "failed")
         self.assertIn("PDB2PQR", row["message"])
         self.assertIn("CRITICAL", (self.output / "1fsc" / "pdb2pqr.log").read_text())
 
-    def test_what_it_leaves_out_is_told(self):
+    def test_residues_left_out_are_reported(self):
         leucines = [atom for atom in self.atoms if atom[1] == "LEU" and atom[0][0] != "H"]
         row = self.run_on(self.protein().replace(" LEU ", " XYZ "))
         self.assertEqual(row["status"], "done")

@@ -1,4 +1,4 @@
-"""scripts/lib/pdb_to_pqr.py: what PDB2PQR is given."""
+"""Tests of scripts/lib/pdb_to_pqr.py: the input of PDB2PQR."""
 
 import gzip
 import unittest
@@ -9,7 +9,7 @@ import pdb_to_pqr
 
 
 def atom(name, residue="GLY", number=1, chain="A", element="", record="ATOM", place=(1, 2, 3)):
-    """A record in the columns of the format; names as they stand in columns 13 to 16."""
+    """Returns a record in the columns of the format. Names are as in columns 13 to 16."""
     x, y, z = place
     return (f"{record:6}    1 {name:4} {residue:3} {chain}{number:4}    {x:8.3f}{y:8.3f}{z:8.3f}"
             f"  1.00  0.00          {element:>2}\n")
@@ -24,34 +24,34 @@ def names(lines):
 
 
 class Cleaning(unittest.TestCase):
-    def test_hetatm_and_other_records_go(self):
+    def test_hetatm_and_other_records_are_removed(self):
         self.assertEqual(names(["HEADER\n", *map(atom, BACKBONE), "TER\n", "CONECT    1\n",
                                 atom("ZN  ", "ZN ", 9, record="HETATM"), "END\n"]),
                          [*BACKBONE, "TER"])
 
-    def test_hydrogens_by_element(self):
+    def test_hydrogens_are_removed_by_element(self):
         lines = [atom(" CA ", element="C"), atom(" HA ", element="H"), atom(" DB ", element="D"),
                  atom("HG  ", element="HG"), atom(" H1 ", element="C")]
         self.assertEqual(names(lines), [" CA ", "HG  ", " H1 "])
 
-    def test_hydrogens_by_name_where_there_is_no_element(self):
+    def test_hydrogens_without_element_are_removed_by_name(self):
         kept = [*BACKBONE, " NE ", " NH1", " OH ", " CH2", " CD1", " OD1", " SG "]
         gone = [" H  ", " HA ", "HG11", "1HG1", "2HB ", " D  ", "HH12", " H5'"]
-        for element in ("", "12"):  # old files have the number of the line there
+        for element in ("", "12"):  # old files have the line number there
             lines = [atom(name, element=element) for name in (*kept, *gone)]
             self.assertEqual(names(lines), kept)
 
-    def test_first_model_only(self):
+    def test_only_the_first_model_is_kept(self):
         model = [*map(atom, BACKBONE), "TER\n", "ENDMDL\n"]
         self.assertEqual(names(["MODEL        1\n", *model, "MODEL        2\n", *model]),
                          [*BACKBONE, "TER"])
 
-    def test_lone_nitrogen_goes(self):
+    def test_lone_nitrogen_is_removed(self):
         full = [atom(name, number=1) for name in BACKBONE]
         lone = [atom(" N  ", number=2), atom(" H  ", number=2)]
         self.assertEqual(names([*full, *lone, "TER\n"]), [*BACKBONE, "TER"])
 
-    def test_lone_nitrogen_beside_a_residue_of_the_same_number(self):
+    def test_lone_nitrogen_is_removed_beside_a_residue_of_the_same_number(self):
         full = [atom(name, chain=" ") for name in BACKBONE]
         lone = [atom(" N  ", chain=" ")]
         self.assertEqual(names([*full, "TER\n", *lone]), [*BACKBONE, "TER"])
@@ -64,7 +64,7 @@ class Cleaning(unittest.TestCase):
 
 
 class Files(TestCase):
-    def test_packed_and_plain_files(self):
+    def test_packed_and_plain_files_are_read(self):
         text = "REMARK \xe9\r\n" + "".join(map(atom, BACKBONE))
         plain, packed = self.folder / "a.pdb", self.folder / "b.pdb.gz"
         plain.write_text(text, encoding="latin-1")
@@ -74,7 +74,7 @@ class Files(TestCase):
             lines = (self.folder / "out").read_text().splitlines()
             self.assertEqual([line[:6] for line in lines], ["ATOM  "] * 4 + ["END"])
 
-    def test_nothing_left(self):
+    def test_file_without_atoms_is_refused(self):
         source = self.folder / "a.pdb"
         for text in ("", "END\n", atom(" H  "), atom(" N  ")):
             source.write_text(text)
@@ -83,12 +83,12 @@ class Files(TestCase):
 
 
 class Answers(unittest.TestCase):
-    def test_failure(self):
+    def test_reason_of_a_failure_is_one_line(self):
         self.assertEqual(pdb_to_pqr.failure("INFO:x\nCRITICAL:No heavy atoms\nCRITICAL:Giving up.\n"
                                             "Traceback\nRuntimeError\n"), "No heavy atoms")
         self.assertEqual(pdb_to_pqr.failure("Traceback\nValueError: bad\n"), "ValueError: bad")
         self.assertEqual(pdb_to_pqr.failure(""), "no message")
 
-    def test_remark(self):
+    def test_remark_names_residues_left_out(self):
         self.assertIn("72 atoms", pdb_to_pqr.remark("WARNING:Ignoring 72 missing lines in output."))
         self.assertEqual(pdb_to_pqr.remark("WARNING:Ignoring 392 header lines in output."), "")

@@ -1,4 +1,4 @@
-"""scripts/pdbbind: what a user of it may meet."""
+"""Tests of scripts/pdbbind with the input, options and failures of its users."""
 
 import contextlib
 import csv
@@ -14,18 +14,17 @@ import time
 from support import (DATA, PROGRAM, PROJECT, SCRIPTS, TestCase, command, forget_signals, run,
                      write_program)
 
-PATIENCE = 600  # seconds until a test gives up: only what would never end takes that long
+PATIENCE = 600  # seconds until a test gives up; no normal run takes so long
 RUN_DEPENDENT = ("seconds", "peak_bytes", "threads")
 
-# Stands for eses-blocks: a structure whose name begins with "slow" hangs for longer than any test
-# waits.
+# Replaces eses-blocks. A structure whose name begins with "slow" takes longer than any test waits.
 SLOW = f"""case "$1" in */slow*) echo $$ >>"$0.pids"; exec sleep 3600;; esac
 exec '{PROGRAM}' "$@"
 """
 
 
 def report_of(path):
-    """What eses-blocks itself says of a structure."""
+    """Returns the report of eses-blocks for a structure."""
     done = subprocess.run([PROGRAM, path, "--json", "--write", "none"], capture_output=True,
                           check=True)
     return json.loads(done.stdout)
@@ -72,7 +71,7 @@ class PdbbindTest(TestCase):
         return sorted(path.name for path in (self.output / name).iterdir())
 
     def stamp(self, name):
-        """Changes when the structure is computed again."""
+        """Returns a value that changes when the structure is computed again."""
         return (self.output / name / "status.json").stat().st_mtime_ns
 
     def statuses(self):
@@ -80,7 +79,7 @@ class PdbbindTest(TestCase):
 
 
 class Results(PdbbindTest):
-    def test_rows_are_what_the_program_says(self):
+    def test_rows_are_those_of_the_program(self):
         self.add("c60.xyzr")
         self.add("below/boxb.pqr", "boxb.pqr")
         with gzip.open(self.input / "1ubq.xyzr.gz", "wb") as packed:
@@ -113,17 +112,17 @@ class Results(PdbbindTest):
         stamps = [self.stamp(name) for name in "abc"]
         self.run_pdbbind("--radii", "bondi")
         self.assertEqual([self.stamp(name) for name in "abc"], stamps)
-        # Other radii, other results; xyzr files have their own.
+        # Other radii give other results. xyzr files have their own radii.
         self.run_pdbbind("--radii", "msms")
         changed = [self.stamp(name) != stamp for name, stamp in zip("abc", stamps)]
         self.assertEqual(changed, [True, True, False])
-        # Without --radii, mmCIF files have those of protor.
+        # Without --radii, mmCIF files get protor radii.
         (self.input / "b.pdb").unlink()
         self.run_pdbbind()
         status = json.loads((self.output / "a/status.json").read_text())
         self.assertEqual(status["report"]["structure"]["radii"], "protor")
 
-    def test_options_of_structures(self):
+    def test_options_of_structure_files_reach_the_program(self):
         self.add("a.cif.gz", PROJECT / "tests/data/1a8o.cif.gz")
         self.run_pdbbind("--radii", "protor", "--", "--waters")
         self.assertEqual(int(summary(self.output)["a"]["atoms"]), 644)
@@ -135,7 +134,7 @@ class Results(PdbbindTest):
         kept = {"none": [], "edges": ["bounding_box.txt", "intersection_info.txt",
                                       "partition_area.txt"]}
         kept["all"] = sorted([*kept["edges"], "grid_info.txt"])
-        for keep in ("all", "none", "edges"):  # each has to remove what the one before has left
+        for keep in ("all", "none", "edges"):  # each run removes the files of the previous one
             self.run_pdbbind("--keep", keep)
             self.assertEqual(self.files("c60"), sorted([*kept[keep], "status.json"]))
 
@@ -147,7 +146,7 @@ class Results(PdbbindTest):
                          {"probe_radius": 1.2, "spacing": 0.5, "margin": 0.8})
         self.assertEqual(report["blocks"]["size"], [9, 9, 9])
 
-    def test_compressed_files(self):
+    def test_compressed_files_are_read(self):
         self.add("c60.xyzr")
         self.run_pdbbind("--", "--gzip")
         names = ["bounding_box.txt", "intersection_info.txt", "partition_area.txt"]
@@ -155,10 +154,10 @@ class Results(PdbbindTest):
         self.run_pdbbind("--keep", "none")
         self.assertEqual(self.files("c60"), ["status.json"])
 
-    def test_threads_are_shared_out(self):
+    def test_threads_are_divided_among_structures(self):
         self.add("a.xyzr", "1ubq.xyzr")
         self.add("b.xyzr", "1ubq.xyzr")
-        # Each waits for the other, so that both run at a time.
+        # Each run waits for the other, so both must run at the same time.
         both = write_program(self.folder / "program", f"""case "$1" in *.xyzr)
   touch "$0.$$"
   until [ $(ls "$0".* | wc -l) -eq 2 ]; do sleep 0.02; done
@@ -171,16 +170,16 @@ exec '{PROGRAM}' "$@"
 
 
 class Names(PdbbindTest):
-    def test_layout_of_pdbbind(self):
+    def test_ids_follow_the_layout_of_pdbbind(self):
         self.add("1abc/1abc_protein.xyzr")
         self.add("1abc/1abc_pocket.xyzr")
         self.add("2abc_protein.xyzr")
         self.add("set/3abc/3abc.xyzr")
-        self.add("set/4abc_pocket.xyzr")  # no protein beside it
+        self.add("set/4abc_pocket.xyzr")  # without a protein beside it
         self.run_pdbbind()
         self.assertEqual(list(self.statuses()), ["1abc", "2abc", "set/3abc", "set/4abc_pocket"])
 
-    def test_odd_names(self):
+    def test_unusual_names_are_computed(self):
         names = ["a b", "-dash", "--", "größe", "'quoted\"", "two\nlines", os.fsdecode(b"\xff"), "*"]
         for name in names:
             self.add(name + ".xyzr")
@@ -189,7 +188,7 @@ class Names(PdbbindTest):
         for name in names:
             self.assertIn("intersection_info.txt", self.files(name))
 
-    def test_odd_folders(self):
+    def test_unusual_folders_are_computed(self):
         self.input = self.input / "-o x"
         self.input.mkdir()
         self.add("c60.xyzr")
@@ -198,7 +197,7 @@ class Names(PdbbindTest):
         self.assertDone(done)
         self.assertIn("c60", summary(self.input.parent / "out put"))
 
-    def test_two_files_of_one_id(self):
+    def test_two_files_of_one_id_are_refused(self):
         self.add("1abc.xyzr")
         self.add("1abc.pqr", "boxb.pqr")
         done = self.run_pdbbind(code=1)
@@ -208,7 +207,7 @@ class Names(PdbbindTest):
         self.run_pdbbind("--only", "*.pqr")
         self.assertEqual(summary(self.output)["1abc"]["atoms"], "619")
 
-    def test_ids_that_are_names_of_summaries(self):
+    def test_ids_that_are_names_of_summaries_are_refused(self):
         """Refused before anything is computed."""
         self.add("a.xyzr")
         for name in ("summary.csv.xyzr", "summary.csv/b.xyzr", "summary-1-of-2.csv.pqr"):
@@ -225,7 +224,7 @@ class Names(PdbbindTest):
         self.run_pdbbind()
         self.assertEqual(self.statuses(), {"a": "done", "b/summary.csv": "done"})
 
-    def test_a_folder_in_the_place_of_the_summary(self):
+    def test_folder_in_the_place_of_the_summary_is_refused(self):
         self.add("a.xyzr")
         (self.output / "summary.csv").mkdir(parents=True)
         done = self.run_pdbbind(code=1)
@@ -238,18 +237,18 @@ class Names(PdbbindTest):
         self.run_pdbbind()
         self.assertEqual(list(self.statuses()), ["a/c60"])
 
-    def test_results_are_no_structures(self):
+    def test_results_are_not_taken_for_structures(self):
         self.add("c60.xyzr")
         self.output = self.input / "results"
         self.run_pdbbind("--keep", "none")
         (self.output / "c60" / "atoms.pqr").write_bytes((DATA / "boxb.pqr").read_bytes())
-        self.add("._c60.xyzr")  # what macOS leaves beside a file
+        self.add("._c60.xyzr")  # macOS leaves it beside a file
         self.run_pdbbind("--keep", "none")
         self.assertEqual(list(self.statuses()), ["c60"])
 
 
 class Failures(PdbbindTest):
-    def test_one_bad_file(self):
+    def test_one_bad_file_does_not_stop_the_others(self):
         self.add("good.xyzr")
         (self.input / "bad.xyzr").write_text("0 0 0 1\n1 2 x 1\n")
         (self.input / "cut.xyzr.gz").write_bytes(gzip.compress(b"0 0 0 1\n" * 100)[:-12])
@@ -262,20 +261,20 @@ class Failures(PdbbindTest):
             self.assertIn(name, done.stderr)
         self.assertEqual(self.files("bad"), ["status.json"])
 
-    def test_a_failed_structure_is_tried_again(self):
+    def test_failed_structure_is_tried_again(self):
         (self.input / "c60.xyzr").write_text("nothing\n")
         self.run_pdbbind(code=1)
         self.add("c60.xyzr")
         self.run_pdbbind()
         self.assertEqual(self.statuses(), {"c60": "done"})
 
-    def test_nothing_to_do(self):
+    def test_folder_without_structures_is_an_error(self):
         self.assertIn("no structures", self.run_pdbbind(code=1).stderr)
         (self.input / "notes.txt").write_text("0 0 0 1\n")
         self.assertIn("no structures", self.run_pdbbind(code=1).stderr)
         self.assertFalse(self.output.exists())
 
-    def test_what_stands_on_the_command_line(self):
+    def test_invalid_options_are_refused(self):
         self.add("c60.xyzr")
         (self.folder / "file").write_text("")
         for code, arguments in (
@@ -297,7 +296,7 @@ class Failures(PdbbindTest):
             self.assertEqual(done.stderr.count("\n"), 1, done.stderr)
         self.assertFalse(self.output.exists())
 
-    def test_arguments_that_are_not_to_be_passed_on(self):
+    def test_arguments_that_the_script_sets_are_refused(self):
         self.add("c60.xyzr")
         for words in (("--dry-run",), ("--help",), ("-h",), ("-qh",), ("--version",), ("--json",),
                       ("-o", "x"), ("-ox",), ("--output-dir=x",), ("--format", "xyzr"),
@@ -306,19 +305,19 @@ class Failures(PdbbindTest):
                       ("--spacing", "0.5", "--dry-run")):
             done = self.run_pdbbind("--", *words, code=2)
             self.assertEqual(done.stderr.count("\n"), 1, done.stderr)
-            self.assertIn("may not be among the arguments after --", done.stderr)
+            self.assertIn("is refused after --", done.stderr)
             self.assertFalse(self.output.exists())
         self.run_pdbbind("--", "-qb32", "--verify=10", "--strict", "--max-memory", "1G",
                          "--region", "-5,-5,-5,5,5,5")
         self.assertEqual(self.statuses(), {"c60": "done"})
 
-    def test_help_tells_of_every_option(self):
-        told = run("pdbbind", "--help").stdout
+    def test_help_describes_every_option(self):
+        output = run("pdbbind", "--help").stdout
         for option, word in (("--probe-radius", "solvent"), ("--spacing", "grid points"),
-                             ("--margin", "edge of the grid"), ("--block-size", "side of a block")):
-            self.assertIn(word, " ".join(told.partition(option)[2].split())[:120])
+                             ("--margin", "grid boundary"), ("--block-size", "side of a block")):
+            self.assertIn(word, " ".join(output.partition(option)[2].split())[:120])
 
-    def test_nothing_can_be_written(self):
+    def test_unwritable_output_is_refused(self):
         if os.geteuid() == 0:
             self.skipTest("root may write everywhere")
         self.add("c60.xyzr")
@@ -333,21 +332,22 @@ class Resuming(PdbbindTest):
             self.add(name + ".xyzr")
 
     def redone(self, *arguments):
-        """Ids that a further call computes again; all of them are done in the end."""
+        """Calls the script again and returns the ids that it computes. All must be done at the
+        end."""
         before = {name: self.stamp(name) for name in "abc"
                   if (self.output / name / "status.json").exists()}
         self.run_pdbbind(*arguments)
         self.assertEqual(set(self.statuses().values()), {"done"})
         return {name for name in "abc" if self.stamp(name) != before.get(name)}
 
-    def test_what_is_complete_stands(self):
+    def test_complete_results_are_kept(self):
         self.assertEqual(self.redone(), {"a", "b", "c"})
         before = summary(self.output)
         self.assertEqual(self.redone(), set())
-        self.assertEqual(summary(self.output), before)  # with times and all
+        self.assertEqual(summary(self.output), before)  # including the times
         self.assertEqual(self.redone("--threads", "1", "--jobs", "2"), set())
 
-    def test_what_has_changed_is_redone(self):
+    def test_changed_structures_are_computed_again(self):
         self.run_pdbbind()
         (self.output / "a" / "intersection_info.txt").unlink()
         (self.output / "b" / "partition_area.txt").write_text("cut off")
@@ -356,16 +356,16 @@ class Resuming(PdbbindTest):
         self.assertEqual(self.redone(), {"c"})
         self.assertEqual(summary(self.output)["c"]["atoms"], "602")
         a = self.input / "a.xyzr"
-        a.write_text(a.read_text().replace("1.70\n", "1.80\n"))  # as long as before
+        a.write_text(a.read_text().replace("1.70\n", "1.80\n"))  # the same length
         self.assertEqual(self.redone(), {"a"})
 
-    def test_other_options(self):
+    def test_other_options_are_computed_again(self):
         self.run_pdbbind()
         self.assertEqual(self.redone("--spacing", "0.5"), {"a", "b", "c"})
         self.assertEqual(self.redone("--spacing", "0.5", "--keep", "none"), {"a", "b", "c"})
         self.assertEqual(self.redone("--spacing", "0.5", "--keep", "none"), set())
 
-    def test_what_was_cut_off_is_redone(self):
+    def test_incomplete_results_are_computed_again(self):
         self.run_pdbbind("--keep", "all")
         wrecked = self.output / "a"
         (wrecked / "status.json").unlink()
@@ -373,12 +373,12 @@ class Resuming(PdbbindTest):
         (wrecked / ".work-1").mkdir()
         (wrecked / ".work-1" / "report").write_text("{")
         (self.output / "b" / "status.json").write_text('{"status": "do')
-        self.assertEqual(self.redone(), {"a", "b", "c"})  # c: --keep is another
+        self.assertEqual(self.redone(), {"a", "b", "c"})  # c: --keep has changed
         for name in "abc":
             self.assertEqual(self.files(name), ["bounding_box.txt", "intersection_info.txt",
                                                 "partition_area.txt", "status.json"])
 
-    def test_a_status_that_was_edited(self):
+    def test_edited_status_is_computed_again(self):
         self.run_pdbbind()
         path = self.output / "a" / "status.json"
         status = json.loads(path.read_text())
@@ -394,8 +394,8 @@ class Resuming(PdbbindTest):
             path.write_text(text)
             self.assertEqual(self.redone(), {"a"})
 
-    def test_a_program_that_goes_on(self):
-        """What it is writing is left alone, until it has ended."""
+    def test_files_of_a_running_program_are_left_alone(self):
+        """Files that another process is still writing are left alone until it has ended."""
         folder = self.output / "a"
         folder.mkdir(parents=True)
         unfinished = folder / ".grid_info.txt.1.part"
@@ -413,7 +413,7 @@ class Interruption(PdbbindTest):
     def setUp(self):
         super().setUp()
         self.add("a.xyzr")
-        self.add("slow1.xyzr", "1ubq.xyzr")  # larger, so they come first
+        self.add("slow1.xyzr", "1ubq.xyzr")  # larger ones come first
         self.add("slow2.xyzr", "1ubq.xyzr")
         self.slow = write_program(self.folder / "slow", SLOW)
         self.addCleanup(self.end_slow_ones)
@@ -428,7 +428,7 @@ class Interruption(PdbbindTest):
         return path.read_text().split() if path.exists() else []
 
     def start(self):
-        """A run of which a is done and both others are under way."""
+        """Returns a run of which `a` is done and both others are running."""
         process = subprocess.Popen(
             command("pdbbind", *self.arguments("--jobs", "3", "--program", self.slow)),
             stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True,
@@ -440,7 +440,7 @@ class Interruption(PdbbindTest):
         return process
 
     def finish(self):
-        """The rest is done by a second call, and what was done stands."""
+        """Checks that a second call computes the rest and keeps the finished structure."""
         before = self.stamp("a")
         self.run_pdbbind()
         self.assertEqual(self.stamp("a"), before)
@@ -449,19 +449,19 @@ class Interruption(PdbbindTest):
     def check_signal(self, number):
         process = self.start()
         process.send_signal(number)
-        _, told = process.communicate(timeout=PATIENCE)  # it does not wait for the slow ones
-        self.assertEqual(process.returncode, 128 + number, told)
+        _, output = process.communicate(timeout=PATIENCE)  # does not wait for the slow structures
+        self.assertEqual(process.returncode, 128 + number, output)
         self.assertEqual(self.statuses(), {"a": "done", "slow1": "pending", "slow2": "pending"})
         self.assertEqual(self.files("slow1"), [])
         self.finish()
 
-    def test_ctrl_c(self):
+    def test_ctrl_c_ends_the_run_in_order(self):
         self.check_signal(signal.SIGINT)
 
-    def test_sigterm(self):
+    def test_sigterm_ends_the_run_in_order(self):
         self.check_signal(signal.SIGTERM)
 
-    def test_a_killed_run(self):
+    def test_killed_run_is_continued(self):
         process = self.start()
         done = self.run_pdbbind(code=1)
         self.assertIn("another run", done.stderr)
@@ -483,7 +483,7 @@ class Tasks(PdbbindTest):
     def merge(self):
         return run("pdbbind", "merge", self.output)
 
-    def test_all_tasks_give_what_one_run_gives(self):
+    def test_all_tasks_together_give_the_results_of_one_run(self):
         self.run_pdbbind(code=1)
         at_once, self.output = summary(self.output), self.folder / "shares"
         for task in (3, 1):
@@ -492,18 +492,18 @@ class Tasks(PdbbindTest):
         self.assertDone(missing, 1)
         self.assertIn("task 2 of 3", missing.stderr)
         run("pdbbind", *self.arguments("--task", "2/3"))
-        self.assertDone(self.merge(), 1)  # as there is a failed one
+        self.assertDone(self.merge(), 1)  # a structure has failed
         self.assertEqual(without_run(summary(self.output)), without_run(at_once))
         sizes = [len(summary(self.output, f"summary-{task}-of-3.csv")) for task in (1, 2, 3)]
         self.assertEqual(sorted(sizes), [2, 2, 3])
 
-    def test_more_tasks_than_structures(self):
+    def test_more_tasks_than_structures_are_allowed(self):
         for task in range(1, 10):
             run("pdbbind", *self.arguments("--task", f"{task}/9", "--keep", "none"))
         self.merge()
         self.assertEqual(len(summary(self.output)), 7)
 
-    def test_shares_that_do_not_belong_together(self):
+    def test_shares_of_different_arrays_are_refused(self):
         run("pdbbind", *self.arguments("--task", "1/1", "--keep", "none"))
         shutil.copy(self.output / "summary-1-of-1.csv", self.output / "summary-2-of-2.csv")
         self.assertIn("1 and 2 tasks", self.merge().stderr)
@@ -511,14 +511,14 @@ class Tasks(PdbbindTest):
         self.assertIn("two tasks", self.merge().stderr)
         self.assertDone(self.merge(), 1)
 
-    def test_several_tasks_of_one_step(self):
-        """As `srun -n 2` starts them: each has a share, so the program must not object."""
+    def test_several_tasks_of_one_step_are_independent(self):
+        """`srun -n 2` starts two tasks. Each has a share, so the program must not refuse."""
         (self.input / "bad.xyzr").unlink()
         self.run_pdbbind("--task", "1/2", env={**os.environ, "SLURM_STEP_NUM_TASKS": "2"})
         rows = summary(self.output, "summary-1-of-2.csv")
         self.assertEqual([row["status"] for row in rows.values()], ["done"] * 3)
 
-    def test_slurm_file(self):
+    def test_slurm_file_runs_a_task(self):
         for task in (4, 5):
             environment = {**os.environ, "SLURM_SUBMIT_DIR": str(PROJECT),
                            "SLURM_ARRAY_TASK_ID": str(task), "SLURM_ARRAY_TASK_MIN": "4",
@@ -531,7 +531,7 @@ class Tasks(PdbbindTest):
 
 
 class WithoutPdb2pqr(PdbbindTest):
-    """PDB2PQR missing, and one that fails; the real one has tests of its own."""
+    """PDB2PQR is missing or fails. test_pdb2pqr.py runs the real one."""
 
     def setUp(self):
         super().setUp()
@@ -544,13 +544,13 @@ class WithoutPdb2pqr(PdbbindTest):
     def run_with_path(self, path):
         return self.run_pdbbind(code=1, env={**os.environ, "PATH": str(path)})
 
-    def test_missing(self):
+    def test_missing_pdb2pqr_is_reported(self):
         done = self.run_with_path(self.programs)
         self.assertIn("apt-get install pdb2pqr", done.stderr)
         self.assertIn("1abc.pdb", done.stderr)
         self.run_pdbbind("--only", "*.xyzr", env={**os.environ, "PATH": str(self.programs)})
 
-    def test_failing(self):
+    def test_failing_pdb2pqr_is_reported(self):
         write_program(self.programs / "pdb2pqr30", """echo "INFO:called with $*" >&2
 echo "CRITICAL:Too few atoms" >&2
 echo "CRITICAL:Giving up." >&2

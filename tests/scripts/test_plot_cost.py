@@ -1,4 +1,4 @@
-"""scripts/benchmarks/plot-cost: measuring on small input, and plotting.
+"""Tests of scripts/benchmarks/plot-cost: measuring on small input, and plotting.
 
 Skipped without matplotlib.
 """
@@ -31,7 +31,7 @@ class PlotCost(TestCase):
         xml.etree.ElementTree.fromstring(text)
         return text
 
-    def test_what_was_saved(self):
+    def test_saved_costs_are_drawn_again(self):
         saved = PROJECT / "doc" / "cost.json"
         figures = json.loads(saved.read_text(encoding="utf-8"))
         self.plot_cost("--from", saved, "-o", self.folder)
@@ -42,7 +42,7 @@ class PlotCost(TestCase):
                 self.assertIn(word, words)
         self.assertIn("8,279 atoms", self.words("cost-spacing.svg"))
 
-    def test_measuring(self):
+    def test_costs_are_measured_and_drawn(self):
         self.plot_cost(DATA / "c60.xyzr", "--program", PROGRAM, "--runs", "1", "--spacings",
                        "1.0,0.8", "--copies", "2", "--scratch", self.folder / "scratch",
                        "-o", self.folder / "made")
@@ -61,7 +61,7 @@ class PlotCost(TestCase):
         for name in FIGURES:
             self.assertIn("CPU time (s)", self.words(f"made/{name}"))
 
-    def test_errors(self):
+    def test_errors_are_one_line(self):
         out = ("-o", self.folder)
         for text in ("{", "{}", "[]"):
             (self.folder / "cost.json").write_text(text)

@@ -1,4 +1,4 @@
-"""The progress bar, on a terminal of the test's own."""
+"""Tests of the progress bar on a simulated terminal."""
 
 import fcntl
 import os
@@ -23,7 +23,7 @@ class Bar(TestCase):
                                       for y in range(16) for z in range(16)))
 
     def run_on_terminal(self, *options, term="xterm"):
-        """What stands on standard output, and what was sent to the terminal."""
+        """Returns standard output and the text sent to the terminal."""
         master, slave = pty.openpty()
         fcntl.ioctl(slave, termios.TIOCSWINSZ, struct.pack("HHHH", 24, WIDTH, 0, 0))
         program = subprocess.Popen(
@@ -36,7 +36,7 @@ class Bar(TestCase):
         while select.select([master], [], [], 120)[0]:
             try:
                 part = os.read(master, 1 << 16)
-            except OSError:  # the program has closed its side
+            except OSError:  # the program has closed its end
                 break
             if not part:
                 break
@@ -46,7 +46,7 @@ class Bar(TestCase):
         self.assertEqual(program.returncode, 0, sent)
         return printed, sent.decode()
 
-    def test_grows_and_goes(self):
+    def test_bar_grows_and_disappears(self):
         printed, sent = self.run_on_terminal()
         self.assertIn("surface area: ", printed)
         self.assertNotIn("\r", printed)
@@ -57,22 +57,22 @@ class Bar(TestCase):
         self.assertEqual(shares, sorted(shares))
         self.assertIn(" left", sent)
         self.assertLess(max(len(line) for line in lines), WIDTH)
-        # In the end the line is blank, and the cursor at its start.
+        # In the end the line is blank, and the cursor is at its start.
         self.assertEqual(lines[-1], "")
         self.assertEqual(lines[-2].strip(), "")
 
-    def test_of_checks(self):
+    def test_checks_have_a_bar(self):
         sent = self.run_on_terminal("--verify=200000")[1]
         self.assertRegex(sent, r"\d+/\d+ checks")
 
-    def test_of_runs_that_can_be_resumed(self):
+    def test_runs_with_resume_have_a_bar(self):
         self.assertRegex(self.run_on_terminal("--resume")[1], r"\d+/\d+ blocks")
 
-    def test_not_where_it_is_not_wanted(self):
+    def test_bar_is_absent_where_it_would_disturb(self):
         self.assertEqual(self.run_on_terminal("--quiet")[1], "")
         self.assertNotIn("%", self.run_on_terminal(term="dumb")[1])
 
-    def test_plan_beside_json(self):
+    def test_plan_is_shown_beside_json(self):
         printed, sent = self.run_on_terminal("--json")
         self.assertTrue(printed.startswith("{"))
         self.assertIn("grid: ", sent)

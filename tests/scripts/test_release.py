@@ -1,4 +1,4 @@
-"""The version is the same wherever it is told."""
+"""Tests that the version is the same everywhere."""
 
 import re
 import subprocess
@@ -18,18 +18,18 @@ class Release(TestCase):
         self.version, = found("CMakeLists.txt", r"^project\(eses-blocks VERSION (\S+)")
         self.release, self.date = found("CHANGELOG.md", r"^## \[(\d[^]]*)\] - (\d{4}-\d\d-\d\d)$")
 
-    def test_program(self):
+    def test_program_has_the_version(self):
         done = subprocess.run([PROGRAM, "--version"], capture_output=True, text=True, check=False)
         self.assertDone(done)
         self.assertEqual(done.stdout.splitlines()[0], f"eses-blocks {self.version}")
 
-    def test_changelog(self):
+    def test_changelog_has_the_version(self):
         self.assertEqual(self.release, self.version)
         headings = re.findall(r"^## (.*)", (PROJECT / "CHANGELOG.md").read_text(encoding="utf-8"),
                               re.MULTILINE)
         self.assertEqual(headings[:2], ["[Unreleased]", f"[{self.version}] - {self.date}"])
 
-    def test_citation(self):
+    def test_citation_has_the_version(self):
         self.assertEqual(found("CITATION.cff", r"^version: (\S+)$"), (self.version,))
         self.assertEqual(found("CITATION.cff", r"^date-released: (\S+)$"), (self.date,))
 

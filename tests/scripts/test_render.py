@@ -1,4 +1,4 @@
-"""scripts/render: a picture of a small mesh; skipped without VTK or a display."""
+"""Tests that scripts/render draws a small mesh; skipped without VTK or a display."""
 
 import os
 import shutil
@@ -18,7 +18,7 @@ def can_draw():
 
 
 def read_png(path):
-    """Width, height and rows of an 8-bit RGB picture without interlacing."""
+    """Returns width, height and rows of an 8-bit RGB picture without interlacing."""
     data, at, packed = path.read_bytes(), 8, b""
     while at < len(data):
         length, kind = struct.unpack(">I4s", data[at:at + 8])
@@ -37,7 +37,7 @@ class Render(TestCase):
         return subprocess.run([SCRIPT, *map(str, arguments)], capture_output=True, text=True,
                               check=False, timeout=120)
 
-    def test_picture(self):
+    def test_picture_shows_the_mesh(self):
         mesh, picture = self.folder / "a.ply", self.folder / "a.png"
         self.assertDone(subprocess.run(
             [PROGRAM, DATA / "c60.xyzr", "-q", "--write", "none", "--mesh", mesh],
@@ -45,12 +45,12 @@ class Render(TestCase):
         self.assertDone(self.render(mesh, "-o", picture, "--size", 80))
         width, height, rows = read_png(picture)
         self.assertEqual((width, height), (80, 60))
-        # Neither blank nor full: PNG's filters leave zeros where nothing changes.
+        # The picture is neither blank nor full: PNG's filters leave zeros where nothing changes.
         changes = sum(byte != 0 for byte in rows)
         self.assertGreater(changes, 500)
         self.assertLess(changes, len(rows))
 
-    def test_wrong_files(self):
+    def test_wrong_files_are_refused(self):
         text = self.folder / "a.txt"
         text.write_text("none")
         for path, message in ((text, "not a .ply or .obj file"),

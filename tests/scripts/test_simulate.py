@@ -1,4 +1,5 @@
-"""scripts/benchmarks/simulate: what follows from arithmetic, and measuring up to a plot."""
+"""Tests of scripts/benchmarks/simulate: results that follow from arithmetic, and a measurement
+up to the plot."""
 
 import json
 import os
@@ -22,7 +23,7 @@ ONE_THREAD = scaling.Machine(threads=1)
 
 
 def even_costs(plane_seconds=1.0, plane_atoms=0, columns=1, block_size=2, **values):
-    """Every plane like every other; nothing but blocks costs time unless told otherwise."""
+    """Returns costs in which all planes are equal and, unless given, only blocks cost time."""
     settings = {name: 0 for name in costs.NUMBERS}
     settings.update(dict.fromkeys(costs.WORDS, "none"))
     settings.update(spacing=1.0, nx=2 + (columns - 1) * (block_size - 1), ny=2, nz=PLANES,
@@ -43,26 +44,26 @@ class Schedule(unittest.TestCase):
         layers = [scaling.Layer([5], [1, 2], [3]), scaling.Layer([], [4], [5])]
         self.assertEqual(scaling.makespan(layers, 1, 0), 20)
 
-    def test_longest_block(self):
+    def test_longest_block_bounds_the_time(self):
         for blocks, took in (([3, 1, 1, 1], 3), ([1, 1, 1, 3], 4)):
             self.assertEqual(scaling.makespan([scaling.Layer([], blocks, [0])], 2, 8), took)
 
-    def test_blocks_ahead(self):
+    def test_blocks_ahead_shorten_the_time(self):
         layers = [scaling.Layer([], [4, 1], [2]), scaling.Layer([], [1, 1], [0])]
-        # Without any the second layer begins when the first is written, at 6.
+        # With none ahead, the second layer begins when the first is written, at 6.
         self.assertEqual(scaling.makespan(layers, 2, 0), 7)
         self.assertEqual(scaling.makespan(layers, 2, 2), 6)
 
     def test_patches_come_first(self):
-        # One block cannot begin before the patches of its layer are built.
+        # A block cannot begin before the patches of its layer are built.
         self.assertEqual(scaling.makespan([scaling.Layer([1, 3], [2], [0])], 2, 8), 5)
         # The patches of the second layer are built beside the slowest block of the first.
         layers = [scaling.Layer([], [4, 1], [0]), scaling.Layer([2, 1], [1], [0])]
         self.assertEqual(scaling.makespan(layers, 2, 2), 5)
-        # Where no block may be solved ahead, no patches are built ahead.
+        # If no block may be solved ahead, no patches are built ahead.
         self.assertEqual(scaling.makespan(layers, 2, 0), 7)
 
-    def test_bounds(self):
+    def test_time_is_between_its_bounds(self):
         chance = random.Random(3)
 
         def numbers():
@@ -76,21 +77,22 @@ class Schedule(unittest.TestCase):
                 took = scaling.makespan(layers, threads, 4 * threads)
                 self.assertGreater(took, work / threads - 1e-9)
                 self.assertLess(took, work + 1e-9)
-                # A layer's text follows its blocks, and that of the layer before.
+                # The text of a layer follows its blocks and the text of the previous layer.
                 chain = sum(max(layer.chunks) for layer in layers)
                 chain += max(layers[0].patches) + max(layers[0].blocks)
                 self.assertGreater(took, chain - 1e-9)
 
 
 class Cuts(unittest.TestCase):
-    def test_even(self):
+    def test_equal_sums_are_cut_evenly(self):
         self.assertEqual(scaling.cut_evenly([1] * 8, 4), [0, 2, 4, 6, 8])
-        # The sums are 0, 10, 11, 12: nearest to 4 is 0, nearest to 8 is 10.
+        # The sums are 0, 10, 11, 12. The nearest to 4 is 0, the nearest to 8 is 10.
         self.assertEqual(scaling.cut_evenly([10, 1, 1], 3), [0, 0, 1, 3])
         self.assertEqual(scaling.cut_evenly([1], 3)[-1], 1)
 
     def test_layers_are_those_of_the_program(self):
-        # A block of 64 owns 63 planes, but the last plane of the grid belongs to the one below it.
+        # A block of 64 points owns 63 planes, but the last plane of the grid belongs to the block
+        # below it.
         self.assertEqual(scaling.layers_of(0, 64, 63, 64), [(0, 64)])
         self.assertEqual(scaling.layers_of(0, 64, 63, 65), [(0, 63), (63, 64)])
         self.assertEqual(scaling.layers_of(5, 6, 63, 100), [(5, 6)])
@@ -98,7 +100,7 @@ class Cuts(unittest.TestCase):
 
 
 class Runs(TestCase):
-    def test_even_planes(self):
+    def test_equal_planes_scale_perfectly(self):
         """Without a halo nothing is lost until there are more processes than planes."""
         for block_size in (2, 17, 64):
             model = scaling.Model(even_costs(block_size=block_size))
@@ -107,7 +109,7 @@ class Runs(TestCase):
             self.assertEqual(efficiencies(model, (128, 256)), [0.5, 0.25])
             self.assertAlmostEqual(model.run(64, ONE_THREAD).seconds, 1)
 
-    def test_threads(self):
+    def test_threads_share_blocks(self):
         model = scaling.Model(even_costs(columns=16, block_size=2))
         four = model.run(1, scaling.Machine(threads=4))
         self.assertAlmostEqual(four.seconds, PLANES / 4)
@@ -115,10 +117,10 @@ class Runs(TestCase):
         alone = scaling.Model(even_costs(block_size=64))
         self.assertAlmostEqual(alone.run(1, scaling.Machine(threads=4)).seconds, PLANES)
 
-    def test_plane_below(self):
-        """A slab of n planes costs n and a half, and its plane below one and a half."""
+    def test_plane_below_is_solved_again(self):
+        """A slab of n planes costs n and a half, and the plane below it one and a half."""
         side, overhead = 16, 0.5
-        # thin_planes is what one plane costs, against the mean of a whole block.
+        # thin_planes is the cost of one plane, relative to the mean plane of a whole block.
         values = {"thin_planes": (1 + overhead) * side / (side + overhead)}
         settings = even_costs(block_size=side + 1, **values)
         settings.values["nz"] = 65
@@ -129,7 +131,7 @@ class Runs(TestCase):
         seconds = model.run(65, ONE_THREAD).seconds
         self.assertAlmostEqual(seconds, (1 + overhead) + (1 + overhead))
 
-    def test_one_process(self):
+    def test_one_process_takes_the_measured_time(self):
         values = {"input_bytes": 10**6, "text_bytes": 10**7, "area_bytes": 10**5,
                   "probe_radius": 1.4, "mean_radius": 1.5, "max_radius": 2, "read_seconds": 9,
                   "read_alone_seconds": 1, "molecule_seconds": 2, "plan_seconds": 0.25,
@@ -143,17 +145,19 @@ class Runs(TestCase):
             self.assertIsNone(scaling.limit(one, one))
             self.assertEqual(one.sent, 0)
         one = model.run(1, ONE_THREAD)
-        # All but the copying of texts, which one process writes where they belong.
+        # The time contains everything except copying texts, because one process writes them
+        # directly.
         self.assertAlmostEqual(one.seconds, 1 + 2 + 0.25 + 0.5 + 3 + PLANES + 4 + 5)
         self.assertAlmostEqual(one.shares[0].cpu, one.seconds)
 
-    def test_file_system(self):
+    def test_file_system_limits_the_time(self):
         values = {"input_bytes": 10**6, "text_bytes": 5 * 10**7, "area_bytes": 10**5,
                   "read_seconds": 0.01, "text_seconds": 4, "copy_write_seconds": 0.5}
         model = scaling.Model(even_costs(plane_seconds=0.01, **values))
         for ranks in (1, 2, 16, 64):
             free = model.run(ranks, ONE_THREAD)
-            # One process writes its text once; several write it, read it and write it again.
+            # One process writes its text once. Several processes write it, read it and write it
+            # again.
             passes = 1 if ranks == 1 else 3
             total = 10**6 + passes * 5 * 10**7 + 10**5
             self.assertEqual(free.file_system_bytes, total)
@@ -164,19 +168,20 @@ class Runs(TestCase):
                 self.assertGreaterEqual(limited.seconds, total / speed * (1 - 1e-12))
                 self.assertGreaterEqual(limited.seconds, free.seconds)
 
-    def test_halo(self):
-        """Radii of 1 and no probe: atoms matter 1 + 4 + 1 angstrom from a slab."""
+    def test_halo_atoms_are_counted(self):
+        """With radii of 1 and no probe, a slab needs atoms up to 1 + 4 + 1 angstrom away."""
         atoms = 100
         model = scaling.Model(even_costs(plane_atoms=atoms, mean_radius=1.0, max_radius=1.0))
-        # Four slabs of 16 planes, those in the middle with the plane below: from -1 - 6 to 16 + 6
-        # planes. At the ends from the first atom on, half a plane below the first plane.
+        # There are four slabs of 16 planes. Those in the middle include the plane below and reach
+        # from -1 - 6 to 16 + 6 planes. At the ends they begin at the first atom, half a plane below
+        # the first plane.
         run_of_four = model.run(4, ONE_THREAD)
         halo = (2 * 22.5 + 2 * 29) * atoms
-        areas = (2 * 17.5 + 2 * 19) * atoms  # 1 angstrom around each
+        areas = (2 * 17.5 + 2 * 19) * atoms  # 1 angstrom around each slab
         self.assertEqual([share.atoms for share in run_of_four.shares],
                          [22.5 * atoms, 29 * atoms, 29 * atoms, 22.5 * atoms])
-        # Of 48 bytes an atom and 32 an area three quarters go to others. Atoms are sent once, as
-        # the slabs that are cut by atoms are those cut by time, too.
+        # An atom takes 48 bytes and an area 32. Three quarters of them go to other processes. Atoms
+        # are sent once, because the cut by atoms is also the cut by time.
         sent = (48 * halo + 32 * areas) * 3 / 4 / 4
         few = run_of_four.sent - sent
         self.assertGreater(few, 0)
@@ -184,10 +189,11 @@ class Runs(TestCase):
         totals = [ranks * model.run(ranks, ONE_THREAD).sent for ranks in (1, 2, 4, 8, 16, 32, 64)]
         self.assertEqual(totals, sorted(set(totals)))
 
-    def test_cut_again(self):
-        """Only where that gains more than it takes to prepare atoms a second time."""
+    def test_slabs_are_cut_again_if_it_gains(self):
+        """The slabs are cut again only if this gains more than preparing the atoms again costs."""
         settings = even_costs(plane_atoms=1000)
-        # Crossings of each plane of the lower half; the cut by time, and that which is made.
+        # The lines are the crossings of each plane of the lower half, the cut by time, and the
+        # expected cut.
         for crossings, evenly, made in ((0, 32, 32), (3000, 31, 32), (6000, 29, 29)):
             layers = [layer._replace(crossings=crossings if bz < PLANES / 2 else 0)
                       for bz, layer in enumerate(settings.layers)]
@@ -197,12 +203,13 @@ class Runs(TestCase):
                 self.assertEqual(cuts, [0, evenly, PLANES])
                 below, above = model.slabs(2)
                 self.assertEqual((below.end, above.begin), (made, made))
-                # They are sent for the first slabs, too.
+                # Atoms are also sent for the first slabs.
                 self.assertEqual([slab.first_atoms > 0 for slab in (below, above)],
                                  [made != PLANES / 2] * 2)
 
-    def test_prepared_by_threads(self):
-        """Slices of 65,536 atoms, a cell list by one thread, the rest evenly."""
+    def test_threads_share_the_preparation_of_atoms(self):
+        """Slices of 65,536 atoms are sorted by several threads, the cell list is made by one,
+        and the rest is shared evenly."""
         sliced, by_one = scaling.MOLECULE_SLICED, scaling.MOLECULE_BY_ONE
         whole = 1 - sliced - by_one
         for planes_atoms, slices in ((500, 1), (3 * 1024, 3), (10**5, 16)):
@@ -217,10 +224,11 @@ class Runs(TestCase):
                     self.assertAlmostEqual(took, 7 + 3 + 100 * (
                         by_one + sliced * rounds / slices + whole / threads))
 
-    def test_atoms_that_come(self):
-        """By one thread: their slabs are looked for, they are sent, and put where they belong."""
+    def test_exchange_of_atoms_takes_time(self):
+        """One thread finds the slabs of atoms, sends them, and stores those that it receives."""
         model = scaling.Model(even_costs(plane_atoms=1000))
-        # Half the planes, and an angstrom more; of the upper slab from the plane below it.
+        # The slab has half the planes and an angstrom more. The upper slab includes the plane below
+        # it.
         come = 1000 * (PLANES / 2 + 1.5)
         seconds = (scaling.SECONDS_PER_HALVING * 1000 * PLANES / 2
                    + (scaling.SECONDS_PER_SENT_ATOM + scaling.SECONDS_PER_RECEIVED_ATOM) * come)
@@ -230,7 +238,7 @@ class Runs(TestCase):
         self.assertEqual(model.run(1, ONE_THREAD).phases[scaling.EXCHANGE], 0)
 
     def test_texts_are_copied_by_two_threads(self):
-        """Or by the kernel, where all processes share a machine."""
+        """If all processes share a machine, the kernel copies texts instead."""
         model = scaling.Model(even_costs(text_bytes=10**6, copy_read_seconds=4,
                                          copy_write_seconds=6, copy_kernel_seconds=5,
                                          area_seconds=1))
@@ -242,33 +250,33 @@ class Runs(TestCase):
             self.assertAlmostEqual(phases[scaling.MERGE], seconds / 2 + areas)
         self.assertAlmostEqual(model.run(1, ONE_THREAD).phases[scaling.MERGE], 1)
 
-    def test_patches_of_the_halo(self):
-        """Radii of 1, no probe: patches 1 + 2 angstrom from a slab."""
+    def test_patches_of_the_halo_are_built(self):
+        """With radii of 1 and no probe, a slab needs patches up to 1 + 2 angstrom away."""
         model = scaling.Model(even_costs(plane_seconds=0.0, plane_atoms=1000, patch_seconds=64.0,
                                          mean_radius=1.0, max_radius=1.0))
         for threads in (1, 4):
             phases = model.run(4, scaling.Machine(threads)).phases
             self.assertAlmostEqual(phases[scaling.SWEEP], (16 + 1 + 2 * 3) / threads, places=2)
 
-    def test_network(self):
+    def test_network_takes_time(self):
         model = scaling.Model(even_costs(plane_atoms=100, mean_radius=1.0, max_radius=1.0))
         fast = model.run(4, ONE_THREAD)
         slow = model.run(4, ONE_THREAD._replace(network=1e3))
-        # The largest slab gets 29 planes of atoms, three quarters of them from others.
+        # The largest slab gets 29 planes of atoms, three quarters of them from other processes.
         self.assertAlmostEqual(slow.phases[scaling.EXCHANGE] - fast.phases[scaling.EXCHANGE],
                                48 * 2900 * 0.75 / 1e3)
         self.assertGreater(slow.seconds, fast.seconds)
         late = model.run(4, ONE_THREAD._replace(latency=1.0))
-        self.assertGreater(late.seconds - fast.seconds, 3)  # each hears from three others
+        self.assertGreater(late.seconds - fast.seconds, 3)  # each receives from three others
 
-    def test_memory(self):
+    def test_memory_decreases_with_more_processes(self):
         model = scaling.Model(even_costs(plane_atoms=10000, mean_radius=1.5, max_radius=2.0,
                                          probe_radius=1.4))
         memory = [model.run(ranks, ONE_THREAD).memory for ranks in (1, 2, 4, 8, 16, 32, 64)]
         self.assertEqual(memory[1:], sorted(memory[1:], reverse=True))
 
-    def test_patches_held(self):
-        """Those of all atoms in a few planes, else of the heights around a layer."""
+    def test_patches_around_a_layer_are_held(self):
+        """Patches of all atoms are held in a grid of few planes, otherwise those around a layer."""
         few, many = (scaling.Model(even_costs(plane_atoms=100, block_size=9, mean_radius=radius,
                                               max_radius=radius))
                      for radius in (30.0, 1.0))
@@ -277,19 +285,19 @@ class Runs(TestCase):
         (slab,) = many.slabs(1)
         below, above = 1 + scaling.CELL_HEIGHT, 1 + 2 + 2 * scaling.CELL_HEIGHT
         self.assertEqual(many.patched_at_a_time(slab, 24, 32), 100 * (8 + 1 + below + above))
-        # Threads that solve blocks ahead need those of two layers.
+        # Threads that solve blocks ahead need the patches of two layers.
         two = many.run(1, scaling.Machine(2)).memory
         one = many.run(1, ONE_THREAD).memory
         self.assertGreater(two - one, 100 * 8 * scaling.PATCH_MEMORY)
 
-    def test_copies(self):
+    def test_copies_multiply_the_work(self):
         settings = even_costs(plane_seconds=0.5)
         self.assertAlmostEqual(scaling.Model(settings, 3).run(3, ONE_THREAD).seconds,
                                scaling.Model(settings).run(1, ONE_THREAD).seconds)
 
-    def test_limits(self):
+    def test_limiting_step_is_named(self):
         for names, values in ((("sweep",), {}),
-                              (("sweep", "preparing"),  # the latter samples patches
+                              (("sweep", "preparing"),  # the latter takes samples of patches
                                {"plane_atoms": 10**5, "patch_seconds": 1e3, "mean_radius": 2.0,
                                 "max_radius": 2.0, "probe_radius": 1.4}),
                               (("merging",), {"copy_write_seconds": 1e4, "text_bytes": 10**6})):
@@ -309,7 +317,7 @@ class Files(TestCase):
         costs.write(path, settings)
         return path
 
-    def test_there_and_back(self):
+    def test_costs_are_read_as_written(self):
         settings = even_costs(plane_seconds=0.25, plane_atoms=7, columns=5, block_size=16,
                               structure="one, two", lower_z=-3.5)
         again = costs.read(self.saved(settings))
@@ -321,7 +329,7 @@ class Files(TestCase):
             for a, b in zip(one.seconds[0], other.seconds[0]):
                 self.assertAlmostEqual(a, b, places=6)
 
-    def test_bad_files(self):
+    def test_bad_files_are_refused(self):
         text = self.saved(even_costs(plane_atoms=1)).read_text()
         lines = text.splitlines()
 
@@ -331,7 +339,7 @@ class Files(TestCase):
         def changed(begin, new):
             return "\n".join(new if line.startswith(begin) else line for line in lines)
 
-        for name, content, told in (
+        for name, content, message in (
                 ("word", changed("atoms,", "atoms,many"), f":{line_of('atoms,')}: expected a num"),
                 ("nan", changed("spacing,", "spacing,nan"), f":{line_of('spacing,')}: expected"),
                 ("minus", changed("read_seconds,", "read_seconds,-1"),
@@ -350,18 +358,18 @@ class Files(TestCase):
             path.write_text(content)
             with self.subTest(name):
                 done = self.simulate("run", path, code=1)
-                self.assertIn(f"{name}.csv{told}", done.stderr)
+                self.assertIn(f"{name}.csv{message}", done.stderr)
                 self.assertEqual((done.stdout, done.stderr.count("\n")), ("", 1))
         self.assertIn("missing", self.simulate("run", self.folder / "missing", code=1).stderr)
 
-    def test_tables(self):
+    def test_tables_have_the_computed_values(self):
         path = self.saved(even_costs(text_bytes=10**9, input_bytes=10**6))
         one = ("run", path, "--threads", "1", "--latency", "0", "--ranks", "1,64,256")
         text = self.simulate(*one, "--file-system", "0.01").stdout
         free, limited = text.split("A file system of 0.01 GB/s")
         self.assertNotIn("the file system\n", free)
         self.assertIn("the file system\n", limited)
-        # 64 planes: all that is left for 256 processes is a quarter.
+        # With 64 planes, 256 processes have an efficiency of at most a quarter.
         rows = [line.split() for line in free.splitlines() if line.endswith(("-", "once"))]
         self.assertEqual([row[0] for row in rows], ["1", "64", "256"])
         self.assertEqual([row[3] for row in rows], ["100", "100", "25"])
@@ -374,7 +382,7 @@ class Files(TestCase):
         self.assertIn("scales up to 64", self.simulate(
             "run", path, "--threads", "1", "--latency", "0", "--ranks", "1,64").stdout)
 
-    def test_check(self):
+    def test_check_compares_with_real_runs(self):
         path = self.saved(even_costs(plane_seconds=1.0))
         processes = [{"first_plane": 0, "planes": 40, "atoms": 3, "cpu_seconds": 66.0,
                       "waiting_seconds": 2.0, "peak_memory_bytes": 10**9},
@@ -384,13 +392,13 @@ class Files(TestCase):
         runs.write_text(json.dumps({"date": "", "machine": {}, "settings": {"spacing": 1.0},
                                     "runs": [{"ranks": 2, "processes": processes}]}))
         rows = [line.split() for line in self.simulate("check", path, runs).stdout.splitlines()]
-        # 32 seconds each are computed; 64 and 16 were measured, 40 on average.
+        # Each is computed to take 32 seconds. Measured were 64 and 16, 40 on average.
         self.assertEqual([row[9] for row in rows[1:3]], ["0.50", "2.00"])
         self.assertEqual(rows[-1], ["2", "1.000", "1.600", "64", "80"])
         runs.write_text("{}")
         self.assertIn("runs.json", self.simulate("check", path, runs, code=1).stderr)
 
-    def test_command_line(self):
+    def test_invalid_options_are_refused(self):
         path = self.saved(even_costs())
         for arguments in (("run", path, "--ranks", "0"), ("run", path, "--threads", "-1"),
                           ("run", path, "--file-system", "0"), ("run", path, "--latency", "-1"),
@@ -398,13 +406,13 @@ class Files(TestCase):
             self.simulate(*arguments, code=2)
         self.simulate("measure", self.folder / "missing.xyzr", code=1)
 
-    def test_what_was_saved(self):
+    def test_saved_costs_and_runs_in_doc_are_read(self):
         text = self.simulate("run", "--ranks", "1,2,4").stdout
         self.assertEqual(text.count("100 %"), 2)
         self.assertIn("planes", self.simulate("check").stdout)
 
     @unittest.skipUnless(BLOCK_COSTS.exists(), "print-block-costs is not built")
-    def test_measuring(self):
+    def test_costs_are_measured_and_used(self):
         common = ("--spacing", "0.8", "--program", PROGRAM, "--scratch", self.folder)
         path = self.folder / "c60.csv"
         self.simulate("measure", DATA / "c60.xyzr", *common, "--block-program", BLOCK_COSTS,
@@ -430,7 +438,7 @@ class Files(TestCase):
         self.assertFalse((self.folder / "x.csv").exists())
 
     @unittest.skipUnless(has_matplotlib(SCRIPT), "python3-matplotlib is not installed")
-    def test_plot(self):
+    def test_result_is_plotted(self):
         path, figure = self.saved(even_costs(structure="evenly")), self.folder / "figure.svg"
         command = [interpreter_of(SCRIPT), SCRIPT, "plot", path, "--ranks", "1,2,4", "-o", figure]
         self.assertDone(subprocess.run(command, stdin=subprocess.DEVNULL, capture_output=True,

@@ -36,7 +36,7 @@ struct AllPatches {
 
   AtomPatches of(AtomIndex atom) const { return patches.of(atom); }
 
-  /// By atom, in the order of their indices.
+  /// Returns the patches by atom, in the order of their indices.
   std::vector<Arc> arcs() const {
     std::vector<Arc> all;
     for (AtomIndex i = 0; i < surface.atoms.size(); ++i)

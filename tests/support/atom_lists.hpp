@@ -1,5 +1,5 @@
 #pragma once
-/// The atoms of a file or a text alone.
+/// Returns the atoms of a file or a text without lines and labels.
 
 #include <filesystem>
 #include <string_view>

@@ -12,7 +12,7 @@ namespace {
 
 using Atoms = std::vector<Atom>;
 
-/// What the makers of the kinds get.
+/// The arguments of the functions that make a kind of set.
 struct Recipe {
   Random random;
   double probe;
@@ -31,7 +31,7 @@ Vec3 direction(Random& random) {
   }
 }
 
-/// Three perpendicular unit vectors: those of the grid, or any.
+/// Three perpendicular unit vectors: along the grid, or random.
 struct Frame {
   Vec3 x{1, 0, 0}, y{0, 1, 0}, z{0, 0, 1};
 };
@@ -80,7 +80,7 @@ Atoms make_gas(Recipe& recipe) {
   return atoms;
 }
 
-/// A step keeps this far from atoms that it is not bonded to, if one of 50 trials does.
+/// A step keeps this distance from atoms that it is not bonded to, if one of 50 trials does.
 constexpr double chain_clearance = 2.2;
 
 Vec3 next_in_chain(const Atoms& atoms, Random& random) {
@@ -104,11 +104,11 @@ Atoms make_random_chain(Random& random, std::size_t count) {
   return atoms;
 }
 
-/// Lattice sites are taken as far as this, so that the grids stay small. Angstrom.
+/// Extent of the lattices, chosen so that the grids stay small. Angstrom.
 constexpr double lattice_extent = 12;
 
-/// Side lengths of the cube at which a probe touches eight atoms or just passes through four, and
-/// at which SAS spheres touch or pass through the next atom's centre, atoms touch, or neither.
+/// Chooses among six spacings: a probe touches eight atoms; it just passes between four; SAS
+/// spheres touch; a SAS sphere passes through the next atom's centre; atoms touch; or a random one.
 Atoms make_lattice(Recipe& recipe) {
   Random& random = recipe.random;
   const double r = random.uniform(1.0, 2.0), sas = r + recipe.probe;
@@ -123,8 +123,8 @@ Atoms make_lattice(Recipe& recipe) {
   return atoms;
 }
 
-/// Half side lengths of the cell at which neighbours' SAS spheres touch or atoms touch, a probe
-/// fits the hole between six, four or three atoms, or neither.
+/// Chooses among six half sizes of the cell: SAS spheres of neighbours touch; atoms touch; a probe
+/// fits the hole between six, four or three atoms; or a random one.
 Atoms make_fcc(Recipe& recipe) {
   Random& random = recipe.random;
   const double r = random.uniform(1.0, 2.0), sas = r + recipe.probe;
@@ -145,7 +145,7 @@ Atoms make_fcc(Recipe& recipe) {
   return atoms;
 }
 
-/// SAS spheres that all meet in one circle: each is as large as its distance from the circle.
+/// All SAS spheres meet in one circle: the radius of each is its distance from the circle.
 Atoms make_shared_circle(Recipe& recipe, std::size_t count) {
   const double circle = recipe.probe + recipe.random.uniform(0.3, 1.0);
   Atoms atoms;
@@ -181,7 +181,7 @@ Atoms make_line(Recipe& recipe) {
   return atoms;
 }
 
-/// An atom that stands in some degenerate way to `other`.
+/// Returns an atom in some degenerate position relative to `other`.
 Atom make_companion(Random& random, const Atom& other) {
   const Vec3 u = direction(random);
   const double part = random.uniform(0.2, 0.9) * other.radius;
@@ -195,11 +195,11 @@ Atom make_companion(Random& random, const Atom& other) {
     case 3:
       return {other.center + 0.5 * (other.radius - part) * u, part};
     case 4:
-      return {other.center + (other.radius - part) * u, part};  // touches it from within
+      return {other.center + (other.radius - part) * u, part};  // touches it from inside
     case 5:
       return {other.center + other.radius * u, 0};  // a point on it
     case 6:
-      return {other.center + (other.radius + part) * u, part};  // touches it from without
+      return {other.center + (other.radius + part) * u, part};  // touches it from outside
     default:
       return {other.center + 2 * other.radius * u, 0};
   }
@@ -237,7 +237,8 @@ Atoms make_snapped(Recipe& recipe) {
   return atoms;
 }
 
-/// A polygon may be as large as a probe at its centre just fits, smaller, larger, or closed up.
+/// Chooses the radius of the polygon: a probe at its centre just fits, neighbouring atoms just
+/// touch, or one of these sizes times a random factor.
 double ring_size(Recipe& recipe, double radius, std::size_t corners) {
   const double closed = radius / std::sin(std::numbers::pi / static_cast<double>(corners));
   const double sas = radius + recipe.probe;
@@ -265,7 +266,7 @@ Atoms make_ring(Recipe& recipe) {
   return atoms;
 }
 
-/// Unit vectors to the corners of an icosahedron and, if asked for, to the middles of its edges.
+/// Unit vectors to the corners of an icosahedron and optionally to the middles of its edges.
 std::vector<Vec3> icosahedron_directions(bool with_edges) {
   const double phi = std::numbers::phi;
   std::vector<Vec3> corners;
@@ -283,7 +284,7 @@ std::vector<Vec3> icosahedron_directions(bool with_edges) {
   return all;
 }
 
-/// At a distance of one SAS radius from the centre, the probe in the cavity touches every atom.
+/// At a distance of one SAS radius from the centre, a probe in the cavity touches every atom.
 Atoms make_shell(Recipe& recipe) {
   Random& random = recipe.random;
   const double r = random.uniform(1.0, 2.0), sas = r + recipe.probe;
@@ -296,7 +297,7 @@ Atoms make_shell(Recipe& recipe) {
   return atoms;
 }
 
-/// Every atom touches an earlier one, or its SAS sphere does.
+/// Every atom touches an earlier one, or their SAS spheres touch.
 Atoms make_touching_tree(Recipe& recipe) {
   Random& random = recipe.random;
   const double sas_part = pick(random, std::array{0.0, 0.5, 1.0});
@@ -312,7 +313,7 @@ Atoms make_touching_tree(Recipe& recipe) {
   return atoms;
 }
 
-/// A sheet of equilateral triangles, holes of which a probe just passes through.
+/// A sheet of equilateral triangles whose holes a probe just passes.
 Atoms make_sheet(Recipe& recipe) {
   Random& random = recipe.random;
   const double r = random.uniform(1.0, 2.0);
@@ -423,8 +424,8 @@ std::vector<Atom> make_atom_set(Kind kind, std::uint64_t seed) {
   Recipe recipe{Random(seed * kinds + static_cast<std::uint64_t>(kind)),
                 designed_probe_radius(seed)};
   std::vector<Atom> atoms = make_unplaced(kind, recipe);
-  // Away from the origin, so that coordinates round as those of real structures do; by halves, so
-  // that what is snapped stays so.
+  // The atoms are moved away from the origin, so that coordinates round like those of real
+  // structures. The shift is a multiple of 0.5, which keeps snapped atoms snapped.
   for (Atom& atom : atoms) atom.center = atom.center + Vec3{-3.5, 12.5, 7};
   return atoms;
 }

@@ -1,5 +1,5 @@
 #pragma once
-/// Generated atoms: ten kinds of set, from the ordinary to the degenerate.
+/// Generated atoms: ten kinds of sets, from ordinary to degenerate.
 
 #include <array>
 #include <cstddef>
@@ -20,7 +20,7 @@ enum class Kind {
   nested,   ///< duplicates, atoms in atoms, atoms touching from within, radius 0
   snapped,  ///< coordinates and radii on a grid of 0.5: atoms and probes on grid points
   ring,     ///< regular polygons about one axis
-  shell,    ///< hollow, with a cavity that may hold a probe, hold it just so, or not
+  shell,    ///< hollow, with a cavity that holds a probe, just holds it, or does not
   tangent,  ///< atoms that touch, SAS spheres that touch, holes that a probe just passes
 };
 
@@ -30,8 +30,8 @@ inline constexpr std::array all_kinds{Kind::gas,   Kind::chain,  Kind::lattice, 
 
 const char* kind_name(Kind kind);
 
-/// Random numbers that are the same on every platform, which those of <random>'s distributions
-/// are not.
+/// Random numbers that are the same on every platform. Those of the distributions in <random> are
+/// not.
 class Random {
  public:
   explicit Random(std::uint64_t seed) : engine_(seed) {}
@@ -43,15 +43,15 @@ class Random {
   std::mt19937_64 engine_;
 };
 
-/// The probe radius, one of 0.7, 1.4, 2 and 3 angstrom, for which make_atom_set places atoms so
-/// that probes just touch and just pass.
+/// Returns the probe radius of a set: 0.7, 1.4, 2 or 3 angstrom. make_atom_set places atoms such
+/// that probes of this radius just touch and just pass.
 double designed_probe_radius(std::uint64_t seed);
 
-/// 5 to about 60 atoms.
+/// Makes a set of 5 to about 60 atoms.
 std::vector<Atom> make_atom_set(Kind kind, std::uint64_t seed);
 
-/// Bonded atoms, of 1.1 to 1.9 angstrom radius, that keep clear of all but their neighbours
-/// where they can.
+/// Bonded atoms with radii from 1.1 to 1.9 angstrom that keep a distance from all but their
+/// neighbours if possible.
 std::vector<Atom> make_chain(std::size_t atoms, std::uint64_t seed);
 
 /// Atoms of equal radius at the points of a cubic lattice of `side` points a side.

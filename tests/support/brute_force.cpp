@@ -12,32 +12,33 @@
 namespace eses::detail::test {
 namespace {
 
-/// A probe that touches an atom stands where it may; rounding must not forbid it. Angstrom.
+/// A probe may touch an atom; rounding must not make it inaccessible. Angstrom.
 constexpr double touching = 1e-9;
-/// Points nearer than this to the surface may be called inside or outside. Angstrom.
+/// Points nearer than this to the surface may be inside or outside. Angstrom.
 constexpr double ambiguous = 1e-7;
-/// How far from the surface a crossing may be. Angstrom.
+/// Maximum distance of a crossing from the surface. Angstrom.
 constexpr double on_surface = 1e-6;
-/// How far a reported probe may be from touching its atoms, or reach into others. Angstrom.
+/// Maximum gap or overlap between a reported probe and its atoms. Angstrom.
 constexpr double contact = 1e-5;
-/// How far a crossing may be off its edge: across it only by the digits of the file. Angstrom.
+/// Maximum distance of a crossing from its edge; across the edge only the digits of the file count.
+/// Angstrom.
 constexpr double across_edge = 1e-9;
 constexpr double along_edge = 1e-6;
-/// How far from 1 a normal's length may be, and from a cone its direction.
+/// Maximum error of a normal's length, and of the direction from a cone.
 constexpr double unit_length = 1e-6;
 constexpr double in_cone = 1e-5;
-/// Relative error of sums that are added up again from the files.
+/// Maximum relative error of sums that are computed again from the files.
 constexpr double same_sum = 1e-6;
 /// Vertices closer to each other than this are one. Angstrom.
 constexpr double same_vertex = 1e-10;
-/// Sizes, in angstrom, below which a direction or a circle is lost in rounding.
+/// Lengths, in angstrom, below which a direction or a circle is lost in rounding.
 constexpr double no_direction = 1e-12;
 /// Pieces of an edge that are shorter than this are judged by their middle. Angstrom.
 constexpr double min_interval = 1e-4;
-/// Points nearer than this to the crossing, which is itself known to `on_surface`, are not judged.
-/// Angstrom.
+/// Points nearer than this to the crossing are not judged, because the crossing itself is known to
+/// `on_surface` only. Angstrom.
 constexpr double short_of_crossing = 1e-5;
-/// Below these distances to atoms the weights of an edge's share are lost in rounding. Angstrom.
+/// At smaller distances from atoms, the weights of a share are lost in rounding. Angstrom.
 constexpr double no_weight = 1e-5;
 
 // --- the accessible set ------------------------------------------------------------------------
@@ -54,7 +55,7 @@ std::vector<SasSphere> make_spheres(std::span<const Atom> atoms, double probe_ra
   return spheres;
 }
 
-/// Extended precision: where spheres almost touch, the place where they meet moves by the square
+/// Extended precision. Where spheres almost touch, the place where they meet moves by the square
 /// root of an error.
 struct Long3 {
   long double x = 0, y = 0, z = 0;
@@ -71,14 +72,15 @@ Vec3 shifted(Vec3 origin, Long3 by) {
           static_cast<double>(origin.z + by.z)};
 }
 
-/// The plane { c : normal . c = level } in which the spheres around the origin and around `normal`
-/// meet.
+/// The plane { c : normal . c = level } in which a sphere around the origin meets a sphere around
+/// `normal`.
 struct MeetingPlane {
   Long3 normal;
   long double level = 0;
 };
 
-/// The origin is the centre of sphere `i`. The difference of the equations of both spheres.
+/// The origin is the centre of sphere `i`. The equation of the plane is the difference of those of
+/// both spheres.
 MeetingPlane meeting_plane(const std::vector<SasSphere>& spheres, AtomIndex i, AtomIndex j) {
   const Vec3 from = spheres[i].center, to = spheres[j].center;
   const Long3 normal{static_cast<long double>(to.x) - from.x,
@@ -108,10 +110,10 @@ std::vector<SasCircle> make_circles(const std::vector<SasSphere>& spheres) {
   return circles;
 }
 
-/// The accessible ones of the points in which a circle meets the SAS spheres of other atoms.
+/// Returns the accessible points in which a circle meets the SAS spheres of other atoms.
 ///
-/// Such a point lies in the planes where the first sphere meets the second and the third, hence on
-/// a line, at the two places whose distance from the first centre is the first radius.
+/// Such a point lies in the planes where the first sphere meets the second and the third. It is
+/// therefore on a line, at a place whose distance from the first centre is the first radius.
 std::vector<Vec3> circle_vertices(const AccessibleSet& set, const SasCircle& circle) {
   const SasSphere& sphere = set.spheres[circle.first];
   const MeetingPlane one = meeting_plane(set.spheres, circle.first, circle.second);
@@ -177,7 +179,7 @@ Vec3 nearest_on_circle(const SasCircle& circle, Vec3 x) {
   return circle.center + (circle.radius / distance) * outward;
 }
 
-/// The nearest of the candidates offered so far that are accessible.
+/// Keeps the nearest accessible one of the offered candidates.
 struct Search {
   const AccessibleSet& set;
   Vec3 x;
@@ -199,7 +201,7 @@ struct Search {
 
 // --- faults -----------------------------------------------------------------------------------
 
-/// A run as the oracle sees it, and the faults found so far.
+/// A run as the oracle reads it, and the faults found so far.
 struct Check {
   std::span<const Atom> atoms;
   const Parameters& parameters;
@@ -207,7 +209,7 @@ struct Check {
   const Summary& summary;
   AccessibleSet set;
   Grid grid;
-  std::vector<int> signs;  ///< of every grid point, as the file has them; 0 if it has not
+  std::vector<int> signs;  ///< sign of every grid point in the file; 0 if it is missing
   std::vector<std::string> faults;
 };
 
@@ -227,7 +229,7 @@ bool are_equal(double a, double b) {
   return std::fabs(a - b) <= same_sum * std::max(std::fabs(a), std::fabs(b));
 }
 
-/// The grid of ESES, in its order of double operations.
+/// Makes the grid of ESES, with the same order of double operations.
 Grid expected_grid(std::span<const Atom> atoms, const Parameters& parameters) {
   Grid grid;
   grid.spacing = parameters.spacing;
@@ -272,7 +274,7 @@ void check_box(Check& check) {
     report(check, "box: ", points, " points, not ", check.grid.point_count());
 }
 
-/// Well inside an atom no probe can be near enough, which saves the search.
+/// Well inside an atom, no probe can be near enough. This saves the search.
 bool sign_is_right(const Check& check, Vec3 x, int sign) {
   for (const Atom& atom : check.atoms)
     if (norm(x - atom.center) < atom.radius - ambiguous) return sign == 1;
@@ -303,7 +305,7 @@ EdgeKey edge_key(GridIndex lower, std::int64_t axis) {
 
 GridIndex lower_end(const EdgeKey& key) { return {key[2], key[1], key[0]}; }
 
-/// Nothing if the two points are not the ends of one edge of the grid.
+/// Returns nothing if the two points are not the ends of one edge of the grid.
 std::optional<EdgeKey> edge_of(const Grid& grid, const Crossing& crossing) {
   if (!in_grid(grid, crossing.inside) || !in_grid(grid, crossing.outside)) return std::nullopt;
   std::optional<EdgeKey> key;
@@ -316,7 +318,7 @@ std::optional<EdgeKey> edge_of(const Grid& grid, const Crossing& crossing) {
   return key;
 }
 
-/// All edges whose ends differ, in canonical order, as the signs of the file have it.
+/// Returns all edges whose ends differ, in canonical order, from the signs of the file.
 std::vector<EdgeKey> expected_edges(const Check& check) {
   std::vector<EdgeKey> edges;
   const GridIndex& n = check.grid.size;
@@ -360,14 +362,15 @@ void check_edges(Check& check) {
     report(check, "order: edges are not in canonical order");
     std::sort(listed.begin(), listed.end());
   }
-  // Of an edge that is listed twice, one is left over here.
+  // If an edge is listed twice, one of them is left over here.
   const std::vector<EdgeKey> expected = expected_edges(check);
   report_difference(check, expected, listed, "missing");
   report_difference(check, listed, expected, "listed, but its ends agree or it is there twice");
 }
 
-/// The distance of `v` from the cone of `axes`, unit vectors: the nearest point of a cone lies on
-/// one of its faces, and the projection onto a face's span counts if it lies in the face.
+/// Returns the distance of `v` from the cone of `axes`, which are unit vectors. The nearest point
+/// of a cone lies on one of its faces. The projection onto the span of a face counts if it lies in
+/// the face.
 double distance_from_cone(Vec3 v, const std::vector<Vec3>& axes) {
   double best = norm(v);
   const auto offer = [&](Vec3 point) { best = std::min(best, norm(v - point)); };
@@ -393,11 +396,10 @@ double gap(const Atom& atom, Vec3 probe, double probe_radius) {
   return norm(probe - atom.center) - atom.radius - probe_radius;
 }
 
-/// What is wrong with the atoms of a crossing whose probe stands at `probe`, or nothing.
+/// Returns the fault of the atoms of a crossing whose probe is at `probe`, or nothing.
 ///
-/// Besides touching them, the probe must have been pushed back by them alone: the point lies in
-/// the cone that they span from the probe. Where the probe touches more than three atoms, which
-/// three of them are listed is left open.
+/// The probe must touch the atoms, and the point must lie in the cone that they span from the
+/// probe. If the probe touches more than three atoms, any three of them may be listed.
 const char* fault_of_atoms(const Check& check, const Crossing& crossing, Vec3 probe) {
   const double p = check.parameters.probe_radius;
   const auto& listed = crossing.atoms;
@@ -438,8 +440,8 @@ const char* fault_of_surface(const Check& check, Vec3 x) {
 }
 
 /// Whether all points between `a` and `b` are outside. The distance from the accessible set changes
-/// by no more than the way between two points, so a piece is outside if its middle is by more than
-/// half its length. Else both halves are judged.
+/// by at most the distance between two points. A piece is therefore outside if its middle is
+/// outside by more than half its length. Otherwise both halves are judged.
 bool is_outside_between(const Check& check, Vec3 a, Vec3 b) {
   const double half = 0.5 * norm(b - a), limit = check.parameters.probe_radius + ambiguous;
   const Vec3 middle = 0.5 * (a + b);
@@ -449,7 +451,7 @@ bool is_outside_between(const Check& check, Vec3 a, Vec3 b) {
   return is_outside_between(check, middle, b) && is_outside_between(check, a, middle);
 }
 
-/// All points between the crossing and the outside end must be outside.
+/// Checks that all points between the crossing and the outside end are outside.
 const char* fault_of_last_interval(const Check& check, const Crossing& crossing) {
   const Vec3 end = position(check.grid, crossing.outside);
   const double length = norm(crossing.point - end);
@@ -471,13 +473,13 @@ const char* fault_of_crossing(const Check& check, const Crossing& crossing) {
 
 void check_crossings(Check& check) {
   for (const Crossing& crossing : check.files.crossings) {
-    if (!edge_of(check.grid, crossing)) continue;  // check_edges has said so
+    if (!edge_of(check.grid, crossing)) continue;  // reported by check_edges
     if (const char* fault = fault_of_crossing(check, crossing))
       report(check, "crossing ", crossing.inside, " -> ", crossing.outside, ": ", fault);
   }
 }
 
-/// h^2 times the normal's component along the edge.
+/// Returns h^2 times the absolute component of the normal along the edge.
 double area_share(const Grid& grid, const Crossing& crossing) {
   double component = 0;
   for (std::size_t q = 0; q < 3; ++q)
@@ -486,9 +488,8 @@ double area_share(const Grid& grid, const Crossing& crossing) {
 }
 
 struct Shares {
-  std::vector<double> area;  ///< of each atom
-  std::vector<double>
-      uncertainty;  ///< how far it may be wrong because distances are lost in rounding
+  std::vector<double> area;         ///< area of each atom
+  std::vector<double> uncertainty;  ///< its possible error, because distances are lost in rounding
 };
 
 bool names_atoms(const Check& check, const Crossing& crossing) {
@@ -512,7 +513,8 @@ void add_shares(const Check& check, const Crossing& crossing, Shares& shares) {
   for (std::size_t a = 0; a < distances.size(); ++a) {
     const auto atom = static_cast<std::size_t>(crossing.atoms[a]);
     shares.area[atom] += whole / (distances[a] * weights);
-    // One tiny distance takes all, whatever its size; of two, rounding decides which is smaller.
+    // One tiny distance takes the whole share, whatever its size. Of two, rounding decides which is
+    // smaller.
     if (tiny >= 2) shares.uncertainty[atom] += whole;
   }
 }
@@ -540,7 +542,7 @@ void check_areas(Check& check) {
     report(check, "area: atoms have ", sum, " together, the summary ", check.summary.area);
 }
 
-/// Inside points count for a cell, those at a reported edge, on either side, for half a one.
+/// Inside points count for a cell; points of a reported edge, on either side, for half a cell.
 double volume_of(const Check& check) {
   std::vector<double> cells(check.signs.size());
   std::transform(check.signs.begin(), check.signs.end(), cells.begin(),
@@ -617,7 +619,8 @@ std::vector<std::string> find_faults(std::span<const Atom> atoms, const Paramete
               {},
               {}};
   check_box(check);
-  if (!check.faults.empty()) return std::move(check.faults);  // no grid to check the rest on
+  if (!check.faults.empty())
+    return std::move(check.faults);  // without a grid nothing else can be checked
   check_points(check);
   check_edges(check);
   check_crossings(check);

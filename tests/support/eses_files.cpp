@@ -20,7 +20,7 @@ struct Line {
   std::string_view text;
 };
 
-/// One more field than any line may have, so that a line that is too long shows.
+/// One more field than any line may have, so that a line that is too long is recognised.
 struct Fields {
   std::array<std::string_view, 16> text;
   std::size_t count = 0;
@@ -31,8 +31,8 @@ struct Fields {
                            std::string(what) + ": '" + std::string(line.text) + "'");
 }
 
-/// Fields are parted by exactly one blank, so two blanks show as an empty field, and so does a
-/// blank at either end.
+/// Fields are separated by exactly one blank. Two blanks, or a blank at either end, make an empty
+/// field.
 Fields split(const Line& line, std::string_view text) {
   Fields fields;
   for (;;) {
@@ -52,7 +52,7 @@ Fields split(const Line& line, std::string_view text, std::size_t count) {
   return fields;
 }
 
-/// Only the shortest spelling is accepted: neither plus signs nor leading zeros.
+/// Accepts only the shortest spelling, without plus signs and leading zeros.
 std::int64_t parse_integer(const Line& line, std::string_view field) {
   std::int64_t value = 0;
   const auto read = std::from_chars(field.data(), field.data() + field.size(), value);
@@ -60,7 +60,7 @@ std::int64_t parse_integer(const Line& line, std::string_view field) {
   return value;
 }
 
-/// Only what `%.12e` prints is accepted.
+/// Accepts only the output of `%.12e`.
 double parse_real(const Line& line, std::string_view field) {
   double value = 0;
   const auto read = std::from_chars(field.data(), field.data() + field.size(), value);

@@ -1,6 +1,6 @@
 #pragma once
-/// The four files of a run, read back as another program would read them, but without mercy: a
-/// line that is not exactly as the format says is an error.
+/// Strict readers of the four files of a run. A line that differs from the format in any way is an
+/// error.
 
 #include <cstdint>
 #include <filesystem>
@@ -46,11 +46,11 @@ struct EsesFiles {
 inline constexpr const char* eses_file_names[] = {"bounding_box.txt", "grid_info.txt",
                                                   "intersection_info.txt", "partition_area.txt"};
 
-/// The bytes of a file. Throws std::runtime_error if it cannot be read.
+/// Returns the bytes of a file. Throws std::runtime_error if it cannot be read.
 std::string read_bytes(const std::filesystem::path& path);
 
-/// Throws std::runtime_error, naming file and line, at the first malformed line. Whether the
-/// numbers make sense is for the oracle to say, see brute_force.hpp.
+/// Reads the files of a run. Throws std::runtime_error, naming file and line, at the first
+/// malformed line. The oracle checks whether the numbers are right (brute_force.hpp).
 EsesFiles read_eses_files(const std::filesystem::path& directory);
 
 struct RunResult {
@@ -58,7 +58,7 @@ struct RunResult {
   Summary summary;
 };
 
-/// Runs with all outputs, into a directory that is gone afterwards, and reads them back.
+/// Computes all outputs in a temporary directory and reads them back.
 RunResult run_and_read(const Molecule& molecule, const Parameters& parameters);
 
 }  // namespace eses::detail::test

@@ -1,5 +1,5 @@
 #pragma once
-/// Functions that are compiled for several instruction sets, one version after the other.
+/// Runs tests of functions that are compiled for several instruction sets, for each version.
 
 #include <hwy/highway.h>
 
@@ -8,7 +8,7 @@
 
 namespace eses::detail::test {
 
-/// Calls `check(function)` with every version that the build has and instruction_set() allows.
+/// Calls `check(function)` for every version that the build has and instruction_set() allows.
 template <class Function, class Check>
 void for_each_version(const Versions<Function>& versions, Check&& check) {
   const auto check_version = [&](InstructionSet set, const char* name, Function function) {
@@ -24,7 +24,7 @@ void for_each_version(const Versions<Function>& versions, Check&& check) {
 
 }  // namespace eses::detail::test
 
-/// All versions of a function; to be used like ESES_BEST_VERSION.
+/// All versions of a function. Used like ESES_BEST_VERSION.
 #define ESES_VERSIONS(function)                                                      \
   ::eses::detail::Versions<decltype(&HWY_STATIC_DISPATCH(function))> {               \
     HWY_CHOOSE_AVX3(function), HWY_CHOOSE_AVX2(function), HWY_CHOOSE_SSE4(function), \

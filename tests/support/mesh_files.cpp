@@ -30,7 +30,7 @@ struct Property {
 struct PlyHeader {
   std::size_t vertices = 0, faces = 0, bytes = 0;
   bool is_ascii = false;
-  std::vector<Property> properties;  // of vertices
+  std::vector<Property> properties;  // properties of vertices
   std::vector<std::string> comments;
 };
 
@@ -211,7 +211,7 @@ Mesh read_off(const std::string& text) {
 
 // --- MSMS ---------------------------------------------------------------------------------------
 
-// The words of the lines behind the three of the header, each with so many of them.
+// The words of the lines after the three header lines, with a fixed number of words each.
 std::vector<std::vector<std::string>> msms_lines(const std::filesystem::path& path,
                                                  std::size_t columns, std::string& header) {
   std::istringstream lines(read_bytes(path));
@@ -389,7 +389,7 @@ Mesh read_vtp(const std::string& text) {
 
 using DirectedEdge = std::pair<std::uint64_t, std::uint64_t>;
 
-// Of each triangle at a vertex, the edge opposite to it: the fan's rim.
+// For each triangle at a vertex, the edge opposite to it is on the rim of the fan.
 using Rim = std::map<std::uint64_t, std::uint64_t>;
 
 bool is_one_ring(const Rim& rim) {
@@ -470,7 +470,7 @@ MeshMeasures measure(const Mesh& mesh) {
     const double area = 0.5 * norm(cross(b - a, c - a));
     if (result.area == 0 || area < result.min_area) result.min_area = area;
     result.area += area;
-    const Vec3 origin = mesh.positions[0];  // so that little cancels
+    const Vec3 origin = mesh.positions[0];  // keeps cancellation small
     result.volume += dot(a - origin, cross(b - origin, c - origin)) / 6;
     for (std::size_t i = 0; i < 3; ++i) edges.insert(std::minmax({t[i], t[(i + 1) % 3]}));
   }

@@ -1,5 +1,5 @@
 #pragma once
-/// Meshes, read back as another program would read them, and what is wrong with their shape.
+/// Readers of meshes, and checks of their shape.
 
 #include <array>
 #include <cstdint>
@@ -15,7 +15,7 @@ namespace eses::detail::test {
 
 using MeshTriangle = std::array<std::uint64_t, 3>;
 
-/// What the format does not have is empty.
+/// A mesh that was read. Values that the format does not have are empty.
 struct Mesh {
   std::vector<Vec3> positions, normals;
   std::vector<int> patches;
@@ -24,24 +24,24 @@ struct Mesh {
   std::vector<MeshTriangle> triangles;
   std::vector<int> triangle_patches;
   std::vector<std::string> comments;
-  std::vector<std::string> chain_names, residue_names;  ///< of VTP files
+  std::vector<std::string> chain_names, residue_names;  ///< in VTP files
   std::array<double, 4> msms_header{};  ///< vertices, spheres, density, probe radius
 };
 
-/// By the suffix; of a .vert file, together with the .face file beside it, whose `atoms` are the
-/// closest spheres, from 0. Throws std::runtime_error if a file is not as the format has it.
+/// Reads a mesh; the suffix decides. A .vert file is read together with its .face file, and `atoms`
+/// are then the closest spheres, from 0. Throws std::runtime_error if a file violates the format.
 Mesh read_mesh(const std::filesystem::path& path);
 
-/// What keeps triangles from being a closed, oriented 2-manifold, one line for each fault: an edge
-/// that is not met once in each direction, a vertex whose triangles are not one fan, or that has
-/// none, a triangle that is there twice. Empty if nothing is wrong.
+/// Returns the faults that keep triangles from being a closed, oriented 2-manifold, one line each:
+/// an edge that does not occur once in each direction, a vertex whose triangles are not one fan, a
+/// vertex without triangles, or a repeated triangle.
 std::vector<std::string> find_mesh_faults(std::size_t vertices,
                                           std::span<const MeshTriangle> triangles);
 
 struct MeshMeasures {
   double area = 0;
   double volume = 0;    ///< positive if triangles are counterclockwise seen from outside
-  double min_area = 0;  ///< of a triangle
+  double min_area = 0;  ///< smallest area of a triangle
   std::int64_t euler_number = 0;
   std::size_t components = 0;
 };

@@ -9,7 +9,8 @@
 namespace eses::detail::test {
 namespace {
 
-// Of a standard normal distribution, by Box and Muller, Ann. Math. Stat. 29 (1958) 610.
+// A number with the standard normal distribution, by the method of Box and Muller, Ann. Math. Stat.
+// 29 (1958) 610, doi:10.1214/aoms/1177706645.
 double normal_number(Random& random) {
   const double radius = std::sqrt(-2 * std::log(1 - random.uniform(0, 1)));
   return radius * std::cos(2 * std::numbers::pi * random.uniform(0, 1));
@@ -30,7 +31,7 @@ std::vector<Atom> make_copies(Random& random, double radius) {
   return atoms;
 }
 
-// With sides for which probes touch several atoms, or just pass between them.
+// The sides are such that probes touch several atoms or just pass between them.
 std::vector<Atom> make_lattice(Random& random, double radius, double sas_radius) {
   const double side =
       choose(random, std::array{1.5, 2.8, 4.0, sas_radius, 2 * sas_radius / std::numbers::sqrt2,
@@ -38,7 +39,7 @@ std::vector<Atom> make_lattice(Random& random, double radius, double sas_radius)
   return make_cube(random.integer(2, 3), side, radius);
 }
 
-// One probe touches them all.
+// One probe touches all atoms.
 std::vector<Atom> make_ring(Random& random, double radius, double sas_radius) {
   std::vector<Atom> atoms;
   const std::size_t count = random.integer(3, 24);
@@ -49,7 +50,7 @@ std::vector<Atom> make_ring(Random& random, double radius, double sas_radius) {
   return atoms;
 }
 
-// A cube or an icosahedron whose cavity a probe just fits into, perhaps within a larger one.
+// A cube or an icosahedron whose cavity a probe just fits into, sometimes within a larger one.
 std::vector<Atom> make_polyhedron(Random& random, double radius, double sas_radius) {
   std::vector<Atom> atoms;
   if (random.chance(0.5)) {

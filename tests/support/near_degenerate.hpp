@@ -16,11 +16,11 @@ struct NearDegenerateSet {
   double noise = 0;         ///< standard deviation of the displacement of each coordinate, angstrom
 };
 
-/// Copies of a few atoms, lattices, rings, polyhedra and shells on which a probe almost fits, each
-/// displaced by noise of 1e-2 to 1e-14 angstrom.
+/// Makes an almost degenerate set: copies of a few atoms, or lattices, rings, polyhedra and shells
+/// on or in which a probe almost fits. Noise of 1e-2 to 1e-14 angstrom displaces each atom.
 NearDegenerateSet make_near_degenerate_set(std::uint64_t seed);
 
-/// All coordinates moved by this vector.
+/// Moves all atoms by a vector.
 std::vector<Atom> moved(std::vector<Atom> atoms, Vec3 by);
 
 }  // namespace eses::detail::test

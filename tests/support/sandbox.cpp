@@ -17,7 +17,7 @@ namespace fs = std::filesystem;
 namespace eses::detail::test {
 namespace {
 
-/// The value of a Python expression about the JSON report `r`.
+/// Evaluates a Python expression about the JSON report `r`.
 std::string ask_json(const Sandbox& sandbox, const std::string& json, const std::string& question) {
   const std::string in = (sandbox.directory() / "report.json").string();
   const std::string out = (sandbox.directory() / "answer").string();

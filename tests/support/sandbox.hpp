@@ -1,5 +1,5 @@
 #pragma once
-/// The real program, run from a shell in a directory of its own.
+/// Runs the real program from a shell in a temporary directory.
 
 #include <filesystem>
 #include <map>
@@ -13,14 +13,14 @@ namespace eses::detail::test {
 
 using Arguments = std::vector<std::string>;
 
-/// Empty if the file cannot be read.
+/// Reads a file. Returns an empty text if it cannot be read.
 std::string read_file(const std::filesystem::path& path);
 
 void write_file(const std::filesystem::path& path, const std::string& text);
 
 std::string shell_quoted(const std::string& text);
 
-/// The exit code of a command.
+/// Returns the exit code of a command.
 int shell(const std::string& command);
 
 struct Outcome {
@@ -29,7 +29,7 @@ struct Outcome {
   std::string err;
 };
 
-/// A working directory with a few molecules; the captured streams are kept beside it.
+/// A working directory with a few molecules. The captured output is kept beside it.
 class Sandbox {
  public:
   Sandbox();
@@ -38,29 +38,29 @@ class Sandbox {
 
   static std::string command(const Arguments& arguments);
 
-  /// Runs the program here. `redirections` is shell text that overrides the capture; `before` is
+  /// Runs the program here. `redirections` is shell text that overrides the capture. `before` is
   /// shell text before the command, such as `NAME=value`.
   Outcome run(const Arguments& arguments, const std::string& redirections = "",
               const std::string& before = "") const;
 
-  /// The names of the files `*.txt`.
+  /// Returns the names of the files `*.txt`.
   std::set<std::string> files(const std::filesystem::path& below = ".") const;
 
  private:
   TemporaryDirectory root_;
 };
 
-/// Files of each kind that must not be replaced: a FIFO and a socket, made in a directory whose
-/// path is short enough, and the device /dev/null if there is one.
+/// Files of each kind that must not be replaced: a FIFO, a socket and, if there is one, the device
+/// /dev/null. FIFO and socket are in a directory whose path is short enough for a socket.
 struct SpecialFiles {
   explicit SpecialFiles(const std::filesystem::path& directory);
-  std::map<std::filesystem::path, std::string> kinds;  ///< how messages call them
+  std::map<std::filesystem::path, std::string> kinds;  ///< name of the kind in messages
 };
 
 bool contains(const std::string& text, const std::string& part);
 
 /// Runs the program and checks that it ends with this usage error and prints nothing else. With
-/// `diff` as the first argument, the advice is that of this command.
+/// `diff` as the first argument, the message refers to the help of this command.
 void check_usage_error(const Sandbox& sandbox, const Arguments& arguments,
                        const std::string& message);
 

@@ -1,9 +1,10 @@
 #pragma once
-/// What the tests must know of sanitizers.
+/// Properties of sanitizers that tests need.
 
 namespace eses::detail::test {
 
-/// Whether memory cannot be measured, as a sanitizer holds several times what the program does.
+/// Whether memory cannot be measured, because a sanitizer takes several times as much as the
+/// program.
 #if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
 inline constexpr bool holds_shadow_memory = true;
 #elif defined(__has_feature)

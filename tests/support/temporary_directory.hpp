@@ -1,5 +1,5 @@
 #pragma once
-/// A directory that lives as long as the object that names it.
+/// A directory that is removed together with its object.
 
 #include <stdlib.h>
 
