@@ -1,13 +1,20 @@
 #pragma once
 /// Rows of a solved layer as maps have them.
 
+#include <cstddef>
 #include <cstdint>
+#include <span>
 #include <vector>
 
 #include "io/map_writer.hpp"
 #include "sweep/layer.hpp"
 
 namespace eses::detail {
+
+/// Returns the share of edge `x` of a row of edges.
+inline std::uint32_t share_at(std::span<const std::uint64_t> row, std::size_t x) {
+  return static_cast<std::uint32_t>(row[x / 2] >> (x % 2 == 0 ? 0 : 32));
+}
 
 /// Makes rows of words, as GridMap takes them, from the blocks of a layer; made once for many rows.
 /// Keeps references to both.
