@@ -16,6 +16,7 @@
 #include "eses/diagnostics.hpp"
 #include "eses/error.hpp"
 #include "eses/grid.hpp"
+#include "eses/maps.hpp"
 #include "eses/outputs.hpp"
 #include "eses/read_atoms.hpp"
 #include "eses/run_options.hpp"

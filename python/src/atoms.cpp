@@ -11,7 +11,7 @@
 #include <vector>
 
 #include "arrays.hpp"
-#include "interrupts.hpp"
+#include "background.hpp"
 #include "read_file.hpp"
 
 namespace eses::python {
@@ -112,9 +112,17 @@ std::shared_ptr<AtomFile> read(const std::filesystem::path& path, const std::str
                        .chains = chains,
                        .select = select,
                        .assembly = assembly};
-  Interrupts interrupts;
-  options.check = [&interrupts] { interrupts.check(); };
-  return std::make_shared<AtomFile>(read_file_as_value([&] { return read_atoms(path, options); }));
+  // A part of reading an mmCIF file is a single call of a parser, which takes seconds if the file
+  // has millions of atoms.
+  auto file = std::make_shared<AtomFile>();
+  read_file_as_value([&] {
+    call_in_background([path, options, file](const CheckCallback& check) {
+      ReadOptions with_check = options;
+      with_check.check = check;
+      *file = read_atoms(path, with_check);
+    });
+  });
+  return file;
 }
 
 // Labels share the memory of the file.

@@ -39,11 +39,20 @@ py::array lower_ends(const py::object& self) {
   return field_view(first_of(list).lower.data(), list.size(), sizeof(Crossing), self, 3);
 }
 
+// Runs the signal handlers of Python now and then during a loop over crossings, of which hundreds
+// of millions take seconds. The caller has the interpreter's lock.
+void check_signals(std::size_t index) {
+  constexpr std::size_t crossings_between_checks = std::size_t{1} << 18;
+  if (index % crossings_between_checks == 0 && PyErr_CheckSignals() != 0)
+    throw py::error_already_set();
+}
+
 py::array_t<std::int64_t> ends(const Crossings& crossings, GridIndex (Crossing::*end)() const) {
   const std::span<const Crossing> list = crossings.list();
   py::array_t<std::int64_t> points({list.size(), std::size_t{3}});
   auto values = points.mutable_unchecked<2>();
   for (std::size_t i = 0; i < list.size(); ++i) {
+    check_signals(i);
     const GridIndex point = (list[i].*end)();
     for (std::size_t axis = 0; axis < 3; ++axis)
       values(static_cast<py::ssize_t>(i), static_cast<py::ssize_t>(axis)) = point[axis];
@@ -57,9 +66,12 @@ py::array Crossings::atoms() {
   if (!atoms_) {
     py::array_t<std::int64_t> atoms({list_.size(), std::size_t{3}});
     std::int64_t* next = atoms.mutable_data();
-    for (const Crossing& crossing : list_)
+    for (std::size_t i = 0; i < list_.size(); ++i) {
+      check_signals(i);
+      const Crossing& crossing = list_[i];
       for (std::size_t q = 0; q < 3; ++q)
         *next++ = q < crossing.atom_count ? std::int64_t{crossing.atoms[q]} : -1;
+    }
     atoms.attr("setflags")(py::arg("write") = false);
     atoms_ = std::move(atoms);
   }

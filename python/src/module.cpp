@@ -7,6 +7,7 @@
 #include <exception>
 
 #include "atoms.hpp"
+#include "background.hpp"
 #include "blocks.hpp"
 #include "crossings.hpp"
 #include "grid.hpp"
@@ -43,4 +44,6 @@ PYBIND11_MODULE(_core, module) {
   eses::python::bind_result(module);
   eses::python::bind_blocks(module);
   eses::python::bind_surface(module);
+  py::module_::import("atexit").attr("register")(py::cpp_function(
+      &eses::python::join_threads_left_behind, py::call_guard<py::gil_scoped_release>()));
 }

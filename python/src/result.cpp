@@ -6,8 +6,10 @@
 #include <string>
 
 #include "arrays.hpp"
+#include "computed_result.hpp"
 #include "crossings.hpp"
 #include "interrupts.hpp"
+#include "solver_maps.hpp"
 
 namespace eses::python {
 namespace {
@@ -52,31 +54,31 @@ The vertices are in the order of the crossings. A vertex is at its crossing, or 
 away from a grid point with which the crossing coincides. All arrays are read-only and share their
 memory with the mesh.)";
 
-std::shared_ptr<Mesh> mesh_of(const Result& result) {
+std::shared_ptr<Mesh> mesh_of(const ComputedResult& result) {
   const py::gil_scoped_release unlocked;
   Interrupts interrupts;
   return std::make_shared<Mesh>(make_mesh(result, [&interrupts] { interrupts.check(); }));
 }
 
 py::array inside_of(const py::object& self) {
-  const auto& result = self.cast<const Result&>();
+  const auto& result = self.cast<const ComputedResult&>();
   if (!result.parts().inside)
     throw py::value_error("the inside points were not chosen; compute with inside=True");
   return inside_view(result.inside(), result.region().size(), self);
 }
 
-Crossings crossings_of(const std::shared_ptr<Result>& result) {
+Crossings crossings_of(const std::shared_ptr<ComputedResult>& result) {
   if (!result->parts().crossings)
     throw py::value_error("the crossings were not chosen; compute with crossings=True");
   return {result, result->crossings()};
 }
 
 py::array atom_areas_of(const py::object& self) {
-  const std::span<const double> areas = self.cast<const Result&>().atom_areas();
+  const std::span<const double> areas = self.cast<const ComputedResult&>().atom_areas();
   return field_view(areas.data(), areas.size(), sizeof(double), self);
 }
 
-py::str text_of(const Result& result) {
+py::str text_of(const ComputedResult& result) {
   return py::str("<eses.Result: area {:.6g}, volume {:.6g}>")
       .format(result.area(), result.volume());
 }
@@ -128,18 +130,18 @@ void bind_mesh(py::module_& module) {
 // Defines a property for one number of the summary.
 template <class Value>
 auto total(Value Summary::*member) {
-  return [member](const Result& result) { return result.summary().*member; };
+  return [member](const ComputedResult& result) { return result.summary().*member; };
 }
 
 }  // namespace
 
 void bind_result(py::module_& module) {
   bind_mesh(module);
-  py::class_<Result, std::shared_ptr<Result>> type(module, "Result", result_text);
+  py::class_<ComputedResult, std::shared_ptr<ComputedResult>> type(module, "Result", result_text);
   type.attr("__module__") = "eses";
-  type.def_property_readonly("area", &Result::area,
+  type.def_property_readonly("area", &ComputedResult::area,
                              "float: area of the surface, in square angstrom.")
-      .def_property_readonly("volume", &Result::volume,
+      .def_property_readonly("volume", &ComputedResult::volume,
                              "float: enclosed volume, in cubic angstrom.")
       .def_property_readonly("atom_areas", &atom_areas_of,
                              "(N,) float64: share of each atom in the area, in square angstrom.")
@@ -152,16 +154,17 @@ void bind_result(py::module_& module) {
       .def_property_readonly("inside_points", total(&Summary::inside_points),
                              "int: number of points inside the surface.")
       .def_property_readonly(
-          "grid", [](const Result& self) { return self.grid(); },
+          "grid", [](const ComputedResult& self) { return self.grid(); },
           "Grid: the grid that was passed to ``compute``.")
       .def_property_readonly(
-          "region", [](const Result& self) { return as_tuple(self.region()); },
+          "region", [](const ComputedResult& self) { return as_tuple(self.region()); },
           "tuple of 2 index triples: first point, and one more than the last point along each "
           "axis.")
       .def_property_readonly("inside", &inside_of, inside_text)
       .def_property_readonly("crossings", &crossings_of, crossings_text)
       .def("mesh", &mesh_of, mesh_text)
       .def("__repr__", &text_of);
+  bind_solver_maps(type);
 }
 
 }  // namespace eses::python

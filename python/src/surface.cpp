@@ -12,6 +12,7 @@
 
 #include "arrays.hpp"
 #include "block_stream.hpp"
+#include "computed_result.hpp"
 #include "interrupts.hpp"
 #include "run_arguments.hpp"
 #include "threads.hpp"
@@ -204,20 +205,22 @@ ProgressCallback make_progress(Interrupts& interrupts, const py::object& callbac
   };
 }
 
-std::shared_ptr<Result> compute_result(const Surface& surface, const Grid& grid, int threads,
-                                       std::int64_t block_size,
-                                       const std::optional<IndexRange>& blocks,
-                                       const std::optional<IndexRange>& region,
-                                       std::uint64_t max_memory, bool inside, bool crossings,
-                                       const py::object& progress) {
+std::shared_ptr<ComputedResult> compute_result(const Surface& surface, const Grid& grid,
+                                               int threads, std::int64_t block_size,
+                                               const std::optional<IndexRange>& blocks,
+                                               const std::optional<IndexRange>& region,
+                                               std::uint64_t max_memory, bool inside,
+                                               bool crossings, const py::object& progress) {
   if (!progress.is_none() && PyCallable_Check(progress.ptr()) == 0)
     throw py::type_error("progress must be callable");
-  RunOptions options = make_options(grid, {threads, block_size, blocks, region, max_memory});
+  const RunOptions options = make_options(grid, {threads, block_size, blocks, region, max_memory});
   Interrupts interrupts;
-  options.progress = make_progress(interrupts, progress);
+  RunOptions with_progress = options;
+  with_progress.progress = make_progress(interrupts, progress);
   const py::gil_scoped_release unlocked;
-  return std::make_shared<Result>(
-      compute(surface, grid, options, {.inside = inside, .crossings = crossings}));
+  return std::make_shared<ComputedResult>(
+      compute(surface, grid, with_progress, {.inside = inside, .crossings = crossings}), surface,
+      options);
 }
 
 std::unique_ptr<BlockStream> stream_blocks(const Surface& surface, const Grid& grid, int threads,

@@ -2,6 +2,8 @@
 
 import os
 import signal
+import subprocess
+import sys
 import threading
 import time
 
@@ -73,6 +75,12 @@ def test_ctrl_c_ends_compute_with_large_blocks(medium):
     assert_interrupts(lambda: medium.compute(grid, threads=1, block_size=128, crossings=False))
 
 
+@pytest.mark.parametrize("name", ["dielectric", "kappa"])
+def test_ctrl_c_ends_maps(medium, name):
+    result = medium.compute(medium.grid(0.5), inside=False, crossings=False)
+    assert_interrupts(getattr(result, name))
+
+
 def test_ctrl_c_ends_the_making_of_a_mesh(medium):
     result = medium.compute(medium.grid(0.35))
     assert_interrupts(result.mesh, 0.2)
@@ -95,6 +103,49 @@ def test_ctrl_c_ends_reading(tmp_path):
         for _ in range(60):
             file.write(line * 100_000)
     assert_interrupts(lambda: eses.read_atoms(path), 0.1)
+
+
+def write_mmcif(path, atoms):
+    """A file of one table, with an atom at each point of a line."""
+    tags = ("group_PDB id type_symbol label_atom_id label_alt_id label_comp_id label_asym_id label_entity_id "
+            "label_seq_id pdbx_PDB_ins_code Cartn_x Cartn_y Cartn_z occupancy B_iso_or_equiv auth_seq_id "
+            "auth_asym_id pdbx_PDB_model_num").split()
+    with open(path, "w", encoding="ascii") as file:
+        file.write("data_LINE\nloop_\n" + "".join(f"_atom_site.{tag}\n" for tag in tags))
+        for i in range(atoms):
+            residue, chain = i % 1000 + 1, f"A{i // 1000}"
+            file.write(f"ATOM {i + 1} C CA . ALA {chain} 1 {residue} ? {i % 4001}.5 0.0 {i / 1000} 1.0 10.0 "
+                       f"{residue} {chain} 1\n")
+
+
+def test_read_mmcif(tmp_path):
+    path = tmp_path / "large.cif"
+    write_mmcif(path, 400_000)
+    # The times are those of all phases of reading, of which one never looks for interrupts.
+    start = time.process_time()
+    assert len(eses.read_atoms(path)) == 400_000
+    total = time.process_time() - start
+    for part in (0.1, 0.4, 0.6, 0.8):
+        seconds = seconds_to_interrupt(lambda: eses.read_atoms(path), part * total)
+        assert seconds is None or seconds < 1, part
+    assert_interrupts(lambda: eses.read_atoms(path), 0.1)
+
+
+def test_exit_after_an_interrupt(tmp_path):
+    """The thread that still reads when the interpreter exits does no harm."""
+    path = tmp_path / "large.cif"
+    write_mmcif(path, 200_000)
+    program = f"""
+import eses, signal
+signal.signal(signal.SIGALRM, signal.default_int_handler)
+signal.setitimer(signal.ITIMER_REAL, 0.1)
+try:
+    eses.read_atoms({str(path)!r})
+except KeyboardInterrupt:
+    print("interrupted")
+"""
+    done = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, check=False)
+    assert (done.returncode, done.stdout, done.stderr) == (0, "interrupted\n", "")
 
 
 def test_computation_goes_on_after_an_interrupt(medium):

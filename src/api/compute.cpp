@@ -9,11 +9,13 @@
 #include <utility>
 
 #include "api/arguments.hpp"
+#include "api/maps_in_memory.hpp"
 #include "api/mesh_in_memory.hpp"
 #include "api/surface_access.hpp"
 #include "compute/engine.hpp"
 #include "compute/run.hpp"
 #include "eses/error.hpp"
+#include "eses/maps.hpp"
 #include "grid/make_grid.hpp"
 #include "io/map_writer.hpp"
 #include "plan/plan.hpp"
@@ -84,11 +86,14 @@ HeldMemory memory_of_result(const GridRegion& region, const ResultParts& parts) 
   return held;
 }
 
-// Plans a run. `parts` are the parts of the result in memory.
+// Plans a run. `parts` are the parts of the result in memory, besides `bytes_per_point`.
 PlannedRun plan_run(const Surface& surface, const Grid& grid, const Outputs& outputs,
-                    const RunOptions& options, const ResultParts& parts = no_parts) {
+                    const RunOptions& options, const ResultParts& parts = no_parts,
+                    std::uint64_t bytes_per_point = 0) {
   PlannedRun run{checked_plan(surface, grid, outputs, options)};
-  const HeldMemory held = memory_of_result(run.plan.tiling.region, parts);
+  const GridRegion& region = run.plan.tiling.region;
+  HeldMemory held = memory_of_result(region, parts);
+  held.bytes += bytes_per_point * static_cast<std::uint64_t>(region.point_count());
   run.crossings = detail::plan_alone({.available = detail::available_memory(),
                                       .held = held.bytes,
                                       .labels = {},
@@ -106,9 +111,9 @@ Summary require_right(Summary summary) {
   return summary;
 }
 
-Summary solve(const Surface& surface, const detail::Plan& plan,
-              const detail::Callbacks& callbacks) {
-  return require_right(detail::compute(molecule_of(surface), plan, callbacks));
+Summary solve(const Surface& surface, const detail::Plan& plan, const detail::Callbacks& callbacks,
+              const detail::MapsInMemory& maps = {}) {
+  return require_right(detail::compute(molecule_of(surface), plan, callbacks, maps));
 }
 
 std::invalid_argument point_error(const GridIndex& point, const GridRegion& region) {
@@ -130,15 +135,16 @@ std::size_t place_in(const GridRegion& region, const GridIndex& point) {
       ((point[2] - begin[2]) * size[1] + point[1] - begin[1]) * size[0] + point[0] - begin[0]);
 }
 
-// Resizes `inside` to zero bytes for all points. Calls `check` from time to time, as gigabytes take
-// seconds.
-void clear_points(std::size_t points, const CheckCallback& check,
-                  std::vector<std::uint8_t>& inside) {
-  constexpr std::size_t points_between_checks = std::size_t{1} << 26;
-  inside.reserve(points);
-  while (inside.size() < points) {
-    inside.resize(std::min(points, inside.size() + points_between_checks));
-    check();
+// Resizes `values` to a zero for each point of a run. Calls the progress callback repeatedly,
+// because gigabytes take seconds.
+template <class Value>
+void clear_points(const PlannedRun& run, const RunOptions& options, std::vector<Value>& values) {
+  constexpr std::size_t points_between_calls = (std::size_t{1} << 26) / sizeof(Value);
+  const auto points = static_cast<std::size_t>(run.plan.tiling.region.point_count());
+  values.reserve(points);
+  while (values.size() < points) {
+    values.resize(std::min(points, values.size() + points_between_calls));
+    if (options.progress) options.progress(0, run.plan.tiling.block_count());
   }
 }
 
@@ -202,19 +208,16 @@ Result ResultBuilder::compute(const eses::Surface& surface, const Grid& grid,
   result.region_ = run.plan.tiling.region;
   result.parts_ = parts;
   const std::int64_t blocks = run.plan.tiling.block_count();
-  const auto report = [&](std::int64_t done) {
-    if (options.progress) options.progress(done, blocks);
-  };
-  if (has_inside)
-    clear_points(
-        static_cast<std::size_t>(result.region_.point_count()), [&] { report(0); }, result.inside_);
+  if (has_inside) clear_points(run, options, result.inside_);
   Callbacks callbacks = callbacks_of(options);
   callbacks.block = [&](const SolvedBlock& solved) {
     if (has_inside) mark_owned_points(solved, result.region_, result.inside_);
     if (has_crossings) append_crossings(grid, solved, result.crossings_);
   };
   result.summary_ = solve(surface, run.plan, callbacks);
-  const CheckCallback check = [&] { report(blocks); };
+  const CheckCallback check = [&] {
+    if (options.progress) options.progress(blocks, blocks);
+  };
   sort_crossings(result.crossings_, check);
   if (parts.mesh) {
     result.mesh_ = make_mesh(grid, result.region_, result.inside_, result.crossings_, check);
@@ -277,6 +280,31 @@ Summary for_each_block(const Surface& surface, const Grid& grid, const BlockCall
     callback(detail::ResultBuilder::block(solved, crossings));
   };
   return solve(surface, run.plan, callbacks);
+}
+
+std::array<std::vector<double>, 3> compute_dielectric(const Surface& surface, const Grid& grid,
+                                                      const DielectricOptions& dielectric,
+                                                      const RunOptions& options) {
+  Outputs outputs = Outputs::none();
+  outputs.dielectric = DielectricMaps{{}, dielectric.solute, dielectric.solvent};
+  const PlannedRun run = plan_run(surface, grid, outputs, options, no_parts, 3 * sizeof(double));
+  std::array<std::vector<double>, 3> values;
+  for (std::vector<double>& list : values) clear_points(run, options, list);
+  solve(surface, run.plan, callbacks_of(options),
+        detail::dielectric_receivers(detail::chosen_maps(outputs), run.plan.tiling.region, values));
+  return values;
+}
+
+std::vector<std::uint8_t> compute_ion_access(const Surface& surface, const Grid& grid,
+                                             double ion_radius, const RunOptions& options) {
+  Outputs outputs = Outputs::none();
+  outputs.ion_access = IonAccessMap{"kappa.dx", ion_radius};  // no file is written
+  const PlannedRun run = plan_run(surface, grid, outputs, options, no_parts, 1);
+  std::vector<std::uint8_t> values;
+  clear_points(run, options, values);
+  solve(surface, run.plan, callbacks_of(options),
+        detail::ion_access_receiver(ion_radius, run.plan.tiling.region, values));
+  return values;
 }
 
 Summary write_files(const Surface& surface, const Grid& grid,

@@ -19,21 +19,34 @@ void require_valid(const Plan& plan, const Molecule& molecule) {
     throw Error("the plan was made for other atoms; make a plan for this molecule");
 }
 
+Summary run_alone(const Molecule& molecule, const Plan& plan, const RunTask& task,
+                  const Callbacks& callbacks) {
+  require_valid(plan, molecule);
+  const Processes alone;
+  RunResult result =
+      execute(task, plan_of_molecule(molecule, plan, task.outputs), {}, callbacks, alone);
+  return std::move(result.summary);
+}
+
 }  // namespace
 
 Summary run(const Molecule& molecule, const Plan& plan, const Outputs& outputs,
             const std::filesystem::path& directory, const Callbacks& callbacks) {
-  require_valid(plan, molecule);
   require_valid(outputs, molecule);
-  const Processes alone;
-  const RunTask task{
-      .parameters = plan.parameters, .outputs = outputs, .output_directory = directory};
-  RunResult result = execute(task, plan_of_molecule(molecule, plan, outputs), {}, callbacks, alone);
-  return std::move(result.summary);
+  return run_alone(
+      molecule, plan,
+      {.parameters = plan.parameters, .outputs = outputs, .output_directory = directory},
+      callbacks);
 }
 
-Summary compute(const Molecule& molecule, const Plan& plan, const Callbacks& callbacks) {
-  return run(molecule, plan, Outputs::none(), {}, callbacks);
+Summary compute(const Molecule& molecule, const Plan& plan, const Callbacks& callbacks,
+                const MapsInMemory& maps) {
+  return run_alone(molecule, plan,
+                   {.parameters = plan.parameters,
+                    .outputs = Outputs::none(),
+                    .output_directory = {},
+                    .maps_in_memory = maps},
+                   callbacks);
 }
 
 }  // namespace eses::detail

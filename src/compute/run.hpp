@@ -3,6 +3,7 @@
 
 #include <filesystem>
 
+#include "compute/run_plan.hpp"
 #include "plan/plan.hpp"
 #include "surface/molecule.hpp"
 #include "sweep/solved_block.hpp"
@@ -26,7 +27,8 @@ Summary run(const Molecule& molecule, const Plan& plan, const Outputs& outputs,
             const std::filesystem::path& directory, const Callbacks& callbacks = {});
 
 /// Computes the surface without writing files. `callbacks.block` receives points and crossings. The
-/// plan should be made with `Outputs::none()`.
-Summary compute(const Molecule& molecule, const Plan& plan, const Callbacks& callbacks = {});
+/// plan should be made with `Outputs::none()`, or with the maps of `maps` as outputs.
+Summary compute(const Molecule& molecule, const Plan& plan, const Callbacks& callbacks = {},
+                const MapsInMemory& maps = {});
 
 }  // namespace eses::detail

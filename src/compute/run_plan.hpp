@@ -13,9 +13,17 @@
 #include "distributed/processes.hpp"
 #include "distributed/slabs.hpp"
 #include "eses/read_atoms.hpp"
+#include "solve/block_solver.hpp"
+#include "sweep/pipeline.hpp"
 #include "task/task.hpp"
 
 namespace eses::detail {
+
+/// Maps that the caller of a run in a single process receives.
+struct MapsInMemory {
+  std::vector<MapSink> sinks;
+  BlockExtras extras;  ///< what the maps need besides points
+};
 
 /// The choices of the user.
 struct RunTask {
@@ -28,6 +36,7 @@ struct RunTask {
   /// Whether to keep finished chunks on disk, and to continue from those of an earlier run.
   bool resume = false;
   bool dry_run = false;  ///< whether to create no files
+  MapsInMemory maps_in_memory = {};
 };
 
 /// The plan of a run, and the part of the molecule that this process has.

@@ -62,10 +62,10 @@ TakeRows rows_of_map(OutputFile& file, const MapChoice& choice, const Plan& plan
                GridMap::Scratch& scratch) { map->write_rows(first_row, words, scratch); };
 }
 
-BlockExtras extras_of(const Outputs& outputs) {
-  BlockExtras extras;
-  extras.edge_shares = outputs.dielectric.has_value();
-  if (outputs.ion_access) extras.ion_radius = outputs.ion_access->ion_radius;
+BlockExtras extras_of(const RunTask& task) {
+  BlockExtras extras = task.maps_in_memory.extras;
+  if (task.outputs.dielectric) extras.edge_shares = true;
+  if (task.outputs.ion_access) extras.ion_radius = task.outputs.ion_access->ion_radius;
   return extras;
 }
 
@@ -226,6 +226,7 @@ SlabSweep::RangeSinks SlabSweep::sinks_in_place(PlaneChunk& chunk) const {
   RangeSinks sinks;
   sinks.grid = sink_of(files.grid);
   sinks.edges = sink_of(files.edges);
+  sinks.maps = task_.maps_in_memory.sinks;
   for (const MapChoice& map : chosen_maps(task_.outputs))
     sinks.maps.push_back({map.quantity, rows_of_map(*files.map(map.quantity), map, plan_.whole)});
   if (files_.mesh_text != nullptr) sinks.mesh = mesh_sinks_in_place(chunk);
@@ -306,7 +307,7 @@ PlaneChunk SlabSweep::sweep(PatchSchedule& patches, const PlaneRange& planes, Sw
                      .edges = sinks.edges,
                      .gzip = task_.outputs.gzip,
                      .maps = sinks.maps,
-                     .extras = extras_of(task_.outputs),
+                     .extras = extras_of(task_),
                      .mesh = mesh ? &*mesh : nullptr,
                      .verifier = verifier ? &*verifier : nullptr,
                      .block = callbacks_.block,

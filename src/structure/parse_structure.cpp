@@ -12,6 +12,7 @@
 #include <charconv>
 #include <cmath>
 #include <cstring>
+#include <exception>
 #include <gemmi/assembly.hpp>
 #include <gemmi/cif.hpp>
 #include <gemmi/mmcif.hpp>
@@ -49,19 +50,51 @@ std::string message_of(std::string_view what) {
   return printable(what);
 }
 
+/// Ends the work of gemmi where the check of a text throws `cause`, whose type may be one that is
+/// converted to Error.
+struct Interruption {
+  std::exception_ptr cause;
+};
+
+/// Calls the check of a text at every so many calls.
+class Checker {
+ public:
+  explicit Checker(const CheckCallback& check) : check_(check) {}
+
+  void count() {
+    constexpr std::uint32_t counts_between_checks = 1 << 12;
+    if (++counts_ % counts_between_checks == 0) check();
+  }
+
+  void check() const {
+    if (!check_) return;
+    try {
+      check_();
+    } catch (...) {
+      throw Interruption{std::current_exception()};
+    }
+  }
+
+ private:
+  const CheckCallback& check_;
+  std::uint32_t counts_ = 0;
+};
+
 // ------------------------------------------------------------------------------------------- PDB
 
 /// An input stream of gemmi with the lines of a PDB text. Replaces the serial numbers of atoms by
 /// their line numbers. Checks coordinates, because gemmi reads invalid numbers as 0.
 class PdbLines {
  public:
-  PdbLines(std::string_view text, std::string_view name) : rest_(text), name_(name) {}
+  PdbLines(const StructureText& input, Checker& checker)
+      : rest_(input.text), name_(input.name), checker_(checker) {}
 
   std::uint64_t line() const { return line_; }
 
   // The interface of gemmi's streams; the functions are like those of <cstdio>.
   char* gets(char* buffer, int size) {
     if (rest_.empty()) return nullptr;
+    checker_.count();
     ++line_;
     const std::size_t room = static_cast<std::size_t>(size) - 1;
     const std::size_t end = rest_.substr(0, room).find('\n');
@@ -165,11 +198,12 @@ class PdbLines {
   }
 
   std::string_view rest_, name_;
+  Checker& checker_;
   std::uint64_t line_ = 0;
 };
 
-gemmi::Structure parse_pdb(const StructureText& input) {
-  PdbLines lines(input.text, input.name);
+gemmi::Structure parse_pdb(const StructureText& input, Checker& checker) {
+  PdbLines lines(input, checker);
   try {
     return gemmi::pdb_impl::read_pdb_from_stream(lines, std::string(input.name),
                                                  gemmi::PdbReadOptions());
@@ -186,6 +220,9 @@ gemmi::Structure parse_pdb(const StructureText& input) {
 
 /// A document with the line numbers of the rows of the table of atoms.
 struct NumberedDocument : gemmi::cif::Document {
+  explicit NumberedDocument(Checker& its_checker) : checker(its_checker) {}
+
+  Checker& checker;
   std::vector<std::uint64_t> atom_lines;
 };
 
@@ -198,6 +235,7 @@ template <>
 struct NumberingAction<gemmi::cif::rules::loop_value> {
   template <class Input>
   static void apply(const Input& in, NumberedDocument& document) {
+    document.checker.count();
     const gemmi::cif::Loop& loop = document.items_->back().loop;
     if (loop.values.size() % loop.tags.size() == 0 && loop.tags.front().starts_with(atom_category))
       document.atom_lines.push_back(in.iterator().line);
@@ -231,9 +269,9 @@ void number_atoms(NumberedDocument& document) {
   }
 }
 
-gemmi::Structure parse_mmcif(const StructureText& input) {
+gemmi::Structure parse_mmcif(const StructureText& input, Checker& checker) {
   try {
-    NumberedDocument document;
+    NumberedDocument document(checker);
     document.source = input.name;
     gemmi::cif::pegtl::memory_input<> in(input.text.data(), input.text.size(),
                                          std::string(input.name));
@@ -241,7 +279,9 @@ gemmi::Structure parse_mmcif(const StructureText& input) {
         in, document);
     gemmi::cif::check_for_missing_values(document);
     gemmi::cif::check_for_duplicates(document);
+    checker.check();
     number_atoms(document);
+    checker.check();
     return gemmi::make_structure(document);
   } catch (const tao::pegtl::parse_error& error) {
     fail(input.name, error.positions().front().line, message_of(error.message()));
@@ -602,12 +642,13 @@ void count_kept(const gemmi::Model& model, StructureReport& report) {
     }
 }
 
-}  // namespace
-
-SelectedStructure parse_structure(const StructureText& text, const StructureOptions& options,
-                                  bool with_hydrogens,
-                                  const std::function<void(std::uint64_t bytes)>& require_memory) {
-  gemmi::Structure structure = text.format == AtomFormat::pdb ? parse_pdb(text) : parse_mmcif(text);
+SelectedStructure parse(const StructureText& text, const StructureOptions& options,
+                        bool with_hydrogens,
+                        const std::function<void(std::uint64_t bytes)>& require_memory) {
+  Checker checker(text.check);
+  gemmi::Structure structure =
+      text.format == AtomFormat::pdb ? parse_pdb(text, checker) : parse_mmcif(text, checker);
+  checker.check();
   require_memory(0);
   gemmi::Model& model = find_model(structure, options.model, text.name);
   SelectedStructure result;
@@ -639,11 +680,25 @@ SelectedStructure parse_structure(const StructureText& text, const StructureOpti
                    require_memory, result);
   } else {
     AtomList list(result, text.name);
-    for (const gemmi::Chain& chain : model.chains)
+    for (const gemmi::Chain& chain : model.chains) {
+      checker.check();
       list.add(chain, chain.name, [](const gemmi::Residue&, const gemmi::Atom&) { return true; });
+    }
     sort_by_line(result.atoms);
   }
   return result;
+}
+
+}  // namespace
+
+SelectedStructure parse_structure(const StructureText& text, const StructureOptions& options,
+                                  bool with_hydrogens,
+                                  const std::function<void(std::uint64_t bytes)>& require_memory) {
+  try {
+    return parse(text, options, with_hydrogens, require_memory);
+  } catch (const Interruption& interruption) {
+    std::rethrow_exception(interruption.cause);
+  }
 }
 
 std::string_view element_symbol(std::uint8_t atomic_number) {

@@ -7,6 +7,7 @@
 #include <string_view>
 #include <vector>
 
+#include "eses/check.hpp"
 #include "eses/read_atoms.hpp"
 
 namespace eses::detail {
@@ -39,6 +40,7 @@ struct StructureText {
   std::string_view text;
   std::string_view name;  ///< name of the file, for messages
   AtomFormat format = AtomFormat::pdb;
+  CheckCallback check = {};  ///< called from time to time if it is not empty
 };
 
 /// Parses a PDB or mmCIF text and selects atoms. Removes hydrogens if `with_hydrogens` is false,

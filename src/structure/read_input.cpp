@@ -52,13 +52,15 @@ class ReadingLimit {
   std::uint64_t max_memory_, max_resident_;
 };
 
-/// Reads a whole text, decompressed if it is gzipped.
+/// Reads a whole text, decompressed if it is gzipped. Calls `check` for each MiB.
 std::string read_text(int descriptor, const std::string& name, const ReadingLimit& limit,
+                      const CheckCallback& check,
                       std::uint64_t max_bytes = std::numeric_limits<std::uint64_t>::max()) {
   constexpr std::size_t piece_bytes = std::size_t{1} << 20;
   TextSource source(descriptor, name);
   std::string text;
   for (std::size_t used = 0;; used = text.size()) {
+    if (check) check();
     if (used + piece_bytes > text.capacity()) {
       // Both copies of the text are in memory while reserve() copies it.
       limit.require(used + 2 * (used + piece_bytes));
@@ -93,7 +95,7 @@ RadiiSet radii_set(const std::string& name_or_file) {
   try {
     const FileDescriptor file(open_for_reading(name_or_file, name_or_file));
     const std::string text =
-        read_text(file.value(), name_or_file, ReadingLimit(name_or_file, 0), max_radii_bytes);
+        read_text(file.value(), name_or_file, ReadingLimit(name_or_file, 0), {}, max_radii_bytes);
     return parse_radii_set(text, name_or_file);
   } catch (const Error& error) {
     if (std::filesystem::exists(name_or_file)) throw;
@@ -139,9 +141,10 @@ AtomFile parse(std::string_view text, std::string_view name, const ReadOptions& 
   const RadiiSet radii = radii_set(choices.radii);
   limit.require(expected_bytes(text, options.format));
   call_check(options);
-  SelectedStructure structure = parse_structure(
-      {text, name, options.format}, choices, keeps_hydrogens(choices.hydrogens, radii),
-      [&limit](std::uint64_t bytes) { limit.require(bytes); });
+  SelectedStructure structure =
+      parse_structure({text, name, options.format, options.check}, choices,
+                      keeps_hydrogens(choices.hydrogens, radii),
+                      [&limit](std::uint64_t bytes) { limit.require(bytes); });
   call_check(options);
   // Returns the memory that gemmi has freed to the system, so that the limit does not include it.
   release_free_memory();
@@ -150,14 +153,18 @@ AtomFile parse(std::string_view text, std::string_view name, const ReadOptions& 
   limit.require(structure.atoms.size() *
                 (sizeof(Atom) + sizeof(std::uint64_t) + (keeps_labels ? sizeof(AtomLabel) : 0)));
   return assign_radii(std::move(structure), radii, choices.unknown_radius, options.with_labels,
-                      name, after_part);
+                      name, [&](AtomFile& atoms) {
+                        call_check(options);
+                        if (after_part) after_part(atoms);
+                      });
 }
 
 AtomFile read_structure(int descriptor, const std::string& name, const ReadOptions& options,
                         const std::function<void(AtomFile& atoms)>& after_part) {
   const ReadingLimit limit(name, options.max_memory);
   try {
-    return parse(read_text(descriptor, name, limit), name, options, limit, after_part);
+    return parse(read_text(descriptor, name, limit, options.check), name, options, limit,
+                 after_part);
   } catch (const std::bad_alloc&) {
     throw MemoryLimitError(fmt::format("cannot read {}: out of memory", name));
   } catch (const std::length_error&) {

@@ -25,11 +25,14 @@ int main() {
   };
   const eses::Summary summary = eses::for_each_block(surface, grid, add_block, {.block_size = 9});
   const eses::Result result = eses::compute(surface, grid);
+  const auto dielectric = eses::compute_dielectric(surface, grid, {.solute = 2, .solvent = 78.54});
+  const double first_along_x = dielectric[0].front();
 
   std::printf("%lld points inside, area %.6f\n", static_cast<long long>(inside), area);
   const bool agrees = inside == summary.inside_points && std::fabs(area - summary.area) < 1e-6 &&
                       result.area() == summary.area && result.volume() == summary.volume &&
-                      static_cast<std::int64_t>(result.crossings().size()) == summary.edges();
+                      static_cast<std::int64_t>(result.crossings().size()) == summary.edges() &&
+                      first_along_x == 78.54;
   try {
     eses::make_grid(surface, {.spacing = -1});
   } catch (const std::invalid_argument&) {

@@ -1,0 +1,43 @@
+"""The type stubs, compared with the module by stubtest of mypy. Skipped where mypy is missing."""
+
+import importlib.util
+import pathlib
+import subprocess
+import sys
+
+import pytest
+
+import eses
+
+pytestmark = pytest.mark.skipif(importlib.util.find_spec("mypy") is None, reason="mypy is not installed")
+
+
+def test_stubtest(tmp_path):
+    # No stub can tell the metaclass of pybind11, and the __init__ that it gives to classes without one.
+    allowed = tmp_path / "allowed"
+    allowed.write_text(r"eses\._core\.\w+(\.__init__)?" + "\n", encoding="ascii")
+    done = subprocess.run([sys.executable, "-m", "mypy.stubtest", "eses", "--allowlist", allowed,
+                           "--ignore-unused-allowlist"], capture_output=True, text=True, check=False, cwd=tmp_path,
+                          env={"PYTHONPATH": str(pathlib.Path(eses.__file__).parents[1])})
+    assert done.returncode == 0, done.stdout + done.stderr
+
+
+def test_types_of_a_program(tmp_path):
+    """A caller gets the types of the stubs: they hold, and a wrong use is found."""
+    program = tmp_path / "program.py"
+    program.write_text("""\
+import eses
+import numpy as np
+import numpy.typing as npt
+atoms = eses.read_atoms("1ubq.xyzr")
+surface = eses.Surface(atoms.centers, atoms.radii)
+result = surface.compute(surface.grid(0.5))
+inside: npt.NDArray[np.bool_] = result.inside
+along_x: npt.NDArray[np.float64] = result.dielectric(2, 78.54)[0]
+wrong: str = result.area
+""", encoding="utf-8")
+    done = subprocess.run([sys.executable, "-m", "mypy", "--strict", "--cache-dir", tmp_path / "cache", program],
+                          capture_output=True, text=True, check=False, cwd=tmp_path,
+                          env={"MYPYPATH": str(pathlib.Path(eses.__file__).parents[1])})
+    errors = [line for line in done.stdout.splitlines() if ": error:" in line]
+    assert len(errors) == 1 and "program.py:9:" in errors[0], done.stdout + done.stderr

@@ -1,0 +1,25 @@
+#pragma once
+/// Receivers of map rows that keep the values in memory.
+
+#include <array>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "compute/run_plan.hpp"
+#include "eses/grid.hpp"
+#include "io/map_writer.hpp"
+
+namespace eses::detail {
+
+/// Returns receivers that put the values of dielectric maps into `values`, in the order of
+/// Result::inside. Keeps a reference to `values`, which must have a value for each point of
+/// `region`.
+MapsInMemory dielectric_receivers(std::span<const MapChoice> maps, const GridRegion& region,
+                                  std::array<std::vector<double>, 3>& values);
+
+/// Does the same for a map of the access of ions.
+MapsInMemory ion_access_receiver(double ion_radius, const GridRegion& region,
+                                 std::vector<std::uint8_t>& values);
+
+}  // namespace eses::detail
