@@ -863,7 +863,8 @@ TEST_CASE("diff: help names options, files and exit codes", "[diff]") {
   CHECK(sandbox.run({"diff", "-h"}).out == outcome.out);
   for (const std::string part :
        {"Usage: eses-blocks diff [OPTIONS] DIR_A DIR_B\n", "--tolerance X ", " [1e-06]\n",
-        "--json ", "TMPDIR", "./diff", "Exit codes:\n  0  the same\n  1  different\n  2  "}) {
+        "--json ", "TMPDIR", "./diff",
+        "Exit codes:\n  0  no differences\n  1  differences found\n  2  "}) {
     INFO(part);
     CHECK(contains(outcome.out, part));
   }
