@@ -33,7 +33,8 @@ struct MeshOptions {
 /// all parts inside. Each map has the counts of the grid, and an origin that is shifted by half a
 /// spacing along its axis; values beyond the last points of the grid are those of the solvent.
 struct DielectricMaps {
-  /// The files are `PREFIXx.dx`, `PREFIXy.dx` and `PREFIXz.dx` in the output directory.
+  /// The files are `PREFIXx.dx`, `PREFIXy.dx` and `PREFIXz.dx` in the output directory, or
+  /// `PREFIXx.dx.gz` and so on with Outputs::gzip.
   std::string prefix;
   double solute = 2;       ///< Relative permittivity inside the surface, 1e-9 to 1e9.
   double solvent = 78.54;  ///< Relative permittivity outside the surface, 1e-9 to 1e9.
@@ -43,7 +44,9 @@ struct DielectricMaps {
 /// `usemap kappa`: 1 at points outside all spheres of the atoms' radius plus that of the ions, and
 /// 0 at others.
 struct IonAccessMap {
-  std::string file;       ///< Name of an OpenDX file in the output directory; it ends with .dx.
+  /// Name of an OpenDX file in the output directory; it ends with .dx, or with .dx.gz if the file
+  /// is to be compressed.
+  std::string file;
   double ion_radius = 2;  ///< Radius of the ions, in angstrom; 0 to 1000.
 };
 
@@ -55,9 +58,10 @@ struct Outputs {
   bool areas = true;  ///< partition_area.txt: the area of every atom.
   /// residue_area.csv and chain_area.csv: areas of residues and chains; need labels.
   bool residues = false;
-  bool gzip = false;  ///< Compresses the four text files, whose names then end with .gz.
+  /// Compresses the four text files and the maps of the dielectric, whose names then end with .gz.
+  bool gzip = false;
   /// Name of a map in the output directory with 1 inside and 0 outside: OpenDX if it ends with .dx,
-  /// VTK image data if it ends with .vti. Empty for no map.
+  /// compressed OpenDX with .dx.gz, VTK image data with .vti. Empty for no map.
   std::string inside_map = {};
   std::optional<DielectricMaps> dielectric = {};  ///< Maps of the dielectric.
   std::optional<IonAccessMap> ion_access = {};    ///< A map of the access of ions.

@@ -48,7 +48,7 @@ constexpr char footer[] = R"(Files written:
   grid_info.txt               every grid point, 1 inside and -1 outside
   intersection_info.txt       every grid edge that the surface cuts: point, normal, atoms
   partition_area.txt          every atom's share of the area, in square angstrom
-With --gzip each of these is NAME.gz. Only if asked for:
+With --gzip each of these is NAME.gz, and so are the maps of --dielectric. Only if asked for:
   residue_area.csv, chain_area.csv   areas of residues and chains; not of xyzr files
   the map of --inside                every grid point, 1 inside and 0 outside
   the maps of --dielectric, --kappa  dielectric of edges, access of ions: for APBS
@@ -286,7 +286,8 @@ void add_solver_maps(CLI::App& app, CommandLine& line) {
                      fmt::format("a number from {:g} to {:g}", min_dielectric, max_dielectric));
   add_value(app, "--dielectric", "PREFIX",
             "maps of the dielectric at the middles of grid edges,\n"
-            "PREFIXx.dx, PREFIXy.dx and PREFIXz.dx (usemap diel)",
+            "PREFIXx.dx, PREFIXy.dx and PREFIXz.dx (usemap diel);\n"
+            "with --gzip PREFIXx.dx.gz and so on",
             line.dielectric_prefix, Format{prefix_in, "the first part of a file name"});
   add_value(app, "--solute-dielectric", "EPS",
             fmt::format("relative permittivity inside [{}]", DielectricMaps().solute), line.solute,
@@ -296,8 +297,8 @@ void add_solver_maps(CLI::App& app, CommandLine& line) {
             line.solvent, permittivity);
   add_value(app, "--kappa", "FILE",
             "map of the points to which ions have access: FILE.dx\n"
-            "with 1 there and 0 elsewhere (usemap kappa)",
-            line.ion_map, Format{dx_map_in, "the name of a file that ends with .dx"});
+            "or .dx.gz with 1 there and 0 elsewhere (usemap kappa)",
+            line.ion_map, Format{dx_map_in, "the name of a file that ends with .dx or .dx.gz"});
   add_value(app, "--ion-radius", "ANGSTROM",
             fmt::format("radius of the ions of --kappa, 0 to {} [{}]", max_ion_radius,
                         IonAccessMap().ion_radius),
@@ -326,8 +327,9 @@ void add_file_options(CLI::App& app, CommandLine& line) {
             Format{text_files_in, "some of grid,edges,areas,residues, or all, or none"});
   add_value(app, "--inside", "FILE",
             "map of the inside, in the output directory: FILE.dx\n"
-            "(OpenDX) or FILE.vti (VTK image data)",
-            line.inside_map, Format{map_in, "the name of a file that ends with .dx or .vti"});
+            "(OpenDX), FILE.dx.gz or FILE.vti (VTK image data)",
+            line.inside_map,
+            Format{map_in, "the name of a file that ends with .dx, .dx.gz or .vti"});
   add_flag(app, "--gzip", "text files compressed, as NAME.gz; diff reads both", line.gzip);
   add_value(
       app, "--mesh", "FILE",

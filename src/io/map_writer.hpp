@@ -20,10 +20,13 @@ enum class MapFormat {
   vti,  ///< VTK's XML image data: x fastest, a byte a value, raw behind the XML
 };
 
-/// By the end of the name: `.dx` or `.vti`.
+/// By the end of the name: `.dx` or `.dx.gz`, or `.vti`.
 std::optional<MapFormat> map_format(std::string_view name);
 
-/// Throws Error if the name ends with neither.
+/// Returns whether the file of a map of this name is compressed: whether it ends with `.dx.gz`.
+bool is_compressed_map(std::string_view name);
+
+/// Throws Error if the name has none of these ends.
 MapFormat required_map_format(std::string_view name);
 
 /// The quantity of a map.
@@ -50,11 +53,15 @@ struct MapChoice {
   std::string name;  ///< in the output directory
   MapFormat format = MapFormat::dx;
   double solute = 0, solvent = 0;  ///< relative permittivities, of a map of edges
+  bool gzip = false;               ///< whether the file is compressed
 };
 
 /// Bounds of a dielectric, such that its text has the same length everywhere, and of the radius of
 /// ions (angstrom).
 inline constexpr double min_dielectric = 1e-9, max_dielectric = 1e9, max_ion_radius = 1000;
+
+/// Name of a map of the dielectric in the output directory.
+std::string dielectric_name(std::string_view prefix, MapQuantity quantity, bool gzip);
 
 /// The maps that are chosen, at most one of each quantity, in their order. Throws Error as
 /// required_map_format does.
