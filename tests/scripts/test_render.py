@@ -37,12 +37,31 @@ class Render(TestCase):
         return subprocess.run([SCRIPT, *map(str, arguments)], capture_output=True, text=True,
                               check=False, timeout=120)
 
-    def test_picture(self):
-        mesh, picture = self.folder / "a.ply", self.folder / "a.png"
+    def make_picture(self, name, *options):
+        mesh, picture = self.folder / name, self.folder / f"{name}.png"
         self.assertDone(subprocess.run(
-            [PROGRAM, DATA / "c60.xyzr", "-q", "--write", "none", "--mesh", mesh],
+            [PROGRAM, DATA / "c60.xyzr", "-q", "--write", "none", "--mesh", mesh, *options],
             capture_output=True, text=True, check=False))
         self.assertDone(self.render(mesh, "-o", picture, "--size", 80))
+        return picture
+
+    def test_formats(self):
+        """The same mesh gives the same picture, whatever its format, with and without colours."""
+        for options in ((), ("--color", "atom")):
+            ply = read_png(self.make_picture("a.ply", *options))
+            vtp = read_png(self.make_picture("a.vtp", *options))
+            self.assertEqual(vtp[:2], ply[:2])
+            self.assertLess(self.differences(vtp[2], ply[2]), 50)
+        plain = read_png(self.make_picture("b.vtp"))
+        self.assertGreater(self.differences(plain[2], ply[2]), 500)
+
+    @staticmethod
+    def differences(rows, others):
+        """Number of bytes that differ by more than rounding. PNG's filters make them differences."""
+        return sum((a - b + 4) % 256 > 8 for a, b in zip(rows, others))
+
+    def test_picture(self):
+        picture = self.make_picture("a.ply")
         width, height, rows = read_png(picture)
         self.assertEqual((width, height), (80, 60))
         # Neither blank nor full: PNG's filters leave zeros where nothing changes.
@@ -53,7 +72,7 @@ class Render(TestCase):
     def test_wrong_files(self):
         text = self.folder / "a.txt"
         text.write_text("none")
-        for path, message in ((text, "not a .ply or .obj file"),
+        for path, message in ((text, "not a .ply, .obj or .vtp file"),
                               (self.folder / "b.ply", "no such file")):
             done = self.render(path, "-o", self.folder / "c.png")
             self.assertEqual(done.returncode, 1)
