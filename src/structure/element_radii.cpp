@@ -17,6 +17,7 @@ struct ElementRadii {
 // and extended to all main-group elements by M. Mantina et al., J. Phys. Chem. A 113 (2009)
 // 5806-5812, doi:10.1021/jp8111556 (hydrogen: Bondi's 1.20); elements of the d and f blocks that
 // Bondi does not have: S. Alvarez, Dalton Trans. 42 (2013) 8617-8636, doi:10.1039/c3dt50599e.
+// Compilations that cite Bondi give platinum 1.75 or 1.72; the table has 1.75, as FreeSASA has.
 // Column `freesasa`: what FreeSASA 2.1.2 assigns to atoms that its sets do not name.
 constexpr std::array<ElementRadii, 103> table{{
     {"H", 1.20, 1.10},  {"He", 1.40, 1.40}, {"Li", 1.81, 1.81}, {"Be", 1.53, 1.53},
