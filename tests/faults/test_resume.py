@@ -307,11 +307,15 @@ class Resume(FaultTest):
             self.put({})
             self.assertDone(self.run_program(*arguments))
             reference = self.contents()
+            number, kept = 3, set()
             self.put({})
-            self.assertTrue(self.cut_off(60, *arguments))
-            self.assertGreater(len(self.chunks()), 0)
-            self.assertDone(self.run_program(*arguments, "--resume"))
-            self.assertEqual(self.contents(), reference)
+            while self.cut_off(number, *arguments):
+                kept.add(len(self.chunks()))
+                self.assertDone(self.run_program(*arguments, "--resume"))
+                self.assertEqual(self.contents(), reference)
+                self.put({})
+                number += 13
+            self.assertGreater(len(kept), 2)
 
     @needs_library
     def test_other_mesh(self):
