@@ -114,6 +114,25 @@ std::uint64_t GridMap::cell_offset(std::int64_t cell, std::int64_t row) const {
                                                             (cell * size_[1] * size_[2] + row));
 }
 
+// Writes words without long runs of zeros, which the file holds where nothing is written. The last
+// word of all is always written, so that the file has its full length. Most of a grid is solvent.
+void GridMap::write_words(std::span<std::uint64_t> words, std::uint64_t offset) {
+  constexpr std::size_t max_zeros = 512;  // a page of the page cache
+  const bool is_end = offset + words.size_bytes() == cell_offset(cells_of_row(), 0);
+  for (std::size_t begin = 0; begin < words.size();) {
+    while (begin < words.size() && words[begin] == 0) ++begin;
+    std::size_t end = begin;
+    for (std::size_t next = begin; next < words.size() && next - end < max_zeros; ++next)
+      if (words[next] != 0) end = next + 1;
+    if (end > begin)
+      file_.write_at(as_chars(words.subspan(begin, end - begin)),
+                     offset + sizeof(std::uint64_t) * begin);
+    begin = end;
+  }
+  if (is_end && words.back() == 0)
+    file_.write_at(as_chars(words.last(1)), offset + words.size_bytes() - sizeof(std::uint64_t));
+}
+
 void GridMap::write_rows(std::int64_t first_row, std::span<const std::uint64_t> words,
                          Scratch& scratch) {
   const auto per_row = static_cast<std::size_t>(words_of_row(map_.quantity, size_));
@@ -134,8 +153,7 @@ void GridMap::write_rows(std::int64_t first_row, std::span<const std::uint64_t> 
     for (std::size_t row = 0; row < rows; ++row)
       std::copy_n(words.data() + row * per_row + begin, per_cell,
                   scratch.words.data() + row * per_cell);
-    file_.write_at(as_chars(scratch.words),
-                   cell_offset(static_cast<std::int64_t>(begin / per_cell), first_row));
+    write_words(scratch.words, cell_offset(static_cast<std::int64_t>(begin / per_cell), first_row));
   }
 }
 

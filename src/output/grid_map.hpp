@@ -97,6 +97,7 @@ class GridMap {
   std::uint64_t cell_offset(std::int64_t cell, std::int64_t row) const;
   std::int64_t rows_of_tile() const;
   std::int64_t tiles_of_cell() const;
+  void write_words(std::span<std::uint64_t> words, std::uint64_t offset);
   void read_words(const Tile& tile, std::vector<std::uint64_t>& words);
   void fill_points(const Tile& tile, std::int64_t x, std::uint64_t first_index,
                    Scratch& scratch) const;
