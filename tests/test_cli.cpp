@@ -131,7 +131,7 @@ TEST_CASE("usage errors name option, value and expectation, and write nothing", 
   const std::string above_zero = ", expected a finite number greater than 0, in angstrom";
   const std::string probe_range = ", expected a number from 0.01 to 1000, in angstrom";
   const std::string at_least_zero = ", expected a finite number of at least 0, in angstrom";
-  const std::string map_name = ", expected a file name with the suffix .dx or .vti";
+  const std::string map_name = ", expected a file name with the suffix .dx, .dx.gz or .vti";
   const std::string six_numbers =
       ", expected six finite numbers x0,y0,z0,x1,y1,z1 in angstrom, x0 <= x1 and so on";
   const std::string ranges =

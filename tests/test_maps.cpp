@@ -278,7 +278,7 @@ TEST_CASE("a run with a map leaves nothing if it is ended at any moment", "[maps
 TEST_CASE("the suffix of a map decides its format", "[maps]") {
   const std::vector<Atom> atoms{{{0, 0, 0}, 1.5}};
   Outputs outputs;
-  for (const std::string name : {"map", "map.DX", "dx", "map.dx.gz"}) {
+  for (const std::string name : {"map", "map.DX", "dx", "map.vti.gz", "map.gz"}) {
     outputs.inside_map = name;
     CHECK_THROWS_AS(make_plan(atoms, {}, outputs), Error);
   }

@@ -279,8 +279,6 @@ TEST_CASE("protor: FreeSASA assigns the same radii", "[structure][radii][freesas
     if (!path.filename().string().ends_with(".pdb") &&
         !path.filename().string().ends_with(".pdb.gz"))
       continue;
-    // Its records have no elements, and FreeSASA takes some of its names for calcium.
-    if (path.filename() == "a_structure.pdb.gz") continue;
     const fs::path plain = directory.path() / "plain.pdb";
     std::ofstream(plain) << text_of(path);
     const std::map<std::string, double> expected = freesasa_radii(plain);
@@ -294,9 +292,12 @@ TEST_CASE("protor: FreeSASA assigns the same radii", "[structure][radii][freesas
       const auto one = expected.find(columns_of(ours.atoms[i].center));
       // FreeSASA takes the first alternate location, not the one of the highest occupancy.
       if (one == expected.end()) continue;
+      ++found;
+      // A carbon atom of a_structure.pdb has no element, and its name CA begins in the column of
+      // calcium, for which FreeSASA takes it.
+      if (one->first == "  -0.189   5.321  14.250") continue;
       INFO(path << ": " << names[i]);
       CHECK(ours.atoms[i].radius == one->second);
-      ++found;
     }
     INFO(path);
     if (ours.structure->dropped_altlocs == 0) CHECK(found == expected.size());

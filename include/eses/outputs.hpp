@@ -34,6 +34,7 @@ struct MeshOptions {
 /// points of the grid are those of the solvent.
 struct DielectricMaps {
   /// Prefix of the file names `PREFIXx.dx`, `PREFIXy.dx` and `PREFIXz.dx` in the output directory.
+  /// With Outputs::gzip the names have the additional suffix .gz.
   std::string prefix;
   double solute = 2;       ///< Relative permittivity inside the surface, 1e-9 to 1e9.
   double solvent = 78.54;  ///< Relative permittivity outside the surface, 1e-9 to 1e9.
@@ -43,7 +44,9 @@ struct DielectricMaps {
 /// an ion may be there: its distance from every atom is at least the sum of the radii of atom and
 /// ion. Other points are 0.
 struct IonAccessMap {
-  std::string file;       ///< Name of an OpenDX file in the output directory; it ends with .dx.
+  /// Name of an OpenDX file in the output directory; it ends with .dx, or with .dx.gz if the file
+  /// is to be compressed.
+  std::string file;
   double ion_radius = 2;  ///< Radius of the ions, in angstrom; 0 to 1000.
 };
 
@@ -55,9 +58,11 @@ struct Outputs {
   bool areas = true;  ///< partition_area.txt: the area of every atom.
   /// residue_area.csv and chain_area.csv: areas of residues and chains; need labels.
   bool residues = false;
-  bool gzip = false;  ///< Whether the four text files are compressed, with the suffix .gz.
+  /// Whether the four text files and the maps of the dielectric are compressed, with the additional
+  /// suffix .gz.
+  bool gzip = false;
   /// File name, in the output directory, of a map with 1 inside and 0 outside. The suffix .dx gives
-  /// OpenDX, and .vti gives VTK image data. Empty for no map.
+  /// OpenDX, .dx.gz compressed OpenDX, and .vti VTK image data. Empty for no map.
   std::string inside_map = {};
   std::optional<DielectricMaps> dielectric = {};  ///< Maps of the dielectric.
   std::optional<IonAccessMap> ion_access = {};    ///< A map of ion accessibility.

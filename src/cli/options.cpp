@@ -48,7 +48,8 @@ constexpr char footer[] = R"(Output files:
   grid_info.txt               every grid point: 1 inside, -1 outside
   intersection_info.txt       every crossing of a grid edge: position, normal, atoms
   partition_area.txt          area of every atom, in square angstrom
-With --gzip these files are named NAME.gz. Optional output files:
+With --gzip these files are named NAME.gz, and so are the maps of --dielectric.
+Optional output files:
   residue_area.csv, chain_area.csv   areas of residues and chains (--write residues)
   map (--inside)                     every grid point: 1 inside, 0 outside
   maps (--dielectric, --kappa)       dielectric and ion accessibility for APBS
@@ -285,7 +286,8 @@ void add_solver_maps(CLI::App& app, CommandLine& line) {
                      fmt::format("a number from {:g} to {:g}", min_dielectric, max_dielectric));
   add_value(app, "--dielectric", "PREFIX",
             "write maps of the dielectric at edge midpoints:\n"
-            "PREFIXx.dx, PREFIXy.dx and PREFIXz.dx (usemap diel)",
+            "PREFIXx.dx, PREFIXy.dx and PREFIXz.dx (usemap diel),\n"
+            "compressed with --gzip",
             line.dielectric_prefix, Format{prefix_in, "the first part of a file name"});
   add_value(app, "--solute-dielectric", "EPS",
             fmt::format("relative permittivity inside the surface [{}]", DielectricMaps().solute),
@@ -294,9 +296,10 @@ void add_solver_maps(CLI::App& app, CommandLine& line) {
             fmt::format("relative permittivity outside the surface [{}]", DielectricMaps().solvent),
             line.solvent, permittivity);
   add_value(app, "--kappa", "FILE",
-            "write a map of ion accessibility (.dx): 1 where the\n"
-            "centre of an ion may be, 0 elsewhere (usemap kappa)",
-            line.ion_map, Format{dx_map_in, "a file name with the suffix .dx"});
+            "write a map of ion accessibility (.dx or .dx.gz):\n"
+            "1 where the centre of an ion may be, 0 elsewhere\n"
+            "(usemap kappa)",
+            line.ion_map, Format{dx_map_in, "a file name with the suffix .dx or .dx.gz"});
   add_value(app, "--ion-radius", "ANGSTROM",
             fmt::format("radius of the ions for --kappa, 0 to {} [{}]", max_ion_radius,
                         IonAccessMap().ion_radius),
@@ -325,9 +328,9 @@ void add_file_options(CLI::App& app, CommandLine& line) {
             Format{text_files_in, "some of grid,edges,areas,residues, or all, or none"});
   add_value(app, "--inside", "FILE",
             "write a map of inside points to the output directory:\n"
-            ".dx (OpenDX) or .vti (VTK image data)",
-            line.inside_map, Format{map_in, "a file name with the suffix .dx or .vti"});
-  add_flag(app, "--gzip", "compress the text files, as NAME.gz", line.gzip);
+            ".dx or .dx.gz (OpenDX), or .vti (VTK image data)",
+            line.inside_map, Format{map_in, "a file name with the suffix .dx, .dx.gz or .vti"});
+  add_flag(app, "--gzip", "compress text files and maps of the dielectric", line.gzip);
   add_value(app, "--mesh", "FILE",
             "write a triangle mesh: .ply, .obj, .off, .vtp, or\n"
             ".vert or .face (both files of MSMS)",

@@ -90,7 +90,8 @@ std::string files_text(const Plan& plan, const Outputs& outputs) {
   add(plan.residue_file_bytes, "about", "residue_area.csv and chain_area.csv");
   std::vector<std::string> maps;
   for (const MapChoice& map : chosen_maps(outputs)) maps.push_back(map.name);
-  add(plan.map_file_bytes, "exactly", path_text(fmt::format("{}", fmt::join(maps, ", "))));
+  add(plan.map_file_bytes, plan.gzip_map_bytes > 0 ? "about" : "exactly",
+      path_text(fmt::format("{}", fmt::join(maps, ", "))));
   add(plan.mesh_file_bytes, "about", "the mesh");
   return fmt::format("{}", fmt::join(parts, ", "));
 }

@@ -213,6 +213,53 @@ std::uint64_t Merge::write_text(OutputFile* file, ChunkText text) {
   return bytes;
 }
 
+// Number of threads that read a file which all processes share. With several processes only the
+// main thread may do so.
+int Merge::threads_of_shared_file() const { return processes_.count() > 1 ? 1 : plan_.own.threads; }
+
+std::uint64_t Merge::write_values(GridMap& map) const {
+  const Processes::Share share =
+      processes_.share_of(static_cast<std::uint64_t>(map.tile_count()), 1, processes_.rank());
+  map.transpose_tiles(static_cast<std::int64_t>(share.begin), static_cast<std::int64_t>(share.end),
+                      threads_of_shared_file(), check_);
+  if (processes_.is_first()) map.write_ends();
+  return map.file_bytes();
+}
+
+// Each process compresses some cells of the map, which are consecutive in the file. When the
+// numbers of bytes are known, all words have been read, and the members replace them.
+std::uint64_t Merge::write_compressed_values(GridMap& map, SharedFile& to) const {
+  ScratchFile text(task_.output_directory);
+  const auto append = [&](const std::vector<char>& bytes) {
+    text.append(std::as_bytes(std::span(bytes)));
+  };
+  const Processes::Share share =
+      processes_.share_of(static_cast<std::uint64_t>(map.cells_of_row()), 1, processes_.rank());
+  if (processes_.is_first()) append(map.compressed_header());
+  {
+    ScratchFile members(task_.output_directory);
+    map.compress_cells(static_cast<std::int64_t>(share.begin), static_cast<std::int64_t>(share.end),
+                       threads_of_shared_file(), check_, members, text);
+  }
+  if (processes_.rank() + 1 == processes_.count()) append(map.compressed_footer());
+  const std::uint64_t own = text.size();
+  std::uint64_t begin = 0, all = 0;
+  int rank = 0;
+  for (const std::uint64_t bytes : processes_.gather<std::uint64_t>({&own, 1})) {
+    if (rank++ < processes_.rank()) begin += bytes;
+    all += bytes;
+  }
+  std::uint64_t done = to.copy_from(text.descriptor(), {.from = 0, .to = begin, .bytes = own});
+  std::vector<char> part;
+  for (; done < own; done += part.size()) {
+    check_();
+    part.resize(std::min(bytes_per_read, own - done));
+    text.read_at(std::as_writable_bytes(std::span(part)), done);
+    to.write_at(part, begin + done);
+  }
+  return all;
+}
+
 std::uint64_t Merge::write_map(OutputFile* file, const MapChoice& choice) {
   SharedFile shared(processes_, file);
   const GridRegion& region = plan_.whole.tiling.region;
@@ -234,17 +281,13 @@ std::uint64_t Merge::write_map(OutputFile* file, const MapChoice& choice) {
     close(chunk, text);
   }
   shared.sync();
-  const Processes::Share share =
-      processes_.share_of(static_cast<std::uint64_t>(map.tile_count()), 1, processes_.rank());
-  // With several processes only the main thread may write.
-  map.transpose_tiles(static_cast<std::int64_t>(share.begin), static_cast<std::int64_t>(share.end),
-                      processes_.count() > 1 ? 1 : plan_.own.threads, check_);
-  if (processes_.is_first()) map.write_ends();
+  const std::uint64_t bytes =
+      choice.gzip ? write_compressed_values(map, shared) : write_values(map);
   shared.close();
   processes_.all_or_throw([&] {
-    if (processes_.is_first()) file->truncate(map.file_bytes());
+    if (processes_.is_first()) file->truncate(bytes);
   });
-  return map.file_bytes();
+  return bytes;
 }
 
 std::uint64_t Merge::write_mesh(OutputFile* file, OutputFile* face_file,

@@ -11,6 +11,7 @@
 #include "distributed/processes.hpp"
 #include "distributed/shared_file.hpp"
 #include "mesh/mesh_writer.hpp"
+#include "output/grid_map.hpp"
 #include "output/output_file.hpp"
 #include "sweep/region_totals.hpp"
 
@@ -37,6 +38,9 @@ class Merge {
 
  private:
   void add_up();
+  int threads_of_shared_file() const;
+  std::uint64_t write_values(GridMap& map) const;
+  std::uint64_t write_compressed_values(GridMap& map, SharedFile& to) const;
   template <class Amount, class Action>
   std::uint64_t for_own(Amount&& amount, Action&& action);
   ScratchFile& open(PlaneChunk& chunk, ChunkText text) const;

@@ -91,29 +91,40 @@ MapLayout vti_layout(const Grid& grid, const GridRegion& region) {
 }  // namespace
 
 std::optional<MapFormat> map_format(std::string_view name) {
-  if (name.ends_with(".dx")) return MapFormat::dx;
+  if (name.ends_with(".dx") || is_compressed_map(name)) return MapFormat::dx;
   if (name.ends_with(".vti")) return MapFormat::vti;
   return std::nullopt;
 }
 
+bool is_compressed_map(std::string_view name) { return name.ends_with(".dx.gz"); }
+
 MapFormat required_map_format(std::string_view name) {
   if (const auto format = map_format(name)) return *format;
-  throw Error(fmt::format("the map file needs the suffix .dx or .vti, found {}", name));
+  throw Error(fmt::format("the map file needs the suffix .dx, .dx.gz or .vti, found {}", name));
+}
+
+std::string dielectric_name(std::string_view prefix, MapQuantity quantity, bool gzip) {
+  return fmt::format("{}{}.dx{}", prefix, "xyz"[edge_axis(quantity)], gzip ? ".gz" : "");
 }
 
 std::vector<MapChoice> chosen_maps(const Outputs& outputs) {
   std::vector<MapChoice> maps;
   if (!outputs.inside_map.empty())
-    maps.push_back(
-        {MapQuantity::inside, outputs.inside_map, required_map_format(outputs.inside_map)});
+    maps.push_back({.quantity = MapQuantity::inside,
+                    .name = outputs.inside_map,
+                    .format = required_map_format(outputs.inside_map),
+                    .gzip = is_compressed_map(outputs.inside_map)});
   if (outputs.ion_access)
-    maps.push_back({MapQuantity::ion_access, outputs.ion_access->file, MapFormat::dx});
+    maps.push_back({.quantity = MapQuantity::ion_access,
+                    .name = outputs.ion_access->file,
+                    .format = MapFormat::dx,
+                    .gzip = is_compressed_map(outputs.ion_access->file)});
   if (!outputs.dielectric) return maps;
   const auto& [prefix, solute, solvent] = *outputs.dielectric;
   for (const MapQuantity quantity :
        {MapQuantity::dielectric_x, MapQuantity::dielectric_y, MapQuantity::dielectric_z})
-    maps.push_back({quantity, fmt::format("{}{}.dx", prefix, "xyz"[edge_axis(quantity)]),
-                    MapFormat::dx, solute, solvent});
+    maps.push_back({quantity, dielectric_name(prefix, quantity, outputs.gzip), MapFormat::dx,
+                    solute, solvent, outputs.gzip});
   return maps;
 }
 
@@ -127,8 +138,9 @@ void require_valid_maps(const Outputs& outputs) {
   if (outputs.ion_access) {
     require_between(outputs.ion_access->ion_radius, 0, max_ion_radius, "the radius of the ions");
     if (map_format(outputs.ion_access->file) != MapFormat::dx)
-      throw Error(fmt::format("the map file of ion accessibility needs the suffix .dx, found {}",
-                              outputs.ion_access->file));
+      throw Error(
+          fmt::format("the map file of ion accessibility needs the suffix .dx or .dx.gz, found {}",
+                      outputs.ion_access->file));
   }
   const std::vector<MapChoice> maps = chosen_maps(outputs);
   for (std::size_t i = 0; i < maps.size(); ++i)

@@ -20,10 +20,13 @@ enum class MapFormat {
   vti,  ///< VTK XML image data: x fastest, one byte a value, raw data after the XML
 };
 
-/// Returns the format by the suffix, `.dx` or `.vti`.
+/// Returns the format by the suffix: `.dx`, `.dx.gz` or `.vti`.
 std::optional<MapFormat> map_format(std::string_view name);
 
-/// Does the same. Throws Error for other suffixes.
+/// Returns whether a map of this name is compressed, that is, has the suffix `.dx.gz`.
+bool is_compressed_map(std::string_view name);
+
+/// Returns the format by the suffix. Throws Error for other suffixes.
 MapFormat required_map_format(std::string_view name);
 
 /// The quantity of a map.
@@ -50,11 +53,15 @@ struct MapChoice {
   std::string name;  ///< file name in the output directory
   MapFormat format = MapFormat::dx;
   double solute = 0, solvent = 0;  ///< relative permittivities, for maps of edges
+  bool gzip = false;               ///< whether the file is compressed
 };
 
 /// Bounds of a dielectric, within which all its texts have the same length, and of the radius of
 /// ions (angstrom).
 inline constexpr double min_dielectric = 1e-9, max_dielectric = 1e9, max_ion_radius = 1000;
+
+/// Returns the file name of a map of the dielectric.
+std::string dielectric_name(std::string_view prefix, MapQuantity quantity, bool gzip);
 
 /// Returns the chosen maps in the order of MapQuantity. Throws Error as required_map_format does.
 std::vector<MapChoice> chosen_maps(const Outputs& outputs);

@@ -2,9 +2,14 @@
 
 #include <algorithm>
 #include <array>
+#include <atomic>
+#include <cmath>
 #include <cstring>
+#include <memory>
+#include <string_view>
 #include <utility>
 
+#include "io/gzip.hpp"
 #include "system/parallel.hpp"
 
 namespace eses::detail {
@@ -22,6 +27,21 @@ std::int64_t cells_along(const GridIndex& size) {
 // Returns the number of rows along y in a tile, which is transposed at a time.
 std::int64_t rows_in_tile(MapQuantity quantity, const GridIndex& size) {
   return std::clamp<std::int64_t>(tile_words / (words_of_cell(quantity) * size[2]), 1, size[1]);
+}
+
+// Bytes of members that a thread stores at a time.
+constexpr std::size_t member_buffer_bytes = 1 << 18;
+
+// Place of a gzip member in a scratch file.
+struct MemberPlace {
+  std::uint64_t offset = 0;
+  std::uint32_t bytes = 0;
+};
+
+std::vector<char> compressed_text(std::string_view text) {
+  Gzip gzip;
+  const std::span<const char> member = gzip.member(text);
+  return {member.begin(), member.end()};
 }
 
 std::span<char> as_chars(std::span<std::uint64_t> words) {
@@ -54,6 +74,16 @@ std::uint64_t GridMap::row_bytes(MapQuantity quantity, const GridRegion& region)
          static_cast<std::uint64_t>(words_of_row(quantity, size) * size[1] * size[2]);
 }
 
+std::uint64_t GridMap::typical_compressed_bytes(const MapChoice& map, const GridRegion& region,
+                                                double crossings) {
+  // Measured with proteins and rounded up: bytes of the header, of a value and of a crossing.
+  constexpr double header = 600;
+  const auto points = static_cast<double>(region.point_count());
+  return static_cast<std::uint64_t>(header + (is_of_edges(map.quantity)
+                                                  ? 0.2 * points + 5 * crossings
+                                                  : 0.015 * points + 1.5 * crossings));
+}
+
 std::uint64_t GridMap::scratch_bytes(const MapChoice& map, const GridRegion& region) {
   return map.format == MapFormat::vti ? 0 : row_bytes(map.quantity, region);
 }
@@ -64,7 +94,14 @@ double GridMap::thread_bytes(const MapChoice& map, const GridRegion& region) {
   const auto points = static_cast<double>(rows_in_tile(map.quantity, size) * size[2]);
   const auto words = static_cast<double>(words_of_cell(map.quantity));
   const double text = is_of_edges(map.quantity) ? dielectric_text_bytes : 2;
-  return points * (words * sizeof(std::uint64_t) + text);
+  const double bytes = points * (words * sizeof(std::uint64_t) + text);
+  if (!map.gzip) return bytes;
+  // The compressed plane of a tile, the buffer of members, and the places of a cell's members.
+  constexpr double growth = 2;
+  const double tiles = std::ceil(static_cast<double>(size[1]) /
+                                 static_cast<double>(rows_in_tile(map.quantity, size)));
+  return bytes + Gzip::state_bytes + points * text +
+         growth * (member_buffer_bytes + points * text) + tiles * cell_points * sizeof(MemberPlace);
 }
 
 std::int64_t GridMap::rows_of_tile() const { return rows_in_tile(map_.quantity, size_); }
@@ -72,9 +109,28 @@ std::int64_t GridMap::rows_of_tile() const { return rows_in_tile(map_.quantity, 
 std::int64_t GridMap::cells_of_row() const { return cells_along(size_); }
 
 std::uint64_t GridMap::cell_offset(std::int64_t cell, std::int64_t row) const {
-  return layout_.file_bytes() +
+  return (map_.gzip ? 0 : layout_.file_bytes()) +
          sizeof(std::uint64_t) * static_cast<std::uint64_t>(words_of_cell(map_.quantity) *
                                                             (cell * size_[1] * size_[2] + row));
+}
+
+// Writes words without long runs of zeros, which the file holds where nothing is written. The last
+// word of all is always written, so that the file has its full length. Most of a grid is solvent.
+void GridMap::write_words(std::span<std::uint64_t> words, std::uint64_t offset) {
+  constexpr std::size_t max_zeros = 512;  // a page of the page cache
+  const bool is_end = offset + words.size_bytes() == cell_offset(cells_of_row(), 0);
+  for (std::size_t begin = 0; begin < words.size();) {
+    while (begin < words.size() && words[begin] == 0) ++begin;
+    std::size_t end = begin;
+    for (std::size_t next = begin; next < words.size() && next - end < max_zeros; ++next)
+      if (words[next] != 0) end = next + 1;
+    if (end > begin)
+      file_.write_at(as_chars(words.subspan(begin, end - begin)),
+                     offset + sizeof(std::uint64_t) * begin);
+    begin = end;
+  }
+  if (is_end && words.back() == 0)
+    file_.write_at(as_chars(words.last(1)), offset + words.size_bytes() - sizeof(std::uint64_t));
 }
 
 void GridMap::write_rows(std::int64_t first_row, std::span<const std::uint64_t> words,
@@ -97,8 +153,7 @@ void GridMap::write_rows(std::int64_t first_row, std::span<const std::uint64_t> 
     for (std::size_t row = 0; row < rows; ++row)
       std::copy_n(words.data() + row * per_row + begin, per_cell,
                   scratch.words.data() + row * per_cell);
-    file_.write_at(as_chars(scratch.words),
-                   cell_offset(static_cast<std::int64_t>(begin / per_cell), first_row));
+    write_words(scratch.words, cell_offset(static_cast<std::int64_t>(begin / per_cell), first_row));
   }
 }
 
@@ -163,27 +218,38 @@ void GridMap::fill_edges(const Tile& tile, std::int64_t x, std::uint64_t first_i
     }
 }
 
+// Index of the first value with this x.
+std::uint64_t GridMap::first_index(const Tile& tile, std::int64_t x) const {
+  return static_cast<std::uint64_t>((x * size_[1] + tile.y_begin) * size_[2]);
+}
+
+void GridMap::fill_values(const Tile& tile, std::int64_t x, Scratch& scratch) const {
+  if (is_of_edges(map_.quantity))
+    fill_edges(tile, x, first_index(tile, x), scratch);
+  else
+    fill_points(tile, x, first_index(tile, x), scratch);
+}
+
 void GridMap::write_tile(const Tile& tile, Scratch& scratch) {
   read_words(tile, scratch.words);
   const std::int64_t first_x = cell_points * tile.cell;
   for (std::int64_t x = first_x; x < std::min(first_x + cell_points, size_[0]); ++x) {
-    const auto index = static_cast<std::uint64_t>((x * size_[1] + tile.y_begin) * size_[2]);
-    if (is_of_edges(map_.quantity))
-      fill_edges(tile, x, index, scratch);
-    else
-      fill_points(tile, x, index, scratch);
-    file_.write_at(scratch.values, layout_.value_offset(index));
+    fill_values(tile, x, scratch);
+    file_.write_at(scratch.values, layout_.value_offset(first_index(tile, x)));
   }
 }
 
-std::int64_t GridMap::tile_count() const {
-  if (layout_.format == MapFormat::vti) return 0;
+std::int64_t GridMap::tiles_of_cell() const {
   const std::int64_t rows = rows_of_tile();
-  return cells_of_row() * ((size_[1] + rows - 1) / rows);
+  return (size_[1] + rows - 1) / rows;
+}
+
+std::int64_t GridMap::tile_count() const {
+  return layout_.format == MapFormat::vti ? 0 : cells_of_row() * tiles_of_cell();
 }
 
 GridMap::Tile GridMap::tile(std::int64_t index) const {
-  const std::int64_t rows = rows_of_tile(), per_cell = (size_[1] + rows - 1) / rows;
+  const std::int64_t rows = rows_of_tile(), per_cell = tiles_of_cell();
   const std::int64_t begin = index % per_cell * rows;
   return {index / per_cell, begin, std::min(begin + rows, size_[1])};
 }
@@ -196,6 +262,137 @@ void GridMap::transpose_tiles(std::int64_t begin, std::int64_t end, int threads,
     write_tile(tile(begin + index), scratch[static_cast<std::size_t>(thread)]);
   });
 }
+
+// If all values with this x are the same, returns the share of such an edge, or the bit of such a
+// point.
+std::optional<std::uint32_t> GridMap::uniform_share(const Tile& tile, std::int64_t x,
+                                                    const Scratch& scratch) const {
+  const auto in_cell = static_cast<std::size_t>(x % cell_points);
+  const bool has_edges = is_of_edges(map_.quantity);
+  const auto per_cell = static_cast<std::size_t>(words_of_cell(map_.quantity));
+  const std::size_t word = has_edges ? in_cell / 2 : 0;
+  const std::size_t shift = has_edges ? 32 * (in_cell % 2) : in_cell;
+  const std::uint64_t mask = has_edges ? whole_edge : 1;
+  const auto count = static_cast<std::size_t>(tile.rows() * size_[2]);
+  const auto share_of = [&](std::size_t row) {
+    return static_cast<std::uint32_t>(scratch.words[row * per_cell + word] >> shift & mask);
+  };
+  const std::uint32_t first = share_of(0);
+  if (first != 0 && first != mask) return std::nullopt;
+  for (std::size_t row = 1; row < count; ++row)
+    if (share_of(row) != first) return std::nullopt;
+  return first;
+}
+
+// Compresses the values of tiles, each plane of x as a gzip member.
+class GridMap::Compressor {
+ public:
+  // Keeps references to all three. Several compressors share `end`, the end of the scratch file.
+  Compressor(const GridMap& map, ScratchFile& file, std::atomic<std::uint64_t>& end)
+      : map_(map), file_(file), end_(end) {}
+
+  // Words of the tile that is compressed next.
+  Scratch& scratch() { return scratch_; }
+
+  // Compresses a tile and stores the members, whose places go to every `stride`th of `places`.
+  void add(const Tile& tile, std::span<MemberPlace> places, std::size_t stride) {
+    const std::int64_t first_x = cell_points * tile.cell;
+    const std::int64_t end_x = std::min(first_x + cell_points, map_.size_[0]);
+    stored_ = 0;
+    for (std::int64_t x = first_x; x < end_x; ++x) {
+      const std::span<const char> member = compressed(tile, x);
+      buffer_.insert(buffer_.end(), member.begin(), member.end());
+      const auto plane = static_cast<std::size_t>(x - first_x);
+      sizes_[plane] = static_cast<std::uint32_t>(member.size());
+      if (buffer_.size() >= member_buffer_bytes || x + 1 == end_x) store(plane + 1, places, stride);
+    }
+  }
+
+ private:
+  // Most planes have one value. Their members differ only in where lines end.
+  struct Known {
+    std::uint32_t share = 0;
+    std::uint64_t phase = 0;
+    std::int64_t rows = 0;
+    std::vector<char> bytes;
+  };
+
+  std::span<const char> compressed(const Tile& tile, std::int64_t x) {
+    const auto share = map_.uniform_share(tile, x, scratch_);
+    const std::uint64_t phase = map_.first_index(tile, x) % 3;
+    if (share)
+      for (const Known& known : known_)
+        if (known.share == *share && known.phase == phase && known.rows == tile.rows())
+          return known.bytes;
+    map_.fill_values(tile, x, scratch_);
+    const std::span<const char> member = gzip_.member(scratch_.values);
+    if (share)
+      known_.push_back({*share, phase, tile.rows(), std::vector(member.begin(), member.end())});
+    return member;
+  }
+
+  // Stores the members of the planes before `plane_end` that are in the buffer.
+  void store(std::size_t plane_end, std::span<MemberPlace> places, std::size_t stride) {
+    std::uint64_t offset = end_.fetch_add(buffer_.size());
+    file_.write_at(std::as_bytes(std::span(buffer_)), offset);
+    for (; stored_ < plane_end; ++stored_) {
+      places[stored_ * stride] = {offset, sizes_[stored_]};
+      offset += sizes_[stored_];
+    }
+    buffer_.clear();
+  }
+
+  const GridMap& map_;
+  ScratchFile& file_;
+  std::atomic<std::uint64_t>& end_;
+  Gzip gzip_;
+  Scratch scratch_;
+  std::vector<char> buffer_;  // members that are not stored yet
+  std::array<std::uint32_t, cell_points> sizes_{};
+  std::size_t stored_ = 0;  // planes of the tile whose members are stored
+  std::vector<Known> known_;
+};
+
+void GridMap::compress_cells(std::int64_t begin, std::int64_t end, int threads,
+                             const std::function<void()>& check, ScratchFile& members,
+                             ScratchFile& text) {
+  std::atomic<std::uint64_t> members_end = 0;
+  std::vector<std::unique_ptr<Compressor>> compressors;
+  for (int thread = 0; thread < threads; ++thread)
+    compressors.push_back(std::make_unique<Compressor>(*this, members, members_end));
+  const std::int64_t per_cell = tiles_of_cell();
+  const auto stride = static_cast<std::size_t>(per_cell);
+  std::vector<MemberPlace> places(stride * cell_points);
+  std::vector<char> buffer;
+  const auto append = [&] {
+    text.append(std::as_bytes(std::span(buffer)));
+    buffer.clear();
+  };
+  for (std::int64_t cell = begin; cell < end; ++cell) {
+    members_end = 0;
+    parallel_for(per_cell, threads, [&](std::int64_t index, int thread) {
+      check();
+      Compressor& compressor = *compressors[static_cast<std::size_t>(thread)];
+      const Tile next = tile(cell * per_cell + index);
+      read_words(next, compressor.scratch().words);
+      compressor.add(next, std::span(places).subspan(static_cast<std::size_t>(index)), stride);
+    });
+    check();
+    const std::int64_t planes = std::min(cell_points, size_[0] - cell * cell_points);
+    for (const MemberPlace& member :
+         std::span(places).first(stride * static_cast<std::size_t>(planes))) {
+      const std::size_t old = buffer.size();
+      buffer.resize(old + member.bytes);
+      members.read_at(std::as_writable_bytes(std::span(buffer).subspan(old)), member.offset);
+      if (buffer.size() >= member_buffer_bytes) append();
+    }
+  }
+  append();
+}
+
+std::vector<char> GridMap::compressed_header() const { return compressed_text(layout_.header); }
+
+std::vector<char> GridMap::compressed_footer() const { return compressed_text(layout_.footer); }
 
 void GridMap::write_ends() {
   file_.write_at(layout_.header, 0);

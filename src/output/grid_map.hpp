@@ -3,11 +3,13 @@
 
 #include <cstdint>
 #include <functional>
+#include <optional>
 #include <span>
 #include <vector>
 
 #include "grid/tiling.hpp"
 #include "io/map_writer.hpp"
+#include "output/scratch_file.hpp"
 
 namespace eses::detail {
 
@@ -31,7 +33,8 @@ MapFile map_file(File& file) {
 /// written to its final place. In a `.dx` file z runs fastest, so the values must be transposed.
 /// Until all rows have arrived, their words are kept in the file itself, after the space for the
 /// values: first the cells 0 of all rows, then the cells 1, and so on. The memory therefore does
-/// not grow with the grid.
+/// not grow with the grid. The words of a compressed map are at the beginning of the file, as the
+/// place of the values is known only when all of them have been read.
 class GridMap {
  public:
   GridMap(MapFile file, MapChoice map, const Grid& grid, const GridRegion& region);
@@ -55,7 +58,20 @@ class GridMap {
   /// Writes the header and the footer of the file.
   void write_ends();
 
-  /// Size of the complete file. When all tiles are transposed, the bytes after it can be cut off.
+  /// Number of cells in a row of a compressed map.
+  std::int64_t cells_of_row() const;
+  /// Returns the header or the footer of a compressed map as a gzip member.
+  std::vector<char> compressed_header() const;
+  std::vector<char> compressed_footer() const;
+  /// Appends the cells [begin, end) of a compressed map to `text`, after all rows have been
+  /// written. Members end where tiles end, so their bytes depend only on the region. `members` is
+  /// temporary space for the members of a cell, in any order. Calls `check` as transpose_tiles
+  /// does.
+  void compress_cells(std::int64_t begin, std::int64_t end, int threads,
+                      const std::function<void()>& check, ScratchFile& members, ScratchFile& text);
+
+  /// Size of the complete file without compression. When all tiles are transposed, the bytes after
+  /// it can be cut off.
   std::uint64_t file_bytes() const { return layout_.file_bytes(); }
 
   /// Number of 64-bit words of a row along x.
@@ -67,21 +83,31 @@ class GridMap {
   /// Bytes that the file needs beyond its final size while it is written.
   static std::uint64_t scratch_bytes(const MapChoice& map, const GridRegion& region);
 
+  /// Typical size of a compressed map of a surface with so many crossings.
+  static std::uint64_t typical_compressed_bytes(const MapChoice& map, const GridRegion& region,
+                                                double crossings);
+
   /// Upper bound of the memory of a thread, in bytes.
   static double thread_bytes(const MapChoice& map, const GridRegion& region);
 
  private:
   struct Tile;
+  class Compressor;
   Tile tile(std::int64_t index) const;
   std::uint64_t cell_offset(std::int64_t cell, std::int64_t row) const;
   std::int64_t rows_of_tile() const;
-  std::int64_t cells_of_row() const;
+  std::int64_t tiles_of_cell() const;
+  void write_words(std::span<std::uint64_t> words, std::uint64_t offset);
   void read_words(const Tile& tile, std::vector<std::uint64_t>& words);
   void fill_points(const Tile& tile, std::int64_t x, std::uint64_t first_index,
                    Scratch& scratch) const;
   void fill_edges(const Tile& tile, std::int64_t x, std::uint64_t first_index,
                   Scratch& scratch) const;
   void write_tile(const Tile& tile, Scratch& scratch);
+  void fill_values(const Tile& tile, std::int64_t x, Scratch& scratch) const;
+  std::uint64_t first_index(const Tile& tile, std::int64_t x) const;
+  std::optional<std::uint32_t> uniform_share(const Tile& tile, std::int64_t x,
+                                             const Scratch& scratch) const;
 
   MapFile file_;
   MapChoice map_;

@@ -43,6 +43,17 @@ std::vector<std::string> text_names(const Outputs& choice, bool gzip) {
   return names;
 }
 
+// Returns the names of the chosen files in their other form, plain or compressed, if the choice of
+// that form is not part of the name that the user gave.
+std::vector<std::string> other_names(const Outputs& choice) {
+  std::vector<std::string> names = text_names(choice, !choice.gzip);
+  if (choice.dielectric)
+    for (const MapChoice& map : chosen_maps(choice))
+      if (is_of_edges(map.quantity))
+        names.push_back(dielectric_name(choice.dielectric->prefix, map.quantity, !choice.gzip));
+  return names;
+}
+
 // Whether a run that has locked the directory may write a file of this name.
 bool is_ours(std::string_view name) {
   if (map_format(name) || name == residues_name || name == chains_name) return true;
@@ -118,7 +129,8 @@ std::optional<dev_t> file_system_of(const std::filesystem::path& directory) {
 std::vector<DiskDemand> disk_demands(const Plan& plan, const Outputs& outputs,
                                      const std::filesystem::path& directory) {
   const std::uint64_t texts = plan.gzip ? 0 : plan.grid_file_bytes + plan.area_file_bytes;
-  std::vector<DiskDemand> demands{{directory, texts + plan.map_file_bytes + plan.map_scratch_bytes,
+  const std::uint64_t maps = plan.map_file_bytes + plan.map_scratch_bytes - 2 * plan.gzip_map_bytes;
+  std::vector<DiskDemand> demands{{directory, texts + maps,
                                    plan.output_bytes() - plan.mesh_file_bytes +
                                        plan.map_scratch_bytes + plan.text_scratch_bytes}};
   if (!outputs.mesh) return demands;
@@ -248,8 +260,7 @@ std::vector<std::string> final_paths(const Outputs& choice,
 std::vector<std::string> stale_paths(const Outputs& choice,
                                      const std::filesystem::path& directory) {
   std::vector<std::string> paths;
-  for (const std::string& name : text_names(choice, !choice.gzip))
-    paths.push_back(path_in(directory, name));
+  for (const std::string& name : other_names(choice)) paths.push_back(path_in(directory, name));
   return paths;
 }
 
@@ -281,7 +292,7 @@ std::vector<std::string> lock_paths(const Outputs& choice, const std::filesystem
 }
 
 OutputFiles::OutputFiles(const Outputs& choice, const std::filesystem::path& path, const Plan& plan)
-    : gzip(choice.gzip), stale_(text_names(choice, !choice.gzip)) {
+    : gzip(choice.gzip), stale_(other_names(choice)) {
   require_places(choice, path);
   require_disk_space(plan, choice, path);
   if (!file_names(choice).empty()) open_directory(choice, path);

@@ -42,7 +42,8 @@ std::vector<std::string> file_names(const Outputs& choice);
 /// Final paths of the chosen files and of the mesh.
 std::vector<std::string> final_paths(const Outputs& choice, const std::filesystem::path& directory);
 
-/// Paths of the chosen text files in their other form, plain or compressed. `commit` removes them.
+/// Paths of the chosen text files and maps of the dielectric in their other form, plain or
+/// compressed. `commit` removes them.
 std::vector<std::string> stale_paths(const Outputs& choice, const std::filesystem::path& directory);
 
 /// Directory of the mesh's first file, after following symbolic links.

@@ -221,11 +221,19 @@ SurfaceSurvey survey_of(const Molecule& molecule, const Grid& grid, const GridRe
   return {molecule, probe_radius, region_box(grid, region)};
 }
 
-void expect_maps(const Outputs& outputs, Plan& plan) {
+void expect_maps(const Outputs& outputs, double crossings, Plan& plan) {
   const GridRegion& region = plan.tiling.region;
   for (const MapChoice& map : chosen_maps(outputs)) {
-    plan.map_file_bytes += map_layout(map, plan.grid, region).file_bytes();
     plan.map_scratch_bytes += GridMap::scratch_bytes(map, region);
+    if (!map.gzip) {
+      plan.map_file_bytes += map_layout(map, plan.grid, region).file_bytes();
+      continue;
+    }
+    // The text is first in a scratch file.
+    const std::uint64_t bytes = GridMap::typical_compressed_bytes(map, region, crossings);
+    plan.map_file_bytes += bytes;
+    plan.gzip_map_bytes += bytes;
+    plan.map_scratch_bytes += bytes;
   }
 }
 
@@ -274,7 +282,7 @@ void plan_files(const FileContents& contents, const Outputs& outputs, Plan& plan
     plan.residue_file_bytes = table_header_bytes +
                               table_line_bytes * (labels.residue_runs + labels.chain_runs) +
                               labels.residue_text_bytes + labels.chain_text_bytes;
-  expect_maps(outputs, plan);
+  expect_maps(outputs, crossings, plan);
 }
 
 std::uint64_t checksum_of(std::span<const Atom> atoms) {

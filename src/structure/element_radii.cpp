@@ -15,9 +15,11 @@ struct ElementRadii {
 
 // Column `bondi`: A. Bondi, J. Phys. Chem. 68 (1964) 441-451, doi:10.1021/j100785a001, as corrected
 // and extended to all main-group elements by M. Mantina et al., J. Phys. Chem. A 113 (2009)
-// 5806-5812, doi:10.1021/jp8111556 (hydrogen: Bondi's 1.20). Other elements of the d and f blocks
-// are from S. Alvarez, Dalton Trans. 42 (2013) 8617-8636, doi:10.1039/c3dt50599e. Column
-// `freesasa`: the radii that FreeSASA 2.1.2 uses for atoms that its sets do not name.
+// 5806-5812, doi:10.1021/jp8111556 (hydrogen: Bondi's 1.20). Elements of the d and f blocks that
+// Bondi does not have are from S. Alvarez, Dalton Trans. 42 (2013) 8617-8636,
+// doi:10.1039/c3dt50599e. Compilations that cite Bondi give platinum 1.75 or 1.72; the table has
+// 1.75, as FreeSASA does. Column `freesasa`: the radii that FreeSASA 2.1.2 uses for atoms that its
+// sets do not name.
 constexpr std::array<ElementRadii, 103> table{{
     {"H", 1.20, 1.10},  {"He", 1.40, 1.40}, {"Li", 1.81, 1.81}, {"Be", 1.53, 1.53},
     {"B", 1.92, 1.92},  {"C", 1.70, 1.70},  {"N", 1.55, 1.55},  {"O", 1.52, 1.52},

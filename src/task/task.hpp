@@ -60,9 +60,10 @@ struct Plan {
   std::uint64_t edge_file_bytes = 0;     ///< estimate
   std::uint64_t area_file_bytes = 0;     ///< upper bound
   std::uint64_t residue_file_bytes = 0;  ///< estimate
-  std::uint64_t map_file_bytes = 0;      ///< exact
+  std::uint64_t map_file_bytes = 0;      ///< exact, except for compressed maps
   std::uint64_t mesh_file_bytes = 0;     ///< estimate
-  std::uint64_t map_scratch_bytes = 0;   ///< additional bytes of the map's file during the run
+  std::uint64_t map_scratch_bytes = 0;   ///< additional bytes on the disk for maps during the run
+  std::uint64_t gzip_map_bytes = 0;      ///< compressed maps, part of map_file_bytes; estimate
   std::uint64_t mesh_scratch_bytes = 0;  ///< scratch files of the mesh during the run; estimate
   /// Scratch files of the texts of chunks during the run; 0 for `run`. Estimate.
   std::uint64_t text_scratch_bytes = 0;

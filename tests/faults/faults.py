@@ -8,12 +8,13 @@ import subprocess
 import time
 import unittest
 
-from support import DATA, PROGRAM, TestCase, forget_signals
+from support import DATA, PROGRAM, PROJECT, TestCase, forget_signals
 
 NAMES = ("bounding_box.txt", "grid_info.txt", "intersection_info.txt", "partition_area.txt")
 LIBRARY = os.environ.get("ESES_FAULT_LIBRARY")  # see fault.cpp
 FAULTY_PROGRAM = os.environ.get("ESES_FAULTY_BINARY")  # see faulty_solver.cpp
 SMALL = DATA / "c60.xyzr"
+MMCIF = PROJECT / "tests" / "data" / "1a8o.cif.gz"
 # Seconds until a test gives up. Only a run that never ends takes so long, on any machine.
 PATIENCE = 600
 # Seconds of CPU time that a run may take to end after a signal. It takes far less. Unlike
@@ -22,6 +23,22 @@ PROMPT = 5
 TICKS = os.sysconf("SC_CLK_TCK")
 
 needs_library = unittest.skipUnless(LIBRARY, "no calls can be made to fail in this build")
+
+
+def write_pdb(path):
+    """A PDB file with two chains of alanine and an ion, on a winding line."""
+    lines, places = [], ((0, 0, 0), (1.5, 0, 0), (2, 1.4, 0), (1.3, 2.4, 0.3), (2, -0.8, 1.2))
+    for residue in range(60):
+        chain = "AB"[residue // 30]
+        corner = (4 * (residue % 4), 4 * (residue // 4 % 4), 4 * (residue // 16))
+        for name, place in zip(("N", "CA", "C", "O", "CB"), places):
+            x, y, z = (a + b for a, b in zip(corner, place))
+            lines.append(f"ATOM  {len(lines) + 1:5}  {name:<3} ALA {chain}{residue + 1:4}    "
+                         f"{x:8.3f}{y:8.3f}{z:8.3f}  1.00  0.00          {name[0]:>2}")
+    lines.append(f"HETATM{len(lines) + 1:5} ZN    ZN B  99    {-4:8.3f}{0:8.3f}{0:8.3f}  1.00  0.00"
+                 "          ZN")
+    path.write_text("\n".join([*lines, "END", ""]))
+    return path
 
 
 def wait_for(condition):

@@ -10,7 +10,7 @@ import subprocess
 import time
 import unittest
 
-from faults import FaultTest, SMALL, forget_signals, wait_for
+from faults import MMCIF, FaultTest, SMALL, forget_signals, wait_for, write_pdb
 from support import DATA, PROGRAM, write_program
 
 LAUNCHER = os.environ.get("ESES_MPIEXEC")
@@ -145,6 +145,24 @@ class Identity(Processes):
                             "--write", "none", options=("-b", "9"))
         self.assertSame(3, DATA / "1ubq.xyzr", "--spacing", "0.5", "--blocks", "1:3,0:2,1:4",
                         "-b", "17", "--inside", "map.dx", "--gzip")
+
+    def test_maps_for_solvers_are_the_same(self):
+        """Maps of points and of edges, plain and compressed."""
+        maps = ("--dielectric", "diel_", "--write", "none", "--spacing", "0.4")
+        for count in range(1, 6):
+            for block in (8, 33, 128):
+                with self.subTest(count=count, block=block):
+                    self.assertSame(count, DATA / "1ubq.xyzr", *maps, "--kappa", "kappa.dx",
+                                    "--inside", "inside.dx", options=("-b", block))
+            self.assertSame(count, DATA / "1ubq.xyzr", *maps, "--kappa", "kappa.dx.gz", "--inside",
+                            "inside.dx.gz", "--gzip")
+
+    def test_files_from_structures_are_the_same(self):
+        """PDB and mmCIF files, which one process reads for all."""
+        for path in (MMCIF, write_pdb(self.folder / "chains.pdb")):
+            for count in (2, 3, 5):
+                self.assertSame(count, path, "--spacing", "0.8", "--write",
+                                "all,residues", "--color", "chain", mesh="mesh.ply")
 
     def test_meshes_are_the_same(self):
         """Triangles between two slabs have vertices of both."""

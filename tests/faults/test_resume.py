@@ -6,7 +6,8 @@ import shutil
 import signal
 import unittest
 
-from faults import FaultTest, SMALL, forget_signals, needs_library, wait_for
+from faults import (MMCIF, FaultTest, SMALL, forget_signals, needs_library, wait_for,
+                    write_pdb)
 from support import DATA
 
 CHECKPOINT = ".eses-blocks.resume"
@@ -270,6 +271,50 @@ class Resume(FaultTest):
                 self.assertEqual(self.contents(), reference)
                 self.put({})
                 number += 7
+            self.assertGreater(len(kept), 2)
+
+    @needs_library
+    def test_maps_for_solvers_are_the_same_after_resuming(self):
+        """Runs are killed, then completed with other numbers of threads and other block sizes."""
+        for more in (("--kappa", "kappa.dx", "--inside", "inside.dx"),
+                     ("--kappa", "kappa.dx.gz", "--inside", "inside.dx.gz", "--gzip")):
+            arguments = (SMALL, "-q", "--spacing", "0.4", "--write", "none", "--dielectric",
+                         "diel_", *more)
+            self.put({})
+            self.assertDone(self.run_program(*arguments, "-b", "128", "-t", "1"))
+            reference = self.contents()
+            self.assertEqual(len(reference), 5)
+            number, kept = 3, set()
+            self.put({})
+            while self.cut_off(number, *arguments, "-b", "9", "-t", "2"):
+                self.assertEqual([n for n in self.all_files() if not n.startswith(".")], [])
+                kept.add(len(self.chunks()))
+                threads, block = 1 + number % 4, 8 + number % 121
+                self.assertDone(self.run_program(*arguments, "-b", block, "-t", threads,
+                                                 "--resume"))
+                self.assertEqual(self.contents(), reference)
+                self.put({})
+                number += 11
+            self.assertGreater(len(kept), 2)
+
+    @needs_library
+    def test_files_from_structures_are_the_same_after_resuming(self):
+        """PDB and mmCIF files, whose labels are in files of areas and meshes."""
+        for path in (MMCIF, write_pdb(self.folder / "chains.pdb")):
+            arguments = (path, "-q", "--spacing", "0.9", "-b", "9", "-t", "2",
+                         "--write", "all,residues", "--color", "chain", "--mesh",
+                         self.output / "mesh.ply")
+            self.put({})
+            self.assertDone(self.run_program(*arguments))
+            reference = self.contents()
+            number, kept = 3, set()
+            self.put({})
+            while self.cut_off(number, *arguments):
+                kept.add(len(self.chunks()))
+                self.assertDone(self.run_program(*arguments, "--resume"))
+                self.assertEqual(self.contents(), reference)
+                self.put({})
+                number += 13
             self.assertGreater(len(kept), 2)
 
     @needs_library

@@ -74,6 +74,10 @@ json.dump({"type": cmd.get_type("mesh"), "extent": cmd.get_extent("mesh"),
 """
 
 
+def version_of(found):
+    return tuple(int(part) for part in found["version"].split(".")[:2])
+
+
 class MeshReaders(TestCase):
     def make(self, name, atoms, *options):
         """Writes a mesh and the text files with the same surface. Returns area and volume."""
@@ -101,8 +105,17 @@ class MeshReaders(TestCase):
         return [([float(x) for x in row[6:9]], [float(x) for x in row[9:12]],
                  [int(x) for x in row[12:]]) for row in rows]
 
-    def check_points(self, found, places):
+    def first_uses(self, name):
+        """Numbers of the vertices of an OBJ file, from 0, in the order in which triangles use them."""
+        lines = (self.folder / name).read_text(encoding="ascii").splitlines()
+        return list(dict.fromkeys(int(corner.split("/")[0]) - 1 for line in lines
+                                  if line.startswith("f ") for corner in line.split()[1:]))
+
+    def check_points(self, found, places, order=None):
         crossings = self.crossings()
+        if order is not None:
+            self.assertEqual(sorted(order), list(range(len(crossings))))
+            crossings = [crossings[i] for i in order]
         self.assertEqual(len(found["points"]), len(crossings))
         for point, (position, _, _) in zip(found["points"], crossings):
             for mine, theirs in zip(position, point):
@@ -120,7 +133,10 @@ class MeshReaders(TestCase):
             with self.subTest(name=name):
                 measures = self.make(name, DATA / "c60.xyzr", *options)
                 found = self.read_back(module, program, name)
-                self.check_points(found, places)
+                # Open3D 0.20 numbers the vertices of OBJ files by their first use.
+                is_renumbered = module == "open3d" and name == "a.obj" and \
+                    version_of(found) >= (0, 20)
+                self.check_points(found, places, self.first_uses(name) if is_renumbered else None)
                 self.check_shape(found, measures)
 
     def test_trimesh_reads_all_values(self):

@@ -37,12 +37,30 @@ class Render(TestCase):
         return subprocess.run([SCRIPT, *map(str, arguments)], capture_output=True, text=True,
                               check=False, timeout=120)
 
-    def test_picture_shows_the_mesh(self):
-        mesh, picture = self.folder / "a.ply", self.folder / "a.png"
+    def make_picture(self, name, *options):
+        mesh, picture = self.folder / name, self.folder / f"{name}.png"
         self.assertDone(subprocess.run(
-            [PROGRAM, DATA / "c60.xyzr", "-q", "--write", "none", "--mesh", mesh],
+            [PROGRAM, DATA / "c60.xyzr", "-q", "--write", "none", "--mesh", mesh, *options],
             capture_output=True, text=True, check=False))
         self.assertDone(self.render(mesh, "-o", picture, "--size", 80))
+        return picture
+
+    def test_ply_and_vtp_give_the_same_picture(self):
+        for options in ((), ("--color", "atom")):
+            ply = read_png(self.make_picture("a.ply", *options))
+            vtp = read_png(self.make_picture("a.vtp", *options))
+            self.assertEqual(vtp[:2], ply[:2])
+            self.assertLess(self.differences(vtp[2], ply[2]), 50)
+        plain = read_png(self.make_picture("b.vtp"))
+        self.assertGreater(self.differences(plain[2], ply[2]), 500)
+
+    @staticmethod
+    def differences(rows, others):
+        """Returns the number of bytes, differences by PNG's filters, that differ by more than rounding."""
+        return sum((a - b + 4) % 256 > 8 for a, b in zip(rows, others))
+
+    def test_picture_shows_the_mesh(self):
+        picture = self.make_picture("a.ply")
         width, height, rows = read_png(picture)
         self.assertEqual((width, height), (80, 60))
         # The picture is neither blank nor full: PNG's filters leave zeros where nothing changes.
@@ -53,7 +71,7 @@ class Render(TestCase):
     def test_wrong_files_are_refused(self):
         text = self.folder / "a.txt"
         text.write_text("none")
-        for path, message in ((text, "not a .ply or .obj file"),
+        for path, message in ((text, "not a .ply, .obj or .vtp file"),
                               (self.folder / "b.ply", "no such file")):
             done = self.render(path, "-o", self.folder / "c.png")
             self.assertEqual(done.returncode, 1)

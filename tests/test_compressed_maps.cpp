@@ -1,0 +1,302 @@
+// Compressed maps: the text of plain ones, whatever computes them, and what the plan tells of them.
+
+#include <zlib.h>
+
+#include <array>
+#include <filesystem>
+#include <functional>
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+#include "catch.hpp"
+#include "compute/run.hpp"
+#include "eses/eses.hpp"
+#include "output/grid_map.hpp"
+#include "output/output_directory.hpp"
+#include "output/output_file.hpp"
+#include "output/output_files.hpp"
+#include "output/scratch_file.hpp"
+#include "plan/plan.hpp"
+#include "support/atom_sets.hpp"
+#include "support/eses_files.hpp"
+#include "support/sandbox.hpp"
+#include "support/sanitizers.hpp"
+#include "support/temporary_directory.hpp"
+
+namespace eses::detail::test {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// By zlib's own reader of files.
+std::string unzipped(const fs::path& path) {
+  auto* const file = gzopen(path.c_str(), "rb");
+  if (file == nullptr) throw std::runtime_error("cannot open " + path.string());
+  CHECK(gzdirect(file) == 0);
+  std::string text;
+  std::array<char, 65536> part{};
+  for (int count = 1; count > 0;) {
+    count = gzread(file, part.data(), static_cast<unsigned>(part.size()));
+    if (count > 0) text.append(part.data(), static_cast<std::size_t>(count));
+  }
+  CHECK(gzclose_r(file) == Z_OK);
+  return text;
+}
+
+const std::vector<std::string> map_names{"inside.dx", "kappa.dx", "diel_x.dx", "diel_y.dx",
+                                         "diel_z.dx"};
+
+Outputs all_maps(bool gzip) {
+  Outputs outputs = Outputs::none();
+  outputs.gzip = gzip;
+  outputs.inside_map = gzip ? "inside.dx.gz" : "inside.dx";
+  outputs.dielectric = DielectricMaps{"diel_"};
+  outputs.ion_access = IonAccessMap{gzip ? "kappa.dx.gz" : "kappa.dx"};
+  return outputs;
+}
+
+void write_maps(const std::vector<Atom>& atoms, const Parameters& parameters, bool gzip,
+                const fs::path& directory) {
+  const Outputs outputs = all_maps(gzip);
+  const Plan plan = make_plan(atoms, parameters, outputs);
+  const Summary summary = run(atoms, plan, outputs, directory);
+  std::uint64_t bytes = 0;
+  for (const auto& entry : fs::directory_iterator(directory)) bytes += entry.file_size();
+  CHECK(summary.bytes_written == bytes);
+}
+
+}  // namespace
+
+TEST_CASE("compressed maps have the text of plain ones, whatever computes them",
+          "[maps][solver-maps][gzip]") {
+  // Several cells along x, and several tiles of each map of edges.
+  const std::vector<Atom> atoms = make_chain(60, 3);
+  Parameters parameters;
+  parameters.spacing = 0.3;
+  parameters.threads = 1;
+  const TemporaryDirectory directory;
+  const fs::path plain = directory.path() / "plain";
+  write_maps(atoms, parameters, false, plain);
+  const Grid grid = make_plan(atoms, parameters, Outputs::none()).grid;
+  REQUIRE(grid.size[0] > 64);
+  REQUIRE(grid.size[1] * grid.size[2] > 2 * 2048);
+  std::vector<std::string> expected;
+  for (const int threads : {1, 3})
+    for (const std::int64_t block_size : {8, 33, 128}) {
+      INFO(threads << " threads, block size " << block_size);
+      parameters.threads = threads;
+      parameters.block_size = block_size;
+      const fs::path packed = directory.path() / "packed";
+      write_maps(atoms, parameters, true, packed);
+      for (std::size_t map = 0; map < map_names.size(); ++map) {
+        INFO(map_names[map]);
+        const fs::path path = packed / (map_names[map] + ".gz");
+        const std::string bytes = read_bytes(path);
+        if (expected.size() == map) {
+          expected.push_back(bytes);
+          const bool is_same_text = unzipped(path) == read_bytes(plain / map_names[map]);
+          CHECK(is_same_text);
+          CHECK(bytes.size() < fs::file_size(plain / map_names[map]) / 5);
+        }
+        const bool is_same = bytes == expected[map];
+        CHECK(is_same);
+      }
+      fs::remove_all(packed);
+    }
+}
+
+TEST_CASE("compressed maps with any values, from several tiles", "[maps][gzip]") {
+  Random random(23);
+  for (const MapQuantity quantity : {MapQuantity::inside, MapQuantity::dielectric_y})
+    for (const GridIndex& size : {GridIndex{3, 300, 400}, {130, 5, 7}, {70, 60, 90}, {1, 1, 1}}) {
+      INFO(size[0] << " x " << size[1] << " x " << size[2]);
+      Grid grid;
+      grid.spacing = 0.5;
+      grid.size = size;
+      const auto per_row = static_cast<std::size_t>(GridMap::words_of_row(quantity, size));
+      const auto rows = static_cast<std::size_t>(size[1] * size[2]);
+      // Rows of one value among random ones.
+      std::vector<std::uint64_t> words;
+      for (std::size_t row = 0; row < rows; ++row) {
+        const std::uint64_t value = random.chance(0.5) ? 0 : ~std::uint64_t{0};
+        const bool is_uniform = row < rows / 2 || random.chance(0.5);
+        for (std::size_t word = 0; word < per_row; ++word)
+          words.push_back(is_uniform ? value : random.integer(0, ~std::uint64_t{0} >> 1));
+      }
+      const TemporaryDirectory directory;
+      const OutputDirectory place(directory.path());
+      const auto write_rows = [&](GridMap& map) {
+        GridMap::Scratch scratch;
+        const std::size_t half = rows / 2;
+        const std::span<const std::uint64_t> all = words;
+        if (half > 0) map.write_rows(0, all.first(half * per_row), scratch);
+        map.write_rows(static_cast<std::int64_t>(half), all.subspan(half * per_row), scratch);
+      };
+      MapChoice choice{quantity, "map.dx", MapFormat::dx, 2, 80, false};
+      {
+        OutputFile file(place, "plain.dx");
+        GridMap map(map_file(file), choice, grid, grid.whole());
+        write_rows(map);
+        map.transpose_tiles(0, map.tile_count(), 2, [] {});
+        map.write_ends();
+        file.truncate(map.file_bytes());
+        file.close();
+        file.commit();
+      }
+      choice.gzip = true;
+      {
+        OutputFile file(place, "words");
+        GridMap map(map_file(file), choice, grid, grid.whole());
+        write_rows(map);
+        ScratchFile members(directory.path());
+        ScratchFile text(directory.path(), "packed.dx.gz", ScratchFile::Kept::fresh);
+        const auto append = [&](const std::vector<char>& bytes) {
+          text.append(std::as_bytes(std::span(bytes)));
+        };
+        append(map.compressed_header());
+        const std::int64_t half = map.cells_of_row() / 2;
+        map.compress_cells(
+            0, half, 2, [] {}, members, text);
+        map.compress_cells(
+            half, map.cells_of_row(), 3, [] {}, members, text);
+        append(map.compressed_footer());
+      }
+      const bool is_same =
+          unzipped(directory.path() / "packed.dx.gz") == read_bytes(directory.path() / "plain.dx");
+      CHECK(is_same);
+    }
+}
+
+TEST_CASE("the plan knows about how long compressed maps are, and what they need for a while",
+          "[maps][gzip][plan]") {
+  const std::vector<Atom> atoms = read_atoms(fs::path(ESES_DATA) / "1ubq.xyzr").atoms;
+  Parameters parameters;
+  for (const double spacing : {0.4, 0.8}) {
+    INFO(spacing);
+    parameters.spacing = spacing;
+    const Outputs outputs = all_maps(true);
+    const Plan plan = make_plan(atoms, parameters, outputs);
+    const TemporaryDirectory directory;
+    const Summary summary = run(atoms, plan, outputs, directory.path());
+    CHECK(plan.map_file_bytes == plan.gzip_map_bytes);
+    CHECK(summary.bytes_written < plan.map_file_bytes);
+    CHECK(plan.map_file_bytes < 2 * summary.bytes_written);
+    // Only the words are sure to need their place.
+    const DiskSpace disk = require_disk_space(plan, outputs, directory.path());
+    CHECK(disk.places[0].expected == plan.map_file_bytes + plan.map_scratch_bytes);
+    Plan large = plan;
+    large.map_file_bytes += std::uint64_t{1} << 61;
+    large.map_scratch_bytes += std::uint64_t{1} << 61;
+    large.gzip_map_bytes += std::uint64_t{1} << 61;
+    CHECK_NOTHROW(require_disk_space(large, outputs, directory.path()));
+  }
+}
+
+TEST_CASE("maps of the dielectric exist in one form at a time", "[solver-maps][gzip]") {
+  const TemporaryDirectory directory;
+  const std::vector<Atom> atoms{{{0, 0, 0}, 1.5}};
+  for (const bool gzip : {false, true, false}) {
+    Outputs outputs = Outputs::none();
+    outputs.dielectric = DielectricMaps{"d"};
+    outputs.gzip = gzip;
+    run(atoms, make_plan(atoms, {}, outputs), outputs, directory.path());
+    for (const std::string name : {"dx.dx", "dy.dx", "dz.dx"}) {
+      CHECK(fs::exists(directory.path() / name) == !gzip);
+      CHECK(fs::exists(directory.path() / (name + ".gz")) == gzip);
+    }
+  }
+}
+
+TEST_CASE("a run with compressed maps that is ended at any moment leaves nothing", "[maps][gzip]") {
+  const TemporaryDirectory directory;
+  const std::vector<Atom> atoms = make_chain(20, 4);
+  const Outputs outputs = all_maps(true);
+  Parameters parameters;
+  parameters.threads = 1;
+  parameters.spacing = 0.6;
+  const Plan plan = make_plan(atoms, parameters, outputs);
+  int calls = 0;
+  run(atoms, plan, outputs, directory.path() / "whole",
+      {.progress = [&](std::int64_t, std::int64_t) { ++calls; }});
+  REQUIRE(calls > 12);
+  for (int last = 1; last <= calls; ++last) {
+    INFO("call " << last << " of " << calls);
+    int call = 0;
+    const auto end_it = [&](std::int64_t, std::int64_t) {
+      if (++call == last) throw std::runtime_error("ended");
+    };
+    CHECK_THROWS_AS(run(atoms, plan, outputs, directory.path() / "ended", {.progress = end_it}),
+                    std::runtime_error);
+    CHECK(fs::is_empty(directory.path() / "ended"));
+  }
+}
+
+TEST_CASE("the program names compressed maps", "[solver-maps][gzip][cli]") {
+  const Sandbox sandbox;
+  Arguments arguments{"pair.xyzr", "--write",      "none", "-o",      "out",
+                      "--gzip",    "--dielectric", "d",    "--kappa", "k.dx.gz"};
+  arguments.insert(arguments.end(), {"--inside", "i.dx.gz"});
+  Arguments dry = arguments;
+  dry.emplace_back("--dry-run");
+  CHECK(contains(sandbox.run(dry).out, "i.dx.gz, k.dx.gz, dx.dx.gz, dy.dx.gz, dz.dx.gz about "));
+  const Outcome outcome = sandbox.run(arguments);
+  REQUIRE(outcome.code == 0);
+  for (const char* const name : {"i.dx.gz", "k.dx.gz", "dx.dx.gz", "dy.dx.gz", "dz.dx.gz"})
+    CHECK(unzipped(sandbox.directory() / "out" / name).starts_with("# "));
+  // The grid of a compressed map can be chosen for the next run.
+  CHECK(sandbox.run({"pair.xyzr", "--grid-like", "out/k.dx.gz", "-o", "again"}).code == 0);
+}
+
+TEST_CASE("what is planned bounds what runs with maps hold", "[solver-maps][cli]") {
+  if (holds_shadow_memory) SKIP("memory cannot be measured with a sanitizer");
+  const Sandbox sandbox;
+  for (const std::string gzip : {"", "--gzip"})
+    for (const std::string block_size : {"16", "64"})
+      for (const int threads : {1, 3}) {
+        Arguments arguments{std::string(ESES_DATA) + "/1ubq.xyzr",
+                            "--spacing",
+                            "0.15",
+                            "--block-size",
+                            block_size,
+                            "--threads",
+                            std::to_string(threads),
+                            "--write",
+                            "none",
+                            "--json",
+                            "--dielectric",
+                            "d",
+                            "--kappa",
+                            gzip.empty() ? "k.dx" : "k.dx.gz"};
+        if (!gzip.empty()) arguments.push_back(gzip);
+        INFO(Sandbox::command(arguments));
+        const Outcome outcome = sandbox.run(arguments);
+        REQUIRE(outcome.code == 0);
+        const std::string ratio = "r['plan']['memory_bytes'] / r['peak_memory_bytes']";
+        check_json(sandbox, outcome.out, ratio + " >= 1", "True");
+        // Several threads may hold much less than is possible.
+        if (threads == 1) check_json(sandbox, outcome.out, ratio + " < 2.1", "True");
+      }
+}
+
+TEST_CASE("a disk that plain maps would fill is refused before anything is written",
+          "[solver-maps][plan]") {
+  const std::vector<Atom> atoms{{{0, 0, 0}, 1.5}};
+  Outputs outputs = Outputs::none();
+  outputs.dielectric = DielectricMaps{"d"};
+  Parameters parameters;
+  const TemporaryDirectory directory;
+  const DiskSpace disk =
+      require_disk_space(make_plan(atoms, parameters, outputs), outputs, directory.path());
+  if (disk.places[0].available > std::uint64_t{1} << 50)
+    SKIP("the file system does not tell how much is free");
+  // Three maps with 17 bytes an edge, on a grid of which the molecule takes a small part.
+  parameters.grid = Grid{{-5, -5, -5}, 0.005, {2000, 2000, 10'000'000}};
+  const Plan plan = make_plan(atoms, parameters, outputs);
+  CHECK(plan.map_file_bytes + plan.map_scratch_bytes >= 3 * 17 * std::uint64_t{40'000'000'000'000});
+  CHECK_THROWS_WITH(run(atoms, plan, outputs, directory.path() / "out"),
+                    Catch::Matchers::ContainsSubstring("the files need about "));
+  CHECK_FALSE(fs::exists(directory.path() / "out"));
+}
+
+}  // namespace eses::detail::test
