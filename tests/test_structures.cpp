@@ -572,7 +572,7 @@ TEST_CASE("selections in gemmi's syntax choose atoms", "[structure]") {
   options.select = "/2/A";
   CHECK(contains(pdb_error(text, options), "use --model 2"));
   options.select = "//Z";
-  CHECK(contains(pdb_error(text, options), "t.pdb: no atoms left of 5"));
+  CHECK(contains(pdb_error(text, options), "t.pdb: no atoms left of 5; left out: 5 not selected"));
 }
 
 // ---------------------------------------------------------------------------------------- mmCIF

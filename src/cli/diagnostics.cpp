@@ -31,7 +31,7 @@ Wording wording_of(DiagnosticKind kind) {
     case DiagnosticKind::zero_radius:
       return {"zero_radius", "of radius 0", "of radius 0", ""};
     case DiagnosticKind::nested_usual:
-      return {"nested_hydrogen", "of at most 1.4 angstrom inside another atom",
+      return {"nested_usual", "of at most 1.4 angstrom inside another atom",
               "of at most 1.4 angstrom inside another atom", "in"};
   }
   return {};

@@ -4,6 +4,7 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
@@ -11,7 +12,9 @@
 #include <span>
 #include <stdexcept>
 #include <string>
+#include <string_view>
 #include <utility>
+#include <vector>
 
 #include "eses/error.hpp"
 #include "io/atom_lines.hpp"
@@ -119,14 +122,21 @@ void require_format(std::string_view text, std::string_view name, AtomFormat for
 }
 
 [[noreturn]] void fail_without_atoms(std::string_view name, const StructureReport& report) {
-  const std::uint64_t dropped = report.dropped_chains + report.dropped_selection +
-                                report.dropped_waters + report.dropped_hetatm +
-                                report.dropped_hydrogens + report.dropped_altlocs;
+  const std::array<std::pair<std::uint64_t, std::string_view>, 6> dropped{
+      {{report.dropped_chains, "of other chains"},
+       {report.dropped_selection, "not selected"},
+       {report.dropped_waters, "of water"},
+       {report.dropped_hetatm, "of HETATM records"},
+       {report.dropped_hydrogens, "hydrogens"},
+       {report.dropped_altlocs, "of other alternate locations"}}};
+  std::uint64_t sum = 0;
+  std::vector<std::string> reasons;
+  for (const auto& [count, reason] : dropped) {
+    sum += count;
+    if (count > 0) reasons.push_back(fmt::format("{} {}", count, reason));
+  }
   throw Error(
-      fmt::format("{}: no atoms left of {}; left out: {} of other chains, {} not selected, {} of "
-                  "water, {} of HETATM records, {} hydrogens",
-                  name, dropped, report.dropped_chains, report.dropped_selection,
-                  report.dropped_waters, report.dropped_hetatm, report.dropped_hydrogens));
+      fmt::format("{}: no atoms left of {}; left out: {}", name, sum, fmt::join(reasons, ", ")));
 }
 
 void call_check(const ReadOptions& options) {
