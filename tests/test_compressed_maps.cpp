@@ -1,11 +1,7 @@
-// Compressed maps: the text of plain ones, whatever computes them, and what the plan tells of them.
+// Tests of compressed maps: they have the text of plain maps, and the plan bounds their memory.
 
-#include <zlib.h>
-
-#include <array>
 #include <filesystem>
 #include <functional>
-#include <stdexcept>
 #include <string>
 #include <vector>
 
@@ -28,21 +24,6 @@ namespace eses::detail::test {
 namespace {
 
 namespace fs = std::filesystem;
-
-/// By zlib's own reader of files.
-std::string unzipped(const fs::path& path) {
-  auto* const file = gzopen(path.c_str(), "rb");
-  if (file == nullptr) throw std::runtime_error("cannot open " + path.string());
-  CHECK(gzdirect(file) == 0);
-  std::string text;
-  std::array<char, 65536> part{};
-  for (int count = 1; count > 0;) {
-    count = gzread(file, part.data(), static_cast<unsigned>(part.size()));
-    if (count > 0) text.append(part.data(), static_cast<std::size_t>(count));
-  }
-  CHECK(gzclose_r(file) == Z_OK);
-  return text;
-}
 
 const std::vector<std::string> map_names{"inside.dx", "kappa.dx", "diel_x.dx", "diel_y.dx",
                                          "diel_z.dx"};
@@ -95,7 +76,7 @@ TEST_CASE("compressed maps have the text of plain ones, whatever computes them",
         const std::string bytes = read_bytes(path);
         if (expected.size() == map) {
           expected.push_back(bytes);
-          const bool is_same_text = unzipped(path) == read_bytes(plain / map_names[map]);
+          const bool is_same_text = read_gzipped(path) == read_bytes(plain / map_names[map]);
           CHECK(is_same_text);
           CHECK(bytes.size() < fs::file_size(plain / map_names[map]) / 5);
         }
@@ -162,8 +143,8 @@ TEST_CASE("compressed maps with any values, from several tiles", "[maps][gzip]")
             half, map.cells_of_row(), 3, [] {}, members, text);
         append(map.compressed_footer());
       }
-      const bool is_same =
-          unzipped(directory.path() / "packed.dx.gz") == read_bytes(directory.path() / "plain.dx");
+      const bool is_same = read_gzipped(directory.path() / "packed.dx.gz") ==
+                           read_bytes(directory.path() / "plain.dx");
       CHECK(is_same);
     }
 }
@@ -208,30 +189,6 @@ TEST_CASE("maps of the dielectric exist in one form at a time", "[solver-maps][g
   }
 }
 
-TEST_CASE("a run with compressed maps that is ended at any moment leaves nothing", "[maps][gzip]") {
-  const TemporaryDirectory directory;
-  const std::vector<Atom> atoms = make_chain(20, 4);
-  const Outputs outputs = all_maps(true);
-  Parameters parameters;
-  parameters.threads = 1;
-  parameters.spacing = 0.6;
-  const Plan plan = make_plan(atoms, parameters, outputs);
-  int calls = 0;
-  run(atoms, plan, outputs, directory.path() / "whole",
-      {.progress = [&](std::int64_t, std::int64_t) { ++calls; }});
-  REQUIRE(calls > 12);
-  for (int last = 1; last <= calls; ++last) {
-    INFO("call " << last << " of " << calls);
-    int call = 0;
-    const auto end_it = [&](std::int64_t, std::int64_t) {
-      if (++call == last) throw std::runtime_error("ended");
-    };
-    CHECK_THROWS_AS(run(atoms, plan, outputs, directory.path() / "ended", {.progress = end_it}),
-                    std::runtime_error);
-    CHECK(fs::is_empty(directory.path() / "ended"));
-  }
-}
-
 TEST_CASE("the program names compressed maps", "[solver-maps][gzip][cli]") {
   const Sandbox sandbox;
   Arguments arguments{"pair.xyzr", "--write",      "none", "-o",      "out",
@@ -243,7 +200,7 @@ TEST_CASE("the program names compressed maps", "[solver-maps][gzip][cli]") {
   const Outcome outcome = sandbox.run(arguments);
   REQUIRE(outcome.code == 0);
   for (const char* const name : {"i.dx.gz", "k.dx.gz", "dx.dx.gz", "dy.dx.gz", "dz.dx.gz"})
-    CHECK(unzipped(sandbox.directory() / "out" / name).starts_with("# "));
+    CHECK(read_gzipped(sandbox.directory() / "out" / name).starts_with("# "));
   // The grid of a compressed map can be chosen for the next run.
   CHECK(sandbox.run({"pair.xyzr", "--grid-like", "out/k.dx.gz", "-o", "again"}).code == 0);
 }

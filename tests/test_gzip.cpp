@@ -6,7 +6,6 @@
 #include <array>
 #include <filesystem>
 #include <map>
-#include <stdexcept>
 #include <string>
 
 #include "catch.hpp"
@@ -20,21 +19,6 @@ namespace eses::detail::test {
 namespace {
 
 using Files = std::map<std::string, std::string>;
-
-/// Unpacks with zlib's own reader of files.
-std::string unzipped(const std::filesystem::path& path) {
-  auto* const file = gzopen(path.c_str(), "rb");
-  if (file == nullptr) throw std::runtime_error("cannot open " + path.string());
-  CHECK(gzdirect(file) == 0);
-  std::string text;
-  std::array<char, 65536> part{};
-  for (int count = 1; count > 0;) {
-    count = gzread(file, part.data(), static_cast<unsigned>(part.size()));
-    if (count > 0) text.append(part.data(), static_cast<std::size_t>(count));
-  }
-  CHECK(gzclose_r(file) == Z_OK);
-  return text;
-}
 
 std::size_t count_members(std::string_view bytes) {
   std::size_t members = 0;
@@ -87,7 +71,7 @@ TEST_CASE("gzipped files hold the text of the plain ones, in several members", "
   for (const char* name : eses_file_names) {
     INFO(name);
     const auto path = zipped.path() / (std::string(name) + ".gz");
-    const bool same = unzipped(path) == read_bytes(plain.path() / name);
+    const bool same = read_gzipped(path) == read_bytes(plain.path() / name);
     CHECK(same);
     bytes += std::filesystem::file_size(path);
     CHECK_FALSE(std::filesystem::exists(zipped.path() / name));
@@ -150,7 +134,7 @@ TEST_CASE("a file without lines is a valid gzip file", "[gzip]") {
   parameters.margin = 0.5;
   const Summary summary = run_into(directory.path(), atoms, parameters, choice(true));
   REQUIRE(summary.edges() == 0);
-  CHECK(unzipped(directory.path() / "intersection_info.txt.gz").empty());
+  CHECK(read_gzipped(directory.path() / "intersection_info.txt.gz").empty());
   CHECK(count_members(read_bytes(directory.path() / "intersection_info.txt.gz")) == 1);
 }
 

@@ -4,6 +4,7 @@
 #include <fstream>
 #include <numeric>
 #include <sstream>
+#include <stdexcept>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -251,27 +252,34 @@ TEST_CASE("rows of a map may come in any order and are transposed in several til
   }
 }
 
-TEST_CASE("a run with a map leaves nothing if it is ended at any moment", "[maps]") {
-  const TemporaryDirectory directory;
-  const std::vector<Atom> atoms = make_chain(30, 4);
-  Outputs outputs;
-  outputs.inside_map = "map.dx";
+TEST_CASE("a run with maps leaves nothing if it is ended at any moment", "[maps][gzip]") {
+  const std::vector<Atom> atoms = make_chain(20, 4);
+  Outputs plain;
+  plain.inside_map = "map.dx";
+  Outputs compressed = Outputs::none();
+  compressed.gzip = true;
+  compressed.inside_map = "map.dx.gz";
+  compressed.dielectric = DielectricMaps{"diel_"};
+  compressed.ion_access = IonAccessMap{"kappa.dx.gz"};
   Parameters parameters;
   parameters.threads = 1;
-  const Plan plan = make_plan(atoms, parameters, outputs);
-  int calls = 0;
-  run(atoms, plan, outputs, directory.path() / "whole",
-      {.progress = [&](std::int64_t, std::int64_t) { ++calls; }});
-  REQUIRE(calls > 12);  // ten for the five files, and one at least for the tiles of the map
-  for (int last = 1; last <= calls; ++last) {
-    INFO("call " << last << " of " << calls);
-    int call = 0;
-    const auto end_it = [&](std::int64_t, std::int64_t) {
-      if (++call == last) throw std::runtime_error("ended");
-    };
-    CHECK_THROWS_AS(run(atoms, plan, outputs, directory.path() / "ended", {.progress = end_it}),
-                    std::runtime_error);
-    CHECK(std::filesystem::is_empty(directory.path() / "ended"));
+  for (const Outputs& outputs : {plain, compressed}) {
+    const TemporaryDirectory directory;
+    const Plan plan = make_plan(atoms, parameters, outputs);
+    int calls = 0;
+    run(atoms, plan, outputs, directory.path() / "whole",
+        {.progress = [&](std::int64_t, std::int64_t) { ++calls; }});
+    REQUIRE(calls > 12);
+    for (int last = 1; last <= calls; ++last) {
+      INFO("call " << last << " of " << calls);
+      int call = 0;
+      const auto end_it = [&](std::int64_t, std::int64_t) {
+        if (++call == last) throw std::runtime_error("ended");
+      };
+      CHECK_THROWS_AS(run(atoms, plan, outputs, directory.path() / "ended", {.progress = end_it}),
+                      std::runtime_error);
+      CHECK(std::filesystem::is_empty(directory.path() / "ended"));
+    }
   }
 }
 

@@ -141,16 +141,8 @@ Parameters
 ----------
 grid : Grid
     Any grid. Atoms may be outside of it.
-threads : int, optional
-    Number of threads; 0 for all that the process may use, or fewer to keep ``max_memory``.
-block_size : int, optional
-    Number of grid points along the side of a block, 2 to 128; 0 chooses it.
-blocks : pair of index triples, optional
-    First block, and one more than the last block along each axis: as for ``compute``.
-region : pair of index triples, optional
-    First point, and one more than the last point along each axis: as for ``compute``.
-max_memory : int, optional
-    Limit of the resident memory of the process, in bytes; 0 for the available memory.
+threads, block_size, blocks, region, max_memory : optional
+    As for ``compute``.
 
 Returns
 -------

@@ -246,6 +246,21 @@ class Resume(FaultTest):
         self.assertDone(self.run_program(*arguments))
         self.assertEqual(self.contents(), resumed)
 
+    def check_resumed_runs(self, reference, arguments, step, *, killed=(),
+                           resumed=lambda number: ()):
+        """Checks the files of runs that are killed at every `step`-th write in turn, and then
+        resumed. `killed` and `resumed(number of the write)` are further options of these runs."""
+        number, kept = 3, set()
+        self.put({})
+        while self.cut_off(number, *arguments, *killed):
+            self.assertEqual([n for n in self.all_files() if not n.startswith(".")], [])
+            kept.add(len(self.chunks()))
+            self.assertDone(self.run_program(*arguments, *resumed(number), "--resume"))
+            self.assertEqual(self.contents(), reference)
+            self.put({})
+            number += step
+        self.assertGreater(len(kept), 2)
+
     @needs_library
     def test_meshes_maps_and_residues_are_continued(self):
         for name, mesh, more in (("fas2.pqr", "mesh.ply", ("--inside", "map.dx", "--color", "chain",
@@ -262,16 +277,7 @@ class Resume(FaultTest):
             self.assertDone(self.run_program(*arguments))
             reference = self.contents()
             self.assertIn(mesh, reference)
-            number, kept = 3, set()
-            self.put({})
-            while self.cut_off(number, *arguments):
-                self.assertEqual([n for n in self.all_files() if not n.startswith(".")], [])
-                kept.add(len(self.chunks()))
-                self.assertDone(self.run_program(*arguments, "--resume"))
-                self.assertEqual(self.contents(), reference)
-                self.put({})
-                number += 7
-            self.assertGreater(len(kept), 2)
+            self.check_resumed_runs(reference, arguments, 7)
 
     @needs_library
     def test_maps_for_solvers_are_the_same_after_resuming(self):
@@ -284,18 +290,9 @@ class Resume(FaultTest):
             self.assertDone(self.run_program(*arguments, "-b", "128", "-t", "1"))
             reference = self.contents()
             self.assertEqual(len(reference), 5)
-            number, kept = 3, set()
-            self.put({})
-            while self.cut_off(number, *arguments, "-b", "9", "-t", "2"):
-                self.assertEqual([n for n in self.all_files() if not n.startswith(".")], [])
-                kept.add(len(self.chunks()))
-                threads, block = 1 + number % 4, 8 + number % 121
-                self.assertDone(self.run_program(*arguments, "-b", block, "-t", threads,
-                                                 "--resume"))
-                self.assertEqual(self.contents(), reference)
-                self.put({})
-                number += 11
-            self.assertGreater(len(kept), 2)
+            self.check_resumed_runs(
+                reference, arguments, 11, killed=("-b", "9", "-t", "2"),
+                resumed=lambda number: ("-b", 8 + number % 121, "-t", 1 + number % 4))
 
     @needs_library
     def test_files_from_structures_are_the_same_after_resuming(self):
@@ -306,16 +303,7 @@ class Resume(FaultTest):
                          self.output / "mesh.ply")
             self.put({})
             self.assertDone(self.run_program(*arguments))
-            reference = self.contents()
-            number, kept = 3, set()
-            self.put({})
-            while self.cut_off(number, *arguments):
-                kept.add(len(self.chunks()))
-                self.assertDone(self.run_program(*arguments, "--resume"))
-                self.assertEqual(self.contents(), reference)
-                self.put({})
-                number += 13
-            self.assertGreater(len(kept), 2)
+            self.check_resumed_runs(self.contents(), arguments, 13)
 
     @needs_library
     def test_other_mesh_is_refused(self):

@@ -1,5 +1,7 @@
 #include "support/eses_files.hpp"
 
+#include <zlib.h>
+
 #include <array>
 #include <charconv>
 #include <cmath>
@@ -150,6 +152,21 @@ std::string read_bytes(const std::filesystem::path& path) {
   std::string bytes{std::istreambuf_iterator<char>(stream), std::istreambuf_iterator<char>()};
   if (stream.bad()) throw std::runtime_error(path.string() + ": cannot be read");
   return bytes;
+}
+
+std::string read_gzipped(const std::filesystem::path& path) {
+  const gzFile file = gzopen(path.c_str(), "rb");
+  if (file == nullptr) throw std::runtime_error("cannot open " + path.string());
+  const bool is_gzipped = gzdirect(file) == 0;
+  std::string text;
+  std::array<char, 65536> part{};
+  for (int count = 1; count > 0;) {
+    count = gzread(file, part.data(), static_cast<unsigned>(part.size()));
+    if (count > 0) text.append(part.data(), static_cast<std::size_t>(count));
+  }
+  if (gzclose_r(file) != Z_OK || !is_gzipped)
+    throw std::runtime_error(path.string() + " is not gzipped or damaged");
+  return text;
 }
 
 EsesFiles read_eses_files(const std::filesystem::path& directory) {

@@ -49,6 +49,10 @@ inline constexpr const char* eses_file_names[] = {"bounding_box.txt", "grid_info
 /// Returns the bytes of a file. Throws std::runtime_error if it cannot be read.
 std::string read_bytes(const std::filesystem::path& path);
 
+/// Returns the text of a gzipped file, by zlib's own reader of files. Throws std::runtime_error if
+/// the file is not gzipped or damaged.
+std::string read_gzipped(const std::filesystem::path& path);
+
 /// Reads the files of a run. Throws std::runtime_error, naming file and line, at the first
 /// malformed line. The oracle checks whether the numbers are right (brute_force.hpp).
 EsesFiles read_eses_files(const std::filesystem::path& directory);
