@@ -92,14 +92,14 @@ int compare_files(int argc, char** argv, const Processes& processes) {
 }
 
 /// A command of the program.
-struct Task {
+struct Command {
   int (*perform)(int argc, char** argv, const Processes& processes);
   std::string_view help;
   int failure_code;
 };
 
-constexpr Task surface_task{perform_surface, "eses-blocks --help", exit_failure};
-constexpr Task diff_task{compare_files, "eses-blocks diff --help", exit_trouble};
+constexpr Command surface_command{perform_surface, "eses-blocks --help", exit_failure};
+constexpr Command diff_command{compare_files, "eses-blocks diff --help", exit_trouble};
 
 /// Ends the other processes after a failure in this process only. Returns the exit code.
 int end_all(const Processes& processes, int code) {
@@ -107,31 +107,32 @@ int end_all(const Processes& processes, int code) {
   return code;
 }
 
-// Throws std::bad_alloc and nothing else.
-int perform(const Task& task, int argc, char** argv, const Processes& processes) {
+// Performs a command and prints its errors. Returns the exit code. Throws std::bad_alloc and
+// nothing else.
+int perform(const Command& command, int argc, char** argv, const Processes& processes) {
   const auto fail = [&](std::string_view message) {
     print_message("error", message);
-    return end_all(processes, task.failure_code);
+    return end_all(processes, command.failure_code);
   };
   try {
-    return task.perform(argc, argv, processes);
+    return command.perform(argc, argv, processes);
   } catch (const UsageError& error) {
     if (!processes.is_first()) return exit_usage;
     print_message("error", error.what());
-    std::fputs(fmt::format("Try '{}'.\n", task.help).c_str(), stderr);
+    std::fputs(fmt::format("Try '{}'.\n", command.help).c_str(), stderr);
     return exit_usage;
   } catch (const StrictError& error) {
     for (const std::string& line : error.lines) print_message("error", line);
     return exit_failure;
   } catch (const SharedError& error) {
     if (processes.is_first()) print_message("error", error.what());
-    return task.failure_code;
+    return command.failure_code;
   } catch (const Interrupted& interrupted) {
     return end_all(processes, interrupted.exit_code);
   } catch (const std::bad_alloc&) {
     if (processes.count() == 1) throw;
     print_out_of_memory();
-    return end_all(processes, task.failure_code);
+    return end_all(processes, command.failure_code);
   } catch (const std::exception& error) {
     return fail(error.what());
   } catch (...) {
@@ -139,8 +140,9 @@ int perform(const Task& task, int argc, char** argv, const Processes& processes)
   }
 }
 
-// Throws std::bad_alloc and nothing else.
-int perform(const Task& task, int argc, char** argv) {
+// Starts MPI unless --independent is given, and performs a command. Returns the exit code. Throws
+// std::bad_alloc and nothing else.
+int perform(const Command& command, int argc, char** argv) {
   std::optional<Processes> processes;
   try {
     require_stack();
@@ -150,9 +152,9 @@ int perform(const Task& task, int argc, char** argv) {
       processes.emplace(argc, argv);
   } catch (const Error& error) {
     print_message("error", error.what());
-    return task.failure_code;
+    return command.failure_code;
   }
-  return perform(task, argc, argv, *processes);
+  return perform(command, argc, argv, *processes);
 }
 
 }  // namespace
@@ -165,12 +167,12 @@ int run_command(int argc, char** argv) {
   // Closed pipes and the file size limit are then reported as write errors.
   for (const int signal : {SIGPIPE, SIGXFSZ}) std::signal(signal, SIG_IGN);
   const bool is_diff = argc > 1 && std::string_view(argv[1]) == "diff";
-  const Task& task = is_diff ? diff_task : surface_task;
+  const Command& command = is_diff ? diff_command : surface_command;
   try {
-    return is_diff ? perform(task, argc - 1, argv + 1) : perform(task, argc, argv);
+    return is_diff ? perform(command, argc - 1, argv + 1) : perform(command, argc, argv);
   } catch (const std::bad_alloc&) {
     print_out_of_memory();
-    return task.failure_code;
+    return command.failure_code;
   }
 }
 

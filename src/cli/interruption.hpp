@@ -1,5 +1,5 @@
 #pragma once
-/// Handling of the signals that end the process, without leaving temporary files.
+/// Handling of the signals that end the process, so that no temporary files are left.
 
 #include <atomic>
 #include <string>
@@ -16,7 +16,7 @@ struct Interrupted {
 /// signal then ends the process with exit code 128 + its number: in an orderly way during an
 /// InterruptibleRun, otherwise immediately. Signals that cause a core dump, such as SIGQUIT,
 /// SIGABRT and SIGSEGV, keep their default action, but the files of an InterruptibleRun are removed
-/// first. Signals whose action is not the default one, such as ignored signals, are not changed.
+/// first. Signals that are ignored or that have another handler are not changed.
 void end_on_signals();
 
 /// An interruptible run. During the lifetime of the object, a signal is recorded, and `check`

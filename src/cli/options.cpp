@@ -31,7 +31,7 @@
 namespace eses::detail::cli {
 namespace {
 
-// More threads than any machine has. OpenMP ends the process if it cannot start all threads.
+// Maximum of --threads. OpenMP ends the process if it cannot start all threads.
 constexpr std::int64_t max_threads = 4096;
 constexpr std::int64_t default_verify = 2000;
 constexpr std::int64_t max_verify = 10'000'000;
@@ -102,7 +102,7 @@ struct CommandLine {
 
 // --- formats of values --------------------------------------------------------------------------
 
-/// Parses a whole number of bytes, or of 1024, 1024^2, ... of them.
+/// Parses a whole number of bytes, with an optional suffix for a power of 1024: K, M, G or T.
 std::optional<std::uint64_t> bytes_in(const std::string& text) {
   constexpr std::string_view suffixes = "KMGT";
   const std::size_t suffix = text.empty() ? suffixes.npos : suffixes.find(text.back());
@@ -572,7 +572,7 @@ void refuse_structure_options(const CLI::App& app, const Options& options) {
 
 // --- errors that CLI11 does not detect ----------------------------------------------------------
 
-/// Throws UsageError if the environment variable has an unknown name.
+/// Throws UsageError if the environment variable names an unknown instruction set.
 void require_known_instruction_set() {
   const char* const wish = std::getenv(instruction_set_variable);
   if (wish != nullptr && *wish != '\0' && !is_instruction_set(wish))

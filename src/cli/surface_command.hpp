@@ -6,7 +6,9 @@
 
 namespace eses::detail::cli {
 
-/// Computes the surface and writes the files. All processes must call it. Returns the exit code.
+/// Reads the input, computes the surface and writes the files. Calls plan_run
+/// (compute/run_plan.hpp) and execute (compute/engine.hpp). All processes must call it. Returns the
+/// exit code.
 int compute_surface(const Options& options, const Processes& processes);
 
 }  // namespace eses::detail::cli

@@ -15,7 +15,7 @@
 namespace eses::detail {
 namespace {
 
-// Returns the areas of the atoms `wanted`, which other processes may have.
+// Returns the areas of the atoms in `wanted`. Other processes may have some of them.
 std::vector<double> fetch_areas(const AtomRange& wanted, const AtomAreas& own,
                                 const Processes& processes) {
   const AtomRange known = own.range();
@@ -85,7 +85,7 @@ class TableState {
   std::vector<std::string> texts_;
 };
 
-// Adds the residues of this process and writes the lines of the complete ones.
+// Adds the residues of this process and writes the lines of complete residues.
 void add_own(const RunPlan& plan, std::span<const double> areas, const Processes& processes,
              SharedFile& file, TableState& state) {
   const TextSink sink = [&](std::string_view text) {

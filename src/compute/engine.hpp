@@ -1,12 +1,11 @@
 #pragma once
-/// The engine: one run, from its plan to its files and its summary.
+/// The engine: one run, from the plan of run_plan.hpp to its files and its summary.
 ///
 /// A run is a sweep over ranges of planes that delivers rows, crossings and triangles in canonical
 /// order. A single process has one range and writes its texts directly to the output files.
 /// Otherwise the texts of each range go into a chunk, and all chunks are merged into the output
-/// files at the end. There are several ranges if there are several MPI ranks, of which each has a
-/// slab of planes, or if the run can be resumed. The bytes of the files do not depend on the
-/// ranges.
+/// files at the end. There are several ranges if the run can be resumed, or if there are several
+/// MPI ranks, each with its slab of planes. The bytes of the files do not depend on the ranges.
 
 #include <cstdint>
 #include <string>
@@ -46,8 +45,8 @@ struct RunPaths {
 RunPaths paths_of(const RunTask& task, const Processes& processes);
 
 /// Computes the surface and writes the files as eses::detail::run does. All processes must call it.
-/// If it throws another exception than SharedError, the other processes have not received it and
-/// must be aborted.
+/// All processes receive a SharedError. Only this process has any other exception, so the caller
+/// must then abort the other processes.
 RunResult execute(const RunTask& task, const RunPlan& plan, const RunPaths& paths,
                   const Callbacks& callbacks, const Processes& processes);
 

@@ -18,7 +18,8 @@
 namespace eses::detail {
 
 /// The merge of all chunks. All processes must call its functions. The first process passes the
-/// output file, the others pass null.
+/// output file, the others pass null. In a run in place there is one chunk, most of whose texts are
+/// in the output files already.
 class Merge {
  public:
   /// `chunks` are those of this process. `check` is called repeatedly, and may end the run by an

@@ -23,7 +23,7 @@ std::uint64_t write_mesh_header(const mesh::MeshText& text, const GroupNames& na
                                 const MeshCounts& counts, const Processes& processes,
                                 SharedFile& file);
 
-/// Do the same for the header of the separate file of the triangles, if the format has one.
+/// These functions do the same for the separate file of the triangles, if the format has one.
 std::uint64_t face_header_bytes(const mesh::MeshText& text);
 std::uint64_t write_face_header(const mesh::MeshText& text, const MeshCounts& counts,
                                 const Processes& processes, SharedFile& file);

@@ -59,7 +59,8 @@ std::string mesh_identity(const std::optional<MeshOptions>& mesh) {
                      static_cast<int>(mesh->color));
 }
 
-// Identifies the maps. The permittivities are left out, as chunks hold inside lengths of edges.
+// Identifies the maps. The permittivities are left out, because chunks contain inside lengths of
+// edges, which do not depend on them.
 std::string map_identity(const Outputs& outputs) {
   std::string identity;
   for (const MapChoice& map : chosen_maps(outputs))
@@ -87,8 +88,9 @@ bool names_groups(const Outputs& outputs) {
   return outputs.mesh && mesh::can_name_groups(*outputs.mesh);
 }
 
-// Throws Error if the atoms exceed the memory limit in any schedule, before anything is computed
-// from them. For few atoms, make_plan reports the minimum limit instead.
+// Throws Error if no schedule keeps the memory limit for this number of atoms. It is called before
+// anything is computed from the atoms. For few atoms, plan_schedule reports the minimum limit
+// instead.
 void require_memory_for(std::uint64_t atoms, const RunTask& task, const Processes& processes) {
   const auto count = static_cast<std::uint64_t>(processes.count());
   const double needed = min_expected_memory((atoms + count - 1) / count);
@@ -141,7 +143,7 @@ LabelTotals labels_held(LabelTotals totals, const RunPlan& run, const Outputs& o
   return totals;
 }
 
-// Returns the totals of all processes, without memory.
+// Returns the sums over all processes, without the labels and bytes in memory.
 LabelTotals sum_labels(const LabelTotals& own, const Processes& processes) {
   std::array<std::uint64_t, 4> sums{own.residue_runs, own.chain_runs, own.residue_text_bytes,
                                     own.chain_text_bytes};

@@ -1,5 +1,6 @@
 #pragma once
-/// Step 1 of a run: reading the input, planning, and sending the atoms to the processes.
+/// Step 1 of a run: reading the input (distributed/atom_share.hpp), planning (plan/plan.hpp), and
+/// sending the atoms to the processes (distributed/slabs.hpp). Step 2 is in slab_sweep.hpp.
 
 #include <cstdint>
 #include <filesystem>
@@ -25,7 +26,7 @@ struct MapsInMemory {
   BlockExtras extras;  ///< what the maps need besides points
 };
 
-/// The choices of the user.
+/// The choices of the user for a run.
 struct RunTask {
   std::filesystem::path input = {};
   AtomFormat format = AtomFormat::automatic;

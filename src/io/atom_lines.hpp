@@ -1,5 +1,5 @@
 #pragma once
-/// Parsing of atoms from text that arrives in parts.
+/// Reading of xyzr and PQR files and texts. Implemented in atom_reader.cpp.
 
 #include <cstddef>
 #include <cstdint>
@@ -13,7 +13,7 @@
 
 namespace eses::detail {
 
-/// Parameters for reading the lines of an atom file.
+/// Parameters for reading the lines of an xyzr or PQR file.
 struct AtomLines {
   AtomFormat format = AtomFormat::xyzr;
   std::string_view name;         ///< name of the file, for messages
@@ -33,6 +33,7 @@ struct PdbLikeness {
   std::uint64_t values = 0;
 };
 
+/// Counts of a text that was read.
 struct LinesRead {
   std::uint64_t lines = 0;
   PdbLikeness likeness;
@@ -52,11 +53,12 @@ LinesRead read_atom_lines(const ReadText& read, const AtomLines& lines, AtomFile
 /// Does the same for a text in memory, which must consist of whole lines.
 LinesRead parse_atom_lines(std::string_view text, const AtomLines& lines, AtomFile& result);
 
-/// Implements read_atoms. Calls `after_part` after each part with the atoms read so far.
+/// Implements read_atoms for xyzr and PQR files. Calls `after_part` after each part with the atoms
+/// read so far.
 AtomFile read_atom_file(const std::filesystem::path& path, const ReadOptions& options,
                         const std::function<void(AtomFile& atoms)>& after_part);
 
-/// Implements parse_atoms, with the format, name and labels of `lines`.
+/// Implements parse_atoms for xyzr and PQR, with the format, name and labels of `lines`.
 AtomFile parse_atom_text(std::string_view text, const AtomLines& lines);
 
 /// Returns `format` or, if it is automatic, the format by the suffix of the path without .gz.

@@ -77,8 +77,8 @@ struct DiskSpace {
 DiskSpace require_disk_space(const Plan& plan, const Outputs& outputs,
                              const std::filesystem::path& directory);
 
-/// The open output files of a run; only the chosen ones have a value. Only `commit` changes files
-/// that have final names.
+/// The open output files of a run, such as `edges` for intersection_info.txt. Only the chosen ones
+/// have a value. Only `commit` changes files that have final names.
 struct OutputFiles {
   bool gzip = false;  ///< whether box, grid, edges and areas are compressed
   /// The output directory, if any file other than the mesh is chosen.

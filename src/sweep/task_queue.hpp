@@ -11,7 +11,8 @@
 
 namespace eses::detail {
 
-/// A step of building patches, a block to solve, or a chunk of a solved layer to write.
+/// A step of building patches, a block to solve, or a chunk of rows of a solved layer to write. See
+/// RowChunks for these chunks, which are not the chunks of planes of a checkpoint.
 struct Task {
   enum class Kind : std::uint8_t { build, solve, write } kind = Kind::solve;
   std::int64_t layer = 0;  ///< layer of the block or chunk

@@ -1,5 +1,5 @@
 #pragma once
-/// Division of a layer's rows into chunks of text.
+/// Division of a layer's rows into chunks, which threads format as text.
 
 #include <algorithm>
 #include <cstdint>

@@ -65,7 +65,8 @@ struct Plan {
   std::uint64_t map_scratch_bytes = 0;   ///< additional bytes on the disk for maps during the run
   std::uint64_t gzip_map_bytes = 0;      ///< compressed maps, part of map_file_bytes; estimate
   std::uint64_t mesh_scratch_bytes = 0;  ///< scratch files of the mesh during the run; estimate
-  /// Scratch files of the texts of chunks during the run; 0 for `run`. Estimate.
+  /// Scratch files of the texts of chunks during the run; 0 if texts are written in place.
+  /// Estimate.
   std::uint64_t text_scratch_bytes = 0;
   bool gzip = false;  ///< whether text files are compressed; their sizes are then estimates
   /// Checksum of the centres and radii in input order, which identifies the atoms of the plan.
