@@ -432,7 +432,7 @@ TEST_CASE("the report has the region, and an invalid region is refused", "[cli]"
   const Outcome beyond = sandbox.run({"pair.xyzr", "--blocks", "0:1,0:9,0:1", "-b", "6"});
   CHECK(beyond.code == 1);
   CHECK(contains(beyond.err,
-                 "block range 0:9 along y is not within 0:3, the range of all blocks of 6 points"));
+                 "block range 0:9 along y must be within 0:3 (blocks of 6 points on a side)"));
   CHECK(sandbox.files().empty());
 }
 

@@ -41,11 +41,9 @@ GridRegion BlockTiling::points_of_blocks(const GridRegion& indices) const {
   for (std::size_t axis = 0; axis < 3; ++axis) {
     const std::int64_t begin = indices.begin[axis], end = indices.end[axis];
     if (begin < 0 || begin >= end || end > blocks[axis])
-      throw Error(
-          fmt::format("block range {}:{} along {} is not within 0:{}, the range of all blocks of "
-                      "{} points on a "
-                      "side",
-                      begin, end, "xyz"[axis], blocks[axis], block_size[axis]));
+      throw Error(fmt::format(
+          "block range {}:{} along {} must be within 0:{} (blocks of {} points on a side)", begin,
+          end, "xyz"[axis], blocks[axis], block_size[axis]));
     points.begin[axis] = region.begin[axis] + begin * (block_size[axis] - 1);
     points.end[axis] =
         end == blocks[axis] ? region.end[axis] : region.begin[axis] + end * (block_size[axis] - 1);
