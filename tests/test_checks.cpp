@@ -66,7 +66,7 @@ TEST_CASE("checks: a callback ends the indexing of atoms", "[api]") {
   const std::vector<Atom> atoms = lattice(25);
   for (const int threads : {1, 2}) {
     StopAt counter(never);
-    eses::Surface(atoms, {.threads = threads, .check = counter.callback()});
+    const eses::Surface surface(atoms, {.threads = threads, .check = counter.callback()});
     // There is one call for every few thousand atoms.
     CHECK(counter.calls() > 4);
     for (int n = 1; n <= counter.calls(); ++n) {

@@ -54,7 +54,7 @@ void require_equal(const Grid& grid, const Grid& expected) {
 }
 
 void write_gzipped(const fs::path& path, const std::string& text) {
-  const gzFile file = gzopen(path.c_str(), "wb");
+  gzFile file = gzopen(path.c_str(), "wb");
   REQUIRE(file != nullptr);
   CHECK(gzwrite(file, text.data(), static_cast<unsigned>(text.size())) ==
         static_cast<int>(text.size()));

@@ -61,7 +61,7 @@ TEST_CASE("compressed maps have the text of plain ones, whatever computes them",
   write_maps(atoms, parameters, false, plain);
   const Grid grid = make_plan(atoms, parameters, Outputs::none()).grid;
   REQUIRE(grid.size[0] > 64);
-  REQUIRE(grid.size[1] * grid.size[2] > 2 * 2048);
+  REQUIRE(grid.size[1] * grid.size[2] > std::int64_t{2} * 2048);
   std::vector<std::string> expected;
   for (const int threads : {1, 3})
     for (const std::int64_t block_size : {8, 33, 128}) {
@@ -250,7 +250,7 @@ TEST_CASE("a disk that plain maps would fill is refused before anything is writt
   // Three maps with 17 bytes an edge, on a grid of which the molecule takes a small part.
   parameters.grid = Grid{{-5, -5, -5}, 0.005, {2000, 2000, 10'000'000}};
   const Plan plan = make_plan(atoms, parameters, outputs);
-  CHECK(plan.map_file_bytes + plan.map_scratch_bytes >= 3 * 17 * std::uint64_t{40'000'000'000'000});
+  CHECK(plan.map_file_bytes + plan.map_scratch_bytes >= std::uint64_t{3} * 17 * 40'000'000'000'000);
   CHECK_THROWS_WITH(run(atoms, plan, outputs, directory.path() / "out"),
                     Catch::Matchers::ContainsSubstring("the files need about "));
   CHECK_FALSE(fs::exists(directory.path() / "out"));

@@ -51,7 +51,7 @@ class BlockStream {
   void put(const Block& block);
   bool is_closed() const;
 
-  const std::size_t max_waiting_;
+  std::size_t max_waiting_;
   mutable std::mutex mutex_;
   std::condition_variable changed_;
   std::deque<std::shared_ptr<BlockCopy>> waiting_;

@@ -19,7 +19,7 @@ namespace py = pybind11;
 namespace {
 
 // Exceptions that pybind11 cannot translate by itself.
-void translate(std::exception_ptr thrown) {
+void translate(std::exception_ptr thrown) {  // NOLINT: the type is that of pybind11
   try {
     if (thrown) std::rethrow_exception(thrown);
   } catch (const eses::FileError& error) {

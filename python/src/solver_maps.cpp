@@ -91,7 +91,7 @@ py::array as_array(std::vector<Value> values, const GridIndex& size) {
   const Value* const first = list->data();
   const py::capsule owner(list.get(),
                           [](void* memory) { delete static_cast<std::vector<Value>*>(memory); });
-  list.release();  // the capsule deletes it
+  static_cast<void>(list.release());  // the capsule deletes it
   constexpr std::int64_t step = sizeof(Value);
   return {py::dtype::of<Element>(),
           {size[0], size[1], size[2]},

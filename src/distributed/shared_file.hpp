@@ -38,7 +38,7 @@ class SharedFile {
 
  private:
   struct Handle;
-  const Processes& processes_;
+  [[maybe_unused]] const Processes& processes_;
   OutputFile* file_;
   std::string name_;
   std::unique_ptr<Handle> handle_;  // null in a single process

@@ -212,7 +212,7 @@ char* MeshText::put_fields(char* out, const Vertex& vertex, PutPosition put_posi
   out = put_position(out, vertex.position);
   out = put_normal(out, vertex.normal);
   if (color_ != MeshColor::none)
-    for (const std::uint8_t channel : color_of(vertex)) out = put_integer(out, channel);
+    for (const std::uint8_t part : color_of(vertex)) out = put_integer(out, part);
   out = put_integer(out, vertex.patch);
   out = put_integer(out, number_of(vertex.first_atom()));
   if (source_.groups.are_known) {

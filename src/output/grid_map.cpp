@@ -358,6 +358,7 @@ void GridMap::compress_cells(std::int64_t begin, std::int64_t end, int threads,
                              ScratchFile& text) {
   std::atomic<std::uint64_t> members_end = 0;
   std::vector<std::unique_ptr<Compressor>> compressors;
+  compressors.reserve(static_cast<std::size_t>(threads));
   for (int thread = 0; thread < threads; ++thread)
     compressors.push_back(std::make_unique<Compressor>(*this, members, members_end));
   const std::int64_t per_cell = tiles_of_cell();

@@ -1,4 +1,4 @@
-// This is the only file that includes gemmi, whose headers take long to compile.
+// Only this file and mmcif_text.cpp include gemmi, whose headers take long to compile.
 
 // Avoids the dependence of gemmi on stb_sprintf, which is another package in Debian.
 #define USE_STD_SNPRINTF
@@ -14,8 +14,6 @@
 #include <cstring>
 #include <exception>
 #include <gemmi/assembly.hpp>
-#include <gemmi/cif.hpp>
-#include <gemmi/mmcif.hpp>
 #include <gemmi/pdb.hpp>
 #include <gemmi/polyheur.hpp>
 #include <gemmi/select.hpp>
@@ -29,6 +27,8 @@
 
 #include "eses/error.hpp"
 #include "io/text_fields.hpp"
+#include "structure/checker.hpp"
+#include "structure/mmcif_text.hpp"
 
 namespace eses::detail {
 namespace {
@@ -49,36 +49,6 @@ std::string message_of(std::string_view what) {
   while (what.ends_with('.') || what.ends_with(':') || what.ends_with(' ')) what.remove_suffix(1);
   return printable(what);
 }
-
-/// Ends the work of gemmi where the check of a text throws `cause`, whose type may be one that is
-/// converted to Error.
-struct Interruption {
-  std::exception_ptr cause;
-};
-
-/// Calls the check of a text at every so many calls.
-class Checker {
- public:
-  explicit Checker(const CheckCallback& check) : check_(check) {}
-
-  void count() {
-    constexpr std::uint32_t counts_between_checks = 1 << 12;
-    if (++counts_ % counts_between_checks == 0) check();
-  }
-
-  void check() const {
-    if (!check_) return;
-    try {
-      check_();
-    } catch (...) {
-      throw Interruption{std::current_exception()};
-    }
-  }
-
- private:
-  const CheckCallback& check_;
-  std::uint32_t counts_ = 0;
-};
 
 // ------------------------------------------------------------------------------------------- PDB
 
@@ -131,7 +101,7 @@ class PdbLines {
       fail(name_, line_, "the record ends before its coordinates; the file seems to be damaged");
     for (std::size_t axis = 0; axis < 3; ++axis)
       check_coordinate(record.substr(coordinate_column + axis * coordinate_width, coordinate_width),
-                       "xyz"[axis]);
+                       axis);
     write_line_number(buffer + serial_column);
     // Removes the charges, which are not used: old files have line numbers in these columns.
     if (length > charge_column) std::memset(buffer + charge_column, ' ', length - charge_column);
@@ -175,14 +145,14 @@ class PdbLines {
     return without_trailing_blanks(without_leading_blanks(record.substr(first, width)));
   }
 
-  void check_coordinate(std::string_view column, char axis) const {
+  void check_coordinate(std::string_view column, std::size_t axis) const {
     const std::string_view field = without_trailing_blanks(without_leading_blanks(column));
     double value = 0;
     if (parse_number(field, value) != std::errc{} || !std::isfinite(value))
       fail(name_, line_,
-           fmt::format("expected a number for {} in columns {} to {}, found {}", axis,
-                       coordinate_column + 1 + coordinate_width * (axis - 'x'),
-                       coordinate_column + coordinate_width * (axis - 'w'), quoted(field)));
+           fmt::format("expected a number for {} in columns {} to {}, found {}", "xyz"[axis],
+                       coordinate_column + 1 + coordinate_width * axis,
+                       coordinate_column + coordinate_width * (axis + 1), quoted(field)));
   }
 
   // Writes the line number as five digits or, from 100000 on, as a hybrid-36 number, which gemmi
@@ -218,77 +188,12 @@ gemmi::Structure parse_pdb(const StructureText& input, Checker& checker) {
 
 // ----------------------------------------------------------------------------------------- mmCIF
 
-/// A document with the line numbers of the rows of the table of atoms.
-struct NumberedDocument : gemmi::cif::Document {
-  explicit NumberedDocument(Checker& its_checker) : checker(its_checker) {}
-
-  Checker& checker;
-  std::vector<std::uint64_t> atom_lines;
-};
-
-constexpr std::string_view atom_category = "_atom_site.";
-
-template <class Rule>
-struct NumberingAction : gemmi::cif::Action<Rule> {};
-
-template <>
-struct NumberingAction<gemmi::cif::rules::loop_value> {
-  template <class Input>
-  static void apply(const Input& in, NumberedDocument& document) {
-    document.checker.count();
-    const gemmi::cif::Loop& loop = document.items_->back().loop;
-    if (loop.values.size() % loop.tags.size() == 0 && loop.tags.front().starts_with(atom_category))
-      document.atom_lines.push_back(in.iterator().line);
-    gemmi::cif::Action<gemmi::cif::rules::loop_value>::apply(in, document);
-  }
-};
-
-/// Replaces the serial numbers of atoms by their line numbers. Removes anisotropic displacements,
-/// which refer to the original serial numbers.
-void number_atoms(NumberedDocument& document) {
-  std::size_t row = 0;
-  for (gemmi::cif::Block& block : document.blocks) {
-    for (gemmi::cif::Item& item : block.items) {
-      // A table of one atom need not be a loop.
-      if (item.type == gemmi::cif::ItemType::Pair && item.pair[0] == "_atom_site.id")
-        item.pair[1] = std::to_string(item.line_number);
-      if (item.type != gemmi::cif::ItemType::Loop || item.loop.tags.empty()) continue;
-      gemmi::cif::Loop& loop = item.loop;
-      if (loop.tags.front().starts_with("_atom_site_anisotrop.")) {
-        item.erase();
-        continue;
-      }
-      if (!loop.tags.front().starts_with(atom_category)) continue;
-      const std::size_t rows = loop.length();
-      if (const int id = loop.find_tag("_atom_site.id"); id >= 0)
-        for (std::size_t i = 0; i < rows && row + i < document.atom_lines.size(); ++i)
-          loop.values[i * loop.width() + static_cast<std::size_t>(id)] =
-              std::to_string(document.atom_lines[row + i]);
-      row += rows;
-    }
-  }
-}
-
 gemmi::Structure parse_mmcif(const StructureText& input, Checker& checker) {
   try {
-    NumberedDocument document(checker);
-    document.source = input.name;
-    gemmi::cif::pegtl::memory_input<> in(input.text.data(), input.text.size(),
-                                         std::string(input.name));
-    gemmi::cif::pegtl::parse<gemmi::cif::rules::file, NumberingAction, gemmi::cif::Errors>(
-        in, document);
-    gemmi::cif::check_for_missing_values(document);
-    gemmi::cif::check_for_duplicates(document);
-    checker.check();
-    number_atoms(document);
-    checker.check();
-    return gemmi::make_structure(document);
-  } catch (const tao::pegtl::parse_error& error) {
-    fail(input.name, error.positions().front().line, message_of(error.message()));
-  } catch (const std::bad_alloc&) {
-    throw;
-  } catch (const std::exception& error) {
-    throw Error(fmt::format("{}: {}", input.name, message_of(error.what())));
+    return parse_mmcif_text(input.text, std::string(input.name), checker);
+  } catch (const MmcifError& error) {
+    if (error.line > 0) fail(input.name, error.line, message_of(error.message));
+    throw Error(fmt::format("{}: {}", input.name, message_of(error.message)));
   }
 }
 
@@ -361,7 +266,7 @@ std::uint64_t keep_chains(gemmi::Model& model, const std::vector<std::string>& n
 
 gemmi::Selection parse_selection(const std::string& text) {
   try {
-    return gemmi::Selection(text);
+    return {text};
   } catch (const std::exception& error) {
     throw Error(fmt::format("--select: {}", message_of(error.what())));
   }

@@ -155,7 +155,7 @@ std::string read_bytes(const std::filesystem::path& path) {
 }
 
 std::string read_gzipped(const std::filesystem::path& path) {
-  const gzFile file = gzopen(path.c_str(), "rb");
+  gzFile file = gzopen(path.c_str(), "rb");
   if (file == nullptr) throw std::runtime_error("cannot open " + path.string());
   const bool is_gzipped = gzdirect(file) == 0;
   std::string text;

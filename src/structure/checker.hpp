@@ -1,0 +1,41 @@
+#pragma once
+/// Calls to the caller's check while gemmi parses a text.
+
+#include <cstdint>
+#include <exception>
+
+#include "eses/check.hpp"
+
+namespace eses::detail {
+
+/// Ends the work of gemmi where the check of a text throws `cause`, whose type may be one that is
+/// converted to Error.
+struct Interruption {
+  std::exception_ptr cause;
+};
+
+/// Calls the check of a text at every so many calls.
+class Checker {
+ public:
+  explicit Checker(const CheckCallback& check) : check_(check) {}
+
+  void count() {
+    constexpr std::uint32_t counts_between_checks = 1 << 12;
+    if (++counts_ % counts_between_checks == 0) check();
+  }
+
+  void check() const {
+    if (!check_) return;
+    try {
+      check_();
+    } catch (...) {
+      throw Interruption{std::current_exception()};
+    }
+  }
+
+ private:
+  const CheckCallback& check_;
+  std::uint32_t counts_ = 0;
+};
+
+}  // namespace eses::detail
