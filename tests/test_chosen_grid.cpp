@@ -239,7 +239,7 @@ TEST_CASE("a chosen grid that lies within another has its lines", "[grid]") {
 
 TEST_CASE("chosen grids pass the verification on all kinds of atoms", "[grid]") {
   for (const Kind kind : all_kinds)
-    for (const std::uint64_t seed : {1, 2}) {
+    for (const std::uint64_t seed : {std::uint64_t{1}, std::uint64_t{2}}) {
       INFO(kind_name(kind) << ' ' << seed);
       const std::vector<Atom> atoms = make_atom_set(kind, seed);
       Random random(seed);
