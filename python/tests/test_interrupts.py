@@ -18,7 +18,7 @@ ATTEMPTS = 2
 def seconds_to_interrupt(action, delay):
     """Returns the CPU time from SIGINT to KeyboardInterrupt, or None if the action ended before.
 
-    On an idle machine the CPU time is at least the wall-clock time.
+    On an idle machine the CPU time is at least the wall-clock time, and at most that of all threads.
     """
     sent = []
 
@@ -44,7 +44,9 @@ def seconds_to_interrupt(action, delay):
 def assert_interrupts(action, delay=0.3):
     times = [seconds_to_interrupt(action, delay) for _ in range(ATTEMPTS)]
     assert None not in times, "the action was too quick to be interrupted"
-    assert max(times) < 1
+    # A busy machine may delay one attempt.
+    assert min(times) < 1
+    assert max(times) < 3
 
 
 @pytest.fixture(scope="module")
@@ -77,7 +79,8 @@ def test_ctrl_c_ends_compute_with_large_blocks(medium):
 
 @pytest.mark.parametrize("name", ["dielectric", "kappa"])
 def test_ctrl_c_ends_maps(medium, name):
-    result = medium.compute(medium.grid(0.5), inside=False, crossings=False)
+    # With one thread CPU time is wall-clock time.
+    result = medium.compute(medium.grid(0.5), threads=1, inside=False, crossings=False)
     assert_interrupts(getattr(result, name))
 
 
