@@ -44,9 +44,7 @@ def seconds_to_interrupt(action, delay):
 def assert_interrupts(action, delay=0.3):
     times = [seconds_to_interrupt(action, delay) for _ in range(ATTEMPTS)]
     assert None not in times, "the action was too quick to be interrupted"
-    # A busy machine may delay one attempt.
-    assert min(times) < 1
-    assert max(times) < 3
+    assert max(times) < 1
 
 
 @pytest.fixture(scope="module")
