@@ -1,7 +1,5 @@
 #include "eses/compute.hpp"
 
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <array>
 #include <stdexcept>
@@ -20,6 +18,7 @@
 #include "io/map_writer.hpp"
 #include "plan/plan.hpp"
 #include "sweep/solved_block.hpp"
+#include "system/formatted.hpp"
 #include "system/resources.hpp"
 
 namespace eses {
@@ -66,8 +65,8 @@ detail::Plan checked_plan(const Surface& surface, const Grid& grid, const Output
     if (options.block_size != 0) detail::make_tiling(grid, options.block_size, region);
     for (const detail::MapChoice& map : detail::chosen_maps(outputs))
       if (std::filesystem::path(map.name).has_parent_path())
-        throw Error(
-            fmt::format("maps go to the output directory: {} must be a plain file name", map.name));
+        throw Error(detail::formatted(
+            "maps go to the output directory: {} must be a plain file name", map.name));
     detail::require_valid(outputs, molecule_of(surface));
     detail::Plan plan = detail::plan_on_grid(grid, detail::sphere_bounds(surface.atoms()),
                                              parameters_of(surface, grid, options));
@@ -117,11 +116,11 @@ Summary solve(const Surface& surface, const detail::Plan& plan, const detail::Ca
 }
 
 std::invalid_argument point_error(const GridIndex& point, const GridRegion& region) {
-  return std::invalid_argument(
-      fmt::format("point ({}, {}, {}) is not in the region ({}, {}, {}) to ({}, {}, {}), whose end "
-                  "is exclusive",
-                  point[0], point[1], point[2], region.begin[0], region.begin[1], region.begin[2],
-                  region.end[0], region.end[1], region.end[2]));
+  return std::invalid_argument(detail::formatted(
+      "point ({}, {}, {}) is not in the region ({}, {}, {}) to ({}, {}, {}), whose end "
+      "is exclusive",
+      point[0], point[1], point[2], region.begin[0], region.begin[1], region.begin[2],
+      region.end[0], region.end[1], region.end[2]));
 }
 
 GridRegion region_at(const GridIndex& first, const GridIndex& size) {

@@ -1,7 +1,5 @@
 #include "eses/surface.hpp"
 
-#include <fmt/format.h>
-
 #include <exception>
 #include <limits>
 #include <utility>
@@ -9,6 +7,7 @@
 #include "api/arguments.hpp"
 #include "plan/plan.hpp"
 #include "surface/molecule.hpp"
+#include "system/formatted.hpp"
 
 namespace eses {
 namespace {
@@ -34,7 +33,8 @@ std::shared_ptr<const detail::Molecule> make_molecule(std::vector<Atom> atoms,
     return detail::check_arguments([&] {
       if (atoms.empty()) throw Error("a surface needs at least one atom");
       if (atoms.size() > max_atoms)
-        throw Error(fmt::format("{} atoms are too many; the limit is {}", atoms.size(), max_atoms));
+        throw Error(
+            detail::formatted("{} atoms are too many; the limit is {}", atoms.size(), max_atoms));
       detail::require_valid(detail::Parameters{.probe_radius = options.probe_radius});
       return std::make_shared<const detail::Molecule>(std::move(atoms), std::move(labels),
                                                       options.threads, check);

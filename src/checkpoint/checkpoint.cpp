@@ -1,6 +1,5 @@
 #include "checkpoint/checkpoint.hpp"
 
-#include <fmt/format.h>
 #include <zlib.h>
 
 #include <algorithm>
@@ -14,6 +13,7 @@
 #include "eses/error.hpp"
 #include "output/output_directory.hpp"
 #include "output/output_files.hpp"
+#include "system/formatted.hpp"
 
 namespace eses::detail {
 namespace {
@@ -23,7 +23,7 @@ constexpr std::array<const char*, chunk_text_count> text_suffixes{
     ".ions", ".edges_x", ".edges_y",  ".edges_z"};
 
 std::string name_of(const PlaneRange& planes, std::string_view suffix) {
-  return fmt::format("{}-{}{}", planes.begin, planes.end, suffix);
+  return formatted("{}-{}{}", planes.begin, planes.end, suffix);
 }
 
 std::optional<PlaneRange> planes_of(const std::string& name) {
@@ -101,9 +101,9 @@ std::vector<PlaneRange> Checkpoint::complete() const {
   if (chunks.empty()) return {};
   if (!std::filesystem::exists(path_ / run_name, error))
     throw Error(
-        fmt::format("cannot resume: {} does not identify its run; remove it", path_.string()));
+        formatted("cannot resume: {} does not identify its run; remove it", path_.string()));
   if (read_all(path_ / run_name) != identity_)
-    throw Error(fmt::format(
+    throw Error(formatted(
         "cannot resume: {} belongs to a run with different input, options or version; remove it to "
         "start again",
         path_.string()));
@@ -114,8 +114,8 @@ std::vector<PlaneRange> Checkpoint::complete() const {
       std::adjacent_find(chunks.begin(), chunks.end(),
                          [](const PlaneRange& a, const PlaneRange& b) { return b.begin < a.end; });
   if (overlapping != chunks.end())
-    throw Error(fmt::format("cannot resume: chunks in {} overlap; remove it to start again",
-                            path_.string()));
+    throw Error(
+        formatted("cannot resume: chunks in {} overlap; remove it to start again", path_.string()));
   return chunks;
 }
 
@@ -191,7 +191,7 @@ void Checkpoint::finish(const PlaneChunk& chunk) const {
   std::error_code error;
   std::filesystem::rename(path_ / temporary, path_ / name, error);
   if (error)
-    throw Error(fmt::format("cannot write {}: {}", (path_ / name).string(), error.message()));
+    throw Error(formatted("cannot write {}: {}", (path_ / name).string(), error.message()));
 }
 
 PlaneChunk Checkpoint::read(const PlaneRange& planes) const {
@@ -215,8 +215,8 @@ PlaneChunk Checkpoint::read(const PlaneRange& planes) const {
     is_sound = header.checksum == checksum(std::as_bytes(std::span(chunk.sums)));
   }
   if (!is_sound)
-    throw Error(fmt::format("cannot resume: {} is damaged; remove it to compute its planes again",
-                            sums_path(planes)));
+    throw Error(formatted("cannot resume: {} is damaged; remove it to compute its planes again",
+                          sums_path(planes)));
   chunk.is_restored = true;
   return chunk;
 }

@@ -1,7 +1,5 @@
 #include "cli/arguments.hpp"
 
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <filesystem>
 #include <memory>
@@ -9,6 +7,7 @@
 
 #include "eses/version.hpp"
 #include "simd/dispatch.hpp"
+#include "system/formatted.hpp"
 
 namespace eses::detail::cli {
 namespace {
@@ -20,7 +19,7 @@ class HelpFormatter : public CLI::Formatter {
     column_width(28);
   }
   std::string make_usage(const CLI::App* /*app*/, std::string /*name*/) const override {
-    return fmt::format("\nUsage: {}\n", usage_);
+    return formatted("\nUsage: {}\n", usage_);
   }
   // Writes names in the usual form, `-o, --output-dir`, without the `{N}` that CLI11 appends to a
   // flag with an optional value.
@@ -44,9 +43,8 @@ class HelpFormatter : public CLI::Formatter {
 };
 
 std::string version_text() {
-  return fmt::format(
-      "eses-blocks {}\ncompiler: {}\nbuild type: {}\nflags: {}\ninstruction set: {}\n", version,
-      compiler, build_type, compiler_flags, name_of(instruction_set()));
+  return formatted("eses-blocks {}\ncompiler: {}\nbuild type: {}\nflags: {}\ninstruction set: {}\n",
+                   version, compiler, build_type, compiler_flags, name_of(instruction_set()));
 }
 
 /// Throws UsageError for `--name=`, for which CLI11 would use the next argument as the value.
@@ -54,20 +52,20 @@ void refuse_empty_values(const std::vector<std::string>& arguments) {
   for (const std::string& argument : arguments) {
     if (argument == "--") return;
     if (argument.starts_with("--") && argument.ends_with('='))
-      throw UsageError(fmt::format("{} needs a value", argument));
+      throw UsageError(formatted("{} needs a value", argument));
   }
 }
 
 [[noreturn]] void refuse_extra(const std::string& extra, std::string_view positionals) {
   if (!extra.starts_with('-'))
-    throw UsageError(fmt::format("unexpected argument '{}' after {}", extra, positionals));
+    throw UsageError(formatted("unexpected argument '{}' after {}", extra, positionals));
   // CLI11 recognizes `-1` as a number, but treats `-.5` and `-inf` as options.
   if (whole_text<double>(extra))
-    throw UsageError(fmt::format("unexpected negative number '{}' among {}", extra, positionals));
+    throw UsageError(formatted("unexpected negative number '{}' among {}", extra, positionals));
   std::error_code ignored;
   const bool is_file = std::filesystem::exists(extra, ignored);
-  throw UsageError(fmt::format("unknown option '{}'{}", extra,
-                               is_file ? "; put a file of this name after --" : ""));
+  throw UsageError(formatted("unknown option '{}'{}", extra,
+                             is_file ? "; put a file of this name after --" : ""));
 }
 
 void refuse_extras(const CLI::App& app, std::string_view positionals) {
@@ -80,8 +78,8 @@ void refuse_extras(const CLI::App& app, std::string_view positionals) {
 std::string mismatch_message(const CLI::App& app, const std::string& last) {
   for (const CLI::Option* option : app.get_options())
     if (option->get_multi_option_policy() == CLI::MultiOptionPolicy::Throw && option->count() > 1)
-      return fmt::format("{} is given more than once", option->get_name());
-  return fmt::format("{} needs a value", last);
+      return formatted("{} is given more than once", option->get_name());
+  return formatted("{} needs a value", last);
 }
 
 /// Parses with CLI11 and converts all its errors to UsageError.
@@ -95,7 +93,7 @@ void parse_or_refuse(CLI::App& app, std::vector<std::string> arguments) {
   } catch (const CLI::ArgumentMismatch&) {
     throw UsageError(mismatch_message(app, last));
   } catch (const CLI::ExcludesError& error) {
-    throw UsageError(fmt::format("{}; use only one of them", error.what()));
+    throw UsageError(formatted("{}; use only one of them", error.what()));
   } catch (const CLI::ParseError& error) {
     throw UsageError(error.what());
   }
@@ -117,7 +115,7 @@ Format<std::int64_t> whole_number_between(std::int64_t min, std::int64_t max) {
     const std::optional<std::int64_t> value = whole_text<std::int64_t>(text);
     return value && *value >= min && *value <= max ? value : std::nullopt;
   };
-  return {read, fmt::format("a whole number from {} to {}", min, max)};
+  return {read, formatted("a whole number from {} to {}", min, max)};
 }
 
 Format<std::filesystem::path> path_to(std::string expected) {
@@ -128,14 +126,14 @@ Format<std::filesystem::path> path_to(std::string expected) {
 }
 
 void refuse(std::string_view name, std::string_view value, std::string_view expected) {
-  throw UsageError(fmt::format("{} is '{}', expected {}", name, value, expected));
+  throw UsageError(formatted("{} is '{}', expected {}", name, value, expected));
 }
 
 CLI::Option* add_flag(CLI::App& app, const std::string& name, const std::string& description,
                       bool& target) {
   CLI::Option* const flag = app.add_flag(name, target, description);
   return flag->each([flag](const std::string& text) {
-    if (text != "true") throw UsageError(fmt::format("{} takes no value", flag->get_name()));
+    if (text != "true") throw UsageError(formatted("{} takes no value", flag->get_name()));
   });
 }
 

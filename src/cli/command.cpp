@@ -1,7 +1,6 @@
 #include "cli/command.hpp"
 
 #include <fcntl.h>
-#include <fmt/format.h>
 #include <unistd.h>
 
 #include <csignal>
@@ -25,6 +24,7 @@
 #include "distributed/processes.hpp"
 #include "eses/error.hpp"
 #include "output/output_files.hpp"
+#include "system/formatted.hpp"
 #include "system/resources.hpp"
 
 namespace eses::detail::cli {
@@ -60,10 +60,10 @@ void refuse_same_files(const Options& options, const Processes& processes) {
   if (launched == 1 || processes.count() > 1 || options.independent || options.dry_run) return;
   if (!options.resume && final_paths(options.outputs, options.output_directory).empty()) return;
   throw Error(
-      fmt::format("started as one of {} processes that would all write the same files; to share "
-                  "one run, {}; for separate runs, use --independent and separate output "
-                  "directories",
-                  launched, Processes::advice()));
+      formatted("started as one of {} processes that would all write the same files; to share "
+                "one run, {}; for separate runs, use --independent and separate output "
+                "directories",
+                launched, Processes::advice()));
 }
 
 int perform_surface(int argc, char** argv, const Processes& processes) {
@@ -119,7 +119,7 @@ int perform(const Command& command, int argc, char** argv, const Processes& proc
   } catch (const UsageError& error) {
     if (!processes.is_first()) return exit_usage;
     print_message("error", error.what());
-    std::fputs(fmt::format("Try '{}'.\n", command.help).c_str(), stderr);
+    std::fputs(formatted("Try '{}'.\n", command.help).c_str(), stderr);
     return exit_usage;
   } catch (const StrictError& error) {
     for (const std::string& line : error.lines) print_message("error", line);

@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include "system/formatted.hpp"
+
 namespace eses::detail::cli {
 namespace {
 
@@ -39,7 +41,7 @@ Wording wording_of(DiagnosticKind kind) {
 
 /// Returns the number of a line, with the label of its atom if there is one.
 std::string place_text(std::uint64_t line, const std::string& label) {
-  return label.empty() ? fmt::format("{}", line) : fmt::format("{}, {}", line, label);
+  return label.empty() ? formatted("{}", line) : formatted("{}, {}", line, label);
 }
 
 std::string lines_text(const DiagnosticText& text, std::string_view relation) {
@@ -49,14 +51,14 @@ std::string lines_text(const DiagnosticText& text, std::string_view relation) {
     has_labels = has_labels || !example.label.empty();
     const std::string place = place_text(example.line, example.label);
     parts.push_back(example.has_other
-                        ? fmt::format("{} ({} {})", place, relation,
-                                      place_text(example.other_line, example.other_label))
+                        ? formatted("{} ({} {})", place, relation,
+                                    place_text(example.other_line, example.other_label))
                         : place);
   }
   const std::uint64_t more = text.count - text.examples.size();
-  return fmt::format("{} {}{}", text.count == 1 ? "line" : "lines",
-                     fmt::join(parts, has_labels ? "; " : ", "),
-                     more > 0 ? fmt::format(" and {} more", more) : "");
+  return formatted("{} {}{}", text.count == 1 ? "line" : "lines",
+                   fmt::join(parts, has_labels ? "; " : ", "),
+                   more > 0 ? formatted(" and {} more", more) : "");
 }
 
 /// Returns a label such as `A/LYS 33/CE`; empty if it is unknown.
@@ -64,7 +66,7 @@ std::string label_text(const std::map<AtomIndex, AtomLabel>& labels, AtomIndex a
   const auto found = labels.find(atom);
   if (found == labels.end()) return "";
   const auto& [chain, residue, number, name] = found->second;
-  return fmt::format("{}/{} {}/{}", chain, residue, number, name);
+  return formatted("{}/{} {}/{}", chain, residue, number, name);
 }
 
 DiagnosticText describe(const Diagnostic& diagnostic, const LineOf& line_of,
@@ -79,8 +81,8 @@ DiagnosticText describe(const Diagnostic& diagnostic, const LineOf& line_of,
   for (const auto& [atom, other] : diagnostic.examples)
     text.examples.push_back({atom, line_of(atom), atom != other, other, line_of(other),
                              label_text(labels, atom), label_text(labels, other)});
-  text.message = fmt::format("{}: {} {}: {}", input == "-" ? "<stdin>" : input.string(), text.count,
-                             text.short_text, lines_text(text, wording.relation));
+  text.message = formatted("{}: {} {}: {}", input == "-" ? "<stdin>" : input.string(), text.count,
+                           text.short_text, lines_text(text, wording.relation));
   return text;
 }
 

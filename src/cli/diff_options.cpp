@@ -1,13 +1,12 @@
 #include "cli/diff_options.hpp"
 
-#include <fmt/format.h>
-
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <limits>
 #include <optional>
 
 #include "cli/arguments.hpp"
+#include "system/formatted.hpp"
 
 namespace eses::detail::cli {
 namespace {
@@ -37,9 +36,9 @@ void add_options(CLI::App& app, DiffOptions& options) {
             path_to("a directory"))
       ->required();
   add_value(app, "--tolerance", "X",
-            fmt::format("treat differences up to X as equal: coordinates\n"
-                        "(angstrom), normals, areas (square angstrom) [{}]",
-                        options.tolerance),
+            formatted("treat differences up to X as equal: coordinates\n"
+                      "(angstrom), normals, areas (square angstrom) [{}]",
+                      options.tolerance),
             options.tolerance,
             number_between(0, std::numeric_limits<double>::max(), "a finite number of at least 0"));
   add_flag(app, "--json", "print the report as one JSON object", options.json);

@@ -11,6 +11,7 @@
 #include "cli/json.hpp"
 #include "cli/report.hpp"
 #include "eses/version.hpp"
+#include "system/formatted.hpp"
 
 namespace eses::detail::cli {
 namespace {
@@ -21,28 +22,28 @@ int sign_of(bool inside) { return inside ? 1 : -1; }
 
 constexpr Sides<std::string_view> side_names{"A", "B"};
 
-std::string text_of(const GridIndex& point) { return fmt::format("{}", fmt::join(point, " ")); }
+std::string text_of(const GridIndex& point) { return formatted("{}", fmt::join(point, " ")); }
 
 std::string text_of(const GridEdge& edge) {
-  return fmt::format("{} -> {}", text_of(edge.inside()), text_of(edge.outside()));
+  return formatted("{} -> {}", text_of(edge.inside()), text_of(edge.outside()));
 }
 
-std::string text_of(AtomIndex atom) { return fmt::format("atom {}", atom); }
+std::string text_of(AtomIndex atom) { return formatted("atom {}", atom); }
 
 std::string text_of(const GridRow& row_of_a) {
-  return fmt::format("{}: {} in A, {} in B", text_of(row_of_a.point), sign_of(row_of_a.inside),
-                     sign_of(!row_of_a.inside));
+  return formatted("{}: {} in A, {} in B", text_of(row_of_a.point), sign_of(row_of_a.inside),
+                   sign_of(!row_of_a.inside));
 }
 
 std::string text_of(const Sides<Crossing>& crossings) {
-  return fmt::format("{}: {} in A, {} in B", text_of(edge_of(crossings[0])),
-                     fmt::join(crossings[0].adjacent_atoms(), " "),
-                     fmt::join(crossings[1].adjacent_atoms(), " "));
+  return formatted("{}: {} in A, {} in B", text_of(edge_of(crossings[0])),
+                   fmt::join(crossings[0].adjacent_atoms(), " "),
+                   fmt::join(crossings[1].adjacent_atoms(), " "));
 }
 
 template <class Key>
 std::string text_of(const ItemDeviation<Key>& item) {
-  return fmt::format("{}: {:.3g}", text_of(item.key), item.difference);
+  return formatted("{}: {:.3g}", text_of(item.key), item.difference);
 }
 
 template <class Item>
@@ -50,24 +51,23 @@ std::string list_text(const Counted<Item>& items, std::string_view title) {
   if (items.count == 0) return {};
   const std::size_t shown = items.first.size();
   const bool all = static_cast<std::int64_t>(shown) == items.count;
-  std::string text =
-      fmt::format("  {}{}:\n", title, all ? "" : fmt::format("; the first {}", shown));
-  for (const Item& item : items.first) text += fmt::format("    {}\n", text_of(item));
+  std::string text = formatted("  {}{}:\n", title, all ? "" : formatted("; the first {}", shown));
+  for (const Item& item : items.first) text += formatted("    {}\n", text_of(item));
   return text;
 }
 
 template <class Key>
 std::string matching_text(const Matching<Key>& matching, std::string_view noun) {
-  std::string text = fmt::format("  {} in both\n", counted(matching.both, noun));
+  std::string text = formatted("  {} in both\n", counted(matching.both, noun));
   for (const std::size_t side : both_sides) {
     const auto& only = matching.only[side];
     text +=
-        list_text(only, fmt::format("{} only in {}", counted(only.count, noun), side_names[side]));
+        list_text(only, formatted("{} only in {}", counted(only.count, noun), side_names[side]));
   }
   for (const std::size_t side : both_sides) {
     const auto& repeated = matching.repeated[side];
-    text += list_text(repeated, fmt::format("{} repeated in {}, not compared",
-                                            counted(repeated.count, noun), side_names[side]));
+    text += list_text(repeated, formatted("{} repeated in {}, not compared",
+                                          counted(repeated.count, noun), side_names[side]));
   }
   return text;
 }
@@ -76,31 +76,30 @@ template <class Key>
 std::string deviation_text(const Deviation<Key>& deviation, std::string_view quantity,
                            std::string_view unit, std::string_view noun) {
   const auto& [key, largest] = deviation.largest;
-  if (largest == 0) return fmt::format("  {}: no difference\n", quantity);
-  return fmt::format("  {}: at most {:.3g}{} apart ({}), {:.3g} on average\n", quantity, largest,
-                     unit, text_of(key), deviation.mean) +
-         list_text(deviation.above, fmt::format("{}: {} above the tolerance", quantity,
-                                                counted(deviation.above.count, noun)));
+  if (largest == 0) return formatted("  {}: no difference\n", quantity);
+  return formatted("  {}: at most {:.3g}{} apart ({}), {:.3g} on average\n", quantity, largest,
+                   unit, text_of(key), deviation.mean) +
+         list_text(deviation.above, formatted("{}: {} above the tolerance", quantity,
+                                              counted(deviation.above.count, noun)));
 }
 
 // --- text: files --------------------------------------------------------------------------------
 
 std::string details(const BoxDifference& box) {
   const auto points = [&box](std::size_t side) {
-    return fmt::format("{} points", fmt::join(box.boxes[side].size, " x "));
+    return formatted("{} points", fmt::join(box.boxes[side].size, " x "));
   };
-  const std::string size = box.same_size ? points(0) + " in both"
-                                         : fmt::format("{} in A, {} in B", points(0), points(1));
-  const std::string corners = box.corners == 0
-                                  ? "no difference"
-                                  : fmt::format("at most {:.3g} angstrom apart", box.corners);
-  return fmt::format("  {}\n  corners: {}\n", size, corners);
+  const std::string size =
+      box.same_size ? points(0) + " in both" : formatted("{} in A, {} in B", points(0), points(1));
+  const std::string corners =
+      box.corners == 0 ? "no difference" : formatted("at most {:.3g} angstrom apart", box.corners);
+  return formatted("  {}\n  corners: {}\n", size, corners);
 }
 
 std::string details(const PointDifference& points) {
   return matching_text(points.matching, "point") +
          list_text(points.other_sign,
-                   fmt::format("{} inside in only one", counted(points.other_sign.count, "point")));
+                   formatted("{} inside in only one", counted(points.other_sign.count, "point")));
 }
 
 std::string details(const EdgeDifference& edges) {
@@ -110,11 +109,10 @@ std::string details(const EdgeDifference& edges) {
   const std::int64_t other = edges.other_atoms.count, touching = edges.same_contact;
   if (other == 0 && touching == 0) text += "  atoms: no difference\n";
   text += list_text(edges.other_atoms,
-                    fmt::format("atoms: {} with different atoms", counted(other, "edge")));
+                    formatted("atoms: {} with different atoms", counted(other, "edge")));
   if (touching > 0) {
-    text +=
-        fmt::format("  atoms: {} with different atoms touched by the same probe; no difference\n",
-                    counted(touching, "edge"));
+    text += formatted("  atoms: {} with different atoms touched by the same probe; no difference\n",
+                      counted(touching, "edge"));
   }
   return text;
 }
@@ -131,7 +129,7 @@ std::string details(const AreaDifference& areas, bool shares_moved) {
     text += deviation_text(areas.area, "area", unit, "atom");
   }
   const auto& [a, b] = areas.total;
-  return text + fmt::format("  total: {:.10g} in A, {:.10g} in B\n", a, b);
+  return text + formatted("  total: {:.10g} in A, {:.10g} in B\n", a, b);
 }
 
 std::string verdict(FileStatus status, bool same) {
@@ -153,19 +151,19 @@ std::string verdict(FileStatus status, bool same) {
 }  // namespace
 
 std::string diff_text(const DiffOptions& options, const Differences& found) {
-  std::string text = fmt::format("A: {}\nB: {}\n", one_line(options.directories[0].string()),
-                                 one_line(options.directories[1].string()));
+  std::string text = formatted("A: {}\nB: {}\n", one_line(options.directories[0].string()),
+                               one_line(options.directories[1].string()));
   const auto add = [&](EsesFile file, bool same, const std::string& file_details) {
     const FileStatus status = found.status_of(file);
-    text += fmt::format("{}: {}\n", name_of(file), verdict(status, same));
+    text += formatted("{}: {}\n", name_of(file), verdict(status, same));
     if (status == FileStatus::compared) text += file_details;
   };
   add(EsesFile::box, found.box.same(), details(found.box));
   add(EsesFile::grid, found.points.same(), details(found.points));
   add(EsesFile::edges, found.edges.same(), details(found.edges));
   add(EsesFile::areas, found.areas.same(), details(found.areas, found.edges.same_contact > 0));
-  return text + fmt::format("{}, with a tolerance of {}\n", found.same() ? "the same" : "different",
-                            options.tolerance);
+  return text + formatted("{}, with a tolerance of {}\n", found.same() ? "the same" : "different",
+                          options.tolerance);
 }
 
 // --- JSON ---------------------------------------------------------------------------------------

@@ -1,12 +1,12 @@
 #pragma once
 /// JSON documents as text (RFC 8259).
 
-#include <fmt/format.h>
-
 #include <cmath>
 #include <nlohmann/json.hpp>
 #include <string>
 #include <string_view>
+
+#include "system/formatted.hpp"
 
 namespace eses::detail::cli::json {
 
@@ -20,7 +20,7 @@ using Value = nlohmann::ordered_json;
 /// null. Bytes that are not UTF-8, such as in file names, become U+FFFD.
 inline std::string text_of(const Value& value, std::string_view separator = ", ") {
   if (value.is_number_float() && std::isfinite(value.get<double>()))
-    return fmt::format("{}", value.get<double>());
+    return formatted("{}", value.get<double>());
   if (!value.is_structured()) return value.dump(-1, ' ', false, Value::error_handler_t::replace);
   std::string text;
   for (const auto& [key, item] : value.items()) {

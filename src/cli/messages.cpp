@@ -1,7 +1,6 @@
 #include "cli/messages.hpp"
 
 #include <fcntl.h>
-#include <fmt/format.h>
 #include <unistd.h>
 
 #include <cerrno>
@@ -9,13 +8,14 @@
 #include <system_error>
 
 #include "eses/error.hpp"
+#include "system/formatted.hpp"
 
 namespace eses::detail::cli {
 namespace {
 
 [[noreturn]] void fail_to_print(int error) {
   throw Error(
-      fmt::format("cannot write to standard output: {}", std::generic_category().message(error)));
+      formatted("cannot write to standard output: {}", std::generic_category().message(error)));
 }
 
 }  // namespace
@@ -32,7 +32,7 @@ void require_standard_output() {
 }
 
 void print_message(std::string_view kind, std::string_view message) {
-  const std::string line = fmt::format("eses-blocks: {}: {}\n", kind, one_line(message));
+  const std::string line = formatted("eses-blocks: {}: {}\n", kind, one_line(message));
   std::fwrite(line.data(), 1, line.size(), stderr);
 }
 

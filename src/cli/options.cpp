@@ -1,7 +1,5 @@
 #include "cli/options.hpp"
 
-#include <fmt/format.h>
-
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <array>
@@ -27,6 +25,7 @@
 #include "io/map_writer.hpp"
 #include "mesh/mesh_format.hpp"
 #include "simd/dispatch.hpp"
+#include "system/formatted.hpp"
 
 namespace eses::detail::cli {
 namespace {
@@ -247,15 +246,15 @@ void add_grid_options(CLI::App& app, CommandLine& line) {
   const auto add_length = [&app](const char* positional, const char* option,
                                  const std::string& description, double fallback, Length& length,
                                  const Format<double>& format) {
-    add_value(app, positional, "", fmt::format("same as {}", option), length.positional, format);
-    add_value(app, option, "ANGSTROM", fmt::format("{} [{}]", description, fallback), length.option,
+    add_value(app, positional, "", formatted("same as {}", option), length.positional, format);
+    add_value(app, option, "ANGSTROM", formatted("{} [{}]", description, fallback), length.option,
               format);
   };
   add_length("PROBE", "--probe-radius", "radius of the solvent probe, 0.01 to 1000",
              parameters.probe_radius, line.probe_radius,
              number_between(min_probe_radius, max_probe_radius,
-                            fmt::format("a number from {} to {}, in angstrom", min_probe_radius,
-                                        max_probe_radius)));
+                            formatted("a number from {} to {}, in angstrom", min_probe_radius,
+                                      max_probe_radius)));
   add_length(
       "SPACING", "--spacing", "distance between grid points, > 0", parameters.spacing, line.spacing,
       number_between(min_positive, max_finite, "a finite number greater than 0, in angstrom"));
@@ -283,17 +282,17 @@ void add_solver_maps(CLI::App& app, CommandLine& line) {
   begin_group(app, "Maps for Poisson-Boltzmann solvers (APBS), in the output directory");
   const auto permittivity =
       number_between(min_dielectric, max_dielectric,
-                     fmt::format("a number from {:g} to {:g}", min_dielectric, max_dielectric));
+                     formatted("a number from {:g} to {:g}", min_dielectric, max_dielectric));
   add_value(app, "--dielectric", "PREFIX",
             "write maps of the dielectric at edge midpoints:\n"
             "PREFIXx.dx, PREFIXy.dx and PREFIXz.dx (usemap diel),\n"
             "compressed with --gzip",
             line.dielectric_prefix, Format{prefix_in, "the first part of a file name"});
   add_value(app, "--solute-dielectric", "EPS",
-            fmt::format("relative permittivity inside the surface [{}]", DielectricMaps().solute),
+            formatted("relative permittivity inside the surface [{}]", DielectricMaps().solute),
             line.solute, permittivity);
   add_value(app, "--solvent-dielectric", "EPS",
-            fmt::format("relative permittivity outside the surface [{}]", DielectricMaps().solvent),
+            formatted("relative permittivity outside the surface [{}]", DielectricMaps().solvent),
             line.solvent, permittivity);
   add_value(app, "--kappa", "FILE",
             "write a map of ion accessibility (.dx or .dx.gz):\n"
@@ -301,11 +300,11 @@ void add_solver_maps(CLI::App& app, CommandLine& line) {
             "(usemap kappa)",
             line.ion_map, Format{dx_map_in, "a file name with the suffix .dx or .dx.gz"});
   add_value(app, "--ion-radius", "ANGSTROM",
-            fmt::format("radius of the ions for --kappa, 0 to {} [{}]", max_ion_radius,
-                        IonAccessMap().ion_radius),
+            formatted("radius of the ions for --kappa, 0 to {} [{}]", max_ion_radius,
+                      IonAccessMap().ion_radius),
             line.ion_radius,
             number_between(0, max_ion_radius,
-                           fmt::format("a number from 0 to {}, in angstrom", max_ion_radius)));
+                           formatted("a number from 0 to {}, in angstrom", max_ion_radius)));
 }
 
 void add_file_options(CLI::App& app, CommandLine& line) {
@@ -336,7 +335,7 @@ void add_file_options(CLI::App& app, CommandLine& line) {
             ".vert or .face (both files of MSMS)",
             line.mesh,
             Format<std::filesystem::path>{mesh_in,
-                                          fmt::format("a file with the suffix {}", mesh_suffixes)});
+                                          formatted("a file with the suffix {}", mesh_suffixes)});
   add_value(
       app, "--color", "NAME",
       "colour the vertices of a .ply or .vtp mesh by patch,\n"
@@ -411,9 +410,9 @@ void add_computation_options(CLI::App& app, Parameters& parameters) {
   add_value(app, "-t,--threads", "N", "number of threads [all available processors]",
             parameters.threads, whole_number_between(1, max_threads));
   add_value(app, "-b,--block-size", "N",
-            fmt::format("points along the side of a cubic block, {} to {}\n"
-                        "[automatic; {} with --blocks]",
-                        min_block_size, max_block_size, default_block_size),
+            formatted("points along the side of a cubic block, {} to {}\n"
+                      "[automatic; {} with --blocks]",
+                      min_block_size, max_block_size, default_block_size),
             parameters.block_size, whole_number_between(min_block_size, max_block_size));
   add_value(app, "--max-memory", "BYTES",
             "limit of the resident memory, such as 500M or 2G (K,\n"
@@ -427,12 +426,12 @@ void add_computation_options(CLI::App& app, Parameters& parameters) {
 void add_checks(CLI::App& app, Parameters& parameters) {
   begin_group(app, "Checks");
   CLI::Option* const verify =
-      app.add_flag(fmt::format("--verify{{{}}}", default_verify))
+      app.add_flag(formatted("--verify{{{}}}", default_verify))
           ->option_text("[=N]")
           ->multi_option_policy(CLI::MultiOptionPolicy::Throw)
-          ->description(fmt::format("check N random points and N random edges by brute force;\n"
-                                    "a fault is an error, and no file is written [{}]",
-                                    default_verify));
+          ->description(formatted("check N random points and N random edges by brute force;\n"
+                                  "a fault is an error, and no file is written [{}]",
+                                  default_verify));
   read_into(verify, parameters.verify, whole_number_between(1, max_verify));
 }
 
@@ -466,8 +465,8 @@ void add_options(CLI::App& app, CommandLine& line) {
 /// Sets `target` if the length is given. Argument and option may both be given with equal values.
 void choose(const char* positional, const char* option, const Length& length, double& target) {
   if (length.positional && length.option && *length.positional != *length.option)
-    throw UsageError(fmt::format("{} is {} but {} is {}; use only one of them", positional,
-                                 *length.positional, option, *length.option));
+    throw UsageError(formatted("{} is {} but {} is {}; use only one of them", positional,
+                               *length.positional, option, *length.option));
   target = length.positional ? *length.positional : length.option.value_or(target);
 }
 
@@ -477,14 +476,14 @@ void check_grid_choice(const CommandLine& line) {
   const bool has_place = grid.origin || grid.center;
   if (has_place && !grid.points)
     throw UsageError(
-        fmt::format("{} needs --grid-points", grid.origin ? "--grid-origin" : "--grid-center"));
+        formatted("{} needs --grid-points", grid.origin ? "--grid-origin" : "--grid-center"));
   if (grid.points && !has_place)
     throw UsageError("--grid-points needs --grid-origin or --grid-center");
   const bool is_chosen = has_place || !grid.like.empty();
   if (is_chosen && (line.margin.positional || line.margin.option))
-    throw UsageError(fmt::format(
-        "{} cannot be combined with {}", line.margin.option ? "--margin" : "MARGIN",
-        grid.origin ? "--grid-origin" : (grid.center ? "--grid-center" : "--grid-like")));
+    throw UsageError(
+        formatted("{} cannot be combined with {}", line.margin.option ? "--margin" : "MARGIN",
+                  grid.origin ? "--grid-origin" : (grid.center ? "--grid-center" : "--grid-like")));
 }
 
 /// Returns the file name of a map. Throws UsageError if it is not in the output directory.
@@ -492,9 +491,9 @@ std::string map_name(std::string_view option, const std::filesystem::path& map,
                      const std::filesystem::path& output_directory) {
   if (map.has_parent_path() && !is_same_place(map.parent_path(), output_directory))
     throw UsageError(
-        fmt::format("{} is '{}', but the output directory is {}; use the file name alone or "
-                    "--output-dir {}",
-                    option, map.string(), output_directory.string(), map.parent_path().string()));
+        formatted("{} is '{}', but the output directory is {}; use the file name alone or "
+                  "--output-dir {}",
+                  option, map.string(), output_directory.string(), map.parent_path().string()));
   return map.filename();
 }
 
@@ -506,8 +505,8 @@ void add_maps(const CommandLine& line, const std::filesystem::path& directory, O
     maps.solvent = line.solvent.value_or(maps.solvent);
     outputs.dielectric = std::move(maps);
   } else if (line.solute || line.solvent) {
-    throw UsageError(fmt::format("{} needs --dielectric",
-                                 line.solute ? "--solute-dielectric" : "--solvent-dielectric"));
+    throw UsageError(formatted("{} needs --dielectric",
+                               line.solute ? "--solute-dielectric" : "--solvent-dielectric"));
   }
   if (!line.ion_map.empty()) {
     IonAccessMap map{map_name("--kappa", line.ion_map, directory)};
@@ -534,9 +533,9 @@ std::optional<MeshOptions> mesh_of(const CommandLine& line) {
   if (mesh.color == MeshColor::chain &&
       eses::detail::format_of(options.input, options.format) == AtomFormat::xyzr)
     throw UsageError(
-        fmt::format("--color chain needs a PQR, PDB or mmCIF file; {} is read as xyzr, which has "
-                    "no chains (use --format pqr if it is PQR)",
-                    options.input.string()));
+        formatted("--color chain needs a PQR, PDB or mmCIF file; {} is read as xyzr, which has "
+                  "no chains (use --format pqr if it is PQR)",
+                  options.input.string()));
   return mesh.file.empty() ? std::nullopt : std::optional(mesh);
 }
 
@@ -564,9 +563,9 @@ void refuse_structure_options(const CLI::App& app, const Options& options) {
     const std::string name = option->get_name();
     if (format == AtomFormat::pqr && name == model_option) continue;
     throw UsageError(
-        fmt::format("{} needs a PDB or mmCIF file; {} is read as {} (use --format pdb or "
-                    "--format mmcif if it is one)",
-                    name, options.input.string(), format == AtomFormat::pqr ? "PQR" : "xyzr"));
+        formatted("{} needs a PDB or mmCIF file; {} is read as {} (use --format pdb or "
+                  "--format mmcif if it is one)",
+                  name, options.input.string(), format == AtomFormat::pqr ? "PQR" : "xyzr"));
   }
 }
 
@@ -584,9 +583,9 @@ void refuse_separate_number(std::span<const std::string> arguments) {
   for (std::size_t i = 0; i + 1 < arguments.size() && arguments[i] != "--"; ++i)
     if (arguments[i] == "--verify" && whole_text<std::int64_t>(arguments[i + 1]))
       throw UsageError(
-          fmt::format("--verify takes its number after '='; use --verify={0}, as {0} is a "
-                      "positional argument",
-                      arguments[i + 1]));
+          formatted("--verify takes its number after '='; use --verify={0}, as {0} is a "
+                    "positional argument",
+                    arguments[i + 1]));
 }
 
 }  // namespace
@@ -613,8 +612,8 @@ std::optional<Grid> chosen_grid(const Options& options) {
   const Grid grid = read_grid(choice.like);
   if (choice.has_spacing && !is_same_spacing(grid.spacing, spacing))
     throw Error(
-        fmt::format("{} has a grid with a spacing of {}, but the given spacing is {}; omit it",
-                    choice.like.string(), grid.spacing, spacing));
+        formatted("{} has a grid with a spacing of {}, but the given spacing is {}; omit it",
+                  choice.like.string(), grid.spacing, spacing));
   return grid;
 }
 

@@ -1,6 +1,5 @@
 #include "cli/progress.hpp"
 
-#include <fmt/format.h>
 #include <sys/ioctl.h>
 #include <unistd.h>
 
@@ -9,6 +8,8 @@
 #include <cstdio>
 #include <cstdlib>
 #include <string_view>
+
+#include "system/formatted.hpp"
 
 namespace eses::detail::cli {
 namespace {
@@ -34,14 +35,14 @@ void write_stderr(std::string_view text) {
 std::string clock_text(double seconds) {
   const auto whole = static_cast<std::int64_t>(std::ceil(seconds));
   const std::int64_t hours = whole / 3600, minutes = whole / 60 % 60;
-  if (hours > 0) return fmt::format("{}:{:02}:{:02}", hours, minutes, whole % 60);
-  return fmt::format("{}:{:02}", minutes, whole % 60);
+  if (hours > 0) return formatted("{}:{:02}:{:02}", hours, minutes, whole % 60);
+  return formatted("{}:{:02}", minutes, whole % 60);
 }
 
 std::string counts_text(const Progress& progress, std::optional<double> seconds_left) {
-  const std::string all = fmt::format("{}", progress.total);
-  std::string text = fmt::format(" {:>{}}/{} {}", progress.done, all.size(), all, progress.steps);
-  if (seconds_left) text += fmt::format(", {} left", clock_text(*seconds_left));
+  const std::string all = formatted("{}", progress.total);
+  std::string text = formatted(" {:>{}}/{} {}", progress.done, all.size(), all, progress.steps);
+  if (seconds_left) text += formatted(", {} left", clock_text(*seconds_left));
   return text;
 }
 
@@ -57,7 +58,7 @@ std::string progress_line(const Progress& progress, std::optional<double> second
   const auto [done, total, steps] = progress;
   const double fraction =
       total > 0 ? std::clamp(static_cast<double>(done) / static_cast<double>(total), 0., 1.) : 1;
-  const std::string percent = fmt::format("{:3}%", static_cast<int>(100 * fraction));
+  const std::string percent = formatted("{:3}%", static_cast<int>(100 * fraction));
   const std::string counts = counts_text(progress, seconds_left);
   const std::size_t needed = percent.size() + counts.size() + bar_text(0, 0).size();
   if (width < needed + narrowest_bar) return percent.substr(0, width);
@@ -65,7 +66,7 @@ std::string progress_line(const Progress& progress, std::optional<double> second
 }
 
 ProgressBar::~ProgressBar() {
-  if (columns_drawn_ > 0) write_stderr(fmt::format("\r{:{}}\r", "", columns_drawn_));
+  if (columns_drawn_ > 0) write_stderr(formatted("\r{:{}}\r", "", columns_drawn_));
 }
 
 void ProgressBar::show(const Progress& progress) {

@@ -16,15 +16,16 @@
 #include "output/output_files.hpp"
 #include "simd/dispatch.hpp"
 #include "system/bytes_text.hpp"
+#include "system/formatted.hpp"
 
 namespace eses::detail::cli {
 namespace {
 
 std::string duration_text(double seconds) {
-  if (seconds < 59.95) return fmt::format("{:.3g} s", seconds);
+  if (seconds < 59.95) return formatted("{:.3g} s", seconds);
   const auto whole = static_cast<std::int64_t>(std::round(seconds));
-  if (whole < 3600) return fmt::format("{} min {} s", whole / 60, whole % 60);
-  return fmt::format("{} h {} min", whole / 3600, whole / 60 % 60);
+  if (whole < 3600) return formatted("{} min {} s", whole / 60, whole % 60);
+  return formatted("{} h {} min", whole / 3600, whole / 60 % 60);
 }
 
 /// Returns a path for the text report. Replaces `area:` and `volume:` in it, for which scripts
@@ -44,20 +45,20 @@ std::string written_text(const Report& report) {
   const Outputs& outputs = report.options.outputs;
   std::vector<std::string> places;
   if (const std::vector<std::string> names = file_names(outputs); !names.empty())
-    places.push_back(fmt::format("to {} ({})", path_text(report.options.output_directory),
-                                 path_text(fmt::format("{}", fmt::join(names, ", ")))));
+    places.push_back(formatted("to {} ({})", path_text(report.options.output_directory),
+                               path_text(formatted("{}", fmt::join(names, ", ")))));
   if (outputs.mesh)
     for (const std::filesystem::path& file : mesh_files(*outputs.mesh))
-      places.push_back(fmt::format("to {}", path_text(file)));
+      places.push_back(formatted("to {}", path_text(file)));
   if (places.empty()) return "written: nothing\n";
-  return fmt::format("written: {} {}\n", bytes_text(report.summary.bytes_written),
-                     fmt::join(places, " and "));
+  return formatted("written: {} {}\n", bytes_text(report.summary.bytes_written),
+                   fmt::join(places, " and "));
 }
 
 std::string mesh_text(const Summary& summary) {
   if (!summary.mesh) return "";
-  return fmt::format("mesh: {} vertices, {} triangles\n", summary.mesh->vertices,
-                     summary.mesh->triangles);
+  return formatted("mesh: {} vertices, {} triangles\n", summary.mesh->vertices,
+                   summary.mesh->triangles);
 }
 
 bool is_known(const DiskSpace::Place& place) {
@@ -80,28 +81,27 @@ std::vector<std::string> written_files(const Options& options) {
 std::string files_text(const Plan& plan, const Outputs& outputs) {
   std::vector<std::string> parts;
   const auto add = [&](std::uint64_t bytes, std::string_view quality, std::string_view name) {
-    if (bytes > 0) parts.push_back(fmt::format("{} {} {}", name, quality, bytes_text(bytes)));
+    if (bytes > 0) parts.push_back(formatted("{} {} {}", name, quality, bytes_text(bytes)));
   };
   const std::string_view bound = plan.gzip ? "about" : "at most", suffix = plan.gzip ? ".gz" : "";
-  add(plan.box_file_bytes, "exactly", fmt::format("bounding_box.txt{}", suffix));
-  add(plan.grid_file_bytes, bound, fmt::format("grid_info.txt{}", suffix));
-  add(plan.edge_file_bytes, "about", fmt::format("intersection_info.txt{}", suffix));
-  add(plan.area_file_bytes, bound, fmt::format("partition_area.txt{}", suffix));
+  add(plan.box_file_bytes, "exactly", formatted("bounding_box.txt{}", suffix));
+  add(plan.grid_file_bytes, bound, formatted("grid_info.txt{}", suffix));
+  add(plan.edge_file_bytes, "about", formatted("intersection_info.txt{}", suffix));
+  add(plan.area_file_bytes, bound, formatted("partition_area.txt{}", suffix));
   add(plan.residue_file_bytes, "about", "residue_area.csv and chain_area.csv");
   std::vector<std::string> maps;
   for (const MapChoice& map : chosen_maps(outputs)) maps.push_back(map.name);
   add(plan.map_file_bytes, plan.gzip_map_bytes > 0 ? "about" : "exactly",
-      path_text(fmt::format("{}", fmt::join(maps, ", "))));
+      path_text(formatted("{}", fmt::join(maps, ", "))));
   add(plan.mesh_file_bytes, "about", "the mesh");
-  return fmt::format("{}", fmt::join(parts, ", "));
+  return formatted("{}", fmt::join(parts, ", "));
 }
 
 /// Returns the notes in one line. Notes are diagnostics that also occur in valid files.
 std::string usual_text(const std::vector<DiagnosticText>& diagnostics) {
   std::string text;
   for (const DiagnosticText& diagnostic : diagnostics)
-    if (diagnostic.is_usual)
-      text += fmt::format("; {} {}", diagnostic.count, diagnostic.short_text);
+    if (diagnostic.is_usual) text += formatted("; {} {}", diagnostic.count, diagnostic.short_text);
   return text;
 }
 
@@ -112,8 +112,8 @@ std::string cut_sides_text(const Plan& plan) {
   std::vector<std::string> parts;
   for (std::size_t side = 0; side < sides.size(); ++side)
     if (plan.cut_depths[side] > 0)
-      parts.push_back(fmt::format("{:.3g} at {}", plan.cut_depths[side], sides[side]));
-  return fmt::format("{}", fmt::join(parts, ", "));
+      parts.push_back(formatted("{:.3g} at {}", plan.cut_depths[side], sides[side]));
+  return formatted("{}", fmt::join(parts, ", "));
 }
 
 /// Returns whether the grid and the bounding box of the van der Waals spheres are disjoint.
@@ -128,18 +128,18 @@ std::string cut_warning(const Plan& plan) {
   if (plan.parameters.grid && misses_molecule(plan))
     return "the grid does not overlap the molecule; all grid points are outside";
   if (plan.parameters.grid)
-    return fmt::format(
+    return formatted(
         "the van der Waals spheres extend beyond the grid by {} (angstrom); area and volume are "
         "those of the part inside the grid",
         cut_sides_text(plan));
-  return fmt::format(
+  return formatted(
       "the grid ends {:.3g} angstrom inside the molecule, because the number of grid points is "
       "truncated as in ESES; use a margin of at least the spacing ({})",
       plan.cut_depth, plan.grid.spacing);
 }
 
 std::string disk_warning(const DiskSpace::Place& place) {
-  return fmt::format(
+  return formatted(
       "the files need about {}, but {} has {} free; if the disk fills up, the run fails and writes "
       "no files",
       bytes_text(place.expected), path_text(place.directory), bytes_text(place.available));
@@ -148,8 +148,8 @@ std::string disk_warning(const DiskSpace::Place& place) {
 std::string verification_text(const Summary& summary) {
   if (!summary.verification) return "";
   const auto& [points, edges, faults] = *summary.verification;
-  return fmt::format("verified: {}, {}; {}\n", counted(points, "point"), counted(edges, "edge"),
-                     counted(static_cast<std::int64_t>(faults.size()), "fault"));
+  return formatted("verified: {}, {}; {}\n", counted(points, "point"), counted(edges, "edge"),
+                   counted(static_cast<std::int64_t>(faults.size()), "fault"));
 }
 
 json::Value parameters_json(const Parameters& parameters) {
@@ -173,8 +173,8 @@ bool is_whole(const Plan& plan) { return plan.tiling.region == plan.grid.whole()
 std::string region_text(const Plan& plan) {
   if (is_whole(plan)) return "";
   const auto& [begin, end] = plan.tiling.region;
-  return fmt::format("region: points {}:{} x {}:{} x {}:{} = {} points\n", begin[0], end[0],
-                     begin[1], end[1], begin[2], end[2], plan.tiling.region.point_count());
+  return formatted("region: points {}:{} x {}:{} x {}:{} = {} points\n", begin[0], end[0], begin[1],
+                   end[1], begin[2], end[2], plan.tiling.region.point_count());
 }
 
 json::Value region_json(const Plan& plan) {
@@ -296,7 +296,7 @@ json::Value output_json(const Report& report) {
 std::string workers_text(const Report& report) {
   std::string threads = counted(report.plan.threads, "thread");
   if (report.process_count < 2) return threads;
-  return fmt::format("{} processes of {}", report.process_count, threads);
+  return formatted("{} processes of {}", report.process_count, threads);
 }
 
 json::Value processes_json(const Report& report) {
@@ -318,15 +318,14 @@ std::vector<std::string> fault_lines(const Summary& summary) {
   std::vector<std::string> lines = summary.verification->faults;
   const auto count = static_cast<std::int64_t>(lines.size());
   lines.resize(std::min(max_shown, lines.size()));
-  lines.push_back(fmt::format(
+  lines.push_back(formatted(
       "the verification found {}; no files were written; please report this with the input file",
       counted(count, "fault")));
   return lines;
 }
 
 std::string result_text(const Summary& summary) {
-  return fmt::format("surface area: {:.6g}\nsurface volume: {:.6g}\n", summary.area,
-                     summary.volume);
+  return formatted("surface area: {:.6g}\nsurface volume: {:.6g}\n", summary.area, summary.volume);
 }
 
 std::string plan_text(const Report& report) {
@@ -335,54 +334,54 @@ std::string plan_text(const Report& report) {
   const GridIndex& points = plan.grid.size;
   const GridIndex& blocks = plan.tiling.blocks;
   const auto atoms = static_cast<std::int64_t>(report.atoms);
-  std::string text = fmt::format("input: {} ({}{})\n", path_text(report.options.input),
-                                 counted(atoms, "atom"), usual_text(report.diagnostics));
+  std::string text = formatted("input: {} ({}{})\n", path_text(report.options.input),
+                               counted(atoms, "atom"), usual_text(report.diagnostics));
   if (report.structure) text += structure_text(*report.structure);
-  text += fmt::format("parameters: probe radius {}, spacing {}{} (angstrom)\n",
-                      parameters.probe_radius, parameters.spacing,
-                      parameters.grid ? "" : fmt::format(", margin {}", parameters.margin));
-  text += fmt::format("grid: {} x {} x {} = {} points\n", points[0], points[1], points[2],
-                      plan.grid.point_count());
+  text += formatted("parameters: probe radius {}, spacing {}{} (angstrom)\n",
+                    parameters.probe_radius, parameters.spacing,
+                    parameters.grid ? "" : formatted(", margin {}", parameters.margin));
+  text += formatted("grid: {} x {} x {} = {} points\n", points[0], points[1], points[2],
+                    plan.grid.point_count());
   if (parameters.grid)
-    text += fmt::format("custom grid: from {} {} {} to {} {} {} (angstrom)\n", plan.grid.origin.x,
-                        plan.grid.origin.y, plan.grid.origin.z, plan.grid.upper().x,
-                        plan.grid.upper().y, plan.grid.upper().z);
+    text += formatted("custom grid: from {} {} {} to {} {} {} (angstrom)\n", plan.grid.origin.x,
+                      plan.grid.origin.y, plan.grid.origin.z, plan.grid.upper().x,
+                      plan.grid.upper().y, plan.grid.upper().z);
   text += region_text(plan);
-  text += fmt::format("blocks: {} x {} x {} of {} points; {}\n", blocks[0], blocks[1], blocks[2],
-                      fmt::join(plan.tiling.block_size, " x "), workers_text(report));
-  text += fmt::format("expected: {} of memory{}, {} of files\n", bytes_text(plan.memory_bytes),
-                      report.process_count > 1 ? " per process at most" : "",
-                      bytes_text(plan.output_bytes()));
+  text += formatted("blocks: {} x {} x {} of {} points; {}\n", blocks[0], blocks[1], blocks[2],
+                    fmt::join(plan.tiling.block_size, " x "), workers_text(report));
+  text += formatted("expected: {} of memory{}, {} of files\n", bytes_text(plan.memory_bytes),
+                    report.process_count > 1 ? " per process at most" : "",
+                    bytes_text(plan.output_bytes()));
   if (!report.options.dry_run) return text;
   if (parameters.max_memory > 0)
-    text += fmt::format("memory limit: {} ({})\n", binary_bytes_text(parameters.max_memory),
-                        bytes_text(parameters.max_memory));
+    text += formatted("memory limit: {} ({})\n", binary_bytes_text(parameters.max_memory),
+                      bytes_text(parameters.max_memory));
   if (plan.output_bytes() > 0)
-    text += fmt::format("files: {}\n", files_text(plan, report.options.outputs));
+    text += formatted("files: {}\n", files_text(plan, report.options.outputs));
   for (const DiskSpace::Place& place : report.disk.places)
     if (is_known(place))
-      text += fmt::format("disk: {} free in {}\n", bytes_text(place.available),
-                          path_text(place.directory));
+      text += formatted("disk: {} free in {}\n", bytes_text(place.available),
+                        path_text(place.directory));
   return text;
 }
 
 std::string summary_text(const Report& report) {
   const Summary& summary = report.summary;
   const PhaseSeconds& seconds = summary.seconds;
-  std::string text = fmt::format("crossings: {} ({} convex, {} saddle, {} concave)\n",
-                                 summary.edges(), summary.convex, summary.saddle, summary.concave);
-  text += fmt::format("patches: {:.6g} convex, {:.6g} saddle, {:.6g} concave (square angstrom)\n",
-                      summary.convex_area, summary.saddle_area, summary.concave_area);
-  text += fmt::format("inside points: {}\n", summary.inside_points);
-  text += fmt::format("divergence theorem: {:.6g} cubic angstrom enclosed\n",
-                      summary.divergence_volume);
+  std::string text = formatted("crossings: {} ({} convex, {} saddle, {} concave)\n",
+                               summary.edges(), summary.convex, summary.saddle, summary.concave);
+  text += formatted("patches: {:.6g} convex, {:.6g} saddle, {:.6g} concave (square angstrom)\n",
+                    summary.convex_area, summary.saddle_area, summary.concave_area);
+  text += formatted("inside points: {}\n", summary.inside_points);
+  text +=
+      formatted("divergence theorem: {:.6g} cubic angstrom enclosed\n", summary.divergence_volume);
   text += mesh_text(summary);
   text += verification_text(summary);
-  text += fmt::format(
+  text += formatted(
       "time: {} (blocks {}, with {} of processor time for patches{})\n",
       duration_text(seconds.total), duration_text(seconds.blocks), duration_text(seconds.patches),
-      summary.verification ? fmt::format(", verification {}", duration_text(seconds.verify)) : "");
-  text += fmt::format("peak memory: {}\n", bytes_text(report.peak_memory_bytes));
+      summary.verification ? formatted(", verification {}", duration_text(seconds.verify)) : "");
+  text += formatted("peak memory: {}\n", bytes_text(report.peak_memory_bytes));
   return text + written_text(report);
 }
 
@@ -437,7 +436,7 @@ std::string one_line(std::string_view text) {
 }
 
 std::string counted(std::int64_t count, std::string_view noun) {
-  return fmt::format("{} {}{}", count, noun, count == 1 ? "" : "s");
+  return formatted("{} {}{}", count, noun, count == 1 ? "" : "s");
 }
 
 }  // namespace eses::detail::cli

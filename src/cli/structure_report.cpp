@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "io/text_fields.hpp"
+#include "system/formatted.hpp"
 
 namespace eses::detail::cli {
 namespace {
@@ -45,8 +46,8 @@ std::string counts_text(const StructureReport& report, const auto& counts) {
   std::vector<std::string> parts;
   for (const Count& count : counts)
     if (const std::uint64_t value = report.*count.member; value > 0)
-      parts.push_back(fmt::format("{} {}", value, value == 1 ? count.one : count.several));
-  return fmt::format("{}", fmt::join(parts, ", "));
+      parts.push_back(formatted("{} {}", value, value == 1 ? count.one : count.several));
+  return formatted("{}", fmt::join(parts, ", "));
 }
 
 json::Value counts_json(const StructureReport& report, const auto& counts) {
@@ -68,11 +69,11 @@ std::string sources_text(const std::vector<RadiusSource>& sources, std::string_v
   std::vector<std::string> names;
   for (std::size_t i = 0; i < std::min(max_names, sources.size()); ++i)
     names.push_back(printable(
-        fmt::format("{} {} {}", sources[i].residue, sources[i].atom_name, sources[i].radius)));
+        formatted("{} {} {}", sources[i].residue, sources[i].atom_name, sources[i].radius)));
   if (sources.size() > max_names) names.emplace_back("...");
   const std::uint64_t atoms = count_atoms(sources);
-  return fmt::format("; {} {} {} ({})", atoms, atoms == 1 ? "atom" : "atoms", how,
-                     fmt::join(names, ", "));
+  return formatted("; {} {} {} ({})", atoms, atoms == 1 ? "atom" : "atoms", how,
+                   fmt::join(names, ", "));
 }
 
 json::Value sources_json(const std::vector<RadiusSource>& sources) {
@@ -89,24 +90,24 @@ json::Value sources_json(const std::vector<RadiusSource>& sources) {
 std::string model_text(const StructureReport& report) {
   return report.models < 2
              ? ""
-             : fmt::format(" of model {} ({} models)", printable(report.model), report.models);
+             : formatted(" of model {} ({} models)", printable(report.model), report.models);
 }
 
 std::string assembly_text(const StructureReport& report) {
   if (report.assembly.empty()) return "";
-  return fmt::format("; assembly {} by {} {}", printable(report.assembly), report.operators,
-                     report.operators == 1 ? "operator" : "operators");
+  return formatted("; assembly {} by {} {}", printable(report.assembly), report.operators,
+                   report.operators == 1 ? "operator" : "operators");
 }
 
 }  // namespace
 
 std::string structure_text(const StructureReport& report) {
   const std::string dropped = counts_text(report, dropped_counts);
-  return fmt::format("read: {}{}{}\n{}radii: {}{}{}\n", counts_text(report, kept_counts),
-                     model_text(report), assembly_text(report),
-                     dropped.empty() ? "" : fmt::format("left out: {}\n", dropped),
-                     printable(report.radii), sources_text(report.by_element, "by element"),
-                     sources_text(report.unknown, "of unknown radius"));
+  return formatted("read: {}{}{}\n{}radii: {}{}{}\n", counts_text(report, kept_counts),
+                   model_text(report), assembly_text(report),
+                   dropped.empty() ? "" : formatted("left out: {}\n", dropped),
+                   printable(report.radii), sources_text(report.by_element, "by element"),
+                   sources_text(report.unknown, "of unknown radius"));
 }
 
 json::Value structure_json(const StructureReport& report) {

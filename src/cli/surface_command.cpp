@@ -1,7 +1,5 @@
 #include "cli/surface_command.hpp"
 
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <filesystem>
 #include <functional>
@@ -21,6 +19,7 @@
 #include "eses/read_atoms.hpp"
 #include "io/atom_lines.hpp"
 #include "output/output_files.hpp"
+#include "system/formatted.hpp"
 
 namespace eses::detail::cli {
 namespace {
@@ -58,9 +57,9 @@ void refuse_to_lose_input(const Options& options) {
   };
   const auto refuse_if_input = [&](const std::string& file, std::string_view fate) {
     if (is_same(options.input, file))
-      throw Error(fmt::format("{} is the input, and would be {}", file, fate));
+      throw Error(formatted("{} is the input, and would be {}", file, fate));
     if (is_same(options.grid.like, file))
-      throw Error(fmt::format("{} is the file of --grid-like, and would be {}", file, fate));
+      throw Error(formatted("{} is the file of --grid-like, and would be {}", file, fate));
   };
   for (const std::string& file : final_paths(options.outputs, options.output_directory))
     refuse_if_input(file, "overwritten");
@@ -73,9 +72,9 @@ void refuse_to_lose_input(const Options& options) {
 void refuse_residues_of_xyzr(const Options& options) {
   if (options.outputs.residues && format_of(options.input, options.format) == AtomFormat::xyzr)
     throw Error(
-        fmt::format("{}: areas by residue (--write residues) need a PQR, PDB or mmCIF file; xyzr "
-                    "files have no residues",
-                    options.input.string()));
+        formatted("{}: areas by residue (--write residues) need a PQR, PDB or mmCIF file; xyzr "
+                  "files have no residues",
+                  options.input.string()));
 }
 
 // Performs the checks that do not need the input.

@@ -1,5 +1,3 @@
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <cstdlib>
 #include <string>
@@ -11,6 +9,7 @@
 #include "distributed/shared_file.hpp"
 #include "io/area_table_writer.hpp"
 #include "output/sequential_writer.hpp"
+#include "system/formatted.hpp"
 
 namespace eses::detail {
 namespace {
@@ -59,20 +58,20 @@ class TableState {
 
   std::string packed() const {
     std::string result;
-    pack(result, fmt::format("{}", bytes));
+    pack(result, formatted("{}", bytes));
     pack(result, tables.open ? open_mark : "");
     if (tables.open) {
       const auto& [label, atoms, area] = *tables.open;
       for (const std::string* const name : {&label.chain, &label.residue, &label.residue_number})
         pack(result, *name);
-      pack(result, fmt::format("{}", atoms));
-      pack(result, fmt::format("{:a}", area));
+      pack(result, formatted("{}", atoms));
+      pack(result, formatted("{:a}", area));
     }
     for (const ChainArea& chain : tables.chains.chains()) {
       pack(result, chain.chain);
-      pack(result, fmt::format("{}", chain.residues));
-      pack(result, fmt::format("{}", chain.atoms));
-      pack(result, fmt::format("{:a}", chain.area));
+      pack(result, formatted("{}", chain.residues));
+      pack(result, formatted("{}", chain.atoms));
+      pack(result, formatted("{:a}", chain.area));
     }
     return result;
   }

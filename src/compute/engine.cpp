@@ -1,7 +1,6 @@
 #include "compute/engine.hpp"
 
 #include <fcntl.h>
-#include <fmt/format.h>
 #include <sys/resource.h>
 
 #include <array>
@@ -22,6 +21,7 @@
 #include "output/output_files.hpp"
 #include "output/sequential_writer.hpp"
 #include "sweep/progress_report.hpp"
+#include "system/formatted.hpp"
 #include "system/parallel.hpp"
 #include "system/resources.hpp"
 #include "system/stopwatch.hpp"
@@ -48,7 +48,7 @@ void require_shared_directories(const RunTask& task, const RunPaths& paths,
   if (processes.count() == 1) return;
   const auto require = [&](const std::filesystem::path& path, int mode) {
     if (!FileDescriptor(::open(path.c_str(), mode | O_CLOEXEC)).is_open())
-      throw Error(fmt::format(
+      throw Error(formatted(
           "cannot write into {}{}: {}; is it the same directory for all processes?",
           path.parent_path().string(), processes.place(), std::generic_category().message(errno)));
   };

@@ -1,7 +1,5 @@
 #include "compute/merge.hpp"
 
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <array>
 #include <cstring>
@@ -14,6 +12,7 @@
 #include "io/gzip.hpp"
 #include "mesh/local_triangle.hpp"
 #include "output/grid_map.hpp"
+#include "system/formatted.hpp"
 
 namespace eses::detail {
 namespace {
@@ -130,9 +129,9 @@ void Merge::require_sound(const PlaneChunk& chunk, ChunkText text, std::uint32_t
   if (checksum == chunk.info.checksums[static_cast<std::size_t>(text)]) return;
   plan_.checkpoint->drop(chunk.info.planes);
   throw Error(
-      fmt::format("cannot resume: the checkpoint of planes {} to {} is damaged; the next run "
-                  "with --resume computes them again",
-                  chunk.info.planes.begin, chunk.info.planes.end - 1));
+      formatted("cannot resume: the checkpoint of planes {} to {} is damaged; the next run "
+                "with --resume computes them again",
+                chunk.info.planes.begin, chunk.info.planes.end - 1));
 }
 
 // Calls `take(bytes, offset)` for parts of a chunk's text from `begin` on, whose lengths are

@@ -1,20 +1,19 @@
 #include "compute/run.hpp"
 
-#include <fmt/format.h>
-
 #include <utility>
 
 #include "compute/engine.hpp"
 #include "compute/run_plan.hpp"
 #include "distributed/processes.hpp"
 #include "eses/error.hpp"
+#include "system/formatted.hpp"
 
 namespace eses::detail {
 namespace {
 
 void require_valid(const Plan& plan, const Molecule& molecule) {
   if (plan.threads < 1)
-    throw Error(fmt::format("the plan has {} threads; it must have 1 or more", plan.threads));
+    throw Error(formatted("the plan has {} threads; it must have 1 or more", plan.threads));
   if (plan.atoms_checksum != checksum_of(molecule.atoms()))
     throw Error("the plan was made for other atoms; make a plan for this molecule");
 }

@@ -19,6 +19,7 @@
 #include "plan/atom_hash.hpp"
 #include "plan/plan.hpp"
 #include "system/bytes_text.hpp"
+#include "system/formatted.hpp"
 #include "system/parallel.hpp"
 #include "system/resources.hpp"
 #include "system/splitmix64.hpp"
@@ -55,8 +56,8 @@ std::uint64_t hash_of(const GroupNames& groups, const Processes& processes) {
 
 std::string mesh_identity(const std::optional<MeshOptions>& mesh) {
   if (!mesh) return "none";
-  return fmt::format("{} {}", static_cast<int>(required_mesh_format(*mesh)),
-                     static_cast<int>(mesh->color));
+  return formatted("{} {}", static_cast<int>(required_mesh_format(*mesh)),
+                   static_cast<int>(mesh->color));
 }
 
 // Identifies the maps. The permittivities are left out, because chunks contain inside lengths of
@@ -64,8 +65,8 @@ std::string mesh_identity(const std::optional<MeshOptions>& mesh) {
 std::string map_identity(const Outputs& outputs) {
   std::string identity;
   for (const MapChoice& map : chosen_maps(outputs))
-    identity += fmt::format("{} ", static_cast<int>(map.quantity));
-  if (outputs.ion_access) identity += fmt::format("{:a}", outputs.ion_access->ion_radius);
+    identity += formatted("{} ", static_cast<int>(map.quantity));
+  if (outputs.ion_access) identity += formatted("{:a}", outputs.ion_access->ion_radius);
   return identity;
 }
 
@@ -74,7 +75,7 @@ std::string identity_of(const RunTask& task, const RunPlan& run, std::uint64_t h
   const Parameters& p = task.parameters;
   const Grid& grid = run.whole.grid;
   const GridRegion& region = run.whole.tiling.region;
-  return fmt::format(
+  return formatted(
       "eses-blocks {} format {} {} {}\natoms {} {:016x}\nprobe {:a} spacing {:a} margin {:a}\n"
       "origin {:a} {:a} {:a} size {}\npoints {} {}\ngrid {} edges {} gzip {} maps {} mesh {}\n",
       version, checkpoint_format, sizeof(ChunkInfo), task.outputs.gzip ? zlibVersion() : "",
@@ -97,7 +98,7 @@ void require_memory_for(std::uint64_t atoms, const RunTask& task, const Processe
   const std::uint64_t limit = task.parameters.max_memory;
   if (limit == 0 || needed <= static_cast<double>(limit) || needed < 2 * min_expected_memory(0))
     return;
-  throw Error(fmt::format(
+  throw Error(formatted(
       "{}: {} atoms need more than {} of memory{}, but the limit is {}; use a larger limit "
       "(--max-memory)",
       task.input.string(), atoms, binary_bytes_text(static_cast<std::uint64_t>(needed)),
@@ -108,10 +109,10 @@ void require_memory_for(std::uint64_t atoms, const RunTask& task, const Processe
 void require_memory_held(const RunTask& task) {
   const std::uint64_t limit = task.parameters.max_memory, peak = peak_memory();
   if (limit == 0 || peak <= limit) return;
-  throw Error(fmt::format(
-      "{}: reading the atoms took {} of memory, but the limit is {}; use a larger limit "
-      "(--max-memory)",
-      task.input.string(), binary_bytes_text(peak), binary_bytes_text(limit)));
+  throw Error(
+      formatted("{}: reading the atoms took {} of memory, but the limit is {}; use a larger limit "
+                "(--max-memory)",
+                task.input.string(), binary_bytes_text(peak), binary_bytes_text(limit)));
 }
 
 // Converts the labels of a part of the molecule into the data that the outputs need: numbers and

@@ -13,6 +13,7 @@
 #include "diff/compare_points.hpp"
 #include "eses/error.hpp"
 #include "io/eses_reader.hpp"
+#include "system/formatted.hpp"
 
 namespace eses::detail {
 namespace {
@@ -30,7 +31,7 @@ const Paths& paths_of(const AllPaths& paths, EsesFile file) {
 void expect_directory(const std::filesystem::path& path) {
   std::error_code error;
   if (std::filesystem::is_directory(path, error)) return;
-  throw Error(fmt::format("{}: {}", path.string(), error ? error.message() : "not a directory"));
+  throw Error(formatted("{}: {}", path.string(), error ? error.message() : "not a directory"));
 }
 
 /// Throws Error for pipes and devices: opening a pipe would wait for a writer. What else cannot be
@@ -38,7 +39,7 @@ void expect_directory(const std::filesystem::path& path) {
 void expect_regular_file(const std::filesystem::path& path) {
   std::error_code ignored;
   if (std::filesystem::is_other(std::filesystem::status(path, ignored)))
-    throw Error(fmt::format("{}: not a regular file", path.string()));
+    throw Error(formatted("{}: not a regular file", path.string()));
 }
 
 /// Throws Error if a directory has no file to compare.
@@ -47,8 +48,8 @@ void expect_files(const AllPaths& paths, const Sides<std::filesystem::path>& dir
     const bool has_one = std::any_of(paths.begin(), paths.end(),
                                      [side](const Paths& file) { return file[side].has_value(); });
     if (has_one) continue;
-    throw Error(fmt::format("{}: holds none of {}, plain or gzipped", directories[side].string(),
-                            fmt::join(eses_file_names, ", ")));
+    throw Error(formatted("{}: holds none of {}, plain or gzipped", directories[side].string(),
+                          fmt::join(eses_file_names, ", ")));
   }
 }
 

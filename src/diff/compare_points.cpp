@@ -11,6 +11,7 @@
 #include "eses/error.hpp"
 #include "io/eses_reader.hpp"
 #include "system/bytes_text.hpp"
+#include "system/formatted.hpp"
 #include "system/resources.hpp"
 
 namespace eses::detail {
@@ -79,11 +80,11 @@ void require_memory(const std::filesystem::path& path, const GridIndex& size) {
   double bytes = 2 * 2.0 / 8;  // two bits for each point and side
   for (const std::int64_t n : size) bytes *= static_cast<double>(n);
   if (bytes < static_cast<double>(available_memory())) return;
-  throw Error(fmt::format(
-      "{}: the {} points are not all listed in ESES's order; comparing them needs {} of "
-      "memory",
-      path.string(), fmt::join(size, " x "),
-      bytes_text(static_cast<std::uint64_t>(std::min(bytes, 1e19)))));
+  throw Error(
+      formatted("{}: the {} points are not all listed in ESES's order; comparing them needs {} of "
+                "memory",
+                path.string(), fmt::join(size, " x "),
+                bytes_text(static_cast<std::uint64_t>(std::min(bytes, 1e19)))));
 }
 
 PointDifference compare_in_any_order(const Sides<std::filesystem::path>& paths,

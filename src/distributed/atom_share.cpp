@@ -1,6 +1,5 @@
 #include "distributed/atom_share.hpp"
 
-#include <fmt/format.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
@@ -21,6 +20,7 @@
 #include "io/other_formats.hpp"
 #include "io/text_source.hpp"
 #include "structure/read_input.hpp"
+#include "system/formatted.hpp"
 
 namespace eses::detail {
 namespace {
@@ -43,8 +43,7 @@ class TextFile {
                                   static_cast<off_t>(offset + used));
       if (count < 0 && errno == EINTR) continue;
       if (count < 0)
-        throw Error(
-            fmt::format("cannot read {}: {}", name_, std::generic_category().message(errno)));
+        throw Error(formatted("cannot read {}: {}", name_, std::generic_category().message(errno)));
       if (count == 0) break;
       used += static_cast<std::size_t>(count);
     }
@@ -127,7 +126,7 @@ void read_atoms_of(const TextFile& file, const Part& part, const AtomLines& line
     buffer = buffer.first(std::min<std::uint64_t>(buffer.size(), part.end - offset));
     const std::size_t count = file.read_at(buffer, offset).size();
     if (count < buffer.size())
-      throw Error(fmt::format("cannot read {}: it has become shorter", file.name()));
+      throw Error(formatted("cannot read {}: it has become shorter", file.name()));
     offset += count;
     return count;
   };
@@ -174,8 +173,8 @@ std::uint64_t shared_bytes(const std::filesystem::path& path, const ReadOptions&
   bytes = processes.sum(bytes);
   processes.all_or_throw([&] {
     if (bytes > 0 && divisible_bytes(path) != bytes)
-      throw Error(fmt::format("cannot read {}{}: it is not the file that the first process reads",
-                              path.string(), processes.place()));
+      throw Error(formatted("cannot read {}{}: it is not the file that the first process reads",
+                            path.string(), processes.place()));
   });
   return bytes;
 }
@@ -191,8 +190,8 @@ void require_atoms(const std::filesystem::path& path, AtomFormat format, const A
     refuse_models(path.string(), models);
     refuse_pdb_records(path.string(), share.total, likeness);
     if (share.total > std::numeric_limits<AtomIndex>::max())
-      throw Error(fmt::format("{}: more than {} atoms", path.string(),
-                              std::numeric_limits<AtomIndex>::max()));
+      throw Error(formatted("{}: more than {} atoms", path.string(),
+                            std::numeric_limits<AtomIndex>::max()));
   });
 }
 

@@ -1,7 +1,6 @@
 // The parts of the communication that do not depend on MPI.
 #include "distributed/processes.hpp"
 
-#include <fmt/format.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -9,6 +8,8 @@
 #include <cstring>
 #include <new>
 #include <optional>
+
+#include "system/formatted.hpp"
 
 namespace eses::detail {
 
@@ -59,7 +60,7 @@ double Processes::chain(double value, const std::function<double(double)>& chang
 std::string Processes::place() const {
   std::array<char, 256> name{};
   if (count_ == 1 || gethostname(name.data(), name.size() - 1) != 0) return {};
-  return fmt::format(" on {}", name.data());
+  return formatted(" on {}", name.data());
 }
 
 }  // namespace eses::detail

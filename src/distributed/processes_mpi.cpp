@@ -1,5 +1,4 @@
 // MPI: A Message-Passing Interface Standard, version 3.1, https://www.mpi-forum.org/docs/
-#include <fmt/format.h>
 #include <sched.h>
 
 #include <algorithm>
@@ -9,6 +8,7 @@
 
 #include "distributed/mpi_errors.hpp"
 #include "distributed/processes.hpp"
+#include "system/formatted.hpp"
 
 namespace eses::detail {
 namespace {
@@ -24,7 +24,7 @@ bool was_launched() {
 // Throws Error if an MPI function has failed.
 void require_success(int error, const char* what) {
   if (error != MPI_SUCCESS)
-    throw Error(fmt::format("MPI cannot {}: {}", what, mpi_error_text(error)));
+    throw Error(formatted("MPI cannot {}: {}", what, mpi_error_text(error)));
 }
 
 int small_count(std::uint64_t count) {

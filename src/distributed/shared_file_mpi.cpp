@@ -1,5 +1,4 @@
 #include <fcntl.h>
-#include <fmt/format.h>
 
 #include <algorithm>
 #include <system_error>
@@ -8,6 +7,7 @@
 #include "distributed/mpi_errors.hpp"
 #include "distributed/shared_file.hpp"
 #include "io/file_descriptor.hpp"
+#include "system/formatted.hpp"
 
 namespace eses::detail {
 
@@ -37,7 +37,7 @@ bool is_done(const MPI_Status& status, std::size_t bytes) {
 
 void require(int error, const char* action, const std::string& name) {
   if (error != MPI_SUCCESS)
-    throw Error(fmt::format("cannot {} {}: {}", action, name, mpi_error_text(error)));
+    throw Error(formatted("cannot {} {}: {}", action, name, mpi_error_text(error)));
 }
 
 }  // namespace
@@ -72,8 +72,8 @@ void SharedFile::write_at(std::span<const char> bytes, std::uint64_t offset) {
                               MPI_BYTE, status),
             "write", name_);
     if (!is_done(*status, part.size()))
-      throw Error(fmt::format("cannot write {}{}: only part of it was written; is the disk full?",
-                              name_, processes_.place()));
+      throw Error(formatted("cannot write {}{}: only part of it was written; is the disk full?",
+                            name_, processes_.place()));
   });
 }
 
@@ -84,7 +84,7 @@ std::uint64_t SharedFile::copy_from(int scratch, const CopyRange& range) {
     return copy_in_kernel(scratch, handle_->local.value(), range);
   } catch (const std::system_error& error) {
     throw Error(
-        fmt::format("cannot write {}{}: {}", name_, processes_.place(), error.code().message()));
+        formatted("cannot write {}{}: {}", name_, processes_.place(), error.code().message()));
   }
 }
 
@@ -98,8 +98,8 @@ void SharedFile::read_at(std::span<char> bytes, std::uint64_t offset) {
                              MPI_BYTE, status),
             "read back", name_);
     if (!is_done(*status, part.size()))
-      throw Error(fmt::format("cannot read back {}{}: it is shorter than what was written", name_,
-                              processes_.place()));
+      throw Error(formatted("cannot read back {}{}: it is shorter than what was written", name_,
+                            processes_.place()));
   });
 }
 

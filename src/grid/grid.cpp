@@ -1,5 +1,3 @@
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <array>
 #include <charconv>
@@ -9,6 +7,7 @@
 
 #include "eses/error.hpp"
 #include "grid/make_grid.hpp"
+#include "system/formatted.hpp"
 
 namespace eses::detail {
 namespace {
@@ -42,7 +41,7 @@ bool is_possible(const Box& bounds, double spacing, double margin) {
 
 // Returns the number that is printed with three significant digits, so that users can copy it.
 double three_digits(int digits, int exponent) {
-  const std::string text = fmt::format("{}e{}", digits, exponent);
+  const std::string text = formatted("{}e{}", digits, exponent);
   double value = 0;
   std::from_chars(text.data(), text.data() + text.size(), value);
   return value;
@@ -58,8 +57,8 @@ std::string spacing_advice(const Box& bounds, double spacing, double margin) {
   if (exponent > max_exponent) return "use a smaller margin";
   while (!is_possible(bounds, three_digits(digits, exponent), margin)) ++digits;
   const double possible = three_digits(digits, exponent), wider = margin_for(possible, margin);
-  return fmt::format("use a spacing of at least {}{}", possible,
-                     wider == margin ? "" : fmt::format(" and a margin of at least {}", wider));
+  return formatted("use a spacing of at least {}{}", possible,
+                   wider == margin ? "" : formatted(" and a margin of at least {}", wider));
 }
 
 }  // namespace
@@ -83,9 +82,9 @@ Grid make_grid(std::span<const Atom> atoms, double spacing, double margin) {
 Grid make_grid(const Box& bounds, double spacing, double margin) {
   if (bounds.low.x > bounds.high.x) throw Error("there are no atoms to build a grid around");
   if (!(spacing > 0) || !std::isfinite(spacing))
-    throw Error(fmt::format("spacing must be a positive number of angstrom, not {}", spacing));
+    throw Error(formatted("spacing must be a positive number of angstrom, not {}", spacing));
   if (!(margin >= 0) || !std::isfinite(margin))
-    throw Error(fmt::format("margin must be a non-negative number of angstrom, not {}", margin));
+    throw Error(formatted("margin must be a non-negative number of angstrom, not {}", margin));
   const Box box = grown(bounds, margin);
   Grid grid;
   grid.spacing = spacing;
@@ -93,38 +92,38 @@ Grid make_grid(const Box& bounds, double spacing, double margin) {
     const double cells = cells_along(box, spacing, axis);
     if (!(cells < max_cells_along_axis))
       throw Error(
-          fmt::format("a spacing of {} angstrom needs {:.3g} grid points along {}; "
-                      "the limit is {:g}; {}",
-                      spacing, cells, "xyz"[axis], max_cells_along_axis,
-                      spacing_advice(bounds, spacing, margin)));
+          formatted("a spacing of {} angstrom needs {:.3g} grid points along {}; "
+                    "the limit is {:g}; {}",
+                    spacing, cells, "xyz"[axis], max_cells_along_axis,
+                    spacing_advice(bounds, spacing, margin)));
     grid.size[axis] = static_cast<std::int64_t>(cells) + 1;
     grid.origin[axis] = box.low[axis];
   }
   const double points = points_in(box, spacing);
   if (points > max_points)
     throw Error(
-        fmt::format("a spacing of {} angstrom needs {:.3g} grid points; the limit is {:g}; {}",
-                    spacing, points, max_points, spacing_advice(bounds, spacing, margin)));
+        formatted("a spacing of {} angstrom needs {:.3g} grid points; the limit is {:g}; {}",
+                  spacing, points, max_points, spacing_advice(bounds, spacing, margin)));
   return grid;
 }
 
 void require_valid(const Grid& grid) {
   if (!(grid.spacing > 0) || !std::isfinite(grid.spacing))
-    throw Error(fmt::format("the spacing of a grid must be a positive number of angstrom, not {}",
-                            grid.spacing));
+    throw Error(formatted("the spacing of a grid must be a positive number of angstrom, not {}",
+                          grid.spacing));
   double points = 1;
   for (std::size_t axis = 0; axis < 3; ++axis) {
     const auto size = static_cast<double>(grid.size[axis]);
     if (size < 1 || size > max_cells_along_axis)
-      throw Error(fmt::format("a grid has {} points along {}; it must have 1 to {:g}",
-                              grid.size[axis], "xyz"[axis], max_cells_along_axis));
+      throw Error(formatted("a grid has {} points along {}; it must have 1 to {:g}",
+                            grid.size[axis], "xyz"[axis], max_cells_along_axis));
     if (!std::isfinite(grid.origin[axis]) || !std::isfinite(grid.upper()[axis]))
-      throw Error(fmt::format("a grid goes from {} to {} along {}; its bounds must be finite",
-                              grid.origin[axis], grid.upper()[axis], "xyz"[axis]));
+      throw Error(formatted("a grid goes from {} to {} along {}; its bounds must be finite",
+                            grid.origin[axis], grid.upper()[axis], "xyz"[axis]));
     points *= size;
   }
   if (points > max_points)
-    throw Error(fmt::format("a grid has {:.3g} points; the limit is {:g}", points, max_points));
+    throw Error(formatted("a grid has {:.3g} points; the limit is {:g}", points, max_points));
 }
 
 void require_chosen(const Grid& grid) {
@@ -133,11 +132,11 @@ void require_chosen(const Grid& grid) {
   constexpr double max_cells_from_zero = 1e9;
   for (std::size_t axis = 0; axis < 3; ++axis) {
     if (grid.size[axis] < 2)
-      throw Error(fmt::format("the grid has {} points along {}; it must have 2 or more",
-                              grid.size[axis], "xyz"[axis]));
+      throw Error(formatted("the grid has {} points along {}; it must have 2 or more",
+                            grid.size[axis], "xyz"[axis]));
     const double farthest = std::max(std::fabs(grid.origin[axis]), std::fabs(grid.upper()[axis]));
     if (farthest > max_cells_from_zero * grid.spacing)
-      throw Error(fmt::format(
+      throw Error(formatted(
           "the grid goes from {} to {} along {}, too far from 0 for a spacing of {}; the limit is "
           "{:g} times the spacing",
           grid.origin[axis], grid.upper()[axis], "xyz"[axis], grid.spacing, max_cells_from_zero));
@@ -149,17 +148,17 @@ void require_within(const GridRegion& region, const Grid& grid) {
     if (region.begin[axis] < 0 || region.begin[axis] >= region.end[axis] ||
         region.end[axis] > grid.size[axis])
       throw Error(
-          fmt::format("the region of points {} to {} along {} is not within the {} points "
-                      "of the grid; its end must be above its begin",
-                      region.begin[axis], region.end[axis], "xyz"[axis], grid.size[axis]));
+          formatted("the region of points {} to {} along {} is not within the {} points "
+                    "of the grid; its end must be above its begin",
+                    region.begin[axis], region.end[axis], "xyz"[axis], grid.size[axis]));
 }
 
 GridRegion points_between(const Grid& grid, Vec3 low, Vec3 high) {
   GridRegion region;
   for (std::size_t axis = 0; axis < 3; ++axis) {
     if (!std::isfinite(low[axis]) || !std::isfinite(high[axis]))
-      throw Error(fmt::format("the region goes from {} to {} along {}; its bounds must be finite",
-                              low[axis], high[axis], "xyz"[axis]));
+      throw Error(formatted("the region goes from {} to {} along {}; its bounds must be finite",
+                            low[axis], high[axis], "xyz"[axis]));
     const auto size = grid.size[axis];
     // The quotient gives an approximate index. The coordinates near it decide.
     const auto near = [&](double coordinate) {
@@ -171,7 +170,7 @@ GridRegion points_between(const Grid& grid, Vec3 low, Vec3 high) {
     std::int64_t end = std::clamp<std::int64_t>(near(high[axis]) + 3, 0, size);
     while (end > 0 && grid.coordinate(axis, end - 1) > high[axis]) --end;
     if (!(begin < end))
-      throw Error(fmt::format(
+      throw Error(formatted(
           "the region from {} to {} along {} holds no point of the grid, whose "
           "{} points go from {} to {}",
           low[axis], high[axis], "xyz"[axis], size, grid.origin[axis], grid.upper()[axis]));

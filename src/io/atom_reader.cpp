@@ -1,4 +1,3 @@
-#include <fmt/format.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -23,6 +22,7 @@
 #include "io/text_fields.hpp"
 #include "io/text_source.hpp"
 #include "system/bytes_text.hpp"
+#include "system/formatted.hpp"
 #include "system/resources.hpp"
 
 namespace eses::detail {
@@ -353,7 +353,7 @@ void add_record(std::string_view line, PdbLikeness& likeness) {
 // -------------------------------------------------------------------------------------- messages
 
 [[noreturn]] void fail(std::string_view name, std::size_t line, std::string_view what) {
-  throw Error(fmt::format("{}:{}: {}", name, line, what));
+  throw Error(formatted("{}:{}: {}", name, line, what));
 }
 
 std::string reason(const Problem& problem) {
@@ -370,7 +370,7 @@ std::string reason(const Problem& problem) {
     case Fault::negative:
       return "must not be negative, found " + text;
     case Fault::too_large:
-      return fmt::format("{} is beyond the limit of {:.0f} angstrom", text, max_length);
+      return formatted("{} is beyond the limit of {:.0f} angstrom", text, max_length);
     case Fault::residue_number:
       return text + " seems to be the residue number; expected x y z charge radius at the end";
     case Fault::pqr_record:
@@ -385,7 +385,7 @@ std::string reason(const Problem& problem) {
 
 std::string description(const Problem& problem, std::string_view line) {
   if (problem.fault == Fault::too_few_fields) {
-    return fmt::format(
+    return formatted(
         "expected at least {} fields, the last five being x y z charge radius, found {}",
         min_leading_fields(line) + pqr_quantities.size(), count_fields(line));
   }
@@ -393,8 +393,8 @@ std::string description(const Problem& problem, std::string_view line) {
     return "more than five numbers, expected x y z charge radius; remove the fields after the "
            "radius";
   const auto start = static_cast<std::size_t>(problem.text.data() - line.data());
-  return fmt::format("field {} ({}): {}", count_fields(line.substr(0, start)) + 1, problem.quantity,
-                     reason(problem));
+  return formatted("field {} ({}): {}", count_fields(line.substr(0, start)) + 1, problem.quantity,
+                   reason(problem));
 }
 
 std::string describe(const Problem& problem, std::string_view line, bool is_pqr) {
@@ -426,8 +426,8 @@ void check_is_text(std::string_view text, std::string_view name, std::size_t fir
   const auto culprit = std::find_if(text.begin(), text.end(), is_control);
   const auto line = static_cast<std::size_t>(std::count(text.begin(), culprit, '\n'));
   fail(name, first_line + line,
-       fmt::format("control character \\x{:02x}; this looks like a binary file, not text",
-                   static_cast<unsigned>(*culprit)));
+       formatted("control character \\x{:02x}; this looks like a binary file, not text",
+                 static_cast<unsigned>(*culprit)));
 }
 
 /// Throws Error with the name of the format if a text is a PDB or mmCIF file. PQR files may keep
@@ -435,9 +435,9 @@ void check_is_text(std::string_view text, std::string_view name, std::size_t fir
 void refuse_structure(std::string_view text, std::string_view name, AtomFormat format) {
   const AtomFormat found = structure_format_of(text);
   if (found == AtomFormat::mmcif)
-    throw Error(fmt::format("{}: this is an mmCIF file; read it with --format mmcif", name));
+    throw Error(formatted("{}: this is an mmCIF file; read it with --format mmcif", name));
   if (found == AtomFormat::pdb && format != AtomFormat::pqr)
-    throw Error(fmt::format("{}: this is a PDB file; read it with --format pdb", name));
+    throw Error(formatted("{}: this is a PDB file; read it with --format pdb", name));
 }
 
 bool is_model_record(std::string_view line) {
@@ -452,7 +452,7 @@ int model_number(std::string_view line, std::string_view name, std::size_t numbe
   int model = 0;
   const auto [end, error] = std::from_chars(field.data(), field.data() + field.size(), model);
   if (error != std::errc{} || end != field.data() + field.size())
-    fail(name, number, fmt::format("expected the number of the model, found {}", quoted(field)));
+    fail(name, number, formatted("expected the number of the model, found {}", quoted(field)));
   return model;
 }
 
@@ -462,7 +462,7 @@ void check_line(std::string_view line, std::string_view name, std::size_t number
     fail(name, number, "carriage return inside the line; expected LF or CRLF line ends");
   }
   if (line.size() > max_line_length) {
-    fail(name, number, fmt::format("more than {} characters in the line", max_line_length));
+    fail(name, number, formatted("more than {} characters in the line", max_line_length));
   }
 }
 
@@ -481,7 +481,7 @@ std::size_t estimate_atoms(std::string_view text) {
 // ----------------------------------------------------------------------------------------- files
 
 [[noreturn]] void fail_for_memory(std::string_view name) {
-  throw MemoryLimitError(fmt::format("cannot read {}: out of memory", name));
+  throw MemoryLimitError(formatted("cannot read {}: out of memory", name));
 }
 
 /// Calls `take` with parts of a text that consist of whole lines. A line longer than the limit may
@@ -529,9 +529,9 @@ class GrowthLimit {
   void require(std::uint64_t bytes, std::size_t atoms, std::uint64_t line) const {
     if (lines_.max_memory == 0 || resident_memory() + bytes <= max_resident_) return;
     fail(lines_.name, line,
-         fmt::format("reading more than {} atoms exceeds the memory limit of {}; use a larger "
-                     "limit (--max-memory)",
-                     atoms, binary_bytes_text(lines_.max_memory)));
+         formatted("reading more than {} atoms exceeds the memory limit of {}; use a larger "
+                   "limit (--max-memory)",
+                   atoms, binary_bytes_text(lines_.max_memory)));
   }
 
   template <class Value>
@@ -607,7 +607,7 @@ LinesRead parse_atom_lines(std::string_view text, const AtomLines& lines, AtomFi
       fail(name, number, describe(problem, line, is_pqr));
     }
     if (atoms.size() == max_atoms) {
-      fail(name, number, fmt::format("more than {} atoms", max_atoms));
+      fail(name, number, formatted("more than {} atoms", max_atoms));
     }
     if (is_pqr) add_record(line, read.likeness);
     atoms.push_back(record.atom);
@@ -642,17 +642,17 @@ void refuse_pdb_records(std::string_view name, std::uint64_t atoms, const PdbLik
   // well, but half of their charges are negative, and add_record does not count those.
   if (10 * likeness.layout < 9 * atoms || 2 * likeness.values < atoms) return;
   throw Error(
-      fmt::format("{}: this is a PDB file: its columns 55 to 66 hold occupancy and B-factor, which "
-                  "are not charge and radius; read it with --format pdb",
-                  name));
+      formatted("{}: this is a PDB file: its columns 55 to 66 hold occupancy and B-factor, which "
+                "are not charge and radius; read it with --format pdb",
+                name));
 }
 
 std::string no_atoms_message(std::string_view name, AtomFormat format, std::uint64_t lines,
                              int model) {
-  return fmt::format("{}: no {} found{}; {} {} read", name,
-                     format == AtomFormat::pqr ? "ATOM or HETATM records" : "atoms",
-                     model == 0 ? "" : fmt::format(" in model {} (--model)", model), lines,
-                     lines == 1 ? "line" : "lines");
+  return formatted("{}: no {} found{}; {} {} read", name,
+                   format == AtomFormat::pqr ? "ATOM or HETATM records" : "atoms",
+                   model == 0 ? "" : formatted(" in model {} (--model)", model), lines,
+                   lines == 1 ? "line" : "lines");
 }
 
 std::uint64_t max_resident_while_reading(std::uint64_t max_memory) {
@@ -663,9 +663,9 @@ std::uint64_t max_resident_while_reading(std::uint64_t max_memory) {
 void refuse_models(std::string_view name, std::uint64_t models) {
   if (models < 2) return;
   throw Error(
-      fmt::format("{}: {} models, whose atoms lie on top of each other; choose one with "
-                  "--model N",
-                  name, models));
+      formatted("{}: {} models, whose atoms lie on top of each other; choose one with "
+                "--model N",
+                name, models));
 }
 
 AtomFormat format_of(const std::filesystem::path& path, AtomFormat format) {

@@ -5,10 +5,10 @@
 
 #include <cstddef>
 #include <functional>
-#include <iterator>
 #include <string>
 #include <string_view>
-#include <utility>
+
+#include "system/formatted.hpp"
 
 namespace eses::detail {
 
@@ -24,7 +24,7 @@ class BufferedText {
   template <class... Arguments>
   void append(fmt::format_string<Arguments...> format, Arguments&&... arguments) {
     constexpr std::size_t part_bytes = 1 << 16;
-    fmt::format_to(std::back_inserter(text_), format, std::forward<Arguments>(arguments)...);
+    append_formatted(text_, format, fmt::make_format_args(arguments...));
     if (text_.size() >= part_bytes) flush();
   }
 

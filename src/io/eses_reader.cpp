@@ -11,6 +11,7 @@
 
 #include "eses/error.hpp"
 #include "io/text_fields.hpp"
+#include "system/formatted.hpp"
 
 namespace eses::detail {
 namespace {
@@ -38,7 +39,7 @@ class Fields {
     std::int64_t value = 0;
     while (at_ != end_ && is_digit(*at_) && value <= largest) value = 10 * value + (*at_++ - '0');
     if (at_ == start || !is_field_end(at_) || value > largest) {
-      refuse(start, name, fmt::format("a whole number from 0 to {}", largest));
+      refuse(start, name, formatted("a whole number from 0 to {}", largest));
     }
     return value;
   }
@@ -107,9 +108,9 @@ class Fields {
       ++number;
     std::string_view rest = rest_from(start);
     const std::string_view field = take_first(rest);
-    lines_.fail(fmt::format("field {}{}: expected {}, found {}", number,
-                            name.empty() ? "" : fmt::format(" ({})", name), expected,
-                            field.empty() ? "the end of the line" : quoted(field)));
+    lines_.fail(formatted("field {}{}: expected {}, found {}", number,
+                          name.empty() ? "" : formatted(" ({})", name), expected,
+                          field.empty() ? "the end of the line" : quoted(field)));
   }
 
   const LineReader& lines_;
@@ -120,12 +121,12 @@ class Fields {
 
 void check_is_in_grid(const LineReader& lines, const GridIndex& point, const GridIndex& size) {
   if (point[0] < size[0] && point[1] < size[1] && point[2] < size[2]) return;
-  lines.fail(fmt::format("the point {} lies outside the grid of {} points", fmt::join(point, " "),
-                         fmt::join(size, " x ")));
+  lines.fail(formatted("the point {} lies outside the grid of {} points", fmt::join(point, " "),
+                       fmt::join(size, " x ")));
 }
 
 Vec3 read_corner(LineReader& lines, const std::array<std::string_view, 3>& names) {
-  Fields fields(lines, lines.expect(fmt::format("{}", fmt::join(names, " "))));
+  Fields fields(lines, lines.expect(formatted("{}", fmt::join(names, " "))));
   const Vec3 corner = fields.vector(names);
   fields.expect_end();
   return corner;
@@ -138,7 +139,7 @@ GridIndex read_size(LineReader& lines) {
   double points = 1;
   for (const std::int64_t n : size) points *= static_cast<double>(n);
   if (points < 1 || points > max_points)
-    lines.fail(fmt::format("a grid of {} points", fmt::join(size, " x ")));
+    lines.fail(formatted("a grid of {} points", fmt::join(size, " x ")));
   return size;
 }
 
@@ -158,8 +159,8 @@ GridEdge read_edge(const LineReader& lines, Fields& fields, const GridIndex& siz
     steps += std::abs(step);
   }
   if (steps != 1)
-    lines.fail(fmt::format("the points {} and {} are not neighbours", fmt::join(inside, " "),
-                           fmt::join(outside, " ")));
+    lines.fail(formatted("the points {} and {} are not neighbours", fmt::join(inside, " "),
+                         fmt::join(outside, " ")));
   return edge;
 }
 

@@ -1,11 +1,10 @@
 #include "io/eses_writer.hpp"
 
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <cstring>
 
 #include "io/number_text.hpp"
+#include "system/formatted.hpp"
 
 namespace eses::detail {
 namespace {
@@ -144,7 +143,7 @@ GridText::GridText(const Grid& grid, const GridRegion& region,
 void GridText::append_row(TextBuffer& text, std::int64_t y, std::int64_t z,
                           std::span<const std::uint64_t> inside) const {
   constexpr std::size_t short_words = 2, long_words = 5;
-  const std::string rest = fmt::format("{} {} ", y, z);
+  const std::string rest = formatted("{} {} ", y, z);
   const std::array<std::string, 2> tails{rest + "-1\n", rest + "1\n"};
   const auto first = static_cast<std::size_t>(first_x_);
   const std::size_t longest = decimal_digits(first + row_indices_.size()) + 1 + tails[0].size();

@@ -2,8 +2,6 @@
 
 #include "io/grid_reader.hpp"
 
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -16,6 +14,7 @@
 #include "io/eses_reader.hpp"
 #include "io/line_reader.hpp"
 #include "io/text_fields.hpp"
+#include "system/formatted.hpp"
 
 namespace eses::detail {
 namespace {
@@ -31,8 +30,8 @@ double number_in(const LineReader& lines, std::string_view& fields, std::string_
   const std::string_view field = take_first(fields);
   double value = 0;
   if (parse_number(field, value) != std::errc() || !std::isfinite(value))
-    lines.fail(fmt::format("{}: expected a finite number, found {}", what,
-                           field.empty() ? "the end of the line" : quoted(field)));
+    lines.fail(formatted("{}: expected a finite number, found {}", what,
+                         field.empty() ? "the end of the line" : quoted(field)));
   return value;
 }
 
@@ -48,8 +47,8 @@ std::int64_t index_in(const LineReader& lines, std::string_view& fields, std::st
   const double value = number_in(lines, fields, what);
   if (value != std::floor(value) || value < static_cast<double>(min) ||
       value > static_cast<double>(max_grid_points))
-    lines.fail(fmt::format("{}: expected a whole number from {} to {}, found {}", what, min,
-                           max_grid_points, value));
+    lines.fail(formatted("{}: expected a whole number from {} to {}, found {}", what, min,
+                         max_grid_points, value));
   return static_cast<std::int64_t>(value);
 }
 
@@ -57,11 +56,11 @@ std::int64_t index_in(const LineReader& lines, std::string_view& fields, std::st
 double common_spacing(const LineReader& lines, const Vec3& spacing) {
   for (const double value : {spacing.x, spacing.y, spacing.z})
     if (!(value > 0))
-      lines.fail(fmt::format("expected a positive spacing along x, y and z, found {}, {} and {}",
-                             spacing.x, spacing.y, spacing.z));
+      lines.fail(formatted("expected a positive spacing along x, y and z, found {}, {} and {}",
+                           spacing.x, spacing.y, spacing.z));
   for (const double value : {spacing.y, spacing.z})
     if (!is_same_spacing(value, spacing.x))
-      lines.fail(fmt::format(
+      lines.fail(formatted(
           "the spacing is {} along x, {} along y and {} along z; it must be the same along all "
           "axes, such as by an equal ratio of length and cells",
           spacing.x, spacing.y, spacing.z));
@@ -113,7 +112,7 @@ std::string_view attribute_in(const LineReader& lines, std::string_view tag,
     if ((quote == '"' || quote == '\'') && end != std::string_view::npos)
       return rest.substr(0, end);
   }
-  lines.fail(fmt::format("the tag ImageData has no attribute {}", name));
+  lines.fail(formatted("the tag ImageData has no attribute {}", name));
 }
 
 // Returns the tag <ImageData ...>, with line ends replaced by blanks.
@@ -128,7 +127,7 @@ std::string image_tag(LineReader& lines) {
       line.remove_prefix(at);
     }
     const std::size_t end = line.find('>');
-    tag += fmt::format("{} ", line.substr(0, end));
+    tag += formatted("{} ", line.substr(0, end));
     if (end != std::string_view::npos) return tag;
   }
   lines.fail("expected the tag ImageData of VTK image data");
@@ -173,7 +172,7 @@ bool fits(const BoundingBox& box, double spacing) {
 double shortest_spacing(const BoundingBox& box, double estimate) {
   for (int digits = 1; digits < 17; ++digits) {
     double spacing = 0;
-    if (parse_number(fmt::format("{:.{}e}", estimate, digits - 1), spacing) == std::errc() &&
+    if (parse_number(formatted("{:.{}e}", estimate, digits - 1), spacing) == std::errc() &&
         fits(box, spacing))
       return spacing;
   }
@@ -187,14 +186,14 @@ Grid read_box(const std::filesystem::path& path) {
   const auto cells = static_cast<double>(box.size[longest] - 1);
   const double spacing = (box.upper[longest] - box.lower[longest]) / cells;
   if (!(spacing > 0) || !std::isfinite(spacing))
-    throw Error(fmt::format("{}: the corners and counts give no valid spacing", path.string()));
+    throw Error(formatted("{}: the corners and counts give no valid spacing", path.string()));
   Grid grid{box.lower, shortest_spacing(box, spacing), box.size};
   for (std::size_t axis = 0; axis < 3; ++axis)
     if (std::fabs(grid.upper()[axis] - box.upper[axis]) >
         spacing_precision * grid.spacing * static_cast<double>(box.size[axis]))
       throw Error(
-          fmt::format("{}: the corners give different spacings along the axes; they must be equal",
-                      path.string()));
+          formatted("{}: the corners give different spacings along the axes; they must be equal",
+                    path.string()));
   return grid;
 }
 
@@ -220,9 +219,9 @@ Grid read_grid(const std::filesystem::path& path) {
   using detail::GridFileFormat;
   const auto format = detail::grid_file_format(path.filename().string());
   if (!format)
-    throw Error(
-        fmt::format("{}: a grid file needs the suffix .dx, .vti or .txt, or one of these and .gz",
-                    path.string()));
+    throw Error(detail::formatted(
+        "{}: a grid file needs the suffix .dx, .vti or .txt, or one of these and .gz",
+        path.string()));
   if (*format == GridFileFormat::dx) return detail::read_dx(path);
   return *format == GridFileFormat::vti ? detail::read_vti(path) : detail::read_box(path);
 }

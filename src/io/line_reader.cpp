@@ -1,12 +1,11 @@
 #include "io/line_reader.hpp"
 
-#include <fmt/format.h>
-
 #include <cstring>
 #include <span>
 
 #include "eses/error.hpp"
 #include "io/text_fields.hpp"
+#include "system/formatted.hpp"
 
 namespace eses::detail {
 namespace {
@@ -35,7 +34,7 @@ bool LineReader::next(std::string_view& line) {
   ++line_;
   const char* const begin = buffer_.data() + begin_;
   const std::size_t length = end == nullptr ? end_ - begin_ : static_cast<std::size_t>(end - begin);
-  if (length > max_line_length) fail(fmt::format("more than {} characters", max_line_length));
+  if (length > max_line_length) fail(formatted("more than {} characters", max_line_length));
   if (end == nullptr) fail("the line has no end; the file seems to be cut off");
   line = {begin, length};
   begin_ += length + 1;
@@ -45,7 +44,7 @@ bool LineReader::next(std::string_view& line) {
 
 std::string_view LineReader::expect(std::string_view what) {
   std::string_view line;
-  if (!next(line)) fail_at(line_ + 1, fmt::format("expected {}, found the end of the file", what));
+  if (!next(line)) fail_at(line_ + 1, formatted("expected {}, found the end of the file", what));
   return line;
 }
 
@@ -61,7 +60,7 @@ void LineReader::refill() {
 void LineReader::fail(std::string_view what) const { fail_at(line_, what); }
 
 void LineReader::fail_at(std::uint64_t line, std::string_view what) const {
-  throw Error(fmt::format("{}:{}: {}", name_, line, what));
+  throw Error(formatted("{}:{}: {}", name_, line, what));
 }
 
 }  // namespace eses::detail

@@ -7,13 +7,14 @@
 #include <cstring>
 
 #include "eses/error.hpp"
+#include "system/formatted.hpp"
 
 namespace eses::detail {
 namespace {
 
 constexpr std::uint64_t values_per_line = 3;
 
-std::string scientific(Vec3 v) { return fmt::format("{:.12e} {:.12e} {:.12e}", v.x, v.y, v.z); }
+std::string scientific(Vec3 v) { return formatted("{:.12e} {:.12e} {:.12e}", v.x, v.y, v.z); }
 
 std::string_view title_of(MapQuantity quantity) {
   constexpr std::array<std::string_view, map_quantities> titles{
@@ -27,7 +28,7 @@ std::string_view title_of(MapQuantity quantity) {
 
 void require_between(double value, double min, double max, std::string_view what) {
   if (value >= min && value <= max) return;
-  throw Error(fmt::format("{} must be between {} and {}, not {}", what, min, max, value));
+  throw Error(formatted("{} must be between {} and {}, not {}", what, min, max, value));
 }
 
 // Header of an OpenDX file as APBS writes it. Some readers depend on its line breaks and words, and
@@ -37,11 +38,11 @@ MapLayout dx_layout(MapQuantity quantity, const Grid& grid, const GridRegion& re
   layout.format = MapFormat::dx;
   layout.value_bytes = is_of_edges(quantity) ? dielectric_text_bytes : 2;
   layout.points = static_cast<std::uint64_t>(region.point_count());
-  const std::string counts = fmt::format("{}", fmt::join(region.size(), " "));
+  const std::string counts = formatted("{}", fmt::join(region.size(), " "));
   const double h = grid.spacing;
   Vec3 origin = grid.point(region.begin);
   if (is_of_edges(quantity)) origin[edge_axis(quantity)] += 0.5 * h;
-  layout.header = fmt::format(
+  layout.header = formatted(
       "# {}\n"
       "object 1 class gridpositions counts {}\n"
       "origin {}\ndelta {}\ndelta {}\ndelta {}\n"
@@ -66,9 +67,9 @@ MapLayout vti_layout(const Grid& grid, const GridRegion& region) {
   layout.value_bytes = 1;
   layout.points = static_cast<std::uint64_t>(region.point_count());
   const GridIndex &begin = region.begin, &end = region.end;
-  const std::string extent = fmt::format("{} {} {} {} {} {}", begin[0], end[0] - 1, begin[1],
-                                         end[1] - 1, begin[2], end[2] - 1);
-  layout.header = fmt::format(
+  const std::string extent = formatted("{} {} {} {} {} {}", begin[0], end[0] - 1, begin[1],
+                                       end[1] - 1, begin[2], end[2] - 1);
+  layout.header = formatted(
       "<?xml version=\"1.0\"?>\n"
       "<VTKFile type=\"ImageData\" version=\"1.0\" byte_order=\"LittleEndian\" "
       "header_type=\"UInt64\">\n"
@@ -81,7 +82,7 @@ MapLayout vti_layout(const Grid& grid, const GridRegion& region) {
       "    </Piece>\n"
       "  </ImageData>\n"
       "  <AppendedData encoding=\"raw\">\n_",
-      extent, fmt::format("{} {} {}", grid.origin.x, grid.origin.y, grid.origin.z), grid.spacing);
+      extent, formatted("{} {} {}", grid.origin.x, grid.origin.y, grid.origin.z), grid.spacing);
   for (int byte = 0; byte < 8; ++byte)
     layout.header += static_cast<char>(layout.points >> (8 * byte) & 0xFF);
   layout.footer = "\n  </AppendedData>\n</VTKFile>\n";
@@ -100,11 +101,11 @@ bool is_compressed_map(std::string_view name) { return name.ends_with(".dx.gz");
 
 MapFormat required_map_format(std::string_view name) {
   if (const auto format = map_format(name)) return *format;
-  throw Error(fmt::format("the map file needs the suffix .dx, .dx.gz or .vti, found {}", name));
+  throw Error(formatted("the map file needs the suffix .dx, .dx.gz or .vti, found {}", name));
 }
 
 std::string dielectric_name(std::string_view prefix, MapQuantity quantity, bool gzip) {
-  return fmt::format("{}{}.dx{}", prefix, "xyz"[edge_axis(quantity)], gzip ? ".gz" : "");
+  return formatted("{}{}.dx{}", prefix, "xyz"[edge_axis(quantity)], gzip ? ".gz" : "");
 }
 
 std::vector<MapChoice> chosen_maps(const Outputs& outputs) {
@@ -139,14 +140,14 @@ void require_valid_maps(const Outputs& outputs) {
     require_between(outputs.ion_access->ion_radius, 0, max_ion_radius, "the radius of the ions");
     if (map_format(outputs.ion_access->file) != MapFormat::dx)
       throw Error(
-          fmt::format("the map file of ion accessibility needs the suffix .dx or .dx.gz, found {}",
-                      outputs.ion_access->file));
+          formatted("the map file of ion accessibility needs the suffix .dx or .dx.gz, found {}",
+                    outputs.ion_access->file));
   }
   const std::vector<MapChoice> maps = chosen_maps(outputs);
   for (std::size_t i = 0; i < maps.size(); ++i)
     for (std::size_t k = 0; k < i; ++k)
       if (maps[i].name == maps[k].name)
-        throw Error(fmt::format("two maps would have the name {}", maps[i].name));
+        throw Error(formatted("two maps would have the name {}", maps[i].name));
 }
 
 double dielectric_of(const MapChoice& map, std::uint32_t share) {

@@ -1,13 +1,12 @@
 #include "io/other_formats.hpp"
 
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <array>
 #include <cstddef>
 
 #include "eses/error.hpp"
 #include "io/text_fields.hpp"
+#include "system/formatted.hpp"
 
 namespace eses::detail {
 namespace {
@@ -63,7 +62,7 @@ constexpr std::array other_formats{
 };
 
 [[noreturn]] void refuse(std::string_view name, const OtherFormat& format) {
-  throw Error(fmt::format("{}: {} files are not read; {}", name, format.name, format.advice));
+  throw Error(formatted("{}: {} files are not read; {}", name, format.name, format.advice));
 }
 
 /// Returns the first line that is neither blank nor a comment, which begins with `comment`.

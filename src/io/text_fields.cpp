@@ -1,8 +1,8 @@
 #include "io/text_fields.hpp"
 
-#include <fmt/format.h>
-
 #include <charconv>
+
+#include "system/formatted.hpp"
 
 namespace eses::detail {
 namespace {
@@ -82,7 +82,7 @@ std::string printable(std::string_view text) {
     if (c >= ' ' && c <= '~') {
       result += c;
     } else {
-      result += fmt::format("\\x{:02x}", static_cast<unsigned>(static_cast<unsigned char>(c)));
+      result += formatted("\\x{:02x}", static_cast<unsigned>(static_cast<unsigned char>(c)));
     }
   }
   return result;

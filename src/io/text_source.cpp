@@ -1,7 +1,6 @@
 #include "io/text_source.hpp"
 
 #include <fcntl.h>
-#include <fmt/format.h>
 #include <unistd.h>
 #include <zlib.h>
 
@@ -13,6 +12,7 @@
 
 #include "eses/error.hpp"
 #include "io/gzip.hpp"
+#include "system/formatted.hpp"
 
 namespace eses::detail {
 namespace {
@@ -21,7 +21,7 @@ constexpr std::size_t buffer_bytes = std::size_t{1} << 16;
 
 [[noreturn]] void fail_with_system_error(std::string_view action, std::string_view name, int code) {
   if (code == ENOMEM) throw std::bad_alloc();
-  throw FileError(fmt::format("cannot {} {}", action, name), code);
+  throw FileError(formatted("cannot {} {}", action, name), code);
 }
 
 }  // namespace
@@ -113,7 +113,7 @@ bool TextSource::enter_member() {
 std::size_t TextSource::inflate_part(std::span<char> text) {
   if (!has_input())
     throw Error(
-        fmt::format("{}: the compressed data ends too early, after {} bytes", name_, bytes_read_));
+        formatted("{}: the compressed data ends too early, after {} bytes", name_, bytes_read_));
   constexpr std::size_t max_at_once = std::size_t{1} << 30;  // zlib uses unsigned int for lengths
   const std::size_t room = std::min(text.size(), max_at_once);
   z_stream& stream = inflation_->stream;
@@ -130,8 +130,8 @@ std::size_t TextSource::inflate_part(std::span<char> text) {
 }
 
 void TextSource::fail_as_damaged() const {
-  throw Error(fmt::format("{}: the compressed data is damaged near byte {}", name_,
-                          bytes_read_ - input_.size()));
+  throw Error(formatted("{}: the compressed data is damaged near byte {}", name_,
+                        bytes_read_ - input_.size()));
 }
 
 }  // namespace eses::detail

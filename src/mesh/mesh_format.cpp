@@ -1,11 +1,10 @@
 #include "mesh/mesh_format.hpp"
 
-#include <fmt/format.h>
-
 #include <string>
 
 #include "eses/error.hpp"
 #include "io/text_fields.hpp"
+#include "system/formatted.hpp"
 
 namespace eses::detail {
 namespace {
@@ -35,11 +34,11 @@ std::optional<MeshFormat> mesh_format(const std::filesystem::path& file) {
 MeshFormat required_mesh_format(const MeshOptions& mesh) {
   const std::optional<MeshFormat> format = mesh_format(mesh.file);
   if (!format)
-    throw Error(fmt::format("the mesh file needs the suffix {}, found {}", mesh_suffixes,
-                            mesh.file.string()));
+    throw Error(formatted("the mesh file needs the suffix {}, found {}", mesh_suffixes,
+                          mesh.file.string()));
   if (!mesh.is_ascii) return *format;
   if (format != MeshFormat::ply)
-    throw Error(fmt::format("only .ply meshes can be written as text, not {}", mesh.file.string()));
+    throw Error(formatted("only .ply meshes can be written as text, not {}", mesh.file.string()));
   return MeshFormat::ascii_ply;
 }
 

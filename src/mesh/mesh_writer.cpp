@@ -1,7 +1,5 @@
 #include "mesh/mesh_writer.hpp"
 
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <bit>
 #include <limits>
@@ -12,6 +10,7 @@
 #include "mesh/local_triangle.hpp"
 #include "mesh/msms_text.hpp"
 #include "mesh/text_lines.hpp"
+#include "system/formatted.hpp"
 
 namespace eses::detail::mesh {
 namespace {
@@ -28,7 +27,7 @@ bool is_ply(MeshFormat format) {
 // The padding is at the end of the line. Between the counts, readers that split the line at single
 // blanks, such as meshio, would take it for empty fields.
 void append_off_counts(BufferedText& text, const MeshCounts& counts) {
-  const std::string line = fmt::format("{} {} 0", counts.vertices, counts.triangles);
+  const std::string line = formatted("{} {} 0", counts.vertices, counts.triangles);
   text.append("OFF\n{:<{}}\n", line, 2 * count_digits + 3);
 }
 
@@ -87,7 +86,7 @@ char* put_ply_triangle(char* out, const Triangle& triangle) {
 
 void require_vertex_count(std::uint64_t vertices) {
   if (vertices <= max_vertices) return;
-  throw Error(fmt::format(
+  throw Error(formatted(
       "the mesh has more than {} vertices, which is more than its readers can number; use a larger "
       "spacing",
       max_vertices));
@@ -132,8 +131,8 @@ void MeshText::write_header_middle(const TextSink& sink) const {
 void MeshText::append_residue_name(BufferedText& text, std::uint64_t number,
                                    const AtomLabel& label) const {
   const std::string name =
-      fmt::format("{} {} {}", truncated_name(label.residue), truncated_name(label.residue_number),
-                  truncated_name(label.chain));
+      formatted("{} {} {}", truncated_name(label.residue), truncated_name(label.residue_number),
+                truncated_name(label.chain));
   if (is_ply(format_)) text.append("comment residue {} {}\n", number, name);
   if (format_ == MeshFormat::vtp) append_vtp_name(text, name);
 }
@@ -170,8 +169,8 @@ void MeshText::write_face_header(const MeshCounts& counts, const TextSink& sink)
 }
 
 void MeshText::append_ply_end(BufferedText& text, const MeshCounts& counts) const {
-  const std::string vertices = fmt::format("{}", counts.vertices);
-  const std::string triangles = fmt::format("{}", counts.triangles);
+  const std::string vertices = formatted("{}", counts.vertices);
+  const std::string triangles = formatted("{}", counts.triangles);
   // The padding keeps the length of the header independent of the counts.
   const std::size_t padding = 2 * count_digits - vertices.size() - triangles.size();
   text.append("comment {:->{}}\nelement vertex {}\n", "", padding, vertices);

@@ -1,11 +1,10 @@
 #include "mesh/vtp_text.hpp"
 
-#include <fmt/format.h>
-
 #include <bit>
 #include <string>
 
 #include "mesh/text_lines.hpp"
+#include "system/formatted.hpp"
 
 namespace eses::detail::mesh {
 namespace {
@@ -52,7 +51,7 @@ ColumnTable table_of(const std::vector<Array>& arrays, std::uint64_t records,
 // Pads the attribute with blanks to the length of the longest value.
 std::string attribute(std::string_view name, std::uint64_t value) {
   constexpr std::size_t max_digits = 20;
-  return fmt::format("{:<{}}", fmt::format("{}=\"{}\"", name, value), name.size() + max_digits + 3);
+  return formatted("{:<{}}", formatted("{}=\"{}\"", name, value), name.size() + max_digits + 3);
 }
 
 void append_array(BufferedText& text, const Array& array, const Column& column) {

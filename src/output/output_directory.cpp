@@ -2,7 +2,6 @@
 
 #include <dirent.h>
 #include <fcntl.h>
-#include <fmt/format.h>
 #include <sys/file.h>
 #include <sys/stat.h>
 
@@ -13,6 +12,7 @@
 #include <utility>
 
 #include "eses/error.hpp"
+#include "system/formatted.hpp"
 
 namespace eses::detail {
 namespace {
@@ -21,11 +21,11 @@ constexpr std::string_view lock_name = ".eses-blocks.lock";
 constexpr std::string_view temporary_suffix = ".part";
 
 [[noreturn]] void refuse(const std::filesystem::path& directory, const std::string& reason) {
-  throw Error(fmt::format("cannot write into {}: {}", directory.string(), reason));
+  throw Error(formatted("cannot write into {}: {}", directory.string(), reason));
 }
 
 [[noreturn]] void refuse(const std::filesystem::path& directory, std::error_code error) {
-  throw FileError(fmt::format("cannot write into {}", directory.string()), error);
+  throw FileError(formatted("cannot write into {}", directory.string()), error);
 }
 
 [[noreturn]] void refuse(const std::filesystem::path& directory, int error) {
@@ -42,7 +42,7 @@ FileDescriptor open_directory(const std::filesystem::path& path) {
 }
 
 std::string lock_name_of(const std::string& file) {
-  return file.empty() ? std::string(lock_name) : fmt::format(".{}{}", file, lock_name);
+  return file.empty() ? std::string(lock_name) : formatted(".{}{}", file, lock_name);
 }
 
 FileDescriptor open_lock(const FileDescriptor& directory, const std::string& name) {
@@ -90,11 +90,11 @@ std::string lock_path(const std::filesystem::path& directory, const std::string&
 }
 
 std::string path_in(const std::filesystem::path& directory, const std::string& name) {
-  return fmt::format("{}/{}", directory.native(), name);
+  return formatted("{}/{}", directory.native(), name);
 }
 
 std::string temporary_name(const std::string& name, long process) {
-  return fmt::format(".{}.{}{}", name, process, temporary_suffix);
+  return formatted(".{}.{}{}", name, process, temporary_suffix);
 }
 
 OutputDirectory::OutputDirectory(std::filesystem::path path, std::string file)
@@ -124,7 +124,7 @@ bool OutputDirectory::try_lock() {
   }
   if (errno == EWOULDBLOCK && file_.empty()) refuse(path_, "another run is writing there");
   if (errno == EWOULDBLOCK)
-    throw Error(fmt::format("cannot write {}: another run is writing it", path_in(path_, file_)));
+    throw Error(formatted("cannot write {}: another run is writing it", path_in(path_, file_)));
   return true;  // The file system has no locks.
 }
 
@@ -141,7 +141,7 @@ void OutputDirectory::remove_abandoned(
 
 void OutputDirectory::remove(const std::string& name) const {
   if (unlinkat(descriptor(), name.c_str(), 0) == 0 || errno == ENOENT) return;
-  throw FileError(fmt::format("cannot replace {}", path_in(path_, name)), errno);
+  throw FileError(formatted("cannot replace {}", path_in(path_, name)), errno);
 }
 
 }  // namespace eses::detail

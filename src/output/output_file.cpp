@@ -1,7 +1,6 @@
 #include "output/output_file.hpp"
 
 #include <fcntl.h>
-#include <fmt/format.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
@@ -10,6 +9,7 @@
 #include <utility>
 
 #include "eses/error.hpp"
+#include "system/formatted.hpp"
 
 namespace eses::detail {
 namespace {
@@ -28,8 +28,8 @@ const char* kind_of_file(mode_t mode) {
 void require_replaceable(const std::string& path) {
   struct stat status {};
   if (stat(path.c_str(), &status) != 0 || S_ISREG(status.st_mode)) return;
-  throw Error(fmt::format("cannot write {}: it is {}, not a regular file; choose another name",
-                          path, kind_of_file(status.st_mode)));
+  throw Error(formatted("cannot write {}: it is {}, not a regular file; choose another name", path,
+                        kind_of_file(status.st_mode)));
 }
 
 OutputFile::OutputFile(const OutputDirectory& directory, std::string name)
@@ -48,7 +48,7 @@ OutputFile::~OutputFile() {
 }
 
 void OutputFile::fail(const char* action, int error) const {
-  throw FileError(fmt::format("cannot {} {}", action, path()), error);
+  throw FileError(formatted("cannot {} {}", action, path()), error);
 }
 
 void OutputFile::write_at(std::span<const char> bytes, std::uint64_t offset) {

@@ -1,7 +1,6 @@
 #include "output/output_files.hpp"
 
 #include <fcntl.h>
-#include <fmt/format.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
@@ -19,6 +18,7 @@
 #include "io/map_writer.hpp"
 #include "mesh/mesh_format.hpp"
 #include "system/bytes_text.hpp"
+#include "system/formatted.hpp"
 #include "system/resources.hpp"
 
 namespace eses::detail {
@@ -26,7 +26,7 @@ namespace eses::detail {
 constexpr std::string_view gzip_suffix = ".gz";
 
 std::string text_file_name(const char* name, bool gzip) {
-  return fmt::format("{}{}", name, gzip ? gzip_suffix : "");
+  return formatted("{}{}", name, gzip ? gzip_suffix : "");
 }
 
 namespace {
@@ -102,7 +102,7 @@ FilePlace end_of_links(const std::filesystem::path& file) {
     if (!target) return place;
     place = place_of(*target);
   }
-  throw FileError(fmt::format("cannot write {}", file.string()), ELOOP);
+  throw FileError(formatted("cannot write {}", file.string()), ELOOP);
 }
 
 // Returns the places of all files of a mesh.
@@ -154,7 +154,7 @@ void require_writable(const std::filesystem::path& directory) {
   if (error == 0 && !S_ISDIR(status.st_mode)) error = ENOTDIR;
   if (error == 0 && faccessat(AT_FDCWD, existing.c_str(), W_OK | X_OK, AT_EACCESS) != 0)
     error = errno;
-  if (error != 0) throw FileError(fmt::format("cannot write into {}", directory.string()), error);
+  if (error != 0) throw FileError(formatted("cannot write into {}", directory.string()), error);
 }
 
 // Throws Error if `file` is a symbolic link into a directory that does not exist. Other missing
@@ -164,10 +164,10 @@ void require_end_of_link(const std::filesystem::path& file) {
   const bool is_link = target_of(place_of(file.native())).has_value();
   struct stat status {};
   if (!is_link || stat(end.directory.c_str(), &status) == 0 || errno != ENOENT) return;
-  throw Error(fmt::format(
-      "cannot write {}: it is a symbolic link into {}, which does not exist; create that "
-      "directory, or remove the link",
-      file.string(), end.directory));
+  throw Error(
+      formatted("cannot write {}: it is a symbolic link into {}, which does not exist; create that "
+                "directory, or remove the link",
+                file.string(), end.directory));
 }
 
 void require_mesh_place(const std::filesystem::path& file) {
@@ -175,8 +175,8 @@ void require_mesh_place(const std::filesystem::path& file) {
   const std::string directory = end_of_links(file).directory;
   require_writable(directory);
   if (std::filesystem::path(directory).filename() == checkpoint_name)
-    throw Error(fmt::format("{} would go where runs keep what can be resumed, and be removed",
-                            file.string()));
+    throw Error(formatted("{} would go where runs keep what can be resumed, and be removed",
+                          file.string()));
   require_replaceable(file);  // The message has the name that the user gave.
 }
 
@@ -193,8 +193,8 @@ void require_different(std::span<const FilePlace> places) {
     for (std::size_t j = 0; j < i; ++j)
       if (places[i].name == places[j].name &&
           is_same_directory(places[i].directory, places[j].directory))
-        throw Error(fmt::format("two of the files would be the same one: {}; choose another name",
-                                path_in(places[i].directory, places[i].name)));
+        throw Error(formatted("two of the files would be the same one: {}; choose another name",
+                              path_in(places[i].directory, places[i].name)));
 }
 
 // Throws Error if the file or its temporary file cannot have its name.
@@ -205,7 +205,7 @@ void require_free_name(const FilePlace& place) {
   const std::string temporary = temporary_name(place.name, getpid());
   if (lstat(path_in(place.directory, temporary).c_str(), &status) != 0 && errno == ENAMETOOLONG)
     throw Error(
-        fmt::format("cannot create {}: {}", path, std::generic_category().message(ENAMETOOLONG)));
+        formatted("cannot create {}: {}", path, std::generic_category().message(ENAMETOOLONG)));
 }
 
 }  // namespace
@@ -216,7 +216,7 @@ DiskSpace require_disk_space(const Plan& plan, const Outputs& outputs,
   for (const DiskDemand& demand : disk_demands(plan, outputs, directory)) {
     const std::uint64_t available = available_disk(existing_part(demand.directory));
     if (demand.certain > available)
-      throw Error(fmt::format(
+      throw Error(formatted(
           "the files need about {} besides intersection_info.txt{}, but {} has {} free; leave out "
           "grid_info.txt (--write edges,areas) or use a larger spacing",
           bytes_text(demand.certain), outputs.mesh ? " and the mesh" : "",

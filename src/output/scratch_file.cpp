@@ -1,7 +1,6 @@
 #include "output/scratch_file.hpp"
 
 #include <fcntl.h>
-#include <fmt/format.h>
 #include <stdlib.h>
 #include <unistd.h>
 
@@ -11,13 +10,13 @@
 
 #include "eses/error.hpp"
 #include "output/output_directory.hpp"
+#include "system/formatted.hpp"
 
 namespace eses::detail {
 namespace {
 
 [[noreturn]] void fail(const char* action, const std::filesystem::path& directory, int error) {
-  throw FileError(fmt::format("cannot {} a temporary file in {}", action, directory.string()),
-                  error);
+  throw FileError(formatted("cannot {} a temporary file in {}", action, directory.string()), error);
 }
 
 std::filesystem::path temporary_directory() {

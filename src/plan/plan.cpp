@@ -1,7 +1,5 @@
 #include "plan/plan.hpp"
 
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -20,6 +18,7 @@
 #include "sweep/region_box.hpp"
 #include "sweep/verifier.hpp"
 #include "system/bytes_text.hpp"
+#include "system/formatted.hpp"
 #include "system/parallel.hpp"
 #include "system/resources.hpp"
 
@@ -34,7 +33,7 @@ constexpr double grid_gzip_share = 0.2, edge_gzip_share = 0.3, area_gzip_share =
 constexpr std::int64_t max_verified = 10'000'000;
 
 void require(bool holds, std::string_view what, double value) {
-  if (!holds) throw Error(fmt::format("{}, not {}", what, value));
+  if (!holds) throw Error(formatted("{}, not {}", what, value));
 }
 
 void require_valid(const MeshOptions& mesh, const Molecule& molecule) {
@@ -45,10 +44,10 @@ void require_valid(const MeshOptions& mesh, const Molecule& molecule) {
 
 void require_enclosing_margin(double depth, const Parameters& p) {
   if (depth < 0 || p.margin >= 0.5 * p.spacing) return;
-  throw Error(fmt::format(
-      "a margin of {} angstrom is too small for a spacing of {}: the grid, whose number "
-      "of points is truncated, would cut the surface; use a margin of at least {}",
-      p.margin, p.spacing, p.spacing));
+  throw Error(
+      formatted("a margin of {} angstrom is too small for a spacing of {}: the grid, whose number "
+                "of points is truncated, would cut the surface; use a margin of at least {}",
+                p.margin, p.spacing, p.spacing));
 }
 
 // Returns the number of threads to use: at most one for each block or cluster of atoms.
@@ -135,15 +134,14 @@ std::uint64_t whole_bytes(double bytes) {
 // Returns the choices that the user has fixed, as a supplement to "the run needs ...".
 std::string fixed_choices(const Parameters& p) {
   std::string fixed;
-  if (p.block_size > 0) fixed += fmt::format(" in blocks of {}", p.block_size);
-  if (p.threads > 0)
-    fixed += fmt::format(" with {} thread{}", p.threads, p.threads == 1 ? "" : "s");
+  if (p.block_size > 0) fixed += formatted(" in blocks of {}", p.block_size);
+  if (p.threads > 0) fixed += formatted(" with {} thread{}", p.threads, p.threads == 1 ? "" : "s");
   return fixed;
 }
 
 [[noreturn]] void refuse_limit(const Parameters& p, double smallest) {
   const double mebibytes = std::ceil(smallest / (1 << 20));
-  throw MemoryLimitError(fmt::format(
+  throw MemoryLimitError(formatted(
       "the run needs up to {} of memory{}, but the limit is {}; use a limit of at least {:.0f} MiB "
       "(--max-memory {:.0f}M)",
       binary_bytes_text(whole_bytes(smallest)), fixed_choices(p), binary_bytes_text(p.max_memory),
@@ -156,9 +154,9 @@ std::string fixed_choices(const Parameters& p) {
   if (p.block_size > 0) advice += " or a smaller block size";
   if (p.threads > 1) advice += " or fewer threads";
   throw MemoryLimitError(
-      fmt::format("{:.3g} grid points{} need up to {} of memory, but {} are available; {}",
-                  static_cast<double>(region.point_count()), fixed_choices(p),
-                  bytes_text(whole_bytes(smallest)), bytes_text(available), advice));
+      formatted("{:.3g} grid points{} need up to {} of memory, but {} are available; {}",
+                static_cast<double>(region.point_count()), fixed_choices(p),
+                bytes_text(whole_bytes(smallest)), bytes_text(available), advice));
 }
 
 // A closed mesh has about twice as many triangles as vertices.
@@ -246,8 +244,8 @@ std::uint64_t box_bytes(const Grid& grid, bool gzip) {
 
 void require_valid(const Parameters& p) {
   require(p.probe_radius >= min_probe_radius && p.probe_radius <= max_probe_radius,
-          fmt::format("the probe radius must be between {} and {} angstrom", min_probe_radius,
-                      max_probe_radius),
+          formatted("the probe radius must be between {} and {} angstrom", min_probe_radius,
+                    max_probe_radius),
           p.probe_radius);
   require(p.verify >= 0 && p.verify <= max_verified,
           "the number of points to verify must be between 0 and 10000000",

@@ -12,6 +12,7 @@
 
 #include "eses/error.hpp"
 #include "io/text_fields.hpp"
+#include "system/formatted.hpp"
 
 namespace eses::detail {
 namespace {
@@ -80,15 +81,15 @@ bool is_by_element(const AtomKind& kind) { return kind.found && kind.found->by_e
     if (atoms == 0) line = kind.first_line;
     atoms += kind.source.count;
     if (names.size() < max_names)
-      names.push_back(printable(fmt::format("{} {}", kind.source.residue, kind.source.atom_name)));
+      names.push_back(printable(formatted("{} {}", kind.source.residue, kind.source.atom_name)));
     else
       ++others;
   }
-  throw Error(fmt::format(
+  throw Error(formatted(
       "{}:{}: {} without a radius in the set {}: {}{}; use --unknown-radius, or a file with their "
       "radii for --radii",
-      file, line, atoms == 1 ? "1 atom is" : fmt::format("{} atoms are", atoms), printable(radii),
-      fmt::join(names, ", "), others > 0 ? fmt::format(" and {} more names", others) : ""));
+      file, line, atoms == 1 ? "1 atom is" : formatted("{} atoms are", atoms), printable(radii),
+      fmt::join(names, ", "), others > 0 ? formatted(" and {} more names", others) : ""));
 }
 
 AtomLabel label_of(const SelectedStructure& structure, const StructureAtom& atom) {

@@ -29,6 +29,7 @@
 #include "io/text_fields.hpp"
 #include "structure/checker.hpp"
 #include "structure/mmcif_text.hpp"
+#include "system/formatted.hpp"
 
 namespace eses::detail {
 namespace {
@@ -37,7 +38,7 @@ namespace {
 constexpr double max_length = 1e6;  // angstrom
 
 [[noreturn]] void fail(std::string_view name, std::uint64_t line, std::string_view what) {
-  throw Error(fmt::format("{}:{}: {}", name, line, what));
+  throw Error(formatted("{}:{}: {}", name, line, what));
 }
 
 /// Returns the first line of a message of gemmi, in the style of this program.
@@ -150,9 +151,9 @@ class PdbLines {
     double value = 0;
     if (parse_number(field, value) != std::errc{} || !std::isfinite(value))
       fail(name_, line_,
-           fmt::format("expected a number for {} in columns {} to {}, found {}", "xyz"[axis],
-                       coordinate_column + 1 + coordinate_width * axis,
-                       coordinate_column + coordinate_width * (axis + 1), quoted(field)));
+           formatted("expected a number for {} in columns {} to {}, found {}", "xyz"[axis],
+                     coordinate_column + 1 + coordinate_width * axis,
+                     coordinate_column + coordinate_width * (axis + 1), quoted(field)));
   }
 
   // Writes the line number as five digits or, from 100000 on, as a hybrid-36 number, which gemmi
@@ -193,7 +194,7 @@ gemmi::Structure parse_mmcif(const StructureText& input, Checker& checker) {
     return parse_mmcif_text(input.text, std::string(input.name), checker);
   } catch (const MmcifError& error) {
     if (error.line > 0) fail(input.name, error.line, message_of(error.message));
-    throw Error(fmt::format("{}: {}", input.name, message_of(error.message)));
+    throw Error(formatted("{}: {}", input.name, message_of(error.message)));
   }
 }
 
@@ -201,14 +202,13 @@ gemmi::Structure parse_mmcif(const StructureText& input, Checker& checker) {
 
 gemmi::Model& find_model(gemmi::Structure& structure, int number, std::string_view name) {
   if (structure.models.empty() || structure.models.front().chains.empty())
-    throw Error(fmt::format("{}: no atoms found", name));
+    throw Error(formatted("{}: no atoms found", name));
   if (number == 0) return structure.models.front();
   gemmi::Model* const model = structure.find_model(std::to_string(number));
   if (model != nullptr && !model->chains.empty()) return *model;
-  throw Error(fmt::format(
+  throw Error(formatted(
       "{}: there is no model {} (--model); the file has {}, from {} to {}", name, number,
-      structure.models.size() == 1 ? "one model"
-                                   : fmt::format("{} models", structure.models.size()),
+      structure.models.size() == 1 ? "one model" : formatted("{} models", structure.models.size()),
       printable(structure.models.front().name), printable(structure.models.back().name)));
 }
 
@@ -256,9 +256,9 @@ std::uint64_t keep_chains(gemmi::Model& model, const std::vector<std::string>& n
   for (const gemmi::Chain& chain : model.chains) known.insert(chain.name);
   for (const std::string& name : names)
     if (!known.contains(name))
-      throw Error(fmt::format("{}: there is no chain {} (--chains); its chains are {}", file,
-                              detail::quoted(name),
-                              detail::quoted(fmt::format("{}", fmt::join(known, ",")))));
+      throw Error(formatted("{}: there is no chain {} (--chains); its chains are {}", file,
+                            detail::quoted(name),
+                            detail::quoted(formatted("{}", fmt::join(known, ",")))));
   return drop(model.chains, [&](const gemmi::Chain& chain) {
     return std::find(names.begin(), names.end(), chain.name) == names.end();
   });
@@ -268,7 +268,7 @@ gemmi::Selection parse_selection(const std::string& text) {
   try {
     return {text};
   } catch (const std::exception& error) {
-    throw Error(fmt::format("--select: {}", message_of(error.what())));
+    throw Error(formatted("--select: {}", message_of(error.what())));
   }
 }
 
@@ -277,8 +277,8 @@ std::uint64_t keep_selected(gemmi::Structure& structure, gemmi::Model& model,
   if (text.empty()) return 0;
   const gemmi::Selection selection = parse_selection(text);
   if (!selection.matches(model))
-    throw Error(fmt::format("{}: --select names model {}, but model {} is read; use --model {}",
-                            file, selection.mdl, printable(model.name), selection.mdl));
+    throw Error(formatted("{}: --select names model {}, but model {} is read; use --model {}", file,
+                          selection.mdl, printable(model.name), selection.mdl));
   // Residues are assigned to entities only if the selection uses these, as in `;polymer`.
   if (!selection.entity_types.all) gemmi::setup_entities(structure);
   std::uint64_t count =
@@ -379,8 +379,8 @@ std::uint64_t keep_altlocs(gemmi::Model& model, const std::string& wanted, std::
       }
     }
   if (!is_known)
-    throw Error(fmt::format("{}: no atom has the alternate location {} (--altloc)", file,
-                            printable(wanted)));
+    throw Error(
+        formatted("{}: no atom has the alternate location {} (--altloc)", file, printable(wanted)));
   return dropped;
 }
 
@@ -409,8 +409,7 @@ class AtomList {
     const gemmi::Position& at = atom.pos;
     for (const double value : {at.x, at.y, at.z})
       if (!(std::fabs(value) <= max_length))
-        fail(file_, line,
-             fmt::format("expected coordinates of at most {:.0f} angstrom", max_length));
+        fail(file_, line, formatted("expected coordinates of at most {:.0f} angstrom", max_length));
     result_.atoms.push_back({{at.x, at.y, at.z},
                              line,
                              residue,
@@ -463,7 +462,7 @@ class CopyNames {
     const auto [found, is_new] = copies.emplace(operator_, chain);
     if (is_new && copies.size() > 1) {
       for (std::size_t n = copies.size(); used_.contains(found->second); ++n)
-        found->second = fmt::format("{}-{}", chain, n);
+        found->second = formatted("{}-{}", chain, n);
       used_.insert(found->second);
     }
     return found->second;
@@ -500,10 +499,9 @@ const gemmi::Assembly& find_assembly(gemmi::Structure& structure, const std::str
   std::vector<std::string> ids;
   for (const gemmi::Assembly& assembly : structure.assemblies)
     ids.push_back(printable(assembly.name));
-  throw Error(fmt::format("{}: there is no assembly {} (--assembly); {}", file, detail::quoted(id),
-                          ids.empty()
-                              ? "the file describes none"
-                              : fmt::format("its assemblies are {}", fmt::join(ids, ", "))));
+  throw Error(formatted("{}: there is no assembly {} (--assembly); {}", file, detail::quoted(id),
+                        ids.empty() ? "the file describes none"
+                                    : formatted("its assemblies are {}", fmt::join(ids, ", "))));
 }
 
 void build_assembly(const gemmi::Assembly& assembly, const gemmi::Model& model,
@@ -524,8 +522,8 @@ void build_assembly(const gemmi::Assembly& assembly, const gemmi::Model& model,
           gemmi::make_assembly(part, model, gemmi::HowToNameCopiedChain::Dup, nullptr);
       const std::uint64_t added = gemmi::count_atom_sites(copy);
       if (result.atoms.size() + added >= std::numeric_limits<AtomIndex>::max())
-        throw Error(fmt::format("{}: assembly {} has more than {} atoms", text.name, assembly.name,
-                                std::numeric_limits<AtomIndex>::max()));
+        throw Error(formatted("{}: assembly {} has more than {} atoms", text.name, assembly.name,
+                              std::numeric_limits<AtomIndex>::max()));
       require_memory(added * 2 * sizeof(StructureAtom));
       for (const gemmi::Chain& chain : copy.chains)
         list.add(chain, names.name_of(chain.name),

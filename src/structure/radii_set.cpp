@@ -1,7 +1,5 @@
 #include "structure/radii_set.hpp"
 
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
@@ -14,6 +12,7 @@
 #include "io/text_fields.hpp"
 #include "structure/atom_groups.hpp"
 #include "structure/element_radii.hpp"
+#include "system/formatted.hpp"
 
 namespace eses::detail {
 namespace {
@@ -70,7 +69,7 @@ class NamedRadii {
 
  private:
   static std::string key(std::string_view residue, std::string_view atom) {
-    return fmt::format("{} {}", residue, atom);
+    return formatted("{} {}", residue, atom);
   }
 
   std::unordered_map<std::string, double> radii_;
@@ -99,9 +98,9 @@ class ConfigurationReader {
   RadiiSet finished() && {
     if (radii_.is_empty())
       throw Error(
-          fmt::format("{}: no atoms found; expected a set of radii in FreeSASA's "
-                      "configuration format, with the sections types: and atoms:",
-                      file_));
+          formatted("{}: no atoms found; expected a set of radii in FreeSASA's "
+                    "configuration format, with the sections types: and atoms:",
+                    file_));
     return {name_, !names_hydrogens_,
             [radii = std::move(radii_)](const AtomIdentity& atom) -> std::optional<FoundRadius> {
               if (const auto radius = radii.find(atom.residue, atom.atom))
@@ -112,7 +111,7 @@ class ConfigurationReader {
 
  private:
   [[noreturn]] void fail(std::string_view what) const {
-    throw Error(fmt::format("{}:{}: {}", file_, line_, what));
+    throw Error(formatted("{}:{}: {}", file_, line_, what));
   }
 
   void read_name(std::string_view rest) {
@@ -126,7 +125,7 @@ class ConfigurationReader {
     const std::string_view first = take_first(rest), second = take_first(rest),
                            third = take_first(rest);
     if (section_ == Section::none)
-      fail(fmt::format("expected types:, atoms: or name:, found {}", quoted(first)));
+      fail(formatted("expected types:, atoms: or name:, found {}", quoted(first)));
     if (third.empty())
       fail(section_ == Section::types ? "expected three fields, TYPE RADIUS polar|apolar"
                                       : "expected three fields, RESIDUE ATOM TYPE");
@@ -139,18 +138,18 @@ class ConfigurationReader {
   void add_type(std::string_view type, std::string_view number, std::string_view polarity) {
     double radius = 0;
     if (parse_number(number, radius) != std::errc{} || !std::isfinite(radius) || radius < 0)
-      fail(fmt::format("expected a radius of at least 0, found {}", quoted(number)));
+      fail(formatted("expected a radius of at least 0, found {}", quoted(number)));
     const std::string word = lower_case(std::string(polarity));
     if (word != "polar" && word != "apolar")
-      fail(fmt::format("expected polar or apolar, found {}", quoted(polarity)));
+      fail(formatted("expected polar or apolar, found {}", quoted(polarity)));
     if (types_.emplace(std::string(type), radius).first->second != radius)
-      fail(fmt::format("the type {} has another radius already", quoted(type)));
+      fail(formatted("the type {} has another radius already", quoted(type)));
   }
 
   void add_atom(std::string_view residue, std::string_view atom, std::string_view type) {
     const auto found = types_.find(std::string(type));
     if (found == types_.end())
-      fail(fmt::format("the type {} has no radius; types: must come before atoms:", quoted(type)));
+      fail(formatted("the type {} has no radius; types: must come before atoms:", quoted(type)));
     // Keeps the first of several entries, as FreeSASA does.
     if (radii_.add(residue, atom, found->second) && is_hydrogen_name(atom)) names_hydrogens_ = true;
   }

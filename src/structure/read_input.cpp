@@ -25,6 +25,7 @@
 #include "structure/parse_structure.hpp"
 #include "structure/radii_set.hpp"
 #include "system/bytes_text.hpp"
+#include "system/formatted.hpp"
 #include "system/resources.hpp"
 
 namespace eses::detail {
@@ -45,9 +46,9 @@ class ReadingLimit {
   void require(std::uint64_t bytes) const {
     if (max_memory_ == 0 || resident_memory() + bytes <= max_resident_) return;
     throw Error(
-        fmt::format("{}: reading the file exceeds the memory limit of {}; use a larger limit "
-                    "(--max-memory)",
-                    name_, binary_bytes_text(max_memory_)));
+        formatted("{}: reading the file exceeds the memory limit of {}; use a larger limit "
+                  "(--max-memory)",
+                  name_, binary_bytes_text(max_memory_)));
   }
 
  private:
@@ -74,7 +75,7 @@ std::string read_text(int descriptor, const std::string& name, const ReadingLimi
     text.resize(used + count);
     if (count == 0) return text;
     if (text.size() > max_bytes)
-      throw Error(fmt::format("{}: expected a file of at most {}", name, bytes_text(max_bytes)));
+      throw Error(formatted("{}: expected a file of at most {}", name, bytes_text(max_bytes)));
   }
 }
 
@@ -102,9 +103,8 @@ RadiiSet radii_set(const std::string& name_or_file) {
     return parse_radii_set(text, name_or_file);
   } catch (const Error& error) {
     if (std::filesystem::exists(name_or_file)) throw;
-    throw Error(
-        fmt::format("--radii: expected {}, or a file in FreeSASA's configuration format: {}",
-                    named_radii, error.what()));
+    throw Error(formatted("--radii: expected {}, or a file in FreeSASA's configuration format: {}",
+                          named_radii, error.what()));
   }
 }
 
@@ -116,9 +116,9 @@ bool keeps_hydrogens(HydrogenChoice choice, const RadiiSet& radii) {
 void require_format(std::string_view text, std::string_view name, AtomFormat format) {
   const AtomFormat found = structure_format_of(text);
   if (!is_structure(found) || found == format) return;
-  throw Error(fmt::format("{}: this is {} file; read it with --format {}", name,
-                          found == AtomFormat::pdb ? "a PDB" : "an mmCIF",
-                          found == AtomFormat::pdb ? "pdb" : "mmcif"));
+  throw Error(formatted("{}: this is {} file; read it with --format {}", name,
+                        found == AtomFormat::pdb ? "a PDB" : "an mmCIF",
+                        found == AtomFormat::pdb ? "pdb" : "mmcif"));
 }
 
 [[noreturn]] void fail_without_atoms(std::string_view name, const StructureReport& report) {
@@ -133,10 +133,10 @@ void require_format(std::string_view text, std::string_view name, AtomFormat for
   std::vector<std::string> reasons;
   for (const auto& [count, reason] : dropped) {
     sum += count;
-    if (count > 0) reasons.push_back(fmt::format("{} {}", count, reason));
+    if (count > 0) reasons.push_back(formatted("{} {}", count, reason));
   }
   throw Error(
-      fmt::format("{}: no atoms left of {}; left out: {}", name, sum, fmt::join(reasons, ", ")));
+      formatted("{}: no atoms left of {}; left out: {}", name, sum, fmt::join(reasons, ", ")));
 }
 
 void call_check(const ReadOptions& options) {
@@ -176,9 +176,9 @@ AtomFile read_structure(int descriptor, const std::string& name, const ReadOptio
     return parse(read_text(descriptor, name, limit, options.check), name, options, limit,
                  after_part);
   } catch (const std::bad_alloc&) {
-    throw MemoryLimitError(fmt::format("cannot read {}: out of memory", name));
+    throw MemoryLimitError(formatted("cannot read {}: out of memory", name));
   } catch (const std::length_error&) {
-    throw MemoryLimitError(fmt::format("cannot read {}: out of memory", name));
+    throw MemoryLimitError(formatted("cannot read {}: out of memory", name));
   }
 }
 

@@ -1,7 +1,5 @@
 #include "surface/molecule.hpp"
 
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <array>
 #include <bit>
@@ -22,6 +20,7 @@
 #include "surface/cell_list.hpp"
 #include "surface/diagnostic_finder.hpp"
 #include "surface/neighbors.hpp"
+#include "system/formatted.hpp"
 #include "system/serial_check.hpp"
 
 namespace eses::detail {
@@ -29,7 +28,7 @@ namespace {
 
 [[noreturn]] void refuse(std::size_t i, std::string_view what, double value,
                          std::string_view wanted) {
-  throw Error(fmt::format("atom {} (counted from 0) has {} {}; give a {}", i, what, value, wanted));
+  throw Error(formatted("atom {} (counted from 0) has {} {}; give a {}", i, what, value, wanted));
 }
 
 void require_valid(std::span<const Atom> atoms) {
@@ -177,7 +176,7 @@ void keep_vicinity(std::span<const Atom> atoms, AtomIndex i, std::span<const Ato
 // available threads.
 int useful_threads(std::size_t atoms, int wanted) {
   if (wanted < 0)
-    throw Error(fmt::format("the number of threads must not be negative, and is {}", wanted));
+    throw Error(formatted("the number of threads must not be negative, and is {}", wanted));
   if (loop_range_count(atoms) < 2) return 1;
   return wanted > 0 ? wanted : available_threads();
 }
@@ -191,7 +190,7 @@ struct Molecule::Parts {
       : atoms(std::move(all_atoms)), labels(std::move(all_labels)), is_contained(atoms.size()) {
     require_valid(atoms);
     if (!labels.empty() && labels.size() != atoms.size())
-      throw Error(fmt::format("{} labels for {} atoms", labels.size(), atoms.size()));
+      throw Error(formatted("{} labels for {} atoms", labels.size(), atoms.size()));
     const int threads = useful_threads(atoms.size(), wanted_threads);
     SerialCheck serial_check(check_callback);
     const CheckCallback check = [&serial_check] { serial_check(); };

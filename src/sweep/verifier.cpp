@@ -1,7 +1,5 @@
 #include "sweep/verifier.hpp"
 
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <array>
 #include <atomic>
@@ -12,6 +10,7 @@
 
 #include "geometry/tolerances.hpp"
 #include "sweep/solved_block.hpp"
+#include "system/formatted.hpp"
 #include "system/parallel.hpp"
 
 namespace eses::detail {
@@ -40,7 +39,7 @@ Place place_of(const GridIndex& point, std::int64_t kind) {
 }
 
 std::string fault_of_missing(const GridIndex& point) {
-  return fmt::format("point {} {} {} is in no block", point[0], point[1], point[2]);
+  return formatted("point {} {} {} is in no block", point[0], point[1], point[2]);
 }
 
 std::int64_t number_of(const BlockTiling& tiling, const GridIndex& block) {

@@ -1,9 +1,9 @@
 #include "system/bytes_text.hpp"
 
-#include <fmt/format.h>
-
 #include <array>
 #include <string_view>
+
+#include "system/formatted.hpp"
 
 namespace eses::detail {
 namespace {
@@ -14,7 +14,7 @@ std::string in_units(std::uint64_t bytes, double step,
   std::size_t unit = 0;
   // The format prints 999.5 as 1e+03, so that value already takes the next unit.
   for (; value >= 999.5 && unit + 1 < units.size(); ++unit) value /= step;
-  return fmt::format("{:.3g} {}", value, units[unit]);
+  return formatted("{:.3g} {}", value, units[unit]);
 }
 
 }  // namespace

@@ -1,6 +1,5 @@
 #include "system/resources.hpp"
 
-#include <fmt/format.h>
 #include <malloc.h>
 #include <pthread.h>
 #include <sys/resource.h>
@@ -17,6 +16,7 @@
 
 #include "eses/error.hpp"
 #include "system/bytes_text.hpp"
+#include "system/formatted.hpp"
 
 namespace eses::detail {
 namespace {
@@ -34,10 +34,10 @@ std::vector<std::string> control_groups(const std::string& mount_root,
   for (std::string line; std::getline(file, line);) {  // number:controllers:/path
     const std::size_t first = line.find(':'), second = line.find(':', first + 1);
     if (second == std::string::npos) continue;
-    const std::string names = fmt::format(",{},", line.substr(first + 1, second - first - 1));
+    const std::string names = formatted(",{},", line.substr(first + 1, second - first - 1));
     std::string root = mount_root + "sys/fs/cgroup/";
     if (names != ",,") {
-      if (names.find(fmt::format(",{},", controller)) == std::string::npos) continue;
+      if (names.find(formatted(",{},", controller)) == std::string::npos) continue;
       root += controller + "/";
     }
     std::string below = line.substr(std::min(second + 2, line.size()));
@@ -135,9 +135,9 @@ void require_stack() {
   rlimit limit{};
   if (getrlimit(RLIMIT_STACK, &limit) != 0 || limit.rlim_cur >= min_stack_bytes) return;
   if (limit.rlim_max < min_stack_bytes)
-    throw Error(fmt::format("the stack is limited to {}; at least {} are needed (ulimit -s {})",
-                            binary_bytes_text(limit.rlim_max), binary_bytes_text(min_stack_bytes),
-                            min_stack_bytes >> 10));
+    throw Error(formatted("the stack is limited to {}; at least {} are needed (ulimit -s {})",
+                          binary_bytes_text(limit.rlim_max), binary_bytes_text(min_stack_bytes),
+                          min_stack_bytes >> 10));
   limit.rlim_cur = min_stack_bytes;
   setrlimit(RLIMIT_STACK, &limit);
 #ifdef __GLIBC__
@@ -153,9 +153,9 @@ void require_stack() {
 void require_memory_within(std::uint64_t max_memory) {
   if (max_memory > 0 && resident_memory() > max_memory)
     throw MemoryLimitError(
-        fmt::format("memory use exceeded both the limit of {} and the estimate; use a larger limit "
-                    "(--max-memory)",
-                    binary_bytes_text(max_memory)));
+        formatted("memory use exceeded both the limit of {} and the estimate; use a larger limit "
+                  "(--max-memory)",
+                  binary_bytes_text(max_memory)));
 }
 
 std::uint64_t available_disk(const std::filesystem::path& directory) {

@@ -1,11 +1,11 @@
 #include "verify/faults.hpp"
 
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <cmath>
 #include <optional>
 #include <span>
+
+#include "system/formatted.hpp"
 
 namespace eses::detail::verify {
 namespace {
@@ -35,7 +35,7 @@ constexpr Access touching_probe{0, 1e-9, 0};
 constexpr double no_direction = 1e-12;
 
 std::string name_of(const GridIndex& index) {
-  return fmt::format("{} {} {}", index[0], index[1], index[2]);
+  return formatted("{} {} {}", index[0], index[1], index[2]);
 }
 
 // --- the probe that touches the named atoms and is nearest to a point ----------------------------
@@ -187,16 +187,15 @@ std::string fault_of_point(CentreSearch& search, const Grid& grid, const GridInd
   const Vec3 x = grid.point(point);
   const bool is_right = is_inside ? !is_covered(search, x) : may_be_covered(search, x);
   if (is_right) return "";
-  return fmt::format(
-      "point {}: called {}", name_of(point),
-      is_inside ? "inside, but a probe covers it" : "outside, but no probe covers it");
+  return formatted("point {}: called {}", name_of(point),
+                   is_inside ? "inside, but a probe covers it" : "outside, but no probe covers it");
 }
 
 std::string fault_of_edge(CentreSearch& search, const Grid& grid, const Crossing& crossing) {
   const char* fault = fault_of_crossing(search, grid, crossing);
   if (fault == nullptr) return "";
-  return fmt::format("edge {} -> {}: {}", name_of(crossing.inside_point()),
-                     name_of(crossing.outside_point()), fault);
+  return formatted("edge {} -> {}: {}", name_of(crossing.inside_point()),
+                   name_of(crossing.outside_point()), fault);
 }
 
 double distance_to_seam(CentreSearch& search, const Crossing& crossing) {
