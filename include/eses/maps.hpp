@@ -11,15 +11,18 @@
 #include <vector>
 
 #include "eses/grid.hpp"
+#include "eses/outputs.hpp"
 #include "eses/run_options.hpp"
 #include "eses/surface.hpp"
 
 namespace eses {
 
-/// Choices of compute_dielectric.
+/// Choices of compute_dielectric, with the defaults of DielectricMaps: 2 and 78.54.
 struct DielectricOptions {
-  double solute = 2;       ///< Relative permittivity inside the surface, 1e-9 to 1e9.
-  double solvent = 78.54;  ///< Relative permittivity outside the surface, 1e-9 to 1e9.
+  /// Relative permittivity inside the surface, 1e-9 to 1e9.
+  double solute = DielectricMaps{}.solute;
+  /// Relative permittivity outside the surface, 1e-9 to 1e9.
+  double solvent = DielectricMaps{}.solvent;
 };
 
 /// Computes the values of DielectricMaps: the dielectric at the middles of the grid's edges along
@@ -33,11 +36,12 @@ std::array<std::vector<double>, 3> compute_dielectric(const Surface& surface, co
                                                       const RunOptions& options = {});
 
 /// Computes the values of IonAccessMap: 1 for each point that is outside all spheres of the atoms'
-/// radius plus `ion_radius` (angstrom, 0 to 1000), and 0 for the others, in the order of
-/// Result::inside.
+/// radius plus `ion_radius` (angstrom, 0 to 1000; that of IonAccessMap is 2), and 0 for the others,
+/// in the order of Result::inside.
 ///
 /// Throws std::invalid_argument also if the radius is out of its range.
 std::vector<std::uint8_t> compute_ion_access(const Surface& surface, const Grid& grid,
-                                             double ion_radius = 2, const RunOptions& options = {});
+                                             double ion_radius = IonAccessMap{}.ion_radius,
+                                             const RunOptions& options = {});
 
 }  // namespace eses

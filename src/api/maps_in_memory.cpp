@@ -32,7 +32,8 @@ MapsInMemory dielectric_receivers(std::span<const MapChoice> maps, const GridReg
   for (const MapChoice& map : maps)
     receivers.sinks.push_back(receiver(map.quantity, region, values[edge_axis(map.quantity)],
                                        [map](std::span<const std::uint64_t> words, std::size_t x) {
-                                         return dielectric_of(map, share_at(words, x));
+                                         return dielectric_of(
+                                             map, share_in(words[x / shares_per_word], x));
                                        }));
   return receivers;
 }

@@ -30,6 +30,22 @@ std::uint64_t write_empty_member(const Processes& processes, SharedFile& file) {
   return member.size();
 }
 
+// Copies the first bytes of a scratch file to the file `to` from `begin` on. Returns the number of
+// bytes copied, which is smaller if the kernel cannot copy them.
+std::uint64_t copy_in_kernel(const ScratchFile& from, std::uint64_t bytes, SharedFile& to,
+                             std::uint64_t begin, const std::function<void()>& check) {
+  std::uint64_t done = 0;
+  while (done < bytes) {
+    check();
+    const std::uint64_t copied = to.copy_from(
+        from.descriptor(),
+        {.from = done, .to = begin + done, .bytes = std::min(bytes_per_copy, bytes - done)});
+    if (copied == 0) break;
+    done += copied;
+  }
+  return done;
+}
+
 // Divides records into the columns of a table, in a part of a file that begins at `begin`.
 class ColumnWriter {
  public:
@@ -167,29 +183,14 @@ void Merge::read(PlaneChunk& chunk, ChunkText text, std::uint64_t unit, std::uin
   if (plan_.checkpoint) close(chunk, text);
 }
 
-// Returns the number of bytes copied, which is smaller than the length if the kernel cannot copy
-// them.
-std::uint64_t Merge::copy_in_kernel(PlaneChunk& chunk, ChunkText text, SharedFile& to,
-                                    std::uint64_t begin) {
-  const std::uint64_t bytes = chunk.info.bytes_of(text);
-  if (bytes == 0 || chunk.is_restored) return 0;
-  const int scratch = open(chunk, text).descriptor();
-  std::uint64_t done = 0;
-  while (done < bytes) {
-    check_();
-    const std::uint64_t copied = to.copy_from(
-        scratch,
-        {.from = done, .to = begin + done, .bytes = std::min(bytes_per_copy, bytes - done)});
-    if (copied == 0) break;
-    done += copied;
-  }
-  return done;
-}
-
 void Merge::copy(PlaneChunk& chunk, ChunkText text, SharedFile& to, std::uint64_t begin) {
   const bool is_at_its_place = chunk.is_in_place && !chunk.text(text);
   if (is_at_its_place) return;
-  const std::uint64_t copied = copy_in_kernel(chunk, text, to, begin);
+  const std::uint64_t length = chunk.info.bytes_of(text);
+  const bool must_be_read = chunk.is_restored;  // for its checksum
+  const std::uint64_t copied = length == 0 || must_be_read
+                                   ? 0
+                                   : copy_in_kernel(open(chunk, text), length, to, begin, check_);
   read(chunk, text, 1, copied, [&](std::span<const char> bytes, std::uint64_t offset) {
     to.write_at(bytes, begin + offset);
   });
@@ -242,13 +243,8 @@ std::uint64_t Merge::write_compressed_values(GridMap& map, SharedFile& to) const
   }
   if (processes_.rank() + 1 == processes_.count()) append(map.compressed_footer());
   const std::uint64_t own = text.size();
-  std::uint64_t begin = 0, all = 0;
-  int rank = 0;
-  for (const std::uint64_t bytes : processes_.gather<std::uint64_t>({&own, 1})) {
-    if (rank++ < processes_.rank()) begin += bytes;
-    all += bytes;
-  }
-  std::uint64_t done = to.copy_from(text.descriptor(), {.from = 0, .to = begin, .bytes = own});
+  const std::uint64_t begin = processes_.sum_before(own);
+  std::uint64_t done = copy_in_kernel(text, own, to, begin, check_);
   std::vector<char> part;
   for (; done < own; done += part.size()) {
     check_();
@@ -256,7 +252,7 @@ std::uint64_t Merge::write_compressed_values(GridMap& map, SharedFile& to) const
     text.read_at(std::as_writable_bytes(std::span(part)), done);
     to.write_at(part, begin + done);
   }
-  return all;
+  return processes_.sum(own);
 }
 
 std::uint64_t Merge::write_map(OutputFile* file, const MapChoice& choice) {

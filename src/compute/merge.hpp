@@ -50,8 +50,6 @@ class Merge {
   void read(PlaneChunk& chunk, ChunkText text, std::uint64_t unit, std::uint64_t begin,
             Take&& take) const;
   void require_sound(const PlaneChunk& chunk, ChunkText text, std::uint32_t checksum) const;
-  std::uint64_t copy_in_kernel(PlaneChunk& chunk, ChunkText text, SharedFile& to,
-                               std::uint64_t begin);
   void copy(PlaneChunk& chunk, ChunkText text, SharedFile& to, std::uint64_t begin);
   std::uint64_t copy_all(ChunkText text, SharedFile& to, std::uint64_t begin);
   template <class Take>

@@ -280,7 +280,7 @@ RunPlan plan_run(const RunTask& task, const Processes& processes) {
   processes.add(std::span<double>(crossings));
   combine_schedules(processes, run);
   plan_files({run.atoms, crossings[0], sum_labels(labels, processes)}, outputs, run.whole);
-  if (processes.count() > 1 || task.resume) expect_chunks(task, run.whole);
+  if (!writes_in_place(task, processes)) expect_chunks(task, run.whole);
   return run;
 }
 
@@ -294,6 +294,10 @@ RunPlan plan_of_molecule(const Molecule& molecule, const Plan& plan, const Outpu
   if (outputs.residues || names_groups(outputs))
     take_labels(residue_runs(molecule.labels()), outputs, Processes(), run, run.slab.groups);
   return run;
+}
+
+bool writes_in_place(const RunTask& task, const Processes& processes) {
+  return processes.count() == 1 && !task.resume;
 }
 
 }  // namespace eses::detail

@@ -65,4 +65,8 @@ RunPlan plan_run(const RunTask& task, const Processes& processes);
 /// make_plan.
 RunPlan plan_of_molecule(const Molecule& molecule, const Plan& plan, const Outputs& outputs);
 
+/// Returns whether texts are written directly to the output files: a single process sweeps the
+/// whole region as one range.
+bool writes_in_place(const RunTask& task, const Processes& processes);
+
 }  // namespace eses::detail

@@ -92,10 +92,6 @@ void add_shares(std::vector<AreaShare> shares, std::vector<AreaShare>& sums) {
 
 }  // namespace
 
-bool writes_in_place(const RunTask& task, const Processes& processes) {
-  return processes.count() == 1 && !task.resume;
-}
-
 std::vector<PlaneRange> ranges_to_sweep(const RunTask& task, const RunPlan& plan) {
   std::vector<PlaneRange> ranges;
   for (const PlaneRange& range : remaining(plan.slab.planes, plan.done)) {

@@ -19,10 +19,6 @@
 
 namespace eses::detail {
 
-/// Returns whether texts are written directly to the output files: a single process sweeps the
-/// whole region as one range.
-bool writes_in_place(const RunTask& task, const Processes& processes);
-
 /// Returns the ranges of planes that this process sweeps, ascending. A run that can be resumed has
 /// several ranges, as an interruption loses the current range.
 std::vector<PlaneRange> ranges_to_sweep(const RunTask& task, const RunPlan& plan);

@@ -9,6 +9,7 @@
 #include <string_view>
 #include <utility>
 
+#include "grid/edge_share.hpp"
 #include "io/gzip.hpp"
 #include "system/parallel.hpp"
 
@@ -18,7 +19,9 @@ namespace {
 constexpr std::int64_t tile_words = 1 << 16;
 constexpr std::int64_t cell_points = 64;
 
-std::int64_t words_of_cell(MapQuantity quantity) { return is_of_edges(quantity) ? 32 : 1; }
+std::int64_t words_of_cell(MapQuantity quantity) {
+  return is_of_edges(quantity) ? cell_points / std::int64_t{shares_per_word} : 1;
+}
 
 std::int64_t cells_along(const GridIndex& size) {
   return (size[0] + cell_points - 1) / cell_points;
@@ -200,13 +203,12 @@ void GridMap::fill_edges(const Tile& tile, std::int64_t x, std::uint64_t first_i
   write_dielectric(solute.data(), map_.solute);
   const auto in_cell = static_cast<std::size_t>(x % cell_points);
   const auto per_cell = static_cast<std::size_t>(words_of_cell(map_.quantity));
-  const std::uint64_t* const words = scratch.words.data() + in_cell / 2;
-  const int shift = in_cell % 2 == 0 ? 0 : 32;
+  const std::uint64_t* const words = scratch.words.data() + in_cell / shares_per_word;
   char* value = scratch.values.data();
   std::uint64_t index = first_index % 3;  // sufficient for dx_separator()
   for (std::size_t y = 0; y < rows; ++y)
     for (std::size_t z = 0; z < planes; ++z, value += dielectric_text_bytes) {
-      const auto share = static_cast<std::uint32_t>(words[(z * rows + y) * per_cell] >> shift);
+      const std::uint32_t share = share_in(words[(z * rows + y) * per_cell], in_cell);
       if (share == 0)
         std::memcpy(value, solvent.data(), digits);
       else if (share == whole_edge)
@@ -270,15 +272,15 @@ std::optional<std::uint32_t> GridMap::uniform_share(const Tile& tile, std::int64
   const auto in_cell = static_cast<std::size_t>(x % cell_points);
   const bool has_edges = is_of_edges(map_.quantity);
   const auto per_cell = static_cast<std::size_t>(words_of_cell(map_.quantity));
-  const std::size_t word = has_edges ? in_cell / 2 : 0;
-  const std::size_t shift = has_edges ? 32 * (in_cell % 2) : in_cell;
-  const std::uint64_t mask = has_edges ? whole_edge : 1;
+  const std::size_t first_word = has_edges ? in_cell / shares_per_word : 0;
   const auto count = static_cast<std::size_t>(tile.rows() * size_[2]);
   const auto share_of = [&](std::size_t row) {
-    return static_cast<std::uint32_t>(scratch.words[row * per_cell + word] >> shift & mask);
+    const std::uint64_t word = scratch.words[row * per_cell + first_word];
+    return has_edges ? share_in(word, in_cell) : static_cast<std::uint32_t>(word >> in_cell & 1);
   };
   const std::uint32_t first = share_of(0);
-  if (first != 0 && first != mask) return std::nullopt;
+  const bool is_whole = first == 0 || first == (has_edges ? whole_edge : 1);
+  if (!is_whole) return std::nullopt;
   for (std::size_t row = 1; row < count; ++row)
     if (share_of(row) != first) return std::nullopt;
   return first;

@@ -22,17 +22,12 @@ Extent extent_of(MapQuantity quantity) {
 void append_whole_edges(std::uint64_t bits, std::vector<std::uint64_t>& words) {
   constexpr std::uint64_t low = whole_edge, high = std::uint64_t{whole_edge} << 32;
   constexpr std::array<std::uint64_t, 4> pairs{0, low, high, low | high};
-  constexpr std::size_t words_of_cell = 32;
+  constexpr std::size_t words_of_cell = 64 / shares_per_word;
   const std::size_t begin = words.size();
   words.resize(begin + words_of_cell, 0);
   if (bits == 0) return;
   for (std::size_t pair = 0; pair < words_of_cell; ++pair)
     words[begin + pair] = pairs[bits >> (2 * pair) & 3];
-}
-
-void set_share(std::uint64_t& pair, std::size_t place, std::uint32_t share) {
-  const int shift = place % 2 == 0 ? 0 : 32;
-  pair = (pair & ~(std::uint64_t{whole_edge} << shift)) | std::uint64_t{share} << shift;
 }
 
 }  // namespace
@@ -91,7 +86,7 @@ void MapRows::append_edges(std::int64_t y, std::int64_t z, std::vector<std::uint
       const EdgeShares::Edge& edge = result.shares.edges[e];
       if (edge.axis != axis) continue;
       const auto x = static_cast<std::size_t>(first_x + edge.x);
-      set_share(words[begin + x / 2], x, edge.share);
+      set_share(words[begin + x / shares_per_word], x, edge.share);
     }
   }
 }

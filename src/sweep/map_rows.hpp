@@ -11,11 +11,6 @@
 
 namespace eses::detail {
 
-/// Returns the share of edge `x` of a row of edges.
-inline std::uint32_t share_at(std::span<const std::uint64_t> row, std::size_t x) {
-  return static_cast<std::uint32_t>(row[x / 2] >> (x % 2 == 0 ? 0 : 32));
-}
-
 /// Makes rows of words for GridMap from the blocks of a layer. Keeps references to `tiling` and
 /// `layer`.
 class MapRows {
