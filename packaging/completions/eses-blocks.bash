@@ -13,8 +13,8 @@ _eses_blocks() {
       edges,areas' -- "$cur")) && return ;;
     --color) COMPREPLY=($(compgen -W 'patch atom chain' -- "$cur")) && return ;;
     --mesh) _filedir '@(ply|obj|off|vtp|vert|face)' && return ;;
-    --inside) _filedir '@(dx|vti)' && return ;;
-    --kappa) _filedir dx && return ;;
+    --inside) _filedir '@(dx|dx.gz|vti)' && return ;;
+    --kappa) _filedir 'dx?(.gz)' && return ;;
     --grid-like) _filedir '@(dx|vti|txt)?(.gz)' && return ;;
     --dielectric) _filedir && return ;;
     --output-dir | -o) _filedir -d && return ;;

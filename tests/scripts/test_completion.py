@@ -84,12 +84,14 @@ class Bash(TestCase):
     def test_values_and_files_are_completed(self):
         (self.folder / "a.xyzr").touch()
         (self.folder / "a.txt").touch()
-        for name in ("m.ply", "m.obj", "m.off", "m.vtp", "m.face", "i.dx", "i.vti"):
+        for name in ("m.ply", "m.obj", "m.off", "m.vtp", "m.face", "i.dx", "i.vti",
+                     "z.dx.gz", "z.gz"):
             (self.folder / name).touch()
         (self.folder / "sub").mkdir()
         self.assertEqual(self.complete("--mesh", ""),
                          {"m.ply", "m.obj", "m.off", "m.vtp", "m.face", "sub"})
-        self.assertEqual(self.complete("--inside", ""), {"i.dx", "i.vti", "sub"})
+        self.assertEqual(self.complete("--inside", ""), {"i.dx", "i.vti", "z.dx.gz", "sub"})
+        self.assertEqual(self.complete("--kappa", ""), {"i.dx", "z.dx.gz", "sub"})
         self.assertEqual(self.complete("--format", ""), {"auto", "xyzr", "pqr", "pdb", "mmcif"})
         self.assertEqual(self.complete("a"), {"a.xyzr"})
         self.assertEqual(self.complete("a.xyzr", "-o", ""), {"sub"})
@@ -159,10 +161,10 @@ class Zsh(TestCase):
 
     def test_files_commands_and_values_are_completed(self):
         for name in ("a.xyzr", "b.pqr.gz", "c.ply", "d.obj", "e.off", "f.dx", "g.vti", "h.txt", "i.cif.gz",
-                     "j.vtp"):
+                     "j.vtp", "k.dx.gz", "l.gz"):
             (self.folder / name).touch()
         (self.folder / "sub").mkdir()
-        meshes, maps = {"c.ply", "d.obj", "e.off", "j.vtp"}, {"f.dx", "g.vti"}
+        meshes, maps = {"c.ply", "d.obj", "e.off", "j.vtp"}, {"f.dx", "g.vti", "k.dx.gz"}
         atoms = {"a.xyzr", "b.pqr.gz", "i.cif.gz"}
         for line, expected in (
                 ("", atoms | {"sub", "diff"}),
@@ -173,6 +175,7 @@ class Zsh(TestCase):
                 ("a.xyzr --mesh ", meshes | {"sub"}),
                 ("a.xyzr --mesh=", meshes | {"sub"}),
                 ("a.xyzr --inside ", maps | {"sub"}),
+                ("a.xyzr --kappa ", {"f.dx", "k.dx.gz", "sub"}),
                 ("a.xyzr --color ", {"patch", "atom", "chain"}),
                 ("a.xyzr --format ", {"auto", "xyzr", "pqr", "pdb", "mmcif"}),
                 ("a.xyzr --write ", {"all", "none", "grid", "edges", "areas", "residues"}),
