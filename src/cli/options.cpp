@@ -343,7 +343,10 @@ void add_file_options(CLI::App& app, CommandLine& line) {
       line.color,
       one_of<MeshColor>(
           {{"patch", MeshColor::patch}, {"atom", MeshColor::atom}, {"chain", MeshColor::chain}}));
-  add_flag(app, "--ply-ascii", "write a .ply mesh as text, such as for PyMOL", line.is_ascii);
+  add_flag(app, "--ply-ascii",
+           "write a .ply mesh as text, for programs that do not\n"
+           "read binary PLY",
+           line.is_ascii);
   add_flag(app, "--resume",
            "keep finished parts if the run is interrupted, and\n"
            "continue an interrupted run",

@@ -2,11 +2,11 @@
 /// A fast proof that an atom is buried, and a selection of the relevant caps of other atoms, before
 /// any contact circle is computed.
 ///
-/// Small spherical patches around fixed directions cover the SAS sphere. A patch is settled if it
-/// lies in a single cap. If all patches are settled, the atom is buried. Otherwise, all accessible
-/// points lie in the remaining patches. Then two sets of caps suffice: those that settled a patch,
-/// and those that may reach into a remaining patch. Their union equals the union of all caps.
-/// doc/algorithm.md derives this.
+/// Small discs around fixed directions cover the SAS sphere. A disc is settled if it lies in a
+/// single cap. If all discs are settled, the atom is buried. Otherwise, all accessible points lie
+/// in the remaining discs. Then two sets of caps suffice: those that settled a disc, and those that
+/// may reach into a remaining disc. Their union equals the union of all caps. doc/algorithm.md
+/// derives this.
 
 #include <cstdint>
 #include <span>
