@@ -1,5 +1,6 @@
 """Measures the cost of a run of the program, for the scripts that measure."""
 
+import contextlib
 import datetime
 import json
 import os
@@ -14,6 +15,24 @@ import time
 from common import PROJECT, Failed, complete_file, machine
 
 
+@contextlib.contextmanager
+def delayed_signals():
+    """Delays SIGINT and SIGTERM until the end of the block. An exception of their handlers within
+    Popen would leave a process that nobody knows."""
+    received = []
+    handlers = {number: signal.getsignal(number) for number in (signal.SIGINT, signal.SIGTERM)}
+    changed = [number for number, handler in handlers.items() if handler != signal.SIG_IGN]
+    for number in changed:
+        signal.signal(number, lambda number, _: received.append(number))
+    try:
+        yield
+    finally:
+        for number in changed:
+            signal.signal(number, handlers[number])
+        for number in received:
+            signal.raise_signal(number)
+
+
 def run(command, stdout, stderr, **how):
     """Runs a command and returns exit code, wall seconds and resource usage, including children.
 
@@ -24,14 +43,17 @@ def run(command, stdout, stderr, **how):
     between, which costs a millisecond. `exit` keeps the shell from replacing itself by the program.
     """
     start = time.perf_counter()
-    process = subprocess.Popen(["/bin/sh", "-c", '"$@"; exit $?', "sh", *map(str, command)],
-                               stdin=subprocess.DEVNULL, stdout=stdout, stderr=stderr,
-                               start_new_session=True, **how)
+    process = None
     try:
+        with delayed_signals():
+            process = subprocess.Popen(["/bin/sh", "-c", '"$@"; exit $?', "sh", *map(str, command)],
+                                       stdin=subprocess.DEVNULL, stdout=stdout, stderr=stderr,
+                                       start_new_session=True, **how)
         _, status, usage = os.wait4(process.pid, 0)
     except BaseException:
-        os.killpg(process.pid, signal.SIGKILL)  # kill the program, not only the shell
-        process.wait()
+        if process:
+            os.killpg(process.pid, signal.SIGKILL)  # kill the program, not only the shell
+            process.wait()
         raise
     process.returncode = os.waitstatus_to_exitcode(status)
     return process.returncode, time.perf_counter() - start, usage

@@ -322,6 +322,7 @@ class Interrupted(ApbsTest):
         self.assertEqual((process.returncode, output), (code, ""))
         self.assertNotIn("Traceback", errors)
         self.assertEqual(list(self.temporary.iterdir()), [])
+        end = time.monotonic() + PATIENCE
         with self.assertRaises(ProcessLookupError):
             while time.monotonic() < end:
                 os.kill(int(started.read_text()), 0)

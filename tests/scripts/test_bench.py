@@ -2,10 +2,17 @@
 
 import gzip
 import json
+import os
 import shutil
+import signal
 import subprocess
+import time
+import unittest
+import unittest.mock
 
 from support import DATA, PROGRAM, TestCase, run, write_program
+
+import measuring  # after support, which makes the modules of the scripts known
 
 COLUMNS = ("structure", "atoms", "points", "CPU s", "wall s", "peak MB", "MB out", "x copy")
 
@@ -13,6 +20,31 @@ COLUMNS = ("structure", "atoms", "points", "CPU s", "wall s", "peak MB", "MB out
 def run_program(*arguments):
     done = subprocess.run([PROGRAM, *arguments, "--json"], capture_output=True, check=True)
     return json.loads(done.stdout)
+
+
+class Run(unittest.TestCase):
+    def test_signal_during_the_start_ends_the_program(self):
+        """The program ends, too, if its script is ended before Popen returns."""
+        started = []
+
+        class Interrupted(subprocess.Popen):
+            def __init__(self, *arguments, **how):
+                super().__init__(*arguments, **how)
+                started.append(self)
+                signal.raise_signal(signal.SIGTERM)
+
+        self.addCleanup(signal.signal, signal.SIGTERM, signal.getsignal(signal.SIGTERM))
+        measuring.end_on_sigterm()
+        with unittest.mock.patch("subprocess.Popen", Interrupted), \
+                self.assertRaises(SystemExit) as ended:
+            measuring.run(["sleep", "3600"], subprocess.DEVNULL, subprocess.DEVNULL)
+        self.assertEqual(ended.exception.code, 143)
+        self.assertEqual(started[0].returncode, -signal.SIGKILL)
+        end = time.monotonic() + 600
+        with self.assertRaises(ProcessLookupError):  # until the session has no process
+            while time.monotonic() < end:
+                os.killpg(started[0].pid, 0)
+                time.sleep(0.02)
 
 
 class BenchTest(TestCase):
