@@ -269,7 +269,7 @@ TEST_CASE("invalid chosen grids are refused", "[grid]") {
     return std::string();
   };
   CHECK(message({{0, 0, 0}, 0.5, {2, 2, 2}}).empty());
-  CHECK(contains(message({{0, 0, 0}, 0.5, {2, 1, 2}}), "1 points along y"));
+  CHECK(contains(message({{0, 0, 0}, 0.5, {2, 1, 2}}), "points along y is 1; it must be 2 or more"));
   CHECK(contains(message({{0, 0, 1e9}, 0.5, {2, 2, 2}}), "too far from 0"));
   CHECK(contains(message({{0, 0, 0}, 0.5, {2, 2, 3000000000}}), "3000000000 points along z"));
   CHECK(contains(message({{0, 0, 0}, 0.001, {1000000, 1000000, 1000000}}), "1e+18 points"));
@@ -333,15 +333,44 @@ TEST_CASE("usage errors of chosen grids name the option", "[grid][cli]") {
   CHECK(sandbox.files().empty());
 }
 
+TEST_CASE("maps of the dielectric give the grid, not the middles of its edges", "[grid]") {
+  const TemporaryDirectory directory;
+  const auto read = [&](const std::string& comment) {
+    const fs::path path = directory.path() / "map.dx";
+    write_file(path, comment +
+                         "\nobject 1 class gridpositions counts 4 5 6\norigin 1.25 2 3\n"
+                         "delta 0.5 0 0\ndelta 0 0.5 0\ndelta 0 0 0.5\n");
+    return read_grid(path).origin;
+  };
+  CHECK(read("# Data from APBS\n#\n# POTENTIAL") == Vec3{1.25, 2, 3});
+  CHECK(read("# Dielectric at middles of edges along x: 2 inside, 80 outside") == Vec3{1, 2, 3});
+  CHECK(read("# Data from APBS\n#\n# Y-SHIFTED DIELECTRIC MAP") == Vec3{1.25, 1.75, 3});
+  CHECK(read("# Z-SHIFTED DIELECTRIC MAP") == Vec3{1.25, 2, 2.75});
+}
+
+TEST_CASE("a grid file that gives an invalid grid is named", "[grid]") {
+  const TemporaryDirectory directory;
+  const fs::path path = directory.path() / "flat.dx";
+  write_file(path,
+             "object 1 class gridpositions counts 1 5 6\norigin 1 2 3\n"
+             "delta 0.5 0 0\ndelta 0 0.5 0\ndelta 0 0 0.5\n");
+  CHECK_THROWS_WITH(read_grid(path), path.string() +
+                                         ": the number of grid points along x is 1; it must be 2 "
+                                         "or more");
+}
+
 TEST_CASE("the grid of every file that a run writes gives the same files", "[grid][cli]") {
   const Sandbox sandbox;
-  REQUIRE(sandbox.run({"pair.xyzr", "1.4", "0.37", "-o", "a", "--inside", "map.dx"}).code == 0);
+  REQUIRE(sandbox
+              .run({"pair.xyzr", "1.4", "0.37", "-o", "a", "--inside", "map.dx", "--dielectric",
+                    "eps-"})
+              .code == 0);
   REQUIRE(
       sandbox.run({"pair.xyzr", "1.4", "0.37", "-o", "b", "--inside", "map.vti", "--gzip"}).code ==
       0);
   const fs::path root = sandbox.directory();
   for (const char* const file :
-       {"a/bounding_box.txt", "a/map.dx", "b/bounding_box.txt.gz", "b/map.vti"}) {
+       {"a/bounding_box.txt", "a/map.dx", "a/eps-y.dx", "b/bounding_box.txt.gz", "b/map.vti"}) {
     INFO(file);
     REQUIRE(sandbox.run({"pair.xyzr", "--grid-like", file, "-o", "c"}).code == 0);
     for (const std::string name : eses_file_names) {

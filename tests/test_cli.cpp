@@ -479,6 +479,19 @@ TEST_CASE("the file name - means standard input", "[cli]") {
   CHECK(sandbox.run({"-"}, "<&-").code == 1);
 }
 
+TEST_CASE("the JSON report and the maps name the dielectrics and the ion radius", "[cli]") {
+  const Sandbox sandbox;
+  const auto maps = [&](Arguments arguments, const std::string& expected) {
+    arguments.insert(arguments.begin(), {"pair.xyzr", "1.4", "1", "--json"});
+    check_json(sandbox, sandbox.run(arguments).out, "r['maps']", expected);
+  };
+  maps({}, "{'solute_dielectric': None, 'solvent_dielectric': None, 'ion_radius': None}");
+  maps({"--dielectric", "d", "--kappa", "k.dx", "--solvent-dielectric", "80.5"},
+       "{'solute_dielectric': 2, 'solvent_dielectric': 80.5, 'ion_radius': 2}");
+  CHECK(read_file(sandbox.directory() / "dz.dx")
+            .starts_with("# Dielectric at middles of edges along z: 2 inside, 80.5 outside\n"));
+}
+
 TEST_CASE("the JSON report has the values of the text report", "[cli]") {
   const Sandbox sandbox;
   const Outcome text = sandbox.run({"pair.xyzr", "1.4", "0.3", "0.9", "-q"});

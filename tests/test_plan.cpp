@@ -419,7 +419,10 @@ TEST_CASE("a plan whose files do not fit on the disk is refused", "[plan]") {
   const DiskSpace::Place full = require_disk_space(plan, {}, ".").places[0];
   CHECK(full.expected > full.available);
   plan.grid_file_bytes = std::uint64_t{1} << 62;
-  CHECK_THROWS_AS(require_disk_space(plan, {}, "."), Error);
+  CHECK_THROWS_WITH(
+      require_disk_space(plan, {}, "."),
+      Catch::Matchers::ContainsSubstring("; leave out grid_info.txt (--write edges,areas) or use a "
+                                         "larger spacing"));
 }
 
 TEST_CASE("each file system is checked for the files that it receives", "[plan]") {

@@ -158,6 +158,18 @@ json::Value parameters_json(const Parameters& parameters) {
           {"margin", parameters.grid ? json::Value() : json::Value(parameters.margin)}};
 }
 
+// The physical quantities of maps that are not chosen are null.
+json::Value maps_json(const Outputs& outputs) {
+  json::Value solute, solvent, ion_radius;
+  if (outputs.dielectric) {
+    solute = outputs.dielectric->solute;
+    solvent = outputs.dielectric->solvent;
+  }
+  if (outputs.ion_access) ion_radius = outputs.ion_access->ion_radius;
+  return {
+      {"solute_dielectric", solute}, {"solvent_dielectric", solvent}, {"ion_radius", ion_radius}};
+}
+
 json::Value grid_json(const Grid& grid) {
   const Vec3 lower = grid.origin, upper = grid.upper();
   const GridIndex& size = grid.size;
@@ -395,6 +407,7 @@ std::string json_text(const Report& report) {
       {"structure", report.structure ? structure_json(*report.structure) : json::Value()},
       {"diagnostics", diagnostics_json(report.diagnostics)},
       {"parameters", parameters_json(report.options.parameters)},
+      {"maps", maps_json(report.options.outputs)},
       {"grid", grid_json(report.plan.grid)},
       {"region", region_json(report.plan)},
       {"blocks", blocks_json(report.plan.tiling)},

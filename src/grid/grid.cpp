@@ -132,8 +132,8 @@ void require_chosen(const Grid& grid) {
   constexpr double max_cells_from_zero = 1e9;
   for (std::size_t axis = 0; axis < 3; ++axis) {
     if (grid.size[axis] < 2)
-      throw Error(formatted("the grid has {} points along {}; it must have 2 or more",
-                            grid.size[axis], "xyz"[axis]));
+      throw Error(formatted("the number of grid points along {} is {}; it must be 2 or more",
+                            "xyz"[axis], grid.size[axis]));
     const double farthest = std::max(std::fabs(grid.origin[axis]), std::fabs(grid.upper()[axis]));
     if (farthest > max_cells_from_zero * grid.spacing)
       throw Error(formatted(

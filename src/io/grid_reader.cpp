@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cctype>
 #include <cmath>
 #include <optional>
 #include <string>
@@ -11,6 +12,7 @@
 
 #include "eses/error.hpp"
 #include "eses/grid.hpp"
+#include "grid/make_grid.hpp"
 #include "io/eses_reader.hpp"
 #include "io/line_reader.hpp"
 #include "io/text_fields.hpp"
@@ -67,18 +69,36 @@ double common_spacing(const LineReader& lines, const Vec3& spacing) {
   return spacing.x;
 }
 
+// Returns the axis along which the points of a map lie half a spacing behind those of the grid, as
+// a comment of eses-blocks or APBS says for maps of the dielectric.
+std::optional<std::size_t> shifted_axis(std::string_view comment) {
+  constexpr std::string_view own = "Dielectric at middles of edges along ";
+  constexpr std::string_view apbs = "-SHIFTED DIELECTRIC MAP";
+  char axis = 0;
+  if (comment.starts_with(own) && comment.size() > own.size()) axis = comment[own.size()];
+  const std::size_t end = comment.find(apbs);
+  if (end != std::string_view::npos && end > 0)
+    axis = static_cast<char>(std::tolower(static_cast<unsigned char>(comment[end - 1])));
+  if (axis < 'x' || axis > 'z') return std::nullopt;
+  return static_cast<std::size_t>(axis - 'x');
+}
+
 // Reads the grid positions of an OpenDX file.
 Grid read_dx(const std::filesystem::path& path) {
   LineReader lines(path);
   Grid grid;
   Vec3 spacing;
   std::size_t deltas = 0;
+  std::optional<std::size_t> shifted;
   bool has_counts = false, has_origin = false;
   std::string_view line;
   for (int i = 0; i < max_header_lines && deltas < 3; ++i) {
     std::string_view fields = lines.expect("the positions of an OpenDX grid");
     line = take_first(fields);
-    if (line == "object" && fields.find("gridpositions") != std::string_view::npos) {
+    if (line == "#" && !shifted) {
+      const std::size_t begin = fields.find_first_not_of(' ');
+      if (begin != std::string_view::npos) shifted = shifted_axis(fields.substr(begin));
+    } else if (line == "object" && fields.find("gridpositions") != std::string_view::npos) {
       while (!fields.empty() && take_first(fields) != "counts") continue;
       for (std::int64_t& count : grid.size) count = index_in(lines, fields, "counts", 1);
       has_counts = true;
@@ -96,6 +116,7 @@ Grid read_dx(const std::filesystem::path& path) {
   }
   if (deltas < 3) lines.fail("expected the positions of an OpenDX grid: counts, origin and delta");
   grid.spacing = common_spacing(lines, spacing);
+  if (shifted) grid.origin[*shifted] -= 0.5 * grid.spacing;
   return grid;
 }
 
@@ -222,8 +243,15 @@ Grid read_grid(const std::filesystem::path& path) {
     throw Error(detail::formatted(
         "{}: a grid file needs the suffix .dx, .vti or .txt, or one of these and .gz",
         path.string()));
-  if (*format == GridFileFormat::dx) return detail::read_dx(path);
-  return *format == GridFileFormat::vti ? detail::read_vti(path) : detail::read_box(path);
+  const Grid grid = *format == GridFileFormat::dx    ? detail::read_dx(path)
+                    : *format == GridFileFormat::vti ? detail::read_vti(path)
+                                                     : detail::read_box(path);
+  try {
+    detail::require_chosen(grid);
+  } catch (const Error& error) {
+    throw Error(detail::formatted("{}: {}", path.string(), error.what()));
+  }
+  return grid;
 }
 
 }  // namespace eses

@@ -16,14 +16,17 @@ constexpr std::uint64_t values_per_line = 3;
 
 std::string scientific(Vec3 v) { return formatted("{:.12e} {:.12e} {:.12e}", v.x, v.y, v.z); }
 
-std::string_view title_of(MapQuantity quantity) {
-  constexpr std::array<std::string_view, map_quantities> titles{
-      "Inside of the solvent excluded surface: 1 inside, 0 outside",
-      "Access of ions: 1 where the centre of an ion may be, 0 elsewhere",
-      "Dielectric at the middles of the edges along x",
-      "Dielectric at the middles of the edges along y",
-      "Dielectric at the middles of the edges along z"};
-  return titles[static_cast<std::size_t>(quantity)];
+// Returns the title of a map. That of the dielectric has the values inside and outside.
+std::string title_of(const MapChoice& map) {
+  switch (map.quantity) {
+    case MapQuantity::inside:
+      return "Inside of the solvent excluded surface: 1 inside, 0 outside";
+    case MapQuantity::ion_access:
+      return "Access of ions: 1 where the centre of an ion may be, 0 elsewhere";
+    default:
+      return formatted("Dielectric at middles of edges along {}: {:.6g} inside, {:.6g} outside",
+                       "xyz"[edge_axis(map.quantity)], map.solute, map.solvent);
+  }
 }
 
 void require_between(double value, double min, double max, std::string_view what) {
@@ -33,7 +36,8 @@ void require_between(double value, double min, double max, std::string_view what
 
 // Header of an OpenDX file as APBS writes it. Some readers depend on its line breaks and words, and
 // some accept at most 84 characters a line.
-MapLayout dx_layout(MapQuantity quantity, const Grid& grid, const GridRegion& region) {
+MapLayout dx_layout(const MapChoice& map, const Grid& grid, const GridRegion& region) {
+  const MapQuantity quantity = map.quantity;
   MapLayout layout;
   layout.format = MapFormat::dx;
   layout.value_bytes = is_of_edges(quantity) ? dielectric_text_bytes : 2;
@@ -48,7 +52,7 @@ MapLayout dx_layout(MapQuantity quantity, const Grid& grid, const GridRegion& re
       "origin {}\ndelta {}\ndelta {}\ndelta {}\n"
       "object 2 class gridconnections counts {}\n"
       "object 3 class array type double rank 0 items {} data follows\n",
-      title_of(quantity), counts, scientific(origin), scientific({h, 0, 0}), scientific({0, h, 0}),
+      title_of(map), counts, scientific(origin), scientific({h, 0, 0}), scientific({0, h, 0}),
       scientific({0, 0, h}), counts, layout.points);
   layout.footer =
       "attribute \"dep\" string \"positions\"\n"
@@ -160,8 +164,7 @@ double dielectric_of(const MapChoice& map, std::uint32_t share) {
 void write_dielectric(char* text, double value) { fmt::format_to(text, "{:.6e}", value); }
 
 MapLayout map_layout(const MapChoice& map, const Grid& grid, const GridRegion& region) {
-  return map.format == MapFormat::dx ? dx_layout(map.quantity, grid, region)
-                                     : vti_layout(grid, region);
+  return map.format == MapFormat::dx ? dx_layout(map, grid, region) : vti_layout(grid, region);
 }
 
 void fill_vti_values(std::span<const std::uint64_t> bits, std::span<char> values) {

@@ -208,6 +208,16 @@ void require_free_name(const FilePlace& place) {
         formatted("cannot create {}: {}", path, std::generic_category().message(ENAMETOOLONG)));
 }
 
+// Returns what a user can do if the files of known size do not fit on the disk.
+std::string space_advice(const Plan& plan, const Outputs& outputs) {
+  std::string advice;
+  if (plan.grid_file_bytes > 0 && !plan.gzip)
+    advice += "leave out grid_info.txt (--write edges,areas), ";
+  if (outputs.dielectric && !plan.gzip) advice += "compress the files (--gzip), ";
+  return advice.empty() ? "use a larger spacing"
+                        : advice.substr(0, advice.size() - 2) + " or use a larger spacing";
+}
+
 }  // namespace
 
 DiskSpace require_disk_space(const Plan& plan, const Outputs& outputs,
@@ -216,11 +226,9 @@ DiskSpace require_disk_space(const Plan& plan, const Outputs& outputs,
   for (const DiskDemand& demand : disk_demands(plan, outputs, directory)) {
     const std::uint64_t available = available_disk(existing_part(demand.directory));
     if (demand.certain > available)
-      throw Error(formatted(
-          "the files need about {} besides intersection_info.txt{}, but {} has {} free; leave out "
-          "grid_info.txt (--write edges,areas) or use a larger spacing",
-          bytes_text(demand.certain), outputs.mesh ? " and the mesh" : "",
-          demand.directory.string(), bytes_text(available)));
+      throw Error(formatted("the files need about {}, but {} has {} free; {}",
+                            bytes_text(demand.expected), demand.directory.string(),
+                            bytes_text(available), space_advice(plan, outputs)));
     space.places.push_back({demand.directory, available, demand.expected});
   }
   return space;
