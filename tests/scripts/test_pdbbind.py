@@ -126,6 +126,10 @@ class Results(PdbbindTest):
         self.add("a.cif.gz", PROJECT / "tests/data/1a8o.cif.gz")
         self.run_pdbbind("--radii", "protor", "--", "--waters")
         self.assertEqual(int(summary(self.output)["a"]["atoms"]), 644)
+        # Radii that cannot be used are one error, not one for each structure.
+        done = self.run_pdbbind("--radii", "unknown", code=2)
+        self.assertEqual(done.stderr.count("\n"), 1, done.stderr)
+        self.assertIn("protor, bondi or msms", done.stderr)
         done = self.run_pdbbind("--", "--radii", "msms", code=2)
         self.assertIn("--radii", done.stderr)
 
