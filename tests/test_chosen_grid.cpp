@@ -269,7 +269,8 @@ TEST_CASE("invalid chosen grids are refused", "[grid]") {
     return std::string();
   };
   CHECK(message({{0, 0, 0}, 0.5, {2, 2, 2}}).empty());
-  CHECK(contains(message({{0, 0, 0}, 0.5, {2, 1, 2}}), "points along y is 1; it must be 2 or more"));
+  CHECK(
+      contains(message({{0, 0, 0}, 0.5, {2, 1, 2}}), "points along y is 1; it must be 2 or more"));
   CHECK(contains(message({{0, 0, 1e9}, 0.5, {2, 2, 2}}), "too far from 0"));
   CHECK(contains(message({{0, 0, 0}, 0.5, {2, 2, 3000000000}}), "3000000000 points along z"));
   CHECK(contains(message({{0, 0, 0}, 0.001, {1000000, 1000000, 1000000}}), "1e+18 points"));

@@ -355,9 +355,10 @@ std::string plan_text(const Report& report) {
   text += formatted("grid: {} x {} x {} = {} points\n", points[0], points[1], points[2],
                     plan.grid.point_count());
   if (parameters.grid)
-    text += formatted("custom grid: from {} {} {} to {} {} {} (angstrom)\n", plan.grid.origin.x,
-                      plan.grid.origin.y, plan.grid.origin.z, plan.grid.upper().x,
-                      plan.grid.upper().y, plan.grid.upper().z);
+    text += formatted(
+        "custom grid: from {:.10g} {:.10g} {:.10g} to {:.10g} {:.10g} {:.10g} (angstrom)\n",
+        plan.grid.origin.x, plan.grid.origin.y, plan.grid.origin.z, plan.grid.upper().x,
+        plan.grid.upper().y, plan.grid.upper().z);
   text += region_text(plan);
   text += formatted("blocks: {} x {} x {} of {} points; {}\n", blocks[0], blocks[1], blocks[2],
                     fmt::join(plan.tiling.block_size, " x "), workers_text(report));

@@ -135,7 +135,7 @@ SlabSweep::SlabSweep(const RunTask& task, const RunPlan& plan, std::span<const P
       is_in_place_(writes_in_place(task, processes)) {
   const Processes::Share share =
       processes.share_of(static_cast<std::uint64_t>(task.parameters.verify), 1, processes.rank());
-  checks_ = static_cast<std::int64_t>(share.end - share.begin);
+  check_count_ = static_cast<std::int64_t>(share.end - share.begin);
 }
 
 SweepResult SlabSweep::run(Summary& summary) {
@@ -161,14 +161,14 @@ SurfaceModel SlabSweep::make_surface() const {
 }
 
 // Returns the number of checks in a range, in proportion to its planes.
-std::int64_t SlabSweep::checks_of(const PlaneRange& planes) const {
+std::int64_t SlabSweep::check_count_of(const PlaneRange& planes) const {
   const auto planes_up_to = [&](std::int64_t plane) {
     std::int64_t count = 0;
     for (const PlaneRange& range : ranges_)
       count += std::clamp(plane, range.begin, range.end) - range.begin;
     return static_cast<double>(count);
   };
-  const auto checks = static_cast<double>(checks_);
+  const auto checks = static_cast<double>(check_count_);
   const double all = planes_up_to(ranges_.back().end);
   return std::llround(checks * planes_up_to(planes.end) / all) -
          std::llround(checks * planes_up_to(planes.begin) / all);
@@ -177,13 +177,13 @@ std::int64_t SlabSweep::checks_of(const PlaneRange& planes) const {
 Plan SlabSweep::plan_of(const PlaneRange& planes) const {
   Plan plan = plan_.own;
   plan.tiling = tiling_of(plan_.whole, plan.tiling.block_size, planes);
-  plan.parameters.verify = checks_of(planes);
+  plan.parameters.verify = check_count_of(planes);
   return plan;
 }
 
 // Returns whether a text is written directly to its final file. In a run in place, this is possible
 // if its offset does not depend on the length of another text.
-bool SlabSweep::goes_to_its_place(ChunkText text) const {
+bool SlabSweep::is_written_in_place(ChunkText text) const {
   if (!is_in_place_) return false;
   if (text == ChunkText::vertices) return !files_.mesh_text->has_columns();
   if (text == ChunkText::triangles) return files_.mesh_text->has_face_file();
@@ -195,7 +195,7 @@ PlaneChunk SlabSweep::new_chunk(const PlaneRange& planes) const {
   chunk.info.planes = planes;
   chunk.is_in_place = is_in_place_;
   for (const ChunkText text : chosen_texts(task_.outputs)) {
-    if (goes_to_its_place(text)) continue;
+    if (is_written_in_place(text)) continue;
     if (plan_.checkpoint)
       chunk.text(text) = plan_.checkpoint->create(planes, text);
     else if (is_of_mesh(text))
@@ -209,8 +209,8 @@ PlaneChunk SlabSweep::new_chunk(const PlaneRange& planes) const {
 MeshSinks SlabSweep::mesh_sinks_in_place(PlaneChunk& chunk) const {
   OutputFiles& files = *files_.final_files;
   const auto into = [&](ChunkText text, std::optional<OutputFile>& file, std::uint64_t begin) {
-    return goes_to_its_place(text) ? sink_of(file, begin)
-                                   : sink_of(chunk.text(text).get(), nullptr);
+    return is_written_in_place(text) ? sink_of(file, begin)
+                                     : sink_of(chunk.text(text).get(), nullptr);
   };
   return {.vertices = into(ChunkText::vertices, files.mesh, files_.mesh_header_bytes),
           .triangles = into(ChunkText::triangles, files.mesh_faces, files_.face_header_bytes),
@@ -273,8 +273,8 @@ std::vector<AtomSum> SlabSweep::sums_of(std::span<const AreaShare> shares) const
 }
 
 // Completes a chunk in the checkpoint.
-void SlabSweep::keep(PlaneChunk& chunk, const RangeSinks& sinks,
-                     std::span<const AreaShare> shares) const {
+void SlabSweep::save_chunk(PlaneChunk& chunk, const RangeSinks& sinks,
+                           std::span<const AreaShare> shares) const {
   for (std::size_t text = 0; text < chunk_text_count; ++text)
     chunk.info.checksums[text] = (*sinks.checksums)[text].value();
   chunk.sums = sums_of(shares);
@@ -325,7 +325,7 @@ PlaneChunk SlabSweep::sweep(PatchSchedule& patches, const PlaneRange& planes, Sw
     set_bytes(text_of(map.quantity), GridMap::row_bytes(map.quantity, plan.tiling.region));
   if (mesh) chunk.info.mesh = {mesh->vertex_count(), pipeline.triangle_count()};
   const bool is_right = !verifier || verify(*verifier, summary);
-  if (plan_.checkpoint && is_right) keep(chunk, sinks, sums.atom_shares);
+  if (plan_.checkpoint && is_right) save_chunk(chunk, sinks, sums.atom_shares);
   add_shares(std::move(sums.atom_shares), result.atom_shares);
   return chunk;
 }

@@ -40,7 +40,7 @@ struct SweepResult {
   std::vector<AreaShare> atom_shares;  ///< area share of each atom of the slab; empty if none
 };
 
-/// The sweep over a slab.
+/// Sweeps the planes of this process's slab.
 class SlabSweep {
  public:
   /// Keeps references to all arguments except `files` and `processes`.
@@ -56,17 +56,18 @@ class SlabSweep {
   struct RangeSinks;
 
   Plan plan_of(const PlaneRange& planes) const;
-  std::int64_t checks_of(const PlaneRange& planes) const;
+  std::int64_t check_count_of(const PlaneRange& planes) const;
   SurfaceModel make_surface() const;
   PlaneChunk new_chunk(const PlaneRange& planes) const;
-  bool goes_to_its_place(ChunkText text) const;
+  bool is_written_in_place(ChunkText text) const;
   MeshSinks mesh_sinks_in_place(PlaneChunk& chunk) const;
   RangeSinks sinks_in_place(PlaneChunk& chunk) const;
   RangeSinks sinks_of(PlaneChunk& chunk, const GridRegion& region) const;
   PlaneChunk sweep(PatchSchedule& patches, const PlaneRange& planes, SweepResult& result,
                    Summary& summary);
   bool verify(Verifier& verifier, Summary& summary);
-  void keep(PlaneChunk& chunk, const RangeSinks& sinks, std::span<const AreaShare> shares) const;
+  void save_chunk(PlaneChunk& chunk, const RangeSinks& sinks,
+                  std::span<const AreaShare> shares) const;
   std::vector<AtomSum> sums_of(std::span<const AreaShare> shares) const;
 
   const RunTask& task_;
@@ -76,7 +77,7 @@ class SlabSweep {
   const Callbacks& callbacks_;
   ProgressReport& report_;
   bool is_in_place_;
-  std::int64_t checks_;  // number of points, and of edges, that this process verifies
+  std::int64_t check_count_;  // number of points, and of edges, that this process verifies
 };
 
 }  // namespace eses::detail

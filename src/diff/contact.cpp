@@ -13,15 +13,15 @@ void ContactSpheres::add_convex(const Crossing& crossing) {
   const Vec3 normal_step = crossing.normal - fit.normal;
   fit.normal = fit.normal + weight * normal_step;
   fit.position = fit.position + weight * (crossing.position - fit.position);
-  fit.covariance += dot(normal_step, crossing.position - fit.position);
-  fit.variance += dot(normal_step, crossing.normal - fit.normal);
+  fit.dn_dx_sum += dot(normal_step, crossing.position - fit.position);
+  fit.dn_dn_sum += dot(normal_step, crossing.normal - fit.normal);
 }
 
 std::optional<Sphere> ContactSpheres::sphere(AtomIndex atom) const {
   const auto found = fits_.find(atom);
-  if (found == fits_.end() || found->second.variance <= 0) return std::nullopt;
+  if (found == fits_.end() || found->second.dn_dn_sum <= 0) return std::nullopt;
   const Fit& fit = found->second;
-  const double radius = fit.covariance / fit.variance;
+  const double radius = fit.dn_dx_sum / fit.dn_dn_sum;
   return Sphere{fit.position - radius * fit.normal, radius};
 }
 

@@ -38,7 +38,7 @@ class ContactSpheres {
   struct Fit {
     std::int64_t count = 0;
     Vec3 position, normal;
-    double covariance = 0, variance = 0;
+    double dn_dx_sum = 0, dn_dn_sum = 0;
   };
   std::unordered_map<AtomIndex, Fit> fits_;
 };

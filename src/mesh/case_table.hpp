@@ -4,9 +4,9 @@
 /// Marching cubes: W. E. Lorensen and H. E. Cline, "Marching cubes: a high resolution 3D surface
 /// construction algorithm", Computer Graphics 21(4), 163-169 (1987), doi:10.1145/37402.37422.
 /// The published table leaves holes at ambiguous faces, which have inside corners at the ends of
-/// one diagonal only. As C. Montani, R. Scateni and R. Scopigno, "A modified look-up table for
-/// implicit disambiguation of marching cubes", The Visual Computer 10, 353-355 (1994),
-/// doi:10.1007/BF01900830, do, one rule decides all ambiguous faces here; see case_table().
+/// one diagonal only. One rule decides all ambiguous faces here (see case_table()), as in
+/// C. Montani, R. Scateni and R. Scopigno, "A modified look-up table for implicit disambiguation of
+/// marching cubes", The Visual Computer 10, 353-355 (1994), doi:10.1007/BF01900830.
 
 #include <array>
 #include <cstddef>

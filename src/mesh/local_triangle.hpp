@@ -19,6 +19,8 @@ struct LocalTriangle {
   friend bool operator==(const LocalTriangle&, const LocalTriangle&) = default;
 };
 
+/// Appends a triangle as a LocalTriangle. Its vertices are numbered from the first vertex of the
+/// part; negative numbers are given modulo 2^64.
 inline void append_local_triangle(TextBuffer& bytes, const Triangle& triangle, std::uint8_t patch) {
   LocalTriangle local{{}, patch};
   for (std::size_t corner = 0; corner < triangle.size(); ++corner)

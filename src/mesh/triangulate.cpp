@@ -63,9 +63,10 @@ class CellRowWalk {
         any |= points(row, word, shift);
         all &= points(row, word, shift);
       }
-    const std::uint64_t left = cells_ - 64 * word;
-    const std::uint64_t real = left >= 64 ? ~std::uint64_t{0} : (std::uint64_t{1} << left) - 1;
-    return any & ~all & real;
+    const std::uint64_t remaining = cells_ - 64 * word;
+    const std::uint64_t existing =
+        remaining >= 64 ? ~std::uint64_t{0} : (std::uint64_t{1} << remaining) - 1;
+    return any & ~all & existing;
   }
 
   std::size_t inside_corners(std::uint64_t x) const {
