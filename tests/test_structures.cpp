@@ -421,6 +421,21 @@ TEST_CASE("PDB: damaged records are named", "[structure]") {
   CHECK(contains(pdb_error("MODEL        1\n" + good + "MODEL        1\n"), "t.pdb:3: MODEL"));
 }
 
+TEST_CASE("PDB: atoms after an END record are refused", "[structure]") {
+  // As from `cat receptor.pdb ligand.pdb`.
+  const std::string atom = line_of({}), other = line_of({.record = "HETATM", .x = 9});
+  const std::string message =
+      "t.pdb:2: atoms follow an END record; remove the record, or separate models by MODEL and "
+      "ENDMDL";
+  CHECK(pdb_error(atom + "END\n" + atom) == message);
+  CHECK(pdb_error(atom + "END   \r\nREMARK\n\n" + other) == message);
+  CHECK(pdb_error(atom + "END\nMODEL        2\n" + atom + "ENDMDL\n") == message);
+  CHECK(pdb_error(atom + "END\n" + atom.substr(0, 20)) == message);
+  CHECK(read_pdb(atom + "END\nCONECT    1    2\n\n   \nEND\nMASTER\n").atoms.size() == 1);
+  CHECK(pdb_error(atom + std::string("\0\n", 2) + atom) ==
+        "t.pdb:2: the line begins with a NUL character; the file seems to be damaged");
+}
+
 TEST_CASE("PDB: columns with another meaning in old files are ignored", "[structure]") {
   // Old files have the entry and the number of the line where newer ones have elements and charges.
   std::string old = line_of({}).substr(0, 66) + "      1HPV 168\n";

@@ -66,6 +66,7 @@ class PdbLines {
   char* gets(char* buffer, int size) {
     if (rest_.empty()) return nullptr;
     checker_.count();
+    is_stopped_by_nul_ = rest_.front() == '\0';
     ++line_;
     const std::size_t room = static_cast<std::size_t>(size) - 1;
     const std::size_t end = rest_.substr(0, room).find('\n');
@@ -73,9 +74,7 @@ class PdbLines {
     std::memcpy(buffer, rest_.data(), length);
     buffer[length] = '\0';
     rest_.remove_prefix(length);
-    if (gemmi::pdb_impl::is_record_type(buffer, "ATOM") ||
-        gemmi::pdb_impl::is_record_type(buffer, "HETATM"))
-      prepare_atom(buffer, length);
+    if (is_atom_record({buffer, length})) prepare_atom(buffer, length);
     return buffer;
   }
 
@@ -86,7 +85,31 @@ class PdbLines {
     return static_cast<unsigned char>(c);
   }
 
+  /// Reads the rest of the text after the line at which gemmi stops. Throws Error if there are
+  /// atoms.
+  void refuse_further_atoms() {
+    const std::uint64_t last_line = line_;
+    while (!rest_.empty()) {
+      checker_.count();
+      ++line_;
+      const std::size_t end = std::min(rest_.find('\n'), rest_.size());
+      if (is_atom_record(rest_.substr(0, end)))
+        fail(name_, last_line,
+             is_stopped_by_nul_
+                 ? "the line begins with a NUL character; the file seems to be damaged"
+                 : "atoms follow an END record; remove the record, or separate models by MODEL "
+                   "and ENDMDL");
+      rest_.remove_prefix(std::min(end + 1, rest_.size()));
+    }
+  }
+
  private:
+  // Compares four characters and ignores the case, as gemmi does.
+  static bool is_atom_record(std::string_view line) {
+    const std::string type = lower_case(std::string(line.substr(0, 4)));
+    return type == "atom" || type == "heta";
+  }
+
   // https://www.wwpdb.org/documentation/file-format-content/format33/sect9.html
   static constexpr std::size_t serial_column = 6, serial_width = 5;
   static constexpr std::size_t name_column = 12, name_width = 4;
@@ -171,13 +194,16 @@ class PdbLines {
   std::string_view rest_, name_;
   Checker& checker_;
   std::uint64_t line_ = 0;
+  bool is_stopped_by_nul_ = false;
 };
 
 gemmi::Structure parse_pdb(const StructureText& input, Checker& checker) {
   PdbLines lines(input, checker);
   try {
-    return gemmi::pdb_impl::read_pdb_from_stream(lines, std::string(input.name),
-                                                 gemmi::PdbReadOptions());
+    gemmi::Structure structure = gemmi::pdb_impl::read_pdb_from_stream(
+        lines, std::string(input.name), gemmi::PdbReadOptions());
+    lines.refuse_further_atoms();
+    return structure;
   } catch (const Error&) {
     throw;
   } catch (const std::bad_alloc&) {
