@@ -415,9 +415,11 @@ TEST_CASE("PDB: damaged records are named", "[structure]") {
   CHECK(contains(pdb_error(bad), "expected a number for y"));
   bad.replace(38, 8, "        ");
   CHECK(contains(pdb_error(bad), "expected a number for y"));
-  CHECK(pdb_error("") == "t.pdb: no atoms found");
-  CHECK(pdb_error("REMARK\nEND\n") == "t.pdb: no atoms found");
-  CHECK(contains(pdb_error(std::string("\0\1\2\xff", 4)), "t.pdb: no atoms found"));
+  CHECK(pdb_error("") == "t.pdb: no ATOM or HETATM records found; 0 lines read");
+  CHECK(pdb_error("REMARK\nEND\nMASTER\n") ==
+        "t.pdb: no ATOM or HETATM records found; 3 lines read");
+  CHECK(pdb_error(std::string("\0\1\2\xff", 4)) ==
+        "t.pdb: no ATOM or HETATM records found; 1 line read");
   CHECK(contains(pdb_error("MODEL        1\n" + good + "MODEL        1\n"), "t.pdb:3: MODEL"));
 }
 
@@ -469,6 +471,10 @@ TEST_CASE("PDB: the first or the chosen model is read", "[structure]") {
   options.model = 5;
   CHECK(pdb_error(text, options) ==
         "t.pdb: there is no model 5 (--model); the file has 2 models, from 3 to 4");
+  const std::string second = "MODEL        3\nENDMDL\n" + model(4, 2);
+  CHECK(pdb_error(second) == "t.pdb: model 3 has no atoms; choose another one with --model N");
+  options.model = 4;
+  CHECK(read_pdb(second, options).atoms.at(0).center.x == 2);
 }
 
 TEST_CASE("alternate locations are chosen by residue", "[structure]") {

@@ -649,8 +649,9 @@ void refuse_pdb_records(std::string_view name, std::uint64_t atoms, const PdbLik
 
 std::string no_atoms_message(std::string_view name, AtomFormat format, std::uint64_t lines,
                              int model) {
+  const bool has_records = format == AtomFormat::pqr || format == AtomFormat::pdb;
   return formatted("{}: no {} found{}; {} {} read", name,
-                   format == AtomFormat::pqr ? "ATOM or HETATM records" : "atoms",
+                   has_records ? "ATOM or HETATM records" : "atoms",
                    model == 0 ? "" : formatted(" in model {} (--model)", model), lines,
                    lines == 1 ? "line" : "lines");
 }

@@ -26,6 +26,7 @@
 #include <utility>
 
 #include "eses/error.hpp"
+#include "io/atom_lines.hpp"
 #include "io/text_fields.hpp"
 #include "structure/checker.hpp"
 #include "structure/mmcif_text.hpp"
@@ -197,12 +198,21 @@ class PdbLines {
   bool is_stopped_by_nul_ = false;
 };
 
+bool has_atoms(const gemmi::Model& model) { return !model.chains.empty(); }
+
+bool has_atoms(const gemmi::Structure& structure) {
+  return std::any_of(structure.models.begin(), structure.models.end(),
+                     [](const gemmi::Model& model) { return has_atoms(model); });
+}
+
 gemmi::Structure parse_pdb(const StructureText& input, Checker& checker) {
   PdbLines lines(input, checker);
   try {
     gemmi::Structure structure = gemmi::pdb_impl::read_pdb_from_stream(
         lines, std::string(input.name), gemmi::PdbReadOptions());
     lines.refuse_further_atoms();
+    if (!has_atoms(structure))
+      throw Error(no_atoms_message(input.name, AtomFormat::pdb, lines.line()));
     return structure;
   } catch (const Error&) {
     throw;
@@ -227,11 +237,15 @@ gemmi::Structure parse_mmcif(const StructureText& input, Checker& checker) {
 // ------------------------------------------------------------------------------------- selection
 
 gemmi::Model& find_model(gemmi::Structure& structure, int number, std::string_view name) {
-  if (structure.models.empty() || structure.models.front().chains.empty())
-    throw Error(formatted("{}: no atoms found", name));
-  if (number == 0) return structure.models.front();
+  if (!has_atoms(structure)) throw Error(formatted("{}: no atoms found", name));
+  if (number == 0) {
+    gemmi::Model& first = structure.models.front();
+    if (has_atoms(first)) return first;
+    throw Error(formatted("{}: model {} has no atoms; choose another one with --model N", name,
+                          printable(first.name)));
+  }
   gemmi::Model* const model = structure.find_model(std::to_string(number));
-  if (model != nullptr && !model->chains.empty()) return *model;
+  if (model != nullptr && has_atoms(*model)) return *model;
   throw Error(formatted(
       "{}: there is no model {} (--model); the file has {}, from {} to {}", name, number,
       structure.models.size() == 1 ? "one model" : formatted("{} models", structure.models.size()),
