@@ -621,13 +621,98 @@ TEST_CASE("mmCIF: damaged files are refused", "[structure]") {
   CHECK(contains(error(mmcif_head + row + "'unterminated\n"), "t.cif:22: unterminated"));
   CHECK(contains(error(mmcif_head + "ATOM 1 C CA . ALA A 1 1 ? ? 0 0 1.0 20 52 X 1\n"),
                  "t.cif:21: expected coordinates"));
-  CHECK(contains(error("data_x\n_cell.length_a 3\n"), "t.cif: no atoms found"));
-  CHECK(contains(error(""), "t.cif: "));
+  CHECK(error("data_x\n_cell.length_a 3\n") ==
+        "t.cif: no atoms found; the file has no _atom_site table");
   const std::string whole = text_of(crystal);
   for (const double part : {0.1, 0.5, 0.7}) {
     const auto length = static_cast<std::size_t>(part * static_cast<double>(whole.size()));
     CHECK_FALSE(error(whole.substr(0, length)).empty());
   }
+}
+
+TEST_CASE("mmCIF: files without atoms are refused by their content", "[structure]") {
+  const auto error = [](const std::string& text) { return error_of([&] { read_mmcif(text); }); };
+  for (const std::string text : {"", "\n", " \t\r\n\n", "# a comment\n"}) {
+    INFO(text);
+    CHECK(error(text) == "t.cif: no atoms found; the file has no data block");
+  }
+  CHECK(error("data_x\n") == "t.cif: no atoms found; the file has no _atom_site table");
+  CHECK(error("data_x\nloop_\n_atom_site_label\n_atom_site_fract_x\nC1 0.5\n") ==
+        "t.cif: no atoms found; the coordinates are fractional (_atom_site_fract_x), as in CIF "
+        "files of small molecules; convert it with `obabel FILE -O FILE.pdb`");
+  CHECK(error("data_ALA\n_chem_comp.id ALA\nloop_\n_chem_comp_atom.comp_id\n"
+              "_chem_comp_atom.atom_id\nALA N\n") ==
+        "t.cif: no atoms found; this is the definition of a chemical component "
+        "(_chem_comp_atom); convert it with `gemmi convert FILE FILE.pdb`");
+  const TemporaryDirectory directory;
+  const fs::path path = directory.path() / "empty.cif";
+  std::ofstream(path) << "";
+  REQUIRE(std::system(fmt::format("gzip '{}'", path.string()).c_str()) == 0);
+  const std::string packed = path.string() + ".gz";
+  CHECK(error_of([&] { read_file(packed); }) ==
+        packed + ": no atoms found; the file has no data block");
+}
+
+namespace {
+
+/// Returns a table of atoms with these columns and rows.
+std::string atom_table(const std::vector<std::string>& columns, const std::string& rows) {
+  std::string text = "data_TEST\nloop_\n";
+  for (const std::string& column : columns) text += "_atom_site." + column + "\n";
+  return text + rows;
+}
+
+}  // namespace
+
+TEST_CASE("mmCIF: columns that programs leave out have defaults", "[structure]") {
+  // PyMOL does not write auth_seq_id.
+  const std::vector<std::string> columns{"type_symbol",  "label_atom_id", "label_comp_id",
+                                         "label_seq_id", "auth_asym_id",  "Cartn_x",
+                                         "Cartn_y",      "Cartn_z",       "pdbx_PDB_ins_code"};
+  const std::string rows = "C CA ALA 7 B 1 2 3 ?\nO O ALA 8 C 4 5 6 A\n";
+  const AtomFile file = read_mmcif(atom_table(columns, rows));
+  CHECK(names_of(file) == Names{"B ALA 7 CA", "C ALA 8A O"});
+  CHECK(file.lines == std::vector<std::uint64_t>{12, 13});
+  REQUIRE(file.atoms.size() == 2);
+  CHECK(file.atoms[0].center == eses::Vec3{1, 2, 3});
+  CHECK(file.atoms[0].radius == 1.88);
+  CHECK(file.atoms[1].radius == 1.42);
+  // Occupancies of 1 and no alternate locations.
+  StructureOptions options;
+  options.select = ";q=1";
+  CHECK(read_mmcif(atom_table(columns, rows), options).atoms.size() == 2);
+  for (std::size_t i = 0; i < 8; ++i) {
+    if (columns[i] == "auth_asym_id") continue;
+    std::vector<std::string> other = columns;
+    other[i] = "details";
+    INFO(columns[i]);
+    const std::string missing = columns[i] == "label_seq_id" ? "auth_seq_id" : columns[i];
+    CHECK(error_of([&] { read_mmcif(atom_table(other, rows)); }) ==
+          "t.cif: the _atom_site table lacks the column " + missing);
+  }
+  // A chain without any name is one chain.
+  std::vector<std::string> other = columns;
+  other[4] = "details";
+  CHECK(names_of(read_mmcif(atom_table(other, rows))) == Names{" ALA 7 CA", " ALA 8A O"});
+  // A table of one atom need not be a loop.
+  const std::string pairs =
+      "data_TEST\n_atom_site.type_symbol C\n_atom_site.label_atom_id CA\n"
+      "_atom_site.label_comp_id ALA\n_atom_site.label_seq_id 7\n_atom_site.auth_asym_id B\n"
+      "_atom_site.Cartn_x 1\n_atom_site.Cartn_y 2\n_atom_site.Cartn_z 3\n";
+  CHECK(names_of(read_mmcif(pairs)) == Names{"B ALA 7 CA"});
+  CHECK(read_mmcif(pairs).lines == std::vector<std::uint64_t>{2});
+  CHECK(read_mmcif(pairs + "_atom_site.id 77\n").lines == std::vector<std::uint64_t>{10});
+}
+
+TEST_CASE("mmCIF: a file of PyMOL has the atoms of the entry", "[structure]") {
+  const fs::path path = biopython_data + "7CFN_aligned.cif.gz";
+  if (!fs::exists(path)) SKIP("python-biopython-doc is not installed");
+  const AtomFile aligned = read_file(path), entry = read_file(biopython_data + "7CFN.cif.gz");
+  // PyMOL has moved the atoms.
+  const Names names = names_of(aligned), expected = names_of(entry);
+  CHECK(std::multiset<std::string>(names.begin(), names.end()) ==
+        std::multiset<std::string>(expected.begin(), expected.end()));
+  CHECK(names.size() > 5000);
 }
 
 TEST_CASE("mmCIF: a crystal structure with modified residues is read", "[structure]") {
