@@ -589,7 +589,7 @@ TEST_CASE("selections in gemmi's syntax choose atoms", "[structure]") {
   options.select = "CA[C]";
   CHECK(read_pdb(text, options).lines == std::vector<std::uint64_t>{1, 3});
   options.select = "//[";
-  CHECK(contains(pdb_error(text, options), "--select: Invalid selection syntax"));
+  CHECK(contains(pdb_error(text, options), "--select: invalid selection syntax"));
   options.select = "/2/A";
   CHECK(contains(pdb_error(text, options), "use --model 2"));
   options.select = "//Z";
@@ -617,7 +617,8 @@ TEST_CASE("mmCIF: atoms have their labels and lines", "[structure]") {
 TEST_CASE("mmCIF: damaged files are refused", "[structure]") {
   const auto error = [](const std::string& text) { return error_of([&] { read_mmcif(text); }); };
   const std::string row = "ATOM 1 C CA . ALA A 1 1 ? 1.5 0 0 1.0 20 52 X 1\n";
-  CHECK(contains(error(mmcif_head + row + "ATOM 2 C\n"), "Wrong number of values in the loop"));
+  CHECK(contains(error(mmcif_head + row + "ATOM 2 C\n"),
+                 "t.cif:2: wrong number of values in the loop"));
   CHECK(contains(error(mmcif_head + row + "'unterminated\n"), "t.cif:22: unterminated"));
   CHECK(contains(error(mmcif_head + "ATOM 1 C CA . ALA A 1 1 ? ? 0 0 1.0 20 52 X 1\n"),
                  "t.cif:21: expected coordinates"));
@@ -628,6 +629,23 @@ TEST_CASE("mmCIF: damaged files are refused", "[structure]") {
     const auto length = static_cast<std::size_t>(part * static_cast<double>(whole.size()));
     CHECK_FALSE(error(whole.substr(0, length)).empty());
   }
+}
+
+TEST_CASE("mmCIF: data blocks and tags must not be ambiguous", "[structure]") {
+  const auto error = [](const std::string& text) { return error_of([&] { read_mmcif(text); }); };
+  const std::string row = "ATOM 1 C CA . ALA A 1 1 ? 1.5 0 0 1.0 20 52 X 1\n";
+  const std::string other = "data_OTHER" + mmcif_head.substr(mmcif_head.find('\n'));
+  CHECK(error(mmcif_head + row + other + row) ==
+        "t.cif:23: the data blocks \"TEST\" and \"OTHER\" both have atoms; keep one of them");
+  CHECK(error(mmcif_head + row + "data_test\n_cell.length_a 3\n") ==
+        "t.cif: there are two data blocks \"test\"; remove or rename one of them");
+  CHECK(error("data_x\n_cell.length_a 3\n_cell.length_a 3\n") ==
+        "t.cif:3: in data_x: duplicate tag _cell.length_a");
+  CHECK(error("data_x\n_cell.length_a\n") == "t.cif:2: in data_x: _cell.length_a has no value");
+  // Restraints may come before or after the atoms.
+  const std::string restraints = "data_restraints\n_cell.length_a 3\n";
+  CHECK(read_mmcif(mmcif_head + row + restraints).lines == std::vector<std::uint64_t>{21});
+  CHECK(read_mmcif(restraints + mmcif_head + row).lines == std::vector<std::uint64_t>{23});
 }
 
 TEST_CASE("mmCIF: files without atoms are refused by their content", "[structure]") {

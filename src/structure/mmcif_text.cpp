@@ -8,8 +8,11 @@
 #include <gemmi/cif.hpp>
 #include <gemmi/mmcif.hpp>
 #include <new>
+#include <set>
 #include <utility>
 #include <vector>
+
+#include "io/text_fields.hpp"
 
 namespace eses::detail {
 namespace {
@@ -70,6 +73,30 @@ std::string message_without_atoms(const NumberedDocument& document) {
            "this is the definition of a chemical component (_chem_comp_atom); convert it with "
            "`gemmi convert FILE FILE.pdb`";
   return start + "the file has no _atom_site table";
+}
+
+/// Returns the line of the table of atoms, or 0 if a block has none.
+std::uint64_t atom_table_line(const Block& block) {
+  for (const Item& item : block.items)
+    if (item.has_prefix(atom_category)) return static_cast<std::uint64_t>(item.line_number);
+  return 0;
+}
+
+/// Throws MmcifError if two data blocks have the same name, ignoring case, or if both have atoms.
+void check_blocks(const NumberedDocument& document) {
+  std::set<std::string> names;
+  const Block* with_atoms = nullptr;
+  for (const Block& block : document.blocks) {
+    if (!names.insert(gemmi::to_lower(block.name)).second)
+      throw MmcifError{0, "there are two data blocks " + detail::quoted(block.name) +
+                              "; remove or rename one of them"};
+    if (!has_atom_table(block)) continue;
+    if (with_atoms != nullptr)
+      throw MmcifError{atom_table_line(block),
+                       "the data blocks " + detail::quoted(with_atoms->name) + " and " +
+                           detail::quoted(block.name) + " both have atoms; keep one of them"};
+    with_atoms = &block;
+  }
 }
 
 /// Returns the data block that has the atoms. Throws MmcifError if there is none.
@@ -181,6 +208,7 @@ gemmi::Structure parse_mmcif_text(std::string_view text, const std::string& name
     gemmi::cif::pegtl::memory_input<> in(text.data(), text.size(), name);
     gemmi::cif::pegtl::parse<gemmi::cif::rules::file, NumberingAction, gemmi::cif::Errors>(
         in, document);
+    check_blocks(document);
     gemmi::cif::check_for_missing_values(document);
     gemmi::cif::check_for_duplicates(document);
     checker.check();

@@ -42,14 +42,19 @@ constexpr double max_length = 1e6;  // angstrom
   throw Error(formatted("{}:{}: {}", name, line, what));
 }
 
-/// Returns the first line of a message of gemmi, in the style of this program.
+/// Returns a message of gemmi in the style of this program: one line that starts in lower case.
 std::string message_of(std::string_view what) {
-  what = what.substr(0, what.find('\n'));
   // The caller adds file and line.
   if (what.starts_with("Problem in line "))
     what.remove_prefix(std::min(what.size(), what.find(':') + 2));
-  while (what.ends_with('.') || what.ends_with(':') || what.ends_with(' ')) what.remove_suffix(1);
-  return printable(what);
+  while (what.ends_with('.') || what.ends_with(':') || what.ends_with(' ') || what.ends_with('\n'))
+    what.remove_suffix(1);
+  std::string message(what);
+  std::replace(message.begin(), message.end(), '\n', ' ');
+  // Words in capital letters are names of records.
+  if (message.size() > 1 && message[1] == lower_case(message[1]))
+    message[0] = lower_case(message[0]);
+  return printable(message);
 }
 
 // ------------------------------------------------------------------------------------------- PDB
@@ -230,7 +235,16 @@ gemmi::Structure parse_mmcif(const StructureText& input, Checker& checker) {
     return parse_mmcif_text(input.text, std::string(input.name), checker);
   } catch (const MmcifError& error) {
     if (error.line > 0) fail(input.name, error.line, message_of(error.message));
-    throw Error(formatted("{}: {}", input.name, message_of(error.message)));
+    // Some messages of gemmi begin with the name of the file, and then with a line number.
+    std::string_view message = error.message;
+    const std::string prefix = formatted("{}:", input.name);
+    if (message.starts_with(prefix)) message.remove_prefix(prefix.size());
+    std::uint64_t line = 0;
+    const char* const end = message.data() + message.size();
+    const auto [rest, fault] = std::from_chars(message.data(), end, line);
+    message = without_leading_blanks({rest, static_cast<std::size_t>(end - rest)});
+    if (fault == std::errc{}) fail(input.name, line, message_of(message));
+    throw Error(formatted("{}: {}", input.name, message_of(message)));
   }
 }
 
