@@ -575,7 +575,13 @@ TEST_CASE("waters, ligands, hydrogens and chains are read as the options say", "
   CHECK(file.structure->dropped_chains == 2);
   options.chains = {"A", "C"};
   CHECK(pdb_error(text, options) ==
-        "t.pdb: there is no chain \"C\" (--chains); its chains are \"A,B\"");
+        "t.pdb: there is no chain \"C\" (--chains); its chains are A, B");
+  const std::string nameless = line_of({.chain = " "});
+  CHECK(pdb_error(nameless, options) ==
+        "t.pdb: there is no chain \"A\" (--chains); its atoms have no chain names");
+  CHECK(pdb_error(nameless + line_of({.chain = "B", .x = 9}), options) ==
+        "t.pdb: there is no chain \"A\" (--chains); its chains are B; other atoms have no chain "
+        "name");
 }
 
 TEST_CASE("selections in gemmi's syntax choose atoms", "[structure]") {

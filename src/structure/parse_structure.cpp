@@ -303,6 +303,17 @@ std::uint64_t drop_residues(gemmi::Model& model, const auto& is_dropped) {
   return count;
 }
 
+/// Returns a sentence with the names of chains, one of which may be empty.
+std::string chains_text(const std::set<std::string>& chains) {
+  std::vector<std::string> names;
+  for (const std::string& name : chains)
+    if (!name.empty()) names.push_back(printable(name));
+  const bool has_nameless = names.size() < chains.size();
+  if (names.empty()) return "its atoms have no chain names";
+  return formatted("its chains are {}{}", fmt::join(names, ", "),
+                   has_nameless ? "; other atoms have no chain name" : "");
+}
+
 std::uint64_t keep_chains(gemmi::Model& model, const std::vector<std::string>& names,
                           std::string_view file) {
   if (names.empty()) return 0;
@@ -310,9 +321,8 @@ std::uint64_t keep_chains(gemmi::Model& model, const std::vector<std::string>& n
   for (const gemmi::Chain& chain : model.chains) known.insert(chain.name);
   for (const std::string& name : names)
     if (!known.contains(name))
-      throw Error(formatted("{}: there is no chain {} (--chains); its chains are {}", file,
-                            detail::quoted(name),
-                            detail::quoted(formatted("{}", fmt::join(known, ",")))));
+      throw Error(formatted("{}: there is no chain {} (--chains); {}", file, detail::quoted(name),
+                            chains_text(known)));
   return drop(model.chains, [&](const gemmi::Chain& chain) {
     return std::find(names.begin(), names.end(), chain.name) == names.end();
   });
