@@ -320,8 +320,20 @@ TEST_CASE("a file of radii in FreeSASA's format is read", "[structure][radii]") 
   const auto error = [](const std::string& bad) {
     return error_of([&] { eses::detail::parse_radii_set(bad, "f"); });
   };
-  CHECK(
-      contains(error("types:\nC x apolar\n"), "f:2: expected a radius of at least 0, found \"x\""));
+  // As in FreeSASA, text after the third field is ignored, and entries may be repeated.
+  const auto repeated = eses::detail::parse_radii_set(
+      "types:\nC 1 apolar more\nC2 1 polar\natoms:\nALA CA C more\nALA CA C2\n", "f");
+  CHECK(repeated.find({"ALA", "CA", "C"}).value().radius == 1.0);
+  // FreeSASA takes the first of two different radii and warns.
+  CHECK(error("types:\nC 2 apolar\nO 1.4 polar\natoms:\nANY CA C\nALA CA O\nANY CA O\n") ==
+        "f:7: the atom \"CA\" of \"ANY\" has another radius already, 2; remove one of the entries");
+  CHECK(error("types:\nC 1000.1 apolar\n") ==
+        "f:2: expected a radius from 0 to 1000 angstrom, found \"1000.1\"");
+  CHECK(contains(error("types:\nC 1000 apolar\n"), "f: no atoms found"));
+  CHECK(contains(error("types:\nC nan apolar\n"), "f:2: expected a radius"));
+  CHECK(contains(error("types:\nC inf apolar\n"), "f:2: expected a radius"));
+  CHECK(contains(error("types:\nC x apolar\n"),
+                 "f:2: expected a radius from 0 to 1000 angstrom, found \"x\""));
   CHECK(contains(error("types:\nC -1 apolar\n"), "f:2: expected a radius"));
   CHECK(contains(error("types:\nC 1 odd\n"), "f:2: expected polar or apolar, found \"odd\""));
   CHECK(contains(error("types:\nC 1\n"), "f:2: expected three fields"));
