@@ -468,6 +468,62 @@ TEST_CASE("PDB: columns with another meaning in old files are ignored", "[struct
   CHECK(read_pdb(mercury, bondi).atoms.at(0).radius == 1.55);
 }
 
+namespace {
+
+/// Returns the record of an atom without an element.
+std::string without_element(const PdbAtom& atom) { return line_of(atom).substr(0, 66) + "\n"; }
+
+}  // namespace
+
+TEST_CASE("PDB: amino acids in names of force fields have no metals", "[structure]") {
+  StructureOptions bondi;
+  bondi.radii = "bondi";
+  const double carbon = 1.70, nitrogen = 1.55, oxygen = 1.52, sulfur = 1.80;
+  const std::vector<std::tuple<std::string, std::string, double>> expected{
+      {"HIE", "CA  ", carbon}, {"HIP", "CD2 ", carbon},   {"HID", "ND1 ", nitrogen},
+      {"HSD", "CE1 ", carbon}, {"HSE", "NE2 ", nitrogen}, {"HSP", "CA  ", carbon},
+      {"CYX", "CA  ", carbon}, {"CYM", "SG  ", sulfur},   {"ASH", "OD1 ", oxygen},
+      {"GLH", "CD  ", carbon}, {"LYN", "CE  ", carbon},   {"NME", "CA  ", carbon},
+      {"ACE", "CH3 ", carbon}, {"ARN", "NE  ", nitrogen}, {"DA5", "OP1 ", oxygen},
+      {"ALA", "CA  ", carbon}};
+  for (const auto& [residue, name, radius] : expected) {
+    INFO(residue << " " << name);
+    // The ion shows that the names of the file are not all misaligned.
+    const std::string text =
+        without_element({.name = name, .residue = residue}) +
+        without_element({.record = "HETATM", .name = " O  ", .residue = "HOH", .x = 9});
+    const AtomFile file = read_pdb(text, bondi);
+    REQUIRE(file.atoms.size() == 1);
+    CHECK(file.atoms[0].radius == radius);
+  }
+}
+
+TEST_CASE("PDB: the names of ligands may be left-aligned", "[structure]") {
+  StructureOptions bondi;
+  bondi.radii = "bondi";
+  const auto radius = [&](const std::string& name, const std::string& residue,
+                          const std::string& other) {
+    const std::string text =
+        without_element({.record = "HETATM", .name = name, .residue = residue, .number = "   1 "}) +
+        without_element({.record = "HETATM", .name = other, .residue = "LIG", .x = 5});
+    return read_pdb(text, bondi).atoms.at(0).radius;
+  };
+  const double carbon = 1.70, nitrogen = 1.55, calcium = 2.31, sodium = 2.27, iron = 2.44;
+  CHECK(radius("CA  ", "LIG", "N   ") == carbon);
+  CHECK(radius("CAB ", "LIG", "N   ") == carbon);
+  CHECK(radius("NA  ", "LIG", "N   ") == nitrogen);
+  CHECK(radius("CL1 ", "LIG", "N   ") == 1.75);
+  CHECK(radius("BR  ", "LIG", "N   ") == 1.83);
+  CHECK(radius("FE  ", "HEM", "N   ") == iron);
+  // Ions have the name of their residue.
+  CHECK(radius("CA  ", " CA", "N   ") == calcium);
+  CHECK(radius("NA  ", " NA", "N   ") == sodium);
+  CHECK(radius("FE  ", "FE2", "N   ") == iron);
+  // In a file with aligned names the column decides.
+  CHECK(radius("CA  ", "LIG", " N  ") == calcium);
+  CHECK(radius(" CA ", "LIG", " N  ") == carbon);
+}
+
 TEST_CASE("PDB: the first or the chosen model is read", "[structure]") {
   const auto model = [](int number, double x) {
     return fmt::format("MODEL {:8}\n", number) + line_of({.x = x}) + "ENDMDL\n";

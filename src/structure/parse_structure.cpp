@@ -20,6 +20,7 @@
 #include <limits>
 #include <map>
 #include <new>
+#include <optional>
 #include <set>
 #include <span>
 #include <unordered_map>
@@ -59,6 +60,15 @@ std::string message_of(std::string_view what) {
 
 // ------------------------------------------------------------------------------------------- PDB
 
+// Names of residues in the force fields of Amber, CHARMM and GROMACS that gemmi does not know:
+// protonation states of amino acids, caps of chains, and nucleotides.
+constexpr std::array<std::string_view, 62> md_residues{
+    "HID", "HIE", "HIP", "HSD", "HSE", "HSP", "HSC", "HIN", "HDP", "CYX", "CYM", "CYN", "CYH",
+    "CYP", "CY2", "ASH", "ASB", "GLH", "LYN", "LYP", "ARN", "TYM", "ACE", "NME", "NMA", "NHE",
+    "NH2", "FOR", "CT3", "NAL", "A3",  "A5",  "AN",  "C3",  "C5",  "CN",  "G3",  "G5",  "GN",
+    "U3",  "U5",  "UN",  "RA",  "RC",  "RG",  "RU",  "RA3", "RA5", "RC3", "RC5", "RG3", "RG5",
+    "RU3", "RU5", "DA3", "DA5", "DC3", "DC5", "DG3", "DG5", "DT3", "DT5"};
+
 /// An input stream of gemmi with the lines of a PDB text. Replaces the serial numbers of atoms by
 /// their line numbers. Checks coordinates, because gemmi reads invalid numbers as 0.
 class PdbLines {
@@ -73,6 +83,7 @@ class PdbLines {
     if (rest_.empty()) return nullptr;
     checker_.count();
     is_stopped_by_nul_ = rest_.front() == '\0';
+    line_start_ = rest_;
     ++line_;
     const std::size_t room = static_cast<std::size_t>(size) - 1;
     const std::size_t end = rest_.substr(0, room).find('\n');
@@ -146,28 +157,77 @@ class PdbLines {
   // Adds a missing element symbol. Otherwise gemmi would derive it from the alignment of the atom
   // name, and read misaligned names such as `CA  ` and `HG  ` in amino acids as calcium and
   // mercury.
-  static void write_element(char* buffer, std::size_t length) {
+  void write_element(char* buffer, std::size_t length) {
     const std::string_view record(buffer, length);
     const std::string_view name = column_text(record, name_column, name_width);
     const std::string_view residue = column_text(record, residue_column, residue_width);
-    const char element = element_by_name(name, residue);
-    if (element == '\0') return;
+    const std::array<char, 2> element = element_by_name(name, residue);
+    if (element[1] == '\0') return;
     for (; length < element_column; ++length) buffer[length] = ' ';
-    std::memcpy(buffer + element_column, std::array{' ', element, '\n', '\0'}.data(), 4);
+    std::memcpy(buffer + element_column, std::array{element[0], element[1], '\n', '\0'}.data(), 4);
   }
 
-  // Returns the element of an atom by its name, or 0 if the name is ambiguous. `HG` in a residue HG
-  // is mercury.
-  static char element_by_name(std::string_view name, std::string_view residue) {
-    const bool is_ion = name == residue;
+  // Returns the element of an atom by its name, right-justified, or zeros if the name is ambiguous.
+  // `HG` in a residue HG is mercury.
+  std::array<char, 2> element_by_name(std::string_view name, std::string_view residue) {
+    constexpr std::array<char, 2> ambiguous{};
+    const bool is_known = is_polymer(residue);
+    const bool is_ion = is_known ? name == residue : is_ion_name(name, residue);
     while (!name.empty() && is_digit(name.front())) name.remove_prefix(1);
-    if (name.empty() || is_ion || name.starts_with("SE")) return '\0';
+    if (name.empty() || is_ion || name.starts_with("SE")) return ambiguous;
     const char first = name.front();
-    if (first == 'H' || first == 'D') return first;
+    if (first == 'H' || first == 'D') return {' ', first};
+    if (!is_known && !is_left_aligned()) return ambiguous;
+    // In ligands these names are usually chlorine, bromine and iron.
+    const std::string_view stem = name.substr(0, name.find_first_of("0123456789"));
+    if (!is_known && (stem == "CL" || stem == "BR" || stem == "FE")) return {stem[0], stem[1]};
+    const std::string_view elements = is_known ? "CNOSP" : "CNOSPFIB";
+    return elements.find(first) == elements.npos ? ambiguous : std::array{' ', first};
+  }
+
+  // Returns whether an atom is the only one of its residue, as in the residues CA, FE2 and 3CO.
+  static bool is_ion_name(std::string_view name, std::string_view residue) {
+    const auto letters = [](std::string_view text) {
+      while (!text.empty() && is_digit(text.front())) text.remove_prefix(1);
+      while (!text.empty() && is_digit(text.back())) text.remove_suffix(1);
+      return text;
+    };
+    return !name.empty() && letters(name) == letters(residue);
+  }
+
+  static bool is_polymer(std::string_view residue) {
     const gemmi::ResidueInfo& info = gemmi::find_tabulated_residue(std::string(residue));
-    const bool is_polymer = info.is_amino_acid() || info.is_nucleic_acid();
-    return is_polymer && std::string_view("CNOSP").find(first) != std::string_view::npos ? first
-                                                                                         : '\0';
+    if (info.is_amino_acid() || info.is_nucleic_acid()) return true;
+    return std::find(md_residues.begin(), md_residues.end(), residue) != md_residues.end();
+  }
+
+  // Returns whether the names of all atoms without an element begin in the first column of the
+  // name, although names of one letter belong in the second column. Only the residues that are not
+  // polymers count, because a ligand may be appended to a protein. Looks at the rest of the text
+  // once.
+  bool is_left_aligned() {
+    if (!is_left_aligned_) is_left_aligned_ = finds_left_aligned_names();
+    return *is_left_aligned_;
+  }
+
+  bool finds_left_aligned_names() const {
+    for (std::string_view text = line_start_; !text.empty();) {
+      checker_.count();
+      const std::size_t end = std::min(text.find('\n'), text.size());
+      const std::string_view record = without_line_end(text.substr(0, end));
+      text.remove_prefix(std::min(end + 1, text.size()));
+      if (!is_atom_record(record) || record.size() < end_of_coordinates || has_element(record))
+        continue;
+      if (record[name_column] == ' ' &&
+          !is_polymer(column_text(record, residue_column, residue_width)))
+        return false;
+    }
+    return true;
+  }
+
+  static std::string_view without_line_end(std::string_view line) {
+    while (line.ends_with('\r')) line.remove_suffix(1);
+    return line;
   }
 
   static std::string_view column_text(std::string_view record, std::size_t first,
@@ -198,9 +258,11 @@ class PdbLines {
   }
 
   std::string_view rest_, name_;
+  std::string_view line_start_;  // the text from the current line on
   Checker& checker_;
   std::uint64_t line_ = 0;
   bool is_stopped_by_nul_ = false;
+  std::optional<bool> is_left_aligned_;
 };
 
 bool has_atoms(const gemmi::Model& model) { return !model.chains.empty(); }
