@@ -935,6 +935,46 @@ TEST_CASE("suffixes and contents decide how structures are read", "[structure]")
         "t: this is a PDB file; read it with --format pdb");
 }
 
+TEST_CASE("PDB: PQR files are recognised", "[structure][pqr]") {
+  const std::string message =
+      "t.pdb: this is a PQR file: its records end with charge and radius instead of occupancy and "
+      "B-factor; read it with --format pqr";
+  for (const std::string name : {"fas2.pqr", "mache.pqr", "boxb.pqr"}) {
+    INFO(name);
+    CHECK(pdb_error(text_of(ESES_DATA "/" + name)) == message);
+  }
+  // Whitespace instead of columns.
+  CHECK(pdb_error("ATOM 1 N ALA A 1 1.0 2.0 3.0 -0.3 1.5\n") == message);
+  // Charge and radius in the columns of occupancy and B-factor: nearly half of the charges of a
+  // protein are negative.
+  const auto record = [](double charge, double radius) {
+    return line_of({}).substr(0, 54) + fmt::format("{:6.2f}{:6.2f}\n", charge, radius);
+  };
+  CHECK(pdb_error(record(-0.3, 1.82) + record(0.33, 0.6) + record(0.02, 1.91)) == message);
+  // Files of other programs have B-factors of 0, or charges as B-factors.
+  CHECK(read_pdb(record(1, 0)).atoms.size() == 1);
+  CHECK(read_pdb(record(1, 1.5) + record(0.5, 2)).atoms.size() == 2);
+  CHECK(read_pdb(record(0, -0.3) + record(0, 0.3)).atoms.size() == 2);
+}
+
+TEST_CASE("PDB: files of other programs are not taken for PQR files", "[structure][pqr]") {
+  int read = 0;
+  for (const std::string& folder :
+       {freesasa_data + "test-data/", biopython_data, std::string("/usr/share/pymol/data/demo/")}) {
+    if (!fs::is_directory(folder)) continue;
+    for (const auto& entry : fs::directory_iterator(folder)) {
+      const std::string suffix = eses::detail::input_suffix(entry.path());
+      if (suffix != ".pdb" && suffix != ".ent") continue;
+      INFO(entry.path());
+      const std::string error = error_of([&] { read_file(entry.path()); });
+      CHECK_FALSE(contains(error, "PQR"));
+      ++read;
+    }
+  }
+  if (read == 0) SKIP("no PDB files are installed");
+  CHECK(read >= 4);
+}
+
 TEST_CASE("damaged gzip files are refused", "[structure]") {
   const TemporaryDirectory directory;
   std::ifstream stream(crystal, std::ios::binary);
