@@ -988,6 +988,43 @@ TEST_CASE("damaged gzip files are refused", "[structure]") {
   CHECK(contains(error_of([&] { read_file(path); }), "the compressed data is damaged"));
 }
 
+TEST_CASE("compressed files other than gzip are refused by name", "[structure]") {
+  const TemporaryDirectory directory;
+  const auto error = [&](const std::string& name, std::string_view bytes) {
+    const fs::path path = directory.path() / name;
+    std::ofstream(path, std::ios::binary) << bytes;
+    const std::string message = error_of([&] { read_file(path); });
+    return message.substr(std::min(message.size(), directory.path().string().size() + 1));
+  };
+  const auto advice = [](const std::string& name, const std::string& command) {
+    return fmt::format(
+        "a.{} files are not read; decompress the file, for example with `{} FILE | eses-blocks - "
+        "--format pdb`",
+        name, command);
+  };
+  using namespace std::string_view_literals;
+  // The first bytes that the programs write.
+  CHECK(error("a.pdb", "BZh91AY&SY\x12\x34") == advice("pdb: bzip2", "bzip2 -dc"));
+  CHECK(error("a.bz2", "BZh11AY&SY\x12\x34") == advice("bz2: bzip2", "bzip2 -dc"));
+  CHECK(error("a.cif", "\xfd\x37zXZ\0\0\x04"sv) == advice("cif: xz", "xz -dc"));
+  CHECK(error("a.zst", "\x28\xb5\x2f\xfd\x04\x88") == advice("zst: Zstandard", "zstd -dc"));
+  CHECK(error("a.pqr", "PK\x03\x04\x14\0"sv) == advice("pqr: ZIP", "unzip -p"));
+  // Other text and short files are unchanged.
+  CHECK(error("a.xyzr", "BZhello\n") ==
+        "a.xyzr:1: field 1 (x): expected a number, found \"BZhello\"");
+  CHECK(error("a.xyzr", "BZh") == "a.xyzr:1: field 1 (x): expected a number, found \"BZh\"");
+  CHECK(error("a.xyzr", "0 0 0 1").empty());
+  for (const std::string program : {"bzip2", "xz", "zstd"}) {
+    if (std::system(fmt::format("command -v {} >/dev/null", program).c_str()) != 0) continue;
+    INFO(program);
+    const fs::path plain = directory.path() / "b.pdb", packed = directory.path() / "b.packed";
+    std::ofstream(plain) << line_of({});
+    REQUIRE(std::system(fmt::format("{} -c '{}' > '{}'", program, plain.string(), packed.string())
+                            .c_str()) == 0);
+    CHECK(contains(error_of([&] { read_file(packed); }), "files are not read; decompress"));
+  }
+}
+
 TEST_CASE("reading structures keeps the limit of memory", "[structure]") {
   std::string text;
   for (int i = 0; i < 200000; ++i) text += line_of({.x = i * 0.01, .y = i * 0.001});
