@@ -782,6 +782,22 @@ TEST_CASE("mmCIF: columns that programs leave out have defaults", "[structure]")
     CHECK(error_of([&] { read_mmcif(atom_table(other, rows)); }) ==
           "t.cif: the _atom_site table lacks the column " + missing);
   }
+  // Without labels and entities, the kind of a residue follows from its name.
+  for (const std::string name : {"label_asym_id", "auth_asym_id"}) {
+    std::vector<std::string> names = columns;
+    names[4] = name;
+    StructureOptions polymer;
+    polymer.select = ";polymer";
+    polymer.with_waters = true;
+    std::string rows_of_chain;
+    for (int number = 1; number <= 6; ++number)
+      rows_of_chain += fmt::format("C CA ALA {} B {} 0 0 ?\n", number, 4 * number);
+    rows_of_chain += "C C1 LIG 7 B 9 9 9 ?\nO O HOH 8 B 1 9 9 ?\n";
+    INFO(name);
+    const AtomFile chain = read_mmcif(atom_table(names, rows_of_chain), polymer);
+    CHECK(chain.atoms.size() == 6);
+    CHECK(chain.structure->dropped_selection == 2);
+  }
   // A chain without any name is one chain.
   std::vector<std::string> other = columns;
   other[4] = "details";

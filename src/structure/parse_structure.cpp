@@ -398,6 +398,16 @@ gemmi::Selection parse_selection(const std::string& text) {
   }
 }
 
+/// Derives the kind of each residue from its name where an mmCIF file gives neither entities nor
+/// separate labels for the polymer, ligands and water of a chain. gemmi has given all of them the
+/// kind of the first residue.
+void correct_entity_types(gemmi::Structure& structure) {
+  if (structure.input_format != gemmi::CoorFormat::Mmcif || !structure.entities.empty()) return;
+  for (gemmi::Model& model : structure.models)
+    for (gemmi::Chain& chain : model.chains)
+      if (chain.subchains().size() == 1) gemmi::add_entity_types(chain, true);
+}
+
 std::uint64_t keep_selected(gemmi::Structure& structure, gemmi::Model& model,
                             const std::string& text, std::string_view file) {
   if (text.empty()) return 0;
@@ -406,7 +416,10 @@ std::uint64_t keep_selected(gemmi::Structure& structure, gemmi::Model& model,
     throw Error(formatted("{}: --select names model {}, but model {} is read; use --model {}", file,
                           selection.mdl, printable(model.name), selection.mdl));
   // Residues are assigned to entities only if the selection uses these, as in `;polymer`.
-  if (!selection.entity_types.all) gemmi::setup_entities(structure);
+  if (!selection.entity_types.all) {
+    correct_entity_types(structure);
+    gemmi::setup_entities(structure);
+  }
   std::uint64_t count =
       drop(model.chains, [&](const gemmi::Chain& chain) { return !selection.matches(chain); });
   count += drop_residues(
