@@ -372,10 +372,22 @@ TEST_CASE("xyzr: a file without atoms is refused", "[read_atoms]") {
   CHECK(xyzr_error("\xef\xbb\xbf") == "t.xyzr: no atoms found; 0 lines read");
 }
 
-TEST_CASE("xyzr: a PQR file is recognised", "[read_atoms]") {
+TEST_CASE("xyzr: PQR and PDB records are recognised", "[read_atoms]") {
+  const std::string start = "t.xyzr:1: field 1 (x): expected a number, found ";
   CHECK(xyzr_error("ATOM 1 N MET 1 1 2 3 0.5 1.5\n") ==
-        "t.xyzr:1: field 1 (x): expected a number, found \"ATOM\"; is this a PQR file, read as "
-        "xyzr?");
+        start + "\"ATOM\"; this looks like a PQR file; read it with --format pqr");
+  const std::string pdb =
+      "ATOM      1  N   MET A   1      27.340  24.430   2.614  1.00  9.67           N\r\n";
+  const std::string advice = "; this looks like a PDB file; read it with --format pdb";
+  CHECK(xyzr_error(pdb) == start + "\"ATOM\"" + advice);
+  CHECK(xyzr_error("REMARK a title\n" + pdb) == start + "\"REMARK\"" + advice);
+  CHECK(xyzr_error("MODEL        1\n" + pdb) == start + "\"MODEL\"" + advice);
+  // Neither format.
+  CHECK(xyzr_error("ATOM 1 N\n") ==
+        start +
+            "\"ATOM\"; this looks like a PDB or PQR file; read it with --format pdb or "
+            "--format pqr");
+  CHECK(xyzr_error("some text\n") == start + "\"some\"");
 }
 
 // ----------------------------------------------------------------------- text that is not clean

@@ -320,8 +320,20 @@ TEST_CASE("a file of radii in FreeSASA's format is read", "[structure][radii]") 
   const auto error = [](const std::string& bad) {
     return error_of([&] { eses::detail::parse_radii_set(bad, "f"); });
   };
-  CHECK(
-      contains(error("types:\nC x apolar\n"), "f:2: expected a radius of at least 0, found \"x\""));
+  // As in FreeSASA, text after the third field is ignored, and entries may be repeated.
+  const auto repeated = eses::detail::parse_radii_set(
+      "types:\nC 1 apolar more\nC2 1 polar\natoms:\nALA CA C more\nALA CA C2\n", "f");
+  CHECK(repeated.find({"ALA", "CA", "C"}).value().radius == 1.0);
+  // FreeSASA takes the first of two different radii and warns.
+  CHECK(error("types:\nC 2 apolar\nO 1.4 polar\natoms:\nANY CA C\nALA CA O\nANY CA O\n") ==
+        "f:7: the atom \"CA\" of \"ANY\" has another radius already, 2; remove one of the entries");
+  CHECK(error("types:\nC 1000.1 apolar\n") ==
+        "f:2: expected a radius from 0 to 1000 angstrom, found \"1000.1\"");
+  CHECK(contains(error("types:\nC 1000 apolar\n"), "f: no atoms found"));
+  CHECK(contains(error("types:\nC nan apolar\n"), "f:2: expected a radius"));
+  CHECK(contains(error("types:\nC inf apolar\n"), "f:2: expected a radius"));
+  CHECK(contains(error("types:\nC x apolar\n"),
+                 "f:2: expected a radius from 0 to 1000 angstrom, found \"x\""));
   CHECK(contains(error("types:\nC -1 apolar\n"), "f:2: expected a radius"));
   CHECK(contains(error("types:\nC 1 odd\n"), "f:2: expected polar or apolar, found \"odd\""));
   CHECK(contains(error("types:\nC 1\n"), "f:2: expected three fields"));
@@ -415,10 +427,27 @@ TEST_CASE("PDB: damaged records are named", "[structure]") {
   CHECK(contains(pdb_error(bad), "expected a number for y"));
   bad.replace(38, 8, "        ");
   CHECK(contains(pdb_error(bad), "expected a number for y"));
-  CHECK(pdb_error("") == "t.pdb: no atoms found");
-  CHECK(pdb_error("REMARK\nEND\n") == "t.pdb: no atoms found");
-  CHECK(contains(pdb_error(std::string("\0\1\2\xff", 4)), "t.pdb: no atoms found"));
+  CHECK(pdb_error("") == "t.pdb: no ATOM or HETATM records found; 0 lines read");
+  CHECK(pdb_error("REMARK\nEND\nMASTER\n") ==
+        "t.pdb: no ATOM or HETATM records found; 3 lines read");
+  CHECK(pdb_error(std::string("\0\1\2\xff", 4)) ==
+        "t.pdb: no ATOM or HETATM records found; 1 line read");
   CHECK(contains(pdb_error("MODEL        1\n" + good + "MODEL        1\n"), "t.pdb:3: MODEL"));
+}
+
+TEST_CASE("PDB: atoms after an END record are refused", "[structure]") {
+  // As from `cat receptor.pdb ligand.pdb`.
+  const std::string atom = line_of({}), other = line_of({.record = "HETATM", .x = 9});
+  const std::string message =
+      "t.pdb:2: atoms follow an END record; remove the record, or separate models by MODEL and "
+      "ENDMDL";
+  CHECK(pdb_error(atom + "END\n" + atom) == message);
+  CHECK(pdb_error(atom + "END   \r\nREMARK\n\n" + other) == message);
+  CHECK(pdb_error(atom + "END\nMODEL        2\n" + atom + "ENDMDL\n") == message);
+  CHECK(pdb_error(atom + "END\n" + atom.substr(0, 20)) == message);
+  CHECK(read_pdb(atom + "END\nCONECT    1    2\n\n   \nEND\nMASTER\n").atoms.size() == 1);
+  CHECK(pdb_error(atom + std::string("\0\n", 2) + atom) ==
+        "t.pdb:2: the line begins with a NUL character; the file seems to be damaged");
 }
 
 TEST_CASE("PDB: columns with another meaning in old files are ignored", "[structure]") {
@@ -439,6 +468,62 @@ TEST_CASE("PDB: columns with another meaning in old files are ignored", "[struct
   CHECK(read_pdb(mercury, bondi).atoms.at(0).radius == 1.55);
 }
 
+namespace {
+
+/// Returns the record of an atom without an element.
+std::string without_element(const PdbAtom& atom) { return line_of(atom).substr(0, 66) + "\n"; }
+
+}  // namespace
+
+TEST_CASE("PDB: amino acids in names of force fields have no metals", "[structure]") {
+  StructureOptions bondi;
+  bondi.radii = "bondi";
+  const double carbon = 1.70, nitrogen = 1.55, oxygen = 1.52, sulfur = 1.80;
+  const std::vector<std::tuple<std::string, std::string, double>> expected{
+      {"HIE", "CA  ", carbon}, {"HIP", "CD2 ", carbon},   {"HID", "ND1 ", nitrogen},
+      {"HSD", "CE1 ", carbon}, {"HSE", "NE2 ", nitrogen}, {"HSP", "CA  ", carbon},
+      {"CYX", "CA  ", carbon}, {"CYM", "SG  ", sulfur},   {"ASH", "OD1 ", oxygen},
+      {"GLH", "CD  ", carbon}, {"LYN", "CE  ", carbon},   {"NME", "CA  ", carbon},
+      {"ACE", "CH3 ", carbon}, {"ARN", "NE  ", nitrogen}, {"DA5", "OP1 ", oxygen},
+      {"ALA", "CA  ", carbon}};
+  for (const auto& [residue, name, radius] : expected) {
+    INFO(residue << " " << name);
+    // The ion shows that the names of the file are not all misaligned.
+    const std::string text =
+        without_element({.name = name, .residue = residue}) +
+        without_element({.record = "HETATM", .name = " O  ", .residue = "HOH", .x = 9});
+    const AtomFile file = read_pdb(text, bondi);
+    REQUIRE(file.atoms.size() == 1);
+    CHECK(file.atoms[0].radius == radius);
+  }
+}
+
+TEST_CASE("PDB: the names of ligands may be left-aligned", "[structure]") {
+  StructureOptions bondi;
+  bondi.radii = "bondi";
+  const auto radius = [&](const std::string& name, const std::string& residue,
+                          const std::string& other) {
+    const std::string text =
+        without_element({.record = "HETATM", .name = name, .residue = residue, .number = "   1 "}) +
+        without_element({.record = "HETATM", .name = other, .residue = "LIG", .x = 5});
+    return read_pdb(text, bondi).atoms.at(0).radius;
+  };
+  const double carbon = 1.70, nitrogen = 1.55, calcium = 2.31, sodium = 2.27, iron = 2.44;
+  CHECK(radius("CA  ", "LIG", "N   ") == carbon);
+  CHECK(radius("CAB ", "LIG", "N   ") == carbon);
+  CHECK(radius("NA  ", "LIG", "N   ") == nitrogen);
+  CHECK(radius("CL1 ", "LIG", "N   ") == 1.75);
+  CHECK(radius("BR  ", "LIG", "N   ") == 1.83);
+  CHECK(radius("FE  ", "HEM", "N   ") == iron);
+  // Ions have the name of their residue.
+  CHECK(radius("CA  ", " CA", "N   ") == calcium);
+  CHECK(radius("NA  ", " NA", "N   ") == sodium);
+  CHECK(radius("FE  ", "FE2", "N   ") == iron);
+  // In a file with aligned names the column decides.
+  CHECK(radius("CA  ", "LIG", " N  ") == calcium);
+  CHECK(radius(" CA ", "LIG", " N  ") == carbon);
+}
+
 TEST_CASE("PDB: the first or the chosen model is read", "[structure]") {
   const auto model = [](int number, double x) {
     return fmt::format("MODEL {:8}\n", number) + line_of({.x = x}) + "ENDMDL\n";
@@ -454,6 +539,10 @@ TEST_CASE("PDB: the first or the chosen model is read", "[structure]") {
   options.model = 5;
   CHECK(pdb_error(text, options) ==
         "t.pdb: there is no model 5 (--model); the file has 2 models, from 3 to 4");
+  const std::string second = "MODEL        3\nENDMDL\n" + model(4, 2);
+  CHECK(pdb_error(second) == "t.pdb: model 3 has no atoms; choose another one with --model N");
+  options.model = 4;
+  CHECK(read_pdb(second, options).atoms.at(0).center.x == 2);
 }
 
 TEST_CASE("alternate locations are chosen by residue", "[structure]") {
@@ -554,7 +643,13 @@ TEST_CASE("waters, ligands, hydrogens and chains are read as the options say", "
   CHECK(file.structure->dropped_chains == 2);
   options.chains = {"A", "C"};
   CHECK(pdb_error(text, options) ==
-        "t.pdb: there is no chain \"C\" (--chains); its chains are \"A,B\"");
+        "t.pdb: there is no chain \"C\" (--chains); its chains are A, B");
+  const std::string nameless = line_of({.chain = " "});
+  CHECK(pdb_error(nameless, options) ==
+        "t.pdb: there is no chain \"A\" (--chains); its atoms have no chain names");
+  CHECK(pdb_error(nameless + line_of({.chain = "B", .x = 9}), options) ==
+        "t.pdb: there is no chain \"A\" (--chains); its chains are B; other atoms have no chain "
+        "name");
 }
 
 TEST_CASE("selections in gemmi's syntax choose atoms", "[structure]") {
@@ -568,7 +663,7 @@ TEST_CASE("selections in gemmi's syntax choose atoms", "[structure]") {
   options.select = "CA[C]";
   CHECK(read_pdb(text, options).lines == std::vector<std::uint64_t>{1, 3});
   options.select = "//[";
-  CHECK(contains(pdb_error(text, options), "--select: Invalid selection syntax"));
+  CHECK(contains(pdb_error(text, options), "--select: invalid selection syntax"));
   options.select = "/2/A";
   CHECK(contains(pdb_error(text, options), "use --model 2"));
   options.select = "//Z";
@@ -596,17 +691,136 @@ TEST_CASE("mmCIF: atoms have their labels and lines", "[structure]") {
 TEST_CASE("mmCIF: damaged files are refused", "[structure]") {
   const auto error = [](const std::string& text) { return error_of([&] { read_mmcif(text); }); };
   const std::string row = "ATOM 1 C CA . ALA A 1 1 ? 1.5 0 0 1.0 20 52 X 1\n";
-  CHECK(contains(error(mmcif_head + row + "ATOM 2 C\n"), "Wrong number of values in the loop"));
+  CHECK(contains(error(mmcif_head + row + "ATOM 2 C\n"),
+                 "t.cif:2: wrong number of values in the loop"));
   CHECK(contains(error(mmcif_head + row + "'unterminated\n"), "t.cif:22: unterminated"));
   CHECK(contains(error(mmcif_head + "ATOM 1 C CA . ALA A 1 1 ? ? 0 0 1.0 20 52 X 1\n"),
                  "t.cif:21: expected coordinates"));
-  CHECK(contains(error("data_x\n_cell.length_a 3\n"), "t.cif: no atoms found"));
-  CHECK(contains(error(""), "t.cif: "));
+  CHECK(error("data_x\n_cell.length_a 3\n") ==
+        "t.cif: no atoms found; the file has no _atom_site table");
   const std::string whole = text_of(crystal);
   for (const double part : {0.1, 0.5, 0.7}) {
     const auto length = static_cast<std::size_t>(part * static_cast<double>(whole.size()));
     CHECK_FALSE(error(whole.substr(0, length)).empty());
   }
+}
+
+TEST_CASE("mmCIF: data blocks and tags must not be ambiguous", "[structure]") {
+  const auto error = [](const std::string& text) { return error_of([&] { read_mmcif(text); }); };
+  const std::string row = "ATOM 1 C CA . ALA A 1 1 ? 1.5 0 0 1.0 20 52 X 1\n";
+  const std::string other = "data_OTHER" + mmcif_head.substr(mmcif_head.find('\n'));
+  CHECK(error(mmcif_head + row + other + row) ==
+        "t.cif:23: the data blocks \"TEST\" and \"OTHER\" both have atoms; keep one of them");
+  CHECK(error(mmcif_head + row + "data_test\n_cell.length_a 3\n") ==
+        "t.cif: there are two data blocks \"test\"; remove or rename one of them");
+  CHECK(error("data_x\n_cell.length_a 3\n_cell.length_a 3\n") ==
+        "t.cif:3: in data_x: duplicate tag _cell.length_a");
+  CHECK(error("data_x\n_cell.length_a\n") == "t.cif:2: in data_x: _cell.length_a has no value");
+  // Restraints may come before or after the atoms.
+  const std::string restraints = "data_restraints\n_cell.length_a 3\n";
+  CHECK(read_mmcif(mmcif_head + row + restraints).lines == std::vector<std::uint64_t>{21});
+  CHECK(read_mmcif(restraints + mmcif_head + row).lines == std::vector<std::uint64_t>{23});
+}
+
+TEST_CASE("mmCIF: files without atoms are refused by their content", "[structure]") {
+  const auto error = [](const std::string& text) { return error_of([&] { read_mmcif(text); }); };
+  for (const std::string text : {"", "\n", " \t\r\n\n", "# a comment\n"}) {
+    INFO(text);
+    CHECK(error(text) == "t.cif: no atoms found; the file has no data block");
+  }
+  CHECK(error("data_x\n") == "t.cif: no atoms found; the file has no _atom_site table");
+  CHECK(error("data_x\nloop_\n_atom_site_label\n_atom_site_fract_x\nC1 0.5\n") ==
+        "t.cif: no atoms found; the coordinates are fractional (_atom_site_fract_x), as in CIF "
+        "files of small molecules; convert it with `obabel FILE -O FILE.pdb`");
+  CHECK(error("data_ALA\n_chem_comp.id ALA\nloop_\n_chem_comp_atom.comp_id\n"
+              "_chem_comp_atom.atom_id\nALA N\n") ==
+        "t.cif: no atoms found; this is the definition of a chemical component "
+        "(_chem_comp_atom); convert it with `gemmi convert FILE FILE.pdb`");
+  const TemporaryDirectory directory;
+  const fs::path path = directory.path() / "empty.cif";
+  std::ofstream(path) << "";
+  REQUIRE(std::system(fmt::format("gzip '{}'", path.string()).c_str()) == 0);
+  const std::string packed = path.string() + ".gz";
+  CHECK(error_of([&] { read_file(packed); }) ==
+        packed + ": no atoms found; the file has no data block");
+}
+
+namespace {
+
+/// Returns a table of atoms with these columns and rows.
+std::string atom_table(const std::vector<std::string>& columns, const std::string& rows) {
+  std::string text = "data_TEST\nloop_\n";
+  for (const std::string& column : columns) text += "_atom_site." + column + "\n";
+  return text + rows;
+}
+
+}  // namespace
+
+TEST_CASE("mmCIF: columns that programs leave out have defaults", "[structure]") {
+  // PyMOL does not write auth_seq_id.
+  const std::vector<std::string> columns{"type_symbol",  "label_atom_id", "label_comp_id",
+                                         "label_seq_id", "auth_asym_id",  "Cartn_x",
+                                         "Cartn_y",      "Cartn_z",       "pdbx_PDB_ins_code"};
+  const std::string rows = "C CA ALA 7 B 1 2 3 ?\nO O ALA 8 C 4 5 6 A\n";
+  const AtomFile file = read_mmcif(atom_table(columns, rows));
+  CHECK(names_of(file) == Names{"B ALA 7 CA", "C ALA 8A O"});
+  CHECK(file.lines == std::vector<std::uint64_t>{12, 13});
+  REQUIRE(file.atoms.size() == 2);
+  CHECK(file.atoms[0].center == eses::Vec3{1, 2, 3});
+  CHECK(file.atoms[0].radius == 1.88);
+  CHECK(file.atoms[1].radius == 1.42);
+  // Occupancies of 1 and no alternate locations.
+  StructureOptions options;
+  options.select = ";q=1";
+  CHECK(read_mmcif(atom_table(columns, rows), options).atoms.size() == 2);
+  for (std::size_t i = 0; i < 8; ++i) {
+    if (columns[i] == "auth_asym_id") continue;
+    std::vector<std::string> other = columns;
+    other[i] = "details";
+    INFO(columns[i]);
+    const std::string missing = columns[i] == "label_seq_id" ? "auth_seq_id" : columns[i];
+    CHECK(error_of([&] { read_mmcif(atom_table(other, rows)); }) ==
+          "t.cif: the _atom_site table lacks the column " + missing);
+  }
+  // Without labels and entities, the kind of a residue follows from its name.
+  for (const std::string name : {"label_asym_id", "auth_asym_id"}) {
+    std::vector<std::string> names = columns;
+    names[4] = name;
+    StructureOptions polymer;
+    polymer.select = ";polymer";
+    polymer.with_waters = true;
+    std::string rows_of_chain;
+    for (int number = 1; number <= 6; ++number)
+      rows_of_chain += fmt::format("C CA ALA {} B {} 0 0 ?\n", number, 4 * number);
+    rows_of_chain += "C C1 LIG 7 B 9 9 9 ?\nO O HOH 8 B 1 9 9 ?\n";
+    INFO(name);
+    const AtomFile chain = read_mmcif(atom_table(names, rows_of_chain), polymer);
+    CHECK(chain.atoms.size() == 6);
+    CHECK(chain.structure->dropped_selection == 2);
+  }
+  // A chain without any name is one chain.
+  std::vector<std::string> other = columns;
+  other[4] = "details";
+  CHECK(names_of(read_mmcif(atom_table(other, rows))) == Names{" ALA 7 CA", " ALA 8A O"});
+  // A table of one atom need not be a loop.
+  const std::string pairs =
+      "data_TEST\n_atom_site.type_symbol C\n_atom_site.label_atom_id CA\n"
+      "_atom_site.label_comp_id ALA\n_atom_site.label_seq_id 7\n_atom_site.auth_asym_id B\n"
+      "_atom_site.Cartn_x 1\n_atom_site.Cartn_y 2\n_atom_site.Cartn_z 3\n";
+  CHECK(names_of(read_mmcif(pairs)) == Names{"B ALA 7 CA"});
+  CHECK(read_mmcif(pairs).lines == std::vector<std::uint64_t>{2});
+  CHECK(read_mmcif(pairs + "_atom_site.id 77\n").lines == std::vector<std::uint64_t>{10});
+}
+
+TEST_CASE("mmCIF: a file of PyMOL has the atoms of the entry", "[structure]") {
+  const fs::path path = biopython_data + "7CFN_aligned.cif.gz";
+  if (!fs::exists(path)) SKIP("python-biopython-doc is not installed");
+  const AtomFile aligned = read_file(path), entry = read_file(biopython_data + "7CFN.cif.gz");
+  // PyMOL has moved the atoms.
+  const Names names = names_of(aligned), expected = names_of(entry);
+  CHECK(std::multiset<std::string>(names.begin(), names.end()) ==
+        std::multiset<std::string>(expected.begin(), expected.end()));
+  CHECK(names.size() > 5000);
 }
 
 TEST_CASE("mmCIF: a crystal structure with modified residues is read", "[structure]") {
@@ -737,6 +951,46 @@ TEST_CASE("suffixes and contents decide how structures are read", "[structure]")
         "t: this is a PDB file; read it with --format pdb");
 }
 
+TEST_CASE("PDB: PQR files are recognised", "[structure][pqr]") {
+  const std::string message =
+      "t.pdb: this is a PQR file: its records end with charge and radius instead of occupancy and "
+      "B-factor; read it with --format pqr";
+  for (const std::string name : {"fas2.pqr", "mache.pqr", "boxb.pqr"}) {
+    INFO(name);
+    CHECK(pdb_error(text_of(ESES_DATA "/" + name)) == message);
+  }
+  // Whitespace instead of columns.
+  CHECK(pdb_error("ATOM 1 N ALA A 1 1.0 2.0 3.0 -0.3 1.5\n") == message);
+  // Charge and radius in the columns of occupancy and B-factor: nearly half of the charges of a
+  // protein are negative.
+  const auto record = [](double charge, double radius) {
+    return line_of({}).substr(0, 54) + fmt::format("{:6.2f}{:6.2f}\n", charge, radius);
+  };
+  CHECK(pdb_error(record(-0.3, 1.82) + record(0.33, 0.6) + record(0.02, 1.91)) == message);
+  // Files of other programs have B-factors of 0, or charges as B-factors.
+  CHECK(read_pdb(record(1, 0)).atoms.size() == 1);
+  CHECK(read_pdb(record(1, 1.5) + record(0.5, 2)).atoms.size() == 2);
+  CHECK(read_pdb(record(0, -0.3) + record(0, 0.3)).atoms.size() == 2);
+}
+
+TEST_CASE("PDB: files of other programs are not taken for PQR files", "[structure][pqr]") {
+  int read = 0;
+  for (const std::string& folder :
+       {freesasa_data + "test-data/", biopython_data, std::string("/usr/share/pymol/data/demo/")}) {
+    if (!fs::is_directory(folder)) continue;
+    for (const auto& entry : fs::directory_iterator(folder)) {
+      const std::string suffix = eses::detail::input_suffix(entry.path());
+      if (suffix != ".pdb" && suffix != ".ent") continue;
+      INFO(entry.path());
+      const std::string error = error_of([&] { read_file(entry.path()); });
+      CHECK_FALSE(contains(error, "PQR"));
+      ++read;
+    }
+  }
+  if (read == 0) SKIP("no PDB files are installed");
+  CHECK(read >= 4);
+}
+
 TEST_CASE("damaged gzip files are refused", "[structure]") {
   const TemporaryDirectory directory;
   std::ifstream stream(crystal, std::ios::binary);
@@ -748,6 +1002,43 @@ TEST_CASE("damaged gzip files are refused", "[structure]") {
   for (std::size_t i = damaged.size() / 2; i < damaged.size() / 2 + 8; ++i) damaged[i] = '\xff';
   std::ofstream(path, std::ios::binary) << damaged;
   CHECK(contains(error_of([&] { read_file(path); }), "the compressed data is damaged"));
+}
+
+TEST_CASE("compressed files other than gzip are refused by name", "[structure]") {
+  const TemporaryDirectory directory;
+  const auto error = [&](const std::string& name, std::string_view bytes) {
+    const fs::path path = directory.path() / name;
+    std::ofstream(path, std::ios::binary) << bytes;
+    const std::string message = error_of([&] { read_file(path); });
+    return message.substr(std::min(message.size(), directory.path().string().size() + 1));
+  };
+  const auto advice = [](const std::string& name, const std::string& command) {
+    return fmt::format(
+        "a.{} files are not read; decompress the file, for example with `{} FILE | eses-blocks - "
+        "--format pdb`",
+        name, command);
+  };
+  using namespace std::string_view_literals;
+  // The first bytes that the programs write.
+  CHECK(error("a.pdb", "BZh91AY&SY\x12\x34") == advice("pdb: bzip2", "bzip2 -dc"));
+  CHECK(error("a.bz2", "BZh11AY&SY\x12\x34") == advice("bz2: bzip2", "bzip2 -dc"));
+  CHECK(error("a.cif", "\xfd\x37zXZ\0\0\x04"sv) == advice("cif: xz", "xz -dc"));
+  CHECK(error("a.zst", "\x28\xb5\x2f\xfd\x04\x88") == advice("zst: Zstandard", "zstd -dc"));
+  CHECK(error("a.pqr", "PK\x03\x04\x14\0"sv) == advice("pqr: ZIP", "unzip -p"));
+  // Other text and short files are unchanged.
+  CHECK(error("a.xyzr", "BZhello\n") ==
+        "a.xyzr:1: field 1 (x): expected a number, found \"BZhello\"");
+  CHECK(error("a.xyzr", "BZh") == "a.xyzr:1: field 1 (x): expected a number, found \"BZh\"");
+  CHECK(error("a.xyzr", "0 0 0 1").empty());
+  for (const std::string program : {"bzip2", "xz", "zstd"}) {
+    if (std::system(fmt::format("command -v {} >/dev/null", program).c_str()) != 0) continue;
+    INFO(program);
+    const fs::path plain = directory.path() / "b.pdb", packed = directory.path() / "b.packed";
+    std::ofstream(plain) << line_of({});
+    REQUIRE(std::system(fmt::format("{} -c '{}' > '{}'", program, plain.string(), packed.string())
+                            .c_str()) == 0);
+    CHECK(contains(error_of([&] { read_file(packed); }), "files are not read; decompress"));
+  }
 }
 
 TEST_CASE("reading structures keeps the limit of memory", "[structure]") {

@@ -74,6 +74,9 @@ void refuse_models(std::string_view name, std::uint64_t models);
 /// Throws Error if most of the `atoms` records of a PQR file look like records of a PDB file.
 void refuse_pdb_records(std::string_view name, std::uint64_t atoms, const PdbLikeness& likeness);
 
+/// Throws Error if the records of a text, which should be a PDB file, are those of a PQR file.
+void refuse_pqr_records(std::string_view text, std::string_view name);
+
 /// Returns the message for a file of this number of lines without atoms, or without atoms in the
 /// chosen model.
 std::string no_atoms_message(std::string_view name, AtomFormat format, std::uint64_t lines,

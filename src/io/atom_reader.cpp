@@ -89,7 +89,6 @@ enum class Fault {
   too_few_fields,
   extra_number,
   residue_number,
-  pqr_record,
 };
 
 struct Quantity {
@@ -159,10 +158,8 @@ Problem parse_xyzr(std::string_view line, Record& record) {
   std::array<double, xyzr_quantities.size()> values{};
   std::string_view rest = line;
   for (std::size_t i = 0; i < values.size(); ++i) {
-    Problem problem = read_value(take_first(rest), xyzr_quantities[i], values[i]);
-    if (!problem) continue;
-    if (i == 0 && is_pqr_record(line)) problem.fault = Fault::pqr_record;
-    return problem;
+    if (const Problem problem = read_value(take_first(rest), xyzr_quantities[i], values[i]))
+      return problem;
   }
   record.atom = {{values[0], values[1], values[2]}, values[3]};
   return {};
@@ -350,6 +347,70 @@ void add_record(std::string_view line, PdbLikeness& likeness) {
   if (occupancy == 1 || b_factor > max_usual_radius) ++likeness.values;
 }
 
+// ---------------------------------------------------------------- PQR files that are named .pdb
+
+/// Returns the text of columns, without leading blanks. The line may end before them.
+std::string_view column_text(std::string_view line, std::size_t column, std::size_t width) {
+  return without_trailing_blanks(
+      without_leading_blanks(line.substr(std::min(column, line.size()), width)));
+}
+
+/// Returns whether a record has the columns of a PDB file: three coordinates, then occupancy and
+/// B-factor, which may be blank.
+bool has_pdb_columns(std::string_view line, double& occupancy) {
+  if (line.size() < end_of_coordinates) return false;
+  for (std::size_t axis = 0; axis < 3; ++axis)
+    if (!is_column_number(coordinate_column(line, axis))) return false;
+  if (line.size() > end_of_b_factor && !is_blank(line[end_of_b_factor])) return false;
+  double b_factor = 0;
+  const auto is_number_or_blank = [](std::string_view text, double& value) {
+    return text.empty() || parse_number(text, value) == std::errc{};
+  };
+  return is_number_or_blank(column_text(line, end_of_coordinates, occupancy_width), occupancy) &&
+         is_number_or_blank(column_text(line, b_factor_column, b_factor_width), b_factor);
+}
+
+/// Counts of records by their format.
+struct RecordCounts {
+  std::uint64_t all = 0;
+  std::uint64_t pdb_columns = 0;  ///< have the columns of PDB files
+  std::uint64_t pqr = 0;          ///< end with a possible charge and radius
+  std::uint64_t only_pqr = 0;     ///< do so, and are not valid in PDB files
+  std::uint64_t with_radius = 0;  ///< do so, and have the radius of an atom other than hydrogen
+
+  void add(std::string_view line) {
+    constexpr double min_usual_radius = 0.5;  // angstrom; some hydrogens have smaller radii
+    ++all;
+    double occupancy = 0;
+    const bool has_columns = has_pdb_columns(line, occupancy);
+    pdb_columns += static_cast<std::uint64_t>(has_columns);
+    Record record;
+    if (parse_pqr(line, record) || record.atom.radius > max_usual_radius) return;
+    ++pqr;
+    only_pqr += static_cast<std::uint64_t>(!has_columns || occupancy < 0);
+    with_radius += static_cast<std::uint64_t>(record.atom.radius >= min_usual_radius);
+  }
+
+  /// The fractions leave room for unusual records. Charges in the columns of the occupancy are
+  /// recognised by their sign, which is negative for about half of the atoms.
+  AtomFormat format() const {
+    if (all == 0) return AtomFormat::automatic;
+    if (10 * pqr >= 9 * all && 10 * only_pqr >= 3 * all && 2 * with_radius >= all)
+      return AtomFormat::pqr;
+    return 10 * pdb_columns >= 9 * all ? AtomFormat::pdb : AtomFormat::automatic;
+  }
+};
+
+/// Returns the format of the ATOM and HETATM records of a text, AtomFormat::pdb or AtomFormat::pqr,
+/// or AtomFormat::automatic if it is unknown. A part of the records suffices.
+AtomFormat format_of_records(std::string_view text) {
+  constexpr std::uint64_t max_records = 1000;
+  RecordCounts counts;
+  while (!text.empty() && counts.all < max_records)
+    if (const std::string_view line = take_line(text); is_pqr_record(line)) counts.add(line);
+  return counts.format();
+}
+
 // -------------------------------------------------------------------------------------- messages
 
 [[noreturn]] void fail(std::string_view name, std::size_t line, std::string_view what) {
@@ -373,8 +434,6 @@ std::string reason(const Problem& problem) {
       return formatted("{} is beyond the limit of {:.0f} angstrom", text, max_length);
     case Fault::residue_number:
       return text + " seems to be the residue number; expected x y z charge radius at the end";
-    case Fault::pqr_record:
-      return "expected a number, found " + text + "; is this a PQR file, read as xyzr?";
     case Fault::none:
     case Fault::too_few_fields:
     case Fault::extra_number:
@@ -397,12 +456,27 @@ std::string description(const Problem& problem, std::string_view line) {
                    reason(problem));
 }
 
-std::string describe(const Problem& problem, std::string_view line, bool is_pqr) {
+std::string describe_pqr(const Problem& problem, std::string_view line) {
   std::string text = description(problem, line);
   PdbLikeness likeness;
-  if (is_pqr) add_record(line, likeness);
+  add_record(line, likeness);
   if (likeness.layout > 0)
     text += "; this looks like a PDB file, whose occupancy and B-factor are not charge and radius";
+  return text;
+}
+
+/// Describes the fault of a line. `rest` is the text from this line on.
+std::string describe_xyzr(const Problem& problem, std::string_view line, std::string_view rest) {
+  std::string text = description(problem, line);
+  const bool is_first_field = problem.quantity == quantity_x.name;
+  if (problem.fault != Fault::not_a_number || !is_first_field) return text;
+  const AtomFormat format = format_of_records(rest);
+  if (format == AtomFormat::pdb)
+    text += "; this looks like a PDB file; read it with --format pdb";
+  else if (format == AtomFormat::pqr)
+    text += "; this looks like a PQR file; read it with --format pqr";
+  else if (is_pqr_record(line))
+    text += "; this looks like a PDB or PQR file; read it with --format pdb or --format pqr";
   return text;
 }
 
@@ -604,7 +678,9 @@ LinesRead parse_atom_lines(std::string_view text, const AtomLines& lines, AtomFi
     if (!is_record(line) || (is_pqr && model != 0 && read.last_model != model)) continue;
     Record record;
     if (const Problem problem = parse_line(line, record)) {
-      fail(name, number, describe(problem, line, is_pqr));
+      const std::string_view rest(
+          line.data(), static_cast<std::size_t>(text.data() + text.size() - line.data()));
+      fail(name, number, is_pqr ? describe_pqr(problem, line) : describe_xyzr(problem, line, rest));
     }
     if (atoms.size() == max_atoms) {
       fail(name, number, formatted("more than {} atoms", max_atoms));
@@ -647,10 +723,19 @@ void refuse_pdb_records(std::string_view name, std::uint64_t atoms, const PdbLik
                 name));
 }
 
+void refuse_pqr_records(std::string_view text, std::string_view name) {
+  if (format_of_records(text) != AtomFormat::pqr) return;
+  throw Error(
+      formatted("{}: this is a PQR file: its records end with charge and radius instead of "
+                "occupancy and B-factor; read it with --format pqr",
+                name));
+}
+
 std::string no_atoms_message(std::string_view name, AtomFormat format, std::uint64_t lines,
                              int model) {
+  const bool has_records = format == AtomFormat::pqr || format == AtomFormat::pdb;
   return formatted("{}: no {} found{}; {} {} read", name,
-                   format == AtomFormat::pqr ? "ATOM or HETATM records" : "atoms",
+                   has_records ? "ATOM or HETATM records" : "atoms",
                    model == 0 ? "" : formatted(" in model {} (--model)", model), lines,
                    lines == 1 ? "line" : "lines");
 }

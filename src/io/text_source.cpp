@@ -5,6 +5,7 @@
 #include <zlib.h>
 
 #include <algorithm>
+#include <array>
 #include <cerrno>
 #include <new>
 #include <system_error>
@@ -22,6 +23,41 @@ constexpr std::size_t buffer_bytes = std::size_t{1} << 16;
 [[noreturn]] void fail_with_system_error(std::string_view action, std::string_view name, int code) {
   if (code == ENOMEM) throw std::bad_alloc();
   throw FileError(formatted("cannot {} {}", action, name), code);
+}
+
+/// A compressed format that is not read.
+struct Compression {
+  std::string_view magic;
+  std::string_view name;
+  std::string_view command;  ///< writes the decompressed file to standard output
+};
+
+// bzip2: the fourth byte is a digit from 1 to 9, the block size. xz:
+// https://tukaani.org/xz/xz-file-format.txt. Zstandard: RFC 8878, section 3.1.1. ZIP: PKWARE's
+// APPNOTE.TXT, section 4.3.7.
+constexpr std::string_view bzip2_magic = "BZh";
+constexpr std::array compressions{
+    Compression{bzip2_magic, "bzip2", "bzip2 -dc FILE"},
+    Compression{{"\xfd"
+                 "7zXZ\0",
+                 6},
+                "xz",
+                "xz -dc FILE"},
+    Compression{"\x28\xb5\x2f\xfd", "Zstandard", "zstd -dc FILE"},
+    Compression{"PK\x03\x04", "ZIP", "unzip -p FILE"},
+};
+constexpr std::size_t max_magic_bytes = 6;
+
+void refuse_other_compression(std::string_view bytes, std::string_view name) {
+  for (const Compression& compression : compressions) {
+    if (!bytes.starts_with(compression.magic)) continue;
+    if (compression.magic == bzip2_magic && (bytes.size() < 4 || bytes[3] < '1' || bytes[3] > '9'))
+      continue;
+    throw Error(
+        formatted("{}: {} files are not read; decompress the file, for example with `{} | "
+                  "eses-blocks - --format pdb`",
+                  name, compression.name, compression.command));
+  }
 }
 
 }  // namespace
@@ -65,13 +101,14 @@ std::size_t TextSource::read(std::span<char> text) {
   return count;
 }
 
-// Reads the two magic bytes of gzip. A pipe may deliver them one by one.
+// Reads the magic bytes of compressed files. A pipe may deliver them one by one.
 void TextSource::begin() {
   has_begun_ = true;
   std::size_t used = 0;
-  for (std::size_t count = 1; count > 0 && used < gzip_magic.size(); used += count)
+  for (std::size_t count = 1; count > 0 && used < max_magic_bytes; used += count)
     count = read_bytes(std::span(buffer_).subspan(used));
   input_ = std::span(buffer_).first(used);
+  refuse_other_compression({buffer_.data(), used}, name_);
   if (!is_gzip({buffer_.data(), used})) return;
   inflation_ = std::make_unique<Inflation>();
   is_in_member_ = true;

@@ -20,12 +20,14 @@
 #include <limits>
 #include <map>
 #include <new>
+#include <optional>
 #include <set>
 #include <span>
 #include <unordered_map>
 #include <utility>
 
 #include "eses/error.hpp"
+#include "io/atom_lines.hpp"
 #include "io/text_fields.hpp"
 #include "structure/checker.hpp"
 #include "structure/mmcif_text.hpp"
@@ -41,17 +43,31 @@ constexpr double max_length = 1e6;  // angstrom
   throw Error(formatted("{}:{}: {}", name, line, what));
 }
 
-/// Returns the first line of a message of gemmi, in the style of this program.
+/// Returns a message of gemmi in the style of this program: one line that starts in lower case.
 std::string message_of(std::string_view what) {
-  what = what.substr(0, what.find('\n'));
   // The caller adds file and line.
   if (what.starts_with("Problem in line "))
     what.remove_prefix(std::min(what.size(), what.find(':') + 2));
-  while (what.ends_with('.') || what.ends_with(':') || what.ends_with(' ')) what.remove_suffix(1);
-  return printable(what);
+  while (what.ends_with('.') || what.ends_with(':') || what.ends_with(' ') || what.ends_with('\n'))
+    what.remove_suffix(1);
+  std::string message(what);
+  std::replace(message.begin(), message.end(), '\n', ' ');
+  // Words in capital letters are names of records.
+  if (message.size() > 1 && message[1] == lower_case(message[1]))
+    message[0] = lower_case(message[0]);
+  return printable(message);
 }
 
 // ------------------------------------------------------------------------------------------- PDB
+
+// Names of residues in the force fields of Amber, CHARMM and GROMACS that gemmi does not know:
+// protonation states of amino acids, caps of chains, and nucleotides.
+constexpr std::array<std::string_view, 62> md_residues{
+    "HID", "HIE", "HIP", "HSD", "HSE", "HSP", "HSC", "HIN", "HDP", "CYX", "CYM", "CYN", "CYH",
+    "CYP", "CY2", "ASH", "ASB", "GLH", "LYN", "LYP", "ARN", "TYM", "ACE", "NME", "NMA", "NHE",
+    "NH2", "FOR", "CT3", "NAL", "A3",  "A5",  "AN",  "C3",  "C5",  "CN",  "G3",  "G5",  "GN",
+    "U3",  "U5",  "UN",  "RA",  "RC",  "RG",  "RU",  "RA3", "RA5", "RC3", "RC5", "RG3", "RG5",
+    "RU3", "RU5", "DA3", "DA5", "DC3", "DC5", "DG3", "DG5", "DT3", "DT5"};
 
 /// An input stream of gemmi with the lines of a PDB text. Replaces the serial numbers of atoms by
 /// their line numbers. Checks coordinates, because gemmi reads invalid numbers as 0.
@@ -66,6 +82,8 @@ class PdbLines {
   char* gets(char* buffer, int size) {
     if (rest_.empty()) return nullptr;
     checker_.count();
+    is_stopped_by_nul_ = rest_.front() == '\0';
+    line_start_ = rest_;
     ++line_;
     const std::size_t room = static_cast<std::size_t>(size) - 1;
     const std::size_t end = rest_.substr(0, room).find('\n');
@@ -73,9 +91,7 @@ class PdbLines {
     std::memcpy(buffer, rest_.data(), length);
     buffer[length] = '\0';
     rest_.remove_prefix(length);
-    if (gemmi::pdb_impl::is_record_type(buffer, "ATOM") ||
-        gemmi::pdb_impl::is_record_type(buffer, "HETATM"))
-      prepare_atom(buffer, length);
+    if (is_atom_record({buffer, length})) prepare_atom(buffer, length);
     return buffer;
   }
 
@@ -86,7 +102,31 @@ class PdbLines {
     return static_cast<unsigned char>(c);
   }
 
+  /// Reads the rest of the text after the line at which gemmi stops. Throws Error if there are
+  /// atoms.
+  void refuse_further_atoms() {
+    const std::uint64_t last_line = line_;
+    while (!rest_.empty()) {
+      checker_.count();
+      ++line_;
+      const std::size_t end = std::min(rest_.find('\n'), rest_.size());
+      if (is_atom_record(rest_.substr(0, end)))
+        fail(name_, last_line,
+             is_stopped_by_nul_
+                 ? "the line begins with a NUL character; the file seems to be damaged"
+                 : "atoms follow an END record; remove the record, or separate models by MODEL "
+                   "and ENDMDL");
+      rest_.remove_prefix(std::min(end + 1, rest_.size()));
+    }
+  }
+
  private:
+  // Compares four characters and ignores the case, as gemmi does.
+  static bool is_atom_record(std::string_view line) {
+    const std::string type = lower_case(std::string(line.substr(0, 4)));
+    return type == "atom" || type == "heta";
+  }
+
   // https://www.wwpdb.org/documentation/file-format-content/format33/sect9.html
   static constexpr std::size_t serial_column = 6, serial_width = 5;
   static constexpr std::size_t name_column = 12, name_width = 4;
@@ -117,28 +157,77 @@ class PdbLines {
   // Adds a missing element symbol. Otherwise gemmi would derive it from the alignment of the atom
   // name, and read misaligned names such as `CA  ` and `HG  ` in amino acids as calcium and
   // mercury.
-  static void write_element(char* buffer, std::size_t length) {
+  void write_element(char* buffer, std::size_t length) {
     const std::string_view record(buffer, length);
     const std::string_view name = column_text(record, name_column, name_width);
     const std::string_view residue = column_text(record, residue_column, residue_width);
-    const char element = element_by_name(name, residue);
-    if (element == '\0') return;
+    const std::array<char, 2> element = element_by_name(name, residue);
+    if (element[1] == '\0') return;
     for (; length < element_column; ++length) buffer[length] = ' ';
-    std::memcpy(buffer + element_column, std::array{' ', element, '\n', '\0'}.data(), 4);
+    std::memcpy(buffer + element_column, std::array{element[0], element[1], '\n', '\0'}.data(), 4);
   }
 
-  // Returns the element of an atom by its name, or 0 if the name is ambiguous. `HG` in a residue HG
-  // is mercury.
-  static char element_by_name(std::string_view name, std::string_view residue) {
-    const bool is_ion = name == residue;
+  // Returns the element of an atom by its name, right-justified, or zeros if the name is ambiguous.
+  // `HG` in a residue HG is mercury.
+  std::array<char, 2> element_by_name(std::string_view name, std::string_view residue) {
+    constexpr std::array<char, 2> ambiguous{};
+    const bool is_known = is_polymer(residue);
+    const bool is_ion = is_known ? name == residue : is_ion_name(name, residue);
     while (!name.empty() && is_digit(name.front())) name.remove_prefix(1);
-    if (name.empty() || is_ion || name.starts_with("SE")) return '\0';
+    if (name.empty() || is_ion || name.starts_with("SE")) return ambiguous;
     const char first = name.front();
-    if (first == 'H' || first == 'D') return first;
+    if (first == 'H' || first == 'D') return {' ', first};
+    if (!is_known && !is_left_aligned()) return ambiguous;
+    // In ligands these names are usually chlorine, bromine and iron.
+    const std::string_view stem = name.substr(0, name.find_first_of("0123456789"));
+    if (!is_known && (stem == "CL" || stem == "BR" || stem == "FE")) return {stem[0], stem[1]};
+    const std::string_view elements = is_known ? "CNOSP" : "CNOSPFIB";
+    return elements.find(first) == elements.npos ? ambiguous : std::array{' ', first};
+  }
+
+  // Returns whether an atom is the only one of its residue, as in the residues CA, FE2 and 3CO.
+  static bool is_ion_name(std::string_view name, std::string_view residue) {
+    const auto letters = [](std::string_view text) {
+      while (!text.empty() && is_digit(text.front())) text.remove_prefix(1);
+      while (!text.empty() && is_digit(text.back())) text.remove_suffix(1);
+      return text;
+    };
+    return !name.empty() && letters(name) == letters(residue);
+  }
+
+  static bool is_polymer(std::string_view residue) {
     const gemmi::ResidueInfo& info = gemmi::find_tabulated_residue(std::string(residue));
-    const bool is_polymer = info.is_amino_acid() || info.is_nucleic_acid();
-    return is_polymer && std::string_view("CNOSP").find(first) != std::string_view::npos ? first
-                                                                                         : '\0';
+    if (info.is_amino_acid() || info.is_nucleic_acid()) return true;
+    return std::find(md_residues.begin(), md_residues.end(), residue) != md_residues.end();
+  }
+
+  // Returns whether the names of all atoms without an element begin in the first column of the
+  // name, although names of one letter belong in the second column. Only the residues that are not
+  // polymers count, because a ligand may be appended to a protein. Looks at the rest of the text
+  // once.
+  bool is_left_aligned() {
+    if (!is_left_aligned_) is_left_aligned_ = finds_left_aligned_names();
+    return *is_left_aligned_;
+  }
+
+  bool finds_left_aligned_names() const {
+    for (std::string_view text = line_start_; !text.empty();) {
+      checker_.count();
+      const std::size_t end = std::min(text.find('\n'), text.size());
+      const std::string_view record = without_line_end(text.substr(0, end));
+      text.remove_prefix(std::min(end + 1, text.size()));
+      if (!is_atom_record(record) || record.size() < end_of_coordinates || has_element(record))
+        continue;
+      if (record[name_column] == ' ' &&
+          !is_polymer(column_text(record, residue_column, residue_width)))
+        return false;
+    }
+    return true;
+  }
+
+  static std::string_view without_line_end(std::string_view line) {
+    while (line.ends_with('\r')) line.remove_suffix(1);
+    return line;
   }
 
   static std::string_view column_text(std::string_view record, std::size_t first,
@@ -169,15 +258,29 @@ class PdbLines {
   }
 
   std::string_view rest_, name_;
+  std::string_view line_start_;  // the text from the current line on
   Checker& checker_;
   std::uint64_t line_ = 0;
+  bool is_stopped_by_nul_ = false;
+  std::optional<bool> is_left_aligned_;
 };
+
+bool has_atoms(const gemmi::Model& model) { return !model.chains.empty(); }
+
+bool has_atoms(const gemmi::Structure& structure) {
+  return std::any_of(structure.models.begin(), structure.models.end(),
+                     [](const gemmi::Model& model) { return has_atoms(model); });
+}
 
 gemmi::Structure parse_pdb(const StructureText& input, Checker& checker) {
   PdbLines lines(input, checker);
   try {
-    return gemmi::pdb_impl::read_pdb_from_stream(lines, std::string(input.name),
-                                                 gemmi::PdbReadOptions());
+    gemmi::Structure structure = gemmi::pdb_impl::read_pdb_from_stream(
+        lines, std::string(input.name), gemmi::PdbReadOptions());
+    lines.refuse_further_atoms();
+    if (!has_atoms(structure))
+      throw Error(no_atoms_message(input.name, AtomFormat::pdb, lines.line()));
+    return structure;
   } catch (const Error&) {
     throw;
   } catch (const std::bad_alloc&) {
@@ -194,18 +297,31 @@ gemmi::Structure parse_mmcif(const StructureText& input, Checker& checker) {
     return parse_mmcif_text(input.text, std::string(input.name), checker);
   } catch (const MmcifError& error) {
     if (error.line > 0) fail(input.name, error.line, message_of(error.message));
-    throw Error(formatted("{}: {}", input.name, message_of(error.message)));
+    // Some messages of gemmi begin with the name of the file, and then with a line number.
+    std::string_view message = error.message;
+    const std::string prefix = formatted("{}:", input.name);
+    if (message.starts_with(prefix)) message.remove_prefix(prefix.size());
+    std::uint64_t line = 0;
+    const char* const end = message.data() + message.size();
+    const auto [rest, fault] = std::from_chars(message.data(), end, line);
+    message = without_leading_blanks({rest, static_cast<std::size_t>(end - rest)});
+    if (fault == std::errc{}) fail(input.name, line, message_of(message));
+    throw Error(formatted("{}: {}", input.name, message_of(message)));
   }
 }
 
 // ------------------------------------------------------------------------------------- selection
 
 gemmi::Model& find_model(gemmi::Structure& structure, int number, std::string_view name) {
-  if (structure.models.empty() || structure.models.front().chains.empty())
-    throw Error(formatted("{}: no atoms found", name));
-  if (number == 0) return structure.models.front();
+  if (!has_atoms(structure)) throw Error(formatted("{}: no atoms found", name));
+  if (number == 0) {
+    gemmi::Model& first = structure.models.front();
+    if (has_atoms(first)) return first;
+    throw Error(formatted("{}: model {} has no atoms; choose another one with --model N", name,
+                          printable(first.name)));
+  }
   gemmi::Model* const model = structure.find_model(std::to_string(number));
-  if (model != nullptr && !model->chains.empty()) return *model;
+  if (model != nullptr && has_atoms(*model)) return *model;
   throw Error(formatted(
       "{}: there is no model {} (--model); the file has {}, from {} to {}", name, number,
       structure.models.size() == 1 ? "one model" : formatted("{} models", structure.models.size()),
@@ -249,6 +365,17 @@ std::uint64_t drop_residues(gemmi::Model& model, const auto& is_dropped) {
   return count;
 }
 
+/// Returns a sentence with the names of chains, one of which may be empty.
+std::string chains_text(const std::set<std::string>& chains) {
+  std::vector<std::string> names;
+  for (const std::string& name : chains)
+    if (!name.empty()) names.push_back(printable(name));
+  const bool has_nameless = names.size() < chains.size();
+  if (names.empty()) return "its atoms have no chain names";
+  return formatted("its chains are {}{}", fmt::join(names, ", "),
+                   has_nameless ? "; other atoms have no chain name" : "");
+}
+
 std::uint64_t keep_chains(gemmi::Model& model, const std::vector<std::string>& names,
                           std::string_view file) {
   if (names.empty()) return 0;
@@ -256,9 +383,8 @@ std::uint64_t keep_chains(gemmi::Model& model, const std::vector<std::string>& n
   for (const gemmi::Chain& chain : model.chains) known.insert(chain.name);
   for (const std::string& name : names)
     if (!known.contains(name))
-      throw Error(formatted("{}: there is no chain {} (--chains); its chains are {}", file,
-                            detail::quoted(name),
-                            detail::quoted(formatted("{}", fmt::join(known, ",")))));
+      throw Error(formatted("{}: there is no chain {} (--chains); {}", file, detail::quoted(name),
+                            chains_text(known)));
   return drop(model.chains, [&](const gemmi::Chain& chain) {
     return std::find(names.begin(), names.end(), chain.name) == names.end();
   });
@@ -272,6 +398,16 @@ gemmi::Selection parse_selection(const std::string& text) {
   }
 }
 
+/// Derives the kind of each residue from its name where an mmCIF file gives neither entities nor
+/// separate labels for the polymer, ligands and water of a chain. gemmi has given all of them the
+/// kind of the first residue.
+void correct_entity_types(gemmi::Structure& structure) {
+  if (structure.input_format != gemmi::CoorFormat::Mmcif || !structure.entities.empty()) return;
+  for (gemmi::Model& model : structure.models)
+    for (gemmi::Chain& chain : model.chains)
+      if (chain.subchains().size() == 1) gemmi::add_entity_types(chain, true);
+}
+
 std::uint64_t keep_selected(gemmi::Structure& structure, gemmi::Model& model,
                             const std::string& text, std::string_view file) {
   if (text.empty()) return 0;
@@ -280,7 +416,10 @@ std::uint64_t keep_selected(gemmi::Structure& structure, gemmi::Model& model,
     throw Error(formatted("{}: --select names model {}, but model {} is read; use --model {}", file,
                           selection.mdl, printable(model.name), selection.mdl));
   // Residues are assigned to entities only if the selection uses these, as in `;polymer`.
-  if (!selection.entity_types.all) gemmi::setup_entities(structure);
+  if (!selection.entity_types.all) {
+    correct_entity_types(structure);
+    gemmi::setup_entities(structure);
+  }
   std::uint64_t count =
       drop(model.chains, [&](const gemmi::Chain& chain) { return !selection.matches(chain); });
   count += drop_residues(

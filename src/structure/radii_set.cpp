@@ -1,7 +1,6 @@
 #include "structure/radii_set.hpp"
 
 #include <algorithm>
-#include <cmath>
 #include <cstdint>
 #include <span>
 #include <system_error>
@@ -49,13 +48,17 @@ RadiiSet msms_set() {
 
 // ------------------------------------------------------------------ FreeSASA configuration files
 
+// Maximum radius, as for the option --unknown-radius.
+constexpr double max_radius = 1000;  // angstrom
+
 enum class Section { none, types, atoms };
 
 /// Radii by residue name and atom name. The residue name ANY stands for all residues.
 class NamedRadii {
  public:
-  bool add(std::string_view residue, std::string_view atom, double radius) {
-    return radii_.emplace(key(residue, atom), radius).second;
+  /// Adds a radius. Returns the radius that the atom had before, or else `radius`.
+  double add(std::string_view residue, std::string_view atom, double radius) {
+    return radii_.emplace(key(residue, atom), radius).first->second;
   }
 
   std::optional<double> find(std::string_view residue, std::string_view atom) const {
@@ -137,8 +140,9 @@ class ConfigurationReader {
 
   void add_type(std::string_view type, std::string_view number, std::string_view polarity) {
     double radius = 0;
-    if (parse_number(number, radius) != std::errc{} || !std::isfinite(radius) || radius < 0)
-      fail(formatted("expected a radius of at least 0, found {}", quoted(number)));
+    if (parse_number(number, radius) != std::errc{} || !(radius >= 0 && radius <= max_radius))
+      fail(formatted("expected a radius from 0 to {:.0f} angstrom, found {}", max_radius,
+                     quoted(number)));
     const std::string word = lower_case(std::string(polarity));
     if (word != "polar" && word != "apolar")
       fail(formatted("expected polar or apolar, found {}", quoted(polarity)));
@@ -150,8 +154,10 @@ class ConfigurationReader {
     const auto found = types_.find(std::string(type));
     if (found == types_.end())
       fail(formatted("the type {} has no radius; types: must come before atoms:", quoted(type)));
-    // Keeps the first of several entries, as FreeSASA does.
-    if (radii_.add(residue, atom, found->second) && is_hydrogen_name(atom)) names_hydrogens_ = true;
+    if (const double before = radii_.add(residue, atom, found->second); before != found->second)
+      fail(formatted("the atom {} of {} has another radius already, {}; remove one of the entries",
+                     quoted(atom), quoted(residue), before));
+    if (is_hydrogen_name(atom)) names_hydrogens_ = true;
   }
 
   static bool is_hydrogen_name(std::string_view atom) {

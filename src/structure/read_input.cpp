@@ -147,6 +147,7 @@ AtomFile parse(std::string_view text, std::string_view name, const ReadOptions& 
                const ReadingLimit& limit, const std::function<void(AtomFile& atoms)>& after_part) {
   require_format(text, name, options.format);
   refuse_other_formats(text, name);
+  if (options.format == AtomFormat::pdb) refuse_pqr_records(text, name);
   const StructureOptions& choices = options.structure;
   const RadiiSet radii = radii_set(choices.radii);
   limit.require(expected_bytes(text, options.format));
