@@ -187,8 +187,8 @@ TEST_CASE("protor: the radii are those of FreeSASA's table, atom by atom", "[str
 }
 
 TEST_CASE("protor: the radii of atom types are those of the article", "[structure][radii]") {
-  // Tsai et al. (1999), table 2.
-  const auto set = eses::detail::named_radii_set("protor").value();
+  // Tsai et al. (1999), table 2, whose name for the set is ProtOr.
+  const auto set = eses::detail::named_radii_set("ProtOr").value();
   const auto radius = [&](std::string_view residue, std::string_view atom) {
     return set.find({residue, atom, "X"}).value().radius;
   };
@@ -1013,18 +1013,16 @@ TEST_CASE("compressed files other than gzip are refused by name", "[structure]")
     return message.substr(std::min(message.size(), directory.path().string().size() + 1));
   };
   const auto advice = [](const std::string& name, const std::string& command) {
-    return fmt::format(
-        "a.{} files are not read; decompress the file, for example with `{} FILE | eses-blocks - "
-        "--format pdb`",
-        name, command);
+    return fmt::format("a.{} files are not read; decompress the file, for example with `{} FILE`",
+                       name, command);
   };
   using namespace std::string_view_literals;
   // The first bytes that the programs write.
-  CHECK(error("a.pdb", "BZh91AY&SY\x12\x34") == advice("pdb: bzip2", "bzip2 -dc"));
-  CHECK(error("a.bz2", "BZh11AY&SY\x12\x34") == advice("bz2: bzip2", "bzip2 -dc"));
-  CHECK(error("a.cif", "\xfd\x37zXZ\0\0\x04"sv) == advice("cif: xz", "xz -dc"));
-  CHECK(error("a.zst", "\x28\xb5\x2f\xfd\x04\x88") == advice("zst: Zstandard", "zstd -dc"));
-  CHECK(error("a.pqr", "PK\x03\x04\x14\0"sv) == advice("pqr: ZIP", "unzip -p"));
+  CHECK(error("a.pdb", "BZh91AY&SY\x12\x34") == advice("pdb: bzip2", "bzip2 -d"));
+  CHECK(error("a.bz2", "BZh11AY&SY\x12\x34") == advice("bz2: bzip2", "bzip2 -d"));
+  CHECK(error("a.cif", "\xfd\x37zXZ\0\0\x04"sv) == advice("cif: xz", "xz -d"));
+  CHECK(error("a.zst", "\x28\xb5\x2f\xfd\x04\x88") == advice("zst: Zstandard", "zstd -d"));
+  CHECK(error("a.pqr", "PK\x03\x04\x14\0"sv) == advice("pqr: ZIP", "unzip"));
   // Other text and short files are unchanged.
   CHECK(error("a.xyzr", "BZhello\n") ==
         "a.xyzr:1: field 1 (x): expected a number, found \"BZhello\"");

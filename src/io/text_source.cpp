@@ -29,7 +29,7 @@ constexpr std::size_t buffer_bytes = std::size_t{1} << 16;
 struct Compression {
   std::string_view magic;
   std::string_view name;
-  std::string_view command;  ///< writes the decompressed file to standard output
+  std::string_view command;  ///< decompresses the file
 };
 
 // bzip2: the fourth byte is a digit from 1 to 9, the block size. xz:
@@ -37,14 +37,14 @@ struct Compression {
 // APPNOTE.TXT, section 4.3.7.
 constexpr std::string_view bzip2_magic = "BZh";
 constexpr std::array compressions{
-    Compression{bzip2_magic, "bzip2", "bzip2 -dc FILE"},
+    Compression{bzip2_magic, "bzip2", "bzip2 -d FILE"},
     Compression{{"\xfd"
                  "7zXZ\0",
                  6},
                 "xz",
-                "xz -dc FILE"},
-    Compression{"\x28\xb5\x2f\xfd", "Zstandard", "zstd -dc FILE"},
-    Compression{"PK\x03\x04", "ZIP", "unzip -p FILE"},
+                "xz -d FILE"},
+    Compression{"\x28\xb5\x2f\xfd", "Zstandard", "zstd -d FILE"},
+    Compression{"PK\x03\x04", "ZIP", "unzip FILE"},
 };
 constexpr std::size_t max_magic_bytes = 6;
 
@@ -53,10 +53,8 @@ void refuse_other_compression(std::string_view bytes, std::string_view name) {
     if (!bytes.starts_with(compression.magic)) continue;
     if (compression.magic == bzip2_magic && (bytes.size() < 4 || bytes[3] < '1' || bytes[3] > '9'))
       continue;
-    throw Error(
-        formatted("{}: {} files are not read; decompress the file, for example with `{} | "
-                  "eses-blocks - --format pdb`",
-                  name, compression.name, compression.command));
+    throw Error(formatted("{}: {} files are not read; decompress the file, for example with `{}`",
+                          name, compression.name, compression.command));
   }
 }
 

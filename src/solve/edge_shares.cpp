@@ -28,8 +28,10 @@ std::uint32_t share_of(const BlockGrid& grid, const GridIndex& lower,
 // Divides an edge at all places where it may meet the surface, and classifies the parts.
 class EdgeDivider {
  public:
-  EdgeDivider(const PatchIndex& patches, std::vector<double>& places)
-      : patches_(patches), features_(patches.features()), places_(places) {}
+  // Keeps references to all arguments. `patches` must be an index of `features` when an edge is
+  // divided.
+  EdgeDivider(const PatchIndex& patches, const BlockFeatures& features, std::vector<double>& places)
+      : patches_(patches), features_(features), places_(places) {}
 
   // Returns the fraction of the edge that lies inside.
   double inside_share(const CrossedEdge& edge) {
@@ -135,7 +137,7 @@ void find_edge_shares(const BlockGrid& grid, const BlockFeatures& features, cons
                       IntersectScratch& scratch, EdgeShares& shares) {
   sort_doubtful(scratch.doubtful);
   if (!scratch.doubtful.empty()) scratch.patches.reset(features, grid.box);
-  EdgeDivider divider(scratch.patches, scratch.places);
+  EdgeDivider divider(scratch.patches, features, scratch.places);
   auto doubtful = scratch.doubtful.cbegin();
   shares.edges.clear();
   shares.edges.reserve(crossings.size() + scratch.doubtful.size());

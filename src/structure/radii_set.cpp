@@ -177,9 +177,10 @@ class ConfigurationReader {
 }  // namespace
 
 std::optional<RadiiSet> named_radii_set(std::string_view name) {
-  if (name == "protor") return protor_set();
-  if (name == "bondi") return bondi_set();
-  if (name == "msms") return msms_set();
+  const std::string word = lower_case(std::string(name));  // publications write ProtOr
+  if (word == "protor") return protor_set();
+  if (word == "bondi") return bondi_set();
+  if (word == "msms") return msms_set();
   return std::nullopt;
 }
 
