@@ -276,7 +276,7 @@ void bind_diagnostic(py::module_& module) {
           "is_usual", [](const Diagnostic& self) { return is_usual(self.kind); },
           "bool: whether correct files often have such atoms.")
       .def("__repr__", [](const Diagnostic& self) {
-        return py::str("<eses.Diagnostic: {} ({} atoms)>").format(name_of(self.kind), self.count);
+        return py::str("<eses.Diagnostic: {} (count {})>").format(name_of(self.kind), self.count);
       });
 }
 

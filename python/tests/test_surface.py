@@ -139,7 +139,7 @@ def test_diagnostics_are_reported():
     assert kinds["duplicate"].examples == [(1, 0)]
     assert kinds["large_radius"].examples == [(2, 2)]
     assert not kinds["duplicate"].is_usual
-    assert repr(kinds["duplicate"]) == "<eses.Diagnostic: duplicate (1 atoms)>"
+    assert repr(kinds["duplicate"]) == "<eses.Diagnostic: duplicate (count 1)>"
     zero = eses.Surface([[0, 0, 0], [9, 0, 0]], [1.5, 0]).diagnostics
     assert [(each.kind, each.is_usual) for each in zero] == [("zero_radius", True)]
 
