@@ -88,12 +88,13 @@ Grid centered_grid(Vec3 center, double spacing, const GridIndex& size);
 
 /// Reads the grid of a file: an OpenDX map (`.dx`, as APBS writes it), VTK image data (`.vti`) or
 /// bounding_box.txt (`.txt`), plain or gzipped (with the additional suffix `.gz`). Only the header
-/// of a map is read. The corners in bounding_box.txt are rounded, so several spacings are
+/// of a map is read. A map of the dielectric, as its first lines name it, gives the grid whose
+/// edges have the values. The corners in bounding_box.txt are rounded, so several spacings are
 /// consistent with them; the grid has the one with the fewest decimal digits.
 ///
 /// Throws Error, with the file and line, if the file cannot be read or has another format, if the
-/// axes of the grid are not along x, y and z, or if the spacings of the axes differ in the first
-/// six digits.
+/// axes of the grid are not along x, y and z, if the spacings of the axes differ in the first six
+/// digits, or if the grid has less than two points along an axis.
 Grid read_grid(const std::filesystem::path& path);
 
 /// Returns the points in the closed box between two corners, in angstrom. Throws
