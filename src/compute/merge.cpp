@@ -226,8 +226,8 @@ std::uint64_t Merge::write_values(GridMap& map) const {
   return map.file_bytes();
 }
 
-// Each process compresses some cells of the map, which are consecutive in the file. When the
-// numbers of bytes are known, all words have been read, and the members replace them.
+// Each process compresses some cells of the map, which are consecutive in the file. The members
+// replace the words.
 std::uint64_t Merge::write_compressed_values(GridMap& map, SharedFile& to) const {
   ScratchFile text(task_.output_directory);
   const auto append = [&](const std::vector<char>& bytes) {
@@ -243,6 +243,8 @@ std::uint64_t Merge::write_compressed_values(GridMap& map, SharedFile& to) const
   }
   if (processes_.rank() + 1 == processes_.count()) append(map.compressed_footer());
   const std::uint64_t own = text.size();
+  // No process knows the sum before all have read their words. Only then may members replace them.
+  const std::uint64_t all = processes_.sum(own);
   const std::uint64_t begin = processes_.sum_before(own);
   std::uint64_t done = copy_in_kernel(text, own, to, begin, check_);
   std::vector<char> part;
@@ -252,7 +254,7 @@ std::uint64_t Merge::write_compressed_values(GridMap& map, SharedFile& to) const
     text.read_at(std::as_writable_bytes(std::span(part)), done);
     to.write_at(part, begin + done);
   }
-  return processes_.sum(own);
+  return all;
 }
 
 std::uint64_t Merge::write_map(OutputFile* file, const MapChoice& choice) {
