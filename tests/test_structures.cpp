@@ -431,7 +431,7 @@ TEST_CASE("PDB: damaged records are named", "[structure]") {
   CHECK(pdb_error("REMARK\nEND\nMASTER\n") ==
         "t.pdb: no ATOM or HETATM records found; 3 lines read");
   CHECK(pdb_error(std::string("\0\1\2\xff", 4)) ==
-        "t.pdb: no ATOM or HETATM records found; 1 line read");
+        "t.pdb:1: the line has a NUL character; the file seems to be damaged");
   CHECK(contains(pdb_error("MODEL        1\n" + good + "MODEL        1\n"), "t.pdb:3: MODEL"));
 }
 
@@ -447,7 +447,12 @@ TEST_CASE("PDB: atoms after an END record are refused", "[structure]") {
   CHECK(pdb_error(atom + "END\n" + atom.substr(0, 20)) == message);
   CHECK(read_pdb(atom + "END\nCONECT    1    2\n\n   \nEND\nMASTER\n").atoms.size() == 1);
   CHECK(pdb_error(atom + std::string("\0\n", 2) + atom) ==
-        "t.pdb:2: the line begins with a NUL character; the file seems to be damaged");
+        "t.pdb:2: the line has a NUL character; the file seems to be damaged");
+  // gemmi would take the text behind a NUL in a long line for a line of its own.
+  const std::string long_line = "REMARK" + std::string(200, 'x') + std::string("\0", 1) + "x\n";
+  CHECK(pdb_error(long_line + atom) ==
+        "t.pdb:1: the line has a NUL character; the file seems to be damaged");
+  CHECK(read_pdb(atom + std::string("\0\0\n\0", 4)).atoms.size() == 1);
 }
 
 TEST_CASE("PDB: columns with another meaning in old files are ignored", "[structure]") {

@@ -82,12 +82,12 @@ class PdbLines {
   char* gets(char* buffer, int size) {
     if (rest_.empty()) return nullptr;
     checker_.count();
-    is_stopped_by_nul_ = rest_.front() == '\0';
     line_start_ = rest_;
     ++line_;
     const std::size_t room = static_cast<std::size_t>(size) - 1;
     const std::size_t end = rest_.substr(0, room).find('\n');
     const std::size_t length = end == rest_.npos ? std::min(room, rest_.size()) : end + 1;
+    refuse_nul(length);
     std::memcpy(buffer, rest_.data(), length);
     buffer[length] = '\0';
     rest_.remove_prefix(length);
@@ -97,6 +97,7 @@ class PdbLines {
 
   int getc() {
     if (rest_.empty()) return EOF;
+    refuse_nul(1);
     const char c = rest_.front();
     rest_.remove_prefix(1);
     return static_cast<unsigned char>(c);
@@ -112,15 +113,22 @@ class PdbLines {
       const std::size_t end = std::min(rest_.find('\n'), rest_.size());
       if (is_atom_record(rest_.substr(0, end)))
         fail(name_, last_line,
-             is_stopped_by_nul_
-                 ? "the line begins with a NUL character; the file seems to be damaged"
-                 : "atoms follow an END record; remove the record, or separate models by MODEL "
-                   "and ENDMDL");
+             "atoms follow an END record; remove the record, or separate models by MODEL and "
+             "ENDMDL");
       rest_.remove_prefix(std::min(end + 1, rest_.size()));
     }
   }
 
  private:
+  // Throws Error if the next characters contain a NUL, at which gemmi would end the line. NULs are
+  // accepted as padding at the end of the text.
+  void refuse_nul(std::size_t length) const {
+    constexpr std::string_view padding("\0\r\n ", 4);
+    const std::size_t nul = rest_.substr(0, length).find('\0');
+    if (nul == rest_.npos || rest_.find_first_not_of(padding, nul) == rest_.npos) return;
+    fail(name_, line_, "the line has a NUL character; the file seems to be damaged");
+  }
+
   // Compares four characters and ignores the case, as gemmi does.
   static bool is_atom_record(std::string_view line) {
     const std::string type = lower_case(std::string(line.substr(0, 4)));
@@ -261,7 +269,6 @@ class PdbLines {
   std::string_view line_start_;  // the text from the current line on
   Checker& checker_;
   std::uint64_t line_ = 0;
-  bool is_stopped_by_nul_ = false;
   std::optional<bool> is_left_aligned_;
 };
 
