@@ -320,7 +320,7 @@ TEST_CASE("a file of radii in FreeSASA's format is read", "[structure][radii]") 
   const auto error = [](const std::string& bad) {
     return error_of([&] { eses::detail::parse_radii_set(bad, "f"); });
   };
-  // As in FreeSASA, text after the third field is ignored, and entries may be repeated.
+  // FreeSASA, too, ignores text after the third field and accepts repeated entries.
   const auto repeated = eses::detail::parse_radii_set(
       "types:\nC 1 apolar more\nC2 1 polar\natoms:\nALA CA C more\nALA CA C2\n", "f");
   CHECK(repeated.find({"ALA", "CA", "C"}).value().radius == 1.0);
@@ -436,7 +436,7 @@ TEST_CASE("PDB: damaged records are named", "[structure]") {
 }
 
 TEST_CASE("PDB: atoms after an END record are refused", "[structure]") {
-  // As from `cat receptor.pdb ligand.pdb`.
+  // `cat receptor.pdb ligand.pdb` gives such a file.
   const std::string atom = line_of({}), other = line_of({.record = "HETATM", .x = 9});
   const std::string message =
       "t.pdb:2: atoms follow an END record; remove the record, or separate models by MODEL and "

@@ -8,13 +8,13 @@
 
 namespace eses::detail {
 
-/// Ends the work of gemmi where the check of a text throws `cause`, whose type may be one that is
-/// converted to Error.
+/// Carries an exception of the caller's check through gemmi. Handlers that convert exceptions to
+/// Error do not catch it.
 struct Interruption {
   std::exception_ptr cause;
 };
 
-/// Calls the check of a text at every so many calls.
+/// Calls the caller's check at every 4096th call of count().
 class Checker {
  public:
   explicit Checker(const CheckCallback& check) : check_(check) {}
