@@ -710,6 +710,18 @@ TEST_CASE("mmCIF: damaged files are refused", "[structure]") {
   }
 }
 
+TEST_CASE("faults of tables and records that are not used do not matter", "[structure]") {
+  const std::string row = "ATOM 1 C CA . ALA A 1 1 ? 1.5 0 0 1.0 20 52 X 1\n";
+  CHECK(read_mmcif(mmcif_head + row +
+                   "_entity_poly_seq.entity_id 1\n_entity_poly_seq.num x\n"
+                   "_entity_poly_seq.mon_id ALA\n_refine.pdbx_refine_id X\n"
+                   "_refine.ls_number_reflns_obs 99999999999\n")
+            .atoms.size() == 1);
+  CHECK(read_pdb("ANISOU    1  CA  ALA A   1     1000   1000   1000      0      0      0\n" +
+                 line_of({}) + "REMARK   3\nSHEET\n")
+            .atoms.size() == 1);
+}
+
 TEST_CASE("mmCIF: data blocks and tags must not be ambiguous", "[structure]") {
   const auto error = [](const std::string& text) { return error_of([&] { read_mmcif(text); }); };
   const std::string row = "ATOM 1 C CA . ALA A 1 1 ? 1.5 0 0 1.0 20 52 X 1\n";
@@ -760,6 +772,28 @@ std::string atom_table(const std::vector<std::string>& columns, const std::strin
 }
 
 }  // namespace
+
+TEST_CASE("mmCIF: numbers outside the range of integers are refused or not used", "[structure]") {
+  const auto error = [](const std::string& text) { return error_of([&] { read_mmcif(text); }); };
+  const std::string row = "ATOM 1 C CA . ALA A 1 1 ? 1.5 0 0 1.0 20 52 X 1\n";
+  const auto with = [&](const std::string& old, const std::string& number) {
+    std::string changed = row;
+    changed.replace(changed.find(old) + 1, old.size() - 2, number);
+    return mmcif_head + row + changed;
+  };
+  const std::string message =
+      "t.cif:22: expected a residue number of at most 9 digits, found \"99999999999\"";
+  CHECK(error(with(" 52 ", "99999999999")) == message);
+  CHECK(error(with(" 1 ? ", "99999999999 ?")) == message);
+  CHECK(read_mmcif(with(" 52 ", "999999999")).atoms.size() == 2);
+  const std::vector<std::string> columns{
+      "type_symbol", "label_atom_id", "label_comp_id",      "auth_seq_id",       "Cartn_x",
+      "Cartn_y",     "Cartn_z",       "pdbx_formal_charge", "pdbx_tls_group_id", "ccp4_hd_mixture"};
+  const std::string rows = "H H ALA 7 1 2 3 99999999999 99999999999 0.5\n";
+  StructureOptions options;
+  options.hydrogens = eses::HydrogenChoice::keep;
+  CHECK(read_mmcif(atom_table(columns, rows), options).atoms.size() == 1);
+}
 
 TEST_CASE("mmCIF: columns that programs leave out have defaults", "[structure]") {
   // PyMOL does not write auth_seq_id.
@@ -913,6 +947,96 @@ TEST_CASE("an assembly of a PDB file has copies", "[structure]") {
   CHECK(file.atoms.at(1).center == eses::Vec3{-3, -4, 15});
   CHECK(read_pdb(text).atoms.size() == 2);
   CHECK(contains(pdb_error(line_of({}), options), "the file describes none"));
+  std::string damaged = text;
+  damaged.replace(damaged.find(" 0.000000", damaged.find("BIOMT2   2")), 9, " O.000000");
+  CHECK(pdb_error(damaged, options) ==
+        "t.pdb:8: expected a number for the operator in columns 24 to 33, found \"O.000000\"");
+  const std::size_t cut = text.find("10.00000");
+  CHECK(pdb_error(text.substr(0, cut) + text.substr(cut + 8), options) ==
+        "t.pdb:9: expected a number for the operator in columns 59 to 68, found \"\"");
+  CHECK(read_pdb(damaged).atoms.size() == 2);
+}
+
+namespace {
+
+/// Returns an mmCIF text with the chain A at (1, 2, 3), the chain B at (4, 5, 6), and an assembly
+/// X with an operator expression. The operator R is a rotation around the z axis, T and the
+/// numbers 1 to 3 are translations along x.
+std::string text_with_assembly(const std::string& expression, const std::string& chains = "A,B") {
+  const auto translation = [](const std::string& name, int x) {
+    return fmt::format("{} 1 0 0 {} 0 1 0 0 0 0 1 0\n", name, x);
+  };
+  return mmcif_head +
+         "ATOM 1 C CA . ALA A 1 1 ? 1 2 3 1.0 20 1 A 1\nATOM 2 C CA . ALA B 1 1 ? 4 5 6 1.0 20 1 B "
+         "1\n"
+         "_pdbx_struct_assembly.id X\n"
+         "_pdbx_struct_assembly.details 'icosahedral asymmetric unit'\n"
+         "loop_\n_pdbx_struct_assembly_gen.assembly_id\n_pdbx_struct_assembly_gen.oper_expression\n"
+         "_pdbx_struct_assembly_gen.asym_id_list\nX \"" +
+         expression + "\" " + chains +
+         "\nother (undefined) A\nloop_\n_pdbx_struct_oper_list.id\n"
+         "_pdbx_struct_oper_list.matrix[1][1]\n_pdbx_struct_oper_list.matrix[1][2]\n"
+         "_pdbx_struct_oper_list.matrix[1][3]\n_pdbx_struct_oper_list.vector[1]\n"
+         "_pdbx_struct_oper_list.matrix[2][1]\n_pdbx_struct_oper_list.matrix[2][2]\n"
+         "_pdbx_struct_oper_list.matrix[2][3]\n_pdbx_struct_oper_list.vector[2]\n"
+         "_pdbx_struct_oper_list.matrix[3][1]\n_pdbx_struct_oper_list.matrix[3][2]\n"
+         "_pdbx_struct_oper_list.matrix[3][3]\n_pdbx_struct_oper_list.vector[3]\n"
+         "R 0 -1 0 0 1 0 0 0 0 0 1 0\nbad 1 0 0 ? 0 1 0 0 0 0 1 0\n" +
+         translation("T", 100) + translation("1", 10) + translation("2", 20) + translation("3", 30);
+}
+
+}  // namespace
+
+TEST_CASE("operator expressions of mmCIF files are expanded", "[structure]") {
+  StructureOptions options;
+  options.assembly = "X";
+  using Centers = std::vector<eses::Vec3>;
+  const auto centers = [&](const std::string& expression, const std::string& chains = "A") {
+    Centers result;
+    for (const eses::Atom& atom : read_mmcif(text_with_assembly(expression, chains), options).atoms)
+      result.push_back(atom.center);
+    return result;
+  };
+  CHECK(centers("1") == Centers{{11, 2, 3}});
+  CHECK(centers("(2)") == Centers{{21, 2, 3}});
+  CHECK(centers("3,1") == Centers{{31, 2, 3}, {11, 2, 3}});
+  CHECK(centers("(1-2,T)") == Centers{{11, 2, 3}, {21, 2, 3}, {101, 2, 3}});
+  CHECK(centers("1, 3", "\"A, B\"") == Centers{{11, 2, 3}, {14, 5, 6}, {31, 2, 3}, {34, 5, 6}});
+  // In products, the operators on the right are applied first: R turns x to y and y to -x.
+  CHECK(centers("(R)(1)") == Centers{{-2, 11, 3}});
+  CHECK(centers("(1)(R)") == Centers{{8, 1, 3}});
+  CHECK(centers("(T)(1-3)(R)") == Centers{{108, 1, 3}, {118, 1, 3}, {128, 1, 3}});
+  CHECK(centers("(T,1)(2,3)") == Centers{{121, 2, 3}, {131, 2, 3}, {31, 2, 3}, {41, 2, 3}});
+  CHECK(read_mmcif(text_with_assembly("(1-3)(1-3)"), options).structure->operators == 9);
+}
+
+TEST_CASE("invalid operator expressions of mmCIF files are refused", "[structure]") {
+  StructureOptions options;
+  options.assembly = "X";
+  const auto error = [&](const std::string& expression) {
+    return error_of([&] { read_mmcif(text_with_assembly(expression), options); });
+  };
+  // The table of expressions begins in line 25.
+  const auto message = [](const std::string& expression, const std::string& what) {
+    return "t.cif:25: the operator expression \"" + expression + "\" " + what;
+  };
+  CHECK(error("1,4") ==
+        message("1,4", "has the operator \"4\", which _pdbx_struct_oper_list lacks"));
+  CHECK(error("()") == message("()", "has the operator \"\", which _pdbx_struct_oper_list lacks"));
+  CHECK(error("1-") ==
+        message("1-", "has the operator \"1-\", which _pdbx_struct_oper_list lacks"));
+  CHECK(error("(1-3") == message("(1-3", "has no closing parenthesis"));
+  CHECK(error("3-1") == message("3-1", "has the invalid range \"3-1\""));
+  CHECK(error("1-4000000000") == message("1-4000000000", "has the invalid range \"1-4000000000\""));
+  CHECK(error("bad") == message("bad", "has the operator \"bad\", whose matrix is not numeric"));
+  std::string product;
+  for (int i = 0; i < 9; ++i) product += "(1-3)";
+  CHECK(error(product) == "t.cif:25: the assembly has more than 10000 operators");
+  // Other assemblies do not matter.
+  CHECK(read_mmcif(text_with_assembly("bad")).atoms.size() == 2);
+  options.assembly = "7";
+  CHECK(error("1") ==
+        "t.cif: there is no assembly \"7\" (--assembly); its assemblies are X, other");
 }
 
 TEST_CASE("an ion on an axis of symmetry is read once", "[structure]") {

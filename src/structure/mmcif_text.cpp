@@ -13,6 +13,7 @@
 #include <vector>
 
 #include "io/text_fields.hpp"
+#include "structure/mmcif_assemblies.hpp"
 
 namespace eses::detail {
 namespace {
@@ -173,24 +174,43 @@ void add_columns(Loop& loop, const std::vector<AddedColumn>& columns, Checker& c
     loop.tags.push_back(std::string(atom_category) + column.name);
 }
 
-/// Adds the columns that gemmi requires. Replaces the serial numbers of the atoms by their line
+/// Renames the columns that gemmi would read and this program does not use. gemmi does not check
+/// the range of integers such as charges, and has two atoms where hydrogen and deuterium are mixed.
+void hide_unused_columns(Loop& loop) {
+  for (const char* const name : {"pdbx_formal_charge", "pdbx_tls_group_id", "ccp4_hd_mixture"})
+    if (const int column = find_column(loop, name); column >= 0)
+      loop.tags[static_cast<std::size_t>(column)] = std::string(atom_category) + "unused";
+}
+
+/// Throws MmcifError if a residue number has more digits than integers of gemmi can have.
+void check_residue_number(const std::string& number, std::uint64_t line) {
+  constexpr std::ptrdiff_t max_digits = 9;
+  if (std::count_if(number.begin(), number.end(), gemmi::is_digit) > max_digits)
+    throw MmcifError{line, "expected a residue number of at most " + std::to_string(max_digits) +
+                               " digits, found " + detail::quoted(number)};
+}
+
+/// Prepares a loop of atoms for gemmi. Replaces the serial numbers of the atoms by their line
 /// numbers. `lines` is used from `row` on, which is advanced.
 void prepare_atom_loop(Item& item, const std::vector<std::uint64_t>& lines, std::size_t& row,
                        Checker& checker) {
   Loop& loop = item.loop;
   add_columns(loop, missing_columns(loop), checker);
+  hide_unused_columns(loop);
   const auto id = static_cast<std::size_t>(find_column(loop, "id"));
-  const std::size_t rows = loop.length();
+  const std::size_t rows = loop.length(), width = loop.width();
+  for (const char* const name : {"auth_seq_id", "label_seq_id"})
+    if (const int column = find_column(loop, name); column >= 0)
+      for (std::size_t i = 0; i < rows && row + i < lines.size(); ++i)
+        check_residue_number(loop.values[i * width + static_cast<std::size_t>(column)],
+                             lines[row + i]);
   for (std::size_t i = 0; i < rows && row + i < lines.size(); ++i)
-    loop.values[i * loop.width() + id] = std::to_string(lines[row + i]);
+    loop.values[i * width + id] = std::to_string(lines[row + i]);
   row += rows;
 }
 
-/// Prepares the table of atoms for gemmi. Removes anisotropic displacements, which refer to the
-/// original serial numbers.
+/// Prepares the tables of atoms for gemmi.
 void prepare_atoms(Block& block, NumberedDocument& document) {
-  for (Item& item : block.items)
-    if (item.has_prefix("_atom_site_anisotrop.")) item.erase();
   if (std::none_of(block.items.begin(), block.items.end(), is_atom_loop))
     document.atom_lines = {make_atom_loop(block)};
   std::size_t row = 0;
@@ -198,10 +218,21 @@ void prepare_atoms(Block& block, NumberedDocument& document) {
     if (is_atom_loop(item)) prepare_atom_loop(item, document.atom_lines, row, document.checker);
 }
 
+/// Removes the tables that this program does not use. gemmi would read many of them, and fail at
+/// faults in tables that do not matter here.
+void remove_unused_tables(Block& block) {
+  for (Item& item : block.items) {
+    bool is_used = false;
+    for (const char* const category : {atom_category, "_entity.", "_entity_poly.", "_struct_asym."})
+      is_used = is_used || item.has_prefix(category);
+    if (!is_used) item.erase();
+  }
+}
+
 }  // namespace
 
 gemmi::Structure parse_mmcif_text(std::string_view text, const std::string& name,
-                                  Checker& checker) {
+                                  const std::string& assembly, Checker& checker) {
   try {
     NumberedDocument document(checker);
     document.source = name;
@@ -213,9 +244,13 @@ gemmi::Structure parse_mmcif_text(std::string_view text, const std::string& name
     gemmi::cif::check_for_duplicates(document);
     checker.check();
     Block& block = find_atom_block(document);
+    std::vector<gemmi::Assembly> assemblies = read_assemblies(block, assembly);
+    remove_unused_tables(block);
     prepare_atoms(block, document);
     checker.check();
-    return gemmi::make_structure_from_block(block);
+    gemmi::Structure structure = gemmi::make_structure_from_block(block);
+    structure.assemblies = std::move(assemblies);
+    return structure;
   } catch (const MmcifError&) {
     throw;
   } catch (const tao::pegtl::parse_error& error) {

@@ -16,8 +16,10 @@ struct MmcifError {
   std::string message;
 };
 
-/// Parses an mmCIF text. The serial numbers of the atoms are their line numbers, from 1. Calls
-/// `checker` repeatedly. Throws MmcifError, std::bad_alloc, and the exceptions of `checker`.
-gemmi::Structure parse_mmcif_text(std::string_view text, const std::string& name, Checker& checker);
+/// Parses an mmCIF text. The serial numbers of the atoms are their line numbers, from 1. Only the
+/// assembly `assembly` has generators. Calls `checker` repeatedly. Throws MmcifError,
+/// std::bad_alloc, and the exceptions of `checker`.
+gemmi::Structure parse_mmcif_text(std::string_view text, const std::string& name,
+                                  const std::string& assembly, Checker& checker);
 
 }  // namespace eses::detail

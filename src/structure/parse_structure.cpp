@@ -1,4 +1,4 @@
-// Only this file and mmcif_text.cpp include gemmi, whose headers take long to compile.
+// Only this file and mmcif_*.cpp include gemmi, whose headers take long to compile.
 
 // Avoids the dependence of gemmi on stb_sprintf, which is another package in Debian.
 #define USE_STD_SNPRINTF
@@ -73,8 +73,11 @@ constexpr std::array<std::string_view, 62> md_residues{
 /// their line numbers. Checks coordinates, because gemmi reads invalid numbers as 0.
 class PdbLines {
  public:
-  PdbLines(const StructureText& input, Checker& checker)
-      : rest_(input.text), name_(input.name), checker_(checker) {}
+  PdbLines(const StructureText& input, bool with_assemblies, Checker& checker)
+      : rest_(input.text),
+        name_(input.name),
+        with_assemblies_(with_assemblies),
+        checker_(checker) {}
 
   std::uint64_t line() const { return line_; }
 
@@ -91,7 +94,13 @@ class PdbLines {
     std::memcpy(buffer, rest_.data(), length);
     buffer[length] = '\0';
     rest_.remove_prefix(length);
-    if (is_atom_record({buffer, length})) prepare_atom(buffer, length);
+    const std::string_view record(buffer, length);
+    if (is_atom_record(record))
+      prepare_atom(buffer, length);
+    else if (with_assemblies_ && is_assembly_record(record))
+      check_operator(record);
+    else if (!is_separator(record))
+      hide_record(buffer, length);
     return buffer;
   }
 
@@ -135,6 +144,37 @@ class PdbLines {
     return type == "atom" || type == "heta";
   }
 
+  // https://www.wwpdb.org/documentation/file-format-content/format33/remarks1.html#REMARK%20350
+  static bool is_assembly_record(std::string_view line) {
+    return lower_case(std::string(line.substr(0, 10))) == "remark 350";
+  }
+
+  // Throws Error if a row of an operator has invalid numbers, which gemmi would read as 0.
+  void check_operator(std::string_view line) const {
+    constexpr std::size_t type_column = 11, width = 10;
+    const std::string_view record = without_line_end(line);
+    if (record.size() < type_column || !record.substr(type_column).starts_with("  BIOMT")) return;
+    for (const std::size_t column : {23, 33, 43, 58})
+      check_number(record, column, width, "the operator");
+  }
+
+  // Returns whether a record separates chains or models, or tells gemmi that the text has another
+  // format.
+  static bool is_separator(std::string_view line) {
+    constexpr std::array<std::string_view, 5> types{"model", "end", "ter", "data_", "{"};
+    const std::string text = lower_case(std::string(line.substr(0, 6)));
+    return std::any_of(types.begin(), types.end(),
+                       [&](std::string_view type) { return text.starts_with(type); });
+  }
+
+  // Replaces the type of a record by blanks. gemmi would refuse faults in records that do not
+  // matter here, such as an ANISOU record without its atom.
+  static void hide_record(char* buffer, std::size_t length) {
+    constexpr std::size_t type_width = 6;
+    for (std::size_t i = 0; i < std::min(length, type_width) && buffer[i] != '\n'; ++i)
+      buffer[i] = ' ';
+  }
+
   // https://www.wwpdb.org/documentation/file-format-content/format33/sect9.html
   static constexpr std::size_t serial_column = 6, serial_width = 5;
   static constexpr std::size_t name_column = 12, name_width = 4;
@@ -144,13 +184,13 @@ class PdbLines {
   static constexpr std::size_t end_of_coordinates = coordinate_column + 3 * coordinate_width;
 
   void prepare_atom(char* buffer, std::size_t length) {
-    while (length > 0 && (buffer[length - 1] == '\n' || buffer[length - 1] == '\r')) --length;
-    const std::string_view record(buffer, length);
+    const std::string_view record = without_line_end({buffer, length});
+    length = record.size();
     if (length < end_of_coordinates)
       fail(name_, line_, "the record ends before its coordinates; the file seems to be damaged");
     for (std::size_t axis = 0; axis < 3; ++axis)
-      check_coordinate(record.substr(coordinate_column + axis * coordinate_width, coordinate_width),
-                       axis);
+      check_number(record, coordinate_column + axis * coordinate_width, coordinate_width,
+                   std::string_view("xyz").substr(axis, 1));
     write_line_number(buffer + serial_column);
     // Removes the charges, which are not used: old files have line numbers in these columns.
     if (length > charge_column) std::memset(buffer + charge_column, ' ', length - charge_column);
@@ -234,7 +274,7 @@ class PdbLines {
   }
 
   static std::string_view without_line_end(std::string_view line) {
-    while (line.ends_with('\r')) line.remove_suffix(1);
+    while (line.ends_with('\n') || line.ends_with('\r')) line.remove_suffix(1);
     return line;
   }
 
@@ -243,14 +283,15 @@ class PdbLines {
     return without_trailing_blanks(without_leading_blanks(record.substr(first, width)));
   }
 
-  void check_coordinate(std::string_view column, std::size_t axis) const {
-    const std::string_view field = without_trailing_blanks(without_leading_blanks(column));
+  void check_number(std::string_view record, std::size_t first, std::size_t width,
+                    std::string_view what) const {
+    const std::string_view field =
+        first < record.size() ? column_text(record, first, width) : std::string_view();
     double value = 0;
     if (parse_number(field, value) != std::errc{} || !std::isfinite(value))
       fail(name_, line_,
-           formatted("expected a number for {} in columns {} to {}, found {}", "xyz"[axis],
-                     coordinate_column + 1 + coordinate_width * axis,
-                     coordinate_column + coordinate_width * (axis + 1), quoted(field)));
+           formatted("expected a number for {} in columns {} to {}, found {}", what, first + 1,
+                     first + width, quoted(field)));
   }
 
   // Writes the line number as five digits or, from 100000 on, as a hybrid-36 number, which gemmi
@@ -267,6 +308,7 @@ class PdbLines {
 
   std::string_view rest_, name_;
   std::string_view line_start_;  // the text from the current line on
+  bool with_assemblies_;
   Checker& checker_;
   std::uint64_t line_ = 0;
   std::optional<bool> is_left_aligned_;
@@ -279,8 +321,8 @@ bool has_atoms(const gemmi::Structure& structure) {
                      [](const gemmi::Model& model) { return has_atoms(model); });
 }
 
-gemmi::Structure parse_pdb(const StructureText& input, Checker& checker) {
-  PdbLines lines(input, checker);
+gemmi::Structure parse_pdb(const StructureText& input, bool with_assemblies, Checker& checker) {
+  PdbLines lines(input, with_assemblies, checker);
   try {
     gemmi::Structure structure = gemmi::pdb_impl::read_pdb_from_stream(
         lines, std::string(input.name), gemmi::PdbReadOptions());
@@ -299,9 +341,10 @@ gemmi::Structure parse_pdb(const StructureText& input, Checker& checker) {
 
 // ----------------------------------------------------------------------------------------- mmCIF
 
-gemmi::Structure parse_mmcif(const StructureText& input, Checker& checker) {
+gemmi::Structure parse_mmcif(const StructureText& input, const std::string& assembly,
+                             Checker& checker) {
   try {
-    return parse_mmcif_text(input.text, std::string(input.name), checker);
+    return parse_mmcif_text(input.text, std::string(input.name), assembly, checker);
   } catch (const MmcifError& error) {
     if (error.line > 0) fail(input.name, error.line, message_of(error.message));
     // Some messages of gemmi begin with the name of the file, and then with a line number.
@@ -695,8 +738,9 @@ SelectedStructure parse(const StructureText& text, const StructureOptions& optio
                         bool with_hydrogens,
                         const std::function<void(std::uint64_t bytes)>& require_memory) {
   Checker checker(text.check);
-  gemmi::Structure structure =
-      text.format == AtomFormat::pdb ? parse_pdb(text, checker) : parse_mmcif(text, checker);
+  gemmi::Structure structure = text.format == AtomFormat::pdb
+                                   ? parse_pdb(text, !options.assembly.empty(), checker)
+                                   : parse_mmcif(text, options.assembly, checker);
   checker.check();
   require_memory(0);
   gemmi::Model& model = find_model(structure, options.model, text.name);
