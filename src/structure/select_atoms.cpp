@@ -1,0 +1,284 @@
+// Avoids the dependence of gemmi on stb_sprintf, which is another package in Debian.
+#define USE_STD_SNPRINTF
+
+#include "structure/select_atoms.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cstddef>
+#include <exception>
+#include <gemmi/polyheur.hpp>
+#include <gemmi/select.hpp>
+#include <limits>
+#include <map>
+#include <set>
+#include <span>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "eses/error.hpp"
+#include "io/text_fields.hpp"
+#include "structure/messages.hpp"
+#include "system/formatted.hpp"
+
+namespace eses::detail {
+namespace {
+
+bool has_atoms(const gemmi::Model& model) { return !model.chains.empty(); }
+
+bool has_atoms(const gemmi::Structure& structure) {
+  return std::any_of(structure.models.begin(), structure.models.end(),
+                     [](const gemmi::Model& model) { return has_atoms(model); });
+}
+
+gemmi::Model& find_model(gemmi::Structure& structure, int number, std::string_view name) {
+  if (!has_atoms(structure)) throw Error(formatted("{}: no atoms found", name));
+  if (number == 0) {
+    gemmi::Model& first = structure.models.front();
+    if (has_atoms(first)) return first;
+    throw Error(formatted("{}: model {} has no atoms; choose another one with --model N", name,
+                          printable(first.name)));
+  }
+  gemmi::Model* const model = structure.find_model(std::to_string(number));
+  if (model != nullptr && has_atoms(*model)) return *model;
+  throw Error(formatted(
+      "{}: there is no model {} (--model); the file has {}, from {} to {}", name, number,
+      structure.models.size() == 1 ? "one model" : formatted("{} models", structure.models.size()),
+      printable(structure.models.front().name), printable(structure.models.back().name)));
+}
+
+std::uint64_t count_atoms(const gemmi::Residue& residue) { return residue.atoms.size(); }
+
+std::uint64_t count_atoms(const gemmi::Chain& chain) {
+  std::uint64_t count = 0;
+  for (const gemmi::Residue& residue : chain.residues) count += count_atoms(residue);
+  return count;
+}
+
+/// Removes the items for which `is_dropped` is true. Returns the number of their atoms.
+template <class Item, class Predicate>
+std::uint64_t drop(std::vector<Item>& items, const Predicate& is_dropped) {
+  std::uint64_t atoms = 0;
+  gemmi::vector_remove_if(items, [&](const Item& item) {
+    if (!is_dropped(item)) return false;
+    atoms += count_atoms(item);
+    return true;
+  });
+  return atoms;
+}
+
+std::uint64_t drop_atoms(gemmi::Model& model, const auto& is_dropped) {
+  std::uint64_t count = 0;
+  for (gemmi::Chain& chain : model.chains)
+    for (gemmi::Residue& residue : chain.residues) {
+      const std::size_t before = residue.atoms.size();
+      gemmi::vector_remove_if(residue.atoms, is_dropped);
+      count += before - residue.atoms.size();
+    }
+  return count;
+}
+
+std::uint64_t drop_residues(gemmi::Model& model, const auto& is_dropped) {
+  std::uint64_t count = 0;
+  for (gemmi::Chain& chain : model.chains) count += drop(chain.residues, is_dropped);
+  return count;
+}
+
+/// Returns a sentence with the names of chains, one of which may be empty.
+std::string chains_text(const std::set<std::string>& chains) {
+  std::vector<std::string> names;
+  for (const std::string& name : chains)
+    if (!name.empty()) names.push_back(printable(name));
+  const bool has_nameless = names.size() < chains.size();
+  if (names.empty()) return "its atoms have no chain names";
+  return formatted("its chains are {}{}", fmt::join(names, ", "),
+                   has_nameless ? "; other atoms have no chain name" : "");
+}
+
+std::uint64_t keep_chains(gemmi::Model& model, const std::vector<std::string>& names,
+                          std::string_view file) {
+  if (names.empty()) return 0;
+  std::set<std::string> known;
+  for (const gemmi::Chain& chain : model.chains) known.insert(chain.name);
+  for (const std::string& name : names)
+    if (!known.contains(name))
+      throw Error(formatted("{}: there is no chain {} (--chains); {}", file, detail::quoted(name),
+                            chains_text(known)));
+  return drop(model.chains, [&](const gemmi::Chain& chain) {
+    return std::find(names.begin(), names.end(), chain.name) == names.end();
+  });
+}
+
+gemmi::Selection parse_selection(const std::string& text) {
+  try {
+    return {text};
+  } catch (const std::exception& error) {
+    throw Error(formatted("--select: {}", reworded(error.what())));
+  }
+}
+
+/// Derives the kind of each residue from its name where an mmCIF file gives neither entities nor
+/// separate labels for the polymer, ligands and water of a chain. gemmi has given all of them the
+/// kind of the first residue.
+void correct_entity_types(gemmi::Structure& structure) {
+  if (structure.input_format != gemmi::CoorFormat::Mmcif || !structure.entities.empty()) return;
+  for (gemmi::Model& model : structure.models)
+    for (gemmi::Chain& chain : model.chains)
+      if (chain.subchains().size() == 1) gemmi::add_entity_types(chain, true);
+}
+
+std::uint64_t keep_selected(gemmi::Structure& structure, gemmi::Model& model,
+                            const std::string& text, std::string_view file) {
+  if (text.empty()) return 0;
+  const gemmi::Selection selection = parse_selection(text);
+  if (!selection.matches(model))
+    throw Error(formatted("{}: --select names model {}, but model {} is read; use --model {}", file,
+                          selection.mdl, printable(model.name), selection.mdl));
+  // Residues are assigned to entities only if the selection uses these, as in `;polymer`.
+  if (!selection.entity_types.all) {
+    correct_entity_types(structure);
+    gemmi::setup_entities(structure);
+  }
+  std::uint64_t count =
+      drop(model.chains, [&](const gemmi::Chain& chain) { return !selection.matches(chain); });
+  count += drop_residues(
+      model, [&](const gemmi::Residue& residue) { return !selection.matches(residue); });
+  return count +
+         drop_atoms(model, [&](const gemmi::Atom& atom) { return !selection.matches(atom); });
+}
+
+// --------------------------------------------------------------------------- alternate locations
+
+/// Residues of a chain with the same number. Several residues are alternatives.
+using ResidueGroup = std::span<gemmi::Residue>;
+
+std::vector<ResidueGroup> residue_groups(gemmi::Chain& chain) {
+  std::vector<ResidueGroup> groups;
+  const auto end = chain.residues.end();
+  for (auto first = chain.residues.begin(); first != end;) {
+    const auto last = std::find_if(
+        first, end, [&](const gemmi::Residue& residue) { return residue.seqid != first->seqid; });
+    groups.emplace_back(first, last);
+    first = last;
+  }
+  return groups;
+}
+
+/// Returns the mean occupancy of each alternate location; empty if there are none.
+std::map<char, double> mean_occupancies(ResidueGroup group) {
+  std::map<char, std::pair<double, double>> sums;
+  for (const gemmi::Residue& residue : group)
+    for (const gemmi::Atom& atom : residue.atoms)
+      if (atom.altloc != '\0') {
+        auto& [sum, count] = sums[atom.altloc];
+        sum += static_cast<double>(atom.occ);
+        ++count;
+      }
+  std::map<char, double> means;
+  for (const auto& [altloc, sum] : sums) means[altloc] = sum.first / sum.second;
+  return means;
+}
+
+/// Returns the location with the highest occupancy, or the first one of several; 0 if there is
+/// none.
+char best_altloc(const std::map<char, double>& occupancies) {
+  constexpr double equal_occupancies = 1e-5;  // files have two or three decimals
+  char best = '\0';
+  double highest = -std::numeric_limits<double>::infinity();
+  for (const auto& [altloc, occupancy] : occupancies)
+    if (occupancy > highest + equal_occupancies) {
+      best = altloc;
+      highest = occupancy;
+    }
+  return best;
+}
+
+/// Keeps one location of each atom: `chosen` or, if the atom does not have it, the location with
+/// the highest occupancy. Returns the number of removed atoms.
+std::uint64_t keep_altloc(gemmi::Residue& residue, char chosen) {
+  std::map<std::string, std::map<char, double>> by_name;
+  for (const gemmi::Atom& atom : residue.atoms)
+    if (atom.altloc != '\0') by_name[atom.name][atom.altloc] = static_cast<double>(atom.occ);
+  const std::size_t before = residue.atoms.size();
+  gemmi::vector_remove_if(residue.atoms, [&](const gemmi::Atom& atom) {
+    if (atom.altloc == '\0') return false;
+    const auto& locations = by_name[atom.name];
+    return atom.altloc != (locations.contains(chosen) ? chosen : best_altloc(locations));
+  });
+  return before - residue.atoms.size();
+}
+
+/// Returns whether a residue is one of several alternatives, and not the chosen one.
+bool is_other_residue(ResidueGroup group, const gemmi::Residue& residue, char chosen) {
+  if (group.size() == 1 || chosen == '\0') return false;
+  return std::all_of(residue.atoms.begin(), residue.atoms.end(), [&](const gemmi::Atom& atom) {
+    return atom.altloc != '\0' && atom.altloc != chosen;
+  });
+}
+
+std::uint64_t keep_altlocs(gemmi::Model& model, const std::string& wanted, std::string_view file) {
+  const char altloc = wanted.empty() ? '\0' : wanted.front();
+  std::uint64_t dropped = 0;
+  bool is_known = wanted.empty();
+  for (gemmi::Chain& chain : model.chains)
+    for (const ResidueGroup group : residue_groups(chain)) {
+      const std::map<char, double> occupancies = mean_occupancies(group);
+      if (occupancies.empty()) continue;
+      const bool has_wanted = occupancies.contains(altloc);
+      is_known = is_known || has_wanted;
+      const char chosen = has_wanted ? altloc : best_altloc(occupancies);
+      for (gemmi::Residue& residue : group) {
+        if (is_other_residue(group, residue, chosen)) {
+          dropped += residue.atoms.size();
+          residue.atoms.clear();
+        } else {
+          dropped += keep_altloc(residue, chosen);
+        }
+      }
+    }
+  if (!is_known)
+    throw Error(
+        formatted("{}: no atom has the alternate location {} (--altloc)", file, printable(wanted)));
+  return dropped;
+}
+
+// -------------------------------------------------------------------------------------- counts
+
+void count_kept(const gemmi::Model& model, StructureReport& report) {
+  for (const gemmi::Chain& chain : model.chains)
+    for (const gemmi::Residue& residue : chain.residues) {
+      std::uint64_t& count = residue.is_water()   ? report.waters
+                             : is_hetatm(residue) ? report.hetatm_records
+                                                  : report.atom_records;
+      count += residue.atoms.size();
+    }
+}
+
+}  // namespace
+
+gemmi::Model& select_atoms(gemmi::Structure& structure, const StructureOptions& options,
+                           bool with_hydrogens, std::string_view file, StructureReport& report) {
+  gemmi::Model& model = find_model(structure, options.model, file);
+  report.model = model.name;
+  report.models = structure.models.size();
+  report.dropped_chains = keep_chains(model, options.chains, file);
+  report.dropped_selection = keep_selected(structure, model, options.select, file);
+  if (!options.with_waters)
+    report.dropped_waters =
+        drop_residues(model, [](const gemmi::Residue& residue) { return residue.is_water(); });
+  if (!options.with_hetatm)
+    report.dropped_hetatm = drop_residues(model, [](const gemmi::Residue& residue) {
+      return is_hetatm(residue) && !residue.is_water();
+    });
+  if (!with_hydrogens)
+    report.dropped_hydrogens =
+        drop_atoms(model, [](const gemmi::Atom& atom) { return atom.is_hydrogen(); });
+  report.dropped_altlocs = keep_altlocs(model, options.altloc, file);
+  gemmi::remove_empty_children(model);
+  count_kept(model, report);
+  return model;
+}
+
+}  // namespace eses::detail

@@ -1,0 +1,19 @@
+#pragma once
+/// Selection of the atoms of a structure by the user's options.
+
+#include <gemmi/model.hpp>
+#include <string_view>
+
+#include "eses/read_atoms.hpp"
+
+namespace eses::detail {
+
+inline bool is_hetatm(const gemmi::Residue& residue) { return residue.het_flag == 'H'; }
+
+/// Removes the atoms that are not selected from the selected model, which is returned. Removes
+/// hydrogens if `with_hydrogens` is false, independently of `options`. Fills the counts of
+/// `report`. Throws Error, with `file`, if there is no such model, chain or alternate location.
+gemmi::Model& select_atoms(gemmi::Structure& structure, const StructureOptions& options,
+                           bool with_hydrogens, std::string_view file, StructureReport& report);
+
+}  // namespace eses::detail
