@@ -432,7 +432,12 @@ TEST_CASE("PDB: damaged records are named", "[structure]") {
         "t.pdb: no ATOM or HETATM records found; 3 lines read");
   CHECK(pdb_error(std::string("\0\1\2\xff", 4)) ==
         "t.pdb:1: the line has a NUL character; the file seems to be damaged");
-  CHECK(contains(pdb_error("MODEL        1\n" + good + "MODEL        1\n"), "t.pdb:3: MODEL"));
+  CHECK(pdb_error("MODEL        1\n" + good + "MODEL        1\n") ==
+        "t.pdb:3: there are two models 1; give them different numbers");
+  CHECK(pdb_error("MODEL        x\n" + good) ==
+        "t.pdb:1: expected the number of the model, found \"x\"");
+  CHECK(pdb_error(good.substr(0, 78) + "\r" + good) ==
+        "t.pdb:1: carriage return inside the line; expected LF or CRLF line ends");
 }
 
 TEST_CASE("PDB: atoms after an END record are refused", "[structure]") {
@@ -479,6 +484,143 @@ namespace {
 std::string without_element(const PdbAtom& atom) { return line_of(atom).substr(0, 66) + "\n"; }
 
 }  // namespace
+
+namespace {
+
+/// Returns the element that the reader derives for an atom without one. Other atoms of the file
+/// have the name columns `other_name`.
+std::string derived_element(const std::string& name, const std::string& residue,
+                            const std::string& other_name = " C1 ") {
+  StructureOptions options;
+  options.hydrogens = HydrogenChoice::keep;
+  options.unknown_radius = 1;
+  const std::string text =
+      without_element({.record = "HETATM", .name = name, .residue = residue}) +
+      without_element({.record = "HETATM", .name = other_name, .residue = "LIG", .x = 9});
+  const AtomFile file = read_pdb(text, options);
+  for (const auto& sources : {file.structure->by_element, file.structure->unknown})
+    for (const auto& source : sources)
+      if (source.residue != "LIG" || source.atom_name != "C1") return source.element;
+  return "none";
+}
+
+}  // namespace
+
+TEST_CASE("PDB: ions have the element of their name in any column", "[structure]") {
+  const std::vector<std::tuple<std::string, std::string, std::string>> expected{
+      {" Na+", "Na+", "Na"}, {" Cl-", "Cl-", "Cl"}, {" K+ ", " K+", "K"},  {" SOD", "SOD", "Na"},
+      {" CLA", "CLA", "Cl"}, {"SOD ", "SOD", "Na"}, {" POT", "POT", "K"},  {" CAL", "CAL", "Ca"},
+      {" CES", "CES", "Cs"}, {" LIT", "LIT", "Li"}, {" RUB", "RUB", "Rb"}, {" BAR", "BAR", "Ba"},
+      {" CAD", "CAD", "Cd"}, {" CL ", " CL", "Cl"}, {" NA ", " NA", "Na"}, {" CA ", " CA", "Ca"},
+      {" ZN ", " ZN", "Zn"}, {"MG  ", " MG", "Mg"}, {"CO  ", "3CO", "Co"}, {"FE  ", "FE2", "Fe"}};
+  for (const auto& [name, residue, element] : expected) {
+    INFO(name << ' ' << residue);
+    CHECK(derived_element(name, residue) == element);
+  }
+}
+
+TEST_CASE("PDB: metals and halogens of ligands are not the elements of their first letter",
+          "[structure]") {
+  // In a file with aligned names.
+  CHECK(derived_element("HG  ", "MMC") == "Hg");
+  CHECK(derived_element(" HG1", "MMC") == "H");
+  CHECK(derived_element("HG11", "LIG") == "H");
+  CHECK(derived_element("HO2 ", "LIG") == "H");
+  CHECK(derived_element(" Cl1", "LIG") == "Cl");
+  CHECK(derived_element(" Br1", "LIG") == "Br");
+  CHECK(derived_element(" Ca1", "LIG") == "C");
+  CHECK(derived_element("CU1 ", "CUA") == "Cu");
+  // In a file whose names all begin in the first column.
+  for (const std::string name : {"CLAA", "CL1 ", "BRAB", "FE  ", "CU1 ", "NI  ", "SI1 ", "PT1 "}) {
+    INFO(name);
+    std::string element = name.substr(0, 2);
+    element[1] = static_cast<char>(element[1] - 'A' + 'a');
+    CHECK(derived_element(name, "LIG", "C1  ") == element);
+  }
+  CHECK(derived_element("CA  ", "LIG", "C1  ") == "C");
+  CHECK(derived_element("HG  ", "LIG", "C1  ") == "H");
+  StructureOptions bondi;
+  bondi.radii = "bondi";
+  const std::string selenium = without_element({.name = " SE ", .residue = "MSE"});
+  CHECK(read_pdb(selenium, bondi).atoms.at(0).radius == 1.90);
+}
+
+TEST_CASE("PDB: residue names may have four letters", "[structure]") {
+  const auto names = [](const std::vector<std::string>& residues_and_chains,
+                        const StructureOptions& options = {}) {
+    std::string text;
+    for (const std::string& columns : residues_and_chains) {
+      std::string line = line_of({.x = static_cast<double>(text.size())});
+      text += line.replace(17, 5, columns);
+    }
+    return names_of(read_pdb(text, options));
+  };
+  CHECK(names({"NALAA", "ALA A", "CARGA"}) == Names{"A NALA 1 CA", "A ALA 1 CA", "A CARG 1 CA"});
+  CHECK(names({"POPCM", "ALA A"}) == Names{"M POPC 1 CA", "A ALA 1 CA"});
+  CHECK(names({"NALA "}) == Names{" NALA 1 CA"});
+  StructureOptions chain_a;
+  chain_a.chains = {"A"};
+  CHECK(names({"NALAA", "ALA A", "CARGA"}, chain_a).size() == 3);
+  // Chain names may have two letters, too.
+  CHECK(names({"ALAAB", "LIGAC"}) == Names{"AB ALA 1 CA", "AC LIG 1 CA"});
+  StructureOptions bondi;
+  bondi.radii = "bondi";
+  std::string arginine = without_element({.name = "CA  "});
+  arginine.replace(17, 5, "NARGA");
+  CHECK(read_pdb(arginine, bondi).atoms.at(0).radius == 1.70);
+}
+
+TEST_CASE("PDB: MODEL records may have any number and lack an end", "[structure]") {
+  const auto text_of_models = [](const std::vector<std::string>& records) {
+    std::string text;
+    for (const std::string& record : records)
+      text += record + "\n" + line_of({.x = static_cast<double>(text.size())});
+    return text;
+  };
+  const std::string text =
+      text_of_models({"MODEL      100", "MODEL      1000", "MODEL 7", "MODEL    10001"});
+  for (const int number : {100, 1000, 7, 10001}) {
+    INFO(number);
+    StructureOptions options;
+    options.model = number;
+    const AtomFile file = read_pdb(text, options);
+    CHECK(file.structure->models == 4);
+    CHECK(file.structure->model == std::to_string(number));
+    CHECK(file.atoms.size() == 1);
+  }
+  CHECK(read_pdb(text_of_models({"REMARK    5   5", "MODEL"})).structure->model == "1");
+}
+
+TEST_CASE("PDB: long lines count as one line", "[structure]") {
+  std::string atom = without_element({});
+  atom.insert(atom.size() - 1, 132 - atom.size(), ' ');
+  CHECK(read_pdb(atom + atom).lines == std::vector<std::uint64_t>{1, 2});
+}
+
+TEST_CASE("PDB: atoms without an occupancy count as occupied", "[structure]") {
+  StructureOptions options;
+  options.select = ";q>0.5";
+  CHECK(read_pdb(line_of({}).substr(0, 54) + "\n", options).atoms.size() == 1);
+  std::string blank = line_of({});
+  blank.replace(54, 6, "      ");
+  CHECK(read_pdb(blank, options).atoms.size() == 1);
+}
+
+TEST_CASE("waters have the names of programs of molecular dynamics", "[structure]") {
+  const auto atoms = [](const std::string& columns, const std::string& name,
+                        const std::string& element) {
+    std::string line = line_of({.name = name, .element = element});
+    line.replace(17, 5, columns);
+    return read_pdb(line + line_of({.number = "   2 ", .x = 9})).atoms.size();
+  };
+  for (const std::string columns :
+       {"HOH A", "WAT A", "SOL A", "TIP3W", "TIP A", "SPC A", "OPC A"}) {
+    INFO(columns);
+    CHECK(atoms(columns, " OW ", " O") == 1);
+  }
+  // OPC is also the name of a lipid.
+  CHECK(atoms("OPC A", " C1 ", " C") == 2);
+}
 
 TEST_CASE("PDB: amino acids in names of force fields have no metals", "[structure]") {
   StructureOptions bondi;
@@ -673,6 +815,34 @@ TEST_CASE("selections in gemmi's syntax choose atoms", "[structure]") {
   CHECK(contains(pdb_error(text, options), "use --model 2"));
   options.select = "//Z";
   CHECK(contains(pdb_error(text, options), "t.pdb: no atoms left of 5; left out: 5 not selected"));
+}
+
+TEST_CASE("alternative residues need not be neighbours", "[structure]") {
+  const std::string text =
+      line_of({.altloc = 'A', .residue = "SER", .number = "   7 ", .occupancy = 0.4}) +
+      line_of({.chain = "B", .x = 20}) +
+      line_of({.record = "HETATM",
+               .altloc = 'B',
+               .residue = "SEP",
+               .number = "   7 ",
+               .x = 0.1,
+               .occupancy = 0.6});
+  CHECK(names_of(read_pdb(text)) == Names{"B ALA 1 CA", "A SEP 7 CA"});
+  StructureOptions options;
+  options.altloc = "A";
+  CHECK(names_of(read_pdb(text, options)) == Names{"A SER 7 CA", "B ALA 1 CA"});
+}
+
+TEST_CASE("a location without a letter is an alternative to one with a letter", "[structure]") {
+  const std::string text =
+      line_of({.occupancy = 0.6}) + line_of({.altloc = 'B', .x = 0.5, .occupancy = 0.4});
+  const AtomFile file = read_pdb(text);
+  REQUIRE(file.atoms.size() == 1);
+  CHECK(file.atoms[0].center.x == 0);
+  CHECK(file.structure->dropped_altlocs == 1);
+  StructureOptions options;
+  options.altloc = "B";
+  CHECK(read_pdb(text, options).atoms.at(0).center.x == 0.5);
 }
 
 // ---------------------------------------------------------------------------------------- mmCIF

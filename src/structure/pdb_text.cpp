@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <array>
+#include <charconv>
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
@@ -13,293 +14,372 @@
 #include <exception>
 #include <gemmi/pdb.hpp>
 #include <gemmi/resinfo.hpp>
+#include <iterator>
+#include <map>
 #include <new>
 #include <optional>
+#include <span>
 #include <string>
 #include <system_error>
+#include <vector>
 
 #include "eses/error.hpp"
 #include "io/atom_lines.hpp"
 #include "io/text_fields.hpp"
 #include "structure/messages.hpp"
+#include "structure/pdb_elements.hpp"
 #include "system/formatted.hpp"
 
 namespace eses::detail {
 namespace {
 
-// Names of residues in the force fields of Amber, CHARMM and GROMACS that gemmi does not know:
-// protonation states of amino acids, caps of chains, and nucleotides.
-constexpr std::array<std::string_view, 62> md_residues{
-    "HID", "HIE", "HIP", "HSD", "HSE", "HSP", "HSC", "HIN", "HDP", "CYX", "CYM", "CYN", "CYH",
-    "CYP", "CY2", "ASH", "ASB", "GLH", "LYN", "LYP", "ARN", "TYM", "ACE", "NME", "NMA", "NHE",
-    "NH2", "FOR", "CT3", "NAL", "A3",  "A5",  "AN",  "C3",  "C5",  "CN",  "G3",  "G5",  "GN",
-    "U3",  "U5",  "UN",  "RA",  "RC",  "RG",  "RU",  "RA3", "RA5", "RC3", "RC5", "RG3", "RG5",
-    "RU3", "RU5", "DA3", "DA5", "DC3", "DC5", "DG3", "DG5", "DT3", "DT5"};
+// ------------------------------------------------------------------------------ fields of records
 
-/// An input stream of gemmi with the lines of a PDB text. Replaces the serial numbers of atoms by
-/// their line numbers. Checks coordinates, because gemmi reads invalid numbers as 0.
+/// Columns of a record, from 0.
+struct Columns {
+  std::size_t first, width;
+};
+
+// https://www.wwpdb.org/documentation/file-format-content/format33/sect9.html
+constexpr Columns serial_columns{6, 5}, name_columns{12, 4}, residue_columns{17, 3};
+constexpr Columns chain_columns{20, 2}, occupancy_columns{54, 6}, element_columns{76, 2};
+constexpr std::array<Columns, 3> coordinate_columns{{{30, 8}, {38, 8}, {46, 8}}};
+constexpr std::size_t charge_column = 78, record_width = 80;
+
+/// Returns the text of a field without blanks around it. The record may be too short.
+std::string_view field_of(std::string_view record, const Columns& columns) {
+  if (columns.first >= record.size()) return {};
+  return without_trailing_blanks(
+      without_leading_blanks(record.substr(columns.first, columns.width)));
+}
+
+/// Returns the type of a record in lower case.
+std::string type_of(std::string_view record) {
+  return lower_case(std::string(without_trailing_blanks(record.substr(0, 6))));
+}
+
+/// Looks at four characters, as gemmi does, because records of more than 99999 atoms may have a
+/// serial number in the sixth column.
+bool is_atom_record(std::string_view record) {
+  const std::string type = lower_case(std::string(record.substr(0, 4)));
+  return type == "atom" || type == "heta";
+}
+
+// https://www.wwpdb.org/documentation/file-format-content/format33/remarks1.html#REMARK%20350
+bool is_assembly_record(std::string_view record) {
+  return lower_case(std::string(record.substr(0, 10))) == "remark 350";
+}
+
+bool has_element(std::string_view record) {
+  const std::string_view field = field_of(record, element_columns);
+  return record.size() > element_columns.first + 1 &&
+         std::any_of(field.begin(), field.end(), is_letter);
+}
+
+/// Returns whether the four columns after the atom name are a residue name of four letters by
+/// itself, such as NALA or TIP3, whatever the names of chains.
+bool is_known_long_residue(std::string_view name) {
+  constexpr std::array<std::string_view, 4> waters{"TIP3", "TIP4", "TIP5", "SPCE"};
+  return name.size() == 4 && (is_polymer_residue(name) ||
+                              std::find(waters.begin(), waters.end(), name) != waters.end());
+}
+
+/// Returns the four columns after the atom name if all of them are filled.
+std::string_view long_residue_of(std::string_view record) {
+  const std::string_view name =
+      field_of(record, {residue_columns.first, residue_columns.width + 1});
+  return name.size() > residue_columns.width && name.find(' ') == name.npos ? name
+                                                                            : std::string_view();
+}
+
+// ------------------------------------------------------------------------------------------ lines
+
+/// The lines of a PDB text, with their numbers.
 class PdbLines {
  public:
-  PdbLines(std::string_view text, std::string_view name, bool with_assemblies, Checker& checker)
-      : rest_(text), name_(name), with_assemblies_(with_assemblies), checker_(checker) {}
+  PdbLines(std::string_view text, std::string_view name, Checker& checker)
+      : rest_(text), name_(name), checker_(checker) {}
 
-  std::uint64_t line() const { return line_; }
+  /// Returns the next line without its end, or nothing at the end of the text.
+  std::optional<std::string_view> next() {
+    if (rest_.empty()) return std::nullopt;
+    checker_.count();
+    ++number_;
+    const std::size_t end = std::min(rest_.find('\n'), rest_.size());
+    std::string_view line = rest_.substr(0, end);
+    rest_.remove_prefix(std::min(end + 1, rest_.size()));
+    while (line.ends_with('\r')) line.remove_suffix(1);
+    // NUL characters are accepted as padding at the end of the text.
+    if (rest_.find_first_not_of(padding) == rest_.npos)
+      while (line.ends_with('\0')) line.remove_suffix(1);
+    return line;
+  }
+
+  std::uint64_t number() const { return number_; }
+  std::string_view name() const { return name_; }
+
+  [[noreturn]] void fail(std::string_view what) const { fail_at_line(name_, number_, what); }
+
+ private:
+  static constexpr std::string_view padding{"\0\r\n ", 4};
+
+  std::string_view rest_, name_;
+  Checker& checker_;
+  std::uint64_t number_ = 0;
+};
+
+/// Properties of a whole text on which the meaning of its columns depends.
+struct PdbLayout {
+  /// Whether the names of all atoms without an element begin in the first column of the name,
+  /// although names of one letter belong in the second column. Only the residues that are not
+  /// polymers count, because a ligand may be appended to a protein.
+  bool is_left_aligned = true;
+  /// Whether chain names have two letters, the first of which follows the residue name.
+  bool has_long_chain_names = false;
+};
+
+PdbLayout layout_of(PdbLines lines) {
+  PdbLayout layout;
+  while (const std::optional<std::string_view> record = lines.next()) {
+    if (!is_atom_record(*record)) continue;
+    const bool is_polymer = is_polymer_residue(field_of(*record, residue_columns));
+    const std::string_view long_residue = long_residue_of(*record);
+    if (is_polymer && !long_residue.empty() && !is_known_long_residue(long_residue))
+      layout.has_long_chain_names = true;
+    if (!is_polymer && !has_element(*record) && record->substr(0, 13).ends_with(' '))
+      layout.is_left_aligned = false;
+  }
+  return layout;
+}
+
+// ---------------------------------------------------------------------------------------- records
+
+/// An input stream of gemmi with the records of a PDB text that matter here, in the columns and
+/// the order that gemmi expects. Replaces the serial numbers of atoms by their line numbers.
+/// Checks coordinates, because gemmi reads invalid numbers as 0.
+class PdbRecords {
+ public:
+  PdbRecords(PdbLines lines, bool with_assemblies)
+      : lines_(lines), all_lines_(lines), with_assemblies_(with_assemblies) {}
+
+  const PdbLines& lines() const { return lines_; }
   bool has_atoms() const { return has_atoms_; }
 
-  // The interface of gemmi's streams; the functions are like those of <cstdio>.
+  // The interface of gemmi's streams; the functions are like those of <cstdio>. All records end
+  // with a line feed within the buffer, so there is nothing left for getc().
   char* gets(char* buffer, int size) {
-    if (rest_.empty()) return nullptr;
-    checker_.count();
-    line_start_ = rest_;
-    ++line_;
-    const std::size_t room = static_cast<std::size_t>(size) - 1;
-    const std::size_t end = rest_.substr(0, room).find('\n');
-    const std::size_t length = end == rest_.npos ? std::min(room, rest_.size()) : end + 1;
-    refuse_nul(length);
-    std::memcpy(buffer, rest_.data(), length);
-    buffer[length] = '\0';
-    rest_.remove_prefix(length);
-    const std::string_view record(buffer, length);
-    if (is_atom_record(record))
-      prepare_atom(buffer, length);
-    else if (with_assemblies_ && is_assembly_record(record))
-      check_operator(record);
-    else if (!is_separator(record))
-      hide_record(buffer, length);
-    return buffer;
+    record_ = std::span(buffer, static_cast<std::size_t>(size));
+    if (has_pending_model_) return write_pending_model();
+    while (const std::optional<std::string_view> line = lines_.next()) {
+      check_characters(*line);
+      if (is_atom_record(*line)) return write_atom(*line);
+      if (with_assemblies_ && is_assembly_record(*line)) return write_operator(*line);
+      const std::string type = type_of(*line);
+      if (type == "model") return write_model(*line);
+      if (type == "endmdl") is_in_model_ = false;
+      const bool has_other_format = type.starts_with("data_") || type.starts_with('{');
+      if (type == "endmdl" || type == "end" || type == "ter" || has_other_format)
+        return write(*line);
+    }
+    return nullptr;
   }
 
-  int getc() {
-    if (rest_.empty()) return EOF;
-    refuse_nul(1);
-    const char c = rest_.front();
-    rest_.remove_prefix(1);
-    return static_cast<unsigned char>(c);
-  }
+  static int getc() { return EOF; }
 
-  /// Reads the rest of the text after the line at which gemmi stops. Throws Error if there are
-  /// atoms.
+  /// Reads the lines after the record at which gemmi stops. Throws Error if there are atoms.
   void refuse_further_atoms() {
-    const std::uint64_t last_line = line_;
-    while (!rest_.empty()) {
-      checker_.count();
-      ++line_;
-      const std::size_t end = std::min(rest_.find('\n'), rest_.size());
-      if (is_atom_record(rest_.substr(0, end)))
+    const std::uint64_t last_line = lines_.number();
+    while (const std::optional<std::string_view> line = lines_.next())
+      if (is_atom_record(*line))
         fail_at_line(
-            name_, last_line,
+            lines_.name(), last_line,
             "atoms follow an END record; remove the record, or separate models by MODEL and "
             "ENDMDL");
-      rest_.remove_prefix(std::min(end + 1, rest_.size()));
+  }
+
+  /// Gives models and residues the names that gemmi cannot read.
+  void restore_names(gemmi::Structure& structure) const {
+    for (std::size_t i = 0; i < structure.models.size(); ++i) {
+      structure.models[i].name = std::to_string(model_numbers_.at(i));
+      if (residue_names_.empty()) continue;
+      for (gemmi::Chain& chain : structure.models[i].chains)
+        for (gemmi::Residue& residue : chain.residues) restore_name(residue);
     }
   }
 
  private:
-  // Throws Error if the next characters contain a NUL, at which gemmi would end the line. NULs are
-  // accepted as padding at the end of the text.
-  void refuse_nul(std::size_t length) const {
-    constexpr std::string_view padding("\0\r\n ", 4);
-    const std::size_t nul = rest_.substr(0, length).find('\0');
-    if (nul == rest_.npos || rest_.find_first_not_of(padding, nul) == rest_.npos) return;
-    fail_at_line(name_, line_, "the line has a NUL character; the file seems to be damaged");
+  void check_characters(std::string_view line) const {
+    if (line.find('\0') != line.npos)
+      lines_.fail("the line has a NUL character; the file seems to be damaged");
+    if (line.find('\r') != line.npos)
+      lines_.fail("carriage return inside the line; expected LF or CRLF line ends");
   }
 
-  // Compares four characters and ignores the case, as gemmi does.
-  static bool is_atom_record(std::string_view line) {
-    const std::string type = lower_case(std::string(line.substr(0, 4)));
-    return type == "atom" || type == "heta";
+  // Writes a record with all its columns, as gemmi would otherwise read the rest of an earlier one.
+  char* write(std::string_view record) {
+    std::memset(record_.data(), ' ', record_width);
+    std::memcpy(record_.data(), record.data(), std::min(record.size(), record_width));
+    record_[record_width] = '\n';
+    record_[record_width + 1] = '\0';
+    return record_.data();
   }
 
-  // https://www.wwpdb.org/documentation/file-format-content/format33/remarks1.html#REMARK%20350
-  static bool is_assembly_record(std::string_view line) {
-    return lower_case(std::string(line.substr(0, 10))) == "remark 350";
+  void write_field(const Columns& columns, std::string_view text) {
+    std::memset(&record_[columns.first], ' ', columns.width);
+    std::memcpy(&record_[columns.first + columns.width - text.size()], text.data(), text.size());
   }
 
-  // Throws Error if a row of an operator has invalid numbers, which gemmi would read as 0.
-  void check_operator(std::string_view line) const {
-    constexpr std::size_t type_column = 11, width = 10;
-    const std::string_view record = without_line_end(line);
-    if (record.size() < type_column || !record.substr(type_column).starts_with("  BIOMT")) return;
-    for (const std::size_t column : {23, 33, 43, 58})
-      check_number(record, column, width, "the operator");
-  }
+  // ---------------------------------------------------------------------------------------- atoms
 
-  // Returns whether a record separates chains or models, or tells gemmi that the text has another
-  // format.
-  static bool is_separator(std::string_view line) {
-    constexpr std::array<std::string_view, 5> types{"model", "end", "ter", "data_", "{"};
-    const std::string text = lower_case(std::string(line.substr(0, 6)));
-    return std::any_of(types.begin(), types.end(),
-                       [&](std::string_view type) { return text.starts_with(type); });
-  }
-
-  // Replaces the type of a record by blanks. gemmi would refuse faults in records that do not
-  // matter here, such as an ANISOU record without its atom.
-  static void hide_record(char* buffer, std::size_t length) {
-    constexpr std::size_t type_width = 6;
-    for (std::size_t i = 0; i < std::min(length, type_width) && buffer[i] != '\n'; ++i)
-      buffer[i] = ' ';
-  }
-
-  // https://www.wwpdb.org/documentation/file-format-content/format33/sect9.html
-  static constexpr std::size_t serial_column = 6, serial_width = 5;
-  static constexpr std::size_t name_column = 12, name_width = 4;
-  static constexpr std::size_t residue_column = 17, residue_width = 3;
-  static constexpr std::size_t element_column = 76, charge_column = 78;
-  static constexpr std::size_t coordinate_column = 30, coordinate_width = 8;
-  static constexpr std::size_t end_of_coordinates = coordinate_column + 3 * coordinate_width;
-
-  void prepare_atom(char* buffer, std::size_t length) {
-    const std::string_view record = without_line_end({buffer, length});
-    length = record.size();
-    has_atoms_ = true;
-    if (length < end_of_coordinates)
-      fail_at_line(name_, line_,
-                   "the record ends before its coordinates; the file seems to be damaged");
+  char* write_atom(std::string_view line) {
+    constexpr std::size_t end_of_coordinates =
+        coordinate_columns.back().first + coordinate_columns.back().width;
+    if (line.size() < end_of_coordinates)
+      lines_.fail("the record ends before its coordinates; the file seems to be damaged");
     for (std::size_t axis = 0; axis < 3; ++axis)
-      check_number(record, coordinate_column + axis * coordinate_width, coordinate_width,
-                   std::string_view("xyz").substr(axis, 1));
-    write_line_number(buffer + serial_column);
-    // Removes the charges, which are not used: old files have line numbers in these columns.
-    if (length > charge_column) std::memset(buffer + charge_column, ' ', length - charge_column);
-    if (!has_element(record)) write_element(buffer, length);
+      check_number(line, coordinate_columns[axis], std::string_view("xyz").substr(axis, 1));
+    // gemmi begins a model at an atom outside of models, too.
+    if (!is_in_model_) begin_model(std::nullopt);
+    has_atoms_ = true;
+    // The charges are not used: old files have line numbers in these columns.
+    write(line.substr(0, charge_column));
+    write_line_number();
+    if (field_of(line, occupancy_columns).empty()) write_field(occupancy_columns, "1.00");
+    const std::string_view residue = write_residue(line);
+    if (!has_element(line))
+      write_field(element_columns,
+                  element_by_name(line.substr(name_columns.first, name_columns.width), residue,
+                                  layout().is_left_aligned));
+    return record_.data();
   }
 
-  static bool has_element(std::string_view record) {
-    return record.size() > element_column + 1 &&
-           (is_letter(record[element_column]) || is_letter(record[element_column + 1]));
+  // Removes the fourth letter of a residue name, which gemmi would read as a part of the chain
+  // name. Returns the residue name.
+  std::string_view write_residue(std::string_view line) {
+    const std::string_view long_name = long_residue_of(line);
+    const bool is_long = !long_name.empty() && is_long_residue(long_name);
+    if (is_long) record_[chain_columns.first] = ' ';
+    const std::string_view change = is_long ? long_name : std::string_view();
+    if (residue_names_.empty() ? is_long : residue_names_.rbegin()->second != change)
+      residue_names_.emplace_hint(residue_names_.end(), lines_.number(), change);
+    return is_long ? long_name : field_of(line, residue_columns);
   }
 
-  // Adds a missing element symbol. Otherwise gemmi would derive it from the alignment of the atom
-  // name, and read misaligned names such as `CA  ` and `HG  ` in amino acids as calcium and
-  // mercury.
-  void write_element(char* buffer, std::size_t length) {
-    const std::string_view record(buffer, length);
-    const std::string_view name = column_text(record, name_column, name_width);
-    const std::string_view residue = column_text(record, residue_column, residue_width);
-    const std::array<char, 2> element = element_by_name(name, residue);
-    if (element[1] == '\0') return;
-    for (; length < element_column; ++length) buffer[length] = ' ';
-    std::memcpy(buffer + element_column, std::array{element[0], element[1], '\n', '\0'}.data(), 4);
+  bool is_long_residue(std::string_view name) {
+    if (is_known_long_residue(name)) return true;
+    const gemmi::ResidueInfo& start =
+        gemmi::find_tabulated_residue(std::string(name.substr(0, residue_columns.width)));
+    const bool is_known = start.is_water() || start.is_amino_acid() || start.is_nucleic_acid();
+    return !is_known && !layout().has_long_chain_names;
   }
 
-  // Returns the element of an atom by its name, right-justified, or zeros if the name is ambiguous.
-  // `HG` in a residue HG is mercury.
-  std::array<char, 2> element_by_name(std::string_view name, std::string_view residue) {
-    constexpr std::array<char, 2> ambiguous{};
-    const bool is_known = is_polymer(residue);
-    const bool is_ion = is_known ? name == residue : is_ion_name(name, residue);
-    while (!name.empty() && is_digit(name.front())) name.remove_prefix(1);
-    if (name.empty() || is_ion || name.starts_with("SE")) return ambiguous;
-    const char first = name.front();
-    if (first == 'H' || first == 'D') return {' ', first};
-    if (!is_known && !is_left_aligned()) return ambiguous;
-    // In ligands these names are usually chlorine, bromine and iron.
-    const std::string_view stem = name.substr(0, name.find_first_of("0123456789"));
-    if (!is_known && (stem == "CL" || stem == "BR" || stem == "FE")) return {stem[0], stem[1]};
-    const std::string_view elements = is_known ? "CNOSP" : "CNOSPFIB";
-    return elements.find(first) == elements.npos ? ambiguous : std::array{' ', first};
+  void restore_name(gemmi::Residue& residue) const {
+    const auto line = static_cast<std::uint64_t>(residue.atoms.front().serial);
+    const auto next = residue_names_.upper_bound(line);
+    if (next == residue_names_.begin()) return;
+    const std::string& name = std::prev(next)->second;
+    if (!name.empty()) residue.name = name;
   }
 
-  // Returns whether an atom is the only one of its residue, as in the residues CA, FE2 and 3CO.
-  static bool is_ion_name(std::string_view name, std::string_view residue) {
-    const auto letters = [](std::string_view text) {
-      while (!text.empty() && is_digit(text.front())) text.remove_prefix(1);
-      while (!text.empty() && is_digit(text.back())) text.remove_suffix(1);
-      return text;
-    };
-    return !name.empty() && letters(name) == letters(residue);
+  const PdbLayout& layout() {
+    if (!layout_) layout_ = layout_of(all_lines_);
+    return *layout_;
   }
 
-  static bool is_polymer(std::string_view residue) {
-    const gemmi::ResidueInfo& info = gemmi::find_tabulated_residue(std::string(residue));
-    if (info.is_amino_acid() || info.is_nucleic_acid()) return true;
-    return std::find(md_residues.begin(), md_residues.end(), residue) != md_residues.end();
-  }
-
-  // Returns whether the names of all atoms without an element begin in the first column of the
-  // name, although names of one letter belong in the second column. Only the residues that are not
-  // polymers count, because a ligand may be appended to a protein. Looks at the rest of the text
-  // once.
-  bool is_left_aligned() {
-    if (!is_left_aligned_) is_left_aligned_ = finds_left_aligned_names();
-    return *is_left_aligned_;
-  }
-
-  bool finds_left_aligned_names() const {
-    for (std::string_view text = line_start_; !text.empty();) {
-      checker_.count();
-      const std::size_t end = std::min(text.find('\n'), text.size());
-      const std::string_view record = without_line_end(text.substr(0, end));
-      text.remove_prefix(std::min(end + 1, text.size()));
-      if (!is_atom_record(record) || record.size() < end_of_coordinates || has_element(record))
-        continue;
-      if (record[name_column] == ' ' &&
-          !is_polymer(column_text(record, residue_column, residue_width)))
-        return false;
-    }
-    return true;
-  }
-
-  static std::string_view without_line_end(std::string_view line) {
-    while (line.ends_with('\n') || line.ends_with('\r')) line.remove_suffix(1);
-    return line;
-  }
-
-  static std::string_view column_text(std::string_view record, std::size_t first,
-                                      std::size_t width) {
-    return without_trailing_blanks(without_leading_blanks(record.substr(first, width)));
-  }
-
-  void check_number(std::string_view record, std::size_t first, std::size_t width,
-                    std::string_view what) const {
-    const std::string_view field =
-        first < record.size() ? column_text(record, first, width) : std::string_view();
+  void check_number(std::string_view line, const Columns& columns, std::string_view what) const {
+    const std::string_view field = field_of(line, columns);
     double value = 0;
     if (parse_number(field, value) != std::errc{} || !std::isfinite(value))
-      fail_at_line(name_, line_,
-                   formatted("expected a number for {} in columns {} to {}, found {}", what,
-                             first + 1, first + width, quoted(field)));
+      lines_.fail(formatted("expected a number for {} in columns {} to {}, found {}", what,
+                            columns.first + 1, columns.first + columns.width, quoted(field)));
   }
 
   // Writes the line number as five digits or, from 100000 on, as a hybrid-36 number, which gemmi
   // can read: http://cci.lbl.gov/hybrid_36
-  void write_line_number(char* target) const {
+  void write_line_number() {
     constexpr std::uint64_t first_hybrid = 100000, hybrid_offset = 16796160, hybrid_end = 60466176;
-    std::uint64_t number = line_;
+    std::uint64_t number = lines_.number();
+    const unsigned base = number < first_hybrid ? 10 : 36;
     if (number >= first_hybrid) number += hybrid_offset - first_hybrid;
-    if (number >= hybrid_end) fail_at_line(name_, line_, "too many lines for a PDB file");
-    const unsigned base = line_ < first_hybrid ? 10 : 36;
-    for (std::size_t digit = serial_width; digit-- > 0; number /= base)
-      target[digit] = "0123456789ABCDEFGHIJKLMNOPQRSTUVWXYZ"[number % base];
+    if (number >= hybrid_end) lines_.fail("too many lines for a PDB file");
+    for (std::size_t digit = serial_columns.width; digit-- > 0; number /= base)
+      record_[serial_columns.first + digit] = "0123456789ABCDEFGHIJKLMNOPQRSTUVWXYZ"[number % base];
   }
 
-  std::string_view rest_, name_;
-  std::string_view line_start_;  // the text from the current line on
+  // ------------------------------------------------------------------------ models and assemblies
+
+  // Begins a model with the number in the field, or with its ordinal number if there is none.
+  void begin_model(const std::optional<std::string_view>& field) {
+    constexpr std::size_t max_models = 9999;
+    if (model_numbers_.size() == max_models)
+      lines_.fail(formatted("more than {} models; split the file", max_models));
+    int number = static_cast<int>(model_numbers_.size()) + 1;
+    if (field && !field->empty()) {
+      const char* const end = field->data() + field->size();
+      const auto [rest, fault] = std::from_chars(field->data(), end, number);
+      if (fault != std::errc{} || rest != end)
+        lines_.fail(formatted("expected the number of the model, found {}", quoted(*field)));
+    }
+    if (std::find(model_numbers_.begin(), model_numbers_.end(), number) != model_numbers_.end())
+      lines_.fail(formatted("there are two models {}; give them different numbers", number));
+    model_numbers_.push_back(number);
+    is_in_model_ = true;
+  }
+
+  // Ends the previous model, as some programs do not write its end.
+  char* write_model(std::string_view line) {
+    const bool has_open_model = is_in_model_;
+    line.remove_prefix(std::string_view("model").size());
+    begin_model(take_first(line));
+    has_pending_model_ = has_open_model;
+    return has_open_model ? write("ENDMDL") : write_pending_model();
+  }
+
+  // Writes the ordinal number, as gemmi reads only four digits.
+  char* write_pending_model() {
+    has_pending_model_ = false;
+    return write(formatted("MODEL     {:4}", model_numbers_.size()));
+  }
+
+  // gemmi would read invalid numbers as 0.
+  char* write_operator(std::string_view line) {
+    constexpr std::size_t width = 10;
+    if (line.size() > 11 && line.substr(11).starts_with("  BIOMT"))
+      for (const std::size_t column : std::array<std::size_t, 4>{23, 33, 43, 58})
+        check_number(line, {column, width}, "the operator");
+    return write(line);
+  }
+
+  PdbLines lines_, all_lines_;
   bool with_assemblies_;
-  Checker& checker_;
-  std::uint64_t line_ = 0;
-  bool has_atoms_ = false;
-  std::optional<bool> is_left_aligned_;
+  std::span<char> record_;  // gemmi's buffer
+  bool has_atoms_ = false, is_in_model_ = false, has_pending_model_ = false;
+  std::vector<int> model_numbers_;
+  // Residue names of four letters by the lines from which on they hold; empty if gemmi reads the
+  // name.
+  std::map<std::uint64_t, std::string> residue_names_;
+  std::optional<PdbLayout> layout_;
 };
 
 }  // namespace
 
 gemmi::Structure parse_pdb_text(std::string_view text, std::string_view name, bool with_assemblies,
                                 Checker& checker) {
-  PdbLines lines(text, name, with_assemblies, checker);
+  PdbRecords records(PdbLines(text, name, checker), with_assemblies);
   try {
     gemmi::Structure structure =
-        gemmi::pdb_impl::read_pdb_from_stream(lines, std::string(name), gemmi::PdbReadOptions());
-    lines.refuse_further_atoms();
-    if (!lines.has_atoms()) throw Error(no_atoms_message(name, AtomFormat::pdb, lines.line()));
+        gemmi::pdb_impl::read_pdb_from_stream(records, std::string(name), gemmi::PdbReadOptions());
+    records.refuse_further_atoms();
+    if (!records.has_atoms())
+      throw Error(no_atoms_message(name, AtomFormat::pdb, records.lines().number()));
+    records.restore_names(structure);
     return structure;
   } catch (const Error&) {
     throw;
   } catch (const std::bad_alloc&) {
     throw;
   } catch (const std::exception& error) {
-    fail_at_line(name, lines.line(), reworded(error.what()));
+    records.lines().fail(reworded(error.what()));
   }
 }
 

@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cstddef>
 #include <exception>
 #include <gemmi/polyheur.hpp>
@@ -13,7 +14,6 @@
 #include <limits>
 #include <map>
 #include <set>
-#include <span>
 #include <string>
 #include <utility>
 #include <vector>
@@ -151,27 +151,34 @@ std::uint64_t keep_selected(gemmi::Structure& structure, gemmi::Model& model,
 
 // --------------------------------------------------------------------------- alternate locations
 
-/// Residues of a chain with the same number. Several residues are alternatives.
-using ResidueGroup = std::span<gemmi::Residue>;
+/// Residues of a chain with the same number and with alternate locations. Several residues are
+/// alternatives.
+using ResidueGroup = std::vector<gemmi::Residue*>;
 
-std::vector<ResidueGroup> residue_groups(gemmi::Chain& chain) {
+bool has_altloc(const gemmi::Atom& atom) { return atom.altloc != '\0'; }
+
+/// Returns the groups in the order of the model. The residues of a group need not be neighbours:
+/// a modified residue may come after the end of its chain.
+std::vector<ResidueGroup> residue_groups(gemmi::Model& model) {
   std::vector<ResidueGroup> groups;
-  const auto end = chain.residues.end();
-  for (auto first = chain.residues.begin(); first != end;) {
-    const auto last = std::find_if(
-        first, end, [&](const gemmi::Residue& residue) { return residue.seqid != first->seqid; });
-    groups.emplace_back(first, last);
-    first = last;
-  }
+  std::map<std::pair<std::string, std::string>, std::size_t> indices;
+  for (gemmi::Chain& chain : model.chains)
+    for (gemmi::Residue& residue : chain.residues) {
+      if (std::none_of(residue.atoms.begin(), residue.atoms.end(), has_altloc)) continue;
+      const auto [at, is_new] =
+          indices.emplace(std::pair(chain.name, residue.seqid.str()), groups.size());
+      if (is_new) groups.emplace_back();
+      groups[at->second].push_back(&residue);
+    }
   return groups;
 }
 
-/// Returns the mean occupancy of each alternate location; empty if there are none.
-std::map<char, double> mean_occupancies(ResidueGroup group) {
+/// Returns the mean occupancy of each alternate location.
+std::map<char, double> mean_occupancies(const ResidueGroup& group) {
   std::map<char, std::pair<double, double>> sums;
-  for (const gemmi::Residue& residue : group)
-    for (const gemmi::Atom& atom : residue.atoms)
-      if (atom.altloc != '\0') {
+  for (const gemmi::Residue* residue : group)
+    for (const gemmi::Atom& atom : residue->atoms)
+      if (has_altloc(atom)) {
         auto& [sum, count] = sums[atom.altloc];
         sum += static_cast<double>(atom.occ);
         ++count;
@@ -195,61 +202,79 @@ char best_altloc(const std::map<char, double>& occupancies) {
   return best;
 }
 
-/// Keeps one location of each atom: `chosen` or, if the atom does not have it, the location with
-/// the highest occupancy. Returns the number of removed atoms.
-std::uint64_t keep_altloc(gemmi::Residue& residue, char chosen) {
+/// Keeps one location of each atom. This is `wanted` or else, if the atom has a location without a
+/// letter, the one with the highest occupancy; or else `best` or the one with the highest
+/// occupancy. Returns the number of removed atoms.
+std::uint64_t keep_altloc(gemmi::Residue& residue, char wanted, char best) {
   std::map<std::string, std::map<char, double>> by_name;
   for (const gemmi::Atom& atom : residue.atoms)
-    if (atom.altloc != '\0') by_name[atom.name][atom.altloc] = static_cast<double>(atom.occ);
+    by_name[atom.name].emplace(atom.altloc, static_cast<double>(atom.occ));
+  const auto kept = [&](const std::map<char, double>& locations) {
+    if (wanted != '\0' && locations.contains(wanted)) return wanted;
+    return locations.contains(best) && !locations.contains('\0') ? best : best_altloc(locations);
+  };
   const std::size_t before = residue.atoms.size();
   gemmi::vector_remove_if(residue.atoms, [&](const gemmi::Atom& atom) {
-    if (atom.altloc == '\0') return false;
-    const auto& locations = by_name[atom.name];
-    return atom.altloc != (locations.contains(chosen) ? chosen : best_altloc(locations));
+    return atom.altloc != kept(by_name[atom.name]);
   });
   return before - residue.atoms.size();
 }
 
 /// Returns whether a residue is one of several alternatives, and not the chosen one.
-bool is_other_residue(ResidueGroup group, const gemmi::Residue& residue, char chosen) {
-  if (group.size() == 1 || chosen == '\0') return false;
-  return std::all_of(residue.atoms.begin(), residue.atoms.end(), [&](const gemmi::Atom& atom) {
-    return atom.altloc != '\0' && atom.altloc != chosen;
-  });
+bool is_other_residue(const ResidueGroup& group, const gemmi::Residue& residue, char chosen) {
+  return group.size() > 1 &&
+         std::all_of(residue.atoms.begin(), residue.atoms.end(), [&](const gemmi::Atom& atom) {
+           return has_altloc(atom) && atom.altloc != chosen;
+         });
 }
 
 std::uint64_t keep_altlocs(gemmi::Model& model, const std::string& wanted, std::string_view file) {
   const char altloc = wanted.empty() ? '\0' : wanted.front();
   std::uint64_t dropped = 0;
   bool is_known = wanted.empty();
-  for (gemmi::Chain& chain : model.chains)
-    for (const ResidueGroup group : residue_groups(chain)) {
-      const std::map<char, double> occupancies = mean_occupancies(group);
-      if (occupancies.empty()) continue;
-      const bool has_wanted = occupancies.contains(altloc);
-      is_known = is_known || has_wanted;
-      const char chosen = has_wanted ? altloc : best_altloc(occupancies);
-      for (gemmi::Residue& residue : group) {
-        if (is_other_residue(group, residue, chosen)) {
-          dropped += residue.atoms.size();
-          residue.atoms.clear();
-        } else {
-          dropped += keep_altloc(residue, chosen);
-        }
+  for (const ResidueGroup& group : residue_groups(model)) {
+    const std::map<char, double> occupancies = mean_occupancies(group);
+    const bool has_wanted = occupancies.contains(altloc);
+    is_known = is_known || has_wanted;
+    const char best = best_altloc(occupancies);
+    for (gemmi::Residue* residue : group) {
+      if (is_other_residue(group, *residue, has_wanted ? altloc : best)) {
+        dropped += residue->atoms.size();
+        residue->atoms.clear();
+      } else {
+        dropped += keep_altloc(*residue, altloc, best);
       }
     }
+  }
   if (!is_known)
     throw Error(
         formatted("{}: no atom has the alternate location {} (--altloc)", file, printable(wanted)));
   return dropped;
 }
 
-// -------------------------------------------------------------------------------------- counts
+// --------------------------------------------------------------------------------------- waters
+
+/// Returns whether a residue is a water molecule. Some of the names that programs of molecular
+/// dynamics use for water are those of other molecules in the PDB, so the elements count as well.
+bool is_water(const gemmi::Residue& residue) {
+  constexpr std::array<std::string_view, 17> names{"SOL", "TIP",  "TIP2", "TIP3", "TIP4", "TIP5",
+                                                   "TP3", "TP4",  "TP5",  "T3P",  "T4P",  "T5P",
+                                                   "SPC", "SPCE", "SPE",  "OPC",  "OP3"};
+  if (residue.is_water()) return true;
+  if (std::find(names.begin(), names.end(), residue.name) == names.end()) return false;
+  const auto count = [&](gemmi::El element) {
+    return std::count_if(residue.atoms.begin(), residue.atoms.end(),
+                         [&](const gemmi::Atom& atom) { return atom.element == element; });
+  };
+  return count(gemmi::El::O) == 1 && count(gemmi::El::C) == 0 && count(gemmi::El::P) == 0;
+}
+
+// --------------------------------------------------------------------------------------- counts
 
 void count_kept(const gemmi::Model& model, StructureReport& report) {
   for (const gemmi::Chain& chain : model.chains)
     for (const gemmi::Residue& residue : chain.residues) {
-      std::uint64_t& count = residue.is_water()   ? report.waters
+      std::uint64_t& count = is_water(residue)    ? report.waters
                              : is_hetatm(residue) ? report.hetatm_records
                                                   : report.atom_records;
       count += residue.atoms.size();
@@ -267,10 +292,10 @@ gemmi::Model& select_atoms(gemmi::Structure& structure, const StructureOptions& 
   report.dropped_selection = keep_selected(structure, model, options.select, file);
   if (!options.with_waters)
     report.dropped_waters =
-        drop_residues(model, [](const gemmi::Residue& residue) { return residue.is_water(); });
+        drop_residues(model, [](const gemmi::Residue& residue) { return is_water(residue); });
   if (!options.with_hetatm)
     report.dropped_hetatm = drop_residues(model, [](const gemmi::Residue& residue) {
-      return is_hetatm(residue) && !residue.is_water();
+      return is_hetatm(residue) && !is_water(residue);
     });
   if (!with_hydrogens)
     report.dropped_hydrogens =

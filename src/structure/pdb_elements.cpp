@@ -1,0 +1,119 @@
+#include "structure/pdb_elements.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cstddef>
+#include <gemmi/elem.hpp>
+#include <gemmi/resinfo.hpp>
+#include <utility>
+
+#include "io/text_fields.hpp"
+
+namespace eses::detail {
+namespace {
+
+// Names of residues in the force fields of Amber, CHARMM and GROMACS that gemmi does not know:
+// protonation states of amino acids, caps of chains, and nucleotides.
+constexpr std::array<std::string_view, 61> md_residues{
+    "HID", "HIE", "HIP", "HSD", "HSE", "HSP", "HSC", "HIN", "HDP", "CYX", "CYM", "CYN", "CYH",
+    "CYP", "CY2", "ASH", "ASB", "GLH", "LYN", "LYP", "ARN", "TYM", "ACE", "NME", "NMA", "NHE",
+    "NH2", "FOR", "CT3", "A3",  "A5",  "AN",  "C3",  "C5",  "CN",  "G3",  "G5",  "GN",  "U3",
+    "U5",  "UN",  "RA",  "RC",  "RG",  "RU",  "RA3", "RA5", "RC3", "RC5", "RG3", "RG5", "RU3",
+    "RU5", "DA3", "DA5", "DC3", "DC5", "DG3", "DG5", "DT3", "DT5"};
+
+// Names of ions in the force field of CHARMM.
+constexpr std::array<std::pair<std::string_view, std::string_view>, 9> charmm_ions{{
+    {"SOD", "NA"},
+    {"CLA", "CL"},
+    {"POT", "K"},
+    {"CAL", "CA"},
+    {"CES", "CS"},
+    {"LIT", "LI"},
+    {"RUB", "RB"},
+    {"BAR", "BA"},
+    {"CAD", "CD"},
+}};
+
+// Elements of two letters that are usually meant by these names in ligands, although the first
+// letter is an element, too.
+constexpr std::array<std::string_view, 11> ligand_elements{"CL", "BR", "FE", "CU", "NI", "SI",
+                                                           "SE", "PT", "PD", "IR", "OS"};
+
+bool contains(const auto& list, std::string_view text) {
+  return std::find(list.begin(), list.end(), text) != list.end();
+}
+
+bool is_element(std::string_view symbol) {
+  return gemmi::find_element(std::string(symbol).c_str()) != gemmi::El::X;
+}
+
+/// Returns the name without the digits and signs around its letters.
+std::string_view stem_of(std::string_view name) {
+  while (!name.empty() && !is_letter(name.front())) name.remove_prefix(1);
+  while (!name.empty() && !is_letter(name.back())) name.remove_suffix(1);
+  return name;
+}
+
+/// Returns whether an atom is the only one of its residue, as in the residues CA, FE2 and 3CO.
+bool is_ion(std::string_view name, std::string_view residue) {
+  if (is_polymer_residue(residue)) return name == residue;
+  return !stem_of(name).empty() && stem_of(name) == stem_of(residue);
+}
+
+std::string ion_element(std::string_view name) {
+  const std::string_view stem = stem_of(name);
+  for (const auto& [ion, element] : charmm_ions)
+    if (stem == ion) return std::string(element);
+  return stem.size() <= 2 && is_element(stem) ? std::string(stem) : std::string();
+}
+
+/// Returns the element of an atom that is not of a polymer and whose name begins with `H` or `D`.
+/// Names of hydrogens are often misaligned, so only `HG` in the first column is mercury.
+std::string hydrogen_or_mercury(std::string_view name_columns, std::string_view name,
+                                bool is_left_aligned) {
+  const bool is_mercury =
+      stem_of(name) == "HG" && name_columns.starts_with("HG") && name_columns.ends_with(' ');
+  return is_mercury && !is_left_aligned ? "HG" : std::string(1, name.front());
+}
+
+/// Returns the element of an atom that is not of a polymer; empty if the columns of the name
+/// decide.
+std::string ligand_element(std::string_view name, bool is_left_aligned) {
+  std::string start(name.substr(0, 2));
+  const bool has_lower_case = start.size() == 2 && start[1] >= 'a' && start[1] <= 'z';
+  if (has_lower_case) {
+    start[1] = static_cast<char>(start[1] - 'a' + 'A');
+    if (contains(ligand_elements, start)) return start;
+  }
+  if (!is_left_aligned) return {};
+  if (start == "CL" || start == "BR" || contains(ligand_elements, stem_of(name))) return start;
+  constexpr std::string_view elements = "CNOSPFIB";
+  return elements.find(name.front()) == elements.npos ? std::string() : start.substr(0, 1);
+}
+
+}  // namespace
+
+bool is_polymer_residue(std::string_view residue) {
+  if (residue.size() == 4 && (residue.front() == 'N' || residue.front() == 'C'))
+    residue.remove_prefix(1);  // the first or last residue of a chain in Amber's files
+  const gemmi::ResidueInfo& info = gemmi::find_tabulated_residue(std::string(residue));
+  return info.is_amino_acid() || info.is_nucleic_acid() || contains(md_residues, residue);
+}
+
+std::string element_by_name(std::string_view name_columns, std::string_view residue,
+                            bool is_left_aligned) {
+  std::string_view name = without_trailing_blanks(without_leading_blanks(name_columns));
+  if (is_ion(name, residue)) return ion_element(name);
+  while (!name.empty() && is_digit(name.front())) name.remove_prefix(1);
+  if (name.empty()) return {};
+  const bool is_known = is_polymer_residue(residue);
+  if (name.front() == 'H' || name.front() == 'D')
+    return is_known ? std::string(1, name.front())
+                    : hydrogen_or_mercury(name_columns, name, is_left_aligned);
+  if (!is_known) return ligand_element(name, is_left_aligned);
+  if (name.starts_with("SE")) return "SE";
+  constexpr std::string_view elements = "CNOSP";
+  return std::string(elements.find(name.front()) == elements.npos ? "" : name.substr(0, 1));
+}
+
+}  // namespace eses::detail
