@@ -1,7 +1,7 @@
 #pragma once
 /// Chunks of planes and checkpoints. A chunk has the texts and sums of a range of planes; all
 /// chunks are merged into the output files at the end of a run. A checkpoint keeps them on disk, so
-/// that an interrupted run can be resumed. This room does not communicate with other processes.
+/// that an interrupted run can be resumed. This folder does not communicate with other processes.
 
 #include <array>
 #include <cstdint>

@@ -3,7 +3,7 @@
 ///
 /// Highway compiles a kernel once for each instruction set. Its own dispatcher is in its shared
 /// library, which spends 2 ms on measuring the timer's resolution when it is loaded. That is a
-/// tenth of the run time for a small protein, so this room uses Highway's headers only.
+/// tenth of the run time for a small protein, so this folder uses Highway's headers only.
 ///
 /// All versions of a kernel return the same bits: lanes are independent of each other, only
 /// correctly rounded operations are used, and multiply-adds are not contracted.

@@ -1,5 +1,5 @@
 #pragma once
-/// Searches for the atoms near a point, with kd-trees of the atoms' centres. Only this room uses
+/// Searches for the atoms near a point, with kd-trees of the atoms' centres. Only this folder uses
 /// nanoflann.
 ///
 /// The distance of a search depends on the maximum radius of the atoms. There is a tree for each

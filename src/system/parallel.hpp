@@ -1,5 +1,5 @@
 #pragma once
-/// Parallel loops. Only this room uses OpenMP.
+/// Parallel loops. Only this folder uses OpenMP.
 
 #include <cstdint>
 #include <functional>

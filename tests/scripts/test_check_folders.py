@@ -1,4 +1,4 @@
-"""Tests of scripts/dev/check-rooms on a small tree with one fault at a time."""
+"""Tests of scripts/dev/check-folders on a small tree with one fault at a time."""
 
 from support import TestCase, run
 
@@ -28,10 +28,10 @@ SOURCES = {
 }
 
 
-class CheckRooms(TestCase):
+class CheckFolders(TestCase):
     def setUp(self):
         super().setUp()
-        self.write("src/rooms.txt", LIST)
+        self.write("src/folders.txt", LIST)
         for name, text in SOURCES.items():
             self.write(name, text)
 
@@ -42,11 +42,11 @@ class CheckRooms(TestCase):
 
     def change_list(self, old, new):
         self.assertIn(old, LIST)
-        self.write("src/rooms.txt", LIST.replace(old, new))
+        self.write("src/folders.txt", LIST.replace(old, new))
 
     def check(self, *problems):
         """Runs the script, which must report exactly these problems."""
-        done = run("dev/check-rooms", "--root", self.folder)
+        done = run("dev/check-folders", "--root", self.folder)
         self.assertEqual(done.stderr.splitlines(), list(problems))
         self.assertDone(done, 1 if problems else 0)
 
@@ -55,12 +55,12 @@ class CheckRooms(TestCase):
 
     def test_forbidden_include_is_reported(self):
         self.write("src/low/sub.cpp", '\n# include "middle/find.hpp"\n')
-        self.check('src/low/sub.cpp:2: room low must not use middle: "middle/find.hpp"')
+        self.check('src/low/sub.cpp:2: folder low must not use middle: "middle/find.hpp"')
 
     def test_forbidden_include_by_another_spelling_is_reported(self):
         self.write("src/low/sub.cpp", '#include "../middle/find.hpp"\n#include <high/run.hpp>\n')
-        self.check('src/low/sub.cpp:1: room low must not use middle: "../middle/find.hpp"',
-                   "src/low/sub.cpp:2: room low must not use high: <high/run.hpp>")
+        self.check('src/low/sub.cpp:1: folder low must not use middle: "../middle/find.hpp"',
+                   "src/low/sub.cpp:2: folder low must not use high: <high/run.hpp>")
 
     def test_public_header_that_uses_a_room_is_reported(self):
         self.write("include/eses/number.hpp", '#include "low/add.hpp"\n')
@@ -72,40 +72,40 @@ class CheckRooms(TestCase):
 
     def test_room_that_is_not_listed_is_reported(self):
         self.write("src/attic/old.cpp", '#include "low/add.hpp"\n')
-        self.check("src/attic: this room is not listed in src/rooms.txt")
+        self.check("src/attic: this folder is not listed in src/folders.txt")
 
     def test_listed_room_that_does_not_exist_is_reported(self):
         self.change_list("high: ", "attic: Old things.\nhigh: ")
-        self.check("src/rooms.txt:4: room attic is not there")
+        self.check("src/folders.txt:4: folder attic is not there")
 
     def test_unused_permission_is_reported(self):
         self.change_list("entry point. | high", "entry point. | high low")
-        self.check("src/rooms.txt:5: room main.cpp does not use low")
+        self.check("src/folders.txt:5: folder main.cpp does not use low")
 
     def test_use_of_a_room_that_is_not_listed_is_reported(self):
         self.change_list("Files. | low", "Files. | low attic")
-        self.check("src/rooms.txt:3: room middle may use attic, which is not listed")
+        self.check("src/folders.txt:3: folder middle may use attic, which is not listed")
 
     def test_cycle_is_reported(self):
         self.change_list("Arithmetic.", "Arithmetic. | high")
         self.write("src/low/sub.cpp", '#include "high/run.hpp"\n')
-        self.check("src/rooms.txt:2: cycle of rooms: low -> high -> low")
+        self.check("src/folders.txt:2: cycle of folders: low -> high -> low")
 
     def test_longer_cycle_is_reported(self):
         self.change_list("Arithmetic.", "Arithmetic. | main.cpp")
         self.write("src/low/sub.cpp", '#include "main.cpp"\n')
-        self.check("src/rooms.txt:2: cycle of rooms: low -> main.cpp -> high -> low")
+        self.check("src/folders.txt:2: cycle of folders: low -> main.cpp -> high -> low")
 
     def test_room_that_uses_itself_is_reported(self):
         self.change_list("Files. | low", "Files. | low middle")
-        self.check("src/rooms.txt:3: cycle of rooms: middle -> middle",
-                   "src/rooms.txt:3: room middle does not use middle")
+        self.check("src/folders.txt:3: cycle of folders: middle -> middle",
+                   "src/folders.txt:3: folder middle does not use middle")
 
     def test_malformed_and_repeated_lines_are_reported(self):
-        self.write("src/rooms.txt", LIST + "attic | low\nlow: Again.\n")
-        self.check("src/rooms.txt:10: expected `ROOM: SENTENCE. | ROOM...` or "
+        self.write("src/folders.txt", LIST + "attic | low\nlow: Again.\n")
+        self.check("src/folders.txt:10: expected `FOLDER: SENTENCE. | FOLDER...` or "
                    "`<HEADER> only in PATH`",
-                   "src/rooms.txt:11: room low is listed twice")
+                   "src/folders.txt:11: folder low is listed twice")
 
     def test_library_in_another_place_is_reported(self):
         self.write("src/middle/other.cpp",
@@ -119,17 +119,17 @@ class CheckRooms(TestCase):
         self.check("include/eses/number.hpp:1: <tree.hpp> is only allowed in src/middle/find.cpp")
 
     def test_two_places_may_use_a_library(self):
-        self.write("src/rooms.txt", LIST + "#pragma omp only in middle/\n")
-        self.check("src/rooms.txt:10: middle/ does not use #pragma omp")
+        self.write("src/folders.txt", LIST + "#pragma omp only in middle/\n")
+        self.check("src/folders.txt:10: middle/ does not use #pragma omp")
         self.write("src/middle/other.cpp", "#pragma omp parallel\n")
         self.check()
 
     def test_readme_must_agree_with_the_list(self):
         self.write("src/middle/README.md", "# middle\n\nMay use: `low`, `high`.\n")
-        self.check("src/middle/README.md:3: lists other rooms than src/rooms.txt:3")
+        self.check("src/middle/README.md:3: lists other folders than src/folders.txt:3")
 
     def test_missing_list_is_an_error(self):
-        (self.folder / "src/rooms.txt").unlink()
-        done = run("dev/check-rooms", "--root", self.folder)
+        (self.folder / "src/folders.txt").unlink()
+        done = run("dev/check-folders", "--root", self.folder)
         self.assertDone(done, 1)
-        self.assertIn("rooms.txt: No such file or directory", done.stderr)
+        self.assertIn("folders.txt: No such file or directory", done.stderr)
