@@ -162,6 +162,37 @@ TEST_CASE("oracle: edges that leave the surface at their first point agree") {
   CHECK(faults.empty());
 }
 
+TEST_CASE("oracle: edges longer than the probe radius agree") {
+  // A probe touches the four atoms of each side of a cube. An edge of the grid can meet the surface
+  // and then the far side of this probe, where it sticks out of the SAS spheres.
+  const std::vector<Atom> exact = around_origin({{1, 1, 1},
+                                                 {1, 1, -1},
+                                                 {1, -1, 1},
+                                                 {1, -1, -1},
+                                                 {-1, 1, 1},
+                                                 {-1, 1, -1},
+                                                 {-1, -1, 1},
+                                                 {-1, -1, -1}},
+                                                1.5 * std::sqrt(3.0), 2);
+  const std::vector<Atom> inexact{
+      {{-27.2889856, 44.3937895, 2.1335145}, 2},  {{-29.431506, 45.4808558, 3.9301479}, 2},
+      {{-28.8257487, 41.8328921, 1.8503836}, 2},  {{-30.9682693, 42.9199586, 3.647017}, 2},
+      {{-28.7200558, 45.5163274, -0.2522651}, 2}, {{-30.8625766, 46.6033942, 1.544368}, 2},
+      {{-30.2568193, 42.9554302, -0.5353962}, 2}, {{-32.3993401, 44.0424965, 1.2612376}, 2}};
+  for (const auto& atoms : {exact, inexact})
+    for (const double spacing : {0.8, 1.1, 1.5})
+      for (const double margin : {0.9, 1.0, 1.1, 1.2, 1.3, 1.4}) {
+        Parameters parameters;
+        parameters.probe_radius = 0.5;
+        parameters.spacing = spacing;
+        parameters.margin = margin;
+        const RunResult result = run_and_read(atoms, parameters);
+        const auto faults = find_faults(atoms, parameters, result.files, result.summary);
+        INFO("spacing " << spacing << ", margin " << margin << ": " << first_of(faults));
+        CHECK(faults.empty());
+      }
+}
+
 TEST_CASE("oracle: SAS spheres that touch up to their last digits agree") {
   const std::vector<Atom> atoms{
       {{-3.5, 12.5, 7}, 1.5536810449722906},

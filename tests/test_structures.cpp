@@ -563,6 +563,8 @@ TEST_CASE("PDB: residue names may have four letters", "[structure]") {
   CHECK(names({"NALAA", "ALA A", "CARGA"}, chain_a).size() == 3);
   // Chain names may have two letters, too.
   CHECK(names({"ALAAB", "LIGAC"}) == Names{"AB ALA 1 CA", "AC LIG 1 CA"});
+  CHECK(names({"NLEUA", "ALAUA"}) == Names{"UA NLE 1 CA", "UA ALA 1 CA"});
+  CHECK(names({"NLEUA", "ALA A"}) == Names{"A NLEU 1 CA", "A ALA 1 CA"});
   StructureOptions bondi;
   bondi.radii = "bondi";
   std::string arginine = without_element({.name = "CA  "});

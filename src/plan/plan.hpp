@@ -1,6 +1,7 @@
 #pragma once
 /// Plans of runs. A plan is made in three steps: the grid (plan_grid), the schedule of a process
-/// (plan_schedule), and the sizes of the files (plan_files). This folder uses neither files nor MPI.
+/// (plan_schedule), and the sizes of the files (plan_files). This folder uses neither files nor
+/// MPI.
 
 #include <cstdint>
 #include <span>

@@ -83,10 +83,13 @@ BlockCrossing decide_crossing(const PatchIndex& patches, const CrossedEdge& edge
     if (candidates.size() == 1) return candidates.front();
     if (spread < tolerance::same_crossing) return innermost(candidates);
   }
+  const double covering = patches.features().probe_radius - tolerance::covered;
   const auto chosen =
       std::find_if(candidates.begin(), candidates.end(), [&](const BlockCrossing& candidate) {
-        return !is_probe_nearer(patches, edge.point_at(candidate.coordinate),
-                                patches.features().probe_radius - tolerance::covered);
+        const Vec3 point = edge.point_at(candidate.coordinate);
+        if (is_probe_nearer(patches, point, covering)) return false;
+        // The far side of a probe whose normal cone is unknown sticks out of the SAS balls.
+        return !needs_proof || is_in_sas_ball(patches.features(), point);
       });
   return chosen == candidates.end() ? bisect(patches, edge) : *chosen;
 }

@@ -266,11 +266,10 @@ class PdbRecords {
   }
 
   bool is_long_residue(std::string_view name) {
-    if (is_known_long_residue(name)) return true;
     const gemmi::ResidueInfo& start =
         gemmi::find_tabulated_residue(std::string(name.substr(0, residue_columns.width)));
     const bool is_known = start.is_water() || start.is_amino_acid() || start.is_nucleic_acid();
-    return !is_known && !layout().has_long_chain_names;
+    return (is_known_long_residue(name) || !is_known) && !layout().has_long_chain_names;
   }
 
   void restore_name(gemmi::Residue& residue) const {
