@@ -7,6 +7,7 @@
 #include <cstddef>
 #include <gemmi/cif.hpp>
 #include <gemmi/mmcif.hpp>
+#include <initializer_list>
 #include <new>
 #include <set>
 #include <utility>
@@ -14,51 +15,112 @@
 
 #include "io/text_fields.hpp"
 #include "structure/mmcif_assemblies.hpp"
+#include "structure/mmcif_atoms.hpp"
 
 namespace eses::detail {
 namespace {
 
-/// A document with the line numbers of the rows of the table of atoms.
-struct NumberedDocument : gemmi::cif::Document {
-  explicit NumberedDocument(Checker& its_checker) : checker(its_checker) {}
+namespace pegtl = gemmi::cif::pegtl;
+namespace rules = gemmi::cif::rules;
+using Block = gemmi::cif::Block;
+using Item = gemmi::cif::Item;
+using ItemType = gemmi::cif::ItemType;
+using Loop = gemmi::cif::Loop;
 
+/// Returns whether a table has one of these categories, which are in lower case.
+bool has_category(const Item& item, std::initializer_list<const char*> categories) {
+  return std::any_of(categories.begin(), categories.end(),
+                     [&](const char* category) { return item.has_prefix(category); });
+}
+
+bool is_atom_table(const Item& item) { return has_category(item, {atom_category}); }
+
+bool is_entity_table(const Item& item) {
+  return has_category(item, {"_entity.", "_entity_poly.", "_struct_asym."});
+}
+
+bool is_assembly_table(const Item& item) {
+  return has_category(item, {"_pdbx_struct_assembly_gen.", "_pdbx_struct_oper_list."});
+}
+
+/// A document that has only the tags of loops that this program does not use.
+struct StructureDocument : gemmi::cif::Document {
+  StructureDocument(bool with_assemblies, Checker& its_checker)
+      : uses_assemblies(with_assemblies), checker(its_checker) {}
+
+  /// Returns whether this program uses a table.
+  bool uses(const Item& item) const {
+    return is_atom_table(item) || is_entity_table(item) ||
+           (uses_assemblies && is_assembly_table(item));
+  }
+
+  bool uses_assemblies;
   Checker& checker;
-  std::vector<std::uint64_t> atom_lines;
+  bool keeps_values = false;              ///< whether the values of the current loop are kept
+  std::vector<std::uint64_t> atom_lines;  ///< line numbers of the rows of the table of atoms
 };
 
-constexpr const char* atom_category = "_atom_site.";  // lower case, as gemmi requires
-
+/// The actions of gemmi's parser for a StructureDocument.
 template <class Rule>
-struct NumberingAction : gemmi::cif::Action<Rule> {};
+struct StructureAction : gemmi::cif::Action<Rule> {};
 
 template <>
-struct NumberingAction<gemmi::cif::rules::loop_value> {
+struct StructureAction<rules::loop_tag> {
   template <class Input>
-  static void apply(const Input& in, NumberedDocument& document) {
-    document.checker.count();
-    const gemmi::cif::Loop& loop = document.items_->back().loop;
-    if (loop.values.size() % loop.tags.size() == 0 &&
-        gemmi::istarts_with(loop.tags.front(), atom_category))
-      document.atom_lines.push_back(in.iterator().line);
-    gemmi::cif::Action<gemmi::cif::rules::loop_value>::apply(in, document);
+  static void apply(const Input& in, StructureDocument& document) {
+    gemmi::cif::Action<rules::loop_tag>::apply(in, document);
+    const bool is_in_frame = document.items_ != &document.blocks.back().items;
+    document.keeps_values = !is_in_frame && document.uses(document.items_->back());
   }
 };
 
-using Block = gemmi::cif::Block;
-using Item = gemmi::cif::Item;
-using Loop = gemmi::cif::Loop;
+template <>
+struct StructureAction<rules::loop_value> {
+  template <class Input>
+  static void apply(const Input& in, StructureDocument& document) {
+    document.checker.count();
+    if (!document.keeps_values) return;
+    const Item& table = document.items_->back();
+    if (table.loop.values.size() % table.loop.tags.size() == 0 && is_atom_table(table))
+      document.atom_lines.push_back(in.iterator().line);
+    gemmi::cif::Action<rules::loop_value>::apply(in, document);
+  }
+};
 
-bool is_atom_loop(const Item& item) {
-  return item.type == gemmi::cif::ItemType::Loop && item.has_prefix(atom_category);
+// gemmi counts the values of each loop here. check_tables() does it for the tables that are used.
+template <>
+struct StructureAction<rules::loop> : pegtl::nothing<rules::loop> {};
+
+/// Returns the message for a syntax error at the beginning of `rest`.
+std::string syntax_message(std::string_view rest) {
+  if (rest.empty()) return "unexpected end of the file";
+  const std::string_view word = rest.substr(0, rest.find_first_of(" \t\r\n"));
+  const auto special =
+      std::find_if(word.begin(), word.end(), [](char c) { return c < '!' || c > '~'; });
+  if (special != word.end())
+    return "unexpected character " + detail::quoted(std::string(1, *special)) +
+           "; quote values with characters other than printable ASCII";
+  return "unexpected " + detail::quoted(word) +
+         "; quote values that begin with _, # or $, or with the reserved words data_, loop_, "
+         "global_, save_ or stop_";
 }
 
-bool has_atom_table(const Block& block) {
-  return std::any_of(block.items.begin(), block.items.end(),
-                     [](const Item& item) { return item.has_prefix(atom_category); });
+void parse_document(std::string_view text, const std::string& name, StructureDocument& document) {
+  try {
+    pegtl::memory_input<> in(text.data(), text.size(), name);
+    pegtl::parse<rules::file, StructureAction, gemmi::cif::Errors>(in, document);
+  } catch (const pegtl::parse_error& error) {
+    const pegtl::position& at = error.positions().front();
+    const std::string message(error.message());
+    throw MmcifError{at.line,
+                     message == "parse error" ? syntax_message(text.substr(at.byte)) : message};
+  }
 }
+
+std::uint64_t line_of(const Item& item) { return static_cast<std::uint64_t>(item.line_number); }
 
 /// Returns the message for a text without a table of atoms.
-std::string message_without_atoms(const NumberedDocument& document) {
+std::string message_without_atoms(const StructureDocument& document) {
   const auto has_tag = [&](const char* tag) {
     return std::any_of(document.blocks.begin(), document.blocks.end(),
                        [tag](const Block& block) { return block.has_tag(tag); });
@@ -76,157 +138,94 @@ std::string message_without_atoms(const NumberedDocument& document) {
   return start + "the file has no _atom_site table";
 }
 
-/// Returns the line of the table of atoms, or 0 if a block has none.
-std::uint64_t atom_table_line(const Block& block) {
-  for (const Item& item : block.items)
-    if (item.has_prefix(atom_category)) return static_cast<std::uint64_t>(item.line_number);
-  return 0;
-}
-
-/// Throws MmcifError if two data blocks have the same name, ignoring case, or if both have atoms.
-void check_blocks(const NumberedDocument& document) {
-  std::set<std::string> names;
-  const Block* with_atoms = nullptr;
-  for (const Block& block : document.blocks) {
-    if (!names.insert(gemmi::to_lower(block.name)).second)
+/// Returns the data block that has the atoms. Throws MmcifError if there is none, if another block
+/// has atoms, or if another block has the same name, ignoring case.
+Block& find_atom_block(StructureDocument& document) {
+  Block* found = nullptr;
+  for (Block& block : document.blocks) {
+    const auto table = std::find_if(block.items.begin(), block.items.end(), is_atom_table);
+    if (table == block.items.end()) continue;
+    if (found != nullptr)
+      throw MmcifError{line_of(*table), "the data blocks " + detail::quoted(found->name) + " and " +
+                                            detail::quoted(block.name) +
+                                            " both have atoms; keep one of them"};
+    found = &block;
+  }
+  if (found == nullptr) throw MmcifError{0, message_without_atoms(document)};
+  for (const Block& block : document.blocks)
+    if (&block != found && gemmi::iequal(block.name, gemmi::to_lower(found->name)))
       throw MmcifError{0, "there are two data blocks " + detail::quoted(block.name) +
                               "; remove or rename one of them"};
-    if (!has_atom_table(block)) continue;
-    if (with_atoms != nullptr)
-      throw MmcifError{atom_table_line(block),
-                       "the data blocks " + detail::quoted(with_atoms->name) + " and " +
-                           detail::quoted(block.name) + " both have atoms; keep one of them"};
-    with_atoms = &block;
-  }
+  return *found;
 }
 
-/// Returns the data block that has the atoms. Throws MmcifError if there is none.
-Block& find_atom_block(NumberedDocument& document) {
-  const auto found = std::find_if(document.blocks.begin(), document.blocks.end(), has_atom_table);
-  if (found == document.blocks.end()) throw MmcifError{0, message_without_atoms(document)};
-  return *found;
+/// Throws MmcifError if a table that is used lacks values or has the same tag twice.
+void check_tables(const Block& block, const StructureDocument& document) {
+  std::set<std::string> tags;
+  for (const Item& item : block.items) {
+    if (!document.uses(item)) continue;
+    const auto add_tag = [&](const std::string& tag) {
+      if (!tags.insert(gemmi::to_lower(tag)).second)
+        throw MmcifError{line_of(item), "duplicate tag " + tag};
+    };
+    if (item.type == ItemType::Pair) {
+      add_tag(item.pair[0]);
+      if (item.pair[1].empty()) throw MmcifError{line_of(item), item.pair[0] + " has no value"};
+    } else {
+      for (const std::string& tag : item.loop.tags) add_tag(tag);
+      if (item.loop.values.size() % item.loop.tags.size() != 0)
+        throw MmcifError{line_of(item), "wrong number of values in the loop"};
+    }
+  }
 }
 
 /// Converts a table of one atom that is not a loop to a loop. Returns the line of its atom.
 std::uint64_t make_atom_loop(Block& block) {
   Item table{gemmi::cif::LoopArg{}};
-  int line = 0;
+  std::uint64_t line = 0;
   for (Item& item : block.items) {
-    if (item.type != gemmi::cif::ItemType::Pair || !item.has_prefix(atom_category)) continue;
-    if (line == 0 || item.pair[0] == std::string(atom_category) + "id") line = item.line_number;
+    if (!is_atom_table(item)) continue;
+    if (line == 0 || item.pair[0] == std::string(atom_category) + "id") line = line_of(item);
     table.loop.tags.push_back(item.pair[0]);
     table.loop.values.push_back(item.pair[1]);
     item.erase();
   }
   block.items.push_back(std::move(table));
-  return static_cast<std::uint64_t>(line);
+  return line;
 }
 
-int find_column(const Loop& loop, const std::string& name) {
-  return loop.find_tag(std::string(atom_category) + name);
-}
-
-/// A column that is added to a table.
-struct AddedColumn {
-  std::string name;
-  int source = -1;    ///< index of the column that has its values; -1 if there is none
-  std::string value;  ///< the value of all rows if there is no source
-};
-
-/// Returns the columns that gemmi requires and the table lacks. Programs such as PyMOL do not write
-/// all of them. Throws MmcifError if the table lacks a column without a default.
-std::vector<AddedColumn> missing_columns(const Loop& loop) {
-  const auto require = [&](const std::string& name, const std::string& other) {
-    if (find_column(loop, name) < 0 && find_column(loop, other) < 0)
-      throw MmcifError{0, "the _atom_site table lacks the column " + name};
+/// Returns the table of atoms. A table of one atom, which is not a loop, becomes a loop.
+Loop& atom_loop(Block& block, StructureDocument& document) {
+  const auto is_atom_loop = [](const Item& item) {
+    return item.type == ItemType::Loop && is_atom_table(item);
   };
-  require("type_symbol", "type_symbol");
-  require("label_atom_id", "auth_atom_id");
-  require("label_comp_id", "auth_comp_id");
-  for (const char* const name : {"Cartn_x", "Cartn_y", "Cartn_z"}) require(name, name);
-  require("auth_seq_id", "label_seq_id");
-  std::vector<AddedColumn> missing;
-  for (const AddedColumn& column :
-       {AddedColumn{"id", -1, "."}, AddedColumn{"label_alt_id", -1, "."},
-        AddedColumn{"label_asym_id", find_column(loop, "auth_asym_id"), "."},
-        AddedColumn{"occupancy", -1, "1"}, AddedColumn{"B_iso_or_equiv", -1, "0"},
-        AddedColumn{"auth_seq_id", find_column(loop, "label_seq_id"), "."}})
-    if (find_column(loop, column.name) < 0) missing.push_back(column);
-  return missing;
-}
-
-void add_columns(Loop& loop, const std::vector<AddedColumn>& columns, Checker& checker) {
-  if (columns.empty()) return;
-  const std::size_t rows = loop.length(), old_width = loop.width();
-  std::vector<std::string> values;
-  values.reserve(rows * (old_width + columns.size()));
-  for (std::size_t row = 0; row < rows; ++row) {
-    checker.count();
-    const std::size_t first = values.size();
-    for (std::size_t i = 0; i < old_width; ++i)
-      values.push_back(std::move(loop.values[row * old_width + i]));
-    for (const AddedColumn& column : columns)
-      values.push_back(column.source < 0 ? column.value
-                                         : values[first + static_cast<std::size_t>(column.source)]);
-  }
-  loop.values = std::move(values);
-  for (const AddedColumn& column : columns)
-    loop.tags.push_back(std::string(atom_category) + column.name);
-}
-
-/// Renames the columns that gemmi would read and this program does not use. gemmi does not check
-/// the range of integers such as charges, and has two atoms where hydrogen and deuterium are mixed.
-void hide_unused_columns(Loop& loop) {
-  for (const char* const name : {"pdbx_formal_charge", "pdbx_tls_group_id", "ccp4_hd_mixture"})
-    if (const int column = find_column(loop, name); column >= 0)
-      loop.tags[static_cast<std::size_t>(column)] = std::string(atom_category) + "unused";
-}
-
-/// Throws MmcifError if a residue number has more digits than integers of gemmi can have.
-void check_residue_number(const std::string& number, std::uint64_t line) {
-  constexpr std::ptrdiff_t max_digits = 9;
-  if (std::count_if(number.begin(), number.end(), gemmi::is_digit) > max_digits)
-    throw MmcifError{line, "expected a residue number of at most " + std::to_string(max_digits) +
-                               " digits, found " + detail::quoted(number)};
-}
-
-/// Prepares a loop of atoms for gemmi. Replaces the serial numbers of the atoms by their line
-/// numbers. `lines` is used from `row` on, which is advanced.
-void prepare_atom_loop(Item& item, const std::vector<std::uint64_t>& lines, std::size_t& row,
-                       Checker& checker) {
-  Loop& loop = item.loop;
-  add_columns(loop, missing_columns(loop), checker);
-  hide_unused_columns(loop);
-  const auto id = static_cast<std::size_t>(find_column(loop, "id"));
-  const std::size_t rows = loop.length(), width = loop.width();
-  for (const char* const name : {"auth_seq_id", "label_seq_id"})
-    if (const int column = find_column(loop, name); column >= 0)
-      for (std::size_t i = 0; i < rows && row + i < lines.size(); ++i)
-        check_residue_number(loop.values[i * width + static_cast<std::size_t>(column)],
-                             lines[row + i]);
-  for (std::size_t i = 0; i < rows && row + i < lines.size(); ++i)
-    loop.values[i * width + id] = std::to_string(lines[row + i]);
-  row += rows;
-}
-
-/// Prepares the tables of atoms for gemmi.
-void prepare_atoms(Block& block, NumberedDocument& document) {
-  if (std::none_of(block.items.begin(), block.items.end(), is_atom_loop))
+  auto loop = std::find_if(block.items.begin(), block.items.end(), is_atom_loop);
+  if (loop == block.items.end()) {
     document.atom_lines = {make_atom_loop(block)};
-  std::size_t row = 0;
-  for (Item& item : block.items)
-    if (is_atom_loop(item)) prepare_atom_loop(item, document.atom_lines, row, document.checker);
+    loop = block.items.end() - 1;
+  } else if (std::count_if(block.items.begin(), block.items.end(), is_atom_table) > 1) {
+    throw MmcifError{line_of(*loop), "the _atom_site table is in several parts; join them"};
+  }
+  return loop->loop;
 }
 
-/// Removes the tables that this program does not use. gemmi would read many of them, and fail at
-/// faults in tables that do not matter here.
-void remove_unused_tables(Block& block) {
-  for (Item& item : block.items) {
-    bool is_used = false;
-    for (const char* const category : {atom_category, "_entity.", "_entity_poly.", "_struct_asym."})
-      is_used = is_used || item.has_prefix(category);
-    if (!is_used) item.erase();
-  }
+/// Removes all tables except those of entities. gemmi would read many of them, and fail at faults
+/// in tables that do not matter here.
+void keep_entity_tables(Block& block) {
+  for (Item& item : block.items)
+    if (!is_entity_table(item)) item.erase();
+}
+
+/// Lists the subchains of the entities by their atoms, where the file lacks _struct_asym.
+void add_subchains(gemmi::Structure& structure) {
+  if (structure.models.empty()) return;
+  for (const gemmi::Chain& chain : structure.models.front().chains)
+    for (const gemmi::ConstResidueSpan& subchain : chain.subchains()) {
+      const gemmi::Residue& first = subchain.front();
+      gemmi::Entity* const entity = structure.get_entity(first.entity_id);
+      if (entity != nullptr && !gemmi::in_vector(first.subchain, entity->subchains))
+        entity->subchains.push_back(first.subchain);
+    }
 }
 
 }  // namespace
@@ -234,27 +233,23 @@ void remove_unused_tables(Block& block) {
 gemmi::Structure parse_mmcif_text(std::string_view text, const std::string& name,
                                   const std::string& assembly, Checker& checker) {
   try {
-    NumberedDocument document(checker);
-    document.source = name;
-    gemmi::cif::pegtl::memory_input<> in(text.data(), text.size(), name);
-    gemmi::cif::pegtl::parse<gemmi::cif::rules::file, NumberingAction, gemmi::cif::Errors>(
-        in, document);
-    check_blocks(document);
-    gemmi::cif::check_for_missing_values(document);
-    gemmi::cif::check_for_duplicates(document);
-    checker.check();
+    StructureDocument document(!assembly.empty(), checker);
+    parse_document(text, name, document);
     Block& block = find_atom_block(document);
-    std::vector<gemmi::Assembly> assemblies = read_assemblies(block, assembly);
-    remove_unused_tables(block);
-    prepare_atoms(block, document);
+    check_tables(block, document);
     checker.check();
+    std::vector<gemmi::Assembly> assemblies;
+    if (!assembly.empty()) assemblies = read_assemblies(block, assembly);
+    std::vector<gemmi::Model> models =
+        read_models(atom_loop(block, document), document.atom_lines, checker);
+    checker.check();
+    keep_entity_tables(block);
     gemmi::Structure structure = gemmi::make_structure_from_block(block);
     structure.assemblies = std::move(assemblies);
+    structure.models = std::move(models);
+    if (!block.find("_struct_asym.", {"id", "entity_id"}).ok()) add_subchains(structure);
+    gemmi::impl::fill_residue_entity_type(structure);
     return structure;
-  } catch (const MmcifError&) {
-    throw;
-  } catch (const tao::pegtl::parse_error& error) {
-    throw MmcifError{error.positions().front().line, std::string(error.message())};
   } catch (const std::bad_alloc&) {
     throw;
   } catch (const std::exception& error) {

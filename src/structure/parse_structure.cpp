@@ -6,7 +6,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <charconv>
 #include <cmath>
 #include <exception>
 #include <gemmi/assembly.hpp>
@@ -40,16 +39,7 @@ gemmi::Structure parse_mmcif(const StructureText& input, const std::string& asse
     return parse_mmcif_text(input.text, std::string(input.name), assembly, checker);
   } catch (const MmcifError& error) {
     if (error.line > 0) fail_at_line(input.name, error.line, reworded(error.message));
-    // Some messages of gemmi begin with the name of the file, and then with a line number.
-    std::string_view message = error.message;
-    const std::string prefix = formatted("{}:", input.name);
-    if (message.starts_with(prefix)) message.remove_prefix(prefix.size());
-    std::uint64_t line = 0;
-    const char* const end = message.data() + message.size();
-    const auto [rest, fault] = std::from_chars(message.data(), end, line);
-    message = without_leading_blanks({rest, static_cast<std::size_t>(end - rest)});
-    if (fault == std::errc{}) fail_at_line(input.name, line, reworded(message));
-    throw Error(formatted("{}: {}", input.name, reworded(message)));
+    throw Error(formatted("{}: {}", input.name, reworded(error.message)));
   }
 }
 
