@@ -1192,6 +1192,16 @@ TEST_CASE("formats that are not read are refused with a command that converts th
   CHECK(contains(by_suffix("a.xtc"), "gmx trjconv"));
   CHECK(contains(by_suffix("a.prmtop"), "ambpdb"));
   CHECK(contains(by_suffix("a.json"), "gemmi convert"));
+  for (const std::string name : {"a.nc", "a.ncrst", "a.NCDF"})
+    CHECK(contains(by_suffix(name),
+                   ": Amber NetCDF files are not read; write the first frame with "
+                   "`cpptraj -p TOPOLOGY.prmtop -y FILE -ya '1 1' -x FILE.pdb`"));
+  CHECK(contains(by_suffix("a.rst"), "Amber restart"));
+  CHECK(contains(by_suffix("a.top"), "GROMACS or Amber topology"));
+  CHECK(contains(by_suffix("a.pse"), "`pymol -cq FILE -d 'save FILE.pdb'`"));
+  CHECK(contains(by_suffix("a.cxs"), "`chimerax --nogui --exit --cmd"));
+  CHECK(contains(by_suffix("a.h5"), "HDF5"));
+  CHECK(contains(by_suffix("a.h5md"), "mdconvert"));
   for (const std::string name : {"a.xyz", "a.pdbqt", "a.dcd", "a.trr", "a.psf", "a.mmtf", "a.bcif",
                                  "a.mol", "a.crd", "a.mae"})
     CHECK(contains(by_suffix(name), "files are not read"));
@@ -1209,6 +1219,9 @@ TEST_CASE("formats that are not read are refused with a command that converts th
   CHECK(contains(by_content("{\"data_1ABC\": {"), "mmJSON"));
   CHECK(contains(by_content(std::string_view("\x54\0\0\0CORD\0\0", 10)), "DCD"));
   CHECK(contains(by_content(std::string_view("\0\0\x07\xcb\0\0", 6)), "GROMACS trajectory"));
+  CHECK(contains(by_content("CDF\1\0\0"), "Amber NetCDF"));
+  CHECK(contains(by_content("CDF\2\0\0"), "Amber NetCDF"));
+  CHECK(contains(by_content("\x89HDF\r\n\x1a\n"), "HDF5"));
   CHECK(contains(by_content("\xde\x01\xabmmtfVersion\xa3"), "MMTF"));
   CHECK(contains(by_content("\x83\xa7"
                             "encoder\xa3"),

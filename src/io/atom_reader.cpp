@@ -55,12 +55,6 @@ constexpr bool is_control(char c) {
   return ((byte < 0x20) & (c != '\t') & (c != '\n') & (c != '\r')) | (byte == 0x7f);
 }
 
-bool starts_with_ignoring_case(std::string_view text, std::string_view lower_case_prefix) {
-  return text.size() >= lower_case_prefix.size() &&
-         std::equal(lower_case_prefix.begin(), lower_case_prefix.end(), text.begin(),
-                    [](char expected, char c) { return lower_case(c) == expected; });
-}
-
 std::size_t count_fields(std::string_view text) {
   std::size_t count = 0;
   while (!take_first(text).empty()) ++count;
