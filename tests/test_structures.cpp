@@ -947,6 +947,10 @@ TEST_CASE("an assembly of a PDB file has copies", "[structure]") {
   CHECK(file.atoms.at(1).center == eses::Vec3{-3, -4, 15});
   CHECK(read_pdb(text).atoms.size() == 2);
   CHECK(contains(pdb_error(line_of({}), options), "the file describes none"));
+  // The chain B is not in the assembly.
+  CHECK(file.structure->atom_records == 1);
+  CHECK(file.structure->dropped_assembly == 1);
+  CHECK(file.structure->dropped_chains == 0);
   std::string damaged = text;
   damaged.replace(damaged.find(" 0.000000", damaged.find("BIOMT2   2")), 9, " O.000000");
   CHECK(pdb_error(damaged, options) ==
@@ -1007,7 +1011,10 @@ TEST_CASE("operator expressions of mmCIF files are expanded", "[structure]") {
   CHECK(centers("(1)(R)") == Centers{{8, 1, 3}});
   CHECK(centers("(T)(1-3)(R)") == Centers{{108, 1, 3}, {118, 1, 3}, {128, 1, 3}});
   CHECK(centers("(T,1)(2,3)") == Centers{{121, 2, 3}, {131, 2, 3}, {31, 2, 3}, {41, 2, 3}});
-  CHECK(read_mmcif(text_with_assembly("(1-3)(1-3)"), options).structure->operators == 9);
+  // The nine products are five different translations, by 20, 30, 40, 50 and 60 angstrom.
+  const AtomFile file = read_mmcif(text_with_assembly("(1-3)(1-3)"), options);
+  CHECK(file.atoms.size() == 18);
+  CHECK(file.structure->operators == 5);
 }
 
 TEST_CASE("invalid operator expressions of mmCIF files are refused", "[structure]") {
@@ -1037,6 +1044,151 @@ TEST_CASE("invalid operator expressions of mmCIF files are refused", "[structure
   options.assembly = "7";
   CHECK(error("1") ==
         "t.cif: there is no assembly \"7\" (--assembly); its assemblies are X, other");
+}
+
+namespace {
+
+/// Returns REMARK 350 with one assembly of the chain A by operators that are translations along x.
+std::string remarks_of(const std::string& ids, const std::vector<double>& translations,
+                       const std::string& chains = "A") {
+  std::string text = "REMARK 350 BIOMOLECULE: " + ids +
+                     "\nREMARK 350 APPLY THE FOLLOWING TO CHAINS: " + chains + "\n";
+  int number = 0;
+  for (const double x : translations) {
+    ++number;
+    text += fmt::format("REMARK 350   BIOMT1{:>4}  1.000000  0.000000  0.000000     {:10.5f}\n",
+                        number, x);
+    text += fmt::format("REMARK 350   BIOMT2{:>4}  0.000000  1.000000  0.000000        0.00000\n",
+                        number);
+    text += fmt::format("REMARK 350   BIOMT3{:>4}  0.000000  0.000000  1.000000        0.00000\n",
+                        number);
+  }
+  return text;
+}
+
+}  // namespace
+
+TEST_CASE("atoms that an assembly does not contain are counted as left out", "[structure]") {
+  const std::string text =
+      remarks_of("1", {0, 50}, "A, C") + line_of({.x = 3}) + line_of({.name = " CB ", .x = 4}) +
+      line_of({.record = "HETATM", .residue = "LIG", .chain = "B", .number = "   2 ", .x = 20}) +
+      line_of({.chain = "B", .x = 30}) +
+      line_of({.record = "HETATM",
+               .name = " O  ",
+               .residue = "HOH",
+               .chain = "B",
+               .number = " 100 ",
+               .x = 40,
+               .element = " O"}) +
+      line_of({.chain = "C", .x = 10});
+  StructureOptions options;
+  options.assembly = "1";
+  options.with_waters = true;
+  const auto report = [&] { return *read_pdb(text, options).structure; };
+  CHECK(report().atom_records == 3);
+  CHECK(report().hetatm_records == 0);
+  CHECK(report().waters == 0);
+  CHECK(report().dropped_assembly == 3);
+  options.chains = {"A", "B"};
+  CHECK(report().atom_records == 2);
+  CHECK(report().dropped_chains == 1);
+  CHECK(report().dropped_assembly == 3);
+  options.with_waters = options.with_hetatm = false;
+  CHECK(report().dropped_assembly == 1);
+  CHECK(report().dropped_waters == 1);
+  CHECK(report().dropped_hetatm == 1);
+  options.chains = {"B"};
+  CHECK(pdb_error(text, options) ==
+        "t.pdb: assembly 1 contains none of the selected atoms; left out: 3 of other chains, 1 of "
+        "water, 1 of HETATM records, 1 not in the assembly");
+  options.select = "(XYZ)";
+  CHECK(contains(pdb_error(text, options), "no atoms left of 6; left out: "));
+  // In mmCIF files, assemblies are lists of subchains.
+  options = {};
+  options.assembly = "X";
+  const AtomFile file = read_mmcif(text_with_assembly("1-2", "B"), options);
+  CHECK(names_of(file) == Names{"B ALA 1 CA", "B-2 ALA 1 CA"});
+  CHECK(file.structure->atom_records == 1);
+  CHECK(file.structure->dropped_assembly == 1);
+}
+
+TEST_CASE("equal operators of an assembly count once", "[structure]") {
+  StructureOptions options;
+  options.assembly = "1";
+  // Two lists of chains have the same two operators, and the second one has another one.
+  const std::string first = remarks_of("1", {0, 50});
+  std::string second = remarks_of("1", {0, 50, 100}, "B");
+  second.erase(0, second.find('\n') + 1);
+  const AtomFile file =
+      read_pdb(first + second + line_of({.x = 3}) + line_of({.chain = "B", .x = 30}), options);
+  CHECK(file.atoms.size() == 5);
+  CHECK(file.structure->operators == 3);
+  options.assembly = "X";
+  CHECK(read_mmcif(text_with_assembly("1,2,1"), options).structure->operators == 2);
+}
+
+TEST_CASE("assemblies with an incomplete description are refused with the cause", "[structure]") {
+  StructureOptions options;
+  options.assembly = "1";
+  const std::string atoms = line_of({}) + line_of({.chain = "B"});
+  const std::string start = "t.pdb: assembly 1 has no atoms: REMARK 350 has no ";
+  const std::string remarks = remarks_of("1", {0});
+  CHECK(pdb_error(remarks.substr(0, remarks.find("REMARK 350   BIOMT3")) + atoms, options) ==
+        start + "complete operator (BIOMT1 to BIOMT3) for its chains");
+  CHECK(pdb_error("REMARK 350 BIOMOLECULE: 1\n" + atoms, options) ==
+        start + "list of chains for it");
+  CHECK(pdb_error(remarks_of("1", {0}, "") + atoms, options) == start + "list of chains for it");
+  options.assembly = "X";
+  CHECK(error_of([&] { read_mmcif(text_with_assembly("1", "?"), options); }) ==
+        "t.cif: assembly X has no atoms: _pdbx_struct_assembly_gen.asym_id_list has no chains for "
+        "it");
+  std::string text = text_with_assembly("1");
+  text.replace(text.find("X \"1\""), 5, "X ?  ");
+  CHECK(error_of([&] { read_mmcif(text, options); }) ==
+        "t.cif:25: the operator expression (oper_expression) is missing");
+}
+
+TEST_CASE("PDB: one of several assemblies with the same description is built", "[structure]") {
+  const std::string text = remarks_of("1, 2", {0, 50}) +
+                           remarks_of("10,11, 12, 13, 14, 15, 16, 17, 18", {0}) + line_of({.x = 3});
+  StructureOptions options;
+  const auto count = [&](const std::string& id) {
+    options.assembly = id;
+    const AtomFile file = read_pdb(text, options);
+    CHECK(file.structure->assembly == id);
+    return file.atoms.size();
+  };
+  for (const std::string id : {"1", "2", "1, 2"}) CHECK(count(id) == 2);
+  for (const std::string id : {"10", "11", "16", "18"}) CHECK(count(id) == 1);
+  options.assembly = "3";
+  CHECK(pdb_error(text, options) ==
+        "t.pdb: there is no assembly \"3\" (--assembly); its assemblies are 1, 2, 10,11, 12, 13, "
+        "14, 15, 16, 17, 18");
+}
+
+TEST_CASE("the number of operators of an assembly is limited", "[structure]") {
+  StructureOptions options;
+  options.assembly = "1";
+  // The third list of chains exceeds the limit of 10,000 operators.
+  std::string text = remarks_of("1", std::vector<double>(4000));
+  std::string further = remarks_of("1", std::vector<double>(4000), "B");
+  further.erase(0, further.find('\n') + 1);
+  CHECK(read_pdb(text + further + line_of({}), options).atoms.size() == 4000);
+  CHECK(pdb_error(text + further + further + line_of({}), options) ==
+        "t.pdb: the assembly has more than 10000 operators");
+  options.assembly = "X";
+  const auto error = [&](const std::string& cif) {
+    return error_of([&] { read_mmcif(cif, options); });
+  };
+  const std::string message = "t.cif:25: the assembly has more than 10000 operators";
+  std::string operators;
+  for (int i = 0; i < 5000; ++i) operators += operators.empty() ? "1" : ",1";
+  CHECK(error(text_with_assembly(operators)).empty());
+  CHECK(error(text_with_assembly(operators + "," + operators)).empty());
+  CHECK(error(text_with_assembly(operators + "," + operators + ",1")) == message);
+  std::string rows = text_with_assembly(operators);
+  rows.replace(rows.find("other (undefined)"), 17, "X \"" + operators + ",1\"");
+  CHECK(error(rows) == message);
 }
 
 TEST_CASE("an ion on an axis of symmetry is read once", "[structure]") {

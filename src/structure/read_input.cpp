@@ -20,6 +20,7 @@
 #include "io/atom_lines.hpp"
 #include "io/file_descriptor.hpp"
 #include "io/other_formats.hpp"
+#include "io/text_fields.hpp"
 #include "io/text_source.hpp"
 #include "structure/assign_radii.hpp"
 #include "structure/parse_structure.hpp"
@@ -122,21 +123,26 @@ void require_format(std::string_view text, std::string_view name, AtomFormat for
 }
 
 [[noreturn]] void fail_without_atoms(std::string_view name, const StructureReport& report) {
-  const std::array<std::pair<std::uint64_t, std::string_view>, 6> dropped{
+  const std::array<std::pair<std::uint64_t, std::string_view>, 8> dropped{
       {{report.dropped_chains, "of other chains"},
        {report.dropped_selection, "not selected"},
        {report.dropped_waters, "of water"},
        {report.dropped_hetatm, "of HETATM records"},
        {report.dropped_hydrogens, "hydrogens"},
-       {report.dropped_altlocs, "of other alternate locations"}}};
+       {report.dropped_altlocs, "of other alternate locations"},
+       {report.dropped_assembly, "not in the assembly"},
+       {report.dropped_images, "images that coincide with an earlier one"}}};
   std::uint64_t sum = 0;
   std::vector<std::string> reasons;
   for (const auto& [count, reason] : dropped) {
     sum += count;
     if (count > 0) reasons.push_back(formatted("{} {}", count, reason));
   }
-  throw Error(
-      formatted("{}: no atoms left of {}; left out: {}", name, sum, fmt::join(reasons, ", ")));
+  const std::string cause = report.dropped_assembly == 0
+                                ? formatted("no atoms left of {}", sum)
+                                : formatted("assembly {} contains none of the selected atoms",
+                                            printable(report.assembly));
+  throw Error(formatted("{}: {}; left out: {}", name, cause, fmt::join(reasons, ", ")));
 }
 
 void call_check(const ReadOptions& options) {
