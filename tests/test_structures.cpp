@@ -1213,12 +1213,12 @@ TEST_CASE("an ion on an axis of symmetry is read once", "[structure]") {
 TEST_CASE("suffixes and contents decide how structures are read", "[structure]") {
   const TemporaryDirectory directory;
   const std::string text = line_of({});
-  for (const std::string name : {"a.pdb", "a.ent", "A.PDB"}) {
+  for (const std::string name : {"a.pdb", "a.ent", "A.PDB", "a.pdb1", "a.PDB12"}) {
     std::ofstream(directory.path() / name) << text;
     CHECK(read_file(directory.path() / name).atoms.size() == 1);
   }
   const std::string cif = text_of(crystal);
-  for (const std::string name : {"a.cif", "a.mmcif"}) {
+  for (const std::string name : {"a.cif", "a.mmcif", "a.mcif", "a.pdbx"}) {
     std::ofstream(directory.path() / name) << cif;
     CHECK(read_file(directory.path() / name).atoms.size() == 556);
   }
@@ -1230,6 +1230,55 @@ TEST_CASE("suffixes and contents decide how structures are read", "[structure]")
         "t: this is an mmCIF file; read it with --format mmcif");
   CHECK(error_of([&] { eses::parse_atoms("HEADER    X\n" + text, AtomFormat::xyzr, "t"); }) ==
         "t: this is a PDB file; read it with --format pdb");
+}
+
+TEST_CASE("assembly files with several models need a chosen model", "[structure]") {
+  const TemporaryDirectory directory;
+  const std::string text = "MODEL        1\n" + line_of({.x = 1}) + "ENDMDL\nMODEL        2\n" +
+                           line_of({.x = 2}) + "ENDMDL\n";
+  const auto write = [&](const std::string& name) {
+    const fs::path path = directory.path() / name;
+    std::ofstream(path) << text;
+    return path;
+  };
+  for (const std::string name : {"1abc.pdb1", "1ABC.PDB12"})
+    CHECK(contains(error_of([&] { read_file(write(name)); }),
+                   name + ": 2 models, which are the copies of an assembly in files of this "
+                          "suffix; read one with --model N, or build the assembly from the "
+                          "entry's PDB or mmCIF file with --assembly ID"));
+  const fs::path path = write("1abc.pdb2");
+  REQUIRE(std::system(fmt::format("gzip -k '{}'", path.string()).c_str()) == 0);
+  CHECK(contains(error_of([&] { read_file(path.string() + ".gz"); }), ".pdb2.gz: 2 models"));
+  StructureOptions options;
+  options.model = 2;
+  CHECK(read_file(path, options).atoms.at(0).center.x == 2);
+  // Models of other files are usual, and names of texts have no meaning.
+  CHECK(read_file(write("1abc.pdb")).atoms.size() == 1);
+  CHECK(eses::parse_atoms(text, AtomFormat::pdb, "1abc.pdb1").atoms.size() == 1);
+  // The suffix .pdb and a letter is none of these.
+  CHECK(contains(error_of([&] { read_file(write("1abc.pdb1x")); }), "expected a number"));
+}
+
+TEST_CASE("byte order marks of structures are ignored, and UTF-16 is refused", "[structure]") {
+  const std::string mark = "\xef\xbb\xbf";
+  const std::string pdb = line_of({.x = 1}) + line_of({.name = " CB ", .x = 2});
+  CHECK(names_of(read_pdb(mark + pdb)) == Names{"A ALA 1 CA", "A ALA 1 CB"});
+  const std::string cif = text_with_assembly("1");
+  CHECK(read_mmcif(mark + cif).atoms.size() == 2);
+  CHECK(read_mmcif(mark + cif).lines == read_mmcif(cif).lines);
+  // The format is recognised behind the mark.
+  CHECK(contains(pdb_error(mark + cif), "this is an mmCIF file"));
+  CHECK(error_of([&] { eses::parse_atoms(mark + cif, AtomFormat::xyzr, "t"); }) ==
+        "t: this is an mmCIF file; read it with --format mmcif");
+  CHECK(contains(pdb_error(mark + "ATOM  xx\n" + pdb), "t.pdb:1: "));
+  using namespace std::string_view_literals;
+  for (const std::string_view start : {"\xff\xfe"
+                                       "A\0T\0O\0M\0"sv,
+                                       "\xfe\xff\0A\0T\0O\0M"sv}) {
+    CHECK(pdb_error(start) == "t.pdb:1: UTF-16 text; convert the file to UTF-8 first");
+    CHECK(error_of([&] { read_mmcif(start); }) ==
+          "t.cif:1: UTF-16 text; convert the file to UTF-8 first");
+  }
 }
 
 TEST_CASE("PDB: PQR files are recognised", "[structure][pqr]") {

@@ -52,6 +52,17 @@ void sort_by_line(std::vector<StructureAtom>& atoms) {
     std::stable_sort(atoms.begin(), atoms.end(), is_before);
 }
 
+/// Throws Error if an assembly file of the PDB has several models. They are copies, of which only
+/// the first one would be read.
+void refuse_copies(const gemmi::Structure& structure, std::string_view name) {
+  if (structure.models.size() < 2) return;
+  throw Error(
+      formatted("{}: {} models, which are the copies of an assembly in files of this suffix; read "
+                "one with --model N, or build the assembly from the entry's PDB or mmCIF file with "
+                "--assembly ID",
+                name, structure.models.size()));
+}
+
 SelectedStructure parse(const StructureText& text, const StructureOptions& options,
                         bool with_hydrogens,
                         const std::function<void(std::uint64_t bytes)>& require_memory) {
@@ -61,6 +72,7 @@ SelectedStructure parse(const StructureText& text, const StructureOptions& optio
           ? parse_pdb_text(text.text, text.name, !options.assembly.empty(), checker)
           : parse_mmcif(text, options.assembly, checker);
   checker.check();
+  if (text.is_assembly_file && options.model == 0) refuse_copies(structure, text.name);
   require_memory(0);
   SelectedStructure result;
   const gemmi::Model& model =

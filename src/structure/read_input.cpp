@@ -20,6 +20,7 @@
 #include "io/atom_lines.hpp"
 #include "io/file_descriptor.hpp"
 #include "io/other_formats.hpp"
+#include "io/text_encoding.hpp"
 #include "io/text_fields.hpp"
 #include "io/text_source.hpp"
 #include "structure/assign_radii.hpp"
@@ -149,18 +150,20 @@ void call_check(const ReadOptions& options) {
   if (options.check) options.check();
 }
 
-AtomFile parse(std::string_view text, std::string_view name, const ReadOptions& options,
-               const ReadingLimit& limit, const std::function<void(AtomFile& atoms)>& after_part) {
-  require_format(text, name, options.format);
-  refuse_other_formats(text, name);
-  if (options.format == AtomFormat::pdb) refuse_pqr_records(text, name);
+AtomFile parse(StructureText file, const ReadOptions& options, const ReadingLimit& limit,
+               const std::function<void(AtomFile& atoms)>& after_part) {
+  const std::string_view name = file.name;
+  refuse_utf16(file.text, name);
+  file.text = without_byte_order_mark(file.text);
+  require_format(file.text, name, file.format);
+  refuse_other_formats(file.text, name);
+  if (file.format == AtomFormat::pdb) refuse_pqr_records(file.text, name);
   const StructureOptions& choices = options.structure;
   const RadiiSet radii = radii_set(choices.radii);
-  limit.require(expected_bytes(text, options.format));
+  limit.require(expected_bytes(file.text, file.format));
   call_check(options);
   SelectedStructure structure =
-      parse_structure({text, name, options.format, options.check}, choices,
-                      keeps_hydrogens(choices.hydrogens, radii),
+      parse_structure(file, choices, keeps_hydrogens(choices.hydrogens, radii),
                       [&limit](std::uint64_t bytes) { limit.require(bytes); });
   call_check(options);
   // Returns the memory that gemmi has freed to the system, so that the limit does not include it.
@@ -176,12 +179,14 @@ AtomFile parse(std::string_view text, std::string_view name, const ReadOptions& 
                       });
 }
 
-AtomFile read_structure(int descriptor, const std::string& name, const ReadOptions& options,
+AtomFile read_structure(int descriptor, const std::filesystem::path& path, const std::string& name,
+                        const ReadOptions& options,
                         const std::function<void(AtomFile& atoms)>& after_part) {
   const ReadingLimit limit(name, options.max_memory);
   try {
-    return parse(read_text(descriptor, name, limit, options.check), name, options, limit,
-                 after_part);
+    const std::string text = read_text(descriptor, name, limit, options.check);
+    return parse({text, name, options.format, is_assembly_file(path), options.check}, options,
+                 limit, after_part);
   } catch (const std::bad_alloc&) {
     throw MemoryLimitError(formatted("cannot read {}: out of memory", name));
   } catch (const std::length_error&) {
@@ -193,7 +198,8 @@ AtomFile read_structure(int descriptor, const std::string& name, const ReadOptio
 
 AtomFile parse_structure_atoms(std::string_view text, std::string_view name,
                                const ReadOptions& options) {
-  return parse(text, name, options, ReadingLimit(name, options.max_memory), {});
+  return parse({text, name, options.format, false, options.check}, options,
+               ReadingLimit(name, options.max_memory), {});
 }
 
 AtomFile read_input(const std::filesystem::path& path, const ReadOptions& options,
@@ -206,10 +212,10 @@ AtomFile read_input(const std::filesystem::path& path, const ReadOptions& option
       if (after_part) after_part(atoms);
     });
   }
-  if (path == "-") return read_structure(STDIN_FILENO, "<stdin>", known, after_part);
+  if (path == "-") return read_structure(STDIN_FILENO, path, "<stdin>", known, after_part);
   const std::string name = path.string();
   const FileDescriptor file(open_for_reading(path, name));
-  return read_structure(file.value(), name, known, after_part);
+  return read_structure(file.value(), path, name, known, after_part);
 }
 
 }  // namespace eses::detail
