@@ -1314,6 +1314,10 @@ TEST_CASE("an assembly of a PDB file has copies", "[structure]") {
   CHECK(file.atoms.at(1).center == eses::Vec3{-3, -4, 15});
   CHECK(read_pdb(text).atoms.size() == 2);
   CHECK(contains(pdb_error(line_of({}), options), "the file describes none"));
+  // The chain B is not in the assembly.
+  CHECK(file.structure->atom_records == 1);
+  CHECK(file.structure->dropped_assembly == 1);
+  CHECK(file.structure->dropped_chains == 0);
   std::string damaged = text;
   damaged.replace(damaged.find(" 0.000000", damaged.find("BIOMT2   2")), 9, " O.000000");
   CHECK(pdb_error(damaged, options) ==
@@ -1374,7 +1378,10 @@ TEST_CASE("operator expressions of mmCIF files are expanded", "[structure]") {
   CHECK(centers("(1)(R)") == Centers{{8, 1, 3}});
   CHECK(centers("(T)(1-3)(R)") == Centers{{108, 1, 3}, {118, 1, 3}, {128, 1, 3}});
   CHECK(centers("(T,1)(2,3)") == Centers{{121, 2, 3}, {131, 2, 3}, {31, 2, 3}, {41, 2, 3}});
-  CHECK(read_mmcif(text_with_assembly("(1-3)(1-3)"), options).structure->operators == 9);
+  // The nine products are five different translations, by 20, 30, 40, 50 and 60 angstrom.
+  const AtomFile file = read_mmcif(text_with_assembly("(1-3)(1-3)"), options);
+  CHECK(file.atoms.size() == 18);
+  CHECK(file.structure->operators == 5);
 }
 
 TEST_CASE("invalid operator expressions of mmCIF files are refused", "[structure]") {
@@ -1406,6 +1413,151 @@ TEST_CASE("invalid operator expressions of mmCIF files are refused", "[structure
         "t.cif: there is no assembly \"7\" (--assembly); its assemblies are X, other");
 }
 
+namespace {
+
+/// Returns REMARK 350 with one assembly of the chain A by operators that are translations along x.
+std::string remarks_of(const std::string& ids, const std::vector<double>& translations,
+                       const std::string& chains = "A") {
+  std::string text = "REMARK 350 BIOMOLECULE: " + ids +
+                     "\nREMARK 350 APPLY THE FOLLOWING TO CHAINS: " + chains + "\n";
+  int number = 0;
+  for (const double x : translations) {
+    ++number;
+    text += fmt::format("REMARK 350   BIOMT1{:>4}  1.000000  0.000000  0.000000     {:10.5f}\n",
+                        number, x);
+    text += fmt::format("REMARK 350   BIOMT2{:>4}  0.000000  1.000000  0.000000        0.00000\n",
+                        number);
+    text += fmt::format("REMARK 350   BIOMT3{:>4}  0.000000  0.000000  1.000000        0.00000\n",
+                        number);
+  }
+  return text;
+}
+
+}  // namespace
+
+TEST_CASE("atoms that an assembly does not contain are counted as left out", "[structure]") {
+  const std::string text =
+      remarks_of("1", {0, 50}, "A, C") + line_of({.x = 3}) + line_of({.name = " CB ", .x = 4}) +
+      line_of({.record = "HETATM", .residue = "LIG", .chain = "B", .number = "   2 ", .x = 20}) +
+      line_of({.chain = "B", .x = 30}) +
+      line_of({.record = "HETATM",
+               .name = " O  ",
+               .residue = "HOH",
+               .chain = "B",
+               .number = " 100 ",
+               .x = 40,
+               .element = " O"}) +
+      line_of({.chain = "C", .x = 10});
+  StructureOptions options;
+  options.assembly = "1";
+  options.with_waters = true;
+  const auto report = [&] { return *read_pdb(text, options).structure; };
+  CHECK(report().atom_records == 3);
+  CHECK(report().hetatm_records == 0);
+  CHECK(report().waters == 0);
+  CHECK(report().dropped_assembly == 3);
+  options.chains = {"A", "B"};
+  CHECK(report().atom_records == 2);
+  CHECK(report().dropped_chains == 1);
+  CHECK(report().dropped_assembly == 3);
+  options.with_waters = options.with_hetatm = false;
+  CHECK(report().dropped_assembly == 1);
+  CHECK(report().dropped_waters == 1);
+  CHECK(report().dropped_hetatm == 1);
+  options.chains = {"B"};
+  CHECK(pdb_error(text, options) ==
+        "t.pdb: assembly 1 contains none of the selected atoms; left out: 3 of other chains, 1 of "
+        "water, 1 of HETATM records, 1 not in the assembly");
+  options.select = "(XYZ)";
+  CHECK(contains(pdb_error(text, options), "no atoms left of 6; left out: "));
+  // In mmCIF files, assemblies are lists of subchains.
+  options = {};
+  options.assembly = "X";
+  const AtomFile file = read_mmcif(text_with_assembly("1-2", "B"), options);
+  CHECK(names_of(file) == Names{"B ALA 1 CA", "B-2 ALA 1 CA"});
+  CHECK(file.structure->atom_records == 1);
+  CHECK(file.structure->dropped_assembly == 1);
+}
+
+TEST_CASE("equal operators of an assembly count once", "[structure]") {
+  StructureOptions options;
+  options.assembly = "1";
+  // Two lists of chains have the same two operators, and the second one has another one.
+  const std::string first = remarks_of("1", {0, 50});
+  std::string second = remarks_of("1", {0, 50, 100}, "B");
+  second.erase(0, second.find('\n') + 1);
+  const AtomFile file =
+      read_pdb(first + second + line_of({.x = 3}) + line_of({.chain = "B", .x = 30}), options);
+  CHECK(file.atoms.size() == 5);
+  CHECK(file.structure->operators == 3);
+  options.assembly = "X";
+  CHECK(read_mmcif(text_with_assembly("1,2,1"), options).structure->operators == 2);
+}
+
+TEST_CASE("assemblies with an incomplete description are refused with the cause", "[structure]") {
+  StructureOptions options;
+  options.assembly = "1";
+  const std::string atoms = line_of({}) + line_of({.chain = "B"});
+  const std::string start = "t.pdb: assembly 1 has no atoms: REMARK 350 has no ";
+  const std::string remarks = remarks_of("1", {0});
+  CHECK(pdb_error(remarks.substr(0, remarks.find("REMARK 350   BIOMT3")) + atoms, options) ==
+        start + "complete operator (BIOMT1 to BIOMT3) for its chains");
+  CHECK(pdb_error("REMARK 350 BIOMOLECULE: 1\n" + atoms, options) ==
+        start + "list of chains for it");
+  CHECK(pdb_error(remarks_of("1", {0}, "") + atoms, options) == start + "list of chains for it");
+  options.assembly = "X";
+  CHECK(error_of([&] { read_mmcif(text_with_assembly("1", "?"), options); }) ==
+        "t.cif: assembly X has no atoms: _pdbx_struct_assembly_gen.asym_id_list has no chains for "
+        "it");
+  std::string text = text_with_assembly("1");
+  text.replace(text.find("X \"1\""), 5, "X ?  ");
+  CHECK(error_of([&] { read_mmcif(text, options); }) ==
+        "t.cif:25: the operator expression (oper_expression) is missing");
+}
+
+TEST_CASE("PDB: one of several assemblies with the same description is built", "[structure]") {
+  const std::string text = remarks_of("1, 2", {0, 50}) +
+                           remarks_of("10,11, 12, 13, 14, 15, 16, 17, 18", {0}) + line_of({.x = 3});
+  StructureOptions options;
+  const auto count = [&](const std::string& id) {
+    options.assembly = id;
+    const AtomFile file = read_pdb(text, options);
+    CHECK(file.structure->assembly == id);
+    return file.atoms.size();
+  };
+  for (const std::string id : {"1", "2", "1, 2"}) CHECK(count(id) == 2);
+  for (const std::string id : {"10", "11", "16", "18"}) CHECK(count(id) == 1);
+  options.assembly = "3";
+  CHECK(pdb_error(text, options) ==
+        "t.pdb: there is no assembly \"3\" (--assembly); its assemblies are 1, 2, 10,11, 12, 13, "
+        "14, 15, 16, 17, 18");
+}
+
+TEST_CASE("the number of operators of an assembly is limited", "[structure]") {
+  StructureOptions options;
+  options.assembly = "1";
+  // The third list of chains exceeds the limit of 10,000 operators.
+  std::string text = remarks_of("1", std::vector<double>(4000));
+  std::string further = remarks_of("1", std::vector<double>(4000), "B");
+  further.erase(0, further.find('\n') + 1);
+  CHECK(read_pdb(text + further + line_of({}), options).atoms.size() == 4000);
+  CHECK(pdb_error(text + further + further + line_of({}), options) ==
+        "t.pdb: the assembly has more than 10000 operators");
+  options.assembly = "X";
+  const auto error = [&](const std::string& cif) {
+    return error_of([&] { read_mmcif(cif, options); });
+  };
+  const std::string message = "t.cif:25: the assembly has more than 10000 operators";
+  std::string operators;
+  for (int i = 0; i < 5000; ++i) operators += operators.empty() ? "1" : ",1";
+  CHECK(error(text_with_assembly(operators)).empty());
+  CHECK(error(text_with_assembly(operators + "," + operators)).empty());
+  CHECK(error(text_with_assembly(operators + "," + operators + ",1")) == message);
+  std::string rows = text_with_assembly(operators);
+  rows.replace(rows.find("other (undefined)"), 17, "X \"" + operators + ",1\"");
+  CHECK(error(rows) == message);
+}
+
 TEST_CASE("an ion on an axis of symmetry is read once", "[structure]") {
   std::string remarks = dimer_remarks;
   remarks.replace(remarks.rfind("10.00000"), 8, " 0.00000");
@@ -1428,12 +1580,12 @@ TEST_CASE("an ion on an axis of symmetry is read once", "[structure]") {
 TEST_CASE("suffixes and contents decide how structures are read", "[structure]") {
   const TemporaryDirectory directory;
   const std::string text = line_of({});
-  for (const std::string name : {"a.pdb", "a.ent", "A.PDB"}) {
+  for (const std::string name : {"a.pdb", "a.ent", "A.PDB", "a.pdb1", "a.PDB12"}) {
     std::ofstream(directory.path() / name) << text;
     CHECK(read_file(directory.path() / name).atoms.size() == 1);
   }
   const std::string cif = text_of(crystal);
-  for (const std::string name : {"a.cif", "a.mmcif"}) {
+  for (const std::string name : {"a.cif", "a.mmcif", "a.mcif", "a.pdbx"}) {
     std::ofstream(directory.path() / name) << cif;
     CHECK(read_file(directory.path() / name).atoms.size() == 556);
   }
@@ -1445,6 +1597,55 @@ TEST_CASE("suffixes and contents decide how structures are read", "[structure]")
         "t: this is an mmCIF file; read it with --format mmcif");
   CHECK(error_of([&] { eses::parse_atoms("HEADER    X\n" + text, AtomFormat::xyzr, "t"); }) ==
         "t: this is a PDB file; read it with --format pdb");
+}
+
+TEST_CASE("assembly files with several models need a chosen model", "[structure]") {
+  const TemporaryDirectory directory;
+  const std::string text = "MODEL        1\n" + line_of({.x = 1}) + "ENDMDL\nMODEL        2\n" +
+                           line_of({.x = 2}) + "ENDMDL\n";
+  const auto write = [&](const std::string& name) {
+    const fs::path path = directory.path() / name;
+    std::ofstream(path) << text;
+    return path;
+  };
+  for (const std::string name : {"1abc.pdb1", "1ABC.PDB12"})
+    CHECK(contains(error_of([&] { read_file(write(name)); }),
+                   name + ": 2 models, which are the copies of an assembly in files of this "
+                          "suffix; read one with --model N, or build the assembly from the "
+                          "entry's PDB or mmCIF file with --assembly ID"));
+  const fs::path path = write("1abc.pdb2");
+  REQUIRE(std::system(fmt::format("gzip -k '{}'", path.string()).c_str()) == 0);
+  CHECK(contains(error_of([&] { read_file(path.string() + ".gz"); }), ".pdb2.gz: 2 models"));
+  StructureOptions options;
+  options.model = 2;
+  CHECK(read_file(path, options).atoms.at(0).center.x == 2);
+  // Models of other files are usual, and names of texts have no meaning.
+  CHECK(read_file(write("1abc.pdb")).atoms.size() == 1);
+  CHECK(eses::parse_atoms(text, AtomFormat::pdb, "1abc.pdb1").atoms.size() == 1);
+  // The suffix .pdb and a letter is none of these.
+  CHECK(contains(error_of([&] { read_file(write("1abc.pdb1x")); }), "expected a number"));
+}
+
+TEST_CASE("byte order marks of structures are ignored, and UTF-16 is refused", "[structure]") {
+  const std::string mark = "\xef\xbb\xbf";
+  const std::string pdb = line_of({.x = 1}) + line_of({.name = " CB ", .x = 2});
+  CHECK(names_of(read_pdb(mark + pdb)) == Names{"A ALA 1 CA", "A ALA 1 CB"});
+  const std::string cif = text_with_assembly("1");
+  CHECK(read_mmcif(mark + cif).atoms.size() == 2);
+  CHECK(read_mmcif(mark + cif).lines == read_mmcif(cif).lines);
+  // The format is recognised behind the mark.
+  CHECK(contains(pdb_error(mark + cif), "this is an mmCIF file"));
+  CHECK(error_of([&] { eses::parse_atoms(mark + cif, AtomFormat::xyzr, "t"); }) ==
+        "t: this is an mmCIF file; read it with --format mmcif");
+  CHECK(contains(pdb_error(mark + "ATOM  xx\n" + pdb), "t.pdb:1: "));
+  using namespace std::string_view_literals;
+  for (const std::string_view start : {"\xff\xfe"
+                                       "A\0T\0O\0M\0"sv,
+                                       "\xfe\xff\0A\0T\0O\0M"sv}) {
+    CHECK(pdb_error(start) == "t.pdb:1: UTF-16 text; convert the file to UTF-8 first");
+    CHECK(error_of([&] { read_mmcif(start); }) ==
+          "t.cif:1: UTF-16 text; convert the file to UTF-8 first");
+  }
 }
 
 TEST_CASE("PDB: PQR files are recognised", "[structure][pqr]") {
@@ -1559,6 +1760,16 @@ TEST_CASE("formats that are not read are refused with a command that converts th
   CHECK(contains(by_suffix("a.xtc"), "gmx trjconv"));
   CHECK(contains(by_suffix("a.prmtop"), "ambpdb"));
   CHECK(contains(by_suffix("a.json"), "gemmi convert"));
+  for (const std::string name : {"a.nc", "a.ncrst", "a.NCDF"})
+    CHECK(contains(by_suffix(name),
+                   ": Amber NetCDF files are not read; write the first frame with "
+                   "`cpptraj -p TOPOLOGY.prmtop -y FILE -ya '1 1' -x FILE.pdb`"));
+  CHECK(contains(by_suffix("a.rst"), "Amber restart"));
+  CHECK(contains(by_suffix("a.top"), "GROMACS or Amber topology"));
+  CHECK(contains(by_suffix("a.pse"), "`pymol -cq FILE -d 'save FILE.pdb'`"));
+  CHECK(contains(by_suffix("a.cxs"), "`chimerax --nogui --exit --cmd"));
+  CHECK(contains(by_suffix("a.h5"), "HDF5"));
+  CHECK(contains(by_suffix("a.h5md"), "mdconvert"));
   for (const std::string name : {"a.xyz", "a.pdbqt", "a.dcd", "a.trr", "a.psf", "a.mmtf", "a.bcif",
                                  "a.mol", "a.crd", "a.mae"})
     CHECK(contains(by_suffix(name), "files are not read"));
@@ -1576,6 +1787,9 @@ TEST_CASE("formats that are not read are refused with a command that converts th
   CHECK(contains(by_content("{\"data_1ABC\": {"), "mmJSON"));
   CHECK(contains(by_content(std::string_view("\x54\0\0\0CORD\0\0", 10)), "DCD"));
   CHECK(contains(by_content(std::string_view("\0\0\x07\xcb\0\0", 6)), "GROMACS trajectory"));
+  CHECK(contains(by_content("CDF\1\0\0"), "Amber NetCDF"));
+  CHECK(contains(by_content("CDF\2\0\0"), "Amber NetCDF"));
+  CHECK(contains(by_content("\x89HDF\r\n\x1a\n"), "HDF5"));
   CHECK(contains(by_content("\xde\x01\xabmmtfVersion\xa3"), "MMTF"));
   CHECK(contains(by_content("\x83\xa7"
                             "encoder\xa3"),

@@ -16,8 +16,10 @@ namespace eses {
 
 /// Format of an input file.
 enum class AtomFormat {
-  /// The format is given by the suffix: `.pqr` for PQR, `.pdb` and `.ent` for PDB, `.cif` and
-  /// `.mmcif` for mmCIF, also with an additional `.gz`. All other files are xyzr.
+  /// The format is given by the suffix: `.pqr` for PQR, `.pdb`, `.pdb1`, `.pdb2` and so on, and
+  /// `.ent` for PDB, `.cif`, `.mmcif`, `.mcif` and `.pdbx` for mmCIF, also with an additional
+  /// `.gz`.
+  /// All other files are xyzr.
   automatic,
   /// One atom a line: `x y z r`. Further columns, blank lines and lines with `#` are ignored.
   xyzr,
@@ -84,7 +86,7 @@ struct StructureReport {
   std::string model;            ///< Number of the model that was read.
   std::uint64_t models = 0;     ///< Number of models in the file.
   std::string assembly;         ///< Identifier of the assembly; empty if none was built.
-  std::uint64_t operators = 1;  ///< Number of operators of the assembly.
+  std::uint64_t operators = 1;  ///< Number of different operators of the assembly.
 
   std::uint64_t atom_records = 0;    ///< Atoms read from ATOM records, without water.
   std::uint64_t hetatm_records = 0;  ///< Atoms read from HETATM records, without water.
@@ -96,7 +98,9 @@ struct StructureReport {
   std::uint64_t dropped_hetatm = 0;     ///< Atoms left out: HETATM records, without water.
   std::uint64_t dropped_hydrogens = 0;  ///< Atoms left out: hydrogens.
   std::uint64_t dropped_altlocs = 0;    ///< Atoms left out: other alternate locations.
-  /// Atoms left out of an assembly: images that coincide with their atom, as on axes of symmetry.
+  std::uint64_t dropped_assembly = 0;   ///< Atoms left out: not in the assembly.
+  /// Images left out of an assembly, as on axes of symmetry: images of HETATM records that coincide
+  /// with an earlier image of the same atom to within 0.5 angstrom.
   std::uint64_t dropped_images = 0;
 
   /// Atoms whose radius is that of their element. The counts include the images of an assembly.

@@ -35,7 +35,7 @@ _eses_blocks() {
   elif $is_diff; then
     _filedir -d
   else
-    _filedir '@(xyzr|pqr|pdb|ent|cif|mmcif)?(.gz)'
+    _filedir '@(xyzr|pqr|pdb|pdb+([0-9])|pdbx|ent|cif|mmcif|mcif)?(.gz)'
     if ((cword == 1)); then COMPREPLY+=($(compgen -W diff -- "$cur")); fi
   fi
 }

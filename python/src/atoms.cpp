@@ -28,9 +28,10 @@ Parameters
 path : str or os.PathLike
     Name of the file, which may be gzipped.
 format : {'auto', 'xyzr', 'pqr', 'pdb', 'mmcif'}, optional
-    Format of the file. With ``auto`` the suffix decides: ``.pqr``, ``.pdb`` and ``.ent``, ``.cif`` and
-    ``.mmcif``, each also with ``.gz``. Everything else is xyzr, which has one atom a line as
-    ``x y z radius``. The arguments below are for PDB and mmCIF files.
+    Format of the file. With ``auto`` the suffix decides: ``.pqr``, ``.pdb``, ``.pdb1``, ``.pdb2`` and so
+    on, ``.ent``, ``.cif``, ``.mmcif``, ``.mcif`` and ``.pdbx``, each also with ``.gz``. Everything else
+    is xyzr, which has one atom a line as ``x y z radius``. The arguments below are for PDB and mmCIF
+    files.
 radii : str, optional
     Set of radii: ``protor``, ``bondi``, ``msms``, or the path of a file in FreeSASA's configuration
     format.

@@ -14,6 +14,7 @@ import re
 import shutil
 
 from common import Failed
+from structures import is_assembly_file
 
 OPTIONS = ["--ff=CHARMM"]
 PACKAGE = "pdb2pqr"  # name of Debian's package; pip installs it under the same name
@@ -61,11 +62,19 @@ def protein_lines(lines):
 
 
 def write_protein(source, target):
-    """Writes the input of PDB2PQR. Throws Failed if no atom is left."""
+    """Writes the input of PDB2PQR.
+
+    Throws Failed if no atom is left, or if the file is an assembly of several models.
+    """
     opened = gzip.open if source.suffix.lower() == ".gz" else open
     # Remarks may contain any byte.
     with opened(source, "rt", encoding="latin-1") as file:
-        lines = [line.rstrip() + "\n" for line in protein_lines(file)]
+        source_lines = list(file)
+    models = sum(line.startswith("MODEL ") for line in source_lines)
+    if is_assembly_file(source.name) and models > 1:
+        raise Failed(f"{models} models, which are the copies of an assembly; use the PDB file of "
+                     "the entry")
+    lines = [line.rstrip() + "\n" for line in protein_lines(source_lines)]
     if not any(line.startswith("ATOM") for line in lines):
         raise Failed("no ATOM records other than hydrogens")
     with open(target, "w", encoding="latin-1") as file:

@@ -8,25 +8,37 @@ import re
 
 from common import Failed
 
-KINDS = ".xyzr, .pqr, .pdb, .ent, .cif and .mmcif, each also .gz"
+KINDS = (".xyzr, .pqr, .pdb, .pdb1, .pdb2 and so on, .ent, .cif, .mmcif, .mcif and .pdbx, each "
+         "also .gz")
 
 # Suffixes and the formats of eses-blocks --format.
 LAYOUTS = {"xyzr": "xyzr", "pqr": "pqr", "pdb": "pdb", "ent": "pdb", "cif": "mmcif",
-           "mmcif": "mmcif"}
+           "mmcif": "mmcif", "mcif": "mmcif", "pdbx": "mmcif"}
+
+# Suffix of the PDB's files of assemblies, in the format PDB. Their models are copies of chains.
+ASSEMBLY_SUFFIX = r"pdb[0-9]+"
 
 # id: text like a path, unique among the structures of a folder. layout: xyzr, pqr, pdb or mmcif.
 Structure = collections.namedtuple("Structure", "id path layout bytes mtime_ns")
 
 
+def is_assembly_file(name):
+    """Whether a file has the suffix of an assembly of the PDB, such as 1abc.pdb1.gz."""
+    return re.search(rf"\.{ASSEMBLY_SUFFIX}(\.gz)?\Z", name, re.IGNORECASE) is not None
+
+
 def split_name(name):
     """Returns stem and layout of a structure file, or None for other files.
 
-    Names that begin with a dot are skipped: unfinished files, and files that macOS leaves
-    (._1abc.pdb).
+    The stem of an assembly file has its suffix: 1abc.pdb1 for 1abc.pdb1.gz. Names that begin with a
+    dot are skipped: unfinished files, and files that macOS leaves (._1abc.pdb).
     """
-    match = re.fullmatch(rf"(?P<stem>[^.].*)\.(?P<suffix>{'|'.join(LAYOUTS)})(?:\.gz)?", name,
-                         re.IGNORECASE | re.DOTALL)
-    return match and (match["stem"], LAYOUTS[match["suffix"].lower()])
+    match = re.fullmatch(rf"(?P<stem>[^.].*)\.(?P<suffix>{'|'.join(LAYOUTS)}|{ASSEMBLY_SUFFIX})"
+                         r"(?:\.gz)?", name, re.IGNORECASE | re.DOTALL)
+    if match is None:
+        return None
+    stem, suffix = match["stem"], match["suffix"]
+    return (f"{stem}.{suffix}", "pdb") if is_assembly_file(name) else (stem, LAYOUTS[suffix.lower()])
 
 
 def make_id(folders, stem):

@@ -38,8 +38,10 @@ constexpr std::array dropped_counts{
     Count{"hydrogen", "hydrogens", "hydrogens", &StructureReport::dropped_hydrogens},
     Count{"atom of another alternate location", "atoms of other alternate locations", "altlocs",
           &StructureReport::dropped_altlocs},
-    Count{"image that coincides with its atom", "images that coincide with their atom", "images",
-          &StructureReport::dropped_images},
+    Count{"atom not in the assembly", "atoms not in the assembly", "assembly",
+          &StructureReport::dropped_assembly},
+    Count{"image that coincides with an earlier one", "images that coincide with an earlier one",
+          "images", &StructureReport::dropped_images},
 };
 
 std::string counts_text(const StructureReport& report, const auto& counts) {

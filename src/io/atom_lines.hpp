@@ -64,6 +64,9 @@ AtomFile parse_atom_text(std::string_view text, const AtomLines& lines);
 /// Returns `format` or, if it is automatic, the format by the suffix of the path without .gz.
 AtomFormat format_of(const std::filesystem::path& path, AtomFormat format);
 
+/// Returns whether a path has the suffix of an assembly file of the PDB, such as .pdb1 or .pdb2.gz.
+bool is_assembly_file(const std::filesystem::path& path);
+
 /// Returns the limit of the resident memory while the process reads, in bytes; 0 if `max_memory` is
 /// 0. Reading may always add a few MiB.
 std::uint64_t max_resident_while_reading(std::uint64_t max_memory);

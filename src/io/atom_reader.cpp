@@ -19,6 +19,7 @@
 #include "io/file_descriptor.hpp"
 #include "io/other_formats.hpp"
 #include "io/pqr_labels.hpp"
+#include "io/text_encoding.hpp"
 #include "io/text_fields.hpp"
 #include "io/text_source.hpp"
 #include "system/bytes_text.hpp"
@@ -53,12 +54,6 @@ constexpr bool is_control(char c) {
   // Bitwise operators, because compilers do not vectorize short-circuit evaluation.
   const auto byte = static_cast<unsigned char>(c);
   return ((byte < 0x20) & (c != '\t') & (c != '\n') & (c != '\r')) | (byte == 0x7f);
-}
-
-bool starts_with_ignoring_case(std::string_view text, std::string_view lower_case_prefix) {
-  return text.size() >= lower_case_prefix.size() &&
-         std::equal(lower_case_prefix.begin(), lower_case_prefix.end(), text.begin(),
-                    [](char expected, char c) { return lower_case(c) == expected; });
 }
 
 std::size_t count_fields(std::string_view text) {
@@ -482,12 +477,6 @@ std::string describe_xyzr(const Problem& problem, std::string_view line, std::st
 
 // ------------------------------------------------------------------------------------------ text
 
-void check_encoding(std::string_view text, std::string_view name) {
-  if (text.starts_with("\xff\xfe") || text.starts_with("\xfe\xff")) {
-    fail(name, 1, "UTF-16 text; convert the file to UTF-8 first");
-  }
-}
-
 /// Scans the whole text without an early exit, so that the loop is vectorized.
 bool holds_control_character(std::string_view text) {
   unsigned char found = 0;
@@ -538,11 +527,6 @@ void check_line(std::string_view line, std::string_view name, std::size_t number
   if (line.size() > max_line_length) {
     fail(name, number, formatted("more than {} characters in the line", max_line_length));
   }
-}
-
-std::string_view without_byte_order_mark(std::string_view text) {
-  constexpr std::string_view mark = "\xef\xbb\xbf";
-  return text.starts_with(mark) ? text.substr(mark.size()) : text;
 }
 
 /// Returns an upper bound of the number of atoms, for the capacity of the vector. Blank lines are
@@ -654,12 +638,12 @@ AtomFile read_descriptor(int descriptor, const ReadOptions& options, const std::
 LinesRead parse_atom_lines(std::string_view text, const AtomLines& lines, AtomFile& result) {
   const auto& [format, name, first_line, with_labels, max_memory, model, model_before] = lines;
   if (first_line == 1) {
-    check_encoding(text, name);
+    refuse_utf16(text, name);
+    text = without_byte_order_mark(text);
     refuse_other_formats(text, name);
     refuse_structure(text, name, format);
   }
   check_is_text(text, name, first_line);
-  if (first_line == 1) text = without_byte_order_mark(text);
   const bool is_pqr = format == AtomFormat::pqr;
   const auto is_record = is_pqr ? is_pqr_record : is_xyzr_record;
   const auto parse_line = is_pqr ? parse_pqr : parse_xyzr;
@@ -753,12 +737,20 @@ void refuse_models(std::string_view name, std::uint64_t models) {
                 name, models));
 }
 
+bool is_assembly_file(const std::filesystem::path& path) {
+  constexpr std::string_view start = ".pdb";
+  const std::string suffix = input_suffix(path);
+  return suffix.starts_with(start) && suffix.size() > start.size() &&
+         std::all_of(suffix.begin() + start.size(), suffix.end(), is_digit);
+}
+
 AtomFormat format_of(const std::filesystem::path& path, AtomFormat format) {
   if (format != AtomFormat::automatic) return format;
   const std::string suffix = input_suffix(path);
   if (suffix == ".pqr") return AtomFormat::pqr;
-  if (suffix == ".pdb" || suffix == ".ent") return AtomFormat::pdb;
-  if (suffix == ".cif" || suffix == ".mmcif") return AtomFormat::mmcif;
+  if (suffix == ".pdb" || suffix == ".ent" || is_assembly_file(path)) return AtomFormat::pdb;
+  for (const std::string_view known : {".cif", ".mmcif", ".mcif", ".pdbx"})
+    if (suffix == known) return AtomFormat::mmcif;
   return AtomFormat::xyzr;
 }
 

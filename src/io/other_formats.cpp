@@ -25,12 +25,19 @@ constexpr std::string_view gromacs_trajectory =
 constexpr std::string_view amber =
     "make a PQR file of topology and coordinates with `ambpdb -p FILE.prmtop -c FILE.inpcrd -pqr > "
     "FILE.pqr`";
+constexpr std::string_view cpptraj =
+    "write the first frame with `cpptraj -p TOPOLOGY.prmtop -y FILE -ya '1 1' -x FILE.pdb`";
+constexpr std::string_view pymol = "convert it with `pymol -cq FILE -d 'save FILE.pdb'`";
 constexpr std::string_view trajectory =
     "write one frame with `mdconvert FILE -t TOPOLOGY -i 0 -o FILE.pdb`";
 
 constexpr OtherFormat mol2{"Tripos MOL2", ".mol2", open_babel};
 constexpr OtherFormat sdf{"MDL molfile or SDF", ".sdf .mol .sd", open_babel};
-constexpr OtherFormat prmtop{"Amber topology", ".prmtop .parm7 .inpcrd .rst7", amber};
+constexpr OtherFormat prmtop{"Amber topology", ".prmtop .parm7", amber};
+constexpr OtherFormat netcdf{"Amber NetCDF", ".nc .ncrst .ncdf", cpptraj};
+constexpr OtherFormat hdf5{
+    "HDF5", ".h5 .h5md",
+    "write one frame as PDB; for files of MDTraj use `mdconvert FILE -i 0 -o FILE.pdb`"};
 constexpr OtherFormat psf{
     "CHARMM PSF", ".psf",
     "it has no coordinates; pass the PDB file that belongs to it, which is read directly"};
@@ -55,10 +62,19 @@ constexpr std::array other_formats{
     mmtf,
     bcif,
     pdbqt,
+    netcdf,
+    hdf5,
+    OtherFormat{"Amber restart", ".inpcrd .rst7 .rst", amber},
+    OtherFormat{"GROMACS or Amber topology", ".top",
+                "it has no coordinates; with GROMACS use `gmx editconf -f FILE.gro -o FILE.pdb`, "
+                "with Amber `ambpdb -p FILE.top -c FILE.inpcrd -pqr > FILE.pqr`"},
+    OtherFormat{"PyMOL session", ".pse", pymol},
+    OtherFormat{"ChimeraX session", ".cxs",
+                "convert it with `chimerax --nogui --exit --cmd 'open FILE; save FILE.pdb'`"},
     OtherFormat{"XYZ", ".xyz", open_babel},
     OtherFormat{"CHARMM coordinate", ".crd .cor", open_babel},
     OtherFormat{"GROMACS coordinate", ".gro .g96 .tpr", gromacs},
-    OtherFormat{"Maestro", ".mae .maegz", "convert it with `pymol -cq FILE -d 'save FILE.pdb'`"},
+    OtherFormat{"Maestro", ".mae .maegz", pymol},
 };
 
 [[noreturn]] void refuse(std::string_view name, const OtherFormat& format) {
@@ -74,12 +90,6 @@ std::string_view first_line(std::string_view text, char comment) {
     text.remove_prefix(std::min(end + 1, text.size()));
   }
   return {};
-}
-
-bool begins_with(std::string_view text, std::string_view lower_case_prefix) {
-  return text.size() >= lower_case_prefix.size() &&
-         std::equal(lower_case_prefix.begin(), lower_case_prefix.end(), text.begin(),
-                    [](char expected, char c) { return lower_case(c) == expected; });
 }
 
 /// Returns whether the fourth line, the counts line, ends with the version.
@@ -104,7 +114,8 @@ struct Magic {
 constexpr std::array magics{
     Magic{0, {"\0\0\x07\xcb", 4}, &xtc}, Magic{0, {"\0\0\x07\xc9", 4}, &xtc},
     Magic{4, {"CORD", 4}, &dcd},         Magic{0, {"%VERSION", 8}, &prmtop},
-    Magic{0, {"PSF ", 4}, &psf},
+    Magic{0, {"PSF ", 4}, &psf},         Magic{0, {"CDF\1", 4}, &netcdf},
+    Magic{0, {"CDF\2", 4}, &netcdf},     Magic{0, {"\x89HDF\r\n", 6}, &hdf5},
 };
 
 // Maximum distance from the start of a MessagePack map at which these formats have their first
@@ -136,7 +147,7 @@ std::string input_suffix(const std::filesystem::path& path) {
 
 AtomFormat structure_format_of(std::string_view text) {
   const std::string_view line = first_line(text, '#');
-  if (begins_with(line, "data_")) return AtomFormat::mmcif;
+  if (starts_with_ignoring_case(line, "data_")) return AtomFormat::mmcif;
   for (const std::string_view record :
        {"HEADER ", "OBSLTE ", "TITLE ", "COMPND ", "EXPDTA ", "CRYST1 ", "NUMMDL "})
     if (line.starts_with(record)) return AtomFormat::pdb;

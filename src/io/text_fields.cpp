@@ -1,5 +1,6 @@
 #include "io/text_fields.hpp"
 
+#include <algorithm>
 #include <charconv>
 
 #include "system/formatted.hpp"
@@ -32,6 +33,12 @@ std::errc parse_fortran(std::string_view text, std::size_t exponent_letter, doub
 std::string lower_case(std::string text) {
   for (char& c : text) c = lower_case(c);
   return text;
+}
+
+bool starts_with_ignoring_case(std::string_view text, std::string_view lower_case_prefix) {
+  return text.size() >= lower_case_prefix.size() &&
+         std::equal(lower_case_prefix.begin(), lower_case_prefix.end(), text.begin(),
+                    [](char expected, char c) { return lower_case(c) == expected; });
 }
 
 std::string_view without_leading_blanks(std::string_view text) {

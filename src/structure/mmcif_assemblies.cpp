@@ -1,8 +1,8 @@
 // This file is valid C++17, for the reason given in mmcif_text.cpp.
 //
 // gemmi 0.5 reads only the first factor of products of operators, such as (X0)(1-60), skips
-// undefined operators, and leaves out assemblies with some descriptions. For this reason, operator
-// expressions are expanded here:
+// undefined operators, and leaves out assemblies whose `details` it does not know. For this reason,
+// operator expressions are expanded here:
 // https://mmcif.wwpdb.org/dictionaries/mmcif_pdbx_v50.dic/Items/_pdbx_struct_assembly_gen.oper_expression.html
 
 #include "structure/mmcif_assemblies.hpp"
@@ -21,14 +21,12 @@
 
 #include "io/text_fields.hpp"
 #include "structure/mmcif_text.hpp"
+#include "structure/operator_limit.hpp"
 
 namespace eses::detail {
 namespace {
 
 using Operators = std::vector<gemmi::Assembly::Operator>;
-
-// Maximum number of operators of an assembly. The largest capsids in the PDB have about 2000.
-constexpr std::size_t max_operators = 10000;
 
 /// Returns the text without the white space of values that span several lines.
 std::string without_white_space(std::string text) {
@@ -39,9 +37,11 @@ std::string without_white_space(std::string text) {
 }
 
 bool is_finite(const gemmi::Transform& transform) {
-  for (int i = 0; i < 3; ++i)
+  for (int i = 0; i < 3; ++i) {
+    if (!std::isfinite(transform.vec.at(i))) return false;
     for (int j = 0; j < 3; ++j)
-      if (!std::isfinite(transform.mat[i][j]) || !std::isfinite(transform.vec.at(i))) return false;
+      if (!std::isfinite(transform.mat[i][j])) return false;
+  }
   return true;
 }
 
@@ -51,6 +51,10 @@ std::uint64_t line_of(const gemmi::cif::Table& table) {
           ? *table.loop_item
           : table.bloc.items.at(static_cast<std::size_t>(table.positions.at(0)));
   return static_cast<std::uint64_t>(item.line_number);
+}
+
+void check_operator_count(std::size_t count, std::uint64_t line) {
+  if (count > max_operators) throw MmcifError{line, too_many_operators()};
 }
 
 /// Expands operator expressions with the operators of a data block.
@@ -68,6 +72,8 @@ class OperatorTable {
   /// Expands an expression such as `1,2`, `(1-60)` or `(X0)(1-60)`. In a product, the operators on
   /// the right are applied first.
   Operators expand(std::string_view expression) const {
+    if (expression.empty())
+      throw MmcifError{line_, "the operator expression (oper_expression) is missing"};
     Operators product(1);
     std::string_view rest = expression;
     do {
@@ -88,6 +94,7 @@ class OperatorTable {
     while (true) {
       const std::size_t comma = std::min(list.find(','), list.size());
       const std::string_view item = list.substr(0, comma);
+      check_operator_count(result.size(), line_);
       std::uint32_t first = 0, last = 0;
       if (!parse_range(item, first, last)) {
         result.push_back(find(std::string(item), expression));
@@ -112,19 +119,16 @@ class OperatorTable {
 
   gemmi::Assembly::Operator find(const std::string& name, std::string_view expression) const {
     const auto found = transforms_.find(name);
-    if (found == transforms_.end())
-      fail(expression,
-           "has the operator " + detail::quoted(name) + ", which _pdbx_struct_oper_list lacks");
-    if (!is_finite(found->second))
-      fail(expression,
-           "has the operator " + detail::quoted(name) + ", whose matrix is not numeric");
+    const bool is_known = found != transforms_.end();
+    if (!is_known || !is_finite(found->second))
+      fail(expression, "has the operator " + detail::quoted(name) +
+                           (is_known ? ", whose matrix is not numeric"
+                                     : ", which _pdbx_struct_oper_list lacks"));
     return {name, {}, found->second};
   }
 
   Operators multiply(const Operators& left, const Operators& right) const {
-    if (left.size() * right.size() > max_operators)
-      throw MmcifError{
-          line_, "the assembly has more than " + std::to_string(max_operators) + " operators"};
+    check_operator_count(left.size() * right.size(), line_);
     Operators product;
     for (const gemmi::Assembly::Operator& a : left)
       for (const gemmi::Assembly::Operator& b : right)
@@ -147,12 +151,16 @@ std::vector<gemmi::Assembly> read_assemblies(gemmi::cif::Block& block, const std
   gemmi::cif::Table generators =
       block.find("_pdbx_struct_assembly_gen.", {"assembly_id", "oper_expression", "asym_id_list"});
   if (!generators.ok()) return assemblies;
-  const OperatorTable operators(block, line_of(generators));
+  const std::uint64_t line = line_of(generators);
+  const OperatorTable operators(block, line);
+  std::size_t operator_count = 0;
   for (const gemmi::cif::Table::Row row : generators) {
     gemmi::Assembly& assembly = gemmi::impl::find_or_add(assemblies, row.str(0));
     if (assembly.name != chosen) continue;
     gemmi::Assembly::Gen generator;
     generator.operators = operators.expand(without_white_space(row.str(1)));
+    operator_count += generator.operators.size();
+    check_operator_count(operator_count, line);
     gemmi::split_str_into(without_white_space(row.str(2)), ',', generator.subchains);
     assembly.generators.push_back(generator);
   }

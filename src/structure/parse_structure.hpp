@@ -40,6 +40,8 @@ struct StructureText {
   std::string_view text;
   std::string_view name;  ///< name of the file, for messages
   AtomFormat format = AtomFormat::pdb;
+  /// Whether the name has the suffix of an assembly file of the PDB, such as .pdb1.
+  bool is_assembly_file = false;
   CheckCallback check = {};  ///< called from time to time if it is not empty
 };
 

@@ -20,6 +20,8 @@
 #include "io/atom_lines.hpp"
 #include "io/file_descriptor.hpp"
 #include "io/other_formats.hpp"
+#include "io/text_encoding.hpp"
+#include "io/text_fields.hpp"
 #include "io/text_source.hpp"
 #include "structure/assign_radii.hpp"
 #include "structure/parse_structure.hpp"
@@ -122,39 +124,46 @@ void require_format(std::string_view text, std::string_view name, AtomFormat for
 }
 
 [[noreturn]] void fail_without_atoms(std::string_view name, const StructureReport& report) {
-  const std::array<std::pair<std::uint64_t, std::string_view>, 6> dropped{
+  const std::array<std::pair<std::uint64_t, std::string_view>, 8> dropped{
       {{report.dropped_chains, "of other chains"},
        {report.dropped_selection, "not selected"},
        {report.dropped_waters, "of water"},
        {report.dropped_hetatm, "of HETATM records"},
        {report.dropped_hydrogens, "hydrogens"},
-       {report.dropped_altlocs, "of other alternate locations"}}};
+       {report.dropped_altlocs, "of other alternate locations"},
+       {report.dropped_assembly, "not in the assembly"},
+       {report.dropped_images, "images that coincide with an earlier one"}}};
   std::uint64_t sum = 0;
   std::vector<std::string> reasons;
   for (const auto& [count, reason] : dropped) {
     sum += count;
     if (count > 0) reasons.push_back(formatted("{} {}", count, reason));
   }
-  throw Error(
-      formatted("{}: no atoms left of {}; left out: {}", name, sum, fmt::join(reasons, ", ")));
+  const std::string cause = report.dropped_assembly == 0
+                                ? formatted("no atoms left of {}", sum)
+                                : formatted("assembly {} contains none of the selected atoms",
+                                            printable(report.assembly));
+  throw Error(formatted("{}: {}; left out: {}", name, cause, fmt::join(reasons, ", ")));
 }
 
 void call_check(const ReadOptions& options) {
   if (options.check) options.check();
 }
 
-AtomFile parse(std::string_view text, std::string_view name, const ReadOptions& options,
-               const ReadingLimit& limit, const std::function<void(AtomFile& atoms)>& after_part) {
-  require_format(text, name, options.format);
-  refuse_other_formats(text, name);
-  if (options.format == AtomFormat::pdb) refuse_pqr_records(text, name);
+AtomFile parse(StructureText file, const ReadOptions& options, const ReadingLimit& limit,
+               const std::function<void(AtomFile& atoms)>& after_part) {
+  const std::string_view name = file.name;
+  refuse_utf16(file.text, name);
+  file.text = without_byte_order_mark(file.text);
+  require_format(file.text, name, file.format);
+  refuse_other_formats(file.text, name);
+  if (file.format == AtomFormat::pdb) refuse_pqr_records(file.text, name);
   const StructureOptions& choices = options.structure;
   const RadiiSet radii = radii_set(choices.radii);
-  limit.require(expected_bytes(text, options.format));
+  limit.require(expected_bytes(file.text, file.format));
   call_check(options);
   SelectedStructure structure =
-      parse_structure({text, name, options.format, options.check}, choices,
-                      keeps_hydrogens(choices.hydrogens, radii),
+      parse_structure(file, choices, keeps_hydrogens(choices.hydrogens, radii),
                       [&limit](std::uint64_t bytes) { limit.require(bytes); });
   call_check(options);
   // Returns the memory that gemmi has freed to the system, so that the limit does not include it.
@@ -170,12 +179,14 @@ AtomFile parse(std::string_view text, std::string_view name, const ReadOptions& 
                       });
 }
 
-AtomFile read_structure(int descriptor, const std::string& name, const ReadOptions& options,
+AtomFile read_structure(int descriptor, const std::filesystem::path& path, const std::string& name,
+                        const ReadOptions& options,
                         const std::function<void(AtomFile& atoms)>& after_part) {
   const ReadingLimit limit(name, options.max_memory);
   try {
-    return parse(read_text(descriptor, name, limit, options.check), name, options, limit,
-                 after_part);
+    const std::string text = read_text(descriptor, name, limit, options.check);
+    return parse({text, name, options.format, is_assembly_file(path), options.check}, options,
+                 limit, after_part);
   } catch (const std::bad_alloc&) {
     throw MemoryLimitError(formatted("cannot read {}: out of memory", name));
   } catch (const std::length_error&) {
@@ -187,7 +198,8 @@ AtomFile read_structure(int descriptor, const std::string& name, const ReadOptio
 
 AtomFile parse_structure_atoms(std::string_view text, std::string_view name,
                                const ReadOptions& options) {
-  return parse(text, name, options, ReadingLimit(name, options.max_memory), {});
+  return parse({text, name, options.format, false, options.check}, options,
+               ReadingLimit(name, options.max_memory), {});
 }
 
 AtomFile read_input(const std::filesystem::path& path, const ReadOptions& options,
@@ -200,10 +212,10 @@ AtomFile read_input(const std::filesystem::path& path, const ReadOptions& option
       if (after_part) after_part(atoms);
     });
   }
-  if (path == "-") return read_structure(STDIN_FILENO, "<stdin>", known, after_part);
+  if (path == "-") return read_structure(STDIN_FILENO, path, "<stdin>", known, after_part);
   const std::string name = path.string();
   const FileDescriptor file(open_for_reading(path, name));
-  return read_structure(file.value(), name, known, after_part);
+  return read_structure(file.value(), path, name, known, after_part);
 }
 
 }  // namespace eses::detail

@@ -269,19 +269,18 @@ bool is_water(const gemmi::Residue& residue) {
   return count(gemmi::El::O) == 1 && count(gemmi::El::C) == 0 && count(gemmi::El::P) == 0;
 }
 
-// --------------------------------------------------------------------------------------- counts
-
 void count_kept(const gemmi::Model& model, StructureReport& report) {
   for (const gemmi::Chain& chain : model.chains)
-    for (const gemmi::Residue& residue : chain.residues) {
-      std::uint64_t& count = is_water(residue)    ? report.waters
-                             : is_hetatm(residue) ? report.hetatm_records
-                                                  : report.atom_records;
-      count += residue.atoms.size();
-    }
+    for (const gemmi::Residue& residue : chain.residues)
+      record_count(report, residue) += residue.atoms.size();
 }
 
 }  // namespace
+
+std::uint64_t& record_count(StructureReport& report, const gemmi::Residue& residue) {
+  if (is_water(residue)) return report.waters;
+  return is_hetatm(residue) ? report.hetatm_records : report.atom_records;
+}
 
 gemmi::Model& select_atoms(gemmi::Structure& structure, const StructureOptions& options,
                            bool with_hydrogens, std::string_view file, StructureReport& report) {

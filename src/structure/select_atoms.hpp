@@ -1,6 +1,7 @@
 #pragma once
 /// Selection of the atoms of a structure by the user's options.
 
+#include <cstdint>
 #include <gemmi/model.hpp>
 #include <string_view>
 
@@ -9,6 +10,10 @@
 namespace eses::detail {
 
 inline bool is_hetatm(const gemmi::Residue& residue) { return residue.het_flag == 'H'; }
+
+/// Returns the number of atoms read from records of the kind of `residue`: water, other HETATM
+/// records, or ATOM records.
+std::uint64_t& record_count(StructureReport& report, const gemmi::Residue& residue);
 
 /// Removes the atoms that are not selected from the selected model, which is returned. Removes
 /// hydrogens if `with_hydrogens` is false, independently of `options`. Fills the counts of

@@ -161,11 +161,11 @@ class Zsh(TestCase):
 
     def test_files_commands_and_values_are_completed(self):
         for name in ("a.xyzr", "b.pqr.gz", "c.ply", "d.obj", "e.off", "f.dx", "g.vti", "h.txt", "i.cif.gz",
-                     "j.vtp", "k.dx.gz", "l.gz"):
+                     "j.vtp", "k.dx.gz", "l.gz", "m.pdb12.gz", "n.pdbx", "o.mcif", "p.pdbq"):
             (self.folder / name).touch()
         (self.folder / "sub").mkdir()
         meshes, maps = {"c.ply", "d.obj", "e.off", "j.vtp"}, {"f.dx", "g.vti", "k.dx.gz"}
-        atoms = {"a.xyzr", "b.pqr.gz", "i.cif.gz"}
+        atoms = {"a.xyzr", "b.pqr.gz", "i.cif.gz", "m.pdb12.gz", "n.pdbx", "o.mcif"}
         for line, expected in (
                 ("", atoms | {"sub", "diff"}),
                 ("di", {"diff"}),

@@ -74,6 +74,19 @@ class Files(TestCase):
             lines = (self.folder / "out").read_text().splitlines()
             self.assertEqual([line[:6] for line in lines], ["ATOM  "] * 4 + ["END"])
 
+    def test_assembly_of_several_models_is_refused(self):
+        model = [*map(atom, BACKBONE), "ENDMDL\n"]
+        text = "".join(["MODEL        1\n", *model, "MODEL        2\n", *model])
+        for name in ("a.pdb1", "a.PDB12.gz"):
+            source = self.folder / name
+            source.write_bytes(gzip.compress(text.encode()) if name.endswith("gz") else
+                               text.encode())
+            with self.assertRaisesRegex(common.Failed, "2 models, which are the copies"):
+                pdb_to_pqr.write_protein(source, self.folder / "out")
+        source = self.folder / "a.pdb"
+        source.write_text(text)
+        pdb_to_pqr.write_protein(source, self.folder / "out")
+
     def test_file_without_atoms_is_refused(self):
         source = self.folder / "a.pdb"
         for text in ("", "END\n", atom(" H  "), atom(" N  ")):

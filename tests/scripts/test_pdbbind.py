@@ -122,6 +122,18 @@ class Results(PdbbindTest):
         status = json.loads((self.output / "a/status.json").read_text())
         self.assertEqual(status["report"]["structure"]["radii"], "protor")
 
+    def test_assembly_files_have_ids_of_their_own(self):
+        record = "ATOM      1  CA  ALA A   1       0.000   0.000   0.000  1.00  0.00           C\n"
+        for name in ("a.pdb", "a.pdb1", "b.pdbx.pdb"):
+            (self.input / name).write_text(record)
+        (self.input / "a.pdb2").write_text(f"MODEL        1\n{record}ENDMDL\n"
+                                           f"MODEL        2\n{record}ENDMDL\n")
+        self.run_pdbbind("--radii", "bondi", code=1)
+        rows = summary(self.output)
+        self.assertEqual(list(rows), ["a", "a.pdb1", "a.pdb2", "b.pdbx"])
+        self.assertEqual([rows[name]["status"] for name in ("a", "a.pdb1")], ["done"] * 2)
+        self.assertIn("2 models, which are the copies of an assembly", rows["a.pdb2"]["status"])
+
     def test_options_of_structure_files_reach_the_program(self):
         self.add("a.cif.gz", PROJECT / "tests/data/1a8o.cif.gz")
         self.run_pdbbind("--radii", "protor", "--", "--waters")
