@@ -1884,6 +1884,21 @@ TEST_CASE("the program reads a PDB file and reports the atoms that it leaves out
   check_json(sandbox, json.out, "r['structure']['radii_by_element'][0]['element']", "'C'");
   check_json(sandbox, json.out, "r['structure']['assembly']", "None");
 
+  // The chain B is not in the assembly, and the ion is on its axis.
+  eses::detail::test::write_file(
+      sandbox.directory() / "dimer.pdb",
+      dimer_remarks.substr(0, dimer_remarks.rfind("10.00000")) + " 0.00000\n" + line_of({.x = 3}) +
+          line_of({.chain = "B", .x = 9}) +
+          line_of({.record = "HETATM", .name = "ZN  ", .residue = " ZN", .z = 7, .element = "ZN"}));
+  const Outcome dimer = sandbox.run({"dimer.pdb", "--assembly", "1", "--write", "none"});
+  CHECK(contains(dimer.out, "read: 1 ATOM record, 1 HETATM record; assembly 1 by 2 operators\n"));
+  CHECK(contains(dimer.out,
+                 "left out: 1 atom not in the assembly, 1 image that coincides with an "
+                 "earlier one\n"));
+  const Outcome counts = sandbox.run({"dimer.pdb", "--assembly", "1", "--write", "none", "--json"});
+  check_json(sandbox, counts.out, "r['structure']['left_out']['assembly']", "1");
+  check_json(sandbox, counts.out, "r['structure']['left_out']['images']", "1");
+
   // Standard input gives the same result.
   const Outcome piped = sandbox.run({"-", "--format", "pdb", "--write", "none"}, "< m.pdb");
   CHECK(contains(piped.out, "read: 2 ATOM records, 1 HETATM record\n"));
