@@ -1500,8 +1500,15 @@ TEST_CASE("assemblies with an incomplete description are refused with the cause"
   const std::string atoms = line_of({}) + line_of({.chain = "B"});
   const std::string start = "t.pdb: assembly 1 has no atoms: REMARK 350 has no ";
   const std::string remarks = remarks_of("1", {0});
-  CHECK(pdb_error(remarks.substr(0, remarks.find("REMARK 350   BIOMT3")) + atoms, options) ==
-        start + "complete operator (BIOMT1 to BIOMT3) for its chains");
+  CHECK(pdb_error(remarks.substr(0, remarks.find("REMARK 350   BIOMT1")) + atoms, options) ==
+        start + "operator for its chains");
+  CHECK(contains(pdb_error(remarks.substr(0, remarks.find("REMARK 350   BIOMT3")) + atoms, options),
+                 ": expected the record BIOMT3 of an operator"));
+  std::string without_second = remarks;
+  const std::size_t second = remarks.find("REMARK 350   BIOMT2");
+  without_second.erase(second, remarks.find('\n', second) + 1 - second);
+  CHECK(contains(pdb_error(without_second + atoms, options),
+                 ": expected the record BIOMT2 of an operator, found BIOMT3"));
   CHECK(pdb_error("REMARK 350 BIOMOLECULE: 1\n" + atoms, options) ==
         start + "list of chains for it");
   CHECK(pdb_error(remarks_of("1", {0}, "") + atoms, options) == start + "list of chains for it");

@@ -106,7 +106,7 @@ void check_description(const gemmi::Assembly& assembly, const std::string& id,
   std::string_view cause = is_pdb ? "REMARK 350 has no list of chains for it"
                                   : "_pdbx_struct_assembly_gen.asym_id_list has no chains for it";
   if (has_any_chains)  // cannot happen in mmCIF, where each list of chains has operators
-    cause = "REMARK 350 has no complete operator (BIOMT1 to BIOMT3) for its chains";
+    cause = "REMARK 350 has no operator for its chains";
   throw Error(formatted("{}: assembly {} has no atoms: {}", text.name, printable(id), cause));
 }
 

@@ -238,6 +238,7 @@ class PdbRecords {
       lines_.fail("the record ends before its coordinates; the file seems to be damaged");
     for (std::size_t axis = 0; axis < 3; ++axis)
       check_number(line, coordinate_columns[axis], std::string_view("xyz").substr(axis, 1));
+    require_whole_operator();
     // gemmi begins a model at an atom outside of models, too.
     if (!is_in_model_) begin_model(std::nullopt);
     has_atoms_ = true;
@@ -340,19 +341,34 @@ class PdbRecords {
     return write(formatted("MODEL     {:4}", model_numbers_.size()));
   }
 
-  // gemmi would read invalid numbers as 0.
+  // gemmi would read invalid numbers as 0, and take missing rows from the identity.
   char* write_operator(std::string_view line) {
-    constexpr std::size_t width = 10;
-    if (line.size() > 11 && line.substr(11).starts_with("  BIOMT"))
+    constexpr std::size_t type_column = 11, width = 10;
+    constexpr std::string_view type = "  BIOMT";
+    if (line.size() > type_column && line.substr(type_column).starts_with(type)) {
+      const std::string_view row = line.substr(type_column + type.size()).substr(0, 1);
+      if (row != std::to_string(operator_rows_ + 1))
+        lines_.fail(formatted("expected the record BIOMT{} of an operator, found BIOMT{}",
+                              operator_rows_ + 1, printable(row)));
       for (const std::size_t column : std::array<std::size_t, 4>{23, 33, 43, 58})
         check_number(line, {column, width}, "the operator");
+      operator_rows_ = (operator_rows_ + 1) % 3;
+    } else {
+      require_whole_operator();
+    }
     return write(line);
+  }
+
+  void require_whole_operator() const {
+    if (operator_rows_ != 0)
+      lines_.fail(formatted("expected the record BIOMT{} of an operator", operator_rows_ + 1));
   }
 
   PdbLines lines_, all_lines_;
   bool with_assemblies_;
   std::span<char> record_;  // gemmi's buffer
   bool has_atoms_ = false, is_in_model_ = false, has_pending_model_ = false;
+  int operator_rows_ = 0;  // number of rows of an unfinished operator
   std::vector<int> model_numbers_;
   // Residue names of four letters by the lines from which on they hold; empty if gemmi reads the
   // name.
