@@ -444,8 +444,8 @@ TEST_CASE("PDB: atoms after an END record are refused", "[structure]") {
   // `cat receptor.pdb ligand.pdb` gives such a file.
   const std::string atom = line_of({}), other = line_of({.record = "HETATM", .x = 9});
   const std::string message =
-      "t.pdb:2: atoms follow an END record; remove the record, or separate models by MODEL and "
-      "ENDMDL";
+      "t.pdb:2: atoms follow an END record; remove the record, or put each model between MODEL and "
+      "ENDMDL, without END";
   CHECK(pdb_error(atom + "END\n" + atom) == message);
   CHECK(pdb_error(atom + "END   \r\nREMARK\n\n" + other) == message);
   CHECK(pdb_error(atom + "END\nMODEL        2\n" + atom + "ENDMDL\n") == message);
@@ -529,6 +529,9 @@ TEST_CASE("PDB: metals and halogens of ligands are not the elements of their fir
   CHECK(derived_element(" Cl1", "LIG") == "Cl");
   CHECK(derived_element(" Br1", "LIG") == "Br");
   CHECK(derived_element(" Ca1", "LIG") == "C");
+  CHECK(derived_element(" Co ", "LIG") == "Co");
+  CHECK(derived_element(" Zn1", "LIG") == "Zn");
+  CHECK(derived_element(" FE ", "HEM") == "Fe");
   CHECK(derived_element("CU1 ", "CUA") == "Cu");
   // In a file whose names all begin in the first column.
   for (const std::string name : {"CLAA", "CL1 ", "BRAB", "FE  ", "CU1 ", "NI  ", "SI1 ", "PT1 "}) {
@@ -539,6 +542,13 @@ TEST_CASE("PDB: metals and halogens of ligands are not the elements of their fir
   }
   CHECK(derived_element("CA  ", "LIG", "C1  ") == "C");
   CHECK(derived_element("HG  ", "LIG", "C1  ") == "H");
+  const std::string water = without_element({.record = "HETATM", .name = " O  ", .residue = "HOH"});
+  StructureOptions keep;
+  keep.with_waters = true;
+  keep.radii = "bondi";
+  const std::string carbon =
+      without_element({.record = "HETATM", .name = "CA  ", .residue = "LIG", .x = 9});
+  CHECK(read_pdb(carbon + water, keep).atoms.at(0).radius == 1.70);
   StructureOptions bondi;
   bondi.radii = "bondi";
   const std::string selenium = without_element({.name = " SE ", .residue = "MSE"});
@@ -564,6 +574,9 @@ TEST_CASE("PDB: residue names may have four letters", "[structure]") {
   // Chain names may have two letters, too.
   CHECK(names({"ALAAB", "LIGAC"}) == Names{"AB ALA 1 CA", "AC LIG 1 CA"});
   CHECK(names({"NLEUA", "ALAUA"}) == Names{"UA NLE 1 CA", "UA ALA 1 CA"});
+  CHECK(names({"  AAB", "PARAB"}) == Names{"AB A 1 CA", "AB PAR 1 CA"});
+  CHECK(names({"HISDA", "NALAA"}) == Names{"A HISD 1 CA", "A NALA 1 CA"});
+  CHECK(names({"POPCA", "POPEA"}) == Names{"A POPC 1 CA", "A POPE 1 CA"});
   CHECK(names({"NLEUA", "ALA A"}) == Names{"A NLEU 1 CA", "A ALA 1 CA"});
   StructureOptions bondi;
   bondi.radii = "bondi";
@@ -591,6 +604,13 @@ TEST_CASE("PDB: MODEL records may have any number and lack an end", "[structure]
     CHECK(file.atoms.size() == 1);
   }
   CHECK(read_pdb(text_of_models({"REMARK    5   5", "MODEL"})).structure->model == "1");
+  CHECK(read_pdb(text_of_models({"MODEL1", "MODEL2"})).structure->models == 2);
+}
+
+TEST_CASE("PDB: many blank lines take linear time", "[structure]") {
+  // In quadratic time this would take an hour.
+  const std::string blank(1000000, '\n');
+  CHECK(read_pdb(line_of({}) + blank + line_of({.x = 9})).atoms.size() == 2);
 }
 
 TEST_CASE("PDB: long lines count as one line", "[structure]") {
@@ -1162,6 +1182,60 @@ TEST_CASE("mmCIF: without group_PDB the residue name tells HETATM records", "[st
   CHECK(read_mmcif(atom_table(columns, known), options).structure->atom_records == 6);
 }
 
+TEST_CASE("molecules with the same name and number are not alternatives", "[structure]") {
+  // Numbers begin again after 9999.
+  const std::string first = line_of({.record = "HETATM", .residue = "LIG"});
+  const std::string second =
+      line_of({.record = "HETATM", .altloc = 'A', .residue = "LIG", .x = 9, .occupancy = 0.6}) +
+      line_of({.record = "HETATM", .altloc = 'B', .residue = "LIG", .x = 9.5, .occupancy = 0.4});
+  const AtomFile file =
+      read_pdb(first + first.substr(0, 30) + "       5" + first.substr(38) + second);
+  REQUIRE(file.atoms.size() == 3);
+  CHECK(file.atoms[2].center.x == 9);
+  std::string waters;
+  for (int i = 0; i < 3; ++i)
+    waters += line_of(
+        {.name = " OW ", .residue = "SOL", .x = static_cast<double>(20 + 5 * i), .element = " O"});
+  CHECK(read_pdb(first + waters).atoms.size() == 1);
+  // The same in mmCIF.
+  const std::vector<std::string> columns{"type_symbol", "label_atom_id", "label_comp_id",
+                                         "auth_seq_id", "label_alt_id",  "Cartn_x",
+                                         "Cartn_y",     "Cartn_z"};
+  CHECK(read_mmcif(atom_table(columns,
+                              "C C1 LIG 1 . 0 0 0\nC C1 LIG 1 . 5 0 0\nC C1 LIG 1 A 9 0 0\n"
+                              "C C1 LIG 1 B 9.5 0 0\nO OW SOL 2 . 20 0 0\nO OW SOL 2 . 25 0 0\n"))
+            .atoms.size() == 3);
+}
+
+TEST_CASE("alternate locations of two segments are chosen separately", "[structure]") {
+  const auto atom = [](const std::string& segment, char altloc, double occupancy, double x) {
+    std::string line = line_of({.altloc = altloc, .x = x, .occupancy = occupancy});
+    return line.replace(72, 4, segment);
+  };
+  const AtomFile file = read_pdb(atom("AAAA", 'A', 0.3, 1) + atom("AAAA", 'B', 0.7, 2) +
+                                 atom("BBBB", 'A', 0.9, 11) + atom("BBBB", 'B', 0.1, 12));
+  REQUIRE(file.atoms.size() == 2);
+  CHECK(file.atoms[0].center.x == 2);
+  CHECK(file.atoms[1].center.x == 11);
+}
+
+TEST_CASE("a polymer may have several parts", "[structure]") {
+  StructureOptions options;
+  options.select = ";polymer";
+  const std::string part = line_of({}), next = line_of({.number = "   9 ", .x = 9});
+  const std::string ligand = line_of({.record = "HETATM", .residue = "LIG", .x = 20});
+  CHECK(read_pdb(part + "TER\n" + next + "TER\n" + ligand, options).atoms.size() == 2);
+  // In mmCIF the entity of a residue decides.
+  const std::vector<std::string> columns{"type_symbol", "label_atom_id",   "label_comp_id",
+                                         "auth_seq_id", "label_entity_id", "label_asym_id",
+                                         "Cartn_x",     "Cartn_y",         "Cartn_z"};
+  CHECK(read_mmcif(atom_table(columns,
+                              "C CA ALA 1 1 A 0 0 0\nC CA ALA 2 1 A 4 0 0\nC C1 LIG 3 2 A 9 0 0\n"
+                              "loop_\n_entity.id\n_entity.type\n1 polymer\n2 non-polymer\n"),
+                   options)
+            .atoms.size() == 2);
+}
+
 TEST_CASE("mmCIF: columns that programs leave out have defaults", "[structure]") {
   // PyMOL does not write auth_seq_id.
   const std::vector<std::string> columns{"type_symbol",  "label_atom_id", "label_comp_id",
@@ -1509,6 +1583,13 @@ TEST_CASE("assemblies with an incomplete description are refused with the cause"
   without_second.erase(second, remarks.find('\n', second) + 1 - second);
   CHECK(contains(pdb_error(without_second + atoms, options),
                  ": expected the record BIOMT2 of an operator, found BIOMT3"));
+  std::string mixed = remarks;
+  mixed[second + 22] = '7';
+  CHECK(contains(pdb_error(mixed + atoms, options),
+                 ": expected a row of operator 1, found one of operator 7"));
+  const std::string last = remarks.substr(remarks.find("REMARK 350   BIOMT1"), 70);
+  CHECK(contains(pdb_error(remarks + atoms + last.substr(0, last.find('\n') + 1), options),
+                 ": expected the record BIOMT2 of an operator"));
   CHECK(pdb_error("REMARK 350 BIOMOLECULE: 1\n" + atoms, options) ==
         start + "list of chains for it");
   CHECK(pdb_error(remarks_of("1", {0}, "") + atoms, options) == start + "list of chains for it");

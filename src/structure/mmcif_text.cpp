@@ -8,6 +8,7 @@
 #include <gemmi/cif.hpp>
 #include <gemmi/mmcif.hpp>
 #include <initializer_list>
+#include <map>
 #include <new>
 #include <set>
 #include <utility>
@@ -16,6 +17,7 @@
 #include "io/text_fields.hpp"
 #include "structure/mmcif_assemblies.hpp"
 #include "structure/mmcif_atoms.hpp"
+#include "structure/split_residues.hpp"
 
 namespace eses::detail {
 namespace {
@@ -228,6 +230,22 @@ void add_subchains(gemmi::Structure& structure) {
     }
 }
 
+/// Gives residues the types of their entities. gemmi finds the entity by the subchain. If the file
+/// lacks _struct_asym, a subchain may have residues of several entities.
+void set_entity_types(gemmi::Structure& structure, bool has_subchains) {
+  gemmi::impl::fill_residue_entity_type(structure);
+  if (has_subchains) return;
+  std::map<std::string, gemmi::EntityType> types;
+  for (const gemmi::Entity& entity : structure.entities)
+    if (entity.entity_type != gemmi::EntityType::Unknown)
+      types.emplace(entity.name, entity.entity_type);
+  for (gemmi::Model& model : structure.models)
+    for (gemmi::Chain& chain : model.chains)
+      for (gemmi::Residue& residue : chain.residues)
+        if (const auto type = types.find(residue.entity_id); type != types.end())
+          residue.entity_type = type->second;
+}
+
 }  // namespace
 
 gemmi::Structure parse_mmcif_text(std::string_view text, const std::string& name,
@@ -247,8 +265,10 @@ gemmi::Structure parse_mmcif_text(std::string_view text, const std::string& name
     gemmi::Structure structure = gemmi::make_structure_from_block(block);
     structure.assemblies = std::move(assemblies);
     structure.models = std::move(models);
-    if (!block.find("_struct_asym.", {"id", "entity_id"}).ok()) add_subchains(structure);
-    gemmi::impl::fill_residue_entity_type(structure);
+    split_residues(structure);
+    const bool has_subchains = block.find("_struct_asym.", {"id", "entity_id"}).ok();
+    if (!has_subchains) add_subchains(structure);
+    set_entity_types(structure, has_subchains);
     return structure;
   } catch (const std::bad_alloc&) {
     throw;

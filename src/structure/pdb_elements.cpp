@@ -54,12 +54,6 @@ std::string_view stem_of(std::string_view name) {
   return name;
 }
 
-/// Returns whether an atom is the only one of its residue, as in the residues CA, FE2 and 3CO.
-bool is_ion(std::string_view name, std::string_view residue) {
-  if (is_polymer_residue(residue)) return name == residue;
-  return !stem_of(name).empty() && stem_of(name) == stem_of(residue);
-}
-
 std::string ion_element(std::string_view name) {
   const std::string_view stem = stem_of(name);
   for (const auto& [ion, element] : charmm_ions)
@@ -76,19 +70,29 @@ std::string hydrogen_or_mercury(std::string_view name_columns, std::string_view 
   return is_mercury && !is_left_aligned ? "HG" : std::string(1, name.front());
 }
 
+/// Returns the symbol in capital letters if a name begins with a symbol whose second letter is
+/// small, such as `Cl1`; empty otherwise. `Ca` and `Nd` may be Greek letters of carbon and
+/// nitrogen.
+std::string mixed_case_element(std::string_view name) {
+  constexpr std::string_view greek = "abdeghz";
+  if (name.size() < 2 || name[1] < 'a' || name[1] > 'z') return {};
+  const bool is_ambiguous = std::string_view("CNO").find(name[0]) != std::string_view::npos &&
+                            greek.find(name[1]) != greek.npos;
+  if (is_ambiguous || !is_element(name.substr(0, 2))) return {};
+  return {name[0], static_cast<char>(name[1] - 'a' + 'A')};
+}
+
 /// Returns the element of an atom that is not of a polymer; empty if the columns of the name
 /// decide.
 std::string ligand_element(std::string_view name, bool is_left_aligned) {
-  std::string start(name.substr(0, 2));
-  const bool has_lower_case = start.size() == 2 && start[1] >= 'a' && start[1] <= 'z';
-  if (has_lower_case) {
-    start[1] = static_cast<char>(start[1] - 'a' + 'A');
-    if (contains(ligand_elements, start)) return start;
-  }
+  const std::string_view stem = stem_of(name);
+  if (stem == "FE") return "FE";  // CHARMM writes it in the second column
+  if (std::string element = mixed_case_element(name); !element.empty()) return element;
   if (!is_left_aligned) return {};
-  if (start == "CL" || start == "BR" || contains(ligand_elements, stem_of(name))) return start;
+  const std::string_view start = name.substr(0, 2);
+  if (start == "CL" || start == "BR" || contains(ligand_elements, stem)) return std::string(start);
   constexpr std::string_view elements = "CNOSPFIB";
-  return elements.find(name.front()) == elements.npos ? std::string() : start.substr(0, 1);
+  return std::string(elements.find(name.front()) == elements.npos ? "" : name.substr(0, 1));
 }
 
 }  // namespace
@@ -98,6 +102,11 @@ bool is_polymer_residue(std::string_view residue) {
     residue.remove_prefix(1);  // the first or last residue of a chain in Amber's files
   const gemmi::ResidueInfo& info = gemmi::find_tabulated_residue(std::string(residue));
   return info.is_amino_acid() || info.is_nucleic_acid() || contains(md_residues, residue);
+}
+
+bool is_ion(std::string_view name, std::string_view residue) {
+  if (is_polymer_residue(residue)) return name == residue;
+  return !stem_of(name).empty() && stem_of(name) == stem_of(residue);
 }
 
 std::string element_by_name(std::string_view name_columns, std::string_view residue,
@@ -111,7 +120,8 @@ std::string element_by_name(std::string_view name_columns, std::string_view resi
     return is_known ? std::string(1, name.front())
                     : hydrogen_or_mercury(name_columns, name, is_left_aligned);
   if (!is_known) return ligand_element(name, is_left_aligned);
-  if (name.starts_with("SE")) return "SE";
+  for (const std::string_view element : {"SE", "CL", "BR"})
+    if (stem_of(name) == element) return std::string(element);
   constexpr std::string_view elements = "CNOSP";
   return std::string(elements.find(name.front()) == elements.npos ? "" : name.substr(0, 1));
 }

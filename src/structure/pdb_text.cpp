@@ -28,6 +28,7 @@
 #include "io/text_fields.hpp"
 #include "structure/messages.hpp"
 #include "structure/pdb_elements.hpp"
+#include "structure/split_residues.hpp"
 #include "system/formatted.hpp"
 
 namespace eses::detail {
@@ -70,18 +71,29 @@ bool is_assembly_record(std::string_view record) {
   return lower_case(std::string(record.substr(0, 10))) == "remark 350";
 }
 
+/// The number of the model may follow without a blank.
+bool is_model_record(std::string_view type) {
+  return type.starts_with("model") && (type.size() == 5 || is_digit(type[5]) || is_blank(type[5]));
+}
+
 bool has_element(std::string_view record) {
   const std::string_view field = field_of(record, element_columns);
   return record.size() > element_columns.first + 1 &&
          std::any_of(field.begin(), field.end(), is_letter);
 }
 
+// Residue names of four letters in GROMACS and CHARMM that begin with the name of an amino acid,
+// and names of water.
+constexpr std::array<std::string_view, 23> long_residues{
+    "ARGN", "ASPH", "ASPP", "CYS2", "CYSD", "CYSH", "GLUH", "GLUP", "HIS1", "HIS2", "HISA", "HISB",
+    "HISD", "HISE", "HISH", "LYSH", "LYSN", "TYRH", "TIP3", "TIP4", "TIP5", "SPCE", "TIP2"};
+
 /// Returns whether the four columns after the atom name are a residue name of four letters by
 /// itself, such as NALA or TIP3, whatever the names of chains.
 bool is_known_long_residue(std::string_view name) {
-  constexpr std::array<std::string_view, 4> waters{"TIP3", "TIP4", "TIP5", "SPCE"};
-  return name.size() == 4 && (is_polymer_residue(name) ||
-                              std::find(waters.begin(), waters.end(), name) != waters.end());
+  return name.size() == 4 &&
+         (is_polymer_residue(name) ||
+          std::find(long_residues.begin(), long_residues.end(), name) != long_residues.end());
 }
 
 /// Returns the four columns after the atom name if all of them are filled.
@@ -98,7 +110,10 @@ std::string_view long_residue_of(std::string_view record) {
 class PdbLines {
  public:
   PdbLines(std::string_view text, std::string_view name, Checker& checker)
-      : rest_(text), name_(name), checker_(checker) {}
+      : rest_(text),
+        name_(name),
+        checker_(checker),
+        padding_size_(text.size() - (text.find_last_not_of(padding) + 1)) {}
 
   /// Returns the next line without its end, or nothing at the end of the text.
   std::optional<std::string_view> next() {
@@ -110,7 +125,7 @@ class PdbLines {
     rest_.remove_prefix(std::min(end + 1, rest_.size()));
     while (line.ends_with('\r')) line.remove_suffix(1);
     // NUL characters are accepted as padding at the end of the text.
-    if (rest_.find_first_not_of(padding) == rest_.npos)
+    if (rest_.size() <= padding_size_)
       while (line.ends_with('\0')) line.remove_suffix(1);
     return line;
   }
@@ -125,14 +140,19 @@ class PdbLines {
 
   std::string_view rest_, name_;
   Checker& checker_;
+  std::size_t padding_size_;  // number of characters of padding at the end of the text
   std::uint64_t number_ = 0;
 };
+
+bool is_water_name(std::string_view residue) {
+  return gemmi::find_tabulated_residue(std::string(residue)).is_water();
+}
 
 /// Properties of a whole text on which the meaning of its columns depends.
 struct PdbLayout {
   /// Whether the names of all atoms without an element begin in the first column of the name,
-  /// although names of one letter belong in the second column. Only the residues that are not
-  /// polymers count, because a ligand may be appended to a protein.
+  /// although names of one letter belong in the second column. Only ligands count, because a ligand
+  /// may be appended to a protein with water and ions.
   bool is_left_aligned = true;
   /// Whether chain names have two letters, the first of which follows the residue name.
   bool has_long_chain_names = false;
@@ -142,11 +162,15 @@ PdbLayout layout_of(PdbLines lines) {
   PdbLayout layout;
   while (const std::optional<std::string_view> record = lines.next()) {
     if (!is_atom_record(*record)) continue;
-    const bool is_polymer = is_polymer_residue(field_of(*record, residue_columns));
-    const std::string_view long_residue = long_residue_of(*record);
-    if (is_polymer && !long_residue.empty() && !is_known_long_residue(long_residue))
+    const std::string_view residue = field_of(*record, residue_columns);
+    const bool is_polymer = is_polymer_residue(residue), is_water = is_water_name(residue);
+    const bool has_fourth_column = !field_of(*record, {chain_columns.first, 1}).empty();
+    if ((is_polymer || is_water) && has_fourth_column &&
+        !is_known_long_residue(long_residue_of(*record)))
       layout.has_long_chain_names = true;
-    if (!is_polymer && !has_element(*record) && record->substr(0, 13).ends_with(' '))
+    const bool is_ligand =
+        !is_polymer && !is_water && !is_ion(field_of(*record, name_columns), residue);
+    if (is_ligand && !has_element(*record) && record->substr(0, 13).ends_with(' '))
       layout.is_left_aligned = false;
   }
   return layout;
@@ -175,7 +199,7 @@ class PdbRecords {
       if (is_atom_record(*line)) return write_atom(*line);
       if (with_assemblies_ && is_assembly_record(*line)) return write_operator(*line);
       const std::string type = type_of(*line);
-      if (type == "model") return write_model(*line);
+      if (is_model_record(type)) return write_model(*line);
       if (type == "endmdl") is_in_model_ = false;
       const bool has_other_format = type.starts_with("data_") || type.starts_with('{');
       if (type == "endmdl" || type == "end" || type == "ter" || has_other_format)
@@ -193,8 +217,14 @@ class PdbRecords {
       if (is_atom_record(*line))
         fail_at_line(
             lines_.name(), last_line,
-            "atoms follow an END record; remove the record, or separate models by MODEL and "
-            "ENDMDL");
+            "atoms follow an END record; remove the record, or put each model between MODEL and "
+            "ENDMDL, without END");
+  }
+
+  /// Throws Error if the last operator lacks rows.
+  void require_whole_operator() const {
+    if (operator_rows_ != 0)
+      lines_.fail(formatted("expected the record BIOMT{} of an operator", operator_rows_ + 1));
   }
 
   /// Gives models and residues the names that gemmi cannot read.
@@ -267,9 +297,8 @@ class PdbRecords {
   }
 
   bool is_long_residue(std::string_view name) {
-    const gemmi::ResidueInfo& start =
-        gemmi::find_tabulated_residue(std::string(name.substr(0, residue_columns.width)));
-    const bool is_known = start.is_water() || start.is_amino_acid() || start.is_nucleic_acid();
+    const std::string_view start = name.substr(0, residue_columns.width);
+    const bool is_known = is_polymer_residue(start) || is_water_name(start);
     return (is_known_long_residue(name) || !is_known) && !layout().has_long_chain_names;
   }
 
@@ -350,6 +379,11 @@ class PdbRecords {
       if (row != std::to_string(operator_rows_ + 1))
         lines_.fail(formatted("expected the record BIOMT{} of an operator, found BIOMT{}",
                               operator_rows_ + 1, printable(row)));
+      const std::string_view number = field_of(line, {19, 4});
+      if (operator_rows_ == 0) operator_number_ = number;
+      if (number != operator_number_)
+        lines_.fail(formatted("expected a row of operator {}, found one of operator {}",
+                              printable(operator_number_), printable(number)));
       for (const std::size_t column : std::array<std::size_t, 4>{23, 33, 43, 58})
         check_number(line, {column, width}, "the operator");
       operator_rows_ = (operator_rows_ + 1) % 3;
@@ -359,16 +393,12 @@ class PdbRecords {
     return write(line);
   }
 
-  void require_whole_operator() const {
-    if (operator_rows_ != 0)
-      lines_.fail(formatted("expected the record BIOMT{} of an operator", operator_rows_ + 1));
-  }
-
   PdbLines lines_, all_lines_;
   bool with_assemblies_;
   std::span<char> record_;  // gemmi's buffer
   bool has_atoms_ = false, is_in_model_ = false, has_pending_model_ = false;
   int operator_rows_ = 0;  // number of rows of an unfinished operator
+  std::string_view operator_number_;
   std::vector<int> model_numbers_;
   // Residue names of four letters by the lines from which on they hold; empty if gemmi reads the
   // name.
@@ -384,9 +414,11 @@ gemmi::Structure parse_pdb_text(std::string_view text, std::string_view name, bo
   try {
     gemmi::Structure structure =
         gemmi::pdb_impl::read_pdb_from_stream(records, std::string(name), gemmi::PdbReadOptions());
+    records.require_whole_operator();
     records.refuse_further_atoms();
     if (!records.has_atoms())
       throw Error(no_atoms_message(name, AtomFormat::pdb, records.lines().number()));
+    split_residues(structure);
     records.restore_names(structure);
     return structure;
   } catch (const Error&) {

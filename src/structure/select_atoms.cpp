@@ -15,12 +15,14 @@
 #include <map>
 #include <set>
 #include <string>
+#include <tuple>
 #include <utility>
 #include <vector>
 
 #include "eses/error.hpp"
 #include "io/text_fields.hpp"
 #include "structure/messages.hpp"
+#include "structure/pdb_elements.hpp"
 #include "system/formatted.hpp"
 
 namespace eses::detail {
@@ -119,14 +121,24 @@ gemmi::Selection parse_selection(const std::string& text) {
   }
 }
 
-/// Derives the kind of each residue from its name where an mmCIF file gives neither entities nor
-/// separate labels for the polymer, ligands and water of a chain. gemmi has given all of them the
-/// kind of the first residue.
-void correct_entity_types(gemmi::Structure& structure) {
-  if (structure.input_format != gemmi::CoorFormat::Mmcif || !structure.entities.empty()) return;
-  for (gemmi::Model& model : structure.models)
-    for (gemmi::Chain& chain : model.chains)
-      if (chain.subchains().size() == 1) gemmi::add_entity_types(chain, true);
+/// Derives the kind of each residue from its name where the file does not tell it. In mmCIF files
+/// gemmi has then given all residues of a chain the kind of the first one. In PDB files it takes
+/// all residues after the first TER record of a chain for ligands.
+void correct_entity_types(gemmi::Model& model, gemmi::CoorFormat format) {
+  const auto has_entity = [](const gemmi::Residue& residue) { return !residue.entity_id.empty(); };
+  for (gemmi::Chain& chain : model.chains) {
+    if (format == gemmi::CoorFormat::Mmcif) {
+      if (chain.subchains().size() == 1 &&
+          std::none_of(chain.residues.begin(), chain.residues.end(), has_entity))
+        gemmi::add_entity_types(chain, true);
+      continue;
+    }
+    gemmi::add_entity_types(chain, false);
+    for (gemmi::Residue& residue : chain.residues)
+      if (residue.entity_type == gemmi::EntityType::NonPolymer && !is_hetatm(residue) &&
+          is_polymer_residue(residue.name))
+        residue.entity_type = gemmi::EntityType::Polymer;
+  }
 }
 
 std::uint64_t keep_selected(gemmi::Structure& structure, gemmi::Model& model,
@@ -136,11 +148,7 @@ std::uint64_t keep_selected(gemmi::Structure& structure, gemmi::Model& model,
   if (!selection.matches(model))
     throw Error(formatted("{}: --select names model {}, but model {} is read; use --model {}", file,
                           selection.mdl, printable(model.name), selection.mdl));
-  // Residues are assigned to entities only if the selection uses these, as in `;polymer`.
-  if (!selection.entity_types.all) {
-    correct_entity_types(structure);
-    gemmi::setup_entities(structure);
-  }
+  if (!selection.entity_types.all) correct_entity_types(model, structure.input_format);
   std::uint64_t count =
       drop(model.chains, [&](const gemmi::Chain& chain) { return !selection.matches(chain); });
   count += drop_residues(
@@ -161,12 +169,12 @@ bool has_altloc(const gemmi::Atom& atom) { return atom.altloc != '\0'; }
 /// a modified residue may come after the end of its chain.
 std::vector<ResidueGroup> residue_groups(gemmi::Model& model) {
   std::vector<ResidueGroup> groups;
-  std::map<std::pair<std::string, std::string>, std::size_t> indices;
+  std::map<std::tuple<std::string, std::string, std::string>, std::size_t> indices;
   for (gemmi::Chain& chain : model.chains)
     for (gemmi::Residue& residue : chain.residues) {
       if (std::none_of(residue.atoms.begin(), residue.atoms.end(), has_altloc)) continue;
-      const auto [at, is_new] =
-          indices.emplace(std::pair(chain.name, residue.seqid.str()), groups.size());
+      const auto [at, is_new] = indices.emplace(
+          std::tuple(chain.name, residue.segment, residue.seqid.str()), groups.size());
       if (is_new) groups.emplace_back();
       groups[at->second].push_back(&residue);
     }
@@ -202,20 +210,43 @@ char best_altloc(const std::map<char, double>& occupancies) {
   return best;
 }
 
-/// Keeps one location of each atom. This is `wanted` or else, if the atom has a location without a
-/// letter, the one with the highest occupancy; or else `best` or the one with the highest
-/// occupancy. Returns the number of removed atoms.
+/// The occupancies of the locations of an atom.
+using Locations = std::map<char, double>;
+
+/// Returns whether the location without a letter is an alternative to those with one. Otherwise,
+/// the occupancies of two atoms with the same name add up to more than 1.
+bool is_blank_alternative(const Locations& locations) {
+  constexpr double max_sum = 1.01;  // files have two decimals
+  double sum = 0;
+  for (const auto& [altloc, occupancy] : locations) sum += occupancy;
+  return sum <= max_sum;
+}
+
+/// Returns the location to keep: `wanted` or else, if the atom has a location without a letter, the
+/// one with the highest occupancy; or else `best` or the one with the highest occupancy.
+char kept_location(const Locations& locations, char wanted, char best) {
+  if (wanted != '\0' && locations.contains(wanted)) return wanted;
+  return locations.contains(best) && !locations.contains('\0') ? best : best_altloc(locations);
+}
+
+/// Keeps one location of each atom. Returns the number of removed atoms.
 std::uint64_t keep_altloc(gemmi::Residue& residue, char wanted, char best) {
-  std::map<std::string, std::map<char, double>> by_name;
+  std::map<std::string, Locations> by_name;
   for (const gemmi::Atom& atom : residue.atoms)
     by_name[atom.name].emplace(atom.altloc, static_cast<double>(atom.occ));
-  const auto kept = [&](const std::map<char, double>& locations) {
-    if (wanted != '\0' && locations.contains(wanted)) return wanted;
-    return locations.contains(best) && !locations.contains('\0') ? best : best_altloc(locations);
-  };
+  std::map<std::string, char> kept;
+  std::set<std::string> with_two_atoms;
+  for (auto& [name, locations] : by_name) {
+    if (locations.size() > 1 && locations.contains('\0') && !is_blank_alternative(locations)) {
+      with_two_atoms.insert(name);
+      locations.erase('\0');
+    }
+    kept[name] = kept_location(locations, wanted, best);
+  }
   const std::size_t before = residue.atoms.size();
   gemmi::vector_remove_if(residue.atoms, [&](const gemmi::Atom& atom) {
-    return atom.altloc != kept(by_name[atom.name]);
+    if (!has_altloc(atom) && with_two_atoms.contains(atom.name)) return false;
+    return atom.altloc != kept[atom.name];
   });
   return before - residue.atoms.size();
 }
