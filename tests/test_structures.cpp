@@ -575,6 +575,7 @@ TEST_CASE("PDB: residue names may have four letters", "[structure]") {
   CHECK(names({"ALAAB", "LIGAC"}) == Names{"AB ALA 1 CA", "AC LIG 1 CA"});
   CHECK(names({"NLEUA", "ALAUA"}) == Names{"UA NLE 1 CA", "UA ALA 1 CA"});
   CHECK(names({"  AAB", "PARAB"}) == Names{"AB A 1 CA", "AB PAR 1 CA"});
+  CHECK(names({"NAGAB"}) == Names{"AB NAG 1 CA"});
   CHECK(names({"HISDA", "NALAA"}) == Names{"A HISD 1 CA", "A NALA 1 CA"});
   CHECK(names({"POPCA", "POPEA"}) == Names{"A POPC 1 CA", "A POPE 1 CA"});
   CHECK(names({"NLEUA", "ALA A"}) == Names{"A NLEU 1 CA", "A ALA 1 CA"});
@@ -640,6 +641,11 @@ TEST_CASE("waters have the names of programs of molecular dynamics", "[structure
     INFO(columns);
     CHECK(atoms(columns, " OW ", " O") == 1);
   }
+  const auto oxygen = [](char altloc) {
+    return line_of(
+        {.name = " OW ", .altloc = altloc, .residue = "SOL", .occupancy = 0.5, .element = " O"});
+  };
+  CHECK(read_pdb(line_of({.x = 9}) + oxygen('A') + oxygen('B')).atoms.size() == 1);
   // OPC is also the name of a lipid.
   CHECK(atoms("OPC A", " C1 ", " C") == 2);
 }

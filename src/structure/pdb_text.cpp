@@ -298,7 +298,8 @@ class PdbRecords {
 
   bool is_long_residue(std::string_view name) {
     const std::string_view start = name.substr(0, residue_columns.width);
-    const bool is_known = is_polymer_residue(start) || is_water_name(start);
+    const bool is_known =
+        is_polymer_residue(start) || gemmi::find_tabulated_residue(std::string(start)).found();
     return (is_known_long_residue(name) || !is_known) && !layout().has_long_chain_names;
   }
 

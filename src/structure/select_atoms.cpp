@@ -293,11 +293,12 @@ bool is_water(const gemmi::Residue& residue) {
                                                    "SPC", "SPCE", "SPE",  "OPC",  "OP3"};
   if (residue.is_water()) return true;
   if (std::find(names.begin(), names.end(), residue.name) == names.end()) return false;
-  const auto count = [&](gemmi::El element) {
-    return std::count_if(residue.atoms.begin(), residue.atoms.end(),
-                         [&](const gemmi::Atom& atom) { return atom.element == element; });
-  };
-  return count(gemmi::El::O) == 1 && count(gemmi::El::C) == 0 && count(gemmi::El::P) == 0;
+  std::set<std::string> oxygens;  // names, because an oxygen may have alternate locations
+  for (const gemmi::Atom& atom : residue.atoms) {
+    if (atom.element == gemmi::El::C || atom.element == gemmi::El::P) return false;
+    if (atom.element == gemmi::El::O) oxygens.insert(atom.name);
+  }
+  return oxygens.size() == 1;
 }
 
 void count_kept(const gemmi::Model& model, StructureReport& report) {
