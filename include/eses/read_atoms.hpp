@@ -18,8 +18,7 @@ namespace eses {
 enum class AtomFormat {
   /// The format is given by the suffix: `.pqr` for PQR, `.pdb`, `.pdb1`, `.pdb2` and so on, and
   /// `.ent` for PDB, `.cif`, `.mmcif`, `.mcif` and `.pdbx` for mmCIF, also with an additional
-  /// `.gz`.
-  /// All other files are xyzr.
+  /// `.gz`. All other files are xyzr.
   automatic,
   /// One atom a line: `x y z r`. Further columns, blank lines and lines with `#` are ignored.
   xyzr,

@@ -344,12 +344,6 @@ void add_record(std::string_view line, PdbLikeness& likeness) {
 
 // ---------------------------------------------------------------- PQR files that are named .pdb
 
-/// Returns the text of columns, without leading blanks. The line may end before them.
-std::string_view column_text(std::string_view line, std::size_t column, std::size_t width) {
-  return without_trailing_blanks(
-      without_leading_blanks(line.substr(std::min(column, line.size()), width)));
-}
-
 /// Returns whether a record has the columns of a PDB file: three coordinates, then occupancy and
 /// B-factor, which may be blank.
 bool has_pdb_columns(std::string_view line, double& occupancy) {

@@ -1,7 +1,5 @@
 #include "io/pqr_labels.hpp"
 
-#include <string>
-
 #include "io/text_fields.hpp"
 
 namespace eses::detail {
@@ -12,11 +10,6 @@ namespace {
 bool holds_chain(std::string_view number) {
   if (number.size() < 2 || number[0] == '-' || is_digit(number[0])) return false;
   return is_digit(number[1]) || (number.size() > 2 && number[1] == '-' && is_digit(number[2]));
-}
-
-/// Returns the text of a column without surrounding blanks. `first` counts from 0.
-std::string column_text(std::string_view line, std::size_t first, std::size_t width) {
-  return std::string(without_trailing_blanks(without_leading_blanks(line.substr(first, width))));
 }
 
 }  // namespace

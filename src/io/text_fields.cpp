@@ -52,6 +52,11 @@ std::string_view without_trailing_blanks(std::string_view text) {
   return text;
 }
 
+std::string_view column_text(std::string_view line, std::size_t first, std::size_t width) {
+  if (first >= line.size()) return {};
+  return without_trailing_blanks(without_leading_blanks(line.substr(first, width)));
+}
+
 std::string_view take_first(std::string_view& rest) {
   rest = without_leading_blanks(rest);
   std::size_t end = 0;

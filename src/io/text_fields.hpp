@@ -24,6 +24,10 @@ bool starts_with_ignoring_case(std::string_view text, std::string_view lower_cas
 std::string_view without_leading_blanks(std::string_view text);
 std::string_view without_trailing_blanks(std::string_view text);
 
+/// Returns the text of `width` columns from `first` on, from 0, without blanks around it. The line
+/// may end before them.
+std::string_view column_text(std::string_view line, std::size_t first, std::size_t width);
+
 /// Removes the first or last field from `rest` and returns it; empty if there is none.
 std::string_view take_first(std::string_view& rest);
 std::string_view take_last(std::string_view& rest);

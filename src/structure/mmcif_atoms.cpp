@@ -164,7 +164,7 @@ class ModelBuilder {
                              : label_number_.residue_number(row, label_number);
     std::vector<gemmi::Residue>& residues = models_[model_].chains.back().residues;
     if (!residues.empty() && residues[residue_].matches(id)) return residues[residue_];
-    // As in gemmi, the case of insertion codes does not matter.
+    // The map ignores the case of insertion codes, as gemmi does.
     const auto [found, is_new] = residue_indices_.emplace(
         std::tuple(id.seqid.num.value, lower_case(id.seqid.icode), id.name), residues.size());
     residue_ = found->second;

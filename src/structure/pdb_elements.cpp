@@ -35,8 +35,8 @@ constexpr std::array<std::pair<std::string_view, std::string_view>, 9> charmm_io
 }};
 
 // Elements of two letters that are usually meant by these names in ligands, although the first
-// letter is an element, too.
-constexpr std::array<std::string_view, 11> ligand_elements{"CL", "BR", "FE", "CU", "NI", "SI",
+// letter is an element, too. Iron is one in all columns.
+constexpr std::array<std::string_view, 10> ligand_elements{"CL", "BR", "CU", "NI", "SI",
                                                            "SE", "PT", "PD", "IR", "OS"};
 
 bool contains(const auto& list, std::string_view text) {

@@ -49,9 +49,7 @@ constexpr std::size_t charge_column = 78, record_width = 80;
 
 /// Returns the text of a field without blanks around it. The record may be too short.
 std::string_view field_of(std::string_view record, const Columns& columns) {
-  if (columns.first >= record.size()) return {};
-  return without_trailing_blanks(
-      without_leading_blanks(record.substr(columns.first, columns.width)));
+  return column_text(record, columns.first, columns.width);
 }
 
 /// Returns the type of a record in lower case.
@@ -62,18 +60,17 @@ std::string type_of(std::string_view record) {
 /// Looks at four characters, as gemmi does, because records of more than 99999 atoms may have a
 /// serial number in the sixth column.
 bool is_atom_record(std::string_view record) {
-  const std::string type = lower_case(std::string(record.substr(0, 4)));
-  return type == "atom" || type == "heta";
+  return starts_with_ignoring_case(record, "atom") || starts_with_ignoring_case(record, "heta");
 }
 
 // https://www.wwpdb.org/documentation/file-format-content/format33/remarks1.html#REMARK%20350
 bool is_assembly_record(std::string_view record) {
-  return lower_case(std::string(record.substr(0, 10))) == "remark 350";
+  return starts_with_ignoring_case(record, "remark 350");
 }
 
-/// The number of the model may follow without a blank.
-bool is_model_record(std::string_view type) {
-  return type.starts_with("model") && (type.size() == 5 || is_digit(type[5]) || is_blank(type[5]));
+/// Returns whether a type is that of a MODEL record, whose number may follow without a blank.
+bool is_model_type(std::string_view type) {
+  return type.starts_with("model") && (type.size() == 5 || is_digit(type[5]));
 }
 
 bool has_element(std::string_view record) {
@@ -199,7 +196,7 @@ class PdbRecords {
       if (is_atom_record(*line)) return write_atom(*line);
       if (with_assemblies_ && is_assembly_record(*line)) return write_operator(*line);
       const std::string type = type_of(*line);
-      if (is_model_record(type)) return write_model(*line);
+      if (is_model_type(type)) return write_model(*line);
       if (type == "endmdl") is_in_model_ = false;
       const bool has_other_format = type.starts_with("data_") || type.starts_with('{');
       if (type == "endmdl" || type == "end" || type == "ter" || has_other_format)

@@ -181,8 +181,11 @@ std::vector<ResidueGroup> residue_groups(gemmi::Model& model) {
   return groups;
 }
 
+/// The occupancies of locations by their letters; the location without a letter has the key 0.
+using Locations = std::map<char, double>;
+
 /// Returns the mean occupancy of each alternate location.
-std::map<char, double> mean_occupancies(const ResidueGroup& group) {
+Locations mean_occupancies(const ResidueGroup& group) {
   std::map<char, std::pair<double, double>> sums;
   for (const gemmi::Residue* residue : group)
     for (const gemmi::Atom& atom : residue->atoms)
@@ -191,14 +194,14 @@ std::map<char, double> mean_occupancies(const ResidueGroup& group) {
         sum += static_cast<double>(atom.occ);
         ++count;
       }
-  std::map<char, double> means;
+  Locations means;
   for (const auto& [altloc, sum] : sums) means[altloc] = sum.first / sum.second;
   return means;
 }
 
 /// Returns the location with the highest occupancy, or the first one of several; 0 if there is
 /// none.
-char best_altloc(const std::map<char, double>& occupancies) {
+char best_altloc(const Locations& occupancies) {
   constexpr double equal_occupancies = 1e-5;  // files have two or three decimals
   char best = '\0';
   double highest = -std::numeric_limits<double>::infinity();
@@ -209,9 +212,6 @@ char best_altloc(const std::map<char, double>& occupancies) {
     }
   return best;
 }
-
-/// The occupancies of the locations of an atom.
-using Locations = std::map<char, double>;
 
 /// Returns whether the location without a letter is an alternative to those with one. Otherwise,
 /// the occupancies of two atoms with the same name add up to more than 1.
@@ -264,7 +264,7 @@ std::uint64_t keep_altlocs(gemmi::Model& model, const std::string& wanted, std::
   std::uint64_t dropped = 0;
   bool is_known = wanted.empty();
   for (const ResidueGroup& group : residue_groups(model)) {
-    const std::map<char, double> occupancies = mean_occupancies(group);
+    const Locations occupancies = mean_occupancies(group);
     const bool has_wanted = occupancies.contains(altloc);
     is_known = is_known || has_wanted;
     const char best = best_altloc(occupancies);
@@ -321,9 +321,7 @@ gemmi::Model& select_atoms(gemmi::Structure& structure, const StructureOptions& 
   report.models = structure.models.size();
   report.dropped_chains = keep_chains(model, options.chains, file);
   report.dropped_selection = keep_selected(structure, model, options.select, file);
-  if (!options.with_waters)
-    report.dropped_waters =
-        drop_residues(model, [](const gemmi::Residue& residue) { return is_water(residue); });
+  if (!options.with_waters) report.dropped_waters = drop_residues(model, is_water);
   if (!options.with_hetatm)
     report.dropped_hetatm = drop_residues(model, [](const gemmi::Residue& residue) {
       return is_hetatm(residue) && !is_water(residue);
