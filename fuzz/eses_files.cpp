@@ -15,7 +15,7 @@
 #include <vector>
 
 #include "expect.hpp"
-#include "io/eses_reader.hpp"
+#include "input/eses_reader.hpp"
 #include "memory_file.hpp"
 
 namespace eses::detail::fuzz {

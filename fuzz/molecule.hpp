@@ -6,8 +6,8 @@
 #include <string>
 #include <vector>
 
-#include "compute/run.hpp"
 #include "eses/atoms.hpp"
+#include "run/run_alone.hpp"
 
 namespace eses::detail::fuzz {
 

@@ -17,8 +17,8 @@
 #include <system_error>
 
 #include "expect.hpp"
-#include "io/number_text.hpp"
-#include "io/text_fields.hpp"
+#include "input/text_fields.hpp"
+#include "output/number_text.hpp"
 
 namespace eses::detail::fuzz {
 namespace {

@@ -14,7 +14,7 @@
 #include <utility>
 #include <vector>
 
-#include "compute/run.hpp"
+#include "run/run_alone.hpp"
 #include "support/atom_lists.hpp"
 
 namespace {

@@ -3,6 +3,6 @@
 
 #include <cstdio>
 
-#include "simd/dispatch.hpp"
+#include "system/dispatch.hpp"
 
 int main() { std::printf("%d\n", static_cast<int>(eses::detail::instruction_set())); }

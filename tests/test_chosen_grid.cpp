@@ -15,11 +15,11 @@
 #include <vector>
 
 #include "catch.hpp"
-#include "compute/run.hpp"
-#include "compute/run_plan.hpp"
 #include "eses/eses.hpp"
-#include "io/eses_reader.hpp"
-#include "plan/plan.hpp"
+#include "input/eses_reader.hpp"
+#include "run/plan.hpp"
+#include "run/run_alone.hpp"
+#include "run/run_plan.hpp"
 #include "support/atom_sets.hpp"
 #include "support/eses_files.hpp"
 #include "support/sandbox.hpp"

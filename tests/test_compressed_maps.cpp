@@ -6,14 +6,14 @@
 #include <vector>
 
 #include "catch.hpp"
-#include "compute/run.hpp"
 #include "eses/eses.hpp"
 #include "output/grid_map.hpp"
 #include "output/output_directory.hpp"
 #include "output/output_file.hpp"
 #include "output/output_files.hpp"
 #include "output/scratch_file.hpp"
-#include "plan/plan.hpp"
+#include "run/plan.hpp"
+#include "run/run_alone.hpp"
 #include "support/atom_sets.hpp"
 #include "support/eses_files.hpp"
 #include "support/sandbox.hpp"
@@ -160,16 +160,16 @@ TEST_CASE("the plan knows about how long compressed maps are, and what they need
     const Plan plan = make_plan(atoms, parameters, outputs);
     const TemporaryDirectory directory;
     const Summary summary = run(atoms, plan, outputs, directory.path());
-    CHECK(plan.map_file_bytes == plan.gzip_map_bytes);
-    CHECK(summary.bytes_written < plan.map_file_bytes);
-    CHECK(plan.map_file_bytes < 2 * summary.bytes_written);
+    CHECK(plan.files.maps == plan.files.gzip_maps);
+    CHECK(summary.bytes_written < plan.files.maps);
+    CHECK(plan.files.maps < 2 * summary.bytes_written);
     // Only the words are sure to need their place.
     const DiskSpace disk = require_disk_space(plan, outputs, directory.path());
-    CHECK(disk.places[0].expected == plan.map_file_bytes + plan.map_scratch_bytes);
+    CHECK(disk.places[0].expected == plan.files.maps + plan.files.map_scratch);
     Plan large = plan;
-    large.map_file_bytes += std::uint64_t{1} << 61;
-    large.map_scratch_bytes += std::uint64_t{1} << 61;
-    large.gzip_map_bytes += std::uint64_t{1} << 61;
+    large.files.maps += std::uint64_t{1} << 61;
+    large.files.map_scratch += std::uint64_t{1} << 61;
+    large.files.gzip_maps += std::uint64_t{1} << 61;
     CHECK_NOTHROW(require_disk_space(large, outputs, directory.path()));
   }
 }
@@ -250,7 +250,7 @@ TEST_CASE("a disk that plain maps would fill is refused before anything is writt
   // Three maps with 17 bytes an edge, on a grid of which the molecule takes a small part.
   parameters.grid = Grid{{-5, -5, -5}, 0.005, {2000, 2000, 10'000'000}};
   const Plan plan = make_plan(atoms, parameters, outputs);
-  CHECK(plan.map_file_bytes + plan.map_scratch_bytes >= std::uint64_t{3} * 17 * 40'000'000'000'000);
+  CHECK(plan.files.maps + plan.files.map_scratch >= std::uint64_t{3} * 17 * 40'000'000'000'000);
   CHECK_THROWS_WITH(
       run(atoms, plan, outputs, directory.path() / "out"),
       Catch::Matchers::ContainsSubstring("the files need about ") &&

@@ -9,9 +9,9 @@
 
 #include <vector>
 
+#include "run/count_points.hpp"
 #include "support/atom_sets.hpp"
 #include "support/instruction_sets.hpp"
-#include "sweep/count_points.hpp"
 
 HWY_BEFORE_NAMESPACE();
 namespace eses::detail::HWY_NAMESPACE {

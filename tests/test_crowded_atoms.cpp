@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "catch.hpp"
-#include "compute/run.hpp"
+#include "run/run_alone.hpp"
 #include "solve/block_features.hpp"
 #include "support/all_patches.hpp"
 #include "support/atom_sets.hpp"

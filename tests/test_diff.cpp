@@ -17,10 +17,10 @@
 #include <vector>
 
 #include "catch.hpp"
-#include "compute/run.hpp"
 #include "diff/contact.hpp"
 #include "diff/ordered_edges.hpp"
 #include "eses/error.hpp"
+#include "run/run_alone.hpp"
 #include "support/atom_sets.hpp"
 #include "support/eses_files.hpp"
 #include "support/sandbox.hpp"

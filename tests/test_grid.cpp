@@ -12,11 +12,11 @@
 #include <vector>
 
 #include "catch.hpp"
-#include "compute/run.hpp"
 #include "eses/error.hpp"
 #include "grid/make_grid.hpp"
 #include "grid/tiling.hpp"
-#include "plan/plan.hpp"
+#include "run/plan.hpp"
+#include "run/run_alone.hpp"
 #include "support/temporary_directory.hpp"
 
 namespace eses::detail::test {
@@ -282,10 +282,10 @@ TEST_CASE("a plan has the grid, blocks and sizes of the run") {
   const TemporaryDirectory directory;
   run(atoms, plan, {}, directory.path());
   const auto size = [&](const char* file) { return file_size(directory.path() / file); };
-  CHECK(size("grid_info.txt") <= plan.grid_file_bytes);
-  CHECK(size("partition_area.txt") <= plan.area_file_bytes);
-  CHECK(size("intersection_info.txt") < 3 * plan.edge_file_bytes);
-  CHECK(size("intersection_info.txt") > plan.edge_file_bytes / 3);
+  CHECK(size("grid_info.txt") <= plan.files.grid);
+  CHECK(size("partition_area.txt") <= plan.files.areas);
+  CHECK(size("intersection_info.txt") < 3 * plan.files.edges);
+  CHECK(size("intersection_info.txt") > plan.files.edges / 3);
 
   const Plan nothing = make_plan(atoms, parameters, {false, false, false, false});
   CHECK(nothing.output_bytes() == 0);

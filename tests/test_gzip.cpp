@@ -9,8 +9,8 @@
 #include <string>
 
 #include "catch.hpp"
-#include "compute/run.hpp"
 #include "diff/compare_directories.hpp"
+#include "run/run_alone.hpp"
 #include "support/atom_sets.hpp"
 #include "support/eses_files.hpp"
 #include "support/temporary_directory.hpp"

@@ -12,10 +12,10 @@
 #include <vector>
 
 #include "catch.hpp"
-#include "simd/dispatch.hpp"
 #include "support/atom_sets.hpp"
 #include "support/eses_files.hpp"
 #include "support/temporary_directory.hpp"
+#include "system/dispatch.hpp"
 
 namespace eses::detail::test {
 namespace {

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "catch.hpp"
-#include "compute/run.hpp"
+#include "run/run_alone.hpp"
 #include "support/atom_sets.hpp"
 #include "support/brute_force.hpp"
 #include "support/eses_files.hpp"

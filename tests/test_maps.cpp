@@ -10,11 +10,11 @@
 #include <vector>
 
 #include "catch.hpp"
-#include "compute/run.hpp"
 #include "eses/error.hpp"
 #include "output/grid_map.hpp"
 #include "output/output_directory.hpp"
 #include "output/output_file.hpp"
+#include "run/run_alone.hpp"
 #include "support/atom_sets.hpp"
 #include "support/eses_files.hpp"
 #include "support/temporary_directory.hpp"
@@ -148,7 +148,7 @@ std::string map_of(const std::vector<Atom>& atoms, const Parameters& parameters,
   const Plan plan = make_plan(atoms, parameters, outputs);
   const Summary summary = run(atoms, plan, outputs, directory.path());
   std::string bytes = read_bytes(directory.path() / name);
-  CHECK(plan.map_file_bytes == bytes.size());
+  CHECK(plan.files.maps == bytes.size());
   CHECK(summary.bytes_written == bytes.size());
   return bytes;
 }

@@ -14,12 +14,12 @@
 #include <vector>
 
 #include "catch.hpp"
-#include "compute/run.hpp"
 #include "eses/error.hpp"
 #include "mesh/case_table.hpp"
-#include "mesh/mesh_writer.hpp"
 #include "mesh/triangulate.hpp"
 #include "mesh/vertex.hpp"
+#include "output/mesh_writer.hpp"
+#include "run/run_alone.hpp"
 #include "support/atom_sets.hpp"
 #include "support/eses_files.hpp"
 #include "support/mesh_files.hpp"
@@ -461,13 +461,13 @@ TEST_CASE("mesh: the size of the file is estimated", "[mesh]") {
     Outputs outputs;
     outputs.mesh = MeshOptions{name};
     const Plan plan = make_plan(atoms, {}, outputs);
-    const double ratio = static_cast<double>(plan.mesh_file_bytes) /
+    const double ratio = static_cast<double>(plan.files.mesh) /
                          static_cast<double>(bytes_of_mesh(atoms, {}, *outputs.mesh).size());
     INFO(name << ": " << ratio);
     CHECK(ratio > 0.7);
     CHECK(ratio < 1.6);
-    CHECK(plan.output_bytes() == plan.box_file_bytes + plan.grid_file_bytes + plan.edge_file_bytes +
-                                     plan.area_file_bytes + plan.mesh_file_bytes);
+    CHECK(plan.files.output() ==
+          plan.files.box + plan.files.grid + plan.files.edges + plan.files.areas + plan.files.mesh);
   }
 }
 

@@ -13,9 +13,9 @@
 #include <vector>
 
 #include "catch.hpp"
-#include "compute/run.hpp"
 #include "eses/error.hpp"
-#include "mesh/mesh_writer.hpp"
+#include "output/mesh_writer.hpp"
+#include "run/run_alone.hpp"
 #include "support/atom_sets.hpp"
 #include "support/eses_files.hpp"
 #include "support/mesh_files.hpp"
@@ -123,11 +123,11 @@ TEST_CASE("mesh formats: the sizes of files are estimated", "[mesh]") {
   for (const MeshOptions& choice : all_formats) {
     const FormatRun result = run_format(molecule, {}, choice);
     const double ratio =
-        static_cast<double>(result.plan.mesh_file_bytes) / static_cast<double>(result.bytes.size());
+        static_cast<double>(result.plan.files.mesh) / static_cast<double>(result.bytes.size());
     INFO(name_of(choice) << ": " << ratio);
     CHECK(ratio > 0.7);
     CHECK(ratio < 1.6);
-    CHECK((result.plan.mesh_scratch_bytes == 0) == (choice.file == "a.vert"));
+    CHECK((result.plan.files.mesh_scratch == 0) == (choice.file == "a.vert"));
   }
 }
 

@@ -14,9 +14,9 @@
 #include <vector>
 
 #include "catch.hpp"
-#include "compute/run.hpp"
 #include "eses/error.hpp"
 #include "geometry/tolerances.hpp"
+#include "run/run_alone.hpp"
 #include "support/atom_sets.hpp"
 #include "surface/atom_loops.hpp"
 #include "surface/atom_slices.hpp"

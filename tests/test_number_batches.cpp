@@ -14,7 +14,7 @@
 #include <string>
 #include <vector>
 
-#include "io/number_text.hpp"
+#include "output/number_text.hpp"
 #include "support/atom_sets.hpp"
 #include "support/instruction_sets.hpp"
 

@@ -14,11 +14,11 @@
 #include <string>
 
 #include "catch.hpp"
-#include "compute/run.hpp"
 #include "eses/error.hpp"
-#include "io/number_text.hpp"
+#include "output/number_text.hpp"
 #include "output/output_file.hpp"
 #include "output/scratch_file.hpp"
+#include "run/run_alone.hpp"
 #include "support/atom_sets.hpp"
 #include "support/eses_files.hpp"
 #include "support/sandbox.hpp"

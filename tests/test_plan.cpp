@@ -10,14 +10,14 @@
 #include <vector>
 
 #include "catch.hpp"
-#include "compute/run.hpp"
 #include "eses/error.hpp"
 #include "output/output_files.hpp"
-#include "plan/plan.hpp"
+#include "run/plan.hpp"
+#include "run/run_alone.hpp"
+#include "run/task_queue.hpp"
 #include "support/atom_lists.hpp"
 #include "support/temporary_directory.hpp"
 #include "surface/survey.hpp"
-#include "sweep/task_queue.hpp"
 #include "system/bytes_text.hpp"
 
 namespace eses::detail::test {
@@ -165,7 +165,7 @@ TEST_CASE("a survey counts a large atom once, wherever it is in the file", "[pla
     run(atoms, plan, edges, directory.path());
     const auto written =
         static_cast<double>(std::filesystem::file_size(directory.path() / "intersection_info.txt"));
-    CHECK(static_cast<double>(plan.edge_file_bytes) == Approx(written).epsilon(0.3));
+    CHECK(static_cast<double>(plan.files.edges) == Approx(written).epsilon(0.3));
   }
 }
 
@@ -404,8 +404,8 @@ TEST_CASE("free disk space is that of the place where the directory will be", "[
   const DiskSpace below = require_disk_space(plan, {}, "not/made/yet");
   REQUIRE(here.places.size() == 1);
   REQUIRE(below.places.size() == 1);
-  CHECK(here.places[0].expected == plan.output_bytes());
-  CHECK(below.places[0].available >= plan.output_bytes());
+  CHECK(here.places[0].expected == plan.files.output());
+  CHECK(below.places[0].available >= plan.files.output());
   CHECK_FALSE(std::filesystem::exists("not"));
 }
 
@@ -415,10 +415,10 @@ TEST_CASE("a plan whose files do not fit on the disk is refused", "[plan]") {
   const DiskSpace here = require_disk_space(plan, {}, ".");
   if (here.places[0].available > std::uint64_t{1} << 60)
     SKIP("the file system does not report its free space");
-  plan.edge_file_bytes = std::uint64_t{1} << 62;
+  plan.files.edges = std::uint64_t{1} << 62;
   const DiskSpace::Place full = require_disk_space(plan, {}, ".").places[0];
   CHECK(full.expected > full.available);
-  plan.grid_file_bytes = std::uint64_t{1} << 62;
+  plan.files.grid = std::uint64_t{1} << 62;
   CHECK_THROWS_WITH(
       require_disk_space(plan, {}, "."),
       Catch::Matchers::ContainsSubstring("; leave out grid_info.txt (--write edges,areas) or use a "
@@ -432,12 +432,11 @@ TEST_CASE("each file system is checked for the files that it receives", "[plan]"
   outputs.inside_map = "map.dx";
   outputs.mesh = MeshOptions{directory.path() / "a" / "mesh.ply"};
   const Plan plan = make_plan(atoms, {}, outputs);
-  REQUIRE(plan.mesh_scratch_bytes > 0);
-  REQUIRE(plan.map_scratch_bytes > 0);
-  CHECK(plan.mesh_scratch_bytes < plan.mesh_file_bytes);
-  const std::uint64_t of_mesh = plan.mesh_file_bytes + plan.mesh_scratch_bytes;
-  const std::uint64_t of_others =
-      plan.output_bytes() - plan.mesh_file_bytes + plan.map_scratch_bytes;
+  REQUIRE(plan.files.mesh_scratch > 0);
+  REQUIRE(plan.files.map_scratch > 0);
+  CHECK(plan.files.mesh_scratch < plan.files.mesh);
+  const std::uint64_t of_mesh = plan.files.mesh + plan.files.mesh_scratch;
+  const std::uint64_t of_others = plan.files.output() - plan.files.mesh + plan.files.map_scratch;
   const DiskSpace one = require_disk_space(plan, outputs, directory.path());
   REQUIRE(one.places.size() == 1);
   CHECK(one.places[0].expected == of_mesh + of_others);
@@ -472,9 +471,9 @@ TEST_CASE("the plan knows the length of the tables and of the bounding box", "[p
     const auto size = [&](const char* name) {
       return static_cast<double>(std::filesystem::file_size(directory.path() / name));
     };
-    CHECK(static_cast<double>(plan.box_file_bytes) ==
+    CHECK(static_cast<double>(plan.files.box) ==
           size(gzip ? "bounding_box.txt.gz" : "bounding_box.txt"));
-    CHECK(static_cast<double>(plan.residue_file_bytes) ==
+    CHECK(static_cast<double>(plan.files.residues) ==
           Approx(size("residue_area.csv") + size("chain_area.csv")).epsilon(0.1));
   }
 }

@@ -13,15 +13,15 @@
 #include <vector>
 
 #include "catch.hpp"
-#include "checkpoint/checkpoint.hpp"
+#include "distributed/checkpoint.hpp"
 #include "distributed/group_numbers.hpp"
 #include "distributed/packed_texts.hpp"
 #include "distributed/processes.hpp"
-#include "distributed/slabs.hpp"
 #include "eses/error.hpp"
-#include "io/atom_lines.hpp"
-#include "mesh/local_triangle.hpp"
+#include "input/atom_reader.hpp"
+#include "output/local_triangle.hpp"
 #include "output/output_files.hpp"
+#include "run/slabs.hpp"
 #include "support/eses_files.hpp"
 #include "support/temporary_directory.hpp"
 

@@ -21,8 +21,8 @@
 
 #include "catch.hpp"
 #include "eses/error.hpp"
-#include "io/gzip.hpp"
 #include "support/atom_lists.hpp"
+#include "system/gzip.hpp"
 
 namespace {
 

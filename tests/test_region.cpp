@@ -8,13 +8,13 @@
 #include <vector>
 
 #include "catch.hpp"
-#include "compute/run.hpp"
 #include "eses/error.hpp"
+#include "grid/region_box.hpp"
+#include "run/run_alone.hpp"
 #include "support/all_patches.hpp"
 #include "support/atom_sets.hpp"
 #include "support/eses_files.hpp"
 #include "support/temporary_directory.hpp"
-#include "sweep/region_box.hpp"
 
 namespace eses::detail::test {
 namespace {
@@ -287,8 +287,8 @@ TEST_CASE("only atoms near a region get patches, and the plan counts them", "[re
   const Plan full = make_plan(atoms, parameters, {});
   parameters.region = Box{{-2, -2, -2}, {3, 3, 3}};
   const Plan part = make_plan(atoms, parameters, {});
-  CHECK(part.edge_file_bytes < full.edge_file_bytes / 20);
-  CHECK(part.grid_file_bytes < full.grid_file_bytes / 100);
+  CHECK(part.files.edges < full.files.edges / 20);
+  CHECK(part.files.grid < full.files.grid / 100);
   const AllPatches everywhere(atoms, 1.4, 2);
   SurfaceModel confined(atoms, 1.4);
   confined.confine_to(region_box(part.grid, part.tiling.region));

@@ -7,10 +7,10 @@
 #include <vector>
 
 #include "catch.hpp"
-#include "compute/run.hpp"
 #include "eses/error.hpp"
 #include "eses/read_atoms.hpp"
-#include "io/area_table_writer.hpp"
+#include "output/area_table_writer.hpp"
+#include "run/run_alone.hpp"
 #include "support/eses_files.hpp"
 #include "support/temporary_directory.hpp"
 

@@ -14,9 +14,9 @@
 #include <vector>
 
 #include "catch.hpp"
-#include "compute/run.hpp"
 #include "eses/eses.hpp"
-#include "plan/plan.hpp"
+#include "run/plan.hpp"
+#include "run/run_alone.hpp"
 #include "support/atom_sets.hpp"
 #include "support/brute_force.hpp"
 #include "support/eses_files.hpp"
@@ -214,7 +214,7 @@ SolverMaps maps_of(const std::vector<Atom>& atoms, const Parameters& parameters,
   const Outputs outputs = all_maps();
   const Plan plan = make_plan(atoms, parameters, outputs);
   const Summary summary = run(atoms, plan, outputs, directory.path());
-  CHECK(summary.bytes_written == plan.map_file_bytes);
+  CHECK(summary.bytes_written == plan.files.maps);
   grid = plan.grid;
   return maps_in(directory.path());
 }

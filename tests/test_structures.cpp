@@ -22,8 +22,8 @@
 #include "catch.hpp"
 #include "eses/error.hpp"
 #include "eses/read_atoms.hpp"
-#include "io/other_formats.hpp"
-#include "structure/radii_set.hpp"
+#include "input/other_formats.hpp"
+#include "input/radii_set.hpp"
 #include "support/sandbox.hpp"
 #include "support/temporary_directory.hpp"
 

@@ -4,8 +4,8 @@
 #include <vector>
 
 #include "catch.hpp"
+#include "solve/region_totals.hpp"
 #include "solve/tally.hpp"
-#include "sweep/region_totals.hpp"
 
 namespace eses::detail::test {
 namespace {

@@ -11,14 +11,14 @@
 #include <vector>
 
 #include "catch.hpp"
-#include "compute/run.hpp"
+#include "run/run_alone.hpp"
+#include "run/verifier.hpp"
 #include "solve/block_solver.hpp"
 #include "support/all_patches.hpp"
 #include "support/atom_lists.hpp"
 #include "support/atom_sets.hpp"
 #include "support/brute_force.hpp"
 #include "support/eses_files.hpp"
-#include "sweep/verifier.hpp"
 #include "verify/definition.hpp"
 #include "verify/faults.hpp"
 #include "verify/sample.hpp"

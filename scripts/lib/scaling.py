@@ -1,9 +1,9 @@
 """Computes the cost of a run with many processes from measured costs (see costs.py).
 
-The steps are those of src/compute and src/distributed. Atoms are read in equal parts and sent to
+The steps are those of src/run and src/distributed. Atoms are read in equal parts and sent to
 the slabs that need them, and sent again if the slabs are cut again. Each process then sweeps
 its slab layer by layer: it builds patches, solves blocks and writes texts, in the order in which
-src/sweep/task_queue.cpp hands these tasks out. Texts are copied from scratch files into the shared
+src/run/task_queue.cpp hands these tasks out. Texts are copied from scratch files into the shared
 files, and areas are added up. Every process waits for the slowest at the end of each step.
 """
 
@@ -17,14 +17,14 @@ import costs as measured
 
 INFINITY = math.inf
 
-# src/distributed/slabs.cpp: seconds from which the program estimates the cost of a plane.
+# src/run/slabs.cpp: seconds from which the program estimates the cost of a plane.
 ESTIMATE = {"atom": 14e-6, "prepared_atom": 1e-6, "crossing": 0.45e-6,
             "crossing_text": 0.25e-6, "point": 0.3e-9, "point_text": 2e-9}
 HALO_SLACK, REACH_SLACK = 1.0, 1e-3  # angstrom: slabs.cpp, src/surface/reach.hpp
 
-# Bytes of SentAtom, ChunkInfo and AtomSum in src/distributed and src/checkpoint.
+# Bytes of SentAtom, ChunkInfo and AtomSum in src/run and src/distributed.
 SENT_ATOM, CHUNK_INFO, AREA_SHARE = 48, 208, 32
-# Bytes as assumed by src/plan/memory.cpp.
+# Bytes as assumed by src/run/memory.cpp.
 BASE_MEMORY, THREAD_MEMORY = 6 * 2**20, 0.75 * 2**20
 MPI_MEMORY = 14 * 2**20  # src/distributed/processes_mpi.cpp
 ATOM_MEMORY, CROSSING_MEMORY = 80, 48
@@ -43,12 +43,12 @@ EXCHANGES, REDUCTIONS = 12, 67
 # (src/surface/molecule.cpp). Threads share the first part slice by slice. One thread makes the cell
 # list.
 MOLECULE_SLICED, MOLECULE_BY_ONE = 0.25, 0.33
-# Seconds of one thread in src/distributed/slabs.cpp: to halve the range of slabs once in the search
+# Seconds of one thread in src/run/slabs.cpp: to halve the range of slabs once in the search
 # for an atom's slab, to append a sent atom, and to append a received one.
 SECONDS_PER_HALVING, SECONDS_PER_SENT_ATOM, SECONDS_PER_RECEIVED_ATOM = 1.2e-9, 60e-9, 25e-9
 SECONDS_PER_ADDITION = 1.3e-9  # to add one area to the sum, in order: four cycles
 AREA_TEXTS = 2  # each process makes its text twice: for the length, and to write it
-BLOCKS_AHEAD = 4  # per thread: src/plan/plan.cpp
+BLOCKS_AHEAD = 4  # per thread: src/run/plan.cpp
 # Number of equal tasks per thread into which the patches and the text of a layer are cut. The
 # program cuts them into more tasks.
 PARTS = 4

@@ -10,14 +10,14 @@
 #include "api/maps_in_memory.hpp"
 #include "api/mesh_in_memory.hpp"
 #include "api/surface_access.hpp"
-#include "compute/engine.hpp"
-#include "compute/run.hpp"
 #include "eses/error.hpp"
 #include "eses/maps.hpp"
 #include "grid/make_grid.hpp"
-#include "io/map_writer.hpp"
-#include "plan/plan.hpp"
-#include "sweep/solved_block.hpp"
+#include "output/map_writer.hpp"
+#include "run/engine.hpp"
+#include "run/plan.hpp"
+#include "run/run_alone.hpp"
+#include "run/solved_block.hpp"
 #include "system/formatted.hpp"
 #include "system/resources.hpp"
 
@@ -323,14 +323,14 @@ Estimate estimate(const Surface& surface, const Grid& grid, const Outputs& outpu
           .blocks = plan.tiling.blocks,
           .crossings = crossings,
           .cut_depth = plan.cut_depth,
-          .box_bytes = plan.box_file_bytes,
-          .grid_bytes = plan.grid_file_bytes,
-          .edges_bytes = plan.edge_file_bytes,
-          .areas_bytes = plan.area_file_bytes,
-          .residues_bytes = plan.residue_file_bytes,
-          .map_bytes = plan.map_file_bytes,
-          .mesh_bytes = plan.mesh_file_bytes,
-          .scratch_bytes = plan.map_scratch_bytes + plan.mesh_scratch_bytes};
+          .box_bytes = plan.files.box,
+          .grid_bytes = plan.files.grid,
+          .edges_bytes = plan.files.edges,
+          .areas_bytes = plan.files.areas,
+          .residues_bytes = plan.files.residues,
+          .map_bytes = plan.files.maps,
+          .mesh_bytes = plan.files.mesh,
+          .scratch_bytes = plan.files.map_scratch + plan.files.mesh_scratch};
 }
 
 }  // namespace eses

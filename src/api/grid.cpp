@@ -4,7 +4,7 @@
 #include "eses/surface.hpp"
 #include "grid/make_grid.hpp"
 #include "grid/tiling.hpp"
-#include "plan/plan.hpp"
+#include "run/plan.hpp"
 
 namespace eses {
 

@@ -3,7 +3,7 @@
 #include <cstddef>
 
 #include "output/grid_map.hpp"
-#include "sweep/map_rows.hpp"
+#include "run/map_rows.hpp"
 
 namespace eses::detail {
 namespace {

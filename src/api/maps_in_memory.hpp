@@ -6,9 +6,9 @@
 #include <span>
 #include <vector>
 
-#include "compute/run_plan.hpp"
 #include "eses/grid.hpp"
-#include "io/map_writer.hpp"
+#include "output/map_writer.hpp"
+#include "run/run_plan.hpp"
 
 namespace eses::detail {
 

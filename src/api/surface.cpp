@@ -5,7 +5,7 @@
 #include <utility>
 
 #include "api/arguments.hpp"
-#include "plan/plan.hpp"
+#include "run/plan.hpp"
 #include "surface/molecule.hpp"
 #include "system/formatted.hpp"
 

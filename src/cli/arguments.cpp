@@ -6,7 +6,7 @@
 #include <utility>
 
 #include "eses/version.hpp"
-#include "simd/dispatch.hpp"
+#include "system/dispatch.hpp"
 #include "system/formatted.hpp"
 
 namespace eses::detail::cli {

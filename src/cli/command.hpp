@@ -1,7 +1,7 @@
 #pragma once
 /// The program `eses-blocks` from its command line to its exit code.
 
-#include "task/task.hpp"
+#include "run/task.hpp"
 
 namespace eses::detail::cli {
 

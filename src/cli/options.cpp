@@ -20,11 +20,11 @@
 
 #include "cli/arguments.hpp"
 #include "eses/error.hpp"
-#include "io/atom_lines.hpp"
-#include "io/grid_reader.hpp"
-#include "io/map_writer.hpp"
-#include "mesh/mesh_format.hpp"
-#include "simd/dispatch.hpp"
+#include "input/atom_reader.hpp"
+#include "input/grid_reader.hpp"
+#include "output/map_writer.hpp"
+#include "output/mesh_format.hpp"
+#include "system/dispatch.hpp"
 #include "system/formatted.hpp"
 
 namespace eses::detail::cli {

@@ -7,7 +7,7 @@
 
 #include "cli/usage.hpp"
 #include "eses/read_atoms.hpp"
-#include "task/task.hpp"
+#include "run/task.hpp"
 
 namespace eses::detail::cli {
 

@@ -12,10 +12,10 @@
 #include "cli/json.hpp"
 #include "cli/structure_report.hpp"
 #include "eses/version.hpp"
-#include "mesh/mesh_format.hpp"
+#include "output/mesh_format.hpp"
 #include "output/output_files.hpp"
-#include "simd/dispatch.hpp"
 #include "system/bytes_text.hpp"
+#include "system/dispatch.hpp"
 #include "system/formatted.hpp"
 
 namespace eses::detail::cli {
@@ -78,22 +78,23 @@ std::vector<std::string> written_files(const Options& options) {
 }
 
 /// Returns a list of the planned files such as `grid_info.txt at most 1.2 MB`.
-std::string files_text(const Plan& plan, const Outputs& outputs) {
+std::string files_text(const FileSizes& sizes, const Outputs& outputs) {
   std::vector<std::string> parts;
   const auto add = [&](std::uint64_t bytes, std::string_view quality, std::string_view name) {
     if (bytes > 0) parts.push_back(formatted("{} {} {}", name, quality, bytes_text(bytes)));
   };
-  const std::string_view bound = plan.gzip ? "about" : "at most", suffix = plan.gzip ? ".gz" : "";
-  add(plan.box_file_bytes, "exactly", formatted("bounding_box.txt{}", suffix));
-  add(plan.grid_file_bytes, bound, formatted("grid_info.txt{}", suffix));
-  add(plan.edge_file_bytes, "about", formatted("intersection_info.txt{}", suffix));
-  add(plan.area_file_bytes, bound, formatted("partition_area.txt{}", suffix));
-  add(plan.residue_file_bytes, "about", "residue_area.csv and chain_area.csv");
+  const std::string_view bound = outputs.gzip ? "about" : "at most";
+  const std::string_view suffix = outputs.gzip ? ".gz" : "";
+  add(sizes.box, "exactly", formatted("bounding_box.txt{}", suffix));
+  add(sizes.grid, bound, formatted("grid_info.txt{}", suffix));
+  add(sizes.edges, "about", formatted("intersection_info.txt{}", suffix));
+  add(sizes.areas, bound, formatted("partition_area.txt{}", suffix));
+  add(sizes.residues, "about", "residue_area.csv and chain_area.csv");
   std::vector<std::string> maps;
   for (const MapChoice& map : chosen_maps(outputs)) maps.push_back(map.name);
-  add(plan.map_file_bytes, plan.gzip_map_bytes > 0 ? "about" : "exactly",
+  add(sizes.maps, sizes.gzip_maps > 0 ? "about" : "exactly",
       path_text(formatted("{}", fmt::join(maps, ", "))));
-  add(plan.mesh_file_bytes, "about", "the mesh");
+  add(sizes.mesh, "about", "the mesh");
   return formatted("{}", fmt::join(parts, ", "));
 }
 
@@ -216,23 +217,22 @@ json::Value disk_json(const DiskSpace& disk, std::size_t place) {
 }
 
 json::Value plan_json(const Plan& plan, const DiskSpace& disk) {
-  return {
-      {"memory_bytes", plan.memory_bytes},
-      {"max_memory_bytes",
-       number_unless(plan.parameters.max_memory == 0, plan.parameters.max_memory)},
-      {"blocks_ahead", plan.blocks_ahead},
-      {"output_bytes", plan.output_bytes()},
-      {"box_file_bytes", plan.box_file_bytes},
-      {"grid_file_bytes", plan.grid_file_bytes},
-      {"edge_file_bytes", plan.edge_file_bytes},
-      {"area_file_bytes", plan.area_file_bytes},
-      {"mesh_file_bytes", plan.mesh_file_bytes},
-      {"residue_file_bytes", plan.residue_file_bytes},
-      {"map_file_bytes", plan.map_file_bytes},
-      {"scratch_bytes", plan.map_scratch_bytes + plan.mesh_scratch_bytes + plan.text_scratch_bytes},
-      {"disk_bytes", disk_json(disk, 0)},
-      {"mesh_disk_bytes", disk_json(disk, 1)},
-      {"cut_depth", plan.cut_depth}};
+  return {{"memory_bytes", plan.memory_bytes},
+          {"max_memory_bytes",
+           number_unless(plan.parameters.max_memory == 0, plan.parameters.max_memory)},
+          {"blocks_ahead", plan.blocks_ahead},
+          {"output_bytes", plan.files.output()},
+          {"box_file_bytes", plan.files.box},
+          {"grid_file_bytes", plan.files.grid},
+          {"edge_file_bytes", plan.files.edges},
+          {"area_file_bytes", plan.files.areas},
+          {"mesh_file_bytes", plan.files.mesh},
+          {"residue_file_bytes", plan.files.residues},
+          {"map_file_bytes", plan.files.maps},
+          {"scratch_bytes", plan.files.scratch()},
+          {"disk_bytes", disk_json(disk, 0)},
+          {"mesh_disk_bytes", disk_json(disk, 1)},
+          {"cut_depth", plan.cut_depth}};
 }
 
 json::Value label_or_null(const std::string& label) {
@@ -364,13 +364,13 @@ std::string plan_text(const Report& report) {
                     fmt::join(plan.tiling.block_size, " x "), workers_text(report));
   text += formatted("expected: {} of memory{}, {} of files\n", bytes_text(plan.memory_bytes),
                     report.process_count > 1 ? " per process at most" : "",
-                    bytes_text(plan.output_bytes()));
+                    bytes_text(plan.files.output()));
   if (!report.options.dry_run) return text;
   if (parameters.max_memory > 0)
     text += formatted("memory limit: {} ({})\n", binary_bytes_text(parameters.max_memory),
                       bytes_text(parameters.max_memory));
-  if (plan.output_bytes() > 0)
-    text += formatted("files: {}\n", files_text(plan, report.options.outputs));
+  if (plan.files.output() > 0)
+    text += formatted("files: {}\n", files_text(plan.files, report.options.outputs));
   for (const DiskSpace::Place& place : report.disk.places)
     if (is_known(place))
       text += formatted("disk: {} free in {}\n", bytes_text(place.available),

@@ -10,9 +10,9 @@
 
 #include "cli/diagnostics.hpp"
 #include "cli/options.hpp"
-#include "compute/engine.hpp"
 #include "output/output_files.hpp"
-#include "task/task.hpp"
+#include "run/engine.hpp"
+#include "run/task.hpp"
 
 namespace eses::detail::cli {
 

@@ -6,7 +6,7 @@
 
 #include "cli/interruption.hpp"
 #include "cli/progress.hpp"
-#include "task/task.hpp"
+#include "run/task.hpp"
 
 namespace eses::detail::cli {
 

@@ -9,7 +9,7 @@
 #include <string_view>
 #include <vector>
 
-#include "io/text_fields.hpp"
+#include "input/text_fields.hpp"
 #include "system/formatted.hpp"
 
 namespace eses::detail::cli {

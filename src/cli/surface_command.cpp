@@ -14,11 +14,11 @@
 #include "cli/messages.hpp"
 #include "cli/report.hpp"
 #include "cli/run_display.hpp"
-#include "compute/engine.hpp"
 #include "eses/error.hpp"
 #include "eses/read_atoms.hpp"
-#include "io/atom_lines.hpp"
+#include "input/atom_reader.hpp"
 #include "output/output_files.hpp"
+#include "run/engine.hpp"
 #include "system/formatted.hpp"
 
 namespace eses::detail::cli {
@@ -102,7 +102,7 @@ Report report_of(const Options& options, const RunPlan& plan, const Processes& p
 // except in a dry run.
 void present_plan(Report& report) {
   const Options& options = report.options;
-  report.disk = require_disk_space(report.plan, options.outputs, options.output_directory);
+  report.disk = require_disk_space(report.plan.files, options.outputs, options.output_directory);
   if (options.dry_run) {
     print(options.json ? json_text(report) : plan_text(report));
     warn(report);

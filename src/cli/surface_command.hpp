@@ -7,7 +7,7 @@
 namespace eses::detail::cli {
 
 /// Reads the input, computes the surface and writes the files. Calls plan_run
-/// (compute/run_plan.hpp) and execute (compute/engine.hpp). All processes must call it. Returns the
+/// (run/run_plan.hpp) and execute (run/engine.hpp). All processes must call it. Returns the
 /// exit code.
 int compute_surface(const Options& options, const Processes& processes);
 

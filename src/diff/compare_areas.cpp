@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "diff/match_in_order.hpp"
-#include "io/eses_reader.hpp"
+#include "input/eses_reader.hpp"
 
 namespace eses::detail {
 namespace {

@@ -12,7 +12,7 @@
 #include "diff/compare_edges.hpp"
 #include "diff/compare_points.hpp"
 #include "eses/error.hpp"
-#include "io/eses_reader.hpp"
+#include "input/eses_reader.hpp"
 #include "system/formatted.hpp"
 
 namespace eses::detail {

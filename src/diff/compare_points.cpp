@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "eses/error.hpp"
-#include "io/eses_reader.hpp"
+#include "input/eses_reader.hpp"
 #include "system/bytes_text.hpp"
 #include "system/formatted.hpp"
 #include "system/resources.hpp"

@@ -13,7 +13,7 @@
 
 #include "eses/atoms.hpp"
 #include "eses/vec3.hpp"
-#include "io/eses_reader.hpp"
+#include "input/eses_reader.hpp"
 
 namespace eses::detail {
 

@@ -9,7 +9,7 @@
 
 #include "eses/atoms.hpp"
 #include "eses/grid.hpp"
-#include "io/eses_reader.hpp"
+#include "input/eses_reader.hpp"
 
 namespace eses::detail {
 

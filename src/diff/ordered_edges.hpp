@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "diff/match_in_order.hpp"
-#include "io/eses_reader.hpp"
+#include "input/eses_reader.hpp"
 #include "output/scratch_file.hpp"
 
 namespace eses::detail {

@@ -14,13 +14,13 @@
 #include <utility>
 
 #include "eses/error.hpp"
-#include "io/atom_lines.hpp"
-#include "io/file_descriptor.hpp"
-#include "io/gzip.hpp"
-#include "io/other_formats.hpp"
-#include "io/text_source.hpp"
-#include "structure/read_input.hpp"
+#include "input/atom_reader.hpp"
+#include "input/other_formats.hpp"
+#include "input/read_input.hpp"
+#include "input/text_source.hpp"
+#include "system/file_descriptor.hpp"
 #include "system/formatted.hpp"
+#include "system/gzip.hpp"
 
 namespace eses::detail {
 namespace {

@@ -8,9 +8,9 @@
 
 #include "distributed/processes.hpp"
 #include "eses/read_atoms.hpp"
-#include "io/atom_names.hpp"
-#include "io/residue_runs.hpp"
-#include "mesh/atom_groups.hpp"
+#include "input/atom_names.hpp"
+#include "input/residue_runs.hpp"
+#include "output/mesh_groups.hpp"
 
 namespace eses::detail {
 

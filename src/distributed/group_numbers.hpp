@@ -8,8 +8,8 @@
 
 #include "distributed/processes.hpp"
 #include "eses/atoms.hpp"
-#include "io/residue_runs.hpp"
-#include "mesh/atom_groups.hpp"
+#include "input/residue_runs.hpp"
+#include "output/mesh_groups.hpp"
 
 namespace eses::detail {
 

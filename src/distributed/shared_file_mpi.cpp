@@ -6,7 +6,7 @@
 
 #include "distributed/mpi_errors.hpp"
 #include "distributed/shared_file.hpp"
-#include "io/file_descriptor.hpp"
+#include "system/file_descriptor.hpp"
 #include "system/formatted.hpp"
 
 namespace eses::detail {

@@ -3,7 +3,7 @@
 
 #include "geometry/arc_sector.hpp"
 #include "geometry/contact_circle.hpp"
-#include "simd/points-inl.hpp"
+#include "system/points-inl.hpp"
 
 #if defined(ESES_GEOMETRY_ARC_SECTOR_INL_) == defined(HWY_TARGET_TOGGLE)
 #ifdef ESES_GEOMETRY_ARC_SECTOR_INL_

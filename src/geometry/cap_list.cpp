@@ -7,10 +7,10 @@
 
 #include <algorithm>
 
-#include "simd/dispatch.hpp"
-#include "simd/lanes-inl.hpp"
-#include "simd/padding.hpp"
-#include "simd/points-inl.hpp"
+#include "system/dispatch.hpp"
+#include "system/lanes-inl.hpp"
+#include "system/padding.hpp"
+#include "system/points-inl.hpp"
 
 HWY_BEFORE_NAMESPACE();
 namespace eses::detail::HWY_NAMESPACE {

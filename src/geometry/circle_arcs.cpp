@@ -8,9 +8,9 @@
 #include <algorithm>
 #include <cmath>
 
-#include "simd/dispatch.hpp"
-#include "simd/lanes-inl.hpp"
-#include "simd/padding.hpp"
+#include "system/dispatch.hpp"
+#include "system/lanes-inl.hpp"
+#include "system/padding.hpp"
 
 #ifndef ESES_GEOMETRY_CIRCLE_ARCS_SHARED_
 #define ESES_GEOMETRY_CIRCLE_ARCS_SHARED_

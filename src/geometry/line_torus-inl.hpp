@@ -2,7 +2,7 @@
 /// for the equations. Highway includes this file once for each instruction set.
 
 #include "geometry/line_torus.hpp"
-#include "simd/points-inl.hpp"
+#include "system/points-inl.hpp"
 
 #if defined(ESES_GEOMETRY_LINE_TORUS_INL_) == defined(HWY_TARGET_TOGGLE)
 #ifdef ESES_GEOMETRY_LINE_TORUS_INL_

@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "eses/grid.hpp"
-#include "simd/padding.hpp"
+#include "system/padding.hpp"
 
 namespace eses::detail {
 

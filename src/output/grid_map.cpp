@@ -10,7 +10,7 @@
 #include <utility>
 
 #include "grid/edge_share.hpp"
-#include "io/gzip.hpp"
+#include "system/gzip.hpp"
 #include "system/parallel.hpp"
 
 namespace eses::detail {

@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "grid/tiling.hpp"
-#include "io/map_writer.hpp"
+#include "output/map_writer.hpp"
 #include "output/scratch_file.hpp"
 
 namespace eses::detail {

@@ -6,7 +6,7 @@
 #include <string>
 #include <string_view>
 
-#include "io/file_descriptor.hpp"
+#include "system/file_descriptor.hpp"
 
 namespace eses::detail {
 

@@ -15,8 +15,8 @@
 #include <utility>
 
 #include "eses/error.hpp"
-#include "io/map_writer.hpp"
-#include "mesh/mesh_format.hpp"
+#include "output/map_writer.hpp"
+#include "output/mesh_format.hpp"
 #include "system/bytes_text.hpp"
 #include "system/formatted.hpp"
 #include "system/resources.hpp"
@@ -126,16 +126,16 @@ std::optional<dev_t> file_system_of(const std::filesystem::path& directory) {
 
 // Returns the demand on the file system of the output directory. If the mesh is in another file
 // system, or if that is not known, its demand follows as a second entry.
-std::vector<DiskDemand> disk_demands(const Plan& plan, const Outputs& outputs,
+std::vector<DiskDemand> disk_demands(const FileSizes& sizes, const Outputs& outputs,
                                      const std::filesystem::path& directory) {
-  const std::uint64_t texts = plan.gzip ? 0 : plan.grid_file_bytes + plan.area_file_bytes;
-  const std::uint64_t maps = plan.map_file_bytes + plan.map_scratch_bytes - 2 * plan.gzip_map_bytes;
-  std::vector<DiskDemand> demands{{directory, texts + maps,
-                                   plan.output_bytes() - plan.mesh_file_bytes +
-                                       plan.map_scratch_bytes + plan.text_scratch_bytes}};
+  const std::uint64_t texts = outputs.gzip ? 0 : sizes.grid + sizes.areas;
+  const std::uint64_t maps = sizes.maps + sizes.map_scratch - 2 * sizes.gzip_maps;
+  std::vector<DiskDemand> demands{
+      {directory, texts + maps,
+       sizes.output() - sizes.mesh + sizes.map_scratch + sizes.text_scratch}};
   if (!outputs.mesh) return demands;
   const std::filesystem::path mesh_directory = mesh_directory_of(*outputs.mesh);
-  const std::uint64_t of_mesh = plan.mesh_file_bytes + plan.mesh_scratch_bytes;
+  const std::uint64_t of_mesh = sizes.mesh + sizes.mesh_scratch;
   const auto file_system = file_system_of(existing_part(mesh_directory));
   if (file_system && file_system == file_system_of(existing_part(directory))) {
     demands.front().expected += of_mesh;
@@ -209,26 +209,25 @@ void require_free_name(const FilePlace& place) {
 }
 
 // Returns what a user can do if the files of known size do not fit on the disk.
-std::string space_advice(const Plan& plan, const Outputs& outputs) {
+std::string space_advice(const FileSizes& sizes, const Outputs& outputs) {
   std::string advice;
-  if (plan.grid_file_bytes > 0 && !plan.gzip)
-    advice += "leave out grid_info.txt (--write edges,areas), ";
-  if (outputs.dielectric && !plan.gzip) advice += "compress the files (--gzip), ";
+  if (sizes.grid > 0 && !outputs.gzip) advice += "leave out grid_info.txt (--write edges,areas), ";
+  if (outputs.dielectric && !outputs.gzip) advice += "compress the files (--gzip), ";
   return advice.empty() ? "use a larger spacing"
                         : advice.substr(0, advice.size() - 2) + " or use a larger spacing";
 }
 
 }  // namespace
 
-DiskSpace require_disk_space(const Plan& plan, const Outputs& outputs,
+DiskSpace require_disk_space(const FileSizes& sizes, const Outputs& outputs,
                              const std::filesystem::path& directory) {
   DiskSpace space;
-  for (const DiskDemand& demand : disk_demands(plan, outputs, directory)) {
+  for (const DiskDemand& demand : disk_demands(sizes, outputs, directory)) {
     const std::uint64_t available = available_disk(existing_part(demand.directory));
     if (demand.certain > available)
       throw Error(formatted("the files need about {}, but {} has {} free; {}",
                             bytes_text(demand.expected), demand.directory.string(),
-                            bytes_text(available), space_advice(plan, outputs)));
+                            bytes_text(available), space_advice(sizes, outputs)));
     space.places.push_back({demand.directory, available, demand.expected});
   }
   return space;
@@ -299,10 +298,11 @@ std::vector<std::string> lock_paths(const Outputs& choice, const std::filesystem
   return paths;
 }
 
-OutputFiles::OutputFiles(const Outputs& choice, const std::filesystem::path& path, const Plan& plan)
+OutputFiles::OutputFiles(const Outputs& choice, const std::filesystem::path& path,
+                         const FileSizes& sizes)
     : gzip(choice.gzip), stale_(other_names(choice)) {
   require_places(choice, path);
-  require_disk_space(plan, choice, path);
+  require_disk_space(sizes, choice, path);
   if (!file_names(choice).empty()) open_directory(choice, path);
   if (choice.mesh) open_mesh(*choice.mesh);
 }

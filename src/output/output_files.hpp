@@ -8,10 +8,10 @@
 #include <string>
 #include <vector>
 
-#include "io/map_writer.hpp"
+#include "output/file_sizes.hpp"
+#include "output/map_writer.hpp"
 #include "output/output_directory.hpp"
 #include "output/output_file.hpp"
-#include "task/task.hpp"
 
 namespace eses::detail {
 
@@ -72,9 +72,9 @@ struct DiskSpace {
   std::vector<Place> places;
 };
 
-/// Returns the disk space for the files of a plan. The output directory and the directory of the
+/// Returns the disk space for files of these sizes. The output directory and the directory of the
 /// mesh need not exist yet. Throws Error if the files whose sizes are known do not fit.
-DiskSpace require_disk_space(const Plan& plan, const Outputs& outputs,
+DiskSpace require_disk_space(const FileSizes& sizes, const Outputs& outputs,
                              const std::filesystem::path& directory);
 
 /// The open output files of a run, such as `edges` for intersection_info.txt. Only the chosen ones
@@ -91,7 +91,7 @@ struct OutputFiles {
 
   /// Opens the files. Throws the errors of require_places, OutputDirectory, OutputFile and
   /// require_disk_space.
-  OutputFiles(const Outputs& choice, const std::filesystem::path& path, const Plan& plan);
+  OutputFiles(const Outputs& choice, const std::filesystem::path& path, const FileSizes& sizes);
 
   /// The file of a map; null if there is none.
   OutputFile* map(MapQuantity quantity) {

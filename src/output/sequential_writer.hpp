@@ -5,9 +5,9 @@
 #include <optional>
 #include <span>
 
-#include "io/eses_writer.hpp"
-#include "io/gzip.hpp"
+#include "output/eses_writer.hpp"
 #include "output/output_file.hpp"
+#include "system/gzip.hpp"
 
 namespace eses::detail {
 

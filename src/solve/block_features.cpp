@@ -5,7 +5,7 @@
 #include <utility>
 
 #include "geometry/patch_boxes.hpp"
-#include "simd/padding.hpp"
+#include "system/padding.hpp"
 
 namespace eses::detail {
 namespace {

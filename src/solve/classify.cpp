@@ -11,10 +11,10 @@
 #include <span>
 
 #include "geometry/arc_sector-inl.hpp"
-#include "simd/dispatch.hpp"
-#include "simd/points-inl.hpp"
 #include "solve/cone_filter-inl.hpp"
 #include "solve/index_range.hpp"
+#include "system/dispatch.hpp"
+#include "system/points-inl.hpp"
 
 HWY_BEFORE_NAMESPACE();
 namespace eses::detail::HWY_NAMESPACE {

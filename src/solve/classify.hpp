@@ -6,8 +6,8 @@
 #include <vector>
 
 #include "grid/point_bits.hpp"
-#include "simd/padding.hpp"
 #include "solve/block_features.hpp"
+#include "system/padding.hpp"
 
 namespace eses::detail {
 

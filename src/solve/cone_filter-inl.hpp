@@ -3,8 +3,8 @@
 
 #include <span>
 
-#include "simd/points-inl.hpp"
 #include "solve/block_features.hpp"
+#include "system/points-inl.hpp"
 
 #if defined(ESES_SOLVE_CONE_FILTER_INL_) == defined(HWY_TARGET_TOGGLE)
 #ifdef ESES_SOLVE_CONE_FILTER_INL_

@@ -6,7 +6,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "simd/padding.hpp"
+#include "system/padding.hpp"
 
 namespace eses::detail {
 

@@ -6,9 +6,9 @@
 
 #include "geometry/arc_sector-inl.hpp"
 #include "geometry/line_torus-inl.hpp"
-#include "simd/points-inl.hpp"
 #include "solve/block_features.hpp"
 #include "solve/edge_batch.hpp"
+#include "system/points-inl.hpp"
 
 #if defined(ESES_SOLVE_EDGE_SADDLE_INL_) == defined(HWY_TARGET_TOGGLE)
 #ifdef ESES_SOLVE_EDGE_SADDLE_INL_

@@ -14,12 +14,12 @@
 #include <type_traits>
 
 #include "eses/error.hpp"
-#include "simd/dispatch.hpp"
-#include "simd/padding.hpp"
 #include "solve/cone_filter-inl.hpp"
 #include "solve/edge_saddle-inl.hpp"
 #include "solve/index_range.hpp"
 #include "solve/line_sphere-inl.hpp"
+#include "system/dispatch.hpp"
+#include "system/padding.hpp"
 
 HWY_BEFORE_NAMESPACE();
 namespace eses::detail::HWY_NAMESPACE {

@@ -1,8 +1,8 @@
 /// Intersections of several grid lines with a sphere. One square root gives the intersections of
 /// all edges of a line. Highway includes this file once for each instruction set.
 
-#include "simd/points-inl.hpp"
 #include "solve/index_range.hpp"
+#include "system/points-inl.hpp"
 
 #if defined(ESES_SOLVE_LINE_SPHERE_INL_) == defined(HWY_TARGET_TOGGLE)
 #ifdef ESES_SOLVE_LINE_SPHERE_INL_

@@ -10,9 +10,9 @@
 #include <cmath>
 #include <numeric>
 
-#include "simd/dispatch.hpp"
-#include "simd/lanes-inl.hpp"
-#include "simd/padding.hpp"
+#include "system/dispatch.hpp"
+#include "system/lanes-inl.hpp"
+#include "system/padding.hpp"
 
 #ifndef ESES_SURFACE_BURIAL_SHARED_
 #define ESES_SURFACE_BURIAL_SHARED_

@@ -104,7 +104,7 @@ class Links(TestCase):
     def test_pages_are_found(self):
         names = {str(path.relative_to(PROJECT)) for path in pages()}
         self.assertLessEqual({"README.md", "CONTRIBUTING.md", "doc/README.md", "doc/output.md",
-                              "data/README.md", "src/compute/README.md"}, names)
+                              "data/README.md", "src/run/README.md"}, names)
 
     def test_links_exist(self):
         for path in pages():

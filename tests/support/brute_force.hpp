@@ -24,9 +24,9 @@
 #include <string>
 #include <vector>
 
-#include "compute/run.hpp"
 #include "eses/atoms.hpp"
 #include "eses/vec3.hpp"
+#include "run/run_alone.hpp"
 #include "support/eses_files.hpp"
 
 namespace eses::detail::test {

@@ -8,10 +8,10 @@
 #include <string>
 #include <vector>
 
-#include "compute/run.hpp"
 #include "eses/atoms.hpp"
 #include "eses/grid.hpp"
 #include "eses/vec3.hpp"
+#include "run/run_alone.hpp"
 
 namespace eses::detail::test {
 

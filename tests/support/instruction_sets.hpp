@@ -4,7 +4,7 @@
 #include <hwy/highway.h>
 
 #include "catch.hpp"
-#include "simd/dispatch.hpp"
+#include "system/dispatch.hpp"
 
 namespace eses::detail::test {
 

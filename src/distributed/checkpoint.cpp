@@ -1,0 +1,229 @@
+#include "distributed/checkpoint.hpp"
+
+#include <zlib.h>
+
+#include <algorithm>
+#include <cstdio>
+#include <fstream>
+#include <iterator>
+#include <set>
+#include <system_error>
+#include <utility>
+
+#include "eses/error.hpp"
+#include "output/output_directory.hpp"
+#include "output/output_files.hpp"
+#include "system/formatted.hpp"
+
+namespace eses::detail {
+namespace {
+
+constexpr std::array<const char*, chunk_text_count> text_suffixes{
+    ".grid", ".edges",   ".vertices", ".triangles", ".inside",
+    ".ions", ".edges_x", ".edges_y",  ".edges_z"};
+
+std::string name_of(const PlaneRange& planes, std::string_view suffix) {
+  return formatted("{}-{}{}", planes.begin, planes.end, suffix);
+}
+
+std::optional<PlaneRange> planes_of(const std::string& name) {
+  PlaneRange planes;
+  int length = 0;
+  long long begin = 0, end = 0;
+  if (std::sscanf(name.c_str(), "%lld-%lld%n", &begin, &end, &length) != 2) return std::nullopt;
+  planes = {begin, end};
+  if (name != name_of(planes, sums_suffix) || planes.is_empty()) return std::nullopt;
+  return planes;
+}
+
+std::string read_all(const std::filesystem::path& path) {
+  std::ifstream file(path, std::ios::binary);
+  return {std::istreambuf_iterator<char>(file), {}};
+}
+
+std::uint32_t checksum(std::span<const std::byte> bytes) {
+  return static_cast<std::uint32_t>(
+      crc32_z(0, reinterpret_cast<const Bytef*>(bytes.data()), bytes.size()));
+}
+
+// The header of the file of the sums.
+struct SumsHeader {
+  ChunkInfo info;
+  std::uint64_t count = 0;
+  std::uint64_t checksum = 0;  // of the sums
+};
+
+std::uint64_t size_of(const std::filesystem::path& path) {
+  std::error_code error;
+  const std::uint64_t size = std::filesystem::file_size(path, error);
+  return error ? 0 : size;
+}
+
+template <class Value>
+std::span<const std::byte> bytes_of(const Value& value) {
+  return std::as_bytes(std::span(&value, 1));
+}
+
+}  // namespace
+
+void TextChecksum::add(std::span<const char> text, std::uint64_t offset) {
+  if (text.empty()) return;
+  const std::uint32_t of_text = checksum(std::as_bytes(text));
+  const std::lock_guard lock(mutex_);
+  parts_[offset] = {text.size(), of_text};
+}
+
+std::uint32_t TextChecksum::value() const {
+  uLong sum = 0;
+  for (const auto& [offset, part] : parts_)
+    sum = crc32_combine(sum, part.checksum, static_cast<z_off_t>(part.bytes));
+  return static_cast<std::uint32_t>(sum);
+}
+
+Checkpoint::Checkpoint(const std::filesystem::path& output_directory, std::string identity)
+    : path_(path_in(output_directory, checkpoint_name)), identity_(std::move(identity)) {}
+
+Checkpoint::~Checkpoint() {
+  if (!lock_) return;
+  lock_.reset();
+  std::error_code error;  // a directory with chunks cannot be removed
+  std::filesystem::remove(path_, error);
+}
+
+void Checkpoint::lock() { lock_.emplace(path_); }
+
+std::vector<PlaneRange> Checkpoint::complete() const {
+  std::error_code error;
+  std::vector<PlaneRange> chunks;
+  for (const auto& entry : std::filesystem::directory_iterator(path_, error))
+    if (const auto planes = planes_of(entry.path().filename().string())) chunks.push_back(*planes);
+  // Without complete chunks, the identity does not matter.
+  if (chunks.empty()) return {};
+  if (!std::filesystem::exists(path_ / run_name, error))
+    throw Error(
+        formatted("cannot resume: {} does not identify its run; remove it", path_.string()));
+  if (read_all(path_ / run_name) != identity_)
+    throw Error(formatted(
+        "cannot resume: {} belongs to a run with different input, options or version; remove it to "
+        "start again",
+        path_.string()));
+  std::erase_if(chunks, [this](const PlaneRange& planes) { return !is_whole(planes); });
+  std::sort(chunks.begin(), chunks.end(),
+            [](const PlaneRange& a, const PlaneRange& b) { return a.begin < b.begin; });
+  const auto overlapping =
+      std::adjacent_find(chunks.begin(), chunks.end(),
+                         [](const PlaneRange& a, const PlaneRange& b) { return b.begin < a.end; });
+  if (overlapping != chunks.end())
+    throw Error(
+        formatted("cannot resume: chunks in {} overlap; remove it to start again", path_.string()));
+  return chunks;
+}
+
+bool Checkpoint::is_whole(const PlaneRange& planes) const {
+  try {
+    const ChunkInfo info = read(planes).info;
+    for (std::size_t text = 0; text < chunk_text_count; ++text)
+      if (info.bytes[text] != size_of(path_ / name_of(planes, text_suffixes[text]))) return false;
+    return true;
+  } catch (const Error&) {
+    return false;
+  }
+}
+
+void Checkpoint::remove_others(std::span<const PlaneRange> complete) const {
+  std::set<std::string> kept;
+  for (const PlaneRange& planes : complete) {
+    kept.insert(name_of(planes, sums_suffix));
+    for (const char* const suffix : text_suffixes) kept.insert(name_of(planes, suffix));
+  }
+  std::error_code error;  // files that cannot be removed are harmless
+  std::vector<std::filesystem::path> others;
+  for (const auto& entry : std::filesystem::directory_iterator(path_, error)) {
+    const std::string name = entry.path().filename().string();
+    const bool is_of_chunk = name.front() >= '0' && name.front() <= '9';
+    if (is_of_chunk && !kept.contains(name)) others.push_back(entry.path());
+  }
+  for (const auto& path : others) std::filesystem::remove(path, error);
+}
+
+void Checkpoint::drop(const PlaneRange& planes) const {
+  std::error_code error;  // if the file remains, reading it detects the damage
+  std::filesystem::remove(sums_path(planes), error);
+}
+
+void Checkpoint::prepare() const {
+  if (read_all(path_ / run_name) == identity_) return;
+  ScratchFile file(path_, run_name, ScratchFile::Kept::fresh);
+  file.append(std::as_bytes(std::span(identity_)));
+  file.sync();
+}
+
+// Existing sums belong to an old text and are removed first.
+std::unique_ptr<ScratchFile> Checkpoint::create(const PlaneRange& planes, ChunkText text) const {
+  drop(planes);
+  const char* const suffix = text_suffixes[static_cast<std::size_t>(text)];
+  return std::make_unique<ScratchFile>(path_, name_of(planes, suffix), ScratchFile::Kept::fresh);
+}
+
+std::unique_ptr<ScratchFile> Checkpoint::open(const PlaneRange& planes, ChunkText text) const {
+  const char* const suffix = text_suffixes[static_cast<std::size_t>(text)];
+  return std::make_unique<ScratchFile>(path_, name_of(planes, suffix), ScratchFile::Kept::existing);
+}
+
+std::string Checkpoint::sums_path(const PlaneRange& planes) const {
+  return path_in(path_, name_of(planes, sums_suffix));
+}
+
+// The file of the sums is written last and gets its name when it is on disk, so that its existence
+// implies that the chunk is complete.
+void Checkpoint::finish(const PlaneChunk& chunk) const {
+  for (const auto& text : chunk.texts)
+    if (text) text->sync();
+  const std::string name = name_of(chunk.info.planes, sums_suffix), temporary = name + ".part";
+  {
+    ScratchFile file(path_, temporary, ScratchFile::Kept::fresh);
+    const auto sums = std::as_bytes(std::span(chunk.sums));
+    const SumsHeader header{chunk.info, chunk.sums.size(), checksum(sums)};
+    const std::uint64_t of_header = checksum(bytes_of(header));
+    for (const auto bytes : {bytes_of(of_header), bytes_of(header), sums}) file.append(bytes);
+    file.sync();
+  }
+  std::error_code error;
+  std::filesystem::rename(path_ / temporary, path_ / name, error);
+  if (error)
+    throw Error(formatted("cannot write {}: {}", (path_ / name).string(), error.message()));
+}
+
+PlaneChunk Checkpoint::read(const PlaneRange& planes) const {
+  const ScratchFile file(path_, name_of(planes, sums_suffix), ScratchFile::Kept::existing);
+  std::uint64_t of_header = 0;
+  SumsHeader header;
+  constexpr std::uint64_t begin = sizeof of_header + sizeof header;
+  PlaneChunk chunk;
+  const std::uint64_t bytes = size_of(sums_path(planes));
+  bool is_sound = bytes >= begin && (bytes - begin) % sizeof(AtomSum) == 0;
+  if (is_sound) {
+    file.read_at(std::as_writable_bytes(std::span(&of_header, 1)), 0);
+    file.read_at(std::as_writable_bytes(std::span(&header, 1)), sizeof of_header);
+    is_sound = of_header == checksum(bytes_of(header)) && header.info.planes == planes &&
+               header.count == (bytes - begin) / sizeof(AtomSum);
+  }
+  if (is_sound) {
+    chunk.info = header.info;
+    chunk.sums.resize(header.count);
+    file.read_at(std::as_writable_bytes(std::span(chunk.sums)), begin);
+    is_sound = header.checksum == checksum(std::as_bytes(std::span(chunk.sums)));
+  }
+  if (!is_sound)
+    throw Error(formatted("cannot resume: {} is damaged; remove it to compute its planes again",
+                          sums_path(planes)));
+  chunk.is_restored = true;
+  return chunk;
+}
+
+void Checkpoint::remove() {
+  remove_checkpoint_directory(path_);
+  lock_.reset();
+}
+
+}  // namespace eses::detail

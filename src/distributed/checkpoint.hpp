@@ -1,0 +1,140 @@
+#pragma once
+/// Chunks of planes and checkpoints. A chunk has the texts and sums of a range of planes; all
+/// chunks are merged into the output files at the end of a run. A checkpoint keeps them on disk, so
+/// that an interrupted run can be resumed. This folder does not communicate with other processes.
+
+#include <array>
+#include <cstdint>
+#include <filesystem>
+#include <map>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "grid/plane_range.hpp"
+#include "output/map_writer.hpp"
+#include "output/output_directory.hpp"
+#include "output/scratch_file.hpp"
+#include "solve/region_totals.hpp"
+
+namespace eses::detail {
+
+/// An atom's area share of a range of planes, in units of `area_share_unit`.
+struct AtomSum {
+  AreaShare share = 0;
+  AtomIndex atom = 0;                      ///< index of the atom in the file
+  std::array<std::uint32_t, 3> padding{};  ///< explicit padding, as the struct is written to disk
+};
+
+/// The texts of a chunk: the lines of grid_info.txt and intersection_info.txt, mesh vertices as
+/// text or records of the mesh's format, mesh triangles as mesh::LocalTriangle, and rows of words
+/// for each map, by its quantity.
+enum class ChunkText : std::uint8_t { grid, edges, vertices, triangles, first_map };
+inline constexpr std::size_t chunk_text_count =
+    static_cast<std::size_t>(ChunkText::first_map) + map_quantities;
+
+/// Returns the text with the rows of a map.
+constexpr ChunkText text_of(MapQuantity quantity) {
+  return static_cast<ChunkText>(static_cast<std::size_t>(ChunkText::first_map) +
+                                static_cast<std::size_t>(quantity));
+}
+
+/// The data of a chunk that all processes receive.
+struct ChunkInfo {
+  PlaneRange planes;
+  std::array<std::uint64_t, chunk_text_count> bytes{};      ///< length of each text
+  std::array<std::uint32_t, chunk_text_count> checksums{};  ///< crc32; only in a checkpoint
+  std::uint32_t padding = 0;  ///< explicit padding, as the struct is written to disk
+  MeshCounts mesh;
+  RegionTotals totals;
+
+  /// Length of a text in bytes.
+  std::uint64_t bytes_of(ChunkText text) const { return bytes[static_cast<std::size_t>(text)]; }
+};
+
+/// A chunk of planes.
+struct PlaneChunk {
+  ChunkInfo info;
+  /// Shares of the atoms with a share that is not 0, ascending; only for a checkpoint.
+  std::vector<AtomSum> sums;
+  /// Scratch files of the texts. In a checkpoint they are closed when the chunk is complete.
+  std::array<std::unique_ptr<ScratchFile>, chunk_text_count> texts;
+  /// Whether the chunk is the whole run. Texts without a scratch file are then in their final
+  /// files. Triangles in a scratch file are text of the mesh's format, or LocalTriangle in a format
+  /// with columns.
+  bool is_in_place = false;
+  bool is_restored = false;  ///< whether an earlier run wrote it, so that it may be damaged
+
+  /// The scratch file of a text, or null.
+  std::unique_ptr<ScratchFile>& text(ChunkText which) {
+    return texts[static_cast<std::size_t>(which)];
+  }
+};
+
+/// The checksum of a text that several threads write in parts, in any order.
+class TextChecksum {
+ public:
+  /// Adds a part of the text. Several threads may call it at the same time.
+  void add(std::span<const char> text, std::uint64_t offset);
+  /// Returns the checksum of the whole text. The parts must leave no gaps.
+  std::uint32_t value() const;
+
+ private:
+  struct Part {
+    std::uint64_t bytes;
+    std::uint32_t checksum;
+  };
+  std::mutex mutex_;
+  std::map<std::uint64_t, Part> parts_;  // by offset
+};
+
+/// A hidden directory in the output directory that keeps the chunks of a run, so that another run
+/// can continue. Each text of a chunk is a file. The file of the sums is written last: a chunk with
+/// sums is complete. All failures throw Error.
+class Checkpoint {
+ public:
+  /// `identity` is a text that identifies the run: runs whose chunks must not be combined have
+  /// different identities.
+  Checkpoint(const std::filesystem::path& output_directory, std::string identity);
+  /// Removes the directory if it is empty.
+  ~Checkpoint();
+  Checkpoint(const Checkpoint&) = delete;
+  Checkpoint& operator=(const Checkpoint&) = delete;
+
+  /// Creates the directory if necessary, and locks it against other runs while this object exists.
+  void lock();
+  /// Returns the planes of the complete chunks, ascending and disjoint. A chunk with damaged sums
+  /// or with texts of the wrong length is not complete. Throws Error if there are chunks of a run
+  /// with another identity.
+  std::vector<PlaneRange> complete() const;
+  /// Removes the files of all other chunks than these.
+  void remove_others(std::span<const PlaneRange> complete) const;
+  /// Marks a chunk as incomplete.
+  void drop(const PlaneRange& planes) const;
+  /// Writes the identity. Must be called before the first chunk is written.
+  void prepare() const;
+
+  /// Creates the scratch file of a text, and marks the chunk as incomplete.
+  std::unique_ptr<ScratchFile> create(const PlaneRange& planes, ChunkText text) const;
+  /// Writes the sums of a chunk, which makes it complete.
+  void finish(const PlaneChunk& chunk) const;
+  /// Reads a complete chunk without its texts.
+  PlaneChunk read(const PlaneRange& planes) const;
+  /// Opens the scratch file of a text.
+  std::unique_ptr<ScratchFile> open(const PlaneRange& planes, ChunkText text) const;
+  /// Removes the checkpoint.
+  void remove();
+
+ private:
+  bool is_whole(const PlaneRange& planes) const;
+  std::string sums_path(const PlaneRange& planes) const;
+
+  std::filesystem::path path_;
+  std::string identity_;
+  std::optional<OutputDirectory> lock_;
+};
+
+}  // namespace eses::detail

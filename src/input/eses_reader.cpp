@@ -1,0 +1,253 @@
+#include "input/eses_reader.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <cstdlib>
+#include <string>
+#include <system_error>
+
+#include "eses/error.hpp"
+#include "input/text_fields.hpp"
+#include "system/formatted.hpp"
+
+namespace eses::detail {
+namespace {
+
+// Maximum number of grid points that the program accepts. It fits into 64 bits.
+constexpr double max_points = 1e17;
+// Maximum index of an atom. The largest value of AtomIndex is reserved for "no atom".
+constexpr std::int64_t max_atom = std::int64_t{std::numeric_limits<AtomIndex>::max()} - 1;
+
+/// Parses the fields of a line, one after the other.
+class Fields {
+ public:
+  Fields(const LineReader& lines, std::string_view line)
+      : lines_(lines), begin_(line.data()), at_(begin_), end_(begin_ + line.size()) {}
+
+  bool more() {
+    while (at_ != end_ && is_blank(*at_)) ++at_;
+    return at_ != end_;
+  }
+
+  /// Returns a whole number from 0 to `largest`.
+  std::int64_t index(std::string_view name, std::int64_t largest) {
+    more();
+    const char* const start = at_;
+    std::int64_t value = 0;
+    while (at_ != end_ && is_digit(*at_) && value <= largest) value = 10 * value + (*at_++ - '0');
+    if (at_ == start || !is_field_end(at_) || value > largest) {
+      refuse(start, name, formatted("a whole number from 0 to {}", largest));
+    }
+    return value;
+  }
+
+  double number(std::string_view name) {
+    more();
+    const char* const start = at_;
+    double value = 0;
+    // std::from_chars reads everything that C prints. Other spellings are parsed again below.
+    const auto [stop, error] = std::from_chars(at_, end_, value);
+    at_ = stop;
+    if (error != std::errc{} || !is_field_end(stop)) value = number_in_other_spelling(start, name);
+    if (!std::isfinite(value)) refuse(start, name, "a finite number");
+    return value;
+  }
+
+  /// Returns whether a point is inside.
+  bool sign(std::string_view name) {
+    more();
+    const char* const start = at_;
+    const bool inside = at_ == end_ || *at_ != '-';
+    if (!inside) ++at_;
+    const bool is_one = at_ != end_ && *at_++ == '1' && is_field_end(at_);
+    if (!is_one) refuse(start, name, "1 (inside) or -1 (outside)");
+    return inside;
+  }
+
+  GridIndex indices(const std::array<std::string_view, 3>& names, std::int64_t largest) {
+    return {index(names[0], largest), index(names[1], largest), index(names[2], largest)};
+  }
+
+  GridIndex point(const std::array<std::string_view, 3>& names) {
+    return indices(names, max_grid_points - 1);
+  }
+
+  Vec3 vector(const std::array<std::string_view, 3>& names) {
+    return {number(names[0]), number(names[1]), number(names[2])};
+  }
+
+  void expect_end() {
+    if (more()) refuse(at_, "", "the end of the line");
+  }
+
+ private:
+  bool is_field_end(const char* at) const { return at == end_ || is_blank(*at); }
+
+  std::string_view rest_from(const char* start) const {
+    return {start, static_cast<std::size_t>(end_ - start)};
+  }
+
+  double number_in_other_spelling(const char* start, std::string_view name) {
+    std::string_view rest = rest_from(start);
+    double value = 0;
+    const std::errc error = parse_number(take_first(rest), value);
+    if (error == std::errc::invalid_argument) refuse(start, name, "a number");
+    if (error != std::errc{}) refuse(start, name, "a number that double precision can hold");
+    at_ = rest.data();
+    return value;
+  }
+
+  [[noreturn]] void refuse(const char* start, std::string_view name,
+                           std::string_view expected) const {
+    std::size_t number = 1;
+    for (std::string_view before(begin_, static_cast<std::size_t>(start - begin_));
+         !take_first(before).empty();)
+      ++number;
+    std::string_view rest = rest_from(start);
+    const std::string_view field = take_first(rest);
+    lines_.fail(formatted("field {}{}: expected {}, found {}", number,
+                          name.empty() ? "" : formatted(" ({})", name), expected,
+                          field.empty() ? "the end of the line" : quoted(field)));
+  }
+
+  const LineReader& lines_;
+  const char* begin_;
+  const char* at_;
+  const char* end_;
+};
+
+void check_is_in_grid(const LineReader& lines, const GridIndex& point, const GridIndex& size) {
+  if (point[0] < size[0] && point[1] < size[1] && point[2] < size[2]) return;
+  lines.fail(formatted("the point {} lies outside the grid of {} points", fmt::join(point, " "),
+                       fmt::join(size, " x ")));
+}
+
+Vec3 read_corner(LineReader& lines, const std::array<std::string_view, 3>& names) {
+  Fields fields(lines, lines.expect(formatted("{}", fmt::join(names, " "))));
+  const Vec3 corner = fields.vector(names);
+  fields.expect_end();
+  return corner;
+}
+
+GridIndex read_size(LineReader& lines) {
+  Fields fields(lines, lines.expect("nx ny nz"));
+  const GridIndex size = fields.indices({"nx", "ny", "nz"}, max_grid_points);
+  fields.expect_end();
+  double points = 1;
+  for (const std::int64_t n : size) points *= static_cast<double>(n);
+  if (points < 1 || points > max_points)
+    lines.fail(formatted("a grid of {} points", fmt::join(size, " x ")));
+  return size;
+}
+
+GridEdge read_edge(const LineReader& lines, Fields& fields, const GridIndex& size) {
+  const GridIndex inside = fields.point({"i", "j", "k"});
+  const GridIndex outside = fields.point({"i'", "j'", "k'"});
+  check_is_in_grid(lines, inside, size);
+  check_is_in_grid(lines, outside, size);
+  GridEdge edge;
+  std::int64_t steps = 0;
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    const std::int64_t step = outside[axis] - inside[axis];
+    edge.lower[axis] = static_cast<std::int32_t>(std::min(inside[axis], outside[axis]));
+    if (step == 0) continue;
+    edge.axis = static_cast<std::uint8_t>(axis);
+    edge.lower_is_inside = step > 0;
+    steps += std::abs(step);
+  }
+  if (steps != 1)
+    lines.fail(formatted("the points {} and {} are not neighbours", fmt::join(inside, " "),
+                         fmt::join(outside, " ")));
+  return edge;
+}
+
+/// Reads the adjacent atoms as a set: in ascending order, without duplicates.
+void read_adjacent_atoms(Fields& fields, Crossing& crossing) {
+  crossing.atoms = {};
+  std::size_t count = 0;
+  do {
+    crossing.atoms[count++] = static_cast<AtomIndex>(fields.index("atom", max_atom));
+  } while (count < crossing.atoms.size() && fields.more());
+  fields.expect_end();
+  const auto begin = crossing.atoms.begin();
+  std::sort(begin, begin + static_cast<std::ptrdiff_t>(count));
+  const auto end = std::unique(begin, begin + static_cast<std::ptrdiff_t>(count));
+  std::fill(end, crossing.atoms.end(), AtomIndex{0});
+  crossing.atom_count = static_cast<std::uint8_t>(end - begin);
+}
+
+}  // namespace
+
+std::optional<std::filesystem::path> find_eses_file(const std::filesystem::path& directory,
+                                                    EsesFile file) {
+  // Accepts anything of this name, so that opening it gives a specific error.
+  const auto is_there = [](const std::filesystem::path& path) {
+    std::error_code ignored;
+    return std::filesystem::symlink_status(path, ignored).type() !=
+           std::filesystem::file_type::not_found;
+  };
+  std::filesystem::path path = directory / name_of(file);
+  if (is_there(path)) return path;
+  path += ".gz";
+  if (is_there(path)) return path;
+  return std::nullopt;
+}
+
+BoundingBox read_bounding_box(const std::filesystem::path& path) {
+  LineReader lines(path);
+  BoundingBox box;
+  box.lower = read_corner(lines, {"xmin", "ymin", "zmin"});
+  box.upper = read_corner(lines, {"xmax", "ymax", "zmax"});
+  box.size = read_size(lines);
+  std::string_view line;
+  if (lines.next(line)) lines.fail("expected the end of the file after three lines");
+  return box;
+}
+
+bool GridReader::next(GridRow& row) {
+  std::string_view line;
+  if (!lines_.next(line)) return false;
+  Fields fields(lines_, line);
+  row.point = fields.point({"i", "j", "k"});
+  row.inside = fields.sign("s");
+  fields.expect_end();
+  check_is_in_grid(lines_, row.point, size_);
+  return true;
+}
+
+bool EdgeReader::next(Crossing& crossing) {
+  std::string_view line;
+  if (!lines_.next(line)) return false;
+  Fields fields(lines_, line);
+  const GridEdge place = read_edge(lines_, fields, size_);
+  crossing.lower = {place.lower[0], place.lower[1], place.lower[2]};
+  crossing.axis = place.axis;
+  crossing.lower_is_inside = place.lower_is_inside;
+  crossing.position = fields.vector({"px", "py", "pz"});
+  crossing.normal = fields.vector({"nx", "ny", "nz"});
+  read_adjacent_atoms(fields, crossing);
+  return true;
+}
+
+bool EdgeReader::next(GridEdge& edge) {
+  std::string_view line;
+  if (!lines_.next(line)) return false;
+  Fields fields(lines_, line);
+  edge = read_edge(lines_, fields, size_);
+  return true;
+}
+
+bool AreaReader::next(AtomArea& area) {
+  std::string_view line;
+  if (!lines_.next(line)) return false;
+  Fields fields(lines_, line);
+  area.atom = static_cast<AtomIndex>(fields.index("atom", max_atom));
+  area.area = fields.number("area");
+  fields.expect_end();
+  return true;
+}
+
+}  // namespace eses::detail

@@ -1,0 +1,257 @@
+// Readers of grids from existing files: headers of OpenDX and VTK image data, and bounding_box.txt.
+
+#include "input/grid_reader.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cctype>
+#include <cmath>
+#include <optional>
+#include <string>
+#include <string_view>
+
+#include "eses/error.hpp"
+#include "eses/grid.hpp"
+#include "grid/make_grid.hpp"
+#include "input/eses_reader.hpp"
+#include "input/line_reader.hpp"
+#include "input/text_fields.hpp"
+#include "system/formatted.hpp"
+
+namespace eses::detail {
+namespace {
+
+// Spacings that differ by a smaller relative amount are treated as equal. APBS prints seven digits.
+constexpr double spacing_precision = 2e-6;
+constexpr std::string_view gzip_suffix = ".gz";
+// Maximum number of lines before the data. Valid files have a few lines; the limit stops the search
+// in files of other formats.
+constexpr int max_header_lines = 1000;
+
+double number_in(const LineReader& lines, std::string_view& fields, std::string_view what) {
+  const std::string_view field = take_first(fields);
+  double value = 0;
+  if (parse_number(field, value) != std::errc() || !std::isfinite(value))
+    lines.fail(formatted("{}: expected a finite number, found {}", what,
+                         field.empty() ? "the end of the line" : quoted(field)));
+  return value;
+}
+
+Vec3 vector_in(const LineReader& lines, std::string_view& fields, std::string_view what) {
+  Vec3 vector;
+  for (std::size_t axis = 0; axis < 3; ++axis) vector[axis] = number_in(lines, fields, what);
+  return vector;
+}
+
+// Parses a whole number of at least `min`.
+std::int64_t index_in(const LineReader& lines, std::string_view& fields, std::string_view what,
+                      std::int64_t min) {
+  const double value = number_in(lines, fields, what);
+  if (value != std::floor(value) || value < static_cast<double>(min) ||
+      value > static_cast<double>(max_grid_points))
+    lines.fail(formatted("{}: expected a whole number from {} to {}, found {}", what, min,
+                         max_grid_points, value));
+  return static_cast<std::int64_t>(value);
+}
+
+// Returns the spacing, which must be the same along all axes.
+double common_spacing(const LineReader& lines, const Vec3& spacing) {
+  for (const double value : {spacing.x, spacing.y, spacing.z})
+    if (!(value > 0))
+      lines.fail(formatted("expected a positive spacing along x, y and z, found {}, {} and {}",
+                           spacing.x, spacing.y, spacing.z));
+  for (const double value : {spacing.y, spacing.z})
+    if (!is_same_spacing(value, spacing.x))
+      lines.fail(formatted(
+          "the spacing is {} along x, {} along y and {} along z; it must be the same along all "
+          "axes, such as by an equal ratio of length and cells",
+          spacing.x, spacing.y, spacing.z));
+  return spacing.x;
+}
+
+// Returns the axis along which the points of a map lie half a spacing behind those of the grid, as
+// a comment of eses-blocks or APBS says for maps of the dielectric.
+std::optional<std::size_t> shifted_axis(std::string_view comment) {
+  constexpr std::string_view own = "Dielectric at middles of edges along ";
+  constexpr std::string_view apbs = "-SHIFTED DIELECTRIC MAP";
+  char axis = 0;
+  if (comment.starts_with(own) && comment.size() > own.size()) axis = comment[own.size()];
+  const std::size_t end = comment.find(apbs);
+  if (end != std::string_view::npos && end > 0)
+    axis = static_cast<char>(std::tolower(static_cast<unsigned char>(comment[end - 1])));
+  if (axis < 'x' || axis > 'z') return std::nullopt;
+  return static_cast<std::size_t>(axis - 'x');
+}
+
+// Reads the grid positions of an OpenDX file.
+Grid read_dx(const std::filesystem::path& path) {
+  LineReader lines(path);
+  Grid grid;
+  Vec3 spacing;
+  std::size_t deltas = 0;
+  std::optional<std::size_t> shifted;
+  bool has_counts = false, has_origin = false;
+  std::string_view line;
+  for (int i = 0; i < max_header_lines && deltas < 3; ++i) {
+    std::string_view fields = lines.expect("the positions of an OpenDX grid");
+    line = take_first(fields);
+    if (line == "#" && !shifted) {
+      const std::size_t begin = fields.find_first_not_of(' ');
+      if (begin != std::string_view::npos) shifted = shifted_axis(fields.substr(begin));
+    } else if (line == "object" && fields.find("gridpositions") != std::string_view::npos) {
+      while (!fields.empty() && take_first(fields) != "counts") continue;
+      for (std::int64_t& count : grid.size) count = index_in(lines, fields, "counts", 1);
+      has_counts = true;
+    } else if (line == "origin" && has_counts) {
+      grid.origin = vector_in(lines, fields, "origin");
+      has_origin = true;
+    } else if (line == "delta" && has_origin) {
+      Vec3 delta = vector_in(lines, fields, "delta");
+      spacing[deltas] = delta[deltas];
+      delta[deltas] = 0;
+      if (delta != Vec3{})
+        lines.fail("the axes of the grid must be those of the coordinates, in the order x, y, z");
+      ++deltas;
+    }
+  }
+  if (deltas < 3) lines.fail("expected the positions of an OpenDX grid: counts, origin and delta");
+  grid.spacing = common_spacing(lines, spacing);
+  if (shifted) grid.origin[*shifted] -= 0.5 * grid.spacing;
+  return grid;
+}
+
+// Returns the value of an attribute of an XML tag.
+std::string_view attribute_in(const LineReader& lines, std::string_view tag,
+                              std::string_view name) {
+  for (std::size_t at = tag.find(name); at != std::string_view::npos; at = tag.find(name, at + 1)) {
+    std::string_view rest = tag.substr(at + name.size());
+    const bool is_whole_name = at > 0 && tag[at - 1] == ' ';
+    if (!is_whole_name || rest.size() < 2 || rest[0] != '=') continue;
+    const char quote = rest[1];
+    rest.remove_prefix(2);
+    const std::size_t end = rest.find(quote);
+    if ((quote == '"' || quote == '\'') && end != std::string_view::npos)
+      return rest.substr(0, end);
+  }
+  lines.fail(formatted("the tag ImageData has no attribute {}", name));
+}
+
+// Returns the tag <ImageData ...>, with line ends replaced by blanks.
+std::string image_tag(LineReader& lines) {
+  constexpr std::string_view begin = "<ImageData";
+  std::string tag;
+  for (int i = 0; i < max_header_lines; ++i) {
+    std::string_view line = lines.expect("the tag ImageData of VTK image data");
+    if (tag.empty()) {
+      const std::size_t at = line.find(begin);
+      if (at == std::string_view::npos) continue;
+      line.remove_prefix(at);
+    }
+    const std::size_t end = line.find('>');
+    tag += formatted("{} ", line.substr(0, end));
+    if (end != std::string_view::npos) return tag;
+  }
+  lines.fail("expected the tag ImageData of VTK image data");
+}
+
+// Reads the grid of VTK image data. Its indices need not start at 0.
+Grid read_vti(const std::filesystem::path& path) {
+  LineReader lines(path);
+  const std::string tag = image_tag(lines);
+  std::string_view extent = attribute_in(lines, tag, "WholeExtent");
+  std::string_view origin = attribute_in(lines, tag, "Origin");
+  std::string_view spacing = attribute_in(lines, tag, "Spacing");
+  Grid grid;
+  grid.origin = vector_in(lines, origin, "Origin");
+  grid.spacing = common_spacing(lines, vector_in(lines, spacing, "Spacing"));
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    const std::int64_t first = index_in(lines, extent, "WholeExtent", -max_grid_points);
+    const std::int64_t last = index_in(lines, extent, "WholeExtent", first);
+    grid.origin[axis] = grid.coordinate(axis, first);
+    grid.size[axis] = last - first + 1;
+  }
+  return grid;
+}
+
+// Returns the tolerance of the last corner: corners are written with 13 digits.
+double corner_precision(const BoundingBox& box, std::size_t axis) {
+  constexpr double printed = 1e-12;
+  return printed * std::max(std::fabs(box.lower[axis]), std::fabs(box.upper[axis]));
+}
+
+bool fits(const BoundingBox& box, double spacing) {
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    const double length = static_cast<double>(box.size[axis] - 1) * spacing;
+    if (!(std::fabs(box.lower[axis] + length - box.upper[axis]) <= corner_precision(box, axis)))
+      return false;
+  }
+  return true;
+}
+
+// The corners are rounded, so a range of spacings is consistent with them. The spacing with the
+// shortest decimal text is most likely the original one.
+double shortest_spacing(const BoundingBox& box, double estimate) {
+  for (int digits = 1; digits < 17; ++digits) {
+    double spacing = 0;
+    if (parse_number(formatted("{:.{}e}", estimate, digits - 1), spacing) == std::errc() &&
+        fits(box, spacing))
+      return spacing;
+  }
+  return estimate;
+}
+
+Grid read_box(const std::filesystem::path& path) {
+  const BoundingBox box = read_bounding_box(path);
+  const auto longest = static_cast<std::size_t>(std::max_element(box.size.begin(), box.size.end()) -
+                                                box.size.begin());
+  const auto cells = static_cast<double>(box.size[longest] - 1);
+  const double spacing = (box.upper[longest] - box.lower[longest]) / cells;
+  if (!(spacing > 0) || !std::isfinite(spacing))
+    throw Error(formatted("{}: the corners and counts give no valid spacing", path.string()));
+  Grid grid{box.lower, shortest_spacing(box, spacing), box.size};
+  for (std::size_t axis = 0; axis < 3; ++axis)
+    if (std::fabs(grid.upper()[axis] - box.upper[axis]) >
+        spacing_precision * grid.spacing * static_cast<double>(box.size[axis]))
+      throw Error(
+          formatted("{}: the corners give different spacings along the axes; they must be equal",
+                    path.string()));
+  return grid;
+}
+
+}  // namespace
+
+bool is_same_spacing(double a, double b) {
+  return std::fabs(a - b) <= spacing_precision * std::max(a, b);
+}
+
+std::optional<GridFileFormat> grid_file_format(std::string_view name) {
+  if (name.ends_with(gzip_suffix)) name.remove_suffix(gzip_suffix.size());
+  if (name.ends_with(".dx")) return GridFileFormat::dx;
+  if (name.ends_with(".vti")) return GridFileFormat::vti;
+  if (name.ends_with(".txt")) return GridFileFormat::box;
+  return std::nullopt;
+}
+
+}  // namespace eses::detail
+
+namespace eses {
+
+Grid read_grid(const std::filesystem::path& path) {
+  using detail::GridFileFormat;
+  const auto format = detail::grid_file_format(path.filename().string());
+  if (!format)
+    throw Error(detail::formatted(
+        "{}: a grid file needs the suffix .dx, .vti or .txt, or one of these and .gz",
+        path.string()));
+  const Grid grid = *format == GridFileFormat::dx    ? detail::read_dx(path)
+                    : *format == GridFileFormat::vti ? detail::read_vti(path)
+                                                     : detail::read_box(path);
+  try {
+    detail::require_chosen(grid);
+  } catch (const Error& error) {
+    throw Error(detail::formatted("{}: {}", path.string(), error.what()));
+  }
+  return grid;
+}
+
+}  // namespace eses

@@ -1,0 +1,66 @@
+#include "input/line_reader.hpp"
+
+#include <cstring>
+#include <span>
+
+#include "eses/error.hpp"
+#include "input/text_fields.hpp"
+#include "system/formatted.hpp"
+
+namespace eses::detail {
+namespace {
+
+constexpr std::size_t buffer_bytes = std::size_t{1} << 18;
+static_assert(max_line_length < buffer_bytes);
+
+}  // namespace
+
+LineReader::LineReader(const std::filesystem::path& path)
+    : name_(path.string()),
+      file_(open_for_reading(path, name_)),
+      source_(file_.value(), name_),
+      buffer_(buffer_bytes) {}
+
+bool LineReader::next(std::string_view& line) {
+  const auto find_end = [this] {
+    return static_cast<const char*>(std::memchr(buffer_.data() + begin_, '\n', end_ - begin_));
+  };
+  const char* end = find_end();
+  while (end == nullptr && !at_end_of_file_ && end_ - begin_ <= max_line_length) {
+    refill();
+    end = find_end();
+  }
+  if (end == nullptr && begin_ == end_) return false;
+  ++line_;
+  const char* const begin = buffer_.data() + begin_;
+  const std::size_t length = end == nullptr ? end_ - begin_ : static_cast<std::size_t>(end - begin);
+  if (length > max_line_length) fail(formatted("more than {} characters", max_line_length));
+  if (end == nullptr) fail("the line has no end; the file seems to be cut off");
+  line = {begin, length};
+  begin_ += length + 1;
+  if (line.ends_with('\r')) line.remove_suffix(1);
+  return true;
+}
+
+std::string_view LineReader::expect(std::string_view what) {
+  std::string_view line;
+  if (!next(line)) fail_at(line_ + 1, formatted("expected {}, found the end of the file", what));
+  return line;
+}
+
+void LineReader::refill() {
+  std::memmove(buffer_.data(), buffer_.data() + begin_, end_ - begin_);
+  end_ -= begin_;
+  begin_ = 0;
+  const std::size_t count = source_.read(std::span(buffer_).subspan(end_));
+  end_ += count;
+  at_end_of_file_ = count == 0;
+}
+
+void LineReader::fail(std::string_view what) const { fail_at(line_, what); }
+
+void LineReader::fail_at(std::uint64_t line, std::string_view what) const {
+  throw Error(formatted("{}:{}: {}", name_, line, what));
+}
+
+}  // namespace eses::detail

@@ -1,0 +1,46 @@
+#pragma once
+/// Reading of text files, plain or gzipped, line by line. The memory does not grow with the file.
+
+#include <cstdint>
+#include <filesystem>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "input/text_source.hpp"
+#include "system/file_descriptor.hpp"
+
+namespace eses::detail {
+
+/// The lines of a file. All failures throw Error with the name of the file and, if a line is
+/// faulty, with its number.
+class LineReader {
+ public:
+  explicit LineReader(const std::filesystem::path& path);
+
+  /// Reads the next line without its end, LF or CRLF. It is valid until the next call. Returns
+  /// false at the end of the file. Throws Error for a last line without an end, as the file is
+  /// truncated.
+  bool next(std::string_view& line);
+
+  /// Returns the next line. Throws Error at the end of the file; `what` describes the expected
+  /// line.
+  std::string_view expect(std::string_view what);
+
+  /// Throws Error with the number of the current line.
+  [[noreturn]] void fail(std::string_view what) const;
+
+ private:
+  void refill();
+  [[noreturn]] void fail_at(std::uint64_t line, std::string_view what) const;
+
+  std::string name_;
+  FileDescriptor file_;
+  TextSource source_;
+  std::vector<char> buffer_;
+  std::size_t begin_ = 0, end_ = 0;  // the unread part of the buffer
+  bool at_end_of_file_ = false;
+  std::uint64_t line_ = 0;  // number of the current line, from 1
+};
+
+}  // namespace eses::detail

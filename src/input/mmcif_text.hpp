@@ -1,0 +1,25 @@
+#pragma once
+/// Parsing of mmCIF texts by gemmi.
+
+#include <cstdint>
+#include <gemmi/model.hpp>
+#include <string>
+#include <string_view>
+
+#include "input/checker.hpp"
+
+namespace eses::detail {
+
+/// An error in an mmCIF text. The message may be that of gemmi.
+struct MmcifError {
+  std::uint64_t line = 0;  ///< line number, from 1; 0 if it is unknown
+  std::string message;
+};
+
+/// Parses an mmCIF text. The serial numbers of the atoms are their line numbers, from 1. Only the
+/// assembly `assembly` has generators. Calls `checker` repeatedly. Throws MmcifError,
+/// std::bad_alloc, and the exceptions of `checker`.
+gemmi::Structure parse_mmcif_text(std::string_view text, const std::string& name,
+                                  const std::string& assembly, Checker& checker);
+
+}  // namespace eses::detail

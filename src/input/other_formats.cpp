@@ -1,0 +1,171 @@
+#include "input/other_formats.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cstddef>
+
+#include "eses/error.hpp"
+#include "input/text_fields.hpp"
+#include "system/formatted.hpp"
+
+namespace eses::detail {
+namespace {
+
+/// A format of molecules that cannot be read.
+struct OtherFormat {
+  std::string_view name;
+  std::string_view suffixes;  ///< separated by blanks
+  std::string_view advice;    ///< how to convert the file
+};
+
+constexpr std::string_view open_babel = "convert it with `obabel FILE -O FILE.pdb`";
+constexpr std::string_view gromacs = "convert it with `gmx editconf -f FILE -o FILE.pdb`";
+constexpr std::string_view gromacs_trajectory =
+    "write one frame with `gmx trjconv -f FILE -s TOPOLOGY.tpr -dump 0 -o FILE.pdb`";
+constexpr std::string_view amber =
+    "make a PQR file of topology and coordinates with `ambpdb -p FILE.prmtop -c FILE.inpcrd -pqr > "
+    "FILE.pqr`";
+constexpr std::string_view cpptraj =
+    "write the first frame with `cpptraj -p TOPOLOGY.prmtop -y FILE -ya '1 1' -x FILE.pdb`";
+constexpr std::string_view pymol = "convert it with `pymol -cq FILE -d 'save FILE.pdb'`";
+constexpr std::string_view trajectory =
+    "write one frame with `mdconvert FILE -t TOPOLOGY -i 0 -o FILE.pdb`";
+
+constexpr OtherFormat mol2{"Tripos MOL2", ".mol2", open_babel};
+constexpr OtherFormat sdf{"MDL molfile or SDF", ".sdf .mol .sd", open_babel};
+constexpr OtherFormat prmtop{"Amber topology", ".prmtop .parm7", amber};
+constexpr OtherFormat netcdf{"Amber NetCDF", ".nc .ncrst .ncdf", cpptraj};
+constexpr OtherFormat hdf5{
+    "HDF5", ".h5 .h5md",
+    "write one frame as PDB; for files of MDTraj use `mdconvert FILE -i 0 -o FILE.pdb`"};
+constexpr OtherFormat psf{
+    "CHARMM PSF", ".psf",
+    "it has no coordinates; pass the PDB file that belongs to it, which is read directly"};
+constexpr OtherFormat dcd{"DCD trajectory", ".dcd", trajectory};
+constexpr OtherFormat xtc{"GROMACS trajectory", ".xtc .trr", gromacs_trajectory};
+constexpr OtherFormat mmjson{"mmJSON", ".json", "convert it with `gemmi convert FILE FILE.cif`"};
+constexpr OtherFormat mmtf{"MMTF", ".mmtf",
+                           "convert it with `pymol -cq FILE -d 'save FILE.cif'`, or get the entry "
+                           "as .cif"};
+constexpr OtherFormat bcif{"BinaryCIF", ".bcif",
+                           "get the entry as .cif or .cif.gz, which are read directly"};
+constexpr OtherFormat pdbqt{"AutoDock PDBQT", ".pdbqt", open_babel};
+
+constexpr std::array other_formats{
+    mol2,
+    sdf,
+    prmtop,
+    psf,
+    dcd,
+    xtc,
+    mmjson,
+    mmtf,
+    bcif,
+    pdbqt,
+    netcdf,
+    hdf5,
+    OtherFormat{"Amber restart", ".inpcrd .rst7 .rst", amber},
+    OtherFormat{"GROMACS or Amber topology", ".top",
+                "it has no coordinates; with GROMACS use `gmx editconf -f FILE.gro -o FILE.pdb`, "
+                "with Amber `ambpdb -p FILE.top -c FILE.inpcrd -pqr > FILE.pqr`"},
+    OtherFormat{"PyMOL session", ".pse", pymol},
+    OtherFormat{"ChimeraX session", ".cxs",
+                "convert it with `chimerax --nogui --exit --cmd 'open FILE; save FILE.pdb'`"},
+    OtherFormat{"XYZ", ".xyz", open_babel},
+    OtherFormat{"CHARMM coordinate", ".crd .cor", open_babel},
+    OtherFormat{"GROMACS coordinate", ".gro .g96 .tpr", gromacs},
+    OtherFormat{"Maestro", ".mae .maegz", pymol},
+};
+
+[[noreturn]] void refuse(std::string_view name, const OtherFormat& format) {
+  throw Error(formatted("{}: {} files are not read; {}", name, format.name, format.advice));
+}
+
+/// Returns the first line that is neither blank nor a comment, which begins with `comment`.
+std::string_view first_line(std::string_view text, char comment) {
+  while (!text.empty()) {
+    const std::size_t end = std::min(text.find('\n'), text.size());
+    const std::string_view line = without_leading_blanks(text.substr(0, end));
+    if (!line.empty() && line != "\r" && line.front() != comment) return line;
+    text.remove_prefix(std::min(end + 1, text.size()));
+  }
+  return {};
+}
+
+/// Returns whether the fourth line, the counts line, ends with the version.
+bool is_molfile(std::string_view text) {
+  for (int line = 0; line < 3; ++line) {
+    const std::size_t end = text.find('\n');
+    if (end == text.npos) return false;
+    text.remove_prefix(end + 1);
+  }
+  const std::string_view counts =
+      without_trailing_blanks(text.substr(0, std::min(text.find_first_of("\r\n"), text.size())));
+  return counts.ends_with("V2000") || counts.ends_with("V3000");
+}
+
+/// Magic bytes of a binary format.
+struct Magic {
+  std::size_t offset;
+  std::string_view bytes;
+  const OtherFormat* format;
+};
+
+constexpr std::array magics{
+    Magic{0, {"\0\0\x07\xcb", 4}, &xtc}, Magic{0, {"\0\0\x07\xc9", 4}, &xtc},
+    Magic{4, {"CORD", 4}, &dcd},         Magic{0, {"%VERSION", 8}, &prmtop},
+    Magic{0, {"PSF ", 4}, &psf},         Magic{0, {"CDF\1", 4}, &netcdf},
+    Magic{0, {"CDF\2", 4}, &netcdf},     Magic{0, {"\x89HDF\r\n", 6}, &hdf5},
+};
+
+// Maximum distance from the start of a MessagePack map at which these formats have their first
+// keys.
+constexpr std::size_t message_pack_head = 512;  // bytes
+
+const OtherFormat* format_by_content(std::string_view text) {
+  for (const Magic& magic : magics)
+    if (text.size() >= magic.offset && text.substr(magic.offset).starts_with(magic.bytes))
+      return magic.format;
+  const std::string_view line = first_line(text, '#');
+  if (line.starts_with("@<TRIPOS>")) return &mol2;
+  if (line.starts_with("{")) return &mmjson;
+  const std::string_view head = text.substr(0, message_pack_head);
+  const bool is_map = !text.empty() && static_cast<unsigned char>(text.front()) >= 0x80;
+  if (is_map && head.find("mmtfVersion") != head.npos) return &mmtf;
+  if (is_map && (head.find("dataBlocks") != head.npos || head.find("encoder") != head.npos))
+    return &bcif;
+  if (is_molfile(text)) return &sdf;
+  return nullptr;
+}
+
+}  // namespace
+
+std::string input_suffix(const std::filesystem::path& path) {
+  std::string suffix = lower_case(path.extension().string());
+  return suffix == ".gz" ? input_suffix(path.stem()) : suffix;
+}
+
+AtomFormat structure_format_of(std::string_view text) {
+  const std::string_view line = first_line(text, '#');
+  if (starts_with_ignoring_case(line, "data_")) return AtomFormat::mmcif;
+  for (const std::string_view record :
+       {"HEADER ", "OBSLTE ", "TITLE ", "COMPND ", "EXPDTA ", "CRYST1 ", "NUMMDL "})
+    if (line.starts_with(record)) return AtomFormat::pdb;
+  return AtomFormat::automatic;
+}
+
+void refuse_other_suffix(const std::filesystem::path& path) {
+  const std::string suffix = input_suffix(path);
+  if (suffix.empty()) return;
+  for (const OtherFormat& format : other_formats) {
+    std::string_view suffixes = format.suffixes;
+    for (std::string_view one = take_first(suffixes); !one.empty(); one = take_first(suffixes))
+      if (one == suffix) refuse(path.string(), format);
+  }
+}
+
+void refuse_other_formats(std::string_view text, std::string_view name) {
+  if (const OtherFormat* const format = format_by_content(text)) refuse(name, *format);
+}
+
+}  // namespace eses::detail

@@ -1,0 +1,129 @@
+#include "input/pdb_elements.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cstddef>
+#include <gemmi/elem.hpp>
+#include <gemmi/resinfo.hpp>
+#include <utility>
+
+#include "input/text_fields.hpp"
+
+namespace eses::detail {
+namespace {
+
+// Names of residues in the force fields of Amber, CHARMM and GROMACS that gemmi does not know:
+// protonation states of amino acids, caps of chains, and nucleotides.
+constexpr std::array<std::string_view, 61> md_residues{
+    "HID", "HIE", "HIP", "HSD", "HSE", "HSP", "HSC", "HIN", "HDP", "CYX", "CYM", "CYN", "CYH",
+    "CYP", "CY2", "ASH", "ASB", "GLH", "LYN", "LYP", "ARN", "TYM", "ACE", "NME", "NMA", "NHE",
+    "NH2", "FOR", "CT3", "A3",  "A5",  "AN",  "C3",  "C5",  "CN",  "G3",  "G5",  "GN",  "U3",
+    "U5",  "UN",  "RA",  "RC",  "RG",  "RU",  "RA3", "RA5", "RC3", "RC5", "RG3", "RG5", "RU3",
+    "RU5", "DA3", "DA5", "DC3", "DC5", "DG3", "DG5", "DT3", "DT5"};
+
+// Names of ions in the force field of CHARMM.
+constexpr std::array<std::pair<std::string_view, std::string_view>, 9> charmm_ions{{
+    {"SOD", "NA"},
+    {"CLA", "CL"},
+    {"POT", "K"},
+    {"CAL", "CA"},
+    {"CES", "CS"},
+    {"LIT", "LI"},
+    {"RUB", "RB"},
+    {"BAR", "BA"},
+    {"CAD", "CD"},
+}};
+
+// Elements of two letters that are usually meant by these names in ligands, although the first
+// letter is an element, too. Iron is one in all columns.
+constexpr std::array<std::string_view, 10> ligand_elements{"CL", "BR", "CU", "NI", "SI",
+                                                           "SE", "PT", "PD", "IR", "OS"};
+
+bool contains(const auto& list, std::string_view text) {
+  return std::find(list.begin(), list.end(), text) != list.end();
+}
+
+bool is_element(std::string_view symbol) {
+  return gemmi::find_element(std::string(symbol).c_str()) != gemmi::El::X;
+}
+
+/// Returns the name without the digits and signs around its letters.
+std::string_view stem_of(std::string_view name) {
+  while (!name.empty() && !is_letter(name.front())) name.remove_prefix(1);
+  while (!name.empty() && !is_letter(name.back())) name.remove_suffix(1);
+  return name;
+}
+
+std::string ion_element(std::string_view name) {
+  const std::string_view stem = stem_of(name);
+  for (const auto& [ion, element] : charmm_ions)
+    if (stem == ion) return std::string(element);
+  return stem.size() <= 2 && is_element(stem) ? std::string(stem) : std::string();
+}
+
+/// Returns the element of an atom that is not of a polymer and whose name begins with `H` or `D`.
+/// Names of hydrogens are often misaligned, so only `HG` in the first column is mercury.
+std::string hydrogen_or_mercury(std::string_view name_columns, std::string_view name,
+                                bool is_left_aligned) {
+  const bool is_mercury =
+      stem_of(name) == "HG" && name_columns.starts_with("HG") && name_columns.ends_with(' ');
+  return is_mercury && !is_left_aligned ? "HG" : std::string(1, name.front());
+}
+
+/// Returns the symbol in capital letters if a name begins with a symbol whose second letter is
+/// small, such as `Cl1`; empty otherwise. `Ca` and `Nd` may be Greek letters of carbon and
+/// nitrogen.
+std::string mixed_case_element(std::string_view name) {
+  constexpr std::string_view greek = "abdeghz";
+  if (name.size() < 2 || name[1] < 'a' || name[1] > 'z') return {};
+  const bool is_ambiguous = std::string_view("CNO").find(name[0]) != std::string_view::npos &&
+                            greek.find(name[1]) != greek.npos;
+  if (is_ambiguous || !is_element(name.substr(0, 2))) return {};
+  return {name[0], static_cast<char>(name[1] - 'a' + 'A')};
+}
+
+/// Returns the element of an atom that is not of a polymer; empty if the columns of the name
+/// decide.
+std::string ligand_element(std::string_view name, bool is_left_aligned) {
+  const std::string_view stem = stem_of(name);
+  if (stem == "FE") return "FE";  // CHARMM writes it in the second column
+  if (std::string element = mixed_case_element(name); !element.empty()) return element;
+  if (!is_left_aligned) return {};
+  const std::string_view start = name.substr(0, 2);
+  if (start == "CL" || start == "BR" || contains(ligand_elements, stem)) return std::string(start);
+  constexpr std::string_view elements = "CNOSPFIB";
+  return std::string(elements.find(name.front()) == elements.npos ? "" : name.substr(0, 1));
+}
+
+}  // namespace
+
+bool is_polymer_residue(std::string_view residue) {
+  if (residue.size() == 4 && (residue.front() == 'N' || residue.front() == 'C'))
+    residue.remove_prefix(1);  // the first or last residue of a chain in Amber's files
+  const gemmi::ResidueInfo& info = gemmi::find_tabulated_residue(std::string(residue));
+  return info.is_amino_acid() || info.is_nucleic_acid() || contains(md_residues, residue);
+}
+
+bool is_ion(std::string_view name, std::string_view residue) {
+  if (is_polymer_residue(residue)) return name == residue;
+  return !stem_of(name).empty() && stem_of(name) == stem_of(residue);
+}
+
+std::string element_by_name(std::string_view name_columns, std::string_view residue,
+                            bool is_left_aligned) {
+  std::string_view name = without_trailing_blanks(without_leading_blanks(name_columns));
+  if (is_ion(name, residue)) return ion_element(name);
+  while (!name.empty() && is_digit(name.front())) name.remove_prefix(1);
+  if (name.empty()) return {};
+  const bool is_known = is_polymer_residue(residue);
+  if (name.front() == 'H' || name.front() == 'D')
+    return is_known ? std::string(1, name.front())
+                    : hydrogen_or_mercury(name_columns, name, is_left_aligned);
+  if (!is_known) return ligand_element(name, is_left_aligned);
+  for (const std::string_view element : {"SE", "CL", "BR"})
+    if (stem_of(name) == element) return std::string(element);
+  constexpr std::string_view elements = "CNOSP";
+  return std::string(elements.find(name.front()) == elements.npos ? "" : name.substr(0, 1));
+}
+
+}  // namespace eses::detail

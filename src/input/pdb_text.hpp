@@ -1,0 +1,17 @@
+#pragma once
+/// Parsing of PDB texts by gemmi.
+
+#include <gemmi/model.hpp>
+#include <string_view>
+
+#include "input/checker.hpp"
+
+namespace eses::detail {
+
+/// Parses a PDB text. The serial numbers of the atoms are their line numbers, from 1. Reads
+/// assemblies only if `with_assemblies` is true. Calls `checker` repeatedly. Throws Error with
+/// `name` and the line, std::bad_alloc, and the exceptions of `checker`.
+gemmi::Structure parse_pdb_text(std::string_view text, std::string_view name, bool with_assemblies,
+                                Checker& checker);
+
+}  // namespace eses::detail

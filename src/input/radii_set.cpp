@@ -1,0 +1,197 @@
+#include "input/radii_set.hpp"
+
+#include <algorithm>
+#include <cstdint>
+#include <span>
+#include <system_error>
+#include <unordered_map>
+#include <utility>
+
+#include "eses/error.hpp"
+#include "input/element_radii.hpp"
+#include "input/radius_groups.hpp"
+#include "input/text_fields.hpp"
+#include "system/formatted.hpp"
+
+namespace eses::detail {
+namespace {
+
+std::optional<FoundRadius> found_by_element(std::optional<double> radius) {
+  return radius ? std::optional(FoundRadius{*radius, true}) : std::nullopt;
+}
+
+RadiiSet protor_set() {
+  return {"protor", true, [](const AtomIdentity& atom) -> std::optional<FoundRadius> {
+            if (const auto radius = find_radius(protor_groups(), atom.residue, atom.atom))
+              return FoundRadius{*radius};
+            return found_by_element(freesasa_element_radius(atom.element));
+          }};
+}
+
+RadiiSet bondi_set() {
+  return {"bondi", false, [](const AtomIdentity& atom) -> std::optional<FoundRadius> {
+            const std::optional<double> radius = bondi_radius(atom.element);
+            return radius ? std::optional(FoundRadius{*radius}) : std::nullopt;
+          }};
+}
+
+constexpr double msms_hydrogen_radius = 1.20;  // angstrom
+
+RadiiSet msms_set() {
+  return {"msms", true, [](const AtomIdentity& atom) -> std::optional<FoundRadius> {
+            if (atom.is_hydrogen) return FoundRadius{msms_hydrogen_radius};
+            if (const auto radius = find_radius(msms_groups(), atom.residue, atom.atom))
+              return FoundRadius{*radius};
+            return found_by_element(bondi_radius(atom.element));
+          }};
+}
+
+// ------------------------------------------------------------------ FreeSASA configuration files
+
+// Maximum radius, as for the option --unknown-radius.
+constexpr double max_radius = 1000;  // angstrom
+
+enum class Section { none, types, atoms };
+
+/// Radii by residue name and atom name. The residue name ANY stands for all residues.
+class NamedRadii {
+ public:
+  /// Adds a radius. Returns the radius that the atom had before, or else `radius`.
+  double add(std::string_view residue, std::string_view atom, double radius) {
+    return radii_.emplace(key(residue, atom), radius).first->second;
+  }
+
+  std::optional<double> find(std::string_view residue, std::string_view atom) const {
+    for (const std::string_view name : {residue, std::string_view("ANY")})
+      if (const auto found = radii_.find(key(name, atom)); found != radii_.end())
+        return found->second;
+    return std::nullopt;
+  }
+
+  bool is_empty() const { return radii_.empty(); }
+
+ private:
+  static std::string key(std::string_view residue, std::string_view atom) {
+    return formatted("{} {}", residue, atom);
+  }
+
+  std::unordered_map<std::string, double> radii_;
+};
+
+/// Reads a configuration file line by line.
+class ConfigurationReader {
+ public:
+  explicit ConfigurationReader(std::string_view file) : file_(file) {}
+
+  void read_line(std::string_view line) {
+    ++line_;
+    while (line.ends_with('\r')) line.remove_suffix(1);
+    line = line.substr(0, line.find('#'));
+    std::string_view rest = line;
+    const std::string_view first = take_first(rest);
+    if (first.empty()) return;
+    if (first == "types:" || first == "atoms:")
+      section_ = first == "types:" ? Section::types : Section::atoms;
+    else if (first == "name:")
+      read_name(rest);
+    else
+      read_entry(line);
+  }
+
+  RadiiSet finished() && {
+    if (radii_.is_empty())
+      throw Error(
+          formatted("{}: no atoms found; expected a set of radii in FreeSASA's "
+                    "configuration format, with the sections types: and atoms:",
+                    file_));
+    return {name_, !names_hydrogens_,
+            [radii = std::move(radii_)](const AtomIdentity& atom) -> std::optional<FoundRadius> {
+              if (const auto radius = radii.find(atom.residue, atom.atom))
+                return FoundRadius{*radius};
+              return found_by_element(freesasa_element_radius(atom.element));
+            }};
+  }
+
+ private:
+  [[noreturn]] void fail(std::string_view what) const {
+    throw Error(formatted("{}:{}: {}", file_, line_, what));
+  }
+
+  void read_name(std::string_view rest) {
+    name_ = take_first(rest);
+    if (name_.empty()) fail("expected a name after name:");
+    section_ = Section::none;
+  }
+
+  void read_entry(std::string_view line) {
+    std::string_view rest = line;
+    const std::string_view first = take_first(rest), second = take_first(rest),
+                           third = take_first(rest);
+    if (section_ == Section::none)
+      fail(formatted("expected types:, atoms: or name:, found {}", quoted(first)));
+    if (third.empty())
+      fail(section_ == Section::types ? "expected three fields, TYPE RADIUS polar|apolar"
+                                      : "expected three fields, RESIDUE ATOM TYPE");
+    if (section_ == Section::types)
+      add_type(first, second, third);
+    else
+      add_atom(first, second, third);
+  }
+
+  void add_type(std::string_view type, std::string_view number, std::string_view polarity) {
+    double radius = 0;
+    if (parse_number(number, radius) != std::errc{} || !(radius >= 0 && radius <= max_radius))
+      fail(formatted("expected a radius from 0 to {:.0f} angstrom, found {}", max_radius,
+                     quoted(number)));
+    const std::string word = lower_case(std::string(polarity));
+    if (word != "polar" && word != "apolar")
+      fail(formatted("expected polar or apolar, found {}", quoted(polarity)));
+    if (types_.emplace(std::string(type), radius).first->second != radius)
+      fail(formatted("the type {} has another radius already", quoted(type)));
+  }
+
+  void add_atom(std::string_view residue, std::string_view atom, std::string_view type) {
+    const auto found = types_.find(std::string(type));
+    if (found == types_.end())
+      fail(formatted("the type {} has no radius; types: must come before atoms:", quoted(type)));
+    if (const double before = radii_.add(residue, atom, found->second); before != found->second)
+      fail(formatted("the atom {} of {} has another radius already, {}; remove one of the entries",
+                     quoted(atom), quoted(residue), before));
+    if (is_hydrogen_name(atom)) names_hydrogens_ = true;
+  }
+
+  static bool is_hydrogen_name(std::string_view atom) {
+    while (!atom.empty() && is_digit(atom.front())) atom.remove_prefix(1);
+    return atom.starts_with('H') || atom.starts_with('D');
+  }
+
+  std::string_view file_;
+  std::uint64_t line_ = 0;
+  Section section_ = Section::none;
+  std::string name_ = "unnamed";
+  std::unordered_map<std::string, double> types_;
+  NamedRadii radii_;
+  bool names_hydrogens_ = false;
+};
+
+}  // namespace
+
+std::optional<RadiiSet> named_radii_set(std::string_view name) {
+  const std::string word = lower_case(std::string(name));  // publications write ProtOr
+  if (word == "protor") return protor_set();
+  if (word == "bondi") return bondi_set();
+  if (word == "msms") return msms_set();
+  return std::nullopt;
+}
+
+RadiiSet parse_radii_set(std::string_view text, std::string_view file) {
+  ConfigurationReader reader(file);
+  while (!text.empty()) {
+    const std::size_t end = std::min(text.find('\n'), text.size());
+    reader.read_line(text.substr(0, end));
+    text.remove_prefix(std::min(end + 1, text.size()));
+  }
+  return std::move(reader).finished();
+}
+
+}  // namespace eses::detail

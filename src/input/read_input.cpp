@@ -1,0 +1,237 @@
+#include "input/read_input.hpp"
+
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <new>
+#include <span>
+#include <stdexcept>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include "eses/error.hpp"
+#include "input/assign_radii.hpp"
+#include "input/atom_reader.hpp"
+#include "input/other_formats.hpp"
+#include "input/parse_structure.hpp"
+#include "input/radii_set.hpp"
+#include "input/text_encoding.hpp"
+#include "input/text_fields.hpp"
+#include "input/text_source.hpp"
+#include "system/bytes_text.hpp"
+#include "system/file_descriptor.hpp"
+#include "system/formatted.hpp"
+#include "system/resources.hpp"
+
+namespace eses::detail {
+namespace {
+
+// Maximum size of a set of radii. Valid files have a few kilobytes.
+constexpr std::uint64_t max_radii_bytes = std::uint64_t{4} << 20;
+
+/// The memory limit while a file is read.
+class ReadingLimit {
+ public:
+  ReadingLimit(std::string_view name, std::uint64_t max_memory)
+      : name_(name),
+        max_memory_(max_memory),
+        max_resident_(max_resident_while_reading(max_memory)) {}
+
+  /// Throws Error if this number of additional bytes exceeds the limit.
+  void require(std::uint64_t bytes) const {
+    if (max_memory_ == 0 || resident_memory() + bytes <= max_resident_) return;
+    throw Error(
+        formatted("{}: reading the file exceeds the memory limit of {}; use a larger limit "
+                  "(--max-memory)",
+                  name_, binary_bytes_text(max_memory_)));
+  }
+
+ private:
+  std::string_view name_;
+  std::uint64_t max_memory_, max_resident_;
+};
+
+/// Reads a whole text, decompressed if it is gzipped. Calls `check` for each MiB.
+std::string read_text(int descriptor, const std::string& name, const ReadingLimit& limit,
+                      const CheckCallback& check,
+                      std::uint64_t max_bytes = std::numeric_limits<std::uint64_t>::max()) {
+  constexpr std::size_t piece_bytes = std::size_t{1} << 20;
+  TextSource source(descriptor, name);
+  std::string text;
+  for (std::size_t used = 0;; used = text.size()) {
+    if (check) check();
+    if (used + piece_bytes > text.capacity()) {
+      // Both copies of the text are in memory while reserve() copies it.
+      limit.require(used + 2 * (used + piece_bytes));
+      text.reserve(2 * used + piece_bytes);
+    }
+    text.resize(used + piece_bytes);
+    const std::size_t count = source.read(std::span(text).subspan(used));
+    text.resize(used + count);
+    if (count == 0) return text;
+    if (text.size() > max_bytes)
+      throw Error(formatted("{}: expected a file of at most {}", name, bytes_text(max_bytes)));
+  }
+}
+
+/// Returns the expected memory of gemmi for a text. An atom of a PDB file has a line of 81
+/// characters and needs about 150 bytes. A value of an mmCIF file is a string of 32 bytes.
+std::uint64_t expected_bytes(std::string_view text, AtomFormat format) {
+  if (format == AtomFormat::pdb) return 2 * text.size();
+  std::uint64_t values = 0;
+  bool was_blank = true;
+  for (const char c : text) {
+    const bool is_blank = static_cast<unsigned char>(c) <= ' ';
+    values += static_cast<std::uint64_t>(was_blank && !is_blank);
+    was_blank = is_blank;
+  }
+  constexpr std::uint64_t value_bytes = 32, doubled_by_growth = 2;
+  return doubled_by_growth * value_bytes * values;
+}
+
+RadiiSet radii_set(const std::string& name_or_file) {
+  if (std::optional<RadiiSet> named = named_radii_set(name_or_file)) return *std::move(named);
+  try {
+    const FileDescriptor file(open_for_reading(name_or_file, name_or_file));
+    const std::string text =
+        read_text(file.value(), name_or_file, ReadingLimit(name_or_file, 0), {}, max_radii_bytes);
+    return parse_radii_set(text, name_or_file);
+  } catch (const Error& error) {
+    if (std::filesystem::exists(name_or_file)) throw;
+    throw Error(formatted("--radii: expected {}, or a file in FreeSASA's configuration format: {}",
+                          named_radii, error.what()));
+  }
+}
+
+bool keeps_hydrogens(HydrogenChoice choice, const RadiiSet& radii) {
+  return choice == HydrogenChoice::keep || (choice == HydrogenChoice::by_radii && !radii.is_united);
+}
+
+/// Throws Error if the text has the other structure format, judged by its first record or category.
+void require_format(std::string_view text, std::string_view name, AtomFormat format) {
+  const AtomFormat found = structure_format_of(text);
+  if (!is_structure(found) || found == format) return;
+  throw Error(formatted("{}: this is {} file; read it with --format {}", name,
+                        found == AtomFormat::pdb ? "a PDB" : "an mmCIF",
+                        found == AtomFormat::pdb ? "pdb" : "mmcif"));
+}
+
+[[noreturn]] void fail_without_atoms(std::string_view name, const StructureReport& report) {
+  const std::array<std::pair<std::uint64_t, std::string_view>, 8> dropped{
+      {{report.dropped_chains, "of other chains"},
+       {report.dropped_selection, "not selected"},
+       {report.dropped_waters, "of water"},
+       {report.dropped_hetatm, "of HETATM records"},
+       {report.dropped_hydrogens, "hydrogens"},
+       {report.dropped_altlocs, "of other alternate locations"},
+       {report.dropped_assembly, "not in the assembly"},
+       {report.dropped_images, "images that coincide with an earlier one"}}};
+  std::uint64_t sum = 0;
+  std::vector<std::string> reasons;
+  for (const auto& [count, reason] : dropped) {
+    sum += count;
+    if (count > 0) reasons.push_back(formatted("{} {}", count, reason));
+  }
+  const std::string cause = report.dropped_assembly == 0
+                                ? formatted("no atoms left of {}", sum)
+                                : formatted("assembly {} contains none of the selected atoms",
+                                            printable(report.assembly));
+  throw Error(formatted("{}: {}; left out: {}", name, cause, fmt::join(reasons, ", ")));
+}
+
+void call_check(const ReadOptions& options) {
+  if (options.check) options.check();
+}
+
+AtomFile parse(StructureText file, const ReadOptions& options, const ReadingLimit& limit,
+               const std::function<void(AtomFile& atoms)>& after_part) {
+  const std::string_view name = file.name;
+  refuse_utf16(file.text, name);
+  file.text = without_byte_order_mark(file.text);
+  require_format(file.text, name, file.format);
+  refuse_other_formats(file.text, name);
+  if (file.format == AtomFormat::pdb) refuse_pqr_records(file.text, name);
+  const StructureOptions& choices = options.structure;
+  const RadiiSet radii = radii_set(choices.radii);
+  limit.require(expected_bytes(file.text, file.format));
+  call_check(options);
+  SelectedStructure structure =
+      parse_structure(file, choices, keeps_hydrogens(choices.hydrogens, radii),
+                      [&limit](std::uint64_t bytes) { limit.require(bytes); });
+  call_check(options);
+  // Returns the memory that gemmi has freed to the system, so that the limit does not include it.
+  release_free_memory();
+  if (structure.atoms.empty()) fail_without_atoms(name, structure.report);
+  const bool keeps_labels = options.with_labels && !after_part;
+  limit.require(structure.atoms.size() *
+                (sizeof(Atom) + sizeof(std::uint64_t) + (keeps_labels ? sizeof(AtomLabel) : 0)));
+  return assign_radii(std::move(structure), radii, choices.unknown_radius, options.with_labels,
+                      name, [&](AtomFile& atoms) {
+                        call_check(options);
+                        if (after_part) after_part(atoms);
+                      });
+}
+
+AtomFile read_structure(int descriptor, const std::filesystem::path& path, const std::string& name,
+                        const ReadOptions& options,
+                        const std::function<void(AtomFile& atoms)>& after_part) {
+  const ReadingLimit limit(name, options.max_memory);
+  try {
+    const std::string text = read_text(descriptor, name, limit, options.check);
+    return parse({text, name, options.format, is_assembly_file(path), options.check}, options,
+                 limit, after_part);
+  } catch (const std::bad_alloc&) {
+    throw MemoryLimitError(formatted("cannot read {}: out of memory", name));
+  } catch (const std::length_error&) {
+    throw MemoryLimitError(formatted("cannot read {}: out of memory", name));
+  }
+}
+
+}  // namespace
+
+AtomFile parse_structure_atoms(std::string_view text, std::string_view name,
+                               const ReadOptions& options) {
+  return parse({text, name, options.format, false, options.check}, options,
+               ReadingLimit(name, options.max_memory), {});
+}
+
+AtomFile read_input(const std::filesystem::path& path, const ReadOptions& options,
+                    const std::function<void(AtomFile& atoms)>& after_part) {
+  ReadOptions known = options;
+  known.format = format_of(path, options.format);
+  if (!is_structure(known.format)) {
+    return read_atom_file(path, options, [&](AtomFile& atoms) {
+      call_check(options);
+      if (after_part) after_part(atoms);
+    });
+  }
+  if (path == "-") return read_structure(STDIN_FILENO, path, "<stdin>", known, after_part);
+  const std::string name = path.string();
+  const FileDescriptor file(open_for_reading(path, name));
+  return read_structure(file.value(), path, name, known, after_part);
+}
+
+}  // namespace eses::detail
+
+namespace eses {
+
+AtomFile read_atoms(const std::filesystem::path& path, const ReadOptions& options) {
+  return detail::read_input(path, options, {});
+}
+
+AtomFile parse_atoms(std::string_view text, AtomFormat format, std::string_view name,
+                     const StructureOptions& structure) {
+  if (is_structure(format))
+    return detail::parse_structure_atoms(text, name, {.format = format, .structure = structure});
+  return detail::parse_atom_text(
+      text, {.format = format, .name = name, .with_labels = true, .model = structure.model});
+}
+
+}  // namespace eses

@@ -1,0 +1,338 @@
+// Avoids the dependence of gemmi on stb_sprintf, which is another package in Debian.
+#define USE_STD_SNPRINTF
+
+#include "input/select_atoms.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cstddef>
+#include <exception>
+#include <gemmi/polyheur.hpp>
+#include <gemmi/select.hpp>
+#include <limits>
+#include <map>
+#include <set>
+#include <string>
+#include <tuple>
+#include <utility>
+#include <vector>
+
+#include "eses/error.hpp"
+#include "input/messages.hpp"
+#include "input/pdb_elements.hpp"
+#include "input/text_fields.hpp"
+#include "system/formatted.hpp"
+
+namespace eses::detail {
+namespace {
+
+bool has_atoms(const gemmi::Model& model) { return !model.chains.empty(); }
+
+bool has_atoms(const gemmi::Structure& structure) {
+  return std::any_of(structure.models.begin(), structure.models.end(),
+                     [](const gemmi::Model& model) { return has_atoms(model); });
+}
+
+gemmi::Model& find_model(gemmi::Structure& structure, int number, std::string_view name) {
+  if (!has_atoms(structure)) throw Error(formatted("{}: no atoms found", name));
+  if (number == 0) {
+    gemmi::Model& first = structure.models.front();
+    if (has_atoms(first)) return first;
+    throw Error(formatted("{}: model {} has no atoms; choose another one with --model N", name,
+                          printable(first.name)));
+  }
+  gemmi::Model* const model = structure.find_model(std::to_string(number));
+  if (model != nullptr && has_atoms(*model)) return *model;
+  throw Error(formatted(
+      "{}: there is no model {} (--model); the file has {}, from {} to {}", name, number,
+      structure.models.size() == 1 ? "one model" : formatted("{} models", structure.models.size()),
+      printable(structure.models.front().name), printable(structure.models.back().name)));
+}
+
+std::uint64_t count_atoms(const gemmi::Residue& residue) { return residue.atoms.size(); }
+
+std::uint64_t count_atoms(const gemmi::Chain& chain) {
+  std::uint64_t count = 0;
+  for (const gemmi::Residue& residue : chain.residues) count += count_atoms(residue);
+  return count;
+}
+
+/// Removes the items for which `is_dropped` is true. Returns the number of their atoms.
+template <class Item, class Predicate>
+std::uint64_t drop(std::vector<Item>& items, const Predicate& is_dropped) {
+  std::uint64_t atoms = 0;
+  gemmi::vector_remove_if(items, [&](const Item& item) {
+    if (!is_dropped(item)) return false;
+    atoms += count_atoms(item);
+    return true;
+  });
+  return atoms;
+}
+
+std::uint64_t drop_atoms(gemmi::Model& model, const auto& is_dropped) {
+  std::uint64_t count = 0;
+  for (gemmi::Chain& chain : model.chains)
+    for (gemmi::Residue& residue : chain.residues) {
+      const std::size_t before = residue.atoms.size();
+      gemmi::vector_remove_if(residue.atoms, is_dropped);
+      count += before - residue.atoms.size();
+    }
+  return count;
+}
+
+std::uint64_t drop_residues(gemmi::Model& model, const auto& is_dropped) {
+  std::uint64_t count = 0;
+  for (gemmi::Chain& chain : model.chains) count += drop(chain.residues, is_dropped);
+  return count;
+}
+
+/// Returns a sentence with the names of chains, one of which may be empty.
+std::string chains_text(const std::set<std::string>& chains) {
+  std::vector<std::string> names;
+  for (const std::string& name : chains)
+    if (!name.empty()) names.push_back(printable(name));
+  const bool has_nameless = names.size() < chains.size();
+  if (names.empty()) return "its atoms have no chain names";
+  return formatted("its chains are {}{}", fmt::join(names, ", "),
+                   has_nameless ? "; other atoms have no chain name" : "");
+}
+
+std::uint64_t keep_chains(gemmi::Model& model, const std::vector<std::string>& names,
+                          std::string_view file) {
+  if (names.empty()) return 0;
+  std::set<std::string> known;
+  for (const gemmi::Chain& chain : model.chains) known.insert(chain.name);
+  for (const std::string& name : names)
+    if (!known.contains(name))
+      throw Error(formatted("{}: there is no chain {} (--chains); {}", file, detail::quoted(name),
+                            chains_text(known)));
+  return drop(model.chains, [&](const gemmi::Chain& chain) {
+    return std::find(names.begin(), names.end(), chain.name) == names.end();
+  });
+}
+
+gemmi::Selection parse_selection(const std::string& text) {
+  try {
+    return {text};
+  } catch (const std::exception& error) {
+    throw Error(formatted("--select: {}", reworded(error.what())));
+  }
+}
+
+/// Derives the kind of each residue from its name where the file does not tell it. In mmCIF files
+/// gemmi has then given all residues of a chain the kind of the first one. In PDB files it takes
+/// all residues after the first TER record of a chain for ligands.
+void correct_entity_types(gemmi::Model& model, gemmi::CoorFormat format) {
+  const auto has_entity = [](const gemmi::Residue& residue) { return !residue.entity_id.empty(); };
+  for (gemmi::Chain& chain : model.chains) {
+    if (format == gemmi::CoorFormat::Mmcif) {
+      if (chain.subchains().size() == 1 &&
+          std::none_of(chain.residues.begin(), chain.residues.end(), has_entity))
+        gemmi::add_entity_types(chain, true);
+      continue;
+    }
+    gemmi::add_entity_types(chain, false);
+    for (gemmi::Residue& residue : chain.residues)
+      if (residue.entity_type == gemmi::EntityType::NonPolymer && !is_hetatm(residue) &&
+          is_polymer_residue(residue.name))
+        residue.entity_type = gemmi::EntityType::Polymer;
+  }
+}
+
+std::uint64_t keep_selected(gemmi::Structure& structure, gemmi::Model& model,
+                            const std::string& text, std::string_view file) {
+  if (text.empty()) return 0;
+  const gemmi::Selection selection = parse_selection(text);
+  if (!selection.matches(model))
+    throw Error(formatted("{}: --select names model {}, but model {} is read; use --model {}", file,
+                          selection.mdl, printable(model.name), selection.mdl));
+  if (!selection.entity_types.all) correct_entity_types(model, structure.input_format);
+  std::uint64_t count =
+      drop(model.chains, [&](const gemmi::Chain& chain) { return !selection.matches(chain); });
+  count += drop_residues(
+      model, [&](const gemmi::Residue& residue) { return !selection.matches(residue); });
+  return count +
+         drop_atoms(model, [&](const gemmi::Atom& atom) { return !selection.matches(atom); });
+}
+
+// --------------------------------------------------------------------------- alternate locations
+
+/// Residues of a chain with the same number and with alternate locations. Several residues are
+/// alternatives.
+using ResidueGroup = std::vector<gemmi::Residue*>;
+
+bool has_altloc(const gemmi::Atom& atom) { return atom.altloc != '\0'; }
+
+/// Returns the groups in the order of the model. The residues of a group need not be neighbours:
+/// a modified residue may come after the end of its chain.
+std::vector<ResidueGroup> residue_groups(gemmi::Model& model) {
+  std::vector<ResidueGroup> groups;
+  std::map<std::tuple<std::string, std::string, std::string>, std::size_t> indices;
+  for (gemmi::Chain& chain : model.chains)
+    for (gemmi::Residue& residue : chain.residues) {
+      if (std::none_of(residue.atoms.begin(), residue.atoms.end(), has_altloc)) continue;
+      const auto [at, is_new] = indices.emplace(
+          std::tuple(chain.name, residue.segment, residue.seqid.str()), groups.size());
+      if (is_new) groups.emplace_back();
+      groups[at->second].push_back(&residue);
+    }
+  return groups;
+}
+
+/// The occupancies of locations by their letters; the location without a letter has the key 0.
+using Locations = std::map<char, double>;
+
+/// Returns the mean occupancy of each alternate location.
+Locations mean_occupancies(const ResidueGroup& group) {
+  std::map<char, std::pair<double, double>> sums;
+  for (const gemmi::Residue* residue : group)
+    for (const gemmi::Atom& atom : residue->atoms)
+      if (has_altloc(atom)) {
+        auto& [sum, count] = sums[atom.altloc];
+        sum += static_cast<double>(atom.occ);
+        ++count;
+      }
+  Locations means;
+  for (const auto& [altloc, sum] : sums) means[altloc] = sum.first / sum.second;
+  return means;
+}
+
+/// Returns the location with the highest occupancy, or the first one of several; 0 if there is
+/// none.
+char best_altloc(const Locations& occupancies) {
+  constexpr double equal_occupancies = 1e-5;  // files have two or three decimals
+  char best = '\0';
+  double highest = -std::numeric_limits<double>::infinity();
+  for (const auto& [altloc, occupancy] : occupancies)
+    if (occupancy > highest + equal_occupancies) {
+      best = altloc;
+      highest = occupancy;
+    }
+  return best;
+}
+
+/// Returns whether the location without a letter is an alternative to those with one. Otherwise,
+/// the occupancies of two atoms with the same name add up to more than 1.
+bool is_blank_alternative(const Locations& locations) {
+  constexpr double max_sum = 1.01;  // files have two decimals
+  double sum = 0;
+  for (const auto& [altloc, occupancy] : locations) sum += occupancy;
+  return sum <= max_sum;
+}
+
+/// Returns the location to keep: `wanted` or else, if the atom has a location without a letter, the
+/// one with the highest occupancy; or else `best` or the one with the highest occupancy.
+char kept_location(const Locations& locations, char wanted, char best) {
+  if (wanted != '\0' && locations.contains(wanted)) return wanted;
+  return locations.contains(best) && !locations.contains('\0') ? best : best_altloc(locations);
+}
+
+/// Keeps one location of each atom. Returns the number of removed atoms.
+std::uint64_t keep_altloc(gemmi::Residue& residue, char wanted, char best) {
+  std::map<std::string, Locations> by_name;
+  for (const gemmi::Atom& atom : residue.atoms)
+    by_name[atom.name].emplace(atom.altloc, static_cast<double>(atom.occ));
+  std::map<std::string, char> kept;
+  std::set<std::string> with_two_atoms;
+  for (auto& [name, locations] : by_name) {
+    if (locations.size() > 1 && locations.contains('\0') && !is_blank_alternative(locations)) {
+      with_two_atoms.insert(name);
+      locations.erase('\0');
+    }
+    kept[name] = kept_location(locations, wanted, best);
+  }
+  const std::size_t before = residue.atoms.size();
+  gemmi::vector_remove_if(residue.atoms, [&](const gemmi::Atom& atom) {
+    if (!has_altloc(atom) && with_two_atoms.contains(atom.name)) return false;
+    return atom.altloc != kept[atom.name];
+  });
+  return before - residue.atoms.size();
+}
+
+/// Returns whether a residue is one of several alternatives, and not the chosen one.
+bool is_other_residue(const ResidueGroup& group, const gemmi::Residue& residue, char chosen) {
+  return group.size() > 1 &&
+         std::all_of(residue.atoms.begin(), residue.atoms.end(), [&](const gemmi::Atom& atom) {
+           return has_altloc(atom) && atom.altloc != chosen;
+         });
+}
+
+std::uint64_t keep_altlocs(gemmi::Model& model, const std::string& wanted, std::string_view file) {
+  const char altloc = wanted.empty() ? '\0' : wanted.front();
+  std::uint64_t dropped = 0;
+  bool is_known = wanted.empty();
+  for (const ResidueGroup& group : residue_groups(model)) {
+    const Locations occupancies = mean_occupancies(group);
+    const bool has_wanted = occupancies.contains(altloc);
+    is_known = is_known || has_wanted;
+    const char best = best_altloc(occupancies);
+    for (gemmi::Residue* residue : group) {
+      if (is_other_residue(group, *residue, has_wanted ? altloc : best)) {
+        dropped += residue->atoms.size();
+        residue->atoms.clear();
+      } else {
+        dropped += keep_altloc(*residue, altloc, best);
+      }
+    }
+  }
+  if (!is_known)
+    throw Error(
+        formatted("{}: no atom has the alternate location {} (--altloc)", file, printable(wanted)));
+  return dropped;
+}
+
+// --------------------------------------------------------------------------------------- waters
+
+/// Returns whether a residue is a water molecule. Some of the names that programs of molecular
+/// dynamics use for water are those of other molecules in the PDB, so the elements count as well.
+bool is_water(const gemmi::Residue& residue) {
+  constexpr std::array<std::string_view, 17> names{"SOL", "TIP",  "TIP2", "TIP3", "TIP4", "TIP5",
+                                                   "TP3", "TP4",  "TP5",  "T3P",  "T4P",  "T5P",
+                                                   "SPC", "SPCE", "SPE",  "OPC",  "OP3"};
+  if (residue.is_water()) return true;
+  if (std::find(names.begin(), names.end(), residue.name) == names.end()) return false;
+  std::set<std::string> oxygens;  // names, because an oxygen may have alternate locations
+  for (const gemmi::Atom& atom : residue.atoms) {
+    if (atom.element == gemmi::El::C || atom.element == gemmi::El::P) return false;
+    if (atom.element == gemmi::El::O) oxygens.insert(atom.name);
+  }
+  return oxygens.size() == 1;
+}
+
+void count_kept(const gemmi::Model& model, StructureReport& report) {
+  for (const gemmi::Chain& chain : model.chains)
+    for (const gemmi::Residue& residue : chain.residues)
+      record_count(report, residue) += residue.atoms.size();
+}
+
+}  // namespace
+
+std::uint64_t& record_count(StructureReport& report, const gemmi::Residue& residue) {
+  if (is_water(residue)) return report.waters;
+  return is_hetatm(residue) ? report.hetatm_records : report.atom_records;
+}
+
+gemmi::Model& select_atoms(gemmi::Structure& structure, const StructureOptions& options,
+                           bool with_hydrogens, std::string_view file, StructureReport& report) {
+  gemmi::Model& model = find_model(structure, options.model, file);
+  report.model = model.name;
+  report.models = structure.models.size();
+  report.dropped_chains = keep_chains(model, options.chains, file);
+  report.dropped_selection = keep_selected(structure, model, options.select, file);
+  if (!options.with_waters) report.dropped_waters = drop_residues(model, is_water);
+  if (!options.with_hetatm)
+    report.dropped_hetatm = drop_residues(model, [](const gemmi::Residue& residue) {
+      return is_hetatm(residue) && !is_water(residue);
+    });
+  if (!with_hydrogens)
+    report.dropped_hydrogens =
+        drop_atoms(model, [](const gemmi::Atom& atom) { return atom.is_hydrogen(); });
+  report.dropped_altlocs = keep_altlocs(model, options.altloc, file);
+  gemmi::remove_empty_children(model);
+  count_kept(model, report);
+  return model;
+}
+
+}  // namespace eses::detail

@@ -1,0 +1,114 @@
+#include "input/text_fields.hpp"
+
+#include <algorithm>
+#include <charconv>
+
+#include "system/formatted.hpp"
+
+namespace eses::detail {
+namespace {
+
+constexpr std::size_t max_quotation_length = 40;  // characters of input text in a message
+
+std::from_chars_result convert(std::string_view text, double& value) {
+  return std::from_chars(text.data(), text.data() + text.size(), value);
+}
+
+std::errc outcome_of(std::string_view text, std::from_chars_result result) {
+  if (result.ec == std::errc::invalid_argument || result.ptr != text.data() + text.size()) {
+    return std::errc::invalid_argument;
+  }
+  return result.ec;
+}
+
+/// Parses a number with the exponent letter D of Fortran, which std::from_chars does not accept.
+std::errc parse_fortran(std::string_view text, std::size_t exponent_letter, double& value) {
+  std::string with_e(text);
+  with_e[exponent_letter] = 'e';
+  return outcome_of(with_e, convert(with_e, value));
+}
+
+}  // namespace
+
+std::string lower_case(std::string text) {
+  for (char& c : text) c = lower_case(c);
+  return text;
+}
+
+bool starts_with_ignoring_case(std::string_view text, std::string_view lower_case_prefix) {
+  return text.size() >= lower_case_prefix.size() &&
+         std::equal(lower_case_prefix.begin(), lower_case_prefix.end(), text.begin(),
+                    [](char expected, char c) { return lower_case(c) == expected; });
+}
+
+std::string_view without_leading_blanks(std::string_view text) {
+  std::size_t start = 0;
+  while (start < text.size() && is_blank(text[start])) ++start;
+  return text.substr(start);
+}
+
+std::string_view without_trailing_blanks(std::string_view text) {
+  while (!text.empty() && is_blank(text.back())) text.remove_suffix(1);
+  return text;
+}
+
+std::string_view column_text(std::string_view line, std::size_t first, std::size_t width) {
+  if (first >= line.size()) return {};
+  return without_trailing_blanks(without_leading_blanks(line.substr(first, width)));
+}
+
+std::string_view take_first(std::string_view& rest) {
+  rest = without_leading_blanks(rest);
+  std::size_t end = 0;
+  while (end < rest.size() && !is_blank(rest[end])) ++end;
+  const std::string_view field = rest.substr(0, end);
+  rest.remove_prefix(end);
+  return field;
+}
+
+std::string_view take_last(std::string_view& rest) {
+  rest = without_trailing_blanks(rest);
+  std::size_t start = rest.size();
+  while (start > 0 && !is_blank(rest[start - 1])) --start;
+  const std::string_view field = rest.substr(start);
+  rest.remove_suffix(field.size());
+  return field;
+}
+
+std::errc parse_number(std::string_view text, double& value) {
+  if (text.starts_with('+')) {
+    text.remove_prefix(1);
+    if (text.starts_with('-')) return std::errc::invalid_argument;
+  }
+  const std::from_chars_result result = convert(text, value);
+  const auto stop = static_cast<std::size_t>(result.ptr - text.data());
+  if (stop < text.size() && (text[stop] == 'd' || text[stop] == 'D')) {
+    return parse_fortran(text, stop, value);
+  }
+  return outcome_of(text, result);
+}
+
+std::string printable(std::string_view text) {
+  std::string result;
+  for (const char c : text) {
+    if (c >= ' ' && c <= '~') {
+      result += c;
+    } else {
+      result += formatted("\\x{:02x}", static_cast<unsigned>(static_cast<unsigned char>(c)));
+    }
+  }
+  return result;
+}
+
+std::string quoted(std::string_view text) {
+  std::string result = "\"";
+  for (const char c : text.substr(0, max_quotation_length)) {
+    if (c == '"' || c == '\\') result += '\\';
+    result += printable({&c, 1});
+  }
+  result += '"';
+  if (text.size() > max_quotation_length) result += "...";
+  return result;
+}
+
+}  // namespace eses::detail

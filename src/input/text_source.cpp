@@ -1,0 +1,172 @@
+#include "input/text_source.hpp"
+
+#include <fcntl.h>
+#include <unistd.h>
+#include <zlib.h>
+
+#include <algorithm>
+#include <array>
+#include <cerrno>
+#include <new>
+#include <system_error>
+#include <utility>
+
+#include "eses/error.hpp"
+#include "system/formatted.hpp"
+#include "system/gzip.hpp"
+
+namespace eses::detail {
+namespace {
+
+constexpr std::size_t buffer_bytes = std::size_t{1} << 16;
+
+[[noreturn]] void fail_with_system_error(std::string_view action, std::string_view name, int code) {
+  if (code == ENOMEM) throw std::bad_alloc();
+  throw FileError(formatted("cannot {} {}", action, name), code);
+}
+
+/// A compressed format that is not read.
+struct Compression {
+  std::string_view magic;
+  std::string_view name;
+  std::string_view command;  ///< decompresses the file
+};
+
+// bzip2: the fourth byte is a digit from 1 to 9, the block size. xz:
+// https://tukaani.org/xz/xz-file-format.txt. Zstandard: RFC 8878, section 3.1.1. ZIP: PKWARE's
+// APPNOTE.TXT, section 4.3.7.
+constexpr std::string_view bzip2_magic = "BZh";
+constexpr std::array compressions{
+    Compression{bzip2_magic, "bzip2", "bzip2 -d FILE"},
+    Compression{{"\xfd"
+                 "7zXZ\0",
+                 6},
+                "xz",
+                "xz -d FILE"},
+    Compression{"\x28\xb5\x2f\xfd", "Zstandard", "zstd -d FILE"},
+    Compression{"PK\x03\x04", "ZIP", "unzip FILE"},
+};
+constexpr std::size_t max_magic_bytes = 6;
+
+void refuse_other_compression(std::string_view bytes, std::string_view name) {
+  for (const Compression& compression : compressions) {
+    if (!bytes.starts_with(compression.magic)) continue;
+    if (compression.magic == bzip2_magic && (bytes.size() < 4 || bytes[3] < '1' || bytes[3] > '9'))
+      continue;
+    throw Error(formatted("{}: {} files are not read; decompress the file, for example with `{}`",
+                          name, compression.name, compression.command));
+  }
+}
+
+}  // namespace
+
+int open_for_reading(const std::filesystem::path& path, std::string_view name) {
+  int descriptor = -1;
+  do {
+    descriptor = ::open(path.c_str(), O_RDONLY | O_CLOEXEC);
+  } while (descriptor < 0 && errno == EINTR);
+  if (descriptor < 0) fail_with_system_error("open", name, errno);
+  return descriptor;
+}
+
+struct TextSource::Inflation {
+  z_stream stream{};
+
+  Inflation() {
+    if (inflateInit2(&stream, gzip_window_bits) != Z_OK) throw std::bad_alloc();
+  }
+  ~Inflation() { inflateEnd(&stream); }
+  Inflation(const Inflation&) = delete;
+  Inflation& operator=(const Inflation&) = delete;
+};
+
+TextSource::TextSource(int descriptor, std::string name)
+    : descriptor_(descriptor), name_(std::move(name)), buffer_(buffer_bytes) {}
+
+TextSource::~TextSource() = default;
+
+std::size_t TextSource::read(std::span<char> text) {
+  if (!has_begun_) begin();
+  if (!inflation_) {
+    if (input_.empty()) return read_bytes(text);
+    const std::size_t count = std::min(text.size(), input_.size());
+    std::copy_n(input_.begin(), count, text.begin());
+    input_ = input_.subspan(count);
+    return count;
+  }
+  std::size_t count = 0;  // zlib may consume input without producing text
+  while (count == 0 && enter_member()) count = inflate_part(text);
+  return count;
+}
+
+// Reads the magic bytes of compressed files. A pipe may deliver them one by one.
+void TextSource::begin() {
+  has_begun_ = true;
+  std::size_t used = 0;
+  for (std::size_t count = 1; count > 0 && used < max_magic_bytes; used += count)
+    count = read_bytes(std::span(buffer_).subspan(used));
+  input_ = std::span(buffer_).first(used);
+  refuse_other_compression({buffer_.data(), used}, name_);
+  if (!is_gzip({buffer_.data(), used})) return;
+  inflation_ = std::make_unique<Inflation>();
+  is_in_member_ = true;
+}
+
+std::size_t TextSource::read_bytes(std::span<char> bytes) {
+  ssize_t count = 0;
+  do {
+    count = ::read(descriptor_, bytes.data(), bytes.size());
+  } while (count < 0 && errno == EINTR);
+  if (count < 0) fail_with_system_error("read", name_, errno);
+  bytes_read_ += static_cast<std::uint64_t>(count);
+  return static_cast<std::size_t>(count);
+}
+
+// Refills the buffer if it is empty. Returns false at the end of the file.
+bool TextSource::has_input() {
+  if (input_.empty()) input_ = std::span(buffer_).first(read_bytes(buffer_));
+  return !input_.empty();
+}
+
+// Enters the next member if the current one has ended. Returns false at the end of the file.
+bool TextSource::enter_member() {
+  while (!is_in_member_ && has_input()) {
+    if (input_.front() == 0) {
+      is_padded_ = true;
+      input_ = input_.subspan(1);
+      continue;
+    }
+    // zlib checks the rest of the header.
+    if (is_padded_ || input_.front() != gzip_magic.front()) fail_as_damaged();
+    inflateReset(&inflation_->stream);
+    is_in_member_ = true;
+  }
+  return is_in_member_;
+}
+
+// Decompresses a part of the current member. Returns the number of characters.
+std::size_t TextSource::inflate_part(std::span<char> text) {
+  if (!has_input())
+    throw Error(
+        formatted("{}: the compressed data ends too early, after {} bytes", name_, bytes_read_));
+  constexpr std::size_t max_at_once = std::size_t{1} << 30;  // zlib uses unsigned int for lengths
+  const std::size_t room = std::min(text.size(), max_at_once);
+  z_stream& stream = inflation_->stream;
+  stream.next_in = zlib_bytes(input_);
+  stream.avail_in = static_cast<uInt>(input_.size());
+  stream.next_out = reinterpret_cast<Bytef*>(text.data());
+  stream.avail_out = static_cast<uInt>(room);
+  const int status = inflate(&stream, Z_NO_FLUSH);
+  input_ = input_.last(stream.avail_in);
+  if (status == Z_MEM_ERROR) throw std::bad_alloc();
+  if (status != Z_OK && status != Z_STREAM_END) fail_as_damaged();
+  is_in_member_ = status != Z_STREAM_END;
+  return room - stream.avail_out;
+}
+
+void TextSource::fail_as_damaged() const {
+  throw Error(formatted("{}: the compressed data is damaged near byte {}", name_,
+                        bytes_read_ - input_.size()));
+}
+
+}  // namespace eses::detail

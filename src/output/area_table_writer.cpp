@@ -1,0 +1,70 @@
+#include "output/area_table_writer.hpp"
+
+namespace eses::detail {
+namespace {
+
+std::string field(std::string_view text) {
+  if (text.find_first_of(",\"") == text.npos) return std::string(text);
+  std::string quoted = "\"";
+  for (const char c : text) {
+    if (c == '"') quoted += c;
+    quoted += c;
+  }
+  return quoted + '"';
+}
+
+void append_residue(BufferedText& text, const ResidueArea& residue) {
+  const AtomLabel& label = residue.label;
+  text.append("{},{},{},{},{:.6f}\n", field(label.chain), field(label.residue_number),
+              field(label.residue), residue.atoms, residue.area);
+}
+
+}  // namespace
+
+void ChainAreas::add(const ChainArea& part) {
+  auto place = places_.find(part.chain);
+  if (place == places_.end()) {
+    place = places_.emplace(part.chain, chains_.size()).first;
+    chains_.push_back({place->first, 0, 0, 0});
+  }
+  ChainArea& chain = chains_[place->second];
+  chain.residues += part.residues;
+  chain.atoms += part.atoms;
+  chain.area += part.area;
+}
+
+void append_residue_header(BufferedText& text) {
+  text.append("chain,residue_number,residue,atoms,area\n");
+}
+
+void add_residues(AreaTables& tables, const ResidueRuns& runs, std::span<const double> areas,
+                  BufferedText& text) {
+  for (std::size_t run = 0; run < runs.labels.size(); ++run) {
+    const AtomLabel& label = runs.labels[run];
+    if (!tables.open || !is_same_residue(tables.open->label, label)) {
+      end_residues(tables, text);
+      tables.open = {label, 0, 0};
+    }
+    ResidueArea& residue = *tables.open;
+    residue.atoms += static_cast<std::int64_t>(runs.atoms[run]);
+    for (const double area : areas.first(runs.atoms[run])) residue.area += area;
+    areas = areas.subspan(runs.atoms[run]);
+  }
+}
+
+void end_residues(AreaTables& tables, BufferedText& text) {
+  if (!tables.open) return;
+  append_residue(text, *tables.open);
+  tables.chains.add({tables.open->label.chain, 1, tables.open->atoms, tables.open->area});
+  tables.open.reset();
+}
+
+void write_chain_table(std::span<const ChainArea> chains, const TextSink& sink) {
+  BufferedText text(sink);
+  text.append("chain,residues,atoms,area\n");
+  for (const ChainArea& chain : chains)
+    text.append("{},{},{},{:.6f}\n", field(chain.chain), chain.residues, chain.atoms, chain.area);
+  text.flush();
+}
+
+}  // namespace eses::detail

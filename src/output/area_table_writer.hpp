@@ -1,0 +1,77 @@
+#pragma once
+/// Areas by residue and by chain, as CSV (RFC 4180, but with LF as line end).
+///
+/// residue_area.csv: `chain,residue_number,residue,atoms,area`. One line for each run of atoms with
+/// the same chain, number and name, in the order of the file.
+///
+/// chain_area.csv: `chain,residues,atoms,area`. One line for each chain identifier, in the order of
+/// first occurrence. Waters and ligands that a file lists after the last chain are counted with the
+/// chain that they name.
+
+#include <cstddef>
+#include <cstdint>
+#include <functional>
+#include <map>
+#include <optional>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "input/residue_runs.hpp"
+#include "output/buffered_text.hpp"
+
+namespace eses::detail {
+
+struct ChainArea {
+  std::string_view chain;
+  std::int64_t residues = 0;
+  std::int64_t atoms = 0;
+  double area = 0;  ///< square angstrom
+};
+
+/// Adds up areas by chain.
+class ChainAreas {
+ public:
+  ChainAreas() = default;
+  ChainAreas(ChainAreas&&) = default;
+  ChainAreas& operator=(ChainAreas&&) = default;
+
+  void add(const ChainArea& part);
+  /// Returns the chains in the order of first occurrence.
+  std::span<const ChainArea> chains() const { return chains_; }
+
+ private:
+  std::vector<ChainArea> chains_;
+  std::map<std::string, std::size_t, std::less<>> places_;  // index of each chain by name
+};
+
+/// Atoms of one residue, and the sum of their areas (square angstrom).
+struct ResidueArea {
+  AtomLabel label;
+  std::int64_t atoms = 0;
+  double area = 0;
+};
+
+/// The sums over the atoms that have been added so far. The last residue stays open, because the
+/// next atoms may belong to it.
+struct AreaTables {
+  std::optional<ResidueArea> open;
+  ChainAreas chains;
+};
+
+/// Appends the header line of residue_area.csv.
+void append_residue_header(BufferedText& text);
+
+/// Adds consecutive atoms with their areas. Appends a line of residue_area.csv for each residue
+/// that ends.
+void add_residues(AreaTables& tables, const ResidueRuns& runs, std::span<const double> areas,
+                  BufferedText& text);
+
+/// Ends the last residue and appends its line.
+void end_residues(AreaTables& tables, BufferedText& text);
+
+/// Writes the whole of chain_area.csv.
+void write_chain_table(std::span<const ChainArea> chains, const TextSink& sink);
+
+}  // namespace eses::detail

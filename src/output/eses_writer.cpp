@@ -1,0 +1,262 @@
+#include "output/eses_writer.hpp"
+
+#include <algorithm>
+#include <cstring>
+
+#include "output/number_text.hpp"
+#include "system/formatted.hpp"
+
+namespace eses::detail {
+namespace {
+
+// Maximum length of a line of intersection_info.txt: 6 indices, 6 numbers and 3 atoms, each with a
+// separator.
+constexpr std::size_t max_crossing_line_length = 15 * (max_number_length + 1) + 1;
+
+template <class Token>
+Token make_token(char* (*write)(char*, double), double value) {
+  std::array<char, max_number_length + 1> text{};
+  char* end = write(text.data(), value);
+  *end++ = ' ';
+  Token token;
+  std::copy(text.data(), end, token.text.data());
+  token.length = static_cast<std::uint8_t>(end - text.data());
+  return token;
+}
+
+char* write_grid_index(char* out, double value) {
+  return write_index(out, static_cast<std::uint64_t>(value));
+}
+
+// Copies the whole fixed-size token, which is faster than its exact length. The next text
+// overwrites the excess. The caller reserves `overrun` bytes for the last token.
+template <class Token>
+char* append(char* out, const Token& token) {
+  std::memcpy(out, &token, sizeof token);
+  return out + token.length;
+}
+template <class Token>
+auto concatenated(const Token& first, const Token& second) {
+  typename Token::Twice both;
+  char* const end = append(append(both.text.data(), first), second);
+  both.length = static_cast<std::uint8_t>(end - both.text.data());
+  return both;
+}
+constexpr std::size_t overrun = 32;
+
+char* append_number(char* out, const NumberBatch& numbers, std::size_t i) {
+  out = write_number(out, numbers, i);
+  *out++ = ' ';
+  return out;
+}
+
+std::size_t decimal_digits(std::uint64_t value) {
+  std::size_t digits = 1;
+  for (; value >= 10; value /= 10) ++digits;
+  return digits;
+}
+
+// A line of grid_info.txt after its first index, with zero bytes in place of that index. A bitwise
+// or with the text of the index gives the line.
+template <std::size_t words>
+struct LineTail {
+  std::array<std::uint64_t, words> text{};
+  std::size_t length = 0;  // length of the whole line
+
+  LineTail(std::size_t index_length, std::span<const char> tail)
+      : length(index_length + tail.size()) {
+    std::memcpy(reinterpret_cast<char*>(text.data()) + index_length, tail.data(), tail.size());
+  }
+};
+
+template <std::size_t words>
+char* append_line(char* out, const std::array<std::uint64_t, 2>& index,
+                  const LineTail<words>& tail) {
+  std::array<std::uint64_t, words> line = tail.text;
+  line[0] |= index[0];
+  line[1] |= index[1];
+  std::memcpy(out, line.data(), sizeof line);
+  return out + tail.length;
+}
+
+// Appends the lines of points whose first indices have the same number of digits.
+template <std::size_t words>
+char* append_lines(char* out, std::span<const std::array<std::uint64_t, 2>> indices,
+                   std::size_t begin, std::size_t end, std::span<const std::uint64_t> inside,
+                   const std::array<LineTail<words>, 2>& tails) {
+  for (std::size_t i = begin; i < end;) {
+    const std::uint64_t bits = inside[i / 64];
+    const std::size_t stop = std::min(end, (i / 64 + 1) * 64);
+    if (bits == 0 || bits == ~std::uint64_t{0}) {
+      const LineTail<words> tail = tails[bits & 1];
+      for (; i < stop; ++i) out = append_line(out, indices[i], tail);
+    } else {
+      for (; i < stop; ++i) out = append_line(out, indices[i], tails[bits >> (i % 64) & 1]);
+    }
+  }
+  return out;
+}
+
+// Appends the lines of a row. `first` is the first index of the first point. `tails` is the rest of
+// the line for each sign, which is the same for all points of the row.
+template <std::size_t words>
+char* append_row_lines(char* out, std::span<const std::array<std::uint64_t, 2>> indices,
+                       std::size_t first, std::span<const std::uint64_t> inside,
+                       const std::array<std::string, 2>& tails) {
+  std::size_t digits = 1, power = 10;
+  for (std::size_t begin = 0; begin < indices.size(); power *= 10, ++digits) {
+    if (power <= first + begin) continue;
+    const std::size_t end = power - first;
+    const std::array<LineTail<words>, 2> line_tails{LineTail<words>(digits + 1, tails[0]),
+                                                    LineTail<words>(digits + 1, tails[1])};
+    out = append_lines(out, indices, begin, std::min(end, indices.size()), inside, line_tails);
+    begin = end;
+  }
+  return out;
+}
+
+}  // namespace
+
+char* TextBuffer::reserve(std::size_t bytes) {
+  if (size_ + bytes > bytes_.size()) bytes_.resize(std::max(size_ + bytes, 2 * bytes_.size()));
+  return bytes_.data() + size_;
+}
+
+GridText::GridText(const Grid& grid, const GridRegion& region,
+                   std::span<const AtomIndex> atom_numbers)
+    : atom_numbers_(atom_numbers), first_x_(region.begin[0]) {
+  for (std::size_t axis = 0; axis < 3; ++axis)
+    for (std::int64_t i = 0; i < grid.size[axis]; ++i) {
+      axes_[axis].indices.push_back(
+          make_token<Token<16>>(write_grid_index, static_cast<double>(i)));
+      axes_[axis].coordinates.push_back(
+          make_token<Token<32>>(write_scientific, grid.coordinate(axis, i)));
+    }
+  for (std::int64_t x = region.begin[0]; x < region.end[0]; ++x) {
+    const auto& token = axes_[0].indices[static_cast<std::size_t>(x)];
+    std::array<std::uint64_t, 2> padded{};
+    std::memcpy(padded.data(), token.text.data(), token.length);
+    row_indices_.push_back(padded);
+  }
+}
+
+void GridText::append_row(TextBuffer& text, std::int64_t y, std::int64_t z,
+                          std::span<const std::uint64_t> inside) const {
+  constexpr std::size_t short_words = 2, long_words = 5;
+  const std::string rest = formatted("{} {} ", y, z);
+  const std::array<std::string, 2> tails{rest + "-1\n", rest + "1\n"};
+  const auto first = static_cast<std::size_t>(first_x_);
+  const std::size_t longest = decimal_digits(first + row_indices_.size()) + 1 + tails[0].size();
+  char* out = text.reserve(row_indices_.size() * longest + long_words * sizeof(std::uint64_t));
+  text.advance_to(longest <= short_words * sizeof(std::uint64_t)
+                      ? append_row_lines<short_words>(out, row_indices_, first, inside, tails)
+                      : append_row_lines<long_words>(out, row_indices_, first, inside, tails));
+}
+
+// Text that the lines of one row share.
+struct GridText::RowText {
+  std::array<Token<32>, 3> indices;  // `y z` of the upper ends of edges along x, y and z
+  const Token<32>& y;                // coordinates
+  const Token<32>& z;
+};
+
+GridText::RowText GridText::row_text(std::int64_t y, std::int64_t z) const {
+  const auto j = static_cast<std::size_t>(y), k = static_cast<std::size_t>(z);
+  const auto& y_indices = axes_[1].indices;
+  const auto& z_indices = axes_[2].indices;
+  const std::size_t next_j = std::min(j + 1, y_indices.size() - 1);
+  const std::size_t next_k = std::min(k + 1, z_indices.size() - 1);
+  return {{concatenated(y_indices[j], z_indices[k]), concatenated(y_indices[next_j], z_indices[k]),
+           concatenated(y_indices[j], z_indices[next_k])},
+          axes_[1].coordinates[j],
+          axes_[2].coordinates[k]};
+}
+
+void GridText::append_crossings(TextBuffer& text, std::int64_t first_x, std::int64_t y,
+                                std::int64_t z, std::span<const BlockCrossing> crossings) const {
+  constexpr std::size_t numbers_per_line = 4, lines = NumberBatch::capacity / numbers_per_line;
+  char* out = text.reserve(crossings.size() * max_crossing_line_length + overrun);
+  NumberBatch numbers;
+  const RowText row = row_text(y, z);
+  while (!crossings.empty()) {
+    const auto part = crossings.first(std::min(lines, crossings.size()));
+    crossings = crossings.subspan(part.size());
+    numbers.count = 0;
+    for (const BlockCrossing& crossing : part)
+      for (const double value :
+           {crossing.normal.x, crossing.normal.y, crossing.normal.z, crossing.coordinate})
+        numbers.add(value);
+    make_digits(numbers);
+    for (std::size_t i = 0; i < part.size(); ++i)
+      out = append_crossing(out, first_x + part[i].x, row, part[i], numbers, numbers_per_line * i);
+  }
+  text.advance_to(out);
+}
+
+char* GridText::append_crossing(char* out, std::int64_t x, const RowText& row,
+                                const BlockCrossing& crossing, const NumberBatch& numbers,
+                                std::size_t first) const {
+  const std::size_t axis = crossing.axis;
+  const auto lower = static_cast<std::size_t>(x);
+  const std::array<std::size_t, 2> x_index{lower, lower + (axis == 0)};
+  const std::array<const Token<32>*, 2> y_and_z{row.indices.data(), &row.indices[axis]};
+  const std::size_t inner = crossing.lower_is_inside ? 0 : 1;
+  for (const std::size_t end : {inner, 1 - inner}) {
+    out = append(out, axes_[0].indices[x_index[end]]);
+    out = append(out, *y_and_z[end]);
+  }
+  out =
+      axis == 0 ? append_number(out, numbers, first + 3) : append(out, axes_[0].coordinates[lower]);
+  out = axis == 1 ? append_number(out, numbers, first + 3) : append(out, row.y);
+  out = axis == 2 ? append_number(out, numbers, first + 3) : append(out, row.z);
+  for (std::size_t q = 0; q < 3; ++q) out = append_number(out, numbers, first + q);
+  for (std::size_t q = 0; q < crossing.atom_count; ++q) {
+    const AtomIndex atom = crossing.atoms[q];
+    out = write_index(out, atom_numbers_.empty() ? atom : atom_numbers_[atom]);
+    *out++ = ' ';
+  }
+  *out++ = '\n';
+  return out;
+}
+
+std::uint64_t max_grid_bytes(const GridRegion& region) {
+  std::uint64_t line = 3;  // sign, digit and newline
+  for (const std::int64_t n : region.end)
+    line += static_cast<std::uint64_t>(decimal_digits(static_cast<std::uint64_t>(n - 1))) + 1;
+  return static_cast<std::uint64_t>(region.point_count()) * line;
+}
+
+std::string bounding_box_text(const Grid& grid) {
+  TextBuffer text;
+  const auto end_line = [](char* out) {
+    out[-1] = '\n';
+    return out;
+  };
+  char* out = text.reserve(std::size_t{9} * (max_number_length + 1));
+  for (const Vec3& corner : {grid.origin, grid.upper()}) {
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      out = write_scientific(out, corner[axis]);
+      *out++ = ' ';
+    }
+    out = end_line(out);
+  }
+  for (const std::int64_t n : grid.size) {
+    out = write_index(out, static_cast<std::uint64_t>(n));
+    *out++ = ' ';
+  }
+  text.advance_to(end_line(out));
+  return {text.text().begin(), text.text().end()};
+}
+
+void append_areas(TextBuffer& text, std::size_t first, std::span<const double> areas) {
+  char* out = text.reserve(areas.size() * (2 * max_number_length + 2));
+  for (std::size_t i = 0; i < areas.size(); ++i) {
+    out = write_index(out, first + i);
+    *out++ = ' ';
+    out = write_scientific(out, areas[i]);
+    *out++ = '\n';
+  }
+  text.advance_to(out);
+}
+
+}  // namespace eses::detail

@@ -1,0 +1,87 @@
+#pragma once
+/// Text of the files of ESES, line by line.
+
+#include <array>
+#include <cstdint>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "eses/grid.hpp"
+#include "grid/block_crossing.hpp"
+#include "output/number_text.hpp"
+
+namespace eses::detail {
+
+/// A growing buffer of text. Its memory is reused without being cleared.
+class TextBuffer {
+ public:
+  /// Reserves space for `bytes` more bytes and returns its start. `advance_to` sets the end of the
+  /// text.
+  char* reserve(std::size_t bytes);
+  void advance_to(const char* end) { size_ = static_cast<std::size_t>(end - bytes_.data()); }
+  void clear() { size_ = 0; }
+  std::span<const char> text() const { return {bytes_.data(), size_}; }
+
+ private:
+  std::vector<char> bytes_;  // only grows, so that reused bytes are not initialized again
+  std::size_t size_ = 0;
+};
+
+/// Indices and coordinates of a grid as text. Each is formatted once and copied many times.
+class GridText {
+ public:
+  /// `atom_numbers` has the number of each atom in the file, by index; empty if numbers equal
+  /// indices. It must outlive this object.
+  GridText(const Grid& grid, const GridRegion& region,
+           std::span<const AtomIndex> atom_numbers = {});
+
+  /// Appends a row of grid_info.txt: `i j k s` for the points of the region. Bit i of `inside` is
+  /// the sign s of point i.
+  void append_row(TextBuffer& text, std::int64_t y, std::int64_t z,
+                  std::span<const std::uint64_t> inside) const;
+
+  /// Appends lines of intersection_info.txt for crossings whose lower points are (first_x + x, y,
+  /// z).
+  void append_crossings(TextBuffer& text, std::int64_t first_x, std::int64_t y, std::int64_t z,
+                        std::span<const BlockCrossing> crossings) const;
+
+ private:
+  /// Text with a trailing blank, and its length in the last byte.
+  template <std::size_t bytes>
+  struct Token {
+    using Twice = Token<2 * bytes>;
+    std::array<char, bytes - 1> text{};
+    std::uint8_t length = 0;
+  };
+  struct RowText;
+  RowText row_text(std::int64_t y, std::int64_t z) const;
+
+  /// Writes one line. `first` is the index of the first component of its normal in `numbers`.
+  char* append_crossing(char* out, std::int64_t x, const RowText& row,
+                        const BlockCrossing& crossing, const NumberBatch& numbers,
+                        std::size_t first) const;
+
+  struct Axis {
+    std::vector<Token<16>> indices;
+    std::vector<Token<32>> coordinates;
+  };
+  std::array<Axis, 3> axes_;
+  std::span<const AtomIndex> atom_numbers_;
+  std::int64_t first_x_ = 0;
+  std::vector<std::array<std::uint64_t, 2>> row_indices_;  ///< text along x, padded with zero bytes
+};
+
+/// Returns an upper bound of the size of grid_info.txt in bytes.
+std::uint64_t max_grid_bytes(const GridRegion& region);
+
+/// Typical length of a line of intersection_info.txt.
+inline constexpr std::uint64_t typical_crossing_bytes = 150;
+
+/// Returns the text of bounding_box.txt.
+std::string bounding_box_text(const Grid& grid);
+
+/// Appends lines of partition_area.txt for the atoms first, first + 1, ...
+void append_areas(TextBuffer& text, std::size_t first, std::span<const double> areas);
+
+}  // namespace eses::detail

@@ -1,0 +1,41 @@
+#pragma once
+/// Triangles of a part of a mesh, while the number of vertices before the part is not known.
+
+#include <array>
+#include <cstdint>
+#include <cstring>
+
+#include "mesh/triangulate.hpp"
+#include "output/eses_writer.hpp"
+
+namespace eses::detail::mesh {
+
+/// A triangle whose vertices are numbered from the first vertex of its part.
+struct LocalTriangle {
+  /// Numbers of the vertices. Vertices of the previous part have negative numbers.
+  std::array<std::int32_t, 3> corners{};
+  std::int32_t patch = 0;  ///< result of patch_of if the format needs it, else 0
+
+  friend bool operator==(const LocalTriangle&, const LocalTriangle&) = default;
+};
+
+/// Appends a triangle as a LocalTriangle. Its vertices are numbered from the first vertex of the
+/// part; negative numbers are given modulo 2^64.
+inline void append_local_triangle(TextBuffer& bytes, const Triangle& triangle, std::uint8_t patch) {
+  LocalTriangle local{{}, patch};
+  for (std::size_t corner = 0; corner < triangle.size(); ++corner)
+    local.corners[corner] = static_cast<std::int32_t>(triangle[corner]);
+  char* const out = bytes.reserve(sizeof local);
+  std::memcpy(out, &local, sizeof local);
+  bytes.advance_to(out + sizeof local);
+}
+
+/// Returns the vertex numbers in the whole mesh. `first` is the number of the part's first vertex.
+inline Triangle global_triangle(std::uint64_t first, const LocalTriangle& local) {
+  Triangle triangle{};
+  for (std::size_t corner = 0; corner < triangle.size(); ++corner)
+    triangle[corner] = first + static_cast<std::uint64_t>(std::int64_t{local.corners[corner]});
+  return triangle;
+}
+
+}  // namespace eses::detail::mesh

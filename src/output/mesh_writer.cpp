@@ -1,0 +1,325 @@
+#include "output/mesh_writer.hpp"
+
+#include <algorithm>
+#include <bit>
+#include <limits>
+#include <string>
+
+#include "eses/error.hpp"
+#include "output/local_triangle.hpp"
+#include "output/msms_text.hpp"
+#include "output/number_text.hpp"
+#include "output/text_lines.hpp"
+#include "system/formatted.hpp"
+
+namespace eses::detail::mesh {
+namespace {
+
+// Readers treat the vertex indices of a PLY face as signed, and store those of the other formats in
+// an int.
+constexpr std::uint64_t max_vertices = std::numeric_limits<std::int32_t>::max();
+constexpr std::size_t count_digits = 12;
+
+bool is_ply(MeshFormat format) {
+  return format == MeshFormat::ply || format == MeshFormat::ascii_ply;
+}
+
+// The padding is at the end of the line. Between the counts, readers that split the line at single
+// blanks, such as meshio, would take it for empty fields.
+void append_off_counts(BufferedText& text, const MeshCounts& counts) {
+  const std::string line = formatted("{} {} 0", counts.vertices, counts.triangles);
+  text.append("OFF\n{:<{}}\n", line, 2 * count_digits + 3);
+}
+
+// Upper bounds of the length of a line or record: a vertex has two vectors, and in PLY files a
+// colour, patch, atom, chain and residue.
+constexpr std::size_t max_field_length = max_number_length + 1, max_index_length = 11, channel = 4;
+constexpr std::size_t max_vertex_bytes =
+    6 * max_field_length + 3 * channel + 2 + 3 * max_index_length + 8;
+constexpr std::size_t max_triangle_bytes = 6 * (max_number_length + 2) + 4;
+static_assert(max_msms_vertex_bytes <= max_vertex_bytes);
+static_assert(max_msms_triangle_bytes <= max_triangle_bytes);
+
+char* put_obj_vertex(char* out, const Vertex& vertex) {
+  *out++ = 'v';
+  *out++ = ' ';
+  out = end_line(put_vector(out, vertex.position));
+  *out++ = 'v';
+  *out++ = 'n';
+  *out++ = ' ';
+  return end_line(put_vector(out, vertex.normal));
+}
+
+char* put_obj_triangle(char* out, const Triangle& triangle) {
+  *out++ = 'f';
+  for (const std::uint64_t vertex : triangle) {
+    *out++ = ' ';
+    out = write_index(out, vertex + 1);
+    *out++ = '/';
+    *out++ = '/';
+    out = write_index(out, vertex + 1);
+  }
+  *out++ = '\n';
+  return out;
+}
+
+// Writes a line of OFF or of text PLY.
+char* put_triangle_line(char* out, const Triangle& triangle) {
+  out = put_index(out, 3);
+  for (const std::uint64_t vertex : triangle) out = put_index(out, vertex);
+  return end_line(out);
+}
+
+template <class Component>
+char* put_components(char* out, const Vec3& vector) {
+  for (std::size_t axis = 0; axis < 3; ++axis) out = put(out, static_cast<Component>(vector[axis]));
+  return out;
+}
+
+char* put_ply_triangle(char* out, const Triangle& triangle) {
+  out = put(out, std::uint8_t{3});
+  for (const std::uint64_t vertex : triangle) out = put(out, static_cast<std::int32_t>(vertex));
+  return out;
+}
+
+}  // namespace
+
+void require_vertex_count(std::uint64_t vertices) {
+  if (vertices <= max_vertices) return;
+  throw Error(formatted(
+      "the mesh has more than {} vertices, which is more than its readers can number; use a larger "
+      "spacing",
+      max_vertices));
+}
+
+MeshText::MeshText(MeshFormat format, MeshColor color, MeshSource source)
+    : format_(format), color_(color), source_(source) {}
+
+VtpFields MeshText::vtp_fields() const {
+  return {color_ != MeshColor::none, source_.groups.are_known};
+}
+
+void MeshText::write_header_begin(const TextSink& sink) const {
+  constexpr bool is_little = std::endian::native == std::endian::little;
+  BufferedText text(sink);
+  if (is_ply(format_))
+    text.append(
+        "ply\nformat {} 1.0\n"
+        "comment solvent excluded surface, eses-blocks; angstrom\n"
+        "comment patch: 1 convex, 2 saddle, 3 concave; atom: first adjacent one, 0-based\n",
+        format_ == MeshFormat::ascii_ply ? "ascii"
+        : is_little                      ? "binary_little_endian"
+                                         : "binary_big_endian");
+  if (format_ == MeshFormat::vtp) append_vtp_begin(text, vtp_fields(), source_.groups.chain_count);
+  text.flush();
+}
+
+void MeshText::append_chain_name(BufferedText& text, std::uint64_t number,
+                                 const AtomLabel& label) const {
+  const std::string_view name = truncated_name(label.chain);
+  if (is_ply(format_)) text.append("comment chain {} {}\n", number, name);
+  if (format_ == MeshFormat::vtp) append_vtp_name(text, name);
+}
+
+void MeshText::write_header_middle(const TextSink& sink) const {
+  BufferedText text(sink);
+  if (format_ == MeshFormat::vtp)
+    append_vtp_before_residues(text, vtp_fields(), source_.groups.residue_count);
+  text.flush();
+}
+
+void MeshText::append_residue_name(BufferedText& text, std::uint64_t number,
+                                   const AtomLabel& label) const {
+  const std::string name =
+      formatted("{} {} {}", truncated_name(label.residue), truncated_name(label.residue_number),
+                truncated_name(label.chain));
+  if (is_ply(format_)) text.append("comment residue {} {}\n", number, name);
+  if (format_ == MeshFormat::vtp) append_vtp_name(text, name);
+}
+
+void MeshText::write_header_end(const MeshCounts& counts, const TextSink& sink) const {
+  BufferedText text(sink);
+  switch (format_) {
+    case MeshFormat::ply:
+    case MeshFormat::ascii_ply:
+      append_ply_end(text, counts);
+      break;
+    case MeshFormat::obj:
+      text.append("# solvent excluded surface, eses-blocks; angstrom\n");
+      break;
+    case MeshFormat::off:
+      append_off_counts(text, counts);
+      break;
+    case MeshFormat::msms:
+      append_msms_vertex_header(text, counts.vertices,
+                                {source_.atom_count, source_.probe_radius, source_.spacing});
+      break;
+    case MeshFormat::vtp:
+      append_vtp_before_data(text, vtp_fields(), counts);
+      break;
+  }
+  text.flush();
+}
+
+void MeshText::write_face_header(const MeshCounts& counts, const TextSink& sink) const {
+  BufferedText text(sink);
+  append_msms_face_header(text, counts.triangles,
+                          {source_.atom_count, source_.probe_radius, source_.spacing});
+  text.flush();
+}
+
+void MeshText::append_ply_end(BufferedText& text, const MeshCounts& counts) const {
+  const std::string vertices = formatted("{}", counts.vertices);
+  const std::string triangles = formatted("{}", counts.triangles);
+  // The padding keeps the length of the header independent of the counts.
+  const std::size_t padding = 2 * count_digits - vertices.size() - triangles.size();
+  text.append("comment {:->{}}\nelement vertex {}\n", "", padding, vertices);
+  for (const char* name : {"x", "y", "z"}) text.append("property double {}\n", name);
+  for (const char* name : {"nx", "ny", "nz"}) text.append("property float {}\n", name);
+  if (color_ != MeshColor::none)
+    for (const char* name : {"red", "green", "blue"}) text.append("property uchar {}\n", name);
+  text.append("property uchar patch\nproperty uint atom\n");
+  if (source_.groups.are_known) text.append("property uint chain\nproperty uint residue\n");
+  text.append("element face {}\nproperty list uchar int vertex_indices\nend_header\n", triangles);
+}
+
+Color MeshText::color_of(const Vertex& vertex) const {
+  if (color_ == MeshColor::atom) return distinct_color(number_of(vertex.first_atom()));
+  if (color_ == MeshColor::chain)
+    return distinct_color(source_.groups.of_atom[vertex.first_atom()].chain);
+  return patch_color(vertex.patch);
+}
+
+// Returns the adjacent atom whose van der Waals sphere has the least distance from the vertex, and
+// the first one of equally distant atoms.
+AtomIndex MeshText::closest_atom(const Vertex& vertex) const {
+  const auto distance = [&](AtomIndex i) {
+    const Atom& atom = source_.atoms[i];
+    return norm(vertex.position - atom.center) - atom.radius;
+  };
+  AtomIndex closest = vertex.first_atom();
+  for (const AtomIndex atom : std::span(vertex.atoms).first(vertex.patch))
+    if (distance(atom) < distance(closest)) closest = atom;
+  return closest;
+}
+
+// Writes what the file has of a vertex with these writers of a position, a normal and an integer,
+// which return the end of what they have written.
+template <class PutPosition, class PutNormal, class PutInteger>
+char* MeshText::put_fields(char* out, const Vertex& vertex, PutPosition put_position,
+                           PutNormal put_normal, PutInteger put_integer) const {
+  out = put_position(out, vertex.position);
+  out = put_normal(out, vertex.normal);
+  if (color_ != MeshColor::none)
+    for (const std::uint8_t part : color_of(vertex)) out = put_integer(out, part);
+  out = put_integer(out, vertex.patch);
+  out = put_integer(out, number_of(vertex.first_atom()));
+  if (source_.groups.are_known) {
+    const auto [chain, residue] = source_.groups.of_atom[vertex.first_atom()];
+    out = put_integer(out, chain);
+    out = put_integer(out, residue);
+  }
+  return out;
+}
+
+// Writes a vertex of binary PLY, which is also the vertex record of VTP.
+char* MeshText::put_record(char* out, const Vertex& vertex) const {
+  return put_fields(out, vertex, put_components<double>, put_components<float>,
+                    [](char* end, auto integer) { return put(end, integer); });
+}
+
+// Writes a vertex of text PLY.
+char* MeshText::put_ply_line(char* out, const Vertex& vertex) const {
+  return end_line(put_fields(out, vertex, put_vector, put_vector, put_index));
+}
+
+void MeshText::append_vertex(TextBuffer& text, const Vertex& vertex) const {
+  char* const out = text.reserve(max_vertex_bytes);
+  switch (format_) {
+    case MeshFormat::ply:
+    case MeshFormat::vtp:
+      return text.advance_to(put_record(out, vertex));
+    case MeshFormat::ascii_ply:
+      return text.advance_to(put_ply_line(out, vertex));
+    case MeshFormat::obj:
+      return text.advance_to(put_obj_vertex(out, vertex));
+    case MeshFormat::off:
+      return text.advance_to(end_line(put_vector(out, vertex.position)));
+    case MeshFormat::msms:
+      return text.advance_to(put_msms_vertex(out, vertex, number_of(closest_atom(vertex))));
+  }
+}
+
+void MeshText::append_triangle(TextBuffer& text, const Triangle& triangle,
+                               std::uint8_t patch) const {
+  char* const out = text.reserve(max_triangle_bytes);
+  switch (format_) {
+    case MeshFormat::ply:
+      return text.advance_to(put_ply_triangle(out, triangle));
+    case MeshFormat::obj:
+      return text.advance_to(put_obj_triangle(out, triangle));
+    case MeshFormat::off:
+    case MeshFormat::ascii_ply:
+      return text.advance_to(put_triangle_line(out, triangle));
+    case MeshFormat::msms:
+      return text.advance_to(put_msms_triangle(out, triangle, patch));
+    case MeshFormat::vtp:
+      return;  // Done by append_triangle_record.
+  }
+}
+
+void MeshText::append_triangle_record(TextBuffer& text, const Triangle& triangle,
+                                      std::uint64_t number) {
+  text.advance_to(put_vtp_triangle(text.reserve(vtp_triangle_bytes), triangle, number));
+}
+
+bool can_name_groups(const MeshOptions& choice) {
+  const std::optional<MeshFormat> format = mesh_format(choice.file);
+  return format == MeshFormat::ply || format == MeshFormat::vtp;
+}
+
+MeshBytes typical_mesh_bytes(const MeshOptions& choice, bool has_labels) {
+  constexpr std::uint64_t vector_line = 57;  // three numbers with their separators
+  constexpr std::uint64_t index_text = 8;    // an index and a blank
+  const std::uint64_t vectors = 3 * sizeof(double) + 3 * sizeof(float);
+  const bool has_color = choice.color != MeshColor::none;
+  const std::uint64_t record = vectors + sizeof(std::uint8_t) + sizeof(AtomIndex) +
+                               (has_color ? sizeof(Color) : 0) +
+                               (has_labels ? 2 * sizeof(std::uint32_t) : 0);
+  MeshBytes bytes;
+  switch (required_mesh_format(choice)) {
+    case MeshFormat::ply:
+      bytes = {.vertex = record, .triangle = 1 + 3 * sizeof(std::int32_t)};
+      break;
+    case MeshFormat::obj:
+      bytes = {.vertex = 2 * vector_line + 5, .triangle = 2 + 3 * (2 * index_text + 1)};
+      break;
+    case MeshFormat::off:
+      bytes = {.vertex = vector_line, .triangle = 2 + 3 * index_text};
+      break;
+    case MeshFormat::ascii_ply:
+      bytes = {
+          .vertex = 2 * vector_line + 2 + (has_color ? 12 : 0) + index_text * (has_labels ? 2 : 1),
+          .triangle = 2 + 3 * index_text};
+      break;
+    case MeshFormat::msms:
+      bytes = {.vertex = 2 * vector_line + 4 + index_text, .triangle = 4 + 3 * index_text};
+      break;
+    case MeshFormat::vtp:
+      bytes = {.vertex = record,
+               .triangle = vtp_triangle_bytes,
+               .scratch_vertex = record,
+               .scratch_triangle = sizeof(LocalTriangle),
+               .name_line = 10,
+               .name_character = 3};
+      return bytes;
+  }
+  if (required_mesh_format(choice) != MeshFormat::msms) bytes.scratch_triangle = bytes.triangle;
+  if (can_name_groups(choice)) {
+    bytes.name_line = 26;
+    bytes.name_character = 1;
+  }
+  return bytes;
+}
+
+}  // namespace eses::detail::mesh

@@ -1,0 +1,111 @@
+#pragma once
+/// Text and binary records of mesh files.
+///
+/// PLY: https://paulbourke.net/dataformats/ply/
+/// OBJ: https://paulbourke.net/dataformats/obj/
+/// OFF: http://www.geomview.org/docs/html/OFF.html
+/// MSMS: msms_text.hpp; VTP: vtp_text.hpp
+
+#include <cstdint>
+#include <span>
+#include <string_view>
+
+#include "mesh/triangulate.hpp"
+#include "mesh/vertex.hpp"
+#include "output/buffered_text.hpp"
+#include "output/eses_writer.hpp"
+#include "output/mesh_format.hpp"
+#include "output/mesh_groups.hpp"
+#include "output/vertex_color.hpp"
+#include "output/vtp_text.hpp"
+
+namespace eses::detail::mesh {
+
+/// Throws Error if there are more vertices than readers of mesh files can index.
+void require_vertex_count(std::uint64_t vertices);
+
+/// Atoms and parameters that mesh files contain besides vertices and triangles. All spans must
+/// outlive the MeshText.
+struct MeshSource {
+  AtomGroups groups;
+  /// Numbers of the atoms in the input, by index; empty if index and number are equal.
+  std::span<const AtomIndex> atom_numbers;
+  std::span<const Atom> atoms;   ///< by index
+  std::uint64_t atom_count = 0;  ///< number of atoms of the whole molecule
+  double probe_radius = 0;       ///< angstrom
+  double spacing = 0;            ///< angstrom
+};
+
+/// Makes the text of mesh files. Most formats have one file: a header, all vertices, all triangles.
+/// MSMS has a header and the vertices in one file, a header and the triangles in another. For VTP,
+/// vertices and triangles are first made as records, which are later divided into columns.
+class MeshText {
+ public:
+  MeshText(MeshFormat format, MeshColor color, MeshSource source);
+
+  /// Whether the triangles are in a separate file.
+  bool has_face_file() const { return format_ == MeshFormat::msms; }
+  /// Whether the records of vertices and triangles must be divided into columns, see vtp_data().
+  bool has_columns() const { return format_ == MeshFormat::vtp; }
+  /// Whether `append_triangle` needs the triangles' patches.
+  bool has_triangle_patches() const { return format_ == MeshFormat::msms; }
+
+  /// Write the parts of the header: its beginning, the names of all chains, its middle, the names
+  /// of all residues, its end. Names are written only in formats for which can_name_groups is true.
+  /// The length of no part depends on `counts`.
+  void write_header_begin(const TextSink& sink) const;
+  void append_chain_name(BufferedText& text, std::uint64_t number, const AtomLabel& label) const;
+  void write_header_middle(const TextSink& sink) const;
+  void append_residue_name(BufferedText& text, std::uint64_t number, const AtomLabel& label) const;
+  void write_header_end(const MeshCounts& counts, const TextSink& sink) const;
+  /// Writes the header of the separate file of the triangles. Its length does not depend on
+  /// `counts`.
+  void write_face_header(const MeshCounts& counts, const TextSink& sink) const;
+
+  void append_vertex(TextBuffer& text, const Vertex& vertex) const;
+  /// `patch` is the result of patch_of, or any number if has_triangle_patches() is false.
+  void append_triangle(TextBuffer& text, const Triangle& triangle, std::uint8_t patch) const;
+
+  /// Layout of the columns, only for formats with columns.
+  VtpData columns(const MeshCounts& counts) const { return vtp_data(counts, vtp_fields()); }
+  /// Appends the record of triangle number `number`, from 0, only for formats with columns.
+  static void append_triangle_record(TextBuffer& text, const Triangle& triangle,
+                                     std::uint64_t number);
+  /// Text after the columns, only for formats with columns.
+  static std::string_view footer() { return vtp_end; }
+
+ private:
+  VtpFields vtp_fields() const;
+  void append_ply_end(BufferedText& text, const MeshCounts& counts) const;
+  template <class PutPosition, class PutNormal, class PutInteger>
+  char* put_fields(char* out, const Vertex& vertex, PutPosition put_position, PutNormal put_normal,
+                   PutInteger put_integer) const;
+  char* put_record(char* out, const Vertex& vertex) const;
+  char* put_ply_line(char* out, const Vertex& vertex) const;
+  Color color_of(const Vertex& vertex) const;
+  AtomIndex closest_atom(const Vertex& vertex) const;
+  AtomIndex number_of(AtomIndex atom) const {
+    return source_.atom_numbers.empty() ? atom : source_.atom_numbers[atom];
+  }
+
+  MeshFormat format_;
+  MeshColor color_;
+  MeshSource source_;
+};
+
+/// Whether the format has the names of chains and residues, if these are known.
+bool can_name_groups(const MeshOptions& choice);
+
+/// Typical sizes of the elements of a mesh, in bytes.
+struct MeshBytes {
+  std::uint64_t vertex = 0, triangle = 0;
+  /// Sizes of a vertex and a triangle in temporary files.
+  std::uint64_t scratch_vertex = 0, scratch_triangle = 0;
+  /// Sizes of a line with the name of a chain or residue, without the name, and of each character
+  /// of the name.
+  std::uint64_t name_line = 0, name_character = 0;
+};
+
+MeshBytes typical_mesh_bytes(const MeshOptions& choice, bool has_labels);
+
+}  // namespace eses::detail::mesh

@@ -1,0 +1,57 @@
+#include "output/msms_text.hpp"
+
+#include <string_view>
+
+#include "output/text_lines.hpp"
+
+namespace eses::detail::mesh {
+namespace {
+
+void append_header(BufferedText& text, std::string_view elements, std::string_view column,
+                   std::uint64_t count, const MsmsSurface& surface) {
+  // Expected number of crossings per unit area. A surface element with unit normal n has
+  // (|n_x| + |n_y| + |n_z|) / spacing^2 crossings per area, and the mean of the sum over all
+  // directions is 3/2.
+  const double density = 1.5 / (surface.spacing * surface.spacing);
+  text.append(
+      "# solvent excluded surface {}, eses-blocks; format of MSMS; angstrom\n"
+      "#{} #sphere density probe_r\n{:>12} {:>7} {:>5.2f} {:>5.2f}\n",
+      elements, column, count, surface.atom_count, density, surface.probe_radius);
+}
+
+// Converts the number of a patch (1 convex, 2 saddle, 3 concave) to that of MSMS (1 toric
+// reentrant, 2 spheric reentrant, 3 contact).
+char msms_type(std::uint8_t patch) { return patch == 1 ? '3' : patch == 2 ? '1' : '2'; }
+
+}  // namespace
+
+void append_msms_vertex_header(BufferedText& text, std::uint64_t vertices,
+                               const MsmsSurface& surface) {
+  append_header(text, "vertices", "vertex", vertices, surface);
+}
+
+void append_msms_face_header(BufferedText& text, std::uint64_t triangles,
+                             const MsmsSurface& surface) {
+  append_header(text, "faces", "faces ", triangles, surface);
+}
+
+char* put_msms_vertex(char* out, const Vertex& vertex, AtomIndex closest_atom) {
+  out = put_vector(out, vertex.position);
+  out = put_vector(out, vertex.normal);
+  out = put_index(out, 0);
+  out = put_index(out, std::uint64_t{closest_atom} + 1);
+  *out++ = msms_type(vertex.patch);
+  *out++ = '\n';
+  return out;
+}
+
+char* put_msms_triangle(char* out, const Triangle& triangle, std::uint8_t patch) {
+  for (const std::uint64_t vertex : triangle) out = put_index(out, vertex + 1);
+  *out++ = msms_type(patch);
+  *out++ = ' ';
+  *out++ = '0';
+  *out++ = '\n';
+  return out;
+}
+
+}  // namespace eses::detail::mesh

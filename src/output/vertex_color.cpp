@@ -1,0 +1,35 @@
+#include "output/vertex_color.hpp"
+
+namespace eses::detail::mesh {
+
+Color patch_color(std::uint8_t patch) {
+  constexpr Color convex{86, 180, 233}, saddle{240, 228, 66}, concave{213, 94, 0};
+  return patch == 1 ? convex : patch == 2 ? saddle : concave;
+}
+
+// The hue of a number is the fractional part of its product with the golden ratio, whose multiples
+// are evenly distributed. Integer arithmetic gives the same result on all machines.
+Color distinct_color(std::uint64_t number) {
+  constexpr std::uint64_t golden = 0x9E3779B9, low = 60, high = 235;
+  const std::uint64_t hue = 6 * (number * golden & 0xFFFFFFFF);  // in sixths of 2^32
+  const std::uint64_t rise = (hue & 0xFFFFFFFF) * (high - low) >> 32;
+  const auto up = static_cast<std::uint8_t>(low + rise);
+  const auto down = static_cast<std::uint8_t>(high - rise);
+  constexpr auto none = static_cast<std::uint8_t>(low), full = static_cast<std::uint8_t>(high);
+  switch (hue >> 32) {
+    case 0:
+      return {full, up, none};
+    case 1:
+      return {down, full, none};
+    case 2:
+      return {none, full, up};
+    case 3:
+      return {none, down, full};
+    case 4:
+      return {up, none, full};
+    default:
+      return {full, none, down};
+  }
+}
+
+}  // namespace eses::detail::mesh

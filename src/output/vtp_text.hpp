@@ -1,0 +1,69 @@
+#pragma once
+/// Text of VTK's XML files of polygons (VTP), with the data as raw bytes after the XML:
+/// https://docs.vtk.org/en/latest/vtk_file_formats/vtkxml_file_format.html
+///
+/// The data are columns: the positions of all vertices, then all normals, and so on. The place of a
+/// column depends on the number of vertices, which is known only after all of them have been
+/// computed. Vertices and triangles are therefore first written as records, and divided into
+/// columns when the counts are known.
+
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <string_view>
+#include <vector>
+
+#include "eses/summary.hpp"
+#include "mesh/triangulate.hpp"
+#include "output/buffered_text.hpp"
+
+namespace eses::detail::mesh {
+
+/// The optional values of the vertices.
+struct VtpFields {
+  bool has_colors = false;
+  bool has_groups = false;  ///< chain and residue
+};
+
+/// A column: the same field of all records.
+struct Column {
+  std::uint64_t begin = 0;        ///< offset of the first value in the data
+  std::size_t record_offset = 0;  ///< offset of the field in a record
+  std::size_t bytes = 0;          ///< size of the field
+};
+
+/// All columns of the vertices or of the triangles.
+struct ColumnTable {
+  std::vector<Column> columns;
+  std::size_t record_bytes = 0;
+  std::uint64_t record_count = 0;
+};
+
+/// Layout of the data after the XML. Each column has its size in bytes before it, as 8 bytes.
+struct VtpData {
+  ColumnTable vertices, triangles;
+  std::uint64_t bytes = 0;
+};
+
+VtpData vtp_data(const MeshCounts& counts, const VtpFields& fields);
+
+/// Append the three parts of the XML before the data: up to the chain names, between the chain
+/// names and the residue names, and after the residue names. Only files with groups have names.
+/// The length of the last part does not depend on the counts.
+void append_vtp_begin(BufferedText& text, const VtpFields& fields, std::uint64_t chains);
+void append_vtp_before_residues(BufferedText& text, const VtpFields& fields,
+                                std::uint64_t residues);
+void append_vtp_before_data(BufferedText& text, const VtpFields& fields, const MeshCounts& counts);
+/// The XML after the data.
+inline constexpr std::string_view vtp_end = "\n</AppendedData>\n</VTKFile>\n";
+
+/// Appends a name to an array of strings.
+void append_vtp_name(BufferedText& text, std::string_view name);
+
+/// Size of the record of a triangle, in bytes.
+inline constexpr std::size_t vtp_triangle_bytes = 3 * sizeof(std::int32_t) + sizeof(std::int64_t);
+
+/// Writes the record of triangle number `number` and returns the end.
+char* put_vtp_triangle(char* out, const Triangle& triangle, std::uint64_t number);
+
+}  // namespace eses::detail::mesh

@@ -1,0 +1,51 @@
+#pragma once
+/// Step 4 of a run: the areas of atoms, residues and chains. Each process has the areas of
+/// consecutive atoms of the file.
+
+#include <cstdint>
+#include <functional>
+#include <span>
+#include <vector>
+
+#include "distributed/checkpoint.hpp"
+#include "distributed/processes.hpp"
+#include "output/output_file.hpp"
+#include "run/run_plan.hpp"
+#include "solve/area_shares.hpp"
+
+namespace eses::detail {
+
+/// The area shares that a process has computed or read.
+struct AtomShares {
+  std::vector<AreaShare> of_slab;  ///< by atom of the slab; empty if nothing was swept
+  std::vector<AtomSum> restored;   ///< shares from the chunks of an earlier run
+};
+
+/// The areas of the atoms [first, first + size) of the file, in square angstrom.
+struct AtomAreas {
+  std::uint64_t first = 0;
+  std::vector<double> areas;
+
+  AtomRange range() const { return {first, first + areas.size()}; }
+};
+
+/// Adds up the shares of all processes, which must all call it. Returns the areas of this process's
+/// atoms.
+AtomAreas add_up_areas(AtomShares shares, const RunPlan& plan, const Processes& processes);
+
+/// Returns the sum of all areas (square angstrom). All processes must call it. Areas are added in
+/// the order of the atoms, because floating-point sums depend on the order.
+double total_area(const AtomAreas& areas, const Processes& processes);
+
+/// Writes partition_area.txt and returns its length in bytes. All processes must call it. The first
+/// process passes the output file, the others pass null. `check` is called repeatedly, and may end
+/// the run by an exception.
+std::uint64_t write_areas(const AtomAreas& areas, bool gzip, OutputFile* file,
+                          const std::function<void()>& check, const Processes& processes);
+
+/// Writes the tables of residues and chains and returns their length in bytes. All processes must
+/// call it. The first process passes the output files, the others pass null.
+std::uint64_t write_area_tables(const AtomAreas& areas, const RunPlan& plan, OutputFile* residues,
+                                OutputFile* chains, const Processes& processes);
+
+}  // namespace eses::detail

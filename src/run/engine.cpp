@@ -1,0 +1,247 @@
+#include "run/engine.hpp"
+
+#include <fcntl.h>
+#include <sys/resource.h>
+
+#include <array>
+#include <cerrno>
+#include <optional>
+#include <span>
+#include <system_error>
+#include <utility>
+
+#include "distributed/packed_texts.hpp"
+#include "eses/error.hpp"
+#include "output/mesh_writer.hpp"
+#include "output/output_files.hpp"
+#include "output/sequential_writer.hpp"
+#include "run/areas.hpp"
+#include "run/merge.hpp"
+#include "run/mesh_header.hpp"
+#include "run/progress_report.hpp"
+#include "run/slab_sweep.hpp"
+#include "system/file_descriptor.hpp"
+#include "system/formatted.hpp"
+#include "system/parallel.hpp"
+#include "system/resources.hpp"
+#include "system/stopwatch.hpp"
+
+namespace eses::detail {
+namespace {
+
+// Opens the output files in the first process. Returns null in the others.
+std::unique_ptr<OutputFiles> open_files(const RunTask& task, const RunPlan& plan,
+                                        const Processes& processes) {
+  std::unique_ptr<OutputFiles> files;
+  processes.all_or_throw([&] {
+    if (!processes.is_first()) return;
+    files = std::make_unique<OutputFiles>(task.outputs, task.output_directory, plan.whole.files);
+    if (plan.checkpoint) plan.checkpoint->prepare();
+  });
+  return files;
+}
+
+// Checks that all processes can open the output files. Otherwise MPI would wait forever when the
+// files are merged.
+void require_shared_directories(const RunTask& task, const RunPaths& paths,
+                                const Processes& processes) {
+  if (processes.count() == 1) return;
+  const auto require = [&](const std::filesystem::path& path, int mode) {
+    if (!FileDescriptor(::open(path.c_str(), mode | O_CLOEXEC)).is_open())
+      throw Error(formatted(
+          "cannot write into {}{}: {}; is it the same directory for all processes?",
+          path.parent_path().string(), processes.place(), std::generic_category().message(errno)));
+  };
+  processes.all_or_throw([&] {
+    for (const std::string& path : paths.temporaries) require(path, O_WRONLY);
+    if (task.resume)
+      require(path_in(task.output_directory, checkpoint_name), O_RDONLY | O_DIRECTORY);
+  });
+}
+
+std::optional<mesh::MeshText> mesh_text(const RunTask& task, const RunPlan& plan,
+                                        const Processes& processes) {
+  const auto& mesh = task.outputs.mesh;
+  if (!mesh) return std::nullopt;
+  const mesh::AtomGroups groups{.are_known = plan.groups.are_known,
+                                .of_atom = plan.slab.groups,
+                                .chain_count = processes.sum(plan.groups.chains.size()),
+                                .residue_count = processes.sum(plan.groups.residues.size())};
+  return mesh::MeshText(required_mesh_format(*mesh), mesh->color,
+                        {.groups = groups,
+                         .atom_numbers = plan.slab.numbers,
+                         .atoms = plan.slab.molecule.atoms(),
+                         .atom_count = plan.atoms,
+                         .probe_radius = plan.whole.parameters.probe_radius,
+                         .spacing = plan.whole.grid.spacing});
+}
+
+double cpu_seconds() {
+  rusage usage{};
+  getrusage(RUSAGE_SELF, &usage);
+  const auto seconds = [](const timeval& time) {
+    return static_cast<double>(time.tv_sec) + 1e-6 * static_cast<double>(time.tv_usec);
+  };
+  return seconds(usage.ru_utime) + seconds(usage.ru_stime);
+}
+
+// Broadcasts the lines of process `from` to all processes.
+std::vector<std::string> broadcast_lines(const std::vector<std::string>& own, int from,
+                                         const Processes& processes) {
+  std::string packed;
+  if (processes.rank() == from)
+    for (const std::string& line : own) pack(packed, line);
+  return unpack(processes.broadcast(std::move(packed), from));
+}
+
+// Replaces wall-clock times by their maxima, and times of threads by their sums over all processes.
+void share_seconds(PhaseSeconds& seconds, const Processes& processes) {
+  std::array maxima{seconds.blocks, seconds.verify, seconds.total};
+  processes.allreduce_max(maxima);
+  seconds.blocks = maxima[0];
+  seconds.verify = maxima[1];
+  seconds.total = maxima[2];
+  std::array sums{seconds.patches, seconds.classify, seconds.intersect, seconds.output};
+  processes.add(std::span<double>(sums));
+  seconds.patches = sums[0];
+  seconds.classify = sums[1];
+  seconds.intersect = sums[2];
+  seconds.output = sums[3];
+}
+
+// Adds up the verifications of all processes. Faults are in the order of the slabs.
+void share_verification(Verification& found, const Processes& processes) {
+  found.points = static_cast<std::int64_t>(processes.sum(static_cast<std::uint64_t>(found.points)));
+  found.edges = static_cast<std::int64_t>(processes.sum(static_cast<std::uint64_t>(found.edges)));
+  if (processes.sum(found.faults.size()) == 0) return;
+  std::vector<std::string> all;
+  for (int rank = 0; rank < processes.count(); ++rank) {
+    const std::vector<std::string> lines = broadcast_lines(found.faults, rank, processes);
+    all.insert(all.end(), lines.begin(), lines.end());
+  }
+  found.faults = std::move(all);
+}
+
+// Reads the chunks of an earlier run. Each process reads a part of them.
+void take_restored(const RunPlan& plan, const Processes& processes, std::vector<PlaneChunk>& chunks,
+                   AtomShares& shares) {
+  const auto step = static_cast<std::size_t>(processes.count());
+  for (auto i = static_cast<std::size_t>(processes.rank()); i < plan.done.size(); i += step) {
+    PlaneChunk chunk = plan.checkpoint->read(plan.done[i]);
+    shares.restored.insert(shares.restored.end(), chunk.sums.begin(), chunk.sums.end());
+    chunk.sums = {};
+    chunks.push_back(std::move(chunk));
+  }
+}
+
+// Completes all files except the bounding box. Returns their length in bytes.
+std::uint64_t write_files(const RunTask& task, const RunPlan& plan,
+                          const std::optional<mesh::MeshText>& mesh, const AtomAreas& areas,
+                          Merge& merge, OutputFiles* files, const std::function<void()>& check,
+                          const Processes& processes) {
+  const Outputs& outputs = task.outputs;
+  const auto file = [&](std::optional<OutputFile> OutputFiles::*which) {
+    return files != nullptr && files->*which ? &*(files->*which) : nullptr;
+  };
+  std::uint64_t bytes = 0;
+  if (outputs.grid) bytes += merge.write_text(file(&OutputFiles::grid), ChunkText::grid);
+  if (outputs.edges) bytes += merge.write_text(file(&OutputFiles::edges), ChunkText::edges);
+  if (mesh)
+    bytes += merge.write_mesh(file(&OutputFiles::mesh), file(&OutputFiles::mesh_faces), *mesh);
+  for (const MapChoice& map : chosen_maps(outputs))
+    bytes += merge.write_map(files != nullptr ? files->map(map.quantity) : nullptr, map);
+  if (outputs.areas)
+    bytes += write_areas(areas, outputs.gzip, file(&OutputFiles::areas), check, processes);
+  if (outputs.residues)
+    bytes += write_area_tables(areas, plan, file(&OutputFiles::residues),
+                               file(&OutputFiles::chains), processes);
+  return bytes;
+}
+
+// Writes the bounding box and renames all files. Returns the length of the bounding box in bytes.
+std::uint64_t commit_files(const RunTask& task, const RunPlan& plan, OutputFiles* files,
+                           const std::function<void()>& check, const Processes& processes) {
+  std::uint64_t box_bytes = 0;
+  processes.all_or_throw([&] {
+    if (files == nullptr) return;
+    if (files->box) box_bytes = write_box(*files->box, plan.whole.grid, files->gzip);
+    require_memory_within(task.parameters.max_memory);
+    files->commit(check);
+    if (plan.checkpoint)
+      plan.checkpoint->remove();
+    else
+      files->remove_checkpoint();
+  });
+  return processes.sum(box_bytes);
+}
+
+void add_figures(const Stopwatch& total, const RunPlan& plan, const Processes& processes,
+                 RunResult& result) {
+  PhaseSeconds& seconds = result.summary.seconds;
+  seconds.total = total.seconds();
+  share_seconds(seconds, processes);
+  const ProcessFigures own{plan.slab.planes, plan.slab.molecule.atoms().size(), cpu_seconds(),
+                           peak_memory()};
+  result.processes = processes.gather<ProcessFigures>({&own, 1});
+}
+
+}  // namespace
+
+bool has_faults(const Summary& summary) {
+  return summary.verification && !summary.verification->faults.empty();
+}
+
+RunPaths paths_of(const RunTask& task, const Processes& processes) {
+  const auto share = [&](const std::vector<std::string>& own) {
+    return broadcast_lines(own, 0, processes);
+  };
+  return {share(temporary_paths(task.outputs, task.output_directory)),
+          share(lock_paths(task.outputs, task.output_directory))};
+}
+
+RunResult execute(const RunTask& task, const RunPlan& plan, const RunPaths& paths,
+                  const Callbacks& callbacks, const Processes& processes) {
+  const Stopwatch total;
+  processes.all_or_throw([&] { start_threads(plan.own.threads); });
+  const std::unique_ptr<OutputFiles> files = open_files(task, plan, processes);
+  require_shared_directories(task, paths, processes);
+
+  const std::vector<PlaneRange> ranges = ranges_to_sweep(task, plan);
+  ProgressReport report(callbacks.progress, count_blocks(plan, ranges));
+  const std::function<void()> check = [&report] { report.check(); };
+  check();  // from now on the caller must remove the locks on a signal
+
+  RunResult result;
+  Summary& summary = result.summary;
+  if (task.parameters.verify > 0) summary.verification.emplace();
+  const std::optional<mesh::MeshText> mesh = mesh_text(task, plan, processes);
+  SweepFiles sweep_files{.final_files = files.get()};
+  if (mesh) {
+    sweep_files.mesh_text = &*mesh;
+    sweep_files.mesh_header_bytes = mesh_header_bytes(*mesh, plan.groups, processes);
+    sweep_files.face_header_bytes = face_header_bytes(*mesh);
+  }
+  SlabSweep sweep(task, plan, ranges, sweep_files, callbacks, report, processes);
+  SweepResult swept = sweep.run(summary);
+  // The heap memory of patches and blocks is too fragmented for the long lists of areas.
+  release_free_memory();
+  AtomShares shares{std::move(swept.atom_shares), {}};
+  take_restored(plan, processes, swept.chunks, shares);
+  if (summary.verification) share_verification(*summary.verification, processes);
+
+  Merge merge(task, plan, processes, std::move(swept.chunks), check);
+  fill_totals(merge.totals(), plan.whole.grid.spacing, summary);
+  AtomAreas areas = add_up_areas(std::move(shares), plan, processes);
+  summary.area = total_area(areas, processes);
+  if (!has_faults(summary)) {
+    if (mesh) summary.mesh = merge.mesh_counts();
+    summary.bytes_written =
+        write_files(task, plan, mesh, areas, merge, files.get(), check, processes) +
+        commit_files(task, plan, files.get(), check, processes);
+  }
+  if (processes.count() == 1) summary.atom_areas = std::move(areas.areas);
+  add_figures(total, plan, processes, result);
+  return result;
+}
+
+}  // namespace eses::detail

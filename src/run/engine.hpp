@@ -1,0 +1,53 @@
+#pragma once
+/// The engine: one run, from the plan of run_plan.hpp to its files and its summary.
+///
+/// A run is a sweep over ranges of planes that delivers rows, crossings and triangles in canonical
+/// order. A single process has one range and writes its texts directly to the output files.
+/// Otherwise the texts of each range go into a chunk, and all chunks are merged into the output
+/// files at the end. There are several ranges if the run can be resumed, or if there are several
+/// MPI ranks, each with its slab of planes. The bytes of the files do not depend on the ranges.
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "distributed/processes.hpp"
+#include "grid/plane_range.hpp"
+#include "run/run_plan.hpp"
+#include "run/task.hpp"
+
+namespace eses::detail {
+
+/// The work of one process.
+struct ProcessFigures {
+  PlaneRange planes;
+  std::uint64_t atoms = 0;  ///< number of atoms that influence these planes
+  double cpu_seconds = 0;
+  std::uint64_t peak_memory_bytes = 0;
+};
+
+/// The result of a run.
+struct RunResult {
+  /// Equal in all processes. Summary::atom_areas is empty if there are several processes.
+  Summary summary;
+  std::vector<ProcessFigures> processes;  ///< by rank
+};
+
+/// Returns whether the verification has found faults. Then no file was written.
+bool has_faults(const Summary& summary);
+
+/// The temporary files and locks of a run, which are removed if the run fails.
+struct RunPaths {
+  std::vector<std::string> temporaries, locks;
+};
+
+/// Returns the paths of the first process. All processes must call it.
+RunPaths paths_of(const RunTask& task, const Processes& processes);
+
+/// Computes the surface and writes the files as eses::detail::run does. All processes must call it.
+/// All processes receive a SharedError. Only this process has any other exception, so the caller
+/// must then abort the other processes.
+RunResult execute(const RunTask& task, const RunPlan& plan, const RunPaths& paths,
+                  const Callbacks& callbacks, const Processes& processes);
+
+}  // namespace eses::detail

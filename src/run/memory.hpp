@@ -1,0 +1,51 @@
+#pragma once
+/// Estimates of the memory of a run.
+
+#include <cstddef>
+#include <cstdint>
+#include <span>
+
+#include "run/task.hpp"
+#include "surface/survey.hpp"
+
+namespace eses::detail {
+
+/// The choices of a run that do not influence its results.
+struct Schedule {
+  BlockTiling tiling;
+  int threads = 1;
+  std::int64_t blocks_ahead = 0;  ///< see TaskQueue
+};
+
+/// Numbers and sizes of labels. A run is a sequence of consecutive atoms with the same residue or
+/// chain.
+struct LabelTotals {
+  std::size_t labels = 0;                        ///< number of labels in memory
+  std::size_t residue_runs = 0, chain_runs = 0;  ///< numbers of runs
+  /// Total length of the names of all runs.
+  std::uint64_t residue_text_bytes = 0, chain_text_bytes = 0;
+  double heap_bytes = 0;  ///< heap memory of strings that do not fit into the string object
+};
+
+/// Returns the totals of labels.
+LabelTotals total_labels(std::span<const AtomLabel> labels);
+
+/// Returns the expected number of crossings of a surface with a grid. A surface of area A with the
+/// normal n crosses A |n_q| / spacing^2 grid lines along the axis q. The mean of
+/// |n_x| + |n_y| + |n_z| over all directions is 1.5.
+constexpr double expected_crossings(double area, double spacing) {
+  return 1.5 * area / (spacing * spacing);
+}
+
+/// Returns the ratio of the numbers of crossings with and without the halo. See
+/// BlockTiling::region_with_halo.
+double halo_growth(const BlockTiling& tiling);
+
+/// Returns a lower bound of expected_memory for this number of atoms, in bytes.
+double min_expected_memory(std::size_t atoms);
+
+/// Returns an estimate of the peak memory of the process in bytes, intended as an upper bound.
+double expected_memory(const SurfaceSurvey& survey, const LabelTotals& labels, const Grid& grid,
+                       const Schedule& schedule, const Outputs& outputs);
+
+}  // namespace eses::detail

@@ -1,0 +1,73 @@
+#pragma once
+/// Step 3 of a run: merging the chunks of all processes into the output files.
+
+#include <cstdint>
+#include <functional>
+#include <span>
+#include <vector>
+
+#include "distributed/checkpoint.hpp"
+#include "distributed/processes.hpp"
+#include "distributed/shared_file.hpp"
+#include "output/grid_map.hpp"
+#include "output/mesh_writer.hpp"
+#include "output/output_file.hpp"
+#include "run/run_plan.hpp"
+#include "solve/region_totals.hpp"
+
+namespace eses::detail {
+
+/// The merge of all chunks. All processes must call its functions. The first process passes the
+/// output file, the others pass null. In a run in place there is one chunk, most of whose texts are
+/// in the output files already.
+class Merge {
+ public:
+  /// `chunks` are those of this process. `check` is called repeatedly, and may end the run by an
+  /// exception. Keeps references to the other arguments. Throws SharedError if the chunks of all
+  /// processes do not cover the region exactly, or if the mesh has too many vertices.
+  Merge(const RunTask& task, const RunPlan& plan, const Processes& processes,
+        std::vector<PlaneChunk> chunks, std::function<void()> check);
+
+  const RegionTotals& totals() const { return totals_; }
+  const MeshCounts& mesh_counts() const { return mesh_; }
+
+  /// These functions complete a file and return its length in bytes.
+  std::uint64_t write_text(OutputFile* file, ChunkText text);
+  std::uint64_t write_map(OutputFile* file, const MapChoice& choice);
+  /// `face_file` is the separate file of the triangles, if the format has one.
+  std::uint64_t write_mesh(OutputFile* file, OutputFile* face_file, const mesh::MeshText& text);
+
+ private:
+  void add_up();
+  int threads_of_shared_file() const;
+  std::uint64_t write_values(GridMap& map) const;
+  std::uint64_t write_compressed_values(GridMap& map, SharedFile& to) const;
+  template <class Amount, class Action>
+  std::uint64_t for_own(Amount&& amount, Action&& action);
+  ScratchFile& open(PlaneChunk& chunk, ChunkText text) const;
+  void close(PlaneChunk& chunk, ChunkText text) const;
+  template <class Take>
+  void read(PlaneChunk& chunk, ChunkText text, std::uint64_t unit, std::uint64_t begin,
+            Take&& take) const;
+  void require_sound(const PlaneChunk& chunk, ChunkText text, std::uint32_t checksum) const;
+  void copy(PlaneChunk& chunk, ChunkText text, SharedFile& to, std::uint64_t begin);
+  std::uint64_t copy_all(ChunkText text, SharedFile& to, std::uint64_t begin);
+  template <class Take>
+  void for_triangles(PlaneChunk& chunk, Take&& take) const;
+  template <class Take>
+  void for_triangle_texts(PlaneChunk& chunk, std::uint64_t first_vertex, const mesh::MeshText& text,
+                          Take&& take) const;
+  std::uint64_t write_triangles(SharedFile& file, std::uint64_t begin, const mesh::MeshText& text);
+  std::uint64_t write_columns(SharedFile& file, std::uint64_t begin, const mesh::MeshText& text);
+
+  const RunTask& task_;
+  const RunPlan& plan_;
+  const Processes& processes_;
+  std::function<void()> check_;
+  std::vector<ChunkInfo> all_;   // chunks of all processes, sorted by planes
+  std::vector<PlaneChunk> own_;  // chunks of this process, sorted by planes
+  RegionTotals totals_;
+  MeshCounts mesh_;
+};
+
+}  // namespace eses::detail

@@ -1,0 +1,186 @@
+#include "run/mesh_output.hpp"
+
+#include <algorithm>
+#include <cstddef>
+#include <span>
+#include <utility>
+
+#include "output/local_triangle.hpp"
+
+namespace eses::detail {
+
+/// A layer with the index of its rows.
+struct MeshOutput::LayerView {
+  LayerView(const BlockTiling& tiling, const Layer& layer)
+      : first_z(layer.first_z()),
+        rows(tiling, layer, Extent::with_halo),
+        crossings(tiling, layer) {}
+
+  std::int64_t first_z;
+  LayerRows rows;
+  LayerCrossings crossings;
+};
+
+MeshOutput::MeshOutput(const Plan& plan, const GridRegion& region, const mesh::MeshText& text,
+                       MeshSinks sinks)
+    : plan_(plan),
+      region_(region),
+      rows_y_(region_.size()[1]),
+      has_cells_(std::ranges::min(region_.size()) > 1),
+      text_(text),
+      has_local_triangles_(sinks.has_local_triangles),
+      vertex_output_(std::move(sinks.vertices)),
+      triangle_output_(std::move(sinks.triangles)) {}
+
+// Returns the number of planes of a layer. The last layer has the plane of the halo as well, if it
+// belongs to this part of the mesh.
+std::int64_t MeshOutput::planes_of(const Layer& layer) const {
+  const std::int64_t end = layer.first_z() + layer.owned_planes();
+  const BlockTiling& tiling = plan_.tiling;
+  return (end == tiling.region.end[2] ? tiling.region_with_halo.end[2] : end) - layer.first_z();
+}
+
+void MeshOutput::number_rows(const Layer& layer) {
+  const std::lock_guard lock(mutex_);
+  if (is_numbered_) return;
+  const std::int64_t rows = planes_of(layer) * rows_y_;
+  const LayerCrossings crossings(plan_.tiling, layer);
+  row_begin_.assign(1, layer_begin_);
+  for (std::int64_t row = 0; row < rows; ++row) {
+    std::uint64_t count = 0;
+    crossings.for_each_row_part_with_halo(
+        row % rows_y_, row / rows_y_,
+        [&](std::int64_t, std::span<const BlockCrossing> part) { count += part.size(); });
+    row_begin_.push_back(row_begin_.back() + count);
+  }
+  mesh::require_vertex_count(row_begin_.back());
+  is_numbered_ = true;
+}
+
+void MeshOutput::make_row(const LayerView& view, std::int64_t y, std::int64_t z,
+                          mesh::Row& row) const {
+  view.rows.merge_row(y, z, row.inside);
+  row.edges.clear();
+  row.patches.clear();
+  const bool has_patches = text_.has_triangle_patches();
+  view.crossings.for_each_row_part_with_halo(
+      y, z, [&](std::int64_t first_x, std::span<const BlockCrossing> part) {
+        for (const BlockCrossing& crossing : part) {
+          row.edges.push_back(mesh::edge_key(
+              static_cast<std::uint64_t>(first_x - region_.begin[0] + crossing.x), crossing.axis));
+          if (has_patches) row.patches.push_back(crossing.atom_count);
+        }
+      });
+  row.first_vertex = row_begin_[static_cast<std::size_t>(z * rows_y_ + y)];
+}
+
+const mesh::Row& MeshOutput::lower_row(const MeshScratch::RowPair& pair, std::int64_t y,
+                                       std::int64_t z) const {
+  return z > 0 ? pair.lower : below_[static_cast<std::size_t>(y)];
+}
+
+void MeshOutput::make_rows(const LayerView& view, std::int64_t row,
+                           MeshScratch::RowPair& pair) const {
+  const std::int64_t y = row % rows_y_, z = row / rows_y_;
+  make_row(view, y, z, pair.upper);
+  if (z > 0) make_row(view, y, z - 1, pair.lower);
+}
+
+bool MeshOutput::is_crossed(std::int64_t y, std::int64_t z) const {
+  if (z < 0) return !below_[static_cast<std::size_t>(y)].edges.empty();
+  const auto row = static_cast<std::size_t>(z * rows_y_ + y);
+  return row_begin_[row] < row_begin_[row + 1];
+}
+
+// Returns whether there may be triangles in the cells that end at a row.
+bool MeshOutput::has_triangles(std::int64_t y, std::int64_t z) const {
+  return is_crossed(y - 1, z - 1) || is_crossed(y, z - 1) || is_crossed(y - 1, z) ||
+         is_crossed(y, z);
+}
+
+void MeshOutput::append_vertices(const LayerView& view, const RowRange& rows,
+                                 TextBuffer& text) const {
+  for (std::int64_t row = rows.begin; row < rows.end; ++row) {
+    const std::int64_t y = row % rows_y_, z = row / rows_y_;
+    view.crossings.for_each_row_part_with_halo(
+        y, z, [&](std::int64_t first_x, std::span<const BlockCrossing> part) {
+          for (const BlockCrossing& crossing : part)
+            text_.append_vertex(text, mesh::make_vertex(plan_.grid,
+                                                        {first_x + crossing.x, region_.begin[1] + y,
+                                                         view.first_z + z},
+                                                        crossing));
+        });
+  }
+}
+
+void MeshOutput::append_triangles(const LayerView& view, const RowRange& rows,
+                                  MeshScratch& scratch) const {
+  auto& [front, back, triangles, vertex_text, text, count] = scratch;
+  std::int64_t made = -1;  // the row whose pair is `back`
+  for (std::int64_t row = rows.begin; row < rows.end; ++row) {
+    const std::int64_t y = row % rows_y_, z = row / rows_y_;
+    if (y == 0 || view.first_z + z == region_.begin[2] || !has_triangles(y, z)) continue;
+    if (made == row - 1) {
+      std::swap(front, back);
+    } else {
+      make_rows(view, row - 1, front);
+    }
+    make_rows(view, row, back);
+    made = row;
+    triangles.clear();
+    const mesh::CellRows around{&lower_row(front, y - 1, z), &lower_row(back, y, z), &front.upper,
+                                &back.upper};
+    mesh::triangulate(around, region_.size()[0], triangles);
+    for (const mesh::Triangle& triangle : triangles) {
+      const std::uint8_t patch =
+          text_.has_triangle_patches() ? mesh::patch_of(around, triangle) : std::uint8_t{0};
+      if (has_local_triangles_) {
+        mesh::append_local_triangle(text, triangle, patch);
+      } else {
+        text_.append_triangle(text, triangle, patch);
+      }
+    }
+    count += triangles.size();
+  }
+}
+
+void MeshOutput::write(const Layer& layer, std::int64_t chunk, const Share& share,
+                       MeshScratch& scratch) {
+  scratch.vertex_text.clear();
+  scratch.triangle_text.clear();
+  if (has_cells_) {
+    number_rows(layer);
+    const LayerView view(plan_.tiling, layer);
+    const std::int64_t count = planes_of(layer) * rows_y_;
+    const RowRange rows{share.index * count / share.count, (share.index + 1) * count / share.count};
+    append_vertices(view, rows, scratch.vertex_text);
+    append_triangles(view, rows, scratch);
+  }
+  vertex_output_.write(chunk, scratch.vertex_text.text());
+  triangle_output_.write(chunk, scratch.triangle_text.text());
+}
+
+void MeshOutput::release(const Layer& layer) {
+  if (!has_cells_) return;
+  const LayerView view(plan_.tiling, layer);
+  below_.resize(static_cast<std::size_t>(rows_y_));
+  for (std::int64_t y = 0; y < rows_y_; ++y)
+    make_row(view, y, planes_of(layer) - 1, below_[static_cast<std::size_t>(y)]);
+  layer_begin_ = row_begin_.back();
+  is_numbered_ = false;
+}
+
+void MeshOutput::go_on_from(const Layer& below) {
+  if (!has_cells_) return;
+  number_rows(below);
+  const std::uint64_t count = row_begin_.back();
+  for (std::uint64_t& begin : row_begin_) begin -= count;
+  release(below);
+}
+
+void MeshOutput::abandon() {
+  vertex_output_.abandon();
+  triangle_output_.abandon();
+}
+
+}  // namespace eses::detail

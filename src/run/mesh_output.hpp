@@ -1,0 +1,98 @@
+#pragma once
+/// Output of the mesh from layers of blocks.
+
+#include <cstdint>
+#include <mutex>
+#include <span>
+#include <vector>
+
+#include "mesh/triangulate.hpp"
+#include "output/mesh_writer.hpp"
+#include "output/ordered_output.hpp"
+#include "run/layer.hpp"
+#include "run/task.hpp"
+#include "run/text_chunks.hpp"
+
+namespace eses::detail {
+
+/// Scratch memory of a thread that makes a part of the mesh.
+struct MeshScratch {
+  /// Rows with the same y in two neighbouring planes.
+  struct RowPair {
+    mesh::Row lower, upper;
+  };
+  RowPair front, back;  ///< rows y and y + 1
+  std::vector<mesh::Triangle> triangles;
+  TextBuffer vertex_text, triangle_text;
+  std::uint64_t triangle_count = 0;  ///< total number of triangles of this thread
+};
+
+/// The receivers of the mesh.
+struct MeshSinks {
+  OrderedOutput::WriteAt vertices;   ///< as text of the mesh's format
+  OrderedOutput::WriteAt triangles;  ///< as text of the mesh's format, or as mesh::LocalTriangle
+  bool has_local_triangles = false;
+};
+
+/// The mesh of a region. The cells between two planes are triangulated when the upper plane is
+/// written, so the last plane of a written layer is kept. The cells of a region are those whose
+/// lowest corner is in the region, so that regions that divide the grid have each cell once. There
+/// are no vertices without cells.
+class MeshOutput {
+ public:
+  /// Makes the output of the cells that have all their corners in `region`, as far as they belong
+  /// to `plan.tiling`. Keeps references to all arguments except `sinks`.
+  MeshOutput(const Plan& plan, const GridRegion& region, const mesh::MeshText& text,
+             MeshSinks sinks);
+
+  /// One of `count` parts of similar size.
+  struct Share {
+    std::int64_t index, count;
+  };
+
+  /// Writes the chunk with number `chunk`, a share of the layer's rows: the vertices on edges that
+  /// start in these rows, and the cells below and before them. Needs the halo crossings of blocks.
+  /// Several threads may call it for chunks of the same layer. Layers must be written in order,
+  /// with a call of `release` after each.
+  void write(const Layer& layer, std::int64_t chunk, const Share& share, MeshScratch& scratch);
+  /// Keeps the last plane of a written layer.
+  void release(const Layer& layer);
+  /// Sets the plane below the first layer, whose vertices belong to another part of the mesh.
+  void go_on_from(const Layer& below);
+  /// Ends all waiting calls of `write` after a failure.
+  void abandon();
+
+  std::uint64_t vertex_count() const { return layer_begin_; }
+  std::uint64_t vertex_bytes() const { return vertex_output_.size(); }
+  std::uint64_t triangle_bytes() const { return triangle_output_.size(); }
+
+ private:
+  struct LayerView;
+
+  std::int64_t planes_of(const Layer& layer) const;
+  void number_rows(const Layer& layer);
+  void make_row(const LayerView& view, std::int64_t y, std::int64_t z, mesh::Row& row) const;
+  const mesh::Row& lower_row(const MeshScratch::RowPair& pair, std::int64_t y,
+                             std::int64_t z) const;
+  void make_rows(const LayerView& view, std::int64_t row, MeshScratch::RowPair& pair) const;
+  bool is_crossed(std::int64_t y, std::int64_t z) const;
+  bool has_triangles(std::int64_t y, std::int64_t z) const;
+  void append_vertices(const LayerView& view, const RowRange& rows, TextBuffer& text) const;
+  void append_triangles(const LayerView& view, const RowRange& rows, MeshScratch& scratch) const;
+
+  const Plan& plan_;
+  GridRegion region_;    // region of the mesh; rows are relative to it
+  std::int64_t rows_y_;  // number of rows of a plane
+  bool has_cells_;
+  const mesh::MeshText& text_;
+  bool has_local_triangles_;
+  OrderedOutput vertex_output_, triangle_output_;
+  std::mutex mutex_;
+  bool is_numbered_ = false;       // whether the rows of the current layer are numbered
+  std::uint64_t layer_begin_ = 0;  // number of the first vertex of the current layer
+  std::vector<std::uint64_t>
+      row_begin_;                 // number of the first vertex of each row [z][y]; and the end
+  std::vector<mesh::Row> below_;  // last plane of the previous layer, by y
+};
+
+}  // namespace eses::detail

@@ -1,0 +1,299 @@
+#include "run/pipeline.hpp"
+
+#include <algorithm>
+#include <utility>
+
+#include "run/solved_block.hpp"
+#include "system/parallel.hpp"
+#include "system/resources.hpp"
+#include "system/stopwatch.hpp"
+
+namespace eses::detail {
+namespace {
+
+std::span<const char> file_bytes(const TextBuffer& text, std::optional<Gzip>& gzip) {
+  if (!gzip || text.text().empty()) return text.text();
+  return gzip->member(text.text());
+}
+
+// The plane below the first one of a block.
+BlockBounds block_below(BlockBounds block) {
+  --block.first[2];
+  block.points[2] = 2;
+  block.owned[2] = 1;
+  return block;
+}
+
+// Returns the heights of all layers. The next layer begins with the plane above the last owned one.
+// If the next layer belongs to another pipeline, that one solves this last plane again.
+std::vector<LayerHeights> heights_of_layers(const Plan& plan) {
+  std::vector<LayerHeights> layers;
+  for (std::int64_t layer = 0; layer < plan.tiling.blocks[2]; ++layer) {
+    const BlockBounds block = plan.tiling.block(0, 0, layer);
+    const auto height_of = [&](std::int64_t planes) {
+      return plan.grid.coordinate(2, block.first[2] + planes - 1);
+    };
+    layers.push_back({height_of(block.points[2]), height_of(block.owned[2])});
+  }
+  return layers;
+}
+
+}  // namespace
+
+Pipeline::Pipeline(PatchSchedule& patches, const Plan& plan, Sinks sinks, ProgressReport& progress)
+    : patches_(patches),
+      plan_(plan),
+      sinks_(std::move(sinks)),
+      progress_(progress),
+      text_(plan.grid, plan.tiling.region, sinks_.atom_numbers),
+      chunks_(plan.tiling.region, sinks_.gzip),
+      layers_(static_cast<std::size_t>(plan.tiling.blocks[2])),
+      queue_(patches, heights_of_layers(plan), plan.tiling.blocks[0] * plan.tiling.blocks[1],
+             plan.blocks_ahead),
+      builders_(static_cast<std::size_t>(plan.threads)),
+      workspaces_(static_cast<std::size_t>(plan.threads)),
+      writers_(static_cast<std::size_t>(plan.threads)),
+      atom_shares_(patches.patches().surface().atoms.size()) {
+  if (sinks_.grid) grid_.emplace(sinks_.grid);
+  if (sinks_.edges) edges_.emplace(sinks_.edges);
+  if (sinks_.gzip)
+    for (Writer& writer : writers_) writer.gzip.emplace();
+  for (BlockWorkspace& workspace : workspaces_) workspace.extras = sinks_.extras;
+  make_room(0);
+  make_room(1);
+  // The sweep starts at the plane below the region, as it may be solved first.
+  patches_.skip_to(
+      plan.grid.coordinate(2, std::max<std::int64_t>(0, plan.tiling.region.begin[2] - 1)));
+}
+
+void Pipeline::solve_plane_below() {
+  const BlockTiling& tiling = plan_.tiling;
+  if (tiling.region.begin[2] == 0) return;
+  build_patches_up_to(plan_.grid.coordinate(2, tiling.region.begin[2]));
+  Layer layer;
+  const std::int64_t per_layer = tiling.blocks[0] * tiling.blocks[1];
+  layer.blocks.resize(static_cast<std::size_t>(per_layer));
+  // The sums of this plane are discarded, as another pipeline owns it.
+  std::vector<BlockWorkspace> workspaces(static_cast<std::size_t>(plan_.threads));
+  parallel_for(per_layer, plan_.threads, [&](std::int64_t index, int thread) {
+    const std::int64_t bx = index % tiling.blocks[0], by = index / tiling.blocks[0];
+    layer.blocks[static_cast<std::size_t>(index)] = solve_block(
+        block_below(tiling.block(bx, by, 0)), block_below(tiling.block_with_halo(bx, by, 0)),
+        workspaces[static_cast<std::size_t>(thread)]);
+    progress_.check();
+  });
+  below_ = last_plane(layer);
+  if (sinks_.mesh != nullptr) sinks_.mesh->go_on_from(layer);
+}
+
+void Pipeline::run() {
+  parallel_for(plan_.threads, plan_.threads, [&](std::int64_t, int thread) {
+    try {
+      work(static_cast<std::size_t>(thread));
+    } catch (...) {
+      abandon();
+      throw;
+    }
+  });
+}
+
+// Releases threads that wait for chunks of a failed thread.
+void Pipeline::abandon() {
+  queue_.stop();
+  if (grid_) grid_->abandon();
+  if (edges_) edges_->abandon();
+  if (sinks_.mesh != nullptr) sinks_.mesh->abandon();
+}
+
+RegionSums Pipeline::take_sums() {
+  RegionSums sums;
+  for (const BlockWorkspace& workspace : workspaces_) sums.totals.add(workspace.tally);
+  for (const Writer& writer : writers_) sums.totals.points.add(writer.counts);
+  sums.atom_shares = std::move(atom_shares_);
+  return sums;
+}
+
+void Pipeline::add_seconds(PhaseSeconds& seconds) const {
+  for (const BlockWorkspace& workspace : workspaces_) {
+    seconds.classify += workspace.classify_seconds;
+    seconds.intersect += workspace.intersect_seconds;
+  }
+  for (const Builder& builder : builders_) seconds.patches += builder.seconds;
+  for (const Writer& writer : writers_) seconds.output += writer.seconds;
+}
+
+std::uint64_t Pipeline::triangle_count() const {
+  std::uint64_t count = 0;
+  for (const Writer& writer : writers_) count += writer.mesh.triangle_count;
+  return count;
+}
+
+std::int64_t Pipeline::layer_planes(std::int64_t layer) const {
+  return plan_.tiling.block(0, 0, layer).owned[2];
+}
+
+void Pipeline::work(std::size_t thread) {
+  while (const auto task = queue_.take()) {
+    switch (task->kind) {
+      case Task::Kind::build:
+        build(task->step, builders_[thread]);
+        break;
+      case Task::Kind::solve:
+        solve(*task, thread);
+        break;
+      case Task::Kind::write:
+        write(*task, writers_[thread]);
+        break;
+    }
+    queue_.finish(*task, layer_chunks(task->layer), [&](std::int64_t layer) { release(layer); });
+  }
+}
+
+void Pipeline::build_patches_up_to(double height) {
+  parallel_for(plan_.threads, plan_.threads, [&](std::int64_t, int thread) {
+    try {
+      while (const auto task = queue_.take_step(height)) {
+        build(task->step, builders_[static_cast<std::size_t>(thread)]);
+        queue_.finish(*task, 0, [](std::int64_t) {});
+      }
+    } catch (...) {
+      queue_.stop();
+      throw;
+    }
+  });
+}
+
+void Pipeline::build(const BuildStep& step, Builder& builder) {
+  const Stopwatch watch;
+  Patches& patches = patches_.patches();
+  switch (step.kind) {
+    case BuildStep::Kind::find_arcs:
+      patches.find_arcs(step.cluster, builder.scratch);
+      break;
+    case BuildStep::Kind::complete:
+      patches.complete(step.cluster);
+      break;
+  }
+  builder.seconds += watch.seconds();
+  require_memory_within(plan_.parameters.max_memory);
+  progress_.check();
+}
+
+void Pipeline::make_room(std::int64_t layer) {
+  if (layer < plan_.tiling.blocks[2])
+    layers_[static_cast<std::size_t>(layer)].blocks.resize(
+        static_cast<std::size_t>(plan_.tiling.blocks[0] * plan_.tiling.blocks[1]));
+}
+
+// Frees a layer. No chunk is being written at this time, as the chunks of the next layer wait for
+// the last one of this layer.
+void Pipeline::release(std::int64_t layer) {
+  Layer& done = layers_[static_cast<std::size_t>(layer)];
+  below_ = last_plane(done);
+  if (sinks_.mesh != nullptr) sinks_.mesh->release(done);
+  done = Layer();
+  make_room(layer + 2);
+}
+
+BlockResult Pipeline::solve_block(const BlockBounds& block, const BlockBounds& with_halo,
+                                  BlockWorkspace& workspace) const {
+  return sinks_.mesh != nullptr
+             ? solve_block_for_mesh(patches_.patches(), plan_.grid, block, with_halo, workspace)
+             : eses::detail::solve_block(patches_.patches(), plan_.grid, block, workspace);
+}
+
+void Pipeline::solve(const Task& task, std::size_t thread) {
+  const std::int64_t bx = task.index % plan_.tiling.blocks[0];
+  const std::int64_t by = task.index / plan_.tiling.blocks[0];
+  BlockResult& result =
+      layers_[static_cast<std::size_t>(task.layer)].blocks[static_cast<std::size_t>(task.index)];
+  const Stopwatch watch;
+  result = solve_block(plan_.tiling.block(bx, by, task.layer),
+                       plan_.tiling.block_with_halo(bx, by, task.layer), workspaces_[thread]);
+  result.seconds = watch.seconds();
+  add_shares(workspaces_[thread]);
+  if (sinks_.verifier != nullptr) sinks_.verifier->take(result, thread);
+  call_block_callback(result);
+  require_memory_within(plan_.parameters.max_memory);
+  progress_.add(1);
+}
+
+void Pipeline::add_shares(BlockWorkspace& workspace) {
+  const std::lock_guard lock(shares_mutex_);
+  workspace.tally.atom_shares.move_into(atom_shares_);
+}
+
+void Pipeline::call_block_callback(const BlockResult& result) {
+  if (!sinks_.block) return;
+  progress_.call([&] { sinks_.block(SolvedBlock(result)); });
+}
+
+void Pipeline::write(const Task& task, Writer& writer) {
+  const Stopwatch watch;
+  const Layer& layer = layers_[static_cast<std::size_t>(task.layer)];
+  const RowRange rows = chunks_.rows(task.index, layer_planes(task.layer));
+  append_points(layer, rows, writer);
+  take_map_rows(layer, rows, writer);
+  if (edges_) append_crossings(layer, rows, writer.edges);
+  count_share(task, layer, writer.counts);
+  // All layers before the last one have the same number of chunks.
+  const std::int64_t chunk = task.layer * layer_chunks(0) + task.index;
+  if (grid_) grid_->write(chunk, file_bytes(writer.grid, writer.gzip));
+  if (edges_) edges_->write(chunk, file_bytes(writer.edges, writer.gzip));
+  if (sinks_.mesh != nullptr)
+    sinks_.mesh->write(layer, chunk, {task.index, layer_chunks(task.layer)}, writer.mesh);
+  writer.seconds += watch.seconds();
+  progress_.check();
+}
+
+// Counts the points of a part of the layer's blocks with each chunk.
+void Pipeline::count_share(const Task& task, const Layer& layer, PointCounts& counts) const {
+  const auto blocks = static_cast<std::int64_t>(layer.blocks.size());
+  const std::int64_t chunks = layer_chunks(task.layer);
+  counts.add(count_points(plan_.tiling, below_, layer, task.index * blocks / chunks,
+                          (task.index + 1) * blocks / chunks));
+}
+
+// Formats rows of points as text.
+void Pipeline::append_points(const Layer& layer, const RowRange& rows, Writer& writer) const {
+  writer.grid.clear();
+  if (!grid_) return;
+  const std::int64_t plane_rows = plan_.tiling.region.size()[1];
+  const LayerRows layer_rows(plan_.tiling, layer);
+  for (std::int64_t row = rows.begin; row < rows.end; ++row) {
+    const std::int64_t y = row % plane_rows, z = row / plane_rows;
+    layer_rows.merge_row(y, z, writer.row);
+    text_.append_row(writer.grid, plan_.tiling.region.begin[1] + y, layer.first_z() + z,
+                     writer.row);
+  }
+}
+
+// Passes the same rows to the maps.
+void Pipeline::take_map_rows(const Layer& layer, const RowRange& rows, Writer& writer) const {
+  const GridRegion& region = plan_.tiling.region;
+  const std::int64_t plane_rows = region.size()[1];
+  for (const MapSink& map : sinks_.maps) {
+    writer.map_rows.clear();
+    MapRows map_rows(plan_.tiling, layer, map.quantity);
+    for (std::int64_t row = rows.begin; row < rows.end; ++row)
+      map_rows.append(row % plane_rows, row / plane_rows, writer.map_rows);
+    map.take_rows((layer.first_z() - region.begin[2]) * plane_rows + rows.begin, writer.map_rows,
+                  writer.map);
+  }
+}
+
+void Pipeline::append_crossings(const Layer& layer, const RowRange& rows, TextBuffer& text) const {
+  text.clear();
+  const GridRegion& region = plan_.tiling.region;
+  const std::int64_t plane_rows = region.size()[1];
+  const LayerCrossings crossings(plan_.tiling, layer);
+  for (std::int64_t row = rows.begin; row < rows.end; ++row) {
+    const std::int64_t y = row % plane_rows, z = row / plane_rows;
+    crossings.for_each_row_part(
+        y, z, [&](std::int64_t first_x, std::span<const BlockCrossing> part) {
+          text_.append_crossings(text, first_x, region.begin[1] + y, layer.first_z() + z, part);
+        });
+  }
+}
+
+}  // namespace eses::detail

@@ -1,0 +1,345 @@
+#include "run/plan.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "eses/error.hpp"
+#include "grid/region_box.hpp"
+#include "output/eses_writer.hpp"
+#include "output/grid_map.hpp"
+#include "output/mesh_writer.hpp"
+#include "run/atom_hash.hpp"
+#include "run/memory.hpp"
+#include "run/verifier.hpp"
+#include "system/bytes_text.hpp"
+#include "system/formatted.hpp"
+#include "system/gzip.hpp"
+#include "system/parallel.hpp"
+#include "system/resources.hpp"
+
+namespace eses::detail {
+namespace {
+
+constexpr std::uint64_t area_line_bytes = 32;
+// Typical bytes of residue_area.csv and chain_area.csv without the names.
+constexpr std::uint64_t table_header_bytes = 66, table_line_bytes = 16;
+// Compression ratios of gzip, measured with proteins.
+constexpr double grid_gzip_share = 0.2, edge_gzip_share = 0.3, area_gzip_share = 0.25;
+constexpr std::int64_t max_verified = 10'000'000;
+
+void require(bool holds, std::string_view what, double value) {
+  if (!holds) throw Error(formatted("{}, not {}", what, value));
+}
+
+void require_valid(const MeshOptions& mesh, const Molecule& molecule) {
+  required_mesh_format(mesh);
+  if (mesh.color == MeshColor::chain && molecule.labels().empty())
+    throw Error("colouring a mesh by chain needs atoms with labels; xyzr files have none");
+}
+
+void require_enclosing_margin(double depth, const Parameters& p) {
+  if (depth < 0 || p.margin >= 0.5 * p.spacing) return;
+  throw Error(
+      formatted("a margin of {} angstrom is too small for a spacing of {}: the grid, whose number "
+                "of points is truncated, would cut the surface; use a margin of at least {}",
+                p.margin, p.spacing, p.spacing));
+}
+
+// Returns the number of threads to use: at most one for each block or cluster of atoms.
+int useful_threads(const BlockTiling& tiling, int wanted, std::size_t atoms) {
+  const auto clusters = static_cast<std::int64_t>(atoms / AtomClusters::atoms_per_cluster + 1);
+  const std::int64_t tasks = std::max(tiling.block_count(), clusters);
+  return static_cast<int>(std::min<std::int64_t>(wanted, tasks));
+}
+
+// Returns the points to compute. Without a block size, chosen blocks have the default size.
+GridRegion region_of(const Grid& grid, const Parameters& p) {
+  if (p.region) return points_between(grid, p.region->low, p.region->high);
+  if (!p.blocks) return grid.whole();
+  const std::int64_t block_size = p.block_size > 0 ? p.block_size : default_block_size;
+  return make_tiling(grid, block_size).points_of_blocks(*p.blocks);
+}
+
+// Automatic block shapes. Cubes are fastest, but a layer of them has many crossings and needs many
+// patches if the molecule is wide. Flat blocks with longer sides take about 3 % more time.
+constexpr std::array<GridIndex, 3> layer_shapes{{{64, 64, 64}, {64, 64, 32}, {96, 96, 20}}};
+constexpr double max_layer_bytes = 8 << 20;  // crossings of a layer before flatter blocks are used
+constexpr double min_layer_height = 6;       // angstrom; thinner layers take far more time
+// Smaller blocks to keep a memory limit.
+constexpr std::array<GridIndex, 3> small_shapes{{{32, 32, 32}, {24, 24, 24}, {16, 16, 16}}};
+
+// The sides are shorter on a coarse grid, as a block holds all patches in and around it.
+constexpr double max_side = 63;  // angstrom: 64 points at a spacing of 1
+constexpr std::int64_t min_points = 8;
+
+GridIndex shortened(GridIndex size, double spacing) {
+  const double points = std::max(std::floor(max_side / spacing) + 1, double{min_points});
+  for (std::int64_t& side : size)
+    if (static_cast<double>(side) > points) side = static_cast<std::int64_t>(points);
+  return size;
+}
+
+double height_of(const GridIndex& shape, double spacing) {
+  return spacing * static_cast<double>(shape[2] - 1);
+}
+
+bool has_full_layers(const SurfaceSurvey& survey, double spacing, const GridIndex& shape) {
+  const double area = survey.max_slab_area(height_of(shape, spacing));
+  return sizeof(BlockCrossing) * expected_crossings(area, spacing) > max_layer_bytes;
+}
+
+std::vector<GridIndex> possible_block_sizes(const SurfaceSurvey& survey, const Parameters& p) {
+  if (p.block_size != 0) return {{p.block_size, p.block_size, p.block_size}};
+  auto shape = layer_shapes.begin();
+  const auto can_be_flatter = [&] {
+    return shape + 1 != layer_shapes.end() &&
+           height_of(*(shape + 1), p.spacing) >= min_layer_height;
+  };
+  while (can_be_flatter() && has_full_layers(survey, p.spacing, *shape)) ++shape;
+  std::vector<GridIndex> sizes(shape, layer_shapes.end());
+  sizes.insert(sizes.end(), small_shapes.begin(), small_shapes.end());
+  for (GridIndex& size : sizes) size = shortened(size, p.spacing);
+  return sizes;
+}
+
+// Returns the schedules to choose from, the fastest first. Fewer threads cost more time than small
+// blocks.
+std::vector<Schedule> possible_schedules(const Grid& grid, const GridRegion& region,
+                                         const Parameters& p, const SurfaceSurvey& survey) {
+  const std::vector<GridIndex> block_sizes = possible_block_sizes(survey, p);
+  std::vector<Schedule> schedules;
+  for (int threads = p.threads > 0 ? p.threads : available_threads(); threads > 0; threads /= 2) {
+    for (const GridIndex& block_size : block_sizes) {
+      const BlockTiling tiling = make_tiling(grid, block_size, region);
+      const int used = useful_threads(tiling, threads, survey.patched_count());
+      // With 4 blocks ahead for each thread, threads rarely wait for the slowest block of a layer.
+      // A single thread never waits.
+      for (const std::int64_t ahead : {used > 1 ? 4 * used : 0, 0})
+        schedules.push_back({tiling, used, ahead});
+    }
+    if (p.threads > 0) break;
+  }
+  return schedules;
+}
+
+std::uint64_t whole_bytes(double bytes) {
+  return static_cast<std::uint64_t>(std::min(std::ceil(bytes), 1e19));
+}
+
+// Returns the choices that the user has fixed, as a supplement to "the run needs ...".
+std::string fixed_choices(const Parameters& p) {
+  std::string fixed;
+  if (p.block_size > 0) fixed += formatted(" in blocks of {}", p.block_size);
+  if (p.threads > 0) fixed += formatted(" with {} thread{}", p.threads, p.threads == 1 ? "" : "s");
+  return fixed;
+}
+
+[[noreturn]] void refuse_limit(const Parameters& p, double smallest) {
+  const double mebibytes = std::ceil(smallest / (1 << 20));
+  throw MemoryLimitError(formatted(
+      "the run needs up to {} of memory{}, but the limit is {}; use a limit of at least {:.0f} MiB "
+      "(--max-memory {:.0f}M)",
+      binary_bytes_text(whole_bytes(smallest)), fixed_choices(p), binary_bytes_text(p.max_memory),
+      mebibytes, mebibytes));
+}
+
+[[noreturn]] void refuse_memory(const GridRegion& region, const Parameters& p, double smallest,
+                                std::uint64_t available) {
+  std::string advice = "use a larger spacing";
+  if (p.block_size > 0) advice += " or a smaller block size";
+  if (p.threads > 1) advice += " or fewer threads";
+  throw MemoryLimitError(
+      formatted("{:.3g} grid points{} need up to {} of memory, but {} are available; {}",
+                static_cast<double>(region.point_count()), fixed_choices(p),
+                bytes_text(whole_bytes(smallest)), bytes_text(available), advice));
+}
+
+// A closed mesh has about twice as many triangles as vertices.
+void expect_mesh(const MeshOptions& mesh, const LabelTotals& labels, double crossings, Plan& plan) {
+  const double vertices = halo_growth(plan.tiling) * crossings;
+  const bool has_names = labels.residue_runs > 0 && mesh::can_name_groups(mesh);
+  const mesh::MeshBytes bytes = mesh::typical_mesh_bytes(mesh, has_names);
+  const auto bytes_of = [vertices](std::uint64_t vertex, std::uint64_t triangle) {
+    return whole_bytes((static_cast<double>(vertex) + 2 * static_cast<double>(triangle)) *
+                       vertices);
+  };
+  plan.files.mesh_scratch = bytes_of(bytes.scratch_vertex, bytes.scratch_triangle);
+  plan.files.mesh = bytes_of(bytes.vertex, bytes.triangle);
+  if (has_names)
+    plan.files.mesh +=
+        bytes.name_character * (labels.residue_text_bytes + labels.chain_text_bytes) +
+        bytes.name_line * (labels.residue_runs + labels.chain_runs);
+}
+
+// Chooses the fastest schedule that exceeds neither the limit nor the available memory.
+void choose_schedule(const SurfaceSurvey& survey, const GridRegion& region,
+                     const MemoryBudget& budget, const Outputs& outputs, Plan& plan) {
+  const auto& [available, held, labels, held_per_crossing] = budget;
+  const Parameters& p = plan.parameters;
+  const std::uint64_t limit = p.max_memory > 0 ? std::min(p.max_memory, available) : available;
+  const double crossings = expected_crossings(survey.totals().area, p.spacing);
+  double smallest = std::numeric_limits<double>::infinity();
+  for (const Schedule& schedule : possible_schedules(plan.grid, region, p, survey)) {
+    const double memory = static_cast<double>(held) + held_per_crossing * crossings +
+                          expected_memory(survey, labels, plan.grid, schedule, outputs) +
+                          Verifier::memory_bytes(p.verify, schedule.threads, crossings);
+    smallest = std::min(smallest, memory);
+    if (memory > static_cast<double>(limit)) continue;
+    plan.tiling = schedule.tiling;
+    plan.threads = schedule.threads;
+    plan.blocks_ahead = schedule.blocks_ahead;
+    plan.memory_bytes = whole_bytes(memory);
+    return;
+  }
+  if (smallest > static_cast<double>(available)) refuse_memory(region, p, smallest, available);
+  refuse_limit(p, smallest);
+}
+
+// Returns the totals of a molecule's labels and of the copies that a run makes.
+LabelTotals with_copies(LabelTotals labels, const Outputs& outputs) {
+  if (labels.labels == 0) return labels;
+  std::size_t copies = outputs.residues ? labels.residue_runs : 0;
+  if (outputs.mesh && mesh::can_name_groups(*outputs.mesh))
+    copies += 2 * labels.residue_runs + labels.chain_runs;
+  const std::size_t all = labels.labels + copies;
+  labels.heap_bytes *= static_cast<double>(all) / static_cast<double>(labels.labels);
+  labels.labels = all;
+  return labels;
+}
+
+// Returns a survey of the surface. `is_cut` states that atoms may lie outside the grid.
+SurfaceSurvey survey_of(const Molecule& molecule, const Grid& grid, const GridRegion& region,
+                        double probe_radius, bool is_cut) {
+  if (region == grid.whole() && !is_cut) return {molecule, probe_radius};
+  return {molecule, probe_radius, region_box(grid, region)};
+}
+
+void expect_maps(const Outputs& outputs, double crossings, Plan& plan) {
+  const GridRegion& region = plan.tiling.region;
+  for (const MapChoice& map : chosen_maps(outputs)) {
+    plan.files.map_scratch += GridMap::scratch_bytes(map, region);
+    if (!map.gzip) {
+      plan.files.maps += map_layout(map, plan.grid, region).file_bytes();
+      continue;
+    }
+    // The text is first in a scratch file.
+    const std::uint64_t bytes = GridMap::typical_compressed_bytes(map, region, crossings);
+    plan.files.maps += bytes;
+    plan.files.gzip_maps += bytes;
+    plan.files.map_scratch += bytes;
+  }
+}
+
+std::uint64_t box_bytes(const Grid& grid, bool gzip) {
+  const std::string text = bounding_box_text(grid);
+  return gzip ? Gzip().member(text).size() : text.size();
+}
+
+}  // namespace
+
+void require_valid(const Parameters& p) {
+  require(p.probe_radius >= min_probe_radius && p.probe_radius <= max_probe_radius,
+          formatted("the probe radius must be between {} and {} angstrom", min_probe_radius,
+                    max_probe_radius),
+          p.probe_radius);
+  require(p.verify >= 0 && p.verify <= max_verified,
+          "the number of points to verify must be between 0 and 10000000",
+          static_cast<double>(p.verify));
+  require(p.threads >= 0, "the number of threads must not be negative", p.threads);
+  if (p.region && p.blocks) throw Error("a region and blocks cannot both be chosen");
+}
+
+void require_valid(const Outputs& outputs, const Molecule& molecule) {
+  if (outputs.mesh) require_valid(*outputs.mesh, molecule);
+  require_valid_maps(outputs);
+  if (outputs.residues && molecule.labels().empty())
+    throw Error("areas by residue need atoms with labels; xyzr files have none");
+}
+
+void plan_files(const FileContents& contents, const Outputs& outputs, Plan& plan) {
+  const auto& [atoms, crossings, labels] = contents;
+  const auto on_disk = [&](double bytes, double compressed_share) {
+    return static_cast<std::uint64_t>(outputs.gzip ? compressed_share * bytes : bytes);
+  };
+  if (outputs.box) plan.files.box = box_bytes(plan.grid, outputs.gzip);
+  if (outputs.grid)
+    plan.files.grid =
+        on_disk(static_cast<double>(max_grid_bytes(plan.tiling.region)), grid_gzip_share);
+  if (outputs.edges)
+    plan.files.edges = on_disk(typical_crossing_bytes * crossings, edge_gzip_share);
+  if (outputs.areas)
+    plan.files.areas = on_disk(static_cast<double>(area_line_bytes * atoms), area_gzip_share);
+  if (outputs.mesh) expect_mesh(*outputs.mesh, labels, crossings, plan);
+  if (outputs.residues)
+    plan.files.residues = table_header_bytes +
+                          table_line_bytes * (labels.residue_runs + labels.chain_runs) +
+                          labels.residue_text_bytes + labels.chain_text_bytes;
+  expect_maps(outputs, crossings, plan);
+}
+
+std::uint64_t checksum_of(std::span<const Atom> atoms) {
+  std::uint64_t sum = 0;
+  for (std::size_t i = 0; i < atoms.size(); ++i) sum += atom_hash(atoms[i], i);
+  return sum;
+}
+
+Plan plan_on_grid(const Grid& grid, const Box& bounds, const Parameters& parameters) {
+  require_valid(parameters);
+  Plan plan;
+  plan.parameters = parameters;
+  plan.grid = grid;
+  plan.cut_depths = depths_inside(grid, bounds);
+  plan.cut_depth = cut_depth(grid, bounds);
+  plan.tiling.region = region_of(grid, parameters);
+  return plan;
+}
+
+Plan plan_grid(const Box& bounds, const Parameters& parameters) {
+  require_valid(parameters);
+  if (parameters.grid) {
+    require_chosen(*parameters.grid);
+    return plan_on_grid(*parameters.grid, bounds, parameters);
+  }
+  const Grid grid = make_grid(bounds, parameters.spacing, parameters.margin);
+  require_enclosing_margin(cut_depth(grid, bounds), parameters);
+  return plan_on_grid(grid, bounds, parameters);
+}
+
+double plan_schedule(const MemoryBudget& budget, const Molecule& molecule, const Outputs& outputs,
+                     Plan& plan) {
+  const GridRegion region = plan.tiling.region;
+  const bool is_cut = plan.parameters.grid && plan.cut_depth > 0;
+  const SurfaceSurvey survey =
+      survey_of(molecule, plan.grid, region, plan.parameters.probe_radius, is_cut);
+  choose_schedule(survey, region, budget, outputs, plan);
+  return expected_crossings(survey.totals().area, plan.grid.spacing);
+}
+
+double plan_alone(MemoryBudget budget, const Molecule& molecule, const Outputs& outputs,
+                  Plan& plan) {
+  plan.atoms_checksum = checksum_of(molecule.atoms());
+  const LabelTotals labels = total_labels(molecule.labels());
+  budget.labels = with_copies(labels, outputs);
+  const double crossings = plan_schedule(budget, molecule, outputs, plan);
+  plan_files({molecule.atoms().size(), crossings, labels}, outputs, plan);
+  return crossings;
+}
+
+Plan make_plan_within(std::uint64_t available, const Molecule& molecule,
+                      const Parameters& parameters, const Outputs& outputs) {
+  if (outputs.mesh) require_valid(*outputs.mesh, molecule);
+  Plan plan = plan_grid(sphere_bounds(molecule.atoms()), parameters);
+  plan_alone({.available = available, .held = 0, .labels = {}}, molecule, outputs, plan);
+  return plan;
+}
+
+Plan make_plan(const Molecule& molecule, const Parameters& parameters, const Outputs& outputs) {
+  return make_plan_within(available_memory(), molecule, parameters, outputs);
+}
+
+}  // namespace eses::detail

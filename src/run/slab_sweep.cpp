@@ -1,0 +1,333 @@
+#include "run/slab_sweep.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <memory>
+#include <optional>
+#include <utility>
+
+#include "output/grid_map.hpp"
+#include "run/mesh_output.hpp"
+#include "run/patch_schedule.hpp"
+#include "system/resources.hpp"
+#include "system/stopwatch.hpp"
+
+namespace eses::detail {
+namespace {
+
+// Maximum number of ranges of a slab if the run can be resumed.
+constexpr std::int64_t max_ranges = 64;
+
+BlockTiling tiling_of(const Plan& plan, const GridIndex& block_size, const PlaneRange& planes) {
+  BlockTiling tiling = make_tiling(plan.grid, block_size, with_planes(plan.tiling.region, planes));
+  // The cells between this range and the next one belong to the next one, which computes the last
+  // plane of this range again.
+  if (planes.end < plan.tiling.region.end[2]) tiling.region_with_halo.end[2] = planes.end;
+  return tiling;
+}
+
+OrderedOutput::WriteAt sink_of(std::optional<OutputFile>& file, std::uint64_t begin = 0) {
+  if (!file) return {};
+  return [&file = *file, begin](std::span<const char> text, std::uint64_t offset) {
+    file.write_at(text, begin + offset);
+  };
+}
+
+// Returns a function that writes to a scratch file. `checksum` is null without a checkpoint.
+OrderedOutput::WriteAt sink_of(ScratchFile* file, TextChecksum* checksum) {
+  if (file == nullptr) return {};
+  return [file, checksum](std::span<const char> text, std::uint64_t offset) {
+    file->write_at(std::as_bytes(text), offset);
+    if (checksum != nullptr) checksum->add(text, offset);
+  };
+}
+
+// Returns a function that writes rows as words. They are converted to values of the map when chunks
+// are merged.
+TakeRows rows_as_words(MapQuantity quantity, const GridRegion& region,
+                       OrderedOutput::WriteAt write_at) {
+  const auto row_bytes = sizeof(std::uint64_t) *
+                         static_cast<std::uint64_t>(GridMap::words_of_row(quantity, region.size()));
+  return [row_bytes, write_at = std::move(write_at)](
+             std::int64_t first_row, std::span<const std::uint64_t> words, GridMap::Scratch&) {
+    write_at({reinterpret_cast<const char*>(words.data()), words.size_bytes()},
+             row_bytes * static_cast<std::uint64_t>(first_row));
+  };
+}
+
+TakeRows rows_of_map(OutputFile& file, const MapChoice& choice, const Plan& plan) {
+  const auto map = std::make_shared<GridMap>(map_file(file), choice, plan.grid, plan.tiling.region);
+  return [map](std::int64_t first_row, std::span<const std::uint64_t> words,
+               GridMap::Scratch& scratch) { map->write_rows(first_row, words, scratch); };
+}
+
+BlockExtras extras_of(const RunTask& task) {
+  BlockExtras extras = task.maps_in_memory.extras;
+  if (task.outputs.dielectric) extras.edge_shares = true;
+  if (task.outputs.ion_access) extras.ion_radius = task.outputs.ion_access->ion_radius;
+  return extras;
+}
+
+std::vector<ChunkText> chosen_texts(const Outputs& outputs) {
+  std::vector<ChunkText> texts;
+  if (outputs.grid) texts.push_back(ChunkText::grid);
+  if (outputs.edges) texts.push_back(ChunkText::edges);
+  for (const MapChoice& map : chosen_maps(outputs)) texts.push_back(text_of(map.quantity));
+  if (outputs.mesh) texts.insert(texts.end(), {ChunkText::vertices, ChunkText::triangles});
+  return texts;
+}
+
+bool is_of_mesh(ChunkText text) {
+  return text == ChunkText::vertices || text == ChunkText::triangles;
+}
+
+void add_shares(std::vector<AreaShare> shares, std::vector<AreaShare>& sums) {
+  if (sums.empty()) {
+    sums = std::move(shares);
+    return;
+  }
+  for (std::size_t i = 0; i < sums.size(); ++i) sums[i] += shares[i];
+}
+
+}  // namespace
+
+std::vector<PlaneRange> ranges_to_sweep(const RunTask& task, const RunPlan& plan) {
+  std::vector<PlaneRange> ranges;
+  for (const PlaneRange& range : remaining(plan.slab.planes, plan.done)) {
+    std::int64_t planes = range.count();
+    if (task.resume) {
+      const std::int64_t layer = plan.own.tiling.block_size[2] - 1;
+      const std::int64_t layers = (plan.slab.planes.count() + layer - 1) / layer;
+      planes = layer * ((layers + max_ranges - 1) / max_ranges);
+    }
+    for (std::int64_t begin = range.begin; begin < range.end; begin += planes)
+      ranges.push_back({begin, std::min(begin + planes, range.end)});
+  }
+  return ranges;
+}
+
+std::int64_t count_blocks(const RunPlan& plan, std::span<const PlaneRange> ranges) {
+  std::int64_t blocks = 0;
+  for (const PlaneRange& planes : ranges)
+    blocks += tiling_of(plan.whole, plan.own.tiling.block_size, planes).block_count();
+  return blocks;
+}
+
+// The destinations of the texts of one range.
+struct SlabSweep::RangeSinks {
+  OrderedOutput::WriteAt grid, edges;
+  std::vector<MapSink> maps;
+  MeshSinks mesh;
+  // Checksums of the texts of a chunk in a checkpoint; null without a checkpoint.
+  std::unique_ptr<std::array<TextChecksum, chunk_text_count>> checksums;
+};
+
+SlabSweep::SlabSweep(const RunTask& task, const RunPlan& plan, std::span<const PlaneRange> ranges,
+                     const SweepFiles& files, const Callbacks& callbacks, ProgressReport& report,
+                     const Processes& processes)
+    : task_(task),
+      plan_(plan),
+      ranges_(ranges),
+      files_(files),
+      callbacks_(callbacks),
+      report_(report),
+      is_in_place_(writes_in_place(task, processes)) {
+  const Processes::Share share =
+      processes.share_of(static_cast<std::uint64_t>(task.parameters.verify), 1, processes.rank());
+  check_count_ = static_cast<std::int64_t>(share.end - share.begin);
+}
+
+SweepResult SlabSweep::run(Summary& summary) {
+  SweepResult result;
+  if (ranges_.empty()) return result;
+  const SurfaceModel surface = make_surface();
+  const Stopwatch sweeping;
+  const Box slab = slab_box(plan_.whole, plan_.slab.planes);
+  PatchSchedule patches(surface, {slab.low.z, slab.high.z});
+  for (const PlaneRange& planes : ranges_)
+    result.chunks.push_back(sweep(patches, planes, result, summary));
+  summary.seconds.blocks = sweeping.seconds() - summary.seconds.verify;
+  return result;
+}
+
+SurfaceModel SlabSweep::make_surface() const {
+  SurfaceModel surface(plan_.slab.molecule, task_.parameters.probe_radius);
+  const GridRegion all = plan_.whole.grid.whole();
+  const bool is_cut = plan_.whole.parameters.grid && plan_.whole.cut_depth > 0;
+  if (is_cut || plan_.whole.tiling.region != all || plan_.slab.planes != PlaneRange{0, all.end[2]})
+    surface.confine_to(slab_box(plan_.whole, plan_.slab.planes));
+  return surface;
+}
+
+// Returns the number of checks in a range, in proportion to its planes.
+std::int64_t SlabSweep::check_count_of(const PlaneRange& planes) const {
+  const auto planes_up_to = [&](std::int64_t plane) {
+    std::int64_t count = 0;
+    for (const PlaneRange& range : ranges_)
+      count += std::clamp(plane, range.begin, range.end) - range.begin;
+    return static_cast<double>(count);
+  };
+  const auto checks = static_cast<double>(check_count_);
+  const double all = planes_up_to(ranges_.back().end);
+  return std::llround(checks * planes_up_to(planes.end) / all) -
+         std::llround(checks * planes_up_to(planes.begin) / all);
+}
+
+Plan SlabSweep::plan_of(const PlaneRange& planes) const {
+  Plan plan = plan_.own;
+  plan.tiling = tiling_of(plan_.whole, plan.tiling.block_size, planes);
+  plan.parameters.verify = check_count_of(planes);
+  return plan;
+}
+
+// Returns whether a text is written directly to its final file. In a run in place, this is possible
+// if its offset does not depend on the length of another text.
+bool SlabSweep::is_written_in_place(ChunkText text) const {
+  if (!is_in_place_) return false;
+  if (text == ChunkText::vertices) return !files_.mesh_text->has_columns();
+  if (text == ChunkText::triangles) return files_.mesh_text->has_face_file();
+  return true;
+}
+
+PlaneChunk SlabSweep::new_chunk(const PlaneRange& planes) const {
+  PlaneChunk chunk;
+  chunk.info.planes = planes;
+  chunk.is_in_place = is_in_place_;
+  for (const ChunkText text : chosen_texts(task_.outputs)) {
+    if (is_written_in_place(text)) continue;
+    if (plan_.checkpoint)
+      chunk.text(text) = plan_.checkpoint->create(planes, text);
+    else if (is_of_mesh(text))
+      chunk.text(text) = std::make_unique<ScratchFile>(mesh_directory_of(*task_.outputs.mesh));
+    else
+      chunk.text(text) = std::make_unique<ScratchFile>(task_.output_directory);
+  }
+  return chunk;
+}
+
+MeshSinks SlabSweep::mesh_sinks_in_place(PlaneChunk& chunk) const {
+  OutputFiles& files = *files_.final_files;
+  const auto into = [&](ChunkText text, std::optional<OutputFile>& file, std::uint64_t begin) {
+    return is_written_in_place(text) ? sink_of(file, begin)
+                                     : sink_of(chunk.text(text).get(), nullptr);
+  };
+  return {.vertices = into(ChunkText::vertices, files.mesh, files_.mesh_header_bytes),
+          .triangles = into(ChunkText::triangles, files.mesh_faces, files_.face_header_bytes),
+          .has_local_triangles = files_.mesh_text->has_columns()};
+}
+
+SlabSweep::RangeSinks SlabSweep::sinks_in_place(PlaneChunk& chunk) const {
+  OutputFiles& files = *files_.final_files;
+  RangeSinks sinks;
+  sinks.grid = sink_of(files.grid);
+  sinks.edges = sink_of(files.edges);
+  sinks.maps = task_.maps_in_memory.sinks;
+  for (const MapChoice& map : chosen_maps(task_.outputs))
+    sinks.maps.push_back({map.quantity, rows_of_map(*files.map(map.quantity), map, plan_.whole)});
+  if (files_.mesh_text != nullptr) sinks.mesh = mesh_sinks_in_place(chunk);
+  return sinks;
+}
+
+SlabSweep::RangeSinks SlabSweep::sinks_of(PlaneChunk& chunk, const GridRegion& region) const {
+  RangeSinks sinks;
+  if (plan_.checkpoint)
+    sinks.checksums = std::make_unique<std::array<TextChecksum, chunk_text_count>>();
+  const auto into = [&](ChunkText text) {
+    TextChecksum* const checksum =
+        sinks.checksums ? &(*sinks.checksums)[static_cast<std::size_t>(text)] : nullptr;
+    return sink_of(chunk.text(text).get(), checksum);
+  };
+  sinks.grid = into(ChunkText::grid);
+  sinks.edges = into(ChunkText::edges);
+  for (const MapChoice& map : chosen_maps(task_.outputs))
+    sinks.maps.push_back(
+        {map.quantity, rows_as_words(map.quantity, region, into(text_of(map.quantity)))});
+  sinks.mesh = {.vertices = into(ChunkText::vertices),
+                .triangles = into(ChunkText::triangles),
+                .has_local_triangles = true};
+  return sinks;
+}
+
+// Returns false if there are faults.
+bool SlabSweep::verify(Verifier& verifier, Summary& summary) {
+  const Stopwatch watch;
+  const Verification found = verifier.check([this](std::int64_t done, std::int64_t all) {
+    report_.check();
+    if (callbacks_.verification) report_.call([&] { callbacks_.verification(done, all); });
+  });
+  summary.seconds.verify += watch.seconds();
+  Verification& sum = *summary.verification;
+  sum.points += found.points;
+  sum.edges += found.edges;
+  sum.faults.insert(sum.faults.end(), found.faults.begin(), found.faults.end());
+  return found.faults.empty();
+}
+
+std::vector<AtomSum> SlabSweep::sums_of(std::span<const AreaShare> shares) const {
+  std::vector<AtomSum> sums;
+  for (std::size_t i = 0; i < shares.size(); ++i)
+    if (shares[i] != 0)
+      sums.push_back({shares[i], plan_.slab.number_of(static_cast<AtomIndex>(i))});
+  return sums;
+}
+
+// Completes a chunk in the checkpoint.
+void SlabSweep::save_chunk(PlaneChunk& chunk, const RangeSinks& sinks,
+                           std::span<const AreaShare> shares) const {
+  for (std::size_t text = 0; text < chunk_text_count; ++text)
+    chunk.info.checksums[text] = (*sinks.checksums)[text].value();
+  chunk.sums = sums_of(shares);
+  plan_.checkpoint->finish(chunk);
+  chunk.sums = {};
+  chunk.texts = {};  // closes the files, as the number of open files is limited
+}
+
+PlaneChunk SlabSweep::sweep(PatchSchedule& patches, const PlaneRange& planes, SweepResult& result,
+                            Summary& summary) {
+  PlaneChunk chunk = new_chunk(planes);
+  const Plan plan = plan_of(planes);
+  const RangeSinks sinks =
+      is_in_place_ ? sinks_in_place(chunk) : sinks_of(chunk, plan.tiling.region);
+  std::optional<MeshOutput> mesh;
+  if (files_.mesh_text != nullptr)
+    mesh.emplace(plan, plan_.whole.tiling.region_with_halo, *files_.mesh_text, sinks.mesh);
+  std::optional<Verifier> verifier;
+  if (plan.parameters.verify > 0) {
+    const Stopwatch drawing;
+    verifier.emplace(plan_.slab.molecule.atoms(), plan);
+    summary.seconds.verify += drawing.seconds();
+  }
+  Pipeline pipeline(patches, plan,
+                    {.grid = sinks.grid,
+                     .edges = sinks.edges,
+                     .gzip = task_.outputs.gzip,
+                     .maps = sinks.maps,
+                     .extras = extras_of(task_),
+                     .mesh = mesh ? &*mesh : nullptr,
+                     .verifier = verifier ? &*verifier : nullptr,
+                     .block = callbacks_.block,
+                     .atom_numbers = plan_.slab.numbers},
+                    report_);
+  if (planes.begin > plan_.whole.tiling.region.begin[2]) pipeline.solve_plane_below();
+  pipeline.run();
+  pipeline.add_seconds(summary.seconds);
+  RegionSums sums = pipeline.take_sums();
+  chunk.info.totals = sums.totals;
+  const auto set_bytes = [&](ChunkText text, std::uint64_t bytes) {
+    chunk.info.bytes[static_cast<std::size_t>(text)] = bytes;
+  };
+  set_bytes(ChunkText::grid, pipeline.grid_bytes());
+  set_bytes(ChunkText::edges, pipeline.edge_bytes());
+  set_bytes(ChunkText::vertices, mesh ? mesh->vertex_bytes() : 0);
+  set_bytes(ChunkText::triangles, mesh ? mesh->triangle_bytes() : 0);
+  for (const MapChoice& map : chosen_maps(task_.outputs))
+    set_bytes(text_of(map.quantity), GridMap::row_bytes(map.quantity, plan.tiling.region));
+  if (mesh) chunk.info.mesh = {mesh->vertex_count(), pipeline.triangle_count()};
+  const bool is_right = !verifier || verify(*verifier, summary);
+  if (plan_.checkpoint && is_right) save_chunk(chunk, sinks, sums.atom_shares);
+  add_shares(std::move(sums.atom_shares), result.atom_shares);
+  return chunk;
+}
+
+}  // namespace eses::detail

@@ -1,0 +1,397 @@
+#include "run/slabs.hpp"
+
+#include <algorithm>
+#include <array>
+#include <functional>
+#include <limits>
+#include <numeric>
+#include <utility>
+
+#include "geometry/box.hpp"
+#include "grid/region_box.hpp"
+#include "output/map_writer.hpp"
+#include "run/memory.hpp"
+#include "surface/survey.hpp"
+
+namespace eses::detail {
+namespace {
+
+// Seconds on one processor, measured with proteins. Only their ratios matter.
+constexpr double seconds_per_atom = 14e-6;          // building the patches
+constexpr double seconds_per_prepared_atom = 1e-6;  // sending the atom and building the indices
+constexpr double seconds_per_crossing = 0.45e-6;
+constexpr double seconds_per_crossing_text = 0.25e-6;
+constexpr double seconds_per_point = 0.3e-9;
+constexpr double seconds_per_point_text = 2e-9;
+constexpr double seconds_per_crossing_of_mesh = 0.3e-6;
+constexpr double seconds_per_point_of_map = 3e-9;
+
+constexpr double infinity = std::numeric_limits<double>::infinity();
+
+// Maximum number of bins of planes. It limits the memory for grids with very many planes.
+constexpr std::int64_t max_bins = 1 << 16;
+
+// Bins of consecutive planes of the whole grid.
+class Bins {
+ public:
+  explicit Bins(const Plan& plan)
+      : plan_(plan),
+        planes_{0, plan.grid.size[2]},
+        per_bin_((planes_.count() + max_bins - 1) / max_bins) {}
+
+  std::size_t count() const {
+    return static_cast<std::size_t>((planes_.count() + per_bin_ - 1) / per_bin_);
+  }
+  PlaneRange planes(std::size_t begin, std::size_t end) const { return {plane(begin), plane(end)}; }
+  // Returns the bin of the plane nearest to `z`.
+  std::size_t bin_of(double z) const {
+    const double place = (z - plan_.grid.origin.z) / plan_.grid.spacing + 0.5;
+    const auto plane = static_cast<std::int64_t>(std::clamp(
+        place, static_cast<double>(planes_.begin), static_cast<double>(planes_.end - 1)));
+    return static_cast<std::size_t>((plane - planes_.begin) / per_bin_);
+  }
+
+ private:
+  std::int64_t plane(std::size_t bin) const {
+    return std::min(planes_.end, planes_.begin + static_cast<std::int64_t>(bin) * per_bin_);
+  }
+
+  const Plan& plan_;
+  PlaneRange planes_;
+  std::int64_t per_bin_;
+};
+
+// Returns the fraction of a bin's planes that is not in `done`.
+double share_to_do(const PlaneRange& planes, std::span<const PlaneRange> done) {
+  const std::vector<PlaneRange> left = remaining(planes, done);
+  const std::int64_t count =
+      std::accumulate(left.begin(), left.end(), std::int64_t{0},
+                      [](std::int64_t sum, const PlaneRange& part) { return sum + part.count(); });
+  return static_cast<double>(count) / static_cast<double>(planes.count());
+}
+
+// Subtracts the costs of the planes in `done`.
+void subtract_done(const Bins& bins, std::span<const PlaneRange> done, std::vector<double>& costs) {
+  for (std::size_t b = 0; b < costs.size(); ++b)
+    costs[b] *= share_to_do(bins.planes(b, b + 1), done);
+}
+
+// Returns the planes from the first to the last one of these ranges.
+PlaneRange range_around(const std::vector<PlaneRange>& left) {
+  return left.empty() ? PlaneRange{} : PlaneRange{left.front().begin, left.back().end};
+}
+
+std::vector<PlaneRange> cut_into_slabs(const Bins& bins, std::span<const double> costs,
+                                       std::span<const PlaneRange> done, int parts) {
+  const std::vector<std::size_t> begins = cut_evenly(costs, parts);
+  std::vector<PlaneRange> slabs;
+  for (std::size_t part = 0; part + 1 < begins.size(); ++part)
+    slabs.push_back(range_around(remaining(bins.planes(begins[part], begins[part + 1]), done)));
+  return slabs;
+}
+
+double max_cost(const Bins& bins, std::span<const double> costs,
+                std::span<const PlaneRange> slabs) {
+  double result = 0;
+  for (const PlaneRange& slab : slabs) {
+    double cost = 0;
+    for (std::size_t b = 0; b < costs.size(); ++b) {
+      const std::int64_t plane = bins.planes(b, b + 1).begin;
+      if (plane >= slab.begin && plane < slab.end) cost += costs[b];
+    }
+    result = std::max(result, cost);
+  }
+  return result;
+}
+
+// An atom as it is sent to the processes whose slabs it influences.
+struct SentAtom {
+  Atom atom;
+  std::uint64_t line = 0;
+  AtomIndex number = 0;
+};
+
+struct SentAtoms {
+  std::vector<SentAtom> atoms;
+  std::vector<mesh::GroupNumbers> groups;  // by atom; empty if groups are not numbered
+};
+
+// Returns the maximum distance from a slab at which an atom influences it: the distance of Reach
+// for the patches, plus the distance at which SAS spheres meet. It includes all pairs of atoms that
+// give a diagnostic. For the map of ion access it is at least the ion radius.
+double influence(const Atom& atom, double max_radius, double probe_radius, const Outputs& outputs) {
+  constexpr double slack = 1;  // angstrom
+  const double ion_radius = outputs.ion_access ? outputs.ion_access->ion_radius : 0;
+  return atom.radius + slack + std::max(4 * max_radius + 6 * probe_radius, ion_radius);
+}
+
+// A slab with planes, and its interval along z. Both ends ascend from slab to slab.
+struct Reached {
+  std::size_t part;
+  double low, high;
+};
+
+SentAtoms send_atoms(const AtomShare& share, const Plan& plan, const Outputs& outputs,
+                     std::span<const PlaneRange> slabs, const Processes& processes) {
+  const double probe = plan.parameters.probe_radius;
+  double max_radius = 0;
+  for (const Atom& atom : share.atoms) max_radius = std::max(max_radius, atom.radius);
+  processes.allreduce_max({&max_radius, 1});
+  std::vector<Reached> reached;
+  for (std::size_t part = 0; part < slabs.size(); ++part) {
+    if (slabs[part].is_empty()) continue;
+    const Box box = slab_box(plan, slabs[part]);
+    reached.push_back({part, box.low.z, box.high.z});
+  }
+  std::vector<std::vector<SentAtom>> to(slabs.size());
+  std::vector<std::vector<mesh::GroupNumbers>> groups_to(slabs.size());
+  const auto send = [&](std::size_t i, std::size_t part) {
+    to[part].push_back({share.atoms[i], share.lines[i], static_cast<AtomIndex>(share.first + i)});
+    if (!share.groups.empty()) groups_to[part].push_back(share.groups[i]);
+  };
+  for (std::size_t i = 0; i < share.atoms.size(); ++i) {
+    const Atom& atom = share.atoms[i];
+    // The first atom is sent to all slabs with planes, so that each of them has an atom.
+    const bool matters_to_all = share.first + i == 0;
+    const double reach = matters_to_all ? infinity : influence(atom, max_radius, probe, outputs);
+    auto slab = std::partition_point(reached.begin(), reached.end(), [&](const Reached& one) {
+      return one.high < atom.center.z - reach;
+    });
+    for (; slab != reached.end() && slab->low <= atom.center.z + reach; ++slab) send(i, slab->part);
+  }
+  SentAtoms sent;
+  sent.atoms = processes.exchange(std::move(to));
+  sent.groups = processes.exchange(std::move(groups_to));
+  return sent;
+}
+
+// Returns a function that decides whether a slab owns an atom. Each atom is owned by one slab.
+std::function<bool(const Atom&)> ownership(const Plan& plan, std::span<const PlaneRange> slabs,
+                                           std::size_t part) {
+  double low = -infinity, high = infinity;
+  for (std::size_t other = 0; other < slabs.size(); ++other) {
+    if (slabs[other].is_empty()) continue;
+    if (other < part) low = plan.grid.coordinate(2, slabs[part].begin);
+    if (other > part) {
+      high = plan.grid.coordinate(2, slabs[other].begin);
+      break;
+    }
+  }
+  return [low, high](const Atom& atom) { return atom.center.z >= low && atom.center.z < high; };
+}
+
+struct SlabWithLines {
+  Slab slab;
+  std::vector<std::uint64_t> lines;  // by atom
+};
+
+// Makes the slab of a single process, which keeps the atoms that it has read.
+SlabWithLines keep_atoms(AtomShare share, const PlaneRange& planes, int threads) {
+  SlabWithLines kept;
+  kept.slab.planes = planes;
+  kept.slab.molecule = Molecule(std::move(share.atoms), {}, threads);
+  kept.slab.groups = std::move(share.groups);
+  kept.lines = std::move(share.lines);
+  return kept;
+}
+
+SlabWithLines exchange_atoms(const AtomShare& share, const Plan& plan, const Outputs& outputs,
+                             std::span<const PlaneRange> slabs, int threads,
+                             const Processes& processes) {
+  SentAtoms sent = send_atoms(share, plan, outputs, slabs, processes);
+  SlabWithLines received;
+  Slab& slab = received.slab;
+  std::vector<std::uint64_t>& lines = received.lines;
+  const auto part = static_cast<std::size_t>(processes.rank());
+  slab.planes = slabs[part];
+  processes.all_or_throw([&] {
+    std::vector<Atom> atoms;
+    atoms.reserve(sent.atoms.size());
+    slab.numbers.reserve(sent.atoms.size());
+    lines.reserve(sent.atoms.size());
+    for (const SentAtom& one : sent.atoms) {
+      atoms.push_back(one.atom);
+      slab.numbers.push_back(one.number);
+      lines.push_back(one.line);
+    }
+    slab.groups = std::move(sent.groups);
+    std::vector<SentAtom>().swap(sent.atoms);
+    slab.molecule = Molecule::part(std::move(atoms), ownership(plan, slabs, part), threads);
+  });
+  return received;
+}
+
+// An example of a diagnostic, as processes exchange it.
+struct FileExample {
+  DiagnosticKind kind{};
+  AtomIndex atom = 0, other = 0;
+  std::uint64_t line = 0, other_line = 0;
+};
+
+FileDiagnostics gather_diagnostics(const SlabWithLines& part, std::uint64_t atoms,
+                                   const Processes& processes) {
+  const auto& [slab, lines] = part;
+  std::vector<FileExample> own;
+  std::array<std::uint64_t, diagnostic_kinds> counts{};
+  for (const Diagnostic& diagnostic : slab.molecule.diagnostics()) {
+    counts[static_cast<std::size_t>(diagnostic.kind)] = diagnostic.count;
+    for (const auto& [atom, other] : diagnostic.examples)
+      own.push_back({diagnostic.kind, slab.number_of(atom), slab.number_of(other), lines[atom],
+                     lines[other]});
+  }
+  processes.add(counts);
+  // The diagnostic applies only if all radii of the molecule are small.
+  std::uint64_t& small = counts[static_cast<std::size_t>(DiagnosticKind::small_radii)];
+  if (small < atoms) small = 0;
+  std::vector<FileExample> examples = processes.gather<FileExample>(own);
+  std::sort(examples.begin(), examples.end(), [](const FileExample& a, const FileExample& b) {
+    return std::pair(a.kind, a.atom) < std::pair(b.kind, b.atom);
+  });
+  FileDiagnostics all;
+  for (std::size_t kind = 0; kind < counts.size(); ++kind)
+    if (counts[kind] > 0)
+      all.diagnostics.push_back({static_cast<DiagnosticKind>(kind), counts[kind], {}});
+  for (Diagnostic& diagnostic : all.diagnostics) {
+    for (const FileExample& example : examples) {
+      if (example.kind != diagnostic.kind) continue;
+      if (diagnostic.examples.size() == Diagnostic::max_examples) break;
+      diagnostic.examples.push_back({example.atom, example.other});
+      all.lines[example.atom] = example.line;
+      all.lines[example.other] = example.other_line;
+    }
+  }
+  return all;
+}
+
+// Returns the planes outside the region and the planes that are done.
+std::vector<PlaneRange> planes_left_out(const Plan& plan, std::span<const PlaneRange> done) {
+  const PlaneRange within = region_planes(plan);
+  std::vector<PlaneRange> left_out;
+  if (within.begin > 0) left_out.push_back({0, within.begin});
+  left_out.insert(left_out.end(), done.begin(), done.end());
+  if (within.end < plan.grid.size[2]) left_out.push_back({within.end, plan.grid.size[2]});
+  return left_out;
+}
+
+// Cuts the planes into one slab for each process. All processes must call its functions.
+class SlabCutter {
+ public:
+  SlabCutter(const AtomShare& share, const Plan& plan, const Outputs& outputs,
+             const Processes& processes)
+      : plan_(plan), outputs_(outputs), processes_(processes), bins_(plan), atoms_(bins_.count()) {
+    for (const Atom& atom : share.atoms) ++atoms_[bins_.bin_of(atom.center.z)];
+    processes_.add(atoms_);
+    by_atoms_ = cut_into_slabs(bins_, atoms_, {}, processes_.count());
+  }
+
+  // Slabs of all planes with equal numbers of atoms.
+  const std::vector<PlaneRange>& by_atoms() const { return by_atoms_; }
+
+  // Slabs of the remaining planes with equal costs. Each process estimates the costs of `slab`,
+  // which is its slab by atoms. Returns the slabs by atoms if other slabs would not save the time
+  // for sending and preparing atoms again.
+  std::vector<PlaneRange> by_costs(const Slab& slab, std::span<const PlaneRange> done) const {
+    const std::vector<PlaneRange> left_out = planes_left_out(plan_, done);
+    std::vector<double> costs = estimate_costs(slab);
+    subtract_done(bins_, left_out, costs);
+    std::vector<PlaneRange> slabs = cut_into_slabs(bins_, costs, left_out, processes_.count());
+    if (!left_out.empty()) return slabs;
+    const double gain = max_cost(bins_, costs, by_atoms_) - max_cost(bins_, costs, slabs);
+    const double loss = seconds_per_prepared_atom * max_cost(bins_, atoms_, slabs);
+    return gain > loss ? slabs : by_atoms_;
+  }
+
+ private:
+  // Returns the estimated seconds of each bin.
+  std::vector<double> estimate_costs(const Slab& slab) const {
+    std::vector<double> costs(bins_.count());
+    processes_.all_or_throw([&] {
+      if (slab.planes.is_empty()) return;
+      const Grid& grid = plan_.grid;
+      const SurfaceSurvey survey(slab.molecule, plan_.parameters.probe_radius,
+                                 slab_box(plan_, slab.planes));
+      const double point =
+          seconds_per_point + (outputs_.grid ? seconds_per_point_text : 0) +
+          seconds_per_point_of_map * static_cast<double>(chosen_maps(outputs_).size());
+      const double crossing = seconds_per_crossing +
+                              (outputs_.edges ? seconds_per_crossing_text : 0) +
+                              (outputs_.mesh ? seconds_per_crossing_of_mesh : 0);
+      const GridIndex size = plan_.tiling.region.size();
+      const PlaneRange within = region_planes(plan_);
+      for (std::size_t b = 0; b < costs.size(); ++b) {
+        const PlaneRange planes = bins_.planes(b, b + 1);
+        if (planes.begin < slab.planes.begin || planes.begin >= slab.planes.end) continue;
+        if (planes.end <= within.begin || planes.begin >= within.end) continue;
+        const double area =
+            survey.area_between(grid.coordinate(2, planes.begin), grid.coordinate(2, planes.end));
+        costs[b] = seconds_per_atom * atoms_[b] +
+                   point * static_cast<double>(size[0] * size[1] * planes.count()) +
+                   crossing * expected_crossings(area, grid.spacing);
+      }
+    });
+    // Only one summand of each sum is not zero, so the order of summation does not matter.
+    processes_.add(costs);
+    return costs;
+  }
+
+  const Plan& plan_;
+  const Outputs& outputs_;
+  const Processes& processes_;
+  Bins bins_;
+  std::vector<double> atoms_;  // by bin
+  std::vector<PlaneRange> by_atoms_;
+};
+
+}  // namespace
+
+std::vector<std::size_t> cut_evenly(std::span<const double> costs, int parts) {
+  std::vector<double> sums(costs.size() + 1, 0);
+  std::partial_sum(costs.begin(), costs.end(), sums.begin() + 1);
+  std::vector<std::size_t> begins{0};
+  for (int part = 1; part < parts; ++part) {
+    const double wanted = sums.back() * part / parts;
+    auto place = std::lower_bound(sums.begin(), sums.end(), wanted);
+    // Chooses the nearer of the two sums around the wanted one.
+    if (place != sums.begin() && wanted - *(place - 1) < *place - wanted) --place;
+    begins.push_back(std::max(begins.back(), static_cast<std::size_t>(place - sums.begin())));
+  }
+  begins.push_back(costs.size());
+  return begins;
+}
+
+PlaneRange region_planes(const Plan& plan) {
+  return {plan.tiling.region.begin[2], plan.tiling.region.end[2]};
+}
+
+SlabOfMolecule make_slab(AtomShare share, const Plan& plan, const Outputs& outputs,
+                         std::span<const PlaneRange> done, int threads,
+                         const Processes& processes) {
+  const std::uint64_t atoms = share.total;
+  SlabOfMolecule result;
+  if (processes.count() == 1) {
+    SlabWithLines slab =
+        keep_atoms(std::move(share), range_around(remaining(region_planes(plan), done)), threads);
+    result.diagnostics = gather_diagnostics(slab, atoms, processes);
+    result.slab = std::move(slab.slab);
+    return result;
+  }
+  const SlabCutter cutter(share, plan, outputs, processes);
+  // These slabs include all atoms, as the diagnostics need them.
+  SlabWithLines slab = exchange_atoms(share, plan, outputs, cutter.by_atoms(), threads, processes);
+  result.diagnostics = gather_diagnostics(slab, atoms, processes);
+  const std::vector<PlaneRange> slabs = cutter.by_costs(slab.slab, done);
+  if (slabs != cutter.by_atoms()) {
+    slab = {};
+    slab = exchange_atoms(share, plan, outputs, slabs, threads, processes);
+  }
+  result.slab = std::move(slab.slab);
+  return result;
+}
+
+Box slab_box(const Plan& plan, const PlaneRange& planes) {
+  const GridRegion& region = plan.tiling.region;
+  const std::int64_t begin = std::max(planes.begin - 1, region.begin[2]);
+  return region_box(plan.grid, with_planes(region, {begin, planes.end}));
+}
+
+}  // namespace eses::detail

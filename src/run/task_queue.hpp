@@ -1,0 +1,85 @@
+#pragma once
+/// The queue of the tasks of a sweep: building patches, solving blocks and writing chunks.
+
+#include <condition_variable>
+#include <cstdint>
+#include <mutex>
+#include <optional>
+#include <vector>
+
+#include "run/patch_schedule.hpp"
+
+namespace eses::detail {
+
+/// A step of building patches, a block to solve, or a chunk of rows of a solved layer to write. See
+/// RowChunks for these chunks, which are not the chunks of planes of a checkpoint.
+struct Task {
+  enum class Kind : std::uint8_t { build, solve, write } kind = Kind::solve;
+  std::int64_t layer = 0;  ///< layer of the block or chunk
+  std::int64_t index = 0;  ///< index of the block or chunk within its layer
+  BuildStep step;
+};
+
+/// The heights of a layer (angstrom).
+struct LayerHeights {
+  double top = 0;     ///< highest plane of the layer's blocks
+  double passed = 0;  ///< lowest plane that is solved after the layer
+};
+
+/// The task queue. Layers are solved and written in order. A solved layer is written before further
+/// blocks are solved, so that its memory is freed soon. Threads without such tasks build the
+/// patches of the next layer and start to solve it, so that they do not wait for the slowest block.
+/// At most one layer and `blocks_ahead` blocks of the next one have results that are not written
+/// yet.
+class TaskQueue {
+ public:
+  /// Keeps a reference to `patches`.
+  TaskQueue(PatchSchedule& patches, std::vector<LayerHeights> layers, std::int64_t blocks_per_layer,
+            std::int64_t blocks_ahead);
+
+  /// Returns the next task, and waits for it if necessary. Returns nothing when all tasks are
+  /// finished or `stop` was called.
+  std::optional<Task> take();
+
+  /// Returns the next step that is required to solve points up to a height, and waits for it if
+  /// necessary. Returns nothing when all these steps are finished or `stop` was called.
+  std::optional<Task> take_step(double up_to);
+
+  /// Reports a task as finished. `chunks` is the number of chunks of the task's layer. Calls
+  /// `on_written(layer)`, from one thread at a time, when the last chunk of a layer is finished.
+  template <class OnWritten>
+  void finish(const Task& task, std::int64_t chunks, OnWritten&& on_written) {
+    const std::lock_guard lock(mutex_);
+    if (count_finished(task, chunks)) on_written(task.layer);
+    changed_.notify_all();
+  }
+
+  /// Ends all calls of `take` and `take_step` after a failure.
+  void stop();
+
+ private:
+  struct Progress {
+    std::int64_t blocks_taken = 0, blocks_done = 0;
+    std::int64_t chunks = 0, chunks_taken = 0, chunks_done = 0;
+  };
+  bool is_solved(std::int64_t layer) const {
+    return progress_[static_cast<std::size_t>(layer)].blocks_done == blocks_per_layer_;
+  }
+  bool count_finished(const Task& task, std::int64_t chunks);
+  void pass_solved_layers();
+  std::optional<Task> try_take();
+  std::optional<Task> try_take_step(double up_to);
+
+  PatchSchedule& patches_;
+  std::vector<LayerHeights> layers_;
+  std::mutex mutex_;
+  std::condition_variable changed_;
+  std::int64_t blocks_per_layer_, blocks_ahead_;
+  std::vector<Progress> progress_;  // per layer
+  std::int64_t first_unwritten_ = 0;
+  std::int64_t first_unpassed_ = 0;  // all layers before it are solved
+  std::int64_t first_unsolved_ = 0;  // the lowest layer with blocks that are not taken
+  bool is_stopped_ = false;
+};
+
+}  // namespace eses::detail

@@ -1,0 +1,169 @@
+#include "run/verifier.hpp"
+
+#include <algorithm>
+#include <array>
+#include <atomic>
+#include <mutex>
+#include <numeric>
+#include <string>
+#include <utility>
+
+#include "geometry/tolerances.hpp"
+#include "run/solved_block.hpp"
+#include "system/formatted.hpp"
+#include "system/parallel.hpp"
+
+namespace eses::detail {
+
+using verify::CentreSearch;
+
+namespace {
+
+// The verification must accept every centre that the computation accepts.
+static_assert(verify::possibly_accessible.shrinkage >= tolerance::accessible);
+
+constexpr std::size_t kept_per_checked = 4;
+constexpr double bytes_per_kept = 100;
+constexpr double bytes_per_checked = 200;
+
+std::size_t wanted(const Plan& plan) { return static_cast<std::size_t>(plan.parameters.verify); }
+
+/// Returns the number of verified crossings that are chosen at random.
+std::size_t any_edges(const Plan& plan) { return wanted(plan) - wanted(plan) / 2; }
+
+/// A sort key of points and edges in canonical order: edges follow their lower point.
+using Place = std::array<std::int64_t, 4>;
+
+Place place_of(const GridIndex& point, std::int64_t kind) {
+  return {point[2], point[1], point[0], kind};
+}
+
+std::string fault_of_missing(const GridIndex& point) {
+  return formatted("point {} {} {} is in no block", point[0], point[1], point[2]);
+}
+
+std::int64_t number_of(const BlockTiling& tiling, const GridIndex& block) {
+  return (block[2] * tiling.blocks[1] + block[1]) * tiling.blocks[0] + block[0];
+}
+
+std::int64_t owner_of(const BlockTiling& tiling, const GridIndex& point) {
+  GridIndex block{};
+  for (std::size_t q = 0; q < 3; ++q)
+    block[q] = std::min((point[q] - tiling.region.begin[q]) / (tiling.block_size[q] - 1),
+                        tiling.blocks[q] - 1);
+  return number_of(tiling, block);
+}
+
+void add_edges(const Grid& grid, const BlockResult& result, verify::CrossingSample& sample) {
+  const std::int64_t rows_y = result.block.owned[1];
+  for (std::size_t row = 0; row + 1 < result.row_begin.size(); ++row) {
+    const auto r = static_cast<std::int64_t>(row);
+    for (std::uint32_t c = result.row_begin[row]; c < result.row_begin[row + 1]; ++c) {
+      const GridIndex row_start{result.block.first[0], result.block.first[1] + r % rows_y,
+                                result.block.first[2] + r / rows_y};
+      sample.add(grid, to_crossing(grid, row_start, result.crossings[c]));
+    }
+  }
+}
+
+}  // namespace
+
+Verifier::Verifier(std::span<const Atom> atoms, const Plan& plan)
+    : plan_(plan),
+      definition_(atoms, plan.parameters.probe_radius),
+      samples_(static_cast<std::size_t>(plan.threads),
+               verify::CrossingSample(kept_per_checked * wanted(plan))),
+      searches_(static_cast<std::size_t>(plan.threads), CentreSearch(definition_)) {
+  for (const GridIndex& point :
+       draw_band_points(definition_, plan.grid, plan.tiling.region, wanted(plan)))
+    points_.push_back({owner_of(plan.tiling, point), point, std::nullopt});
+  std::stable_sort(points_.begin(), points_.end(),
+                   [](const auto& a, const auto& b) { return a.block < b.block; });
+}
+
+double Verifier::memory_bytes(std::int64_t checked, int threads, double crossings) {
+  const auto asked = static_cast<double>(checked);
+  const double kept = std::min(kept_per_checked * asked, crossings);
+  return bytes_per_checked * asked + bytes_per_kept * (threads + 1) * kept;
+}
+
+void Verifier::take(const BlockResult& result, std::size_t thread) {
+  const std::int64_t block = owner_of(plan_.tiling, result.block.first);
+  auto point = std::lower_bound(points_.begin(), points_.end(), block,
+                                [](const auto& p, std::int64_t b) { return p.block < b; });
+  for (; point != points_.end() && point->block == block; ++point)
+    point->is_inside = SolvedBlock(result).is_inside(point->index);
+  add_edges(plan_.grid, result, samples_[thread]);
+}
+
+/// The progress of the checks.
+struct Verifier::Checks {
+  const ProgressCallback& progress;
+  std::int64_t all = 0;
+  std::atomic<std::int64_t> done = 0;
+};
+
+template <class Action>
+void Verifier::for_each_in_parallel(std::size_t count, Checks& checks, Action&& action) {
+  parallel_for(
+      static_cast<std::int64_t>(count), plan_.threads, [&](std::int64_t index, int thread) {
+        if (checks.progress && thread == 0) checks.progress(checks.done, checks.all);
+        action(static_cast<std::size_t>(index), searches_[static_cast<std::size_t>(thread)]);
+        ++checks.done;
+      });
+}
+
+// Chooses the crossings to verify from the sample, which is in random order: the first ones, and
+// among the others those nearest to another patch.
+std::vector<Crossing> Verifier::choose(const std::vector<Crossing>& edges, Checks& checks) {
+  const std::size_t any = any_edges(plan_);
+  std::vector<double> distances(edges.size());
+  for_each_in_parallel(edges.size() - any, checks, [&](std::size_t i, CentreSearch& search) {
+    distances[any + i] = distance_to_seam(search, edges[any + i]);
+  });
+  std::vector<std::size_t> order(edges.size());
+  std::iota(order.begin(), order.end(), std::size_t{0});
+  std::stable_sort(order.begin() + static_cast<std::ptrdiff_t>(any), order.end(),
+                   [&](std::size_t a, std::size_t b) { return distances[a] < distances[b]; });
+  std::vector<Crossing> chosen;
+  for (std::size_t c = 0; c < wanted(plan_); ++c) chosen.push_back(edges[order[c]]);
+  return chosen;
+}
+
+Verification Verifier::check(const ProgressCallback& progress) {
+  for (std::size_t s = 1; s < samples_.size(); ++s) samples_[0].merge(samples_[s]);
+  std::vector<Crossing> edges = samples_[0].crossings();
+  const bool is_choice = edges.size() > wanted(plan_);
+  Checks checks{progress};
+  checks.all = static_cast<std::int64_t>(
+      points_.size() +
+      (is_choice ? edges.size() - any_edges(plan_) + wanted(plan_) : edges.size()));
+  if (is_choice) edges = choose(edges, checks);
+
+  std::vector<std::pair<Place, std::string>> faults;
+  std::mutex mutex;
+  const auto report = [&](const Place& place, std::string fault) {
+    if (fault.empty()) return;
+    const std::lock_guard lock(mutex);
+    faults.emplace_back(place, std::move(fault));
+  };
+  for_each_in_parallel(points_.size(), checks, [&](std::size_t i, CentreSearch& search) {
+    const auto& [block, index, is_inside] = points_[i];
+    report(place_of(index, 0), is_inside ? fault_of_point(search, plan_.grid, index, *is_inside)
+                                         : fault_of_missing(index));
+  });
+  for_each_in_parallel(edges.size(), checks, [&](std::size_t i, CentreSearch& search) {
+    report(place_of(edges[i].lower, 1 + edges[i].axis),
+           fault_of_edge(search, plan_.grid, edges[i]));
+  });
+  // Sorting makes the order of faults independent of the threads.
+  std::sort(faults.begin(), faults.end());
+
+  Verification result;
+  result.points = static_cast<std::int64_t>(points_.size());
+  result.edges = static_cast<std::int64_t>(edges.size());
+  for (auto& [place, fault] : faults) result.faults.push_back(std::move(fault));
+  return result;
+}
+
+}  // namespace eses::detail

@@ -1,0 +1,60 @@
+#pragma once
+/// Verification of random points and edges of a run against the definition of the surface.
+
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "run/task.hpp"
+#include "solve/block_solver.hpp"
+#include "verify/definition.hpp"
+#include "verify/sample.hpp"
+
+namespace eses::detail {
+
+/// The verification of a run. Points are drawn before the run, from the points between the van der
+/// Waals and the SAS surface. During the run, a random sample of crossings is kept, four times as
+/// many as are verified. Half of the verified crossings are chosen at random from this sample; the
+/// others are those nearest to the seam with another patch.
+class Verifier {
+ public:
+  /// Keeps views of both arguments, which must outlive the object.
+  Verifier(std::span<const Atom> atoms, const Plan& plan);
+  Verifier(const Verifier&) = delete;
+  Verifier& operator=(const Verifier&) = delete;
+
+  /// Returns the estimated memory of a verification in bytes, for this number of crossings.
+  static double memory_bytes(std::int64_t checked, int threads, double crossings);
+
+  /// Takes the sampled points and crossings of a block. Must be called once for each block. Several
+  /// threads may call it at the same time with different values of `thread`, in [0, plan.threads).
+  void take(const BlockResult& result, std::size_t thread);
+
+  /// Performs all checks after the last block. Calls `progress`, if it is not empty, from the
+  /// calling thread with the number of finished checks. An exception of `progress` ends the
+  /// verification.
+  Verification check(const ProgressCallback& progress);
+
+ private:
+  struct SampledPoint {
+    std::int64_t block = 0;  // number of the block that owns the point
+    GridIndex index{};
+    std::optional<bool> is_inside;  // empty until the block is solved
+  };
+
+  struct Checks;
+
+  template <class Action>
+  void for_each_in_parallel(std::size_t count, Checks& checks, Action&& action);
+  std::vector<Crossing> choose(const std::vector<Crossing>& edges, Checks& checks);
+
+  const Plan& plan_;
+  verify::Definition definition_;
+  std::vector<SampledPoint> points_;             // by block
+  std::vector<verify::CrossingSample> samples_;  // per thread
+  std::vector<verify::CentreSearch> searches_;
+};
+
+}  // namespace eses::detail
