@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "eses/atoms.hpp"
-#include "run/run_alone.hpp"
+#include "run/task.hpp"
 
 namespace eses::detail::fuzz {
 

@@ -14,8 +14,8 @@
 #include <utility>
 #include <vector>
 
-#include "run/run_alone.hpp"
 #include "support/atom_lists.hpp"
+#include "support/run.hpp"
 
 namespace {
 
@@ -38,7 +38,8 @@ int main(int argc, char** argv) try {
   parameters.margin = std::max(parameters.margin, parameters.spacing);
   if (argc > 3) parameters.block_size = std::atol(argv[3]);
   parameters.threads = 1;
-  const eses::detail::Plan plan = make_plan(molecule, parameters, eses::Outputs::none());
+  const eses::detail::Plan plan =
+      eses::detail::test::make_plan(molecule, parameters, eses::Outputs::none());
   const double planned = cpu_seconds();
   fmt::print("# read_seconds {:.6f}\n# molecule_seconds {:.6f}\n# plan_seconds {:.6f}\n", read,
              prepared - read, planned - prepared);
@@ -57,7 +58,7 @@ int main(int argc, char** argv) try {
                block.crossings().size());
   };
   const eses::Summary summary =
-      eses::detail::compute(molecule, plan, {.progress = {}, .block = print});
+      eses::detail::test::compute(molecule, plan.parameters, {.progress = {}, .block = print});
   const auto& seconds = summary.seconds;
   // The run has one thread. The time that is left is that of sorting atoms into clusters.
   fmt::print("# patches_seconds {:.6f}\n# clusters_seconds {:.6f}\n", seconds.patches,

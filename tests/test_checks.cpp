@@ -161,7 +161,7 @@ TEST_CASE("api: a range of blocks has the points that its blocks own", "[api]") 
   CHECK(points_of_blocks(grid, 16, {{0, 0, 0}, {7, 2, 1}}) == grid.whole());
   CHECK(points_of_blocks(grid, 16, {{2, 1, 0}, {4, 2, 1}}) == GridRegion{{30, 15, 0}, {60, 31, 2}});
   CHECK(points_of_blocks(grid, 16, {{6, 0, 0}, {7, 1, 1}}) == GridRegion{{90, 0, 0}, {100, 15, 2}});
-  const auto is_refused = [&](std::int64_t block_size, const GridRegion& blocks) {
+  const auto is_refused = [&](std::int64_t block_size, const BlockRange& blocks) {
     return throws<std::invalid_argument>([&] { points_of_blocks(grid, block_size, blocks); });
   };
   CHECK(is_refused(16, {{0, 0, 0}, {8, 1, 1}}));

@@ -18,10 +18,10 @@
 #include "eses/eses.hpp"
 #include "input/eses_reader.hpp"
 #include "run/plan.hpp"
-#include "run/run_alone.hpp"
 #include "run/run_plan.hpp"
 #include "support/atom_sets.hpp"
 #include "support/eses_files.hpp"
+#include "support/run.hpp"
 #include "support/sandbox.hpp"
 #include "support/temporary_directory.hpp"
 
@@ -103,7 +103,7 @@ struct Files {
 Files files_of(const std::vector<Atom>& atoms, const Parameters& parameters) {
   const TemporaryDirectory directory;
   Files files;
-  files.summary = run(atoms, make_plan(atoms, parameters, {}), {}, directory.path());
+  files.summary = run(atoms, parameters, {}, directory.path());
   files.points = read_bytes(directory.path() / "grid_info.txt");
   files.edges = read_bytes(directory.path() / "intersection_info.txt");
   return files;
@@ -140,7 +140,7 @@ TEST_CASE("the spacing of bounding_box.txt is recovered from its corners", "[gri
       Parameters parameters{.spacing = spacing};
       parameters.grid = grid;
       const std::vector<Atom> atoms{{grid.origin, 1}};
-      run(atoms, make_plan(atoms, parameters, outputs), outputs, directory.path());
+      run(atoms, parameters, outputs, directory.path());
       const Grid read = read_grid(directory.path() / "bounding_box.txt");
       CHECK(read.size == grid.size);
       for (std::size_t axis = 0; axis < 3; ++axis)
@@ -249,7 +249,7 @@ TEST_CASE("chosen grids pass the verification on all kinds of atoms", "[grid]") 
       const Vec3 center = atoms[random.integer(0, atoms.size() - 1)].center;
       parameters.grid = centered_grid(center, parameters.spacing, {23, 31, 17});
       const Plan plan = make_plan(atoms, parameters, Outputs::none());
-      const Summary summary = compute(atoms, plan, {});
+      const Summary summary = compute(atoms, plan.parameters, {});
       CHECK(summary.inside_points > 0);
       CHECK(summary.verification->points > 0);
       CHECK(summary.verification->faults.empty());
@@ -280,7 +280,7 @@ TEST_CASE("a checkpoint of another grid is not resumed", "[grid][processes]") {
   const TemporaryDirectory directory;
   write_file(directory.path() / "a.xyzr", "0 0 0 1.5\n");
   RunTask task;
-  task.input = directory.path() / "a.xyzr";
+  task.atoms = InputFile{directory.path() / "a.xyzr"};
   task.output_directory = directory.path();
   task.resume = true;
   task.parameters.spacing = 0.5;

@@ -8,10 +8,10 @@
 #include <vector>
 
 #include "catch.hpp"
-#include "run/run_alone.hpp"
 #include "support/atom_sets.hpp"
 #include "support/brute_force.hpp"
 #include "support/eses_files.hpp"
+#include "support/run.hpp"
 #include "support/temporary_directory.hpp"
 
 namespace eses::detail::test {
@@ -109,7 +109,7 @@ Summary summary_of(const std::vector<Atom>& atoms, const Parameters& parameters)
   const TemporaryDirectory directory;
   const Outputs nothing{false, false, false, false};
   const Plan plan = make_plan(atoms, parameters, nothing);
-  return run(atoms, plan, nothing, directory.path());
+  return run(atoms, plan.parameters, nothing, directory.path());
 }
 
 /// Relative errors. `counted` is the error of the volume that counts inside points.
@@ -227,8 +227,8 @@ TEST_CASE("atoms inside an atom change nothing") {
   const Outputs all;
   const Parameters parameters;
   const TemporaryDirectory without, with;
-  const Summary one = run(alone, make_plan(alone, parameters, all), all, without.path());
-  const Summary two = run(more, make_plan(more, parameters, all), all, with.path());
+  const Summary one = run(alone, parameters, all, without.path());
+  const Summary two = run(more, parameters, all, with.path());
   CHECK(one.area == two.area);
   CHECK(one.volume == two.volume);
   for (const char* file : {"bounding_box.txt", "grid_info.txt", "intersection_info.txt"}) {

@@ -13,9 +13,9 @@
 #include "output/output_files.hpp"
 #include "output/scratch_file.hpp"
 #include "run/plan.hpp"
-#include "run/run_alone.hpp"
 #include "support/atom_sets.hpp"
 #include "support/eses_files.hpp"
+#include "support/run.hpp"
 #include "support/sandbox.hpp"
 #include "support/sanitizers.hpp"
 #include "support/temporary_directory.hpp"
@@ -41,7 +41,7 @@ void write_maps(const std::vector<Atom>& atoms, const Parameters& parameters, bo
                 const fs::path& directory) {
   const Outputs outputs = all_maps(gzip);
   const Plan plan = make_plan(atoms, parameters, outputs);
-  const Summary summary = run(atoms, plan, outputs, directory);
+  const Summary summary = run(atoms, plan.parameters, outputs, directory);
   std::uint64_t bytes = 0;
   for (const auto& entry : fs::directory_iterator(directory)) bytes += entry.file_size();
   CHECK(summary.bytes_written == bytes);
@@ -159,12 +159,12 @@ TEST_CASE("the plan knows about how long compressed maps are, and what they need
     const Outputs outputs = all_maps(true);
     const Plan plan = make_plan(atoms, parameters, outputs);
     const TemporaryDirectory directory;
-    const Summary summary = run(atoms, plan, outputs, directory.path());
+    const Summary summary = run(atoms, plan.parameters, outputs, directory.path());
     CHECK(plan.files.maps == plan.files.gzip_maps);
     CHECK(summary.bytes_written < plan.files.maps);
     CHECK(plan.files.maps < 2 * summary.bytes_written);
     // Only the words are sure to need their place.
-    const DiskSpace disk = require_disk_space(plan, outputs, directory.path());
+    const DiskSpace disk = require_disk_space(plan.files, outputs, directory.path());
     CHECK(disk.places[0].expected == plan.files.maps + plan.files.map_scratch);
     Plan large = plan;
     large.files.maps += std::uint64_t{1} << 61;
@@ -181,7 +181,7 @@ TEST_CASE("maps of the dielectric exist in one form at a time", "[solver-maps][g
     Outputs outputs = Outputs::none();
     outputs.dielectric = DielectricMaps{"d"};
     outputs.gzip = gzip;
-    run(atoms, make_plan(atoms, {}, outputs), outputs, directory.path());
+    run(atoms, {}, outputs, directory.path());
     for (const std::string name : {"dx.dx", "dy.dx", "dz.dx"}) {
       CHECK(fs::exists(directory.path() / name) == !gzip);
       CHECK(fs::exists(directory.path() / (name + ".gz")) == gzip);
@@ -244,7 +244,7 @@ TEST_CASE("a disk that plain maps would fill is refused before anything is writt
   Parameters parameters;
   const TemporaryDirectory directory;
   const DiskSpace disk =
-      require_disk_space(make_plan(atoms, parameters, outputs), outputs, directory.path());
+      require_disk_space(make_plan(atoms, parameters, outputs).files, outputs, directory.path());
   if (disk.places[0].available > std::uint64_t{1} << 50)
     SKIP("the file system does not report its free space");
   // Three maps with 17 bytes an edge, on a grid of which the molecule takes a small part.
@@ -252,7 +252,7 @@ TEST_CASE("a disk that plain maps would fill is refused before anything is writt
   const Plan plan = make_plan(atoms, parameters, outputs);
   CHECK(plan.files.maps + plan.files.map_scratch >= std::uint64_t{3} * 17 * 40'000'000'000'000);
   CHECK_THROWS_WITH(
-      run(atoms, plan, outputs, directory.path() / "out"),
+      run(atoms, plan.parameters, outputs, directory.path() / "out"),
       Catch::Matchers::ContainsSubstring("the files need about ") &&
           Catch::Matchers::EndsWith(" free; compress the files (--gzip) or use a larger spacing"));
   CHECK_FALSE(fs::exists(directory.path() / "out"));

@@ -9,12 +9,12 @@
 #include <vector>
 
 #include "catch.hpp"
-#include "run/run_alone.hpp"
 #include "solve/block_features.hpp"
 #include "support/all_patches.hpp"
 #include "support/atom_sets.hpp"
 #include "support/brute_force.hpp"
 #include "support/eses_files.hpp"
+#include "support/run.hpp"
 #include "surface/atom_slices.hpp"
 #include "surface/crowded_atoms.hpp"
 #include "surface/neighbors.hpp"

@@ -20,9 +20,9 @@
 #include "diff/contact.hpp"
 #include "diff/ordered_edges.hpp"
 #include "eses/error.hpp"
-#include "run/run_alone.hpp"
 #include "support/atom_sets.hpp"
 #include "support/eses_files.hpp"
+#include "support/run.hpp"
 #include "support/sandbox.hpp"
 #include "support/temporary_directory.hpp"
 
@@ -85,7 +85,7 @@ struct RunFiles {
 RunFiles make_run_files() {
   const TemporaryDirectory directory;
   const std::vector<Atom> atoms = square_and_one();
-  run(atoms, make_plan(atoms, {}, {}), {}, directory.path());
+  run(atoms, {}, {}, directory.path());
   RunFiles files;
   for (const char* name : eses_file_names)
     files.lines[name] = split(read_bytes(directory.path() / name), '\n');

@@ -16,7 +16,7 @@
 #include "grid/make_grid.hpp"
 #include "grid/tiling.hpp"
 #include "run/plan.hpp"
-#include "run/run_alone.hpp"
+#include "support/run.hpp"
 #include "support/temporary_directory.hpp"
 
 namespace eses::detail::test {
@@ -280,7 +280,7 @@ TEST_CASE("a plan has the grid, blocks and sizes of the run") {
   CHECK(plan.memory_bytes > 0);
 
   const TemporaryDirectory directory;
-  run(atoms, plan, {}, directory.path());
+  run(atoms, plan.parameters, {}, directory.path());
   const auto size = [&](const char* file) { return file_size(directory.path() / file); };
   CHECK(size("grid_info.txt") <= plan.files.grid);
   CHECK(size("partition_area.txt") <= plan.files.areas);
@@ -297,7 +297,7 @@ TEST_CASE("a run writes the chosen files, counts their bytes and leaves nothing 
   const Outputs outputs{true, false, true, false};
   const TemporaryDirectory directory;
   const auto into = directory.path() / "made" / "on the way";
-  const Summary summary = run(atoms, make_plan(atoms, parameters, outputs), outputs, into);
+  const Summary summary = run(atoms, parameters, outputs, into);
   std::uintmax_t bytes = 0;
   std::vector<std::string> names;
   for (const auto& entry : std::filesystem::directory_iterator(into)) {
@@ -335,7 +335,7 @@ TEST_CASE("requests that no machine can fulfil are refused before anything is wr
     const TemporaryDirectory directory;
     const auto attempt = [&] {
       const Parameters parameters = with_margin(spacing, 0.8);
-      run(atoms, make_plan(atoms, parameters, {}), {}, directory.path() / "out");
+      run(atoms, parameters, {}, directory.path() / "out");
     };
     CHECK_THROWS_AS(attempt(), Error);
     CHECK_FALSE(std::filesystem::exists(directory.path() / "out" / "grid_info.txt"));

@@ -10,9 +10,9 @@
 
 #include "catch.hpp"
 #include "diff/compare_directories.hpp"
-#include "run/run_alone.hpp"
 #include "support/atom_sets.hpp"
 #include "support/eses_files.hpp"
+#include "support/run.hpp"
 #include "support/temporary_directory.hpp"
 
 namespace eses::detail::test {
@@ -57,7 +57,7 @@ Outputs choice(bool gzip) {
 
 Summary run_into(const std::filesystem::path& directory, const std::vector<Atom>& atoms,
                  const Parameters& parameters, const Outputs& outputs) {
-  return run(atoms, make_plan(atoms, parameters, outputs), outputs, directory);
+  return run(atoms, parameters, outputs, directory);
 }
 
 }  // namespace

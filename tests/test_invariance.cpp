@@ -6,10 +6,10 @@
 #include <vector>
 
 #include "catch.hpp"
-#include "run/run_alone.hpp"
 #include "support/atom_sets.hpp"
 #include "support/brute_force.hpp"
 #include "support/eses_files.hpp"
+#include "support/run.hpp"
 #include "support/temporary_directory.hpp"
 
 namespace eses::detail::test {
@@ -26,7 +26,7 @@ Outcome outcome_of(const std::vector<Atom>& atoms, const Parameters& parameters)
   const TemporaryDirectory directory;
   const Outputs all;
   Outcome outcome;
-  outcome.summary = run(atoms, make_plan(atoms, parameters, all), all, directory.path());
+  outcome.summary = run(atoms, parameters, all, directory.path());
   for (std::size_t f = 0; f < outcome.files.size(); ++f)
     outcome.files[f] = read_bytes(directory.path() / eses_file_names[f]);
   return outcome;

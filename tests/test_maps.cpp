@@ -14,9 +14,9 @@
 #include "output/grid_map.hpp"
 #include "output/output_directory.hpp"
 #include "output/output_file.hpp"
-#include "run/run_alone.hpp"
 #include "support/atom_sets.hpp"
 #include "support/eses_files.hpp"
+#include "support/run.hpp"
 #include "support/temporary_directory.hpp"
 
 namespace eses::detail::test {
@@ -146,7 +146,7 @@ std::string map_of(const std::vector<Atom>& atoms, const Parameters& parameters,
   Outputs outputs = Outputs::none();
   outputs.inside_map = name;
   const Plan plan = make_plan(atoms, parameters, outputs);
-  const Summary summary = run(atoms, plan, outputs, directory.path());
+  const Summary summary = run(atoms, plan.parameters, outputs, directory.path());
   std::string bytes = read_bytes(directory.path() / name);
   CHECK(plan.files.maps == bytes.size());
   CHECK(summary.bytes_written == bytes.size());
@@ -267,7 +267,7 @@ TEST_CASE("a run with maps leaves nothing if it is ended at any moment", "[maps]
     const TemporaryDirectory directory;
     const Plan plan = make_plan(atoms, parameters, outputs);
     int calls = 0;
-    run(atoms, plan, outputs, directory.path() / "whole",
+    run(atoms, plan.parameters, outputs, directory.path() / "whole",
         {.progress = [&](std::int64_t, std::int64_t) { ++calls; }});
     REQUIRE(calls > 12);
     for (int last = 1; last <= calls; ++last) {
@@ -276,8 +276,9 @@ TEST_CASE("a run with maps leaves nothing if it is ended at any moment", "[maps]
       const auto end_it = [&](std::int64_t, std::int64_t) {
         if (++call == last) throw std::runtime_error("ended");
       };
-      CHECK_THROWS_AS(run(atoms, plan, outputs, directory.path() / "ended", {.progress = end_it}),
-                      std::runtime_error);
+      CHECK_THROWS_AS(
+          run(atoms, plan.parameters, outputs, directory.path() / "ended", {.progress = end_it}),
+          std::runtime_error);
       CHECK(std::filesystem::is_empty(directory.path() / "ended"));
     }
   }
@@ -299,7 +300,7 @@ TEST_CASE("the next run removes the parts of a map that a killed run has left", 
   for (const char* other : {".old.png.123.part", ".old.dx.part", ".dx.1x.part", "old.dx"})
     std::ofstream(directory.path() / other) << "not ours";
   const std::vector<Atom> atoms{{{0, 0, 0}, 1.5}};
-  run(atoms, make_plan(atoms, {}, {}), {}, directory.path());
+  run(atoms, {}, {}, directory.path());
   const auto files = std::distance(std::filesystem::directory_iterator(directory.path()), {});
   CHECK(files == 4 + 4);
   CHECK(std::filesystem::exists(directory.path() / ".old.png.123.part"));

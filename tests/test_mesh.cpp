@@ -19,10 +19,10 @@
 #include "mesh/triangulate.hpp"
 #include "mesh/vertex.hpp"
 #include "output/mesh_writer.hpp"
-#include "run/run_alone.hpp"
 #include "support/atom_sets.hpp"
 #include "support/eses_files.hpp"
 #include "support/mesh_files.hpp"
+#include "support/run.hpp"
 #include "support/sandbox.hpp"
 #include "support/temporary_directory.hpp"
 
@@ -187,7 +187,7 @@ MeshRun run_mesh(const std::vector<Atom>& atoms, const Parameters& parameters) {
   Outputs outputs;
   outputs.mesh = MeshOptions{directory.path() / "mesh.ply"};
   MeshRun result;
-  result.summary = run(atoms, make_plan(atoms, parameters, outputs), outputs, directory.path());
+  result.summary = run(atoms, parameters, outputs, directory.path());
   result.mesh = read_mesh(directory.path() / "mesh.ply");
   result.files = read_eses_files(directory.path());
   return result;
@@ -205,7 +205,7 @@ std::string bytes_of_mesh(const std::vector<Atom>& atoms, const Parameters& para
   choice.file = directory.path() / choice.file;
   Outputs none = Outputs::none();
   none.mesh = choice;
-  run(atoms, make_plan(atoms, parameters, none), none, directory.path());
+  run(atoms, parameters, none, directory.path());
   return read_bytes(choice.file);
 }
 
@@ -498,7 +498,7 @@ TEST_CASE("mesh: all formats have the same vertices and triangles", "[mesh]") {
   for (const char* name : {"a.ply", "a.obj", "a.off"}) {
     Outputs outputs = Outputs::none();
     outputs.mesh = MeshOptions{directory.path() / name};
-    const Summary summary = run(atoms, make_plan(atoms, {}, outputs), outputs, directory.path());
+    const Summary summary = run(atoms, {}, outputs, directory.path());
     CHECK(summary.bytes_written == fs::file_size(directory.path() / name));
     meshes.push_back(read_mesh(directory.path() / name));
   }
@@ -522,7 +522,7 @@ TEST_CASE("mesh: chains, residues and colours are those of the atoms", "[mesh]")
   const auto mesh_in = [&](MeshColor color) {
     Outputs outputs;
     outputs.mesh = MeshOptions{directory.path() / "a.ply", color};
-    run(molecule, make_plan(molecule, {}, outputs), outputs, directory.path());
+    run(molecule, {}, outputs, directory.path());
     return read_mesh(directory.path() / "a.ply");
   };
   const Mesh mesh = mesh_in(MeshColor::chain);

@@ -15,10 +15,10 @@
 #include "catch.hpp"
 #include "eses/error.hpp"
 #include "output/mesh_writer.hpp"
-#include "run/run_alone.hpp"
 #include "support/atom_sets.hpp"
 #include "support/eses_files.hpp"
 #include "support/mesh_files.hpp"
+#include "support/run.hpp"
 #include "support/sandbox.hpp"
 #include "support/temporary_directory.hpp"
 
@@ -49,7 +49,7 @@ FormatRun run_format(const Molecule& molecule, const Parameters& parameters, Mes
   outputs.mesh = choice;
   FormatRun result;
   result.plan = make_plan(molecule, parameters, outputs);
-  result.summary = run(molecule, result.plan, outputs, directory.path());
+  result.summary = run(molecule, result.plan.parameters, outputs, directory.path());
   result.mesh = read_mesh(choice.file);
   for (const fs::path& file : mesh_files(choice)) result.bytes += read_bytes(file);
   return result;
@@ -248,7 +248,7 @@ TEST_CASE("mesh formats: a mesh without triangles is a complete file", "[mesh]")
   const std::vector<Atom> atoms{{{0, 0, 0}, 1.5}};
   Parameters parameters;
   parameters.margin = 3;
-  parameters.region = Box{{-4.4, -4.4, -4.4}, {-3.5, -3.5, -3.5}};
+  parameters.part = Box{{-4.4, -4.4, -4.4}, {-3.5, -3.5, -3.5}};
   for (const MeshOptions& choice : all_formats) {
     INFO(name_of(choice));
     const FormatRun result = run_format(Molecule(atoms), parameters, choice);

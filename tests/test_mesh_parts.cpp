@@ -7,10 +7,10 @@
 #include <vector>
 
 #include "catch.hpp"
-#include "run/run_alone.hpp"
 #include "support/atom_sets.hpp"
 #include "support/eses_files.hpp"
 #include "support/mesh_files.hpp"
+#include "support/run.hpp"
 #include "support/temporary_directory.hpp"
 
 namespace eses::detail::test {
@@ -56,7 +56,7 @@ PartRun run_part(const std::vector<Atom>& atoms, const Parameters& parameters, b
   outputs.inside_map = "inside.vti";
   if (with_mesh) outputs.mesh = MeshOptions{directory.path() / "mesh.ply"};
   PartRun result;
-  result.summary = run(atoms, make_plan(atoms, parameters, outputs), outputs, directory.path());
+  result.summary = run(atoms, parameters, outputs, directory.path());
   for (const char* name : eses_file_names)
     result.files.push_back(read_bytes(directory.path() / name));
   result.files.push_back(read_bytes(directory.path() / "inside.vti"));
@@ -132,7 +132,7 @@ TEST_CASE("mesh: the meshes of regions make up the mesh of the grid", "[mesh][re
       INFO(kind_name(kind) << ", seed " << seed);
       std::vector<Facet> parts;
       for (const GridRegion& region : random_cuts(plan.grid.size, random)) {
-        parameters.region = box_of(plan.grid, region);
+        parameters.part = box_of(plan.grid, region);
         parameters.block_size = static_cast<std::int64_t>(random.integer(2, 40));
         parameters.threads = static_cast<int>(random.integer(1, 3));
         const PartRun part = run_part(atoms, parameters, true);
@@ -161,7 +161,7 @@ TEST_CASE("mesh: the meshes of blocks make up the mesh of the grid", "[mesh][reg
       for (std::int64_t z = 0; z < blocks[2]; z += step)
         for (std::int64_t y = 0; y < blocks[1]; y += step)
           for (std::int64_t x = 0; x < blocks[0]; x += step) {
-            parameters.blocks =
+            parameters.part =
                 GridRegion{{x, y, z},
                            {std::min(x + step, blocks[0]), std::min(y + step, blocks[1]),
                             std::min(z + step, blocks[2])}};
@@ -179,12 +179,12 @@ TEST_CASE("mesh: the mesh of a part does not depend on threads and block size", 
   const std::vector<Atom> atoms = make_chain(120, 32);
   Parameters parameters;
   const Grid grid = make_plan(atoms, parameters, {}).grid;
-  parameters.region = Box{grid.origin + Vec3{3, 4, 2.5}, grid.upper() - Vec3{5, 3, 6}};
+  parameters.part = Box{grid.origin + Vec3{3, 4, 2.5}, grid.upper() - Vec3{5, 3, 6}};
   const auto bytes = [&] {
     const TemporaryDirectory directory;
     Outputs outputs = Outputs::none();
     outputs.mesh = MeshOptions{directory.path() / "mesh.ply"};
-    run(atoms, make_plan(atoms, parameters, outputs), outputs, directory.path());
+    run(atoms, parameters, outputs, directory.path());
     return read_bytes(directory.path() / "mesh.ply");
   };
   const std::string expected = bytes();

@@ -217,12 +217,12 @@ TEST_CASE("near-degenerate: an atom almost in another's place changes nothing", 
   const std::vector<Atom> three{{{0, 0, 0}, 1.7}, {{3, 0, 0}, 1.7}, {{1.5, 2.6, 0}, 1.7}};
   Parameters parameters;
   parameters.spacing = 0.2;
-  const Summary expected = compute(three, make_plan(three, parameters, Outputs::none()));
+  const Summary expected = compute(three, parameters);
   for (const double offset : {1e-12, 1e-10, 1e-9, 1.1e-9, 1e-8, 1e-7}) {
     INFO("offset " << offset);
     std::vector<Atom> four = three;
     four.push_back({{offset, 0, 0}, 1.7});
-    const Summary found = compute(four, make_plan(four, parameters, Outputs::none()));
+    const Summary found = compute(four, parameters);
     CHECK(found.area == Catch::Approx(expected.area).epsilon(1e-6));
     CHECK(found.inside_points == expected.inside_points);
     check_files(four, coarse_parameters(1.4));
@@ -269,7 +269,7 @@ TEST_CASE("near-degenerate: points on the axis of two atoms verify") {
     parameters.spacing = 0.3;
     parameters.verify = 20'000;
     const Plan plan = make_plan(atoms, parameters, Outputs::none());
-    const Summary summary = compute(atoms, plan);
+    const Summary summary = compute(atoms, plan.parameters);
     REQUIRE(summary.verification);
     CHECK(summary.verification->faults.empty());
   }

@@ -18,10 +18,10 @@
 #include <vector>
 
 #include "catch.hpp"
-#include "run/run_alone.hpp"
 #include "support/atom_sets.hpp"
 #include "support/brute_force.hpp"
 #include "support/eses_files.hpp"
+#include "support/run.hpp"
 #include "support/temporary_directory.hpp"
 
 namespace eses::detail::test {

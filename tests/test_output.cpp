@@ -18,9 +18,9 @@
 #include "output/number_text.hpp"
 #include "output/output_file.hpp"
 #include "output/scratch_file.hpp"
-#include "run/run_alone.hpp"
 #include "support/atom_sets.hpp"
 #include "support/eses_files.hpp"
+#include "support/run.hpp"
 #include "support/sandbox.hpp"
 #include "support/temporary_directory.hpp"
 #include "system/parallel.hpp"
@@ -54,7 +54,7 @@ Summary run_chain(const std::filesystem::path& directory, const Outputs& outputs
   const std::vector<Atom> atoms = make_chain(60, 5);
   Parameters parameters;
   parameters.threads = 2;
-  return run(atoms, make_plan(atoms, parameters, outputs), outputs, directory);
+  return run(atoms, parameters, outputs, directory);
 }
 
 }  // namespace
@@ -155,7 +155,7 @@ TEST_CASE("a library's run does not replace a device, FIFO or socket") {
     Outputs outputs = Outputs::none();
     outputs.mesh = MeshOptions{link};
     const std::vector<Atom> atoms{{{0, 0, 0}, 1.5}};
-    CHECK_THROWS_AS(run(atoms, make_plan(atoms, {}, outputs), outputs, out), Error);
+    CHECK_THROWS_AS(run(atoms, {}, outputs, out), Error);
     CHECK_FALSE(std::filesystem::is_regular_file(link));
     CHECK(std::filesystem::is_symlink(link));
     std::filesystem::remove(link);
@@ -211,7 +211,7 @@ TEST_CASE("without space for the files a run fails and leaves nothing") {
         const std::vector<Atom> atoms = make_chain(60, 5);
         Parameters parameters;
         parameters.threads = 1;  // OpenMP's threads do not survive a fork
-        run(atoms, make_plan(atoms, parameters, {}), {}, directory.path());
+        run(atoms, parameters, {}, directory.path());
       } catch (const Error&) {
         _exit(42);
       } catch (...) {

@@ -11,9 +11,9 @@
 #include "eses/error.hpp"
 #include "output/ordered_output.hpp"
 #include "output/output_file.hpp"
-#include "run/run_alone.hpp"
 #include "support/atom_sets.hpp"
 #include "support/eses_files.hpp"
+#include "support/run.hpp"
 #include "support/temporary_directory.hpp"
 #include "system/parallel.hpp"
 
@@ -94,7 +94,8 @@ TEST_CASE("an exception in any block ends the run with its message") {
       INFO(threads << " threads, block " << bad);
       const TemporaryDirectory directory;
       const auto attempt = [&] {
-        run(atoms, plan, {}, directory.path(), {.progress = [&](std::int64_t done, std::int64_t) {
+        run(atoms, plan.parameters, {}, directory.path(),
+            {.progress = [&](std::int64_t done, std::int64_t) {
               if (done >= bad) throw Error("block " + std::to_string(bad) + " failed");
             }});
       };
@@ -111,7 +112,8 @@ TEST_CASE("a run that ends while its files get their names leaves none of them")
   const Plan plan = make_plan(atoms, parameters, {});
   std::int64_t calls = 0;
   const TemporaryDirectory whole;
-  run(atoms, plan, {}, whole.path(), {.progress = [&](std::int64_t, std::int64_t) { ++calls; }});
+  run(atoms, plan.parameters, {}, whole.path(),
+      {.progress = [&](std::int64_t, std::int64_t) { ++calls; }});
   // The last eight calls come after the four files are closed, and after each of them gets its
   // name.
   for (std::int64_t bad = calls - 8; bad <= calls; ++bad) {
@@ -120,7 +122,8 @@ TEST_CASE("a run that ends while its files get their names leaves none of them")
     for (const char* name : eses_file_names) std::ofstream(directory.path() / name) << "older";
     std::int64_t call = 0;
     const auto attempt = [&] {
-      run(atoms, plan, {}, directory.path(), {.progress = [&](std::int64_t, std::int64_t) {
+      run(atoms, plan.parameters, {}, directory.path(),
+          {.progress = [&](std::int64_t, std::int64_t) {
             if (++call == bad) throw Error("enough");
           }});
     };
@@ -145,15 +148,15 @@ TEST_CASE("the second of two runs into one directory is refused") {
   parameters.threads = 1;
   const Plan plan = make_plan(atoms, parameters, {});
   bool is_tried = false;
-  run(atoms, plan, {}, directory.path(), {.progress = [&](std::int64_t, std::int64_t) {
+  run(atoms, plan.parameters, {}, directory.path(), {.progress = [&](std::int64_t, std::int64_t) {
         if (is_tried) return;
         is_tried = true;
         CHECK_THROWS_WITH(
-            run(atoms, plan, {}, directory.path()),
+            run(atoms, plan.parameters, {}, directory.path()),
             "cannot write into " + directory.path().string() + ": another run is writing there");
       }});
   CHECK(is_tried);
-  run(atoms, plan, {}, directory.path());
+  run(atoms, plan.parameters, {}, directory.path());
   const auto entries = std::filesystem::directory_iterator(directory.path());
   CHECK(std::distance(begin(entries), end(entries)) == 4);
 }

@@ -11,11 +11,12 @@
 
 #include "catch.hpp"
 #include "eses/error.hpp"
+#include "grid/make_grid.hpp"
 #include "output/output_files.hpp"
 #include "run/plan.hpp"
-#include "run/run_alone.hpp"
 #include "run/task_queue.hpp"
 #include "support/atom_lists.hpp"
+#include "support/run.hpp"
 #include "support/temporary_directory.hpp"
 #include "surface/survey.hpp"
 #include "system/bytes_text.hpp"
@@ -33,8 +34,16 @@ double surveyed_area(const std::vector<Atom>& atoms) {
 /// Memory of a machine that has more than enough, whatever this machine has.
 constexpr std::uint64_t plenty = std::uint64_t{1} << 42;
 
+/// Returns a plan for a machine on which `available` bytes are free.
+Plan plan_within(std::uint64_t available, const std::vector<Atom>& atoms,
+                 const Parameters& parameters) {
+  Plan plan = plan_grid(sphere_bounds(atoms), parameters);
+  plan_schedule({.available = available}, atoms, {}, plan);
+  return plan;
+}
+
 Plan plan_with_plenty(const std::vector<Atom>& atoms, const Parameters& parameters) {
-  return make_plan_within(plenty, atoms, parameters, {});
+  return plan_within(plenty, atoms, parameters);
 }
 
 std::string message_of(const std::vector<Atom>& atoms, const Parameters& parameters) {
@@ -92,7 +101,7 @@ std::vector<Atom> gas_around_a_large_atom(std::size_t place_of_large) {
 std::string refusal(std::uint64_t available, const std::vector<Atom>& atoms,
                     const Parameters& parameters) {
   try {
-    make_plan_within(available, atoms, parameters, {});
+    plan_within(available, atoms, parameters);
   } catch (const Error& error) {
     return error.what();
   }
@@ -135,7 +144,7 @@ TEST_CASE("the survey of a saddle that reaches the axis ends at its cusps", "[pl
 TEST_CASE("a survey approximates the area of a protein", "[plan]") {
   const std::vector<Atom> atoms = read_atom_list(std::string(ESES_DATA) + "/1a0q.xyzr");
   Outputs nothing{false, false, false, false};
-  const Summary summary = run(atoms, make_plan(atoms, {}, nothing), nothing, ".");
+  const Summary summary = run(atoms, {}, nothing, ".");
   const SurfaceSurvey survey(atoms, probe);
   CHECK(survey.totals().area == Approx(summary.area).epsilon(0.35));
   CHECK(survey.max_slab_area(1000) >= survey.totals().area);
@@ -162,7 +171,7 @@ TEST_CASE("a survey counts a large atom once, wherever it is in the file", "[pla
     edges.grid = edges.areas = false;
     const TemporaryDirectory directory;
     const Plan plan = make_plan(atoms, parameters, edges);
-    run(atoms, plan, edges, directory.path());
+    run(atoms, plan.parameters, edges, directory.path());
     const auto written =
         static_cast<double>(std::filesystem::file_size(directory.path() / "intersection_info.txt"));
     CHECK(static_cast<double>(plan.files.edges) == Approx(written).epsilon(0.3));
@@ -213,7 +222,7 @@ TEST_CASE("a survey includes all atoms of a small molecule", "[plan]") {
     INFO(file);
     const std::vector<Atom> atoms = read_atom_list(std::string(ESES_DATA) + "/" + file);
     const Outputs nothing{false, false, false, false};
-    const Summary summary = run(atoms, make_plan(atoms, {}, nothing), nothing, ".");
+    const Summary summary = run(atoms, {}, nothing, ".");
     const SurfaceSurvey survey(atoms, probe);
     CHECK(survey.totals().area >= 0.95 * summary.area);
     CHECK(survey.totals().area <= 1.5 * summary.area);
@@ -237,7 +246,7 @@ TEST_CASE("a plan treats the available memory as a limit", "[plan]") {
   parameters.threads = 2;
   const Plan free = plan_with_plenty(atoms, parameters);
   const std::uint64_t smallest = min_limit(atoms, parameters) << 20;
-  const Plan tight = make_plan_within(smallest, atoms, parameters, {});
+  const Plan tight = plan_within(smallest, atoms, parameters);
   CHECK(tight.memory_bytes < free.memory_bytes);
   CHECK(tight.memory_bytes <= smallest);
   parameters.max_memory = smallest;
@@ -245,7 +254,7 @@ TEST_CASE("a plan treats the available memory as a limit", "[plan]") {
   CHECK((limited.tiling.block_size == tight.tiling.block_size));
   CHECK(limited.memory_bytes == tight.memory_bytes);
   parameters.max_memory = plenty;  // more than is available
-  CHECK(make_plan_within(smallest, atoms, parameters, {}).memory_bytes == tight.memory_bytes);
+  CHECK(plan_within(smallest, atoms, parameters).memory_bytes == tight.memory_bytes);
 }
 
 TEST_CASE("a refusal says whether the limit or the machine is too small", "[plan]") {
@@ -333,38 +342,15 @@ TEST_CASE("a tight limit gives smaller blocks and holds fewer of them", "[plan]"
   CHECK(smallest.memory_bytes < fewer.memory_bytes);
 }
 
-TEST_CASE("a plan is refused if it has no threads or is of other atoms", "[plan]") {
-  const std::vector<Atom> atoms = column_of_atoms(4);
-  const TemporaryDirectory directory;
-  const auto check = [&](const std::vector<Atom>& used, const Plan& plan, const char* message) {
-    CHECK_THROWS_WITH(compute(used, plan), Catch::Matchers::ContainsSubstring(message));
-    CHECK_THROWS_WITH(run(used, plan, {}, directory.path() / "out"),
-                      Catch::Matchers::ContainsSubstring(message));
-    CHECK(std::filesystem::is_empty(directory.path()));
-  };
-  const Plan plan = make_plan(atoms, {}, {});
-  for (const int threads : {0, -1, std::numeric_limits<int>::min()}) {
-    Plan without = plan;
-    without.threads = threads;
-    check(atoms, without, "it must have 1 or more");
-  }
-  check(atoms, Plan(), "was made for other atoms");
-  std::vector<std::vector<Atom>> others(5, atoms);
-  others[0][2].center.y = std::nextafter(0.0, 1.0);
-  others[1][1].radius = 1.6;
-  std::swap(others[2][1], others[2][2]);
-  others[3].pop_back();
-  others[4].push_back(atoms.front());
-  for (const std::vector<Atom>& other : others) check(other, plan, "was made for other atoms");
-  CHECK(compute(std::vector<Atom>(atoms), plan).area > 0);  // the same atoms in another list
-}
-
 TEST_CASE("a run that exceeds its memory limit ends and leaves no file", "[plan]") {
   const std::vector<Atom> atoms = column_of_atoms(40);
-  Plan plan = make_plan(atoms, {}, {});
-  plan.parameters.max_memory = 1000;
+  RunTask task{.atoms = Molecule(atoms)};
+  const Processes alone;
+  const RunPlan plan = plan_run(task, alone);
+  task.parameters.max_memory = 1000;
   const TemporaryDirectory directory;
-  CHECK_THROWS_AS(run(atoms, plan, {}, directory.path()), Error);
+  task.output_directory = directory.path();
+  CHECK_THROWS_AS(execute(task, plan, {}, {}, alone), Error);
   CHECK(std::filesystem::is_empty(directory.path()));
 }
 
@@ -400,8 +386,8 @@ TEST_CASE("no more blocks are solved ahead of the unwritten layer than allowed",
 TEST_CASE("free disk space is that of the place where the directory will be", "[plan]") {
   const std::vector<Atom> atoms{{{0, 0, 0}, 1.5}};
   const Plan plan = make_plan(atoms, {}, {});
-  const DiskSpace here = require_disk_space(plan, {}, ".");
-  const DiskSpace below = require_disk_space(plan, {}, "not/made/yet");
+  const DiskSpace here = require_disk_space(plan.files, {}, ".");
+  const DiskSpace below = require_disk_space(plan.files, {}, "not/made/yet");
   REQUIRE(here.places.size() == 1);
   REQUIRE(below.places.size() == 1);
   CHECK(here.places[0].expected == plan.files.output());
@@ -412,15 +398,15 @@ TEST_CASE("free disk space is that of the place where the directory will be", "[
 TEST_CASE("a plan whose files do not fit on the disk is refused", "[plan]") {
   const std::vector<Atom> atoms{{{0, 0, 0}, 1.5}};
   Plan plan = make_plan(atoms, {}, {});
-  const DiskSpace here = require_disk_space(plan, {}, ".");
+  const DiskSpace here = require_disk_space(plan.files, {}, ".");
   if (here.places[0].available > std::uint64_t{1} << 60)
     SKIP("the file system does not report its free space");
   plan.files.edges = std::uint64_t{1} << 62;
-  const DiskSpace::Place full = require_disk_space(plan, {}, ".").places[0];
+  const DiskSpace::Place full = require_disk_space(plan.files, {}, ".").places[0];
   CHECK(full.expected > full.available);
   plan.files.grid = std::uint64_t{1} << 62;
   CHECK_THROWS_WITH(
-      require_disk_space(plan, {}, "."),
+      require_disk_space(plan.files, {}, "."),
       Catch::Matchers::ContainsSubstring("; leave out grid_info.txt (--write edges,areas) or use a "
                                          "larger spacing"));
 }
@@ -437,12 +423,12 @@ TEST_CASE("each file system is checked for the files that it receives", "[plan]"
   CHECK(plan.files.mesh_scratch < plan.files.mesh);
   const std::uint64_t of_mesh = plan.files.mesh + plan.files.mesh_scratch;
   const std::uint64_t of_others = plan.files.output() - plan.files.mesh + plan.files.map_scratch;
-  const DiskSpace one = require_disk_space(plan, outputs, directory.path());
+  const DiskSpace one = require_disk_space(plan.files, outputs, directory.path());
   REQUIRE(one.places.size() == 1);
   CHECK(one.places[0].expected == of_mesh + of_others);
 
   // The files of /proc are in a file system of their own.
-  const DiskSpace two = require_disk_space(plan, outputs, "/proc/self");
+  const DiskSpace two = require_disk_space(plan.files, outputs, "/proc/self");
   REQUIRE(two.places.size() == 2);
   CHECK(two.places[0].directory == "/proc/self");
   CHECK(two.places[0].expected == of_others);
@@ -467,7 +453,7 @@ TEST_CASE("the plan knows the length of the tables and of the bounding box", "[p
     outputs.gzip = gzip;
     const TemporaryDirectory directory;
     const Plan plan = make_plan(molecule, {.spacing = 1, .margin = 1}, outputs);
-    run(molecule, plan, outputs, directory.path());
+    run(molecule, plan.parameters, outputs, directory.path());
     const auto size = [&](const char* name) {
       return static_cast<double>(std::filesystem::file_size(directory.path() / name));
     };

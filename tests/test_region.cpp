@@ -10,10 +10,10 @@
 #include "catch.hpp"
 #include "eses/error.hpp"
 #include "grid/region_box.hpp"
-#include "run/run_alone.hpp"
 #include "support/all_patches.hpp"
 #include "support/atom_sets.hpp"
 #include "support/eses_files.hpp"
+#include "support/run.hpp"
 #include "support/temporary_directory.hpp"
 
 namespace eses::detail::test {
@@ -37,7 +37,7 @@ Result result_of(const std::vector<Atom>& atoms, const Parameters& parameters) {
   const TemporaryDirectory directory;
   Result result;
   result.plan = make_plan(atoms, parameters, {});
-  result.summary = run(atoms, result.plan, {}, directory.path());
+  result.summary = run(atoms, result.plan.parameters, {}, directory.path());
   result.box = read_bytes(directory.path() / eses_file_names[0]);
   result.points = lines_of(directory.path() / eses_file_names[1]);
   result.edges = lines_of(directory.path() / eses_file_names[2]);
@@ -138,7 +138,7 @@ TEST_CASE("a region has the lines of a full run, to the last byte", "[region]") 
       const Result full = result_of(atoms, parameters);
       for (int trial = 0; trial < 3; ++trial) {
         const GridRegion region = random_region(full.plan.grid.size, random);
-        parameters.region = box_of(full.plan.grid, region);
+        parameters.part = box_of(full.plan.grid, region);
         parameters.block_size = static_cast<std::int64_t>(random.integer(2, 40));
         parameters.threads = trial + 1;
         INFO(kind_name(kind) << ", seed " << seed << ", block size " << parameters.block_size
@@ -148,7 +148,7 @@ TEST_CASE("a region has the lines of a full run, to the last byte", "[region]") 
         const Result part = result_of(atoms, parameters);
         check_part(part, full, region);
         edges += part.edges.size();
-        parameters.region.reset();
+        parameters.part = {};
         parameters.block_size = 0;
       }
     }
@@ -159,7 +159,7 @@ TEST_CASE("a region does not depend on block size and threads", "[region]") {
   const std::vector<Atom> atoms = make_chain(150, 12);
   Parameters parameters;
   const Grid grid = make_plan(atoms, parameters, {}).grid;
-  parameters.region = Box{grid.origin + Vec3{3, 4, 2.5}, grid.upper() - Vec3{5, 3, 6}};
+  parameters.part = Box{grid.origin + Vec3{3, 4, 2.5}, grid.upper() - Vec3{5, 3, 6}};
   const Result expected = result_of(atoms, parameters);
   REQUIRE(expected.edges.size() > 1000);
   for (const int threads : {1, 3})
@@ -188,7 +188,7 @@ TEST_CASE("areas of parts that make up the grid add up, atom by atom", "[region]
   std::vector<double> areas(atoms.size());
   for (const std::int64_t cut : {std::int64_t{0}, size[1] / 3}) {
     const GridRegion region{{0, cut, 0}, {size[0], cut == 0 ? size[1] / 3 : size[1], size[2]}};
-    parameters.region = box_of(full.plan.grid, region);
+    parameters.part = box_of(full.plan.grid, region);
     const Result part = result_of(atoms, parameters);
     area += part.summary.area;
     convex += part.summary.convex_area;
@@ -213,8 +213,8 @@ TEST_CASE("chosen blocks are blocks of the whole grid", "[region]") {
   const Result full = result_of(atoms, parameters);
   const BlockTiling& tiling = full.plan.tiling;
   REQUIRE(tiling.blocks[0] > 2);
-  const GridRegion chosen{{1, 0, tiling.blocks[2] - 1}, {3, 1, tiling.blocks[2]}};
-  parameters.blocks = chosen;
+  const BlockRange chosen{{1, 0, tiling.blocks[2] - 1}, {3, 1, tiling.blocks[2]}};
+  parameters.part = chosen;
   const Result part = result_of(atoms, parameters);
   const BlockBounds first = tiling.block(1, 0, tiling.blocks[2] - 1);
   const BlockBounds last = tiling.block(2, 0, tiling.blocks[2] - 1);
@@ -225,13 +225,13 @@ TEST_CASE("chosen blocks are blocks of the whole grid", "[region]") {
   }
   check_part(part, full, region);
   CHECK(part.plan.tiling.blocks == GridIndex{2, 1, 1});
-  parameters.blocks = GridRegion{{0, 0, 0}, tiling.blocks};
+  parameters.part = BlockRange{{0, 0, 0}, tiling.blocks};
   const Result all = result_of(atoms, parameters);
   CHECK(all.edges == full.edges);
   for (std::size_t q = 0; q < 3; ++q) {
-    GridRegion beyond{{0, 0, 0}, {1, 1, 1}};
+    BlockRange beyond{{0, 0, 0}, {1, 1, 1}};
     beyond.end[q] = tiling.blocks[q] + 1;
-    parameters.blocks = beyond;
+    parameters.part = beyond;
     CHECK_THROWS_AS(make_plan(atoms, parameters, {}), Error);
   }
 }
@@ -260,8 +260,9 @@ TEST_CASE("a region whose bounds are not finite is refused", "[region]") {
     for (std::size_t axis = 0; axis < 3; ++axis)
       for (const bool is_low : {false, true}) {
         Parameters parameters;
-        parameters.region = Box{{-1, -1, -1}, {1, 1, 1}};
-        (is_low ? parameters.region->low : parameters.region->high)[axis] = bad;
+        Box box{{-1, -1, -1}, {1, 1, 1}};
+        (is_low ? box.low : box.high)[axis] = bad;
+        parameters.part = box;
         CHECK_THROWS_WITH(make_plan(atoms, parameters, {}),
                           Catch::Matchers::ContainsSubstring(std::string(" along ") + "xyz"[axis] +
                                                              "; its bounds must be finite"));
@@ -272,7 +273,7 @@ TEST_CASE("a verification checks points and edges of the region", "[region]") {
   const std::vector<Atom> atoms = make_chain(150, 15);
   Parameters parameters;
   const Grid grid = make_plan(atoms, parameters, {}).grid;
-  parameters.region = Box{grid.origin + Vec3{4, 4, 4}, grid.upper() - Vec3{4, 4, 4}};
+  parameters.part = Box{grid.origin + Vec3{4, 4, 4}, grid.upper() - Vec3{4, 4, 4}};
   parameters.verify = 300;
   const Summary summary = result_of(atoms, parameters).summary;
   REQUIRE(summary.verification);
@@ -285,7 +286,7 @@ TEST_CASE("only atoms near a region get patches, and the plan counts them", "[re
   const std::vector<Atom> atoms = make_cube(12, 3.6, 1.8);  // 40 angstrom a side
   Parameters parameters;
   const Plan full = make_plan(atoms, parameters, {});
-  parameters.region = Box{{-2, -2, -2}, {3, 3, 3}};
+  parameters.part = Box{{-2, -2, -2}, {3, 3, 3}};
   const Plan part = make_plan(atoms, parameters, {});
   CHECK(part.files.edges < full.files.edges / 20);
   CHECK(part.files.grid < full.files.grid / 100);
@@ -304,7 +305,7 @@ TEST_CASE("a region without atoms has empty results", "[region]") {
   const std::vector<Atom> atoms{{{0, 0, 0}, 1}, {{60, 60, 60}, 1}};
   Parameters parameters;
   parameters.spacing = 1;
-  parameters.region = Box{{30, 5, 5}, {40, 10, 10}};
+  parameters.part = Box{{30, 5, 5}, {40, 10, 10}};
   parameters.verify = 10;
   const Result part = result_of(atoms, parameters);
   CHECK(part.edges.empty());

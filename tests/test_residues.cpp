@@ -10,8 +10,8 @@
 #include "eses/error.hpp"
 #include "eses/read_atoms.hpp"
 #include "output/area_table_writer.hpp"
-#include "run/run_alone.hpp"
 #include "support/eses_files.hpp"
+#include "support/run.hpp"
 #include "support/temporary_directory.hpp"
 
 namespace eses::detail::test {
@@ -80,7 +80,8 @@ TEST_CASE("the tables of a PQR file add up to its atoms' areas", "[residues]") {
   parameters.spacing = 0.8;
   Outputs outputs{.box = true, .grid = false, .edges = false, .areas = true, .residues = true};
   const Plan plan = make_plan(input.atoms, parameters, outputs);
-  const Summary summary = run({input.atoms, input.labels}, plan, outputs, directory.path());
+  const Summary summary =
+      run({input.atoms, input.labels}, plan.parameters, outputs, directory.path());
 
   std::vector<double> areas;
   std::istringstream lines(read_bytes(directory.path() / "partition_area.txt"));
@@ -126,7 +127,7 @@ TEST_CASE("without labels there are no areas by residue", "[residues]") {
   const std::vector<Atom> atoms{{{0, 0, 0}, 1.5}};
   Outputs outputs;
   outputs.residues = true;
-  CHECK_THROWS_AS(run(atoms, make_plan(atoms, {}, outputs), outputs, directory.path()), Error);
+  CHECK_THROWS_AS(run(atoms, {}, outputs, directory.path()), Error);
   CHECK(std::filesystem::is_empty(directory.path()));
 }
 

@@ -12,9 +12,9 @@
 #include <vector>
 
 #include "catch.hpp"
-#include "run/run_alone.hpp"
 #include "support/atom_sets.hpp"
 #include "support/eses_files.hpp"
+#include "support/run.hpp"
 
 namespace eses::detail::test {
 namespace {
@@ -65,7 +65,7 @@ TEST_CASE("solved blocks have the points and crossings of the files", "[solved_b
                 {{z, y, block.first[0] + crossing.x, crossing.axis}, crossing.coordinate});
         }
     };
-    const Summary summary = compute(atoms, plan, callbacks);
+    const Summary summary = compute(atoms, plan.parameters, callbacks);
 
     CHECK(static_cast<std::int64_t>(blocks.size()) == plan.tiling.block_count());
     REQUIRE(signs.size() == expected.files.points.size());
@@ -108,7 +108,7 @@ TEST_CASE("callbacks of a run are called one at a time", "[solved_block]") {
       .block = [&](const SolvedBlock&) { stay_a_while(block_calls); },
       .verification = [&](std::int64_t, std::int64_t) { stay_a_while(checks); }};
   const Plan plan = make_plan(atoms, parameters, Outputs::none());
-  compute(atoms, plan, callbacks);
+  compute(atoms, plan.parameters, callbacks);
   CHECK(block_calls == plan.tiling.block_count());
   CHECK(progress_calls >= block_calls);
   CHECK(overlaps == 0);
@@ -123,8 +123,7 @@ TEST_CASE("an exception of the callback for blocks ends the run", "[solved_block
   callbacks.block = [&](const SolvedBlock&) {
     if (++calls == 3) throw std::runtime_error("three are enough");
   };
-  CHECK_THROWS_WITH(compute(atoms, make_plan(atoms, parameters, {}), callbacks),
-                    "three are enough");
+  CHECK_THROWS_WITH(compute(atoms, parameters, callbacks), "three are enough");
 }
 
 }  // namespace eses::detail::test

@@ -16,11 +16,11 @@
 #include "catch.hpp"
 #include "eses/eses.hpp"
 #include "run/plan.hpp"
-#include "run/run_alone.hpp"
 #include "support/atom_sets.hpp"
 #include "support/brute_force.hpp"
 #include "support/eses_files.hpp"
 #include "support/near_degenerate.hpp"
+#include "support/run.hpp"
 #include "support/sandbox.hpp"
 #include "support/temporary_directory.hpp"
 
@@ -213,7 +213,7 @@ SolverMaps maps_of(const std::vector<Atom>& atoms, const Parameters& parameters,
   const TemporaryDirectory directory;
   const Outputs outputs = all_maps();
   const Plan plan = make_plan(atoms, parameters, outputs);
-  const Summary summary = run(atoms, plan, outputs, directory.path());
+  const Summary summary = run(atoms, plan.parameters, outputs, directory.path());
   CHECK(summary.bytes_written == plan.files.maps);
   grid = plan.grid;
   return maps_in(directory.path());
@@ -312,7 +312,7 @@ TEST_CASE("maps for solvers do not depend on threads, block size and a mesh", "[
           parameters.block_size = block_size;
           Outputs outputs = all_maps();
           if (has_mesh) outputs.mesh = MeshOptions{directory.path() / "a.ply"};
-          run(atoms, make_plan(atoms, parameters, outputs), outputs, directory.path());
+          run(atoms, parameters, outputs, directory.path());
           std::size_t file = 0;
           for (const char* const name : {"diel_x.dx", "diel_y.dx", "diel_z.dx", "kappa.dx"}) {
             const std::string bytes = read_bytes(directory.path() / name);
@@ -331,7 +331,7 @@ TEST_CASE("maps of a region are those of the grid", "[solver-maps]") {
   const SolverMaps whole = maps_of(atoms, parameters, grid);
   const GridRegion region{{3, 4, 5}, {grid.size[0] - 4, grid.size[1], grid.size[2] - 3}};
   parameters.block_size = 9;
-  parameters.region = Box{
+  parameters.part = Box{
       grid.point(region.begin) - Vec3{0.1, 0.1, 0.1},
       grid.point({region.end[0] - 1, region.end[1] - 1, region.end[2] - 1}) + Vec3{0.1, 0.1, 0.1}};
   const SolverMaps part = maps_of(atoms, parameters, grid);
@@ -359,7 +359,7 @@ TEST_CASE("the volume by the divergence theorem converges to that of a sphere", 
       const auto points = static_cast<std::int64_t>(10 / h);
       parameters.grid = centered_grid({0.5, 0.5, 0.5}, h, {points, points, points});
       const std::vector<Atom> atoms{{center, radius}};
-      const Summary summary = compute(atoms, make_plan(atoms, parameters, Outputs::none()), {});
+      const Summary summary = compute(atoms, parameters, {});
       INFO(h << ' ' << summary.divergence_volume << " of " << exact);
       CHECK(std::fabs(summary.divergence_volume - exact) < 0.02 * h * h * exact);
     }

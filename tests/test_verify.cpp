@@ -11,7 +11,6 @@
 #include <vector>
 
 #include "catch.hpp"
-#include "run/run_alone.hpp"
 #include "run/verifier.hpp"
 #include "solve/block_solver.hpp"
 #include "support/all_patches.hpp"
@@ -19,6 +18,7 @@
 #include "support/atom_sets.hpp"
 #include "support/brute_force.hpp"
 #include "support/eses_files.hpp"
+#include "support/run.hpp"
 #include "verify/definition.hpp"
 #include "verify/faults.hpp"
 #include "verify/sample.hpp"
@@ -139,7 +139,7 @@ TEST_CASE("a protein with a large probe verifies", "[verify]") {
   Parameters parameters;
   parameters.probe_radius = 30;
   parameters.verify = 1000;
-  const Summary summary = run(atoms, make_plan(atoms, parameters, no_files), no_files, "nowhere");
+  const Summary summary = run(atoms, parameters, no_files, "nowhere");
   REQUIRE(summary.verification);
   CHECK(summary.verification->points == 1000);
   CHECK(summary.verification->edges == 1000);
@@ -217,8 +217,7 @@ TEST_CASE("right results have no faults, degenerate ones included", "[verify]") 
       const std::vector<Atom> atoms = make_atom_set(kind, seed);
       Parameters parameters = coarse(seed);
       parameters.verify = 300;
-      const Summary summary =
-          run(atoms, make_plan(atoms, parameters, no_files), no_files, "nowhere");
+      const Summary summary = run(atoms, parameters, no_files, "nowhere");
       REQUIRE(summary.verification);
       INFO((summary.verification->faults.empty() ? "" : summary.verification->faults.front()));
       CHECK(summary.verification->faults.empty());
@@ -233,7 +232,7 @@ TEST_CASE("a probe that touches four atoms does not reach past its patch", "[ver
   Parameters parameters;
   parameters.spacing = 0.25;
   parameters.verify = everything;
-  const Summary summary = run(atoms, make_plan(atoms, parameters, no_files), no_files, "nowhere");
+  const Summary summary = run(atoms, parameters, no_files, "nowhere");
   REQUIRE(summary.verification);
   CHECK(summary.verification->faults.empty());
 }
@@ -540,7 +539,7 @@ TEST_CASE("atoms that almost coincide have no faults if the oracle finds none", 
     if (!test::find_faults(atoms, parameters, result.files, result.summary).empty()) return;
     ++right;
     parameters.verify = everything;
-    const Summary summary = run(atoms, make_plan(atoms, parameters, no_files), no_files, "nowhere");
+    const Summary summary = run(atoms, parameters, no_files, "nowhere");
     REQUIRE(summary.verification);
     INFO((summary.verification->faults.empty() ? "" : summary.verification->faults.front()));
     CHECK(summary.verification->faults.empty());
@@ -639,12 +638,12 @@ TEST_CASE("the progress callback can end a verification", "[verify]") {
   const auto end_after_blocks = [&](std::int64_t, std::int64_t total) {
     if (++calls > total) throw std::runtime_error("enough");
   };
-  CHECK_THROWS_AS(run(atoms, plan, no_files, "nowhere", {.progress = end_after_blocks}),
+  CHECK_THROWS_AS(run(atoms, plan.parameters, no_files, "nowhere", {.progress = end_after_blocks}),
                   std::runtime_error);
   const auto end_halfway = [&](std::int64_t done, std::int64_t all) {
     if (2 * done > all) throw std::runtime_error("enough");
   };
-  CHECK_THROWS_AS(run(atoms, plan, no_files, "nowhere", {.verification = end_halfway}),
+  CHECK_THROWS_AS(run(atoms, plan.parameters, no_files, "nowhere", {.verification = end_halfway}),
                   std::runtime_error);
 }
 
@@ -657,7 +656,7 @@ TEST_CASE("a verification reports its progress", "[verify]") {
     parameters.threads = 2;
     std::vector<std::int64_t> seen;
     std::int64_t total = 0;
-    const Summary summary = run(atoms, make_plan(atoms, parameters, no_files), no_files, "nowhere",
+    const Summary summary = run(atoms, parameters, no_files, "nowhere",
                                 {.verification = [&](std::int64_t done, std::int64_t all) {
                                   seen.push_back(done);
                                   total = all;

@@ -101,10 +101,16 @@ Grid read_grid(const std::filesystem::path& path);
 /// std::invalid_argument if the box contains no point, or if a coordinate is not finite.
 GridRegion points_in_box(const Grid& grid, Vec3 low, Vec3 high);
 
+/// Blocks of a grid with indices in [begin, end) along every axis.
+struct BlockRange {
+  GridIndex begin{};  ///< Indices of the first block.
+  GridIndex end{};    ///< Indices after those of the last block.
+};
+
 /// Returns the points that a range of blocks owns. The whole grid is divided into blocks with
-/// `block_size` points on a side; neighbouring blocks share their faces. `blocks` has the indices
-/// of the blocks, with begin <= index < end along every axis. Throws std::invalid_argument if the
-/// block size is not 2 to 4096, or if the range is empty or not within the grid.
-GridRegion points_of_blocks(const Grid& grid, std::int64_t block_size, const GridRegion& blocks);
+/// `block_size` points on a side; neighbouring blocks share their faces. Throws
+/// std::invalid_argument if the block size is not 2 to 4096, or if the range is empty or not within
+/// the grid.
+GridRegion points_of_blocks(const Grid& grid, std::int64_t block_size, const BlockRange& blocks);
 
 }  // namespace eses

@@ -13,8 +13,6 @@ constexpr std::int64_t max_block_size = 128;
 
 constexpr std::int64_t default_block_size = 64;
 
-GridRegion as_region(const IndexRange& range) { return {range[0], range[1]}; }
-
 }  // namespace
 
 RunOptions make_options(const Grid& grid, const RunArguments& arguments) {
@@ -27,10 +25,10 @@ RunOptions make_options(const Grid& grid, const RunArguments& arguments) {
   options.threads = usable_threads(threads);
   options.block_size = block_size;
   options.max_memory = max_memory;
-  if (region) options.region = as_region(*region);
+  if (region) options.region = GridRegion{(*region)[0], (*region)[1]};
   if (blocks)
     options.region = points_of_blocks(grid, block_size != 0 ? block_size : default_block_size,
-                                      as_region(*blocks));
+                                      {(*blocks)[0], (*blocks)[1]});
   return options;
 }
 

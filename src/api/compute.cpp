@@ -5,6 +5,7 @@
 #include <stdexcept>
 #include <tuple>
 #include <utility>
+#include <variant>
 
 #include "api/arguments.hpp"
 #include "api/maps_in_memory.hpp"
@@ -15,11 +16,9 @@
 #include "grid/make_grid.hpp"
 #include "output/map_writer.hpp"
 #include "run/engine.hpp"
-#include "run/plan.hpp"
-#include "run/run_alone.hpp"
+#include "run/run_plan.hpp"
 #include "run/solved_block.hpp"
 #include "system/formatted.hpp"
-#include "system/resources.hpp"
 
 namespace eses {
 namespace {
@@ -27,17 +26,15 @@ namespace {
 // Average ratio of the touched memory of a growing list to its size.
 constexpr double growth = 1.5;
 
-// Memory of a result, in addition to that of the run.
-struct HeldMemory {
-  std::uint64_t bytes = 0;
-  double per_crossing = 0;  // bytes
-};
-
 constexpr ResultParts no_parts{.inside = false, .crossings = false, .mesh = false};
 
+// A request and its plan.
 struct PlannedRun {
-  detail::Plan plan;
-  double crossings = 0;  // expected
+  detail::RunTask task;
+  detail::RunPlan plan;
+
+  const GridRegion& region() const { return plan.whole.tiling.region; }
+  std::int64_t block_count() const { return plan.whole.tiling.block_count(); }
 };
 
 const detail::Molecule& molecule_of(const Surface& surface) {
@@ -46,58 +43,61 @@ const detail::Molecule& molecule_of(const Surface& surface) {
 
 detail::Parameters parameters_of(const Surface& surface, const Grid& grid,
                                  const RunOptions& options) {
-  return {.probe_radius = surface.probe_radius(),
-          .spacing = grid.spacing,
-          .margin = 0,
-          .block_size = options.block_size,
-          .threads = options.threads,
-          .max_memory = options.max_memory,
-          .verify = options.verify};
+  detail::Parameters parameters{.probe_radius = surface.probe_radius(),
+                                .spacing = grid.spacing,
+                                .margin = 0,
+                                .grid = grid,
+                                .block_size = options.block_size,
+                                .threads = options.threads,
+                                .max_memory = options.max_memory,
+                                .verify = options.verify};
+  if (options.region) parameters.part = *options.region;
+  return parameters;
 }
 
-// Makes the part of the plan that depends on the arguments only.
-detail::Plan checked_plan(const Surface& surface, const Grid& grid, const Outputs& outputs,
-                          const RunOptions& options) {
-  return detail::check_arguments([&] {
+// Throws std::invalid_argument for faults that depend on the arguments only.
+void check_task(const detail::RunTask& task) {
+  detail::check_arguments([&] {
+    const detail::Molecule& molecule = std::get<detail::Molecule>(task.atoms);
+    const Grid& grid = *task.parameters.grid;
     detail::require_valid(grid);
-    const GridRegion region = options.region.value_or(grid.whole());
-    detail::require_within(region, grid);
-    if (options.block_size != 0) detail::make_tiling(grid, options.block_size, region);
-    for (const detail::MapChoice& map : detail::chosen_maps(outputs))
+    const detail::Plan plan =
+        detail::plan_grid(detail::sphere_bounds(molecule.atoms()), task.parameters);
+    const std::int64_t block_size = task.parameters.block_size;
+    if (block_size != 0) detail::make_tiling(grid, block_size, plan.tiling.region);
+    for (const detail::MapChoice& map : detail::chosen_maps(task.outputs))
       if (std::filesystem::path(map.name).has_parent_path())
         throw Error(detail::formatted(
             "maps go to the output directory: {} must be a plain file name", map.name));
-    detail::require_valid(outputs, molecule_of(surface));
-    detail::Plan plan = detail::plan_on_grid(grid, detail::sphere_bounds(surface.atoms()),
-                                             parameters_of(surface, grid, options));
-    plan.tiling.region = region;
-    return plan;
+    detail::require_valid(task.outputs, molecule);
   });
 }
 
-HeldMemory memory_of_result(const GridRegion& region, const ResultParts& parts) {
+// Returns the memory of a result, in addition to that of the run.
+detail::CallerMemory memory_of_result(const GridRegion& region, const ResultParts& parts,
+                                      std::uint64_t bytes_per_point) {
   constexpr double mesh_bytes =
       2 * sizeof(Vec3) + sizeof(AtomIndex) + 1 + 2 * sizeof(std::array<std::uint64_t, 3>);
-  HeldMemory held;
-  if (parts.inside || parts.mesh) held.bytes = static_cast<std::uint64_t>(region.point_count());
-  if (parts.crossings || parts.mesh) held.per_crossing = growth * sizeof(Crossing);
-  if (parts.mesh) held.per_crossing += growth * mesh_bytes;
-  return held;
+  detail::CallerMemory memory;
+  if (parts.inside || parts.mesh) ++bytes_per_point;
+  memory.bytes = bytes_per_point * static_cast<std::uint64_t>(region.point_count());
+  if (parts.crossings || parts.mesh) memory.per_crossing = growth * sizeof(Crossing);
+  if (parts.mesh) memory.per_crossing += growth * mesh_bytes;
+  return memory;
 }
 
 // Plans a run. `parts` are the parts of the result in memory, besides `bytes_per_point`.
 PlannedRun plan_run(const Surface& surface, const Grid& grid, const Outputs& outputs,
                     const RunOptions& options, const ResultParts& parts = no_parts,
                     std::uint64_t bytes_per_point = 0) {
-  PlannedRun run{checked_plan(surface, grid, outputs, options)};
-  const GridRegion& region = run.plan.tiling.region;
-  HeldMemory held = memory_of_result(region, parts);
-  held.bytes += bytes_per_point * static_cast<std::uint64_t>(region.point_count());
-  run.crossings = detail::plan_alone({.available = detail::available_memory(),
-                                      .held = held.bytes,
-                                      .labels = {},
-                                      .held_per_crossing = held.per_crossing},
-                                     molecule_of(surface), outputs, run.plan);
+  PlannedRun run{.task = {.atoms = molecule_of(surface),
+                          .parameters = parameters_of(surface, grid, options),
+                          .outputs = outputs},
+                 .plan = {}};
+  check_task(run.task);
+  run.task.caller_memory =
+      memory_of_result(options.region.value_or(grid.whole()), parts, bytes_per_point);
+  run.plan = detail::plan_run(run.task, detail::Processes());
   return run;
 }
 
@@ -105,14 +105,11 @@ detail::Callbacks callbacks_of(const RunOptions& options) {
   return {.progress = options.progress, .block = {}, .verification = options.verification_progress};
 }
 
-Summary require_right(Summary summary) {
+// Performs a run, which writes the outputs of its task.
+Summary solve(const PlannedRun& run, const detail::Callbacks& callbacks) {
+  Summary summary = detail::execute(run.task, run.plan, {}, callbacks, detail::Processes()).summary;
   if (detail::has_faults(summary)) throw VerificationError(std::move(*summary.verification));
   return summary;
-}
-
-Summary solve(const Surface& surface, const detail::Plan& plan, const detail::Callbacks& callbacks,
-              const detail::MapsInMemory& maps = {}) {
-  return require_right(detail::compute(molecule_of(surface), plan, callbacks, maps));
 }
 
 std::invalid_argument point_error(const GridIndex& point, const GridRegion& region) {
@@ -139,11 +136,11 @@ std::size_t place_in(const GridRegion& region, const GridIndex& point) {
 template <class Value>
 void clear_points(const PlannedRun& run, const RunOptions& options, std::vector<Value>& values) {
   constexpr std::size_t points_between_calls = (std::size_t{1} << 26) / sizeof(Value);
-  const auto points = static_cast<std::size_t>(run.plan.tiling.region.point_count());
+  const auto points = static_cast<std::size_t>(run.region().point_count());
   values.reserve(points);
   while (values.size() < points) {
     values.resize(std::min(points, values.size() + points_between_calls));
-    if (options.progress) options.progress(0, run.plan.tiling.block_count());
+    if (options.progress) options.progress(0, run.block_count());
   }
 }
 
@@ -204,16 +201,16 @@ Result ResultBuilder::compute(const eses::Surface& surface, const Grid& grid,
   const bool has_inside = parts.inside || parts.mesh, has_crossings = parts.crossings || parts.mesh;
   Result result;
   result.grid_ = grid;
-  result.region_ = run.plan.tiling.region;
+  result.region_ = run.region();
   result.parts_ = parts;
-  const std::int64_t blocks = run.plan.tiling.block_count();
+  const std::int64_t blocks = run.block_count();
   if (has_inside) clear_points(run, options, result.inside_);
   Callbacks callbacks = callbacks_of(options);
   callbacks.block = [&](const SolvedBlock& solved) {
     if (has_inside) mark_owned_points(solved, result.region_, result.inside_);
     if (has_crossings) append_crossings(grid, solved, result.crossings_);
   };
-  result.summary_ = solve(surface, run.plan, callbacks);
+  result.summary_ = solve(run, callbacks);
   const CheckCallback check = [&] {
     if (options.progress) options.progress(blocks, blocks);
   };
@@ -278,7 +275,7 @@ Summary for_each_block(const Surface& surface, const Grid& grid, const BlockCall
     append_crossings(grid, solved, crossings);
     callback(detail::ResultBuilder::block(solved, crossings));
   };
-  return solve(surface, run.plan, callbacks);
+  return solve(run, callbacks);
 }
 
 std::array<std::vector<double>, 3> compute_dielectric(const Surface& surface, const Grid& grid,
@@ -286,11 +283,13 @@ std::array<std::vector<double>, 3> compute_dielectric(const Surface& surface, co
                                                       const RunOptions& options) {
   Outputs outputs = Outputs::none();
   outputs.dielectric = DielectricMaps{{}, dielectric.solute, dielectric.solvent};
-  const PlannedRun run = plan_run(surface, grid, outputs, options, no_parts, 3 * sizeof(double));
+  PlannedRun run = plan_run(surface, grid, outputs, options, no_parts, 3 * sizeof(double));
   std::array<std::vector<double>, 3> values;
   for (std::vector<double>& list : values) clear_points(run, options, list);
-  solve(surface, run.plan, callbacks_of(options),
-        detail::dielectric_receivers(detail::chosen_maps(outputs), run.plan.tiling.region, values));
+  run.task.outputs = Outputs::none();
+  run.task.maps_in_memory =
+      detail::dielectric_receivers(detail::chosen_maps(outputs), run.region(), values);
+  solve(run, callbacks_of(options));
   return values;
 }
 
@@ -298,30 +297,32 @@ std::vector<std::uint8_t> compute_ion_access(const Surface& surface, const Grid&
                                              double ion_radius, const RunOptions& options) {
   Outputs outputs = Outputs::none();
   outputs.ion_access = IonAccessMap{"kappa.dx", ion_radius};  // no file is written
-  const PlannedRun run = plan_run(surface, grid, outputs, options, no_parts, 1);
+  PlannedRun run = plan_run(surface, grid, outputs, options, no_parts, 1);
   std::vector<std::uint8_t> values;
   clear_points(run, options, values);
-  solve(surface, run.plan, callbacks_of(options),
-        detail::ion_access_receiver(ion_radius, run.plan.tiling.region, values));
+  run.task.outputs = Outputs::none();
+  run.task.maps_in_memory = detail::ion_access_receiver(ion_radius, run.region(), values);
+  solve(run, callbacks_of(options));
   return values;
 }
 
 Summary write_files(const Surface& surface, const Grid& grid,
                     const std::filesystem::path& directory, const Outputs& outputs,
                     const RunOptions& options) {
-  const PlannedRun run = plan_run(surface, grid, outputs, options);
-  return require_right(
-      detail::run(molecule_of(surface), run.plan, outputs, directory, callbacks_of(options)));
+  PlannedRun run = plan_run(surface, grid, outputs, options);
+  run.task.output_directory = directory;
+  return solve(run, callbacks_of(options));
 }
 
 Estimate estimate(const Surface& surface, const Grid& grid, const Outputs& outputs,
                   const RunOptions& options) {
-  const auto& [plan, crossings] = plan_run(surface, grid, outputs, options);
+  const PlannedRun run = plan_run(surface, grid, outputs, options);
+  const detail::Plan& plan = run.plan.whole;
   return {.memory_bytes = plan.memory_bytes,
           .threads = plan.threads,
           .block_size = plan.tiling.block_size,
           .blocks = plan.tiling.blocks,
-          .crossings = crossings,
+          .crossings = plan.crossings,
           .cut_depth = plan.cut_depth,
           .box_bytes = plan.files.box,
           .grid_bytes = plan.files.grid,
@@ -330,7 +331,7 @@ Estimate estimate(const Surface& surface, const Grid& grid, const Outputs& outpu
           .residues_bytes = plan.files.residues,
           .map_bytes = plan.files.maps,
           .mesh_bytes = plan.files.mesh,
-          .scratch_bytes = plan.files.map_scratch + plan.files.mesh_scratch};
+          .scratch_bytes = plan.files.scratch()};
 }
 
 }  // namespace eses

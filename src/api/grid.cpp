@@ -26,7 +26,7 @@ GridRegion points_in_box(const Grid& grid, Vec3 low, Vec3 high) {
   });
 }
 
-GridRegion points_of_blocks(const Grid& grid, std::int64_t block_size, const GridRegion& blocks) {
+GridRegion points_of_blocks(const Grid& grid, std::int64_t block_size, const BlockRange& blocks) {
   return detail::check_arguments([&] {
     detail::require_valid(grid);
     return detail::make_tiling(grid, block_size).points_of_blocks(blocks);

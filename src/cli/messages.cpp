@@ -6,6 +6,7 @@
 #include <cerrno>
 #include <cstdio>
 #include <system_error>
+#include <variant>
 
 #include "eses/error.hpp"
 #include "system/formatted.hpp"
@@ -64,8 +65,8 @@ std::string final_text(const Report& report) {
 
 void warn_if_empty(const Report& report) {
   const Parameters& parameters = report.options.parameters;
-  if (report.summary.inside_points > 0 || parameters.region || parameters.blocks || parameters.grid)
-    return;
+  const bool is_whole = std::holds_alternative<std::monostate>(parameters.part) && !parameters.grid;
+  if (report.summary.inside_points > 0 || !is_whole) return;
   if (!report.options.quiet)
     print_message("warning", "no grid point is inside the surface; use a smaller spacing");
 }

@@ -94,6 +94,8 @@ struct CommandLine {
   bool gzip = false;
   std::filesystem::path inside_map, ion_map, dielectric_prefix, mesh;  ///< empty: not given
   std::optional<double> solute, solvent, ion_radius;
+  std::optional<Box> box;
+  std::optional<BlockRange> blocks;
   MeshColor color = MeshColor::none;
   bool without_hetatm = false;
   bool is_ascii = false;
@@ -155,10 +157,10 @@ std::optional<std::filesystem::path> grid_file_in(const std::string& text) {
   return grid_file_format(text) ? std::optional<std::filesystem::path>(text) : std::nullopt;
 }
 
-std::optional<GridRegion> blocks_in(const std::string& text) {
+std::optional<BlockRange> blocks_in(const std::string& text) {
   const std::vector<std::string> axes = CLI::detail::split(text, ',');
   if (axes.size() != 3) return std::nullopt;
-  GridRegion blocks;
+  BlockRange blocks;
   for (std::size_t axis = 0; axis < 3; ++axis) {
     const auto ends = numbers_in<std::int64_t, 2>(axes[axis], ':');
     if (!ends || (*ends)[0] < 0 || (*ends)[0] >= (*ends)[1]) return std::nullopt;
@@ -266,14 +268,14 @@ void add_grid_options(CLI::App& app, CommandLine& line) {
       add_value(app, "--region", "X0,Y0,Z0,X1,Y1,Z1",
                 "compute only the grid points in this box (angstrom)\n"
                 "and the edges that start there",
-                parameters.region,
+                line.box,
                 Format{box_in,
                        "six finite numbers x0,y0,z0,x1,y1,z1 in angstrom, x0 <= x1 and "
                        "so on"});
   add_value(app, "--blocks", "I0:I1,J0:J1,K0:K1",
             "compute only these blocks of the whole grid; indices\n"
             "start at 0, ends are exclusive",
-            parameters.blocks,
+            line.blocks,
             Format{blocks_in, "i0:i1,j0:j1,k0:k1, whole numbers from 0, i0 < i1 and so on"})
       ->excludes(region);
 }
@@ -547,6 +549,8 @@ Options options_of(const CommandLine& line) {
   choose("PROBE", "--probe-radius", line.probe_radius, options.parameters.probe_radius);
   choose("SPACING", "--spacing", line.spacing, options.parameters.spacing);
   choose("MARGIN", "--margin", line.margin, options.parameters.margin);
+  if (line.box) options.parameters.part = *line.box;
+  if (line.blocks) options.parameters.part = *line.blocks;
   check_grid_choice(line);
   options.grid.has_spacing = line.spacing.positional || line.spacing.option;
   options.outputs = line.text_files;

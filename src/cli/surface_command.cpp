@@ -25,9 +25,7 @@ namespace eses::detail::cli {
 namespace {
 
 RunTask task_of(const Options& options) {
-  return {.input = options.input,
-          .format = options.format,
-          .structure = options.structure,
+  return {.atoms = InputFile{options.input, options.format, options.structure},
           .parameters = options.parameters,
           .outputs = options.outputs,
           .output_directory = options.output_directory,

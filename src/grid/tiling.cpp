@@ -35,10 +35,10 @@ BlockTiling make_tiling(const Grid& grid, const GridIndex& block_size, const Gri
   return tiling;
 }
 
-GridRegion BlockTiling::points_of_blocks(const GridRegion& indices) const {
+GridRegion BlockTiling::points_of_blocks(const BlockRange& range) const {
   GridRegion points;
   for (std::size_t axis = 0; axis < 3; ++axis) {
-    const std::int64_t begin = indices.begin[axis], end = indices.end[axis];
+    const std::int64_t begin = range.begin[axis], end = range.end[axis];
     if (begin < 0 || begin >= end || end > blocks[axis])
       throw Error(formatted(
           "block range {}:{} along {} must be within 0:{} (blocks of {} points on a side)", begin,

@@ -39,8 +39,8 @@ struct BlockTiling {
   /// points along each axis if the grid has one.
   GridRegion region_with_halo;
 
-  /// Returns the points that the blocks [begin, end) own. Throws Error if there are no such blocks.
-  GridRegion points_of_blocks(const GridRegion& indices) const;
+  /// Returns the points that these blocks own. Throws Error if there are no such blocks.
+  GridRegion points_of_blocks(const BlockRange& range) const;
   std::int64_t block_count() const { return blocks[0] * blocks[1] * blocks[2]; }
   BlockBounds block(std::int64_t bx, std::int64_t by, std::int64_t bz) const;
 

@@ -10,7 +10,7 @@
 #include "output/mesh_writer.hpp"
 #include "output/ordered_output.hpp"
 #include "run/layer.hpp"
-#include "run/task.hpp"
+#include "run/plan.hpp"
 #include "run/text_chunks.hpp"
 
 namespace eses::detail {

@@ -17,6 +17,7 @@
 #include "run/map_rows.hpp"
 #include "run/mesh_output.hpp"
 #include "run/patch_schedule.hpp"
+#include "run/plan.hpp"
 #include "run/progress_report.hpp"
 #include "run/task.hpp"
 #include "run/task_queue.hpp"
@@ -27,16 +28,6 @@
 #include "system/gzip.hpp"
 
 namespace eses::detail {
-
-/// Receives consecutive rows of a map. See GridMap::write_rows.
-using TakeRows = std::function<void(std::int64_t first_row, std::span<const std::uint64_t> words,
-                                    GridMap::Scratch& scratch)>;
-
-/// The receiver of the rows of a map. Several threads call it for different rows.
-struct MapSink {
-  MapQuantity quantity = MapQuantity::inside;
-  TakeRows take_rows;
-};
 
 /// The receivers of the results, which must outlive the pipeline. Empty or null ones are not used.
 struct Sinks {

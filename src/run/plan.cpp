@@ -4,16 +4,16 @@
 #include <array>
 #include <cmath>
 #include <limits>
-#include <span>
 #include <string>
+#include <variant>
 #include <vector>
 
 #include "eses/error.hpp"
+#include "grid/make_grid.hpp"
 #include "grid/region_box.hpp"
 #include "output/eses_writer.hpp"
 #include "output/grid_map.hpp"
 #include "output/mesh_writer.hpp"
-#include "run/atom_hash.hpp"
 #include "run/memory.hpp"
 #include "run/verifier.hpp"
 #include "system/bytes_text.hpp"
@@ -59,10 +59,15 @@ int useful_threads(const BlockTiling& tiling, int wanted, std::size_t atoms) {
 
 // Returns the points to compute. Without a block size, chosen blocks have the default size.
 GridRegion region_of(const Grid& grid, const Parameters& p) {
-  if (p.region) return points_between(grid, p.region->low, p.region->high);
-  if (!p.blocks) return grid.whole();
-  const std::int64_t block_size = p.block_size > 0 ? p.block_size : default_block_size;
-  return make_tiling(grid, block_size).points_of_blocks(*p.blocks);
+  if (const auto* box = std::get_if<Box>(&p.part)) return points_between(grid, box->low, box->high);
+  if (const auto* blocks = std::get_if<BlockRange>(&p.part)) {
+    const std::int64_t block_size = p.block_size > 0 ? p.block_size : default_block_size;
+    return make_tiling(grid, block_size).points_of_blocks(*blocks);
+  }
+  const auto* points = std::get_if<GridRegion>(&p.part);
+  if (points == nullptr) return grid.whole();
+  require_within(*points, grid);
+  return *points;
 }
 
 // Automatic block shapes. Cubes are fastest, but a layer of them has many crossings and needs many
@@ -160,8 +165,8 @@ std::string fixed_choices(const Parameters& p) {
 }
 
 // A closed mesh has about twice as many triangles as vertices.
-void expect_mesh(const MeshOptions& mesh, const LabelTotals& labels, double crossings, Plan& plan) {
-  const double vertices = halo_growth(plan.tiling) * crossings;
+void expect_mesh(const MeshOptions& mesh, const LabelTotals& labels, Plan& plan) {
+  const double vertices = halo_growth(plan.tiling) * plan.crossings;
   const bool has_names = labels.residue_runs > 0 && mesh::can_name_groups(mesh);
   const mesh::MeshBytes bytes = mesh::typical_mesh_bytes(mesh, has_names);
   const auto bytes_of = [vertices](std::uint64_t vertex, std::uint64_t triangle) {
@@ -177,17 +182,18 @@ void expect_mesh(const MeshOptions& mesh, const LabelTotals& labels, double cros
 }
 
 // Chooses the fastest schedule that exceeds neither the limit nor the available memory.
-void choose_schedule(const SurfaceSurvey& survey, const GridRegion& region,
-                     const MemoryBudget& budget, const Outputs& outputs, Plan& plan) {
-  const auto& [available, held, labels, held_per_crossing] = budget;
+void choose_schedule(const SurfaceSurvey& survey, const MemoryBudget& budget,
+                     const Outputs& outputs, Plan& plan) {
+  const auto& [available, held, labels, caller] = budget;
   const Parameters& p = plan.parameters;
+  const GridRegion region = plan.tiling.region;
   const std::uint64_t limit = p.max_memory > 0 ? std::min(p.max_memory, available) : available;
-  const double crossings = expected_crossings(survey.totals().area, p.spacing);
+  const double results =
+      static_cast<double>(held + caller.bytes) + caller.per_crossing * plan.crossings;
   double smallest = std::numeric_limits<double>::infinity();
   for (const Schedule& schedule : possible_schedules(plan.grid, region, p, survey)) {
-    const double memory = static_cast<double>(held) + held_per_crossing * crossings +
-                          expected_memory(survey, labels, plan.grid, schedule, outputs) +
-                          Verifier::memory_bytes(p.verify, schedule.threads, crossings);
+    const double memory = results + expected_memory(survey, labels, plan.grid, schedule, outputs) +
+                          Verifier::memory_bytes(p.verify, schedule.threads, plan.crossings);
     smallest = std::min(smallest, memory);
     if (memory > static_cast<double>(limit)) continue;
     plan.tiling = schedule.tiling;
@@ -200,26 +206,15 @@ void choose_schedule(const SurfaceSurvey& survey, const GridRegion& region,
   refuse_limit(p, smallest);
 }
 
-// Returns the totals of a molecule's labels and of the copies that a run makes.
-LabelTotals with_copies(LabelTotals labels, const Outputs& outputs) {
-  if (labels.labels == 0) return labels;
-  std::size_t copies = outputs.residues ? labels.residue_runs : 0;
-  if (outputs.mesh && mesh::can_name_groups(*outputs.mesh))
-    copies += 2 * labels.residue_runs + labels.chain_runs;
-  const std::size_t all = labels.labels + copies;
-  labels.heap_bytes *= static_cast<double>(all) / static_cast<double>(labels.labels);
-  labels.labels = all;
-  return labels;
+// Returns a survey of the part of the surface that the run computes.
+SurfaceSurvey survey_of(const Molecule& molecule, const Plan& plan) {
+  const double probe_radius = plan.parameters.probe_radius;
+  const GridRegion& region = plan.tiling.region;
+  if (region == plan.grid.whole() && plan.cut_depth <= 0) return {molecule, probe_radius};
+  return {molecule, probe_radius, region_box(plan.grid, region)};
 }
 
-// Returns a survey of the surface. `is_cut` states that atoms may lie outside the grid.
-SurfaceSurvey survey_of(const Molecule& molecule, const Grid& grid, const GridRegion& region,
-                        double probe_radius, bool is_cut) {
-  if (region == grid.whole() && !is_cut) return {molecule, probe_radius};
-  return {molecule, probe_radius, region_box(grid, region)};
-}
-
-void expect_maps(const Outputs& outputs, double crossings, Plan& plan) {
+void expect_maps(const Outputs& outputs, Plan& plan) {
   const GridRegion& region = plan.tiling.region;
   for (const MapChoice& map : chosen_maps(outputs)) {
     plan.files.map_scratch += GridMap::scratch_bytes(map, region);
@@ -228,7 +223,7 @@ void expect_maps(const Outputs& outputs, double crossings, Plan& plan) {
       continue;
     }
     // The text is first in a scratch file.
-    const std::uint64_t bytes = GridMap::typical_compressed_bytes(map, region, crossings);
+    const std::uint64_t bytes = GridMap::typical_compressed_bytes(map, region, plan.crossings);
     plan.files.maps += bytes;
     plan.files.gzip_maps += bytes;
     plan.files.map_scratch += bytes;
@@ -251,7 +246,6 @@ void require_valid(const Parameters& p) {
           "the number of points to verify must be between 0 and 10000000",
           static_cast<double>(p.verify));
   require(p.threads >= 0, "the number of threads must not be negative", p.threads);
-  if (p.region && p.blocks) throw Error("a region and blocks cannot both be chosen");
 }
 
 void require_valid(const Outputs& outputs, const Molecule& molecule) {
@@ -261,8 +255,8 @@ void require_valid(const Outputs& outputs, const Molecule& molecule) {
     throw Error("areas by residue need atoms with labels; xyzr files have none");
 }
 
-void plan_files(const FileContents& contents, const Outputs& outputs, Plan& plan) {
-  const auto& [atoms, crossings, labels] = contents;
+void plan_files(std::uint64_t atoms, const LabelTotals& labels, const Outputs& outputs,
+                Plan& plan) {
   const auto on_disk = [&](double bytes, double compressed_share) {
     return static_cast<std::uint64_t>(outputs.gzip ? compressed_share * bytes : bytes);
   };
@@ -271,75 +265,35 @@ void plan_files(const FileContents& contents, const Outputs& outputs, Plan& plan
     plan.files.grid =
         on_disk(static_cast<double>(max_grid_bytes(plan.tiling.region)), grid_gzip_share);
   if (outputs.edges)
-    plan.files.edges = on_disk(typical_crossing_bytes * crossings, edge_gzip_share);
+    plan.files.edges = on_disk(typical_crossing_bytes * plan.crossings, edge_gzip_share);
   if (outputs.areas)
     plan.files.areas = on_disk(static_cast<double>(area_line_bytes * atoms), area_gzip_share);
-  if (outputs.mesh) expect_mesh(*outputs.mesh, labels, crossings, plan);
+  if (outputs.mesh) expect_mesh(*outputs.mesh, labels, plan);
   if (outputs.residues)
     plan.files.residues = table_header_bytes +
                           table_line_bytes * (labels.residue_runs + labels.chain_runs) +
                           labels.residue_text_bytes + labels.chain_text_bytes;
-  expect_maps(outputs, crossings, plan);
-}
-
-std::uint64_t checksum_of(std::span<const Atom> atoms) {
-  std::uint64_t sum = 0;
-  for (std::size_t i = 0; i < atoms.size(); ++i) sum += atom_hash(atoms[i], i);
-  return sum;
-}
-
-Plan plan_on_grid(const Grid& grid, const Box& bounds, const Parameters& parameters) {
-  require_valid(parameters);
-  Plan plan;
-  plan.parameters = parameters;
-  plan.grid = grid;
-  plan.cut_depths = depths_inside(grid, bounds);
-  plan.cut_depth = cut_depth(grid, bounds);
-  plan.tiling.region = region_of(grid, parameters);
-  return plan;
+  expect_maps(outputs, plan);
 }
 
 Plan plan_grid(const Box& bounds, const Parameters& parameters) {
   require_valid(parameters);
-  if (parameters.grid) {
-    require_chosen(*parameters.grid);
-    return plan_on_grid(*parameters.grid, bounds, parameters);
-  }
-  const Grid grid = make_grid(bounds, parameters.spacing, parameters.margin);
-  require_enclosing_margin(cut_depth(grid, bounds), parameters);
-  return plan_on_grid(grid, bounds, parameters);
-}
-
-double plan_schedule(const MemoryBudget& budget, const Molecule& molecule, const Outputs& outputs,
-                     Plan& plan) {
-  const GridRegion region = plan.tiling.region;
-  const bool is_cut = plan.parameters.grid && plan.cut_depth > 0;
-  const SurfaceSurvey survey =
-      survey_of(molecule, plan.grid, region, plan.parameters.probe_radius, is_cut);
-  choose_schedule(survey, region, budget, outputs, plan);
-  return expected_crossings(survey.totals().area, plan.grid.spacing);
-}
-
-double plan_alone(MemoryBudget budget, const Molecule& molecule, const Outputs& outputs,
-                  Plan& plan) {
-  plan.atoms_checksum = checksum_of(molecule.atoms());
-  const LabelTotals labels = total_labels(molecule.labels());
-  budget.labels = with_copies(labels, outputs);
-  const double crossings = plan_schedule(budget, molecule, outputs, plan);
-  plan_files({molecule.atoms().size(), crossings, labels}, outputs, plan);
-  return crossings;
-}
-
-Plan make_plan_within(std::uint64_t available, const Molecule& molecule,
-                      const Parameters& parameters, const Outputs& outputs) {
-  if (outputs.mesh) require_valid(*outputs.mesh, molecule);
-  Plan plan = plan_grid(sphere_bounds(molecule.atoms()), parameters);
-  plan_alone({.available = available, .held = 0, .labels = {}}, molecule, outputs, plan);
+  Plan plan;
+  plan.parameters = parameters;
+  plan.grid =
+      parameters.grid ? *parameters.grid : make_grid(bounds, parameters.spacing, parameters.margin);
+  plan.cut_depths = depths_inside(plan.grid, bounds);
+  plan.cut_depth = cut_depth(plan.grid, bounds);
+  if (!parameters.grid) require_enclosing_margin(plan.cut_depth, parameters);
+  plan.tiling.region = region_of(plan.grid, parameters);
   return plan;
 }
 
-Plan make_plan(const Molecule& molecule, const Parameters& parameters, const Outputs& outputs) {
-  return make_plan_within(available_memory(), molecule, parameters, outputs);
+void plan_schedule(const MemoryBudget& budget, const Molecule& molecule, const Outputs& outputs,
+                   Plan& plan) {
+  const SurfaceSurvey survey = survey_of(molecule, plan);
+  plan.crossings = expected_crossings(survey.totals().area, plan.grid.spacing);
+  choose_schedule(survey, budget, outputs, plan);
 }
 
 }  // namespace eses::detail

@@ -1,39 +1,41 @@
 #pragma once
 /// Plans of runs. A plan is made in three steps: the grid (plan_grid), the schedule of a process
-/// (plan_schedule), and the sizes of the files (plan_files). This folder uses neither files nor
-/// MPI.
+/// (plan_schedule), and the sizes of the files (plan_files). They use neither files
+/// nor MPI.
 
+#include <array>
 #include <cstdint>
-#include <span>
-#include <string>
 
-#include "grid/make_grid.hpp"
+#include "eses/grid.hpp"
+#include "geometry/box.hpp"
+#include "grid/tiling.hpp"
+#include "output/file_sizes.hpp"
 #include "run/memory.hpp"
 #include "run/task.hpp"
 
 namespace eses::detail {
 
-/// Makes a plan. Chooses block size, threads and number of blocks in flight as far as they are not
-/// given, so that neither `max_memory` nor the available memory is exceeded. Throws Error if a
-/// parameter is out of its range, if the margin is so small that the grid would cut the surface
-/// (see doc/grid.md), if a bound of the region is not finite, or if the run needs more memory than
-/// is available or allowed.
-Plan make_plan(const Molecule& molecule, const Parameters& parameters, const Outputs& outputs);
-
-/// Makes a plan for a machine on which `available` bytes of memory are free.
-Plan make_plan_within(std::uint64_t available, const Molecule& molecule,
-                      const Parameters& parameters, const Outputs& outputs);
-
-/// Returns Plan::atoms_checksum for these atoms.
-std::uint64_t checksum_of(std::span<const Atom> atoms);
+/// The plan of a run, made before anything is allocated or written.
+struct Plan {
+  Parameters parameters;
+  Grid grid;
+  BlockTiling tiling;                  ///< blocks of the whole grid, or of the chosen part
+  int threads = 1;                     ///< >= 1
+  std::int64_t blocks_ahead = 0;       ///< maximum number of blocks solved beyond the current layer
+  std::array<double, 6> cut_depths{};  ///< see eses::detail::depths_inside
+  double cut_depth = 0;  ///< see eses::detail::cut_depth; > 0 if the grid cuts the surface
+  double crossings = 0;  ///< expected number of crossings
+  /// Estimate of the peak memory of the process, intended as an upper bound, if the process holds
+  /// only the atoms before the run.
+  std::uint64_t memory_bytes = 0;
+  FileSizes files;
+};
 
 /// Performs step 1 of a plan: takes the grid of the parameters or, if they have none, makes the
-/// grid around atoms with these bounds, and determines the region.
+/// grid around atoms with these bounds, and determines the points to compute. Throws Error if a
+/// parameter is out of its range, if the part of the grid is empty or not within the grid, or if
+/// the margin is so small that the grid would cut the surface (see doc/grid.md).
 Plan plan_grid(const Box& bounds, const Parameters& parameters);
-
-/// Performs step 1 of a plan for a given grid. `parameters.margin` is ignored, and
-/// `parameters.spacing` must be that of the grid.
-Plan plan_on_grid(const Grid& grid, const Box& bounds, const Parameters& parameters);
 
 /// Throws Error if the probe radius, the number of threads or the number of points to verify is out
 /// of its range.
@@ -45,32 +47,22 @@ void require_valid(const Outputs& outputs, const Molecule& molecule);
 
 /// The memory of a process for its part of a run.
 struct MemoryBudget {
-  std::uint64_t available = 0;   ///< free memory in bytes
-  std::uint64_t held = 0;        ///< memory for communication with other MPI ranks, in bytes
-  LabelTotals labels;            ///< labels in the memory of the process
-  double held_per_crossing = 0;  ///< memory that the caller needs for each crossing, in bytes
+  std::uint64_t available = 0;  ///< free memory in bytes
+  std::uint64_t held = 0;       ///< memory for communication with other MPI ranks, in bytes
+  LabelTotals labels;           ///< labels in the memory of the process
+  CallerMemory caller;          ///< memory that the caller needs for the results
 };
 
-/// Performs step 2 of a plan: chooses the schedule for the region of `plan.tiling`. `molecule` must
-/// have the atoms that influence the region. Returns the expected number of crossings in the
-/// region.
-double plan_schedule(const MemoryBudget& budget, const Molecule& molecule, const Outputs& outputs,
-                     Plan& plan);
+/// Performs step 2 of a plan: chooses block size, threads and number of blocks ahead for the region
+/// of `plan.tiling`, as far as they are not given, so that neither `max_memory` nor the available
+/// memory is exceeded. `molecule` must have the atoms that influence the region. Sets the expected
+/// number of crossings in the region. Throws MemoryLimitError if the run needs more memory.
+void plan_schedule(const MemoryBudget& budget, const Molecule& molecule, const Outputs& outputs,
+                   Plan& plan);
 
-/// Performs steps 2 and 3 of a plan for a single process with the whole molecule, whose labels are
-/// added to the budget. Returns the expected number of crossings.
-double plan_alone(MemoryBudget budget, const Molecule& molecule, const Outputs& outputs,
-                  Plan& plan);
-
-/// The contents of a run's files, as far as their sizes depend on them.
-struct FileContents {
-  std::uint64_t atoms = 0;
-  double crossings = 0;  ///< expected number
-  /// Labels of all atoms. Only the numbers of runs and the lengths of names are used.
-  LabelTotals labels;
-};
-
-/// Performs step 3 of a plan: estimates the sizes of the files and of the scratch files.
-void plan_files(const FileContents& contents, const Outputs& outputs, Plan& plan);
+/// Performs step 3 of a plan: estimates the sizes of the files and of the scratch files for this
+/// number of atoms. `labels` are those of all atoms; only the numbers of runs and the lengths of
+/// names are used.
+void plan_files(std::uint64_t atoms, const LabelTotals& labels, const Outputs& outputs, Plan& plan);
 
 }  // namespace eses::detail

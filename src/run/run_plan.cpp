@@ -9,15 +9,15 @@
 #include <span>
 #include <string>
 #include <utility>
+#include <variant>
 
 #include "eses/error.hpp"
 #include "eses/version.hpp"
+#include "grid/make_grid.hpp"
 #include "input/atom_names.hpp"
 #include "input/atom_reader.hpp"
 #include "output/grid_map.hpp"
 #include "output/mesh_writer.hpp"
-#include "run/atom_hash.hpp"
-#include "run/plan.hpp"
 #include "system/bytes_text.hpp"
 #include "system/formatted.hpp"
 #include "system/parallel.hpp"
@@ -30,11 +30,20 @@ namespace {
 // Version of checkpoints. Must increase with each change of the results or of the format of chunks.
 constexpr int checkpoint_format = 4;
 
+// Returns a hash of an atom and its index in the molecule.
+std::uint64_t hash_of(const Atom& atom, std::uint64_t index) {
+  const auto& [center, radius] = atom;
+  std::uint64_t hash = splitmix64(index);
+  for (const double value : {center.x, center.y, center.z, radius})
+    hash = splitmix64(hash ^ std::bit_cast<std::uint64_t>(value));
+  return hash;
+}
+
 // Returns a hash of all atoms. It does not depend on the division of the atoms among the processes.
 std::uint64_t hash_of(const AtomShare& share, const Processes& processes) {
   std::uint64_t sum = 0;
   for (std::size_t i = 0; i < share.atoms.size(); ++i) {
-    std::uint64_t hash = atom_hash(share.atoms[i], share.first + i);
+    std::uint64_t hash = hash_of(share.atoms[i], share.first + i);
     if (!share.groups.empty())
       hash = splitmix64(hash ^ std::bit_cast<std::uint64_t>(share.groups[i]));
     sum += hash;
@@ -92,27 +101,27 @@ bool names_groups(const Outputs& outputs) {
 // Throws Error if no schedule keeps the memory limit for this number of atoms. It is called before
 // anything is computed from the atoms. For few atoms, plan_schedule reports the minimum limit
 // instead.
-void require_memory_for(std::uint64_t atoms, const RunTask& task, const Processes& processes) {
+void require_memory_for(std::uint64_t atoms, const InputFile& file, std::uint64_t limit,
+                        const Processes& processes) {
   const auto count = static_cast<std::uint64_t>(processes.count());
   const double needed = min_expected_memory((atoms + count - 1) / count);
-  const std::uint64_t limit = task.parameters.max_memory;
   if (limit == 0 || needed <= static_cast<double>(limit) || needed < 2 * min_expected_memory(0))
     return;
   throw Error(formatted(
       "{}: {} atoms need more than {} of memory{}, but the limit is {}; use a larger limit "
       "(--max-memory)",
-      task.input.string(), atoms, binary_bytes_text(static_cast<std::uint64_t>(needed)),
+      file.path.string(), atoms, binary_bytes_text(static_cast<std::uint64_t>(needed)),
       count > 1 ? " in each process" : "", binary_bytes_text(limit)));
 }
 
 // Throws Error if reading and indexing the atoms has exceeded the memory limit.
-void require_memory_held(const RunTask& task) {
-  const std::uint64_t limit = task.parameters.max_memory, peak = peak_memory();
+void require_memory_held(const InputFile& file, std::uint64_t limit) {
+  const std::uint64_t peak = peak_memory();
   if (limit == 0 || peak <= limit) return;
   throw Error(
       formatted("{}: reading the atoms took {} of memory, but the limit is {}; use a larger limit "
                 "(--max-memory)",
-                task.input.string(), binary_bytes_text(peak), binary_bytes_text(limit)));
+                file.path.string(), binary_bytes_text(peak), binary_bytes_text(limit)));
 }
 
 // Converts the labels of a part of the molecule into the data that the outputs need: numbers and
@@ -129,18 +138,18 @@ LabelTotals take_labels(ResidueRuns residues, const Outputs& outputs, const Proc
   return totals;
 }
 
-// Returns the totals of the labels that stay in the memory of this process.
-LabelTotals labels_held(LabelTotals totals, const RunPlan& run, const Outputs& outputs) {
-  if (!outputs.residues) {
-    totals.labels = 0;
-    totals.heap_bytes = 0;
+// Returns these totals with the number and the heap memory of the labels that stay in the memory of
+// this process.
+LabelTotals with_labels_held(LabelTotals totals, const RunPlan& run) {
+  totals.labels = run.groups.are_known ? 1 : 0;  // for the group numbers of atoms
+  totals.heap_bytes = 0;
+  for (const std::span<const AtomLabel> labels :
+       {std::span<const AtomLabel>(run.residues.labels),
+        std::span<const AtomLabel>(run.groups.chains),
+        std::span<const AtomLabel>(run.groups.residues), run.slab.molecule.labels()}) {
+    totals.labels += labels.size();
+    totals.heap_bytes += total_labels(labels).heap_bytes;
   }
-  for (const auto* const names : {&run.groups.chains, &run.groups.residues}) {
-    totals.labels += names->size();
-    totals.heap_bytes += total_labels(*names).heap_bytes;
-  }
-  // Atoms have group numbers even in a process without the first atom of any group.
-  if (run.groups.are_known) ++totals.labels;
   return totals;
 }
 
@@ -196,27 +205,31 @@ int threads_of(const RunTask& task, const Processes::Machine& machine, const Pro
   return chosen > 0 || processes.count() == 1 ? chosen : machine.processors;
 }
 
-// Makes the plan of this process's slab. Returns the expected number of crossings in the slab.
-double plan_slab(const RunTask& task, const LabelTotals& labels, const Processes::Machine& machine,
-                 const Processes& processes, RunPlan& run) {
+// Makes the plan of this process's slab. `labels` are those in its memory.
+void plan_slab(const RunTask& task, const LabelTotals& labels, const Processes::Machine& machine,
+               const Processes& processes, RunPlan& run) {
   run.own = run.whole;
   run.own.tiling.region = with_planes(run.whole.tiling.region, run.slab.planes);
   run.own.parameters.threads = threads_of(task, machine, processes);
-  double crossings = 0;
   processes.all_or_throw([&] {
     if (run.slab.planes.is_empty()) return;
     const auto sharing = static_cast<std::uint64_t>(machine.processes);
-    crossings = plan_schedule({.available = available_memory() / sharing,
-                               .held = processes.own_memory(),
-                               .labels = labels},
-                              run.slab.molecule, task.outputs, run.own);
-    require_memory_held(task);
+    plan_schedule({.available = available_memory() / sharing,
+                   .held = processes.own_memory(),
+                   .labels = labels,
+                   .caller = task.caller_memory},
+                  run.slab.molecule, task.outputs, run.own);
+    if (const auto* file = std::get_if<InputFile>(&task.atoms))
+      require_memory_held(*file, task.parameters.max_memory);
   });
-  return crossings;
 }
 
-// Sets the schedule of the whole run to the maxima over all processes.
+// Sets the schedule of the whole run to the maxima over all processes, and its crossings to the
+// sum.
 void combine_schedules(const Processes& processes, RunPlan& run) {
+  std::array crossings{run.own.crossings};
+  processes.add(std::span<double>(crossings));
+  run.whole.crossings = crossings[0];
   const GridIndex& block_size = run.own.tiling.block_size;
   std::array<std::uint64_t, 6> maxima{run.own.memory_bytes,
                                       static_cast<std::uint64_t>(run.own.blocks_ahead),
@@ -244,22 +257,23 @@ void expect_chunks(const RunTask& task, Plan& whole) {
   if (task.resume) whole.files.text_scratch += whole.files.mesh;
 }
 
-}  // namespace
-
-RunPlan plan_run(const RunTask& task, const Processes& processes) {
+// Reads the file, makes the grid, and gives this process its slab. Returns the labels of the atoms
+// that this process has read.
+LabelTotals take_file(const InputFile& file, const RunTask& task, const Processes::Machine& machine,
+                      const Processes& processes, RunPlan& run) {
   const Outputs& outputs = task.outputs;
-  RunPlan run;
-  const bool has_names = is_structure(format_of(task.input, task.format));
+  const std::uint64_t limit = task.parameters.max_memory;
+  const bool has_names = is_structure(format_of(file.path, file.format));
   AtomShare share =
-      read_share(task.input,
-                 {.format = task.format,
+      read_share(file.path,
+                 {.format = file.format,
                   .with_labels = has_names || outputs.residues || names_groups(outputs),
-                  .max_memory = task.parameters.max_memory,
-                  .structure = task.structure},
+                  .max_memory = limit,
+                  .structure = file.structure},
                  processes);
   run.structure = std::move(share.structure);
   AtomNames names = std::exchange(share.names, {});
-  processes.all_or_throw([&] { require_memory_for(share.total, task, processes); });
+  processes.all_or_throw([&] { require_memory_for(share.total, file, limit, processes); });
   run.atoms = share.total;
   run.read = share.range();
   const LabelTotals labels =
@@ -267,32 +281,42 @@ RunPlan plan_run(const RunTask& task, const Processes& processes) {
   const Box bounds = bounds_of_all(share.atoms, processes);
   processes.all_or_throw([&] { run.whole = plan_grid(bounds, task.parameters); });
   open_checkpoint(task, share, processes, run);
-
-  const Processes::Machine machine = processes.machine(available_threads());
   SlabOfMolecule part = make_slab(std::move(share), run.whole, outputs, run.done,
                                   threads_of(task, machine, processes), processes);
   run.slab = std::move(part.slab);
   run.diagnostics = std::move(part.diagnostics);
   name_examples(std::exchange(names, {}), run.diagnostics);
   release_free_memory();
-
-  std::array crossings{plan_slab(task, labels_held(labels, run, outputs), machine, processes, run)};
-  processes.add(std::span<double>(crossings));
-  combine_schedules(processes, run);
-  plan_files({run.atoms, crossings[0], sum_labels(labels, processes)}, outputs, run.whole);
-  if (!writes_in_place(task, processes)) expect_chunks(task, run.whole);
-  return run;
+  return labels;
 }
 
-RunPlan plan_of_molecule(const Molecule& molecule, const Plan& plan, const Outputs& outputs) {
-  RunPlan run;
-  run.whole = run.own = plan;
+// Takes a molecule in memory, and makes the grid. Returns its labels.
+LabelTotals take_molecule(const Molecule& molecule, const RunTask& task, const Processes& processes,
+                          RunPlan& run) {
+  require_valid(task.outputs, molecule);
   run.atoms = molecule.atoms().size();
   run.read = {0, run.atoms};
-  run.slab.planes = region_planes(plan);
+  run.whole = plan_grid(sphere_bounds(molecule.atoms()), task.parameters);
+  run.slab.planes = region_planes(run.whole);
   run.slab.molecule = molecule;
-  if (outputs.residues || names_groups(outputs))
-    take_labels(residue_runs(molecule.labels()), outputs, Processes(), run, run.slab.groups);
+  if (!task.outputs.residues && !names_groups(task.outputs)) return {};
+  return take_labels(residue_runs(molecule.labels()), task.outputs, processes, run,
+                     run.slab.groups);
+}
+
+}  // namespace
+
+RunPlan plan_run(const RunTask& task, const Processes& processes) {
+  RunPlan run;
+  const Processes::Machine machine = processes.machine(available_threads());
+  const auto* const file = std::get_if<InputFile>(&task.atoms);
+  const LabelTotals labels =
+      file != nullptr ? take_file(*file, task, machine, processes, run)
+                      : take_molecule(std::get<Molecule>(task.atoms), task, processes, run);
+  plan_slab(task, with_labels_held(labels, run), machine, processes, run);
+  combine_schedules(processes, run);
+  plan_files(run.atoms, sum_labels(labels, processes), task.outputs, run.whole);
+  if (!writes_in_place(task, processes)) expect_chunks(task, run.whole);
   return run;
 }
 

@@ -3,7 +3,6 @@
 /// sending the atoms to the processes (run/slabs.hpp). Step 2 is in slab_sweep.hpp.
 
 #include <cstdint>
-#include <filesystem>
 #include <memory>
 #include <optional>
 #include <vector>
@@ -12,33 +11,11 @@
 #include "distributed/checkpoint.hpp"
 #include "distributed/group_numbers.hpp"
 #include "distributed/processes.hpp"
-#include "eses/read_atoms.hpp"
-#include "run/pipeline.hpp"
+#include "run/plan.hpp"
 #include "run/slabs.hpp"
 #include "run/task.hpp"
-#include "solve/block_solver.hpp"
 
 namespace eses::detail {
-
-/// Maps that the caller of a run in a single process receives.
-struct MapsInMemory {
-  std::vector<MapSink> sinks;
-  BlockExtras extras;  ///< what the maps need besides points
-};
-
-/// The choices of the user for a run.
-struct RunTask {
-  std::filesystem::path input = {};
-  AtomFormat format = AtomFormat::automatic;
-  StructureOptions structure = {};  ///< options for PDB and mmCIF files
-  Parameters parameters;
-  Outputs outputs;
-  std::filesystem::path output_directory;
-  /// Whether to keep finished chunks on disk, and to continue from those of an earlier run.
-  bool resume = false;
-  bool dry_run = false;  ///< whether to create no files
-  MapsInMemory maps_in_memory = {};
-};
 
 /// The plan of a run, and the part of the molecule that this process has.
 struct RunPlan {
@@ -57,13 +34,10 @@ struct RunPlan {
   std::vector<PlaneRange> done;  ///< planes of the chunks of an earlier run
 };
 
-/// Reads the input and makes the plan. All processes must call it. Throws SharedError if reading
-/// the atoms or make_plan would throw Error, and if the memory limit is exceeded.
+/// Makes the plan of a run: reads the file of the task, or takes its molecule. All processes must
+/// call it. Throws SharedError if the atoms cannot be read, if a parameter or an output is not
+/// possible for them, and if the run would exceed the memory.
 RunPlan plan_run(const RunTask& task, const Processes& processes);
-
-/// Returns the plan of a single process for a molecule in memory. `plan` is the result of
-/// make_plan.
-RunPlan plan_of_molecule(const Molecule& molecule, const Plan& plan, const Outputs& outputs);
 
 /// Returns whether texts are written directly to the output files: a single process sweeps the
 /// whole region as one range.

@@ -11,7 +11,7 @@
 #include "distributed/processes.hpp"
 #include "geometry/box.hpp"
 #include "grid/plane_range.hpp"
-#include "run/task.hpp"
+#include "run/plan.hpp"
 #include "surface/molecule.hpp"
 
 namespace eses::detail {

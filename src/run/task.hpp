@@ -1,23 +1,34 @@
 #pragma once
-/// Parameters, plan and callbacks of a run, as plain data.
+/// The request of a run, as plain data.
 
-#include <array>
 #include <cstdint>
+#include <filesystem>
 #include <functional>
 #include <optional>
+#include <span>
+#include <variant>
+#include <vector>
 
 #include "eses/grid.hpp"
 #include "eses/outputs.hpp"
+#include "eses/read_atoms.hpp"
 #include "eses/run_options.hpp"
 #include "eses/summary.hpp"
 #include "eses/surface.hpp"
 #include "geometry/box.hpp"
 #include "grid/tiling.hpp"
-#include "output/file_sizes.hpp"
+#include "output/grid_map.hpp"
+#include "solve/block_solver.hpp"
+#include "surface/molecule.hpp"
 
 namespace eses::detail {
 
 class SolvedBlock;
+
+/// The part of a grid to compute: all of it, the points in a closed box (angstrom, finite), blocks
+/// of the tiling of the whole grid, or a range of points; and the edges that start at these points.
+/// Indices and coordinates remain those of the whole grid.
+using GridPart = std::variant<std::monostate, Box, BlockRange, GridRegion>;
 
 /// Parameters of a run.
 struct Parameters {
@@ -35,30 +46,50 @@ struct Parameters {
   /// Maximum resident memory of the process in bytes. 0 means all available memory.
   std::uint64_t max_memory = 0;
   std::int64_t verify = 0;  ///< number of points, and of edges, to verify; 0 to 1e7
-  /// Restricts the computation to the grid points in this closed box (angstrom, finite) and the
-  /// edges that start there. Indices and coordinates remain those of the whole grid.
-  std::optional<Box> region = {};
-  /// Restricts the computation to these blocks, as indices in the tiling of the whole grid. Must
-  /// not be combined with `region`.
-  std::optional<GridRegion> blocks = {};
+  GridPart part = {};
 };
 
-/// The plan of a run, made before anything is allocated or written. A plan is valid only for the
-/// atoms for which it was made; `run` and `compute` refuse other atoms.
-struct Plan {
-  Parameters parameters;
-  Grid grid;
-  BlockTiling tiling;                  ///< blocks of the whole grid, or of the chosen region
-  int threads = 1;                     ///< >= 1
-  std::int64_t blocks_ahead = 0;       ///< maximum number of blocks solved beyond the current layer
-  std::array<double, 6> cut_depths{};  ///< see eses::detail::depths_inside
-  double cut_depth = 0;  ///< see eses::detail::cut_depth; > 0 if the grid cuts the surface
-  /// Estimate of the peak memory of the process, intended as an upper bound, if the process holds
-  /// only the atoms before the run.
-  std::uint64_t memory_bytes = 0;
-  FileSizes files;
-  /// Checksum of the centres and radii in input order, which identifies the atoms of the plan.
-  std::uint64_t atoms_checksum = 0;
+/// An input file.
+struct InputFile {
+  std::filesystem::path path;
+  AtomFormat format = AtomFormat::automatic;
+  StructureOptions structure = {};  ///< options for PDB and mmCIF files
+};
+
+/// Receives consecutive rows of a map. See GridMap::write_rows.
+using TakeRows = std::function<void(std::int64_t first_row, std::span<const std::uint64_t> words,
+                                    GridMap::Scratch& scratch)>;
+
+/// The receiver of the rows of a map. Several threads call it for different rows.
+struct MapSink {
+  MapQuantity quantity = MapQuantity::inside;
+  TakeRows take_rows;
+};
+
+/// Maps that the caller of a run in a single process receives.
+struct MapsInMemory {
+  std::vector<MapSink> sinks;
+  BlockExtras extras;  ///< what the maps need besides points
+};
+
+/// Memory that the caller of a run needs for the results, in addition to that of the run.
+struct CallerMemory {
+  std::uint64_t bytes = 0;
+  double per_crossing = 0;  ///< bytes
+};
+
+/// A request: the choices of the user for a run.
+struct RunTask {
+  /// The atoms. A molecule in memory is computed by a single process.
+  std::variant<InputFile, Molecule> atoms;
+  Parameters parameters = {};
+  Outputs outputs = {};
+  std::filesystem::path output_directory = {};
+  /// Whether to keep finished chunks on disk, and to continue from those of an earlier run.
+  bool resume = false;
+  bool dry_run = false;  ///< whether to create no files
+  MapsInMemory maps_in_memory = {};
+  CallerMemory caller_memory = {};
 };
 
 /// Receives each block once, in unspecified order. See `Callbacks` for the calling threads. An

@@ -7,7 +7,7 @@
 #include <span>
 #include <vector>
 
-#include "run/task.hpp"
+#include "run/plan.hpp"
 #include "solve/block_solver.hpp"
 #include "verify/definition.hpp"
 #include "verify/sample.hpp"

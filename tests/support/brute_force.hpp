@@ -26,8 +26,8 @@
 
 #include "eses/atoms.hpp"
 #include "eses/vec3.hpp"
-#include "run/run_alone.hpp"
 #include "support/eses_files.hpp"
+#include "support/run.hpp"
 
 namespace eses::detail::test {
 

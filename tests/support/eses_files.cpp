@@ -184,8 +184,7 @@ EsesFiles read_eses_files(const std::filesystem::path& directory) {
 RunResult run_and_read(const Molecule& molecule, const Parameters& parameters) {
   const TemporaryDirectory directory;
   const Outputs all;
-  const Plan plan = make_plan(molecule, parameters, all);
-  const Summary summary = run(molecule, plan, all, directory.path());
+  const Summary summary = run(molecule, parameters, all, directory.path());
   return {read_eses_files(directory.path()), summary};
 }
 

@@ -11,7 +11,7 @@
 #include "eses/atoms.hpp"
 #include "eses/grid.hpp"
 #include "eses/vec3.hpp"
-#include "run/run_alone.hpp"
+#include "support/run.hpp"
 
 namespace eses::detail::test {
 

@@ -1,0 +1,36 @@
+#pragma once
+/// Runs of molecules in memory in a single process, with the planner and the engine of the product.
+
+#include <filesystem>
+
+#include "run/engine.hpp"
+#include "run/run_plan.hpp"
+#include "run/solved_block.hpp"
+
+namespace eses::detail::test {
+
+/// Returns the plan of a run.
+inline Plan make_plan(const Molecule& molecule, const Parameters& parameters,
+                      const Outputs& outputs) {
+  return plan_run({.atoms = molecule, .parameters = parameters, .outputs = outputs}, Processes())
+      .whole;
+}
+
+/// Performs a run that writes its files into `directory`.
+inline Summary run(const Molecule& molecule, const Parameters& parameters, const Outputs& outputs,
+                   const std::filesystem::path& directory, const Callbacks& callbacks = {}) {
+  const RunTask task{.atoms = molecule,
+                     .parameters = parameters,
+                     .outputs = outputs,
+                     .output_directory = directory};
+  const Processes alone;
+  return execute(task, plan_run(task, alone), {}, callbacks, alone).summary;
+}
+
+/// Performs a run without files.
+inline Summary compute(const Molecule& molecule, const Parameters& parameters,
+                       const Callbacks& callbacks = {}) {
+  return run(molecule, parameters, Outputs::none(), {}, callbacks);
+}
+
+}  // namespace eses::detail::test
