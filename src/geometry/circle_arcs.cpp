@@ -221,14 +221,14 @@ bool is_accessible(const ContactCircle& circle, const CapList& caps, std::uint32
 
 // Adds all accessible ends in an open interval, after an individual test of each. If the exact caps
 // leave much less of the interval than the slackened ones, its ends need not be accessible, and
-// other ends within it may be. Ends at the same place are added once; `scratch.places` has the
+// other ends within it may be. Ends at the same point are added once; `scratch.ends` has the
 // known ones.
 void add_uncertain_ends(const ContactCircle& circle, const CircleFrame& frame, const CapList& caps,
                         std::uint32_t own, double origin, const OpenIntervals::Interval& open,
                         ArcScratch& scratch, std::vector<CircleEnd>& ends) {
   const auto is_known = [&](Vec3 direction) {
-    return std::any_of(scratch.places.begin(), scratch.places.end(), [&](Vec3 place) {
-      return circle.radius * norm(place - direction) < tolerance::same_placement;
+    return std::any_of(scratch.ends.begin(), scratch.ends.end(), [&](Vec3 end) {
+      return circle.radius * norm(end - direction) < tolerance::same_placement;
     });
   };
   for (std::uint32_t k = 0; k < caps.size(); ++k) {
@@ -241,7 +241,7 @@ void add_uncertain_ends(const ContactCircle& circle, const CircleFrame& frame, c
       if (!is_within) continue;
       const Vec3 direction = in_space(frame, end);
       if (is_known(direction) || !is_accessible(circle, caps, own, k, direction)) continue;
-      scratch.places.push_back(direction);
+      scratch.ends.push_back(direction);
       ends.push_back({k, static_cast<std::int8_t>(side), true});
     }
   }
@@ -263,11 +263,11 @@ void add_open_interval(const ContactCircle& circle, const CircleFrame& frame, co
   const bool is_kept = span * circle.radius >= tolerance::arc_length;
   const bool is_uncertain =
       !is_kept || std::max(start_turn, end_turn) * circle.radius > tolerance::end_shift;
-  scratch.places.clear();
+  scratch.ends.clear();
   if (is_kept) {
-    scratch.places.assign({in_space(frame, start), in_space(frame, end)});
-    arcs.push_back({span <= half_turn ? ArcKind::minor : ArcKind::major, scratch.places[0],
-                    scratch.places[1]});
+    scratch.ends.assign({in_space(frame, start), in_space(frame, end)});
+    arcs.push_back(
+        {span <= half_turn ? ArcKind::minor : ArcKind::major, scratch.ends[0], scratch.ends[1]});
     ends.push_back({open.low_cap, +1, is_uncertain});
     ends.push_back({open.high_cap, -1, is_uncertain});
   }

@@ -59,7 +59,7 @@ struct OpenIntervals {
 /// Scratch memory of `accessible_arcs`.
 struct ArcScratch {
   OpenIntervals open;
-  std::vector<Vec3> places;  ///< directions from the circle's centre to the ends of one interval
+  std::vector<Vec3> ends;  ///< directions from the circle's centre to the ends of one interval
 };
 
 /// Appends the accessible arcs of `circle` to `arcs`, and the placements at their ends to `ends`.

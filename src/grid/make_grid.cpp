@@ -163,8 +163,8 @@ GridRegion points_between(const Grid& grid, Vec3 low, Vec3 high) {
     const auto size = grid.size[axis];
     // The quotient gives an approximate index. The coordinates near it decide.
     const auto near = [&](double coordinate) {
-      const double place = (coordinate - grid.origin[axis]) / grid.spacing;
-      return static_cast<std::int64_t>(std::clamp(place, -2.0, static_cast<double>(size) + 1));
+      const double position = (coordinate - grid.origin[axis]) / grid.spacing;
+      return static_cast<std::int64_t>(std::clamp(position, -2.0, static_cast<double>(size) + 1));
     };
     std::int64_t begin = std::clamp<std::int64_t>(near(low[axis]) - 2, 0, size);
     while (begin < size && grid.coordinate(axis, begin) < low[axis]) ++begin;

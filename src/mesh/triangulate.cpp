@@ -107,8 +107,8 @@ std::uint8_t patch_of(const CellRows& rows, const Triangle& triangle) {
   for (std::size_t corner = 0; corner < patches.size(); ++corner)
     for (const Row* const row : rows) {
       // For vertices before the first one of the row, the difference wraps to a large number.
-      const std::uint64_t place = triangle[corner] - row->first_vertex;
-      if (place < row->patches.size()) patches[corner] = row->patches[place];
+      const std::uint64_t vertex = triangle[corner] - row->first_vertex;
+      if (vertex < row->patches.size()) patches[corner] = row->patches[vertex];
     }
   std::sort(patches.begin(), patches.end());
   return patches[1];

@@ -40,11 +40,11 @@ HWY_INLINE WordVector disc_rows(const BallPlane& plane, const double* y, std::si
   const auto dy = load(y + j) - broadcast(plane.y);
   const auto squared = broadcast(plane.squared_radius) - dy * dy;
   const auto half = hn::Sqrt(hn::Max(squared, zero));
-  const auto place = [&](DoubleVector x) {
+  const auto index_of = [&](DoubleVector x) {
     return (x - broadcast(plane.origin)) * broadcast(plane.inverse_spacing);
   };
-  const auto low = hn::Ceil(place(broadcast(plane.x) - half)) - broadcast(plane.column_first);
-  const auto high = hn::Floor(place(broadcast(plane.x) + half)) - broadcast(plane.column_first);
+  const auto low = hn::Ceil(index_of(broadcast(plane.x) - half)) - broadcast(plane.column_first);
+  const auto high = hn::Floor(index_of(broadcast(plane.x) + half)) - broadcast(plane.column_first);
   auto valid = hn::And(squared >= zero, low <= high);
   valid = hn::And(valid, hn::And(high >= zero, low <= last));
   valid = hn::And(valid, hn::FirstN(doubles, end - j));
@@ -149,17 +149,17 @@ void stamp_ball(const BlockGrid& grid, Vec3 center, double radius, PointBits& bi
 }
 
 // Appends the points of one word to the batch, relative to `center`.
-void add_points(const BlockGrid& grid, Vec3 center, const WordPlace& place, std::uint64_t bits,
+void add_points(const BlockGrid& grid, Vec3 center, const WordPosition& word, std::uint64_t bits,
                 PointBatch& batch) {
-  const auto first_x = static_cast<std::size_t>(place.column * PointBits::column_step);
-  const double dy = grid.coordinates[1][static_cast<std::size_t>(place.y)] - center.y;
-  const double dz = grid.coordinates[2][static_cast<std::size_t>(place.z)] - center.z;
+  const auto first_x = static_cast<std::size_t>(word.column * PointBits::column_step);
+  const double dy = grid.coordinates[1][static_cast<std::size_t>(word.y)] - center.y;
+  const double dz = grid.coordinates[2][static_cast<std::size_t>(word.z)] - center.z;
   for_each_bit(bits, [&](int bit) {
     const auto b = static_cast<std::size_t>(bit);
     batch.x[batch.count] = grid.coordinates[0][first_x + b] - center.x;
     batch.y[batch.count] = dy;
     batch.z[batch.count] = dz;
-    batch.place[batch.count] = place.word * 64 + b;
+    batch.bit[batch.count] = word.word * 64 + b;
     ++batch.count;
   });
 }
@@ -168,8 +168,8 @@ void add_points(const BlockGrid& grid, Vec3 center, const WordPlace& place, std:
 void clear_lanes(const PointBatch& batch, std::size_t first, DoubleMask mask,
                  std::uint64_t* words) {
   for_each_lane(mask, [&](std::size_t lane) {
-    const std::uint64_t place = batch.place[first + lane];
-    words[place / 64] &= ~(std::uint64_t{1} << (place % 64));
+    const std::uint64_t bit = batch.bit[first + lane];
+    words[bit / 64] &= ~(std::uint64_t{1} << (bit % 64));
   });
 }
 
@@ -245,8 +245,8 @@ void clear_arc(const BlockGrid& grid, const ArcFeature& arc, double squared_prob
   for (std::size_t axis = 0; axis < 3; ++axis)
     range[axis] = points_within(grid, axis, arc.solid_box.low[axis], arc.solid_box.high[axis]);
   for_each_word(undecided, undecided.words, range,
-                [&](const WordPlace& place, std::uint64_t waiting) {
-                  add_points(grid, arc.circle.center, place, waiting, scratch.batch);
+                [&](const WordPosition& word, std::uint64_t waiting) {
+                  add_points(grid, arc.circle.center, word, waiting, scratch.batch);
                   if (scratch.batch.count + 64 > PointBatch::capacity)
                     clear_near_arc(arc, squared_probe, scratch.batch, undecided.words.data());
                 });

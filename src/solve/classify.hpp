@@ -15,13 +15,13 @@ namespace eses::detail {
 struct PointBatch {
   static constexpr std::size_t capacity = 1024;
 
-  std::vector<double> x, y, z;       ///< relative to the centre of the atom or of the arc's circle
-  std::vector<std::uint64_t> place;  ///< word index * 64 + bit
+  std::vector<double> x, y, z;     ///< relative to the centre of the atom or of the arc's circle
+  std::vector<std::uint64_t> bit;  ///< word index * 64 + bit
   std::size_t count = 0;
 
   void make_room() {
     for (auto* values : {&x, &y, &z}) values->resize(capacity + vector_padding);
-    place.resize(capacity + vector_padding);
+    bit.resize(capacity + vector_padding);
   }
 };
 

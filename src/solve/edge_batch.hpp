@@ -16,15 +16,15 @@ struct EdgeBatch {
 
   /// The outside ends, relative to the centre of the arc's circle.
   std::array<std::vector<double>, 3> start;
-  std::vector<double> from;          ///< coordinate of the outside ends along the axis
-  std::vector<double> step;          ///< signed step along the axis to the inside ends
-  std::vector<std::uint64_t> place;  ///< word index * 64 + bit of the lower ends
+  std::vector<double> from;        ///< coordinate of the outside ends along the axis
+  std::vector<double> step;        ///< signed step along the axis to the inside ends
+  std::vector<std::uint64_t> key;  ///< any number by which the caller knows the edge
   std::size_t count = 0;
 
   void make_room() {
     for (auto* values : {&start[0], &start[1], &start[2], &from, &step})
       values->resize(capacity + vector_padding);
-    place.resize(capacity + vector_padding);
+    key.resize(capacity + vector_padding);
   }
 };
 

@@ -85,13 +85,13 @@ void keep_near_saddle(const ArcFeature& arc, double probe, double length, EdgeBa
                                      passes_beyond<axis>(arc.sector.end_normal, start, step)));
     const auto may_cross = hn::AndNot(is_off, hn::FirstN(doubles, batch.count - i));
     if (hn::AllFalse(doubles, may_cross)) continue;
-    const auto place = hn::LoadU(words, batch.place.data() + i);
+    const auto key = hn::LoadU(words, batch.key.data() + i);
     // Compression in place never overwrites elements that have not been read, as kept <= i.
     hn::CompressStore(start.x, may_cross, doubles, batch.start[0].data() + kept);
     hn::CompressStore(start.y, may_cross, doubles, batch.start[1].data() + kept);
     hn::CompressStore(start.z, may_cross, doubles, batch.start[2].data() + kept);
     hn::CompressStore(load(batch.from.data() + i), may_cross, doubles, batch.from.data() + kept);
-    hn::CompressStore(place, hn::RebindMask(words, may_cross), words, batch.place.data() + kept);
+    hn::CompressStore(key, hn::RebindMask(words, may_cross), words, batch.key.data() + kept);
     kept += hn::CompressStore(step, may_cross, doubles, batch.step.data() + kept);
   }
   batch.count = kept;
@@ -119,7 +119,7 @@ HWY_INLINE LanePoints saddle_normals(const ArcFeature& arc, const Points& offset
   return normals;
 }
 
-/// Calls `found(place, coordinate, normal)` for each point in which an edge of the batch crosses
+/// Calls `found(key, coordinate, normal)` for each point in which an edge of the batch crosses
 /// the patch. `coordinate` is that along the edges' axis.
 template <std::size_t axis, class Found>
 void meet_saddle(const ArcFeature& arc, double probe, double length, EdgeBatch& batch,
@@ -132,15 +132,15 @@ void meet_saddle(const ArcFeature& arc, double probe, double length, EdgeBatch& 
     const Points start = batch_points(batch, i);
     const auto step = load(batch.step.data() + i);
     const auto report = [&](DoubleVector parameter, DoubleMask exits) {
-      const auto share = hn::Min(hn::Max(parameter, broadcast(0)), broadcast(1));
+      const auto fraction = hn::Min(hn::Max(parameter, broadcast(0)), broadcast(1));
       Points point = start;
-      along<axis>(point) = along<axis>(point) + share * step;
+      along<axis>(point) = along<axis>(point) + fraction * step;
       exits = hn::And(exits, is_in_wedge(arc, point));
       if (hn::AllFalse(doubles, exits)) return;
-      const LaneValues coordinates(load(batch.from.data() + i) + share * step);
+      const LaneValues coordinates(load(batch.from.data() + i) + fraction * step);
       const LanePoints normals = saddle_normals(arc, point, exits);
       for_each_lane(exits, [&](std::size_t lane) {
-        found(batch.place[i + lane], coordinates[lane], normals[lane]);
+        found(batch.key[i + lane], coordinates[lane], normals[lane]);
       });
     };
     const auto in_batch = hn::FirstN(doubles, batch.count - i);

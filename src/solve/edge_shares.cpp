@@ -25,32 +25,31 @@ std::uint32_t share_of(const BlockGrid& grid, const GridIndex& lower,
   return share_of(crossing.lower_is_inside ? above : 1 - above);
 }
 
-// Divides an edge at all places where it may meet the surface, and classifies the parts.
+// Divides an edge at all coordinates at which it may meet the surface, and classifies the parts.
 class EdgeDivider {
  public:
   // Keeps references to all arguments. `patches` must be an index of `features` when an edge is
   // divided.
-  EdgeDivider(const PatchIndex& patches, const BlockFeatures& features, std::vector<double>& places)
-      : patches_(patches), features_(features), places_(places) {}
+  EdgeDivider(const PatchIndex& patches, const BlockFeatures& features, std::vector<double>& cuts)
+      : patches_(patches), features_(features), cuts_(cuts) {}
 
   // Returns the fraction of the edge that lies inside.
   double inside_share(const CrossedEdge& edge) {
     const double low = edge.lower[edge.axis], high = edge.upper;
-    places_.assign({low, high});
-    add_places(edge);
-    std::sort(places_.begin(), places_.end());
+    cuts_.assign({low, high});
+    add_cuts(edge);
+    std::sort(cuts_.begin(), cuts_.end());
     double inside = 0, begin = low, previous = low;
     bool is_inside_before = false;
     // A length is added only where the side changes. Places that are not on the surface therefore
     // do not influence the rounding of the sum.
-    for (const double place : places_) {
-      if (place - previous < tolerance::same_crossing && place < high) continue;
-      const bool is_inside_now =
-          place > previous && is_inside(edge.point_at(0.5 * (previous + place)));
+    for (const double cut : cuts_) {
+      if (cut - previous < tolerance::same_crossing && cut < high) continue;
+      const bool is_inside_now = cut > previous && is_inside(edge.point_at(0.5 * (previous + cut)));
       if (is_inside_now && !is_inside_before) begin = previous;
       if (!is_inside_now && is_inside_before) inside += previous - begin;
       is_inside_before = is_inside_now;
-      previous = place;
+      previous = cut;
     }
     if (is_inside_before) inside += high - begin;
     return inside / (high - low);
@@ -62,8 +61,8 @@ class EdgeDivider {
            is_in_sas_ball(features_, point);
   }
 
-  // Adds the places of all patches in the cells of the index through which the edge passes.
-  void add_places(const CrossedEdge& edge) {
+  // Adds the cuts of all patches in the cells of the index through which the edge passes.
+  void add_cuts(const CrossedEdge& edge) {
     const double low = edge.lower[edge.axis], length = edge.upper - low;
     const double steps = std::ceil(length / patches_.cell_side());
     for (double step = 0; step <= steps; ++step) {
@@ -78,11 +77,11 @@ class EdgeDivider {
     }
   }
 
-  // Adds a place if it is in the box of its patch. The set of patches in a cell depends on the
-  // block, but the places in their boxes do not.
-  void add(const CrossedEdge& edge, double place, const Box& box) {
-    if (place > edge.lower[edge.axis] && place < edge.upper && contains(box, edge.point_at(place)))
-      places_.push_back(place);
+  // Adds a cut if it is in the box of its patch. The set of patches in a cell depends on the
+  // block, but the cuts in their boxes do not.
+  void add(const CrossedEdge& edge, double cut, const Box& box) {
+    if (cut > edge.lower[edge.axis] && cut < edge.upper && contains(box, edge.point_at(cut)))
+      cuts_.push_back(cut);
   }
 
   void add_sphere(const CrossedEdge& edge, Vec3 center, double radius, const Box& box) {
@@ -116,7 +115,7 @@ class EdgeDivider {
 
   const PatchIndex& patches_;
   const BlockFeatures& features_;
-  std::vector<double>& places_;
+  std::vector<double>& cuts_;
 };
 
 // Sorts edges by row, lower point and axis, and removes duplicates.
@@ -137,7 +136,7 @@ void find_edge_shares(const BlockGrid& grid, const BlockFeatures& features, cons
                       IntersectScratch& scratch, EdgeShares& shares) {
   sort_doubtful(scratch.doubtful);
   if (!scratch.doubtful.empty()) scratch.patches.reset(features, grid.box);
-  EdgeDivider divider(scratch.patches, features, scratch.places);
+  EdgeDivider divider(scratch.patches, features, scratch.cuts);
   auto doubtful = scratch.doubtful.cbegin();
   shares.edges.clear();
   shares.edges.reserve(crossings.size() + scratch.doubtful.size());
@@ -159,12 +158,12 @@ void find_edge_shares(const BlockGrid& grid, const BlockFeatures& features, cons
     };
     for (std::uint32_t c = row_begin[row]; c < row_begin[row + 1]; ++c) {
       const BlockCrossing& crossing = crossings[c];
-      const std::tuple place(crossing.x, crossing.axis);
+      const std::tuple key(crossing.x, crossing.axis);
       while (doubtful != scratch.doubtful.cend() && doubtful->row == row &&
-             std::tuple(doubtful->x, doubtful->axis) < place)
+             std::tuple(doubtful->x, doubtful->axis) < key)
         add_doubtful();
       if (doubtful != scratch.doubtful.cend() && doubtful->row == row &&
-          std::tuple(doubtful->x, doubtful->axis) == place)
+          std::tuple(doubtful->x, doubtful->axis) == key)
         add_doubtful();
       else
         add(crossing.x, crossing.axis, share_of(grid, {crossing.x, y, z}, crossing));

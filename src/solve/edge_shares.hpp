@@ -27,9 +27,9 @@ struct EdgeShares {
 /// have listed doubtful edges.
 ///
 /// The surface can cut an edge only where the edge meets a van der Waals sphere, the tube around an
-/// arc, or the sphere of a probe placement. All these places are computed. The midpoint between two
-/// consecutive places decides by the definition of the surface whether the part between them is
-/// inside, so places that are not on the surface do no harm. An edge that is not doubtful is cut
+/// arc, or the sphere of a probe placement. All these points are computed. The midpoint between two
+/// consecutive points decides by the definition of the surface whether the part between them is
+/// inside, so points that are not on the surface do no harm. An edge that is not doubtful is cut
 /// once, and its crossing gives the fraction.
 void find_edge_shares(const BlockGrid& grid, const BlockFeatures& features, const PointBits& inside,
                       std::span<const BlockCrossing> crossings,

@@ -61,12 +61,12 @@ inline std::uint64_t column_bits(const IndexRange& x, std::int64_t column) {
 }
 
 /// The position of a word of PointBits.
-struct WordPlace {
+struct WordPosition {
   std::int64_t column = 0, y = 0, z = 0;
   std::size_t word = 0;
 };
 
-/// Calls `action(place, bits)` for each of `words` that has set bits within the ranges along x, y
+/// Calls `action(word, bits)` for each of `words` that has set bits within the ranges along x, y
 /// and z. `bits` are these bits. `words` have the same layout as those of `layout`.
 template <class Action>
 void for_each_word(const PointBits& layout, std::span<const std::uint64_t> words,
@@ -78,7 +78,7 @@ void for_each_word(const PointBits& layout, std::span<const std::uint64_t> words
       for (std::int64_t y = range[1].begin; y < range[1].end; ++y) {
         const std::size_t word = layout.word_index(column, y, z);
         if (const std::uint64_t bits = words[word] & within; bits != 0)
-          action(WordPlace{column, y, z, word}, bits);
+          action(WordPosition{column, y, z, word}, bits);
       }
   }
 }

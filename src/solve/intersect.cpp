@@ -148,15 +148,15 @@ struct Search {
   void add_on_line(GridIndex line, const BlockCrossing& crossing, bool needs_proof = false) {
     constexpr double near_end = 2 * tolerance::edge_end;
     const std::size_t axis = crossing.axis;
-    const double place = (crossing.coordinate - grid.grid.origin[axis]) * grid.inverse_spacing -
-                         static_cast<double>(grid.block.first[axis]);
-    const double cell = std::floor(place);
+    const double position = (crossing.coordinate - grid.grid.origin[axis]) * grid.inverse_spacing -
+                            static_cast<double>(grid.block.first[axis]);
+    const double cell = std::floor(position);
     line[axis] = static_cast<std::int64_t>(cell);
     add_to_edge(line, crossing, needs_proof);
-    if (place - cell < near_end) {
+    if (position - cell < near_end) {
       --line[axis];
       add_to_edge(line, crossing, needs_proof);
-    } else if (place - cell > 1 - near_end) {
+    } else if (position - cell > 1 - near_end) {
       ++line[axis];
       add_to_edge(line, crossing, needs_proof);
     }
@@ -213,19 +213,19 @@ struct Search {
 
   // Appends the edges of one word to the batch.
   template <std::size_t axis>
-  void gather_edges(std::uint64_t changes, const WordPlace& place, Vec3 origin) {
+  void gather_edges(std::uint64_t changes, const WordPosition& word, Vec3 origin) {
     EdgeBatch& batch = scratch.batch;
-    const std::int64_t first_x = place.column * PointBits::column_step;
+    const std::int64_t first_x = word.column * PointBits::column_step;
     for_each_bit(changes, [&](int bit) {
-      const GridIndex lower{first_x + bit, place.y, place.z};
-      Vec3 start{coordinate(0, lower[0]), coordinate(1, place.y), coordinate(2, place.z)};
+      const GridIndex lower{first_x + bit, word.y, word.z};
+      Vec3 start{coordinate(0, lower[0]), coordinate(1, word.y), coordinate(2, word.z)};
       const double low = start[axis], high = coordinate(axis, lower[axis] + 1);
-      const bool lower_is_inside = is_inside(place.word, bit);
+      const bool lower_is_inside = is_inside(word.word, bit);
       start[axis] = lower_is_inside ? high : low;
       for (std::size_t a = 0; a < 3; ++a) batch.start[a][batch.count] = start[a] - origin[a];
       batch.from[batch.count] = start[axis];
       batch.step[batch.count] = lower_is_inside ? low - high : high - low;
-      batch.place[batch.count] = place.word * 64 + static_cast<std::uint64_t>(bit);
+      batch.key[batch.count] = word.word * 64 + static_cast<std::uint64_t>(bit);
       ++batch.count;
     });
   }
@@ -234,9 +234,9 @@ struct Search {
   void meet_batch(const ArcFeature& arc) {
     meet_saddle<axis>(
         arc, features.probe_radius, grid.grid.spacing, scratch.batch,
-        [&](std::uint64_t place, double met, Vec3 normal) {
-          const std::size_t word = place / 64;
-          const auto bit = static_cast<int>(place % 64);
+        [&](std::uint64_t key, double met, Vec3 normal) {
+          const std::size_t word = key / 64;
+          const auto bit = static_cast<int>(key % 64);
           add_candidate(
               edge_rank(axis, word, bit),
               {met, normal, {arc.atoms[0], arc.atoms[1]}, 0, axis, 2, is_inside(word, bit)});
@@ -253,8 +253,8 @@ struct Search {
         range[a] = a == axis() ? own_edges_within(grid, a, box.low[a], box.high[a])
                                : own_points_within(grid, a, box.low[a], box.high[a]);
       for_each_word(inside, scratch.edges.changes[axis()], range,
-                    [&](const WordPlace& place, std::uint64_t changes) {
-                      gather_edges<axis()>(changes, place, arc.circle.center);
+                    [&](const WordPosition& word, std::uint64_t changes) {
+                      gather_edges<axis()>(changes, word, arc.circle.center);
                       if (scratch.batch.count + 64 > EdgeBatch::capacity) meet_batch<axis()>(arc);
                     });
       meet_batch<axis()>(arc);
@@ -288,7 +288,7 @@ struct Search {
         for (std::size_t a = 0; a < 3; ++a) batch.start[a][batch.count] = from[a];
         batch.from[batch.count] = coordinate(axis, lower[axis]);
         batch.step[batch.count] = coordinate(axis, lower[axis] + 1) - coordinate(axis, lower[axis]);
-        batch.place[batch.count] =
+        batch.key[batch.count] =
             static_cast<std::uint64_t>((z * grid.block.owned[1] + y) << 16 | lower[0]);
         ++batch.count;
       });
@@ -303,9 +303,9 @@ struct Search {
   template <std::size_t axis>
   void meet_doubtful(const ArcFeature& arc) {
     meet_saddle<axis>(arc, features.probe_radius, grid.grid.spacing, scratch.batch,
-                      [&](std::uint64_t place, double, Vec3) {
-                        scratch.doubtful.push_back({static_cast<std::uint32_t>(place >> 16),
-                                                    static_cast<std::uint16_t>(place), axis});
+                      [&](std::uint64_t key, double, Vec3) {
+                        scratch.doubtful.push_back({static_cast<std::uint32_t>(key >> 16),
+                                                    static_cast<std::uint16_t>(key), axis});
                       });
     scratch.batch.count = 0;
   }

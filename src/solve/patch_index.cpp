@@ -16,9 +16,9 @@ constexpr double max_cells = 64;
 PatchIndex::CellIndex PatchIndex::cell_index(Vec3 point) const {
   CellIndex index{};
   for (std::size_t axis = 0; axis < 3; ++axis) {
-    const double place = (point[axis] - box_.low[axis]) / cell_side_;
+    const double cell = (point[axis] - box_.low[axis]) / cell_side_;
     index[axis] =
-        static_cast<std::size_t>(std::clamp(place, 0.0, static_cast<double>(size_[axis] - 1)));
+        static_cast<std::size_t>(std::clamp(cell, 0.0, static_cast<double>(size_[axis] - 1)));
   }
   return index;
 }
@@ -33,7 +33,8 @@ void PatchIndex::fill(std::span<const Feature> features, BoxOf&& box_of, Lists& 
       for (std::size_t y = low[1]; y <= high[1]; ++y)
         for (std::size_t x = low[0]; x <= high[0]; ++x) action((z * size_[1] + y) * size_[0] + x);
   };
-  // Counts are stored one element further, so that filling the lists moves each begin to its place.
+  // Counts are stored one element further, so that filling the lists moves each begin to its final
+  // value.
   lists.begin.assign(size_[0] * size_[1] * size_[2] + 2, 0);
   for (const Feature& feature : features)
     for_each_cell(feature, [&](std::size_t cell) { ++lists.begin[cell + 2]; });

@@ -5,8 +5,9 @@
 
 namespace eses::detail {
 AtomClusters::AtomClusters(const SurfaceModel& surface)
-    : order_(surface.cells().order()), places_(order_.size()) {
-  for (std::uint32_t place = 0; place < order_.size(); ++place) places_[order_[place]] = place;
+    : order_(surface.cells().order()), positions_(order_.size()) {
+  for (std::uint32_t position = 0; position < order_.size(); ++position)
+    positions_[order_[position]] = position;
   heights_.resize((order_.size() + atoms_per_cluster - 1) / atoms_per_cluster);
   for (ClusterIndex cluster = 0; cluster < count(); ++cluster) {
     HeightRange& heights = heights_[cluster];

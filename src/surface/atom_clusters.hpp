@@ -37,7 +37,7 @@ class AtomClusters {
     std::uint32_t member = 0;
   };
   Place place_of(AtomIndex atom) const {
-    return {places_[atom] / atoms_per_cluster, places_[atom] % atoms_per_cluster};
+    return {positions_[atom] / atoms_per_cluster, positions_[atom] % atoms_per_cluster};
   }
 
   /// The atoms of a cluster.
@@ -52,10 +52,10 @@ class AtomClusters {
   ClusterIndex count_below(double z) const;
 
  private:
-  std::span<const AtomIndex> order_;     // atoms by cluster: the order of the cell list
-  std::vector<std::uint32_t> places_;    // by atom: its place in `order_`
-  std::vector<HeightRange> heights_;     // by cluster
-  std::vector<double> min_height_from_;  // by cluster: the minimum height of it and all later ones
+  std::span<const AtomIndex> order_;      // atoms by cluster: the order of the cell list
+  std::vector<std::uint32_t> positions_;  // by atom: its index in `order_`
+  std::vector<HeightRange> heights_;      // by cluster
+  std::vector<double> min_height_from_;   // by cluster: the minimum height of it and all later ones
 };
 
 }  // namespace eses::detail

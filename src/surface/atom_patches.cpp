@@ -23,7 +23,7 @@ Box box_of(std::span<const Atom> group) {
 }
 
 // Finds all atoms whose SAS sphere may meet that of an atom of the group. Their order decides which
-// of several ends at the same place is kept. It does not depend on the other atoms, so it is the
+// of several ends at the same point is kept. It does not depend on the other atoms, so it is the
 // same in a part of the molecule.
 void look_up_neighbours(const SurfaceModel& surface, std::span<const Atom> group,
                         AtomPatchScratch& scratch) {
@@ -104,7 +104,7 @@ void add_circles(const SurfaceModel& surface, AtomIndex i, AtomPatchScratch& scr
 }
 
 // Does the same with the caps in the order of their atoms. That order decides which of several
-// uncertain ends at the same place is kept.
+// uncertain ends at the same point is kept.
 void add_circles_in_order(const SurfaceModel& surface, AtomIndex i, AtomPatchScratch& scratch,
                           BuiltPatches& patches) {
   std::sort(scratch.burial.relevant.begin(), scratch.burial.relevant.end(),

@@ -54,8 +54,8 @@ AtomSlices cut_into_slices(std::span<const Atom> atoms, std::size_t count, int t
   std::vector<std::uint8_t> slice_of(atoms.size());
   for_loop_ranges(atoms.size(), threads, [&](std::size_t, AtomIndex begin, AtomIndex end) {
     for (AtomIndex i = begin; i < end; ++i) {
-      const double place = atoms[i].center[slices.axis];
-      const auto above = std::upper_bound(slices.cuts.begin(), slices.cuts.end(), place);
+      const double coordinate = atoms[i].center[slices.axis];
+      const auto above = std::upper_bound(slices.cuts.begin(), slices.cuts.end(), coordinate);
       slice_of[i] = static_cast<std::uint8_t>(above - slices.cuts.begin());
     }
   });

@@ -122,8 +122,8 @@ HWY_INLINE void store_floats(DoubleVector values, float* to) {
 void find_settled(const CapList& caps, const PatchCosines& patch, float* settled) {
   for (std::size_t k = 0; k < caps.count; k += hn::Lanes(Doubles())) {
     const auto height = load(&caps.height[k]), blocking = load(&caps.blocking_height[k]);
-    // The slackened cap of a neighbour in almost the same place is nearly empty, so its exact cap
-    // must not replace others.
+    // The slackened cap of a neighbour at almost the same position is nearly empty, so its exact
+    // cap must not replace others.
     const auto shrinks =
         (blocking - height) * broadcast(patch.inverse_radius) > broadcast(small_shrinkage);
     const auto [cosine, sine] =

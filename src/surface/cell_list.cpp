@@ -42,12 +42,12 @@ CellList::SortedAtoms CellList::sorted(std::vector<AtomIndex> members) const {
   std::sort(cells.begin(), cells.end());
   SortedAtoms result;
   result.order = std::move(members);
-  for (std::uint32_t place = 0; place < cells.size(); ++place) {
-    const auto& [cell, i] = cells[place];
-    result.order[place] = i;
+  for (std::uint32_t position = 0; position < cells.size(); ++position) {
+    const auto& [cell, i] = cells[position];
+    result.order[position] = i;
     result.max_radius = std::max(result.max_radius, atoms_[i].radius);
     if (result.rows.empty() || result.rows.back().z != cell[0] || result.rows.back().y != cell[1])
-      result.rows.push_back({cell[0], cell[1], place});
+      result.rows.push_back({cell[0], cell[1], position});
   }
   result.rows.shrink_to_fit();
   return result;

@@ -102,8 +102,8 @@ struct ClassTree {
     for (const AtomIndex i : members) max_radius = std::max(max_radius, atoms[i].radius);
   }
 
-  bool may_reach(double place, double distance) const {
-    return extent.low - place < distance && place - extent.high < distance;
+  bool may_reach(double coordinate, double distance) const {
+    return extent.low - coordinate < distance && coordinate - extent.high < distance;
   }
 
   // Appends the atoms whose centre is less than `distance` from `point`.

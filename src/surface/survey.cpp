@@ -283,10 +283,10 @@ void SurfaceSurvey::add_area(double area, double weight, Box box, double patch_a
 
 double SurfaceSurvey::area_between(double low_z, double high_z) const {
   const auto area_below = [this](double z) {
-    const double place = std::clamp((z - low_z_) / bin_, 0.0, static_cast<double>(bins));
-    const auto bin = static_cast<std::size_t>(place);
+    const double position = std::clamp((z - low_z_) / bin_, 0.0, static_cast<double>(bins));
+    const auto bin = static_cast<std::size_t>(position);
     const double below = bin > 0 ? area_[bin - 1] : 0;
-    return below + (place - static_cast<double>(bin)) * (area_[bin] - below);
+    return below + (position - static_cast<double>(bin)) * (area_[bin] - below);
   };
   return area_below(high_z) - area_below(low_z);
 }
@@ -318,13 +318,13 @@ double SurfaceSurvey::max_share(double thickness) const {
 
 SurfaceSurvey::AtomsNear SurfaceSurvey::max_atoms_near(Vec3 half_sides) const {
   const double probe = surface_.probe_radius, distance = norm(half_sides) + probe;
-  const std::size_t count = patched_count(), places = std::min(count, sampled_boxes);
+  const std::size_t count = patched_count(), box_count = std::min(count, sampled_boxes);
   std::vector<AtomIndex> found;
   AtomsNear maxima;
-  for (std::size_t s = 0; s < places; ++s) {
-    const Vec3 place = surface_.atoms[patched_atom((2 * s + 1) * count / (2 * places))].center;
-    const Box box{place - half_sides, place + half_sides};
-    surface_.tree().find_reaching(place, distance, found);
+  for (std::size_t s = 0; s < box_count; ++s) {
+    const Vec3 center = surface_.atoms[patched_atom((2 * s + 1) * count / (2 * box_count))].center;
+    const Box box{center - half_sides, center + half_sides};
+    surface_.tree().find_reaching(center, distance, found);
     const auto reaching = std::count_if(found.begin(), found.end(), [&](AtomIndex i) {
       const Atom& atom = surface_.atoms[i];
       return overlap(box, ball_box(atom.center, atom.radius + probe));

@@ -156,7 +156,7 @@ bool may_be_covered(CentreSearch& search, Vec3 x) {
 /// Returns the fault of a crossing, or null. The normal must lead to an accessible centre at which
 /// the probe touches the crossing's atoms, the crossing must be on the patch of these atoms, and no
 /// other probe may cover it. Then the probe is the nearest one. A search for the nearest one would
-/// not do: rounding would choose between equally near probes at different places.
+/// not do: rounding would choose between equally near probes at different points.
 const char* fault_of_crossing(CentreSearch& search, const Grid& grid, const Crossing& crossing) {
   const Definition& definition = search.definition();
   const double probe = definition.probe_radius;
