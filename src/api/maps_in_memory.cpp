@@ -28,12 +28,12 @@ MapSink receiver(MapQuantity quantity, const GridRegion& region, std::vector<Val
 MapsInMemory dielectric_receivers(std::span<const MapChoice> maps, const GridRegion& region,
                                   std::array<std::vector<double>, 3>& values) {
   MapsInMemory receivers;
-  receivers.extras.edge_shares = true;
+  receivers.extras.inside_fractions = true;
   for (const MapChoice& map : maps)
     receivers.sinks.push_back(receiver(map.quantity, region, values[edge_axis(map.quantity)],
                                        [map](std::span<const std::uint64_t> words, std::size_t x) {
                                          return dielectric_of(
-                                             map, share_in(words[x / shares_per_word], x));
+                                             map, fraction_in(words[x / fractions_per_word], x));
                                        }));
   return receivers;
 }

@@ -9,7 +9,7 @@
 #include <string_view>
 #include <utility>
 
-#include "grid/edge_share.hpp"
+#include "grid/inside_fraction.hpp"
 #include "system/gzip.hpp"
 #include "system/parallel.hpp"
 
@@ -20,7 +20,7 @@ constexpr std::int64_t tile_words = 1 << 16;
 constexpr std::int64_t cell_points = 64;
 
 std::int64_t words_of_cell(MapQuantity quantity) {
-  return is_of_edges(quantity) ? cell_points / std::int64_t{shares_per_word} : 1;
+  return is_of_edges(quantity) ? cell_points / std::int64_t{fractions_per_word} : 1;
 }
 
 std::int64_t cells_along(const GridIndex& size) {
@@ -203,18 +203,18 @@ void GridMap::fill_edges(const Tile& tile, std::int64_t x, std::uint64_t first_i
   write_dielectric(solute.data(), map_.solute);
   const auto in_cell = static_cast<std::size_t>(x % cell_points);
   const auto per_cell = static_cast<std::size_t>(words_of_cell(map_.quantity));
-  const std::uint64_t* const words = scratch.words.data() + in_cell / shares_per_word;
+  const std::uint64_t* const words = scratch.words.data() + in_cell / fractions_per_word;
   char* value = scratch.values.data();
   std::uint64_t index = first_index % 3;  // sufficient for dx_separator()
   for (std::size_t y = 0; y < rows; ++y)
     for (std::size_t z = 0; z < planes; ++z, value += dielectric_text_bytes) {
-      const std::uint32_t share = share_in(words[(z * rows + y) * per_cell], in_cell);
-      if (share == 0)
+      const std::uint32_t fraction = fraction_in(words[(z * rows + y) * per_cell], in_cell);
+      if (fraction == 0)
         std::memcpy(value, solvent.data(), digits);
-      else if (share == whole_edge)
+      else if (fraction == whole_edge)
         std::memcpy(value, solute.data(), digits);
       else
-        write_dielectric(value, dielectric_of(map_, share));
+        write_dielectric(value, dielectric_of(map_, fraction));
       value[digits] = dx_separator(index);
       index = index == 2 ? 0 : index + 1;
     }
@@ -265,31 +265,31 @@ void GridMap::transpose_tiles(std::int64_t begin, std::int64_t end, int threads,
   });
 }
 
-// If all values with this x are the same, returns the share of such an edge, or the bit of such a
+// If all values with this x are the same, returns the fraction of such an edge or the bit of such a
 // point.
-std::optional<std::uint32_t> GridMap::uniform_share(const Tile& tile, std::int64_t x,
+std::optional<std::uint32_t> GridMap::uniform_value(const Tile& tile, std::int64_t x,
                                                     const Scratch& scratch) const {
   const auto in_cell = static_cast<std::size_t>(x % cell_points);
   const bool has_edges = is_of_edges(map_.quantity);
   const auto per_cell = static_cast<std::size_t>(words_of_cell(map_.quantity));
-  const std::size_t first_word = has_edges ? in_cell / shares_per_word : 0;
+  const std::size_t first_word = has_edges ? in_cell / fractions_per_word : 0;
   const auto count = static_cast<std::size_t>(tile.rows() * size_[2]);
-  const auto share_of = [&](std::size_t row) {
+  const auto value_of = [&](std::size_t row) {
     const std::uint64_t word = scratch.words[row * per_cell + first_word];
-    return has_edges ? share_in(word, in_cell) : static_cast<std::uint32_t>(word >> in_cell & 1);
+    return has_edges ? fraction_in(word, in_cell) : static_cast<std::uint32_t>(word >> in_cell & 1);
   };
-  const std::uint32_t first = share_of(0);
+  const std::uint32_t first = value_of(0);
   const bool is_whole = first == 0 || first == (has_edges ? whole_edge : 1);
   if (!is_whole) return std::nullopt;
   for (std::size_t row = 1; row < count; ++row)
-    if (share_of(row) != first) return std::nullopt;
+    if (value_of(row) != first) return std::nullopt;
   return first;
 }
 
 // Compresses the values of tiles, each plane of x as a gzip member.
 class GridMap::Compressor {
  public:
-  // Keeps references to all three. Several compressors share `end`, the end of the scratch file.
+  // Keeps references to all three. Several compressors use `end`, the end of the scratch file.
   Compressor(const GridMap& map, ScratchFile& file, std::atomic<std::uint64_t>& end)
       : map_(map), file_(file), end_(end) {}
 
@@ -313,23 +313,23 @@ class GridMap::Compressor {
  private:
   // Most planes have one value. Their members differ only in where lines end.
   struct Known {
-    std::uint32_t share = 0;
+    std::uint32_t value = 0;
     std::uint64_t phase = 0;
     std::int64_t rows = 0;
     std::vector<char> bytes;
   };
 
   std::span<const char> compressed(const Tile& tile, std::int64_t x) {
-    const auto share = map_.uniform_share(tile, x, scratch_);
+    const auto value = map_.uniform_value(tile, x, scratch_);
     const std::uint64_t phase = map_.first_index(tile, x) % 3;
-    if (share)
+    if (value)
       for (const Known& known : known_)
-        if (known.share == *share && known.phase == phase && known.rows == tile.rows())
+        if (known.value == *value && known.phase == phase && known.rows == tile.rows())
           return known.bytes;
     map_.fill_values(tile, x, scratch_);
     const std::span<const char> member = gzip_.member(scratch_.values);
-    if (share)
-      known_.push_back({*share, phase, tile.rows(), std::vector(member.begin(), member.end())});
+    if (value)
+      known_.push_back({*value, phase, tile.rows(), std::vector(member.begin(), member.end())});
     return member;
   }
 

@@ -106,7 +106,7 @@ class GridMap {
   void write_tile(const Tile& tile, Scratch& scratch);
   void fill_values(const Tile& tile, std::int64_t x, Scratch& scratch) const;
   std::uint64_t first_index(const Tile& tile, std::int64_t x) const;
-  std::optional<std::uint32_t> uniform_share(const Tile& tile, std::int64_t x,
+  std::optional<std::uint32_t> uniform_value(const Tile& tile, std::int64_t x,
                                              const Scratch& scratch) const;
 
   MapFile file_;

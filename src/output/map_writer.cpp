@@ -154,10 +154,10 @@ void require_valid_maps(const Outputs& outputs) {
         throw Error(formatted("two maps would have the name {}", maps[i].name));
 }
 
-double dielectric_of(const MapChoice& map, std::uint32_t share) {
-  if (share == 0) return map.solvent;
-  if (share == whole_edge) return map.solute;
-  const double inside = static_cast<double>(share) / whole_edge;
+double dielectric_of(const MapChoice& map, std::uint32_t fraction) {
+  if (fraction == 0) return map.solvent;
+  if (fraction == whole_edge) return map.solute;
+  const double inside = static_cast<double>(fraction) / whole_edge;
   return 1 / (inside / map.solute + (1 - inside) / map.solvent);
 }
 

@@ -11,7 +11,7 @@
 
 #include "eses/grid.hpp"
 #include "eses/outputs.hpp"
-#include "grid/edge_share.hpp"
+#include "grid/inside_fraction.hpp"
 
 namespace eses::detail {
 
@@ -69,9 +69,9 @@ std::vector<MapChoice> chosen_maps(const Outputs& outputs);
 /// Throws Error if a number is out of range, or if two maps have the same name.
 void require_valid_maps(const Outputs& outputs);
 
-/// Returns the dielectric of an edge: the harmonic mean along the edge. `share` is the part of the
-/// edge that is inside, in units of 1 / whole_edge.
-double dielectric_of(const MapChoice& map, std::uint32_t share);
+/// Returns the dielectric of an edge: the harmonic mean along the edge. `fraction` is the part of
+/// the edge that is inside, in units of 1 / whole_edge.
+double dielectric_of(const MapChoice& map, std::uint32_t fraction);
 
 /// Length of a value of a map of edges as text, with its separator.
 inline constexpr std::size_t dielectric_text_bytes = 13;

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <array>
 
-#include "grid/edge_share.hpp"
+#include "grid/inside_fraction.hpp"
 
 namespace eses::detail {
 namespace {
@@ -22,7 +22,7 @@ Extent extent_of(MapQuantity quantity) {
 void append_whole_edges(std::uint64_t bits, std::vector<std::uint64_t>& words) {
   constexpr std::uint64_t low = whole_edge, high = std::uint64_t{whole_edge} << 32;
   constexpr std::array<std::uint64_t, 4> pairs{0, low, high, low | high};
-  constexpr std::size_t words_of_cell = 64 / shares_per_word;
+  constexpr std::size_t words_of_cell = 64 / fractions_per_word;
   const std::size_t begin = words.size();
   words.resize(begin + words_of_cell, 0);
   if (bits == 0) return;
@@ -78,15 +78,15 @@ void MapRows::append_edges(std::int64_t y, std::int64_t z, std::vector<std::uint
   for (std::int64_t bx = 0; bx < tiling_.blocks[0]; ++bx) {
     const BlockResult& result =
         layer_.blocks[static_cast<std::size_t>(place.by * tiling_.blocks[0] + bx)];
-    if (result.shares.edges.empty()) continue;
+    if (result.fractions.edges.empty()) continue;
     const auto row = static_cast<std::size_t>(z * result.block.owned[1] + place.y);
     const std::int64_t first_x = result.block.first[0] - tiling_.region.begin[0];
-    for (std::uint32_t e = result.shares.row_begin[row]; e < result.shares.row_begin[row + 1];
+    for (std::uint32_t e = result.fractions.row_begin[row]; e < result.fractions.row_begin[row + 1];
          ++e) {
-      const EdgeShares::Edge& edge = result.shares.edges[e];
+      const InsideFractions::Edge& edge = result.fractions.edges[e];
       if (edge.axis != axis) continue;
       const auto x = static_cast<std::size_t>(first_x + edge.x);
-      set_share(words[begin + x / shares_per_word], x, edge.share);
+      set_fraction(words[begin + x / fractions_per_word], x, edge.fraction);
     }
   }
 }

@@ -178,7 +178,7 @@ double bytes_of_layers(const SurfaceSurvey& survey, const Grid& grid, const Bloc
   constexpr double allocator = 64;
   const double bit_sets = outputs.ion_access ? 2 : 1, edge_lists = outputs.dielectric ? 2 : 1;
   const double bytes_per_crossing =
-      sizeof(Crossing) + (outputs.dielectric ? growth * sizeof(EdgeShares::Edge) : 0);
+      sizeof(Crossing) + (outputs.dielectric ? growth * sizeof(InsideFractions::Edge) : 0);
   const double bytes_per_block = sizeof(BlockResult) + allocator +
                                  sizeof(std::uint64_t) * block_words(tiling) * bit_sets +
                                  sizeof(std::uint32_t) * rows * edge_lists;

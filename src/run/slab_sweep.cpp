@@ -64,7 +64,7 @@ TakeRows rows_of_map(OutputFile& file, const MapChoice& choice, const Plan& plan
 
 BlockExtras extras_of(const RunTask& task) {
   BlockExtras extras = task.maps_in_memory.extras;
-  if (task.outputs.dielectric) extras.edge_shares = true;
+  if (task.outputs.dielectric) extras.inside_fractions = true;
   if (task.outputs.ion_access) extras.ion_radius = task.outputs.ion_access->ion_radius;
   return extras;
 }

@@ -60,12 +60,12 @@ BlockResult find_crossings(const Patches& patches, const Grid& grid, const Block
   classify_points(workspace.grid, workspace.features, workspace.classify, result.inside);
   workspace.classify_seconds += classifying.seconds();
   const Stopwatch intersecting;
-  workspace.intersect.finds_doubtful = workspace.extras.edge_shares;
+  workspace.intersect.finds_doubtful = workspace.extras.inside_fractions;
   intersect_edges(workspace.grid, workspace.features, result.inside, workspace.intersect,
                   result.crossings, result.row_begin);
-  if (workspace.extras.edge_shares)
-    find_edge_shares(workspace.grid, workspace.features, result.inside, result.crossings,
-                     result.row_begin, owned, workspace.intersect, result.shares);
+  if (workspace.extras.inside_fractions)
+    find_inside_fractions(workspace.grid, workspace.features, result.inside, result.crossings,
+                          result.row_begin, owned, workspace.intersect, result.fractions);
   workspace.intersect_seconds += intersecting.seconds();
   return result;
 }

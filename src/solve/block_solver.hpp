@@ -9,7 +9,7 @@
 #include "grid/block_crossing.hpp"
 #include "grid/point_bits.hpp"
 #include "solve/classify.hpp"
-#include "solve/edge_shares.hpp"
+#include "solve/inside_fractions.hpp"
 #include "solve/intersect.hpp"
 #include "solve/tally.hpp"
 
@@ -28,14 +28,15 @@ struct BlockResult {
   /// Like `row_begin` for the halo crossings, by row [z][y] of all points; empty if there is no
   /// halo.
   std::vector<std::uint32_t> halo_row_begin;
-  EdgeShares shares;   ///< inside lengths of the owned edges; empty unless BlockExtras has them
+  InsideFractions
+      fractions;       ///< inside lengths of the owned edges; empty unless BlockExtras has them
   PointBits covered;   ///< points without ion access; no words unless BlockExtras has an ion radius
   double seconds = 0;  ///< time to solve the block
 };
 
 /// Optional results of a block besides its points and crossings.
 struct BlockExtras {
-  bool edge_shares = false;          ///< whether to compute BlockResult::shares
+  bool inside_fractions = false;     ///< whether to compute BlockResult::fractions
   std::optional<double> ion_radius;  ///< radius of the ions for BlockResult::covered (angstrom)
 };
 

@@ -34,7 +34,7 @@ struct IntersectScratch {
   std::vector<Candidate> more_candidates;
   bool finds_doubtful = false;         ///< whether to list doubtful edges
   std::vector<DoubtfulEdge> doubtful;  ///< in any order, with repetitions
-  std::vector<double> cuts;            ///< scratch memory of find_edge_shares
+  std::vector<double> cuts;            ///< scratch memory of find_inside_fractions
   std::vector<BlockCrossing> of_edge;  ///< candidates of the current edge
 };
 

@@ -13,8 +13,8 @@ std::int64_t rounded(double value) {
 
 }  // namespace
 
-void Tally::add_length(double share) {
-  inside_lengths += std::llround((share - 0.5) / area_share_unit);
+void Tally::add_length(double fraction) {
+  inside_lengths += std::llround((fraction - 0.5) / area_share_unit);
 }
 
 void Tally::add(const SurfaceModel& surface, const BlockCrossing& crossing, Vec3 point) {

@@ -20,9 +20,9 @@ struct Tally {
   /// Sum over the crossed edges of the fraction of the edge that lies inside, less 1/2.
   AreaShare inside_lengths = 0;
 
-  /// Adds the edge of a crossing; `share` is the fraction of the edge between its inside end and
+  /// Adds the edge of a crossing; `fraction` is the fraction of the edge between its inside end and
   /// the crossing.
-  void add_length(double share);
+  void add_length(double fraction);
   /// Adds a crossing at `point`. Its share is divided among its atoms in proportion to
   /// 1 / (|point - center| - radius). A distance of zero takes the limit.
   void add(const SurfaceModel& surface, const BlockCrossing& crossing, Vec3 point);

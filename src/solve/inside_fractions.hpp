@@ -12,10 +12,10 @@ namespace eses::detail {
 
 /// The inside fractions of all edges of a block that the surface may cut. Any other edge is wholly
 /// inside if both ends are inside, and wholly outside otherwise.
-struct EdgeShares {
+struct InsideFractions {
   struct Edge {
-    std::uint32_t share = 0;  ///< inside fraction, in units of 1 / `whole_edge`
-    std::uint16_t x = 0;      ///< x of the edge's lower point, relative to the block's first point
+    std::uint32_t fraction = 0;  ///< inside fraction, in units of 1 / `whole_edge`
+    std::uint16_t x = 0;  ///< x of the edge's lower point, relative to the block's first point
     std::uint8_t axis = 0;
   };
   std::vector<Edge> edges;               ///< by lower point (z, y, x), then axis
@@ -31,9 +31,9 @@ struct EdgeShares {
 /// consecutive points decides by the definition of the surface whether the part between them is
 /// inside, so points that are not on the surface do no harm. An edge that is not doubtful is cut
 /// once, and its crossing gives the fraction.
-void find_edge_shares(const BlockGrid& grid, const BlockFeatures& features, const PointBits& inside,
-                      std::span<const BlockCrossing> crossings,
-                      std::span<const std::uint32_t> row_begin, const GridIndex& owned,
-                      IntersectScratch& scratch, EdgeShares& shares);
+void find_inside_fractions(const BlockGrid& grid, const BlockFeatures& features,
+                           const PointBits& inside, std::span<const BlockCrossing> crossings,
+                           std::span<const std::uint32_t> row_begin, const GridIndex& owned,
+                           IntersectScratch& scratch, InsideFractions& fractions);
 
 }  // namespace eses::detail

@@ -1,28 +1,28 @@
-#include "solve/edge_shares.hpp"
+#include "solve/inside_fractions.hpp"
 
 #include <algorithm>
 #include <cmath>
 #include <tuple>
 
 #include "geometry/line_torus.hpp"
-#include "grid/edge_share.hpp"
+#include "grid/inside_fraction.hpp"
 #include "solve/accessibility.hpp"
 
 namespace eses::detail {
 namespace {
 
-std::uint32_t share_of(double inside) {
+std::uint32_t fraction_of(double inside) {
   const double parts = std::clamp(inside, 0.0, 1.0) * whole_edge;
   return static_cast<std::uint32_t>(std::llround(parts));
 }
 
-std::uint32_t share_of(const BlockGrid& grid, const GridIndex& lower,
-                       const BlockCrossing& crossing) {
+std::uint32_t fraction_of(const BlockGrid& grid, const GridIndex& lower,
+                          const BlockCrossing& crossing) {
   const auto& coordinates = grid.coordinates[crossing.axis];
   const auto index = static_cast<std::size_t>(lower[crossing.axis]);
   const double low = coordinates[index], high = coordinates[index + 1];
   const double above = (crossing.coordinate - low) / (high - low);
-  return share_of(crossing.lower_is_inside ? above : 1 - above);
+  return fraction_of(crossing.lower_is_inside ? above : 1 - above);
 }
 
 // Divides an edge at all coordinates at which it may meet the surface, and classifies the parts.
@@ -34,7 +34,7 @@ class EdgeDivider {
       : patches_(patches), features_(features), cuts_(cuts) {}
 
   // Returns the fraction of the edge that lies inside.
-  double inside_share(const CrossedEdge& edge) {
+  double inside_fraction(const CrossedEdge& edge) {
     const double low = edge.lower[edge.axis], high = edge.upper;
     cuts_.assign({low, high});
     add_cuts(edge);
@@ -130,30 +130,30 @@ void sort_doubtful(std::vector<DoubtfulEdge>& edges) {
 
 }  // namespace
 
-void find_edge_shares(const BlockGrid& grid, const BlockFeatures& features, const PointBits& inside,
-                      std::span<const BlockCrossing> crossings,
-                      std::span<const std::uint32_t> row_begin, const GridIndex& owned,
-                      IntersectScratch& scratch, EdgeShares& shares) {
+void find_inside_fractions(const BlockGrid& grid, const BlockFeatures& features,
+                           const PointBits& inside, std::span<const BlockCrossing> crossings,
+                           std::span<const std::uint32_t> row_begin, const GridIndex& owned,
+                           IntersectScratch& scratch, InsideFractions& fractions) {
   sort_doubtful(scratch.doubtful);
   if (!scratch.doubtful.empty()) scratch.patches.reset(features, grid.box);
   EdgeDivider divider(scratch.patches, features, scratch.cuts);
   auto doubtful = scratch.doubtful.cbegin();
-  shares.edges.clear();
-  shares.edges.reserve(crossings.size() + scratch.doubtful.size());
-  shares.row_begin.clear();
+  fractions.edges.clear();
+  fractions.edges.reserve(crossings.size() + scratch.doubtful.size());
+  fractions.row_begin.clear();
   const std::int64_t rows_y = grid.block.owned[1];
   for (std::size_t row = 0; row + 1 < row_begin.size(); ++row) {
     const auto r = static_cast<std::int64_t>(row);
     const std::int64_t y = r % rows_y, z = r / rows_y;
     const bool is_owned = y < owned[1] && z < owned[2];
-    if (is_owned) shares.row_begin.push_back(static_cast<std::uint32_t>(shares.edges.size()));
-    const auto add = [&](std::uint16_t x, std::uint8_t axis, std::uint32_t share) {
-      if (is_owned && x < owned[0]) shares.edges.push_back({share, x, axis});
+    if (is_owned) fractions.row_begin.push_back(static_cast<std::uint32_t>(fractions.edges.size()));
+    const auto add = [&](std::uint16_t x, std::uint8_t axis, std::uint32_t fraction) {
+      if (is_owned && x < owned[0]) fractions.edges.push_back({fraction, x, axis});
     };
     const auto add_doubtful = [&] {
       const GridIndex lower{doubtful->x, y, z};
       const CrossedEdge edge = make_crossed_edge(grid, doubtful->axis, lower, inside.test(lower));
-      add(doubtful->x, doubtful->axis, share_of(divider.inside_share(edge)));
+      add(doubtful->x, doubtful->axis, fraction_of(divider.inside_fraction(edge)));
       ++doubtful;
     };
     for (std::uint32_t c = row_begin[row]; c < row_begin[row + 1]; ++c) {
@@ -166,11 +166,11 @@ void find_edge_shares(const BlockGrid& grid, const BlockFeatures& features, cons
           std::tuple(doubtful->x, doubtful->axis) == key)
         add_doubtful();
       else
-        add(crossing.x, crossing.axis, share_of(grid, {crossing.x, y, z}, crossing));
+        add(crossing.x, crossing.axis, fraction_of(grid, {crossing.x, y, z}, crossing));
     }
     while (doubtful != scratch.doubtful.cend() && doubtful->row == row) add_doubtful();
   }
-  shares.row_begin.push_back(static_cast<std::uint32_t>(shares.edges.size()));
+  fractions.row_begin.push_back(static_cast<std::uint32_t>(fractions.edges.size()));
 }
 
 }  // namespace eses::detail
