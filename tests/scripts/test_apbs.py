@@ -146,13 +146,18 @@ class Results(ApbsTest):
                          ["solvation", "energy", "-14.00", "-12.00", "-8.00"])
 
     def test_resources_are_announced_before_apbs_starts(self):
-        """Points and calculations are announced before APBS starts, with a warning if memory is
-        short."""
         said = self.apbs(self.ion, "--padding", "5", "--spacing", "0.5").stderr
         self.assertIn("33 x 33 x 33 grid points, 2 calculations", said)
-        self.assertNotIn("warning", said)
-        said = self.apbs(self.ion, "--spacing", "0.002").stderr
-        self.assertIn("warning: only", said)
+        self.assertNotIn("memory are available", said)
+
+    def test_too_little_memory_is_an_error_unless_it_is_ignored(self):
+        done = self.apbs(self.ion, "--spacing", "0.002", code=1)
+        self.assertRegex(done.stderr, r"apbs: only .* of .* of memory are available; use a larger "
+                                      "--spacing .* --ignore-memory\n$")
+        self.assertFalse(self.program.with_name("program.calls").exists())
+        done = self.apbs(self.ion, "--spacing", "0.002", "--ignore-memory")
+        self.assertIn("apbs: warning: only", done.stderr)
+        self.assertIn("solvation energy", done.stdout)
 
     def test_compressed_input_is_read(self):
         packed = self.folder / "packed.pqr.gz"
