@@ -1,4 +1,4 @@
-"""Prepares PDB files for PDB2PQR, which assigns CHARMM radii.
+"""Prepares PDB and mmCIF files for PDB2PQR, which assigns CHARMM radii.
 
 The steps are those of the structures in the table of Zhao et al. (2018). HETATM records and
 hydrogens are removed. Then `pdb2pqr --ff=CHARMM` rebuilds hydrogens and missing atoms and assigns
@@ -14,9 +14,11 @@ import re
 import shutil
 
 from common import Failed
+import mmcif
 from structures import is_assembly_file
 
 OPTIONS = ["--ff=CHARMM"]
+RADII = "charmm"  # name of these radii in tables
 PACKAGE = "pdb2pqr"  # name of Debian's package; pip installs it under the same name
 
 
@@ -61,10 +63,21 @@ def protein_lines(lines):
             yield from group
 
 
-def write_protein(source, target):
-    """Writes the input of PDB2PQR.
+def require_whole_residues(lines):
+    """Throws Failed if most residues have no atom but the alpha carbon."""
+    names = [{line[12:16].strip() for line in group}
+             for (is_end, _), group in itertools.groupby(lines, residue) if not is_end]
+    count = names.count({"CA"})
+    if 2 * count > len(names):
+        raise Failed(f"{count} of {len(names)} residues have only their C-alpha atom; PDB2PQR cannot "
+                     "rebuild the others")
 
-    Throws Failed if no atom is left, or if the file is an assembly of several models.
+
+def write_protein(source, layout, target):
+    """Writes the input of PDB2PQR from a file in the layout pdb or mmcif.
+
+    Throws Failed if no atom is left, if most residues have only an alpha carbon, or if the file is an assembly
+    of several models.
     """
     opened = gzip.open if source.suffix.lower() == ".gz" else open
     # Remarks may contain any byte.
@@ -74,9 +87,12 @@ def write_protein(source, target):
     if is_assembly_file(source.name) and models > 1:
         raise Failed(f"{models} models, which are the copies of an assembly; use the PDB file of "
                      "the entry")
+    if layout == "mmcif":
+        source_lines = mmcif.to_pdb(source_lines)
     lines = [line.rstrip() + "\n" for line in protein_lines(source_lines)]
     if not any(line.startswith("ATOM") for line in lines):
         raise Failed("no ATOM records other than hydrogens")
+    require_whole_residues(lines)
     with open(target, "w", encoding="latin-1") as file:
         file.writelines([*lines, "END\n"])
 
@@ -84,10 +100,16 @@ def write_protein(source, target):
 # ------------------------------------------------------------------------------ PDB2PQR's answer
 
 
+# PDB2PQR 3.5 fails to format its message that too many atoms are missing.
+MISSING_ATOMS = "Unknown format code 'i' for object of type 'int'"
+
+
 def failure(log):
     """Returns the reason why PDB2PQR failed, as one line."""
     errors = re.findall(r"^(?:ERROR|CRITICAL):\s*(.*\S)", log, re.MULTILINE)
     errors = [text for text in errors if text != "Giving up."]
+    if MISSING_ATOMS in errors:
+        return "too many heavy atoms are missing to rebuild them"
     return (errors or log.strip().splitlines() or ["no message"])[-1]
 
 

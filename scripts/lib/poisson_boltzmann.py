@@ -1,6 +1,8 @@
 """Electrostatic energies of molecules from APBS, with dielectric maps made by eses-blocks.
 
-All molecules of a run share one grid, and all energies are total electrostatic energies on it.
+All molecules of a run share one grid, and all energies are total electrostatic energies on it. With
+focusing, a coarse grid gives the potential at the faces of this grid. `grids` is the list of both, or
+of the one grid; the coarse grid comes second.
 """
 
 import collections
@@ -23,6 +25,8 @@ REFERENCE = "reference"  # the dielectric of the solute everywhere
 
 MULTIGRID_STEP = 32  # APBS's mg-manual halves the grid four times: 32 k + 1 points along an axis
 INPUT, ENERGIES, LOG = "apbs.in", "energies.txt", "apbs.log"
+POTENTIAL = "potential"  # APBS appends .dx, or -PE0.dx if it is built with MPI
+LEVELS = ("", "-coarse")  # suffixes of the names of files and calculations of a grid
 
 # Resources that APBS 3.4.1 takes, measured on one core (CPU time) with grids of 0.3 to 2.7 million
 # points.
@@ -36,11 +40,14 @@ Molecule = collections.namedtuple("Molecule", "path atoms")  # atoms: Atom, in t
 Atom = collections.namedtuple("Atom", "x y z charge radius")
 Grid = collections.namedtuple("Grid", "center points spacing")
 
-# Lengths in angstrom, ionic_strength in mol/l, temperature in kelvin; boundary and charges are
-# APBS's keywords bcfl and chgm.
+# A kind of ions: charge in elementary charges, molar in mol/l.
+Ion = collections.namedtuple("Ion", "charge molar")
+
+# Lengths in angstrom, temperature in kelvin; equation is lpbe or npbe, boundary and charges are APBS's
+# keywords bcfl and chgm.
 Settings = collections.namedtuple(
-    "Settings", "probe_radius solute_dielectric solvent_dielectric ionic_strength ion_radius "
-    "temperature boundary charges")
+    "Settings", "probe_radius solute_dielectric solvent_dielectric ions ion_radius temperature "
+    "boundary charges equation", defaults=["lpbe"])
 
 # A section `elec` of the input file.
 Calculation = collections.namedtuple("Calculation", "name molecule surface")
@@ -91,6 +98,22 @@ def choose_grid(molecules, spacing, padding, center=None):
         center = [round((low + high) / 2, 3) for low, high in zip(lower, upper)]
     reach = [max(high - middle, middle - low) + padding
              for low, middle, high in zip(lower, center, upper)]
+    return grid_around(center, reach, spacing)
+
+
+def choose_coarse_grid(molecules, fine, spacing, padding):
+    """The smallest grid around the same centre that encloses the fine grid and has this padding."""
+    needed = choose_grid(molecules, spacing, padding, fine.center)
+    reach = [max(half_length(grid, axis) for grid in (needed, fine)) for axis in range(3)]
+    return grid_around(fine.center, reach, spacing)
+
+
+def half_length(grid, axis):
+    return (grid.points[axis] - 1) / 2 * grid.spacing
+
+
+def grid_around(center, reach, spacing):
+    """The smallest grid for APBS that reaches at least so far from its centre along each axis."""
     # A grid that is exactly as long as needed is not enlarged because of rounding.
     steps = [math.ceil(2 * length / (spacing * MULTIGRID_STEP) - 1e-9) for length in reach]
     points = [MULTIGRID_STEP * max(1, count) + 1 for count in steps]
@@ -100,17 +123,24 @@ def choose_grid(molecules, spacing, padding, center=None):
 # ------------------------------------------------------------------------------------ estimates
 
 
+def ionic_strength(settings):
+    return sum(ion.charge**2 * ion.molar for ion in settings.ions) / 2
+
+
 def has_map(calculation):
     return calculation.surface == ESES
 
 
-def estimate(grid, molecules, calculations, settings):
-    """Bytes of memory, bytes of maps on disk and seconds that APBS takes, roughly."""
-    points = math.prod(grid.points)
-    maps = sum(map(has_map, calculations)) * (4 if settings.ionic_strength > 0 else 3)
+def estimate(grids, molecules, calculations, settings):
+    """Bytes of memory, bytes of maps on disk and seconds that APBS takes, roughly.
+
+    While APBS solves on the fine grid it keeps the coarse one.
+    """
+    points = sum(math.prod(grid.points) for grid in grids)
+    maps = sum(map(has_map, calculations)) * (4 if settings.ions else 3)
     seconds = points * SECONDS_PER_POINT * len(calculations)
     if settings.boundary == "mdh":
-        faces = 2 * sum(a * b for a, b in itertools.combinations(grid.points, 2))
+        faces = 2 * sum(a * b for a, b in itertools.combinations(grids[-1].points, 2))
         seconds += SECONDS_PER_BOUNDARY_TERM * faces * sum(
             len(molecules[calculation.molecule].atoms) for calculation in calculations)
     return (points * (BYTES_PER_POINT + maps * MAP_BYTES_PER_POINT),
@@ -142,17 +172,18 @@ def plan(molecules, surfaces):
             for surface in kinds for index in range(len(molecules))]
 
 
-def elec_section(calculation, grid, settings):
-    """Returns the `elec` section of a calculation."""
+def elec_section(calculation, level, grids, molecules, settings, potential):
+    """Returns the `elec` section of a calculation on one of the grids."""
     is_reference = calculation.surface == REFERENCE
+    grid, is_focused = grids[level], level + 1 < len(grids)
     lines = [
         "mg-manual",
         "dime " + " ".join(map(str, grid.points)),
         "grid " + " ".join([repr(grid.spacing)] * 3),
         "gcent " + " ".join(map(repr, grid.center)),
         f"mol {calculation.molecule + 1}",
-        "lpbe",
-        f"bcfl {settings.boundary}",
+        "lpbe" if is_reference else settings.equation,  # the reference has no ions
+        f"bcfl {'focus' if is_focused else settings.boundary}",
         f"pdie {settings.solute_dielectric!r}",
         f"sdie {settings.solute_dielectric if is_reference else settings.solvent_dielectric!r}",
         f"chgm {settings.charges}",
@@ -165,27 +196,33 @@ def elec_section(calculation, grid, settings):
         "calcenergy total",
         "calcforce no",
     ]
-    if settings.ionic_strength > 0 and not is_reference:
-        lines += [f"ion charge {charge} conc {settings.ionic_strength!r} "
-                  f"radius {settings.ion_radius!r}" for charge in (1, -1)]
+    if not is_reference:
+        lines += [f"ion charge {ion.charge:g} conc {ion.molar!r} radius {settings.ion_radius!r}"
+                  for ion in settings.ions]
     if has_map(calculation):
-        lines += [f"usemap diel {calculation.molecule + 1}"]
-        if settings.ionic_strength > 0:
-            lines += [f"usemap kappa {calculation.molecule + 1}"]
-    return "\n    ".join([f"elec name {calculation.name}", *lines]) + "\nend\n"
+        number = level * len(molecules) + calculation.molecule + 1
+        lines += [f"usemap diel {number}"]
+        if settings.ions:
+            lines += [f"usemap kappa {number}"]
+        if potential and level == 0 and calculation.molecule == 0:
+            lines += [f"write pot dx {POTENTIAL}"]
+    return "\n    ".join([f"elec name {calculation.name}{LEVELS[level]}", *lines]) + "\nend\n"
 
 
-def input_text(molecules, calculations, grid, settings):
+def input_text(molecules, calculations, grids, settings, potential=False):
     """Returns the input file of APBS. Maps and molecules are numbered in the order of the `read`
-    section."""
+    section. With `potential` APBS writes the potential of the first molecule with maps."""
     names = [molecule_name(index) for index in range(len(molecules))]
     reads = [f"mol pqr {name}.pqr" for name in names]
     if any(map(has_map, calculations)):
-        reads += [f"diel dx {name}-x.dx {name}-y.dx {name}-z.dx" for name in names]
-        if settings.ionic_strength > 0:
-            reads += [f"kappa dx {name}-kappa.dx" for name in names]
+        maps = [name + suffix for suffix in LEVELS[:len(grids)] for name in names]
+        reads += [f"diel dx {name}-x.dx {name}-y.dx {name}-z.dx" for name in maps]
+        if settings.ions:
+            reads += [f"kappa dx {name}-kappa.dx" for name in maps]
     sections = ["\n    ".join(["read", *reads]) + "\nend\n"]
-    sections += [elec_section(calculation, grid, settings) for calculation in calculations]
+    # APBS takes the boundary values of a grid from the section before.
+    sections += [elec_section(calculation, level, grids, molecules, settings, potential)
+                 for calculation in calculations for level in reversed(range(len(grids)))]
     for surface in dict.fromkeys(calculation.surface for calculation in calculations):
         if surface != REFERENCE:
             terms = [f"{names[0]}-{surface}", *subtracted(molecules, surface)]
@@ -210,7 +247,7 @@ def map_command(program, atoms, name, grid, settings):
                "--solute-dielectric", repr(settings.solute_dielectric),
                "--solvent-dielectric", repr(settings.solvent_dielectric),
                "--write", "none", "--independent", "--json"]
-    if settings.ionic_strength > 0:
+    if settings.ions:
         command += ["--kappa", f"{name}-kappa.dx", "--ion-radius", repr(settings.ion_radius)]
     return command
 
@@ -285,21 +322,32 @@ def run_apbs(apbs, calculations, folder):
     return Result(energies, seconds, usage.ru_maxrss * 1024)
 
 
-def compute(program, apbs, molecules, calculations, grid, settings, folder, progress=lambda _: None,
-            warn=lambda _: None):
+def compute(program, apbs, molecules, calculations, grids, settings, folder,
+            progress=lambda _: None, warn=lambda _: None, potential=False):
     """Makes the maps and runs APBS in `folder`, and leaves all files there."""
     for index, molecule in enumerate(molecules):
         name = molecule_name(index)
         write_pqr(folder / f"{name}.pqr", molecule.atoms)
         if any(map(has_map, calculations)):
             progress(f"dielectric maps of {molecule.path}")
-            messages = write_maps(program, molecule, name, grid, settings, folder)
-            if messages:
-                warn(messages)
-    (folder / INPUT).write_text(input_text(molecules, calculations, grid, settings),
+            messages = [write_maps(program, molecule, name + suffix, grid, settings, folder)
+                        for suffix, grid in zip(LEVELS, grids)]
+            if messages[0]:
+                warn(messages[0])
+    (folder / INPUT).write_text(input_text(molecules, calculations, grids, settings, potential),
                                 encoding="ascii")
+    for path in folder.glob(f"{POTENTIAL}*.dx"):
+        path.unlink()
     progress(f"APBS: {len(calculations)} calculation{'s' if len(calculations) > 1 else ''}")
     return run_apbs(apbs, calculations, folder)
+
+
+def potential_file(folder):
+    """Returns the file of the potential that APBS has written. Throws Failed if there is none."""
+    found = list(folder.glob(f"{POTENTIAL}*.dx"))
+    if len(found) != 1:
+        raise Failed("APBS has written no potential")
+    return found[0]
 
 
 def subtracted(molecules, surface):

@@ -7,20 +7,23 @@ import re
 from common import Failed, complete_file, printable
 
 NAME = "summary.csv"
-COLUMNS = ("id", "atoms", "nx", "ny", "nz", "bx", "by", "bz", "area", "volume", "seconds",
-           "peak_bytes", "threads", "status", "message")
+AREAS = {f"{kind}_area": kind for kind in ("convex", "saddle", "concave")}
+COLUMNS = ("id", "input", "radii", "atoms", "nx", "ny", "nz", "bx", "by", "bz", "area", *AREAS,
+           "volume", "divergence_volume", "seconds", "peak_bytes", "threads", "status", "message")
 
 
-def row(name, status):
+def row(name, path, radii, status):
     """Returns the row of a structure with this status; None if it has not been computed."""
-    result = {"id": name, "status": "pending"}
+    result = {"id": name, "input": path, "radii": radii, "status": "pending"}
     if status:
         result.update(status=status["status"], message=printable(status["message"]))
     if result["status"] == "done":
         report = status["report"]
         result.update(zip(("nx", "ny", "nz"), report["grid"]["size"]))
         result.update(zip(("bx", "by", "bz"), report["blocks"]["along_axes"]))
-        result.update({key: report[key] for key in ("atoms", "area", "volume", "threads")},
+        result.update({column: report["area_by_kind"][kind] for column, kind in AREAS.items()})
+        result.update({key: report[key] for key in
+                       ("atoms", "area", "volume", "divergence_volume", "threads")},
                       seconds=round(status["seconds"], 4), peak_bytes=report["peak_memory_bytes"])
     return result
 

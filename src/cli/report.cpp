@@ -386,8 +386,11 @@ std::string summary_text(const Report& report) {
   text += formatted("patches: {:.6g} convex, {:.6g} saddle, {:.6g} concave (square angstrom)\n",
                     summary.convex_area, summary.saddle_area, summary.concave_area);
   text += formatted("inside points: {}\n", summary.inside_points);
-  text +=
-      formatted("divergence theorem: {:.6g} cubic angstrom enclosed\n", summary.divergence_volume);
+  // The line must not contain `volume:`, for which scripts search the report.
+  text += formatted(
+      "divergence theorem: {:.6g} cubic angstrom, the accurate volume (surface volume is ESES's "
+      "formula)\n",
+      summary.divergence_volume);
   text += mesh_text(summary);
   text += verification_text(summary);
   text += formatted(

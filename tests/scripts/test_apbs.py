@@ -4,7 +4,9 @@ errors.
 test_apbs_energies.py runs the real programs.
 """
 
+import csv
 import gzip
+import io
 import json
 import os
 import signal
@@ -24,6 +26,7 @@ OTHER = "ATOM 1 J ION 2 8.000 1.000 2.000 -1.0000 2.0000\n"
 APBS = """for argument; do
   case $argument in --output-file=*) energies=${argument#*=} ;; esac
 done
+for name in $(awk '$1 == "write" { print $4 }' "$argument"); do echo "potential" >"$name-PE0.dx"; done
 awk '/^elec name/ { value = value ? 2 * value : 2; print; printf "    calc\\n"
   printf "        totEnergy %.12E kJ/mol\\n", value; print "    end\\nend" }' "$argument" >"$energies"
 """
@@ -145,14 +148,45 @@ class Results(ApbsTest):
         self.assertEqual(rows[-1].split(),
                          ["solvation", "energy", "-14.00", "-12.00", "-8.00"])
 
+    def test_csv_has_the_values_of_the_json_report(self):
+        for files, kind in (((self.ion,), "solvation_energy"), (self.add_complex(), "binding_energy")):
+            rows = list(csv.DictReader(io.StringIO(self.apbs(*files, "--compare", "--csv").stdout)))
+            done = self.report(*files, "--compare")
+            expected = [("total_energy", row["file"], row["surface"], row["energy"])
+                        for row in done["energies"]]
+            expected += [(kind, str(files[0]), surface, energy)
+                         for surface, energy in done[kind].items()]
+            self.assertEqual([(*list(row.values())[:3], float(row["energy_kj_mol"])) for row in rows],
+                             expected)
+
+    def test_potential_is_written_once_it_is_complete(self):
+        path, packed = self.folder / "new.dx", self.folder / "new.dx.gz"
+        kept = self.folder / "kept"
+        self.apbs(*self.add_complex(), "--write-potential", path, "--keep", kept)
+        self.assertEqual(path.read_text(), "potential\n")
+        self.assertEqual((kept / "apbs.in").read_text().count("write pot dx potential"), 1)
+        self.apbs(self.ion, "--write-potential", packed)
+        with gzip.open(packed, "rt") as source:
+            self.assertEqual(source.read(), "potential\n")
+        self.set_apbs(APBS.replace("$name-PE0", "other"))
+        path.write_text("before")
+        self.assertIn("no potential", self.apbs(self.ion, "--write-potential", path, code=1).stderr)
+        self.assertEqual(path.read_text(), "before")
+        self.apbs(self.ion, "--write-potential", self.folder / "missing" / "a.dx", code=1)
+
     def test_resources_are_announced_before_apbs_starts(self):
-        """Points and calculations are announced before APBS starts, with a warning if memory is
-        short."""
         said = self.apbs(self.ion, "--padding", "5", "--spacing", "0.5").stderr
         self.assertIn("33 x 33 x 33 grid points, 2 calculations", said)
-        self.assertNotIn("warning", said)
-        said = self.apbs(self.ion, "--spacing", "0.002").stderr
-        self.assertIn("warning: only", said)
+        self.assertNotIn("memory are available", said)
+
+    def test_too_little_memory_is_an_error_unless_it_is_ignored(self):
+        done = self.apbs(self.ion, "--spacing", "0.002", code=1)
+        self.assertRegex(done.stderr, r"apbs: only .* of .* of memory are available; use a larger "
+                                      "--spacing .* --ignore-memory\n$")
+        self.assertFalse(self.program.with_name("program.calls").exists())
+        done = self.apbs(self.ion, "--spacing", "0.002", "--ignore-memory")
+        self.assertIn("apbs: warning: only", done.stderr)
+        self.assertIn("solvation energy", done.stdout)
 
     def test_compressed_input_is_read(self):
         packed = self.folder / "packed.pqr.gz"
@@ -211,6 +245,46 @@ class InputFile(ApbsTest):
         self.assertNotIn("ion charge", reference)
         self.assertNotIn("usemap", reference)
         self.assertNotIn("kappa", self.input_text(self.ion))
+
+    def test_ions_may_have_any_charge(self):
+        text = self.input_text(self.ion, "--ion=2,0.05", "--ion=-1,0.1", "--equation", "npbe")
+        solvated, reference = text.split("elec ")[1:]
+        for ions in ("ion charge 2 conc 0.05 radius 2.0\n", "ion charge -1 conc 0.1 radius 2.0\n"):
+            self.assertIn(ions, solvated)
+        self.assertIn("    npbe\n", solvated)
+        self.assertIn("    lpbe\n", reference)
+        self.assertNotIn("ion charge", reference)
+        settings = self.report(self.ion, "--ion=2,0.05", "--ion=-1,0.1")["settings"]
+        self.assertEqual(settings["ions"], [{"charge": 2, "molar": 0.05},
+                                            {"charge": -1, "molar": 0.1}])
+        self.assertAlmostEqual(settings["ionic_strength"], 0.15)
+
+    def test_coarse_grid_gives_the_boundary_of_the_fine_one(self):
+        text = self.input_text(self.ion, "--padding", "4", "--coarse-padding", "20", "--ionic-strength",
+                               "0.1", "--bcfl", "sdh")
+        names = [section.split("\n")[0] for section in text.split("elec name ")[1:]]
+        self.assertEqual(names, ["molecule1-eses-blocks-coarse", "molecule1-eses-blocks",
+                                 "molecule1-reference-coarse", "molecule1-reference"])
+        coarse, fine, *_ = sections = self.sections(text)
+        self.assertEqual([section["bcfl"] for section in sections], ["sdh", "focus"] * 2)
+        self.assertEqual([(section["dime"], section["grid"]) for section in (coarse, fine)],
+                         [("65 65 65", "1.0 1.0 1.0"), ("33 33 33", "0.5 0.5 0.5")])
+        # Both grids have maps of their own.
+        self.assertEqual([section.get("usemap") for section in (coarse, fine)], ["kappa 2", "kappa 1"])
+        self.assertIn("diel dx molecule1-coarse-x.dx molecule1-coarse-y.dx molecule1-coarse-z.dx", text)
+        fine_call, coarse_call = self.calls()
+        self.assertIn("--spacing 0.5 --grid-center=0.0,0.0,0.0 --grid-points 33,33,33 ", fine_call)
+        self.assertIn("--spacing 1.0 --grid-center=0.0,0.0,0.0 --grid-points 65,65,65 ", coarse_call)
+
+    def test_coarse_grid_encloses_the_fine_one(self):
+        molecules = [molecule(atom(0, 0, 0, 1))]
+        for spacing, coarse_spacing, coarse_padding in ((0.5, 0.51, 2.1), (0.5, 1, 8), (2, 3, 40)):
+            fine = pb.choose_grid(molecules, spacing, 2, (3, 0, 0))
+            coarse = pb.choose_coarse_grid(molecules, fine, coarse_spacing, coarse_padding)
+            self.assertEqual((coarse.center, coarse.spacing), (fine.center, coarse_spacing))
+            for axis in range(3):
+                self.assertGreaterEqual(pb.half_length(coarse, axis), pb.half_length(fine, axis))
+                self.assertGreaterEqual(pb.half_length(coarse, axis), 1 + coarse_padding)
 
     def test_atoms_keep_all_digits(self):
         """APBS gets the atoms with all digits, whatever the columns of the file."""
@@ -296,7 +370,12 @@ exit 1
                           ("--solute-dielectric", "0"), ("--solvent-dielectric", "-1"),
                           ("--ionic-strength", "-0.1"), ("--probe-radius", "0"),
                           ("--ion-radius", "inf"), ("--bcfl", "map"), ("--chgm", "spl1"),
-                          ("--unknown",)):
+                          ("--equation", "npbe"), ("--ion=1,0.1",), ("--ion=0,1", "--ion=1,0"),
+                          ("--ion=1,0.1", "--ion=-1,0.1", "--ionic-strength", "1"), ("--ion", "1"),
+                          ("--coarse-spacing", "1"), ("--coarse-padding", "6"),
+                          ("--coarse-padding", "9", "--coarse-spacing", "0.5"),
+                          ("--coarse-padding", "9", "--ionic-strength", "1", "--equation", "npbe"),
+                          ("--write-potential", "a.txt"), ("--json", "--csv"), ("--unknown",)):
             with self.subTest(arguments=arguments):
                 done = self.apbs(self.ion, *arguments, code=2)
                 self.assertEqual(done.stderr.count("\n"), 1, done.stderr)

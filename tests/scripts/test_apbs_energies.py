@@ -40,6 +40,46 @@ def debye_energy(radius, molar):
     return -COULOMB / (2 * WATER) * kappa / (1 + kappa * radius)
 
 
+def ion_energy(charge, radius, ions, far=60.0, steps=1200):
+    """Returns the contribution of ions by the nonlinear equation, kJ/mol. `ions`: charges and mol/l.
+
+    Each solution of the equation in r, phi'' + 2 phi' / r = -4 pi l_B sum_i z_i c_i exp(-z_i phi),
+    starts far away, where it is that of Debye and Hueckel, and has some charge at the centre. The
+    energy is the integral over the charge of the potential that the ions make at the centre.
+    """
+    bjerrum = 1000 * COULOMB / (WATER * BOLTZMANN * AVOGADRO * TEMPERATURE)  # angstrom
+    weights = [(4 * math.pi * bjerrum * 1000 * molar * AVOGADRO * ANGSTROM**3 * z, z)
+               for z, molar in ions]
+    kappa = math.sqrt(sum(weight * z for weight, z in weights))
+    h = (radius - far) / steps
+
+    def slope(r, u, v):
+        return v, -2 * v / r - sum(weight * math.exp(-z * u) for weight, z in weights)
+
+    amplitude = charge * bjerrum * math.exp(kappa * radius) / (1 + kappa * radius) / 100
+    energy, before, shift_before = 0.0, 0.0, 0.0
+    while True:
+        r, u = far, amplitude * math.exp(-kappa * far) / far
+        v = -(kappa + 1 / far) * u
+        for _ in range(steps):  # Runge and Kutta
+            a = slope(r, u, v)
+            b = slope(r + h / 2, u + h / 2 * a[0], v + h / 2 * a[1])
+            c = slope(r + h / 2, u + h / 2 * b[0], v + h / 2 * b[1])
+            d = slope(r + h, u + h * c[0], v + h * c[1])
+            u += h / 6 * (a[0] + 2 * b[0] + 2 * c[0] + d[0])
+            v += h / 6 * (a[1] + 2 * b[1] + 2 * c[1] + d[1])
+            r += h
+        reached = -v * radius**2 / bjerrum
+        shift = u - reached * bjerrum / radius
+        step = min(charge, reached) - before
+        end = shift_before + step / (reached - before) * (shift - shift_before)
+        energy += step * (shift_before + end) / 2
+        if reached >= charge:
+            return energy * BOLTZMANN * AVOGADRO * TEMPERATURE / 1000
+        before, shift_before = reached, shift
+        amplitude *= 1.1
+
+
 def map_values(path):
     """Returns the lines of numbers in a .dx file, which follow the object of class array."""
     lines = iter(path.read_text().splitlines())
@@ -103,6 +143,44 @@ class Energies(TestCase):
         without = self.solvation(*arguments)["eses-blocks"]
         ions = self.solvation(*arguments, "--ionic-strength", "0.15")["eses-blocks"] - without
         self.assertLess(abs(ions / debye_energy(5, 0.15) - 1), 0.01)
+
+    def test_focusing_gives_the_debye_energy_on_a_small_grid(self):
+        """The same without a coarse grid has an error of 10 %."""
+        arguments = (self.ion(), "--solute-dielectric", "1", "--spacing", "0.5", "--padding", "2",
+                     "--coarse-padding", "20")
+        without = self.solvation(*arguments)["eses-blocks"]
+        done = self.apbs(*arguments, "--ionic-strength", "0.15")
+        self.assertEqual((done["grid"]["points"], done["coarse_grid"]["points"]),
+                         ([33] * 3, [65] * 3))
+        ions = done["solvation_energy"]["eses-blocks"] - without
+        self.assertLess(abs(ions / debye_energy(5, 0.15) - 1), 0.015)
+        self.assertLess(abs(without / born_energy(3) - 1), 0.003)
+
+    def test_nonlinear_equation_is_that_of_a_sphere(self):
+        """Ions of two charges around a highly charged sphere, where both equations differ by 23 %."""
+        ions = ((1, 0.1), (-2, 0.05))
+        self.assertLess(abs(ion_energy(0.01, 5, ions) / (0.01**2 * debye_energy(5, 0.15)) - 1), 0.01)
+        arguments = (self.ion(charge=3.0), "--solute-dielectric", "1", "--spacing", "0.8",
+                     "--padding", "20")
+        salt = [f"--ion={charge},{molar}" for charge, molar in ions]
+        without, linear, nonlinear = (self.solvation(*arguments, *more)["eses-blocks"] for more in
+                                      ((), salt, (*salt, "--equation", "npbe")))
+        self.assertLess(abs((linear - without) / (9 * debye_energy(5, 0.15)) - 1), 0.01)
+        self.assertLess(abs((nonlinear - without) / ion_energy(3, 5, ions) - 1), 0.01)
+
+    def test_written_potential_is_that_of_the_ion(self):
+        """In the solvent the potential is that of the charge, in units of kT/e."""
+        path = self.folder / "potential.dx"
+        done = self.apbs(self.ion(), "--solute-dielectric", "1", "--spacing", "0.5", "--padding", "5",
+                         "--write-potential", path)
+        points = done["grid"]["points"]
+        values = map_values(path)
+        self.assertEqual(len(values), math.prod(points))
+        middle = [count // 2 for count in points]
+        thermal = BOLTZMANN * AVOGADRO * TEMPERATURE / 1000
+        for steps in (10, 12, 14):  # half angstroms from the centre along x
+            value = values[((middle[0] + steps) * points[1] + middle[1]) * points[2] + middle[2]]
+            self.assertLess(abs(value / (COULOMB / (WATER * steps / 2 * thermal)) - 1), 0.01)
 
     def test_kappa_map_is_that_of_apbs(self):
         """The ion accessibility that APBS writes itself gives the same map and energy."""

@@ -1,4 +1,4 @@
-"""Tests of PDB files through scripts/pdbbind and the real PDB2PQR; skipped without PDB2PQR."""
+"""Tests of PDB and mmCIF files through scripts/pdbbind and the real PDB2PQR; skipped without PDB2PQR."""
 
 import csv
 import unittest
@@ -48,8 +48,8 @@ class Pdb2pqr(TestCase):
     def setUpClass(cls):
         cls.atoms = list(fasciculin())
 
-    def run_on(self, text, code=0, *options):
-        source = self.folder / "in" / "1fsc" / "1fsc_protein.pdb"
+    def run_on(self, text, code=0, *options, name="1fsc_protein.pdb"):
+        source = self.folder / "in" / "1fsc" / name
         source.parent.mkdir(parents=True, exist_ok=True)
         source.write_text(text)
         self.output = self.folder / "out"
@@ -95,11 +95,39 @@ class Pdb2pqr(TestCase):
         self.assertIn("INFO", (self.output / "1fsc" / "pdb2pqr.log").read_text())
 
     def test_failures_of_pdb2pqr_are_reported(self):
+        """PDB2PQR 3.5 ends with a traceback that does not name the reason."""
+        row = self.run_on("".join(record("ATOM", *atom) for atom in self.atoms
+                                  if atom[0] in ("N", "CA")), 1)
+        self.assertEqual(row["status"], "failed")
+        self.assertRegex(row["message"], "^PDB2PQR: .*missing.* [(]see .*pdb2pqr.log[)]$")
+        self.assertIn("CRITICAL", (self.output / "1fsc" / "pdb2pqr.log").read_text())
+
+    def test_file_of_alpha_carbons_is_refused_in_words(self):
         row = self.run_on("".join(record("ATOM", *atom) for atom in self.atoms if atom[0] == "CA"),
                           1)
-        self.assertEqual(row["status"], "failed")
-        self.assertIn("PDB2PQR", row["message"])
-        self.assertIn("CRITICAL", (self.output / "1fsc" / "pdb2pqr.log").read_text())
+        self.assertRegex(row["message"], "^61 of 61 residues have only their C-alpha atom")
+
+    def test_pdb_and_mmcif_files_get_the_same_atoms_and_radii(self):
+        first = self.run_on(self.protein())
+        self.assertEqual((first["radii"], first["input"]), ("charmm", "1fsc/1fsc_protein.pdb"))
+        (self.folder / "in" / "1fsc" / "1fsc_protein.pdb").unlink()
+        items = ("group_PDB", "type_symbol", "auth_atom_id", "auth_comp_id", "auth_asym_id",
+                 "auth_seq_id", "Cartn_x", "Cartn_y", "Cartn_z")
+        rows = (f"ATOM {name[0]} {name} {residue} A {number} {' '.join(place)}\n"
+                for name, residue, number, place in self.atoms)
+        second = self.run_on("data_1FSC\nloop_\n" + "".join(f"_atom_site.{item}\n" for item in items)
+                             + "".join(rows), name="1fsc_protein.cif")
+        self.assertEqual(second["input"], "1fsc/1fsc_protein.cif")
+        for key in ("status", "radii", "atoms", "nx", "ny", "nz", "area", "volume"):
+            self.assertEqual(second[key], first[key], key)
+
+    def test_prepared_atoms_are_not_used_with_other_radii(self):
+        prepared = self.run_on(self.protein())
+        direct = self.run_on(self.protein(), 0, "--radii", "protor")
+        self.assertEqual((direct["status"], direct["radii"]), ("done", "protor"))
+        # Hydrogens of the file are left out.
+        self.assertLess(int(direct["atoms"]), int(prepared["atoms"]))
+        self.assertFalse((self.output / "1fsc" / "atoms.pqr").exists())
 
     def test_residues_left_out_are_reported(self):
         leucines = [atom for atom in self.atoms if atom[1] == "LEU" and atom[0][0] != "H"]

@@ -94,10 +94,16 @@ class Results(PdbbindTest):
             self.assertEqual([int(row[key]) for key in ("bx", "by", "bz")],
                              report["blocks"]["along_axes"])
             self.assertEqual(float(row["area"]), report["area"])
-            self.assertEqual(float(row["volume"]), report["volume"])
+            for key in ("volume", "divergence_volume"):
+                self.assertEqual(float(row[key]), report[key])
+            for kind in ("convex", "saddle", "concave"):
+                self.assertEqual(float(row[f"{kind}_area"]), report["area_by_kind"][kind])
+            self.assertEqual(row["radii"], "file")
             self.assertGreater(float(row["seconds"]), 0)
             self.assertGreater(int(row["peak_bytes"]), 1_000_000)
             self.assertEqual(row["status"], "done")
+        self.assertEqual([row["input"] for row in rows.values()],
+                         ["1ubq.xyzr.gz", "below/boxb.pqr", "c60.xyzr"])
 
     def test_structures_are_read_directly_with_radii(self):
         self.add("a.cif.gz", PROJECT / "tests/data/1a8o.cif.gz")
@@ -107,6 +113,7 @@ class Results(PdbbindTest):
         self.run_pdbbind("--radii", "bondi")
         rows = summary(self.output)
         self.assertEqual([int(row["atoms"]) for row in rows.values()], [556, 2, 60])
+        self.assertEqual([row["radii"] for row in rows.values()], ["bondi", "bondi", "file"])
         status = json.loads((self.output / "b/status.json").read_text())
         self.assertEqual(status["report"]["structure"]["radii"], "bondi")
         stamps = [self.stamp(name) for name in "abc"]
@@ -116,11 +123,6 @@ class Results(PdbbindTest):
         self.run_pdbbind("--radii", "msms")
         changed = [self.stamp(name) != stamp for name, stamp in zip("abc", stamps)]
         self.assertEqual(changed, [True, True, False])
-        # Without --radii, mmCIF files get protor radii.
-        (self.input / "b.pdb").unlink()
-        self.run_pdbbind()
-        status = json.loads((self.output / "a/status.json").read_text())
-        self.assertEqual(status["report"]["structure"]["radii"], "protor")
 
     def test_assembly_files_have_ids_of_their_own(self):
         record = "ATOM      1  CA  ALA A   1       0.000   0.000   0.000  1.00  0.00           C\n"
@@ -555,7 +557,8 @@ class WithoutPdb2pqr(PdbbindTest):
         self.programs.mkdir()
         self.add("c60.xyzr")
         (self.input / "1abc.pdb").write_text(
-            "ATOM      1  CA  GLY A   1      11.104   6.134  -6.504  1.00  0.00           C\n")
+            "ATOM      1  N   GLY A   1      11.104   6.134  -6.504  1.00  0.00           N\n"
+            "ATOM      2  CA  GLY A   1      12.560   6.134  -6.504  1.00  0.00           C\n")
 
     def run_with_path(self, path):
         return self.run_pdbbind(code=1, env={**os.environ, "PATH": str(path)})
@@ -564,6 +567,10 @@ class WithoutPdb2pqr(PdbbindTest):
         done = self.run_with_path(self.programs)
         self.assertIn("apt-get install pdb2pqr", done.stderr)
         self.assertIn("1abc.pdb", done.stderr)
+        # PDB and mmCIF files are prepared alike.
+        (self.input / "1abc.pdb").unlink()
+        self.add("1abc.cif.gz", PROJECT / "tests/data/1a8o.cif.gz")
+        self.assertIn("1abc.cif.gz", self.run_with_path(self.programs).stderr)
         self.run_pdbbind("--only", "*.xyzr", env={**os.environ, "PATH": str(self.programs)})
 
     def test_failing_pdb2pqr_is_reported(self):
