@@ -14,13 +14,16 @@ import pytest  # noqa: E402  # pylint: disable=wrong-import-position
 
 
 class Outcomes:
-    """Counts the tests that did not skip."""
+    """Counts the tests that did not skip, and prints the reasons of the others."""
 
     def __init__(self):
         self.done = 0
 
     def pytest_runtest_logreport(self, report):
-        if report.when == "call" and not report.skipped:
+        if report.skipped:
+            reason = report.longrepr[2].removeprefix("Skipped: ")
+            print(f"\ntest skipped: {reason}")  # for scripts/dev/list-skips
+        elif report.when == "call":
             self.done += 1
 
 

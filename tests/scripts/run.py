@@ -11,5 +11,7 @@ result = unittest.TextTestRunner(verbosity=2).run(
     unittest.defaultTestLoader.loadTestsFromName(path.stem))
 if not result.wasSuccessful() or result.testsRun == 0:
     sys.exit(1)
+for _, reason in result.skipped:
+    print(f"test skipped: {reason}")  # for scripts/dev/list-skips
 if len(result.skipped) == result.testsRun:
     sys.exit(77)

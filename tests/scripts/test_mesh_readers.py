@@ -74,10 +74,6 @@ json.dump({"type": cmd.get_type("mesh"), "extent": cmd.get_extent("mesh"),
 """
 
 
-def version_of(found):
-    return tuple(int(part) for part in found["version"].split(".")[:2])
-
-
 class MeshReaders(TestCase):
     def make(self, name, atoms, *options):
         """Writes a mesh and the text files with the same surface. Returns area and volume."""
@@ -133,9 +129,10 @@ class MeshReaders(TestCase):
             with self.subTest(name=name):
                 measures = self.make(name, DATA / "c60.xyzr", *options)
                 found = self.read_back(module, program, name)
-                # Open3D 0.20 numbers the vertices of OBJ files by their first use.
+                # Some versions of Open3D number the vertices of OBJ files by their first use. The
+                # first triangle of this file has other corners.
                 is_renumbered = module == "open3d" and name == "a.obj" and \
-                    version_of(found) >= (0, 20)
+                    found["triangles"][0] == [0, 1, 2]
                 self.check_points(found, places, self.first_uses(name) if is_renumbered else None)
                 self.check_shape(found, measures)
 
