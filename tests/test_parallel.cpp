@@ -56,7 +56,8 @@ TEST_CASE("chunks stand in a file in the order of their numbers") {
   for (std::int64_t chunk = 0; chunk < 500; ++chunk) expected += chunk_text(chunk);
   const OutputDirectory place(directory.path());
   OutputFile file(place, "chunks");
-  OrderedOutput output(file);
+  OrderedOutput output(
+      [&](std::span<const char> text, std::uint64_t offset) { file.write_at(text, offset); });
   parallel_for(500, 4, [&](std::int64_t chunk, int) { output.write(chunk, chunk_text(chunk)); });
   CHECK(output.size() == expected.size());
   file.close();
@@ -68,7 +69,8 @@ TEST_CASE("a missing chunk does not block the others once it is abandoned") {
   const TemporaryDirectory directory;
   const OutputDirectory place(directory.path());
   OutputFile file(place, "chunks");
-  OrderedOutput output(file);
+  OrderedOutput output(
+      [&](std::span<const char> text, std::uint64_t offset) { file.write_at(text, offset); });
   const auto run = [&] {
     parallel_for(8, 4, [&](std::int64_t chunk, int) {
       if (chunk == 3) {

@@ -36,18 +36,10 @@ class TextFile {
   const std::string& name() const { return name_; }
 
   // Reads from `offset` until `buffer` is full or the file ends.
-  std::string_view read_at(std::span<char> buffer, std::uint64_t offset) const {
-    std::size_t used = 0;
-    while (used < buffer.size()) {
-      const ssize_t count = pread(file_.value(), buffer.data() + used, buffer.size() - used,
-                                  static_cast<off_t>(offset + used));
-      if (count < 0 && errno == EINTR) continue;
-      if (count < 0)
-        throw Error(formatted("cannot read {}: {}", name_, std::generic_category().message(errno)));
-      if (count == 0) break;
-      used += static_cast<std::size_t>(count);
-    }
-    return {buffer.data(), used};
+  std::string_view read_at(std::span<char> buffer, std::uint64_t offset) const try {
+    return {buffer.data(), file_.read_at(buffer, offset)};
+  } catch (const std::system_error& error) {
+    throw Error(formatted("cannot read {}: {}", name_, error.code().message()));
   }
 
   // Returns the begin of the first line that begins at or after `offset`, or `end` if there is

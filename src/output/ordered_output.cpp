@@ -2,11 +2,11 @@
 
 namespace eses::detail {
 
-void OrderedOutput::write(std::int64_t chunk, std::span<const char> text) {
+void OrderedOutput::write(std::int64_t piece, std::span<const char> text) {
   std::uint64_t offset = 0;
   {
     std::unique_lock lock(mutex_);
-    turn_.wait(lock, [&] { return next_ == chunk || is_abandoned_; });
+    turn_.wait(lock, [&] { return next_ == piece || is_abandoned_; });
     if (is_abandoned_) return;
     offset = offset_;
     offset_ += text.size();
@@ -14,11 +14,6 @@ void OrderedOutput::write(std::int64_t chunk, std::span<const char> text) {
   }
   turn_.notify_all();
   write_at_(text, offset);
-}
-
-void OrderedOutput::append(std::span<const char> text) {
-  write_at_(text, offset_);
-  offset_ += text.size();
 }
 
 void OrderedOutput::abandon() {

@@ -51,36 +51,23 @@ void OutputFile::fail(const char* action, int error) const {
   throw FileError(formatted("cannot {} {}", action, path()), error);
 }
 
-void OutputFile::write_at(std::span<const char> bytes, std::uint64_t offset) {
-  while (!bytes.empty()) {
-    const ssize_t written =
-        pwrite(file_.value(), bytes.data(), bytes.size(), static_cast<off_t>(offset));
-    if (written < 0 && errno == EINTR) continue;
-    if (written < 0) fail("write", errno);
-    if (written == 0) fail("write", EIO);  // Otherwise the loop might never end.
-    bytes = bytes.subspan(static_cast<std::size_t>(written));
-    offset += static_cast<std::uint64_t>(written);
-  }
+void OutputFile::write_at(std::span<const char> bytes, std::uint64_t offset) try {
+  file_.write_at(bytes, offset);
+} catch (const std::system_error& error) {
+  fail("write", error.code().value());
 }
 
-std::uint64_t OutputFile::copy_from(int file, const CopyRange& range) {
-  try {
-    return copy_in_kernel(file, file_.value(), range);
-  } catch (const std::system_error& error) {
-    fail("write", error.code().value());
-  }
+std::uint64_t OutputFile::copy_from(int file, const CopyRange& range) try {
+  return copy_in_kernel(file, file_.value(), range);
+} catch (const std::system_error& error) {
+  fail("write", error.code().value());
 }
 
-void OutputFile::read_at(std::span<char> bytes, std::uint64_t offset) {
-  while (!bytes.empty()) {
-    const ssize_t count =
-        pread(file_.value(), bytes.data(), bytes.size(), static_cast<off_t>(offset));
-    if (count < 0 && errno == EINTR) continue;
-    if (count < 0) fail("read back", errno);
-    if (count == 0) fail("read back", EIO);  // Another process has truncated the file.
-    bytes = bytes.subspan(static_cast<std::size_t>(count));
-    offset += static_cast<std::uint64_t>(count);
-  }
+void OutputFile::read_at(std::span<char> bytes, std::uint64_t offset) try {
+  // The file is shorter if another process has truncated it.
+  if (file_.read_at(bytes, offset) < bytes.size()) fail("read back", EIO);
+} catch (const std::system_error& error) {
+  fail("read back", error.code().value());
 }
 
 void OutputFile::truncate(std::uint64_t bytes) {

@@ -31,54 +31,43 @@ std::filesystem::path temporary_directory() {
 ScratchFile::ScratchFile() : ScratchFile(temporary_directory()) {}
 
 ScratchFile::ScratchFile(std::filesystem::path directory) : directory_(std::move(directory)) {
-  descriptor_ = open(directory_.c_str(), O_TMPFILE | O_RDWR | O_CLOEXEC, 0600);
-  if (descriptor_ >= 0) return;
+  file_ = FileDescriptor(open(directory_.c_str(), O_TMPFILE | O_RDWR | O_CLOEXEC, 0600));
+  if (file_.is_open()) return;
   // Some file systems do not support O_TMPFILE.
   std::string name = directory_.native() + "/.eses-blocks-XXXXXX";
-  descriptor_ = mkostemp(name.data(), O_CLOEXEC);
-  if (descriptor_ < 0) fail("create", directory_, errno);
+  file_ = FileDescriptor(mkostemp(name.data(), O_CLOEXEC));
+  if (!file_.is_open()) fail("create", directory_, errno);
   unlink(name.c_str());
 }
 
 ScratchFile::ScratchFile(std::filesystem::path directory, const std::string& name, Kept kept)
     : directory_(std::move(directory)) {
   const int mode = kept == Kept::fresh ? O_RDWR | O_CREAT | O_TRUNC : O_RDONLY;
-  descriptor_ = open(path_in(directory_, name).c_str(), mode | O_NOFOLLOW | O_CLOEXEC, 0666);
-  if (descriptor_ < 0) fail(kept == Kept::fresh ? "create" : "open", directory_, errno);
+  file_ =
+      FileDescriptor(open(path_in(directory_, name).c_str(), mode | O_NOFOLLOW | O_CLOEXEC, 0666));
+  if (!file_.is_open()) fail(kept == Kept::fresh ? "create" : "open", directory_, errno);
 }
-
-ScratchFile::~ScratchFile() { close(descriptor_); }
 
 void ScratchFile::append(std::span<const std::byte> bytes) {
   write_at(bytes, size_);
   size_ += bytes.size();
 }
 
-void ScratchFile::write_at(std::span<const std::byte> bytes, std::uint64_t offset) {
-  while (!bytes.empty()) {
-    const ssize_t written =
-        pwrite(descriptor_, bytes.data(), bytes.size(), static_cast<off_t>(offset));
-    if (written < 0 && errno == EINTR) continue;
-    if (written < 0) fail("write", directory_, errno);
-    if (written == 0) fail("write", directory_, EIO);
-    bytes = bytes.subspan(static_cast<std::size_t>(written));
-    offset += static_cast<std::uint64_t>(written);
-  }
+void ScratchFile::write_at(std::span<const std::byte> bytes, std::uint64_t offset) try {
+  file_.write_at({reinterpret_cast<const char*>(bytes.data()), bytes.size()}, offset);
+} catch (const std::system_error& error) {
+  fail("write", directory_, error.code().value());
 }
 
-void ScratchFile::read_at(std::span<std::byte> bytes, std::uint64_t offset) const {
-  while (!bytes.empty()) {
-    const ssize_t count =
-        pread(descriptor_, bytes.data(), bytes.size(), static_cast<off_t>(offset));
-    if (count < 0 && errno == EINTR) continue;
-    if (count <= 0) fail("read", directory_, count < 0 ? errno : EIO);
-    bytes = bytes.subspan(static_cast<std::size_t>(count));
-    offset += static_cast<std::uint64_t>(count);
-  }
+void ScratchFile::read_at(std::span<std::byte> bytes, std::uint64_t offset) const try {
+  if (file_.read_at({reinterpret_cast<char*>(bytes.data()), bytes.size()}, offset) < bytes.size())
+    fail("read", directory_, EIO);
+} catch (const std::system_error& error) {
+  fail("read", directory_, error.code().value());
 }
 
 void ScratchFile::sync() {
-  while (fsync(descriptor_) != 0)
+  while (fsync(file_.value()) != 0)
     if (errno != EINTR) fail("write", directory_, errno);
 }
 

@@ -7,6 +7,8 @@
 #include <span>
 #include <string>
 
+#include "system/file_descriptor.hpp"
+
 namespace eses::detail {
 
 /// A file without a name, which disappears with the object or the process, or a file with a name,
@@ -20,9 +22,6 @@ class ScratchFile {
   enum class Kept { fresh, existing };
   /// Creates an empty file with a name that is kept, or opens an existing one for reading.
   ScratchFile(std::filesystem::path directory, const std::string& name, Kept kept);
-  ~ScratchFile();
-  ScratchFile(const ScratchFile&) = delete;
-  ScratchFile& operator=(const ScratchFile&) = delete;
 
   void append(std::span<const std::byte> bytes);
   /// Writes bytes at an offset. Several threads may call it for disjoint ranges. Does not change
@@ -31,7 +30,7 @@ class ScratchFile {
   /// Reads bytes, all of which must have been written.
   void read_at(std::span<std::byte> bytes, std::uint64_t offset) const;
   /// Descriptor of the file, open during the lifetime of the object.
-  int descriptor() const { return descriptor_; }
+  int descriptor() const { return file_.value(); }
   /// Waits until all written bytes are on the disk.
   void sync();
   /// Number of appended bytes.
@@ -39,7 +38,7 @@ class ScratchFile {
 
  private:
   std::filesystem::path directory_;
-  int descriptor_ = -1;
+  FileDescriptor file_;
   std::uint64_t size_ = 0;
 };
 

@@ -121,7 +121,7 @@ std::uint64_t write_area_tables(const AtomAreas& areas, const RunPlan& plan, Out
     if (!processes.is_first()) return;
     SequentialWriter file(*chains, false);
     write_chain_table(all.tables.chains.chains(),
-                      [&](std::string_view chunk) { file.append(chunk); });
+                      [&](std::string_view piece) { file.append(piece); });
     chain_bytes = file.size();
   });
   return all.bytes + processes.sum(chain_bytes);

@@ -95,7 +95,7 @@ std::vector<std::string> broadcast_lines(const std::vector<std::string>& own, in
 }
 
 // Replaces wall-clock times by their maxima, and times of threads by their sums over all processes.
-void share_seconds(PhaseSeconds& seconds, const Processes& processes) {
+void combine_seconds(PhaseSeconds& seconds, const Processes& processes) {
   std::array maxima{seconds.blocks, seconds.verify, seconds.total};
   processes.allreduce_max(maxima);
   seconds.blocks = maxima[0];
@@ -110,7 +110,7 @@ void share_seconds(PhaseSeconds& seconds, const Processes& processes) {
 }
 
 // Adds up the verifications of all processes. Faults are in the order of the slabs.
-void share_verification(Verification& found, const Processes& processes) {
+void combine_verifications(Verification& found, const Processes& processes) {
   found.points = static_cast<std::int64_t>(processes.sum(static_cast<std::uint64_t>(found.points)));
   found.edges = static_cast<std::int64_t>(processes.sum(static_cast<std::uint64_t>(found.edges)));
   if (processes.sum(found.faults.size()) == 0) return;
@@ -179,7 +179,7 @@ void add_figures(const Stopwatch& total, const RunPlan& plan, const Processes& p
                  RunResult& result) {
   PhaseSeconds& seconds = result.summary.seconds;
   seconds.total = total.seconds();
-  share_seconds(seconds, processes);
+  combine_seconds(seconds, processes);
   const ProcessFigures own{plan.slab.planes, plan.slab.molecule.atoms().size(), cpu_seconds(),
                            peak_memory()};
   result.processes = processes.gather<ProcessFigures>({&own, 1});
@@ -227,7 +227,7 @@ RunResult execute(const RunTask& task, const RunPlan& plan, const RunPaths& path
   release_free_memory();
   AtomShares shares{std::move(swept.atom_shares), {}};
   take_restored(plan, processes, swept.chunks, shares);
-  if (summary.verification) share_verification(*summary.verification, processes);
+  if (summary.verification) combine_verifications(*summary.verification, processes);
 
   Merge merge(task, plan, processes, std::move(swept.chunks), check);
   fill_totals(merge.totals(), plan.whole.grid.spacing, summary);

@@ -10,7 +10,7 @@
 #include "output/area_table_writer.hpp"
 #include "output/grid_map.hpp"
 #include "output/mesh_writer.hpp"
-#include "run/text_chunks.hpp"
+#include "run/row_batches.hpp"
 #include "solve/block_solver.hpp"
 #include "system/gzip.hpp"
 
@@ -20,7 +20,7 @@ namespace {
 constexpr double mebibyte = 1 << 20;
 constexpr double base_bytes = 6 * mebibyte;           // program, libraries, survey
 constexpr double bytes_per_thread = 0.75 * mebibyte;  // stack, allocator, batches
-// The atom, its line number, tree entry, place in the clusters and area share.
+// The atom, its line number, tree entry, index in the clusters and area share.
 constexpr double bytes_per_atom = sizeof(Atom) + 8 + 16 + 8 + sizeof(AreaShare);
 // Memory of a freed layer that the allocator keeps, for each block and thread.
 constexpr double kept_per_block = 256;
@@ -48,12 +48,12 @@ double patch_bytes(const SurfaceSurvey& survey) {
 }
 
 // Returns the fraction of all patches that is in memory while layers of this height are solved.
-double share_of_patches(const SurfaceSurvey& survey, double height) {
+double fraction_of_patches(const SurfaceSurvey& survey, double height) {
   const double probe = survey.probe_radius(), radius = survey.max_radius();
   // The reach of atoms whose patches influence the layer, and of atoms whose SAS spheres meet
   // theirs.
   const double reach = radius + 2 * probe + 2 * (radius + probe) + 3 * CellList::sides[2];
-  return survey.max_share(height + 2 * reach);
+  return survey.max_fraction(height + 2 * reach);
 }
 
 // Returns the scratch memory of the threads that build the patches of crowded atoms.
@@ -108,9 +108,9 @@ double blocks_in_layer(const BlockTiling& tiling) {
 double text_bytes(const GridRegion& region, const Outputs& outputs) {
   // The estimate of 24 bytes for each point includes dense crossings.
   const std::int64_t row = region.size()[0];
-  const double points = as_double(rows_per_chunk(row) * row), chunk = points * 24;
-  double bytes = (outputs.grid ? chunk : 0) + (outputs.edges ? chunk / 2 : 0);
-  if (outputs.gzip) bytes += Gzip::state_bytes + (outputs.grid || outputs.edges ? chunk : 0);
+  const double points = as_double(rows_per_batch(row) * row), batch = points * 24;
+  double bytes = (outputs.grid ? batch : 0) + (outputs.edges ? batch / 2 : 0);
+  if (outputs.gzip) bytes += Gzip::state_bytes + (outputs.grid || outputs.edges ? batch : 0);
   double map = 0;  // maps are made one after the other
   for (const MapChoice& choice : chosen_maps(outputs)) {
     // Rows, and a copy of each cell's words.
@@ -119,7 +119,7 @@ double text_bytes(const GridRegion& region, const Outputs& outputs) {
     map = std::max({map, rows, GridMap::thread_bytes(choice, region)});
   }
   bytes += map;
-  if (outputs.mesh) bytes += chunk;
+  if (outputs.mesh) bytes += batch;
   return bytes;
 }
 
@@ -172,7 +172,7 @@ double bytes_of_thread(const SurfaceSurvey& survey, const Grid& grid, const Sche
 
 // Returns the memory of the results of a layer and of a fraction of the next one.
 double bytes_of_layers(const SurfaceSurvey& survey, const Grid& grid, const BlockTiling& tiling,
-                       double share_of_next, const Outputs& outputs) {
+                       double fraction_of_next, const Outputs& outputs) {
   const auto side = as_double(points_along(tiling, 2));
   const double rows = side * as_double(points_along(tiling, 1));
   constexpr double allocator = 64;
@@ -182,7 +182,7 @@ double bytes_of_layers(const SurfaceSurvey& survey, const Grid& grid, const Bloc
   const double bytes_per_block = sizeof(BlockResult) + allocator +
                                  sizeof(std::uint64_t) * block_words(tiling) * bit_sets +
                                  sizeof(std::uint32_t) * rows * edge_lists;
-  const double layers = 1 + share_of_next;
+  const double layers = 1 + fraction_of_next;
   // The neighbours of the layer with the maximum area may have a smaller area.
   const double area = std::min(layers * survey.max_slab_area(side * grid.spacing),
                                survey.max_slab_area(2 * side * grid.spacing));
@@ -192,7 +192,7 @@ double bytes_of_layers(const SurfaceSurvey& survey, const Grid& grid, const Bloc
 }
 
 // Returns the maximum fraction of the next layer that is solved before the current one is written.
-double share_ahead(const Schedule& schedule) {
+double fraction_ahead(const Schedule& schedule) {
   constexpr double fullest = 2;  // maximum memory of a block, relative to the mean
   if (schedule.tiling.blocks[2] < 2) return 0;
   return std::min(1.0,
@@ -242,10 +242,10 @@ double expected_memory(const SurfaceSurvey& survey, const LabelTotals& labels, c
   // If blocks of the next layer are solved ahead, the patches of two layers are in memory.
   const double layers = schedule.blocks_ahead > 0 && tiling.blocks[2] > 1 ? 2 : 1;
   const double height = layers * grid.spacing * as_double(points_along(tiling, 2) - 1);
-  const double patches = share_of_patches(survey, height) * patch_bytes(survey) +
+  const double patches = fraction_of_patches(survey, height) * patch_bytes(survey) +
                          crowd_bytes(survey, schedule.threads);
   const double held =
-      bytes_of_layers(survey, grid, tiling, share_ahead(schedule), outputs) +
+      bytes_of_layers(survey, grid, tiling, fraction_ahead(schedule), outputs) +
       2 * sizeof(std::uint64_t) * as_double(tiling.blocks[0]) * as_double(tiling.region.size()[1]) +
       as_double(tiling.blocks[2]) * bytes_per_layer +
       (outputs.mesh ? mesh_bytes(survey, grid.spacing, tiling) : 0);

@@ -144,7 +144,7 @@ void MeshOutput::append_triangles(const LayerView& view, const RowRange& rows,
   }
 }
 
-void MeshOutput::write(const Layer& layer, std::int64_t chunk, const Share& share,
+void MeshOutput::write(const Layer& layer, std::int64_t batch, const BatchOfLayer& of_layer,
                        MeshScratch& scratch) {
   scratch.vertex_text.clear();
   scratch.triangle_text.clear();
@@ -152,12 +152,13 @@ void MeshOutput::write(const Layer& layer, std::int64_t chunk, const Share& shar
     number_rows(layer);
     const LayerView view(plan_.tiling, layer);
     const std::int64_t count = planes_of(layer) * rows_y_;
-    const RowRange rows{share.index * count / share.count, (share.index + 1) * count / share.count};
+    const RowRange rows{of_layer.index * count / of_layer.count,
+                        (of_layer.index + 1) * count / of_layer.count};
     append_vertices(view, rows, scratch.vertex_text);
     append_triangles(view, rows, scratch);
   }
-  vertex_output_.write(chunk, scratch.vertex_text.text());
-  triangle_output_.write(chunk, scratch.triangle_text.text());
+  vertex_output_.write(batch, scratch.vertex_text.text());
+  triangle_output_.write(batch, scratch.triangle_text.text());
 }
 
 void MeshOutput::release(const Layer& layer) {

@@ -11,7 +11,7 @@
 #include "output/ordered_output.hpp"
 #include "run/layer.hpp"
 #include "run/plan.hpp"
-#include "run/text_chunks.hpp"
+#include "run/row_batches.hpp"
 
 namespace eses::detail {
 
@@ -45,16 +45,17 @@ class MeshOutput {
   MeshOutput(const Plan& plan, const GridRegion& region, const mesh::MeshText& text,
              MeshSinks sinks);
 
-  /// One of `count` parts of similar size.
-  struct Share {
+  /// The index of a batch within its layer, and the number of batches of the layer.
+  struct BatchOfLayer {
     std::int64_t index, count;
   };
 
-  /// Writes the chunk with number `chunk`, a share of the layer's rows: the vertices on edges that
-  /// start in these rows, and the cells below and before them. Needs the halo crossings of blocks.
-  /// Several threads may call it for chunks of the same layer. Layers must be written in order,
-  /// with a call of `release` after each.
-  void write(const Layer& layer, std::int64_t chunk, const Share& share, MeshScratch& scratch);
+  /// Writes a batch of the layer's rows, which is number `batch` of the region: the vertices on
+  /// edges that start in these rows, and the cells below and before them. Needs the halo crossings
+  /// of blocks. Several threads may call it for batches of the same layer. Layers must be written
+  /// in order, with a call of `release` after each.
+  void write(const Layer& layer, std::int64_t batch, const BatchOfLayer& of_layer,
+             MeshScratch& scratch);
   /// Keeps the last plane of a written layer.
   void release(const Layer& layer);
   /// Sets the plane below the first layer, whose vertices belong to another part of the mesh.

@@ -46,7 +46,7 @@ Pipeline::Pipeline(PatchSchedule& patches, const Plan& plan, Sinks sinks, Progre
       sinks_(std::move(sinks)),
       progress_(progress),
       text_(plan.grid, plan.tiling.region, sinks_.atom_numbers),
-      chunks_(plan.tiling.region, sinks_.gzip),
+      batches_(plan.tiling.region, sinks_.gzip),
       layers_(static_cast<std::size_t>(plan.tiling.blocks[2])),
       queue_(patches, heights_of_layers(plan), plan.tiling.blocks[0] * plan.tiling.blocks[1],
              plan.blocks_ahead),
@@ -97,7 +97,7 @@ void Pipeline::run() {
   });
 }
 
-// Releases threads that wait for chunks of a failed thread.
+// Releases threads that wait for batches of a failed thread.
 void Pipeline::abandon() {
   queue_.stop();
   if (grid_) grid_->abandon();
@@ -145,7 +145,7 @@ void Pipeline::work(std::size_t thread) {
         write(*task, writers_[thread]);
         break;
     }
-    queue_.finish(*task, layer_chunks(task->layer), [&](std::int64_t layer) { release(layer); });
+    queue_.finish(*task, layer_batches(task->layer), [&](std::int64_t layer) { release(layer); });
   }
 }
 
@@ -185,7 +185,7 @@ void Pipeline::make_room(std::int64_t layer) {
         static_cast<std::size_t>(plan_.tiling.blocks[0] * plan_.tiling.blocks[1]));
 }
 
-// Frees a layer. No chunk is being written at this time, as the chunks of the next layer wait for
+// Frees a layer. No batch is being written at this time, as the batches of the next layer wait for
 // the last one of this layer.
 void Pipeline::release(std::int64_t layer) {
   Layer& done = layers_[static_cast<std::size_t>(layer)];
@@ -231,27 +231,27 @@ void Pipeline::call_block_callback(const BlockResult& result) {
 void Pipeline::write(const Task& task, Writer& writer) {
   const Stopwatch watch;
   const Layer& layer = layers_[static_cast<std::size_t>(task.layer)];
-  const RowRange rows = chunks_.rows(task.index, layer_planes(task.layer));
+  const RowRange rows = batches_.rows(task.index, layer_planes(task.layer));
   append_points(layer, rows, writer);
   take_map_rows(layer, rows, writer);
   if (edges_) append_crossings(layer, rows, writer.edges);
-  count_share(task, layer, writer.counts);
-  // All layers before the last one have the same number of chunks.
-  const std::int64_t chunk = task.layer * layer_chunks(0) + task.index;
-  if (grid_) grid_->write(chunk, file_bytes(writer.grid, writer.gzip));
-  if (edges_) edges_->write(chunk, file_bytes(writer.edges, writer.gzip));
+  count_points_of(task, layer, writer.counts);
+  // All layers before the last one have the same number of batches.
+  const std::int64_t batch = task.layer * layer_batches(0) + task.index;
+  if (grid_) grid_->write(batch, file_bytes(writer.grid, writer.gzip));
+  if (edges_) edges_->write(batch, file_bytes(writer.edges, writer.gzip));
   if (sinks_.mesh != nullptr)
-    sinks_.mesh->write(layer, chunk, {task.index, layer_chunks(task.layer)}, writer.mesh);
+    sinks_.mesh->write(layer, batch, {task.index, layer_batches(task.layer)}, writer.mesh);
   writer.seconds += watch.seconds();
   progress_.check();
 }
 
-// Counts the points of a part of the layer's blocks with each chunk.
-void Pipeline::count_share(const Task& task, const Layer& layer, PointCounts& counts) const {
+// Counts the points of a part of the layer's blocks with each batch.
+void Pipeline::count_points_of(const Task& task, const Layer& layer, PointCounts& counts) const {
   const auto blocks = static_cast<std::int64_t>(layer.blocks.size());
-  const std::int64_t chunks = layer_chunks(task.layer);
-  counts.add(count_points(plan_.tiling, below_, layer, task.index * blocks / chunks,
-                          (task.index + 1) * blocks / chunks));
+  const std::int64_t batches = layer_batches(task.layer);
+  counts.add(count_points(plan_.tiling, below_, layer, task.index * blocks / batches,
+                          (task.index + 1) * blocks / batches));
 }
 
 // Formats rows of points as text.

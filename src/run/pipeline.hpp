@@ -19,9 +19,9 @@
 #include "run/patch_schedule.hpp"
 #include "run/plan.hpp"
 #include "run/progress_report.hpp"
+#include "run/row_batches.hpp"
 #include "run/task.hpp"
 #include "run/task_queue.hpp"
-#include "run/text_chunks.hpp"
 #include "run/verifier.hpp"
 #include "solve/block_solver.hpp"
 #include "solve/region_totals.hpp"
@@ -84,7 +84,7 @@ class Pipeline {
     TextBuffer grid, edges;
     MeshScratch mesh;
     RowBits row;
-    std::vector<std::uint64_t> map_rows;  // all rows of a chunk
+    std::vector<std::uint64_t> map_rows;  // all rows of a batch
     GridMap::Scratch map;
     std::optional<Gzip> gzip;
     PointCounts counts;
@@ -92,7 +92,9 @@ class Pipeline {
   };
 
   std::int64_t layer_planes(std::int64_t layer) const;
-  std::int64_t layer_chunks(std::int64_t layer) const { return chunks_.count(layer_planes(layer)); }
+  std::int64_t layer_batches(std::int64_t layer) const {
+    return batches_.count(layer_planes(layer));
+  }
   void abandon();
   void work(std::size_t thread);
   void build_patches_up_to(double height);
@@ -105,7 +107,7 @@ class Pipeline {
   void add_shares(BlockWorkspace& workspace);
   void call_block_callback(const BlockResult& result);
   void write(const Task& task, Writer& writer);
-  void count_share(const Task& task, const Layer& layer, PointCounts& counts) const;
+  void count_points_of(const Task& task, const Layer& layer, PointCounts& counts) const;
   void append_points(const Layer& layer, const RowRange& rows, Writer& writer) const;
   void take_map_rows(const Layer& layer, const RowRange& rows, Writer& writer) const;
   void append_crossings(const Layer& layer, const RowRange& rows, TextBuffer& text) const;
@@ -115,7 +117,7 @@ class Pipeline {
   Sinks sinks_;
   ProgressReport& progress_;
   GridText text_;
-  RowChunks chunks_;
+  RowBatches batches_;
   std::vector<Layer> layers_;
   Plane below_;  // the plane below the layer that is being written
   TaskQueue queue_;

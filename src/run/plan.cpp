@@ -29,7 +29,7 @@ constexpr std::uint64_t area_line_bytes = 32;
 // Typical bytes of residue_area.csv and chain_area.csv without the names.
 constexpr std::uint64_t table_header_bytes = 66, table_line_bytes = 16;
 // Compression ratios of gzip, measured with proteins.
-constexpr double grid_gzip_share = 0.2, edge_gzip_share = 0.3, area_gzip_share = 0.25;
+constexpr double grid_gzip_ratio = 0.2, edge_gzip_ratio = 0.3, area_gzip_ratio = 0.25;
 constexpr std::int64_t max_verified = 10'000'000;
 
 void require(bool holds, std::string_view what, double value) {
@@ -257,17 +257,17 @@ void require_valid(const Outputs& outputs, const Molecule& molecule) {
 
 void plan_files(std::uint64_t atoms, const LabelTotals& labels, const Outputs& outputs,
                 Plan& plan) {
-  const auto on_disk = [&](double bytes, double compressed_share) {
-    return static_cast<std::uint64_t>(outputs.gzip ? compressed_share * bytes : bytes);
+  const auto on_disk = [&](double bytes, double ratio) {
+    return static_cast<std::uint64_t>(outputs.gzip ? ratio * bytes : bytes);
   };
   if (outputs.box) plan.files.box = box_bytes(plan.grid, outputs.gzip);
   if (outputs.grid)
     plan.files.grid =
-        on_disk(static_cast<double>(max_grid_bytes(plan.tiling.region)), grid_gzip_share);
+        on_disk(static_cast<double>(max_grid_bytes(plan.tiling.region)), grid_gzip_ratio);
   if (outputs.edges)
-    plan.files.edges = on_disk(typical_crossing_bytes * plan.crossings, edge_gzip_share);
+    plan.files.edges = on_disk(typical_crossing_bytes * plan.crossings, edge_gzip_ratio);
   if (outputs.areas)
-    plan.files.areas = on_disk(static_cast<double>(area_line_bytes * atoms), area_gzip_share);
+    plan.files.areas = on_disk(static_cast<double>(area_line_bytes * atoms), area_gzip_ratio);
   if (outputs.mesh) expect_mesh(*outputs.mesh, labels, plan);
   if (outputs.residues)
     plan.files.residues = table_header_bytes +

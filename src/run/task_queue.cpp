@@ -40,8 +40,8 @@ std::optional<Task> TaskQueue::try_take_step(double up_to) {
 std::optional<Task> TaskQueue::try_take() {
   if (is_solved(first_unwritten_)) {
     Progress& writing = progress_[static_cast<std::size_t>(first_unwritten_)];
-    if (writing.chunks_taken < writing.chunks)
-      return Task{Task::Kind::write, first_unwritten_, writing.chunks_taken++, {}};
+    if (writing.batches_taken < writing.batches)
+      return Task{Task::Kind::write, first_unwritten_, writing.batches_taken++, {}};
   }
   if (first_unsolved_ == static_cast<std::int64_t>(progress_.size()) ||
       first_unsolved_ > first_unwritten_ + 1)
@@ -59,19 +59,19 @@ std::optional<Task> TaskQueue::try_take() {
   return task;
 }
 
-bool TaskQueue::count_finished(const Task& task, std::int64_t chunks) {
+bool TaskQueue::count_finished(const Task& task, std::int64_t batches) {
   if (task.kind == Task::Kind::build) {
     patches_.finish(task.step);
     return false;
   }
   Progress& progress = progress_[static_cast<std::size_t>(task.layer)];
   if (task.kind == Task::Kind::solve) {
-    progress.chunks = chunks;
-    ++progress.blocks_done;
+    progress.batches = batches;
+    ++progress.finished_blocks;
     pass_solved_layers();
     return false;
   }
-  if (++progress.chunks_done < progress.chunks) return false;
+  if (++progress.finished_batches < progress.batches) return false;
   ++first_unwritten_;
   return true;
 }

@@ -1,5 +1,5 @@
 #pragma once
-/// The queue of the tasks of a sweep: building patches, solving blocks and writing chunks.
+/// The queue of the tasks of a sweep: building patches, solving blocks and writing batches.
 
 #include <condition_variable>
 #include <cstdint>
@@ -11,12 +11,11 @@
 
 namespace eses::detail {
 
-/// A step of building patches, a block to solve, or a chunk of rows of a solved layer to write. See
-/// RowChunks for these chunks, which are not the chunks of planes of a checkpoint.
+/// A step of building patches, a block to solve, or a batch of rows of a solved layer to write.
 struct Task {
   enum class Kind : std::uint8_t { build, solve, write } kind = Kind::solve;
-  std::int64_t layer = 0;  ///< layer of the block or chunk
-  std::int64_t index = 0;  ///< index of the block or chunk within its layer
+  std::int64_t layer = 0;  ///< layer of the block or batch
+  std::int64_t index = 0;  ///< index of the block or batch within its layer
   BuildStep step;
 };
 
@@ -45,12 +44,12 @@ class TaskQueue {
   /// necessary. Returns nothing when all these steps are finished or `stop` was called.
   std::optional<Task> take_step(double up_to);
 
-  /// Reports a task as finished. `chunks` is the number of chunks of the task's layer. Calls
-  /// `on_written(layer)`, from one thread at a time, when the last chunk of a layer is finished.
+  /// Reports a task as finished. `batches` is the number of batches of the task's layer. Calls
+  /// `on_written(layer)`, from one thread at a time, when the last batch of a layer is finished.
   template <class OnWritten>
-  void finish(const Task& task, std::int64_t chunks, OnWritten&& on_written) {
+  void finish(const Task& task, std::int64_t batches, OnWritten&& on_written) {
     const std::lock_guard lock(mutex_);
-    if (count_finished(task, chunks)) on_written(task.layer);
+    if (count_finished(task, batches)) on_written(task.layer);
     changed_.notify_all();
   }
 
@@ -59,13 +58,13 @@ class TaskQueue {
 
  private:
   struct Progress {
-    std::int64_t blocks_taken = 0, blocks_done = 0;
-    std::int64_t chunks = 0, chunks_taken = 0, chunks_done = 0;
+    std::int64_t blocks_taken = 0, finished_blocks = 0;
+    std::int64_t batches = 0, batches_taken = 0, finished_batches = 0;
   };
   bool is_solved(std::int64_t layer) const {
-    return progress_[static_cast<std::size_t>(layer)].blocks_done == blocks_per_layer_;
+    return progress_[static_cast<std::size_t>(layer)].finished_blocks == blocks_per_layer_;
   }
-  bool count_finished(const Task& task, std::int64_t chunks);
+  bool count_finished(const Task& task, std::int64_t batches);
   void pass_solved_layers();
   std::optional<Task> try_take();
   std::optional<Task> try_take_step(double up_to);

@@ -304,7 +304,7 @@ double SurfaceSurvey::max_slab_area(double thickness) const {
   return max_area;
 }
 
-double SurfaceSurvey::max_share(double thickness) const {
+double SurfaceSurvey::max_fraction(double thickness) const {
   const auto width = static_cast<std::size_t>(
       std::min(static_cast<double>(bins), std::ceil(thickness / bin_) + 1));
   std::size_t within = 0, max_within = 0;

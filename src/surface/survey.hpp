@@ -44,7 +44,7 @@ class SurfaceSurvey {
 
   /// Returns the maximum fraction of the atoms with patches whose centres are between two planes
   /// across z that are `thickness` apart (angstrom).
-  double max_share(double thickness) const;
+  double max_fraction(double thickness) const;
 
   /// Maximum radius of the atoms with patches (angstrom).
   double max_radius() const { return max_radius_; }
