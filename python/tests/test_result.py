@@ -62,6 +62,8 @@ def test_sphere_agrees_with_its_closed_form():
     result = surface.compute(surface.grid(0.1))
     assert result.area == pytest.approx(16 * np.pi, rel=5e-3)
     assert result.volume == pytest.approx(32 / 3 * np.pi, rel=1e-2)
+    # The divergence theorem is of second order in the spacing.
+    assert result.divergence_volume == pytest.approx(32 / 3 * np.pi, rel=1e-4)
     assert result.convex_area == pytest.approx(result.area, rel=1e-12)
     assert result.saddle_area == result.concave_area == 0
     assert result.atom_areas == pytest.approx([result.area])
@@ -133,6 +135,18 @@ def test_arrays_are_read_only_views_that_live_on(ubiquitin_surface):
         assert np.array_equal(array, copy)
         with pytest.raises(ValueError, match="read-only"):
             array[...] = 0
+
+
+def test_arrays_stay_read_only(ubiquitin_surface):
+    result = ubiquitin_surface.compute(ubiquitin_surface.grid(1.5))
+    mesh = result.mesh()
+    arrays = [ubiquitin_surface.centers, ubiquitin_surface.radii, result.inside, result.atom_areas]
+    arrays += [getattr(result.crossings, name) for name in
+               ("lower", "axis", "position", "normal", "atoms", "kind", "lower_is_inside")]
+    arrays += [mesh.vertices, mesh.normals, mesh.faces, mesh.atoms, mesh.kind]
+    for array in arrays:
+        with pytest.raises(ValueError, match="WRITEABLE"):
+            array.flags.writeable = True
 
 
 def test_results_do_not_depend_on_threads_and_blocks(ubiquitin_surface):
@@ -300,7 +314,11 @@ def test_wrong_arguments_are_refused(chain):
         for method in (surface.compute, surface.blocks):
             with pytest.raises(ValueError, match=message):
                 method(grid, **arguments)
-    for arguments in ({"threads": 1.5}, {"max_memory": -1}, {"region": ((0, 0), (1, 1))},
+    for limit in ("2G", -1, 1.5, None, 2**64):
+        for method in (surface.compute, surface.blocks):
+            with pytest.raises(TypeError, match="max_memory must be a whole number of bytes"):
+                method(grid, max_memory=limit)
+    for arguments in ({"threads": 1.5}, {"region": ((0, 0), (1, 1))},
                       {"region": 3}, {"inside": "yes"}, {"unknown": 1}):
         with pytest.raises(TypeError):
             surface.compute(grid, **arguments)
