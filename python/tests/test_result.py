@@ -261,6 +261,26 @@ def test_mesh_is_closed_and_oriented(ubiquitin_surface):
     assert "vertices" in repr(mesh)
 
 
+def test_mesh_of_the_program_has_one_more_layer_of_points(tmp_path, run_program, ubiquitin_surface):
+    # The difference is documented in doc/python.md.
+    grid = ubiquitin_surface.grid(0.8, 1.6)
+    begin, end = np.array((10, 12, 11)), np.array((30, 35, 26))
+    low, high = (np.array(grid.origin) + 0.8 * (point - 0.5) for point in (begin, end))
+    run_program(DATA / "1ubq.xyzr", "1.4", "0.8", "1.6", "-o", tmp_path, "--write", "none", "--mesh",
+                tmp_path / "part.ply", "--ply-ascii",
+                "--region=" + ",".join(map(str, (*low, *high))))
+    header, body = (tmp_path / "part.ply").read_text().split("end_header\n")
+    count = int(header.split("element vertex ")[1].split()[0])
+    lines = [line.split() for line in body.splitlines()]
+    vertices = np.array([line[:3] for line in lines[:count]], float)
+    faces = np.array([line[1:] for line in lines[count:]], int)
+    mesh = ubiquitin_surface.compute(grid, region=(begin, end + 1)).mesh()
+    assert np.allclose(mesh.vertices, vertices, rtol=0, atol=1e-9)
+    assert np.array_equal(mesh.faces, faces)
+    own = ubiquitin_surface.compute(grid, region=(begin, end)).mesh()
+    assert 0 < len(own.vertices) < count
+
+
 def test_grid_without_inside_points_has_empty_results(chain):
     surface = eses.Surface(*chain)
     result = surface.compute(surface.grid(0.5, origin=(100, 0, 0), shape=(4, 5, 6)))
