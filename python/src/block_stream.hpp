@@ -73,4 +73,13 @@ class BlockStream {
   std::thread thread_;                     // declared last, because it uses the other members
 };
 
+/// Deletes a stream, except in a forked process. The members cannot be destroyed without the thread
+/// that uses them, so the forked process keeps their memory.
+struct DeleteInOwnProcess {
+  void operator()(BlockStream* stream) const {
+    if (stream->is_in_own_process()) delete stream;
+  }
+};
+using BlockStreamPointer = std::unique_ptr<BlockStream, DeleteInOwnProcess>;
+
 }  // namespace eses::python

@@ -30,14 +30,6 @@ End the computation and drop the remaining blocks.
 
 A deleted iterator does so as well, for example after a loop that was left early.)";
 
-// Deletes a stream in the process that has its thread. In a forked process the thread is missing,
-// so its memory cannot be released.
-struct DeleteInOwnProcess {
-  void operator()(BlockStream* stream) const {
-    if (stream->is_in_own_process()) delete stream;
-  }
-};
-
 std::shared_ptr<BlockCopy> next_block(BlockStream& stream) {
   std::shared_ptr<BlockCopy> block;
   {
@@ -97,8 +89,7 @@ void bind_block(py::module_& module) {
 
 void bind_blocks(py::module_& module) {
   bind_block(module);
-  py::class_<BlockStream, std::unique_ptr<BlockStream, DeleteInOwnProcess>> type(
-      module, "BlockIterator", iterator_text);
+  py::class_<BlockStream, BlockStreamPointer> type(module, "BlockIterator", iterator_text);
   type.attr("__module__") = "eses";
   type.def("__iter__", [](const py::object& self) { return self; })
       .def("__next__", &next_block)

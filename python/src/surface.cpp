@@ -218,16 +218,15 @@ std::shared_ptr<ComputedResult> compute_result(const Surface& surface, const Gri
       options);
 }
 
-std::unique_ptr<BlockStream> stream_blocks(const Surface& surface, const Grid& grid, int threads,
-                                           std::int64_t block_size,
-                                           const std::optional<IndexRange>& blocks,
-                                           const std::optional<IndexRange>& region,
-                                           const py::object& max_memory) {
+BlockStreamPointer stream_blocks(const Surface& surface, const Grid& grid, int threads,
+                                 std::int64_t block_size, const std::optional<IndexRange>& blocks,
+                                 const std::optional<IndexRange>& region,
+                                 const py::object& max_memory) {
   constexpr std::size_t max_waiting = 4;
   RunOptions options =
       make_options(grid, {threads, block_size, blocks, region, memory_limit(max_memory)});
   const py::gil_scoped_release unlocked;
-  return std::make_unique<BlockStream>(surface, grid, std::move(options), max_waiting);
+  return BlockStreamPointer(new BlockStream(surface, grid, std::move(options), max_waiting));
 }
 
 const char* name_of(DiagnosticKind kind) {
