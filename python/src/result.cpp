@@ -78,6 +78,10 @@ memory with the mesh.)";
 using InsideArray = py::array_t<bool, py::array::f_style | py::array::forcecast>;
 
 std::shared_ptr<Mesh> mesh_of(const ComputedResult& result) {
+  if (!result.parts().inside || !result.parts().crossings)
+    throw py::value_error(
+        "a mesh needs the inside points and the crossings, which were not both chosen; compute "
+        "with inside=True and crossings=True");
   const py::gil_scoped_release unlocked;
   Interrupts interrupts;
   return std::make_shared<Mesh>(make_mesh(result, [&interrupts] { interrupts.check(); }));
