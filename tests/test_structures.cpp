@@ -349,7 +349,9 @@ TEST_CASE("radii: a name or a file is accepted, and other text refused", "[struc
   const std::string text = line_of({});
   StructureOptions options;
   options.radii = "bondy";
-  CHECK(contains(pdb_error(text, options), "--radii: expected protor, bondi or msms, or a file"));
+  CHECK(contains(pdb_error(text, options), "radii: expected protor, bondi or msms, or a file"));
+  options.radii = std::string(300, 'A');  // longer than the name of a file can be
+  CHECK(contains(pdb_error(text, options), "radii: expected protor, bondi or msms, or a file"));
   const TemporaryDirectory directory;
   const fs::path file = directory.path() / "my.config";
   std::ofstream(file) << "types:\nT 3.5 apolar\natoms:\nANY CA T\n";

@@ -60,6 +60,14 @@ struct Mesh {
 /// The surface on a grid, in memory.
 class Result {
  public:
+  /// Makes a result from its data, for example in another process. `inside` and `crossings` are in
+  /// the order of the functions of these names; without a value, the part was not chosen. The mesh
+  /// is not chosen. Throws std::invalid_argument if the grid is not valid, if the region is empty
+  /// or not within the grid, or if the points and crossings are not those of a region of this grid.
+  Result(Summary summary, const Grid& grid, const GridRegion& region,
+         std::optional<std::vector<std::uint8_t>> inside,
+         std::optional<std::vector<Crossing>> crossings);
+
   /// Area, volume and other totals.
   const Summary& summary() const { return summary_; }
 

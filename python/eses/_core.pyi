@@ -44,7 +44,7 @@ def read_atoms(
     path: Union[str, os.PathLike[str]],
     *,
     format: Literal["auto", "xyzr", "pqr", "pdb", "mmcif"] = "auto",
-    radii: str = "protor",
+    radii: Union[str, os.PathLike[str]] = "protor",
     unknown_radius: Optional[float] = None,
     model: int = 0,
     altloc: str = "",
@@ -111,6 +111,8 @@ class Result:
     @property
     def volume(self) -> float: ...
     @property
+    def divergence_volume(self) -> float: ...
+    @property
     def atom_areas(self) -> _Doubles: ...
     @property
     def convex_area(self) -> float: ...
@@ -159,6 +161,8 @@ class BlockIterator:
     def area(self) -> float: ...
     @property
     def volume(self) -> float: ...
+    @property
+    def divergence_volume(self) -> float: ...
     @property
     def atom_areas(self) -> _Doubles: ...
 

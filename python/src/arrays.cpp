@@ -13,7 +13,10 @@ std::string shape_text(const py::array& array) {
 }
 
 py::array_t<double> as_numbers(const py::object& values, const std::string& name) {
-  const auto array = py::module_::import("numpy").attr("asarray")(values).cast<py::array>();
+  const auto numpy = py::module_::import("numpy");
+  if (numpy.attr("ma").attr("is_masked")(values).cast<bool>())
+    throw py::value_error(name + " has masked entries; leave these atoms out of both arrays");
+  const auto array = numpy.attr("asarray")(values).cast<py::array>();
   // asarray makes an array of floats from an empty list, so an empty list passes this check.
   if (const char kind = array.dtype().kind(); kind != 'f' && kind != 'i' && kind != 'u')
     throw py::type_error(name + " must be an array of real numbers, not of type " +

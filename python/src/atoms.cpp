@@ -3,15 +3,19 @@
 #include <pybind11/stl.h>
 #include <pybind11/stl/filesystem.h>
 
+#include <array>
+#include <cstdint>
 #include <eses/eses.hpp>
 #include <filesystem>
 #include <memory>
 #include <optional>
 #include <string>
+#include <tuple>
 #include <vector>
 
 #include "arrays.hpp"
 #include "background.hpp"
+#include "instances.hpp"
 #include "read_file.hpp"
 
 namespace eses::python {
@@ -32,7 +36,7 @@ format : {'auto', 'xyzr', 'pqr', 'pdb', 'mmcif'}, optional
     on, ``.ent``, ``.cif``, ``.mmcif``, ``.mcif`` and ``.pdbx``, each also with ``.gz``. Everything else
     is xyzr, which has one atom a line as ``x y z radius``. The arguments below are for PDB and mmCIF
     files.
-radii : str, optional
+radii : str or os.PathLike, optional
     Set of radii: ``protor``, ``bondi``, ``msms``, or the path of a file in FreeSASA's configuration
     format.
 unknown_radius : float, optional
@@ -75,7 +79,7 @@ All arrays are read-only. Copy an array to change it.)";
 
 constexpr const char* labels_text = R"(Names of the atoms of a file, as arrays of N strings.
 
-Names that the file does not contain are empty.)";
+Names that the file does not contain are empty. A name that is not UTF-8 is decoded as Latin-1.)";
 
 AtomFormat format_named(const std::string& name) {
   if (name == "auto") return AtomFormat::automatic;
@@ -95,15 +99,16 @@ HydrogenChoice hydrogens_named(const std::string& name) {
 }
 
 std::shared_ptr<AtomFile> read(const std::filesystem::path& path, const std::string& format,
-                               const std::string& radii, std::optional<double> unknown_radius,
-                               int model, const std::string& altloc, bool waters, bool hetatm,
+                               const std::filesystem::path& radii,
+                               std::optional<double> unknown_radius, int model,
+                               const std::string& altloc, bool waters, bool hetatm,
                                const std::string& hydrogens, const std::vector<std::string>& chains,
                                const std::string& select, const std::string& assembly) {
   // The library would read "-" from standard input, where Ctrl-C cannot interrupt it.
   if (path == "-") throw py::value_error("path must be the name of a file, not '-'");
   ReadOptions options;
   options.format = format_named(format);
-  options.structure = {.radii = radii,
+  options.structure = {.radii = radii.string(),
                        .unknown_radius = unknown_radius,
                        .model = model,
                        .altloc = altloc,
@@ -131,10 +136,69 @@ struct Labels {
   std::shared_ptr<const AtomFile> file;
 };
 
+py::object decode(const std::string& name) {
+  const auto size = static_cast<py::ssize_t>(name.size());
+  PyObject* text = PyUnicode_DecodeUTF8(name.data(), size, nullptr);
+  if (text == nullptr) {
+    PyErr_Clear();
+    text = PyUnicode_DecodeLatin1(name.data(), size, nullptr);
+  }
+  if (text == nullptr) throw py::error_already_set();
+  return py::reinterpret_steal<py::object>(text);
+}
+
 py::object names(const Labels& labels, std::string AtomLabel::*name) {
   py::list values;
-  for (const AtomLabel& label : labels.file->labels) values.append(py::str(label.*name));
+  for (const AtomLabel& label : labels.file->labels) values.append(decode(label.*name));
   return py::module_::import("numpy").attr("array")(values, py::arg("dtype") = "U");
+}
+
+// The names of a label in the order of a state.
+constexpr std::array label_names{&AtomLabel::chain, &AtomLabel::residue, &AtomLabel::residue_number,
+                                 &AtomLabel::atom_name};
+
+py::tuple label_state(const Labels& labels) {
+  py::tuple state(label_names.size());
+  for (std::size_t i = 0; i < label_names.size(); ++i) state[i] = names(labels, label_names[i]);
+  return state;
+}
+
+std::vector<AtomLabel> labels_of_state(const py::tuple& state) {
+  const auto columns =
+      unpack_state<std::array<std::vector<std::string>, label_names.size()>>(state);
+  std::vector<AtomLabel> labels(columns[0].size());
+  for (std::size_t i = 0; i < label_names.size(); ++i) {
+    if (columns[i].size() != labels.size())
+      throw py::value_error("the lists of names of the state differ in length");
+    for (std::size_t atom = 0; atom < labels.size(); ++atom)
+      labels[atom].*label_names[i] = columns[i][atom];
+  }
+  return labels;
+}
+
+py::object labels_or_none(const std::shared_ptr<AtomFile>& file) {
+  if (file->labels.empty()) return py::none();
+  return py::cast(Labels{file});
+}
+
+py::tuple atoms_state(const py::object& atoms) {
+  const py::object labels = atoms.attr("labels");
+  return py::make_tuple(atoms.attr("centers"), atoms.attr("radii"), atoms.attr("lines"),
+                        labels.is_none() ? labels : label_state(labels.cast<const Labels&>()));
+}
+
+std::shared_ptr<AtomFile> atoms_of_state(const py::tuple& state) {
+  const auto [centers, radii, lines, labels] = unpack_state<
+      std::tuple<py::object, py::object, StateArray<std::uint64_t>, std::optional<py::tuple>>>(
+      state);
+  auto file = std::make_shared<AtomFile>();
+  file->atoms = make_atoms(centers, radii);
+  require_shape(lines, file->atoms.size());
+  file->lines.assign(lines.data(), lines.data() + lines.size());
+  if (labels) file->labels = labels_of_state(*labels);
+  if (labels && file->labels.size() != file->atoms.size())
+    throw py::value_error("the numbers of atoms and names of the state differ");
+  return file;
 }
 
 }  // namespace
@@ -155,7 +219,13 @@ void bind_atoms(py::module_& module) {
           "(N,) str: residue numbers with the insertion code, such as 52A.")
       .def_property_readonly(
           "atom_name", [](const Labels& self) { return names(self, &AtomLabel::atom_name); },
-          "(N,) str: atom names, such as CA.");
+          "(N,) str: atom names, such as CA.")
+      .def(py::pickle(&label_state, [](const py::tuple& state) {
+        auto file = std::make_shared<AtomFile>();
+        file->labels = labels_of_state(state);
+        return Labels{file};
+      }));
+  protect_instances(labels);
 
   py::class_<AtomFile, std::shared_ptr<AtomFile>> atoms(module, "Atoms", atoms_text);
   atoms.attr("__module__") = "eses";
@@ -183,13 +253,10 @@ void bind_atoms(py::module_& module) {
             return field_view(lines.data(), lines.size(), sizeof(lines[0]), self);
           },
           "(N,) uint64: line numbers in the file, from 1.")
-      .def_property_readonly(
-          "labels",
-          [](const std::shared_ptr<AtomFile>& self) -> py::object {
-            if (self->labels.empty()) return py::none();
-            return py::cast(Labels{self});
-          },
-          "Labels or None: names of the atoms; None if the file has none.");
+      .def_property_readonly("labels", &labels_or_none,
+                             "Labels or None: names of the atoms; None if the file has none.")
+      .def(py::pickle(&atoms_state, &atoms_of_state));
+  protect_instances(atoms);
 
   module.def("read_atoms", &read, read_atoms_text, py::arg("path"), py::kw_only(),
              py::arg("format") = "auto", py::arg("radii") = "protor",

@@ -1,6 +1,9 @@
 #include "block_stream.hpp"
 
+#include <unistd.h>
+
 #include <chrono>
+#include <stdexcept>
 #include <utility>
 
 namespace eses::python {
@@ -15,7 +18,7 @@ constexpr std::chrono::milliseconds time_between_checks{50};
 
 BlockStream::BlockStream(Surface surface, const Grid& grid, RunOptions options,
                          std::size_t max_waiting)
-    : max_waiting_(max_waiting) {
+    : process_(getpid()), max_waiting_(max_waiting) {
   options.progress = [this](std::int64_t, std::int64_t) {
     if (is_closed()) throw Closed();
   };
@@ -23,6 +26,7 @@ BlockStream::BlockStream(Surface surface, const Grid& grid, RunOptions options,
   estimate(surface, grid, Outputs::none(), options);
   thread_ = std::thread([this, surface = std::move(surface), grid, options = std::move(options)] {
     run(surface, grid, options);
+    is_released_ = true;
   });
 }
 
@@ -55,7 +59,16 @@ void BlockStream::put(const Block& block) {
   changed_.notify_all();
 }
 
+bool BlockStream::is_in_own_process() const { return getpid() == process_; }
+
+void BlockStream::require_thread() const {
+  if (!is_in_own_process() && !is_released_)
+    throw std::runtime_error(
+        "the iterator belongs to the process that made it; call blocks in the forked process");
+}
+
 std::shared_ptr<BlockCopy> BlockStream::next(const std::function<void()>& check) {
+  require_thread();
   std::unique_lock lock(mutex_);
   while (waiting_.empty() && !has_ended_ && !is_closed_) {
     changed_.wait_for(lock, time_between_checks);
@@ -74,6 +87,7 @@ std::shared_ptr<BlockCopy> BlockStream::next(const std::function<void()>& check)
 }
 
 void BlockStream::close() {
+  if (!is_in_own_process()) return;
   {
     const std::lock_guard lock(mutex_);
     is_closed_ = true;
@@ -85,6 +99,7 @@ void BlockStream::close() {
 }
 
 const Summary* BlockStream::summary() const {
+  require_thread();
   const std::lock_guard lock(mutex_);
   return summary_ && waiting_.empty() ? &*summary_ : nullptr;
 }

@@ -7,6 +7,7 @@
 #include "arrays.hpp"
 #include "block_stream.hpp"
 #include "crossings.hpp"
+#include "instances.hpp"
 #include "interrupts.hpp"
 
 namespace eses::python {
@@ -81,13 +82,14 @@ void bind_block(py::module_& module) {
           "crossings",
           [](const std::shared_ptr<BlockCopy>& self) { return Crossings(self, self->crossings); },
           "Crossings: crossings of the edges whose lower ends belong to the block.");
+  protect_instances(type);
 }
 
 }  // namespace
 
 void bind_blocks(py::module_& module) {
   bind_block(module);
-  py::class_<BlockStream> type(module, "BlockIterator", iterator_text);
+  py::class_<BlockStream, BlockStreamPointer> type(module, "BlockIterator", iterator_text);
   type.attr("__module__") = "eses";
   type.def("__iter__", [](const py::object& self) { return self; })
       .def("__next__", &next_block)
@@ -104,7 +106,13 @@ void bind_blocks(py::module_& module) {
           "RuntimeError before the last block.")
       .def_property_readonly(
           "volume", [](const BlockStream& self) { return summary_of(self).volume; },
-          "float: enclosed volume, in cubic angstrom.")
+          "float: enclosed volume by the formula of ESES, in cubic angstrom, to compare with "
+          "ESES.")
+      .def_property_readonly(
+          "divergence_volume",
+          [](const BlockStream& self) { return summary_of(self).divergence_volume; },
+          "float: enclosed volume by the divergence theorem, in cubic angstrom; more accurate "
+          "than ``volume``.")
       .def_property_readonly(
           "atom_areas",
           [](const py::object& self) {
@@ -112,6 +120,7 @@ void bind_blocks(py::module_& module) {
             return field_view(areas.data(), areas.size(), sizeof(double), self);
           },
           "(N,) float64: share of each atom in the area, in square angstrom.");
+  protect_instances(type);
 }
 
 }  // namespace eses::python

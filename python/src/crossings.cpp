@@ -1,8 +1,13 @@
 #include "crossings.hpp"
 
+#include <algorithm>
 #include <cstdint>
+#include <limits>
+#include <tuple>
+#include <utility>
 
 #include "arrays.hpp"
+#include "instances.hpp"
 
 namespace eses::python {
 namespace {
@@ -62,20 +67,64 @@ py::array_t<std::int64_t> ends(const Crossings& crossings, GridIndex (Crossing::
 
 }  // namespace
 
-py::array Crossings::atoms() {
+std::span<const std::int64_t> Crossings::atoms() {
   if (!atoms_) {
-    py::array_t<std::int64_t> atoms({list_.size(), std::size_t{3}});
-    std::int64_t* next = atoms.mutable_data();
+    std::vector<std::int64_t> atoms;
+    atoms.reserve(3 * list_.size());
     for (std::size_t i = 0; i < list_.size(); ++i) {
       check_signals(i);
       const Crossing& crossing = list_[i];
       for (std::size_t q = 0; q < 3; ++q)
-        *next++ = q < crossing.atom_count ? std::int64_t{crossing.atoms[q]} : -1;
+        atoms.push_back(q < crossing.atom_count ? std::int64_t{crossing.atoms[q]} : -1);
     }
-    atoms.attr("setflags")(py::arg("write") = false);
-    atoms_ = std::move(atoms);
+    // A signal handler may have called this function, and arrays may share the memory of its list.
+    if (!atoms_) atoms_ = std::move(atoms);
   }
   return *atoms_;
+}
+
+py::tuple crossing_state(const py::object& crossings) {
+  return py::make_tuple(crossings.attr("lower"), crossings.attr("axis"), crossings.attr("position"),
+                        crossings.attr("normal"), crossings.attr("atoms"), crossings.attr("kind"),
+                        crossings.attr("lower_is_inside"));
+}
+
+std::vector<Crossing> crossings_of_state(const py::tuple& state) {
+  const auto [lower, axis, position, normal, atoms, kind, lower_is_inside] =
+      unpack_state<std::tuple<StateArray<std::int64_t>, StateArray<std::uint8_t>,
+                              StateArray<double>, StateArray<double>, StateArray<std::int64_t>,
+                              StateArray<std::uint8_t>, StateArray<bool>>>(state);
+  const auto count = static_cast<std::size_t>(axis.size());
+  for (const py::array& vectors :
+       {py::array(lower), py::array(position), py::array(normal), py::array(atoms)})
+    require_shape(vectors, count, 3);
+  for (const py::array& values : {py::array(axis), py::array(kind), py::array(lower_is_inside)})
+    require_shape(values, count);
+  std::vector<Crossing> crossings(count);
+  for (std::size_t i = 0; i < count; ++i) {
+    check_signals(i);
+    Crossing& crossing = crossings[i];
+    const std::int64_t* const point = lower.data() + 3 * i;
+    const double* const place = position.data() + 3 * i;
+    const double* const direction = normal.data() + 3 * i;
+    const std::int64_t* const adjacent = atoms.data() + 3 * i;
+    crossing.lower = {point[0], point[1], point[2]};
+    crossing.position = {place[0], place[1], place[2]};
+    crossing.normal = {direction[0], direction[1], direction[2]};
+    crossing.axis = axis.data()[i];
+    crossing.atom_count = kind.data()[i];
+    crossing.lower_is_inside = lower_is_inside.data()[i];
+    if (crossing.axis > 2 || crossing.atom_count < 1 || crossing.atom_count > 3 ||
+        *std::min_element(point, point + 3) < 0 ||
+        *std::max_element(point, point + 3) > std::numeric_limits<std::uint32_t>::max())
+      throw py::value_error("a crossing of the state has an invalid edge or kind");
+    for (std::size_t q = 0; q < crossing.atom_count; ++q) {
+      if (adjacent[q] < 0 || adjacent[q] >= std::numeric_limits<AtomIndex>::max())
+        throw py::value_error("a crossing of the state has an invalid atom");
+      crossing.atoms[q] = static_cast<AtomIndex>(adjacent[q]);
+    }
+  }
+  return crossings;
 }
 
 void bind_crossings(py::module_& module) {
@@ -97,9 +146,14 @@ void bind_crossings(py::module_& module) {
       .def_property_readonly(
           "normal", [](const py::object& self) { return vectors(self, &Crossing::normal); },
           "(M, 3) float64: outward unit normals of the surface.")
-      .def_property_readonly("atoms", &Crossings::atoms,
-                             "(M, 3) int64: indices of the adjacent atoms, ascending, and -1 where "
-                             "there is none.\n\nThe array is made when it is first needed.")
+      .def_property_readonly(
+          "atoms",
+          [](const py::object& self) {
+            const std::span<const std::int64_t> atoms = self.cast<Crossings&>().atoms();
+            return field_view(atoms.data(), atoms.size() / 3, 3 * sizeof(atoms[0]), self, 3);
+          },
+          "(M, 3) int64: indices of the adjacent atoms, ascending, and -1 where there is none.\n\n"
+          "The values are made when they are first needed.")
       .def_property_readonly(
           "kind", [](const py::object& self) { return view(self, &Crossing::atom_count); },
           "(M,) uint8: kinds of the patches, 1 convex, 2 saddle, 3 concave.\n\nThe kind is also "
@@ -115,7 +169,12 @@ void bind_crossings(py::module_& module) {
       .def_property_readonly(
           "outside_point",
           [](const Crossings& self) { return ends(self, &Crossing::outside_point); },
-          "(M, 3) int64: the ends that are outside, as indices in the whole grid; a new array.");
+          "(M, 3) int64: the ends that are outside, as indices in the whole grid; a new array.")
+      .def(py::pickle(&crossing_state, [](const py::tuple& state) {
+        const auto list = std::make_shared<const std::vector<Crossing>>(crossings_of_state(state));
+        return Crossings(list, *list);
+      }));
+  protect_instances(type);
 }
 
 }  // namespace eses::python

@@ -6,8 +6,10 @@
 #include <eses/eses.hpp>
 #include <filesystem>
 #include <string>
+#include <tuple>
 
 #include "arrays.hpp"
+#include "instances.hpp"
 #include "read_file.hpp"
 
 namespace eses::python {
@@ -140,9 +142,9 @@ void bind_grid(py::module_& module) {
             return py::make_tuple(origin_of(self), self.spacing, as_tuple(self.size));
           },
           [](const py::tuple& state) {
-            return make(state[0].cast<Triple>(), state[1].cast<double>(),
-                        state[2].cast<GridIndex>());
+            return std::apply(make, unpack_state<std::tuple<Triple, double, GridIndex>>(state));
           }));
+  protect_instances(type);
   module.def("read_grid", &read, read_text, py::arg("path"));
 }
 

@@ -5,6 +5,8 @@
 
 #include <eses/eses.hpp>
 #include <exception>
+#include <stdexcept>
+#include <string_view>
 
 #include "atoms.hpp"
 #include "background.hpp"
@@ -18,15 +20,27 @@ namespace py = pybind11;
 
 namespace {
 
-// Exceptions that pybind11 cannot translate by itself.
+// Returns the message of an exception. Bytes that are not UTF-8, as in the name of a file, become
+// surrogates, as Python decodes names of files.
+py::object message_of(const std::exception& error) {
+  const std::string_view text = error.what();
+  return py::reinterpret_steal<py::object>(
+      PyUnicode_DecodeUTF8(text.data(), static_cast<py::ssize_t>(text.size()), "surrogateescape"));
+}
+
+// Exceptions that pybind11 cannot translate by itself, or whose messages it cannot decode.
 void translate(std::exception_ptr thrown) {  // NOLINT: the type is that of pybind11
   try {
     if (thrown) std::rethrow_exception(thrown);
   } catch (const eses::FileError& error) {
     // With the error number Python chooses the class, such as FileNotFoundError.
-    PyErr_SetObject(PyExc_OSError, py::make_tuple(error.code().value(), error.what()).ptr());
+    PyErr_SetObject(PyExc_OSError, py::make_tuple(error.code().value(), message_of(error)).ptr());
   } catch (const eses::MemoryLimitError& error) {
-    PyErr_SetString(PyExc_MemoryError, error.what());
+    PyErr_SetObject(PyExc_MemoryError, message_of(error).ptr());
+  } catch (const eses::Error& error) {
+    PyErr_SetObject(PyExc_RuntimeError, message_of(error).ptr());
+  } catch (const std::invalid_argument& error) {
+    PyErr_SetObject(PyExc_ValueError, message_of(error).ptr());
   }
 }
 

@@ -15,6 +15,15 @@ constexpr std::int64_t default_block_size = 64;
 
 }  // namespace
 
+std::uint64_t memory_limit(const py::object& max_memory) {
+  try {
+    return max_memory.cast<std::uint64_t>();
+  } catch (const py::cast_error&) {
+    throw py::type_error("max_memory must be a whole number of bytes, such as 2 * 2**30, not " +
+                         py::repr(max_memory).cast<std::string>());
+  }
+}
+
 RunOptions make_options(const Grid& grid, const RunArguments& arguments) {
   const auto& [threads, block_size, blocks, region, max_memory] = arguments;
   if (block_size != 0 && (block_size < 2 || block_size > max_block_size))

@@ -20,6 +20,9 @@ struct RunArguments {
   std::uint64_t max_memory = 0;
 };
 
+/// Returns a number of bytes. Raises TypeError for other values, such as text with a unit.
+std::uint64_t memory_limit(const py::object& max_memory);
+
 /// Makes options without callbacks. Raises ValueError.
 RunOptions make_options(const Grid& grid, const RunArguments& arguments);
 

@@ -8,11 +8,13 @@
 #include <optional>
 #include <stdexcept>
 #include <string>
+#include <tuple>
 #include <utility>
 
 #include "arrays.hpp"
 #include "block_stream.hpp"
 #include "computed_result.hpp"
+#include "instances.hpp"
 #include "interrupts.hpp"
 #include "run_arguments.hpp"
 #include "threads.hpp"
@@ -201,11 +203,12 @@ std::shared_ptr<ComputedResult> compute_result(const Surface& surface, const Gri
                                                int threads, std::int64_t block_size,
                                                const std::optional<IndexRange>& blocks,
                                                const std::optional<IndexRange>& region,
-                                               std::uint64_t max_memory, bool inside,
+                                               const py::object& max_memory, bool inside,
                                                bool crossings, const py::object& progress) {
   if (!progress.is_none() && PyCallable_Check(progress.ptr()) == 0)
     throw py::type_error("progress must be callable");
-  const RunOptions options = make_options(grid, {threads, block_size, blocks, region, max_memory});
+  const RunOptions options =
+      make_options(grid, {threads, block_size, blocks, region, memory_limit(max_memory)});
   Interrupts interrupts;
   RunOptions with_progress = options;
   with_progress.progress = make_progress(interrupts, progress);
@@ -215,15 +218,15 @@ std::shared_ptr<ComputedResult> compute_result(const Surface& surface, const Gri
       options);
 }
 
-std::unique_ptr<BlockStream> stream_blocks(const Surface& surface, const Grid& grid, int threads,
-                                           std::int64_t block_size,
-                                           const std::optional<IndexRange>& blocks,
-                                           const std::optional<IndexRange>& region,
-                                           std::uint64_t max_memory) {
+BlockStreamPointer stream_blocks(const Surface& surface, const Grid& grid, int threads,
+                                 std::int64_t block_size, const std::optional<IndexRange>& blocks,
+                                 const std::optional<IndexRange>& region,
+                                 const py::object& max_memory) {
   constexpr std::size_t max_waiting = 4;
-  RunOptions options = make_options(grid, {threads, block_size, blocks, region, max_memory});
+  RunOptions options =
+      make_options(grid, {threads, block_size, blocks, region, memory_limit(max_memory)});
   const py::gil_scoped_release unlocked;
-  return std::make_unique<BlockStream>(surface, grid, std::move(options), max_waiting);
+  return BlockStreamPointer(new BlockStream(surface, grid, std::move(options), max_waiting));
 }
 
 const char* name_of(DiagnosticKind kind) {
@@ -278,6 +281,7 @@ void bind_diagnostic(py::module_& module) {
       .def("__repr__", [](const Diagnostic& self) {
         return py::str("<eses.Diagnostic: {} (count {})>").format(name_of(self.kind), self.count);
       });
+  protect_instances(type);
 }
 
 }  // namespace
@@ -330,8 +334,11 @@ void bind_surface(py::module_& module) {
                                   self.attr("probe_radius"));
           },
           [](const py::tuple& state) {
-            return make_surface(state[0], state[1], state[2].cast<double>(), 1);
+            const auto [centers, radii, probe_radius] =
+                unpack_state<std::tuple<py::object, py::object, double>>(state);
+            return make_surface(centers, radii, probe_radius, 1);
           }));
+  protect_instances(type);
 }
 
 }  // namespace eses::python

@@ -110,6 +110,39 @@ def test_wrong_arguments_are_refused():
         eses.read_atoms("-")
 
 
+def test_names_of_files_need_not_be_utf8(tmp_path):
+    path = os.fsdecode(os.fsencode(tmp_path) + b"/caf\xe9.xyzr")
+    with pytest.raises(FileNotFoundError, match="caf\udce9.xyzr"):
+        eses.read_atoms(path)
+    with open(path, "w", encoding="ascii") as file:
+        file.write("0 0 0 1\n0 0 x 1\n")
+    with pytest.raises(ValueError, match=r"caf\udce9\.xyzr:2: field 3"):
+        eses.read_atoms(path)
+    with pytest.raises(ValueError, match="caf\udce9.xyzr"):
+        eses.read_grid(path)
+    radii = tmp_path / os.fsdecode(b"caf\xe9.config")
+    radii.write_text("types:\nT 3.5 apolar\natoms:\nANY CA T\n")
+    (tmp_path / "one.pdb").write_text(PDB.splitlines()[1])
+    for name in (radii, str(radii)):
+        assert eses.read_atoms(tmp_path / "one.pdb", radii=name).radii.tolist() == [3.5]
+
+
+def test_unknown_radii_are_refused(tmp_path):
+    (tmp_path / "one.pdb").write_text(PDB.splitlines()[1])
+    for name in ("bondy", "A" * 300, "no/such/file"):
+        with pytest.raises(ValueError, match="radii: expected protor, bondi or msms, or a file"):
+            eses.read_atoms(tmp_path / "one.pdb", radii=name)
+
+
+def test_names_that_are_not_utf8_are_latin_1(tmp_path):
+    path = tmp_path / "latin.pqr"
+    path.write_bytes(b"ATOM 1 C\xe9 R\xe4T 1 0 0 0 0.5 1.5\n"
+                     + "ATOM 2 C\u00e9 RAT 1 4 0 0 0.5 1.5\n".encode())
+    labels = eses.read_atoms(path).labels
+    assert labels.atom_name.tolist() == ["C\u00e9", "C\u00e9"]
+    assert labels.residue.tolist() == ["R\u00e4T", "RAT"]
+
+
 def test_arrays_outlive_the_atoms():
     centers, residues = (lambda atoms: (atoms.centers, atoms.labels))(
         eses.read_atoms(DATA / "fas2.pqr"))

@@ -55,6 +55,7 @@ def test_blocks_make_up_the_grid(ubiquitin_surface, threads):
     assert np.array_equal(position[order], whole.crossings.position)
     assert np.array_equal(atoms[order], whole.crossings.atoms)
     assert blocks.area == whole.area and blocks.volume == whole.volume
+    assert blocks.divergence_volume == whole.divergence_volume
     assert np.array_equal(blocks.atom_areas, whole.atom_areas)
     assert list(blocks) == []
 
@@ -139,6 +140,41 @@ def test_blocks_outlive_the_iterator(ubiquitin_surface):
         assert np.allclose(np.linalg.norm(normal, axis=1), 1)
         with pytest.raises(ValueError, match="read-only"):
             inside[...] = False
+
+
+def test_iterator_of_the_parent_is_refused_after_a_fork():
+    # An open iterator, one whose computation has ended, and one with all totals.
+    code = """
+import os, time
+import numpy as np, eses
+centers = np.stack(np.meshgrid(*[3.9 * np.arange(10)] * 3), axis=-1).reshape(-1, 3)
+surface = eses.Surface(centers, np.full(len(centers), 1.7))
+blocks = surface.blocks(surface.grid(0.2), threads=1)
+next(blocks)
+ended = surface.blocks(surface.grid(2.0), threads=1)
+area = (list(ended), ended.area)[1]
+ended.close()
+child = os.fork()
+if child == 0:
+    for action in (lambda: next(blocks), lambda: list(blocks), lambda: blocks.area):
+        try:
+            action()
+        except RuntimeError as error:
+            print(error)
+    print(ended.area == area)
+    with blocks:
+        pass
+    blocks.close()
+    del blocks
+    raise SystemExit(3)
+print(os.waitstatus_to_exitcode(os.waitpid(child, 0)[1]))
+print(next(blocks).inside.size > 0)
+"""
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True,
+                          check=False, timeout=120)
+    message = ("the iterator belongs to the process that made it; call blocks in the forked "
+               "process\n")
+    assert (done.stdout, done.stderr) == (3 * message + "True\n3\nTrue\n", "")
 
 
 def test_interpreter_ends_while_an_iterator_is_open():

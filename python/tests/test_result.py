@@ -69,6 +69,11 @@ def test_sphere_agrees_with_its_closed_form():
     away = crossings.position - [0.1, 0.2, 0.3]
     assert np.linalg.norm(away, axis=1) == pytest.approx(2, abs=1e-12)
     assert crossings.normal == pytest.approx(away / 2, abs=1e-12)
+    # The divergence theorem for the field x, averaged over the axes.
+    along = crossings.position[np.arange(len(crossings)), crossings.axis]
+    flux = np.where(crossings.lower_is_inside, along, -along).sum() / 3
+    assert result.divergence_volume == pytest.approx(0.1**2 * flux, rel=1e-12)
+    assert result.divergence_volume == pytest.approx(32 / 3 * np.pi, rel=2e-3)
     assert (crossings.kind == 1).all()
     assert (crossings.atoms == [0, -1, -1]).all()
     x, y, z = np.meshgrid(*map(result.grid.coordinates, range(3)), indexing="ij")
@@ -133,6 +138,18 @@ def test_arrays_are_read_only_views_that_live_on(ubiquitin_surface):
         assert np.array_equal(array, copy)
         with pytest.raises(ValueError, match="read-only"):
             array[...] = 0
+
+
+def test_arrays_stay_read_only(ubiquitin_surface):
+    result = ubiquitin_surface.compute(ubiquitin_surface.grid(1.5))
+    mesh = result.mesh()
+    arrays = [ubiquitin_surface.centers, ubiquitin_surface.radii, result.inside, result.atom_areas]
+    arrays += [getattr(result.crossings, name) for name in
+               ("lower", "axis", "position", "normal", "atoms", "kind", "lower_is_inside")]
+    arrays += [mesh.vertices, mesh.normals, mesh.faces, mesh.atoms, mesh.kind]
+    for array in arrays:
+        with pytest.raises(ValueError, match="WRITEABLE"):
+            array.flags.writeable = True
 
 
 def test_results_do_not_depend_on_threads_and_blocks(ubiquitin_surface):
@@ -247,6 +264,26 @@ def test_mesh_is_closed_and_oriented(ubiquitin_surface):
     assert "vertices" in repr(mesh)
 
 
+def test_mesh_of_the_program_has_one_more_layer_of_points(tmp_path, run_program, ubiquitin_surface):
+    # The difference is documented in doc/python.md.
+    grid = ubiquitin_surface.grid(0.8, 1.6)
+    begin, end = np.array((10, 12, 11)), np.array((30, 35, 26))
+    low, high = (np.array(grid.origin) + 0.8 * (point - 0.5) for point in (begin, end))
+    run_program(DATA / "1ubq.xyzr", "1.4", "0.8", "1.6", "-o", tmp_path, "--write", "none", "--mesh",
+                tmp_path / "part.ply", "--ply-ascii",
+                "--region=" + ",".join(map(str, (*low, *high))))
+    header, body = (tmp_path / "part.ply").read_text().split("end_header\n")
+    count = int(header.split("element vertex ")[1].split()[0])
+    lines = [line.split() for line in body.splitlines()]
+    vertices = np.array([line[:3] for line in lines[:count]], float)
+    faces = np.array([line[1:] for line in lines[count:]], int)
+    mesh = ubiquitin_surface.compute(grid, region=(begin, end + 1)).mesh()
+    assert np.allclose(mesh.vertices, vertices, rtol=0, atol=1e-9)
+    assert np.array_equal(mesh.faces, faces)
+    own = ubiquitin_surface.compute(grid, region=(begin, end)).mesh()
+    assert 0 < len(own.vertices) < count
+
+
 def test_grid_without_inside_points_has_empty_results(chain):
     surface = eses.Surface(*chain)
     result = surface.compute(surface.grid(0.5, origin=(100, 0, 0), shape=(4, 5, 6)))
@@ -266,7 +303,7 @@ def test_only_chosen_parts_are_computed(chain):
     assert totals.area == whole.area and totals.volume == whole.volume
     for part in (lambda: totals.inside, totals.mesh, lambda: totals.crossings,
                  surface.compute(grid, inside=False).mesh):
-        with pytest.raises(ValueError, match="not .*chosen"):
+        with pytest.raises(ValueError, match="not .*chosen; compute with (inside|crossings)=True"):
             part()
 
 
@@ -300,7 +337,11 @@ def test_wrong_arguments_are_refused(chain):
         for method in (surface.compute, surface.blocks):
             with pytest.raises(ValueError, match=message):
                 method(grid, **arguments)
-    for arguments in ({"threads": 1.5}, {"max_memory": -1}, {"region": ((0, 0), (1, 1))},
+    for limit in ("2G", -1, 1.5, None, 2**64):
+        for method in (surface.compute, surface.blocks):
+            with pytest.raises(TypeError, match="max_memory must be a whole number of bytes"):
+                method(grid, max_memory=limit)
+    for arguments in ({"threads": 1.5}, {"region": ((0, 0), (1, 1))},
                       {"region": 3}, {"inside": "yes"}, {"unknown": 1}):
         with pytest.raises(TypeError):
             surface.compute(grid, **arguments)

@@ -14,8 +14,8 @@ from eses import _core
 
 STUB = pathlib.Path(eses.__file__).with_name("_core.pyi")
 # Names that Python gives to every class, and those that pickle uses.
-INHERITED = set(dir(object)) | {"__module__", "__getstate__", "__setstate__", "__dict__",
-                                "__weakref__"}
+INHERITED = set(dir(object)) | {"__module__", "__getstate__", "__setstate__", "__slotnames__",
+                                "__dict__", "__weakref__"}
 OWN = {"__init__", "__eq__", "__hash__"}
 
 

@@ -1,7 +1,5 @@
 """Tests of surfaces made from arrays."""
 
-import pickle
-
 import numpy as np
 import pytest
 
@@ -93,6 +91,18 @@ def test_wrong_shape_of_radii_is_refused(shape):
         eses.Surface(np.zeros((2, 3)), np.ones(shape))
 
 
+def test_masked_entries_are_refused(chain):
+    centers, radii = chain
+    masked = np.ma.masked_array(radii, mask=radii > 1.5)
+    with pytest.raises(ValueError, match="radii has masked entries"):
+        eses.Surface(centers, masked)
+    with pytest.raises(ValueError, match="centers has masked entries"):
+        eses.Surface(np.ma.masked_greater(centers, 3), radii)
+    # A masked array without masked entries is like any other array.
+    surface = eses.Surface(np.ma.masked_array(centers), np.ma.masked_array(radii, mask=False))
+    assert np.array_equal(surface.centers, centers)
+
+
 def test_surface_without_atoms_is_refused():
     for centers in (np.zeros((0, 3)), np.zeros((0, 3), np.float32)):
         with pytest.raises(ValueError, match="at least one atom"):
@@ -142,14 +152,6 @@ def test_diagnostics_are_reported():
     assert repr(kinds["duplicate"]) == "<eses.Diagnostic: duplicate (count 1)>"
     zero = eses.Surface([[0, 0, 0], [9, 0, 0]], [1.5, 0]).diagnostics
     assert [(each.kind, each.is_usual) for each in zero] == [("zero_radius", True)]
-
-
-def test_surface_can_be_pickled(chain):
-    surface = eses.Surface(*chain, 1.1)
-    again = pickle.loads(pickle.dumps(surface))
-    assert again.probe_radius == 1.1
-    assert np.array_equal(again.centers, surface.centers)
-    assert area_of(again) == area_of(surface)
 
 
 def test_arrays_outlive_the_surface(chain):

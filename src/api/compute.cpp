@@ -165,19 +165,70 @@ void append_crossings(const Grid& grid, const detail::SolvedBlock& solved,
         crossings.push_back(detail::to_crossing(grid, {first[0], y, z}, found));
 }
 
+auto sorting_key(const Crossing& crossing) {
+  return std::tuple(crossing.lower[2], crossing.lower[1], crossing.lower[0], crossing.axis);
+}
+
+void require_inside(const Result& result) {
+  const auto points = static_cast<std::size_t>(result.region().point_count());
+  if (result.inside().size() != (result.parts().inside ? points : 0))
+    throw Error(detail::formatted("{} inside values do not fit a region of {} points",
+                                  result.inside().size(), points));
+  if (std::any_of(result.inside().begin(), result.inside().end(),
+                  [](std::uint8_t value) { return value > 1; }))
+    throw Error("an inside value is neither 0 nor 1");
+}
+
+void require_crossings(const Result& result) {
+  const Crossing* previous = nullptr;
+  for (const Crossing& crossing : result.crossings()) {
+    if (crossing.axis > 2 || !result.region().contains(crossing.lower) ||
+        !result.grid().whole().contains(crossing.upper()))
+      throw Error("a crossing is not on an edge of the region");
+    if (crossing.atom_count < 1 || crossing.atom_count > 3)
+      throw Error("a crossing has fewer than one or more than three adjacent atoms");
+    for (const AtomIndex atom : crossing.adjacent_atoms())
+      if (atom >= result.atom_areas().size())
+        throw Error(detail::formatted("a crossing has atom {}, but there are only {} atoms", atom,
+                                      result.atom_areas().size()));
+    if (previous != nullptr && !(sorting_key(*previous) < sorting_key(crossing)))
+      throw Error("the crossings are not in ascending order of their edges");
+    previous = &crossing;
+  }
+}
+
+// Requires a crossing on each edge within the region whose ends differ, and on no other edge.
+void require_matching(const Result& result) {
+  const auto& [begin, end] = result.region();
+  auto next = result.crossings().begin();
+  const std::uint8_t* inside = result.inside().data();
+  const GridIndex size = result.region().size();
+  const GridIndex strides{1, size[0], size[0] * size[1]};
+  GridIndex point{};
+  for (point[2] = begin[2]; point[2] < end[2]; ++point[2])
+    for (point[1] = begin[1]; point[1] < end[1]; ++point[1])
+      for (point[0] = begin[0]; point[0] < end[0]; ++point[0], ++inside)
+        for (std::uint8_t axis = 0; axis < 3; ++axis) {
+          const bool has_crossing =
+              next != result.crossings().end() && next->lower == point && next->axis == axis;
+          const bool is_within = point[axis] + 1 < end[axis];
+          if ((is_within && has_crossing != (inside[0] != inside[strides[axis]])) ||
+              (has_crossing && next->lower_is_inside != (inside[0] != 0)))
+            throw Error("the crossings do not fit the inside values");
+          if (has_crossing) ++next;
+        }
+}
+
 // This number of comparisons takes a few milliseconds.
 constexpr std::uint32_t comparisons_between_checks = 1 << 17;
 
 // Sorts crossings by lower end (z, y, x) and then by axis. Each edge has at most one crossing.
 // Calls `check` from time to time, as millions of crossings take seconds.
 void sort_crossings(std::vector<Crossing>& crossings, const CheckCallback& check) {
-  const auto key = [](const Crossing& crossing) {
-    return std::tuple(crossing.lower[2], crossing.lower[1], crossing.lower[0], crossing.axis);
-  };
   std::uint32_t comparisons = 0;
   std::sort(crossings.begin(), crossings.end(), [&](const Crossing& a, const Crossing& b) {
     if (++comparisons % comparisons_between_checks == 0) check();
-    return key(a) < key(b);
+    return sorting_key(a) < sorting_key(b);
   });
 }
 
@@ -225,6 +276,24 @@ Result ResultBuilder::compute(const eses::Surface& surface, const Grid& grid,
 }
 
 }  // namespace detail
+
+Result::Result(Summary summary, const Grid& grid, const GridRegion& region,
+               std::optional<std::vector<std::uint8_t>> inside,
+               std::optional<std::vector<Crossing>> crossings)
+    : summary_(std::move(summary)),
+      grid_(grid),
+      region_(region),
+      parts_{.inside = inside.has_value(), .crossings = crossings.has_value(), .mesh = false},
+      inside_(std::move(inside).value_or(std::vector<std::uint8_t>())),
+      crossings_(std::move(crossings).value_or(std::vector<Crossing>())) {
+  detail::check_arguments([this] {
+    detail::require_valid(grid_);
+    detail::require_within(region_, grid_);
+    require_inside(*this);
+    require_crossings(*this);
+    if (parts_.inside && parts_.crossings) require_matching(*this);
+  });
+}
 
 bool Result::is_inside(const GridIndex& point) const {
   if (!region_.contains(point)) throw point_error(point, region_);

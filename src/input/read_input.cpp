@@ -13,6 +13,7 @@
 #include <stdexcept>
 #include <string>
 #include <string_view>
+#include <system_error>
 #include <utility>
 #include <vector>
 
@@ -104,8 +105,9 @@ RadiiSet radii_set(const std::string& name_or_file) {
         read_text(file.value(), name_or_file, ReadingLimit(name_or_file, 0), {}, max_radii_bytes);
     return parse_radii_set(text, name_or_file);
   } catch (const Error& error) {
-    if (std::filesystem::exists(name_or_file)) throw;
-    throw Error(formatted("--radii: expected {}, or a file in FreeSASA's configuration format: {}",
+    std::error_code ignored;  // as that of a name that is too long
+    if (std::filesystem::exists(name_or_file, ignored)) throw;
+    throw Error(formatted("radii: expected {}, or a file in FreeSASA's configuration format: {}",
                           named_radii, error.what()));
   }
 }
