@@ -576,6 +576,11 @@ TEST_CASE("PQR: a PDB file is refused with the reason", "[read_atoms]") {
   CHECK(pqr(small + small + records[0] + "\n").size() == 3);
 }
 
+TEST_CASE("PQR: a PDB file without occupancies and B-factors is refused", "[read_atoms]") {
+  const std::string record = "ATOM      1  N   ALA A   1       1.000   2.000   3.000  0.00  0.00\n";
+  CHECK(contains(pqr_error(record + record), "this is a PDB file"));
+}
+
 TEST_CASE("PQR: chain, residue and name of the atoms are read", "[read_atoms]") {
   const std::string text =
       "ATOM  5 N      MET    1   -6.40600   5.46900  -3.25900 -0.30000 1.85000\n"

@@ -339,7 +339,9 @@ void add_record(std::string_view line, PdbLikeness& likeness) {
     return;
   if (occupancy < 0 || occupancy > 1) return;
   ++likeness.layout;
-  if (occupancy == 1 || b_factor > max_usual_radius) ++likeness.values;
+  // Some programs write 0 for both.
+  if (occupancy == 1 || b_factor > max_usual_radius || (occupancy == 0 && b_factor == 0))
+    ++likeness.values;
 }
 
 // ---------------------------------------------------------------- PQR files that are named .pdb
