@@ -401,12 +401,17 @@ TEST_CASE("control characters are refused", "[read_atoms]") {
   CHECK(contains(pqr_error("REMARK\nREMARK \x01\n"), "t.pqr:2: control character \\x01"));
 }
 
-TEST_CASE("UTF-16 files are refused by name", "[read_atoms]") {
+TEST_CASE("files in UTF-16 and UTF-32 are refused by name", "[read_atoms]") {
   const std::string utf16 = "t.xyzr:1: UTF-16 text; convert the file to UTF-8 first";
   CHECK(xyzr_error("\xff\xfe"
                    "1\0 \0"s) == utf16);
   CHECK(xyzr_error("\xfe\xff\0"
                    "1\0 "s) == utf16);
+  const std::string utf32 = "t.xyzr:1: UTF-32 text; convert the file to UTF-8 first";
+  CHECK(xyzr_error("\xff\xfe\0\0"
+                   "1\0\0\0"s) == utf32);
+  CHECK(xyzr_error("\0\0\xfe\xff\0\0\0"
+                   "1"s) == utf32);
 }
 
 TEST_CASE("a carriage return inside a line is refused", "[read_atoms]") {

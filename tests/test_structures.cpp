@@ -440,6 +440,28 @@ TEST_CASE("PDB: damaged records are named", "[structure]") {
         "t.pdb:1: carriage return inside the line; expected LF or CRLF line ends");
 }
 
+TEST_CASE("PDB: tabs in the columns of a record are refused", "[structure]") {
+  const std::string good = line_of({.x = 1, .y = 2, .z = 3});
+  const std::string advice =
+      "; fields of PDB records have fixed columns; replace the tabs by blanks";
+  // Without the refusal, these coordinates would be 0, 0 and 1.
+  const std::string tabs = "ATOM\t1\tCA\tALA\tA\t1\t      11.000  12.000  13.000  1.00 20.00\n";
+  StructureOptions options;
+  options.unknown_radius = 1;
+  CHECK(pdb_error(good + tabs, options) == "t.pdb:2: tab in column 5" + advice);
+  std::string one = good;
+  one.replace(54, 2, "\t ");
+  CHECK(pdb_error(one) == "t.pdb:1: tab in column 55" + advice);
+  std::string hetatm = line_of({.record = "HETATM"});
+  hetatm[26] = '\t';
+  CHECK(pdb_error(good + hetatm) == "t.pdb:2: tab in column 27" + advice);
+  // In these places a tab does not shift any field.
+  const std::string short_record = good.substr(0, 66);
+  CHECK(
+      read_pdb("REMARK\tmade by hand\n" + short_record + "\t\n" + good.substr(0, 78) + "  \tnote\n")
+          .atoms.size() == 2);
+}
+
 TEST_CASE("PDB: atoms after an END record are refused", "[structure]") {
   // `cat receptor.pdb ligand.pdb` gives such a file.
   const std::string atom = line_of({}), other = line_of({.record = "HETATM", .x = 9});
@@ -743,6 +765,27 @@ TEST_CASE("alternate locations are chosen by residue", "[structure]") {
   CHECK(read_pdb(equal).atoms.at(0).center.x == 2);
 }
 
+TEST_CASE("the mean occupancy of a location counts the atoms that other options keep",
+          "[structure]") {
+  const auto atom = [](const std::string& name, char altloc, double occupancy,
+                       std::string element) {
+    return line_of({.name = name,
+                    .altloc = altloc,
+                    .x = altloc == 'A' ? 0.0 : 1.0,
+                    .occupancy = occupancy,
+                    .element = std::move(element)});
+  };
+  // The mean of A is 0.6 without and 0.35 with its hydrogen, that of B is 0.4.
+  const std::string text =
+      atom(" CA ", 'A', 0.6, " C") + atom(" CA ", 'B', 0.4, " C") + atom(" HA ", 'A', 0.1, " H");
+  StructureOptions options;
+  CHECK(read_pdb(text, options).atoms.at(0).center.x == 0);
+  options.hydrogens = HydrogenChoice::keep;
+  CHECK(read_pdb(text, options).atoms.at(0).center.x == 1);
+  options.select = "CA[C]";
+  CHECK(read_pdb(text, options).atoms.at(0).center.x == 0);
+}
+
 TEST_CASE("one of several residues at a place is read", "[structure]") {
   const std::string text =
       line_of({.altloc = 'A', .residue = "SER", .occupancy = 0.3}) +
@@ -839,6 +882,19 @@ TEST_CASE("selections in gemmi's syntax choose atoms", "[structure]") {
   CHECK(read_pdb(text, options).lines == std::vector<std::uint64_t>{1, 3});
   options.select = "//[";
   CHECK(contains(pdb_error(text, options), "--select: invalid selection syntax"));
+  // A keyword of another program is no selection, although a chain may have the name of a word.
+  for (const std::string word : {"resi", "resi 10", "chain A", "protein"}) {
+    options.select = word;
+    CHECK(
+        pdb_error(text, options) ==
+        fmt::format("t.pdb: --select: invalid selection syntax, expected the name of a chain or a "
+                    "selection such as //A/10-20, found \"{}\"; its chains are A, B",
+                    word));
+  }
+  options.select = "//A";
+  const std::vector<std::uint64_t> lines = read_pdb(text, options).lines;
+  options.select = "A";
+  CHECK(read_pdb(text, options).lines == lines);
   options.select = "/2/A";
   CHECK(contains(pdb_error(text, options), "use --model 2"));
   options.select = "//Z";
@@ -1399,6 +1455,10 @@ TEST_CASE("an assembly of a PDB file has copies", "[structure]") {
   CHECK(file.structure->dropped_assembly == 1);
   CHECK(file.structure->dropped_chains == 0);
   std::string damaged = text;
+  damaged.replace(damaged.find(" 0.000000", damaged.find("BIOMT2   2")), 9, "\t0.000000");
+  CHECK(contains(pdb_error(damaged, options), "t.pdb:8: tab in column 25; "));
+  CHECK(read_pdb(damaged).atoms.size() == 2);
+  damaged = text;
   damaged.replace(damaged.find(" 0.000000", damaged.find("BIOMT2   2")), 9, " O.000000");
   CHECK(pdb_error(damaged, options) ==
         "t.pdb:8: expected a number for the operator in columns 24 to 33, found \"O.000000\"");
@@ -1720,7 +1780,8 @@ TEST_CASE("assembly files with several models need a chosen model", "[structure]
   CHECK(contains(error_of([&] { read_file(write("1abc.pdb1x")); }), "expected a number"));
 }
 
-TEST_CASE("byte order marks of structures are ignored, and UTF-16 is refused", "[structure]") {
+TEST_CASE("byte order marks of structures are ignored, and other encodings are refused",
+          "[structure]") {
   const std::string mark = "\xef\xbb\xbf";
   const std::string pdb = line_of({.x = 1}) + line_of({.name = " CB ", .x = 2});
   CHECK(names_of(read_pdb(mark + pdb)) == Names{"A ALA 1 CA", "A ALA 1 CB"});
@@ -1733,12 +1794,18 @@ TEST_CASE("byte order marks of structures are ignored, and UTF-16 is refused", "
         "t: this is an mmCIF file; read it with --format mmcif");
   CHECK(contains(pdb_error(mark + "ATOM  xx\n" + pdb), "t.pdb:1: "));
   using namespace std::string_view_literals;
-  for (const std::string_view start : {"\xff\xfe"
-                                       "A\0T\0O\0M\0"sv,
-                                       "\xfe\xff\0A\0T\0O\0M"sv}) {
-    CHECK(pdb_error(start) == "t.pdb:1: UTF-16 text; convert the file to UTF-8 first");
-    CHECK(error_of([&] { read_mmcif(start); }) ==
-          "t.cif:1: UTF-16 text; convert the file to UTF-8 first");
+  for (const auto& [encoding, start] : {std::pair("UTF-16"sv,
+                                                  "\xff\xfe"
+                                                  "A\0T\0O\0M\0"sv),
+                                        {"UTF-16"sv, "\xfe\xff\0A\0T\0O\0M"sv},
+                                        {"UTF-32"sv,
+                                         "\xff\xfe\0\0"
+                                         "A\0\0\0"sv},
+                                        {"UTF-32"sv, "\0\0\xfe\xff\0\0\0A"sv}}) {
+    const std::string message =
+        fmt::format(":1: {} text; convert the file to UTF-8 first", encoding);
+    CHECK(pdb_error(start) == "t.pdb" + message);
+    CHECK(error_of([&, text = start] { read_mmcif(text); }) == "t.cif" + message);
   }
 }
 
@@ -2051,7 +2118,10 @@ TEST_CASE("options of structure files are refused for xyzr files", "[structure][
         continue;
       }
       CHECK(outcome.code == 2);
-      CHECK(contains(outcome.err, option[0] + " needs a PDB or mmCIF file; " + file));
+      const bool is_model = option[0] == "--model";  // which also applies to PQR files
+      CHECK(contains(outcome.err, fmt::format("{} needs a {}PDB or mmCIF file; {}", option[0],
+                                              is_model ? "PQR, " : "", file)));
+      CHECK(contains(outcome.err, "--format pqr") == is_model);
     }
   }
   for (const std::vector<std::string>& option :

@@ -17,7 +17,6 @@
 #include "compute/engine.hpp"
 #include "eses/error.hpp"
 #include "eses/read_atoms.hpp"
-#include "io/atom_lines.hpp"
 #include "output/output_files.hpp"
 #include "system/formatted.hpp"
 
@@ -68,20 +67,10 @@ void refuse_to_lose_input(const Options& options) {
                                                : "removed, as a plain file takes its place");
 }
 
-// Throws Error if areas by residue are requested for a file without residues.
-void refuse_residues_of_xyzr(const Options& options) {
-  if (options.outputs.residues && format_of(options.input, options.format) == AtomFormat::xyzr)
-    throw Error(
-        formatted("{}: areas by residue (--write residues) need a PQR, PDB or mmCIF file; xyzr "
-                  "files have no residues",
-                  options.input.string()));
-}
-
 // Performs the checks that do not need the input.
 void check_request(const Options& options) {
   require_standard_output();
   refuse_to_lose_input(options);
-  refuse_residues_of_xyzr(options);
   require_places(options.outputs, options.output_directory);
 }
 

@@ -634,7 +634,7 @@ AtomFile read_descriptor(int descriptor, const ReadOptions& options, const std::
 LinesRead parse_atom_lines(std::string_view text, const AtomLines& lines, AtomFile& result) {
   const auto& [format, name, first_line, with_labels, max_memory, model, model_before] = lines;
   if (first_line == 1) {
-    refuse_utf16(text, name);
+    refuse_wide_characters(text, name);
     text = without_byte_order_mark(text);
     refuse_other_formats(text, name);
     refuse_structure(text, name, format);

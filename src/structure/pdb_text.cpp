@@ -242,6 +242,15 @@ class PdbRecords {
       lines_.fail("carriage return inside the line; expected LF or CRLF line ends");
   }
 
+  // A tab stands for several columns, so that the fields after it are not in theirs.
+  void check_columns(std::string_view line) const {
+    if (const std::size_t tab = without_trailing_blanks(line).substr(0, charge_column).find('\t');
+        tab != line.npos)
+      lines_.fail(formatted(
+          "tab in column {}; fields of PDB records have fixed columns; replace the tabs by blanks",
+          tab + 1));
+  }
+
   // Writes a record with all its columns, as gemmi would otherwise read the rest of an earlier one.
   char* write(std::string_view record) {
     std::memset(record_.data(), ' ', record_width);
@@ -259,6 +268,7 @@ class PdbRecords {
   // ---------------------------------------------------------------------------------------- atoms
 
   char* write_atom(std::string_view line) {
+    check_columns(line);
     constexpr std::size_t end_of_coordinates =
         coordinate_columns.back().first + coordinate_columns.back().width;
     if (line.size() < end_of_coordinates)
@@ -373,6 +383,7 @@ class PdbRecords {
     constexpr std::size_t type_column = 11, width = 10;
     constexpr std::string_view type = "  BIOMT";
     if (line.size() > type_column && line.substr(type_column).starts_with(type)) {
+      check_columns(line);
       const std::string_view row = line.substr(type_column + type.size()).substr(0, 1);
       if (row != std::to_string(operator_rows_ + 1))
         lines_.fail(formatted("expected the record BIOMT{} of an operator, found BIOMT{}",

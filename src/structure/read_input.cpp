@@ -153,7 +153,7 @@ void call_check(const ReadOptions& options) {
 AtomFile parse(StructureText file, const ReadOptions& options, const ReadingLimit& limit,
                const std::function<void(AtomFile& atoms)>& after_part) {
   const std::string_view name = file.name;
-  refuse_utf16(file.text, name);
+  refuse_wide_characters(file.text, name);
   file.text = without_byte_order_mark(file.text);
   require_format(file.text, name, file.format);
   refuse_other_formats(file.text, name);

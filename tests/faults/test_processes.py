@@ -340,7 +340,8 @@ class Failure(Processes):
 
     def test_usage_errors_are_printed_once(self):
         self.assertEnded(self.run_together(2, SMALL, "--spacing", "x"), "--spacing", code=2)
-        self.assertEnded(self.run_together(2, SMALL, "--write", "residues"), "need a PQR, PDB or mmCIF file")
+        self.assertEnded(self.run_together(2, SMALL, "--write", "residues"),
+                         "--write residues needs a PQR, PDB or mmCIF file", code=2)
         self.assertEnded(self.run_together(2, SMALL, "--mesh", "x.ply", "--color", "chain"),
                          "--color chain needs a PQR, PDB or mmCIF file", code=2)
 
