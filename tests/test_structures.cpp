@@ -1498,6 +1498,40 @@ std::string text_with_assembly(const std::string& expression, const std::string&
 
 }  // namespace
 
+TEST_CASE("the report has the assemblies that differ from the atoms of the file", "[structure]") {
+  const auto others = [](const AtomFile& file) {
+    std::vector<std::string> texts;
+    for (const auto& [id, operators, atoms] : file.structure->other_assemblies)
+      texts.push_back(fmt::format("{} {} {}", id, operators, atoms));
+    return texts;
+  };
+  const std::string a = line_of({.x = 3}), b = line_of({.chain = "B", .x = 30});
+  CHECK(others(read_pdb(dimer_remarks + a)) == Names{"1 2 1"});
+  CHECK(others(read_pdb(dimer_remarks + a + b)) == Names{"1 2 1"});
+  CHECK(others(read_pdb(a + b)).empty());
+  const std::string identity =
+      dimer_remarks.substr(0, dimer_remarks.find("REMARK 350   BIOMT1   2"));
+  CHECK(others(read_pdb(identity + a)).empty());
+  CHECK(others(read_pdb(identity + a + b)) == Names{"1 1 1"});
+  StructureOptions options;
+  options.chains = {"A"};
+  CHECK(others(read_pdb(identity + a + b, options)).empty());
+  options.chains = {"B"};
+  CHECK(others(read_pdb(identity + a + b, options)).empty());
+  options.chains = {};
+  options.assembly = "1";
+  CHECK(others(read_pdb(dimer_remarks + a, options)).empty());
+  std::string list = dimer_remarks;
+  list.replace(list.find("MOLECULE: 1") + 10, 1, "3, 4");
+  CHECK(others(read_pdb(list + a)) == Names{"3 2 1"});
+
+  CHECK(others(read_file(crystal)) == Names{"1 2 556"});
+  CHECK(others(read_mmcif(text_with_assembly("(1-3)(T)"))) == Names{"X 3 2"});
+  CHECK(others(read_mmcif(text_with_assembly("1"))).empty());
+  CHECK(others(read_mmcif(text_with_assembly("1", "B"))) == Names{"X 1 1"});
+  CHECK(others(read_mmcif(text_with_assembly("1,undefined"))).empty());
+}
+
 TEST_CASE("operator expressions of mmCIF files are expanded", "[structure]") {
   StructureOptions options;
   options.assembly = "X";

@@ -78,6 +78,13 @@ struct RadiusSource {
   std::uint64_t count = 0;  ///< Number of atoms.
 };
 
+/// A biological assembly of a file that differs from the atoms that were read.
+struct OtherAssembly {
+  std::string id;               ///< Its identifier, for StructureOptions::assembly.
+  std::uint64_t operators = 0;  ///< Number of its different operators.
+  std::uint64_t atoms = 0;      ///< Number of the atoms that were read and that it contains.
+};
+
 /// Report on the atoms of a PDB or mmCIF file that were read and left out. Unless said otherwise,
 /// all counts are numbers of atoms before the operations of an assembly.
 struct StructureReport {
@@ -106,6 +113,9 @@ struct StructureReport {
   std::vector<RadiusSource> by_element;
   /// Atoms with StructureOptions::unknown_radius. The counts include the images of an assembly.
   std::vector<RadiusSource> unknown;
+  /// The assemblies with several operators or without some of the atoms; empty if an assembly was
+  /// built, or if the file is an assembly file of the PDB.
+  std::vector<OtherAssembly> other_assemblies;
 };
 
 /// The atoms of a file.
