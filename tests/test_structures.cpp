@@ -2114,6 +2114,96 @@ TEST_CASE("areas of residues and chains of PDB files are written", "[structure][
   CHECK(contains(mesh, "comment residue 2 LIG 900 B\n"));
 }
 
+TEST_CASE("the program names the assemblies of a file", "[structure][cli]") {
+  const Sandbox sandbox;
+  eses::detail::test::write_file(sandbox.directory() / "a.pdb", dimer_remarks + line_of({}));
+  eses::detail::test::write_file(sandbox.directory() / "ab.pdb",
+                                 dimer_remarks + line_of({}) + line_of({.chain = "B", .x = 9}));
+  const std::string advice = "; build it with --assembly 1\n";
+  CHECK(contains(sandbox.run({"a.pdb", "--dry-run"}).out,
+                 "\nnote: assembly 1 has 2 copies" + advice));
+  CHECK(contains(sandbox.run({"ab.pdb", "--dry-run"}).out,
+                 "\nnote: assembly 1 has 2 copies of 1 of the 2 atoms" + advice));
+  CHECK_FALSE(contains(sandbox.run({"a.pdb", "--assembly", "1", "--dry-run"}).out, "note:"));
+  check_json(sandbox, sandbox.run({"a.pdb", "--dry-run", "--json"}).out,
+             "r['structure']['other_assemblies']", "[{'id': '1', 'operators': 2, 'atoms': 1}]");
+}
+
+TEST_CASE("models with one atom in each residue give a warning", "[structure][cli]") {
+  const auto residue = [](int number, bool is_whole) {
+    const std::string text = fmt::format("{:4} ", number);
+    const std::string alpha = line_of({.number = text, .x = 3.8 * number});
+    return is_whole ? alpha + line_of({.name = " CB ", .number = text, .x = 3.8 * number, .y = 1.5})
+                    : alpha;
+  };
+  const auto diagnostics = [](const std::string& text) { return read_pdb(text).diagnostics; };
+  const std::string trace = residue(1, false) + residue(2, false);
+  const std::string ligands = line_of({.record = "HETATM", .residue = "LIG", .y = 9}) +
+                              line_of({.record = "HETATM", .residue = " ZN", .y = 18});
+  // Ligands and ions do not count.
+  REQUIRE(diagnostics(ligands + trace + residue(3, true)).size() == 1);
+  const eses::Diagnostic found = diagnostics(ligands + trace + residue(3, true)).front();
+  CHECK(found.kind == eses::DiagnosticKind::one_atom_residue);
+  CHECK_FALSE(is_usual(found.kind));
+  CHECK(found.count == 2);
+  REQUIRE(found.examples.size() == 2);
+  CHECK(found.examples[0].atom == 2);
+  CHECK(found.examples[0].other == 2);
+  CHECK(diagnostics(trace + residue(3, true) + residue(4, true)).empty());
+  CHECK(diagnostics(ligands).empty());
+  const std::string nucleotides =
+      line_of({.name = " P  ", .residue = " DA"}) +
+      line_of({.name = " P  ", .residue = "  G", .number = "   2 ", .x = 6});
+  CHECK(diagnostics(nucleotides).size() == 1);
+
+  const Sandbox sandbox;
+  eses::detail::test::write_file(sandbox.directory() / "trace.pdb", trace);
+  const std::string message =
+      "trace.pdb: 2 residues have a single atom, as in models of C-alpha atoms; area and volume "
+      "are "
+      "not those of the whole molecule: lines 1, A/ALA 1/CA; 2, A/ALA 2/CA\n";
+  const Outcome outcome = sandbox.run({"trace.pdb", "--write", "none"});
+  CHECK(outcome.code == 0);
+  CHECK(outcome.err == "eses-blocks: warning: " + message);
+  const Outcome strict = sandbox.run({"trace.pdb", "--write", "none", "--strict"});
+  CHECK(strict.code == 1);
+  CHECK(strict.err == "eses-blocks: error: " + message);
+  const Outcome json = sandbox.run({"trace.pdb", "--write", "none", "--json"});
+  check_json(sandbox, json.out,
+             "[(d['kind'], d['severity'], d['count'], d['first'][1]['label']) "
+             "for d in r['diagnostics']]",
+             "[('one_atom_residue', 'warning', 2, 'A/ALA 2/CA')]");
+}
+
+TEST_CASE("waters of PQR files give a note", "[structure][pqr][cli]") {
+  const Sandbox sandbox;
+  const std::string text =
+      "ATOM 1 N ALA A 1 0 0 0 0.1 1.5\nATOM 2 O HOH A 2 5 0 0 -0.8 1.6\n"
+      "ATOM 3 H1 HOH A 2 5 1 0 0.4 0\nATOM 4 OW SOL B 3 0 5 0 -0.8 1.6\n";
+  eses::detail::test::write_file(sandbox.directory() / "wet.pqr", text);
+  const AtomFile file = eses::parse_atoms(text, AtomFormat::pqr, "t.pqr");
+  REQUIRE(file.diagnostics.size() == 1);
+  CHECK(file.diagnostics[0].kind == eses::DiagnosticKind::water);
+  CHECK(file.diagnostics[0].count == 3);
+  REQUIRE(file.diagnostics[0].examples.size() == 3);
+  CHECK(file.diagnostics[0].examples[0].atom == 1);
+  CHECK(file.diagnostics[0].examples[2].atom == 3);
+  CHECK(eses::parse_atoms("ATOM 1 N ALA A 1 0 0 0 0.1 1.5\n", AtomFormat::pqr).diagnostics.empty());
+
+  const Outcome outcome = sandbox.run({"wet.pqr", "--write", "none", "--strict"});
+  CHECK(outcome.code == 0);
+  CHECK(outcome.err.empty());
+  CHECK(
+      contains(outcome.out,
+               "input: wet.pqr (4 atoms; 1 of radius 0; 3 of water, which pdb2pqr leaves out with "
+               "--drop-water)\n"));
+  const Outcome json = sandbox.run({"wet.pqr", "--write", "none", "--json"});
+  check_json(sandbox, json.out,
+             "[(d['kind'], d['severity'], d['count'], d['first'][-1]['line']) "
+             "for d in r['diagnostics']]",
+             "[('zero_radius', 'note', 1, 3), ('water', 'note', 3, 4)]");
+}
+
 TEST_CASE("diagnostics name the atoms of PDB files", "[structure][cli]") {
   const Sandbox sandbox;
   const std::string text =

@@ -11,6 +11,7 @@
 
 #include "eses/atoms.hpp"
 #include "eses/check.hpp"
+#include "eses/diagnostics.hpp"
 
 namespace eses {
 
@@ -125,6 +126,9 @@ struct AtomFile {
   std::vector<AtomLabel> labels;     ///< Names of each atom; empty for xyzr files.
   /// Report on a PDB or mmCIF file; empty for other formats.
   std::optional<StructureReport> structure = {};
+  /// The diagnostics that follow from the names of the atoms, one for each kind that occurs.
+  /// Surface::diagnostics() has those that follow from centres and radii.
+  std::vector<Diagnostic> diagnostics = {};
 };
 
 /// Options of read_atoms.

@@ -189,7 +189,11 @@ void bind_atoms(py::module_& module) {
             if (self->labels.empty()) return py::none();
             return py::cast(Labels{self});
           },
-          "Labels or None: names of the atoms; None if the file has none.");
+          "Labels or None: names of the atoms; None if the file has none.")
+      .def_readonly(
+          "diagnostics", &AtomFile::diagnostics,
+          "list of Diagnostic: suspicious names, such as those of a file of C-alpha atoms. "
+          "``Surface.diagnostics`` has those of centres and radii.");
 
   module.def("read_atoms", &read, read_atoms_text, py::arg("path"), py::kw_only(),
              py::arg("format") = "auto", py::arg("radii") = "protor",

@@ -259,6 +259,7 @@ RunPlan plan_run(const RunTask& task, const Processes& processes) {
                  processes);
   run.structure = std::move(share.structure);
   AtomNames names = std::exchange(share.names, {});
+  const FileDiagnostics of_names = std::exchange(share.diagnostics, {});
   processes.all_or_throw([&] { require_memory_for(share.total, task, processes); });
   run.atoms = share.total;
   run.read = share.range();
@@ -273,6 +274,7 @@ RunPlan plan_run(const RunTask& task, const Processes& processes) {
                                   threads_of(task, machine, processes), processes);
   run.slab = std::move(part.slab);
   run.diagnostics = std::move(part.diagnostics);
+  run.diagnostics.add(of_names);
   name_examples(std::exchange(names, {}), run.diagnostics);
   release_free_memory();
 

@@ -304,6 +304,23 @@ Problem parse_pqr(std::string_view line, Record& record) {
   return problem && has_coordinate_columns(numbers) ? parse_pqr_columns(numbers, record) : problem;
 }
 
+// ------------------------------------------------------------------------- waters of PQR files
+
+// Names of water in the PDB, in force fields, and in files of GROMACS. Other names of water in
+// programs of molecular dynamics are those of ligands in the PDB.
+constexpr std::array<std::string_view, 10> water_residues{"HOH",  "WAT",  "H2O",  "DOD",  "SOL",
+                                                          "TIP2", "TIP3", "TIP4", "TIP5", "SPCE"};
+
+/// Adds the last atom of a PQR file to the diagnostics if it belongs to water.
+void inspect_residue(std::string_view residue, AtomFile& file) {
+  if (std::find(water_residues.begin(), water_residues.end(), residue) == water_residues.end())
+    return;
+  if (file.diagnostics.empty()) file.diagnostics.push_back({DiagnosticKind::water, 0, {}});
+  Diagnostic& water = file.diagnostics.front();
+  const auto atom = static_cast<AtomIndex>(file.atoms.size() - 1);
+  if (++water.count <= Diagnostic::max_examples) water.examples.push_back({atom, atom});
+}
+
 // ---------------------------------------------------------------- PDB files that are named .pqr
 //
 // PDB files have the occupancy in columns 55 to 60 and the B-factor in columns 61 to 66, both in
@@ -644,7 +661,7 @@ LinesRead parse_atom_lines(std::string_view text, const AtomLines& lines, AtomFi
   const auto is_record = is_pqr ? is_pqr_record : is_xyzr_record;
   const auto parse_line = is_pqr ? parse_pqr : parse_xyzr;
 
-  auto& [atoms, line_numbers, labels, structure] = result;
+  auto& [atoms, line_numbers, labels, structure, diagnostics] = result;
   LinesRead read;
   read.last_model = model_before;
   while (!text.empty()) {
@@ -668,6 +685,7 @@ LinesRead parse_atom_lines(std::string_view text, const AtomLines& lines, AtomFi
     if (is_pqr) add_record(line, read.likeness);
     atoms.push_back(record.atom);
     line_numbers.push_back(number);
+    if (is_pqr) inspect_residue(record.label.residue, result);
     if (is_pqr && with_labels) labels.push_back(std::move(record.label));
   }
   return read;
