@@ -414,9 +414,10 @@ TEST_CASE("maps, compressed files and tables are written into the output directo
   CHECK(contains(residues, "chain,residue_number,residue,atoms,area\nA,7,ALA,1,"));
   CHECK(contains(residues, "\nB,1,HOH,1,"));
   const Outcome xyzr = sandbox.run({"pair.xyzr", "-o", "e", "--write", "residues"});
-  CHECK(xyzr.code == 1);
+  CHECK(xyzr.code == 2);
   CHECK(contains(xyzr.err,
-                 "pair.xyzr: areas by residue (--write residues) need a PQR, PDB or mmCIF file"));
+                 "--write residues needs a PQR, PDB or mmCIF file; pair.xyzr is read as "
+                 "xyzr, which has no residues"));
   CHECK_FALSE(fs::exists(sandbox.directory() / "e"));
 }
 

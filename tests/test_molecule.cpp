@@ -164,7 +164,9 @@ class Definition {
         return radius > 1.4 ? first_outer(i) : none;
       case DiagnosticKind::large_radius:
         return radius > 4 ? i : none;
-      case DiagnosticKind::small_radii:  // some radii are larger
+      case DiagnosticKind::small_radii:       // some radii are larger
+      case DiagnosticKind::one_atom_residue:  // the atoms have no names
+      case DiagnosticKind::water:
         return none;
       case DiagnosticKind::zero_radius:
         return radius == 0 ? i : none;

@@ -401,12 +401,17 @@ TEST_CASE("control characters are refused", "[read_atoms]") {
   CHECK(contains(pqr_error("REMARK\nREMARK \x01\n"), "t.pqr:2: control character \\x01"));
 }
 
-TEST_CASE("UTF-16 files are refused by name", "[read_atoms]") {
+TEST_CASE("files in UTF-16 and UTF-32 are refused by name", "[read_atoms]") {
   const std::string utf16 = "t.xyzr:1: UTF-16 text; convert the file to UTF-8 first";
   CHECK(xyzr_error("\xff\xfe"
                    "1\0 \0"s) == utf16);
   CHECK(xyzr_error("\xfe\xff\0"
                    "1\0 "s) == utf16);
+  const std::string utf32 = "t.xyzr:1: UTF-32 text; convert the file to UTF-8 first";
+  CHECK(xyzr_error("\xff\xfe\0\0"
+                   "1\0\0\0"s) == utf32);
+  CHECK(xyzr_error("\0\0\xfe\xff\0\0\0"
+                   "1"s) == utf32);
 }
 
 TEST_CASE("a carriage return inside a line is refused", "[read_atoms]") {
@@ -574,6 +579,11 @@ TEST_CASE("PQR: a PDB file is refused with the reason", "[read_atoms]") {
       "ATOM      6  N   MET A   1      27.340  24.430   2.614  0.30  1.85           N\n";
   CHECK(pqr(records[3] + "\n" + negative).size() == 2);
   CHECK(pqr(small + small + records[0] + "\n").size() == 3);
+}
+
+TEST_CASE("PQR: a PDB file without occupancies and B-factors is refused", "[read_atoms]") {
+  const std::string record = "ATOM      1  N   ALA A   1       1.000   2.000   3.000  0.00  0.00\n";
+  CHECK(contains(pqr_error(record + record), "this is a PDB file"));
 }
 
 TEST_CASE("PQR: chain, residue and name of the atoms are read", "[read_atoms]") {

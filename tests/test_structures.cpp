@@ -442,6 +442,28 @@ TEST_CASE("PDB: damaged records are named", "[structure]") {
         "t.pdb:1: carriage return inside the line; expected LF or CRLF line ends");
 }
 
+TEST_CASE("PDB: tabs in the columns of a record are refused", "[structure]") {
+  const std::string good = line_of({.x = 1, .y = 2, .z = 3});
+  const std::string advice =
+      "; fields of PDB records have fixed columns; replace the tabs by blanks";
+  // Without the refusal, these coordinates would be 0, 0 and 1.
+  const std::string tabs = "ATOM\t1\tCA\tALA\tA\t1\t      11.000  12.000  13.000  1.00 20.00\n";
+  StructureOptions options;
+  options.unknown_radius = 1;
+  CHECK(pdb_error(good + tabs, options) == "t.pdb:2: tab in column 5" + advice);
+  std::string one = good;
+  one.replace(54, 2, "\t ");
+  CHECK(pdb_error(one) == "t.pdb:1: tab in column 55" + advice);
+  std::string hetatm = line_of({.record = "HETATM"});
+  hetatm[26] = '\t';
+  CHECK(pdb_error(good + hetatm) == "t.pdb:2: tab in column 27" + advice);
+  // In these places a tab does not shift any field.
+  const std::string short_record = good.substr(0, 66);
+  CHECK(
+      read_pdb("REMARK\tmade by hand\n" + short_record + "\t\n" + good.substr(0, 78) + "  \tnote\n")
+          .atoms.size() == 2);
+}
+
 TEST_CASE("PDB: atoms after an END record are refused", "[structure]") {
   // `cat receptor.pdb ligand.pdb` gives such a file.
   const std::string atom = line_of({}), other = line_of({.record = "HETATM", .x = 9});
@@ -745,6 +767,27 @@ TEST_CASE("alternate locations are chosen by residue", "[structure]") {
   CHECK(read_pdb(equal).atoms.at(0).center.x == 2);
 }
 
+TEST_CASE("the mean occupancy of a location counts the atoms that other options keep",
+          "[structure]") {
+  const auto atom = [](const std::string& name, char altloc, double occupancy,
+                       std::string element) {
+    return line_of({.name = name,
+                    .altloc = altloc,
+                    .x = altloc == 'A' ? 0.0 : 1.0,
+                    .occupancy = occupancy,
+                    .element = std::move(element)});
+  };
+  // The mean of A is 0.6 without and 0.35 with its hydrogen, that of B is 0.4.
+  const std::string text =
+      atom(" CA ", 'A', 0.6, " C") + atom(" CA ", 'B', 0.4, " C") + atom(" HA ", 'A', 0.1, " H");
+  StructureOptions options;
+  CHECK(read_pdb(text, options).atoms.at(0).center.x == 0);
+  options.hydrogens = HydrogenChoice::keep;
+  CHECK(read_pdb(text, options).atoms.at(0).center.x == 1);
+  options.select = "CA[C]";
+  CHECK(read_pdb(text, options).atoms.at(0).center.x == 0);
+}
+
 TEST_CASE("one of several residues at a place is read", "[structure]") {
   const std::string text =
       line_of({.altloc = 'A', .residue = "SER", .occupancy = 0.3}) +
@@ -841,6 +884,19 @@ TEST_CASE("selections in gemmi's syntax choose atoms", "[structure]") {
   CHECK(read_pdb(text, options).lines == std::vector<std::uint64_t>{1, 3});
   options.select = "//[";
   CHECK(contains(pdb_error(text, options), "--select: invalid selection syntax"));
+  // A keyword of another program is no selection, although a chain may have the name of a word.
+  for (const std::string word : {"resi", "resi 10", "chain A", "protein"}) {
+    options.select = word;
+    CHECK(
+        pdb_error(text, options) ==
+        fmt::format("t.pdb: --select: invalid selection syntax, expected the name of a chain or a "
+                    "selection such as //A/10-20, found \"{}\"; its chains are A, B",
+                    word));
+  }
+  options.select = "//A";
+  const std::vector<std::uint64_t> lines = read_pdb(text, options).lines;
+  options.select = "A";
+  CHECK(read_pdb(text, options).lines == lines);
   options.select = "/2/A";
   CHECK(contains(pdb_error(text, options), "use --model 2"));
   options.select = "//Z";
@@ -1401,6 +1457,10 @@ TEST_CASE("an assembly of a PDB file has copies", "[structure]") {
   CHECK(file.structure->dropped_assembly == 1);
   CHECK(file.structure->dropped_chains == 0);
   std::string damaged = text;
+  damaged.replace(damaged.find(" 0.000000", damaged.find("BIOMT2   2")), 9, "\t0.000000");
+  CHECK(contains(pdb_error(damaged, options), "t.pdb:8: tab in column 25; "));
+  CHECK(read_pdb(damaged).atoms.size() == 2);
+  damaged = text;
   damaged.replace(damaged.find(" 0.000000", damaged.find("BIOMT2   2")), 9, " O.000000");
   CHECK(pdb_error(damaged, options) ==
         "t.pdb:8: expected a number for the operator in columns 24 to 33, found \"O.000000\"");
@@ -1439,6 +1499,40 @@ std::string text_with_assembly(const std::string& expression, const std::string&
 }
 
 }  // namespace
+
+TEST_CASE("the report has the assemblies that differ from the atoms of the file", "[structure]") {
+  const auto others = [](const AtomFile& file) {
+    std::vector<std::string> texts;
+    for (const auto& [id, operators, atoms] : file.structure->other_assemblies)
+      texts.push_back(fmt::format("{} {} {}", id, operators, atoms));
+    return texts;
+  };
+  const std::string a = line_of({.x = 3}), b = line_of({.chain = "B", .x = 30});
+  CHECK(others(read_pdb(dimer_remarks + a)) == Names{"1 2 1"});
+  CHECK(others(read_pdb(dimer_remarks + a + b)) == Names{"1 2 1"});
+  CHECK(others(read_pdb(a + b)).empty());
+  const std::string identity =
+      dimer_remarks.substr(0, dimer_remarks.find("REMARK 350   BIOMT1   2"));
+  CHECK(others(read_pdb(identity + a)).empty());
+  CHECK(others(read_pdb(identity + a + b)) == Names{"1 1 1"});
+  StructureOptions options;
+  options.chains = {"A"};
+  CHECK(others(read_pdb(identity + a + b, options)).empty());
+  options.chains = {"B"};
+  CHECK(others(read_pdb(identity + a + b, options)).empty());
+  options.chains = {};
+  options.assembly = "1";
+  CHECK(others(read_pdb(dimer_remarks + a, options)).empty());
+  std::string list = dimer_remarks;
+  list.replace(list.find("MOLECULE: 1") + 10, 1, "3, 4");
+  CHECK(others(read_pdb(list + a)) == Names{"3 2 1"});
+
+  CHECK(others(read_file(crystal)) == Names{"1 2 556"});
+  CHECK(others(read_mmcif(text_with_assembly("(1-3)(T)"))) == Names{"X 3 2"});
+  CHECK(others(read_mmcif(text_with_assembly("1"))).empty());
+  CHECK(others(read_mmcif(text_with_assembly("1", "B"))) == Names{"X 1 1"});
+  CHECK(others(read_mmcif(text_with_assembly("1,undefined"))).empty());
+}
 
 TEST_CASE("operator expressions of mmCIF files are expanded", "[structure]") {
   StructureOptions options;
@@ -1722,7 +1816,8 @@ TEST_CASE("assembly files with several models need a chosen model", "[structure]
   CHECK(contains(error_of([&] { read_file(write("1abc.pdb1x")); }), "expected a number"));
 }
 
-TEST_CASE("byte order marks of structures are ignored, and UTF-16 is refused", "[structure]") {
+TEST_CASE("byte order marks of structures are ignored, and other encodings are refused",
+          "[structure]") {
   const std::string mark = "\xef\xbb\xbf";
   const std::string pdb = line_of({.x = 1}) + line_of({.name = " CB ", .x = 2});
   CHECK(names_of(read_pdb(mark + pdb)) == Names{"A ALA 1 CA", "A ALA 1 CB"});
@@ -1735,12 +1830,18 @@ TEST_CASE("byte order marks of structures are ignored, and UTF-16 is refused", "
         "t: this is an mmCIF file; read it with --format mmcif");
   CHECK(contains(pdb_error(mark + "ATOM  xx\n" + pdb), "t.pdb:1: "));
   using namespace std::string_view_literals;
-  for (const std::string_view start : {"\xff\xfe"
-                                       "A\0T\0O\0M\0"sv,
-                                       "\xfe\xff\0A\0T\0O\0M"sv}) {
-    CHECK(pdb_error(start) == "t.pdb:1: UTF-16 text; convert the file to UTF-8 first");
-    CHECK(error_of([&] { read_mmcif(start); }) ==
-          "t.cif:1: UTF-16 text; convert the file to UTF-8 first");
+  for (const auto& [encoding, start] : {std::pair("UTF-16"sv,
+                                                  "\xff\xfe"
+                                                  "A\0T\0O\0M\0"sv),
+                                        {"UTF-16"sv, "\xfe\xff\0A\0T\0O\0M"sv},
+                                        {"UTF-32"sv,
+                                         "\xff\xfe\0\0"
+                                         "A\0\0\0"sv},
+                                        {"UTF-32"sv, "\0\0\xfe\xff\0\0\0A"sv}}) {
+    const std::string message =
+        fmt::format(":1: {} text; convert the file to UTF-8 first", encoding);
+    CHECK(pdb_error(start) == "t.pdb" + message);
+    CHECK(error_of([&, text = start] { read_mmcif(text); }) == "t.cif" + message);
   }
 }
 
@@ -2015,6 +2116,96 @@ TEST_CASE("areas of residues and chains of PDB files are written", "[structure][
   CHECK(contains(mesh, "comment residue 2 LIG 900 B\n"));
 }
 
+TEST_CASE("the program names the assemblies of a file", "[structure][cli]") {
+  const Sandbox sandbox;
+  eses::detail::test::write_file(sandbox.directory() / "a.pdb", dimer_remarks + line_of({}));
+  eses::detail::test::write_file(sandbox.directory() / "ab.pdb",
+                                 dimer_remarks + line_of({}) + line_of({.chain = "B", .x = 9}));
+  const std::string advice = "; build it with --assembly 1\n";
+  CHECK(contains(sandbox.run({"a.pdb", "--dry-run"}).out,
+                 "\nnote: assembly 1 has 2 copies" + advice));
+  CHECK(contains(sandbox.run({"ab.pdb", "--dry-run"}).out,
+                 "\nnote: assembly 1 has 2 copies of 1 of the 2 atoms" + advice));
+  CHECK_FALSE(contains(sandbox.run({"a.pdb", "--assembly", "1", "--dry-run"}).out, "note:"));
+  check_json(sandbox, sandbox.run({"a.pdb", "--dry-run", "--json"}).out,
+             "r['structure']['other_assemblies']", "[{'id': '1', 'operators': 2, 'atoms': 1}]");
+}
+
+TEST_CASE("models with one atom in each residue give a warning", "[structure][cli]") {
+  const auto residue = [](int number, bool is_whole) {
+    const std::string text = fmt::format("{:4} ", number);
+    const std::string alpha = line_of({.number = text, .x = 3.8 * number});
+    return is_whole ? alpha + line_of({.name = " CB ", .number = text, .x = 3.8 * number, .y = 1.5})
+                    : alpha;
+  };
+  const auto diagnostics = [](const std::string& text) { return read_pdb(text).diagnostics; };
+  const std::string trace = residue(1, false) + residue(2, false);
+  const std::string ligands = line_of({.record = "HETATM", .residue = "LIG", .y = 9}) +
+                              line_of({.record = "HETATM", .residue = " ZN", .y = 18});
+  // Ligands and ions do not count.
+  REQUIRE(diagnostics(ligands + trace + residue(3, true)).size() == 1);
+  const eses::Diagnostic found = diagnostics(ligands + trace + residue(3, true)).front();
+  CHECK(found.kind == eses::DiagnosticKind::one_atom_residue);
+  CHECK_FALSE(is_usual(found.kind));
+  CHECK(found.count == 2);
+  REQUIRE(found.examples.size() == 2);
+  CHECK(found.examples[0].atom == 2);
+  CHECK(found.examples[0].other == 2);
+  CHECK(diagnostics(trace + residue(3, true) + residue(4, true)).empty());
+  CHECK(diagnostics(ligands).empty());
+  const std::string nucleotides =
+      line_of({.name = " P  ", .residue = " DA"}) +
+      line_of({.name = " P  ", .residue = "  G", .number = "   2 ", .x = 6});
+  CHECK(diagnostics(nucleotides).size() == 1);
+
+  const Sandbox sandbox;
+  eses::detail::test::write_file(sandbox.directory() / "trace.pdb", trace);
+  const std::string message =
+      "trace.pdb: 2 residues have a single atom, as in models of C-alpha atoms; area and volume "
+      "are "
+      "not those of the whole molecule: lines 1, A/ALA 1/CA; 2, A/ALA 2/CA\n";
+  const Outcome outcome = sandbox.run({"trace.pdb", "--write", "none"});
+  CHECK(outcome.code == 0);
+  CHECK(outcome.err == "eses-blocks: warning: " + message);
+  const Outcome strict = sandbox.run({"trace.pdb", "--write", "none", "--strict"});
+  CHECK(strict.code == 1);
+  CHECK(strict.err == "eses-blocks: error: " + message);
+  const Outcome json = sandbox.run({"trace.pdb", "--write", "none", "--json"});
+  check_json(sandbox, json.out,
+             "[(d['kind'], d['severity'], d['count'], d['first'][1]['label']) "
+             "for d in r['diagnostics']]",
+             "[('one_atom_residue', 'warning', 2, 'A/ALA 2/CA')]");
+}
+
+TEST_CASE("waters of PQR files give a note", "[structure][pqr][cli]") {
+  const Sandbox sandbox;
+  const std::string text =
+      "ATOM 1 N ALA A 1 0 0 0 0.1 1.5\nATOM 2 O HOH A 2 5 0 0 -0.8 1.6\n"
+      "ATOM 3 H1 HOH A 2 5 1 0 0.4 0\nATOM 4 OW SOL B 3 0 5 0 -0.8 1.6\n";
+  eses::detail::test::write_file(sandbox.directory() / "wet.pqr", text);
+  const AtomFile file = eses::parse_atoms(text, AtomFormat::pqr, "t.pqr");
+  REQUIRE(file.diagnostics.size() == 1);
+  CHECK(file.diagnostics[0].kind == eses::DiagnosticKind::water);
+  CHECK(file.diagnostics[0].count == 3);
+  REQUIRE(file.diagnostics[0].examples.size() == 3);
+  CHECK(file.diagnostics[0].examples[0].atom == 1);
+  CHECK(file.diagnostics[0].examples[2].atom == 3);
+  CHECK(eses::parse_atoms("ATOM 1 N ALA A 1 0 0 0 0.1 1.5\n", AtomFormat::pqr).diagnostics.empty());
+
+  const Outcome outcome = sandbox.run({"wet.pqr", "--write", "none", "--strict"});
+  CHECK(outcome.code == 0);
+  CHECK(outcome.err.empty());
+  CHECK(
+      contains(outcome.out,
+               "input: wet.pqr (4 atoms; 1 of radius 0; 3 of water, which pdb2pqr leaves out with "
+               "--drop-water)\n"));
+  const Outcome json = sandbox.run({"wet.pqr", "--write", "none", "--json"});
+  check_json(sandbox, json.out,
+             "[(d['kind'], d['severity'], d['count'], d['first'][-1]['line']) "
+             "for d in r['diagnostics']]",
+             "[('zero_radius', 'note', 1, 3), ('water', 'note', 3, 4)]");
+}
+
 TEST_CASE("diagnostics name the atoms of PDB files", "[structure][cli]") {
   const Sandbox sandbox;
   const std::string text =
@@ -2053,7 +2244,10 @@ TEST_CASE("options of structure files are refused for xyzr files", "[structure][
         continue;
       }
       CHECK(outcome.code == 2);
-      CHECK(contains(outcome.err, option[0] + " needs a PDB or mmCIF file; " + file));
+      const bool is_model = option[0] == "--model";  // which also applies to PQR files
+      CHECK(contains(outcome.err, fmt::format("{} needs a {}PDB or mmCIF file; {}", option[0],
+                                              is_model ? "PQR, " : "", file)));
+      CHECK(contains(outcome.err, "--format pqr") == is_model);
     }
   }
   for (const std::vector<std::string>& option :

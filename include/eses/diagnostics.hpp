@@ -18,12 +18,16 @@ enum class DiagnosticKind : std::uint8_t {
   nested,        ///< The atom is larger than a hydrogen and lies wholly inside another atom.
   large_radius,  ///< The radius is above 4 angstrom.
   small_radii,   ///< All radii are below 0.4 angstrom; lengths may be in nanometres.
+  /// The atom is the only one of its residue, as in most residues of the polymers of a PDB or mmCIF
+  /// file. Atoms are missing, as in models of C-alpha atoms.
+  one_atom_residue,
   zero_radius,   ///< The radius is 0, as for hydrogens of some force fields; usual.
   nested_usual,  ///< A hydrogen, of radius up to 1.4 angstrom, lies inside another atom; usual.
+  water,         ///< The atom belongs to a water molecule of a PQR file; usual.
 };
 
 /// Number of kinds of diagnostics.
-inline constexpr std::size_t diagnostic_kinds = 7;
+inline constexpr std::size_t diagnostic_kinds = 9;
 
 /// Returns whether such atoms also occur in correct files.
 constexpr bool is_usual(DiagnosticKind kind) { return kind >= DiagnosticKind::zero_radius; }

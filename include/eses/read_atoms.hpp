@@ -11,6 +11,7 @@
 
 #include "eses/atoms.hpp"
 #include "eses/check.hpp"
+#include "eses/diagnostics.hpp"
 
 namespace eses {
 
@@ -78,6 +79,13 @@ struct RadiusSource {
   std::uint64_t count = 0;  ///< Number of atoms.
 };
 
+/// A biological assembly of a file that differs from the atoms that were read.
+struct OtherAssembly {
+  std::string id;               ///< Its identifier, for StructureOptions::assembly.
+  std::uint64_t operators = 0;  ///< Number of its different operators.
+  std::uint64_t atoms = 0;      ///< Number of the atoms that were read and that it contains.
+};
+
 /// Report on the atoms of a PDB or mmCIF file that were read and left out. Unless said otherwise,
 /// all counts are numbers of atoms before the operations of an assembly.
 struct StructureReport {
@@ -106,6 +114,9 @@ struct StructureReport {
   std::vector<RadiusSource> by_element;
   /// Atoms with StructureOptions::unknown_radius. The counts include the images of an assembly.
   std::vector<RadiusSource> unknown;
+  /// The assemblies with several operators or without some of the atoms; empty if an assembly was
+  /// built, or if the file is an assembly file of the PDB.
+  std::vector<OtherAssembly> other_assemblies;
 };
 
 /// The atoms of a file.
@@ -115,6 +126,9 @@ struct AtomFile {
   std::vector<AtomLabel> labels;     ///< Names of each atom; empty for xyzr files.
   /// Report on a PDB or mmCIF file; empty for other formats.
   std::optional<StructureReport> structure = {};
+  /// The diagnostics that follow from the names of the atoms, one for each kind that occurs.
+  /// Surface::diagnostics() has those that follow from centres and radii.
+  std::vector<Diagnostic> diagnostics = {};
 };
 
 /// Options of read_atoms.

@@ -255,6 +255,10 @@ void bind_atoms(py::module_& module) {
           "(N,) uint64: line numbers in the file, from 1.")
       .def_property_readonly("labels", &labels_or_none,
                              "Labels or None: names of the atoms; None if the file has none.")
+      .def_readonly(
+          "diagnostics", &AtomFile::diagnostics,
+          "list of Diagnostic: suspicious names, such as those of a file of C-alpha atoms. "
+          "``Surface.diagnostics`` has those of centres and radii.")
       .def(py::pickle(&atoms_state, &atoms_of_state));
   protect_instances(atoms);
 

@@ -241,10 +241,14 @@ const char* name_of(DiagnosticKind kind) {
       return "large_radius";
     case DiagnosticKind::small_radii:
       return "small_radii";
+    case DiagnosticKind::one_atom_residue:
+      return "one_atom_residue";
     case DiagnosticKind::zero_radius:
       return "zero_radius";
     case DiagnosticKind::nested_usual:
       return "nested_usual";
+    case DiagnosticKind::water:
+      return "water";
   }
   return "";
 }
@@ -267,8 +271,9 @@ void bind_diagnostic(py::module_& module) {
           "hydrogen and lies inside another atom. ``large_radius``: its radius is above 4 "
           "angstrom. "
           "``small_radii``: every radius is below 0.4 angstrom, as if in nanometres. "
+          "``one_atom_residue``: it is alone in its residue, as in most residues of the file. "
           "``zero_radius``: its radius is 0. ``nested_usual``: a hydrogen lies inside another "
-          "atom.")
+          "atom. ``water``: it belongs to a water molecule of a PQR file.")
       .def_property_readonly(
           "count", [](const Diagnostic& self) { return self.count; },
           "int: number of atoms with this diagnostic.")

@@ -82,6 +82,21 @@ def test_pdb_file_is_read_with_bondi_radii(tmp_path):
         eses.read_atoms(path, radii="bondi", model=7)
 
 
+def test_diagnostics_follow_from_names(tmp_path):
+    path = tmp_path / "trace.pdb"
+    lines = PDB.splitlines(keepends=True)
+    path.write_text(lines[1] + lines[3])  # two residues with one atom each
+    found, = eses.read_atoms(path).diagnostics
+    assert (found.kind, found.count, found.examples) == ("one_atom_residue", 2, [(0, 0), (1, 1)])
+    assert not found.is_usual
+    path = tmp_path / "wet.pqr"
+    path.write_text("ATOM 1 N ALA 1 0 0 0 0.1 1.5\nATOM 2 O HOH 2 9 0 0 -0.8 1.6\n")
+    found, = eses.read_atoms(path).diagnostics
+    assert (found.kind, found.count, found.examples) == ("water", 1, [(1, 1)])
+    assert found.is_usual
+    assert eses.read_atoms(DATA / "fas2.pqr").diagnostics == []
+
+
 def test_missing_file_is_an_os_error(tmp_path):
     with pytest.raises(FileNotFoundError, match="nowhere.xyzr"):
         eses.read_atoms(tmp_path / "nowhere.xyzr")

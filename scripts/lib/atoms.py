@@ -10,9 +10,9 @@ from common import Failed, unpacked
 # Matches an element symbol with an optional formal charge: N, Zn, O1-. Some programs append it.
 ELEMENT = re.compile(r"[A-Za-z]{1,2}([0-9][+-])?")
 
-# Occupancy and B-factor in a record of a PDB file: first column (from 0), width and decimals.
+# Numbers in a record of a PDB file: first column (from 0), width and decimals.
 OCCUPANCY, B_FACTOR = (54, 6, 2), (60, 6, 2)
-PDB_NUMBERS = ((30, 8, 3), (38, 8, 3), (46, 8, 3), OCCUPANCY, B_FACTOR)
+COORDINATES = ((30, 8, 3), (38, 8, 3), (46, 8, 3))
 END_OF_B_FACTOR = 66
 MAX_USUAL_RADIUS = 4  # angstrom; most B-factors are larger
 
@@ -29,9 +29,14 @@ def number(text):
     return value
 
 
+def is_record(line):
+    """Returns whether a line of a PQR or PDB file is an atom."""
+    return line.upper().startswith(("ATOM", "HETATM"))
+
+
 def pqr_fields(line):
     """Returns the texts of x, y, z, charge and radius, or None if the line is not an atom."""
-    if not line.upper().startswith(("ATOM", "HETATM")):
+    if not is_record(line):
         return None
     fields = line.split()
     if ELEMENT.fullmatch(fields[-1]):
@@ -71,19 +76,28 @@ class PdbLikeness:
         self.plausible = 0  # records among them whose numbers can hardly be charge and radius
 
     def add(self, line):
+        """Counts a line if it is a record."""
+        if not is_record(line):
+            return
         self.records += 1
         line = line.rstrip("\r\n")
-        if (any(fixed_number(line, *columns) is None for columns in PDB_NUMBERS)
+        if (any(fixed_number(line, *columns) is None for columns in COORDINATES)
                 or line[END_OF_B_FACTOR:END_OF_B_FACTOR + 1].strip(" \t")):
             return
-        occupancy, b_factor = fixed_number(line, *OCCUPANCY), fixed_number(line, *B_FACTOR)
-        if 0 <= occupancy <= 1:
+        if not line[OCCUPANCY[0]:END_OF_B_FACTOR].strip():  # as some programs write it
             self.in_columns += 1
-            self.plausible += occupancy == 1 or b_factor > MAX_USUAL_RADIUS
+            self.plausible += 1
+            return
+        occupancy, b_factor = fixed_number(line, *OCCUPANCY), fixed_number(line, *B_FACTOR)
+        if occupancy is not None and b_factor is not None and 0 <= occupancy <= 1:
+            self.in_columns += 1
+            self.plausible += (occupancy == 1 or b_factor > MAX_USUAL_RADIUS
+                               or occupancy == b_factor == 0)
 
     def refuse(self):
         """Throws Failed if the records are those of a PDB file."""
-        if 10 * self.in_columns >= 9 * self.records and 2 * self.plausible >= self.records:
+        if (self.records and 10 * self.in_columns >= 9 * self.records
+                and 2 * self.plausible >= self.records):
             raise Failed(" this is a PDB file: its columns 55 to 66 hold occupancy and B-factor, "
                          "which are not charge and radius; make a PQR file of it with pdb2pqr")
 
@@ -94,6 +108,8 @@ def atoms_in(lines, layout):
     likeness = PdbLikeness()
     is_empty = True
     for count, line in enumerate(lines, 1):
+        if layout == "pqr":
+            likeness.add(line)
         try:
             fields = fields_of(line)
             if fields is None:
@@ -102,10 +118,12 @@ def atoms_in(lines, layout):
             if number(fields[4]) < 0:
                 raise Failed(f"negative radius {fields[4]}")
         except Failed as error:
+            if layout == "pqr":  # the error may be that of a PDB file
+                for further in lines:
+                    likeness.add(further)
+                likeness.refuse()
             raise Failed(f"{count}: {error}") from None
         is_empty = False
-        if layout == "pqr":
-            likeness.add(line)
         yield x, y, z, charge, fields[4]
     if is_empty:
         raise Failed(" no atoms" + ("; expected ATOM or HETATM records" if layout == "pqr" else ""))

@@ -70,11 +70,15 @@ def identity(atom):
 
 
 def require_parts(whole, parts):
-    """Throws Failed unless the atoms of the complex are those of its parts.
+    """Throws Failed unless the atoms of the complex are those of its parts, which are other files.
 
     The energy of each charge in its own field, which grows without bound on finer grids, cancels
     only if the charge is at the same place in both.
     """
+    for part in parts:
+        if os.path.samefile(whole.path, part.path):
+            raise Failed(f"{part.path} is the same file as the complex, {whole.path}; expected the "
+                         "complex, followed by its parts")
     left = collections.Counter(map(identity, whole.atoms))
     left.subtract(identity(atom) for part in parts for atom in part.atoms)
     for atoms, where in ((left, "in none of the other files"), (-left, f"not in {whole.path}")):

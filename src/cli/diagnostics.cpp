@@ -30,11 +30,20 @@ Wording wording_of(DiagnosticKind kind) {
     case DiagnosticKind::small_radii:
       return {"small_radii", "atom, with a radius below 0.4 angstrom; are lengths in nanometres?",
               "atoms, all with a radius below 0.4 angstrom; are lengths in nanometres?", ""};
+    case DiagnosticKind::one_atom_residue:
+      return {"one_atom_residue",
+              "residue has a single atom; area and volume are not those of the whole molecule",
+              "residues have a single atom, as in models of C-alpha atoms; area and volume are not "
+              "those of the whole molecule",
+              ""};
     case DiagnosticKind::zero_radius:
       return {"zero_radius", "of radius 0", "of radius 0", ""};
     case DiagnosticKind::nested_usual:
       return {"nested_usual", "of at most 1.4 angstrom inside another atom",
               "of at most 1.4 angstrom inside another atom", "in"};
+    case DiagnosticKind::water:
+      return {"water", "of water, which pdb2pqr leaves out with --drop-water",
+              "of water, which pdb2pqr leaves out with --drop-water", ""};
   }
   return {};
 }

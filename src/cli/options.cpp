@@ -527,6 +527,16 @@ void add_maps(const CommandLine& line, const std::filesystem::path& directory, O
   }
 }
 
+/// Throws UsageError if the input is an xyzr file, which does not have the names that an option
+/// needs.
+void refuse_xyzr(const Options& options, std::string_view option, std::string_view names) {
+  if (eses::detail::format_of(options.input, options.format) == AtomFormat::xyzr)
+    throw UsageError(
+        formatted("{} needs a PQR, PDB or mmCIF file; {} is read as xyzr, which has no {} (use "
+                  "--format pqr if it is PQR)",
+                  option, options.input.string(), names));
+}
+
 std::optional<MeshOptions> mesh_of(const CommandLine& line) {
   const MeshOptions mesh{line.mesh, line.color, line.is_ascii};
   const std::optional<MeshFormat> format = mesh_format(mesh.file);
@@ -534,13 +544,7 @@ std::optional<MeshOptions> mesh_of(const CommandLine& line) {
     throw UsageError("--color needs --mesh with a .ply or .vtp file");
   if (mesh.is_ascii && format != MeshFormat::ply)
     throw UsageError("--ply-ascii needs --mesh with a .ply file");
-  const Options& options = line.options;
-  if (mesh.color == MeshColor::chain &&
-      eses::detail::format_of(options.input, options.format) == AtomFormat::xyzr)
-    throw UsageError(
-        formatted("--color chain needs a PQR, PDB or mmCIF file; {} is read as xyzr, which has "
-                  "no chains (use --format pqr if it is PQR)",
-                  options.input.string()));
+  if (mesh.color == MeshColor::chain) refuse_xyzr(line.options, "--color chain", "chains");
   return mesh.file.empty() ? std::nullopt : std::optional(mesh);
 }
 
@@ -554,6 +558,7 @@ Options options_of(const CommandLine& line) {
   check_grid_choice(line);
   options.grid.has_spacing = line.spacing.positional || line.spacing.option;
   options.outputs = line.text_files;
+  if (options.outputs.residues) refuse_xyzr(options, "--write residues", "residues");
   options.outputs.gzip = line.gzip;
   add_maps(line, options.output_directory, options.outputs);
   options.outputs.mesh = mesh_of(line);
@@ -568,11 +573,13 @@ void refuse_structure_options(const CLI::App& app, const Options& options) {
   for (const CLI::Option* const option : app.get_options()) {
     if (option->count() == 0 || option->get_group() != structure_group) continue;
     const std::string name = option->get_name();
-    if (format == AtomFormat::pqr && name == model_option) continue;
+    const bool is_model = name == model_option;  // the one option that also applies to PQR files
+    if (format == AtomFormat::pqr && is_model) continue;
     throw UsageError(
-        formatted("{} needs a PDB or mmCIF file; {} is read as {} (use --format pdb or "
+        formatted("{} needs a {}PDB or mmCIF file; {} is read as {} (use --format {}pdb or "
                   "--format mmcif if it is one)",
-                  name, options.input.string(), format == AtomFormat::pqr ? "PQR" : "xyzr"));
+                  name, is_model ? "PQR, " : "", options.input.string(),
+                  format == AtomFormat::pqr ? "PQR" : "xyzr", is_model ? "pqr, --format " : ""));
   }
 }
 

@@ -101,15 +101,44 @@ std::string assembly_text(const StructureReport& report) {
                    report.operators == 1 ? "operator" : "operators");
 }
 
+/// Returns a note such as `assembly 1 has 20 copies; build it with --assembly 1`.
+std::string other_assemblies_text(const StructureReport& report) {
+  const std::vector<OtherAssembly>& others = report.other_assemblies;
+  if (others.empty()) return "";
+  constexpr std::size_t max_assemblies = 4;
+  const std::uint64_t atoms = report.atom_records + report.hetatm_records + report.waters;
+  std::vector<std::string> parts;
+  for (std::size_t i = 0; i < std::min(max_assemblies, others.size()); ++i) {
+    const auto& [id, operators, contained] = others[i];
+    const std::string copies = operators > 1 ? formatted("{} copies", operators) : "";
+    const std::string part =
+        contained < atoms ? formatted("{} of the {} atoms", contained, atoms) : "";
+    parts.push_back(formatted("assembly {} has {}{}{}", printable(id), copies,
+                              copies.empty() || part.empty() ? "" : " of ", part));
+  }
+  if (others.size() > max_assemblies) parts.emplace_back("...");
+  return formatted("note: {}; build {}\n", fmt::join(parts, ", "),
+                   others.size() == 1
+                       ? formatted("it with --assembly {}", printable(others.front().id))
+                       : "one with --assembly ID");
+}
+
+json::Value other_assemblies_json(const std::vector<OtherAssembly>& others) {
+  json::Value items = json::Value::array();
+  for (const auto& [id, operators, atoms] : others)
+    items.push_back({{"id", id}, {"operators", operators}, {"atoms", atoms}});
+  return items;
+}
+
 }  // namespace
 
 std::string structure_text(const StructureReport& report) {
   const std::string dropped = counts_text(report, dropped_counts);
-  return formatted("read: {}{}{}\n{}radii: {}{}{}\n", counts_text(report, kept_counts),
-                   model_text(report), assembly_text(report),
-                   dropped.empty() ? "" : formatted("left out: {}\n", dropped),
-                   printable(report.radii), sources_text(report.by_element, "by element"),
-                   sources_text(report.unknown, "of unknown radius"));
+  return formatted(
+      "read: {}{}{}\n{}radii: {}{}{}\n{}", counts_text(report, kept_counts), model_text(report),
+      assembly_text(report), dropped.empty() ? "" : formatted("left out: {}\n", dropped),
+      printable(report.radii), sources_text(report.by_element, "by element"),
+      sources_text(report.unknown, "of unknown radius"), other_assemblies_text(report));
 }
 
 json::Value structure_json(const StructureReport& report) {
@@ -117,6 +146,7 @@ json::Value structure_json(const StructureReport& report) {
           {"models", report.models},
           {"assembly", report.assembly.empty() ? json::Value() : json::Value(report.assembly)},
           {"operators", report.operators},
+          {"other_assemblies", other_assemblies_json(report.other_assemblies)},
           {"read", counts_json(report, kept_counts)},
           {"left_out", counts_json(report, dropped_counts)},
           {"radii", report.radii},

@@ -16,7 +16,6 @@
 #include "cli/run_display.hpp"
 #include "eses/error.hpp"
 #include "eses/read_atoms.hpp"
-#include "input/atom_reader.hpp"
 #include "output/output_files.hpp"
 #include "run/engine.hpp"
 #include "system/formatted.hpp"
@@ -66,20 +65,10 @@ void refuse_to_lose_input(const Options& options) {
                                                : "removed, as a plain file takes its place");
 }
 
-// Throws Error if areas by residue are requested for a file without residues.
-void refuse_residues_of_xyzr(const Options& options) {
-  if (options.outputs.residues && format_of(options.input, options.format) == AtomFormat::xyzr)
-    throw Error(
-        formatted("{}: areas by residue (--write residues) need a PQR, PDB or mmCIF file; xyzr "
-                  "files have no residues",
-                  options.input.string()));
-}
-
 // Performs the checks that do not need the input.
 void check_request(const Options& options) {
   require_standard_output();
   refuse_to_lose_input(options);
-  refuse_residues_of_xyzr(options);
   require_places(options.outputs, options.output_directory);
 }
 

@@ -207,6 +207,12 @@ AtomShare read_share(const std::filesystem::path& path, ReadOptions options,
   share.first = processes.sum_before(read.atoms.atoms.size());
   share.total = processes.sum(read.atoms.atoms.size());
   require_atoms(path, options.format, share, read, processes);
+  share.diagnostics = gather_diagnostics(
+      read.atoms.diagnostics,
+      [&](AtomIndex atom) {
+        return FileAtom{static_cast<AtomIndex>(share.first + atom), read.atoms.lines[atom]};
+      },
+      processes);
   share.atoms = std::move(read.atoms.atoms);
   share.lines = std::move(read.atoms.lines);
   share.residues = std::move(read.residues);

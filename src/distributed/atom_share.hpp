@@ -6,6 +6,7 @@
 #include <optional>
 #include <vector>
 
+#include "distributed/file_diagnostics.hpp"
 #include "distributed/processes.hpp"
 #include "eses/read_atoms.hpp"
 #include "input/atom_names.hpp"
@@ -30,6 +31,9 @@ struct AtomShare {
   /// Labels and report of a PDB or mmCIF file, which the first process alone reads.
   AtomNames names;
   std::optional<StructureReport> structure;
+
+  /// The diagnostics that follow from the names of all atoms; the same in all processes.
+  FileDiagnostics diagnostics;
 
   AtomRange range() const { return {first, first + atoms.size()}; }
 };

@@ -305,6 +305,23 @@ Problem parse_pqr(std::string_view line, Record& record) {
   return problem && has_coordinate_columns(numbers) ? parse_pqr_columns(numbers, record) : problem;
 }
 
+// ------------------------------------------------------------------------- waters of PQR files
+
+// Names of water in the PDB, in force fields, and in files of GROMACS. Other names of water in
+// programs of molecular dynamics are those of ligands in the PDB.
+constexpr std::array<std::string_view, 10> water_residues{"HOH",  "WAT",  "H2O",  "DOD",  "SOL",
+                                                          "TIP2", "TIP3", "TIP4", "TIP5", "SPCE"};
+
+/// Adds the last atom of a PQR file to the diagnostics if it belongs to water.
+void inspect_residue(std::string_view residue, AtomFile& file) {
+  if (std::find(water_residues.begin(), water_residues.end(), residue) == water_residues.end())
+    return;
+  if (file.diagnostics.empty()) file.diagnostics.push_back({DiagnosticKind::water, 0, {}});
+  Diagnostic& water = file.diagnostics.front();
+  const auto atom = static_cast<AtomIndex>(file.atoms.size() - 1);
+  if (++water.count <= Diagnostic::max_examples) water.examples.push_back({atom, atom});
+}
+
 // ---------------------------------------------------------------- PDB files that are named .pqr
 //
 // PDB files have the occupancy in columns 55 to 60 and the B-factor in columns 61 to 66, both in
@@ -340,7 +357,9 @@ void add_record(std::string_view line, PdbLikeness& likeness) {
     return;
   if (occupancy < 0 || occupancy > 1) return;
   ++likeness.layout;
-  if (occupancy == 1 || b_factor > max_usual_radius) ++likeness.values;
+  // Some programs write 0 for both.
+  if (occupancy == 1 || b_factor > max_usual_radius || (occupancy == 0 && b_factor == 0))
+    ++likeness.values;
 }
 
 // ---------------------------------------------------------------- PQR files that are named .pdb
@@ -633,7 +652,7 @@ AtomFile read_descriptor(int descriptor, const ReadOptions& options, const std::
 LinesRead parse_atom_lines(std::string_view text, const AtomLines& lines, AtomFile& result) {
   const auto& [format, name, first_line, with_labels, max_memory, model, model_before] = lines;
   if (first_line == 1) {
-    refuse_utf16(text, name);
+    refuse_wide_characters(text, name);
     text = without_byte_order_mark(text);
     refuse_other_formats(text, name);
     refuse_structure(text, name, format);
@@ -643,7 +662,7 @@ LinesRead parse_atom_lines(std::string_view text, const AtomLines& lines, AtomFi
   const auto is_record = is_pqr ? is_pqr_record : is_xyzr_record;
   const auto parse_line = is_pqr ? parse_pqr : parse_xyzr;
 
-  auto& [atoms, line_numbers, labels, structure] = result;
+  auto& [atoms, line_numbers, labels, structure, diagnostics] = result;
   LinesRead read;
   read.last_model = model_before;
   while (!text.empty()) {
@@ -667,6 +686,7 @@ LinesRead parse_atom_lines(std::string_view text, const AtomLines& lines, AtomFi
     if (is_pqr) add_record(line, read.likeness);
     atoms.push_back(record.atom);
     line_numbers.push_back(number);
+    if (is_pqr) inspect_residue(record.label.residue, result);
     if (is_pqr && with_labels) labels.push_back(std::move(record.label));
   }
   return read;

@@ -59,18 +59,24 @@ bool has_identifier(std::string_view list, std::string_view id) {
   }
 }
 
+/// Returns the identifiers of the assemblies, or the list of several that are described at once.
+std::vector<std::string> assembly_names(const gemmi::Structure& structure,
+                                        const StructureText& text) {
+  std::vector<std::string> names;
+  names.reserve(structure.assemblies.size());
+  for (const gemmi::Assembly& assembly : structure.assemblies) names.push_back(assembly.name);
+  if (text.format == AtomFormat::pdb && !names.empty())
+    if (std::vector<std::string> lists = biomolecules(text.text); lists.size() == names.size())
+      names = std::move(lists);
+  return names;
+}
+
 const gemmi::Assembly& find_assembly(const gemmi::Structure& structure, const std::string& id,
                                      const StructureText& text) {
   const std::vector<gemmi::Assembly>& assemblies = structure.assemblies;
-  std::vector<std::string> names;
-  names.reserve(assemblies.size());
-  for (const gemmi::Assembly& assembly : assemblies) names.push_back(assembly.name);
-  const bool is_pdb = text.format == AtomFormat::pdb;
-  if (is_pdb)
-    if (std::vector<std::string> lists = biomolecules(text.text); lists.size() == names.size())
-      names = std::move(lists);
+  std::vector<std::string> names = assembly_names(structure, text);
   auto found = std::find(names.begin(), names.end(), id);
-  if (found == names.end() && is_pdb)
+  if (found == names.end() && text.format == AtomFormat::pdb)
     found = std::find_if(names.begin(), names.end(),
                          [&](const std::string& list) { return has_identifier(list, id); });
   if (found != names.end()) return assemblies[static_cast<std::size_t>(found - names.begin())];
@@ -274,7 +280,54 @@ class AssemblyBuilder {
   std::unordered_set<const gemmi::Residue*> contained_;
 };
 
+std::uint64_t count_atoms(const gemmi::Model& model) {
+  std::uint64_t count = 0;
+  for (const gemmi::Chain& chain : model.chains)
+    for (const gemmi::Residue& residue : chain.residues) count += residue.atoms.size();
+  return count;
+}
+
+/// Returns the numbers of different operators and of atoms of an assembly, without its identifier.
+OtherAssembly measure(const gemmi::Assembly& assembly, const gemmi::Model& model) {
+  OtherAssembly result;
+  CopyNames copies(model);
+  std::unordered_set<const gemmi::Residue*> contained;
+  for (const gemmi::Assembly::Gen& generator : assembly.generators) {
+    const std::vector<ChainPart> parts = parts_of(generator, model);
+    if (parts.empty()) continue;
+    for (const gemmi::Assembly::Operator& op : generator.operators)
+      copies.begin_operator(op.transform);
+    for (const ChainPart& part : parts)
+      for (const gemmi::Residue* const residue : part.residues)
+        if (!generator.operators.empty() && contained.insert(residue).second)
+          result.atoms += residue->atoms.size();
+  }
+  result.operators = copies.operator_count();
+  return result;
+}
+
 }  // namespace
+
+std::vector<OtherAssembly> find_other_assemblies(const gemmi::Structure& structure,
+                                                 const gemmi::Model& model,
+                                                 const StructureText& text) {
+  const std::uint64_t atoms = count_atoms(model);
+  const std::vector<std::string> names = assembly_names(structure, text);
+  std::vector<OtherAssembly> others;
+  std::size_t operator_count = 0;
+  for (std::size_t i = 0; i < names.size(); ++i) {
+    const gemmi::Assembly& assembly = structure.assemblies[i];
+    for (const gemmi::Assembly::Gen& generator : assembly.generators)
+      operator_count += generator.operators.size();
+    if (operator_count > max_operators) break;
+    OtherAssembly other = measure(assembly, model);
+    if (other.atoms == 0 || (other.operators == 1 && other.atoms == atoms)) continue;
+    const std::string_view list = names[i];
+    other.id = without_trailing_blanks(list.substr(0, list.find(',')));
+    others.push_back(std::move(other));
+  }
+  return others;
+}
 
 void build_assembly(const gemmi::Structure& structure, const std::string& id,
                     const gemmi::Model& model, const StructureText& text, Checker& checker,

@@ -5,6 +5,7 @@
 #include <functional>
 #include <gemmi/model.hpp>
 #include <string>
+#include <vector>
 
 #include "input/checker.hpp"
 #include "input/parse_structure.hpp"
@@ -21,5 +22,11 @@ void build_assembly(const gemmi::Structure& structure, const std::string& id,
                     const gemmi::Model& model, const StructureText& text, Checker& checker,
                     const std::function<void(std::uint64_t bytes)>& require_memory,
                     SelectedStructure& result);
+
+/// Returns the assemblies of `structure` that have several operators, or not all of the selected
+/// atoms, which are those of `model`. Assemblies without selected atoms are left out.
+std::vector<OtherAssembly> find_other_assemblies(const gemmi::Structure& structure,
+                                                 const gemmi::Model& model,
+                                                 const StructureText& text);
 
 }  // namespace eses::detail

@@ -144,25 +144,41 @@ class OperatorTable {
   std::map<std::string, gemmi::Transform> transforms_;
 };
 
-}  // namespace
-
-std::vector<gemmi::Assembly> read_assemblies(gemmi::cif::Block& block, const std::string& chosen) {
-  std::vector<gemmi::Assembly> assemblies;
+/// Adds the assemblies to the list. `read` is the name of the assembly being read.
+void add_assemblies(gemmi::cif::Block& block, const std::string& chosen,
+                    std::vector<gemmi::Assembly>& assemblies, std::string& read) {
   gemmi::cif::Table generators =
       block.find("_pdbx_struct_assembly_gen.", {"assembly_id", "oper_expression", "asym_id_list"});
-  if (!generators.ok()) return assemblies;
+  if (!generators.ok()) return;
   const std::uint64_t line = line_of(generators);
   const OperatorTable operators(block, line);
   std::size_t operator_count = 0;
   for (const gemmi::cif::Table::Row row : generators) {
     gemmi::Assembly& assembly = gemmi::impl::find_or_add(assemblies, row.str(0));
-    if (assembly.name != chosen) continue;
+    read = assembly.name;
+    if (!chosen.empty() && assembly.name != chosen) continue;
     gemmi::Assembly::Gen generator;
     generator.operators = operators.expand(without_white_space(row.str(1)));
     operator_count += generator.operators.size();
     check_operator_count(operator_count, line);
     gemmi::split_str_into(without_white_space(row.str(2)), ',', generator.subchains);
     assembly.generators.push_back(generator);
+  }
+}
+
+}  // namespace
+
+std::vector<gemmi::Assembly> read_assemblies(gemmi::cif::Block& block, const std::string& chosen) {
+  std::vector<gemmi::Assembly> assemblies;
+  std::string read;
+  try {
+    add_assemblies(block, chosen, assemblies, read);
+  } catch (const MmcifError&) {
+    if (!chosen.empty()) throw;
+    assemblies.erase(
+        std::remove_if(assemblies.begin(), assemblies.end(),
+                       [&](const gemmi::Assembly& assembly) { return assembly.name == read; }),
+        assemblies.end());
   }
   return assemblies;
 }

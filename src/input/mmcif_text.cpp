@@ -45,18 +45,12 @@ bool is_assembly_table(const Item& item) {
   return has_category(item, {"_pdbx_struct_assembly_gen.", "_pdbx_struct_oper_list."});
 }
 
+bool is_needed_table(const Item& item) { return is_atom_table(item) || is_entity_table(item); }
+
 /// A document that has only the tags of loops that this program does not use.
 struct StructureDocument : gemmi::cif::Document {
-  StructureDocument(bool with_assemblies, Checker& its_checker)
-      : uses_assemblies(with_assemblies), checker(its_checker) {}
+  explicit StructureDocument(Checker& its_checker) : checker(its_checker) {}
 
-  /// Returns whether this program uses a table.
-  bool uses(const Item& item) const {
-    return is_atom_table(item) || is_entity_table(item) ||
-           (uses_assemblies && is_assembly_table(item));
-  }
-
-  bool uses_assemblies;
   Checker& checker;
   bool keeps_values = false;              ///< whether the values of the current loop are kept
   std::vector<std::uint64_t> atom_lines;  ///< line numbers of the rows of the table of atoms
@@ -72,7 +66,8 @@ struct StructureAction<rules::loop_tag> {
   static void apply(const Input& in, StructureDocument& document) {
     gemmi::cif::Action<rules::loop_tag>::apply(in, document);
     const bool is_in_frame = document.items_ != &document.blocks.back().items;
-    document.keeps_values = !is_in_frame && document.uses(document.items_->back());
+    const Item& table = document.items_->back();
+    document.keeps_values = !is_in_frame && (is_needed_table(table) || is_assembly_table(table));
   }
 };
 
@@ -161,11 +156,11 @@ Block& find_atom_block(StructureDocument& document) {
   return *found;
 }
 
-/// Throws MmcifError if a table that is used lacks values or has the same tag twice.
-void check_tables(const Block& block, const StructureDocument& document) {
+/// Throws MmcifError if a table that `is_used` accepts lacks values or has the same tag twice.
+void check_tables(const Block& block, bool (*is_used)(const Item& item)) {
   std::set<std::string> tags;
   for (const Item& item : block.items) {
-    if (!document.uses(item)) continue;
+    if (!is_used(item)) continue;
     const auto add_tag = [&](const std::string& tag) {
       if (!tags.insert(gemmi::to_lower(tag)).second)
         throw MmcifError{line_of(item), "duplicate tag " + tag};
@@ -178,6 +173,17 @@ void check_tables(const Block& block, const StructureDocument& document) {
       if (item.loop.values.size() % item.loop.tags.size() != 0)
         throw MmcifError{line_of(item), "wrong number of values in the loop"};
     }
+  }
+}
+
+/// Returns the assemblies. Faults of their tables matter only if one is chosen.
+std::vector<gemmi::Assembly> find_assemblies(Block& block, const std::string& chosen) {
+  try {
+    check_tables(block, is_assembly_table);
+    return read_assemblies(block, chosen);
+  } catch (const MmcifError&) {
+    if (!chosen.empty()) throw;
+    return {};
   }
 }
 
@@ -251,13 +257,12 @@ void set_entity_types(gemmi::Structure& structure, bool has_subchains) {
 gemmi::Structure parse_mmcif_text(std::string_view text, const std::string& name,
                                   const std::string& assembly, Checker& checker) {
   try {
-    StructureDocument document(!assembly.empty(), checker);
+    StructureDocument document(checker);
     parse_document(text, name, document);
     Block& block = find_atom_block(document);
-    check_tables(block, document);
+    check_tables(block, is_needed_table);
     checker.check();
-    std::vector<gemmi::Assembly> assemblies;
-    if (!assembly.empty()) assemblies = read_assemblies(block, assembly);
+    std::vector<gemmi::Assembly> assemblies = find_assemblies(block, assembly);
     std::vector<gemmi::Model> models =
         read_models(atom_loop(block, document), document.atom_lines, checker);
     checker.check();

@@ -70,6 +70,8 @@ SelectedStructure parse(const StructureText& text, const StructureOptions& optio
   if (!options.assembly.empty()) {
     build_assembly(structure, options.assembly, model, text, checker, require_memory, result);
   } else {
+    if (!text.is_assembly_file)
+      result.report.other_assemblies = find_other_assemblies(structure, model, text);
     AtomList list(result, text.name);
     for (const gemmi::Chain& chain : model.chains) {
       checker.check();

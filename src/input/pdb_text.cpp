@@ -180,8 +180,8 @@ PdbLayout layout_of(PdbLines lines) {
 /// Checks coordinates, because gemmi reads invalid numbers as 0.
 class PdbRecords {
  public:
-  PdbRecords(PdbLines lines, bool with_assemblies)
-      : lines_(lines), all_lines_(lines), with_assemblies_(with_assemblies) {}
+  PdbRecords(PdbLines lines, bool needs_assemblies)
+      : lines_(lines), all_lines_(lines), needs_assemblies_(needs_assemblies) {}
 
   const PdbLines& lines() const { return lines_; }
   bool has_atoms() const { return has_atoms_; }
@@ -194,7 +194,7 @@ class PdbRecords {
     while (const std::optional<std::string_view> line = lines_.next()) {
       check_characters(*line);
       if (is_atom_record(*line)) return write_atom(*line);
-      if (with_assemblies_ && is_assembly_record(*line)) return write_operator(*line);
+      if (is_assembly_record(*line)) return write_operator(*line);
       const std::string type = type_of(*line);
       if (is_model_type(type)) return write_model(*line);
       if (type == "endmdl") is_in_model_ = false;
@@ -242,6 +242,15 @@ class PdbRecords {
       lines_.fail("carriage return inside the line; expected LF or CRLF line ends");
   }
 
+  // A tab stands for several columns, so that the fields after it are not in theirs.
+  void check_columns(std::string_view line) const {
+    if (const std::size_t tab = without_trailing_blanks(line).substr(0, charge_column).find('\t');
+        tab != line.npos)
+      lines_.fail(formatted(
+          "tab in column {}; fields of PDB records have fixed columns; replace the tabs by blanks",
+          tab + 1));
+  }
+
   // Writes a record with all its columns, as gemmi would otherwise read the rest of an earlier one.
   char* write(std::string_view record) {
     std::memset(record_.data(), ' ', record_width);
@@ -259,6 +268,7 @@ class PdbRecords {
   // ---------------------------------------------------------------------------------------- atoms
 
   char* write_atom(std::string_view line) {
+    check_columns(line);
     constexpr std::size_t end_of_coordinates =
         coordinate_columns.back().first + coordinate_columns.back().width;
     if (line.size() < end_of_coordinates)
@@ -370,9 +380,15 @@ class PdbRecords {
 
   // gemmi would read invalid numbers as 0, and take missing rows from the identity.
   char* write_operator(std::string_view line) {
+    if (needs_assemblies_) check_operator(line);
+    return write(line);
+  }
+
+  void check_operator(std::string_view line) {
     constexpr std::size_t type_column = 11, width = 10;
     constexpr std::string_view type = "  BIOMT";
     if (line.size() > type_column && line.substr(type_column).starts_with(type)) {
+      check_columns(line);
       const std::string_view row = line.substr(type_column + type.size()).substr(0, 1);
       if (row != std::to_string(operator_rows_ + 1))
         lines_.fail(formatted("expected the record BIOMT{} of an operator, found BIOMT{}",
@@ -388,11 +404,10 @@ class PdbRecords {
     } else {
       require_whole_operator();
     }
-    return write(line);
   }
 
   PdbLines lines_, all_lines_;
-  bool with_assemblies_;
+  bool needs_assemblies_;
   std::span<char> record_;  // gemmi's buffer
   bool has_atoms_ = false, is_in_model_ = false, has_pending_model_ = false;
   int operator_rows_ = 0;  // number of rows of an unfinished operator
@@ -406,9 +421,9 @@ class PdbRecords {
 
 }  // namespace
 
-gemmi::Structure parse_pdb_text(std::string_view text, std::string_view name, bool with_assemblies,
+gemmi::Structure parse_pdb_text(std::string_view text, std::string_view name, bool needs_assemblies,
                                 Checker& checker) {
-  PdbRecords records(PdbLines(text, name, checker), with_assemblies);
+  PdbRecords records(PdbLines(text, name, checker), needs_assemblies);
   try {
     gemmi::Structure structure =
         gemmi::pdb_impl::read_pdb_from_stream(records, std::string(name), gemmi::PdbReadOptions());

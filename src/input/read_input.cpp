@@ -22,6 +22,7 @@
 #include "input/atom_reader.hpp"
 #include "input/other_formats.hpp"
 #include "input/parse_structure.hpp"
+#include "input/pdb_elements.hpp"
 #include "input/radii_set.hpp"
 #include "input/text_encoding.hpp"
 #include "input/text_fields.hpp"
@@ -148,6 +149,26 @@ void require_format(std::string_view text, std::string_view name, AtomFormat for
   throw Error(formatted("{}: {}; left out: {}", name, cause, fmt::join(reasons, ", ")));
 }
 
+/// Returns the diagnostic of residues with a single atom, if these are most residues of the
+/// polymers.
+std::vector<Diagnostic> find_one_atom_residues(const SelectedStructure& structure) {
+  std::vector<std::uint64_t> sizes(structure.residues.size());
+  for (const StructureAtom& atom : structure.atoms) ++sizes[atom.residue];
+  std::uint64_t count = 0;
+  std::vector<bool> has_one_atom(sizes.size());
+  for (std::size_t i = 0; i < sizes.size(); ++i) {
+    if (sizes[i] == 0 || !is_polymer_residue(structure.residues[i].name)) continue;
+    ++count;
+    has_one_atom[i] = sizes[i] == 1;
+  }
+  Diagnostic diagnostic{DiagnosticKind::one_atom_residue, 0, {}};
+  for (AtomIndex i = 0; i < structure.atoms.size(); ++i)
+    if (has_one_atom[structure.atoms[i].residue] && ++diagnostic.count <= Diagnostic::max_examples)
+      diagnostic.examples.push_back({i, i});
+  if (2 * diagnostic.count <= count) return {};
+  return {std::move(diagnostic)};
+}
+
 void call_check(const ReadOptions& options) {
   if (options.check) options.check();
 }
@@ -155,7 +176,7 @@ void call_check(const ReadOptions& options) {
 AtomFile parse(StructureText file, const ReadOptions& options, const ReadingLimit& limit,
                const std::function<void(AtomFile& atoms)>& after_part) {
   const std::string_view name = file.name;
-  refuse_utf16(file.text, name);
+  refuse_wide_characters(file.text, name);
   file.text = without_byte_order_mark(file.text);
   require_format(file.text, name, file.format);
   refuse_other_formats(file.text, name);
@@ -174,11 +195,14 @@ AtomFile parse(StructureText file, const ReadOptions& options, const ReadingLimi
   const bool keeps_labels = options.with_labels && !after_part;
   limit.require(structure.atoms.size() *
                 (sizeof(Atom) + sizeof(std::uint64_t) + (keeps_labels ? sizeof(AtomLabel) : 0)));
-  return assign_radii(std::move(structure), radii, choices.unknown_radius, options.with_labels,
-                      name, [&](AtomFile& atoms) {
-                        call_check(options);
-                        if (after_part) after_part(atoms);
-                      });
+  std::vector<Diagnostic> diagnostics = find_one_atom_residues(structure);
+  AtomFile result = assign_radii(std::move(structure), radii, choices.unknown_radius,
+                                 options.with_labels, name, [&](AtomFile& atoms) {
+                                   call_check(options);
+                                   if (after_part) after_part(atoms);
+                                 });
+  result.diagnostics = std::move(diagnostics);
+  return result;
 }
 
 AtomFile read_structure(int descriptor, const std::filesystem::path& path, const std::string& name,

@@ -99,11 +99,15 @@ std::string chains_text(const std::set<std::string>& chains) {
                    has_nameless ? "; other atoms have no chain name" : "");
 }
 
+std::set<std::string> chain_names(const gemmi::Model& model) {
+  std::set<std::string> names;
+  for (const gemmi::Chain& chain : model.chains) names.insert(chain.name);
+  return names;
+}
+
 std::uint64_t keep_chains(gemmi::Model& model, const std::vector<std::string>& names,
-                          std::string_view file) {
+                          const std::set<std::string>& known, std::string_view file) {
   if (names.empty()) return 0;
-  std::set<std::string> known;
-  for (const gemmi::Chain& chain : model.chains) known.insert(chain.name);
   for (const std::string& name : names)
     if (!known.contains(name))
       throw Error(formatted("{}: there is no chain {} (--chains); {}", file, detail::quoted(name),
@@ -141,13 +145,29 @@ void correct_entity_types(gemmi::Model& model, gemmi::CoorFormat format) {
   }
 }
 
+/// Throws Error if a selection is a word and not the name of a chain. gemmi takes words, such as
+/// the keywords of other programs, for names of chains.
+void refuse_words(const gemmi::Selection& selection, const std::string& text,
+                  const std::set<std::string>& known, std::string_view file) {
+  if (text != selection.chain_ids.list ||
+      std::any_of(known.begin(), known.end(),
+                  [&](const std::string& chain) { return selection.chain_ids.has(chain); }))
+    return;
+  throw Error(
+      formatted("{}: --select: invalid selection syntax, expected the name of a chain or a "
+                "selection such as //A/10-20, found {}; {}",
+                file, detail::quoted(text), chains_text(known)));
+}
+
 std::uint64_t keep_selected(gemmi::Structure& structure, gemmi::Model& model,
-                            const std::string& text, std::string_view file) {
+                            const std::string& text, const std::set<std::string>& chains,
+                            std::string_view file) {
   if (text.empty()) return 0;
   const gemmi::Selection selection = parse_selection(text);
   if (!selection.matches(model))
     throw Error(formatted("{}: --select names model {}, but model {} is read; use --model {}", file,
                           selection.mdl, printable(model.name), selection.mdl));
+  refuse_words(selection, text, chains, file);
   if (!selection.entity_types.all) correct_entity_types(model, structure.input_format);
   std::uint64_t count =
       drop(model.chains, [&](const gemmi::Chain& chain) { return !selection.matches(chain); });
@@ -319,8 +339,9 @@ gemmi::Model& select_atoms(gemmi::Structure& structure, const StructureOptions& 
   gemmi::Model& model = find_model(structure, options.model, file);
   report.model = model.name;
   report.models = structure.models.size();
-  report.dropped_chains = keep_chains(model, options.chains, file);
-  report.dropped_selection = keep_selected(structure, model, options.select, file);
+  const std::set<std::string> chains = chain_names(model);
+  report.dropped_chains = keep_chains(model, options.chains, chains, file);
+  report.dropped_selection = keep_selected(structure, model, options.select, chains, file);
   if (!options.with_waters) report.dropped_waters = drop_residues(model, is_water);
   if (!options.with_hetatm)
     report.dropped_hetatm = drop_residues(model, [](const gemmi::Residue& residue) {

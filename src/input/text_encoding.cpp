@@ -5,9 +5,16 @@
 
 namespace eses::detail {
 
-void refuse_utf16(std::string_view text, std::string_view name) {
-  if (text.starts_with("\xff\xfe") || text.starts_with("\xfe\xff"))
-    throw Error(formatted("{}:1: UTF-16 text; convert the file to UTF-8 first", name));
+void refuse_wide_characters(std::string_view text, std::string_view name) {
+  constexpr std::string_view little_32("\xff\xfe\0\0", 4), big_32("\0\0\xfe\xff", 4);
+  std::string_view encoding;
+  // The mark of UTF-32 begins with that of UTF-16.
+  if (text.starts_with(little_32) || text.starts_with(big_32))
+    encoding = "UTF-32";
+  else if (text.starts_with("\xff\xfe") || text.starts_with("\xfe\xff"))
+    encoding = "UTF-16";
+  if (!encoding.empty())
+    throw Error(formatted("{}:1: {} text; convert the file to UTF-8 first", name, encoding));
 }
 
 std::string_view without_byte_order_mark(std::string_view text) {

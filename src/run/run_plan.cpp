@@ -273,6 +273,7 @@ LabelTotals take_file(const InputFile& file, const RunTask& task, const Processe
                  processes);
   run.structure = std::move(share.structure);
   AtomNames names = std::exchange(share.names, {});
+  const FileDiagnostics of_names = std::exchange(share.diagnostics, {});
   processes.all_or_throw([&] { require_memory_for(share.total, file, limit, processes); });
   run.atoms = share.total;
   run.read = share.range();
@@ -285,6 +286,7 @@ LabelTotals take_file(const InputFile& file, const RunTask& task, const Processe
                                   threads_of(task, machine, processes), processes);
   run.slab = std::move(part.slab);
   run.diagnostics = std::move(part.diagnostics);
+  run.diagnostics.add(of_names);
   name_examples(std::exchange(names, {}), run.diagnostics);
   release_free_memory();
   return labels;

@@ -221,45 +221,18 @@ SlabWithLines exchange_atoms(const AtomShare& share, const Plan& plan, const Out
   return received;
 }
 
-// An example of a diagnostic, as processes exchange it.
-struct FileExample {
-  DiagnosticKind kind{};
-  AtomIndex atom = 0, other = 0;
-  std::uint64_t line = 0, other_line = 0;
-};
-
 FileDiagnostics gather_diagnostics(const SlabWithLines& part, std::uint64_t atoms,
                                    const Processes& processes) {
-  const auto& [slab, lines] = part;
-  std::vector<FileExample> own;
-  std::array<std::uint64_t, diagnostic_kinds> counts{};
-  for (const Diagnostic& diagnostic : slab.molecule.diagnostics()) {
-    counts[static_cast<std::size_t>(diagnostic.kind)] = diagnostic.count;
-    for (const auto& [atom, other] : diagnostic.examples)
-      own.push_back({diagnostic.kind, slab.number_of(atom), slab.number_of(other), lines[atom],
-                     lines[other]});
-  }
-  processes.add(counts);
+  FileDiagnostics all = gather_diagnostics(
+      part.slab.molecule.diagnostics(),
+      [&part](AtomIndex atom) {
+        return FileAtom{part.slab.number_of(atom), part.lines[atom]};
+      },
+      processes);
   // The diagnostic applies only if all radii of the molecule are small.
-  std::uint64_t& small = counts[static_cast<std::size_t>(DiagnosticKind::small_radii)];
-  if (small < atoms) small = 0;
-  std::vector<FileExample> examples = processes.gather<FileExample>(own);
-  std::sort(examples.begin(), examples.end(), [](const FileExample& a, const FileExample& b) {
-    return std::pair(a.kind, a.atom) < std::pair(b.kind, b.atom);
+  std::erase_if(all.diagnostics, [atoms](const Diagnostic& diagnostic) {
+    return diagnostic.kind == DiagnosticKind::small_radii && diagnostic.count < atoms;
   });
-  FileDiagnostics all;
-  for (std::size_t kind = 0; kind < counts.size(); ++kind)
-    if (counts[kind] > 0)
-      all.diagnostics.push_back({static_cast<DiagnosticKind>(kind), counts[kind], {}});
-  for (Diagnostic& diagnostic : all.diagnostics) {
-    for (const FileExample& example : examples) {
-      if (example.kind != diagnostic.kind) continue;
-      if (diagnostic.examples.size() == Diagnostic::max_examples) break;
-      diagnostic.examples.push_back({example.atom, example.other});
-      all.lines[example.atom] = example.line;
-      all.lines[example.other] = example.other_line;
-    }
-  }
   return all;
 }
 

@@ -3,11 +3,11 @@
 /// planes, and all slabs take about the same time.
 
 #include <cstdint>
-#include <map>
 #include <span>
 #include <vector>
 
 #include "distributed/atom_share.hpp"
+#include "distributed/file_diagnostics.hpp"
 #include "distributed/processes.hpp"
 #include "geometry/box.hpp"
 #include "grid/plane_range.hpp"
@@ -32,14 +32,6 @@ struct Slab {
 
   /// Returns the index in the file of an atom of the molecule.
   AtomIndex number_of(AtomIndex atom) const { return numbers.empty() ? atom : numbers[atom]; }
-};
-
-/// The diagnostics of the whole molecule, with the indices of atoms in the file.
-struct FileDiagnostics {
-  std::vector<Diagnostic> diagnostics;
-  std::map<AtomIndex, std::uint64_t> lines;  ///< line of each atom that is an example, 1-based
-  /// Labels of these atoms; only in the first process, and only of a PDB or mmCIF file.
-  std::map<AtomIndex, AtomLabel> labels;
 };
 
 /// The slab of this process, and the diagnostics of the whole molecule.

@@ -340,9 +340,26 @@ class Failure(Processes):
 
     def test_usage_errors_are_printed_once(self):
         self.assertEnded(self.run_together(2, SMALL, "--spacing", "x"), "--spacing", code=2)
-        self.assertEnded(self.run_together(2, SMALL, "--write", "residues"), "need a PQR, PDB or mmCIF file")
+        self.assertEnded(self.run_together(2, SMALL, "--write", "residues"),
+                         "--write residues needs a PQR, PDB or mmCIF file", code=2)
         self.assertEnded(self.run_together(2, SMALL, "--mesh", "x.ply", "--color", "chain"),
                          "--color chain needs a PQR, PDB or mmCIF file", code=2)
+
+    def test_names_give_the_diagnostics_of_one_process(self):
+        water = self.folder / "wet.pqr"
+        water.write_text("".join(f"ATOM {i} O {'HOH' if i % 3 else 'ALA'} {i} {9 * i} 0 0 -0.8 1.6\n"
+                                 for i in range(40)))
+        trace = self.folder / "trace.pdb"
+        write_pdb(trace)
+        trace.write_text("".join(line for line in trace.read_text().splitlines(keepends=True)
+                                 if " CA " in line))
+        for path, kind in ((water, "water"), (trace, "one_atom_residue")):
+            alone = json.loads(self.run_alone(path, "--json", "--write", "none").stdout)
+            self.assertIn(kind, [one["kind"] for one in alone["diagnostics"]])
+            for count in (2, 3):
+                together = self.run_together(count, path, "--json", "--write", "none")
+                self.assertDone(together)
+                self.assertEqual(json.loads(together.stdout)["diagnostics"], alone["diagnostics"])
 
     def test_strict_refuses_warnings(self):
         path = self.folder / "suspicious.xyzr"

@@ -356,6 +356,34 @@ exit 1
         # Atoms with different numbers of decimals are equal.
         self.apbs(self.add("whole.pqr", ION + OTHER.replace("8.000", "8.00000")), ion, other)
 
+    def test_a_complex_is_not_its_own_part(self):
+        link = self.folder / "link.pqr"
+        link.symlink_to(self.ion)
+        hard = self.folder / "hard.pqr"
+        os.link(self.ion, hard)
+        for part in (self.ion, link, hard, self.temporary / ".." / self.ion.name):
+            said = self.apbs(self.ion, part, code=1).stderr
+            self.assertIn(f"{part} is the same file as the complex, {self.ion}", said)
+        # A copy is another file.
+        self.apbs(self.ion, self.add("copy.pqr", ION))
+
+    def test_pdb_files_are_refused_by_name(self):
+        """The columns of a PDB file may run together, be blank or hold names, such as those of
+        elements and segments."""
+        start = "ATOM      1  N   ALA A   1       1.000   2.000   3.000"
+        for name, rest in (("joined", "  1.00100.00           N"), ("short", ""),
+                           ("usual", "  1.00 20.00           N  "), ("blank", " " * 20 + "  N "),
+                           ("segment", "  1.00 20.00      PROA"), ("zero", "  0.00  0.00"),
+                           ("charge", "  0.50 20.00           N1+")):
+            with self.subTest(name=name):
+                path = self.add(f"{name}.pdb", "HEADER    PROTEIN\n" + f"{start}{rest}\n" * 3)
+                said = self.apbs(path, code=1).stderr
+                self.assertIn(f"{path}: this is a PDB file", said)
+                self.assertIn("make a PQR file of it with pdb2pqr", said)
+        # A damaged PQR file is no PDB file.
+        damaged = self.add("damaged.pqr", f"{start}  0.1000 1.5000\n" * 3 + f"{start}  0.1O00 1.5\n")
+        self.assertIn("damaged.pqr:4: expected a number", self.apbs(damaged, code=1).stderr)
+
     def test_unusable_files_and_folders_are_refused(self):
         self.assertIn("missing.pqr", self.apbs(self.folder / "missing.pqr", code=1).stderr)
         self.assertIn("no atoms", self.apbs(DATA / "c60.xyzr", code=1).stderr)
