@@ -328,6 +328,7 @@ Estimate estimate(const Surface& surface, const Grid& grid, const Outputs& outpu
           .edges_bytes = plan.edge_file_bytes,
           .areas_bytes = plan.area_file_bytes,
           .residues_bytes = plan.residue_file_bytes,
+          .atoms_bytes = plan.atom_file_bytes,
           .map_bytes = plan.map_file_bytes,
           .mesh_bytes = plan.mesh_file_bytes,
           .scratch_bytes = plan.map_scratch_bytes + plan.mesh_scratch_bytes};

@@ -89,6 +89,7 @@ std::string files_text(const Plan& plan, const Outputs& outputs) {
   add(plan.edge_file_bytes, "about", formatted("intersection_info.txt{}", suffix));
   add(plan.area_file_bytes, bound, formatted("partition_area.txt{}", suffix));
   add(plan.residue_file_bytes, "about", "residue_area.csv and chain_area.csv");
+  add(plan.atom_file_bytes, "about", "atoms.csv");
   std::vector<std::string> maps;
   for (const MapChoice& map : chosen_maps(outputs)) maps.push_back(map.name);
   add(plan.map_file_bytes, plan.gzip_map_bytes > 0 ? "about" : "exactly",
@@ -228,6 +229,7 @@ json::Value plan_json(const Plan& plan, const DiskSpace& disk) {
       {"area_file_bytes", plan.area_file_bytes},
       {"mesh_file_bytes", plan.mesh_file_bytes},
       {"residue_file_bytes", plan.residue_file_bytes},
+      {"atom_file_bytes", plan.atom_file_bytes},
       {"map_file_bytes", plan.map_file_bytes},
       {"scratch_bytes", plan.map_scratch_bytes + plan.mesh_scratch_bytes + plan.text_scratch_bytes},
       {"disk_bytes", disk_json(disk, 0)},

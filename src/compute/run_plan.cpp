@@ -124,7 +124,8 @@ LabelTotals take_labels(ResidueRuns residues, const Outputs& outputs, const Proc
     run.groups = std::move(numbered.names);
     groups = std::move(numbered.of_atom);
   }
-  const LabelTotals totals = total_labels(residues.labels);
+  LabelTotals totals = total_labels(residues.labels);
+  totals.atom_text_bytes = run.names.text_bytes();
   if (outputs.residues) run.residues = std::move(residues);
   return totals;
 }
@@ -135,7 +136,8 @@ LabelTotals labels_held(LabelTotals totals, const RunPlan& run, const Outputs& o
     totals.labels = 0;
     totals.heap_bytes = 0;
   }
-  for (const auto* const names : {&run.groups.chains, &run.groups.residues}) {
+  for (const auto* const names :
+       {&run.groups.chains, &run.groups.residues, &run.names.residues()}) {
     totals.labels += names->size();
     totals.heap_bytes += total_labels(*names).heap_bytes;
   }
@@ -146,14 +148,15 @@ LabelTotals labels_held(LabelTotals totals, const RunPlan& run, const Outputs& o
 
 // Returns the sums over all processes, without the labels and bytes in memory.
 LabelTotals sum_labels(const LabelTotals& own, const Processes& processes) {
-  std::array<std::uint64_t, 4> sums{own.residue_runs, own.chain_runs, own.residue_text_bytes,
-                                    own.chain_text_bytes};
+  std::array<std::uint64_t, 5> sums{own.residue_runs, own.chain_runs, own.residue_text_bytes,
+                                    own.chain_text_bytes, own.atom_text_bytes};
   processes.add(sums);
   LabelTotals all;
   all.residue_runs = sums[0];
   all.chain_runs = sums[1];
   all.residue_text_bytes = sums[2];
   all.chain_text_bytes = sums[3];
+  all.atom_text_bytes = sums[4];
   return all;
 }
 
@@ -183,7 +186,14 @@ void open_checkpoint(const RunTask& task, const AtomShare& share, const Processe
   run.done = processes.gather<PlaneRange>(done);
 }
 
-// Adds the labels of the examples to the diagnostics if the names of the atoms are known.
+std::vector<double> radii_of(std::span<const Atom> atoms) {
+  std::vector<double> radii;
+  radii.reserve(atoms.size());
+  for (const Atom& atom : atoms) radii.push_back(atom.radius);
+  return radii;
+}
+
+// Adds the labels of the examples to the diagnostics if this process knows the names of the atoms.
 void name_examples(const AtomNames& names, FileDiagnostics& diagnostics) {
   if (names.is_empty()) return;
   for (const auto& [atom, line] : diagnostics.lines) diagnostics.labels[atom] = names.label(atom);
@@ -206,10 +216,11 @@ double plan_slab(const RunTask& task, const LabelTotals& labels, const Processes
   processes.all_or_throw([&] {
     if (run.slab.planes.is_empty()) return;
     const auto sharing = static_cast<std::uint64_t>(machine.processes);
-    crossings = plan_schedule({.available = available_memory() / sharing,
-                               .held = processes.own_memory(),
-                               .labels = labels},
-                              run.slab.molecule, task.outputs, run.own);
+    crossings = plan_schedule(
+        {.available = available_memory() / sharing,
+         .held = processes.own_memory() + run.names.bytes() + run.radii.size() * sizeof(double),
+         .labels = labels},
+        run.slab.molecule, task.outputs, run.own);
     require_memory_held(task);
   });
   return crossings;
@@ -250,15 +261,16 @@ RunPlan plan_run(const RunTask& task, const Processes& processes) {
   const Outputs& outputs = task.outputs;
   RunPlan run;
   const bool has_names = is_structure(format_of(task.input, task.format));
-  AtomShare share =
-      read_share(task.input,
-                 {.format = task.format,
-                  .with_labels = has_names || outputs.residues || names_groups(outputs),
-                  .max_memory = task.parameters.max_memory,
-                  .structure = task.structure},
-                 processes);
+  AtomShare share = read_share(
+      task.input,
+      {.format = task.format,
+       .with_labels = has_names || outputs.residues || outputs.atoms || names_groups(outputs),
+       .max_memory = task.parameters.max_memory,
+       .structure = task.structure},
+      outputs.atoms, processes);
   run.structure = std::move(share.structure);
-  AtomNames names = std::exchange(share.names, {});
+  run.names = std::exchange(share.names, {});
+  if (outputs.atoms && processes.count() > 1) run.radii = radii_of(share.atoms);
   processes.all_or_throw([&] { require_memory_for(share.total, task, processes); });
   run.atoms = share.total;
   run.read = share.range();
@@ -273,7 +285,8 @@ RunPlan plan_run(const RunTask& task, const Processes& processes) {
                                   threads_of(task, machine, processes), processes);
   run.slab = std::move(part.slab);
   run.diagnostics = std::move(part.diagnostics);
-  name_examples(std::exchange(names, {}), run.diagnostics);
+  if (has_names) name_examples(run.names, run.diagnostics);
+  if (!outputs.atoms) run.names = {};
   release_free_memory();
 
   std::array crossings{plan_slab(task, labels_held(labels, run, outputs), machine, processes, run)};

@@ -14,6 +14,7 @@
 #include "distributed/processes.hpp"
 #include "distributed/slabs.hpp"
 #include "eses/read_atoms.hpp"
+#include "io/atom_names.hpp"
 #include "solve/block_solver.hpp"
 #include "sweep/pipeline.hpp"
 #include "task/task.hpp"
@@ -50,6 +51,11 @@ struct RunPlan {
   AtomRange read;           ///< atoms that this process has read
   ResidueRuns residues;     ///< residues of the atoms in `read`, if tables of residues are written
   GroupNames groups;        ///< groups whose first atom is in `read`, if the mesh names them
+  /// Names of the atoms in `read`, if atoms.csv is written and the file has names. A molecule in
+  /// memory has labels instead.
+  AtomNames names;
+  /// Radii of the atoms in `read` (angstrom), if several processes write atoms.csv.
+  std::vector<double> radii;
   /// The report of reading a PDB or mmCIF file; only in the first process.
   std::optional<StructureReport> structure;
   /// Checkpoint of a run that can be resumed, else null. The first process locks it.

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "eses/error.hpp"
+#include "io/area_table_writer.hpp"
 #include "io/eses_writer.hpp"
 #include "io/gzip.hpp"
 #include "mesh/mesh_writer.hpp"
@@ -280,6 +281,7 @@ void plan_files(const FileContents& contents, const Outputs& outputs, Plan& plan
     plan.residue_file_bytes = table_header_bytes +
                               table_line_bytes * (labels.residue_runs + labels.chain_runs) +
                               labels.residue_text_bytes + labels.chain_text_bytes;
+  if (outputs.atoms) plan.atom_file_bytes = typical_atom_table_bytes(atoms, labels.atom_text_bytes);
   expect_maps(outputs, crossings, plan);
 }
 

@@ -45,8 +45,9 @@ void require_valid(const Outputs& outputs, const Molecule& molecule);
 
 /// The memory of a process for its part of a run.
 struct MemoryBudget {
-  std::uint64_t available = 0;   ///< free memory in bytes
-  std::uint64_t held = 0;        ///< memory for communication with other MPI ranks, in bytes
+  std::uint64_t available = 0;  ///< free memory in bytes
+  /// Memory for communication with other MPI ranks and for names of atoms, in bytes.
+  std::uint64_t held = 0;
   LabelTotals labels;            ///< labels in the memory of the process
   double held_per_crossing = 0;  ///< memory that the caller needs for each crossing, in bytes
 };

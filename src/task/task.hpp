@@ -60,6 +60,7 @@ struct Plan {
   std::uint64_t edge_file_bytes = 0;     ///< estimate
   std::uint64_t area_file_bytes = 0;     ///< upper bound
   std::uint64_t residue_file_bytes = 0;  ///< estimate
+  std::uint64_t atom_file_bytes = 0;     ///< estimate
   std::uint64_t map_file_bytes = 0;      ///< exact, except for compressed maps
   std::uint64_t mesh_file_bytes = 0;     ///< estimate
   std::uint64_t map_scratch_bytes = 0;   ///< additional bytes on the disk for maps during the run
@@ -74,7 +75,7 @@ struct Plan {
   /// Total size of the output files in bytes.
   std::uint64_t output_bytes() const {
     return box_file_bytes + grid_file_bytes + edge_file_bytes + area_file_bytes +
-           residue_file_bytes + map_file_bytes + mesh_file_bytes;
+           residue_file_bytes + atom_file_bytes + map_file_bytes + mesh_file_bytes;
   }
 };
 
