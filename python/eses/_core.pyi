@@ -6,6 +6,7 @@ from typing import Callable, Iterator, Literal, Optional, Sequence, Tuple, Type,
 
 import numpy as np
 import numpy.typing as npt
+from pandas import DataFrame  # type: ignore
 
 _Bools = npt.NDArray[np.bool_]
 _Bytes = npt.NDArray[np.uint8]
@@ -39,6 +40,11 @@ class Atoms:
     def lines(self) -> npt.NDArray[np.uint64]: ...
     @property
     def labels(self) -> Optional[Labels]: ...
+    @property
+    def element(self) -> _Strings: ...
+    @property
+    def charge(self) -> Optional[_Doubles]: ...
+    def to_dataframe(self) -> DataFrame: ...
 
 def read_atoms(
     path: Union[str, os.PathLike[str]],
@@ -133,6 +139,7 @@ class Result:
         self, solute: float = 2.0, solvent: float = 78.54
     ) -> Tuple[_Doubles, _Doubles, _Doubles]: ...
     def kappa(self, ion_radius: float = 2.0) -> _Bools: ...
+    def atom_table(self, atoms: Optional[Atoms] = None) -> DataFrame: ...
 
 class Block:
     @property

@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "arrays.hpp"
+#include "atom_frames.hpp"
 #include "background.hpp"
 #include "read_file.hpp"
 
@@ -132,12 +133,18 @@ struct Labels {
 };
 
 py::object names(const Labels& labels, std::string AtomLabel::*name) {
-  py::list values;
-  for (const AtomLabel& label : labels.file->labels) values.append(py::str(label.*name));
-  return py::module_::import("numpy").attr("array")(values, py::arg("dtype") = "U");
+  return texts_of(*labels.file, labels.file->labels.size(), name);
 }
 
 }  // namespace
+
+py::object texts_of(const AtomFile& file, std::size_t count, std::string AtomLabel::*member) {
+  const py::module_ numpy = py::module_::import("numpy");
+  if (file.labels.empty()) return numpy.attr("zeros")(count, py::arg("dtype") = "U1");
+  py::list values;
+  for (const AtomLabel& label : file.labels) values.append(py::str(label.*member));
+  return numpy.attr("array")(values, py::arg("dtype") = "U");
+}
 
 void bind_atoms(py::module_& module) {
   py::class_<Labels> labels(module, "Labels", labels_text);
@@ -189,7 +196,23 @@ void bind_atoms(py::module_& module) {
             if (self->labels.empty()) return py::none();
             return py::cast(Labels{self});
           },
-          "Labels or None: names of the atoms; None if the file has none.");
+          "Labels or None: names of the atoms; None if the file has none.")
+      .def_property_readonly(
+          "element",
+          [](const AtomFile& self) {
+            return texts_of(self, self.atoms.size(), &AtomLabel::element);
+          },
+          "(N,) str: element symbols, such as Cl; empty if unknown, as in xyzr files.")
+      .def_property_readonly(
+          "charge",
+          [](const py::object& self) -> py::object {
+            const auto& charges = self.cast<const AtomFile&>().charges;
+            if (charges.empty()) return py::none();
+            return field_view(charges.data(), charges.size(), sizeof(double), self);
+          },
+          "(N,) float64 or None: charges of a PQR file, in elementary charges; None for other "
+          "formats.");
+  bind_atoms_frame(atoms);
 
   module.def("read_atoms", &read, read_atoms_text, py::arg("path"), py::kw_only(),
              py::arg("format") = "auto", py::arg("radii") = "protor",

@@ -6,6 +6,7 @@
 #include <string>
 
 #include "arrays.hpp"
+#include "atom_frames.hpp"
 #include "computed_result.hpp"
 #include "crossings.hpp"
 #include "interrupts.hpp"
@@ -165,6 +166,7 @@ void bind_result(py::module_& module) {
       .def("mesh", &mesh_of, mesh_text)
       .def("__repr__", &text_of);
   bind_solver_maps(type);
+  bind_atom_table(type);
 }
 
 }  // namespace eses::python
