@@ -680,8 +680,10 @@ TEST_CASE("PDB: elements are those of the file, or follow from the names", "[rea
       "HETATM    2 BR   LIG A   1       5.000   2.000   3.000  1.00  0.00\n"
       "HETATM    3  C1  LIG A   1       9.000   2.000   3.000  1.00  0.00           C\n"
       "HETATM    4  X   LIG A   1       9.000   9.000   3.000  1.00  0.00           X\n";
-  const eses::AtomFile read =
-      eses::parse_atoms(text, AtomFormat::pdb, "t.pdb", {.radii = "bondi", .unknown_radius = 1});
+  eses::StructureOptions options;
+  options.radii = "bondi";
+  options.unknown_radius = 1;
+  const eses::AtomFile read = eses::parse_atoms(text, AtomFormat::pdb, "t.pdb", options);
   REQUIRE(read.labels.size() == 4);
   CHECK(read.labels[0].element == "Cl");
   CHECK(read.labels[1].element == "Br");
