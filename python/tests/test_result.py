@@ -344,7 +344,7 @@ def test_table_of_atoms_has_the_rows_of_the_file(tmp_path, run_program):
 
 def test_missing_pandas_is_an_import_error(monkeypatch, ubiquitin, ubiquitin_surface):
     monkeypatch.setitem(sys.modules, "pandas", None)
-    result = ubiquitin_surface.compute(ubiquitin_surface.grid(2.0))
+    result = ubiquitin_surface.compute(ubiquitin_surface.grid(2.0, 2.0))
     with pytest.raises(ImportError, match="atom_table needs pandas; install it"):
         result.atom_table()
     with pytest.raises(ImportError, match="to_dataframe needs pandas; install it"):
