@@ -358,8 +358,8 @@ TEST_CASE("api: outputs are checked", "[api]") {
   const Outputs table{.box = false, .grid = false, .edges = false, .areas = false, .atoms = true};
   CHECK(estimate(surface, grid, table).atoms_bytes > 0);
   CHECK(estimate(surface, grid, table).file_bytes() == estimate(surface, grid, table).atoms_bytes);
-  CHECK(write_files(surface, grid, directory.path(), table).bytes_written ==
-        fs::file_size(directory.path() / "atoms.csv"));
+  const Summary written = write_files(surface, grid, directory.path(), table);
+  CHECK(written.bytes_written == fs::file_size(directory.path() / "atoms.csv"));
 }
 
 TEST_CASE("api: a result has only the chosen parts", "[api]") {
