@@ -23,6 +23,7 @@ ParsedAtoms read(std::string_view text) {
   const bool is_named = format == AtomFormat::pqr;
   expect(atoms.file.labels.size() == (is_named ? atoms.file.atoms.size() : 0),
          "atoms and their names");
+  expect(atoms.file.charges.size() == atoms.file.labels.size(), "atoms and their charges");
   return atoms;
 }
 

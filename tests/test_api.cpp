@@ -354,6 +354,12 @@ TEST_CASE("api: outputs are checked", "[api]") {
   const eses::Surface named({{{0, 0, 0}, 1.5}}, {AtomLabel{"A", "GLY", "1", "CA"}}, {});
   CHECK(write_files(named, grid, directory.path(), {.residues = true}).bytes_written > 0);
   CHECK(fs::exists(directory.path() / "residue_area.csv"));
+  // Atoms without labels have a table, too.
+  const Outputs table{.box = false, .grid = false, .edges = false, .areas = false, .atoms = true};
+  CHECK(estimate(surface, grid, table).atoms_bytes > 0);
+  CHECK(estimate(surface, grid, table).file_bytes() == estimate(surface, grid, table).atoms_bytes);
+  const Summary written = write_files(surface, grid, directory.path(), table);
+  CHECK(written.bytes_written == fs::file_size(directory.path() / "atoms.csv"));
 }
 
 TEST_CASE("api: a result has only the chosen parts", "[api]") {
@@ -431,6 +437,7 @@ TEST_CASE("api: estimates bound or approximate the size of files", "[api]") {
   CHECK(expected.threads == 1);
   CHECK(expected.memory_bytes > 0);
   CHECK(expected.residues_bytes == 0);
+  CHECK(expected.atoms_bytes == 0);
   CHECK(expected.mesh_bytes == 0);
 }
 

@@ -97,6 +97,7 @@ TEST_CASE("help names every option with unit and default, examples and exit code
                                  "--region X0,Y0,Z0,X1,Y1,Z1",
                                  "--blocks I0:I1,J0:J1,K0:K1",
                                  "residue_area.csv",
+                                 "atoms.csv",
                                  "--max-memory BYTES",
                                  "powers of 1024",
                                  "--dry-run",
@@ -199,11 +200,11 @@ TEST_CASE("usage errors name option, value and expectation, and write nothing", 
       {{"atom.xyzr", "--format", "gro"},
        "--format is 'gro', expected auto, xyzr, pqr, pdb or mmcif"},
       {{"atom.xyzr", "--write", "faces"},
-       "--write is 'faces', expected some of grid,edges,areas,residues, or all, or none"},
+       "--write is 'faces', expected some of grid,edges,areas,residues,atoms, or all, or none"},
       {{"atom.xyzr", "--write", "grid,none"},
-       "--write is 'grid,none', expected some of grid,edges,areas,residues, or all, or none"},
+       "--write is 'grid,none', expected some of grid,edges,areas,residues,atoms, or all, or none"},
       {{"atom.xyzr", "--write", ""},
-       "--write is '', expected some of grid,edges,areas,residues, or all, or none"},
+       "--write is '', expected some of grid,edges,areas,residues,atoms, or all, or none"},
       {{"atom.xyzr", "--inside", "map.txt"}, "--inside is 'map.txt'" + map_name},
       {{"atom.xyzr", "--inside", ".dx"}, "--inside is '.dx'" + map_name},
       {{"atom.xyzr", "--inside", "a/.vti"}, "--inside is 'a/.vti'" + map_name},
@@ -421,6 +422,39 @@ TEST_CASE("maps, compressed files and tables are written into the output directo
   CHECK_FALSE(fs::exists(sandbox.directory() / "e"));
 }
 
+TEST_CASE("a table of atoms is written for every format", "[cli]") {
+  const Sandbox sandbox;
+  const std::string header = "serial,name,residue,residue_number,chain,element,radius,area\n";
+  const auto table_of = [&](const std::string& file, const Arguments& more) {
+    Arguments arguments{file, "-o", "out", "--write", "atoms"};
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    const Outcome outcome = sandbox.run(arguments);
+    INFO(outcome.err);
+    REQUIRE(outcome.code == 0);
+    CHECK(contains(outcome.out, "to out (bounding_box.txt, atoms.csv)\n"));
+    return read_file(sandbox.directory() / "out" / "atoms.csv");
+  };
+  write_file(sandbox.directory() / "two.xyzr", "0 0 0 1.5\n9 0 0 2 CL1\n");
+  write_file(sandbox.directory() / "two.pqr",
+             "ATOM 7 CA ALA A 7 0 0 0 0 1.5\nHETATM 9 CL1 LIG B 1A 9 0 0 0 1.75\n");
+  // The water is left out.
+  write_file(sandbox.directory() / "two.pdb",
+             "ATOM      7  CA  ALA A   7       0.000   0.000   0.000  1.00  0.00           C\n"
+             "HETATM    8  O   HOH A   8       0.000   9.000   0.000  1.00  0.00           O\n"
+             "HETATM    9 CL1  LIG B   1A      9.000   0.000   0.000  1.00  0.00          CL\n");
+  const std::string xyzr = table_of("two.xyzr", {});
+  CHECK(contains(xyzr, header + "1,,,,,,1.5,"));
+  CHECK(contains(xyzr, "\n2,,,,,,2,"));
+  const std::string pqr = table_of("two.pqr", {});
+  CHECK(contains(pqr, header + "1,CA,ALA,7,A,C,1.5,"));
+  CHECK(contains(pqr, "\n2,CL1,LIG,1A,B,Cl,1.75,"));
+  const std::string pdb = table_of("two.pdb", {"--radii", "bondi"});
+  CHECK(contains(pdb, header + "1,CA,ALA,7,A,C,1.7,"));
+  CHECK(contains(pdb, "\n2,CL1,LIG,1A,B,Cl,1.75,"));
+  const Outcome plan = sandbox.run({"two.pqr", "--write", "atoms", "--dry-run"});
+  CHECK(contains(plan.out, "atoms.csv about "));
+}
+
 TEST_CASE("the report has the region, and an invalid region is refused", "[cli]") {
   const Sandbox sandbox;
   const Outcome text = sandbox.run({"pair.xyzr", "--region", "-1,-1,-1,2,1.05,0", "--dry-run"});
@@ -524,7 +558,8 @@ TEST_CASE("the JSON report has the values of the text report", "[cli]") {
   check("sorted(r['seconds'])",
         "['blocks', 'classify', 'intersect', 'output', 'patches', 'total', 'verify']");
   check("sorted(r['plan'])",
-        "['area_file_bytes', 'blocks_ahead', 'box_file_bytes', 'cut_depth', 'disk_bytes', "
+        "['area_file_bytes', 'atom_file_bytes', 'blocks_ahead', 'box_file_bytes', 'cut_depth', "
+        "'disk_bytes', "
         "'edge_file_bytes', 'grid_file_bytes', 'map_file_bytes', 'max_memory_bytes', "
         "'memory_bytes', 'mesh_disk_bytes', 'mesh_file_bytes', 'output_bytes', "
         "'residue_file_bytes', 'scratch_bytes']");
@@ -595,6 +630,7 @@ TEST_CASE("only regular files are replaced or removed", "[cli]") {
       {"partition_area.txt.gz", {}},       // the compressed form would be removed
       {"residue_area.csv", {"--write", "residues"}},
       {"chain_area.csv", {"--write", "residues"}},
+      {"atoms.csv", {"--write", "atoms"}},
       {"map.dx", {"--inside", "map.dx"}},
       {"map.vti", {"--inside", "map.vti", "--resume"}},
       {"grid_info.txt", {"--resume"}}};
@@ -732,8 +768,9 @@ TEST_CASE("planned memory bounds the memory of long residue names", "[cli]") {
                         9 * (i / 30 % 30), 9 * (i / 900));
   }
   write_file(sandbox.directory() / "names.pqr", text);
-  for (const Arguments& outputs : {Arguments{"--mesh", "a.ply"}, Arguments{"--write", "residues"},
-                                   Arguments{"--mesh", "a.ply", "--write", "residues"}}) {
+  for (const Arguments& outputs :
+       {Arguments{"--mesh", "a.ply"}, Arguments{"--write", "residues"},
+        Arguments{"--write", "atoms"}, Arguments{"--mesh", "a.ply", "--write", "residues,atoms"}}) {
     Arguments arguments{"names.pqr", "1.4", "2", "2", "-t", "1", "--json"};
     arguments.insert(arguments.end(), outputs.begin(), outputs.end());
     INFO(Sandbox::command(arguments));

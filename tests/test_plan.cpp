@@ -444,11 +444,12 @@ TEST_CASE("the plan knows the length of the tables and of the bounding box", "[p
     const int x = i % 7, y = i / 7 % 7, z = i / 49;
     atoms.push_back({{9.0 * x, 9.0 * y, 9.0 * z}, 1.5});
     labels.push_back({std::string(static_cast<std::size_t>(i / 100 + 1), 'A'),
-                      "RESIDUE_WITH_A_LONG_NAME", std::to_string(i / 2), "C"});
+                      "RESIDUE_WITH_A_LONG_NAME", std::to_string(i / 2), "C", "C"});
   }
   const Molecule molecule(atoms, labels);
   Outputs outputs;
   outputs.residues = true;
+  outputs.atoms = true;
   for (const bool gzip : {false, true}) {
     outputs.gzip = gzip;
     const TemporaryDirectory directory;
@@ -461,6 +462,7 @@ TEST_CASE("the plan knows the length of the tables and of the bounding box", "[p
           size(gzip ? "bounding_box.txt.gz" : "bounding_box.txt"));
     CHECK(static_cast<double>(plan.files.residues) ==
           Approx(size("residue_area.csv") + size("chain_area.csv")).epsilon(0.1));
+    CHECK(static_cast<double>(plan.atom_file_bytes) == Approx(size("atoms.csv")).epsilon(0.1));
   }
 }
 

@@ -11,6 +11,7 @@
 #include <cstdio>
 #include <cstdlib>
 #include <filesystem>
+#include <fstream>
 #include <random>
 #include <span>
 #include <stdexcept>
@@ -616,8 +617,89 @@ TEST_CASE("PQR: chain, residue and name of the atoms are read", "[read_atoms]") 
   }
 }
 
-TEST_CASE("xyzr: atoms have no names", "[read_atoms]") {
-  CHECK(eses::parse_atoms("1 2 3 4 0 N CYS 701 D\n", AtomFormat::xyzr, "t.xyzr").labels.empty());
+TEST_CASE("xyzr: atoms have neither names nor charges", "[read_atoms]") {
+  const eses::AtomFile read =
+      eses::parse_atoms("1 2 3 4 0 N CYS 701 D\n", AtomFormat::xyzr, "t.xyzr");
+  CHECK(read.labels.empty());
+  CHECK(read.charges.empty());
+}
+
+TEST_CASE("PQR: the charges of the atoms are read", "[read_atoms]") {
+  const std::string text =
+      "ATOM 1 N MET A 1 1 2 3 -0.3 1.5\n"
+      "HETATM 2 ZN ZN A 2 1 2 3 2 1.4\n"
+      "HETATM12345 HN11ALIG A1000      10.123-200.456-300.789-10.3000 1.8500\n"
+      "ATOM 4 O1 LIG A 3 9 2 3 1e-2 1.5 O1-\n";
+  CHECK(eses::parse_atoms(text, AtomFormat::pqr).charges ==
+        std::vector<double>{-0.3, 2, -10.3, 0.01});
+  const TemporaryDirectory directory;
+  const auto path = directory.path() / "four.pqr";
+  std::ofstream(path) << text;
+  CHECK(eses::read_atoms(path).charges == std::vector<double>{-0.3, 2, -10.3, 0.01});
+  CHECK(eses::read_atoms(path, {.with_labels = false}).charges.empty());
+}
+
+TEST_CASE("PQR: elements are those of the file, or follow from the names", "[read_atoms]") {
+  struct Case {
+    const char *name, *residue, *symbol, *element;
+  };
+  const std::vector<Case> cases{// the first letter would be wrong
+                                {"CL1", "LIG", "", "Cl"},
+                                {"BR2", "LIG", "", "Br"},
+                                {"CL", "CL", "", "Cl"},
+                                {"FE", "HEM", "", "Fe"},
+                                {"ZN", "ZN", "", "Zn"},
+                                {"CA", "CA", "", "Ca"},
+                                {"SOD", "SOD", "", "Na"},
+                                {"MG", "CLA", "", "Mg"},
+                                {"SE", "MSE", "", "Se"},
+                                {"Na+", "Na+", "", "Na"},
+                                // the second letter does not belong to the element
+                                {"CA", "ALA", "", "C"},
+                                {"CA", "LIG", "", "C"},
+                                {"CD1", "ILE", "", "C"},
+                                {"HG21", "ILE", "", "H"},
+                                {"1HB", "NALA", "", "H"},
+                                {"NA", "HEM", "", "N"},
+                                {"OW", "SOL", "", "O"},
+                                {"P", "RU5", "", "P"},
+                                {"K", "K", "", "K"},
+                                // symbols at the end of the record
+                                {"CA", "LIG", "CA", "Ca"},
+                                {"X1", "LIG", "ZN", "Zn"},
+                                {"O1", "LIG", "O1-", "O"},
+                                {"C1", "LIG", "XX", "C"},
+                                // dummy atoms
+                                {"EP1", "WAT", "", ""},
+                                {"X1", "XXX", "", ""}};
+  std::string text;
+  for (const Case& each : cases)
+    text += std::string("ATOM 1 ") + each.name + " " + each.residue + " A 7 1.0 2.0 3.0 0.5 1.5 " +
+            each.symbol + "\n";
+  const eses::AtomFile read = eses::parse_atoms(text, AtomFormat::pqr, "t.pqr");
+  REQUIRE(read.labels.size() == cases.size());
+  for (std::size_t i = 0; i < cases.size(); ++i) {
+    INFO(cases[i].residue << " " << cases[i].name << " " << cases[i].symbol);
+    CHECK(read.labels[i].element == cases[i].element);
+  }
+}
+
+TEST_CASE("PDB: elements are those of the file, or follow from the names", "[read_atoms]") {
+  const std::string text =
+      "HETATM    1 CL1  LIG A   1       1.000   2.000   3.000  1.00  0.00          CL\n"
+      "HETATM    2 BR   LIG A   1       5.000   2.000   3.000  1.00  0.00\n"
+      "HETATM    3  C1  LIG A   1       9.000   2.000   3.000  1.00  0.00           C\n"
+      "HETATM    4  X   LIG A   1       9.000   9.000   3.000  1.00  0.00           X\n";
+  eses::StructureOptions options;
+  options.radii = "bondi";
+  options.unknown_radius = 1;
+  const eses::AtomFile read = eses::parse_atoms(text, AtomFormat::pdb, "t.pdb", options);
+  REQUIRE(read.labels.size() == 4);
+  CHECK(read.labels[0].element == "Cl");
+  CHECK(read.labels[1].element == "Br");
+  CHECK(read.labels[2].element == "C");
+  CHECK(read.labels[3].element.empty());
+  CHECK(read.charges.empty());
 }
 
 TEST_CASE("PQR: a record with neither fields nor columns is refused", "[read_atoms]") {

@@ -1,9 +1,11 @@
-// Tests of the areas of residues and chains: tables with sums of the atoms' areas.
+// Tests of the tables of residues, chains and atoms.
 
 #include <filesystem>
+#include <numbers>
 #include <numeric>
 #include <sstream>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "catch.hpp"
@@ -18,7 +20,7 @@ namespace eses::detail::test {
 namespace {
 
 AtomLabel label(const char* chain, const char* number, const char* residue) {
-  return {chain, residue, number, "CA"};
+  return {chain, residue, number, "CA", "C"};
 }
 
 std::string tables_of(const std::vector<AtomLabel>& labels, const std::vector<double>& areas) {
@@ -120,6 +122,74 @@ TEST_CASE("the tables of a PQR file add up to its atoms' areas", "[residues]") {
             std::filesystem::file_size(directory.path() / "partition_area.txt") +
             std::filesystem::file_size(directory.path() / "residue_area.csv") +
             std::filesystem::file_size(directory.path() / "chain_area.csv"));
+}
+
+TEST_CASE("a line of the table of atoms has the names as CSV", "[residues]") {
+  std::string text;
+  const TextSink sink = [&text](std::string_view piece) { text += piece; };
+  BufferedText table(sink);
+  append_atom_header(table);
+  append_atom(table, {1, {"A", "LIG", "52A", "CL1", "Cl"}, 1.75, 12.5});
+  append_atom(table, {2, {"A,B", "X\"Y", "-1", "C'", ""}, 2, 0});
+  append_atom(table, {3, {}, 0.1, 1e6});
+  table.flush();
+  CHECK(text ==
+        "serial,name,residue,residue_number,chain,element,radius,area\n"
+        "1,CL1,LIG,52A,A,Cl,1.75,12.500000\n"
+        "2,C',\"X\"\"Y\",-1,\"A,B\",,2,0.000000\n"
+        "3,,,,,,0.1,1000000.000000\n");
+}
+
+TEST_CASE("the table of atoms has the names, radii and areas of all atoms", "[residues]") {
+  const AtomFile input = read_atoms(ESES_DATA "/fas2.pqr");
+  Outputs outputs = Outputs::none();
+  outputs.atoms = true;
+  std::string first;
+  for (const auto& [block_size, threads] : {std::pair(64, 1), std::pair(9, 3)}) {
+    const TemporaryDirectory directory;
+    const Molecule molecule(input.atoms, input.labels);
+    const Plan plan = make_plan(
+        molecule, {.spacing = 0.8, .block_size = block_size, .threads = threads}, outputs);
+    const Summary summary = run(molecule, plan, outputs, directory.path());
+    const auto rows = rows_of(directory.path() / "atoms.csv");
+    REQUIRE(rows.size() == input.atoms.size() + 1);
+    for (std::size_t i = 0; i < input.atoms.size(); ++i) {
+      const auto& row = rows[i + 1];
+      const AtomLabel& label = input.labels[i];
+      REQUIRE(row.size() == 8);
+      CHECK(row[0] == std::to_string(i + 1));
+      CHECK(row[1] == label.atom_name);
+      CHECK(row[2] == label.residue);
+      CHECK(row[3] == label.residue_number);
+      CHECK(row[4] == label.chain);
+      CHECK(row[5] == label.atom_name.substr(0, 1));  // this protein has only H, C, N, O and S
+      CHECK(std::stod(row[6]) == input.atoms[i].radius);
+      CHECK(std::stod(row[7]) == Catch::Approx(summary.atom_areas[i]).margin(1e-6));
+    }
+    CHECK(summary.bytes_written == std::filesystem::file_size(directory.path() / "atoms.csv"));
+    const std::string bytes = read_bytes(directory.path() / "atoms.csv");
+    if (first.empty()) first = bytes;
+    CHECK(bytes == first);
+  }
+}
+
+TEST_CASE("the table of atoms without labels has empty names", "[residues]") {
+  const TemporaryDirectory directory;
+  // The areas of spheres that are far from each other are 4 pi r^2.
+  const std::vector<Atom> atoms{{{0, 0, 0}, 1.5}, {{20, 0, 0}, 2}};
+  Outputs outputs = Outputs::none();
+  outputs.atoms = true;
+  run(atoms, make_plan(atoms, {.spacing = 0.1, .margin = 0.2}, outputs), outputs, directory.path());
+  const auto rows = rows_of(directory.path() / "atoms.csv");
+  REQUIRE(rows.size() == 3);
+  for (std::size_t i = 0; i < atoms.size(); ++i) {
+    const auto& row = rows[i + 1];
+    CHECK(std::vector(row.begin(), row.end() - 2) ==
+          std::vector<std::string>{std::to_string(i + 1), "", "", "", "", ""});
+    CHECK(std::stod(row[6]) == atoms[i].radius);
+    CHECK(std::stod(row[7]) ==
+          Catch::Approx(4 * std::numbers::pi * atoms[i].radius * atoms[i].radius).epsilon(0.01));
+  }
 }
 
 TEST_CASE("without labels there are no areas by residue", "[residues]") {

@@ -18,14 +18,17 @@ struct Atom {
   double radius = 0;  ///< Van der Waals radius, in angstrom; not negative.
 };
 
-/// The names of an atom in its file. Missing names are empty. The copies of a chain in an assembly
-/// are named A, A-2, A-3 and so on.
+/// The names of an atom in its file, and its element. Missing names are empty. The copies of a
+/// chain in an assembly are named A, A-2, A-3 and so on.
 struct AtomLabel {
   std::string chain;           ///< Chain identifier, such as A.
   std::string residue;         ///< Residue name, such as ALA.
   std::string residue_number;  ///< Residue number with the insertion code, such as 52A.
   std::string atom_name;       ///< Atom name, such as CA.
-  /// Compares all names.
+  /// Element symbol, such as Cl; empty if it is unknown. If the file does not have it, it follows
+  /// from the names as described in doc/input.md.
+  std::string element = {};
+  /// Compares all members.
   friend bool operator==(const AtomLabel&, const AtomLabel&) = default;
 };
 

@@ -208,14 +208,15 @@ struct Estimate {
   std::uint64_t edges_bytes = 0;     ///< Size of intersection_info.txt; an estimate.
   std::uint64_t areas_bytes = 0;     ///< Size of partition_area.txt; an upper bound unless gzipped.
   std::uint64_t residues_bytes = 0;  ///< Size of residue_area.csv and chain_area.csv; an estimate.
+  std::uint64_t atoms_bytes = 0;     ///< Size of atoms.csv; an estimate.
   std::uint64_t map_bytes = 0;       ///< Size of all maps; exact.
   std::uint64_t mesh_bytes = 0;      ///< Size of the mesh; an estimate.
   std::uint64_t scratch_bytes = 0;   ///< Additional disk space during the run; an estimate.
 
   /// Total size of all files, in bytes.
   std::uint64_t file_bytes() const {
-    return box_bytes + grid_bytes + edges_bytes + areas_bytes + residues_bytes + map_bytes +
-           mesh_bytes;
+    return box_bytes + grid_bytes + edges_bytes + areas_bytes + residues_bytes + atoms_bytes +
+           map_bytes + mesh_bytes;
   }
 };
 

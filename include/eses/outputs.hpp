@@ -58,6 +58,8 @@ struct Outputs {
   bool areas = true;  ///< partition_area.txt: the area of every atom.
   /// residue_area.csv and chain_area.csv: areas of residues and chains; need labels.
   bool residues = false;
+  /// atoms.csv: names, element, radius and area of every atom. Without labels the names are empty.
+  bool atoms = false;
   /// Whether the four text files and the maps of the dielectric are compressed, with the additional
   /// suffix .gz.
   bool gzip = false;

@@ -124,6 +124,8 @@ struct AtomFile {
   std::vector<Atom> atoms;           ///< Atoms in the order of the file.
   std::vector<std::uint64_t> lines;  ///< Line number of each atom, from 1.
   std::vector<AtomLabel> labels;     ///< Names of each atom; empty for xyzr files.
+  /// Charge of each atom of a PQR file, in elementary charges; empty for other formats.
+  std::vector<double> charges = {};
   /// Report on a PDB or mmCIF file; empty for other formats.
   std::optional<StructureReport> structure = {};
   /// The diagnostics that follow from the names of the atoms, one for each kind that occurs.
@@ -134,7 +136,7 @@ struct AtomFile {
 /// Options of read_atoms.
 struct ReadOptions {
   AtomFormat format = AtomFormat::automatic;  ///< Format of the file.
-  /// Whether labels are read. Labels need more memory than atoms.
+  /// Whether labels and charges are read. They need more memory than atoms.
   bool with_labels = true;
   /// Limit of the resident memory of the process while it reads, in bytes; 0 for no limit. Reading
   /// may always add a few MiB.
@@ -154,8 +156,8 @@ struct ReadOptions {
 /// suffice.
 AtomFile read_atoms(const std::filesystem::path& path, const ReadOptions& options = {});
 
-/// Reads the atoms of a text in memory, with labels. `name` is the name of the text for messages.
-/// AtomFormat::automatic means xyzr. Throws Error as read_atoms does.
+/// Reads the atoms of a text in memory, with labels and charges. `name` is the name of the text for
+/// messages. AtomFormat::automatic means xyzr. Throws Error as read_atoms does.
 AtomFile parse_atoms(std::string_view text, AtomFormat format = AtomFormat::automatic,
                      std::string_view name = "text", const StructureOptions& structure = {});
 

@@ -52,9 +52,9 @@ class Surface {
   /// out of its range. The message names the first such atom by its index.
   explicit Surface(std::vector<Atom> atoms, const SurfaceOptions& options = {});
 
-  /// Does the same for atoms with labels, which Outputs::residues and MeshColor::chain need. The
-  /// labels may be empty. Throws std::invalid_argument also if the numbers of labels and atoms
-  /// differ.
+  /// Does the same for atoms with labels, which Outputs::residues and MeshColor::chain need, and
+  /// which Outputs::atoms writes. The labels may be empty. Throws std::invalid_argument also if the
+  /// numbers of labels and atoms differ.
   Surface(std::vector<Atom> atoms, std::vector<AtomLabel> labels, const SurfaceOptions& options);
 
   /// The atoms, in the order in which they were given.

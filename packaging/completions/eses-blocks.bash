@@ -9,7 +9,7 @@ _eses_blocks() {
 
   case $prev in
     --format) COMPREPLY=($(compgen -W 'auto xyzr pqr pdb mmcif' -- "$cur")) && return ;;
-    --write) COMPREPLY=($(compgen -W 'all none grid edges areas residues grid,edges grid,areas \
+    --write) COMPREPLY=($(compgen -W 'all none grid edges areas residues atoms grid,edges grid,areas \
       edges,areas' -- "$cur")) && return ;;
     --color) COMPREPLY=($(compgen -W 'patch atom chain' -- "$cur")) && return ;;
     --mesh) _filedir '@(ply|obj|off|vtp|vert|face)' && return ;;

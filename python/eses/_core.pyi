@@ -6,6 +6,7 @@ from typing import Callable, Iterator, Literal, Optional, Sequence, Tuple, Type,
 
 import numpy as np
 import numpy.typing as npt
+from pandas import DataFrame  # type: ignore
 
 _Bools = npt.NDArray[np.bool_]
 _Bytes = npt.NDArray[np.uint8]
@@ -41,6 +42,10 @@ class Atoms:
     def labels(self) -> Optional[Labels]: ...
     @property
     def diagnostics(self) -> list[Diagnostic]: ...
+    def element(self) -> _Strings: ...
+    @property
+    def charge(self) -> Optional[_Doubles]: ...
+    def to_dataframe(self) -> DataFrame: ...
 
 def read_atoms(
     path: Union[str, os.PathLike[str]],
@@ -137,6 +142,7 @@ class Result:
         self, solute: float = 2.0, solvent: float = 78.54
     ) -> Tuple[_Doubles, _Doubles, _Doubles]: ...
     def kappa(self, ion_radius: float = 2.0) -> _Bools: ...
+    def atom_table(self, atoms: Optional[Atoms] = None) -> DataFrame: ...
 
 class Block:
     @property

@@ -17,11 +17,6 @@ import numpy as np
 import eses
 
 
-def element_of(atom_name):
-    """The element of an atom of a PQR file: its name without leading digits, first letter."""
-    return atom_name.lstrip("0123456789")[:1].upper()
-
-
 def areas_on(grid, centers, radii):
     return eses.Surface(centers, radii).compute(grid, inside=False, crossings=False).atom_areas
 
@@ -47,9 +42,9 @@ def main():
         buried = alone - in_complex[first:first + len(atoms)]
         first += len(atoms)
         labels = atoms.labels
-        for chain, residue, number, name, *areas in zip(
-                labels.chain, labels.residue, labels.residue_number, labels.atom_name, alone, buried):
-            key = part, f"{chain}{' ' if chain else ''}{residue} {number}", element_of(name)
+        for chain, residue, number, element, *areas in zip(
+                labels.chain, labels.residue, labels.residue_number, atoms.element, alone, buried):
+            key = part, f"{chain}{' ' if chain else ''}{residue} {number}", element
             sums[key] += areas
 
     print("part,residue,element,area,buried_area")

@@ -14,6 +14,7 @@
 #include <vector>
 
 #include "arrays.hpp"
+#include "atom_frames.hpp"
 #include "background.hpp"
 #include "instances.hpp"
 #include "read_file.hpp"
@@ -148,14 +149,12 @@ py::object decode(const std::string& name) {
 }
 
 py::object names(const Labels& labels, std::string AtomLabel::*name) {
-  py::list values;
-  for (const AtomLabel& label : labels.file->labels) values.append(decode(label.*name));
-  return py::module_::import("numpy").attr("array")(values, py::arg("dtype") = "U");
+  return texts_of(*labels.file, labels.file->labels.size(), name);
 }
 
 // The names of a label in the order of a state.
 constexpr std::array label_names{&AtomLabel::chain, &AtomLabel::residue, &AtomLabel::residue_number,
-                                 &AtomLabel::atom_name};
+                                 &AtomLabel::atom_name, &AtomLabel::element};
 
 py::tuple label_state(const Labels& labels) {
   py::tuple state(label_names.size());
@@ -184,13 +183,14 @@ py::object labels_or_none(const std::shared_ptr<AtomFile>& file) {
 py::tuple atoms_state(const py::object& atoms) {
   const py::object labels = atoms.attr("labels");
   return py::make_tuple(atoms.attr("centers"), atoms.attr("radii"), atoms.attr("lines"),
-                        labels.is_none() ? labels : label_state(labels.cast<const Labels&>()));
+                        labels.is_none() ? labels : label_state(labels.cast<const Labels&>()),
+                        atoms.attr("charge"));
 }
 
 std::shared_ptr<AtomFile> atoms_of_state(const py::tuple& state) {
-  const auto [centers, radii, lines, labels] = unpack_state<
-      std::tuple<py::object, py::object, StateArray<std::uint64_t>, std::optional<py::tuple>>>(
-      state);
+  const auto [centers, radii, lines, labels, charges] =
+      unpack_state<std::tuple<py::object, py::object, StateArray<std::uint64_t>,
+                              std::optional<py::tuple>, std::optional<StateArray<double>>>>(state);
   auto file = std::make_shared<AtomFile>();
   file->atoms = make_atoms(centers, radii);
   require_shape(lines, file->atoms.size());
@@ -198,10 +198,22 @@ std::shared_ptr<AtomFile> atoms_of_state(const py::tuple& state) {
   if (labels) file->labels = labels_of_state(*labels);
   if (labels && file->labels.size() != file->atoms.size())
     throw py::value_error("the numbers of atoms and names of the state differ");
+  if (charges) {
+    require_shape(*charges, file->atoms.size());
+    file->charges.assign(charges->data(), charges->data() + charges->size());
+  }
   return file;
 }
 
 }  // namespace
+
+py::object texts_of(const AtomFile& file, std::size_t count, std::string AtomLabel::*member) {
+  const py::module_ numpy = py::module_::import("numpy");
+  if (file.labels.empty()) return numpy.attr("zeros")(count, py::arg("dtype") = "U1");
+  py::list values;
+  for (const AtomLabel& label : file.labels) values.append(decode(label.*member));
+  return numpy.attr("array")(values, py::arg("dtype") = "U");
+}
 
 void bind_atoms(py::module_& module) {
   py::class_<Labels> labels(module, "Labels", labels_text);
@@ -259,7 +271,23 @@ void bind_atoms(py::module_& module) {
           "diagnostics", &AtomFile::diagnostics,
           "list of Diagnostic: suspicious names, such as those of a file of C-alpha atoms. "
           "``Surface.diagnostics`` has those of centres and radii.")
+      .def_property_readonly(
+          "element",
+          [](const AtomFile& self) {
+            return texts_of(self, self.atoms.size(), &AtomLabel::element);
+          },
+          "(N,) str: element symbols, such as Cl; empty if unknown, as in xyzr files.")
+      .def_property_readonly(
+          "charge",
+          [](const py::object& self) -> py::object {
+            const auto& charges = self.cast<const AtomFile&>().charges;
+            if (charges.empty()) return py::none();
+            return field_view(charges.data(), charges.size(), sizeof(double), self);
+          },
+          "(N,) float64 or None: charges of a PQR file, in elementary charges; None for other "
+          "formats.")
       .def(py::pickle(&atoms_state, &atoms_of_state));
+  bind_atoms_frame(atoms);
   protect_instances(atoms);
 
   module.def("read_atoms", &read, read_atoms_text, py::arg("path"), py::kw_only(),

@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "arrays.hpp"
+#include "atom_frames.hpp"
 #include "computed_result.hpp"
 #include "crossings.hpp"
 #include "instances.hpp"
@@ -291,6 +292,7 @@ void bind_result(py::module_& module) {
       .def(py::pickle(&result_state, &result_of_state));
   protect_instances(type);
   bind_solver_maps(type);
+  bind_atom_table(type);
 }
 
 }  // namespace eses::python

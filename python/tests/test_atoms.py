@@ -95,6 +95,65 @@ def test_diagnostics_follow_from_names(tmp_path):
     assert (found.kind, found.count, found.examples) == ("water", 1, [(1, 1)])
     assert found.is_usual
     assert eses.read_atoms(DATA / "fas2.pqr").diagnostics == []
+PQR = """\
+ATOM 1 CA ALA A 7 0 0 0 -0.25 1.5
+ATOM 2 1HB ALA A 7 1 0 0 0.5 1.0
+HETATM 3 CL1 LIG B 1A 9 0 0 -1 1.75
+HETATM 4 BR LIG B 1A 18 0 0 0 1.85
+HETATM 5 CA CA B 2 27 0 0 2 1.2
+HETATM 6 X1 LIG B 3 36 0 0 0 1.2 ZN
+HETATM 7 X2 LIG B 3 40 0 0 0 1.2
+"""
+ELEMENTS = ["C", "H", "Cl", "Br", "Ca", "Zn", ""]
+
+
+def test_pqr_file_has_elements_and_charges(tmp_path):
+    path = tmp_path / "seven.pqr"
+    path.write_text(PQR)
+    atoms = eses.read_atoms(path)
+    assert atoms.element.tolist() == ELEMENTS
+    assert atoms.charge.tolist() == [-0.25, 0.5, -1, 0, 2, 0, 0]
+    assert atoms.charge.dtype == np.float64
+    with pytest.raises(ValueError, match="read-only"):
+        atoms.charge[0] = 0
+    # The array outlives the atoms.
+    charge = atoms.charge
+    del atoms
+    assert charge.sum() == 1.25
+
+
+def test_pdb_file_has_elements(tmp_path):
+    path = tmp_path / "five.pdb"
+    path.write_text(PDB)
+    atoms = eses.read_atoms(path, radii="bondi")
+    assert atoms.element.tolist() == ["N", "C", "H", "C", "Xe"]
+    assert atoms.charge is None
+
+
+def test_xyzr_file_has_neither_elements_nor_charges():
+    atoms = eses.read_atoms(DATA / "c60.xyzr")
+    assert atoms.element.tolist() == [""] * 60
+    assert atoms.charge is None
+
+
+def test_atoms_become_a_data_frame(tmp_path):
+    pandas = pytest.importorskip("pandas")
+    path = tmp_path / "seven.pqr"
+    path.write_text(PQR)
+    atoms = eses.read_atoms(path)
+    frame = atoms.to_dataframe()
+    assert isinstance(frame, pandas.DataFrame)
+    assert list(frame.columns) == ["serial", "name", "residue", "residue_number", "chain", "element", "x", "y", "z",
+                                   "radius", "charge"]
+    assert frame.index.tolist() == list(range(7))
+    assert frame.serial.tolist() == [1, 2, 3, 4, 5, 6, 7]
+    assert frame.element.tolist() == ELEMENTS
+    assert frame.loc[2].tolist() == [3, "CL1", "LIG", "1A", "B", "Cl", 9, 0, 0, 1.75, -1]
+    frame.loc[0, "radius"] = 7  # does not change the atoms
+    assert atoms.radii[0] == 1.5
+    plain = eses.read_atoms(DATA / "c60.xyzr").to_dataframe()
+    assert "charge" not in plain.columns and len(plain) == 60
+    assert set(plain.name) == set(plain.element) == {""}
 
 
 def test_missing_file_is_an_os_error(tmp_path):

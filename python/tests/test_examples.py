@@ -43,6 +43,15 @@ def test_trajectory_of_mdanalysis_is_read(tmp_path):
     assert float(rows[0]["area"]) == pytest.approx(surface.compute(surface.grid(0.8)).area, rel=1e-4)
 
 
+def test_ligand_features_knows_elements_of_two_letters(tmp_path):
+    ligand = tmp_path / "ligand.pqr"
+    ligand.write_text("".join(
+        f"HETATM {number} {name} LIG 1 {4 * number} 0 0 0 1.7\n"
+        for number, name in enumerate(("CL1", "BR2", "C3", "CL"), 1)))
+    rows = run("ligand_features.py", DATA / "fas2.pqr", ligand, "--spacing", "1")
+    assert [row["element"] for row in rows if row["part"] == "ligand"] == ["Cl", "Br", "C"]
+
+
 def test_ligand_features_prints_buried_areas(tmp_path):
     # The ligand has two atoms, in contact with the loops of fasciculin.
     protein = eses.read_atoms(DATA / "fas2.pqr")

@@ -360,3 +360,33 @@ def test_memory_limits_are_kept(chain):
         surface.compute(surface.grid(0.001, origin=(0, 0, 0), shape=(10**5, 10**5, 10**5)))
     with pytest.raises(MemoryError):
         surface.blocks(surface.grid(0.05), max_memory=1 << 20)
+
+
+def test_table_of_atoms_has_the_rows_of_the_file(tmp_path, run_program):
+    pandas = pytest.importorskip("pandas")
+    atoms = eses.read_atoms(DATA / "fas2.pqr")
+    surface = eses.Surface(atoms.centers, atoms.radii)
+    result = surface.compute(surface.grid(0.8), inside=False, crossings=False)
+    table = result.atom_table(atoms)
+    assert np.array_equal(table.area, result.atom_areas)
+    run_program(DATA / "fas2.pqr", "--spacing", "0.8", "--write", "atoms", "-o", tmp_path)
+    file = pandas.read_csv(tmp_path / "atoms.csv", keep_default_na=False, dtype={"residue_number": str})
+    assert list(table.columns) == list(file.columns)
+    assert len(table) == len(file) == len(atoms)
+    for column in set(file.columns) - {"area"}:
+        assert table[column].tolist() == file[column].tolist(), column
+    assert np.allclose(table.area, file.area, rtol=0, atol=1e-6)
+    # Without the atoms the names are empty.
+    plain = result.atom_table()
+    assert set(plain.name) == {""} and np.array_equal(plain.radius, atoms.radii)
+    with pytest.raises(ValueError, match="906 atoms, but 60"):
+        result.atom_table(eses.read_atoms(DATA / "c60.xyzr"))
+
+
+def test_missing_pandas_is_an_import_error(monkeypatch, ubiquitin, ubiquitin_surface):
+    monkeypatch.setitem(sys.modules, "pandas", None)
+    result = ubiquitin_surface.compute(ubiquitin_surface.grid(2.0, 2.0))
+    with pytest.raises(ImportError, match="atom_table needs pandas; install it"):
+        result.atom_table()
+    with pytest.raises(ImportError, match="to_dataframe needs pandas; install it"):
+        ubiquitin.to_dataframe()

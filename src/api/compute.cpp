@@ -398,6 +398,7 @@ Estimate estimate(const Surface& surface, const Grid& grid, const Outputs& outpu
           .edges_bytes = plan.files.edges,
           .areas_bytes = plan.files.areas,
           .residues_bytes = plan.files.residues,
+          .atoms_bytes = plan.files.atoms,
           .map_bytes = plan.files.maps,
           .mesh_bytes = plan.files.mesh,
           .scratch_bytes = plan.files.scratch()};

@@ -74,7 +74,7 @@ std::string lines_text(const DiagnosticText& text, std::string_view relation) {
 std::string label_text(const std::map<AtomIndex, AtomLabel>& labels, AtomIndex atom) {
   const auto found = labels.find(atom);
   if (found == labels.end()) return "";
-  const auto& [chain, residue, number, name] = found->second;
+  const auto& [chain, residue, number, name, element] = found->second;
   return formatted("{}/{} {}/{}", chain, residue, number, name);
 }
 

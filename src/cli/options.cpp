@@ -50,6 +50,7 @@ constexpr char footer[] = R"(Output files:
 With --gzip these files are named NAME.gz, and so are the maps of --dielectric.
 Optional output files:
   residue_area.csv, chain_area.csv   areas of residues and chains (--write residues)
+  atoms.csv                          names and areas of atoms (--write atoms)
   map (--inside)                     every grid point: 1 inside, 0 outside
   maps (--dielectric, --kappa)       dielectric and ion accessibility for APBS
   mesh (--mesh)                      triangles of the surface
@@ -176,11 +177,9 @@ std::optional<Outputs> text_files_in(const std::string& list) {
   files.box = true;
   using File = bool Outputs::*;
   const std::map<std::string, std::vector<File>> files_of{
-      {"grid", {&Outputs::grid}},
-      {"edges", {&Outputs::edges}},
-      {"areas", {&Outputs::areas}},
-      {"residues", {&Outputs::residues}},
-      {"all", {&Outputs::grid, &Outputs::edges, &Outputs::areas}}};
+      {"grid", {&Outputs::grid}},   {"edges", {&Outputs::edges}},
+      {"areas", {&Outputs::areas}}, {"residues", {&Outputs::residues}},
+      {"atoms", {&Outputs::atoms}}, {"all", {&Outputs::grid, &Outputs::edges, &Outputs::areas}}};
   for (const std::string& name : CLI::detail::split(list, ',')) {
     const auto found = files_of.find(name);
     if (found == files_of.end()) return std::nullopt;
@@ -323,10 +322,10 @@ void add_file_options(CLI::App& app, CommandLine& line) {
             options.output_directory, path_to("a directory"));
   add_value(app, "--write", "LIST",
             "files to write besides bounding_box.txt: some of\n"
-            "grid,edges,areas,residues; all (the first three);\n"
-            "or none [all]",
+            "grid,edges,areas,residues,atoms; all (the first\n"
+            "three); or none [all]",
             line.text_files,
-            Format{text_files_in, "some of grid,edges,areas,residues, or all, or none"});
+            Format{text_files_in, "some of grid,edges,areas,residues,atoms, or all, or none"});
   add_value(app, "--inside", "FILE",
             "write a map of inside points to the output directory:\n"
             ".dx or .dx.gz (OpenDX), or .vti (VTK image data)",

@@ -90,6 +90,7 @@ std::string files_text(const FileSizes& sizes, const Outputs& outputs) {
   add(sizes.edges, "about", formatted("intersection_info.txt{}", suffix));
   add(sizes.areas, bound, formatted("partition_area.txt{}", suffix));
   add(sizes.residues, "about", "residue_area.csv and chain_area.csv");
+  add(sizes.atoms, "about", "atoms.csv");
   std::vector<std::string> maps;
   for (const MapChoice& map : chosen_maps(outputs)) maps.push_back(map.name);
   add(sizes.maps, sizes.gzip_maps > 0 ? "about" : "exactly",
@@ -228,6 +229,7 @@ json::Value plan_json(const Plan& plan, const DiskSpace& disk) {
           {"area_file_bytes", plan.files.areas},
           {"mesh_file_bytes", plan.files.mesh},
           {"residue_file_bytes", plan.files.residues},
+          {"atom_file_bytes", plan.files.atoms},
           {"map_file_bytes", plan.files.maps},
           {"scratch_bytes", plan.files.scratch()},
           {"disk_bytes", disk_json(disk, 0)},

@@ -16,6 +16,7 @@
 #include "eses/error.hpp"
 #include "input/atom_reader.hpp"
 #include "input/other_formats.hpp"
+#include "input/pdb_elements.hpp"
 #include "input/read_input.hpp"
 #include "input/text_source.hpp"
 #include "system/file_descriptor.hpp"
@@ -86,33 +87,39 @@ std::uint64_t count_lines(const TextFile& file, const Part& part) {
   return lines;
 }
 
-// Converts labels into residues after each part of the text, so that few labels are in memory.
-void take_labels(std::vector<AtomLabel>& labels, ResidueRuns& runs) {
-  for (AtomLabel& label : labels) runs.add(std::move(label));
-  labels.clear();
-}
-
 // The result of reading a part of a file.
 struct PartRead {
   AtomFile atoms;  // without labels
   ResidueRuns residues;
-  AtomNames names;  // of a PDB or mmCIF file
+  AtomNames names;
   std::uint64_t lines = 0, models = 0;
   PdbLikeness likeness;
 };
 
+// Converts labels into residues and names after each part of the text, so that few labels are in
+// memory.
+void take_labels(AtomFile& atoms, AtomFormat format, bool with_names, PartRead& part) {
+  if (with_names) {
+    if (format == AtomFormat::pqr) complete_elements(atoms.labels);
+    for (const AtomLabel& label : atoms.labels) part.names.add(label);
+  }
+  for (AtomLabel& label : atoms.labels) part.residues.add(std::move(label));
+  atoms.labels.clear();
+  atoms.charges.clear();
+}
+
 // Reads the whole file, as read_atoms does.
-PartRead read_whole(const std::filesystem::path& path, const ReadOptions& options) {
+PartRead read_whole(const std::filesystem::path& path, const ReadOptions& options,
+                    bool with_names) {
   PartRead part;
   part.atoms = read_input(path, options, [&](AtomFile& atoms) {
-    if (is_structure(options.format))
-      for (const AtomLabel& label : atoms.labels) part.names.add(label);
-    take_labels(atoms.labels, part.residues);
+    take_labels(atoms, options.format, with_names, part);
   });
   return part;
 }
 
-void read_atoms_of(const TextFile& file, const Part& part, const AtomLines& lines, PartRead& read) {
+void read_atoms_of(const TextFile& file, const Part& part, const AtomLines& lines, bool with_names,
+                   PartRead& read) {
   std::uint64_t offset = part.begin;
   const auto read_text = [&](std::span<char> buffer) {
     buffer = buffer.first(std::min<std::uint64_t>(buffer.size(), part.end - offset));
@@ -122,15 +129,16 @@ void read_atoms_of(const TextFile& file, const Part& part, const AtomLines& line
     offset += count;
     return count;
   };
-  const LinesRead found = read_atom_lines(read_text, lines, read.atoms,
-                                          [&] { take_labels(read.atoms.labels, read.residues); });
+  const LinesRead found = read_atom_lines(read_text, lines, read.atoms, [&] {
+    take_labels(read.atoms, lines.format, with_names, read);
+  });
   read.likeness = found.likeness;
   read.models = found.models;
 }
 
 // Reads this process's part of a file with this number of bytes.
 PartRead read_part(const std::filesystem::path& path, std::uint64_t bytes,
-                   const ReadOptions& options, const Processes& processes) {
+                   const ReadOptions& options, bool with_names, const Processes& processes) {
   PartRead read;
   std::optional<TextFile> file;
   Part part;
@@ -148,7 +156,7 @@ PartRead read_part(const std::filesystem::path& path, std::uint64_t bytes,
                    .first_line = lines_before + 1,
                    .with_labels = options.with_labels,
                    .max_memory = options.max_memory},
-                  read);
+                  with_names, read);
   });
   return read;
 }
@@ -189,18 +197,19 @@ void require_atoms(const std::filesystem::path& path, AtomFormat format, const A
 
 }  // namespace
 
-AtomShare read_share(const std::filesystem::path& path, ReadOptions options,
+AtomShare read_share(const std::filesystem::path& path, ReadOptions options, bool with_names,
                      const Processes& processes) {
   processes.all_or_throw([&] {
     if (options.format == AtomFormat::automatic) refuse_other_suffix(path);
     options.format = format_of(path, options.format);
   });
+  with_names = with_names || is_structure(options.format);
   PartRead read;
   if (const std::uint64_t bytes = shared_bytes(path, options, processes); bytes > 0) {
-    read = read_part(path, bytes, options, processes);
+    read = read_part(path, bytes, options, with_names, processes);
   } else {
     processes.all_or_throw([&] {
-      if (processes.is_first()) read = read_whole(path, options);
+      if (processes.is_first()) read = read_whole(path, options, with_names);
     });
   }
   AtomShare share;

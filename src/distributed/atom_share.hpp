@@ -28,8 +28,10 @@ struct AtomShare {
   std::uint64_t total = 0;                 ///< number of atoms in the file
   ResidueRuns residues;                    ///< if labels were requested and the file has them
   std::vector<mesh::GroupNumbers> groups;  ///< by atom, filled by number_groups
-  /// Labels and report of a PDB or mmCIF file, which the first process alone reads.
+  /// Labels of a PDB or mmCIF file, which the first process alone reads, and of a PQR file if they
+  /// were requested.
   AtomNames names;
+  /// Report of a PDB or mmCIF file; only in the first process.
   std::optional<StructureReport> structure;
 
   /// The diagnostics that follow from the names of all atoms; the same in all processes.
@@ -41,10 +43,11 @@ struct AtomShare {
 /// Reads a file. All processes must call it. Several processes read a plain file in parts of equal
 /// size. The first process alone reads a compressed file, a PDB or mmCIF file, a model of a PQR
 /// file, and a file that is not regular, such as standard input. Labels are kept as residues if
-/// `options` requests them. The memory limit of `options` applies to each process.
+/// `options` requests them, and also by atom if `with_names` is true. The memory limit of `options`
+/// applies to each process.
 ///
 /// Throws SharedError if read_atoms would throw Error, for the first error in the file.
-AtomShare read_share(const std::filesystem::path& path, ReadOptions options,
+AtomShare read_share(const std::filesystem::path& path, ReadOptions options, bool with_names,
                      const Processes& processes);
 
 }  // namespace eses::detail

@@ -94,7 +94,9 @@ bool is_by_element(const AtomKind& kind) { return kind.found && kind.found->by_e
 
 AtomLabel label_of(const SelectedStructure& structure, const StructureAtom& atom) {
   const StructureResidue& residue = structure.residues[atom.residue];
-  return {residue.chain, residue.name, residue.number, structure.atom_names[atom.name]};
+  const std::string_view element = atom.element == 0 ? "" : element_symbol(atom.element);
+  return {residue.chain, residue.name, residue.number, structure.atom_names[atom.name],
+          std::string(element)};
 }
 
 }  // namespace

@@ -130,7 +130,9 @@ Problem read_value(std::string_view text, const Quantity& quantity, double& valu
 /// The data of one line.
 struct Record {
   Atom atom;
-  AtomLabel label;  // only for PQR
+  // only for PQR:
+  double charge = 0;
+  AtomLabel label;
 };
 
 // --------------------------------------------------------------------------------- lines: xyzr
@@ -181,12 +183,13 @@ constexpr std::size_t charge_width = 8, radius_width = 7;
 constexpr std::size_t radius_column = end_of_coordinates + charge_width;
 constexpr std::size_t end_of_radius = radius_column + radius_width;
 
-Problem read_pqr_values(const PqrFields& fields, Atom& atom) {
+Problem read_pqr_values(const PqrFields& fields, Record& record) {
   std::array<double, pqr_quantities.size()> values{};
   for (std::size_t i = 0; i < values.size(); ++i) {
     if (Problem problem = read_value(fields[i], pqr_quantities[i], values[i])) return problem;
   }
-  atom = {{values[0], values[1], values[2]}, values[4]};
+  record.atom = {{values[0], values[1], values[2]}, values[4]};
+  record.charge = values[3];
   return {};
 }
 
@@ -223,7 +226,7 @@ Problem parse_pqr_fields(std::string_view line, Record& record) {
   std::string_view leading = line;
   for (std::size_t i = fields.size(); i-- > 0;) fields[i] = take_last(leading);
   if (count_fields(leading) < min_leading_fields(line)) return {Fault::too_few_fields, {}, line};
-  const Problem problem = read_pqr_values(fields, record.atom);
+  const Problem problem = read_pqr_values(fields, record);
   if (!problem && ends_with_decimal(leading)) return {Fault::extra_number, {}, fields.back()};
   // If two errors apply, the one about text that is not a number is clearer.
   if (problem.fault != Fault::not_a_number && looks_like_residue_number(fields[0], leading)) {
@@ -281,7 +284,7 @@ Problem parse_pqr_columns(std::string_view line, Record& record) {
   record.label = label_of_columns(line);
   return read_pqr_values({coordinate_column(line, 0), coordinate_column(line, 1),
                           coordinate_column(line, 2), charge, radius},
-                         record.atom);
+                         record);
 }
 
 /// Returns whether a field is an element symbol, optionally with a formal charge: `N`, `Zn`, `O1-`.
@@ -294,15 +297,23 @@ bool is_element(std::string_view field) {
          (charge.size() == 2 && is_digit(charge[0]) && (charge[1] == '+' || charge[1] == '-'));
 }
 
-std::string_view without_element(std::string_view line) {
+/// Removes an element symbol at the end of the line, and returns it without its charge; empty if
+/// there is none.
+std::string_view take_element(std::string_view& line) {
   std::string_view rest = line;
-  return is_element(take_last(rest)) ? rest : line;
+  std::string_view field = take_last(rest);
+  if (!is_element(field)) return {};
+  line = rest;
+  while (!is_letter(field.back())) field.remove_suffix(1);
+  return field;
 }
 
 Problem parse_pqr(std::string_view line, Record& record) {
-  const std::string_view numbers = without_element(line);
-  const Problem problem = parse_pqr_fields(numbers, record);
-  return problem && has_coordinate_columns(numbers) ? parse_pqr_columns(numbers, record) : problem;
+  const std::string_view element = take_element(line);
+  Problem problem = parse_pqr_fields(line, record);
+  if (problem && has_coordinate_columns(line)) problem = parse_pqr_columns(line, record);
+  record.label.element = element;
+  return problem;
 }
 
 // ------------------------------------------------------------------------- waters of PQR files
@@ -588,14 +599,17 @@ class GrowthLimit {
     require(bytes_per_atom() * (is_copied ? wanted : added), result.atoms.size(), line);
     grow(added, result.atoms);
     grow(added, result.lines);
-    if (has_labels()) grow(added, result.labels);
+    if (!has_labels()) return;
+    grow(added, result.labels);
+    grow(added, result.charges);
   }
 
  private:
   bool has_labels() const { return lines_.with_labels && lines_.format == AtomFormat::pqr; }
 
   std::uint64_t bytes_per_atom() const {
-    return sizeof(Atom) + sizeof(std::uint64_t) + (has_labels() ? sizeof(AtomLabel) : 0);
+    return sizeof(Atom) + sizeof(std::uint64_t) +
+           (has_labels() ? sizeof(AtomLabel) + sizeof(double) : 0);
   }
 
   void require(std::uint64_t bytes, std::size_t atoms, std::uint64_t line) const {
@@ -662,7 +676,7 @@ LinesRead parse_atom_lines(std::string_view text, const AtomLines& lines, AtomFi
   const auto is_record = is_pqr ? is_pqr_record : is_xyzr_record;
   const auto parse_line = is_pqr ? parse_pqr : parse_xyzr;
 
-  auto& [atoms, line_numbers, labels, structure, diagnostics] = result;
+  auto& [atoms, line_numbers, labels, charges, structure, diagnostics] = result;
   LinesRead read;
   read.last_model = model_before;
   while (!text.empty()) {
@@ -687,7 +701,9 @@ LinesRead parse_atom_lines(std::string_view text, const AtomLines& lines, AtomFi
     atoms.push_back(record.atom);
     line_numbers.push_back(number);
     if (is_pqr) inspect_residue(record.label.residue, result);
-    if (is_pqr && with_labels) labels.push_back(std::move(record.label));
+    if (!is_pqr || !with_labels) continue;
+    labels.push_back(std::move(record.label));
+    charges.push_back(record.charge);
   }
   return read;
 }

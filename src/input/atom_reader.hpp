@@ -18,7 +18,9 @@ struct AtomLines {
   AtomFormat format = AtomFormat::xyzr;
   std::string_view name;         ///< name of the file, for messages
   std::uint64_t first_line = 1;  ///< number of the first line in the file, from 1
-  bool with_labels = false;      ///< whether to read labels; only PQR files have them
+  /// Whether to read labels and charges; only PQR files have them. The element of a label is that
+  /// of the file, without its charge, or empty.
+  bool with_labels = false;
   std::uint64_t max_memory = 0;  ///< see ReadOptions::max_memory
   int model = 0;                 ///< see StructureOptions::model; only for PQR files
   /// Number of the model at the start of the text. Atoms outside of all models belong to model 1.

@@ -5,6 +5,7 @@
 #include <cstddef>
 #include <gemmi/elem.hpp>
 #include <gemmi/resinfo.hpp>
+#include <unordered_map>
 #include <utility>
 
 #include "input/text_fields.hpp"
@@ -95,6 +96,18 @@ std::string ligand_element(std::string_view name, bool is_left_aligned) {
   return std::string(elements.find(name.front()) == elements.npos ? "" : name.substr(0, 1));
 }
 
+/// Returns the element symbol at the start of a text, such as Cl for CL1; empty if there is none.
+std::string usual_spelling(const std::string& text) {
+  const gemmi::El element = gemmi::find_element(text.c_str());
+  return element == gemmi::El::X ? std::string() : gemmi::element_name(element);
+}
+
+/// Returns the element symbol of an atom whose name is not in columns; empty if it is unknown.
+std::string symbol_by_name(std::string_view name, std::string_view residue) {
+  const std::string symbol = element_by_name(name, residue, true);
+  return usual_spelling(symbol.empty() ? std::string(stem_of(name)) : symbol);
+}
+
 }  // namespace
 
 bool is_polymer_residue(std::string_view residue) {
@@ -124,6 +137,17 @@ std::string element_by_name(std::string_view name_columns, std::string_view resi
     if (stem_of(name) == element) return std::string(element);
   constexpr std::string_view elements = "CNOSP";
   return std::string(elements.find(name.front()) == elements.npos ? "" : name.substr(0, 1));
+}
+
+void complete_elements(std::span<AtomLabel> labels) {
+  std::unordered_map<std::string, std::string> by_names;
+  for (AtomLabel& label : labels) {
+    label.element = usual_spelling(label.element);
+    if (!label.element.empty()) continue;
+    const auto [known, is_new] = by_names.try_emplace(label.residue + '\0' + label.atom_name);
+    if (is_new) known->second = symbol_by_name(label.atom_name, label.residue);
+    label.element = known->second;
+  }
 }
 
 }  // namespace eses::detail

@@ -1,8 +1,11 @@
 #pragma once
-/// Elements of atoms of PDB files without element symbols, derived from names.
+/// Elements of atoms of PDB and PQR files without element symbols, derived from names.
 
+#include <span>
 #include <string>
 #include <string_view>
+
+#include "eses/atoms.hpp"
 
 namespace eses::detail {
 
@@ -18,5 +21,10 @@ bool is_ion(std::string_view name, std::string_view residue);
 /// columns of the name. `is_left_aligned` tells whether all names begin in the first column.
 std::string element_by_name(std::string_view name_columns, std::string_view residue,
                             bool is_left_aligned);
+
+/// Completes the elements of labels from a PQR file: the symbol of the file in its usual spelling
+/// or, if the file has none, the symbol by the names, as if all names began in the first column.
+/// The element is empty if it is unknown.
+void complete_elements(std::span<AtomLabel> labels);
 
 }  // namespace eses::detail

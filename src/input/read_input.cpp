@@ -233,10 +233,12 @@ AtomFile read_input(const std::filesystem::path& path, const ReadOptions& option
   ReadOptions known = options;
   known.format = format_of(path, options.format);
   if (!is_structure(known.format)) {
-    return read_atom_file(path, options, [&](AtomFile& atoms) {
+    AtomFile file = read_atom_file(path, options, [&](AtomFile& atoms) {
       call_check(options);
       if (after_part) after_part(atoms);
     });
+    complete_elements(file.labels);
+    return file;
   }
   if (path == "-") return read_structure(STDIN_FILENO, path, "<stdin>", known, after_part);
   const std::string name = path.string();
@@ -256,8 +258,10 @@ AtomFile parse_atoms(std::string_view text, AtomFormat format, std::string_view 
                      const StructureOptions& structure) {
   if (is_structure(format))
     return detail::parse_structure_atoms(text, name, {.format = format, .structure = structure});
-  return detail::parse_atom_text(
+  AtomFile file = detail::parse_atom_text(
       text, {.format = format, .name = name, .with_labels = true, .model = structure.model});
+  detail::complete_elements(file.labels);
+  return file;
 }
 
 }  // namespace eses

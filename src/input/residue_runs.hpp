@@ -17,12 +17,13 @@ inline bool is_same_residue(const AtomLabel& a, const AtomLabel& b) {
 
 /// Runs of consecutive atoms with the same chain, residue number and residue name.
 struct ResidueRuns {
-  std::vector<AtomLabel> labels;     ///< label of each run, without the atom name
+  std::vector<AtomLabel> labels;     ///< label of each run, without atom name and element
   std::vector<std::uint64_t> atoms;  ///< number of atoms of each run
 
   void add(AtomLabel label) {
     if (labels.empty() || !is_same_residue(labels.back(), label)) {
       label.atom_name.clear();
+      label.element.clear();
       labels.push_back(std::move(label));
       atoms.push_back(0);
     }

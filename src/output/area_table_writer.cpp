@@ -3,6 +3,9 @@
 namespace eses::detail {
 namespace {
 
+constexpr std::string_view atom_header =
+    "serial,name,residue,residue_number,chain,element,radius,area\n";
+
 std::string field(std::string_view text) {
   if (text.find_first_of(",\"") == text.npos) return std::string(text);
   std::string quoted = "\"";
@@ -65,6 +68,23 @@ void write_chain_table(std::span<const ChainArea> chains, const TextSink& sink) 
   for (const ChainArea& chain : chains)
     text.append("{},{},{},{:.6f}\n", field(chain.chain), chain.residues, chain.atoms, chain.area);
   text.flush();
+}
+
+void append_atom_header(BufferedText& text) { text.append(atom_header); }
+
+void append_atom(BufferedText& text, const AtomRow& atom) {
+  const auto& [chain, residue, residue_number, atom_name, element] = atom.label;
+  text.append("{},{},{},{},{},{},{},{:.6f}\n", atom.serial, field(atom_name), field(residue),
+              field(residue_number), field(chain), field(element), atom.radius, atom.area);
+}
+
+std::uint64_t typical_atom_table_bytes(std::uint64_t atoms, std::uint64_t name_bytes) {
+  constexpr std::uint64_t separators = 8;                      // commas and the line end
+  constexpr std::uint64_t radius_digits = 4, area_digits = 9;  // such as 1.88 and 12.345678
+  std::uint64_t serial_digits = 0;
+  for (std::uint64_t first = 1; first <= atoms; first *= 10) serial_digits += atoms - first + 1;
+  return atom_header.size() + serial_digits + name_bytes +
+         (separators + radius_digits + area_digits) * atoms;
 }
 
 }  // namespace eses::detail

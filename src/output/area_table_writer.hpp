@@ -1,5 +1,5 @@
 #pragma once
-/// Areas by residue and by chain, as CSV (RFC 4180, but with LF as line end).
+/// Areas by residue, by chain and by atom, as CSV (RFC 4180, but with LF as line end).
 ///
 /// residue_area.csv: `chain,residue_number,residue,atoms,area`. One line for each run of atoms with
 /// the same chain, number and name, in the order of the file.
@@ -7,6 +7,9 @@
 /// chain_area.csv: `chain,residues,atoms,area`. One line for each chain identifier, in the order of
 /// first occurrence. Waters and ligands that a file lists after the last chain are counted with the
 /// chain that they name.
+///
+/// atoms.csv: `serial,name,residue,residue_number,chain,element,radius,area`. One line for each
+/// atom, in the order of the file.
 
 #include <cstddef>
 #include <cstdint>
@@ -73,5 +76,22 @@ void end_residues(AreaTables& tables, BufferedText& text);
 
 /// Writes the whole of chain_area.csv.
 void write_chain_table(std::span<const ChainArea> chains, const TextSink& sink);
+
+/// The data of an atom in atoms.csv.
+struct AtomRow {
+  std::uint64_t serial = 0;  ///< number of the atom in the file, from 1
+  AtomLabel label;
+  double radius = 0;  ///< angstrom
+  double area = 0;    ///< square angstrom
+};
+
+/// Appends the header line of atoms.csv.
+void append_atom_header(BufferedText& text);
+
+/// Appends a line of atoms.csv.
+void append_atom(BufferedText& text, const AtomRow& atom);
+
+/// Returns the expected length of atoms.csv for atoms whose names have this total length.
+std::uint64_t typical_atom_table_bytes(std::uint64_t atoms, std::uint64_t name_bytes);
 
 }  // namespace eses::detail

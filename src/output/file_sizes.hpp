@@ -13,6 +13,7 @@ struct FileSizes {
   std::uint64_t edges = 0;     ///< estimate
   std::uint64_t areas = 0;     ///< upper bound
   std::uint64_t residues = 0;  ///< estimate
+  std::uint64_t atoms = 0;     ///< estimate
   std::uint64_t maps = 0;      ///< exact, except for compressed maps
   std::uint64_t mesh = 0;      ///< estimate
 
@@ -23,7 +24,9 @@ struct FileSizes {
   std::uint64_t text_scratch = 0;
 
   /// Total size of the output files.
-  std::uint64_t output() const { return box + grid + edges + areas + residues + maps + mesh; }
+  std::uint64_t output() const {
+    return box + grid + edges + areas + residues + atoms + maps + mesh;
+  }
   /// Total size of the scratch files.
   std::uint64_t scratch() const { return map_scratch + mesh_scratch + text_scratch; }
 };

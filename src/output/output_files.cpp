@@ -33,6 +33,7 @@ namespace {
 
 constexpr char residues_name[] = "residue_area.csv";
 constexpr char chains_name[] = "chain_area.csv";
+constexpr char atoms_name[] = "atoms.csv";
 
 std::vector<std::string> text_names(const Outputs& choice, bool gzip) {
   std::vector<std::string> names;
@@ -56,7 +57,8 @@ std::vector<std::string> other_names(const Outputs& choice) {
 
 // Whether a run that has locked the directory may write a file of this name.
 bool is_ours(std::string_view name) {
-  if (map_format(name) || name == residues_name || name == chains_name) return true;
+  if (map_format(name) || name == residues_name || name == chains_name || name == atoms_name)
+    return true;
   if (name.ends_with(gzip_suffix)) name.remove_suffix(gzip_suffix.size());
   const std::array texts{box_name, grid_name, edges_name, areas_name};
   return std::any_of(texts.begin(), texts.end(), [&](const char* text) { return name == text; });
@@ -238,6 +240,7 @@ std::string mesh_directory_of(const MeshOptions& mesh) { return places_of(mesh).
 std::vector<std::string> file_names(const Outputs& choice) {
   std::vector<std::string> names = text_names(choice, choice.gzip);
   if (choice.residues) names.insert(names.end(), {residues_name, chains_name});
+  if (choice.atoms) names.emplace_back(atoms_name);
   for (const MapChoice& map : chosen_maps(choice)) names.push_back(map.name);
   return names;
 }
@@ -321,6 +324,7 @@ void OutputFiles::open_directory(const Outputs& choice, const std::filesystem::p
     residues.emplace(*directory, residues_name);
     chains.emplace(*directory, chains_name);
   }
+  if (choice.atoms) atoms.emplace(*directory, atoms_name);
   for (const MapChoice& map : chosen_maps(choice))
     maps[static_cast<std::size_t>(map.quantity)].emplace(*directory, map.name);
 }
@@ -344,7 +348,7 @@ std::vector<OutputFile*> OutputFiles::all() {
     if (*file) files.push_back(&**file);
   for (auto& map : maps)
     if (map) files.push_back(&*map);
-  for (auto* file : {&residues, &chains, &mesh, &mesh_faces})
+  for (auto* file : {&residues, &chains, &atoms, &mesh, &mesh_faces})
     if (*file) files.push_back(&**file);
   return files;
 }

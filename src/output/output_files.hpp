@@ -86,7 +86,7 @@ struct OutputFiles {
   /// Directories of the mesh file and of the separate file of its triangles, if the format has one.
   /// Each is locked for its file alone.
   std::optional<OutputDirectory> mesh_directory, face_directory;
-  std::optional<OutputFile> box, grid, edges, areas, residues, chains, mesh, mesh_faces;
+  std::optional<OutputFile> box, grid, edges, areas, residues, chains, atoms, mesh, mesh_faces;
   std::array<std::optional<OutputFile>, map_quantities> maps;  ///< by quantity
 
   /// Opens the files. Throws the errors of require_places, OutputDirectory, OutputFile and

@@ -43,7 +43,7 @@ class TableState {
     bytes = static_cast<std::uint64_t>(next_count());
     if (next() == open_mark) {
       ResidueArea& residue = tables.open.emplace();
-      residue.label = {next(), next(), next(), {}};
+      residue.label = {next(), next(), next(), {}, {}};
       residue.atoms = next_count();
       residue.area = next_area();
     }
@@ -99,20 +99,55 @@ void add_own(const RunPlan& plan, std::span<const double> areas, const Processes
   table.flush();
 }
 
+// The areas of the atoms that a process has read.
+class AreasOfRead {
+ public:
+  // Keeps a reference to `areas`. All processes must call it.
+  AreasOfRead(const AtomAreas& areas, const RunPlan& plan, const Processes& processes)
+      : areas_(areas.areas) {  // those of all atoms in a single process
+    if (processes.count() == 1) return;
+    fetched_ = fetch_areas(plan.read, areas, processes);
+    areas_ = fetched_;
+  }
+  AreasOfRead(const AreasOfRead&) = delete;
+  AreasOfRead& operator=(const AreasOfRead&) = delete;
+
+  std::span<const double> areas() const { return areas_; }
+
+ private:
+  std::vector<double> fetched_;
+  std::span<const double> areas_;
+};
+
+// Returns the label of an atom, by its index among the atoms that this process has read. It is
+// empty if the input has no names.
+AtomLabel label_of(const RunPlan& plan, std::size_t atom) {
+  if (!plan.names.is_empty()) return plan.names.label(atom);
+  const std::span<const AtomLabel> labels = plan.slab.molecule.labels();
+  return labels.empty() ? AtomLabel() : labels[atom];
+}
+
+// Passes the lines of atoms.csv for the atoms that this process has read to `sink`.
+void append_atoms(const RunPlan& plan, std::span<const double> areas, bool with_header,
+                  const TextSink& sink) {
+  BufferedText table(sink);
+  if (with_header) append_atom_header(table);
+  for (std::size_t i = 0; i < areas.size(); ++i) {
+    const double radius = plan.radii.empty() ? plan.slab.molecule.atoms()[i].radius : plan.radii[i];
+    append_atom(table, {plan.read.begin + i + 1, label_of(plan, i), radius, areas[i]});
+  }
+  table.flush();
+}
+
 }  // namespace
 
 std::uint64_t write_area_tables(const AtomAreas& areas, const RunPlan& plan, OutputFile* residues,
                                 OutputFile* chains, const Processes& processes) {
-  std::vector<double> fetched;
-  std::span<const double> of_read = areas.areas;  // all atoms in a single process
-  if (processes.count() > 1) {
-    fetched = fetch_areas(plan.read, areas, processes);
-    of_read = fetched;
-  }
+  const AreasOfRead of_read(areas, plan, processes);
   SharedFile shared(processes, residues);
   const TableState all(processes.chain(std::string(), [&](const std::string& before) {
     TableState state(before);
-    add_own(plan, of_read, processes, shared, state);
+    add_own(plan, of_read.areas(), processes, shared, state);
     return state.packed();
   }));
   shared.close();
@@ -125,6 +160,29 @@ std::uint64_t write_area_tables(const AtomAreas& areas, const RunPlan& plan, Out
     chain_bytes = file.size();
   });
   return all.bytes + processes.sum(chain_bytes);
+}
+
+std::uint64_t write_atom_table(const AtomAreas& areas, const RunPlan& plan, OutputFile* file,
+                               const std::function<void()>& check, const Processes& processes) {
+  const AreasOfRead of_read(areas, plan, processes);
+  SharedFile shared(processes, file);
+  std::uint64_t offset = 0;
+  if (processes.count() > 1) {
+    std::uint64_t bytes = 0;
+    append_atoms(plan, of_read.areas(), processes.is_first(), [&](std::string_view text) {
+      check();
+      bytes += text.size();
+    });
+    offset = processes.sum_before(bytes);
+  }
+  const std::uint64_t begin = offset;
+  append_atoms(plan, of_read.areas(), processes.is_first(), [&](std::string_view text) {
+    check();
+    shared.write_at(text, offset);
+    offset += text.size();
+  });
+  shared.close();
+  return processes.sum(offset - begin);
 }
 
 }  // namespace eses::detail

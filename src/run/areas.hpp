@@ -48,4 +48,10 @@ std::uint64_t write_areas(const AtomAreas& areas, bool gzip, OutputFile* file,
 std::uint64_t write_area_tables(const AtomAreas& areas, const RunPlan& plan, OutputFile* residues,
                                 OutputFile* chains, const Processes& processes);
 
+/// Writes atoms.csv and returns its length in bytes. All processes must call it. The first process
+/// passes the output file, the others pass null. `check` is called repeatedly, and may end the run
+/// by an exception.
+std::uint64_t write_atom_table(const AtomAreas& areas, const RunPlan& plan, OutputFile* file,
+                               const std::function<void()>& check, const Processes& processes);
+
 }  // namespace eses::detail

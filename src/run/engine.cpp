@@ -155,6 +155,8 @@ std::uint64_t write_files(const RunTask& task, const RunPlan& plan,
   if (outputs.residues)
     bytes += write_area_tables(areas, plan, file(&OutputFiles::residues),
                                file(&OutputFiles::chains), processes);
+  if (outputs.atoms)
+    bytes += write_atom_table(areas, plan, file(&OutputFiles::atoms), check, processes);
   return bytes;
 }
 

@@ -6,6 +6,7 @@
 #include <numbers>
 #include <string>
 
+#include "input/atom_names.hpp"
 #include "mesh/triangulate.hpp"
 #include "output/area_table_writer.hpp"
 #include "output/grid_map.hpp"
@@ -205,8 +206,9 @@ LabelTotals total_labels(std::span<const AtomLabel> labels) {
   LabelTotals totals;
   totals.labels = labels.size();
   for (std::size_t i = 0; i < labels.size(); ++i) {
-    const auto& [chain, residue, number, atom_name] = labels[i];
-    for (const std::string* const text : {&chain, &residue, &number, &atom_name})
+    const auto& [chain, residue, number, atom_name, element] = labels[i];
+    totals.atom_text_bytes += text_bytes_of(labels[i]);
+    for (const std::string* const text : {&chain, &residue, &number, &atom_name, &element})
       totals.heap_bytes += heap_bytes_of(*text);
     const bool is_new_chain = i == 0 || chain != labels[i - 1].chain;
     if (is_new_chain) {

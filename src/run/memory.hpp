@@ -24,6 +24,8 @@ struct LabelTotals {
   std::size_t residue_runs = 0, chain_runs = 0;  ///< numbers of runs
   /// Total length of the names of all runs.
   std::uint64_t residue_text_bytes = 0, chain_text_bytes = 0;
+  /// Total length of the names and elements of all atoms.
+  std::uint64_t atom_text_bytes = 0;
   double heap_bytes = 0;  ///< heap memory of strings that do not fit into the string object
 };
 

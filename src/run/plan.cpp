@@ -11,6 +11,7 @@
 #include "eses/error.hpp"
 #include "grid/make_grid.hpp"
 #include "grid/region_box.hpp"
+#include "output/area_table_writer.hpp"
 #include "output/eses_writer.hpp"
 #include "output/grid_map.hpp"
 #include "output/mesh_writer.hpp"
@@ -273,6 +274,7 @@ void plan_files(std::uint64_t atoms, const LabelTotals& labels, const Outputs& o
     plan.files.residues = table_header_bytes +
                           table_line_bytes * (labels.residue_runs + labels.chain_runs) +
                           labels.residue_text_bytes + labels.chain_text_bytes;
+  if (outputs.atoms) plan.files.atoms = typical_atom_table_bytes(atoms, labels.atom_text_bytes);
   expect_maps(outputs, plan);
 }
 

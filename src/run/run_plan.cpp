@@ -133,7 +133,8 @@ LabelTotals take_labels(ResidueRuns residues, const Outputs& outputs, const Proc
     run.groups = std::move(numbered.names);
     groups = std::move(numbered.of_atom);
   }
-  const LabelTotals totals = total_labels(residues.labels);
+  LabelTotals totals = total_labels(residues.labels);
+  totals.atom_text_bytes = run.names.text_bytes();
   if (outputs.residues) run.residues = std::move(residues);
   return totals;
 }
@@ -146,7 +147,8 @@ LabelTotals with_labels_held(LabelTotals totals, const RunPlan& run) {
   for (const std::span<const AtomLabel> labels :
        {std::span<const AtomLabel>(run.residues.labels),
         std::span<const AtomLabel>(run.groups.chains),
-        std::span<const AtomLabel>(run.groups.residues), run.slab.molecule.labels()}) {
+        std::span<const AtomLabel>(run.groups.residues),
+        std::span<const AtomLabel>(run.names.residues()), run.slab.molecule.labels()}) {
     totals.labels += labels.size();
     totals.heap_bytes += total_labels(labels).heap_bytes;
   }
@@ -155,14 +157,15 @@ LabelTotals with_labels_held(LabelTotals totals, const RunPlan& run) {
 
 // Returns the sums over all processes, without the labels and bytes in memory.
 LabelTotals sum_labels(const LabelTotals& own, const Processes& processes) {
-  std::array<std::uint64_t, 4> sums{own.residue_runs, own.chain_runs, own.residue_text_bytes,
-                                    own.chain_text_bytes};
+  std::array<std::uint64_t, 5> sums{own.residue_runs, own.chain_runs, own.residue_text_bytes,
+                                    own.chain_text_bytes, own.atom_text_bytes};
   processes.add(sums);
   LabelTotals all;
   all.residue_runs = sums[0];
   all.chain_runs = sums[1];
   all.residue_text_bytes = sums[2];
   all.chain_text_bytes = sums[3];
+  all.atom_text_bytes = sums[4];
   return all;
 }
 
@@ -192,7 +195,14 @@ void open_checkpoint(const RunTask& task, const AtomShare& share, const Processe
   run.done = processes.gather<PlaneRange>(done);
 }
 
-// Adds the labels of the examples to the diagnostics if the names of the atoms are known.
+std::vector<double> radii_of(std::span<const Atom> atoms) {
+  std::vector<double> radii;
+  radii.reserve(atoms.size());
+  for (const Atom& atom : atoms) radii.push_back(atom.radius);
+  return radii;
+}
+
+// Adds the labels of the examples to the diagnostics if this process knows the names of the atoms.
 void name_examples(const AtomNames& names, FileDiagnostics& diagnostics) {
   if (names.is_empty()) return;
   for (const auto& [atom, line] : diagnostics.lines) diagnostics.labels[atom] = names.label(atom);
@@ -214,11 +224,12 @@ void plan_slab(const RunTask& task, const LabelTotals& labels, const Processes::
   processes.all_or_throw([&] {
     if (run.slab.planes.is_empty()) return;
     const auto sharing = static_cast<std::uint64_t>(machine.processes);
-    plan_schedule({.available = available_memory() / sharing,
-                   .held = processes.own_memory(),
-                   .labels = labels,
-                   .caller = task.caller_memory},
-                  run.slab.molecule, task.outputs, run.own);
+    plan_schedule(
+        {.available = available_memory() / sharing,
+         .held = processes.own_memory() + run.names.bytes() + run.radii.size() * sizeof(double),
+         .labels = labels,
+         .caller = task.caller_memory},
+        run.slab.molecule, task.outputs, run.own);
     if (const auto* file = std::get_if<InputFile>(&task.atoms))
       require_memory_held(*file, task.parameters.max_memory);
   });
@@ -264,15 +275,16 @@ LabelTotals take_file(const InputFile& file, const RunTask& task, const Processe
   const Outputs& outputs = task.outputs;
   const std::uint64_t limit = task.parameters.max_memory;
   const bool has_names = is_structure(format_of(file.path, file.format));
-  AtomShare share =
-      read_share(file.path,
-                 {.format = file.format,
-                  .with_labels = has_names || outputs.residues || names_groups(outputs),
-                  .max_memory = limit,
-                  .structure = file.structure},
-                 processes);
+  AtomShare share = read_share(
+      file.path,
+      {.format = file.format,
+       .with_labels = has_names || outputs.residues || outputs.atoms || names_groups(outputs),
+       .max_memory = limit,
+       .structure = file.structure},
+      outputs.atoms, processes);
   run.structure = std::move(share.structure);
-  AtomNames names = std::exchange(share.names, {});
+  run.names = std::exchange(share.names, {});
+  if (outputs.atoms && processes.count() > 1) run.radii = radii_of(share.atoms);
   const FileDiagnostics of_names = std::exchange(share.diagnostics, {});
   processes.all_or_throw([&] { require_memory_for(share.total, file, limit, processes); });
   run.atoms = share.total;
@@ -287,7 +299,8 @@ LabelTotals take_file(const InputFile& file, const RunTask& task, const Processe
   run.slab = std::move(part.slab);
   run.diagnostics = std::move(part.diagnostics);
   run.diagnostics.add(of_names);
-  name_examples(std::exchange(names, {}), run.diagnostics);
+  if (has_names) name_examples(run.names, run.diagnostics);
+  if (!outputs.atoms) run.names = {};
   release_free_memory();
   return labels;
 }
@@ -301,9 +314,12 @@ LabelTotals take_molecule(const Molecule& molecule, const RunTask& task, const P
   run.whole = plan_grid(sphere_bounds(molecule.atoms()), task.parameters);
   run.slab.planes = region_planes(run.whole);
   run.slab.molecule = molecule;
-  if (!task.outputs.residues && !names_groups(task.outputs)) return {};
-  return take_labels(residue_runs(molecule.labels()), task.outputs, processes, run,
-                     run.slab.groups);
+  LabelTotals labels;
+  if (task.outputs.residues || names_groups(task.outputs))
+    labels =
+        take_labels(residue_runs(molecule.labels()), task.outputs, processes, run, run.slab.groups);
+  if (task.outputs.atoms) labels.atom_text_bytes = total_labels(molecule.labels()).atom_text_bytes;
+  return labels;
 }
 
 }  // namespace

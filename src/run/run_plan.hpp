@@ -11,6 +11,7 @@
 #include "distributed/checkpoint.hpp"
 #include "distributed/group_numbers.hpp"
 #include "distributed/processes.hpp"
+#include "input/atom_names.hpp"
 #include "run/plan.hpp"
 #include "run/slabs.hpp"
 #include "run/task.hpp"
@@ -27,6 +28,11 @@ struct RunPlan {
   AtomRange read;           ///< atoms that this process has read
   ResidueRuns residues;     ///< residues of the atoms in `read`, if tables of residues are written
   GroupNames groups;        ///< groups whose first atom is in `read`, if the mesh names them
+  /// Names of the atoms in `read`, if atoms.csv is written and the file has names. A molecule in
+  /// memory has labels instead.
+  AtomNames names;
+  /// Radii of the atoms in `read` (angstrom), if several processes write atoms.csv.
+  std::vector<double> radii;
   /// The report of reading a PDB or mmCIF file; only in the first process.
   std::optional<StructureReport> structure;
   /// Checkpoint of a run that can be resumed, else null. The first process locks it.

@@ -198,6 +198,19 @@ class Identity(Processes):
             self.assertSame(count, DATA / "fas2.pqr", "--spacing", "0.8", "--write", "none",
                             "--color", "chain", mesh="mesh.vtp")
 
+    def test_tables_of_atoms_are_the_same(self):
+        """With and without names, where all ranks read a part of the file and where one reads it."""
+        compressed = self.folder / "fas2.pqr.gz"
+        compressed.write_bytes(gzip.compress((DATA / "fas2.pqr").read_bytes()))
+        late = self.folder / "late.xyzr"
+        late.write_text("# a comment\n" * 100 + "0 0 0 1.5\n9 0 0 1.7\n")
+        for path in (DATA / "fas2.pqr", DATA / "1ubq.xyzr", MMCIF, compressed, late,
+                     write_pdb(self.folder / "chains.pdb")):
+            for count in (2, 3, 5):
+                with self.subTest(path=path, count=count):
+                    self.assertSame(count, path, "--spacing", "0.9", "--write", "residues,atoms"
+                                    if "xyzr" not in path.name else "atoms", options=("-b", "9"))
+
     def write_pqr(self, labels):
         """Writes atoms on a winding line with these chains, residues and numbers."""
         path = self.folder / "labels.pqr"
@@ -231,7 +244,7 @@ class Identity(Processes):
         self.assertTrue(self.contents() == self.contents(self.alone))
 
     def test_labels_of_standard_input_are_the_same(self):
-        arguments = ("-q", "--format", "pqr", "--write", "residues", "--spacing", "0.9")
+        arguments = ("-q", "--format", "pqr", "--write", "residues,atoms", "--spacing", "0.9")
         self.assertDone(self.run_alone(DATA / "fas2.pqr", *arguments))
         with open(DATA / "fas2.pqr", encoding="ascii") as file:
             self.assertDone(self.run_together(3, "-", *arguments, stdin=file))

@@ -264,9 +264,9 @@ class Resume(FaultTest):
     @needs_library
     def test_meshes_maps_and_residues_are_continued(self):
         for name, mesh, more in (("fas2.pqr", "mesh.ply", ("--inside", "map.dx", "--color", "chain",
-                                                           "--write", "residues")),
+                                                           "--write", "residues,atoms")),
                                  ("c60.xyzr", "mesh.obj", ("--inside", "map.vti", "--write",
-                                                           "none")),
+                                                           "atoms")),
                                  ("c60.xyzr", "mesh.vert", ("--write", "edges")),
                                  ("c60.xyzr", "mesh.ply", ("--ply-ascii", "--write", "none")),
                                  ("fas2.pqr", "mesh.vtp", ("--color", "atom", "--write",
@@ -299,7 +299,7 @@ class Resume(FaultTest):
         """PDB and mmCIF files, whose labels are in files of areas and meshes."""
         for path in (MMCIF, write_pdb(self.folder / "chains.pdb")):
             arguments = (path, "-q", "--spacing", "0.9", "-b", "9", "-t", "2",
-                         "--write", "all,residues", "--color", "chain", "--mesh",
+                         "--write", "all,residues,atoms", "--color", "chain", "--mesh",
                          self.output / "mesh.ply")
             self.put({})
             self.assertDone(self.run_program(*arguments))
