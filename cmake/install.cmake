@@ -37,6 +37,8 @@ install(FILES ${PROJECT_BINARY_DIR}/generated/eses/version.hpp
         DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/eses COMPONENT development)
 install(FILES README.md LICENSE CHANGELOG.md CITATION.cff CONTRIBUTING.md SECURITY.md
         DESTINATION ${CMAKE_INSTALL_DOCDIR} COMPONENT program)
+install(FILES scripts/eses_pymol.py
+        DESTINATION ${CMAKE_INSTALL_DATADIR}/eses-blocks COMPONENT program)
 # Install the pages and their figures, but not the measurements from which the figures are made.
 install(DIRECTORY doc DESTINATION ${CMAKE_INSTALL_DOCDIR} COMPONENT program
         FILES_MATCHING PATTERN "*.md" PATTERN "*.svg" PATTERN "*.png" PATTERN "*.sbatch")

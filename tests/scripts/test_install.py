@@ -99,7 +99,8 @@ class Install(TestCase):
     def test_all_files_are_installed(self):
         doc = "share/doc/eses-blocks"
         for name in ("bin/eses-blocks", "share/bash-completion/completions/eses-blocks",
-                     "share/zsh/vendor-completions/_eses-blocks", f"{doc}/README.md",
+                     "share/zsh/vendor-completions/_eses-blocks",
+                     "share/eses-blocks/eses_pymol.py", f"{doc}/README.md",
                      f"{doc}/LICENSE", f"{doc}/CHANGELOG.md", f"{doc}/CITATION.cff",
                      f"{doc}/CONTRIBUTING.md", f"{doc}/SECURITY.md"):
             self.assertTrue((self.prefix / name).is_file(), name)
