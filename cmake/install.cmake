@@ -3,6 +3,8 @@
 #   find_package(eses REQUIRED)
 #   target_link_libraries(mine PRIVATE eses::eses)
 #
+# Other build systems find the library by eses.pc.
+#
 # The components are those of the Debian packages (package.cmake): `program`, and `development` for
 # users of the library.
 
@@ -56,3 +58,19 @@ write_basic_package_version_file(${PROJECT_BINARY_DIR}/eses-config-version.cmake
 install(FILES ${PROJECT_BINARY_DIR}/eses-config.cmake
               ${PROJECT_BINARY_DIR}/eses-config-version.cmake
         DESTINATION ${ESES_INSTALL_CMAKEDIR} COMPONENT development)
+
+# For build systems other than CMake: `pkg-config --cflags --libs --static eses`. All paths are
+# relative to the file, so that the installation can be moved.
+set(pkgconfig_directory ${CMAKE_INSTALL_FULL_LIBDIR}/pkgconfig)
+file(RELATIVE_PATH ESES_PC_PREFIX ${pkgconfig_directory} ${CMAKE_INSTALL_PREFIX})
+string(REGEX REPLACE "/$" "" ESES_PC_PREFIX "${ESES_PC_PREFIX}")
+file(RELATIVE_PATH ESES_PC_LIBDIR ${CMAKE_INSTALL_PREFIX} ${CMAKE_INSTALL_FULL_LIBDIR})
+file(RELATIVE_PATH ESES_PC_INCLUDEDIR ${CMAKE_INSTALL_PREFIX} ${CMAKE_INSTALL_FULL_INCLUDEDIR})
+set(ESES_PC_LIBRARIES ${OpenMP_CXX_FLAGS})
+if(ESES_WITH_MPI)
+  string(APPEND ESES_PC_LIBRARIES " ${MPI_CXX_LINK_FLAGS} ${MPI_CXX_LIBRARIES}")
+  string(REPLACE ";" " " ESES_PC_LIBRARIES "${ESES_PC_LIBRARIES}")
+endif()
+configure_file(packaging/eses.pc.in ${PROJECT_BINARY_DIR}/eses.pc @ONLY)
+install(FILES ${PROJECT_BINARY_DIR}/eses.pc DESTINATION ${CMAKE_INSTALL_LIBDIR}/pkgconfig
+        COMPONENT development)
