@@ -3,6 +3,8 @@
 #   find_package(eses REQUIRED)
 #   target_link_libraries(mine PRIVATE eses::eses)
 #
+# Other build systems find the library by eses.pc.
+#
 # The components are those of the Debian packages (package.cmake): `program`, and `development` for
 # users of the library.
 
@@ -37,6 +39,8 @@ install(FILES ${PROJECT_BINARY_DIR}/generated/eses/version.hpp
         DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/eses COMPONENT development)
 install(FILES README.md LICENSE CHANGELOG.md CITATION.cff CONTRIBUTING.md SECURITY.md
         DESTINATION ${CMAKE_INSTALL_DOCDIR} COMPONENT program)
+install(FILES scripts/eses_pymol.py
+        DESTINATION ${CMAKE_INSTALL_DATADIR}/eses-blocks COMPONENT program)
 # Install the pages and their figures, but not the measurements from which the figures are made.
 install(DIRECTORY doc DESTINATION ${CMAKE_INSTALL_DOCDIR} COMPONENT program
         FILES_MATCHING PATTERN "*.md" PATTERN "*.svg" PATTERN "*.png" PATTERN "*.sbatch")
@@ -54,3 +58,19 @@ write_basic_package_version_file(${PROJECT_BINARY_DIR}/eses-config-version.cmake
 install(FILES ${PROJECT_BINARY_DIR}/eses-config.cmake
               ${PROJECT_BINARY_DIR}/eses-config-version.cmake
         DESTINATION ${ESES_INSTALL_CMAKEDIR} COMPONENT development)
+
+# For build systems other than CMake: `pkg-config --cflags --libs --static eses`. All paths are
+# relative to the file, so that the installation can be moved.
+set(pkgconfig_directory ${CMAKE_INSTALL_FULL_LIBDIR}/pkgconfig)
+file(RELATIVE_PATH ESES_PC_PREFIX ${pkgconfig_directory} ${CMAKE_INSTALL_PREFIX})
+string(REGEX REPLACE "/$" "" ESES_PC_PREFIX "${ESES_PC_PREFIX}")
+file(RELATIVE_PATH ESES_PC_LIBDIR ${CMAKE_INSTALL_PREFIX} ${CMAKE_INSTALL_FULL_LIBDIR})
+file(RELATIVE_PATH ESES_PC_INCLUDEDIR ${CMAKE_INSTALL_PREFIX} ${CMAKE_INSTALL_FULL_INCLUDEDIR})
+set(ESES_PC_LIBRARIES ${OpenMP_CXX_FLAGS})
+if(ESES_WITH_MPI)
+  string(APPEND ESES_PC_LIBRARIES " ${MPI_CXX_LINK_FLAGS} ${MPI_CXX_LIBRARIES}")
+  string(REPLACE ";" " " ESES_PC_LIBRARIES "${ESES_PC_LIBRARIES}")
+endif()
+configure_file(packaging/eses.pc.in ${PROJECT_BINARY_DIR}/eses.pc @ONLY)
+install(FILES ${PROJECT_BINARY_DIR}/eses.pc DESTINATION ${CMAKE_INSTALL_LIBDIR}/pkgconfig
+        COMPONENT development)

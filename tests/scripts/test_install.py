@@ -65,6 +65,24 @@ class Install(TestCase):
         for library in ("hwy", "fmt"):
             self.assertNotIn(library, linking)
 
+    def test_pkg_config_finds_the_library(self):
+        """One command compiles a program, also where the installation was moved to."""
+        moved = self.folder / "moved"
+        self.prefix.rename(moved)
+        [file] = moved.rglob("eses.pc")
+        environment = {**os.environ, "PKG_CONFIG_PATH": str(file.parent)}
+        done = run("pkg-config", "--cflags", "--libs", "--static", "eses", env=environment)
+        self.assertDone(done)
+        for flag in ("-leses", "-lz", "-fopenmp"):
+            self.assertIn(flag, done.stdout)
+        self.assertDone(run(COMPILER, "-std=c++20", PROJECT / "tests/downstream/blocks.cpp", "-o",
+                            self.folder / "blocks", *done.stdout.split()))
+        libraries = {**os.environ, "LD_LIBRARY_PATH": str(file.parents[1])}
+        self.assertDone(run(self.folder / "blocks", env=libraries))
+        version = run("pkg-config", "--modversion", "eses", env=environment).stdout.strip()
+        program = run(moved / "bin/eses-blocks", "--version", env=libraries).stdout
+        self.assertEqual(program.splitlines()[0], f"eses-blocks {version}")
+
     def test_headers_stand_alone_and_define_no_macro(self):
         before = run(COMPILER, "-std=c++20", "-x", "c++", "-dM", "-E", os.devnull)
         self.assertDone(before)
@@ -99,7 +117,8 @@ class Install(TestCase):
     def test_all_files_are_installed(self):
         doc = "share/doc/eses-blocks"
         for name in ("bin/eses-blocks", "share/bash-completion/completions/eses-blocks",
-                     "share/zsh/vendor-completions/_eses-blocks", f"{doc}/README.md",
+                     "share/zsh/vendor-completions/_eses-blocks",
+                     "share/eses-blocks/eses_pymol.py", f"{doc}/README.md",
                      f"{doc}/LICENSE", f"{doc}/CHANGELOG.md", f"{doc}/CITATION.cff",
                      f"{doc}/CONTRIBUTING.md", f"{doc}/SECURITY.md"):
             self.assertTrue((self.prefix / name).is_file(), name)

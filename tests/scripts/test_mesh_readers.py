@@ -6,7 +6,7 @@ import shutil
 import subprocess
 import unittest
 
-from support import DATA, PROGRAM, PROJECT, TestCase, python_with
+from support import DATA, PROGRAM, PROJECT, SCRIPTS, TestCase, python_with
 
 VTK = """
 import json, sys, vtk
@@ -71,6 +71,15 @@ from pymol import cmd
 cmd.load(sys.argv[1], "mesh")
 json.dump({"type": cmd.get_type("mesh"), "extent": cmd.get_extent("mesh"),
            "version": cmd.get_version()[0]}, sys.stdout)
+"""
+# Runs the commands of doc/meshes.md and finds the numbers of the graphics object in the session.
+PYMOL_SCRIPT = f"""
+import json, sys
+from pymol import cmd
+cmd.do("run {SCRIPTS}/eses_pymol.py; eses_load " + sys.argv[1], echo=0)
+cmd.sync()
+objects = {{entry[0]: entry[5] for entry in cmd.get_session()["names"] if entry}}
+json.dump({{name: entry[2][0][0][1] for name, entry in objects.items()}}, sys.stdout)
 """
 
 
@@ -213,6 +222,54 @@ json.dump({"cells": reader.GetOutput().GetNumberOfCells(), "error": reader.GetEr
                     for axis in range(3):
                         mine = end(position[axis] for position, _, _ in self.crossings())
                         self.assertAlmostEqual(theirs[axis] / scale, mine, 4)
+
+    def test_script_for_pymol_loads_colours_and_normals(self):
+        """The corners of the triangles are those of the mesh as text, read here word by word."""
+        begin, end, vertex, normal, color, triangles = 2, 3, 4, 5, 6, 4  # of PyMOL's cgo.py
+        for options in (("--color", "patch"), ("--color", "atom"), ()):
+            with self.subTest(options=options):
+                self.make("text.ply", DATA / "c60.xyzr", "--ply-ascii", *options)
+                self.make("a.ply", DATA / "c60.xyzr", *options)
+                header, _, body = (self.folder / "text.ply").read_text().partition("end_header\n")
+                count = int(header.partition("element vertex ")[2].split()[0])
+                rows = [[float(word) for word in line.split()] for line in body.splitlines()]
+                corners = [int(corner) for row in rows[count:] for corner in row[1:]]
+                for name in ("a", "text"):
+                    found = self.read_back("pymol", PYMOL_SCRIPT, f"{name}.ply")
+                    self.assertEqual(list(found), [name])
+                    numbers = found[name]
+                    self.assertEqual(len(numbers), 2 + 12 * len(corners) + 1)
+                    self.assertEqual((*numbers[:2], numbers[-1]), (begin, triangles, end))
+                    colors = set()
+                    for index, corner in enumerate(corners):
+                        got = numbers[2 + 12 * index:14 + 12 * index]
+                        self.assertEqual((got[0], got[4], got[8]), (color, normal, vertex))
+                        colors.add(tuple(round(255 * value, 3) for value in got[1:4]))
+                        if options:
+                            self.assertEqual([round(255 * value, 3) for value in got[1:4]],
+                                             rows[corner][6:9])
+                        for mine, theirs in zip(rows[corner], got[9:] + got[5:8]):
+                            self.assertAlmostEqual(mine, theirs, 5)
+                    self.assertEqual(len(colors) > 1, bool(options))
+
+    def test_script_for_pymol_refuses_other_files(self):
+        self.make("a.ply", DATA / "c60.xyzr")
+        mesh = (self.folder / "a.ply").read_bytes()
+        python = python_with("pymol")
+        if python is None:
+            raise unittest.SkipTest("pymol is not installed")
+        for name, content, message in (
+                ("cut.ply", mesh[:-1], "is truncated"), ("head.ply", mesh[:100], "has no end"),
+                ("a.txt", b"x", "not a PLY file"), ("none.ply", None, "No such file")):
+            path = self.folder / name
+            if content is not None:
+                path.write_bytes(content)
+            done = subprocess.run([python, "-c", PYMOL_SCRIPT, path], capture_output=True, text=True,
+                                  check=False)
+            self.assertIn(f"Error: {path}: ", done.stdout)
+            self.assertIn(message, done.stdout)
+            self.assertNotIn("Traceback", done.stdout + done.stderr)
+            self.assertTrue(done.stdout.endswith("{}"))
 
     @unittest.skipUnless(shutil.which("awk"), "awk is not installed")
     def test_documented_command_adds_names_for_masif(self):

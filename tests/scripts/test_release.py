@@ -29,6 +29,9 @@ class Release(TestCase):
                               re.MULTILINE)
         self.assertEqual(headings[:2], ["[Unreleased]", f"[{self.version}] - {self.date}"])
 
+    def test_conda_recipe_has_the_version(self):
+        self.assertEqual(found("packaging/conda/recipe.yaml", r'^  version: "(\S+)"$'), (self.version,))
+
     def test_citation_has_the_version(self):
         self.assertEqual(found("CITATION.cff", r"^version: (\S+)$"), (self.version,))
         self.assertEqual(found("CITATION.cff", r"^date-released: (\S+)$"), (self.date,))
