@@ -1,8 +1,8 @@
 """Divides the triangles of a coloured mesh at the borders between patches of the surface.
 
 A vertex names its kind of patch and its first adjacent atom. Its probe is at x + p n. The spheres
-and the probe radius p follow from the vertices: on a convex patch x = a + r n, and the vertices of
-one concave patch share the centre of the probe. So each point of a triangle between patches can be
+and the probe radius p follow from the vertices: on a convex patch x = a + r n, and elsewhere the probe
+touches the sphere of the first atom. So each point of a triangle between patches can be
 given the patch of the nearest place where the probe may be, as in doc/algorithm.md.
 """
 
@@ -12,24 +12,12 @@ import numpy
 
 CONVEX, SADDLE, CONCAVE = 1, 2, 3
 TOLERANCE = 1e-3  # angstrom; normals of PLY files have single precision
+MIN_GAP = 0.02  # angstrom; nearer to a contact circle the probe radius is inexact
 CELL = 4.0  # angstrom; side of the cells in which spheres are looked up
 
 
 def row_dot(a, b):
     return numpy.einsum("...i,...i->...", a, b)
-
-
-def probe_radius(points, normals, kinds, triangles):
-    """Returns the radius from edges within concave patches, or None if there are too few."""
-    edges = triangles[:, [0, 1]]
-    edges = edges[(kinds[edges] == CONCAVE).all(axis=1)]
-    apart = normals[edges[:, 1]] - normals[edges[:, 0]]
-    squares = row_dot(apart, apart)
-    edges, apart, squares = edges[squares > 1e-4], apart[squares > 1e-4], squares[squares > 1e-4]
-    if len(edges) == 0:
-        return None
-    return float(numpy.median(
-        -row_dot(points[edges[:, 1]] - points[edges[:, 0]], apart) / squares))
 
 
 def spheres(points, normals, kinds, atoms):
@@ -50,6 +38,20 @@ def spheres(points, normals, kinds, atoms):
     radii = numpy.bincount(atom, row_dot(points - point[atom], apart)) / numpy.where(is_known,
                                                                                    spread, 1)
     return (point - radii[:, None] * normal)[is_known], radii[is_known], numbers[is_known]
+
+
+def probe_radius(places, normals, radii):
+    """Returns the radius p of the probe from places on saddle and concave patches, relative to the
+    centre of an adjacent sphere of radius r, or None if there are too few.
+
+    The probe touches this sphere: |x + p n| = r + p, so p = (x x - r r) / (2 (r - n x)).
+    """
+    gaps = radii - row_dot(normals, places)
+    is_far = gaps > MIN_GAP
+    if not is_far.any():
+        return None
+    values = (row_dot(places, places) - radii**2)[is_far] / (2 * gaps[is_far])
+    return float(numpy.median(values))
 
 
 def touching(probes, centers, radii):
@@ -134,28 +136,35 @@ def nearest_corner(places, kind, probe, touched, centers, radii, weights):
     return numpy.where(numpy.isfinite(distance.min(axis=2)), chosen, numpy.argmax(weights, axis=1))
 
 
+def index_of(values, ordered):
+    """Returns the index of each value in an ordered array, or -1."""
+    at = numpy.minimum(numpy.searchsorted(ordered, values), len(ordered) - 1)
+    return numpy.where(ordered[at] == values, at, -1)
+
+
 def divide(points, normals, triangles, kinds, atoms, colors, pieces):
     """Returns points, normals, triangles and the colour of each triangle, with the triangles at
     borders of colours divided into `pieces` squared parts."""
     corner_colors = colors[triangles]
     is_mixed = (corner_colors != corner_colors[:, :1]).any(axis=(1, 2))
     whole, mixed = triangles[~is_mixed], triangles[is_mixed]
-    probe = probe_radius(points, normals, kinds, triangles)
     centers, radii, numbers = spheres(points, normals, kinds, atoms)
+    if len(numbers) == 0:  # no borders can be found
+        centers, radii, numbers = numpy.zeros((1, 3)), numpy.zeros(1), numpy.full(1, -1)
+    own = index_of(atoms, numbers)
+    is_bent = (kinds != CONVEX) & (own >= 0)
+    probe = probe_radius(points[is_bent] - centers[own[is_bent]], normals[is_bent],
+                         radii[own[is_bent]]) or 0.0
     weights, small = grid_of(pieces)
     middles = weights[small].mean(axis=1)
-    if probe is None or len(radii) == 0:  # no borders can be found
-        centers, radii, numbers, probe = numpy.zeros((1, 3)), numpy.zeros(1), numpy.full(1, -1), 0.0
     radii = radii + probe
     used, corner = numpy.unique(mixed, return_inverse=True)
     corner = corner.reshape(mixed.shape)
     probes = points[used] + probe * normals[used]
     touched = touching(probes, centers, radii)
-    at = numpy.minimum(numpy.searchsorted(numbers, atoms[used]), len(numbers) - 1)
-    own = numpy.where(numbers[at] == atoms[used], at, -1)
     is_convex = kinds[used] == CONVEX
     touched[is_convex] = -1
-    touched[is_convex, 0] = own[is_convex]
+    touched[is_convex, 0] = own[used[is_convex]]
     all_points, all_normals = [points], [normals]
     all_triangles, all_colors = [whole], [colors[whole[:, 0]]]
     count = len(points)
