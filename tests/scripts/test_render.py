@@ -151,6 +151,23 @@ class Render(TestCase):
         rows = self.picture_of(atoms, "--color", "patch")
         self.assertEqual({pixel for row in rows for pixel in row[-4:]}, {WHITE})
 
+    def test_legend_names_the_chains(self):
+        for names, count in (("AB", 2), ("AA", 1), ("A", 1)):
+            with self.subTest(names=names):
+                lines = (f"ATOM {n} C ALA {name} 1 {3 * n} 0 0 0 1.7\n" for n, name in enumerate(names))
+                source = self.folder / "chains.pqr"
+                source.write_text("".join(lines))
+                for mesh in ("c.ply", "c.vtp"):
+                    self.assertDone(subprocess.run(
+                        [PROGRAM, source, "-q", "--write", "none", "--color", "chain", "--mesh",
+                         self.folder / mesh], capture_output=True, text=True, check=False))
+                    picture = self.folder / "c.png"
+                    self.assertDone(self.render(self.folder / mesh, "-o", picture, "--size", 160))
+                    # Squares have pure colours, and the names are grey.
+                    beside = {pixel for row in pixels(picture) for pixel in row[-22:]
+                              if max(pixel) - min(pixel) > 100}
+                    self.assertEqual(len(beside), count)
+
     def test_wrong_files_are_refused(self):
         text = self.folder / "a.txt"
         text.write_text("none")
