@@ -27,7 +27,7 @@ def default_program():
     if not IS_INSTALLED:
         return PROJECT / "build" / "eses-blocks"
     installed = PROJECT.parent / "bin" / "eses-blocks"
-    return installed if installed.exists() else pathlib.Path(shutil.which("eses-blocks") or installed)
+    return installed if installed.exists() else pathlib.Path(shutil.which(installed.name) or installed)
 
 
 PROGRAM = default_program()

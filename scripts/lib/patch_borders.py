@@ -1,9 +1,9 @@
 """Divides the triangles of a coloured mesh at the borders between patches of the surface.
 
 A vertex names its kind of patch and its first adjacent atom. Its probe is at x + p n. The spheres
-and the probe radius p follow from the vertices: on a convex patch x = a + r n, and elsewhere the probe
-touches the sphere of the first atom. So each point of a triangle between patches can be
-given the patch of the nearest place where the probe may be, as in doc/algorithm.md.
+and the probe radius p follow from the vertices: on a convex patch x = a + r n, and elsewhere the
+probe touches the sphere of the first atom. So each point of a triangle between patches can be given
+the patch of the nearest place where the probe may be, as in doc/algorithm.md.
 """
 
 import itertools
@@ -13,6 +13,7 @@ import numpy
 CONVEX, SADDLE, CONCAVE = 1, 2, 3
 TOLERANCE = 1e-3  # angstrom; normals of PLY files have single precision
 MIN_GAP = 0.02  # angstrom; nearer to a contact circle the probe radius is inexact
+BATCH = 200000  # divided triangles at once, which bounds the memory
 CELL = 4.0  # angstrom; side of the cells in which spheres are looked up
 
 
@@ -55,8 +56,7 @@ def probe_radius(places, normals, radii):
 
 
 def touching(probes, centers, radii):
-    """Returns for each probe the (at most three) spheres of radius `radii` on whose surface it lies;
-    -1 for none."""
+    """Returns for each probe the spheres on whose surface it lies, at most three; -1 for none."""
     found = numpy.full((len(probes), 3), -1)
     reach = int(numpy.ceil((radii.max() + TOLERANCE) / CELL)) if len(radii) else 0
     cells = {}
@@ -99,8 +99,8 @@ def grid_of(pieces):
 def nearest_corner(places, kind, probe, touched, centers, radii, weights):
     """Returns the corner of its triangle to whose patch each place belongs.
 
-    places: triangle, place, xyz. kind, probe and touched are of the triangles' corners. Each corner's
-    patch gives a position of the probe for the place: on the sphere of its atom, on the circle of
+    places: triangle, place, xyz. kind, probe and touched are of the triangles' corners. The patch
+    of each corner gives a position of the probe for the place: on the sphere of its atom, on the circle of
     both, or the probe of a concave patch. Positions inside another sphere are impossible. The
     nearest one decides, or the nearest corner if none is possible.
     """
@@ -168,7 +168,8 @@ def divide(points, normals, triangles, kinds, atoms, colors, pieces):
     all_points, all_normals = [points], [normals]
     all_triangles, all_colors = [whole], [colors[whole[:, 0]]]
     count = len(points)
-    for part in numpy.array_split(numpy.arange(len(mixed)), max(1, len(mixed) * len(small) // 200000)):
+    batches = max(1, len(mixed) * len(small) // BATCH)
+    for part in numpy.array_split(numpy.arange(len(mixed)), batches):
         here = mixed[part]
         if len(here) == 0:
             continue
