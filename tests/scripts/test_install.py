@@ -147,7 +147,7 @@ class Install(TestCase):
         self.assertEqual([path.name for path in waiting], ["apbs", "assemble", "pdbbind", "render"])
         while waiting:
             text = waiting.pop().read_text()
-            for name in re.findall(r"^(?:import|from) (\w+)", text, re.MULTILINE):
+            for name in re.findall(r"^ *(?:import|from) (\w+)", text, re.MULTILINE):
                 if name in known and name not in needed:
                     needed.add(name)
                     waiting.append(known[name])
@@ -164,7 +164,7 @@ class Install(TestCase):
             text = (self.prefix / f"share/man/man1/{page}.1").read_text()
             self.assertTrue(re.match(r"[^\n]*\n\.TH ", text), text[:200])
             if page == program:
-                self.assertIn(page.replace("-", "\\-") + " \\- ", text)
+                self.assertIn(f"\n{page} \\- ", text)
             # The page is made from --help, so every option is in it.
             done = run(self.prefix / "bin" / program, *command, "--help")
             self.assertDone(done)
