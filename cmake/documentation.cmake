@@ -23,6 +23,27 @@ if(ESES_HELP2MAN AND NOT ESES_SANITIZE AND NOT CMAKE_CROSSCOMPILING)
       VERBATIM)
     list(APPEND pages ${PROJECT_BINARY_DIR}/${name}.1)
   endforeach()
+  # The scripts are called by their installed names, which their help shows.
+  foreach(page IN ITEMS
+      "apbs|electrostatic energies with APBS on maps of the molecular surface"
+      "assemble|builds a large complex from copies of one structure"
+      "pdbbind|molecular surfaces of all structures below a folder"
+      "render|pictures of meshes of molecular surfaces")
+    string(REPLACE "|" ";" parts "${page}")
+    list(GET parts 0 script)
+    list(GET parts 1 title)
+    set(name ${PROJECT_BINARY_DIR}/manual/eses-${script})
+    file(MAKE_DIRECTORY ${PROJECT_BINARY_DIR}/manual)
+    file(CREATE_LINK ${PROJECT_SOURCE_DIR}/scripts/${script} ${name} SYMBOLIC)
+    add_custom_command(
+      OUTPUT ${name}.1
+      COMMAND ${ESES_HELP2MAN} --no-info --section 1 --name "${title}"
+              --version-string "eses-${script} (eses-blocks) ${PROJECT_VERSION}"
+              --include ${PROJECT_SOURCE_DIR}/packaging/scripts.h2m --output ${name}.1 ${name}
+      DEPENDS ${PROJECT_SOURCE_DIR}/scripts/${script} ${PROJECT_SOURCE_DIR}/packaging/scripts.h2m
+      VERBATIM)
+    list(APPEND pages ${name}.1)
+  endforeach()
   add_custom_target(manual ALL DEPENDS ${pages})
   install(FILES ${pages} DESTINATION ${CMAKE_INSTALL_MANDIR}/man1 COMPONENT program)
 elseif(NOT ESES_HELP2MAN)

@@ -33,6 +33,26 @@ if(ESES_INSTALLED_BYTECODE AND NOT BUILD_SHARED_LIBS)
     COMMAND_ERROR_IS_FATAL ANY)" COMPONENT development)
 endif()
 install(TARGETS eses-blocks COMPONENT program)
+
+# The scripts for users are installed in ESES_SCRIPT_DIR, where they find their modules in lib/. Links
+# in the folder of the program have the prefix eses-. scripts/lib/common.py knows this layout.
+set(ESES_SCRIPTS apbs assemble pdbbind render)
+set(ESES_SCRIPT_MODULES atoms common measuring mmcif patch_borders pdb_to_pqr poisson_boltzmann quiet_interrupt
+    structures summary)
+set(ESES_SCRIPT_DIR ${CMAKE_INSTALL_DATADIR}/eses-blocks)
+file(RELATIVE_PATH to_scripts ${CMAKE_INSTALL_FULL_BINDIR}
+     ${CMAKE_INSTALL_FULL_DATADIR}/eses-blocks)
+foreach(script IN LISTS ESES_SCRIPTS)
+  set(link ${PROJECT_BINARY_DIR}/links/eses-${script})
+  file(MAKE_DIRECTORY ${PROJECT_BINARY_DIR}/links)
+  file(CREATE_LINK ${to_scripts}/${script} ${link} SYMBOLIC)
+  install(PROGRAMS scripts/${script} DESTINATION ${ESES_SCRIPT_DIR} COMPONENT program)
+  install(FILES ${link} DESTINATION ${CMAKE_INSTALL_BINDIR} COMPONENT program)
+endforeach()
+foreach(module IN LISTS ESES_SCRIPT_MODULES)
+  install(FILES scripts/lib/${module}.py DESTINATION ${ESES_SCRIPT_DIR}/lib COMPONENT program)
+endforeach()
+
 install(DIRECTORY ${PROJECT_SOURCE_DIR}/include/ DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}
         COMPONENT development FILES_MATCHING PATTERN "*.hpp")
 install(FILES ${PROJECT_BINARY_DIR}/generated/eses/version.hpp

@@ -24,13 +24,18 @@ set(CPACK_PRE_BUILD_SCRIPTS ${PROJECT_SOURCE_DIR}/packaging/debian.cmake)
 set(CPACK_DEBIAN_PROGRAM_PACKAGE_NAME eses-blocks)
 set(CPACK_DEBIAN_PROGRAM_PACKAGE_SECTION science)
 set(CPACK_DEBIAN_PROGRAM_PACKAGE_SHLIBDEPS ON)
-set(CPACK_DEBIAN_PROGRAM_PACKAGE_SUGGESTS "apbs, pdb2pqr, paraview")
+# The scripts need nothing but Python, and say which program they miss.
+set(CPACK_DEBIAN_PROGRAM_PACKAGE_DEPENDS "python3:any")
+set(CPACK_DEBIAN_PROGRAM_PACKAGE_SUGGESTS "apbs, pdb2pqr, paraview, python3-vtk9, xvfb")
 set(CPACK_DEBIAN_PROGRAM_DESCRIPTION
 "analytical solvent excluded surface on a Cartesian grid
 Computes which points of a grid lie inside the solvent excluded surface
 of a biomolecule, where the grid lines cross it, with normals and
 adjacent atoms, and each atom's share of its area: the files of ESES,
-exact on every input, block by block, in parallel and in bounded memory.")
+exact on every input, block by block, in parallel and in bounded memory.
+Scripts compute energies with APBS (eses-apbs) and folders of structures
+(eses-pdbbind), build large complexes (eses-assemble) and render meshes
+(eses-render).")
 
 # These are the packages that eses-config.cmake looks for. OpenMP comes with the compiler.
 set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_NAME libeses-dev)

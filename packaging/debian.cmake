@@ -1,5 +1,5 @@
 # cpack runs this script before it makes Debian packages of the installed files. It compresses
-# manual pages and the changelog, and adds the files on licences and changes that Debian requires.
+# manual pages and the changelog, names Debian's Python in the scripts, and adds the files on licences and changes that Debian requires.
 
 set(project ${CMAKE_CURRENT_LIST_DIR}/..)
 # Packages whose headers are compiled into the program and the library.
@@ -57,6 +57,14 @@ function(finish_component root package)
  -- ${CPACK_PACKAGE_CONTACT}  ${date}
 ")
   file(GLOB pages ${root}${CPACK_PACKAGING_INSTALL_PREFIX}/share/man/man1/*.1)
+  # Debian's scripts name its interpreter.
+  file(GLOB scripts ${root}${CPACK_PACKAGING_INSTALL_PREFIX}/share/eses-blocks/*)
+  foreach(script IN LISTS scripts)
+    if(NOT IS_DIRECTORY ${script})
+      execute_process(COMMAND sed -i "1s|^#!/usr/bin/env python3$|#!/usr/bin/python3|" ${script}
+                      COMMAND_ERROR_IS_FATAL ANY)
+    endif()
+  endforeach()
   foreach(file IN LISTS pages ITEMS ${doc}/changelog ${doc}/changelog.Debian)
     compress(${file})
   endforeach()

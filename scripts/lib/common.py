@@ -17,7 +17,21 @@ import zlib
 
 PROJECT = pathlib.Path(__file__).resolve().parents[2]
 DATA = PROJECT / "data"
-PROGRAM = PROJECT / "build" / "eses-blocks"
+
+# Installed, this file is PREFIX/share/eses-blocks/lib/common.py (cmake/install.cmake).
+IS_INSTALLED = not (PROJECT / "CMakeLists.txt").is_file()
+
+
+def default_program():
+    """Returns the path of eses-blocks: in the build directory, or installed with the scripts."""
+    if not IS_INSTALLED:
+        return PROJECT / "build" / "eses-blocks"
+    installed = PROJECT.parent / "bin" / "eses-blocks"
+    return installed if installed.exists() else pathlib.Path(shutil.which(installed.name) or installed)
+
+
+PROGRAM = default_program()
+NAME = pathlib.Path(sys.argv[0]).name  # of the script; installed ones begin with eses-
 COMPRESSION_LEVEL = 6  # gzip's own default
 
 
@@ -40,7 +54,7 @@ def positive(text):
     return value
 
 
-def end_with(name, main):
+def end_with(main):
     """Runs a script's main function. Turns errors into one line and an exit code."""
     try:
         if signal.getsignal(signal.SIGINT) == signal.SIG_DFL:  # see quiet_interrupt
@@ -49,9 +63,9 @@ def end_with(name, main):
     except BrokenPipeError:
         sys.exit(1)  # the reader has closed the pipe
     except Failed as error:
-        sys.exit(f"{name}: {error}")
+        sys.exit(f"{NAME}: {error}")
     except OSError as error:
-        sys.exit(f"{name}: {error.filename or 'output'}: {error.strerror}")
+        sys.exit(f"{NAME}: {error.filename or 'output'}: {error.strerror}")
     except KeyboardInterrupt:
         sys.exit(130)
 
@@ -176,7 +190,8 @@ def describe_build(program):
         done = subprocess.run([program, "--version"], stdin=subprocess.DEVNULL, capture_output=True,
                               text=True, check=True)
     except OSError as error:
-        raise Failed(f"{program}: {error.strerror}; build it with scripts/quickstart") from None
+        advice = "" if IS_INSTALLED else "; build it with scripts/quickstart"
+        raise Failed(f"{program}: {error.strerror}{advice}") from None
     except subprocess.CalledProcessError:
         raise Failed(f"{program} --version fails") from None
     if not done.stdout.startswith("eses-blocks "):

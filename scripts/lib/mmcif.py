@@ -15,10 +15,12 @@ TOKEN = re.compile(r"""'(.*?)'(?=\s|$)|"(.*?)"(?=\s|$)|(\#.*)|(\S+)""")
 
 CHAINS = string.ascii_uppercase + string.ascii_lowercase + string.digits
 NO_VALUE = (".", "?")
+MISFIT = ("not fit the PDB format, which PDB2PQR reads; read the file directly with --radii "
+          "protor")
 
 
 def tokens(lines):
-    """Yields the words of the file, each with whether it is a bare word: a tag, keyword or value."""
+    """Yields the words of the file, each with whether it is bare: a tag, keyword or value."""
     lines = iter(lines)
     for line in lines:
         if line.startswith(";"):  # text of several lines, which ends at the next semicolon
@@ -60,8 +62,7 @@ def atom_sites(lines):
 def fitted(text, width, what):
     """Returns the text right-aligned. Throws Failed if it is too long for the PDB format."""
     if len(text) > width:
-        raise Failed(f"{what} {text} does not fit the PDB format, which PDB2PQR reads; read the file "
-                     "directly with --radii protor")
+        raise Failed(f"{what} {text} does {MISFIT}")
     return text.rjust(width)
 
 
@@ -104,8 +105,7 @@ def chain_letters(names):
     free = (letter for letter in CHAINS if letter not in names)
     letters = {name: name if len(name) == 1 else next(free, None) for name in names}
     if None in letters.values():
-        raise Failed(f"{len(names)} chains do not fit the PDB format, which PDB2PQR reads; read the "
-                     "file directly with --radii protor")
+        raise Failed(f"{len(names)} chains do {MISFIT}")
     return letters
 
 

@@ -69,15 +69,15 @@ def require_whole_residues(lines):
              for (is_end, _), group in itertools.groupby(lines, residue) if not is_end]
     count = names.count({"CA"})
     if 2 * count > len(names):
-        raise Failed(f"{count} of {len(names)} residues have only their C-alpha atom; PDB2PQR cannot "
-                     "rebuild the others")
+        raise Failed(f"{count} of {len(names)} residues have only their C-alpha atom; PDB2PQR "
+                     "cannot rebuild the others")
 
 
 def write_protein(source, layout, target):
     """Writes the input of PDB2PQR from a file in the layout pdb or mmcif.
 
-    Throws Failed if no atom is left, if most residues have only an alpha carbon, or if the file is an assembly
-    of several models.
+    Throws Failed if no atom is left, if most residues have only an alpha carbon, or if the file is
+    an assembly of several models.
     """
     opened = gzip.open if source.suffix.lower() == ".gz" else open
     # Remarks may contain any byte.

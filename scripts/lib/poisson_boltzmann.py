@@ -1,8 +1,8 @@
 """Electrostatic energies of molecules from APBS, with dielectric maps made by eses-blocks.
 
 All molecules of a run share one grid, and all energies are total electrostatic energies on it. With
-focusing, a coarse grid gives the potential at the faces of this grid. `grids` is the list of both, or
-of the one grid; the coarse grid comes second.
+focusing, a coarse grid gives the potential at the faces of this grid. `grids` is the list of both,
+or of the one grid; the coarse grid comes second.
 """
 
 import collections
@@ -43,8 +43,8 @@ Grid = collections.namedtuple("Grid", "center points spacing")
 # A kind of ions: charge in elementary charges, molar in mol/l.
 Ion = collections.namedtuple("Ion", "charge molar")
 
-# Lengths in angstrom, temperature in kelvin; equation is lpbe or npbe, boundary and charges are APBS's
-# keywords bcfl and chgm.
+# Lengths in angstrom, temperature in kelvin; equation is lpbe or npbe, boundary and charges are
+# APBS's keywords bcfl and chgm.
 Settings = collections.namedtuple(
     "Settings", "probe_radius solute_dielectric solvent_dielectric ions ion_radius temperature "
     "boundary charges equation", defaults=["lpbe"])

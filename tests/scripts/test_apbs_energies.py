@@ -145,7 +145,7 @@ class Energies(TestCase):
         self.assertLess(abs(ions / debye_energy(5, 0.15) - 1), 0.01)
 
     def test_focusing_gives_the_debye_energy_on_a_small_grid(self):
-        """The same without a coarse grid has an error of 10 %."""
+        """The ions are outside the fine grid."""
         arguments = (self.ion(), "--solute-dielectric", "1", "--spacing", "0.5", "--padding", "2",
                      "--coarse-padding", "20")
         without = self.solvation(*arguments)["eses-blocks"]

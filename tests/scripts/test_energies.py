@@ -27,16 +27,18 @@ class Energies(TestCase):
             self.assertEqual(done.stderr.count("\n"), 1, done.stderr)
         return done
 
-    def check_figure(self):
-        xml.etree.ElementTree.parse(self.folder / "energies.svg")
+    def check_figure(self, study="energies"):
+        xml.etree.ElementTree.parse(self.folder / f"{study}.svg")
 
     def test_saved_energies_are_drawn_again(self):
-        saved = PROJECT / "doc" / "energies.json"
-        table = self.energies("--from", saved).stdout
-        self.check_figure()
         text = (PROJECT / "doc" / "poisson-boltzmann.md").read_text(encoding="utf-8")
-        for row in table.splitlines():
-            self.assertIn(row, text)
+        for study, options in (("energies", ()), ("charges", ("--charges",))):
+            saved = PROJECT / "doc" / f"{study}.json"
+            table = self.energies(*options, "--from", saved).stdout
+            self.check_figure(study)
+            self.assertGreater(len(table.splitlines()), 7)
+            for row in table.splitlines():
+                self.assertIn(row, text)
 
     def test_energies_are_measured_and_drawn(self):
         write_program(self.folder / "apbs", APBS)
@@ -60,3 +62,4 @@ class Energies(TestCase):
         self.energies("--from", self.folder / "missing", code=1)
         self.energies("--cases", "unknown", code=2)
         self.energies("--surfaces", "ses", code=2)
+        self.energies("--charges", "--cases", "born", code=2)

@@ -127,15 +127,65 @@ class Install(TestCase):
         self.assertGreater(len(pages), 10)
         self.assertEqual({path.name for path in (self.prefix / doc / "doc").iterdir()}, pages)
 
+    def test_scripts_run_from_their_folder(self):
+        """Each script finds its modules and the installed program, from any folder."""
+        scripts = self.prefix / "share/eses-blocks"
+        before = sorted(scripts.rglob("*"))
+        folder = self.folder / "structures"
+        folder.mkdir()
+        moved = self.prefix.rename(self.folder / "moved")  # the installation may be moved
+        env = {**os.environ, "PATH": os.defpath}
+        self.assertDone(run(moved / "bin/eses-assemble", PROJECT / "data/c60.xyzr", "--copies", "2",
+                            "--rings", "1", "-o", folder / "two.xyzr", env=env, cwd=self.folder))
+        done = run(moved / "bin/eses-pdbbind", folder, "-o", "out", env=env, cwd=self.folder)
+        self.assertDone(done)
+        self.assertIn("1 structure: 1 done", done.stdout)
+        ion = self.folder / "ion.pqr"
+        ion.write_text("ATOM 1 I ION 1 0.000 0.000 0.000 1.0000 3.0000\n")
+        programs = self.folder / "programs"
+        programs.mkdir()
+        (programs / "apbs").write_text("#!/bin/sh\necho 'Fatal error: a replacement'; exit 3\n")
+        (programs / "apbs").chmod(0o755)
+        # The maps are made by the installed program before APBS is called.
+        done = run(moved / "bin/eses-apbs", ion, "--keep", self.folder / "kept",
+                   env={**env, "PATH": f"{programs}:{os.defpath}"})
+        self.assertDone(done, 1)
+        self.assertIn("eses-apbs: APBS fails (exit code 3)", done.stderr)
+        self.assertTrue((self.folder / "kept/molecule1-x.dx").is_file())
+        done = run(moved / "bin/eses-render", "missing.ply", "-o", "a.png", "--help", env=env)
+        self.assertDone(done)
+        self.assertIn("usage: eses-render", done.stdout)
+        moved.rename(self.prefix)
+        self.assertEqual(sorted(scripts.rglob("*")), before)  # nothing compiled stays behind
+
+    def test_all_modules_of_the_scripts_are_installed(self):
+        """Compares with the modules that the scripts and their modules import."""
+        scripts = self.prefix / "share/eses-blocks"
+        known = {path.stem: path for path in (PROJECT / "scripts/lib").glob("*.py")}
+        needed, waiting = set(), sorted(path for path in scripts.iterdir() if path.is_file())
+        self.assertEqual([path.name for path in waiting], ["apbs", "assemble", "pdbbind", "render"])
+        while waiting:
+            text = waiting.pop().read_text()
+            for name in re.findall(r"^ *(?:import|from) (\w+)", text, re.MULTILINE):
+                if name in known and name not in needed:
+                    needed.add(name)
+                    waiting.append(known[name])
+        self.assertEqual({path.stem for path in (scripts / "lib").iterdir()}, needed)
+
     def test_manual_pages_are_made_from_help(self):
         cache = (BUILD / "CMakeCache.txt").read_text()
         if re.search(r"^ESES_HELP2MAN:\w+=(.*-NOTFOUND)?$", cache, re.MULTILINE):
             self.skipTest("help2man is not installed")
-        for page, command in (("eses-blocks", ()), ("eses-blocks-diff", ("diff",))):
+        scripts = [(f"eses-{name}", f"eses-{name}", ())
+                   for name in ("apbs", "assemble", "pdbbind", "render")]
+        for page, program, command in (("eses-blocks", "eses-blocks", ()),
+                                       ("eses-blocks-diff", "eses-blocks", ("diff",)), *scripts):
             text = (self.prefix / f"share/man/man1/{page}.1").read_text()
             self.assertTrue(re.match(r"[^\n]*\n\.TH ", text), text[:200])
+            if page == program:
+                self.assertIn(f"\n{page} \\- ", text)
             # The page is made from --help, so every option is in it.
-            done = run(self.prefix / "bin/eses-blocks", *command, "--help")
+            done = run(self.prefix / "bin" / program, *command, "--help")
             self.assertDone(done)
             options = re.findall(r"^  (?:-\w, )?--([\w-]+)", done.stdout, re.MULTILINE)
             self.assertGreater(len(options), 2)

@@ -1,5 +1,9 @@
 """Tests that scripts/render draws a small mesh; skipped without VTK or a display."""
 
+import colorsys
+import importlib.machinery
+import importlib.util
+import math
 import os
 import shutil
 import struct
@@ -29,6 +33,45 @@ def read_png(path):
         at += 12 + length
     assert (depth, color) == (8, 2)
     return width, height, zlib.decompress(packed)
+
+
+def pixels(path):
+    """Returns the rows of a picture as lists of (red, green, blue), without PNG's filters."""
+    width, height, packed = read_png(path)
+    rows, above = [], bytes(3 * width)
+    for number in range(height):
+        kind, *line = packed[number * (3 * width + 1):(number + 1) * (3 * width + 1)]
+        for at in range(3 * width):
+            left, up = line[at - 3] if at > 2 else 0, above[at]
+            corner = above[at - 3] if at > 2 else 0
+            guess = left + up - corner
+            paeth = min((left, up, corner), key=lambda value: abs(guess - value))
+            line[at] = (line[at] + (0, left, up, (left + up) // 2, paeth)[kind]) % 256
+        rows.append([tuple(line[at:at + 3]) for at in range(0, 3 * width, 3)])
+        above = line
+    return rows
+
+
+WHITE = (255, 255, 255)
+PALETTE = {"convex": (86, 180, 233), "saddle": (240, 228, 66), "concave": (213, 94, 0)}
+
+
+def frame(rows):
+    """Returns the first and last column and row that are not white."""
+    lines = [y for y, row in enumerate(rows) if set(row) != {WHITE}]
+    columns = [x for x in range(len(rows[0])) if any(row[x] != WHITE for row in rows)]
+    return columns[0], columns[-1], lines[0], lines[-1]
+
+
+def load_script():
+    loader = importlib.machinery.SourceFileLoader("render", str(SCRIPT))
+    module = importlib.util.module_from_spec(importlib.util.spec_from_loader("render", loader))
+    loader.exec_module(module)
+    return module
+
+
+def hue(color):
+    return colorsys.rgb_to_hsv(*color)[0]
 
 
 @unittest.skipUnless(can_draw(), "needs python3-vtk9, and a display or xvfb")
@@ -68,6 +111,63 @@ class Render(TestCase):
         self.assertGreater(changes, 500)
         self.assertLess(changes, len(rows))
 
+    def picture_of(self, atoms, *options, more=("--no-legend",)):
+        source, mesh = self.folder / "atoms.xyzr", self.folder / "m.ply"
+        source.write_text("".join(f"{x} {y} {z} {r}\n" for x, y, z, r in atoms))
+        self.assertDone(subprocess.run([PROGRAM, source, "-q", "--write", "none", "--mesh", mesh,
+                                        *options], capture_output=True, text=True, check=False))
+        self.assertDone(self.render(mesh, "-o", self.folder / "m.png", "--size", 160, *more))
+        return pixels(self.folder / "m.png")
+
+    def test_meshes_of_all_shapes_fit(self):
+        """The longer side fills the picture up to its margin."""
+        for shape in ((1, 0, 0), (0, 1, 0), (0, 0, 1), (1, 1, 1)):
+            with self.subTest(shape=shape):
+                rows = self.picture_of([(*(3 * n * part for part in shape), 1.5) for n in range(8)])
+                width, height = len(rows[0]), len(rows)
+                left, right, top, bottom = frame(rows)
+                for free, length in ((left, width), (width - 1 - right, width), (top, height),
+                                     (height - 1 - bottom, height)):
+                    self.assertGreater(free, 0.015 * length)
+                self.assertGreater(max((right - left) / width, (bottom - top) / height), 0.9)
+
+    def test_borders_of_patches_are_sharp(self):
+        """Colours between those of two patches are rare: only at pixels that show both."""
+        rows = self.picture_of([(0, 0, 0, 1.7), (3, 0, 0, 1.7), (1.5, 0, 2.6, 1.7)], "--color", "patch",
+                               "--spacing", "0.7")
+        shown = [color for row in rows for color in row if max(color) - min(color) > 60]
+        self.assertGreater(len(shown), 3000)
+        known = [hue(color) for color in PALETTE.values()]
+        blended = sum(min(abs(hue(color) - one) for one in known) > 0.04 for color in shown)
+        self.assertLess(blended, 0.06 * len(shown))
+
+    def test_legend_names_the_kinds_of_patches(self):
+        atoms = [(0, 0, 0, 1.7), (3, 0, 0, 1.7), (1.5, 0, 2.6, 1.7)]
+        for color, expected in (("patch", set(PALETTE.values())), ("atom", set())):
+            rows = self.picture_of(atoms, "--color", color, more=())
+            beside = {pixel for row in rows for pixel in row[-22:]} - {WHITE}
+            self.assertEqual(expected & beside, expected)
+            self.assertEqual(bool(beside), bool(expected))
+        rows = self.picture_of(atoms, "--color", "patch")
+        self.assertEqual({pixel for row in rows for pixel in row[-4:]}, {WHITE})
+
+    def test_legend_names_the_chains(self):
+        for names, count in (("AB", 2), ("AA", 1), ("A", 1)):
+            with self.subTest(names=names):
+                lines = (f"ATOM {n} C ALA {name} 1 {3 * n} 0 0 0 1.7\n" for n, name in enumerate(names))
+                source = self.folder / "chains.pqr"
+                source.write_text("".join(lines))
+                for mesh in ("c.ply", "c.vtp"):
+                    self.assertDone(subprocess.run(
+                        [PROGRAM, source, "-q", "--write", "none", "--color", "chain", "--mesh",
+                         self.folder / mesh], capture_output=True, text=True, check=False))
+                    picture = self.folder / "c.png"
+                    self.assertDone(self.render(self.folder / mesh, "-o", picture, "--size", 160))
+                    # Squares have pure colours, and the names are grey.
+                    beside = {pixel for row in pixels(picture) for pixel in row[-22:]
+                              if max(pixel) - min(pixel) > 100}
+                    self.assertEqual(len(beside), count)
+
     def test_wrong_files_are_refused(self):
         text = self.folder / "a.txt"
         text.write_text("none")
@@ -77,6 +177,39 @@ class Render(TestCase):
             self.assertEqual(done.returncode, 1)
             self.assertIn(message, done.stderr)
             self.assertFalse((self.folder / "c.png").exists())
+
+
+@unittest.skipUnless(importlib.util.find_spec("numpy"), "numpy is not installed")
+class Borders(TestCase):
+    def test_borders_of_contact_circles_are_exact(self):
+        """Two spheres: a place is on the saddle if the probe that touches the nearer sphere in its
+        direction would overlap the other sphere."""
+        import numpy
+        import patch_borders
+        radius, probe, half = 1.7, 1.4, 1.6
+        source, mesh = self.folder / "two.xyzr", self.folder / "two.ply"
+        source.write_text(f"{-half} 0 0 {radius}\n{half} 0 0 {radius}\n")
+        for format_options in ((), ("--ply-ascii",)):
+            self.assertDone(subprocess.run([PROGRAM, source, "-q", "--write", "none", "--mesh", mesh,
+                                            "--color", "patch", "--spacing", "0.6", *format_options],
+                                           capture_output=True, text=True, check=False))
+            vertices, triangles, _ = load_script().read_ply(mesh)
+            points, normals, colors = (
+                numpy.stack([vertices[name] for name in names], axis=1) for names in
+                (("x", "y", "z"), ("nx", "ny", "nz"), ("red", "green", "blue")))
+            points, _, triangles, colors = patch_borders.divide(
+                points, normals.astype(float), triangles, vertices["patch"], vertices["atom"], colors, 8)
+            corners = points[triangles]
+            middle = corners.mean(axis=1)
+            away = numpy.abs(middle[:, 0]) - half
+            toward = -away / numpy.hypot(away, numpy.hypot(middle[:, 1], middle[:, 2]))
+            is_saddle = toward > half / (radius + probe)
+            areas = numpy.linalg.norm(numpy.cross(corners[:, 1] - corners[:, 0],
+                                                  corners[:, 2] - corners[:, 0]), axis=1) / 2
+            is_right = (colors == numpy.where(is_saddle[:, None], PALETTE["saddle"],
+                                              PALETTE["convex"])).all(axis=1)
+            self.assertGreater(areas[is_saddle].sum(), 0.1 * areas.sum())
+            self.assertLess(areas[~is_right].sum(), 1e-3 * areas.sum())
 
 
 if __name__ == "__main__":
