@@ -212,11 +212,12 @@ LabelTotals with_copies(LabelTotals labels, const Outputs& outputs) {
   return labels;
 }
 
-// Returns a survey of the surface. `is_cut` states that atoms may lie outside the grid.
-SurfaceSurvey survey_of(const Molecule& molecule, const Grid& grid, const GridRegion& region,
-                        double probe_radius, bool is_cut) {
-  if (region == grid.whole() && !is_cut) return {molecule, probe_radius};
-  return {molecule, probe_radius, region_box(grid, region)};
+// Returns a survey of the part of the surface that the run computes.
+SurfaceSurvey survey_of(const Molecule& molecule, const Plan& plan) {
+  const double probe_radius = plan.parameters.probe_radius;
+  const GridRegion& region = plan.tiling.region;
+  if (region == plan.grid.whole() && plan.cut_depth <= 0) return {molecule, probe_radius};
+  return {molecule, probe_radius, region_box(plan.grid, region)};
 }
 
 void expect_maps(const Outputs& outputs, double crossings, Plan& plan) {
@@ -314,9 +315,7 @@ Plan plan_grid(const Box& bounds, const Parameters& parameters) {
 double plan_schedule(const MemoryBudget& budget, const Molecule& molecule, const Outputs& outputs,
                      Plan& plan) {
   const GridRegion region = plan.tiling.region;
-  const bool is_cut = plan.parameters.grid && plan.cut_depth > 0;
-  const SurfaceSurvey survey =
-      survey_of(molecule, plan.grid, region, plan.parameters.probe_radius, is_cut);
+  const SurfaceSurvey survey = survey_of(molecule, plan);
   choose_schedule(survey, region, budget, outputs, plan);
   return expected_crossings(survey.totals().area, plan.grid.spacing);
 }
