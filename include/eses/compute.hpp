@@ -57,7 +57,8 @@ struct Mesh {
   std::vector<std::array<std::uint64_t, 3>> faces;
 };
 
-/// The surface on a grid, in memory.
+/// The surface on a grid, in memory. After a move, the lists of the old object are empty, and
+/// `is_inside` and `make_mesh` throw std::logic_error for it.
 class Result {
  public:
   /// Area, volume and other totals.
