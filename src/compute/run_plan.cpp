@@ -20,6 +20,7 @@
 #include "plan/plan.hpp"
 #include "system/bytes_text.hpp"
 #include "system/formatted.hpp"
+#include "system/hints.hpp"
 #include "system/parallel.hpp"
 #include "system/resources.hpp"
 #include "system/splitmix64.hpp"
@@ -98,9 +99,8 @@ void require_memory_for(std::uint64_t atoms, const RunTask& task, const Processe
   const std::uint64_t limit = task.parameters.max_memory;
   if (limit == 0 || needed <= static_cast<double>(limit) || needed < 2 * min_expected_memory(0))
     return;
-  throw Error(formatted(
-      "{}: {} atoms need more than {} of memory{}, but the limit is {}; use a larger limit "
-      "(--max-memory)",
+  throw LimitExceeded(formatted(
+      "{}: {} atoms need more than {} of memory{}, but the limit is {}; use a larger limit",
       task.input.string(), atoms, binary_bytes_text(static_cast<std::uint64_t>(needed)),
       count > 1 ? " in each process" : "", binary_bytes_text(limit)));
 }
@@ -109,9 +109,8 @@ void require_memory_for(std::uint64_t atoms, const RunTask& task, const Processe
 void require_memory_held(const RunTask& task) {
   const std::uint64_t limit = task.parameters.max_memory, peak = peak_memory();
   if (limit == 0 || peak <= limit) return;
-  throw Error(
-      formatted("{}: reading the atoms took {} of memory, but the limit is {}; use a larger limit "
-                "(--max-memory)",
+  throw LimitExceeded(
+      formatted("{}: reading the atoms took {} of memory, but the limit is {}; use a larger limit",
                 task.input.string(), binary_bytes_text(peak), binary_bytes_text(limit)));
 }
 

@@ -19,6 +19,7 @@
 #include "mesh/mesh_format.hpp"
 #include "system/bytes_text.hpp"
 #include "system/formatted.hpp"
+#include "system/hints.hpp"
 #include "system/resources.hpp"
 
 namespace eses::detail {
@@ -208,14 +209,32 @@ void require_free_name(const FilePlace& place) {
         formatted("cannot create {}: {}", path, std::generic_category().message(ENAMETOOLONG)));
 }
 
-// Returns what a user can do if the files of known size do not fit on the disk.
-std::string space_advice(const Plan& plan, const Outputs& outputs) {
+// The disk space does not suffice for the files of known size.
+class NoSpace : public Error, public Hints {
+ public:
+  NoSpace(const std::string& message, std::vector<std::string> hints)
+      : Error(message), Hints(std::move(hints)) {}
+};
+
+// Throws Error with what a user can do.
+[[noreturn]] void refuse_space(const DiskDemand& demand, std::uint64_t available, const Plan& plan,
+                               const Outputs& outputs) {
   std::string advice;
-  if (plan.grid_file_bytes > 0 && !plan.gzip)
-    advice += "leave out grid_info.txt (--write edges,areas), ";
-  if (outputs.dielectric && !plan.gzip) advice += "compress the files (--gzip), ";
-  return advice.empty() ? "use a larger spacing"
-                        : advice.substr(0, advice.size() - 2) + " or use a larger spacing";
+  std::vector<std::string> hints;
+  if (plan.grid_file_bytes > 0 && !plan.gzip) {
+    advice += "leave out grid_info.txt, ";
+    hints.emplace_back("write edges,areas");
+  }
+  if (outputs.dielectric && !plan.gzip) {
+    advice += "compress the files, ";
+    hints.emplace_back("gzip");
+  }
+  advice = advice.empty() ? "use a larger spacing"
+                          : advice.substr(0, advice.size() - 2) + " or use a larger spacing";
+  throw NoSpace(
+      formatted("the files need about {}, but {} has {} free; {}", bytes_text(demand.expected),
+                demand.directory.string(), bytes_text(available), advice),
+      std::move(hints));
 }
 
 }  // namespace
@@ -225,10 +244,7 @@ DiskSpace require_disk_space(const Plan& plan, const Outputs& outputs,
   DiskSpace space;
   for (const DiskDemand& demand : disk_demands(plan, outputs, directory)) {
     const std::uint64_t available = available_disk(existing_part(demand.directory));
-    if (demand.certain > available)
-      throw Error(formatted("the files need about {}, but {} has {} free; {}",
-                            bytes_text(demand.expected), demand.directory.string(),
-                            bytes_text(available), space_advice(plan, outputs)));
+    if (demand.certain > available) refuse_space(demand, available, plan, outputs);
     space.places.push_back({demand.directory, available, demand.expected});
   }
   return space;
