@@ -213,17 +213,27 @@ TEST_CASE("api: options of structures are checked", "[api]") {
   const auto parse = [&](const StructureOptions& options) {
     return parse_atoms(text, AtomFormat::pdb, "text", options);
   };
-  CHECK(parse({}).atoms.size() == 1);
-  CHECK(parse({.unknown_radius = 0}).atoms.size() == 1);
+  StructureOptions options;
+  CHECK(parse(options).atoms.size() == 1);
+  options.unknown_radius = 0;
+  CHECK(parse(options).atoms.size() == 1);
   for (const double radius : {std::numeric_limits<double>::quiet_NaN(), -1.0, -1e-300, 2e6,
-                              std::numeric_limits<double>::infinity()})
-    CHECK_THROWS_AS(parse({.unknown_radius = radius}), std::invalid_argument);
-  CHECK_THROWS_AS(parse({.altloc = "AB"}), std::invalid_argument);
-  CHECK_THROWS_AS(parse({.model = -1}), std::invalid_argument);
+                              std::numeric_limits<double>::infinity()}) {
+    options.unknown_radius = radius;
+    CHECK_THROWS_AS(parse(options), std::invalid_argument);
+  }
+  options = {};
+  options.model = -1;
+  CHECK_THROWS_AS(parse(options), std::invalid_argument);
+  options = {};
+  options.altloc = "AB";
+  CHECK_THROWS_AS(parse(options), std::invalid_argument);
   const TemporaryDirectory directory;
   const auto path = directory.path() / "a.pdb";
   std::ofstream(path) << text;
-  CHECK_THROWS_AS(read_atoms(path, {.structure = {.altloc = "AB"}}), std::invalid_argument);
+  ReadOptions reading;
+  reading.structure = options;
+  CHECK_THROWS_AS(read_atoms(path, reading), std::invalid_argument);
 }
 
 TEST_CASE("api: too little memory throws MemoryLimitError", "[api]") {

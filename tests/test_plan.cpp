@@ -420,7 +420,7 @@ TEST_CASE("a plan whose files do not fit on the disk is refused", "[plan]") {
   CHECK(full.expected > full.available);
   plan.grid_file_bytes = std::uint64_t{1} << 62;
   CHECK_THROWS_WITH(require_disk_space(plan, {}, "."),
-                    Catch::Matchers::EndsWith("; leave out grid_info.txt or use a larger spacing"));
+                    Catch::Matchers::EndsWith("; use a larger spacing or leave out grid_info.txt"));
 }
 
 TEST_CASE("each file system is checked for the files that it receives", "[plan]") {

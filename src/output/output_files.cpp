@@ -216,21 +216,19 @@ class NoSpace : public Error, public Hints {
       : Error(message), Hints(std::move(hints)) {}
 };
 
-// Throws Error with what a user can do.
+// Throws Error with what a user can do. The command line adds the hints at the end of the message.
 [[noreturn]] void refuse_space(const DiskDemand& demand, std::uint64_t available, const Plan& plan,
                                const Outputs& outputs) {
-  std::string advice;
+  std::string advice = "use a larger spacing";
   std::vector<std::string> hints;
-  if (plan.grid_file_bytes > 0 && !plan.gzip) {
-    advice += "leave out grid_info.txt, ";
-    hints.emplace_back("write edges,areas");
-  }
   if (outputs.dielectric && !plan.gzip) {
-    advice += "compress the files, ";
+    advice += " or compress the files";
     hints.emplace_back("gzip");
   }
-  advice = advice.empty() ? "use a larger spacing"
-                          : advice.substr(0, advice.size() - 2) + " or use a larger spacing";
+  if (plan.grid_file_bytes > 0 && !plan.gzip) {
+    advice += " or leave out grid_info.txt";
+    hints.emplace_back("write edges,areas");
+  }
   throw NoSpace(
       formatted("the files need about {}, but {} has {} free; {}", bytes_text(demand.expected),
                 demand.directory.string(), bytes_text(available), advice),
