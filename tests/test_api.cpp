@@ -268,6 +268,11 @@ TEST_CASE("api: atoms and options of a surface are checked", "[api]") {
     CHECK(!error_of({sound}, {.probe_radius = bad}).empty());
   }
   CHECK(error_of({sound, {{0, 0, 0}, -1}}, {}).starts_with("atom 1 (counted from 0) has radius"));
+  for (const double far : {1.1e6, -1e7, 1e300}) {
+    CHECK(error_of({sound, {{far, 0, 0}, 1}}, {}).starts_with("atom 1 (counted from 0) has x"));
+    CHECK(error_of({{{0, 0, far}, 1}}, {}).ends_with("; the limit is 1000000 angstrom"));
+  }
+  CHECK_NOTHROW(eses::Surface({{{1e6, -1e6, 1e6}, 1}}));
   for (const double probe : {-1.4, 0.0, 0.001, 1001.0})
     CHECK(error_of({sound}, {.probe_radius = probe}).starts_with("the probe radius must be"));
   CHECK(!error_of({sound}, {.threads = -1}).empty());
@@ -344,6 +349,7 @@ TEST_CASE("api: outputs are checked", "[api]") {
   CHECK(refused({.residues = true}));
   CHECK(refused({.inside_map = "map.txt"}));
   CHECK(refused({.inside_map = "below/map.dx"}));
+  CHECK(refused({.dielectric = DielectricMaps{}}));
   CHECK(refused({.mesh = MeshOptions{}}));
   CHECK(refused({.mesh = MeshOptions{.file = "mesh.stl"}}));
   CHECK(refused({.mesh = MeshOptions{.file = "mesh.ply", .color = MeshColor::chain}}));
@@ -360,6 +366,23 @@ TEST_CASE("api: outputs are checked", "[api]") {
   CHECK(estimate(surface, grid, table).file_bytes() == estimate(surface, grid, table).atoms_bytes);
   const Summary written = write_files(surface, grid, directory.path(), table);
   CHECK(written.bytes_written == fs::file_size(directory.path() / "atoms.csv"));
+}
+
+TEST_CASE("api: objects that were moved from can be used without harm", "[api]") {
+  eses::Surface surface({{{0, 0, 0}, 1.5}});
+  const eses::Surface moved_to = std::move(surface);
+  // NOLINTBEGIN(bugprone-use-after-move,hicpp-invalid-access-moved)
+  CHECK(surface.atoms().size() == 1);
+  CHECK(surface.diagnostics().empty());
+  Result result = eses::compute(surface, make_grid(surface, {.spacing = 0.5}));
+  const GridIndex point = result.region().begin;
+  const Result taken = std::move(result);
+  CHECK_FALSE(taken.is_inside(point));
+  CHECK_THROWS_AS(result.is_inside(point), std::logic_error);
+  CHECK_THROWS_AS(make_mesh(result), std::logic_error);
+  CHECK(result.crossings().empty());
+  CHECK(result.atom_areas().empty());
+  // NOLINTEND(bugprone-use-after-move,hicpp-invalid-access-moved)
 }
 
 TEST_CASE("api: a result has only the chosen parts", "[api]") {

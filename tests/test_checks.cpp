@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <fstream>
 #include <functional>
+#include <limits>
 #include <stdexcept>
 #include <string>
 #include <system_error>
@@ -206,10 +207,47 @@ TEST_CASE("api: errors of files have the code of the operating system", "[api]")
   }));
 }
 
+TEST_CASE("api: options of structures are checked", "[api]") {
+  const std::string text =
+      "ATOM      1  CA  ALA A   1       0.000   0.000   0.000  1.00  0.00           C\n";
+  const auto parse = [&](const StructureOptions& options) {
+    return parse_atoms(text, AtomFormat::pdb, "text", options);
+  };
+  StructureOptions options;
+  CHECK(parse(options).atoms.size() == 1);
+  options.unknown_radius = 0;
+  CHECK(parse(options).atoms.size() == 1);
+  for (const double radius : {std::numeric_limits<double>::quiet_NaN(), -1.0, -1e-300, 2e6,
+                              std::numeric_limits<double>::infinity()}) {
+    options.unknown_radius = radius;
+    CHECK_THROWS_AS(parse(options), std::invalid_argument);
+  }
+  options = {};
+  options.model = -1;
+  CHECK_THROWS_AS(parse(options), std::invalid_argument);
+  options = {};
+  options.altloc = "AB";
+  CHECK_THROWS_AS(parse(options), std::invalid_argument);
+  const TemporaryDirectory directory;
+  const auto path = directory.path() / "a.pdb";
+  std::ofstream(path) << text;
+  ReadOptions reading;
+  reading.structure = options;
+  CHECK_THROWS_AS(read_atoms(path, reading), std::invalid_argument);
+}
+
 TEST_CASE("api: too little memory throws MemoryLimitError", "[api]") {
   const eses::Surface surface({{{0, 0, 0}, 2}});
   const Grid grid = grid_of(surface, 0.05);
-  CHECK_THROWS_AS(compute(surface, grid, {.max_memory = 1 << 20}), MemoryLimitError);
+  try {
+    compute(surface, grid, {.max_memory = 1 << 20});
+    FAIL("a limit was not kept");
+  } catch (const MemoryLimitError& error) {
+    const std::string message = error.what();
+    INFO(message);
+    CHECK(message.find("; use a limit of at least ") != std::string::npos);
+    CHECK(message.find("--") == std::string::npos);  // the options of the program
+  }
   CHECK_THROWS_AS(compute(surface, {{0, 0, 0}, 1e-3, {100000, 100000, 100000}}), MemoryLimitError);
 }
 

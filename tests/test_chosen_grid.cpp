@@ -2,6 +2,7 @@
 // surface on them.
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 #include <zlib.h>
 
 #include <array>
@@ -256,13 +257,52 @@ TEST_CASE("chosen grids pass the verification on all kinds of atoms", "[grid]") 
     }
 }
 
+TEST_CASE("a small grid in a large molecule needs little from program and library", "[grid][cli]") {
+  const Sandbox sandbox;
+  const Grid grid = centered_grid({60, 60, 60}, 0.05, {20, 20, 20});
+  const auto atoms_of = [](int side) {
+    std::vector<Atom> atoms;
+    for (int i = 0; i < side * side * side; ++i)
+      atoms.push_back({{120.0 / (side - 1) * (i % side), 120.0 / (side - 1) * (i / side % side),
+                        120.0 / (side - 1) * (i / side / side)},
+                       1.7});
+    return atoms;
+  };
+  std::vector<std::uint64_t> memory;
+  std::vector<std::size_t> sizes;
+  for (const int side : {25, 40}) {
+    const std::vector<Atom> atoms = atoms_of(side);
+    const Estimate library = estimate(eses::Surface(atoms), grid, Outputs::none());
+    std::string text;
+    for (const auto& [center, radius] : atoms)
+      text += fmt::format("{} {} {} {}\n", center.x, center.y, center.z, radius);
+    write_file(sandbox.directory() / "large.xyzr", text);
+    const Outcome program =
+        sandbox.run({"large.xyzr", "1.4", "0.05", "--grid-center", "60,60,60", "--grid-points",
+                     "20,20,20", "--write", "none", "--dry-run", "--json"});
+    INFO(program.err);
+    REQUIRE(program.code == 0);
+    check_json(sandbox, program.out, "r['plan']['memory_bytes']",
+               std::to_string(library.memory_bytes));
+    check_json(sandbox, program.out, "r['threads']", std::to_string(library.threads));
+    check_json(sandbox, program.out, "r['blocks']['size']",
+               fmt::format("[{}]", fmt::join(library.block_size, ", ")));
+    check_json(sandbox, program.out, "r['plan']['cut_depth']",
+               fmt::format("{}", library.cut_depth));
+    memory.push_back(library.memory_bytes);
+    sizes.push_back(atoms.size());
+  }
+  // The list of the atoms grows, but not the patches and crossings.
+  CHECK(memory[1] < memory[0] + 200 * (sizes[1] - sizes[0]));
+  const eses::Surface surface(atoms_of(40));
+  CHECK(compute(surface, grid, {.max_memory = std::uint64_t{1} << 30}).inside().size() == 8000);
+}
+
 TEST_CASE("invalid chosen grids are refused", "[grid]") {
   const std::vector<Atom> atoms{{{0, 0, 0}, 1}};
   const auto message = [&](const Grid& grid) {
-    Parameters parameters{.spacing = grid.spacing};
-    parameters.grid = grid;
     try {
-      make_plan(atoms, parameters, Outputs::none());
+      require_chosen(grid);
     } catch (const Error& error) {
       return std::string(error.what());
     }

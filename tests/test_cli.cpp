@@ -252,6 +252,53 @@ TEST_CASE("a run does not overwrite its input", "[cli]") {
   }
 }
 
+TEST_CASE("a run does not overwrite any file that it reads", "[cli]") {
+  const Sandbox sandbox;
+  const fs::path root = sandbox.directory();
+  write_file(root / "atom.pdb",
+             "ATOM      1  CA  ALA A   1       0.000   0.000   0.000  1.00  0.00           C\n");
+  const std::string radii = "types:\nC 1.9 apolar\natoms:\nANY CA C\n";
+  write_file(root / "my.dx", radii);
+  fs::create_hard_link(root / "my.dx", root / "hard.dx");
+  fs::create_symlink("my.dx", root / "soft.dx");
+  fs::create_symlink("my.dx", root / "mesh.obj");
+  for (const auto& [read, written] : {std::pair("my.dx", Arguments{"--inside", "my.dx"}),
+                                      std::pair("my.dx", Arguments{"--inside", "hard.dx"}),
+                                      std::pair("soft.dx", Arguments{"--inside", "my.dx"}),
+                                      std::pair("hard.dx", Arguments{"--mesh", "mesh.obj"})}) {
+    Arguments arguments{"atom.pdb", "--radii", read};
+    arguments.insert(arguments.end(), written.begin(), written.end());
+    const Outcome outcome = sandbox.run(arguments);
+    INFO(outcome.err);
+    CHECK(outcome.code == 1);
+    CHECK(contains(outcome.err, "is the file of --radii, and would be overwritten"));
+    CHECK(read_file(root / "my.dx") == radii);
+  }
+  CHECK(sandbox.run({"atom.pdb", "--radii", "my.dx", "-q"}).code == 0);
+}
+
+TEST_CASE("a run does not overwrite its standard input", "[cli]") {
+  const Sandbox sandbox;
+  const std::string atoms = "0 0 0 1.5\n";
+  write_file(sandbox.directory() / "a.obj", atoms);
+  const Outcome outcome = sandbox.run({"-", "--mesh", "a.obj"}, "<a.obj");
+  CHECK(outcome.code == 1);
+  CHECK(contains(outcome.err, "a.obj is the input, and would be overwritten"));
+  CHECK(read_file(sandbox.directory() / "a.obj") == atoms);
+}
+
+TEST_CASE("a run does not remove its input with the chunks of --resume", "[cli]") {
+  const Sandbox sandbox;
+  const std::string atoms = "0 0 0 1.5\n";
+  fs::create_directory(sandbox.directory() / ".eses-blocks.resume");
+  const std::string name = ".eses-blocks.resume/a.xyzr";
+  write_file(sandbox.directory() / name, atoms);
+  const Outcome outcome = sandbox.run({name});
+  CHECK(outcome.code == 1);
+  CHECK(contains(outcome.err, name + " is the input, and would be removed"));
+  CHECK(read_file(sandbox.directory() / name) == atoms);
+}
+
 TEST_CASE("a run does not remove its input when it writes the other form of the file", "[cli]") {
   const Sandbox sandbox;
   const std::string atoms = "0 0 0 1.5\n";

@@ -23,6 +23,7 @@
 #include "output/output_files.hpp"
 #include "run/slabs.hpp"
 #include "support/eses_files.hpp"
+#include "support/sandbox.hpp"
 #include "support/temporary_directory.hpp"
 
 namespace eses::detail::test {
@@ -188,6 +189,41 @@ TEST_CASE("incomplete chunks of another run are ignored", "[processes]") {
   checkpoint.prepare();
   checkpoint.create({0, 4}, ChunkText::grid);
   CHECK(Checkpoint(directory.path(), "another run").complete().empty());
+}
+
+TEST_CASE("a damaged identity of a run is not taken for another run", "[processes]") {
+  const TemporaryDirectory directory;
+  const std::string identity = "eses-blocks 1 format 4\natoms 3\n";
+  Checkpoint checkpoint(directory.path(), identity);
+  checkpoint.lock();
+  checkpoint.prepare();
+  put_chunk(checkpoint, {0, 5}, "", {});
+  const auto message = [&](const std::string& of_this_run) {
+    try {
+      static_cast<void>(Checkpoint(directory.path(), of_this_run).complete());
+    } catch (const Error& error) {
+      return std::string(error.what());
+    }
+    return std::string();
+  };
+  CHECK(message(identity).empty());
+  CHECK(contains(message("eses-blocks 1 format 4\natoms 4\n"), "different input"));
+  const std::filesystem::path file = directory.path() / ".eses-blocks.resume" / "run";
+  const std::string text = read_file(file);
+  for (std::size_t i = 0; i < text.size(); ++i) {
+    std::string damaged = text;
+    damaged[i] = static_cast<char>(damaged[i] ^ 1);
+    write_file(file, damaged);
+    INFO(i);
+    CHECK(contains(message(identity), "/run is damaged; remove "));
+  }
+  for (const std::size_t length : {std::size_t{0}, std::size_t{5}, text.size() - 1}) {
+    write_file(file, text.substr(0, length));
+    CHECK(contains(message(identity), "/run is damaged; remove "));
+  }
+  // Version 0.1.0 wrote no checksum.
+  write_file(file, identity);
+  CHECK(contains(message(identity), "different input, options or version"));
 }
 
 TEST_CASE("chunks that overlap are refused", "[processes]") {

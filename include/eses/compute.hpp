@@ -57,7 +57,8 @@ struct Mesh {
   std::vector<std::array<std::uint64_t, 3>> faces;
 };
 
-/// The surface on a grid, in memory.
+/// The surface on a grid, in memory. After a move, the lists of the old object are empty, and
+/// `is_inside` and `make_mesh` throw std::logic_error for it.
 class Result {
  public:
   /// Makes a result from its data, for example in another process. `inside` and `crossings` are in
@@ -183,8 +184,8 @@ Summary for_each_block(const Surface& surface, const Grid& grid, const BlockCall
 /// Throws the exceptions listed at the top of compute.hpp, and
 /// - std::invalid_argument if the suffix of the mesh or of a map is unknown, if
 /// MeshOptions::is_ascii
-///   is set for a mesh other than PLY, if the name of a map is not a plain file name, or if the
-///   outputs need labels that are missing,
+///   is set for a mesh other than PLY, if the name of a map is not a plain file name or its prefix
+///   is empty, or if the outputs need labels that are missing,
 /// - Error if the disk space is insufficient, if a file cannot be written, if two of the files are
 ///   the same file, or if another run writes to a directory,
 /// - VerificationError if RunOptions::verify finds faults; no file is written,

@@ -152,12 +152,14 @@ struct ReadOptions {
 /// Throws Error, with file, line and field, if the file cannot be read, contains no atoms, or has
 /// an unsupported format; if a field is missing or not a finite number; if a radius is negative or
 /// unknown; or if the memory limit is exceeded. The Error is a FileError if the operating system
-/// refuses to open or read the file, and a MemoryLimitError if the available memory does not
-/// suffice.
+/// refuses to open or read the file, and a MemoryLimitError if the available memory or the limit
+/// does not suffice. Throws std::invalid_argument if StructureOptions::unknown_radius is not a
+/// number from 0 to `max_coordinate`, if StructureOptions::model is negative, or if
+/// StructureOptions::altloc has more than one character.
 AtomFile read_atoms(const std::filesystem::path& path, const ReadOptions& options = {});
 
 /// Reads the atoms of a text in memory, with labels and charges. `name` is the name of the text for
-/// messages. AtomFormat::automatic means xyzr. Throws Error as read_atoms does.
+/// messages. AtomFormat::automatic means xyzr. Throws the exceptions of read_atoms.
 AtomFile parse_atoms(std::string_view text, AtomFormat format = AtomFormat::automatic,
                      std::string_view name = "text", const StructureOptions& structure = {});
 

@@ -26,6 +26,9 @@ inline constexpr double min_probe_radius = 0.01;
 /// digits.
 inline constexpr double max_probe_radius = 1000;
 
+/// Maximum absolute value of the coordinates of atoms, in angstrom.
+inline constexpr double max_coordinate = 1e6;
+
 /// Options of a Surface.
 struct SurfaceOptions {
   /// Radius of the probe, in angstrom, `min_probe_radius` to `max_probe_radius`.
@@ -43,19 +46,26 @@ struct SurfaceOptions {
 /// patches (M. L. Connolly, J. Appl. Cryst. 16, 548, 1983, doi:10.1107/S0021889883010985). Cavities
 /// that can contain a probe are outside.
 ///
-/// A Surface is immutable. Copies share all data and are cheap. A Surface may be used for many
+/// A Surface is immutable. Copies share all data and are cheap. Moving a Surface copies it, so that
+/// the old object stays valid. A Surface may be used for many
 /// grids, and from several threads at the same time.
 class Surface {
  public:
   /// Checks and indexes the atoms. Throws std::invalid_argument if there are no atoms or more than
-  /// 2^32 - 2, if a centre or a radius is not finite, if a radius is negative, or if an option is
-  /// out of its range. The message names the first such atom by its index.
+  /// 2^32 - 2, if a coordinate is not finite or beyond `max_coordinate`, if a radius is not finite
+  /// or negative, or if an option is out of its range. The message names the first such atom by its
+  /// index.
   explicit Surface(std::vector<Atom> atoms, const SurfaceOptions& options = {});
 
   /// Does the same for atoms with labels, which Outputs::residues and MeshColor::chain need, and
   /// which Outputs::atoms writes. The labels may be empty. Throws std::invalid_argument also if the
   /// numbers of labels and atoms differ.
   Surface(std::vector<Atom> atoms, std::vector<AtomLabel> labels, const SurfaceOptions& options);
+
+  // No move operations are declared, so that moving makes a copy.
+  Surface(const Surface&) = default;
+  Surface& operator=(const Surface&) = default;
+  ~Surface() = default;
 
   /// The atoms, in the order in which they were given.
   std::span<const Atom> atoms() const;

@@ -360,6 +360,17 @@ def test_memory_limits_are_kept(chain):
         surface.compute(surface.grid(0.001, origin=(0, 0, 0), shape=(10**5, 10**5, 10**5)))
     with pytest.raises(MemoryError):
         surface.blocks(surface.grid(0.05), max_memory=1 << 20)
+    with pytest.raises(MemoryError) as error:
+        surface.compute(surface.grid(0.05), max_memory=1 << 20)
+    assert "--" not in str(error.value)  # the options of the program
+
+
+def test_small_grid_in_a_large_molecule_needs_little_memory():
+    index = np.indices((40, 40, 40)).reshape(3, -1).T
+    surface = eses.Surface(3.0 * index, np.full(len(index), 1.7))
+    grid = eses.Grid((60, 60, 60), 0.05, (20, 20, 20))
+    result = surface.compute(grid, max_memory=1 << 30)
+    assert result.inside.shape == (20, 20, 20)
 
 
 def test_table_of_atoms_has_the_rows_of_the_file(tmp_path, run_program):

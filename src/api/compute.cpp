@@ -120,6 +120,12 @@ std::invalid_argument point_error(const GridIndex& point, const GridRegion& regi
       region.end[0], region.end[1], region.end[2]));
 }
 
+// Throws std::logic_error for the points of a result that was moved from. Other results have
+// points.
+void require_values(std::span<const std::uint8_t> inside) {
+  if (inside.empty()) throw std::logic_error("the result was moved from; use the new one");
+}
+
 GridRegion region_at(const GridIndex& first, const GridIndex& size) {
   return {first, {first[0] + size[0], first[1] + size[1], first[2] + size[2]}};
 }
@@ -298,6 +304,7 @@ Result::Result(Summary summary, const Grid& grid, const GridRegion& region,
 bool Result::is_inside(const GridIndex& point) const {
   if (!region_.contains(point)) throw point_error(point, region_);
   if (!parts_.inside) throw std::invalid_argument("ResultParts::inside was not chosen");
+  require_values(inside_);
   return inside_[place_in(region_, point)] != 0;
 }
 
@@ -329,6 +336,7 @@ Mesh make_mesh(const Result& result, const CheckCallback& check) {
   if (!result.parts().inside || !result.parts().crossings)
     throw std::invalid_argument(
         "a mesh needs ResultParts::inside and ResultParts::crossings, which were not both chosen");
+  require_values(result.inside());
   return detail::make_mesh(result.grid(), result.region(), result.inside(), result.crossings(),
                            check);
 }
@@ -351,7 +359,7 @@ std::array<std::vector<double>, 3> compute_dielectric(const Surface& surface, co
                                                       const DielectricOptions& dielectric,
                                                       const RunOptions& options) {
   Outputs outputs = Outputs::none();
-  outputs.dielectric = DielectricMaps{{}, dielectric.solute, dielectric.solvent};
+  outputs.dielectric = DielectricMaps{"dielectric-", dielectric.solute, dielectric.solvent};
   PlannedRun run = plan_run(surface, grid, outputs, options, no_parts, 3 * sizeof(double));
   std::array<std::vector<double>, 3> values;
   for (std::vector<double>& list : values) clear_points(run, options, list);

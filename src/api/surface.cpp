@@ -1,5 +1,6 @@
 #include "eses/surface.hpp"
 
+#include <cmath>
 #include <exception>
 #include <limits>
 #include <utility>
@@ -14,6 +15,17 @@ namespace {
 
 // The maximum index is reserved for "no atom".
 constexpr std::size_t max_atoms = std::numeric_limits<AtomIndex>::max() - std::size_t{1};
+
+// Throws Error for coordinates beyond the limit. Molecule refuses numbers that are not finite.
+void require_near(std::span<const Atom> atoms) {
+  for (std::size_t i = 0; i < atoms.size(); ++i)
+    for (std::size_t axis = 0; axis < 3; ++axis)
+      if (const double value = atoms[i].center[axis];
+          std::isfinite(value) && std::fabs(value) > max_coordinate)
+        throw Error(detail::formatted(
+            "atom {} (counted from 0) has {} coordinate {}; the limit is {:.0f} angstrom", i,
+            "xyz"[axis], value, max_coordinate));
+}
 
 std::shared_ptr<const detail::Molecule> make_molecule(std::vector<Atom> atoms,
                                                       std::vector<AtomLabel> labels,
@@ -35,6 +47,7 @@ std::shared_ptr<const detail::Molecule> make_molecule(std::vector<Atom> atoms,
       if (atoms.size() > max_atoms)
         throw Error(
             detail::formatted("{} atoms are too many; the limit is {}", atoms.size(), max_atoms));
+      require_near(atoms);
       detail::require_valid(detail::Parameters{.probe_radius = options.probe_radius});
       return std::make_shared<const detail::Molecule>(std::move(atoms), std::move(labels),
                                                       options.threads, check);

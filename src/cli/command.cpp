@@ -1,8 +1,10 @@
 #include "cli/command.hpp"
 
 #include <fcntl.h>
+#include <fmt/format.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <csignal>
 #include <cstdio>
 #include <cstdlib>
@@ -12,6 +14,7 @@
 #include <string>
 #include <string_view>
 #include <variant>
+#include <vector>
 
 #include "cli/diff_options.hpp"
 #include "cli/diff_report.hpp"
@@ -25,6 +28,7 @@
 #include "eses/error.hpp"
 #include "output/output_files.hpp"
 #include "system/formatted.hpp"
+#include "system/hints.hpp"
 #include "system/resources.hpp"
 
 namespace eses::detail::cli {
@@ -91,6 +95,20 @@ int compare_files(int argc, char** argv, const Processes& processes) {
   return found.same() ? exit_done : exit_different;
 }
 
+/// Returns the message of an error, with its hints as options, such as ` (--max-memory 20M)`.
+std::string message_of(const std::exception& error) {
+  std::string message = error.what();
+  const auto* const hinted = dynamic_cast<const Hints*>(&error);
+  if (hinted == nullptr || hinted->hints().empty()) return message;
+  std::vector<std::string> options;
+  for (std::string option : hinted->hints()) {
+    const auto name_end = std::find(option.begin(), option.end(), ' ');
+    std::replace(option.begin(), name_end, '_', '-');
+    options.push_back("--" + option);
+  }
+  return formatted("{} ({})", message, fmt::join(options, ", "));
+}
+
 /// A command of the program.
 struct Command {
   int (*perform)(int argc, char** argv, const Processes& processes);
@@ -111,6 +129,7 @@ int end_all(const Processes& processes, int code) {
 // nothing else.
 int perform(const Command& command, int argc, char** argv, const Processes& processes) {
   const auto fail = [&](std::string_view message) {
+    processes.become_reporter();
     print_message("error", message);
     return end_all(processes, command.failure_code);
   };
@@ -125,16 +144,17 @@ int perform(const Command& command, int argc, char** argv, const Processes& proc
     for (const std::string& line : error.lines) print_message("error", line);
     return exit_failure;
   } catch (const SharedError& error) {
-    if (processes.is_first()) print_message("error", error.what());
+    if (processes.is_first()) print_message("error", message_of(error));
     return command.failure_code;
   } catch (const Interrupted& interrupted) {
     return end_all(processes, interrupted.exit_code);
   } catch (const std::bad_alloc&) {
     if (processes.count() == 1) throw;
+    processes.become_reporter();
     print_out_of_memory();
     return end_all(processes, command.failure_code);
   } catch (const std::exception& error) {
-    return fail(error.what());
+    return fail(message_of(error));
   } catch (...) {
     return fail("unknown error");
   }

@@ -16,6 +16,7 @@
 #include "cli/run_display.hpp"
 #include "eses/error.hpp"
 #include "eses/read_atoms.hpp"
+#include "grid/make_grid.hpp"
 #include "output/output_files.hpp"
 #include "run/engine.hpp"
 #include "system/formatted.hpp"
@@ -46,23 +47,43 @@ void on_rank_zero(const Processes& processes, const std::function<void()>& actio
   if (processes.sum(errors.size()) > 0) throw StrictError{errors};
 }
 
-// Throws Error if the run would overwrite or remove the input or the file of --grid-like.
+// A file that a run reads.
+struct ReadFile {
+  std::filesystem::path path;
+  std::string_view role;  // for messages
+};
+
+// Returns the files that a run reads. The name of a set of radii counts as a file, too, because no
+// output has such a name.
+std::vector<ReadFile> files_to_read(const Options& options) {
+  std::vector<ReadFile> files{{options.input == "-" ? "/dev/stdin" : options.input, "the input"}};
+  if (!options.grid.like.empty()) files.push_back({options.grid.like, "the file of --grid-like"});
+  files.push_back({options.structure.radii, "the file of --radii"});
+  return files;
+}
+
+// Throws Error if the run would overwrite or remove a file that it reads.
 void refuse_to_lose_input(const Options& options) {
-  const auto is_same = [](const std::filesystem::path& one, const std::string& other) {
-    std::error_code error;  // set if the output file does not exist yet
-    return !one.empty() && std::filesystem::equivalent(one, other, error) && !error;
+  const std::vector<ReadFile> read = files_to_read(options);
+  const auto is_same = [](const std::filesystem::path& one, const std::filesystem::path& other) {
+    std::error_code error;  // set if a file does not exist
+    return std::filesystem::equivalent(one, other, error) && !error;
   };
-  const auto refuse_if_input = [&](const std::string& file, std::string_view fate) {
-    if (is_same(options.input, file))
-      throw Error(formatted("{} is the input, and would be {}", file, fate));
-    if (is_same(options.grid.like, file))
-      throw Error(formatted("{} is the file of --grid-like, and would be {}", file, fate));
+  const auto refuse_if_read = [&](const std::string& file, std::string_view fate) {
+    for (const auto& [path, role] : read)
+      if (is_same(path, file))
+        throw Error(formatted("{} is {}, and would be {}", file, role, fate));
   };
   for (const std::string& file : final_paths(options.outputs, options.output_directory))
-    refuse_if_input(file, "overwritten");
+    refuse_if_read(file, "overwritten");
   for (const std::string& file : stale_paths(options.outputs, options.output_directory))
-    refuse_if_input(file, options.outputs.gzip ? "removed, as a gzipped file takes its place"
-                                               : "removed, as a plain file takes its place");
+    refuse_if_read(file, options.outputs.gzip ? "removed, as a gzipped file takes its place"
+                                              : "removed, as a plain file takes its place");
+  const std::filesystem::path checkpoint = options.output_directory / checkpoint_name;
+  for (const auto& [path, role] : read)
+    if (path.has_parent_path() && is_same(path.parent_path(), checkpoint))
+      throw Error(formatted("{} is {}, and would be removed with the chunks of --resume",
+                            path.string(), role));
 }
 
 // Performs the checks that do not need the input.
@@ -136,7 +157,9 @@ void add_result(RunResult result, Report& report) {
 Options with_chosen_grid(Options options, const Processes& processes) {
   processes.all_or_throw([&] {
     options.parameters.grid = chosen_grid(options);
-    if (options.parameters.grid) options.parameters.spacing = options.parameters.grid->spacing;
+    if (!options.parameters.grid) return;
+    require_chosen(*options.parameters.grid);
+    options.parameters.spacing = options.parameters.grid->spacing;
   });
   return options;
 }

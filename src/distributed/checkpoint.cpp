@@ -7,6 +7,7 @@
 #include <fstream>
 #include <iterator>
 #include <set>
+#include <string_view>
 #include <system_error>
 #include <utility>
 
@@ -44,6 +45,20 @@ std::string read_all(const std::filesystem::path& path) {
 std::uint32_t checksum(std::span<const std::byte> bytes) {
   return static_cast<std::uint32_t>(
       crc32_z(0, reinterpret_cast<const Bytef*>(bytes.data()), bytes.size()));
+}
+
+// Returns the content of the file that identifies a run. The checksum tells a damaged file from one
+// of another run.
+std::string with_checksum(std::string_view identity) {
+  return formatted("checksum {:08x}\n{}", checksum(std::as_bytes(std::span(identity))), identity);
+}
+
+// Returns whether the content of the file that identifies a run is damaged. Version 0.1.0 wrote it
+// without a checksum.
+bool is_damaged(std::string_view text) {
+  if (text.starts_with("eses-blocks ")) return false;
+  const std::size_t line_end = text.find('\n');
+  return line_end == std::string_view::npos || text != with_checksum(text.substr(line_end + 1));
 }
 
 // The header of the file of the sums.
@@ -102,7 +117,11 @@ std::vector<PlaneRange> Checkpoint::complete() const {
   if (!std::filesystem::exists(path_ / run_name, error))
     throw Error(
         formatted("cannot resume: {} does not identify its run; remove it", path_.string()));
-  if (read_all(path_ / run_name) != identity_)
+  const std::string run = read_all(path_ / run_name);
+  if (is_damaged(run))
+    throw Error(formatted("cannot resume: {} is damaged; remove {} to start again",
+                          (path_ / run_name).string(), path_.string()));
+  if (run != with_checksum(identity_))
     throw Error(formatted(
         "cannot resume: {} belongs to a run with different input, options or version; remove it to "
         "start again",
@@ -152,9 +171,10 @@ void Checkpoint::drop(const PlaneRange& planes) const {
 }
 
 void Checkpoint::prepare() const {
-  if (read_all(path_ / run_name) == identity_) return;
+  const std::string run = with_checksum(identity_);
+  if (read_all(path_ / run_name) == run) return;
   ScratchFile file(path_, run_name, ScratchFile::Kept::fresh);
-  file.append(std::as_bytes(std::span(identity_)));
+  file.append(std::as_bytes(std::span(run)));
   file.sync();
 }
 

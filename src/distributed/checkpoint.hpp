@@ -108,7 +108,7 @@ class Checkpoint {
   void lock();
   /// Returns the planes of the complete chunks, ascending and disjoint. A chunk with damaged sums
   /// or with texts of the wrong length is not complete. Throws Error if there are chunks of a run
-  /// with another identity.
+  /// with another identity, or if the file with the identity is damaged.
   std::vector<PlaneRange> complete() const;
   /// Removes the files of all other chunks than these.
   void remove_others(std::span<const PlaneRange> complete) const;

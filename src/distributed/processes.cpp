@@ -9,6 +9,7 @@
 #include <new>
 #include <optional>
 
+#include "distributed/packed_texts.hpp"
 #include "system/formatted.hpp"
 
 namespace eses::detail {
@@ -28,20 +29,28 @@ void Processes::all_or_throw(const std::function<void()>& action) const {
     action();
     return;
   }
-  std::optional<std::string> failure;
+  std::optional<std::vector<std::string>> failure;  // message and hints
   try {
     action();
   } catch (const SharedError&) {
     throw;
   } catch (const std::bad_alloc&) {
-    failure = "out of memory";
+    failure = std::vector<std::string>{"out of memory"};
   } catch (const Error& error) {
-    failure = error.what();
+    failure = std::vector<std::string>{error.what()};
+    if (const auto* const hinted = dynamic_cast<const Hints*>(&error))
+      failure->insert(failure->end(), hinted->hints().begin(), hinted->hints().end());
   }
   auto first = static_cast<std::uint64_t>(failure ? rank_ : count_);
   allreduce_min(std::span(&first, 1));
   if (first == static_cast<std::uint64_t>(count_)) return;
-  throw SharedError(broadcast(failure.value_or(""), static_cast<int>(first)));
+  std::string packed;
+  if (failure)
+    for (const std::string& text : *failure) pack(packed, text);
+  std::vector<std::string> texts = unpack(broadcast(std::move(packed), static_cast<int>(first)));
+  const std::string message = texts.front();
+  texts.erase(texts.begin());
+  throw SharedError(message, std::move(texts));
 }
 
 double Processes::chain(double value, const std::function<double(double)>& change) const {

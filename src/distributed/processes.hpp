@@ -13,19 +13,21 @@
 #include <utility>
 #include <vector>
 
-#include "eses/error.hpp"
+#include "system/hints.hpp"
 
 namespace eses::detail {
 
 /// An error that all processes have received, so that one of them can print it and all can exit.
-class SharedError : public Error {
-  using Error::Error;
+class SharedError : public Error, public Hints {
+ public:
+  explicit SharedError(const std::string& message, std::vector<std::string> hints = {})
+      : Error(message), Hints(std::move(hints)) {}
 };
 
-/// The MPI processes of a run. All functions except `rank`, `count`, `is_first`, `share_of` and
-/// `abort` are collective: all processes must call them, from their main threads and outside of
-/// parallel loops (MPI_THREAD_FUNNELED). Elements are copied as bytes. In a single process all
-/// functions return at once.
+/// The MPI processes of a run. All functions except `rank`, `count`, `is_first`, `share_of`,
+/// `become_reporter` and `abort` are collective: all processes must call them, from their main
+/// threads and outside of parallel loops (MPI_THREAD_FUNNELED). Elements are copied as bytes. In a
+/// single process all functions return at once.
 class Processes {
  public:
   /// Makes a single process, independent of any launcher. Never uses MPI.
@@ -86,8 +88,8 @@ class Processes {
   double chain(double value, const std::function<double(double)>& change) const;
 
   /// Performs an action that does not communicate. If it throws Error or std::bad_alloc in any
-  /// process, all processes throw SharedError with the message of the lowest such rank. Other
-  /// exceptions are thrown only in their process. A single process just performs the action.
+  /// process, all processes throw SharedError with the message and hints of the lowest such rank.
+  /// Other exceptions are thrown only in their process. A single process just performs the action.
   void all_or_throw(const std::function<void()>& action) const;
 
   /// The processes on this machine, and the number of processors for each of them.
@@ -104,6 +106,11 @@ class Processes {
   /// Returns ` on NAME` with the name of the machine, for error messages; empty in a single
   /// process.
   std::string place() const;
+
+  /// Called by a process that fails, before it prints its message. Not collective. If several
+  /// processes fail at about the same time, it returns in one of them, which must call `abort`, and
+  /// the others wait for this. So a full disk gives one message and not one of each process.
+  void become_reporter() const;
 
   /// Ends all processes at once with an exit code.
   [[noreturn]] void abort(int exit_code) const;

@@ -29,6 +29,8 @@ Processes::Machine Processes::machine(int processors) const { return {1, process
 
 std::uint64_t Processes::own_memory() const { return 0; }
 
+void Processes::become_reporter() const {}
+
 void Processes::abort(int exit_code) const { std::_Exit(exit_code); }
 
 std::vector<std::uint64_t> Processes::exchange_counts(std::span<const std::uint64_t> to) const {

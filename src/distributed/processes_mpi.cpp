@@ -3,8 +3,10 @@
 
 #include <algorithm>
 #include <array>
+#include <chrono>
 #include <cstdlib>
 #include <limits>
+#include <thread>
 
 #include "distributed/mpi_errors.hpp"
 #include "distributed/processes.hpp"
@@ -178,6 +180,47 @@ Processes::Machine Processes::machine(int processors) const {
 std::uint64_t Processes::own_memory() const {
   constexpr std::uint64_t mebibyte = 1 << 20;
   return has_mpi_ ? 14 * mebibyte : 0;
+}
+
+// A process that fails tells all others, and waits for the same message of a lower rank. The lowest
+// rank tells all others that it reports the failure. Processes that have not failed need not
+// receive the messages, as they are computing.
+void Processes::become_reporter() const {
+  if (count_ == 1) return;
+  using namespace std::chrono_literals;
+  constexpr int failure = 2, report = 3;  // tags
+  const auto tell_others = [this](int tag) {
+    for (int rank = 0; rank < count_; ++rank) {
+      if (rank == rank_) continue;
+      MPI_Request request = MPI_REQUEST_NULL;
+      MPI_Isend(nullptr, 0, MPI_BYTE, rank, tag, MPI_COMM_WORLD, &request);
+      MPI_Request_free(&request);
+    }
+  };
+  // Receives a message and returns the rank of its sender, or `count_` if there is none.
+  const auto receive = [this](int tag) {
+    int is_there = 0;
+    MPI_Status status;
+    MPI_Iprobe(MPI_ANY_SOURCE, tag, MPI_COMM_WORLD, &is_there, &status);
+    if (is_there == 0) return count_;
+    MPI_Recv(nullptr, 0, MPI_BYTE, status.MPI_SOURCE, tag, MPI_COMM_WORLD, MPI_STATUS_IGNORE);
+    return status.MPI_SOURCE;
+  };
+  const auto has_other_reporter = [&] {
+    if (receive(report) < count_) return true;
+    for (int rank = receive(failure); rank < count_; rank = receive(failure))
+      if (rank < rank_) return true;
+    return false;
+  };
+  tell_others(failure);
+  for (int waits = 0; waits < 200; ++waits) {
+    if (has_other_reporter()) {
+      std::this_thread::sleep_for(10s);  // normally, `abort` of the reporter ends this process
+      break;
+    }
+    std::this_thread::sleep_for(1ms);
+  }
+  tell_others(report);
 }
 
 void Processes::abort(int exit_code) const {

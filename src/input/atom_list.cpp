@@ -5,16 +5,11 @@
 
 #include <cmath>
 
+#include "eses/surface.hpp"
 #include "input/messages.hpp"
 #include "system/formatted.hpp"
 
 namespace eses::detail {
-namespace {
-
-// Maximum absolute value of a coordinate, as for other formats.
-constexpr double max_length = 1e6;  // angstrom
-
-}  // namespace
 
 void AtomList::add_residue(const std::string& chain, const gemmi::Residue& residue) {
   result_.residues.push_back({chain, residue.name, residue.seqid.str()});
@@ -23,9 +18,9 @@ void AtomList::add_residue(const std::string& chain, const gemmi::Residue& resid
 void AtomList::add_atom(const gemmi::Atom& atom, const gemmi::Position& at) {
   const auto line = static_cast<std::uint64_t>(atom.serial);
   for (const double value : {at.x, at.y, at.z})
-    if (!(std::fabs(value) <= max_length))
+    if (!(std::fabs(value) <= max_coordinate))
       fail_at_line(file_, line,
-                   formatted("expected coordinates of at most {:.0f} angstrom", max_length));
+                   formatted("expected coordinates of at most {:.0f} angstrom", max_coordinate));
   result_.atoms.push_back({{at.x, at.y, at.z},
                            line,
                            static_cast<std::uint32_t>(result_.residues.size() - 1),

@@ -17,6 +17,7 @@
 
 #include "eses/error.hpp"
 #include "eses/read_atoms.hpp"
+#include "eses/surface.hpp"
 #include "input/other_formats.hpp"
 #include "input/pqr_labels.hpp"
 #include "input/text_encoding.hpp"
@@ -25,6 +26,7 @@
 #include "system/bytes_text.hpp"
 #include "system/file_descriptor.hpp"
 #include "system/formatted.hpp"
+#include "system/hints.hpp"
 #include "system/resources.hpp"
 
 namespace eses::detail {
@@ -32,7 +34,7 @@ namespace {
 
 // Maximum absolute value of a coordinate or radius. Larger numbers come from misread columns or a
 // wrong unit, and would give a grid that exceeds any memory.
-constexpr double max_length = 1e6;  // angstrom
+constexpr double max_length = max_coordinate;
 
 // Length of `0 0 0 0` and a newline, the shortest line of an atom.
 constexpr std::size_t min_atom_line_length = 8;  // characters
@@ -614,10 +616,10 @@ class GrowthLimit {
 
   void require(std::uint64_t bytes, std::size_t atoms, std::uint64_t line) const {
     if (lines_.max_memory == 0 || resident_memory() + bytes <= max_resident_) return;
-    fail(lines_.name, line,
-         formatted("reading more than {} atoms exceeds the memory limit of {}; use a larger "
-                   "limit (--max-memory)",
-                   atoms, binary_bytes_text(lines_.max_memory)));
+    throw LimitExceeded(
+        formatted("{}:{}: reading more than {} atoms exceeds the memory limit of {}; use a larger "
+                  "limit",
+                  lines_.name, line, atoms, binary_bytes_text(lines_.max_memory)));
   }
 
   template <class Value>

@@ -18,6 +18,7 @@
 #include <vector>
 
 #include "eses/error.hpp"
+#include "eses/surface.hpp"
 #include "input/assign_radii.hpp"
 #include "input/atom_reader.hpp"
 #include "input/other_formats.hpp"
@@ -30,6 +31,7 @@
 #include "system/bytes_text.hpp"
 #include "system/file_descriptor.hpp"
 #include "system/formatted.hpp"
+#include "system/hints.hpp"
 #include "system/resources.hpp"
 
 namespace eses::detail {
@@ -49,10 +51,9 @@ class ReadingLimit {
   /// Throws Error if this number of additional bytes exceeds the limit.
   void require(std::uint64_t bytes) const {
     if (max_memory_ == 0 || resident_memory() + bytes <= max_resident_) return;
-    throw Error(
-        formatted("{}: reading the file exceeds the memory limit of {}; use a larger limit "
-                  "(--max-memory)",
-                  name_, binary_bytes_text(max_memory_)));
+    throw LimitExceeded(
+        formatted("{}: reading the file exceeds the memory limit of {}; use a larger limit", name_,
+                  binary_bytes_text(max_memory_)));
   }
 
  private:
@@ -249,13 +250,31 @@ AtomFile read_input(const std::filesystem::path& path, const ReadOptions& option
 }  // namespace eses::detail
 
 namespace eses {
+namespace {
+
+void require_valid(const StructureOptions& options) {
+  const auto& radius = options.unknown_radius;
+  if (radius && !(*radius >= 0 && *radius <= max_coordinate))
+    throw std::invalid_argument(detail::formatted(
+        "unknown_radius is {}; it must be 0 to {:.0f} angstrom", *radius, max_coordinate));
+  if (options.model < 0)
+    throw std::invalid_argument(
+        detail::formatted("model is {}; it must not be negative", options.model));
+  if (options.altloc.size() > 1)
+    throw std::invalid_argument(detail::formatted(
+        "altloc is {}; it must be one character, or empty", detail::quoted(options.altloc)));
+}
+
+}  // namespace
 
 AtomFile read_atoms(const std::filesystem::path& path, const ReadOptions& options) {
+  require_valid(options.structure);
   return detail::read_input(path, options, {});
 }
 
 AtomFile parse_atoms(std::string_view text, AtomFormat format, std::string_view name,
                      const StructureOptions& structure) {
+  require_valid(structure);
   if (is_structure(format))
     return detail::parse_structure_atoms(text, name, {.format = format, .structure = structure});
   AtomFile file = detail::parse_atom_text(

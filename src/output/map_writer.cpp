@@ -135,6 +135,9 @@ std::vector<MapChoice> chosen_maps(const Outputs& outputs) {
 
 void require_valid_maps(const Outputs& outputs) {
   if (outputs.dielectric) {
+    if (outputs.dielectric->prefix.empty())
+      throw Error(
+          "the prefix of the maps of the dielectric is empty; give the start of their names");
     require_between(outputs.dielectric->solute, min_dielectric, max_dielectric,
                     "the dielectric of the solute");
     require_between(outputs.dielectric->solvent, min_dielectric, max_dielectric,

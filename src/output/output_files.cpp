@@ -19,6 +19,7 @@
 #include "output/mesh_format.hpp"
 #include "system/bytes_text.hpp"
 #include "system/formatted.hpp"
+#include "system/hints.hpp"
 #include "system/resources.hpp"
 
 namespace eses::detail {
@@ -210,13 +211,30 @@ void require_free_name(const FilePlace& place) {
         formatted("cannot create {}: {}", path, std::generic_category().message(ENAMETOOLONG)));
 }
 
-// Returns what a user can do if the files of known size do not fit on the disk.
-std::string space_advice(const FileSizes& sizes, const Outputs& outputs) {
-  std::string advice;
-  if (sizes.grid > 0 && !outputs.gzip) advice += "leave out grid_info.txt (--write edges,areas), ";
-  if (outputs.dielectric && !outputs.gzip) advice += "compress the files (--gzip), ";
-  return advice.empty() ? "use a larger spacing"
-                        : advice.substr(0, advice.size() - 2) + " or use a larger spacing";
+// The disk space does not suffice for the files of known size.
+class NoSpace : public Error, public Hints {
+ public:
+  NoSpace(const std::string& message, std::vector<std::string> hints)
+      : Error(message), Hints(std::move(hints)) {}
+};
+
+// Throws Error with what a user can do. The command line adds the hints at the end of the message.
+[[noreturn]] void refuse_space(const DiskDemand& demand, std::uint64_t available,
+                               const FileSizes& sizes, const Outputs& outputs) {
+  std::string advice = "use a larger spacing";
+  std::vector<std::string> hints;
+  if (outputs.dielectric && !outputs.gzip) {
+    advice += " or compress the files";
+    hints.emplace_back("gzip");
+  }
+  if (sizes.grid > 0 && !outputs.gzip) {
+    advice += " or leave out grid_info.txt";
+    hints.emplace_back("write edges,areas");
+  }
+  throw NoSpace(
+      formatted("the files need about {}, but {} has {} free; {}", bytes_text(demand.expected),
+                demand.directory.string(), bytes_text(available), advice),
+      std::move(hints));
 }
 
 }  // namespace
@@ -226,10 +244,7 @@ DiskSpace require_disk_space(const FileSizes& sizes, const Outputs& outputs,
   DiskSpace space;
   for (const DiskDemand& demand : disk_demands(sizes, outputs, directory)) {
     const std::uint64_t available = available_disk(existing_part(demand.directory));
-    if (demand.certain > available)
-      throw Error(formatted("the files need about {}, but {} has {} free; {}",
-                            bytes_text(demand.expected), demand.directory.string(),
-                            bytes_text(available), space_advice(sizes, outputs)));
+    if (demand.certain > available) refuse_space(demand, available, sizes, outputs);
     space.places.push_back({demand.directory, available, demand.expected});
   }
   return space;

@@ -146,7 +146,7 @@ void Merge::require_sound(const PlaneChunk& chunk, ChunkText text, std::uint32_t
   plan_.checkpoint->drop(chunk.info.planes);
   throw Error(
       formatted("cannot resume: the checkpoint of planes {} to {} is damaged; the next run "
-                "with --resume computes them again",
+                "that is resumed computes them again",
                 chunk.info.planes.begin, chunk.info.planes.end - 1));
 }
 

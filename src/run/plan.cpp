@@ -20,6 +20,7 @@
 #include "system/bytes_text.hpp"
 #include "system/formatted.hpp"
 #include "system/gzip.hpp"
+#include "system/hints.hpp"
 #include "system/parallel.hpp"
 #include "system/resources.hpp"
 
@@ -147,11 +148,12 @@ std::string fixed_choices(const Parameters& p) {
 
 [[noreturn]] void refuse_limit(const Parameters& p, double smallest) {
   const double mebibytes = std::ceil(smallest / (1 << 20));
-  throw MemoryLimitError(formatted(
-      "the run needs up to {} of memory{}, but the limit is {}; use a limit of at least {:.0f} MiB "
-      "(--max-memory {:.0f}M)",
-      binary_bytes_text(whole_bytes(smallest)), fixed_choices(p), binary_bytes_text(p.max_memory),
-      mebibytes, mebibytes));
+  throw LimitExceeded(
+      formatted("the run needs up to {} of memory{}, but the limit is {}; use a limit of at least "
+                "{:.0f} MiB",
+                binary_bytes_text(whole_bytes(smallest)), fixed_choices(p),
+                binary_bytes_text(p.max_memory), mebibytes),
+      formatted("{:.0f}M", mebibytes));
 }
 
 [[noreturn]] void refuse_memory(const GridRegion& region, const Parameters& p, double smallest,

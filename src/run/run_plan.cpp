@@ -20,6 +20,7 @@
 #include "output/mesh_writer.hpp"
 #include "system/bytes_text.hpp"
 #include "system/formatted.hpp"
+#include "system/hints.hpp"
 #include "system/parallel.hpp"
 #include "system/resources.hpp"
 #include "system/splitmix64.hpp"
@@ -107,9 +108,8 @@ void require_memory_for(std::uint64_t atoms, const InputFile& file, std::uint64_
   const double needed = min_expected_memory((atoms + count - 1) / count);
   if (limit == 0 || needed <= static_cast<double>(limit) || needed < 2 * min_expected_memory(0))
     return;
-  throw Error(formatted(
-      "{}: {} atoms need more than {} of memory{}, but the limit is {}; use a larger limit "
-      "(--max-memory)",
+  throw LimitExceeded(formatted(
+      "{}: {} atoms need more than {} of memory{}, but the limit is {}; use a larger limit",
       file.path.string(), atoms, binary_bytes_text(static_cast<std::uint64_t>(needed)),
       count > 1 ? " in each process" : "", binary_bytes_text(limit)));
 }
@@ -118,9 +118,8 @@ void require_memory_for(std::uint64_t atoms, const InputFile& file, std::uint64_
 void require_memory_held(const InputFile& file, std::uint64_t limit) {
   const std::uint64_t peak = peak_memory();
   if (limit == 0 || peak <= limit) return;
-  throw Error(
-      formatted("{}: reading the atoms took {} of memory, but the limit is {}; use a larger limit "
-                "(--max-memory)",
+  throw LimitExceeded(
+      formatted("{}: reading the atoms took {} of memory, but the limit is {}; use a larger limit",
                 file.path.string(), binary_bytes_text(peak), binary_bytes_text(limit)));
 }
 

@@ -154,8 +154,8 @@ SweepResult SlabSweep::run(Summary& summary) {
 SurfaceModel SlabSweep::make_surface() const {
   SurfaceModel surface(plan_.slab.molecule, task_.parameters.probe_radius);
   const GridRegion all = plan_.whole.grid.whole();
-  const bool is_cut = plan_.whole.parameters.grid && plan_.whole.cut_depth > 0;
-  if (is_cut || plan_.whole.tiling.region != all || plan_.slab.planes != PlaneRange{0, all.end[2]})
+  if (plan_.whole.cut_depth > 0 || plan_.whole.tiling.region != all ||
+      plan_.slab.planes != PlaneRange{0, all.end[2]})
     surface.confine_to(slab_box(plan_.whole, plan_.slab.planes));
   return surface;
 }

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <functional>
 #include <limits>
 #include <numeric>
@@ -31,21 +32,30 @@ constexpr double infinity = std::numeric_limits<double>::infinity();
 // Maximum number of bins of planes. It limits the memory for grids with very many planes.
 constexpr std::int64_t max_bins = 1 << 16;
 
-// Bins of consecutive planes of the whole grid.
+// Returns the planes at the heights of all atoms. Planes beyond the grid continue its numbering.
+PlaneRange planes_of_atoms(const Plan& plan) {
+  constexpr double max_planes = 1e15;
+  const auto planes_in = [&](double depth) {
+    return static_cast<std::int64_t>(
+        std::clamp(std::ceil(depth / plan.grid.spacing), 0.0, max_planes));
+  };
+  return {-planes_in(plan.cut_depths[4]), plan.grid.size[2] + planes_in(plan.cut_depths[5])};
+}
+
+// Bins of consecutive planes.
 class Bins {
  public:
-  explicit Bins(const Plan& plan)
-      : plan_(plan),
-        planes_{0, plan.grid.size[2]},
-        per_bin_((planes_.count() + max_bins - 1) / max_bins) {}
+  Bins(const Grid& grid, const PlaneRange& planes)
+      : grid_(grid), planes_(planes), per_bin_((planes_.count() + max_bins - 1) / max_bins) {}
 
   std::size_t count() const {
     return static_cast<std::size_t>((planes_.count() + per_bin_ - 1) / per_bin_);
   }
+  std::int64_t planes_per_bin() const { return per_bin_; }
   PlaneRange planes(std::size_t begin, std::size_t end) const { return {plane(begin), plane(end)}; }
-  // Returns the bin of the plane nearest to `z`.
+  // Returns the bin of the plane nearest to `z`, or of the nearest plane in a bin.
   std::size_t bin_of(double z) const {
-    const double place = (z - plan_.grid.origin.z) / plan_.grid.spacing + 0.5;
+    const double place = std::floor((z - grid_.origin.z) / grid_.spacing + 0.5);
     const auto plane = static_cast<std::int64_t>(std::clamp(
         place, static_cast<double>(planes_.begin), static_cast<double>(planes_.end - 1)));
     return static_cast<std::size_t>((plane - planes_.begin) / per_bin_);
@@ -56,7 +66,7 @@ class Bins {
     return std::min(planes_.end, planes_.begin + static_cast<std::int64_t>(bin) * per_bin_);
   }
 
-  const Plan& plan_;
+  const Grid& grid_;
   PlaneRange planes_;
   std::int64_t per_bin_;
 };
@@ -139,9 +149,11 @@ SentAtoms send_atoms(const AtomShare& share, const Plan& plan, const Outputs& ou
   processes.allreduce_max({&max_radius, 1});
   std::vector<Reached> reached;
   for (std::size_t part = 0; part < slabs.size(); ++part) {
-    if (slabs[part].is_empty()) continue;
-    const Box box = slab_box(plan, slabs[part]);
-    reached.push_back({part, box.low.z, box.high.z});
+    const PlaneRange& planes = slabs[part];
+    if (planes.is_empty()) continue;
+    // With the plane below, and with the plane above, where edges of the slab end.
+    reached.push_back(
+        {part, plan.grid.coordinate(2, planes.begin - 1), plan.grid.coordinate(2, planes.end)});
   }
   std::vector<std::vector<SentAtom>> to(slabs.size());
   std::vector<std::vector<mesh::GroupNumbers>> groups_to(slabs.size());
@@ -236,7 +248,7 @@ FileDiagnostics gather_diagnostics(const SlabWithLines& part, std::uint64_t atom
   return all;
 }
 
-// Returns the planes outside the region and the planes that are done.
+// Returns the planes of the grid that are outside the region or done.
 std::vector<PlaneRange> planes_left_out(const Plan& plan, std::span<const PlaneRange> done) {
   const PlaneRange within = region_planes(plan);
   std::vector<PlaneRange> left_out;
@@ -251,13 +263,26 @@ class SlabCutter {
  public:
   SlabCutter(const AtomShare& share, const Plan& plan, const Outputs& outputs,
              const Processes& processes)
-      : plan_(plan), outputs_(outputs), processes_(processes), bins_(plan), atoms_(bins_.count()) {
-    for (const Atom& atom : share.atoms) ++atoms_[bins_.bin_of(atom.center.z)];
+      : plan_(plan),
+        outputs_(outputs),
+        processes_(processes),
+        bins_(plan.grid, {0, plan.grid.size[2]}),
+        atoms_(bins_.count()) {
+    const PlaneRange all_planes = planes_of_atoms(plan);
+    const Bins all(plan.grid, all_planes);
+    std::vector<double> all_atoms(all.count());
+    for (const Atom& atom : share.atoms) {
+      const double z = atom.center.z;
+      ++all_atoms[all.bin_of(z)];
+      if (z >= plan.grid.origin.z && z <= plan.grid.upper().z) ++atoms_[bins_.bin_of(z)];
+    }
     processes_.add(atoms_);
-    by_atoms_ = cut_into_slabs(bins_, atoms_, {}, processes_.count());
+    processes_.add(all_atoms);
+    by_atoms_ = cut_into_slabs(all, all_atoms, {}, processes_.count());
+    are_all_in_grid_ = all_planes == PlaneRange{0, plan.grid.size[2]};
   }
 
-  // Slabs of all planes with equal numbers of atoms.
+  // Slabs with equal numbers of atoms. They include all atoms, also those beyond the grid.
   const std::vector<PlaneRange>& by_atoms() const { return by_atoms_; }
 
   // Slabs of the remaining planes with equal costs. Each process estimates the costs of `slab`,
@@ -268,7 +293,7 @@ class SlabCutter {
     std::vector<double> costs = estimate_costs(slab);
     subtract_done(bins_, left_out, costs);
     std::vector<PlaneRange> slabs = cut_into_slabs(bins_, costs, left_out, processes_.count());
-    if (!left_out.empty()) return slabs;
+    if (!left_out.empty() || !are_all_in_grid_) return slabs;
     const double gain = max_cost(bins_, costs, by_atoms_) - max_cost(bins_, costs, slabs);
     const double loss = seconds_per_prepared_atom * max_cost(bins_, atoms_, slabs);
     return gain > loss ? slabs : by_atoms_;
@@ -279,10 +304,15 @@ class SlabCutter {
   std::vector<double> estimate_costs(const Slab& slab) const {
     std::vector<double> costs(bins_.count());
     processes_.all_or_throw([&] {
-      if (slab.planes.is_empty()) return;
+      const PlaneRange within = region_planes(plan_);
+      // The planes of all bins that begin in the slab.
+      const PlaneRange planes_of_bins{
+          std::max(slab.planes.begin, within.begin),
+          std::min(slab.planes.end + bins_.planes_per_bin() - 1, within.end)};
+      if (planes_of_bins.is_empty()) return;
       const Grid& grid = plan_.grid;
       const SurfaceSurvey survey(slab.molecule, plan_.parameters.probe_radius,
-                                 slab_box(plan_, slab.planes));
+                                 slab_box(plan_, planes_of_bins));
       const double point =
           seconds_per_point + (outputs_.grid ? seconds_per_point_text : 0) +
           seconds_per_point_of_map * static_cast<double>(chosen_maps(outputs_).size());
@@ -290,7 +320,6 @@ class SlabCutter {
                               (outputs_.edges ? seconds_per_crossing_text : 0) +
                               (outputs_.mesh ? seconds_per_crossing_of_mesh : 0);
       const GridIndex size = plan_.tiling.region.size();
-      const PlaneRange within = region_planes(plan_);
       for (std::size_t b = 0; b < costs.size(); ++b) {
         const PlaneRange planes = bins_.planes(b, b + 1);
         if (planes.begin < slab.planes.begin || planes.begin >= slab.planes.end) continue;
@@ -310,9 +339,10 @@ class SlabCutter {
   const Plan& plan_;
   const Outputs& outputs_;
   const Processes& processes_;
-  Bins bins_;
-  std::vector<double> atoms_;  // by bin
+  Bins bins_;                  // of the planes of the grid
+  std::vector<double> atoms_;  // atoms at the heights of the grid, by bin
   std::vector<PlaneRange> by_atoms_;
+  bool are_all_in_grid_ = true;  // whether no slab of `by_atoms_` has planes beyond the grid
 };
 
 }  // namespace

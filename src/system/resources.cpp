@@ -17,6 +17,7 @@
 #include "eses/error.hpp"
 #include "system/bytes_text.hpp"
 #include "system/formatted.hpp"
+#include "system/hints.hpp"
 
 namespace eses::detail {
 namespace {
@@ -152,9 +153,8 @@ void require_stack() {
 
 void require_memory_within(std::uint64_t max_memory) {
   if (max_memory > 0 && resident_memory() > max_memory)
-    throw MemoryLimitError(
-        formatted("memory use exceeded both the limit of {} and the estimate; use a larger limit "
-                  "(--max-memory)",
+    throw LimitExceeded(
+        formatted("memory use exceeded both the limit of {} and the estimate; use a larger limit",
                   binary_bytes_text(max_memory)));
 }
 

@@ -1,5 +1,6 @@
 """Tests of runs that several processes share: they write the same files as one process, or none."""
 
+import errno
 import fcntl
 import gzip
 import json
@@ -10,7 +11,8 @@ import subprocess
 import time
 import unittest
 
-from faults import MMCIF, FaultTest, SMALL, forget_signals, wait_for, write_pdb
+from faults import (LIBRARY, MMCIF, FaultTest, SMALL, forget_signals, needs_library, wait_for,
+                    write_pdb)
 from support import DATA, PROGRAM, write_program
 
 LAUNCHER = os.environ.get("ESES_MPIEXEC")
@@ -293,6 +295,39 @@ class Identity(Processes):
             self.assertEqual(sum(p["planes"] for p in together["processes"]),
                              alone["grid"]["size"][2])
 
+    def test_diagnostics_of_atoms_far_from_the_points_are_the_same(self):
+        """Slabs have only the atoms near the points to compute, but diagnostics are of all atoms."""
+        path = self.folder / "far.xyzr"
+        path.write_text("0 0 0 1.5\n0 0 0 1.5\n50 50 50 1.5\n50 50 90 0\n0 0 -70 5\n"
+                        "50 50 120 1.5\n50 50 120.1 1.5\n50 50 -900 0\n")
+        parts = (("--region=45,45,45,55,55,55",),
+                 ("--grid-center", "50,50,50", "--grid-points", "9,9,9"),
+                 ("--grid-center", "50,50,500", "--grid-points", "9,9,9"))
+        for part in parts:
+            arguments = (path, "--spacing", "0.8", "--write", "areas", *part)
+            alone = json.loads(self.run_alone(*arguments, "--json").stdout)
+            self.assertEqual({found["kind"]: found["count"] for found in alone["diagnostics"]},
+                             {"duplicate": 1, "close": 1, "large_radius": 1, "zero_radius": 2})
+            self.assertEqual(self.run_alone(*arguments, "--strict").returncode, 1)
+            for count in (2, 3, 5):
+                with self.subTest(part=part, count=count):
+                    together = json.loads(self.run_together(count, *arguments, "--json").stdout)
+                    for key in ("diagnostics", "area", "crossings", "inside_points", "atoms"):
+                        self.assertEqual(together[key], alone[key], key)
+                    strict = self.run_together(count, *arguments, "--strict")
+                    self.assertEqual(strict.returncode, 1)
+                    self.assertEqual(strict.stderr.count("eses-blocks: error: "),
+                                     self.run_alone(*arguments, "--strict").stderr.count("error: "))
+                    self.assertSame(count, *arguments)
+
+    def test_small_grid_in_a_large_molecule_needs_few_atoms(self):
+        path = self.folder / "rod.xyzr"
+        path.write_text("".join(f"{i % 3 * 3} 0 {i} 1.5\n" for i in range(2000)))
+        done = self.run_together(4, path, "--spacing", "0.5", "--grid-center", "3,0,1000",
+                                 "--grid-points", "17,17,17", "--write", "none", "--json")
+        for share in json.loads(done.stdout)["processes"]:
+            self.assertLess(share["atoms"], 100)
+
     def test_each_process_holds_a_part_of_the_atoms(self):
         """No process holds all atoms."""
         path = self.folder / "rod.xyzr"
@@ -445,13 +480,22 @@ class Failure(Processes):
             if mounted.returncode != 0:
                 self.skipTest("may not mount a file system")
             try:
-                done = self.run_together(2, *arguments)
-                self.assertEqual(done.returncode, 1, done)
-                self.assertIn("eses-blocks: error: ", done.stderr)
+                self.assertEnded(self.run_together(2, *arguments), "")
                 wait_for(lambda: not self.has_temporaries())
                 self.assertNothing()
             finally:
                 subprocess.run(["umount", self.output], check=True)
+
+    @needs_library
+    def test_failure_of_all_processes_is_reported_once(self):
+        """All processes fail to write a chunk, at about the same time."""
+        wrapper = write_program(
+            self.folder / "full", f"LD_PRELOAD={LIBRARY} ESES_FAULT='write 2 stay={errno.ENOSPC}' "
+            f"exec {PROGRAM} \"$@\"\n")
+        for count in (2, 5):
+            done = self.run_together(count, SMALL, "-q", "--spacing", "0.4", "--resume",
+                                     program=wrapper)
+            self.assertEnded(done, "No space left")
 
     def test_failing_allocation_of_one_process_ends_all(self):
         """A limit leaves one of the processes step by step more memory."""

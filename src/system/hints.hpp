@@ -1,0 +1,32 @@
+#pragma once
+/// Errors that another choice of the caller avoids.
+
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "eses/error.hpp"
+
+namespace eses::detail {
+
+/// A base of errors that another choice of the caller avoids. A hint is the name of a parameter and
+/// a value for it, such as `max_memory 20M`. The command line adds hints to the message, as
+/// options.
+class Hints {
+ public:
+  explicit Hints(std::vector<std::string> hints) : hints_(std::move(hints)) {}
+  const std::vector<std::string>& hints() const { return hints_; }
+
+ private:
+  std::vector<std::string> hints_;
+};
+
+/// The memory limit of the caller does not suffice.
+class LimitExceeded : public MemoryLimitError, public Hints {
+ public:
+  /// `limit` is a limit that suffices, such as `20M`, or empty if it is unknown.
+  explicit LimitExceeded(const std::string& message, const std::string& limit = "")
+      : MemoryLimitError(message), Hints({limit.empty() ? "max_memory" : "max_memory " + limit}) {}
+};
+
+}  // namespace eses::detail
