@@ -117,6 +117,10 @@ class Patches {
 
   bool is_open(ClusterIndex cluster) const { return clusters_patches_[cluster] != nullptr; }
 
+  /// Returns the patches of a complete cluster.
+  const ClusterPatches& of_cluster(ClusterIndex cluster) const {
+    return *clusters_patches_[cluster];
+  }
   /// Returns the patches of an atom whose cluster is complete.
   AtomPatches of(AtomIndex atom) const {
     const auto [cluster, member] = clusters_.place_of(atom);
