@@ -1,9 +1,12 @@
 #include "measure/measure_patches.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 #include <numbers>
+#include <numeric>
+#include <optional>
 #include <span>
 #include <utility>
 #include <vector>
@@ -24,8 +27,28 @@ using std::numbers::pi;
 // larger than the number of threads.
 constexpr ClusterIndex clusters_per_layer = 128;
 
-// Two placements are parts of the same one only if they are nearer than this (angstrom).
-constexpr double same_node = 1e-4;
+// How the accessibility of probe centres is decided.
+struct Accessibility {
+  bool has_slack = true;  // see SurfaceModel
+  // The SAS spheres are smaller by this (angstrom), which opens the places where a probe just fits,
+  // and separates spheres that just touch.
+  double shrinkage = 0;
+  // Placements within this distance of each other are the same one (angstrom).
+  double same_place = 0;
+};
+
+// Without slack, the measures are consistent unless distances between almost equal placements are
+// about as large as `same_place`. A hole in which a probe just fits becomes larger than the
+// shrinkage. Its placements must be either the same or distinct.
+constexpr std::array<Accessibility, 6> without_slack{{{false, tolerance::accessible, 1e-8},
+                                                      {false, tolerance::accessible, 1e-10},
+                                                      {false, tolerance::accessible, 1e-7},
+                                                      {false, 2.3 * tolerance::accessible, 1e-8},
+                                                      {false, 2.3 * tolerance::accessible, 1e-10},
+                                                      {false, 2.3 * tolerance::accessible, 1e-7}}};
+
+// The total curvature of consistent measures is this close to an even number.
+constexpr double max_curvature_error = 1e-7;
 
 // A contribution to the exposed part of the SAS sphere of an atom: the boundary term of an arc.
 struct FaceTerm {
@@ -96,15 +119,18 @@ struct MeasureScratch {
   SpherePartFinder finder;
   std::vector<SphericalCap> caps, shared_caps;
   std::vector<Vec3> toward;
-  std::vector<AtomIndex> touched, found;
-  std::vector<std::uint32_t> node, cutters;
+  std::vector<AtomIndex> touched;
+  std::vector<std::uint32_t> node;  // placements in the same place
+  bool has_cutters = false;         // whether other placements cut the cone
 };
 
 class PatchMeasurement {
  public:
-  PatchMeasurement(const Molecule& molecule, const MeasureSettings& settings)
+  PatchMeasurement(const Molecule& molecule, const MeasureSettings& settings,
+                   const Accessibility& accessibility)
       : settings_(settings),
-        surface_(molecule, settings.probe_radius),
+        same_place_(accessibility.same_place),
+        surface_(make_surface(molecule, settings, accessibility)),
         schedule_(surface_, {-infinity, infinity}),
         origin_(middle_of(surface_.atoms)),
         faces_(surface_.atoms.size()),
@@ -115,12 +141,13 @@ class PatchMeasurement {
       areas->resize(surface_.atoms.size());
   }
 
-  Measures run() {
+  // Returns nothing if a decision depends on the slack.
+  std::optional<Measures> run() {
     const AtomClusters& clusters = schedule_.patches().clusters();
     for (ClusterIndex begin = 0; begin < clusters.count();) {
       if (settings_.check) settings_.check();
       const ClusterIndex end = std::min(begin + clusters_per_layer, clusters.count());
-      measure_layer(begin, end);
+      if (!measure_layer(begin, end)) return std::nullopt;
       begin = end;
     }
     measure_faces();
@@ -130,24 +157,30 @@ class PatchMeasurement {
  private:
   static constexpr double infinity = std::numeric_limits<double>::infinity();
 
+  static SurfaceModel make_surface(const Molecule& molecule, const MeasureSettings& settings,
+                                   const Accessibility& accessibility) {
+    SurfaceModel surface(molecule, settings.probe_radius - accessibility.shrinkage);
+    surface.has_slack = accessibility.has_slack;
+    return surface;
+  }
   static Vec3 middle_of(std::span<const Atom> atoms) {
     Box box{atoms.front().center, atoms.front().center};
     for (const Atom& atom : atoms) box.include(atom.center);
     return 0.5 * box.low + 0.5 * box.high;
   }
 
-  double probe() const { return settings_.probe_radius; }
+  double probe() const { return surface_.probe_radius; }
 
-  void measure_layer(ClusterIndex begin, ClusterIndex end);
+  bool measure_layer(ClusterIndex begin, ClusterIndex end);
   void build_patches(double up_to);
   void index_placements();
   void measure_cluster(ClusterIndex cluster, MeasureScratch& scratch, ClusterTerms& terms) const;
   void add_terms(ClusterIndex cluster, const ClusterTerms& terms);
   void add_arc(const Arc& arc, ClusterTerms& terms) const;
   void add_placement(std::uint32_t number, MeasureScratch& scratch, ClusterTerms& terms) const;
-  SpherePart regular_cone(const ProbePlacement& placement, MeasureScratch& scratch) const;
-  bool irregular_cone(std::uint32_t number, MeasureScratch& scratch, SpherePart& part) const;
-  void find_touched(const ProbePlacement& placement, MeasureScratch& scratch) const;
+  void find_node(std::uint32_t number, std::vector<std::uint32_t>& node) const;
+  SpherePart find_triangle(const ProbePlacement& placement, MeasureScratch& scratch) const;
+  SpherePart find_cone(std::uint32_t number, MeasureScratch& scratch) const;
   void add_cutters(std::uint32_t number, Vec3 center, double distance,
                    MeasureScratch& scratch) const;
   void share_among_atoms(const SpherePart& part, MeasureScratch& scratch,
@@ -156,6 +189,7 @@ class PatchMeasurement {
   double face_angle(AtomIndex i, std::vector<AtomIndex>& found) const;
 
   const MeasureSettings& settings_;
+  double same_place_;  // angstrom
   SurfaceModel surface_;
   PatchSchedule schedule_;
   Vec3 origin_;
@@ -167,19 +201,23 @@ class PatchMeasurement {
   std::vector<const ProbePlacement*> placements_;
   std::vector<Vec3> centers_;
   std::vector<std::uint32_t> first_placement_;  // by cluster
+  std::vector<std::uint32_t> node_;             // by placement: the first one in the same place
   PointTree tree_;
 
   std::vector<MeasureScratch> scratch_;  // by thread
   std::vector<ClusterTerms> terms_;      // by cluster of the layer
 };
 
-void PatchMeasurement::measure_layer(ClusterIndex begin, ClusterIndex end) {
+bool PatchMeasurement::measure_layer(ClusterIndex begin, ClusterIndex end) {
   const AtomClusters& clusters = schedule_.patches().clusters();
   double high = -infinity;
   for (ClusterIndex cluster = begin; cluster < end; ++cluster)
     high = std::max(high, clusters.heights(cluster).high);
   // A concave patch is cut by placements up to twice the probe radius away.
   build_patches(high + probe() + look_up_slack);
+  if (surface_.has_slack)
+    for (ClusterIndex cluster = begin; cluster < end; ++cluster)
+      if (!schedule_.patches().of_cluster(cluster).is_regular) return false;
   index_placements();
   terms_.resize(std::max<std::size_t>(terms_.size(), end - begin));
   parallel_for(end - begin, std::min<int>(settings_.threads, static_cast<int>(end - begin)),
@@ -196,6 +234,7 @@ void PatchMeasurement::measure_layer(ClusterIndex begin, ClusterIndex end) {
   for (ClusterIndex cluster = end; cluster < clusters.count(); ++cluster)
     low = std::min(low, clusters.heights(cluster).low);
   schedule_.pass(low - probe() - look_up_slack);
+  return true;
 }
 
 void PatchMeasurement::build_patches(double up_to) {
@@ -233,6 +272,24 @@ void PatchMeasurement::index_placements() {
     }
   }
   tree_.reset(centers_);
+  node_.resize(placements_.size());
+  std::iota(node_.begin(), node_.end(), 0U);
+  if (surface_.has_slack) return;
+  std::vector<std::uint32_t> node;
+  for (std::uint32_t k = 0; k < node_.size(); ++k) {
+    if (node_[k] != k) continue;
+    find_node(k, node);
+    for (const std::uint32_t other : node) node_[other] = k;
+  }
+}
+
+// Replaces `node` by the placements that are in the same place, or are connected by others.
+void PatchMeasurement::find_node(std::uint32_t number, std::vector<std::uint32_t>& node) const {
+  node.assign(1, number);
+  for (std::size_t k = 0; k < node.size(); ++k)
+    tree_.for_each_within(centers_[node[k]], same_place_, [&](std::uint32_t other) {
+      if (std::find(node.begin(), node.end(), other) == node.end()) node.push_back(other);
+    });
 }
 
 void PatchMeasurement::measure_cluster(ClusterIndex cluster, MeasureScratch& scratch,
@@ -267,6 +324,8 @@ void PatchMeasurement::add_arc(const Arc& arc, ClusterTerms& terms) const {
   SweptArc swept{2 * pi, {}};
   if (arc.kind != ArcKind::full) {
     swept.angle = angle_about(circle.axis, arc.start, arc.end);
+    // Rounding may exchange an angle of almost 0 and one of almost 2 pi.
+    if (arc.kind == ArcKind::minor && swept.angle > 1.5 * pi) swept.angle = 0;
     swept.radial = cross(arc.end - arc.start, circle.axis);
   }
   const double first_cosine = circle.first_height / first.radius;
@@ -276,7 +335,7 @@ void PatchMeasurement::add_arc(const Arc& arc, ClusterTerms& terms) const {
   terms.faces.push_back({arc.second, boundary_term({-circle.axis, second_cosine},
                                                    {0, swept.angle, arc.end, arc.start})});
   terms.sums.curvature -= swept.angle * (first_cosine + second_cosine);
-  if (probe() == 0) return;
+  if (probe() <= 0) return;
   const SaddleOutline outline = make_outline(circle, probe());
   const SurfaceIntegrals whole = saddle_integrals(outline, outline.contact, circle.axis, swept);
   terms.sums.saddle += whole.area;
@@ -294,101 +353,74 @@ void PatchMeasurement::add_arc(const Arc& arc, ClusterTerms& terms) const {
 
 void PatchMeasurement::add_placement(std::uint32_t number, MeasureScratch& scratch,
                                      ClusterTerms& terms) const {
-  const ProbePlacement& placement = *placements_[number];
-  SpherePart part;
-  if (placement.is_regular) {
-    part = regular_cone(placement, scratch);
-    terms.sums.curvature += part.solid_angle;
-    if (probe() == 0) return;
-    // The cone lies in a cap around the mean of its edges.
-    const Vec3 mean = normalized(scratch.toward[0] + scratch.toward[1] + scratch.toward[2]);
+  if (node_[number] != number) return;
+  const Vec3 center = centers_[number];
+  SpherePart part = find_cone(number, scratch);
+  terms.sums.curvature += part.solid_angle;
+  if (probe() <= 0 || part.solid_angle == 0) return;
+  // The cone lies in a cap around the mean of its edges. Points of the patch are nearer to the
+  // point on its axis than the chord.
+  Vec3 mean;
+  for (const Vec3 direction : scratch.toward) mean = mean + direction;
+  const double length = norm(mean);
+  if (length > 0.1) {
+    mean = (1 / length) * mean;
     double cosine = 1;
     for (const Vec3 direction : scratch.toward) cosine = std::min(cosine, dot(mean, direction));
     const double chord = std::sqrt(2 * (1 - cosine));
-    add_cutters(number, placement.center + probe() * mean, probe() * (1 + chord), scratch);
+    add_cutters(number, center + probe() * mean, probe() * (1 + chord), scratch);
   } else {
-    if (!irregular_cone(number, scratch, part)) return;
-    terms.sums.curvature += part.solid_angle;
-    if (probe() == 0 || part.solid_angle == 0) return;
-    add_cutters(number, placement.center, 2 * probe(), scratch);
+    add_cutters(number, center, 2 * probe(), scratch);
   }
-  if (!scratch.cutters.empty()) part = scratch.finder.find(scratch.caps);
+  if (scratch.has_cutters) part = scratch.finder.find(scratch.caps);
   terms.sums.concave += probe() * probe() * part.solid_angle;
   terms.sums.flux -=
-      probe() * probe() *
-      (dot(placement.center - origin_, part.vector_area) + probe() * part.solid_angle);
+      probe() * probe() * (dot(center - origin_, part.vector_area) + probe() * part.solid_angle);
   if (settings_.by_atom) share_among_atoms(part, scratch, terms);
 }
 
 // Sets the touched atoms, the directions to them and the caps that bound their cone.
-SpherePart PatchMeasurement::regular_cone(const ProbePlacement& placement,
-                                          MeasureScratch& scratch) const {
+SpherePart PatchMeasurement::find_triangle(const ProbePlacement& placement,
+                                           MeasureScratch& scratch) const {
   scratch.touched.assign(placement.atoms.begin(), placement.atoms.end());
-  scratch.toward.clear();
-  for (const AtomIndex i : scratch.touched)
-    scratch.toward.push_back(normalized(surface_.atoms[i].center - placement.center));
-  const auto& [a, b, c] = std::array{scratch.toward[0], scratch.toward[1], scratch.toward[2]};
+  std::array<Vec3, 3> toward;
+  for (std::size_t q = 0; q < 3; ++q)
+    toward[q] = normalized(surface_.atoms[placement.atoms[q]].center - placement.center);
+  scratch.toward.assign(toward.begin(), toward.end());
+  const auto& [a, b, c] = toward;
   const double sign = dot(a, cross(b, c)) < 0 ? 1 : -1;
   scratch.caps.clear();
-  for (const Vec3 normal : {cross(a, b), cross(b, c), cross(c, a)})
-    scratch.caps.push_back({(sign / norm(normal)) * normal, 0});
+  for (const Vec3 normal : {cross(a, b), cross(b, c), cross(c, a)}) {
+    const double length = norm(normal);
+    if (length == 0) return {};
+    scratch.caps.push_back({(sign / length) * normal, 0});
+  }
   return triangle_part(a, b, c);
 }
 
-void PatchMeasurement::find_touched(const ProbePlacement& placement,
-                                    MeasureScratch& scratch) const {
-  surface_.tree().find_reaching(placement.center, probe() + 2 * tolerance::touching, scratch.found);
-  for (const AtomIndex i : scratch.found) {
-    const SasSphere sphere = surface_.sas_sphere(i);
-    if (surface_.molecule.is_contained(i) ||
-        norm(sphere.center - placement.center) > sphere.radius + tolerance::touching)
-      continue;
-    scratch.touched.push_back(i);
-  }
-  scratch.touched.insert(scratch.touched.end(), placement.atoms.begin(), placement.atoms.end());
-}
-
-// Finds the cone of a placement that touches more than three atoms, or whose cone is almost flat.
-// It may be listed several times, with three atoms each time, and in places that differ by the
-// tolerances. The one with the lowest number stands for all. Returns whether this is the one.
-bool PatchMeasurement::irregular_cone(std::uint32_t number, MeasureScratch& scratch,
-                                      SpherePart& part) const {
-  std::vector<std::uint32_t>& node = scratch.node;
+// Does the same for all placements in the same place as this one.
+SpherePart PatchMeasurement::find_cone(std::uint32_t number, MeasureScratch& scratch) const {
+  if (surface_.has_slack) return find_triangle(*placements_[number], scratch);
+  find_node(number, scratch.node);
+  if (scratch.node.size() == 1) return find_triangle(*placements_[number], scratch);
   std::vector<AtomIndex>& touched = scratch.touched;
-  node.assign(1, number);
   touched.clear();
-  const auto is_touched = [&](AtomIndex i) {
-    return std::find(touched.begin(), touched.end(), i) != touched.end();
-  };
-  for (std::size_t k = 0; k < node.size(); ++k) {
-    find_touched(*placements_[node[k]], scratch);
-    tree_.for_each_within(centers_[node[k]], same_node, [&](std::uint32_t other) {
-      const ProbePlacement& placement = *placements_[other];
-      if (placement.is_regular || std::find(node.begin(), node.end(), other) != node.end()) return;
-      if (std::all_of(placement.atoms.begin(), placement.atoms.end(), is_touched))
-        node.push_back(other);
-    });
-  }
-  if (*std::min_element(node.begin(), node.end()) != number) return false;
+  for (const std::uint32_t k : scratch.node)
+    touched.insert(touched.end(), placements_[k]->atoms.begin(), placements_[k]->atoms.end());
   std::sort(touched.begin(), touched.end());
   touched.erase(std::unique(touched.begin(), touched.end()), touched.end());
   scratch.toward.clear();
-  for (const AtomIndex i : touched) {
-    const Vec3 toward = surface_.atoms[i].center - centers_[number];
-    scratch.toward.push_back(normalized(toward));
-  }
+  for (const AtomIndex i : touched)
+    scratch.toward.push_back(normalized(surface_.atoms[i].center - centers_[number]));
   switch (bound_cone(scratch.toward, scratch.caps)) {
     case ConeShape::flat:
-      part = {};
-      break;
-    case ConeShape::solid:
-      part = scratch.finder.find(scratch.caps);
-      break;
+      return {};
     case ConeShape::whole:
-      part = {4 * pi, {}};
+      return {4 * pi, {}};
+    case ConeShape::solid:
       break;
   }
-  return true;
+  return scratch.finder.find(scratch.caps);
 }
 
 // Adds the caps of other placements that cut the cone which the caps bound. They are nearer than
@@ -397,17 +429,13 @@ void PatchMeasurement::add_cutters(std::uint32_t number, Vec3 center, double dis
                                    MeasureScratch& scratch) const {
   const std::size_t bounds = scratch.caps.size();
   const Vec3 from = centers_[number];
-  const bool is_regular = placements_[number]->is_regular;
-  scratch.cutters.clear();
+  scratch.has_cutters = false;
   tree_.for_each_within(center, distance, [&](std::uint32_t other) {
-    if (other == number) return;
-    if (!is_regular &&
-        std::find(scratch.node.begin(), scratch.node.end(), other) != scratch.node.end())
-      return;
+    if (other == number || node_[other] != other) return;
     const Vec3 toward = centers_[other] - from;
     const double length = norm(toward);
     const double cosine = length / (2 * probe());
-    if (cosine >= 1 || length == 0) return;
+    if (cosine >= 1) return;
     const Vec3 axis = (1 / length) * toward;
     // The cone is on one side of each bounding plane. If the axis is on the other side, the
     // direction of the cone that is nearest to it is at least as far away as the plane.
@@ -415,7 +443,7 @@ void PatchMeasurement::add_cutters(std::uint32_t number, Vec3 center, double dis
       const double height = dot(axis, scratch.caps[k].axis);
       if (height > 0 && cosine > 0 && 1 - height * height <= cosine * cosine) return;
     }
-    scratch.cutters.push_back(other);
+    scratch.has_cutters = true;
     scratch.caps.push_back({axis, cosine});
   });
 }
@@ -490,10 +518,25 @@ void PatchMeasurement::measure_faces() {
   result_.euler_number = 2 * std::llround(result_.total_curvature / 2);
 }
 
+double curvature_error(const Measures& measures) {
+  return std::fabs(measures.total_curvature - static_cast<double>(measures.euler_number));
+}
+
 }  // namespace
 
 Measures measure_patches(const Molecule& molecule, const MeasureSettings& settings) {
-  return PatchMeasurement(molecule, settings).run();
+  if (auto regular = PatchMeasurement(molecule, settings, {}).run()) return std::move(*regular);
+  Measures best;
+  double min_error = std::numeric_limits<double>::infinity();
+  for (const Accessibility& accessibility : without_slack) {
+    Measures measures = *PatchMeasurement(molecule, settings, accessibility).run();
+    const double error = curvature_error(measures);
+    if (error >= min_error) continue;
+    min_error = error;
+    best = std::move(measures);
+    if (error < max_curvature_error) break;
+  }
+  return best;
 }
 
 }  // namespace eses::detail

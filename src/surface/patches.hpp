@@ -54,6 +54,8 @@ struct ClusterPatches {
   std::vector<std::uint32_t> placement_begin;  ///< indices into placements
   /// Placements. If a probe touches more than three atoms, each triple of them has a placement.
   std::vector<ProbePlacement> placements;
+  /// Whether three arcs end at each placement, and no decision depends on a tolerance.
+  bool is_regular = true;
   CrowdedPatches crowded;  ///< index of the patches of crowded atoms
 
   /// Results of the arcs of this and other clusters, until the cluster is complete.
