@@ -37,15 +37,19 @@ struct Accessibility {
   double same_place = 0;
 };
 
-// Without slack, the measures are consistent unless distances between almost equal placements are
-// about as large as `same_place`. A hole in which a probe just fits becomes larger than the
-// shrinkage. Its placements must be either the same or distinct.
-constexpr std::array<Accessibility, 6> without_slack{{{false, tolerance::accessible, 1e-8},
-                                                      {false, tolerance::accessible, 1e-10},
-                                                      {false, tolerance::accessible, 1e-7},
-                                                      {false, 2.3 * tolerance::accessible, 1e-8},
+// Without slack, the measures are consistent unless rounding decides, or distances between almost
+// equal placements are about as large as `same_place`.
+constexpr std::array<Accessibility, 6> without_slack{{{false, tolerance::accessible, 1e-10},
+                                                      {false, tolerance::accessible, 1e-8},
+                                                      {false, tolerance::accessible, 1e-12},
                                                       {false, 2.3 * tolerance::accessible, 1e-10},
-                                                      {false, 2.3 * tolerance::accessible, 1e-7}}};
+                                                      {false, 2.3 * tolerance::accessible, 1e-8},
+                                                      {false, 2.3 * tolerance::accessible, 1e-12}}};
+
+// Without slack, placements nearer than this do not cut each other's patches (angstrom). The normal
+// cones of placements at the ends of such a short arc do not overlap. Those of placements on the
+// two sides of a narrow gap do, but the shrinkage makes a gap closed or wider.
+constexpr double min_cutting_distance = 1e-6;
 
 // The total curvature of consistent measures is this close to an even number.
 constexpr double max_curvature_error = 1e-7;
@@ -435,7 +439,7 @@ void PatchMeasurement::add_cutters(std::uint32_t number, Vec3 center, double dis
     const Vec3 toward = centers_[other] - from;
     const double length = norm(toward);
     const double cosine = length / (2 * probe());
-    if (cosine >= 1) return;
+    if (cosine >= 1 || (!surface_.has_slack && length < min_cutting_distance)) return;
     const Vec3 axis = (1 / length) * toward;
     // The cone is on one side of each bounding plane. If the axis is on the other side, the
     // direction of the cone that is nearest to it is at least as far away as the plane.

@@ -48,7 +48,8 @@ void filter_neighbours(const SurfaceModel& surface, std::span<const Atom> group,
 
 void collect_caps(const SurfaceModel& surface, AtomIndex i, AtomPatchScratch& scratch) {
   const SasSphere sphere = surface.sas_sphere(i);
-  find_meeting(sphere, scratch.group_spheres, scratch.neighbours);
+  find_meeting(sphere, scratch.group_spheres, scratch.neighbours,
+               surface.has_slack ? tolerance::containment : 0);
   make_caps(sphere, scratch.group_spheres, scratch.neighbours, scratch.caps);
   if (!surface.has_slack) scratch.caps.blocking_height = scratch.caps.height;
 }
