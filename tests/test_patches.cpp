@@ -8,11 +8,11 @@
 #include <tuple>
 
 #include "catch.hpp"
-#include "run/patch_schedule.hpp"
 #include "solve/block_features.hpp"
 #include "support/all_patches.hpp"
 #include "support/atom_sets.hpp"
 #include "support/brute_force.hpp"
+#include "surface/patch_schedule.hpp"
 
 namespace eses::detail::test {
 namespace {

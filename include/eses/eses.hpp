@@ -17,6 +17,7 @@
 #include "eses/error.hpp"
 #include "eses/grid.hpp"
 #include "eses/maps.hpp"
+#include "eses/measure.hpp"
 #include "eses/outputs.hpp"
 #include "eses/read_atoms.hpp"
 #include "eses/run_options.hpp"

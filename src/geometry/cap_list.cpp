@@ -41,11 +41,11 @@ HWY_INLINE std::size_t select_positions(Vec3 origin, const SphereList& spheres,
 }
 
 std::size_t meeting_positions(const SasSphere& sphere, const SphereList& spheres,
-                              std::int64_t* positions) {
+                              double min_overlap, std::int64_t* positions) {
   return select_positions(
       sphere.center, spheres, positions, [&](const Points& offset, DoubleVector radius) {
         const auto squared = squared_norm(offset);
-        const auto reach = broadcast(sphere.radius) + radius - broadcast(tolerance::containment);
+        const auto reach = broadcast(sphere.radius) + radius - broadcast(min_overlap);
         return hn::And(squared<reach * reach, squared> broadcast(0));
       });
 }
@@ -175,9 +175,11 @@ void choose_spheres(const SphereList& spheres, const SpherePositions& positions,
   ESES_BEST_VERSION(copy_at_positions)(spheres, positions.at.data(), chosen);
 }
 
-void find_meeting(const SasSphere& sphere, const SphereList& spheres, SpherePositions& positions) {
+void find_meeting(const SasSphere& sphere, const SphereList& spheres, SpherePositions& positions,
+                  double min_overlap) {
   make_room(positions, spheres);
-  positions.count = ESES_BEST_VERSION(meeting_positions)(sphere, spheres, positions.at.data());
+  positions.count =
+      ESES_BEST_VERSION(meeting_positions)(sphere, spheres, min_overlap, positions.at.data());
 }
 
 void make_caps(const SasSphere& sphere, const SphereList& spheres, const SpherePositions& positions,

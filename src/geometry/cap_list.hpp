@@ -56,8 +56,9 @@ void choose_spheres(const SphereList& spheres, const SpherePositions& positions,
                     SphereList& chosen);
 
 /// Replaces `positions` by the ascending positions of the spheres that meet `sphere`. A sphere with
-/// the same centre, and one that overlaps it by at most tolerance::containment, does not meet it.
-void find_meeting(const SasSphere& sphere, const SphereList& spheres, SpherePositions& positions);
+/// the same centre, and one that overlaps it by at most `min_overlap` (angstrom), does not meet it.
+void find_meeting(const SasSphere& sphere, const SphereList& spheres, SpherePositions& positions,
+                  double min_overlap = tolerance::containment);
 
 /// Replaces `caps` by the caps that the spheres at `positions` cut from `sphere`. The values equal
 /// those of make_cap, bit for bit.

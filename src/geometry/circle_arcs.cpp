@@ -260,7 +260,7 @@ void add_open_interval(const ContactCircle& circle, const CircleFrame& frame, co
   const double start_turn = angle_between(open.low, diamond_angle(start.x, start.y) - origin);
   const double end_turn = angle_between(diamond_angle(end.x, end.y) - origin, open.high);
   const double span = (open.high - open.low) - start_turn - end_turn;
-  const bool is_kept = span * circle.radius >= tolerance::arc_length;
+  const bool is_kept = span * circle.radius >= scratch.min_length;
   const bool is_uncertain =
       !is_kept || std::max(start_turn, end_turn) * circle.radius > tolerance::end_shift;
   scratch.ends.clear();

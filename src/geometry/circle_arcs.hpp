@@ -56,8 +56,9 @@ struct OpenIntervals {
   void subtract(double from, double to, std::uint32_t cap);
 };
 
-/// Scratch memory of `accessible_arcs`.
+/// Scratch memory of `accessible_arcs`, and the length below which it drops arcs (angstrom).
 struct ArcScratch {
+  double min_length = tolerance::arc_length;
   OpenIntervals open;
   std::vector<Vec3> ends;  ///< directions from the circle's centre to the ends of one interval
 };
@@ -66,7 +67,7 @@ struct ArcScratch {
 /// `caps` are the caps of the circle's first sphere; the one with index `own` belongs to its second
 /// sphere. A point counts as accessible if no neighbour covers it by more than
 /// tolerance::accessible. The ends are those of the exact caps. Arcs shorter than
-/// tolerance::arc_length are dropped, but their ends are kept. The function is faster if caps that
+/// `scratch.min_length` are dropped, but their ends are kept. The function is faster if caps that
 /// block much come first.
 void accessible_arcs(const ContactCircle& circle, const CapList& caps, std::uint32_t own,
                      ArcScratch& scratch, std::vector<CircleArc>& arcs,

@@ -16,7 +16,6 @@
 #include "run/layer.hpp"
 #include "run/map_rows.hpp"
 #include "run/mesh_output.hpp"
-#include "run/patch_schedule.hpp"
 #include "run/plan.hpp"
 #include "run/progress_report.hpp"
 #include "run/row_batches.hpp"
@@ -25,6 +24,7 @@
 #include "run/verifier.hpp"
 #include "solve/block_solver.hpp"
 #include "solve/region_totals.hpp"
+#include "surface/patch_schedule.hpp"
 #include "system/gzip.hpp"
 
 namespace eses::detail {

@@ -9,7 +9,7 @@
 
 #include "output/grid_map.hpp"
 #include "run/mesh_output.hpp"
-#include "run/patch_schedule.hpp"
+#include "surface/patch_schedule.hpp"
 #include "system/resources.hpp"
 #include "system/stopwatch.hpp"
 

@@ -11,11 +11,11 @@
 #include "distributed/processes.hpp"
 #include "output/mesh_writer.hpp"
 #include "output/output_files.hpp"
-#include "run/patch_schedule.hpp"
 #include "run/pipeline.hpp"
 #include "run/progress_report.hpp"
 #include "run/run_plan.hpp"
 #include "run/verifier.hpp"
+#include "surface/patch_schedule.hpp"
 
 namespace eses::detail {
 

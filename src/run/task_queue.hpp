@@ -7,7 +7,7 @@
 #include <optional>
 #include <vector>
 
-#include "run/patch_schedule.hpp"
+#include "surface/patch_schedule.hpp"
 
 namespace eses::detail {
 

@@ -48,8 +48,10 @@ void filter_neighbours(const SurfaceModel& surface, std::span<const Atom> group,
 
 void collect_caps(const SurfaceModel& surface, AtomIndex i, AtomPatchScratch& scratch) {
   const SasSphere sphere = surface.sas_sphere(i);
-  find_meeting(sphere, scratch.group_spheres, scratch.neighbours);
+  find_meeting(sphere, scratch.group_spheres, scratch.neighbours,
+               surface.has_slack ? tolerance::containment : 0);
   make_caps(sphere, scratch.group_spheres, scratch.neighbours, scratch.caps);
+  if (!surface.has_slack) scratch.caps.blocking_height = scratch.caps.height;
 }
 
 // Keeps the relevant caps, by size, followed by the caps that are needed only to cover.
@@ -167,6 +169,7 @@ void build_atom_patches(const SurfaceModel& surface, std::span<const AtomIndex> 
                         const BurialPatches& burial, AtomPatchScratch& scratch,
                         BuiltPatches& patches) {
   patches.clear();
+  scratch.arc.min_length = surface.has_slack ? tolerance::arc_length : 0;
   scratch.atoms.clear();
   for (const AtomIndex i : atoms) scratch.atoms.push_back(surface.atoms[i]);
   const auto count = static_cast<AtomIndex>(atoms.size());

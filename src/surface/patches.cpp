@@ -99,6 +99,17 @@ std::optional<ProbePlacement> place_probe(const Patches& patches, const Placemen
   return placement;
 }
 
+// Returns whether three certain arcs end at each placement. The keys are sorted.
+bool end_in_threes(std::span<const PlacementKey> keys) {
+  if (keys.size() % 3 != 0) return false;
+  for (std::size_t k = 0; k < keys.size(); k += 3) {
+    const PlacementKey& key = keys[k];
+    if (!key.is_certain || !key.is_same_place(keys[k + 2])) return false;
+    if (k > 0 && key.is_same_place(keys[k - 1])) return false;
+  }
+  return true;
+}
+
 // Returns the begin of each of several consecutive lists, and the end of the last one.
 std::vector<std::uint32_t> begins_of(std::span<const std::uint32_t> counts) {
   std::vector<std::uint32_t> begins{0};
@@ -226,6 +237,7 @@ void Patches::place_probes(ClusterPatches& patches) {
     const std::uint32_t member_a = member_of(a), member_b = member_of(b);
     return member_a < member_b || (member_a == member_b && a < b);
   });
+  patches.is_regular = end_in_threes(keys);
   const auto end = std::unique(
       keys.begin(), keys.end(),
       [](const PlacementKey& key, const PlacementKey& next) { return key.is_same_place(next); });

@@ -54,6 +54,8 @@ struct ClusterPatches {
   std::vector<std::uint32_t> placement_begin;  ///< indices into placements
   /// Placements. If a probe touches more than three atoms, each triple of them has a placement.
   std::vector<ProbePlacement> placements;
+  /// Whether three arcs end at each placement, and no decision depends on a tolerance.
+  bool is_regular = true;
   CrowdedPatches crowded;  ///< index of the patches of crowded atoms
 
   /// Results of the arcs of this and other clusters, until the cluster is complete.
@@ -117,6 +119,10 @@ class Patches {
 
   bool is_open(ClusterIndex cluster) const { return clusters_patches_[cluster] != nullptr; }
 
+  /// Returns the patches of a complete cluster.
+  const ClusterPatches& of_cluster(ClusterIndex cluster) const {
+    return *clusters_patches_[cluster];
+  }
   /// Returns the patches of an atom whose cluster is complete.
   AtomPatches of(AtomIndex atom) const {
     const auto [cluster, member] = clusters_.place_of(atom);

@@ -20,6 +20,10 @@ struct SurfaceModel {
   double probe_radius = 0;      ///< angstrom
   /// The part of space that is computed; all of it if empty. Atoms outside of it need no patches.
   std::optional<Reach> reach;
+  /// Whether accessibility has the slack of tolerance::accessible, and arcs have a minimum length.
+  /// Without slack, decisions on the three contact circles at a placement agree unless rounding
+  /// decides, and a probe that just fits may be rejected.
+  bool has_slack = true;
 
   SurfaceModel(Molecule of, double probe)
       : molecule(std::move(of)), atoms(molecule.atoms()), probe_radius(probe) {}

@@ -35,6 +35,10 @@ class PatchSchedule {
 
   /// Returns whether all patches are complete that are required to solve points up to this height.
   bool is_ready(double up_to) const;
+  /// Returns whether the patches of a cluster are complete and not yet freed.
+  bool is_complete(ClusterIndex cluster) const {
+    return stages_[cluster] == Stage::complete && patches_.is_open(cluster);
+  }
 
   /// Frees patches that are not required at or above this height.
   void pass(double low);

@@ -1,4 +1,4 @@
-#include "run/patch_schedule.hpp"
+#include "surface/patch_schedule.hpp"
 
 #include <algorithm>
 #include <limits>

@@ -1,0 +1,73 @@
+#pragma once
+/// @file
+/// Areas and volumes of a surface, in closed form and without a grid.
+
+#include <cstdint>
+#include <optional>
+#include <vector>
+
+#include "eses/check.hpp"
+#include "eses/surface.hpp"
+
+namespace eses {
+
+/// Options of measure().
+struct MeasureOptions {
+  /// Radius of the probe, in angstrom: 0, or `min_probe_radius` to `max_probe_radius`. The default
+  /// is that of the surface. With 0, all surfaces are the van der Waals surface.
+  std::optional<double> probe_radius = {};
+  /// Whether the van der Waals surface is measured, too. This takes about as long as the rest.
+  bool van_der_waals = false;
+  /// Whether the areas are divided among the atoms.
+  bool by_atom = false;
+  /// Number of threads; 0 for all available processors. It does not affect the result.
+  int threads = 1;
+  /// Called from time to time, at least once.
+  CheckCallback check = {};
+};
+
+/// Areas of the kinds of patches, in square angstrom.
+struct PatchAreas {
+  double convex = 0;   ///< Spherical patches where the probe touches one atom.
+  double saddle = 0;   ///< Toroidal patches where the probe touches two atoms.
+  double concave = 0;  ///< Spherical patches where the probe touches three or more atoms.
+
+  /// The sum of all kinds.
+  double total() const { return convex + saddle + concave; }
+};
+
+/// Areas of the atoms, by atom index, in square angstrom. A point of the surface belongs to the
+/// touched atom with the smallest value of |x - center|^2 - radius^2, which is the power diagram's
+/// division of space.
+struct AtomAreas {
+  std::vector<double> sas;      ///< Solvent accessible surface.
+  std::vector<double> convex;   ///< Convex patches of the solvent excluded surface.
+  std::vector<double> saddle;   ///< Saddle patches of the solvent excluded surface.
+  std::vector<double> concave;  ///< Concave patches of the solvent excluded surface.
+};
+
+/// Areas (square angstrom) and volumes (cubic angstrom) of a surface. Cavities that can contain a
+/// probe are outside.
+struct Measures {
+  double ses_area = 0;    ///< Area of the solvent excluded surface.
+  double ses_volume = 0;  ///< Volume inside the solvent excluded surface.
+  PatchAreas ses_areas;   ///< The parts of `ses_area`.
+  double sas_area = 0;    ///< Area of the solvent accessible surface.
+  double sas_volume = 0;  ///< Volume inside the solvent accessible surface.
+  double vdw_area = 0;    ///< Area of the van der Waals surface, if it is measured.
+  double vdw_volume = 0;  ///< Volume of the van der Waals spheres, if it is measured.
+  /// Euler number of the solvent accessible surface: the sum over its components of 2 minus twice
+  /// the number of handles.
+  std::int64_t euler_number = 0;
+  /// The Euler number before it is rounded: the integral of the curvature, divided by 2 pi
+  /// (Gauss-Bonnet). The difference shows the rounding errors.
+  double total_curvature = 0;
+  AtomAreas by_atom;  ///< Empty unless MeasureOptions::by_atom is set.
+};
+
+/// Measures the solvent excluded surface and the solvent accessible surface. Nothing is sampled:
+/// the result has rounding errors only. Throws std::invalid_argument if an option is out of its
+/// range.
+Measures measure(const Surface& surface, const MeasureOptions& options = {});
+
+}  // namespace eses

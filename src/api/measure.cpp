@@ -1,0 +1,44 @@
+#include "eses/measure.hpp"
+
+#include "api/arguments.hpp"
+#include "api/surface_access.hpp"
+#include "eses/error.hpp"
+#include "surface/measure_patches.hpp"
+#include "system/formatted.hpp"
+#include "system/parallel.hpp"
+
+namespace eses {
+namespace {
+
+void require_valid(double probe_radius, int threads) {
+  if (!(probe_radius == 0 ||
+        (probe_radius >= min_probe_radius && probe_radius <= max_probe_radius)))
+    throw Error(
+        detail::formatted("the probe radius must be 0 or between {} and {} angstrom, and is {}",
+                          min_probe_radius, max_probe_radius, probe_radius));
+  if (threads < 0)
+    throw Error(
+        detail::formatted("the number of threads must not be negative, and is {}", threads));
+}
+
+}  // namespace
+
+Measures measure(const Surface& surface, const MeasureOptions& options) {
+  const double probe_radius = options.probe_radius.value_or(surface.probe_radius());
+  detail::check_arguments([&] { require_valid(probe_radius, options.threads); });
+  const detail::Molecule& molecule = detail::SurfaceAccess::molecule(surface);
+  detail::MeasureSettings settings{
+      probe_radius, options.by_atom,
+      options.threads > 0 ? options.threads : detail::available_threads(), options.check};
+  Measures measures = measure_patches(molecule, settings);
+  if (options.van_der_waals) {
+    settings.probe_radius = 0;
+    settings.by_atom = false;
+    const Measures bare = probe_radius == 0 ? measures : measure_patches(molecule, settings);
+    measures.vdw_area = bare.sas_area;
+    measures.vdw_volume = bare.sas_volume;
+  }
+  return measures;
+}
+
+}  // namespace eses

@@ -1,0 +1,225 @@
+#include "geometry/sphere_part.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <numbers>
+
+namespace eses::detail {
+namespace {
+
+using std::numbers::pi;
+
+// The reference point of the boundary sums. Its opposite is a singular point. A direction without
+// symmetry is not near the end of an arc, even if the atoms are at the points of a lattice.
+constexpr Vec3 reference{35.0 / 183, 170.0 / 183, -58.0 / 183};  // a unit vector
+
+// Longer arcs are divided. The ends of a piece must not be almost opposite.
+constexpr double max_piece = 2.2;
+
+// Caps whose axes and cosines differ by less than this are the same cap. Their rims would meet in
+// points that rounding decides.
+constexpr double same_cap = 2e-8;
+
+// Pseudo-angles, see circle_arcs.cpp: 4 is a full turn.
+constexpr double full_turn = 4, half_turn = 2;
+
+double diamond_angle(double x, double y) {
+  const double r = std::fabs(x) + std::fabs(y);
+  if (r == 0) return 0;
+  return y >= 0 ? (x >= 0 ? y / r : 1 - x / r) : (x < 0 ? 2 - y / r : 3 + x / r);
+}
+
+// The argument of the product of complex numbers is the sum of their arguments.
+struct Complex {
+  double real, imaginary;
+};
+
+double argument_of_quotient(Complex a, Complex b) {
+  return std::atan2(a.imaginary * b.real - a.real * b.imaginary,
+                    a.real * b.real + a.imaginary * b.imaginary);
+}
+
+// Returns the solid angle between the arc from `p` to `q` and the reference point, up to a multiple
+// of 4 pi: the segment between the arc and its great circle chord, and the triangle of the chord
+// and the reference point. Half the solid angle of a triangle is the argument of a complex number.
+double swept(double cosine, double angle, double cos_angle, double sin_angle, Vec3 p, Vec3 q) {
+  const double sector = angle * (1 - cosine);
+  const Complex from_axis{(1 + cosine) + (1 - cosine) * cos_angle, (1 - cosine) * sin_angle};
+  const Complex from_reference{1 + dot(reference, p) + dot(p, q) + dot(q, reference),
+                               dot(reference, cross(p, q))};
+  return sector + 2 * argument_of_quotient(from_reference, from_axis);
+}
+
+double sine_of(double cosine) { return std::sqrt(std::max(0.0, (1 - cosine) * (1 + cosine))); }
+
+}  // namespace
+
+namespace sphere_part {
+
+double reduced(double boundary_sum) {
+  const double turns = boundary_sum / (4 * pi);
+  return std::max(0.0, 4 * pi * (turns - std::floor(turns)));
+}
+
+std::span<const Vec3> test_directions() {
+  static constexpr std::array<Vec3, 3> directions{{{0.57137215, 0.78640573, -0.23465291},
+                                                   {-0.91327421, 0.11963758, 0.38938437},
+                                                   {0.21390647, -0.74093818, -0.63659372}}};
+  return directions;
+}
+
+}  // namespace sphere_part
+
+double angle_about(Vec3 axis, Vec3 start, Vec3 end) {
+  const double angle = std::atan2(dot(axis, cross(start, end)), dot(start, end));
+  return angle < 0 ? angle + 2 * pi : angle;
+}
+
+SpherePart boundary_term(const SphericalCap& cap, const RimArc& arc) {
+  const double c = cap.cosine, s = sine_of(c);
+  if (arc.angle >= 2 * pi) return {-2 * pi * (1 - c), (-s * s * pi) * cap.axis};
+  const Vec3 radial = cross(arc.end - arc.start, cap.axis);  // integral of the radial direction
+  SpherePart term{0, (0.5 * s * c) * radial - (0.5 * s * s * arc.angle) * cap.axis};
+  const Vec3 foot = c * cap.axis;
+  if (arc.angle <= max_piece) {
+    term.solid_angle =
+        -swept(c, arc.angle, dot(arc.start, arc.end), dot(cap.axis, cross(arc.start, arc.end)),
+               foot + s * arc.start, foot + s * arc.end);
+    return term;
+  }
+  const int pieces = static_cast<int>(std::ceil(arc.angle / max_piece));
+  const double piece = arc.angle / pieces, cosine = std::cos(piece), sine = std::sin(piece);
+  Vec3 from = arc.start;
+  for (int k = 1; k <= pieces; ++k) {
+    const Vec3 to = k == pieces ? arc.end : cosine * from + sine * cross(cap.axis, from);
+    term.solid_angle -= swept(c, piece, cosine, sine, foot + s * from, foot + s * to);
+    from = to;
+  }
+  return term;
+}
+
+SpherePart triangle_part(Vec3 a, Vec3 b, Vec3 c) {
+  const double volume = dot(a, cross(b, c));
+  const double sign = volume < 0 ? -1 : 1;
+  SpherePart part;
+  part.solid_angle = 2 * std::atan2(std::fabs(volume), 1 + dot(a, b) + dot(b, c) + dot(c, a));
+  const auto add_edge = [&](Vec3 from, Vec3 to) {
+    const Vec3 normal = cross(from, to);
+    const double sine = norm(normal);
+    if (sine > 0)
+      part.vector_area =
+          part.vector_area + (0.5 * sign * std::atan2(sine, dot(from, to)) / sine) * normal;
+  };
+  add_edge(a, b);
+  add_edge(b, c);
+  add_edge(c, a);
+  return part;
+}
+
+// With the unit vectors u and v, w = u x v and the cosines c and d, the line n . u = c, n . v = d
+// is (c (v x w) + d (w x u)) / |w|^2 + t w. This form loses no digits if u and v are almost equal.
+SpherePartFinder::Meeting SpherePartFinder::meet(const SphericalCap& first,
+                                                 const SphericalCap& second) {
+  const Vec3 w = cross(first.axis, second.axis);
+  const double squared = squared_norm(w), along = dot(first.axis, second.axis);
+  Meeting meeting;
+  if (squared > 0) {
+    const Vec3 foot = (1 / squared) *
+                      (first.cosine * cross(second.axis, w) + second.cosine * cross(w, first.axis));
+    const double rest = 1 - squared_norm(foot);
+    if (rest > 0) {
+      const Vec3 offset = std::sqrt(rest / squared) * w;
+      return {true, false, false, foot - offset, foot + offset};
+    }
+  }
+  // The rims do not meet, so each is on one side of the other cap's plane.
+  meeting.covers_first = first.cosine * along > second.cosine;
+  meeting.covers_second = second.cosine * along > first.cosine;
+  return meeting;
+}
+
+void SpherePartFinder::keep_distinct(std::span<const SphericalCap> caps) {
+  caps_.clear();
+  numbers_.clear();
+  for (std::uint32_t k = 0; k < caps.size(); ++k) {
+    if (caps[k].cosine >= 1) continue;
+    const bool is_known = std::any_of(caps_.begin(), caps_.end(), [&](const SphericalCap& known) {
+      return std::fabs(known.cosine - caps[k].cosine) < same_cap &&
+             squared_norm(known.axis - caps[k].axis) < same_cap * same_cap;
+    });
+    if (is_known) continue;
+    caps_.push_back(caps[k]);
+    numbers_.push_back(k);
+  }
+}
+
+// Appends the arcs of a rim that no other cap covers.
+void SpherePartFinder::find_arcs(std::uint32_t k) {
+  const auto count = static_cast<std::uint32_t>(caps_.size());
+  const SphericalCap& cap = caps_[k];
+  const Vec3 e = any_perpendicular(cap.axis), f = cross(cap.axis, e);
+  const double inverse_sine = 1 / sine_of(cap.cosine);
+  cuts_.clear();
+  for (std::uint32_t l = 0; l < count; ++l) {
+    if (l == k) continue;
+    const Meeting& meeting = k < l ? meetings_[k * count + l] : meetings_[l * count + k];
+    if (k < l ? meeting.covers_first : meeting.covers_second) return;
+    if (!meeting.is_cut) continue;
+    const auto& [start, end] =
+        k < l ? std::pair(meeting.low, meeting.high) : std::pair(meeting.high, meeting.low);
+    const double from = diamond_angle(dot(start, e), dot(start, f));
+    double to = diamond_angle(dot(end, e), dot(end, f));
+    if (to < from) to += full_turn;
+    cuts_.push_back({from, to, start, end});
+  }
+  if (cuts_.empty()) {
+    arcs_.push_back({numbers_[k], 2 * pi, e, e});
+    return;
+  }
+  std::sort(cuts_.begin(), cuts_.end(), [](const Cut& a, const Cut& b) { return a.from < b.from; });
+  const Cut* last = &*std::max_element(cuts_.begin(), cuts_.end(),
+                                       [](const Cut& a, const Cut& b) { return a.to < b.to; });
+  double covered_to = last->to - full_turn;
+  const auto radial = [&](Vec3 point) { return inverse_sine * (point - cap.cosine * cap.axis); };
+  for (const Cut& cut : cuts_) {
+    if (cut.from > covered_to) {
+      const Vec3 start = radial(last->end), end = radial(cut.start);
+      double angle = angle_about(cap.axis, start, end);
+      // Rounding may exchange an angle of almost 0 and one of almost 2 pi.
+      const bool is_short = cut.from - covered_to < half_turn;
+      if (is_short && angle > 1.5 * pi) angle = 0;
+      if (!is_short && angle < 0.5 * pi) angle = 2 * pi;
+      if (angle > 0) arcs_.push_back({numbers_[k], angle, start, end});
+    }
+    if (cut.to > covered_to) {
+      covered_to = cut.to;
+      last = &cut;
+    }
+  }
+}
+
+SpherePart SpherePartFinder::find(std::span<const SphericalCap> caps) {
+  arcs_.clear();
+  if (std::any_of(caps.begin(), caps.end(),
+                  [](const SphericalCap& cap) { return cap.cosine <= -1; }))
+    return {};
+  keep_distinct(caps);
+  if (caps_.empty()) return {4 * pi, {}};
+  const std::size_t count = caps_.size();
+  meetings_.resize(count * count);
+  for (std::size_t k = 0; k < count; ++k)
+    for (std::size_t l = k + 1; l < count; ++l) meetings_[k * count + l] = meet(caps_[k], caps_[l]);
+  for (std::uint32_t k = 0; k < count; ++k) find_arcs(k);
+  if (arcs_.empty()) return {};
+  SpherePart sum;
+  for (const RimArc& arc : arcs_) sum += boundary_term(caps[arc.cap], arc);
+  sum.solid_angle = solid_angle_of(sum.solid_angle, [&](Vec3 direction) {
+    return std::none_of(caps_.begin(), caps_.end(), [&](const SphericalCap& cap) {
+      return dot(direction, cap.axis) > cap.cosine;
+    });
+  });
+  return sum;
+}
+
+}  // namespace eses::detail

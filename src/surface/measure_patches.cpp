@@ -1,0 +1,546 @@
+#include "surface/measure_patches.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <numbers>
+#include <numeric>
+#include <optional>
+#include <span>
+#include <utility>
+#include <vector>
+
+#include "geometry/sphere_part.hpp"
+#include "surface/atom_loops.hpp"
+#include "surface/normal_cone.hpp"
+#include "surface/patch_schedule.hpp"
+#include "surface/point_tree.hpp"
+#include "surface/saddle.hpp"
+
+namespace eses::detail {
+namespace {
+
+using std::numbers::pi;
+
+// Number of clusters that are measured between two steps along z. It bounds the memory, and is much
+// larger than the number of threads.
+constexpr ClusterIndex clusters_per_layer = 128;
+
+// How the accessibility of probe centres is decided.
+struct Accessibility {
+  bool has_slack = true;  // see SurfaceModel
+  // The SAS spheres are smaller by this (angstrom), which opens the places where a probe just fits,
+  // and separates spheres that just touch.
+  double shrinkage = 0;
+  // Placements within this distance of each other are the same one (angstrom).
+  double same_place = 0;
+};
+
+// Without slack, the measures are consistent unless rounding decides, or distances between almost
+// equal placements are about as large as `same_place`.
+constexpr std::array<Accessibility, 6> without_slack{{{false, tolerance::accessible, 1e-10},
+                                                      {false, tolerance::accessible, 1e-8},
+                                                      {false, tolerance::accessible, 1e-12},
+                                                      {false, 2.3 * tolerance::accessible, 1e-10},
+                                                      {false, 2.3 * tolerance::accessible, 1e-8},
+                                                      {false, 2.3 * tolerance::accessible, 1e-12}}};
+
+// Without slack, placements nearer than this do not cut each other's patches (angstrom). The normal
+// cones of placements at the ends of such a short arc do not overlap. Those of placements on the
+// two sides of a narrow gap do, but the shrinkage makes a gap closed or wider.
+constexpr double min_cutting_distance = 1e-6;
+
+// The total curvature of consistent measures is this close to an even number.
+constexpr double max_curvature_error = 1e-7;
+
+// A contribution to the exposed part of the SAS sphere of an atom: the boundary term of an arc.
+struct FaceTerm {
+  AtomIndex atom;
+  SpherePart part;
+};
+
+// The part of a patch that belongs to an atom.
+struct AtomShare {
+  AtomIndex atom;
+  double saddle, concave;  // square angstrom
+};
+
+// Sums over patches. Positions are relative to the origin of the molecule.
+struct PatchSums {
+  double saddle = 0, concave = 0;
+  double flux = 0;       // integral of position . normal over saddle and concave patches
+  double curvature = 0;  // integral of the curvature over arcs and placements
+
+  PatchSums& operator+=(const PatchSums& other) {
+    saddle += other.saddle;
+    concave += other.concave;
+    flux += other.flux;
+    curvature += other.curvature;
+    return *this;
+  }
+};
+
+// The results of a cluster.
+struct ClusterTerms {
+  PatchSums sums;
+  std::vector<FaceTerm> faces;
+  std::vector<AtomShare> shares;
+
+  void clear() {
+    sums = {};
+    faces.clear();
+    shares.clear();
+  }
+};
+
+// The exposed part of an atom's SAS sphere.
+struct Face {
+  SpherePart boundary;  // sum of the boundary terms
+  bool is_whole = false;
+  bool has_arcs = false;
+};
+
+// Sums over faces.
+struct FaceSums {
+  double solid_angle = 0;
+  double sas_area = 0, sas_flux = 0;
+  double convex_area = 0, convex_flux = 0;
+
+  FaceSums& operator+=(const FaceSums& other) {
+    solid_angle += other.solid_angle;
+    sas_area += other.sas_area;
+    sas_flux += other.sas_flux;
+    convex_area += other.convex_area;
+    convex_flux += other.convex_flux;
+    return *this;
+  }
+};
+
+// Scratch memory of a thread.
+struct MeasureScratch {
+  Patches::Scratch patches;
+  SpherePartFinder finder;
+  std::vector<SphericalCap> caps, shared_caps;
+  std::vector<Vec3> toward;
+  std::vector<AtomIndex> touched;
+  std::vector<std::uint32_t> node;  // placements in the same place
+  bool has_cutters = false;         // whether other placements cut the cone
+};
+
+class PatchMeasurement {
+ public:
+  PatchMeasurement(const Molecule& molecule, const MeasureSettings& settings,
+                   const Accessibility& accessibility)
+      : settings_(settings),
+        same_place_(accessibility.same_place),
+        surface_(make_surface(molecule, settings, accessibility)),
+        schedule_(surface_, {-infinity, infinity}),
+        origin_(middle_of(surface_.atoms)),
+        faces_(surface_.atoms.size()),
+        scratch_(static_cast<std::size_t>(settings.threads)) {
+    if (!settings.by_atom) return;
+    for (auto* areas : {&result_.by_atom.sas, &result_.by_atom.convex, &result_.by_atom.saddle,
+                        &result_.by_atom.concave})
+      areas->resize(surface_.atoms.size());
+  }
+
+  // Returns nothing if a decision depends on the slack.
+  std::optional<Measures> run() {
+    const AtomClusters& clusters = schedule_.patches().clusters();
+    for (ClusterIndex begin = 0; begin < clusters.count();) {
+      if (settings_.check) settings_.check();
+      const ClusterIndex end = std::min(begin + clusters_per_layer, clusters.count());
+      if (!measure_layer(begin, end)) return std::nullopt;
+      begin = end;
+    }
+    measure_faces();
+    return std::move(result_);
+  }
+
+ private:
+  static constexpr double infinity = std::numeric_limits<double>::infinity();
+
+  static SurfaceModel make_surface(const Molecule& molecule, const MeasureSettings& settings,
+                                   const Accessibility& accessibility) {
+    SurfaceModel surface(molecule, settings.probe_radius - accessibility.shrinkage);
+    surface.has_slack = accessibility.has_slack;
+    return surface;
+  }
+  static Vec3 middle_of(std::span<const Atom> atoms) {
+    Box box{atoms.front().center, atoms.front().center};
+    for (const Atom& atom : atoms) box.include(atom.center);
+    return 0.5 * box.low + 0.5 * box.high;
+  }
+
+  double probe() const { return surface_.probe_radius; }
+
+  bool measure_layer(ClusterIndex begin, ClusterIndex end);
+  void build_patches(double up_to);
+  void index_placements();
+  void measure_cluster(ClusterIndex cluster, MeasureScratch& scratch, ClusterTerms& terms) const;
+  void add_terms(ClusterIndex cluster, const ClusterTerms& terms);
+  void add_arc(const Arc& arc, ClusterTerms& terms) const;
+  void add_placement(std::uint32_t number, MeasureScratch& scratch, ClusterTerms& terms) const;
+  void find_node(std::uint32_t number, std::vector<std::uint32_t>& node) const;
+  SpherePart find_triangle(const ProbePlacement& placement, MeasureScratch& scratch) const;
+  SpherePart find_cone(std::uint32_t number, MeasureScratch& scratch) const;
+  void add_cutters(std::uint32_t number, Vec3 center, double distance,
+                   MeasureScratch& scratch) const;
+  void share_among_atoms(const SpherePart& part, MeasureScratch& scratch,
+                         ClusterTerms& terms) const;
+  void measure_faces();
+  double face_angle(AtomIndex i, std::vector<AtomIndex>& found) const;
+
+  const MeasureSettings& settings_;
+  double same_place_;  // angstrom
+  SurfaceModel surface_;
+  PatchSchedule schedule_;
+  Vec3 origin_;
+  std::vector<Face> faces_;  // by atom
+  PatchSums sums_;
+  Measures result_;
+
+  // The placements of the clusters that are complete.
+  std::vector<const ProbePlacement*> placements_;
+  std::vector<Vec3> centers_;
+  std::vector<std::uint32_t> first_placement_;  // by cluster
+  std::vector<std::uint32_t> node_;             // by placement: the first one in the same place
+  PointTree tree_;
+
+  std::vector<MeasureScratch> scratch_;  // by thread
+  std::vector<ClusterTerms> terms_;      // by cluster of the layer
+};
+
+bool PatchMeasurement::measure_layer(ClusterIndex begin, ClusterIndex end) {
+  const AtomClusters& clusters = schedule_.patches().clusters();
+  double high = -infinity;
+  for (ClusterIndex cluster = begin; cluster < end; ++cluster)
+    high = std::max(high, clusters.heights(cluster).high);
+  // A concave patch is cut by placements up to twice the probe radius away.
+  build_patches(high + probe() + look_up_slack);
+  if (surface_.has_slack)
+    for (ClusterIndex cluster = begin; cluster < end; ++cluster)
+      if (!schedule_.patches().of_cluster(cluster).is_regular) return false;
+  index_placements();
+  terms_.resize(std::max<std::size_t>(terms_.size(), end - begin));
+  parallel_for(end - begin, std::min<int>(settings_.threads, static_cast<int>(end - begin)),
+               [&](std::int64_t k, int thread) {
+                 const auto index = static_cast<std::size_t>(k);
+                 terms_[index].clear();
+                 measure_cluster(begin + static_cast<ClusterIndex>(k),
+                                 scratch_[static_cast<std::size_t>(thread)], terms_[index]);
+               });
+  // The order of the sums does not depend on the threads.
+  for (ClusterIndex cluster = begin; cluster < end; ++cluster)
+    add_terms(cluster, terms_[cluster - begin]);
+  double low = infinity;
+  for (ClusterIndex cluster = end; cluster < clusters.count(); ++cluster)
+    low = std::min(low, clusters.heights(cluster).low);
+  schedule_.pass(low - probe() - look_up_slack);
+  return true;
+}
+
+void PatchMeasurement::build_patches(double up_to) {
+  Patches& patches = schedule_.patches();
+  std::vector<BuildStep> steps;
+  while (!schedule_.is_ready(up_to)) {
+    steps.clear();
+    while (const auto step = schedule_.take(up_to)) steps.push_back(*step);
+    const auto count = static_cast<std::int64_t>(steps.size());
+    parallel_for(count, std::min<int>(settings_.threads, static_cast<int>(count)),
+                 [&](std::int64_t k, int thread) {
+                   const BuildStep& step = steps[static_cast<std::size_t>(k)];
+                   if (step.kind == BuildStep::Kind::find_arcs) {
+                     patches.find_arcs(step.cluster,
+                                       scratch_[static_cast<std::size_t>(thread)].patches);
+                   } else {
+                     patches.complete(step.cluster);
+                   }
+                 });
+    for (const BuildStep& step : steps) schedule_.finish(step);
+  }
+}
+
+void PatchMeasurement::index_placements() {
+  const Patches& patches = schedule_.patches();
+  placements_.clear();
+  centers_.clear();
+  first_placement_.resize(patches.clusters().count());
+  for (ClusterIndex cluster = 0; cluster < patches.clusters().count(); ++cluster) {
+    first_placement_[cluster] = static_cast<std::uint32_t>(placements_.size());
+    if (!schedule_.is_complete(cluster)) continue;
+    for (const ProbePlacement& placement : patches.of_cluster(cluster).placements) {
+      placements_.push_back(&placement);
+      centers_.push_back(placement.center);
+    }
+  }
+  tree_.reset(centers_);
+  node_.resize(placements_.size());
+  std::iota(node_.begin(), node_.end(), 0U);
+  if (surface_.has_slack) return;
+  std::vector<std::uint32_t> node;
+  for (std::uint32_t k = 0; k < node_.size(); ++k) {
+    if (node_[k] != k) continue;
+    find_node(k, node);
+    for (const std::uint32_t other : node) node_[other] = k;
+  }
+}
+
+// Replaces `node` by the placements that are in the same place, or are connected by others.
+void PatchMeasurement::find_node(std::uint32_t number, std::vector<std::uint32_t>& node) const {
+  node.assign(1, number);
+  for (std::size_t k = 0; k < node.size(); ++k)
+    tree_.for_each_within(centers_[node[k]], same_place_, [&](std::uint32_t other) {
+      if (std::find(node.begin(), node.end(), other) == node.end()) node.push_back(other);
+    });
+}
+
+void PatchMeasurement::measure_cluster(ClusterIndex cluster, MeasureScratch& scratch,
+                                       ClusterTerms& terms) const {
+  const ClusterPatches& patches = schedule_.patches().of_cluster(cluster);
+  for (const Arc& arc : patches.arcs) add_arc(arc, terms);
+  const std::uint32_t first = first_placement_[cluster];
+  for (std::uint32_t k = 0; k < patches.placements.size(); ++k)
+    add_placement(first + k, scratch, terms);
+}
+
+void PatchMeasurement::add_terms(ClusterIndex cluster, const ClusterTerms& terms) {
+  const Patches& patches = schedule_.patches();
+  const std::span<const AtomIndex> members = patches.clusters().members(cluster);
+  for (std::size_t m = 0; m < members.size(); ++m)
+    faces_[members[m]].is_whole = patches.of_cluster(cluster).exposure[m] == AtomExposure::exposed;
+  sums_ += terms.sums;
+  for (const FaceTerm& term : terms.faces) {
+    Face& face = faces_[term.atom];
+    face.boundary += term.part;
+    face.has_arcs = true;
+  }
+  for (const AtomShare& share : terms.shares) {
+    result_.by_atom.saddle[share.atom] += share.saddle;
+    result_.by_atom.concave[share.atom] += share.concave;
+  }
+}
+
+void PatchMeasurement::add_arc(const Arc& arc, ClusterTerms& terms) const {
+  const SasSphere first = surface_.sas_sphere(arc.first), second = surface_.sas_sphere(arc.second);
+  const ContactCircle circle = make_contact_circle(first, second);
+  SweptArc swept{2 * pi, {}};
+  if (arc.kind != ArcKind::full) {
+    swept.angle = angle_about(circle.axis, arc.start, arc.end);
+    // Rounding may exchange an angle of almost 0 and one of almost 2 pi.
+    if (arc.kind == ArcKind::minor && swept.angle > 1.5 * pi) swept.angle = 0;
+    swept.radial = cross(arc.end - arc.start, circle.axis);
+  }
+  const double first_cosine = circle.first_height / first.radius;
+  const double second_cosine = circle.second_height / second.radius;
+  terms.faces.push_back({arc.first, boundary_term({circle.axis, first_cosine},
+                                                  {0, swept.angle, arc.start, arc.end})});
+  terms.faces.push_back({arc.second, boundary_term({-circle.axis, second_cosine},
+                                                   {0, swept.angle, arc.end, arc.start})});
+  terms.sums.curvature -= swept.angle * (first_cosine + second_cosine);
+  if (probe() <= 0) return;
+  const SaddleOutline outline = make_outline(circle, probe());
+  const SurfaceIntegrals whole = saddle_integrals(outline, outline.contact, circle.axis, swept);
+  terms.sums.saddle += whole.area;
+  terms.sums.flux += whole.flux + dot(circle.center - origin_, whole.vector_area);
+  if (!settings_.by_atom) return;
+  // The border in the power diagram.
+  const double sine = (second.radius - first.radius) / (circle.first_height + circle.second_height);
+  const double border =
+      std::clamp(std::asin(std::clamp(sine, -1.0, 1.0)), outline.contact.low, outline.contact.high);
+  const double first_area =
+      saddle_integrals(outline, {outline.contact.low, border}, circle.axis, swept).area;
+  terms.shares.push_back({arc.first, first_area, 0});
+  terms.shares.push_back({arc.second, std::max(0.0, whole.area - first_area), 0});
+}
+
+void PatchMeasurement::add_placement(std::uint32_t number, MeasureScratch& scratch,
+                                     ClusterTerms& terms) const {
+  if (node_[number] != number) return;
+  const Vec3 center = centers_[number];
+  SpherePart part = find_cone(number, scratch);
+  terms.sums.curvature += part.solid_angle;
+  if (probe() <= 0 || part.solid_angle == 0) return;
+  // The cone lies in a cap around the mean of its edges. Points of the patch are nearer to the
+  // point on its axis than the chord.
+  Vec3 mean;
+  for (const Vec3 direction : scratch.toward) mean = mean + direction;
+  const double length = norm(mean);
+  if (length > 0.1) {
+    mean = (1 / length) * mean;
+    double cosine = 1;
+    for (const Vec3 direction : scratch.toward) cosine = std::min(cosine, dot(mean, direction));
+    const double chord = std::sqrt(2 * (1 - cosine));
+    add_cutters(number, center + probe() * mean, probe() * (1 + chord), scratch);
+  } else {
+    add_cutters(number, center, 2 * probe(), scratch);
+  }
+  if (scratch.has_cutters) part = scratch.finder.find(scratch.caps);
+  terms.sums.concave += probe() * probe() * part.solid_angle;
+  terms.sums.flux -=
+      probe() * probe() * (dot(center - origin_, part.vector_area) + probe() * part.solid_angle);
+  if (settings_.by_atom) share_among_atoms(part, scratch, terms);
+}
+
+// Sets the touched atoms, the directions to them and the caps that bound their cone.
+SpherePart PatchMeasurement::find_triangle(const ProbePlacement& placement,
+                                           MeasureScratch& scratch) const {
+  scratch.touched.assign(placement.atoms.begin(), placement.atoms.end());
+  std::array<Vec3, 3> toward;
+  for (std::size_t q = 0; q < 3; ++q)
+    toward[q] = normalized(surface_.atoms[placement.atoms[q]].center - placement.center);
+  scratch.toward.assign(toward.begin(), toward.end());
+  const auto& [a, b, c] = toward;
+  const double sign = dot(a, cross(b, c)) < 0 ? 1 : -1;
+  scratch.caps.clear();
+  for (const Vec3 normal : {cross(a, b), cross(b, c), cross(c, a)}) {
+    const double length = norm(normal);
+    if (length == 0) return {};
+    scratch.caps.push_back({(sign / length) * normal, 0});
+  }
+  return triangle_part(a, b, c);
+}
+
+// Does the same for all placements in the same place as this one.
+SpherePart PatchMeasurement::find_cone(std::uint32_t number, MeasureScratch& scratch) const {
+  if (surface_.has_slack) return find_triangle(*placements_[number], scratch);
+  find_node(number, scratch.node);
+  if (scratch.node.size() == 1) return find_triangle(*placements_[number], scratch);
+  std::vector<AtomIndex>& touched = scratch.touched;
+  touched.clear();
+  for (const std::uint32_t k : scratch.node)
+    touched.insert(touched.end(), placements_[k]->atoms.begin(), placements_[k]->atoms.end());
+  std::sort(touched.begin(), touched.end());
+  touched.erase(std::unique(touched.begin(), touched.end()), touched.end());
+  scratch.toward.clear();
+  for (const AtomIndex i : touched)
+    scratch.toward.push_back(normalized(surface_.atoms[i].center - centers_[number]));
+  switch (bound_cone(scratch.toward, scratch.caps)) {
+    case ConeShape::flat:
+      return {};
+    case ConeShape::whole:
+      return {4 * pi, {}};
+    case ConeShape::solid:
+      break;
+  }
+  return scratch.finder.find(scratch.caps);
+}
+
+// Adds the caps of other placements that cut the cone which the caps bound. They are nearer than
+// `distance` to `center`.
+void PatchMeasurement::add_cutters(std::uint32_t number, Vec3 center, double distance,
+                                   MeasureScratch& scratch) const {
+  const std::size_t bounds = scratch.caps.size();
+  const Vec3 from = centers_[number];
+  scratch.has_cutters = false;
+  tree_.for_each_within(center, distance, [&](std::uint32_t other) {
+    if (other == number || node_[other] != other) return;
+    const Vec3 toward = centers_[other] - from;
+    const double length = norm(toward);
+    const double cosine = length / (2 * probe());
+    if (cosine >= 1 || (!surface_.has_slack && length < min_cutting_distance)) return;
+    const Vec3 axis = (1 / length) * toward;
+    // The cone is on one side of each bounding plane. If the axis is on the other side, the
+    // direction of the cone that is nearest to it is at least as far away as the plane.
+    for (std::size_t k = 0; k < bounds; ++k) {
+      const double height = dot(axis, scratch.caps[k].axis);
+      if (height > 0 && cosine > 0 && 1 - height * height <= cosine * cosine) return;
+    }
+    scratch.has_cutters = true;
+    scratch.caps.push_back({axis, cosine});
+  });
+}
+
+// Divides a concave patch among its atoms. A direction n belongs to the touched atom with the
+// smallest value of radius - n . (center of the atom - center of the probe).
+void PatchMeasurement::share_among_atoms(const SpherePart& part, MeasureScratch& scratch,
+                                         ClusterTerms& terms) const {
+  if (part.solid_angle == 0) return;
+  double rest = part.solid_angle;
+  for (std::size_t a = 0; a < scratch.touched.size(); ++a) {
+    const Atom& atom = surface_.atoms[scratch.touched[a]];
+    double share = std::max(0.0, rest);
+    if (a + 1 < scratch.touched.size()) {
+      scratch.shared_caps = scratch.caps;
+      for (std::size_t b = 0; b < scratch.touched.size(); ++b) {
+        if (b == a) continue;
+        const Atom& other = surface_.atoms[scratch.touched[b]];
+        const Vec3 toward = other.center - atom.center;
+        const double length = norm(toward);
+        scratch.shared_caps.push_back(
+            {(1 / length) * toward, (other.radius - atom.radius) / length});
+      }
+      share = scratch.finder.find(scratch.shared_caps).solid_angle;
+      rest -= share;
+    }
+    terms.shares.push_back({scratch.touched[a], 0, probe() * probe() * share});
+  }
+}
+
+double PatchMeasurement::face_angle(AtomIndex i, std::vector<AtomIndex>& found) const {
+  const Face& face = faces_[i];
+  if (!face.has_arcs) return face.is_whole ? 4 * pi : 0;
+  return solid_angle_of(face.boundary.solid_angle, [&](Vec3 direction) {
+    const SasSphere sphere = surface_.sas_sphere(i);
+    const Vec3 point = sphere.center + sphere.radius * direction;
+    surface_.tree().find_reaching(point, probe() + look_up_slack, found);
+    return std::none_of(found.begin(), found.end(), [&](AtomIndex k) {
+      const SasSphere other = surface_.sas_sphere(k);
+      return k != i && !surface_.molecule.is_contained(k) &&
+             norm(point - other.center) < other.radius;
+    });
+  });
+}
+
+void PatchMeasurement::measure_faces() {
+  const std::span<const Atom> atoms = surface_.atoms;
+  std::vector<FaceSums> sums(loop_range_count(atoms.size()));
+  for_loop_ranges(
+      atoms.size(), settings_.threads, [&](std::size_t range, AtomIndex begin, AtomIndex end) {
+        std::vector<AtomIndex> found;
+        for (AtomIndex i = begin; i < end; ++i) {
+          const double angle = face_angle(i, found);
+          if (angle == 0) continue;
+          const double r = atoms[i].radius, R = r + probe();
+          const double along = dot(atoms[i].center - origin_, faces_[i].boundary.vector_area);
+          sums[range] += {angle, R * R * angle, R * R * (R * angle + along), r * r * angle,
+                          r * r * (r * angle + along)};
+          if (!settings_.by_atom) continue;
+          result_.by_atom.sas[i] = R * R * angle;
+          result_.by_atom.convex[i] = r * r * angle;
+        }
+      });
+  FaceSums total;
+  for (const FaceSums& sum : sums) total += sum;
+  result_.sas_area = total.sas_area;
+  result_.sas_volume = std::max(0.0, total.sas_flux / 3);
+  result_.ses_areas = {total.convex_area, sums_.saddle, sums_.concave};
+  result_.ses_area = result_.ses_areas.total();
+  result_.ses_volume = std::max(0.0, (total.convex_flux + sums_.flux) / 3);
+  result_.total_curvature = (total.solid_angle + sums_.curvature) / (2 * pi);
+  result_.euler_number = 2 * std::llround(result_.total_curvature / 2);
+}
+
+double curvature_error(const Measures& measures) {
+  return std::fabs(measures.total_curvature - static_cast<double>(measures.euler_number));
+}
+
+}  // namespace
+
+Measures measure_patches(const Molecule& molecule, const MeasureSettings& settings) {
+  if (auto regular = PatchMeasurement(molecule, settings, {}).run()) return std::move(*regular);
+  Measures best;
+  double min_error = std::numeric_limits<double>::infinity();
+  for (const Accessibility& accessibility : without_slack) {
+    Measures measures = *PatchMeasurement(molecule, settings, accessibility).run();
+    const double error = curvature_error(measures);
+    if (error >= min_error) continue;
+    min_error = error;
+    best = std::move(measures);
+    if (error < max_curvature_error) break;
+  }
+  return best;
+}
+
+}  // namespace eses::detail

@@ -1,0 +1,20 @@
+#pragma once
+/// Areas and volumes from the patches of a molecule, in a sweep along z.
+
+#include "eses/measure.hpp"
+#include "surface/molecule.hpp"
+
+namespace eses::detail {
+
+/// Settings of measure_patches. See MeasureOptions.
+struct MeasureSettings {
+  double probe_radius = 0;
+  bool by_atom = false;
+  int threads = 1;
+  CheckCallback check = {};
+};
+
+/// Measures the surface for one probe radius. Leaves the values of the van der Waals surface 0.
+Measures measure_patches(const Molecule& molecule, const MeasureSettings& settings);
+
+}  // namespace eses::detail
