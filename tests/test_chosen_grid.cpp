@@ -17,6 +17,7 @@
 
 #include "catch.hpp"
 #include "eses/eses.hpp"
+#include "grid/make_grid.hpp"
 #include "input/eses_reader.hpp"
 #include "run/plan.hpp"
 #include "run/run_plan.hpp"
@@ -299,7 +300,6 @@ TEST_CASE("a small grid in a large molecule needs little from program and librar
 }
 
 TEST_CASE("invalid chosen grids are refused", "[grid]") {
-  const std::vector<Atom> atoms{{{0, 0, 0}, 1}};
   const auto message = [&](const Grid& grid) {
     try {
       require_chosen(grid);

@@ -170,7 +170,7 @@ TEST_CASE("the plan knows about how long compressed maps are, and what they need
     large.files.maps += std::uint64_t{1} << 61;
     large.files.map_scratch += std::uint64_t{1} << 61;
     large.files.gzip_maps += std::uint64_t{1} << 61;
-    CHECK_NOTHROW(require_disk_space(large, outputs, directory.path()));
+    CHECK_NOTHROW(require_disk_space(large.files, outputs, directory.path()));
   }
 }
 

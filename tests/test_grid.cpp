@@ -288,7 +288,7 @@ TEST_CASE("a plan has the grid, blocks and sizes of the run") {
   CHECK(size("intersection_info.txt") > plan.files.edges / 3);
 
   const Plan nothing = make_plan(atoms, parameters, {false, false, false, false});
-  CHECK(nothing.output_bytes() == 0);
+  CHECK(nothing.files.output() == 0);
 }
 
 TEST_CASE("a run writes the chosen files, counts their bytes and leaves nothing else") {

@@ -575,7 +575,7 @@ Edges edges_near(const Saddle& saddle, double length, std::size_t count, Random&
     for (std::size_t a = 0; a < 3; ++a) batch.start[a][batch.count] = start[a];
     batch.from[batch.count] = start[edges.axis] + 10;
     batch.step[batch.count] = step;
-    batch.place[batch.count] = batch.count;
+    batch.key[batch.count] = batch.count;
   }
   return edges;
 }

@@ -9,6 +9,7 @@
 
 #include "catch.hpp"
 #include "eses/error.hpp"
+#include "grid/make_grid.hpp"
 #include "grid/region_box.hpp"
 #include "support/all_patches.hpp"
 #include "support/atom_sets.hpp"

@@ -150,7 +150,7 @@ TEST_CASE("the table of atoms has the names, radii and areas of all atoms", "[re
     const Molecule molecule(input.atoms, input.labels);
     const Plan plan = make_plan(
         molecule, {.spacing = 0.8, .block_size = block_size, .threads = threads}, outputs);
-    const Summary summary = run(molecule, plan, outputs, directory.path());
+    const Summary summary = run(molecule, plan.parameters, outputs, directory.path());
     const auto rows = rows_of(directory.path() / "atoms.csv");
     REQUIRE(rows.size() == input.atoms.size() + 1);
     for (std::size_t i = 0; i < input.atoms.size(); ++i) {
@@ -179,7 +179,7 @@ TEST_CASE("the table of atoms without labels has empty names", "[residues]") {
   const std::vector<Atom> atoms{{{0, 0, 0}, 1.5}, {{20, 0, 0}, 2}};
   Outputs outputs = Outputs::none();
   outputs.atoms = true;
-  run(atoms, make_plan(atoms, {.spacing = 0.1, .margin = 0.2}, outputs), outputs, directory.path());
+  run(atoms, {.spacing = 0.1, .margin = 0.2}, outputs, directory.path());
   const auto rows = rows_of(directory.path() / "atoms.csv");
   REQUIRE(rows.size() == 3);
   for (std::size_t i = 0; i < atoms.size(); ++i) {

@@ -91,7 +91,7 @@ bool contains(const std::string& text, std::string_view part) {
 /// Returns the label of each atom, such as `A ALA 1 CA`.
 std::vector<std::string> names_of(const AtomFile& file) {
   std::vector<std::string> names;
-  for (const auto& [chain, residue, number, name] : file.labels)
+  for (const auto& [chain, residue, number, name, element] : file.labels)
     names.push_back(fmt::format("{} {} {} {}", chain, residue, number, name));
   return names;
 }

@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "catch.hpp"
+#include "grid/make_grid.hpp"
 #include "run/verifier.hpp"
 #include "solve/block_solver.hpp"
 #include "support/all_patches.hpp"
@@ -36,9 +37,11 @@ using test::kind_name;
 using test::make_accessible_set;
 using test::make_atom_set;
 using test::make_chain;
+using test::make_plan;
 using test::nearest_accessible;
 using test::Random;
 using test::read_atom_list;
+using test::run;
 
 const Outputs no_files = Outputs::none();
 constexpr std::int64_t everything = 1'000'000;
