@@ -162,7 +162,7 @@ TEST_CASE("mesh: the meshes of blocks make up the mesh of the grid", "[mesh][reg
         for (std::int64_t y = 0; y < blocks[1]; y += step)
           for (std::int64_t x = 0; x < blocks[0]; x += step) {
             parameters.part =
-                GridRegion{{x, y, z},
+                BlockRange{{x, y, z},
                            {std::min(x + step, blocks[0]), std::min(y + step, blocks[1]),
                             std::min(z + step, blocks[2])}};
             const Mesh mesh = run_part(atoms, parameters, true).mesh;

@@ -81,9 +81,9 @@ TEST_CASE("the tables of a PQR file add up to its atoms' areas", "[residues]") {
   Parameters parameters;
   parameters.spacing = 0.8;
   Outputs outputs{.box = true, .grid = false, .edges = false, .areas = true, .residues = true};
-  const Plan plan = make_plan(input.atoms, parameters, outputs);
-  const Summary summary =
-      run({input.atoms, input.labels}, plan.parameters, outputs, directory.path());
+  const Molecule molecule(input.atoms, input.labels);
+  const Plan plan = make_plan(molecule, parameters, outputs);
+  const Summary summary = run(molecule, parameters, outputs, directory.path());
 
   std::vector<double> areas;
   std::istringstream lines(read_bytes(directory.path() / "partition_area.txt"));

@@ -62,8 +62,9 @@ class Surface {
   /// numbers of labels and atoms differ.
   Surface(std::vector<Atom> atoms, std::vector<AtomLabel> labels, const SurfaceOptions& options);
 
-  // No move operations are declared, so that moving makes a copy.
+  /// Copies share their data. No move operations are declared, so that moving makes a copy.
   Surface(const Surface&) = default;
+  /// Copies share their data.
   Surface& operator=(const Surface&) = default;
   ~Surface() = default;
 

@@ -139,7 +139,7 @@ class Assemble(TestCase):
             self.assertIn("1ubq.pqr: this is a PDB file", self.refused_like_the_program(path))
         # The records have a segment, which is not a number, and occupancies of 0.
         path = self.write_records("1ubq.pqr", [number + "      1UBQ N" for number in numbers])
-        self.assertIn("1ubq.pqr:1: ", self.refused_like_the_program(path))
+        self.assertIn("1ubq.pqr", self.refused_like_the_program(path))
         path = self.write_records("1ubq.pqr", ("  0.00  9.67", "  0.00 10.38", "  0.00  3.62"))
         self.assertIn("1ubq.pqr: this is a PDB file", self.refused_like_the_program(path))
         # The charges have two decimals, and some are negative.

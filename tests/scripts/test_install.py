@@ -163,7 +163,7 @@ class Install(TestCase):
         scripts = self.prefix / "share/eses-blocks"
         known = {path.stem: path for path in (PROJECT / "scripts/lib").glob("*.py")}
         needed, waiting = set(), sorted(path for path in scripts.iterdir() if path.is_file())
-        self.assertEqual([path.name for path in waiting], ["apbs", "assemble", "pdbbind", "render"])
+        self.assertEqual([path.name for path in waiting], ["apbs", "assemble", "eses_pymol.py", "pdbbind", "render"])
         while waiting:
             text = waiting.pop().read_text()
             for name in re.findall(r"^ *(?:import|from) (\w+)", text, re.MULTILINE):
