@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <atomic>
 #include <cmath>
 #include <limits>
 #include <numbers>
@@ -128,6 +129,15 @@ struct MeasureScratch {
   bool has_cutters = false;         // whether other placements cut the cone
 };
 
+// Returns the unit vector from the centre of an arc's circle to the middle of the arc.
+Vec3 middle_of(const Arc& arc, Vec3 axis) {
+  if (arc.kind == ArcKind::full) return any_perpendicular(axis);
+  const Vec3 sum = arc.start + arc.end;
+  // If the ends are almost opposite, their sum has no direction.
+  if (squared_norm(sum) < 0.01) return cross(axis, arc.start);
+  return arc.kind == ArcKind::minor ? normalized(sum) : -normalized(sum);
+}
+
 class PatchMeasurement {
  public:
   PatchMeasurement(const Molecule& molecule, const MeasureSettings& settings,
@@ -136,7 +146,7 @@ class PatchMeasurement {
         same_place_(accessibility.same_place),
         surface_(make_surface(molecule, settings, accessibility)),
         schedule_(surface_, {-infinity, infinity}),
-        origin_(middle_of(surface_.atoms)),
+        origin_(middle_of_box(surface_.atoms)),
         faces_(surface_.atoms.size()),
         scratch_(static_cast<std::size_t>(settings.threads)) {
     if (!settings.by_atom) return;
@@ -167,7 +177,7 @@ class PatchMeasurement {
     surface.has_slack = accessibility.has_slack;
     return surface;
   }
-  static Vec3 middle_of(std::span<const Atom> atoms) {
+  static Vec3 middle_of_box(std::span<const Atom> atoms) {
     Box box{atoms.front().center, atoms.front().center};
     for (const Atom& atom : atoms) box.include(atom.center);
     return 0.5 * box.low + 0.5 * box.high;
@@ -178,6 +188,8 @@ class PatchMeasurement {
   bool measure_layer(ClusterIndex begin, ClusterIndex end);
   void build_patches(double up_to);
   void index_placements();
+  bool is_regular_cluster(ClusterIndex cluster) const;
+  bool touches_others(const Arc& arc, std::span<const AtomIndex> neighbours) const;
   void measure_cluster(ClusterIndex cluster, MeasureScratch& scratch, ClusterTerms& terms) const;
   void add_terms(ClusterIndex cluster, const ClusterTerms& terms);
   void add_arc(const Arc& arc, ClusterTerms& terms) const;
@@ -219,18 +231,20 @@ bool PatchMeasurement::measure_layer(ClusterIndex begin, ClusterIndex end) {
     high = std::max(high, clusters.heights(cluster).high);
   // A concave patch is cut by placements up to twice the probe radius away.
   build_patches(high + probe() + look_up_slack);
-  if (surface_.has_slack)
-    for (ClusterIndex cluster = begin; cluster < end; ++cluster)
-      if (!schedule_.patches().of_cluster(cluster).is_regular) return false;
   index_placements();
+  std::atomic<bool> is_regular = true;
   terms_.resize(std::max<std::size_t>(terms_.size(), end - begin));
   parallel_for(end - begin, std::min<int>(settings_.threads, static_cast<int>(end - begin)),
                [&](std::int64_t k, int thread) {
                  const auto index = static_cast<std::size_t>(k);
+                 const ClusterIndex cluster = begin + static_cast<ClusterIndex>(k);
+                 if (surface_.has_slack && !is_regular_cluster(cluster)) is_regular = false;
+                 if (!is_regular) return;
                  terms_[index].clear();
-                 measure_cluster(begin + static_cast<ClusterIndex>(k),
-                                 scratch_[static_cast<std::size_t>(thread)], terms_[index]);
+                 measure_cluster(cluster, scratch_[static_cast<std::size_t>(thread)],
+                                 terms_[index]);
                });
+  if (!is_regular) return false;
   // The order of the sums does not depend on the threads.
   for (ClusterIndex cluster = begin; cluster < end; ++cluster)
     add_terms(cluster, terms_[cluster - begin]);
@@ -294,6 +308,36 @@ void PatchMeasurement::find_node(std::uint32_t number, std::vector<std::uint32_t
     tree_.for_each_within(centers_[node[k]], same_place_, [&](std::uint32_t other) {
       if (std::find(node.begin(), node.end(), other) == node.end()) node.push_back(other);
     });
+}
+
+// Returns whether no decision about the cluster's patches depends on the slack. If the circles of
+// several pairs of atoms coincide, arcs of all pairs are found in the same place. Then the middle
+// of each of them touches further atoms.
+bool PatchMeasurement::is_regular_cluster(ClusterIndex cluster) const {
+  const ClusterPatches& patches = schedule_.patches().of_cluster(cluster);
+  if (!patches.is_regular) return false;
+  for (std::size_t m = 0; m + 1 < patches.arc_begin.size(); ++m) {
+    const auto neighbours =
+        std::span(patches.face_neighbours)
+            .subspan(patches.face_begin[m], patches.face_begin[m + 1] - patches.face_begin[m]);
+    for (std::uint32_t a = patches.arc_begin[m]; a < patches.arc_begin[m + 1]; ++a)
+      if (touches_others(patches.arcs[a], neighbours)) return false;
+  }
+  return true;
+}
+
+// Returns whether the probe at the middle of an arc touches a third atom, which is one of
+// `neighbours`.
+bool PatchMeasurement::touches_others(const Arc& arc, std::span<const AtomIndex> neighbours) const {
+  const SasSphere first = surface_.sas_sphere(arc.first);
+  const ContactCircle circle = make_contact_circle(first, surface_.sas_sphere(arc.second));
+  const Vec3 middle = middle_of(arc, circle.axis);
+  const Vec3 center = circle.center + circle.radius * middle;
+  return std::any_of(neighbours.begin(), neighbours.end(), [&](AtomIndex k) {
+    if (k == arc.second) return false;
+    const double reach = surface_.atoms[k].radius + probe() + 2 * tolerance::accessible;
+    return squared_norm(center - surface_.atoms[k].center) < reach * reach;
+  });
 }
 
 void PatchMeasurement::measure_cluster(ClusterIndex cluster, MeasureScratch& scratch,
