@@ -126,7 +126,10 @@ struct MeasureScratch {
   std::vector<Vec3> toward;
   std::vector<AtomIndex> touched;
   std::vector<std::uint32_t> node;  // placements in the same place
-  bool has_cutters = false;         // whether other placements cut the cone
+  std::vector<std::uint32_t> near;  // placements within `near_distance` of `near_center`
+  Vec3 near_center;
+  double near_distance = -1;  // angstrom
+  bool has_cutters = false;   // whether other placements cut the cone
 };
 
 // Returns the unit vector from the centre of an arc's circle to the middle of the arc.
@@ -145,7 +148,7 @@ class PatchMeasurement {
       : settings_(settings),
         same_place_(accessibility.same_place),
         surface_(make_surface(molecule, settings, accessibility)),
-        schedule_(surface_, {-infinity, infinity}),
+        schedule_(surface_, {-infinity, infinity}, false),
         origin_(middle_of_box(surface_.atoms)),
         faces_(surface_.atoms.size()),
         scratch_(static_cast<std::size_t>(settings.threads)) {
@@ -199,6 +202,7 @@ class PatchMeasurement {
   SpherePart find_cone(std::uint32_t number, MeasureScratch& scratch) const;
   void add_cutters(std::uint32_t number, Vec3 center, double distance,
                    MeasureScratch& scratch) const;
+  void find_near(Vec3 center, double distance, MeasureScratch& scratch) const;
   void share_among_atoms(const SpherePart& part, MeasureScratch& scratch,
                          ClusterTerms& terms) const;
   void measure_faces();
@@ -343,6 +347,7 @@ bool PatchMeasurement::touches_others(const Arc& arc, std::span<const AtomIndex>
 void PatchMeasurement::measure_cluster(ClusterIndex cluster, MeasureScratch& scratch,
                                        ClusterTerms& terms) const {
   const ClusterPatches& patches = schedule_.patches().of_cluster(cluster);
+  scratch.near_distance = -1;
   for (const Arc& arc : patches.arcs) add_arc(arc, terms);
   const std::uint32_t first = first_placement_[cluster];
   for (std::uint32_t k = 0; k < patches.placements.size(); ++k)
@@ -477,23 +482,40 @@ void PatchMeasurement::add_cutters(std::uint32_t number, Vec3 center, double dis
                                    MeasureScratch& scratch) const {
   const std::size_t bounds = scratch.caps.size();
   const Vec3 from = centers_[number];
+  const double limit = 4 * probe() * probe();
+  const double min_squared = surface_.has_slack ? 0 : min_cutting_distance * min_cutting_distance;
   scratch.has_cutters = false;
-  tree_.for_each_within(center, distance, [&](std::uint32_t other) {
+  const auto add_cutter = [&](std::uint32_t other) {
     if (other == number || node_[other] != other) return;
     const Vec3 toward = centers_[other] - from;
-    const double length = norm(toward);
-    const double cosine = length / (2 * probe());
-    if (cosine >= 1 || (!surface_.has_slack && length < min_cutting_distance)) return;
-    const Vec3 axis = (1 / length) * toward;
-    // The cone is on one side of each bounding plane. If the axis is on the other side, the
-    // direction of the cone that is nearest to it is at least as far away as the plane.
+    const double squared = squared_norm(toward);
+    if (squared >= limit || squared <= min_squared) return;
+    // The cone is on one side of each bounding plane. If the other placement is on the other side,
+    // the direction of the cone that is nearest to it is at least as far away as the plane.
     for (std::size_t k = 0; k < bounds; ++k) {
-      const double height = dot(axis, scratch.caps[k].axis);
-      if (height > 0 && cosine > 0 && 1 - height * height <= cosine * cosine) return;
+      const double height = dot(toward, scratch.caps[k].axis);
+      if (height > 0 && (squared - height * height) * limit <= squared * squared) return;
     }
+    const double length = std::sqrt(squared), cosine = length / (2 * probe());
+    const Vec3 axis = (1 / length) * toward;
     scratch.has_cutters = true;
     scratch.caps.push_back({axis, cosine});
-  });
+  };
+  find_near(center, distance, scratch);
+  for (const std::uint32_t other : scratch.near)
+    if (squared_norm(centers_[other] - center) < distance * distance) add_cutter(other);
+}
+
+// Makes sure that `scratch.near` has all placements within a distance. Consecutive searches are
+// mostly near each other, so one search with a greater distance serves several of them.
+void PatchMeasurement::find_near(Vec3 center, double distance, MeasureScratch& scratch) const {
+  constexpr double margin = 4;  // angstrom
+  if (norm(center - scratch.near_center) + distance <= scratch.near_distance) return;
+  scratch.near.clear();
+  scratch.near_center = center;
+  scratch.near_distance = distance + margin;
+  tree_.for_each_within(center, scratch.near_distance,
+                        [&](std::uint32_t other) { scratch.near.push_back(other); });
 }
 
 // Divides a concave patch among its atoms. A direction n belongs to the touched atom with the

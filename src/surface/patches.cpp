@@ -88,11 +88,12 @@ bool is_regular(const Patches& patches, const ProbePlacement& placement) {
 }
 
 // Returns the placement of a key, or nothing if it is uncertain and not accessible.
-std::optional<ProbePlacement> place_probe(const Patches& patches, const PlacementKey& key) {
+std::optional<ProbePlacement> place_probe(const Patches& patches, const PlacementKey& key,
+                                          bool has_bounds) {
   ProbePlacement placement{{}, key.atoms, key.side, false};
   if (key.is_certain) {
     placement.center = center_of(patches.surface(), placement, {0, 1, 2});
-    placement.is_regular = is_regular(patches, placement);
+    placement.is_regular = has_bounds && is_regular(patches, placement);
   } else if (place_uncertain_probe(patches, placement) > tolerance::covered) {
     return std::nullopt;
   }
@@ -127,8 +128,9 @@ void FaceDirections::include(const Box& directions) {
   }
 }
 
-Patches::Patches(const SurfaceModel& surface)
+Patches::Patches(const SurfaceModel& surface, bool has_bounds)
     : surface_(surface),
+      has_bounds_(has_bounds),
       clusters_(surface),
       burial_(make_covering_directions(burial_frequency)),
       clusters_patches_(clusters_.count()) {}
@@ -159,6 +161,9 @@ void Patches::find_arcs(ClusterIndex cluster, Scratch& scratch) {
 // Extends the bounds of the two faces at an arc. The extreme points of a face lie on the arcs that
 // bound it, or at the poles of its sphere.
 void Patches::record_arc(const Arc& arc) {
+  mark_exposed(arc.first);
+  mark_exposed(arc.second);
+  if (!has_bounds_) return;
   const SasSphere first = surface_.sas_sphere(arc.first), second = surface_.sas_sphere(arc.second);
   const ContactCircle circle = make_contact_circle(first, second);
   const Box radial =
@@ -173,9 +178,14 @@ void Patches::record_arc(const Arc& arc) {
 void Patches::extend_face(AtomIndex atom, const Box& directions) {
   const auto [cluster, member] = clusters_.place_of(atom);
   if (!is_open(cluster)) return;
-  ClusterPatches& patches = *clusters_patches_[cluster];
-  patches.face_directions[member].include(directions);
-  std::atomic_ref(patches.found.has_arc[member]).store(1, std::memory_order_relaxed);
+  clusters_patches_[cluster]->face_directions[member].include(directions);
+}
+
+void Patches::mark_exposed(AtomIndex atom) {
+  const auto [cluster, member] = clusters_.place_of(atom);
+  if (!is_open(cluster)) return;
+  std::atomic_ref(clusters_patches_[cluster]->found.has_arc[member])
+      .store(1, std::memory_order_relaxed);
 }
 
 void Patches::record_placements(std::span<const PlacementKey> keys) {
@@ -201,11 +211,11 @@ void Patches::complete(ClusterIndex cluster) {
     AtomExposure& exposure = patches.exposure[m];
     if (patches.found.has_arc[m] != 0) exposure = AtomExposure::exposed;
     if (exposure == AtomExposure::unknown) exposure = AtomExposure::buried;
-    if (exposure == AtomExposure::exposed) extend_face_to_poles(members[m]);
+    if (has_bounds_ && exposure == AtomExposure::exposed) extend_face_to_poles(members[m]);
   }
   place_probes(patches);
   patches.found.has_arc = {};
-  patches.crowded = list_crowded_patches(surface_, patches);
+  if (has_bounds_) patches.crowded = list_crowded_patches(surface_, patches);
 }
 
 void Patches::extend_face_to_poles(AtomIndex atom) {
@@ -244,7 +254,7 @@ void Patches::place_probes(ClusterPatches& patches) {
   std::vector<std::uint32_t> counts(patches.exposure.size());
   patches.placements.reserve(static_cast<std::size_t>(end - keys.begin()));
   for (auto key = keys.begin(); key != end; ++key)
-    if (const auto placement = place_probe(*this, *key)) {
+    if (const auto placement = place_probe(*this, *key, has_bounds_)) {
       patches.placements.push_back(*placement);
       ++counts[member_of(*key)];
     }
