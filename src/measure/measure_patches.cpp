@@ -132,6 +132,13 @@ struct MeasureScratch {
   bool has_cutters = false;   // whether other placements cut the cone
 };
 
+// Returns the middle of the box around the centres.
+Vec3 middle_of(std::span<const Atom> atoms) {
+  Box box{atoms.front().center, atoms.front().center};
+  for (const Atom& atom : atoms) box.include(atom.center);
+  return 0.5 * box.low + 0.5 * box.high;
+}
+
 // Returns the unit vector from the centre of an arc's circle to the middle of the arc.
 Vec3 middle_of(const Arc& arc, Vec3 axis) {
   if (arc.kind == ArcKind::full) return any_perpendicular(axis);
@@ -149,7 +156,7 @@ class PatchMeasurement {
         same_place_(accessibility.same_place),
         surface_(make_surface(molecule, settings, accessibility)),
         schedule_(surface_, {-infinity, infinity}, false),
-        origin_(middle_of_box(surface_.atoms)),
+        origin_(middle_of(surface_.atoms)),
         faces_(surface_.atoms.size()),
         scratch_(static_cast<std::size_t>(settings.threads)) {
     if (!settings.by_atom) return;
@@ -180,12 +187,6 @@ class PatchMeasurement {
     surface.has_slack = accessibility.has_slack;
     return surface;
   }
-  static Vec3 middle_of_box(std::span<const Atom> atoms) {
-    Box box{atoms.front().center, atoms.front().center};
-    for (const Atom& atom : atoms) box.include(atom.center);
-    return 0.5 * box.low + 0.5 * box.high;
-  }
-
   double probe() const { return surface_.probe_radius; }
 
   bool measure_layer(ClusterIndex begin, ClusterIndex end);
@@ -592,9 +593,11 @@ double curvature_error(const Measures& measures) {
   return std::fabs(measures.total_curvature - static_cast<double>(measures.euler_number));
 }
 
-}  // namespace
+// Coordinates larger than this are rounded too much for placements that are close together
+// (angstrom).
+constexpr double far_away = 1024;
 
-Measures measure_patches(const Molecule& molecule, const MeasureSettings& settings) {
+Measures measure_here(const Molecule& molecule, const MeasureSettings& settings) {
   if (auto regular = PatchMeasurement(molecule, settings, {}).run()) return std::move(*regular);
   Measures best;
   double min_error = std::numeric_limits<double>::infinity();
@@ -607,6 +610,19 @@ Measures measure_patches(const Molecule& molecule, const MeasureSettings& settin
     if (error < max_curvature_error) break;
   }
   return best;
+}
+
+}  // namespace
+
+// The difference of a large coordinate and a whole number near it has no rounding error.
+Measures measure_patches(const Molecule& molecule, const MeasureSettings& settings) {
+  const std::span<const Atom> atoms = molecule.atoms();
+  Vec3 middle = middle_of(atoms);
+  if (norm(middle) < far_away) return measure_here(molecule, settings);
+  for (std::size_t axis = 0; axis < 3; ++axis) middle[axis] = std::round(middle[axis]);
+  std::vector<Atom> moved(atoms.begin(), atoms.end());
+  for (Atom& atom : moved) atom.center = atom.center - middle;
+  return measure_here(Molecule(std::move(moved), {}, settings.threads), settings);
 }
 
 }  // namespace eses::detail
