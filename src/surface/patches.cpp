@@ -100,12 +100,19 @@ std::optional<ProbePlacement> place_probe(const Patches& patches, const Placemen
   return placement;
 }
 
-// Returns whether three certain arcs end at each placement. The keys are sorted.
+// Returns whether all ends are ends of arcs. An uncertain end need not be.
+bool end_arcs_only(const BuiltPatches& built) {
+  const auto with_ends = std::count_if(built.arcs.begin(), built.arcs.end(),
+                                       [](const Arc& arc) { return arc.kind != ArcKind::full; });
+  return built.placements.size() == 2 * static_cast<std::size_t>(with_ends);
+}
+
+// Returns whether three arcs end at each placement. The keys are sorted.
 bool end_in_threes(std::span<const PlacementKey> keys) {
   if (keys.size() % 3 != 0) return false;
   for (std::size_t k = 0; k < keys.size(); k += 3) {
     const PlacementKey& key = keys[k];
-    if (!key.is_certain || !key.is_same_place(keys[k + 2])) return false;
+    if (!key.is_same_place(keys[k + 2])) return false;
     if (k > 0 && key.is_same_place(keys[k - 1])) return false;
   }
   return true;
@@ -154,6 +161,7 @@ void Patches::find_arcs(ClusterIndex cluster, Scratch& scratch) {
   patches.face_neighbours = built.face_neighbours;
   patches.arc_begin = begins_of(built.arc_count);
   patches.arcs = built.arcs;
+  patches.is_regular = end_arcs_only(built);
   for (const Arc& arc : patches.arcs) record_arc(arc);
   record_placements(built.placements);
 }
@@ -247,7 +255,7 @@ void Patches::place_probes(ClusterPatches& patches) {
     const std::uint32_t member_a = member_of(a), member_b = member_of(b);
     return member_a < member_b || (member_a == member_b && a < b);
   });
-  patches.is_regular = end_in_threes(keys);
+  patches.is_regular = patches.is_regular && end_in_threes(keys);
   const auto end = std::unique(
       keys.begin(), keys.end(),
       [](const PlacementKey& key, const PlacementKey& next) { return key.is_same_place(next); });
@@ -259,6 +267,8 @@ void Patches::place_probes(ClusterPatches& patches) {
       ++counts[member_of(*key)];
     }
   patches.placement_begin = begins_of(counts);
+  patches.is_regular = patches.is_regular &&
+                       patches.placements.size() == static_cast<std::size_t>(end - keys.begin());
   keys = std::vector<PlacementKey>();  // unlike {}, this frees the memory
 }
 

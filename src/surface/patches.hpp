@@ -54,7 +54,7 @@ struct ClusterPatches {
   std::vector<std::uint32_t> placement_begin;  ///< indices into placements
   /// Placements. If a probe touches more than three atoms, each triple of them has a placement.
   std::vector<ProbePlacement> placements;
-  /// Whether three arcs end at each placement, and no decision depends on a tolerance.
+  /// Whether three arcs end at each placement, and nowhere else.
   bool is_regular = true;
   CrowdedPatches crowded;  ///< index of the patches of crowded atoms
 
