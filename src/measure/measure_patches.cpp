@@ -13,6 +13,7 @@
 #include <vector>
 
 #include "geometry/sphere_part.hpp"
+#include "measure/gradient_terms.hpp"
 #include "measure/normal_cone.hpp"
 #include "measure/point_tree.hpp"
 #include "measure/saddle.hpp"
@@ -87,8 +88,10 @@ struct ClusterTerms {
   PatchSums sums;
   std::vector<FaceTerm> faces;
   std::vector<AtomShare> shares;
+  GradientTerms gradients;
 
   void clear() {
+    gradients.clear();
     sums = {};
     faces.clear();
     shares.clear();
@@ -98,6 +101,7 @@ struct ClusterTerms {
 // The exposed part of an atom's SAS sphere.
 struct Face {
   SpherePart boundary;  // sum of the boundary terms
+  double solid_angle = 0;
   bool is_whole = false;
   bool has_arcs = false;
 };
@@ -128,8 +132,8 @@ struct MeasureScratch {
   std::vector<std::uint32_t> node;  // placements in the same place
   std::vector<std::uint32_t> near;  // placements within `near_distance` of `near_center`
   Vec3 near_center;
-  double near_distance = -1;  // angstrom
-  bool has_cutters = false;   // whether other placements cut the cone
+  double near_distance = -1;                   // angstrom
+  std::vector<const ProbePlacement*> cutters;  // placements that cut the cone
 };
 
 // Returns the middle of the box around the centres.
@@ -159,6 +163,11 @@ class PatchMeasurement {
         origin_(middle_of(surface_.atoms)),
         faces_(surface_.atoms.size()),
         scratch_(static_cast<std::size_t>(settings.threads)) {
+    if (settings.gradients)
+      for (Gradient* gradient : gradients()) {
+        gradient->centers.resize(surface_.atoms.size());
+        gradient->radii.resize(surface_.atoms.size());
+      }
     if (!settings.by_atom) return;
     for (auto* areas : {&result_.by_atom.sas, &result_.by_atom.convex, &result_.by_atom.saddle,
                         &result_.by_atom.concave})
@@ -188,6 +197,11 @@ class PatchMeasurement {
     return surface;
   }
   double probe() const { return surface_.probe_radius; }
+  // In the order of Quantity, followed by the volume of the SAS.
+  std::array<Gradient*, 4> gradients() {
+    Gradients& all = result_.gradients;
+    return {&all.sas_area, &all.ses_area, &all.ses_volume, &all.sas_volume};
+  }
 
   bool measure_layer(ClusterIndex begin, ClusterIndex end);
   void build_patches(double up_to);
@@ -206,6 +220,8 @@ class PatchMeasurement {
   void find_near(Vec3 center, double distance, MeasureScratch& scratch) const;
   void share_among_atoms(const SpherePart& part, MeasureScratch& scratch,
                          ClusterTerms& terms) const;
+  void add_face_gradient(AtomIndex i, double angle);
+  void finish_gradients();
   void measure_faces();
   double face_angle(AtomIndex i, std::vector<AtomIndex>& found) const;
 
@@ -366,6 +382,14 @@ void PatchMeasurement::add_terms(ClusterIndex cluster, const ClusterTerms& terms
     face.boundary += term.part;
     face.has_arcs = true;
   }
+  for (const GradientTerm& term : terms.gradients.atoms) {
+    Gradient& gradient = *gradients()[term.quantity];
+    gradient.centers[term.atom] = gradient.centers[term.atom] + term.center;
+    gradient.radii[term.atom] += term.sas_radius;
+  }
+  if (settings_.gradients)
+    for (std::size_t q = 0; q < quantity_count; ++q)
+      gradients()[q]->probe += terms.gradients.probe[q];
   for (const AtomShare& share : terms.shares) {
     result_.by_atom.saddle[share.atom] += share.saddle;
     result_.by_atom.concave[share.atom] += share.concave;
@@ -389,9 +413,11 @@ void PatchMeasurement::add_arc(const Arc& arc, ClusterTerms& terms) const {
   terms.faces.push_back({arc.second, boundary_term({-circle.axis, second_cosine},
                                                    {0, swept.angle, arc.end, arc.start})});
   terms.sums.curvature -= swept.angle * (first_cosine + second_cosine);
-  if (probe() <= 0) return;
-  const SaddleOutline outline = make_outline(circle, probe());
+  const SaddleOutline outline = make_outline(circle, std::max(0.0, probe()));
   const SurfaceIntegrals whole = saddle_integrals(outline, outline.contact, circle.axis, swept);
+  if (settings_.gradients)
+    add_arc_gradient(surface_, {arc, circle, swept}, outline, whole, terms.gradients);
+  if (probe() <= 0) return;
   terms.sums.saddle += whole.area;
   terms.sums.flux += whole.flux + dot(circle.center - origin_, whole.vector_area);
   if (!settings_.by_atom) return;
@@ -426,10 +452,15 @@ void PatchMeasurement::add_placement(std::uint32_t number, MeasureScratch& scrat
   } else {
     add_cutters(number, center, 2 * probe(), scratch);
   }
-  if (scratch.has_cutters) part = scratch.finder.find(scratch.caps);
+  if (!scratch.cutters.empty()) part = scratch.finder.find(scratch.caps);
   terms.sums.concave += probe() * probe() * part.solid_angle;
   terms.sums.flux -=
       probe() * probe() * (dot(center - origin_, part.vector_area) + probe() * part.solid_angle);
+  if (settings_.gradients && scratch.touched.size() == 3)
+    add_placement_gradient(
+        surface_,
+        {*placements_[number], part, scratch.caps, scratch.finder.arcs(), scratch.cutters},
+        terms.gradients);
   if (settings_.by_atom) share_among_atoms(part, scratch, terms);
 }
 
@@ -485,7 +516,7 @@ void PatchMeasurement::add_cutters(std::uint32_t number, Vec3 center, double dis
   const Vec3 from = centers_[number];
   const double limit = 4 * probe() * probe();
   const double min_squared = surface_.has_slack ? 0 : min_cutting_distance * min_cutting_distance;
-  scratch.has_cutters = false;
+  scratch.cutters.clear();
   const auto add_cutter = [&](std::uint32_t other) {
     if (other == number || node_[other] != other) return;
     const Vec3 toward = centers_[other] - from;
@@ -499,7 +530,7 @@ void PatchMeasurement::add_cutters(std::uint32_t number, Vec3 center, double dis
     }
     const double length = std::sqrt(squared), cosine = length / (2 * probe());
     const Vec3 axis = (1 / length) * toward;
-    scratch.has_cutters = true;
+    scratch.cutters.push_back(placements_[other]);
     scratch.caps.push_back({axis, cosine});
   };
   find_near(center, distance, scratch);
@@ -560,6 +591,31 @@ double PatchMeasurement::face_angle(AtomIndex i, std::vector<AtomIndex>& found) 
   });
 }
 
+// Adds the derivatives of areas by the radii of faces, and of volumes by the motion of faces.
+void PatchMeasurement::add_face_gradient(AtomIndex i, double angle) {
+  const double r = surface_.atoms[i].radius, R = r + probe();
+  const Vec3 vector = faces_[i].boundary.vector_area;
+  Gradients& all = result_.gradients;
+  all.sas_area.radii[i] += 2 * R * angle;
+  all.sas_volume.radii[i] = R * R * angle;
+  all.sas_volume.centers[i] = (R * R) * vector;
+  all.ses_volume.centers[i] = all.ses_volume.centers[i] + (r * r) * vector;
+}
+
+// Adds the derivatives by the probe radius at constant radii of the atoms: all SAS radii grow. The
+// radii of the convex patches do not.
+void PatchMeasurement::finish_gradients() {
+  for (Gradient* gradient : gradients())
+    gradient->probe += std::accumulate(gradient->radii.begin(), gradient->radii.end(), 0.0);
+  Gradients& all = result_.gradients;
+  for (AtomIndex i = 0; i < surface_.atoms.size(); ++i) {
+    const double r = surface_.atoms[i].radius, angle = faces_[i].solid_angle;
+    all.ses_area.radii[i] += 2 * r * angle;
+    all.ses_volume.radii[i] += r * r * angle;
+  }
+  all.are_smooth = surface_.has_slack;
+}
+
 void PatchMeasurement::measure_faces() {
   const std::span<const Atom> atoms = surface_.atoms;
   std::vector<FaceSums> sums(loop_range_count(atoms.size()));
@@ -567,12 +623,13 @@ void PatchMeasurement::measure_faces() {
       atoms.size(), settings_.threads, [&](std::size_t range, AtomIndex begin, AtomIndex end) {
         std::vector<AtomIndex> found;
         for (AtomIndex i = begin; i < end; ++i) {
-          const double angle = face_angle(i, found);
+          const double angle = faces_[i].solid_angle = face_angle(i, found);
           if (angle == 0) continue;
           const double r = atoms[i].radius, R = r + probe();
           const double along = dot(atoms[i].center - origin_, faces_[i].boundary.vector_area);
           sums[range] += {angle, R * R * angle, R * R * (R * angle + along), r * r * angle,
                           r * r * (r * angle + along)};
+          if (settings_.gradients) add_face_gradient(i, angle);
           if (!settings_.by_atom) continue;
           result_.by_atom.sas[i] = R * R * angle;
           result_.by_atom.convex[i] = r * r * angle;
@@ -586,6 +643,7 @@ void PatchMeasurement::measure_faces() {
   result_.ses_area = result_.ses_areas.total();
   result_.ses_volume = std::max(0.0, (total.convex_flux + sums_.flux) / 3);
   result_.total_curvature = (total.solid_angle + sums_.curvature) / (2 * pi);
+  if (settings_.gradients) finish_gradients();
   result_.euler_number = 2 * std::llround(result_.total_curvature / 2);
 }
 
