@@ -79,6 +79,34 @@ double sum_of(const std::vector<double>& values) {
   return std::accumulate(values.begin(), values.end(), 0.0);
 }
 
+/// The areas and volumes that have derivatives, in the order of `gradients_of`.
+std::array<double, 4> values_of(const std::vector<Atom>& atoms, double probe) {
+  const Measures measures = measure_atoms(atoms, probe);
+  return {measures.ses_area, measures.ses_volume, measures.sas_area, measures.sas_volume};
+}
+
+std::array<const Gradient*, 4> gradients_of(const Measures& measures) {
+  const Gradients& all = measures.gradients;
+  return {&all.ses_area, &all.ses_volume, &all.sas_area, &all.sas_volume};
+}
+
+/// Returns the derivatives of a function of a displacement by central differences with Richardson's
+/// extrapolation.
+template <class Function>
+std::array<double, 4> differentiate(Function&& function) {
+  constexpr double step = 1e-5;
+  const auto difference_at = [&](double h) {
+    const std::array<double, 4> above = function(h), below = function(-h);
+    std::array<double, 4> slope{};
+    for (std::size_t q = 0; q < slope.size(); ++q) slope[q] = (above[q] - below[q]) / (2 * h);
+    return slope;
+  };
+  const std::array<double, 4> coarse = difference_at(step), fine = difference_at(step / 2);
+  std::array<double, 4> slope{};
+  for (std::size_t q = 0; q < slope.size(); ++q) slope[q] = (4 * fine[q] - coarse[q]) / 3;
+  return slope;
+}
+
 /// Returns the atoms of data/1ubq.xyzr.
 std::vector<Atom> ubiquitin() { return read_atom_list(std::string(ESES_DATA) + "/1ubq.xyzr"); }
 
@@ -216,9 +244,10 @@ TEST_CASE("measure: rotation, translation and order do not matter") {
 
 TEST_CASE("measure: the number of threads does not matter") {
   const Surface surface(read_atom_list(std::string(ESES_DATA) + "/1a0q.xyzr"));
-  const Measures one = measure(surface, {.by_atom = true, .threads = 1});
+  const Measures one = measure(surface, {.by_atom = true, .gradients = true, .threads = 1});
   for (const int threads : {0, 2, 3, 8}) {
-    const Measures many = measure(surface, {.by_atom = true, .threads = threads});
+    const Measures many =
+        measure(surface, {.by_atom = true, .gradients = true, .threads = threads});
     CHECK(many.ses_areas.convex == one.ses_areas.convex);
     CHECK(many.ses_areas.saddle == one.ses_areas.saddle);
     CHECK(many.ses_areas.concave == one.ses_areas.concave);
@@ -230,6 +259,12 @@ TEST_CASE("measure: the number of threads does not matter") {
     CHECK(many.by_atom.convex == one.by_atom.convex);
     CHECK(many.by_atom.saddle == one.by_atom.saddle);
     CHECK(many.by_atom.concave == one.by_atom.concave);
+    for (std::size_t q = 0; q < 4; ++q) {
+      const Gradient &of_many = *gradients_of(many)[q], &of_one = *gradients_of(one)[q];
+      CHECK(of_many.centers == of_one.centers);
+      CHECK(of_many.radii == of_one.radii);
+      CHECK(of_many.probe == of_one.probe);
+    }
   }
 }
 
@@ -346,6 +381,60 @@ TEST_CASE("measure: the largest probe leaves the convex hull") {
   CHECK(difference(measures.ses_volume, hull) < 2e-3);
   const Measures chain = measure_atoms(make_chain(300, 3), max_probe_radius);
   check_valid(chain, 1e-6);
+}
+
+TEST_CASE("measure: derivatives agree with central differences") {
+  for (const Kind kind : {Kind::gas, Kind::chain})
+    for (std::uint64_t seed = 0; seed < 8; ++seed) {
+      INFO(kind_name(kind) << " " << seed);
+      const std::vector<Atom> atoms = make_atom_set(kind, seed);
+      const double probe = designed_probe_radius(seed);
+      const Measures measures = measure_atoms(atoms, probe, {.gradients = true});
+      CHECK(measures.gradients.are_smooth);
+      const auto check_near = [&](const std::array<double, 4>& slopes, auto&& derivative) {
+        for (std::size_t q = 0; q < slopes.size(); ++q)
+          CHECK(difference(derivative(*gradients_of(measures)[q]), slopes[q]) < 1e-6);
+      };
+      for (std::size_t i = 0; i < atoms.size(); i += 5) {
+        for (std::size_t axis = 0; axis < 3; ++axis)
+          check_near(differentiate([&](double h) {
+                       std::vector<Atom> moved = atoms;
+                       moved[i].center[axis] += h;
+                       return values_of(moved, probe);
+                     }),
+                     [&](const Gradient& gradient) { return gradient.centers[i][axis]; });
+        check_near(differentiate([&](double h) {
+                     std::vector<Atom> grown = atoms;
+                     grown[i].radius += h;
+                     return values_of(grown, probe);
+                   }),
+                   [&](const Gradient& gradient) { return gradient.radii[i]; });
+      }
+      check_near(differentiate([&](double h) { return values_of(atoms, probe + h); }),
+                 [](const Gradient& gradient) { return gradient.probe; });
+    }
+}
+
+// Areas and volumes do not change if all atoms move together, and they scale with all lengths.
+TEST_CASE("measure: derivatives of a protein have no force and no torque, and scale") {
+  const std::vector<Atom> atoms = ubiquitin();
+  const double probe = 1.4;
+  const Measures measures = measure_atoms(atoms, probe, {.gradients = true});
+  const std::array<double, 4> values = values_of(atoms, probe), dimensions{2, 3, 2, 3};
+  for (std::size_t q = 0; q < values.size(); ++q) {
+    const Gradient& gradient = *gradients_of(measures)[q];
+    Vec3 force, torque;
+    double scaled = probe * gradient.probe, absolute = 0;
+    for (std::size_t i = 0; i < atoms.size(); ++i) {
+      force = force + gradient.centers[i];
+      torque = torque + cross(atoms[i].center, gradient.centers[i]);
+      scaled += dot(atoms[i].center, gradient.centers[i]) + atoms[i].radius * gradient.radii[i];
+      absolute += norm(atoms[i].center) * norm(gradient.centers[i]);
+    }
+    CHECK(norm(force) < 1e-9 * absolute);
+    CHECK(norm(torque) < 1e-9 * absolute);
+    CHECK(std::fabs(scaled - dimensions[q] * values[q]) < 1e-9 * absolute);
+  }
 }
 
 TEST_CASE("measure: invalid options") {

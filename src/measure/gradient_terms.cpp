@@ -130,7 +130,7 @@ void add_arc_gradient(const SurfaceModel& surface, const ArcShape& shape,
   CircleGradient area = face_gradient(shape, one, two, surface.atoms[arc.first].radius,
                                       surface.atoms[arc.second].radius);
   const double p = surface.probe_radius, rho = circle.radius;
-  if (p > 0) {
+  if (p >= 0) {
     const SaddleWidth width = saddle_width(outline);
     // The angles are -atan(h_1 / rho) and atan(h_2 / rho).
     const double by_first = -swept.angle * width.by_low / squared(one.radius);
