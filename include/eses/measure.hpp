@@ -20,6 +20,8 @@ struct MeasureOptions {
   bool van_der_waals = false;
   /// Whether the areas are divided among the atoms.
   bool by_atom = false;
+  /// Whether the derivatives are computed.
+  bool gradients = false;
   /// Number of threads; 0 for all available processors. It does not affect the result.
   int threads = 1;
   /// Called from time to time, at least once.
@@ -46,6 +48,25 @@ struct AtomAreas {
   std::vector<double> concave;  ///< Concave patches of the solvent excluded surface.
 };
 
+/// Derivatives of one area or volume. Lengths are in angstrom.
+struct Gradient {
+  std::vector<Vec3> centers;  ///< By the centre of each atom.
+  std::vector<double> radii;  ///< By the radius of each atom.
+  double probe = 0;           ///< By the radius of the probe.
+};
+
+/// Derivatives of areas and volumes. They are exact where areas and volumes are smooth.
+struct Gradients {
+  Gradient ses_area;    ///< Of Measures::ses_area.
+  Gradient ses_volume;  ///< Of Measures::ses_volume.
+  Gradient sas_area;    ///< Of Measures::sas_area.
+  Gradient sas_volume;  ///< Of Measures::sas_volume.
+  /// Whether areas and volumes are smooth: no decision depended on a tolerance. Otherwise, the
+  /// derivatives are those of a probe that is smaller by 1e-9 angstrom, and placements that touch
+  /// more than three atoms do not contribute.
+  bool are_smooth = true;
+};
+
 /// Areas (square angstrom) and volumes (cubic angstrom) of a surface. Cavities that can contain a
 /// probe are outside.
 struct Measures {
@@ -62,7 +83,8 @@ struct Measures {
   /// The Euler number before it is rounded: the integral of the curvature, divided by 2 pi
   /// (Gauss-Bonnet). The difference shows the rounding errors.
   double total_curvature = 0;
-  AtomAreas by_atom;  ///< Empty unless MeasureOptions::by_atom is set.
+  AtomAreas by_atom;    ///< Empty unless MeasureOptions::by_atom is set.
+  Gradients gradients;  ///< Empty unless MeasureOptions::gradients is set.
 };
 
 /// Measures the solvent excluded surface and the solvent accessible surface. Nothing is sampled:

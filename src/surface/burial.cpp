@@ -26,6 +26,10 @@ namespace {
 constexpr double small_shrinkage = 4e-9;
 constexpr double float_slack = 3e-5;
 
+// Number of vectors of directions that are tested against a cap at once. This hides the latency of
+// the instructions.
+constexpr std::size_t vectors_at_once = 4;
+
 // The inverse radius of the sphere, and cosine and sine of the angular radius of every patch.
 struct PatchCosines {
   double inverse_radius, cosine, sine;
@@ -41,32 +45,57 @@ namespace hn = hwy::HWY_NAMESPACE;
 
 using Lanes = hn::ScalableTag<float>;
 
+// Directions of patches, one in each lane, and whether a cap settles them.
+struct DirectionVector {
+  hn::Vec<Lanes> x, y, z;
+  hn::Mask<Lanes> unsettled;
+};
+
+// Marks the patches that a cap settles, and returns their lanes.
+HWY_INLINE hn::Mask<Lanes> settle(const BurialCap& cap, DirectionVector& directions) {
+  const Lanes lanes;
+  const auto cosine = hn::Add(hn::Add(hn::Mul(directions.x, hn::Set(lanes, cap.x)),
+                                      hn::Mul(directions.y, hn::Set(lanes, cap.y))),
+                              hn::Mul(directions.z, hn::Set(lanes, cap.z)));
+  const auto settled = hn::And(directions.unsettled, hn::Ge(cosine, hn::Set(lanes, cap.settled)));
+  directions.unsettled = hn::AndNot(settled, directions.unsettled);
+  return settled;
+}
+
 // Keeps the directions whose patch no cap settles, and returns their number. Marks the caps that
-// settled a patch. The arrays are padded to whole vectors, and compression in place never
+// settled a patch. The arrays are padded to whole groups of vectors, and compression in place never
 // overwrites elements that have not been read.
 std::size_t keep_unsettled(std::span<BurialCap> caps, float* x, float* y, float* z,
                            std::size_t count) {
   const Lanes lanes;
+  const std::size_t width = hn::Lanes(lanes);
   std::size_t kept = 0;
-  for (std::size_t i = 0; i < count; i += hn::Lanes(lanes)) {
-    const auto px = hn::LoadU(lanes, x + i), py = hn::LoadU(lanes, y + i),
-               pz = hn::LoadU(lanes, z + i);
-    auto unsettled = hn::FirstN(lanes, count - i);
+  for (std::size_t begin = 0; begin < count; begin += vectors_at_once * width) {
+    const auto load_directions = [&](std::size_t vector) {
+      const std::size_t i = begin + vector * width;
+      return DirectionVector{hn::LoadU(lanes, x + i), hn::LoadU(lanes, y + i),
+                             hn::LoadU(lanes, z + i),
+                             hn::FirstN(lanes, count - std::min(count, i))};
+    };
+    DirectionVector first = load_directions(0), second = load_directions(1),
+                    third = load_directions(2), fourth = load_directions(3);
     for (BurialCap& cap : caps) {
-      const auto cosine =
-          hn::Add(hn::Add(hn::Mul(px, hn::Set(lanes, cap.x)), hn::Mul(py, hn::Set(lanes, cap.y))),
-                  hn::Mul(pz, hn::Set(lanes, cap.z)));
-      const auto settled = hn::And(unsettled, hn::Ge(cosine, hn::Set(lanes, cap.settled)));
+      const auto settled = hn::Or(hn::Or(settle(cap, first), settle(cap, second)),
+                                  hn::Or(settle(cap, third), settle(cap, fourth)));
       if (hn::AllFalse(lanes, settled)) continue;
       cap.is_used = true;
-      unsettled = hn::AndNot(settled, unsettled);
-      if (hn::AllFalse(lanes, unsettled)) break;
+      if (hn::AllFalse(lanes, hn::Or(hn::Or(first.unsettled, second.unsettled),
+                                     hn::Or(third.unsettled, fourth.unsettled))))
+        break;
     }
-    if (hn::AllFalse(lanes, unsettled)) continue;
-    const std::size_t n = hn::CompressStore(px, unsettled, lanes, x + kept);
-    hn::CompressStore(py, unsettled, lanes, y + kept);
-    hn::CompressStore(pz, unsettled, lanes, z + kept);
-    kept += n;
+    for (const DirectionVector* directions : {&first, &second, &third, &fourth}) {
+      if (hn::AllFalse(lanes, directions->unsettled)) continue;
+      const std::size_t n =
+          hn::CompressStore(directions->x, directions->unsettled, lanes, x + kept);
+      hn::CompressStore(directions->y, directions->unsettled, lanes, y + kept);
+      hn::CompressStore(directions->z, directions->unsettled, lanes, z + kept);
+      kept += n;
+    }
   }
   return kept;
 }
@@ -204,7 +233,7 @@ bool is_buried(const CapList& caps, double radius, const BurialPatches& patches,
   const auto keep = ESES_BEST_VERSION(keep_unsettled);
   std::size_t count = patches.x.size();
   const auto load = [&](const std::vector<float>& from, std::vector<float>& to) {
-    to.resize(from.size() + vector_padding);
+    to.resize(from.size() + vectors_at_once * vector_padding);
     std::copy(from.begin(), from.end(), to.begin());
   };
   load(patches.x, scratch.x);

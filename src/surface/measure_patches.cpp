@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <atomic>
 #include <cmath>
 #include <limits>
 #include <numbers>
@@ -13,6 +14,7 @@
 
 #include "geometry/sphere_part.hpp"
 #include "surface/atom_loops.hpp"
+#include "surface/gradient_terms.hpp"
 #include "surface/normal_cone.hpp"
 #include "surface/patch_schedule.hpp"
 #include "surface/point_tree.hpp"
@@ -86,8 +88,10 @@ struct ClusterTerms {
   PatchSums sums;
   std::vector<FaceTerm> faces;
   std::vector<AtomShare> shares;
+  GradientTerms gradients;
 
   void clear() {
+    gradients.clear();
     sums = {};
     faces.clear();
     shares.clear();
@@ -97,6 +101,7 @@ struct ClusterTerms {
 // The exposed part of an atom's SAS sphere.
 struct Face {
   SpherePart boundary;  // sum of the boundary terms
+  double solid_angle = 0;
   bool is_whole = false;
   bool has_arcs = false;
 };
@@ -125,8 +130,27 @@ struct MeasureScratch {
   std::vector<Vec3> toward;
   std::vector<AtomIndex> touched;
   std::vector<std::uint32_t> node;  // placements in the same place
-  bool has_cutters = false;         // whether other placements cut the cone
+  std::vector<std::uint32_t> near;  // placements within `near_distance` of `near_center`
+  Vec3 near_center;
+  double near_distance = -1;                   // angstrom
+  std::vector<const ProbePlacement*> cutters;  // placements that cut the cone
 };
+
+// Returns the middle of the box around the centres.
+Vec3 middle_of(std::span<const Atom> atoms) {
+  Box box{atoms.front().center, atoms.front().center};
+  for (const Atom& atom : atoms) box.include(atom.center);
+  return 0.5 * box.low + 0.5 * box.high;
+}
+
+// Returns the unit vector from the centre of an arc's circle to the middle of the arc.
+Vec3 middle_of(const Arc& arc, Vec3 axis) {
+  if (arc.kind == ArcKind::full) return any_perpendicular(axis);
+  const Vec3 sum = arc.start + arc.end;
+  // If the ends are almost opposite, their sum has no direction.
+  if (squared_norm(sum) < 0.01) return cross(axis, arc.start);
+  return arc.kind == ArcKind::minor ? normalized(sum) : -normalized(sum);
+}
 
 class PatchMeasurement {
  public:
@@ -135,10 +159,15 @@ class PatchMeasurement {
       : settings_(settings),
         same_place_(accessibility.same_place),
         surface_(make_surface(molecule, settings, accessibility)),
-        schedule_(surface_, {-infinity, infinity}),
+        schedule_(surface_, {-infinity, infinity}, false),
         origin_(middle_of(surface_.atoms)),
         faces_(surface_.atoms.size()),
         scratch_(static_cast<std::size_t>(settings.threads)) {
+    if (settings.gradients)
+      for (Gradient* gradient : gradients()) {
+        gradient->centers.resize(surface_.atoms.size());
+        gradient->radii.resize(surface_.atoms.size());
+      }
     if (!settings.by_atom) return;
     for (auto* areas : {&result_.by_atom.sas, &result_.by_atom.convex, &result_.by_atom.saddle,
                         &result_.by_atom.concave})
@@ -167,17 +196,18 @@ class PatchMeasurement {
     surface.has_slack = accessibility.has_slack;
     return surface;
   }
-  static Vec3 middle_of(std::span<const Atom> atoms) {
-    Box box{atoms.front().center, atoms.front().center};
-    for (const Atom& atom : atoms) box.include(atom.center);
-    return 0.5 * box.low + 0.5 * box.high;
-  }
-
   double probe() const { return surface_.probe_radius; }
+  // In the order of Quantity, followed by the volume of the SAS.
+  std::array<Gradient*, 4> gradients() {
+    Gradients& all = result_.gradients;
+    return {&all.sas_area, &all.ses_area, &all.ses_volume, &all.sas_volume};
+  }
 
   bool measure_layer(ClusterIndex begin, ClusterIndex end);
   void build_patches(double up_to);
   void index_placements();
+  bool is_regular_cluster(ClusterIndex cluster) const;
+  bool touches_others(const Arc& arc, std::span<const AtomIndex> neighbours) const;
   void measure_cluster(ClusterIndex cluster, MeasureScratch& scratch, ClusterTerms& terms) const;
   void add_terms(ClusterIndex cluster, const ClusterTerms& terms);
   void add_arc(const Arc& arc, ClusterTerms& terms) const;
@@ -187,8 +217,11 @@ class PatchMeasurement {
   SpherePart find_cone(std::uint32_t number, MeasureScratch& scratch) const;
   void add_cutters(std::uint32_t number, Vec3 center, double distance,
                    MeasureScratch& scratch) const;
+  void find_near(Vec3 center, double distance, MeasureScratch& scratch) const;
   void share_among_atoms(const SpherePart& part, MeasureScratch& scratch,
                          ClusterTerms& terms) const;
+  void add_face_gradient(AtomIndex i, double angle);
+  void finish_gradients();
   void measure_faces();
   double face_angle(AtomIndex i, std::vector<AtomIndex>& found) const;
 
@@ -219,18 +252,20 @@ bool PatchMeasurement::measure_layer(ClusterIndex begin, ClusterIndex end) {
     high = std::max(high, clusters.heights(cluster).high);
   // A concave patch is cut by placements up to twice the probe radius away.
   build_patches(high + probe() + look_up_slack);
-  if (surface_.has_slack)
-    for (ClusterIndex cluster = begin; cluster < end; ++cluster)
-      if (!schedule_.patches().of_cluster(cluster).is_regular) return false;
   index_placements();
+  std::atomic<bool> is_regular = true;
   terms_.resize(std::max<std::size_t>(terms_.size(), end - begin));
   parallel_for(end - begin, std::min<int>(settings_.threads, static_cast<int>(end - begin)),
                [&](std::int64_t k, int thread) {
                  const auto index = static_cast<std::size_t>(k);
+                 const ClusterIndex cluster = begin + static_cast<ClusterIndex>(k);
+                 if (surface_.has_slack && !is_regular_cluster(cluster)) is_regular = false;
+                 if (!is_regular) return;
                  terms_[index].clear();
-                 measure_cluster(begin + static_cast<ClusterIndex>(k),
-                                 scratch_[static_cast<std::size_t>(thread)], terms_[index]);
+                 measure_cluster(cluster, scratch_[static_cast<std::size_t>(thread)],
+                                 terms_[index]);
                });
+  if (!is_regular) return false;
   // The order of the sums does not depend on the threads.
   for (ClusterIndex cluster = begin; cluster < end; ++cluster)
     add_terms(cluster, terms_[cluster - begin]);
@@ -296,9 +331,40 @@ void PatchMeasurement::find_node(std::uint32_t number, std::vector<std::uint32_t
     });
 }
 
+// Returns whether no decision about the cluster's patches depends on the slack. If the circles of
+// several pairs of atoms coincide, arcs of all pairs are found in the same place. Then the middle
+// of each of them touches further atoms.
+bool PatchMeasurement::is_regular_cluster(ClusterIndex cluster) const {
+  const ClusterPatches& patches = schedule_.patches().of_cluster(cluster);
+  if (!patches.is_regular) return false;
+  for (std::size_t m = 0; m + 1 < patches.arc_begin.size(); ++m) {
+    const auto neighbours =
+        std::span(patches.face_neighbours)
+            .subspan(patches.face_begin[m], patches.face_begin[m + 1] - patches.face_begin[m]);
+    for (std::uint32_t a = patches.arc_begin[m]; a < patches.arc_begin[m + 1]; ++a)
+      if (touches_others(patches.arcs[a], neighbours)) return false;
+  }
+  return true;
+}
+
+// Returns whether the probe at the middle of an arc touches a third atom, which is one of
+// `neighbours`.
+bool PatchMeasurement::touches_others(const Arc& arc, std::span<const AtomIndex> neighbours) const {
+  const SasSphere first = surface_.sas_sphere(arc.first);
+  const ContactCircle circle = make_contact_circle(first, surface_.sas_sphere(arc.second));
+  const Vec3 middle = middle_of(arc, circle.axis);
+  const Vec3 center = circle.center + circle.radius * middle;
+  return std::any_of(neighbours.begin(), neighbours.end(), [&](AtomIndex k) {
+    if (k == arc.second) return false;
+    const double reach = surface_.atoms[k].radius + probe() + 2 * tolerance::accessible;
+    return squared_norm(center - surface_.atoms[k].center) < reach * reach;
+  });
+}
+
 void PatchMeasurement::measure_cluster(ClusterIndex cluster, MeasureScratch& scratch,
                                        ClusterTerms& terms) const {
   const ClusterPatches& patches = schedule_.patches().of_cluster(cluster);
+  scratch.near_distance = -1;
   for (const Arc& arc : patches.arcs) add_arc(arc, terms);
   const std::uint32_t first = first_placement_[cluster];
   for (std::uint32_t k = 0; k < patches.placements.size(); ++k)
@@ -316,6 +382,14 @@ void PatchMeasurement::add_terms(ClusterIndex cluster, const ClusterTerms& terms
     face.boundary += term.part;
     face.has_arcs = true;
   }
+  for (const GradientTerm& term : terms.gradients.atoms) {
+    Gradient& gradient = *gradients()[term.quantity];
+    gradient.centers[term.atom] = gradient.centers[term.atom] + term.center;
+    gradient.radii[term.atom] += term.sas_radius;
+  }
+  if (settings_.gradients)
+    for (std::size_t q = 0; q < quantity_count; ++q)
+      gradients()[q]->probe += terms.gradients.probe[q];
   for (const AtomShare& share : terms.shares) {
     result_.by_atom.saddle[share.atom] += share.saddle;
     result_.by_atom.concave[share.atom] += share.concave;
@@ -339,9 +413,11 @@ void PatchMeasurement::add_arc(const Arc& arc, ClusterTerms& terms) const {
   terms.faces.push_back({arc.second, boundary_term({-circle.axis, second_cosine},
                                                    {0, swept.angle, arc.end, arc.start})});
   terms.sums.curvature -= swept.angle * (first_cosine + second_cosine);
-  if (probe() <= 0) return;
-  const SaddleOutline outline = make_outline(circle, probe());
+  const SaddleOutline outline = make_outline(circle, std::max(0.0, probe()));
   const SurfaceIntegrals whole = saddle_integrals(outline, outline.contact, circle.axis, swept);
+  if (settings_.gradients)
+    add_arc_gradient(surface_, {arc, circle, swept}, outline, whole, terms.gradients);
+  if (probe() <= 0) return;
   terms.sums.saddle += whole.area;
   terms.sums.flux += whole.flux + dot(circle.center - origin_, whole.vector_area);
   if (!settings_.by_atom) return;
@@ -376,10 +452,15 @@ void PatchMeasurement::add_placement(std::uint32_t number, MeasureScratch& scrat
   } else {
     add_cutters(number, center, 2 * probe(), scratch);
   }
-  if (scratch.has_cutters) part = scratch.finder.find(scratch.caps);
+  if (!scratch.cutters.empty()) part = scratch.finder.find(scratch.caps);
   terms.sums.concave += probe() * probe() * part.solid_angle;
   terms.sums.flux -=
       probe() * probe() * (dot(center - origin_, part.vector_area) + probe() * part.solid_angle);
+  if (settings_.gradients && scratch.touched.size() == 3)
+    add_placement_gradient(
+        surface_,
+        {*placements_[number], part, scratch.caps, scratch.finder.arcs(), scratch.cutters},
+        terms.gradients);
   if (settings_.by_atom) share_among_atoms(part, scratch, terms);
 }
 
@@ -433,23 +514,40 @@ void PatchMeasurement::add_cutters(std::uint32_t number, Vec3 center, double dis
                                    MeasureScratch& scratch) const {
   const std::size_t bounds = scratch.caps.size();
   const Vec3 from = centers_[number];
-  scratch.has_cutters = false;
-  tree_.for_each_within(center, distance, [&](std::uint32_t other) {
+  const double limit = 4 * probe() * probe();
+  const double min_squared = surface_.has_slack ? 0 : min_cutting_distance * min_cutting_distance;
+  scratch.cutters.clear();
+  const auto add_cutter = [&](std::uint32_t other) {
     if (other == number || node_[other] != other) return;
     const Vec3 toward = centers_[other] - from;
-    const double length = norm(toward);
-    const double cosine = length / (2 * probe());
-    if (cosine >= 1 || (!surface_.has_slack && length < min_cutting_distance)) return;
-    const Vec3 axis = (1 / length) * toward;
-    // The cone is on one side of each bounding plane. If the axis is on the other side, the
-    // direction of the cone that is nearest to it is at least as far away as the plane.
+    const double squared = squared_norm(toward);
+    if (squared >= limit || squared <= min_squared) return;
+    // The cone is on one side of each bounding plane. If the other placement is on the other side,
+    // the direction of the cone that is nearest to it is at least as far away as the plane.
     for (std::size_t k = 0; k < bounds; ++k) {
-      const double height = dot(axis, scratch.caps[k].axis);
-      if (height > 0 && cosine > 0 && 1 - height * height <= cosine * cosine) return;
+      const double height = dot(toward, scratch.caps[k].axis);
+      if (height > 0 && (squared - height * height) * limit <= squared * squared) return;
     }
-    scratch.has_cutters = true;
+    const double length = std::sqrt(squared), cosine = length / (2 * probe());
+    const Vec3 axis = (1 / length) * toward;
+    scratch.cutters.push_back(placements_[other]);
     scratch.caps.push_back({axis, cosine});
-  });
+  };
+  find_near(center, distance, scratch);
+  for (const std::uint32_t other : scratch.near)
+    if (squared_norm(centers_[other] - center) < distance * distance) add_cutter(other);
+}
+
+// Makes sure that `scratch.near` has all placements within a distance. Consecutive searches are
+// mostly near each other, so one search with a greater distance serves several of them.
+void PatchMeasurement::find_near(Vec3 center, double distance, MeasureScratch& scratch) const {
+  constexpr double margin = 4;  // angstrom
+  if (norm(center - scratch.near_center) + distance <= scratch.near_distance) return;
+  scratch.near.clear();
+  scratch.near_center = center;
+  scratch.near_distance = distance + margin;
+  tree_.for_each_within(center, scratch.near_distance,
+                        [&](std::uint32_t other) { scratch.near.push_back(other); });
 }
 
 // Divides a concave patch among its atoms. A direction n belongs to the touched atom with the
@@ -493,6 +591,31 @@ double PatchMeasurement::face_angle(AtomIndex i, std::vector<AtomIndex>& found) 
   });
 }
 
+// Adds the derivatives of areas by the radii of faces, and of volumes by the motion of faces.
+void PatchMeasurement::add_face_gradient(AtomIndex i, double angle) {
+  const double r = surface_.atoms[i].radius, R = r + probe();
+  const Vec3 vector = faces_[i].boundary.vector_area;
+  Gradients& all = result_.gradients;
+  all.sas_area.radii[i] += 2 * R * angle;
+  all.sas_volume.radii[i] = R * R * angle;
+  all.sas_volume.centers[i] = (R * R) * vector;
+  all.ses_volume.centers[i] = all.ses_volume.centers[i] + (r * r) * vector;
+}
+
+// Adds the derivatives by the probe radius at constant radii of the atoms: all SAS radii grow. The
+// radii of the convex patches do not.
+void PatchMeasurement::finish_gradients() {
+  for (Gradient* gradient : gradients())
+    gradient->probe += std::accumulate(gradient->radii.begin(), gradient->radii.end(), 0.0);
+  Gradients& all = result_.gradients;
+  for (AtomIndex i = 0; i < surface_.atoms.size(); ++i) {
+    const double r = surface_.atoms[i].radius, angle = faces_[i].solid_angle;
+    all.ses_area.radii[i] += 2 * r * angle;
+    all.ses_volume.radii[i] += r * r * angle;
+  }
+  all.are_smooth = surface_.has_slack;
+}
+
 void PatchMeasurement::measure_faces() {
   const std::span<const Atom> atoms = surface_.atoms;
   std::vector<FaceSums> sums(loop_range_count(atoms.size()));
@@ -500,12 +623,13 @@ void PatchMeasurement::measure_faces() {
       atoms.size(), settings_.threads, [&](std::size_t range, AtomIndex begin, AtomIndex end) {
         std::vector<AtomIndex> found;
         for (AtomIndex i = begin; i < end; ++i) {
-          const double angle = face_angle(i, found);
+          const double angle = faces_[i].solid_angle = face_angle(i, found);
           if (angle == 0) continue;
           const double r = atoms[i].radius, R = r + probe();
           const double along = dot(atoms[i].center - origin_, faces_[i].boundary.vector_area);
           sums[range] += {angle, R * R * angle, R * R * (R * angle + along), r * r * angle,
                           r * r * (r * angle + along)};
+          if (settings_.gradients) add_face_gradient(i, angle);
           if (!settings_.by_atom) continue;
           result_.by_atom.sas[i] = R * R * angle;
           result_.by_atom.convex[i] = r * r * angle;
@@ -519,6 +643,7 @@ void PatchMeasurement::measure_faces() {
   result_.ses_area = result_.ses_areas.total();
   result_.ses_volume = std::max(0.0, (total.convex_flux + sums_.flux) / 3);
   result_.total_curvature = (total.solid_angle + sums_.curvature) / (2 * pi);
+  if (settings_.gradients) finish_gradients();
   result_.euler_number = 2 * std::llround(result_.total_curvature / 2);
 }
 
@@ -526,9 +651,11 @@ double curvature_error(const Measures& measures) {
   return std::fabs(measures.total_curvature - static_cast<double>(measures.euler_number));
 }
 
-}  // namespace
+// Coordinates larger than this are rounded too much for placements that are close together
+// (angstrom).
+constexpr double far_away = 1024;
 
-Measures measure_patches(const Molecule& molecule, const MeasureSettings& settings) {
+Measures measure_here(const Molecule& molecule, const MeasureSettings& settings) {
   if (auto regular = PatchMeasurement(molecule, settings, {}).run()) return std::move(*regular);
   Measures best;
   double min_error = std::numeric_limits<double>::infinity();
@@ -541,6 +668,19 @@ Measures measure_patches(const Molecule& molecule, const MeasureSettings& settin
     if (error < max_curvature_error) break;
   }
   return best;
+}
+
+}  // namespace
+
+// The difference of a large coordinate and a whole number near it has no rounding error.
+Measures measure_patches(const Molecule& molecule, const MeasureSettings& settings) {
+  const std::span<const Atom> atoms = molecule.atoms();
+  Vec3 middle = middle_of(atoms);
+  if (norm(middle) < far_away) return measure_here(molecule, settings);
+  for (std::size_t axis = 0; axis < 3; ++axis) middle[axis] = std::round(middle[axis]);
+  std::vector<Atom> moved(atoms.begin(), atoms.end());
+  for (Atom& atom : moved) atom.center = atom.center - middle;
+  return measure_here(Molecule(std::move(moved), {}, settings.threads), settings);
 }
 
 }  // namespace eses::detail

@@ -10,6 +10,7 @@ namespace eses::detail {
 struct MeasureSettings {
   double probe_radius = 0;
   bool by_atom = false;
+  bool gradients = false;
   int threads = 1;
   CheckCallback check = {};
 };

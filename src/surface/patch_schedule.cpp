@@ -10,8 +10,9 @@ constexpr double infinity = std::numeric_limits<double>::infinity();
 
 }  // namespace
 
-PatchSchedule::PatchSchedule(const SurfaceModel& surface, const HeightRange& heights_to_solve)
-    : patches_(surface),
+PatchSchedule::PatchSchedule(const SurfaceModel& surface, const HeightRange& heights_to_solve,
+                             bool has_bounds)
+    : patches_(surface, has_bounds),
       reach_(surface.probe_radius + look_up_slack),
       heights_to_solve_(heights_to_solve),
       stages_(patches_.clusters().count(), Stage::none),

@@ -22,7 +22,9 @@ struct BuildStep {
 class PatchSchedule {
  public:
   /// Makes the schedule of a sweep between two heights (angstrom). Keeps a reference to `surface`.
-  PatchSchedule(const SurfaceModel& surface, const HeightRange& heights_to_solve);
+  /// See Patches for `has_bounds`.
+  PatchSchedule(const SurfaceModel& surface, const HeightRange& heights_to_solve,
+                bool has_bounds = true);
 
   Patches& patches() { return patches_; }
   const Patches& patches() const { return patches_; }

@@ -88,23 +88,31 @@ bool is_regular(const Patches& patches, const ProbePlacement& placement) {
 }
 
 // Returns the placement of a key, or nothing if it is uncertain and not accessible.
-std::optional<ProbePlacement> place_probe(const Patches& patches, const PlacementKey& key) {
+std::optional<ProbePlacement> place_probe(const Patches& patches, const PlacementKey& key,
+                                          bool has_bounds) {
   ProbePlacement placement{{}, key.atoms, key.side, false};
   if (key.is_certain) {
     placement.center = center_of(patches.surface(), placement, {0, 1, 2});
-    placement.is_regular = is_regular(patches, placement);
+    placement.is_regular = has_bounds && is_regular(patches, placement);
   } else if (place_uncertain_probe(patches, placement) > tolerance::covered) {
     return std::nullopt;
   }
   return placement;
 }
 
-// Returns whether three certain arcs end at each placement. The keys are sorted.
+// Returns whether all ends are ends of arcs. An uncertain end need not be.
+bool end_arcs_only(const BuiltPatches& built) {
+  const auto with_ends = std::count_if(built.arcs.begin(), built.arcs.end(),
+                                       [](const Arc& arc) { return arc.kind != ArcKind::full; });
+  return built.placements.size() == 2 * static_cast<std::size_t>(with_ends);
+}
+
+// Returns whether three arcs end at each placement. The keys are sorted.
 bool end_in_threes(std::span<const PlacementKey> keys) {
   if (keys.size() % 3 != 0) return false;
   for (std::size_t k = 0; k < keys.size(); k += 3) {
     const PlacementKey& key = keys[k];
-    if (!key.is_certain || !key.is_same_place(keys[k + 2])) return false;
+    if (!key.is_same_place(keys[k + 2])) return false;
     if (k > 0 && key.is_same_place(keys[k - 1])) return false;
   }
   return true;
@@ -127,8 +135,9 @@ void FaceDirections::include(const Box& directions) {
   }
 }
 
-Patches::Patches(const SurfaceModel& surface)
+Patches::Patches(const SurfaceModel& surface, bool has_bounds)
     : surface_(surface),
+      has_bounds_(has_bounds),
       clusters_(surface),
       burial_(make_covering_directions(burial_frequency)),
       clusters_patches_(clusters_.count()) {}
@@ -152,6 +161,7 @@ void Patches::find_arcs(ClusterIndex cluster, Scratch& scratch) {
   patches.face_neighbours = built.face_neighbours;
   patches.arc_begin = begins_of(built.arc_count);
   patches.arcs = built.arcs;
+  patches.is_regular = end_arcs_only(built);
   for (const Arc& arc : patches.arcs) record_arc(arc);
   record_placements(built.placements);
 }
@@ -159,6 +169,9 @@ void Patches::find_arcs(ClusterIndex cluster, Scratch& scratch) {
 // Extends the bounds of the two faces at an arc. The extreme points of a face lie on the arcs that
 // bound it, or at the poles of its sphere.
 void Patches::record_arc(const Arc& arc) {
+  mark_exposed(arc.first);
+  mark_exposed(arc.second);
+  if (!has_bounds_) return;
   const SasSphere first = surface_.sas_sphere(arc.first), second = surface_.sas_sphere(arc.second);
   const ContactCircle circle = make_contact_circle(first, second);
   const Box radial =
@@ -173,9 +186,14 @@ void Patches::record_arc(const Arc& arc) {
 void Patches::extend_face(AtomIndex atom, const Box& directions) {
   const auto [cluster, member] = clusters_.place_of(atom);
   if (!is_open(cluster)) return;
-  ClusterPatches& patches = *clusters_patches_[cluster];
-  patches.face_directions[member].include(directions);
-  std::atomic_ref(patches.found.has_arc[member]).store(1, std::memory_order_relaxed);
+  clusters_patches_[cluster]->face_directions[member].include(directions);
+}
+
+void Patches::mark_exposed(AtomIndex atom) {
+  const auto [cluster, member] = clusters_.place_of(atom);
+  if (!is_open(cluster)) return;
+  std::atomic_ref(clusters_patches_[cluster]->found.has_arc[member])
+      .store(1, std::memory_order_relaxed);
 }
 
 void Patches::record_placements(std::span<const PlacementKey> keys) {
@@ -201,11 +219,11 @@ void Patches::complete(ClusterIndex cluster) {
     AtomExposure& exposure = patches.exposure[m];
     if (patches.found.has_arc[m] != 0) exposure = AtomExposure::exposed;
     if (exposure == AtomExposure::unknown) exposure = AtomExposure::buried;
-    if (exposure == AtomExposure::exposed) extend_face_to_poles(members[m]);
+    if (has_bounds_ && exposure == AtomExposure::exposed) extend_face_to_poles(members[m]);
   }
   place_probes(patches);
   patches.found.has_arc = {};
-  patches.crowded = list_crowded_patches(surface_, patches);
+  if (has_bounds_) patches.crowded = list_crowded_patches(surface_, patches);
 }
 
 void Patches::extend_face_to_poles(AtomIndex atom) {
@@ -237,18 +255,20 @@ void Patches::place_probes(ClusterPatches& patches) {
     const std::uint32_t member_a = member_of(a), member_b = member_of(b);
     return member_a < member_b || (member_a == member_b && a < b);
   });
-  patches.is_regular = end_in_threes(keys);
+  patches.is_regular = patches.is_regular && end_in_threes(keys);
   const auto end = std::unique(
       keys.begin(), keys.end(),
       [](const PlacementKey& key, const PlacementKey& next) { return key.is_same_place(next); });
   std::vector<std::uint32_t> counts(patches.exposure.size());
   patches.placements.reserve(static_cast<std::size_t>(end - keys.begin()));
   for (auto key = keys.begin(); key != end; ++key)
-    if (const auto placement = place_probe(*this, *key)) {
+    if (const auto placement = place_probe(*this, *key, has_bounds_)) {
       patches.placements.push_back(*placement);
       ++counts[member_of(*key)];
     }
   patches.placement_begin = begins_of(counts);
+  patches.is_regular = patches.is_regular &&
+                       patches.placements.size() == static_cast<std::size_t>(end - keys.begin());
   keys = std::vector<PlacementKey>();  // unlike {}, this frees the memory
 }
 

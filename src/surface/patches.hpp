@@ -54,7 +54,7 @@ struct ClusterPatches {
   std::vector<std::uint32_t> placement_begin;  ///< indices into placements
   /// Placements. If a probe touches more than three atoms, each triple of them has a placement.
   std::vector<ProbePlacement> placements;
-  /// Whether three arcs end at each placement, and no decision depends on a tolerance.
+  /// Whether three arcs end at each placement, and nowhere else.
   bool is_regular = true;
   CrowdedPatches crowded;  ///< index of the patches of crowded atoms
 
@@ -94,8 +94,10 @@ struct AtomPatches {
 /// a point x depends on the patches of atoms with |x - center| < radius + 2 probe_radius.
 class Patches {
  public:
-  /// Keeps a reference to `surface`.
-  explicit Patches(const SurfaceModel& surface);
+  /// Keeps a reference to `surface`. Searches for patches near a block need the bounds of faces,
+  /// the index of crowded atoms, and ProbePlacement::is_regular. Without `has_bounds`, they are
+  /// left out.
+  explicit Patches(const SurfaceModel& surface, bool has_bounds = true);
 
   const SurfaceModel& surface() const { return surface_; }
   const AtomClusters& clusters() const { return clusters_; }
@@ -131,12 +133,14 @@ class Patches {
 
  private:
   void record_arc(const Arc& arc);
+  void mark_exposed(AtomIndex atom);
   void extend_face(AtomIndex atom, const Box& directions);
   void record_placements(std::span<const PlacementKey> keys);
   void extend_face_to_poles(AtomIndex atom);
   void place_probes(ClusterPatches& patches);
 
   const SurfaceModel& surface_;
+  bool has_bounds_;
   AtomClusters clusters_;
   BurialPatches burial_;
   std::vector<std::unique_ptr<ClusterPatches>> clusters_patches_;
