@@ -56,14 +56,6 @@ std::string_view trimmed(std::string_view text) {
   return without_trailing_blanks(without_leading_blanks(text));
 }
 
-std::string_view take_line(std::string_view& rest) {
-  const std::size_t end = std::min(rest.find('\n'), rest.size());
-  std::string_view line = rest.substr(0, end);
-  rest.remove_prefix(std::min(end + 1, rest.size()));
-  while (line.ends_with('\r')) line.remove_suffix(1);
-  return line;
-}
-
 std::string_view column_text(std::string_view line, std::size_t first, std::size_t width) {
   return first >= line.size() ? std::string_view() : trimmed(line.substr(first, width));
 }

@@ -1,6 +1,7 @@
 #pragma once
 /// Fields of a line of text, separated by blanks and tabs, and their numbers.
 
+#include <algorithm>
 #include <cstddef>
 #include <cstdint>
 #include <string>
@@ -29,7 +30,13 @@ std::string_view trimmed(std::string_view text);
 
 /// Removes the first line from `rest` and returns it without its end: LF, or LF after carriage
 /// returns. The last line may lack the LF.
-std::string_view take_line(std::string_view& rest);
+inline std::string_view take_line(std::string_view& rest) {
+  const std::size_t end = std::min(rest.find('\n'), rest.size());
+  std::string_view line = rest.substr(0, end);
+  rest.remove_prefix(std::min(end + 1, rest.size()));
+  while (line.ends_with('\r')) line.remove_suffix(1);
+  return line;
+}
 
 /// Returns the text of `width` columns from `first` on, from 0, without blanks around it. The line
 /// may end before them.
