@@ -20,8 +20,9 @@
 
 #include "cli/arguments.hpp"
 #include "eses/error.hpp"
-#include "input/atom_reader.hpp"
 #include "input/grid_reader.hpp"
+#include "input/other_formats.hpp"
+#include "input/radii_set.hpp"
 #include "output/map_writer.hpp"
 #include "output/mesh_format.hpp"
 #include "system/dispatch.hpp"
@@ -381,12 +382,12 @@ void add_structure_options(CLI::App& app, CommandLine& line) {
             "atomic radii: protor (Tsai et al. 1999), bondi, msms, or\n"
             "a file in FreeSASA's configuration format [protor]",
             structure.radii, text_of("protor, bondi, msms, or a file"));
-  constexpr double max_radius = 1000;
-  add_value(app, "--unknown-radius", "R",
-            "radius of atoms that are not in the set of radii, in\n"
-            "angstrom [such atoms are an error]",
-            structure.unknown_radius,
-            number_between(0, max_radius, "a number from 0 to 1000, in angstrom"));
+  add_value(
+      app, "--unknown-radius", "R",
+      "radius of atoms that are not in the set of radii, in\n"
+      "angstrom [such atoms are an error]",
+      structure.unknown_radius,
+      number_between(0, eses::detail::max_set_radius, "a number from 0 to 1000, in angstrom"));
   add_value(app, model_option, "N", "number of the model, also for PQR files [first]",
             structure.model, whole_number_between(1, std::numeric_limits<int>::max()));
   add_value(app, "--altloc", "X", "alternate location [highest occupancy, by residue]",

@@ -90,7 +90,7 @@ void refuse_to_lose_input(const Options& options) {
 void check_request(const Options& options) {
   require_standard_output();
   refuse_to_lose_input(options);
-  require_places(options.outputs, options.output_directory);
+  require_writable_files(options.outputs, options.output_directory);
 }
 
 Report report_of(const Options& options, const RunPlan& plan, const Processes& processes) {

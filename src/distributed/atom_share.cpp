@@ -180,15 +180,14 @@ std::uint64_t shared_bytes(const std::filesystem::path& path, const ReadOptions&
 }
 
 // Performs the checks that need all parts of the file.
-void require_atoms(const std::filesystem::path& path, AtomFormat format, const AtomShare& share,
-                   const PartRead& read, const Processes& processes) {
+void check_all_parts(const std::filesystem::path& path, AtomFormat format, const AtomShare& share,
+                     const PartRead& read, const Processes& processes) {
   const std::uint64_t lines = processes.sum(read.lines), models = processes.sum(read.models);
   const PdbLikeness likeness{processes.sum(read.likeness.layout),
                              processes.sum(read.likeness.values)};
+  const std::string name = path.string();
   processes.all_or_throw([&] {
-    if (share.total == 0) throw Error(no_atoms_message(path.string(), format, lines));
-    refuse_models(path.string(), models);
-    refuse_pdb_records(path.string(), share.total, likeness);
+    require_atoms({.format = format, .name = name}, share.total, {lines, likeness, models});
     if (share.total > std::numeric_limits<AtomIndex>::max())
       throw Error(formatted("{}: more than {} atoms", path.string(),
                             std::numeric_limits<AtomIndex>::max()));
@@ -215,7 +214,7 @@ AtomShare read_share(const std::filesystem::path& path, ReadOptions options, boo
   AtomShare share;
   share.first = processes.sum_before(read.atoms.atoms.size());
   share.total = processes.sum(read.atoms.atoms.size());
-  require_atoms(path, options.format, share, read, processes);
+  check_all_parts(path, options.format, share, read, processes);
   share.diagnostics = gather_diagnostics(
       read.atoms.diagnostics,
       [&](AtomIndex atom) {

@@ -6,7 +6,7 @@
 #include <cmath>
 
 #include "eses/surface.hpp"
-#include "input/messages.hpp"
+#include "input/text_fields.hpp"
 #include "system/formatted.hpp"
 
 namespace eses::detail {

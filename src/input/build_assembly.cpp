@@ -36,15 +36,11 @@ std::vector<std::string> biomolecules(std::string_view text) {
   constexpr std::size_t key_column = 11;
   std::vector<std::string> lists;
   while (!text.empty()) {
-    const std::size_t end = std::min(text.find('\n'), text.size());
-    std::string_view line = text.substr(0, end);
-    text.remove_prefix(std::min(end + 1, text.size()));
+    const std::string_view line = take_line(text);
     if (!starts_with_ignoring_case(line, record) || line.size() < key_column ||
         !line.substr(key_column).starts_with(key))
       continue;
-    while (line.ends_with('\r')) line.remove_suffix(1);
-    lists.emplace_back(
-        without_trailing_blanks(without_leading_blanks(line.substr(key_column + key.size()))));
+    lists.emplace_back(trimmed(line.substr(key_column + key.size())));
   }
   return lists;
 }
@@ -53,7 +49,7 @@ std::vector<std::string> biomolecules(std::string_view text) {
 bool has_identifier(std::string_view list, std::string_view id) {
   while (true) {
     const std::size_t comma = std::min(list.find(','), list.size());
-    if (without_trailing_blanks(without_leading_blanks(list.substr(0, comma))) == id) return true;
+    if (trimmed(list.substr(0, comma)) == id) return true;
     if (comma == list.size()) return false;
     list.remove_prefix(comma + 1);
   }

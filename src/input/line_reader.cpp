@@ -3,7 +3,6 @@
 #include <cstring>
 #include <span>
 
-#include "eses/error.hpp"
 #include "input/text_fields.hpp"
 #include "system/formatted.hpp"
 
@@ -60,7 +59,7 @@ void LineReader::refill() {
 void LineReader::fail(std::string_view what) const { fail_at(line_, what); }
 
 void LineReader::fail_at(std::uint64_t line, std::string_view what) const {
-  throw Error(formatted("{}:{}: {}", name_, line, what));
+  fail_at_line(name_, line, what);
 }
 
 }  // namespace eses::detail

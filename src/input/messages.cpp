@@ -2,15 +2,9 @@
 
 #include <algorithm>
 
-#include "eses/error.hpp"
 #include "input/text_fields.hpp"
-#include "system/formatted.hpp"
 
 namespace eses::detail {
-
-void fail_at_line(std::string_view file, std::uint64_t line, std::string_view what) {
-  throw Error(formatted("{}:{}: {}", file, line, what));
-}
 
 std::string reworded(std::string_view text) {
   // The caller adds file and line.

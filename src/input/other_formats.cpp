@@ -81,26 +81,19 @@ constexpr std::array other_formats{
   throw Error(formatted("{}: {} files are not read; {}", name, format.name, format.advice));
 }
 
-/// Returns the first line that is neither blank nor a comment, which begins with `comment`.
-std::string_view first_line(std::string_view text, char comment) {
-  while (!text.empty()) {
-    const std::size_t end = std::min(text.find('\n'), text.size());
-    const std::string_view line = without_leading_blanks(text.substr(0, end));
-    if (!line.empty() && line != "\r" && line.front() != comment) return line;
-    text.remove_prefix(std::min(end + 1, text.size()));
-  }
+/// Returns the first line that is neither blank nor a comment.
+std::string_view first_line(std::string_view text) {
+  while (!text.empty())
+    if (const std::string_view line = without_leading_blanks(take_line(text));
+        !line.empty() && line.front() != '#')
+      return line;
   return {};
 }
 
 /// Returns whether the fourth line, the counts line, ends with the version.
 bool is_molfile(std::string_view text) {
-  for (int line = 0; line < 3; ++line) {
-    const std::size_t end = text.find('\n');
-    if (end == text.npos) return false;
-    text.remove_prefix(end + 1);
-  }
-  const std::string_view counts =
-      without_trailing_blanks(text.substr(0, std::min(text.find_first_of("\r\n"), text.size())));
+  for (int line = 0; line < 3; ++line) take_line(text);
+  const std::string_view counts = without_trailing_blanks(take_line(text));
   return counts.ends_with("V2000") || counts.ends_with("V3000");
 }
 
@@ -126,7 +119,7 @@ const OtherFormat* format_by_content(std::string_view text) {
   for (const Magic& magic : magics)
     if (text.size() >= magic.offset && text.substr(magic.offset).starts_with(magic.bytes))
       return magic.format;
-  const std::string_view line = first_line(text, '#');
+  const std::string_view line = first_line(text);
   if (line.starts_with("@<TRIPOS>")) return &mol2;
   if (line.starts_with("{")) return &mmjson;
   const std::string_view head = text.substr(0, message_pack_head);
@@ -138,20 +131,35 @@ const OtherFormat* format_by_content(std::string_view text) {
   return nullptr;
 }
 
-}  // namespace
-
-std::string input_suffix(const std::filesystem::path& path) {
-  std::string suffix = lower_case(path.extension().string());
-  return suffix == ".gz" ? input_suffix(path.stem()) : suffix;
+/// Throws Error if a text starts with the byte order mark of UTF-16 or UTF-32.
+void refuse_wide_characters(std::string_view text, std::string_view name) {
+  constexpr std::string_view little_32("\xff\xfe\0\0", 4), big_32("\0\0\xfe\xff", 4);
+  std::string_view encoding;
+  // The mark of UTF-32 begins with the mark of UTF-16.
+  if (text.starts_with(little_32) || text.starts_with(big_32))
+    encoding = "UTF-32";
+  else if (text.starts_with("\xff\xfe") || text.starts_with("\xfe\xff"))
+    encoding = "UTF-16";
+  if (!encoding.empty())
+    throw Error(formatted("{}:1: {} text; convert the file to UTF-8 first", name, encoding));
 }
 
+/// Returns AtomFormat::pdb or AtomFormat::mmcif if the start of a text has that format, otherwise
+/// AtomFormat::automatic.
 AtomFormat structure_format_of(std::string_view text) {
-  const std::string_view line = first_line(text, '#');
+  const std::string_view line = first_line(text);
   if (starts_with_ignoring_case(line, "data_")) return AtomFormat::mmcif;
   for (const std::string_view record :
        {"HEADER ", "OBSLTE ", "TITLE ", "COMPND ", "EXPDTA ", "CRYST1 ", "NUMMDL "})
     if (line.starts_with(record)) return AtomFormat::pdb;
   return AtomFormat::automatic;
+}
+
+}  // namespace
+
+std::string input_suffix(const std::filesystem::path& path) {
+  std::string suffix = lower_case(path.extension().string());
+  return suffix == ".gz" ? input_suffix(path.stem()) : suffix;
 }
 
 void refuse_other_suffix(const std::filesystem::path& path) {
@@ -164,8 +172,35 @@ void refuse_other_suffix(const std::filesystem::path& path) {
   }
 }
 
-void refuse_other_formats(std::string_view text, std::string_view name) {
-  if (const OtherFormat* const format = format_by_content(text)) refuse(name, *format);
+std::string_view checked_text(std::string_view text, std::string_view name, AtomFormat format) {
+  constexpr std::string_view byte_order_mark = "\xef\xbb\xbf";
+  refuse_wide_characters(text, name);
+  if (text.starts_with(byte_order_mark)) text.remove_prefix(byte_order_mark.size());
+  if (const OtherFormat* const other = format_by_content(text)) refuse(name, *other);
+  const AtomFormat found = structure_format_of(text);
+  const bool is_kept_header = found == AtomFormat::pdb && format == AtomFormat::pqr;
+  if (is_structure(found) && found != format && !is_kept_header)
+    throw Error(formatted("{}: this is {} file; read it with --format {}", name,
+                          found == AtomFormat::pdb ? "a PDB" : "an mmCIF",
+                          found == AtomFormat::pdb ? "pdb" : "mmcif"));
+  return text;
+}
+
+bool is_assembly_file(const std::filesystem::path& path) {
+  constexpr std::string_view start = ".pdb";
+  const std::string suffix = input_suffix(path);
+  return suffix.starts_with(start) && suffix.size() > start.size() &&
+         std::all_of(suffix.begin() + start.size(), suffix.end(), is_digit);
+}
+
+AtomFormat format_of(const std::filesystem::path& path, AtomFormat format) {
+  if (format != AtomFormat::automatic) return format;
+  const std::string suffix = input_suffix(path);
+  if (suffix == ".pqr") return AtomFormat::pqr;
+  if (suffix == ".pdb" || suffix == ".ent" || is_assembly_file(path)) return AtomFormat::pdb;
+  for (const std::string_view known : {".cif", ".mmcif", ".mcif", ".pdbx"})
+    if (suffix == known) return AtomFormat::mmcif;
+  return AtomFormat::xyzr;
 }
 
 }  // namespace eses::detail

@@ -1,5 +1,6 @@
 #pragma once
-/// Recognition of molecule formats that cannot be read, with advice on how to convert them.
+/// Recognition of the format of a file by its name and its text. For formats that cannot be read,
+/// messages advise how to convert the file.
 
 #include <filesystem>
 #include <string>
@@ -12,15 +13,19 @@ namespace eses::detail {
 /// Returns the suffix of a path in lower case. For `NAME.pqr.gz`, it is that of `NAME.pqr`.
 std::string input_suffix(const std::filesystem::path& path);
 
-/// Returns AtomFormat::pdb or AtomFormat::mmcif if the start of a text has that format, otherwise
-/// AtomFormat::automatic.
-AtomFormat structure_format_of(std::string_view text);
+/// Returns `format` or, if it is automatic, the format by the suffix of the path without .gz.
+AtomFormat format_of(const std::filesystem::path& path, AtomFormat format);
+
+/// Returns whether a path has the suffix of an assembly file of the PDB, such as .pdb1 or .pdb2.gz.
+bool is_assembly_file(const std::filesystem::path& path);
 
 /// Throws Error if a file has the suffix of an unsupported format. The message names the format and
 /// a command for its conversion.
 void refuse_other_suffix(const std::filesystem::path& path);
 
-/// Throws Error if the start of a text has an unsupported format. The message starts with `name`.
-void refuse_other_formats(std::string_view text, std::string_view name);
+/// Returns the text without the byte order mark of UTF-8. Throws Error, with `name`, if its start
+/// has another encoding or another format than `format`. PQR files may keep the header of the PDB
+/// file from which they were made.
+std::string_view checked_text(std::string_view text, std::string_view name, AtomFormat format);
 
 }  // namespace eses::detail

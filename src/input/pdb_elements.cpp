@@ -124,7 +124,7 @@ bool is_ion(std::string_view name, std::string_view residue) {
 
 std::string element_by_name(std::string_view name_columns, std::string_view residue,
                             bool is_left_aligned) {
-  std::string_view name = without_trailing_blanks(without_leading_blanks(name_columns));
+  std::string_view name = trimmed(name_columns);
   if (is_ion(name, residue)) return ion_element(name);
   while (!name.empty() && is_digit(name.front())) name.remove_prefix(1);
   if (name.empty()) return {};

@@ -27,6 +27,7 @@
 #include "input/atom_reader.hpp"
 #include "input/messages.hpp"
 #include "input/pdb_elements.hpp"
+#include "input/pqr_records.hpp"
 #include "input/split_residues.hpp"
 #include "input/text_fields.hpp"
 #include "system/formatted.hpp"
@@ -117,10 +118,7 @@ class PdbLines {
     if (rest_.empty()) return std::nullopt;
     checker_.count();
     ++number_;
-    const std::size_t end = std::min(rest_.find('\n'), rest_.size());
-    std::string_view line = rest_.substr(0, end);
-    rest_.remove_prefix(std::min(end + 1, rest_.size()));
-    while (line.ends_with('\r')) line.remove_suffix(1);
+    std::string_view line = take_line(rest_);
     // NUL characters are accepted as padding at the end of the text.
     if (rest_.size() <= padding_size_)
       while (line.ends_with('\0')) line.remove_suffix(1);

@@ -1,6 +1,5 @@
 #include "input/radii_set.hpp"
 
-#include <algorithm>
 #include <cstdint>
 #include <span>
 #include <system_error>
@@ -48,9 +47,6 @@ RadiiSet msms_set() {
 
 // ------------------------------------------------------------------ FreeSASA configuration files
 
-// Maximum radius, as for the option --unknown-radius.
-constexpr double max_radius = 1000;  // angstrom
-
 enum class Section { none, types, atoms };
 
 /// Radii by residue name and atom name. The residue name ANY stands for all residues.
@@ -85,7 +81,6 @@ class ConfigurationReader {
 
   void read_line(std::string_view line) {
     ++line_;
-    while (line.ends_with('\r')) line.remove_suffix(1);
     line = line.substr(0, line.find('#'));
     std::string_view rest = line;
     const std::string_view first = take_first(rest);
@@ -113,9 +108,7 @@ class ConfigurationReader {
   }
 
  private:
-  [[noreturn]] void fail(std::string_view what) const {
-    throw Error(formatted("{}:{}: {}", file_, line_, what));
-  }
+  [[noreturn]] void fail(std::string_view what) const { fail_at_line(file_, line_, what); }
 
   void read_name(std::string_view rest) {
     name_ = take_first(rest);
@@ -140,8 +133,8 @@ class ConfigurationReader {
 
   void add_type(std::string_view type, std::string_view number, std::string_view polarity) {
     double radius = 0;
-    if (parse_number(number, radius) != std::errc{} || !(radius >= 0 && radius <= max_radius))
-      fail(formatted("expected a radius from 0 to {:.0f} angstrom, found {}", max_radius,
+    if (parse_number(number, radius) != std::errc{} || !(radius >= 0 && radius <= max_set_radius))
+      fail(formatted("expected a radius from 0 to {:.0f} angstrom, found {}", max_set_radius,
                      quoted(number)));
     const std::string word = lower_case(std::string(polarity));
     if (word != "polar" && word != "apolar")
@@ -186,11 +179,7 @@ std::optional<RadiiSet> named_radii_set(std::string_view name) {
 
 RadiiSet parse_radii_set(std::string_view text, std::string_view file) {
   ConfigurationReader reader(file);
-  while (!text.empty()) {
-    const std::size_t end = std::min(text.find('\n'), text.size());
-    reader.read_line(text.substr(0, end));
-    text.remove_prefix(std::min(end + 1, text.size()));
-  }
+  while (!text.empty()) reader.read_line(take_line(text));
   return std::move(reader).finished();
 }
 

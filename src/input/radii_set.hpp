@@ -31,6 +31,9 @@ struct RadiiSet {
   std::function<std::optional<FoundRadius>(const AtomIdentity& atom)> find;
 };
 
+/// Maximum radius in a file, and of the option for atoms without a radius.
+inline constexpr double max_set_radius = 1000;  // angstrom
+
 /// Names of the built-in sets, for messages.
 inline constexpr std::string_view named_radii = "protor, bondi or msms";
 

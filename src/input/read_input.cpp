@@ -5,7 +5,6 @@
 
 #include <algorithm>
 #include <array>
-#include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <new>
@@ -25,13 +24,12 @@
 #include "input/parse_structure.hpp"
 #include "input/pdb_elements.hpp"
 #include "input/radii_set.hpp"
-#include "input/text_encoding.hpp"
+#include "input/reading_limit.hpp"
 #include "input/text_fields.hpp"
 #include "input/text_source.hpp"
 #include "system/bytes_text.hpp"
 #include "system/file_descriptor.hpp"
 #include "system/formatted.hpp"
-#include "system/hints.hpp"
 #include "system/resources.hpp"
 
 namespace eses::detail {
@@ -40,39 +38,19 @@ namespace {
 // Maximum size of a set of radii. Valid files have a few kilobytes.
 constexpr std::uint64_t max_radii_bytes = std::uint64_t{4} << 20;
 
-/// The memory limit while a file is read.
-class ReadingLimit {
- public:
-  ReadingLimit(std::string_view name, std::uint64_t max_memory)
-      : name_(name),
-        max_memory_(max_memory),
-        max_resident_(max_resident_while_reading(max_memory)) {}
-
-  /// Throws Error if this number of additional bytes exceeds the limit.
-  void require(std::uint64_t bytes) const {
-    if (max_memory_ == 0 || resident_memory() + bytes <= max_resident_) return;
-    throw LimitExceeded(
-        formatted("{}: reading the file exceeds the memory limit of {}; use a larger limit", name_,
-                  binary_bytes_text(max_memory_)));
-  }
-
- private:
-  std::string_view name_;
-  std::uint64_t max_memory_, max_resident_;
-};
+std::string reading_of(std::string_view name) { return formatted("{}: reading the file", name); }
 
 /// Reads a whole text, decompressed if it is gzipped. Calls `check` for each MiB.
-std::string read_text(int descriptor, const std::string& name, const ReadingLimit& limit,
+std::string read_text(TextSource& source, const std::string& name, const ReadingLimit& limit,
                       const CheckCallback& check,
                       std::uint64_t max_bytes = std::numeric_limits<std::uint64_t>::max()) {
   constexpr std::size_t piece_bytes = std::size_t{1} << 20;
-  TextSource source(descriptor, name);
   std::string text;
   for (std::size_t used = 0;; used = text.size()) {
     if (check) check();
     if (used + piece_bytes > text.capacity()) {
       // Both copies of the text are in memory while reserve() copies it.
-      limit.require(used + 2 * (used + piece_bytes));
+      limit.require(used + 2 * (used + piece_bytes), reading_of(name));
       text.reserve(2 * used + piece_bytes);
     }
     text.resize(used + piece_bytes);
@@ -103,8 +81,8 @@ RadiiSet radii_set(const std::string& name_or_file) {
   if (std::optional<RadiiSet> named = named_radii_set(name_or_file)) return *std::move(named);
   try {
     const FileDescriptor file(open_for_reading(name_or_file, name_or_file));
-    const std::string text =
-        read_text(file.value(), name_or_file, ReadingLimit(name_or_file, 0), {}, max_radii_bytes);
+    TextSource source(file.value(), name_or_file);
+    const std::string text = read_text(source, name_or_file, ReadingLimit(0), {}, max_radii_bytes);
     return parse_radii_set(text, name_or_file);
   } catch (const Error& error) {
     std::error_code ignored;  // as that of a name that is too long
@@ -116,15 +94,6 @@ RadiiSet radii_set(const std::string& name_or_file) {
 
 bool keeps_hydrogens(HydrogenChoice choice, const RadiiSet& radii) {
   return choice == HydrogenChoice::keep || (choice == HydrogenChoice::by_radii && !radii.is_united);
-}
-
-/// Throws Error if the text has the other structure format, judged by its first record or category.
-void require_format(std::string_view text, std::string_view name, AtomFormat format) {
-  const AtomFormat found = structure_format_of(text);
-  if (!is_structure(found) || found == format) return;
-  throw Error(formatted("{}: this is {} file; read it with --format {}", name,
-                        found == AtomFormat::pdb ? "a PDB" : "an mmCIF",
-                        found == AtomFormat::pdb ? "pdb" : "mmcif"));
 }
 
 [[noreturn]] void fail_without_atoms(std::string_view name, const StructureReport& report) {
@@ -177,25 +146,22 @@ void call_check(const ReadOptions& options) {
 AtomFile parse(StructureText file, const ReadOptions& options, const ReadingLimit& limit,
                const std::function<void(AtomFile& atoms)>& after_part) {
   const std::string_view name = file.name;
-  refuse_wide_characters(file.text, name);
-  file.text = without_byte_order_mark(file.text);
-  require_format(file.text, name, file.format);
-  refuse_other_formats(file.text, name);
+  const auto require_memory = [&](std::uint64_t bytes) { limit.require(bytes, reading_of(name)); };
+  file.text = checked_text(file.text, name, file.format);
   if (file.format == AtomFormat::pdb) refuse_pqr_records(file.text, name);
   const StructureOptions& choices = options.structure;
   const RadiiSet radii = radii_set(choices.radii);
-  limit.require(expected_bytes(file.text, file.format));
+  require_memory(expected_bytes(file.text, file.format));
   call_check(options);
   SelectedStructure structure =
-      parse_structure(file, choices, keeps_hydrogens(choices.hydrogens, radii),
-                      [&limit](std::uint64_t bytes) { limit.require(bytes); });
+      parse_structure(file, choices, keeps_hydrogens(choices.hydrogens, radii), require_memory);
   call_check(options);
   // Returns the memory that gemmi has freed to the system, so that the limit does not include it.
   release_free_memory();
   if (structure.atoms.empty()) fail_without_atoms(name, structure.report);
   const bool keeps_labels = options.with_labels && !after_part;
-  limit.require(structure.atoms.size() *
-                (sizeof(Atom) + sizeof(std::uint64_t) + (keeps_labels ? sizeof(AtomLabel) : 0)));
+  require_memory(structure.atoms.size() *
+                 (sizeof(Atom) + sizeof(std::uint64_t) + (keeps_labels ? sizeof(AtomLabel) : 0)));
   std::vector<Diagnostic> diagnostics = find_one_atom_residues(structure);
   AtomFile result = assign_radii(std::move(structure), radii, choices.unknown_radius,
                                  options.with_labels, name, [&](AtomFile& atoms) {
@@ -206,45 +172,55 @@ AtomFile parse(StructureText file, const ReadOptions& options, const ReadingLimi
   return result;
 }
 
-AtomFile read_structure(int descriptor, const std::filesystem::path& path, const std::string& name,
-                        const ReadOptions& options,
-                        const std::function<void(AtomFile& atoms)>& after_part) {
-  const ReadingLimit limit(name, options.max_memory);
-  try {
-    const std::string text = read_text(descriptor, name, limit, options.check);
+/// Reads the atoms of an open file, whose format is known.
+AtomFile read_source(TextSource& source, const std::filesystem::path& path, const std::string& name,
+                     const ReadOptions& options,
+                     const std::function<void(AtomFile& atoms)>& after_part) {
+  if (is_structure(options.format)) {
+    const ReadingLimit limit(options.max_memory);
+    const std::string text = read_text(source, name, limit, options.check);
     return parse({text, name, options.format, is_assembly_file(path), options.check}, options,
                  limit, after_part);
-  } catch (const std::bad_alloc&) {
-    throw MemoryLimitError(formatted("cannot read {}: out of memory", name));
-  } catch (const std::length_error&) {
-    throw MemoryLimitError(formatted("cannot read {}: out of memory", name));
   }
+  const AtomLines lines{.format = options.format,
+                        .name = name,
+                        .with_labels = options.with_labels,
+                        .max_memory = options.max_memory,
+                        .model = options.structure.model};
+  AtomFile file;
+  const LinesRead read = read_atom_lines(
+      [&source](std::span<char> buffer) { return source.read(buffer); }, lines, file,
+      [&] {
+        call_check(options);
+        if (after_part) after_part(file);
+      });
+  require_atoms(lines, file.atoms.size(), read);
+  complete_elements(file.labels);
+  return file;
+}
+
+[[noreturn]] void fail_for_memory(std::string_view name) {
+  throw MemoryLimitError(formatted("cannot read {}: out of memory", name));
 }
 
 }  // namespace
 
-AtomFile parse_structure_atoms(std::string_view text, std::string_view name,
-                               const ReadOptions& options) {
-  return parse({text, name, options.format, false, options.check}, options,
-               ReadingLimit(name, options.max_memory), {});
-}
-
 AtomFile read_input(const std::filesystem::path& path, const ReadOptions& options,
                     const std::function<void(AtomFile& atoms)>& after_part) {
+  if (options.format == AtomFormat::automatic) refuse_other_suffix(path);
   ReadOptions known = options;
   known.format = format_of(path, options.format);
-  if (!is_structure(known.format)) {
-    AtomFile file = read_atom_file(path, options, [&](AtomFile& atoms) {
-      call_check(options);
-      if (after_part) after_part(atoms);
-    });
-    complete_elements(file.labels);
-    return file;
+  const bool is_standard_input = path == "-";
+  const std::string name = is_standard_input ? "<stdin>" : path.string();
+  const FileDescriptor file(is_standard_input ? -1 : open_for_reading(path, name));
+  try {
+    TextSource source(is_standard_input ? STDIN_FILENO : file.value(), name);
+    return read_source(source, path, name, known, after_part);
+  } catch (const std::bad_alloc&) {
+    fail_for_memory(name);
+  } catch (const std::length_error&) {
+    fail_for_memory(name);
   }
-  if (path == "-") return read_structure(STDIN_FILENO, path, "<stdin>", known, after_part);
-  const std::string name = path.string();
-  const FileDescriptor file(open_for_reading(path, name));
-  return read_structure(file.value(), path, name, known, after_part);
 }
 
 }  // namespace eses::detail
@@ -276,9 +252,13 @@ AtomFile parse_atoms(std::string_view text, AtomFormat format, std::string_view 
                      const StructureOptions& structure) {
   require_valid(structure);
   if (is_structure(format))
-    return detail::parse_structure_atoms(text, name, {.format = format, .structure = structure});
-  AtomFile file = detail::parse_atom_text(
-      text, {.format = format, .name = name, .with_labels = true, .model = structure.model});
+    return detail::parse({text, name, format}, {.format = format, .structure = structure},
+                         detail::ReadingLimit(0), {});
+  const detail::AtomLines lines{
+      .format = format, .name = name, .with_labels = true, .model = structure.model};
+  AtomFile file;
+  const detail::LinesRead read = detail::parse_atom_lines(text, lines, file);
+  detail::require_atoms(lines, file.atoms.size(), read);
   detail::complete_elements(file.labels);
   return file;
 }

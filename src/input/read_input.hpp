@@ -3,7 +3,6 @@
 
 #include <filesystem>
 #include <functional>
-#include <string_view>
 
 #include "eses/read_atoms.hpp"
 
@@ -13,9 +12,5 @@ namespace eses::detail {
 /// these, the elements in a PQR file are not completed yet; see complete_elements.
 AtomFile read_input(const std::filesystem::path& path, const ReadOptions& options,
                     const std::function<void(AtomFile& atoms)>& after_part);
-
-/// Reads the atoms of a PDB or mmCIF text. Throws Error as read_atoms does.
-AtomFile parse_structure_atoms(std::string_view text, std::string_view name,
-                               const ReadOptions& options);
 
 }  // namespace eses::detail

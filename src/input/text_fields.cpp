@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <charconv>
 
+#include "eses/error.hpp"
 #include "system/formatted.hpp"
 
 namespace eses::detail {
@@ -42,9 +43,8 @@ bool starts_with_ignoring_case(std::string_view text, std::string_view lower_cas
 }
 
 std::string_view without_leading_blanks(std::string_view text) {
-  std::size_t start = 0;
-  while (start < text.size() && is_blank(text[start])) ++start;
-  return text.substr(start);
+  while (!text.empty() && is_blank(text.front())) text.remove_prefix(1);
+  return text;
 }
 
 std::string_view without_trailing_blanks(std::string_view text) {
@@ -52,9 +52,12 @@ std::string_view without_trailing_blanks(std::string_view text) {
   return text;
 }
 
+std::string_view trimmed(std::string_view text) {
+  return without_trailing_blanks(without_leading_blanks(text));
+}
+
 std::string_view column_text(std::string_view line, std::size_t first, std::size_t width) {
-  if (first >= line.size()) return {};
-  return without_trailing_blanks(without_leading_blanks(line.substr(first, width)));
+  return first >= line.size() ? std::string_view() : trimmed(line.substr(first, width));
 }
 
 std::string_view take_first(std::string_view& rest) {
@@ -86,6 +89,10 @@ std::errc parse_number(std::string_view text, double& value) {
     return parse_fortran(text, stop, value);
   }
   return outcome_of(text, result);
+}
+
+void fail_at_line(std::string_view file, std::uint64_t line, std::string_view what) {
+  throw Error(formatted("{}:{}: {}", file, line, what));
 }
 
 std::string printable(std::string_view text) {

@@ -1,7 +1,9 @@
 #pragma once
 /// Fields of a line of text, separated by blanks and tabs, and their numbers.
 
+#include <algorithm>
 #include <cstddef>
+#include <cstdint>
 #include <string>
 #include <string_view>
 #include <system_error>
@@ -23,6 +25,18 @@ bool starts_with_ignoring_case(std::string_view text, std::string_view lower_cas
 
 std::string_view without_leading_blanks(std::string_view text);
 std::string_view without_trailing_blanks(std::string_view text);
+/// Returns the text without blanks at both ends.
+std::string_view trimmed(std::string_view text);
+
+/// Removes the first line from `rest` and returns it without its end: LF, or LF after carriage
+/// returns. The last line may lack the LF.
+inline std::string_view take_line(std::string_view& rest) {
+  const std::size_t end = std::min(rest.find('\n'), rest.size());
+  std::string_view line = rest.substr(0, end);
+  rest.remove_prefix(std::min(end + 1, rest.size()));
+  while (line.ends_with('\r')) line.remove_suffix(1);
+  return line;
+}
 
 /// Returns the text of `width` columns from `first` on, from 0, without blanks around it. The line
 /// may end before them.
@@ -37,6 +51,9 @@ std::string_view take_last(std::string_view& rest);
 /// std::errc::invalid_argument for other text, and std::errc::result_out_of_range if double
 /// precision is exceeded.
 std::errc parse_number(std::string_view text, double& value);
+
+/// Throws Error with file, line and what is wrong.
+[[noreturn]] void fail_at_line(std::string_view file, std::uint64_t line, std::string_view what);
 
 /// Returns printable ASCII for messages; other bytes become `\xNN`.
 std::string printable(std::string_view text);

@@ -4,6 +4,7 @@
 #include <cstring>
 
 #include "output/number_text.hpp"
+#include "output/text_lines.hpp"
 #include "system/formatted.hpp"
 
 namespace eses::detail {
@@ -212,8 +213,7 @@ char* GridText::append_crossing(char* out, std::int64_t x, const RowText& row,
   for (std::size_t q = 0; q < 3; ++q) out = append_number(out, numbers, first + q);
   for (std::size_t q = 0; q < crossing.atom_count; ++q) {
     const AtomIndex atom = crossing.atoms[q];
-    out = write_index(out, atom_numbers_.empty() ? atom : atom_numbers_[atom]);
-    *out++ = ' ';
+    out = put_index(out, atom_numbers_.empty() ? atom : atom_numbers_[atom]);
   }
   *out++ = '\n';
   return out;
@@ -227,32 +227,17 @@ std::uint64_t max_grid_bytes(const GridRegion& region) {
 }
 
 std::string bounding_box_text(const Grid& grid) {
-  TextBuffer text;
-  const auto end_line = [](char* out) {
-    out[-1] = '\n';
-    return out;
-  };
-  char* out = text.reserve(std::size_t{9} * (max_number_length + 1));
-  for (const Vec3& corner : {grid.origin, grid.upper()}) {
-    for (std::size_t axis = 0; axis < 3; ++axis) {
-      out = write_scientific(out, corner[axis]);
-      *out++ = ' ';
-    }
-    out = end_line(out);
-  }
-  for (const std::int64_t n : grid.size) {
-    out = write_index(out, static_cast<std::uint64_t>(n));
-    *out++ = ' ';
-  }
-  text.advance_to(end_line(out));
-  return {text.text().begin(), text.text().end()};
+  std::array<char, std::size_t{9} * (max_number_length + 1)> text{};
+  char* out = text.data();
+  for (const Vec3& corner : {grid.origin, grid.upper()}) out = end_line(put_vector(out, corner));
+  for (const std::int64_t n : grid.size) out = put_index(out, static_cast<std::uint64_t>(n));
+  return {text.data(), end_line(out)};
 }
 
 void append_areas(TextBuffer& text, std::size_t first, std::span<const double> areas) {
   char* out = text.reserve(areas.size() * (2 * max_number_length + 2));
   for (std::size_t i = 0; i < areas.size(); ++i) {
-    out = write_index(out, first + i);
-    *out++ = ' ';
+    out = put_index(out, first + i);
     out = write_scientific(out, areas[i]);
     *out++ = '\n';
   }

@@ -5,7 +5,7 @@
 
 namespace eses::detail {
 
-/// A range of bytes of one file and the place of its copy in another file.
+/// A range of bytes of one file and the offset of its copy in another file.
 struct CopyRange {
   std::uint64_t from = 0, to = 0;  ///< offsets
   std::uint64_t bytes = 0;

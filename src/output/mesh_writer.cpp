@@ -151,8 +151,8 @@ void MeshText::write_header_end(const MeshCounts& counts, const TextSink& sink) 
       append_off_counts(text, counts);
       break;
     case MeshFormat::msms:
-      append_msms_vertex_header(text, counts.vertices,
-                                {source_.atom_count, source_.probe_radius, source_.spacing});
+      append_msms_header(text, false, counts.vertices, source_.atom_count, source_.probe_radius,
+                         source_.spacing);
       break;
     case MeshFormat::vtp:
       append_vtp_before_data(text, vtp_fields(), counts);
@@ -163,14 +163,14 @@ void MeshText::write_header_end(const MeshCounts& counts, const TextSink& sink) 
 
 void MeshText::write_face_header(const MeshCounts& counts, const TextSink& sink) const {
   BufferedText text(sink);
-  append_msms_face_header(text, counts.triangles,
-                          {source_.atom_count, source_.probe_radius, source_.spacing});
+  append_msms_header(text, true, counts.triangles, source_.atom_count, source_.probe_radius,
+                     source_.spacing);
   text.flush();
 }
 
 void MeshText::append_ply_end(BufferedText& text, const MeshCounts& counts) const {
-  const std::string vertices = formatted("{}", counts.vertices);
-  const std::string triangles = formatted("{}", counts.triangles);
+  const std::string vertices = std::to_string(counts.vertices);
+  const std::string triangles = std::to_string(counts.triangles);
   // The padding keeps the length of the header independent of the counts.
   const std::size_t padding = 2 * count_digits - vertices.size() - triangles.size();
   text.append("comment {:->{}}\nelement vertex {}\n", "", padding, vertices);

@@ -1,23 +1,9 @@
 #include "output/msms_text.hpp"
 
-#include <string_view>
-
 #include "output/text_lines.hpp"
 
 namespace eses::detail::mesh {
 namespace {
-
-void append_header(BufferedText& text, std::string_view elements, std::string_view column,
-                   std::uint64_t count, const MsmsSurface& surface) {
-  // Expected number of crossings per unit area. A surface element with unit normal n has
-  // (|n_x| + |n_y| + |n_z|) / spacing^2 crossings per area, and the mean of the sum over all
-  // directions is 3/2.
-  const double density = 1.5 / (surface.spacing * surface.spacing);
-  text.append(
-      "# solvent excluded surface {}, eses-blocks; format of MSMS; angstrom\n"
-      "#{} #sphere density probe_r\n{:>12} {:>7} {:>5.2f} {:>5.2f}\n",
-      elements, column, count, surface.atom_count, density, surface.probe_radius);
-}
 
 // Converts the number of a patch (1 convex, 2 saddle, 3 concave) to that of MSMS (1 toric
 // reentrant, 2 spheric reentrant, 3 contact).
@@ -25,14 +11,17 @@ char msms_type(std::uint8_t patch) { return patch == 1 ? '3' : patch == 2 ? '1' 
 
 }  // namespace
 
-void append_msms_vertex_header(BufferedText& text, std::uint64_t vertices,
-                               const MsmsSurface& surface) {
-  append_header(text, "vertices", "vertex", vertices, surface);
-}
-
-void append_msms_face_header(BufferedText& text, std::uint64_t triangles,
-                             const MsmsSurface& surface) {
-  append_header(text, "faces", "faces ", triangles, surface);
+void append_msms_header(BufferedText& text, bool has_faces, std::uint64_t count,
+                        std::uint64_t atom_count, double probe_radius, double spacing) {
+  // Expected number of crossings per unit area. A surface element with unit normal n has
+  // (|n_x| + |n_y| + |n_z|) / spacing^2 crossings per area, and the mean of the sum over all
+  // directions is 3/2.
+  const double density = 1.5 / (spacing * spacing);
+  text.append(
+      "# solvent excluded surface {}, eses-blocks; format of MSMS; angstrom\n"
+      "#{} #sphere density probe_r\n{:>12} {:>7} {:>5.2f} {:>5.2f}\n",
+      has_faces ? "faces" : "vertices", has_faces ? "faces " : "vertex", count, atom_count, density,
+      probe_radius);
 }
 
 char* put_msms_vertex(char* out, const Vertex& vertex, AtomIndex closest_atom) {

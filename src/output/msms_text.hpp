@@ -13,18 +13,10 @@
 
 namespace eses::detail::mesh {
 
-/// Parameters of the surface in the headers.
-struct MsmsSurface {
-  std::uint64_t atom_count = 0;
-  double probe_radius = 0, spacing = 0;  ///< angstrom
-};
-
-/// Append the three header lines of NAME.vert and NAME.face. Their length does not depend on the
-/// count.
-void append_msms_vertex_header(BufferedText& text, std::uint64_t vertices,
-                               const MsmsSurface& surface);
-void append_msms_face_header(BufferedText& text, std::uint64_t triangles,
-                             const MsmsSurface& surface);
+/// Appends the three header lines of NAME.vert or NAME.face with this number of vertices or
+/// triangles, on which their length does not depend. Lengths are in angstrom.
+void append_msms_header(BufferedText& text, bool has_faces, std::uint64_t count,
+                        std::uint64_t atom_count, double probe_radius, double spacing);
 
 /// Upper bounds of the lengths of lines in the two files.
 inline constexpr std::size_t max_msms_vertex_bytes = 168;

@@ -15,7 +15,7 @@
 #include <utility>
 
 #include "eses/error.hpp"
-#include "output/map_writer.hpp"
+#include "input/eses_reader.hpp"
 #include "output/mesh_format.hpp"
 #include "system/bytes_text.hpp"
 #include "system/formatted.hpp"
@@ -23,25 +23,23 @@
 #include "system/resources.hpp"
 
 namespace eses::detail {
-
-constexpr std::string_view gzip_suffix = ".gz";
-
-std::string text_file_name(const char* name, bool gzip) {
-  return formatted("{}{}", name, gzip ? gzip_suffix : "");
-}
-
 namespace {
 
+constexpr std::string_view gzip_suffix = ".gz";
 constexpr char residues_name[] = "residue_area.csv";
 constexpr char chains_name[] = "chain_area.csv";
 constexpr char atoms_name[] = "atoms.csv";
 
+// Returns the name of a text file, with ".gz" if it is compressed.
+std::string text_name(EsesFile file, bool gzip) {
+  return formatted("{}{}", name_of(file), gzip ? gzip_suffix : "");
+}
+
 std::vector<std::string> text_names(const Outputs& choice, bool gzip) {
   std::vector<std::string> names;
-  if (choice.box) names.push_back(text_file_name(box_name, gzip));
-  if (choice.grid) names.push_back(text_file_name(grid_name, gzip));
-  if (choice.edges) names.push_back(text_file_name(edges_name, gzip));
-  if (choice.areas) names.push_back(text_file_name(areas_name, gzip));
+  const std::array is_chosen{choice.box, choice.grid, choice.edges, choice.areas};
+  for (std::size_t i = 0; i < is_chosen.size(); ++i)
+    if (is_chosen[i]) names.push_back(text_name(static_cast<EsesFile>(i), gzip));
   return names;
 }
 
@@ -61,8 +59,7 @@ bool is_ours(std::string_view name) {
   if (map_format(name) || name == residues_name || name == chains_name || name == atoms_name)
     return true;
   if (name.ends_with(gzip_suffix)) name.remove_suffix(gzip_suffix.size());
-  const std::array texts{box_name, grid_name, edges_name, areas_name};
-  return std::any_of(texts.begin(), texts.end(), [&](const char* text) { return name == text; });
+  return std::find(eses_file_names.begin(), eses_file_names.end(), name) != eses_file_names.end();
 }
 
 // The directory itself, or the nearest one above it that exists.
@@ -74,45 +71,47 @@ std::filesystem::path existing_part(std::filesystem::path directory) {
   return directory;
 }
 
-// Directory and name of a file. std::filesystem::path is avoided for the reason given at path_in.
-struct FilePlace {
+// A path divided into directory and name. std::filesystem::path is avoided for the reason given at
+// path_in.
+struct FilePath {
   std::string directory, name;
+
+  std::string text() const { return path_in(directory, name); }
 };
 
-FilePlace place_of(const std::string& path) {
+FilePath divided(const std::string& path) {
   const std::size_t slash = path.rfind('/');
   if (slash == std::string::npos) return {".", path};
   return {slash == 0 ? "/" : path.substr(0, slash), path.substr(slash + 1)};
 }
 
-// Returns the target of a symbolic link, or nothing if `place` is not a symbolic link.
-std::optional<std::string> target_of(const FilePlace& place) {
+// Returns the target of a symbolic link, or nothing if `path` is not a symbolic link.
+std::optional<std::string> target_of(const FilePath& path) {
   std::array<char, PATH_MAX> target{};
-  const std::string path = path_in(place.directory, place.name);
-  const ssize_t length = readlink(path.c_str(), target.data(), target.size());
+  const ssize_t length = readlink(path.text().c_str(), target.data(), target.size());
   if (length <= 0) return std::nullopt;
   std::string text(target.data(), static_cast<std::size_t>(length));
-  return text.front() == '/' ? text : path_in(place.directory, text);
+  return text.front() == '/' ? text : path_in(path.directory, text);
 }
 
-// Follows symbolic links from `file` to the place where a file is to be written, so that the links
+// Follows symbolic links from `file` to the path where a file is to be written, so that the links
 // themselves are kept.
-FilePlace end_of_links(const std::filesystem::path& file) {
+FilePath end_of_links(const std::filesystem::path& file) {
   constexpr int max_links = 40;  // the limit of Linux
-  FilePlace place = place_of(file.native());
+  FilePath path = divided(file.native());
   for (int i = 0; i < max_links; ++i) {
-    const std::optional<std::string> target = target_of(place);
-    if (!target) return place;
-    place = place_of(*target);
+    const std::optional<std::string> target = target_of(path);
+    if (!target) return path;
+    path = divided(*target);
   }
   throw FileError(formatted("cannot write {}", file.string()), ELOOP);
 }
 
-// Returns the places of all files of a mesh.
-std::vector<FilePlace> places_of(const MeshOptions& mesh) {
-  std::vector<FilePlace> places;
-  for (const std::filesystem::path& file : mesh_files(mesh)) places.push_back(end_of_links(file));
-  return places;
+// Returns the paths of all files of a mesh, after following symbolic links.
+std::vector<FilePath> mesh_paths(const MeshOptions& mesh) {
+  std::vector<FilePath> paths;
+  for (const std::filesystem::path& file : mesh_files(mesh)) paths.push_back(end_of_links(file));
+  return paths;
 }
 
 // Bytes that a run writes to a file system: at least `certain`, and `expected` by the estimates.
@@ -163,8 +162,8 @@ void require_writable(const std::filesystem::path& directory) {
 // Throws Error if `file` is a symbolic link into a directory that does not exist. Other missing
 // directories are created, but this one may have been moved, or be on a disk that is not mounted.
 void require_end_of_link(const std::filesystem::path& file) {
-  const FilePlace end = end_of_links(file);
-  const bool is_link = target_of(place_of(file.native())).has_value();
+  const FilePath end = end_of_links(file);
+  const bool is_link = target_of(divided(file.native())).has_value();
   struct stat status {};
   if (!is_link || stat(end.directory.c_str(), &status) == 0 || errno != ENOENT) return;
   throw Error(
@@ -173,7 +172,7 @@ void require_end_of_link(const std::filesystem::path& file) {
                 file.string(), end.directory));
 }
 
-void require_mesh_place(const std::filesystem::path& file) {
+void require_mesh_path(const std::filesystem::path& file) {
   require_end_of_link(file);
   const std::string directory = end_of_links(file).directory;
   require_writable(directory);
@@ -191,24 +190,23 @@ bool is_same_directory(const std::string& a, const std::string& b) {
   return of_a.st_dev == of_b.st_dev && of_a.st_ino == of_b.st_ino;
 }
 
-void require_different(std::span<const FilePlace> places) {
-  for (std::size_t i = 0; i < places.size(); ++i)
+void require_different(std::span<const FilePath> paths) {
+  for (std::size_t i = 0; i < paths.size(); ++i)
     for (std::size_t j = 0; j < i; ++j)
-      if (places[i].name == places[j].name &&
-          is_same_directory(places[i].directory, places[j].directory))
+      if (paths[i].name == paths[j].name &&
+          is_same_directory(paths[i].directory, paths[j].directory))
         throw Error(formatted("two of the files would be the same one: {}; choose another name",
-                              path_in(places[i].directory, places[i].name)));
+                              paths[i].text()));
 }
 
 // Throws Error if the file or its temporary file cannot have its name.
-void require_free_name(const FilePlace& place) {
-  const std::string path = path_in(place.directory, place.name);
-  require_replaceable(path);
+void require_free_name(const FilePath& path) {
+  require_replaceable(path.text());
   struct stat status {};
-  const std::string temporary = temporary_name(place.name, getpid());
-  if (lstat(path_in(place.directory, temporary).c_str(), &status) != 0 && errno == ENAMETOOLONG)
-    throw Error(
-        formatted("cannot create {}: {}", path, std::generic_category().message(ENAMETOOLONG)));
+  const FilePath temporary{path.directory, temporary_name(path.name, getpid())};
+  if (lstat(temporary.text().c_str(), &status) != 0 && errno == ENAMETOOLONG)
+    throw Error(formatted("cannot create {}: {}", path.text(),
+                          std::generic_category().message(ENAMETOOLONG)));
 }
 
 // The disk space does not suffice for the files of known size.
@@ -250,7 +248,9 @@ DiskSpace require_disk_space(const FileSizes& sizes, const Outputs& outputs,
   return space;
 }
 
-std::string mesh_directory_of(const MeshOptions& mesh) { return places_of(mesh).front().directory; }
+std::string mesh_directory_of(const MeshOptions& mesh) {
+  return mesh_paths(mesh).front().directory;
+}
 
 std::vector<std::string> file_names(const Outputs& choice) {
   std::vector<std::string> names = text_names(choice, choice.gzip);
@@ -262,14 +262,14 @@ std::vector<std::string> file_names(const Outputs& choice) {
 
 namespace {
 
-// Returns the places of the chosen files and of the mesh.
-std::vector<FilePlace> places_of(const Outputs& choice, const std::filesystem::path& directory) {
-  std::vector<FilePlace> places;
+// Returns the paths of the chosen files and of the mesh.
+std::vector<FilePath> all_paths(const Outputs& choice, const std::filesystem::path& directory) {
+  std::vector<FilePath> paths;
   for (std::string& name : file_names(choice))
-    places.push_back({directory.native(), std::move(name)});
+    paths.push_back({directory.native(), std::move(name)});
   if (choice.mesh)
-    for (FilePlace& place : places_of(*choice.mesh)) places.push_back(std::move(place));
-  return places;
+    for (FilePath& path : mesh_paths(*choice.mesh)) paths.push_back(std::move(path));
+  return paths;
 }
 
 }  // namespace
@@ -277,8 +277,7 @@ std::vector<FilePlace> places_of(const Outputs& choice, const std::filesystem::p
 std::vector<std::string> final_paths(const Outputs& choice,
                                      const std::filesystem::path& directory) {
   std::vector<std::string> paths;
-  for (const FilePlace& place : places_of(choice, directory))
-    paths.push_back(path_in(place.directory, place.name));
+  for (const FilePath& path : all_paths(choice, directory)) paths.push_back(path.text());
   return paths;
 }
 
@@ -289,21 +288,21 @@ std::vector<std::string> stale_paths(const Outputs& choice,
   return paths;
 }
 
-void require_places(const Outputs& choice, const std::filesystem::path& directory) {
+void require_writable_files(const Outputs& choice, const std::filesystem::path& directory) {
   if (!file_names(choice).empty()) require_writable(directory);
   if (choice.mesh)
-    for (const std::filesystem::path& file : mesh_files(*choice.mesh)) require_mesh_place(file);
-  const std::vector<FilePlace> places = places_of(choice, directory);
-  for (const FilePlace& place : places) require_free_name(place);
-  require_different(places);
+    for (const std::filesystem::path& file : mesh_files(*choice.mesh)) require_mesh_path(file);
+  const std::vector<FilePath> paths = all_paths(choice, directory);
+  for (const FilePath& path : paths) require_free_name(path);
+  require_different(paths);
   for (const std::string& path : stale_paths(choice, directory)) require_replaceable(path);
 }
 
 std::vector<std::string> temporary_paths(const Outputs& choice,
                                          const std::filesystem::path& directory) {
   std::vector<std::string> paths;
-  for (const FilePlace& place : places_of(choice, directory))
-    paths.push_back(path_in(place.directory, temporary_name(place.name, getpid())));
+  for (const auto& [parent, name] : all_paths(choice, directory))
+    paths.push_back(path_in(parent, temporary_name(name, getpid())));
   return paths;
 }
 
@@ -311,15 +310,15 @@ std::vector<std::string> lock_paths(const Outputs& choice, const std::filesystem
   std::vector<std::string> paths;
   if (!file_names(choice).empty()) paths.push_back(lock_path(directory));
   if (choice.mesh)
-    for (const auto& [mesh_directory, name] : places_of(*choice.mesh))
-      paths.push_back(lock_path(mesh_directory, name));
+    for (const auto& [parent, name] : mesh_paths(*choice.mesh))
+      paths.push_back(lock_path(parent, name));
   return paths;
 }
 
 OutputFiles::OutputFiles(const Outputs& choice, const std::filesystem::path& path,
                          const FileSizes& sizes)
     : gzip(choice.gzip), stale_(other_names(choice)) {
-  require_places(choice, path);
+  require_writable_files(choice, path);
   require_disk_space(sizes, choice, path);
   if (!file_names(choice).empty()) open_directory(choice, path);
   if (choice.mesh) open_mesh(*choice.mesh);
@@ -328,13 +327,13 @@ OutputFiles::OutputFiles(const Outputs& choice, const std::filesystem::path& pat
 void OutputFiles::open_directory(const Outputs& choice, const std::filesystem::path& path) {
   directory.emplace(path);
   directory->remove_abandoned(is_ours);
-  const auto open = [&](std::optional<OutputFile>& file, const char* name) {
-    file.emplace(*directory, text_file_name(name, choice.gzip));
+  const auto open = [&](bool is_chosen, std::optional<OutputFile>& file, EsesFile name) {
+    if (is_chosen) file.emplace(*directory, text_name(name, choice.gzip));
   };
-  if (choice.box) open(box, box_name);
-  if (choice.grid) open(grid, grid_name);
-  if (choice.edges) open(edges, edges_name);
-  if (choice.areas) open(areas, areas_name);
+  open(choice.box, box, EsesFile::box);
+  open(choice.grid, grid, EsesFile::grid);
+  open(choice.edges, edges, EsesFile::edges);
+  open(choice.areas, areas, EsesFile::areas);
   if (choice.residues) {
     residues.emplace(*directory, residues_name);
     chains.emplace(*directory, chains_name);
@@ -345,15 +344,15 @@ void OutputFiles::open_directory(const Outputs& choice, const std::filesystem::p
 }
 
 void OutputFiles::open_mesh(const MeshOptions& choice) {
-  const auto open = [](const FilePlace& place, std::optional<OutputDirectory>& in,
+  const auto open = [](const FilePath& path, std::optional<OutputDirectory>& in,
                        std::optional<OutputFile>& file) {
-    in.emplace(place.directory, place.name);
-    in->remove_abandoned([&](std::string_view name) { return name == place.name; });
-    file.emplace(*in, place.name);
+    in.emplace(path.directory, path.name);
+    in->remove_abandoned([&](std::string_view name) { return name == path.name; });
+    file.emplace(*in, path.name);
   };
-  const std::vector<FilePlace> places = places_of(choice);
-  open(places.front(), mesh_directory, mesh);
-  if (places.size() > 1) open(places.back(), face_directory, mesh_faces);
+  const std::vector<FilePath> paths = mesh_paths(choice);
+  open(paths.front(), mesh_directory, mesh);
+  if (paths.size() > 1) open(paths.back(), face_directory, mesh_faces);
 }
 
 // Returns all files, the bounding box first.

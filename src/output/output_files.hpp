@@ -15,15 +15,6 @@
 
 namespace eses::detail {
 
-/// Names of the uncompressed text files.
-inline constexpr char box_name[] = "bounding_box.txt";
-inline constexpr char grid_name[] = "grid_info.txt";
-inline constexpr char edges_name[] = "intersection_info.txt";
-inline constexpr char areas_name[] = "partition_area.txt";
-
-/// Name of a text output file, with ".gz" if compressed.
-std::string text_file_name(const char* name, bool gzip);
-
 /// Name of the checkpoint directory in the output directory.
 inline constexpr char checkpoint_name[] = ".eses-blocks.resume";
 
@@ -52,7 +43,7 @@ std::string mesh_directory_of(const MeshOptions& mesh);
 /// Checks, without writing, that all files of a run can be written. Throws Error if a directory
 /// cannot be written to, if the path of an output file or of stale_paths is something else than a
 /// regular file, or if two of the output files are the same file, perhaps by symbolic links.
-void require_places(const Outputs& choice, const std::filesystem::path& directory);
+void require_writable_files(const Outputs& choice, const std::filesystem::path& directory);
 
 /// Paths under which this process writes the files until they are complete.
 std::vector<std::string> temporary_paths(const Outputs& choice,
@@ -89,7 +80,7 @@ struct OutputFiles {
   std::optional<OutputFile> box, grid, edges, areas, residues, chains, atoms, mesh, mesh_faces;
   std::array<std::optional<OutputFile>, map_quantities> maps;  ///< by quantity
 
-  /// Opens the files. Throws the errors of require_places, OutputDirectory, OutputFile and
+  /// Opens the files. Throws the errors of require_writable_files, OutputDirectory, OutputFile and
   /// require_disk_space.
   OutputFiles(const Outputs& choice, const std::filesystem::path& path, const FileSizes& sizes);
 

@@ -1,5 +1,5 @@
 #pragma once
-/// Writers of the fields that several mesh formats share. Each function returns the end of the text
+/// Writers of the fields of lines and records. Each function returns the end of the text
 /// that it has written.
 
 #include <cstddef>
@@ -9,7 +9,7 @@
 #include "eses/vec3.hpp"
 #include "output/number_text.hpp"
 
-namespace eses::detail::mesh {
+namespace eses::detail {
 
 /// Writes a value in the machine's byte order, which the headers of binary files name.
 template <class Value>
@@ -40,4 +40,4 @@ inline char* end_line(char* out) {
   return out;
 }
 
-}  // namespace eses::detail::mesh
+}  // namespace eses::detail

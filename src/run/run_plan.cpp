@@ -15,7 +15,7 @@
 #include "eses/version.hpp"
 #include "grid/make_grid.hpp"
 #include "input/atom_names.hpp"
-#include "input/atom_reader.hpp"
+#include "input/other_formats.hpp"
 #include "output/grid_map.hpp"
 #include "output/mesh_writer.hpp"
 #include "system/bytes_text.hpp"

@@ -1,0 +1,353 @@
+#include "input/pqr_records.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cstddef>
+#include <system_error>
+#include <utility>
+
+#include "eses/error.hpp"
+#include "input/text_fields.hpp"
+#include "system/formatted.hpp"
+
+namespace eses::detail {
+namespace {
+
+// The free format is `ATOM serial name residue [chain] number x y z charge radius`, see
+// https://apbs.readthedocs.io/en/latest/formats/pqr.html. Programs that use the columns of PDB
+// files may write numbers without a blank between them, see
+// https://www.wwpdb.org/documentation/file-format-content/format33/sect9.html. Some programs append
+// an element symbol, as in PDB files. ESES and APBS ignore it.
+
+constexpr std::array pqr_quantities{quantity_x, quantity_y, quantity_z, quantity_charge,
+                                    quantity_radius};
+using PqrFields = std::array<std::string_view, pqr_quantities.size()>;
+
+constexpr std::size_t first_coordinate_column = 30;  // 0-based
+constexpr std::size_t coordinate_width = 8;
+constexpr std::size_t end_of_coordinates = first_coordinate_column + 3 * coordinate_width;
+// Widths of charge and radius as pdb2pqr writes them, %8.4f and %7.4f.
+constexpr std::size_t charge_width = 8, radius_width = 7;
+constexpr std::size_t radius_column = end_of_coordinates + charge_width;
+constexpr std::size_t end_of_radius = radius_column + radius_width;
+
+// ----------------------------------------------------------------------------------------- names
+
+/// Returns whether a field consists of a chain letter and a residue number, such as `A1000` or
+/// `A-12B`.
+bool holds_chain(std::string_view number) {
+  if (number.size() < 2 || number[0] == '-' || is_digit(number[0])) return false;
+  return is_digit(number[1]) || (number.size() > 2 && number[1] == '-' && is_digit(number[2]));
+}
+
+/// Returns the label of a record in free format. `leading` has the fields before the coordinates:
+/// record name, serial number, atom name, residue name, chain (optional) and residue number. The
+/// chain may be joined with the residue number, and the record name with the serial number.
+AtomLabel label_of_fields(std::string_view leading) {
+  const std::string_view record = take_first(leading);
+  if (!is_digit(record.back())) take_first(leading);
+  AtomLabel label;
+  label.atom_name = take_first(leading);
+  label.residue = take_first(leading);
+  std::string_view number = take_last(leading);
+  std::string_view chain = take_first(leading);
+  if (chain.empty() && holds_chain(number)) {
+    chain = number.substr(0, 1);
+    number.remove_prefix(1);
+  }
+  label.chain = chain;
+  label.residue_number = number;
+  return label;
+}
+
+/// Returns the label of a record in the columns of PDB files. The record must have at least 27
+/// characters.
+AtomLabel label_of_columns(std::string_view line) {
+  // Column 20 is blank in the PDB format, but may hold the fourth character of a residue name.
+  AtomLabel label;
+  label.atom_name = column_text(line, 12, 4);
+  label.residue = column_text(line, 17, 4);
+  label.chain = column_text(line, 21, 1);
+  label.residue_number = column_text(line, 22, 5);
+  return label;
+}
+
+// ---------------------------------------------------------------------------------------- values
+
+Problem read_pqr_values(const PqrFields& fields, Record& record) {
+  std::array<double, pqr_quantities.size()> values{};
+  for (std::size_t i = 0; i < values.size(); ++i) {
+    if (Problem problem = read_value(fields[i], pqr_quantities[i], values[i])) return problem;
+  }
+  record.atom = {{values[0], values[1], values[2]}, values[4]};
+  record.charge = values[3];
+  return {};
+}
+
+/// Returns the number of fields before the coordinates without a chain: record, serial number, atom
+/// name, residue name and residue number.
+std::size_t min_leading_fields(std::string_view line) {
+  std::string_view rest = line;
+  const std::string_view record = take_first(rest);
+  const bool holds_serial = is_digit(record.back());
+  return holds_serial ? 4 : 5;
+}
+
+/// Returns whether x seems to be the residue number, because charge or radius is missing. Fields
+/// are counted from the end of the line, so the record would otherwise be read with wrong values.
+bool looks_like_residue_number(std::string_view x, std::string_view leading) {
+  const bool is_integer =
+      std::all_of(x.begin(), x.end(), [](char c) { return c == '-' || is_digit(c); });
+  const std::string_view before = take_last(leading);
+  return is_integer && std::none_of(before.begin(), before.end(), is_digit);
+}
+
+/// Returns whether a field is a number with a decimal point. Names and residue numbers are not.
+bool is_decimal(std::string_view field) {
+  double value = 0;
+  return field.find('.') != std::string_view::npos && parse_number(field, value) == std::errc{};
+}
+
+/// Returns whether there are more than five numbers. Such a record is ambiguous: ESES reads the
+/// last two numbers as charge and radius, APBS the fourth and fifth.
+bool ends_with_decimal(std::string_view leading) { return is_decimal(take_last(leading)); }
+
+Problem parse_pqr_fields(std::string_view line, Record& record) {
+  PqrFields fields;
+  std::string_view leading = line;
+  for (std::size_t i = fields.size(); i-- > 0;) fields[i] = take_last(leading);
+  if (count_fields(leading) < min_leading_fields(line)) return {Fault::too_few_fields, {}, line};
+  const Problem problem = read_pqr_values(fields, record);
+  if (!problem && ends_with_decimal(leading)) return {Fault::extra_number, {}, fields.back()};
+  // If two errors apply, the one about text that is not a number is clearer.
+  if (problem.fault != Fault::not_a_number && looks_like_residue_number(fields[0], leading)) {
+    return {Fault::residue_number, quantity_x.name, fields[0]};
+  }
+  if (!problem) record.label = label_of_fields(leading);
+  return problem;
+}
+
+std::string_view coordinate_column(std::string_view line, std::size_t axis) {
+  const std::size_t start = first_coordinate_column + axis * coordinate_width;
+  return without_leading_blanks(line.substr(start, coordinate_width));
+}
+
+/// Returns whether a column holds a number. A decimal point and a digit at the end are required, so
+/// that columns never split one number of the free format into two.
+bool is_column_number(std::string_view text) {
+  double value = 0;
+  return !text.empty() && is_digit(text.back()) && text.find('.') != std::string_view::npos &&
+         parse_number(text, value) == std::errc{};
+}
+
+bool has_coordinate_columns(std::string_view line) {
+  if (line.size() < end_of_coordinates || !is_blank(line[first_coordinate_column - 1]))
+    return false;
+  const std::string_view rest = line.substr(end_of_coordinates);
+  if (!rest.empty() && !is_blank(rest[0]) && rest[0] != '-' && rest[0] != '+') return false;
+  return is_column_number(coordinate_column(line, 0)) &&
+         is_column_number(coordinate_column(line, 1)) &&
+         is_column_number(coordinate_column(line, 2));
+}
+
+bool ends_at(std::string_view line, std::size_t column) {
+  return line.size() == column || (line.size() > column && is_blank(line[column]));
+}
+
+/// Returns whether charge and radius fill their columns without a blank between them.
+bool has_joined_charge_and_radius(std::string_view line) {
+  if (line.size() < end_of_radius || !ends_at(line, end_of_radius)) return false;
+  const std::string_view radius = line.substr(radius_column, radius_width);
+  return is_column_number(without_leading_blanks(line.substr(end_of_coordinates, charge_width))) &&
+         is_digit(radius.front()) && is_column_number(radius);
+}
+
+Problem parse_pqr_columns(std::string_view line, Record& record) {
+  std::string_view rest = line.substr(end_of_coordinates);
+  std::string_view radius = take_last(rest);
+  std::string_view charge = take_last(rest);
+  if (charge.empty() && has_joined_charge_and_radius(line)) {
+    charge = without_leading_blanks(line.substr(end_of_coordinates, charge_width));
+    radius = line.substr(radius_column, radius_width);
+  }
+  if (charge.empty()) charge = std::exchange(radius, line.substr(line.size()));
+  if (ends_with_decimal(rest)) return {Fault::extra_number, {}, radius};
+  record.label = label_of_columns(line);
+  return read_pqr_values({coordinate_column(line, 0), coordinate_column(line, 1),
+                          coordinate_column(line, 2), charge, radius},
+                         record);
+}
+
+/// Returns whether a field is an element symbol, optionally with a formal charge: `N`, `Zn`, `O1-`.
+bool is_element(std::string_view field) {
+  std::size_t letters = 0;
+  while (letters < field.size() && is_letter(field[letters])) ++letters;
+  if (letters < 1 || letters > 2) return false;
+  const std::string_view charge = field.substr(letters);
+  return charge.empty() ||
+         (charge.size() == 2 && is_digit(charge[0]) && (charge[1] == '+' || charge[1] == '-'));
+}
+
+/// Removes an element symbol at the end of the line, and returns it without its charge; empty if
+/// there is none.
+std::string_view take_element(std::string_view& line) {
+  std::string_view rest = line;
+  std::string_view field = take_last(rest);
+  if (!is_element(field)) return {};
+  line = rest;
+  while (!is_letter(field.back())) field.remove_suffix(1);
+  return field;
+}
+
+std::string describe(const Problem& problem, std::string_view line) {
+  if (problem.fault == Fault::too_few_fields) {
+    return formatted(
+        "expected at least {} fields, the last five being x y z charge radius, found {}",
+        min_leading_fields(line) + pqr_quantities.size(), count_fields(line));
+  }
+  if (problem.fault == Fault::extra_number)
+    return "more than five numbers, expected x y z charge radius; remove the fields after the "
+           "radius";
+  return describe_field(problem, line);
+}
+
+// ---------------------------------------------------------------- PDB files that are named .pqr
+//
+// PDB files have the occupancy in columns 55 to 60 and the B-factor in columns 61 to 66, both in
+// the format %6.2f. PQR files have charge and radius there.
+
+constexpr std::size_t occupancy_width = 6, b_factor_width = 6;
+constexpr std::size_t b_factor_column = end_of_coordinates + occupancy_width;
+constexpr std::size_t end_of_b_factor = b_factor_column + b_factor_width;
+constexpr double max_usual_radius = 4;  // angstrom; most B-factors are larger
+
+/// Reads a number that fills a column of `width` characters and has this number of decimals.
+bool read_fixed(std::string_view line, std::size_t column, std::size_t width, std::size_t decimals,
+                double& value) {
+  const std::string_view text = line.substr(column, width);
+  const std::string_view fraction = text.substr(width - decimals);
+  return text[width - decimals - 1] == '.' &&
+         std::all_of(fraction.begin(), fraction.end(), is_digit) &&
+         parse_number(without_leading_blanks(text), value) == std::errc{};
+}
+
+// ---------------------------------------------------------------- PQR files that are named .pdb
+
+/// Returns whether a record has the columns of a PDB file: three coordinates, then occupancy and
+/// B-factor, which may be blank.
+bool has_pdb_columns(std::string_view line, double& occupancy) {
+  if (line.size() < end_of_coordinates) return false;
+  for (std::size_t axis = 0; axis < 3; ++axis)
+    if (!is_column_number(coordinate_column(line, axis))) return false;
+  if (line.size() > end_of_b_factor && !is_blank(line[end_of_b_factor])) return false;
+  double b_factor = 0;
+  const auto is_number_or_blank = [](std::string_view text, double& value) {
+    return text.empty() || parse_number(text, value) == std::errc{};
+  };
+  return is_number_or_blank(column_text(line, end_of_coordinates, occupancy_width), occupancy) &&
+         is_number_or_blank(column_text(line, b_factor_column, b_factor_width), b_factor);
+}
+
+/// Counts of records by their format.
+struct RecordCounts {
+  std::uint64_t all = 0;
+  std::uint64_t pdb_columns = 0;  ///< have the columns of PDB files
+  std::uint64_t pqr = 0;          ///< end with a possible charge and radius
+  std::uint64_t only_pqr = 0;     ///< do so, and are not valid in PDB files
+  std::uint64_t with_radius = 0;  ///< do so, and have the radius of an atom other than hydrogen
+
+  void add(std::string_view line) {
+    constexpr double min_usual_radius = 0.5;  // angstrom; some hydrogens have smaller radii
+    ++all;
+    double occupancy = 0;
+    const bool has_columns = has_pdb_columns(line, occupancy);
+    pdb_columns += static_cast<std::uint64_t>(has_columns);
+    Record record;
+    if (parse_pqr(line, record) || record.atom.radius > max_usual_radius) return;
+    ++pqr;
+    only_pqr += static_cast<std::uint64_t>(!has_columns || occupancy < 0);
+    with_radius += static_cast<std::uint64_t>(record.atom.radius >= min_usual_radius);
+  }
+
+  /// The fractions leave room for unusual records. Charges in the columns of the occupancy are
+  /// recognised by their sign, which is negative for about half of the atoms.
+  AtomFormat format() const {
+    if (all == 0) return AtomFormat::automatic;
+    if (10 * pqr >= 9 * all && 10 * only_pqr >= 3 * all && 2 * with_radius >= all)
+      return AtomFormat::pqr;
+    return 10 * pdb_columns >= 9 * all ? AtomFormat::pdb : AtomFormat::automatic;
+  }
+};
+
+}  // namespace
+
+bool is_pqr_record(std::string_view line) {
+  line = without_leading_blanks(line);
+  // The serial number may follow HETATM without a blank.
+  if (starts_with_ignoring_case(line, "hetatm")) return true;
+  if (!starts_with_ignoring_case(line, "atom")) return false;
+  return line.size() == 4 || is_blank(line[4]) || is_digit(line[4]);
+}
+
+Problem parse_pqr(std::string_view line, Record& record) {
+  const std::string_view element = take_element(line);
+  Problem problem = parse_pqr_fields(line, record);
+  if (problem && has_coordinate_columns(line)) problem = parse_pqr_columns(line, record);
+  record.label.element = element;
+  return problem;
+}
+
+std::string describe_pqr(const Problem& problem, std::string_view line) {
+  std::string text = describe(problem, line);
+  PdbLikeness likeness;
+  likeness.add(line);
+  if (likeness.layout > 0)
+    text += "; this looks like a PDB file, whose occupancy and B-factor are not charge and radius";
+  return text;
+}
+
+void PdbLikeness::add(std::string_view line) {
+  double x = 0, y = 0, z = 0, occupancy = 0, b_factor = 0;
+  const auto read = [line](std::size_t column, std::size_t width, std::size_t decimals,
+                           double& value) {
+    return read_fixed(line, column, width, decimals, value);
+  };
+  constexpr std::size_t first = first_coordinate_column, width = coordinate_width;
+  if (line.size() < end_of_b_factor || !ends_at(line, end_of_b_factor) ||
+      !read(b_factor_column, b_factor_width, 2, b_factor) ||
+      !read(end_of_coordinates, occupancy_width, 2, occupancy) || !read(first, width, 3, x) ||
+      !read(first + width, width, 3, y) || !read(first + 2 * width, width, 3, z))
+    return;
+  if (occupancy < 0 || occupancy > 1) return;
+  ++layout;
+  // Some programs write 0 for both.
+  if (occupancy == 1 || b_factor > max_usual_radius || (occupancy == 0 && b_factor == 0)) ++values;
+}
+
+AtomFormat format_of_records(std::string_view text) {
+  constexpr std::uint64_t max_records = 1000;
+  RecordCounts counts;
+  while (!text.empty() && counts.all < max_records)
+    if (const std::string_view line = take_line(text); is_pqr_record(line)) counts.add(line);
+  return counts.format();
+}
+
+void refuse_pdb_records(std::string_view name, std::uint64_t atoms, const PdbLikeness& likeness) {
+  // Most records of PDB files have these formats. PQR files with charges of two decimals do as
+  // well, but half of their charges are negative, and add_record does not count those.
+  if (10 * likeness.layout < 9 * atoms || 2 * likeness.values < atoms) return;
+  throw Error(
+      formatted("{}: this is a PDB file: its columns 55 to 66 hold occupancy and B-factor, which "
+                "are not charge and radius; read it with --format pdb",
+                name));
+}
+
+void refuse_pqr_records(std::string_view text, std::string_view name) {
+  if (format_of_records(text) != AtomFormat::pqr) return;
+  throw Error(
+      formatted("{}: this is a PQR file: its records end with charge and radius instead of "
+                "occupancy and B-factor; read it with --format pqr",
+                name));
+}
+
+}  // namespace eses::detail
