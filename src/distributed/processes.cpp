@@ -14,7 +14,7 @@
 
 namespace eses::detail {
 
-Processes::Share Processes::share_of(std::uint64_t count, std::uint64_t unit, int rank) const {
+IndexRange Processes::range_of(std::uint64_t count, std::uint64_t unit, int rank) const {
   const std::uint64_t units = (count + unit - 1) / unit, all = static_cast<std::uint64_t>(count_);
   const auto begin_of = [&](std::uint64_t r) {
     // This form avoids the product of two large numbers.

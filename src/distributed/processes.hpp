@@ -17,6 +17,13 @@
 
 namespace eses::detail {
 
+/// The indices in [begin, end), such as those of consecutive atoms of a file, or of bytes.
+struct IndexRange {
+  std::uint64_t begin = 0, end = 0;
+
+  std::uint64_t count() const { return end - begin; }
+};
+
 /// An error that all processes have received, so that one of them can print it and all can exit.
 class SharedError : public Error, public Hints {
  public:
@@ -24,7 +31,7 @@ class SharedError : public Error, public Hints {
       : Error(message), Hints(std::move(hints)) {}
 };
 
-/// The MPI processes of a run. All functions except `rank`, `count`, `is_first`, `share_of`,
+/// The MPI processes of a run. All functions except `rank`, `count`, `is_first`, `range_of`,
 /// `become_reporter` and `abort` are collective: all processes must call them, from their main
 /// threads and outside of parallel loops (MPI_THREAD_FUNNELED). Elements are copied as bytes. In a
 /// single process all functions return at once.
@@ -47,13 +54,9 @@ class Processes {
   /// Advice for an error message if processes were started together but do not share a run.
   static std::string_view advice();
 
-  /// A range [begin, end).
-  struct Share {
-    std::uint64_t begin = 0, end = 0;
-  };
   /// Returns the part of [0, count) that a rank processes. All parts have about the same size and
   /// begin at multiples of `unit`.
-  Share share_of(std::uint64_t count, std::uint64_t unit, int rank) const;
+  IndexRange range_of(std::uint64_t count, std::uint64_t unit, int rank) const;
 
   /// Replaces each element by its minimum over all processes.
   void allreduce_min(std::span<double> values) const;

@@ -15,11 +15,11 @@ namespace eses::detail {
 namespace {
 
 // Returns the areas of the atoms in `wanted`. Other processes may have some of them.
-std::vector<double> fetch_areas(const AtomRange& wanted, const AtomAreas& own,
+std::vector<double> fetch_areas(const IndexRange& wanted, const AtomAreas& own,
                                 const Processes& processes) {
-  const AtomRange known = own.range();
+  const IndexRange known = own.range();
   std::vector<std::vector<double>> to;
-  for (const AtomRange& part : processes.gather<AtomRange>({&wanted, 1})) {
+  for (const IndexRange& part : processes.gather<IndexRange>({&wanted, 1})) {
     const auto place = [&](std::uint64_t atom) {
       return own.areas.begin() +
              static_cast<std::ptrdiff_t>(std::clamp(atom, known.begin, known.end) - known.begin);
@@ -106,7 +106,7 @@ class AreasOfRead {
   AreasOfRead(const AtomAreas& areas, const RunPlan& plan, const Processes& processes)
       : areas_(areas.areas) {  // those of all atoms in a single process
     if (processes.count() == 1) return;
-    fetched_ = fetch_areas(plan.read, areas, processes);
+    fetched_ = fetch_areas(plan.read_atoms, areas, processes);
     areas_ = fetched_;
   }
   AreasOfRead(const AreasOfRead&) = delete;
@@ -134,7 +134,7 @@ void append_atoms(const RunPlan& plan, std::span<const double> areas, bool with_
   if (with_header) append_atom_header(table);
   for (std::size_t i = 0; i < areas.size(); ++i) {
     const double radius = plan.radii.empty() ? plan.slab.molecule.atoms()[i].radius : plan.radii[i];
-    append_atom(table, {plan.read.begin + i + 1, label_of(plan, i), radius, areas[i]});
+    append_atom(table, {plan.read_atoms.begin + i + 1, label_of(plan, i), radius, areas[i]});
   }
   table.flush();
 }
@@ -166,23 +166,14 @@ std::uint64_t write_atom_table(const AtomAreas& areas, const RunPlan& plan, Outp
                                const std::function<void()>& check, const Processes& processes) {
   const AreasOfRead of_read(areas, plan, processes);
   SharedFile shared(processes, file);
-  std::uint64_t offset = 0;
-  if (processes.count() > 1) {
-    std::uint64_t bytes = 0;
+  const std::uint64_t bytes = shared.write_by_rank(0, [&](const TextSink& sink) {
     append_atoms(plan, of_read.areas(), processes.is_first(), [&](std::string_view text) {
       check();
-      bytes += text.size();
+      sink(text);
     });
-    offset = processes.sum_before(bytes);
-  }
-  const std::uint64_t begin = offset;
-  append_atoms(plan, of_read.areas(), processes.is_first(), [&](std::string_view text) {
-    check();
-    shared.write_at(text, offset);
-    offset += text.size();
   });
   shared.close();
-  return processes.sum(offset - begin);
+  return bytes;
 }
 
 }  // namespace eses::detail

@@ -17,8 +17,8 @@ constexpr std::size_t lines_per_part = std::size_t{1} << 16;
 
 // Returns the atoms whose areas a rank has. Ranges begin at multiples of `lines_per_part`, so that
 // the parts of the file do not depend on the number of ranks.
-Processes::Share atoms_of(int rank, const RunPlan& plan, const Processes& processes) {
-  return processes.share_of(plan.atoms, lines_per_part, rank);
+IndexRange atoms_of(int rank, const RunPlan& plan, const Processes& processes) {
+  return processes.range_of(plan.atoms, lines_per_part, rank);
 }
 
 // Sends the shares of each atom to the process that has its area, and adds them up.
@@ -32,7 +32,7 @@ std::vector<AreaShare> exchange_shares(AtomShares shares, const RunPlan& plan,
   };
   for (std::size_t i = 0; i < shares.of_slab.size(); ++i)
     if (shares.of_slab[i] != 0)
-      send({shares.of_slab[i], plan.slab.number_of(static_cast<AtomIndex>(i))});
+      send({shares.of_slab[i], plan.slab.file_index_of(static_cast<AtomIndex>(i))});
   for (const AtomSum& sum : shares.restored) send(sum);
   shares = {};
   const auto [begin, end] = atoms_of(processes.rank(), plan, processes);
@@ -49,10 +49,9 @@ std::vector<AreaShare> shares_alone(AtomShares shares, const RunPlan& plan) {
   return sums;
 }
 
-// Calls `take(text)` for the parts of this process's lines, compressed if necessary.
-template <class Take>
-void for_area_texts(const AtomAreas& atoms, bool is_gzipped, const std::function<void()>& check,
-                    Take&& take) {
+// Passes this process's lines of partition_area.txt to `sink`, compressed if necessary.
+void append_area_texts(const AtomAreas& atoms, bool is_gzipped, const std::function<void()>& check,
+                       const TextSink& sink) {
   std::optional<Gzip> gzip;
   if (is_gzipped) gzip.emplace();
   const std::span<const double> areas = atoms.areas;
@@ -62,7 +61,8 @@ void for_area_texts(const AtomAreas& atoms, bool is_gzipped, const std::function
     text.clear();
     append_areas(text, atoms.first + begin,
                  areas.subspan(begin, std::min(lines_per_part, areas.size() - begin)));
-    take(gzip ? gzip->member(text.text()) : text.text());
+    const std::span<const char> bytes = gzip ? gzip->member(text.text()) : text.text();
+    sink({bytes.data(), bytes.size()});
   }
 }
 
@@ -74,7 +74,8 @@ AtomAreas add_up_areas(AtomShares shares, const RunPlan& plan, const Processes& 
                                           : exchange_shares(std::move(shares), plan, processes);
   AtomAreas areas{atoms_of(processes.rank(), plan, processes).begin, {}};
   areas.areas.reserve(sums.size());
-  for (const AreaShare sum : sums) areas.areas.push_back(atom_area(sum, plan.whole.grid.spacing));
+  for (const AreaShare sum : sums)
+    areas.areas.push_back(atom_area(sum, plan.whole_plan.grid.spacing));
   return areas;
 }
 
@@ -88,19 +89,10 @@ double total_area(const AtomAreas& areas, const Processes& processes) {
 std::uint64_t write_areas(const AtomAreas& areas, bool gzip, OutputFile* file,
                           const std::function<void()>& check, const Processes& processes) {
   SharedFile shared(processes, file);
-  std::uint64_t offset = 0;
-  if (processes.count() > 1) {
-    std::uint64_t bytes = 0;
-    for_area_texts(areas, gzip, check, [&](std::span<const char> text) { bytes += text.size(); });
-    offset = processes.sum_before(bytes);
-  }
-  const std::uint64_t begin = offset;
-  for_area_texts(areas, gzip, check, [&](std::span<const char> text) {
-    shared.write_at(text, offset);
-    offset += text.size();
-  });
+  const std::uint64_t bytes = shared.write_by_rank(
+      0, [&](const TextSink& sink) { append_area_texts(areas, gzip, check, sink); });
   shared.close();
-  return processes.sum(offset - begin);
+  return bytes;
 }
 
 }  // namespace eses::detail

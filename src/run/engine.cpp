@@ -35,7 +35,8 @@ std::unique_ptr<OutputFiles> open_files(const RunTask& task, const RunPlan& plan
   std::unique_ptr<OutputFiles> files;
   processes.all_or_throw([&] {
     if (!processes.is_first()) return;
-    files = std::make_unique<OutputFiles>(task.outputs, task.output_directory, plan.whole.files);
+    files =
+        std::make_unique<OutputFiles>(task.outputs, task.output_directory, plan.whole_plan.files);
     if (plan.checkpoint) plan.checkpoint->prepare();
   });
   return files;
@@ -69,11 +70,11 @@ std::optional<mesh::MeshText> mesh_text(const RunTask& task, const RunPlan& plan
                                 .residue_count = processes.sum(plan.groups.residues.size())};
   return mesh::MeshText(required_mesh_format(*mesh), mesh->color,
                         {.groups = groups,
-                         .atom_numbers = plan.slab.numbers,
+                         .file_indices = plan.slab.file_indices,
                          .atoms = plan.slab.molecule.atoms(),
                          .atom_count = plan.atoms,
-                         .probe_radius = plan.whole.parameters.probe_radius,
-                         .spacing = plan.whole.grid.spacing});
+                         .probe_radius = plan.whole_plan.parameters.probe_radius,
+                         .spacing = plan.whole_plan.grid.spacing});
 }
 
 double cpu_seconds() {
@@ -126,8 +127,9 @@ void combine_verifications(Verification& found, const Processes& processes) {
 void take_restored(const RunPlan& plan, const Processes& processes, std::vector<PlaneChunk>& chunks,
                    AtomShares& shares) {
   const auto step = static_cast<std::size_t>(processes.count());
-  for (auto i = static_cast<std::size_t>(processes.rank()); i < plan.done.size(); i += step) {
-    PlaneChunk chunk = plan.checkpoint->read(plan.done[i]);
+  for (auto i = static_cast<std::size_t>(processes.rank()); i < plan.finished_planes.size();
+       i += step) {
+    PlaneChunk chunk = plan.checkpoint->read(plan.finished_planes[i]);
     shares.restored.insert(shares.restored.end(), chunk.sums.begin(), chunk.sums.end());
     chunk.sums = {};
     chunks.push_back(std::move(chunk));
@@ -166,7 +168,7 @@ std::uint64_t commit_files(const RunTask& task, const RunPlan& plan, OutputFiles
   std::uint64_t box_bytes = 0;
   processes.all_or_throw([&] {
     if (files == nullptr) return;
-    if (files->box) box_bytes = write_box(*files->box, plan.whole.grid, files->gzip);
+    if (files->box) box_bytes = write_box(*files->box, plan.whole_plan.grid, files->gzip);
     require_memory_within(task.parameters.max_memory);
     files->commit(check);
     if (plan.checkpoint)
@@ -204,7 +206,7 @@ RunPaths paths_of(const RunTask& task, const Processes& processes) {
 RunResult execute(const RunTask& task, const RunPlan& plan, const RunPaths& paths,
                   const Callbacks& callbacks, const Processes& processes) {
   const Stopwatch total;
-  processes.all_or_throw([&] { start_threads(plan.own.threads); });
+  processes.all_or_throw([&] { start_threads(plan.slab_plan.threads); });
   const std::unique_ptr<OutputFiles> files = open_files(task, plan, processes);
   require_shared_directories(task, paths, processes);
 
@@ -220,8 +222,10 @@ RunResult execute(const RunTask& task, const RunPlan& plan, const RunPaths& path
   SweepFiles sweep_files{.final_files = files.get()};
   if (mesh) {
     sweep_files.mesh_text = &*mesh;
-    sweep_files.mesh_header_bytes = mesh_header_bytes(*mesh, plan.groups, processes);
-    sweep_files.face_header_bytes = face_header_bytes(*mesh);
+    sweep_files.mesh_header_bytes =
+        header_bytes(mesh_header(*mesh, plan.groups, {}, processes), processes);
+    if (mesh->has_face_file())
+      sweep_files.face_header_bytes = header_bytes(face_header(*mesh, {}, processes), processes);
   }
   SlabSweep sweep(task, plan, ranges, sweep_files, callbacks, report, processes);
   SweepResult swept = sweep.run(summary);
@@ -232,7 +236,7 @@ RunResult execute(const RunTask& task, const RunPlan& plan, const RunPaths& path
   if (summary.verification) combine_verifications(*summary.verification, processes);
 
   Merge merge(task, plan, processes, std::move(swept.chunks), check);
-  fill_totals(merge.totals(), plan.whole.grid.spacing, summary);
+  fill_totals(merge.totals(), plan.whole_plan.grid.spacing, summary);
   AtomAreas areas = add_up_areas(std::move(shares), plan, processes);
   summary.area = total_area(areas, processes);
   if (!has_faults(summary)) {

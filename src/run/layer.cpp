@@ -1,7 +1,6 @@
 #include "run/layer.hpp"
 
 #include <algorithm>
-#include <span>
 
 namespace eses::detail {
 namespace {
@@ -14,14 +13,6 @@ void append_bits(RowBits& row, std::int64_t position, std::uint64_t bits, std::i
   const int shift = static_cast<int>(position % 64);
   row[word] |= bits << shift;
   if (shift + count > 64) row[word + 1] |= bits >> (64 - shift);
-}
-
-// Returns the crossings of one row. `row_begin` has the begin of each row.
-std::span<const BlockCrossing> row_crossings(std::span<const BlockCrossing> crossings,
-                                             std::span<const std::uint32_t> row_begin,
-                                             std::int64_t row) {
-  const auto r = static_cast<std::size_t>(row);
-  return crossings.subspan(row_begin[r], row_begin[r + 1] - row_begin[r]);
 }
 
 }  // namespace
@@ -63,25 +54,11 @@ void LayerRows::merge_row(std::int64_t y, std::int64_t z, RowBits& row) const {
   }
 }
 
-LayerCrossings::LayerCrossings(const BlockTiling& tiling, const Layer& layer)
-    : tiling_(tiling), blocks_(static_cast<std::size_t>(tiling.blocks[1])) {
+LayerCrossings::LayerCrossings(const BlockTiling& tiling, const Layer& layer, Extent extent)
+    : tiling_(tiling), extent_(extent), blocks_(static_cast<std::size_t>(tiling.blocks[1])) {
   for (std::size_t b = 0; b < layer.blocks.size(); ++b)
     if (!layer.blocks[b].crossings.empty() || !layer.blocks[b].halo_crossings.empty())
       blocks_[b / static_cast<std::size_t>(tiling.blocks[0])].push_back(&layer.blocks[b]);
-}
-
-std::span<const BlockCrossing> LayerCrossings::owned_part(const BlockResult& result, std::int64_t y,
-                                                          std::int64_t z) {
-  const GridIndex& owned = result.block.owned;
-  if (y >= owned[1] || z >= owned[2]) return {};
-  return row_crossings(result.crossings, result.row_begin, z * owned[1] + y);
-}
-
-std::span<const BlockCrossing> LayerCrossings::halo_part(const BlockResult& result, std::int64_t y,
-                                                         std::int64_t z) {
-  if (result.halo_row_begin.empty()) return {};
-  return row_crossings(result.halo_crossings, result.halo_row_begin,
-                       z * result.block.points[1] + y);
 }
 
 Plane last_plane(const Layer& layer) {

@@ -30,20 +30,51 @@ std::uint64_t write_empty_member(const Processes& processes, SharedFile& file) {
   return member.size();
 }
 
-// Copies the first bytes of a scratch file to the file `to` from `begin` on. Returns the number of
-// bytes copied, which is smaller if the kernel cannot copy them.
-std::uint64_t copy_in_kernel(const ScratchFile& from, std::uint64_t bytes, SharedFile& to,
-                             std::uint64_t begin, const std::function<void()>& check) {
-  std::uint64_t done = 0;
-  while (done < bytes) {
+// Calls `take(bytes, offset)` for parts of a scratch file of this length, from `begin` on. The
+// lengths of the parts are multiples of `unit`. `loaded(bytes, offset)` is called before, from
+// another thread if there are several threads. With several processes, only the main thread may
+// write. Another thread reads ahead if it can be started.
+template <class Loaded, class Take>
+void read_parts(const ScratchFile& from, std::uint64_t begin, std::uint64_t length,
+                std::uint64_t unit, int threads, const std::function<void()>& check,
+                Loaded&& loaded, Take&& take) {
+  if (begin >= length) return;
+  const std::uint64_t step = std::max<std::uint64_t>(1, bytes_per_read / unit) * unit;
+  std::vector<char> part, next;
+  const auto load = [&](std::uint64_t offset) {
+    next.resize(std::min(step, length - offset));
+    from.read_at(std::as_writable_bytes(std::span(next)), offset);
+    loaded(std::span<const char>(next), offset);
+  };
+  const auto how = threads > 1 ? std::launch::async | std::launch::deferred : std::launch::deferred;
+  std::future<void> loading = std::async(how, load, begin);
+  for (std::uint64_t offset = begin; offset < length; offset += part.size()) {
     check();
-    const std::uint64_t copied = to.copy_from(
-        from.descriptor(),
-        {.from = done, .to = begin + done, .bytes = std::min(bytes_per_copy, bytes - done)});
-    if (copied == 0) break;
-    done += copied;
+    loading.get();
+    part.swap(next);
+    if (offset + part.size() < length) loading = std::async(how, load, offset + part.size());
+    take(std::span<const char>(part), offset);
   }
-  return done;
+}
+
+// Copies a scratch file of this length to the file `to` from `begin` on, as far as possible in the
+// kernel.
+void copy_file(const ScratchFile& from, std::uint64_t length, SharedFile& to, std::uint64_t begin,
+               int threads, const std::function<void()>& check) {
+  std::uint64_t copied = 0;
+  while (copied < length) {
+    check();
+    const std::uint64_t bytes = to.copy_from(
+        from.descriptor(),
+        {.from = copied, .to = begin + copied, .bytes = std::min(bytes_per_copy, length - copied)});
+    if (bytes == 0) break;
+    copied += bytes;
+  }
+  read_parts(
+      from, copied, length, 1, threads, check, [](auto&&...) {},
+      [&](std::span<const char> bytes, std::uint64_t offset) {
+        to.write_at(bytes, begin + offset);
+      });
 }
 
 // Divides records into the columns of a table, in a part of a file that begins at `begin`.
@@ -105,7 +136,7 @@ Merge::Merge(const RunTask& task, const RunPlan& plan, const Processes& processe
 }
 
 void Merge::add_up() {
-  std::int64_t next = plan_.whole.tiling.region.begin[2];
+  std::int64_t next = plan_.whole_plan.tiling.region.begin[2];
   for (const ChunkInfo& info : all_) {
     if (info.planes.begin != next)
       throw Error("the checkpoint has gaps or overlaps; remove its directory and run again");
@@ -114,7 +145,7 @@ void Merge::add_up() {
     mesh_.vertices += info.mesh.vertices;
     mesh_.triangles += info.mesh.triangles;
   }
-  if (next != plan_.whole.tiling.region.end[2]) throw Error("chunks of the run are missing");
+  if (next != plan_.whole_plan.tiling.region.end[2]) throw Error("chunks of the run are missing");
   mesh::require_vertex_count(mesh_.vertices);
 }
 
@@ -150,50 +181,32 @@ void Merge::require_sound(const PlaneChunk& chunk, ChunkText text, std::uint32_t
                 chunk.info.planes.begin, chunk.info.planes.end - 1));
 }
 
-// Calls `take(bytes, offset)` for parts of a chunk's text from `begin` on, whose lengths are
-// multiples of `unit`. For a chunk of an earlier run, `begin` must be 0, as its checksum is
-// compared.
+// Calls `take(bytes, offset)` for parts of a chunk's text, whose lengths are multiples of `unit`.
+// Compares the checksum of a chunk of an earlier run.
 template <class Take>
-void Merge::read(PlaneChunk& chunk, ChunkText text, std::uint64_t unit, std::uint64_t begin,
-                 Take&& take) const {
-  const std::uint64_t bytes = chunk.info.bytes_of(text);
-  if (begin >= bytes) return;
-  const ScratchFile& from = open(chunk, text);
-  const std::uint64_t step = std::max<std::uint64_t>(1, bytes_per_read / unit) * unit;
+void Merge::read(PlaneChunk& chunk, ChunkText text, std::uint64_t unit, Take&& take) const {
+  const std::uint64_t length = chunk.info.bytes_of(text);
+  if (length == 0) return;
   TextChecksum checksum;
-  std::vector<char> part, next;
-  const auto load = [&](std::uint64_t offset) {
-    next.resize(std::min(step, bytes - offset));
-    from.read_at(std::as_writable_bytes(std::span(next)), offset);
-    if (chunk.is_restored) checksum.add(next, offset);
-  };
-  // With several processes, only the main thread may write. Another thread reads ahead if it can be
-  // started.
-  const auto how =
-      plan_.own.threads > 1 ? std::launch::async | std::launch::deferred : std::launch::deferred;
-  std::future<void> loaded = std::async(how, load, begin);
-  for (std::uint64_t done = begin; done < bytes; done += part.size()) {
-    check_();
-    loaded.get();
-    part.swap(next);
-    if (done + part.size() < bytes) loaded = std::async(how, load, done + part.size());
-    take(std::span<const char>(part), done);
-  }
+  read_parts(
+      open(chunk, text), 0, length, unit, plan_.slab_plan.threads, check_,
+      [&](std::span<const char> bytes, std::uint64_t offset) {
+        if (chunk.is_restored) checksum.add(bytes, offset);
+      },
+      std::forward<Take>(take));
   if (chunk.is_restored) require_sound(chunk, text, checksum.value());
   if (plan_.checkpoint) close(chunk, text);
 }
 
+// Copies a text to the file `to` from `begin` on, unless it is there already.
 void Merge::copy(PlaneChunk& chunk, ChunkText text, SharedFile& to, std::uint64_t begin) {
-  const bool is_at_its_place = chunk.is_in_place && !chunk.text(text);
-  if (is_at_its_place) return;
   const std::uint64_t length = chunk.info.bytes_of(text);
-  const bool must_be_read = chunk.is_restored;  // for its checksum
-  const std::uint64_t copied = length == 0 || must_be_read
-                                   ? 0
-                                   : copy_in_kernel(open(chunk, text), length, to, begin, check_);
-  read(chunk, text, 1, copied, [&](std::span<const char> bytes, std::uint64_t offset) {
-    to.write_at(bytes, begin + offset);
-  });
+  if (chunk.is_restored)
+    read(chunk, text, 1, [&](std::span<const char> bytes, std::uint64_t offset) {
+      to.write_at(bytes, begin + offset);
+    });
+  else if (length > 0 && (!chunk.is_in_place || chunk.text(text)))
+    copy_file(open(chunk, text), length, to, begin, plan_.slab_plan.threads, check_);
   close(chunk, text);
 }
 
@@ -215,11 +228,13 @@ std::uint64_t Merge::write_text(OutputFile* file, ChunkText text) {
 
 // Number of threads that read a file which all processes share. With several processes only the
 // main thread may do so.
-int Merge::threads_of_shared_file() const { return processes_.count() > 1 ? 1 : plan_.own.threads; }
+int Merge::threads_of_shared_file() const {
+  return processes_.count() > 1 ? 1 : plan_.slab_plan.threads;
+}
 
 std::uint64_t Merge::write_values(GridMap& map) const {
-  const Processes::Share share =
-      processes_.share_of(static_cast<std::uint64_t>(map.tile_count()), 1, processes_.rank());
+  const IndexRange share =
+      processes_.range_of(static_cast<std::uint64_t>(map.tile_count()), 1, processes_.rank());
   map.transpose_tiles(static_cast<std::int64_t>(share.begin), static_cast<std::int64_t>(share.end),
                       threads_of_shared_file(), check_);
   if (processes_.is_first()) map.write_ends();
@@ -233,8 +248,8 @@ std::uint64_t Merge::write_compressed_values(GridMap& map, SharedFile& to) const
   const auto append = [&](const std::vector<char>& bytes) {
     text.append(std::as_bytes(std::span(bytes)));
   };
-  const Processes::Share share =
-      processes_.share_of(static_cast<std::uint64_t>(map.cells_of_row()), 1, processes_.rank());
+  const IndexRange share =
+      processes_.range_of(static_cast<std::uint64_t>(map.cells_of_row()), 1, processes_.rank());
   if (processes_.is_first()) append(map.compressed_header());
   {
     ScratchFile members(task_.output_directory);
@@ -246,21 +261,14 @@ std::uint64_t Merge::write_compressed_values(GridMap& map, SharedFile& to) const
   // No process knows the sum before all have read their words. Only then may members replace them.
   const std::uint64_t all = processes_.sum(own);
   const std::uint64_t begin = processes_.sum_before(own);
-  std::uint64_t done = copy_in_kernel(text, own, to, begin, check_);
-  std::vector<char> part;
-  for (; done < own; done += part.size()) {
-    check_();
-    part.resize(std::min(bytes_per_read, own - done));
-    text.read_at(std::as_writable_bytes(std::span(part)), done);
-    to.write_at(part, begin + done);
-  }
+  copy_file(text, own, to, begin, threads_of_shared_file(), check_);
   return all;
 }
 
 std::uint64_t Merge::write_map(OutputFile* file, const MapChoice& choice) {
   SharedFile shared(processes_, file);
-  const GridRegion& region = plan_.whole.tiling.region;
-  GridMap map(map_file(shared), choice, plan_.whole.grid, region);
+  const GridRegion& region = plan_.whole_plan.tiling.region;
+  GridMap map(map_file(shared), choice, plan_.whole_plan.grid, region);
   const ChunkText text = text_of(choice.quantity);
   const auto row_words =
       static_cast<std::uint64_t>(GridMap::words_of_row(choice.quantity, region.size()));
@@ -270,7 +278,7 @@ std::uint64_t Merge::write_map(OutputFile* file, const MapChoice& choice) {
   for (PlaneChunk& chunk : own_) {
     if (chunk.is_in_place) continue;
     const std::int64_t first_row = (chunk.info.planes.begin - region.begin[2]) * region.size()[1];
-    read(chunk, text, row_bytes, 0, [&](std::span<const char> bytes, std::uint64_t offset) {
+    read(chunk, text, row_bytes, [&](std::span<const char> bytes, std::uint64_t offset) {
       words.resize(bytes.size() / sizeof(std::uint64_t));
       std::memcpy(words.data(), bytes.data(), bytes.size());
       map.write_rows(first_row + static_cast<std::int64_t>(offset / row_bytes), words, scratch);
@@ -290,7 +298,7 @@ std::uint64_t Merge::write_map(OutputFile* file, const MapChoice& choice) {
 std::uint64_t Merge::write_mesh(OutputFile* file, OutputFile* face_file,
                                 const mesh::MeshText& text) {
   SharedFile shared(processes_, file);
-  std::uint64_t bytes = write_mesh_header(text, plan_.groups, mesh_, processes_, shared);
+  std::uint64_t bytes = write_header(mesh_header(text, plan_.groups, mesh_, processes_), shared);
   if (text.has_columns()) {
     bytes = write_columns(shared, bytes, text);
   } else {
@@ -300,7 +308,7 @@ std::uint64_t Merge::write_mesh(OutputFile* file, OutputFile* face_file,
   shared.close();
   if (!text.has_face_file()) return bytes;
   SharedFile faces(processes_, face_file);
-  const std::uint64_t header = write_face_header(text, mesh_, processes_, faces);
+  const std::uint64_t header = write_header(face_header(text, mesh_, processes_), faces);
   bytes += write_triangles(faces, header, text);
   faces.close();
   return bytes;
@@ -311,7 +319,7 @@ std::uint64_t Merge::write_mesh(OutputFile* file, OutputFile* face_file,
 template <class Take>
 void Merge::for_triangles(PlaneChunk& chunk, Take&& take) const {
   std::vector<mesh::LocalTriangle> triangles;
-  read(chunk, ChunkText::triangles, sizeof(mesh::LocalTriangle), 0,
+  read(chunk, ChunkText::triangles, sizeof(mesh::LocalTriangle),
        [&](std::span<const char> bytes, std::uint64_t offset) {
          triangles.resize(bytes.size() / sizeof(mesh::LocalTriangle));
          std::memcpy(triangles.data(), bytes.data(), bytes.size());
@@ -381,7 +389,7 @@ std::uint64_t Merge::write_columns(SharedFile& file, std::uint64_t begin,
   TextBuffer records;
   for_own(vertices_of, [&](PlaneChunk& chunk, std::uint64_t first_vertex) {
     const std::uint64_t first_triangle = first_triangles[index++];
-    read(chunk, ChunkText::vertices, data.vertices.record_bytes, 0,
+    read(chunk, ChunkText::vertices, data.vertices.record_bytes,
          [&](std::span<const char> bytes, std::uint64_t offset) {
            vertices.write(bytes, first_vertex + offset / data.vertices.record_bytes);
          });

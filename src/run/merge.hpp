@@ -47,8 +47,7 @@ class Merge {
   ScratchFile& open(PlaneChunk& chunk, ChunkText text) const;
   void close(PlaneChunk& chunk, ChunkText text) const;
   template <class Take>
-  void read(PlaneChunk& chunk, ChunkText text, std::uint64_t unit, std::uint64_t begin,
-            Take&& take) const;
+  void read(PlaneChunk& chunk, ChunkText text, std::uint64_t unit, Take&& take) const;
   void require_sound(const PlaneChunk& chunk, ChunkText text, std::uint32_t checksum) const;
   void copy(PlaneChunk& chunk, ChunkText text, SharedFile& to, std::uint64_t begin);
   std::uint64_t copy_all(ChunkText text, SharedFile& to, std::uint64_t begin);

@@ -14,7 +14,7 @@ struct MeshOutput::LayerView {
   LayerView(const BlockTiling& tiling, const Layer& layer)
       : first_z(layer.first_z()),
         rows(tiling, layer, Extent::with_halo),
-        crossings(tiling, layer) {}
+        crossings(tiling, layer, Extent::with_halo) {}
 
   std::int64_t first_z;
   LayerRows rows;
@@ -44,11 +44,11 @@ void MeshOutput::number_rows(const Layer& layer) {
   const std::lock_guard lock(mutex_);
   if (is_numbered_) return;
   const std::int64_t rows = planes_of(layer) * rows_y_;
-  const LayerCrossings crossings(plan_.tiling, layer);
+  const LayerCrossings crossings(plan_.tiling, layer, Extent::with_halo);
   row_begin_.assign(1, layer_begin_);
   for (std::int64_t row = 0; row < rows; ++row) {
     std::uint64_t count = 0;
-    crossings.for_each_row_part_with_halo(
+    crossings.for_each_row_part(
         row % rows_y_, row / rows_y_,
         [&](std::int64_t, std::span<const BlockCrossing> part) { count += part.size(); });
     row_begin_.push_back(row_begin_.back() + count);
@@ -63,7 +63,7 @@ void MeshOutput::make_row(const LayerView& view, std::int64_t y, std::int64_t z,
   row.edges.clear();
   row.patches.clear();
   const bool has_patches = text_.has_triangle_patches();
-  view.crossings.for_each_row_part_with_halo(
+  view.crossings.for_each_row_part(
       y, z, [&](std::int64_t first_x, std::span<const BlockCrossing> part) {
         for (const BlockCrossing& crossing : part) {
           row.edges.push_back(mesh::edge_key(
@@ -102,7 +102,7 @@ void MeshOutput::append_vertices(const LayerView& view, const RowRange& rows,
                                  TextBuffer& text) const {
   for (std::int64_t row = rows.begin; row < rows.end; ++row) {
     const std::int64_t y = row % rows_y_, z = row / rows_y_;
-    view.crossings.for_each_row_part_with_halo(
+    view.crossings.for_each_row_part(
         y, z, [&](std::int64_t first_x, std::span<const BlockCrossing> part) {
           for (const BlockCrossing& crossing : part)
             text_.append_vertex(text, mesh::make_vertex(plan_.grid,

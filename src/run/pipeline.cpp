@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <utility>
 
-#include "run/solved_block.hpp"
 #include "system/parallel.hpp"
 #include "system/resources.hpp"
 #include "system/stopwatch.hpp"
@@ -45,7 +44,7 @@ Pipeline::Pipeline(PatchSchedule& patches, const Plan& plan, Sinks sinks, Progre
       plan_(plan),
       sinks_(std::move(sinks)),
       progress_(progress),
-      text_(plan.grid, plan.tiling.region, sinks_.atom_numbers),
+      text_(plan.grid, plan.tiling.region, sinks_.file_indices),
       batches_(plan.tiling.region, sinks_.gzip),
       layers_(static_cast<std::size_t>(plan.tiling.blocks[2])),
       queue_(patches, heights_of_layers(plan), plan.tiling.blocks[0] * plan.tiling.blocks[1],
@@ -225,7 +224,7 @@ void Pipeline::add_shares(BlockWorkspace& workspace) {
 
 void Pipeline::call_block_callback(const BlockResult& result) {
   if (!sinks_.block) return;
-  progress_.call([&] { sinks_.block(SolvedBlock(result)); });
+  progress_.call([&] { sinks_.block(result); });
 }
 
 void Pipeline::write(const Task& task, Writer& writer) {

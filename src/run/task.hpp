@@ -23,8 +23,6 @@
 
 namespace eses::detail {
 
-class SolvedBlock;
-
 /// The part of a grid to compute: all of it, the points in a closed box (angstrom, finite), blocks
 /// of the tiling of the whole grid, or a range of points; and the edges that start at these points.
 /// Indices and coordinates remain those of the whole grid.
@@ -94,7 +92,7 @@ struct RunTask {
 
 /// Receives each block once, in unspecified order. See `Callbacks` for the calling threads. An
 /// exception of the callback ends the run and is rethrown.
-using SolvedBlockCallback = std::function<void(const SolvedBlock&)>;
+using SolvedBlockCallback = std::function<void(const BlockResult&)>;
 
 /// Functions that a run calls; empty ones are not called. Any thread of the run may call them, but
 /// no two calls happen at the same time, even of different functions.

@@ -54,18 +54,6 @@ std::int64_t owner_of(const BlockTiling& tiling, const GridIndex& point) {
   return number_of(tiling, block);
 }
 
-void add_edges(const Grid& grid, const BlockResult& result, verify::CrossingSample& sample) {
-  const std::int64_t rows_y = result.block.owned[1];
-  for (std::size_t row = 0; row + 1 < result.row_begin.size(); ++row) {
-    const auto r = static_cast<std::int64_t>(row);
-    for (std::uint32_t c = result.row_begin[row]; c < result.row_begin[row + 1]; ++c) {
-      const GridIndex row_start{result.block.first[0], result.block.first[1] + r % rows_y,
-                                result.block.first[2] + r / rows_y};
-      sample.add(grid, to_crossing(grid, row_start, result.crossings[c]));
-    }
-  }
-}
-
 }  // namespace
 
 Verifier::Verifier(std::span<const Atom> atoms, const Plan& plan)
@@ -92,8 +80,9 @@ void Verifier::take(const BlockResult& result, std::size_t thread) {
   auto point = std::lower_bound(points_.begin(), points_.end(), block,
                                 [](const auto& p, std::int64_t b) { return p.block < b; });
   for (; point != points_.end() && point->block == block; ++point)
-    point->is_inside = SolvedBlock(result).is_inside(point->index);
-  add_edges(plan_.grid, result, samples_[thread]);
+    point->is_inside = eses::detail::is_inside(result, point->index);
+  for_each_crossing(plan_.grid, result,
+                    [&](const Crossing& crossing) { samples_[thread].add(plan_.grid, crossing); });
 }
 
 /// The progress of the checks.

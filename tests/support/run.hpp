@@ -13,7 +13,7 @@ namespace eses::detail::test {
 inline Plan make_plan(const Molecule& molecule, const Parameters& parameters,
                       const Outputs& outputs) {
   return plan_run({.atoms = molecule, .parameters = parameters, .outputs = outputs}, Processes())
-      .whole;
+      .whole_plan;
 }
 
 /// Performs a run that writes its files into `directory`.
