@@ -259,7 +259,7 @@ TEST_CASE("keys are numbered in the order of their first occurrence", "[processe
   const std::vector<std::string> keys{"b", "", "a", "c"};
   const KeyNumbers numbers = number_keys(keys, alone);
   CHECK(numbers.of_key == std::vector<std::uint32_t>{0, 1, 2, 3});
-  CHECK(numbers.own == std::vector<std::size_t>{0, 1, 2, 3});
+  CHECK(numbers.first_here == std::vector<std::size_t>{0, 1, 2, 3});
   CHECK(numbers.first == 0);
   CHECK(number_keys({}, alone).of_key.empty());
 }

@@ -107,9 +107,12 @@ detail::Callbacks callbacks_of(const RunOptions& options) {
 
 // Performs a run, which writes the outputs of its task.
 Summary solve(const PlannedRun& run, const detail::Callbacks& callbacks) {
-  Summary summary = detail::execute(run.task, run.plan, {}, callbacks, detail::Processes()).summary;
+  detail::RunResult result =
+      detail::execute(run.task, run.plan, {}, callbacks, detail::Processes());
+  Summary& summary = result.summary;
   if (detail::has_faults(summary)) throw VerificationError(std::move(*summary.verification));
-  return summary;
+  summary.atom_areas = std::move(result.atom_areas).value();
+  return std::move(summary);
 }
 
 std::invalid_argument point_error(const GridIndex& point, const GridRegion& region) {

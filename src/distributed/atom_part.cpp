@@ -169,7 +169,7 @@ std::uint64_t divided_bytes(const std::filesystem::path& path, const ReadOptions
   processes.all_or_throw([&] {
     if (bytes > 0 && divisible_bytes(path) != bytes)
       throw Error(formatted("cannot read {}{}: it is not the file that the first process reads",
-                            path.string(), processes.place()));
+                            path.string(), processes.on_machine()));
   });
   return bytes;
 }

@@ -1,7 +1,7 @@
 #pragma once
 /// Chunks of planes and checkpoints. A chunk has the texts and sums of a range of planes; all
 /// chunks are merged into the output files at the end of a run. A checkpoint keeps them on disk, so
-/// that an interrupted run can be resumed. This folder does not communicate with other processes.
+/// that an interrupted run can be resumed. Nothing here communicates with other processes.
 
 #include <array>
 #include <cstdint>
@@ -110,7 +110,7 @@ class Checkpoint {
   /// or with texts of the wrong length is not complete. Throws Error if there are chunks of a run
   /// with another identity, or if the file with the identity is damaged.
   std::vector<PlaneRange> complete() const;
-  /// Removes the files of all other chunks than these.
+  /// Removes the files of all chunks except `complete`.
   void remove_others(std::span<const PlaneRange> complete) const;
   /// Marks a chunk as incomplete.
   void drop(const PlaneRange& planes) const;
@@ -129,7 +129,7 @@ class Checkpoint {
   void remove();
 
  private:
-  bool is_whole(const PlaneRange& planes) const;
+  bool is_complete(const PlaneRange& planes) const;
   std::string sums_path(const PlaneRange& planes) const;
 
   std::filesystem::path path_;

@@ -49,9 +49,10 @@ void require_shared_directories(const RunTask& task, const RunPaths& paths,
   if (processes.count() == 1) return;
   const auto require = [&](const std::filesystem::path& path, int mode) {
     if (!FileDescriptor(::open(path.c_str(), mode | O_CLOEXEC)).is_open())
-      throw Error(formatted(
-          "cannot write into {}{}: {}; is it the same directory for all processes?",
-          path.parent_path().string(), processes.place(), std::generic_category().message(errno)));
+      throw Error(
+          formatted("cannot write into {}{}: {}; is it the same directory for all processes?",
+                    path.parent_path().string(), processes.on_machine(),
+                    std::generic_category().message(errno)));
   };
   processes.all_or_throw([&] {
     for (const std::string& path : paths.temporaries) require(path, O_WRONLY);
@@ -87,11 +88,11 @@ double cpu_seconds() {
 }
 
 // Broadcasts the lines of process `from` to all processes.
-std::vector<std::string> broadcast_lines(const std::vector<std::string>& own, int from,
+std::vector<std::string> broadcast_lines(const std::vector<std::string>& lines, int from,
                                          const Processes& processes) {
   std::string packed;
   if (processes.rank() == from)
-    for (const std::string& line : own) pack(packed, line);
+    for (const std::string& line : lines) pack(packed, line);
   return unpack(processes.broadcast(std::move(packed), from));
 }
 
@@ -184,9 +185,9 @@ void add_figures(const Stopwatch& total, const RunPlan& plan, const Processes& p
   PhaseSeconds& seconds = result.summary.seconds;
   seconds.total = total.seconds();
   combine_seconds(seconds, processes);
-  const ProcessFigures own{plan.slab.planes, plan.slab.molecule.atoms().size(), cpu_seconds(),
-                           peak_memory()};
-  result.processes = processes.gather<ProcessFigures>({&own, 1});
+  const ProcessFigures figures{plan.slab.planes, plan.slab.molecule.atoms().size(), cpu_seconds(),
+                               peak_memory()};
+  result.processes = processes.gather<ProcessFigures>({&figures, 1});
 }
 
 }  // namespace
@@ -196,11 +197,8 @@ bool has_faults(const Summary& summary) {
 }
 
 RunPaths paths_of(const RunTask& task, const Processes& processes) {
-  const auto share = [&](const std::vector<std::string>& own) {
-    return broadcast_lines(own, 0, processes);
-  };
-  return {share(temporary_paths(task.outputs, task.output_directory)),
-          share(lock_paths(task.outputs, task.output_directory))};
+  return {broadcast_lines(temporary_paths(task.outputs, task.output_directory), 0, processes),
+          broadcast_lines(lock_paths(task.outputs, task.output_directory), 0, processes)};
 }
 
 RunResult execute(const RunTask& task, const RunPlan& plan, const RunPaths& paths,
@@ -245,7 +243,7 @@ RunResult execute(const RunTask& task, const RunPlan& plan, const RunPaths& path
         write_files(task, plan, mesh, areas, merge, files.get(), check, processes) +
         commit_files(task, plan, files.get(), check, processes);
   }
-  if (processes.count() == 1) summary.atom_areas = std::move(areas.areas);
+  if (processes.count() == 1) result.atom_areas = std::move(areas.areas);
   add_figures(total, plan, processes, result);
   return result;
 }

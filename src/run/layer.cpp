@@ -1,7 +1,5 @@
 #include "run/layer.hpp"
 
-#include <algorithm>
-
 namespace eses::detail {
 namespace {
 
@@ -18,7 +16,7 @@ void append_bits(RowBits& row, std::int64_t position, std::uint64_t bits, std::i
 }  // namespace
 
 BlockRow block_row_of(const BlockTiling& tiling, std::int64_t y) {
-  const std::int64_t by = std::min(y / (tiling.block_size[1] - 1), tiling.blocks[1] - 1);
+  const std::int64_t by = block_along(tiling, 1, y);
   return {by, y - by * (tiling.block_size[1] - 1)};
 }
 
@@ -47,9 +45,9 @@ LayerRows::LayerRows(const BlockTiling& tiling, const Layer& layer, Extent exten
 
 void LayerRows::merge_row(std::int64_t y, std::int64_t z, RowBits& row) const {
   row.assign(words_, 0);
-  const BlockRow place = block_row_of(tiling_, y);
-  for (const Part& part : parts_[static_cast<std::size_t>(place.by)]) {
-    const std::uint64_t bits = part.words[z * part.rows + place.y];
+  const BlockRow position = block_row_of(tiling_, y);
+  for (const Part& part : parts_[static_cast<std::size_t>(position.by)]) {
+    const std::uint64_t bits = part.words[z * part.rows + position.y];
     if (bits != 0) append_bits(row, part.position, bits, part.count);
   }
 }

@@ -1,6 +1,7 @@
 #pragma once
 /// A solved layer of blocks as rows of the whole grid.
 
+#include <algorithm>
 #include <cstdint>
 #include <span>
 #include <vector>
@@ -47,6 +48,12 @@ class LayerRows {
   std::size_t words_;                     // of a row
   std::vector<std::vector<Part>> parts_;  // by block row
 };
+
+/// Returns the index along an axis of the block that owns a point. `offset` is relative to the
+/// region's first point.
+inline std::int64_t block_along(const BlockTiling& tiling, std::size_t axis, std::int64_t offset) {
+  return std::min(offset / (tiling.block_size[axis] - 1), tiling.blocks[axis] - 1);
+}
 
 /// The position of a row in its blocks: the index `by` of the blocks along y, and the local index
 /// `y` of the row in these blocks.

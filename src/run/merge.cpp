@@ -84,7 +84,7 @@ class ColumnWriter {
   ColumnWriter(SharedFile& file, std::uint64_t begin, const mesh::ColumnTable& table)
       : file_(file), begin_(begin), table_(table) {}
 
-  // Records from number `first` on.
+  // Writes records, the first of which has the index `first` in the table.
   void write(std::span<const char> records, std::uint64_t first) {
     const std::size_t count = records.size() / table_.record_bytes;
     for (const mesh::Column& column : table_.columns) {
@@ -96,7 +96,7 @@ class ColumnWriter {
     }
   }
 
-  // The length of each column, before its values.
+  // Writes the length of each column before its values.
   void write_lengths() {
     for (const mesh::Column& column : table_.columns) {
       const std::uint64_t length = table_.record_count * column.bytes;
@@ -121,23 +121,23 @@ Merge::Merge(const RunTask& task, const RunPlan& plan, const Processes& processe
       plan_(plan),
       processes_(processes),
       check_(std::move(check)),
-      own_(std::move(chunks)) {
+      chunks_(std::move(chunks)) {
   const auto by_planes = [](const ChunkInfo& a, const ChunkInfo& b) {
     return a.planes.begin < b.planes.begin;
   };
-  std::sort(own_.begin(), own_.end(),
+  std::sort(chunks_.begin(), chunks_.end(),
             [&](const PlaneChunk& a, const PlaneChunk& b) { return by_planes(a.info, b.info); });
   std::vector<ChunkInfo> infos;
-  infos.reserve(own_.size());
-  for (const PlaneChunk& chunk : own_) infos.push_back(chunk.info);
-  all_ = processes.gather<ChunkInfo>(infos);
-  std::sort(all_.begin(), all_.end(), by_planes);
+  infos.reserve(chunks_.size());
+  for (const PlaneChunk& chunk : chunks_) infos.push_back(chunk.info);
+  infos_ = processes.gather<ChunkInfo>(infos);
+  std::sort(infos_.begin(), infos_.end(), by_planes);
   processes.all_or_throw([this] { add_up(); });
 }
 
 void Merge::add_up() {
   std::int64_t next = plan_.whole_plan.tiling.region.begin[2];
-  for (const ChunkInfo& info : all_) {
+  for (const ChunkInfo& info : infos_) {
     if (info.planes.begin != next)
       throw Error("the checkpoint has gaps or overlaps; remove its directory and run again");
     next = info.planes.end;
@@ -152,11 +152,11 @@ void Merge::add_up() {
 // Calls `action(chunk, sum)` for each chunk of this process, with the sum of `amount` over all
 // previous chunks. Returns the sum over all chunks.
 template <class Amount, class Action>
-std::uint64_t Merge::for_own(Amount&& amount, Action&& action) {
+std::uint64_t Merge::for_each_chunk(Amount&& amount, Action&& action) {
   std::uint64_t sum = 0;
-  auto mine = own_.begin();
-  for (const ChunkInfo& info : all_) {
-    if (mine != own_.end() && mine->info.planes == info.planes) action(*mine++, sum);
+  auto next = chunks_.begin();
+  for (const ChunkInfo& info : infos_) {
+    if (next != chunks_.end() && next->info.planes == info.planes) action(*next++, sum);
     sum += amount(info);
   }
   return sum;
@@ -213,7 +213,7 @@ void Merge::copy(PlaneChunk& chunk, ChunkText text, SharedFile& to, std::uint64_
 // Copies a text of all chunks to the file from `begin` on. Returns the offset of their end.
 std::uint64_t Merge::copy_all(ChunkText text, SharedFile& to, std::uint64_t begin) {
   const auto bytes_of = [text](const ChunkInfo& info) { return info.bytes_of(text); };
-  return begin + for_own(bytes_of, [&](PlaneChunk& chunk, std::uint64_t before) {
+  return begin + for_each_chunk(bytes_of, [&](PlaneChunk& chunk, std::uint64_t before) {
            copy(chunk, text, to, begin + before);
          });
 }
@@ -233,9 +233,9 @@ int Merge::threads_of_shared_file() const {
 }
 
 std::uint64_t Merge::write_values(GridMap& map) const {
-  const IndexRange share =
+  const IndexRange range =
       processes_.range_of(static_cast<std::uint64_t>(map.tile_count()), 1, processes_.rank());
-  map.transpose_tiles(static_cast<std::int64_t>(share.begin), static_cast<std::int64_t>(share.end),
+  map.transpose_tiles(static_cast<std::int64_t>(range.begin), static_cast<std::int64_t>(range.end),
                       threads_of_shared_file(), check_);
   if (processes_.is_first()) map.write_ends();
   return map.file_bytes();
@@ -248,20 +248,20 @@ std::uint64_t Merge::write_compressed_values(GridMap& map, SharedFile& to) const
   const auto append = [&](const std::vector<char>& bytes) {
     text.append(std::as_bytes(std::span(bytes)));
   };
-  const IndexRange share =
+  const IndexRange range =
       processes_.range_of(static_cast<std::uint64_t>(map.cells_of_row()), 1, processes_.rank());
   if (processes_.is_first()) append(map.compressed_header());
   {
     ScratchFile members(task_.output_directory);
-    map.compress_cells(static_cast<std::int64_t>(share.begin), static_cast<std::int64_t>(share.end),
+    map.compress_cells(static_cast<std::int64_t>(range.begin), static_cast<std::int64_t>(range.end),
                        threads_of_shared_file(), check_, members, text);
   }
   if (processes_.rank() + 1 == processes_.count()) append(map.compressed_footer());
-  const std::uint64_t own = text.size();
+  const std::uint64_t length = text.size();
   // No process knows the sum before all have read their words. Only then may members replace them.
-  const std::uint64_t all = processes_.sum(own);
-  const std::uint64_t begin = processes_.sum_before(own);
-  copy_file(text, own, to, begin, threads_of_shared_file(), check_);
+  const std::uint64_t all = processes_.sum(length);
+  const std::uint64_t begin = processes_.sum_before(length);
+  copy_file(text, length, to, begin, threads_of_shared_file(), check_);
   return all;
 }
 
@@ -275,7 +275,7 @@ std::uint64_t Merge::write_map(OutputFile* file, const MapChoice& choice) {
   const std::uint64_t row_bytes = sizeof(std::uint64_t) * row_words;
   GridMap::Scratch scratch;
   std::vector<std::uint64_t> words;
-  for (PlaneChunk& chunk : own_) {
+  for (PlaneChunk& chunk : chunks_) {
     if (chunk.is_in_place) continue;
     const std::int64_t first_row = (chunk.info.planes.begin - region.begin[2]) * region.size()[1];
     read(chunk, text, row_bytes, [&](std::span<const char> bytes, std::uint64_t offset) {
@@ -347,23 +347,25 @@ void Merge::for_triangle_texts(PlaneChunk& chunk, std::uint64_t first_vertex,
 // length.
 std::uint64_t Merge::write_triangles(SharedFile& file, std::uint64_t begin,
                                      const mesh::MeshText& text) {
-  if (!own_.empty() && own_.front().is_in_place) return copy_all(ChunkText::triangles, file, begin);
+  if (!chunks_.empty() && chunks_.front().is_in_place)
+    return copy_all(ChunkText::triangles, file, begin);
   struct ChunkBytes {
     std::int64_t plane;
     std::uint64_t bytes;
   };
   const auto vertices_of = [](const ChunkInfo& info) { return info.mesh.vertices; };
-  std::vector<ChunkBytes> own;
-  for_own(vertices_of, [&](PlaneChunk& chunk, std::uint64_t first_vertex) {
-    own.push_back({chunk.info.planes.begin, 0});
+  std::vector<ChunkBytes> lengths;
+  for_each_chunk(vertices_of, [&](PlaneChunk& chunk, std::uint64_t first_vertex) {
+    lengths.push_back({chunk.info.planes.begin, 0});
     for_triangle_texts(chunk, first_vertex, text,
-                       [&](std::span<const char> part) { own.back().bytes += part.size(); });
+                       [&](std::span<const char> part) { lengths.back().bytes += part.size(); });
   });
   std::map<std::int64_t, std::uint64_t> begins;  // offset by first plane; the lengths at first
-  for (const ChunkBytes& one : processes_.gather<ChunkBytes>(own)) begins[one.plane] = one.bytes;
+  for (const ChunkBytes& one : processes_.gather<ChunkBytes>(lengths))
+    begins[one.plane] = one.bytes;
   std::uint64_t end = begin;
-  for (auto& [plane, place] : begins) end += std::exchange(place, end);
-  for_own(vertices_of, [&](PlaneChunk& chunk, std::uint64_t first_vertex) {
+  for (auto& [plane, bytes] : begins) end += std::exchange(bytes, end);
+  for_each_chunk(vertices_of, [&](PlaneChunk& chunk, std::uint64_t first_vertex) {
     std::uint64_t offset = begins.at(chunk.info.planes.begin);
     for_triangle_texts(chunk, first_vertex, text, [&](std::span<const char> part) {
       file.write_at(part, offset);
@@ -383,11 +385,11 @@ std::uint64_t Merge::write_columns(SharedFile& file, std::uint64_t begin,
   const auto vertices_of = [](const ChunkInfo& info) { return info.mesh.vertices; };
   const auto triangles_of = [](const ChunkInfo& info) { return info.mesh.triangles; };
   std::vector<std::uint64_t> first_triangles;
-  for_own(triangles_of,
-          [&](PlaneChunk&, std::uint64_t first) { first_triangles.push_back(first); });
+  for_each_chunk(triangles_of,
+                 [&](PlaneChunk&, std::uint64_t first) { first_triangles.push_back(first); });
   std::size_t index = 0;
   TextBuffer records;
-  for_own(vertices_of, [&](PlaneChunk& chunk, std::uint64_t first_vertex) {
+  for_each_chunk(vertices_of, [&](PlaneChunk& chunk, std::uint64_t first_vertex) {
     const std::uint64_t first_triangle = first_triangles[index++];
     read(chunk, ChunkText::vertices, data.vertices.record_bytes,
          [&](std::span<const char> bytes, std::uint64_t offset) {
@@ -396,9 +398,9 @@ std::uint64_t Merge::write_columns(SharedFile& file, std::uint64_t begin,
     close(chunk, ChunkText::vertices);
     for_triangles(chunk, [&](std::span<const mesh::LocalTriangle> locals, std::uint64_t before) {
       records.clear();
-      std::uint64_t number = first_triangle + before;
+      std::uint64_t index = first_triangle + before;
       for (const mesh::LocalTriangle& local : locals)
-        text.append_triangle_record(records, mesh::global_triangle(first_vertex, local), number++);
+        text.append_triangle_record(records, mesh::global_triangle(first_vertex, local), index++);
       triangles.write(records.text(), first_triangle + before);
     });
     close(chunk, ChunkText::triangles);

@@ -159,9 +159,9 @@ LabelTotals sum_labels(const LabelTotals& labels, const Processes& processes) {
 }
 
 Box bounds_of_all(std::span<const Atom> atoms, const Processes& processes) {
-  const Box own = sphere_bounds(atoms);
-  std::array<double, 3> low{own.low.x, own.low.y, own.low.z};
-  std::array<double, 3> high{own.high.x, own.high.y, own.high.z};
+  const Box bounds = sphere_bounds(atoms);
+  std::array<double, 3> low{bounds.low.x, bounds.low.y, bounds.low.z};
+  std::array<double, 3> high{bounds.high.x, bounds.high.y, bounds.high.z};
   processes.allreduce_min(low);
   processes.allreduce_max(high);
   return {{low[0], low[1], low[2]}, {high[0], high[1], high[2]}};
@@ -214,7 +214,7 @@ void plan_slab(const RunTask& task, const LabelTotals& labels, const Processes::
     if (run.slab.planes.is_empty()) return;
     const auto sharing = static_cast<std::uint64_t>(machine.processes);
     plan_schedule({.available = available_memory() / sharing,
-                   .held = processes.own_memory() + held_bytes(run),
+                   .held = processes.mpi_memory() + held_bytes(run),
                    .labels = labels,
                    .has_groups = run.groups.are_known,
                    .caller = task.caller_memory},
@@ -237,7 +237,7 @@ void combine_schedules(const Processes& processes, RunPlan& run) {
                                       static_cast<std::uint64_t>(block_size[0]),
                                       static_cast<std::uint64_t>(block_size[1]),
                                       static_cast<std::uint64_t>(block_size[2])};
-  processes.allreduce_max(maxima);
+  processes.allreduce(maxima, Processes::Reduction::max);
   Plan& whole = run.whole_plan;
   whole.memory_bytes = maxima[0];
   whole.blocks_ahead = static_cast<std::int64_t>(maxima[1]);

@@ -121,9 +121,9 @@ SlabSweep::SlabSweep(const RunTask& task, const RunPlan& plan, std::span<const P
       callbacks_(callbacks),
       report_(report),
       is_in_place_(writes_in_place(task, processes)) {
-  const IndexRange share =
+  const IndexRange checks =
       processes.range_of(static_cast<std::uint64_t>(task.parameters.verify), 1, processes.rank());
-  check_count_ = static_cast<std::int64_t>(share.end - share.begin);
+  check_count_ = static_cast<std::int64_t>(checks.count());
 }
 
 SweepResult SlabSweep::run(Summary& summary) {
@@ -238,9 +238,9 @@ std::vector<MapSink> SlabSweep::map_sinks(PlaneChunk& chunk, const GridRegion& r
 // Returns false if there are faults.
 bool SlabSweep::verify(Verifier& verifier, Summary& summary) {
   const Stopwatch watch;
-  const Verification found = verifier.check([this](std::int64_t done, std::int64_t all) {
+  const Verification found = verifier.check([this](std::int64_t finished, std::int64_t all) {
     report_.check();
-    if (callbacks_.verification) report_.call([&] { callbacks_.verification(done, all); });
+    if (callbacks_.verification) report_.call([&] { callbacks_.verification(finished, all); });
   });
   summary.seconds.verify += watch.seconds();
   Verification& sum = *summary.verification;

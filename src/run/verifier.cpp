@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "geometry/tolerances.hpp"
+#include "run/layer.hpp"
 #include "run/solved_block.hpp"
 #include "system/formatted.hpp"
 #include "system/parallel.hpp"
@@ -32,9 +33,9 @@ std::size_t wanted(const Plan& plan) { return static_cast<std::size_t>(plan.para
 std::size_t any_edges(const Plan& plan) { return wanted(plan) - wanted(plan) / 2; }
 
 /// A sort key of points and edges in canonical order: edges follow their lower point.
-using Place = std::array<std::int64_t, 4>;
+using CanonicalKey = std::array<std::int64_t, 4>;
 
-Place place_of(const GridIndex& point, std::int64_t kind) {
+CanonicalKey key_of(const GridIndex& point, std::int64_t kind) {
   return {point[2], point[1], point[0], kind};
 }
 
@@ -42,16 +43,12 @@ std::string fault_of_missing(const GridIndex& point) {
   return formatted("point {} {} {} is in no block", point[0], point[1], point[2]);
 }
 
-std::int64_t number_of(const BlockTiling& tiling, const GridIndex& block) {
-  return (block[2] * tiling.blocks[1] + block[1]) * tiling.blocks[0] + block[0];
-}
-
+// Returns the index of the block that owns a point.
 std::int64_t owner_of(const BlockTiling& tiling, const GridIndex& point) {
   GridIndex block{};
   for (std::size_t q = 0; q < 3; ++q)
-    block[q] = std::min((point[q] - tiling.region.begin[q]) / (tiling.block_size[q] - 1),
-                        tiling.blocks[q] - 1);
-  return number_of(tiling, block);
+    block[q] = block_along(tiling, q, point[q] - tiling.region.begin[q]);
+  return (block[2] * tiling.blocks[1] + block[1]) * tiling.blocks[0] + block[0];
 }
 
 }  // namespace
@@ -89,16 +86,16 @@ void Verifier::take(const BlockResult& result, std::size_t thread) {
 struct Verifier::Checks {
   const ProgressCallback& progress;
   std::int64_t all = 0;
-  std::atomic<std::int64_t> done = 0;
+  std::atomic<std::int64_t> finished = 0;
 };
 
 template <class Action>
 void Verifier::for_each_in_parallel(std::size_t count, Checks& checks, Action&& action) {
   parallel_for(
       static_cast<std::int64_t>(count), plan_.threads, [&](std::int64_t index, int thread) {
-        if (checks.progress && thread == 0) checks.progress(checks.done, checks.all);
+        if (checks.progress && thread == 0) checks.progress(checks.finished, checks.all);
         action(static_cast<std::size_t>(index), searches_[static_cast<std::size_t>(thread)]);
-        ++checks.done;
+        ++checks.finished;
       });
 }
 
@@ -129,21 +126,20 @@ Verification Verifier::check(const ProgressCallback& progress) {
       (is_choice ? edges.size() - any_edges(plan_) + wanted(plan_) : edges.size()));
   if (is_choice) edges = choose(edges, checks);
 
-  std::vector<std::pair<Place, std::string>> faults;
+  std::vector<std::pair<CanonicalKey, std::string>> faults;
   std::mutex mutex;
-  const auto report = [&](const Place& place, std::string fault) {
+  const auto report = [&](const CanonicalKey& key, std::string fault) {
     if (fault.empty()) return;
     const std::lock_guard lock(mutex);
-    faults.emplace_back(place, std::move(fault));
+    faults.emplace_back(key, std::move(fault));
   };
   for_each_in_parallel(points_.size(), checks, [&](std::size_t i, CentreSearch& search) {
     const auto& [block, index, is_inside] = points_[i];
-    report(place_of(index, 0), is_inside ? fault_of_point(search, plan_.grid, index, *is_inside)
-                                         : fault_of_missing(index));
+    report(key_of(index, 0), is_inside ? fault_of_point(search, plan_.grid, index, *is_inside)
+                                       : fault_of_missing(index));
   });
   for_each_in_parallel(edges.size(), checks, [&](std::size_t i, CentreSearch& search) {
-    report(place_of(edges[i].lower, 1 + edges[i].axis),
-           fault_of_edge(search, plan_.grid, edges[i]));
+    report(key_of(edges[i].lower, 1 + edges[i].axis), fault_of_edge(search, plan_.grid, edges[i]));
   });
   // Sorting makes the order of faults independent of the threads.
   std::sort(faults.begin(), faults.end());
@@ -151,7 +147,7 @@ Verification Verifier::check(const ProgressCallback& progress) {
   Verification result;
   result.points = static_cast<std::int64_t>(points_.size());
   result.edges = static_cast<std::int64_t>(edges.size());
-  for (auto& [place, fault] : faults) result.faults.push_back(std::move(fault));
+  for (auto& [key, fault] : faults) result.faults.push_back(std::move(fault));
   return result;
 }
 

@@ -39,7 +39,7 @@ class Verifier {
 
  private:
   struct SampledPoint {
-    std::int64_t block = 0;  // number of the block that owns the point
+    std::int64_t block = 0;  // index of the block that owns the point
     GridIndex index{};
     std::optional<bool> is_inside;  // empty until the block is solved
   };
