@@ -73,7 +73,7 @@ void check_task(const detail::RunTask& task) {
   });
 }
 
-// Returns the memory of a result, in addition to that of the run.
+// Returns the memory of a result, besides the memory of the run.
 detail::CallerMemory memory_of_result(const GridRegion& region, const ResultParts& parts,
                                       std::uint64_t bytes_per_point) {
   constexpr double mesh_bytes =

@@ -62,9 +62,9 @@ struct PlaneChunk {
   std::vector<AtomSum> sums;
   /// Scratch files of the texts. In a checkpoint they are closed when the chunk is complete.
   std::array<std::unique_ptr<ScratchFile>, chunk_text_count> texts;
-  /// Whether the chunk is the whole run. Texts without a scratch file are then in their final
-  /// files. Triangles in a scratch file are text of the mesh's format, or LocalTriangle in a format
-  /// with columns.
+  /// Whether the chunk has all planes of the run. Texts without a scratch file are then in their
+  /// final files. Triangles in a scratch file are text of the mesh's format, or LocalTriangle in a
+  /// format with columns.
   bool is_in_place = false;
   bool is_restored = false;  ///< whether an earlier run wrote it, so that it may be damaged
 

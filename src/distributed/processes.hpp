@@ -17,7 +17,7 @@
 
 namespace eses::detail {
 
-/// The indices in [begin, end), such as those of consecutive atoms of a file, or of bytes.
+/// The indices in [begin, end), such as the indices of consecutive atoms of a file, or offsets.
 struct IndexRange {
   std::uint64_t begin = 0, end = 0;
 

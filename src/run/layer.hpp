@@ -23,7 +23,7 @@ struct Layer {
 /// The inside bits of a row of the region: bit i % 64 of word i / 64 is point i.
 using RowBits = std::vector<std::uint64_t>;
 
-/// The points of rows: those of the region, or those of BlockTiling::region_with_halo.
+/// The points of rows: the region, or BlockTiling::region_with_halo.
 enum class Extent { region, with_halo };
 
 /// An index of the parts of rows in the blocks of a layer, made once for many rows.
@@ -32,7 +32,7 @@ class LayerRows {
   LayerRows(const BlockTiling& tiling, const Layer& layer, Extent extent = Extent::region,
             PointBits BlockResult::*bits = &BlockResult::inside);
 
-  /// Merges the bits, by default those of inside points, of row (y, z) from all blocks along x. `y`
+  /// Merges the bits, by default the inside points, of row (y, z) from all blocks along x. `y`
   /// is relative to the region's first row, `z` to the layer's first plane.
   void merge_row(std::int64_t y, std::int64_t z, RowBits& row) const;
 

@@ -398,9 +398,10 @@ std::uint64_t Merge::write_columns(SharedFile& file, std::uint64_t begin,
     close(chunk, ChunkText::vertices);
     for_triangles(chunk, [&](std::span<const mesh::LocalTriangle> locals, std::uint64_t before) {
       records.clear();
-      std::uint64_t index = first_triangle + before;
+      std::uint64_t triangle = first_triangle + before;
       for (const mesh::LocalTriangle& local : locals)
-        text.append_triangle_record(records, mesh::global_triangle(first_vertex, local), index++);
+        text.append_triangle_record(records, mesh::global_triangle(first_vertex, local),
+                                    triangle++);
       triangles.write(records.text(), first_triangle + before);
     });
     close(chunk, ChunkText::triangles);

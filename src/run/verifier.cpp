@@ -100,7 +100,7 @@ void Verifier::for_each_in_parallel(std::size_t count, Checks& checks, Action&& 
 }
 
 // Chooses the crossings to verify from the sample, which is in random order: the first ones, and
-// among the others those nearest to another patch.
+// among the others the crossings nearest to another patch.
 std::vector<Crossing> Verifier::choose(const std::vector<Crossing>& edges, Checks& checks) {
   const std::size_t any = any_edges(plan_);
   std::vector<double> distances(edges.size());
