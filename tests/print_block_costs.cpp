@@ -50,12 +50,12 @@ int main(int argc, char** argv) try {
              block_size[2], size[0], size[1], size[2], plan.grid.origin.z);
   fmt::print("bx,by,bz,seconds,crossings\n");
   double solving = 0;
-  const auto print = [&](const eses::detail::SolvedBlock& block) {
-    const auto& first = block.block().first;
+  const auto print = [&](const eses::detail::BlockResult& block) {
+    const auto& first = block.block.first;
     const auto index = [&](std::size_t axis) { return first[axis] / (block_size[axis] - 1); };
-    solving += block.seconds();
-    fmt::print("{},{},{},{:.9f},{}\n", index(0), index(1), index(2), block.seconds(),
-               block.crossings().size());
+    solving += block.seconds;
+    fmt::print("{},{},{},{:.9f},{}\n", index(0), index(1), index(2), block.seconds,
+               block.crossings.size());
   };
   const eses::Summary summary =
       eses::detail::test::compute(molecule, plan.parameters, {.progress = {}, .block = print});

@@ -333,7 +333,7 @@ TEST_CASE("a checkpoint of another grid is not resumed", "[grid][processes]") {
     plan.checkpoint->finish(chunk);
   };
   keep_piece();
-  CHECK(plan_run(task, Processes()).done.size() == 1);
+  CHECK(plan_run(task, Processes()).finished_planes.size() == 1);
   task.parameters.grid->origin.x = -2.5;
   CHECK_THROWS_AS(plan_run(task, Processes()), Error);
   task.parameters.grid = Grid{{-2, -2, -2}, 0.5, {9, 10, 9}};

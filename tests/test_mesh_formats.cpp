@@ -137,7 +137,7 @@ TEST_CASE("mesh formats: the header's length does not depend on the counts", "[m
       const mesh::MeshText text(
           format, color,
           {.groups = {.are_known = true, .of_atom = {}, .chain_count = 3, .residue_count = 200},
-           .atom_numbers = {},
+           .file_indices = {},
            .atoms = {},
            .atom_count = 1000,
            .probe_radius = 1.4,

@@ -104,7 +104,7 @@ TEST_CASE("collective operations of a single process return its own values", "[p
   CHECK(alone.is_first());
   CHECK(alone.sum(5) == 5);
   CHECK(alone.sum_before(5) == 0);
-  CHECK(alone.share_of(1000, 64, 0).end == 1000);
+  CHECK(alone.range_of(1000, 64, 0).end == 1000);
   CHECK(alone.gather<int>(std::vector{1, 2}) == std::vector{1, 2});
   CHECK(alone.exchange(std::vector<std::vector<int>>{{3, 4}}) == std::vector{3, 4});
   CHECK(alone.chain(2, [](double value) { return value + 1; }) == 3);
@@ -259,7 +259,7 @@ TEST_CASE("keys are numbered in the order of their first occurrence", "[processe
   const std::vector<std::string> keys{"b", "", "a", "c"};
   const KeyNumbers numbers = number_keys(keys, alone);
   CHECK(numbers.of_key == std::vector<std::uint32_t>{0, 1, 2, 3});
-  CHECK(numbers.own == std::vector<std::size_t>{0, 1, 2, 3});
+  CHECK(numbers.first_here == std::vector<std::size_t>{0, 1, 2, 3});
   CHECK(numbers.first == 0);
   CHECK(number_keys({}, alone).of_key.empty());
 }

@@ -51,19 +51,19 @@ TEST_CASE("solved blocks have the points and crossings of the files", "[solved_b
     std::vector<std::pair<EdgePlace, double>> crossings;
     std::size_t listed = 0;
     Callbacks callbacks;
-    callbacks.block = [&](const SolvedBlock& solved) {
-      const BlockBounds& block = solved.block();
+    callbacks.block = [&](const BlockResult& solved) {
+      const BlockBounds& block = solved.block;
       CHECK(blocks.insert(block.first).second);
-      listed += solved.crossings().size();
+      listed += solved.crossings.size();
       for (std::int64_t z = block.first[2]; z < block.first[2] + block.owned[2]; ++z)
-        for (std::int64_t y = block.first[1]; y < block.first[1] + block.owned[1]; ++y) {
+        for (std::int64_t y = block.first[1]; y < block.first[1] + block.owned[1]; ++y)
           for (std::int64_t x = block.first[0]; x < block.first[0] + block.owned[0]; ++x)
             signs[static_cast<std::size_t>((z * size[1] + y) * size[0] + x)] =
-                solved.is_inside({x, y, z}) ? 1 : -1;
-          for (const eses::detail::BlockCrossing& crossing : solved.crossings_of_row(y, z))
-            crossings.push_back(
-                {{z, y, block.first[0] + crossing.x, crossing.axis}, crossing.coordinate});
-        }
+                is_inside(solved, {x, y, z}) ? 1 : -1;
+      for_each_crossing(plan.grid, solved, [&](const eses::Crossing& crossing) {
+        const auto& [x, y, z] = crossing.lower;
+        crossings.push_back({{z, y, x, crossing.axis}, crossing.position[crossing.axis]});
+      });
     };
     const Summary summary = compute(atoms, plan.parameters, callbacks);
 
@@ -105,7 +105,7 @@ TEST_CASE("callbacks of a run are called one at a time", "[solved_block]") {
   };
   const Callbacks callbacks{
       .progress = [&](std::int64_t, std::int64_t) { stay_a_while(progress_calls); },
-      .block = [&](const SolvedBlock&) { stay_a_while(block_calls); },
+      .block = [&](const BlockResult&) { stay_a_while(block_calls); },
       .verification = [&](std::int64_t, std::int64_t) { stay_a_while(checks); }};
   const Plan plan = make_plan(atoms, parameters, Outputs::none());
   compute(atoms, plan.parameters, callbacks);
@@ -120,7 +120,7 @@ TEST_CASE("an exception of the callback for blocks ends the run", "[solved_block
   parameters.block_size = 8;
   int calls = 0;
   Callbacks callbacks;
-  callbacks.block = [&](const SolvedBlock&) {
+  callbacks.block = [&](const BlockResult&) {
     if (++calls == 3) throw std::runtime_error("three are enough");
   };
   CHECK_THROWS_WITH(compute(atoms, parameters, callbacks), "three are enough");

@@ -34,7 +34,7 @@
 namespace eses {
 
 namespace detail {
-class SolvedBlock;
+struct BlockResult;
 struct ResultBuilder;
 }  // namespace detail
 
@@ -157,8 +157,8 @@ class Block {
 
  private:
   friend struct detail::ResultBuilder;
-  Block(const detail::SolvedBlock& solved, std::span<const Crossing> crossings);
-  const detail::SolvedBlock* solved_;
+  Block(const detail::BlockResult& solved, std::span<const Crossing> crossings);
+  const detail::BlockResult* solved_;
   GridRegion owned_, points_;
   std::span<const Crossing> crossings_;
 };

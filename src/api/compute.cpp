@@ -33,8 +33,8 @@ struct PlannedRun {
   detail::RunTask task;
   detail::RunPlan plan;
 
-  const GridRegion& region() const { return plan.whole.tiling.region; }
-  std::int64_t block_count() const { return plan.whole.tiling.block_count(); }
+  const GridRegion& region() const { return plan.whole_plan.tiling.region; }
+  std::int64_t block_count() const { return plan.whole_plan.tiling.block_count(); }
 };
 
 const detail::Molecule& molecule_of(const Surface& surface) {
@@ -61,10 +61,10 @@ void check_task(const detail::RunTask& task) {
     const detail::Molecule& molecule = std::get<detail::Molecule>(task.atoms);
     const Grid& grid = *task.parameters.grid;
     detail::require_valid(grid);
-    const detail::Plan plan =
+    const detail::GridPlan plan =
         detail::plan_grid(detail::sphere_bounds(molecule.atoms()), task.parameters);
     const std::int64_t block_size = task.parameters.block_size;
-    if (block_size != 0) detail::make_tiling(grid, block_size, plan.tiling.region);
+    if (block_size != 0) detail::make_tiling(grid, block_size, plan.region);
     for (const detail::MapChoice& map : detail::chosen_maps(task.outputs))
       if (std::filesystem::path(map.name).has_parent_path())
         throw Error(detail::formatted(
@@ -73,7 +73,7 @@ void check_task(const detail::RunTask& task) {
   });
 }
 
-// Returns the memory of a result, in addition to that of the run.
+// Returns the memory of a result, besides the memory of the run.
 detail::CallerMemory memory_of_result(const GridRegion& region, const ResultParts& parts,
                                       std::uint64_t bytes_per_point) {
   constexpr double mesh_bytes =
@@ -107,9 +107,12 @@ detail::Callbacks callbacks_of(const RunOptions& options) {
 
 // Performs a run, which writes the outputs of its task.
 Summary solve(const PlannedRun& run, const detail::Callbacks& callbacks) {
-  Summary summary = detail::execute(run.task, run.plan, {}, callbacks, detail::Processes()).summary;
+  detail::RunResult result =
+      detail::execute(run.task, run.plan, {}, callbacks, detail::Processes());
+  Summary& summary = result.summary;
   if (detail::has_faults(summary)) throw VerificationError(std::move(*summary.verification));
-  return summary;
+  summary.atom_areas = std::move(result.atom_areas).value();
+  return std::move(summary);
 }
 
 std::invalid_argument point_error(const GridIndex& point, const GridRegion& region) {
@@ -131,7 +134,7 @@ GridRegion region_at(const GridIndex& first, const GridIndex& size) {
 }
 
 // Returns the index of a point in Result::inside.
-std::size_t place_in(const GridRegion& region, const GridIndex& point) {
+std::size_t index_in(const GridRegion& region, const GridIndex& point) {
   const GridIndex size = region.size(), begin = region.begin;
   return static_cast<std::size_t>(
       ((point[2] - begin[2]) * size[1] + point[1] - begin[1]) * size[0] + point[0] - begin[0]);
@@ -151,24 +154,28 @@ void clear_points(const PlannedRun& run, const RunOptions& options, std::vector<
 }
 
 // `inside` has a byte for each point of `region`, which contains the points that the block owns.
-void mark_owned_points(const detail::SolvedBlock& solved, const GridRegion& region,
+void mark_owned_points(const detail::BlockResult& solved, const GridRegion& region,
                        std::span<std::uint8_t> inside) {
-  const auto& [first, points, owned] = solved.block();
-  for (std::int64_t z = first[2]; z < first[2] + owned[2]; ++z)
-    for (std::int64_t y = first[1]; y < first[1] + owned[1]; ++y)
-      solved.mark_inside(
-          y, z,
-          inside.subspan(place_in(region, {first[0], y, z}), static_cast<std::size_t>(owned[0])));
+  const detail::PointBits& bits = solved.inside;
+  if (bits.words.empty()) return;
+  const auto& [first, points, owned] = solved.block;
+  for (std::int64_t z = 0; z < owned[2]; ++z)
+    for (std::int64_t y = 0; y < owned[1]; ++y) {
+      std::uint8_t* const row = &inside[index_in(region, {first[0], first[1] + y, first[2] + z})];
+      for (std::int64_t column = 0; column < bits.columns; ++column) {
+        const std::int64_t begin = column * detail::PointBits::column_step;
+        if (begin >= owned[0]) break;
+        const std::uint64_t word = bits.words[bits.word_index(column, y, z)];
+        detail::for_each_bit(word & detail::low_bits(owned[0] - begin),
+                             [&](int bit) { row[begin + bit] = 1; });
+      }
+    }
 }
 
-void append_crossings(const Grid& grid, const detail::SolvedBlock& solved,
+void append_crossings(const Grid& grid, const detail::BlockResult& solved,
                       std::vector<Crossing>& crossings) {
-  if (solved.crossings().empty()) return;
-  const auto& [first, points, owned] = solved.block();
-  for (std::int64_t z = first[2]; z < first[2] + owned[2]; ++z)
-    for (std::int64_t y = first[1]; y < first[1] + owned[1]; ++y)
-      for (const detail::BlockCrossing& found : solved.crossings_of_row(y, z))
-        crossings.push_back(detail::to_crossing(grid, {first[0], y, z}, found));
+  detail::for_each_crossing(grid, solved,
+                            [&](const Crossing& crossing) { crossings.push_back(crossing); });
 }
 
 auto sorting_key(const Crossing& crossing) {
@@ -244,7 +251,7 @@ namespace detail {
 
 /// A friend of Result and Block that constructs them.
 struct ResultBuilder {
-  static eses::Block block(const SolvedBlock& solved, std::span<const eses::Crossing> crossings) {
+  static eses::Block block(const BlockResult& solved, std::span<const eses::Crossing> crossings) {
     return {solved, crossings};
   }
 
@@ -263,7 +270,7 @@ Result ResultBuilder::compute(const eses::Surface& surface, const Grid& grid,
   const std::int64_t blocks = run.block_count();
   if (has_inside) clear_points(run, options, result.inside_);
   Callbacks callbacks = callbacks_of(options);
-  callbacks.block = [&](const SolvedBlock& solved) {
+  callbacks.block = [&](const BlockResult& solved) {
     if (has_inside) mark_owned_points(solved, result.region_, result.inside_);
     if (has_crossings) append_crossings(grid, solved, result.crossings_);
   };
@@ -305,18 +312,18 @@ bool Result::is_inside(const GridIndex& point) const {
   if (!region_.contains(point)) throw point_error(point, region_);
   if (!parts_.inside) throw std::invalid_argument("ResultParts::inside was not chosen");
   require_values(inside_);
-  return inside_[place_in(region_, point)] != 0;
+  return inside_[index_in(region_, point)] != 0;
 }
 
-Block::Block(const detail::SolvedBlock& solved, std::span<const Crossing> crossings)
+Block::Block(const detail::BlockResult& solved, std::span<const Crossing> crossings)
     : solved_(&solved),
-      owned_(region_at(solved.block().first, solved.block().owned)),
-      points_(region_at(solved.block().first, solved.block().points)),
+      owned_(region_at(solved.block.first, solved.block.owned)),
+      points_(region_at(solved.block.first, solved.block.points)),
       crossings_(crossings) {}
 
 bool Block::is_inside(const GridIndex& point) const {
   if (!points_.contains(point)) throw point_error(point, points_);
-  return solved_->is_inside(point);
+  return detail::is_inside(*solved_, point);
 }
 
 std::vector<std::uint8_t> Block::owned_inside() const {
@@ -325,7 +332,7 @@ std::vector<std::uint8_t> Block::owned_inside() const {
   return inside;
 }
 
-double Block::seconds() const { return solved_->seconds(); }
+double Block::seconds() const { return solved_->seconds; }
 
 Result compute(const Surface& surface, const Grid& grid, const RunOptions& options,
                const ResultParts& parts) {
@@ -347,7 +354,7 @@ Summary for_each_block(const Surface& surface, const Grid& grid, const BlockCall
   const PlannedRun run = plan_run(surface, grid, Outputs::none(), options);
   std::vector<Crossing> crossings;  // reused, as calls are never concurrent
   detail::Callbacks callbacks = callbacks_of(options);
-  callbacks.block = [&](const detail::SolvedBlock& solved) {
+  callbacks.block = [&](const detail::BlockResult& solved) {
     crossings.clear();
     append_crossings(grid, solved, crossings);
     callback(detail::ResultBuilder::block(solved, crossings));
@@ -394,7 +401,7 @@ Summary write_files(const Surface& surface, const Grid& grid,
 Estimate estimate(const Surface& surface, const Grid& grid, const Outputs& outputs,
                   const RunOptions& options) {
   const PlannedRun run = plan_run(surface, grid, outputs, options);
-  const detail::Plan& plan = run.plan.whole;
+  const detail::Plan& plan = run.plan.whole_plan;
   return {.memory_bytes = plan.memory_bytes,
           .threads = plan.threads,
           .block_size = plan.tiling.block_size,

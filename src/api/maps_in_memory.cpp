@@ -40,7 +40,7 @@ MapsInMemory dielectric_receivers(std::span<const MapChoice> maps, const GridReg
 
 MapsInMemory ion_access_receiver(double ion_radius, const GridRegion& region,
                                  std::vector<std::uint8_t>& values) {
-  // The bits are those of points without access.
+  // The bits are set for points without access.
   const auto has_access = [](std::span<const std::uint64_t> words, std::size_t x) {
     return static_cast<std::uint8_t>((words[x / 64] >> (x % 64) & 1) ^ 1);
   };

@@ -10,7 +10,7 @@ inline constexpr int exit_done = 0;
 inline constexpr int exit_failure = 1;  ///< input, output or resource error, or faults found
 inline constexpr int exit_usage = 2;    ///< error in the command line
 
-/// Exit codes of `eses-blocks diff`, which are those of diff(1); 0 means that there are no
+/// Exit codes of `eses-blocks diff`, which are the codes of diff(1); 0 means that there are no
 /// differences.
 inline constexpr int exit_different = 1;
 inline constexpr int exit_trouble = 2;  ///< input, output, resource or usage error

@@ -10,7 +10,7 @@ namespace {
 struct Wording {
   std::string_view name;
   std::string_view one, several;  // text after the count
-  std::string_view relation;      // text between the line of an atom and that of the other atom
+  std::string_view relation;      // text between the lines of an atom and of the other atom
 };
 
 Wording wording_of(DiagnosticKind kind) {
@@ -49,7 +49,7 @@ Wording wording_of(DiagnosticKind kind) {
 }
 
 /// Returns the number of a line, with the label of its atom if there is one.
-std::string place_text(std::uint64_t line, const std::string& label) {
+std::string line_text(std::uint64_t line, const std::string& label) {
   return label.empty() ? formatted("{}", line) : formatted("{}, {}", line, label);
 }
 
@@ -58,11 +58,11 @@ std::string lines_text(const DiagnosticText& text, std::string_view relation) {
   bool has_labels = false;
   for (const DiagnosticText::Example& example : text.examples) {
     has_labels = has_labels || !example.label.empty();
-    const std::string place = place_text(example.line, example.label);
+    const std::string line = line_text(example.line, example.label);
     parts.push_back(example.has_other
-                        ? formatted("{} ({} {})", place, relation,
-                                    place_text(example.other_line, example.other_label))
-                        : place);
+                        ? formatted("{} ({} {})", line, relation,
+                                    line_text(example.other_line, example.other_label))
+                        : line);
   }
   const std::uint64_t more = text.count - text.examples.size();
   return formatted("{} {}{}", text.count == 1 ? "line" : "lines",

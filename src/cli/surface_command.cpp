@@ -101,7 +101,7 @@ Report report_of(const Options& options, const RunPlan& plan, const Processes& p
       plan.diagnostics.diagnostics, [&](AtomIndex atom) { return plan.diagnostics.lines.at(atom); },
       options.input, plan.diagnostics.labels);
   report.structure = plan.structure;
-  report.plan = plan.whole;
+  report.plan = plan.whole_plan;
   report.process_count = processes.count();
   return report;
 }

@@ -26,14 +26,6 @@ double total_of(const std::vector<AtomArea>& areas) {
   return total;
 }
 
-ItemStream<AtomArea> stream_of(const std::vector<AtomArea>& areas) {
-  return [&areas, at = std::size_t{0}](AtomArea& area) mutable {
-    if (at == areas.size()) return false;
-    area = areas[at++];
-    return true;
-  };
-}
-
 }  // namespace
 
 AreaDifference compare_areas(const Sides<std::filesystem::path>& paths, const AreaShifts& shifts,

@@ -52,23 +52,23 @@ class PointTable {
   void read(const std::filesystem::path& path, Counted<GridIndex>& repeated) {
     GridRow row;
     for (GridReader reader(path, size_); reader.next(row);) {
-      const std::size_t number = number_of(row.point);
-      if (listed_[number]) {
+      const std::size_t index = index_of(row.point);
+      if (listed_[index]) {
         repeated.add(row.point);
       } else {
-        listed_[number] = true;
-        inside_[number] = row.inside;
+        listed_[index] = true;
+        inside_[index] = row.inside;
       }
     }
   }
-  bool lists(const GridIndex& point) const { return listed_[number_of(point)]; }
-  bool is_inside(const GridIndex& point) const { return inside_[number_of(point)]; }
+  bool lists(const GridIndex& point) const { return listed_[index_of(point)]; }
+  bool is_inside(const GridIndex& point) const { return inside_[index_of(point)]; }
 
  private:
   std::size_t point_count() const {
     return static_cast<std::size_t>(size_[0] * size_[1] * size_[2]);
   }
-  std::size_t number_of(const GridIndex& point) const {
+  std::size_t index_of(const GridIndex& point) const {
     return static_cast<std::size_t>((point[2] * size_[1] + point[1]) * size_[0] + point[0]);
   }
 

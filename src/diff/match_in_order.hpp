@@ -5,6 +5,7 @@
 #include <functional>
 #include <type_traits>
 #include <utility>
+#include <vector>
 
 #include "diff/differences.hpp"
 
@@ -13,6 +14,16 @@ namespace eses::detail {
 /// Sets its argument to the next item. Returns false at the end.
 template <class Item>
 using ItemStream = std::function<bool(Item&)>;
+
+/// Returns a stream of the items of a list, which must outlive it.
+template <class Item>
+ItemStream<Item> stream_of(const std::vector<Item>& items) {
+  return [&items, next = std::size_t{0}](Item& item) mutable {
+    if (next == items.size()) return false;
+    item = items[next++];
+    return true;
+  };
+}
 
 /// Calls `both(a, b)` for each pair of items with the same key. Returns the counts of all items.
 /// Only the first of several items with the same key is compared.

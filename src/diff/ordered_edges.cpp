@@ -140,11 +140,7 @@ ItemStream<Crossing> OrderedEdges::stream() const {
       return merge->next(crossing);
     };
   }
-  return [this, at = std::size_t{0}](Crossing& crossing) mutable {
-    if (at == crossings_.size()) return false;
-    crossing = crossings_[at++];
-    return true;
-  };
+  return stream_of(crossings_);
 }
 
 }  // namespace eses::detail

@@ -83,9 +83,9 @@ std::span<const std::byte> bytes_of(const Value& value) {
 
 void TextChecksum::add(std::span<const char> text, std::uint64_t offset) {
   if (text.empty()) return;
-  const std::uint32_t of_text = checksum(std::as_bytes(text));
+  const std::uint32_t text_checksum = checksum(std::as_bytes(text));
   const std::lock_guard lock(mutex_);
-  parts_[offset] = {text.size(), of_text};
+  parts_[offset] = {text.size(), text_checksum};
 }
 
 std::uint32_t TextChecksum::value() const {
@@ -126,7 +126,7 @@ std::vector<PlaneRange> Checkpoint::complete() const {
         "cannot resume: {} belongs to a run with different input, options or version; remove it to "
         "start again",
         path_.string()));
-  std::erase_if(chunks, [this](const PlaneRange& planes) { return !is_whole(planes); });
+  std::erase_if(chunks, [this](const PlaneRange& planes) { return !is_complete(planes); });
   std::sort(chunks.begin(), chunks.end(),
             [](const PlaneRange& a, const PlaneRange& b) { return a.begin < b.begin; });
   const auto overlapping =
@@ -138,7 +138,7 @@ std::vector<PlaneRange> Checkpoint::complete() const {
   return chunks;
 }
 
-bool Checkpoint::is_whole(const PlaneRange& planes) const {
+bool Checkpoint::is_complete(const PlaneRange& planes) const {
   try {
     const ChunkInfo info = read(planes).info;
     for (std::size_t text = 0; text < chunk_text_count; ++text)
@@ -204,8 +204,8 @@ void Checkpoint::finish(const PlaneChunk& chunk) const {
     ScratchFile file(path_, temporary, ScratchFile::Kept::fresh);
     const auto sums = std::as_bytes(std::span(chunk.sums));
     const SumsHeader header{chunk.info, chunk.sums.size(), checksum(sums)};
-    const std::uint64_t of_header = checksum(bytes_of(header));
-    for (const auto bytes : {bytes_of(of_header), bytes_of(header), sums}) file.append(bytes);
+    const std::uint64_t header_checksum = checksum(bytes_of(header));
+    for (const auto bytes : {bytes_of(header_checksum), bytes_of(header), sums}) file.append(bytes);
     file.sync();
   }
   std::error_code error;
@@ -216,16 +216,16 @@ void Checkpoint::finish(const PlaneChunk& chunk) const {
 
 PlaneChunk Checkpoint::read(const PlaneRange& planes) const {
   const ScratchFile file(path_, name_of(planes, sums_suffix), ScratchFile::Kept::existing);
-  std::uint64_t of_header = 0;
+  std::uint64_t header_checksum = 0;
   SumsHeader header;
-  constexpr std::uint64_t begin = sizeof of_header + sizeof header;
+  constexpr std::uint64_t begin = sizeof header_checksum + sizeof header;
   PlaneChunk chunk;
   const std::uint64_t bytes = size_of(sums_path(planes));
   bool is_sound = bytes >= begin && (bytes - begin) % sizeof(AtomSum) == 0;
   if (is_sound) {
-    file.read_at(std::as_writable_bytes(std::span(&of_header, 1)), 0);
-    file.read_at(std::as_writable_bytes(std::span(&header, 1)), sizeof of_header);
-    is_sound = of_header == checksum(bytes_of(header)) && header.info.planes == planes &&
+    file.read_at(std::as_writable_bytes(std::span(&header_checksum, 1)), 0);
+    file.read_at(std::as_writable_bytes(std::span(&header, 1)), sizeof header_checksum);
+    is_sound = header_checksum == checksum(bytes_of(header)) && header.info.planes == planes &&
                header.count == (bytes - begin) / sizeof(AtomSum);
   }
   if (is_sound) {

@@ -1,7 +1,7 @@
 #pragma once
 /// Chunks of planes and checkpoints. A chunk has the texts and sums of a range of planes; all
 /// chunks are merged into the output files at the end of a run. A checkpoint keeps them on disk, so
-/// that an interrupted run can be resumed. This folder does not communicate with other processes.
+/// that an interrupted run can be resumed. Nothing here communicates with other processes.
 
 #include <array>
 #include <cstdint>
@@ -62,9 +62,9 @@ struct PlaneChunk {
   std::vector<AtomSum> sums;
   /// Scratch files of the texts. In a checkpoint they are closed when the chunk is complete.
   std::array<std::unique_ptr<ScratchFile>, chunk_text_count> texts;
-  /// Whether the chunk is the whole run. Texts without a scratch file are then in their final
-  /// files. Triangles in a scratch file are text of the mesh's format, or LocalTriangle in a format
-  /// with columns.
+  /// Whether the chunk has all planes of the run. Texts without a scratch file are then in their
+  /// final files. Triangles in a scratch file are text of the mesh's format, or LocalTriangle in a
+  /// format with columns.
   bool is_in_place = false;
   bool is_restored = false;  ///< whether an earlier run wrote it, so that it may be damaged
 
@@ -110,7 +110,7 @@ class Checkpoint {
   /// or with texts of the wrong length is not complete. Throws Error if there are chunks of a run
   /// with another identity, or if the file with the identity is damaged.
   std::vector<PlaneRange> complete() const;
-  /// Removes the files of all other chunks than these.
+  /// Removes the files of all chunks except `complete`.
   void remove_others(std::span<const PlaneRange> complete) const;
   /// Marks a chunk as incomplete.
   void drop(const PlaneRange& planes) const;
@@ -129,7 +129,7 @@ class Checkpoint {
   void remove();
 
  private:
-  bool is_whole(const PlaneRange& planes) const;
+  bool is_complete(const PlaneRange& planes) const;
   std::string sums_path(const PlaneRange& planes) const;
 
   std::filesystem::path path_;

@@ -23,18 +23,18 @@ void FileDiagnostics::add(const FileDiagnostics& other) {
   lines.insert(other.lines.begin(), other.lines.end());
 }
 
-FileDiagnostics gather_diagnostics(std::span<const Diagnostic> own,
+FileDiagnostics gather_diagnostics(std::span<const Diagnostic> diagnostics,
                                    const std::function<FileAtom(AtomIndex)>& in_file,
                                    const Processes& processes) {
-  std::vector<FileExample> own_examples;
+  std::vector<FileExample> examples;
   std::array<std::uint64_t, diagnostic_kinds> counts{};
-  for (const Diagnostic& diagnostic : own) {
+  for (const Diagnostic& diagnostic : diagnostics) {
     counts[static_cast<std::size_t>(diagnostic.kind)] = diagnostic.count;
     for (const auto& [atom, other] : diagnostic.examples)
-      own_examples.push_back({diagnostic.kind, in_file(atom), in_file(other)});
+      examples.push_back({diagnostic.kind, in_file(atom), in_file(other)});
   }
   processes.add(counts);
-  std::vector<FileExample> examples = processes.gather<FileExample>(own_examples);
+  examples = processes.gather<FileExample>(examples);
   std::sort(examples.begin(), examples.end(), [](const FileExample& a, const FileExample& b) {
     return std::pair(a.kind, a.atom.index) < std::pair(b.kind, b.atom.index);
   });

@@ -31,8 +31,9 @@ struct FileAtom {
 };
 
 /// Combines the diagnostics of all processes, without labels. All processes must call it.
-/// `in_file` converts the indices of the atoms in `own`, the diagnostics of this process.
-FileDiagnostics gather_diagnostics(std::span<const Diagnostic> own,
+/// `in_file` converts the indices of the atoms in `diagnostics`, which are the diagnostics that
+/// this process has found.
+FileDiagnostics gather_diagnostics(std::span<const Diagnostic> diagnostics,
                                    const std::function<FileAtom(AtomIndex)>& in_file,
                                    const Processes& processes);
 

@@ -106,8 +106,8 @@ KeyNumbers numbers_alone(std::size_t keys) {
   KeyNumbers numbers;
   numbers.of_key.resize(keys);
   std::iota(numbers.of_key.begin(), numbers.of_key.end(), 0U);
-  numbers.own.resize(keys);
-  std::iota(numbers.own.begin(), numbers.own.end(), std::size_t{0});
+  numbers.first_here.resize(keys);
+  std::iota(numbers.first_here.begin(), numbers.first_here.end(), std::size_t{0});
   return numbers;
 }
 
@@ -126,8 +126,8 @@ KeyNumbers number_first_labels(std::span<const AtomLabel> labels, std::span<cons
     for (const AtomIndex label : first) keys.push_back(key(labels[label]));
     numbers = number_keys(keys, processes);
   }
-  names.reserve(numbers.own.size());
-  for (const std::size_t k : numbers.own) names.push_back(labels[first[k]]);
+  names.reserve(numbers.first_here.size());
+  for (const std::size_t k : numbers.first_here) names.push_back(labels[first[k]]);
   return numbers;
 }
 
@@ -138,12 +138,12 @@ KeyNumbers number_keys(std::span<const std::string> keys, const Processes& proce
   const std::vector<std::uint32_t> first = exchange.send_back(exchange.first_senders());
   KeyNumbers numbers;
   for (std::size_t k = 0; k < keys.size(); ++k)
-    if (first[k] == static_cast<std::uint32_t>(processes.rank())) numbers.own.push_back(k);
-  numbers.first = static_cast<std::uint32_t>(processes.sum_before(numbers.own.size()));
-  std::vector<std::uint32_t> own(keys.size(), none);
-  for (std::size_t q = 0; q < numbers.own.size(); ++q)
-    own[numbers.own[q]] = numbers.first + static_cast<std::uint32_t>(q);
-  const std::vector<std::uint32_t> received = exchange.send(own);
+    if (first[k] == static_cast<std::uint32_t>(processes.rank())) numbers.first_here.push_back(k);
+  numbers.first = static_cast<std::uint32_t>(processes.sum_before(numbers.first_here.size()));
+  std::vector<std::uint32_t> assigned(keys.size(), none);
+  for (std::size_t q = 0; q < numbers.first_here.size(); ++q)
+    assigned[numbers.first_here[q]] = numbers.first + static_cast<std::uint32_t>(q);
+  const std::vector<std::uint32_t> received = exchange.send(assigned);
   std::vector<std::uint32_t> of_id(exchange.id_count());
   for (std::size_t q = 0; q < received.size(); ++q)
     if (received[q] != none) of_id[exchange.ids()[q]] = received[q];

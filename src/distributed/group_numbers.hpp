@@ -15,9 +15,9 @@ namespace eses::detail {
 
 /// Numbers of keys, from 0 in the order of their first occurrence, by rank and then by index.
 struct KeyNumbers {
-  std::vector<std::uint32_t> of_key;  ///< number of each key of this process
-  std::vector<std::size_t> own;       ///< indices of the keys that occur first here, ascending
-  std::uint32_t first = 0;            ///< number of the first of these
+  std::vector<std::uint32_t> of_key;    ///< number of each key of this process
+  std::vector<std::size_t> first_here;  ///< indices of the keys that occur first here, ascending
+  std::uint32_t first = 0;              ///< number of the first of these
 };
 
 /// Numbers the distinct keys of each process. All processes must call it. The hash of a key

@@ -14,7 +14,7 @@
 
 namespace eses::detail {
 
-Processes::Share Processes::share_of(std::uint64_t count, std::uint64_t unit, int rank) const {
+IndexRange Processes::range_of(std::uint64_t count, std::uint64_t unit, int rank) const {
   const std::uint64_t units = (count + unit - 1) / unit, all = static_cast<std::uint64_t>(count_);
   const auto begin_of = [&](std::uint64_t r) {
     // This form avoids the product of two large numbers.
@@ -42,7 +42,7 @@ void Processes::all_or_throw(const std::function<void()>& action) const {
       failure->insert(failure->end(), hinted->hints().begin(), hinted->hints().end());
   }
   auto first = static_cast<std::uint64_t>(failure ? rank_ : count_);
-  allreduce_min(std::span(&first, 1));
+  allreduce(std::span(&first, 1), Reduction::min);
   if (first == static_cast<std::uint64_t>(count_)) return;
   std::string packed;
   if (failure)
@@ -66,7 +66,7 @@ double Processes::chain(double value, const std::function<double(double)>& chang
       text_of(value), [&](const std::string& text) { return text_of(change(number_of(text))); }));
 }
 
-std::string Processes::place() const {
+std::string Processes::on_machine() const {
   std::array<char, 256> name{};
   if (count_ == 1 || gethostname(name.data(), name.size() - 1) != 0) return {};
   return formatted(" on {}", name.data());

@@ -17,6 +17,13 @@
 
 namespace eses::detail {
 
+/// The indices in [begin, end), such as the indices of consecutive atoms of a file, or offsets.
+struct IndexRange {
+  std::uint64_t begin = 0, end = 0;
+
+  std::uint64_t count() const { return end - begin; }
+};
+
 /// An error that all processes have received, so that one of them can print it and all can exit.
 class SharedError : public Error, public Hints {
  public:
@@ -24,7 +31,7 @@ class SharedError : public Error, public Hints {
       : Error(message), Hints(std::move(hints)) {}
 };
 
-/// The MPI processes of a run. All functions except `rank`, `count`, `is_first`, `share_of`,
+/// The MPI processes of a run. All functions except `rank`, `count`, `is_first`, `range_of`,
 /// `become_reporter` and `abort` are collective: all processes must call them, from their main
 /// threads and outside of parallel loops (MPI_THREAD_FUNNELED). Elements are copied as bytes. In a
 /// single process all functions return at once.
@@ -47,23 +54,19 @@ class Processes {
   /// Advice for an error message if processes were started together but do not share a run.
   static std::string_view advice();
 
-  /// A range [begin, end).
-  struct Share {
-    std::uint64_t begin = 0, end = 0;
-  };
   /// Returns the part of [0, count) that a rank processes. All parts have about the same size and
   /// begin at multiples of `unit`.
-  Share share_of(std::uint64_t count, std::uint64_t unit, int rank) const;
+  IndexRange range_of(std::uint64_t count, std::uint64_t unit, int rank) const;
 
-  /// Replaces each element by its minimum over all processes.
-  void allreduce_min(std::span<double> values) const;
-  void allreduce_min(std::span<std::uint64_t> values) const;
-  /// Replaces each element by its maximum over all processes.
-  void allreduce_max(std::span<double> values) const;
-  void allreduce_max(std::span<std::uint64_t> values) const;
-  /// Replaces each element by its sum over all processes. The order of summation is unspecified.
-  void add(std::span<std::uint64_t> values) const;
-  void add(std::span<double> values) const;
+  /// How an element of all processes becomes one. The order of summation is unspecified.
+  enum class Reduction { min, max, sum };
+  /// Replaces each element by its minimum, maximum or sum over all processes.
+  void allreduce(std::span<double> values, Reduction reduction) const;
+  void allreduce(std::span<std::uint64_t> values, Reduction reduction) const;
+  void allreduce_min(std::span<double> values) const { allreduce(values, Reduction::min); }
+  void allreduce_max(std::span<double> values) const { allreduce(values, Reduction::max); }
+  void add(std::span<double> values) const { allreduce(values, Reduction::sum); }
+  void add(std::span<std::uint64_t> values) const { allreduce(values, Reduction::sum); }
   /// Returns the sum over all lower ranks.
   std::uint64_t sum_before(std::uint64_t value) const;
   /// Returns the sum over all processes.
@@ -74,7 +77,7 @@ class Processes {
 
   /// Returns the elements of all processes in the order of ranks, in all processes.
   template <class T>
-  std::vector<T> gather(std::span<const T> own) const;
+  std::vector<T> gather(std::span<const T> elements) const;
   /// Returns the text of rank `from`, in all processes.
   std::string broadcast(std::string text, int from = 0) const;
   /// Sends `to[rank]` to each process. Returns the elements sent to this process, in the order of
@@ -101,11 +104,11 @@ class Processes {
   Machine machine(int processors) const;
 
   /// Typical memory of MPI in a process, in bytes.
-  std::uint64_t own_memory() const;
+  std::uint64_t mpi_memory() const;
 
   /// Returns ` on NAME` with the name of the machine, for error messages; empty in a single
   /// process.
-  std::string place() const;
+  std::string on_machine() const;
 
   /// Called by a process that fails, before it prints its message. Not collective. If several
   /// processes fail at about the same time, it returns in one of them, which must call `abort`, and
@@ -145,10 +148,10 @@ std::vector<T> Processes::exchange(std::vector<std::vector<T>> to) const {
 }
 
 template <class T>
-std::vector<T> Processes::gather(std::span<const T> own) const {
-  if (count_ == 1) return {own.begin(), own.end()};
+std::vector<T> Processes::gather(std::span<const T> elements) const {
+  if (count_ == 1) return {elements.begin(), elements.end()};
   return exchange(
-      std::vector(static_cast<std::size_t>(count_), std::vector(own.begin(), own.end())));
+      std::vector(static_cast<std::size_t>(count_), std::vector(elements.begin(), elements.end())));
 }
 
 }  // namespace eses::detail

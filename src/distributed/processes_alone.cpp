@@ -11,12 +11,8 @@ Processes::~Processes() = default;
 
 std::string_view Processes::advice() { return "build the program with -DESES_WITH_MPI=ON"; }
 
-void Processes::allreduce_min(std::span<double>) const {}
-void Processes::allreduce_max(std::span<double>) const {}
-void Processes::allreduce_min(std::span<std::uint64_t>) const {}
-void Processes::allreduce_max(std::span<std::uint64_t>) const {}
-void Processes::add(std::span<std::uint64_t>) const {}
-void Processes::add(std::span<double>) const {}
+void Processes::allreduce(std::span<double>, Reduction) const {}
+void Processes::allreduce(std::span<std::uint64_t>, Reduction) const {}
 std::uint64_t Processes::sum_before(std::uint64_t) const { return 0; }
 std::string Processes::broadcast(std::string text, int) const { return text; }
 
@@ -27,7 +23,7 @@ std::string Processes::chain(const std::string& first,
 
 Processes::Machine Processes::machine(int processors) const { return {1, processors}; }
 
-std::uint64_t Processes::own_memory() const { return 0; }
+std::uint64_t Processes::mpi_memory() const { return 0; }
 
 void Processes::become_reporter() const {}
 

@@ -36,6 +36,18 @@ int small_count(std::uint64_t count) {
   return static_cast<int>(count);
 }
 
+MPI_Op operation_of(Processes::Reduction reduction) {
+  switch (reduction) {
+    case Processes::Reduction::min:
+      return MPI_MIN;
+    case Processes::Reduction::max:
+      return MPI_MAX;
+    case Processes::Reduction::sum:
+      break;
+  }
+  return MPI_SUM;
+}
+
 template <class Value>
 void reduce(std::span<Value> values, MPI_Datatype type, MPI_Op operation) {
   require_success(MPI_Allreduce(MPI_IN_PLACE, values.data(), small_count(values.size()), type,
@@ -93,28 +105,12 @@ Processes::~Processes() {
 
 std::string_view Processes::advice() { return "start them with mpirun or srun --mpi=pmix"; }
 
-void Processes::allreduce_min(std::span<double> values) const {
-  if (count_ > 1) reduce(values, MPI_DOUBLE, MPI_MIN);
+void Processes::allreduce(std::span<double> values, Reduction reduction) const {
+  if (count_ > 1) reduce(values, MPI_DOUBLE, operation_of(reduction));
 }
 
-void Processes::allreduce_max(std::span<double> values) const {
-  if (count_ > 1) reduce(values, MPI_DOUBLE, MPI_MAX);
-}
-
-void Processes::allreduce_min(std::span<std::uint64_t> values) const {
-  if (count_ > 1) reduce(values, MPI_UINT64_T, MPI_MIN);
-}
-
-void Processes::allreduce_max(std::span<std::uint64_t> values) const {
-  if (count_ > 1) reduce(values, MPI_UINT64_T, MPI_MAX);
-}
-
-void Processes::add(std::span<std::uint64_t> values) const {
-  if (count_ > 1) reduce(values, MPI_UINT64_T, MPI_SUM);
-}
-
-void Processes::add(std::span<double> values) const {
-  if (count_ > 1) reduce(values, MPI_DOUBLE, MPI_SUM);
+void Processes::allreduce(std::span<std::uint64_t> values, Reduction reduction) const {
+  if (count_ > 1) reduce(values, MPI_UINT64_T, operation_of(reduction));
 }
 
 std::uint64_t Processes::sum_before(std::uint64_t value) const {
@@ -167,17 +163,17 @@ Processes::Machine Processes::machine(int processors) const {
   cpu_set_t allowed;
   CPU_ZERO(&allowed);
   sched_getaffinity(0, sizeof allowed, &allowed);
-  const int own = std::max(1, CPU_COUNT(&allowed));
-  int all = own;
+  const int of_process = std::max(1, CPU_COUNT(&allowed));
+  int all = of_process;
   MPI_Allreduce(MPI_IN_PLACE, &all, 1, MPI_INT, MPI_SUM, machine);
   MPI_Allreduce(MPI_IN_PLACE, &allowed, sizeof allowed, MPI_BYTE, MPI_BOR, machine);
   MPI_Comm_free(&machine);
   const int together = std::max(1, CPU_COUNT(&allowed));
-  return {processes, std::min(processors, std::max(1, own * together / all))};
+  return {processes, std::min(processors, std::max(1, of_process * together / all))};
 }
 
 // The value was measured with Open MPI 4.1: its libraries and shared memory.
-std::uint64_t Processes::own_memory() const {
+std::uint64_t Processes::mpi_memory() const {
   constexpr std::uint64_t mebibyte = 1 << 20;
   return has_mpi_ ? 14 * mebibyte : 0;
 }

@@ -2,11 +2,13 @@
 /// An output file into which all processes write.
 
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <span>
 #include <string>
 
 #include "distributed/processes.hpp"
+#include "output/buffered_text.hpp"
 #include "output/kernel_copy.hpp"
 #include "output/output_file.hpp"
 
@@ -25,6 +27,12 @@ class SharedFile {
 
   /// Writes bytes at an offset.
   void write_at(std::span<const char> bytes, std::uint64_t offset);
+  /// Writes a text from `begin` on, whose parts follow each other in the order of ranks. Returns
+  /// the length of the whole text. All processes must call it. `make` passes the part of this
+  /// process to a sink. With several processes it is called twice, as the begin of a part depends
+  /// on the lengths of the parts before it.
+  std::uint64_t write_by_rank(std::uint64_t begin,
+                              const std::function<void(const TextSink& sink)>& make);
   /// Copies a range of an open scratch file as copy_in_kernel does. Returns 0 if such a copy could
   /// lose bytes: if the processes are on several machines, or if the file system is not local.
   std::uint64_t copy_from(int scratch, const CopyRange& range);
@@ -38,7 +46,7 @@ class SharedFile {
 
  private:
   struct Handle;
-  [[maybe_unused]] const Processes& processes_;
+  const Processes& processes_;
   OutputFile* file_;
   std::string name_;
   std::unique_ptr<Handle> handle_;  // null in a single process

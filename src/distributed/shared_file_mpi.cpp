@@ -67,13 +67,13 @@ void SharedFile::write_at(std::span<const char> bytes, std::uint64_t offset) {
     file_->write_at(bytes, offset);
     return;
   }
-  in_parts(bytes, offset, [&](std::span<const char> part, MPI_Offset place, MPI_Status* status) {
-    require(MPI_File_write_at(handle_->file, place, part.data(), static_cast<int>(part.size()),
+  in_parts(bytes, offset, [&](std::span<const char> part, MPI_Offset at, MPI_Status* status) {
+    require(MPI_File_write_at(handle_->file, at, part.data(), static_cast<int>(part.size()),
                               MPI_BYTE, status),
             "write", name_);
     if (!is_done(*status, part.size()))
       throw Error(formatted("cannot write {}{}: only part of it was written; is the disk full?",
-                            name_, processes_.place()));
+                            name_, processes_.on_machine()));
   });
 }
 
@@ -84,7 +84,7 @@ std::uint64_t SharedFile::copy_from(int scratch, const CopyRange& range) {
     return copy_in_kernel(scratch, handle_->local.value(), range);
   } catch (const std::system_error& error) {
     throw Error(
-        formatted("cannot write {}{}: {}", name_, processes_.place(), error.code().message()));
+        formatted("cannot write {}{}: {}", name_, processes_.on_machine(), error.code().message()));
   }
 }
 
@@ -93,13 +93,13 @@ void SharedFile::read_at(std::span<char> bytes, std::uint64_t offset) {
     file_->read_at(bytes, offset);
     return;
   }
-  in_parts(bytes, offset, [&](std::span<char> part, MPI_Offset place, MPI_Status* status) {
-    require(MPI_File_read_at(handle_->file, place, part.data(), static_cast<int>(part.size()),
+  in_parts(bytes, offset, [&](std::span<char> part, MPI_Offset at, MPI_Status* status) {
+    require(MPI_File_read_at(handle_->file, at, part.data(), static_cast<int>(part.size()),
                              MPI_BYTE, status),
             "read back", name_);
     if (!is_done(*status, part.size()))
       throw Error(formatted("cannot read back {}{}: it is shorter than what was written", name_,
-                            processes_.place()));
+                            processes_.on_machine()));
   });
 }
 

@@ -124,8 +124,8 @@ char* TextBuffer::reserve(std::size_t bytes) {
 }
 
 GridText::GridText(const Grid& grid, const GridRegion& region,
-                   std::span<const AtomIndex> atom_numbers)
-    : atom_numbers_(atom_numbers), first_x_(region.begin[0]) {
+                   std::span<const AtomIndex> file_indices)
+    : file_indices_(file_indices), first_x_(region.begin[0]) {
   for (std::size_t axis = 0; axis < 3; ++axis)
     for (std::int64_t i = 0; i < grid.size[axis]; ++i) {
       axes_[axis].indices.push_back(
@@ -213,7 +213,7 @@ char* GridText::append_crossing(char* out, std::int64_t x, const RowText& row,
   for (std::size_t q = 0; q < 3; ++q) out = append_number(out, numbers, first + q);
   for (std::size_t q = 0; q < crossing.atom_count; ++q) {
     const AtomIndex atom = crossing.atoms[q];
-    out = put_index(out, atom_numbers_.empty() ? atom : atom_numbers_[atom]);
+    out = put_index(out, file_indices_.empty() ? atom : file_indices_[atom]);
   }
   *out++ = '\n';
   return out;

@@ -31,10 +31,10 @@ class TextBuffer {
 /// Indices and coordinates of a grid as text. Each is formatted once and copied many times.
 class GridText {
  public:
-  /// `atom_numbers` has the number of each atom in the file, by index; empty if numbers equal
-  /// indices. It must outlive this object.
+  /// `file_indices` has the index in the file of each atom, by slab index; empty if both are
+  /// equal. It must outlive this object.
   GridText(const Grid& grid, const GridRegion& region,
-           std::span<const AtomIndex> atom_numbers = {});
+           std::span<const AtomIndex> file_indices = {});
 
   /// Appends a row of grid_info.txt: `i j k s` for the points of the region. Bit i of `inside` is
   /// the sign s of point i.
@@ -67,7 +67,7 @@ class GridText {
     std::vector<Token<32>> coordinates;
   };
   std::array<Axis, 3> axes_;
-  std::span<const AtomIndex> atom_numbers_;
+  std::span<const AtomIndex> file_indices_;
   std::int64_t first_x_ = 0;
   std::vector<std::array<std::uint64_t, 2>> row_indices_;  ///< text along x, padded with zero bytes
 };

@@ -28,9 +28,9 @@ void require_vertex_count(std::uint64_t vertices);
 /// outlive the MeshText.
 struct MeshSource {
   AtomGroups groups;
-  /// Numbers of the atoms in the input, by index; empty if index and number are equal.
-  std::span<const AtomIndex> atom_numbers;
-  std::span<const Atom> atoms;   ///< by index
+  /// Index in the file of each atom, by slab index; empty if both are equal.
+  std::span<const AtomIndex> file_indices;
+  std::span<const Atom> atoms;   ///< by slab index
   std::uint64_t atom_count = 0;  ///< number of atoms of the whole molecule
   double probe_radius = 0;       ///< angstrom
   double spacing = 0;            ///< angstrom
@@ -84,8 +84,8 @@ class MeshText {
   char* put_ply_line(char* out, const Vertex& vertex) const;
   Color color_of(const Vertex& vertex) const;
   AtomIndex closest_atom(const Vertex& vertex) const;
-  AtomIndex number_of(AtomIndex atom) const {
-    return source_.atom_numbers.empty() ? atom : source_.atom_numbers[atom];
+  AtomIndex file_index_of(AtomIndex slab_index) const {
+    return source_.file_indices.empty() ? slab_index : source_.file_indices[slab_index];
   }
 
   MeshFormat format_;

@@ -1,12 +1,19 @@
 #include "run/areas.hpp"
 
 #include <algorithm>
+#include <cstdlib>
 #include <optional>
+#include <string>
+#include <string_view>
 #include <utility>
 
+#include "distributed/packed_texts.hpp"
 #include "distributed/shared_file.hpp"
+#include "output/area_table_writer.hpp"
 #include "output/eses_writer.hpp"
+#include "output/sequential_writer.hpp"
 #include "solve/region_totals.hpp"
+#include "system/formatted.hpp"
 #include "system/gzip.hpp"
 
 namespace eses::detail {
@@ -17,8 +24,8 @@ constexpr std::size_t lines_per_part = std::size_t{1} << 16;
 
 // Returns the atoms whose areas a rank has. Ranges begin at multiples of `lines_per_part`, so that
 // the parts of the file do not depend on the number of ranks.
-Processes::Share atoms_of(int rank, const RunPlan& plan, const Processes& processes) {
-  return processes.share_of(plan.atoms, lines_per_part, rank);
+IndexRange atoms_of(int rank, const RunPlan& plan, const Processes& processes) {
+  return processes.range_of(plan.atoms, lines_per_part, rank);
 }
 
 // Sends the shares of each atom to the process that has its area, and adds them up.
@@ -32,7 +39,7 @@ std::vector<AreaShare> exchange_shares(AtomShares shares, const RunPlan& plan,
   };
   for (std::size_t i = 0; i < shares.of_slab.size(); ++i)
     if (shares.of_slab[i] != 0)
-      send({shares.of_slab[i], plan.slab.number_of(static_cast<AtomIndex>(i))});
+      send({shares.of_slab[i], plan.slab.file_index_of(static_cast<AtomIndex>(i))});
   for (const AtomSum& sum : shares.restored) send(sum);
   shares = {};
   const auto [begin, end] = atoms_of(processes.rank(), plan, processes);
@@ -49,10 +56,9 @@ std::vector<AreaShare> shares_alone(AtomShares shares, const RunPlan& plan) {
   return sums;
 }
 
-// Calls `take(text)` for the parts of this process's lines, compressed if necessary.
-template <class Take>
-void for_area_texts(const AtomAreas& atoms, bool is_gzipped, const std::function<void()>& check,
-                    Take&& take) {
+// Passes this process's lines of partition_area.txt to `sink`, compressed if necessary.
+void append_area_texts(const AtomAreas& atoms, bool is_gzipped, const std::function<void()>& check,
+                       const TextSink& sink) {
   std::optional<Gzip> gzip;
   if (is_gzipped) gzip.emplace();
   const std::span<const double> areas = atoms.areas;
@@ -62,8 +68,125 @@ void for_area_texts(const AtomAreas& atoms, bool is_gzipped, const std::function
     text.clear();
     append_areas(text, atoms.first + begin,
                  areas.subspan(begin, std::min(lines_per_part, areas.size() - begin)));
-    take(gzip ? gzip->member(text.text()) : text.text());
+    const std::span<const char> bytes = gzip ? gzip->member(text.text()) : text.text();
+    sink({bytes.data(), bytes.size()});
   }
+}
+
+// Returns the areas of the atoms in `wanted`. Other processes may have some of them.
+std::vector<double> fetch_areas(const IndexRange& wanted, const AtomAreas& known,
+                                const Processes& processes) {
+  const IndexRange range = known.range();
+  std::vector<std::vector<double>> to;
+  for (const IndexRange& part : processes.gather<IndexRange>({&wanted, 1})) {
+    const auto area_of = [&](std::uint64_t file_index) {
+      return known.areas.begin() +
+             static_cast<std::ptrdiff_t>(std::clamp(file_index, range.begin, range.end) -
+                                         range.begin);
+    };
+    to.emplace_back(area_of(part.begin), area_of(part.end));
+  }
+  return processes.exchange(std::move(to));
+}
+
+// The message from each rank to the next one: the length of the residue table, the open residue and
+// the sums of the chains so far. Areas are added in the order of the atoms, because floating-point
+// sums depend on the order.
+class TableState {
+ public:
+  explicit TableState(const std::string& packed) : texts_(unpack(packed)) {
+    auto text = texts_.begin();
+    const auto next = [&]() -> std::string& { return *text++; };
+    const auto next_count = [&] { return std::strtoll(next().c_str(), nullptr, 10); };
+    const auto next_area = [&] { return std::strtod(next().c_str(), nullptr); };
+    if (texts_.empty()) return;
+    bytes = static_cast<std::uint64_t>(next_count());
+    if (next() == open_mark) {
+      ResidueArea& residue = tables.open.emplace();
+      residue.label = {next(), next(), next(), {}, {}};
+      residue.atoms = next_count();
+      residue.area = next_area();
+    }
+    while (text != texts_.end()) {
+      ChainArea chain{next()};
+      chain.residues = next_count();
+      chain.atoms = next_count();
+      chain.area = next_area();
+      tables.chains.add(chain);
+    }
+  }
+
+  std::string packed() const {
+    std::string result;
+    pack(result, formatted("{}", bytes));
+    pack(result, tables.open ? open_mark : "");
+    if (tables.open) {
+      const auto& [label, atoms, area] = *tables.open;
+      for (const std::string* const name : {&label.chain, &label.residue, &label.residue_number})
+        pack(result, *name);
+      pack(result, formatted("{}", atoms));
+      pack(result, formatted("{:a}", area));
+    }
+    for (const ChainArea& chain : tables.chains.chains()) {
+      pack(result, chain.chain);
+      pack(result, formatted("{}", chain.residues));
+      pack(result, formatted("{}", chain.atoms));
+      pack(result, formatted("{:a}", chain.area));
+    }
+    return result;
+  }
+
+  std::uint64_t bytes = 0;
+  AreaTables tables;
+
+ private:
+  static constexpr char open_mark[] = "open";
+  std::vector<std::string> texts_;
+};
+
+// Adds the residues that this process has read, and writes the lines of complete residues.
+void append_residues_read(const RunPlan& plan, std::span<const double> areas,
+                          const Processes& processes, SharedFile& file, TableState& state) {
+  const TextSink sink = [&](std::string_view text) {
+    file.write_at(text, state.bytes);
+    state.bytes += text.size();
+  };
+  BufferedText table(sink);
+  if (processes.is_first()) append_residue_header(table);
+  add_residues(state.tables, plan.residues, areas, table);
+  const bool is_last = processes.rank() + 1 == processes.count();
+  if (is_last) end_residues(state.tables, table);
+  table.flush();
+}
+
+// Returns the areas of the atoms that this process has read: of all atoms in a single process, else
+// areas that are fetched into `fetched`. All processes must call it.
+std::span<const double> areas_of_read_atoms(const AtomAreas& areas, const RunPlan& plan,
+                                            const Processes& processes,
+                                            std::vector<double>& fetched) {
+  if (processes.count() == 1) return areas.areas;
+  fetched = fetch_areas(plan.read_atoms, areas, processes);
+  return fetched;
+}
+
+// Returns the label of an atom, by its index among the atoms that this process has read. It is
+// empty if the input has no names.
+AtomLabel label_of(const RunPlan& plan, std::size_t atom) {
+  if (!plan.names.is_empty()) return plan.names.label(atom);
+  const std::span<const AtomLabel> labels = plan.slab.molecule.labels();
+  return labels.empty() ? AtomLabel() : labels[atom];
+}
+
+// Passes the lines of atoms.csv for the atoms that this process has read to `sink`.
+void append_atoms(const RunPlan& plan, std::span<const double> areas, bool with_header,
+                  const TextSink& sink) {
+  BufferedText table(sink);
+  if (with_header) append_atom_header(table);
+  for (std::size_t i = 0; i < areas.size(); ++i) {
+    const double radius = plan.radii.empty() ? plan.slab.molecule.atoms()[i].radius : plan.radii[i];
+    append_atom(table, {plan.read_atoms.begin + i + 1, label_of(plan, i), radius, areas[i]});
+  }
+  table.flush();
 }
 
 }  // namespace
@@ -74,7 +197,8 @@ AtomAreas add_up_areas(AtomShares shares, const RunPlan& plan, const Processes& 
                                           : exchange_shares(std::move(shares), plan, processes);
   AtomAreas areas{atoms_of(processes.rank(), plan, processes).begin, {}};
   areas.areas.reserve(sums.size());
-  for (const AreaShare sum : sums) areas.areas.push_back(atom_area(sum, plan.whole.grid.spacing));
+  for (const AreaShare sum : sums)
+    areas.areas.push_back(atom_area(sum, plan.whole_plan.grid.spacing));
   return areas;
 }
 
@@ -88,19 +212,47 @@ double total_area(const AtomAreas& areas, const Processes& processes) {
 std::uint64_t write_areas(const AtomAreas& areas, bool gzip, OutputFile* file,
                           const std::function<void()>& check, const Processes& processes) {
   SharedFile shared(processes, file);
-  std::uint64_t offset = 0;
-  if (processes.count() > 1) {
-    std::uint64_t bytes = 0;
-    for_area_texts(areas, gzip, check, [&](std::span<const char> text) { bytes += text.size(); });
-    offset = processes.sum_before(bytes);
-  }
-  const std::uint64_t begin = offset;
-  for_area_texts(areas, gzip, check, [&](std::span<const char> text) {
-    shared.write_at(text, offset);
-    offset += text.size();
+  const std::uint64_t bytes = shared.write_by_rank(
+      0, [&](const TextSink& sink) { append_area_texts(areas, gzip, check, sink); });
+  shared.close();
+  return bytes;
+}
+
+std::uint64_t write_area_tables(const AtomAreas& areas, const RunPlan& plan, OutputFile* residues,
+                                OutputFile* chains, const Processes& processes) {
+  std::vector<double> fetched;
+  const std::span<const double> read_areas = areas_of_read_atoms(areas, plan, processes, fetched);
+  SharedFile shared(processes, residues);
+  const TableState all(processes.chain(std::string(), [&](const std::string& before) {
+    TableState state(before);
+    append_residues_read(plan, read_areas, processes, shared, state);
+    return state.packed();
+  }));
+  shared.close();
+  std::uint64_t chain_bytes = 0;
+  processes.all_or_throw([&] {
+    if (!processes.is_first()) return;
+    SequentialWriter file(*chains, false);
+    write_chain_table(all.tables.chains.chains(),
+                      [&](std::string_view piece) { file.append(piece); });
+    chain_bytes = file.size();
+  });
+  return all.bytes + processes.sum(chain_bytes);
+}
+
+std::uint64_t write_atom_table(const AtomAreas& areas, const RunPlan& plan, OutputFile* file,
+                               const std::function<void()>& check, const Processes& processes) {
+  std::vector<double> fetched;
+  const std::span<const double> read_areas = areas_of_read_atoms(areas, plan, processes, fetched);
+  SharedFile shared(processes, file);
+  const std::uint64_t bytes = shared.write_by_rank(0, [&](const TextSink& sink) {
+    append_atoms(plan, read_areas, processes.is_first(), [&](std::string_view text) {
+      check();
+      sink(text);
+    });
   });
   shared.close();
-  return processes.sum(offset - begin);
+  return bytes;
 }
 
 }  // namespace eses::detail

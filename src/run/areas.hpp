@@ -26,7 +26,7 @@ struct AtomAreas {
   std::uint64_t first = 0;
   std::vector<double> areas;
 
-  AtomRange range() const { return {first, first + areas.size()}; }
+  IndexRange range() const { return {first, first + areas.size()}; }
 };
 
 /// Adds up the shares of all processes, which must all call it. Returns the areas of this process's

@@ -16,7 +16,7 @@ HWY_BEFORE_NAMESPACE();
 namespace eses::detail::HWY_NAMESPACE {
 
 // The words of one column of points in one plane, by y, and the words of their neighbours. At the
-// end of the grid, the words of the points themselves replace those of the missing neighbours.
+// end of the grid, the words of the points themselves replace the words of missing neighbours.
 struct ColumnPlane {
   const std::uint64_t* words;
   const std::uint64_t* below;  // z - 1
@@ -48,7 +48,7 @@ void count(const ColumnPlane& column, std::int64_t rows, PointCounts& counts) {
   }
 }
 
-// The columns of a layer, including those of empty blocks.
+// The columns of a layer, including the columns of empty blocks.
 class LayerColumns {
  public:
   LayerColumns(const BlockTiling& tiling, const Plane& below, const Layer& layer)

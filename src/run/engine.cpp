@@ -35,7 +35,8 @@ std::unique_ptr<OutputFiles> open_files(const RunTask& task, const RunPlan& plan
   std::unique_ptr<OutputFiles> files;
   processes.all_or_throw([&] {
     if (!processes.is_first()) return;
-    files = std::make_unique<OutputFiles>(task.outputs, task.output_directory, plan.whole.files);
+    files =
+        std::make_unique<OutputFiles>(task.outputs, task.output_directory, plan.whole_plan.files);
     if (plan.checkpoint) plan.checkpoint->prepare();
   });
   return files;
@@ -48,9 +49,10 @@ void require_shared_directories(const RunTask& task, const RunPaths& paths,
   if (processes.count() == 1) return;
   const auto require = [&](const std::filesystem::path& path, int mode) {
     if (!FileDescriptor(::open(path.c_str(), mode | O_CLOEXEC)).is_open())
-      throw Error(formatted(
-          "cannot write into {}{}: {}; is it the same directory for all processes?",
-          path.parent_path().string(), processes.place(), std::generic_category().message(errno)));
+      throw Error(
+          formatted("cannot write into {}{}: {}; is it the same directory for all processes?",
+                    path.parent_path().string(), processes.on_machine(),
+                    std::generic_category().message(errno)));
   };
   processes.all_or_throw([&] {
     for (const std::string& path : paths.temporaries) require(path, O_WRONLY);
@@ -69,11 +71,11 @@ std::optional<mesh::MeshText> mesh_text(const RunTask& task, const RunPlan& plan
                                 .residue_count = processes.sum(plan.groups.residues.size())};
   return mesh::MeshText(required_mesh_format(*mesh), mesh->color,
                         {.groups = groups,
-                         .atom_numbers = plan.slab.numbers,
+                         .file_indices = plan.slab.file_indices,
                          .atoms = plan.slab.molecule.atoms(),
                          .atom_count = plan.atoms,
-                         .probe_radius = plan.whole.parameters.probe_radius,
-                         .spacing = plan.whole.grid.spacing});
+                         .probe_radius = plan.whole_plan.parameters.probe_radius,
+                         .spacing = plan.whole_plan.grid.spacing});
 }
 
 double cpu_seconds() {
@@ -86,11 +88,11 @@ double cpu_seconds() {
 }
 
 // Broadcasts the lines of process `from` to all processes.
-std::vector<std::string> broadcast_lines(const std::vector<std::string>& own, int from,
+std::vector<std::string> broadcast_lines(const std::vector<std::string>& lines, int from,
                                          const Processes& processes) {
   std::string packed;
   if (processes.rank() == from)
-    for (const std::string& line : own) pack(packed, line);
+    for (const std::string& line : lines) pack(packed, line);
   return unpack(processes.broadcast(std::move(packed), from));
 }
 
@@ -126,8 +128,9 @@ void combine_verifications(Verification& found, const Processes& processes) {
 void take_restored(const RunPlan& plan, const Processes& processes, std::vector<PlaneChunk>& chunks,
                    AtomShares& shares) {
   const auto step = static_cast<std::size_t>(processes.count());
-  for (auto i = static_cast<std::size_t>(processes.rank()); i < plan.done.size(); i += step) {
-    PlaneChunk chunk = plan.checkpoint->read(plan.done[i]);
+  for (auto i = static_cast<std::size_t>(processes.rank()); i < plan.finished_planes.size();
+       i += step) {
+    PlaneChunk chunk = plan.checkpoint->read(plan.finished_planes[i]);
     shares.restored.insert(shares.restored.end(), chunk.sums.begin(), chunk.sums.end());
     chunk.sums = {};
     chunks.push_back(std::move(chunk));
@@ -166,7 +169,7 @@ std::uint64_t commit_files(const RunTask& task, const RunPlan& plan, OutputFiles
   std::uint64_t box_bytes = 0;
   processes.all_or_throw([&] {
     if (files == nullptr) return;
-    if (files->box) box_bytes = write_box(*files->box, plan.whole.grid, files->gzip);
+    if (files->box) box_bytes = write_box(*files->box, plan.whole_plan.grid, files->gzip);
     require_memory_within(task.parameters.max_memory);
     files->commit(check);
     if (plan.checkpoint)
@@ -182,9 +185,9 @@ void add_figures(const Stopwatch& total, const RunPlan& plan, const Processes& p
   PhaseSeconds& seconds = result.summary.seconds;
   seconds.total = total.seconds();
   combine_seconds(seconds, processes);
-  const ProcessFigures own{plan.slab.planes, plan.slab.molecule.atoms().size(), cpu_seconds(),
-                           peak_memory()};
-  result.processes = processes.gather<ProcessFigures>({&own, 1});
+  const ProcessFigures figures{plan.slab.planes, plan.slab.molecule.atoms().size(), cpu_seconds(),
+                               peak_memory()};
+  result.processes = processes.gather<ProcessFigures>({&figures, 1});
 }
 
 }  // namespace
@@ -194,17 +197,14 @@ bool has_faults(const Summary& summary) {
 }
 
 RunPaths paths_of(const RunTask& task, const Processes& processes) {
-  const auto share = [&](const std::vector<std::string>& own) {
-    return broadcast_lines(own, 0, processes);
-  };
-  return {share(temporary_paths(task.outputs, task.output_directory)),
-          share(lock_paths(task.outputs, task.output_directory))};
+  return {broadcast_lines(temporary_paths(task.outputs, task.output_directory), 0, processes),
+          broadcast_lines(lock_paths(task.outputs, task.output_directory), 0, processes)};
 }
 
 RunResult execute(const RunTask& task, const RunPlan& plan, const RunPaths& paths,
                   const Callbacks& callbacks, const Processes& processes) {
   const Stopwatch total;
-  processes.all_or_throw([&] { start_threads(plan.own.threads); });
+  processes.all_or_throw([&] { start_threads(plan.slab_plan.threads); });
   const std::unique_ptr<OutputFiles> files = open_files(task, plan, processes);
   require_shared_directories(task, paths, processes);
 
@@ -220,8 +220,10 @@ RunResult execute(const RunTask& task, const RunPlan& plan, const RunPaths& path
   SweepFiles sweep_files{.final_files = files.get()};
   if (mesh) {
     sweep_files.mesh_text = &*mesh;
-    sweep_files.mesh_header_bytes = mesh_header_bytes(*mesh, plan.groups, processes);
-    sweep_files.face_header_bytes = face_header_bytes(*mesh);
+    sweep_files.mesh_header_bytes =
+        header_bytes(mesh_header(*mesh, plan.groups, {}, processes), processes);
+    if (mesh->has_face_file())
+      sweep_files.face_header_bytes = header_bytes(face_header(*mesh, {}, processes), processes);
   }
   SlabSweep sweep(task, plan, ranges, sweep_files, callbacks, report, processes);
   SweepResult swept = sweep.run(summary);
@@ -232,7 +234,7 @@ RunResult execute(const RunTask& task, const RunPlan& plan, const RunPaths& path
   if (summary.verification) combine_verifications(*summary.verification, processes);
 
   Merge merge(task, plan, processes, std::move(swept.chunks), check);
-  fill_totals(merge.totals(), plan.whole.grid.spacing, summary);
+  fill_totals(merge.totals(), plan.whole_plan.grid.spacing, summary);
   AtomAreas areas = add_up_areas(std::move(shares), plan, processes);
   summary.area = total_area(areas, processes);
   if (!has_faults(summary)) {
@@ -241,7 +243,7 @@ RunResult execute(const RunTask& task, const RunPlan& plan, const RunPaths& path
         write_files(task, plan, mesh, areas, merge, files.get(), check, processes) +
         commit_files(task, plan, files.get(), check, processes);
   }
-  if (processes.count() == 1) summary.atom_areas = std::move(areas.areas);
+  if (processes.count() == 1) result.atom_areas = std::move(areas.areas);
   add_figures(total, plan, processes, result);
   return result;
 }

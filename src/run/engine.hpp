@@ -8,6 +8,7 @@
 /// MPI ranks, each with its slab of planes. The bytes of the files do not depend on the ranges.
 
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -28,8 +29,10 @@ struct ProcessFigures {
 
 /// The result of a run.
 struct RunResult {
-  /// Equal in all processes. Summary::atom_areas is empty if there are several processes.
-  Summary summary;
+  Summary summary;  ///< equal in all processes; without atom_areas
+  /// Area of each atom in square angstrom; only in a single process, as each of several processes
+  /// has the areas of some atoms.
+  std::optional<std::vector<double>> atom_areas;
   std::vector<ProcessFigures> processes;  ///< by rank
 };
 
@@ -44,9 +47,9 @@ struct RunPaths {
 /// Returns the paths of the first process. All processes must call it.
 RunPaths paths_of(const RunTask& task, const Processes& processes);
 
-/// Computes the surface and writes the files as eses::detail::run does. All processes must call it.
-/// All processes receive a SharedError. Only this process has any other exception, so the caller
-/// must then abort the other processes.
+/// Computes the surface and writes the files of a plan. All processes must call it. A SharedError
+/// is thrown in all processes. Any other exception is thrown only in the process that failed, whose
+/// caller must then abort the other processes.
 RunResult execute(const RunTask& task, const RunPlan& plan, const RunPaths& paths,
                   const Callbacks& callbacks, const Processes& processes);
 

@@ -1,8 +1,5 @@
 #include "run/layer.hpp"
 
-#include <algorithm>
-#include <span>
-
 namespace eses::detail {
 namespace {
 
@@ -16,18 +13,10 @@ void append_bits(RowBits& row, std::int64_t position, std::uint64_t bits, std::i
   if (shift + count > 64) row[word + 1] |= bits >> (64 - shift);
 }
 
-// Returns the crossings of one row. `row_begin` has the begin of each row.
-std::span<const BlockCrossing> row_crossings(std::span<const BlockCrossing> crossings,
-                                             std::span<const std::uint32_t> row_begin,
-                                             std::int64_t row) {
-  const auto r = static_cast<std::size_t>(row);
-  return crossings.subspan(row_begin[r], row_begin[r + 1] - row_begin[r]);
-}
-
 }  // namespace
 
 BlockRow block_row_of(const BlockTiling& tiling, std::int64_t y) {
-  const std::int64_t by = std::min(y / (tiling.block_size[1] - 1), tiling.blocks[1] - 1);
+  const std::int64_t by = block_along(tiling, 1, y);
   return {by, y - by * (tiling.block_size[1] - 1)};
 }
 
@@ -56,32 +45,18 @@ LayerRows::LayerRows(const BlockTiling& tiling, const Layer& layer, Extent exten
 
 void LayerRows::merge_row(std::int64_t y, std::int64_t z, RowBits& row) const {
   row.assign(words_, 0);
-  const BlockRow place = block_row_of(tiling_, y);
-  for (const Part& part : parts_[static_cast<std::size_t>(place.by)]) {
-    const std::uint64_t bits = part.words[z * part.rows + place.y];
+  const BlockRow position = block_row_of(tiling_, y);
+  for (const Part& part : parts_[static_cast<std::size_t>(position.by)]) {
+    const std::uint64_t bits = part.words[z * part.rows + position.y];
     if (bits != 0) append_bits(row, part.position, bits, part.count);
   }
 }
 
-LayerCrossings::LayerCrossings(const BlockTiling& tiling, const Layer& layer)
-    : tiling_(tiling), blocks_(static_cast<std::size_t>(tiling.blocks[1])) {
+LayerCrossings::LayerCrossings(const BlockTiling& tiling, const Layer& layer, Extent extent)
+    : tiling_(tiling), extent_(extent), blocks_(static_cast<std::size_t>(tiling.blocks[1])) {
   for (std::size_t b = 0; b < layer.blocks.size(); ++b)
     if (!layer.blocks[b].crossings.empty() || !layer.blocks[b].halo_crossings.empty())
       blocks_[b / static_cast<std::size_t>(tiling.blocks[0])].push_back(&layer.blocks[b]);
-}
-
-std::span<const BlockCrossing> LayerCrossings::owned_part(const BlockResult& result, std::int64_t y,
-                                                          std::int64_t z) {
-  const GridIndex& owned = result.block.owned;
-  if (y >= owned[1] || z >= owned[2]) return {};
-  return row_crossings(result.crossings, result.row_begin, z * owned[1] + y);
-}
-
-std::span<const BlockCrossing> LayerCrossings::halo_part(const BlockResult& result, std::int64_t y,
-                                                         std::int64_t z) {
-  if (result.halo_row_begin.empty()) return {};
-  return row_crossings(result.halo_crossings, result.halo_row_begin,
-                       z * result.block.points[1] + y);
 }
 
 Plane last_plane(const Layer& layer) {

@@ -1,11 +1,13 @@
 #pragma once
 /// A solved layer of blocks as rows of the whole grid.
 
+#include <algorithm>
 #include <cstdint>
 #include <span>
 #include <vector>
 
 #include "grid/tiling.hpp"
+#include "run/solved_block.hpp"
 #include "solve/block_solver.hpp"
 
 namespace eses::detail {
@@ -21,7 +23,7 @@ struct Layer {
 /// The inside bits of a row of the region: bit i % 64 of word i / 64 is point i.
 using RowBits = std::vector<std::uint64_t>;
 
-/// The points of rows: those of the region, or those of BlockTiling::region_with_halo.
+/// The points of rows: the region, or BlockTiling::region_with_halo.
 enum class Extent { region, with_halo };
 
 /// An index of the parts of rows in the blocks of a layer, made once for many rows.
@@ -30,7 +32,7 @@ class LayerRows {
   LayerRows(const BlockTiling& tiling, const Layer& layer, Extent extent = Extent::region,
             PointBits BlockResult::*bits = &BlockResult::inside);
 
-  /// Merges the bits, by default those of inside points, of row (y, z) from all blocks along x. `y`
+  /// Merges the bits, by default the inside points, of row (y, z) from all blocks along x. `y`
   /// is relative to the region's first row, `z` to the layer's first plane.
   void merge_row(std::int64_t y, std::int64_t z, RowBits& row) const;
 
@@ -47,6 +49,12 @@ class LayerRows {
   std::vector<std::vector<Part>> parts_;  // by block row
 };
 
+/// Returns the index along an axis of the block that owns a point. `offset` is relative to the
+/// region's first point.
+inline std::int64_t block_along(const BlockTiling& tiling, std::size_t axis, std::int64_t offset) {
+  return std::min(offset / (tiling.block_size[axis] - 1), tiling.blocks[axis] - 1);
+}
+
 /// The position of a row in its blocks: the index `by` of the blocks along y, and the local index
 /// `y` of the row in these blocks.
 struct BlockRow {
@@ -59,40 +67,31 @@ BlockRow block_row_of(const BlockTiling& tiling, std::int64_t y);
 /// An index of the blocks with crossings in a layer, made once for many rows.
 class LayerCrossings {
  public:
-  LayerCrossings(const BlockTiling& tiling, const Layer& layer);
+  /// With the halo, rows have the crossings of the halo as well, and there are further rows.
+  LayerCrossings(const BlockTiling& tiling, const Layer& layer, Extent extent = Extent::region);
 
   /// Calls `action(first_x, crossings)` for the parts of row (y, z), in the order of x. The `x` of
   /// a crossing is relative to `first_x`. `y` is relative to the region's first row, `z` to the
   /// layer's first plane.
   template <class Action>
   void for_each_row_part(std::int64_t y, std::int64_t z, Action&& action) const {
-    const BlockRow place = block_row_of(tiling_, y);
-    for (const BlockResult* const result : blocks_[static_cast<std::size_t>(place.by)])
-      act_on(*result, owned_part(*result, place.y, z), action);
-  }
-
-  /// Does the same with the crossings of the halo, which has further rows.
-  template <class Action>
-  void for_each_row_part_with_halo(std::int64_t y, std::int64_t z, Action&& action) const {
-    const BlockRow place = block_row_of(tiling_, y);
-    for (const BlockResult* const result : blocks_[static_cast<std::size_t>(place.by)]) {
-      act_on(*result, owned_part(*result, place.y, z), action);
-      act_on(*result, halo_part(*result, place.y, z), action);
+    const BlockRow row = block_row_of(tiling_, y);
+    for (const BlockResult* const result : blocks_[static_cast<std::size_t>(row.by)]) {
+      const auto act_on = [&](std::span<const BlockCrossing> part) {
+        if (!part.empty()) action(result->block.first[0], part);
+      };
+      const auto& [first, points, owned] = result->block;
+      if (row.y < owned[1] && z < owned[2])
+        act_on(row_crossings(result->crossings, result->row_begin, z * owned[1] + row.y));
+      if (extent_ == Extent::with_halo)
+        act_on(
+            row_crossings(result->halo_crossings, result->halo_row_begin, z * points[1] + row.y));
     }
   }
 
  private:
-  template <class Action>
-  static void act_on(const BlockResult& result, std::span<const BlockCrossing> part,
-                     Action& action) {
-    if (!part.empty()) action(result.block.first[0], part);
-  }
-  static std::span<const BlockCrossing> owned_part(const BlockResult& result, std::int64_t y,
-                                                   std::int64_t z);
-  static std::span<const BlockCrossing> halo_part(const BlockResult& result, std::int64_t y,
-                                                  std::int64_t z);
-
   const BlockTiling& tiling_;
+  Extent extent_;
   std::vector<std::vector<const BlockResult*>> blocks_;  // by block row
 };
 

@@ -74,12 +74,12 @@ void MapRows::append_edges(std::int64_t y, std::int64_t z, std::vector<std::uint
   const auto cells = static_cast<std::size_t>((tiling_.region.size()[0] + 63) / 64);
   for (std::size_t cell = 0; cell < cells; ++cell)
     append_whole_edges(has_edges ? lower_[cell] & upper_[cell] : 0, words);
-  const BlockRow place = block_row_of(tiling_, y);
+  const BlockRow position = block_row_of(tiling_, y);
   for (std::int64_t bx = 0; bx < tiling_.blocks[0]; ++bx) {
     const BlockResult& result =
-        layer_.blocks[static_cast<std::size_t>(place.by * tiling_.blocks[0] + bx)];
+        layer_.blocks[static_cast<std::size_t>(position.by * tiling_.blocks[0] + bx)];
     if (result.fractions.edges.empty()) continue;
-    const auto row = static_cast<std::size_t>(z * result.block.owned[1] + place.y);
+    const auto row = static_cast<std::size_t>(z * result.block.owned[1] + position.y);
     const std::int64_t first_x = result.block.first[0] - tiling_.region.begin[0];
     for (std::uint32_t e = result.fractions.row_begin[row]; e < result.fractions.row_begin[row + 1];
          ++e) {

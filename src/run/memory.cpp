@@ -135,14 +135,14 @@ double mesh_bytes(const SurfaceSurvey& survey, double spacing, const BlockTiling
          growth * (sizeof(std::uint64_t) + sizeof(std::uint8_t)) * crossings;
 }
 
-// Returns the memory of labels, numbers of chains and residues, and sums of chains.
-double label_bytes(const LabelTotals& labels, double atoms, const Outputs& outputs) {
-  if (labels.labels == 0) return 0;
+// Returns the memory of numbers of chains and residues, and of sums of chains.
+double group_bytes(const LabelTotals& labels, bool has_groups, double atoms,
+                   const Outputs& outputs) {
   const auto residues = static_cast<double>(labels.residue_runs);
   const auto chains = static_cast<double>(labels.chain_runs);
-  double bytes = sizeof(AtomLabel) * static_cast<double>(labels.labels) + labels.heap_bytes;
+  double bytes = 0;
   // Lists of the first atom of each residue and chain, and their temporary order.
-  if (outputs.mesh && mesh::can_name_groups(*outputs.mesh))
+  if (has_groups)
     bytes +=
         2 * sizeof(std::uint32_t) * atoms + 2 * growth * sizeof(AtomIndex) * (residues + chains);
   // A chain has an entry in a table, and texts in the messages between ranks.
@@ -155,10 +155,10 @@ double label_bytes(const LabelTotals& labels, double atoms, const Outputs& outpu
 }
 
 // Returns the heap memory of a string, with the overhead of the allocator.
-double heap_bytes_of(const std::string& text) {
+std::uint64_t heap_bytes_of(const std::string& text) {
   static const std::size_t room_within = std::string().capacity();
-  constexpr double allocator = 24;
-  return text.capacity() > room_within ? static_cast<double>(text.capacity()) + allocator : 0;
+  constexpr std::uint64_t allocator = 24;
+  return text.capacity() > room_within ? text.capacity() + allocator : 0;
 }
 
 double bytes_of_thread(const SurfaceSurvey& survey, const Grid& grid, const Schedule& schedule,
@@ -204,12 +204,9 @@ double fraction_ahead(const Schedule& schedule) {
 
 LabelTotals total_labels(std::span<const AtomLabel> labels) {
   LabelTotals totals;
-  totals.labels = labels.size();
   for (std::size_t i = 0; i < labels.size(); ++i) {
     const auto& [chain, residue, number, atom_name, element] = labels[i];
     totals.atom_text_bytes += text_bytes_of(labels[i]);
-    for (const std::string* const text : {&chain, &residue, &number, &atom_name, &element})
-      totals.heap_bytes += heap_bytes_of(*text);
     const bool is_new_chain = i == 0 || chain != labels[i - 1].chain;
     if (is_new_chain) {
       ++totals.chain_runs;
@@ -224,6 +221,14 @@ LabelTotals total_labels(std::span<const AtomLabel> labels) {
   return totals;
 }
 
+std::uint64_t memory_of_labels(std::span<const AtomLabel> labels) {
+  std::uint64_t bytes = labels.size_bytes();
+  for (const auto& [chain, residue, number, atom_name, element] : labels)
+    for (const std::string* const text : {&chain, &residue, &number, &atom_name, &element})
+      bytes += heap_bytes_of(*text);
+  return bytes;
+}
+
 double halo_growth(const BlockTiling& tiling) {
   const GridIndex size = tiling.region.size(), wider = tiling.region_with_halo.size();
   double growth_of_points = 1;
@@ -236,8 +241,8 @@ double min_expected_memory(std::size_t atoms) {
   return base_bytes + static_cast<double>(atoms) * bytes_per_atom;
 }
 
-double expected_memory(const SurfaceSurvey& survey, const LabelTotals& labels, const Grid& grid,
-                       const Schedule& schedule, const Outputs& outputs) {
+double expected_memory(const SurfaceSurvey& survey, const LabelTotals& labels, bool has_groups,
+                       const Grid& grid, const Schedule& schedule, const Outputs& outputs) {
   const auto atoms = static_cast<double>(survey.atom_count());
   const BlockTiling& tiling = schedule.tiling;
   const double threads = schedule.threads, always = min_expected_memory(survey.atom_count());
@@ -256,8 +261,7 @@ double expected_memory(const SurfaceSurvey& survey, const LabelTotals& labels, c
   const double solving = patches + axes +
                          threads * bytes_of_thread(survey, grid, schedule, outputs) +
                          std::max(held, bytes_per_area * atoms);
-  // Labels are in memory during the whole run.
-  return always + label_bytes(labels, atoms, outputs) + solving;
+  return always + group_bytes(labels, has_groups, atoms, outputs) + solving;
 }
 
 }  // namespace eses::detail

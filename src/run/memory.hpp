@@ -17,20 +17,21 @@ struct Schedule {
   std::int64_t blocks_ahead = 0;  ///< see TaskQueue
 };
 
-/// Numbers and sizes of labels. A run is a sequence of consecutive atoms with the same residue or
+/// Numbers and lengths of names. A run is a sequence of consecutive atoms with the same residue or
 /// chain.
 struct LabelTotals {
-  std::size_t labels = 0;                        ///< number of labels in memory
-  std::size_t residue_runs = 0, chain_runs = 0;  ///< numbers of runs
+  std::uint64_t residue_runs = 0, chain_runs = 0;  ///< numbers of runs
   /// Total length of the names of all runs.
   std::uint64_t residue_text_bytes = 0, chain_text_bytes = 0;
   /// Total length of the names and elements of all atoms.
   std::uint64_t atom_text_bytes = 0;
-  double heap_bytes = 0;  ///< heap memory of strings that do not fit into the string object
 };
 
 /// Returns the totals of labels.
 LabelTotals total_labels(std::span<const AtomLabel> labels);
+
+/// Returns the memory of labels in bytes.
+std::uint64_t memory_of_labels(std::span<const AtomLabel> labels);
 
 /// Returns the expected number of crossings of a surface with a grid. A surface of area A with the
 /// normal n crosses A |n_q| / spacing^2 grid lines along the axis q. The mean of
@@ -46,8 +47,9 @@ double halo_growth(const BlockTiling& tiling);
 /// Returns a lower bound of expected_memory for this number of atoms, in bytes.
 double min_expected_memory(std::size_t atoms);
 
-/// Returns an estimate of the peak memory of the process in bytes, intended as an upper bound.
-double expected_memory(const SurfaceSurvey& survey, const LabelTotals& labels, const Grid& grid,
-                       const Schedule& schedule, const Outputs& outputs);
+/// Returns an estimate of the peak memory of the process in bytes, without its labels, intended as
+/// an upper bound. `has_groups` is whether chains and residues of atoms are numbered.
+double expected_memory(const SurfaceSurvey& survey, const LabelTotals& labels, bool has_groups,
+                       const Grid& grid, const Schedule& schedule, const Outputs& outputs);
 
 }  // namespace eses::detail

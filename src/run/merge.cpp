@@ -30,20 +30,51 @@ std::uint64_t write_empty_member(const Processes& processes, SharedFile& file) {
   return member.size();
 }
 
-// Copies the first bytes of a scratch file to the file `to` from `begin` on. Returns the number of
-// bytes copied, which is smaller if the kernel cannot copy them.
-std::uint64_t copy_in_kernel(const ScratchFile& from, std::uint64_t bytes, SharedFile& to,
-                             std::uint64_t begin, const std::function<void()>& check) {
-  std::uint64_t done = 0;
-  while (done < bytes) {
+// Calls `take(bytes, offset)` for parts of a scratch file of this length, from `begin` on. The
+// lengths of the parts are multiples of `unit`. `loaded(bytes, offset)` is called before, from
+// another thread if there are several threads. With several processes, only the main thread may
+// write. Another thread reads ahead if it can be started.
+template <class Loaded, class Take>
+void read_parts(const ScratchFile& from, std::uint64_t begin, std::uint64_t length,
+                std::uint64_t unit, int threads, const std::function<void()>& check,
+                Loaded&& loaded, Take&& take) {
+  if (begin >= length) return;
+  const std::uint64_t step = std::max<std::uint64_t>(1, bytes_per_read / unit) * unit;
+  std::vector<char> part, next;
+  const auto load = [&](std::uint64_t offset) {
+    next.resize(std::min(step, length - offset));
+    from.read_at(std::as_writable_bytes(std::span(next)), offset);
+    loaded(std::span<const char>(next), offset);
+  };
+  const auto how = threads > 1 ? std::launch::async | std::launch::deferred : std::launch::deferred;
+  std::future<void> loading = std::async(how, load, begin);
+  for (std::uint64_t offset = begin; offset < length; offset += part.size()) {
     check();
-    const std::uint64_t copied = to.copy_from(
-        from.descriptor(),
-        {.from = done, .to = begin + done, .bytes = std::min(bytes_per_copy, bytes - done)});
-    if (copied == 0) break;
-    done += copied;
+    loading.get();
+    part.swap(next);
+    if (offset + part.size() < length) loading = std::async(how, load, offset + part.size());
+    take(std::span<const char>(part), offset);
   }
-  return done;
+}
+
+// Copies a scratch file of this length to the file `to` from `begin` on, as far as possible in the
+// kernel.
+void copy_file(const ScratchFile& from, std::uint64_t length, SharedFile& to, std::uint64_t begin,
+               int threads, const std::function<void()>& check) {
+  std::uint64_t copied = 0;
+  while (copied < length) {
+    check();
+    const std::uint64_t bytes = to.copy_from(
+        from.descriptor(),
+        {.from = copied, .to = begin + copied, .bytes = std::min(bytes_per_copy, length - copied)});
+    if (bytes == 0) break;
+    copied += bytes;
+  }
+  read_parts(
+      from, copied, length, 1, threads, check, [](auto&&...) {},
+      [&](std::span<const char> bytes, std::uint64_t offset) {
+        to.write_at(bytes, begin + offset);
+      });
 }
 
 // Divides records into the columns of a table, in a part of a file that begins at `begin`.
@@ -53,7 +84,7 @@ class ColumnWriter {
   ColumnWriter(SharedFile& file, std::uint64_t begin, const mesh::ColumnTable& table)
       : file_(file), begin_(begin), table_(table) {}
 
-  // Records from number `first` on.
+  // Writes records, the first of which has the index `first` in the table.
   void write(std::span<const char> records, std::uint64_t first) {
     const std::size_t count = records.size() / table_.record_bytes;
     for (const mesh::Column& column : table_.columns) {
@@ -65,7 +96,7 @@ class ColumnWriter {
     }
   }
 
-  // The length of each column, before its values.
+  // Writes the length of each column before its values.
   void write_lengths() {
     for (const mesh::Column& column : table_.columns) {
       const std::uint64_t length = table_.record_count * column.bytes;
@@ -90,23 +121,23 @@ Merge::Merge(const RunTask& task, const RunPlan& plan, const Processes& processe
       plan_(plan),
       processes_(processes),
       check_(std::move(check)),
-      own_(std::move(chunks)) {
+      chunks_(std::move(chunks)) {
   const auto by_planes = [](const ChunkInfo& a, const ChunkInfo& b) {
     return a.planes.begin < b.planes.begin;
   };
-  std::sort(own_.begin(), own_.end(),
+  std::sort(chunks_.begin(), chunks_.end(),
             [&](const PlaneChunk& a, const PlaneChunk& b) { return by_planes(a.info, b.info); });
   std::vector<ChunkInfo> infos;
-  infos.reserve(own_.size());
-  for (const PlaneChunk& chunk : own_) infos.push_back(chunk.info);
-  all_ = processes.gather<ChunkInfo>(infos);
-  std::sort(all_.begin(), all_.end(), by_planes);
+  infos.reserve(chunks_.size());
+  for (const PlaneChunk& chunk : chunks_) infos.push_back(chunk.info);
+  infos_ = processes.gather<ChunkInfo>(infos);
+  std::sort(infos_.begin(), infos_.end(), by_planes);
   processes.all_or_throw([this] { add_up(); });
 }
 
 void Merge::add_up() {
-  std::int64_t next = plan_.whole.tiling.region.begin[2];
-  for (const ChunkInfo& info : all_) {
+  std::int64_t next = plan_.whole_plan.tiling.region.begin[2];
+  for (const ChunkInfo& info : infos_) {
     if (info.planes.begin != next)
       throw Error("the checkpoint has gaps or overlaps; remove its directory and run again");
     next = info.planes.end;
@@ -114,18 +145,18 @@ void Merge::add_up() {
     mesh_.vertices += info.mesh.vertices;
     mesh_.triangles += info.mesh.triangles;
   }
-  if (next != plan_.whole.tiling.region.end[2]) throw Error("chunks of the run are missing");
+  if (next != plan_.whole_plan.tiling.region.end[2]) throw Error("chunks of the run are missing");
   mesh::require_vertex_count(mesh_.vertices);
 }
 
 // Calls `action(chunk, sum)` for each chunk of this process, with the sum of `amount` over all
 // previous chunks. Returns the sum over all chunks.
 template <class Amount, class Action>
-std::uint64_t Merge::for_own(Amount&& amount, Action&& action) {
+std::uint64_t Merge::for_each_chunk(Amount&& amount, Action&& action) {
   std::uint64_t sum = 0;
-  auto mine = own_.begin();
-  for (const ChunkInfo& info : all_) {
-    if (mine != own_.end() && mine->info.planes == info.planes) action(*mine++, sum);
+  auto next = chunks_.begin();
+  for (const ChunkInfo& info : infos_) {
+    if (next != chunks_.end() && next->info.planes == info.planes) action(*next++, sum);
     sum += amount(info);
   }
   return sum;
@@ -150,57 +181,39 @@ void Merge::require_sound(const PlaneChunk& chunk, ChunkText text, std::uint32_t
                 chunk.info.planes.begin, chunk.info.planes.end - 1));
 }
 
-// Calls `take(bytes, offset)` for parts of a chunk's text from `begin` on, whose lengths are
-// multiples of `unit`. For a chunk of an earlier run, `begin` must be 0, as its checksum is
-// compared.
+// Calls `take(bytes, offset)` for parts of a chunk's text, whose lengths are multiples of `unit`.
+// Compares the checksum of a chunk of an earlier run.
 template <class Take>
-void Merge::read(PlaneChunk& chunk, ChunkText text, std::uint64_t unit, std::uint64_t begin,
-                 Take&& take) const {
-  const std::uint64_t bytes = chunk.info.bytes_of(text);
-  if (begin >= bytes) return;
-  const ScratchFile& from = open(chunk, text);
-  const std::uint64_t step = std::max<std::uint64_t>(1, bytes_per_read / unit) * unit;
+void Merge::read(PlaneChunk& chunk, ChunkText text, std::uint64_t unit, Take&& take) const {
+  const std::uint64_t length = chunk.info.bytes_of(text);
+  if (length == 0) return;
   TextChecksum checksum;
-  std::vector<char> part, next;
-  const auto load = [&](std::uint64_t offset) {
-    next.resize(std::min(step, bytes - offset));
-    from.read_at(std::as_writable_bytes(std::span(next)), offset);
-    if (chunk.is_restored) checksum.add(next, offset);
-  };
-  // With several processes, only the main thread may write. Another thread reads ahead if it can be
-  // started.
-  const auto how =
-      plan_.own.threads > 1 ? std::launch::async | std::launch::deferred : std::launch::deferred;
-  std::future<void> loaded = std::async(how, load, begin);
-  for (std::uint64_t done = begin; done < bytes; done += part.size()) {
-    check_();
-    loaded.get();
-    part.swap(next);
-    if (done + part.size() < bytes) loaded = std::async(how, load, done + part.size());
-    take(std::span<const char>(part), done);
-  }
+  read_parts(
+      open(chunk, text), 0, length, unit, plan_.slab_plan.threads, check_,
+      [&](std::span<const char> bytes, std::uint64_t offset) {
+        if (chunk.is_restored) checksum.add(bytes, offset);
+      },
+      std::forward<Take>(take));
   if (chunk.is_restored) require_sound(chunk, text, checksum.value());
   if (plan_.checkpoint) close(chunk, text);
 }
 
+// Copies a text to the file `to` from `begin` on, unless it is there already.
 void Merge::copy(PlaneChunk& chunk, ChunkText text, SharedFile& to, std::uint64_t begin) {
-  const bool is_at_its_place = chunk.is_in_place && !chunk.text(text);
-  if (is_at_its_place) return;
   const std::uint64_t length = chunk.info.bytes_of(text);
-  const bool must_be_read = chunk.is_restored;  // for its checksum
-  const std::uint64_t copied = length == 0 || must_be_read
-                                   ? 0
-                                   : copy_in_kernel(open(chunk, text), length, to, begin, check_);
-  read(chunk, text, 1, copied, [&](std::span<const char> bytes, std::uint64_t offset) {
-    to.write_at(bytes, begin + offset);
-  });
+  if (chunk.is_restored)
+    read(chunk, text, 1, [&](std::span<const char> bytes, std::uint64_t offset) {
+      to.write_at(bytes, begin + offset);
+    });
+  else if (length > 0 && (!chunk.is_in_place || chunk.text(text)))
+    copy_file(open(chunk, text), length, to, begin, plan_.slab_plan.threads, check_);
   close(chunk, text);
 }
 
 // Copies a text of all chunks to the file from `begin` on. Returns the offset of their end.
 std::uint64_t Merge::copy_all(ChunkText text, SharedFile& to, std::uint64_t begin) {
   const auto bytes_of = [text](const ChunkInfo& info) { return info.bytes_of(text); };
-  return begin + for_own(bytes_of, [&](PlaneChunk& chunk, std::uint64_t before) {
+  return begin + for_each_chunk(bytes_of, [&](PlaneChunk& chunk, std::uint64_t before) {
            copy(chunk, text, to, begin + before);
          });
 }
@@ -215,12 +228,14 @@ std::uint64_t Merge::write_text(OutputFile* file, ChunkText text) {
 
 // Number of threads that read a file which all processes share. With several processes only the
 // main thread may do so.
-int Merge::threads_of_shared_file() const { return processes_.count() > 1 ? 1 : plan_.own.threads; }
+int Merge::threads_of_shared_file() const {
+  return processes_.count() > 1 ? 1 : plan_.slab_plan.threads;
+}
 
 std::uint64_t Merge::write_values(GridMap& map) const {
-  const Processes::Share share =
-      processes_.share_of(static_cast<std::uint64_t>(map.tile_count()), 1, processes_.rank());
-  map.transpose_tiles(static_cast<std::int64_t>(share.begin), static_cast<std::int64_t>(share.end),
+  const IndexRange range =
+      processes_.range_of(static_cast<std::uint64_t>(map.tile_count()), 1, processes_.rank());
+  map.transpose_tiles(static_cast<std::int64_t>(range.begin), static_cast<std::int64_t>(range.end),
                       threads_of_shared_file(), check_);
   if (processes_.is_first()) map.write_ends();
   return map.file_bytes();
@@ -233,44 +248,37 @@ std::uint64_t Merge::write_compressed_values(GridMap& map, SharedFile& to) const
   const auto append = [&](const std::vector<char>& bytes) {
     text.append(std::as_bytes(std::span(bytes)));
   };
-  const Processes::Share share =
-      processes_.share_of(static_cast<std::uint64_t>(map.cells_of_row()), 1, processes_.rank());
+  const IndexRange range =
+      processes_.range_of(static_cast<std::uint64_t>(map.cells_of_row()), 1, processes_.rank());
   if (processes_.is_first()) append(map.compressed_header());
   {
     ScratchFile members(task_.output_directory);
-    map.compress_cells(static_cast<std::int64_t>(share.begin), static_cast<std::int64_t>(share.end),
+    map.compress_cells(static_cast<std::int64_t>(range.begin), static_cast<std::int64_t>(range.end),
                        threads_of_shared_file(), check_, members, text);
   }
   if (processes_.rank() + 1 == processes_.count()) append(map.compressed_footer());
-  const std::uint64_t own = text.size();
+  const std::uint64_t length = text.size();
   // No process knows the sum before all have read their words. Only then may members replace them.
-  const std::uint64_t all = processes_.sum(own);
-  const std::uint64_t begin = processes_.sum_before(own);
-  std::uint64_t done = copy_in_kernel(text, own, to, begin, check_);
-  std::vector<char> part;
-  for (; done < own; done += part.size()) {
-    check_();
-    part.resize(std::min(bytes_per_read, own - done));
-    text.read_at(std::as_writable_bytes(std::span(part)), done);
-    to.write_at(part, begin + done);
-  }
+  const std::uint64_t all = processes_.sum(length);
+  const std::uint64_t begin = processes_.sum_before(length);
+  copy_file(text, length, to, begin, threads_of_shared_file(), check_);
   return all;
 }
 
 std::uint64_t Merge::write_map(OutputFile* file, const MapChoice& choice) {
   SharedFile shared(processes_, file);
-  const GridRegion& region = plan_.whole.tiling.region;
-  GridMap map(map_file(shared), choice, plan_.whole.grid, region);
+  const GridRegion& region = plan_.whole_plan.tiling.region;
+  GridMap map(map_file(shared), choice, plan_.whole_plan.grid, region);
   const ChunkText text = text_of(choice.quantity);
   const auto row_words =
       static_cast<std::uint64_t>(GridMap::words_of_row(choice.quantity, region.size()));
   const std::uint64_t row_bytes = sizeof(std::uint64_t) * row_words;
   GridMap::Scratch scratch;
   std::vector<std::uint64_t> words;
-  for (PlaneChunk& chunk : own_) {
+  for (PlaneChunk& chunk : chunks_) {
     if (chunk.is_in_place) continue;
     const std::int64_t first_row = (chunk.info.planes.begin - region.begin[2]) * region.size()[1];
-    read(chunk, text, row_bytes, 0, [&](std::span<const char> bytes, std::uint64_t offset) {
+    read(chunk, text, row_bytes, [&](std::span<const char> bytes, std::uint64_t offset) {
       words.resize(bytes.size() / sizeof(std::uint64_t));
       std::memcpy(words.data(), bytes.data(), bytes.size());
       map.write_rows(first_row + static_cast<std::int64_t>(offset / row_bytes), words, scratch);
@@ -290,7 +298,7 @@ std::uint64_t Merge::write_map(OutputFile* file, const MapChoice& choice) {
 std::uint64_t Merge::write_mesh(OutputFile* file, OutputFile* face_file,
                                 const mesh::MeshText& text) {
   SharedFile shared(processes_, file);
-  std::uint64_t bytes = write_mesh_header(text, plan_.groups, mesh_, processes_, shared);
+  std::uint64_t bytes = write_header(mesh_header(text, plan_.groups, mesh_, processes_), shared);
   if (text.has_columns()) {
     bytes = write_columns(shared, bytes, text);
   } else {
@@ -300,7 +308,7 @@ std::uint64_t Merge::write_mesh(OutputFile* file, OutputFile* face_file,
   shared.close();
   if (!text.has_face_file()) return bytes;
   SharedFile faces(processes_, face_file);
-  const std::uint64_t header = write_face_header(text, mesh_, processes_, faces);
+  const std::uint64_t header = write_header(face_header(text, mesh_, processes_), faces);
   bytes += write_triangles(faces, header, text);
   faces.close();
   return bytes;
@@ -311,7 +319,7 @@ std::uint64_t Merge::write_mesh(OutputFile* file, OutputFile* face_file,
 template <class Take>
 void Merge::for_triangles(PlaneChunk& chunk, Take&& take) const {
   std::vector<mesh::LocalTriangle> triangles;
-  read(chunk, ChunkText::triangles, sizeof(mesh::LocalTriangle), 0,
+  read(chunk, ChunkText::triangles, sizeof(mesh::LocalTriangle),
        [&](std::span<const char> bytes, std::uint64_t offset) {
          triangles.resize(bytes.size() / sizeof(mesh::LocalTriangle));
          std::memcpy(triangles.data(), bytes.data(), bytes.size());
@@ -339,23 +347,25 @@ void Merge::for_triangle_texts(PlaneChunk& chunk, std::uint64_t first_vertex,
 // length.
 std::uint64_t Merge::write_triangles(SharedFile& file, std::uint64_t begin,
                                      const mesh::MeshText& text) {
-  if (!own_.empty() && own_.front().is_in_place) return copy_all(ChunkText::triangles, file, begin);
+  if (!chunks_.empty() && chunks_.front().is_in_place)
+    return copy_all(ChunkText::triangles, file, begin);
   struct ChunkBytes {
     std::int64_t plane;
     std::uint64_t bytes;
   };
   const auto vertices_of = [](const ChunkInfo& info) { return info.mesh.vertices; };
-  std::vector<ChunkBytes> own;
-  for_own(vertices_of, [&](PlaneChunk& chunk, std::uint64_t first_vertex) {
-    own.push_back({chunk.info.planes.begin, 0});
+  std::vector<ChunkBytes> lengths;
+  for_each_chunk(vertices_of, [&](PlaneChunk& chunk, std::uint64_t first_vertex) {
+    lengths.push_back({chunk.info.planes.begin, 0});
     for_triangle_texts(chunk, first_vertex, text,
-                       [&](std::span<const char> part) { own.back().bytes += part.size(); });
+                       [&](std::span<const char> part) { lengths.back().bytes += part.size(); });
   });
   std::map<std::int64_t, std::uint64_t> begins;  // offset by first plane; the lengths at first
-  for (const ChunkBytes& one : processes_.gather<ChunkBytes>(own)) begins[one.plane] = one.bytes;
+  for (const ChunkBytes& one : processes_.gather<ChunkBytes>(lengths))
+    begins[one.plane] = one.bytes;
   std::uint64_t end = begin;
-  for (auto& [plane, place] : begins) end += std::exchange(place, end);
-  for_own(vertices_of, [&](PlaneChunk& chunk, std::uint64_t first_vertex) {
+  for (auto& [plane, bytes] : begins) end += std::exchange(bytes, end);
+  for_each_chunk(vertices_of, [&](PlaneChunk& chunk, std::uint64_t first_vertex) {
     std::uint64_t offset = begins.at(chunk.info.planes.begin);
     for_triangle_texts(chunk, first_vertex, text, [&](std::span<const char> part) {
       file.write_at(part, offset);
@@ -375,22 +385,23 @@ std::uint64_t Merge::write_columns(SharedFile& file, std::uint64_t begin,
   const auto vertices_of = [](const ChunkInfo& info) { return info.mesh.vertices; };
   const auto triangles_of = [](const ChunkInfo& info) { return info.mesh.triangles; };
   std::vector<std::uint64_t> first_triangles;
-  for_own(triangles_of,
-          [&](PlaneChunk&, std::uint64_t first) { first_triangles.push_back(first); });
+  for_each_chunk(triangles_of,
+                 [&](PlaneChunk&, std::uint64_t first) { first_triangles.push_back(first); });
   std::size_t index = 0;
   TextBuffer records;
-  for_own(vertices_of, [&](PlaneChunk& chunk, std::uint64_t first_vertex) {
+  for_each_chunk(vertices_of, [&](PlaneChunk& chunk, std::uint64_t first_vertex) {
     const std::uint64_t first_triangle = first_triangles[index++];
-    read(chunk, ChunkText::vertices, data.vertices.record_bytes, 0,
+    read(chunk, ChunkText::vertices, data.vertices.record_bytes,
          [&](std::span<const char> bytes, std::uint64_t offset) {
            vertices.write(bytes, first_vertex + offset / data.vertices.record_bytes);
          });
     close(chunk, ChunkText::vertices);
     for_triangles(chunk, [&](std::span<const mesh::LocalTriangle> locals, std::uint64_t before) {
       records.clear();
-      std::uint64_t number = first_triangle + before;
+      std::uint64_t triangle = first_triangle + before;
       for (const mesh::LocalTriangle& local : locals)
-        text.append_triangle_record(records, mesh::global_triangle(first_vertex, local), number++);
+        text.append_triangle_record(records, mesh::global_triangle(first_vertex, local),
+                                    triangle++);
       triangles.write(records.text(), first_triangle + before);
     });
     close(chunk, ChunkText::triangles);

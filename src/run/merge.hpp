@@ -18,12 +18,12 @@
 namespace eses::detail {
 
 /// The merge of all chunks. All processes must call its functions. The first process passes the
-/// output file, the others pass null. In a run in place there is one chunk, most of whose texts are
-/// in the output files already.
+/// output file, the others pass null. A run in place has one chunk. Most of its texts are already
+/// in the output files.
 class Merge {
  public:
-  /// `chunks` are those of this process. `check` is called repeatedly, and may end the run by an
-  /// exception. Keeps references to the other arguments. Throws SharedError if the chunks of all
+  /// `chunks` are the chunks of this process. `check` is called repeatedly, and may end the run by
+  /// an exception. Keeps references to the other arguments. Throws SharedError if the chunks of all
   /// processes do not cover the region exactly, or if the mesh has too many vertices.
   Merge(const RunTask& task, const RunPlan& plan, const Processes& processes,
         std::vector<PlaneChunk> chunks, std::function<void()> check);
@@ -43,12 +43,11 @@ class Merge {
   std::uint64_t write_values(GridMap& map) const;
   std::uint64_t write_compressed_values(GridMap& map, SharedFile& to) const;
   template <class Amount, class Action>
-  std::uint64_t for_own(Amount&& amount, Action&& action);
+  std::uint64_t for_each_chunk(Amount&& amount, Action&& action);
   ScratchFile& open(PlaneChunk& chunk, ChunkText text) const;
   void close(PlaneChunk& chunk, ChunkText text) const;
   template <class Take>
-  void read(PlaneChunk& chunk, ChunkText text, std::uint64_t unit, std::uint64_t begin,
-            Take&& take) const;
+  void read(PlaneChunk& chunk, ChunkText text, std::uint64_t unit, Take&& take) const;
   void require_sound(const PlaneChunk& chunk, ChunkText text, std::uint32_t checksum) const;
   void copy(PlaneChunk& chunk, ChunkText text, SharedFile& to, std::uint64_t begin);
   std::uint64_t copy_all(ChunkText text, SharedFile& to, std::uint64_t begin);
@@ -64,8 +63,8 @@ class Merge {
   const RunPlan& plan_;
   const Processes& processes_;
   std::function<void()> check_;
-  std::vector<ChunkInfo> all_;   // chunks of all processes, sorted by planes
-  std::vector<PlaneChunk> own_;  // chunks of this process, sorted by planes
+  std::vector<ChunkInfo> infos_;    // chunks of all processes, sorted by planes
+  std::vector<PlaneChunk> chunks_;  // chunks of this process, sorted by planes
   RegionTotals totals_;
   MeshCounts mesh_;
 };

@@ -1,31 +1,36 @@
 #pragma once
-/// The header of a mesh file, which names chains and residues. Each process writes the names of the
-/// groups whose first atom it has read.
+/// The headers of mesh files. A header may name chains and residues. Each process makes the names
+/// of the groups whose first atom it has read.
 
 #include <cstdint>
+#include <functional>
+#include <vector>
 
 #include "distributed/group_numbers.hpp"
 #include "distributed/processes.hpp"
 #include "distributed/shared_file.hpp"
-#include "output/mesh_format.hpp"
 #include "output/mesh_writer.hpp"
 
 namespace eses::detail {
 
-/// Returns the length of the header in bytes, which does not depend on the counts. All processes
-/// must call it.
-std::uint64_t mesh_header_bytes(const mesh::MeshText& text, const GroupNames& names,
-                                const Processes& processes);
+/// Functions that pass a process's text of each part of a header to a sink. In the file, the texts
+/// of a part follow each other in the order of ranks.
+using HeaderParts = std::vector<std::function<void(const TextSink& sink)>>;
 
-/// Writes the header at the beginning of the file and returns its length in bytes. All processes
-/// must call it.
-std::uint64_t write_mesh_header(const mesh::MeshText& text, const GroupNames& names,
-                                const MeshCounts& counts, const Processes& processes,
-                                SharedFile& file);
+/// Returns the header of the mesh file. Keeps references to `text` and `names`. The length of the
+/// header does not depend on `counts`.
+HeaderParts mesh_header(const mesh::MeshText& text, const GroupNames& names,
+                        const MeshCounts& counts, const Processes& processes);
 
-/// These functions do the same for the separate file of the triangles, if the format has one.
-std::uint64_t face_header_bytes(const mesh::MeshText& text);
-std::uint64_t write_face_header(const mesh::MeshText& text, const MeshCounts& counts,
-                                const Processes& processes, SharedFile& file);
+/// Does the same for the separate file of the triangles, if the format has one.
+HeaderParts face_header(const mesh::MeshText& text, const MeshCounts& counts,
+                        const Processes& processes);
+
+/// Returns the length of a header in bytes. All processes must call it.
+std::uint64_t header_bytes(const HeaderParts& parts, const Processes& processes);
+
+/// Writes a header at the beginning of the file and returns its length in bytes. All processes must
+/// call it.
+std::uint64_t write_header(const HeaderParts& parts, SharedFile& file);
 
 }  // namespace eses::detail

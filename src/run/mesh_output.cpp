@@ -14,7 +14,7 @@ struct MeshOutput::LayerView {
   LayerView(const BlockTiling& tiling, const Layer& layer)
       : first_z(layer.first_z()),
         rows(tiling, layer, Extent::with_halo),
-        crossings(tiling, layer) {}
+        crossings(tiling, layer, Extent::with_halo) {}
 
   std::int64_t first_z;
   LayerRows rows;
@@ -43,16 +43,15 @@ std::int64_t MeshOutput::planes_of(const Layer& layer) const {
 void MeshOutput::number_rows(const Layer& layer) {
   const std::lock_guard lock(mutex_);
   if (is_numbered_) return;
-  const std::int64_t rows = planes_of(layer) * rows_y_;
-  const LayerCrossings crossings(plan_.tiling, layer);
+  const RowRange rows{0, planes_of(layer) * rows_y_};
+  const LayerCrossings crossings(plan_.tiling, layer, Extent::with_halo);
   row_begin_.assign(1, layer_begin_);
-  for (std::int64_t row = 0; row < rows; ++row) {
-    std::uint64_t count = 0;
-    crossings.for_each_row_part_with_halo(
-        row % rows_y_, row / rows_y_,
-        [&](std::int64_t, std::span<const BlockCrossing> part) { count += part.size(); });
-    row_begin_.push_back(row_begin_.back() + count);
-  }
+  rows.for_each(rows_y_, [&](std::int64_t y, std::int64_t z) {
+    std::uint64_t end = row_begin_.back();
+    crossings.for_each_row_part(
+        y, z, [&](std::int64_t, std::span<const BlockCrossing> part) { end += part.size(); });
+    row_begin_.push_back(end);
+  });
   mesh::require_vertex_count(row_begin_.back());
   is_numbered_ = true;
 }
@@ -63,7 +62,7 @@ void MeshOutput::make_row(const LayerView& view, std::int64_t y, std::int64_t z,
   row.edges.clear();
   row.patches.clear();
   const bool has_patches = text_.has_triangle_patches();
-  view.crossings.for_each_row_part_with_halo(
+  view.crossings.for_each_row_part(
       y, z, [&](std::int64_t first_x, std::span<const BlockCrossing> part) {
         for (const BlockCrossing& crossing : part) {
           row.edges.push_back(mesh::edge_key(
@@ -100,9 +99,8 @@ bool MeshOutput::has_triangles(std::int64_t y, std::int64_t z) const {
 
 void MeshOutput::append_vertices(const LayerView& view, const RowRange& rows,
                                  TextBuffer& text) const {
-  for (std::int64_t row = rows.begin; row < rows.end; ++row) {
-    const std::int64_t y = row % rows_y_, z = row / rows_y_;
-    view.crossings.for_each_row_part_with_halo(
+  rows.for_each(rows_y_, [&](std::int64_t y, std::int64_t z) {
+    view.crossings.for_each_row_part(
         y, z, [&](std::int64_t first_x, std::span<const BlockCrossing> part) {
           for (const BlockCrossing& crossing : part)
             text_.append_vertex(text, mesh::make_vertex(plan_.grid,
@@ -110,7 +108,7 @@ void MeshOutput::append_vertices(const LayerView& view, const RowRange& rows,
                                                          view.first_z + z},
                                                         crossing));
         });
-  }
+  });
 }
 
 void MeshOutput::append_triangles(const LayerView& view, const RowRange& rows,

@@ -35,7 +35,7 @@ struct MeshSinks {
 };
 
 /// The mesh of a region. The cells between two planes are triangulated when the upper plane is
-/// written, so the last plane of a written layer is kept. The cells of a region are those whose
+/// written, so the last plane of a written layer is kept. The cells of a region are the cells whose
 /// lowest corner is in the region, so that regions that divide the grid have each cell once. There
 /// are no vertices without cells.
 class MeshOutput {
@@ -50,7 +50,7 @@ class MeshOutput {
     std::int64_t index, count;
   };
 
-  /// Writes a batch of the layer's rows, which is number `batch` of the region: the vertices on
+  /// Writes a batch of the layer's rows, which has the index `batch` in the region: the vertices on
   /// edges that start in these rows, and the cells below and before them. Needs the halo crossings
   /// of blocks. Several threads may call it for batches of the same layer. Layers must be written
   /// in order, with a call of `release` after each.
@@ -90,9 +90,9 @@ class MeshOutput {
   OrderedOutput vertex_output_, triangle_output_;
   std::mutex mutex_;
   bool is_numbered_ = false;       // whether the rows of the current layer are numbered
-  std::uint64_t layer_begin_ = 0;  // number of the first vertex of the current layer
+  std::uint64_t layer_begin_ = 0;  // index of the first vertex of the current layer
   std::vector<std::uint64_t>
-      row_begin_;                 // number of the first vertex of each row [z][y]; and the end
+      row_begin_;                 // index of the first vertex of each row [z][y]; and the end
   std::vector<mesh::Row> below_;  // last plane of the previous layer, by y
 };
 

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <utility>
 
-#include "run/solved_block.hpp"
 #include "system/parallel.hpp"
 #include "system/resources.hpp"
 #include "system/stopwatch.hpp"
@@ -45,7 +44,7 @@ Pipeline::Pipeline(PatchSchedule& patches, const Plan& plan, Sinks sinks, Progre
       plan_(plan),
       sinks_(std::move(sinks)),
       progress_(progress),
-      text_(plan.grid, plan.tiling.region, sinks_.atom_numbers),
+      text_(plan.grid, plan.tiling.region, sinks_.file_indices),
       batches_(plan.tiling.region, sinks_.gzip),
       layers_(static_cast<std::size_t>(plan.tiling.blocks[2])),
       queue_(patches, heights_of_layers(plan), plan.tiling.blocks[0] * plan.tiling.blocks[1],
@@ -188,10 +187,10 @@ void Pipeline::make_room(std::int64_t layer) {
 // Frees a layer. No batch is being written at this time, as the batches of the next layer wait for
 // the last one of this layer.
 void Pipeline::release(std::int64_t layer) {
-  Layer& done = layers_[static_cast<std::size_t>(layer)];
-  below_ = last_plane(done);
-  if (sinks_.mesh != nullptr) sinks_.mesh->release(done);
-  done = Layer();
+  Layer& written = layers_[static_cast<std::size_t>(layer)];
+  below_ = last_plane(written);
+  if (sinks_.mesh != nullptr) sinks_.mesh->release(written);
+  written = Layer();
   make_room(layer + 2);
 }
 
@@ -225,7 +224,7 @@ void Pipeline::add_shares(BlockWorkspace& workspace) {
 
 void Pipeline::call_block_callback(const BlockResult& result) {
   if (!sinks_.block) return;
-  progress_.call([&] { sinks_.block(SolvedBlock(result)); });
+  progress_.call([&] { sinks_.block(result); });
 }
 
 void Pipeline::write(const Task& task, Writer& writer) {
@@ -258,14 +257,12 @@ void Pipeline::count_points_of(const Task& task, const Layer& layer, PointCounts
 void Pipeline::append_points(const Layer& layer, const RowRange& rows, Writer& writer) const {
   writer.grid.clear();
   if (!grid_) return;
-  const std::int64_t plane_rows = plan_.tiling.region.size()[1];
+  const GridRegion& region = plan_.tiling.region;
   const LayerRows layer_rows(plan_.tiling, layer);
-  for (std::int64_t row = rows.begin; row < rows.end; ++row) {
-    const std::int64_t y = row % plane_rows, z = row / plane_rows;
+  rows.for_each(region.size()[1], [&](std::int64_t y, std::int64_t z) {
     layer_rows.merge_row(y, z, writer.row);
-    text_.append_row(writer.grid, plan_.tiling.region.begin[1] + y, layer.first_z() + z,
-                     writer.row);
-  }
+    text_.append_row(writer.grid, region.begin[1] + y, layer.first_z() + z, writer.row);
+  });
 }
 
 // Passes the same rows to the maps.
@@ -275,8 +272,8 @@ void Pipeline::take_map_rows(const Layer& layer, const RowRange& rows, Writer& w
   for (const MapSink& map : sinks_.maps) {
     writer.map_rows.clear();
     MapRows map_rows(plan_.tiling, layer, map.quantity);
-    for (std::int64_t row = rows.begin; row < rows.end; ++row)
-      map_rows.append(row % plane_rows, row / plane_rows, writer.map_rows);
+    rows.for_each(plane_rows,
+                  [&](std::int64_t y, std::int64_t z) { map_rows.append(y, z, writer.map_rows); });
     map.take_rows((layer.first_z() - region.begin[2]) * plane_rows + rows.begin, writer.map_rows,
                   writer.map);
   }
@@ -285,15 +282,13 @@ void Pipeline::take_map_rows(const Layer& layer, const RowRange& rows, Writer& w
 void Pipeline::append_crossings(const Layer& layer, const RowRange& rows, TextBuffer& text) const {
   text.clear();
   const GridRegion& region = plan_.tiling.region;
-  const std::int64_t plane_rows = region.size()[1];
   const LayerCrossings crossings(plan_.tiling, layer);
-  for (std::int64_t row = rows.begin; row < rows.end; ++row) {
-    const std::int64_t y = row % plane_rows, z = row / plane_rows;
+  rows.for_each(region.size()[1], [&](std::int64_t y, std::int64_t z) {
     crossings.for_each_row_part(
         y, z, [&](std::int64_t first_x, std::span<const BlockCrossing> part) {
           text_.append_crossings(text, first_x, region.begin[1] + y, layer.first_z() + z, part);
         });
-  }
+  });
 }
 
 }  // namespace eses::detail

@@ -39,7 +39,7 @@ struct Sinks {
   Verifier* verifier = nullptr;
   SolvedBlockCallback block;
   /// The index in the file of each atom, ascending; empty if it equals the index in the surface.
-  std::span<const AtomIndex> atom_numbers;
+  std::span<const AtomIndex> file_indices;
 };
 
 /// Sums over a region, which do not depend on its division into blocks.

@@ -168,7 +168,8 @@ std::string fixed_choices(const Parameters& p) {
 }
 
 // A closed mesh has about twice as many triangles as vertices.
-void expect_mesh(const MeshOptions& mesh, const LabelTotals& labels, Plan& plan) {
+void expect_mesh(const MeshOptions& mesh, const LabelTotals& labels, const Plan& plan,
+                 FileSizes& files) {
   const double vertices = halo_growth(plan.tiling) * plan.crossings;
   const bool has_names = labels.residue_runs > 0 && mesh::can_name_groups(mesh);
   const mesh::MeshBytes bytes = mesh::typical_mesh_bytes(mesh, has_names);
@@ -176,60 +177,56 @@ void expect_mesh(const MeshOptions& mesh, const LabelTotals& labels, Plan& plan)
     return whole_bytes((static_cast<double>(vertex) + 2 * static_cast<double>(triangle)) *
                        vertices);
   };
-  plan.files.mesh_scratch = bytes_of(bytes.scratch_vertex, bytes.scratch_triangle);
-  plan.files.mesh = bytes_of(bytes.vertex, bytes.triangle);
+  files.mesh_scratch = bytes_of(bytes.scratch_vertex, bytes.scratch_triangle);
+  files.mesh = bytes_of(bytes.vertex, bytes.triangle);
   if (has_names)
-    plan.files.mesh +=
-        bytes.name_character * (labels.residue_text_bytes + labels.chain_text_bytes) +
-        bytes.name_line * (labels.residue_runs + labels.chain_runs);
+    files.mesh += bytes.name_character * (labels.residue_text_bytes + labels.chain_text_bytes) +
+                  bytes.name_line * (labels.residue_runs + labels.chain_runs);
 }
 
 // Chooses the fastest schedule that exceeds neither the limit nor the available memory.
 void choose_schedule(const SurfaceSurvey& survey, const MemoryBudget& budget,
                      const Outputs& outputs, Plan& plan) {
-  const auto& [available, held, labels, caller] = budget;
+  const auto& [available, held, labels, has_groups, caller] = budget;
   const Parameters& p = plan.parameters;
-  const GridRegion region = plan.tiling.region;
   const std::uint64_t limit = p.max_memory > 0 ? std::min(p.max_memory, available) : available;
-  const double results =
+  const double always =
       static_cast<double>(held + caller.bytes) + caller.per_crossing * plan.crossings;
   double smallest = std::numeric_limits<double>::infinity();
-  for (const Schedule& schedule : possible_schedules(plan.grid, region, p, survey)) {
-    const double memory = results + expected_memory(survey, labels, plan.grid, schedule, outputs) +
-                          Verifier::memory_bytes(p.verify, schedule.threads, plan.crossings);
+  for (const Schedule& schedule : possible_schedules(plan.grid, plan.region, p, survey)) {
+    const double memory =
+        always + expected_memory(survey, labels, has_groups, plan.grid, schedule, outputs) +
+        Verifier::memory_bytes(p.verify, schedule.threads, plan.crossings);
     smallest = std::min(smallest, memory);
     if (memory > static_cast<double>(limit)) continue;
-    plan.tiling = schedule.tiling;
-    plan.threads = schedule.threads;
-    plan.blocks_ahead = schedule.blocks_ahead;
+    static_cast<Schedule&>(plan) = schedule;
     plan.memory_bytes = whole_bytes(memory);
     return;
   }
-  if (smallest > static_cast<double>(available)) refuse_memory(region, p, smallest, available);
+  if (smallest > static_cast<double>(available)) refuse_memory(plan.region, p, smallest, available);
   refuse_limit(p, smallest);
 }
 
 // Returns a survey of the part of the surface that the run computes.
-SurfaceSurvey survey_of(const Molecule& molecule, const Plan& plan) {
+SurfaceSurvey survey_of(const Molecule& molecule, const GridPlan& plan) {
   const double probe_radius = plan.parameters.probe_radius;
-  const GridRegion& region = plan.tiling.region;
-  if (region == plan.grid.whole() && plan.cut_depth <= 0) return {molecule, probe_radius};
-  return {molecule, probe_radius, region_box(plan.grid, region)};
+  if (plan.region == plan.grid.whole() && plan.cut_depth <= 0) return {molecule, probe_radius};
+  return {molecule, probe_radius, region_box(plan.grid, plan.region)};
 }
 
-void expect_maps(const Outputs& outputs, Plan& plan) {
-  const GridRegion& region = plan.tiling.region;
+void expect_maps(const Outputs& outputs, const Plan& plan, FileSizes& files) {
+  const GridRegion& region = plan.region;
   for (const MapChoice& map : chosen_maps(outputs)) {
-    plan.files.map_scratch += GridMap::scratch_bytes(map, region);
+    files.map_scratch += GridMap::scratch_bytes(map, region);
     if (!map.gzip) {
-      plan.files.maps += map_layout(map, plan.grid, region).file_bytes();
+      files.maps += map_layout(map, plan.grid, region).file_bytes();
       continue;
     }
     // The text is first in a scratch file.
     const std::uint64_t bytes = GridMap::typical_compressed_bytes(map, region, plan.crossings);
-    plan.files.maps += bytes;
-    plan.files.gzip_maps += bytes;
-    plan.files.map_scratch += bytes;
+    files.maps += bytes;
+    files.gzip_maps += bytes;
+    files.map_scratch += bytes;
   }
 }
 
@@ -258,38 +255,39 @@ void require_valid(const Outputs& outputs, const Molecule& molecule) {
     throw Error("areas by residue need atoms with labels; xyzr files have none");
 }
 
-void plan_files(std::uint64_t atoms, const LabelTotals& labels, const Outputs& outputs,
-                Plan& plan) {
+FileSizes plan_files(std::uint64_t atoms, const LabelTotals& labels, const Outputs& outputs,
+                     const Plan& plan) {
+  FileSizes files;
   const auto on_disk = [&](double bytes, double ratio) {
     return static_cast<std::uint64_t>(outputs.gzip ? ratio * bytes : bytes);
   };
-  if (outputs.box) plan.files.box = box_bytes(plan.grid, outputs.gzip);
+  if (outputs.box) files.box = box_bytes(plan.grid, outputs.gzip);
   if (outputs.grid)
-    plan.files.grid =
-        on_disk(static_cast<double>(max_grid_bytes(plan.tiling.region)), grid_gzip_ratio);
+    files.grid = on_disk(static_cast<double>(max_grid_bytes(plan.region)), grid_gzip_ratio);
   if (outputs.edges)
-    plan.files.edges = on_disk(typical_crossing_bytes * plan.crossings, edge_gzip_ratio);
+    files.edges = on_disk(typical_crossing_bytes * plan.crossings, edge_gzip_ratio);
   if (outputs.areas)
-    plan.files.areas = on_disk(static_cast<double>(area_line_bytes * atoms), area_gzip_ratio);
-  if (outputs.mesh) expect_mesh(*outputs.mesh, labels, plan);
+    files.areas = on_disk(static_cast<double>(area_line_bytes * atoms), area_gzip_ratio);
+  if (outputs.mesh) expect_mesh(*outputs.mesh, labels, plan, files);
   if (outputs.residues)
-    plan.files.residues = table_header_bytes +
-                          table_line_bytes * (labels.residue_runs + labels.chain_runs) +
-                          labels.residue_text_bytes + labels.chain_text_bytes;
-  if (outputs.atoms) plan.files.atoms = typical_atom_table_bytes(atoms, labels.atom_text_bytes);
-  expect_maps(outputs, plan);
+    files.residues = table_header_bytes +
+                     table_line_bytes * (labels.residue_runs + labels.chain_runs) +
+                     labels.residue_text_bytes + labels.chain_text_bytes;
+  if (outputs.atoms) files.atoms = typical_atom_table_bytes(atoms, labels.atom_text_bytes);
+  expect_maps(outputs, plan, files);
+  return files;
 }
 
-Plan plan_grid(const Box& bounds, const Parameters& parameters) {
+GridPlan plan_grid(const Box& bounds, const Parameters& parameters) {
   require_valid(parameters);
-  Plan plan;
+  GridPlan plan;
   plan.parameters = parameters;
   plan.grid =
       parameters.grid ? *parameters.grid : make_grid(bounds, parameters.spacing, parameters.margin);
   plan.cut_depths = depths_inside(plan.grid, bounds);
   plan.cut_depth = cut_depth(plan.grid, bounds);
   if (!parameters.grid) require_enclosing_margin(plan.cut_depth, parameters);
-  plan.tiling.region = region_of(plan.grid, parameters);
+  plan.region = region_of(plan.grid, parameters);
   return plan;
 }
 

@@ -1,7 +1,6 @@
 #pragma once
 /// Plans of runs. A plan is made in three steps: the grid (plan_grid), the schedule of a process
-/// (plan_schedule), and the sizes of the files (plan_files). They use neither files
-/// nor MPI.
+/// (plan_schedule), and the sizes of the files (plan_files). They use neither files nor MPI.
 
 #include <array>
 #include <cstdint>
@@ -15,27 +14,30 @@
 
 namespace eses::detail {
 
-/// The plan of a run, made before anything is allocated or written.
-struct Plan {
+/// The grid of a run, and the points to compute.
+struct GridPlan {
   Parameters parameters;
   Grid grid;
-  BlockTiling tiling;                  ///< blocks of the whole grid, or of the chosen part
-  int threads = 1;                     ///< >= 1
-  std::int64_t blocks_ahead = 0;       ///< maximum number of blocks solved beyond the current layer
+  GridRegion region;                   ///< the whole grid, or the chosen part
   std::array<double, 6> cut_depths{};  ///< see eses::detail::depths_inside
   double cut_depth = 0;  ///< see eses::detail::cut_depth; > 0 if the grid cuts the surface
+};
+
+/// The plan of a run, made before anything is allocated or written. The blocks of the schedule
+/// divide the region of the grid.
+struct Plan : GridPlan, Schedule {
   double crossings = 0;  ///< expected number of crossings
   /// Estimate of the peak memory of the process, intended as an upper bound, if the process holds
   /// only the atoms before the run.
   std::uint64_t memory_bytes = 0;
-  FileSizes files;
+  FileSizes files = {};
 };
 
 /// Performs step 1 of a plan: takes the grid of the parameters or, if they have none, makes the
 /// grid around atoms with these bounds, and determines the points to compute. Throws Error if a
 /// parameter is out of its range, if the part of the grid is empty or not within the grid, or if
 /// the margin is so small that the grid would cut the surface (see doc/grid.md).
-Plan plan_grid(const Box& bounds, const Parameters& parameters);
+GridPlan plan_grid(const Box& bounds, const Parameters& parameters);
 
 /// Throws Error if the probe radius, the number of threads or the number of points to verify is out
 /// of its range.
@@ -48,21 +50,24 @@ void require_valid(const Outputs& outputs, const Molecule& molecule);
 /// The memory of a process for its part of a run.
 struct MemoryBudget {
   std::uint64_t available = 0;  ///< free memory in bytes
-  std::uint64_t held = 0;       ///< memory for communication with other MPI ranks, in bytes
-  LabelTotals labels;           ///< labels in the memory of the process
-  CallerMemory caller;          ///< memory that the caller needs for the results
+  /// Bytes that the process holds during the whole run, besides the atoms: labels, and memory of
+  /// MPI.
+  std::uint64_t held = 0;
+  LabelTotals labels;       ///< totals of the labels that the process has read
+  bool has_groups = false;  ///< whether chains and residues of atoms are numbered
+  CallerMemory caller;      ///< memory that the caller needs for the results
 };
 
 /// Performs step 2 of a plan: chooses block size, threads and number of blocks ahead for the region
-/// of `plan.tiling`, as far as they are not given, so that neither `max_memory` nor the available
+/// of `plan`, as far as they are not given, so that neither `max_memory` nor the available
 /// memory is exceeded. `molecule` must have the atoms that influence the region. Sets the expected
 /// number of crossings in the region. Throws MemoryLimitError if the run needs more memory.
 void plan_schedule(const MemoryBudget& budget, const Molecule& molecule, const Outputs& outputs,
                    Plan& plan);
 
 /// Performs step 3 of a plan: estimates the sizes of the files and of the scratch files for this
-/// number of atoms. `labels` are those of all atoms; only the numbers of runs and the lengths of
-/// names are used.
-void plan_files(std::uint64_t atoms, const LabelTotals& labels, const Outputs& outputs, Plan& plan);
+/// number of atoms. `labels` are the totals of all atoms.
+FileSizes plan_files(std::uint64_t atoms, const LabelTotals& labels, const Outputs& outputs,
+                     const Plan& plan);
 
 }  // namespace eses::detail

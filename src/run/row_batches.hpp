@@ -18,6 +18,12 @@ inline std::int64_t rows_per_batch(std::int64_t row_points) {
 /// Rows [begin, end) of a layer.
 struct RowRange {
   std::int64_t begin, end;
+
+  /// Calls `action(y, z)` for each row of planes with `rows_y` rows.
+  template <class Action>
+  void for_each(std::int64_t rows_y, Action&& action) const {
+    for (std::int64_t row = begin; row < end; ++row) action(row % rows_y, row / rows_y);
+  }
 };
 
 /// The batches of the layers of a region. With `ends_with_planes`, they are also cut at the end of

@@ -8,6 +8,7 @@
 #include <bit>
 #include <span>
 #include <string>
+#include <tuple>
 #include <utility>
 #include <variant>
 
@@ -41,12 +42,12 @@ std::uint64_t hash_of(const Atom& atom, std::uint64_t index) {
 }
 
 // Returns a hash of all atoms. It does not depend on the division of the atoms among the processes.
-std::uint64_t hash_of(const AtomShare& share, const Processes& processes) {
+std::uint64_t hash_of(const AtomPart& part, const Processes& processes) {
   std::uint64_t sum = 0;
-  for (std::size_t i = 0; i < share.atoms.size(); ++i) {
-    std::uint64_t hash = hash_of(share.atoms[i], share.first + i);
-    if (!share.groups.empty())
-      hash = splitmix64(hash ^ std::bit_cast<std::uint64_t>(share.groups[i]));
+  for (std::size_t i = 0; i < part.atoms.size(); ++i) {
+    std::uint64_t hash = hash_of(part.atoms[i], part.first + i);
+    if (!part.groups.empty())
+      hash = splitmix64(hash ^ std::bit_cast<std::uint64_t>(part.groups[i]));
     sum += hash;
   }
   return processes.sum(sum);
@@ -54,12 +55,12 @@ std::uint64_t hash_of(const AtomShare& share, const Processes& processes) {
 
 // Returns a hash of all names. It does not depend on the division of the names among the processes.
 std::uint64_t hash_of(const GroupNames& groups, const Processes& processes) {
-  std::uint64_t sum = 0, number = groups.first_residue;
+  std::uint64_t sum = 0, residue = groups.first_residue;
   for (const AtomLabel& label : groups.residues) {
     uLong hash = 0;
     for (const std::string* const text : {&label.chain, &label.residue, &label.residue_number})
       hash = crc32_z(hash, reinterpret_cast<const Bytef*>(text->c_str()), text->size() + 1);
-    sum += splitmix64(hash ^ number++ << 32);
+    sum += splitmix64(hash ^ residue++ << 32);
   }
   return processes.sum(sum);
 }
@@ -83,8 +84,8 @@ std::string map_identity(const Outputs& outputs) {
 // Returns a text that differs between runs whose chunks must not be combined.
 std::string identity_of(const RunTask& task, const RunPlan& run, std::uint64_t hash) {
   const Parameters& p = task.parameters;
-  const Grid& grid = run.whole.grid;
-  const GridRegion& region = run.whole.tiling.region;
+  const Grid& grid = run.whole_plan.grid;
+  const GridRegion& region = run.whole_plan.region;
   return formatted(
       "eses-blocks {} format {} {} {}\natoms {} {:016x}\nprobe {:a} spacing {:a} margin {:a}\n"
       "origin {:a} {:a} {:a} size {}\npoints {} {}\ngrid {} edges {} gzip {} maps {} mesh {}\n",
@@ -138,60 +139,49 @@ LabelTotals take_labels(ResidueRuns residues, const Outputs& outputs, const Proc
   return totals;
 }
 
-// Returns these totals with the number and the heap memory of the labels that stay in the memory of
-// this process.
-LabelTotals with_labels_held(LabelTotals totals, const RunPlan& run) {
-  totals.labels = run.groups.are_known ? 1 : 0;  // for the group numbers of atoms
-  totals.heap_bytes = 0;
+// Returns the memory of labels, names and radii that this process holds during the run.
+std::uint64_t held_bytes(const RunPlan& run) {
+  std::uint64_t bytes = run.names.bytes() + run.radii.size() * sizeof(double);
   for (const std::span<const AtomLabel> labels :
        {std::span<const AtomLabel>(run.residues.labels),
         std::span<const AtomLabel>(run.groups.chains),
         std::span<const AtomLabel>(run.groups.residues),
-        std::span<const AtomLabel>(run.names.residues()), run.slab.molecule.labels()}) {
-    totals.labels += labels.size();
-    totals.heap_bytes += total_labels(labels).heap_bytes;
-  }
-  return totals;
+        std::span<const AtomLabel>(run.names.residues()), run.slab.molecule.labels()})
+    bytes += memory_of_labels(labels);
+  return bytes;
 }
 
-// Returns the sums over all processes, without the labels and bytes in memory.
-LabelTotals sum_labels(const LabelTotals& own, const Processes& processes) {
-  std::array<std::uint64_t, 5> sums{own.residue_runs, own.chain_runs, own.residue_text_bytes,
-                                    own.chain_text_bytes, own.atom_text_bytes};
+// Returns the sums over all processes.
+LabelTotals sum_labels(const LabelTotals& labels, const Processes& processes) {
+  auto sums = std::bit_cast<std::array<std::uint64_t, 5>>(labels);
   processes.add(sums);
-  LabelTotals all;
-  all.residue_runs = sums[0];
-  all.chain_runs = sums[1];
-  all.residue_text_bytes = sums[2];
-  all.chain_text_bytes = sums[3];
-  all.atom_text_bytes = sums[4];
-  return all;
+  return std::bit_cast<LabelTotals>(sums);
 }
 
 Box bounds_of_all(std::span<const Atom> atoms, const Processes& processes) {
-  const Box own = sphere_bounds(atoms);
-  std::array<double, 3> low{own.low.x, own.low.y, own.low.z};
-  std::array<double, 3> high{own.high.x, own.high.y, own.high.z};
+  const Box bounds = sphere_bounds(atoms);
+  std::array<double, 3> low{bounds.low.x, bounds.low.y, bounds.low.z};
+  std::array<double, 3> high{bounds.high.x, bounds.high.y, bounds.high.z};
   processes.allreduce_min(low);
   processes.allreduce_max(high);
   return {{low[0], low[1], low[2]}, {high[0], high[1], high[2]}};
 }
 
 // Opens the checkpoint of a run that can be resumed, and finds its complete chunks.
-void open_checkpoint(const RunTask& task, const AtomShare& share, const Processes& processes,
+void open_checkpoint(const RunTask& task, const AtomPart& part, const Processes& processes,
                      RunPlan& run) {
   if (!task.resume) return;
-  const std::uint64_t hash = hash_of(share, processes) ^ hash_of(run.groups, processes);
-  std::vector<PlaneRange> done;
+  const std::uint64_t hash = hash_of(part, processes) ^ hash_of(run.groups, processes);
+  std::vector<PlaneRange> finished;
   processes.all_or_throw([&] {
     run.checkpoint =
         std::make_unique<Checkpoint>(task.output_directory, identity_of(task, run, hash));
     if (!processes.is_first()) return;
     if (!task.dry_run) run.checkpoint->lock();
-    done = run.checkpoint->complete();
-    if (!task.dry_run) run.checkpoint->remove_others(done);
+    finished = run.checkpoint->complete();
+    if (!task.dry_run) run.checkpoint->remove_others(finished);
   });
-  run.done = processes.gather<PlaneRange>(done);
+  run.finished_planes = processes.gather<PlaneRange>(finished);
 }
 
 std::vector<double> radii_of(std::span<const Atom> atoms) {
@@ -214,21 +204,21 @@ int threads_of(const RunTask& task, const Processes::Machine& machine, const Pro
   return chosen > 0 || processes.count() == 1 ? chosen : machine.processors;
 }
 
-// Makes the plan of this process's slab. `labels` are those in its memory.
+// Makes the plan of this process's slab. `labels` are the totals of the labels that it has read.
 void plan_slab(const RunTask& task, const LabelTotals& labels, const Processes::Machine& machine,
                const Processes& processes, RunPlan& run) {
-  run.own = run.whole;
-  run.own.tiling.region = with_planes(run.whole.tiling.region, run.slab.planes);
-  run.own.parameters.threads = threads_of(task, machine, processes);
+  run.slab_plan = run.whole_plan;
+  run.slab_plan.region = with_planes(run.whole_plan.region, run.slab.planes);
+  run.slab_plan.parameters.threads = threads_of(task, machine, processes);
   processes.all_or_throw([&] {
     if (run.slab.planes.is_empty()) return;
     const auto sharing = static_cast<std::uint64_t>(machine.processes);
-    plan_schedule(
-        {.available = available_memory() / sharing,
-         .held = processes.own_memory() + run.names.bytes() + run.radii.size() * sizeof(double),
-         .labels = labels,
-         .caller = task.caller_memory},
-        run.slab.molecule, task.outputs, run.own);
+    plan_schedule({.available = available_memory() / sharing,
+                   .held = processes.mpi_memory() + held_bytes(run),
+                   .labels = labels,
+                   .has_groups = run.groups.are_known,
+                   .caller = task.caller_memory},
+                  run.slab.molecule, task.outputs, run.slab_plan);
     if (const auto* file = std::get_if<InputFile>(&task.atoms))
       require_memory_held(*file, task.parameters.max_memory);
   });
@@ -237,34 +227,33 @@ void plan_slab(const RunTask& task, const LabelTotals& labels, const Processes::
 // Sets the schedule of the whole run to the maxima over all processes, and its crossings to the
 // sum.
 void combine_schedules(const Processes& processes, RunPlan& run) {
-  std::array crossings{run.own.crossings};
+  std::array crossings{run.slab_plan.crossings};
   processes.add(std::span<double>(crossings));
-  run.whole.crossings = crossings[0];
-  const GridIndex& block_size = run.own.tiling.block_size;
-  std::array<std::uint64_t, 6> maxima{run.own.memory_bytes,
-                                      static_cast<std::uint64_t>(run.own.blocks_ahead),
-                                      static_cast<std::uint64_t>(run.own.threads),
+  run.whole_plan.crossings = crossings[0];
+  const GridIndex& block_size = run.slab_plan.tiling.block_size;
+  std::array<std::uint64_t, 6> maxima{run.slab_plan.memory_bytes,
+                                      static_cast<std::uint64_t>(run.slab_plan.blocks_ahead),
+                                      static_cast<std::uint64_t>(run.slab_plan.threads),
                                       static_cast<std::uint64_t>(block_size[0]),
                                       static_cast<std::uint64_t>(block_size[1]),
                                       static_cast<std::uint64_t>(block_size[2])};
-  processes.allreduce_max(maxima);
-  Plan& whole = run.whole;
-  const GridRegion region = whole.tiling.region;
+  processes.allreduce(maxima, Processes::Reduction::max);
+  Plan& whole = run.whole_plan;
   whole.memory_bytes = maxima[0];
   whole.blocks_ahead = static_cast<std::int64_t>(maxima[1]);
   whole.threads = static_cast<int>(maxima[2]);
   const auto side = [&](std::size_t axis) { return static_cast<std::int64_t>(maxima[3 + axis]); };
-  whole.tiling = make_tiling(whole.grid, GridIndex{side(0), side(1), side(2)}, region);
+  whole.tiling = make_tiling(whole.grid, GridIndex{side(0), side(1), side(2)}, whole.region);
 }
 
 // Adds the sizes of the chunks, which are on disk until they are merged. A checkpoint has all
 // texts; otherwise the texts of the mesh are in the mesh's directory.
-void expect_chunks(const RunTask& task, Plan& whole) {
-  whole.files.text_scratch = whole.files.grid + whole.files.edges;
+void expect_chunks(const RunTask& task, const GridRegion& region, FileSizes& files) {
+  files.text_scratch = files.grid + files.edges;
   for (const MapChoice& map : chosen_maps(task.outputs))
-    whole.files.text_scratch += GridMap::row_bytes(map.quantity, whole.tiling.region);
-  whole.files.mesh_scratch = task.resume ? 0 : whole.files.mesh;
-  if (task.resume) whole.files.text_scratch += whole.files.mesh;
+    files.text_scratch += GridMap::row_bytes(map.quantity, region);
+  files.mesh_scratch = task.resume ? 0 : files.mesh;
+  if (task.resume) files.text_scratch += files.mesh;
 }
 
 // Reads the file, makes the grid, and gives this process its slab. Returns the labels of the atoms
@@ -274,29 +263,28 @@ LabelTotals take_file(const InputFile& file, const RunTask& task, const Processe
   const Outputs& outputs = task.outputs;
   const std::uint64_t limit = task.parameters.max_memory;
   const bool has_names = is_structure(format_of(file.path, file.format));
-  AtomShare share = read_share(
+  AtomPart part = read_part(
       file.path,
       {.format = file.format,
        .with_labels = has_names || outputs.residues || outputs.atoms || names_groups(outputs),
        .max_memory = limit,
        .structure = file.structure},
       outputs.atoms, processes);
-  run.structure = std::move(share.structure);
-  run.names = std::exchange(share.names, {});
-  if (outputs.atoms && processes.count() > 1) run.radii = radii_of(share.atoms);
-  const FileDiagnostics of_names = std::exchange(share.diagnostics, {});
-  processes.all_or_throw([&] { require_memory_for(share.total, file, limit, processes); });
-  run.atoms = share.total;
-  run.read = share.range();
+  run.structure = std::move(part.structure);
+  run.names = std::exchange(part.names, {});
+  if (outputs.atoms && processes.count() > 1) run.radii = radii_of(part.atoms);
+  const FileDiagnostics of_names = std::exchange(part.diagnostics, {});
+  processes.all_or_throw([&] { require_memory_for(part.total, file, limit, processes); });
+  run.atoms = part.total;
+  run.read_atoms = part.range();
   const LabelTotals labels =
-      take_labels(std::exchange(share.residues, {}), outputs, processes, run, share.groups);
-  const Box bounds = bounds_of_all(share.atoms, processes);
-  processes.all_or_throw([&] { run.whole = plan_grid(bounds, task.parameters); });
-  open_checkpoint(task, share, processes, run);
-  SlabOfMolecule part = make_slab(std::move(share), run.whole, outputs, run.done,
-                                  threads_of(task, machine, processes), processes);
-  run.slab = std::move(part.slab);
-  run.diagnostics = std::move(part.diagnostics);
+      take_labels(std::exchange(part.residues, {}), outputs, processes, run, part.groups);
+  const Box bounds = bounds_of_all(part.atoms, processes);
+  processes.all_or_throw([&] { run.whole_plan = {plan_grid(bounds, task.parameters), {}}; });
+  open_checkpoint(task, part, processes, run);
+  std::tie(run.slab, run.diagnostics) =
+      make_slab(std::move(part), run.whole_plan, outputs, run.finished_planes,
+                threads_of(task, machine, processes), processes);
   run.diagnostics.add(of_names);
   if (has_names) name_examples(run.names, run.diagnostics);
   if (!outputs.atoms) run.names = {};
@@ -309,9 +297,9 @@ LabelTotals take_molecule(const Molecule& molecule, const RunTask& task, const P
                           RunPlan& run) {
   require_valid(task.outputs, molecule);
   run.atoms = molecule.atoms().size();
-  run.read = {0, run.atoms};
-  run.whole = plan_grid(sphere_bounds(molecule.atoms()), task.parameters);
-  run.slab.planes = region_planes(run.whole);
+  run.read_atoms = {0, run.atoms};
+  run.whole_plan = {plan_grid(sphere_bounds(molecule.atoms()), task.parameters), {}};
+  run.slab.planes = region_planes(run.whole_plan);
   run.slab.molecule = molecule;
   LabelTotals labels;
   if (task.outputs.residues || names_groups(task.outputs))
@@ -330,10 +318,11 @@ RunPlan plan_run(const RunTask& task, const Processes& processes) {
   const LabelTotals labels =
       file != nullptr ? take_file(*file, task, machine, processes, run)
                       : take_molecule(std::get<Molecule>(task.atoms), task, processes, run);
-  plan_slab(task, with_labels_held(labels, run), machine, processes, run);
+  plan_slab(task, labels, machine, processes, run);
   combine_schedules(processes, run);
-  plan_files(run.atoms, sum_labels(labels, processes), task.outputs, run.whole);
-  if (!writes_in_place(task, processes)) expect_chunks(task, run.whole);
+  Plan& whole = run.whole_plan;
+  whole.files = plan_files(run.atoms, sum_labels(labels, processes), task.outputs, whole);
+  if (!writes_in_place(task, processes)) expect_chunks(task, whole.region, whole.files);
   return run;
 }
 

@@ -1,5 +1,5 @@
 #pragma once
-/// Step 1 of a run: reading the input (distributed/atom_share.hpp), planning (run/plan.hpp), and
+/// Step 1 of a run: reading the input (distributed/atom_part.hpp), planning (run/plan.hpp), and
 /// sending the atoms to the processes (run/slabs.hpp). Step 2 is in slab_sweep.hpp.
 
 #include <cstdint>
@@ -7,7 +7,7 @@
 #include <optional>
 #include <vector>
 
-#include "distributed/atom_share.hpp"
+#include "distributed/atom_part.hpp"
 #include "distributed/checkpoint.hpp"
 #include "distributed/group_numbers.hpp"
 #include "distributed/processes.hpp"
@@ -20,24 +20,25 @@ namespace eses::detail {
 
 /// The plan of a run, and the part of the molecule that this process has.
 struct RunPlan {
-  Plan whole;  ///< plan of the whole run; memory and threads are maxima over the processes
-  Plan own;    ///< plan of this process's slab
+  Plan whole_plan;  ///< plan of the whole run; memory and threads are maxima over the processes
+  Plan slab_plan;   ///< plan of this process's slab
   Slab slab;
   FileDiagnostics diagnostics;
   std::uint64_t atoms = 0;  ///< number of atoms in the molecule
-  AtomRange read;           ///< atoms that this process has read
-  ResidueRuns residues;     ///< residues of the atoms in `read`, if tables of residues are written
-  GroupNames groups;        ///< groups whose first atom is in `read`, if the mesh names them
-  /// Names of the atoms in `read`, if atoms.csv is written and the file has names. A molecule in
-  /// memory has labels instead.
+  IndexRange read_atoms;    ///< indices of the atoms that this process has read
+  ResidueRuns
+      residues;       ///< residues of the atoms in `read_atoms`, if tables of residues are written
+  GroupNames groups;  ///< groups whose first atom is in `read_atoms`, if the mesh names them
+  /// Names of the atoms in `read_atoms`, if atoms.csv is written and the file has names. A molecule
+  /// in memory has labels instead.
   AtomNames names;
-  /// Radii of the atoms in `read` (angstrom), if several processes write atoms.csv.
+  /// Radii of the atoms in `read_atoms` (angstrom), if several processes write atoms.csv.
   std::vector<double> radii;
   /// The report of reading a PDB or mmCIF file; only in the first process.
   std::optional<StructureReport> structure;
   /// Checkpoint of a run that can be resumed, else null. The first process locks it.
   std::unique_ptr<Checkpoint> checkpoint;
-  std::vector<PlaneRange> done;  ///< planes of the chunks of an earlier run
+  std::vector<PlaneRange> finished_planes;  ///< planes of the chunks of an earlier run
 };
 
 /// Makes the plan of a run: reads the file of the task, or takes its molecule. All processes must

@@ -27,19 +27,16 @@ BlockTiling tiling_of(const Plan& plan, const GridIndex& block_size, const Plane
   return tiling;
 }
 
-OrderedOutput::WriteAt sink_of(std::optional<OutputFile>& file, std::uint64_t begin = 0) {
-  if (!file) return {};
-  return [&file = *file, begin](std::span<const char> text, std::uint64_t offset) {
+OrderedOutput::WriteAt sink_of(OutputFile& file, std::uint64_t begin) {
+  return [&file, begin](std::span<const char> text, std::uint64_t offset) {
     file.write_at(text, begin + offset);
   };
 }
 
-// Returns a function that writes to a scratch file. `checksum` is null without a checkpoint.
-OrderedOutput::WriteAt sink_of(ScratchFile* file, TextChecksum* checksum) {
-  if (file == nullptr) return {};
-  return [file, checksum](std::span<const char> text, std::uint64_t offset) {
-    file->write_at(std::as_bytes(text), offset);
-    if (checksum != nullptr) checksum->add(text, offset);
+OrderedOutput::WriteAt sink_of(ScratchFile& file, TextChecksum& checksum, bool is_checked) {
+  return [&file, &checksum, is_checked](std::span<const char> text, std::uint64_t offset) {
+    file.write_at(std::as_bytes(text), offset);
+    if (is_checked) checksum.add(text, offset);
   };
 }
 
@@ -94,10 +91,10 @@ void add_shares(std::vector<AreaShare> shares, std::vector<AreaShare>& sums) {
 
 std::vector<PlaneRange> ranges_to_sweep(const RunTask& task, const RunPlan& plan) {
   std::vector<PlaneRange> ranges;
-  for (const PlaneRange& range : remaining(plan.slab.planes, plan.done)) {
+  for (const PlaneRange& range : remaining(plan.slab.planes, plan.finished_planes)) {
     std::int64_t planes = range.count();
     if (task.resume) {
-      const std::int64_t layer = plan.own.tiling.block_size[2] - 1;
+      const std::int64_t layer = plan.slab_plan.tiling.block_size[2] - 1;
       const std::int64_t layers = (plan.slab.planes.count() + layer - 1) / layer;
       planes = layer * ((layers + max_ranges - 1) / max_ranges);
     }
@@ -110,18 +107,9 @@ std::vector<PlaneRange> ranges_to_sweep(const RunTask& task, const RunPlan& plan
 std::int64_t count_blocks(const RunPlan& plan, std::span<const PlaneRange> ranges) {
   std::int64_t blocks = 0;
   for (const PlaneRange& planes : ranges)
-    blocks += tiling_of(plan.whole, plan.own.tiling.block_size, planes).block_count();
+    blocks += tiling_of(plan.whole_plan, plan.slab_plan.tiling.block_size, planes).block_count();
   return blocks;
 }
-
-// The destinations of the texts of one range.
-struct SlabSweep::RangeSinks {
-  OrderedOutput::WriteAt grid, edges;
-  std::vector<MapSink> maps;
-  MeshSinks mesh;
-  // Checksums of the texts of a chunk in a checkpoint; null without a checkpoint.
-  std::unique_ptr<std::array<TextChecksum, chunk_text_count>> checksums;
-};
 
 SlabSweep::SlabSweep(const RunTask& task, const RunPlan& plan, std::span<const PlaneRange> ranges,
                      const SweepFiles& files, const Callbacks& callbacks, ProgressReport& report,
@@ -133,9 +121,9 @@ SlabSweep::SlabSweep(const RunTask& task, const RunPlan& plan, std::span<const P
       callbacks_(callbacks),
       report_(report),
       is_in_place_(writes_in_place(task, processes)) {
-  const Processes::Share share =
-      processes.share_of(static_cast<std::uint64_t>(task.parameters.verify), 1, processes.rank());
-  check_count_ = static_cast<std::int64_t>(share.end - share.begin);
+  const IndexRange checks =
+      processes.range_of(static_cast<std::uint64_t>(task.parameters.verify), 1, processes.rank());
+  check_count_ = static_cast<std::int64_t>(checks.count());
 }
 
 SweepResult SlabSweep::run(Summary& summary) {
@@ -143,7 +131,7 @@ SweepResult SlabSweep::run(Summary& summary) {
   if (ranges_.empty()) return result;
   const SurfaceModel surface = make_surface();
   const Stopwatch sweeping;
-  const Box slab = slab_box(plan_.whole, plan_.slab.planes);
+  const Box slab = slab_box(plan_.whole_plan, plan_.slab.planes);
   PatchSchedule patches(surface, {slab.low.z, slab.high.z});
   for (const PlaneRange& planes : ranges_)
     result.chunks.push_back(sweep(patches, planes, result, summary));
@@ -153,10 +141,10 @@ SweepResult SlabSweep::run(Summary& summary) {
 
 SurfaceModel SlabSweep::make_surface() const {
   SurfaceModel surface(plan_.slab.molecule, task_.parameters.probe_radius);
-  const GridRegion all = plan_.whole.grid.whole();
-  if (plan_.whole.cut_depth > 0 || plan_.whole.tiling.region != all ||
+  const GridRegion all = plan_.whole_plan.grid.whole();
+  if (plan_.whole_plan.cut_depth > 0 || plan_.whole_plan.tiling.region != all ||
       plan_.slab.planes != PlaneRange{0, all.end[2]})
-    surface.confine_to(slab_box(plan_.whole, plan_.slab.planes));
+    surface.confine_to(slab_box(plan_.whole_plan, plan_.slab.planes));
   return surface;
 }
 
@@ -175,8 +163,9 @@ std::int64_t SlabSweep::check_count_of(const PlaneRange& planes) const {
 }
 
 Plan SlabSweep::plan_of(const PlaneRange& planes) const {
-  Plan plan = plan_.own;
-  plan.tiling = tiling_of(plan_.whole, plan.tiling.block_size, planes);
+  Plan plan = plan_.slab_plan;
+  plan.tiling = tiling_of(plan_.whole_plan, plan.tiling.block_size, planes);
+  plan.region = plan.tiling.region;
   plan.parameters.verify = check_count_of(planes);
   return plan;
 }
@@ -206,55 +195,52 @@ PlaneChunk SlabSweep::new_chunk(const PlaneRange& planes) const {
   return chunk;
 }
 
-MeshSinks SlabSweep::mesh_sinks_in_place(PlaneChunk& chunk) const {
+// Returns the receiver of a text: its scratch file, or its output file in a run in place. It is
+// empty if the text is not chosen.
+OrderedOutput::WriteAt SlabSweep::sink_of_text(ChunkText text, PlaneChunk& chunk,
+                                               Checksums& checksums) const {
+  if (ScratchFile* const scratch = chunk.text(text).get())
+    return sink_of(*scratch, checksums[static_cast<std::size_t>(text)],
+                   plan_.checkpoint != nullptr);
+  if (!is_in_place_) return {};
   OutputFiles& files = *files_.final_files;
-  const auto into = [&](ChunkText text, std::optional<OutputFile>& file, std::uint64_t begin) {
-    return is_written_in_place(text) ? sink_of(file, begin)
-                                     : sink_of(chunk.text(text).get(), nullptr);
+  const auto into = [](std::optional<OutputFile>& file, std::uint64_t begin = 0) {
+    return file ? sink_of(*file, begin) : OrderedOutput::WriteAt();
   };
-  return {.vertices = into(ChunkText::vertices, files.mesh, files_.mesh_header_bytes),
-          .triangles = into(ChunkText::triangles, files.mesh_faces, files_.face_header_bytes),
-          .has_local_triangles = files_.mesh_text->has_columns()};
+  switch (text) {
+    case ChunkText::grid:
+      return into(files.grid);
+    case ChunkText::edges:
+      return into(files.edges);
+    case ChunkText::vertices:
+      return into(files.mesh, files_.mesh_header_bytes);
+    case ChunkText::triangles:
+      return into(files.mesh_faces, files_.face_header_bytes);
+    case ChunkText::first_map:
+      break;
+  }
+  return {};
 }
 
-SlabSweep::RangeSinks SlabSweep::sinks_in_place(PlaneChunk& chunk) const {
-  OutputFiles& files = *files_.final_files;
-  RangeSinks sinks;
-  sinks.grid = sink_of(files.grid);
-  sinks.edges = sink_of(files.edges);
-  sinks.maps = task_.maps_in_memory.sinks;
+// Returns the receivers of the rows of all maps.
+std::vector<MapSink> SlabSweep::map_sinks(PlaneChunk& chunk, const GridRegion& region,
+                                          Checksums& checksums) const {
+  std::vector<MapSink> sinks = task_.maps_in_memory.sinks;
   for (const MapChoice& map : chosen_maps(task_.outputs))
-    sinks.maps.push_back({map.quantity, rows_of_map(*files.map(map.quantity), map, plan_.whole)});
-  if (files_.mesh_text != nullptr) sinks.mesh = mesh_sinks_in_place(chunk);
-  return sinks;
-}
-
-SlabSweep::RangeSinks SlabSweep::sinks_of(PlaneChunk& chunk, const GridRegion& region) const {
-  RangeSinks sinks;
-  if (plan_.checkpoint)
-    sinks.checksums = std::make_unique<std::array<TextChecksum, chunk_text_count>>();
-  const auto into = [&](ChunkText text) {
-    TextChecksum* const checksum =
-        sinks.checksums ? &(*sinks.checksums)[static_cast<std::size_t>(text)] : nullptr;
-    return sink_of(chunk.text(text).get(), checksum);
-  };
-  sinks.grid = into(ChunkText::grid);
-  sinks.edges = into(ChunkText::edges);
-  for (const MapChoice& map : chosen_maps(task_.outputs))
-    sinks.maps.push_back(
-        {map.quantity, rows_as_words(map.quantity, region, into(text_of(map.quantity)))});
-  sinks.mesh = {.vertices = into(ChunkText::vertices),
-                .triangles = into(ChunkText::triangles),
-                .has_local_triangles = true};
+    sinks.push_back(
+        {map.quantity,
+         is_in_place_ ? rows_of_map(*files_.final_files->map(map.quantity), map, plan_.whole_plan)
+                      : rows_as_words(map.quantity, region,
+                                      sink_of_text(text_of(map.quantity), chunk, checksums))});
   return sinks;
 }
 
 // Returns false if there are faults.
 bool SlabSweep::verify(Verifier& verifier, Summary& summary) {
   const Stopwatch watch;
-  const Verification found = verifier.check([this](std::int64_t done, std::int64_t all) {
+  const Verification found = verifier.check([this](std::int64_t finished, std::int64_t all) {
     report_.check();
-    if (callbacks_.verification) report_.call([&] { callbacks_.verification(done, all); });
+    if (callbacks_.verification) report_.call([&] { callbacks_.verification(finished, all); });
   });
   summary.seconds.verify += watch.seconds();
   Verification& sum = *summary.verification;
@@ -268,15 +254,15 @@ std::vector<AtomSum> SlabSweep::sums_of(std::span<const AreaShare> shares) const
   std::vector<AtomSum> sums;
   for (std::size_t i = 0; i < shares.size(); ++i)
     if (shares[i] != 0)
-      sums.push_back({shares[i], plan_.slab.number_of(static_cast<AtomIndex>(i))});
+      sums.push_back({shares[i], plan_.slab.file_index_of(static_cast<AtomIndex>(i))});
   return sums;
 }
 
 // Completes a chunk in the checkpoint.
-void SlabSweep::save_chunk(PlaneChunk& chunk, const RangeSinks& sinks,
+void SlabSweep::save_chunk(PlaneChunk& chunk, const Checksums& checksums,
                            std::span<const AreaShare> shares) const {
   for (std::size_t text = 0; text < chunk_text_count; ++text)
-    chunk.info.checksums[text] = (*sinks.checksums)[text].value();
+    chunk.info.checksums[text] = checksums[text].value();
   chunk.sums = sums_of(shares);
   plan_.checkpoint->finish(chunk);
   chunk.sums = {};
@@ -287,11 +273,14 @@ PlaneChunk SlabSweep::sweep(PatchSchedule& patches, const PlaneRange& planes, Sw
                             Summary& summary) {
   PlaneChunk chunk = new_chunk(planes);
   const Plan plan = plan_of(planes);
-  const RangeSinks sinks =
-      is_in_place_ ? sinks_in_place(chunk) : sinks_of(chunk, plan.tiling.region);
+  Checksums checksums;
+  const auto into = [&](ChunkText text) { return sink_of_text(text, chunk, checksums); };
   std::optional<MeshOutput> mesh;
-  if (files_.mesh_text != nullptr)
-    mesh.emplace(plan, plan_.whole.tiling.region_with_halo, *files_.mesh_text, sinks.mesh);
+  if (const mesh::MeshText* const text = files_.mesh_text)
+    mesh.emplace(plan, plan_.whole_plan.tiling.region_with_halo, *text,
+                 MeshSinks{.vertices = into(ChunkText::vertices),
+                           .triangles = into(ChunkText::triangles),
+                           .has_local_triangles = !is_in_place_ || text->has_columns()});
   std::optional<Verifier> verifier;
   if (plan.parameters.verify > 0) {
     const Stopwatch drawing;
@@ -299,17 +288,17 @@ PlaneChunk SlabSweep::sweep(PatchSchedule& patches, const PlaneRange& planes, Sw
     summary.seconds.verify += drawing.seconds();
   }
   Pipeline pipeline(patches, plan,
-                    {.grid = sinks.grid,
-                     .edges = sinks.edges,
+                    {.grid = into(ChunkText::grid),
+                     .edges = into(ChunkText::edges),
                      .gzip = task_.outputs.gzip,
-                     .maps = sinks.maps,
+                     .maps = map_sinks(chunk, plan.tiling.region, checksums),
                      .extras = extras_of(task_),
                      .mesh = mesh ? &*mesh : nullptr,
                      .verifier = verifier ? &*verifier : nullptr,
                      .block = callbacks_.block,
-                     .atom_numbers = plan_.slab.numbers},
+                     .file_indices = plan_.slab.file_indices},
                     report_);
-  if (planes.begin > plan_.whole.tiling.region.begin[2]) pipeline.solve_plane_below();
+  if (planes.begin > plan_.whole_plan.tiling.region.begin[2]) pipeline.solve_plane_below();
   pipeline.run();
   pipeline.add_seconds(summary.seconds);
   RegionSums sums = pipeline.take_sums();
@@ -325,7 +314,7 @@ PlaneChunk SlabSweep::sweep(PatchSchedule& patches, const PlaneRange& planes, Sw
     set_bytes(text_of(map.quantity), GridMap::row_bytes(map.quantity, plan.tiling.region));
   if (mesh) chunk.info.mesh = {mesh->vertex_count(), pipeline.triangle_count()};
   const bool is_right = !verifier || verify(*verifier, summary);
-  if (plan_.checkpoint && is_right) save_chunk(chunk, sinks, sums.atom_shares);
+  if (plan_.checkpoint && is_right) save_chunk(chunk, checksums, sums.atom_shares);
   add_shares(std::move(sums.atom_shares), result.atom_shares);
   return chunk;
 }

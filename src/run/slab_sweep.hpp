@@ -2,8 +2,8 @@
 /// Step 2 of a run: the sweep over the planes of this process, range by range. The rows, crossings
 /// and triangles of a range are written to the output files directly, or to a chunk.
 
+#include <array>
 #include <cstdint>
-#include <functional>
 #include <span>
 #include <vector>
 
@@ -53,20 +53,22 @@ class SlabSweep {
   SweepResult run(Summary& summary);
 
  private:
-  struct RangeSinks;
+  // Checksums of the texts of a chunk in a checkpoint.
+  using Checksums = std::array<TextChecksum, chunk_text_count>;
 
   Plan plan_of(const PlaneRange& planes) const;
   std::int64_t check_count_of(const PlaneRange& planes) const;
   SurfaceModel make_surface() const;
   PlaneChunk new_chunk(const PlaneRange& planes) const;
   bool is_written_in_place(ChunkText text) const;
-  MeshSinks mesh_sinks_in_place(PlaneChunk& chunk) const;
-  RangeSinks sinks_in_place(PlaneChunk& chunk) const;
-  RangeSinks sinks_of(PlaneChunk& chunk, const GridRegion& region) const;
+  OrderedOutput::WriteAt sink_of_text(ChunkText text, PlaneChunk& chunk,
+                                      Checksums& checksums) const;
+  std::vector<MapSink> map_sinks(PlaneChunk& chunk, const GridRegion& region,
+                                 Checksums& checksums) const;
   PlaneChunk sweep(PatchSchedule& patches, const PlaneRange& planes, SweepResult& result,
                    Summary& summary);
   bool verify(Verifier& verifier, Summary& summary);
-  void save_chunk(PlaneChunk& chunk, const RangeSinks& sinks,
+  void save_chunk(PlaneChunk& chunk, const Checksums& checksums,
                   std::span<const AreaShare> shares) const;
   std::vector<AtomSum> sums_of(std::span<const AreaShare> shares) const;
 

@@ -33,7 +33,7 @@ constexpr double infinity = std::numeric_limits<double>::infinity();
 constexpr std::int64_t max_bins = 1 << 16;
 
 // Returns the planes at the heights of all atoms. Planes beyond the grid continue its numbering.
-PlaneRange planes_of_atoms(const Plan& plan) {
+PlaneRange planes_of_atoms(const GridPlan& plan) {
   constexpr double max_planes = 1e15;
   const auto planes_in = [&](double depth) {
     return static_cast<std::int64_t>(
@@ -55,9 +55,9 @@ class Bins {
   PlaneRange planes(std::size_t begin, std::size_t end) const { return {plane(begin), plane(end)}; }
   // Returns the bin of the plane nearest to `z`, or of the nearest plane in a bin.
   std::size_t bin_of(double z) const {
-    const double place = std::floor((z - grid_.origin.z) / grid_.spacing + 0.5);
+    const double nearest = std::floor((z - grid_.origin.z) / grid_.spacing + 0.5);
     const auto plane = static_cast<std::int64_t>(std::clamp(
-        place, static_cast<double>(planes_.begin), static_cast<double>(planes_.end - 1)));
+        nearest, static_cast<double>(planes_.begin), static_cast<double>(planes_.end - 1)));
     return static_cast<std::size_t>((plane - planes_.begin) / per_bin_);
   }
 
@@ -71,19 +71,20 @@ class Bins {
   std::int64_t per_bin_;
 };
 
-// Returns the fraction of a bin's planes that is not in `done`.
-double share_to_do(const PlaneRange& planes, std::span<const PlaneRange> done) {
-  const std::vector<PlaneRange> left = remaining(planes, done);
+// Returns the fraction of a bin's planes that is not in `finished`.
+double remaining_fraction(const PlaneRange& planes, std::span<const PlaneRange> finished) {
+  const std::vector<PlaneRange> left = remaining(planes, finished);
   const std::int64_t count =
       std::accumulate(left.begin(), left.end(), std::int64_t{0},
                       [](std::int64_t sum, const PlaneRange& part) { return sum + part.count(); });
   return static_cast<double>(count) / static_cast<double>(planes.count());
 }
 
-// Subtracts the costs of the planes in `done`.
-void subtract_done(const Bins& bins, std::span<const PlaneRange> done, std::vector<double>& costs) {
+// Subtracts the costs of the planes in `finished`.
+void subtract_finished(const Bins& bins, std::span<const PlaneRange> finished,
+                       std::vector<double>& costs) {
   for (std::size_t b = 0; b < costs.size(); ++b)
-    costs[b] *= share_to_do(bins.planes(b, b + 1), done);
+    costs[b] *= remaining_fraction(bins.planes(b, b + 1), finished);
 }
 
 // Returns the planes from the first to the last one of these ranges.
@@ -92,11 +93,11 @@ PlaneRange range_around(const std::vector<PlaneRange>& left) {
 }
 
 std::vector<PlaneRange> cut_into_slabs(const Bins& bins, std::span<const double> costs,
-                                       std::span<const PlaneRange> done, int parts) {
+                                       std::span<const PlaneRange> finished, int parts) {
   const std::vector<std::size_t> begins = cut_evenly(costs, parts);
   std::vector<PlaneRange> slabs;
   for (std::size_t part = 0; part + 1 < begins.size(); ++part)
-    slabs.push_back(range_around(remaining(bins.planes(begins[part], begins[part + 1]), done)));
+    slabs.push_back(range_around(remaining(bins.planes(begins[part], begins[part + 1]), finished)));
   return slabs;
 }
 
@@ -118,7 +119,7 @@ double max_cost(const Bins& bins, std::span<const double> costs,
 struct SentAtom {
   Atom atom;
   std::uint64_t line = 0;
-  AtomIndex number = 0;
+  AtomIndex file_index = 0;
 };
 
 struct SentAtoms {
@@ -137,39 +138,39 @@ double influence(const Atom& atom, double max_radius, double probe_radius, const
 
 // A slab with planes, and its interval along z. Both ends ascend from slab to slab.
 struct Reached {
-  std::size_t part;
+  std::size_t rank;
   double low, high;
 };
 
-SentAtoms send_atoms(const AtomShare& share, const Plan& plan, const Outputs& outputs,
+SentAtoms send_atoms(const AtomPart& part, const GridPlan& plan, const Outputs& outputs,
                      std::span<const PlaneRange> slabs, const Processes& processes) {
   const double probe = plan.parameters.probe_radius;
   double max_radius = 0;
-  for (const Atom& atom : share.atoms) max_radius = std::max(max_radius, atom.radius);
+  for (const Atom& atom : part.atoms) max_radius = std::max(max_radius, atom.radius);
   processes.allreduce_max({&max_radius, 1});
   std::vector<Reached> reached;
-  for (std::size_t part = 0; part < slabs.size(); ++part) {
-    const PlaneRange& planes = slabs[part];
+  for (std::size_t rank = 0; rank < slabs.size(); ++rank) {
+    const PlaneRange& planes = slabs[rank];
     if (planes.is_empty()) continue;
     // With the plane below, and with the plane above, where edges of the slab end.
     reached.push_back(
-        {part, plan.grid.coordinate(2, planes.begin - 1), plan.grid.coordinate(2, planes.end)});
+        {rank, plan.grid.coordinate(2, planes.begin - 1), plan.grid.coordinate(2, planes.end)});
   }
   std::vector<std::vector<SentAtom>> to(slabs.size());
   std::vector<std::vector<mesh::GroupNumbers>> groups_to(slabs.size());
-  const auto send = [&](std::size_t i, std::size_t part) {
-    to[part].push_back({share.atoms[i], share.lines[i], static_cast<AtomIndex>(share.first + i)});
-    if (!share.groups.empty()) groups_to[part].push_back(share.groups[i]);
+  const auto send = [&](std::size_t i, std::size_t rank) {
+    to[rank].push_back({part.atoms[i], part.lines[i], static_cast<AtomIndex>(part.first + i)});
+    if (!part.groups.empty()) groups_to[rank].push_back(part.groups[i]);
   };
-  for (std::size_t i = 0; i < share.atoms.size(); ++i) {
-    const Atom& atom = share.atoms[i];
+  for (std::size_t i = 0; i < part.atoms.size(); ++i) {
+    const Atom& atom = part.atoms[i];
     // The first atom is sent to all slabs with planes, so that each of them has an atom.
-    const bool matters_to_all = share.first + i == 0;
+    const bool matters_to_all = part.first + i == 0;
     const double reach = matters_to_all ? infinity : influence(atom, max_radius, probe, outputs);
     auto slab = std::partition_point(reached.begin(), reached.end(), [&](const Reached& one) {
       return one.high < atom.center.z - reach;
     });
-    for (; slab != reached.end() && slab->low <= atom.center.z + reach; ++slab) send(i, slab->part);
+    for (; slab != reached.end() && slab->low <= atom.center.z + reach; ++slab) send(i, slab->rank);
   }
   SentAtoms sent;
   sent.atoms = processes.exchange(std::move(to));
@@ -178,13 +179,13 @@ SentAtoms send_atoms(const AtomShare& share, const Plan& plan, const Outputs& ou
 }
 
 // Returns a function that decides whether a slab owns an atom. Each atom is owned by one slab.
-std::function<bool(const Atom&)> ownership(const Plan& plan, std::span<const PlaneRange> slabs,
-                                           std::size_t part) {
+std::function<bool(const Atom&)> ownership(const GridPlan& plan, std::span<const PlaneRange> slabs,
+                                           std::size_t rank) {
   double low = -infinity, high = infinity;
   for (std::size_t other = 0; other < slabs.size(); ++other) {
     if (slabs[other].is_empty()) continue;
-    if (other < part) low = plan.grid.coordinate(2, slabs[part].begin);
-    if (other > part) {
+    if (other < rank) low = plan.grid.coordinate(2, slabs[rank].begin);
+    if (other > rank) {
       high = plan.grid.coordinate(2, slabs[other].begin);
       break;
     }
@@ -192,53 +193,37 @@ std::function<bool(const Atom&)> ownership(const Plan& plan, std::span<const Pla
   return [low, high](const Atom& atom) { return atom.center.z >= low && atom.center.z < high; };
 }
 
-struct SlabWithLines {
+// Sends the atoms that this process has read, and makes its slab from the received atoms.
+Slab exchange_atoms(const AtomPart& part, const GridPlan& plan, const Outputs& outputs,
+                    std::span<const PlaneRange> slabs, int threads, const Processes& processes) {
+  SentAtoms sent = send_atoms(part, plan, outputs, slabs, processes);
   Slab slab;
-  std::vector<std::uint64_t> lines;  // by atom
-};
-
-// Makes the slab of a single process, which keeps the atoms that it has read.
-SlabWithLines keep_atoms(AtomShare share, const PlaneRange& planes, int threads) {
-  SlabWithLines kept;
-  kept.slab.planes = planes;
-  kept.slab.molecule = Molecule(std::move(share.atoms), {}, threads);
-  kept.slab.groups = std::move(share.groups);
-  kept.lines = std::move(share.lines);
-  return kept;
-}
-
-SlabWithLines exchange_atoms(const AtomShare& share, const Plan& plan, const Outputs& outputs,
-                             std::span<const PlaneRange> slabs, int threads,
-                             const Processes& processes) {
-  SentAtoms sent = send_atoms(share, plan, outputs, slabs, processes);
-  SlabWithLines received;
-  Slab& slab = received.slab;
-  std::vector<std::uint64_t>& lines = received.lines;
-  const auto part = static_cast<std::size_t>(processes.rank());
-  slab.planes = slabs[part];
+  const auto rank = static_cast<std::size_t>(processes.rank());
+  slab.planes = slabs[rank];
   processes.all_or_throw([&] {
     std::vector<Atom> atoms;
     atoms.reserve(sent.atoms.size());
-    slab.numbers.reserve(sent.atoms.size());
-    lines.reserve(sent.atoms.size());
-    for (const SentAtom& one : sent.atoms) {
-      atoms.push_back(one.atom);
-      slab.numbers.push_back(one.number);
-      lines.push_back(one.line);
+    slab.file_indices.reserve(sent.atoms.size());
+    slab.lines.reserve(sent.atoms.size());
+    for (const auto& [atom, line, file_index] : sent.atoms) {
+      atoms.push_back(atom);
+      slab.file_indices.push_back(file_index);
+      slab.lines.push_back(line);
     }
     slab.groups = std::move(sent.groups);
     std::vector<SentAtom>().swap(sent.atoms);
-    slab.molecule = Molecule::part(std::move(atoms), ownership(plan, slabs, part), threads);
+    slab.molecule = Molecule::part(std::move(atoms), ownership(plan, slabs, rank), threads);
   });
-  return received;
+  return slab;
 }
 
-FileDiagnostics gather_diagnostics(const SlabWithLines& part, std::uint64_t atoms,
-                                   const Processes& processes) {
+// Returns the diagnostics of all atoms. The lines are not needed any more.
+FileDiagnostics take_diagnostics(Slab& slab, std::uint64_t atoms, const Processes& processes) {
+  const std::vector<std::uint64_t> lines = std::exchange(slab.lines, {});
   FileDiagnostics all = gather_diagnostics(
-      part.slab.molecule.diagnostics(),
-      [&part](AtomIndex atom) {
-        return FileAtom{part.slab.number_of(atom), part.lines[atom]};
+      slab.molecule.diagnostics(),
+      [&](AtomIndex slab_index) {
+        return FileAtom{slab.file_index_of(slab_index), lines[slab_index]};
       },
       processes);
   // The diagnostic applies only if all radii of the molecule are small.
@@ -248,12 +233,13 @@ FileDiagnostics gather_diagnostics(const SlabWithLines& part, std::uint64_t atom
   return all;
 }
 
-// Returns the planes of the grid that are outside the region or done.
-std::vector<PlaneRange> planes_left_out(const Plan& plan, std::span<const PlaneRange> done) {
+// Returns the planes of the grid that are outside the region or finished.
+std::vector<PlaneRange> planes_left_out(const GridPlan& plan,
+                                        std::span<const PlaneRange> finished) {
   const PlaneRange within = region_planes(plan);
   std::vector<PlaneRange> left_out;
   if (within.begin > 0) left_out.push_back({0, within.begin});
-  left_out.insert(left_out.end(), done.begin(), done.end());
+  left_out.insert(left_out.end(), finished.begin(), finished.end());
   if (within.end < plan.grid.size[2]) left_out.push_back({within.end, plan.grid.size[2]});
   return left_out;
 }
@@ -261,7 +247,7 @@ std::vector<PlaneRange> planes_left_out(const Plan& plan, std::span<const PlaneR
 // Cuts the planes into one slab for each process. All processes must call its functions.
 class SlabCutter {
  public:
-  SlabCutter(const AtomShare& share, const Plan& plan, const Outputs& outputs,
+  SlabCutter(const AtomPart& part, const GridPlan& plan, const Outputs& outputs,
              const Processes& processes)
       : plan_(plan),
         outputs_(outputs),
@@ -271,7 +257,7 @@ class SlabCutter {
     const PlaneRange all_planes = planes_of_atoms(plan);
     const Bins all(plan.grid, all_planes);
     std::vector<double> all_atoms(all.count());
-    for (const Atom& atom : share.atoms) {
+    for (const Atom& atom : part.atoms) {
       const double z = atom.center.z;
       ++all_atoms[all.bin_of(z)];
       if (z >= plan.grid.origin.z && z <= plan.grid.upper().z) ++atoms_[bins_.bin_of(z)];
@@ -288,10 +274,10 @@ class SlabCutter {
   // Slabs of the remaining planes with equal costs. Each process estimates the costs of `slab`,
   // which is its slab by atoms. Returns the slabs by atoms if other slabs would not save the time
   // for sending and preparing atoms again.
-  std::vector<PlaneRange> by_costs(const Slab& slab, std::span<const PlaneRange> done) const {
-    const std::vector<PlaneRange> left_out = planes_left_out(plan_, done);
+  std::vector<PlaneRange> by_costs(const Slab& slab, std::span<const PlaneRange> finished) const {
+    const std::vector<PlaneRange> left_out = planes_left_out(plan_, finished);
     std::vector<double> costs = estimate_costs(slab);
-    subtract_done(bins_, left_out, costs);
+    subtract_finished(bins_, left_out, costs);
     std::vector<PlaneRange> slabs = cut_into_slabs(bins_, costs, left_out, processes_.count());
     if (!left_out.empty() || !are_all_in_grid_) return slabs;
     const double gain = max_cost(bins_, costs, by_atoms_) - max_cost(bins_, costs, slabs);
@@ -319,7 +305,7 @@ class SlabCutter {
       const double crossing = seconds_per_crossing +
                               (outputs_.edges ? seconds_per_crossing_text : 0) +
                               (outputs_.mesh ? seconds_per_crossing_of_mesh : 0);
-      const GridIndex size = plan_.tiling.region.size();
+      const GridIndex size = plan_.region.size();
       for (std::size_t b = 0; b < costs.size(); ++b) {
         const PlaneRange planes = bins_.planes(b, b + 1);
         if (planes.begin < slab.planes.begin || planes.begin >= slab.planes.end) continue;
@@ -336,7 +322,7 @@ class SlabCutter {
     return costs;
   }
 
-  const Plan& plan_;
+  const GridPlan& plan_;
   const Outputs& outputs_;
   const Processes& processes_;
   Bins bins_;                  // of the planes of the grid
@@ -353,46 +339,48 @@ std::vector<std::size_t> cut_evenly(std::span<const double> costs, int parts) {
   std::vector<std::size_t> begins{0};
   for (int part = 1; part < parts; ++part) {
     const double wanted = sums.back() * part / parts;
-    auto place = std::lower_bound(sums.begin(), sums.end(), wanted);
+    auto cut = std::lower_bound(sums.begin(), sums.end(), wanted);
     // Chooses the nearer of the two sums around the wanted one.
-    if (place != sums.begin() && wanted - *(place - 1) < *place - wanted) --place;
-    begins.push_back(std::max(begins.back(), static_cast<std::size_t>(place - sums.begin())));
+    if (cut != sums.begin() && wanted - *(cut - 1) < *cut - wanted) --cut;
+    begins.push_back(std::max(begins.back(), static_cast<std::size_t>(cut - sums.begin())));
   }
   begins.push_back(costs.size());
   return begins;
 }
 
-PlaneRange region_planes(const Plan& plan) {
-  return {plan.tiling.region.begin[2], plan.tiling.region.end[2]};
+PlaneRange region_planes(const GridPlan& plan) {
+  return {plan.region.begin[2], plan.region.end[2]};
 }
 
-SlabOfMolecule make_slab(AtomShare share, const Plan& plan, const Outputs& outputs,
-                         std::span<const PlaneRange> done, int threads,
-                         const Processes& processes) {
-  const std::uint64_t atoms = share.total;
-  SlabOfMolecule result;
+std::pair<Slab, FileDiagnostics> make_slab(AtomPart part, const GridPlan& plan,
+                                           const Outputs& outputs,
+                                           std::span<const PlaneRange> finished, int threads,
+                                           const Processes& processes) {
+  const std::uint64_t atoms = part.total;
+  Slab slab;
   if (processes.count() == 1) {
-    SlabWithLines slab =
-        keep_atoms(std::move(share), range_around(remaining(region_planes(plan), done)), threads);
-    result.diagnostics = gather_diagnostics(slab, atoms, processes);
-    result.slab = std::move(slab.slab);
-    return result;
+    slab.planes = range_around(remaining(region_planes(plan), finished));
+    slab.molecule = Molecule(std::move(part.atoms), {}, threads);
+    slab.groups = std::move(part.groups);
+    slab.lines = std::move(part.lines);
+    FileDiagnostics diagnostics = take_diagnostics(slab, atoms, processes);
+    return {std::move(slab), std::move(diagnostics)};
   }
-  const SlabCutter cutter(share, plan, outputs, processes);
+  const SlabCutter cutter(part, plan, outputs, processes);
   // These slabs include all atoms, as the diagnostics need them.
-  SlabWithLines slab = exchange_atoms(share, plan, outputs, cutter.by_atoms(), threads, processes);
-  result.diagnostics = gather_diagnostics(slab, atoms, processes);
-  const std::vector<PlaneRange> slabs = cutter.by_costs(slab.slab, done);
+  slab = exchange_atoms(part, plan, outputs, cutter.by_atoms(), threads, processes);
+  FileDiagnostics diagnostics = take_diagnostics(slab, atoms, processes);
+  const std::vector<PlaneRange> slabs = cutter.by_costs(slab, finished);
   if (slabs != cutter.by_atoms()) {
     slab = {};
-    slab = exchange_atoms(share, plan, outputs, slabs, threads, processes);
+    slab = exchange_atoms(part, plan, outputs, slabs, threads, processes);
+    slab.lines = {};
   }
-  result.slab = std::move(slab.slab);
-  return result;
+  return {std::move(slab), std::move(diagnostics)};
 }
 
-Box slab_box(const Plan& plan, const PlaneRange& planes) {
-  const GridRegion& region = plan.tiling.region;
+Box slab_box(const GridPlan& plan, const PlaneRange& planes) {
+  const GridRegion& region = plan.region;
   const std::int64_t begin = std::max(planes.begin - 1, region.begin[2]);
   return region_box(plan.grid, with_planes(region, {begin, planes.end}));
 }

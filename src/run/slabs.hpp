@@ -4,9 +4,10 @@
 
 #include <cstdint>
 #include <span>
+#include <utility>
 #include <vector>
 
-#include "distributed/atom_share.hpp"
+#include "distributed/atom_part.hpp"
 #include "distributed/file_diagnostics.hpp"
 #include "distributed/processes.hpp"
 #include "geometry/box.hpp"
@@ -27,30 +28,31 @@ struct Slab {
   Molecule molecule{std::vector<Atom>()};  ///< without labels
   /// Index in the file of each atom of the molecule, ascending; empty if the molecule has all
   /// atoms.
-  std::vector<AtomIndex> numbers;
+  std::vector<AtomIndex> file_indices;
   std::vector<mesh::GroupNumbers> groups;  ///< by atom; empty if groups are not numbered
+  /// Line of each atom in the file; only until the diagnostics are known.
+  std::vector<std::uint64_t> lines;
 
   /// Returns the index in the file of an atom of the molecule.
-  AtomIndex number_of(AtomIndex atom) const { return numbers.empty() ? atom : numbers[atom]; }
+  AtomIndex file_index_of(AtomIndex slab_index) const {
+    return file_indices.empty() ? slab_index : file_indices[slab_index];
+  }
 };
 
-/// The slab of this process, and the diagnostics of the whole molecule.
-struct SlabOfMolecule {
-  Slab slab;
-  FileDiagnostics diagnostics;
-};
-
-/// Makes the slab of each process in the region of `plan`, which must have its grid. All processes
-/// must call it. Costs are estimated from a sample of the atoms' patches. Planes in `done`
-/// (ascending, disjoint) cost nothing. `threads` is the number of threads of this process.
-SlabOfMolecule make_slab(AtomShare share, const Plan& plan, const Outputs& outputs,
-                         std::span<const PlaneRange> done, int threads, const Processes& processes);
+/// Makes the slab of each process in the region of `plan`, and finds the diagnostics of all atoms.
+/// `part` is the part of the file that this process has read. All processes must call it. Costs are
+/// estimated from a sample of the atoms' patches. The planes in `finished` (ascending, disjoint)
+/// cost nothing. `threads` is the number of threads of this process.
+std::pair<Slab, FileDiagnostics> make_slab(AtomPart part, const GridPlan& plan,
+                                           const Outputs& outputs,
+                                           std::span<const PlaneRange> finished, int threads,
+                                           const Processes& processes);
 
 /// Returns the planes of the region of `plan`.
-PlaneRange region_planes(const Plan& plan);
+PlaneRange region_planes(const GridPlan& plan);
 
 /// Returns the box of the points of these planes, of the edges that start there, and of the plane
 /// of the region below them.
-Box slab_box(const Plan& plan, const PlaneRange& planes);
+Box slab_box(const GridPlan& plan, const PlaneRange& planes);
 
 }  // namespace eses::detail

@@ -1,43 +1,40 @@
 #pragma once
-/// A solved block as callbacks receive it.
+/// Points and crossings of a solved block, by their indices in the grid.
 
 #include <cstdint>
 #include <span>
 
-#include "eses/grid.hpp"
-#include "grid/block_crossing.hpp"
-#include "grid/tiling.hpp"
+#include "solve/block_solver.hpp"
 
 namespace eses::detail {
 
-struct BlockResult;
+/// Returns whether a point of the block is inside the surface.
+inline bool is_inside(const BlockResult& block, const GridIndex& point) {
+  const GridIndex& first = block.block.first;
+  return block.inside.test({point[0] - first[0], point[1] - first[1], point[2] - first[2]});
+}
 
-/// A view of the result of a block, which is valid during the callback.
-class SolvedBlock {
- public:
-  explicit SolvedBlock(const BlockResult& result) : result_(&result) {}
+/// Returns the crossings of a row. `row_begin` has the begin of each row, and is empty if there are
+/// no crossings.
+inline std::span<const BlockCrossing> row_crossings(std::span<const BlockCrossing> crossings,
+                                                    std::span<const std::uint32_t> row_begin,
+                                                    std::int64_t row) {
+  if (row_begin.empty()) return {};
+  const auto r = static_cast<std::size_t>(row);
+  return crossings.subspan(row_begin[r], row_begin[r + 1] - row_begin[r]);
+}
 
-  const BlockBounds& block() const;
-
-  /// Returns whether a point of the block is inside the surface. `point` has indices in the grid.
-  bool is_inside(const GridIndex& point) const;
-
-  /// Sets the elements of `row` that correspond to inside points to 1. The row has the grid indices
-  /// `y` and `z`, and starts with the block's first point. All elements must be 0.
-  void mark_inside(std::int64_t y, std::int64_t z, std::span<std::uint8_t> row) const;
-
-  /// The crossings of all edges that the block owns, by lower point (z, y, x), then axis.
-  /// `BlockCrossing::x` is relative to the block's first point.
-  std::span<const BlockCrossing> crossings() const;
-
-  /// The crossings of the edges that start in an owned row with the grid indices `y` and `z`.
-  std::span<const BlockCrossing> crossings_of_row(std::int64_t y, std::int64_t z) const;
-
-  /// The time to solve the block on one processor, in seconds.
-  double seconds() const;
-
- private:
-  const BlockResult* result_;
-};
+/// Calls `action(crossing)` for the crossings of all edges that the block owns, by lower point (z,
+/// y, x), then axis.
+template <class Action>
+void for_each_crossing(const Grid& grid, const BlockResult& result, Action&& action) {
+  if (result.crossings.empty()) return;
+  const auto& [first, points, owned] = result.block;
+  for (std::int64_t row = 0; row < owned[1] * owned[2]; ++row) {
+    const GridIndex row_start{first[0], first[1] + row % owned[1], first[2] + row / owned[1]};
+    for (const BlockCrossing& found : row_crossings(result.crossings, result.row_begin, row))
+      action(to_crossing(grid, row_start, found));
+  }
+}
 
 }  // namespace eses::detail

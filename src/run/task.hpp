@@ -23,11 +23,9 @@
 
 namespace eses::detail {
 
-class SolvedBlock;
-
 /// The part of a grid to compute: all of it, the points in a closed box (angstrom, finite), blocks
 /// of the tiling of the whole grid, or a range of points; and the edges that start at these points.
-/// Indices and coordinates remain those of the whole grid.
+/// Indices and coordinates still refer to the whole grid.
 using GridPart = std::variant<std::monostate, Box, BlockRange, GridRegion>;
 
 /// Parameters of a run.
@@ -35,7 +33,7 @@ struct Parameters {
   double probe_radius = 1.4;  ///< angstrom, `min_probe_radius` to `max_probe_radius`
   double spacing = 0.4;       ///< angstrom, > 0
   double margin = 0.8;        ///< angstrom, >= 0
-  /// A custom grid. If it is set, the margin is ignored, and `spacing` must be that of the grid.
+  /// A custom grid. If it is set, the margin is ignored, and `spacing` must be the spacing of it.
   std::optional<Grid> grid = {};
   /// Number of grid points on a side of a block, 2 to `max_block_size`. 0 means an automatic
   /// choice: `default_block_size`, flatter blocks for wide molecules, and smaller blocks for coarse
@@ -72,7 +70,7 @@ struct MapsInMemory {
   BlockExtras extras;  ///< what the maps need besides points
 };
 
-/// Memory that the caller of a run needs for the results, in addition to that of the run.
+/// Memory that the caller of a run needs for the results, besides the memory of the run.
 struct CallerMemory {
   std::uint64_t bytes = 0;
   double per_crossing = 0;  ///< bytes
@@ -85,7 +83,7 @@ struct RunTask {
   Parameters parameters = {};
   Outputs outputs = {};
   std::filesystem::path output_directory = {};
-  /// Whether to keep finished chunks on disk, and to continue from those of an earlier run.
+  /// Whether to keep finished chunks on disk, and to continue from the chunks of an earlier run.
   bool resume = false;
   bool dry_run = false;  ///< whether to create no files
   MapsInMemory maps_in_memory = {};
@@ -94,7 +92,7 @@ struct RunTask {
 
 /// Receives each block once, in unspecified order. See `Callbacks` for the calling threads. An
 /// exception of the callback ends the run and is rethrown.
-using SolvedBlockCallback = std::function<void(const SolvedBlock&)>;
+using SolvedBlockCallback = std::function<void(const BlockResult&)>;
 
 /// Functions that a run calls; empty ones are not called. Any thread of the run may call them, but
 /// no two calls happen at the same time, even of different functions.

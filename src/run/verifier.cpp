@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "geometry/tolerances.hpp"
+#include "run/layer.hpp"
 #include "run/solved_block.hpp"
 #include "system/formatted.hpp"
 #include "system/parallel.hpp"
@@ -32,9 +33,9 @@ std::size_t wanted(const Plan& plan) { return static_cast<std::size_t>(plan.para
 std::size_t any_edges(const Plan& plan) { return wanted(plan) - wanted(plan) / 2; }
 
 /// A sort key of points and edges in canonical order: edges follow their lower point.
-using Place = std::array<std::int64_t, 4>;
+using CanonicalKey = std::array<std::int64_t, 4>;
 
-Place place_of(const GridIndex& point, std::int64_t kind) {
+CanonicalKey key_of(const GridIndex& point, std::int64_t kind) {
   return {point[2], point[1], point[0], kind};
 }
 
@@ -42,28 +43,12 @@ std::string fault_of_missing(const GridIndex& point) {
   return formatted("point {} {} {} is in no block", point[0], point[1], point[2]);
 }
 
-std::int64_t number_of(const BlockTiling& tiling, const GridIndex& block) {
-  return (block[2] * tiling.blocks[1] + block[1]) * tiling.blocks[0] + block[0];
-}
-
+// Returns the index of the block that owns a point.
 std::int64_t owner_of(const BlockTiling& tiling, const GridIndex& point) {
   GridIndex block{};
   for (std::size_t q = 0; q < 3; ++q)
-    block[q] = std::min((point[q] - tiling.region.begin[q]) / (tiling.block_size[q] - 1),
-                        tiling.blocks[q] - 1);
-  return number_of(tiling, block);
-}
-
-void add_edges(const Grid& grid, const BlockResult& result, verify::CrossingSample& sample) {
-  const std::int64_t rows_y = result.block.owned[1];
-  for (std::size_t row = 0; row + 1 < result.row_begin.size(); ++row) {
-    const auto r = static_cast<std::int64_t>(row);
-    for (std::uint32_t c = result.row_begin[row]; c < result.row_begin[row + 1]; ++c) {
-      const GridIndex row_start{result.block.first[0], result.block.first[1] + r % rows_y,
-                                result.block.first[2] + r / rows_y};
-      sample.add(grid, to_crossing(grid, row_start, result.crossings[c]));
-    }
-  }
+    block[q] = block_along(tiling, q, point[q] - tiling.region.begin[q]);
+  return (block[2] * tiling.blocks[1] + block[1]) * tiling.blocks[0] + block[0];
 }
 
 }  // namespace
@@ -92,29 +77,30 @@ void Verifier::take(const BlockResult& result, std::size_t thread) {
   auto point = std::lower_bound(points_.begin(), points_.end(), block,
                                 [](const auto& p, std::int64_t b) { return p.block < b; });
   for (; point != points_.end() && point->block == block; ++point)
-    point->is_inside = SolvedBlock(result).is_inside(point->index);
-  add_edges(plan_.grid, result, samples_[thread]);
+    point->is_inside = eses::detail::is_inside(result, point->index);
+  for_each_crossing(plan_.grid, result,
+                    [&](const Crossing& crossing) { samples_[thread].add(plan_.grid, crossing); });
 }
 
 /// The progress of the checks.
 struct Verifier::Checks {
   const ProgressCallback& progress;
   std::int64_t all = 0;
-  std::atomic<std::int64_t> done = 0;
+  std::atomic<std::int64_t> finished = 0;
 };
 
 template <class Action>
 void Verifier::for_each_in_parallel(std::size_t count, Checks& checks, Action&& action) {
   parallel_for(
       static_cast<std::int64_t>(count), plan_.threads, [&](std::int64_t index, int thread) {
-        if (checks.progress && thread == 0) checks.progress(checks.done, checks.all);
+        if (checks.progress && thread == 0) checks.progress(checks.finished, checks.all);
         action(static_cast<std::size_t>(index), searches_[static_cast<std::size_t>(thread)]);
-        ++checks.done;
+        ++checks.finished;
       });
 }
 
 // Chooses the crossings to verify from the sample, which is in random order: the first ones, and
-// among the others those nearest to another patch.
+// among the others the crossings nearest to another patch.
 std::vector<Crossing> Verifier::choose(const std::vector<Crossing>& edges, Checks& checks) {
   const std::size_t any = any_edges(plan_);
   std::vector<double> distances(edges.size());
@@ -140,21 +126,20 @@ Verification Verifier::check(const ProgressCallback& progress) {
       (is_choice ? edges.size() - any_edges(plan_) + wanted(plan_) : edges.size()));
   if (is_choice) edges = choose(edges, checks);
 
-  std::vector<std::pair<Place, std::string>> faults;
+  std::vector<std::pair<CanonicalKey, std::string>> faults;
   std::mutex mutex;
-  const auto report = [&](const Place& place, std::string fault) {
+  const auto report = [&](const CanonicalKey& key, std::string fault) {
     if (fault.empty()) return;
     const std::lock_guard lock(mutex);
-    faults.emplace_back(place, std::move(fault));
+    faults.emplace_back(key, std::move(fault));
   };
   for_each_in_parallel(points_.size(), checks, [&](std::size_t i, CentreSearch& search) {
     const auto& [block, index, is_inside] = points_[i];
-    report(place_of(index, 0), is_inside ? fault_of_point(search, plan_.grid, index, *is_inside)
-                                         : fault_of_missing(index));
+    report(key_of(index, 0), is_inside ? fault_of_point(search, plan_.grid, index, *is_inside)
+                                       : fault_of_missing(index));
   });
   for_each_in_parallel(edges.size(), checks, [&](std::size_t i, CentreSearch& search) {
-    report(place_of(edges[i].lower, 1 + edges[i].axis),
-           fault_of_edge(search, plan_.grid, edges[i]));
+    report(key_of(edges[i].lower, 1 + edges[i].axis), fault_of_edge(search, plan_.grid, edges[i]));
   });
   // Sorting makes the order of faults independent of the threads.
   std::sort(faults.begin(), faults.end());
@@ -162,7 +147,7 @@ Verification Verifier::check(const ProgressCallback& progress) {
   Verification result;
   result.points = static_cast<std::int64_t>(points_.size());
   result.edges = static_cast<std::int64_t>(edges.size());
-  for (auto& [place, fault] : faults) result.faults.push_back(std::move(fault));
+  for (auto& [key, fault] : faults) result.faults.push_back(std::move(fault));
   return result;
 }
 

@@ -17,7 +17,7 @@ namespace eses::detail {
 /// The verification of a run. Points are drawn before the run, from the points between the van der
 /// Waals and the SAS surface. During the run, a random sample of crossings is kept, four times as
 /// many as are verified. Half of the verified crossings are chosen at random from this sample; the
-/// others are those nearest to the seam with another patch.
+/// others are the crossings nearest to the seam with another patch.
 class Verifier {
  public:
   /// Keeps views of both arguments, which must outlive the object.
@@ -39,7 +39,7 @@ class Verifier {
 
  private:
   struct SampledPoint {
-    std::int64_t block = 0;  // number of the block that owns the point
+    std::int64_t block = 0;  // index of the block that owns the point
     GridIndex index{};
     std::optional<bool> is_inside;  // empty until the block is solved
   };

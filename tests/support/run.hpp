@@ -2,6 +2,7 @@
 /// Runs of molecules in memory in a single process, with the planner and the engine of the product.
 
 #include <filesystem>
+#include <utility>
 
 #include "run/engine.hpp"
 #include "run/run_plan.hpp"
@@ -13,7 +14,7 @@ namespace eses::detail::test {
 inline Plan make_plan(const Molecule& molecule, const Parameters& parameters,
                       const Outputs& outputs) {
   return plan_run({.atoms = molecule, .parameters = parameters, .outputs = outputs}, Processes())
-      .whole;
+      .whole_plan;
 }
 
 /// Performs a run that writes its files into `directory`.
@@ -24,7 +25,9 @@ inline Summary run(const Molecule& molecule, const Parameters& parameters, const
                      .outputs = outputs,
                      .output_directory = directory};
   const Processes alone;
-  return execute(task, plan_run(task, alone), {}, callbacks, alone).summary;
+  eses::detail::RunResult result = execute(task, plan_run(task, alone), {}, callbacks, alone);
+  result.summary.atom_areas = std::move(result.atom_areas).value();
+  return std::move(result.summary);
 }
 
 /// Performs a run without files.

@@ -1,4 +1,4 @@
-#include "distributed/atom_share.hpp"
+#include "distributed/atom_part.hpp"
 
 #include <sys/stat.h>
 #include <unistd.h>
@@ -71,16 +71,12 @@ std::uint64_t divisible_bytes(const std::filesystem::path& path) {
   return is_gzip(TextFile(path).read_at(head, 0)) ? 0 : static_cast<std::uint64_t>(status.st_size);
 }
 
-// The part of a file whose lines a process reads: the lines that begin in this range of bytes.
-struct Part {
-  std::uint64_t begin = 0, end = 0;  // bytes
-};
-
-std::uint64_t count_lines(const TextFile& file, const Part& part) {
+// Counts the lines that begin in this range of bytes.
+std::uint64_t count_lines(const TextFile& file, const IndexRange& bytes) {
   std::string buffer(counted_bytes, '\0');
   std::uint64_t lines = 0;
-  for (std::uint64_t offset = part.begin; offset < part.end; offset += buffer.size()) {
-    buffer.resize(std::min<std::uint64_t>(counted_bytes, part.end - offset));
+  for (std::uint64_t offset = bytes.begin; offset < bytes.end; offset += buffer.size()) {
+    buffer.resize(std::min<std::uint64_t>(counted_bytes, bytes.end - offset));
     const std::string_view text = file.read_at(buffer, offset);
     lines += static_cast<std::uint64_t>(std::count(text.begin(), text.end(), '\n'));
   }
@@ -88,7 +84,7 @@ std::uint64_t count_lines(const TextFile& file, const Part& part) {
 }
 
 // The result of reading a part of a file.
-struct PartRead {
+struct TextRead {
   AtomFile atoms;  // without labels
   ResidueRuns residues;
   AtomNames names;
@@ -98,7 +94,7 @@ struct PartRead {
 
 // Converts labels into residues and names after each part of the text, so that few labels are in
 // memory.
-void take_labels(AtomFile& atoms, AtomFormat format, bool with_names, PartRead& part) {
+void take_labels(AtomFile& atoms, AtomFormat format, bool with_names, TextRead& part) {
   if (with_names) {
     if (format == AtomFormat::pqr) complete_elements(atoms.labels);
     for (const AtomLabel& label : atoms.labels) part.names.add(label);
@@ -109,20 +105,19 @@ void take_labels(AtomFile& atoms, AtomFormat format, bool with_names, PartRead& 
 }
 
 // Reads the whole file, as read_atoms does.
-PartRead read_whole(const std::filesystem::path& path, const ReadOptions& options,
-                    bool with_names) {
-  PartRead part;
+TextRead read_file(const std::filesystem::path& path, const ReadOptions& options, bool with_names) {
+  TextRead part;
   part.atoms = read_input(path, options, [&](AtomFile& atoms) {
     take_labels(atoms, options.format, with_names, part);
   });
   return part;
 }
 
-void read_atoms_of(const TextFile& file, const Part& part, const AtomLines& lines, bool with_names,
-                   PartRead& read) {
-  std::uint64_t offset = part.begin;
+void read_atoms_of(const TextFile& file, const IndexRange& bytes, const AtomLines& lines,
+                   bool with_names, TextRead& read) {
+  std::uint64_t offset = bytes.begin;
   const auto read_text = [&](std::span<char> buffer) {
-    buffer = buffer.first(std::min<std::uint64_t>(buffer.size(), part.end - offset));
+    buffer = buffer.first(std::min<std::uint64_t>(buffer.size(), bytes.end - offset));
     const std::size_t count = file.read_at(buffer, offset).size();
     if (count < buffer.size())
       throw Error(formatted("cannot read {}: it has become shorter", file.name()));
@@ -137,20 +132,20 @@ void read_atoms_of(const TextFile& file, const Part& part, const AtomLines& line
 }
 
 // Reads this process's part of a file with this number of bytes.
-PartRead read_part(const std::filesystem::path& path, std::uint64_t bytes,
-                   const ReadOptions& options, bool with_names, const Processes& processes) {
-  PartRead read;
+TextRead read_lines(const std::filesystem::path& path, std::uint64_t file_bytes,
+                    const ReadOptions& options, bool with_names, const Processes& processes) {
+  TextRead read;
   std::optional<TextFile> file;
-  Part part;
+  IndexRange bytes;
   processes.all_or_throw([&] {
     const TextFile& text = file.emplace(path);
-    const auto [begin, end] = processes.share_of(bytes, 1, processes.rank());
-    part = {text.line_begin(begin, bytes), text.line_begin(end, bytes)};
-    read.lines = count_lines(text, part);
+    const auto [begin, end] = processes.range_of(file_bytes, 1, processes.rank());
+    bytes = {text.line_begin(begin, file_bytes), text.line_begin(end, file_bytes)};
+    read.lines = count_lines(text, bytes);
   });
   const std::uint64_t lines_before = processes.sum_before(read.lines);
   processes.all_or_throw([&] {
-    read_atoms_of(*file, part,
+    read_atoms_of(*file, bytes,
                   {.format = options.format,
                    .name = file->name(),
                    .first_line = lines_before + 1,
@@ -162,8 +157,8 @@ PartRead read_part(const std::filesystem::path& path, std::uint64_t bytes,
 }
 
 // Returns the size of a file that several processes read in parts; 0 if the first one reads it.
-std::uint64_t shared_bytes(const std::filesystem::path& path, const ReadOptions& options,
-                           const Processes& processes) {
+std::uint64_t divided_bytes(const std::filesystem::path& path, const ReadOptions& options,
+                            const Processes& processes) {
   if (processes.count() == 1 || is_structure(options.format) || options.structure.model != 0)
     return 0;
   std::uint64_t bytes = 0;
@@ -174,21 +169,21 @@ std::uint64_t shared_bytes(const std::filesystem::path& path, const ReadOptions&
   processes.all_or_throw([&] {
     if (bytes > 0 && divisible_bytes(path) != bytes)
       throw Error(formatted("cannot read {}{}: it is not the file that the first process reads",
-                            path.string(), processes.place()));
+                            path.string(), processes.on_machine()));
   });
   return bytes;
 }
 
 // Performs the checks that need all parts of the file.
-void check_all_parts(const std::filesystem::path& path, AtomFormat format, const AtomShare& share,
-                     const PartRead& read, const Processes& processes) {
+void check_all_parts(const std::filesystem::path& path, AtomFormat format, const AtomPart& part,
+                     const TextRead& read, const Processes& processes) {
   const std::uint64_t lines = processes.sum(read.lines), models = processes.sum(read.models);
   const PdbLikeness likeness{processes.sum(read.likeness.layout),
                              processes.sum(read.likeness.values)};
   const std::string name = path.string();
   processes.all_or_throw([&] {
-    require_atoms({.format = format, .name = name}, share.total, {lines, likeness, models});
-    if (share.total > std::numeric_limits<AtomIndex>::max())
+    require_atoms({.format = format, .name = name}, part.total, {lines, likeness, models});
+    if (part.total > std::numeric_limits<AtomIndex>::max())
       throw Error(formatted("{}: more than {} atoms", path.string(),
                             std::numeric_limits<AtomIndex>::max()));
   });
@@ -196,37 +191,37 @@ void check_all_parts(const std::filesystem::path& path, AtomFormat format, const
 
 }  // namespace
 
-AtomShare read_share(const std::filesystem::path& path, ReadOptions options, bool with_names,
-                     const Processes& processes) {
+AtomPart read_part(const std::filesystem::path& path, ReadOptions options, bool with_names,
+                   const Processes& processes) {
   processes.all_or_throw([&] {
     if (options.format == AtomFormat::automatic) refuse_other_suffix(path);
     options.format = format_of(path, options.format);
   });
   with_names = with_names || is_structure(options.format);
-  PartRead read;
-  if (const std::uint64_t bytes = shared_bytes(path, options, processes); bytes > 0) {
-    read = read_part(path, bytes, options, with_names, processes);
+  TextRead read;
+  if (const std::uint64_t bytes = divided_bytes(path, options, processes); bytes > 0) {
+    read = read_lines(path, bytes, options, with_names, processes);
   } else {
     processes.all_or_throw([&] {
-      if (processes.is_first()) read = read_whole(path, options, with_names);
+      if (processes.is_first()) read = read_file(path, options, with_names);
     });
   }
-  AtomShare share;
-  share.first = processes.sum_before(read.atoms.atoms.size());
-  share.total = processes.sum(read.atoms.atoms.size());
-  check_all_parts(path, options.format, share, read, processes);
-  share.diagnostics = gather_diagnostics(
+  AtomPart part;
+  part.first = processes.sum_before(read.atoms.atoms.size());
+  part.total = processes.sum(read.atoms.atoms.size());
+  check_all_parts(path, options.format, part, read, processes);
+  part.diagnostics = gather_diagnostics(
       read.atoms.diagnostics,
       [&](AtomIndex atom) {
-        return FileAtom{static_cast<AtomIndex>(share.first + atom), read.atoms.lines[atom]};
+        return FileAtom{static_cast<AtomIndex>(part.first + atom), read.atoms.lines[atom]};
       },
       processes);
-  share.atoms = std::move(read.atoms.atoms);
-  share.lines = std::move(read.atoms.lines);
-  share.residues = std::move(read.residues);
-  share.names = std::move(read.names);
-  share.structure = std::move(read.atoms.structure);
-  return share;
+  part.atoms = std::move(read.atoms.atoms);
+  part.lines = std::move(read.atoms.lines);
+  part.residues = std::move(read.residues);
+  part.names = std::move(read.names);
+  part.structure = std::move(read.atoms.structure);
+  return part;
 }
 
 }  // namespace eses::detail

@@ -15,13 +15,8 @@
 
 namespace eses::detail {
 
-/// A range of consecutive atoms of a file, 0-based.
-struct AtomRange {
-  std::uint64_t begin = 0, end = 0;
-};
-
 /// The part of a file that a process has read.
-struct AtomShare {
+struct AtomPart {
   std::vector<Atom> atoms;
   std::vector<std::uint64_t> lines;        ///< line of each atom, 1-based
   std::uint64_t first = 0;                 ///< index of the first atom in the file, 0-based
@@ -37,7 +32,8 @@ struct AtomShare {
   /// The diagnostics that follow from the names of all atoms; the same in all processes.
   FileDiagnostics diagnostics;
 
-  AtomRange range() const { return {first, first + atoms.size()}; }
+  /// The indices of the atoms in the file, 0-based.
+  IndexRange range() const { return {first, first + atoms.size()}; }
 };
 
 /// Reads a file. All processes must call it. Several processes read a plain file in parts of equal
@@ -47,7 +43,7 @@ struct AtomShare {
 /// applies to each process.
 ///
 /// Throws SharedError if read_atoms would throw Error, for the first error in the file.
-AtomShare read_share(const std::filesystem::path& path, ReadOptions options, bool with_names,
-                     const Processes& processes);
+AtomPart read_part(const std::filesystem::path& path, ReadOptions options, bool with_names,
+                   const Processes& processes);
 
 }  // namespace eses::detail
