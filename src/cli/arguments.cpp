@@ -130,12 +130,15 @@ void refuse(std::string_view name, std::string_view value, std::string_view expe
 }
 
 CLI::Option* add_flag(CLI::App& app, const std::string& name, const std::string& description,
-                      bool& target) {
-  CLI::Option* const flag = app.add_flag(name, target, description);
-  return flag->each([flag](const std::string& text) {
+                      bool& target, bool value) {
+  CLI::Option* const flag = app.add_flag(name)->description(description);
+  return flag->each([flag, &target, value](const std::string& text) {
     if (text != "true") throw UsageError(formatted("{} takes no value", flag->get_name()));
+    target = value;
   });
 }
+
+void begin_group(CLI::App& app, const char* name) { app.option_defaults()->group(name); }
 
 void set_up(CLI::App& app, std::string usage, std::string footer) {
   app.formatter(std::make_shared<HelpFormatter>(std::move(usage)));

@@ -75,9 +75,12 @@ CLI::Option* add_value(CLI::App& app, const std::string& name, const std::string
   return read_into(option->description(description), target, format);
 }
 
-/// Adds an option that takes no value.
+/// Adds an option that takes no value and sets `target` to `value`.
 CLI::Option* add_flag(CLI::App& app, const std::string& name, const std::string& description,
-                      bool& target);
+                      bool& target, bool value = true);
+
+/// Sets the group, in the help, of the options that are added next.
+void begin_group(CLI::App& app, const char* name);
 
 /// Sets the layout of the help; `usage` follows `Usage: `.
 void set_up(CLI::App& app, std::string usage, std::string footer);

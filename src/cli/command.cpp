@@ -19,6 +19,8 @@
 #include "cli/diff_options.hpp"
 #include "cli/diff_report.hpp"
 #include "cli/interruption.hpp"
+#include "cli/measure_command.hpp"
+#include "cli/measure_options.hpp"
 #include "cli/messages.hpp"
 #include "cli/options.hpp"
 #include "cli/surface_command.hpp"
@@ -95,6 +97,18 @@ int compare_files(int argc, char** argv, const Processes& processes) {
   return found.same() ? exit_done : exit_different;
 }
 
+int perform_measure(int argc, char** argv, const Processes& processes) {
+  if (!processes.is_first()) return exit_done;  // one process measures all files
+  end_on_signals();
+  const std::variant<MeasureCommandOptions, Notice> request =
+      parse_measure_command_line(argc, argv);
+  if (const auto* const notice = std::get_if<Notice>(&request)) {
+    print(notice->text);
+    return exit_done;
+  }
+  return measure_files(std::get<MeasureCommandOptions>(request));
+}
+
 /// Returns the message of an error, with its hints as options, such as ` (--max-memory 20M)`.
 std::string message_of(const std::exception& error) {
   std::string message = error.what();
@@ -118,6 +132,14 @@ struct Command {
 
 constexpr Command surface_command{perform_surface, "eses-blocks --help", exit_failure};
 constexpr Command diff_command{compare_files, "eses-blocks diff --help", exit_trouble};
+constexpr Command measure_command{perform_measure, "eses-blocks measure --help", exit_failure};
+
+/// Returns the command that the first argument names; null if it names none.
+const Command* named_command(std::string_view name) {
+  if (name == "diff") return &diff_command;
+  if (name == "measure") return &measure_command;
+  return nullptr;
+}
 
 /// Ends the other processes after a failure in this process only. Returns the exit code.
 int end_all(const Processes& processes, int code) {
@@ -186,10 +208,10 @@ int run_command(int argc, char** argv) {
   std::set_terminate(end_on_uncaught_exception);
   // Closed pipes and the file size limit are then reported as write errors.
   for (const int signal : {SIGPIPE, SIGXFSZ}) std::signal(signal, SIG_IGN);
-  const bool is_diff = argc > 1 && std::string_view(argv[1]) == "diff";
-  const Command& command = is_diff ? diff_command : surface_command;
+  const Command* const named = argc > 1 ? named_command(argv[1]) : nullptr;
+  const Command& command = named != nullptr ? *named : surface_command;
   try {
-    return is_diff ? perform(command, argc - 1, argv + 1) : perform(command, argc, argv);
+    return named != nullptr ? perform(command, argc - 1, argv + 1) : perform(command, argc, argv);
   } catch (const std::bad_alloc&) {
     print_out_of_memory();
     return command.failure_code;

@@ -18,7 +18,8 @@ inline constexpr int exit_trouble = 2;  ///< input, output, resource or usage er
 /// Returns the exit code of a completed run.
 int exit_code(const Summary& summary);
 
-/// Runs the program: parses the command line and calls compute_surface, or compares directories.
+/// Runs the program: parses the command line and performs the surface computation, `diff` or
+/// `measure`.
 /// Prints results to standard output, and errors, warnings and the progress bar to standard error.
 /// Throws nothing. Returns the exit code.
 int run_command(int argc, char** argv);

@@ -19,6 +19,7 @@
 #include <vector>
 
 #include "cli/arguments.hpp"
+#include "cli/shared_options.hpp"
 #include "eses/error.hpp"
 #include "input/grid_reader.hpp"
 #include "input/other_formats.hpp"
@@ -31,8 +32,6 @@
 namespace eses::detail::cli {
 namespace {
 
-// Maximum of --threads. OpenMP ends the process if it cannot start all threads.
-constexpr std::int64_t max_threads = 4096;
 constexpr std::int64_t default_verify = 2000;
 constexpr std::int64_t max_verify = 10'000'000;
 
@@ -40,8 +39,6 @@ constexpr double min_positive = std::numeric_limits<double>::denorm_min();
 constexpr double max_finite = std::numeric_limits<double>::max();
 
 constexpr char independent_flag[] = "--independent";
-constexpr char model_option[] = "--model";
-constexpr char structure_group[] = "PDB and mmCIF files";
 
 constexpr char footer[] = R"(Output files:
   bounding_box.txt            corners and number of points of the grid
@@ -65,6 +62,7 @@ Examples:
   eses-blocks 1crn.pqr --spacing 0.25 -o out --json    output in out/, report as JSON
   eses-blocks 1crn.pqr --mesh 1crn.ply --color chain   a mesh coloured by chain
   eses-blocks diff out ESES                            compare the files of two directories
+  eses-blocks measure 1crn.pdb                         areas and volumes without a grid
   eses-blocks 1crn.xyzr --spacing 0.1 --dry-run        estimate points, memory and disk space
   eses-blocks 1crn.xyzr --inside map.dx --gzip         compressed text files, and a map for VMD
   eses-blocks 1crn.xyzr --region=-5,0,0,5,10,10        only the grid points in a box
@@ -99,7 +97,6 @@ struct CommandLine {
   std::optional<Box> box;
   std::optional<BlockRange> blocks;
   MeshColor color = MeshColor::none;
-  bool without_hetatm = false;
   bool is_ascii = false;
 };
 
@@ -213,9 +210,6 @@ std::optional<std::filesystem::path> mesh_in(const std::string& text) {
 
 // --- options and arguments ----------------------------------------------------------------------
 
-/// Sets the group, in the help, of the options that are added next.
-void begin_group(CLI::App& app, const char* name) { app.option_defaults()->group(name); }
-
 void add_grid_choice(CLI::App& app, GridChoice& grid) {
   const Format<Vec3> place{place_in, "three finite numbers x,y,z, in angstrom"};
   CLI::Option* const origin =
@@ -312,13 +306,7 @@ void add_solver_maps(CLI::App& app, CommandLine& line) {
 void add_file_options(CLI::App& app, CommandLine& line) {
   begin_group(app, "Input and output");
   Options& options = line.options;
-  add_value(app, "--format", "NAME", "auto (by suffix), xyzr, pqr, pdb or mmcif [auto]",
-            options.format,
-            one_of<AtomFormat>({{"auto", AtomFormat::automatic},
-                                {"xyzr", AtomFormat::xyzr},
-                                {"pqr", AtomFormat::pqr},
-                                {"pdb", AtomFormat::pdb},
-                                {"mmcif", AtomFormat::mmcif}}));
+  add_format(app, options.format);
   add_value(app, "-o,--output-dir", "DIR", "output directory, created if missing [.]",
             options.output_directory, path_to("a directory"));
   add_value(app, "--write", "LIST",
@@ -359,61 +347,9 @@ void add_file_options(CLI::App& app, CommandLine& line) {
            options.independent);
 }
 
-std::optional<std::vector<std::string>> chains_in(const std::string& list) {
-  const std::vector<std::string> chains = CLI::detail::split(list, ',');
-  const bool has_empty = std::any_of(chains.begin(), chains.end(),
-                                     [](const std::string& chain) { return chain.empty(); });
-  return chains.empty() || has_empty ? std::nullopt : std::optional(chains);
-}
-
-std::optional<std::string> altloc_in(const std::string& text) {
-  return text.size() == 1 && text != " " && text != "." ? std::optional(text) : std::nullopt;
-}
-
-Format<std::string> text_of(std::string expected) {
-  return {[](const std::string& text) { return text.empty() ? std::nullopt : std::optional(text); },
-          std::move(expected)};
-}
-
-void add_structure_options(CLI::App& app, CommandLine& line) {
-  begin_group(app, structure_group);
-  StructureOptions& structure = line.options.structure;
-  add_value(app, "--radii", "NAME",
-            "atomic radii: protor (Tsai et al. 1999), bondi, msms, or\n"
-            "a file in FreeSASA's configuration format [protor]",
-            structure.radii, text_of("protor, bondi, msms, or a file"));
-  add_value(
-      app, "--unknown-radius", "R",
-      "radius of atoms that are not in the set of radii, in\n"
-      "angstrom [such atoms are an error]",
-      structure.unknown_radius,
-      number_between(0, eses::detail::max_set_radius, "a number from 0 to 1000, in angstrom"));
-  add_value(app, model_option, "N", "number of the model, also for PQR files [first]",
-            structure.model, whole_number_between(1, std::numeric_limits<int>::max()));
-  add_value(app, "--altloc", "X", "alternate location [highest occupancy, by residue]",
-            structure.altloc, Format<std::string>{altloc_in, "one character, such as A"});
-  add_flag(app, "--waters", "include water molecules", structure.with_waters);
-  add_flag(app, "--no-hetatm", "exclude ligands, ions and modified residues (HETATM)",
-           line.without_hetatm);
-  add_value(
-      app, "--hydrogens", "NAME",
-      "keep or drop hydrogens [drop with protor and msms,\n"
-      "whose radii include them; keep with bondi]",
-      structure.hydrogens,
-      one_of<HydrogenChoice>({{"keep", HydrogenChoice::keep}, {"drop", HydrogenChoice::drop}}));
-  add_value(app, "--chains", "LIST", "include only these chains, such as A,B", structure.chains,
-            Format<std::vector<std::string>>{chains_in, "names of chains, such as A,B"});
-  add_value(app, "--select", "TEXT",
-            "include only a selection in gemmi's syntax, such as\n//A/10-20", structure.select,
-            text_of("a selection in gemmi's syntax, such as //A/10-20"));
-  add_value(app, "--assembly", "ID", "build this biological assembly", structure.assembly,
-            text_of("the identifier of an assembly, such as 1"));
-}
-
 void add_computation_options(CLI::App& app, Parameters& parameters) {
   begin_group(app, "Computation (does not affect results)");
-  add_value(app, "-t,--threads", "N", "number of threads [all available processors]",
-            parameters.threads, whole_number_between(1, max_threads));
+  add_threads(app, parameters.threads);
   add_value(app, "-b,--block-size", "N",
             formatted("points along the side of a cubic block, {} to {}\n"
                       "[automatic; {} with --blocks]",
@@ -454,11 +390,12 @@ void add_messages(CLI::App& app, Options& options) {
 void add_options(CLI::App& app, CommandLine& line) {
   set_up(app,
          "eses-blocks [OPTIONS] FILE [PROBE [SPACING [MARGIN]]]\n"
-         "  or:  eses-blocks diff [OPTIONS] DIR_A DIR_B",
+         "  or:  eses-blocks diff [OPTIONS] DIR_A DIR_B\n"
+         "  or:  eses-blocks measure [OPTIONS] FILE...",
          footer);
   add_grid_options(app, line);
   add_file_options(app, line);
-  add_structure_options(app, line);
+  add_structure_options(app, line.options.structure);
   add_solver_maps(app, line);
   add_computation_options(app, line.options.parameters);
   add_checks(app, line.options.parameters);
@@ -527,16 +464,6 @@ void add_maps(const CommandLine& line, const std::filesystem::path& directory, O
   }
 }
 
-/// Throws UsageError if the input is an xyzr file, which does not have the names that an option
-/// needs.
-void refuse_xyzr(const Options& options, std::string_view option, std::string_view names) {
-  if (eses::detail::format_of(options.input, options.format) == AtomFormat::xyzr)
-    throw UsageError(
-        formatted("{} needs a PQR, PDB or mmCIF file; {} is read as xyzr, which has no {} (use "
-                  "--format pqr if it is PQR)",
-                  option, options.input.string(), names));
-}
-
 std::optional<MeshOptions> mesh_of(const CommandLine& line) {
   const MeshOptions mesh{line.mesh, line.color, line.is_ascii};
   const std::optional<MeshFormat> format = mesh_format(mesh.file);
@@ -544,7 +471,8 @@ std::optional<MeshOptions> mesh_of(const CommandLine& line) {
     throw UsageError("--color needs --mesh with a .ply or .vtp file");
   if (mesh.is_ascii && format != MeshFormat::ply)
     throw UsageError("--ply-ascii needs --mesh with a .ply file");
-  if (mesh.color == MeshColor::chain) refuse_xyzr(line.options, "--color chain", "chains");
+  if (mesh.color == MeshColor::chain)
+    refuse_xyzr({line.options.input, line.options.format}, "--color chain", "chains");
   return mesh.file.empty() ? std::nullopt : std::optional(mesh);
 }
 
@@ -558,29 +486,12 @@ Options options_of(const CommandLine& line) {
   check_grid_choice(line);
   options.grid.has_spacing = line.spacing.positional || line.spacing.option;
   options.outputs = line.text_files;
-  if (options.outputs.residues) refuse_xyzr(options, "--write residues", "residues");
+  if (options.outputs.residues)
+    refuse_xyzr({options.input, options.format}, "--write residues", "residues");
   options.outputs.gzip = line.gzip;
   add_maps(line, options.output_directory, options.outputs);
   options.outputs.mesh = mesh_of(line);
-  options.structure.with_hetatm = !line.without_hetatm;
   return options;
-}
-
-/// Throws UsageError if an option for PDB and mmCIF files is given with a file of another format.
-void refuse_structure_options(const CLI::App& app, const Options& options) {
-  const AtomFormat format = eses::detail::format_of(options.input, options.format);
-  if (is_structure(format)) return;
-  for (const CLI::Option* const option : app.get_options()) {
-    if (option->count() == 0 || option->get_group() != structure_group) continue;
-    const std::string name = option->get_name();
-    const bool is_model = name == model_option;  // the one option that also applies to PQR files
-    if (format == AtomFormat::pqr && is_model) continue;
-    throw UsageError(
-        formatted("{} needs a {}PDB or mmCIF file; {} is read as {} (use --format {}pdb or "
-                  "--format mmcif if it is one)",
-                  name, is_model ? "PQR, " : "", options.input.string(),
-                  format == AtomFormat::pqr ? "PQR" : "xyzr", is_model ? "pqr, --format " : ""));
-  }
 }
 
 // --- errors that CLI11 does not detect ----------------------------------------------------------
@@ -642,7 +553,7 @@ std::variant<Options, Notice> parse_command_line(int argc, const char* const* ar
   if (std::optional<Notice> notice = parse(app, arguments, "FILE, PROBE, SPACING and MARGIN"))
     return *std::move(notice);
   const Options options = options_of(line);
-  refuse_structure_options(app, options);
+  refuse_structure_options(app, {options.input, options.format});
   return options;
 }
 

@@ -6,8 +6,16 @@ namespace {
 constexpr std::string_view atom_header =
     "serial,name,residue,residue_number,chain,element,radius,area\n";
 
-std::string field(std::string_view text) {
-  if (text.find_first_of(",\"") == text.npos) return std::string(text);
+void append_residue(BufferedText& text, const ResidueArea& residue) {
+  const AtomLabel& label = residue.label;
+  text.append("{},{},{},{},{:.6f}\n", csv_field(label.chain), csv_field(label.residue_number),
+              csv_field(label.residue), residue.atoms, residue.area);
+}
+
+}  // namespace
+
+std::string csv_field(std::string_view text) {
+  if (text.find_first_of(",\"\r\n") == text.npos) return std::string(text);
   std::string quoted = "\"";
   for (const char c : text) {
     if (c == '"') quoted += c;
@@ -15,14 +23,6 @@ std::string field(std::string_view text) {
   }
   return quoted + '"';
 }
-
-void append_residue(BufferedText& text, const ResidueArea& residue) {
-  const AtomLabel& label = residue.label;
-  text.append("{},{},{},{},{:.6f}\n", field(label.chain), field(label.residue_number),
-              field(label.residue), residue.atoms, residue.area);
-}
-
-}  // namespace
 
 void ChainAreas::add(const ChainArea& part) {
   auto place = places_.find(part.chain);
@@ -66,7 +66,8 @@ void write_chain_table(std::span<const ChainArea> chains, const TextSink& sink) 
   BufferedText text(sink);
   text.append("chain,residues,atoms,area\n");
   for (const ChainArea& chain : chains)
-    text.append("{},{},{},{:.6f}\n", field(chain.chain), chain.residues, chain.atoms, chain.area);
+    text.append("{},{},{},{:.6f}\n", csv_field(chain.chain), chain.residues, chain.atoms,
+                chain.area);
   text.flush();
 }
 
@@ -74,8 +75,9 @@ void append_atom_header(BufferedText& text) { text.append(atom_header); }
 
 void append_atom(BufferedText& text, const AtomRow& atom) {
   const auto& [chain, residue, residue_number, atom_name, element] = atom.label;
-  text.append("{},{},{},{},{},{},{},{:.6f}\n", atom.serial, field(atom_name), field(residue),
-              field(residue_number), field(chain), field(element), atom.radius, atom.area);
+  text.append("{},{},{},{},{},{},{},{:.6f}\n", atom.serial, csv_field(atom_name),
+              csv_field(residue), csv_field(residue_number), csv_field(chain), csv_field(element),
+              atom.radius, atom.area);
 }
 
 std::uint64_t typical_atom_table_bytes(std::uint64_t atoms, std::uint64_t name_bytes) {

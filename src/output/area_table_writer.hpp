@@ -26,6 +26,10 @@
 
 namespace eses::detail {
 
+/// Returns a field of a CSV file, in quotation marks if it contains commas, quotation marks or line
+/// ends.
+std::string csv_field(std::string_view text);
+
 struct ChainArea {
   std::string_view chain;
   std::int64_t residues = 0;

@@ -1,0 +1,252 @@
+#include "cli/measure_command.hpp"
+
+#include <unistd.h>
+
+#include <algorithm>
+#include <array>
+#include <cstddef>
+#include <functional>
+#include <map>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <stdexcept>
+#include <string>
+#include <string_view>
+#include <system_error>
+#include <utility>
+#include <vector>
+
+#include "cli/command.hpp"
+#include "cli/interruption.hpp"
+#include "cli/measure_report.hpp"
+#include "cli/measured_file.hpp"
+#include "cli/messages.hpp"
+#include "eses/error.hpp"
+#include "output/output_directory.hpp"
+#include "output/output_file.hpp"
+#include "output/sequential_writer.hpp"
+#include "system/formatted.hpp"
+#include "system/parallel.hpp"
+
+namespace eses::detail::cli {
+namespace {
+
+/// A table of `--write`.
+struct Table {
+  std::string_view suffix;
+  bool TableChoice::*is_chosen;
+  void (*write)(const MeasuredAtoms& atoms, const TextSink& sink);
+};
+
+constexpr std::array tables{
+    Table{".atoms.csv", &TableChoice::atoms, write_measured_atoms},
+    Table{".residues.csv", &TableChoice::residues, write_measured_residues},
+    Table{".chains.csv", &TableChoice::chains, write_measured_chains},
+};
+
+/// Returns the name of the table of an input file: its name without the suffix of its format.
+std::string table_name(const std::filesystem::path& input, const Table& table) {
+  std::filesystem::path name = input == "-" ? "stdin" : input.filename();
+  if (name.extension() == ".gz") name = name.stem();
+  return formatted("{}{}", name.stem().string(), table.suffix);
+}
+
+bool is_table(std::string_view name) {
+  return std::any_of(tables.begin(), tables.end(),
+                     [&](const Table& table) { return name.ends_with(table.suffix); });
+}
+
+std::filesystem::path directory_of(const MeasureCommandOptions& options) {
+  return options.output_directory.empty() ? "." : options.output_directory;
+}
+
+std::filesystem::path csv_directory(const MeasureCommandOptions& options) {
+  return options.csv.has_parent_path() ? options.csv.parent_path() : ".";
+}
+
+/// The final paths of the output files, and the paths that exist while they are written.
+struct Paths {
+  std::vector<std::string> final, temporaries, locks;
+
+  void add(const std::filesystem::path& directory, const std::string& name) {
+    final.push_back(path_in(directory, name));
+    temporaries.push_back(path_in(directory, temporary_name(name, getpid())));
+  }
+};
+
+Paths paths_of(const MeasureCommandOptions& options) {
+  Paths paths;
+  for (const Table& table : tables)
+    if (options.tables.*table.is_chosen)
+      for (const std::filesystem::path& input : options.inputs)
+        paths.add(directory_of(options), table_name(input, table));
+  if (options.tables.any()) paths.locks.push_back(lock_path(directory_of(options)));
+  if (options.csv.empty()) return paths;
+  const std::string name = options.csv.filename();
+  paths.add(csv_directory(options), name);
+  paths.final.back() = options.csv;  // for messages
+  paths.locks.push_back(lock_path(csv_directory(options), name));
+  return paths;
+}
+
+/// Throws Error if an output file would replace an input file, another output file, or something
+/// else than a regular file.
+void check_outputs(const MeasureCommandOptions& options, const std::vector<std::string>& outputs) {
+  std::map<std::filesystem::path, std::string> seen;
+  for (const std::string& output : outputs) {
+    require_replaceable(output);
+    const auto place = std::filesystem::absolute(output).lexically_normal();
+    if (!seen.emplace(place, output).second)
+      throw Error(formatted("{} would be written twice; use separate output directories", output));
+    for (const std::filesystem::path& input : options.inputs) {
+      std::error_code error;  // set if a file does not exist
+      if (std::filesystem::equivalent(input == "-" ? "/dev/stdin" : input, output, error) && !error)
+        throw Error(formatted("{} is an input file, and would be overwritten", output));
+    }
+  }
+}
+
+/// The outcome of a file.
+struct Outcome {
+  std::string text, csv;
+  std::vector<std::string> warnings, errors;
+};
+
+/// Prints outcomes in the order of the files, and writes the table of `--csv`.
+class Reporter {
+ public:
+  Reporter(const MeasureCommandOptions& options, OutputFile* csv) : options_(options) {
+    if (csv != nullptr) csv_.emplace(*csv, false);
+    append_csv(measure_csv_heading(options.parts));
+    if (options.inputs.size() > 1 && !options.quiet && !options.json)
+      print(measure_heading(options.parts));
+  }
+
+  void take(std::size_t index, Outcome outcome) {
+    const std::lock_guard lock(mutex_);
+    waiting_.emplace(index, std::move(outcome));
+    for (auto first = waiting_.begin(); first != waiting_.end() && first->first == next_;
+         first = waiting_.erase(first), ++next_)
+      report(first->second);
+  }
+
+  bool has_errors() const { return has_errors_; }
+
+ private:
+  void append_csv(const std::string& text) {
+    if (csv_ && !text.empty()) csv_->append(text);
+  }
+
+  void report(const Outcome& outcome) {
+    for (const std::string& warning : outcome.warnings) print_message("warning", warning);
+    for (const std::string& error : outcome.errors) print_message("error", error);
+    if (!outcome.text.empty()) print(outcome.text);
+    append_csv(outcome.csv);
+    has_errors_ = has_errors_ || !outcome.errors.empty();
+  }
+
+  const MeasureCommandOptions& options_;
+  std::optional<SequentialWriter> csv_;
+  std::mutex mutex_;
+  std::map<std::size_t, Outcome> waiting_;  // by index of the file
+  std::size_t next_ = 0;                    // index of the file that is reported next
+  bool has_errors_ = false;
+};
+
+/// Writes the tables of a file, all or none.
+void write_tables(const MeasuredFile& file, const TableChoice& choice,
+                  const OutputDirectory& directory) {
+  std::vector<std::unique_ptr<OutputFile>> files;
+  for (const Table& table : tables) {
+    if (!(choice.*table.is_chosen)) continue;
+    files.push_back(std::make_unique<OutputFile>(directory, table_name(file.path, table)));
+    SequentialWriter writer(*files.back(), false);
+    table.write(file.table(), [&](std::string_view text) { writer.append(text); });
+    files.back()->close();
+  }
+  try {
+    for (const auto& output : files) output->commit();
+  } catch (...) {
+    for (const auto& output : files) output->withdraw();
+    throw;
+  }
+}
+
+std::string text_of(const MeasureCommandOptions& options, const MeasuredFile& file) {
+  if (options.json) return measure_json(file);
+  return options.inputs.size() > 1 ? measure_line(file) : measure_text(file, options.quiet);
+}
+
+/// Returns the message of an exception that ends the work on a file, with the name of the file.
+std::string message_of(const std::exception& error, const std::filesystem::path& path) {
+  const std::string message = error.what(), name = path.string();
+  const bool has_name = path == "-" || message.find(name) != std::string::npos;
+  return has_name ? message : formatted("{}: {}", name, message);
+}
+
+Outcome outcome_of(const MeasureCommandOptions& options, const std::filesystem::path& path,
+                   int threads, const CheckCallback& check, const OutputDirectory* directory) {
+  Outcome outcome;
+  try {
+    const MeasuredFile file = measure_file(options, path, threads, check);
+    std::vector<std::string>& lines = options.strict ? outcome.errors : outcome.warnings;
+    if (options.strict || !options.quiet)
+      for (const DiagnosticText& diagnostic : file.diagnostics)
+        if (!diagnostic.is_usual) lines.push_back(diagnostic.message);
+    if (!outcome.errors.empty()) return outcome;
+    if (directory != nullptr) write_tables(file, options.tables, *directory);
+    outcome.text = text_of(options, file);
+    outcome.csv = measure_csv_line(file);
+  } catch (const Error& error) {
+    outcome.errors.push_back(message_of(error, path));
+  } catch (const std::invalid_argument& error) {
+    outcome.errors.push_back(message_of(error, path));
+  }
+  return outcome;
+}
+
+}  // namespace
+
+int measure_files(const MeasureCommandOptions& options) {
+  require_standard_output();
+  const Paths paths = paths_of(options);
+  check_outputs(options, paths.final);
+  InterruptibleRun interruptible(paths.temporaries, paths.locks);
+  std::optional<OutputDirectory> directory, csv_place;
+  std::optional<OutputFile> csv;
+  if (options.tables.any()) {
+    directory.emplace(directory_of(options));
+    directory->remove_abandoned(is_table);
+  }
+  if (!options.csv.empty()) {
+    const std::string name = options.csv.filename();
+    csv_place.emplace(csv_directory(options), name);
+    csv_place->remove_abandoned([&](std::string_view file) { return file == name; });
+    csv.emplace(*csv_place, name);
+  }
+  std::mutex check_mutex;
+  const CheckCallback check = [&] {
+    const std::lock_guard lock(check_mutex);
+    interruptible.check();
+  };
+  Reporter reporter(options, csv ? &*csv : nullptr);
+  const int threads = options.threads > 0 ? options.threads : available_threads();
+  // Parallel loops are not nested: either files or the atoms of a file are measured in parallel.
+  const auto files = static_cast<std::int64_t>(options.inputs.size());
+  const int file_threads = static_cast<int>(std::min<std::int64_t>(threads, files));
+  const int atom_threads = file_threads > 1 ? 1 : threads;
+  parallel_for(files, file_threads, [&](std::int64_t index, int /*thread*/) {
+    const auto i = static_cast<std::size_t>(index);
+    check();
+    reporter.take(i, outcome_of(options, options.inputs[i], atom_threads, check,
+                                directory ? &*directory : nullptr));
+  });
+  if (csv) {
+    csv->close();
+    csv->commit();
+  }
+  return reporter.has_errors() ? exit_failure : exit_done;
+}
+
+}  // namespace eses::detail::cli

@@ -1,0 +1,158 @@
+#include "cli/measure_options.hpp"
+
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <optional>
+#include <set>
+#include <string_view>
+
+#include "cli/arguments.hpp"
+#include "cli/shared_options.hpp"
+#include "system/formatted.hpp"
+
+namespace eses::detail::cli {
+namespace {
+
+constexpr char footer[] =
+    R"(Nothing is sampled: areas and volumes have rounding errors only. Units are angstrom.
+Atoms share the areas of saddle and concave patches by the power diagram of the spheres.
+
+One file gives a report, several give a line each. Files that cannot be measured are named
+on standard error; the others are measured.
+
+Tables (--write), in the output directory, named after the input file NAME:
+  NAME.atoms.csv              labels, radius, areas
+  NAME.residues.csv           residues, areas, relative SAS area (Tien et al. 2013)
+  NAME.chains.csv             chains, areas
+
+Examples:
+  eses-blocks measure 1crn.pdb                       areas and volumes of a protein
+  eses-blocks measure --csv all.csv *.cif.gz         many files, in parallel
+  eses-blocks measure 1crn.pdb --write residues      areas of residues
+  eses-blocks measure 1brs.pdb --parts 'A|D'         area buried between two chains
+  eses-blocks measure 1crn.pdb --probe-radius 0      van der Waals surface
+  To compute the surface of a file called measure: eses-blocks ./measure
+
+Exit codes:
+  0  done
+  1  a file could not be measured, or another input, output or resource error
+  2  error in the command line)";
+
+std::optional<double> probe_radius_in(const std::string& text) {
+  const std::optional<double> value = whole_text<double>(text);
+  const bool is_valid =
+      value && (*value == 0 || (*value >= min_probe_radius && *value <= max_probe_radius));
+  return is_valid ? value : std::nullopt;
+}
+
+std::optional<TableChoice> tables_in(const std::string& list) {
+  TableChoice tables;
+  for (const std::string& name : CLI::detail::split(list, ',')) {
+    if (name == "atoms")
+      tables.atoms = true;
+    else if (name == "residues")
+      tables.residues = true;
+    else if (name == "chains")
+      tables.chains = true;
+    else
+      return std::nullopt;
+  }
+  return tables;
+}
+
+std::optional<PartChoice> parts_in(const std::string& text) {
+  if (text == "chains") return PartChoice{.by_chain = true};
+  PartChoice choice;
+  for (const std::string& part : CLI::detail::split(text, '|')) {
+    choice.parts.push_back(CLI::detail::split(part, ','));
+    const std::vector<std::string>& chains = choice.parts.back();
+    if (chains.empty() || std::find(chains.begin(), chains.end(), "") != chains.end())
+      return std::nullopt;
+  }
+  return choice.parts.size() < 2 ? std::nullopt : std::optional(choice);
+}
+
+void add_options(CLI::App& app, MeasureCommandOptions& options) {
+  set_up(app, "eses-blocks measure [OPTIONS] FILE...", footer);
+  begin_group(app, "Surface");
+  app.add_option("FILE")
+      ->option_text("...")
+      ->description("input files (xyzr, PQR, PDB or mmCIF); - for standard input")
+      ->expected(1, CLI::detail::expected_max_vector_size)
+      ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll)
+      ->allow_extra_args()
+      ->required()
+      ->each([&options](const std::string& file) {
+        if (file.empty()) refuse("FILE", file, "a file");
+        options.inputs.emplace_back(file);
+      });
+  add_value(app, "--probe-radius", "ANGSTROM",
+            formatted("radius of the solvent probe, 0 or 0.01 to 1000 [{}]", options.probe_radius),
+            options.probe_radius,
+            Format<double>{probe_radius_in, formatted("0, or a number from {} to {}, in angstrom",
+                                                      min_probe_radius, max_probe_radius)});
+  add_value(
+      app, "--parts", "LIST",
+      "measure also the parts of a complex and the areas that\n"
+      "it buries: chains (each chain is a part), or the chains\n"
+      "of each part, such as 'A,B|C'",
+      options.parts,
+      Format<PartChoice>{parts_in, "chains, or the chains of two or more parts, such as 'A,B|C'"});
+  begin_group(app, "Input and output");
+  add_format(app, options.format);
+  add_value(app, "--write", "LIST", "tables to write: some of atoms,residues,chains",
+            options.tables, Format<TableChoice>{tables_in, "some of atoms,residues,chains"});
+  add_value(app, "-o,--output-dir", "DIR", "directory of the tables, created if missing [.]",
+            options.output_directory, path_to("a directory"));
+  add_value(app, "--csv", "FILE", "write the results of all files as a table", options.csv,
+            path_to("a file"));
+  add_structure_options(app, options.structure);
+  begin_group(app, "Computation (does not affect results)");
+  add_threads(app, options.threads);
+  begin_group(app, "Messages");
+  add_flag(app, "--strict", "treat warnings as errors", options.strict);
+  add_flag(app, "-q,--quiet", "print only results, no headings or warnings", options.quiet);
+  add_flag(app, "--json", "print a JSON object, in a line, for each file", options.json);
+  add_notices(app);
+}
+
+/// Throws UsageError if a chain is named twice.
+void refuse_repeated_chains(const PartChoice& choice) {
+  std::set<std::string_view> names;
+  for (const std::vector<std::string>& chains : choice.parts)
+    for (const std::string& chain : chains)
+      if (!names.insert(chain).second)
+        throw UsageError(formatted("--parts names chain {} twice", chain));
+}
+
+/// Throws UsageError if an option cannot be used with these files.
+void check(const CLI::App& app, const MeasureCommandOptions& options) {
+  refuse_repeated_chains(options.parts);
+  if (!options.output_directory.empty() && !options.tables.any())
+    throw UsageError("--output-dir needs --write");
+  for (const std::filesystem::path& path : options.inputs) {
+    if (path == "-" && options.inputs.size() > 1)
+      throw UsageError("standard input (-) cannot be combined with other files");
+    const NamedInput input{path, options.format};
+    refuse_structure_options(app, input);
+    if (options.tables.residues) refuse_xyzr(input, "--write residues", "residues");
+    if (options.tables.chains) refuse_xyzr(input, "--write chains", "chains");
+    if (options.parts.is_chosen()) refuse_xyzr(input, "--parts", "chains");
+  }
+}
+
+}  // namespace
+
+std::variant<MeasureCommandOptions, Notice> parse_measure_command_line(int argc,
+                                                                       const char* const* argv) {
+  CLI::App app("Areas and volumes of molecular surfaces in closed form, without a grid.",
+               "eses-blocks measure");
+  MeasureCommandOptions options;
+  add_options(app, options);
+  if (std::optional<Notice> notice = parse(app, {argv + std::min(argc, 1), argv + argc}, "FILE..."))
+    return *std::move(notice);
+  check(app, options);
+  return options;
+}
+
+}  // namespace eses::detail::cli

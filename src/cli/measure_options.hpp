@@ -1,0 +1,43 @@
+#pragma once
+/// The command line of `eses-blocks measure` as plain data.
+
+#include <filesystem>
+#include <string>
+#include <variant>
+#include <vector>
+
+#include "cli/usage.hpp"
+#include "eses/read_atoms.hpp"
+#include "eses/surface.hpp"
+#include "output/measure_tables.hpp"
+
+namespace eses::detail::cli {
+
+/// Division of the atoms into the parts of a complex.
+struct PartChoice {
+  bool by_chain = false;                             ///< whether each chain is a part
+  std::vector<std::vector<std::string>> parts = {};  ///< otherwise the chains of each part
+
+  bool is_chosen() const { return by_chain || !parts.empty(); }
+};
+
+struct MeasureCommandOptions {
+  std::vector<std::filesystem::path> inputs;  ///< `-` is standard input
+  AtomFormat format = AtomFormat::automatic;
+  StructureOptions structure;  ///< for PDB and mmCIF files
+  double probe_radius = SurfaceOptions().probe_radius;
+  PartChoice parts;
+  TableChoice tables;
+  std::filesystem::path output_directory;  ///< of the tables; empty if it is not given
+  std::filesystem::path csv;               ///< empty if it is not given
+  int threads = 0;                         ///< 0 means all available processors
+  bool json = false;
+  bool quiet = false;
+  bool strict = false;  ///< whether warnings are errors
+};
+
+/// Parses the arguments of the command; `argv[0]` is `measure`. Throws UsageError.
+std::variant<MeasureCommandOptions, Notice> parse_measure_command_line(int argc,
+                                                                       const char* const* argv);
+
+}  // namespace eses::detail::cli

@@ -1,0 +1,151 @@
+#include "cli/measure_report.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <string_view>
+#include <vector>
+
+#include "cli/json.hpp"
+#include "cli/report.hpp"
+#include "cli/structure_report.hpp"
+#include "output/area_table_writer.hpp"
+#include "system/formatted.hpp"
+
+namespace eses::detail::cli {
+namespace {
+
+std::string surface_line(std::string_view name, double area, double volume) {
+  return formatted("{:<16} {:>16.4f} {:>16.4f}\n", name, area, volume);
+}
+
+std::string kinds_line(const PatchAreas& areas) {
+  return formatted("SES patches: {:.4f} convex, {:.4f} saddle, {:.4f} concave\n", areas.convex,
+                   areas.saddle, areas.concave);
+}
+
+std::string parts_text(const MeasuredFile& file) {
+  if (file.parts.empty()) return "";
+  std::string text;
+  for (const MeasuredPart& part : file.parts)
+    text += formatted("part {} alone: {}, SES area {:.4f}, SAS area {:.4f}\n", one_line(part.name),
+                      counted(static_cast<std::int64_t>(part.atoms), "atom"),
+                      part.measures.ses_area, part.measures.sas_area);
+  if (file.other_atoms > 0)
+    text += formatted("left out: {} of other chains\n",
+                      counted(static_cast<std::int64_t>(file.other_atoms), "atom"));
+  return text + formatted("buried area (parts alone minus complex): SES {:.4f}, SAS {:.4f}\n",
+                          file.buried_ses_area(), file.buried_sas_area());
+}
+
+/// A column of the results of a file.
+struct Column {
+  std::string_view name;
+  double value;
+};
+
+std::vector<Column> columns_of(const Measures& measures) {
+  return {{"ses_area", measures.ses_area}, {"ses_volume", measures.ses_volume},
+          {"sas_area", measures.sas_area}, {"sas_volume", measures.sas_volume},
+          {"vdw_area", measures.vdw_area}, {"vdw_volume", measures.vdw_volume}};
+}
+
+std::vector<Column> buried_columns(double ses_area, double sas_area) {
+  return {{"buried_ses_area", ses_area}, {"buried_sas_area", sas_area}};
+}
+
+json::Value kinds_json(const PatchAreas& areas) {
+  return {{"convex", areas.convex}, {"saddle", areas.saddle}, {"concave", areas.concave}};
+}
+
+void add_measures(json::Value& object, const Measures& measures) {
+  for (const auto& [name, value] : columns_of(measures)) object[std::string(name)] = value;
+  object["euler_number"] = measures.euler_number;
+  object["ses_area_by_kind"] = kinds_json(measures.ses_areas);
+}
+
+}  // namespace
+
+std::string measure_text(const MeasuredFile& file, bool is_quiet) {
+  std::string text;
+  if (!is_quiet) {
+    text = formatted("{}: {}, probe radius {} angstrom\n",
+                     file.path == "-" ? "<stdin>" : one_line(file.path.string()),
+                     counted(static_cast<std::int64_t>(file.surface.atoms().size()), "atom"),
+                     file.probe_radius);
+    if (file.structure) text += structure_text(*file.structure);
+    text += formatted("{:<16} {:>16} {:>16}\n", "surface", "area (A^2)", "volume (A^3)");
+  }
+  const Measures& measures = file.measures;
+  text += surface_line("SES", measures.ses_area, measures.ses_volume);
+  text += surface_line("SAS", measures.sas_area, measures.sas_volume);
+  text += surface_line("van der Waals", measures.vdw_area, measures.vdw_volume);
+  text += kinds_line(measures.ses_areas);
+  text += formatted("Euler number of the SAS: {}\n", measures.euler_number);
+  return text + parts_text(file);
+}
+
+std::string measure_heading(const PartChoice& parts) {
+  std::string text;
+  for (const auto& [name, unused] : columns_of({})) text += formatted("{:>14} ", name);
+  text += formatted("{:>12} ", "euler_number");
+  if (parts.is_chosen())
+    for (const auto& [name, unused] : buried_columns(0, 0)) text += formatted("{:>15} ", name);
+  return text + "file\n";
+}
+
+std::string measure_line(const MeasuredFile& file) {
+  std::string text;
+  for (const auto& [name, value] : columns_of(file.measures))
+    text += formatted("{:>14.4f} ", value);
+  text += formatted("{:>12} ", file.measures.euler_number);
+  if (!file.parts.empty())
+    for (const auto& [name, value] : buried_columns(file.buried_ses_area(), file.buried_sas_area()))
+      text += formatted("{:>15.4f} ", value);
+  return text + one_line(file.path.string()) + "\n";
+}
+
+std::string measure_json(const MeasuredFile& file) {
+  json::Value object{{"file", file.path.string()},
+                     {"atoms", file.surface.atoms().size()},
+                     {"probe_radius", file.probe_radius}};
+  add_measures(object, file.measures);
+  if (!file.parts.empty()) {
+    json::Value parts = json::Value::array();
+    for (const MeasuredPart& part : file.parts) {
+      json::Value item{{"name", part.name}, {"atoms", part.atoms}};
+      add_measures(item, part.measures);
+      parts.push_back(std::move(item));
+    }
+    object["parts"] = std::move(parts);
+    object["other_atoms"] = file.other_atoms;
+    for (const auto& [name, value] : buried_columns(file.buried_ses_area(), file.buried_sas_area()))
+      object[std::string(name)] = value;
+  }
+  if (file.structure) object["structure"] = structure_json(*file.structure);
+  return json::text_of(object) + "\n";
+}
+
+std::string measure_csv_heading(const PartChoice& parts) {
+  std::string text = "file,atoms,probe_radius";
+  for (const auto& [name, unused] : columns_of({})) text += formatted(",{}", name);
+  text += ",euler_number,convex_area,saddle_area,concave_area";
+  if (parts.is_chosen())
+    for (const auto& [name, unused] : buried_columns(0, 0)) text += formatted(",{}", name);
+  return text + "\n";
+}
+
+std::string measure_csv_line(const MeasuredFile& file) {
+  std::string text = formatted("{},{},{}", csv_field(file.path.string()),
+                               file.surface.atoms().size(), file.probe_radius);
+  for (const auto& [name, value] : columns_of(file.measures)) text += formatted(",{:.6f}", value);
+  const PatchAreas& kinds = file.measures.ses_areas;
+  text += formatted(",{},{:.6f},{:.6f},{:.6f}", file.measures.euler_number, kinds.convex,
+                    kinds.saddle, kinds.concave);
+  if (!file.parts.empty())
+    for (const auto& [name, value] : buried_columns(file.buried_ses_area(), file.buried_sas_area()))
+      text += formatted(",{:.6f}", value);
+  return text + "\n";
+}
+
+}  // namespace eses::detail::cli

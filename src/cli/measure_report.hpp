@@ -1,0 +1,28 @@
+#pragma once
+/// Reports of `eses-blocks measure`.
+
+#include <string>
+
+#include "cli/measured_file.hpp"
+
+namespace eses::detail::cli {
+
+/// Returns the report on a single file.
+std::string measure_text(const MeasuredFile& file, bool is_quiet);
+
+/// Returns the heading of the lines of several files.
+std::string measure_heading(const PartChoice& parts);
+
+/// Returns the line of one of several files.
+std::string measure_line(const MeasuredFile& file);
+
+/// Returns the results as one JSON object in a line.
+std::string measure_json(const MeasuredFile& file);
+
+/// Returns the heading of the table of `--csv`.
+std::string measure_csv_heading(const PartChoice& parts);
+
+/// Returns the line of a file in the table of `--csv`.
+std::string measure_csv_line(const MeasuredFile& file);
+
+}  // namespace eses::detail::cli

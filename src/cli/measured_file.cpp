@@ -1,0 +1,194 @@
+#include "cli/measured_file.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cstddef>
+#include <limits>
+#include <map>
+#include <span>
+#include <utility>
+
+#include "eses/error.hpp"
+#include "input/text_fields.hpp"
+#include "system/formatted.hpp"
+
+namespace eses::detail::cli {
+namespace {
+
+constexpr std::uint32_t no_part = std::numeric_limits<std::uint32_t>::max();
+
+/// Division of atoms into the parts of a complex.
+struct Parts {
+  std::vector<std::string> names;
+  std::vector<std::uint32_t> of_atom;  ///< index of the part of each atom, or no_part
+};
+
+/// Returns the names of the chains in the order of first occurrence.
+std::vector<std::string> chains_of(std::span<const AtomLabel> labels) {
+  std::vector<std::string> chains;
+  for (const AtomLabel& label : labels)
+    if ((chains.empty() || chains.back() != label.chain) &&
+        std::find(chains.begin(), chains.end(), label.chain) == chains.end())
+      chains.push_back(label.chain);
+  return chains;
+}
+
+/// Returns the names of chains for messages. PQR files often have a blank name.
+std::string list_of(const std::vector<std::string>& chains) {
+  constexpr std::size_t max_names = 10;
+  std::vector<std::string> names;
+  for (const std::string& chain : chains) {
+    names.push_back(chain.empty() ? "(blank)" : printable(chain));
+    if (names.size() < max_names) continue;
+    names.emplace_back("...");
+    break;
+  }
+  return formatted("{}", fmt::join(names, ", "));
+}
+
+std::string file_name(const std::filesystem::path& path) {
+  return path == "-" ? "<stdin>" : path.string();
+}
+
+Parts divide(std::span<const AtomLabel> labels, const PartChoice& choice,
+             const std::filesystem::path& path) {
+  const std::vector<std::string> chains = chains_of(labels);
+  std::vector<std::vector<std::string>> groups = choice.parts;
+  if (choice.by_chain)
+    for (const std::string& chain : chains) groups.push_back({chain});
+  if (groups.size() < 2)
+    throw Error(formatted("{}: --parts needs two or more chains, and the only chain is {}",
+                          file_name(path), list_of(chains)));
+  Parts parts;
+  std::map<std::string, std::uint32_t> part_of_chain;
+  for (const std::vector<std::string>& group : groups) {
+    for (const std::string& chain : group) {
+      if (std::find(chains.begin(), chains.end(), chain) == chains.end())
+        throw Error(formatted("{}: no atoms of chain {}, which --parts names; the chains are {}",
+                              file_name(path), printable(chain), list_of(chains)));
+      part_of_chain[chain] = static_cast<std::uint32_t>(parts.names.size());
+    }
+    parts.names.push_back(formatted("{}", fmt::join(group, ",")));
+  }
+  for (const AtomLabel& label : labels) {
+    const auto part = part_of_chain.find(label.chain);
+    parts.of_atom.push_back(part == part_of_chain.end() ? no_part : part->second);
+  }
+  return parts;
+}
+
+/// Replaces the surface by that of the atoms that belong to parts, if there are other atoms.
+void remove_other_atoms(Parts& parts, const SurfaceOptions& indexing, MeasuredFile& file) {
+  const std::span<const Atom> all = file.surface.atoms();
+  const auto others = std::count(parts.of_atom.begin(), parts.of_atom.end(), no_part);
+  file.other_atoms = static_cast<std::uint64_t>(others);
+  if (others == 0) return;
+  std::vector<Atom> atoms;
+  std::vector<AtomLabel> labels;
+  for (std::size_t i = 0; i < all.size(); ++i) {
+    if (parts.of_atom[i] == no_part) continue;
+    atoms.push_back(all[i]);
+    labels.push_back(file.surface.labels()[i]);
+    file.file_indices.push_back(i);
+  }
+  std::erase(parts.of_atom, no_part);
+  file.surface = Surface(std::move(atoms), std::move(labels), indexing);
+}
+
+/// Measures a part alone, and adds the areas of its atoms to `areas_alone`.
+MeasuredPart measure_part(std::uint32_t part, const MeasureOptions& options, MeasuredFile& file) {
+  const std::span<const Atom> all = file.surface.atoms();
+  std::vector<Atom> atoms;
+  std::vector<std::size_t> indices;
+  for (std::size_t i = 0; i < all.size(); ++i) {
+    if (file.part_of_atom[i] != part) continue;
+    atoms.push_back(all[i]);
+    indices.push_back(i);
+  }
+  MeasuredPart measured{file.part_names[part], atoms.size(), {}};
+  const Surface surface(std::move(atoms), {.threads = options.threads, .check = options.check});
+  measured.measures = measure(surface, options);
+  const eses::AtomAreas areas = std::exchange(measured.measures.by_atom, {});
+  if (!options.by_atom) return measured;
+  using Areas = std::vector<double> eses::AtomAreas::*;
+  for (const Areas kind : {&eses::AtomAreas::sas, &eses::AtomAreas::convex,
+                           &eses::AtomAreas::saddle, &eses::AtomAreas::concave}) {
+    (file.areas_alone.*kind).resize(all.size());
+    for (std::size_t i = 0; i < indices.size(); ++i)
+      (file.areas_alone.*kind)[indices[i]] = (areas.*kind)[i];
+  }
+  return measured;
+}
+
+/// Returns the diagnostics of the atoms of a file, in the order of DiagnosticKind.
+std::vector<DiagnosticText> describe_all(const AtomFile& file, const Surface& surface,
+                                         const std::filesystem::path& path) {
+  std::vector<Diagnostic> diagnostics = file.diagnostics;
+  diagnostics.insert(diagnostics.end(), surface.diagnostics().begin(), surface.diagnostics().end());
+  std::stable_sort(diagnostics.begin(), diagnostics.end(),
+                   [](const Diagnostic& a, const Diagnostic& b) { return a.kind < b.kind; });
+  std::map<AtomIndex, AtomLabel> labels;
+  if (!surface.labels().empty())
+    for (const Diagnostic& diagnostic : diagnostics)
+      for (const auto& example : diagnostic.examples)
+        for (const AtomIndex atom : {example.atom, example.other})
+          labels[atom] = surface.labels()[atom];
+  return describe(
+      diagnostics, [&](AtomIndex atom) { return file.lines[atom]; }, path, labels);
+}
+
+}  // namespace
+
+double MeasuredFile::buried_sas_area() const {
+  double sum = -measures.sas_area;
+  for (const MeasuredPart& part : parts) sum += part.measures.sas_area;
+  return sum;
+}
+
+double MeasuredFile::buried_ses_area() const {
+  double sum = -measures.ses_area;
+  for (const MeasuredPart& part : parts) sum += part.measures.ses_area;
+  return sum;
+}
+
+MeasuredAtoms MeasuredFile::table() const {
+  MeasuredAtoms atoms{surface.atoms(), surface.labels(), file_indices, measures.by_atom};
+  if (parts.empty()) return atoms;
+  atoms.areas_alone = &areas_alone;
+  atoms.parts = part_of_atom;
+  atoms.part_names = part_names;
+  return atoms;
+}
+
+MeasuredFile measure_file(const MeasureCommandOptions& options, const std::filesystem::path& path,
+                          int threads, const CheckCallback& check) {
+  AtomFile file =
+      read_atoms(path, {.format = options.format,
+                        .with_labels = options.tables.any() || options.parts.is_chosen(),
+                        .structure = options.structure,
+                        .check = check});
+  const SurfaceOptions indexing{.threads = threads, .check = check};
+  const Surface surface(std::move(file.atoms), std::move(file.labels), indexing);
+  MeasuredFile result{.path = path, .surface = surface};
+  result.diagnostics = describe_all(file, surface, path);
+  if (options.parts.is_chosen()) {
+    Parts parts = divide(surface.labels(), options.parts, path);
+    remove_other_atoms(parts, indexing, result);
+    result.part_of_atom = std::move(parts.of_atom);
+    result.part_names = std::move(parts.names);
+  }
+  const MeasureOptions measuring{.probe_radius = options.probe_radius,
+                                 .van_der_waals = true,
+                                 .by_atom = options.tables.any(),
+                                 .threads = threads,
+                                 .check = check};
+  result.probe_radius = options.probe_radius;
+  result.measures = measure(result.surface, measuring);
+  for (std::uint32_t part = 0; part < result.part_names.size(); ++part)
+    result.parts.push_back(measure_part(part, measuring, result));
+  result.structure = std::move(file.structure);
+  return result;
+}
+
+}  // namespace eses::detail::cli

@@ -1,0 +1,116 @@
+#include "cli/shared_options.hpp"
+
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <cstdint>
+#include <limits>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "cli/arguments.hpp"
+#include "input/atom_reader.hpp"
+#include "input/radii_set.hpp"
+#include "system/formatted.hpp"
+
+namespace eses::detail::cli {
+namespace {
+
+// Maximum of --threads. OpenMP ends the process if it cannot start all threads.
+constexpr std::int64_t max_threads = 4096;
+
+constexpr char model_option[] = "--model";
+constexpr char structure_group[] = "PDB and mmCIF files";
+
+std::optional<std::vector<std::string>> chains_in(const std::string& list) {
+  const std::vector<std::string> chains = CLI::detail::split(list, ',');
+  const bool has_empty = std::any_of(chains.begin(), chains.end(),
+                                     [](const std::string& chain) { return chain.empty(); });
+  return chains.empty() || has_empty ? std::nullopt : std::optional(chains);
+}
+
+std::optional<std::string> altloc_in(const std::string& text) {
+  return text.size() == 1 && text != " " && text != "." ? std::optional(text) : std::nullopt;
+}
+
+Format<std::string> text_of(std::string expected) {
+  return {[](const std::string& text) { return text.empty() ? std::nullopt : std::optional(text); },
+          std::move(expected)};
+}
+
+}  // namespace
+
+void add_format(CLI::App& app, AtomFormat& format) {
+  add_value(app, "--format", "NAME", "auto (by suffix), xyzr, pqr, pdb or mmcif [auto]", format,
+            one_of<AtomFormat>({{"auto", AtomFormat::automatic},
+                                {"xyzr", AtomFormat::xyzr},
+                                {"pqr", AtomFormat::pqr},
+                                {"pdb", AtomFormat::pdb},
+                                {"mmcif", AtomFormat::mmcif}}));
+}
+
+void add_threads(CLI::App& app, int& threads) {
+  add_value(app, "-t,--threads", "N", "number of threads [all available processors]", threads,
+            whole_number_between(1, max_threads));
+}
+
+void add_structure_options(CLI::App& app, StructureOptions& structure) {
+  begin_group(app, structure_group);
+  add_value(app, "--radii", "NAME",
+            "atomic radii: protor (Tsai et al. 1999), bondi, msms, or\n"
+            "a file in FreeSASA's configuration format [protor]",
+            structure.radii, text_of("protor, bondi, msms, or a file"));
+  add_value(
+      app, "--unknown-radius", "R",
+      "radius of atoms that are not in the set of radii, in\n"
+      "angstrom [such atoms are an error]",
+      structure.unknown_radius,
+      number_between(0, eses::detail::max_set_radius, "a number from 0 to 1000, in angstrom"));
+  add_value(app, model_option, "N", "number of the model, also for PQR files [first]",
+            structure.model, whole_number_between(1, std::numeric_limits<int>::max()));
+  add_value(app, "--altloc", "X", "alternate location [highest occupancy, by residue]",
+            structure.altloc, Format<std::string>{altloc_in, "one character, such as A"});
+  add_flag(app, "--waters", "include water molecules", structure.with_waters);
+  add_flag(app, "--no-hetatm", "exclude ligands, ions and modified residues (HETATM)",
+           structure.with_hetatm, false);
+  add_value(
+      app, "--hydrogens", "NAME",
+      "keep or drop hydrogens [drop with protor and msms,\n"
+      "whose radii include them; keep with bondi]",
+      structure.hydrogens,
+      one_of<HydrogenChoice>({{"keep", HydrogenChoice::keep}, {"drop", HydrogenChoice::drop}}));
+  add_value(app, "--chains", "LIST", "include only these chains, such as A,B", structure.chains,
+            Format<std::vector<std::string>>{chains_in, "names of chains, such as A,B"});
+  add_value(app, "--select", "TEXT",
+            "include only a selection in gemmi's syntax, such as\n//A/10-20", structure.select,
+            text_of("a selection in gemmi's syntax, such as //A/10-20"));
+  add_value(app, "--assembly", "ID", "build this biological assembly", structure.assembly,
+            text_of("the identifier of an assembly, such as 1"));
+}
+
+void refuse_xyzr(const NamedInput& input, std::string_view option, std::string_view names) {
+  if (eses::detail::format_of(input.path, input.format) == AtomFormat::xyzr)
+    throw UsageError(
+        formatted("{} needs a PQR, PDB or mmCIF file; {} is read as xyzr, which has no {} (use "
+                  "--format pqr if it is PQR)",
+                  option, input.path.string(), names));
+}
+
+void refuse_structure_options(const CLI::App& app, const NamedInput& input) {
+  const AtomFormat format = eses::detail::format_of(input.path, input.format);
+  if (is_structure(format)) return;
+  for (const CLI::Option* const option : app.get_options()) {
+    if (option->count() == 0 || option->get_group() != structure_group) continue;
+    const std::string name = option->get_name();
+    const bool is_model = name == model_option;  // the one option that also applies to PQR files
+    if (format == AtomFormat::pqr && is_model) continue;
+    throw UsageError(
+        formatted("{} needs a {}PDB or mmCIF file; {} is read as {} (use --format {}pdb or "
+                  "--format mmcif if it is one)",
+                  name, is_model ? "PQR, " : "", input.path.string(),
+                  format == AtomFormat::pqr ? "PQR" : "xyzr", is_model ? "pqr, --format " : ""));
+  }
+}
+
+}  // namespace eses::detail::cli

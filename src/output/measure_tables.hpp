@@ -1,0 +1,59 @@
+#pragma once
+/// Tables of measured areas by atom, residue and chain, as CSV (RFC 4180, but with LF as line end).
+///
+/// All tables have the columns `sas_area,ses_area,convex_area,saddle_area,concave_area`. The last
+/// three are the parts of `ses_area`. If parts of a complex were measured, the columns
+/// `part,buried_sas_area,buried_ses_area` follow: the area in the part alone minus the area in the
+/// complex.
+///
+/// Atoms: `serial,name,residue,residue_number,chain,element,radius,...`, a line for each atom.
+///
+/// Residues: `chain,residue_number,residue,atoms,...,relative_sas_area,...`, a line for each run of
+/// atoms with the same chain, number and name. `relative_sas_area` is empty for other residues than
+/// the 20 amino acids of max_sas_area.
+///
+/// Chains: `chain,residues,atoms,...`, a line for each chain, in the order of first occurrence.
+
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <string>
+#include <string_view>
+
+#include "eses/atoms.hpp"
+#include "eses/measure.hpp"
+#include "output/buffered_text.hpp"
+
+namespace eses::detail {
+
+/// The tables to write.
+struct TableChoice {
+  bool atoms = false, residues = false, chains = false;
+
+  bool any() const { return atoms || residues || chains; }
+};
+
+/// The atoms of a table and their areas. All spans have the same length, if they are not empty.
+struct MeasuredAtoms {
+  std::span<const Atom> atoms;
+  std::span<const AtomLabel> labels;            ///< empty if there are no names
+  std::span<const std::uint64_t> file_indices;  ///< empty if they equal the indices of the atoms
+  const eses::AtomAreas& areas;
+  /// The areas of the parts of a complex; null if there are no parts.
+  const eses::AtomAreas* areas_alone = nullptr;
+  std::span<const std::uint32_t> parts = {};  ///< index of the part of each atom
+  std::span<const std::string> part_names = {};
+};
+
+/// Maximum SAS area of an amino acid residue X in a peptide Gly-X-Gly, in square angstrom, for a
+/// probe radius of 1.4 angstrom. Nothing for other residues. Theoretical values of table 1 of M. Z.
+/// Tien, A. G. Meyer, D. K. Sydykova, S. J. Spielman and C. O. Wilke, PLoS ONE 8, e80635, 2013,
+/// doi:10.1371/journal.pone.0080635.
+std::optional<double> max_sas_area(std::string_view residue);
+
+/// Writes the whole of a table.
+void write_measured_atoms(const MeasuredAtoms& atoms, const TextSink& sink);
+void write_measured_residues(const MeasuredAtoms& atoms, const TextSink& sink);
+void write_measured_chains(const MeasuredAtoms& atoms, const TextSink& sink);
+
+}  // namespace eses::detail
