@@ -40,21 +40,6 @@ TEST_CASE("an assembly has copies with names of their own", "[structure]") {
                  "there is no assembly \"2\" (--assembly); its assemblies are 1"));
 }
 
-namespace {
-
-const std::string dimer_remarks =
-    "REMARK 350\n"
-    "REMARK 350 BIOMOLECULE: 1\n"
-    "REMARK 350 APPLY THE FOLLOWING TO CHAINS: A\n"
-    "REMARK 350   BIOMT1   1  1.000000  0.000000  0.000000        0.00000\n"
-    "REMARK 350   BIOMT2   1  0.000000  1.000000  0.000000        0.00000\n"
-    "REMARK 350   BIOMT3   1  0.000000  0.000000  1.000000        0.00000\n"
-    "REMARK 350   BIOMT1   2 -1.000000  0.000000  0.000000        0.00000\n"
-    "REMARK 350   BIOMT2   2  0.000000 -1.000000  0.000000        0.00000\n"
-    "REMARK 350   BIOMT3   2  0.000000  0.000000  1.000000       10.00000\n";
-
-}  // namespace
-
 TEST_CASE("an assembly of a PDB file has copies", "[structure]") {
   const std::string text =
       dimer_remarks + line_of({.x = 3, .y = 4, .z = 5}) + line_of({.chain = "B", .x = 30});

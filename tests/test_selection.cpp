@@ -98,28 +98,6 @@ TEST_CASE("an atom without the chosen location keeps its location of highest occ
   CHECK(read_pdb(text).lines == std::vector<std::uint64_t>{1, 4});
 }
 
-namespace {
-
-std::string mixed_text() {
-  return line_of({}) + line_of({.name = " HA ", .x = 1, .element = " H"}) +
-         line_of({.chain = "B", .x = 20}) +
-         line_of({.record = "HETATM",
-                  .name = " C1 ",
-                  .residue = "LIG",
-                  .chain = "B",
-                  .number = " 900 ",
-                  .x = 40}) +
-         line_of({.record = "HETATM",
-                  .name = " O  ",
-                  .residue = "HOH",
-                  .chain = "B",
-                  .number = " 901 ",
-                  .x = 60,
-                  .element = " O"});
-}
-
-}  // namespace
-
 TEST_CASE("waters, ligands, hydrogens and chains are read as the options say", "[structure]") {
   const std::string text = mixed_text();
   AtomFile file = read_pdb(text);

@@ -6,7 +6,6 @@
 #include <vector>
 
 #include "catch.hpp"
-#include "support/sandbox.hpp"
 #include "support/structures.hpp"
 
 namespace eses::detail::test {

@@ -1,6 +1,8 @@
 #pragma once
 /// Waiting for the other threads of the process.
 
+#include <unistd.h>
+
 #include <chrono>
 #include <filesystem>
 #include <fstream>
@@ -8,8 +10,6 @@
 #include <optional>
 #include <string>
 #include <thread>
-
-#include <unistd.h>
 
 namespace eses::detail::test {
 
@@ -30,8 +30,8 @@ inline std::optional<std::map<std::string, long>> switches_of_sleepers() {
   return switches;
 }
 
-/// Waits until all other threads of the process sleep, so that they wait for the caller or for work.
-/// Returns whether they do so within a minute.
+/// Waits until all other threads of the process sleep, so that they wait for the caller or for
+/// work. Returns whether they do so within a minute.
 inline bool wait_until_others_sleep() {
   const auto deadline = std::chrono::steady_clock::now() + std::chrono::minutes(1);
   while (std::chrono::steady_clock::now() < deadline) {

@@ -106,10 +106,6 @@ std::string pdb_error(std::string_view text, const StructureOptions& options) {
   return error_of([&] { read_pdb(text, options); });
 }
 
-bool contains(const std::string& text, std::string_view part) {
-  return text.find(part) != std::string::npos;
-}
-
 Names names_of(const AtomFile& file) {
   Names names;
   for (const AtomLabel& label : file.labels)

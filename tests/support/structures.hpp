@@ -8,6 +8,7 @@
 
 #include "eses/error.hpp"
 #include "eses/read_atoms.hpp"
+#include "support/sandbox.hpp"
 
 namespace eses::detail::test {
 
@@ -61,8 +62,6 @@ std::string error_of(const auto& action) {
 
 /// Returns the message of the Error for a PDB text.
 std::string pdb_error(std::string_view text, const StructureOptions& options = {});
-
-bool contains(const std::string& text, std::string_view part);
 
 using Names = std::vector<std::string>;
 
