@@ -71,7 +71,7 @@ class Surface {
   /// Does the same for the atoms and labels of a file. It is a template so that atoms in braces are
   /// not taken for a file.
   template <class File>
-    requires std::same_as<std::remove_cvref_t<File>, AtomFile>
+  requires std::same_as<std::remove_cvref_t<File>, AtomFile>
   explicit Surface(File&& file, const SurfaceOptions& options = {})
       : Surface(std::forward<File>(file).atoms, std::forward<File>(file).labels, options) {}
 
