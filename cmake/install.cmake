@@ -25,7 +25,9 @@ if(ESES_INSTALLED_BYTECODE AND NOT BUILD_SHARED_LIBS)
     \"\$ENV{DESTDIR}\${CMAKE_INSTALL_PREFIX}/${CMAKE_INSTALL_LIBDIR}/$<TARGET_FILE_NAME:eses>\"
     COMMAND_ERROR_IS_FATAL ANY)" COMPONENT development)
 endif()
-install(TARGETS eses-blocks COMPONENT program)
+if(ESES_BUILD_PROGRAM)
+  install(TARGETS eses-blocks COMPONENT program)
+endif()
 
 # The scripts for users are installed in ESES_SCRIPT_DIR, where they find their modules in lib/. Links
 # in the folder of the program have the prefix eses-. scripts/lib/common.py knows this layout.
