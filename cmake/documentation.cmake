@@ -2,7 +2,7 @@
 # --help if it is installed. The completions read --help when they are used.
 
 find_program(ESES_HELP2MAN help2man)
-if(ESES_HELP2MAN AND NOT ESES_SANITIZE AND NOT CMAKE_CROSSCOMPILING)
+if(ESES_HELP2MAN AND ESES_BUILD_PROGRAM AND NOT ESES_SANITIZE AND NOT CMAKE_CROSSCOMPILING)
   set(pages)
   foreach(page IN ITEMS
       "eses-blocks|eses-blocks|solvent excluded surface of a molecule on a grid"

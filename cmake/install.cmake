@@ -18,21 +18,16 @@ set_target_properties(eses PROPERTIES
   VERSION ${PROJECT_VERSION}
   SOVERSION ${PROJECT_VERSION_MAJOR}.${PROJECT_VERSION_MINOR})
 
-# The installed program finds the shared library wherever both are moved together.
-if(BUILD_SHARED_LIBS)
-  set_target_properties(eses-blocks PROPERTIES
-    INSTALL_RPATH "$ORIGIN/../${CMAKE_INSTALL_LIBDIR}")
-endif()
-
 install(TARGETS eses EXPORT eses-targets
-        LIBRARY COMPONENT program NAMELINK_COMPONENT development
-        ARCHIVE COMPONENT development)
+        LIBRARY COMPONENT development ARCHIVE COMPONENT development)
 if(ESES_INSTALLED_BYTECODE AND NOT BUILD_SHARED_LIBS)
   install(CODE "execute_process(COMMAND ${CMAKE_OBJCOPY} --wildcard --remove-section=.gnu.lto_*
     \"\$ENV{DESTDIR}\${CMAKE_INSTALL_PREFIX}/${CMAKE_INSTALL_LIBDIR}/$<TARGET_FILE_NAME:eses>\"
     COMMAND_ERROR_IS_FATAL ANY)" COMPONENT development)
 endif()
-install(TARGETS eses-blocks COMPONENT program)
+if(ESES_BUILD_PROGRAM)
+  install(TARGETS eses-blocks COMPONENT program)
+endif()
 
 # The scripts for users are installed in ESES_SCRIPT_DIR, where they find their modules in lib/. Links
 # in the folder of the program have the prefix eses-. scripts/lib/common.py knows this layout.
@@ -87,10 +82,6 @@ string(REGEX REPLACE "/$" "" ESES_PC_PREFIX "${ESES_PC_PREFIX}")
 file(RELATIVE_PATH ESES_PC_LIBDIR ${CMAKE_INSTALL_PREFIX} ${CMAKE_INSTALL_FULL_LIBDIR})
 file(RELATIVE_PATH ESES_PC_INCLUDEDIR ${CMAKE_INSTALL_PREFIX} ${CMAKE_INSTALL_FULL_INCLUDEDIR})
 set(ESES_PC_LIBRARIES ${OpenMP_CXX_FLAGS})
-if(ESES_WITH_MPI)
-  string(APPEND ESES_PC_LIBRARIES " ${MPI_CXX_LINK_FLAGS} ${MPI_CXX_LIBRARIES}")
-  string(REPLACE ";" " " ESES_PC_LIBRARIES "${ESES_PC_LIBRARIES}")
-endif()
 configure_file(packaging/eses.pc.in ${PROJECT_BINARY_DIR}/eses.pc @ONLY)
 install(FILES ${PROJECT_BINARY_DIR}/eses.pc DESTINATION ${CMAKE_INSTALL_LIBDIR}/pkgconfig
         COMPONENT development)

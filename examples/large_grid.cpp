@@ -13,7 +13,7 @@ int main(int argc, char** argv) try {
     std::fputs("usage: large-grid FILE DIRECTORY [SPACING]\n", stderr);
     return 2;
   }
-  const eses::Surface surface(eses::read_atoms(argv[1]).atoms);
+  const eses::Surface surface(eses::read_atoms(argv[1]));
   const double spacing = argc > 3 ? std::atof(argv[3]) : 0.5;
   const eses::Grid grid = eses::make_grid(surface, {.spacing = spacing, .margin = 2 * spacing});
 

@@ -12,10 +12,10 @@ int main(int argc, char** argv) try {
     std::fputs("usage: mesh-to-off FILE [SPACING]\n", stderr);
     return 2;
   }
-  const eses::Surface surface(eses::read_atoms(argv[1]).atoms);
+  const eses::Surface surface(eses::read_atoms(argv[1]));
   const double spacing = argc > 2 ? std::atof(argv[2]) : 0.5;
   const eses::Grid grid = eses::make_grid(surface, {.spacing = spacing, .margin = 2 * spacing});
-  const eses::Result result = eses::compute(surface, grid, {}, {.mesh = true});
+  const eses::Result result = eses::compute(surface, grid, {.mesh = true});
   const eses::Mesh& mesh = result.mesh().value();
 
   std::printf("OFF\n%zu %zu 0\n", mesh.vertices.size(), mesh.faces.size());

@@ -17,7 +17,7 @@ int main(int argc, char** argv) try {
     return 2;
   }
   const eses::AtomFile file = eses::read_atoms(argv[1]);
-  const eses::Surface surface(file.atoms, {.probe_radius = 1.4});
+  const eses::Surface surface(file, {.probe_radius = 1.4});
   const double spacing = argc > 2 ? std::atof(argv[2]) : 0.5;
   const eses::Grid grid = eses::make_grid(surface, {.spacing = spacing, .margin = 2 * spacing});
   const eses::Result result = eses::compute(surface, grid);

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <atomic>
-#include <chrono>
 #include <cmath>
 #include <cstdint>
 #include <filesystem>
@@ -20,6 +19,7 @@
 #include "support/atom_sets.hpp"
 #include "support/eses_files.hpp"
 #include "support/mesh_files.hpp"
+#include "support/other_threads.hpp"
 #include "support/temporary_directory.hpp"
 
 namespace eses::detail::test {
@@ -287,6 +287,59 @@ TEST_CASE("api: atoms and options of a surface are checked", "[api]") {
   CHECK(surface.diagnostics()[0].kind == DiagnosticKind::duplicate);
 }
 
+TEST_CASE("api: the surface of a file has its labels", "[api]") {
+  AtomFile file = read_atoms(ESES_DATA "/fas2.pqr");
+  const std::vector<AtomLabel> labels = file.labels;
+  const eses::Surface copied(file, {.probe_radius = 2});
+  CHECK(copied.probe_radius() == 2);
+  CHECK(file.labels == labels);
+  const eses::Surface moved(std::move(file));
+  for (const eses::Surface& surface : {copied, moved}) {
+    CHECK(surface.atoms().size() == labels.size());
+    CHECK(std::vector<AtomLabel>(surface.labels().begin(), surface.labels().end()) == labels);
+  }
+  const TemporaryDirectory directory;
+  const Grid grid = make_grid(moved, {.spacing = 1});
+  Outputs outputs = Outputs::none();
+  outputs.residues = true;
+  CHECK_NOTHROW(write_files(moved, grid, directory.path(), outputs));
+}
+
+TEST_CASE("api: options and parts of compute may have any order", "[api]") {
+  const eses::Surface surface(chain());
+  const Grid grid = make_grid(surface);
+  const RunOptions options{.region = GridRegion{{0, 0, 0}, {5, 6, 7}}};
+  const ResultParts parts{.inside = false};
+  const auto check = [&](const Result& result, bool has_inside, bool has_mesh, bool is_region) {
+    CHECK(result.parts().inside == has_inside);
+    CHECK(result.mesh().has_value() == has_mesh);
+    CHECK((result.region().end == GridIndex{5, 6, 7}) == is_region);
+  };
+  check(eses::compute(surface, grid, {.mesh = true}), true, true, false);
+  check(eses::compute(surface, grid, {.mesh = true}, options), true, true, true);
+  check(eses::compute(surface, grid, parts), false, false, false);
+  check(eses::compute(surface, grid, parts, {.threads = 1}), false, false, false);
+  // The order of version 0.1.
+  check(eses::compute(surface, grid, {}), true, false, false);
+  check(eses::compute(surface, grid, {}, {}), true, false, false);
+  check(eses::compute(surface, grid, {}, {.mesh = true}), true, true, false);
+  check(eses::compute(surface, grid, options), true, false, true);
+  check(eses::compute(surface, grid, options, parts), false, false, true);
+  check(eses::compute(surface, grid, {.threads = 1}, parts), false, false, false);
+}
+
+TEST_CASE("api: the macros are the numbers of the version", "[api]") {
+  CHECK(std::to_string(ESES_VERSION_MAJOR) + "." + std::to_string(ESES_VERSION_MINOR) + "." +
+            std::to_string(ESES_VERSION_PATCH) ==
+        eses::version);
+}
+
+TEST_CASE("api: all threads are the default of all options", "[api]") {
+  CHECK(SurfaceOptions{}.threads == 0);
+  CHECK(RunOptions{}.threads == 0);
+  CHECK(MeasureOptions{}.threads == 0);
+}
+
 TEST_CASE("api: grids and regions are checked", "[api]") {
   const eses::Surface surface({{{0, 0, 0}, 1.5}});
   for (const double bad : {nan, infinity, -0.5, 0.0, 1e-300})
@@ -398,7 +451,7 @@ TEST_CASE("api: a result has only the chosen parts", "[api]") {
   CHECK_THROWS_AS(all.is_inside(grid.size), std::invalid_argument);
   CHECK_THROWS_AS(all.is_inside({-1, 0, 0}), std::invalid_argument);
   const Result mesh =
-      eses::compute(surface, grid, {}, {.inside = false, .crossings = false, .mesh = true});
+      eses::compute(surface, grid, {.inside = false, .crossings = false, .mesh = true});
   CHECK(mesh.inside().empty());
   CHECK(mesh.crossings().empty());
   CHECK(mesh.mesh()->vertices.size() == all.crossings().size());
@@ -409,22 +462,23 @@ TEST_CASE("api: callbacks are called one at a time and their exceptions reach th
   const eses::Surface surface(chain());
   const Grid grid = make_grid(surface, {.spacing = 0.4});
   std::atomic<int> running = 0;
-  std::atomic<std::int64_t> overlaps = 0, blocks = 0, progress = 0;
-  const auto stay_a_while = [&](std::atomic<std::int64_t>& calls) {
+  std::atomic<std::int64_t> overlaps = 0, blocks = 0, progress = 0, checks = 0, waits = 0;
+  // A thread that does not wait for the end of a call makes a call of its own meanwhile.
+  const auto stay = [&](std::atomic<std::int64_t>& calls) {
     if (++running > 1) ++overlaps;
-    ++calls;
-    std::this_thread::sleep_for(std::chrono::microseconds(300));
+    if (++calls <= 20 && !wait_until_others_sleep()) ++waits;
     if (--running > 0) ++overlaps;
   };
   RunOptions options{.threads = 4, .block_size = 8, .verify = 100};
-  options.progress = [&](std::int64_t, std::int64_t) { stay_a_while(progress); };
-  options.verification_progress = options.progress;
+  options.progress = [&](std::int64_t, std::int64_t) { stay(progress); };
+  options.verification_progress = [&](std::int64_t, std::int64_t) { stay(checks); };
   for_each_block(
-      surface, grid, [&](const eses::Block&) { stay_a_while(blocks); }, options);
+      surface, grid, [&](const eses::Block&) { stay(blocks); }, options);
   const GridIndex expected = estimate(surface, grid, Outputs::none(), options).blocks;
   CHECK(blocks == expected[0] * expected[1] * expected[2]);
   CHECK(progress >= blocks);
   CHECK(overlaps == 0);
+  CHECK(waits == 0);  // all others slept in time
 
   int calls = 0;
   const auto third_throws = [&](const eses::Block&) {

@@ -2,12 +2,9 @@
 
 #include <algorithm>
 #include <array>
-#include <atomic>
-#include <chrono>
 #include <cstdint>
 #include <set>
 #include <stdexcept>
-#include <thread>
 #include <utility>
 #include <vector>
 
@@ -84,34 +81,6 @@ TEST_CASE("solved blocks have the points and crossings of the files", "[solved_b
     CHECK(summary.atom_areas == expected.summary.atom_areas);
     CHECK(summary.bytes_written == 0);
   }
-}
-
-TEST_CASE("callbacks of a run are called one at a time", "[solved_block]") {
-  const std::vector<Atom> atoms = make_atom_set(Kind::chain, 3);
-  Parameters parameters;
-  parameters.block_size = 6;
-  parameters.threads = 4;
-  parameters.verify = 100;
-  std::atomic<int> running = 0;
-  std::atomic<std::int64_t> overlaps = 0, progress_calls = 0, block_calls = 0;
-  // The callback for verification is called by a thread that has nothing else to do.
-  std::atomic<std::int64_t> checks = 0;
-  const auto stay_a_while = [&](std::atomic<std::int64_t>& calls) {
-    if (++running > 1) ++overlaps;
-    ++calls;
-    // The wait is so long that each of the other threads ends a block and calls as well.
-    std::this_thread::sleep_for(std::chrono::microseconds(500));
-    if (--running > 0) ++overlaps;
-  };
-  const Callbacks callbacks{
-      .progress = [&](std::int64_t, std::int64_t) { stay_a_while(progress_calls); },
-      .block = [&](const BlockResult&) { stay_a_while(block_calls); },
-      .verification = [&](std::int64_t, std::int64_t) { stay_a_while(checks); }};
-  const Plan plan = make_plan(atoms, parameters, Outputs::none());
-  compute(atoms, plan.parameters, callbacks);
-  CHECK(block_calls == plan.tiling.block_count());
-  CHECK(progress_calls >= block_calls);
-  CHECK(overlaps == 0);
 }
 
 TEST_CASE("an exception of the callback for blocks ends the run", "[solved_block]") {

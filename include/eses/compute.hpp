@@ -16,6 +16,7 @@
 /// may be called from several threads at the same time, also for the same Surface.
 
 #include <array>
+#include <concepts>
 #include <cstdint>
 #include <filesystem>
 #include <functional>
@@ -31,12 +32,13 @@
 #include "eses/summary.hpp"
 #include "eses/surface.hpp"
 
-namespace eses {
-
-namespace detail {
+namespace eses::detail {
 struct BlockResult;
 struct ResultBuilder;
-}  // namespace detail
+}  // namespace eses::detail
+
+#pragma GCC visibility push(default)
+namespace eses {
 
 /// Selection of the parts of a Result. Other parts need no memory.
 struct ResultParts {
@@ -125,6 +127,14 @@ class Result {
 /// callbacks.
 Result compute(const Surface& surface, const Grid& grid, const RunOptions& options = {},
                const ResultParts& parts = {});
+
+/// Does the same with the selection of parts first: `compute(surface, grid, {.mesh = true})`. It is
+/// a template so that `{}` as the third argument means RunOptions.
+template <std::same_as<ResultParts> Parts = ResultParts>
+Result compute(const Surface& surface, const Grid& grid, const Parts& parts,
+               const RunOptions& options = {}) {
+  return compute(surface, grid, options, parts);
+}
 
 /// Returns the mesh of a result, which is equal to that of compute with ResultParts::mesh. Calls
 /// `check` for every plane of the region. Throws std::invalid_argument if ResultParts excluded the
@@ -227,3 +237,4 @@ Estimate estimate(const Surface& surface, const Grid& grid, const Outputs& outpu
                   const RunOptions& options = {});
 
 }  // namespace eses
+#pragma GCC visibility pop

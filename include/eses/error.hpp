@@ -12,6 +12,7 @@
 
 #include "eses/summary.hpp"
 
+#pragma GCC visibility push(default)
 namespace eses {
 
 /// An error of input, output or resources. `what()` is one line without a full stop. It names the
@@ -61,3 +62,4 @@ class VerificationError : public Error {
 };
 
 }  // namespace eses
+#pragma GCC visibility pop

@@ -3,7 +3,7 @@
 /// Includes all headers of the library.
 ///
 ///     const eses::AtomFile file = eses::read_atoms("1ubq.pqr");
-///     const eses::Surface surface(file.atoms, {.probe_radius = 1.4});
+///     const eses::Surface surface(file, {.probe_radius = 1.4});
 ///     const eses::Grid grid = eses::make_grid(surface, {.spacing = 0.4, .margin = 0.8});
 ///     const eses::Result result = eses::compute(surface, grid);
 ///

@@ -9,6 +9,7 @@
 
 #include "eses/vec3.hpp"
 
+#pragma GCC visibility push(default)
 namespace eses {
 
 class Surface;
@@ -114,3 +115,4 @@ struct BlockRange {
 GridRegion points_of_blocks(const Grid& grid, std::int64_t block_size, const BlockRange& blocks);
 
 }  // namespace eses
+#pragma GCC visibility pop

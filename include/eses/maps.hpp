@@ -15,6 +15,7 @@
 #include "eses/run_options.hpp"
 #include "eses/surface.hpp"
 
+#pragma GCC visibility push(default)
 namespace eses {
 
 /// Choices of compute_dielectric, with the defaults of DielectricMaps: 2 and 78.54.
@@ -45,3 +46,4 @@ std::vector<std::uint8_t> compute_ion_access(const Surface& surface, const Grid&
                                              const RunOptions& options = {});
 
 }  // namespace eses
+#pragma GCC visibility pop

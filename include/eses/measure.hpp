@@ -9,6 +9,7 @@
 #include "eses/check.hpp"
 #include "eses/surface.hpp"
 
+#pragma GCC visibility push(default)
 namespace eses {
 
 /// Options of measure().
@@ -23,7 +24,7 @@ struct MeasureOptions {
   /// Whether the derivatives are computed.
   bool gradients = false;
   /// Number of threads; 0 for all available processors. It does not affect the result.
-  int threads = 1;
+  int threads = 0;
   /// Called from time to time, at least once.
   CheckCallback check = {};
 };
@@ -93,3 +94,4 @@ struct Measures {
 Measures measure(const Surface& surface, const MeasureOptions& options = {});
 
 }  // namespace eses
+#pragma GCC visibility pop

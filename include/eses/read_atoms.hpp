@@ -13,6 +13,7 @@
 #include "eses/check.hpp"
 #include "eses/diagnostics.hpp"
 
+#pragma GCC visibility push(default)
 namespace eses {
 
 /// Format of an input file.
@@ -164,3 +165,4 @@ AtomFile parse_atoms(std::string_view text, AtomFormat format = AtomFormat::auto
                      std::string_view name = "text", const StructureOptions& structure = {});
 
 }  // namespace eses
+#pragma GCC visibility pop

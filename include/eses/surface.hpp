@@ -2,20 +2,26 @@
 /// @file
 /// The solvent excluded surface of a set of atoms.
 
+#include <concepts>
 #include <memory>
 #include <span>
+#include <type_traits>
+#include <utility>
 #include <vector>
 
 #include "eses/atoms.hpp"
 #include "eses/check.hpp"
 #include "eses/diagnostics.hpp"
 
-namespace eses {
-
-namespace detail {
+namespace eses::detail {
 class Molecule;
 struct SurfaceAccess;
-}  // namespace detail
+}  // namespace eses::detail
+
+#pragma GCC visibility push(default)
+namespace eses {
+
+struct AtomFile;
 
 /// Minimum probe radius, in angstrom. Near almost tangent spheres, the centre of a probe has an
 /// error of 1e-7 angstrom, the square root of the rounding error. Normals with an error of at most
@@ -33,9 +39,9 @@ inline constexpr double max_coordinate = 1e6;
 struct SurfaceOptions {
   /// Radius of the probe, in angstrom, `min_probe_radius` to `max_probe_radius`.
   double probe_radius = 1.4;
-  /// Number of threads that index the atoms; 0 for all available processors. It does not affect the
-  /// result.
-  int threads = 1;
+  /// Number of threads that index the atoms; 0 for all available processors, or one for a few
+  /// thousand atoms, which it indexes faster. It does not affect the result.
+  int threads = 0;
   /// Called while the atoms are indexed, at least once.
   CheckCallback check = {};
 };
@@ -62,6 +68,13 @@ class Surface {
   /// numbers of labels and atoms differ.
   Surface(std::vector<Atom> atoms, std::vector<AtomLabel> labels, const SurfaceOptions& options);
 
+  /// Does the same for the atoms and labels of a file. It is a template so that atoms in braces are
+  /// not taken for a file.
+  template <class File>
+  requires std::same_as<std::remove_cvref_t<File>, AtomFile>
+  explicit Surface(File&& file, const SurfaceOptions& options = {})
+      : Surface(std::forward<File>(file).atoms, std::forward<File>(file).labels, options) {}
+
   /// Copies share their data. No move operations are declared, so that moving makes a copy.
   Surface(const Surface&) = default;
   /// Copies share their data.
@@ -87,3 +100,4 @@ class Surface {
 };
 
 }  // namespace eses
+#pragma GCC visibility pop

@@ -192,7 +192,7 @@ class Surface:
         radii: npt.ArrayLike,
         probe_radius: float = 1.4,
         *,
-        threads: int = 1,
+        threads: int = 0,
     ) -> None: ...
     def __len__(self) -> int: ...
     @property

@@ -37,8 +37,8 @@ radii : array_like
 probe_radius : float, optional
     Radius of the probe, in angstrom, 0.01 to 1000.
 threads : int, optional
-    Number of threads that index the atoms; 0 for all that the process may use. One is enough below
-    a million atoms.
+    Number of threads that index the atoms; 0 for all that the process may use, or one for a few
+    thousand atoms.
 
 Raises
 ------
@@ -48,7 +48,7 @@ ValueError
 TypeError
     If an array does not contain real numbers.)";
 
-constexpr const char* init_text = R"(__init__(self, centers, radii, probe_radius=1.4, *, threads=1)
+constexpr const char* init_text = R"(__init__(self, centers, radii, probe_radius=1.4, *, threads=0)
 --
 
 Check and index the atoms.)";
@@ -296,7 +296,7 @@ void bind_surface(py::module_& module) {
   py::class_<Surface> type(module, "Surface", class_text);
   type.attr("__module__") = "eses";
   type.def(py::init(&make_surface), init_text, py::arg("centers"), py::arg("radii"),
-           py::arg("probe_radius") = 1.4, py::kw_only(), py::arg("threads") = 1)
+           py::arg("probe_radius") = 1.4, py::kw_only(), py::arg("threads") = 0)
       .def("__len__", [](const Surface& self) { return self.atoms().size(); })
       .def("__repr__",
            [](const Surface& self) {

@@ -8,7 +8,6 @@ import os
 import shutil
 import signal
 import subprocess
-import time
 import unittest
 
 from faults import (LIBRARY, MMCIF, FaultTest, SMALL, forget_signals, needs_library, wait_for,
@@ -524,7 +523,6 @@ class Failure(Processes):
         for which in (0, -1):
             launched = self.start_together(3, *arguments)
             wait_for(self.has_temporaries)
-            time.sleep(0.3)
             victims = self.processes_of(launched)
             self.assertEqual(len(victims), 3)
             os.kill(victims[which], signal.SIGKILL)
@@ -536,7 +534,6 @@ class Failure(Processes):
     def test_sigterm_ends_all(self):
         launched = self.start_together(3, *self.big_run())
         wait_for(self.has_temporaries)
-        time.sleep(0.3)
         launched.send_signal(signal.SIGTERM)
         self.assertNotEqual(self.finish(launched).returncode, 0)
         wait_for(lambda: not self.has_temporaries())

@@ -176,7 +176,7 @@ class Examples(TestCase):
 
     def test_code_in_the_library_page_is_from_examples(self):
         sources = [lines_of(read(path)) for folder in ("examples", "tests/downstream")
-                   for path in sorted((PROJECT / folder).iterdir()) if path.is_file()]
+                   for path in sorted((PROJECT / folder).rglob("*")) if path.is_file()]
         text = read(PROJECT / "doc/library.md")
         blocks = blocks_of(text, "cpp") + blocks_of(text, "cmake")
         self.assertGreater(len(blocks), 6)

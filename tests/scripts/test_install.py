@@ -62,7 +62,7 @@ class Install(TestCase):
         for flag in ("-W", "-ffp-contract", "-fno-math-errno", "-fopenmp", "HWY_", "FMT_", "ESES_"):
             self.assertNotIn(flag, commands)
         linking = self.folder.joinpath("build/CMakeFiles/blocks.dir/link.txt").read_text()
-        for library in ("hwy", "fmt"):
+        for library in ("hwy", "fmt", "mpi"):
             self.assertNotIn(library, linking)
 
     def test_pkg_config_finds_the_library(self):
@@ -83,7 +83,7 @@ class Install(TestCase):
         program = run(moved / "bin/eses-blocks", "--version", env=libraries).stdout
         self.assertEqual(program.splitlines()[0], f"eses-blocks {version}")
 
-    def test_headers_stand_alone_and_define_no_macro(self):
+    def test_headers_stand_alone_and_define_only_the_version(self):
         before = run(COMPILER, "-std=c++20", "-x", "c++", "-dM", "-E", os.devnull)
         self.assertDone(before)
         self.assertGreater(len(self.headers()), 8)
@@ -93,7 +93,9 @@ class Install(TestCase):
             flags = ("-std=c++20", f"-I{self.prefix}/include", "-Wall", "-Wextra", "-Werror")
             self.assertDone(run(COMPILER, *flags, "-fsyntax-only", source))
             macros = run(COMPILER, *flags, "-dM", "-E", source).stdout
-            self.assertEqual(re.findall(r"#define (?:ESES|HWY|FMT)\w*", macros), [])
+            version = [f"ESES_VERSION_{part}" for part in ("MAJOR", "MINOR", "PATCH")]
+            self.assertEqual(sorted(re.findall(r"#define ((?:ESES|HWY|FMT)\w*)", macros)),
+                             version if header.name in ("eses.hpp", "version.hpp") else [])
 
     def test_symbols_are_in_our_namespace(self):
         done = run("nm", "--extern-only", "--defined-only", self.static_library())
@@ -107,6 +109,25 @@ class Install(TestCase):
         self.assertEqual(sorted(name for name in strong if not OURS.match(name)), [])
         self.assertEqual(sorted(name for name in weak if not (OURS.match(name) or OTHERS.match(name))),
                          [])
+
+    def test_only_public_symbols_are_visible(self):
+        """A shared library that contains the static one exports what the headers declare."""
+        done = run("readelf", "--symbols", "--wide", "--demangle", self.static_library())
+        self.assertDone(done)
+        symbols = re.findall(r" (?:GLOBAL|WEAK|UNIQUE) +(\w+) +(\w+) (.+)$", done.stdout, re.MULTILINE)
+        visible = {name for visibility, section, name in symbols
+                   if visibility == "DEFAULT" and section != "UND"}
+        hidden = {name for visibility, _, name in symbols if visibility == "HIDDEN"}
+        ours = sorted(name for name in visible if re.match(r"(?:\w+ for )?eses::", name))
+        self.assertEqual([name for name in ours if "::detail::" in name.split("(")[0].split("<")[0]], [])
+        self.assertTrue(any(name.startswith("eses::detail::") for name in hidden))
+        names = {name.split("(")[0] for name in ours}
+        for name in ("Surface::Surface", "Result::is_inside", "Block::seconds", "compute", "make_mesh",
+                     "for_each_block", "write_files", "estimate", "make_grid", "read_grid",
+                     "read_atoms", "parse_atoms", "measure", "compute_dielectric"):
+            self.assertIn(f"eses::{name}", names)
+        self.assertIn("typeinfo for eses::MemoryLimitError", names)
+        self.assertNotIn("MPI_", done.stdout)
 
     def test_library_holds_no_bytecode_of_the_compiler(self):
         done = run("objdump", "--section-headers", self.static_library())

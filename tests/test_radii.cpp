@@ -1,0 +1,272 @@
+// Tests of the radii of atoms of PDB and mmCIF files. The references are FreeSASA, MSMS and the
+// articles on the radii.
+
+#include <fmt/format.h>
+
+#include <array>
+#include <cstddef>
+#include <cstdio>
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <map>
+#include <memory>
+#include <sstream>
+#include <string>
+#include <string_view>
+#include <tuple>
+#include <utility>
+#include <vector>
+
+#include "catch.hpp"
+#include "input/radii_set.hpp"
+#include "support/structures.hpp"
+#include "support/temporary_directory.hpp"
+
+namespace eses::detail::test {
+namespace {
+
+bool has_freesasa() { return std::system("freesasa --version >/dev/null 2>&1") == 0; }
+
+/// Returns the radii that FreeSASA assigns, by the columns of the coordinates.
+std::map<std::string, double> freesasa_radii(const fs::path& pdb) {
+  const std::unique_ptr<FILE, int (*)(FILE*)> pipe(
+      popen(fmt::format(
+                "freesasa --shrake-rupley --resolution=1 --hetatm --format=pdb '{}' 2>/dev/null",
+                pdb.string())
+                .c_str(),
+            "r"),
+      pclose);
+  std::map<std::string, double> radii;
+  std::array<char, 512> line{};
+  while (fgets(line.data(), line.size(), pipe.get()) != nullptr) {
+    const std::string record = line.data();
+    if (record.starts_with("ATOM") || record.starts_with("HETATM"))
+      radii[record.substr(30, 24)] = std::stod(record.substr(54, 6));
+  }
+  return radii;
+}
+
+}  // namespace
+
+TEST_CASE("protor: the radii are those of FreeSASA's table, atom by atom", "[structure][radii]") {
+  const fs::path path = freesasa_data + "protor.config";
+  if (!fs::exists(path)) SKIP("freesasa is not installed");
+  const std::string text = text_of(path);
+  const auto file = parse_radii_set(text, "protor.config");
+  CHECK(file.name == "ProtOr");
+  CHECK(file.is_united);
+  const auto named = named_radii_set("protor").value();
+  std::istringstream stream(text.substr(text.find("\natoms:") + 7));
+  int atoms = 0;
+  for (std::string line; std::getline(stream, line);) {
+    std::istringstream fields(line.substr(0, line.find('#')));
+    std::string residue, atom, type;
+    if (!(fields >> residue >> atom >> type)) continue;
+    ++atoms;
+    const AtomIdentity identity{residue, atom, "X"};
+    const auto expected = file.find(identity), found = named.find(identity);
+    INFO(line);
+    REQUIRE(expected);
+    REQUIRE(found);
+    CHECK(found->radius == expected->radius);
+    CHECK_FALSE(found->by_element);
+  }
+  CHECK(atoms == 506);
+}
+
+TEST_CASE("protor: the radii of atom types are those of the article", "[structure][radii]") {
+  // Tsai et al. (1999), table 2, whose name for the set is ProtOr.
+  const auto set = named_radii_set("ProtOr").value();
+  const auto radius = [&](std::string_view residue, std::string_view atom) {
+    return set.find({residue, atom, "X"}).value().radius;
+  };
+  CHECK(radius("ALA", "C") == 1.61);
+  CHECK(radius("PHE", "CZ") == 1.76);
+  CHECK(radius("LEU", "CD1") == 1.88);
+  CHECK(radius("LYS", "NZ") == 1.64);
+  CHECK(radius("GLY", "O") == 1.42);
+  CHECK(radius("SER", "OG") == 1.46);
+  CHECK(radius("CYS", "SG") == 1.77);
+  CHECK_FALSE(set.find({"ALA", "XX", "X"}));
+  const auto zinc = set.find({"ZN", "ZN", "Zn"});
+  REQUIRE(zinc);
+  CHECK(zinc->by_element);
+  CHECK(zinc->radius == 1.39);
+}
+
+TEST_CASE("bondi: the radii are those of the articles", "[structure][radii]") {
+  const auto set = named_radii_set("bondi").value();
+  CHECK_FALSE(set.is_united);
+  const std::vector<std::pair<std::string, double>> expected{
+      {"H", 1.20},  {"C", 1.70},  {"N", 1.55},  {"O", 1.52},  {"F", 1.47},  {"P", 1.80},
+      {"S", 1.80},  {"Cl", 1.75}, {"I", 1.98},  {"Zn", 1.39}, {"Cu", 1.40},  // Bondi (1964)
+      {"B", 1.92},  {"Al", 1.84}, {"Ca", 2.31}, {"Cs", 3.43},  // Mantina et al. (2009)
+      {"Fe", 2.44}, {"Mn", 2.45}, {"Mo", 2.45}, {"Gd", 2.83},  // Alvarez (2013)
+      {"D", 1.20}};
+  for (const auto& [element, radius] : expected) {
+    INFO(element);
+    const auto found = set.find({"LIG", "X1", element});
+    REQUIRE(found);
+    CHECK(found->radius == radius);
+    CHECK_FALSE(found->by_element);
+  }
+  CHECK_FALSE(set.find({"LIG", "X1", "X"}));
+  CHECK_FALSE(set.find({"LIG", "X1", "Pm"}));
+}
+
+TEST_CASE("msms: united atoms of amino acids have Connolly's radii", "[structure][radii]") {
+  // Connolly's united radii; OG of serine has a hydrogen, ND1 of histidine has none.
+  const auto set = named_radii_set("msms").value();
+  CHECK(set.is_united);
+  const std::vector<std::tuple<std::string, std::string, double>> expected{
+      {"ALA", "N", 1.70},   {"ALA", "CA", 2.00},  {"ALA", "C", 1.74},   {"ALA", "O", 1.40},
+      {"ALA", "OXT", 1.40}, {"ARG", "CZ", 1.74},  {"ARG", "NH1", 1.80}, {"ARG", "NE", 1.70},
+      {"ASN", "CG", 1.74},  {"ASN", "ND2", 1.80}, {"GLN", "CD", 1.74},  {"LYS", "CD", 2.00},
+      {"HIS", "ND1", 1.54}, {"HIS", "NE2", 1.70}, {"HIS", "CE1", 1.86}, {"LYS", "NZ", 2.00},
+      {"MET", "SD", 1.80},  {"PHE", "CG", 1.74},  {"PHE", "CZ", 1.86},  {"SER", "OG", 1.60},
+      {"TRP", "CD2", 1.74}, {"TRP", "CH2", 1.86}, {"TYR", "OH", 1.60},  {"VAL", "CG1", 2.00},
+      {"HOH", "O", 1.60},   {"DA", "P", 1.80},    {"MSE", "SE", 2.15},  {"ZN", "ZN", 1.40}};
+  for (const auto& [residue, atom, radius] : expected) {
+    INFO(residue << " " << atom);
+    const auto found = set.find({residue, atom, "X"});
+    REQUIRE(found);
+    CHECK(found->radius == radius);
+  }
+  CHECK(set.find({"ALA", "HA", "H", true}).value().radius == 1.20);
+  CHECK_FALSE(set.find({"XE", "XE", "X"}));
+}
+
+TEST_CASE("msms: the atoms of 1A8O are those of MSMS", "[structure][radii]") {
+  // Biopython's tests contain the output of pdb_to_xyzr of MSMS.
+  const fs::path reference = biopython_data + "1A8O.xyzr.gz";
+  if (!fs::exists(reference)) SKIP("python-biopython-doc is not installed");
+  StructureOptions options;
+  options.radii = "msms";
+  options.with_waters = true;
+  const AtomFile ours = read_structure(biopython_data + "1A8O.pdb.gz", options);
+  const AtomFile theirs = parse_atoms(text_of(reference), AtomFormat::xyzr, "1A8O.xyzr");
+  REQUIRE(ours.atoms.size() == theirs.atoms.size());
+  const Names names = names_of(ours);
+  for (std::size_t i = 0; i < ours.atoms.size(); ++i) {
+    INFO(names[i]);
+    CHECK(ours.atoms[i].center == theirs.atoms[i].center);
+    CHECK(ours.atoms[i].radius == theirs.atoms[i].radius);
+  }
+}
+
+TEST_CASE("protor: FreeSASA assigns the same radii", "[structure][radii][freesasa]") {
+  if (!has_freesasa()) SKIP("freesasa is not installed");
+  std::vector<fs::path> files;
+  for (const std::string& folder :
+       {freesasa_data + "test-data/", biopython_data, std::string("/usr/share/pymol/data/demo/")})
+    if (fs::is_directory(folder))
+      for (const auto& entry : fs::directory_iterator(folder)) files.push_back(entry.path());
+  const TemporaryDirectory directory;
+  int compared = 0;
+  for (const fs::path& path : files) {
+    if (!path.filename().string().ends_with(".pdb") &&
+        !path.filename().string().ends_with(".pdb.gz"))
+      continue;
+    const fs::path plain = directory.path() / "plain.pdb";
+    std::ofstream(plain) << text_of(path);
+    const std::map<std::string, double> expected = freesasa_radii(plain);
+    if (expected.empty()) continue;  // the file has only a header
+    StructureOptions options;
+    options.with_waters = true;
+    const AtomFile ours = read_structure(path, options);
+    const Names names = names_of(ours);
+    std::size_t found = 0;
+    for (std::size_t i = 0; i < ours.atoms.size(); ++i) {
+      const auto one = expected.find(columns_of(ours.atoms[i].center));
+      // FreeSASA takes the first alternate location, not the one of the highest occupancy.
+      if (one == expected.end()) continue;
+      ++found;
+      // A carbon atom of a_structure.pdb has no element, and its name CA begins in the column of
+      // calcium, for which FreeSASA takes it.
+      if (one->first == "  -0.189   5.321  14.250") continue;
+      INFO(path << ": " << names[i]);
+      CHECK(ours.atoms[i].radius == one->second);
+    }
+    INFO(path);
+    if (ours.structure->dropped_altlocs == 0) CHECK(found == expected.size());
+    ++compared;
+  }
+  CHECK(compared >= 4);
+}
+
+TEST_CASE("a file of radii in FreeSASA's format is read", "[structure][radii]") {
+  const std::string text =
+      "# a comment\nname: mine\r\n\ntypes:\nC_ALI 2.00 apolar\nO 1.4 polar # oxygen\n"
+      "atoms:\nANY CA C_ALI\nALA O O\nALA CA O\n";
+  const auto set = parse_radii_set(text, "mine.config");
+  CHECK(set.name == "mine");
+  CHECK(set.is_united);
+  CHECK(set.find({"GLY", "CA", "C"}).value().radius == 2.0);
+  CHECK(set.find({"ALA", "CA", "C"}).value().radius == 1.4);
+  CHECK(set.find({"GLY", "O", "O"}).value().by_element);
+  CHECK_FALSE(parse_radii_set(text + "ALA HA O\n", "mine.config").is_united);
+  const auto error = [](const std::string& bad) {
+    return error_of([&] { parse_radii_set(bad, "f"); });
+  };
+  // FreeSASA, too, ignores text after the third field and accepts repeated entries.
+  const auto repeated = parse_radii_set(
+      "types:\nC 1 apolar more\nC2 1 polar\natoms:\nALA CA C more\nALA CA C2\n", "f");
+  CHECK(repeated.find({"ALA", "CA", "C"}).value().radius == 1.0);
+  // FreeSASA takes the first of two different radii and warns.
+  CHECK(error("types:\nC 2 apolar\nO 1.4 polar\natoms:\nANY CA C\nALA CA O\nANY CA O\n") ==
+        "f:7: the atom \"CA\" of \"ANY\" has another radius already, 2; remove one of the entries");
+  CHECK(error("types:\nC 1000.1 apolar\n") ==
+        "f:2: expected a radius from 0 to 1000 angstrom, found \"1000.1\"");
+  CHECK(contains(error("types:\nC 1000 apolar\n"), "f: no atoms found"));
+  CHECK(contains(error("types:\nC nan apolar\n"), "f:2: expected a radius"));
+  CHECK(contains(error("types:\nC inf apolar\n"), "f:2: expected a radius"));
+  CHECK(contains(error("types:\nC x apolar\n"),
+                 "f:2: expected a radius from 0 to 1000 angstrom, found \"x\""));
+  CHECK(contains(error("types:\nC -1 apolar\n"), "f:2: expected a radius"));
+  CHECK(contains(error("types:\nC 1 odd\n"), "f:2: expected polar or apolar, found \"odd\""));
+  CHECK(contains(error("types:\nC 1\n"), "f:2: expected three fields"));
+  CHECK(
+      contains(error("types:\nC 1 polar\nC 2 polar\n"), "f:3: the type \"C\" has another radius"));
+  CHECK(contains(error("atoms:\nALA CA C\n"), "f:2: the type \"C\" has no radius"));
+  CHECK(contains(error("ALA CA C\n"), "f:1: expected types:, atoms: or name:"));
+  CHECK(contains(error("types:\nC 1 polar\n"), "f: no atoms found"));
+  CHECK(contains(error(""), "f: no atoms found"));
+}
+
+TEST_CASE("radii: a name or a file is accepted, and other text refused", "[structure][radii]") {
+  const std::string text = line_of({});
+  StructureOptions options;
+  options.radii = "bondy";
+  CHECK(contains(pdb_error(text, options), "radii: expected protor, bondi or msms, or a file"));
+  options.radii = std::string(300, 'A');  // longer than the name of a file can be
+  CHECK(contains(pdb_error(text, options), "radii: expected protor, bondi or msms, or a file"));
+  const TemporaryDirectory directory;
+  const fs::path file = directory.path() / "my.config";
+  std::ofstream(file) << "types:\nT 3.5 apolar\natoms:\nANY CA T\n";
+  options.radii = file.string();
+  CHECK(read_pdb(text, options).atoms.at(0).radius == 3.5);
+  std::ofstream(file) << "nonsense\n";
+  CHECK(contains(pdb_error(text, options), file.string() + ":1: expected types:"));
+}
+
+TEST_CASE("atoms without a radius are named", "[structure][radii]") {
+  const std::string text = line_of({}) + line_of({.record = "HETATM",
+                                                  .name = " X1 ",
+                                                  .residue = "UNX",
+                                                  .number = "   2 ",
+                                                  .x = 9,
+                                                  .element = " X"});
+  CHECK(pdb_error(text).starts_with(
+      "t.pdb:2: 1 atom is without a radius in the set protor: UNX X1;"));
+  StructureOptions options;
+  options.unknown_radius = 1.25;
+  const AtomFile file = read_pdb(text, options);
+  REQUIRE(file.atoms.size() == 2);
+  CHECK(file.atoms[1].radius == 1.25);
+  REQUIRE(file.structure->unknown.size() == 1);
+  CHECK(file.structure->unknown[0].residue == "UNX");
+  CHECK(file.structure->unknown[0].radius == 1.25);
+}
+
+}  // namespace eses::detail::test
