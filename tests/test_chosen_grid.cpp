@@ -17,6 +17,7 @@
 
 #include "catch.hpp"
 #include "eses/eses.hpp"
+#include "grid/make_grid.hpp"
 #include "input/eses_reader.hpp"
 #include "run/plan.hpp"
 #include "run/run_plan.hpp"

@@ -460,7 +460,7 @@ TEST_CASE("the plan knows the length of the tables and of the bounding box", "[p
           size(gzip ? "bounding_box.txt.gz" : "bounding_box.txt"));
     CHECK(static_cast<double>(plan.files.residues) ==
           Approx(size("residue_area.csv") + size("chain_area.csv")).epsilon(0.1));
-    CHECK(static_cast<double>(plan.atom_file_bytes) == Approx(size("atoms.csv")).epsilon(0.1));
+    CHECK(static_cast<double>(plan.files.atoms) == Approx(size("atoms.csv")).epsilon(0.1));
   }
 }
 
