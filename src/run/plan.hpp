@@ -53,9 +53,9 @@ struct MemoryBudget {
   /// Bytes that the process holds during the whole run, besides the atoms: labels, and memory of
   /// MPI.
   std::uint64_t held = 0;
-  LabelTotals labels;       ///< totals of the labels that the process has read
-  bool has_groups = false;  ///< whether chains and residues of atoms are numbered
-  CallerMemory caller;      ///< memory that the caller needs for the results
+  LabelTotals labels = {};   ///< totals of the labels that the process has read
+  bool has_groups = false;   ///< whether chains and residues of atoms are numbered
+  CallerMemory caller = {};  ///< memory that the caller needs for the results
 };
 
 /// Performs step 2 of a plan: chooses block size, threads and number of blocks ahead for the region
