@@ -41,12 +41,11 @@ struct Accessibility {
 
 // Without slack, the measures are consistent unless rounding decides, or distances between almost
 // equal placements are about as large as `same_place`.
-constexpr std::array<Accessibility, 6> without_slack{{{false, tolerance::accessible, 1e-10},
-                                                      {false, tolerance::accessible, 1e-8},
-                                                      {false, tolerance::accessible, 1e-12},
+constexpr std::array<Accessibility, 5> without_slack{{{false, tolerance::accessible, 1e-10},
                                                       {false, 2.3 * tolerance::accessible, 1e-10},
-                                                      {false, 2.3 * tolerance::accessible, 1e-8},
-                                                      {false, 2.3 * tolerance::accessible, 1e-12}}};
+                                                      {false, tolerance::accessible, 1e-12},
+                                                      {false, 2.3 * tolerance::accessible, 1e-12},
+                                                      {false, tolerance::accessible, 1e-8}}};
 
 // Without slack, placements nearer than this do not cut each other's patches (angstrom). The normal
 // cones of placements at the ends of such a short arc do not overlap. Those of placements on the
@@ -54,7 +53,7 @@ constexpr std::array<Accessibility, 6> without_slack{{{false, tolerance::accessi
 constexpr double min_cutting_distance = 1e-6;
 
 // The total curvature of consistent measures is this close to an even number.
-constexpr double max_curvature_error = 1e-7;
+constexpr double max_curvature_error = 1e-6;
 
 // A contribution to the exposed part of the SAS sphere of an atom: the boundary term of an arc.
 struct FaceTerm {
