@@ -82,7 +82,6 @@ TEST_CASE("the tables of a PQR file add up to its atoms' areas", "[residues]") {
   parameters.spacing = 0.8;
   Outputs outputs{.box = true, .grid = false, .edges = false, .areas = true, .residues = true};
   const Molecule molecule(input.atoms, input.labels);
-  const Plan plan = make_plan(molecule, parameters, outputs);
   const Summary summary = run(molecule, parameters, outputs, directory.path());
 
   std::vector<double> areas;

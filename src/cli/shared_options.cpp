@@ -11,6 +11,7 @@
 
 #include "cli/arguments.hpp"
 #include "input/atom_reader.hpp"
+#include "input/other_formats.hpp"
 #include "input/radii_set.hpp"
 #include "system/formatted.hpp"
 
