@@ -6,7 +6,8 @@ if(ESES_HELP2MAN AND ESES_BUILD_PROGRAM AND NOT ESES_SANITIZE AND NOT CMAKE_CROS
   set(pages)
   foreach(page IN ITEMS
       "eses-blocks|eses-blocks|solvent excluded surface of a molecule on a grid"
-      "eses-blocks-diff|eses-blocks diff|compares two directories of ESES's files")
+      "eses-blocks-diff|eses-blocks diff|compares two directories of ESES's files"
+      "eses-blocks-measure|eses-blocks measure|areas and volumes of molecular surfaces without a grid")
     string(REPLACE "|" ";" parts "${page}")
     list(GET parts 0 name)
     list(GET parts 1 command)

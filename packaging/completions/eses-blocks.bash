@@ -4,13 +4,20 @@
 _eses_blocks() {
   local cur prev words cword split
   _init_completion -s || return
-  local is_diff=false
-  if ((cword > 1)) && [[ ${words[1]} == diff ]]; then is_diff=true; fi
+  local command=
+  if ((cword > 1)) && [[ ${words[1]} == @(diff|measure) ]]; then command=${words[1]}; fi
 
   case $prev in
     --format) COMPREPLY=($(compgen -W 'auto xyzr pqr pdb mmcif' -- "$cur")) && return ;;
-    --write) COMPREPLY=($(compgen -W 'all none grid edges areas residues atoms grid,edges grid,areas \
-      edges,areas' -- "$cur")) && return ;;
+    --write)
+      if [[ $command == measure ]]; then
+        COMPREPLY=($(compgen -W 'atoms residues chains atoms,residues,chains' -- "$cur")) && return
+      fi
+      COMPREPLY=($(compgen -W 'all none grid edges areas residues atoms grid,edges grid,areas \
+      edges,areas' -- "$cur")) && return
+      ;;
+    --parts) COMPREPLY=($(compgen -W chains -- "$cur")) && return ;;
+    --csv) _filedir csv && return ;;
     --color) COMPREPLY=($(compgen -W 'patch atom chain' -- "$cur")) && return ;;
     --mesh) _filedir '@(ply|obj|off|vtp|vert|face)' && return ;;
     --inside) _filedir '@(dx|dx.gz|vti)' && return ;;
@@ -26,17 +33,17 @@ _eses_blocks() {
   if $split; then return; fi
 
   if [[ $cur == -* ]]; then
-    if $is_diff; then
-      COMPREPLY=($(compgen -W '$(_parse_help "$1" "diff --help")' -- "$cur"))
+    if [[ -n $command ]]; then
+      COMPREPLY=($(compgen -W '$(_parse_help "$1" "$command --help")' -- "$cur"))
     else
       COMPREPLY=($(compgen -W '$(_parse_help "$1")' -- "$cur"))
     fi
     if [[ ${COMPREPLY-} == *= ]]; then compopt -o nospace; fi
-  elif $is_diff; then
+  elif [[ $command == diff ]]; then
     _filedir -d
   else
     _filedir '@(xyzr|pqr|pdb|pdb+([0-9])|pdbx|ent|cif|mmcif|mcif)?(.gz)'
-    if ((cword == 1)); then COMPREPLY+=($(compgen -W diff -- "$cur")); fi
+    if ((cword == 1)); then COMPREPLY+=($(compgen -W 'diff measure' -- "$cur")); fi
   fi
 }
 complete -F _eses_blocks eses-blocks

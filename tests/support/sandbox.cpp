@@ -105,12 +105,13 @@ bool contains(const std::string& text, const std::string& part) {
 void check_usage_error(const Sandbox& sandbox, const Arguments& arguments,
                        const std::string& message) {
   INFO(Sandbox::command(arguments));
-  const bool is_diff = !arguments.empty() && arguments.front() == "diff";
+  const std::string first = arguments.empty() ? "" : arguments.front();
+  const bool is_command = first == "diff" || first == "measure";
   const Outcome outcome = sandbox.run(arguments);
   CHECK(outcome.code == 2);
   CHECK(outcome.out.empty());
   CHECK(outcome.err == "eses-blocks: error: " + message + "\nTry 'eses-blocks " +
-                           (is_diff ? "diff " : "") + "--help'.\n");
+                           (is_command ? first + " " : "") + "--help'.\n");
 }
 
 void check_json(const Sandbox& sandbox, const std::string& json, const std::string& question,

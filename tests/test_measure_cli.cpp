@@ -1,0 +1,260 @@
+// Tests of `eses-blocks measure`. Expected values are closed forms of spheres, and those of
+// FreeSASA.
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+#include <numbers>
+#include <random>
+#include <sstream>
+#include <string>
+#include <vector>
+
+#include "catch.hpp"
+#include "support/sandbox.hpp"
+
+namespace fs = std::filesystem;
+
+namespace eses::detail::test {
+namespace {
+
+constexpr double probe = 1.4, radius = 1.7, distance = 3;
+
+using Fields = std::vector<std::string>;
+
+Fields split(const std::string& text, char separator) {
+  std::istringstream stream(text);
+  Fields fields;
+  for (std::string field; std::getline(stream, field, separator);) fields.push_back(field);
+  if (!text.empty() && text.back() == separator && separator != '\n') fields.emplace_back();
+  return fields;
+}
+
+/// Rows of a CSV file, without the heading.
+std::vector<Fields> rows_of(const fs::path& file) {
+  std::vector<Fields> rows;
+  for (const std::string& line : split(read_file(file), '\n')) rows.push_back(split(line, ','));
+  if (!rows.empty()) rows.erase(rows.begin());
+  return rows;
+}
+
+/// Area of a sphere that a plane at distance `height` from its centre cuts.
+double cut_sphere_area(double sphere, double height) {
+  return 2 * std::numbers::pi * sphere * (sphere + height);
+}
+
+/// SAS area of one of two atoms at `distance`.
+double sas_of_one() { return cut_sphere_area(radius + probe, distance / 2); }
+
+double free_sas() { return 4 * std::numbers::pi * (radius + probe) * (radius + probe); }
+
+double free_ses() { return 4 * std::numbers::pi * radius * radius; }
+
+// Area of two spheres of radius 1.7 at 3 angstrom, whose saddle has no spindle: the convex zones,
+// and the torus patch t p (rho 2a - 2 p sin a) for a full circle.
+double ses_of_two() {
+  const double sas = radius + probe, half = distance / 2;
+  const double rho = std::sqrt(sas * sas - half * half), angle = std::asin(half / sas);
+  const double convex = 2 * cut_sphere_area(radius, radius * half / sas);
+  const double saddle = 4 * std::numbers::pi * probe * (rho * angle - probe * std::sin(angle));
+  return convex + saddle;
+}
+
+std::string pqr_line(int serial, const std::string& residue, const std::string& chain, double x) {
+  return fmt::format("ATOM {:6}  CA  {} {}{:4}    {:8.3f}   0.000   0.000  0.00 {:.2f}\n", serial,
+                     residue, chain, serial, x, radius);
+}
+
+/// A sandbox with two atoms in contact, as xyzr and, with a third atom far away, as PQR.
+struct Molecules : Sandbox {
+  Molecules() {
+    write_file(directory() / "two.xyzr", "0 0 0 1.7\n3 0 0 1.7\n");
+    write_file(directory() / "one.xyzr", "1 2 3 2\n");
+    write_file(directory() / "dimer.pqr", pqr_line(1, "ALA", "A", 0) +
+                                              pqr_line(2, "HEM", "B", distance) +
+                                              pqr_line(3, "GLY", "C", 50));
+  }
+};
+
+void check_near(const Molecules& box, const std::string& json, const std::string& key,
+                double expected) {
+  check_json(box, json, fmt::format("abs({} - {:.17g}) < 1e-9", key, expected), "True");
+}
+
+/// Writes random overlapping atoms as cluster.xyzr, and as cluster.pdb with the radii in the column
+/// of the occupancy, where FreeSASA can read them. Both have the same numbers.
+void write_cluster(const fs::path& directory) {
+  std::mt19937 random(28);
+  std::uniform_real_distribution<double> coordinate(0, 18);
+  std::uniform_int_distribution<int> hundredths(140, 190);
+  std::string xyzr, pdb;
+  for (int i = 1; i <= 300; ++i) {
+    const double x = coordinate(random), y = coordinate(random), z = coordinate(random);
+    const double r = hundredths(random) / 100.0;
+    xyzr += fmt::format("{:.3f} {:.3f} {:.3f} {:.2f}\n", x, y, z, r);
+    pdb +=
+        fmt::format("ATOM  {:5}  CA  ALA A{:4}    {:8.3f}{:8.3f}{:8.3f}{:6.2f}  0.00           C\n",
+                    i, i, x, y, z, r);
+  }
+  write_file(directory / "cluster.xyzr", xyzr);
+  write_file(directory / "cluster.pdb", pdb);
+}
+
+}  // namespace
+
+TEST_CASE("measure: two spheres have their closed values") {
+  const Molecules box;
+  const Outcome outcome = box.run({"measure", "two.xyzr", "--json"});
+  REQUIRE(outcome.code == 0);
+  CHECK(outcome.err.empty());
+  check_near(box, outcome.out, "r['ses_area']", ses_of_two());
+  check_near(box, outcome.out, "r['sas_area']", 2 * sas_of_one());
+  check_near(box, outcome.out, "r['vdw_area']", 2 * cut_sphere_area(radius, distance / 2));
+  check_near(box, outcome.out, "sum(r['ses_area_by_kind'].values())", ses_of_two());
+  check_json(box, outcome.out, "r['euler_number']", "2");
+  check_json(box, outcome.out, "r['ses_area_by_kind']['concave']", "0");
+  // With a probe of radius 0, all surfaces are that of the spheres.
+  const Outcome bare = box.run({"measure", "--probe-radius", "0", "--json", "two.xyzr"});
+  for (const char* key : {"r['ses_area']", "r['sas_area']", "r['vdw_area']"})
+    check_near(box, bare.out, key, 2 * cut_sphere_area(radius, distance / 2));
+  const Outcome standard_input = box.run({"measure", "-", "--json"}, "< two.xyzr");
+  check_near(box, standard_input.out, "r['ses_area']", ses_of_two());
+}
+
+TEST_CASE("measure: tables have the areas of atoms, residues and chains") {
+  const Molecules box;
+  REQUIRE(box.run({"measure", "dimer.pqr", "--write", "atoms,residues,chains", "-o", "out"}).code ==
+          0);
+  const auto atoms = rows_of(box.directory() / "out/dimer.atoms.csv");
+  REQUIRE(atoms.size() == 3);
+  CHECK(Fields(atoms[0].begin(), atoms[0].begin() + 7) ==
+        Fields{"1", "CA", "ALA", "1", "A", "C", "1.7"});
+  CHECK(std::stod(atoms[0][7]) == Catch::Approx(sas_of_one()).margin(1e-6));
+  CHECK(std::stod(atoms[0][8]) == Catch::Approx(ses_of_two() / 2).margin(1e-6));
+  CHECK(std::stod(atoms[2][8]) == Catch::Approx(free_ses()).margin(1e-6));
+  const auto residues = rows_of(box.directory() / "out/dimer.residues.csv");
+  REQUIRE(residues.size() == 3);
+  // Maximum areas of Tien et al. (2013): 129 for alanine, 104 for glycine, none for haem.
+  CHECK(std::stod(residues[0][9]) == Catch::Approx(sas_of_one() / 129).margin(1e-6));
+  CHECK(residues[1][9].empty());
+  CHECK(std::stod(residues[2][9]) == Catch::Approx(free_sas() / 104).margin(1e-6));
+  const auto chains = rows_of(box.directory() / "out/dimer.chains.csv");
+  REQUIRE(chains.size() == 3);
+  CHECK(Fields(chains[2].begin(), chains[2].begin() + 3) == Fields{"C", "1", "1"});
+  CHECK(std::stod(chains[2][3]) == Catch::Approx(free_sas()).margin(1e-6));
+}
+
+TEST_CASE("measure: parts bury the areas of closed forms") {
+  const Molecules box;
+  const double sas = 2 * (free_sas() - sas_of_one()), ses = 2 * free_ses() - ses_of_two();
+  for (const std::string parts : {"chains", "A|B", "B|A,C"}) {
+    const Outcome outcome = box.run(
+        {"measure", "dimer.pqr", "--parts", parts, "--json", "--write", "residues", "-o", "parts"});
+    REQUIRE(outcome.code == 0);
+    check_near(box, outcome.out, "r['buried_sas_area']", sas);
+    check_near(box, outcome.out, "r['buried_ses_area']", ses);
+    check_json(box, outcome.out, "r['other_atoms']", parts == "A|B" ? "1" : "0");
+    const auto residues = rows_of(box.directory() / "parts/dimer.residues.csv");
+    REQUIRE(residues.size() == (parts == "A|B" ? 2 : 3));
+    const std::size_t last = residues[0].size() - 1;
+    CHECK(std::stod(residues[0][last - 1]) == Catch::Approx(sas / 2).margin(1e-6));
+    CHECK(std::stod(residues[0][last]) == Catch::Approx(ses / 2).margin(1e-6));
+    if (residues.size() == 3) CHECK(residues[2][last] == "0.000000");
+  }
+}
+
+TEST_CASE("measure: a bad file does not stop the others") {
+  const Molecules box;
+  const Outcome outcome =
+      box.run({"measure", "one.xyzr", "missing.xyzr", "two.xyzr", ".", "--csv", "all.csv"});
+  CHECK(outcome.code == 1);
+  CHECK(contains(outcome.err, "error: cannot open missing.xyzr"));
+  CHECK(contains(outcome.err, "error: cannot read .: Is a directory"));
+  const Fields lines = split(outcome.out, '\n');
+  REQUIRE(lines.size() == 3);  // with the heading
+  CHECK(lines[1].ends_with(" one.xyzr"));
+  CHECK(lines[2].ends_with(" two.xyzr"));
+  const auto rows = rows_of(box.directory() / "all.csv");
+  REQUIRE(rows.size() == 2);
+  CHECK(std::stod(rows[0][3]) == Catch::Approx(16 * std::numbers::pi).margin(1e-6));
+  CHECK(std::stod(rows[1][3]) == Catch::Approx(ses_of_two()).margin(1e-6));
+}
+
+TEST_CASE("measure: results do not depend on threads") {
+  const Molecules box;
+  write_cluster(box.directory());
+  const Arguments files{"measure", "--json", "cluster.xyzr", "two.xyzr", "one.xyzr", "dimer.pqr"};
+  const auto with_threads = [&](const char* threads) {
+    Arguments arguments = files;
+    arguments.insert(arguments.end(), {"--threads", threads});
+    return box.run(arguments).out;
+  };
+  const std::string expected = with_threads("1");
+  CHECK(split(expected, '\n').size() == 4);
+  CHECK(with_threads("2") == expected);
+  CHECK(with_threads("7") == expected);
+}
+
+TEST_CASE("measure: SAS areas are those of FreeSASA with 1000 slices") {
+  if (shell("command -v freesasa > /dev/null 2>&1") != 0) SKIP("freesasa is not installed");
+  const Molecules box;
+  write_cluster(box.directory());
+  const std::string directory = shell_quoted(box.directory().string());
+  REQUIRE(shell("cd " + directory +
+                " && freesasa --lee-richards --resolution=1000 --radius-from-occupancy "
+                "--no-warnings --format=pdb cluster.pdb > areas.pdb") == 0);
+  REQUIRE(box.run({"measure", "cluster.xyzr", "--write", "atoms"}).code == 0);
+  const auto atoms = rows_of(box.directory() / "cluster.atoms.csv");
+  std::vector<double> areas;  // in the column of the temperature factor, with two digits
+  for (const std::string& line : split(read_file(box.directory() / "areas.pdb"), '\n'))
+    if (line.starts_with("ATOM")) areas.push_back(std::stod(line.substr(60, 6)));
+  REQUIRE(areas.size() == 300);
+  REQUIRE(atoms.size() == 300);
+  double ours = 0, theirs = 0;
+  for (std::size_t i = 0; i < areas.size(); ++i) {
+    const double area = std::stod(atoms[i][7]);
+    INFO("atom " << i);
+    CHECK(area == Catch::Approx(areas[i]).epsilon(0).margin(0.05));
+    ours += area;
+    theirs += areas[i];
+  }
+  CHECK(ours > 1000);
+  CHECK(ours == Catch::Approx(theirs).epsilon(1e-4));
+}
+
+TEST_CASE("measure: bad requests are refused") {
+  const Molecules box;
+  check_usage_error(box, {"measure"}, "FILE is required");
+  check_usage_error(box, {"measure", "two.xyzr", "--write", "x"},
+                    "--write is 'x', expected some of atoms,residues,chains");
+  check_usage_error(box, {"measure", "-", "two.xyzr"},
+                    "standard input (-) cannot be combined with other files");
+  check_usage_error(box, {"measure", "two.xyzr", "-o", "out"}, "--output-dir needs --write");
+  check_usage_error(box, {"measure", "dimer.pqr", "--parts", "A|A"}, "--parts names chain A twice");
+  check_usage_error(box, {"measure", "two.xyzr", "--probe-radius", "0.001"},
+                    "--probe-radius is '0.001', expected 0, or a number from 0.01 to 1000, in "
+                    "angstrom");
+  const auto fails = [&](const Arguments& arguments, const std::string& message) {
+    const Outcome outcome = box.run(arguments);
+    CHECK(outcome.code == 1);
+    CHECK(outcome.out.empty());
+    CHECK(outcome.err == "eses-blocks: error: " + message + "\n");
+  };
+  fails({"measure", "dimer.pqr", "--parts", "A|X"},
+        "dimer.pqr: no atoms of chain X, which --parts names; the chains are A, B, C");
+  fs::create_directory(box.directory() / "sub");
+  fs::copy(box.directory() / "two.xyzr", box.directory() / "sub");
+  fails({"measure", "two.xyzr", "sub/two.xyzr", "--write", "atoms"},
+        "./two.atoms.csv would be written twice; use separate output directories");
+  fails({"measure", "two.xyzr", "--csv", "two.xyzr"},
+        "two.xyzr is an input file, and would be overwritten");
+  fails({"measure", "two.xyzr", "--csv", "sub"},
+        "cannot write sub: it is a directory, not a regular file; choose another name");
+  write_file(box.directory() / "twice.xyzr", "0 0 0 1\n0 0 0 1\n");
+  CHECK(box.run({"measure", "twice.xyzr"}).code == 0);
+  CHECK(box.run({"measure", "twice.xyzr", "--strict"}).code == 1);
+}
+
+}  // namespace eses::detail::test
