@@ -146,6 +146,28 @@ TEST_CASE("measure: tables have the areas of atoms, residues and chains") {
   CHECK(std::stod(chains[2][3]) == Catch::Approx(free_sas()).margin(1e-6));
 }
 
+// The area of two SAS spheres of radius R at distance d is 4 pi R^2 + 2 pi R d, that of a free
+// sphere 4 pi R^2; the derivative of its volume by the radius is its area.
+TEST_CASE("measure: derivatives have the closed values of spheres") {
+  const Molecules box;
+  const Outcome outcome = box.run({"measure", "two.xyzr", "--write", "derivatives", "--json"});
+  REQUIRE(outcome.code == 0);
+  const auto rows = rows_of(box.directory() / "two.derivatives.csv");
+  REQUIRE(rows.size() == 2);
+  REQUIRE(rows[0].size() == 17);
+  const double sas = radius + probe;
+  for (const int side : {0, 1}) {
+    const auto value = [&](std::size_t column) { return std::stod(rows[side][column]); };
+    CHECK(rows[side][0] == std::to_string(side + 1));
+    CHECK(value(9) == Catch::Approx((side == 0 ? -1 : 1) * 2 * std::numbers::pi * sas));
+    CHECK(value(10) == Catch::Approx(0).margin(1e-9));
+    CHECK(value(16) == Catch::Approx(sas_of_one()));
+  }
+  const double by_probe = 8 * std::numbers::pi * sas + 2 * std::numbers::pi * distance;
+  check_near(box, outcome.out, "r['derivatives_by_probe_radius']['sas_area']", by_probe);
+  check_json(box, outcome.out, "r['derivatives_are_smooth']", "True");
+}
+
 TEST_CASE("measure: parts bury the areas of closed forms") {
   const Molecules box;
   const double sas = 2 * (free_sas() - sas_of_one()), ses = 2 * free_ses() - ses_of_two();
@@ -228,7 +250,7 @@ TEST_CASE("measure: bad requests are refused") {
   const Molecules box;
   check_usage_error(box, {"measure"}, "FILE is required");
   check_usage_error(box, {"measure", "two.xyzr", "--write", "x"},
-                    "--write is 'x', expected some of atoms,residues,chains");
+                    "--write is 'x', expected some of atoms,residues,chains,derivatives");
   check_usage_error(box, {"measure", "-", "two.xyzr"},
                     "standard input (-) cannot be combined with other files");
   check_usage_error(box, {"measure", "two.xyzr", "-o", "out"}, "--output-dir needs --write");
