@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "eses/error.hpp"
+#include "eses/measure.hpp"
 
 namespace eses::detail {
 
@@ -18,5 +19,8 @@ decltype(auto) check_arguments(Check&& check) {
     throw std::invalid_argument(error.what());
   }
 }
+
+/// Throws std::invalid_argument if the probe radius or the number of threads is out of its range.
+void require_valid(const MeasureOptions& options);
 
 }  // namespace eses::detail
