@@ -190,8 +190,9 @@ void choose_schedule(const SurfaceSurvey& survey, const MemoryBudget& budget,
   const auto& [available, held, labels, has_groups, caller] = budget;
   const Parameters& p = plan.parameters;
   const std::uint64_t limit = p.max_memory > 0 ? std::min(p.max_memory, available) : available;
-  const double always =
-      static_cast<double>(held + caller.bytes) + caller.per_crossing * plan.crossings;
+  const double always = static_cast<double>(held + caller.bytes) +
+                        caller.per_crossing * plan.crossings +
+                        (p.exact ? measure_memory(survey.atom_count()) : 0);
   double smallest = std::numeric_limits<double>::infinity();
   for (const Schedule& schedule : possible_schedules(plan.grid, plan.region, p, survey)) {
     const double memory =
