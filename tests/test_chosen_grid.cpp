@@ -11,6 +11,7 @@
 #include <map>
 #include <set>
 #include <sstream>
+#include <stdexcept>
 #include <string>
 #include <utility>
 #include <vector>
@@ -303,7 +304,7 @@ TEST_CASE("invalid chosen grids are refused", "[grid]") {
   const auto message = [&](const Grid& grid) {
     try {
       require_chosen(grid);
-    } catch (const Error& error) {
+    } catch (const std::invalid_argument& error) {
       return std::string(error.what());
     }
     return std::string();

@@ -289,7 +289,7 @@ TEST_CASE("the suffix of a map decides its format", "[maps]") {
   Outputs outputs;
   for (const std::string name : {"map", "map.DX", "dx", "map.vti.gz", "map.gz"}) {
     outputs.inside_map = name;
-    CHECK_THROWS_AS(make_plan(atoms, {}, outputs), Error);
+    CHECK_THROWS_AS(make_plan(atoms, {}, outputs), std::invalid_argument);
   }
 }
 

@@ -9,6 +9,7 @@
 #include <map>
 #include <numbers>
 #include <set>
+#include <stdexcept>
 #include <string>
 #include <utility>
 #include <vector>
@@ -595,9 +596,9 @@ TEST_CASE("mesh: invalid outputs are refused", "[mesh]") {
   const std::vector<Atom> atoms{{{0, 0, 0}, 1.5}};
   Outputs outputs;
   outputs.mesh = MeshOptions{"a.stl"};
-  CHECK_THROWS_AS(make_plan(atoms, {}, outputs), Error);
+  CHECK_THROWS_AS(make_plan(atoms, {}, outputs), std::invalid_argument);
   outputs.mesh = MeshOptions{"a.ply", MeshColor::chain};
-  CHECK_THROWS_AS(make_plan(atoms, {}, outputs), Error);
+  CHECK_THROWS_AS(make_plan(atoms, {}, outputs), std::invalid_argument);
   for (const char* name : {"a.ply", "b/a.PLY", "a.b.Ply"})
     CHECK(mesh_format(name) == MeshFormat::ply);
   CHECK(mesh_format("a.ply/b") == std::nullopt);

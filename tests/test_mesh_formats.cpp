@@ -8,6 +8,7 @@
 #include <filesystem>
 #include <limits>
 #include <set>
+#include <stdexcept>
 #include <string>
 #include <utility>
 #include <vector>
@@ -214,11 +215,11 @@ TEST_CASE("mesh formats: either name of MSMS's pair gives both names", "[mesh]")
   CHECK(mesh_format("a.vert") == MeshFormat::msms);
   CHECK(mesh_format("a.vertex") == std::nullopt);
   CHECK(required_mesh_format({"a.ply", MeshColor::none, true}) == MeshFormat::ascii_ply);
-  CHECK_THROWS_AS(required_mesh_format({"a.off", MeshColor::none, true}), Error);
+  CHECK_THROWS_AS(required_mesh_format({"a.off", MeshColor::none, true}), std::invalid_argument);
   const std::vector<Atom> atoms{{{0, 0, 0}, 1.5}};
   Outputs outputs;
   outputs.mesh = MeshOptions{"a.vtp", MeshColor::none, true};
-  CHECK_THROWS_AS(make_plan(atoms, {}, outputs), Error);
+  CHECK_THROWS_AS(make_plan(atoms, {}, outputs), std::invalid_argument);
 }
 
 TEST_CASE("mesh formats: VTP and PLY as text have chains, residues and colours", "[mesh]") {

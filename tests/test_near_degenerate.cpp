@@ -14,6 +14,7 @@
 #include <cmath>
 #include <cstdlib>
 #include <limits>
+#include <stdexcept>
 #include <vector>
 
 #include "catch.hpp"
@@ -291,7 +292,7 @@ TEST_CASE("near-degenerate: the smallest probe radius keeps the bounds") {
   Parameters parameters;
   parameters.probe_radius = 0.99 * min_probe_radius;
   const std::vector<Atom> atom{{{0, 0, 0}, 1}};
-  CHECK_THROWS_AS(make_plan(atom, parameters, Outputs::none()), Error);
+  CHECK_THROWS_AS(make_plan(atom, parameters, Outputs::none()), std::invalid_argument);
 }
 
 }  // namespace eses::detail::test

@@ -5,6 +5,7 @@
 #include <filesystem>
 #include <limits>
 #include <numbers>
+#include <stdexcept>
 #include <string>
 #include <utility>
 #include <vector>
@@ -322,7 +323,7 @@ TEST_CASE("a refusal names the smallest limit that is accepted", "[plan]") {
         CHECK((plan.tiling.block_size == GridIndex{block_size, block_size, block_size}));
       if (threads > 0) CHECK(plan.threads == threads);
       parameters.max_memory = (smallest - 1) << 20;
-      CHECK_THROWS_AS(plan_with_plenty(atoms, parameters), Error);
+      CHECK_THROWS_AS(plan_with_plenty(atoms, parameters), MemoryLimitError);
     }
 }
 

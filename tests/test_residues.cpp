@@ -4,6 +4,7 @@
 #include <numbers>
 #include <numeric>
 #include <sstream>
+#include <stdexcept>
 #include <string>
 #include <utility>
 #include <vector>
@@ -196,7 +197,7 @@ TEST_CASE("without labels there are no areas by residue", "[residues]") {
   const std::vector<Atom> atoms{{{0, 0, 0}, 1.5}};
   Outputs outputs;
   outputs.residues = true;
-  CHECK_THROWS_AS(run(atoms, {}, outputs, directory.path()), Error);
+  CHECK_THROWS_AS(run(atoms, {}, outputs, directory.path()), std::invalid_argument);
   CHECK(std::filesystem::is_empty(directory.path()));
 }
 

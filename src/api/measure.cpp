@@ -1,8 +1,8 @@
 #include "eses/measure.hpp"
 
-#include "api/arguments.hpp"
+#include <stdexcept>
+
 #include "api/surface_access.hpp"
-#include "eses/error.hpp"
 #include "surface/measure_patches.hpp"
 #include "system/formatted.hpp"
 #include "system/parallel.hpp"
@@ -13,11 +13,11 @@ namespace {
 void require_valid(double probe_radius, int threads) {
   if (!(probe_radius == 0 ||
         (probe_radius >= min_probe_radius && probe_radius <= max_probe_radius)))
-    throw Error(
+    throw std::invalid_argument(
         detail::formatted("the probe radius must be 0 or between {} and {} angstrom, and is {}",
                           min_probe_radius, max_probe_radius, probe_radius));
   if (threads < 0)
-    throw Error(
+    throw std::invalid_argument(
         detail::formatted("the number of threads must not be negative, and is {}", threads));
 }
 
@@ -25,7 +25,7 @@ void require_valid(double probe_radius, int threads) {
 
 Measures measure(const Surface& surface, const MeasureOptions& options) {
   const double probe_radius = options.probe_radius.value_or(surface.probe_radius());
-  detail::check_arguments([&] { require_valid(probe_radius, options.threads); });
+  require_valid(probe_radius, options.threads);
   const detail::Molecule& molecule = detail::SurfaceAccess::molecule(surface);
   detail::MeasureSettings settings{
       probe_radius, options.by_atom, options.gradients,

@@ -12,6 +12,7 @@
 #include <map>
 #include <optional>
 #include <span>
+#include <stdexcept>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -459,7 +460,7 @@ void add_maps(const CommandLine& line, const std::filesystem::path& directory, O
   }
   try {
     require_valid_maps(outputs);
-  } catch (const Error& error) {
+  } catch (const std::invalid_argument& error) {
     throw UsageError(error.what());
   }
 }
@@ -522,10 +523,9 @@ bool is_same_place(const std::filesystem::path& a, const std::filesystem::path& 
   return plain(a) == plain(b);
 }
 
-bool asks_to_be_independent(int argc, const char* const* argv) {
-  const std::span arguments(argv + std::min(argc, 1), argv + argc);
-  const auto end = std::find(arguments.begin(), arguments.end(), std::string_view("--"));
-  return std::find(arguments.begin(), end, std::string_view(independent_flag)) != end;
+bool asks_to_be_independent(std::span<const std::string> arguments) {
+  const auto end = std::find(arguments.begin(), arguments.end(), "--");
+  return std::find(arguments.begin(), end, independent_flag) != end;
 }
 
 std::optional<Grid> chosen_grid(const Options& options) {
@@ -542,17 +542,15 @@ std::optional<Grid> chosen_grid(const Options& options) {
   return grid;
 }
 
-std::variant<Options, Notice> parse_command_line(int argc, const char* const* argv) {
+Options parse_arguments(const std::vector<std::string>& arguments) {
   CLI::App app("Solvent excluded surface of a molecule on a grid, computed block by block.",
                "eses-blocks");
   CommandLine line;
   add_options(app, line);
   require_known_instruction_set();
-  const std::vector<std::string> arguments(argv + std::min(argc, 1), argv + argc);
   refuse_separate_number(arguments);
-  if (std::optional<Notice> notice = parse(app, arguments, "FILE, PROBE, SPACING and MARGIN"))
-    return *std::move(notice);
-  const Options options = options_of(line);
+  parse(app, arguments, "FILE, PROBE, SPACING and MARGIN");
+  Options options = options_of(line);
   refuse_structure_options(app, {options.input, options.format});
   return options;
 }

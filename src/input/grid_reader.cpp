@@ -7,6 +7,7 @@
 #include <cctype>
 #include <cmath>
 #include <optional>
+#include <stdexcept>
 #include <string>
 #include <string_view>
 
@@ -248,7 +249,7 @@ Grid read_grid(const std::filesystem::path& path) {
                                                      : detail::read_box(path);
   try {
     detail::require_chosen(grid);
-  } catch (const Error& error) {
+  } catch (const std::invalid_argument& error) {
     throw Error(detail::formatted("{}: {}", path.string(), error.what()));
   }
   return grid;

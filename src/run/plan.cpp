@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <limits>
+#include <stdexcept>
 #include <string>
 #include <variant>
 #include <vector>
@@ -35,18 +36,19 @@ constexpr double grid_gzip_ratio = 0.2, edge_gzip_ratio = 0.3, area_gzip_ratio =
 constexpr std::int64_t max_verified = 10'000'000;
 
 void require(bool holds, std::string_view what, double value) {
-  if (!holds) throw Error(formatted("{}, not {}", what, value));
+  if (!holds) throw std::invalid_argument(formatted("{}, not {}", what, value));
 }
 
 void require_valid(const MeshOptions& mesh, const Molecule& molecule) {
   required_mesh_format(mesh);
   if (mesh.color == MeshColor::chain && molecule.labels().empty())
-    throw Error("colouring a mesh by chain needs atoms with labels; xyzr files have none");
+    throw std::invalid_argument(
+        "colouring a mesh by chain needs atoms with labels; xyzr files have none");
 }
 
 void require_enclosing_margin(double depth, const Parameters& p) {
   if (depth < 0 || p.margin >= 0.5 * p.spacing) return;
-  throw Error(
+  throw std::invalid_argument(
       formatted("a margin of {} angstrom is too small for a spacing of {}: the grid, whose number "
                 "of points is truncated, would cut the surface; use a margin of at least {}",
                 p.margin, p.spacing, p.spacing));
@@ -190,8 +192,9 @@ void choose_schedule(const SurfaceSurvey& survey, const MemoryBudget& budget,
   const auto& [available, held, labels, has_groups, caller] = budget;
   const Parameters& p = plan.parameters;
   const std::uint64_t limit = p.max_memory > 0 ? std::min(p.max_memory, available) : available;
-  const double always =
-      static_cast<double>(held + caller.bytes) + caller.per_crossing * plan.crossings;
+  const double always = static_cast<double>(held) +
+                        caller.per_point * static_cast<double>(plan.region.point_count()) +
+                        caller.per_crossing * plan.crossings;
   double smallest = std::numeric_limits<double>::infinity();
   for (const Schedule& schedule : possible_schedules(plan.grid, plan.region, p, survey)) {
     const double memory =
@@ -252,7 +255,7 @@ void require_valid(const Outputs& outputs, const Molecule& molecule) {
   if (outputs.mesh) require_valid(*outputs.mesh, molecule);
   require_valid_maps(outputs);
   if (outputs.residues && molecule.labels().empty())
-    throw Error("areas by residue need atoms with labels; xyzr files have none");
+    throw std::invalid_argument("areas by residue need atoms with labels; xyzr files have none");
 }
 
 FileSizes plan_files(std::uint64_t atoms, const LabelTotals& labels, const Outputs& outputs,

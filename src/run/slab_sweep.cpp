@@ -203,19 +203,19 @@ OrderedOutput::WriteAt SlabSweep::sink_of_text(ChunkText text, PlaneChunk& chunk
     return sink_of(*scratch, checksums[static_cast<std::size_t>(text)],
                    plan_.checkpoint != nullptr);
   if (!is_in_place_) return {};
-  OutputFiles& files = *files_.final_files;
-  const auto into = [](std::optional<OutputFile>& file, std::uint64_t begin = 0) {
-    return file ? sink_of(*file, begin) : OrderedOutput::WriteAt();
+  const auto into = [this](RunFile which, std::uint64_t begin = 0) {
+    OutputFile* const file = files_.final_files->find(which);
+    return file != nullptr ? sink_of(*file, begin) : OrderedOutput::WriteAt();
   };
   switch (text) {
     case ChunkText::grid:
-      return into(files.grid);
+      return into(RunFile::grid);
     case ChunkText::edges:
-      return into(files.edges);
+      return into(RunFile::edges);
     case ChunkText::vertices:
-      return into(files.mesh, files_.mesh_header_bytes);
+      return into(RunFile::mesh, files_.mesh_header_bytes);
     case ChunkText::triangles:
-      return into(files.mesh_faces, files_.face_header_bytes);
+      return into(RunFile::mesh_faces, files_.face_header_bytes);
     case ChunkText::first_map:
       break;
   }
@@ -229,9 +229,10 @@ std::vector<MapSink> SlabSweep::map_sinks(PlaneChunk& chunk, const GridRegion& r
   for (const MapChoice& map : chosen_maps(task_.outputs))
     sinks.push_back(
         {map.quantity,
-         is_in_place_ ? rows_of_map(*files_.final_files->map(map.quantity), map, plan_.whole_plan)
-                      : rows_as_words(map.quantity, region,
-                                      sink_of_text(text_of(map.quantity), chunk, checksums))});
+         is_in_place_
+             ? rows_of_map(*files_.final_files->find(file_of(map.quantity)), map, plan_.whole_plan)
+             : rows_as_words(map.quantity, region,
+                             sink_of_text(text_of(map.quantity), chunk, checksums))});
   return sinks;
 }
 

@@ -72,8 +72,7 @@ struct MapsInMemory {
 
 /// Memory that the caller of a run needs for the results, besides the memory of the run.
 struct CallerMemory {
-  std::uint64_t bytes = 0;
-  double per_crossing = 0;  ///< bytes
+  double per_point = 0, per_crossing = 0;  ///< bytes
 };
 
 /// A request: the choices of the user for a run.
