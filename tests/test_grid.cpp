@@ -261,8 +261,8 @@ namespace {
 
 Parameters with_margin(double spacing, double margin) {
   Parameters parameters;
-  parameters.spacing = spacing;
-  parameters.margin = margin;
+  grid_options(parameters).spacing = spacing;
+  grid_options(parameters).margin = margin;
   return parameters;
 }
 
@@ -342,7 +342,7 @@ TEST_CASE("requests that no machine can fulfil are refused before anything is wr
     CHECK_FALSE(std::filesystem::exists(directory.path() / "out" / "grid_info.txt"));
   }
   Parameters parameters;
-  parameters.spacing = 1e-4;
+  grid_options(parameters).spacing = 1e-4;
   parameters.block_size = 1'000'000;
   CHECK_THROWS_AS(make_plan(atoms, parameters, {false, false, false, false}),
                   std::invalid_argument);

@@ -136,7 +136,7 @@ TEST_CASE("a region has the lines of a full run, to the last byte", "[region]") 
       const std::vector<Atom> atoms = make_atom_set(kind, seed);
       Parameters parameters;
       parameters.probe_radius = designed_probe_radius(seed);
-      parameters.spacing = 0.5;
+      grid_options(parameters).spacing = 0.5;
       const Result full = result_of(atoms, parameters);
       for (int trial = 0; trial < 3; ++trial) {
         const GridRegion region = random_region(full.plan.grid.size, random);
@@ -306,7 +306,7 @@ TEST_CASE("only atoms near a region get patches, and the plan counts them", "[re
 TEST_CASE("a region without atoms has empty results", "[region]") {
   const std::vector<Atom> atoms{{{0, 0, 0}, 1}, {{60, 60, 60}, 1}};
   Parameters parameters;
-  parameters.spacing = 1;
+  grid_options(parameters).spacing = 1;
   parameters.part = Box{{30, 5, 5}, {40, 10, 10}};
   parameters.verify = 10;
   const Result part = result_of(atoms, parameters);

@@ -43,8 +43,6 @@ const detail::Molecule& molecule_of(const Surface& surface) {
 detail::Parameters parameters_of(const Surface& surface, const Grid& grid,
                                  const RunOptions& options) {
   detail::Parameters parameters{.probe_radius = surface.probe_radius(),
-                                .spacing = grid.spacing,
-                                .margin = 0,
                                 .grid = grid,
                                 .block_size = options.block_size,
                                 .threads = options.threads,
@@ -56,7 +54,7 @@ detail::Parameters parameters_of(const Surface& surface, const Grid& grid,
 
 // Throws std::invalid_argument for faults that the planner does not detect.
 void check_task(const detail::RunTask& task) {
-  detail::require_valid(*task.parameters.grid);
+  detail::require_valid(std::get<Grid>(task.parameters.grid));
   for (const detail::MapChoice& map : detail::chosen_maps(task.outputs))
     if (std::filesystem::path(map.name).has_parent_path())
       throw std::invalid_argument(detail::formatted(
@@ -100,6 +98,14 @@ Summary solve(const PlannedRun& run, const detail::Callbacks& callbacks) {
   if (detail::has_faults(summary)) throw VerificationError(std::move(*summary.verification));
   summary.atom_areas = std::move(result.atom_areas).value();
   return std::move(summary);
+}
+
+// Performs a run that passes the maps of `outputs` to receivers, and writes nothing.
+void solve_maps(PlannedRun& run, const Outputs& outputs, const RunOptions& options,
+                std::vector<detail::MapSink> receivers) {
+  run.task.outputs = Outputs::none();
+  run.task.maps_in_memory = {std::move(receivers), detail::extras_of(outputs)};
+  solve(run, callbacks_of(options));
 }
 
 std::invalid_argument point_error(const GridIndex& point, const GridRegion& region) {
@@ -357,10 +363,8 @@ std::array<std::vector<double>, 3> compute_dielectric(const Surface& surface, co
   PlannedRun run = plan_run(surface, grid, outputs, options, no_parts, 3 * sizeof(double));
   std::array<std::vector<double>, 3> values;
   for (std::vector<double>& list : values) clear_points(run, options, list);
-  run.task.outputs = Outputs::none();
-  run.task.maps_in_memory =
-      detail::dielectric_receivers(detail::chosen_maps(outputs), run.region(), values);
-  solve(run, callbacks_of(options));
+  solve_maps(run, outputs, options,
+             detail::dielectric_receivers(detail::chosen_maps(outputs), run.region(), values));
   return values;
 }
 
@@ -371,9 +375,7 @@ std::vector<std::uint8_t> compute_ion_access(const Surface& surface, const Grid&
   PlannedRun run = plan_run(surface, grid, outputs, options, no_parts, 1);
   std::vector<std::uint8_t> values;
   clear_points(run, options, values);
-  run.task.outputs = Outputs::none();
-  run.task.maps_in_memory = detail::ion_access_receiver(ion_radius, run.region(), values);
-  solve(run, callbacks_of(options));
+  solve_maps(run, outputs, options, {detail::ion_access_receiver(run.region(), values)});
   return values;
 }
 

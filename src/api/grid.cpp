@@ -8,8 +8,7 @@
 namespace eses {
 
 Grid make_grid(const Surface& surface, const GridOptions& options) {
-  const detail::Parameters parameters{.spacing = options.spacing, .margin = options.margin};
-  return detail::plan_grid(detail::sphere_bounds(surface.atoms()), parameters).grid;
+  return detail::plan_grid(detail::sphere_bounds(surface.atoms()), {.grid = options}).grid;
 }
 
 void validate(const Grid& grid) { detail::require_valid(grid); }

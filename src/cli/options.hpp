@@ -38,7 +38,7 @@ struct Options {
 };
 
 /// Returns whether two paths name the same directory, without following symbolic links.
-bool is_same_place(const std::filesystem::path& a, const std::filesystem::path& b);
+bool is_same_directory(const std::filesystem::path& a, const std::filesystem::path& b);
 
 /// Returns whether --independent is among the arguments. Used before MPI is initialized, which may
 /// remove its own arguments from the command line.

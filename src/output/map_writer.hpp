@@ -97,7 +97,7 @@ struct MapLayout {
   std::uint64_t file_bytes() const { return value_offset(points) + footer.size(); }
 };
 
-/// Returns the layout of the map of a region. Coordinates and indices are those of the whole grid.
+/// Returns the layout of the map of a region. Coordinates and indices refer to the whole grid.
 MapLayout map_layout(const MapChoice& map, const Grid& grid, const GridRegion& region);
 
 /// Fills `values` with the bytes of a .vti file, one for each bit.

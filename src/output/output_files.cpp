@@ -163,7 +163,7 @@ std::vector<DiskDemand> disk_demands(const FileSizes& sizes, const Outputs& outp
 }
 
 // Uses faccessat with AT_EACCESS and not access(2), which checks the rights of the user who started
-// the program instead of those of the process.
+// the program instead of the rights of the process.
 void require_writable(const std::filesystem::path& directory) {
   const std::filesystem::path existing = existing_part(directory);
   struct stat status {};
@@ -258,7 +258,7 @@ DiskSpace require_disk_space(const FileSizes& sizes, const Outputs& outputs,
   for (const DiskDemand& demand : disk_demands(sizes, outputs, directory)) {
     const std::uint64_t available = available_disk(existing_part(demand.directory));
     if (demand.certain > available) refuse_space(demand, available, sizes, outputs);
-    space.places.push_back({demand.directory, available, demand.expected});
+    space.file_systems.push_back({demand.directory, available, demand.expected});
   }
   return space;
 }

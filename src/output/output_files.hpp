@@ -77,13 +77,13 @@ std::vector<std::string> lock_paths(const Outputs& choice, const std::filesystem
 
 /// Available and expected disk space, for each file system of the output.
 struct DiskSpace {
-  struct Place {
+  struct FileSystem {
     std::filesystem::path directory;
     std::uint64_t available = 0;  ///< bytes; the largest number if it is not known
-    std::uint64_t expected = 0;   ///< bytes, with those of temporary data
+    std::uint64_t expected = 0;   ///< bytes, including temporary data
   };
   /// The output directory; then the directory of the mesh if it is in another file system.
-  std::vector<Place> places;
+  std::vector<FileSystem> file_systems;
 };
 
 /// Returns the disk space for files of these sizes. The output directory and the directory of the

@@ -71,7 +71,7 @@ std::optional<mesh::MeshText> mesh_text(const RunTask& task, const RunPlan& plan
                                 .residue_count = processes.sum(plan.groups.residues.size())};
   return mesh::MeshText(required_mesh_format(*mesh), mesh->color,
                         {.groups = groups,
-                         .file_indices = plan.slab.file_indices,
+                         .file_indices = plan.slab.file_indices(),
                          .atoms = plan.slab.molecule.atoms(),
                          .atom_count = plan.atoms,
                          .probe_radius = plan.whole_plan.parameters.probe_radius,
@@ -98,17 +98,11 @@ std::vector<std::string> broadcast_lines(const std::vector<std::string>& lines, 
 
 // Replaces wall-clock times by their maxima, and times of threads by their sums over all processes.
 void combine_seconds(PhaseSeconds& seconds, const Processes& processes) {
-  std::array maxima{seconds.blocks, seconds.verify, seconds.total};
-  processes.allreduce_max(maxima);
-  seconds.blocks = maxima[0];
-  seconds.verify = maxima[1];
-  seconds.total = maxima[2];
-  std::array sums{seconds.patches, seconds.classify, seconds.intersect, seconds.output};
-  processes.add(std::span<double>(sums));
-  seconds.patches = sums[0];
-  seconds.classify = sums[1];
-  seconds.intersect = sums[2];
-  seconds.output = sums[3];
+  for (double* const wall_clock : {&seconds.blocks, &seconds.verify, &seconds.total})
+    processes.allreduce_max({wall_clock, 1});
+  for (double* const of_threads :
+       {&seconds.patches, &seconds.classify, &seconds.intersect, &seconds.output})
+    processes.add(std::span<double>(of_threads, 1));
 }
 
 // Adds up the verifications of all processes. Faults are in the order of the slabs.
