@@ -150,11 +150,11 @@ function potentialAt(molecule, vertex) {
   return (molecule.potential[vertex] - 32768) / 32767 * molecule.potential_max;
 }
 
-// Returns the largest area of the scale: that of the atom that 2 per cent exceed.
+// Returns the end of the scale of areas: a multiple of 5 that at most 2 per cent of the atoms exceed.
 function largestArea(molecules) {
   const areas = molecules.flatMap((one) => one.area ? Array.from(one.area) : [])
     .filter((area) => area > 0).sort((a, b) => a - b);
-  return (areas[Math.floor(0.98 * areas.length)] ?? 100) / 100;
+  return 5 * Math.ceil((areas[Math.floor(0.98 * areas.length)] ?? 500) / 500);
 }
 
 // The schemes: which molecules have them, a function that returns the colour of a vertex, and the
@@ -207,7 +207,7 @@ const SCHEMES = {
       gradientColor(SEQUENTIAL, one.area[atom] / 100 / area)),
     gradient: ({ area }) => ({
       stops: SEQUENTIAL, title: "area of the atom, Å²",
-      ticks: ["0", (area / 2).toFixed(0), `≥ ${area.toFixed(0)}`],
+      ticks: ["0", `${area / 2}`, `≥ ${area}`],
     }),
   },
   plain: { label: "none", has: () => true, paint: () => () => PLAIN },

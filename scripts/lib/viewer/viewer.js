@@ -7,8 +7,10 @@ const STYLES = { // of atoms: factor and addition of the radius of spheres, radi
   spheres: { shrink: 1, add: 0, stick: 0 },
 };
 const STICK_SIDES = 12;
-const FILLED = 0.9; // part of the picture that the largest molecule fills
+const FILLED = 0.97; // part of the picture that the sphere around the largest molecule fills
+const SAMPLES = 4; // of a pixel, which smooth edges
 const SLOW_FRAME = 70; // milliseconds; slower machines draw less detail while the view changes
+const WEAK_FRAME = 400; // milliseconds; such machines, without a GPU, never draw several samples
 const REST = 250; // milliseconds until the full detail is drawn again
 const TURN = Math.PI / 36; // of a key
 const MIN_PICTURE = 2000; // pixels; width of saved pictures
@@ -27,9 +29,12 @@ class Viewer {
     this.range = 1.1 * this.radius + 5; // spheres of atoms included
     this.isChanging = false;
     this.isSlow = false;
+    this.isWeak = false;
     this.lastFrame = 0;
     this.startGraphics();
+    this.setTheme();
     this.paint();
+    this.measure();
   }
 
   // -------------------------------------------------------------------------------- graphics
@@ -48,10 +53,24 @@ class Viewer {
     this.drawings = this.molecules.map((one) => makeDrawing(gl, one));
   }
 
+  // Measures whether the machine is weak.
+  measure() {
+    const pixel = new Uint8Array(4), { gl } = this;
+    const time = (size) => {
+      const begin = performance.now();
+      this.render(size, size, { isShaded: false, samples: 0 });
+      gl.readPixels(0, 0, 1, 1, gl.RGBA, gl.UNSIGNED_BYTE, pixel); // waits until it is drawn
+      return performance.now() - begin;
+    };
+    time(16); // compiles the shaders
+    this.isWeak = time(512) > WEAK_FRAME;
+  }
+
   // Allocates the buffers of the picture, if its size has changed.
-  resize(width, height) {
-    if (this.buffers?.width === width && this.buffers.height === height) return;
-    const gl = this.gl;
+  resize(width, height, wanted) {
+    const gl = this.gl, samples = Math.min(wanted, gl.getParameter(gl.MAX_SAMPLES));
+    if (this.buffers?.width === width && this.buffers.height === height
+        && this.buffers.samples === samples) return;
     for (const { texture, renderbuffer, frame } of this.buffers?.parts ?? []) {
       if (texture) gl.deleteTexture(texture);
       if (renderbuffer) gl.deleteRenderbuffer(renderbuffer);
@@ -67,11 +86,10 @@ class Viewer {
       return keep({ renderbuffer });
     };
     const framed = (color, depth) => keep({ frame: makeFrame(gl, color, depth) }).frame;
-    const samples = Math.min(4, gl.getParameter(gl.MAX_SAMPLES));
     const picture = textured(gl.RGBA8), depth = textured(gl.DEPTH_COMPONENT24);
     const occlusion = textured(gl.RGBA8), numbers = textured(gl.RGBA8);
     this.buffers = {
-      width, height, parts, picture, depth, occlusion,
+      width, height, samples, parts, picture, depth, occlusion,
       sampled: framed(rendered(gl.RGBA8, samples), rendered(gl.DEPTH_COMPONENT24, samples)),
       resolved: framed(picture, depth),
       shade: framed(occlusion, null),
@@ -177,11 +195,11 @@ class Viewer {
   }
 
   // Draws a picture of this size into the canvas.
-  render(width, height, isShaded) {
+  render(width, height, { isShaded, samples }) {
     const gl = this.gl;
     canvas.width = width;
     canvas.height = height;
-    this.resize(width, height);
+    this.resize(width, height, samples);
     const { buffers, programs: { occlusion, composite } } = this;
     gl.bindFramebuffer(gl.FRAMEBUFFER, buffers.sampled);
     this.drawScene(width, height, false);
@@ -220,9 +238,11 @@ class Viewer {
   draw() {
     const isReduced = this.isChanging && this.isSlow;
     const ratio = isReduced ? 0.5 : Math.min(window.devicePixelRatio || 1, 2);
+    const isShaded = this.look.shading && !isReduced;
     const { clientWidth, clientHeight } = canvas;
     this.render(Math.max(1, Math.round(ratio * clientWidth)),
-      Math.max(1, Math.round(ratio * clientHeight)), this.look.shading && !isReduced);
+      Math.max(1, Math.round(ratio * clientHeight)),
+      { isShaded, samples: isReduced || this.isWeak ? 0 : SAMPLES });
     this.showScale();
   }
 
@@ -419,7 +439,7 @@ class Viewer {
     const factor = Math.min(Math.max(MIN_PICTURE / clientWidth, window.devicePixelRatio || 1),
       this.maxPixels / Math.max(clientWidth, clientHeight));
     const width = Math.round(factor * clientWidth), height = Math.round(factor * clientHeight);
-    this.render(width, height, this.look.shading);
+    this.render(width, height, { isShaded: this.look.shading, samples: SAMPLES });
     const page = document.createElement("canvas");
     page.width = width;
     page.height = height;
@@ -757,7 +777,6 @@ async function start() {
   }
   if (window.innerWidth < 640) $("panel").open = false;
   const viewer = new Viewer(molecules, settings);
-  viewer.setTheme();
   for (const name of ["color", "style", "opacity"]) $(name).value = settings[name];
   viewer.showNames();
   listenToPointers(viewer);
