@@ -1,7 +1,6 @@
 """Tests that scripts/render draws a small mesh; skipped without VTK or a display."""
 
 import colorsys
-import importlib.machinery
 import importlib.util
 import math
 import os
@@ -61,13 +60,6 @@ def frame(rows):
     lines = [y for y, row in enumerate(rows) if set(row) != {WHITE}]
     columns = [x for x in range(len(rows[0])) if any(row[x] != WHITE for row in rows)]
     return columns[0], columns[-1], lines[0], lines[-1]
-
-
-def load_script():
-    loader = importlib.machinery.SourceFileLoader("render", str(SCRIPT))
-    module = importlib.util.module_from_spec(importlib.util.spec_from_loader("render", loader))
-    loader.exec_module(module)
-    return module
 
 
 def hue(color):
@@ -171,7 +163,7 @@ class Render(TestCase):
     def test_wrong_files_are_refused(self):
         text = self.folder / "a.txt"
         text.write_text("none")
-        for path, message in ((text, "not a .ply, .obj or .vtp file"),
+        for path, message in ((text, "not a .ply, .vtp, .obj, .off, .vert or .face file"),
                               (self.folder / "b.ply", "no such file")):
             done = self.render(path, "-o", self.folder / "c.png")
             self.assertEqual(done.returncode, 1)
@@ -184,21 +176,20 @@ class Borders(TestCase):
     def test_borders_of_contact_circles_are_exact(self):
         """Two spheres: a place is on the saddle if the probe that touches the nearer sphere in its
         direction would overlap the other sphere."""
+        import meshes
         import numpy
         import patch_borders
         radius, probe, half = 1.7, 1.4, 1.6
-        source, mesh = self.folder / "two.xyzr", self.folder / "two.ply"
+        source, mesh_file = self.folder / "two.xyzr", self.folder / "two.ply"
         source.write_text(f"{-half} 0 0 {radius}\n{half} 0 0 {radius}\n")
         for format_options in ((), ("--ply-ascii",)):
-            self.assertDone(subprocess.run([PROGRAM, source, "-q", "--write", "none", "--mesh", mesh,
+            self.assertDone(subprocess.run([PROGRAM, source, "-q", "--write", "none", "--mesh", mesh_file,
                                             "--color", "patch", "--spacing", "0.6", *format_options],
                                            capture_output=True, text=True, check=False))
-            vertices, triangles, _ = load_script().read_ply(mesh)
-            points, normals, colors = (
-                numpy.stack([vertices[name] for name in names], axis=1) for names in
-                (("x", "y", "z"), ("nx", "ny", "nz"), ("red", "green", "blue")))
+            mesh = meshes.read_mesh(mesh_file)
             points, _, triangles, colors = patch_borders.divide(
-                points, normals.astype(float), triangles, vertices["patch"], vertices["atom"], colors, 8)
+                mesh.points, mesh.normals.astype(float), mesh.triangles, mesh.values["patch"],
+                mesh.values["atom"], mesh.values["color"], 8)
             corners = points[triangles]
             middle = corners.mean(axis=1)
             away = numpy.abs(middle[:, 0]) - half
