@@ -23,6 +23,8 @@ STEPS = 65535  # of a coordinate of a vertex
 NORMAL_STEPS = 1023  # on each side of zero of an octahedral coordinate
 POTENTIAL_STEPS = 32767  # on each side of zero
 COMPRESSION_LEVEL = 6
+# Colours of the potential from negative to positive: red, white, blue.
+DIVERGING = ((200, 20, 30), (245, 160, 140), (248, 248, 248), (140, 170, 245), (25, 50, 205))
 
 
 @dataclasses.dataclass
@@ -58,6 +60,12 @@ def nice_limit(values):
     limit = float(numpy.quantile(numpy.abs(values), 0.98)) or 1.0
     power = 10 ** math.floor(math.log10(limit))
     return next(factor * power for factor in (1, 2, 5, 10) if factor * power >= limit * (1 - 1e-9))
+
+
+def potential_colors(values, limit):
+    """Returns the colours of potentials on a scale from -limit to limit."""
+    places = numpy.linspace(-limit, limit, len(DIVERGING))
+    return numpy.stack([numpy.interp(values, places, column) for column in zip(*DIVERGING)], axis=1)
 
 
 # --------------------------------------------------------------------------------------- arrays
@@ -194,8 +202,10 @@ def make_page(molecules, title, color=None, style="none", opacity=None, potentia
         opacity = 100 if style == "none" else 45
     described = [describe(one) for one in molecules]
     settings = {"color": color or ("potential" if values else "patch"), "style": style,
-                "opacity": opacity, "potential": potential_limit}
-    data = {"settings": settings, "molecules": [info for info, _ in described]}
+                "opacity": opacity}
+    data = {"settings": settings,
+            "limits": {"potential": potential_limit, "diverging": DIVERGING},
+            "molecules": [info for info, _ in described]}
     arrays = "\n".join(f'<script type="text/plain" id="arrays-{number}">{text}</script>'
                        for number, (_, text) in enumerate(described))
     script = "\n".join(map(part, ("data.js", "shaders.js", "viewer.js")))

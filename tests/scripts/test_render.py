@@ -160,6 +160,23 @@ class Render(TestCase):
                               if max(pixel) - min(pixel) > 100}
                     self.assertEqual(len(beside), count)
 
+    def test_potential_is_red_where_negative_and_blue_where_positive(self):
+        field = self.folder / "x.dx"
+        field.write_text("object 1 class gridpositions counts 2 2 2\norigin -12 -12 -12\n"
+                         "delta 24 0 0\ndelta 0 24 0\ndelta 0 0 24\n"
+                         "object 3 class array type double rank 0 items 8 data follows\n"
+                         + "-5 " * 4 + "5 " * 4 + "\n")
+        rows = self.picture_of([(-4, 0, 0, 1.7), (4, 0, 0, 1.7)],
+                               more=("--azimuth", 0, "--potential", field))
+        middle = rows[len(rows) // 2]
+        shown = [color for color in middle[:-22] if max(color) - min(color) > 40]
+        is_red = [red > blue for red, _, blue in shown]
+        self.assertEqual(is_red, sorted(is_red, reverse=True))
+        self.assertGreater(is_red.count(True), 10)
+        self.assertGreater(is_red.count(False), 10)
+        legend = {pixel for row in rows for pixel in row[-22:]}
+        self.assertLessEqual({(200, 20, 30), (25, 50, 205)}, legend)
+
     def test_wrong_files_are_refused(self):
         text = self.folder / "a.txt"
         text.write_text("none")

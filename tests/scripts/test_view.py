@@ -144,7 +144,7 @@ class Files(TestCase):
                                      "-o", self.page))
             data, _ = data_of(self.page)
             self.assertEqual(data["settings"]["color"], "potential")
-            self.assertEqual(data["settings"]["potential"], 10)
+            self.assertEqual(data["limits"]["potential"], 10)
             self.assertAlmostEqual(data["molecules"][0]["potential_max"], 6 + RADIUS + offset,
                                    delta=0.05)
         done = run_view(self.atoms, "--potential", field, "--potential-offset", 5, "-o", self.page)

@@ -18,9 +18,8 @@ const MAX_LEGEND = 26; // entries; more would not be legible
 const PATCHES = ["", "convex", "saddle", "concave"];
 const PATCH_COLORS = [[158, 181, 204], [86, 180, 233], [240, 228, 66], [213, 94, 0]];
 const PLAIN = PATCH_COLORS[0];
-// Colours between 0 and 1: viridis (S. van der Walt, N. Smith), and red, white, blue.
+// Viridis (S. van der Walt, N. Smith).
 const SEQUENTIAL = [[68, 1, 84], [59, 82, 139], [33, 145, 140], [94, 201, 98], [253, 231, 37]];
-const DIVERGING = [[200, 20, 30], [245, 160, 140], [248, 248, 248], [140, 170, 245], [25, 50, 205]];
 
 // -------------------------------------------------------------------------------------- arrays
 
@@ -167,10 +166,10 @@ const SCHEMES = {
   },
   potential: {
     label: "potential", has: (one) => one.potential,
-    paint: (one, { potential }) => (vertex) =>
-      gradientColor(DIVERGING, 0.5 + potentialAt(one, vertex) / (2 * potential)),
-    gradient: ({ potential }) => ({
-      stops: DIVERGING, title: "potential, kT/e",
+    paint: (one, { potential, diverging }) => (vertex) =>
+      gradientColor(diverging, 0.5 + potentialAt(one, vertex) / (2 * potential)),
+    gradient: ({ potential, diverging }) => ({
+      stops: diverging, title: "potential, kT/e",
       ticks: [`≤ −${potential}`, "0", `≥ +${potential}`],
     }),
   },

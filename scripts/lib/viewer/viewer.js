@@ -20,11 +20,11 @@ const $ = (id) => document.getElementById(id);
 const canvas = $("canvas");
 
 class Viewer {
-  constructor(molecules, settings) {
+  constructor(molecules, settings, limits) {
     this.molecules = molecules;
     this.view = { rotation: startRotation(), pan: [0, 0], zoom: 1 };
     this.look = { clip: 0, shading: true, theme: "auto", ...settings };
-    this.limits = { potential: settings.potential, area: largestArea(molecules) };
+    this.limits = { ...limits, area: largestArea(molecules) };
     this.radius = Math.max(...molecules.map((one) => one.radius_of_all));
     this.range = 1.1 * this.radius + 5; // spheres of atoms included
     this.isChanging = false;
@@ -758,7 +758,7 @@ function listenToControls(viewer) {
 
 // Returns the viewer when all molecules are read.
 async function start() {
-  const { settings, molecules: infos } = JSON.parse($("molecules").textContent);
+  const { settings, limits, molecules: infos } = JSON.parse($("molecules").textContent);
   if (typeof DecompressionStream === "undefined")
     throw new Error("this browser is too old: it has no DecompressionStream");
   const molecules = [];
@@ -776,7 +776,7 @@ async function start() {
     settings.style = "none";
   }
   if (window.innerWidth < 640) $("panel").open = false;
-  const viewer = new Viewer(molecules, settings);
+  const viewer = new Viewer(molecules, settings, limits);
   for (const name of ["color", "style", "opacity"]) $(name).value = settings[name];
   viewer.showNames();
   listenToPointers(viewer);
