@@ -23,6 +23,7 @@ STEPS = 65535  # of a coordinate of a vertex
 NORMAL_STEPS = 1023  # on each side of zero of an octahedral coordinate
 POTENTIAL_STEPS = 32767  # on each side of zero
 COMPRESSION_LEVEL = 6
+PATCH_COLORS = ((86, 180, 233), (240, 228, 66), (213, 94, 0))  # those of --color patch
 # Colours of the potential from negative to positive: red, white, blue.
 DIVERGING = ((200, 20, 30), (245, 160, 140), (248, 248, 248), (140, 170, 245), (25, 50, 205))
 
@@ -204,7 +205,8 @@ def make_page(molecules, title, color=None, style="none", opacity=None, potentia
     settings = {"color": color or ("potential" if values else "patch"), "style": style,
                 "opacity": opacity}
     data = {"settings": settings,
-            "limits": {"potential": potential_limit, "diverging": DIVERGING},
+            "limits": {"potential": potential_limit, "diverging": DIVERGING,
+                       "patches": PATCH_COLORS},
             "molecules": [info for info, _ in described]}
     arrays = "\n".join(f'<script type="text/plain" id="arrays-{number}">{text}</script>'
                        for number, (_, text) in enumerate(described))

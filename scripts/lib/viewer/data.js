@@ -16,8 +16,7 @@ const UNKNOWN_COVALENT = 0.76; // carbon
 const BOND_TOLERANCE = 0.45; // angstrom
 const MAX_LEGEND = 26; // entries; more would not be legible
 const PATCHES = ["", "convex", "saddle", "concave"];
-const PATCH_COLORS = [[158, 181, 204], [86, 180, 233], [240, 228, 66], [213, 94, 0]];
-const PLAIN = PATCH_COLORS[0];
+const PLAIN = [158, 181, 204];
 // Viridis (S. van der Walt, N. Smith).
 const SEQUENTIAL = [[68, 1, 84], [59, 82, 139], [33, 145, 140], [94, 201, 98], [253, 231, 37]];
 
@@ -161,8 +160,8 @@ function largestArea(molecules) {
 const SCHEMES = {
   patch: {
     label: "patch", has: (one) => one.patch,
-    paint: (one) => (vertex) => PATCH_COLORS[one.patch[vertex]],
-    entries: (one) => [1, 2, 3].map((kind) => [PATCHES[kind], PATCH_COLORS[kind]]),
+    paint: (one, { patches }) => (vertex) => patches[one.patch[vertex] - 1],
+    entries: (_, { patches }) => patches.map((color, i) => [PATCHES[i + 1], color]),
   },
   potential: {
     label: "potential", has: (one) => one.potential,
@@ -228,9 +227,9 @@ function paintVertices(molecule, scheme, limits) {
 }
 
 // Returns the names and colours of a scheme without repetition; none if they would be too many.
-function legendEntries(molecules, scheme) {
+function legendEntries(molecules, scheme, limits) {
   const { has, entries } = SCHEMES[scheme];
   if (!entries) return [];
-  const shown = new Map(molecules.filter(has).flatMap(entries));
+  const shown = new Map(molecules.filter(has).flatMap((one) => entries(one, limits)));
   return shown.size > MAX_LEGEND ? [] : Array.from(shown);
 }

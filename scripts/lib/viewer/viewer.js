@@ -401,7 +401,7 @@ class Viewer {
   legend() {
     const scheme = SCHEMES[this.look.color];
     return {
-      entries: legendEntries(this.molecules, this.look.color),
+      entries: legendEntries(this.molecules, this.look.color, this.limits),
       gradient: scheme.gradient?.(this.limits),
     };
   }
