@@ -84,16 +84,17 @@ std::optional<double> max_sas_area(std::string_view residue) {
 
 void write_measured_atoms(const MeasuredAtoms& atoms, const TextSink& sink) {
   BufferedText text(sink);
-  text.append("serial,name,residue,residue_number,chain,element,radius,{}{}\n", area_columns,
+  text.append("serial,name,residue,residue_number,chain,element,x,y,z,radius,{}{}\n", area_columns,
               part_columns(atoms));
   for (std::size_t i = 0; i < atoms.atoms.size(); ++i) {
     AreaSums sums;
     sums.add(atoms, i);
     const AtomLabel label = atoms.labels.empty() ? AtomLabel() : atoms.labels[i];
-    text.append("{},{},{},{},{},{},{},{}{}\n", serial_number(atoms, i), csv_field(label.atom_name),
-                csv_field(label.residue), csv_field(label.residue_number), csv_field(label.chain),
-                csv_field(label.element), atoms.atoms[i].radius, area_fields(sums),
-                part_fields(atoms, sums));
+    const auto& [center, radius] = atoms.atoms[i];
+    text.append("{},{},{},{},{},{},{},{},{},{},{}{}\n", serial_number(atoms, i),
+                csv_field(label.atom_name), csv_field(label.residue),
+                csv_field(label.residue_number), csv_field(label.chain), csv_field(label.element),
+                center.x, center.y, center.z, radius, area_fields(sums), part_fields(atoms, sums));
   }
   text.flush();
 }
