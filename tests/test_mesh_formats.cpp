@@ -8,6 +8,7 @@
 #include <filesystem>
 #include <limits>
 #include <set>
+#include <stdexcept>
 #include <string>
 #include <utility>
 #include <vector>
@@ -150,7 +151,8 @@ TEST_CASE("mesh formats: the header's length does not depend on the counts", "[m
 
 TEST_CASE("mesh formats: the header of MSMS has counts, density and probe radius", "[mesh]") {
   const std::vector<Atom> atoms = make_chain(40, 3);
-  const FormatRun result = run_format(Molecule(atoms), {.spacing = 0.5}, {"a.vert"});
+  const FormatRun result =
+      run_format(Molecule(atoms), {.grid = GridOptions{.spacing = 0.5}}, {"a.vert"});
   const auto [vertices, spheres, density, probe_radius] = result.mesh.msms_header;
   CHECK(vertices == static_cast<double>(result.summary.mesh->vertices));
   CHECK(spheres == static_cast<double>(atoms.size()));
@@ -164,8 +166,10 @@ TEST_CASE("mesh formats: the closest sphere of MSMS is the closest adjacent atom
   const double probe_radius = Parameters().probe_radius;
   for (const std::uint64_t seed : {1U, 2U}) {
     const std::vector<Atom> atoms = make_chain(60, seed);
-    const Mesh mesh = run_format(Molecule(atoms), {.spacing = 0.5}, {"a.vert"}).mesh;
-    const Mesh ply = run_format(Molecule(atoms), {.spacing = 0.5}, {"a.ply"}).mesh;
+    const Mesh mesh =
+        run_format(Molecule(atoms), {.grid = GridOptions{.spacing = 0.5}}, {"a.vert"}).mesh;
+    const Mesh ply =
+        run_format(Molecule(atoms), {.grid = GridOptions{.spacing = 0.5}}, {"a.ply"}).mesh;
     std::size_t not_first = 0;
     for (std::size_t v = 0; v < mesh.positions.size(); ++v) {
       const Vec3 point = mesh.positions[v], probe = point + probe_radius * mesh.normals[v];
@@ -183,7 +187,7 @@ TEST_CASE("mesh formats: the closest sphere of MSMS is the closest adjacent atom
 TEST_CASE("mesh formats: the type of a triangle in MSMS is that of most corners, or toric",
           "[mesh]") {
   Parameters parameters;
-  parameters.spacing = 0.6;
+  grid_options(parameters).spacing = 0.6;
   parameters.block_size = 7;
   const Mesh mesh = run_format(Molecule(make_chain(60, 9)), parameters, {"a.vert"}).mesh;
   REQUIRE(mesh.triangle_patches.size() == mesh.triangles.size());
@@ -214,11 +218,11 @@ TEST_CASE("mesh formats: either name of MSMS's pair gives both names", "[mesh]")
   CHECK(mesh_format("a.vert") == MeshFormat::msms);
   CHECK(mesh_format("a.vertex") == std::nullopt);
   CHECK(required_mesh_format({"a.ply", MeshColor::none, true}) == MeshFormat::ascii_ply);
-  CHECK_THROWS_AS(required_mesh_format({"a.off", MeshColor::none, true}), Error);
+  CHECK_THROWS_AS(required_mesh_format({"a.off", MeshColor::none, true}), std::invalid_argument);
   const std::vector<Atom> atoms{{{0, 0, 0}, 1.5}};
   Outputs outputs;
   outputs.mesh = MeshOptions{"a.vtp", MeshColor::none, true};
-  CHECK_THROWS_AS(make_plan(atoms, {}, outputs), Error);
+  CHECK_THROWS_AS(make_plan(atoms, {}, outputs), std::invalid_argument);
 }
 
 TEST_CASE("mesh formats: VTP and PLY as text have chains, residues and colours", "[mesh]") {
@@ -247,7 +251,7 @@ TEST_CASE("mesh formats: a mesh without triangles is a complete file", "[mesh]")
   // In a region far from the molecule's surface the mesh is empty, but its file is complete.
   const std::vector<Atom> atoms{{{0, 0, 0}, 1.5}};
   Parameters parameters;
-  parameters.margin = 3;
+  grid_options(parameters).margin = 3;
   parameters.part = Box{{-4.4, -4.4, -4.4}, {-3.5, -3.5, -3.5}};
   for (const MeshOptions& choice : all_formats) {
     INFO(name_of(choice));

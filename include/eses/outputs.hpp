@@ -31,7 +31,7 @@ struct MeshOptions {
 /// along x, y and z. The value of an edge is the harmonic mean `1 / (t / solute + (1 - t) /
 /// solvent)`, where t is the fraction of the edge inside the surface. Each map has the size of the
 /// grid, and an origin that is shifted by half a spacing along its axis. Values beyond the last
-/// points of the grid are those of the solvent.
+/// points of the grid are the dielectric of the solvent.
 struct DielectricMaps {
   /// Prefix of the file names `PREFIXx.dx`, `PREFIXy.dx` and `PREFIXz.dx` in the output directory.
   /// With Outputs::gzip the names have the additional suffix .gz.

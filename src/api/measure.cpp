@@ -1,8 +1,9 @@
 #include "eses/measure.hpp"
 
-#include "api/arguments.hpp"
+#include <stdexcept>
+
+#include "api/measure_arguments.hpp"
 #include "api/surface_access.hpp"
-#include "eses/error.hpp"
 #include "surface/measure_patches.hpp"
 #include "system/formatted.hpp"
 #include "system/parallel.hpp"
@@ -11,16 +12,15 @@ namespace eses {
 namespace detail {
 
 void require_valid(const MeasureOptions& options) {
-  check_arguments([&] {
-    const double probe_radius = options.probe_radius.value_or(0);
-    if (!(probe_radius == 0 ||
-          (probe_radius >= min_probe_radius && probe_radius <= max_probe_radius)))
-      throw Error(formatted("the probe radius must be 0 or between {} and {} angstrom, and is {}",
-                            min_probe_radius, max_probe_radius, probe_radius));
-    if (options.threads < 0)
-      throw Error(
-          formatted("the number of threads must not be negative, and is {}", options.threads));
-  });
+  const double probe_radius = options.probe_radius.value_or(0);
+  if (!(probe_radius == 0 ||
+        (probe_radius >= min_probe_radius && probe_radius <= max_probe_radius)))
+    throw std::invalid_argument(
+        formatted("the probe radius must be 0 or between {} and {} angstrom, and is {}",
+                  min_probe_radius, max_probe_radius, probe_radius));
+  if (options.threads < 0)
+    throw std::invalid_argument(
+        formatted("the number of threads must not be negative, and is {}", options.threads));
 }
 
 }  // namespace detail

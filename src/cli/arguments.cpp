@@ -155,15 +155,14 @@ void add_notices(CLI::App& app) {
       ->trigger_on_parse();
 }
 
-std::optional<Notice> parse(CLI::App& app, std::vector<std::string> arguments,
-                            std::string_view positionals) {
+void parse(CLI::App& app, std::vector<std::string> arguments, std::string_view positionals) {
   refuse_empty_values(arguments);
   try {
     parse_or_refuse(app, std::move(arguments));
   } catch (const CLI::CallForHelp&) {
-    return Notice{app.help()};
+    throw Notice{app.help()};
   } catch (const CLI::CallForVersion& notice) {
-    return Notice{notice.what()};
+    throw Notice{notice.what()};
   } catch (const UsageError&) {
     // The value of an unknown option is parsed as a positional argument, so the unknown option is
     // reported instead of an error in that argument.
@@ -171,7 +170,6 @@ std::optional<Notice> parse(CLI::App& app, std::vector<std::string> arguments,
     throw;
   }
   refuse_extras(app, positionals);
-  return std::nullopt;
 }
 
 }  // namespace eses::detail::cli

@@ -13,7 +13,6 @@
 #include <optional>
 #include <string>
 #include <string_view>
-#include <variant>
 #include <vector>
 
 #include "cli/diff_options.hpp"
@@ -24,6 +23,7 @@
 #include "cli/messages.hpp"
 #include "cli/options.hpp"
 #include "cli/surface_command.hpp"
+#include "cli/usage.hpp"
 #include "diff/compare_directories.hpp"
 #include "distributed/launcher.hpp"
 #include "distributed/processes.hpp"
@@ -72,41 +72,27 @@ void refuse_same_files(const Options& options, const Processes& processes) {
                 launched, Processes::advice()));
 }
 
-int perform_surface(int argc, char** argv, const Processes& processes) {
+using Arguments = std::vector<std::string>;
+
+int perform_surface(const Arguments& arguments, const Processes& processes) {
   end_on_signals();
-  const std::variant<Options, Notice> request = parse_command_line(argc, argv);
-  if (const auto* const notice = std::get_if<Notice>(&request)) {
-    if (processes.is_first()) print(notice->text);
-    return exit_done;
-  }
-  const auto& options = std::get<Options>(request);
+  const Options options = parse_arguments(arguments);
   refuse_same_files(options, processes);
   return compute_surface(options, processes);
 }
 
-int compare_files(int argc, char** argv, const Processes& processes) {
+int compare_files(const Arguments& arguments, const Processes& processes) {
   if (!processes.is_first()) return exit_done;  // one process performs the comparison
-  const std::variant<DiffOptions, Notice> request = parse_diff_command_line(argc, argv);
-  if (const auto* const notice = std::get_if<Notice>(&request)) {
-    print(notice->text);
-    return exit_done;
-  }
-  const auto& options = std::get<DiffOptions>(request);
+  const DiffOptions options = parse_diff_arguments(arguments);
   const Differences found = compare_directories(options.directories, options.tolerance);
   print(options.json ? diff_json_text(options, found) : diff_text(options, found));
   return found.same() ? exit_done : exit_different;
 }
 
-int perform_measure(int argc, char** argv, const Processes& processes) {
+int perform_measure(const Arguments& arguments, const Processes& processes) {
   if (!processes.is_first()) return exit_done;  // one process measures all files
   end_on_signals();
-  const std::variant<MeasureCommandOptions, Notice> request =
-      parse_measure_command_line(argc, argv);
-  if (const auto* const notice = std::get_if<Notice>(&request)) {
-    print(notice->text);
-    return exit_done;
-  }
-  return measure_files(std::get<MeasureCommandOptions>(request));
+  return measure_files(parse_measure_arguments(arguments));
 }
 
 /// Returns the message of an error, with its hints as options, such as ` (--max-memory 20M)`.
@@ -125,7 +111,7 @@ std::string message_of(const std::exception& error) {
 
 /// A command of the program.
 struct Command {
-  int (*perform)(int argc, char** argv, const Processes& processes);
+  int (*perform)(const Arguments& arguments, const Processes& processes);
   std::string_view help;
   int failure_code;
 };
@@ -147,16 +133,24 @@ int end_all(const Processes& processes, int code) {
   return code;
 }
 
+int perform_or_notify(const Command& command, const Arguments& arguments,
+                      const Processes& processes) try {
+  return command.perform(arguments, processes);
+} catch (const Notice& notice) {
+  if (processes.is_first()) print(notice.text);
+  return exit_done;
+}
+
 // Performs a command and prints its errors. Returns the exit code. Throws std::bad_alloc and
 // nothing else.
-int perform(const Command& command, int argc, char** argv, const Processes& processes) {
+int perform(const Command& command, const Arguments& arguments, const Processes& processes) {
   const auto fail = [&](std::string_view message) {
     processes.become_reporter();
     print_message("error", message);
     return end_all(processes, command.failure_code);
   };
   try {
-    return command.perform(argc, argv, processes);
+    return perform_or_notify(command, arguments, processes);
   } catch (const UsageError& error) {
     if (!processes.is_first()) return exit_usage;
     print_message("error", error.what());
@@ -185,10 +179,11 @@ int perform(const Command& command, int argc, char** argv, const Processes& proc
 // Starts MPI unless --independent is given, and performs a command. Returns the exit code. Throws
 // std::bad_alloc and nothing else.
 int perform(const Command& command, int argc, char** argv) {
+  const auto arguments = [&] { return Arguments(argv + std::min(argc, 1), argv + argc); };
   std::optional<Processes> processes;
   try {
     require_stack();
-    if (asks_to_be_independent(argc, argv))
+    if (asks_to_be_independent(arguments()))
       processes.emplace();
     else
       processes.emplace(argc, argv);
@@ -196,7 +191,7 @@ int perform(const Command& command, int argc, char** argv) {
     print_message("error", error.what());
     return command.failure_code;
   }
-  return perform(command, argc, argv, *processes);
+  return perform(command, arguments(), *processes);
 }
 
 }  // namespace

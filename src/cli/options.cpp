@@ -12,6 +12,7 @@
 #include <map>
 #include <optional>
 #include <span>
+#include <stdexcept>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -138,7 +139,7 @@ std::optional<Box> box_in(const std::string& text) {
   return Box{{x0, y0, z0}, {x1, y1, z1}};
 }
 
-std::optional<Vec3> place_in(const std::string& text) {
+std::optional<Vec3> position_in(const std::string& text) {
   const auto numbers = numbers_in<double, 3>(text, ',');
   if (!numbers) return std::nullopt;
   const auto& [x, y, z] = *numbers;
@@ -211,13 +212,13 @@ std::optional<std::filesystem::path> mesh_in(const std::string& text) {
 // --- options and arguments ----------------------------------------------------------------------
 
 void add_grid_choice(CLI::App& app, GridChoice& grid) {
-  const Format<Vec3> place{place_in, "three finite numbers x,y,z, in angstrom"};
+  const Format<Vec3> position{position_in, "three finite numbers x,y,z, in angstrom"};
   CLI::Option* const origin =
       add_value(app, "--grid-origin", "X,Y,Z", "first point of a custom grid; needs --grid-points",
-                grid.origin, place);
+                grid.origin, position);
   CLI::Option* const center =
       add_value(app, "--grid-center", "X,Y,Z", "centre of a custom grid; needs --grid-points",
-                grid.center, place)
+                grid.center, position)
           ->excludes(origin);
   CLI::Option* const points =
       add_value(app, "--grid-points", "NX,NY,NZ", "number of points of a custom grid along x, y, z",
@@ -235,6 +236,7 @@ void add_grid_choice(CLI::App& app, GridChoice& grid) {
 
 void add_grid_options(CLI::App& app, CommandLine& line) {
   begin_group(app, "Surface and grid");
+  const GridOptions grid;
   Parameters& parameters = line.options.parameters;
   add_value(app, "FILE", "", "input file (xyzr, PQR, PDB or mmCIF); - for standard input",
             line.options.input, path_to("a file"))
@@ -252,10 +254,10 @@ void add_grid_options(CLI::App& app, CommandLine& line) {
                             formatted("a number from {} to {}, in angstrom", min_probe_radius,
                                       max_probe_radius)));
   add_length(
-      "SPACING", "--spacing", "distance between grid points, > 0", parameters.spacing, line.spacing,
+      "SPACING", "--spacing", "distance between grid points, > 0", grid.spacing, line.spacing,
       number_between(min_positive, max_finite, "a finite number greater than 0, in angstrom"));
-  add_length("MARGIN", "--margin", "distance from molecule to grid boundary, >= 0",
-             parameters.margin, line.margin,
+  add_length("MARGIN", "--margin", "distance from molecule to grid boundary, >= 0", grid.margin,
+             line.margin,
              number_between(0, max_finite, "a finite number of at least 0, in angstrom"));
   add_grid_choice(app, line.options.grid);
   CLI::Option* const region =
@@ -419,13 +421,13 @@ void choose(const char* positional, const char* option, const Length& length, do
 // A custom grid needs a position and a size. The margin applies only to the default grid.
 void check_grid_choice(const CommandLine& line) {
   const GridChoice& grid = line.options.grid;
-  const bool has_place = grid.origin || grid.center;
-  if (has_place && !grid.points)
+  const bool has_position = grid.origin || grid.center;
+  if (has_position && !grid.points)
     throw UsageError(
         formatted("{} needs --grid-points", grid.origin ? "--grid-origin" : "--grid-center"));
-  if (grid.points && !has_place)
+  if (grid.points && !has_position)
     throw UsageError("--grid-points needs --grid-origin or --grid-center");
-  const bool is_chosen = has_place || !grid.like.empty();
+  const bool is_chosen = has_position || !grid.like.empty();
   if (is_chosen && (line.margin.positional || line.margin.option))
     throw UsageError(
         formatted("{} cannot be combined with {}", line.margin.option ? "--margin" : "MARGIN",
@@ -435,7 +437,7 @@ void check_grid_choice(const CommandLine& line) {
 /// Returns the file name of a map. Throws UsageError if it is not in the output directory.
 std::string map_name(std::string_view option, const std::filesystem::path& map,
                      const std::filesystem::path& output_directory) {
-  if (map.has_parent_path() && !is_same_place(map.parent_path(), output_directory))
+  if (map.has_parent_path() && !is_same_directory(map.parent_path(), output_directory))
     throw UsageError(
         formatted("{} is '{}', but the output directory is {}; use the file name alone or "
                   "--output-dir {}",
@@ -463,7 +465,7 @@ void add_maps(const CommandLine& line, const std::filesystem::path& directory, O
   }
   try {
     require_valid_maps(outputs);
-  } catch (const Error& error) {
+  } catch (const std::invalid_argument& error) {
     throw UsageError(error.what());
   }
 }
@@ -483,8 +485,10 @@ std::optional<MeshOptions> mesh_of(const CommandLine& line) {
 Options options_of(const CommandLine& line) {
   Options options = line.options;
   choose("PROBE", "--probe-radius", line.probe_radius, options.parameters.probe_radius);
-  choose("SPACING", "--spacing", line.spacing, options.parameters.spacing);
-  choose("MARGIN", "--margin", line.margin, options.parameters.margin);
+  GridOptions grid;
+  choose("SPACING", "--spacing", line.spacing, grid.spacing);
+  choose("MARGIN", "--margin", line.margin, grid.margin);
+  options.parameters.grid = grid;
   if (line.box) options.parameters.part = *line.box;
   if (line.blocks) options.parameters.part = *line.blocks;
   check_grid_choice(line);
@@ -519,22 +523,21 @@ void refuse_separate_number(std::span<const std::string> arguments) {
 
 }  // namespace
 
-bool is_same_place(const std::filesystem::path& a, const std::filesystem::path& b) {
+bool is_same_directory(const std::filesystem::path& a, const std::filesystem::path& b) {
   const auto plain = [](const std::filesystem::path& path) {
     return (std::filesystem::absolute(path) / "").lexically_normal();
   };
   return plain(a) == plain(b);
 }
 
-bool asks_to_be_independent(int argc, const char* const* argv) {
-  const std::span arguments(argv + std::min(argc, 1), argv + argc);
-  const auto end = std::find(arguments.begin(), arguments.end(), std::string_view("--"));
-  return std::find(arguments.begin(), end, std::string_view(independent_flag)) != end;
+bool asks_to_be_independent(std::span<const std::string> arguments) {
+  const auto end = std::find(arguments.begin(), arguments.end(), "--");
+  return std::find(arguments.begin(), end, independent_flag) != end;
 }
 
 std::optional<Grid> chosen_grid(const Options& options) {
   const GridChoice& choice = options.grid;
-  const double spacing = options.parameters.spacing;
+  const double spacing = std::get<GridOptions>(options.parameters.grid).spacing;
   if (choice.origin) return Grid{*choice.origin, spacing, *choice.points};
   if (choice.center) return centered_grid(*choice.center, spacing, *choice.points);
   if (choice.like.empty()) return std::nullopt;
@@ -546,17 +549,15 @@ std::optional<Grid> chosen_grid(const Options& options) {
   return grid;
 }
 
-std::variant<Options, Notice> parse_command_line(int argc, const char* const* argv) {
+Options parse_arguments(const std::vector<std::string>& arguments) {
   CLI::App app("Solvent excluded surface of a molecule on a grid, computed block by block.",
                "eses-blocks");
   CommandLine line;
   add_options(app, line);
   require_known_instruction_set();
-  const std::vector<std::string> arguments(argv + std::min(argc, 1), argv + argc);
   refuse_separate_number(arguments);
-  if (std::optional<Notice> notice = parse(app, arguments, "FILE, PROBE, SPACING and MARGIN"))
-    return *std::move(notice);
-  const Options options = options_of(line);
+  parse(app, arguments, "FILE, PROBE, SPACING and MARGIN");
+  Options options = options_of(line);
   refuse_structure_options(app, {options.input, options.format});
   return options;
 }

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <filesystem>
 #include <functional>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <system_error>
@@ -158,10 +159,10 @@ void add_result(RunResult result, Report& report) {
 // Returns the options with the custom grid, if any. Each process reads its file.
 Options with_chosen_grid(Options options, const Processes& processes) {
   processes.all_or_throw([&] {
-    options.parameters.grid = chosen_grid(options);
-    if (!options.parameters.grid) return;
-    require_chosen(*options.parameters.grid);
-    options.parameters.spacing = options.parameters.grid->spacing;
+    const std::optional<Grid> grid = chosen_grid(options);
+    if (!grid) return;
+    require_chosen(*grid);
+    options.parameters.grid = *grid;
   });
   return options;
 }

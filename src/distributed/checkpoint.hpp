@@ -15,6 +15,7 @@
 #include <vector>
 
 #include "grid/plane_range.hpp"
+#include "input/file_index.hpp"
 #include "output/map_writer.hpp"
 #include "output/output_directory.hpp"
 #include "output/scratch_file.hpp"
@@ -25,7 +26,7 @@ namespace eses::detail {
 /// An atom's area share of a range of planes, in units of `area_share_unit`.
 struct AtomSum {
   AreaShare share = 0;
-  AtomIndex atom = 0;                      ///< index of the atom in the file
+  FileIndex atom{};
   std::array<std::uint32_t, 3> padding{};  ///< explicit padding, as the struct is written to disk
 };
 

@@ -1,8 +1,8 @@
 #include "output/mesh_format.hpp"
 
+#include <stdexcept>
 #include <string>
 
-#include "eses/error.hpp"
 #include "input/text_fields.hpp"
 #include "system/formatted.hpp"
 
@@ -34,11 +34,12 @@ std::optional<MeshFormat> mesh_format(const std::filesystem::path& file) {
 MeshFormat required_mesh_format(const MeshOptions& mesh) {
   const std::optional<MeshFormat> format = mesh_format(mesh.file);
   if (!format)
-    throw Error(formatted("the mesh file needs the suffix {}, found {}", mesh_suffixes,
-                          mesh.file.string()));
+    throw std::invalid_argument(formatted("the mesh file needs the suffix {}, found {}",
+                                          mesh_suffixes, mesh.file.string()));
   if (!mesh.is_ascii) return *format;
   if (format != MeshFormat::ply)
-    throw Error(formatted("only .ply meshes can be written as text, not {}", mesh.file.string()));
+    throw std::invalid_argument(
+        formatted("only .ply meshes can be written as text, not {}", mesh.file.string()));
   return MeshFormat::ascii_ply;
 }
 

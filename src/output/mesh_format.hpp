@@ -21,8 +21,8 @@ inline constexpr char mesh_suffixes[] = ".ply, .obj, .off, .vtp, .vert or .face"
 /// the suffix is unknown.
 std::optional<MeshFormat> mesh_format(const std::filesystem::path& file);
 
-/// Format of a mesh. Throws Error if the suffix is unknown, or if `is_ascii` is set for another
-/// format than PLY.
+/// Format of a mesh. Throws std::invalid_argument if the suffix is unknown, or if `is_ascii` is set
+/// for another format than PLY.
 MeshFormat required_mesh_format(const MeshOptions& mesh);
 
 /// Paths of the files of a mesh: one, or for MSMS the file of the vertices and the file of the

@@ -15,8 +15,8 @@
 namespace eses::detail::mesh {
 namespace {
 
-// Readers treat the vertex indices of a PLY face as signed, and store those of the other formats in
-// an int.
+// Readers treat the vertex indices of a PLY face as signed, and store vertex indices of other
+// formats in an int.
 constexpr std::uint64_t max_vertices = std::numeric_limits<std::int32_t>::max();
 constexpr std::size_t count_digits = 12;
 
@@ -184,7 +184,8 @@ void MeshText::append_ply_end(BufferedText& text, const MeshCounts& counts) cons
 }
 
 Color MeshText::color_of(const Vertex& vertex) const {
-  if (color_ == MeshColor::atom) return distinct_color(file_index_of(vertex.first_atom()));
+  if (color_ == MeshColor::atom)
+    return distinct_color(as_number(source_.file_indices[vertex.first_atom()]));
   if (color_ == MeshColor::chain)
     return distinct_color(source_.groups.of_atom[vertex.first_atom()].chain);
   return patch_color(vertex.patch);
@@ -213,7 +214,7 @@ char* MeshText::put_fields(char* out, const Vertex& vertex, PutPosition put_posi
   if (color_ != MeshColor::none)
     for (const std::uint8_t part : color_of(vertex)) out = put_integer(out, part);
   out = put_integer(out, vertex.patch);
-  out = put_integer(out, file_index_of(vertex.first_atom()));
+  out = put_integer(out, as_number(source_.file_indices[vertex.first_atom()]));
   if (source_.groups.are_known) {
     const auto [chain, residue] = source_.groups.of_atom[vertex.first_atom()];
     out = put_integer(out, chain);
@@ -246,7 +247,8 @@ void MeshText::append_vertex(TextBuffer& text, const Vertex& vertex) const {
     case MeshFormat::off:
       return text.advance_to(end_line(put_vector(out, vertex.position)));
     case MeshFormat::msms:
-      return text.advance_to(put_msms_vertex(out, vertex, file_index_of(closest_atom(vertex))));
+      return text.advance_to(
+          put_msms_vertex(out, vertex, source_.file_indices[closest_atom(vertex)]));
   }
 }
 

@@ -10,6 +10,7 @@
 #include <span>
 #include <string_view>
 
+#include "input/file_index.hpp"
 #include "mesh/triangulate.hpp"
 #include "mesh/vertex.hpp"
 #include "output/buffered_text.hpp"
@@ -28,8 +29,7 @@ void require_vertex_count(std::uint64_t vertices);
 /// outlive the MeshText.
 struct MeshSource {
   AtomGroups groups;
-  /// Index in the file of each atom, by slab index; empty if both are equal.
-  std::span<const AtomIndex> file_indices;
+  FileIndices file_indices;
   std::span<const Atom> atoms;   ///< by slab index
   std::uint64_t atom_count = 0;  ///< number of atoms of the whole molecule
   double probe_radius = 0;       ///< angstrom
@@ -84,9 +84,6 @@ class MeshText {
   char* put_ply_line(char* out, const Vertex& vertex) const;
   Color color_of(const Vertex& vertex) const;
   AtomIndex closest_atom(const Vertex& vertex) const;
-  AtomIndex file_index_of(AtomIndex slab_index) const {
-    return source_.file_indices.empty() ? slab_index : source_.file_indices[slab_index];
-  }
 
   MeshFormat format_;
   MeshColor color_;

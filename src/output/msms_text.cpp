@@ -5,7 +5,7 @@
 namespace eses::detail::mesh {
 namespace {
 
-// Converts the number of a patch (1 convex, 2 saddle, 3 concave) to that of MSMS (1 toric
+// Converts the number of a patch (1 convex, 2 saddle, 3 concave) to the number of MSMS (1 toric
 // reentrant, 2 spheric reentrant, 3 contact).
 char msms_type(std::uint8_t patch) { return patch == 1 ? '3' : patch == 2 ? '1' : '2'; }
 
@@ -24,11 +24,11 @@ void append_msms_header(BufferedText& text, bool has_faces, std::uint64_t count,
       probe_radius);
 }
 
-char* put_msms_vertex(char* out, const Vertex& vertex, AtomIndex closest_atom) {
+char* put_msms_vertex(char* out, const Vertex& vertex, FileIndex closest_atom) {
   out = put_vector(out, vertex.position);
   out = put_vector(out, vertex.normal);
   out = put_index(out, 0);
-  out = put_index(out, std::uint64_t{closest_atom} + 1);
+  out = put_index(out, std::uint64_t{as_number(closest_atom)} + 1);
   *out++ = msms_type(vertex.patch);
   *out++ = '\n';
   return out;

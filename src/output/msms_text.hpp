@@ -1,12 +1,12 @@
 #pragma once
 /// Text of the files NAME.vert and NAME.face of MSMS.
 ///
-/// The columns are those of the manual page of MSMS (https://ccsb.scripps.edu/msms/). This program
+/// The columns follow the manual page of MSMS (https://ccsb.scripps.edu/msms/). This program
 /// does not number the patches, so that the columns of patch numbers contain 0.
 
 #include <cstdint>
 
-#include "eses/atoms.hpp"
+#include "input/file_index.hpp"
 #include "mesh/triangulate.hpp"
 #include "mesh/vertex.hpp"
 #include "output/buffered_text.hpp"
@@ -22,9 +22,9 @@ void append_msms_header(BufferedText& text, bool has_faces, std::uint64_t count,
 inline constexpr std::size_t max_msms_vertex_bytes = 168;
 inline constexpr std::size_t max_msms_triangle_bytes = 48;
 
-/// Writes a line of NAME.vert. `closest_atom` is the 0-based index of the closest atom that the
-/// probe touches. Returns the end of the line.
-char* put_msms_vertex(char* out, const Vertex& vertex, AtomIndex closest_atom);
+/// Writes a line of NAME.vert. `closest_atom` is the closest atom that the probe touches. Returns
+/// the end of the line.
+char* put_msms_vertex(char* out, const Vertex& vertex, FileIndex closest_atom);
 
 /// Writes a line of NAME.face. `patch` is the result of patch_of. Returns the end of the line.
 char* put_msms_triangle(char* out, const Triangle& triangle, std::uint8_t patch);

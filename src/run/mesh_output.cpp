@@ -32,6 +32,16 @@ MeshOutput::MeshOutput(const Plan& plan, const GridRegion& region, const mesh::M
       vertex_output_(std::move(sinks.vertices)),
       triangle_output_(std::move(sinks.triangles)) {}
 
+double MeshOutput::memory_bytes(const BlockTiling& tiling, double plane_crossings) {
+  constexpr double growth = 1.5;
+  const auto planes = static_cast<double>(std::min(tiling.block_size[2], tiling.grid_size[2]));
+  const GridIndex size = tiling.region.size();
+  const auto rows = static_cast<double>(size[1]);
+  return growth * sizeof(std::uint64_t) * planes * rows +
+         rows * (sizeof(mesh::Row) + static_cast<double>(size[0]) / 8) +
+         growth * (sizeof(std::uint64_t) + sizeof(std::uint8_t)) * plane_crossings;
+}
+
 // Returns the number of planes of a layer. The last layer has the plane of the halo as well, if it
 // belongs to this part of the mesh.
 std::int64_t MeshOutput::planes_of(const Layer& layer) const {

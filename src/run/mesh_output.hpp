@@ -45,6 +45,10 @@ class MeshOutput {
   MeshOutput(const Plan& plan, const GridRegion& region, const mesh::MeshText& text,
              MeshSinks sinks);
 
+  /// Returns the estimated memory in bytes of the vertex numbers of a layer's rows, and of the
+  /// plane that is kept. `plane_crossings` is the expected number of crossings of a plane.
+  static double memory_bytes(const BlockTiling& tiling, double plane_crossings);
+
   /// The index of a batch within its layer, and the number of batches of the layer.
   struct BatchOfLayer {
     std::int64_t index, count;
