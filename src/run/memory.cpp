@@ -125,14 +125,16 @@ double text_bytes(const GridRegion& region, const Outputs& outputs) {
 }
 
 // Returns the memory of the vertex numbers of a layer's rows, and of the plane that is kept.
-double mesh_bytes(const SurfaceSurvey& survey, double spacing, const BlockTiling& tiling) {
+double mesh_bytes(const SurfaceSurvey& survey, double spacing, const BlockTiling& tiling,
+                  MeshFormat format) {
   const auto side = as_double(std::min(tiling.block_size[2], tiling.grid_size[2]));
   const double rows = as_double(tiling.region.size()[1]);
   const double crossings =
       halo_growth(tiling) * expected_crossings(survey.max_slab_area(spacing), spacing);
+  const double position_bytes = format == MeshFormat::stl ? double{sizeof(Vec3)} : 0;
   return growth * sizeof(std::uint64_t) * side * rows +
          rows * (sizeof(mesh::Row) + as_double(tiling.region.size()[0]) / 8) +
-         growth * (sizeof(std::uint64_t) + sizeof(std::uint8_t)) * crossings;
+         growth * (sizeof(std::uint64_t) + sizeof(std::uint8_t) + position_bytes) * crossings;
 }
 
 // Returns the memory of numbers of chains and residues, and of sums of chains.
@@ -255,7 +257,8 @@ double expected_memory(const SurfaceSurvey& survey, const LabelTotals& labels, b
       bytes_of_layers(survey, grid, tiling, fraction_ahead(schedule), outputs) +
       2 * sizeof(std::uint64_t) * as_double(tiling.blocks[0]) * as_double(tiling.region.size()[1]) +
       as_double(tiling.blocks[2]) * bytes_per_layer +
-      (outputs.mesh ? mesh_bytes(survey, grid.spacing, tiling) : 0);
+      (outputs.mesh ? mesh_bytes(survey, grid.spacing, tiling, required_mesh_format(*outputs.mesh))
+                    : 0);
   constexpr double bytes_per_area = sizeof(double) + growth * 32;
   const double axes = as_double(grid.size[0] + grid.size[1] + grid.size[2]) * bytes_per_index;
   const double solving = patches + axes +

@@ -56,18 +56,28 @@ void MeshOutput::number_rows(const Layer& layer) {
   is_numbered_ = true;
 }
 
+// Returns the vertex of a crossing. `x` is the index of its lower point in the grid.
+mesh::Vertex MeshOutput::vertex_of(const LayerView& view, std::int64_t x, std::int64_t y,
+                                   std::int64_t z, const BlockCrossing& crossing) const {
+  return mesh::make_vertex(plan_.grid, {x, region_.begin[1] + y, view.first_z + z}, crossing);
+}
+
 void MeshOutput::make_row(const LayerView& view, std::int64_t y, std::int64_t z,
                           mesh::Row& row) const {
   view.rows.merge_row(y, z, row.inside);
   row.edges.clear();
   row.patches.clear();
+  row.positions.clear();
   const bool has_patches = text_.has_triangle_patches();
+  const bool has_positions = text_.has_corner_positions();
   view.crossings.for_each_row_part(
       y, z, [&](std::int64_t first_x, std::span<const BlockCrossing> part) {
         for (const BlockCrossing& crossing : part) {
           row.edges.push_back(mesh::edge_key(
               static_cast<std::uint64_t>(first_x - region_.begin[0] + crossing.x), crossing.axis));
           if (has_patches) row.patches.push_back(crossing.atom_count);
+          if (has_positions)
+            row.positions.push_back(vertex_of(view, first_x + crossing.x, y, z, crossing).position);
         }
       });
   row.first_vertex = row_begin_[static_cast<std::size_t>(z * rows_y_ + y)];
@@ -103,10 +113,7 @@ void MeshOutput::append_vertices(const LayerView& view, const RowRange& rows,
     view.crossings.for_each_row_part(
         y, z, [&](std::int64_t first_x, std::span<const BlockCrossing> part) {
           for (const BlockCrossing& crossing : part)
-            text_.append_vertex(text, mesh::make_vertex(plan_.grid,
-                                                        {first_x + crossing.x, region_.begin[1] + y,
-                                                         view.first_z + z},
-                                                        crossing));
+            text_.append_vertex(text, vertex_of(view, first_x + crossing.x, y, z, crossing));
         });
   });
 }
@@ -130,6 +137,10 @@ void MeshOutput::append_triangles(const LayerView& view, const RowRange& rows,
                                 &back.upper};
     mesh::triangulate(around, region_.size()[0], triangles);
     for (const mesh::Triangle& triangle : triangles) {
+      if (text_.has_corner_positions()) {
+        mesh::MeshText::append_corners(text, mesh::corners_of(around, triangle));
+        continue;
+      }
       const std::uint8_t patch =
           text_.has_triangle_patches() ? mesh::patch_of(around, triangle) : std::uint8_t{0};
       if (has_local_triangles_) {

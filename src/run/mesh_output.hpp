@@ -72,6 +72,8 @@ class MeshOutput {
 
   std::int64_t planes_of(const Layer& layer) const;
   void number_rows(const Layer& layer);
+  mesh::Vertex vertex_of(const LayerView& view, std::int64_t x, std::int64_t y, std::int64_t z,
+                         const BlockCrossing& crossing) const;
   void make_row(const LayerView& view, std::int64_t y, std::int64_t z, mesh::Row& row) const;
   const mesh::Row& lower_row(const MeshScratch::RowPair& pair, std::int64_t y,
                              std::int64_t z) const;
