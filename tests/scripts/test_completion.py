@@ -189,6 +189,8 @@ class Zsh(TestCase):
                 ("a.xyzr --write grid,", {"all", "none", "edges", "areas", "residues", "atoms"}),
                 ("a.xyzr --threads ", set()),
                 ("a.xyzr ", set()),
+                ("measure --write ", {"atoms", "residues", "chains", "derivatives"}),
+                ("measure a.xyzr --parts ", {"chains"}),
                 ("diff ", {"sub"}),
                 ("diff sub ", {"sub"}),
                 ("diff --tolerance ", set())):
