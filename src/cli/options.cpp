@@ -275,6 +275,10 @@ void add_grid_options(CLI::App& app, CommandLine& line) {
             line.blocks,
             Format{blocks_in, "i0:i1,j0:j1,k0:k1, whole numbers from 0, i0 < i1 and so on"})
       ->excludes(region);
+  add_flag(app, "--exact",
+           "report area and volume of the whole surface in closed\n"
+           "form, too; needs a single process",
+           parameters.exact);
 }
 
 void add_solver_maps(CLI::App& app, CommandLine& line) {

@@ -195,7 +195,8 @@ void choose_schedule(const SurfaceSurvey& survey, const MemoryBudget& budget,
   const std::uint64_t limit = p.max_memory > 0 ? std::min(p.max_memory, available) : available;
   const double always = static_cast<double>(held) +
                         caller.per_point * static_cast<double>(plan.region.point_count()) +
-                        caller.per_crossing * plan.crossings;
+                        caller.per_crossing * plan.crossings +
+                        (p.exact ? measure_memory(survey.atom_count()) : 0);
   double smallest = std::numeric_limits<double>::infinity();
   for (const Schedule& schedule : possible_schedules(plan.grid, plan.region, p, survey)) {
     const double memory =
