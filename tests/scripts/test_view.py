@@ -6,15 +6,14 @@ names come from the input and from geometry.
 
 import base64
 import gzip
-import importlib.util
 import json
 import math
 import re
-import shutil
 import subprocess
 import unittest
 
-from support import PROGRAM, SCRIPTS, TestCase, can_import
+from support import (PROGRAM, SCRIPTS, TestCase, browser_errors, can_import, has_browser,
+                     open_browser)
 
 SCRIPT = SCRIPTS / "view"
 RADIUS = 1.7
@@ -152,29 +151,12 @@ class Files(TestCase):
         self.assertIn("outside the map", done.stderr)
 
 
-def has_browser():
-    return (shutil.which("chromium") and shutil.which("chromedriver")
-            and importlib.util.find_spec("selenium") and can_import(SCRIPT, "numpy"))
-
-
-@unittest.skipUnless(has_browser(), "needs chromium, chromium-driver and python3-selenium")
+@unittest.skipUnless(has_browser() and can_import(SCRIPT, "numpy"),
+                     "needs chromium, chromium-driver, python3-selenium and python3-numpy")
 class Page(TestCase):
     def setUp(self):
         super().setUp()
-        from selenium import webdriver
-        from selenium.webdriver.chrome.service import Service
-        options = webdriver.ChromeOptions()
-        options.binary_location = shutil.which("chromium")
-        for argument in ("--headless=new", "--no-sandbox", "--use-angle=swiftshader",
-                         "--enable-unsafe-swiftshader", "--window-size=900,560",
-                         "--force-device-scale-factor=1", f"--user-data-dir={self.folder}/profile"):
-            options.add_argument(argument)
-        options.set_capability("goog:loggingPrefs", {"browser": "ALL"})
-        self.browser = webdriver.Chrome(service=Service(shutil.which("chromedriver")),
-                                        options=options)
-        self.addCleanup(self.browser.quit)
-        self.browser.set_script_timeout(300)
-        self.browser.set_page_load_timeout(300)
+        self.browser = open_browser(self)
         self.atoms = self.folder / "two.pqr"
         self.atoms.write_text(TWO_ATOMS)
 
@@ -291,8 +273,7 @@ class Page(TestCase):
         names = [name.text.split("\n")[0] for name in
                  self.browser.find_elements("css selector", "#names > div")]
         self.assertEqual(names, ["two.pqr"] * 2)
-        errors = [line for line in self.browser.get_log("browser") if line["level"] == "SEVERE"]
-        self.assertEqual(errors, [])
+        self.assertEqual(browser_errors(self.browser), [])
 
     def test_saved_pictures_have_scale_and_legend(self):
         self.open(self.atoms)
