@@ -205,9 +205,10 @@ class Install(TestCase):
                     needed.add(name)
                     waiting.append(known[name])
         self.assertEqual({path.stem for path in (scripts / "lib").glob("*.py")}, needed)
-        parts = [{path.name for path in (folder / "lib/viewer").iterdir()}
-                 for folder in (scripts, PROJECT / "scripts")]
-        self.assertEqual(*parts)
+        for pages in ("report", "viewer"):
+            parts = [{path.name for path in (folder / "lib" / pages).iterdir()}
+                     for folder in (scripts, PROJECT / "scripts")]
+            self.assertEqual(*parts)
 
     def test_manual_pages_are_made_from_help(self):
         cache = (BUILD / "CMakeCache.txt").read_text()
