@@ -1,6 +1,7 @@
 """Runs the examples as programs."""
 
 import csv
+import pathlib
 import subprocess
 import sys
 
@@ -18,6 +19,26 @@ def run(name, *arguments):
                           capture_output=True, text=True, check=False)
     assert done.returncode == 0, done.stderr
     return list(csv.DictReader(done.stdout.splitlines()))
+
+
+def test_notebook_runs(tmp_path, monkeypatch):
+    nbclient, nbformat = pytest.importorskip("nbclient"), pytest.importorskip("nbformat")
+    pytest.importorskip("ipykernel")
+    pytest.importorskip("pandas")
+    notebook = nbformat.read(EXAMPLES / "surface.ipynb", as_version=4)
+    for cell in notebook.cells:  # the notebook runs in another folder
+        cell.source = cell.source.replace("../../data", str(DATA))
+    monkeypatch.setenv("PYTHONPATH", str(pathlib.Path(eses.__file__).parents[1]))
+    # The kernel of this interpreter, whatever kernels the user has.
+    monkeypatch.setenv("JUPYTER_PATH", str(pathlib.Path(sys.prefix) / "share/jupyter"))
+    nbclient.NotebookClient(notebook, timeout=300, resources={"metadata": {"path": tmp_path}}).execute()
+    outputs = [output for cell in notebook.cells if cell.cell_type == "code" for output in cell.outputs]
+    assert "<iframe srcdoc=" in outputs[0].data["text/html"]
+    assert (tmp_path / "fas2.html").stat().st_size > 100000
+    atoms = eses.read_atoms(DATA / "fas2.pqr")
+    surface = eses.Surface(atoms.centers, atoms.radii)
+    area = surface.compute(surface.grid(0.5, 1.0), inside=False).area
+    assert outputs[-1].text.endswith(f"of {area:.0f} square angstrom\n")
 
 
 def test_trajectory_prints_area_and_volume(tmp_path, ubiquitin):

@@ -2,7 +2,6 @@
 
 #include <stdexcept>
 
-#include "api/measure_arguments.hpp"
 #include "api/surface_access.hpp"
 #include "surface/measure_patches.hpp"
 #include "system/formatted.hpp"

@@ -10,7 +10,7 @@
 #include <utility>
 #include <vector>
 
-#include "api/measure_arguments.hpp"
+#include "api/arguments.hpp"
 #include "system/formatted.hpp"
 #include "system/parallel.hpp"
 

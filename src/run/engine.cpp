@@ -69,13 +69,15 @@ std::optional<mesh::MeshText> mesh_text(const RunTask& task, const RunPlan& plan
                                 .of_atom = plan.slab.groups,
                                 .chain_count = processes.sum(plan.groups.chains.size()),
                                 .residue_count = processes.sum(plan.groups.residues.size())};
-  return mesh::MeshText(required_mesh_format(*mesh), mesh->color,
-                        {.groups = groups,
-                         .file_indices = plan.slab.file_indices(),
-                         .atoms = plan.slab.molecule.atoms(),
-                         .atom_count = plan.atoms,
-                         .probe_radius = plan.whole_plan.parameters.probe_radius,
-                         .spacing = plan.whole_plan.grid.spacing});
+  return mesh::MeshText(
+      required_mesh_format(*mesh), mesh->color,
+      {.groups = groups,
+       .file_indices = plan.slab.file_indices(),
+       .atoms = plan.slab.molecule.atoms(),
+       .atom_count = plan.atoms,
+       .probe_radius = plan.whole_plan.parameters.probe_radius,
+       .spacing = plan.whole_plan.grid.spacing,
+       .center = 0.5 * (plan.whole_plan.grid.origin + plan.whole_plan.grid.upper())});
 }
 
 double cpu_seconds() {

@@ -6,15 +6,14 @@ names come from the input and from geometry.
 
 import base64
 import gzip
-import importlib.util
 import json
 import math
 import re
-import shutil
 import subprocess
 import unittest
 
-from support import PROGRAM, SCRIPTS, TestCase, can_import
+from support import (PROGRAM, SCRIPTS, TestCase, browser_errors, can_import, has_browser,
+                     open_browser)
 
 SCRIPT = SCRIPTS / "view"
 RADIUS = 1.7
@@ -121,7 +120,7 @@ class Files(TestCase):
                 ([mesh, "--color", "potential"], 2, "needs --potential"),
                 ([mesh, "--electrostatics"], 2, "needs structures"),
                 ([mesh, "--potential", text], 1, "not an OpenDX map"),
-                ([self.atoms, "--", "--radii", "bondi"], 1, "--radii"),
+                ([self.atoms, "--", "--radii", "bondi"], 2, "--radii"),
                 ([self.atoms, "--opacity", "120"], 2, "expected 0 to 100")):
             with self.subTest(message=message):
                 done = run_view("-o", self.page, *arguments)
@@ -152,29 +151,12 @@ class Files(TestCase):
         self.assertIn("outside the map", done.stderr)
 
 
-def has_browser():
-    return (shutil.which("chromium") and shutil.which("chromedriver")
-            and importlib.util.find_spec("selenium") and can_import(SCRIPT, "numpy"))
-
-
-@unittest.skipUnless(has_browser(), "needs chromium, chromium-driver and python3-selenium")
+@unittest.skipUnless(has_browser() and can_import(SCRIPT, "numpy"),
+                     "needs chromium, chromium-driver, python3-selenium and python3-numpy")
 class Page(TestCase):
     def setUp(self):
         super().setUp()
-        from selenium import webdriver
-        from selenium.webdriver.chrome.service import Service
-        options = webdriver.ChromeOptions()
-        options.binary_location = shutil.which("chromium")
-        for argument in ("--headless=new", "--no-sandbox", "--use-angle=swiftshader",
-                         "--enable-unsafe-swiftshader", "--window-size=900,560",
-                         "--force-device-scale-factor=1", f"--user-data-dir={self.folder}/profile"):
-            options.add_argument(argument)
-        options.set_capability("goog:loggingPrefs", {"browser": "ALL"})
-        self.browser = webdriver.Chrome(service=Service(shutil.which("chromedriver")),
-                                        options=options)
-        self.addCleanup(self.browser.quit)
-        self.browser.set_script_timeout(300)
-        self.browser.set_page_load_timeout(300)
+        self.browser = open_browser(self)
         self.atoms = self.folder / "two.pqr"
         self.atoms.write_text(TWO_ATOMS)
 
@@ -291,8 +273,7 @@ class Page(TestCase):
         names = [name.text.split("\n")[0] for name in
                  self.browser.find_elements("css selector", "#names > div")]
         self.assertEqual(names, ["two.pqr"] * 2)
-        errors = [line for line in self.browser.get_log("browser") if line["level"] == "SEVERE"]
-        self.assertEqual(errors, [])
+        self.assertEqual(browser_errors(self.browser), [])
 
     def test_saved_pictures_have_scale_and_legend(self):
         self.open(self.atoms)
@@ -326,12 +307,40 @@ class Page(TestCase):
           return Array.from(document.querySelectorAll("input, select")).filter((one) =>
             !one.labels.length && !one.getAttribute("aria-label")).map((one) => one.id)"""), [])
 
-    def test_narrow_windows_keep_room_for_the_molecule(self):
-        self.browser.set_window_size(500, 700)
+    def test_small_screens_with_touch(self):
+        self.browser.execute_cdp_cmd("Emulation.setDeviceMetricsOverride", {
+            "width": 390, "height": 700, "deviceScaleFactor": 1, "mobile": True})
+        self.browser.execute_cdp_cmd("Emulation.setTouchEmulationEnabled", {"enabled": True})
         self.open(self.atoms)
         self.assertFalse(self.ask("return document.getElementById('panel').open"))
-        self.assertLessEqual(self.ask("return document.documentElement.scrollWidth"), 500)
+        self.assertLessEqual(self.ask("return document.documentElement.scrollWidth"), 390)
         self.assertGreater(self.pixels()["blue"], 500)
+
+        def touch(kind, *points):
+            self.browser.execute_cdp_cmd("Input.dispatchTouchEvent", {
+                "type": kind, "touchPoints": [{"x": x, "y": y, "id": n}
+                                              for n, (x, y) in enumerate(points)]})
+
+        before = self.ask("return viewer.view")
+        touch("touchStart", (150, 300), (240, 300))
+        touch("touchMove", (105, 300), (285, 300))
+        touch("touchEnd")
+        after = self.ask("return viewer.view")
+        # The fingers are twice as far apart, and their middle has not moved.
+        self.assertAlmostEqual(after["zoom"] / before["zoom"], 2, delta=0.1)
+        for a, b in zip(before["rotation"], after["rotation"]):
+            self.assertAlmostEqual(a, b, delta=0.02)
+        touch("touchStart", (200, 300))
+        touch("touchMove", (200, 400))
+        touch("touchEnd")
+        self.assertNotEqual(self.ask("return viewer.view.rotation"), after["rotation"])
+        self.ask("viewer.reset(); viewer.lookAlong(2); viewer.draw()")
+        x = self.ask("return canvas.clientWidth / 2"
+                     "- 6 * viewer.scaleIn(canvas.clientWidth, canvas.clientHeight)")
+        y = self.ask("return canvas.getBoundingClientRect().top + canvas.clientHeight / 2")
+        touch("touchStart", (x, y))
+        touch("touchEnd")
+        self.wait_for("return document.getElementById('tip').textContent.split(',')[0]", "CA")
 
 
 if __name__ == "__main__":

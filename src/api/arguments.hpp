@@ -1,5 +1,5 @@
 #pragma once
-/// Checks of the options of measurements.
+/// Checks of arguments that several functions of the library share.
 
 #include "eses/measure.hpp"
 
