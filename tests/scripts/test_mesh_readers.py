@@ -51,10 +51,12 @@ json.dump({"points": mesh.vertices.tolist(), "triangles": mesh.faces.tolist(),
 # Also with normals and colours, and with the translation of the mesh.
 GLTF = """
 import json, sys, trimesh
-loaded = trimesh.load(sys.argv[1], process=False, maintain_order=True)
+loaded = trimesh.load(sys.argv[1], process=False, maintain_order=True, skip_materials=True)
 mesh = loaded.to_mesh() if hasattr(loaded, "to_mesh") else loaded
+# The translated mesh has other normals than those of the file.
+original = next(iter(loaded.geometry.values())) if hasattr(loaded, "geometry") else loaded
 json.dump({"points": mesh.vertices.tolist(), "triangles": mesh.faces.tolist(),
-           "normals": mesh.vertex_normals.tolist(), "colors": mesh.visual.vertex_colors.tolist(),
+           "normals": original.vertex_normals.tolist(), "colors": mesh.visual.vertex_colors.tolist(),
            "open": 0 if mesh.is_watertight and mesh.is_winding_consistent else 1,
            "area": mesh.area, "volume": mesh.volume, "version": trimesh.__version__}, sys.stdout)
 """
