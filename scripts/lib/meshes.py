@@ -120,7 +120,7 @@ def read_obj(path):
 
     faces = numpy.array([[corner.partition("/")[0] for corner in row.split()] for row in rows["f"]],
                         int) - 1
-    points = numbers("v")
+    points = numbers("v")[:, :3]  # colours may follow
     normals = numbers("vn") if rows["vn"] else vertex_normals(points, faces)
     return Mesh(points, normals, faces, {}, [], [])
 
