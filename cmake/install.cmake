@@ -27,6 +27,13 @@ if(ESES_INSTALLED_BYTECODE AND NOT BUILD_SHARED_LIBS)
 endif()
 if(ESES_BUILD_PROGRAM)
   install(TARGETS eses-blocks COMPONENT program)
+  # The program finds by these names that it replaces MSMS and its scripts.
+  foreach(name msms pdb_to_xyzr pdb_to_xyzrn)
+    set(link ${PROJECT_BINARY_DIR}/links/eses-${name})
+    file(MAKE_DIRECTORY ${PROJECT_BINARY_DIR}/links)
+    file(CREATE_LINK eses-blocks ${link} SYMBOLIC)
+    install(FILES ${link} DESTINATION ${CMAKE_INSTALL_BINDIR} COMPONENT program)
+  endforeach()
 endif()
 
 # The scripts for users are installed in ESES_SCRIPT_DIR, where they find their modules in lib/. Links

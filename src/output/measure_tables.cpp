@@ -123,12 +123,12 @@ void write_measured_chains(const MeasuredAtoms& atoms, const TextSink& sink) {
     AreaSums sums;
   };
   std::vector<Chain> chains;
-  std::map<std::string_view, std::size_t> places;
+  std::map<std::string_view, std::size_t> indices;
   for (std::size_t i = 0; i < atoms.labels.size(); ++i) {
     const AtomLabel& label = atoms.labels[i];
-    const auto [place, is_new] = places.emplace(label.chain, chains.size());
+    const auto [index, is_new] = indices.emplace(label.chain, chains.size());
     if (is_new) chains.push_back({label.chain, 0, 0, {}});
-    Chain& chain = chains[place->second];
+    Chain& chain = chains[index->second];
     if (i == 0 || !is_same_residue(atoms.labels[i - 1], label)) ++chain.residues;
     ++chain.atoms;
     chain.sums.add(atoms, i);

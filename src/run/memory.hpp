@@ -27,6 +27,9 @@ struct LabelTotals {
   std::uint64_t atom_text_bytes = 0;
 };
 
+/// Returns what the outputs need of each block besides points and crossings.
+BlockExtras extras_of(const Outputs& outputs);
+
 /// Returns the totals of labels.
 LabelTotals total_labels(std::span<const AtomLabel> labels);
 
@@ -46,6 +49,9 @@ double halo_growth(const BlockTiling& tiling);
 
 /// Returns a lower bound of expected_memory for this number of atoms, in bytes.
 double min_expected_memory(std::size_t atoms);
+
+/// Returns the memory of exact measures in bytes, besides that of patches.
+double measure_memory(std::size_t atoms);
 
 /// Returns an estimate of the peak memory of the process in bytes, without its labels, intended as
 /// an upper bound. `has_groups` is whether chains and residues of atoms are numbered.

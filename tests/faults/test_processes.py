@@ -168,13 +168,15 @@ class Identity(Processes):
     def test_meshes_are_the_same(self):
         """Triangles between two slabs have vertices of both."""
         for count in (2, 3, 4, 5):
-            for mesh in ("mesh.ply", "mesh.obj", "mesh.off", "mesh.vert", "mesh.vtp"):
+            for mesh in ("mesh.ply", "mesh.obj", "mesh.off", "mesh.vert", "mesh.vtp", "mesh.stl",
+                         "mesh.glb"):
                 with self.subTest(count=count, mesh=mesh):
                     self.assertSame(count, SMALL, "--spacing", "0.4", mesh=mesh,
                                     options=("-b", str(5 + 3 * count)))
         self.assertSame(3, DATA / "1ubq.xyzr", "--spacing", "0.6", "--color", "patch",
                         mesh="mesh.ply")
-        for mesh, *more in (("mesh.ply",), ("mesh.ply", "--ply-ascii"), ("mesh.vtp",)):
+        for mesh, *more in (("mesh.ply",), ("mesh.ply", "--ply-ascii"), ("mesh.vtp",),
+                            ("mesh.glb",)):
             self.assertSame(3, DATA / "1ubq.xyzr", "--spacing", "0.6", "--color", "atom", "--write",
                             "none", *more, mesh=mesh)
 

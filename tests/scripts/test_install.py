@@ -148,6 +148,18 @@ class Install(TestCase):
         self.assertGreater(len(pages), 10)
         self.assertEqual({path.name for path in (self.prefix / doc / "doc").iterdir()}, pages)
 
+    def test_links_have_the_interface_of_msms(self):
+        spheres = self.folder / "spheres"
+        spheres.write_text("0\t0\t0\t3\n")
+        done = run(self.prefix / "bin/eses-msms", "-if", spheres, "-of", self.folder / "m")
+        self.assertDone(done)
+        self.assertIn("MSMS terminated normally", done.stdout)
+        self.assertTrue((self.folder / "m.vert").is_file())
+        for name in ("pdb_to_xyzr", "pdb_to_xyzrn"):
+            done = run(self.prefix / f"bin/eses-{name}", "--help")
+            self.assertDone(done)
+            self.assertIn(f"eses-blocks {name} ", done.stdout)
+
     def test_scripts_run_from_their_folder(self):
         """Each script finds its modules and the installed program, from any folder."""
         scripts = self.prefix / "share/eses-blocks"

@@ -48,6 +48,16 @@ json.dump({"points": mesh.vertices.tolist(), "triangles": mesh.faces.tolist(),
            "open": 0 if mesh.is_watertight and mesh.is_winding_consistent else 1,
            "area": mesh.area, "volume": mesh.volume, "version": trimesh.__version__}, sys.stdout)
 """
+# Also with normals and colours, and with the translation of the mesh.
+GLTF = """
+import json, sys, trimesh
+loaded = trimesh.load(sys.argv[1], process=False, maintain_order=True)
+mesh = loaded.to_mesh() if hasattr(loaded, "to_mesh") else loaded
+json.dump({"points": mesh.vertices.tolist(), "triangles": mesh.faces.tolist(),
+           "normals": mesh.vertex_normals.tolist(), "colors": mesh.visual.vertex_colors.tolist(),
+           "open": 0 if mesh.is_watertight and mesh.is_winding_consistent else 1,
+           "area": mesh.area, "volume": mesh.volume, "version": trimesh.__version__}, sys.stdout)
+"""
 OPEN3D = """
 import json, sys, numpy, open3d
 mesh = open3d.io.read_triangle_mesh(sys.argv[1])
@@ -81,6 +91,12 @@ cmd.sync()
 objects = {{entry[0]: entry[5] for entry in cmd.get_session()["names"] if entry}}
 json.dump({{name: entry[2][0][0][1] for name, entry in objects.items()}}, sys.stdout)
 """
+
+
+def srgb(byte):
+    """Converts a linear intensity to sRGB, both as 0 to 255."""
+    linear = byte / 255
+    return round(255 * (12.92 * linear if linear <= 0.0031308 else 1.055 * linear ** (1 / 2.4) - 0.055))
 
 
 class MeshReaders(TestCase):
@@ -144,6 +160,31 @@ class MeshReaders(TestCase):
                     found["triangles"][0] == [0, 1, 2]
                 self.check_points(found, places, self.first_uses(name) if is_renumbered else None)
                 self.check_shape(found, measures)
+
+    def test_trimesh_reads_stl_and_gltf(self):
+        measures = self.make("a.stl", DATA / "c60.xyzr")
+        found = self.read_back("trimesh", TRIMESH.replace("process=False", "process=True"), "a.stl")
+        self.check_shape(found, measures)
+        # Corners of triangles at the same place are one vertex.
+        self.assertEqual(len(found["points"]), len(self.crossings()))
+        measures = self.make("a.glb", DATA / "c60.xyzr", "--color", "patch")
+        found = self.read_back("trimesh", GLTF, "a.glb")
+        self.check_shape(found, measures)
+        self.check_points(found, 5)
+        patches = {1: [86, 180, 233], 2: [240, 228, 66], 3: [213, 94, 0]}
+        for (_, normal, atoms), mine, color in zip(self.crossings(), found["normals"],
+                                                   found["colors"]):
+            self.assertEqual([srgb(part) for part in color[:3]], patches[len(atoms)])
+            for a, b in zip(normal, mine):
+                self.assertAlmostEqual(a, b, 5)
+
+    def test_trimesh_reads_colours_of_obj(self):
+        self.make("a.obj", DATA / "c60.xyzr", "--color", "patch")
+        found = self.read_back("trimesh", GLTF, "a.obj")
+        patches = {1: [86, 180, 233], 2: [240, 228, 66], 3: [213, 94, 0]}
+        self.check_points(found, 9)
+        self.assertEqual([color[:3] for color in found["colors"]],
+                         [patches[len(atoms)] for _, _, atoms in self.crossings()])
 
     def test_trimesh_reads_all_values(self):
         self.check_whole_mesh("trimesh", TRIMESH, 9)
