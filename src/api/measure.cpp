@@ -2,6 +2,7 @@
 
 #include <stdexcept>
 
+#include "api/arguments.hpp"
 #include "api/surface_access.hpp"
 #include "surface/measure_patches.hpp"
 #include "system/formatted.hpp"

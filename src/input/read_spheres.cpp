@@ -60,7 +60,8 @@ SphereFile read_spheres(const std::filesystem::path& path) {
     text.append(buffer.data(), count);
     return count;
   };
-  const AtomLines lines{.format = AtomFormat::xyzr, .name = name};
+  const ReadOptions options{.format = AtomFormat::xyzr};
+  const AtomLines lines{.options = options, .name = name};
   AtomFile atoms;
   const LinesRead read = read_atom_lines(read_and_keep, lines, atoms);
   require_atoms(lines, atoms.atoms.size(), read);
