@@ -22,7 +22,8 @@ except ImportError:
     numpy = None  # fill() needs none
 
 PARTS = pathlib.Path(__file__).resolve().parent / "viewer"
-SCHEMES = ("patch", "atom", "element", "chain", "residue", "area", "component", "potential", "plain")
+SCHEMES = ("patch", "atom", "element", "chain", "residue", "area", "component", "potential", "file",
+           "plain")
 STYLES = ("none", "sticks", "balls", "spheres")
 STEPS = 65535  # of a coordinate of a vertex
 NORMAL_STEPS = 1023  # on each side of zero of an octahedral coordinate
@@ -57,6 +58,7 @@ class Molecule:
     patch: typing.Optional[numpy.ndarray] = None  # 1 convex, 2 saddle, 3 concave
     component: typing.Optional[numpy.ndarray] = None
     potential: typing.Optional[numpy.ndarray] = None  # kT/e
+    color: typing.Optional[numpy.ndarray] = None  # bytes
     atom: typing.Optional[numpy.ndarray] = None
     atoms: typing.Optional[Atoms] = None
 
@@ -172,6 +174,8 @@ def describe(molecule):
     }
     if molecule.patch is not None:
         arrays.add("patch", molecule.patch, 1)
+    if molecule.color is not None:
+        arrays.add("color_of_file", molecule.color, 1)
     if molecule.component is not None:
         arrays.add("component", molecule.component, 4)
     if molecule.potential is not None:

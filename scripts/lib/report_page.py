@@ -16,7 +16,7 @@ def value_of(row, name):
     value = row.get(name, "")
     if name in TEXTS:
         return printable(value)
-    return float(value) if value != "" else ""
+    return "" if value in ("", None) else float(value)
 
 
 def make_report(rows, title):

@@ -38,6 +38,19 @@ def data_of(page):
     return data, arrays
 
 
+def first_row(page, name):
+    """Returns the first row of an array in a page, the differences of which are from zero."""
+    data, (arrays,) = data_of(page)
+    at = 0
+    for one in data["molecules"][0]["arrays"]:
+        count = one["columns"] * one["rows"]
+        if one["name"] == name:
+            return [sum(arrays[at + plane * count + column] << 8 * plane
+                        for plane in range(one["width"])) for column in range(one["columns"])]
+        at += one["width"] * count
+    raise KeyError(name)
+
+
 @unittest.skipUnless(can_import(SCRIPT, "numpy"), "needs python3-numpy")
 class Files(TestCase):
     def setUp(self):
@@ -67,6 +80,7 @@ class Files(TestCase):
         counts = set()
         for name, options in (("m.ply", ()), ("t.ply", ("--ply-ascii",)), ("m.vtp", ()),
                               ("m.obj", ()), ("c.obj", ("--color", "patch")), ("m.off", ()),
+                              ("m.stl", ()), ("m.glb", ()),
                               ("m.vert", ()), ("n.face", ())):
             with self.subTest(name=name):
                 self.assertDone(run_view(self.mesh(name, *options), "-o", self.page))
@@ -81,15 +95,20 @@ class Files(TestCase):
     def test_areas_of_atoms_are_those_of_spheres(self):
         for name in (self.atoms, self.mesh("m.ply", "--spacing", "0.2")):
             self.assertDone(run_view(name, "-o", self.page))
-            data, (arrays,) = data_of(self.page)
-            at = 0
-            for one in data["molecules"][0]["arrays"]:
-                size = one["width"] * one["columns"] * one["rows"]
-                if one["name"] == "area":
-                    planes = [arrays[at + plane * one["rows"]] for plane in range(one["width"])]
-                at += size
-            area = sum(value << 8 * plane for plane, value in enumerate(planes)) / 100
-            self.assertAlmostEqual(area / (4 * math.pi * RADIUS**2), 1, delta=0.01)
+            (area,) = first_row(self.page, "area")
+            self.assertAlmostEqual(area / 100 / (4 * math.pi * RADIUS**2), 1, delta=0.01)
+
+    def test_colours_of_files_are_kept(self):
+        """The first vertices are those of the first sphere, which is red in colours of chains."""
+        red = first_row(self.colored_page("m.ply"), "color_of_file")
+        self.assertEqual(red.index(max(red)), 0)
+        for name in ("m.vtp", "m.obj", "m.glb"):
+            self.assertEqual(first_row(self.colored_page(name), "color_of_file"), red)
+
+    def colored_page(self, name):
+        self.assertDone(run_view(self.mesh(name, "--color", "chain"), "--color", "file", "-o",
+                                 self.page))
+        return self.page
 
     def test_the_page_is_small_and_needs_no_network(self):
         self.assertDone(run_view(self.atoms, "--spacing", "0.8", "-o", self.page))

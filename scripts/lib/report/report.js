@@ -75,7 +75,8 @@ function makeHeader() {
 
 // Returns the powers of ten around positive values.
 function decades(values) {
-  const low = Math.floor(Math.log10(Math.min(...values))), high = Math.ceil(Math.log10(Math.max(...values)));
+  const low = Math.floor(Math.log10(values.reduce((a, b) => Math.min(a, b))));
+  const high = Math.ceil(Math.log10(values.reduce((a, b) => Math.max(a, b))));
   return Array.from({ length: Math.max(high - low, 1) + 1 }, (_, i) => low + i);
 }
 
