@@ -314,30 +314,6 @@ json.dump({"cells": reader.GetOutput().GetNumberOfCells(), "error": reader.GetEr
             self.assertNotIn("Traceback", done.stdout + done.stderr)
             self.assertTrue(done.stdout.endswith("{}"))
 
-    @unittest.skipUnless(shutil.which("awk"), "awk is not installed")
-    def test_documented_command_adds_names_for_masif(self):
-        """The command of doc/meshes.md adds a tenth column, which MaSIF splits at each _."""
-        records = [line.split() for line in
-                   (DATA / "fas2.pqr").read_text(encoding="ascii").splitlines()
-                   if line.startswith("ATOM")]
-        atoms = [record[:4] + ["B"] + record[4:] for record in records]
-        (self.folder / "1abc.pqr").write_text(
-            "".join(" ".join(record) + "\n" for record in atoms))
-        self.make("1abc.vert", self.folder / "1abc.pqr")
-        page = (PROJECT / "doc/meshes.md").read_text(encoding="utf-8")
-        begin = page.index("    awk '")
-        subprocess.run(page[begin:page.index("named.vert", begin) + len("named.vert")],
-                       shell=True, check=True, cwd=self.folder)
-        plain = (self.folder / "1abc.vert").read_text(encoding="ascii").splitlines()
-        named = (self.folder / "named.vert").read_text(encoding="ascii").splitlines()
-        self.assertEqual(plain[:3], named[:3])
-        self.assertEqual(len(plain), len(named))
-        for before, after in zip(plain[3:], named[3:]):
-            *fields, name = after.split()
-            self.assertEqual(fields, before.split())
-            _, _, atom, residue, chain, number, *_ = atoms[int(fields[7]) - 1]
-            self.assertEqual(name.split("_")[:5], [chain, number, "x", residue, atom])
-
     def test_triangles_of_msms_are_read_by_their_counts(self):
         """The counts in the third line are read, as MaSIF and Jmol do."""
         self.make("a.vert", DATA / "c60.xyzr")
