@@ -7,7 +7,8 @@ if(ESES_HELP2MAN AND ESES_BUILD_PROGRAM AND NOT ESES_SANITIZE AND NOT CMAKE_CROS
   foreach(page IN ITEMS
       "eses-blocks|eses-blocks|solvent excluded surface of a molecule on a grid"
       "eses-blocks-diff|eses-blocks diff|compares two directories of ESES's files"
-      "eses-blocks-measure|eses-blocks measure|areas and volumes of molecular surfaces without a grid")
+      "eses-blocks-measure|eses-blocks measure|areas and volumes of molecular surfaces without a grid"
+      "eses-msms|eses-blocks msms|molecular surfaces with the options and files of MSMS")
     string(REPLACE "|" ";" parts "${page}")
     list(GET parts 0 name)
     list(GET parts 1 command)

@@ -564,7 +564,7 @@ std::string header_of(const mesh::MeshText& text, const MeshCounts& counts) {
   std::string header;
   const TextSink sink = [&](std::string_view part) { header += part; };
   text.write_header_begin(sink);
-  text.write_header_end(counts, sink);
+  text.write_header_end(counts, {}, sink);
   return header;
 }
 
@@ -597,7 +597,7 @@ TEST_CASE("mesh: invalid outputs are refused", "[mesh]") {
   CHECK_THROWS_AS(mesh::require_vertex_count(2147483648), Error);
   const std::vector<Atom> atoms{{{0, 0, 0}, 1.5}};
   Outputs outputs;
-  outputs.mesh = MeshOptions{"a.stl"};
+  outputs.mesh = MeshOptions{"a.xyz"};
   CHECK_THROWS_AS(make_plan(atoms, {}, outputs), std::invalid_argument);
   outputs.mesh = MeshOptions{"a.ply", MeshColor::chain};
   CHECK_THROWS_AS(make_plan(atoms, {}, outputs), std::invalid_argument);
@@ -671,19 +671,22 @@ TEST_CASE("mesh: errors leave no mesh and name the path", "[mesh][cli]") {
     CHECK(contains(outcome.err, message));
     CHECK(sandbox.files().empty());
   };
-  check(
-      {"pair.xyzr", "--mesh", "a.stl"}, 2,
-      "--mesh is 'a.stl', expected a file with the suffix .ply, .obj, .off, .vtp, .vert or .face");
+  check({"pair.xyzr", "--mesh", "a.stp"}, 2,
+        "--mesh is 'a.stp', expected a file with the suffix .ply, .obj, .off, .vtp, .stl, .glb, "
+        ".vert "
+        "or .face");
   check({"pair.xyzr", "--mesh", ""}, 2, "--mesh is ''");
   check({"pair.xyzr", "--mesh"}, 2, "--mesh needs a value");
-  check({"pair.xyzr", "--color", "atom"}, 2, "--color needs --mesh with a .ply or .vtp file");
+  check({"pair.xyzr", "--color", "atom"}, 2,
+        "--color needs --mesh with a .ply, .obj, .vtp or .glb file");
   check({"pair.xyzr", "--mesh", "a.vert", "--color", "atom"}, 2,
         "--color needs --mesh with a .ply");
-  for (const char* file : {"a.obj", "a.off", "a.vtp", "a.face"})
+  for (const char* file : {"a.obj", "a.off", "a.vtp", "a.stl", "a.glb", "a.face"})
     check({"pair.xyzr", "--mesh", file, "--ply-ascii"}, 2,
           "--ply-ascii needs --mesh with a .ply file");
   check({"pair.xyzr", "--ply-ascii"}, 2, "--ply-ascii needs --mesh with a .ply file");
-  check({"pair.xyzr", "--mesh", "a.obj", "--color", "atom"}, 2, "--color needs --mesh");
+  for (const char* file : {"a.off", "a.stl"})
+    check({"pair.xyzr", "--mesh", file, "--color", "atom"}, 2, "--color needs --mesh");
   check({"pair.xyzr", "--mesh", "a.ply", "--color", "red"}, 2,
         "--color is 'red', expected patch, atom or chain");
   for (const char* file : {"pair.xyzr", "missing.xyzr", "-"})

@@ -31,6 +31,7 @@ namespace {
 using test::AccessibleSet;
 using test::all_kinds;
 using test::designed_probe_radius;
+using test::grid_options;
 using test::is_accessible;
 using test::Kind;
 using test::kind_name;

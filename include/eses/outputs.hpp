@@ -19,10 +19,10 @@ enum class MeshColor {
 /// A mesh file, or the pair of mesh files of MSMS.
 struct MeshOptions {
   /// Path of the file. The suffix, in upper or lower case, determines the format: `.ply`, `.obj`,
-  /// `.off` or `.vtp` (VTK XML PolyData). With `.vert` or `.face`, both files of MSMS are written,
-  /// NAME.vert and NAME.face. doc/meshes.md describes the formats.
+  /// `.off`, `.vtp` (VTK XML), `.stl` or `.glb` (glTF). With `.vert` or `.face`, both files of MSMS
+  /// are written, NAME.vert and NAME.face. doc/meshes.md describes the formats.
   std::filesystem::path file;
-  MeshColor color = MeshColor::none;  ///< Colours, in PLY and VTP files only.
+  MeshColor color = MeshColor::none;  ///< Colours, in PLY, OBJ, VTP and glTF files only.
   bool is_ascii = false;              ///< Whether a PLY file is text instead of binary.
 };
 

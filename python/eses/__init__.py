@@ -14,17 +14,23 @@ True
 """
 
 from ._core import (
+    AtomAreas,
     Atoms,
     Block,
     BlockIterator,
     Crossings,
     Diagnostic,
+    FrameMeasures,
+    Gradient,
+    Gradients,
     Grid,
     Labels,
+    Measures,
     Mesh,
     Result,
     Surface,
     __version__,
+    measure_frames,
     read_atoms,
     read_grid,
 )
@@ -34,17 +40,23 @@ add_methods(Mesh, Result, Surface)
 del add_methods
 
 __all__ = [
+    "AtomAreas",
     "Atoms",
     "Block",
     "BlockIterator",
     "Crossings",
     "Diagnostic",
+    "FrameMeasures",
+    "Gradient",
+    "Gradients",
     "Grid",
     "Labels",
+    "Measures",
     "Mesh",
     "Result",
     "Surface",
     "__version__",
+    "measure_frames",
     "read_atoms",
     "read_grid",
 ]

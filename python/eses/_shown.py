@@ -2,6 +2,7 @@
 
 import html
 import importlib
+import inspect
 
 import numpy as np
 
@@ -153,7 +154,7 @@ def surface_show(self, spacing=0.4, atoms=None, *, color=None, style="none", bac
     ValueError
         If the number of atoms is not that of the surface, or an argument is unknown.
     """
-    result = self.compute(self.grid(spacing))
+    result = self.compute(self.grid(spacing, 2 * spacing))  # does not cut the surface
     shown = _page_atoms(self.centers, self.radii, result.atom_areas, atoms)
     return _show(result.mesh(), shown, color, style, backend, title, height)
 
@@ -273,5 +274,6 @@ def add_methods(mesh, result, surface):
         for method in methods:
             name = method.__name__.partition("_")[2]
             method.__name__, method.__module__ = name, "eses"
+            method.__doc__ = inspect.cleandoc(method.__doc__)
             method.__qualname__ = f"{owner.__name__}.{name}"
             setattr(owner, name, method)

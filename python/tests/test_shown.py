@@ -24,7 +24,7 @@ def surface(atoms):
 
 @pytest.fixture(scope="module")
 def result(surface):
-    return surface.compute(surface.grid(1.0))
+    return surface.compute(surface.grid(1.0, margin=2.0))  # does not cut the surface
 
 
 def data_of(page):

@@ -1,14 +1,15 @@
-"""Reads meshes that eses-blocks --mesh has written: PLY, VTP, OBJ, OFF and the files of MSMS."""
+"""Reads meshes that eses-blocks --mesh has written, in all of its formats."""
 
 import collections
+import json
 import re
+import struct
 import xml.etree.ElementTree
 
 import numpy
 
 from common import Failed
 
-SUFFIXES = (".ply", ".vtp", ".obj", ".off", ".vert", ".face")
 PLY_TYPES = {"char": "i1", "uchar": "u1", "short": "i2", "ushort": "u2", "int": "i4", "uint": "u4",
              "float": "f4", "double": "f8"}
 VTK_TYPES = {"Int8": "i1", "UInt8": "u1", "Int16": "i2", "UInt16": "u2", "Int32": "i4",
@@ -105,7 +106,7 @@ def read_vtp(path):
                 names("residue_name"))
 
 
-# ------------------------------------------------------------------------------- OBJ, OFF and MSMS
+# -------------------------------------------------------------------- OBJ, OFF, STL, GLB and MSMS
 
 
 def read_obj(path):
@@ -120,9 +121,11 @@ def read_obj(path):
 
     faces = numpy.array([[corner.partition("/")[0] for corner in row.split()] for row in rows["f"]],
                         int) - 1
-    points = numbers("v")
+    vertices = numbers("v")  # x y z, or x y z r g b
+    points = vertices[:, :3]
     normals = numbers("vn") if rows["vn"] else vertex_normals(points, faces)
-    return Mesh(points, normals, faces, {}, [], [])
+    values = {"color": color_bytes(vertices[:, 3:])} if vertices.shape[1] == 6 else {}
+    return Mesh(points, normals, faces, values, [], [])
 
 
 def read_off(path):
@@ -135,6 +138,48 @@ def read_off(path):
     corners = numpy.array(words[4 + 3 * vertices:4 + 3 * vertices + 4 * faces], int)
     triangles = corners.reshape(-1, 4)[:, 1:]
     return Mesh(points, vertex_normals(points, triangles), triangles, {}, [], [])
+
+
+def read_stl(path):
+    data = path.read_bytes()
+    (count,) = struct.unpack_from("<I", data, 80)
+    rows = numpy.frombuffer(data, [("normal", "<f4", 3), ("corners", "<f4", (3, 3)),
+                                   ("rest", "<u2")], count, 84)
+    points, index = numpy.unique(rows["corners"].reshape(-1, 3), axis=0, return_inverse=True)
+    triangles = index.reshape(-1, 3)
+    return Mesh(points, vertex_normals(points, triangles), triangles, {}, [], [])
+
+
+def read_glb(path):
+    data = path.read_bytes()
+    if data[:4] != b"glTF":
+        raise ValueError
+    (length,) = struct.unpack_from("<I", data, 12)  # of the description, which is the first chunk
+    scene, start = json.loads(data[20:20 + length]), 28 + length
+
+    def array(number, columns):
+        accessor = scene["accessors"][number]
+        view = scene["bufferViews"][accessor["bufferView"]]
+        kind = numpy.dtype({5121: "u1", 5125: "<u4", 5126: "<f4"}[accessor["componentType"]])
+        place = start + view.get("byteOffset", 0) + accessor.get("byteOffset", 0)
+        stride = view.get("byteStride", columns * kind.itemsize)
+        return numpy.ndarray((accessor["count"], columns), kind, data, place,
+                             (stride, kind.itemsize))
+
+    shape = scene["meshes"][0]["primitives"][0]
+    columns = shape["attributes"]
+    points = array(columns["POSITION"], 3) + numpy.array(scene["nodes"][0]["translation"], float)
+    values = {}
+    if "COLOR_0" in columns:  # linear intensities, converted to sRGB (IEC 61966-2-1)
+        linear = array(columns["COLOR_0"], 4)[:, :3] / 255
+        values["color"] = color_bytes(numpy.where(linear <= 0.0031308, 12.92 * linear,
+                                                  1.055 * linear ** (1 / 2.4) - 0.055))
+    return Mesh(points, array(columns["NORMAL"], 3), array(shape["indices"], 1).reshape(-1, 3),
+                values, [], [])
+
+
+def color_bytes(shares):
+    return numpy.rint(255 * shares).astype("u1")
 
 
 def read_msms(path):
@@ -152,6 +197,7 @@ def read_msms(path):
 
 def vertex_normals(points, triangles):
     """Returns normals for files without them: means of the triangles, weighted by area."""
+    points = numpy.asarray(points, float)
     a, b, c = (points[corner] for corner in triangles.T)
     normals = numpy.zeros_like(points)
     for corner in triangles.T:
@@ -160,7 +206,8 @@ def vertex_normals(points, triangles):
 
 
 READERS = {".ply": read_ply, ".vtp": read_vtp, ".obj": read_obj, ".off": read_off,
-           ".vert": read_msms, ".face": read_msms}
+           ".stl": read_stl, ".glb": read_glb, ".vert": read_msms, ".face": read_msms}
+SUFFIXES = tuple(READERS)
 
 
 def is_mesh(path):
@@ -176,7 +223,7 @@ def read_mesh(path):
         if len(mesh.triangles) and not 0 <= mesh.triangles.min() <= mesh.triangles.max() < len(
                 mesh.points):
             raise ValueError
-    except (IndexError, KeyError, TypeError, ValueError, xml.etree.ElementTree.ParseError):
+    except (IndexError, KeyError, TypeError, ValueError, struct.error, xml.etree.ElementTree.ParseError):
         raise Failed(f"{path}: not a mesh of eses-blocks") from None
     if len(mesh.triangles) == 0:
         raise Failed(f"{path}: no triangles")

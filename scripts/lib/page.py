@@ -5,6 +5,8 @@ Arrays are stored as differences between rows, which gzip compresses well, and r
 viewer/data.js.
 """
 
+from __future__ import annotations
+
 import base64
 import dataclasses
 import gzip
@@ -14,10 +16,14 @@ import math
 import pathlib
 import typing
 
-import numpy
+try:
+    import numpy
+except ImportError:
+    numpy = None  # fill() needs none
 
 PARTS = pathlib.Path(__file__).resolve().parent / "viewer"
-SCHEMES = ("patch", "atom", "element", "chain", "residue", "area", "component", "potential", "plain")
+SCHEMES = ("patch", "atom", "element", "chain", "residue", "area", "component", "potential", "file",
+           "plain")
 STYLES = ("none", "sticks", "balls", "spheres")
 STEPS = 65535  # of a coordinate of a vertex
 NORMAL_STEPS = 1023  # on each side of zero of an octahedral coordinate
@@ -52,6 +58,7 @@ class Molecule:
     patch: typing.Optional[numpy.ndarray] = None  # 1 convex, 2 saddle, 3 concave
     component: typing.Optional[numpy.ndarray] = None
     potential: typing.Optional[numpy.ndarray] = None  # kT/e
+    color: typing.Optional[numpy.ndarray] = None  # bytes
     atom: typing.Optional[numpy.ndarray] = None
     atoms: typing.Optional[Atoms] = None
 
@@ -167,6 +174,8 @@ def describe(molecule):
     }
     if molecule.patch is not None:
         arrays.add("patch", molecule.patch, 1)
+    if molecule.color is not None:
+        arrays.add("color_of_file", molecule.color, 1)
     if molecule.component is not None:
         arrays.add("component", molecule.component, 4)
     if molecule.potential is not None:
@@ -189,8 +198,15 @@ def script_text(value):
     return json.dumps(value, ensure_ascii=True).replace("<", "\\u003c")
 
 
-def part(name):
-    return (PARTS / name).read_text(encoding="utf-8")
+def fill(folder, scripts, fields):
+    """Returns page.html of the folder with its style, these scripts and other fields."""
+    def part(name):
+        return (folder / name).read_text(encoding="utf-8")
+
+    fields = {**fields, "style": part("style.css"), "script": "\n".join(map(part, scripts))}
+    pieces = part("page.html").split("{{")  # each piece but the first begins with a name
+    return pieces[0] + "".join(
+        fields[name] + rest for name, _, rest in (piece.partition("}}") for piece in pieces[1:]))
 
 
 def make_page(molecules, title, color=None, style="none", opacity=None, potential_limit=None):
@@ -210,9 +226,5 @@ def make_page(molecules, title, color=None, style="none", opacity=None, potentia
             "molecules": [info for info, _ in described]}
     arrays = "\n".join(f'<script type="text/plain" id="arrays-{number}">{text}</script>'
                        for number, (_, text) in enumerate(described))
-    script = "\n".join(map(part, ("data.js", "shaders.js", "viewer.js")))
-    fields = {"title": html.escape(title), "style": part("style.css"), "script": script,
-              "molecules": script_text(data), "arrays": arrays}
-    pieces = part("page.html").split("{{")  # each piece but the first begins with a name
-    return pieces[0] + "".join(
-        fields[name] + rest for name, _, rest in (piece.partition("}}") for piece in pieces[1:]))
+    return fill(PARTS, ("data.js", "shaders.js", "viewer.js"),
+                {"title": html.escape(title), "molecules": script_text(data), "arrays": arrays})

@@ -42,11 +42,6 @@ class HelpFormatter : public CLI::Formatter {
   std::string usage_;
 };
 
-std::string version_text() {
-  return formatted("eses-blocks {}\ncompiler: {}\nbuild type: {}\nflags: {}\ninstruction set: {}\n",
-                   version, compiler, build_type, compiler_flags, name_of(instruction_set()));
-}
-
 /// Throws UsageError for `--name=`, for which CLI11 would use the next argument as the value.
 void refuse_empty_values(const std::vector<std::string>& arguments) {
   for (const std::string& argument : arguments) {
@@ -145,6 +140,11 @@ void set_up(CLI::App& app, std::string usage, std::string footer) {
   app.footer(std::move(footer));
   app.allow_extras();  // refuse_extras() gives better messages
   app.set_help_flag();
+}
+
+std::string version_text() {
+  return formatted("eses-blocks {}\ncompiler: {}\nbuild type: {}\nflags: {}\ninstruction set: {}\n",
+                   version, compiler, build_type, compiler_flags, name_of(instruction_set()));
 }
 
 void add_notices(CLI::App& app) {

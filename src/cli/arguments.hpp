@@ -85,6 +85,9 @@ void begin_group(CLI::App& app, const char* name);
 /// Sets the layout of the help; `usage` follows `Usage: `.
 void set_up(CLI::App& app, std::string usage, std::string footer);
 
+/// Returns the text of --version.
+std::string version_text();
+
 /// Adds --version and --help, which stop the parsing.
 void add_notices(CLI::App& app);
 

@@ -21,9 +21,12 @@
 #include "cli/measure_command.hpp"
 #include "cli/measure_options.hpp"
 #include "cli/messages.hpp"
+#include "cli/msms_command.hpp"
+#include "cli/msms_options.hpp"
 #include "cli/options.hpp"
 #include "cli/surface_command.hpp"
 #include "cli/usage.hpp"
+#include "cli/xyzr_command.hpp"
 #include "diff/compare_directories.hpp"
 #include "distributed/launcher.hpp"
 #include "distributed/processes.hpp"
@@ -95,6 +98,19 @@ int perform_measure(const Arguments& arguments, const Processes& processes) {
   return measure_files(parse_measure_arguments(arguments));
 }
 
+int perform_msms(const Arguments& arguments, const Processes& processes) {
+  if (!processes.is_first()) return exit_done;  // one process computes the surface
+  end_on_signals();
+  run_msms(parse_msms_arguments(arguments));
+  return exit_done;
+}
+
+template <bool has_names>
+int perform_xyzr(const Arguments& arguments, const Processes& processes) {
+  if (processes.is_first()) print_spheres(has_names, arguments);
+  return exit_done;
+}
+
 /// Returns the message of an error, with its hints as options, such as ` (--max-memory 20M)`.
 std::string message_of(const std::exception& error) {
   std::string message = error.what();
@@ -119,12 +135,32 @@ struct Command {
 constexpr Command surface_command{perform_surface, "eses-blocks --help", exit_failure};
 constexpr Command diff_command{compare_files, "eses-blocks diff --help", exit_trouble};
 constexpr Command measure_command{perform_measure, "eses-blocks measure --help", exit_failure};
+constexpr Command msms_command{perform_msms, "eses-blocks msms --help", exit_failure};
+constexpr Command xyzr_command{perform_xyzr<false>, "eses-blocks pdb_to_xyzr --help", exit_failure};
+constexpr Command xyzrn_command{perform_xyzr<true>, "eses-blocks pdb_to_xyzrn --help",
+                                exit_failure};
+
+/// Returns the command with the interface of MSMS or one of its scripts; null if `name` names none.
+const Command* msms_command_named(std::string_view name) {
+  if (name == "msms") return &msms_command;
+  if (name == "pdb_to_xyzr") return &xyzr_command;
+  if (name == "pdb_to_xyzrn") return &xyzrn_command;
+  return nullptr;
+}
 
 /// Returns the command that the first argument names; null if it names none.
 const Command* named_command(std::string_view name) {
   if (name == "diff") return &diff_command;
   if (name == "measure") return &measure_command;
-  return nullptr;
+  return msms_command_named(name);
+}
+
+/// Returns the command that a link to the program names, such as eses-msms; null if it names none.
+const Command* linked_command(std::string_view path) {
+  constexpr std::string_view prefix = "eses-";
+  std::string_view name = path.substr(path.rfind('/') + 1);
+  if (name.starts_with(prefix)) name.remove_prefix(prefix.size());
+  return msms_command_named(name);
 }
 
 /// Ends the other processes after a failure in this process only. Returns the exit code.
@@ -203,8 +239,11 @@ int run_command(int argc, char** argv) {
   std::set_terminate(end_on_uncaught_exception);
   // Closed pipes and the file size limit are then reported as write errors.
   for (const int signal : {SIGPIPE, SIGXFSZ}) std::signal(signal, SIG_IGN);
-  const Command* const named = argc > 1 ? named_command(argv[1]) : nullptr;
-  const Command& command = named != nullptr ? *named : surface_command;
+  const Command* const linked = argc > 0 ? linked_command(argv[0]) : nullptr;
+  const Command* const named = linked == nullptr && argc > 1 ? named_command(argv[1]) : nullptr;
+  const Command& command = linked != nullptr  ? *linked
+                           : named != nullptr ? *named
+                                              : surface_command;
   try {
     return named != nullptr ? perform(command, argc - 1, argv + 1) : perform(command, argc, argv);
   } catch (const std::bad_alloc&) {

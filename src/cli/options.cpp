@@ -64,6 +64,7 @@ Examples:
   eses-blocks 1crn.pqr --mesh 1crn.ply --color chain   a mesh coloured by chain
   eses-blocks diff out ESES                            compare the files of two directories
   eses-blocks measure 1crn.pdb                         areas and volumes without a grid
+  eses-blocks msms -if 1crn.xyzr -of 1crn              options and files of MSMS
   eses-blocks 1crn.xyzr --spacing 0.1 --dry-run        estimate points, memory and disk space
   eses-blocks 1crn.xyzr --inside map.dx --gzip         compressed text files, and a map for VMD
   eses-blocks 1crn.xyzr --region=-5,0,0,5,10,10        only the grid points in a box
@@ -274,6 +275,10 @@ void add_grid_options(CLI::App& app, CommandLine& line) {
             line.blocks,
             Format{blocks_in, "i0:i1,j0:j1,k0:k1, whole numbers from 0, i0 < i1 and so on"})
       ->excludes(region);
+  add_flag(app, "--exact",
+           "report area and volume of the whole surface in closed\n"
+           "form, too; needs a single process",
+           parameters.exact);
 }
 
 void add_solver_maps(CLI::App& app, CommandLine& line) {
@@ -323,15 +328,15 @@ void add_file_options(CLI::App& app, CommandLine& line) {
             line.inside_map, Format{map_in, "a file name with the suffix .dx, .dx.gz or .vti"});
   add_flag(app, "--gzip", "compress text files and maps of the dielectric", line.gzip);
   add_value(app, "--mesh", "FILE",
-            "write a triangle mesh: .ply, .obj, .off, .vtp, or\n"
-            ".vert or .face (both files of MSMS)",
+            "write a triangle mesh: .ply, .obj, .off, .vtp, .stl,\n"
+            ".glb, or .vert or .face (both files of MSMS)",
             line.mesh,
             Format<std::filesystem::path>{mesh_in,
                                           formatted("a file with the suffix {}", mesh_suffixes)});
   add_value(
       app, "--color", "NAME",
-      "colour the vertices of a .ply or .vtp mesh by patch,\n"
-      "atom or chain [none]",
+      "colour the vertices of a .ply, .obj, .vtp or .glb mesh\n"
+      "by patch, atom or chain [none]",
       line.color,
       one_of<MeshColor>(
           {{"patch", MeshColor::patch}, {"atom", MeshColor::atom}, {"chain", MeshColor::chain}}));
@@ -393,7 +398,8 @@ void add_options(CLI::App& app, CommandLine& line) {
   set_up(app,
          "eses-blocks [OPTIONS] FILE [PROBE [SPACING [MARGIN]]]\n"
          "  or:  eses-blocks diff [OPTIONS] DIR_A DIR_B\n"
-         "  or:  eses-blocks measure [OPTIONS] FILE...",
+         "  or:  eses-blocks measure [OPTIONS] FILE...\n"
+         "  or:  eses-blocks msms -if FILE [OPTIONS]",
          footer);
   add_grid_options(app, line);
   add_file_options(app, line);
@@ -469,8 +475,8 @@ void add_maps(const CommandLine& line, const std::filesystem::path& directory, O
 std::optional<MeshOptions> mesh_of(const CommandLine& line) {
   const MeshOptions mesh{line.mesh, line.color, line.is_ascii};
   const std::optional<MeshFormat> format = mesh_format(mesh.file);
-  if (mesh.color != MeshColor::none && format != MeshFormat::ply && format != MeshFormat::vtp)
-    throw UsageError("--color needs --mesh with a .ply or .vtp file");
+  if (mesh.color != MeshColor::none && !can_have_colors(format))
+    throw UsageError("--color needs --mesh with a .ply, .obj, .vtp or .glb file");
   if (mesh.is_ascii && format != MeshFormat::ply)
     throw UsageError("--ply-ascii needs --mesh with a .ply file");
   if (mesh.color == MeshColor::chain)

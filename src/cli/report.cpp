@@ -184,6 +184,26 @@ json::Value grid_json(const Grid& grid) {
 
 bool is_whole(const Plan& plan) { return plan.tiling.region == plan.grid.whole(); }
 
+/// Returns the line of the exact values. It must not contain `area:` or `volume:`, for which
+/// scripts search the report.
+std::string exact_text(const Report& report) {
+  if (!report.exact) return "";
+  const auto& [area, volume] = *report.exact;
+  const std::string text =
+      formatted("exact: {:.10g} square angstrom, {:.10g} cubic angstrom", area, volume);
+  const Plan& plan = report.plan;
+  if (!is_whole(plan) || plan.cut_depth > 0 || area == 0 || volume == 0)
+    return text + ", of the whole surface\n";
+  const auto percent_above = [](double value, double exact) { return 100 * (value / exact - 1); };
+  return text + formatted(" (the grid differs by {:+.2g} % and {:+.2g} %)\n",
+                          percent_above(report.summary.area, area),
+                          percent_above(report.summary.divergence_volume, volume));
+}
+
+json::Value exact_json(const Report& report, double ExactMeasures::*value) {
+  return report.exact ? json::Value((*report.exact).*value) : json::Value();
+}
+
 /// Returns the line of the region, with ranges such as `10:20 x 0:5 x 0:7`.
 std::string region_text(const Plan& plan) {
   if (is_whole(plan)) return "";
@@ -390,6 +410,7 @@ std::string summary_text(const Report& report) {
       "divergence theorem: {:.6g} cubic angstrom, the accurate volume (surface volume is ESES's "
       "formula)\n",
       summary.divergence_volume);
+  text += exact_text(report);
   text += mesh_text(summary);
   text += verification_text(summary);
   text += formatted(
@@ -422,6 +443,8 @@ std::string json_text(const Report& report) {
     document.update({{"area", summary.area},
                      {"volume", summary.volume},
                      {"divergence_volume", summary.divergence_volume},
+                     {"exact_area", exact_json(report, &ExactMeasures::area)},
+                     {"exact_volume", exact_json(report, &ExactMeasures::volume)},
                      {"inside_points", summary.inside_points},
                      {"crossings", crossings_json(summary)},
                      {"area_by_kind", area_by_kind_json(summary)},

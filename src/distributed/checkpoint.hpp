@@ -31,8 +31,8 @@ struct AtomSum {
 };
 
 /// The texts of a chunk: the lines of grid_info.txt and intersection_info.txt, mesh vertices as
-/// text or records of the mesh's format, mesh triangles as mesh::LocalTriangle, and rows of words
-/// for each map, by its quantity.
+/// text or records of the mesh's format, mesh triangles as mesh::LocalTriangle or, if they have the
+/// positions of their corners, as records, and rows of words for each map, by its quantity.
 enum class ChunkText : std::uint8_t { grid, edges, vertices, triangles, first_map };
 inline constexpr std::size_t chunk_text_count =
     static_cast<std::size_t>(ChunkText::first_map) + map_quantities;

@@ -27,8 +27,15 @@ std::optional<MeshFormat> mesh_format(const std::filesystem::path& file) {
   if (suffix == ".obj") return MeshFormat::obj;
   if (suffix == ".off") return MeshFormat::off;
   if (suffix == ".vtp") return MeshFormat::vtp;
+  if (suffix == ".stl") return MeshFormat::stl;
+  if (suffix == ".glb") return MeshFormat::glb;
   if (suffix == vertex_suffix || suffix == face_suffix) return MeshFormat::msms;
   return std::nullopt;
+}
+
+bool can_have_colors(std::optional<MeshFormat> format) {
+  return format == MeshFormat::ply || format == MeshFormat::ascii_ply ||
+         format == MeshFormat::obj || format == MeshFormat::vtp || format == MeshFormat::glb;
 }
 
 MeshFormat required_mesh_format(const MeshOptions& mesh) {

@@ -69,13 +69,15 @@ std::optional<mesh::MeshText> mesh_text(const RunTask& task, const RunPlan& plan
                                 .of_atom = plan.slab.groups,
                                 .chain_count = processes.sum(plan.groups.chains.size()),
                                 .residue_count = processes.sum(plan.groups.residues.size())};
-  return mesh::MeshText(required_mesh_format(*mesh), mesh->color,
-                        {.groups = groups,
-                         .file_indices = plan.slab.file_indices(),
-                         .atoms = plan.slab.molecule.atoms(),
-                         .atom_count = plan.atoms,
-                         .probe_radius = plan.whole_plan.parameters.probe_radius,
-                         .spacing = plan.whole_plan.grid.spacing});
+  return mesh::MeshText(
+      required_mesh_format(*mesh), mesh->color,
+      {.groups = groups,
+       .file_indices = plan.slab.file_indices(),
+       .atoms = plan.slab.molecule.atoms(),
+       .atom_count = plan.atoms,
+       .probe_radius = plan.whole_plan.parameters.probe_radius,
+       .spacing = plan.whole_plan.grid.spacing,
+       .center = 0.5 * (plan.whole_plan.grid.origin + plan.whole_plan.grid.upper())});
 }
 
 double cpu_seconds() {
@@ -116,6 +118,26 @@ void combine_verifications(Verification& found, const Processes& processes) {
     all.insert(all.end(), lines.begin(), lines.end());
   }
   found.faults = std::move(all);
+}
+
+// Measures the surface, and compares it with a grid that encloses the molecule if the run is
+// verified.
+ExactMeasures measure_surface(const RunTask& task, const RunPlan& plan,
+                              const std::function<void()>& check, Summary& summary) {
+  const Molecule& molecule = plan.slab.molecule;
+  const double probe_radius = task.parameters.probe_radius;
+  const int threads = plan.slab_plan.threads;
+  const ExactMeasures exact = measure_exactly(molecule, probe_radius, threads, check);
+  const Plan& whole = plan.whole_plan;
+  if (!summary.verification || whole.cut_depth > 0 || whole.tiling.region != whole.grid.whole())
+    return exact;
+  const Stopwatch watch;
+  const VolumeBounds bounds =
+      bound_inside_cells(molecule, probe_radius, whole.grid.spacing, threads, check);
+  if (const auto fault = find_volume_fault(summary.inside_points, whole.grid.spacing, bounds))
+    summary.verification->faults.push_back(*fault);
+  summary.seconds.verify += watch.seconds();
+  return exact;
 }
 
 // Reads the chunks of an earlier run. Each process reads a part of them.
@@ -228,6 +250,7 @@ RunResult execute(const RunTask& task, const RunPlan& plan, const RunPaths& path
   fill_totals(merge.totals(), plan.whole_plan.grid.spacing, summary);
   AtomAreas areas = add_up_areas(std::move(shares), plan, processes);
   summary.area = total_area(areas, processes);
+  if (task.parameters.exact) result.exact = measure_surface(task, plan, check, summary);
   if (!has_faults(summary)) {
     if (mesh) summary.mesh = merge.mesh_counts();
     summary.bytes_written =

@@ -160,7 +160,7 @@ double expected_memory(const SurfaceSurvey& survey, const LabelTotals& labels, b
       as_double(tiling.blocks[2]) * bytes_per_layer;
   if (outputs.mesh)
     held += MeshOutput::memory_bytes(
-        tiling,
+        tiling, required_mesh_format(*outputs.mesh),
         halo_growth(tiling) * expected_crossings(survey.max_slab_area(grid.spacing), grid.spacing));
   constexpr double bytes_per_area = sizeof(double) + growth * sizeof(AtomSum);
   double names = 0;

@@ -266,7 +266,8 @@ PlaneChunk SlabSweep::sweep(PatchSchedule& patches, const PlaneRange& planes, Sw
     mesh.emplace(plan, plan_.whole_plan.tiling.region_with_halo, *text,
                  MeshSinks{.vertices = into(ChunkText::vertices),
                            .triangles = into(ChunkText::triangles),
-                           .has_local_triangles = !is_in_place_ || text->has_columns()});
+                           .has_local_triangles = (!is_in_place_ || text->has_columns()) &&
+                                                  !text->has_corner_positions()});
   std::optional<Verifier> verifier;
   if (plan.parameters.verify > 0) {
     const Stopwatch drawing;

@@ -41,6 +41,8 @@ struct Parameters {
   /// Maximum resident memory of the process in bytes. 0 means all available memory.
   std::uint64_t max_memory = 0;
   std::int64_t verify = 0;  ///< number of points, and of edges, to verify; 0 to 1e7
+  /// Whether to measure the whole surface in closed form, too. Only for a single process.
+  bool exact = false;
   GridPart part = {};
 
   bool has_custom_grid() const { return std::holds_alternative<Grid>(grid); }

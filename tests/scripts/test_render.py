@@ -180,7 +180,7 @@ class Render(TestCase):
     def test_wrong_files_are_refused(self):
         text = self.folder / "a.txt"
         text.write_text("none")
-        for path, message in ((text, "not a .ply, .vtp, .obj, .off, .vert or .face file"),
+        for path, message in ((text, "not a .ply, .vtp, .obj, .off, .stl, .glb, .vert or .face file"),
                               (self.folder / "b.ply", "no such file")):
             done = self.render(path, "-o", self.folder / "c.png")
             self.assertEqual(done.returncode, 1)

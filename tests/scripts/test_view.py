@@ -6,15 +6,14 @@ names come from the input and from geometry.
 
 import base64
 import gzip
-import importlib.util
 import json
 import math
 import re
-import shutil
 import subprocess
 import unittest
 
-from support import PROGRAM, SCRIPTS, TestCase, can_import
+from support import (PROGRAM, SCRIPTS, TestCase, browser_errors, can_import, has_browser,
+                     open_browser)
 
 SCRIPT = SCRIPTS / "view"
 RADIUS = 1.7
@@ -37,6 +36,19 @@ def data_of(page):
     arrays = [gzip.decompress(base64.b64decode(one)) for one in
               re.findall(r'id="arrays-\d+">(.*?)</script>', text, re.DOTALL)]
     return data, arrays
+
+
+def first_row(page, name):
+    """Returns the first row of an array in a page, the differences of which are from zero."""
+    data, (arrays,) = data_of(page)
+    at = 0
+    for one in data["molecules"][0]["arrays"]:
+        count = one["columns"] * one["rows"]
+        if one["name"] == name:
+            return [sum(arrays[at + plane * count + column] << 8 * plane
+                        for plane in range(one["width"])) for column in range(one["columns"])]
+        at += one["width"] * count
+    raise KeyError(name)
 
 
 @unittest.skipUnless(can_import(SCRIPT, "numpy"), "needs python3-numpy")
@@ -67,7 +79,9 @@ class Files(TestCase):
     def test_meshes_of_all_formats_are_read(self):
         counts = set()
         for name, options in (("m.ply", ()), ("t.ply", ("--ply-ascii",)), ("m.vtp", ()),
-                              ("m.obj", ()), ("m.off", ()), ("m.vert", ()), ("n.face", ())):
+                              ("m.obj", ()), ("c.obj", ("--color", "patch")), ("m.off", ()),
+                              ("m.stl", ()), ("m.glb", ()),
+                              ("m.vert", ()), ("n.face", ())):
             with self.subTest(name=name):
                 self.assertDone(run_view(self.mesh(name, *options), "-o", self.page))
                 molecule, = data_of(self.page)[0]["molecules"]
@@ -81,15 +95,20 @@ class Files(TestCase):
     def test_areas_of_atoms_are_those_of_spheres(self):
         for name in (self.atoms, self.mesh("m.ply", "--spacing", "0.2")):
             self.assertDone(run_view(name, "-o", self.page))
-            data, (arrays,) = data_of(self.page)
-            at = 0
-            for one in data["molecules"][0]["arrays"]:
-                size = one["width"] * one["columns"] * one["rows"]
-                if one["name"] == "area":
-                    planes = [arrays[at + plane * one["rows"]] for plane in range(one["width"])]
-                at += size
-            area = sum(value << 8 * plane for plane, value in enumerate(planes)) / 100
-            self.assertAlmostEqual(area / (4 * math.pi * RADIUS**2), 1, delta=0.01)
+            (area,) = first_row(self.page, "area")
+            self.assertAlmostEqual(area / 100 / (4 * math.pi * RADIUS**2), 1, delta=0.01)
+
+    def test_colours_of_files_are_kept(self):
+        """The first vertices are those of the first sphere, which is red in colours of chains."""
+        red = first_row(self.colored_page("m.ply"), "color_of_file")
+        self.assertEqual(red.index(max(red)), 0)
+        for name in ("m.vtp", "m.obj", "m.glb"):
+            self.assertEqual(first_row(self.colored_page(name), "color_of_file"), red)
+
+    def colored_page(self, name):
+        self.assertDone(run_view(self.mesh(name, "--color", "chain"), "--color", "file", "-o",
+                                 self.page))
+        return self.page
 
     def test_the_page_is_small_and_needs_no_network(self):
         self.assertDone(run_view(self.atoms, "--spacing", "0.8", "-o", self.page))
@@ -121,7 +140,7 @@ class Files(TestCase):
                 ([mesh, "--color", "potential"], 2, "needs --potential"),
                 ([mesh, "--electrostatics"], 2, "needs structures"),
                 ([mesh, "--potential", text], 1, "not an OpenDX map"),
-                ([self.atoms, "--", "--radii", "bondi"], 1, "--radii"),
+                ([self.atoms, "--", "--radii", "bondi"], 2, "--radii"),
                 ([self.atoms, "--opacity", "120"], 2, "expected 0 to 100")):
             with self.subTest(message=message):
                 done = run_view("-o", self.page, *arguments)
@@ -152,29 +171,12 @@ class Files(TestCase):
         self.assertIn("outside the map", done.stderr)
 
 
-def has_browser():
-    return (shutil.which("chromium") and shutil.which("chromedriver")
-            and importlib.util.find_spec("selenium") and can_import(SCRIPT, "numpy"))
-
-
-@unittest.skipUnless(has_browser(), "needs chromium, chromium-driver and python3-selenium")
+@unittest.skipUnless(has_browser() and can_import(SCRIPT, "numpy"),
+                     "needs chromium, chromium-driver, python3-selenium and python3-numpy")
 class Page(TestCase):
     def setUp(self):
         super().setUp()
-        from selenium import webdriver
-        from selenium.webdriver.chrome.service import Service
-        options = webdriver.ChromeOptions()
-        options.binary_location = shutil.which("chromium")
-        for argument in ("--headless=new", "--no-sandbox", "--use-angle=swiftshader",
-                         "--enable-unsafe-swiftshader", "--window-size=900,560",
-                         "--force-device-scale-factor=1", f"--user-data-dir={self.folder}/profile"):
-            options.add_argument(argument)
-        options.set_capability("goog:loggingPrefs", {"browser": "ALL"})
-        self.browser = webdriver.Chrome(service=Service(shutil.which("chromedriver")),
-                                        options=options)
-        self.addCleanup(self.browser.quit)
-        self.browser.set_script_timeout(300)
-        self.browser.set_page_load_timeout(300)
+        self.browser = open_browser(self)
         self.atoms = self.folder / "two.pqr"
         self.atoms.write_text(TWO_ATOMS)
 
@@ -291,8 +293,7 @@ class Page(TestCase):
         names = [name.text.split("\n")[0] for name in
                  self.browser.find_elements("css selector", "#names > div")]
         self.assertEqual(names, ["two.pqr"] * 2)
-        errors = [line for line in self.browser.get_log("browser") if line["level"] == "SEVERE"]
-        self.assertEqual(errors, [])
+        self.assertEqual(browser_errors(self.browser), [])
 
     def test_saved_pictures_have_scale_and_legend(self):
         self.open(self.atoms)
@@ -326,12 +327,40 @@ class Page(TestCase):
           return Array.from(document.querySelectorAll("input, select")).filter((one) =>
             !one.labels.length && !one.getAttribute("aria-label")).map((one) => one.id)"""), [])
 
-    def test_narrow_windows_keep_room_for_the_molecule(self):
-        self.browser.set_window_size(500, 700)
+    def test_small_screens_with_touch(self):
+        self.browser.execute_cdp_cmd("Emulation.setDeviceMetricsOverride", {
+            "width": 390, "height": 700, "deviceScaleFactor": 1, "mobile": True})
+        self.browser.execute_cdp_cmd("Emulation.setTouchEmulationEnabled", {"enabled": True})
         self.open(self.atoms)
         self.assertFalse(self.ask("return document.getElementById('panel').open"))
-        self.assertLessEqual(self.ask("return document.documentElement.scrollWidth"), 500)
+        self.assertLessEqual(self.ask("return document.documentElement.scrollWidth"), 390)
         self.assertGreater(self.pixels()["blue"], 500)
+
+        def touch(kind, *points):
+            self.browser.execute_cdp_cmd("Input.dispatchTouchEvent", {
+                "type": kind, "touchPoints": [{"x": x, "y": y, "id": n}
+                                              for n, (x, y) in enumerate(points)]})
+
+        before = self.ask("return viewer.view")
+        touch("touchStart", (150, 300), (240, 300))
+        touch("touchMove", (105, 300), (285, 300))
+        touch("touchEnd")
+        after = self.ask("return viewer.view")
+        # The fingers are twice as far apart, and their middle has not moved.
+        self.assertAlmostEqual(after["zoom"] / before["zoom"], 2, delta=0.1)
+        for a, b in zip(before["rotation"], after["rotation"]):
+            self.assertAlmostEqual(a, b, delta=0.02)
+        touch("touchStart", (200, 300))
+        touch("touchMove", (200, 400))
+        touch("touchEnd")
+        self.assertNotEqual(self.ask("return viewer.view.rotation"), after["rotation"])
+        self.ask("viewer.reset(); viewer.lookAlong(2); viewer.draw()")
+        x = self.ask("return canvas.clientWidth / 2"
+                     "- 6 * viewer.scaleIn(canvas.clientWidth, canvas.clientHeight)")
+        y = self.ask("return canvas.getBoundingClientRect().top + canvas.clientHeight / 2")
+        touch("touchStart", (x, y))
+        touch("touchEnd")
+        self.wait_for("return document.getElementById('tip').textContent.split(',')[0]", "CA")
 
 
 if __name__ == "__main__":

@@ -208,6 +208,10 @@ const SCHEMES = {
       ticks: ["0", `${area / 2}`, `≥ ${area}`],
     }),
   },
+  file: {
+    label: "as in the file", has: (one) => one.color_of_file,
+    paint: (one) => (vertex) => one.color_of_file.subarray(3 * vertex, 3 * vertex + 3),
+  },
   plain: { label: "none", has: () => true, paint: () => () => PLAIN },
 };
 

@@ -586,8 +586,8 @@ function makeDrawing(gl, molecule) {
   const surface = gl.createVertexArray(), colors = gl.createBuffer();
   const rows = new Uint16Array(6 * molecule.vertices); // x, y, z, 0, normal: aligned to 4 bytes
   for (let i = 0; i < molecule.vertices; i++) {
-    rows.set(molecule.place.subarray(3 * i, 3 * i + 3), 6 * i);
-    rows.set(molecule.normal.subarray(2 * i, 2 * i + 2), 6 * i + 4);
+    for (let axis = 0; axis < 3; axis++) rows[6 * i + axis] = molecule.place[3 * i + axis];
+    for (let part = 0; part < 2; part++) rows[6 * i + 4 + part] = molecule.normal[2 * i + part];
   }
   gl.bindVertexArray(surface);
   const vertices = makeBuffer(gl, rows);
