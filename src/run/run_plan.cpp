@@ -100,8 +100,8 @@ std::string identity_of(const RunTask& task, const RunPlan& run, std::uint64_t h
 
 // Whether the mesh names chains and residues, or has the colours of chains.
 bool needs_groups(const Outputs& outputs) {
-  return outputs.mesh && (mesh::can_name_groups(*outputs.mesh) ||
-                          outputs.mesh->color == MeshColor::chain);
+  return outputs.mesh &&
+         (mesh::can_name_groups(*outputs.mesh) || outputs.mesh->color == MeshColor::chain);
 }
 
 // Throws Error if no schedule keeps the memory limit for this number of atoms. It is called before
