@@ -78,7 +78,7 @@ TEST_CASE("grids of all kinds of sets are within the bounds", "[exact]") {
     }
 }
 
-TEST_CASE("--exact reports area and volume in closed form", "[exact]") {
+TEST_CASE("exact: --exact reports area and volume in closed form", "[exact]") {
   const TwoSpheres sandbox;
   for (const Arguments& more : {Arguments{"--json"}, Arguments{"--json", "--resume"},
                                 Arguments{"--json", "--region", "-1,-1,-1,1,1,1"},
@@ -91,7 +91,7 @@ TEST_CASE("--exact reports area and volume in closed form", "[exact]") {
              "(None, None)");
 }
 
-TEST_CASE("the report compares the grid with the exact values", "[exact]") {
+TEST_CASE("exact: the report compares the grid with the exact values", "[exact]") {
   const TwoSpheres sandbox;
   const Outcome whole = sandbox.run_exact({});
   CHECK(contains(whole.out,
@@ -107,7 +107,7 @@ TEST_CASE("the report compares the grid with the exact values", "[exact]") {
   CHECK(sandbox.run_exact({"-q"}).out == plain.out);
 }
 
-TEST_CASE("--verify accepts a grid that fits the exact volume", "[exact]") {
+TEST_CASE("exact: --verify accepts a grid that fits the exact volume", "[exact]") {
   const TwoSpheres sandbox;
   for (const char* const spacing : {"0.1", "0.5", "2"}) {
     const Outcome done = sandbox.run({"two.xyzr", "--exact", "--verify=50", "--spacing", spacing,

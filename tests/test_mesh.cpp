@@ -597,7 +597,7 @@ TEST_CASE("mesh: invalid outputs are refused", "[mesh]") {
   CHECK_THROWS_AS(mesh::require_vertex_count(2147483648), Error);
   const std::vector<Atom> atoms{{{0, 0, 0}, 1.5}};
   Outputs outputs;
-  outputs.mesh = MeshOptions{"a.stl"};
+  outputs.mesh = MeshOptions{"a.xyz"};
   CHECK_THROWS_AS(make_plan(atoms, {}, outputs), std::invalid_argument);
   outputs.mesh = MeshOptions{"a.ply", MeshColor::chain};
   CHECK_THROWS_AS(make_plan(atoms, {}, outputs), std::invalid_argument);

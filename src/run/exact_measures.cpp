@@ -1,8 +1,6 @@
 #include "run/exact_measures.hpp"
 
 #include <algorithm>
-#include <cmath>
-#include <limits>
 #include <numbers>
 #include <span>
 #include <vector>
@@ -31,6 +29,12 @@ std::optional<double> volume_beyond(const Molecule& molecule, double probe_radiu
 }
 
 }  // namespace
+
+// The measures of a face, and a second molecule with its index.
+double exact_measure_bytes(std::size_t atoms) {
+  constexpr double face_bytes = 48, index_bytes = 32;
+  return static_cast<double>(atoms) * (face_bytes + sizeof(Atom) + index_bytes);
+}
 
 ExactMeasures measure_exactly(const Molecule& molecule, double probe_radius, int threads,
                               const CheckCallback& check) {

@@ -1,6 +1,7 @@
 #pragma once
 /// Area and volume of the whole surface in closed form, and their comparison with a grid.
 
+#include <cstddef>
 #include <cstdint>
 #include <optional>
 #include <string>
@@ -18,6 +19,9 @@ struct ExactMeasures {
 /// Measures the surface of a molecule.
 ExactMeasures measure_exactly(const Molecule& molecule, double probe_radius, int threads,
                               const CheckCallback& check);
+
+/// Memory of the functions of this file in bytes, besides that of patches.
+double exact_measure_bytes(std::size_t atoms);
 
 /// Bounds of a volume (cubic angstrom).
 struct VolumeBounds {

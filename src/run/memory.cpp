@@ -142,12 +142,6 @@ double halo_growth(const BlockTiling& tiling) {
   return growth_of_points;
 }
 
-// The measures of the exposed faces, and a second molecule with other coordinates or radii.
-double measure_memory(std::size_t atoms) {
-  constexpr double face_bytes = 48;
-  return static_cast<double>(atoms) * (face_bytes + bytes_per_atom);
-}
-
 double min_expected_memory(std::size_t atoms) {
   return base_bytes + static_cast<double>(atoms) * bytes_per_atom;
 }

@@ -50,9 +50,6 @@ double halo_growth(const BlockTiling& tiling);
 /// Returns a lower bound of expected_memory for this number of atoms, in bytes.
 double min_expected_memory(std::size_t atoms);
 
-/// Returns the memory of exact measures in bytes, besides that of patches.
-double measure_memory(std::size_t atoms);
-
 /// Returns an estimate of the peak memory of the process in bytes, without its labels, intended as
 /// an upper bound. `has_groups` is whether chains and residues of atoms are numbered.
 double expected_memory(const SurfaceSurvey& survey, const LabelTotals& labels, bool has_groups,

@@ -16,6 +16,7 @@
 #include "output/eses_writer.hpp"
 #include "output/grid_map.hpp"
 #include "output/mesh_writer.hpp"
+#include "run/exact_measures.hpp"
 #include "run/memory.hpp"
 #include "run/verifier.hpp"
 #include "system/bytes_text.hpp"
@@ -196,7 +197,7 @@ void choose_schedule(const SurfaceSurvey& survey, const MemoryBudget& budget,
   const double always = static_cast<double>(held) +
                         caller.per_point * static_cast<double>(plan.region.point_count()) +
                         caller.per_crossing * plan.crossings +
-                        (p.exact ? measure_memory(survey.atom_count()) : 0);
+                        (p.exact ? exact_measure_bytes(survey.atom_count()) : 0);
   double smallest = std::numeric_limits<double>::infinity();
   for (const Schedule& schedule : possible_schedules(plan.grid, plan.region, p, survey)) {
     const double memory =

@@ -393,6 +393,8 @@ class Failure(Processes):
                          "--write residues needs a PQR, PDB or mmCIF file", code=2)
         self.assertEnded(self.run_together(2, SMALL, "--mesh", "x.ply", "--color", "chain"),
                          "--color chain needs a PQR, PDB or mmCIF file", code=2)
+        self.assertEnded(self.run_together(2, SMALL, "--exact"),
+                         "--exact needs all atoms in one process", code=2)
 
     def test_names_give_the_diagnostics_of_one_process(self):
         water = self.folder / "wet.pqr"

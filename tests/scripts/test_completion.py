@@ -191,6 +191,8 @@ class Zsh(TestCase):
                 ("a.xyzr ", set()),
                 ("measure --write ", {"atoms", "residues", "chains", "derivatives"}),
                 ("measure a.xyzr --parts ", {"chains"}),
+                ("msms -surface ", {"tses", "ases"}),
+                ("pdb_to_xyzr --form", {"--format"}),
                 ("diff ", {"sub"}),
                 ("diff sub ", {"sub"}),
                 ("diff --tolerance ", set())):

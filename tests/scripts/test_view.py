@@ -79,7 +79,8 @@ class Files(TestCase):
     def test_meshes_of_all_formats_are_read(self):
         counts = set()
         for name, options in (("m.ply", ()), ("t.ply", ("--ply-ascii",)), ("m.vtp", ()),
-                              ("m.obj", ()), ("m.off", ()), ("m.stl", ()), ("m.glb", ()),
+                              ("m.obj", ()), ("c.obj", ("--color", "patch")), ("m.off", ()),
+                              ("m.stl", ()), ("m.glb", ()),
                               ("m.vert", ()), ("n.face", ())):
             with self.subTest(name=name):
                 self.assertDone(run_view(self.mesh(name, *options), "-o", self.page))

@@ -255,13 +255,7 @@ std::vector<double> numbers_after(const std::string& json, const std::string& ke
   return numbers;
 }
 
-int srgb_of_linear(int byte) {
-  const double linear = byte / 255.0;
-  return static_cast<int>(std::lround(
-      255 * (linear <= 0.0031308 ? 12.92 * linear : 1.055 * std::pow(linear, 1 / 2.4) - 0.055)));
-}
-
-/// glTF with the layout of our files. Colours are converted from linear intensities to sRGB.
+/// glTF with the layout of our files.
 Mesh read_glb(const std::string& bytes) {
   BinaryReader reader(bytes);
   require(reader.take<std::uint32_t>() == 0x46546C67 && reader.take<std::uint32_t>() == 2 &&
@@ -291,7 +285,7 @@ Mesh read_glb(const std::string& bytes) {
     mesh.normals.push_back(reader.take_vector());
     if (!has_colors) continue;
     std::array<int, 3> color{};
-    for (int& part : color) part = srgb_of_linear(reader.take<std::uint8_t>());
+    for (int& part : color) part = reader.take<std::uint8_t>();
     mesh.colors.push_back(color);
     require(reader.take<std::uint8_t>() == 255, "GLB: a transparent vertex");
   }
