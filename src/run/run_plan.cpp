@@ -98,8 +98,10 @@ std::string identity_of(const RunTask& task, const RunPlan& run, std::uint64_t h
       mesh_identity(task.outputs.mesh));
 }
 
-bool names_groups(const Outputs& outputs) {
-  return outputs.mesh && mesh::can_name_groups(*outputs.mesh);
+// Whether the mesh names chains and residues, or has the colours of chains.
+bool needs_groups(const Outputs& outputs) {
+  return outputs.mesh &&
+         (mesh::can_name_groups(*outputs.mesh) || outputs.mesh->color == MeshColor::chain);
 }
 
 // Throws Error if no schedule keeps the memory limit for this number of atoms. It is called before
@@ -129,7 +131,7 @@ void require_memory_held(const InputFile& file, std::uint64_t limit) {
 // Numbers the groups of `run.names` if the outputs need it. Returns the totals of the names.
 LabelTotals take_groups(const Outputs& outputs, const Processes& processes, RunPlan& run,
                         std::vector<mesh::GroupNumbers>& groups) {
-  if (names_groups(outputs)) {
+  if (needs_groups(outputs)) {
     GroupNumbering numbered = number_groups(run.names.residues(), processes);
     run.groups = std::move(numbered.names);
     groups = std::move(numbered.of_atom);
@@ -263,7 +265,7 @@ LabelTotals take_file(const InputFile& file, const RunTask& task, const Processe
   AtomPart part = read_part(
       file.path,
       {.format = file.format,
-       .with_labels = has_names || outputs.residues || outputs.atoms || names_groups(outputs),
+       .with_labels = has_names || outputs.residues || outputs.atoms || needs_groups(outputs),
        .max_memory = limit,
        .structure = file.structure},
       outputs.atoms, processes);
@@ -300,7 +302,7 @@ LabelTotals take_molecule(const Molecule& molecule, const RunTask& task, const P
   run.whole_plan = {plan_grid(sphere_bounds(molecule.atoms()), task.parameters), {}};
   run.slab.planes = region_planes(run.whole_plan);
   run.slab.molecule = molecule;
-  if (task.outputs.residues || names_groups(task.outputs))
+  if (task.outputs.residues || needs_groups(task.outputs))
     for (const AtomLabel& label : molecule.labels()) run.names.add_residue(label);
   LabelTotals labels = take_groups(task.outputs, processes, run, run.slab.groups);
   if (!task.outputs.residues) run.names = {};
