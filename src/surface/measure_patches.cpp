@@ -52,6 +52,10 @@ constexpr std::array<Accessibility, 5> without_slack{{{false, tolerance::accessi
 // two sides of a narrow gap do, but the shrinkage makes a gap closed or wider.
 constexpr double min_cutting_distance = 1e-6;
 
+// A cap that misses a cone by less than this counts as one that cuts it (angstrom). The value is
+// far above rounding errors, so no cap that cuts it is missed.
+constexpr double meeting_slack = 1e-9;
+
 // The total curvature of consistent measures is this close to an even number.
 constexpr double max_curvature_error = 1e-6;
 
@@ -216,6 +220,7 @@ class PatchMeasurement {
   SpherePart find_cone(std::uint32_t number, MeasureScratch& scratch) const;
   void add_cutters(std::uint32_t number, Vec3 center, double distance,
                    MeasureScratch& scratch) const;
+  bool may_cut(Vec3 to_other, double squared, const MeasureScratch& scratch) const;
   void find_near(Vec3 center, double distance, MeasureScratch& scratch) const;
   void share_among_atoms(const SpherePart& part, MeasureScratch& scratch,
                          ClusterTerms& terms) const;
@@ -507,34 +512,54 @@ SpherePart PatchMeasurement::find_cone(std::uint32_t number, MeasureScratch& scr
   return scratch.finder.find(scratch.caps);
 }
 
-// Adds the caps of other placements that cut the cone which the caps bound. They are nearer than
-// `distance` to `center`.
+// Returns whether the cap towards another placement may reach into the cone that the caps bound.
+// The cone's direction nearest to the axis is the axis itself, its projection onto a bounding
+// plane, or an edge. Lengths are those of `to_other`, whose square is `squared`.
+bool PatchMeasurement::may_cut(Vec3 to_other, double squared, const MeasureScratch& scratch) const {
+  const double limit = 4 * probe() * probe();
+  bool is_within = true;
+  for (const SphericalCap& plane : scratch.caps) {
+    const double height = dot(to_other, plane.axis);
+    if (height <= 0) continue;
+    is_within = false;
+    if ((squared - height * height) * limit <= squared * squared) return false;
+  }
+  if (is_within) return true;
+  const double min_along = squared / (2 * probe()) - meeting_slack;
+  for (const Vec3 edge : scratch.toward)
+    if (dot(to_other, edge) > min_along) return true;
+  return std::any_of(scratch.caps.begin(), scratch.caps.end(), [&](const SphericalCap& plane) {
+    const double height = dot(to_other, plane.axis);
+    if (height <= 0) return false;
+    const Vec3 projection = to_other - height * plane.axis;
+    return std::all_of(scratch.caps.begin(), scratch.caps.end(), [&](const SphericalCap& other) {
+      return dot(projection, other.axis) <= meeting_slack;
+    });
+  });
+}
+
+// Finds the other placements that cut the cone which the caps bound, and then adds their caps. They
+// are nearer than `distance` to `center`.
 void PatchMeasurement::add_cutters(std::uint32_t number, Vec3 center, double distance,
                                    MeasureScratch& scratch) const {
-  const std::size_t bounds = scratch.caps.size();
   const Vec3 from = centers_[number];
   const double limit = 4 * probe() * probe();
   const double min_squared = surface_.has_slack ? 0 : min_cutting_distance * min_cutting_distance;
   scratch.cutters.clear();
-  const auto add_cutter = [&](std::uint32_t other) {
-    if (other == number || node_[other] != other) return;
-    const Vec3 toward = centers_[other] - from;
-    const double squared = squared_norm(toward);
-    if (squared >= limit || squared <= min_squared) return;
-    // The cone is on one side of each bounding plane. If the other placement is on the other side,
-    // the direction of the cone that is nearest to it is at least as far away as the plane.
-    for (std::size_t k = 0; k < bounds; ++k) {
-      const double height = dot(toward, scratch.caps[k].axis);
-      if (height > 0 && (squared - height * height) * limit <= squared * squared) return;
-    }
-    const double length = std::sqrt(squared), cosine = length / (2 * probe());
-    const Vec3 axis = (1 / length) * toward;
-    scratch.cutters.push_back(placements_[other]);
-    scratch.caps.push_back({axis, cosine});
-  };
   find_near(center, distance, scratch);
-  for (const std::uint32_t other : scratch.near)
-    if (squared_norm(centers_[other] - center) < distance * distance) add_cutter(other);
+  for (const std::uint32_t other : scratch.near) {
+    if (squared_norm(centers_[other] - center) >= distance * distance) continue;
+    if (other == number || node_[other] != other) continue;
+    const Vec3 to_other = centers_[other] - from;
+    const double squared = squared_norm(to_other);
+    if (squared < limit && squared > min_squared && may_cut(to_other, squared, scratch))
+      scratch.cutters.push_back(placements_[other]);
+  }
+  for (const ProbePlacement* cutter : scratch.cutters) {
+    const Vec3 to_cutter = cutter->center - from;
+    const double length = norm(to_cutter);
+    scratch.caps.push_back({(1 / length) * to_cutter, length / (2 * probe())});
+  }
 }
 
 // Makes sure that `scratch.near` has all placements within a distance. Consecutive searches are
