@@ -29,7 +29,8 @@ if(ESES_HELP2MAN AND ESES_BUILD_PROGRAM AND NOT ESES_SANITIZE AND NOT CMAKE_CROS
       "apbs|electrostatic energies with APBS on maps of the molecular surface"
       "assemble|builds a large complex from copies of one structure"
       "pdbbind|molecular surfaces of all structures below a folder"
-      "render|pictures of meshes of molecular surfaces")
+      "render|pictures of meshes of molecular surfaces"
+      "view|pages that show molecular surfaces in a browser")
     string(REPLACE "|" ";" parts "${page}")
     list(GET parts 0 script)
     list(GET parts 1 title)

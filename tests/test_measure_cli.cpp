@@ -129,11 +129,12 @@ TEST_CASE("measure: tables have the areas of atoms, residues and chains") {
           0);
   const auto atoms = rows_of(box.directory() / "out/dimer.atoms.csv");
   REQUIRE(atoms.size() == 3);
-  CHECK(Fields(atoms[0].begin(), atoms[0].begin() + 7) ==
-        Fields{"1", "CA", "ALA", "1", "A", "C", "1.7"});
-  CHECK(std::stod(atoms[0][7]) == Catch::Approx(sas_of_one()).margin(1e-6));
-  CHECK(std::stod(atoms[0][8]) == Catch::Approx(ses_of_two() / 2).margin(1e-6));
-  CHECK(std::stod(atoms[2][8]) == Catch::Approx(free_ses()).margin(1e-6));
+  CHECK(Fields(atoms[0].begin(), atoms[0].begin() + 10) ==
+        Fields{"1", "CA", "ALA", "1", "A", "C", "0", "0", "0", "1.7"});
+  CHECK(std::stod(atoms[0][10]) == Catch::Approx(sas_of_one()).margin(1e-6));
+  CHECK(std::stod(atoms[0][11]) == Catch::Approx(ses_of_two() / 2).margin(1e-6));
+  CHECK(std::stod(atoms[1][6]) == distance);
+  CHECK(std::stod(atoms[2][11]) == Catch::Approx(free_ses()).margin(1e-6));
   const auto residues = rows_of(box.directory() / "out/dimer.residues.csv");
   REQUIRE(residues.size() == 3);
   // Maximum areas of Tien et al. (2013): 129 for alanine, 104 for glycine, none for haem.
@@ -144,6 +145,28 @@ TEST_CASE("measure: tables have the areas of atoms, residues and chains") {
   REQUIRE(chains.size() == 3);
   CHECK(Fields(chains[2].begin(), chains[2].begin() + 3) == Fields{"C", "1", "1"});
   CHECK(std::stod(chains[2][3]) == Catch::Approx(free_sas()).margin(1e-6));
+}
+
+// The area of two SAS spheres of radius R at distance d is 4 pi R^2 + 2 pi R d, that of a free
+// sphere 4 pi R^2; the derivative of its volume by the radius is its area.
+TEST_CASE("measure: derivatives have the closed values of spheres") {
+  const Molecules box;
+  const Outcome outcome = box.run({"measure", "two.xyzr", "--write", "derivatives", "--json"});
+  REQUIRE(outcome.code == 0);
+  const auto rows = rows_of(box.directory() / "two.derivatives.csv");
+  REQUIRE(rows.size() == 2);
+  REQUIRE(rows[0].size() == 17);
+  const double sas = radius + probe;
+  for (const int side : {0, 1}) {
+    const auto value = [&](std::size_t column) { return std::stod(rows[side][column]); };
+    CHECK(rows[side][0] == std::to_string(side + 1));
+    CHECK(value(9) == Catch::Approx((side == 0 ? -1 : 1) * 2 * std::numbers::pi * sas));
+    CHECK(value(10) == Catch::Approx(0).margin(1e-9));
+    CHECK(value(16) == Catch::Approx(sas_of_one()));
+  }
+  const double by_probe = 8 * std::numbers::pi * sas + 2 * std::numbers::pi * distance;
+  check_near(box, outcome.out, "r['derivatives_by_probe_radius']['sas_area']", by_probe);
+  check_json(box, outcome.out, "r['derivatives_are_smooth']", "True");
 }
 
 TEST_CASE("measure: parts bury the areas of closed forms") {
@@ -214,7 +237,7 @@ TEST_CASE("measure: SAS areas are those of FreeSASA with 1000 slices") {
   REQUIRE(atoms.size() == 300);
   double ours = 0, theirs = 0;
   for (std::size_t i = 0; i < areas.size(); ++i) {
-    const double area = std::stod(atoms[i][7]);
+    const double area = std::stod(atoms[i][10]);
     INFO("atom " << i);
     CHECK(area == Catch::Approx(areas[i]).epsilon(0).margin(0.05));
     ours += area;
@@ -228,7 +251,7 @@ TEST_CASE("measure: bad requests are refused") {
   const Molecules box;
   check_usage_error(box, {"measure"}, "FILE is required");
   check_usage_error(box, {"measure", "two.xyzr", "--write", "x"},
-                    "--write is 'x', expected some of atoms,residues,chains");
+                    "--write is 'x', expected some of atoms,residues,chains,derivatives");
   check_usage_error(box, {"measure", "-", "two.xyzr"},
                     "standard input (-) cannot be combined with other files");
   check_usage_error(box, {"measure", "two.xyzr", "-o", "out"}, "--output-dir needs --write");

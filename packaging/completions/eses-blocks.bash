@@ -11,7 +11,7 @@ _eses_blocks() {
     --format) COMPREPLY=($(compgen -W 'auto xyzr pqr pdb mmcif' -- "$cur")) && return ;;
     --write)
       if [[ $command == measure ]]; then
-        COMPREPLY=($(compgen -W 'atoms residues chains atoms,residues,chains' -- "$cur")) && return
+        COMPREPLY=($(compgen -W 'atoms residues chains derivatives atoms,residues,chains' -- "$cur")) && return
       fi
       COMPREPLY=($(compgen -W 'all none grid edges areas residues atoms grid,edges grid,areas \
       edges,areas' -- "$cur")) && return

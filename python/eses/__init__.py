@@ -28,6 +28,10 @@ from ._core import (
     read_atoms,
     read_grid,
 )
+from ._shown import add_methods
+
+add_methods(Mesh, Result, Surface)
+del add_methods
 
 __all__ = [
     "Atoms",

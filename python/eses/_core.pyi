@@ -2,7 +2,7 @@
 
 import os
 from types import TracebackType
-from typing import Callable, Iterator, Literal, Optional, Sequence, Tuple, Type, Union
+from typing import Any, Callable, Iterator, Literal, Optional, Sequence, Tuple, Type, Union
 
 import numpy as np
 import numpy.typing as npt
@@ -112,6 +112,16 @@ class Mesh:
     def atoms(self) -> npt.NDArray[np.uint32]: ...
     @property
     def kind(self) -> _Bytes: ...
+    def show(
+        self,
+        color: Optional[str] = None,
+        *,
+        backend: Literal["page", "k3d"] = "page",
+        title: str = "surface",
+        height: int = 560,
+    ) -> Any: ...
+    def to_trimesh(self) -> Any: ...
+    def to_pyvista(self) -> Any: ...
 
 class Result:
     @property
@@ -144,6 +154,8 @@ class Result:
     ) -> Tuple[_Doubles, _Doubles, _Doubles]: ...
     def kappa(self, ion_radius: float = 2.0) -> _Bools: ...
     def atom_table(self, atoms: Optional[Atoms] = None) -> DataFrame: ...
+    def residue_table(self, atoms: Atoms) -> DataFrame: ...
+    def to_xarray(self) -> Any: ...
 
 class Block:
     @property
@@ -225,6 +237,17 @@ class Surface:
         crossings: bool = True,
         progress: Optional[Callable[[int, int], object]] = None,
     ) -> Result: ...
+    def show(
+        self,
+        spacing: float = 0.4,
+        atoms: Optional[Atoms] = None,
+        *,
+        color: Optional[str] = None,
+        style: Literal["none", "sticks", "balls", "spheres"] = "none",
+        backend: Literal["page", "k3d"] = "page",
+        title: str = "surface",
+        height: int = 560,
+    ) -> Any: ...
     def blocks(
         self,
         grid: Grid,

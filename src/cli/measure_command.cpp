@@ -43,6 +43,7 @@ constexpr std::array tables{
     Table{".atoms.csv", &TableChoice::atoms, write_measured_atoms},
     Table{".residues.csv", &TableChoice::residues, write_measured_residues},
     Table{".chains.csv", &TableChoice::chains, write_measured_chains},
+    Table{".derivatives.csv", &TableChoice::derivatives, write_derivatives},
 };
 
 /// Returns the name of the table of an input file: its name without the suffix of its format.

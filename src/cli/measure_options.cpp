@@ -24,6 +24,7 @@ Tables (--write), in the output directory, named after the input file NAME:
   NAME.atoms.csv              labels, radius, areas
   NAME.residues.csv           residues, areas, relative SAS area (Tien et al. 2013)
   NAME.chains.csv             chains, areas
+  NAME.derivatives.csv        derivatives of areas and volumes by centres and radii
 
 Examples:
   eses-blocks measure 1crn.pdb                       areas and volumes of a protein
@@ -54,6 +55,8 @@ std::optional<TableChoice> tables_in(const std::string& list) {
       tables.residues = true;
     else if (name == "chains")
       tables.chains = true;
+    else if (name == "derivatives")
+      tables.derivatives = true;
     else
       return std::nullopt;
   }
@@ -100,8 +103,11 @@ void add_options(CLI::App& app, MeasureCommandOptions& options) {
       Format<PartChoice>{parts_in, "chains, or the chains of two or more parts, such as 'A,B|C'"});
   begin_group(app, "Input and output");
   add_format(app, options.format);
-  add_value(app, "--write", "LIST", "tables to write: some of atoms,residues,chains",
-            options.tables, Format<TableChoice>{tables_in, "some of atoms,residues,chains"});
+  add_value(app, "--write", "LIST",
+            "tables to write: some of atoms,residues,chains,\n"
+            "derivatives",
+            options.tables,
+            Format<TableChoice>{tables_in, "some of atoms,residues,chains,derivatives"});
   add_value(app, "-o,--output-dir", "DIR", "directory of the tables, created if missing [.]",
             options.output_directory, path_to("a directory"));
   add_value(app, "--csv", "FILE", "write the results of all files as a table", options.csv,

@@ -64,6 +64,16 @@ void add_measures(json::Value& object, const Measures& measures) {
   object["ses_area_by_kind"] = kinds_json(measures.ses_areas);
 }
 
+/// Adds what concerns all atoms of the derivatives, if they were computed.
+void add_derivatives(json::Value& object, const Gradients& gradients) {
+  if (gradients.ses_area.radii.empty()) return;
+  object["derivatives_by_probe_radius"] = {{"ses_area", gradients.ses_area.probe},
+                                           {"ses_volume", gradients.ses_volume.probe},
+                                           {"sas_area", gradients.sas_area.probe},
+                                           {"sas_volume", gradients.sas_volume.probe}};
+  object["derivatives_are_smooth"] = gradients.are_smooth;
+}
+
 }  // namespace
 
 std::string measure_text(const MeasuredFile& file, bool is_quiet) {
@@ -110,6 +120,7 @@ std::string measure_json(const MeasuredFile& file) {
                      {"atoms", file.surface.atoms().size()},
                      {"probe_radius", file.probe_radius}};
   add_measures(object, file.measures);
+  add_derivatives(object, file.measures.gradients);
   if (!file.parts.empty()) {
     json::Value parts = json::Value::array();
     for (const MeasuredPart& part : file.parts) {

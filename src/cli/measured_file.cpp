@@ -153,7 +153,8 @@ double MeasuredFile::buried_ses_area() const {
 }
 
 MeasuredAtoms MeasuredFile::table() const {
-  MeasuredAtoms atoms{surface.atoms(), surface.labels(), file_indices, measures.by_atom};
+  MeasuredAtoms atoms{surface.atoms(), surface.labels(), file_indices, measures.by_atom,
+                      measures.gradients};
   if (parts.empty()) return atoms;
   atoms.areas_alone = &areas_alone;
   atoms.parts = part_of_atom;
@@ -178,13 +179,15 @@ MeasuredFile measure_file(const MeasureCommandOptions& options, const std::files
     result.part_of_atom = std::move(parts.of_atom);
     result.part_names = std::move(parts.names);
   }
-  const MeasureOptions measuring{.probe_radius = options.probe_radius,
-                                 .van_der_waals = true,
-                                 .by_atom = options.tables.any(),
-                                 .threads = threads,
-                                 .check = check};
+  MeasureOptions measuring{.probe_radius = options.probe_radius,
+                           .van_der_waals = true,
+                           .by_atom = options.tables.need_areas(),
+                           .gradients = options.tables.derivatives,
+                           .threads = threads,
+                           .check = check};
   result.probe_radius = options.probe_radius;
   result.measures = measure(result.surface, measuring);
+  measuring.gradients = false;
   for (std::uint32_t part = 0; part < result.part_names.size(); ++part)
     result.parts.push_back(measure_part(part, measuring, result));
   result.structure = std::move(file.structure);

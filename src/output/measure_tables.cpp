@@ -60,6 +60,10 @@ std::string part_fields(const MeasuredAtoms& atoms, const AreaSums& sums) {
                    difference_text(sums.ses_alone, sums.ses.total()));
 }
 
+std::uint64_t serial_number(const MeasuredAtoms& atoms, std::size_t i) {
+  return (atoms.file_indices.empty() ? i : atoms.file_indices[i]) + 1;
+}
+
 std::string relative_sas(const AtomLabel& label, double sas_area) {
   const std::optional<double> max = max_sas_area(label.residue);
   return max ? formatted("{:.6f}", sas_area / *max) : "";
@@ -80,17 +84,17 @@ std::optional<double> max_sas_area(std::string_view residue) {
 
 void write_measured_atoms(const MeasuredAtoms& atoms, const TextSink& sink) {
   BufferedText text(sink);
-  text.append("serial,name,residue,residue_number,chain,element,radius,{}{}\n", area_columns,
+  text.append("serial,name,residue,residue_number,chain,element,x,y,z,radius,{}{}\n", area_columns,
               part_columns(atoms));
   for (std::size_t i = 0; i < atoms.atoms.size(); ++i) {
     AreaSums sums;
     sums.add(atoms, i);
     const AtomLabel label = atoms.labels.empty() ? AtomLabel() : atoms.labels[i];
-    const std::uint64_t index = atoms.file_indices.empty() ? i : atoms.file_indices[i];
-    text.append("{},{},{},{},{},{},{},{}{}\n", index + 1, csv_field(label.atom_name),
-                csv_field(label.residue), csv_field(label.residue_number), csv_field(label.chain),
-                csv_field(label.element), atoms.atoms[i].radius, area_fields(sums),
-                part_fields(atoms, sums));
+    const auto& [center, radius] = atoms.atoms[i];
+    text.append("{},{},{},{},{},{},{},{},{},{},{}{}\n", serial_number(atoms, i),
+                csv_field(label.atom_name), csv_field(label.residue),
+                csv_field(label.residue_number), csv_field(label.chain), csv_field(label.element),
+                center.x, center.y, center.z, radius, area_fields(sums), part_fields(atoms, sums));
   }
   text.flush();
 }
@@ -134,6 +138,26 @@ void write_measured_chains(const MeasuredAtoms& atoms, const TextSink& sink) {
   for (const Chain& chain : chains)
     text.append("{},{},{},{}{}\n", csv_field(chain.name), chain.residues, chain.atoms,
                 area_fields(chain.sums), part_fields(atoms, chain.sums));
+  text.flush();
+}
+
+void write_derivatives(const MeasuredAtoms& atoms, const TextSink& sink) {
+  const Gradients& gradients = atoms.gradients;
+  BufferedText text(sink);
+  text.append("serial");
+  for (const char* quantity : {"ses_area", "ses_volume", "sas_area", "sas_volume"})
+    text.append(",{0}_x,{0}_y,{0}_z,{0}_radius", quantity);
+  text.append("\n");
+  for (std::size_t i = 0; i < atoms.atoms.size(); ++i) {
+    text.append("{}", serial_number(atoms, i));
+    for (const Gradient* gradient :
+         {&gradients.ses_area, &gradients.ses_volume, &gradients.sas_area, &gradients.sas_volume}) {
+      const Vec3& center = gradient->centers[i];
+      text.append(",{:.12g},{:.12g},{:.12g},{:.12g}", center.x, center.y, center.z,
+                  gradient->radii[i]);
+    }
+    text.append("\n");
+  }
   text.flush();
 }
 

@@ -1,18 +1,24 @@
 #pragma once
-/// Tables of measured areas by atom, residue and chain, as CSV (RFC 4180, but with LF as line end).
+/// Tables of measured areas by atom, residue and chain, and of derivatives by atom, as CSV (RFC
+/// 4180, but with LF as line end).
 ///
-/// All tables have the columns `sas_area,ses_area,convex_area,saddle_area,concave_area`. The last
-/// three are the parts of `ses_area`. If parts of a complex were measured, the columns
+/// The tables of areas have the columns `sas_area,ses_area,convex_area,saddle_area,concave_area`.
+/// The last three are the parts of `ses_area`. If parts of a complex were measured, the columns
 /// `part,buried_sas_area,buried_ses_area` follow: the area in the part alone minus the area in the
 /// complex.
 ///
-/// Atoms: `serial,name,residue,residue_number,chain,element,radius,...`, a line for each atom.
+/// Atoms: `serial,name,residue,residue_number,chain,element,x,y,z,radius,...`, a line for each
+/// atom.
 ///
 /// Residues: `chain,residue_number,residue,atoms,...,relative_sas_area,...`, a line for each run of
 /// atoms with the same chain, number and name. `relative_sas_area` is empty for other residues than
 /// the 20 amino acids of max_sas_area.
 ///
 /// Chains: `chain,residues,atoms,...`, a line for each chain, in the order of first occurrence.
+///
+/// Derivatives: `serial`, and for each of SES area, SES volume, SAS area and SAS volume the
+/// derivatives by the coordinates and the radius of the atom, such as
+/// `ses_area_x,ses_area_y,ses_area_z,ses_area_radius`.
 
 #include <cstdint>
 #include <optional>
@@ -28,17 +34,20 @@ namespace eses::detail {
 
 /// The tables to write.
 struct TableChoice {
-  bool atoms = false, residues = false, chains = false;
+  bool atoms = false, residues = false, chains = false, derivatives = false;
 
-  bool any() const { return atoms || residues || chains; }
+  bool need_areas() const { return atoms || residues || chains; }
+  bool any() const { return need_areas() || derivatives; }
 };
 
-/// The atoms of a table and their areas. All spans have the same length, if they are not empty.
+/// The atoms of a table, their areas and derivatives. All spans have the same length, if they are
+/// not empty.
 struct MeasuredAtoms {
   std::span<const Atom> atoms;
   std::span<const AtomLabel> labels;            ///< empty if there are no names
   std::span<const std::uint64_t> file_indices;  ///< empty if they equal the indices of the atoms
   const eses::AtomAreas& areas;
+  const Gradients& gradients;
   /// The areas of the parts of a complex; null if there are no parts.
   const eses::AtomAreas* areas_alone = nullptr;
   std::span<const std::uint32_t> parts = {};  ///< index of the part of each atom
@@ -55,5 +64,6 @@ std::optional<double> max_sas_area(std::string_view residue);
 void write_measured_atoms(const MeasuredAtoms& atoms, const TextSink& sink);
 void write_measured_residues(const MeasuredAtoms& atoms, const TextSink& sink);
 void write_measured_chains(const MeasuredAtoms& atoms, const TextSink& sink);
+void write_derivatives(const MeasuredAtoms& atoms, const TextSink& sink);
 
 }  // namespace eses::detail

@@ -167,7 +167,7 @@ class Zsh(TestCase):
         meshes, maps = {"c.ply", "d.obj", "e.off", "j.vtp"}, {"f.dx", "g.vti", "k.dx.gz"}
         atoms = {"a.xyzr", "b.pqr.gz", "i.cif.gz", "m.pdb12.gz", "n.pdbx", "o.mcif"}
         for line, expected in (
-                ("", atoms | {"sub", "diff"}),
+                ("", atoms | {"sub", "diff", "measure"}),
                 ("di", {"diff"}),
                 ("--json ", atoms | {"sub"}),
                 ("a.xyzr -o ", {"sub"}),
@@ -182,6 +182,8 @@ class Zsh(TestCase):
                 ("a.xyzr --write grid,", {"all", "none", "edges", "areas", "residues", "atoms"}),
                 ("a.xyzr --threads ", set()),
                 ("a.xyzr ", set()),
+                ("measure --write ", {"atoms", "residues", "chains", "derivatives"}),
+                ("measure a.xyzr --parts ", {"chains"}),
                 ("diff ", {"sub"}),
                 ("diff sub ", {"sub"}),
                 ("diff --tolerance ", set())):

@@ -184,21 +184,25 @@ class Install(TestCase):
         scripts = self.prefix / "share/eses-blocks"
         known = {path.stem: path for path in (PROJECT / "scripts/lib").glob("*.py")}
         needed, waiting = set(), sorted(path for path in scripts.iterdir() if path.is_file())
-        self.assertEqual([path.name for path in waiting], ["apbs", "assemble", "eses_pymol.py", "pdbbind", "render"])
+        self.assertEqual([path.name for path in waiting], ["apbs", "assemble", "eses_pymol.py", "pdbbind", "render",
+                                                          "view"])
         while waiting:
             text = waiting.pop().read_text()
             for name in re.findall(r"^ *(?:import|from) (\w+)", text, re.MULTILINE):
                 if name in known and name not in needed:
                     needed.add(name)
                     waiting.append(known[name])
-        self.assertEqual({path.stem for path in (scripts / "lib").iterdir()}, needed)
+        self.assertEqual({path.stem for path in (scripts / "lib").glob("*.py")}, needed)
+        parts = [{path.name for path in (folder / "lib/viewer").iterdir()}
+                 for folder in (scripts, PROJECT / "scripts")]
+        self.assertEqual(*parts)
 
     def test_manual_pages_are_made_from_help(self):
         cache = (BUILD / "CMakeCache.txt").read_text()
         if re.search(r"^ESES_HELP2MAN:\w+=(.*-NOTFOUND)?$", cache, re.MULTILINE):
             self.skipTest("help2man is not installed")
         scripts = [(f"eses-{name}", f"eses-{name}", ())
-                   for name in ("apbs", "assemble", "pdbbind", "render")]
+                   for name in ("apbs", "assemble", "pdbbind", "render", "view")]
         for page, program, command in (("eses-blocks", "eses-blocks", ()),
                                        ("eses-blocks-diff", "eses-blocks", ("diff",)), *scripts):
             text = (self.prefix / f"share/man/man1/{page}.1").read_text()
