@@ -1,5 +1,7 @@
 #include "eses/measure.hpp"
 
+#include <cmath>
+
 #include "api/arguments.hpp"
 #include "api/surface_access.hpp"
 #include "eses/error.hpp"
@@ -21,19 +23,35 @@ void require_valid(double probe_radius, int threads) {
         detail::formatted("the number of threads must not be negative, and is {}", threads));
 }
 
+void require_valid(std::span<const double> weights, std::size_t atoms) {
+  if (!weights.empty() && weights.size() != atoms)
+    throw Error(detail::formatted("{} weights for {} atoms", weights.size(), atoms));
+  for (std::size_t i = 0; i < weights.size(); ++i)
+    if (!std::isfinite(weights[i]))
+      throw Error(detail::formatted("the weight of atom {} (counted from 0) is not finite", i));
+}
+
 }  // namespace
 
 Measures measure(const Surface& surface, const MeasureOptions& options) {
   const double probe_radius = options.probe_radius.value_or(surface.probe_radius());
-  detail::check_arguments([&] { require_valid(probe_radius, options.threads); });
   const detail::Molecule& molecule = detail::SurfaceAccess::molecule(surface);
+  detail::check_arguments([&] {
+    require_valid(probe_radius, options.threads);
+    require_valid(options.weights, molecule.atoms().size());
+  });
   detail::MeasureSettings settings{
-      probe_radius, options.by_atom, options.gradients,
-      options.threads > 0 ? options.threads : detail::available_threads(), options.check};
+      probe_radius,
+      options.by_atom,
+      options.gradients,
+      options.weights,
+      options.threads > 0 ? options.threads : detail::available_threads(),
+      options.check};
   Measures measures = measure_patches(molecule, settings);
   if (options.van_der_waals) {
     settings.probe_radius = 0;
     settings.by_atom = settings.gradients = false;
+    settings.weights = {};
     const Measures bare = probe_radius == 0 ? measures : measure_patches(molecule, settings);
     measures.vdw_area = bare.sas_area;
     measures.vdw_volume = bare.sas_volume;
