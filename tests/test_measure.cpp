@@ -3,10 +3,12 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 #include <numbers>
 #include <numeric>
 #include <stdexcept>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "catch.hpp"
@@ -90,21 +92,29 @@ std::array<const Gradient*, 4> gradients_of(const Measures& measures) {
   return {&all.ses_area, &all.ses_volume, &all.sas_area, &all.sas_volume};
 }
 
-/// Returns the derivatives of a function of a displacement by central differences with Richardson's
-/// extrapolation.
+/// Returns the derivatives of a function of a displacement, which returns an array, by central
+/// differences with Richardson's extrapolation.
 template <class Function>
-std::array<double, 4> differentiate(Function&& function) {
+auto differentiate(Function&& function) {
   constexpr double step = 1e-5;
   const auto difference_at = [&](double h) {
-    const std::array<double, 4> above = function(h), below = function(-h);
-    std::array<double, 4> slope{};
-    for (std::size_t q = 0; q < slope.size(); ++q) slope[q] = (above[q] - below[q]) / (2 * h);
+    auto slope = function(h);
+    const auto below = function(-h);
+    for (std::size_t q = 0; q < slope.size(); ++q) slope[q] = (slope[q] - below[q]) / (2 * h);
     return slope;
   };
-  const std::array<double, 4> coarse = difference_at(step), fine = difference_at(step / 2);
-  std::array<double, 4> slope{};
-  for (std::size_t q = 0; q < slope.size(); ++q) slope[q] = (4 * fine[q] - coarse[q]) / 3;
+  const auto coarse = difference_at(step);
+  auto slope = difference_at(step / 2);
+  for (std::size_t q = 0; q < slope.size(); ++q) slope[q] = (4 * slope[q] - coarse[q]) / 3;
   return slope;
+}
+
+/// Weights of areas, of both signs and without symmetry.
+std::vector<double> make_weights(std::size_t count) {
+  Random random(7);
+  std::vector<double> weights(count);
+  for (double& weight : weights) weight = random.uniform(-1, 1.5);
+  return weights;
 }
 
 /// Returns the atoms of data/1ubq.xyzr.
@@ -337,6 +347,49 @@ TEST_CASE("measure: a probe that just fits into a hole adds its whole sphere") {
   CHECK(std::fabs(without.ses_volume - with.ses_volume - 4 * pi / 3 * p * p * p) < 1e-5);
 }
 
+// Four SAS spheres touch in pairs above a fifth atom. If they overlap, the probe rests higher by z.
+// Its patch is almost a hemisphere, whose projection is a disc.
+TEST_CASE("measure: a probe between two pairs of touching spheres sinks like a square root") {
+  const double p = 0.5, sas_radius = 2, radius = sas_radius - p;
+  const auto at_distance = [&](double s) {
+    return measure_atoms(rotated({{{s, 0, 0}, radius},
+                                  {{-s, 0, 0}, radius},
+                                  {{0, s, 0}, radius},
+                                  {{0, -s, 0}, radius},
+                                  {{0, 0, -sas_radius}, radius}}),
+                         p);
+  };
+  const Measures touching = at_distance(sas_radius);
+  check_valid(touching, 1e-6);
+  for (const double overlap : {4e-8, 4e-6}) {
+    const double s = sas_radius - overlap / 2, z = std::sqrt(sas_radius * sas_radius - s * s);
+    const double expected = pi * p * p * z;
+    const double change = at_distance(s).ses_volume - touching.ses_volume;
+    CHECK(std::fabs(change - expected) < 0.03 * expected);
+  }
+}
+
+// A probe at one end of an arc begins to cut the patch at the other end where the circle is as
+// large as the probe. The second derivative is infinite there, so that the differences have errors
+// of about the square root of their step.
+TEST_CASE("measure: areas are smooth where a circle becomes smaller than the probe") {
+  const double p = 1.4, r = 1.7, half = std::sqrt((r + p) * (r + p) - p * p);
+  const auto at_distance = [&](double distance) {
+    return rotated({{{-distance, 0, 0}, r}, {{distance, 0, 0}, r}, {{0, 2.5, 0.3}, r}});
+  };
+  for (const double offset : {-1e-6, -1e-8, -1e-10, 0.0, 1e-10, 1e-8, 1e-6}) {
+    const double distance = half + offset, h = 1e-8;
+    const std::array<double, 4> above = values_of(at_distance(distance + h), p),
+                                below = values_of(at_distance(distance - h), p);
+    const Measures measures = measure_atoms(at_distance(distance), p, {.gradients = true});
+    const Vec3 x = at_distance(1)[1].center;
+    for (std::size_t q = 0; q < 4; ++q) {
+      const std::vector<Vec3>& centers = gradients_of(measures)[q]->centers;
+      CHECK(difference(dot(centers[1] - centers[0], x), (above[q] - below[q]) / (2 * h)) < 1e-3);
+    }
+  }
+}
+
 TEST_CASE("measure: atoms inside an atom, equal atoms and atoms of radius 0 change nothing") {
   const std::vector<Atom> alone = make_atom_set(Kind::gas, 1);
   const Measures reference = measure_atoms(alone, 1.4);
@@ -415,6 +468,127 @@ TEST_CASE("measure: derivatives agree with central differences") {
     }
 }
 
+TEST_CASE("measure: derivatives of weighted areas agree with central differences") {
+  for (const Kind kind : {Kind::gas, Kind::chain})
+    for (std::uint64_t seed = 0; seed < 8; ++seed) {
+      INFO(kind_name(kind) << " " << seed);
+      const std::vector<Atom> atoms = make_atom_set(kind, seed);
+      const std::vector<double> weights = make_weights(atoms.size());
+      const double probe = designed_probe_radius(seed);
+      const Measures measures =
+          measure_atoms(atoms, probe, {.gradients = true, .weights = weights});
+      const std::array<const Gradient*, 2> gradients{&measures.gradients.weighted_ses_area,
+                                                     &measures.gradients.weighted_sas_area};
+      const auto weighted = [&](const std::vector<Atom>& moved, double radius) {
+        const Measures at = measure_atoms(moved, radius, {.weights = weights});
+        return std::array{at.weighted_ses_area, at.weighted_sas_area};
+      };
+      const auto check_near = [&](const std::array<double, 2>& slopes, auto&& derivative) {
+        for (std::size_t q = 0; q < slopes.size(); ++q)
+          CHECK(difference(derivative(*gradients[q]), slopes[q]) < 1e-6);
+      };
+      for (std::size_t i = 0; i < atoms.size(); i += 4) {
+        for (std::size_t axis = 0; axis < 3; ++axis)
+          check_near(differentiate([&](double h) {
+                       std::vector<Atom> moved = atoms;
+                       moved[i].center[axis] += h;
+                       return weighted(moved, probe);
+                     }),
+                     [&](const Gradient& gradient) { return gradient.centers[i][axis]; });
+        check_near(differentiate([&](double h) {
+                     std::vector<Atom> grown = atoms;
+                     grown[i].radius += h;
+                     return weighted(grown, probe);
+                   }),
+                   [&](const Gradient& gradient) { return gradient.radii[i]; });
+      }
+      check_near(differentiate([&](double h) { return weighted(atoms, probe + h); }),
+                 [](const Gradient& gradient) { return gradient.probe; });
+    }
+}
+
+TEST_CASE("measure: weighted areas are sums over the atoms, and linear in the weights") {
+  const std::vector<Atom> atoms = ubiquitin();
+  const std::vector<double> weights = make_weights(atoms.size()), twos(atoms.size(), 2);
+  const Measures measures =
+      measure_atoms(atoms, 1.4, {.by_atom = true, .gradients = true, .weights = weights});
+  const AtomAreas& areas = measures.by_atom;
+  double ses = 0, sas = 0;
+  for (std::size_t i = 0; i < atoms.size(); ++i) {
+    ses += weights[i] * (areas.convex[i] + areas.saddle[i] + areas.concave[i]);
+    sas += weights[i] * areas.sas[i];
+  }
+  CHECK(difference(measures.weighted_ses_area, ses) < 1e-12);
+  CHECK(difference(measures.weighted_sas_area, sas) < 1e-12);
+
+  const Measures twice = measure_atoms(atoms, 1.4, {.gradients = true, .weights = twos});
+  CHECK(twice.by_atom.sas.empty());
+  CHECK(difference(twice.weighted_ses_area, 2 * measures.ses_area) < 1e-11);
+  CHECK(difference(twice.weighted_sas_area, 2 * measures.sas_area) < 1e-11);
+  const Gradients& all = twice.gradients;
+  for (const auto& [weighted, plain] : {std::pair(&all.weighted_ses_area, &all.ses_area),
+                                        std::pair(&all.weighted_sas_area, &all.sas_area)}) {
+    CHECK(difference(weighted->probe, 2 * plain->probe) < 1e-10);
+    for (std::size_t i = 0; i < atoms.size(); ++i) {
+      CHECK(norm(weighted->centers[i] - 2 * plain->centers[i]) < 1e-9);
+      CHECK(std::fabs(weighted->radii[i] - 2 * plain->radii[i]) < 1e-9);
+    }
+  }
+
+  // Areas do not change if all atoms move together, and they scale with the square of all lengths.
+  for (const auto& [gradient, value] : {std::pair(&measures.gradients.weighted_ses_area, ses),
+                                        std::pair(&measures.gradients.weighted_sas_area, sas)}) {
+    Vec3 force, torque;
+    double scaled = 1.4 * gradient->probe, absolute = 0;
+    for (std::size_t i = 0; i < atoms.size(); ++i) {
+      force = force + gradient->centers[i];
+      torque = torque + cross(atoms[i].center, gradient->centers[i]);
+      scaled += dot(atoms[i].center, gradient->centers[i]) + atoms[i].radius * gradient->radii[i];
+      absolute += norm(atoms[i].center) * norm(gradient->centers[i]);
+    }
+    CHECK(norm(force) < 1e-9 * absolute);
+    CHECK(norm(torque) < 1e-9 * absolute);
+    CHECK(std::fabs(scaled - 2 * value) < 1e-9 * absolute);
+  }
+}
+
+// The probe touches four or more atoms. The derivatives are those for atoms that grow, each of them
+// much more than all later ones.
+TEST_CASE("measure: one-sided derivatives where a probe touches more than three atoms") {
+  const double half = 1.8;
+  const std::vector<Atom> square{{{half, half, 0}, 1.7},
+                                 {{-half, half, 0}, 1.7},
+                                 {{-half, -half, 0}, 1.7},
+                                 {{half, -half, 0}, 1.7}};
+  std::vector<Atom> pyramid = square;
+  pyramid.push_back({{0, 0, -1.5}, 1.2});
+  for (const std::vector<Atom>& set : {square, pyramid}) {
+    const std::vector<Atom> atoms = rotated(set);
+    const double probe = 1.4;
+    const Measures measures = measure_atoms(atoms, probe, {.gradients = true});
+    CHECK_FALSE(measures.gradients.are_smooth);
+    // Each atom grows by a fraction of the growth of the one before.
+    constexpr double fraction = 0.05;
+    const auto grown = [&](double growth) {
+      std::vector<Atom> larger = atoms;
+      for (Atom& atom : larger) {
+        atom.radius += growth;
+        growth *= fraction;
+      }
+      return values_of(larger, probe);
+    };
+    // The derivative at 0 of the parabola through three points on one side.
+    const double h = 1e-4;
+    const std::array<double, 4> one = grown(h), two = grown(2 * h), three = grown(3 * h);
+    for (std::size_t q = 0; q < one.size(); ++q) {
+      double expected = 0, growth = 1;
+      for (std::size_t i = 0; i < atoms.size(); ++i, growth *= fraction)
+        expected += growth * gradients_of(measures)[q]->radii[i];
+      CHECK(difference((8 * two[q] - 5 * one[q] - 3 * three[q]) / (2 * h), expected) < 1e-6);
+    }
+  }
+}
+
 // Areas and volumes do not change if all atoms move together, and they scale with all lengths.
 TEST_CASE("measure: derivatives of a protein have no force and no torque, and scale") {
   const std::vector<Atom> atoms = ubiquitin();
@@ -442,6 +616,9 @@ TEST_CASE("measure: invalid options") {
   for (const double probe : {-1.0, 0.001, 1001.0, std::nan("")})
     CHECK_THROWS_AS(measure(surface, {.probe_radius = probe}), std::invalid_argument);
   CHECK_THROWS_AS(measure(surface, {.threads = -1}), std::invalid_argument);
+  const std::vector<double> one{1}, infinite{1, std::numeric_limits<double>::infinity()};
+  CHECK_THROWS_AS(measure(surface, {.weights = one}), std::invalid_argument);
+  CHECK_THROWS_AS(measure(surface, {.weights = infinite}), std::invalid_argument);
 }
 
 TEST_CASE("measure: an exception of the callback ends the measurement") {

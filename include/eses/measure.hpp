@@ -4,6 +4,7 @@
 
 #include <cstdint>
 #include <optional>
+#include <span>
 #include <vector>
 
 #include "eses/check.hpp"
@@ -23,6 +24,9 @@ struct MeasureOptions {
   bool by_atom = false;
   /// Whether the derivatives are computed.
   bool gradients = false;
+  /// Weights of the areas of the atoms, by atom index; none if empty. The sums of weighted areas
+  /// and their derivatives are then computed, too.
+  std::span<const double> weights = {};
   /// Number of threads; 0 for all available processors. It does not affect the result.
   int threads = 0;
   /// Called from time to time, at least once.
@@ -58,10 +62,12 @@ struct Gradient {
 
 /// Derivatives of areas and volumes. They are exact where areas and volumes are smooth.
 struct Gradients {
-  Gradient ses_area;    ///< Of Measures::ses_area.
-  Gradient ses_volume;  ///< Of Measures::ses_volume.
-  Gradient sas_area;    ///< Of Measures::sas_area.
-  Gradient sas_volume;  ///< Of Measures::sas_volume.
+  Gradient ses_area;           ///< Of Measures::ses_area.
+  Gradient ses_volume;         ///< Of Measures::ses_volume.
+  Gradient sas_area;           ///< Of Measures::sas_area.
+  Gradient sas_volume;         ///< Of Measures::sas_volume.
+  Gradient weighted_ses_area;  ///< Of Measures::weighted_ses_area; empty without weights.
+  Gradient weighted_sas_area;  ///< Of Measures::weighted_sas_area; empty without weights.
   /// Whether areas and volumes are smooth: no decision depended on a tolerance. Otherwise, the
   /// derivatives belong to a probe that is smaller by 1e-9 angstrom, and placements that touch more
   /// than three atoms do not contribute.
@@ -78,6 +84,9 @@ struct Measures {
   double sas_volume = 0;  ///< Volume inside the solvent accessible surface.
   double vdw_area = 0;    ///< Area of the van der Waals surface, if it is measured.
   double vdw_volume = 0;  ///< Volume of the van der Waals spheres, if it is measured.
+  /// Sums of the areas of the atoms, each times its weight in MeasureOptions::weights. The surfaces
+  /// are divided among the atoms as in AtomAreas.
+  double weighted_ses_area = 0, weighted_sas_area = 0;
   /// Euler number of the solvent accessible surface: the sum over its components of 2 minus twice
   /// the number of handles.
   std::int64_t euler_number = 0;
@@ -90,7 +99,7 @@ struct Measures {
 
 /// Measures the solvent excluded surface and the solvent accessible surface. Nothing is sampled:
 /// the result has rounding errors only. Throws std::invalid_argument if an option is out of its
-/// range.
+/// range, or if the number of weights is not that of the atoms.
 Measures measure(const Surface& surface, const MeasureOptions& options = {});
 
 }  // namespace eses

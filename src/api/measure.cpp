@@ -1,5 +1,6 @@
 #include "eses/measure.hpp"
 
+#include <cmath>
 #include <stdexcept>
 
 #include "api/arguments.hpp"
@@ -25,17 +26,37 @@ void require_valid(const MeasureOptions& options) {
 
 }  // namespace detail
 
+namespace {
+
+void require_valid(std::span<const double> weights, std::size_t atoms) {
+  if (!weights.empty() && weights.size() != atoms)
+    throw std::invalid_argument(
+        detail::formatted("{} weights for {} atoms", weights.size(), atoms));
+  for (std::size_t i = 0; i < weights.size(); ++i)
+    if (!std::isfinite(weights[i]))
+      throw std::invalid_argument(
+          detail::formatted("the weight of atom {} (counted from 0) is not finite", i));
+}
+
+}  // namespace
+
 Measures measure(const Surface& surface, const MeasureOptions& options) {
   detail::require_valid(options);
   const double probe_radius = options.probe_radius.value_or(surface.probe_radius());
   const detail::Molecule& molecule = detail::SurfaceAccess::molecule(surface);
+  require_valid(options.weights, molecule.atoms().size());
   detail::MeasureSettings settings{
-      probe_radius, options.by_atom, options.gradients,
-      options.threads > 0 ? options.threads : detail::available_threads(), options.check};
+      probe_radius,
+      options.by_atom,
+      options.gradients,
+      options.weights,
+      options.threads > 0 ? options.threads : detail::available_threads(),
+      options.check};
   Measures measures = measure_patches(molecule, settings);
   if (options.van_der_waals) {
     settings.probe_radius = 0;
     settings.by_atom = settings.gradients = false;
+    settings.weights = {};
     const Measures bare = probe_radius == 0 ? measures : measure_patches(molecule, settings);
     measures.vdw_area = bare.sas_area;
     measures.vdw_volume = bare.sas_volume;

@@ -136,15 +136,6 @@ void SphereList::make_room(std::size_t capacity) {
   for (auto* component : {&x, &y, &z, &radius}) component->resize(size);
 }
 
-void SphereList::push_back(const SasSphere& sphere) {
-  make_room(count + 1);
-  x[count] = sphere.center.x;
-  y[count] = sphere.center.y;
-  z[count] = sphere.center.z;
-  radius[count] = sphere.radius;
-  ++count;
-}
-
 void CapList::make_room(std::size_t capacity) {
   const std::size_t size = grown_size(x.size(), capacity);
   if (size == 0) return;

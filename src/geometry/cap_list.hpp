@@ -7,6 +7,7 @@
 
 #include "geometry/box.hpp"
 #include "geometry/contact_circle.hpp"
+#include "system/padding.hpp"
 
 namespace eses::detail {
 
@@ -16,7 +17,14 @@ struct SphereList {
   std::size_t count = 0;
 
   void clear() { count = 0; }
-  void push_back(const SasSphere& sphere);
+  void push_back(const SasSphere& sphere) {
+    if (count + 1 + vector_padding > x.size()) make_room(count + 1);
+    x[count] = sphere.center.x;
+    y[count] = sphere.center.y;
+    z[count] = sphere.center.z;
+    radius[count] = sphere.radius;
+    ++count;
+  }
   /// Makes room for `capacity` spheres. The values of new elements are unspecified.
   void make_room(std::size_t capacity);
 };

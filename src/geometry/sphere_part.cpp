@@ -207,7 +207,7 @@ SpherePart SpherePartFinder::find(std::span<const SphericalCap> caps) {
   keep_distinct(caps);
   if (caps_.empty()) return {4 * pi, {}};
   const std::size_t count = caps_.size();
-  meetings_.resize(count * count);
+  if (meetings_.size() < count * count) meetings_.resize(count * count);
   for (std::size_t k = 0; k < count; ++k)
     for (std::size_t l = k + 1; l < count; ++l) meetings_[k * count + l] = meet(caps_[k], caps_[l]);
   for (std::uint32_t k = 0; k < count; ++k) find_arcs(k);

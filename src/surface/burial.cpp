@@ -194,23 +194,24 @@ constexpr std::size_t size_steps = 66;
 
 std::size_t size_step(float settled) {
   constexpr float steps_per_unit = 32;
-  return static_cast<std::size_t>(steps_per_unit * (std::clamp(settled, -1.0F, 1.0F) + 1));
+  return static_cast<std::size_t>(
+      static_cast<int>(steps_per_unit * (std::clamp(settled, -1.0F, 1.0F) + 1)));
 }
 
-// Orders the caps by size, the largest ones first.
-void order_by_size(std::span<const float> settled, std::vector<std::uint32_t>& order) {
+// Replaces `ordered` by the caps in the layout of the kernel, the largest ones first.
+void order_by_size(const CapList& caps, std::span<const float> settled,
+                   std::vector<BurialCap>& ordered) {
   std::array<std::uint32_t, size_steps> next{};
   for (const float cosine : settled) ++next[size_step(cosine) + 1];
   std::partial_sum(next.begin(), next.end(), next.begin());
-  order.resize(settled.size());
-  for (std::uint32_t k = 0; k < settled.size(); ++k) order[next[size_step(settled[k])]++] = k;
-}
-
-void append_caps(const CapList& caps, std::span<const std::uint32_t> order,
-                 BurialScratch& scratch) {
-  for (const std::uint32_t k : order)
-    scratch.caps.push_back({static_cast<float>(caps.x[k]), static_cast<float>(caps.y[k]),
-                            static_cast<float>(caps.z[k]), scratch.settled[k], k, false});
+  ordered.resize(settled.size());
+  for (std::uint32_t k = 0; k < settled.size(); ++k)
+    ordered[next[size_step(settled[k])]++] = {static_cast<float>(caps.x[k]),
+                                              static_cast<float>(caps.y[k]),
+                                              static_cast<float>(caps.z[k]),
+                                              settled[k],
+                                              k,
+                                              false};
 }
 
 void make_room(std::vector<float>& values, std::size_t count) {
@@ -243,19 +244,15 @@ bool is_buried(const CapList& caps, double radius, const BurialPatches& patches,
   const PatchCosines cosines{1 / radius, patches.cosine, patches.sine};
   make_room(scratch.settled, caps.size());
   ESES_BEST_VERSION(find_settled)(caps, cosines, scratch.settled.data());
-  order_by_size(std::span(scratch.settled).first(caps.size()), scratch.order);
+  order_by_size(caps, std::span(scratch.settled).first(caps.size()), scratch.caps);
   scratch.relevant.clear();
   scratch.covering.clear();
-  scratch.caps.clear();
-  std::span<const std::uint32_t> left(scratch.order);
+  std::span<BurialCap> left(scratch.caps);
   for (const std::size_t caps_at_once : {caps_per_count[0], caps_per_count[1], left.size()}) {
-    const std::size_t first = scratch.caps.size();
     const std::size_t size = std::min(caps_at_once, left.size());
-    append_caps(caps, left.first(size), scratch);
-    left = left.subspan(size);
-    count = keep(std::span(scratch.caps).subspan(first), scratch.x.data(), scratch.y.data(),
-                 scratch.z.data(), count);
+    count = keep(left.first(size), scratch.x.data(), scratch.y.data(), scratch.z.data(), count);
     if (count == 0) return true;
+    left = left.subspan(size);
   }
   make_room(scratch.touched, caps.size());
   ESES_BEST_VERSION(find_touched)(caps, cosines, scratch.touched.data());

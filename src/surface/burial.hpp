@@ -39,10 +39,9 @@ struct BurialCap {
 
 /// Scratch memory of is_buried, and its selection of caps.
 struct BurialScratch {
-  std::vector<float> settled;  ///< by cap: minimum cosine from the axis of patches that lie in it
-  std::vector<float> touched;  ///< by cap: minimum cosine from the axis of patches it may reach
-  std::vector<std::uint32_t> order;     ///< indices of the caps, the largest first
-  std::vector<BurialCap> caps;          ///< caps in this order
+  std::vector<float> settled;   ///< by cap: minimum cosine from the axis of patches that lie in it
+  std::vector<float> touched;   ///< by cap: minimum cosine from the axis of patches it may reach
+  std::vector<BurialCap> caps;  ///< all caps, the largest first
   std::vector<std::uint32_t> relevant;  ///< result: caps whose circle may be accessible
   std::vector<std::uint32_t> covering;  ///< result: further caps that are needed to cover
   std::vector<float> x, y, z;           ///< patches that are not settled yet

@@ -39,12 +39,12 @@ struct CircleGradient {
   }
 };
 
-// Derivatives of the areas of two spheres of radii `first` and `second` within the two faces.
+// Derivatives of the solid angles of two faces, times `w1` and `w2`.
 CircleGradient face_gradient(const ArcShape& shape, const SasSphere& one, const SasSphere& two,
-                             double first, double second) {
+                             double w1, double w2) {
   const ContactCircle& circle = shape.circle;
   const double d = circle.first_height + circle.second_height, t = shape.swept.angle;
-  const double w1 = squared(first), w2 = squared(second), R1 = one.radius, R2 = two.radius;
+  const double R1 = one.radius, R2 = two.radius;
   CircleGradient gradient;
   // The solid angle changes by t dc - (integral of n dt) . du for a cap n . u > c.
   gradient.distance = t / d * (w1 * circle.second_height / R1 + w2 * circle.first_height / R2);
@@ -60,28 +60,50 @@ CircleGradient face_gradient(const ArcShape& shape, const SasSphere& one, const 
 struct SaddleWidth {
   double area = 0;
   double by_rho = 0, by_low = 0, by_high = 0, by_probe = 0;
+
+  // Adds those of a part, times `weight`.
+  void add(const SaddleOutline& outline, OutlineRange range, double weight) {
+    const double rho = outline.rho, p = outline.probe;
+    const auto add_piece = [&](double low, double high) {
+      if (low >= high) return;
+      const double sine = std::sin(high) - std::sin(low), length = high - low;
+      area += weight * p * (rho * length - p * sine);
+      by_rho += weight * p * length;
+      by_probe += weight * (rho * length - 2 * p * sine);
+      // At the cusp, the element of area is 0.
+      if (high == outline.contact.high) by_high += weight * p * (rho - p * std::cos(high));
+      if (low == outline.contact.low) by_low -= weight * p * (rho - p * std::cos(low));
+    };
+    if (outline.cusp == 0) {
+      add_piece(range.low, range.high);
+    } else {
+      add_piece(range.low, std::min(range.high, -outline.cusp));
+      add_piece(std::max(range.low, outline.cusp), range.high);
+    }
+  }
 };
 
-SaddleWidth saddle_width(const SaddleOutline& outline) {
-  const double rho = outline.rho, p = outline.probe;
+// The weighted area of a saddle that is divided between its atoms.
+struct DividedSaddle {
   SaddleWidth width;
-  const auto add = [&](double low, double high) {
-    if (low >= high) return;
-    const double sine = std::sin(high) - std::sin(low), length = high - low;
-    width.area += p * (rho * length - p * sine);
-    width.by_rho += p * length;
-    width.by_probe += rho * length - 2 * p * sine;
-    if (high == outline.contact.high) width.by_high += p * (rho - p * std::cos(high));
-    if (low == outline.contact.low) width.by_low -= p * (rho - p * std::cos(low));
-  };
-  if (outline.cusp == 0) {
-    add(outline.contact.low, outline.contact.high);
-  } else {  // at the cusp, the element of area is 0
-    add(outline.contact.low, std::min(outline.contact.high, -outline.cusp));
-    add(std::max(outline.contact.low, outline.cusp), outline.contact.high);
+  double by_sine = 0;  // derivative of its area for each radian by the sine of the border's angle
+  double sine = 0;     // of the border's angle
+
+  DividedSaddle(const SaddleOutline& outline, const SaddleBorder& border, double first_weight,
+                double second_weight)
+      : sine(border.sine) {
+    if (first_weight == second_weight) {
+      width.add(outline, outline.contact, first_weight);
+      return;
+    }
+    width.add(outline, {outline.contact.low, border.angle}, first_weight);
+    width.add(outline, {border.angle, outline.contact.high}, second_weight);
+    const double cosine = std::cos(border.angle);
+    if (std::fabs(border.angle) < outline.cusp || cosine == 0) return;
+    by_sine = (first_weight - second_weight) * outline.probe *
+              (outline.rho - outline.probe * cosine) / cosine;
   }
-  return width;
-}
+};
 
 // Adds the derivatives for a placement that moves, with the derivative by its centre. The centre
 // keeps its distance from three atoms: (v - a) . (dv - da) = R dR.
@@ -102,49 +124,67 @@ void add_motion(const SurfaceModel& surface, const ProbePlacement& placement, Qu
 // Adds the derivatives of the area of the saddle of two atoms for an end of its arc that moves
 // along the circle. Returns the derivative by the centre of the placement.
 Vec3 add_arc_end(const SurfaceModel& surface, Vec3 center, const std::array<AtomIndex, 3>& atoms,
-                 GradientTerms& terms) {
+                 const AreaWeights& weights, Quantity quantity, GradientTerms& terms) {
   const SasSphere first = surface.sas_sphere(atoms[0]), second = surface.sas_sphere(atoms[1]);
   const ContactCircle circle = make_contact_circle(first, second);
   if (circle.radius == 0) return {};
   const Vec3 along = cross(circle.axis, normalized(center - circle.center));
   // The arc leaves the third atom's sphere.
   const double side = dot(along, center - surface.atoms[atoms[2]].center) > 0 ? -1 : 1;
-  const double area = saddle_width(make_outline(circle, surface.probe_radius)).area;
+  const SaddleOutline outline = make_outline(circle, surface.probe_radius);
+  const SaddleBorder border = find_border(outline, circle, first.radius, second.radius);
+  const double area =
+      DividedSaddle(outline, border, weights[atoms[0]], weights[atoms[1]]).width.area;
   const Vec3 by_center = (side * area / circle.radius) * along;
   const double share = circle.first_height / (circle.first_height + circle.second_height);
-  terms.atoms.push_back({atoms[0], ses_area_quantity, (share - 1) * by_center, 0});
-  terms.atoms.push_back({atoms[1], ses_area_quantity, -share * by_center, 0});
+  terms.atoms.push_back({atoms[0], quantity, (share - 1) * by_center, 0});
+  terms.atoms.push_back({atoms[1], quantity, -share * by_center, 0});
   return by_center;
 }
 
 }  // namespace
 
-void add_arc_gradient(const SurfaceModel& surface, const ArcShape& shape,
-                      const SaddleOutline& outline, const SurfaceIntegrals& saddle,
-                      GradientTerms& terms) {
+void add_arc_area_gradient(const SurfaceModel& surface, const ArcShape& shape,
+                           const SaddleOutline& outline, const AreaWeights& weights,
+                           Quantity sas_quantity, Quantity ses_quantity, GradientTerms& terms) {
   const auto& [arc, circle, swept] = shape;
   const SasSphere one = surface.sas_sphere(arc.first), two = surface.sas_sphere(arc.second);
-  face_gradient(shape, one, two, one.radius, two.radius)
-      .add_to(terms, sas_area_quantity, arc, circle);
+  const double first_weight = weights[arc.first], second_weight = weights[arc.second];
+  face_gradient(shape, one, two, first_weight * squared(one.radius),
+                second_weight * squared(two.radius))
+      .add_to(terms, sas_quantity, arc, circle);
 
-  CircleGradient area = face_gradient(shape, one, two, surface.atoms[arc.first].radius,
-                                      surface.atoms[arc.second].radius);
-  const double p = surface.probe_radius, rho = circle.radius;
-  if (p >= 0) {
-    const SaddleWidth width = saddle_width(outline);
+  CircleGradient area =
+      face_gradient(shape, one, two, first_weight * squared(surface.atoms[arc.first].radius),
+                    second_weight * squared(surface.atoms[arc.second].radius));
+  const double rho = circle.radius;
+  if (surface.probe_radius >= 0) {
+    const SaddleBorder border = find_border(outline, circle, one.radius, two.radius);
+    const DividedSaddle saddle(outline, border, first_weight, second_weight);
     // The angles are -atan(h_1 / rho) and atan(h_2 / rho).
-    const double by_first = -swept.angle * width.by_low / squared(one.radius);
-    const double by_second = swept.angle * width.by_high / squared(two.radius);
+    const double by_first = -swept.angle * saddle.width.by_low / squared(one.radius);
+    const double by_second = swept.angle * saddle.width.by_high / squared(two.radius);
     area.first_height = by_first * rho;
     area.second_height = by_second * rho;
-    area.rho = swept.angle * width.by_rho - by_first * circle.first_height -
+    area.rho = swept.angle * saddle.width.by_rho - by_first * circle.first_height -
                by_second * circle.second_height;
     area.resolve(circle, one.radius, two.radius);
-    terms.probe[ses_area_quantity] += swept.angle * width.by_probe;
+    // The sine of the border's angle is (R_2 - R_1) / d.
+    const double by_difference =
+        swept.angle * saddle.by_sine / (circle.first_height + circle.second_height);
+    area.second_radius += by_difference;
+    area.first_radius -= by_difference;
+    area.distance -= by_difference * saddle.sine;
+    terms.probe[ses_quantity] += swept.angle * saddle.width.by_probe;
   }
-  area.add_to(terms, ses_area_quantity, arc, circle);
-  if (p <= 0 || rho == 0) return;
+  area.add_to(terms, ses_quantity, arc, circle);
+}
 
+void add_arc_volume_gradient(const SurfaceModel& surface, const ArcShape& shape,
+                             const SurfaceIntegrals& saddle, GradientTerms& terms) {
+  const auto& [arc, circle, swept] = shape;
+  const double p = surface.probe_radius, rho = circle.radius;
+  if (p <= 0 || rho == 0) return;
   // The surface moves with the contact circle: by cos t (e . dm + d rho) - sin t (u . dm) +
   // rho sin t (e . du) - dp along its normal, with the circle's centre m and the radial vector e.
   const double along = dot(saddle.vector_area, circle.axis);
@@ -153,61 +193,84 @@ void add_arc_gradient(const SurfaceModel& surface, const ArcShape& shape,
       circle.first_height * saddle.vector_area - (rho * along / swept.angle) * swept.radial;
   volume.first_height = along;
   volume.rho = (saddle.flux + p * saddle.area) / rho;
-  volume.resolve(circle, one.radius, two.radius);
+  volume.resolve(circle, surface.sas_sphere(arc.first).radius,
+                 surface.sas_sphere(arc.second).radius);
   volume.add_to(terms, ses_volume_quantity, arc, circle);
   terms.atoms.push_back({arc.first, ses_volume_quantity, saddle.vector_area, 0});
   terms.probe[ses_volume_quantity] -= saddle.area;
 }
 
-void add_placement_gradient(const SurfaceModel& surface, const ConcavePatch& patch,
-                            GradientTerms& terms) {
-  const ProbePlacement& placement = patch.placement;
+void add_saddle_end_gradient(const SurfaceModel& surface, const ProbePlacement& placement,
+                             const AreaWeights& weights, Quantity quantity, GradientTerms& terms) {
   const auto& [a, b, c] = placement.atoms;
+  Vec3 by_center;
+  for (const std::array<AtomIndex, 3>& atoms :
+       {std::array<AtomIndex, 3>{a, b, c}, {b, c, a}, {c, a, b}})
+    by_center = by_center + add_arc_end(surface, placement.center, atoms, weights, quantity, terms);
+  add_motion(surface, placement, quantity, by_center, terms);
+}
+
+void add_concave_area_gradient(const SurfaceModel& surface, const ConcavePart& concave,
+                               double weight, Quantity quantity, GradientTerms& terms) {
+  const ProbePlacement& placement = concave.placement;
   const Vec3 center = placement.center;
   const double p = surface.probe_radius;
-  Vec3 by_center = add_arc_end(surface, center, {a, b, c}, terms) +
-                   add_arc_end(surface, center, {b, c, a}, terms) +
-                   add_arc_end(surface, center, {c, a, b}, terms);
-
+  Vec3 by_center;
   // `radial` is the integral of the direction n along the arc, across the axis of the cap.
   const auto add_plane = [&](std::size_t k, Vec3 radial) {
     const AtomIndex i = placement.atoms[k], j = placement.atoms[(k + 1) % 3];
     const Vec3 to_i = surface.atoms[i].center - center, to_j = surface.atoms[j].center - center;
-    const Vec3 normal = cross(to_i, to_j), axis = patch.caps[k].axis;
+    const Vec3 normal = cross(to_i, to_j), axis = concave.caps[k].axis;
     const double sign = dot(normal, axis) < 0 ? -1 : 1;
     const Vec3 across = radial - dot(radial, axis) * axis;
-    const Vec3 by_normal = (-sign * p * p / norm(normal)) * across;
+    const Vec3 by_normal = (-sign * weight * p * p / norm(normal)) * across;
     const Vec3 by_i = cross(to_j, by_normal), by_j = cross(by_normal, to_i);
-    terms.atoms.push_back({i, ses_area_quantity, by_i, 0});
-    terms.atoms.push_back({j, ses_area_quantity, by_j, 0});
+    terms.atoms.push_back({i, quantity, by_i, 0});
+    terms.atoms.push_back({j, quantity, by_j, 0});
     by_center = by_center - by_i - by_j;
   };
-  if (patch.cutters.empty()) {
-    for (std::size_t k = 0; k < 3; ++k) {
-      const Vec3 from = normalized(surface.atoms[placement.atoms[k]].center - center);
-      const Vec3 to = normalized(surface.atoms[placement.atoms[(k + 1) % 3]].center - center);
-      add_plane(k, cross(to - from, normalized(cross(from, to))));
-    }
-  } else {
-    for (const RimArc& arc : patch.arcs) {
-      const SphericalCap& cap = patch.caps[arc.cap];
-      const Vec3 radial = cross(arc.end - arc.start, cap.axis);
-      if (arc.cap < 3) {
-        add_plane(arc.cap, radial);
-        continue;
-      }
-      const double length = 2 * p * cap.cosine;
-      const double sine = std::sqrt((1 - cap.cosine) * (1 + cap.cosine));
-      const Vec3 by_cutter = (p * arc.angle / 2) * cap.axis - (p * p * sine / length) * radial;
-      add_motion(surface, *patch.cutters[arc.cap - 3], ses_area_quantity, by_cutter, terms);
-      by_center = by_center - by_cutter;
-      terms.probe[ses_area_quantity] -= arc.angle * length / 2;
+  const auto add_cutter = [&](const ProbePlacement& cutter, const SphericalCap& cap, double angle,
+                              Vec3 radial) {
+    const double length = 2 * p * cap.cosine;
+    const double sine = std::sqrt((1 - cap.cosine) * (1 + cap.cosine));
+    const Vec3 by_cutter =
+        (weight * p * angle / 2) * cap.axis - (weight * p * p * sine / length) * radial;
+    add_motion(surface, cutter, quantity, by_cutter, terms);
+    by_center = by_center - by_cutter;
+    terms.probe[quantity] -= weight * angle * length / 2;
+  };
+  // The border does not depend on the placement. Its axis is (a_2 - a_1) / d, and its cosine
+  // (R_2 - R_1) / d.
+  const auto add_border = [&](AtomIndex other, const SphericalCap& cap, double angle, Vec3 radial) {
+    const double d = norm(surface.atoms[other].center - surface.atoms[concave.owner].center);
+    const double by_cosine = weight * p * p * angle / d;
+    const double sine = std::sqrt((1 - cap.cosine) * (1 + cap.cosine));
+    const Vec3 across = radial - dot(radial, cap.axis) * cap.axis;
+    const Vec3 by_other =
+        (-by_cosine * cap.cosine) * cap.axis - (weight * p * p * sine / d) * across;
+    terms.atoms.push_back({other, quantity, by_other, by_cosine});
+    terms.atoms.push_back({concave.owner, quantity, -by_other, -by_cosine});
+  };
+  for (const RimArc& arc : concave.arcs) {
+    const SphericalCap& cap = concave.caps[arc.cap];
+    const Vec3 radial = cross(arc.end - arc.start, cap.axis);
+    if (arc.cap < 3) {
+      add_plane(arc.cap, radial);
+    } else if (arc.cap < 3 + concave.cutters.size()) {
+      add_cutter(*concave.cutters[arc.cap - 3], cap, arc.angle, radial);
+    } else {
+      add_border(concave.borders[arc.cap - 3 - concave.cutters.size()], cap, arc.angle, radial);
     }
   }
-  add_motion(surface, placement, ses_area_quantity, by_center, terms);
-  add_motion(surface, placement, ses_volume_quantity, -(p * p) * patch.part.vector_area, terms);
-  terms.probe[ses_area_quantity] += 2 * p * patch.part.solid_angle;
-  terms.probe[ses_volume_quantity] -= p * p * patch.part.solid_angle;
+  add_motion(surface, placement, quantity, by_center, terms);
+  terms.probe[quantity] += 2 * weight * p * concave.part.solid_angle;
+}
+
+void add_concave_volume_gradient(const SurfaceModel& surface, const ProbePlacement& placement,
+                                 const SpherePart& part, GradientTerms& terms) {
+  const double p = surface.probe_radius;
+  add_motion(surface, placement, ses_volume_quantity, -(p * p) * part.vector_area, terms);
+  terms.probe[ses_volume_quantity] -= p * p * part.solid_angle;
 }
 
 }  // namespace eses::detail

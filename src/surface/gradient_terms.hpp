@@ -12,8 +12,14 @@
 namespace eses::detail {
 
 /// The quantities with derivatives that depend on arcs and placements.
-enum Quantity : std::uint8_t { sas_area_quantity, ses_area_quantity, ses_volume_quantity };
-inline constexpr std::size_t quantity_count = 3;
+enum Quantity : std::uint8_t {
+  sas_area_quantity,
+  ses_area_quantity,
+  ses_volume_quantity,
+  weighted_sas_area_quantity,
+  weighted_ses_area_quantity
+};
+inline constexpr std::size_t quantity_count = 5;
 
 /// The contribution of a patch to the derivatives by an atom.
 struct GradientTerm {
@@ -41,24 +47,51 @@ struct ArcShape {
   const SweptArc& swept;
 };
 
-/// Adds the derivatives of the areas of the two faces at an arc, and of the area and volume of its
-/// saddle for ends that move with the circle. `saddle` has the integrals over the patch.
-void add_arc_gradient(const SurfaceModel& surface, const ArcShape& shape,
-                      const SaddleOutline& outline, const SurfaceIntegrals& saddle,
-                      GradientTerms& terms);
+/// The weights of the areas of all atoms.
+class AreaWeights {
+ public:
+  /// Weights by atom index; all weights are 1 if they are empty.
+  explicit AreaWeights(std::span<const double> weights) : weights_(weights) {}
+  double operator[](AtomIndex atom) const { return weights_.empty() ? 1 : weights_[atom]; }
 
-/// A patch at a placement that touches three atoms.
-struct ConcavePatch {
-  const ProbePlacement& placement;
-  SpherePart part;
-  std::span<const SphericalCap> caps;  ///< three bounding planes, then those of `cutters`
-  std::span<const RimArc> arcs;        ///< that bound the part; unused if there are no cutters
-  std::span<const ProbePlacement* const> cutters;
+ private:
+  std::span<const double> weights_;
 };
 
-/// Adds the derivatives that follow from the motion of a placement: those of the three saddles that
-/// end there, and of the concave patch.
-void add_placement_gradient(const SurfaceModel& surface, const ConcavePatch& patch,
-                            GradientTerms& terms);
+/// Adds the derivatives of the areas of the two faces at an arc, and of the area of its saddle for
+/// ends that move with the circle.
+void add_arc_area_gradient(const SurfaceModel& surface, const ArcShape& shape,
+                           const SaddleOutline& outline, const AreaWeights& weights,
+                           Quantity sas_quantity, Quantity ses_quantity, GradientTerms& terms);
+
+/// Adds the derivatives of the volume of a saddle. `saddle` has the integrals over the patch.
+void add_arc_volume_gradient(const SurfaceModel& surface, const ArcShape& shape,
+                             const SurfaceIntegrals& saddle, GradientTerms& terms);
+
+/// Adds the derivatives of the areas of the three saddles that end at a placement, which follow
+/// from its motion.
+void add_saddle_end_gradient(const SurfaceModel& surface, const ProbePlacement& placement,
+                             const AreaWeights& weights, Quantity quantity, GradientTerms& terms);
+
+/// A part of the patch at a placement that touches three atoms.
+struct ConcavePart {
+  const ProbePlacement& placement;
+  SpherePart part;
+  std::span<const SphericalCap> caps;  ///< three bounding planes, then those of `cutters`, borders
+  std::span<const RimArc> arcs;        ///< that bound the part
+  std::span<const ProbePlacement* const> cutters;
+  /// The atom of the part, if the patch is divided among its atoms. The border with atom
+  /// `borders[k]` is the cap with the number 3 + cutters.size() + k.
+  AtomIndex owner = 0;
+  std::span<const AtomIndex> borders;
+};
+
+/// Adds the derivatives of the area of a part, times `weight`.
+void add_concave_area_gradient(const SurfaceModel& surface, const ConcavePart& concave,
+                               double weight, Quantity quantity, GradientTerms& terms);
+
+/// Adds the derivatives of the volume at a concave patch.
+void add_concave_volume_gradient(const SurfaceModel& surface, const ProbePlacement& placement,
+                                 const SpherePart& part, GradientTerms& terms);
 
 }  // namespace eses::detail

@@ -52,6 +52,10 @@ constexpr std::array<Accessibility, 5> without_slack{{{false, tolerance::accessi
 // two sides of a narrow gap do, but the shrinkage makes a gap closed or wider.
 constexpr double min_cutting_distance = 1e-6;
 
+// A cap that misses a cone by less than this counts as one that cuts it (angstrom). The value is
+// far above rounding errors, so no cap that cuts it is missed.
+constexpr double meeting_slack = 1e-9;
+
 // The total curvature of consistent measures is this close to an even number.
 constexpr double max_curvature_error = 1e-6;
 
@@ -128,6 +132,7 @@ struct MeasureScratch {
   std::vector<SphericalCap> caps, shared_caps;
   std::vector<Vec3> toward;
   std::vector<AtomIndex> touched;
+  std::vector<AtomIndex> borders;   // atoms whose caps follow those of the patch in `shared_caps`
   std::vector<std::uint32_t> node;  // placements in the same place
   std::vector<std::uint32_t> near;  // placements within `near_distance` of `near_center`
   Vec3 near_center;
@@ -160,14 +165,20 @@ class PatchMeasurement {
         surface_(make_surface(molecule, settings, accessibility)),
         schedule_(surface_, {-infinity, infinity}, false),
         origin_(middle_of(surface_.atoms)),
+        weights_(settings.weights),
         faces_(surface_.atoms.size()),
         scratch_(static_cast<std::size_t>(settings.threads)) {
-    if (settings.gradients)
+    if (settings.gradients) {
+      Gradients& all = result_.gradients;
       for (Gradient* gradient : gradients()) {
+        const bool is_weighted =
+            gradient == &all.weighted_sas_area || gradient == &all.weighted_ses_area;
+        if (is_weighted && !has_weights()) continue;
         gradient->centers.resize(surface_.atoms.size());
         gradient->radii.resize(surface_.atoms.size());
       }
-    if (!settings.by_atom) return;
+    }
+    if (!divides_areas()) return;
     for (auto* areas : {&result_.by_atom.sas, &result_.by_atom.convex, &result_.by_atom.saddle,
                         &result_.by_atom.concave})
       areas->resize(surface_.atoms.size());
@@ -196,10 +207,13 @@ class PatchMeasurement {
     return surface;
   }
   double probe() const { return surface_.probe_radius; }
+  bool has_weights() const { return !settings_.weights.empty(); }
+  bool divides_areas() const { return settings_.by_atom || has_weights(); }
   // In the order of Quantity, followed by the volume of the SAS.
-  std::array<Gradient*, 4> gradients() {
+  std::array<Gradient*, quantity_count + 1> gradients() {
     Gradients& all = result_.gradients;
-    return {&all.sas_area, &all.ses_area, &all.ses_volume, &all.sas_volume};
+    return {&all.sas_area,          &all.ses_area,          &all.ses_volume,
+            &all.weighted_sas_area, &all.weighted_ses_area, &all.sas_volume};
   }
 
   bool measure_layer(ClusterIndex begin, ClusterIndex end);
@@ -216,10 +230,16 @@ class PatchMeasurement {
   SpherePart find_cone(std::uint32_t number, MeasureScratch& scratch) const;
   void add_cutters(std::uint32_t number, Vec3 center, double distance,
                    MeasureScratch& scratch) const;
+  bool may_cut(Vec3 to_other, double squared, const MeasureScratch& scratch) const;
   void find_near(Vec3 center, double distance, MeasureScratch& scratch) const;
+  SpherePart part_of_atom(AtomIndex owner, MeasureScratch& scratch) const;
   void share_among_atoms(const SpherePart& part, MeasureScratch& scratch,
                          ClusterTerms& terms) const;
+  void add_patch_gradient(const ProbePlacement& placement, const SpherePart& part,
+                          MeasureScratch& scratch, ClusterTerms& terms) const;
+  void add_node_gradient(Vec3 center, MeasureScratch& scratch, ClusterTerms& terms) const;
   void add_face_gradient(AtomIndex i, double angle);
+  void finish_areas_by_atom();
   void finish_gradients();
   void measure_faces();
   double face_angle(AtomIndex i, std::vector<AtomIndex>& found) const;
@@ -229,6 +249,7 @@ class PatchMeasurement {
   SurfaceModel surface_;
   PatchSchedule schedule_;
   Vec3 origin_;
+  AreaWeights weights_, equal_weights_{{}};
   std::vector<Face> faces_;  // by atom
   PatchSums sums_;
   Measures result_;
@@ -414,18 +435,22 @@ void PatchMeasurement::add_arc(const Arc& arc, ClusterTerms& terms) const {
   terms.sums.curvature -= swept.angle * (first_cosine + second_cosine);
   const SaddleOutline outline = make_outline(circle, std::max(0.0, probe()));
   const SurfaceIntegrals whole = saddle_integrals(outline, outline.contact, circle.axis, swept);
-  if (settings_.gradients)
-    add_arc_gradient(surface_, {arc, circle, swept}, outline, whole, terms.gradients);
+  if (settings_.gradients) {
+    const ArcShape shape{arc, circle, swept};
+    add_arc_area_gradient(surface_, shape, outline, equal_weights_, sas_area_quantity,
+                          ses_area_quantity, terms.gradients);
+    add_arc_volume_gradient(surface_, shape, whole, terms.gradients);
+    if (has_weights())
+      add_arc_area_gradient(surface_, shape, outline, weights_, weighted_sas_area_quantity,
+                            weighted_ses_area_quantity, terms.gradients);
+  }
   if (probe() <= 0) return;
   terms.sums.saddle += whole.area;
   terms.sums.flux += whole.flux + dot(circle.center - origin_, whole.vector_area);
-  if (!settings_.by_atom) return;
-  // The border in the power diagram.
-  const double sine = (second.radius - first.radius) / (circle.first_height + circle.second_height);
-  const double border =
-      std::clamp(std::asin(std::clamp(sine, -1.0, 1.0)), outline.contact.low, outline.contact.high);
+  if (!divides_areas()) return;
+  const SaddleBorder border = find_border(outline, circle, first.radius, second.radius);
   const double first_area =
-      saddle_integrals(outline, {outline.contact.low, border}, circle.axis, swept).area;
+      saddle_integrals(outline, {outline.contact.low, border.angle}, circle.axis, swept).area;
   terms.shares.push_back({arc.first, first_area, 0});
   terms.shares.push_back({arc.second, std::max(0.0, whole.area - first_area), 0});
 }
@@ -455,12 +480,53 @@ void PatchMeasurement::add_placement(std::uint32_t number, MeasureScratch& scrat
   terms.sums.concave += probe() * probe() * part.solid_angle;
   terms.sums.flux -=
       probe() * probe() * (dot(center - origin_, part.vector_area) + probe() * part.solid_angle);
-  if (settings_.gradients && scratch.touched.size() == 3)
-    add_placement_gradient(
-        surface_,
-        {*placements_[number], part, scratch.caps, scratch.finder.arcs(), scratch.cutters},
-        terms.gradients);
-  if (settings_.by_atom) share_among_atoms(part, scratch, terms);
+  if (divides_areas()) share_among_atoms(part, scratch, terms);
+  if (!settings_.gradients) return;
+  if (scratch.touched.size() > 3) {
+    add_node_gradient(center, scratch, terms);
+  } else {
+    scratch.finder.find(scratch.caps);
+    add_patch_gradient(*placements_[number], part, scratch, terms);
+  }
+}
+
+// Adds the derivatives at a placement that touches more than three atoms: those of the placements
+// into which it divides if the atoms grow, each of them much more than all later ones. They are in
+// the same place, and their cones divide the cone.
+void PatchMeasurement::add_node_gradient(Vec3 center, MeasureScratch& scratch,
+                                         ClusterTerms& terms) const {
+  const std::vector<AtomIndex> touched = scratch.touched;
+  const auto first_cutter =
+      scratch.caps.end() - static_cast<std::ptrdiff_t>(scratch.cutters.size());
+  const std::vector<SphericalCap> cutter_caps(first_cutter, scratch.caps.end());
+  for (const auto& [a, b, c] : divide_cone(scratch.toward)) {
+    const ProbePlacement placement{center, {touched[a], touched[b], touched[c]}};
+    find_triangle(placement, scratch);
+    scratch.caps.insert(scratch.caps.end(), cutter_caps.begin(), cutter_caps.end());
+    const SpherePart part = scratch.finder.find(scratch.caps);
+    add_patch_gradient(placement, part, scratch, terms);
+  }
+}
+
+// Adds the derivatives of areas and volumes by the motion of a placement that touches three atoms.
+// `scratch.finder` has the arcs that bound its patch.
+void PatchMeasurement::add_patch_gradient(const ProbePlacement& placement, const SpherePart& part,
+                                          MeasureScratch& scratch, ClusterTerms& terms) const {
+  add_saddle_end_gradient(surface_, placement, equal_weights_, ses_area_quantity, terms.gradients);
+  add_concave_area_gradient(
+      surface_, {placement, part, scratch.caps, scratch.finder.arcs(), scratch.cutters, 0, {}}, 1,
+      ses_area_quantity, terms.gradients);
+  add_concave_volume_gradient(surface_, placement, part, terms.gradients);
+  if (!has_weights()) return;
+  add_saddle_end_gradient(surface_, placement, weights_, weighted_ses_area_quantity,
+                          terms.gradients);
+  for (const AtomIndex owner : scratch.touched) {
+    const SpherePart own = part_of_atom(owner, scratch);
+    add_concave_area_gradient(surface_,
+                              {placement, own, scratch.shared_caps, scratch.finder.arcs(),
+                               scratch.cutters, owner, scratch.borders},
+                              weights_[owner], weighted_ses_area_quantity, terms.gradients);
+  }
 }
 
 // Sets the touched atoms, the directions to them and the caps that bound their cone.
@@ -507,34 +573,54 @@ SpherePart PatchMeasurement::find_cone(std::uint32_t number, MeasureScratch& scr
   return scratch.finder.find(scratch.caps);
 }
 
-// Adds the caps of other placements that cut the cone which the caps bound. They are nearer than
-// `distance` to `center`.
+// Returns whether the cap towards another placement may reach into the cone that the caps bound.
+// The cone's direction nearest to the axis is the axis itself, its projection onto a bounding
+// plane, or an edge. Lengths are those of `to_other`, whose square is `squared`.
+bool PatchMeasurement::may_cut(Vec3 to_other, double squared, const MeasureScratch& scratch) const {
+  const double limit = 4 * probe() * probe();
+  bool is_within = true;
+  for (const SphericalCap& plane : scratch.caps) {
+    const double height = dot(to_other, plane.axis);
+    if (height <= 0) continue;
+    is_within = false;
+    if ((squared - height * height) * limit <= squared * squared) return false;
+  }
+  if (is_within) return true;
+  const double min_along = squared / (2 * probe()) - meeting_slack;
+  for (const Vec3 edge : scratch.toward)
+    if (dot(to_other, edge) > min_along) return true;
+  return std::any_of(scratch.caps.begin(), scratch.caps.end(), [&](const SphericalCap& plane) {
+    const double height = dot(to_other, plane.axis);
+    if (height <= 0) return false;
+    const Vec3 projection = to_other - height * plane.axis;
+    return std::all_of(scratch.caps.begin(), scratch.caps.end(), [&](const SphericalCap& other) {
+      return dot(projection, other.axis) <= meeting_slack;
+    });
+  });
+}
+
+// Finds the other placements that cut the cone which the caps bound, and then adds their caps. They
+// are nearer than `distance` to `center`.
 void PatchMeasurement::add_cutters(std::uint32_t number, Vec3 center, double distance,
                                    MeasureScratch& scratch) const {
-  const std::size_t bounds = scratch.caps.size();
   const Vec3 from = centers_[number];
   const double limit = 4 * probe() * probe();
   const double min_squared = surface_.has_slack ? 0 : min_cutting_distance * min_cutting_distance;
   scratch.cutters.clear();
-  const auto add_cutter = [&](std::uint32_t other) {
-    if (other == number || node_[other] != other) return;
-    const Vec3 toward = centers_[other] - from;
-    const double squared = squared_norm(toward);
-    if (squared >= limit || squared <= min_squared) return;
-    // The cone is on one side of each bounding plane. If the other placement is on the other side,
-    // the direction of the cone that is nearest to it is at least as far away as the plane.
-    for (std::size_t k = 0; k < bounds; ++k) {
-      const double height = dot(toward, scratch.caps[k].axis);
-      if (height > 0 && (squared - height * height) * limit <= squared * squared) return;
-    }
-    const double length = std::sqrt(squared), cosine = length / (2 * probe());
-    const Vec3 axis = (1 / length) * toward;
-    scratch.cutters.push_back(placements_[other]);
-    scratch.caps.push_back({axis, cosine});
-  };
   find_near(center, distance, scratch);
-  for (const std::uint32_t other : scratch.near)
-    if (squared_norm(centers_[other] - center) < distance * distance) add_cutter(other);
+  for (const std::uint32_t other : scratch.near) {
+    if (squared_norm(centers_[other] - center) >= distance * distance) continue;
+    if (other == number || node_[other] != other) continue;
+    const Vec3 to_other = centers_[other] - from;
+    const double squared = squared_norm(to_other);
+    if (squared < limit && squared > min_squared && may_cut(to_other, squared, scratch))
+      scratch.cutters.push_back(placements_[other]);
+  }
+  for (const ProbePlacement* cutter : scratch.cutters) {
+    const Vec3 to_cutter = cutter->center - from;
+    const double length = norm(to_cutter);
+    scratch.caps.push_back({(1 / length) * to_cutter, length / (2 * probe())});
+  }
 }
 
 // Makes sure that `scratch.near` has all placements within a distance. Consecutive searches are
@@ -549,26 +635,31 @@ void PatchMeasurement::find_near(Vec3 center, double distance, MeasureScratch& s
                         [&](std::uint32_t other) { scratch.near.push_back(other); });
 }
 
-// Divides a concave patch among its atoms. A direction n belongs to the touched atom with the
-// smallest value of radius - n . (center of the atom - center of the probe).
+// Returns the part of a concave patch that belongs to an atom. A direction n belongs to the touched
+// atom with the smallest value of radius - n . (center of the atom - center of the probe).
+SpherePart PatchMeasurement::part_of_atom(AtomIndex owner, MeasureScratch& scratch) const {
+  scratch.shared_caps = scratch.caps;
+  scratch.borders.clear();
+  for (const AtomIndex other : scratch.touched) {
+    if (other == owner) continue;
+    const Vec3 toward = surface_.atoms[other].center - surface_.atoms[owner].center;
+    const double length = norm(toward);
+    scratch.borders.push_back(other);
+    scratch.shared_caps.push_back(
+        {(1 / length) * toward,
+         (surface_.atoms[other].radius - surface_.atoms[owner].radius) / length});
+  }
+  return scratch.finder.find(scratch.shared_caps);
+}
+
 void PatchMeasurement::share_among_atoms(const SpherePart& part, MeasureScratch& scratch,
                                          ClusterTerms& terms) const {
   if (part.solid_angle == 0) return;
   double rest = part.solid_angle;
   for (std::size_t a = 0; a < scratch.touched.size(); ++a) {
-    const Atom& atom = surface_.atoms[scratch.touched[a]];
     double share = std::max(0.0, rest);
     if (a + 1 < scratch.touched.size()) {
-      scratch.shared_caps = scratch.caps;
-      for (std::size_t b = 0; b < scratch.touched.size(); ++b) {
-        if (b == a) continue;
-        const Atom& other = surface_.atoms[scratch.touched[b]];
-        const Vec3 toward = other.center - atom.center;
-        const double length = norm(toward);
-        scratch.shared_caps.push_back(
-            {(1 / length) * toward, (other.radius - atom.radius) / length});
-      }
-      share = scratch.finder.find(scratch.shared_caps).solid_angle;
+      share = part_of_atom(scratch.touched[a], scratch).solid_angle;
       rest -= share;
     }
     terms.shares.push_back({scratch.touched[a], 0, probe() * probe() * share});
@@ -599,6 +690,7 @@ void PatchMeasurement::add_face_gradient(AtomIndex i, double angle) {
   all.sas_volume.radii[i] = R * R * angle;
   all.sas_volume.centers[i] = (R * R) * vector;
   all.ses_volume.centers[i] = all.ses_volume.centers[i] + (r * r) * vector;
+  if (has_weights()) all.weighted_sas_area.radii[i] += 2 * weights_[i] * R * angle;
 }
 
 // Adds the derivatives by the probe radius at constant radii of the atoms: all SAS radii grow. The
@@ -611,8 +703,20 @@ void PatchMeasurement::finish_gradients() {
     const double r = surface_.atoms[i].radius, angle = faces_[i].solid_angle;
     all.ses_area.radii[i] += 2 * r * angle;
     all.ses_volume.radii[i] += r * r * angle;
+    if (has_weights()) all.weighted_ses_area.radii[i] += 2 * weights_[i] * r * angle;
   }
   all.are_smooth = surface_.has_slack;
+}
+
+// Adds the weighted areas, and removes the areas by atom unless they are wanted.
+void PatchMeasurement::finish_areas_by_atom() {
+  AtomAreas& areas = result_.by_atom;
+  for (AtomIndex i = 0; i < surface_.atoms.size(); ++i) {
+    result_.weighted_sas_area += weights_[i] * areas.sas[i];
+    result_.weighted_ses_area +=
+        weights_[i] * (areas.convex[i] + areas.saddle[i] + areas.concave[i]);
+  }
+  if (!settings_.by_atom) areas = {};
 }
 
 void PatchMeasurement::measure_faces() {
@@ -629,7 +733,7 @@ void PatchMeasurement::measure_faces() {
           sums[range] += {angle, R * R * angle, R * R * (R * angle + along), r * r * angle,
                           r * r * (r * angle + along)};
           if (settings_.gradients) add_face_gradient(i, angle);
-          if (!settings_.by_atom) continue;
+          if (!divides_areas()) continue;
           result_.by_atom.sas[i] = R * R * angle;
           result_.by_atom.convex[i] = r * r * angle;
         }
@@ -643,6 +747,7 @@ void PatchMeasurement::measure_faces() {
   result_.ses_volume = std::max(0.0, (total.convex_flux + sums_.flux) / 3);
   result_.total_curvature = (total.solid_angle + sums_.curvature) / (2 * pi);
   if (settings_.gradients) finish_gradients();
+  if (has_weights()) finish_areas_by_atom();
   result_.euler_number = 2 * std::llround(result_.total_curvature / 2);
 }
 

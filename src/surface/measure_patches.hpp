@@ -1,6 +1,8 @@
 #pragma once
 /// Areas and volumes from the patches of a molecule, in a sweep along z.
 
+#include <span>
+
 #include "eses/measure.hpp"
 #include "surface/molecule.hpp"
 
@@ -11,6 +13,7 @@ struct MeasureSettings {
   double probe_radius = 0;
   bool by_atom = false;
   bool gradients = false;
+  std::span<const double> weights = {};
   int threads = 1;
   CheckCallback check = {};
 };

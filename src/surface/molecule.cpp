@@ -253,8 +253,11 @@ Molecule::Molecule(std::vector<Atom> atoms) : Molecule(std::move(atoms), {}) {}
 
 Molecule::Molecule(std::vector<Atom> atoms, std::vector<AtomLabel> labels, int threads,
                    const CheckCallback& check)
-    : parts_(std::make_shared<const Parts>(std::move(atoms), std::move(labels), nullptr, threads,
-                                           check)) {}
+    : Molecule(std::make_shared<const Parts>(std::move(atoms), std::move(labels), nullptr, threads,
+                                             check)) {}
+
+Molecule::Molecule(std::shared_ptr<const Parts> parts)
+    : parts_(std::move(parts)), is_contained_(parts_->is_contained) {}
 
 Molecule Molecule::part(std::vector<Atom> atoms, const std::function<bool(const Atom&)>& is_own,
                         int threads) {
@@ -265,7 +268,6 @@ Molecule Molecule::part(std::vector<Atom> atoms, const std::function<bool(const 
 std::span<const Atom> Molecule::atoms() const { return parts_->atoms; }
 std::span<const AtomLabel> Molecule::labels() const { return parts_->labels; }
 std::span<const Diagnostic> Molecule::diagnostics() const { return parts_->diagnostics; }
-bool Molecule::is_contained(AtomIndex atom) const { return parts_->is_contained[atom] != 0; }
 const AtomTree& Molecule::tree() const { return parts_->tree; }
 const CellList& Molecule::cells() const { return *parts_->cells; }
 

@@ -1,10 +1,10 @@
 #pragma once
 /// Atoms with a spatial index and diagnostics.
 
+#include <cstdint>
 #include <functional>
 #include <memory>
 #include <span>
-#include <utility>
 #include <vector>
 
 #include "eses/atoms.hpp"
@@ -50,7 +50,7 @@ class Molecule {
   /// Returns whether the atom's ball lies in that of another atom. Then its SAS ball does, too, for
   /// any probe radius, and the atom has no influence on the surface. The first of several equal
   /// atoms is not contained in the others.
-  bool is_contained(AtomIndex atom) const;
+  bool is_contained(AtomIndex atom) const { return is_contained_[atom] != 0; }
 
   /// A kd-tree of all atoms that are not duplicates.
   const AtomTree& tree() const;
@@ -59,8 +59,9 @@ class Molecule {
 
  private:
   struct Parts;
-  explicit Molecule(std::shared_ptr<const Parts> parts) : parts_(std::move(parts)) {}
+  explicit Molecule(std::shared_ptr<const Parts> parts);
   std::shared_ptr<const Parts> parts_;
+  std::span<const std::uint8_t> is_contained_;  // by atom; data of `parts_`
 };
 
 }  // namespace eses::detail

@@ -1,6 +1,8 @@
 #pragma once
 /// The normal cone of the accessible set at a probe placement.
 
+#include <array>
+#include <cstddef>
 #include <span>
 #include <vector>
 
@@ -18,5 +20,11 @@ enum class ConeShape {
 /// Finds the half spaces that bound the cone of several unit vectors. Replaces `caps` by their
 /// complements.
 ConeShape bound_cone(std::span<const Vec3> toward, std::vector<SphericalCap>& caps);
+
+/// Divides the cone of several unit vectors into triangles, each given by the indices of its
+/// corners. All triangles have corner 0. This is the division that arises if the spheres at these
+/// directions grow, each of them much more than all later ones. Returns nothing if the cone is flat
+/// or whole.
+std::vector<std::array<std::size_t, 3>> divide_cone(std::span<const Vec3> toward);
 
 }  // namespace eses::detail

@@ -37,6 +37,13 @@ SaddleOutline make_outline(const ContactCircle& circle, double probe) {
           circle.radius < probe ? std::acos(circle.radius / probe) : 0};
 }
 
+SaddleBorder find_border(const SaddleOutline& outline, const ContactCircle& circle,
+                         double first_radius, double second_radius) {
+  const double distance = circle.first_height + circle.second_height;
+  const double sine = std::clamp((second_radius - first_radius) / distance, -1.0, 1.0);
+  return {std::clamp(std::asin(sine), outline.contact.low, outline.contact.high), sine};
+}
+
 SurfaceIntegrals saddle_integrals(const SaddleOutline& outline, OutlineRange range, Vec3 axis,
                                   const SweptArc& arc) {
   if (outline.cusp == 0)

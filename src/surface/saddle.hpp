@@ -35,6 +35,15 @@ struct SaddleOutline {
 
 SaddleOutline make_outline(const ContactCircle& circle, double probe);
 
+/// The border between the atoms of a saddle in the power diagram, as an angle of the outline.
+struct SaddleBorder {
+  double angle = 0, sine = 0;
+};
+
+/// Returns the border. The radii are those of both spheres, SAS or van der Waals.
+SaddleBorder find_border(const SaddleOutline& outline, const ContactCircle& circle,
+                         double first_radius, double second_radius);
+
 /// The arc of a saddle: its angle about the axis, and the integral of the radial unit vector.
 struct SweptArc {
   double angle = 0;

@@ -2,11 +2,10 @@
 Debian's packages or from PyPI. Missing libraries are skipped."""
 
 import json
-import shutil
 import subprocess
 import unittest
 
-from support import DATA, PROGRAM, PROJECT, SCRIPTS, TestCase, python_with
+from support import DATA, PROGRAM, SCRIPTS, TestCase, python_with
 
 VTK = """
 import json, sys, vtk
