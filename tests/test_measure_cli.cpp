@@ -250,7 +250,7 @@ TEST_CASE("measure: bad requests are refused") {
   const Molecules box;
   check_usage_error(box, {"measure"}, "FILE is required");
   check_usage_error(box, {"measure", "two.xyzr", "--write", "x"},
-                    "--write is 'x', expected some of atoms,residues,chains,derivatives");
+                    "--write is 'x', expected some of atoms,residues,chains,derivatives,cavities,pieces");
   check_usage_error(box, {"measure", "-", "two.xyzr"},
                     "standard input (-) cannot be combined with other files");
   check_usage_error(box, {"measure", "two.xyzr", "-o", "out"}, "--output-dir needs --write");

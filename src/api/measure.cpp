@@ -28,12 +28,16 @@ Measures measure(const Surface& surface, const MeasureOptions& options) {
   detail::check_arguments([&] { require_valid(probe_radius, options.threads); });
   const detail::Molecule& molecule = detail::SurfaceAccess::molecule(surface);
   detail::MeasureSettings settings{
-      probe_radius, options.by_atom, options.gradients,
-      options.threads > 0 ? options.threads : detail::available_threads(), options.check};
+      probe_radius,
+      options.by_atom,
+      options.gradients,
+      options.cavities,
+      options.threads > 0 ? options.threads : detail::available_threads(),
+      options.check};
   Measures measures = measure_patches(molecule, settings);
   if (options.van_der_waals) {
     settings.probe_radius = 0;
-    settings.by_atom = settings.gradients = false;
+    settings.by_atom = settings.gradients = settings.cavities = false;
     const Measures bare = probe_radius == 0 ? measures : measure_patches(molecule, settings);
     measures.vdw_area = bare.sas_area;
     measures.vdw_volume = bare.sas_volume;

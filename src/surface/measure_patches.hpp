@@ -11,6 +11,7 @@ struct MeasureSettings {
   double probe_radius = 0;
   bool by_atom = false;
   bool gradients = false;
+  bool cavities = false;
   int threads = 1;
   CheckCallback check = {};
 };
