@@ -5,6 +5,7 @@
 #include <cmath>
 #include <limits>
 #include <optional>
+#include <utility>
 #include <vector>
 
 namespace eses::detail {
@@ -34,8 +35,17 @@ struct NearAtom {
 };
 
 struct Cell {
-  Vec3 center, half;
-  double gap;  // of the centre to the nearest atom
+  Vec3 center, half;           // half of the sides
+  double gap = 0;              // of the centre to the nearest atom
+  std::vector<NearAtom> near{};  // atoms that can be the nearest ones of points in the cell
+  int number = 0;
+
+  double size() const { return norm(half); }
+  double bound() const { return gap + size(); }
+  // Of two cells with equal bounds, the first one is searched first.
+  bool operator<(const Cell& other) const {
+    return bound() != other.bound() ? bound() < other.bound() : number > other.number;
+  }
 };
 
 // A ball in which no point is farther from the atoms than its centre.
@@ -84,7 +94,14 @@ class Search {
         all_.push_back({surface.atoms[i].center, surface.atoms[i].radius, i,
                         std::binary_search(adjacent.begin(), adjacent.end(), i)});
     best_ = {middle, surface.probe_radius};
-    visit({middle, half, evaluate(all_, middle).gap_to(middle)}, all_);
+    add({middle, half}, all_);
+    while (!open_.empty() && evaluations_ < max_evaluations) {
+      std::pop_heap(open_.begin(), open_.end());
+      Cell cell = std::move(open_.back());
+      open_.pop_back();
+      if (cell.bound() <= best_.radius + max_error) break;
+      visit(cell);
+    }
   }
 
   const LargestProbe& best() const { return best_; }
@@ -118,39 +135,39 @@ class Search {
     });
   }
 
-  void visit(const Cell& cell, const std::vector<NearAtom>& atoms) {
-    const double size = norm(cell.half);
-    if (cell.gap + size <= best_.radius + max_error || evaluations_ > max_evaluations) return;
-    if (is_settled(cell, size) || size < min_cell) return;
-    // Only these atoms can be the nearest ones of points in the cell.
-    std::vector<NearAtom> near;
+  // Adds a cell, unless it cannot improve the result.
+  void add(Cell cell, const std::vector<NearAtom>& atoms) {
+    cell.gap = evaluate(atoms, cell.center).gap_to(cell.center);
+    const double size = cell.size();
+    if (cell.bound() <= best_.radius + max_error || size < min_cell || is_settled(cell, size))
+      return;
     bool has_adjacent = false;
     for (const NearAtom& atom : atoms) {
       if (atom.gap_to(cell.center) > cell.gap + 2 * size) continue;
-      near.push_back(atom);
+      cell.near.push_back(atom);
       has_adjacent = has_adjacent || atom.is_adjacent;
     }
     if (!has_adjacent) return;
-    if (cell.gap > surface_.probe_radius) {
-      const auto component = component_at(evaluate(near, cell.center), cell.center);
-      if (component && *component != component_ && cell.gap - surface_.probe_radius > size) return;
-      if (component == component_) improve(cell, near);
-    }
-    divide(cell, near);
+    cell.number = evaluations_;
+    open_.push_back(std::move(cell));
+    std::push_heap(open_.begin(), open_.end());
   }
 
-  void divide(const Cell& cell, const std::vector<NearAtom>& near) {
-    std::array<Cell, 8> parts;
-    for (std::size_t k = 0; k < parts.size(); ++k) {
-      const Vec3 half = 0.5 * cell.half;
-      Vec3 center = cell.center;
-      for (std::size_t axis = 0; axis < 3; ++axis)
-        center[axis] += (k >> axis & 1) != 0 ? half[axis] : -half[axis];
-      parts[k] = {center, half, evaluate(near, center).gap_to(center)};
+  void visit(Cell& cell) {
+    const double size = cell.size();
+    if (is_settled(cell, size)) return;
+    if (cell.gap > surface_.probe_radius) {
+      const auto component = component_at(evaluate(cell.near, cell.center), cell.center);
+      if (component && *component != component_ && cell.gap - surface_.probe_radius > size) return;
+      if (component == component_) improve(cell);
     }
-    std::stable_sort(parts.begin(), parts.end(),
-                     [](const Cell& a, const Cell& b) { return a.gap > b.gap; });
-    for (const Cell& part : parts) visit(part, near);
+    const Vec3 half = 0.5 * cell.half;
+    for (std::size_t k = 0; k < 8; ++k) {
+      Cell part{cell.center, half};
+      for (std::size_t axis = 0; axis < 3; ++axis)
+        part.center[axis] += (k >> axis & 1) != 0 ? half[axis] : -half[axis];
+      add(std::move(part), cell.near);
+    }
   }
 
   void take(Vec3 center, double radius) {
@@ -158,7 +175,8 @@ class Search {
   }
 
   // Searches for a maximum among the nearest atoms.
-  void improve(const Cell& cell, std::vector<NearAtom>& near) {
+  void improve(Cell& cell) {
+    std::vector<NearAtom>& near = cell.near;
     take(cell.center, cell.gap);
     const std::size_t count = std::min(max_touched, near.size());
     std::partial_sort(near.begin(), near.begin() + static_cast<std::ptrdiff_t>(count), near.end(),
@@ -192,7 +210,10 @@ class Search {
     if (depth < 1e-6) return;
     const NearAtom& nearest = evaluate(all_, point);
     const double gap = nearest.gap_to(point);
-    if (gap < atoms[0].gap_to(point) - max_error || gap < surface_.probe_radius) return;
+    const bool is_maximum = std::all_of(atoms.begin(), atoms.end(), [&](const NearAtom& atom) {
+      return atom.gap_to(point) < gap + 0.1 * max_error;
+    });
+    if (!is_maximum || gap < surface_.probe_radius) return;
     if (component_at(nearest, point) != component_) return;
     take(point, gap);
     // At a distance d from the point, the gap of one atom is smaller by depth d - d^2 / (2 D),
@@ -207,6 +228,7 @@ class Search {
   const Components& components_;
   std::uint32_t component_;
   std::vector<NearAtom> all_;
+  std::vector<Cell> open_;  // a heap
   std::vector<SettledBall> settled_;
   LargestProbe best_;
   int evaluations_ = 0;

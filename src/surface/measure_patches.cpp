@@ -191,6 +191,7 @@ class PatchMeasurement {
     if (components_) list_cavities();
     return std::move(result_);
   }
+  Components take_components();
 
  private:
   static constexpr double infinity = std::numeric_limits<double>::infinity();
@@ -700,12 +701,17 @@ void PatchMeasurement::measure_faces() {
   result_.euler_number = 2 * std::llround(result_.total_curvature / 2);
 }
 
-void PatchMeasurement::list_cavities() {
-  const Components components = components_->finish([&](AtomIndex i) {
+Components PatchMeasurement::take_components() {
+  Components components = components_->finish([&](AtomIndex i) {
     return ComponentFinder::FaceIntegrals{faces_[i].solid_angle, faces_[i].boundary.vector_area,
                                           face_moments_[i]};
   });
   components_.reset();
+  return components;
+}
+
+void PatchMeasurement::list_cavities() {
+  const Components components = take_components();
   list_components(surface_, origin_, settings_.probe_radius, settings_.threads, components,
                   result_.cavities, result_.pieces);
 }
@@ -714,9 +720,11 @@ void PatchMeasurement::list_cavities() {
 // (angstrom).
 constexpr double far_away = 1024;
 
-Measures measure_here(const Molecule& molecule, const MeasureSettings& settings) {
+// Returns a complete measurement, without slack if a decision depends on it.
+std::unique_ptr<PatchMeasurement> measure_consistently(const Molecule& molecule,
+                                                       const MeasureSettings& settings) {
   auto best = std::make_unique<PatchMeasurement>(molecule, settings, Accessibility());
-  if (best->run()) return best->take_result();
+  if (best->run()) return best;
   best.reset();
   for (const Accessibility& accessibility : without_slack) {
     auto next = std::make_unique<PatchMeasurement>(molecule, settings, accessibility);
@@ -725,7 +733,11 @@ Measures measure_here(const Molecule& molecule, const MeasureSettings& settings)
     best = std::move(next);
     if (best->curvature_error() < max_curvature_error) break;
   }
-  return best->take_result();
+  return best;
+}
+
+Measures measure_here(const Molecule& molecule, const MeasureSettings& settings) {
+  return measure_consistently(molecule, settings)->take_result();
 }
 
 }  // namespace
@@ -743,6 +755,12 @@ Measures measure_patches(const Molecule& molecule, const MeasureSettings& settin
     for (Vec3* point : {&cavity.centroid, &cavity.low, &cavity.high, &cavity.largest_probe_center})
       *point = *point + middle;
   return measures;
+}
+
+Components find_components(const Molecule& molecule, const MeasureSettings& settings) {
+  MeasureSettings with_cavities = settings;
+  with_cavities.cavities = true;
+  return measure_consistently(molecule, with_cavities)->take_components();
 }
 
 }  // namespace eses::detail

@@ -2,6 +2,7 @@
 /// Areas and volumes from the patches of a molecule, in a sweep along z.
 
 #include "eses/measure.hpp"
+#include "surface/components.hpp"
 #include "surface/molecule.hpp"
 
 namespace eses::detail {
@@ -18,5 +19,8 @@ struct MeasureSettings {
 
 /// Measures the surface for one probe radius. Leaves the values of the van der Waals surface 0.
 Measures measure_patches(const Molecule& molecule, const MeasureSettings& settings);
+
+/// Returns the components of the set of accessible probe centres.
+Components find_components(const Molecule& molecule, const MeasureSettings& settings);
 
 }  // namespace eses::detail
