@@ -249,8 +249,9 @@ TEST_CASE("measure: SAS areas are those of FreeSASA with 1000 slices") {
 TEST_CASE("measure: bad requests are refused") {
   const Molecules box;
   check_usage_error(box, {"measure"}, "FILE is required");
-  check_usage_error(box, {"measure", "two.xyzr", "--write", "x"},
-                    "--write is 'x', expected some of atoms,residues,chains,derivatives,cavities,pieces");
+  check_usage_error(
+      box, {"measure", "two.xyzr", "--write", "x"},
+      "--write is 'x', expected some of atoms,residues,chains,derivatives,cavities,pieces");
   check_usage_error(box, {"measure", "-", "two.xyzr"},
                     "standard input (-) cannot be combined with other files");
   check_usage_error(box, {"measure", "two.xyzr", "-o", "out"}, "--output-dir needs --write");

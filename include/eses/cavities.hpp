@@ -32,8 +32,8 @@ struct Cavity {
   /// Number of closed surfaces that bound the probe centres: the outer wall, and one for each piece
   /// in the cavity.
   std::size_t wall_count = 1;
-  std::size_t piece = 0;             ///< Index of the piece that surrounds the cavity.
-  std::vector<std::size_t> inner;    ///< Indices of the pieces that float in the cavity, ascending.
+  std::size_t piece = 0;           ///< Index of the piece that surrounds the cavity.
+  std::vector<std::size_t> inner;  ///< Indices of the pieces that float in the cavity, ascending.
   std::vector<std::size_t> overlaps;  ///< Indices of cavities whose voids overlap this void.
   bool overlaps_outside = false;      ///< Whether the void overlaps that of the outside.
 };
@@ -47,8 +47,8 @@ struct Piece {
   double sas_volume = 0;  ///< Volume of the union of the SAS balls.
   /// Euler number of the solvent accessible surface, including the walls of cavities.
   std::int64_t euler_number = 0;
-  std::vector<AtomIndex> atoms;      ///< All atoms of the piece, ascending.
-  std::size_t cavity_count = 0;      ///< Number of cavities that the piece surrounds.
+  std::vector<AtomIndex> atoms;       ///< All atoms of the piece, ascending.
+  std::size_t cavity_count = 0;       ///< Number of cavities that the piece surrounds.
   std::optional<std::size_t> cavity;  ///< Index of the cavity in which the piece floats, if any.
 };
 

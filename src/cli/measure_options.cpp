@@ -112,12 +112,12 @@ void add_options(CLI::App& app, MeasureCommandOptions& options) {
            options.cavities);
   begin_group(app, "Input and output");
   add_format(app, options.format);
-  add_value(app, "--write", "LIST",
-            "tables to write: some of atoms,residues,chains,\n"
-            "derivatives,cavities,pieces",
-            options.tables,
-            Format<TableChoice>{tables_in,
-                                "some of atoms,residues,chains,derivatives,cavities,pieces"});
+  add_value(
+      app, "--write", "LIST",
+      "tables to write: some of atoms,residues,chains,\n"
+      "derivatives,cavities,pieces",
+      options.tables,
+      Format<TableChoice>{tables_in, "some of atoms,residues,chains,derivatives,cavities,pieces"});
   add_value(app, "-o,--output-dir", "DIR", "directory of the tables, created if missing [.]",
             options.output_directory, path_to("a directory"));
   add_value(app, "--csv", "FILE", "write the results of all files as a table", options.csv,

@@ -49,11 +49,10 @@ std::string overlaps_text(const Cavity& cavity) {
 std::string cavities_text(const MeasuredFile& file) {
   if (!file.has_cavities) return "";
   const Measures& measures = file.measures;
-  std::string text = formatted("{}, {}\n",
-                               counted(static_cast<std::int64_t>(measures.pieces.size()), "piece"),
-                               measures.cavities.size() == 1
-                                   ? std::string("1 cavity")
-                                   : formatted("{} cavities", measures.cavities.size()));
+  std::string text =
+      formatted("{}, {}\n", counted(static_cast<std::int64_t>(measures.pieces.size()), "piece"),
+                measures.cavities.size() == 1 ? std::string("1 cavity")
+                                              : formatted("{} cavities", measures.cavities.size()));
   if (measures.cavities.empty()) return text;
   text += "cavity  void (A^3)  centers (A^3)  SES area (A^2)  largest probe (A)  atoms  overlaps\n";
   for (std::size_t k = 0; k < measures.cavities.size(); ++k) {

@@ -164,12 +164,11 @@ MeasuredAtoms MeasuredFile::table() const {
 
 MeasuredFile measure_file(const MeasureCommandOptions& options, const std::filesystem::path& path,
                           int threads, const CheckCallback& check) {
-  AtomFile file =
-      read_atoms(path, {.format = options.format,
-                        .with_labels = options.tables.any() || options.parts.is_chosen() ||
-                                       options.cavities,
-                        .structure = options.structure,
-                        .check = check});
+  AtomFile file = read_atoms(
+      path, {.format = options.format,
+             .with_labels = options.tables.any() || options.parts.is_chosen() || options.cavities,
+             .structure = options.structure,
+             .check = check});
   const SurfaceOptions indexing{.threads = threads, .check = check};
   const Surface surface(std::move(file.atoms), std::move(file.labels), indexing);
   MeasuredFile result{.path = path, .surface = surface};

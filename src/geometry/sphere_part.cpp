@@ -99,15 +99,15 @@ SpherePart boundary_term(const SphericalCap& cap, const RimArc& arc) {
   return term;
 }
 
-// n n^T less a third of the unit matrix is a spherical harmonic of degree 2, so its integral is -1/6
-// of that of its normal derivative m n^T + n m^T along the boundary, where m is the outward normal
-// of the boundary. With the radial unit vector e, n = c u + s e and m = s u - c e.
+// n n^T less a third of the unit matrix is a spherical harmonic of degree 2, so its integral is
+// -1/6 of that of its normal derivative m n^T + n m^T along the boundary, where m is the outward
+// normal of the boundary. With the radial unit vector e, n = c u + s e and m = s u - c e.
 Vec3 second_moment_term(const SphericalCap& cap, const RimArc& arc, Vec3 vector) {
   const Vec3 u = cap.axis;
   const double c = cap.cosine, s = sine_of(c), along = dot(u, vector);
   const bool is_full = arc.angle >= 2 * pi;
   const Vec3 radial = is_full ? Vec3() : cross(arc.end - arc.start, u);  // integral of e
-  Vec3 squares = (0.5 * arc.angle) * (vector - along * u);               // integral of e (e . vector)
+  Vec3 squares = (0.5 * arc.angle) * (vector - along * u);  // integral of e (e . vector)
   const auto ends = [&](Vec3 e) {
     const Vec3 f = cross(u, e);
     return dot(f, vector) * e + dot(e, vector) * f;

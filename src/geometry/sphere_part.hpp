@@ -44,8 +44,8 @@ double angle_about(Vec3 axis, Vec3 start, Vec3 end);
 SpherePart boundary_term(const SphericalCap& cap, const RimArc& arc);
 
 /// Returns the contribution of an arc to the integral of n (n . vector) over the part, where n is
-/// the outward normal. The sum over all arcs, plus a third of the solid angle times `vector`, is the
-/// integral.
+/// the outward normal. The sum over all arcs, plus a third of the solid angle times `vector`, is
+/// the integral.
 Vec3 second_moment_term(const SphericalCap& cap, const RimArc& arc, Vec3 vector);
 
 /// Returns the solid angle for a sum of boundary terms. `is_outside(direction)` returns whether a

@@ -122,10 +122,10 @@ void write_measured_atoms(const MeasuredAtoms& atoms, const TextSink& sink) {
     AreaSums sums;
     sums.add(atoms, i);
     const AtomLabel label = atoms.labels.empty() ? AtomLabel() : atoms.labels[i];
-    text.append("{},{},{},{},{},{},{},{}{}\n", serial_number(atoms, static_cast<AtomIndex>(i)), csv_field(label.atom_name),
-                csv_field(label.residue), csv_field(label.residue_number), csv_field(label.chain),
-                csv_field(label.element), atoms.atoms[i].radius, area_fields(sums),
-                part_fields(atoms, sums));
+    text.append("{},{},{},{},{},{},{},{}{}\n", serial_number(atoms, static_cast<AtomIndex>(i)),
+                csv_field(label.atom_name), csv_field(label.residue),
+                csv_field(label.residue_number), csv_field(label.chain), csv_field(label.element),
+                atoms.atoms[i].radius, area_fields(sums), part_fields(atoms, sums));
   }
   text.flush();
 }

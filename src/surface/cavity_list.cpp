@@ -41,7 +41,8 @@ DisjointSets connect_atoms(const SurfaceModel& surface) {
       for (const AtomIndex k : found) {
         const double reach =
             surface.atoms[i].radius + surface.atoms[k].radius + 2 * surface.probe_radius;
-        if (k < i && squared_norm(surface.atoms[i].center - surface.atoms[k].center) < reach * reach)
+        if (k < i &&
+            squared_norm(surface.atoms[i].center - surface.atoms[k].center) < reach * reach)
           sets.unite(i, k);
       }
   }
@@ -168,8 +169,7 @@ class CavityLister {
       const bool is_outside = wall.component == Components::outside;
       if (is_outside && !wall.atom) continue;
       const std::size_t c = wall.component - std::size_t{1};
-      const std::size_t piece =
-          piece_of_atom_[wall.atom ? *wall.atom : cavities[c].atoms.front()];
+      const std::size_t piece = piece_of_atom_[wall.atom ? *wall.atom : cavities[c].atoms.front()];
       by_piece[piece].add(wall);
       if (is_outside) continue;
       by_cavity[c].add(wall);

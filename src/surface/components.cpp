@@ -98,8 +98,7 @@ std::optional<RayHit> first_hit(const SurfaceModel& surface, Vec3 from, Vec3 alo
       first = k;
     }
     if (first)
-      return RayHit{*first,
-                    normalized(from + min_distance * along - surface.atoms[*first].center)};
+      return RayHit{*first, normalized(from + min_distance * along - surface.atoms[*first].center)};
   }
   return std::nullopt;
 }
@@ -156,8 +155,8 @@ void ComponentFinder::add_nodes(const SweepLayer& layer) {
   });
 }
 
-// Connects each arc with the placements at its ends. If other clusters are not complete yet, some of
-// the arcs of a cluster are connected in a later layer.
+// Connects each arc with the placements at its ends. If other clusters are not complete yet, some
+// of the arcs of a cluster are connected in a later layer.
 void ComponentFinder::connect_arcs(const SweepLayer& layer) {
   const AtomClusters& clusters = layer.schedule.patches().clusters();
   std::vector<ClusterIndex> chosen;
@@ -183,8 +182,8 @@ void ComponentFinder::connect_arcs(const SweepLayer& layer) {
     sets_.unite(placement_node_[k], placement_node_[layer.same_place[k]]);
 }
 
-// Sets the nodes of the atoms whose clusters are measured in this layer. All arcs of these atoms are
-// known and connected.
+// Sets the nodes of the atoms whose clusters are measured in this layer. All arcs of these atoms
+// are known and connected.
 void ComponentFinder::connect_faces_of_atoms(const SweepLayer& layer) {
   const Patches& patches = layer.schedule.patches();
   const AtomClusters& clusters = patches.clusters();
@@ -286,8 +285,8 @@ void ComponentFinder::add_face(Wall& wall, AtomIndex atom, const FaceIntegrals& 
   // |x|^2 = |a|^2 + R^2 + 2 R a . n, with x = a + R n.
   const Vec3 squares = integrals.moment + (integrals.solid_angle / 3) * position;
   wall.moment = wall.moment +
-                (0.5 * R * R) * ((squared_norm(position) + R * R) * integrals.vector_area +
-                                 (2 * R) * squares);
+                (0.5 * R * R) *
+                    ((squared_norm(position) + R * R) * integrals.vector_area + (2 * R) * squares);
   if (!wall.atom) wall.atom = atom;
 }
 
@@ -295,8 +294,7 @@ void ComponentFinder::add_divided_atom(AtomIndex atom, Components::DividedAtom& 
                                        std::vector<Wall>& walls) const {
   for (const SphereArc& arc : divided.arcs) divided.walls.push_back(arc.node);
   std::sort(divided.walls.begin(), divided.walls.end());
-  divided.walls.erase(std::unique(divided.walls.begin(), divided.walls.end()),
-                      divided.walls.end());
+  divided.walls.erase(std::unique(divided.walls.begin(), divided.walls.end()), divided.walls.end());
   for (const std::uint32_t wall : divided.walls) {
     SpherePart boundary;
     FaceIntegrals integrals;
@@ -371,8 +369,7 @@ void ComponentFinder::connect_walls(Components& components) const {
     std::vector<Extreme> extremes(walls.size());
     double top = -std::numeric_limits<double>::infinity();
     for (AtomIndex i = 0; i < atoms.size(); ++i) {
-      const double height =
-          dot(atoms[i].center, along) + atoms[i].radius + surface_.probe_radius;
+      const double height = dot(atoms[i].center, along) + atoms[i].radius + surface_.probe_radius;
       top = std::max(top, height);
       components.for_each_wall_of(i, [&](std::uint32_t wall) {
         if (height > extremes[wall].height) extremes[wall] = {height, i};
@@ -424,8 +421,7 @@ void ComponentFinder::find_overlaps(const std::vector<Node>& labels, Components&
                             components.overlaps.end());
 }
 
-Components ComponentFinder::finish(
-    const std::function<FaceIntegrals(AtomIndex)>& integrals_of) {
+Components ComponentFinder::finish(const std::function<FaceIntegrals(AtomIndex)>& integrals_of) {
   Components components;
   const std::vector<Node> labels = sets_.labels();
   const auto max_label = std::max_element(labels.begin(), labels.end());

@@ -50,8 +50,7 @@ class DisjointSets {
 
  private:
   Element shorten(Element element) {
-    while (parents_[element] != element)
-      element = parents_[element] = parents_[parents_[element]];
+    while (parents_[element] != element) element = parents_[element] = parents_[parents_[element]];
     return element;
   }
 

@@ -35,8 +35,8 @@ struct NearAtom {
 };
 
 struct Cell {
-  Vec3 center, half;           // half of the sides
-  double gap = 0;              // of the centre to the nearest atom
+  Vec3 center, half;             // half of the sides
+  double gap = 0;                // of the centre to the nearest atom
   std::vector<NearAtom> near{};  // atoms that can be the nearest ones of points in the cell
   int number = 0;
 
@@ -198,10 +198,9 @@ class Search {
     for (int step = 0; step < max_steps; ++step) {
       for (std::size_t k = 0; k < 4; ++k) away[k] = normalized(point - atoms[k].center);
       const double gap = atoms[0].gap_to(point);
-      const auto move =
-          solve({away[1] - away[0], away[2] - away[0], away[3] - away[0]},
-                {gap - atoms[1].gap_to(point), gap - atoms[2].gap_to(point),
-                 gap - atoms[3].gap_to(point)});
+      const auto move = solve({away[1] - away[0], away[2] - away[0], away[3] - away[0]},
+                              {gap - atoms[1].gap_to(point), gap - atoms[2].gap_to(point),
+                               gap - atoms[3].gap_to(point)});
       if (!move || norm(*move) > 2 * gap) return;
       point = point + *move;
       if (norm(*move) < converged * (1 + norm(point))) break;

@@ -391,9 +391,7 @@ void PatchMeasurement::measure_cluster(ClusterIndex cluster, MeasureScratch& scr
               components_ ? components_->root_of_arc(cluster, k) : 0);
   const std::uint32_t first = first_placement_[cluster];
   for (std::uint32_t k = first; k < first + patches.placements.size(); ++k)
-    terms
-        .add(add_placement(k, scratch, terms),
-             components_ ? components_->root_of_placement(k) : 0)
+    terms.add(add_placement(k, scratch, terms), components_ ? components_->root_of_placement(k) : 0)
         .box.include(centers_[k]);
 }
 

@@ -122,9 +122,8 @@ SphereArc on_second_sphere(const Arc& arc, const ContactCircle& circle, const Sa
   return other;
 }
 
-void connect_faces(
-    std::span<const SphereArc> arcs,
-    const std::function<void(DisjointSets::Element, DisjointSets::Element)>& unite) {
+void connect_faces(std::span<const SphereArc> arcs,
+                   const std::function<void(DisjointSets::Element, DisjointSets::Element)>& unite) {
   std::vector<Crossing> crossings;
   std::vector<DisjointSets::Element> seen;
   for (int attempt = 0; attempt < max_attempts; ++attempt) {

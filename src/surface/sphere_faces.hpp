@@ -39,9 +39,8 @@ SphereArc on_second_sphere(const Arc& arc, const ContactCircle& circle, const Sa
 
 /// Calls `unite` for pairs of nodes of arcs that bound the same face, such that all arcs of each
 /// face are connected. Arcs in the same set must have equal nodes.
-void connect_faces(
-    std::span<const SphereArc> arcs,
-    const std::function<void(DisjointSets::Element, DisjointSets::Element)>& unite);
+void connect_faces(std::span<const SphereArc> arcs,
+                   const std::function<void(DisjointSets::Element, DisjointSets::Element)>& unite);
 
 /// Returns the node of an arc that bounds the face in this direction from the sphere's centre.
 /// Returns nothing if the direction is in a cap, or if rounding decides.
