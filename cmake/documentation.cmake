@@ -7,7 +7,8 @@ if(ESES_HELP2MAN AND ESES_BUILD_PROGRAM AND NOT ESES_SANITIZE AND NOT CMAKE_CROS
   foreach(page IN ITEMS
       "eses-blocks|eses-blocks|solvent excluded surface of a molecule on a grid"
       "eses-blocks-diff|eses-blocks diff|compares two directories of ESES's files"
-      "eses-blocks-measure|eses-blocks measure|areas and volumes of molecular surfaces without a grid")
+      "eses-blocks-measure|eses-blocks measure|areas and volumes of molecular surfaces without a grid"
+      "eses-msms|eses-blocks msms|molecular surfaces with the options and files of MSMS")
     string(REPLACE "|" ";" parts "${page}")
     list(GET parts 0 name)
     list(GET parts 1 command)
@@ -29,7 +30,8 @@ if(ESES_HELP2MAN AND ESES_BUILD_PROGRAM AND NOT ESES_SANITIZE AND NOT CMAKE_CROS
       "apbs|electrostatic energies with APBS on maps of the molecular surface"
       "assemble|builds a large complex from copies of one structure"
       "pdbbind|molecular surfaces of all structures below a folder"
-      "render|pictures of meshes of molecular surfaces")
+      "render|pictures of meshes of molecular surfaces"
+      "view|pages that show molecular surfaces in a browser")
     string(REPLACE "|" ";" parts "${page}")
     list(GET parts 0 script)
     list(GET parts 1 title)

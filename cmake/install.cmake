@@ -27,13 +27,20 @@ if(ESES_INSTALLED_BYTECODE AND NOT BUILD_SHARED_LIBS)
 endif()
 if(ESES_BUILD_PROGRAM)
   install(TARGETS eses-blocks COMPONENT program)
+  # The program finds by these names that it replaces MSMS and its scripts.
+  foreach(name msms pdb_to_xyzr pdb_to_xyzrn)
+    set(link ${PROJECT_BINARY_DIR}/links/eses-${name})
+    file(MAKE_DIRECTORY ${PROJECT_BINARY_DIR}/links)
+    file(CREATE_LINK eses-blocks ${link} SYMBOLIC)
+    install(FILES ${link} DESTINATION ${CMAKE_INSTALL_BINDIR} COMPONENT program)
+  endforeach()
 endif()
 
 # The scripts for users are installed in ESES_SCRIPT_DIR, where they find their modules in lib/. Links
 # in the folder of the program have the prefix eses-. scripts/lib/common.py knows this layout.
-set(ESES_SCRIPTS apbs assemble pdbbind render)
-set(ESES_SCRIPT_MODULES atoms common measuring mmcif patch_borders pdb_to_pqr poisson_boltzmann quiet_interrupt
-    structures summary)
+set(ESES_SCRIPTS apbs assemble pdbbind render view)
+set(ESES_SCRIPT_MODULES atoms common measuring meshes mmcif open_dx page patch_borders pdb_to_pqr poisson_boltzmann
+    quiet_interrupt report_page structures summary)
 set(ESES_SCRIPT_DIR ${CMAKE_INSTALL_DATADIR}/eses-blocks)
 file(RELATIVE_PATH to_scripts ${CMAKE_INSTALL_FULL_BINDIR}
      ${CMAKE_INSTALL_FULL_DATADIR}/eses-blocks)
@@ -47,6 +54,7 @@ endforeach()
 foreach(module IN LISTS ESES_SCRIPT_MODULES)
   install(FILES scripts/lib/${module}.py DESTINATION ${ESES_SCRIPT_DIR}/lib COMPONENT program)
 endforeach()
+install(DIRECTORY scripts/lib/report scripts/lib/viewer DESTINATION ${ESES_SCRIPT_DIR}/lib COMPONENT program)
 
 install(DIRECTORY ${PROJECT_SOURCE_DIR}/include/ DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}
         COMPONENT development FILES_MATCHING PATTERN "*.hpp")

@@ -26,7 +26,7 @@ set(CPACK_DEBIAN_PROGRAM_PACKAGE_SECTION science)
 set(CPACK_DEBIAN_PROGRAM_PACKAGE_SHLIBDEPS ON)
 # The scripts need nothing but Python, and say which program they miss.
 set(CPACK_DEBIAN_PROGRAM_PACKAGE_DEPENDS "python3:any")
-set(CPACK_DEBIAN_PROGRAM_PACKAGE_SUGGESTS "apbs, pdb2pqr, paraview, python3-vtk9, xvfb")
+set(CPACK_DEBIAN_PROGRAM_PACKAGE_SUGGESTS "apbs, pdb2pqr, paraview, python3-numpy, python3-vtk9, xvfb")
 set(CPACK_DEBIAN_PROGRAM_DESCRIPTION
 "analytical solvent excluded surface on a Cartesian grid
 Computes which points of a grid lie inside the solvent excluded surface
@@ -34,8 +34,8 @@ of a biomolecule, where the grid lines cross it, with normals and
 adjacent atoms, and each atom's share of its area: the files of ESES,
 exact on every input, block by block, in parallel and in bounded memory.
 Scripts compute energies with APBS (eses-apbs) and folders of structures
-(eses-pdbbind), build large complexes (eses-assemble) and render meshes
-(eses-render).")
+(eses-pdbbind), build large complexes (eses-assemble), render meshes
+(eses-render) and write pages that show surfaces in a browser (eses-view).")
 
 # These are the packages that eses-config.cmake looks for. OpenMP comes with the compiler.
 set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_NAME libeses-dev)

@@ -7,6 +7,7 @@
 #include <cmath>
 #include <cstddef>
 #include <numbers>
+#include <variant>
 
 #include "eses/vec3.hpp"
 #include "grid/make_grid.hpp"
@@ -160,12 +161,12 @@ void place(std::vector<Atom>& atoms, std::uint8_t frame) {
 }
 
 /// Doubles the spacing until the grid is small enough. Grid points stay on lattice points.
-void fit_grid(const std::vector<Atom>& atoms, double margin_in_spacings, Parameters& parameters) {
-  for (;;) {
-    parameters.margin = margin_in_spacings * parameters.spacing;
-    const Grid grid = make_grid(atoms, parameters.spacing, parameters.margin);
-    if (grid.point_count() <= max_points) return;
-    parameters.spacing *= 2;
+GridOptions fitting_grid(const std::vector<Atom>& atoms, double spacing,
+                         double margin_in_spacings) {
+  for (;; spacing *= 2) {
+    const GridOptions options{spacing, margin_in_spacings * spacing};
+    if (make_grid(atoms, options.spacing, options.margin).point_count() <= max_points)
+      return options;
   }
 }
 
@@ -177,7 +178,7 @@ Molecule make_molecule(std::span<const std::uint8_t> bytes) {
   Parameters& parameters = result.parameters;
   parameters.threads = 1;
   parameters.probe_radius = pick(probe_radii, rest.next());
-  parameters.spacing = pick(spacings, rest.next());
+  const double spacing = pick(spacings, rest.next());
   const double margin = pick(margins_in_spacings, rest.next());
   parameters.block_size = pick(block_sizes, rest.next());
   const double probe = parameters.probe_radius;
@@ -193,14 +194,15 @@ Molecule make_molecule(std::span<const std::uint8_t> bytes) {
     result.atoms.push_back(atom);
   } while (rest.more() && result.atoms.size() < max_atoms);
   place(result.atoms, frame);
-  fit_grid(result.atoms, margin, parameters);
+  parameters.grid = fitting_grid(result.atoms, spacing, margin);
   return result;
 }
 
 std::string text_of(const Molecule& molecule) {
   const Parameters& p = molecule.parameters;
+  const auto& grid = std::get<GridOptions>(p.grid);
   std::string text = fmt::format("# probe radius {}, spacing {}, margin {}, block size {}\n",
-                                 p.probe_radius, p.spacing, p.margin, p.block_size);
+                                 p.probe_radius, grid.spacing, grid.margin, p.block_size);
   for (const auto& [center, radius] : molecule.atoms)
     text += fmt::format("{} {} {} {}\n", center.x, center.y, center.z, radius);
   return text;

@@ -34,8 +34,10 @@ int main(int argc, char** argv) try {
   const eses::detail::Molecule molecule(std::move(atoms));
   const double prepared = cpu_seconds();
   eses::detail::Parameters parameters;
-  parameters.spacing = std::atof(argv[2]);
-  parameters.margin = std::max(parameters.margin, parameters.spacing);
+  eses::GridOptions grid;
+  grid.spacing = std::atof(argv[2]);
+  grid.margin = std::max(grid.margin, grid.spacing);
+  parameters.grid = grid;
   if (argc > 3) parameters.block_size = std::atol(argv[3]);
   parameters.threads = 1;
   const eses::detail::Plan plan =
@@ -46,8 +48,8 @@ int main(int argc, char** argv) try {
   const auto& size = plan.grid.size;
   const auto& block_size = plan.tiling.block_size;
   fmt::print("# atoms {}\n# spacing {}\n# block_size {} {} {}\n# points {} {} {}\n# lower_z {}\n",
-             molecule.atoms().size(), parameters.spacing, block_size[0], block_size[1],
-             block_size[2], size[0], size[1], size[2], plan.grid.origin.z);
+             molecule.atoms().size(), grid.spacing, block_size[0], block_size[1], block_size[2],
+             size[0], size[1], size[2], plan.grid.origin.z);
   fmt::print("bx,by,bz,seconds,crossings\n");
   double solving = 0;
   const auto print = [&](const eses::detail::BlockResult& block) {

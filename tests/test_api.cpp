@@ -404,7 +404,7 @@ TEST_CASE("api: outputs are checked", "[api]") {
   CHECK(refused({.inside_map = "below/map.dx"}));
   CHECK(refused({.dielectric = DielectricMaps{}}));
   CHECK(refused({.mesh = MeshOptions{}}));
-  CHECK(refused({.mesh = MeshOptions{.file = "mesh.stl"}}));
+  CHECK(refused({.mesh = MeshOptions{.file = "mesh.xyz"}}));
   CHECK(refused({.mesh = MeshOptions{.file = "mesh.ply", .color = MeshColor::chain}}));
   CHECK(refused({.mesh = MeshOptions{.file = "mesh.vtp", .is_ascii = true}}));
   CHECK(fs::is_empty(directory.path()));

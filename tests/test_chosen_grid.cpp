@@ -11,8 +11,10 @@
 #include <map>
 #include <set>
 #include <sstream>
+#include <stdexcept>
 #include <string>
 #include <utility>
+#include <variant>
 #include <vector>
 
 #include "catch.hpp"
@@ -139,8 +141,7 @@ TEST_CASE("the spacing of bounding_box.txt is recovered from its corners", "[gri
       const Grid grid{{origin, -origin, 3}, spacing, {41, 2, 160}};
       Outputs outputs = Outputs::none();
       outputs.box = true;
-      Parameters parameters{.spacing = spacing};
-      parameters.grid = grid;
+      const Parameters parameters{.grid = grid};
       const std::vector<Atom> atoms{{grid.origin, 1}};
       run(atoms, parameters, outputs, directory.path());
       const Grid read = read_grid(directory.path() / "bounding_box.txt");
@@ -213,8 +214,7 @@ TEST_CASE("a chosen grid that lies within another has its lines", "[grid]") {
   const Grid wide{{-30, -30, -30}, 0.25, {240, 241, 239}};
   const GridIndex shift{101, 95, 108};
   const Grid narrow{wide.point(shift), 0.25, {37, 50, 21}};
-  Parameters parameters{.spacing = 0.25, .block_size = 17};
-  parameters.grid = wide;
+  Parameters parameters{.grid = wide, .block_size = 17};
   const Files all = files_of(atoms, parameters);
   parameters.grid = narrow;
   const Files part = files_of(atoms, parameters);
@@ -246,10 +246,10 @@ TEST_CASE("chosen grids pass the verification on all kinds of atoms", "[grid]") 
       const std::vector<Atom> atoms = make_atom_set(kind, seed);
       Random random(seed);
       Parameters parameters{.probe_radius = designed_probe_radius(seed)};
-      parameters.spacing = random.uniform(0.2, 0.6);
+      grid_options(parameters).spacing = random.uniform(0.2, 0.6);
       parameters.verify = 500;
       const Vec3 center = atoms[random.integer(0, atoms.size() - 1)].center;
-      parameters.grid = centered_grid(center, parameters.spacing, {23, 31, 17});
+      parameters.grid = centered_grid(center, grid_options(parameters).spacing, {23, 31, 17});
       const Plan plan = make_plan(atoms, parameters, Outputs::none());
       const Summary summary = compute(atoms, plan.parameters, {});
       CHECK(summary.inside_points > 0);
@@ -303,7 +303,7 @@ TEST_CASE("invalid chosen grids are refused", "[grid]") {
   const auto message = [&](const Grid& grid) {
     try {
       require_chosen(grid);
-    } catch (const Error& error) {
+    } catch (const std::invalid_argument& error) {
       return std::string(error.what());
     }
     return std::string();
@@ -323,7 +323,6 @@ TEST_CASE("a checkpoint of another grid is not resumed", "[grid][processes]") {
   task.atoms = InputFile{directory.path() / "a.xyzr"};
   task.output_directory = directory.path();
   task.resume = true;
-  task.parameters.spacing = 0.5;
   task.parameters.grid = Grid{{-2, -2, -2}, 0.5, {9, 9, 9}};
   const auto keep_piece = [&] {
     const RunPlan plan = plan_run(task, Processes());
@@ -334,7 +333,7 @@ TEST_CASE("a checkpoint of another grid is not resumed", "[grid][processes]") {
   };
   keep_piece();
   CHECK(plan_run(task, Processes()).finished_planes.size() == 1);
-  task.parameters.grid->origin.x = -2.5;
+  std::get<Grid>(task.parameters.grid).origin.x = -2.5;
   CHECK_THROWS_AS(plan_run(task, Processes()), Error);
   task.parameters.grid = Grid{{-2, -2, -2}, 0.5, {9, 10, 9}};
   CHECK_THROWS_AS(plan_run(task, Processes()), Error);

@@ -960,7 +960,7 @@ TEST_CASE("the JSON report is valid whatever the file names", "[cli]") {
 
 TEST_CASE("JSON numbers are the shortest text that reads back exactly, or null", "[cli]") {
   eses::detail::cli::Report report;
-  report.options.parameters.spacing = 1;
+  report.plan.grid.spacing = 1;
   report.summary.area = 51756.72429763123;
   report.summary.volume = std::numeric_limits<double>::quiet_NaN();
   const std::string text = eses::detail::cli::json_text(report);

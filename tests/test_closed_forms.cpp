@@ -131,8 +131,8 @@ Errors errors_at(double spacing, const std::vector<Atom>& atoms, double p, Measu
   for (const double margin : margins) {
     Parameters parameters;
     parameters.probe_radius = p;
-    parameters.spacing = spacing;
-    parameters.margin = margin;
+    grid_options(parameters).spacing = spacing;
+    grid_options(parameters).margin = margin;
     const Summary summary = summary_of(atoms, parameters);
     const auto cells = static_cast<double>(summary.inside_points);
     mean.area += square_of_error(summary.area, exact.area) / margins.size();
@@ -304,7 +304,7 @@ TEST_CASE("a closed cavity is outside if it holds a probe, and inside if it does
     const std::vector<Atom> atoms = make_icosahedron(distance, r);
     const RunResult result = run_and_read(atoms, parameters);
     const Signs signs = signs_of(result.files);
-    const GridIndex middle = nearest_to_origin(result.files, parameters.spacing);
+    const GridIndex middle = nearest_to_origin(result.files, grid_options(parameters).spacing);
     CHECK(signs.signs[signs.place(middle)] == (distance > sas ? -1 : 1));
     CHECK_FALSE(is_open(signs, middle));
     CHECK(find_faults(atoms, parameters, result.files, result.summary).empty());
@@ -313,7 +313,7 @@ TEST_CASE("a closed cavity is outside if it holds a probe, and inside if it does
 
 TEST_CASE("an atom of radius 0 has no surface") {
   Parameters parameters;
-  parameters.margin = 0.9;  // keeps grid points off the atom
+  grid_options(parameters).margin = 0.9;  // keeps grid points off the atom
   const std::vector<Atom> atoms{{{0, 0, 0}, 0}};
   const RunResult result = run_and_read(atoms, parameters);
   CHECK(result.summary.inside_points == 0);
@@ -325,7 +325,7 @@ TEST_CASE("an atom of radius 0 has no surface") {
 
 TEST_CASE("an atom of radius 0 on a grid point makes at most this point inside") {
   Parameters parameters;
-  parameters.margin = 2 * parameters.spacing;
+  grid_options(parameters).margin = 2 * grid_options(parameters).spacing;
   const std::vector<Atom> atoms{{{0, 0, 0}, 0}};
   const RunResult result = run_and_read(atoms, parameters);
   CHECK(result.summary.inside_points <= 1);

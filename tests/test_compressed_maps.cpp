@@ -54,7 +54,7 @@ TEST_CASE("compressed maps have the text of plain ones, whatever computes them",
   // Several cells along x, and several tiles of each map of edges.
   const std::vector<Atom> atoms = make_chain(60, 3);
   Parameters parameters;
-  parameters.spacing = 0.3;
+  grid_options(parameters).spacing = 0.3;
   parameters.threads = 1;
   const TemporaryDirectory directory;
   const fs::path plain = directory.path() / "plain";
@@ -155,7 +155,7 @@ TEST_CASE("the plan knows about how long compressed maps are, and what they need
   Parameters parameters;
   for (const double spacing : {0.4, 0.8}) {
     INFO(spacing);
-    parameters.spacing = spacing;
+    grid_options(parameters).spacing = spacing;
     const Outputs outputs = all_maps(true);
     const Plan plan = make_plan(atoms, parameters, outputs);
     const TemporaryDirectory directory;
@@ -165,7 +165,7 @@ TEST_CASE("the plan knows about how long compressed maps are, and what they need
     CHECK(plan.files.maps < 2 * summary.bytes_written);
     // Only the words are sure to need their place.
     const DiskSpace disk = require_disk_space(plan.files, outputs, directory.path());
-    CHECK(disk.places[0].expected == plan.files.maps + plan.files.map_scratch);
+    CHECK(disk.file_systems[0].expected == plan.files.maps + plan.files.map_scratch);
     Plan large = plan;
     large.files.maps += std::uint64_t{1} << 61;
     large.files.map_scratch += std::uint64_t{1} << 61;
@@ -245,7 +245,7 @@ TEST_CASE("a disk that plain maps would fill is refused before anything is writt
   const TemporaryDirectory directory;
   const DiskSpace disk =
       require_disk_space(make_plan(atoms, parameters, outputs).files, outputs, directory.path());
-  if (disk.places[0].available > std::uint64_t{1} << 50)
+  if (disk.file_systems[0].available > std::uint64_t{1} << 50)
     SKIP("the file system does not report its free space");
   // Three maps with 17 bytes an edge, on a grid of which the molecule takes a small part.
   parameters.grid = Grid{{-5, -5, -5}, 0.005, {2000, 2000, 10'000'000}};

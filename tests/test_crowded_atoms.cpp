@@ -242,8 +242,8 @@ TEST_CASE("a crowded molecule agrees with the definition, whichever atom is larg
       INFO("the large atom at " << place << ", block size " << block_size);
       const std::vector<Atom> crowd = make_crowd(atoms, 12, place);
       Parameters parameters;
-      parameters.spacing = 1.3;
-      parameters.margin = 1.5;
+      grid_options(parameters).spacing = 1.3;
+      grid_options(parameters).margin = 1.5;
       parameters.block_size = block_size;
       parameters.threads = 2;
       const AllPatches all(crowd, probe);

@@ -653,7 +653,7 @@ namespace {
 /// shares of the area. Returns the number of these edges.
 std::size_t name_other_atoms(std::map<std::string, Lines>& files) {
   const std::vector<Atom> atoms = square_and_one();
-  const double spacing = Parameters{}.spacing;
+  const double spacing = GridOptions{}.spacing;
   std::size_t renamed = 0;
   for (std::size_t i = 0; i < files[edges_name].size(); ++i) {
     const Crossing& crossing = run_files().values.crossings[i];

@@ -8,6 +8,7 @@
 #include <limits>
 #include <optional>
 #include <sstream>
+#include <stdexcept>
 #include <string>
 #include <vector>
 
@@ -118,15 +119,15 @@ TEST_CASE("the order of double operations is that of ESES") {
 
 TEST_CASE("a grid is refused if it cannot be made") {
   const std::vector<Atom> atoms{{{0, 0, 0}, 1}};
-  CHECK_THROWS_AS(make_grid(std::vector<Atom>(), 0.4, 0.8), Error);
+  CHECK_THROWS_AS(make_grid(std::vector<Atom>(), 0.4, 0.8), std::invalid_argument);
   for (const double spacing : {0.0, -0.4, infinity, not_a_number})
-    CHECK_THROWS_AS(make_grid(atoms, spacing, 0.8), Error);
+    CHECK_THROWS_AS(make_grid(atoms, spacing, 0.8), std::invalid_argument);
   for (const double margin : {-0.1, infinity, not_a_number})
-    CHECK_THROWS_AS(make_grid(atoms, 0.4, margin), Error);
-  CHECK_THROWS_AS(make_grid(atoms, 1e-7, 0.8), Error);  // 5e22 points
-  CHECK_THROWS_AS(make_grid(atoms, 1e-300, 0.8), Error);
+    CHECK_THROWS_AS(make_grid(atoms, 0.4, margin), std::invalid_argument);
+  CHECK_THROWS_AS(make_grid(atoms, 1e-7, 0.8), std::invalid_argument);  // 5e22 points
+  CHECK_THROWS_AS(make_grid(atoms, 1e-300, 0.8), std::invalid_argument);
   CHECK_THROWS_AS(make_grid(std::vector<Atom>{{{1e30, 0, 0}, 1}, {{-1e30, 0, 0}, 1}}, 0.4, 0.8),
-                  Error);
+                  std::invalid_argument);
 }
 
 namespace {
@@ -253,15 +254,15 @@ TEST_CASE("a grid of one point is one block") {
 
 TEST_CASE("blocks need two points on a side") {
   for (const std::int64_t block_size : {1, 0, -1})
-    CHECK_THROWS_AS(make_tiling(grid_of_size({9, 9, 9}), block_size), Error);
+    CHECK_THROWS_AS(make_tiling(grid_of_size({9, 9, 9}), block_size), std::invalid_argument);
 }
 
 namespace {
 
 Parameters with_margin(double spacing, double margin) {
   Parameters parameters;
-  parameters.spacing = spacing;
-  parameters.margin = margin;
+  grid_options(parameters).spacing = spacing;
+  grid_options(parameters).margin = margin;
   return parameters;
 }
 
@@ -314,17 +315,17 @@ TEST_CASE("a plan refuses parameters out of their range") {
   for (const double radius : {0.0, -1.4, infinity, not_a_number}) {
     Parameters parameters;
     parameters.probe_radius = radius;
-    CHECK_THROWS_AS(make_plan(atoms, parameters, {}), Error);
+    CHECK_THROWS_AS(make_plan(atoms, parameters, {}), std::invalid_argument);
   }
   for (const std::int64_t block_size : {1, -1, -64}) {
     Parameters parameters;
     parameters.block_size = block_size;
-    CHECK_THROWS_AS(make_plan(atoms, parameters, {}), Error);
+    CHECK_THROWS_AS(make_plan(atoms, parameters, {}), std::invalid_argument);
   }
-  CHECK_THROWS_AS(make_plan(atoms, with_margin(0, 0.8), {}), Error);
-  CHECK_THROWS_AS(make_plan(atoms, with_margin(0.4, -0.8), {}), Error);
-  CHECK_THROWS_AS(make_plan(atoms, with_margin(not_a_number, 0.8), {}), Error);
-  CHECK_THROWS_AS(make_plan(std::vector<Atom>{}, {}, {}), Error);
+  CHECK_THROWS_AS(make_plan(atoms, with_margin(0, 0.8), {}), std::invalid_argument);
+  CHECK_THROWS_AS(make_plan(atoms, with_margin(0.4, -0.8), {}), std::invalid_argument);
+  CHECK_THROWS_AS(make_plan(atoms, with_margin(not_a_number, 0.8), {}), std::invalid_argument);
+  CHECK_THROWS_AS(make_plan(std::vector<Atom>{}, {}, {}), std::invalid_argument);
 }
 
 TEST_CASE("requests that no machine can fulfil are refused before anything is written") {
@@ -337,13 +338,14 @@ TEST_CASE("requests that no machine can fulfil are refused before anything is wr
       const Parameters parameters = with_margin(spacing, 0.8);
       run(atoms, parameters, {}, directory.path() / "out");
     };
-    CHECK_THROWS_AS(attempt(), Error);
+    CHECK_THROWS(attempt());
     CHECK_FALSE(std::filesystem::exists(directory.path() / "out" / "grid_info.txt"));
   }
   Parameters parameters;
-  parameters.spacing = 1e-4;
+  grid_options(parameters).spacing = 1e-4;
   parameters.block_size = 1'000'000;
-  CHECK_THROWS_AS(make_plan(atoms, parameters, {false, false, false, false}), Error);
+  CHECK_THROWS_AS(make_plan(atoms, parameters, {false, false, false, false}),
+                  std::invalid_argument);
 }
 
 namespace {
@@ -372,7 +374,7 @@ TEST_CASE("a spacing that a message recommends is accepted") {
         std::string message;
         try {
           plan_grid(sphere_bounds(atoms), with_margin(spacing, margin));
-        } catch (const Error& error) {
+        } catch (const std::invalid_argument& error) {
           message = error.what();
         }
         const auto advised = number_behind(message, "use a spacing of at least ");
@@ -385,11 +387,11 @@ TEST_CASE("a spacing that a message recommends is accepted") {
         // A spacing that is smaller by two of the last digit is refused.
         if (!wider)
           CHECK_THROWS_AS(plan_grid(sphere_bounds(atoms), with_margin(0.98 * *advised, margin)),
-                          Error);
+                          std::invalid_argument);
       }
     }
   }
-  CHECK_THROWS_AS(make_grid(molecules[0], 0.4, 1e308), Error);
+  CHECK_THROWS_AS(make_grid(molecules[0], 0.4, 1e308), std::invalid_argument);
 }
 
 TEST_CASE("a margin that a message recommends is accepted") {
@@ -398,7 +400,7 @@ TEST_CASE("a margin that a message recommends is accepted") {
     std::string message;
     try {
       plan_grid(sphere_bounds(atoms), with_margin(spacing, 0));
-    } catch (const Error& error) {
+    } catch (const std::invalid_argument& error) {
       message = error.what();
     }
     INFO(message);
@@ -411,11 +413,11 @@ TEST_CASE("a margin that a message recommends is accepted") {
 TEST_CASE("a plan refuses a margin so small that the grid cuts the surface") {
   SECTION("margin below half the spacing, grid cut short by truncation") {
     const std::vector<Atom> atoms{{{0, 0, 0}, 1.15}};  // 2.68 / 0.4 = 6.7; last point at 1.06
-    CHECK_THROWS_AS(make_plan(atoms, with_margin(0.4, 0.19), {}), Error);
+    CHECK_THROWS_AS(make_plan(atoms, with_margin(0.4, 0.19), {}), std::invalid_argument);
   }
   SECTION("no margin") {
     const std::vector<Atom> atoms{{{0, 0, 0}, 1.15}};
-    CHECK_THROWS_AS(make_plan(atoms, with_margin(0.4, 0), {}), Error);
+    CHECK_THROWS_AS(make_plan(atoms, with_margin(0.4, 0), {}), std::invalid_argument);
   }
   SECTION("margin below half the spacing, yet the grid encloses the atoms") {
     const std::vector<Atom> atoms{{{0, 0, 0}, 0.9}};  // 2.1 / 0.4 = 5.25; last point at 0.95

@@ -93,8 +93,8 @@ TEST_CASE("gzipped files do not depend on threads and block size", "[gzip]") {
       for (const std::int64_t block_size : {20, 64, 1000}) {
         INFO("spacing " << spacing << ", " << threads << " threads, block size " << block_size);
         Parameters parameters;
-        parameters.spacing = spacing;
-        parameters.margin = spacing;
+        grid_options(parameters).spacing = spacing;
+        grid_options(parameters).margin = spacing;
         parameters.threads = threads;
         parameters.block_size = block_size;
         const TemporaryDirectory directory;
@@ -131,7 +131,7 @@ TEST_CASE("a file without lines is a valid gzip file", "[gzip]") {
   const TemporaryDirectory directory;
   const std::vector<Atom> atoms{{{0, 0, 0}, 0.01}};  // between grid points
   Parameters parameters;
-  parameters.margin = 0.5;
+  grid_options(parameters).margin = 0.5;
   const Summary summary = run_into(directory.path(), atoms, parameters, choice(true));
   REQUIRE(summary.edges() == 0);
   CHECK(read_gzipped(directory.path() / "intersection_info.txt.gz").empty());

@@ -74,8 +74,8 @@ TEST_CASE("files do not depend on threads and block size: lattice") {
 
 TEST_CASE("files do not depend on threads and block size: grid points on the surface") {
   Parameters parameters;
-  parameters.spacing = 0.5;
-  parameters.margin = 1;
+  grid_options(parameters).spacing = 0.5;
+  grid_options(parameters).margin = 1;
   check_invariance(make_atom_set(Kind::snapped, 2), parameters);
 }
 
@@ -88,8 +88,8 @@ TEST_CASE("files do not depend on the block size where the last bit decides") {
     const auto place = [&] { return 2.8 * static_cast<double>(random.integer(0, 3)); };
     for (Atom& atom : atoms) atom = {{place(), place(), place()}, 1.4};
     Parameters parameters;
-    parameters.spacing = 0.7;
-    parameters.margin = 0.7;
+    grid_options(parameters).spacing = 0.7;
+    grid_options(parameters).margin = 0.7;
     const Outcome expected = outcome_of(atoms, parameters);
     for (const std::int64_t block_size : {2, 3, 7}) {
       parameters.block_size = block_size;
@@ -110,8 +110,8 @@ TEST_CASE("grid points near axes of spindle tori, and atoms of radius 0, verify"
     }
     Parameters parameters;
     parameters.probe_radius = seed % 2 == 0 ? 1.5 : 1.4;
-    parameters.spacing = seed % 2 == 0 ? 0.5 : 0.7;
-    parameters.margin = 1;
+    grid_options(parameters).spacing = seed % 2 == 0 ? 0.5 : 0.7;
+    grid_options(parameters).margin = 1;
     INFO("seed " << seed);
     const RunResult result = run_and_read(atoms, parameters);
     const auto faults = find_faults(atoms, parameters, result.files, result.summary);
@@ -144,7 +144,7 @@ TEST_CASE("atoms larger than 2 angstrom reach all blocks that need them") {
   for (std::uint64_t seed = 0; seed < 6; ++seed) {
     Parameters parameters;
     parameters.probe_radius = designed_probe_radius(seed);
-    parameters.spacing = 0.5;
+    grid_options(parameters).spacing = 0.5;
     parameters.block_size = seed % 2 == 0 ? 4 : 9;
     INFO("seed " << seed << ", probe radius " << parameters.probe_radius);
     const std::vector<Atom> atoms = large_atoms(seed);

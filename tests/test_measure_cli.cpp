@@ -129,11 +129,12 @@ TEST_CASE("measure: tables have the areas of atoms, residues and chains") {
           0);
   const auto atoms = rows_of(box.directory() / "out/dimer.atoms.csv");
   REQUIRE(atoms.size() == 3);
-  CHECK(Fields(atoms[0].begin(), atoms[0].begin() + 7) ==
-        Fields{"1", "CA", "ALA", "1", "A", "C", "1.7"});
-  CHECK(std::stod(atoms[0][7]) == Catch::Approx(sas_of_one()).margin(1e-6));
-  CHECK(std::stod(atoms[0][8]) == Catch::Approx(ses_of_two() / 2).margin(1e-6));
-  CHECK(std::stod(atoms[2][8]) == Catch::Approx(free_ses()).margin(1e-6));
+  CHECK(Fields(atoms[0].begin(), atoms[0].begin() + 10) ==
+        Fields{"1", "CA", "ALA", "1", "A", "C", "0", "0", "0", "1.7"});
+  CHECK(std::stod(atoms[0][10]) == Catch::Approx(sas_of_one()).margin(1e-6));
+  CHECK(std::stod(atoms[0][11]) == Catch::Approx(ses_of_two() / 2).margin(1e-6));
+  CHECK(std::stod(atoms[1][6]) == distance);
+  CHECK(std::stod(atoms[2][11]) == Catch::Approx(free_ses()).margin(1e-6));
   const auto residues = rows_of(box.directory() / "out/dimer.residues.csv");
   REQUIRE(residues.size() == 3);
   // Maximum areas of Tien et al. (2013): 129 for alanine, 104 for glycine, none for haem.
@@ -236,7 +237,7 @@ TEST_CASE("measure: SAS areas are those of FreeSASA with 1000 slices") {
   REQUIRE(atoms.size() == 300);
   double ours = 0, theirs = 0;
   for (std::size_t i = 0; i < areas.size(); ++i) {
-    const double area = std::stod(atoms[i][7]);
+    const double area = std::stod(atoms[i][10]);
     INFO("atom " << i);
     CHECK(area == Catch::Approx(areas[i]).epsilon(0).margin(0.05));
     ours += area;

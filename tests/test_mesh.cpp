@@ -9,6 +9,7 @@
 #include <map>
 #include <numbers>
 #include <set>
+#include <stdexcept>
 #include <string>
 #include <utility>
 #include <vector>
@@ -330,7 +331,8 @@ TEST_CASE("mesh: area and volume of a sphere converge to second order", "[mesh]"
   constexpr double r = 2.1, pi = std::numbers::pi;
   std::vector<double> area_errors, volume_errors;
   for (const double spacing : {0.4, 0.2, 0.1}) {
-    const Mesh mesh = run_mesh({{{0.13, -0.21, 0.34}, r}}, {.spacing = spacing}).mesh;
+    const Mesh mesh =
+        run_mesh({{{0.13, -0.21, 0.34}, r}}, {.grid = GridOptions{.spacing = spacing}}).mesh;
     check_no_faults(mesh);
     const MeshMeasures measures = measure(mesh);
     CHECK(measures.euler_number == 2);
@@ -372,7 +374,8 @@ TEST_CASE("mesh: a ring, a ball with a cavity and separate balls have the right 
 }
 
 TEST_CASE("mesh: area and volume approximate those of the surface", "[mesh]") {
-  const auto [mesh, files, summary] = run_mesh(make_chain(60, 9), {.spacing = 0.15});
+  const auto [mesh, files, summary] =
+      run_mesh(make_chain(60, 9), {.grid = GridOptions{.spacing = 0.15}});
   const MeshMeasures measures = measure(mesh);
   CHECK(measures.area == Approx(summary.area).epsilon(0.01));
   CHECK(measures.volume == Approx(summary.volume).epsilon(0.01));
@@ -385,33 +388,33 @@ TEST_CASE("mesh: sets of every kind have a valid mesh, also with crossings on gr
       INFO(kind_name(kind) << ", seed " << seed);
       Parameters parameters;
       parameters.probe_radius = designed_probe_radius(seed);
-      parameters.spacing = 0.5;
-      parameters.margin = 1;
+      grid_options(parameters).spacing = 0.5;
+      grid_options(parameters).margin = 1;
       parameters.block_size = seed % 2 == 0 ? 5 : 64;
       const auto [mesh, files, summary] = run_mesh(make_atom_set(kind, seed), parameters);
       check_no_faults(mesh);
       if (mesh.triangles.empty()) continue;
-      const double least = mesh::coincidence * parameters.spacing;
+      const double least = mesh::coincidence * grid_options(parameters).spacing;
       CHECK(measure(mesh).min_area > 0.5 * least * least);
       REQUIRE(mesh.positions.size() == files.crossings.size());
       for (std::size_t v = 0; v < mesh.positions.size(); ++v)
         REQUIRE(norm(mesh.positions[v] - files.crossings[v].point) <
-                1.01 * mesh::clearance * parameters.spacing);
+                1.01 * mesh::clearance * grid_options(parameters).spacing);
     }
 }
 
 TEST_CASE("mesh: a sphere through grid points has a valid mesh", "[mesh]") {
   // The centre, the poles and other points of the sphere (3-4-5) are grid points.
   Parameters parameters;
-  parameters.spacing = 0.5;
-  parameters.margin = 1;
+  grid_options(parameters).spacing = 0.5;
+  grid_options(parameters).margin = 1;
   const auto [mesh, files, summary] = run_mesh({{{0, 0, 0}, 2.5}}, parameters);
   std::size_t coincident = 0;
   for (const Crossing& crossing : files.crossings)
     for (const GridIndex& end : {crossing.inside, crossing.outside}) {
       Vec3 point = files.lower;
       for (std::size_t axis = 0; axis < 3; ++axis)
-        point[axis] += static_cast<double>(end[axis]) * parameters.spacing;
+        point[axis] += static_cast<double>(end[axis]) * grid_options(parameters).spacing;
       coincident += norm(point - crossing.point) < 1e-9;
     }
   CHECK(coincident >= 30);
@@ -423,8 +426,8 @@ TEST_CASE("mesh: a sphere through grid points has a valid mesh", "[mesh]") {
 
 TEST_CASE("mesh: an atom of radius 0 on a grid point has a valid mesh", "[mesh]") {
   Parameters parameters;
-  parameters.spacing = 0.5;
-  parameters.margin = 1;
+  grid_options(parameters).spacing = 0.5;
+  grid_options(parameters).margin = 1;
   const Mesh mesh = run_mesh({{{0, 0, 0}, 0}}, parameters).mesh;
   check_no_faults(mesh);
   REQUIRE(mesh.triangles.size() == 8);
@@ -433,14 +436,14 @@ TEST_CASE("mesh: an atom of radius 0 on a grid point has a valid mesh", "[mesh]"
 
 TEST_CASE("mesh: the mesh is open only where the grid cuts the molecule", "[mesh]") {
   Parameters parameters;
-  parameters.margin = 0.2;
+  grid_options(parameters).margin = 0.2;
   const auto [mesh, files, summary] = run_mesh({{{0.1, 0.2, 0.3}, 2.15}}, parameters);
   std::set<std::pair<std::uint64_t, std::uint64_t>> sides;
   for (const MeshTriangle& t : mesh.triangles)
     for (std::size_t i = 0; i < 3; ++i) sides.insert({t[i], t[(i + 1) % 3]});
   Vec3 upper = files.lower;
   for (std::size_t axis = 0; axis < 3; ++axis)
-    upper[axis] += static_cast<double>(files.size[axis] - 1) * parameters.spacing;
+    upper[axis] += static_cast<double>(files.size[axis] - 1) * grid_options(parameters).spacing;
   std::size_t open = 0;
   for (const auto& [from, to] : sides) {
     if (sides.contains({to, from})) continue;
@@ -561,7 +564,7 @@ std::string header_of(const mesh::MeshText& text, const MeshCounts& counts) {
   std::string header;
   const TextSink sink = [&](std::string_view part) { header += part; };
   text.write_header_begin(sink);
-  text.write_header_end(counts, sink);
+  text.write_header_end(counts, {}, sink);
   return header;
 }
 
@@ -594,10 +597,10 @@ TEST_CASE("mesh: invalid outputs are refused", "[mesh]") {
   CHECK_THROWS_AS(mesh::require_vertex_count(2147483648), Error);
   const std::vector<Atom> atoms{{{0, 0, 0}, 1.5}};
   Outputs outputs;
-  outputs.mesh = MeshOptions{"a.stl"};
-  CHECK_THROWS_AS(make_plan(atoms, {}, outputs), Error);
+  outputs.mesh = MeshOptions{"a.xyz"};
+  CHECK_THROWS_AS(make_plan(atoms, {}, outputs), std::invalid_argument);
   outputs.mesh = MeshOptions{"a.ply", MeshColor::chain};
-  CHECK_THROWS_AS(make_plan(atoms, {}, outputs), Error);
+  CHECK_THROWS_AS(make_plan(atoms, {}, outputs), std::invalid_argument);
   for (const char* name : {"a.ply", "b/a.PLY", "a.b.Ply"})
     CHECK(mesh_format(name) == MeshFormat::ply);
   CHECK(mesh_format("a.ply/b") == std::nullopt);
@@ -668,19 +671,22 @@ TEST_CASE("mesh: errors leave no mesh and name the path", "[mesh][cli]") {
     CHECK(contains(outcome.err, message));
     CHECK(sandbox.files().empty());
   };
-  check(
-      {"pair.xyzr", "--mesh", "a.stl"}, 2,
-      "--mesh is 'a.stl', expected a file with the suffix .ply, .obj, .off, .vtp, .vert or .face");
+  check({"pair.xyzr", "--mesh", "a.stp"}, 2,
+        "--mesh is 'a.stp', expected a file with the suffix .ply, .obj, .off, .vtp, .stl, .glb, "
+        ".vert "
+        "or .face");
   check({"pair.xyzr", "--mesh", ""}, 2, "--mesh is ''");
   check({"pair.xyzr", "--mesh"}, 2, "--mesh needs a value");
-  check({"pair.xyzr", "--color", "atom"}, 2, "--color needs --mesh with a .ply or .vtp file");
+  check({"pair.xyzr", "--color", "atom"}, 2,
+        "--color needs --mesh with a .ply, .obj, .vtp or .glb file");
   check({"pair.xyzr", "--mesh", "a.vert", "--color", "atom"}, 2,
         "--color needs --mesh with a .ply");
-  for (const char* file : {"a.obj", "a.off", "a.vtp", "a.face"})
+  for (const char* file : {"a.obj", "a.off", "a.vtp", "a.stl", "a.glb", "a.face"})
     check({"pair.xyzr", "--mesh", file, "--ply-ascii"}, 2,
           "--ply-ascii needs --mesh with a .ply file");
   check({"pair.xyzr", "--ply-ascii"}, 2, "--ply-ascii needs --mesh with a .ply file");
-  check({"pair.xyzr", "--mesh", "a.obj", "--color", "atom"}, 2, "--color needs --mesh");
+  for (const char* file : {"a.off", "a.stl"})
+    check({"pair.xyzr", "--mesh", file, "--color", "atom"}, 2, "--color needs --mesh");
   check({"pair.xyzr", "--mesh", "a.ply", "--color", "red"}, 2,
         "--color is 'red', expected patch, atom or chain");
   for (const char* file : {"pair.xyzr", "missing.xyzr", "-"})

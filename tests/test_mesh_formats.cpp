@@ -3,11 +3,13 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstdint>
 #include <filesystem>
 #include <limits>
 #include <set>
+#include <stdexcept>
 #include <string>
 #include <utility>
 #include <vector>
@@ -15,6 +17,7 @@
 #include "catch.hpp"
 #include "eses/error.hpp"
 #include "output/mesh_writer.hpp"
+#include "output/vertex_color.hpp"
 #include "support/atom_sets.hpp"
 #include "support/eses_files.hpp"
 #include "support/mesh_files.hpp"
@@ -28,11 +31,15 @@ namespace {
 namespace fs = std::filesystem;
 
 /// Returns every format with the name of a file.
-const std::vector<MeshOptions> all_formats{
-    {"a.ply"}, {"a.ply", MeshColor::none, true}, {"a.obj"}, {"a.off"}, {"a.vert"}, {"a.vtp"}};
+const std::vector<MeshOptions> all_formats{{"a.ply"}, {"a.ply", MeshColor::none, true},
+                                           {"a.obj"}, {"a.obj", MeshColor::patch},
+                                           {"a.off"}, {"a.vert"},
+                                           {"a.vtp"}, {"a.stl"},
+                                           {"a.glb"}, {"a.glb", MeshColor::patch}};
 
 std::string name_of(const MeshOptions& choice) {
-  return choice.file.string() + (choice.is_ascii ? " as text" : "");
+  return choice.file.string() + (choice.is_ascii ? " as text" : "") +
+         (choice.color == MeshColor::none ? "" : " with colours");
 }
 
 struct FormatRun {
@@ -55,6 +62,13 @@ FormatRun run_format(const Molecule& molecule, const Parameters& parameters, Mes
   return result;
 }
 
+/// Converts sRGB to a linear intensity (IEC 61966-2-1), both as 0 to 255.
+int linear_of(int srgb) {
+  const double value = srgb / 255.0;
+  return static_cast<int>(std::lround(
+      255 * (value <= 0.04045 ? value / 12.92 : std::pow((value + 0.055) / 1.055, 2.4))));
+}
+
 double distance_from(const Vec3& point, const Atom& atom) {
   return norm(point - atom.center) - atom.radius;
 }
@@ -64,7 +78,7 @@ std::string header_of(const mesh::MeshText& text, const MeshCounts& counts) {
   const TextSink sink = [&](std::string_view part) { header += part; };
   text.write_header_begin(sink);
   text.write_header_middle(sink);
-  text.write_header_end(counts, sink);
+  text.write_header_end(counts, {}, sink);
   if (text.has_face_file()) text.write_face_header(counts, sink);
   return header;
 }
@@ -86,10 +100,33 @@ TEST_CASE("mesh formats: every format has the same mesh", "[mesh]") {
     INFO(name_of(choice));
     const auto [mesh, bytes, summary, plan] = run_format(molecule, {}, choice);
     CHECK(summary.bytes_written == bytes.size());
+    if (choice.file == "a.stl") {
+      // Each triangle has its own corners, in single precision, and its own normal.
+      REQUIRE(mesh.triangles.size() == expected.triangles.size());
+      for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
+        std::array<Vec3, 3> corners{};
+        for (std::size_t i = 0; i < 3; ++i) {
+          corners[i] = expected.positions[expected.triangles[t][i]];
+          REQUIRE(norm(mesh.positions[mesh.triangles[t][i]] - corners[i]) < 1e-5);
+        }
+        const Vec3 across = cross(corners[1] - corners[0], corners[2] - corners[0]);
+        REQUIRE(norm(norm(across) * mesh.normals[t] - across) < 1e-6);
+      }
+      continue;
+    }
     CHECK(mesh.triangles == expected.triangles);
     REQUIRE(mesh.positions.size() == expected.positions.size());
+    const double tolerance = choice.file == "a.glb" ? 1e-5 : 1e-10;
     for (std::size_t v = 0; v < mesh.positions.size(); ++v)
-      REQUIRE(norm(mesh.positions[v] - expected.positions[v]) < 1e-10);
+      REQUIRE(norm(mesh.positions[v] - expected.positions[v]) < tolerance);
+    REQUIRE(mesh.colors.size() ==
+            (choice.color == MeshColor::none ? 0 : expected.positions.size()));
+    for (std::size_t v = 0; v < mesh.colors.size(); ++v) {
+      const mesh::Color color = mesh::patch_color(static_cast<std::uint8_t>(expected.patches[v]));
+      for (std::size_t part = 0; part < 3; ++part)
+        CHECK(mesh.colors[v][part] ==
+              (choice.file == "a.glb" ? linear_of(color[part]) : color[part]));
+    }
     if (!mesh.normals.empty()) {
       REQUIRE(mesh.normals.size() == expected.normals.size());
       for (std::size_t v = 0; v < mesh.normals.size(); ++v)
@@ -132,7 +169,8 @@ TEST_CASE("mesh formats: the sizes of files are estimated", "[mesh]") {
 }
 
 TEST_CASE("mesh formats: the header's length does not depend on the counts", "[mesh]") {
-  for (const MeshFormat format : {MeshFormat::ascii_ply, MeshFormat::msms, MeshFormat::vtp})
+  for (const MeshFormat format :
+       {MeshFormat::ascii_ply, MeshFormat::msms, MeshFormat::vtp, MeshFormat::stl, MeshFormat::glb})
     for (const MeshColor color : {MeshColor::none, MeshColor::patch}) {
       const mesh::MeshText text(
           format, color,
@@ -141,7 +179,8 @@ TEST_CASE("mesh formats: the header's length does not depend on the counts", "[m
            .atoms = {},
            .atom_count = 1000,
            .probe_radius = 1.4,
-           .spacing = 0.4});
+           .spacing = 0.4,
+           .center = {}});
       const std::uint64_t expected = header_of(text, {0, 0}).size();
       for (const std::uint64_t count : {1ULL, 99ULL, 2147483647ULL, 99999999999ULL})
         CHECK(header_of(text, {count, 2 * count}).size() == expected);
@@ -150,7 +189,8 @@ TEST_CASE("mesh formats: the header's length does not depend on the counts", "[m
 
 TEST_CASE("mesh formats: the header of MSMS has counts, density and probe radius", "[mesh]") {
   const std::vector<Atom> atoms = make_chain(40, 3);
-  const FormatRun result = run_format(Molecule(atoms), {.spacing = 0.5}, {"a.vert"});
+  const FormatRun result =
+      run_format(Molecule(atoms), {.grid = GridOptions{.spacing = 0.5}}, {"a.vert"});
   const auto [vertices, spheres, density, probe_radius] = result.mesh.msms_header;
   CHECK(vertices == static_cast<double>(result.summary.mesh->vertices));
   CHECK(spheres == static_cast<double>(atoms.size()));
@@ -164,8 +204,10 @@ TEST_CASE("mesh formats: the closest sphere of MSMS is the closest adjacent atom
   const double probe_radius = Parameters().probe_radius;
   for (const std::uint64_t seed : {1U, 2U}) {
     const std::vector<Atom> atoms = make_chain(60, seed);
-    const Mesh mesh = run_format(Molecule(atoms), {.spacing = 0.5}, {"a.vert"}).mesh;
-    const Mesh ply = run_format(Molecule(atoms), {.spacing = 0.5}, {"a.ply"}).mesh;
+    const Mesh mesh =
+        run_format(Molecule(atoms), {.grid = GridOptions{.spacing = 0.5}}, {"a.vert"}).mesh;
+    const Mesh ply =
+        run_format(Molecule(atoms), {.grid = GridOptions{.spacing = 0.5}}, {"a.ply"}).mesh;
     std::size_t not_first = 0;
     for (std::size_t v = 0; v < mesh.positions.size(); ++v) {
       const Vec3 point = mesh.positions[v], probe = point + probe_radius * mesh.normals[v];
@@ -183,7 +225,7 @@ TEST_CASE("mesh formats: the closest sphere of MSMS is the closest adjacent atom
 TEST_CASE("mesh formats: the type of a triangle in MSMS is that of most corners, or toric",
           "[mesh]") {
   Parameters parameters;
-  parameters.spacing = 0.6;
+  grid_options(parameters).spacing = 0.6;
   parameters.block_size = 7;
   const Mesh mesh = run_format(Molecule(make_chain(60, 9)), parameters, {"a.vert"}).mesh;
   REQUIRE(mesh.triangle_patches.size() == mesh.triangles.size());
@@ -214,11 +256,11 @@ TEST_CASE("mesh formats: either name of MSMS's pair gives both names", "[mesh]")
   CHECK(mesh_format("a.vert") == MeshFormat::msms);
   CHECK(mesh_format("a.vertex") == std::nullopt);
   CHECK(required_mesh_format({"a.ply", MeshColor::none, true}) == MeshFormat::ascii_ply);
-  CHECK_THROWS_AS(required_mesh_format({"a.off", MeshColor::none, true}), Error);
+  CHECK_THROWS_AS(required_mesh_format({"a.off", MeshColor::none, true}), std::invalid_argument);
   const std::vector<Atom> atoms{{{0, 0, 0}, 1.5}};
   Outputs outputs;
   outputs.mesh = MeshOptions{"a.vtp", MeshColor::none, true};
-  CHECK_THROWS_AS(make_plan(atoms, {}, outputs), Error);
+  CHECK_THROWS_AS(make_plan(atoms, {}, outputs), std::invalid_argument);
 }
 
 TEST_CASE("mesh formats: VTP and PLY as text have chains, residues and colours", "[mesh]") {
@@ -247,7 +289,7 @@ TEST_CASE("mesh formats: a mesh without triangles is a complete file", "[mesh]")
   // In a region far from the molecule's surface the mesh is empty, but its file is complete.
   const std::vector<Atom> atoms{{{0, 0, 0}, 1.5}};
   Parameters parameters;
-  parameters.margin = 3;
+  grid_options(parameters).margin = 3;
   parameters.part = Box{{-4.4, -4.4, -4.4}, {-3.5, -3.5, -3.5}};
   for (const MeshOptions& choice : all_formats) {
     INFO(name_of(choice));

@@ -124,9 +124,9 @@ TEST_CASE("mesh: the meshes of regions make up the mesh of the grid", "[mesh][re
       const std::vector<Atom> atoms = make_atom_set(kind, seed);
       Parameters parameters;
       parameters.probe_radius = designed_probe_radius(seed);
-      parameters.spacing = 0.5;
+      grid_options(parameters).spacing = 0.5;
       // With the smallest margin the surface may touch the faces of the grid.
-      parameters.margin = seed == 2 ? 0.25 : 0.8;
+      grid_options(parameters).margin = seed == 2 ? 0.25 : 0.8;
       const Plan plan = make_plan(atoms, parameters, {});
       const PartRun whole = run_part(atoms, parameters, true);
       INFO(kind_name(kind) << ", seed " << seed);

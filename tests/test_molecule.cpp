@@ -8,6 +8,7 @@
 #include <limits>
 #include <map>
 #include <span>
+#include <stdexcept>
 #include <string>
 #include <tuple>
 #include <utility>
@@ -389,13 +390,13 @@ TEST_CASE("a molecule refuses atoms that are not finite or have negative radii",
       CHECK_THROWS_WITH(Molecule(atoms), expected);
       CHECK_THROWS_WITH(Molecule(atoms, {}, 2), expected);
       CHECK_THROWS_WITH(Molecule::part(atoms, is_any), expected);
-      CHECK_THROWS_AS(make_plan(atoms, {}, {}), Error);
+      CHECK_THROWS_AS(make_plan(atoms, {}, {}), std::invalid_argument);
     }
   CHECK_NOTHROW(Molecule({{{0, 0, 0}, 0}, {{-1e6, 1e6, -0.0}, -0.0}}));
 }
 
 TEST_CASE("a negative number of threads is refused", "[molecule]") {
-  CHECK_THROWS_AS(Molecule({{{0, 0, 0}, 1}}, {}, -1), Error);
+  CHECK_THROWS_AS(Molecule({{{0, 0, 0}, 1}}, {}, -1), std::invalid_argument);
 }
 
 }  // namespace eses::detail::test

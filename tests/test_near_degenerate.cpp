@@ -14,6 +14,7 @@
 #include <cmath>
 #include <cstdlib>
 #include <limits>
+#include <stdexcept>
 #include <vector>
 
 #include "catch.hpp"
@@ -23,6 +24,7 @@
 #include "support/atom_sets.hpp"
 #include "support/brute_force.hpp"
 #include "support/near_degenerate.hpp"
+#include "support/run.hpp"
 
 namespace eses::detail::test {
 namespace {
@@ -170,8 +172,8 @@ std::uint64_t set_count() {
 Parameters coarse_parameters(double probe) {
   Parameters parameters;
   parameters.probe_radius = probe;
-  parameters.spacing = 0.5;
-  parameters.margin = 0.9;
+  grid_options(parameters).spacing = 0.5;
+  grid_options(parameters).margin = 0.9;
   parameters.block_size = 24;
   return parameters;
 }
@@ -216,7 +218,7 @@ TEST_CASE("near-degenerate: files agree with the oracle far from the origin") {
 TEST_CASE("near-degenerate: an atom almost in another's place changes nothing", "[degenerate]") {
   const std::vector<Atom> three{{{0, 0, 0}, 1.7}, {{3, 0, 0}, 1.7}, {{1.5, 2.6, 0}, 1.7}};
   Parameters parameters;
-  parameters.spacing = 0.2;
+  grid_options(parameters).spacing = 0.2;
   const Summary expected = compute(three, parameters);
   for (const double offset : {1e-12, 1e-10, 1e-9, 1.1e-9, 1e-8, 1e-7}) {
     INFO("offset " << offset);
@@ -266,7 +268,7 @@ TEST_CASE("near-degenerate: points on the axis of two atoms verify") {
     INFO("offset " << offset);
     const std::vector<Atom> atoms{{{0, 0, 0}, 1}, {{4, 0, offset}, 1}};
     Parameters parameters;
-    parameters.spacing = 0.3;
+    grid_options(parameters).spacing = 0.3;
     parameters.verify = 20'000;
     const Plan plan = make_plan(atoms, parameters, Outputs::none());
     const Summary summary = compute(atoms, plan.parameters);
@@ -284,14 +286,14 @@ TEST_CASE("near-degenerate: the smallest probe radius keeps the bounds") {
     }
     Parameters parameters;
     parameters.probe_radius = min_probe_radius;
-    parameters.spacing = 0.008;
-    parameters.margin = 0.02;
+    grid_options(parameters).spacing = 0.008;
+    grid_options(parameters).margin = 0.02;
     check_files(atoms, parameters);
   }
   Parameters parameters;
   parameters.probe_radius = 0.99 * min_probe_radius;
   const std::vector<Atom> atom{{{0, 0, 0}, 1}};
-  CHECK_THROWS_AS(make_plan(atom, parameters, Outputs::none()), Error);
+  CHECK_THROWS_AS(make_plan(atom, parameters, Outputs::none()), std::invalid_argument);
 }
 
 }  // namespace eses::detail::test

@@ -39,11 +39,11 @@ Parameters parameters_for(Kind kind, std::uint64_t seed) {
   Random random(seed + 1000);
   Parameters parameters;
   parameters.probe_radius = designed_probe_radius(seed);
-  parameters.spacing = random.uniform(parameters.probe_radius < 2 ? 0.3 : 0.45, 0.7);
-  parameters.margin = random.uniform(0.8, 1.2);
+  grid_options(parameters).spacing = random.uniform(parameters.probe_radius < 2 ? 0.3 : 0.45, 0.7);
+  grid_options(parameters).margin = random.uniform(0.8, 1.2);
   if (kind == Kind::snapped && seed % 3 != 0) {
-    parameters.spacing = 0.5;
-    parameters.margin = 1;
+    grid_options(parameters).spacing = 0.5;
+    grid_options(parameters).margin = 1;
   }
   parameters.block_size = static_cast<std::int64_t>(random.integer(8, 64));
   parameters.threads = static_cast<int>(random.integer(1, 3));
@@ -54,8 +54,9 @@ std::string describe(Kind kind, std::uint64_t seed, const Parameters& parameters
   std::ostringstream text;
   text.precision(17);
   text << kind_name(kind) << ", seed " << seed << ", probe radius " << parameters.probe_radius
-       << ", spacing " << parameters.spacing << ", margin " << parameters.margin << ", block size "
-       << parameters.block_size << ", threads " << parameters.threads;
+       << ", spacing " << grid_options(parameters).spacing << ", margin "
+       << grid_options(parameters).margin << ", block size " << parameters.block_size
+       << ", threads " << parameters.threads;
   return text.str();
 }
 
@@ -148,8 +149,8 @@ TEST_CASE("oracle: near misses of degenerate arrangements agree") {
 
 TEST_CASE("oracle: edges that leave the surface at their first point agree") {
   Parameters parameters;
-  parameters.spacing = 0.5;
-  parameters.margin = 1;
+  grid_options(parameters).spacing = 0.5;
+  grid_options(parameters).margin = 1;
   std::vector<Atom> atoms{{{3, 14, 8.5}, 1.5}};
   SECTION("nothing else near") {}
   SECTION("a concave patch that is covered meets the same edge") {
@@ -184,8 +185,8 @@ TEST_CASE("oracle: edges longer than the probe radius agree") {
       for (const double margin : {0.9, 1.0, 1.1, 1.2, 1.3, 1.4}) {
         Parameters parameters;
         parameters.probe_radius = 0.5;
-        parameters.spacing = spacing;
-        parameters.margin = margin;
+        grid_options(parameters).spacing = spacing;
+        grid_options(parameters).margin = margin;
         const RunResult result = run_and_read(atoms, parameters);
         const auto faults = find_faults(atoms, parameters, result.files, result.summary);
         INFO("spacing " << spacing << ", margin " << margin << ": " << first_of(faults));
@@ -199,8 +200,8 @@ TEST_CASE("oracle: SAS spheres that touch up to their last digits agree") {
       {{-3.6796730073542512, 13.997979721688129, 11.582378430281144}, 1.8706756701210745}};
   Parameters parameters;
   parameters.probe_radius = 0.7;
-  parameters.spacing = 0.42791549323355382;
-  parameters.margin = 1.150296756801422;
+  grid_options(parameters).spacing = 0.42791549323355382;
+  grid_options(parameters).margin = 1.150296756801422;
   const RunResult result = run_and_read(atoms, parameters);
   const auto faults = find_faults(atoms, parameters, result.files, result.summary);
   INFO(first_of(faults));
@@ -228,7 +229,7 @@ Sample make_sample(std::vector<Atom> atoms, const Parameters& parameters) {
 
 Sample make_sample() {
   Parameters parameters;
-  parameters.spacing = 0.5;
+  grid_options(parameters).spacing = 0.5;
   return make_sample(make_chain(20, 7), parameters);
 }
 
@@ -250,7 +251,8 @@ Crossing& clear_crossing(Sample& sample, std::size_t atoms) {
   const Vec3 lower = sample.result.files.lower;
   const auto clear = [&](const Crossing& crossing) {
     const std::size_t axis = axis_of(crossing);
-    const double steps = (crossing.point[axis] - lower[axis]) / sample.parameters.spacing;
+    const double steps =
+        (crossing.point[axis] - lower[axis]) / grid_options(sample.parameters).spacing;
     return crossing.atoms.size() == atoms && std::fabs(crossing.normal[axis]) > 0.5 &&
            std::fabs(steps - std::round(steps)) > 0.1;
   };
@@ -369,8 +371,8 @@ TEST_CASE("the last of three crossings of an edge is reported, and the oracle re
   // one up to 1.45. The margin puts grid points at 0.98 and 1.48 on a line 0.02 off the axis.
   Parameters parameters;
   parameters.probe_radius = 0.1;
-  parameters.spacing = 0.5;
-  parameters.margin = 1.02;
+  grid_options(parameters).spacing = 0.5;
+  grid_options(parameters).margin = 1.02;
   Sample sample = make_sample({{{0, 0, 0}, 1}, {{1.35, 0, 0}, 0.1}}, parameters);
   CHECK(sample.faults().empty());
 

@@ -5,6 +5,7 @@
 #include <filesystem>
 #include <limits>
 #include <numbers>
+#include <stdexcept>
 #include <string>
 #include <utility>
 #include <vector>
@@ -165,8 +166,8 @@ TEST_CASE("a survey counts a large atom once, wherever it is in the file", "[pla
     const double area = 4 * pi * (300.0 * 300 + 8000 * 1.7 * 1.7);
     CHECK(surveyed_area(atoms) == Approx(area).epsilon(0.01));
     Parameters parameters;
-    parameters.spacing = 3;
-    parameters.margin = 3;
+    grid_options(parameters).spacing = 3;
+    grid_options(parameters).margin = 3;
     Outputs edges;
     edges.grid = edges.areas = false;
     const TemporaryDirectory directory;
@@ -233,7 +234,7 @@ TEST_CASE("blocks are cubes, or flat if the molecule is wide", "[plan]") {
   Parameters parameters;
   const Plan small = plan_with_plenty(column_of_atoms(40), parameters);
   CHECK((small.tiling.block_size == GridIndex{64, 64, 64}));
-  parameters.spacing = 0.2;
+  grid_options(parameters).spacing = 0.2;
   const Plan wide = plan_with_plenty({{{0, 0, 0}, 120}}, parameters);
   CHECK(wide.tiling.block_size[2] < 64);
   CHECK(wide.tiling.block_size[0] >= 64);
@@ -242,7 +243,7 @@ TEST_CASE("blocks are cubes, or flat if the molecule is wide", "[plan]") {
 TEST_CASE("a plan treats the available memory as a limit", "[plan]") {
   const std::vector<Atom> atoms{{{0, 0, 0}, 120}};
   Parameters parameters;
-  parameters.spacing = 0.2;
+  grid_options(parameters).spacing = 0.2;
   parameters.threads = 2;
   const Plan free = plan_with_plenty(atoms, parameters);
   const std::uint64_t smallest = min_limit(atoms, parameters) << 20;
@@ -260,7 +261,7 @@ TEST_CASE("a plan treats the available memory as a limit", "[plan]") {
 TEST_CASE("a refusal says whether the limit or the machine is too small", "[plan]") {
   const std::vector<Atom> atoms{{{0, 0, 0}, 120}};
   Parameters parameters;
-  parameters.spacing = 0.2;
+  grid_options(parameters).spacing = 0.2;
   const std::string machine = "but 1 MB are available; use a larger spacing";
   const std::string limit = "but the limit is 1 MiB";
   CHECK(refusal(1'000'000, atoms, parameters).find(machine) != std::string::npos);
@@ -311,7 +312,7 @@ TEST_CASE("a refusal names the smallest limit that is accepted", "[plan]") {
     for (const int threads : {0, 1, 2}) {
       INFO("block size " << block_size << ", threads " << threads);
       Parameters parameters;
-      parameters.spacing = 0.2;
+      grid_options(parameters).spacing = 0.2;
       parameters.block_size = block_size;
       parameters.threads = threads;
       const std::uint64_t smallest = min_limit(atoms, parameters);
@@ -322,14 +323,14 @@ TEST_CASE("a refusal names the smallest limit that is accepted", "[plan]") {
         CHECK((plan.tiling.block_size == GridIndex{block_size, block_size, block_size}));
       if (threads > 0) CHECK(plan.threads == threads);
       parameters.max_memory = (smallest - 1) << 20;
-      CHECK_THROWS_AS(plan_with_plenty(atoms, parameters), Error);
+      CHECK_THROWS_AS(plan_with_plenty(atoms, parameters), MemoryLimitError);
     }
 }
 
 TEST_CASE("a tight limit gives smaller blocks and holds fewer of them", "[plan]") {
   const std::vector<Atom> atoms{{{0, 0, 0}, 120}};
   Parameters parameters;
-  parameters.spacing = 0.2;
+  grid_options(parameters).spacing = 0.2;
   parameters.threads = 2;
   const Plan free = plan_with_plenty(atoms, parameters);
   parameters.max_memory = free.memory_bytes - 1;
@@ -388,10 +389,10 @@ TEST_CASE("free disk space is that of the place where the directory will be", "[
   const Plan plan = make_plan(atoms, {}, {});
   const DiskSpace here = require_disk_space(plan.files, {}, ".");
   const DiskSpace below = require_disk_space(plan.files, {}, "not/made/yet");
-  REQUIRE(here.places.size() == 1);
-  REQUIRE(below.places.size() == 1);
-  CHECK(here.places[0].expected == plan.files.output());
-  CHECK(below.places[0].available >= plan.files.output());
+  REQUIRE(here.file_systems.size() == 1);
+  REQUIRE(below.file_systems.size() == 1);
+  CHECK(here.file_systems[0].expected == plan.files.output());
+  CHECK(below.file_systems[0].available >= plan.files.output());
   CHECK_FALSE(std::filesystem::exists("not"));
 }
 
@@ -399,10 +400,10 @@ TEST_CASE("a plan whose files do not fit on the disk is refused", "[plan]") {
   const std::vector<Atom> atoms{{{0, 0, 0}, 1.5}};
   Plan plan = make_plan(atoms, {}, {});
   const DiskSpace here = require_disk_space(plan.files, {}, ".");
-  if (here.places[0].available > std::uint64_t{1} << 60)
+  if (here.file_systems[0].available > std::uint64_t{1} << 60)
     SKIP("the file system does not report its free space");
   plan.files.edges = std::uint64_t{1} << 62;
-  const DiskSpace::Place full = require_disk_space(plan.files, {}, ".").places[0];
+  const DiskSpace::FileSystem full = require_disk_space(plan.files, {}, ".").file_systems[0];
   CHECK(full.expected > full.available);
   plan.files.grid = std::uint64_t{1} << 62;
   CHECK_THROWS_WITH(require_disk_space(plan.files, {}, "."),
@@ -422,17 +423,17 @@ TEST_CASE("each file system is checked for the files that it receives", "[plan]"
   const std::uint64_t of_mesh = plan.files.mesh + plan.files.mesh_scratch;
   const std::uint64_t of_others = plan.files.output() - plan.files.mesh + plan.files.map_scratch;
   const DiskSpace one = require_disk_space(plan.files, outputs, directory.path());
-  REQUIRE(one.places.size() == 1);
-  CHECK(one.places[0].expected == of_mesh + of_others);
+  REQUIRE(one.file_systems.size() == 1);
+  CHECK(one.file_systems[0].expected == of_mesh + of_others);
 
   // The files of /proc are in a file system of their own.
   const DiskSpace two = require_disk_space(plan.files, outputs, "/proc/self");
-  REQUIRE(two.places.size() == 2);
-  CHECK(two.places[0].directory == "/proc/self");
-  CHECK(two.places[0].expected == of_others);
-  CHECK(two.places[1].directory == directory.path() / "a");
-  CHECK(two.places[1].expected == of_mesh);
-  CHECK(two.places[1].available == one.places[0].available);
+  REQUIRE(two.file_systems.size() == 2);
+  CHECK(two.file_systems[0].directory == "/proc/self");
+  CHECK(two.file_systems[0].expected == of_others);
+  CHECK(two.file_systems[1].directory == directory.path() / "a");
+  CHECK(two.file_systems[1].expected == of_mesh);
+  CHECK(two.file_systems[1].available == one.file_systems[0].available);
 }
 
 TEST_CASE("the plan knows the length of the tables and of the bounding box", "[plan]") {
@@ -451,7 +452,8 @@ TEST_CASE("the plan knows the length of the tables and of the bounding box", "[p
   for (const bool gzip : {false, true}) {
     outputs.gzip = gzip;
     const TemporaryDirectory directory;
-    const Plan plan = make_plan(molecule, {.spacing = 1, .margin = 1}, outputs);
+    const Plan plan =
+        make_plan(molecule, {.grid = GridOptions{.spacing = 1, .margin = 1}}, outputs);
     run(molecule, plan.parameters, outputs, directory.path());
     const auto size = [&](const char* name) {
       return static_cast<double>(std::filesystem::file_size(directory.path() / name));

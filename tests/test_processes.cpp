@@ -117,7 +117,8 @@ TEST_CASE("complete chunks are kept", "[processes]") {
   CHECK(checkpoint.complete().empty());
   checkpoint.lock();
   checkpoint.prepare();
-  put_chunk(checkpoint, {10, 20}, "text", {{5, 3}, {AreaShare{1} << 100, 4000000000}});
+  put_chunk(checkpoint, {10, 20}, "text",
+            {{5, FileIndex{3}}, {AreaShare{1} << 100, FileIndex{4000000000}}});
   put_chunk(checkpoint, {0, 4}, "", {});
   checkpoint.create({4, 10}, ChunkText::grid);  // incomplete
   CHECK(checkpoint.complete() == Ranges{{0, 4}, {10, 20}});
@@ -129,7 +130,7 @@ TEST_CASE("complete chunks are kept", "[processes]") {
   CHECK(chunk.info.totals.crossings[2] == 3);
   CHECK(chunk.info.totals.points.inside == 7);
   REQUIRE(chunk.sums.size() == 2);
-  CHECK(chunk.sums[1].atom == 4000000000);
+  CHECK(chunk.sums[1].atom == FileIndex{4000000000});
   CHECK((chunk.sums[1].share == AreaShare{1} << 100));
   std::string text(4, ' ');
   later.open({10, 20}, ChunkText::grid)->read_at(std::as_writable_bytes(std::span(text)), 0);
@@ -145,7 +146,7 @@ TEST_CASE("incomplete chunks are computed again", "[processes]") {
   checkpoint.lock();
   checkpoint.prepare();
   for (const std::int64_t begin : {0, 10, 20, 30})
-    put_chunk(checkpoint, {begin, begin + 10}, "some text", {{1, 2}, {3, 4}});
+    put_chunk(checkpoint, {begin, begin + 10}, "some text", {{1, FileIndex{2}}, {3, FileIndex{4}}});
   const auto path = [&](const char* name) { return directory.path() / checkpoint_name / name; };
   std::filesystem::resize_file(path("0-10.sums"), 100);
   std::filesystem::resize_file(path("10-20.grid"), 5);
@@ -238,7 +239,8 @@ TEST_CASE("chunks that overlap are refused", "[processes]") {
 
 TEST_CASE("lines of a part of a file have their numbers in the whole file", "[processes]") {
   AtomFile atoms;
-  AtomLines part{.name = "file", .first_line = 100};
+  const ReadOptions options{.format = AtomFormat::xyzr};
+  AtomLines part{options, "file", 100};
   CHECK(parse_atom_lines("1 2 3 1\n# no atom\n4 5 6 2\n", part, atoms).lines == 3);
   CHECK(atoms.lines == std::vector<std::uint64_t>{100, 102});
   part.first_line = 103;

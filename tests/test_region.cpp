@@ -4,6 +4,7 @@
 #include <limits>
 #include <set>
 #include <sstream>
+#include <stdexcept>
 #include <string>
 #include <vector>
 
@@ -135,7 +136,7 @@ TEST_CASE("a region has the lines of a full run, to the last byte", "[region]") 
       const std::vector<Atom> atoms = make_atom_set(kind, seed);
       Parameters parameters;
       parameters.probe_radius = designed_probe_radius(seed);
-      parameters.spacing = 0.5;
+      grid_options(parameters).spacing = 0.5;
       const Result full = result_of(atoms, parameters);
       for (int trial = 0; trial < 3; ++trial) {
         const GridRegion region = random_region(full.plan.grid.size, random);
@@ -233,7 +234,7 @@ TEST_CASE("chosen blocks are blocks of the whole grid", "[region]") {
     BlockRange beyond{{0, 0, 0}, {1, 1, 1}};
     beyond.end[q] = tiling.blocks[q] + 1;
     parameters.part = beyond;
-    CHECK_THROWS_AS(make_plan(atoms, parameters, {}), Error);
+    CHECK_THROWS_AS(make_plan(atoms, parameters, {}), std::invalid_argument);
   }
 }
 
@@ -248,9 +249,9 @@ TEST_CASE("a region includes its boundary and must contain a point", "[region]")
   }
   CHECK(points_between(grid, {-1e9, -1e9, -1e9}, {1e9, 1e9, 1e9}) == grid.whole());
   CHECK(points_between(grid, {-0.95, 0, 5}, {-0.75, 0.35, 5}) == GridRegion{{1, 0, 0}, {3, 3, 1}});
-  CHECK_THROWS_AS(points_between(grid, {-0.98, 0, 5}, {-0.92, 9, 9}), Error);
-  CHECK_THROWS_AS(points_between(grid, {9, 0, 5}, {10, 9, 9}), Error);
-  CHECK_THROWS_AS(points_between(grid, {-9, -9, -9}, {-8, 9, 9}), Error);
+  CHECK_THROWS_AS(points_between(grid, {-0.98, 0, 5}, {-0.92, 9, 9}), std::invalid_argument);
+  CHECK_THROWS_AS(points_between(grid, {9, 0, 5}, {10, 9, 9}), std::invalid_argument);
+  CHECK_THROWS_AS(points_between(grid, {-9, -9, -9}, {-8, 9, 9}), std::invalid_argument);
   CHECK(points_between(grid, {-1e300, -1e300, -1e300}, {1e300, 1e300, 1e300}) == grid.whole());
 }
 
@@ -305,7 +306,7 @@ TEST_CASE("only atoms near a region get patches, and the plan counts them", "[re
 TEST_CASE("a region without atoms has empty results", "[region]") {
   const std::vector<Atom> atoms{{{0, 0, 0}, 1}, {{60, 60, 60}, 1}};
   Parameters parameters;
-  parameters.spacing = 1;
+  grid_options(parameters).spacing = 1;
   parameters.part = Box{{30, 5, 5}, {40, 10, 10}};
   parameters.verify = 10;
   const Result part = result_of(atoms, parameters);

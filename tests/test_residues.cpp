@@ -4,6 +4,7 @@
 #include <numbers>
 #include <numeric>
 #include <sstream>
+#include <stdexcept>
 #include <string>
 #include <utility>
 #include <vector>
@@ -79,7 +80,7 @@ TEST_CASE("the tables of a PQR file add up to its atoms' areas", "[residues]") {
   const AtomFile input = read_atoms(ESES_DATA "/mache.pqr");
   const TemporaryDirectory directory;
   Parameters parameters;
-  parameters.spacing = 0.8;
+  grid_options(parameters).spacing = 0.8;
   Outputs outputs{.box = true, .grid = false, .edges = false, .areas = true, .residues = true};
   const Molecule molecule(input.atoms, input.labels);
   const Summary summary = run(molecule, parameters, outputs, directory.path());
@@ -148,7 +149,9 @@ TEST_CASE("the table of atoms has the names, radii and areas of all atoms", "[re
     const TemporaryDirectory directory;
     const Molecule molecule(input.atoms, input.labels);
     const Plan plan = make_plan(
-        molecule, {.spacing = 0.8, .block_size = block_size, .threads = threads}, outputs);
+        molecule,
+        {.grid = GridOptions{.spacing = 0.8}, .block_size = block_size, .threads = threads},
+        outputs);
     const Summary summary = run(molecule, plan.parameters, outputs, directory.path());
     const auto rows = rows_of(directory.path() / "atoms.csv");
     REQUIRE(rows.size() == input.atoms.size() + 1);
@@ -178,7 +181,7 @@ TEST_CASE("the table of atoms without labels has empty names", "[residues]") {
   const std::vector<Atom> atoms{{{0, 0, 0}, 1.5}, {{20, 0, 0}, 2}};
   Outputs outputs = Outputs::none();
   outputs.atoms = true;
-  run(atoms, {.spacing = 0.1, .margin = 0.2}, outputs, directory.path());
+  run(atoms, {.grid = GridOptions{.spacing = 0.1, .margin = 0.2}}, outputs, directory.path());
   const auto rows = rows_of(directory.path() / "atoms.csv");
   REQUIRE(rows.size() == 3);
   for (std::size_t i = 0; i < atoms.size(); ++i) {
@@ -196,7 +199,7 @@ TEST_CASE("without labels there are no areas by residue", "[residues]") {
   const std::vector<Atom> atoms{{{0, 0, 0}, 1.5}};
   Outputs outputs;
   outputs.residues = true;
-  CHECK_THROWS_AS(run(atoms, {}, outputs, directory.path()), Error);
+  CHECK_THROWS_AS(run(atoms, {}, outputs, directory.path()), std::invalid_argument);
   CHECK(std::filesystem::is_empty(directory.path()));
 }
 

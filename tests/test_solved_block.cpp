@@ -35,7 +35,7 @@ TEST_CASE("solved blocks have the points and crossings of the files", "[solved_b
   const std::vector<Atom> atoms = make_atom_set(Kind::chain, 3);
   for (const std::int64_t block_size : {5, 12, 64}) {
     Parameters parameters;
-    parameters.spacing = 0.5;
+    grid_options(parameters).spacing = 0.5;
     parameters.block_size = block_size;
     parameters.threads = 3;
     INFO("block size " << block_size);

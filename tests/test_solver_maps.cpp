@@ -204,7 +204,7 @@ void check_ion_access(const std::vector<Atom>& atoms, double ion_radius, const G
 
 Parameters parameters_for(double probe_radius, double spacing) {
   Parameters parameters{.probe_radius = probe_radius};
-  parameters.spacing = spacing;
+  grid_options(parameters).spacing = spacing;
   parameters.threads = 1;
   return parameters;
 }

@@ -31,6 +31,7 @@ namespace {
 using test::AccessibleSet;
 using test::all_kinds;
 using test::designed_probe_radius;
+using test::grid_options;
 using test::is_accessible;
 using test::Kind;
 using test::kind_name;
@@ -55,8 +56,8 @@ Vec3 random_point(Random& random, const Grid& grid) {
 Parameters coarse(std::uint64_t seed) {
   Parameters parameters;
   parameters.probe_radius = designed_probe_radius(seed);
-  parameters.spacing = parameters.probe_radius < 2 ? 0.4 : 0.6;
-  parameters.margin = 1;
+  grid_options(parameters).spacing = parameters.probe_radius < 2 ? 0.4 : 0.6;
+  grid_options(parameters).margin = 1;
   parameters.block_size = 16;
   parameters.threads = 2;
   return parameters;
@@ -233,7 +234,7 @@ TEST_CASE("a probe that touches four atoms does not reach past its patch", "[ver
   // The probe also meets edges of the saddle patches around it, within 1e-7 angstrom of them.
   const std::vector<Atom> atoms = test::make_cube(4, 3.8, 1.5);
   Parameters parameters;
-  parameters.spacing = 0.25;
+  grid_options(parameters).spacing = 0.25;
   parameters.verify = everything;
   const Summary summary = run(atoms, parameters, no_files, "nowhere");
   REQUIRE(summary.verification);
@@ -267,7 +268,7 @@ Verification verification_of(const std::vector<Atom>& atoms, const Parameters& p
 std::string fault_of(std::uint8_t atom_count, const std::function<void(BlockCrossing&)>& spoil) {
   const std::vector<Atom> atoms = make_chain(12, 7);
   Parameters parameters;
-  parameters.spacing = 0.5;
+  grid_options(parameters).spacing = 0.5;
   parameters.threads = 1;
   parameters.verify = everything;
   const Grid grid = make_plan(atoms, parameters, no_files).grid;
@@ -345,8 +346,8 @@ TEST_CASE("a crossing that is not the last of its edge is a fault", "[verify]") 
   // one up to 1.45. Grid points are at 0.98 and 1.48 on a line 0.02 off the axis.
   Parameters parameters;
   parameters.probe_radius = 0.1;
-  parameters.spacing = 0.5;
-  parameters.margin = 1.02;
+  grid_options(parameters).spacing = 0.5;
+  grid_options(parameters).margin = 1.02;
   parameters.verify = everything;
   const std::vector<Atom> atoms{{{0, 0, 0}, 1}, {{1.35, 0, 0}, 0.1}};
   const auto verified = [&](bool spoil) {
@@ -389,7 +390,8 @@ std::vector<Atom> with_radii_changed(std::vector<Atom> atoms, double by) {
 
 /// Returns all crossings of a result.
 std::vector<Crossing> crossings_of(const std::vector<Atom>& atoms, const Parameters& parameters) {
-  const Grid grid = make_grid(atoms, parameters.spacing, parameters.margin);
+  const Grid grid =
+      make_grid(atoms, grid_options(parameters).spacing, grid_options(parameters).margin);
   std::vector<Crossing> crossings;
   verification_of(atoms, parameters, [&](BlockResult& result) {
     const std::int64_t rows_y = result.block.owned[1];
@@ -436,7 +438,8 @@ TEST_CASE("a point on the wrong side is a fault, on either side, degenerate or n
     const double probe = c.parameters.probe_radius;
     const verify::Definition definition(c.atoms, probe);
     verify::CentreSearch search(definition);
-    const Grid grid = make_grid(c.atoms, c.parameters.spacing, c.parameters.margin);
+    const Grid grid =
+        make_grid(c.atoms, grid_options(c.parameters).spacing, grid_options(c.parameters).margin);
     // Points are clear if the oracle's decision does not change with a small change of the radii.
     const AccessibleSet larger = make_accessible_set(with_radii_changed(c.atoms, 1e-7), probe);
     const AccessibleSet smaller = make_accessible_set(with_radii_changed(c.atoms, -1e-7), probe);
@@ -460,7 +463,8 @@ TEST_CASE("an altered crossing is a fault, degenerate or not", "[verify]") {
     INFO(c.name);
     const verify::Definition definition(c.atoms, c.parameters.probe_radius);
     verify::CentreSearch search(definition);
-    const Grid grid = make_grid(c.atoms, c.parameters.spacing, c.parameters.margin);
+    const Grid grid =
+        make_grid(c.atoms, grid_options(c.parameters).spacing, grid_options(c.parameters).margin);
     const std::vector<Crossing> crossings = crossings_of(c.atoms, c.parameters);
     const std::size_t stride = crossings.size() / 40 + 1;
     for (std::size_t e = 0; e < crossings.size(); e += stride) {
@@ -548,7 +552,7 @@ TEST_CASE("atoms that almost coincide have no faults if the oracle finds none", 
     CHECK(summary.verification->faults.empty());
   };
   Parameters fine;
-  fine.spacing = 0.2;
+  grid_options(fine).spacing = 0.2;
   check({{{0, 0, 0}, 1.6999}, {{0, 0.0001, -0.0001}, 1.6999}}, fine);
   REQUIRE(right == 1);
   for (std::uint64_t seed = 0; seed < 40; ++seed) {
@@ -557,7 +561,7 @@ TEST_CASE("atoms that almost coincide have no faults if the oracle finds none", 
     const double apart = std::pow(10, -random.uniform(3.5, seed % 2 == 0 ? 4.5 : 14));
     const std::vector<Atom> sites = make_chain(random.integer(1, 5), seed);
     Parameters parameters;
-    parameters.spacing = 0.45;
+    grid_options(parameters).spacing = 0.45;
     check(with_copies(sites, random.integer(1, 3), apart, random), parameters);
   }
   CHECK(2 * right > sets);

@@ -66,7 +66,7 @@ class Result {
   /// Makes a result from its data, for example in another process. `inside` and `crossings` are in
   /// the order of the functions of these names; without a value, the part was not chosen. The mesh
   /// is not chosen. Throws std::invalid_argument if the grid is not valid, if the region is empty
-  /// or not within the grid, or if the points and crossings are not those of a region of this grid.
+  /// or not within the grid, or if the points and crossings do not belong to a region of this grid.
   Result(Summary summary, const Grid& grid, const GridRegion& region,
          std::optional<std::vector<std::uint8_t>> inside,
          std::optional<std::vector<Crossing>> crossings);
@@ -136,9 +136,9 @@ Result compute(const Surface& surface, const Grid& grid, const Parts& parts,
   return compute(surface, grid, options, parts);
 }
 
-/// Returns the mesh of a result, which is equal to that of compute with ResultParts::mesh. Calls
-/// `check` for every plane of the region. Throws std::invalid_argument if ResultParts excluded the
-/// inside points or the crossings, and all exceptions of `check`.
+/// Returns the mesh of a result, which is equal to the mesh of compute with ResultParts::mesh.
+/// Calls `check` for every plane of the region. Throws std::invalid_argument if ResultParts
+/// excluded the inside points or the crossings, and all exceptions of `check`.
 Mesh make_mesh(const Result& result, const CheckCallback& check = {});
 
 /// A solved block of the grid. The object is a view, which is valid during the callback.

@@ -19,6 +19,7 @@
 #include "eses/grid.hpp"
 #include "eses/maps.hpp"
 #include "eses/measure.hpp"
+#include "eses/measure_frames.hpp"
 #include "eses/outputs.hpp"
 #include "eses/read_atoms.hpp"
 #include "eses/run_options.hpp"

@@ -105,7 +105,7 @@ GridRegion points_in_box(const Grid& grid, Vec3 low, Vec3 high);
 /// Blocks of a grid with indices in [begin, end) along every axis.
 struct BlockRange {
   GridIndex begin{};  ///< Indices of the first block.
-  GridIndex end{};    ///< Indices after those of the last block.
+  GridIndex end{};    ///< Indices of the last block plus 1.
 };
 
 /// Returns the points that a range of blocks owns. The whole grid is divided into blocks with

@@ -37,8 +37,8 @@ std::array<std::vector<double>, 3> compute_dielectric(const Surface& surface, co
                                                       const RunOptions& options = {});
 
 /// Computes the values of IonAccessMap: 1 for each point that is outside all spheres of the atoms'
-/// radius plus `ion_radius` (angstrom, 0 to 1000; that of IonAccessMap is 2), and 0 for the others,
-/// in the order of Result::inside.
+/// radius plus `ion_radius` (angstrom, 0 to 1000; the radius of IonAccessMap is 2), and 0 for the
+/// others, in the order of Result::inside.
 ///
 /// Throws std::invalid_argument also if the radius is out of its range.
 std::vector<std::uint8_t> compute_ion_access(const Surface& surface, const Grid& grid,

@@ -16,7 +16,7 @@ namespace eses {
 /// Options of measure().
 struct MeasureOptions {
   /// Radius of the probe, in angstrom: 0, or `min_probe_radius` to `max_probe_radius`. The default
-  /// is that of the surface. With 0, all surfaces are the van der Waals surface.
+  /// is the radius of the surface. With 0, all surfaces are the van der Waals surface.
   std::optional<double> probe_radius = {};
   /// Whether the van der Waals surface is measured, too. This takes about as long as the rest.
   bool van_der_waals = false;
@@ -66,8 +66,8 @@ struct Gradients {
   Gradient sas_area;    ///< Of Measures::sas_area.
   Gradient sas_volume;  ///< Of Measures::sas_volume.
   /// Whether areas and volumes are smooth: no decision depended on a tolerance. Otherwise, the
-  /// derivatives are those of a probe that is smaller by 1e-9 angstrom, and placements that touch
-  /// more than three atoms do not contribute.
+  /// derivatives belong to a probe that is smaller by 1e-9 angstrom, and placements that touch more
+  /// than three atoms do not contribute.
   bool are_smooth = true;
 };
 

@@ -19,10 +19,10 @@ enum class MeshColor {
 /// A mesh file, or the pair of mesh files of MSMS.
 struct MeshOptions {
   /// Path of the file. The suffix, in upper or lower case, determines the format: `.ply`, `.obj`,
-  /// `.off` or `.vtp` (VTK XML PolyData). With `.vert` or `.face`, both files of MSMS are written,
-  /// NAME.vert and NAME.face. doc/meshes.md describes the formats.
+  /// `.off`, `.vtp` (VTK XML), `.stl` or `.glb` (glTF). With `.vert` or `.face`, both files of MSMS
+  /// are written, NAME.vert and NAME.face. doc/meshes.md describes the formats.
   std::filesystem::path file;
-  MeshColor color = MeshColor::none;  ///< Colours, in PLY and VTP files only.
+  MeshColor color = MeshColor::none;  ///< Colours, in PLY, OBJ, VTP and glTF files only.
   bool is_ascii = false;              ///< Whether a PLY file is text instead of binary.
 };
 
@@ -31,7 +31,7 @@ struct MeshOptions {
 /// along x, y and z. The value of an edge is the harmonic mean `1 / (t / solute + (1 - t) /
 /// solvent)`, where t is the fraction of the edge inside the surface. Each map has the size of the
 /// grid, and an origin that is shifted by half a spacing along its axis. Values beyond the last
-/// points of the grid are those of the solvent.
+/// points of the grid are the dielectric of the solvent.
 struct DielectricMaps {
   /// Prefix of the file names `PREFIXx.dx`, `PREFIXy.dx` and `PREFIXz.dx` in the output directory.
   /// With Outputs::gzip the names have the additional suffix .gz.

@@ -41,7 +41,7 @@ constexpr bool is_structure(AtomFormat format) {
 
 /// Selection of the hydrogens of a PDB or mmCIF file.
 enum class HydrogenChoice {
-  by_radii,  ///< None if the radii are those of united atoms, which include hydrogens; all
+  by_radii,  ///< None if the radii belong to united atoms, which include hydrogens; all
              ///< otherwise.
   keep,      ///< All.
   drop,      ///< None.
@@ -111,7 +111,7 @@ struct StructureReport {
   /// with an earlier image of the same atom to within 0.5 angstrom.
   std::uint64_t dropped_images = 0;
 
-  /// Atoms whose radius is that of their element. The counts include the images of an assembly.
+  /// Atoms with the radius of their element. The counts include the images of an assembly.
   std::vector<RadiusSource> by_element;
   /// Atoms with StructureOptions::unknown_radius. The counts include the images of an assembly.
   std::vector<RadiusSource> unknown;

@@ -15,7 +15,7 @@ namespace eses {
 using ProgressCallback = std::function<void(std::int64_t done, std::int64_t total)>;
 
 /// Options of compute, for_each_block, write_files and estimate. All callbacks of a call, including
-/// that of for_each_block, are called from any of its threads, but never two at the same time.
+/// a BlockCallback, are called from any of its threads, but never two at the same time.
 struct RunOptions {
   /// Number of threads; 0 for all available processors, or fewer to satisfy `max_memory`.
   int threads = 0;
@@ -30,7 +30,7 @@ struct RunOptions {
   /// the computation; 0 to 1e7. Faults throw VerificationError.
   std::int64_t verify = 0;
   /// The points to compute, with the edges that start there; empty for all points. Indices and
-  /// coordinates are those of the whole grid.
+  /// coordinates refer to the whole grid.
   std::optional<GridRegion> region = {};
   /// Called with the number of solved blocks: after each block, repeatedly during long blocks, and
   /// while a result in memory is sorted. Blocks of up to 256 points on a side take well below a

@@ -39,7 +39,7 @@ struct MeshCounts {
 /// Totals of the points and edges that were computed.
 ///
 /// With the spacing h, the outward unit normal n of a crossing on an edge along `axis`, and sums
-/// over all crossings and points, the estimates are those of Liu et al. (J. Comput. Chem. 38, 446,
+/// over all crossings and points, the estimates follow Liu et al. (J. Comput. Chem. 38, 446,
 /// 2017, doi:10.1002/jcc.24682):
 ///
 ///     area   = h^2 * sum |n[axis]|
@@ -61,7 +61,7 @@ struct Summary {
   /// averaged over the three axes, with s = 1 if the outside end is the upper end and s = -1
   /// otherwise. It is second order in h and more accurate than `volume`. If a region or a grid cuts
   /// the surface, it is the volume of the part within half a spacing of the points. The volumes of
-  /// regions that divide a grid add up to that of the grid.
+  /// regions that divide a grid add up to the volume of the grid.
   double divergence_volume = 0;
   std::int64_t inside_points = 0;  ///< Number of grid points inside the surface.
   std::int64_t convex = 0;         ///< Number of crossings on convex patches: one atom.

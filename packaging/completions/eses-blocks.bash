@@ -1,11 +1,33 @@
 # bash completion for eses-blocks: reads the options from --help.
 # shellcheck shell=bash disable=SC2016,SC2034,SC2154,SC2207
 
+# Options of MSMS have a single dash.
+_eses_msms() {
+  case $prev in
+    -surface) COMPREPLY=($(compgen -W 'tses ases' -- "$cur")) ;;
+    -density | -hdensity | -probe_radius | -one_cavity) ;;
+    *)
+      if [[ $cur == -* ]]; then
+        COMPREPLY=($(compgen -W '-probe_radius -density -hdensity -surface -no_area -noh -if -of -af
+          -no_header -all_components -one_cavity --help --version' -- "$cur"))
+      else
+        _filedir
+      fi
+      ;;
+  esac
+}
+
 _eses_blocks() {
   local cur prev words cword split
   _init_completion -s || return
   local command=
-  if ((cword > 1)) && [[ ${words[1]} == @(diff|measure) ]]; then command=${words[1]}; fi
+  if ((cword > 1)) && [[ ${words[1]} == @(diff|measure|msms|pdb_to_xyzr|pdb_to_xyzrn) ]]; then
+    command=${words[1]}
+  fi
+  if [[ $command == msms ]]; then
+    _eses_msms
+    return
+  fi
 
   case $prev in
     --format) COMPREPLY=($(compgen -W 'auto xyzr pqr pdb mmcif' -- "$cur")) && return ;;
@@ -20,7 +42,7 @@ _eses_blocks() {
     --parts) COMPREPLY=($(compgen -W chains -- "$cur")) && return ;;
     --csv) _filedir csv && return ;;
     --color) COMPREPLY=($(compgen -W 'patch atom chain' -- "$cur")) && return ;;
-    --mesh) _filedir '@(ply|obj|off|vtp|vert|face)' && return ;;
+    --mesh) _filedir '@(ply|obj|off|vtp|stl|glb|vert|face)' && return ;;
     --inside) _filedir '@(dx|dx.gz|vti)' && return ;;
     --kappa) _filedir 'dx?(.gz)' && return ;;
     --grid-like) _filedir '@(dx|vti|txt)?(.gz)' && return ;;
@@ -44,7 +66,7 @@ _eses_blocks() {
     _filedir -d
   else
     _filedir '@(xyzr|pqr|pdb|pdb+([0-9])|pdbx|ent|cif|mmcif|mcif)?(.gz)'
-    if ((cword == 1)); then COMPREPLY+=($(compgen -W 'diff measure' -- "$cur")); fi
+    if ((cword == 1)); then COMPREPLY+=($(compgen -W 'diff measure msms pdb_to_xyzr pdb_to_xyzrn' -- "$cur")); fi
   fi
 }
 complete -F _eses_blocks eses-blocks

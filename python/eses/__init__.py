@@ -14,33 +14,49 @@ True
 """
 
 from ._core import (
+    AtomAreas,
     Atoms,
     Block,
     BlockIterator,
     Crossings,
     Diagnostic,
+    FrameMeasures,
+    Gradient,
+    Gradients,
     Grid,
     Labels,
+    Measures,
     Mesh,
     Result,
     Surface,
     __version__,
+    measure_frames,
     read_atoms,
     read_grid,
 )
+from ._shown import add_methods
+
+add_methods(Mesh, Result, Surface)
+del add_methods
 
 __all__ = [
+    "AtomAreas",
     "Atoms",
     "Block",
     "BlockIterator",
     "Crossings",
     "Diagnostic",
+    "FrameMeasures",
+    "Gradient",
+    "Gradients",
     "Grid",
     "Labels",
+    "Measures",
     "Mesh",
     "Result",
     "Surface",
     "__version__",
+    "measure_frames",
     "read_atoms",
     "read_grid",
 ]

@@ -3,7 +3,6 @@
 #include <string>
 
 namespace eses::python {
-namespace {
 
 std::string shape_text(const py::array& array) {
   std::string text = "(";
@@ -12,7 +11,7 @@ std::string shape_text(const py::array& array) {
   return text + (array.ndim() == 1 ? ",)" : ")");
 }
 
-py::array_t<double> as_numbers(const py::object& values, const std::string& name) {
+py::array real_array(const py::object& values, const std::string& name) {
   const auto numpy = py::module_::import("numpy");
   if (numpy.attr("ma").attr("is_masked")(values).cast<bool>())
     throw py::value_error(name + " has masked entries; leave these atoms out of both arrays");
@@ -21,12 +20,25 @@ py::array_t<double> as_numbers(const py::object& values, const std::string& name
   if (const char kind = array.dtype().kind(); kind != 'f' && kind != 'i' && kind != 'u')
     throw py::type_error(name + " must be an array of real numbers, not of type " +
                          py::str(array.dtype()).cast<std::string>());
+  return array;
+}
+
+py::array_t<double> as_doubles(const py::array& array) {
   auto numbers = py::array_t<double, py::array::forcecast>::ensure(array);
   if (!numbers) throw py::error_already_set();
   return py::reinterpret_steal<py::array_t<double>>(numbers.release());
 }
 
-}  // namespace
+std::vector<double> make_radii(const py::object& radii, std::size_t count) {
+  const py::array_t<double> array = as_doubles(real_array(radii, "radii"));
+  if (array.ndim() != 1 || static_cast<std::size_t>(array.shape(0)) != count)
+    throw py::value_error("radii must have shape (" + std::to_string(count) +
+                          ",), one for each of the centers, not " + shape_text(array));
+  const auto radius = array.unchecked<1>();
+  std::vector<double> list(count);
+  for (std::size_t i = 0; i < count; ++i) list[i] = radius(static_cast<py::ssize_t>(i));
+  return list;
+}
 
 py::array inside_view(std::span<const std::uint8_t> inside, const GridIndex& size,
                       py::handle owner) {
@@ -38,20 +50,19 @@ py::array inside_view(std::span<const std::uint8_t> inside, const GridIndex& siz
 }
 
 std::vector<Atom> make_atoms(const py::object& centers, const py::object& radii) {
-  const py::array_t<double> center_array = as_numbers(centers, "centers");
-  const py::array_t<double> radius_array = as_numbers(radii, "radii");
+  const py::array_t<double> center_array = as_doubles(real_array(centers, "centers"));
+  const py::array radius_array = real_array(radii, "radii");
   if (center_array.ndim() != 2 || center_array.shape(1) != 3)
     throw py::value_error("centers must have shape (N, 3), not " + shape_text(center_array));
-  const py::ssize_t count = center_array.shape(0);
-  if (radius_array.ndim() != 1 || radius_array.shape(0) != count)
-    throw py::value_error("radii must have shape (" + std::to_string(count) +
-                          ",), one for each of the centers, not " + shape_text(radius_array));
+  const std::vector<double> radius =
+      make_radii(radius_array, static_cast<std::size_t>(center_array.shape(0)));
   const auto center = center_array.unchecked<2>();
-  const auto radius = radius_array.unchecked<1>();
   std::vector<Atom> atoms;
-  atoms.reserve(static_cast<std::size_t>(count));
-  for (py::ssize_t i = 0; i < count; ++i)
-    atoms.push_back({{center(i, 0), center(i, 1), center(i, 2)}, radius(i)});
+  atoms.reserve(radius.size());
+  for (const double value : radius) {
+    const auto i = static_cast<py::ssize_t>(atoms.size());
+    atoms.push_back({{center(i, 0), center(i, 1), center(i, 2)}, value});
+  }
   return atoms;
 }
 

@@ -8,6 +8,7 @@
 #include <cstdint>
 #include <eses/eses.hpp>
 #include <span>
+#include <string>
 #include <string_view>
 #include <vector>
 
@@ -45,6 +46,19 @@ py::array field_view(const Value* first, std::size_t count, std::size_t stride, 
 /// byte for each point, x fastest. It keeps `owner` alive.
 py::array inside_view(std::span<const std::uint8_t> inside, const GridIndex& size,
                       py::handle owner);
+
+/// Returns the shape of an array as text for messages.
+std::string shape_text(const py::array& array);
+
+/// Returns values as an array of any real type. Raises TypeError for other types, and ValueError
+/// for masked entries. `name` is the name of the argument.
+py::array real_array(const py::object& values, const std::string& name);
+
+/// Converts an array to one of doubles.
+py::array_t<double> as_doubles(const py::array& array);
+
+/// Makes a list of radii from an array of shape (count,). Raises TypeError and ValueError.
+std::vector<double> make_radii(const py::object& radii, std::size_t count);
 
 /// Makes atoms from arrays of shape (N, 3) and (N,), of any real type and memory layout. Raises
 /// TypeError and ValueError.

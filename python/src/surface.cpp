@@ -16,6 +16,7 @@
 #include "computed_result.hpp"
 #include "instances.hpp"
 #include "interrupts.hpp"
+#include "measures.hpp"
 #include "run_arguments.hpp"
 #include "threads.hpp"
 
@@ -344,6 +345,7 @@ void bind_surface(py::module_& module) {
             return make_surface(centers, radii, probe_radius, 1);
           }));
   protect_instances(type);
+  bind_measures(module, type);
 }
 
 }  // namespace eses::python

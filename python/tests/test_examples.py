@@ -1,6 +1,7 @@
 """Runs the examples as programs."""
 
 import csv
+import pathlib
 import subprocess
 import sys
 
@@ -18,6 +19,26 @@ def run(name, *arguments):
                           capture_output=True, text=True, check=False)
     assert done.returncode == 0, done.stderr
     return list(csv.DictReader(done.stdout.splitlines()))
+
+
+def test_notebook_runs(tmp_path, monkeypatch):
+    nbclient, nbformat = pytest.importorskip("nbclient"), pytest.importorskip("nbformat")
+    pytest.importorskip("ipykernel")
+    pytest.importorskip("pandas")
+    notebook = nbformat.read(EXAMPLES / "surface.ipynb", as_version=4)
+    for cell in notebook.cells:  # the notebook runs in another folder
+        cell.source = cell.source.replace("../../data", str(DATA))
+    monkeypatch.setenv("PYTHONPATH", str(pathlib.Path(eses.__file__).parents[1]))
+    # The kernel of this interpreter, whatever kernels the user has.
+    monkeypatch.setenv("JUPYTER_PATH", str(pathlib.Path(sys.prefix) / "share/jupyter"))
+    nbclient.NotebookClient(notebook, timeout=300, resources={"metadata": {"path": tmp_path}}).execute()
+    outputs = [output for cell in notebook.cells if cell.cell_type == "code" for output in cell.outputs]
+    assert "<iframe srcdoc=" in outputs[0].data["text/html"]
+    assert (tmp_path / "fas2.html").stat().st_size > 100000
+    atoms = eses.read_atoms(DATA / "fas2.pqr")
+    surface = eses.Surface(atoms.centers, atoms.radii)
+    area = surface.compute(surface.grid(0.5, 1.0), inside=False).area
+    assert outputs[-1].text.endswith(f"of {area:.0f} square angstrom\n")
 
 
 def test_trajectory_prints_area_and_volume(tmp_path, ubiquitin):
@@ -41,6 +62,47 @@ def test_trajectory_of_mdanalysis_is_read(tmp_path):
     surface = eses.Surface(atoms.centers, atoms.radii)
     assert len(rows) == 1
     assert float(rows[0]["area"]) == pytest.approx(surface.compute(surface.grid(0.8)).area, rel=1e-4)
+
+
+# Areas and volumes of two spheres of radius 1.7 for a probe of 1.4, by distance.
+SES_OF_TWO_SPHERES = {3: (66.0779806211, 42.3467039769), 6: (72.7000761036, 41.1849134259)}
+
+
+def write_spheres(path, distances):
+    """Writes a PDB file with a model for each distance of two atoms."""
+    path.write_text("".join(
+        f"MODEL     {model:4}\n" + "".join(
+            f"ATOM  {serial:5}  C   GLY A{serial:4}       0.000   0.000{z:8.3f}  1.00  0.00           C\n"
+            for serial, z in ((1, 0), (2, distance))) + "ENDMDL\n"
+        for model, distance in enumerate(distances, 1)))
+
+
+@pytest.mark.parametrize("count", [2, 64, 130])
+def test_trajectory_areas_prints_areas_and_volumes(tmp_path, count):
+    pytest.importorskip("MDAnalysis")
+    distances = [3 + 3 * (frame % 2) for frame in range(count)]
+    write_spheres(tmp_path / "pair.pdb", distances)
+    (tmp_path / "pair.xyzr").write_text("0 0 0 1.7\n0 0 3 1.7\n")
+    rows = run("trajectory_areas.py", tmp_path / "pair.pdb", "--radii", tmp_path / "pair.xyzr")
+    assert [row["frame"] for row in rows] == [str(frame) for frame in range(count)]
+    for row, distance in zip(rows, distances):
+        area, volume = SES_OF_TWO_SPHERES[distance]
+        assert float(row["ses_area"]) == pytest.approx(area, rel=1e-9)
+        assert float(row["ses_volume"]) == pytest.approx(volume, rel=1e-9)
+        assert float(row["sas_area"]) == pytest.approx(4 * np.pi * 3.1 * (3.1 + distance / 2), rel=1e-9)
+
+
+def test_surface_areas_can_be_imported(monkeypatch):
+    mdanalysis = pytest.importorskip("MDAnalysis")
+    monkeypatch.syspath_prepend(str(EXAMPLES))
+    from trajectory_areas import SurfaceAreas  # pylint: disable=import-outside-toplevel
+    universe = mdanalysis.Universe(str(DATA / "fas2.pqr"))  # with radii
+    atoms = universe.select_atoms("index 0:99")
+    results = SurfaceAreas(atoms).run().results
+    assert results.atom_sas_area.shape == (1, len(atoms))
+    surface = eses.Surface(atoms.positions, atoms.radii)
+    assert results.atom_sas_area[0] == pytest.approx(surface.measure(by_atom=True).by_atom.sas)
+    assert results.ses_volume == pytest.approx(surface.measure().ses_volume)
 
 
 def test_ligand_features_knows_elements_of_two_letters(tmp_path):

@@ -97,6 +97,20 @@ def test_ctrl_c_ends_an_iteration_over_blocks(medium):
     assert_interrupts(loop)
 
 
+@pytest.mark.parametrize("threads", [1, 2])
+def test_ctrl_c_ends_measure(lattice, threads):
+    surface = eses.Surface(*lattice(40))
+    assert_interrupts(lambda: surface.measure(by_atom=True, derivatives=True, threads=threads), 0.1)
+
+
+@pytest.mark.parametrize("count, n", [(100_000, 4), (4, 40)])
+@pytest.mark.parametrize("threads", [1, 2])
+def test_ctrl_c_ends_measure_frames(lattice, count, n, threads):
+    centers, radii = lattice(n)
+    frames = np.broadcast_to(centers, (count, n**3, 3))
+    assert_interrupts(lambda: eses.measure_frames(frames, radii, threads=threads))
+
+
 def test_ctrl_c_ends_reading(tmp_path):
     path = tmp_path / "large.xyzr"
     line = b"12.345 23.456 34.567 1.75\n"

@@ -47,6 +47,20 @@ def test_small_calls_do_not_leak(chain):
     assert growth(action, CALLS) < BOUND
 
 
+def test_measures_do_not_leak(chain):
+    surface = eses.Surface(*chain)
+    frames = np.repeat(chain[0][None], 3, axis=0)
+
+    def action():
+        measures = surface.measure(by_atom=True, derivatives=True, threads=1)
+        measures.by_atom.ses.copy(), measures.gradients.ses_area.centers.copy()
+        eses.measure_frames(frames, chain[1], by_atom=True, derivatives=True, threads=1)
+        with pytest.raises(ValueError):
+            eses.measure_frames(np.full((1, 12, 3), np.nan), chain[1])
+
+    assert growth(action, CALLS // 4) < BOUND
+
+
 def test_iterators_do_not_leak(chain):
     surface = eses.Surface(*chain)
     grid = surface.grid(0.5)

@@ -65,10 +65,11 @@ def test_grid(rebuild):
 def test_atoms(name, rebuild):
     atoms = eses.read_atoms(DATA / name)
     again = rebuild(atoms)
-    assert_equal_arrays(atoms, again, ("centers", "radii", "lines"))
+    assert_equal_arrays(atoms, again, ("centers", "radii", "lines", "element"))
     if name == "1ubq.xyzr":
-        assert again.labels is None
+        assert again.labels is None and again.charge is None
     else:
+        assert np.array_equal(atoms.charge, again.charge)
         assert_equal_arrays(atoms.labels, again.labels, LABELS)
         assert_equal_arrays(atoms.labels, rebuild(atoms.labels), LABELS)
 
@@ -109,6 +110,36 @@ def test_empty_result(surface, rebuild):
     again = rebuild(result)
     assert_equal_arrays(result.crossings, again.crossings, CROSSINGS)
     assert_equal_arrays(result.mesh(), again.mesh(), MESH)
+
+
+def attributes_of(value):
+    return {name: getattr(value, name) for name, member in vars(type(value)).items()
+            if isinstance(member, property)}
+
+
+def assert_equal_measures(first, second):
+    assert type(first) is type(second)
+    for name, expected in attributes_of(first).items():
+        value = getattr(second, name)
+        assert type(value) is type(expected), name
+        if isinstance(expected, np.ndarray):
+            assert_equal_arrays(first, second, (name,))
+        elif type(expected) in CLASSES:
+            assert_equal_measures(expected, value)
+        else:
+            assert value == expected, name
+
+
+@pytest.mark.parametrize("chosen", [False, True])
+def test_measures(surface, rebuild, chosen):
+    options = {"by_atom": chosen, "derivatives": chosen, "van_der_waals": chosen}
+    for measures in (surface.measure(**options),
+                     eses.measure_frames(surface.centers[None], surface.radii, **options)):
+        again = rebuild(measures)
+        assert_equal_measures(measures, again)
+        if chosen:
+            assert_equal_measures(measures.by_atom, rebuild(measures.by_atom))
+            assert_equal_measures(measures.gradients, rebuild(measures.gradients))
 
 
 def test_workers_return_results():
@@ -190,6 +221,10 @@ def bad_states(value):
             yield changed(state, index, entry[..., None])
 
 
+def all_measures(surface):
+    return surface.measure(van_der_waals=True, by_atom=True, derivatives=True)
+
+
 @pytest.mark.parametrize("make", [
     lambda surface, result: surface,
     lambda surface, result: eses.Grid((0, 0, 0), 1, (2, 2, 2)),
@@ -198,7 +233,13 @@ def bad_states(value):
     lambda surface, result: result.mesh(),
     lambda surface, result: eses.read_atoms(DATA / "fas2.pqr"),
     lambda surface, result: eses.read_atoms(DATA / "fas2.pqr").labels,
-], ids=["Surface", "Grid", "Result", "Crossings", "Mesh", "Atoms", "Labels"])
+    lambda surface, result: all_measures(surface),
+    lambda surface, result: all_measures(surface).by_atom,
+    lambda surface, result: all_measures(surface).gradients,
+    lambda surface, result: all_measures(surface).gradients.ses_area,
+    lambda surface, result: eses.measure_frames(surface.centers[None], surface.radii, by_atom=True),
+], ids=["Surface", "Grid", "Result", "Crossings", "Mesh", "Atoms", "Labels", "Measures", "AtomAreas", "Gradients",
+        "Gradient", "FrameMeasures"])
 def test_bad_states_are_refused(surface, result, make):
     value = make(surface, result)
     for state in bad_states(value):
@@ -238,3 +279,29 @@ def test_contradictory_states_are_refused(surface, result):
     refuse(result, 2, ((0, 0, 0), (1, 1, 1)))
     refuse(result, 2, ((0, 0, 0), tuple(np.add(result.grid.shape, 1))))
     assert len(state) == 10
+
+
+def test_contradictory_measures_are_refused(surface):
+    measures = all_measures(surface)
+    frames = eses.measure_frames(np.repeat(surface.centers[None], 2, axis=0), surface.radii, by_atom=True,
+                                 derivatives=True)
+    other = eses.Surface([[0, 0, 0]], [1]).measure(by_atom=True, derivatives=True)
+
+    def refuse(value, index, entry):
+        with pytest.raises(ValueError, match="state"):
+            type(value).__new__(type(value)).__setstate__(changed(value.__getstate__(), index, entry))
+
+    by_atom, gradients = 11, 12
+    for value in (measures, frames):
+        assert value.__getstate__()[by_atom] is value.by_atom
+        for entry in (other.by_atom, value.gradients, 1):
+            refuse(value, by_atom, entry)
+        refuse(value, gradients, other.gradients)
+    refuse(measures, by_atom, frames.by_atom)
+    refuse(frames, by_atom, measures.by_atom)
+    refuse(measures, 0, np.ones(2))
+    refuse(frames, 0, 1.0)
+    refuse(frames, 0, np.ones(3))
+    refuse(measures.gradients, 0, None)
+    refuse(measures.gradients, 0, other.gradients.ses_area)
+    refuse(measures.by_atom, 0, measures.by_atom.sas.astype(np.float32))

@@ -84,7 +84,7 @@ def test_stubs_have_the_parameters_of_constructors(name):
 
 def test_stubs_have_the_parameters_of_functions():
     functions = [node for node in stub_nodes() if isinstance(node, ast.FunctionDef)]
-    assert {node.name for node in functions} == {"read_atoms", "read_grid"}
+    assert {node.name for node in functions} == {"measure_frames", "read_atoms", "read_grid"}
     for node in functions:
         function = getattr(_core, node.name)
         assert parameters(node.args) == actual_parameters(function)
@@ -93,8 +93,8 @@ def test_stubs_have_the_parameters_of_functions():
 
 
 def test_docstrings_name_every_parameter():
-    for function in (eses.Surface.grid, eses.Surface.compute, eses.Surface.blocks,
-                     eses.Grid.coordinates, eses.read_atoms, eses.read_grid):
+    for function in (eses.Surface.grid, eses.Surface.compute, eses.Surface.blocks, eses.Surface.measure,
+                     eses.Grid.coordinates, eses.measure_frames, eses.read_atoms, eses.read_grid):
         for name in inspect.signature(function).parameters:
             # One line may name several parameters.
             line = rf"(?m)^(\w+, )*{name}(, \w+)* : "

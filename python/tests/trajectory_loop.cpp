@@ -2,7 +2,8 @@
 //
 //   trajectory-loop ATOMS FRAMES COUNT SPACING
 //
-// FRAMES holds COUNT frames of doubles x, y, z. Prints the sum of the areas and the CPU time.
+// FRAMES holds COUNT frames of doubles x, y, z. With SPACING 0, the surfaces are measured without a
+// grid. Prints the sum of the areas and the CPU time.
 
 #include <cstdio>
 #include <cstdlib>
@@ -51,6 +52,10 @@ int main(int argc, char** argv) try {
       next += 3;
     }
     const eses::Surface surface(std::move(moved));
+    if (spacing == 0) {
+      sum += eses::measure(surface, {.threads = 1}).ses_area;
+      continue;
+    }
     const eses::Grid grid = eses::make_grid(surface, {.spacing = spacing, .margin = 2 * spacing});
     sum += eses::compute(surface, grid, {.threads = 1}).area();
   }

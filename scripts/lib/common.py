@@ -5,6 +5,7 @@ import contextlib
 import errno
 import gzip
 import io
+import math
 import os
 import pathlib
 import platform
@@ -52,6 +53,22 @@ def positive(text):
     if value < 1:
         raise argparse.ArgumentTypeError("at least 1")
     return value
+
+
+def at_least(least, is_open=False):
+    """Returns a converter for finite numbers of at least `least`, or above it if `is_open`."""
+    def convert(text):
+        try:
+            value = float(text)
+        except ValueError:
+            value = math.nan
+        if not math.isfinite(value):
+            raise argparse.ArgumentTypeError("expected a number")
+        if value < least or (is_open and value == least):
+            raise argparse.ArgumentTypeError(
+                f"expected {'more than' if is_open else 'at least'} {least}")
+        return value
+    return convert
 
 
 def end_with(main):

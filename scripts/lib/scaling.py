@@ -12,20 +12,38 @@ import collections
 import heapq
 import itertools
 import math
+import re
 
+from common import PROJECT
 import costs as measured
 
 INFINITY = math.inf
 
-# src/run/slabs.cpp: seconds from which the program estimates the cost of a plane.
-ESTIMATE = {"atom": 14e-6, "prepared_atom": 1e-6, "crossing": 0.45e-6,
-            "crossing_text": 0.25e-6, "point": 0.3e-9, "point_text": 2e-9}
+
+def source_constant(path, name):
+    """Returns the value of a constant in a file of src/: a number, a product with `mebibyte`, or a
+    power of two such as `std::size_t{1} << 16`."""
+    found = re.search(rf"\b{name} = ([^;,]+)[;,]", (PROJECT / "src" / path).read_text("utf-8"))
+    if not found:
+        raise LookupError(f"src/{path} has no constant {name}")
+    factors, _, shift = found[1].partition("<<")
+    value = math.prod(2**20 if factor.strip() == "mebibyte"
+                      else float(re.sub(r"[\w:]+\{(\w+)\}", r"\1", factor))
+                      for factor in factors.split("*"))
+    value *= 2**int(shift or 0)
+    return int(value) if value.is_integer() else value
+
+
+# Seconds from which the program estimates the cost of a plane.
+ESTIMATE = {name: source_constant("run/slabs.cpp", f"seconds_per_{name}")
+            for name in ("atom", "prepared_atom", "crossing", "crossing_text", "point",
+                         "point_text")}
 HALO_SLACK, REACH_SLACK = 1.0, 1e-3  # angstrom: slabs.cpp, src/surface/reach.hpp
 
 # Bytes of SentAtom, ChunkInfo and AtomSum in src/run and src/distributed.
 SENT_ATOM, CHUNK_INFO, AREA_SHARE = 48, 208, 32
-# Bytes as assumed by src/run/memory.cpp.
-BASE_MEMORY, THREAD_MEMORY = 6 * 2**20, 0.75 * 2**20
+BASE_MEMORY = source_constant("run/memory.cpp", "base_bytes")
+THREAD_MEMORY = source_constant("run/memory.cpp", "bytes_per_thread")
 MPI_MEMORY = 14 * 2**20  # src/distributed/processes_mpi.cpp
 ATOM_MEMORY, CROSSING_MEMORY = 80, 48
 PATCH_MEMORY = 340  # bytes of an atom's patches, as allocated for a ribosome
@@ -33,8 +51,11 @@ PATCH_MEMORY = 340  # bytes of an atom's patches, as allocated for a ribosome
 # have read, and their lines, until the slabs are final.
 PREPARED_ATOM, READ_ATOM = 102, 40
 CELL_HEIGHT = 3.0  # angstrom: src/surface/cell_list.hpp
-MIN_SAMPLES, MAX_SAMPLES, ATOMS_PER_SAMPLE = 128, 2048, 16  # src/surface/survey.cpp
-ATOMS_PER_SLICE, MAX_SLICES = 2**16, 16  # src/surface/atom_slices.cpp
+MIN_SAMPLES, MAX_SAMPLES, ATOMS_PER_SAMPLE = (
+    source_constant("surface/survey.cpp", name)
+    for name in ("min_samples", "max_samples", "atoms_per_sample"))
+ATOMS_PER_SLICE, MAX_SLICES = (source_constant("surface/atom_slices.cpp", name)
+                               for name in ("atoms_per_slice", "max_slices"))
 
 # Numbers of calls in a run of several processes, as counted in one process. In an exchange each
 # process sends something to each. Reductions and broadcasts go up and down a tree.

@@ -9,7 +9,8 @@ from common import Failed, complete_file, printable
 NAME = "summary.csv"
 AREAS = {f"{kind}_area": kind for kind in ("convex", "saddle", "concave")}
 COLUMNS = ("id", "input", "radii", "atoms", "nx", "ny", "nz", "bx", "by", "bz", "area", *AREAS,
-           "volume", "divergence_volume", "seconds", "peak_bytes", "threads", "status", "message")
+           "volume", "divergence_volume", "exact_area", "exact_volume", "seconds", "peak_bytes",
+           "threads", "status", "message")
 
 
 def row(name, path, radii, status):
@@ -23,7 +24,8 @@ def row(name, path, radii, status):
         result.update(zip(("bx", "by", "bz"), report["blocks"]["along_axes"]))
         result.update({column: report["area_by_kind"][kind] for column, kind in AREAS.items()})
         result.update({key: report[key] for key in
-                       ("atoms", "area", "volume", "divergence_volume", "threads")},
+                       ("atoms", "area", "volume", "divergence_volume", "exact_area",
+                        "exact_volume", "threads")},
                       seconds=round(status["seconds"], 4), peak_bytes=report["peak_memory_bytes"])
     return result
 

@@ -7,7 +7,6 @@
 #include <utility>
 #include <variant>
 
-#include "api/arguments.hpp"
 #include "api/maps_in_memory.hpp"
 #include "api/mesh_in_memory.hpp"
 #include "api/surface_access.hpp"
@@ -44,8 +43,6 @@ const detail::Molecule& molecule_of(const Surface& surface) {
 detail::Parameters parameters_of(const Surface& surface, const Grid& grid,
                                  const RunOptions& options) {
   detail::Parameters parameters{.probe_radius = surface.probe_radius(),
-                                .spacing = grid.spacing,
-                                .margin = 0,
                                 .grid = grid,
                                 .block_size = options.block_size,
                                 .threads = options.threads,
@@ -55,32 +52,21 @@ detail::Parameters parameters_of(const Surface& surface, const Grid& grid,
   return parameters;
 }
 
-// Throws std::invalid_argument for faults that depend on the arguments only.
+// Throws std::invalid_argument for faults that the planner does not detect.
 void check_task(const detail::RunTask& task) {
-  detail::check_arguments([&] {
-    const detail::Molecule& molecule = std::get<detail::Molecule>(task.atoms);
-    const Grid& grid = *task.parameters.grid;
-    detail::require_valid(grid);
-    const detail::GridPlan plan =
-        detail::plan_grid(detail::sphere_bounds(molecule.atoms()), task.parameters);
-    const std::int64_t block_size = task.parameters.block_size;
-    if (block_size != 0) detail::make_tiling(grid, block_size, plan.region);
-    for (const detail::MapChoice& map : detail::chosen_maps(task.outputs))
-      if (std::filesystem::path(map.name).has_parent_path())
-        throw Error(detail::formatted(
-            "maps go to the output directory: {} must be a plain file name", map.name));
-    detail::require_valid(task.outputs, molecule);
-  });
+  detail::require_valid(std::get<Grid>(task.parameters.grid));
+  for (const detail::MapChoice& map : detail::chosen_maps(task.outputs))
+    if (std::filesystem::path(map.name).has_parent_path())
+      throw std::invalid_argument(detail::formatted(
+          "maps go to the output directory: {} must be a plain file name", map.name));
 }
 
-// Returns the memory of a result, besides the memory of the run.
-detail::CallerMemory memory_of_result(const GridRegion& region, const ResultParts& parts,
-                                      std::uint64_t bytes_per_point) {
+// Returns the memory of a result, besides `bytes_per_point`.
+detail::CallerMemory memory_of_result(const ResultParts& parts, double bytes_per_point) {
   constexpr double mesh_bytes =
       2 * sizeof(Vec3) + sizeof(AtomIndex) + 1 + 2 * sizeof(std::array<std::uint64_t, 3>);
-  detail::CallerMemory memory;
-  if (parts.inside || parts.mesh) ++bytes_per_point;
-  memory.bytes = bytes_per_point * static_cast<std::uint64_t>(region.point_count());
+  detail::CallerMemory memory{.per_point = bytes_per_point};
+  if (parts.inside || parts.mesh) ++memory.per_point;
   if (parts.crossings || parts.mesh) memory.per_crossing = growth * sizeof(Crossing);
   if (parts.mesh) memory.per_crossing += growth * mesh_bytes;
   return memory;
@@ -89,14 +75,13 @@ detail::CallerMemory memory_of_result(const GridRegion& region, const ResultPart
 // Plans a run. `parts` are the parts of the result in memory, besides `bytes_per_point`.
 PlannedRun plan_run(const Surface& surface, const Grid& grid, const Outputs& outputs,
                     const RunOptions& options, const ResultParts& parts = no_parts,
-                    std::uint64_t bytes_per_point = 0) {
+                    double bytes_per_point = 0) {
   PlannedRun run{.task = {.atoms = molecule_of(surface),
                           .parameters = parameters_of(surface, grid, options),
-                          .outputs = outputs},
+                          .outputs = outputs,
+                          .caller_memory = memory_of_result(parts, bytes_per_point)},
                  .plan = {}};
   check_task(run.task);
-  run.task.caller_memory =
-      memory_of_result(options.region.value_or(grid.whole()), parts, bytes_per_point);
   run.plan = detail::plan_run(run.task, detail::Processes());
   return run;
 }
@@ -113,6 +98,14 @@ Summary solve(const PlannedRun& run, const detail::Callbacks& callbacks) {
   if (detail::has_faults(summary)) throw VerificationError(std::move(*summary.verification));
   summary.atom_areas = std::move(result.atom_areas).value();
   return std::move(summary);
+}
+
+// Performs a run that passes the maps of `outputs` to receivers, and writes nothing.
+void solve_maps(PlannedRun& run, const Outputs& outputs, const RunOptions& options,
+                std::vector<detail::MapSink> receivers) {
+  run.task.outputs = Outputs::none();
+  run.task.maps_in_memory = {std::move(receivers), detail::extras_of(outputs)};
+  solve(run, callbacks_of(options));
 }
 
 std::invalid_argument point_error(const GridIndex& point, const GridRegion& region) {
@@ -185,11 +178,11 @@ auto sorting_key(const Crossing& crossing) {
 void require_inside(const Result& result) {
   const auto points = static_cast<std::size_t>(result.region().point_count());
   if (result.inside().size() != (result.parts().inside ? points : 0))
-    throw Error(detail::formatted("{} inside values do not fit a region of {} points",
-                                  result.inside().size(), points));
+    throw std::invalid_argument(detail::formatted(
+        "{} inside values do not fit a region of {} points", result.inside().size(), points));
   if (std::any_of(result.inside().begin(), result.inside().end(),
                   [](std::uint8_t value) { return value > 1; }))
-    throw Error("an inside value is neither 0 nor 1");
+    throw std::invalid_argument("an inside value is neither 0 nor 1");
 }
 
 void require_crossings(const Result& result) {
@@ -197,15 +190,17 @@ void require_crossings(const Result& result) {
   for (const Crossing& crossing : result.crossings()) {
     if (crossing.axis > 2 || !result.region().contains(crossing.lower) ||
         !result.grid().whole().contains(crossing.upper()))
-      throw Error("a crossing is not on an edge of the region");
+      throw std::invalid_argument("a crossing is not on an edge of the region");
     if (crossing.atom_count < 1 || crossing.atom_count > 3)
-      throw Error("a crossing has fewer than one or more than three adjacent atoms");
+      throw std::invalid_argument(
+          "a crossing has fewer than one or more than three adjacent atoms");
     for (const AtomIndex atom : crossing.adjacent_atoms())
       if (atom >= result.atom_areas().size())
-        throw Error(detail::formatted("a crossing has atom {}, but there are only {} atoms", atom,
-                                      result.atom_areas().size()));
+        throw std::invalid_argument(
+            detail::formatted("a crossing has atom {}, but there are only {} atoms", atom,
+                              result.atom_areas().size()));
     if (previous != nullptr && !(sorting_key(*previous) < sorting_key(crossing)))
-      throw Error("the crossings are not in ascending order of their edges");
+      throw std::invalid_argument("the crossings are not in ascending order of their edges");
     previous = &crossing;
   }
 }
@@ -227,7 +222,7 @@ void require_matching(const Result& result) {
           const bool is_within = point[axis] + 1 < end[axis];
           if ((is_within && has_crossing != (inside[0] != inside[strides[axis]])) ||
               (has_crossing && next->lower_is_inside != (inside[0] != 0)))
-            throw Error("the crossings do not fit the inside values");
+            throw std::invalid_argument("the crossings do not fit the inside values");
           if (has_crossing) ++next;
         }
 }
@@ -299,13 +294,11 @@ Result::Result(Summary summary, const Grid& grid, const GridRegion& region,
       parts_{.inside = inside.has_value(), .crossings = crossings.has_value(), .mesh = false},
       inside_(std::move(inside).value_or(std::vector<std::uint8_t>())),
       crossings_(std::move(crossings).value_or(std::vector<Crossing>())) {
-  detail::check_arguments([this] {
-    detail::require_valid(grid_);
-    detail::require_within(region_, grid_);
-    require_inside(*this);
-    require_crossings(*this);
-    if (parts_.inside && parts_.crossings) require_matching(*this);
-  });
+  detail::require_valid(grid_);
+  detail::require_within(region_, grid_);
+  require_inside(*this);
+  require_crossings(*this);
+  if (parts_.inside && parts_.crossings) require_matching(*this);
 }
 
 bool Result::is_inside(const GridIndex& point) const {
@@ -370,10 +363,8 @@ std::array<std::vector<double>, 3> compute_dielectric(const Surface& surface, co
   PlannedRun run = plan_run(surface, grid, outputs, options, no_parts, 3 * sizeof(double));
   std::array<std::vector<double>, 3> values;
   for (std::vector<double>& list : values) clear_points(run, options, list);
-  run.task.outputs = Outputs::none();
-  run.task.maps_in_memory =
-      detail::dielectric_receivers(detail::chosen_maps(outputs), run.region(), values);
-  solve(run, callbacks_of(options));
+  solve_maps(run, outputs, options,
+             detail::dielectric_receivers(detail::chosen_maps(outputs), run.region(), values));
   return values;
 }
 
@@ -384,9 +375,7 @@ std::vector<std::uint8_t> compute_ion_access(const Surface& surface, const Grid&
   PlannedRun run = plan_run(surface, grid, outputs, options, no_parts, 1);
   std::vector<std::uint8_t> values;
   clear_points(run, options, values);
-  run.task.outputs = Outputs::none();
-  run.task.maps_in_memory = detail::ion_access_receiver(ion_radius, run.region(), values);
-  solve(run, callbacks_of(options));
+  solve_maps(run, outputs, options, {detail::ion_access_receiver(run.region(), values)});
   return values;
 }
 

@@ -25,29 +25,24 @@ MapSink receiver(MapQuantity quantity, const GridRegion& region, std::vector<Val
 
 }  // namespace
 
-MapsInMemory dielectric_receivers(std::span<const MapChoice> maps, const GridRegion& region,
-                                  std::array<std::vector<double>, 3>& values) {
-  MapsInMemory receivers;
-  receivers.extras.inside_fractions = true;
+std::vector<MapSink> dielectric_receivers(std::span<const MapChoice> maps, const GridRegion& region,
+                                          std::array<std::vector<double>, 3>& values) {
+  std::vector<MapSink> receivers;
   for (const MapChoice& map : maps)
-    receivers.sinks.push_back(receiver(map.quantity, region, values[edge_axis(map.quantity)],
-                                       [map](std::span<const std::uint64_t> words, std::size_t x) {
-                                         return dielectric_of(
-                                             map, fraction_in(words[x / fractions_per_word], x));
-                                       }));
+    receivers.push_back(receiver(map.quantity, region, values[edge_axis(map.quantity)],
+                                 [map](std::span<const std::uint64_t> words, std::size_t x) {
+                                   return dielectric_of(
+                                       map, fraction_in(words[x / fractions_per_word], x));
+                                 }));
   return receivers;
 }
 
-MapsInMemory ion_access_receiver(double ion_radius, const GridRegion& region,
-                                 std::vector<std::uint8_t>& values) {
+MapSink ion_access_receiver(const GridRegion& region, std::vector<std::uint8_t>& values) {
   // The bits are set for points without access.
   const auto has_access = [](std::span<const std::uint64_t> words, std::size_t x) {
     return static_cast<std::uint8_t>((words[x / 64] >> (x % 64) & 1) ^ 1);
   };
-  MapsInMemory receivers;
-  receivers.extras.ion_radius = ion_radius;
-  receivers.sinks.push_back(receiver(MapQuantity::ion_access, region, values, has_access));
-  return receivers;
+  return receiver(MapQuantity::ion_access, region, values, has_access);
 }
 
 }  // namespace eses::detail

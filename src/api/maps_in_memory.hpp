@@ -15,11 +15,10 @@ namespace eses::detail {
 /// Returns receivers that put the values of dielectric maps into `values`, in the order of
 /// Result::inside. Keeps a reference to `values`, which must have a value for each point of
 /// `region`.
-MapsInMemory dielectric_receivers(std::span<const MapChoice> maps, const GridRegion& region,
-                                  std::array<std::vector<double>, 3>& values);
+std::vector<MapSink> dielectric_receivers(std::span<const MapChoice> maps, const GridRegion& region,
+                                          std::array<std::vector<double>, 3>& values);
 
 /// Does the same for a map of the access of ions.
-MapsInMemory ion_access_receiver(double ion_radius, const GridRegion& region,
-                                 std::vector<std::uint8_t>& values);
+MapSink ion_access_receiver(const GridRegion& region, std::vector<std::uint8_t>& values);
 
 }  // namespace eses::detail

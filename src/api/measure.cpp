@@ -1,31 +1,33 @@
 #include "eses/measure.hpp"
 
+#include <stdexcept>
+
 #include "api/arguments.hpp"
 #include "api/surface_access.hpp"
-#include "eses/error.hpp"
 #include "surface/measure_patches.hpp"
 #include "system/formatted.hpp"
 #include "system/parallel.hpp"
 
 namespace eses {
-namespace {
+namespace detail {
 
-void require_valid(double probe_radius, int threads) {
+void require_valid(const MeasureOptions& options) {
+  const double probe_radius = options.probe_radius.value_or(0);
   if (!(probe_radius == 0 ||
         (probe_radius >= min_probe_radius && probe_radius <= max_probe_radius)))
-    throw Error(
-        detail::formatted("the probe radius must be 0 or between {} and {} angstrom, and is {}",
-                          min_probe_radius, max_probe_radius, probe_radius));
-  if (threads < 0)
-    throw Error(
-        detail::formatted("the number of threads must not be negative, and is {}", threads));
+    throw std::invalid_argument(
+        formatted("the probe radius must be 0 or between {} and {} angstrom, and is {}",
+                  min_probe_radius, max_probe_radius, probe_radius));
+  if (options.threads < 0)
+    throw std::invalid_argument(
+        formatted("the number of threads must not be negative, and is {}", options.threads));
 }
 
-}  // namespace
+}  // namespace detail
 
 Measures measure(const Surface& surface, const MeasureOptions& options) {
+  detail::require_valid(options);
   const double probe_radius = options.probe_radius.value_or(surface.probe_radius());
-  detail::check_arguments([&] { require_valid(probe_radius, options.threads); });
   const detail::Molecule& molecule = detail::SurfaceAccess::molecule(surface);
   detail::MeasureSettings settings{
       probe_radius,

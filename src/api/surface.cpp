@@ -1,11 +1,10 @@
 #include "eses/surface.hpp"
 
 #include <cmath>
-#include <exception>
 #include <limits>
+#include <stdexcept>
 #include <utility>
 
-#include "api/arguments.hpp"
 #include "run/plan.hpp"
 #include "surface/molecule.hpp"
 #include "system/formatted.hpp"
@@ -16,13 +15,14 @@ namespace {
 // The maximum index is reserved for "no atom".
 constexpr std::size_t max_atoms = std::numeric_limits<AtomIndex>::max() - std::size_t{1};
 
-// Throws Error for coordinates beyond the limit. Molecule refuses numbers that are not finite.
+// Throws std::invalid_argument for coordinates beyond the limit. Molecule refuses numbers that are
+// not finite.
 void require_near(std::span<const Atom> atoms) {
   for (std::size_t i = 0; i < atoms.size(); ++i)
     for (std::size_t axis = 0; axis < 3; ++axis)
       if (const double value = atoms[i].center[axis];
           std::isfinite(value) && std::fabs(value) > max_coordinate)
-        throw Error(detail::formatted(
+        throw std::invalid_argument(detail::formatted(
             "atom {} (counted from 0) has {} coordinate {}; the limit is {:.0f} angstrom", i,
             "xyz"[axis], value, max_coordinate));
 }
@@ -30,32 +30,14 @@ void require_near(std::span<const Atom> atoms) {
 std::shared_ptr<const detail::Molecule> make_molecule(std::vector<Atom> atoms,
                                                       std::vector<AtomLabel> labels,
                                                       const SurfaceOptions& options) {
-  // Exceptions of the callback are rethrown unchanged: check_arguments() would convert an Error to
-  // std::invalid_argument.
-  std::exception_ptr failure;
-  const CheckCallback check = [&] {
-    try {
-      if (options.check) options.check();
-    } catch (...) {
-      failure = std::current_exception();
-      throw;
-    }
-  };
-  try {
-    return detail::check_arguments([&] {
-      if (atoms.empty()) throw Error("a surface needs at least one atom");
-      if (atoms.size() > max_atoms)
-        throw Error(
-            detail::formatted("{} atoms are too many; the limit is {}", atoms.size(), max_atoms));
-      require_near(atoms);
-      detail::require_valid(detail::Parameters{.probe_radius = options.probe_radius});
-      return std::make_shared<const detail::Molecule>(std::move(atoms), std::move(labels),
-                                                      options.threads, check);
-    });
-  } catch (...) {
-    if (failure) std::rethrow_exception(failure);
-    throw;
-  }
+  if (atoms.empty()) throw std::invalid_argument("a surface needs at least one atom");
+  if (atoms.size() > max_atoms)
+    throw std::invalid_argument(
+        detail::formatted("{} atoms are too many; the limit is {}", atoms.size(), max_atoms));
+  require_near(atoms);
+  detail::require_valid(detail::Parameters{.probe_radius = options.probe_radius});
+  return std::make_shared<const detail::Molecule>(std::move(atoms), std::move(labels),
+                                                  options.threads, options.check);
 }
 
 }  // namespace

@@ -42,11 +42,6 @@ class HelpFormatter : public CLI::Formatter {
   std::string usage_;
 };
 
-std::string version_text() {
-  return formatted("eses-blocks {}\ncompiler: {}\nbuild type: {}\nflags: {}\ninstruction set: {}\n",
-                   version, compiler, build_type, compiler_flags, name_of(instruction_set()));
-}
-
 /// Throws UsageError for `--name=`, for which CLI11 would use the next argument as the value.
 void refuse_empty_values(const std::vector<std::string>& arguments) {
   for (const std::string& argument : arguments) {
@@ -147,6 +142,11 @@ void set_up(CLI::App& app, std::string usage, std::string footer) {
   app.set_help_flag();
 }
 
+std::string version_text() {
+  return formatted("eses-blocks {}\ncompiler: {}\nbuild type: {}\nflags: {}\ninstruction set: {}\n",
+                   version, compiler, build_type, compiler_flags, name_of(instruction_set()));
+}
+
 void add_notices(CLI::App& app) {
   app.set_version_flag("--version", version_text, "print version and build information")
       ->trigger_on_parse();
@@ -155,15 +155,14 @@ void add_notices(CLI::App& app) {
       ->trigger_on_parse();
 }
 
-std::optional<Notice> parse(CLI::App& app, std::vector<std::string> arguments,
-                            std::string_view positionals) {
+void parse(CLI::App& app, std::vector<std::string> arguments, std::string_view positionals) {
   refuse_empty_values(arguments);
   try {
     parse_or_refuse(app, std::move(arguments));
   } catch (const CLI::CallForHelp&) {
-    return Notice{app.help()};
+    throw Notice{app.help()};
   } catch (const CLI::CallForVersion& notice) {
-    return Notice{notice.what()};
+    throw Notice{notice.what()};
   } catch (const UsageError&) {
     // The value of an unknown option is parsed as a positional argument, so the unknown option is
     // reported instead of an error in that argument.
@@ -171,7 +170,6 @@ std::optional<Notice> parse(CLI::App& app, std::vector<std::string> arguments,
     throw;
   }
   refuse_extras(app, positionals);
-  return std::nullopt;
 }
 
 }  // namespace eses::detail::cli

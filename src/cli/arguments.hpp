@@ -85,14 +85,15 @@ void begin_group(CLI::App& app, const char* name);
 /// Sets the layout of the help; `usage` follows `Usage: `.
 void set_up(CLI::App& app, std::string usage, std::string footer);
 
+/// Returns the text of --version.
+std::string version_text();
+
 /// Adds --version and --help, which stop the parsing.
 void add_notices(CLI::App& app);
 
-/// Parses the arguments after the name of the program. `positionals` has the names of the
-/// positional arguments, for the message about superfluous ones. Returns the text of --help or
-/// --version if one of them is given. Throws UsageError.
-std::optional<Notice> parse(CLI::App& app, std::vector<std::string> arguments,
-                            std::string_view positionals);
+/// Parses the arguments of a command. `positionals` has the names of the positional arguments, for
+/// the message about superfluous ones. Throws UsageError, or Notice for --help and --version.
+void parse(CLI::App& app, std::vector<std::string> arguments, std::string_view positionals);
 
 /// Returns the number that is the whole of `text`, or nothing if `text` is not a number.
 template <typename Number>

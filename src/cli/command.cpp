@@ -13,7 +13,6 @@
 #include <optional>
 #include <string>
 #include <string_view>
-#include <variant>
 #include <vector>
 
 #include "cli/diff_options.hpp"
@@ -22,8 +21,12 @@
 #include "cli/measure_command.hpp"
 #include "cli/measure_options.hpp"
 #include "cli/messages.hpp"
+#include "cli/msms_command.hpp"
+#include "cli/msms_options.hpp"
 #include "cli/options.hpp"
 #include "cli/surface_command.hpp"
+#include "cli/usage.hpp"
+#include "cli/xyzr_command.hpp"
 #include "diff/compare_directories.hpp"
 #include "distributed/launcher.hpp"
 #include "distributed/processes.hpp"
@@ -72,41 +75,40 @@ void refuse_same_files(const Options& options, const Processes& processes) {
                 launched, Processes::advice()));
 }
 
-int perform_surface(int argc, char** argv, const Processes& processes) {
+using Arguments = std::vector<std::string>;
+
+int perform_surface(const Arguments& arguments, const Processes& processes) {
   end_on_signals();
-  const std::variant<Options, Notice> request = parse_command_line(argc, argv);
-  if (const auto* const notice = std::get_if<Notice>(&request)) {
-    if (processes.is_first()) print(notice->text);
-    return exit_done;
-  }
-  const auto& options = std::get<Options>(request);
+  const Options options = parse_arguments(arguments);
   refuse_same_files(options, processes);
   return compute_surface(options, processes);
 }
 
-int compare_files(int argc, char** argv, const Processes& processes) {
+int compare_files(const Arguments& arguments, const Processes& processes) {
   if (!processes.is_first()) return exit_done;  // one process performs the comparison
-  const std::variant<DiffOptions, Notice> request = parse_diff_command_line(argc, argv);
-  if (const auto* const notice = std::get_if<Notice>(&request)) {
-    print(notice->text);
-    return exit_done;
-  }
-  const auto& options = std::get<DiffOptions>(request);
+  const DiffOptions options = parse_diff_arguments(arguments);
   const Differences found = compare_directories(options.directories, options.tolerance);
   print(options.json ? diff_json_text(options, found) : diff_text(options, found));
   return found.same() ? exit_done : exit_different;
 }
 
-int perform_measure(int argc, char** argv, const Processes& processes) {
+int perform_measure(const Arguments& arguments, const Processes& processes) {
   if (!processes.is_first()) return exit_done;  // one process measures all files
   end_on_signals();
-  const std::variant<MeasureCommandOptions, Notice> request =
-      parse_measure_command_line(argc, argv);
-  if (const auto* const notice = std::get_if<Notice>(&request)) {
-    print(notice->text);
-    return exit_done;
-  }
-  return measure_files(std::get<MeasureCommandOptions>(request));
+  return measure_files(parse_measure_arguments(arguments));
+}
+
+int perform_msms(const Arguments& arguments, const Processes& processes) {
+  if (!processes.is_first()) return exit_done;  // one process computes the surface
+  end_on_signals();
+  run_msms(parse_msms_arguments(arguments));
+  return exit_done;
+}
+
+template <bool has_names>
+int perform_xyzr(const Arguments& arguments, const Processes& processes) {
+  if (processes.is_first()) print_spheres(has_names, arguments);
+  return exit_done;
 }
 
 /// Returns the message of an error, with its hints as options, such as ` (--max-memory 20M)`.
@@ -125,7 +127,7 @@ std::string message_of(const std::exception& error) {
 
 /// A command of the program.
 struct Command {
-  int (*perform)(int argc, char** argv, const Processes& processes);
+  int (*perform)(const Arguments& arguments, const Processes& processes);
   std::string_view help;
   int failure_code;
 };
@@ -133,12 +135,32 @@ struct Command {
 constexpr Command surface_command{perform_surface, "eses-blocks --help", exit_failure};
 constexpr Command diff_command{compare_files, "eses-blocks diff --help", exit_trouble};
 constexpr Command measure_command{perform_measure, "eses-blocks measure --help", exit_failure};
+constexpr Command msms_command{perform_msms, "eses-blocks msms --help", exit_failure};
+constexpr Command xyzr_command{perform_xyzr<false>, "eses-blocks pdb_to_xyzr --help", exit_failure};
+constexpr Command xyzrn_command{perform_xyzr<true>, "eses-blocks pdb_to_xyzrn --help",
+                                exit_failure};
+
+/// Returns the command with the interface of MSMS or one of its scripts; null if `name` names none.
+const Command* msms_command_named(std::string_view name) {
+  if (name == "msms") return &msms_command;
+  if (name == "pdb_to_xyzr") return &xyzr_command;
+  if (name == "pdb_to_xyzrn") return &xyzrn_command;
+  return nullptr;
+}
 
 /// Returns the command that the first argument names; null if it names none.
 const Command* named_command(std::string_view name) {
   if (name == "diff") return &diff_command;
   if (name == "measure") return &measure_command;
-  return nullptr;
+  return msms_command_named(name);
+}
+
+/// Returns the command that a link to the program names, such as eses-msms; null if it names none.
+const Command* linked_command(std::string_view path) {
+  constexpr std::string_view prefix = "eses-";
+  std::string_view name = path.substr(path.rfind('/') + 1);
+  if (name.starts_with(prefix)) name.remove_prefix(prefix.size());
+  return msms_command_named(name);
 }
 
 /// Ends the other processes after a failure in this process only. Returns the exit code.
@@ -147,16 +169,24 @@ int end_all(const Processes& processes, int code) {
   return code;
 }
 
+int perform_or_notify(const Command& command, const Arguments& arguments,
+                      const Processes& processes) try {
+  return command.perform(arguments, processes);
+} catch (const Notice& notice) {
+  if (processes.is_first()) print(notice.text);
+  return exit_done;
+}
+
 // Performs a command and prints its errors. Returns the exit code. Throws std::bad_alloc and
 // nothing else.
-int perform(const Command& command, int argc, char** argv, const Processes& processes) {
+int perform(const Command& command, const Arguments& arguments, const Processes& processes) {
   const auto fail = [&](std::string_view message) {
     processes.become_reporter();
     print_message("error", message);
     return end_all(processes, command.failure_code);
   };
   try {
-    return command.perform(argc, argv, processes);
+    return perform_or_notify(command, arguments, processes);
   } catch (const UsageError& error) {
     if (!processes.is_first()) return exit_usage;
     print_message("error", error.what());
@@ -185,10 +215,11 @@ int perform(const Command& command, int argc, char** argv, const Processes& proc
 // Starts MPI unless --independent is given, and performs a command. Returns the exit code. Throws
 // std::bad_alloc and nothing else.
 int perform(const Command& command, int argc, char** argv) {
+  const auto arguments = [&] { return Arguments(argv + std::min(argc, 1), argv + argc); };
   std::optional<Processes> processes;
   try {
     require_stack();
-    if (asks_to_be_independent(argc, argv))
+    if (asks_to_be_independent(arguments()))
       processes.emplace();
     else
       processes.emplace(argc, argv);
@@ -196,7 +227,7 @@ int perform(const Command& command, int argc, char** argv) {
     print_message("error", error.what());
     return command.failure_code;
   }
-  return perform(command, argc, argv, *processes);
+  return perform(command, arguments(), *processes);
 }
 
 }  // namespace
@@ -208,8 +239,11 @@ int run_command(int argc, char** argv) {
   std::set_terminate(end_on_uncaught_exception);
   // Closed pipes and the file size limit are then reported as write errors.
   for (const int signal : {SIGPIPE, SIGXFSZ}) std::signal(signal, SIG_IGN);
-  const Command* const named = argc > 1 ? named_command(argv[1]) : nullptr;
-  const Command& command = named != nullptr ? *named : surface_command;
+  const Command* const linked = argc > 0 ? linked_command(argv[0]) : nullptr;
+  const Command* const named = linked == nullptr && argc > 1 ? named_command(argv[1]) : nullptr;
+  const Command& command = linked != nullptr  ? *linked
+                           : named != nullptr ? *named
+                                              : surface_command;
   try {
     return named != nullptr ? perform(command, argc - 1, argv + 1) : perform(command, argc, argv);
   } catch (const std::bad_alloc&) {

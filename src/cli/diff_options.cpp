@@ -1,9 +1,8 @@
 #include "cli/diff_options.hpp"
 
 #include <CLI/CLI.hpp>
-#include <algorithm>
 #include <limits>
-#include <optional>
+#include <utility>
 
 #include "cli/arguments.hpp"
 #include "system/formatted.hpp"
@@ -47,14 +46,12 @@ void add_options(CLI::App& app, DiffOptions& options) {
 
 }  // namespace
 
-std::variant<DiffOptions, Notice> parse_diff_command_line(int argc, const char* const* argv) {
+DiffOptions parse_diff_arguments(std::vector<std::string> arguments) {
   CLI::App app("Compares the output files of ESES or eses-blocks in two directories.",
                "eses-blocks diff");
   DiffOptions options;
   add_options(app, options);
-  if (std::optional<Notice> notice =
-          parse(app, {argv + std::min(argc, 1), argv + argc}, "DIR_A and DIR_B"))
-    return *std::move(notice);
+  parse(app, std::move(arguments), "DIR_A and DIR_B");
   return options;
 }
 

@@ -3,9 +3,8 @@
 
 #include <array>
 #include <filesystem>
-#include <variant>
-
-#include "cli/usage.hpp"
+#include <string>
+#include <vector>
 
 namespace eses::detail::cli {
 
@@ -15,7 +14,7 @@ struct DiffOptions {
   bool json = false;
 };
 
-/// Parses the arguments of the command; `argv[0]` is `diff`. Throws UsageError.
-std::variant<DiffOptions, Notice> parse_diff_command_line(int argc, const char* const* argv);
+/// Parses the arguments of the command. Throws UsageError and Notice.
+DiffOptions parse_diff_arguments(std::vector<std::string> arguments);
 
 }  // namespace eses::detail::cli

@@ -99,8 +99,8 @@ void check_outputs(const MeasureCommandOptions& options, const std::vector<std::
   std::map<std::filesystem::path, std::string> seen;
   for (const std::string& output : outputs) {
     require_replaceable(output);
-    const auto place = std::filesystem::absolute(output).lexically_normal();
-    if (!seen.emplace(place, output).second)
+    const auto path = std::filesystem::absolute(output).lexically_normal();
+    if (!seen.emplace(path, output).second)
       throw Error(formatted("{} would be written twice; use separate output directories", output));
     for (const std::filesystem::path& input : options.inputs) {
       std::error_code error;  // set if a file does not exist

@@ -5,6 +5,7 @@
 #include <optional>
 #include <set>
 #include <string_view>
+#include <utility>
 
 #include "cli/arguments.hpp"
 #include "cli/shared_options.hpp"
@@ -159,14 +160,12 @@ void check(const CLI::App& app, const MeasureCommandOptions& options) {
 
 }  // namespace
 
-std::variant<MeasureCommandOptions, Notice> parse_measure_command_line(int argc,
-                                                                       const char* const* argv) {
+MeasureCommandOptions parse_measure_arguments(std::vector<std::string> arguments) {
   CLI::App app("Areas and volumes of molecular surfaces in closed form, without a grid.",
                "eses-blocks measure");
   MeasureCommandOptions options;
   add_options(app, options);
-  if (std::optional<Notice> notice = parse(app, {argv + std::min(argc, 1), argv + argc}, "FILE..."))
-    return *std::move(notice);
+  parse(app, std::move(arguments), "FILE...");
   check(app, options);
   return options;
 }

@@ -3,10 +3,8 @@
 
 #include <filesystem>
 #include <string>
-#include <variant>
 #include <vector>
 
-#include "cli/usage.hpp"
 #include "eses/read_atoms.hpp"
 #include "eses/surface.hpp"
 #include "output/measure_tables.hpp"
@@ -37,8 +35,7 @@ struct MeasureCommandOptions {
   bool strict = false;  ///< whether warnings are errors
 };
 
-/// Parses the arguments of the command; `argv[0]` is `measure`. Throws UsageError.
-std::variant<MeasureCommandOptions, Notice> parse_measure_command_line(int argc,
-                                                                       const char* const* argv);
+/// Parses the arguments of the command. Throws UsageError and Notice.
+MeasureCommandOptions parse_measure_arguments(std::vector<std::string> arguments);
 
 }  // namespace eses::detail::cli

@@ -78,7 +78,7 @@ Parts divide(std::span<const AtomLabel> labels, const PartChoice& choice,
   return parts;
 }
 
-/// Replaces the surface by that of the atoms that belong to parts, if there are other atoms.
+/// Replaces the surface by the surface of the atoms that belong to parts, if there are other atoms.
 void remove_other_atoms(Parts& parts, const SurfaceOptions& indexing, MeasuredFile& file) {
   const std::span<const Atom> all = file.surface.atoms();
   const auto others = std::count(parts.of_atom.begin(), parts.of_atom.end(), no_part);

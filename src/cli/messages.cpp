@@ -65,7 +65,8 @@ std::string final_text(const Report& report) {
 
 void warn_if_empty(const Report& report) {
   const Parameters& parameters = report.options.parameters;
-  const bool is_whole = std::holds_alternative<std::monostate>(parameters.part) && !parameters.grid;
+  const bool is_whole =
+      std::holds_alternative<std::monostate>(parameters.part) && !parameters.has_custom_grid();
   if (report.summary.inside_points > 0 || !is_whole) return;
   if (!report.options.quiet)
     print_message("warning", "no grid point is inside the surface; use a smaller spacing");

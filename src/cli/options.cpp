@@ -12,6 +12,7 @@
 #include <map>
 #include <optional>
 #include <span>
+#include <stdexcept>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -63,6 +64,7 @@ Examples:
   eses-blocks 1crn.pqr --mesh 1crn.ply --color chain   a mesh coloured by chain
   eses-blocks diff out ESES                            compare the files of two directories
   eses-blocks measure 1crn.pdb                         areas and volumes without a grid
+  eses-blocks msms -if 1crn.xyzr -of 1crn              options and files of MSMS
   eses-blocks 1crn.xyzr --spacing 0.1 --dry-run        estimate points, memory and disk space
   eses-blocks 1crn.xyzr --inside map.dx --gzip         compressed text files, and a map for VMD
   eses-blocks 1crn.xyzr --region=-5,0,0,5,10,10        only the grid points in a box
@@ -138,7 +140,7 @@ std::optional<Box> box_in(const std::string& text) {
   return Box{{x0, y0, z0}, {x1, y1, z1}};
 }
 
-std::optional<Vec3> place_in(const std::string& text) {
+std::optional<Vec3> position_in(const std::string& text) {
   const auto numbers = numbers_in<double, 3>(text, ',');
   if (!numbers) return std::nullopt;
   const auto& [x, y, z] = *numbers;
@@ -211,13 +213,13 @@ std::optional<std::filesystem::path> mesh_in(const std::string& text) {
 // --- options and arguments ----------------------------------------------------------------------
 
 void add_grid_choice(CLI::App& app, GridChoice& grid) {
-  const Format<Vec3> place{place_in, "three finite numbers x,y,z, in angstrom"};
+  const Format<Vec3> position{position_in, "three finite numbers x,y,z, in angstrom"};
   CLI::Option* const origin =
       add_value(app, "--grid-origin", "X,Y,Z", "first point of a custom grid; needs --grid-points",
-                grid.origin, place);
+                grid.origin, position);
   CLI::Option* const center =
       add_value(app, "--grid-center", "X,Y,Z", "centre of a custom grid; needs --grid-points",
-                grid.center, place)
+                grid.center, position)
           ->excludes(origin);
   CLI::Option* const points =
       add_value(app, "--grid-points", "NX,NY,NZ", "number of points of a custom grid along x, y, z",
@@ -235,6 +237,7 @@ void add_grid_choice(CLI::App& app, GridChoice& grid) {
 
 void add_grid_options(CLI::App& app, CommandLine& line) {
   begin_group(app, "Surface and grid");
+  const GridOptions grid;
   Parameters& parameters = line.options.parameters;
   add_value(app, "FILE", "", "input file (xyzr, PQR, PDB or mmCIF); - for standard input",
             line.options.input, path_to("a file"))
@@ -252,10 +255,10 @@ void add_grid_options(CLI::App& app, CommandLine& line) {
                             formatted("a number from {} to {}, in angstrom", min_probe_radius,
                                       max_probe_radius)));
   add_length(
-      "SPACING", "--spacing", "distance between grid points, > 0", parameters.spacing, line.spacing,
+      "SPACING", "--spacing", "distance between grid points, > 0", grid.spacing, line.spacing,
       number_between(min_positive, max_finite, "a finite number greater than 0, in angstrom"));
-  add_length("MARGIN", "--margin", "distance from molecule to grid boundary, >= 0",
-             parameters.margin, line.margin,
+  add_length("MARGIN", "--margin", "distance from molecule to grid boundary, >= 0", grid.margin,
+             line.margin,
              number_between(0, max_finite, "a finite number of at least 0, in angstrom"));
   add_grid_choice(app, line.options.grid);
   CLI::Option* const region =
@@ -272,6 +275,10 @@ void add_grid_options(CLI::App& app, CommandLine& line) {
             line.blocks,
             Format{blocks_in, "i0:i1,j0:j1,k0:k1, whole numbers from 0, i0 < i1 and so on"})
       ->excludes(region);
+  add_flag(app, "--exact",
+           "report area and volume of the whole surface in closed\n"
+           "form, too; needs a single process",
+           parameters.exact);
 }
 
 void add_solver_maps(CLI::App& app, CommandLine& line) {
@@ -321,15 +328,15 @@ void add_file_options(CLI::App& app, CommandLine& line) {
             line.inside_map, Format{map_in, "a file name with the suffix .dx, .dx.gz or .vti"});
   add_flag(app, "--gzip", "compress text files and maps of the dielectric", line.gzip);
   add_value(app, "--mesh", "FILE",
-            "write a triangle mesh: .ply, .obj, .off, .vtp, or\n"
-            ".vert or .face (both files of MSMS)",
+            "write a triangle mesh: .ply, .obj, .off, .vtp, .stl,\n"
+            ".glb, or .vert or .face (both files of MSMS)",
             line.mesh,
             Format<std::filesystem::path>{mesh_in,
                                           formatted("a file with the suffix {}", mesh_suffixes)});
   add_value(
       app, "--color", "NAME",
-      "colour the vertices of a .ply or .vtp mesh by patch,\n"
-      "atom or chain [none]",
+      "colour the vertices of a .ply, .obj, .vtp or .glb mesh\n"
+      "by patch, atom or chain [none]",
       line.color,
       one_of<MeshColor>(
           {{"patch", MeshColor::patch}, {"atom", MeshColor::atom}, {"chain", MeshColor::chain}}));
@@ -391,7 +398,8 @@ void add_options(CLI::App& app, CommandLine& line) {
   set_up(app,
          "eses-blocks [OPTIONS] FILE [PROBE [SPACING [MARGIN]]]\n"
          "  or:  eses-blocks diff [OPTIONS] DIR_A DIR_B\n"
-         "  or:  eses-blocks measure [OPTIONS] FILE...",
+         "  or:  eses-blocks measure [OPTIONS] FILE...\n"
+         "  or:  eses-blocks msms -if FILE [OPTIONS]",
          footer);
   add_grid_options(app, line);
   add_file_options(app, line);
@@ -415,13 +423,13 @@ void choose(const char* positional, const char* option, const Length& length, do
 // A custom grid needs a position and a size. The margin applies only to the default grid.
 void check_grid_choice(const CommandLine& line) {
   const GridChoice& grid = line.options.grid;
-  const bool has_place = grid.origin || grid.center;
-  if (has_place && !grid.points)
+  const bool has_position = grid.origin || grid.center;
+  if (has_position && !grid.points)
     throw UsageError(
         formatted("{} needs --grid-points", grid.origin ? "--grid-origin" : "--grid-center"));
-  if (grid.points && !has_place)
+  if (grid.points && !has_position)
     throw UsageError("--grid-points needs --grid-origin or --grid-center");
-  const bool is_chosen = has_place || !grid.like.empty();
+  const bool is_chosen = has_position || !grid.like.empty();
   if (is_chosen && (line.margin.positional || line.margin.option))
     throw UsageError(
         formatted("{} cannot be combined with {}", line.margin.option ? "--margin" : "MARGIN",
@@ -431,7 +439,7 @@ void check_grid_choice(const CommandLine& line) {
 /// Returns the file name of a map. Throws UsageError if it is not in the output directory.
 std::string map_name(std::string_view option, const std::filesystem::path& map,
                      const std::filesystem::path& output_directory) {
-  if (map.has_parent_path() && !is_same_place(map.parent_path(), output_directory))
+  if (map.has_parent_path() && !is_same_directory(map.parent_path(), output_directory))
     throw UsageError(
         formatted("{} is '{}', but the output directory is {}; use the file name alone or "
                   "--output-dir {}",
@@ -459,7 +467,7 @@ void add_maps(const CommandLine& line, const std::filesystem::path& directory, O
   }
   try {
     require_valid_maps(outputs);
-  } catch (const Error& error) {
+  } catch (const std::invalid_argument& error) {
     throw UsageError(error.what());
   }
 }
@@ -467,8 +475,8 @@ void add_maps(const CommandLine& line, const std::filesystem::path& directory, O
 std::optional<MeshOptions> mesh_of(const CommandLine& line) {
   const MeshOptions mesh{line.mesh, line.color, line.is_ascii};
   const std::optional<MeshFormat> format = mesh_format(mesh.file);
-  if (mesh.color != MeshColor::none && format != MeshFormat::ply && format != MeshFormat::vtp)
-    throw UsageError("--color needs --mesh with a .ply or .vtp file");
+  if (mesh.color != MeshColor::none && !can_have_colors(format))
+    throw UsageError("--color needs --mesh with a .ply, .obj, .vtp or .glb file");
   if (mesh.is_ascii && format != MeshFormat::ply)
     throw UsageError("--ply-ascii needs --mesh with a .ply file");
   if (mesh.color == MeshColor::chain)
@@ -479,8 +487,10 @@ std::optional<MeshOptions> mesh_of(const CommandLine& line) {
 Options options_of(const CommandLine& line) {
   Options options = line.options;
   choose("PROBE", "--probe-radius", line.probe_radius, options.parameters.probe_radius);
-  choose("SPACING", "--spacing", line.spacing, options.parameters.spacing);
-  choose("MARGIN", "--margin", line.margin, options.parameters.margin);
+  GridOptions grid;
+  choose("SPACING", "--spacing", line.spacing, grid.spacing);
+  choose("MARGIN", "--margin", line.margin, grid.margin);
+  options.parameters.grid = grid;
   if (line.box) options.parameters.part = *line.box;
   if (line.blocks) options.parameters.part = *line.blocks;
   check_grid_choice(line);
@@ -515,22 +525,21 @@ void refuse_separate_number(std::span<const std::string> arguments) {
 
 }  // namespace
 
-bool is_same_place(const std::filesystem::path& a, const std::filesystem::path& b) {
+bool is_same_directory(const std::filesystem::path& a, const std::filesystem::path& b) {
   const auto plain = [](const std::filesystem::path& path) {
     return (std::filesystem::absolute(path) / "").lexically_normal();
   };
   return plain(a) == plain(b);
 }
 
-bool asks_to_be_independent(int argc, const char* const* argv) {
-  const std::span arguments(argv + std::min(argc, 1), argv + argc);
-  const auto end = std::find(arguments.begin(), arguments.end(), std::string_view("--"));
-  return std::find(arguments.begin(), end, std::string_view(independent_flag)) != end;
+bool asks_to_be_independent(std::span<const std::string> arguments) {
+  const auto end = std::find(arguments.begin(), arguments.end(), "--");
+  return std::find(arguments.begin(), end, independent_flag) != end;
 }
 
 std::optional<Grid> chosen_grid(const Options& options) {
   const GridChoice& choice = options.grid;
-  const double spacing = options.parameters.spacing;
+  const double spacing = std::get<GridOptions>(options.parameters.grid).spacing;
   if (choice.origin) return Grid{*choice.origin, spacing, *choice.points};
   if (choice.center) return centered_grid(*choice.center, spacing, *choice.points);
   if (choice.like.empty()) return std::nullopt;
@@ -542,17 +551,15 @@ std::optional<Grid> chosen_grid(const Options& options) {
   return grid;
 }
 
-std::variant<Options, Notice> parse_command_line(int argc, const char* const* argv) {
+Options parse_arguments(const std::vector<std::string>& arguments) {
   CLI::App app("Solvent excluded surface of a molecule on a grid, computed block by block.",
                "eses-blocks");
   CommandLine line;
   add_options(app, line);
   require_known_instruction_set();
-  const std::vector<std::string> arguments(argv + std::min(argc, 1), argv + argc);
   refuse_separate_number(arguments);
-  if (std::optional<Notice> notice = parse(app, arguments, "FILE, PROBE, SPACING and MARGIN"))
-    return *std::move(notice);
-  const Options options = options_of(line);
+  parse(app, arguments, "FILE, PROBE, SPACING and MARGIN");
+  Options options = options_of(line);
   refuse_structure_options(app, {options.input, options.format});
   return options;
 }

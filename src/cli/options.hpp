@@ -3,9 +3,10 @@
 
 #include <filesystem>
 #include <optional>
-#include <variant>
+#include <span>
+#include <string>
+#include <vector>
 
-#include "cli/usage.hpp"
 #include "eses/read_atoms.hpp"
 #include "run/task.hpp"
 
@@ -37,17 +38,17 @@ struct Options {
 };
 
 /// Returns whether two paths name the same directory, without following symbolic links.
-bool is_same_place(const std::filesystem::path& a, const std::filesystem::path& b);
+bool is_same_directory(const std::filesystem::path& a, const std::filesystem::path& b);
 
 /// Returns whether --independent is among the arguments. Used before MPI is initialized, which may
 /// remove its own arguments from the command line.
-bool asks_to_be_independent(int argc, const char* const* argv);
+bool asks_to_be_independent(std::span<const std::string> arguments);
 
 /// Returns the custom grid, or nothing for the default grid. Reads the file of --grid-like. Throws
 /// Error if the file cannot be read, or if its spacing differs from a given one.
 std::optional<Grid> chosen_grid(const Options& options);
 
-/// Parses the command line. Throws UsageError.
-std::variant<Options, Notice> parse_command_line(int argc, const char* const* argv);
+/// Parses the arguments of the program. Throws UsageError and Notice.
+Options parse_arguments(const std::vector<std::string>& arguments);
 
 }  // namespace eses::detail::cli

@@ -7,6 +7,7 @@
 #include <cmath>
 #include <limits>
 #include <optional>
+#include <variant>
 #include <vector>
 
 #include "cli/json.hpp"
@@ -43,16 +44,16 @@ std::string path_text(const std::filesystem::path& path) {
 std::string written_text(const Report& report) {
   if (has_faults(report.summary)) return "written: nothing, as there are faults\n";
   const Outputs& outputs = report.options.outputs;
-  std::vector<std::string> places;
+  std::vector<std::string> targets;
   if (const std::vector<std::string> names = file_names(outputs); !names.empty())
-    places.push_back(formatted("to {} ({})", path_text(report.options.output_directory),
-                               path_text(formatted("{}", fmt::join(names, ", ")))));
+    targets.push_back(formatted("to {} ({})", path_text(report.options.output_directory),
+                                path_text(formatted("{}", fmt::join(names, ", ")))));
   if (outputs.mesh)
     for (const std::filesystem::path& file : mesh_files(*outputs.mesh))
-      places.push_back(formatted("to {}", path_text(file)));
-  if (places.empty()) return "written: nothing\n";
+      targets.push_back(formatted("to {}", path_text(file)));
+  if (targets.empty()) return "written: nothing\n";
   return formatted("written: {} {}\n", bytes_text(report.summary.bytes_written),
-                   fmt::join(places, " and "));
+                   fmt::join(targets, " and "));
 }
 
 std::string mesh_text(const Summary& summary) {
@@ -61,8 +62,8 @@ std::string mesh_text(const Summary& summary) {
                    summary.mesh->triangles);
 }
 
-bool is_known(const DiskSpace::Place& place) {
-  return place.available != std::numeric_limits<std::uint64_t>::max();
+bool is_known(const DiskSpace::FileSystem& disk) {
+  return disk.available != std::numeric_limits<std::uint64_t>::max();
 }
 
 /// Returns the names of the files in the output directory, and the path of a mesh elsewhere.
@@ -71,7 +72,7 @@ std::vector<std::string> written_files(const Options& options) {
   if (!options.outputs.mesh) return files;
   for (const std::filesystem::path& file : mesh_files(*options.outputs.mesh)) {
     const std::filesystem::path mesh = std::filesystem::absolute(file);
-    const bool is_there = is_same_place(mesh.parent_path(), options.output_directory);
+    const bool is_there = is_same_directory(mesh.parent_path(), options.output_directory);
     files.push_back((is_there ? mesh.filename() : mesh.lexically_normal()).string());
   }
   return files;
@@ -127,9 +128,9 @@ bool misses_molecule(const Plan& plan) {
 }
 
 std::string cut_warning(const Plan& plan) {
-  if (plan.parameters.grid && misses_molecule(plan))
+  if (plan.parameters.has_custom_grid() && misses_molecule(plan))
     return "the grid does not overlap the molecule; all grid points are outside";
-  if (plan.parameters.grid)
+  if (plan.parameters.has_custom_grid())
     return formatted(
         "the van der Waals spheres extend beyond the grid by {} (angstrom); area and volume are "
         "those of the part inside the grid",
@@ -140,11 +141,11 @@ std::string cut_warning(const Plan& plan) {
       plan.cut_depth, plan.grid.spacing);
 }
 
-std::string disk_warning(const DiskSpace::Place& place) {
+std::string disk_warning(const DiskSpace::FileSystem& disk) {
   return formatted(
       "the files need about {}, but {} has {} free; if the disk fills up, the run fails and writes "
       "no files",
-      bytes_text(place.expected), path_text(place.directory), bytes_text(place.available));
+      bytes_text(disk.expected), path_text(disk.directory), bytes_text(disk.available));
 }
 
 std::string verification_text(const Summary& summary) {
@@ -154,10 +155,11 @@ std::string verification_text(const Summary& summary) {
                    counted(static_cast<std::int64_t>(faults.size()), "fault"));
 }
 
-json::Value parameters_json(const Parameters& parameters) {
-  return {{"probe_radius", parameters.probe_radius},
-          {"spacing", parameters.spacing},
-          {"margin", parameters.grid ? json::Value() : json::Value(parameters.margin)}};
+json::Value parameters_json(const Plan& plan) {
+  const auto* const grid = std::get_if<GridOptions>(&plan.parameters.grid);
+  return {{"probe_radius", plan.parameters.probe_radius},
+          {"spacing", plan.grid.spacing},
+          {"margin", grid != nullptr ? json::Value(grid->margin) : json::Value()}};
 }
 
 // The physical quantities of maps that are not chosen are null.
@@ -174,14 +176,33 @@ json::Value maps_json(const Outputs& outputs) {
 
 json::Value grid_json(const Grid& grid) {
   const Vec3 lower = grid.origin, upper = grid.upper();
-  const GridIndex& size = grid.size;
   return {{"lower", {lower.x, lower.y, lower.z}},
           {"upper", {upper.x, upper.y, upper.z}},
-          {"size", {size[0], size[1], size[2]}},
+          {"size", grid.size},
           {"points", grid.point_count()}};
 }
 
 bool is_whole(const Plan& plan) { return plan.tiling.region == plan.grid.whole(); }
+
+/// Returns the line of the exact values. It must not contain `area:` or `volume:`, for which
+/// scripts search the report.
+std::string exact_text(const Report& report) {
+  if (!report.exact) return "";
+  const auto& [area, volume] = *report.exact;
+  const std::string text =
+      formatted("exact: {:.10g} square angstrom, {:.10g} cubic angstrom", area, volume);
+  const Plan& plan = report.plan;
+  if (!is_whole(plan) || plan.cut_depth > 0 || area == 0 || volume == 0)
+    return text + ", of the whole surface\n";
+  const auto percent_above = [](double value, double exact) { return 100 * (value / exact - 1); };
+  return text + formatted(" (the grid differs by {:+.2g} % and {:+.2g} %)\n",
+                          percent_above(report.summary.area, area),
+                          percent_above(report.summary.divergence_volume, volume));
+}
+
+json::Value exact_json(const Report& report, double ExactMeasures::*value) {
+  return report.exact ? json::Value((*report.exact).*value) : json::Value();
+}
 
 /// Returns the line of the region, with ranges such as `10:20 x 0:5 x 0:7`.
 std::string region_text(const Plan& plan) {
@@ -193,17 +214,13 @@ std::string region_text(const Plan& plan) {
 
 json::Value region_json(const Plan& plan) {
   if (is_whole(plan)) return nullptr;
-  const auto& [begin, end] = plan.tiling.region;
-  return {{"begin", {begin[0], begin[1], begin[2]}},
-          {"end", {end[0], end[1], end[2]}},
-          {"points", plan.tiling.region.point_count()}};
+  const GridRegion& region = plan.tiling.region;
+  return {{"begin", region.begin}, {"end", region.end}, {"points", region.point_count()}};
 }
 
 json::Value blocks_json(const BlockTiling& tiling) {
-  const GridIndex& blocks = tiling.blocks;
-  return {{"size", tiling.block_size},
-          {"along_axes", {blocks[0], blocks[1], blocks[2]}},
-          {"count", tiling.block_count()}};
+  return {
+      {"size", tiling.block_size}, {"along_axes", tiling.blocks}, {"count", tiling.block_count()}};
 }
 
 /// Returns a number, or null if it is unknown.
@@ -211,10 +228,11 @@ json::Value number_unless(bool is_unknown, std::uint64_t value) {
   return is_unknown ? json::Value() : json::Value(value);
 }
 
-/// Returns the free space; null if it is unknown or if there is no such place.
-json::Value disk_json(const DiskSpace& disk, std::size_t place) {
-  if (place >= disk.places.size() || !is_known(disk.places[place])) return nullptr;
-  return disk.places[place].available;
+/// Returns the free space; null if it is unknown or if there is no such file system.
+json::Value disk_json(const DiskSpace& space, std::size_t index) {
+  if (index >= space.file_systems.size()) return nullptr;
+  const DiskSpace::FileSystem& disk = space.file_systems[index];
+  return number_unless(!is_known(disk), disk.available);
 }
 
 json::Value plan_json(const Plan& plan, const DiskSpace& disk) {
@@ -345,24 +363,23 @@ std::string result_text(const Summary& summary) {
 std::string plan_text(const Report& report) {
   const Plan& plan = report.plan;
   const Parameters& parameters = report.options.parameters;
-  const GridIndex& points = plan.grid.size;
-  const GridIndex& blocks = plan.tiling.blocks;
+  const auto* const grid = std::get_if<GridOptions>(&parameters.grid);
   const auto atoms = static_cast<std::int64_t>(report.atoms);
   std::string text = formatted("input: {} ({}{})\n", path_text(report.options.input),
                                counted(atoms, "atom"), usual_text(report.diagnostics));
   if (report.structure) text += structure_text(*report.structure);
-  text += formatted("parameters: probe radius {}, spacing {}{} (angstrom)\n",
-                    parameters.probe_radius, parameters.spacing,
-                    parameters.grid ? "" : formatted(", margin {}", parameters.margin));
-  text += formatted("grid: {} x {} x {} = {} points\n", points[0], points[1], points[2],
+  text +=
+      formatted("parameters: probe radius {}, spacing {}{} (angstrom)\n", parameters.probe_radius,
+                plan.grid.spacing, grid != nullptr ? formatted(", margin {}", grid->margin) : "");
+  text += formatted("grid: {} = {} points\n", fmt::join(plan.grid.size, " x "),
                     plan.grid.point_count());
-  if (parameters.grid)
+  if (grid == nullptr)
     text += formatted(
         "custom grid: from {:.10g} {:.10g} {:.10g} to {:.10g} {:.10g} {:.10g} (angstrom)\n",
         plan.grid.origin.x, plan.grid.origin.y, plan.grid.origin.z, plan.grid.upper().x,
         plan.grid.upper().y, plan.grid.upper().z);
   text += region_text(plan);
-  text += formatted("blocks: {} x {} x {} of {} points; {}\n", blocks[0], blocks[1], blocks[2],
+  text += formatted("blocks: {} of {} points; {}\n", fmt::join(plan.tiling.blocks, " x "),
                     fmt::join(plan.tiling.block_size, " x "), workers_text(report));
   text += formatted("expected: {} of memory{}, {} of files\n", bytes_text(plan.memory_bytes),
                     report.process_count > 1 ? " per process at most" : "",
@@ -373,10 +390,10 @@ std::string plan_text(const Report& report) {
                       bytes_text(parameters.max_memory));
   if (plan.files.output() > 0)
     text += formatted("files: {}\n", files_text(plan.files, report.options.outputs));
-  for (const DiskSpace::Place& place : report.disk.places)
-    if (is_known(place))
-      text += formatted("disk: {} free in {}\n", bytes_text(place.available),
-                        path_text(place.directory));
+  for (const DiskSpace::FileSystem& disk : report.disk.file_systems)
+    if (is_known(disk))
+      text +=
+          formatted("disk: {} free in {}\n", bytes_text(disk.available), path_text(disk.directory));
   return text;
 }
 
@@ -393,6 +410,7 @@ std::string summary_text(const Report& report) {
       "divergence theorem: {:.6g} cubic angstrom, the accurate volume (surface volume is ESES's "
       "formula)\n",
       summary.divergence_volume);
+  text += exact_text(report);
   text += mesh_text(summary);
   text += verification_text(summary);
   text += formatted(
@@ -412,7 +430,7 @@ std::string json_text(const Report& report) {
       {"atoms", report.atoms},
       {"structure", report.structure ? structure_json(*report.structure) : json::Value()},
       {"diagnostics", diagnostics_json(report.diagnostics)},
-      {"parameters", parameters_json(report.options.parameters)},
+      {"parameters", parameters_json(report.plan)},
       {"maps", maps_json(report.options.outputs)},
       {"grid", grid_json(report.plan.grid)},
       {"region", region_json(report.plan)},
@@ -425,6 +443,8 @@ std::string json_text(const Report& report) {
     document.update({{"area", summary.area},
                      {"volume", summary.volume},
                      {"divergence_volume", summary.divergence_volume},
+                     {"exact_area", exact_json(report, &ExactMeasures::area)},
+                     {"exact_volume", exact_json(report, &ExactMeasures::volume)},
                      {"inside_points", summary.inside_points},
                      {"crossings", crossings_json(summary)},
                      {"area_by_kind", area_by_kind_json(summary)},
@@ -442,8 +462,8 @@ std::vector<std::string> warnings(const Report& report) {
   for (const DiagnosticText& diagnostic : report.diagnostics)
     if (!diagnostic.is_usual) lines.push_back(diagnostic.message);
   if (report.plan.cut_depth > 0) lines.push_back(cut_warning(report.plan));
-  for (const DiskSpace::Place& place : report.disk.places)
-    if (place.expected > place.available) lines.push_back(disk_warning(place));
+  for (const DiskSpace::FileSystem& disk : report.disk.file_systems)
+    if (disk.expected > disk.available) lines.push_back(disk_warning(disk));
   return lines;
 }
 

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <filesystem>
 #include <functional>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <system_error>
@@ -14,6 +15,7 @@
 #include "cli/messages.hpp"
 #include "cli/report.hpp"
 #include "cli/run_display.hpp"
+#include "cli/usage.hpp"
 #include "eses/error.hpp"
 #include "eses/read_atoms.hpp"
 #include "grid/make_grid.hpp"
@@ -147,6 +149,7 @@ RunResult run_with_progress(const RunTask& task, const RunPlan& plan, bool is_qu
 
 void add_result(RunResult result, Report& report) {
   report.summary = std::move(result.summary);
+  report.exact = result.exact;
   for (const ProcessFigures& figures : result.processes)
     report.peak_memory_bytes = std::max(report.peak_memory_bytes, figures.peak_memory_bytes);
   if (report.process_count > 1 || report.options.resume)
@@ -156,10 +159,10 @@ void add_result(RunResult result, Report& report) {
 // Returns the options with the custom grid, if any. Each process reads its file.
 Options with_chosen_grid(Options options, const Processes& processes) {
   processes.all_or_throw([&] {
-    options.parameters.grid = chosen_grid(options);
-    if (!options.parameters.grid) return;
-    require_chosen(*options.parameters.grid);
-    options.parameters.spacing = options.parameters.grid->spacing;
+    const std::optional<Grid> grid = chosen_grid(options);
+    if (!grid) return;
+    require_chosen(*grid);
+    options.parameters.grid = *grid;
   });
   return options;
 }
@@ -167,6 +170,10 @@ Options with_chosen_grid(Options options, const Processes& processes) {
 }  // namespace
 
 int compute_surface(const Options& given, const Processes& processes) {
+  if (given.parameters.exact && processes.count() > 1)
+    throw UsageError(
+        "--exact needs all atoms in one process; use eses-blocks measure for exact areas and "
+        "volumes");
   on_rank_zero(processes, [&] { check_request(given); });
   const Options options = with_chosen_grid(given, processes);
   const RunTask task = task_of(options);

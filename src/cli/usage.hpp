@@ -1,12 +1,12 @@
 #pragma once
-/// Outcomes of parsing a command line that do not start a command.
+/// Exceptions of parsing a command line.
 
 #include <stdexcept>
 #include <string>
 
 namespace eses::detail::cli {
 
-/// The text of `--help` or `--version`.
+/// The text of `--help` or `--version`, which is printed instead of starting a command.
 struct Notice {
   std::string text;
 };

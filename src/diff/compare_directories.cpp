@@ -71,22 +71,10 @@ AllPaths find_files(const Sides<std::filesystem::path>& directories) {
 struct Grids {
   Sides<std::optional<BoundingBox>> boxes;
   Sides<std::optional<GridIndex>> sizes;
+  ComparedGrids of_boxes;
 
   bool same_size() const { return !sizes[0] || !sizes[1] || *sizes[0] == *sizes[1]; }
 };
-
-Grids read_grids(const AllPaths& paths) {
-  Grids grids;
-  for (const std::size_t side : both_sides) {
-    if (const auto& box = paths_of(paths, EsesFile::box)[side]) {
-      grids.boxes[side] = read_bounding_box(*box);
-      grids.sizes[side] = grids.boxes[side]->size;
-    } else if (const auto& points = paths_of(paths, EsesFile::grid)[side]) {
-      grids.sizes[side] = extent_of_points(*points);
-    }
-  }
-  return grids;
-}
 
 /// Returns the spacing (angstrom), or nothing for a grid of one point.
 std::optional<double> spacing_of(const BoundingBox& box) {
@@ -97,14 +85,18 @@ std::optional<double> spacing_of(const BoundingBox& box) {
   return std::nullopt;
 }
 
-ComparedGrids compared_grids(const Grids& grids) {
-  ComparedGrids result;
+Grids read_grids(const AllPaths& paths) {
+  Grids grids;
   for (const std::size_t side : both_sides) {
-    if (!grids.boxes[side]) continue;
-    result.sizes[side] = grids.boxes[side]->size;
-    if (!result.spacing) result.spacing = spacing_of(*grids.boxes[side]);
+    if (const auto& box = paths_of(paths, EsesFile::box)[side]) {
+      grids.boxes[side] = read_bounding_box(*box);
+      grids.sizes[side] = grids.of_boxes.sizes[side] = grids.boxes[side]->size;
+      if (!grids.of_boxes.spacing) grids.of_boxes.spacing = spacing_of(*grids.boxes[side]);
+    } else if (const auto& points = paths_of(paths, EsesFile::grid)[side]) {
+      grids.sizes[side] = extent_of_points(*points);
+    }
   }
-  return result;
+  return grids;
 }
 
 FileStatus status_of(EsesFile file, const Paths& paths, const Grids& grids) {
@@ -152,7 +144,7 @@ Differences compare_directories(const Sides<std::filesystem::path>& directories,
   }
   AreaShifts shifts;
   if (is_compared(EsesFile::edges)) {
-    result.edges = compare_edges(both(EsesFile::edges), compared_grids(grids), tolerance, shifts);
+    result.edges = compare_edges(both(EsesFile::edges), grids.of_boxes, tolerance, shifts);
   }
   if (is_compared(EsesFile::areas)) {
     result.areas = compare_areas(both(EsesFile::areas), shifts, tolerance);

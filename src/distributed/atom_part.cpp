@@ -86,20 +86,19 @@ std::uint64_t count_lines(const TextFile& file, const IndexRange& bytes) {
 // The result of reading a part of a file.
 struct TextRead {
   AtomFile atoms;  // without labels
-  ResidueRuns residues;
   AtomNames names;
-  std::uint64_t lines = 0, models = 0;
-  PdbLikeness likeness;
+  LinesRead counts;
 };
 
 // Converts labels into residues and names after each part of the text, so that few labels are in
 // memory.
 void take_labels(AtomFile& atoms, AtomFormat format, bool with_names, TextRead& part) {
-  if (with_names) {
-    if (format == AtomFormat::pqr) complete_elements(atoms.labels);
-    for (const AtomLabel& label : atoms.labels) part.names.add(label);
-  }
-  for (AtomLabel& label : atoms.labels) part.residues.add(std::move(label));
+  if (with_names && format == AtomFormat::pqr) complete_elements(atoms.labels);
+  for (const AtomLabel& label : atoms.labels)
+    if (with_names)
+      part.names.add(label);
+    else
+      part.names.add_residue(label);
   atoms.labels.clear();
   atoms.charges.clear();
 }
@@ -124,34 +123,28 @@ void read_atoms_of(const TextFile& file, const IndexRange& bytes, const AtomLine
     offset += count;
     return count;
   };
-  const LinesRead found = read_atom_lines(read_text, lines, read.atoms, [&] {
-    take_labels(read.atoms, lines.format, with_names, read);
+  read.counts = read_atom_lines(read_text, lines, read.atoms, [&] {
+    take_labels(read.atoms, lines.options.format, with_names, read);
   });
-  read.likeness = found.likeness;
-  read.models = found.models;
 }
 
 // Reads this process's part of a file with this number of bytes.
 TextRead read_lines(const std::filesystem::path& path, std::uint64_t file_bytes,
                     const ReadOptions& options, bool with_names, const Processes& processes) {
   TextRead read;
+  std::uint64_t line_count = 0;
   std::optional<TextFile> file;
   IndexRange bytes;
   processes.all_or_throw([&] {
     const TextFile& text = file.emplace(path);
     const auto [begin, end] = processes.range_of(file_bytes, 1, processes.rank());
     bytes = {text.line_begin(begin, file_bytes), text.line_begin(end, file_bytes)};
-    read.lines = count_lines(text, bytes);
+    line_count = count_lines(text, bytes);
   });
-  const std::uint64_t lines_before = processes.sum_before(read.lines);
+  const std::uint64_t lines_before = processes.sum_before(line_count);
   processes.all_or_throw([&] {
-    read_atoms_of(*file, bytes,
-                  {.format = options.format,
-                   .name = file->name(),
-                   .first_line = lines_before + 1,
-                   .with_labels = options.with_labels,
-                   .max_memory = options.max_memory},
-                  with_names, read);
+    read_atoms_of(*file, bytes, {options, file->name(), lines_before + 1}, with_names, read);
+    read.counts.lines = line_count;
   });
   return read;
 }
@@ -175,14 +168,15 @@ std::uint64_t divided_bytes(const std::filesystem::path& path, const ReadOptions
 }
 
 // Performs the checks that need all parts of the file.
-void check_all_parts(const std::filesystem::path& path, AtomFormat format, const AtomPart& part,
-                     const TextRead& read, const Processes& processes) {
-  const std::uint64_t lines = processes.sum(read.lines), models = processes.sum(read.models);
-  const PdbLikeness likeness{processes.sum(read.likeness.layout),
-                             processes.sum(read.likeness.values)};
+void check_all_parts(const std::filesystem::path& path, const ReadOptions& options,
+                     const AtomPart& part, const TextRead& read, const Processes& processes) {
+  const std::uint64_t lines = processes.sum(read.counts.lines);
+  const std::uint64_t models = processes.sum(read.counts.models);
+  const PdbLikeness likeness{processes.sum(read.counts.likeness.layout),
+                             processes.sum(read.counts.likeness.values)};
   const std::string name = path.string();
   processes.all_or_throw([&] {
-    require_atoms({.format = format, .name = name}, part.total, {lines, likeness, models});
+    require_atoms({options, name}, part.total, {lines, likeness, models});
     if (part.total > std::numeric_limits<AtomIndex>::max())
       throw Error(formatted("{}: more than {} atoms", path.string(),
                             std::numeric_limits<AtomIndex>::max()));
@@ -209,16 +203,15 @@ AtomPart read_part(const std::filesystem::path& path, ReadOptions options, bool 
   AtomPart part;
   part.first = processes.sum_before(read.atoms.atoms.size());
   part.total = processes.sum(read.atoms.atoms.size());
-  check_all_parts(path, options.format, part, read, processes);
+  check_all_parts(path, options, part, read, processes);
   part.diagnostics = gather_diagnostics(
       read.atoms.diagnostics,
       [&](AtomIndex atom) {
-        return FileAtom{static_cast<AtomIndex>(part.first + atom), read.atoms.lines[atom]};
+        return FileAtom{static_cast<FileIndex>(part.first + atom), read.atoms.lines[atom]};
       },
       processes);
   part.atoms = std::move(read.atoms.atoms);
   part.lines = std::move(read.atoms.lines);
-  part.residues = std::move(read.residues);
   part.names = std::move(read.names);
   part.structure = std::move(read.atoms.structure);
   return part;

@@ -10,7 +10,6 @@
 #include "distributed/processes.hpp"
 #include "eses/read_atoms.hpp"
 #include "input/atom_names.hpp"
-#include "input/residue_runs.hpp"
 #include "output/mesh_groups.hpp"
 
 namespace eses::detail {
@@ -21,10 +20,9 @@ struct AtomPart {
   std::vector<std::uint64_t> lines;        ///< line of each atom, 1-based
   std::uint64_t first = 0;                 ///< index of the first atom in the file, 0-based
   std::uint64_t total = 0;                 ///< number of atoms in the file
-  ResidueRuns residues;                    ///< if labels were requested and the file has them
   std::vector<mesh::GroupNumbers> groups;  ///< by atom, filled by number_groups
-  /// Labels of a PDB or mmCIF file, which the first process alone reads, and of a PQR file if they
-  /// were requested.
+  /// Residues if labels were requested and the file has them; also the names of atoms in a PDB or
+  /// mmCIF file, which the first process alone reads, and in a PQR file if they were requested.
   AtomNames names;
   /// Report of a PDB or mmCIF file; only in the first process.
   std::optional<StructureReport> structure;

@@ -15,6 +15,7 @@
 #include <vector>
 
 #include "grid/plane_range.hpp"
+#include "input/file_index.hpp"
 #include "output/map_writer.hpp"
 #include "output/output_directory.hpp"
 #include "output/scratch_file.hpp"
@@ -25,13 +26,13 @@ namespace eses::detail {
 /// An atom's area share of a range of planes, in units of `area_share_unit`.
 struct AtomSum {
   AreaShare share = 0;
-  AtomIndex atom = 0;                      ///< index of the atom in the file
+  FileIndex atom{};
   std::array<std::uint32_t, 3> padding{};  ///< explicit padding, as the struct is written to disk
 };
 
 /// The texts of a chunk: the lines of grid_info.txt and intersection_info.txt, mesh vertices as
-/// text or records of the mesh's format, mesh triangles as mesh::LocalTriangle, and rows of words
-/// for each map, by its quantity.
+/// text or records of the mesh's format, mesh triangles as mesh::LocalTriangle or, if they have the
+/// positions of their corners, as records, and rows of words for each map, by its quantity.
 enum class ChunkText : std::uint8_t { grid, edges, vertices, triangles, first_map };
 inline constexpr std::size_t chunk_text_count =
     static_cast<std::size_t>(ChunkText::first_map) + map_quantities;

@@ -46,9 +46,8 @@ FileDiagnostics gather_diagnostics(std::span<const Diagnostic> diagnostics,
     for (const auto& [kind, atom, other] : examples) {
       if (kind != diagnostic.kind) continue;
       if (diagnostic.examples.size() == Diagnostic::max_examples) break;
-      diagnostic.examples.push_back({atom.index, other.index});
-      all.lines[atom.index] = atom.line;
-      all.lines[other.index] = other.line;
+      diagnostic.examples.push_back({as_number(atom.index), as_number(other.index)});
+      for (const auto& [index, line] : {atom, other}) all.lines[as_number(index)] = line;
     }
   }
   return all;

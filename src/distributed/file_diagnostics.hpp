@@ -10,6 +10,7 @@
 #include "distributed/processes.hpp"
 #include "eses/atoms.hpp"
 #include "eses/diagnostics.hpp"
+#include "input/file_index.hpp"
 
 namespace eses::detail {
 
@@ -26,13 +27,13 @@ struct FileDiagnostics {
 
 /// An atom of a file.
 struct FileAtom {
-  AtomIndex index = 0;     ///< 0-based
+  FileIndex index{};
   std::uint64_t line = 0;  ///< 1-based
 };
 
 /// Combines the diagnostics of all processes, without labels. All processes must call it.
 /// `in_file` converts the indices of the atoms in `diagnostics`, which are the diagnostics that
-/// this process has found.
+/// this process has found. The result has indices in the file.
 FileDiagnostics gather_diagnostics(std::span<const Diagnostic> diagnostics,
                                    const std::function<FileAtom(AtomIndex)>& in_file,
                                    const Processes& processes);

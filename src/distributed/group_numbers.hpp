@@ -35,6 +35,12 @@ struct GroupNames {
 struct GroupNumbering {
   GroupNames names;
   std::vector<mesh::GroupNumbers> of_atom;  ///< numbers of each atom of this process
+
+  /// Returns the estimated memory in bytes, with the temporary lists of the first atoms of groups.
+  static double memory_bytes(double atoms, double groups) {
+    constexpr double growth = 1.5;
+    return sizeof(mesh::GroupNumbers) * atoms + 2 * growth * sizeof(AtomIndex) * groups;
+  }
 };
 
 /// Numbers the chains and residues of the molecule as mesh::number_labels does. All processes must

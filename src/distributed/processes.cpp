@@ -8,6 +8,7 @@
 #include <cstring>
 #include <new>
 #include <optional>
+#include <stdexcept>
 
 #include "distributed/packed_texts.hpp"
 #include "system/formatted.hpp"
@@ -36,6 +37,8 @@ void Processes::all_or_throw(const std::function<void()>& action) const {
     throw;
   } catch (const std::bad_alloc&) {
     failure = std::vector<std::string>{"out of memory"};
+  } catch (const std::invalid_argument& error) {
+    failure = std::vector<std::string>{error.what()};
   } catch (const Error& error) {
     failure = std::vector<std::string>{error.what()};
     if (const auto* const hinted = dynamic_cast<const Hints*>(&error))

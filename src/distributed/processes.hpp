@@ -90,9 +90,10 @@ class Processes {
                     const std::function<std::string(const std::string&)>& change) const;
   double chain(double value, const std::function<double(double)>& change) const;
 
-  /// Performs an action that does not communicate. If it throws Error or std::bad_alloc in any
-  /// process, all processes throw SharedError with the message and hints of the lowest such rank.
-  /// Other exceptions are thrown only in their process. A single process just performs the action.
+  /// Performs an action that does not communicate. If it throws Error, std::invalid_argument or
+  /// std::bad_alloc in any process, all processes throw SharedError with the message and hints of
+  /// the lowest such rank. Other exceptions are thrown only in their process. A single process just
+  /// performs the action.
   void all_or_throw(const std::function<void()>& action) const;
 
   /// The processes on this machine, and the number of processors for each of them.

@@ -9,7 +9,7 @@ namespace eses::detail {
 /// The part of an edge that lies inside is a whole number of 1 / `whole_edge` of its length.
 inline constexpr std::uint32_t whole_edge = 0xFFFF'FFFF;
 
-/// A word has the fractions of two neighbouring edges, that of the lower one in its lower half.
+/// A word has the fractions of two neighbouring edges; its lower half belongs to the lower edge.
 inline constexpr std::size_t fractions_per_word = 2;
 
 /// Returns the fraction of an edge from the word that has it. Only the parity of `edge` matters.

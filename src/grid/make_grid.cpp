@@ -5,9 +5,9 @@
 #include <charconv>
 #include <cmath>
 #include <limits>
+#include <stdexcept>
 #include <string>
 
-#include "eses/error.hpp"
 #include "system/formatted.hpp"
 
 namespace eses::detail {
@@ -81,18 +81,21 @@ Grid make_grid(std::span<const Atom> atoms, double spacing, double margin) {
 }
 
 Grid make_grid(const Box& bounds, double spacing, double margin) {
-  if (bounds.low.x > bounds.high.x) throw Error("there are no atoms to build a grid around");
+  if (bounds.low.x > bounds.high.x)
+    throw std::invalid_argument("there are no atoms to build a grid around");
   if (!(spacing > 0) || !std::isfinite(spacing))
-    throw Error(formatted("spacing must be a positive number of angstrom, not {}", spacing));
+    throw std::invalid_argument(
+        formatted("spacing must be a positive number of angstrom, not {}", spacing));
   if (!(margin >= 0) || !std::isfinite(margin))
-    throw Error(formatted("margin must be a non-negative number of angstrom, not {}", margin));
+    throw std::invalid_argument(
+        formatted("margin must be a non-negative number of angstrom, not {}", margin));
   const Box box = grown(bounds, margin);
   Grid grid;
   grid.spacing = spacing;
   for (std::size_t axis = 0; axis < 3; ++axis) {
     const double cells = cells_along(box, spacing, axis);
     if (!(cells < max_cells_along_axis))
-      throw Error(
+      throw std::invalid_argument(
           formatted("a spacing of {} angstrom needs {:.3g} grid points along {}; "
                     "the limit is {:g}; {}",
                     spacing, cells, "xyz"[axis], max_cells_along_axis,
@@ -102,7 +105,7 @@ Grid make_grid(const Box& bounds, double spacing, double margin) {
   }
   const double points = points_in(box, spacing);
   if (points > max_points)
-    throw Error(
+    throw std::invalid_argument(
         formatted("a spacing of {} angstrom needs {:.3g} grid points; the limit is {:g}; {}",
                   spacing, points, max_points, spacing_advice(bounds, spacing, margin)));
   return grid;
@@ -110,21 +113,23 @@ Grid make_grid(const Box& bounds, double spacing, double margin) {
 
 void require_valid(const Grid& grid) {
   if (!(grid.spacing > 0) || !std::isfinite(grid.spacing))
-    throw Error(formatted("the spacing of a grid must be a positive number of angstrom, not {}",
-                          grid.spacing));
+    throw std::invalid_argument(formatted(
+        "the spacing of a grid must be a positive number of angstrom, not {}", grid.spacing));
   double points = 1;
   for (std::size_t axis = 0; axis < 3; ++axis) {
     const auto size = static_cast<double>(grid.size[axis]);
     if (size < 1 || size > max_cells_along_axis)
-      throw Error(formatted("a grid has {} points along {}; it must have 1 to {:g}",
-                            grid.size[axis], "xyz"[axis], max_cells_along_axis));
+      throw std::invalid_argument(formatted("a grid has {} points along {}; it must have 1 to {:g}",
+                                            grid.size[axis], "xyz"[axis], max_cells_along_axis));
     if (!std::isfinite(grid.origin[axis]) || !std::isfinite(grid.upper()[axis]))
-      throw Error(formatted("a grid goes from {} to {} along {}; its bounds must be finite",
-                            grid.origin[axis], grid.upper()[axis], "xyz"[axis]));
+      throw std::invalid_argument(
+          formatted("a grid goes from {} to {} along {}; its bounds must be finite",
+                    grid.origin[axis], grid.upper()[axis], "xyz"[axis]));
     points *= size;
   }
   if (points > max_points)
-    throw Error(formatted("a grid has {:.3g} points; the limit is {:g}", points, max_points));
+    throw std::invalid_argument(
+        formatted("a grid has {:.3g} points; the limit is {:g}", points, max_points));
 }
 
 void require_chosen(const Grid& grid) {
@@ -133,11 +138,12 @@ void require_chosen(const Grid& grid) {
   constexpr double max_cells_from_zero = 1e9;
   for (std::size_t axis = 0; axis < 3; ++axis) {
     if (grid.size[axis] < 2)
-      throw Error(formatted("the number of grid points along {} is {}; it must be 2 or more",
-                            "xyz"[axis], grid.size[axis]));
+      throw std::invalid_argument(
+          formatted("the number of grid points along {} is {}; it must be 2 or more", "xyz"[axis],
+                    grid.size[axis]));
     const double farthest = std::max(std::fabs(grid.origin[axis]), std::fabs(grid.upper()[axis]));
     if (farthest > max_cells_from_zero * grid.spacing)
-      throw Error(formatted(
+      throw std::invalid_argument(formatted(
           "the grid goes from {} to {} along {}, too far from 0 for a spacing of {}; the limit is "
           "{:g} times the spacing",
           grid.origin[axis], grid.upper()[axis], "xyz"[axis], grid.spacing, max_cells_from_zero));
@@ -148,7 +154,7 @@ void require_within(const GridRegion& region, const Grid& grid) {
   for (std::size_t axis = 0; axis < 3; ++axis)
     if (region.begin[axis] < 0 || region.begin[axis] >= region.end[axis] ||
         region.end[axis] > grid.size[axis])
-      throw Error(
+      throw std::invalid_argument(
           formatted("the region of points {} to {} along {} is not within the {} points "
                     "of the grid; its end must be above its begin",
                     region.begin[axis], region.end[axis], "xyz"[axis], grid.size[axis]));
@@ -158,8 +164,9 @@ GridRegion points_between(const Grid& grid, Vec3 low, Vec3 high) {
   GridRegion region;
   for (std::size_t axis = 0; axis < 3; ++axis) {
     if (!std::isfinite(low[axis]) || !std::isfinite(high[axis]))
-      throw Error(formatted("the region goes from {} to {} along {}; its bounds must be finite",
-                            low[axis], high[axis], "xyz"[axis]));
+      throw std::invalid_argument(
+          formatted("the region goes from {} to {} along {}; its bounds must be finite", low[axis],
+                    high[axis], "xyz"[axis]));
     const auto size = grid.size[axis];
     // The quotient gives an approximate index. The coordinates near it decide.
     const auto near = [&](double coordinate) {
@@ -171,7 +178,7 @@ GridRegion points_between(const Grid& grid, Vec3 low, Vec3 high) {
     std::int64_t end = std::clamp<std::int64_t>(near(high[axis]) + 3, 0, size);
     while (end > 0 && grid.coordinate(axis, end - 1) > high[axis]) --end;
     if (!(begin < end))
-      throw Error(formatted(
+      throw std::invalid_argument(formatted(
           "the region from {} to {} along {} holds no point of the grid, whose "
           "{} points go from {} to {}",
           low[axis], high[axis], "xyz"[axis], size, grid.origin[axis], grid.upper()[axis]));

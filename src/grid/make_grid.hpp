@@ -16,26 +16,28 @@ Box sphere_bounds(std::span<const Atom> atoms);
 
 /// Makes the grid of ESES (Liu et al., J. Comput. Chem. 38, 446, 2017, doi:10.1002/jcc.24682), with
 /// the same order of floating-point operations. The bounding box of the van der Waals spheres is
-/// extended by `margin`, and the number of points along an axis is
-/// `int((high - low) / spacing) + 1`. Lengths are in angstrom. Throws Error if there are no atoms,
-/// if a parameter is not finite, if spacing <= 0 or margin < 0, or if the grid has more points than
-/// require_valid accepts.
+/// extended by `margin`, and the number of points along an axis is `int((high - low) / spacing) +
+/// 1`. Lengths are in angstrom. Throws std::invalid_argument if there are no atoms, if a parameter
+/// is not finite, if spacing <= 0 or margin < 0, or if the grid has more points than require_valid
+/// accepts.
 Grid make_grid(std::span<const Atom> atoms, double spacing, double margin);
 Grid make_grid(const Box& bounds, double spacing, double margin);
 
-/// Throws Error if the bounds of a grid are not finite, if its spacing is not positive, if it has
-/// fewer than one point or more than 2e9 points along an axis, or if it has more than 1e17 points.
+/// Throws std::invalid_argument if the bounds of a grid are not finite, if its spacing is not
+/// positive, if it has fewer than one point or more than 2e9 points along an axis, or if it has
+/// more than 1e17 points.
 void require_valid(const Grid& grid);
 
-/// Throws Error if a grid that the user has chosen does not pass require_valid, has fewer than two
-/// points along an axis, or is so far from the origin of the coordinates that rounding matters.
+/// Throws std::invalid_argument if a grid that the user has chosen does not pass require_valid, has
+/// fewer than two points along an axis, or is so far from the origin of the coordinates that
+/// rounding matters.
 void require_chosen(const Grid& grid);
 
-/// Returns the points in the closed box between two corners (angstrom). Throws Error if there are
-/// none, or if a coordinate of a corner is not finite.
+/// Returns the points in the closed box between two corners (angstrom). Throws
+/// std::invalid_argument if there are none, or if a coordinate of a corner is not finite.
 GridRegion points_between(const Grid& grid, Vec3 low, Vec3 high);
 
-/// Throws Error if a region is empty or not within the grid.
+/// Throws std::invalid_argument if a region is empty or not within the grid.
 void require_within(const GridRegion& region, const Grid& grid);
 
 /// Returns the depth of each face of the grid inside the bounding box of the van der Waals spheres,

@@ -23,16 +23,21 @@ struct PointBits {
   std::int64_t columns = 0;          ///< number of columns
   std::vector<std::uint64_t> words;  ///< [column][z][y]; no words mean that no bit is set
 
+  /// Returns the number of words for this number of points, without padding.
+  static std::int64_t word_count(const GridIndex& points) {
+    return columns_of(points) * points[1] * points[2];
+  }
+
   /// Clears all bits and frees the words.
   void reset_empty(const GridIndex& new_size) {
     size = new_size;
-    columns = size[0] < 2 ? 1 : (size[0] - 2) / column_step + 1;
+    columns = columns_of(size);
     words.clear();
   }
   /// Sets the size and clears all bits.
   void reset(const GridIndex& new_size) {
     reset_empty(new_size);
-    words.assign(static_cast<std::size_t>(columns * size[1] * size[2]) + vector_padding, 0);
+    words.assign(static_cast<std::size_t>(word_count(size)) + vector_padding, 0);
   }
   /// Returns the number of points that a column owns, if the row owns its first `owned` points. A
   /// column owns its first points, but not the point that it shares with the next column.
@@ -49,6 +54,11 @@ struct PointBits {
   }
   std::size_t word_index(std::int64_t column, std::int64_t y, std::int64_t z) const {
     return static_cast<std::size_t>((column * size[2] + z) * size[1] + y);
+  }
+
+ private:
+  static std::int64_t columns_of(const GridIndex& points) {
+    return points[0] < 2 ? 1 : (points[0] - 2) / column_step + 1;
   }
 };
 

@@ -1,8 +1,8 @@
 #include "grid/tiling.hpp"
 
 #include <algorithm>
+#include <stdexcept>
 
-#include "eses/error.hpp"
 #include "system/formatted.hpp"
 
 namespace eses::detail {
@@ -18,8 +18,9 @@ BlockTiling make_tiling(const Grid& grid, std::int64_t block_size, const GridReg
 BlockTiling make_tiling(const Grid& grid, const GridIndex& block_size, const GridRegion& region) {
   for (const std::int64_t side : block_size)
     if (side < min_block_size || side > max_block_size)
-      throw Error(formatted("the block size must be between {} and {} grid points, not {}",
-                            min_block_size, max_block_size, side));
+      throw std::invalid_argument(
+          formatted("the block size must be between {} and {} grid points, not {}", min_block_size,
+                    max_block_size, side));
   BlockTiling tiling;
   tiling.block_size = block_size;
   tiling.grid_size = grid.size;
@@ -40,7 +41,7 @@ GridRegion BlockTiling::points_of_blocks(const BlockRange& range) const {
   for (std::size_t axis = 0; axis < 3; ++axis) {
     const std::int64_t begin = range.begin[axis], end = range.end[axis];
     if (begin < 0 || begin >= end || end > blocks[axis])
-      throw Error(formatted(
+      throw std::invalid_argument(formatted(
           "block range {}:{} along {} must be within 0:{} (blocks of {} points on a side)", begin,
           end, "xyz"[axis], blocks[axis], block_size[axis]));
     points.begin[axis] = region.begin[axis] + begin * (block_size[axis] - 1);

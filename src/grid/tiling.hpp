@@ -39,7 +39,8 @@ struct BlockTiling {
   /// points along each axis if the grid has one.
   GridRegion region_with_halo;
 
-  /// Returns the points that these blocks own. Throws Error if there are no such blocks.
+  /// Returns the points that these blocks own. Throws std::invalid_argument if there are no such
+  /// blocks.
   GridRegion points_of_blocks(const BlockRange& range) const;
   std::int64_t block_count() const { return blocks[0] * blocks[1] * blocks[2]; }
   BlockBounds block(std::int64_t bx, std::int64_t by, std::int64_t bz) const;
@@ -50,8 +51,8 @@ struct BlockTiling {
 };
 
 /// Divides a region that is not empty into cubes. There are `(n - 2) / (b - 1) + 1` blocks along an
-/// axis with n points, for the block size b. Throws Error if `block_size` is not between
-/// `min_block_size` and `max_block_size`.
+/// axis with n points, for the block size b. Throws std::invalid_argument if `block_size` is not
+/// between `min_block_size` and `max_block_size`.
 BlockTiling make_tiling(const Grid& grid, std::int64_t block_size, const GridRegion& region);
 
 /// Divides the whole grid into cubes.

@@ -24,8 +24,13 @@ inline std::uint64_t text_bytes_of(const AtomLabel& label) {
 /// stored once and shared.
 class AtomNames {
  public:
-  bool is_empty() const { return of_atom_.empty(); }
+  /// The residues of the atoms.
+  const ResidueRuns& residues() const { return residues_; }
 
+  /// Adds the residue of an atom.
+  void add_residue(const AtomLabel& label) { residues_.add(label); }
+
+  /// Adds the residue and the names of an atom. Must be called for all atoms or for none.
   void add(const AtomLabel& label) {
     text_bytes_ += text_bytes_of(label);
     const std::size_t runs = residues_.labels.size();
@@ -36,6 +41,16 @@ class AtomNames {
     if (is_new) names_.push_back({label.atom_name, label.element});
     of_atom_.push_back(found->second);
   }
+
+  /// Removes the names of atoms, but not their residues.
+  void keep_residues() {
+    AtomNames kept;
+    kept.residues_ = std::move(residues_);
+    *this = std::move(kept);
+  }
+
+  /// Whether the names of atoms are known besides their residues.
+  bool has_atoms() const { return !of_atom_.empty(); }
 
   /// Returns the label of an atom, numbered from 0 in the order of add().
   AtomLabel label(std::size_t atom) const {
@@ -50,12 +65,10 @@ class AtomNames {
   /// Total length of the names and elements of all atoms.
   std::uint64_t text_bytes() const { return text_bytes_; }
 
-  /// The label of each residue, without atom name and element.
-  const std::vector<AtomLabel>& residues() const { return residues_.labels; }
-
-  /// Returns the memory besides `residues()`, in bytes.
+  /// Returns the memory besides the labels of residues, in bytes.
   std::uint64_t bytes() const {
-    // An entry of the hash table has its key, links, the hash and a place among the buckets.
+    if (!has_atoms()) return 0;
+    // An entry of the hash table has its key, links, the hash and an entry of a bucket.
     constexpr std::uint64_t entry = sizeof(Name) + sizeof(std::string) + 5 * sizeof(void*);
     std::uint64_t of_names = 0;
     for (const Name& name : names_)

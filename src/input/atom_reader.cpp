@@ -67,7 +67,7 @@ std::string describe_xyzr(const Problem& problem, std::string_view line, std::st
 // files
 
 // Names of water in the PDB, in force fields, and in files of GROMACS. Other names of water in
-// programs of molecular dynamics are those of ligands in the PDB.
+// programs of molecular dynamics are names of ligands in the PDB.
 constexpr std::array<std::string_view, 10> water_residues{"HOH",  "WAT",  "H2O",  "DOD",  "SOL",
                                                           "TIP2", "TIP3", "TIP4", "TIP5", "SPCE"};
 
@@ -136,9 +136,10 @@ void check_line(std::string_view line, std::string_view name, std::size_t number
 void parse_lines(std::string_view text, const AtomLines& lines, LinesRead& read, AtomFile& result) {
   const std::string_view name = lines.name;
   const std::uint64_t first_line = lines.first_line + read.lines;
-  if (first_line == 1) text = checked_text(text, name, lines.format);
+  if (first_line == 1) text = checked_text(text, name, lines.options.format);
   check_is_text(text, name, first_line);
-  const bool is_pqr = lines.format == AtomFormat::pqr;
+  const bool is_pqr = lines.options.format == AtomFormat::pqr;
+  const int model = lines.options.structure.model;
   const auto is_record = is_pqr ? is_pqr_record : is_xyzr_record;
   const auto parse_line = is_pqr ? parse_pqr : parse_xyzr;
   while (!text.empty()) {
@@ -149,8 +150,7 @@ void parse_lines(std::string_view text, const AtomLines& lines, LinesRead& read,
       ++read.models;
       read.last_model = model_number(line, name, number);
     }
-    if (!is_record(line) || (is_pqr && lines.model != 0 && read.last_model != lines.model))
-      continue;
+    if (!is_record(line) || (is_pqr && model != 0 && read.last_model != model)) continue;
     Record record;
     if (const Problem problem = parse_line(line, record)) {
       const std::string_view rest(
@@ -165,7 +165,7 @@ void parse_lines(std::string_view text, const AtomLines& lines, LinesRead& read,
     if (!is_pqr) continue;
     read.likeness.add(line);
     inspect_residue(record.label.residue, result);
-    if (!lines.with_labels) continue;
+    if (!lines.options.with_labels) continue;
     result.labels.push_back(std::move(record.label));
     result.charges.push_back(record.charge);
   }
@@ -207,7 +207,7 @@ std::size_t estimate_atoms(std::string_view text) {
 /// limit.
 void make_room(std::string_view text, const AtomLines& lines, const ReadingLimit& limit,
                std::uint64_t line, AtomFile& result) {
-  const bool has_labels = lines.with_labels && lines.format == AtomFormat::pqr;
+  const bool has_labels = lines.options.with_labels && lines.options.format == AtomFormat::pqr;
   const std::uint64_t atom_bytes =
       sizeof(Atom) + sizeof(std::uint64_t) + (has_labels ? sizeof(AtomLabel) + sizeof(double) : 0);
   const std::size_t added = estimate_atoms(text), atoms = result.atoms.size();
@@ -225,14 +225,14 @@ void make_room(std::string_view text, const AtomLines& lines, const ReadingLimit
 
 LinesRead parse_atom_lines(std::string_view text, const AtomLines& lines, AtomFile& result) {
   LinesRead read;
-  make_room(text, lines, ReadingLimit(lines.max_memory), lines.first_line, result);
+  make_room(text, lines, ReadingLimit(lines.options.max_memory), lines.first_line, result);
   parse_lines(text, lines, read, result);
   return read;
 }
 
 LinesRead read_atom_lines(const ReadText& read, const AtomLines& lines, AtomFile& result,
                           const std::function<void()>& after_part) {
-  const ReadingLimit limit(lines.max_memory);
+  const ReadingLimit limit(lines.options.max_memory);
   LinesRead counts;
   for_whole_lines(read, [&](std::string_view text) {
     make_room(text, lines, limit, lines.first_line + counts.lines, result);
@@ -243,8 +243,10 @@ LinesRead read_atom_lines(const ReadText& read, const AtomLines& lines, AtomFile
 }
 
 void require_atoms(const AtomLines& lines, std::uint64_t atoms, const LinesRead& read) {
-  if (atoms == 0) throw Error(no_atoms_message(lines.name, lines.format, read.lines, lines.model));
-  if (lines.model == 0 && read.models > 1)
+  if (atoms == 0)
+    throw Error(no_atoms_message(lines.name, lines.options.format, read.lines,
+                                 lines.options.structure.model));
+  if (lines.options.structure.model == 0 && read.models > 1)
     throw Error(
         formatted("{}: {} models, whose atoms lie on top of each other; choose one with --model N",
                   lines.name, read.models));

@@ -13,14 +13,11 @@
 
 namespace eses::detail {
 
-/// Parameters for reading the lines of an xyzr or PQR file.
+/// The lines of an xyzr or PQR file, or of a part of it.
 struct AtomLines {
-  AtomFormat format = AtomFormat::xyzr;
+  const ReadOptions& options;
   std::string_view name;         ///< name of the file, for messages
   std::uint64_t first_line = 1;  ///< number of the first line in the file, from 1
-  bool with_labels = false;      ///< whether to read labels and charges; only PQR files have them
-  std::uint64_t max_memory = 0;  ///< see ReadOptions::max_memory
-  int model = 0;                 ///< see StructureOptions::model; only for PQR files
 };
 
 /// Counts of a text that was read.

@@ -12,7 +12,7 @@
 
 namespace eses::detail {
 
-/// Adds the atoms of the assembly `id` to `result`. The selected atoms are those of `model`, a
+/// Adds the atoms of the assembly `id` to `result`. The selected atoms are the atoms of `model`, a
 /// model of `structure`. Moves the atoms that the assembly does not contain from the counts of
 /// atoms that were read to StructureReport::dropped_assembly. Calls `checker` for each operator,
 /// and `require_memory` with the number of bytes before each large allocation. Throws Error if
@@ -24,7 +24,7 @@ void build_assembly(const gemmi::Structure& structure, const std::string& id,
                     SelectedStructure& result);
 
 /// Returns the assemblies of `structure` that have several operators, or not all of the selected
-/// atoms, which are those of `model`. Assemblies without selected atoms are left out.
+/// atoms, which are the atoms of `model`. Assemblies without selected atoms are left out.
 std::vector<OtherAssembly> find_other_assemblies(const gemmi::Structure& structure,
                                                  const gemmi::Model& model,
                                                  const StructureText& text);

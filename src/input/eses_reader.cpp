@@ -222,10 +222,10 @@ bool EdgeReader::next(Crossing& crossing) {
   std::string_view line;
   if (!lines_.next(line)) return false;
   Fields fields(lines_, line);
-  const GridEdge place = read_edge(lines_, fields, size_);
-  crossing.lower = {place.lower[0], place.lower[1], place.lower[2]};
-  crossing.axis = place.axis;
-  crossing.lower_is_inside = place.lower_is_inside;
+  const GridEdge edge = read_edge(lines_, fields, size_);
+  crossing.lower = {edge.lower[0], edge.lower[1], edge.lower[2]};
+  crossing.axis = edge.axis;
+  crossing.lower_is_inside = edge.lower_is_inside;
   crossing.position = fields.vector({"px", "py", "pz"});
   crossing.normal = fields.vector({"nx", "ny", "nz"});
   read_adjacent_atoms(fields, crossing);

@@ -7,6 +7,7 @@
 #include <cctype>
 #include <cmath>
 #include <optional>
+#include <stdexcept>
 #include <string>
 #include <string_view>
 
@@ -69,8 +70,8 @@ double common_spacing(const LineReader& lines, const Vec3& spacing) {
   return spacing.x;
 }
 
-// Returns the axis along which the points of a map lie half a spacing behind those of the grid, as
-// a comment of eses-blocks or APBS says for maps of the dielectric.
+// Returns the axis along which the points of a map lie half a spacing behind the points of the
+// grid, as a comment of eses-blocks or APBS says for maps of the dielectric.
 std::optional<std::size_t> shifted_axis(std::string_view comment) {
   constexpr std::string_view own = "Dielectric at middles of edges along ";
   constexpr std::string_view apbs = "-SHIFTED DIELECTRIC MAP";
@@ -248,7 +249,7 @@ Grid read_grid(const std::filesystem::path& path) {
                                                      : detail::read_box(path);
   try {
     detail::require_chosen(grid);
-  } catch (const Error& error) {
+  } catch (const std::invalid_argument& error) {
     throw Error(detail::formatted("{}: {}", path.string(), error.what()));
   }
   return grid;

@@ -217,8 +217,8 @@ Loop& atom_loop(Block& block, StructureDocument& document) {
   return loop->loop;
 }
 
-/// Removes all tables except those of entities. gemmi would read many of them, and fail at faults
-/// in tables that do not matter here.
+/// Removes all tables except the tables of entities. gemmi would read many of them, and fail at
+/// faults in tables that do not matter here.
 void keep_entity_tables(Block& block) {
   for (Item& item : block.items)
     if (!is_entity_table(item)) item.erase();

@@ -10,7 +10,7 @@
 
 namespace eses::detail {
 
-/// An error in an mmCIF text. The message may be that of gemmi.
+/// An error in an mmCIF text. The message may come from gemmi.
 struct MmcifError {
   std::uint64_t line = 0;  ///< line number, from 1; 0 if it is unknown
   std::string message;

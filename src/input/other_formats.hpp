@@ -10,7 +10,7 @@
 
 namespace eses::detail {
 
-/// Returns the suffix of a path in lower case. For `NAME.pqr.gz`, it is that of `NAME.pqr`.
+/// Returns the suffix of a path in lower case. For `NAME.pqr.gz`, it is `.pqr`.
 std::string input_suffix(const std::filesystem::path& path);
 
 /// Returns `format` or, if it is automatic, the format by the suffix of the path without .gz.

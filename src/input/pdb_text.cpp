@@ -69,7 +69,7 @@ bool is_assembly_record(std::string_view record) {
   return starts_with_ignoring_case(record, "remark 350");
 }
 
-/// Returns whether a type is that of a MODEL record, whose number may follow without a blank.
+/// Returns whether this is the type of a MODEL record, whose number may follow without a blank.
 bool is_model_type(std::string_view type) {
   return type.starts_with("model") && (type.size() == 5 || is_digit(type[5]));
 }
@@ -184,8 +184,8 @@ class PdbRecords {
   const PdbLines& lines() const { return lines_; }
   bool has_atoms() const { return has_atoms_; }
 
-  // The interface of gemmi's streams; the functions are like those of <cstdio>. All records end
-  // with a line feed within the buffer, so there is nothing left for getc().
+  // The interface of gemmi's streams; the functions are like the functions of <cstdio>. All records
+  // end with a line feed within the buffer, so there is nothing left for getc().
   char* gets(char* buffer, int size) {
     record_ = std::span(buffer, static_cast<std::size_t>(size));
     if (has_pending_model_) return write_pending_model();

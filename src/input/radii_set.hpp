@@ -19,13 +19,13 @@ struct AtomIdentity {
 /// A radius that a set has for an atom.
 struct FoundRadius {
   double radius = 0;  ///< in angstrom
-  /// Whether the set does not name the atom, and the radius is that of its element.
+  /// Whether the set does not name the atom, and the radius belongs to its element.
   bool by_element = false;
 };
 
 struct RadiiSet {
   std::string name;
-  /// Whether the radii are those of united atoms, which include hydrogens.
+  /// Whether the radii belong to united atoms, which include hydrogens.
   bool is_united = false;
   /// Returns the radius of an atom, or nothing if there is none.
   std::function<std::optional<FoundRadius>(const AtomIdentity& atom)> find;
@@ -43,7 +43,7 @@ std::optional<RadiiSet> named_radii_set(std::string_view name);
 /// Parses a set of radii in FreeSASA's configuration format. The section `types:` has lines `TYPE
 /// RADIUS polar|apolar`, and the section `atoms:` has lines `RESIDUE ATOM TYPE`, with ANY for all
 /// residues. The line `name:` gives the name of the set. Atoms that are not listed get FreeSASA's
-/// radius of their element. The radii are those of united atoms unless hydrogens are listed. Throws
+/// radius of their element. The radii belong to united atoms unless hydrogens are listed. Throws
 /// Error with `file` and the line.
 RadiiSet parse_radii_set(std::string_view text, std::string_view file);
 

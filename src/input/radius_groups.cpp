@@ -19,7 +19,7 @@ constexpr std::string_view nucleotides = "A C G I T U DA DC DG DI DT DU";
 // volumes", J. Mol. Biol. 290 (1999) 253-266, doi:10.1006/jmbi.1999.2829. The radius depends on
 // element, number of neighbours and number of hydrogens: C3H0 1.61, C3H1 1.76, C4H1 to C4H3 1.88,
 // N3H0 to N4H3 1.64, O1H0 1.42, O2H1 1.46, S2H0 and S2H1 1.77. The types of atoms, and the radii of
-// phosphorus (1.80), selenium (1.90) and X in ASX and GLX (1.50), are those of FreeSASA 2.1.2,
+// phosphorus (1.80), selenium (1.90) and X in ASX and GLX (1.50), are from FreeSASA 2.1.2,
 // which derives the types from the bonds in the chemical component dictionary of the PDB.
 constexpr RadiusGroup protor[] = {
     // C3H0: carbon with three neighbours and no hydrogen

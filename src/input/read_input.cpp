@@ -85,7 +85,7 @@ RadiiSet radii_set(const std::string& name_or_file) {
     const std::string text = read_text(source, name_or_file, ReadingLimit(0), {}, max_radii_bytes);
     return parse_radii_set(text, name_or_file);
   } catch (const Error& error) {
-    std::error_code ignored;  // as that of a name that is too long
+    std::error_code ignored;  // such as a name that is too long
     if (std::filesystem::exists(name_or_file, ignored)) throw;
     throw Error(formatted("radii: expected {}, or a file in FreeSASA's configuration format: {}",
                           named_radii, error.what()));
@@ -182,11 +182,7 @@ AtomFile read_source(TextSource& source, const std::filesystem::path& path, cons
     return parse({text, name, options.format, is_assembly_file(path), options.check}, options,
                  limit, after_part);
   }
-  const AtomLines lines{.format = options.format,
-                        .name = name,
-                        .with_labels = options.with_labels,
-                        .max_memory = options.max_memory,
-                        .model = options.structure.model};
+  const AtomLines lines{options, name};
   AtomFile file;
   const LinesRead read = read_atom_lines(
       [&source](std::span<char> buffer) { return source.read(buffer); }, lines, file,
@@ -251,11 +247,10 @@ AtomFile read_atoms(const std::filesystem::path& path, const ReadOptions& option
 AtomFile parse_atoms(std::string_view text, AtomFormat format, std::string_view name,
                      const StructureOptions& structure) {
   require_valid(structure);
+  const ReadOptions options{.format = format, .structure = structure};
   if (is_structure(format))
-    return detail::parse({text, name, format}, {.format = format, .structure = structure},
-                         detail::ReadingLimit(0), {});
-  const detail::AtomLines lines{
-      .format = format, .name = name, .with_labels = true, .model = structure.model};
+    return detail::parse({text, name, format}, options, detail::ReadingLimit(0), {});
+  const detail::AtomLines lines{options, name};
   AtomFile file;
   const detail::LinesRead read = detail::parse_atom_lines(text, lines, file);
   detail::require_atoms(lines, file.atoms.size(), read);

@@ -3,7 +3,6 @@
 
 #include <cstdint>
 #include <span>
-#include <utility>
 #include <vector>
 
 #include "eses/atoms.hpp"
@@ -20,11 +19,9 @@ struct ResidueRuns {
   std::vector<AtomLabel> labels;     ///< label of each run, without atom name and element
   std::vector<std::uint64_t> atoms;  ///< number of atoms of each run
 
-  void add(AtomLabel label) {
+  void add(const AtomLabel& label) {
     if (labels.empty() || !is_same_residue(labels.back(), label)) {
-      label.atom_name.clear();
-      label.element.clear();
-      labels.push_back(std::move(label));
+      labels.push_back({label.chain, label.residue, label.residue_number, {}, {}});
       atoms.push_back(0);
     }
     ++atoms.back();
@@ -34,13 +31,7 @@ struct ResidueRuns {
 /// Returns the runs of atoms with these labels.
 inline ResidueRuns residue_runs(std::span<const AtomLabel> labels) {
   ResidueRuns runs;
-  for (const AtomLabel& label : labels) {
-    // Copies a label only at the start of a run.
-    if (!runs.labels.empty() && is_same_residue(runs.labels.back(), label))
-      ++runs.atoms.back();
-    else
-      runs.add(label);
-  }
+  for (const AtomLabel& label : labels) runs.add(label);
   return runs;
 }
 

@@ -306,7 +306,7 @@ std::uint64_t keep_altlocs(gemmi::Model& model, const std::string& wanted, std::
 // --------------------------------------------------------------------------------------- waters
 
 /// Returns whether a residue is a water molecule. Some of the names that programs of molecular
-/// dynamics use for water are those of other molecules in the PDB, so the elements count as well.
+/// dynamics use for water are names of other molecules in the PDB, so the elements count as well.
 bool is_water(const gemmi::Residue& residue) {
   constexpr std::array<std::string_view, 17> names{"SOL", "TIP",  "TIP2", "TIP3", "TIP4", "TIP5",
                                                    "TP3", "TP4",  "TP5",  "T3P",  "T4P",  "T5P",

@@ -15,10 +15,10 @@ namespace eses::detail {
 /// Opens a file for reading and returns its descriptor. Throws Error with `name` in the message.
 int open_for_reading(const std::filesystem::path& path, std::string_view name);
 
-/// The text of an open file. The file is treated as gzipped if its first two bytes are those of
-/// gzip, whatever its name. All members of a gzip file are read as one text (RFC 1952, section
-/// 2.2). After the last member only zero bytes are accepted, as by `gzip -t`. Files of other
-/// compression programs are refused by name.
+/// The text of an open file. The file is treated as gzipped if its first two bytes are the magic
+/// bytes of gzip, whatever its name. All members of a gzip file are read as one text (RFC 1952,
+/// section 2.2). After the last member only zero bytes are accepted, as by `gzip -t`. Files of
+/// other compression programs are refused by name.
 class TextSource {
  public:
   /// Reads from `descriptor`, which must stay open. Messages begin with `name`.

@@ -96,22 +96,37 @@ class CellRowWalk {
   std::vector<Triangle>& triangles_;
 };
 
+/// Returns the values of a triangle's corners in lists by vertex.
+template <class Value>
+std::array<Value, 3> values_at_corners(const CellRows& rows, std::vector<Value> Row::*list,
+                                       const Triangle& triangle) {
+  std::array<Value, 3> values{};
+  for (std::size_t corner = 0; corner < values.size(); ++corner)
+    for (const Row* const row : rows) {
+      // For vertices before the first one of the row, the difference wraps to a large number.
+      const std::uint64_t vertex = triangle[corner] - row->first_vertex;
+      if (vertex < (row->*list).size()) values[corner] = (row->*list)[vertex];
+    }
+  return values;
+}
+
 }  // namespace
 
 void triangulate(const CellRows& rows, std::int64_t points_x, std::vector<Triangle>& triangles) {
   CellRowWalk(rows, points_x, triangles).walk();
 }
 
+std::uint8_t patch_of(std::array<std::uint8_t, 3> corner_patches) {
+  std::sort(corner_patches.begin(), corner_patches.end());
+  return corner_patches[1];
+}
+
 std::uint8_t patch_of(const CellRows& rows, const Triangle& triangle) {
-  std::array<std::uint8_t, 3> patches{};
-  for (std::size_t corner = 0; corner < patches.size(); ++corner)
-    for (const Row* const row : rows) {
-      // For vertices before the first one of the row, the difference wraps to a large number.
-      const std::uint64_t vertex = triangle[corner] - row->first_vertex;
-      if (vertex < row->patches.size()) patches[corner] = row->patches[vertex];
-    }
-  std::sort(patches.begin(), patches.end());
-  return patches[1];
+  return patch_of(values_at_corners(rows, &Row::patches, triangle));
+}
+
+std::array<Vec3, 3> corners_of(const CellRows& rows, const Triangle& triangle) {
+  return values_at_corners(rows, &Row::positions, triangle);
 }
 
 }  // namespace eses::detail::mesh

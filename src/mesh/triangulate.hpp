@@ -5,6 +5,8 @@
 #include <cstdint>
 #include <vector>
 
+#include "eses/vec3.hpp"
+
 namespace eses::detail::mesh {
 
 /// Points and crossings of a row of the grid along x. Vertices are numbered like the crossings: by
@@ -14,7 +16,8 @@ struct Row {
   std::vector<std::uint64_t> edges;   ///< keys of the edges that have a crossing, ascending
   std::uint64_t first_vertex = 0;     ///< number of the first crossing
   std::vector<std::uint8_t>
-      patches;  ///< patches of the crossings; empty unless patch_of needs them
+      patches;                  ///< patches of the crossings; empty unless patch_of needs them
+  std::vector<Vec3> positions;  ///< of the vertices; empty unless corners_of needs them
 };
 
 /// Key of the edge along `axis` whose lower point is point `x` of the row.
@@ -31,7 +34,14 @@ using CellRows = std::array<const Row*, 4>;
 void triangulate(const CellRows& rows, std::int64_t points_x, std::vector<Triangle>& triangles);
 
 /// Returns the patch of a triangle: the median of the patches of its corners. This is the patch of
-/// at least two corners, or saddle if all three differ. The rows must have patches.
+/// at least two corners, or saddle if all three differ.
+std::uint8_t patch_of(std::array<std::uint8_t, 3> corner_patches);
+
+/// Does the same for a triangle of a row of cells. The rows must have patches.
 std::uint8_t patch_of(const CellRows& rows, const Triangle& triangle);
+
+/// Returns the positions of the corners of a triangle of a row of cells. The rows must have
+/// positions.
+std::array<Vec3, 3> corners_of(const CellRows& rows, const Triangle& triangle);
 
 }  // namespace eses::detail::mesh

@@ -25,12 +25,12 @@ std::string csv_field(std::string_view text) {
 }
 
 void ChainAreas::add(const ChainArea& part) {
-  auto place = places_.find(part.chain);
-  if (place == places_.end()) {
-    place = places_.emplace(part.chain, chains_.size()).first;
-    chains_.push_back({place->first, 0, 0, 0});
+  auto index = indices_.find(part.chain);
+  if (index == indices_.end()) {
+    index = indices_.emplace(part.chain, chains_.size()).first;
+    chains_.push_back({index->first, 0, 0, 0});
   }
-  ChainArea& chain = chains_[place->second];
+  ChainArea& chain = chains_[index->second];
   chain.residues += part.residues;
   chain.atoms += part.atoms;
   chain.area += part.area;

@@ -48,9 +48,17 @@ class ChainAreas {
   /// Returns the chains in the order of first occurrence.
   std::span<const ChainArea> chains() const { return chains_; }
 
+  /// Returns the estimated memory in bytes of chains with names of this total length, including the
+  /// messages between ranks.
+  static double memory_bytes(double chains, double name_bytes) {
+    constexpr double growth = 1.5, copies_of_name = 4;
+    return (growth * sizeof(ChainArea) + 64 + 4 * sizeof(std::string)) * chains +
+           copies_of_name * name_bytes;
+  }
+
  private:
   std::vector<ChainArea> chains_;
-  std::map<std::string, std::size_t, std::less<>> places_;  // index of each chain by name
+  std::map<std::string, std::size_t, std::less<>> indices_;  // by name
 };
 
 /// Atoms of one residue, and the sum of their areas (square angstrom).

@@ -123,8 +123,7 @@ char* TextBuffer::reserve(std::size_t bytes) {
   return bytes_.data() + size_;
 }
 
-GridText::GridText(const Grid& grid, const GridRegion& region,
-                   std::span<const AtomIndex> file_indices)
+GridText::GridText(const Grid& grid, const GridRegion& region, const FileIndices& file_indices)
     : file_indices_(file_indices), first_x_(region.begin[0]) {
   for (std::size_t axis = 0; axis < 3; ++axis)
     for (std::int64_t i = 0; i < grid.size[axis]; ++i) {
@@ -211,10 +210,8 @@ char* GridText::append_crossing(char* out, std::int64_t x, const RowText& row,
   out = axis == 1 ? append_number(out, numbers, first + 3) : append(out, row.y);
   out = axis == 2 ? append_number(out, numbers, first + 3) : append(out, row.z);
   for (std::size_t q = 0; q < 3; ++q) out = append_number(out, numbers, first + q);
-  for (std::size_t q = 0; q < crossing.atom_count; ++q) {
-    const AtomIndex atom = crossing.atoms[q];
-    out = put_index(out, file_indices_.empty() ? atom : file_indices_[atom]);
-  }
+  for (std::size_t q = 0; q < crossing.atom_count; ++q)
+    out = put_index(out, as_number(file_indices_[crossing.atoms[q]]));
   *out++ = '\n';
   return out;
 }

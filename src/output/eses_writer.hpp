@@ -9,6 +9,7 @@
 
 #include "eses/grid.hpp"
 #include "grid/block_crossing.hpp"
+#include "input/file_index.hpp"
 #include "output/number_text.hpp"
 
 namespace eses::detail {
@@ -31,10 +32,14 @@ class TextBuffer {
 /// Indices and coordinates of a grid as text. Each is formatted once and copied many times.
 class GridText {
  public:
-  /// `file_indices` has the index in the file of each atom, by slab index; empty if both are
-  /// equal. It must outlive this object.
-  GridText(const Grid& grid, const GridRegion& region,
-           std::span<const AtomIndex> file_indices = {});
+  /// The list of `file_indices` must outlive this object.
+  GridText(const Grid& grid, const GridRegion& region, const FileIndices& file_indices = {});
+
+  /// Returns the memory of a grid's text in bytes.
+  static double memory_bytes(const Grid& grid) {
+    return static_cast<double>(grid.size[0] + grid.size[1] + grid.size[2]) *
+           (sizeof(Token<16>) + sizeof(Token<32>));
+  }
 
   /// Appends a row of grid_info.txt: `i j k s` for the points of the region. Bit i of `inside` is
   /// the sign s of point i.
@@ -67,7 +72,7 @@ class GridText {
     std::vector<Token<32>> coordinates;
   };
   std::array<Axis, 3> axes_;
-  std::span<const AtomIndex> file_indices_;
+  FileIndices file_indices_;
   std::int64_t first_x_ = 0;
   std::vector<std::array<std::uint64_t, 2>> row_indices_;  ///< text along x, padded with zero bytes
 };

@@ -35,8 +35,8 @@ std::int64_t rows_in_tile(MapQuantity quantity, const GridIndex& size) {
 // Bytes of members that a thread stores at a time.
 constexpr std::size_t member_buffer_bytes = 1 << 18;
 
-// Place of a gzip member in a scratch file.
-struct MemberPlace {
+// Range of a gzip member in a scratch file.
+struct MemberRange {
   std::uint64_t offset = 0;
   std::uint32_t bytes = 0;
 };
@@ -99,12 +99,12 @@ double GridMap::thread_bytes(const MapChoice& map, const GridRegion& region) {
   const double text = is_of_edges(map.quantity) ? dielectric_text_bytes : 2;
   const double bytes = points * (words * sizeof(std::uint64_t) + text);
   if (!map.gzip) return bytes;
-  // The compressed plane of a tile, the buffer of members, and the places of a cell's members.
+  // The compressed plane of a tile, the buffer of members, and the ranges of a cell's members.
   constexpr double growth = 2;
   const double tiles = std::ceil(static_cast<double>(size[1]) /
                                  static_cast<double>(rows_in_tile(map.quantity, size)));
   return bytes + Gzip::state_bytes + points * text +
-         growth * (member_buffer_bytes + points * text) + tiles * cell_points * sizeof(MemberPlace);
+         growth * (member_buffer_bytes + points * text) + tiles * cell_points * sizeof(MemberRange);
 }
 
 std::int64_t GridMap::rows_of_tile() const { return rows_in_tile(map_.quantity, size_); }
@@ -296,8 +296,8 @@ class GridMap::Compressor {
   // Words of the tile that is compressed next.
   Scratch& scratch() { return scratch_; }
 
-  // Compresses a tile and stores the members, whose places go to every `stride`th of `places`.
-  void add(const Tile& tile, std::span<MemberPlace> places, std::size_t stride) {
+  // Compresses a tile and stores the members, whose ranges go to every `stride`th of `ranges`.
+  void add(const Tile& tile, std::span<MemberRange> ranges, std::size_t stride) {
     const std::int64_t first_x = cell_points * tile.cell;
     const std::int64_t end_x = std::min(first_x + cell_points, map_.size_[0]);
     stored_ = 0;
@@ -306,7 +306,7 @@ class GridMap::Compressor {
       buffer_.insert(buffer_.end(), member.begin(), member.end());
       const auto plane = static_cast<std::size_t>(x - first_x);
       sizes_[plane] = static_cast<std::uint32_t>(member.size());
-      if (buffer_.size() >= member_buffer_bytes || x + 1 == end_x) store(plane + 1, places, stride);
+      if (buffer_.size() >= member_buffer_bytes || x + 1 == end_x) store(plane + 1, ranges, stride);
     }
   }
 
@@ -334,11 +334,11 @@ class GridMap::Compressor {
   }
 
   // Stores the members of the planes before `plane_end` that are in the buffer.
-  void store(std::size_t plane_end, std::span<MemberPlace> places, std::size_t stride) {
+  void store(std::size_t plane_end, std::span<MemberRange> ranges, std::size_t stride) {
     std::uint64_t offset = end_.fetch_add(buffer_.size());
     file_.write_at(std::as_bytes(std::span(buffer_)), offset);
     for (; stored_ < plane_end; ++stored_) {
-      places[stored_ * stride] = {offset, sizes_[stored_]};
+      ranges[stored_ * stride] = {offset, sizes_[stored_]};
       offset += sizes_[stored_];
     }
     buffer_.clear();
@@ -365,7 +365,7 @@ void GridMap::compress_cells(std::int64_t begin, std::int64_t end, int threads,
     compressors.push_back(std::make_unique<Compressor>(*this, members, members_end));
   const std::int64_t per_cell = tiles_of_cell();
   const auto stride = static_cast<std::size_t>(per_cell);
-  std::vector<MemberPlace> places(stride * cell_points);
+  std::vector<MemberRange> ranges(stride * cell_points);
   std::vector<char> buffer;
   const auto append = [&] {
     text.append(std::as_bytes(std::span(buffer)));
@@ -378,12 +378,12 @@ void GridMap::compress_cells(std::int64_t begin, std::int64_t end, int threads,
       Compressor& compressor = *compressors[static_cast<std::size_t>(thread)];
       const Tile next = tile(cell * per_cell + index);
       read_words(next, compressor.scratch().words);
-      compressor.add(next, std::span(places).subspan(static_cast<std::size_t>(index)), stride);
+      compressor.add(next, std::span(ranges).subspan(static_cast<std::size_t>(index)), stride);
     });
     check();
     const std::int64_t planes = std::min(cell_points, size_[0] - cell * cell_points);
-    for (const MemberPlace& member :
-         std::span(places).first(stride * static_cast<std::size_t>(planes))) {
+    for (const MemberRange& member :
+         std::span(ranges).first(stride * static_cast<std::size_t>(planes))) {
       const std::size_t old = buffer.size();
       buffer.resize(old + member.bytes);
       members.read_at(std::as_writable_bytes(std::span(buffer).subspan(old)), member.offset);

@@ -30,11 +30,11 @@ MapFile map_file(File& file) {
 /// Writes a map from rows of words along x, which arrive in any order. A map of points has one bit
 /// a point. A map of edges has 32 bits an edge: the fraction of the edge that lies inside. 64
 /// points make a cell, of one word or of 32. A `.vti` file has x running fastest, so each row is
-/// written to its final place. In a `.dx` file z runs fastest, so the values must be transposed.
+/// written at its final offset. In a `.dx` file z runs fastest, so the values must be transposed.
 /// Until all rows have arrived, their words are kept in the file itself, after the space for the
 /// values: first the cells 0 of all rows, then the cells 1, and so on. The memory therefore does
 /// not grow with the grid. The words of a compressed map are at the beginning of the file, as the
-/// place of the values is known only when all of them have been read.
+/// offset of the values is known only when all of them have been read.
 class GridMap {
  public:
   GridMap(MapFile file, MapChoice map, const Grid& grid, const GridRegion& region);

@@ -5,8 +5,8 @@
 #include <algorithm>
 #include <array>
 #include <cstring>
+#include <stdexcept>
 
-#include "eses/error.hpp"
 #include "system/formatted.hpp"
 
 namespace eses::detail {
@@ -31,7 +31,8 @@ std::string title_of(const MapChoice& map) {
 
 void require_between(double value, double min, double max, std::string_view what) {
   if (value >= min && value <= max) return;
-  throw Error(formatted("{} must be between {} and {}, not {}", what, min, max, value));
+  throw std::invalid_argument(
+      formatted("{} must be between {} and {}, not {}", what, min, max, value));
 }
 
 // Header of an OpenDX file as APBS writes it. Some readers depend on its line breaks and words, and
@@ -105,7 +106,8 @@ bool is_compressed_map(std::string_view name) { return name.ends_with(".dx.gz");
 
 MapFormat required_map_format(std::string_view name) {
   if (const auto format = map_format(name)) return *format;
-  throw Error(formatted("the map file needs the suffix .dx, .dx.gz or .vti, found {}", name));
+  throw std::invalid_argument(
+      formatted("the map file needs the suffix .dx, .dx.gz or .vti, found {}", name));
 }
 
 std::string dielectric_name(std::string_view prefix, MapQuantity quantity, bool gzip) {
@@ -136,7 +138,7 @@ std::vector<MapChoice> chosen_maps(const Outputs& outputs) {
 void require_valid_maps(const Outputs& outputs) {
   if (outputs.dielectric) {
     if (outputs.dielectric->prefix.empty())
-      throw Error(
+      throw std::invalid_argument(
           "the prefix of the maps of the dielectric is empty; give the start of their names");
     require_between(outputs.dielectric->solute, min_dielectric, max_dielectric,
                     "the dielectric of the solute");
@@ -146,7 +148,7 @@ void require_valid_maps(const Outputs& outputs) {
   if (outputs.ion_access) {
     require_between(outputs.ion_access->ion_radius, 0, max_ion_radius, "the radius of the ions");
     if (map_format(outputs.ion_access->file) != MapFormat::dx)
-      throw Error(
+      throw std::invalid_argument(
           formatted("the map file of ion accessibility needs the suffix .dx or .dx.gz, found {}",
                     outputs.ion_access->file));
   }
@@ -154,7 +156,7 @@ void require_valid_maps(const Outputs& outputs) {
   for (std::size_t i = 0; i < maps.size(); ++i)
     for (std::size_t k = 0; k < i; ++k)
       if (maps[i].name == maps[k].name)
-        throw Error(formatted("two maps would have the name {}", maps[i].name));
+        throw std::invalid_argument(formatted("two maps would have the name {}", maps[i].name));
 }
 
 double dielectric_of(const MapChoice& map, std::uint32_t fraction) {

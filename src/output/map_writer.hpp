@@ -26,7 +26,7 @@ std::optional<MapFormat> map_format(std::string_view name);
 /// Returns whether a map of this name is compressed, that is, has the suffix `.dx.gz`.
 bool is_compressed_map(std::string_view name);
 
-/// Returns the format by the suffix. Throws Error for other suffixes.
+/// Returns the format by the suffix. Throws std::invalid_argument for other suffixes.
 MapFormat required_map_format(std::string_view name);
 
 /// The quantity of a map.
@@ -63,10 +63,11 @@ inline constexpr double min_dielectric = 1e-9, max_dielectric = 1e9, max_ion_rad
 /// Returns the file name of a map of the dielectric.
 std::string dielectric_name(std::string_view prefix, MapQuantity quantity, bool gzip);
 
-/// Returns the chosen maps in the order of MapQuantity. Throws Error as required_map_format does.
+/// Returns the chosen maps in the order of MapQuantity. Throws std::invalid_argument as
+/// required_map_format does.
 std::vector<MapChoice> chosen_maps(const Outputs& outputs);
 
-/// Throws Error if a number is out of range, or if two maps have the same name.
+/// Throws std::invalid_argument if a number is out of range, or if two maps have the same name.
 void require_valid_maps(const Outputs& outputs);
 
 /// Returns the dielectric of an edge: the harmonic mean along the edge. `fraction` is the part of
@@ -96,7 +97,7 @@ struct MapLayout {
   std::uint64_t file_bytes() const { return value_offset(points) + footer.size(); }
 };
 
-/// Returns the layout of the map of a region. Coordinates and indices are those of the whole grid.
+/// Returns the layout of the map of a region. Coordinates and indices refer to the whole grid.
 MapLayout map_layout(const MapChoice& map, const Grid& grid, const GridRegion& region);
 
 /// Fills `values` with the bytes of a .vti file, one for each bit.

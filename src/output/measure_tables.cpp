@@ -116,16 +116,18 @@ std::optional<double> max_sas_area(std::string_view residue) {
 
 void write_measured_atoms(const MeasuredAtoms& atoms, const TextSink& sink) {
   BufferedText text(sink);
-  text.append("serial,name,residue,residue_number,chain,element,radius,{}{}\n", area_columns,
+  text.append("serial,name,residue,residue_number,chain,element,x,y,z,radius,{}{}\n", area_columns,
               part_columns(atoms));
   for (std::size_t i = 0; i < atoms.atoms.size(); ++i) {
     AreaSums sums;
     sums.add(atoms, i);
     const AtomLabel label = atoms.labels.empty() ? AtomLabel() : atoms.labels[i];
-    text.append("{},{},{},{},{},{},{},{}{}\n", serial_number(atoms, static_cast<AtomIndex>(i)),
-                csv_field(label.atom_name), csv_field(label.residue),
-                csv_field(label.residue_number), csv_field(label.chain), csv_field(label.element),
-                atoms.atoms[i].radius, area_fields(sums), part_fields(atoms, sums));
+    const auto& [center, radius] = atoms.atoms[i];
+    text.append("{},{},{},{},{},{},{},{},{},{},{}{}\n",
+                serial_number(atoms, static_cast<AtomIndex>(i)), csv_field(label.atom_name),
+                csv_field(label.residue), csv_field(label.residue_number), csv_field(label.chain),
+                csv_field(label.element), center.x, center.y, center.z, radius, area_fields(sums),
+                part_fields(atoms, sums));
   }
   text.flush();
 }
@@ -154,12 +156,12 @@ void write_measured_chains(const MeasuredAtoms& atoms, const TextSink& sink) {
     AreaSums sums;
   };
   std::vector<Chain> chains;
-  std::map<std::string_view, std::size_t> places;
+  std::map<std::string_view, std::size_t> indices;
   for (std::size_t i = 0; i < atoms.labels.size(); ++i) {
     const AtomLabel& label = atoms.labels[i];
-    const auto [place, is_new] = places.emplace(label.chain, chains.size());
+    const auto [index, is_new] = indices.emplace(label.chain, chains.size());
     if (is_new) chains.push_back({label.chain, 0, 0, {}});
-    Chain& chain = chains[place->second];
+    Chain& chain = chains[index->second];
     if (i == 0 || !is_same_residue(atoms.labels[i - 1], label)) ++chain.residues;
     ++chain.atoms;
     chain.sums.add(atoms, i);

@@ -7,7 +7,8 @@
 /// `part,buried_sas_area,buried_ses_area` follow: the area in the part alone minus the area in the
 /// complex.
 ///
-/// Atoms: `serial,name,residue,residue_number,chain,element,radius,...`, a line for each atom.
+/// Atoms: `serial,name,residue,residue_number,chain,element,x,y,z,radius,...`, a line for each
+/// atom.
 ///
 /// Residues: `chain,residue_number,residue,atoms,...,relative_sas_area,...`, a line for each run of
 /// atoms with the same chain, number and name. `relative_sas_area` is empty for other residues than

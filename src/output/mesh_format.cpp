@@ -1,8 +1,8 @@
 #include "output/mesh_format.hpp"
 
+#include <stdexcept>
 #include <string>
 
-#include "eses/error.hpp"
 #include "input/text_fields.hpp"
 #include "system/formatted.hpp"
 
@@ -27,18 +27,26 @@ std::optional<MeshFormat> mesh_format(const std::filesystem::path& file) {
   if (suffix == ".obj") return MeshFormat::obj;
   if (suffix == ".off") return MeshFormat::off;
   if (suffix == ".vtp") return MeshFormat::vtp;
+  if (suffix == ".stl") return MeshFormat::stl;
+  if (suffix == ".glb") return MeshFormat::glb;
   if (suffix == vertex_suffix || suffix == face_suffix) return MeshFormat::msms;
   return std::nullopt;
+}
+
+bool can_have_colors(std::optional<MeshFormat> format) {
+  return format == MeshFormat::ply || format == MeshFormat::ascii_ply ||
+         format == MeshFormat::obj || format == MeshFormat::vtp || format == MeshFormat::glb;
 }
 
 MeshFormat required_mesh_format(const MeshOptions& mesh) {
   const std::optional<MeshFormat> format = mesh_format(mesh.file);
   if (!format)
-    throw Error(formatted("the mesh file needs the suffix {}, found {}", mesh_suffixes,
-                          mesh.file.string()));
+    throw std::invalid_argument(formatted("the mesh file needs the suffix {}, found {}",
+                                          mesh_suffixes, mesh.file.string()));
   if (!mesh.is_ascii) return *format;
   if (format != MeshFormat::ply)
-    throw Error(formatted("only .ply meshes can be written as text, not {}", mesh.file.string()));
+    throw std::invalid_argument(
+        formatted("only .ply meshes can be written as text, not {}", mesh.file.string()));
   return MeshFormat::ascii_ply;
 }
 

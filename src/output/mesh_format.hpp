@@ -12,17 +12,20 @@
 namespace eses::detail {
 
 /// Formats of mesh files. An MSMS mesh has two files, other meshes have one.
-enum class MeshFormat : std::uint8_t { ply, obj, off, ascii_ply, msms, vtp };
+enum class MeshFormat : std::uint8_t { ply, obj, off, ascii_ply, msms, vtp, stl, glb };
 
 /// The suffixes of mesh files, for messages.
-inline constexpr char mesh_suffixes[] = ".ply, .obj, .off, .vtp, .vert or .face";
+inline constexpr char mesh_suffixes[] = ".ply, .obj, .off, .vtp, .stl, .glb, .vert or .face";
 
 /// Format of a file by its suffix in upper or lower case: `ply` for both kinds of PLY, no value if
 /// the suffix is unknown.
 std::optional<MeshFormat> mesh_format(const std::filesystem::path& file);
 
-/// Format of a mesh. Throws Error if the suffix is unknown, or if `is_ascii` is set for another
-/// format than PLY.
+/// Whether meshes of a format can have colours; no value stands for a file without a known suffix.
+bool can_have_colors(std::optional<MeshFormat> format);
+
+/// Format of a mesh. Throws std::invalid_argument if the suffix is unknown, or if `is_ascii` is set
+/// for another format than PLY.
 MeshFormat required_mesh_format(const MeshOptions& mesh);
 
 /// Paths of the files of a mesh: one, or for MSMS the file of the vertices and the file of the

@@ -1,9 +1,11 @@
 #include "output/mesh_writer.hpp"
 
 #include <algorithm>
+#include <array>
 #include <bit>
 #include <limits>
 #include <string>
+#include <string_view>
 
 #include "eses/error.hpp"
 #include "output/local_triangle.hpp"
@@ -15,8 +17,8 @@
 namespace eses::detail::mesh {
 namespace {
 
-// Readers treat the vertex indices of a PLY face as signed, and store those of the other formats in
-// an int.
+// Readers treat the vertex indices of a PLY face as signed, and store vertex indices of other
+// formats in an int.
 constexpr std::uint64_t max_vertices = std::numeric_limits<std::int32_t>::max();
 constexpr std::size_t count_digits = 12;
 
@@ -31,24 +33,14 @@ void append_off_counts(BufferedText& text, const MeshCounts& counts) {
   text.append("OFF\n{:<{}}\n", line, 2 * count_digits + 3);
 }
 
-// Upper bounds of the length of a line or record: a vertex has two vectors, and in PLY files a
-// colour, patch, atom, chain and residue.
+// Upper bounds of the length of a line or record: a vertex has two vectors, in OBJ files a colour
+// as a third one, and in PLY files a colour, patch, atom, chain and residue.
 constexpr std::size_t max_field_length = max_number_length + 1, max_index_length = 11, channel = 4;
 constexpr std::size_t max_vertex_bytes =
-    6 * max_field_length + 3 * channel + 2 + 3 * max_index_length + 8;
+    9 * max_field_length + 3 * channel + 2 + 3 * max_index_length + 8;
 constexpr std::size_t max_triangle_bytes = 6 * (max_number_length + 2) + 4;
 static_assert(max_msms_vertex_bytes <= max_vertex_bytes);
 static_assert(max_msms_triangle_bytes <= max_triangle_bytes);
-
-char* put_obj_vertex(char* out, const Vertex& vertex) {
-  *out++ = 'v';
-  *out++ = ' ';
-  out = end_line(put_vector(out, vertex.position));
-  *out++ = 'v';
-  *out++ = 'n';
-  *out++ = ' ';
-  return end_line(put_vector(out, vertex.normal));
-}
 
 char* put_obj_triangle(char* out, const Triangle& triangle) {
   *out++ = 'f';
@@ -76,6 +68,17 @@ char* put_components(char* out, const Vec3& vector) {
   return out;
 }
 
+// Length of the header of STL, without the count of the triangles.
+constexpr std::size_t stl_header_bytes = 80;
+constexpr std::size_t stl_triangle_bytes = 12 * sizeof(float) + sizeof(std::uint16_t);
+static_assert(stl_triangle_bytes <= max_triangle_bytes);
+
+char* put_little_vector(char* out, const Vec3& vector) {
+  for (std::size_t axis = 0; axis < 3; ++axis)
+    out = put_little(out, static_cast<float>(vector[axis]));
+  return out;
+}
+
 char* put_ply_triangle(char* out, const Triangle& triangle) {
   out = put(out, std::uint8_t{3});
   for (const std::uint64_t vertex : triangle) out = put(out, static_cast<std::int32_t>(vertex));
@@ -95,9 +98,7 @@ void require_vertex_count(std::uint64_t vertices) {
 MeshText::MeshText(MeshFormat format, MeshColor color, MeshSource source)
     : format_(format), color_(color), source_(source) {}
 
-VtpFields MeshText::vtp_fields() const {
-  return {color_ != MeshColor::none, source_.groups.are_known};
-}
+VtpFields MeshText::vtp_fields() const { return {has_colors(), source_.groups.are_known}; }
 
 void MeshText::write_header_begin(const TextSink& sink) const {
   constexpr bool is_little = std::endian::native == std::endian::little;
@@ -137,7 +138,8 @@ void MeshText::append_residue_name(BufferedText& text, std::uint64_t number,
   if (format_ == MeshFormat::vtp) append_vtp_name(text, name);
 }
 
-void MeshText::write_header_end(const MeshCounts& counts, const TextSink& sink) const {
+void MeshText::write_header_end(const MeshCounts& counts, const VertexBox& box,
+                                const TextSink& sink) const {
   BufferedText text(sink);
   switch (format_) {
     case MeshFormat::ply:
@@ -156,6 +158,16 @@ void MeshText::write_header_end(const MeshCounts& counts, const TextSink& sink) 
       break;
     case MeshFormat::vtp:
       append_vtp_before_data(text, vtp_fields(), counts);
+      break;
+    case MeshFormat::stl: {
+      std::array<char, sizeof(std::uint32_t)> count{};
+      put_little(count.data(), static_cast<std::uint32_t>(counts.triangles));
+      text.append("{:<{}}{}", "solvent excluded surface, eses-blocks; angstrom", stl_header_bytes,
+                  std::string_view(count.data(), count.size()));
+      break;
+    }
+    case MeshFormat::glb:
+      text.append("{}", gltf_header(counts, has_colors(), gltf_center(source_.center), box));
       break;
   }
   text.flush();
@@ -184,7 +196,8 @@ void MeshText::append_ply_end(BufferedText& text, const MeshCounts& counts) cons
 }
 
 Color MeshText::color_of(const Vertex& vertex) const {
-  if (color_ == MeshColor::atom) return distinct_color(file_index_of(vertex.first_atom()));
+  if (color_ == MeshColor::atom)
+    return distinct_color(as_number(source_.file_indices[vertex.first_atom()]));
   if (color_ == MeshColor::chain)
     return distinct_color(source_.groups.of_atom[vertex.first_atom()].chain);
   return patch_color(vertex.patch);
@@ -210,10 +223,10 @@ char* MeshText::put_fields(char* out, const Vertex& vertex, PutPosition put_posi
                            PutNormal put_normal, PutInteger put_integer) const {
   out = put_position(out, vertex.position);
   out = put_normal(out, vertex.normal);
-  if (color_ != MeshColor::none)
+  if (has_colors())
     for (const std::uint8_t part : color_of(vertex)) out = put_integer(out, part);
   out = put_integer(out, vertex.patch);
-  out = put_integer(out, file_index_of(vertex.first_atom()));
+  out = put_integer(out, as_number(source_.file_indices[vertex.first_atom()]));
   if (source_.groups.are_known) {
     const auto [chain, residue] = source_.groups.of_atom[vertex.first_atom()];
     out = put_integer(out, chain);
@@ -233,6 +246,27 @@ char* MeshText::put_ply_line(char* out, const Vertex& vertex) const {
   return end_line(put_fields(out, vertex, put_vector, put_vector, put_index));
 }
 
+// The colours follow the position, as numbers from 0 to 1.
+char* MeshText::put_obj_vertex(char* out, const Vertex& vertex) const {
+  *out++ = 'v';
+  *out++ = ' ';
+  out = put_vector(out, vertex.position);
+  if (has_colors()) {
+    const Color color = color_of(vertex);
+    out = put_vector(out, 1.0 / 255 * Vec3{double(color[0]), double(color[1]), double(color[2])});
+  }
+  out = end_line(out);
+  *out++ = 'v';
+  *out++ = 'n';
+  *out++ = ' ';
+  return end_line(put_vector(out, vertex.normal));
+}
+
+char* MeshText::put_glb_vertex(char* out, const Vertex& vertex) const {
+  out = put_gltf_vertex(out, vertex.position, vertex.normal, gltf_center(source_.center));
+  return has_colors() ? put_gltf_color(out, color_of(vertex)) : out;
+}
+
 void MeshText::append_vertex(TextBuffer& text, const Vertex& vertex) const {
   char* const out = text.reserve(max_vertex_bytes);
   switch (format_) {
@@ -246,7 +280,12 @@ void MeshText::append_vertex(TextBuffer& text, const Vertex& vertex) const {
     case MeshFormat::off:
       return text.advance_to(end_line(put_vector(out, vertex.position)));
     case MeshFormat::msms:
-      return text.advance_to(put_msms_vertex(out, vertex, file_index_of(closest_atom(vertex))));
+      return text.advance_to(
+          put_msms_vertex(out, vertex, source_.file_indices[closest_atom(vertex)]));
+    case MeshFormat::glb:
+      return text.advance_to(put_glb_vertex(out, vertex));
+    case MeshFormat::stl:
+      return;
   }
 }
 
@@ -263,9 +302,29 @@ void MeshText::append_triangle(TextBuffer& text, const Triangle& triangle,
       return text.advance_to(put_triangle_line(out, triangle));
     case MeshFormat::msms:
       return text.advance_to(put_msms_triangle(out, triangle, patch));
+    case MeshFormat::glb:
+      return text.advance_to(put_gltf_triangle(out, triangle));
     case MeshFormat::vtp:
-      return;  // Done by append_triangle_record.
+    case MeshFormat::stl:
+      return;  // Done by append_triangle_record and append_corners.
   }
+}
+
+// A record has the normal of the triangle, the corners, and two bytes without meaning.
+void MeshText::append_corners(TextBuffer& text, const std::array<Vec3, 3>& corners) {
+  const Vec3 across = cross(corners[1] - corners[0], corners[2] - corners[0]);
+  const double length = norm(across);
+  char* out = text.reserve(max_triangle_bytes);
+  out = put_little_vector(out, length > 0 ? (1 / length) * across : Vec3{});
+  for (const Vec3& corner : corners) out = put_little_vector(out, corner);
+  text.advance_to(put_little(out, std::uint16_t{0}));
+}
+
+void MeshText::require_counts(const MeshCounts& counts) const {
+  if (format_ == MeshFormat::glb) require_gltf_size(counts, has_colors());
+  if (format_ == MeshFormat::stl && counts.triangles > std::numeric_limits<std::uint32_t>::max())
+    throw Error(
+        formatted("the mesh has {} triangles, more than a .stl file can have", counts.triangles));
 }
 
 void MeshText::append_triangle_record(TextBuffer& text, const Triangle& triangle,
@@ -292,7 +351,8 @@ MeshBytes typical_mesh_bytes(const MeshOptions& choice, bool has_labels) {
       bytes = {.vertex = record, .triangle = 1 + 3 * sizeof(std::int32_t)};
       break;
     case MeshFormat::obj:
-      bytes = {.vertex = 2 * vector_line + 5, .triangle = 2 + 3 * (2 * index_text + 1)};
+      bytes = {.vertex = (has_color ? 3 : 2) * vector_line + 5,
+               .triangle = 2 + 3 * (2 * index_text + 1)};
       break;
     case MeshFormat::off:
       bytes = {.vertex = vector_line, .triangle = 2 + 3 * index_text};
@@ -313,6 +373,12 @@ MeshBytes typical_mesh_bytes(const MeshOptions& choice, bool has_labels) {
                .name_line = 10,
                .name_character = 3};
       return bytes;
+    case MeshFormat::stl:
+      bytes = {.vertex = 0, .triangle = stl_triangle_bytes};
+      break;
+    case MeshFormat::glb:
+      bytes = {.vertex = gltf_vertex_bytes(has_color), .triangle = gltf_triangle_bytes};
+      break;
   }
   if (required_mesh_format(choice) != MeshFormat::msms) bytes.scratch_triangle = bytes.triangle;
   if (can_name_groups(choice)) {

@@ -4,16 +4,20 @@
 /// PLY: https://paulbourke.net/dataformats/ply/
 /// OBJ: https://paulbourke.net/dataformats/obj/
 /// OFF: http://www.geomview.org/docs/html/OFF.html
-/// MSMS: msms_text.hpp; VTP: vtp_text.hpp
+/// STL: https://paulbourke.net/dataformats/stl/
+/// MSMS: msms_text.hpp; VTP: vtp_text.hpp; glTF: gltf_text.hpp
 
+#include <array>
 #include <cstdint>
 #include <span>
 #include <string_view>
 
+#include "input/file_index.hpp"
 #include "mesh/triangulate.hpp"
 #include "mesh/vertex.hpp"
 #include "output/buffered_text.hpp"
 #include "output/eses_writer.hpp"
+#include "output/gltf_text.hpp"
 #include "output/mesh_format.hpp"
 #include "output/mesh_groups.hpp"
 #include "output/vertex_color.hpp"
@@ -28,12 +32,12 @@ void require_vertex_count(std::uint64_t vertices);
 /// outlive the MeshText.
 struct MeshSource {
   AtomGroups groups;
-  /// Index in the file of each atom, by slab index; empty if both are equal.
-  std::span<const AtomIndex> file_indices;
+  FileIndices file_indices;
   std::span<const Atom> atoms;   ///< by slab index
   std::uint64_t atom_count = 0;  ///< number of atoms of the whole molecule
   double probe_radius = 0;       ///< angstrom
   double spacing = 0;            ///< angstrom
+  Vec3 center;                   ///< centre of the grid, in angstrom
 };
 
 /// Makes the text of mesh files. Most formats have one file: a header, all vertices, all triangles.
@@ -47,17 +51,25 @@ class MeshText {
   bool has_face_file() const { return format_ == MeshFormat::msms; }
   /// Whether the records of vertices and triangles must be divided into columns, see vtp_data().
   bool has_columns() const { return format_ == MeshFormat::vtp; }
+  /// Whether the triangles have the positions of their corners instead of numbers of vertices. Then
+  /// `append_corners` writes them, and `append_vertex` writes nothing.
+  bool has_corner_positions() const { return format_ == MeshFormat::stl; }
+  /// Size of the records of vertices whose bounding box is in the header; 0 if there is none.
+  std::size_t boxed_vertex_bytes() const {
+    return format_ == MeshFormat::glb ? gltf_vertex_bytes(has_colors()) : 0;
+  }
   /// Whether `append_triangle` needs the triangles' patches.
   bool has_triangle_patches() const { return format_ == MeshFormat::msms; }
 
   /// Write the parts of the header: its beginning, the names of all chains, its middle, the names
   /// of all residues, its end. Names are written only in formats for which can_name_groups is true.
-  /// The length of no part depends on `counts`.
+  /// The length of no part depends on `counts` and `box`.
   void write_header_begin(const TextSink& sink) const;
   void append_chain_name(BufferedText& text, std::uint64_t number, const AtomLabel& label) const;
   void write_header_middle(const TextSink& sink) const;
   void append_residue_name(BufferedText& text, std::uint64_t number, const AtomLabel& label) const;
-  void write_header_end(const MeshCounts& counts, const TextSink& sink) const;
+  /// `box` is the bounding box of the vertices if `boxed_vertex_bytes` is not 0.
+  void write_header_end(const MeshCounts& counts, const VertexBox& box, const TextSink& sink) const;
   /// Writes the header of the separate file of the triangles. Its length does not depend on
   /// `counts`.
   void write_face_header(const MeshCounts& counts, const TextSink& sink) const;
@@ -65,6 +77,11 @@ class MeshText {
   void append_vertex(TextBuffer& text, const Vertex& vertex) const;
   /// `patch` is the result of patch_of, or any number if has_triangle_patches() is false.
   void append_triangle(TextBuffer& text, const Triangle& triangle, std::uint8_t patch) const;
+
+  /// Appends a triangle by the positions of its corners, only if has_corner_positions() is true.
+  static void append_corners(TextBuffer& text, const std::array<Vec3, 3>& corners);
+  /// Throws Error if the file of a mesh would be too large for its format.
+  void require_counts(const MeshCounts& counts) const;
 
   /// Layout of the columns, only for formats with columns.
   VtpData columns(const MeshCounts& counts) const { return vtp_data(counts, vtp_fields()); }
@@ -75,6 +92,7 @@ class MeshText {
   static std::string_view footer() { return vtp_end; }
 
  private:
+  bool has_colors() const { return color_ != MeshColor::none; }
   VtpFields vtp_fields() const;
   void append_ply_end(BufferedText& text, const MeshCounts& counts) const;
   template <class PutPosition, class PutNormal, class PutInteger>
@@ -82,11 +100,10 @@ class MeshText {
                    PutInteger put_integer) const;
   char* put_record(char* out, const Vertex& vertex) const;
   char* put_ply_line(char* out, const Vertex& vertex) const;
+  char* put_obj_vertex(char* out, const Vertex& vertex) const;
+  char* put_glb_vertex(char* out, const Vertex& vertex) const;
   Color color_of(const Vertex& vertex) const;
   AtomIndex closest_atom(const Vertex& vertex) const;
-  AtomIndex file_index_of(AtomIndex slab_index) const {
-    return source_.file_indices.empty() ? slab_index : source_.file_indices[slab_index];
-  }
 
   MeshFormat format_;
   MeshColor color_;

@@ -1,11 +1,13 @@
 #include "output/msms_text.hpp"
 
+#include <algorithm>
+
 #include "output/text_lines.hpp"
 
 namespace eses::detail::mesh {
 namespace {
 
-// Converts the number of a patch (1 convex, 2 saddle, 3 concave) to that of MSMS (1 toric
+// Converts the number of a patch (1 convex, 2 saddle, 3 concave) to the number of MSMS (1 toric
 // reentrant, 2 spheric reentrant, 3 contact).
 char msms_type(std::uint8_t patch) { return patch == 1 ? '3' : patch == 2 ? '1' : '2'; }
 
@@ -13,10 +15,7 @@ char msms_type(std::uint8_t patch) { return patch == 1 ? '3' : patch == 2 ? '1' 
 
 void append_msms_header(BufferedText& text, bool has_faces, std::uint64_t count,
                         std::uint64_t atom_count, double probe_radius, double spacing) {
-  // Expected number of crossings per unit area. A surface element with unit normal n has
-  // (|n_x| + |n_y| + |n_z|) / spacing^2 crossings per area, and the mean of the sum over all
-  // directions is 3/2.
-  const double density = 1.5 / (spacing * spacing);
+  const double density = crossings_per_area / (spacing * spacing);
   text.append(
       "# solvent excluded surface {}, eses-blocks; format of MSMS; angstrom\n"
       "#{} #sphere density probe_r\n{:>12} {:>7} {:>5.2f} {:>5.2f}\n",
@@ -24,12 +23,15 @@ void append_msms_header(BufferedText& text, bool has_faces, std::uint64_t count,
       probe_radius);
 }
 
-char* put_msms_vertex(char* out, const Vertex& vertex, AtomIndex closest_atom) {
+char* put_msms_vertex(char* out, const Vertex& vertex, FileIndex closest_atom,
+                      std::string_view name) {
   out = put_vector(out, vertex.position);
   out = put_vector(out, vertex.normal);
   out = put_index(out, 0);
-  out = put_index(out, std::uint64_t{closest_atom} + 1);
+  out = put_index(out, std::uint64_t{as_number(closest_atom)} + 1);
   *out++ = msms_type(vertex.patch);
+  if (!name.empty()) *out++ = ' ';
+  out = std::copy(name.begin(), name.end(), out);
   *out++ = '\n';
   return out;
 }

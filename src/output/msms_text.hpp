@@ -1,30 +1,38 @@
 #pragma once
 /// Text of the files NAME.vert and NAME.face of MSMS.
 ///
-/// The columns are those of the manual page of MSMS (https://ccsb.scripps.edu/msms/). This program
+/// The columns follow the manual page of MSMS (https://ccsb.scripps.edu/msms/). This program
 /// does not number the patches, so that the columns of patch numbers contain 0.
 
+#include <cstddef>
 #include <cstdint>
+#include <string_view>
 
-#include "eses/atoms.hpp"
+#include "input/file_index.hpp"
 #include "mesh/triangulate.hpp"
 #include "mesh/vertex.hpp"
 #include "output/buffered_text.hpp"
 
 namespace eses::detail::mesh {
 
+/// Expected number of crossings in an area of the square of the spacing. An element of the surface
+/// with unit normal n has (|n_x| + |n_y| + |n_z|) / spacing^2 crossings per area, and the mean of
+/// the sum over all directions is 3/2.
+inline constexpr double crossings_per_area = 1.5;
+
 /// Appends the three header lines of NAME.vert or NAME.face with this number of vertices or
 /// triangles, on which their length does not depend. Lengths are in angstrom.
 void append_msms_header(BufferedText& text, bool has_faces, std::uint64_t count,
                         std::uint64_t atom_count, double probe_radius, double spacing);
 
-/// Upper bounds of the lengths of lines in the two files.
+/// Upper bounds of the lengths of lines in the two files, without a name.
 inline constexpr std::size_t max_msms_vertex_bytes = 168;
 inline constexpr std::size_t max_msms_triangle_bytes = 48;
 
-/// Writes a line of NAME.vert. `closest_atom` is the 0-based index of the closest atom that the
-/// probe touches. Returns the end of the line.
-char* put_msms_vertex(char* out, const Vertex& vertex, AtomIndex closest_atom);
+/// Writes a line of NAME.vert. `closest_atom` is the closest atom that the probe touches. `name` is
+/// the name of this atom, which gives a tenth column; empty for none. Returns the end of the line.
+char* put_msms_vertex(char* out, const Vertex& vertex, FileIndex closest_atom,
+                      std::string_view name = {});
 
 /// Writes a line of NAME.face. `patch` is the result of patch_of. Returns the end of the line.
 char* put_msms_triangle(char* out, const Triangle& triangle, std::uint8_t patch);

@@ -72,7 +72,7 @@ struct CloseDirectory {
   void operator()(DIR* directory) const { closedir(directory); }
 };
 
-// Returns the final name of a temporary file, or an empty string if the name is not that of one.
+// Returns the final name of a temporary file, or an empty string for other names.
 std::string_view final_name(std::string_view file) {
   if (!file.starts_with('.') || !file.ends_with(temporary_suffix)) return {};
   file.remove_prefix(1);

@@ -30,23 +30,38 @@ constexpr char residues_name[] = "residue_area.csv";
 constexpr char chains_name[] = "chain_area.csv";
 constexpr char atoms_name[] = "atoms.csv";
 
-// Returns the name of a text file, with ".gz" if it is compressed.
-std::string text_name(EsesFile file, bool gzip) {
-  return formatted("{}{}", name_of(file), gzip ? gzip_suffix : "");
-}
+// A file of the output directory.
+struct NamedFile {
+  RunFile file;
+  std::string name;
+};
 
-std::vector<std::string> text_names(const Outputs& choice, bool gzip) {
-  std::vector<std::string> names;
+std::vector<NamedFile> text_files(const Outputs& choice, bool gzip) {
+  std::vector<NamedFile> files;
   const std::array is_chosen{choice.box, choice.grid, choice.edges, choice.areas};
   for (std::size_t i = 0; i < is_chosen.size(); ++i)
-    if (is_chosen[i]) names.push_back(text_name(static_cast<EsesFile>(i), gzip));
-  return names;
+    if (is_chosen[i])
+      files.push_back({static_cast<RunFile>(i),
+                       formatted("{}{}", eses_file_names[i], gzip ? gzip_suffix : "")});
+  return files;
+}
+
+// Returns the chosen files without the mesh.
+std::vector<NamedFile> named_files(const Outputs& choice) {
+  std::vector<NamedFile> files = text_files(choice, choice.gzip);
+  if (choice.residues)
+    files.insert(files.end(), {{RunFile::residues, residues_name}, {RunFile::chains, chains_name}});
+  if (choice.atoms) files.push_back({RunFile::atoms, atoms_name});
+  for (MapChoice& map : chosen_maps(choice))
+    files.push_back({file_of(map.quantity), std::move(map.name)});
+  return files;
 }
 
 // Returns the names of the chosen files in their other form, plain or compressed, if the choice of
 // that form is not part of the name that the user gave.
 std::vector<std::string> other_names(const Outputs& choice) {
-  std::vector<std::string> names = text_names(choice, !choice.gzip);
+  std::vector<std::string> names;
+  for (NamedFile& file : text_files(choice, !choice.gzip)) names.push_back(std::move(file.name));
   if (choice.dielectric)
     for (const MapChoice& map : chosen_maps(choice))
       if (is_of_edges(map.quantity))
@@ -148,7 +163,7 @@ std::vector<DiskDemand> disk_demands(const FileSizes& sizes, const Outputs& outp
 }
 
 // Uses faccessat with AT_EACCESS and not access(2), which checks the rights of the user who started
-// the program instead of those of the process.
+// the program instead of the rights of the process.
 void require_writable(const std::filesystem::path& directory) {
   const std::filesystem::path existing = existing_part(directory);
   struct stat status {};
@@ -243,7 +258,7 @@ DiskSpace require_disk_space(const FileSizes& sizes, const Outputs& outputs,
   for (const DiskDemand& demand : disk_demands(sizes, outputs, directory)) {
     const std::uint64_t available = available_disk(existing_part(demand.directory));
     if (demand.certain > available) refuse_space(demand, available, sizes, outputs);
-    space.places.push_back({demand.directory, available, demand.expected});
+    space.file_systems.push_back({demand.directory, available, demand.expected});
   }
   return space;
 }
@@ -253,10 +268,8 @@ std::string mesh_directory_of(const MeshOptions& mesh) {
 }
 
 std::vector<std::string> file_names(const Outputs& choice) {
-  std::vector<std::string> names = text_names(choice, choice.gzip);
-  if (choice.residues) names.insert(names.end(), {residues_name, chains_name});
-  if (choice.atoms) names.emplace_back(atoms_name);
-  for (const MapChoice& map : chosen_maps(choice)) names.push_back(map.name);
+  std::vector<std::string> names;
+  for (NamedFile& file : named_files(choice)) names.push_back(std::move(file.name));
   return names;
 }
 
@@ -317,65 +330,38 @@ std::vector<std::string> lock_paths(const Outputs& choice, const std::filesystem
 
 OutputFiles::OutputFiles(const Outputs& choice, const std::filesystem::path& path,
                          const FileSizes& sizes)
-    : gzip(choice.gzip), stale_(other_names(choice)) {
+    : stale_(other_names(choice)) {
   require_writable_files(choice, path);
   require_disk_space(sizes, choice, path);
-  if (!file_names(choice).empty()) open_directory(choice, path);
+  if (const std::vector<NamedFile> files = named_files(choice); !files.empty()) {
+    directory_.emplace(path);
+    directory_->remove_abandoned(is_ours);
+    for (const auto& [file, name] : files) open(*directory_, file, name);
+  }
   if (choice.mesh) open_mesh(*choice.mesh);
 }
 
-void OutputFiles::open_directory(const Outputs& choice, const std::filesystem::path& path) {
-  directory.emplace(path);
-  directory->remove_abandoned(is_ours);
-  const auto open = [&](bool is_chosen, std::optional<OutputFile>& file, EsesFile name) {
-    if (is_chosen) file.emplace(*directory, text_name(name, choice.gzip));
-  };
-  open(choice.box, box, EsesFile::box);
-  open(choice.grid, grid, EsesFile::grid);
-  open(choice.edges, edges, EsesFile::edges);
-  open(choice.areas, areas, EsesFile::areas);
-  if (choice.residues) {
-    residues.emplace(*directory, residues_name);
-    chains.emplace(*directory, chains_name);
-  }
-  if (choice.atoms) atoms.emplace(*directory, atoms_name);
-  for (const MapChoice& map : chosen_maps(choice))
-    maps[static_cast<std::size_t>(map.quantity)].emplace(*directory, map.name);
-}
-
 void OutputFiles::open_mesh(const MeshOptions& choice) {
-  const auto open = [](const FilePath& path, std::optional<OutputDirectory>& in,
-                       std::optional<OutputFile>& file) {
-    in.emplace(path.directory, path.name);
-    in->remove_abandoned([&](std::string_view name) { return name == path.name; });
-    file.emplace(*in, path.name);
-  };
   const std::vector<FilePath> paths = mesh_paths(choice);
-  open(paths.front(), mesh_directory, mesh);
-  if (paths.size() > 1) open(paths.back(), face_directory, mesh_faces);
-}
-
-// Returns all files, the bounding box first.
-std::vector<OutputFile*> OutputFiles::all() {
-  std::vector<OutputFile*> files;
-  for (auto* file : {&box, &grid, &edges, &areas})
-    if (*file) files.push_back(&**file);
-  for (auto& map : maps)
-    if (map) files.push_back(&*map);
-  for (auto* file : {&residues, &chains, &atoms, &mesh, &mesh_faces})
-    if (*file) files.push_back(&**file);
-  return files;
+  for (std::size_t i = 0; i < paths.size(); ++i) {
+    const auto& [directory, name] = paths[i];
+    OutputDirectory& opened = mesh_directories_[i].emplace(directory, name);
+    opened.remove_abandoned([&](std::string_view file) { return file == paths[i].name; });
+    open(opened, i == 0 ? RunFile::mesh : RunFile::mesh_faces, name);
+  }
 }
 
 void OutputFiles::commit(const std::function<void()>& check) {
-  std::vector<OutputFile*> files = all();
-  for (OutputFile* file : files) {
+  std::vector<OutputFile*> files;  // the bounding box first
+  for (auto& file : files_) {
+    if (!file) continue;
+    files.push_back(&*file);
     file->close();
     check();
   }
   try {
     for (OutputFile* file : files) file->remove_older();
-    for (const std::string& name : stale_) directory->remove(name);
+    for (const std::string& name : stale_) directory_->remove(name);
     std::reverse(files.begin(), files.end());
     for (OutputFile* file : files) {
       file->commit();
@@ -405,10 +391,10 @@ void remove_checkpoint_directory(const std::filesystem::path& directory) noexcep
 
 void OutputFiles::remove_checkpoint() noexcept {
   struct stat status {};
-  if (directory &&
-      fstatat(directory->descriptor(), checkpoint_name, &status, AT_SYMLINK_NOFOLLOW) == 0 &&
+  if (directory_ &&
+      fstatat(directory_->descriptor(), checkpoint_name, &status, AT_SYMLINK_NOFOLLOW) == 0 &&
       S_ISDIR(status.st_mode))
-    remove_checkpoint_directory(path_in(directory->path(), checkpoint_name));
+    remove_checkpoint_directory(path_in(directory_->path(), checkpoint_name));
 }
 
 }  // namespace eses::detail

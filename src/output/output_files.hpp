@@ -2,6 +2,8 @@
 /// The output files of a run, of which either all or none get their final names.
 
 #include <array>
+#include <cstddef>
+#include <cstdint>
 #include <filesystem>
 #include <functional>
 #include <optional>
@@ -26,6 +28,27 @@ inline constexpr char sums_suffix[] = ".sums";
 /// Removes a checkpoint directory with all its files. If the removal is interrupted, the remaining
 /// chunks can still be recognized as incomplete.
 void remove_checkpoint_directory(const std::filesystem::path& directory) noexcept;
+
+/// The files that a run can write. Maps are in the order of MapQuantity.
+enum class RunFile : std::uint8_t {
+  box,
+  grid,
+  edges,
+  areas,
+  residues,
+  chains,
+  atoms,
+  first_map,
+  mesh = static_cast<std::uint8_t>(first_map) + map_quantities,
+  mesh_faces,  ///< the separate file of the triangles, if the mesh has one
+};
+inline constexpr std::size_t run_file_count = static_cast<std::size_t>(RunFile::mesh_faces) + 1;
+
+/// Returns the file of a map.
+constexpr RunFile file_of(MapQuantity quantity) {
+  return static_cast<RunFile>(static_cast<std::size_t>(RunFile::first_map) +
+                              static_cast<std::size_t>(quantity));
+}
 
 /// Names of the chosen files, without the mesh.
 std::vector<std::string> file_names(const Outputs& choice);
@@ -54,13 +77,13 @@ std::vector<std::string> lock_paths(const Outputs& choice, const std::filesystem
 
 /// Available and expected disk space, for each file system of the output.
 struct DiskSpace {
-  struct Place {
+  struct FileSystem {
     std::filesystem::path directory;
     std::uint64_t available = 0;  ///< bytes; the largest number if it is not known
-    std::uint64_t expected = 0;   ///< bytes, with those of temporary data
+    std::uint64_t expected = 0;   ///< bytes, including temporary data
   };
   /// The output directory; then the directory of the mesh if it is in another file system.
-  std::vector<Place> places;
+  std::vector<FileSystem> file_systems;
 };
 
 /// Returns the disk space for files of these sizes. The output directory and the directory of the
@@ -68,26 +91,17 @@ struct DiskSpace {
 DiskSpace require_disk_space(const FileSizes& sizes, const Outputs& outputs,
                              const std::filesystem::path& directory);
 
-/// The open output files of a run, such as `edges` for intersection_info.txt. Only the chosen ones
-/// have a value. Only `commit` changes files that have final names.
-struct OutputFiles {
-  bool gzip = false;  ///< whether box, grid, edges and areas are compressed
-  /// The output directory, if any file other than the mesh is chosen.
-  std::optional<OutputDirectory> directory;
-  /// Directories of the mesh file and of the separate file of its triangles, if the format has one.
-  /// Each is locked for its file alone.
-  std::optional<OutputDirectory> mesh_directory, face_directory;
-  std::optional<OutputFile> box, grid, edges, areas, residues, chains, atoms, mesh, mesh_faces;
-  std::array<std::optional<OutputFile>, map_quantities> maps;  ///< by quantity
-
-  /// Opens the files. Throws the errors of require_writable_files, OutputDirectory, OutputFile and
-  /// require_disk_space.
+/// The open output files of a run. Only `commit` changes files that have final names.
+class OutputFiles {
+ public:
+  /// Opens the chosen files. Throws the errors of require_writable_files, OutputDirectory,
+  /// OutputFile and require_disk_space.
   OutputFiles(const Outputs& choice, const std::filesystem::path& path, const FileSizes& sizes);
 
-  /// The file of a map; null if there is none.
-  OutputFile* map(MapQuantity quantity) {
-    auto& file = maps[static_cast<std::size_t>(quantity)];
-    return file ? &*file : nullptr;
+  /// Returns a file, or null if it is not chosen.
+  OutputFile* find(RunFile file) {
+    auto& found = files_[static_cast<std::size_t>(file)];
+    return found ? &*found : nullptr;
   }
 
   /// Gives all files their final names. Older files are removed first, so that old and new files
@@ -100,12 +114,19 @@ struct OutputFiles {
   void remove_checkpoint() noexcept;
 
  private:
-  void open_directory(const Outputs& choice, const std::filesystem::path& path);
+  OutputFile& open(const OutputDirectory& directory, RunFile file, const std::string& name) {
+    return files_[static_cast<std::size_t>(file)].emplace(directory, name);
+  }
   void open_mesh(const MeshOptions& choice);
-  std::vector<OutputFile*> all();
 
-  std::vector<std::string>
-      stale_;  // names of the chosen files in their other form, see stale_paths
+  /// The output directory, if any file other than the mesh is chosen.
+  std::optional<OutputDirectory> directory_;
+  /// Directories of the mesh file and of the separate file of its triangles, if the format has one.
+  /// Each is locked for its file alone.
+  std::array<std::optional<OutputDirectory>, 2> mesh_directories_;
+  std::array<std::optional<OutputFile>, run_file_count> files_;  ///< by RunFile
+  /// Names of the chosen files in their other form, see stale_paths.
+  std::vector<std::string> stale_;
 };
 
 }  // namespace eses::detail

@@ -2,6 +2,8 @@
 /// Writers of the fields of lines and records. Each function returns the end of the text
 /// that it has written.
 
+#include <algorithm>
+#include <bit>
 #include <cstddef>
 #include <cstdint>
 #include <cstring>
@@ -16,6 +18,25 @@ template <class Value>
 char* put(char* out, Value value) {
   std::memcpy(out, &value, sizeof value);
   return out + sizeof value;
+}
+
+/// Writes a value in little-endian order.
+template <class Value>
+char* put_little(char* out, Value value) {
+  char* const end = put(out, value);
+  if constexpr (std::endian::native == std::endian::big) std::reverse(out, end);
+  return end;
+}
+
+/// Reads a value in little-endian order.
+template <class Value>
+Value get_little(const char* bytes) {
+  char copy[sizeof(Value)];
+  std::copy_n(bytes, sizeof(Value), copy);
+  if constexpr (std::endian::native == std::endian::big) std::reverse(copy, copy + sizeof(Value));
+  Value value;
+  std::memcpy(&value, copy, sizeof value);
+  return value;
 }
 
 /// Writes three numbers with the digits of intersection_info.txt, each followed by a blank.

@@ -2,8 +2,8 @@
 /// Text of VTK's XML files of polygons (VTP), with the data as raw bytes after the XML:
 /// https://docs.vtk.org/en/latest/vtk_file_formats/vtkxml_file_format.html
 ///
-/// The data are columns: the positions of all vertices, then all normals, and so on. The place of a
-/// column depends on the number of vertices, which is known only after all of them have been
+/// The data are columns: the positions of all vertices, then all normals, and so on. The offset of
+/// a column depends on the number of vertices, which is known only after all of them have been
 /// computed. Vertices and triangles are therefore first written as records, and divided into
 /// columns when the counts are known.
 

@@ -33,18 +33,17 @@ std::vector<AreaShare> exchange_shares(AtomShares shares, const RunPlan& plan,
                                        const Processes& processes) {
   std::vector<std::vector<AtomSum>> to(static_cast<std::size_t>(processes.count()));
   auto send = [&, rank = 0](const AtomSum& sum) mutable {
-    while (sum.atom < atoms_of(rank, plan, processes).begin) --rank;
-    while (sum.atom >= atoms_of(rank, plan, processes).end) ++rank;
+    while (as_number(sum.atom) < atoms_of(rank, plan, processes).begin) --rank;
+    while (as_number(sum.atom) >= atoms_of(rank, plan, processes).end) ++rank;
     to[static_cast<std::size_t>(rank)].push_back(sum);
   };
-  for (std::size_t i = 0; i < shares.of_slab.size(); ++i)
-    if (shares.of_slab[i] != 0)
-      send({shares.of_slab[i], plan.slab.file_index_of(static_cast<AtomIndex>(i))});
+  plan.slab.for_each_sum(shares.of_slab, send);
   for (const AtomSum& sum : shares.restored) send(sum);
   shares = {};
   const auto [begin, end] = atoms_of(processes.rank(), plan, processes);
   std::vector<AreaShare> sums(end - begin);
-  for (const AtomSum& sum : processes.exchange(std::move(to))) sums[sum.atom - begin] += sum.share;
+  for (const AtomSum& sum : processes.exchange(std::move(to)))
+    sums[as_number(sum.atom) - begin] += sum.share;
   return sums;
 }
 
@@ -52,7 +51,7 @@ std::vector<AreaShare> exchange_shares(AtomShares shares, const RunPlan& plan,
 std::vector<AreaShare> shares_alone(AtomShares shares, const RunPlan& plan) {
   std::vector<AreaShare> sums = std::move(shares.of_slab);
   sums.resize(plan.atoms);
-  for (const AtomSum& sum : shares.restored) sums[sum.atom] += sum.share;
+  for (const AtomSum& sum : shares.restored) sums[as_number(sum.atom)] += sum.share;
   return sums;
 }
 
@@ -153,7 +152,7 @@ void append_residues_read(const RunPlan& plan, std::span<const double> areas,
   };
   BufferedText table(sink);
   if (processes.is_first()) append_residue_header(table);
-  add_residues(state.tables, plan.residues, areas, table);
+  add_residues(state.tables, plan.names.residues(), areas, table);
   const bool is_last = processes.rank() + 1 == processes.count();
   if (is_last) end_residues(state.tables, table);
   table.flush();
@@ -172,7 +171,7 @@ std::span<const double> areas_of_read_atoms(const AtomAreas& areas, const RunPla
 // Returns the label of an atom, by its index among the atoms that this process has read. It is
 // empty if the input has no names.
 AtomLabel label_of(const RunPlan& plan, std::size_t atom) {
-  if (!plan.names.is_empty()) return plan.names.label(atom);
+  if (plan.names.has_atoms()) return plan.names.label(atom);
   const std::span<const AtomLabel> labels = plan.slab.molecule.labels();
   return labels.empty() ? AtomLabel() : labels[atom];
 }

@@ -69,13 +69,15 @@ std::optional<mesh::MeshText> mesh_text(const RunTask& task, const RunPlan& plan
                                 .of_atom = plan.slab.groups,
                                 .chain_count = processes.sum(plan.groups.chains.size()),
                                 .residue_count = processes.sum(plan.groups.residues.size())};
-  return mesh::MeshText(required_mesh_format(*mesh), mesh->color,
-                        {.groups = groups,
-                         .file_indices = plan.slab.file_indices,
-                         .atoms = plan.slab.molecule.atoms(),
-                         .atom_count = plan.atoms,
-                         .probe_radius = plan.whole_plan.parameters.probe_radius,
-                         .spacing = plan.whole_plan.grid.spacing});
+  return mesh::MeshText(
+      required_mesh_format(*mesh), mesh->color,
+      {.groups = groups,
+       .file_indices = plan.slab.file_indices(),
+       .atoms = plan.slab.molecule.atoms(),
+       .atom_count = plan.atoms,
+       .probe_radius = plan.whole_plan.parameters.probe_radius,
+       .spacing = plan.whole_plan.grid.spacing,
+       .center = 0.5 * (plan.whole_plan.grid.origin + plan.whole_plan.grid.upper())});
 }
 
 double cpu_seconds() {
@@ -98,17 +100,11 @@ std::vector<std::string> broadcast_lines(const std::vector<std::string>& lines, 
 
 // Replaces wall-clock times by their maxima, and times of threads by their sums over all processes.
 void combine_seconds(PhaseSeconds& seconds, const Processes& processes) {
-  std::array maxima{seconds.blocks, seconds.verify, seconds.total};
-  processes.allreduce_max(maxima);
-  seconds.blocks = maxima[0];
-  seconds.verify = maxima[1];
-  seconds.total = maxima[2];
-  std::array sums{seconds.patches, seconds.classify, seconds.intersect, seconds.output};
-  processes.add(std::span<double>(sums));
-  seconds.patches = sums[0];
-  seconds.classify = sums[1];
-  seconds.intersect = sums[2];
-  seconds.output = sums[3];
+  for (double* const wall_clock : {&seconds.blocks, &seconds.verify, &seconds.total})
+    processes.allreduce_max({wall_clock, 1});
+  for (double* const of_threads :
+       {&seconds.patches, &seconds.classify, &seconds.intersect, &seconds.output})
+    processes.add(std::span<double>(of_threads, 1));
 }
 
 // Adds up the verifications of all processes. Faults are in the order of the slabs.
@@ -122,6 +118,26 @@ void combine_verifications(Verification& found, const Processes& processes) {
     all.insert(all.end(), lines.begin(), lines.end());
   }
   found.faults = std::move(all);
+}
+
+// Measures the surface, and compares it with a grid that encloses the molecule if the run is
+// verified.
+ExactMeasures measure_surface(const RunTask& task, const RunPlan& plan,
+                              const std::function<void()>& check, Summary& summary) {
+  const Molecule& molecule = plan.slab.molecule;
+  const double probe_radius = task.parameters.probe_radius;
+  const int threads = plan.slab_plan.threads;
+  const ExactMeasures exact = measure_exactly(molecule, probe_radius, threads, check);
+  const Plan& whole = plan.whole_plan;
+  if (!summary.verification || whole.cut_depth > 0 || whole.tiling.region != whole.grid.whole())
+    return exact;
+  const Stopwatch watch;
+  const VolumeBounds bounds =
+      bound_inside_cells(molecule, probe_radius, whole.grid.spacing, threads, check);
+  if (const auto fault = find_volume_fault(summary.inside_points, whole.grid.spacing, bounds))
+    summary.verification->faults.push_back(*fault);
+  summary.seconds.verify += watch.seconds();
+  return exact;
 }
 
 // Reads the chunks of an earlier run. Each process reads a part of them.
@@ -143,23 +159,19 @@ std::uint64_t write_files(const RunTask& task, const RunPlan& plan,
                           Merge& merge, OutputFiles* files, const std::function<void()>& check,
                           const Processes& processes) {
   const Outputs& outputs = task.outputs;
-  const auto file = [&](std::optional<OutputFile> OutputFiles::*which) {
-    return files != nullptr && files->*which ? &*(files->*which) : nullptr;
-  };
+  const auto file = [&](RunFile which) { return files != nullptr ? files->find(which) : nullptr; };
   std::uint64_t bytes = 0;
-  if (outputs.grid) bytes += merge.write_text(file(&OutputFiles::grid), ChunkText::grid);
-  if (outputs.edges) bytes += merge.write_text(file(&OutputFiles::edges), ChunkText::edges);
-  if (mesh)
-    bytes += merge.write_mesh(file(&OutputFiles::mesh), file(&OutputFiles::mesh_faces), *mesh);
+  if (outputs.grid) bytes += merge.write_text(file(RunFile::grid), ChunkText::grid);
+  if (outputs.edges) bytes += merge.write_text(file(RunFile::edges), ChunkText::edges);
+  if (mesh) bytes += merge.write_mesh(file(RunFile::mesh), file(RunFile::mesh_faces), *mesh);
   for (const MapChoice& map : chosen_maps(outputs))
-    bytes += merge.write_map(files != nullptr ? files->map(map.quantity) : nullptr, map);
+    bytes += merge.write_map(file(file_of(map.quantity)), map);
   if (outputs.areas)
-    bytes += write_areas(areas, outputs.gzip, file(&OutputFiles::areas), check, processes);
+    bytes += write_areas(areas, outputs.gzip, file(RunFile::areas), check, processes);
   if (outputs.residues)
-    bytes += write_area_tables(areas, plan, file(&OutputFiles::residues),
-                               file(&OutputFiles::chains), processes);
-  if (outputs.atoms)
-    bytes += write_atom_table(areas, plan, file(&OutputFiles::atoms), check, processes);
+    bytes +=
+        write_area_tables(areas, plan, file(RunFile::residues), file(RunFile::chains), processes);
+  if (outputs.atoms) bytes += write_atom_table(areas, plan, file(RunFile::atoms), check, processes);
   return bytes;
 }
 
@@ -169,7 +181,8 @@ std::uint64_t commit_files(const RunTask& task, const RunPlan& plan, OutputFiles
   std::uint64_t box_bytes = 0;
   processes.all_or_throw([&] {
     if (files == nullptr) return;
-    if (files->box) box_bytes = write_box(*files->box, plan.whole_plan.grid, files->gzip);
+    if (OutputFile* const box = files->find(RunFile::box))
+      box_bytes = write_box(*box, plan.whole_plan.grid, task.outputs.gzip);
     require_memory_within(task.parameters.max_memory);
     files->commit(check);
     if (plan.checkpoint)
@@ -237,6 +250,7 @@ RunResult execute(const RunTask& task, const RunPlan& plan, const RunPaths& path
   fill_totals(merge.totals(), plan.whole_plan.grid.spacing, summary);
   AtomAreas areas = add_up_areas(std::move(shares), plan, processes);
   summary.area = total_area(areas, processes);
+  if (task.parameters.exact) result.exact = measure_surface(task, plan, check, summary);
   if (!has_faults(summary)) {
     if (mesh) summary.mesh = merge.mesh_counts();
     summary.bytes_written =

@@ -14,6 +14,7 @@
 
 #include "distributed/processes.hpp"
 #include "grid/plane_range.hpp"
+#include "run/exact_measures.hpp"
 #include "run/run_plan.hpp"
 #include "run/task.hpp"
 
@@ -30,6 +31,8 @@ struct ProcessFigures {
 /// The result of a run.
 struct RunResult {
   Summary summary;  ///< equal in all processes; without atom_areas
+  /// The whole surface, also if only a part of it was computed; if Parameters::exact is set.
+  std::optional<ExactMeasures> exact;
   /// Area of each atom in square angstrom; only in a single process, as each of several processes
   /// has the areas of some atoms.
   std::optional<std::vector<double>> atom_areas;

@@ -27,6 +27,9 @@ struct LabelTotals {
   std::uint64_t atom_text_bytes = 0;
 };
 
+/// Returns what the outputs need of each block besides points and crossings.
+BlockExtras extras_of(const Outputs& outputs);
+
 /// Returns the totals of labels.
 LabelTotals total_labels(std::span<const AtomLabel> labels);
 

@@ -297,12 +297,15 @@ std::uint64_t Merge::write_map(OutputFile* file, const MapChoice& choice) {
 
 std::uint64_t Merge::write_mesh(OutputFile* file, OutputFile* face_file,
                                 const mesh::MeshText& text) {
+  text.require_counts(mesh_);
   SharedFile shared(processes_, file);
   std::uint64_t bytes = write_header(mesh_header(text, plan_.groups, mesh_, processes_), shared);
   if (text.has_columns()) {
     bytes = write_columns(shared, bytes, text);
   } else {
+    const std::uint64_t header = bytes;
     bytes = copy_all(ChunkText::vertices, shared, bytes);
+    if (text.boxed_vertex_bytes() > 0) write_vertex_box(shared, header, text);
     if (!text.has_face_file()) bytes = write_triangles(shared, bytes, text);
   }
   shared.close();
@@ -312,6 +315,25 @@ std::uint64_t Merge::write_mesh(OutputFile* file, OutputFile* face_file,
   bytes += write_triangles(faces, header, text);
   faces.close();
   return bytes;
+}
+
+// Writes the header again, with the bounding box of the vertices, which begin at `begin`.
+void Merge::write_vertex_box(SharedFile& file, std::uint64_t begin, const mesh::MeshText& text) {
+  constexpr std::uint64_t records_of_part = 1 << 15;
+  const std::uint64_t record_bytes = text.boxed_vertex_bytes();
+  mesh::VertexBox box;
+  file.sync();
+  processes_.all_or_throw([&] {
+    if (!processes_.is_first()) return;
+    std::vector<char> records;
+    for (std::uint64_t first = 0; first < mesh_.vertices; first += records_of_part) {
+      check_();
+      records.resize(std::min(records_of_part, mesh_.vertices - first) * record_bytes);
+      file.read_at(records, begin + first * record_bytes);
+      box.add_records(records, record_bytes);
+    }
+  });
+  write_header(mesh_header(text, plan_.groups, mesh_, processes_, box), file);
 }
 
 // Calls `take(triangles, first)` for parts of a chunk's triangles. `first` is the index in the
@@ -347,7 +369,7 @@ void Merge::for_triangle_texts(PlaneChunk& chunk, std::uint64_t first_vertex,
 // length.
 std::uint64_t Merge::write_triangles(SharedFile& file, std::uint64_t begin,
                                      const mesh::MeshText& text) {
-  if (!chunks_.empty() && chunks_.front().is_in_place)
+  if (text.has_corner_positions() || (!chunks_.empty() && chunks_.front().is_in_place))
     return copy_all(ChunkText::triangles, file, begin);
   struct ChunkBytes {
     std::int64_t plane;

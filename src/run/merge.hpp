@@ -56,6 +56,7 @@ class Merge {
   template <class Take>
   void for_triangle_texts(PlaneChunk& chunk, std::uint64_t first_vertex, const mesh::MeshText& text,
                           Take&& take) const;
+  void write_vertex_box(SharedFile& file, std::uint64_t begin, const mesh::MeshText& text);
   std::uint64_t write_triangles(SharedFile& file, std::uint64_t begin, const mesh::MeshText& text);
   std::uint64_t write_columns(SharedFile& file, std::uint64_t begin, const mesh::MeshText& text);
 

@@ -16,7 +16,8 @@ void append_names(std::span<const AtomLabel> labels, std::uint64_t first, const 
 }  // namespace
 
 HeaderParts mesh_header(const mesh::MeshText& text, const GroupNames& names,
-                        const MeshCounts& counts, const Processes& processes) {
+                        const MeshCounts& counts, const Processes& processes,
+                        const mesh::VertexBox& box) {
   const bool is_first = processes.is_first();
   return {[&text, is_first](const TextSink& sink) {
             if (is_first) text.write_header_begin(sink);
@@ -32,8 +33,8 @@ HeaderParts mesh_header(const mesh::MeshText& text, const GroupNames& names,
             append_names(names.residues, names.first_residue, sink,
                          [&](auto&&... name) { text.append_residue_name(name...); });
           },
-          [&text, counts, is_first](const TextSink& sink) {
-            if (is_first) text.write_header_end(counts, sink);
+          [&text, counts, box, is_first](const TextSink& sink) {
+            if (is_first) text.write_header_end(counts, box, sink);
           }};
 }
 

@@ -18,9 +18,10 @@ namespace eses::detail {
 using HeaderParts = std::vector<std::function<void(const TextSink& sink)>>;
 
 /// Returns the header of the mesh file. Keeps references to `text` and `names`. The length of the
-/// header does not depend on `counts`.
+/// header does not depend on `counts` and `box`.
 HeaderParts mesh_header(const mesh::MeshText& text, const GroupNames& names,
-                        const MeshCounts& counts, const Processes& processes);
+                        const MeshCounts& counts, const Processes& processes,
+                        const mesh::VertexBox& box = {});
 
 /// Does the same for the separate file of the triangles, if the format has one.
 HeaderParts face_header(const mesh::MeshText& text, const MeshCounts& counts,

@@ -32,6 +32,18 @@ MeshOutput::MeshOutput(const Plan& plan, const GridRegion& region, const mesh::M
       vertex_output_(std::move(sinks.vertices)),
       triangle_output_(std::move(sinks.triangles)) {}
 
+double MeshOutput::memory_bytes(const BlockTiling& tiling, MeshFormat format,
+                                double plane_crossings) {
+  constexpr double growth = 1.5;
+  const auto planes = static_cast<double>(std::min(tiling.block_size[2], tiling.grid_size[2]));
+  const GridIndex size = tiling.region.size();
+  const auto rows = static_cast<double>(size[1]);
+  const double position_bytes = format == MeshFormat::stl ? double{sizeof(Vec3)} : 0;
+  return growth * sizeof(std::uint64_t) * planes * rows +
+         rows * (sizeof(mesh::Row) + static_cast<double>(size[0]) / 8) +
+         growth * (sizeof(std::uint64_t) + sizeof(std::uint8_t) + position_bytes) * plane_crossings;
+}
+
 // Returns the number of planes of a layer. The last layer has the plane of the halo as well, if it
 // belongs to this part of the mesh.
 std::int64_t MeshOutput::planes_of(const Layer& layer) const {
@@ -56,18 +68,28 @@ void MeshOutput::number_rows(const Layer& layer) {
   is_numbered_ = true;
 }
 
+// Returns the vertex of a crossing. `x` is the index of its lower point in the grid.
+mesh::Vertex MeshOutput::vertex_of(const LayerView& view, std::int64_t x, std::int64_t y,
+                                   std::int64_t z, const BlockCrossing& crossing) const {
+  return mesh::make_vertex(plan_.grid, {x, region_.begin[1] + y, view.first_z + z}, crossing);
+}
+
 void MeshOutput::make_row(const LayerView& view, std::int64_t y, std::int64_t z,
                           mesh::Row& row) const {
   view.rows.merge_row(y, z, row.inside);
   row.edges.clear();
   row.patches.clear();
+  row.positions.clear();
   const bool has_patches = text_.has_triangle_patches();
+  const bool has_positions = text_.has_corner_positions();
   view.crossings.for_each_row_part(
       y, z, [&](std::int64_t first_x, std::span<const BlockCrossing> part) {
         for (const BlockCrossing& crossing : part) {
           row.edges.push_back(mesh::edge_key(
               static_cast<std::uint64_t>(first_x - region_.begin[0] + crossing.x), crossing.axis));
           if (has_patches) row.patches.push_back(crossing.atom_count);
+          if (has_positions)
+            row.positions.push_back(vertex_of(view, first_x + crossing.x, y, z, crossing).position);
         }
       });
   row.first_vertex = row_begin_[static_cast<std::size_t>(z * rows_y_ + y)];
@@ -103,10 +125,7 @@ void MeshOutput::append_vertices(const LayerView& view, const RowRange& rows,
     view.crossings.for_each_row_part(
         y, z, [&](std::int64_t first_x, std::span<const BlockCrossing> part) {
           for (const BlockCrossing& crossing : part)
-            text_.append_vertex(text, mesh::make_vertex(plan_.grid,
-                                                        {first_x + crossing.x, region_.begin[1] + y,
-                                                         view.first_z + z},
-                                                        crossing));
+            text_.append_vertex(text, vertex_of(view, first_x + crossing.x, y, z, crossing));
         });
   });
 }
@@ -130,6 +149,10 @@ void MeshOutput::append_triangles(const LayerView& view, const RowRange& rows,
                                 &back.upper};
     mesh::triangulate(around, region_.size()[0], triangles);
     for (const mesh::Triangle& triangle : triangles) {
+      if (text_.has_corner_positions()) {
+        mesh::MeshText::append_corners(text, mesh::corners_of(around, triangle));
+        continue;
+      }
       const std::uint8_t patch =
           text_.has_triangle_patches() ? mesh::patch_of(around, triangle) : std::uint8_t{0};
       if (has_local_triangles_) {

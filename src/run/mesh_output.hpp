@@ -45,6 +45,10 @@ class MeshOutput {
   MeshOutput(const Plan& plan, const GridRegion& region, const mesh::MeshText& text,
              MeshSinks sinks);
 
+  /// Returns the estimated memory in bytes of the vertex numbers of a layer's rows, and of the
+  /// plane that is kept. `plane_crossings` is the expected number of crossings of a plane.
+  static double memory_bytes(const BlockTiling& tiling, MeshFormat format, double plane_crossings);
+
   /// The index of a batch within its layer, and the number of batches of the layer.
   struct BatchOfLayer {
     std::int64_t index, count;
@@ -72,6 +76,8 @@ class MeshOutput {
 
   std::int64_t planes_of(const Layer& layer) const;
   void number_rows(const Layer& layer);
+  mesh::Vertex vertex_of(const LayerView& view, std::int64_t x, std::int64_t y, std::int64_t z,
+                         const BlockCrossing& crossing) const;
   void make_row(const LayerView& view, std::int64_t y, std::int64_t z, mesh::Row& row) const;
   const mesh::Row& lower_row(const MeshScratch::RowPair& pair, std::int64_t y,
                              std::int64_t z) const;

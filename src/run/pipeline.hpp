@@ -9,6 +9,7 @@
 #include <span>
 #include <vector>
 
+#include "input/file_index.hpp"
 #include "output/eses_writer.hpp"
 #include "output/grid_map.hpp"
 #include "output/ordered_output.hpp"
@@ -38,8 +39,7 @@ struct Sinks {
   MeshOutput* mesh = nullptr;
   Verifier* verifier = nullptr;
   SolvedBlockCallback block;
-  /// The index in the file of each atom, ascending; empty if it equals the index in the surface.
-  std::span<const AtomIndex> file_indices;
+  FileIndices file_indices;  ///< of the atoms of the surface
 };
 
 /// Sums over a region, which do not depend on its division into blocks.

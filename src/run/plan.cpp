@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <limits>
+#include <stdexcept>
 #include <string>
 #include <variant>
 #include <vector>
@@ -15,6 +16,7 @@
 #include "output/eses_writer.hpp"
 #include "output/grid_map.hpp"
 #include "output/mesh_writer.hpp"
+#include "run/exact_measures.hpp"
 #include "run/memory.hpp"
 #include "run/verifier.hpp"
 #include "system/bytes_text.hpp"
@@ -35,21 +37,22 @@ constexpr double grid_gzip_ratio = 0.2, edge_gzip_ratio = 0.3, area_gzip_ratio =
 constexpr std::int64_t max_verified = 10'000'000;
 
 void require(bool holds, std::string_view what, double value) {
-  if (!holds) throw Error(formatted("{}, not {}", what, value));
+  if (!holds) throw std::invalid_argument(formatted("{}, not {}", what, value));
 }
 
 void require_valid(const MeshOptions& mesh, const Molecule& molecule) {
   required_mesh_format(mesh);
   if (mesh.color == MeshColor::chain && molecule.labels().empty())
-    throw Error("colouring a mesh by chain needs atoms with labels; xyzr files have none");
+    throw std::invalid_argument(
+        "colouring a mesh by chain needs atoms with labels; xyzr files have none");
 }
 
-void require_enclosing_margin(double depth, const Parameters& p) {
-  if (depth < 0 || p.margin >= 0.5 * p.spacing) return;
-  throw Error(
+void require_enclosing_margin(double depth, const GridOptions& grid) {
+  if (depth < 0 || grid.margin >= 0.5 * grid.spacing) return;
+  throw std::invalid_argument(
       formatted("a margin of {} angstrom is too small for a spacing of {}: the grid, whose number "
                 "of points is truncated, would cut the surface; use a margin of at least {}",
-                p.margin, p.spacing, p.spacing));
+                grid.margin, grid.spacing, grid.spacing));
 }
 
 // Returns the number of threads to use: at most one for each block or cluster of atoms.
@@ -100,17 +103,17 @@ bool has_full_layers(const SurfaceSurvey& survey, double spacing, const GridInde
   return sizeof(BlockCrossing) * expected_crossings(area, spacing) > max_layer_bytes;
 }
 
-std::vector<GridIndex> possible_block_sizes(const SurfaceSurvey& survey, const Parameters& p) {
-  if (p.block_size != 0) return {{p.block_size, p.block_size, p.block_size}};
+std::vector<GridIndex> possible_block_sizes(const SurfaceSurvey& survey, double spacing,
+                                            std::int64_t chosen) {
+  if (chosen != 0) return {{chosen, chosen, chosen}};
   auto shape = layer_shapes.begin();
   const auto can_be_flatter = [&] {
-    return shape + 1 != layer_shapes.end() &&
-           height_of(*(shape + 1), p.spacing) >= min_layer_height;
+    return shape + 1 != layer_shapes.end() && height_of(*(shape + 1), spacing) >= min_layer_height;
   };
-  while (can_be_flatter() && has_full_layers(survey, p.spacing, *shape)) ++shape;
+  while (can_be_flatter() && has_full_layers(survey, spacing, *shape)) ++shape;
   std::vector<GridIndex> sizes(shape, layer_shapes.end());
   sizes.insert(sizes.end(), small_shapes.begin(), small_shapes.end());
-  for (GridIndex& size : sizes) size = shortened(size, p.spacing);
+  for (GridIndex& size : sizes) size = shortened(size, spacing);
   return sizes;
 }
 
@@ -118,7 +121,8 @@ std::vector<GridIndex> possible_block_sizes(const SurfaceSurvey& survey, const P
 // blocks.
 std::vector<Schedule> possible_schedules(const Grid& grid, const GridRegion& region,
                                          const Parameters& p, const SurfaceSurvey& survey) {
-  const std::vector<GridIndex> block_sizes = possible_block_sizes(survey, p);
+  const std::vector<GridIndex> block_sizes =
+      possible_block_sizes(survey, grid.spacing, p.block_size);
   std::vector<Schedule> schedules;
   for (int threads = p.threads > 0 ? p.threads : available_threads(); threads > 0; threads /= 2) {
     for (const GridIndex& block_size : block_sizes) {
@@ -190,8 +194,10 @@ void choose_schedule(const SurfaceSurvey& survey, const MemoryBudget& budget,
   const auto& [available, held, labels, has_groups, caller] = budget;
   const Parameters& p = plan.parameters;
   const std::uint64_t limit = p.max_memory > 0 ? std::min(p.max_memory, available) : available;
-  const double always =
-      static_cast<double>(held + caller.bytes) + caller.per_crossing * plan.crossings;
+  const double always = static_cast<double>(held) +
+                        caller.per_point * static_cast<double>(plan.region.point_count()) +
+                        caller.per_crossing * plan.crossings +
+                        (p.exact ? exact_measure_bytes(survey.atom_count()) : 0);
   double smallest = std::numeric_limits<double>::infinity();
   for (const Schedule& schedule : possible_schedules(plan.grid, plan.region, p, survey)) {
     const double memory =
@@ -252,7 +258,7 @@ void require_valid(const Outputs& outputs, const Molecule& molecule) {
   if (outputs.mesh) require_valid(*outputs.mesh, molecule);
   require_valid_maps(outputs);
   if (outputs.residues && molecule.labels().empty())
-    throw Error("areas by residue need atoms with labels; xyzr files have none");
+    throw std::invalid_argument("areas by residue need atoms with labels; xyzr files have none");
 }
 
 FileSizes plan_files(std::uint64_t atoms, const LabelTotals& labels, const Outputs& outputs,
@@ -282,11 +288,12 @@ GridPlan plan_grid(const Box& bounds, const Parameters& parameters) {
   require_valid(parameters);
   GridPlan plan;
   plan.parameters = parameters;
-  plan.grid =
-      parameters.grid ? *parameters.grid : make_grid(bounds, parameters.spacing, parameters.margin);
+  const auto* const options = std::get_if<GridOptions>(&parameters.grid);
+  plan.grid = options != nullptr ? make_grid(bounds, options->spacing, options->margin)
+                                 : std::get<Grid>(parameters.grid);
   plan.cut_depths = depths_inside(plan.grid, bounds);
   plan.cut_depth = cut_depth(plan.grid, bounds);
-  if (!parameters.grid) require_enclosing_margin(plan.cut_depth, parameters);
+  if (options != nullptr) require_enclosing_margin(plan.cut_depth, *options);
   plan.region = region_of(plan.grid, parameters);
   return plan;
 }

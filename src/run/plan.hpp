@@ -34,17 +34,19 @@ struct Plan : GridPlan, Schedule {
 };
 
 /// Performs step 1 of a plan: takes the grid of the parameters or, if they have none, makes the
-/// grid around atoms with these bounds, and determines the points to compute. Throws Error if a
-/// parameter is out of its range, if the part of the grid is empty or not within the grid, or if
-/// the margin is so small that the grid would cut the surface (see doc/grid.md).
+/// grid around atoms with these bounds, and determines the points to compute. Throws
+/// std::invalid_argument if a parameter is out of its range, if the part of the grid is empty or
+/// not within the grid, or if the margin is so small that the grid would cut the surface (see
+/// doc/grid.md).
 GridPlan plan_grid(const Box& bounds, const Parameters& parameters);
 
-/// Throws Error if the probe radius, the number of threads or the number of points to verify is out
-/// of its range.
+/// Throws std::invalid_argument if the probe radius, the number of threads or the number of points
+/// to verify is out of its range.
 void require_valid(const Parameters& parameters);
 
-/// Throws Error if the mesh or a map has an unknown suffix, if two maps have the same name, if a
-/// number of a map is out of its range, or if the molecule lacks labels that the outputs need.
+/// Throws std::invalid_argument if the mesh or a map has an unknown suffix, if two maps have the
+/// same name, if a number of a map is out of its range, or if the molecule lacks labels that the
+/// outputs need.
 void require_valid(const Outputs& outputs, const Molecule& molecule);
 
 /// The memory of a process for its part of a run.

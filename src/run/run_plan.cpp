@@ -85,15 +85,17 @@ std::string map_identity(const Outputs& outputs) {
 std::string identity_of(const RunTask& task, const RunPlan& run, std::uint64_t hash) {
   const Parameters& p = task.parameters;
   const Grid& grid = run.whole_plan.grid;
+  const auto* const options = std::get_if<GridOptions>(&p.grid);
   const GridRegion& region = run.whole_plan.region;
   return formatted(
       "eses-blocks {} format {} {} {}\natoms {} {:016x}\nprobe {:a} spacing {:a} margin {:a}\n"
       "origin {:a} {:a} {:a} size {}\npoints {} {}\ngrid {} edges {} gzip {} maps {} mesh {}\n",
       version, checkpoint_format, sizeof(ChunkInfo), task.outputs.gzip ? zlibVersion() : "",
-      run.atoms, hash, p.probe_radius, p.spacing, p.margin, grid.origin.x, grid.origin.y,
-      grid.origin.z, fmt::join(grid.size, " "), fmt::join(region.begin, " "),
-      fmt::join(region.end, " "), task.outputs.grid, task.outputs.edges, task.outputs.gzip,
-      map_identity(task.outputs), mesh_identity(task.outputs.mesh));
+      run.atoms, hash, p.probe_radius, grid.spacing, options != nullptr ? options->margin : 0.0,
+      grid.origin.x, grid.origin.y, grid.origin.z, fmt::join(grid.size, " "),
+      fmt::join(region.begin, " "), fmt::join(region.end, " "), task.outputs.grid,
+      task.outputs.edges, task.outputs.gzip, map_identity(task.outputs),
+      mesh_identity(task.outputs.mesh));
 }
 
 bool names_groups(const Outputs& outputs) {
@@ -124,18 +126,16 @@ void require_memory_held(const InputFile& file, std::uint64_t limit) {
                 file.path.string(), binary_bytes_text(peak), binary_bytes_text(limit)));
 }
 
-// Converts the labels of a part of the molecule into the data that the outputs need: numbers and
-// names of groups, and residues for tables. Returns the totals of the labels.
-LabelTotals take_labels(ResidueRuns residues, const Outputs& outputs, const Processes& processes,
-                        RunPlan& run, std::vector<mesh::GroupNumbers>& groups) {
+// Numbers the groups of `run.names` if the outputs need it. Returns the totals of the names.
+LabelTotals take_groups(const Outputs& outputs, const Processes& processes, RunPlan& run,
+                        std::vector<mesh::GroupNumbers>& groups) {
   if (names_groups(outputs)) {
-    GroupNumbering numbered = number_groups(residues, processes);
+    GroupNumbering numbered = number_groups(run.names.residues(), processes);
     run.groups = std::move(numbered.names);
     groups = std::move(numbered.of_atom);
   }
-  LabelTotals totals = total_labels(residues.labels);
+  LabelTotals totals = total_labels(run.names.residues().labels);
   totals.atom_text_bytes = run.names.text_bytes();
-  if (outputs.residues) run.residues = std::move(residues);
   return totals;
 }
 
@@ -143,10 +143,9 @@ LabelTotals take_labels(ResidueRuns residues, const Outputs& outputs, const Proc
 std::uint64_t held_bytes(const RunPlan& run) {
   std::uint64_t bytes = run.names.bytes() + run.radii.size() * sizeof(double);
   for (const std::span<const AtomLabel> labels :
-       {std::span<const AtomLabel>(run.residues.labels),
-        std::span<const AtomLabel>(run.groups.chains),
+       {std::span<const AtomLabel>(run.groups.chains),
         std::span<const AtomLabel>(run.groups.residues),
-        std::span<const AtomLabel>(run.names.residues()), run.slab.molecule.labels()})
+        std::span<const AtomLabel>(run.names.residues().labels), run.slab.molecule.labels()})
     bytes += memory_of_labels(labels);
   return bytes;
 }
@@ -193,7 +192,7 @@ std::vector<double> radii_of(std::span<const Atom> atoms) {
 
 // Adds the labels of the examples to the diagnostics if this process knows the names of the atoms.
 void name_examples(const AtomNames& names, FileDiagnostics& diagnostics) {
-  if (names.is_empty()) return;
+  if (!names.has_atoms()) return;
   for (const auto& [atom, line] : diagnostics.lines) diagnostics.labels[atom] = names.label(atom);
 }
 
@@ -227,23 +226,21 @@ void plan_slab(const RunTask& task, const LabelTotals& labels, const Processes::
 // Sets the schedule of the whole run to the maxima over all processes, and its crossings to the
 // sum.
 void combine_schedules(const Processes& processes, RunPlan& run) {
-  std::array crossings{run.slab_plan.crossings};
-  processes.add(std::span<double>(crossings));
-  run.whole_plan.crossings = crossings[0];
-  const GridIndex& block_size = run.slab_plan.tiling.block_size;
-  std::array<std::uint64_t, 6> maxima{run.slab_plan.memory_bytes,
-                                      static_cast<std::uint64_t>(run.slab_plan.blocks_ahead),
-                                      static_cast<std::uint64_t>(run.slab_plan.threads),
-                                      static_cast<std::uint64_t>(block_size[0]),
-                                      static_cast<std::uint64_t>(block_size[1]),
-                                      static_cast<std::uint64_t>(block_size[2])};
-  processes.allreduce(maxima, Processes::Reduction::max);
   Plan& whole = run.whole_plan;
-  whole.memory_bytes = maxima[0];
-  whole.blocks_ahead = static_cast<std::int64_t>(maxima[1]);
-  whole.threads = static_cast<int>(maxima[2]);
-  const auto side = [&](std::size_t axis) { return static_cast<std::int64_t>(maxima[3 + axis]); };
-  whole.tiling = make_tiling(whole.grid, GridIndex{side(0), side(1), side(2)}, whole.region);
+  const Plan& slab = run.slab_plan;
+  const auto max_of = [&](auto value) {
+    auto max = static_cast<std::uint64_t>(value);
+    processes.allreduce({&max, 1}, Processes::Reduction::max);
+    return static_cast<decltype(value)>(max);
+  };
+  whole.crossings = slab.crossings;
+  processes.add(std::span<double>(&whole.crossings, 1));
+  whole.memory_bytes = max_of(slab.memory_bytes);
+  whole.blocks_ahead = max_of(slab.blocks_ahead);
+  whole.threads = max_of(slab.threads);
+  GridIndex block_size = slab.tiling.block_size;
+  for (std::int64_t& side : block_size) side = max_of(side);
+  whole.tiling = make_tiling(whole.grid, block_size, whole.region);
 }
 
 // Adds the sizes of the chunks, which are on disk until they are merged. A checkpoint has all
@@ -277,8 +274,9 @@ LabelTotals take_file(const InputFile& file, const RunTask& task, const Processe
   processes.all_or_throw([&] { require_memory_for(part.total, file, limit, processes); });
   run.atoms = part.total;
   run.read_atoms = part.range();
-  const LabelTotals labels =
-      take_labels(std::exchange(part.residues, {}), outputs, processes, run, part.groups);
+  const LabelTotals labels = take_groups(outputs, processes, run, part.groups);
+  const bool needs_residues = outputs.residues || outputs.atoms;
+  if (!needs_residues && !has_names) run.names = {};
   const Box bounds = bounds_of_all(part.atoms, processes);
   processes.all_or_throw([&] { run.whole_plan = {plan_grid(bounds, task.parameters), {}}; });
   open_checkpoint(task, part, processes, run);
@@ -287,7 +285,8 @@ LabelTotals take_file(const InputFile& file, const RunTask& task, const Processe
                 threads_of(task, machine, processes), processes);
   run.diagnostics.add(of_names);
   if (has_names) name_examples(run.names, run.diagnostics);
-  if (!outputs.atoms) run.names = {};
+  if (!needs_residues) run.names = {};
+  if (!outputs.atoms) run.names.keep_residues();
   release_free_memory();
   return labels;
 }
@@ -301,10 +300,10 @@ LabelTotals take_molecule(const Molecule& molecule, const RunTask& task, const P
   run.whole_plan = {plan_grid(sphere_bounds(molecule.atoms()), task.parameters), {}};
   run.slab.planes = region_planes(run.whole_plan);
   run.slab.molecule = molecule;
-  LabelTotals labels;
   if (task.outputs.residues || names_groups(task.outputs))
-    labels =
-        take_labels(residue_runs(molecule.labels()), task.outputs, processes, run, run.slab.groups);
+    for (const AtomLabel& label : molecule.labels()) run.names.add_residue(label);
+  LabelTotals labels = take_groups(task.outputs, processes, run, run.slab.groups);
+  if (!task.outputs.residues) run.names = {};
   if (task.outputs.atoms) labels.atom_text_bytes = total_labels(molecule.labels()).atom_text_bytes;
   return labels;
 }

@@ -26,11 +26,10 @@ struct RunPlan {
   FileDiagnostics diagnostics;
   std::uint64_t atoms = 0;  ///< number of atoms in the molecule
   IndexRange read_atoms;    ///< indices of the atoms that this process has read
-  ResidueRuns
-      residues;       ///< residues of the atoms in `read_atoms`, if tables of residues are written
-  GroupNames groups;  ///< groups whose first atom is in `read_atoms`, if the mesh names them
-  /// Names of the atoms in `read_atoms`, if atoms.csv is written and the file has names. A molecule
-  /// in memory has labels instead.
+  GroupNames groups;        ///< groups whose first atom is in `read_atoms`, if the mesh names them
+  /// Residues of the atoms in `read_atoms`, if tables of residues are written. Also names of the
+  /// atoms, if atoms.csv is written and the file has names; a molecule in memory has labels
+  /// instead.
   AtomNames names;
   /// Radii of the atoms in `read_atoms` (angstrom), if several processes write atoms.csv.
   std::vector<double> radii;

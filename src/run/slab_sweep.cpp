@@ -59,13 +59,6 @@ TakeRows rows_of_map(OutputFile& file, const MapChoice& choice, const Plan& plan
                GridMap::Scratch& scratch) { map->write_rows(first_row, words, scratch); };
 }
 
-BlockExtras extras_of(const RunTask& task) {
-  BlockExtras extras = task.maps_in_memory.extras;
-  if (task.outputs.dielectric) extras.inside_fractions = true;
-  if (task.outputs.ion_access) extras.ion_radius = task.outputs.ion_access->ion_radius;
-  return extras;
-}
-
 std::vector<ChunkText> chosen_texts(const Outputs& outputs) {
   std::vector<ChunkText> texts;
   if (outputs.grid) texts.push_back(ChunkText::grid);
@@ -203,19 +196,19 @@ OrderedOutput::WriteAt SlabSweep::sink_of_text(ChunkText text, PlaneChunk& chunk
     return sink_of(*scratch, checksums[static_cast<std::size_t>(text)],
                    plan_.checkpoint != nullptr);
   if (!is_in_place_) return {};
-  OutputFiles& files = *files_.final_files;
-  const auto into = [](std::optional<OutputFile>& file, std::uint64_t begin = 0) {
-    return file ? sink_of(*file, begin) : OrderedOutput::WriteAt();
+  const auto into = [this](RunFile which, std::uint64_t begin = 0) {
+    OutputFile* const file = files_.final_files->find(which);
+    return file != nullptr ? sink_of(*file, begin) : OrderedOutput::WriteAt();
   };
   switch (text) {
     case ChunkText::grid:
-      return into(files.grid);
+      return into(RunFile::grid);
     case ChunkText::edges:
-      return into(files.edges);
+      return into(RunFile::edges);
     case ChunkText::vertices:
-      return into(files.mesh, files_.mesh_header_bytes);
+      return into(RunFile::mesh, files_.mesh_header_bytes);
     case ChunkText::triangles:
-      return into(files.mesh_faces, files_.face_header_bytes);
+      return into(RunFile::mesh_faces, files_.face_header_bytes);
     case ChunkText::first_map:
       break;
   }
@@ -229,9 +222,10 @@ std::vector<MapSink> SlabSweep::map_sinks(PlaneChunk& chunk, const GridRegion& r
   for (const MapChoice& map : chosen_maps(task_.outputs))
     sinks.push_back(
         {map.quantity,
-         is_in_place_ ? rows_of_map(*files_.final_files->map(map.quantity), map, plan_.whole_plan)
-                      : rows_as_words(map.quantity, region,
-                                      sink_of_text(text_of(map.quantity), chunk, checksums))});
+         is_in_place_
+             ? rows_of_map(*files_.final_files->find(file_of(map.quantity)), map, plan_.whole_plan)
+             : rows_as_words(map.quantity, region,
+                             sink_of_text(text_of(map.quantity), chunk, checksums))});
   return sinks;
 }
 
@@ -250,20 +244,12 @@ bool SlabSweep::verify(Verifier& verifier, Summary& summary) {
   return found.faults.empty();
 }
 
-std::vector<AtomSum> SlabSweep::sums_of(std::span<const AreaShare> shares) const {
-  std::vector<AtomSum> sums;
-  for (std::size_t i = 0; i < shares.size(); ++i)
-    if (shares[i] != 0)
-      sums.push_back({shares[i], plan_.slab.file_index_of(static_cast<AtomIndex>(i))});
-  return sums;
-}
-
 // Completes a chunk in the checkpoint.
 void SlabSweep::save_chunk(PlaneChunk& chunk, const Checksums& checksums,
                            std::span<const AreaShare> shares) const {
   for (std::size_t text = 0; text < chunk_text_count; ++text)
     chunk.info.checksums[text] = checksums[text].value();
-  chunk.sums = sums_of(shares);
+  plan_.slab.for_each_sum(shares, [&](const AtomSum& sum) { chunk.sums.push_back(sum); });
   plan_.checkpoint->finish(chunk);
   chunk.sums = {};
   chunk.texts = {};  // closes the files, as the number of open files is limited
@@ -280,7 +266,8 @@ PlaneChunk SlabSweep::sweep(PatchSchedule& patches, const PlaneRange& planes, Sw
     mesh.emplace(plan, plan_.whole_plan.tiling.region_with_halo, *text,
                  MeshSinks{.vertices = into(ChunkText::vertices),
                            .triangles = into(ChunkText::triangles),
-                           .has_local_triangles = !is_in_place_ || text->has_columns()});
+                           .has_local_triangles = (!is_in_place_ || text->has_columns()) &&
+                                                  !text->has_corner_positions()});
   std::optional<Verifier> verifier;
   if (plan.parameters.verify > 0) {
     const Stopwatch drawing;
@@ -292,11 +279,12 @@ PlaneChunk SlabSweep::sweep(PatchSchedule& patches, const PlaneRange& planes, Sw
                      .edges = into(ChunkText::edges),
                      .gzip = task_.outputs.gzip,
                      .maps = map_sinks(chunk, plan.tiling.region, checksums),
-                     .extras = extras_of(task_),
+                     .extras = task_.maps_in_memory.sinks.empty() ? extras_of(task_.outputs)
+                                                                  : task_.maps_in_memory.extras,
                      .mesh = mesh ? &*mesh : nullptr,
                      .verifier = verifier ? &*verifier : nullptr,
                      .block = callbacks_.block,
-                     .file_indices = plan_.slab.file_indices},
+                     .file_indices = plan_.slab.file_indices()},
                     report_);
   if (planes.begin > plan_.whole_plan.tiling.region.begin[2]) pipeline.solve_plane_below();
   pipeline.run();

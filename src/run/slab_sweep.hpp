@@ -70,7 +70,6 @@ class SlabSweep {
   bool verify(Verifier& verifier, Summary& summary);
   void save_chunk(PlaneChunk& chunk, const Checksums& checksums,
                   std::span<const AreaShare> shares) const;
-  std::vector<AtomSum> sums_of(std::span<const AreaShare> shares) const;
 
   const RunTask& task_;
   const RunPlan& plan_;

@@ -119,7 +119,7 @@ double max_cost(const Bins& bins, std::span<const double> costs,
 struct SentAtom {
   Atom atom;
   std::uint64_t line = 0;
-  AtomIndex file_index = 0;
+  FileIndex file_index{};
 };
 
 struct SentAtoms {
@@ -159,7 +159,7 @@ SentAtoms send_atoms(const AtomPart& part, const GridPlan& plan, const Outputs& 
   std::vector<std::vector<SentAtom>> to(slabs.size());
   std::vector<std::vector<mesh::GroupNumbers>> groups_to(slabs.size());
   const auto send = [&](std::size_t i, std::size_t rank) {
-    to[rank].push_back({part.atoms[i], part.lines[i], static_cast<AtomIndex>(part.first + i)});
+    to[rank].push_back({part.atoms[i], part.lines[i], static_cast<FileIndex>(part.first + i)});
     if (!part.groups.empty()) groups_to[rank].push_back(part.groups[i]);
   };
   for (std::size_t i = 0; i < part.atoms.size(); ++i) {
@@ -203,11 +203,11 @@ Slab exchange_atoms(const AtomPart& part, const GridPlan& plan, const Outputs& o
   processes.all_or_throw([&] {
     std::vector<Atom> atoms;
     atoms.reserve(sent.atoms.size());
-    slab.file_indices.reserve(sent.atoms.size());
+    slab.atoms_in_file.reserve(sent.atoms.size());
     slab.lines.reserve(sent.atoms.size());
     for (const auto& [atom, line, file_index] : sent.atoms) {
       atoms.push_back(atom);
-      slab.file_indices.push_back(file_index);
+      slab.atoms_in_file.push_back(file_index);
       slab.lines.push_back(line);
     }
     slab.groups = std::move(sent.groups);
@@ -223,7 +223,7 @@ FileDiagnostics take_diagnostics(Slab& slab, std::uint64_t atoms, const Processe
   FileDiagnostics all = gather_diagnostics(
       slab.molecule.diagnostics(),
       [&](AtomIndex slab_index) {
-        return FileAtom{slab.file_index_of(slab_index), lines[slab_index]};
+        return FileAtom{slab.file_indices()[slab_index], lines[slab_index]};
       },
       processes);
   // The diagnostic applies only if all radii of the molecule are small.

@@ -8,10 +8,12 @@
 #include <vector>
 
 #include "distributed/atom_part.hpp"
+#include "distributed/checkpoint.hpp"
 #include "distributed/file_diagnostics.hpp"
 #include "distributed/processes.hpp"
 #include "geometry/box.hpp"
 #include "grid/plane_range.hpp"
+#include "input/file_index.hpp"
 #include "run/plan.hpp"
 #include "surface/molecule.hpp"
 
@@ -28,14 +30,19 @@ struct Slab {
   Molecule molecule{std::vector<Atom>()};  ///< without labels
   /// Index in the file of each atom of the molecule, ascending; empty if the molecule has all
   /// atoms.
-  std::vector<AtomIndex> file_indices;
+  std::vector<FileIndex> atoms_in_file;
   std::vector<mesh::GroupNumbers> groups;  ///< by atom; empty if groups are not numbered
   /// Line of each atom in the file; only until the diagnostics are known.
   std::vector<std::uint64_t> lines;
 
-  /// Returns the index in the file of an atom of the molecule.
-  AtomIndex file_index_of(AtomIndex slab_index) const {
-    return file_indices.empty() ? slab_index : file_indices[slab_index];
+  FileIndices file_indices() const { return FileIndices(atoms_in_file); }
+
+  /// Calls `action(sum)` for each share that is not 0. `shares` has a share for each atom of the
+  /// molecule.
+  template <class Action>
+  void for_each_sum(std::span<const AreaShare> shares, Action&& action) const {
+    for (AtomIndex i = 0; i < shares.size(); ++i)
+      if (shares[i] != 0) action(AtomSum{shares[i], file_indices()[i]});
   }
 };
 

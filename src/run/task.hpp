@@ -4,7 +4,6 @@
 #include <cstdint>
 #include <filesystem>
 #include <functional>
-#include <optional>
 #include <span>
 #include <variant>
 #include <vector>
@@ -31,10 +30,8 @@ using GridPart = std::variant<std::monostate, Box, BlockRange, GridRegion>;
 /// Parameters of a run.
 struct Parameters {
   double probe_radius = 1.4;  ///< angstrom, `min_probe_radius` to `max_probe_radius`
-  double spacing = 0.4;       ///< angstrom, > 0
-  double margin = 0.8;        ///< angstrom, >= 0
-  /// A custom grid. If it is set, the margin is ignored, and `spacing` must be the spacing of it.
-  std::optional<Grid> grid = {};
+  /// Options of the grid of ESES, or a custom grid.
+  std::variant<GridOptions, Grid> grid = {};
   /// Number of grid points on a side of a block, 2 to `max_block_size`. 0 means an automatic
   /// choice: `default_block_size`, flatter blocks for wide molecules, and smaller blocks for coarse
   /// grids or to satisfy `max_memory`.
@@ -44,7 +41,11 @@ struct Parameters {
   /// Maximum resident memory of the process in bytes. 0 means all available memory.
   std::uint64_t max_memory = 0;
   std::int64_t verify = 0;  ///< number of points, and of edges, to verify; 0 to 1e7
+  /// Whether to measure the whole surface in closed form, too. Only for a single process.
+  bool exact = false;
   GridPart part = {};
+
+  bool has_custom_grid() const { return std::holds_alternative<Grid>(grid); }
 };
 
 /// An input file.
@@ -72,8 +73,7 @@ struct MapsInMemory {
 
 /// Memory that the caller of a run needs for the results, besides the memory of the run.
 struct CallerMemory {
-  std::uint64_t bytes = 0;
-  double per_crossing = 0;  ///< bytes
+  double per_point = 0, per_crossing = 0;  ///< bytes
 };
 
 /// A request: the choices of the user for a run.

@@ -92,7 +92,7 @@ void add_face(const SurfaceModel& surface, AtomIndex i, const AtomPatches& patch
 
 // If a probe touches more than three atoms, or is uncertain, each triple of the atoms gives the
 // same placement. Keeps one irregular placement for each cube of side tolerance::same_placement:
-// that of the lowest triple, which comes first.
+// the placement of the lowest triple, which comes first.
 void merge_irregular_placements(std::vector<const ProbePlacement*>& placements) {
   // Two placements near a common face of two cubes may both be kept, which is harmless.
   constexpr double cell = tolerance::same_placement;
@@ -126,6 +126,25 @@ void BlockGrid::reset(const Grid& new_grid, const BlockBounds& new_block) {
     box.low[axis] = values[0];
     box.high[axis] = values[points - 1];
   }
+}
+
+double BlockFeatures::memory_bytes(const SurfaceSurvey& survey, Vec3 half_sides) {
+  const auto atoms = static_cast<double>(survey.patched_count());
+  const PatchTotals& totals = survey.totals();
+  const auto [reaching_box, found] = survey.max_atoms_near(half_sides);
+  constexpr double denser = 1.1;  // ratio to the maximum of the sample
+  const auto bound = [&](std::size_t count) {
+    return std::min(atoms, denser * static_cast<double>(count));
+  };
+  constexpr double indices = 32;  // bytes of a patch in the cells of PatchIndex
+  const double per_atom =
+      sizeof(BallFeature) + sizeof(FaceFeature) + indices +
+      (sizeof(CapCone) * totals.face_neighbours + (sizeof(ArcFeature) + indices) * totals.arcs +
+       (sizeof(PlacementFeature) + indices) * totals.placements) /
+          atoms;
+  // Lists keep their maximum capacity, which can be twice the maximum size.
+  constexpr double doubled = 2;
+  return doubled * (sizeof(AtomIndex) * bound(found) + per_atom * bound(reaching_box));
 }
 
 void collect_features(const Patches& patches, const Box& box, BlockFeatures& features) {

@@ -11,7 +11,7 @@
 #include "geometry/arc_sector.hpp"
 #include "geometry/box.hpp"
 #include "grid/tiling.hpp"
-#include "surface/patches.hpp"
+#include "surface/survey.hpp"
 
 namespace eses::detail {
 
@@ -94,6 +94,9 @@ struct BlockFeatures {
   std::vector<AtomIndex> nearby;
   std::vector<ListedPatches> listed;                   ///< for clusters with crowded atoms
   std::vector<const ProbePlacement*> near_placements;  ///< placements near the block
+
+  /// Returns the estimated memory in bytes for any box with these half sides (angstrom).
+  static double memory_bytes(const SurfaceSurvey& survey, Vec3 half_sides);
 
   /// The cones of a face.
   std::span<const CapCone> cones_of(const FaceFeature& face) const {

@@ -110,6 +110,31 @@ void split_off_halo_crossings(const BlockBounds& block, BlockResult& result) {
 
 }  // namespace
 
+double BlockResult::memory_bytes(const GridIndex& points, const BlockExtras& extras) {
+  constexpr double allocator = 64;
+  const double bit_sets = extras.ion_radius ? 2 : 1, edge_lists = extras.inside_fractions ? 2 : 1;
+  return sizeof(BlockResult) + allocator +
+         sizeof(std::uint64_t) * static_cast<double>(PointBits::word_count(points)) * bit_sets +
+         sizeof(std::uint32_t) * static_cast<double>(points[1] * points[2]) * edge_lists;
+}
+
+double BlockResult::crossing_bytes(const BlockExtras& extras) {
+  // With the unused capacity of a growing list, a BlockCrossing takes as much memory as a Crossing.
+  constexpr double growth = 1.5;
+  return sizeof(Crossing) + (extras.inside_fractions ? growth * sizeof(InsideFractions::Edge) : 0);
+}
+
+double BlockWorkspace::memory_bytes(const SurfaceSurvey& survey, const GridIndex& points,
+                                    double spacing) {
+  // Undecided points, edges along three axes, and their ranks.
+  constexpr double bytes_per_word = 4 * sizeof(std::uint64_t) + sizeof(std::uint32_t);
+  Vec3 half;
+  for (std::size_t axis = 0; axis < 3; ++axis)
+    half[axis] = 0.5 * spacing * static_cast<double>(points[axis] - 1);
+  return bytes_per_word * static_cast<double>(PointBits::word_count(points)) +
+         BlockFeatures::memory_bytes(survey, half);
+}
+
 BlockResult solve_block(const Patches& patches, const Grid& grid, const BlockBounds& block,
                         BlockWorkspace& workspace) {
   BlockResult result = find_crossings(patches, grid, block, block.owned, workspace);

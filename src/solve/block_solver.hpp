@@ -15,6 +15,12 @@
 
 namespace eses::detail {
 
+/// Optional results of a block besides its points and crossings.
+struct BlockExtras {
+  bool inside_fractions = false;     ///< whether to compute BlockResult::fractions
+  std::optional<double> ion_radius;  ///< radius of the ions for BlockResult::covered (angstrom)
+};
+
 /// The result of a block.
 struct BlockResult {
   BlockBounds block;
@@ -32,16 +38,19 @@ struct BlockResult {
       fractions;       ///< inside lengths of the owned edges; empty unless BlockExtras has them
   PointBits covered;   ///< points without ion access; no words unless BlockExtras has an ion radius
   double seconds = 0;  ///< time to solve the block
-};
 
-/// Optional results of a block besides its points and crossings.
-struct BlockExtras {
-  bool inside_fractions = false;     ///< whether to compute BlockResult::fractions
-  std::optional<double> ion_radius;  ///< radius of the ions for BlockResult::covered (angstrom)
+  /// Returns the memory in bytes of the result of a block with this number of points, without
+  /// crossings.
+  static double memory_bytes(const GridIndex& points, const BlockExtras& extras);
+  /// Returns the memory of a crossing in bytes.
+  static double crossing_bytes(const BlockExtras& extras);
 };
 
 /// Scratch memory and sums of one thread.
 struct BlockWorkspace {
+  /// Returns the estimated memory in bytes for blocks with this number of points.
+  static double memory_bytes(const SurfaceSurvey& survey, const GridIndex& points, double spacing);
+
   BlockExtras extras;
   BlockGrid grid;
   BlockFeatures features;

@@ -32,7 +32,7 @@ struct ClassifyScratch {
 };
 
 /// Sets the bits of all points that are in one of the balls, whose radii are `radius` larger than
-/// those of the van der Waals spheres.
+/// the radii of the van der Waals spheres.
 void fill_balls(const BlockGrid& grid, std::span<const Atom> atoms,
                 std::span<const AtomIndex> indices, double radius, PointBits& bits);
 

@@ -6,6 +6,8 @@
 #include <numeric>
 #include <utility>
 
+#include "surface/radius_class.hpp"
+
 namespace eses::detail {
 namespace {
 
@@ -15,11 +17,10 @@ std::int64_t place_of(double coordinate, double side) {
   return static_cast<std::int64_t>(std::clamp(std::floor(coordinate / side), -limit, limit));
 }
 
-// Returns the class of a radius. Class 0 has radii up to 4 angstrom, which includes all real atoms.
-// The limit of each further class is twice that of the previous one.
+// Class 0 includes all real atoms.
 int class_of(double radius) {
-  constexpr double first_limit = 4;
-  return radius <= first_limit ? 0 : 1 + std::ilogb(radius / first_limit);
+  constexpr double first_limit = 4;  // angstrom
+  return radius_class(radius, first_limit);
 }
 
 }  // namespace

@@ -8,11 +8,11 @@
 #include <functional>
 #include <limits>
 #include <optional>
+#include <stdexcept>
 #include <string_view>
 #include <tuple>
 #include <utility>
 
-#include "eses/error.hpp"
 #include "geometry/tolerances.hpp"
 #include "surface/atom_loops.hpp"
 #include "surface/atom_slices.hpp"
@@ -28,7 +28,8 @@ namespace {
 
 [[noreturn]] void refuse(std::size_t i, std::string_view what, double value,
                          std::string_view wanted) {
-  throw Error(formatted("atom {} (counted from 0) has {} {}; give a {}", i, what, value, wanted));
+  throw std::invalid_argument(
+      formatted("atom {} (counted from 0) has {} {}; give a {}", i, what, value, wanted));
 }
 
 void require_valid(std::span<const Atom> atoms) {
@@ -176,7 +177,8 @@ void keep_vicinity(std::span<const Atom> atoms, AtomIndex i, std::span<const Ato
 // available threads.
 int useful_threads(std::size_t atoms, int wanted) {
   if (wanted < 0)
-    throw Error(formatted("the number of threads must not be negative, and is {}", wanted));
+    throw std::invalid_argument(
+        formatted("the number of threads must not be negative, and is {}", wanted));
   if (loop_range_count(atoms) < 2) return 1;
   return wanted > 0 ? wanted : available_threads();
 }
@@ -190,7 +192,7 @@ struct Molecule::Parts {
       : atoms(std::move(all_atoms)), labels(std::move(all_labels)), is_contained(atoms.size()) {
     require_valid(atoms);
     if (!labels.empty() && labels.size() != atoms.size())
-      throw Error(formatted("{} labels for {} atoms", labels.size(), atoms.size()));
+      throw std::invalid_argument(formatted("{} labels for {} atoms", labels.size(), atoms.size()));
     const int threads = useful_threads(atoms.size(), wanted_threads);
     SerialCheck serial_check(check_callback);
     const CheckCallback check = [&serial_check] { serial_check(); };

@@ -18,11 +18,11 @@ class CellList;
 
 /// Immutable atoms with a spatial index and diagnostics. Copies share their data.
 ///
-/// All constructors throw Error if a coordinate or a radius is not finite, or if a radius is
-/// negative. The message names the value and the 0-based index of the first such atom.
+/// All constructors throw std::invalid_argument if a coordinate or a radius is not finite, or if a
+/// radius is negative. The message names the value and the 0-based index of the first such atom.
 ///
 /// `threads` is the maximum number of threads that build the index; 0 means all that the process
-/// may use. Throws Error if it is negative. The result does not depend on it.
+/// may use. Throws std::invalid_argument if it is negative. The result does not depend on it.
 class Molecule {
  public:
   /// Implicit, so that a list of atoms can be passed as a molecule.

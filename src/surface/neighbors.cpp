@@ -9,6 +9,7 @@
 
 #include "geometry/box.hpp"
 #include "surface/atom_loops.hpp"
+#include "surface/radius_class.hpp"
 
 namespace eses::detail {
 namespace {
@@ -49,8 +50,8 @@ using Tree = nanoflann::KDTreeSingleIndexAdaptor<nanoflann::L2_Simple_Adaptor<do
                                                  AtomCloud, 3, AtomIndex>;
 constexpr std::size_t atoms_per_leaf = 16;
 
-// Classes of radii. Class 0 has radii up to twice the median. The limit of each further class is
-// twice that of the previous one. In almost all molecules, all atoms are in class 0.
+// Classes of radii. Class 0 has radii up to twice the median. In almost all molecules, all atoms
+// are in class 0.
 class RadiusClasses {
  public:
   explicit RadiusClasses(std::span<const Atom> atoms) {
@@ -64,11 +65,7 @@ class RadiusClasses {
     limit_ = 2 * *middle;
   }
 
-  int operator()(double radius) const {
-    if (radius <= limit_) return 0;
-    constexpr double max_quotient = 1e300;  // ilogb needs a finite argument
-    return 1 + std::ilogb(std::min(radius / limit_, max_quotient));
-  }
+  int operator()(double radius) const { return radius_class(radius, limit_); }
 
  private:
   static constexpr std::size_t max_samples = 4096;

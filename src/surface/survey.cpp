@@ -304,6 +304,8 @@ double SurfaceSurvey::max_slab_area(double thickness) const {
   return max_area;
 }
 
+// Returns the maximum fraction of the atoms with patches whose centres are between two planes
+// across z that are `thickness` apart.
 double SurfaceSurvey::max_fraction(double thickness) const {
   const auto width = static_cast<std::size_t>(
       std::min(static_cast<double>(bins), std::ceil(thickness / bin_) + 1));
@@ -314,6 +316,29 @@ double SurfaceSurvey::max_fraction(double thickness) const {
     max_within = std::max(max_within, within);
   }
   return static_cast<double>(max_within) / static_cast<double>(patched_count());
+}
+
+double SurfaceSurvey::patch_bytes(double height, int threads) const {
+  // Average ratio of the touched memory of a growing list to its size.
+  constexpr double growth = 1.5;
+  constexpr double per_atom = sizeof(AtomExposure) + 3 * sizeof(std::uint32_t) +
+                              sizeof(FaceDirections) +
+                              sizeof(ClusterPatches) / double{AtomClusters::atoms_per_cluster};
+  const double all_patches =
+      sizeof(Arc) * totals_.arcs +
+      (sizeof(ProbePlacement) + growth * sizeof(PlacementKey)) * totals_.placements +
+      sizeof(AtomIndex) * totals_.face_neighbours + sizeof(PatchListing) * totals_.crowded_patches +
+      per_atom * static_cast<double>(patched_count());
+  // The reach of atoms whose patches influence the points, and of atoms whose SAS spheres meet
+  // theirs.
+  const double probe = surface_.probe_radius;
+  const double reach = max_radius_ + 2 * probe + 2 * (max_radius_ + probe) + 3 * CellList::sides[2];
+  // Caps, kept caps, and their atoms and numbers in AtomPatchScratch, which is large only for
+  // crowded atoms.
+  constexpr double per_neighbour = growth * (2 * sizeof(SasSphere) + 2 * sizeof(Cap) +
+                                             sizeof(BurialCap) + 19 * sizeof(AtomIndex));
+  return max_fraction(height + 2 * reach) * all_patches +
+         per_neighbour * std::min(totals_.crowded_neighbours, threads * totals_.max_neighbours);
 }
 
 SurfaceSurvey::AtomsNear SurfaceSurvey::max_atoms_near(Vec3 half_sides) const {

@@ -33,8 +33,6 @@ class SurfaceSurvey {
   std::size_t atom_count() const { return surface_.atoms.size(); }
   /// Number of atoms whose patches are built.
   std::size_t patched_count() const { return reach_.empty() ? atom_count() : reach_.size(); }
-  double probe_radius() const { return surface_.probe_radius; }
-
   /// Returns the area (square angstrom) between two heights (angstrom).
   double area_between(double low_z, double high_z) const;
 
@@ -42,12 +40,10 @@ class SurfaceSurvey {
   /// apart (angstrom), plus twice the standard error of the sample.
   double max_slab_area(double thickness) const;
 
-  /// Returns the maximum fraction of the atoms with patches whose centres are between two planes
-  /// across z that are `thickness` apart (angstrom).
-  double max_fraction(double thickness) const;
-
-  /// Maximum radius of the atoms with patches (angstrom).
-  double max_radius() const { return max_radius_; }
+  /// Returns the estimated memory in bytes of the patches that are needed at the same time, while
+  /// points between two planes across z that are `height` apart (angstrom) are solved by `threads`
+  /// threads. Includes the keys of placements in incomplete clusters, and scratch memory.
+  double patch_bytes(double height, int threads) const;
 
   /// Numbers of atoms near a box.
   struct AtomsNear {
@@ -59,6 +55,7 @@ class SurfaceSurvey {
 
  private:
   void take_samples();
+  double max_fraction(double thickness) const;
   AtomIndex patched_atom(std::size_t i) const {
     return reach_.empty() ? static_cast<AtomIndex>(i) : reach_[i];
   }

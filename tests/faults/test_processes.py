@@ -168,13 +168,15 @@ class Identity(Processes):
     def test_meshes_are_the_same(self):
         """Triangles between two slabs have vertices of both."""
         for count in (2, 3, 4, 5):
-            for mesh in ("mesh.ply", "mesh.obj", "mesh.off", "mesh.vert", "mesh.vtp"):
+            for mesh in ("mesh.ply", "mesh.obj", "mesh.off", "mesh.vert", "mesh.vtp", "mesh.stl",
+                         "mesh.glb"):
                 with self.subTest(count=count, mesh=mesh):
                     self.assertSame(count, SMALL, "--spacing", "0.4", mesh=mesh,
                                     options=("-b", str(5 + 3 * count)))
         self.assertSame(3, DATA / "1ubq.xyzr", "--spacing", "0.6", "--color", "patch",
                         mesh="mesh.ply")
-        for mesh, *more in (("mesh.ply",), ("mesh.ply", "--ply-ascii"), ("mesh.vtp",)):
+        for mesh, *more in (("mesh.ply",), ("mesh.ply", "--ply-ascii"), ("mesh.vtp",),
+                            ("mesh.glb",)):
             self.assertSame(3, DATA / "1ubq.xyzr", "--spacing", "0.6", "--color", "atom", "--write",
                             "none", *more, mesh=mesh)
 
@@ -391,6 +393,8 @@ class Failure(Processes):
                          "--write residues needs a PQR, PDB or mmCIF file", code=2)
         self.assertEnded(self.run_together(2, SMALL, "--mesh", "x.ply", "--color", "chain"),
                          "--color chain needs a PQR, PDB or mmCIF file", code=2)
+        self.assertEnded(self.run_together(2, SMALL, "--exact"),
+                         "--exact needs all atoms in one process", code=2)
 
     def test_names_give_the_diagnostics_of_one_process(self):
         water = self.folder / "wet.pqr"

@@ -270,7 +270,9 @@ class Resume(FaultTest):
                                  ("c60.xyzr", "mesh.vert", ("--write", "edges")),
                                  ("c60.xyzr", "mesh.ply", ("--ply-ascii", "--write", "none")),
                                  ("fas2.pqr", "mesh.vtp", ("--color", "atom", "--write",
-                                                           "none"))):
+                                                           "none")),
+                                 ("fas2.pqr", "mesh.glb", ("--color", "chain", "--write", "none")),
+                                 ("c60.xyzr", "mesh.stl", ("--write", "none"))):
             arguments = (DATA / name, "-q", "--spacing", "0.7", "-b", "9", "-t", "2", *more,
                          "--mesh", self.output / mesh)
             self.put({})

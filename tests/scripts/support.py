@@ -1,7 +1,9 @@
 """Shared by the tests of the scripts."""
 
+import importlib.util
 import os
 import pathlib
+import shutil
 import signal
 import subprocess
 import sys
@@ -61,6 +63,33 @@ def python_with(module):
         except OSError:
             pass
     return None
+
+
+def has_browser():
+    return (shutil.which("chromium") and shutil.which("chromedriver")
+            and importlib.util.find_spec("selenium") is not None)
+
+
+def open_browser(test):
+    """Returns headless Chromium, driven by Selenium, that ends with the test."""
+    from selenium import webdriver
+    from selenium.webdriver.chrome.service import Service
+    options = webdriver.ChromeOptions()
+    options.binary_location = shutil.which("chromium")
+    for argument in ("--headless=new", "--no-sandbox", "--use-angle=swiftshader",
+                     "--enable-unsafe-swiftshader", "--window-size=900,560",
+                     "--force-device-scale-factor=1", f"--user-data-dir={test.folder}/profile"):
+        options.add_argument(argument)
+    options.set_capability("goog:loggingPrefs", {"browser": "ALL"})
+    browser = webdriver.Chrome(service=Service(shutil.which("chromedriver")), options=options)
+    test.addCleanup(browser.quit)
+    browser.set_script_timeout(300)
+    browser.set_page_load_timeout(300)
+    return browser
+
+
+def browser_errors(browser):
+    return [line for line in browser.get_log("browser") if line["level"] == "SEVERE"]
 
 
 def has_matplotlib(script):

@@ -71,6 +71,13 @@ class Bash(TestCase):
         self.assertEqual(found, options_of())
         self.assertEqual(self.complete("diff", "--"), options_of("diff"))
 
+    def test_options_of_msms_are_those_of_its_help(self):
+        text = subprocess.run([PROGRAM, "msms", "--help"], capture_output=True, text=True,
+                              check=True).stdout
+        known = set(re.findall(r"^  (-\w\w+)", text, re.MULTILINE)) - {"-no_rest_on_pbr"}
+        self.assertEqual(self.complete("msms", "-") - {"--help", "--version"}, known)
+        self.assertEqual(self.complete("msms", "-surface", ""), {"tses", "ases"})
+
     def test_completed_values_are_accepted_by_the_program(self):
         for option, others in (("--format", ()), ("--write", ()), ("--color", ("--mesh", "a.ply"))):
             values = self.complete(option, "")
@@ -84,12 +91,12 @@ class Bash(TestCase):
     def test_values_and_files_are_completed(self):
         (self.folder / "a.xyzr").touch()
         (self.folder / "a.txt").touch()
-        for name in ("m.ply", "m.obj", "m.off", "m.vtp", "m.face", "i.dx", "i.vti",
+        for name in ("m.ply", "m.obj", "m.off", "m.vtp", "m.stl", "m.glb", "m.face", "i.dx", "i.vti",
                      "z.dx.gz", "z.gz"):
             (self.folder / name).touch()
         (self.folder / "sub").mkdir()
         self.assertEqual(self.complete("--mesh", ""),
-                         {"m.ply", "m.obj", "m.off", "m.vtp", "m.face", "sub"})
+                         {"m.ply", "m.obj", "m.off", "m.vtp", "m.stl", "m.glb", "m.face", "sub"})
         self.assertEqual(self.complete("--inside", ""), {"i.dx", "i.vti", "z.dx.gz", "sub"})
         self.assertEqual(self.complete("--kappa", ""), {"i.dx", "z.dx.gz", "sub"})
         self.assertEqual(self.complete("--format", ""), {"auto", "xyzr", "pqr", "pdb", "mmcif"})
@@ -167,7 +174,7 @@ class Zsh(TestCase):
         meshes, maps = {"c.ply", "d.obj", "e.off", "j.vtp"}, {"f.dx", "g.vti", "k.dx.gz"}
         atoms = {"a.xyzr", "b.pqr.gz", "i.cif.gz", "m.pdb12.gz", "n.pdbx", "o.mcif"}
         for line, expected in (
-                ("", atoms | {"sub", "diff", "measure"}),
+                ("", atoms | {"sub", "diff", "measure", "msms", "pdb_to_xyzr", "pdb_to_xyzrn"}),
                 ("di", {"diff"}),
                 ("--json ", atoms | {"sub"}),
                 ("a.xyzr -o ", {"sub"}),
@@ -185,6 +192,8 @@ class Zsh(TestCase):
                 ("measure --write ", {"atoms", "residues", "chains", "derivatives", "cavities",
                   "pieces"}),
                 ("measure a.xyzr --parts ", {"chains"}),
+                ("msms -surface ", {"tses", "ases"}),
+                ("pdb_to_xyzr --form", {"--format"}),
                 ("diff ", {"sub"}),
                 ("diff sub ", {"sub"}),
                 ("diff --tolerance ", set())):

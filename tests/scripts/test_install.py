@@ -148,6 +148,18 @@ class Install(TestCase):
         self.assertGreater(len(pages), 10)
         self.assertEqual({path.name for path in (self.prefix / doc / "doc").iterdir()}, pages)
 
+    def test_links_have_the_interface_of_msms(self):
+        spheres = self.folder / "spheres"
+        spheres.write_text("0\t0\t0\t3\n")
+        done = run(self.prefix / "bin/eses-msms", "-if", spheres, "-of", self.folder / "m")
+        self.assertDone(done)
+        self.assertIn("MSMS terminated normally", done.stdout)
+        self.assertTrue((self.folder / "m.vert").is_file())
+        for name in ("pdb_to_xyzr", "pdb_to_xyzrn"):
+            done = run(self.prefix / f"bin/eses-{name}", "--help")
+            self.assertDone(done)
+            self.assertIn(f"eses-blocks {name} ", done.stdout)
+
     def test_scripts_run_from_their_folder(self):
         """Each script finds its modules and the installed program, from any folder."""
         scripts = self.prefix / "share/eses-blocks"
@@ -184,21 +196,26 @@ class Install(TestCase):
         scripts = self.prefix / "share/eses-blocks"
         known = {path.stem: path for path in (PROJECT / "scripts/lib").glob("*.py")}
         needed, waiting = set(), sorted(path for path in scripts.iterdir() if path.is_file())
-        self.assertEqual([path.name for path in waiting], ["apbs", "assemble", "eses_pymol.py", "pdbbind", "render"])
+        self.assertEqual([path.name for path in waiting], ["apbs", "assemble", "eses_pymol.py", "pdbbind", "render",
+                                                          "view"])
         while waiting:
             text = waiting.pop().read_text()
             for name in re.findall(r"^ *(?:import|from) (\w+)", text, re.MULTILINE):
                 if name in known and name not in needed:
                     needed.add(name)
                     waiting.append(known[name])
-        self.assertEqual({path.stem for path in (scripts / "lib").iterdir()}, needed)
+        self.assertEqual({path.stem for path in (scripts / "lib").glob("*.py")}, needed)
+        for pages in ("report", "viewer"):
+            parts = [{path.name for path in (folder / "lib" / pages).iterdir()}
+                     for folder in (scripts, PROJECT / "scripts")]
+            self.assertEqual(*parts)
 
     def test_manual_pages_are_made_from_help(self):
         cache = (BUILD / "CMakeCache.txt").read_text()
         if re.search(r"^ESES_HELP2MAN:\w+=(.*-NOTFOUND)?$", cache, re.MULTILINE):
             self.skipTest("help2man is not installed")
         scripts = [(f"eses-{name}", f"eses-{name}", ())
-                   for name in ("apbs", "assemble", "pdbbind", "render")]
+                   for name in ("apbs", "assemble", "pdbbind", "render", "view")]
         for page, program, command in (("eses-blocks", "eses-blocks", ()),
                                        ("eses-blocks-diff", "eses-blocks", ("diff",)), *scripts):
             text = (self.prefix / f"share/man/man1/{page}.1").read_text()

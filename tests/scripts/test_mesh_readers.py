@@ -48,6 +48,18 @@ json.dump({"points": mesh.vertices.tolist(), "triangles": mesh.faces.tolist(),
            "open": 0 if mesh.is_watertight and mesh.is_winding_consistent else 1,
            "area": mesh.area, "volume": mesh.volume, "version": trimesh.__version__}, sys.stdout)
 """
+# Also with normals and colours, and with the translation of the mesh.
+GLTF = """
+import json, sys, trimesh
+loaded = trimesh.load(sys.argv[1], process=False, maintain_order=True, skip_materials=True)
+mesh = loaded.to_mesh() if hasattr(loaded, "to_mesh") else loaded
+# The translated mesh has other normals than those of the file.
+original = next(iter(loaded.geometry.values())) if hasattr(loaded, "geometry") else loaded
+json.dump({"points": mesh.vertices.tolist(), "triangles": mesh.faces.tolist(),
+           "normals": original.vertex_normals.tolist(), "colors": mesh.visual.vertex_colors.tolist(),
+           "open": 0 if mesh.is_watertight and mesh.is_winding_consistent else 1,
+           "area": mesh.area, "volume": mesh.volume, "version": trimesh.__version__}, sys.stdout)
+"""
 OPEN3D = """
 import json, sys, numpy, open3d
 mesh = open3d.io.read_triangle_mesh(sys.argv[1])
@@ -81,6 +93,12 @@ cmd.sync()
 objects = {{entry[0]: entry[5] for entry in cmd.get_session()["names"] if entry}}
 json.dump({{name: entry[2][0][0][1] for name, entry in objects.items()}}, sys.stdout)
 """
+
+
+def linear(byte):
+    """Converts sRGB to a linear intensity, both as 0 to 255."""
+    value = byte / 255
+    return round(255 * (value / 12.92 if value <= 0.04045 else ((value + 0.055) / 1.055) ** 2.4))
 
 
 class MeshReaders(TestCase):
@@ -144,6 +162,31 @@ class MeshReaders(TestCase):
                     found["triangles"][0] == [0, 1, 2]
                 self.check_points(found, places, self.first_uses(name) if is_renumbered else None)
                 self.check_shape(found, measures)
+
+    def test_trimesh_reads_stl_and_gltf(self):
+        measures = self.make("a.stl", DATA / "c60.xyzr")
+        found = self.read_back("trimesh", TRIMESH.replace("process=False", "process=True"), "a.stl")
+        self.check_shape(found, measures)
+        # Corners of triangles at the same place are one vertex.
+        self.assertEqual(len(found["points"]), len(self.crossings()))
+        measures = self.make("a.glb", DATA / "c60.xyzr", "--color", "patch")
+        found = self.read_back("trimesh", GLTF, "a.glb")
+        self.check_shape(found, measures)
+        self.check_points(found, 5)
+        patches = {1: [86, 180, 233], 2: [240, 228, 66], 3: [213, 94, 0]}
+        for (_, normal, atoms), mine, color in zip(self.crossings(), found["normals"],
+                                                   found["colors"]):
+            self.assertEqual(color[:3], [linear(part) for part in patches[len(atoms)]])
+            for a, b in zip(normal, mine):
+                self.assertAlmostEqual(a, b, 5)
+
+    def test_trimesh_reads_colours_of_obj(self):
+        self.make("a.obj", DATA / "c60.xyzr", "--color", "patch")
+        found = self.read_back("trimesh", GLTF, "a.obj")
+        patches = {1: [86, 180, 233], 2: [240, 228, 66], 3: [213, 94, 0]}
+        self.check_points(found, 9)
+        self.assertEqual([color[:3] for color in found["colors"]],
+                         [patches[len(atoms)] for _, _, atoms in self.crossings()])
 
     def test_trimesh_reads_all_values(self):
         self.check_whole_mesh("trimesh", TRIMESH, 9)

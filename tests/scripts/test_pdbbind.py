@@ -105,6 +105,16 @@ class Results(PdbbindTest):
         self.assertEqual([row["input"] for row in rows.values()],
                          ["1ubq.xyzr.gz", "below/boxb.pqr", "c60.xyzr"])
 
+    def test_exact_values_are_in_the_table(self):
+        (self.input / "two.xyzr").write_text("0 0 0 1.7\n0 0 3 1.7\n", encoding="ascii")
+        self.run_pdbbind("--", "--exact")
+        row = summary(self.output)["two"]  # values in closed form
+        self.assertAlmostEqual(float(row["exact_area"]), 66.0779806211, delta=1e-9)
+        self.assertAlmostEqual(float(row["exact_volume"]), 42.3467039769, delta=1e-9)
+        self.run_pdbbind()
+        row = summary(self.output)["two"]
+        self.assertEqual((row["exact_area"], row["exact_volume"]), ("", ""))
+
     def test_structures_are_read_directly_with_radii(self):
         self.add("a.cif.gz", PROJECT / "tests/data/1a8o.cif.gz")
         record = "ATOM      1  CA  ALA A   1      {:6.3f}   0.000   0.000  1.00  0.00           C\n"

@@ -1,7 +1,6 @@
 """Tests that scripts/render draws a small mesh; skipped without VTK or a display."""
 
 import colorsys
-import importlib.machinery
 import importlib.util
 import math
 import os
@@ -61,13 +60,6 @@ def frame(rows):
     lines = [y for y, row in enumerate(rows) if set(row) != {WHITE}]
     columns = [x for x in range(len(rows[0])) if any(row[x] != WHITE for row in rows)]
     return columns[0], columns[-1], lines[0], lines[-1]
-
-
-def load_script():
-    loader = importlib.machinery.SourceFileLoader("render", str(SCRIPT))
-    module = importlib.util.module_from_spec(importlib.util.spec_from_loader("render", loader))
-    loader.exec_module(module)
-    return module
 
 
 def hue(color):
@@ -168,10 +160,27 @@ class Render(TestCase):
                               if max(pixel) - min(pixel) > 100}
                     self.assertEqual(len(beside), count)
 
+    def test_potential_is_red_where_negative_and_blue_where_positive(self):
+        field = self.folder / "x.dx"
+        field.write_text("object 1 class gridpositions counts 2 2 2\norigin -12 -12 -12\n"
+                         "delta 24 0 0\ndelta 0 24 0\ndelta 0 0 24\n"
+                         "object 3 class array type double rank 0 items 8 data follows\n"
+                         + "-5 " * 4 + "5 " * 4 + "\n")
+        rows = self.picture_of([(-4, 0, 0, 1.7), (4, 0, 0, 1.7)],
+                               more=("--azimuth", 0, "--potential", field))
+        middle = rows[len(rows) // 2]
+        shown = [color for color in middle[:-22] if max(color) - min(color) > 40]
+        is_red = [red > blue for red, _, blue in shown]
+        self.assertEqual(is_red, sorted(is_red, reverse=True))
+        self.assertGreater(is_red.count(True), 10)
+        self.assertGreater(is_red.count(False), 10)
+        legend = {pixel for row in rows for pixel in row[-22:]}
+        self.assertLessEqual({(200, 20, 30), (25, 50, 205)}, legend)
+
     def test_wrong_files_are_refused(self):
         text = self.folder / "a.txt"
         text.write_text("none")
-        for path, message in ((text, "not a .ply, .obj or .vtp file"),
+        for path, message in ((text, "not a .ply, .vtp, .obj, .off, .stl, .glb, .vert or .face file"),
                               (self.folder / "b.ply", "no such file")):
             done = self.render(path, "-o", self.folder / "c.png")
             self.assertEqual(done.returncode, 1)
@@ -184,21 +193,20 @@ class Borders(TestCase):
     def test_borders_of_contact_circles_are_exact(self):
         """Two spheres: a place is on the saddle if the probe that touches the nearer sphere in its
         direction would overlap the other sphere."""
+        import meshes
         import numpy
         import patch_borders
         radius, probe, half = 1.7, 1.4, 1.6
-        source, mesh = self.folder / "two.xyzr", self.folder / "two.ply"
+        source, mesh_file = self.folder / "two.xyzr", self.folder / "two.ply"
         source.write_text(f"{-half} 0 0 {radius}\n{half} 0 0 {radius}\n")
         for format_options in ((), ("--ply-ascii",)):
-            self.assertDone(subprocess.run([PROGRAM, source, "-q", "--write", "none", "--mesh", mesh,
+            self.assertDone(subprocess.run([PROGRAM, source, "-q", "--write", "none", "--mesh", mesh_file,
                                             "--color", "patch", "--spacing", "0.6", *format_options],
                                            capture_output=True, text=True, check=False))
-            vertices, triangles, _ = load_script().read_ply(mesh)
-            points, normals, colors = (
-                numpy.stack([vertices[name] for name in names], axis=1) for names in
-                (("x", "y", "z"), ("nx", "ny", "nz"), ("red", "green", "blue")))
+            mesh = meshes.read_mesh(mesh_file)
             points, _, triangles, colors = patch_borders.divide(
-                points, normals.astype(float), triangles, vertices["patch"], vertices["atom"], colors, 8)
+                mesh.points, mesh.normals.astype(float), mesh.triangles, mesh.values["patch"],
+                mesh.values["atom"], mesh.values["color"], 8)
             corners = points[triangles]
             middle = corners.mean(axis=1)
             away = numpy.abs(middle[:, 0]) - half

@@ -9,6 +9,8 @@
 #include <sstream>
 #include <utility>
 
+#include "support/run.hpp"
+
 namespace eses::detail::test {
 namespace {
 
@@ -231,17 +233,17 @@ bool are_equal(double a, double b) {
 
 /// Makes the grid of ESES, with the same order of double operations.
 Grid expected_grid(std::span<const Atom> atoms, const Parameters& parameters) {
+  const auto& [spacing, margin] = grid_options(parameters);
   Grid grid;
-  grid.spacing = parameters.spacing;
+  grid.spacing = spacing;
   for (std::size_t q = 0; q < 3; ++q) {
     double low = std::numeric_limits<double>::infinity(), high = -low;
     for (const Atom& atom : atoms) {
       low = std::min(low, atom.center[q] - atom.radius);
       high = std::max(high, atom.center[q] + atom.radius);
     }
-    grid.origin[q] = low - parameters.margin;
-    grid.size[q] =
-        static_cast<int>((high + parameters.margin - grid.origin[q]) / parameters.spacing) + 1;
+    grid.origin[q] = low - margin;
+    grid.size[q] = static_cast<int>((high + margin - grid.origin[q]) / spacing) + 1;
   }
   return grid;
 }

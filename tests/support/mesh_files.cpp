@@ -3,6 +3,8 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <bit>
+#include <cmath>
 #include <cstring>
 #include <map>
 #include <numeric>
@@ -173,7 +175,13 @@ Mesh read_obj(const std::string& text) {
     std::istringstream words(line);
     std::string keyword;
     words >> keyword;
-    if (keyword == "v") mesh.positions.push_back(take_vector(words));
+    if (keyword == "v") {
+      mesh.positions.push_back(take_vector(words));
+      if (Vec3 color; words >> color.x >> color.y >> color.z)
+        mesh.colors.push_back({static_cast<int>(std::lround(255 * color.x)),
+                               static_cast<int>(std::lround(255 * color.y)),
+                               static_cast<int>(std::lround(255 * color.z))});
+    }
     if (keyword == "vn") mesh.normals.push_back(take_vector(words));
     if (keyword != "f") continue;
     MeshTriangle& triangle = mesh.triangles.emplace_back();
@@ -187,6 +195,109 @@ Mesh read_obj(const std::string& text) {
       --vertex;
     }
   }
+  return mesh;
+}
+
+/// Numbers in little-endian order.
+class BinaryReader {
+ public:
+  explicit BinaryReader(const std::string& bytes) : bytes_(bytes) {}
+
+  std::size_t offset() const { return offset_; }
+  void skip(std::size_t bytes) { offset_ += bytes; }
+
+  template <class Value>
+  Value take() {
+    static_assert(std::endian::native == std::endian::little);
+    require(offset_ + sizeof(Value) <= bytes_.size(), "a binary file that is too short");
+    Value value;
+    std::memcpy(&value, bytes_.data() + offset_, sizeof value);
+    offset_ += sizeof value;
+    return value;
+  }
+
+  Vec3 take_vector() {
+    const auto x = take<float>(), y = take<float>(), z = take<float>();
+    return {x, y, z};
+  }
+
+ private:
+  const std::string& bytes_;
+  std::size_t offset_ = 0;
+};
+
+/// `normals` are those of the triangles, and each triangle has its own vertices.
+Mesh read_stl(const std::string& bytes) {
+  Mesh mesh;
+  BinaryReader reader(bytes);
+  reader.skip(80);
+  const auto count = reader.take<std::uint32_t>();
+  for (std::uint64_t i = 0; i < count; ++i) {
+    mesh.normals.push_back(reader.take_vector());
+    for (int corner = 0; corner < 3; ++corner) mesh.positions.push_back(reader.take_vector());
+    mesh.triangles.push_back({3 * i, 3 * i + 1, 3 * i + 2});
+    reader.take<std::uint16_t>();
+  }
+  require(reader.offset() == bytes.size() && !bytes.starts_with("solid"), "STL: the length");
+  return mesh;
+}
+
+/// The numbers after each occurrence of a key in JSON.
+std::vector<double> numbers_after(const std::string& json, const std::string& key) {
+  std::vector<double> numbers;
+  for (std::size_t at = json.find(key); at != std::string::npos; at = json.find(key, at + 1)) {
+    std::istringstream words(json.substr(at + key.size()));
+    char separator = words.peek() == '[' ? static_cast<char>(words.get()) : ' ';
+    do {
+      words >> numbers.emplace_back() >> separator;
+    } while (separator == ',' && words.peek() != '"');
+  }
+  return numbers;
+}
+
+/// glTF with the layout of our files.
+Mesh read_glb(const std::string& bytes) {
+  BinaryReader reader(bytes);
+  require(reader.take<std::uint32_t>() == 0x46546C67 && reader.take<std::uint32_t>() == 2 &&
+              reader.take<std::uint32_t>() == bytes.size(),
+          "GLB: the header");
+  const auto json_bytes = reader.take<std::uint32_t>();
+  require(reader.take<std::uint32_t>() == 0x4E4F534A && json_bytes % 4 == 0, "GLB: the JSON chunk");
+  const std::string json = bytes.substr(reader.offset(), json_bytes);
+  reader.skip(json_bytes);
+  const auto data_bytes = reader.take<std::uint32_t>();
+  require(
+      reader.take<std::uint32_t>() == 0x004E4942 && reader.offset() + data_bytes == bytes.size(),
+      "GLB: the binary chunk");
+  Mesh mesh;
+  const std::vector<double> counts = numbers_after(json, "\"count\":");
+  if (counts.empty()) return mesh;
+  const std::vector<double> translation = numbers_after(json, "\"translation\":");
+  const bool has_colors = json.find("COLOR_0") != std::string::npos;
+  Vec3 low{1e9, 1e9, 1e9}, high{-1e9, -1e9, -1e9};
+  for (double i = 0; i < counts[0]; ++i) {
+    const Vec3 position = reader.take_vector();
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      low[axis] = std::min(low[axis], position[axis]);
+      high[axis] = std::max(high[axis], position[axis]);
+    }
+    mesh.positions.push_back(position + Vec3{translation[0], translation[1], translation[2]});
+    mesh.normals.push_back(reader.take_vector());
+    if (!has_colors) continue;
+    std::array<int, 3> color{};
+    for (int& part : color) part = reader.take<std::uint8_t>();
+    mesh.colors.push_back(color);
+    require(reader.take<std::uint8_t>() == 255, "GLB: a transparent vertex");
+  }
+  require(numbers_after(json, "\"min\":") == std::vector{low.x, low.y, low.z} &&
+              numbers_after(json, "\"max\":") == std::vector{high.x, high.y, high.z},
+          "GLB: the bounding box");
+  for (double i = 0; i < counts.back(); i += 3) {
+    const auto a = reader.take<std::uint32_t>(), b = reader.take<std::uint32_t>(),
+               c = reader.take<std::uint32_t>();
+    mesh.triangles.push_back({a, b, c});
+  }
+  require(reader.offset() == bytes.size(), "GLB: the length of the data");
   return mesh;
 }
 
@@ -427,6 +538,8 @@ Mesh read_mesh(const std::filesystem::path& path) {
   if (path.extension() == ".vtp") return read_vtp(text);
   if (path.extension() == ".ply") return read_ply(text);
   if (path.extension() == ".obj") return read_obj(text);
+  if (path.extension() == ".stl") return read_stl(text);
+  if (path.extension() == ".glb") return read_glb(text);
   require(path.extension() == ".off", "no format has this suffix");
   return read_off(text);
 }

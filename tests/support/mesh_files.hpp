@@ -29,7 +29,8 @@ struct Mesh {
 };
 
 /// Reads a mesh; the suffix decides. A .vert file is read together with its .face file, and `atoms`
-/// are then the closest spheres, from 0. Throws std::runtime_error if a file violates the format.
+/// are then the closest spheres, from 0. In an .stl file, each triangle has its own vertices and
+/// one normal. Throws std::runtime_error if a file violates the format.
 Mesh read_mesh(const std::filesystem::path& path);
 
 /// Returns the faults that keep triangles from being a closed, oriented 2-manifold, one line each:

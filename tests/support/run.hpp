@@ -3,12 +3,21 @@
 
 #include <filesystem>
 #include <utility>
+#include <variant>
 
 #include "run/engine.hpp"
 #include "run/run_plan.hpp"
 #include "run/solved_block.hpp"
 
 namespace eses::detail::test {
+
+/// The options of the grid of ESES, which the parameters must have.
+inline GridOptions& grid_options(Parameters& parameters) {
+  return std::get<GridOptions>(parameters.grid);
+}
+inline const GridOptions& grid_options(const Parameters& parameters) {
+  return std::get<GridOptions>(parameters.grid);
+}
 
 /// Returns the plan of a run.
 inline Plan make_plan(const Molecule& molecule, const Parameters& parameters,

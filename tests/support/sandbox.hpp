@@ -60,7 +60,7 @@ struct SpecialFiles {
 bool contains(const std::string& text, const std::string& part);
 
 /// Runs the program and checks that it ends with this usage error and prints nothing else. With
-/// `diff` or `measure` as the first argument, the message refers to the help of this command.
+/// a command such as `diff` as the first argument, the message refers to the help of this command.
 void check_usage_error(const Sandbox& sandbox, const Arguments& arguments,
                        const std::string& message);
 

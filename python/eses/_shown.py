@@ -1,0 +1,279 @@
+"""Methods of Mesh, Result and Surface that need other Python packages, and pages for notebooks."""
+
+import html
+import importlib
+import inspect
+
+import numpy as np
+
+from . import _page
+
+
+def _require(name, caller):
+    try:
+        return importlib.import_module(name)
+    except ModuleNotFoundError as error:
+        raise ImportError(f"{caller} needs {name}; install it, for example with "
+                          f"`pip install {name}`") from error
+
+
+class Page:
+    """A page that shows a surface. Notebooks display it; save() writes it to a file."""
+
+    def __init__(self, text, height):
+        self._text, self._height = text, height
+
+    def __str__(self):
+        return self._text
+
+    def _repr_html_(self):
+        return (f'<iframe srcdoc="{html.escape(self._text)}" title="molecular surface" '
+                f'style="width: 100%; height: {self._height}px; border: 0"></iframe>')
+
+    def save(self, path):
+        """Write the page to a file, which any browser can open."""
+        with open(path, "w", encoding="utf-8") as target:
+            target.write(self._text)
+
+
+# -------------------------------------------------------------------------------------- pages
+
+
+def _page_atoms(centers, radii, areas, atoms):
+    """Returns the atoms of a page; `atoms` is an eses.Atoms with their names, or None."""
+    count = len(radii)
+    made = _page.Atoms(serial=np.arange(1, count + 1), centers=centers, radii=radii, areas=areas)
+    if atoms is None:
+        return made
+    if len(atoms) != count:
+        raise ValueError(f"the surface has {count} atoms, but {len(atoms)} are given")
+    made.elements = atoms.element.tolist()
+    if atoms.labels is not None:
+        labels = atoms.labels
+        made.names = labels.atom_name.tolist()
+        made.residues = list(zip(labels.residue.tolist(), labels.residue_number.tolist(),
+                                 labels.chain.tolist()))
+    return made
+
+
+def _make_page(mesh, atoms, color, style, title, height):
+    for name, value, known in (("color", color, _page.SCHEMES), ("style", style, _page.STYLES)):
+        if value is not None and value not in known:
+            raise ValueError(f"{name} must be one of {', '.join(known)}")
+    if len(mesh.faces) == 0:
+        raise ValueError("the mesh has no triangles")
+    indices = mesh.atoms.astype(np.int64)
+    if atoms is None:
+        found, indices = np.unique(indices, return_inverse=True)
+        atoms = _page.Atoms(serial=found + 1)
+    molecule = _page.Molecule(title, mesh.vertices, mesh.normals, mesh.faces, patch=mesh.kind,
+                              atom=indices, atoms=atoms)
+    return Page(_page.make_page([molecule], title, color, style), height)
+
+
+def _k3d_plot(mesh):
+    k3d = _require("k3d", "show(backend='k3d')")
+    colors = _page.PATCH_COLORS
+    plot = k3d.plot()
+    codes = np.array([(r << 16) + (g << 8) + b for r, g, b in colors], np.uint32)
+    plot += k3d.mesh(mesh.vertices.astype(np.float32), mesh.faces.astype(np.uint32),
+                     normals=mesh.normals.astype(np.float32),
+                     colors=codes[mesh.kind - 1], side="double")
+    return plot
+
+
+def _show(mesh, atoms, color, style, backend, title, height):
+    if backend not in ("page", "k3d"):
+        raise ValueError("backend must be page or k3d")
+    return (_k3d_plot(mesh) if backend == "k3d"
+            else _make_page(mesh, atoms, color, style, title, height))
+
+
+def mesh_show(self, color=None, *, backend="page", title="surface", height=560):
+    """Show the mesh in a notebook.
+
+    Parameters
+    ----------
+    color : str, optional
+        The first colours: ``patch`` (the default), ``atom`` or ``plain``.
+    backend : str
+        ``page`` for a page that is complete in itself, or ``k3d`` for a plot of k3d, in the colours
+        of the patches.
+    title : str
+        The name of the molecule in the page.
+    height : int
+        The height of the page in the notebook, in pixels.
+
+    Returns
+    -------
+    Page or k3d.plot.Plot
+        An object that notebooks display. ``save(path)`` of a page writes it to a file.
+
+    Raises
+    ------
+    ImportError
+        If k3d is chosen and not installed.
+    ValueError
+        If the mesh has no triangles, or an argument is unknown.
+    """
+    return _show(self, None, color, "none", backend, title, height)
+
+
+def surface_show(self, spacing=0.4, atoms=None, *, color=None, style="none", backend="page",
+                 title="surface", height=560):
+    """Compute the surface and show it in a notebook, with its atoms.
+
+    Parameters
+    ----------
+    spacing : float
+        The distance between grid points in angstrom.
+    atoms : Atoms, optional
+        The atoms of the surface, in the same order, for their names.
+    color : str, optional
+        The first colours: ``patch`` (the default), ``atom``, ``element``, ``chain``, ``residue``,
+        ``area`` or ``plain``.
+    style : str
+        How atoms are drawn at first: ``none``, ``sticks``, ``balls`` or ``spheres``.
+    backend : str
+        ``page`` for a page that is complete in itself, or ``k3d`` for a plot of k3d, in the colours
+        of the patches.
+    title : str
+        The name of the molecule in the page.
+    height : int
+        The height of the page in the notebook, in pixels.
+
+    Returns
+    -------
+    Page or k3d.plot.Plot
+        An object that notebooks display. ``save(path)`` of a page writes it to a file.
+
+    Raises
+    ------
+    ImportError
+        If k3d is chosen and not installed.
+    ValueError
+        If the number of atoms is not that of the surface, or an argument is unknown.
+    """
+    result = self.compute(self.grid(spacing, 2 * spacing))  # does not cut the surface
+    shown = _page_atoms(self.centers, self.radii, result.atom_areas, atoms)
+    return _show(result.mesh(), shown, color, style, backend, title, height)
+
+
+# ------------------------------------------------------------------------- other packages' types
+
+
+def mesh_to_trimesh(self):
+    """Convert to a mesh of trimesh.
+
+    Returns
+    -------
+    trimesh.Trimesh
+        Copies of vertices, normals and faces, with the vertex attributes ``atom`` and ``patch``.
+
+    Raises
+    ------
+    ImportError
+        If trimesh is not installed.
+    """
+    trimesh = _require("trimesh", "to_trimesh")
+    return trimesh.Trimesh(self.vertices.copy(), self.faces.copy(),
+                           vertex_normals=self.normals.copy(), process=False,
+                           vertex_attributes={"atom": self.atoms.copy(), "patch": self.kind.copy()})
+
+
+def mesh_to_pyvista(self):
+    """Convert to a mesh of PyVista.
+
+    Returns
+    -------
+    pyvista.PolyData
+        Copies of vertices and faces, with the point data ``Normals``, ``atom`` and ``patch``.
+
+    Raises
+    ------
+    ImportError
+        If PyVista is not installed.
+    """
+    pyvista = _require("pyvista", "to_pyvista")
+    faces = np.column_stack([np.full(len(self.faces), 3), self.faces])
+    mesh = pyvista.PolyData(self.vertices.copy(), faces.ravel())
+    mesh.point_data["Normals"] = self.normals
+    mesh.point_data["atom"] = self.atoms
+    mesh.point_data["patch"] = self.kind
+    return mesh
+
+
+def result_to_xarray(self):
+    """Convert the inside points to a data set of xarray.
+
+    Returns
+    -------
+    xarray.Dataset
+        The variable ``inside`` with the dimensions x, y and z, whose coordinates are in angstrom,
+        and the attributes ``area``, ``volume`` and ``spacing``.
+
+    Raises
+    ------
+    ImportError
+        If xarray is not installed.
+    ValueError
+        If the surface was computed with ``inside=False``.
+    """
+    xarray = _require("xarray", "to_xarray")
+    low, high = self.region
+    coordinates = {name: self.grid.coordinates(axis)[low[axis]:high[axis]]
+                   for axis, name in enumerate("xyz")}
+    return xarray.Dataset({"inside": (("x", "y", "z"), self.inside)}, coordinates,
+                          {"area": self.area, "volume": self.volume,
+                           "spacing": self.grid.spacing})
+
+
+def result_residue_table(self, atoms):
+    """Make a table of the residues with their areas. Needs pandas.
+
+    Parameters
+    ----------
+    atoms : Atoms
+        The atoms of the surface, in the same order, for their names.
+
+    Returns
+    -------
+    pandas.DataFrame
+        A row for each run of atoms with the same chain, number and name. The columns are those of
+        ``residue_area.csv``: ``chain``, ``residue_number``, ``residue``, the number of ``atoms``,
+        and the ``area`` in square angstrom.
+
+    Raises
+    ------
+    ImportError
+        If pandas is not installed.
+    ValueError
+        If the number of atoms is not that of the surface, or the atoms have no names.
+    """
+    pandas = _require("pandas", "residue_table")
+    areas = self.atom_areas
+    if len(atoms) != len(areas):
+        raise ValueError(f"the surface has {len(areas)} atoms, but {len(atoms)} are given")
+    labels = atoms.labels
+    if labels is None:
+        raise ValueError("the atoms have no names of residues")
+    names = [labels.chain, labels.residue_number, labels.residue]
+    is_first = np.ones(len(areas), bool)
+    is_first[1:] = np.any([name[1:] != name[:-1] for name in names], axis=0)
+    starts = np.flatnonzero(is_first)
+    return pandas.DataFrame({
+        "chain": names[0][starts], "residue_number": names[1][starts], "residue": names[2][starts],
+        "atoms": np.diff(np.append(starts, len(areas))), "area": np.add.reduceat(areas, starts)})
+
+
+def add_methods(mesh, result, surface):
+    """Gives the classes of the extension module the methods of this file."""
+    for owner, methods in ((mesh, (mesh_show, mesh_to_trimesh, mesh_to_pyvista)),
+                           (result, (result_to_xarray, result_residue_table)),
+                           (surface, (surface_show,))):
+        for method in methods:
+            name = method.__name__.partition("_")[2]
+            method.__name__, method.__module__ = name, "eses"
+            method.__doc__ = inspect.cleandoc(method.__doc__)
+            method.__qualname__ = f"{owner.__name__}.{name}"
+            setattr(owner, name, method)

@@ -1,0 +1,308 @@
+#include "measures.hpp"
+
+#include <pybind11/stl.h>
+
+#include <algorithm>
+#include <array>
+#include <cstdint>
+#include <cstring>
+#include <optional>
+#include <span>
+#include <type_traits>
+#include <vector>
+
+#include "arrays.hpp"
+#include "interrupts.hpp"
+#include "measure_records.hpp"
+#include "threads.hpp"
+
+namespace eses::python {
+namespace {
+
+constexpr const char* measure_text =
+    R"(measure(self, probe_radius=None, *, van_der_waals=False, by_atom=False, derivatives=False, threads=0)
+--
+
+Measure areas and volumes in closed form, without a grid.
+
+Nothing is sampled: the results have rounding errors only. They do not depend on the number of
+threads. The method is explained in doc/algorithm.md, after Connolly (J. Appl. Cryst. 16, 548, 1983,
+doi:10.1107/S0021889883010985). Other Python threads run meanwhile. Ctrl-C ends the computation.
+
+Parameters
+----------
+probe_radius : float, optional
+    Radius of the probe, in angstrom: 0, or 0.01 to 1000. The default is that of the surface. With 0,
+    all surfaces are the van der Waals surface.
+van_der_waals : bool, optional
+    Whether to measure the van der Waals surface, too. This takes about as long as the rest.
+by_atom : bool, optional
+    Whether to divide the areas among the atoms.
+derivatives : bool, optional
+    Whether to compute the derivatives by the centres, the radii and the probe radius.
+threads : int, optional
+    Number of threads; 0 for all that the process may use.
+
+Returns
+-------
+Measures
+    Areas and volumes.
+
+Raises
+------
+ValueError
+    If an argument is out of its range.)";
+
+constexpr const char* measure_frames_text =
+    R"(measure_frames(frames, radii, probe_radius=1.4, *, van_der_waals=False, by_atom=False, derivatives=False, threads=0)
+--
+
+Measure areas and volumes of each frame of a trajectory, several frames at a time.
+
+The result of a frame is that of ``Surface.measure``, to the last bit. Ctrl-C ends the computation.
+
+Parameters
+----------
+frames : array_like
+    (F, N, 3) centres of the atoms, in angstrom. Arrays of float64 and float32 in native byte order
+    are read in place, also if they are mapped from a file. Other real types are converted.
+radii : array_like
+    (N,) van der Waals radii of the atoms, in angstrom.
+probe_radius : float, optional
+    Radius of the probe, in angstrom: 0, or 0.01 to 1000.
+van_der_waals, by_atom, derivatives : bool, optional
+    As for ``Surface.measure``. Areas by atom take 40 bytes for each atom and frame, derivatives 128.
+threads : int, optional
+    Number of threads; 0 for all that the process may use.
+
+Returns
+-------
+FrameMeasures
+    Areas and volumes by frame.
+
+Raises
+------
+ValueError
+    If a shape is wrong, if an argument is out of its range, or if an atom is not valid. The message
+    names the first frame with such an atom by its index.
+TypeError
+    If an array does not contain real numbers.)";
+
+// The arrays of a result, by frame.
+class MeasureArrays {
+ public:
+  MeasureArrays(py::ssize_t frames, py::ssize_t atoms, const MeasureOptions& options)
+      : euler_numbers_({frames}), has_van_der_waals_(options.van_der_waals), are_smooth_({frames}) {
+    for (Doubles& numbers : numbers_) numbers = Doubles({frames});
+    if (options.by_atom)
+      for (Doubles& areas : areas_.emplace()) areas = Doubles({frames, atoms});
+    if (options.gradients)
+      for (GradientArrays& gradient : gradients_.emplace())
+        gradient = {Doubles({frames, atoms, py::ssize_t{3}}), Doubles({frames, atoms}),
+                    Doubles({frames})};
+  }
+
+  // Stores the result of a frame. Several threads may store different frames, without the
+  // interpreter's lock.
+  void store(std::size_t frame, const eses::Measures& measures);
+
+  // Returns the result of all frames, or of the only one.
+  template <class Kind>
+  Record<Kind> take() const;
+
+ private:
+  using Doubles = py::array_t<double>;
+  struct GradientArrays {
+    Doubles centers, radii, probe;
+  };
+  static constexpr std::size_t number_count = 10, area_count = AtomAreasKind::fields.size();
+
+  void store_areas(std::size_t frame, const AtomAreas& areas);
+  void store_gradients(std::size_t frame, const Gradients& gradients);
+
+  std::array<Doubles, number_count> numbers_;
+  py::array_t<std::int64_t> euler_numbers_;
+  bool has_van_der_waals_;
+  std::optional<std::array<Doubles, area_count>> areas_;
+  std::optional<std::array<GradientArrays, 4>> gradients_;
+  py::array_t<bool> are_smooth_;
+};
+
+void MeasureArrays::store(std::size_t frame, const eses::Measures& measures) {
+  const auto& [convex, saddle, concave] = measures.ses_areas;
+  // In the order of `measures_fields`.
+  const std::array<double, number_count> numbers{measures.ses_area,
+                                                 measures.ses_volume,
+                                                 convex,
+                                                 saddle,
+                                                 concave,
+                                                 measures.sas_area,
+                                                 measures.sas_volume,
+                                                 measures.total_curvature,
+                                                 measures.vdw_area,
+                                                 measures.vdw_volume};
+  for (std::size_t k = 0; k < number_count; ++k) *numbers_[k].mutable_data(frame) = numbers[k];
+  *euler_numbers_.mutable_data(frame) = measures.euler_number;
+  if (areas_) store_areas(frame, measures.by_atom);
+  if (gradients_) store_gradients(frame, measures.gradients);
+}
+
+void MeasureArrays::store_areas(std::size_t frame, const AtomAreas& areas) {
+  auto& [sas, ses, convex, saddle, concave] = *areas_;
+  std::copy(areas.sas.begin(), areas.sas.end(), sas.mutable_data(frame));
+  std::copy(areas.convex.begin(), areas.convex.end(), convex.mutable_data(frame));
+  std::copy(areas.saddle.begin(), areas.saddle.end(), saddle.mutable_data(frame));
+  std::copy(areas.concave.begin(), areas.concave.end(), concave.mutable_data(frame));
+  double* const sum = ses.mutable_data(frame);
+  for (std::size_t i = 0; i < areas.convex.size(); ++i)
+    sum[i] = areas.convex[i] + areas.saddle[i] + areas.concave[i];
+}
+
+void MeasureArrays::store_gradients(std::size_t frame, const Gradients& gradients) {
+  // In the order of GradientsKind.
+  const std::array<const Gradient*, 4> sources{&gradients.ses_area, &gradients.ses_volume,
+                                               &gradients.sas_area, &gradients.sas_volume};
+  for (std::size_t q = 0; q < sources.size(); ++q) {
+    GradientArrays& target = (*gradients_)[q];
+    std::memcpy(target.centers.mutable_data(frame), sources[q]->centers.data(),
+                sources[q]->centers.size() * sizeof(Vec3));
+    std::copy(sources[q]->radii.begin(), sources[q]->radii.end(), target.radii.mutable_data(frame));
+    *target.probe.mutable_data(frame) = sources[q]->probe;
+  }
+  *are_smooth_.mutable_data(frame) = gradients.are_smooth;
+}
+
+template <class Kind>
+Record<Kind> MeasureArrays::take() const {
+  const auto finished = [](const py::array& array) -> py::object {
+    if (std::is_same_v<Kind, FrameMeasuresKind>) return read_only(array);
+    if (array.ndim() == 1) return array.attr("item")(0);
+    return read_only(array[py::int_(0)]);
+  };
+  Record<Kind> record;
+  record.values.fill(py::none());
+  for (std::size_t k = 0; k < number_count; ++k)
+    if (has_van_der_waals_ || k + 2 < number_count) record.values[k] = finished(numbers_[k]);
+  record.values[number_count] = finished(euler_numbers_);
+  if (areas_) {
+    Record<AtomAreasKind> areas;
+    std::transform(areas_->begin(), areas_->end(), areas.values.begin(), finished);
+    record.values[number_count + 1] = py::cast(areas);
+  }
+  if (gradients_) {
+    Record<GradientsKind> gradients;
+    for (std::size_t q = 0; q < gradients_->size(); ++q) {
+      const auto& [centers, radii, probe] = (*gradients_)[q];
+      gradients.values[q] =
+          py::cast(Record<GradientKind>{{finished(centers), finished(radii), finished(probe)}});
+    }
+    gradients.values.back() = finished(are_smooth_);
+    record.values[number_count + 2] = py::cast(gradients);
+  }
+  return record;
+}
+
+// The centres of the atoms by frame, which can be read without the interpreter's lock.
+class Frames {
+ public:
+  // Raises TypeError and ValueError.
+  explicit Frames(const py::object& frames) : array_(real_array(frames, "frames")) {
+    if (array_.ndim() != 3 || array_.shape(2) != 3)
+      throw py::value_error("frames must have shape (F, N, 3), not " + shape_text(array_));
+    is_single_ = py::isinstance<py::array_t<float>>(array_);
+    if (!is_single_ && !py::isinstance<py::array_t<double>>(array_)) array_ = as_doubles(array_);
+  }
+
+  py::ssize_t count() const { return array_.shape(0); }
+  py::ssize_t atom_count() const { return array_.shape(1); }
+
+  // Sets the centres of the atoms of a frame.
+  void read(std::size_t frame, std::span<Atom> atoms) const {
+    if (is_single_)
+      read_as<float>(frame, atoms);
+    else
+      read_as<double>(frame, atoms);
+  }
+
+ private:
+  template <class Value>
+  void read_as(std::size_t frame, std::span<Atom> atoms) const {
+    const py::ssize_t* const strides = array_.strides();
+    const auto* next =
+        static_cast<const char*>(array_.data()) + static_cast<py::ssize_t>(frame) * strides[0];
+    for (Atom& atom : atoms) {
+      for (py::ssize_t axis = 0; axis < 3; ++axis) {
+        Value value;  // its address need not be aligned
+        std::memcpy(&value, next + axis * strides[2], sizeof(Value));
+        atom.center[static_cast<std::size_t>(axis)] = value;
+      }
+      next += strides[1];
+    }
+  }
+
+  py::array array_;
+  bool is_single_;
+};
+
+MeasureOptions make_measure_options(std::optional<double> probe_radius, bool van_der_waals,
+                                    bool by_atom, bool derivatives, int threads) {
+  return {.probe_radius = probe_radius,
+          .van_der_waals = van_der_waals,
+          .by_atom = by_atom,
+          .gradients = derivatives,
+          .threads = usable_threads(threads)};
+}
+
+Record<MeasuresKind> measure_surface(const Surface& surface, std::optional<double> probe_radius,
+                                     bool van_der_waals, bool by_atom, bool derivatives,
+                                     int threads) {
+  MeasureOptions options =
+      make_measure_options(probe_radius, van_der_waals, by_atom, derivatives, threads);
+  MeasureArrays arrays(1, static_cast<py::ssize_t>(surface.atoms().size()), options);
+  {
+    const py::gil_scoped_release unlocked;
+    Interrupts interrupts;
+    options.check = [&interrupts] { interrupts.check(); };
+    arrays.store(0, measure(surface, options));
+  }
+  return arrays.take<MeasuresKind>();
+}
+
+Record<FrameMeasuresKind> measure_all_frames(const py::object& frames, const py::object& radii,
+                                             double probe_radius, bool van_der_waals, bool by_atom,
+                                             bool derivatives, int threads) {
+  const Frames source(frames);
+  const std::vector<double> radius_of =
+      make_radii(radii, static_cast<std::size_t>(source.atom_count()));
+  MeasureOptions options =
+      make_measure_options(probe_radius, van_der_waals, by_atom, derivatives, threads);
+  MeasureArrays arrays(source.count(), source.atom_count(), options);
+  {
+    const py::gil_scoped_release unlocked;
+    Interrupts interrupts;
+    options.check = [&interrupts] { interrupts.check(); };
+    measure_frames(
+        static_cast<std::size_t>(source.count()), radius_of,
+        [&source](std::size_t frame, std::span<Atom> atoms) { source.read(frame, atoms); },
+        [&arrays](std::size_t frame, const eses::Measures& measures) {
+          arrays.store(frame, measures);
+        },
+        options);
+  }
+  return arrays.take<FrameMeasuresKind>();
+}
+
+}  // namespace
+
+void bind_measures(py::module_& module, py::class_<Surface>& surface) {
+  bind_measure_records(module);
+  surface.def("measure", &measure_surface, measure_text, py::arg("probe_radius") = py::none(),
+              py::kw_only(), py::arg("van_der_waals") = false, py::arg("by_atom") = false,
+              py::arg("derivatives") = false, py::arg("threads") = 0);
+  module.def("measure_frames", &measure_all_frames, measure_frames_text, py::arg("frames"),
+             py::arg("radii"), py::arg("probe_radius") = 1.4, py::kw_only(),
+             py::arg("van_der_waals") = false, py::arg("by_atom") = false,
+             py::arg("derivatives") = false, py::arg("threads") = 0);
+}
+
+}  // namespace eses::python

@@ -1,0 +1,258 @@
+"""Tests of areas and volumes without a grid. Expected values are closed forms."""
+
+import math
+
+import numpy as np
+import pytest
+
+import eses
+
+PI = math.pi
+NUMBERS = ("ses_area", "ses_volume", "convex_area", "saddle_area", "concave_area", "sas_area", "sas_volume",
+           "total_curvature")
+QUANTITIES = ("ses_area", "ses_volume", "sas_area", "sas_volume")
+AREAS = ("sas", "ses", "convex", "saddle", "concave")
+
+
+def pair(distance, radius=1.7):
+    return eses.Surface([[0, 0, 0], [0.6 * distance, 0, 0.8 * distance]], [radius, radius])
+
+
+def spheres(radii, gap=20.0):
+    """Atoms that are far from each other."""
+    centers = np.zeros((len(radii), 3))
+    centers[:, 1] = gap * np.arange(len(radii))
+    return eses.Surface(centers, radii)
+
+
+def assert_close(value, expected, relative=1e-10):
+    assert value == pytest.approx(expected, rel=relative)
+
+
+def test_sphere():
+    measures = eses.Surface([[1, 2, 3]], [1.5]).measure(van_der_waals=True)
+    assert_close(measures.ses_area, 4 * PI * 1.5**2)
+    assert_close(measures.ses_volume, 4 / 3 * PI * 1.5**3)
+    assert_close(measures.sas_area, 4 * PI * 2.9**2)
+    assert_close(measures.sas_volume, 4 / 3 * PI * 2.9**3)
+    assert_close(measures.vdw_area, measures.ses_area)
+    assert_close(measures.vdw_volume, measures.ses_volume)
+    assert (measures.saddle_area, measures.concave_area) == (0, 0)
+    assert_close(measures.convex_area, measures.ses_area)
+    assert measures.euler_number == 2
+    assert_close(measures.total_curvature, 2)
+    for name in NUMBERS + ("vdw_area",):
+        assert type(getattr(measures, name)) is float, name
+    assert type(measures.euler_number) is int
+
+
+@pytest.mark.parametrize("distance, area, volume",
+                         [(3, 66.0779806211, 42.3467039769), (6, 72.7000761036, 41.1849134259)])
+def test_two_spheres(distance, area, volume):
+    measures = pair(distance).measure()
+    assert_close(measures.ses_area, area)
+    assert_close(measures.ses_volume, volume)
+    # Two caps of height R - distance / 2 are missing from each SAS sphere.
+    R = 3.1
+    assert_close(measures.sas_area, 2 * 2 * PI * R * (R + distance / 2))
+    assert (measures.vdw_area, measures.vdw_volume) == (None, None)
+    assert measures.by_atom is None and measures.gradients is None
+
+
+def test_probe_radius():
+    surface = pair(6)
+    assert_close(surface.measure(0).ses_area, 2 * 4 * PI * 1.7**2)
+    assert_close(surface.measure(1.2).sas_area, 2 * 4 * PI * 2.9**2)
+    assert surface.measure(1.4).ses_area == surface.measure().ses_area
+
+
+def test_areas_by_atom():
+    radii = np.array([1.0, 1.5, 2.0])
+    areas = spheres(radii).measure(by_atom=True).by_atom
+    assert_close(areas.sas, 4 * PI * (radii + 1.4)**2)
+    assert_close(areas.convex, 4 * PI * radii**2)
+    assert np.array_equal(areas.ses, areas.convex)
+    assert not areas.saddle.any() and not areas.concave.any()
+
+
+def test_areas_by_atom_add_up(chain):
+    measures = eses.Surface(*chain).measure(by_atom=True)
+    areas = measures.by_atom
+    for part, whole in (("sas", measures.sas_area), ("ses", measures.ses_area), ("convex", measures.convex_area),
+                        ("saddle", measures.saddle_area), ("concave", measures.concave_area)):
+        array = getattr(areas, part)
+        assert array.shape == (12,) and array.dtype == np.float64 and not array.flags.writeable
+        assert_close(array.sum(), whole)
+    # The power diagram divides equal atoms by symmetry.
+    saddle = pair(3).measure(by_atom=True).by_atom.saddle
+    assert saddle[0] > 1
+    assert_close(saddle[0], saddle[1])
+
+
+def test_derivatives_of_spheres():
+    radii = np.array([1.0, 1.5])
+    gradients = spheres(radii).measure(derivatives=True).gradients
+    assert gradients.are_smooth is True
+    for quantity, by_radius, by_probe in (
+            ("ses_area", 8 * PI * radii, 0), ("ses_volume", 4 * PI * radii**2, 0),
+            ("sas_area", 8 * PI * (radii + 1.4), 8 * PI * (radii + 1.4)),
+            ("sas_volume", 4 * PI * (radii + 1.4)**2, 4 * PI * (radii + 1.4)**2)):
+        gradient = getattr(gradients, quantity)
+        assert_close(gradient.radii, by_radius)
+        assert gradient.probe == pytest.approx(np.sum(by_probe), abs=1e-10)
+        assert np.abs(gradient.centers).max() < 1e-10
+
+
+def test_derivative_by_the_distance():
+    # The SAS of two spheres: area 4 pi R (R + d / 2), volume 4/3 pi R^3 + pi R^2 d - pi d^3 / 12.
+    R, distance = 3.1, 3.0
+    gradients = pair(distance).measure(derivatives=True).gradients
+    along = np.array([0.6, 0, 0.8])
+    for quantity, slope in (("sas_area", 2 * PI * R), ("sas_volume", PI * (R**2 - distance**2 / 4))):
+        centers = getattr(gradients, quantity).centers
+        assert centers.shape == (2, 3)
+        assert np.allclose(centers, [-slope * along, slope * along], rtol=0, atol=1e-9)
+
+
+def test_derivatives_are_homogeneous(chain):
+    """Euler's theorem: areas are homogeneous functions of all lengths, of degree 2, volumes of degree 3."""
+    centers, radii = chain
+    measures = eses.Surface(centers, radii).measure(derivatives=True)
+    for quantity, degree in zip(QUANTITIES, (2, 3, 2, 3)):
+        gradient = getattr(measures.gradients, quantity)
+        sum_of_products = ((gradient.centers * centers).sum() + gradient.radii @ radii + 1.4 * gradient.probe)
+        assert_close(sum_of_products, degree * getattr(measures, quantity), 1e-9)
+
+
+def test_result_does_not_depend_on_threads(chain):
+    surface = eses.Surface(*chain)
+    one, two = (surface.measure(by_atom=True, threads=threads) for threads in (1, 2))
+    for name in NUMBERS:
+        assert getattr(one, name) == getattr(two, name), name
+    assert np.array_equal(one.by_atom.ses, two.by_atom.ses)
+
+
+def test_arguments_of_measure_are_checked(chain):
+    surface = eses.Surface(*chain)
+    for probe_radius in (-1, 0.001, 1e4, math.nan):
+        with pytest.raises(ValueError, match="probe radius"):
+            surface.measure(probe_radius)
+    with pytest.raises(ValueError, match="threads"):
+        surface.measure(threads=-1)
+    with pytest.raises(TypeError):
+        surface.measure(1.4, True)
+    with pytest.raises(TypeError):
+        surface.measure(probe_radius="1.4")
+
+
+def test_representation():
+    assert repr(eses.Surface([[0, 0, 0]], [1]).measure()) == "<eses.Measures: SES area 12.5664, SES volume 4.18879>"
+    assert repr(eses.measure_frames(np.zeros((3, 1, 3)), [1])) == "<eses.FrameMeasures: 3 frames>"
+
+
+def moving_pairs(distances):
+    frames = np.zeros((len(distances), 2, 3))
+    frames[:, 1, 2] = distances
+    return frames
+
+
+def test_frames_have_closed_values():
+    distances = np.linspace(1, 6, 11)
+    measures = eses.measure_frames(moving_pairs(distances), [1.7, 1.7], van_der_waals=True, by_atom=True,
+                                   derivatives=True)
+    R = 3.1
+    assert len(measures) == 11
+    assert_close(measures.sas_area, 4 * PI * R * (R + distances / 2))
+    assert_close(measures.sas_volume, 4 / 3 * PI * R**3 + PI * R**2 * distances - PI * distances**3 / 12)
+    apart = distances > 2 * 1.7
+    assert_close(measures.vdw_area[apart], 2 * 4 * PI * 1.7**2)
+    assert np.array_equal(measures.euler_number, np.full(11, 2))
+    assert_close(measures.by_atom.sas[:, 0], measures.sas_area / 2)
+    assert_close(measures.gradients.sas_area.centers[:, 1, 2], 2 * PI * R)
+    assert measures.gradients.are_smooth.dtype == bool
+    for array, shape in ((measures.ses_area, (11,)), (measures.euler_number, (11,)), (measures.vdw_volume, (11,)),
+                         (measures.by_atom.ses, (11, 2)), (measures.gradients.ses_volume.centers, (11, 2, 3)),
+                         (measures.gradients.ses_volume.radii, (11, 2)),
+                         (measures.gradients.ses_volume.probe, (11,)), (measures.gradients.are_smooth, (11,))):
+        assert array.shape == shape and not array.flags.writeable
+
+
+@pytest.mark.parametrize("threads", [1, 2, 0])
+@pytest.mark.parametrize("count", [1, 2, 7])
+def test_frames_equal_surfaces(chain, threads, count):
+    centers, radii = chain
+    frames = centers + np.random.default_rng(3).normal(0, 0.2, (count, 12, 3))
+    measures = eses.measure_frames(frames, radii, 1.1, by_atom=True, derivatives=True, threads=threads)
+    for frame in range(count):
+        own = eses.Surface(frames[frame], radii, 1.1).measure(by_atom=True, derivatives=True, threads=1)
+        for name in NUMBERS:
+            assert getattr(measures, name)[frame] == getattr(own, name), name
+        for name in AREAS:
+            assert np.array_equal(getattr(measures.by_atom, name)[frame], getattr(own.by_atom, name)), name
+        for name in QUANTITIES:
+            mine, other = getattr(measures.gradients, name), getattr(own.gradients, name)
+            assert np.array_equal(mine.centers[frame], other.centers), name
+            assert np.array_equal(mine.radii[frame], other.radii), name
+            assert mine.probe[frame] == other.probe, name
+        assert measures.gradients.are_smooth[frame] == own.gradients.are_smooth
+
+
+@pytest.mark.parametrize("change", [
+    lambda frames: frames.tolist(),
+    np.asfortranarray,
+    lambda frames: frames[::-1].copy()[::-1],
+    lambda frames: np.repeat(frames, 2, axis=1)[:, ::2],
+    lambda frames: frames.astype(np.float32),
+    lambda frames: np.asfortranarray(frames.astype(np.float32)),
+    lambda frames: frames.astype(">f8"),
+    lambda frames: frames.astype(np.int16),
+    lambda frames: np.ma.masked_array(frames),
+])
+def test_any_memory_layout_of_frames_is_accepted(change):
+    frames = moving_pairs(np.arange(1.0, 7.0))
+    expected = 4 * PI * 3.1 * (3.1 + np.arange(1, 7) / 2)
+    assert_close(eses.measure_frames(change(frames), [1.7, 1.7]).sas_area, expected)
+
+
+def test_frames_can_be_mapped_from_a_file(tmp_path):
+    np.save(tmp_path / "frames.npy", moving_pairs(np.arange(1, 7)).astype(np.float32))
+    frames = np.load(tmp_path / "frames.npy", mmap_mode="r")
+    assert_close(eses.measure_frames(frames, [1.7, 1.7]).sas_area, 4 * PI * 3.1 * (3.1 + np.arange(1, 7) / 2))
+
+
+def test_no_frames():
+    measures = eses.measure_frames(np.zeros((0, 2, 3)), [1, 1], by_atom=True)
+    assert len(measures) == 0 and measures.ses_area.shape == (0,) and measures.by_atom.sas.shape == (0, 2)
+
+
+@pytest.mark.parametrize("threads", [1, 2])
+def test_first_bad_frame_is_named(chain, threads):
+    frames = np.repeat(chain[0][None], 40, axis=0)
+    frames[31, 4, 2] = np.nan
+    frames[17, 5, 1] = np.inf
+    with pytest.raises(ValueError, match=r"^frame 17 \(counted from 0\): atom 5 .* y coordinate inf"):
+        eses.measure_frames(frames, chain[1], threads=threads)
+
+
+def test_arguments_of_measure_frames_are_checked(chain):
+    centers, radii = chain
+    with pytest.raises(ValueError, match=r"frames must have shape \(F, N, 3\), not \(12, 3\)"):
+        eses.measure_frames(centers, radii)
+    with pytest.raises(ValueError, match=r"radii must have shape \(12,\), .* not \(11,\)"):
+        eses.measure_frames(centers[None], radii[:-1])
+    with pytest.raises(ValueError, match="at least one atom"):
+        eses.measure_frames(np.zeros((1, 0, 3)), [])
+    with pytest.raises(ValueError, match="radius -1"):
+        eses.measure_frames(centers[None], -np.ones(12))
+    with pytest.raises(ValueError, match="frames has masked entries"):
+        eses.measure_frames(np.ma.masked_greater(centers[None], 1), radii)
+    for values in ("frames", None, np.zeros((1, 12, 3), complex), np.zeros((1, 12, 3), bool)):
+        with pytest.raises(TypeError, match="frames must be an array of real numbers"):
+            eses.measure_frames(values, radii)
+    with pytest.raises(TypeError, match="radii must be an array of real numbers"):
+        eses.measure_frames(centers[None], "radii")
+    for count in (0, 1):
+        with pytest.raises(ValueError, match="^the probe radius must be"):
+            eses.measure_frames(np.zeros((count, 12, 3)), radii, -1)
+        with pytest.raises(ValueError, match="^the number of threads"):
+            eses.measure_frames(np.zeros((count, 12, 3)), radii, threads=-1)

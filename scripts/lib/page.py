@@ -1,0 +1,230 @@
+"""Makes a page that shows molecular surfaces in a browser, without a network.
+
+Used by scripts/view, and by the Python package for notebooks. viewer/ has the parts of the page.
+Arrays are stored as differences between rows, which gzip compresses well, and read by
+viewer/data.js.
+"""
+
+from __future__ import annotations
+
+import base64
+import dataclasses
+import gzip
+import html
+import json
+import math
+import pathlib
+import typing
+
+try:
+    import numpy
+except ImportError:
+    numpy = None  # fill() needs none
+
+PARTS = pathlib.Path(__file__).resolve().parent / "viewer"
+SCHEMES = ("patch", "atom", "element", "chain", "residue", "area", "component", "potential", "file",
+           "plain")
+STYLES = ("none", "sticks", "balls", "spheres")
+STEPS = 65535  # of a coordinate of a vertex
+NORMAL_STEPS = 1023  # on each side of zero of an octahedral coordinate
+POTENTIAL_STEPS = 32767  # on each side of zero
+COMPRESSION_LEVEL = 6
+PATCH_COLORS = ((86, 180, 233), (240, 228, 66), (213, 94, 0))  # those of --color patch
+# Colours of the potential from negative to positive: red, white, blue.
+DIVERGING = ((200, 20, 30), (245, 160, 140), (248, 248, 248), (140, 170, 245), (25, 50, 205))
+
+
+@dataclasses.dataclass
+class Atoms:
+    """The atoms that the vertices name. Arrays have a row for each atom; texts may be empty."""
+
+    serial: numpy.ndarray  # number in the input, from 1
+    centers: typing.Optional[numpy.ndarray] = None  # angstrom
+    radii: typing.Optional[numpy.ndarray] = None
+    areas: typing.Optional[numpy.ndarray] = None
+    names: typing.Optional[typing.Sequence[str]] = None
+    elements: typing.Optional[typing.Sequence[str]] = None
+    residues: typing.Optional[typing.Sequence[tuple]] = None  # name, number and chain
+
+
+@dataclasses.dataclass
+class Molecule:
+    """A surface as triangles. `atom` has the index in `atoms` of each vertex."""
+
+    name: str
+    points: numpy.ndarray
+    normals: numpy.ndarray
+    triangles: numpy.ndarray
+    patch: typing.Optional[numpy.ndarray] = None  # 1 convex, 2 saddle, 3 concave
+    component: typing.Optional[numpy.ndarray] = None
+    potential: typing.Optional[numpy.ndarray] = None  # kT/e
+    color: typing.Optional[numpy.ndarray] = None  # bytes
+    atom: typing.Optional[numpy.ndarray] = None
+    atoms: typing.Optional[Atoms] = None
+
+
+def nice_limit(values):
+    """Returns a round limit for a symmetric scale, which 2 per cent of the values exceed."""
+    limit = float(numpy.quantile(numpy.abs(values), 0.98)) or 1.0
+    power = 10 ** math.floor(math.log10(limit))
+    return next(factor * power for factor in (1, 2, 5, 10) if factor * power >= limit * (1 - 1e-9))
+
+
+def potential_colors(values, limit):
+    """Returns the colours of potentials on a scale from -limit to limit."""
+    places = numpy.linspace(-limit, limit, len(DIVERGING))
+    return numpy.stack([numpy.interp(values, places, column) for column in zip(*DIVERGING)], axis=1)
+
+
+# --------------------------------------------------------------------------------------- arrays
+
+
+def octahedral(normals):
+    """Returns two numbers from 0 to 2 NORMAL_STEPS for each normal (Z. H. Cigolle et al.,
+    Journal of Computer Graphics Techniques 3 (2014) 2)."""
+    normals = numpy.asarray(normals, float)
+    flat = normals / numpy.maximum(numpy.abs(normals).sum(axis=1, keepdims=True), 1e-30)
+    places = flat[:, :2]
+    folded = (1 - numpy.abs(places[:, ::-1])) * numpy.where(places < 0, -1, 1)
+    places = numpy.where(flat[:, 2:] < 0, folded, places)
+    return numpy.rint((places + 1) * NORMAL_STEPS)
+
+
+def packed(values, width):
+    """Returns differences between the rows, modulo 2^(8 width), the lowest bytes first."""
+    rows = numpy.asarray(values).astype(f"<u{width}")
+    rows[1:] -= rows[:-1].copy()
+    return rows.reshape(-1).view("u1").reshape(-1, width).T.tobytes()
+
+
+def width_of(count):
+    return 1 if count <= 1 << 8 else 2 if count <= 1 << 16 else 4
+
+
+class Arrays:
+    """Collects arrays of unsigned numbers and describes their layout."""
+
+    def __init__(self):
+        self.layout, self.data = [], []
+
+    def add(self, name, values, width):
+        values = numpy.asarray(values)
+        self.layout.append({"name": name, "width": width, "rows": len(values),
+                            "columns": values.shape[1] if values.ndim > 1 else 1})
+        self.data.append(packed(values, width))
+
+    def add_names(self, name, values):
+        """Adds the index of each value in a list of distinct values, which is returned."""
+        index = {}
+        numbers = [index.setdefault(value, len(index)) for value in values]
+        self.add(name, numbers, width_of(len(index)))
+        return list(index)
+
+    def text(self):
+        return base64.b64encode(gzip.compress(b"".join(self.data), COMPRESSION_LEVEL, mtime=0)
+                                ).decode("ascii")
+
+
+# -------------------------------------------------------------------------------------- molecules
+
+
+def describe_atoms(atoms, arrays):
+    info = {}
+    arrays.add("serial", atoms.serial, 4)
+    info["elements"] = arrays.add_names("element", atoms.elements or [""] * len(atoms.serial))
+    if atoms.names is not None and any(atoms.names):
+        info["names"] = arrays.add_names("name_of_atom", atoms.names)
+    if atoms.residues is not None:
+        info["residues"] = arrays.add_names("residue", map(tuple, atoms.residues))
+        info["chains"] = arrays.add_names("chain", [chain for _, _, chain in atoms.residues])
+    if atoms.areas is not None:
+        arrays.add("area", numpy.rint(100 * numpy.asarray(atoms.areas)), 4)
+    if atoms.centers is not None:
+        origin = numpy.floor(atoms.centers.min(axis=0))
+        info["atom_origin"] = origin.tolist()
+        arrays.add("center", numpy.rint(1000 * (atoms.centers - origin)), 4)
+        arrays.add("radius", numpy.rint(1000 * numpy.asarray(atoms.radii)), 4)
+    return info
+
+
+def facts(molecule):
+    count = len(molecule.triangles)
+    parts = [f"{count:,} triangle{'s' if count != 1 else ''}"]
+    if molecule.atoms is not None and molecule.atoms.centers is not None:
+        atoms = len(molecule.atoms.serial)
+        parts.insert(0, f"{atoms:,} atom{'s' if atoms != 1 else ''}")
+    return ", ".join(parts)
+
+
+def describe(molecule):
+    """Returns what viewer/data.js needs to know of a molecule, and its arrays as text."""
+    points = numpy.asarray(molecule.points, float)
+    low, high = points.min(axis=0), points.max(axis=0)
+    middle = (low + high) / 2
+    step = max(float((high - low).max()), 1e-3) / STEPS
+    arrays = Arrays()
+    arrays.add("place", numpy.rint((points - low) / step), 2)
+    arrays.add("normal", octahedral(molecule.normals), 2)
+    arrays.add("triangle", molecule.triangles, 4)
+    info = {
+        "name": molecule.name, "facts": facts(molecule), "vertices": len(points),
+        "triangles": len(molecule.triangles), "origin": low.tolist(), "step": step,
+        "middle": middle.tolist(),
+        "radius_of_all": float(numpy.linalg.norm(points - middle, axis=1).max()),
+    }
+    if molecule.patch is not None:
+        arrays.add("patch", molecule.patch, 1)
+    if molecule.color is not None:
+        arrays.add("color_of_file", molecule.color, 1)
+    if molecule.component is not None:
+        arrays.add("component", molecule.component, 4)
+    if molecule.potential is not None:
+        largest = float(numpy.abs(molecule.potential).max()) or 1.0
+        info["potential_max"] = largest
+        arrays.add("potential", numpy.rint(
+            molecule.potential / largest * POTENTIAL_STEPS) + POTENTIAL_STEPS + 1, 2)
+    if molecule.atom is not None:
+        arrays.add("atom", molecule.atom, 4)
+        info.update(describe_atoms(molecule.atoms, arrays))
+    info["arrays"] = arrays.layout
+    return info, arrays.text()
+
+
+# ------------------------------------------------------------------------------------------ page
+
+
+def script_text(value):
+    """Returns JSON that cannot end the element <script> that contains it."""
+    return json.dumps(value, ensure_ascii=True).replace("<", "\\u003c")
+
+
+def fill(folder, scripts, fields):
+    """Returns page.html of the folder with its style, these scripts and other fields."""
+    def part(name):
+        return (folder / name).read_text(encoding="utf-8")
+
+    fields = {**fields, "style": part("style.css"), "script": "\n".join(map(part, scripts))}
+    pieces = part("page.html").split("{{")  # each piece but the first begins with a name
+    return pieces[0] + "".join(
+        fields[name] + rest for name, _, rest in (piece.partition("}}") for piece in pieces[1:]))
+
+
+def make_page(molecules, title, color=None, style="none", opacity=None, potential_limit=None):
+    """Returns the page. `color` is one of SCHEMES, `style` one of STYLES, `opacity` per cent, and
+    `potential_limit` the end of the scale of potentials in kT/e."""
+    values = [one.potential for one in molecules if one.potential is not None]
+    if potential_limit is None:
+        potential_limit = nice_limit(numpy.concatenate(values)) if values else 1
+    if opacity is None:
+        opacity = 100 if style == "none" else 45
+    described = [describe(one) for one in molecules]
+    settings = {"color": color or ("potential" if values else "patch"), "style": style,
+                "opacity": opacity}
+    data = {"settings": settings,
+            "limits": {"potential": potential_limit, "diverging": DIVERGING,
+                       "patches": PATCH_COLORS},
+            "molecules": [info for info, _ in described]}
+    arrays = "\n".join(f'<script type="text/plain" id="arrays-{number}">{text}</script>'
+                       for number, (_, text) in enumerate(described))
+    return fill(PARTS, ("data.js", "shaders.js", "viewer.js"),
+                {"title": html.escape(title), "molecules": script_text(data), "arrays": arrays})

@@ -1,0 +1,126 @@
+#include "eses/measure_frames.hpp"
+
+#include <atomic>
+#include <cstdint>
+#include <exception>
+#include <limits>
+#include <mutex>
+#include <stdexcept>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "api/arguments.hpp"
+#include "system/formatted.hpp"
+#include "system/parallel.hpp"
+
+namespace eses {
+namespace {
+
+// Frames with more atoms are measured one after the other, each by all threads. This bounds the
+// memory, and the time in which the first thread, which may be the only one that sees interrupts,
+// waits for the others at the end.
+constexpr std::size_t max_atoms_at_once = 20'000;
+
+// Ends the measurement of a frame after a failure of another one.
+struct Stopped {};
+
+class FrameMeasurement {
+ public:
+  FrameMeasurement(std::span<const double> radii, const FrameReader& read,
+                   const FrameReceiver& receive, const MeasureOptions& options)
+      : radii_(radii), read_(read), receive_(receive), options_(options) {}
+
+  void run(std::size_t frame_count) {
+    const int threads = options_.threads > 0 ? options_.threads : detail::available_threads();
+    const bool at_once =
+        radii_.size() <= max_atoms_at_once && frame_count >= static_cast<std::size_t>(threads);
+    detail::parallel_for(static_cast<std::int64_t>(frame_count), at_once ? threads : 1,
+                         [&](std::int64_t frame, int) {
+                           measure_frame(static_cast<std::size_t>(frame), at_once ? 1 : threads);
+                         });
+    if (failed_frame_ < frame_count) throw std::invalid_argument(failure_);
+  }
+
+ private:
+  static constexpr std::size_t no_frame = std::numeric_limits<std::size_t>::max();
+
+  void measure_frame(std::size_t frame, int threads);
+  void measure_valid_frame(std::size_t frame, int threads, std::exception_ptr& failure);
+  void fail(std::size_t frame, const char* message);
+  void check(std::size_t frame);
+
+  std::span<const double> radii_;
+  const FrameReader& read_;
+  const FrameReceiver& receive_;
+  const MeasureOptions& options_;
+  std::atomic<bool> is_stopped_ = false;
+  std::atomic<std::size_t> failed_frame_ = no_frame;  // the first frame with a fault
+  std::string failure_;                               // of this frame
+  std::mutex mutex_;                                  // of the failure and of calls of the callback
+};
+
+// Frames start in ascending order, so that all frames before the first one with a fault are
+// measured.
+void FrameMeasurement::measure_frame(std::size_t frame, int threads) {
+  if (frame > failed_frame_) return;
+  std::exception_ptr failure;  // of a callback
+  try {
+    measure_valid_frame(frame, threads, failure);
+  } catch (const Stopped&) {
+  } catch (const std::invalid_argument& error) {
+    if (!failure) return fail(frame, error.what());
+    is_stopped_ = true;
+    throw;
+  } catch (...) {
+    is_stopped_ = true;
+    throw;
+  }
+}
+
+void FrameMeasurement::measure_valid_frame(std::size_t frame, int threads,
+                                           std::exception_ptr& failure) {
+  const auto guarded = [&failure](auto&& call) {
+    try {
+      call();
+    } catch (...) {
+      failure = std::current_exception();
+      throw;
+    }
+  };
+  const CheckCallback check_frame = [&] { guarded([&] { check(frame); }); };
+  check_frame();
+  std::vector<Atom> atoms(radii_.size());
+  for (std::size_t i = 0; i < atoms.size(); ++i) atoms[i].radius = radii_[i];
+  guarded([&] { read_(frame, atoms); });
+  const Surface surface(std::move(atoms), {.threads = threads, .check = check_frame});
+  MeasureOptions options = options_;
+  options.threads = threads;
+  options.check = check_frame;
+  Measures measures = measure(surface, options);
+  guarded([&] { receive_(frame, std::move(measures)); });
+}
+
+void FrameMeasurement::fail(std::size_t frame, const char* message) {
+  const std::lock_guard lock(mutex_);
+  if (frame >= failed_frame_) return;
+  failed_frame_ = frame;
+  failure_ = detail::formatted("frame {} (counted from 0): {}", frame, message);
+}
+
+void FrameMeasurement::check(std::size_t frame) {
+  if (is_stopped_ || frame > failed_frame_) throw Stopped();
+  if (!options_.check) return;
+  const std::lock_guard lock(mutex_);
+  options_.check();
+}
+
+}  // namespace
+
+void measure_frames(std::size_t frame_count, std::span<const double> radii, const FrameReader& read,
+                    const FrameReceiver& receive, const MeasureOptions& options) {
+  detail::require_valid(options);
+  FrameMeasurement(radii, read, receive, options).run(frame_count);
+}
+
+}  // namespace eses

@@ -1,0 +1,346 @@
+#include "cli/msms_command.hpp"
+
+#include <unistd.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <limits>
+#include <memory>
+#include <numeric>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include "cli/interruption.hpp"
+#include "cli/messages.hpp"
+#include "cli/msms_surface.hpp"
+#include "eses/error.hpp"
+#include "eses/version.hpp"
+#include "input/read_spheres.hpp"
+#include "output/buffered_text.hpp"
+#include "output/msms_text.hpp"
+#include "output/output_directory.hpp"
+#include "output/output_file.hpp"
+#include "output/sequential_writer.hpp"
+#include "system/formatted.hpp"
+
+namespace eses::detail::cli {
+namespace {
+
+/// Radius of hydrogens in the files of pdb_to_xyzr, which -noh ignores, in angstrom.
+constexpr double hydrogen_radius = 1.2;
+constexpr double radius_tolerance = 1e-6;  // angstrom; radii have at most six decimals
+
+/// The spheres that are used, and all spheres of the file.
+struct Input {
+  SphereFile file;
+  std::vector<Atom> used;
+  std::vector<AtomIndex> file_indices;  ///< by index of a used sphere
+  std::size_t hydrogen_count = 0, empty_count = 0;
+
+  std::string_view name(AtomIndex used_index) const {
+    return file.names.empty() ? std::string_view() : file.names[file_indices[used_index]];
+  }
+};
+
+Input read_input(const MsmsOptions& options) {
+  Input input;
+  input.file = read_spheres(options.input);
+  for (AtomIndex i = 0; i < input.file.spheres.size(); ++i) {
+    const Atom& sphere = input.file.spheres[i];
+    if (sphere.radius == 0) {
+      ++input.empty_count;
+    } else if (!options.has_hydrogens &&
+               std::fabs(sphere.radius - hydrogen_radius) < radius_tolerance) {
+      ++input.hydrogen_count;
+    } else {
+      input.used.push_back(sphere);
+      input.file_indices.push_back(i);
+    }
+  }
+  if (input.used.empty())
+    throw Error(formatted("{}: all {} spheres are ignored: {} of radius 0, {} of radius {}",
+                          options.input.string(), input.file.spheres.size(), input.empty_count,
+                          input.hydrogen_count, hydrogen_radius));
+  return input;
+}
+
+/// Returns the indices of used spheres that the file numbers so.
+std::vector<AtomIndex> used_indices(const std::vector<std::uint64_t>& wanted, const Input& input) {
+  std::vector<AtomIndex> indices;
+  for (const std::uint64_t atom : wanted) {
+    const auto found = std::lower_bound(input.file_indices.begin(), input.file_indices.end(), atom);
+    if (found == input.file_indices.end() || *found != atom)
+      throw Error(
+          formatted("-one_cavity names atom {}, {}", atom,
+                    atom < input.file.spheres.size()
+                        ? std::string("which is ignored")
+                        : formatted("and the last one is {}", input.file.spheres.size() - 1)));
+    indices.push_back(static_cast<AtomIndex>(found - input.file_indices.begin()));
+  }
+  return indices;
+}
+
+/// Returns the components that are written and printed, in order.
+std::vector<std::uint32_t> chosen_components(const MsmsOptions& options, const Input& input,
+                                             const MsmsSurface& surface) {
+  if (!options.cavity_atoms.empty())
+    return {surface.component_at(used_indices(options.cavity_atoms, input))};
+  std::vector<std::uint32_t> components(options.has_all_components ? surface.components.all.size()
+                                                                   : 1);
+  std::iota(components.begin(), components.end(), std::uint32_t{0});
+  return components;
+}
+
+// ---------------------------------------------------------------------------------- the messages
+
+std::string input_text(const MsmsOptions& options, const Input& input) {
+  const auto [least, greatest] =
+      std::minmax_element(input.used.begin(), input.used.end(),
+                          [](const Atom& a, const Atom& b) { return a.radius < b.radius; });
+  std::string text =
+      formatted("MSMS 2.6.1 interface of eses-blocks {}\n", version) +
+      formatted("INPUT  {} {} spheres 0 collision only, radii {:6.3f} to {:6.3f}\n",
+                options.input.string(), input.used.size(), least->radius, greatest->radius) +
+      formatted("PARAM  Probe_radius {:6.3f} density {:6.3f} hdensity {:6.3f}\n",
+                options.probe_radius, options.density, options.high_density);
+  if (input.empty_count > 0)
+    text += formatted("    {} spheres ignored, radius = 0\n", input.empty_count);
+  if (input.hydrogen_count > 0)
+    text +=
+        formatted("    {} spheres ignored, radius = {}\n", input.hydrogen_count, hydrogen_radius);
+  return text;
+}
+
+std::string analytical_text(const MsmsOptions& options, const MsmsSurface& surface,
+                            const std::vector<std::uint32_t>& components) {
+  std::string text =
+      "ANALYTICAL SURFACE AREA :\n"
+      "    Comp. probe_radius,   reent,    toric,   contact    SES       SAS\n";
+  for (std::size_t i = 0; i < components.size(); ++i) {
+    const MsmsAreas& areas = surface.areas[components[i]];
+    text += formatted("{:7} {:11.3f} {:11.3f} {:9.3f} {:9.3f} {:9.3f} {:9.3f}\n", i,
+                      options.probe_radius, areas.ses.concave, areas.ses.saddle, areas.ses.convex,
+                      areas.ses.total(), areas.sas);
+  }
+  return text;
+}
+
+std::string numerical_text(const MsmsOptions& options, const MsmsSurface& surface,
+                           const std::vector<std::uint32_t>& components) {
+  std::string text =
+      "TRIANGULATION...\n"
+      "NUMERICAL VOLUMES AND AREA\n"
+      "    Comp. probe_radius SES_volume SES_area)\n";
+  double volume = 0;
+  for (std::size_t i = 0; i < components.size(); ++i) {
+    const mesh::Shell& shell = surface.components.all[components[i]];
+    text += formatted("{:8} {:9.2f} {:12.3f} {:10.3f}\n", i, options.probe_radius, shell.volume,
+                      shell.area);
+    volume += shell.volume;
+  }
+  return text + formatted("    Total ses_volume: {:9.3f}\n", volume);
+}
+
+std::string surface_text(const MsmsOptions& options, const MsmsSurface& surface,
+                         const std::vector<std::uint32_t>& components) {
+  std::string text;
+  for (std::size_t i = 0; i < components.size(); ++i)
+    text += formatted("    RS component {} identified\n", i);
+  if (options.has_areas) text += analytical_text(options, surface, components);
+  if (options.has_triangles) text += numerical_text(options, surface, components);
+  return text + "MSMS terminated normally\n";
+}
+
+/// Warns about outer surfaces that are not written.
+void warn_about_others(const MsmsOptions& options, const MsmsSurface& surface) {
+  if (options.has_all_components || !options.cavity_atoms.empty()) return;
+  const auto& all = surface.components.all;
+  const auto outer = std::count_if(all.begin(), all.end(),
+                                   [](const mesh::Shell& shell) { return shell.volume > 0; });
+  if (outer > 1)
+    print_message("warning",
+                  formatted("{} of {} outer surfaces left out; -all_components includes them",
+                            outer - 1, outer));
+}
+
+// ------------------------------------------------------------------------------------- the files
+
+/// Files that appear together, in the directory of the first one.
+class Files {
+ public:
+  Files(const std::filesystem::path& directory, const std::vector<std::string>& names)
+      : interruptible_(temporaries_of(directory, names), {lock_path(directory, names.front())}),
+        directory_(directory, names.front()) {
+    directory_.remove_abandoned([&](std::string_view name) {
+      return std::find(names.begin(), names.end(), name) != names.end();
+    });
+    for (const std::string& name : names)
+      files_.push_back(std::make_unique<OutputFile>(directory_, name));
+  }
+
+  /// Returns a sink that appends to file `index`.
+  TextSink sink(std::size_t index) {
+    const auto writer = std::make_shared<SequentialWriter>(*files_[index], false);
+    return [this, writer](std::string_view text) {
+      interruptible_.check();
+      writer->append(text);
+    };
+  }
+
+  void commit() {
+    for (const auto& file : files_) file->close();
+    try {
+      for (const auto& file : files_) file->commit();
+    } catch (...) {
+      for (const auto& file : files_) file->withdraw();
+      throw;
+    }
+  }
+
+ private:
+  static std::vector<std::string> temporaries_of(const std::filesystem::path& directory,
+                                                 const std::vector<std::string>& names) {
+    std::vector<std::string> paths;
+    for (const std::string& name : names)
+      paths.push_back(path_in(directory, temporary_name(name, getpid())));
+    return paths;
+  }
+
+  InterruptibleRun interruptible_;
+  OutputDirectory directory_;
+  std::vector<std::unique_ptr<OutputFile>> files_;
+};
+
+std::filesystem::path directory_of(const std::filesystem::path& path) {
+  return path.has_parent_path() ? path.parent_path() : ".";
+}
+
+/// Passes the text to the sink if it has become large.
+void flush_if_large(TextBuffer& text, const TextSink& sink, std::size_t limit = 1 << 20) {
+  if (text.text().size() <= limit) return;
+  sink({text.text().data(), text.text().size()});
+  text.clear();
+}
+
+/// A component, and the header of its files.
+struct ComponentWriter {
+  const MsmsOptions& options;
+  const Input& input;
+  const MsmsSurface& surface;
+  std::uint32_t component;
+
+  void write_header(bool has_faces, std::uint64_t count, const TextSink& sink) const {
+    if (!options.has_header) return;
+    BufferedText text(sink);
+    mesh::append_msms_header(text, has_faces, count, input.used.size(), options.probe_radius,
+                             surface.spacing);
+    text.flush();
+  }
+
+  /// Writes the vertices. Returns the number of each vertex within the component.
+  std::vector<std::uint64_t> write_vertices(const TextSink& sink) const {
+    write_header(false, surface.components.all[component].vertex_count, sink);
+    std::vector<std::uint64_t> numbers(surface.vertices.size());
+    std::uint64_t count = 0;
+    TextBuffer text;
+    for (std::size_t i = 0; i < numbers.size(); ++i) {
+      if (surface.components.of_vertex[i] != component) continue;
+      numbers[i] = count++;
+      const AtomIndex closest = surface.closest_atoms[i];
+      const std::string_view name = input.name(closest);
+      char* const out = text.reserve(mesh::max_msms_vertex_bytes + 1 + name.size());
+      text.advance_to(mesh::put_msms_vertex(out, surface.vertices[i],
+                                            FileIndex{input.file_indices[closest]}, name));
+      flush_if_large(text, sink);
+    }
+    flush_if_large(text, sink, 0);
+    return numbers;
+  }
+
+  void write_triangles(const std::vector<std::uint64_t>& numbers, const TextSink& sink) const {
+    write_header(true, surface.components.all[component].triangle_count, sink);
+    TextBuffer text;
+    for (const mesh::Triangle& triangle : surface.triangles) {
+      if (surface.components.of_vertex[triangle[0]] != component) continue;
+      mesh::Triangle local{};
+      std::array<std::uint8_t, 3> patches{};
+      for (std::size_t corner = 0; corner < local.size(); ++corner) {
+        local[corner] = numbers[triangle[corner]];
+        patches[corner] = surface.vertices[triangle[corner]].patch;
+      }
+      text.advance_to(mesh::put_msms_triangle(text.reserve(mesh::max_msms_triangle_bytes), local,
+                                              mesh::patch_of(patches)));
+      flush_if_large(text, sink);
+    }
+    flush_if_large(text, sink, 0);
+  }
+};
+
+void write_triangles(const MsmsOptions& options, const Input& input, const MsmsSurface& surface,
+                     const std::vector<std::uint32_t>& components) {
+  std::vector<std::string> names;
+  for (std::size_t i = 0; i < components.size(); ++i)
+    for (const char* const suffix : {".vert", ".face"})
+      names.push_back(options.surface.filename().string() +
+                      (i == 0 ? std::string() : formatted("_{}", i)) + suffix);
+  Files files(directory_of(options.surface), names);
+  for (std::size_t i = 0; i < components.size(); ++i) {
+    const ComponentWriter writer{options, input, surface, components[i]};
+    writer.write_triangles(writer.write_vertices(files.sink(2 * i)), files.sink(2 * i + 1));
+  }
+  files.commit();
+}
+
+/// Writes a line for each sphere of the file; the areas of ignored spheres are 0.
+void write_areas(const MsmsOptions& options, const Input& input, const MsmsSurface& surface,
+                 const std::vector<std::uint32_t>& components) {
+  std::string name = options.areas.filename();
+  if (!name.ends_with(".area")) name += ".area";
+  Files files(directory_of(options.areas), {name});
+  const TextSink sink = files.sink(0);
+  BufferedText text(sink);
+  text.append("Atom#");
+  for (std::size_t i = 0; i < components.size(); ++i)
+    text.append(" {:>11} {:>11}", formatted("ses_{}", i), formatted("sas_{}", i));
+  text.append("\n");
+  AtomIndex next = 0;  // index of the next used sphere
+  for (AtomIndex i = 0; i < input.file.spheres.size(); ++i) {
+    const bool is_used = next < input.used.size() && input.file_indices[next] == i;
+    text.append("{:5}", i);
+    for (const std::uint32_t component : components) {
+      MsmsAreas areas;
+      const auto found =
+          is_used ? surface.atom_areas.find({next, component}) : surface.atom_areas.end();
+      if (found != surface.atom_areas.end()) areas = found->second;
+      text.append(" {:11.6f} {:11.6f}", areas.ses.total(), areas.sas);
+      if (!input.file.names.empty()) text.append(" {}", input.file.names[i]);
+    }
+    text.append("\n");
+    next += static_cast<AtomIndex>(is_used);
+  }
+  text.flush();
+  files.commit();
+}
+
+}  // namespace
+
+void run_msms(const MsmsOptions& options) {
+  require_standard_output();
+  const Input input = read_input(options);
+  print(input_text(options, input));
+  const MsmsSurface surface = make_msms_surface(input.used, options);
+  const std::vector<std::uint32_t> components = chosen_components(options, input, surface);
+  if (!options.surface.empty() && options.has_triangles)
+    write_triangles(options, input, surface, components);
+  if (!options.areas.empty()) write_areas(options, input, surface, components);
+  warn_about_others(options, surface);
+  print(surface_text(options, surface, components));
+}
+
+}  // namespace eses::detail::cli

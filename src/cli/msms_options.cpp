@@ -1,0 +1,195 @@
+#include "cli/msms_options.hpp"
+
+#include <algorithm>
+#include <cstddef>
+#include <iterator>
+#include <limits>
+#include <span>
+#include <string>
+#include <string_view>
+
+#include "cli/arguments.hpp"
+#include "cli/usage.hpp"
+#include "eses/surface.hpp"
+#include "system/formatted.hpp"
+
+namespace eses::detail::cli {
+namespace {
+
+constexpr char help[] = R"(Molecular surfaces with the options, files and messages of MSMS.
+
+Usage: eses-blocks msms -if FILE [OPTIONS]
+       eses-msms -if FILE [OPTIONS]
+
+Options may be abbreviated. If an abbreviation fits several options, the first one of this list
+is used.
+
+Options:
+  -probe_radius ANGSTROM    radius of the probe, 0.01 to 1000 [1.5]
+  -density NUMBER           vertices in a square angstrom [1.0]
+  -hdensity NUMBER          accepted without effect: the density is the same everywhere [3.0]
+  -surface tses|ases        write and measure triangles, or measure only the analytical
+                            surface [tses]
+  -no_area                  no analytical areas
+  -noh                      ignore spheres of radius 1.2, which are hydrogens
+  -no_rest_on_pbr, -no_rest, -free_vertices
+                            accepted without effect: no surface needs a restart, and that of
+                            isolated spheres is always computed
+  -if FILE                  spheres: x y z r, or with names x y z r 1 NAME; - is standard input
+  -of NAME                  write the triangles to NAME.vert and NAME.face
+  -af NAME                  write the areas of the atoms to NAME.area
+  -no_header                no header lines in NAME.vert and NAME.face
+  -all_components           all components of the surface: the first one in NAME.vert, component
+                            N in NAME_N.vert
+  -one_cavity COUNT ATOM... only the component that touches these atoms, one to three, from 0
+  -h, --help                print this help
+  --version                 print version and build information
+
+-socketName, -socketPort, -xdr and -sinetd are refused: there is no server.
+
+Components are the connected parts of the triangles: outer surfaces from the largest to the
+smallest, then walls of cavities. Spheres of radius 0 are ignored.
+
+Examples:
+  eses-msms -if 1crn.xyzr -of 1crn                    1crn.vert and 1crn.face
+  eses-msms -if 1crn.xyzrn -of 1crn -af 1crn -density 3.0 -probe_radius 1.4
+  To compute the surface of a file called msms: eses-blocks ./msms
+
+Exit codes:
+  0  done
+  1  input, output or resource error
+  2  error in the command line
+)";
+
+/// The arguments that follow an option.
+class Values {
+ public:
+  Values(std::string_view option, std::span<const std::string> arguments)
+      : option_(option), arguments_(arguments) {}
+
+  std::string_view option() const { return option_; }
+  std::size_t used() const { return used_; }
+
+  std::string text() {
+    if (used_ == arguments_.size()) throw UsageError(formatted("{} needs a value", option_));
+    return arguments_[used_++];
+  }
+
+  std::filesystem::path path() {
+    std::string path = text();
+    if (path.empty()) refuse(option_, path, "a file");
+    return path;
+  }
+
+  template <class Value>
+  Value read(const Format<Value>& format) {
+    const std::string value = text();
+    const std::optional<Value> result = format.read(value);
+    if (!result) refuse(option_, value, format.expected);
+    return *result;
+  }
+
+ private:
+  std::string_view option_;
+  std::span<const std::string> arguments_;
+  std::size_t used_ = 0;
+};
+
+constexpr double max_density = 1e6;
+
+Format<double> density() {
+  return number_between(1 / max_density, max_density, "a number from 1e-6 to 1e6");
+}
+
+std::vector<std::uint64_t> read_atoms_of_cavity(Values& values) {
+  const auto count = values.read(whole_number_between(1, 3));
+  std::vector<std::uint64_t> atoms;
+  for (std::int64_t i = 0; i < count; ++i)
+    atoms.push_back(static_cast<std::uint64_t>(
+        values.read(whole_number_between(0, std::numeric_limits<std::uint32_t>::max()))));
+  return atoms;
+}
+
+void refuse_server(const Values& values) {
+  throw UsageError(formatted("{} is refused, because there is no server; read a file with -if",
+                             values.option()));
+}
+
+/// An option, and what it does with its values.
+struct Option {
+  std::string_view name;
+  void (*apply)(Values& values, MsmsOptions& options);
+};
+
+/// The options in the order in which MSMS looks for the first one that an abbreviation fits.
+constexpr Option known_options[] = {
+    {"-probe_radius",
+     [](Values& values, MsmsOptions& options) {
+       options.probe_radius = values.read(number_between(
+           min_probe_radius, max_probe_radius, "a number from 0.01 to 1000, in angstrom"));
+     }},
+    {"-density",
+     [](Values& values, MsmsOptions& options) { options.density = values.read(density()); }},
+    {"-hdensity",
+     [](Values& values, MsmsOptions& options) { options.high_density = values.read(density()); }},
+    {"-surface",
+     [](Values& values, MsmsOptions& options) {
+       options.has_triangles = values.read(one_of<bool>({{"tses", true}, {"ases", false}}));
+     }},
+    {"-no_area", [](Values&, MsmsOptions& options) { options.has_areas = false; }},
+    {"-socketName", [](Values& values, MsmsOptions&) { refuse_server(values); }},
+    {"-socketPort", [](Values& values, MsmsOptions&) { refuse_server(values); }},
+    {"-xdr", [](Values& values, MsmsOptions&) { refuse_server(values); }},
+    {"-sinetd", [](Values& values, MsmsOptions&) { refuse_server(values); }},
+    {"-noh", [](Values&, MsmsOptions& options) { options.has_hydrogens = false; }},
+    {"-no_rest_on_pbr", [](Values&, MsmsOptions&) {}},
+    {"-no_rest", [](Values&, MsmsOptions&) {}},
+    {"-if", [](Values& values, MsmsOptions& options) { options.input = values.path(); }},
+    {"-of", [](Values& values, MsmsOptions& options) { options.surface = values.path(); }},
+    {"-af", [](Values& values, MsmsOptions& options) { options.areas = values.path(); }},
+    {"-no_header", [](Values&, MsmsOptions& options) { options.has_header = false; }},
+    {"-free_vertices", [](Values&, MsmsOptions&) {}},
+    {"-all_components", [](Values&, MsmsOptions& options) { options.has_all_components = true; }},
+    {"-one_cavity",
+     [](Values& values, MsmsOptions& options) {
+       options.cavity_atoms = read_atoms_of_cavity(values);
+     }},
+};
+
+/// Returns the option of this name or, without one, the first option that begins with it.
+const Option& option_named(std::string_view name) {
+  const auto begin = std::begin(known_options), end = std::end(known_options);
+  const auto exact =
+      std::find_if(begin, end, [&](const Option& option) { return option.name == name; });
+  if (exact != end) return *exact;
+  const auto first = std::find_if(begin, end, [&](const Option& option) {
+    return name.size() > 1 && option.name.starts_with(name);
+  });
+  if (first == end)
+    throw UsageError(name.starts_with('-') ? formatted("unknown option '{}'", name)
+                                           : formatted("unexpected argument '{}'", name));
+  return *first;
+}
+
+}  // namespace
+
+MsmsOptions parse_msms_arguments(std::span<const std::string> arguments) {
+  MsmsOptions options;
+  for (std::span<const std::string> rest = arguments; !rest.empty();) {
+    const std::string_view name = rest.front();
+    if (name == "-h" || name == "--help") throw Notice{help};
+    if (name == "--version") throw Notice{version_text()};
+    const Option& option = option_named(name);
+    Values values(option.name, rest.subspan(1));
+    option.apply(values, options);
+    rest = rest.subspan(1 + values.used());
+  }
+  if (options.input.empty()) throw UsageError("no input file; give it with -if");
+  if (options.has_all_components && !options.cavity_atoms.empty())
+    throw UsageError("-all_components and -one_cavity exclude each other; use only one of them");
+  if (!options.areas.empty() && !options.has_areas)
+    throw UsageError("-af needs the analytical areas, which -no_area leaves out");
+  return options;
+}
+
+}  // namespace eses::detail::cli

@@ -1,0 +1,160 @@
+#include "cli/msms_surface.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstddef>
+#include <functional>
+#include <utility>
+
+#include "eses/compute.hpp"
+#include "eses/error.hpp"
+#include "eses/grid.hpp"
+#include "eses/surface.hpp"
+#include "output/msms_text.hpp"
+#include "system/formatted.hpp"
+
+namespace eses::detail::cli {
+namespace {
+
+mesh::Vertex vertex_of(const Mesh& mesh, std::size_t index, const eses::Crossing& crossing) {
+  return {mesh.vertices[index], mesh.normals[index], mesh.patches[index], crossing.atoms};
+}
+
+/// Returns the adjacent atom with the least value, and the first one of equal ones.
+AtomIndex adjacent_atom(const mesh::Vertex& vertex,
+                        const std::function<double(AtomIndex atom)>& value) {
+  AtomIndex best = vertex.first_atom();
+  for (const AtomIndex atom : std::span(vertex.atoms).first(vertex.patch))
+    if (value(atom) < value(best)) best = atom;
+  return best;
+}
+
+/// Area of the triangles of an atom in a component, by patch: convex, saddle, concave.
+using PatchWeights = std::array<double, 3>;
+using Weights = std::map<std::pair<AtomIndex, std::uint32_t>, PatchWeights>;
+
+/// Divides the triangles among the atoms. A vertex has a third of the area of each of its
+/// triangles, and belongs to the same atom as in measure().
+Weights find_weights(const MsmsSurface& surface, std::span<const Vec3> positions,
+                     std::span<const Atom> spheres) {
+  std::vector<double> area_of_vertex(positions.size());
+  for (const mesh::Triangle& triangle : surface.triangles)
+    for (const std::uint64_t corner : triangle)
+      area_of_vertex[corner] += mesh::area_of(positions, triangle) / 3;
+  Weights weights;
+  for (std::size_t i = 0; i < positions.size(); ++i) {
+    const mesh::Vertex& vertex = surface.vertices[i];
+    const AtomIndex atom = adjacent_atom(vertex, [&](AtomIndex candidate) {
+      const Atom& sphere = spheres[candidate];
+      return squared_norm(vertex.position - sphere.center) - sphere.radius * sphere.radius;
+    });
+    weights[{atom, surface.components.of_vertex[i]}][vertex.patch - 1U] += area_of_vertex[i];
+  }
+  return weights;
+}
+
+/// Fractions of the patches of an atom that belong to a component. Patches that the triangles do
+/// not resolve are divided like the whole area of the atom.
+PatchWeights fractions_of(const PatchWeights& part, const PatchWeights& sum) {
+  const double whole = sum[0] + sum[1] + sum[2], share = part[0] + part[1] + part[2];
+  PatchWeights fractions;
+  for (std::size_t patch = 0; patch < fractions.size(); ++patch)
+    fractions[patch] = sum[patch] > 0 ? part[patch] / sum[patch] : whole > 0 ? share / whole : 1;
+  return fractions;
+}
+
+/// Divides the analytical areas of an atom among its components, which are [begin, end).
+void divide_areas(const AtomAreas& areas, Weights::const_iterator begin,
+                  Weights::const_iterator end, MsmsSurface& surface) {
+  PatchWeights sum{};
+  for (auto part = begin; part != end; ++part)
+    for (std::size_t patch = 0; patch < sum.size(); ++patch) sum[patch] += part->second[patch];
+  for (auto part = begin; part != end; ++part) {
+    const AtomIndex atom = part->first.first;
+    const PatchWeights fractions = fractions_of(part->second, sum);
+    surface.atom_areas[part->first] = {
+        {fractions[0] * areas.convex[atom], fractions[1] * areas.saddle[atom],
+         fractions[2] * areas.concave[atom]},
+        fractions[0] * areas.sas[atom]};
+  }
+}
+
+void divide_areas(const AtomAreas& areas, std::span<const Atom> spheres,
+                  std::span<const Vec3> positions, MsmsSurface& surface) {
+  Weights weights = find_weights(surface, positions, spheres);
+  // Atoms without vertices have small areas only. They belong to the first component.
+  for (AtomIndex atom = 0; atom < spheres.size(); ++atom) {
+    const auto first = weights.lower_bound({atom, 0});
+    if (first == weights.end() || first->first.first != atom) weights[{atom, 0}] = {};
+  }
+  for (auto begin = weights.cbegin(); begin != weights.cend();) {
+    const auto end = weights.upper_bound({begin->first.first, ~std::uint32_t{0}});
+    divide_areas(areas, begin, end, surface);
+    begin = end;
+  }
+  surface.areas.resize(surface.components.all.size());
+  for (const auto& [key, part] : surface.atom_areas) {
+    MsmsAreas& sum = surface.areas[key.second];
+    sum.ses.convex += part.ses.convex;
+    sum.ses.saddle += part.ses.saddle;
+    sum.ses.concave += part.ses.concave;
+    sum.sas += part.sas;
+  }
+}
+
+}  // namespace
+
+double spacing_for(double density) { return std::sqrt(mesh::crossings_per_area / density); }
+
+std::uint32_t MsmsSurface::component_at(std::span<const AtomIndex> atoms) const {
+  std::vector<std::vector<std::uint64_t>> counts(components.all.size(),
+                                                 std::vector<std::uint64_t>(atoms.size()));
+  for (std::size_t i = 0; i < vertices.size(); ++i)
+    for (const AtomIndex adjacent : std::span(vertices[i].atoms).first(vertices[i].patch))
+      for (std::size_t k = 0; k < atoms.size(); ++k)
+        if (atoms[k] == adjacent) ++counts[components.of_vertex[i]][k];
+  // Cavity walls come before outer surfaces, then the components with more vertices.
+  std::pair<bool, std::uint64_t> best{false, 0};
+  std::uint32_t found = 0;
+  for (std::uint32_t component = 0; component < counts.size(); ++component) {
+    const std::vector<std::uint64_t>& of_atoms = counts[component];
+    if (std::find(of_atoms.begin(), of_atoms.end(), 0U) != of_atoms.end()) continue;
+    std::uint64_t sum = 0;
+    for (const std::uint64_t count : of_atoms) sum += count;
+    const std::pair<bool, std::uint64_t> rank{components.all[component].volume < 0, sum};
+    if (rank <= best) continue;
+    best = rank;
+    found = component;
+  }
+  if (best.second == 0) throw Error("no component of the surface touches the atoms of -one_cavity");
+  return found;
+}
+
+MsmsSurface make_msms_surface(std::vector<Atom> spheres, const MsmsOptions& options) {
+  MsmsSurface result;
+  result.spacing = spacing_for(options.density);
+  const Surface surface(std::move(spheres), {.probe_radius = options.probe_radius});
+  // The grid may lack up to one spacing of its upper margin.
+  const Grid grid = make_grid(surface, {.spacing = result.spacing, .margin = 2 * result.spacing});
+  Result computed = compute(surface, grid, {.inside = false, .crossings = true, .mesh = true});
+  const Mesh& mesh = *computed.mesh();
+  if (mesh.vertices.empty())
+    throw Error(formatted("no triangles at -density {}; use a higher density", options.density));
+  result.triangles = mesh.faces;
+  for (std::size_t i = 0; i < mesh.vertices.size(); ++i) {
+    const mesh::Vertex& vertex =
+        result.vertices.emplace_back(vertex_of(mesh, i, computed.crossings()[i]));
+    result.closest_atoms.push_back(adjacent_atom(vertex, [&](AtomIndex atom) {
+      const Atom& sphere = surface.atoms()[atom];
+      return norm(vertex.position - sphere.center) - sphere.radius;
+    }));
+  }
+  result.components = mesh::find_shells(mesh.vertices, mesh.faces);
+  if (!options.has_areas) return result;
+  const Measures measures = measure(surface, {.by_atom = true});
+  divide_areas(measures.by_atom, surface.atoms(), mesh.vertices, result);
+  return result;
+}
+
+}  // namespace eses::detail::cli

@@ -1,0 +1,48 @@
+#pragma once
+/// The surface of `eses-blocks msms`: triangles, components, and the areas of components and atoms.
+
+#include <cstdint>
+#include <map>
+#include <span>
+#include <utility>
+#include <vector>
+
+#include "cli/msms_options.hpp"
+#include "eses/atoms.hpp"
+#include "eses/measure.hpp"
+#include "mesh/shells.hpp"
+#include "mesh/vertex.hpp"
+
+namespace eses::detail::cli {
+
+/// Areas in square angstrom.
+struct MsmsAreas {
+  PatchAreas ses;
+  double sas = 0;
+};
+
+struct MsmsSurface {
+  std::vector<mesh::Vertex> vertices;  ///< in the order of the grid
+  std::vector<AtomIndex>
+      closest_atoms;  ///< of each vertex, the adjacent atom whose sphere is closest
+  std::vector<mesh::Triangle> triangles;
+  mesh::Shells components;
+  std::vector<MsmsAreas> areas;  ///< analytical, by component
+  /// Areas by atom and component, without pairs that do not occur.
+  std::map<std::pair<AtomIndex, std::uint32_t>, MsmsAreas> atom_areas;
+  double spacing = 0;  ///< of the grid of the triangles, in angstrom
+
+  /// Returns the index of the component that touches all of these atoms: the cavity wall with most
+  /// vertices on them, otherwise the outer surface with most vertices on them. Throws Error if
+  /// there is none.
+  std::uint32_t component_at(std::span<const AtomIndex> atoms) const;
+};
+
+/// Returns the spacing of the grid for which the triangles have about `density` vertices in a
+/// square angstrom.
+double spacing_for(double density);
+
+/// Computes the surface of spheres. Throws Error if it has no vertices.
+MsmsSurface make_msms_surface(std::vector<Atom> spheres, const MsmsOptions& options);
+
+}  // namespace eses::detail::cli

@@ -1,0 +1,109 @@
+#include "cli/xyzr_command.hpp"
+
+#include <CLI/CLI.hpp>
+#include <cstddef>
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include "cli/arguments.hpp"
+#include "cli/messages.hpp"
+#include "eses/read_atoms.hpp"
+#include "input/other_formats.hpp"
+#include "input/radii_set.hpp"
+#include "output/buffered_text.hpp"
+#include "system/formatted.hpp"
+
+namespace eses::detail::cli {
+namespace {
+
+constexpr char footer[] =
+    R"(The radii are those of MSMS for united atoms; hydrogens have 1.2 angstrom. Waters and
+hydrogens are included; eses-msms -noh ignores the hydrogens. Of several models or alternate
+locations, only one is read, as by the other commands.
+
+pdb_to_xyzr prints x y z radius, pdb_to_xyzrn prints x y z radius 1 ATOM_RESIDUE_NUMBER.
+
+Examples:
+  eses-blocks pdb_to_xyzr 1crn.pdb > 1crn.xyzr
+  eses-pdb_to_xyzrn 1crn.cif > 1crn.xyzrn
+
+Exit codes:
+  0  done
+  1  input, output or resource error
+  2  error in the command line)";
+
+struct SphereOptions {
+  std::filesystem::path input = "-";
+  AtomFormat format = AtomFormat::automatic;
+  std::optional<double> unknown_radius;
+};
+
+SphereOptions parse_options(bool has_names, std::vector<std::string> arguments) {
+  const std::string name = has_names ? "pdb_to_xyzrn" : "pdb_to_xyzr";
+  SphereOptions options;
+  CLI::App app(formatted("Prints the atoms of a PDB or mmCIF file as spheres for MSMS{}.",
+                         has_names ? ", with names" : ""),
+               "eses-blocks " + name);
+  set_up(app, formatted("eses-blocks {} [OPTIONS] [FILE]", name), footer);
+  begin_group(app, "Options");
+  add_value(app, "FILE", "", "PDB or mmCIF file; - for standard input [-]", options.input,
+            path_to("a file"));
+  add_value(app, "--format", "NAME", "auto (by suffix, otherwise pdb), pdb or mmcif [auto]",
+            options.format,
+            one_of<AtomFormat>({{"auto", AtomFormat::automatic},
+                                {"pdb", AtomFormat::pdb},
+                                {"mmcif", AtomFormat::mmcif}}));
+  add_value(app, "--unknown-radius", "R",
+            "radius of atoms without a known radius, in angstrom\n[such atoms are an error]",
+            options.unknown_radius,
+            number_between(0, max_set_radius, "a number from 0 to 1000, in angstrom"));
+  add_notices(app);
+  parse(app, std::move(arguments), "FILE");
+  return options;
+}
+
+/// Returns a radius with at least two decimals.
+std::string radius_text(double radius) {
+  const std::string shortest = formatted("{}", radius), fixed = formatted("{:.2f}", radius);
+  return shortest.size() > fixed.size() ? shortest : fixed;
+}
+
+AtomFile read_structure(const SphereOptions& options) {
+  ReadOptions reading;
+  reading.format = format_of(options.input, options.format);
+  if (!is_structure(reading.format)) reading.format = AtomFormat::pdb;
+  reading.structure.radii = "msms";
+  reading.structure.unknown_radius = options.unknown_radius;
+  reading.structure.with_waters = true;
+  reading.structure.hydrogens = HydrogenChoice::keep;
+  return read_atoms(options.input, reading);
+}
+
+}  // namespace
+
+void print_spheres(bool has_names, std::vector<std::string> arguments) {
+  const SphereOptions options = parse_options(has_names, std::move(arguments));
+  require_standard_output();
+  const AtomFile file = read_structure(options);
+  const TextSink sink = [](std::string_view text) { print(text); };
+  BufferedText text(sink);
+  for (std::size_t i = 0; i < file.atoms.size(); ++i) {
+    const Atom& atom = file.atoms[i];
+    const Vec3 center = atom.center;
+    if (has_names) {
+      const AtomLabel& label = file.labels[i];
+      text.append("{:.6f} {:.6f} {:.6f} {:.6f} 1 {}_{}_{}\n", center.x, center.y, center.z,
+                  atom.radius, label.atom_name, label.residue, label.residue_number);
+    } else {
+      text.append("{:8.3f} {:8.3f} {:8.3f} {}\n", center.x, center.y, center.z,
+                  radius_text(atom.radius));
+    }
+  }
+  text.flush();
+}
+
+}  // namespace eses::detail::cli

@@ -1,0 +1,72 @@
+#include "input/read_spheres.hpp"
+
+#include <unistd.h>
+
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <string_view>
+#include <system_error>
+#include <utility>
+
+#include "eses/read_atoms.hpp"
+#include "input/atom_reader.hpp"
+#include "input/text_fields.hpp"
+#include "input/text_source.hpp"
+#include "system/file_descriptor.hpp"
+#include "system/formatted.hpp"
+
+namespace eses::detail {
+namespace {
+
+/// Returns the name on the line of a sphere; empty if it has none.
+std::string_view name_on(std::string_view line) {
+  constexpr int number_columns = 4;
+  for (int column = 0; column < number_columns; ++column) take_first(line);
+  const std::string_view fifth = take_first(line), sixth = take_first(line);
+  double number = 0;
+  const bool is_number = parse_number(fifth, number) == std::errc();
+  return sixth.empty() && !is_number ? fifth : sixth;
+}
+
+/// Returns the names on the given lines of a text, which are in ascending order.
+std::vector<std::string> names_on(std::string_view text, std::span<const std::uint64_t> lines,
+                                  std::string_view file) {
+  std::vector<std::string> names;
+  std::uint64_t line = 0;
+  for (const std::uint64_t wanted : lines) {
+    for (; line + 1 < wanted; ++line) take_line(text);
+    names.emplace_back(name_on(take_line(text)));
+    ++line;
+    if (names.back().empty() != names.front().empty())
+      fail_at_line(file, line,
+                   formatted("the sphere has {}, unlike the first one; name all spheres or none",
+                             names.back().empty() ? "no name" : "a name"));
+  }
+  if (!names.empty() && names.front().empty()) names.clear();
+  return names;
+}
+
+}  // namespace
+
+SphereFile read_spheres(const std::filesystem::path& path) {
+  const bool is_standard_input = path == "-";
+  const std::string name = is_standard_input ? "<stdin>" : path.string();
+  const FileDescriptor file(is_standard_input ? -1 : open_for_reading(path, name));
+  TextSource source(is_standard_input ? STDIN_FILENO : file.value(), name);
+  std::string text;
+  const auto read_and_keep = [&](std::span<char> buffer) {
+    const std::size_t count = source.read(buffer);
+    text.append(buffer.data(), count);
+    return count;
+  };
+  const ReadOptions options{.format = AtomFormat::xyzr};
+  const AtomLines lines{.options = options, .name = name};
+  AtomFile atoms;
+  const LinesRead read = read_atom_lines(read_and_keep, lines, atoms);
+  require_atoms(lines, atoms.atoms.size(), read);
+  std::vector<std::string> names = names_on(text, atoms.lines, name);
+  return {std::move(atoms.atoms), std::move(names)};
+}
+
+}  // namespace eses::detail

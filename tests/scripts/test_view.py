@@ -1,0 +1,367 @@
+"""Tests of scripts/view: the page in headless Chromium, and the files that the page is made of.
+
+The tests of the page are skipped without Chromium and python3-selenium. Expected colours, areas and
+names come from the input and from geometry.
+"""
+
+import base64
+import gzip
+import json
+import math
+import re
+import subprocess
+import unittest
+
+from support import (PROGRAM, SCRIPTS, TestCase, browser_errors, can_import, has_browser,
+                     open_browser)
+
+SCRIPT = SCRIPTS / "view"
+RADIUS = 1.7
+# Two residues of different chains, far apart along x, so that their surfaces are two spheres.
+TWO_ATOMS = (f"ATOM 1 CA ALA A 7 -6 0 0 0.5 {RADIUS}\n"
+             f"ATOM 2 OXT GLY B 9A 6 0 0 -0.5 {RADIUS}\n")
+PATCHES = {"convex": (86, 180, 233), "saddle": (240, 228, 66), "concave": (213, 94, 0)}
+
+
+def run_view(*arguments):
+    return subprocess.run([SCRIPT, "--program", PROGRAM, *map(str, arguments)],
+                          stdin=subprocess.DEVNULL, capture_output=True, text=True, check=False,
+                          timeout=300)
+
+
+def data_of(page):
+    """Returns the description of the molecules in a page, and the bytes of their arrays."""
+    text = page.read_text(encoding="utf-8")
+    data = json.loads(re.search(r'id="molecules">(.*?)</script>', text, re.DOTALL)[1])
+    arrays = [gzip.decompress(base64.b64decode(one)) for one in
+              re.findall(r'id="arrays-\d+">(.*?)</script>', text, re.DOTALL)]
+    return data, arrays
+
+
+def first_row(page, name):
+    """Returns the first row of an array in a page, the differences of which are from zero."""
+    data, (arrays,) = data_of(page)
+    at = 0
+    for one in data["molecules"][0]["arrays"]:
+        count = one["columns"] * one["rows"]
+        if one["name"] == name:
+            return [sum(arrays[at + plane * count + column] << 8 * plane
+                        for plane in range(one["width"])) for column in range(one["columns"])]
+        at += one["width"] * count
+    raise KeyError(name)
+
+
+@unittest.skipUnless(can_import(SCRIPT, "numpy"), "needs python3-numpy")
+class Files(TestCase):
+    def setUp(self):
+        super().setUp()
+        self.page = self.folder / "page.html"
+        self.atoms = self.folder / "two.pqr"
+        self.atoms.write_text(TWO_ATOMS)
+
+    def mesh(self, name, *options):
+        self.assertDone(subprocess.run([PROGRAM, self.atoms, "-q", "--write", "none", "--mesh",
+                                        self.folder / name, *options], capture_output=True,
+                                       text=True, check=False))
+        return self.folder / name
+
+    def test_structures_bring_their_atoms(self):
+        self.assertDone(run_view(self.atoms, "-o", self.page))
+        data, (arrays,) = data_of(self.page)
+        molecule, = data["molecules"]
+        self.assertEqual(molecule["residues"], [["ALA", "7", "A"], ["GLY", "9A", "B"]])
+        self.assertEqual(molecule["names"], ["CA", "OXT"])
+        self.assertEqual(molecule["elements"], ["C", "O"])
+        self.assertEqual(molecule["chains"], ["A", "B"])
+        self.assertEqual(len(arrays), sum(one["width"] * one["columns"] * one["rows"]
+                                          for one in molecule["arrays"]))
+
+    def test_meshes_of_all_formats_are_read(self):
+        counts = set()
+        for name, options in (("m.ply", ()), ("t.ply", ("--ply-ascii",)), ("m.vtp", ()),
+                              ("m.obj", ()), ("c.obj", ("--color", "patch")), ("m.off", ()),
+                              ("m.stl", ()), ("m.glb", ()),
+                              ("m.vert", ()), ("n.face", ())):
+            with self.subTest(name=name):
+                self.assertDone(run_view(self.mesh(name, *options), "-o", self.page))
+                molecule, = data_of(self.page)[0]["molecules"]
+                counts.add((molecule["vertices"], molecule["triangles"]))
+                self.assertAlmostEqual(molecule["radius_of_all"], 6 + RADIUS, delta=0.05)
+                if name in ("m.ply", "t.ply", "m.vtp"):
+                    self.assertEqual(molecule["residues"], [["ALA", "7", "A"], ["GLY", "9A", "B"]])
+        ((vertices, triangles),) = counts
+        self.assertEqual(vertices - 3 * triangles // 2 + triangles, 4)  # Euler: two closed surfaces
+
+    def test_areas_of_atoms_are_those_of_spheres(self):
+        for name in (self.atoms, self.mesh("m.ply", "--spacing", "0.2")):
+            self.assertDone(run_view(name, "-o", self.page))
+            (area,) = first_row(self.page, "area")
+            self.assertAlmostEqual(area / 100 / (4 * math.pi * RADIUS**2), 1, delta=0.01)
+
+    def test_colours_of_files_are_kept(self):
+        """The first vertices are those of the first sphere, which is red in colours of chains."""
+        red = first_row(self.colored_page("m.ply"), "color_of_file")
+        self.assertEqual(red.index(max(red)), 0)
+        for name in ("m.vtp", "m.obj", "m.glb"):
+            self.assertEqual(first_row(self.colored_page(name), "color_of_file"), red)
+
+    def colored_page(self, name):
+        self.assertDone(run_view(self.mesh(name, "--color", "chain"), "--color", "file", "-o",
+                                 self.page))
+        return self.page
+
+    def test_the_page_is_small_and_needs_no_network(self):
+        self.assertDone(run_view(self.atoms, "--spacing", "0.8", "-o", self.page))
+        text = self.page.read_text(encoding="utf-8")
+        self.assertLess(len(text), 150000)
+        self.assertIn("default-src 'none'", text)
+        self.assertEqual(re.findall(r"(?:https?:)?//[a-z]+\.", text), [])
+
+    def test_titles_cannot_end_elements(self):
+        atoms = self.folder / "a<script>.pqr"
+        atoms.write_text(TWO_ATOMS.replace("ALA", "</script>"))
+        self.assertDone(run_view(atoms, "--title", "</title><b>", "-o", self.page))
+        text = self.page.read_text(encoding="utf-8")
+        self.assertEqual(data_of(self.page)[0]["molecules"][0]["residues"][0][0], "</script>")
+        self.assertNotIn("<b>", text)
+        self.assertNotIn("a<script>", text)
+
+    def test_wrong_requests_are_refused(self):
+        mesh = self.mesh("m.ply")
+        broken = self.folder / "broken.ply"
+        broken.write_bytes(mesh.read_bytes()[:-5])
+        text = self.folder / "a.txt"
+        text.write_text("none")
+        for arguments, code, message in (
+                ([text], 2, "neither a structure nor a mesh"),
+                ([self.folder / "no.pqr"], 1, "no such file"),
+                ([broken], 1, "not a mesh of eses-blocks"),
+                ([mesh, "--color", "blue"], 2, "--color: blue is none of patch"),
+                ([mesh, "--color", "potential"], 2, "needs --potential"),
+                ([mesh, "--electrostatics"], 2, "needs structures"),
+                ([mesh, "--potential", text], 1, "not an OpenDX map"),
+                ([self.atoms, "--", "--radii", "bondi"], 2, "--radii"),
+                ([self.atoms, "--opacity", "120"], 2, "expected 0 to 100")):
+            with self.subTest(message=message):
+                done = run_view("-o", self.page, *arguments)
+                self.assertEqual(done.returncode, code, done.stderr)
+                self.assertIn(message, done.stderr)
+                self.assertEqual(done.stderr.count("\n"), 1, done.stderr)
+                self.assertFalse(self.page.exists())
+
+    def test_potentials_are_those_of_the_map(self):
+        """A map that grows along x has the potential x at each vertex, and x + offset n outside."""
+        field = self.folder / "x.dx"
+        rows = (f"{-12 + 12 * i}" for i in range(3) for _ in range(9))
+        field.write_text("object 1 class gridpositions counts 3 3 3\norigin -12 -12 -12\n"
+                         "delta 12 0 0\ndelta 0 12 0\ndelta 0 0 12\n"
+                         "object 2 class gridconnections counts 3 3 3\n"
+                         "object 3 class array type double rank 0 items 27 data follows\n"
+                         + "\n".join(rows) + "\n")
+        for offset in (0, 2):
+            self.assertDone(run_view(self.atoms, "--potential", field, "--potential-offset", offset,
+                                     "-o", self.page))
+            data, _ = data_of(self.page)
+            self.assertEqual(data["settings"]["color"], "potential")
+            self.assertEqual(data["limits"]["potential"], 10)
+            self.assertAlmostEqual(data["molecules"][0]["potential_max"], 6 + RADIUS + offset,
+                                   delta=0.05)
+        done = run_view(self.atoms, "--potential", field, "--potential-offset", 5, "-o", self.page)
+        self.assertEqual(done.returncode, 1)
+        self.assertIn("outside the map", done.stderr)
+
+
+@unittest.skipUnless(has_browser() and can_import(SCRIPT, "numpy"),
+                     "needs chromium, chromium-driver, python3-selenium and python3-numpy")
+class Page(TestCase):
+    def setUp(self):
+        super().setUp()
+        self.browser = open_browser(self)
+        self.atoms = self.folder / "two.pqr"
+        self.atoms.write_text(TWO_ATOMS)
+
+    def open(self, *arguments):
+        page = self.folder / "page.html"
+        self.assertDone(run_view(*arguments, "--spacing", "0.6", "-o", page))
+        self.browser.get(page.as_uri())
+        self.ask("viewer.set('theme', 'light'); viewer.set('shading', false);"
+                 "viewer.lookAlong(2)")  # x to the right, y upwards
+
+    def ask(self, script):
+        """Runs a script in the page with its viewer and returns the result."""
+        return self.browser.execute_async_script(
+            "const [done] = arguments;"
+            f"window.eses.then((viewer) => {{ {script} }}).then(done, (e) => done('' + e.stack))")
+
+    def pixels(self):
+        """Returns the number of pixels that are near each hue of the picture, and others."""
+        return self.ask("""
+          viewer.draw();
+          const { gl } = viewer, { width, height } = viewer.buffers;
+          const bytes = new Uint8Array(4 * width * height), counts = {};
+          gl.readPixels(0, 0, width, height, gl.RGBA, gl.UNSIGNED_BYTE, bytes);
+          for (let i = 0; i < bytes.length; i += 4) {
+            const [r, g, b] = bytes.subarray(i, i + 3);
+            const name = Math.max(r, g, b) - Math.min(r, g, b) < 12 ? (r > 250 ? "white" : "grey")
+              : r > g && r > b ? (g > 1.5 * b ? "orange" : "red") : g > b ? "green" : "blue";
+            counts[name] = (counts[name] ?? 0) + 1;
+          }
+          return counts""")
+
+    def test_colours_and_sizes_of_spheres(self):
+        self.open(self.atoms)
+        found = self.pixels()
+        area = self.ask("return viewer.scaleIn(viewer.buffers.width, viewer.buffers.height)")**2
+        # Two discs of convex patches, and a white background.
+        self.assertAlmostEqual(found["blue"] / (2 * math.pi * RADIUS**2 * area), 1, delta=0.05)
+        self.assertEqual(set(found) - {"grey"}, {"blue", "white"})
+        # Chains A and B have the colours of the numbers 0 and 1 of eses-blocks: red and blue.
+        self.ask("viewer.set('color', 'chain')")
+        found = self.pixels()
+        self.assertAlmostEqual(found["red"] / (math.pi * RADIUS**2 * area), 1, delta=0.06)
+        self.assertAlmostEqual(found["blue"] / (math.pi * RADIUS**2 * area), 1, delta=0.06)
+        # The clip plane at the centre leaves the inner half; the whole depth leaves nothing.
+        self.ask("viewer.set('clip', 100)")
+        self.assertEqual(set(self.pixels()), {"white"})
+
+    def test_potential_is_red_where_negative_and_blue_where_positive(self):
+        field = self.folder / "x.dx"
+        field.write_text("object 1 class gridpositions counts 2 2 2\norigin -12 -12 -12\n"
+                         "delta 24 0 0\ndelta 0 24 0\ndelta 0 0 24\n"
+                         "object 3 class array type double rank 0 items 8 data follows\n"
+                         + "-5 " * 4 + "5 " * 4 + "\n")
+        self.open(self.atoms, "--potential", field)
+        left, right = self.ask("""
+          viewer.draw();
+          const { gl } = viewer, { width, height } = viewer.buffers;
+          const scale = viewer.scaleIn(width, height), pixel = new Uint8Array(4);
+          return [-6, 6].map((x) => {
+            gl.readPixels(width / 2 + scale * x, height / 2, 1, 1, gl.RGBA, gl.UNSIGNED_BYTE, pixel);
+            return Array.from(pixel);
+          })""")
+        self.assertGreater(left[0], left[2] + 80)
+        self.assertGreater(right[2], right[0] + 80)
+        self.assertIn("kT/e", self.browser.find_element("id", "legend").text)
+
+    def test_pointing_names_the_atom(self):
+        from selenium.webdriver import ActionChains
+        self.open(self.atoms)
+        canvas = self.browser.find_element("id", "canvas")
+        scale = self.ask("viewer.draw();"
+                         "return viewer.scaleIn(canvas.clientWidth, canvas.clientHeight)")
+        area = 4 * math.pi * RADIUS**2
+        for x, text in ((-6, f"CA, ALA 7, chain A, {area:.1f} Å², convex"),
+                        (6, f"OXT, GLY 9A, chain B, {area:.1f} Å², convex"), (0, "")):
+            ActionChains(self.browser).move_to_element_with_offset(
+                canvas, round(scale * x), 0).pause(0.2).perform()
+            self.wait_for("return document.getElementById('tip').textContent", text)
+        self.ask("viewer.set('style', 'spheres'); viewer.set('opacity', 0); viewer.draw()")
+        self.assertEqual(self.ask("return viewer.textAt(canvas.clientWidth / 2 + "
+                                  f"{6 * scale}, canvas.clientHeight / 2)"),
+                         f"OXT, GLY 9A, chain B, {area:.1f} Å²")
+
+    def wait_for(self, script, expected):
+        from selenium.webdriver.support.wait import WebDriverWait
+        WebDriverWait(self.browser, 60).until(
+            lambda browser: browser.execute_script(script) == expected,
+            f"expected {expected!r}")
+
+    def test_controls_change_the_picture(self):
+        """Clicks and keys, as a user makes them."""
+        from selenium.webdriver import ActionChains, Keys
+        from selenium.webdriver.support.select import Select
+        self.open(self.atoms, self.atoms)
+        Select(self.browser.find_element("id", "color")).select_by_visible_text("element")
+        legend = self.browser.find_element("id", "legend").text.split()
+        self.assertEqual(legend, ["C", "O"])
+        Select(self.browser.find_element("id", "style")).select_by_value("balls")
+        self.assertEqual(self.ask("return [viewer.look.style, viewer.look.opacity]"), ["balls", 45])
+        canvas = self.browser.find_element("id", "canvas")
+        before = self.ask("return viewer.view")
+        ActionChains(self.browser).click_and_hold(canvas).move_by_offset(40, 0).release().perform()
+        turned = self.ask("return viewer.view")
+        self.assertNotEqual(before["rotation"], turned["rotation"])
+        canvas.send_keys("+", Keys.SHIFT + Keys.ARROW_RIGHT)
+        moved = self.ask("return viewer.view")
+        self.assertGreater(moved["zoom"], before["zoom"])
+        self.assertGreater(moved["pan"][0], 0)
+        self.browser.find_element("id", "reset").click()
+        self.assertEqual(self.ask("return [viewer.view.zoom, ...viewer.view.pan]"), [1, 0, 0])
+        self.browser.find_element("id", "help").click()
+        self.assertTrue(self.browser.find_element("css selector", "#keys table").is_displayed())
+        self.browser.find_element("css selector", "#keys button").click()
+        names = [name.text.split("\n")[0] for name in
+                 self.browser.find_elements("css selector", "#names > div")]
+        self.assertEqual(names, ["two.pqr"] * 2)
+        self.assertEqual(browser_errors(self.browser), [])
+
+    def test_saved_pictures_have_scale_and_legend(self):
+        self.open(self.atoms)
+        width, height, dark, blue = self.ask("""
+          const picture = viewer.picture(), pen = picture.getContext("2d");
+          const { data } = pen.getImageData(0, 0, picture.width, picture.height);
+          let dark = 0, blue = 0;
+          for (let i = 0; i < data.length; i += 4) {
+            if (data[i] + data[i + 1] + data[i + 2] < 120) dark++;
+            if (data[i] === 86 && data[i + 1] === 180 && data[i + 2] === 233) blue++;
+          }
+          return [picture.width, picture.height, dark, blue]""")
+        self.assertGreaterEqual(width, 2000)
+        self.assertGreater(height, 500)
+        self.assertGreater(dark, 500)  # scale bar and text
+        self.assertGreater(blue, 500)  # the square of the legend
+
+    def test_controls_have_labels_and_contrast(self):
+        self.open(self.atoms)
+        for theme in ("light", "dark"):
+            self.ask(f"viewer.set('theme', '{theme}')")
+            ratio = self.ask("""
+              const style = getComputedStyle(document.body);
+              const light = (text) => text.match(/[\\d.]+/g).slice(0, 3).map((one) => one / 255)
+                .map((one) => one <= 0.04045 ? one / 12.92 : ((one + 0.055) / 1.055) ** 2.4)
+                .reduce((sum, one, i) => sum + one * [0.2126, 0.7152, 0.0722][i], 0.05);
+              const [a, b] = [light(style.color), light(style.backgroundColor)];
+              return Math.max(a / b, b / a)""")  # WCAG 2.2, contrast ratio
+            self.assertGreater(ratio, 7)
+        self.assertEqual(self.ask("""
+          return Array.from(document.querySelectorAll("input, select")).filter((one) =>
+            !one.labels.length && !one.getAttribute("aria-label")).map((one) => one.id)"""), [])
+
+    def test_small_screens_with_touch(self):
+        self.browser.execute_cdp_cmd("Emulation.setDeviceMetricsOverride", {
+            "width": 390, "height": 700, "deviceScaleFactor": 1, "mobile": True})
+        self.browser.execute_cdp_cmd("Emulation.setTouchEmulationEnabled", {"enabled": True})
+        self.open(self.atoms)
+        self.assertFalse(self.ask("return document.getElementById('panel').open"))
+        self.assertLessEqual(self.ask("return document.documentElement.scrollWidth"), 390)
+        self.assertGreater(self.pixels()["blue"], 500)
+
+        def touch(kind, *points):
+            self.browser.execute_cdp_cmd("Input.dispatchTouchEvent", {
+                "type": kind, "touchPoints": [{"x": x, "y": y, "id": n}
+                                              for n, (x, y) in enumerate(points)]})
+
+        before = self.ask("return viewer.view")
+        touch("touchStart", (150, 300), (240, 300))
+        touch("touchMove", (105, 300), (285, 300))
+        touch("touchEnd")
+        after = self.ask("return viewer.view")
+        # The fingers are twice as far apart, and their middle has not moved.
+        self.assertAlmostEqual(after["zoom"] / before["zoom"], 2, delta=0.1)
+        for a, b in zip(before["rotation"], after["rotation"]):
+            self.assertAlmostEqual(a, b, delta=0.02)
+        touch("touchStart", (200, 300))
+        touch("touchMove", (200, 400))
+        touch("touchEnd")
+        self.assertNotEqual(self.ask("return viewer.view.rotation"), after["rotation"])
+        self.ask("viewer.reset(); viewer.lookAlong(2); viewer.draw()")
+        x = self.ask("return canvas.clientWidth / 2"
+                     "- 6 * viewer.scaleIn(canvas.clientWidth, canvas.clientHeight)")
+        y = self.ask("return canvas.getBoundingClientRect().top + canvas.clientHeight / 2")
+        touch("touchStart", (x, y))
+        touch("touchEnd")
+        self.wait_for("return document.getElementById('tip').textContent.split(',')[0]", "CA")
+
+
+if __name__ == "__main__":
+    unittest.main()
