@@ -169,6 +169,46 @@ TEST_CASE("measure: derivatives have the closed values of spheres") {
   check_json(box, outcome.out, "r['derivatives_are_smooth']", "True");
 }
 
+// Six atoms of radius 1 around a place that just holds a probe of radius 0.7, and a free atom.
+TEST_CASE("measure: cavities and pieces in report, JSON and tables") {
+  const Molecules box;
+  std::string atoms = "9 9 9 1.5\n";
+  for (const char* line : {"1.7 0 0", "-1.7 0 0", "0 1.7 0", "0 -1.7 0", "0 0 1.7", "0 0 -1.7"})
+    atoms += fmt::format("{} 1\n", line);
+  write_file(box.directory() / "hole.xyzr", atoms);
+  const Outcome outcome = box.run({"measure", "hole.xyzr", "--probe-radius", "0.7", "--cavities",
+                                   "--json", "--write", "cavities,pieces"});
+  REQUIRE(outcome.code == 0);
+  const double volume = 4 * std::numbers::pi / 3 * 0.7 * 0.7 * 0.7;
+  check_json(box, outcome.out, "len(r['cavities'])", "1");
+  check_json(box, outcome.out,
+             fmt::format("abs(r['cavities'][0]['void_volume'] - {:.17g}) < 1e-6", volume), "True");
+  check_json(box, outcome.out, "r['cavities'][0]['atoms']", "[2, 3, 4, 5, 6, 7]");
+  check_json(box, outcome.out, "r['cavities'][0]['overlaps']", "[]");
+  check_json(box, outcome.out, "r['cavities'][0]['piece']", "1");
+  check_json(box, outcome.out, "[piece['atoms'] for piece in r['pieces']]", "[6, 1]");
+  check_json(box, outcome.out, "[piece['cavities'] for piece in r['pieces']]", "[1, 0]");
+  const auto cavities = rows_of(box.directory() / "hole.cavities.csv");
+  REQUIRE(cavities.size() == 1);
+  REQUIRE(cavities[0].size() == 22);
+  CHECK(std::stod(cavities[0][1]) == Catch::Approx(volume).margin(1e-6));
+  CHECK(cavities[0][20] == "2 3 4 5 6 7");
+  const auto pieces = rows_of(box.directory() / "hole.pieces.csv");
+  REQUIRE(pieces.size() == 2);
+  CHECK(pieces[0][9] == "2");
+  CHECK(pieces[1][9] == "1");
+  const Outcome report = box.run({"measure", "hole.xyzr", "--probe-radius", "0.7", "--cavities"});
+  CHECK(report.out.find("2 pieces, 1 cavity\n") != std::string::npos);
+  REQUIRE(box.run({"measure", "hole.xyzr", "two.xyzr", "--cavities", "--probe-radius", "0.7",
+                   "--csv", "all.csv"})
+              .code == 0);
+  const std::string table = read_file(box.directory() / "all.csv");
+  CHECK(table.find(",cavities,pieces\n") != std::string::npos);
+  CHECK(table.find(",1,2\n") != std::string::npos);
+  const Outcome plain = box.run({"measure", "two.xyzr", "--json"});
+  CHECK(plain.out.find("cavities") == std::string::npos);
+}
+
 TEST_CASE("measure: parts bury the areas of closed forms") {
   const Molecules box;
   const double sas = 2 * (free_sas() - sas_of_one()), ses = 2 * free_ses() - ses_of_two();
@@ -250,8 +290,9 @@ TEST_CASE("measure: SAS areas are those of FreeSASA with 1000 slices") {
 TEST_CASE("measure: bad requests are refused") {
   const Molecules box;
   check_usage_error(box, {"measure"}, "FILE is required");
-  check_usage_error(box, {"measure", "two.xyzr", "--write", "x"},
-                    "--write is 'x', expected some of atoms,residues,chains,derivatives");
+  check_usage_error(
+      box, {"measure", "two.xyzr", "--write", "x"},
+      "--write is 'x', expected some of atoms,residues,chains,derivatives,cavities,pieces");
   check_usage_error(box, {"measure", "-", "two.xyzr"},
                     "standard input (-) cannot be combined with other files");
   check_usage_error(box, {"measure", "two.xyzr", "-o", "out"}, "--output-dir needs --write");

@@ -10,6 +10,7 @@
 /// All names are in namespace eses. Lengths are in angstrom, and indices start from 0.
 
 #include "eses/atoms.hpp"
+#include "eses/cavities.hpp"
 #include "eses/check.hpp"
 #include "eses/compute.hpp"
 #include "eses/crossing.hpp"

@@ -7,6 +7,7 @@
 #include <span>
 #include <vector>
 
+#include "eses/cavities.hpp"
 #include "eses/check.hpp"
 #include "eses/surface.hpp"
 
@@ -27,6 +28,8 @@ struct MeasureOptions {
   /// Weights of the areas of the atoms, by atom index; none if empty. The sums of weighted areas
   /// and their derivatives are then computed, too.
   std::span<const double> weights = {};
+  /// Whether the cavities and the pieces of the molecule are listed.
+  bool cavities = false;
   /// Number of threads; 0 for all available processors. It does not affect the result.
   int threads = 0;
   /// Called from time to time, at least once.
@@ -95,6 +98,12 @@ struct Measures {
   double total_curvature = 0;
   AtomAreas by_atom;    ///< Empty unless MeasureOptions::by_atom is set.
   Gradients gradients;  ///< Empty unless MeasureOptions::gradients is set.
+  /// The cavities, in descending order of their void volumes. Empty unless MeasureOptions::cavities
+  /// is set.
+  std::vector<Cavity> cavities;
+  /// The pieces of the molecule, in descending order of their SAS volumes. Empty unless
+  /// MeasureOptions::cavities is set.
+  std::vector<Piece> pieces;
 };
 
 /// Measures the solvent excluded surface and the solvent accessible surface. Nothing is sampled:

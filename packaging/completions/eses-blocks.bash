@@ -33,7 +33,8 @@ _eses_blocks() {
     --format) COMPREPLY=($(compgen -W 'auto xyzr pqr pdb mmcif' -- "$cur")) && return ;;
     --write)
       if [[ $command == measure ]]; then
-        COMPREPLY=($(compgen -W 'atoms residues chains derivatives atoms,residues,chains' -- "$cur")) && return
+        COMPREPLY=($(compgen -W 'atoms residues chains derivatives cavities pieces \
+        atoms,residues,chains cavities,pieces' -- "$cur")) && return
       fi
       COMPREPLY=($(compgen -W 'all none grid edges areas residues atoms grid,edges grid,areas \
       edges,areas' -- "$cur")) && return

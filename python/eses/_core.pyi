@@ -356,6 +356,9 @@ class Surface:
         derivatives: bool = False,
         threads: int = 0,
     ) -> Measures: ...
+    def cavities(
+        self, probe_radius: Optional[float] = None, *, threads: int = 0
+    ) -> list[dict[str, Any]]: ...
 
 def measure_frames(
     frames: npt.ArrayLike,

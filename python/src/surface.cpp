@@ -13,6 +13,7 @@
 
 #include "arrays.hpp"
 #include "block_stream.hpp"
+#include "cavities.hpp"
 #include "computed_result.hpp"
 #include "instances.hpp"
 #include "interrupts.hpp"
@@ -346,6 +347,7 @@ void bind_surface(py::module_& module) {
           }));
   protect_instances(type);
   bind_measures(module, type);
+  bind_cavities(type);
 }
 
 }  // namespace eses::python

@@ -46,16 +46,14 @@ Measures measure(const Surface& surface, const MeasureOptions& options) {
   const detail::Molecule& molecule = detail::SurfaceAccess::molecule(surface);
   require_valid(options.weights, molecule.atoms().size());
   detail::MeasureSettings settings{
-      probe_radius,
-      options.by_atom,
-      options.gradients,
-      options.weights,
-      options.threads > 0 ? options.threads : detail::available_threads(),
+      probe_radius,      options.by_atom,
+      options.gradients, options.weights,
+      options.cavities,  options.threads > 0 ? options.threads : detail::available_threads(),
       options.check};
   Measures measures = measure_patches(molecule, settings);
   if (options.van_der_waals) {
     settings.probe_radius = 0;
-    settings.by_atom = settings.gradients = false;
+    settings.by_atom = settings.gradients = settings.cavities = false;
     settings.weights = {};
     const Measures bare = probe_radius == 0 ? measures : measure_patches(molecule, settings);
     measures.vdw_area = bare.sas_area;

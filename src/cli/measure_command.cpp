@@ -44,6 +44,8 @@ constexpr std::array tables{
     Table{".residues.csv", &TableChoice::residues, write_measured_residues},
     Table{".chains.csv", &TableChoice::chains, write_measured_chains},
     Table{".derivatives.csv", &TableChoice::derivatives, write_derivatives},
+    Table{".cavities.csv", &TableChoice::cavities, write_cavities},
+    Table{".pieces.csv", &TableChoice::pieces, write_pieces},
 };
 
 /// Returns the name of the table of an input file: its name without the suffix of its format.
@@ -119,9 +121,9 @@ class Reporter {
  public:
   Reporter(const MeasureCommandOptions& options, OutputFile* csv) : options_(options) {
     if (csv != nullptr) csv_.emplace(*csv, false);
-    append_csv(measure_csv_heading(options.parts));
+    append_csv(measure_csv_heading(options.parts, options.cavities));
     if (options.inputs.size() > 1 && !options.quiet && !options.json)
-      print(measure_heading(options.parts));
+      print(measure_heading(options.parts, options.cavities));
   }
 
   void take(std::size_t index, Outcome outcome) {

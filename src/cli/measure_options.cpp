@@ -26,12 +26,15 @@ Tables (--write), in the output directory, named after the input file NAME:
   NAME.residues.csv           residues, areas, relative SAS area (Tien et al. 2013)
   NAME.chains.csv             chains, areas
   NAME.derivatives.csv        derivatives of areas and volumes by centres and radii
+  NAME.cavities.csv           cavities that hold a probe: volumes, areas, largest probe, atoms
+  NAME.pieces.csv             pieces of the molecule: volumes, areas, atoms
 
 Examples:
   eses-blocks measure 1crn.pdb                       areas and volumes of a protein
   eses-blocks measure --csv all.csv *.cif.gz         many files, in parallel
   eses-blocks measure 1crn.pdb --write residues      areas of residues
   eses-blocks measure 1brs.pdb --parts 'A|D'         area buried between two chains
+  eses-blocks measure 1crn.pdb --cavities            cavities and their volumes
   eses-blocks measure 1crn.pdb --probe-radius 0      van der Waals surface
   To compute the surface of a file called measure: eses-blocks ./measure
 
@@ -58,6 +61,10 @@ std::optional<TableChoice> tables_in(const std::string& list) {
       tables.chains = true;
     else if (name == "derivatives")
       tables.derivatives = true;
+    else if (name == "cavities")
+      tables.cavities = true;
+    else if (name == "pieces")
+      tables.pieces = true;
     else
       return std::nullopt;
   }
@@ -102,13 +109,16 @@ void add_options(CLI::App& app, MeasureCommandOptions& options) {
       "of each part, such as 'A,B|C'",
       options.parts,
       Format<PartChoice>{parts_in, "chains, or the chains of two or more parts, such as 'A,B|C'"});
+  add_flag(app, "--cavities", "report the cavities, and the pieces of the molecule",
+           options.cavities);
   begin_group(app, "Input and output");
   add_format(app, options.format);
-  add_value(app, "--write", "LIST",
-            "tables to write: some of atoms,residues,chains,\n"
-            "derivatives",
-            options.tables,
-            Format<TableChoice>{tables_in, "some of atoms,residues,chains,derivatives"});
+  add_value(
+      app, "--write", "LIST",
+      "tables to write: some of atoms,residues,chains,\n"
+      "derivatives,cavities,pieces",
+      options.tables,
+      Format<TableChoice>{tables_in, "some of atoms,residues,chains,derivatives,cavities,pieces"});
   add_value(app, "-o,--output-dir", "DIR", "directory of the tables, created if missing [.]",
             options.output_directory, path_to("a directory"));
   add_value(app, "--csv", "FILE", "write the results of all files as a table", options.csv,

@@ -38,6 +38,78 @@ std::string parts_text(const MeasuredFile& file) {
                           file.buried_ses_area(), file.buried_sas_area());
 }
 
+/// Returns the numbers of an overlap list, with a word for the outside.
+std::string overlaps_text(const Cavity& cavity) {
+  std::string text;
+  for (const std::size_t number : overlaps_of(cavity))
+    text += number == 0 ? " outside" : formatted(" {}", number);
+  return text;
+}
+
+std::string cavities_text(const MeasuredFile& file) {
+  if (!file.has_cavities) return "";
+  const Measures& measures = file.measures;
+  std::string text =
+      formatted("{}, {}\n", counted(static_cast<std::int64_t>(measures.pieces.size()), "piece"),
+                measures.cavities.size() == 1 ? std::string("1 cavity")
+                                              : formatted("{} cavities", measures.cavities.size()));
+  if (measures.cavities.empty()) return text;
+  text += "cavity  void (A^3)  centers (A^3)  SES area (A^2)  largest probe (A)  atoms  overlaps\n";
+  for (std::size_t k = 0; k < measures.cavities.size(); ++k) {
+    const Cavity& cavity = measures.cavities[k];
+    text += formatted("{:>6} {:>11.4f} {:>14.4f} {:>15.4f} {:>18.4f} {:>6} {}\n", k + 1,
+                      cavity.void_volume, cavity.probe_center_volume, cavity.ses_area,
+                      cavity.largest_probe, cavity.atoms.size(), overlaps_text(cavity));
+  }
+  return text;
+}
+
+json::Value point_json(Vec3 point) { return {point.x, point.y, point.z}; }
+
+json::Value cavity_json(const MeasuredAtoms& atoms, const Cavity& cavity) {
+  json::Value item{{"void_volume", cavity.void_volume},
+                   {"probe_center_volume", cavity.probe_center_volume},
+                   {"ses_area", cavity.ses_area},
+                   {"sas_area", cavity.sas_area},
+                   {"euler_number", cavity.euler_number},
+                   {"centroid", point_json(cavity.centroid)},
+                   {"low", point_json(cavity.low)},
+                   {"high", point_json(cavity.high)},
+                   {"largest_probe", cavity.largest_probe},
+                   {"largest_probe_center", point_json(cavity.largest_probe_center)},
+                   {"walls", cavity.wall_count},
+                   {"piece", cavity.piece + 1}};
+  item["inner_pieces"] = json::Value::array();
+  for (const std::size_t piece : cavity.inner) item["inner_pieces"].push_back(piece + 1);
+  item["overlaps"] = overlaps_of(cavity);
+  item["atoms"] = json::Value::array();
+  for (const AtomIndex i : cavity.atoms) item["atoms"].push_back(serial_number(atoms, i));
+  if (!atoms.labels.empty()) item["residues"] = residues_of(atoms, cavity.atoms);
+  return item;
+}
+
+json::Value piece_json(const MeasuredAtoms& atoms, const Piece& piece) {
+  return {{"ses_area", piece.ses_area},
+          {"ses_volume", piece.ses_volume},
+          {"sas_area", piece.sas_area},
+          {"sas_volume", piece.sas_volume},
+          {"euler_number", piece.euler_number},
+          {"cavities", piece.cavity_count},
+          {"cavity", piece.cavity ? *piece.cavity + 1 : 0},
+          {"atoms", piece.atoms.size()},
+          {"first_atom", serial_number(atoms, piece.atoms.front())}};
+}
+
+void add_cavities(json::Value& object, const MeasuredFile& file) {
+  if (!file.has_cavities) return;
+  const MeasuredAtoms atoms = file.table();
+  object["cavities"] = json::Value::array();
+  object["pieces"] = json::Value::array();
+  for (const Cavity& cavity : atoms.cavities)
+    object["cavities"].push_back(cavity_json(atoms, cavity));
+  for (const Piece& piece : atoms.pieces) object["pieces"].push_back(piece_json(atoms, piece));
+}
+
 /// A column of the results of a file.
 struct Column {
   std::string_view name;
@@ -92,13 +164,14 @@ std::string measure_text(const MeasuredFile& file, bool is_quiet) {
   text += surface_line("van der Waals", measures.vdw_area, measures.vdw_volume);
   text += kinds_line(measures.ses_areas);
   text += formatted("Euler number of the SAS: {}\n", measures.euler_number);
-  return text + parts_text(file);
+  return text + cavities_text(file) + parts_text(file);
 }
 
-std::string measure_heading(const PartChoice& parts) {
+std::string measure_heading(const PartChoice& parts, bool has_cavities) {
   std::string text;
   for (const auto& [name, unused] : columns_of({})) text += formatted("{:>14} ", name);
   text += formatted("{:>12} ", "euler_number");
+  if (has_cavities) text += formatted("{:>8} {:>8} ", "cavities", "pieces");
   if (parts.is_chosen())
     for (const auto& [name, unused] : buried_columns(0, 0)) text += formatted("{:>15} ", name);
   return text + "file\n";
@@ -109,6 +182,8 @@ std::string measure_line(const MeasuredFile& file) {
   for (const auto& [name, value] : columns_of(file.measures))
     text += formatted("{:>14.4f} ", value);
   text += formatted("{:>12} ", file.measures.euler_number);
+  if (file.has_cavities)
+    text += formatted("{:>8} {:>8} ", file.measures.cavities.size(), file.measures.pieces.size());
   if (!file.parts.empty())
     for (const auto& [name, value] : buried_columns(file.buried_ses_area(), file.buried_sas_area()))
       text += formatted("{:>15.4f} ", value);
@@ -121,6 +196,7 @@ std::string measure_json(const MeasuredFile& file) {
                      {"probe_radius", file.probe_radius}};
   add_measures(object, file.measures);
   add_derivatives(object, file.measures.gradients);
+  add_cavities(object, file);
   if (!file.parts.empty()) {
     json::Value parts = json::Value::array();
     for (const MeasuredPart& part : file.parts) {
@@ -137,10 +213,11 @@ std::string measure_json(const MeasuredFile& file) {
   return json::text_of(object) + "\n";
 }
 
-std::string measure_csv_heading(const PartChoice& parts) {
+std::string measure_csv_heading(const PartChoice& parts, bool has_cavities) {
   std::string text = "file,atoms,probe_radius";
   for (const auto& [name, unused] : columns_of({})) text += formatted(",{}", name);
   text += ",euler_number,convex_area,saddle_area,concave_area";
+  if (has_cavities) text += ",cavities,pieces";
   if (parts.is_chosen())
     for (const auto& [name, unused] : buried_columns(0, 0)) text += formatted(",{}", name);
   return text + "\n";
@@ -153,6 +230,8 @@ std::string measure_csv_line(const MeasuredFile& file) {
   const PatchAreas& kinds = file.measures.ses_areas;
   text += formatted(",{},{:.6f},{:.6f},{:.6f}", file.measures.euler_number, kinds.convex,
                     kinds.saddle, kinds.concave);
+  if (file.has_cavities)
+    text += formatted(",{},{}", file.measures.cavities.size(), file.measures.pieces.size());
   if (!file.parts.empty())
     for (const auto& [name, value] : buried_columns(file.buried_ses_area(), file.buried_sas_area()))
       text += formatted(",{:.6f}", value);

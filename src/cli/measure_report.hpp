@@ -11,7 +11,7 @@ namespace eses::detail::cli {
 std::string measure_text(const MeasuredFile& file, bool is_quiet);
 
 /// Returns the heading of the lines of several files.
-std::string measure_heading(const PartChoice& parts);
+std::string measure_heading(const PartChoice& parts, bool has_cavities);
 
 /// Returns the line of one of several files.
 std::string measure_line(const MeasuredFile& file);
@@ -20,7 +20,7 @@ std::string measure_line(const MeasuredFile& file);
 std::string measure_json(const MeasuredFile& file);
 
 /// Returns the heading of the table of `--csv`.
-std::string measure_csv_heading(const PartChoice& parts);
+std::string measure_csv_heading(const PartChoice& parts, bool has_cavities);
 
 /// Returns the line of a file in the table of `--csv`.
 std::string measure_csv_line(const MeasuredFile& file);

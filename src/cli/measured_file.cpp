@@ -153,8 +153,8 @@ double MeasuredFile::buried_ses_area() const {
 }
 
 MeasuredAtoms MeasuredFile::table() const {
-  MeasuredAtoms atoms{surface.atoms(), surface.labels(), file_indices, measures.by_atom,
-                      measures.gradients};
+  MeasuredAtoms atoms{surface.atoms(),    surface.labels(),  file_indices,   measures.by_atom,
+                      measures.gradients, measures.cavities, measures.pieces};
   if (parts.empty()) return atoms;
   atoms.areas_alone = &areas_alone;
   atoms.parts = part_of_atom;
@@ -164,11 +164,11 @@ MeasuredAtoms MeasuredFile::table() const {
 
 MeasuredFile measure_file(const MeasureCommandOptions& options, const std::filesystem::path& path,
                           int threads, const CheckCallback& check) {
-  AtomFile file =
-      read_atoms(path, {.format = options.format,
-                        .with_labels = options.tables.any() || options.parts.is_chosen(),
-                        .structure = options.structure,
-                        .check = check});
+  AtomFile file = read_atoms(
+      path, {.format = options.format,
+             .with_labels = options.tables.any() || options.parts.is_chosen() || options.cavities,
+             .structure = options.structure,
+             .check = check});
   const SurfaceOptions indexing{.threads = threads, .check = check};
   const Surface surface(std::move(file.atoms), std::move(file.labels), indexing);
   MeasuredFile result{.path = path, .surface = surface};
@@ -183,11 +183,13 @@ MeasuredFile measure_file(const MeasureCommandOptions& options, const std::files
                            .van_der_waals = true,
                            .by_atom = options.tables.need_areas(),
                            .gradients = options.tables.derivatives,
+                           .cavities = options.cavities || options.tables.need_cavities(),
                            .threads = threads,
                            .check = check};
   result.probe_radius = options.probe_radius;
+  result.has_cavities = options.cavities;
   result.measures = measure(result.surface, measuring);
-  measuring.gradients = false;
+  measuring.gradients = measuring.cavities = false;
   for (std::uint32_t part = 0; part < result.part_names.size(); ++part)
     result.parts.push_back(measure_part(part, measuring, result));
   result.structure = std::move(file.structure);

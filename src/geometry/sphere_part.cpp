@@ -99,6 +99,25 @@ SpherePart boundary_term(const SphericalCap& cap, const RimArc& arc) {
   return term;
 }
 
+// n n^T less a third of the unit matrix is a spherical harmonic of degree 2, so its integral is
+// -1/6 of that of its normal derivative m n^T + n m^T along the boundary, where m is the outward
+// normal of the boundary. With the radial unit vector e, n = c u + s e and m = s u - c e.
+Vec3 second_moment_term(const SphericalCap& cap, const RimArc& arc, Vec3 vector) {
+  const Vec3 u = cap.axis;
+  const double c = cap.cosine, s = sine_of(c), along = dot(u, vector);
+  const bool is_full = arc.angle >= 2 * pi;
+  const Vec3 radial = is_full ? Vec3() : cross(arc.end - arc.start, u);  // integral of e
+  Vec3 squares = (0.5 * arc.angle) * (vector - along * u);  // integral of e (e . vector)
+  const auto ends = [&](Vec3 e) {
+    const Vec3 f = cross(u, e);
+    return dot(f, vector) * e + dot(e, vector) * f;
+  };
+  if (!is_full) squares = squares - 0.25 * (ends(arc.end) - ends(arc.start));
+  const Vec3 sum = (2 * s * c * arc.angle * along + (s - c) * (s + c) * dot(radial, vector)) * u +
+                   ((s - c) * (s + c) * along) * radial - (2 * s * c) * squares;
+  return (-s / 6) * sum;
+}
+
 SpherePart triangle_part(Vec3 a, Vec3 b, Vec3 c) {
   const double volume = dot(a, cross(b, c));
   const double sign = volume < 0 ? -1 : 1;

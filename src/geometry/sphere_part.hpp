@@ -43,6 +43,11 @@ double angle_about(Vec3 axis, Vec3 start, Vec3 end);
 /// arcs has the vector area, and the solid angle up to a multiple of 4 pi.
 SpherePart boundary_term(const SphericalCap& cap, const RimArc& arc);
 
+/// Returns the contribution of an arc to the integral of n (n . vector) over the part, where n is
+/// the outward normal. The sum over all arcs, plus a third of the solid angle times `vector`, is
+/// the integral.
+Vec3 second_moment_term(const SphericalCap& cap, const RimArc& arc, Vec3 vector);
+
 /// Returns the solid angle for a sum of boundary terms. `is_outside(direction)` returns whether a
 /// direction is outside all caps. It is called if the sum does not decide between a very small part
 /// and almost the whole sphere.

@@ -1,10 +1,13 @@
 #include "output/measure_tables.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstddef>
 #include <map>
+#include <set>
 #include <utility>
 #include <vector>
 
@@ -60,16 +63,45 @@ std::string part_fields(const MeasuredAtoms& atoms, const AreaSums& sums) {
                    difference_text(sums.ses_alone, sums.ses.total()));
 }
 
-std::uint64_t serial_number(const MeasuredAtoms& atoms, std::size_t i) {
-  return (atoms.file_indices.empty() ? i : atoms.file_indices[i]) + 1;
-}
-
 std::string relative_sas(const AtomLabel& label, double sas_area) {
   const std::optional<double> max = max_sas_area(label.residue);
   return max ? formatted("{:.6f}", sas_area / *max) : "";
 }
 
+// Returns numbers from 1 for indices from 0.
+std::vector<std::size_t> numbers_of(const std::vector<std::size_t>& indices) {
+  std::vector<std::size_t> numbers = indices;
+  for (std::size_t& number : numbers) ++number;
+  return numbers;
+}
+
+std::string xyz_fields(Vec3 point) {
+  return formatted("{:.6f},{:.6f},{:.6f}", point.x, point.y, point.z);
+}
+
 }  // namespace
+
+std::uint64_t serial_number(const MeasuredAtoms& atoms, AtomIndex i) {
+  return (atoms.file_indices.empty() ? std::uint64_t{i} : atoms.file_indices[i]) + 1;
+}
+
+std::vector<std::size_t> overlaps_of(const Cavity& cavity) {
+  std::vector<std::size_t> numbers = numbers_of(cavity.overlaps);
+  if (cavity.overlaps_outside) numbers.insert(numbers.begin(), 0);
+  return numbers;
+}
+
+std::vector<std::string> residues_of(const MeasuredAtoms& atoms, std::span<const AtomIndex> of) {
+  std::vector<std::string> residues;
+  if (atoms.labels.empty()) return residues;
+  std::set<std::string> seen;
+  for (const AtomIndex i : of) {
+    const AtomLabel& label = atoms.labels[i];
+    std::string name = formatted("{}:{} {}", label.chain, label.residue, label.residue_number);
+    if (seen.insert(name).second) residues.push_back(std::move(name));
+  }
+  return residues;
+}
 
 std::optional<double> max_sas_area(std::string_view residue) {
   constexpr std::array<std::pair<std::string_view, double>, 20> areas{
@@ -91,10 +123,11 @@ void write_measured_atoms(const MeasuredAtoms& atoms, const TextSink& sink) {
     sums.add(atoms, i);
     const AtomLabel label = atoms.labels.empty() ? AtomLabel() : atoms.labels[i];
     const auto& [center, radius] = atoms.atoms[i];
-    text.append("{},{},{},{},{},{},{},{},{},{},{}{}\n", serial_number(atoms, i),
-                csv_field(label.atom_name), csv_field(label.residue),
-                csv_field(label.residue_number), csv_field(label.chain), csv_field(label.element),
-                center.x, center.y, center.z, radius, area_fields(sums), part_fields(atoms, sums));
+    text.append("{},{},{},{},{},{},{},{},{},{},{}{}\n",
+                serial_number(atoms, static_cast<AtomIndex>(i)), csv_field(label.atom_name),
+                csv_field(label.residue), csv_field(label.residue_number), csv_field(label.chain),
+                csv_field(label.element), center.x, center.y, center.z, radius, area_fields(sums),
+                part_fields(atoms, sums));
   }
   text.flush();
 }
@@ -149,7 +182,7 @@ void write_derivatives(const MeasuredAtoms& atoms, const TextSink& sink) {
     text.append(",{0}_x,{0}_y,{0}_z,{0}_radius", quantity);
   text.append("\n");
   for (std::size_t i = 0; i < atoms.atoms.size(); ++i) {
-    text.append("{}", serial_number(atoms, i));
+    text.append("{}", serial_number(atoms, static_cast<AtomIndex>(i)));
     for (const Gradient* gradient :
          {&gradients.ses_area, &gradients.ses_volume, &gradients.sas_area, &gradients.sas_volume}) {
       const Vec3& center = gradient->centers[i];
@@ -157,6 +190,48 @@ void write_derivatives(const MeasuredAtoms& atoms, const TextSink& sink) {
                   gradient->radii[i]);
     }
     text.append("\n");
+  }
+  text.flush();
+}
+
+void write_cavities(const MeasuredAtoms& atoms, const TextSink& sink) {
+  BufferedText text(sink);
+  text.append(
+      "cavity,void_volume,probe_center_volume,ses_area,sas_area,euler_number,centroid_x,centroid_y,"
+      "centroid_z,low_x,low_y,low_z,high_x,high_y,high_z,largest_probe,walls,piece,inner_pieces,"
+      "overlaps,atoms,residues\n");
+  for (std::size_t k = 0; k < atoms.cavities.size(); ++k) {
+    const Cavity& cavity = atoms.cavities[k];
+    std::vector<std::uint64_t> serials;
+    for (const AtomIndex i : cavity.atoms) serials.push_back(serial_number(atoms, i));
+    text.append("{},{:.6f},{:.6f},{:.6f},{:.6f},{},{},{},{},{:.9f},{},{},{},{},{},{}\n", k + 1,
+                cavity.void_volume, cavity.probe_center_volume, cavity.ses_area, cavity.sas_area,
+                cavity.euler_number, xyz_fields(cavity.centroid), xyz_fields(cavity.low),
+                xyz_fields(cavity.high), cavity.largest_probe, cavity.wall_count, cavity.piece + 1,
+                fmt::join(numbers_of(cavity.inner), " "), fmt::join(overlaps_of(cavity), " "),
+                fmt::join(serials, " "),
+                csv_field(formatted("{}", fmt::join(residues_of(atoms, cavity.atoms), "; "))));
+  }
+  text.flush();
+}
+
+void write_pieces(const MeasuredAtoms& atoms, const TextSink& sink) {
+  BufferedText text(sink);
+  text.append(
+      "piece,ses_area,ses_volume,sas_area,sas_volume,euler_number,cavities,cavity,atoms,"
+      "first_atom,chains\n");
+  for (std::size_t k = 0; k < atoms.pieces.size(); ++k) {
+    const Piece& piece = atoms.pieces[k];
+    std::vector<std::string> chains;
+    if (!atoms.labels.empty())
+      for (const AtomIndex i : piece.atoms)
+        if (std::find(chains.begin(), chains.end(), atoms.labels[i].chain) == chains.end())
+          chains.push_back(atoms.labels[i].chain);
+    text.append("{},{:.6f},{:.6f},{:.6f},{:.6f},{},{},{},{},{},{}\n", k + 1, piece.ses_area,
+                piece.ses_volume, piece.sas_area, piece.sas_volume, piece.euler_number,
+                piece.cavity_count, piece.cavity ? *piece.cavity + 1 : 0, piece.atoms.size(),
+                serial_number(atoms, piece.atoms.front()),
+                csv_field(formatted("{}", fmt::join(chains, " "))));
   }
   text.flush();
 }

@@ -1,6 +1,6 @@
 #pragma once
-/// Tables of measured areas by atom, residue and chain, and of derivatives by atom, as CSV (RFC
-/// 4180, but with LF as line end).
+/// Tables of measured areas by atom, residue and chain, of derivatives by atom, and of cavities and
+/// pieces, as CSV (RFC 4180, but with LF as line end).
 ///
 /// The tables of areas have the columns `sas_area,ses_area,convex_area,saddle_area,concave_area`.
 /// The last three are the parts of `ses_area`. If parts of a complex were measured, the columns
@@ -19,14 +19,20 @@
 /// Derivatives: `serial`, and for each of SES area, SES volume, SAS area and SAS volume the
 /// derivatives by the coordinates and the radius of the atom, such as
 /// `ses_area_x,ses_area_y,ses_area_z,ses_area_radius`.
+///
+/// Cavities and pieces: a line for each, with the members of Cavity and Piece. Indices are counted
+/// from 1. Lists have blanks between their items.
 
+#include <cstddef>
 #include <cstdint>
 #include <optional>
 #include <span>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "eses/atoms.hpp"
+#include "eses/cavities.hpp"
 #include "eses/measure.hpp"
 #include "output/buffered_text.hpp"
 
@@ -35,19 +41,23 @@ namespace eses::detail {
 /// The tables to write.
 struct TableChoice {
   bool atoms = false, residues = false, chains = false, derivatives = false;
+  bool cavities = false, pieces = false;
 
   bool need_areas() const { return atoms || residues || chains; }
-  bool any() const { return need_areas() || derivatives; }
+  bool need_cavities() const { return cavities || pieces; }
+  bool any() const { return need_areas() || derivatives || need_cavities(); }
 };
 
-/// The atoms of a table, their areas and derivatives. All spans have the same length, if they are
-/// not empty.
+/// The atoms of a table, their areas and derivatives. All spans by atom have the same length, if
+/// they are not empty.
 struct MeasuredAtoms {
   std::span<const Atom> atoms;
   std::span<const AtomLabel> labels;            ///< empty if there are no names
   std::span<const std::uint64_t> file_indices;  ///< empty if they equal the indices of the atoms
   const eses::AtomAreas& areas;
   const Gradients& gradients;
+  std::span<const Cavity> cavities;
+  std::span<const Piece> pieces;
   /// The areas of the parts of a complex; null if there are no parts.
   const eses::AtomAreas* areas_alone = nullptr;
   std::span<const std::uint32_t> parts = {};  ///< index of the part of each atom
@@ -65,5 +75,18 @@ void write_measured_atoms(const MeasuredAtoms& atoms, const TextSink& sink);
 void write_measured_residues(const MeasuredAtoms& atoms, const TextSink& sink);
 void write_measured_chains(const MeasuredAtoms& atoms, const TextSink& sink);
 void write_derivatives(const MeasuredAtoms& atoms, const TextSink& sink);
+void write_cavities(const MeasuredAtoms& atoms, const TextSink& sink);
+void write_pieces(const MeasuredAtoms& atoms, const TextSink& sink);
+
+/// Returns the number of an atom in its file, from 1.
+std::uint64_t serial_number(const MeasuredAtoms& atoms, AtomIndex i);
+
+/// Returns the numbers of the cavities whose voids overlap that of a cavity, from 1. The outside is
+/// 0.
+std::vector<std::size_t> overlaps_of(const Cavity& cavity);
+
+/// Returns the residues of atoms in the order of first occurrence, as `chain:residue number`, such
+/// as A:LYS 12. Empty if there are no labels.
+std::vector<std::string> residues_of(const MeasuredAtoms& atoms, std::span<const AtomIndex> of);
 
 }  // namespace eses::detail

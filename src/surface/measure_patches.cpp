@@ -5,6 +5,7 @@
 #include <atomic>
 #include <cmath>
 #include <limits>
+#include <memory>
 #include <numbers>
 #include <numeric>
 #include <optional>
@@ -14,9 +15,12 @@
 
 #include "geometry/sphere_part.hpp"
 #include "surface/atom_loops.hpp"
+#include "surface/cavity_list.hpp"
+#include "surface/components.hpp"
 #include "surface/gradient_terms.hpp"
 #include "surface/normal_cone.hpp"
 #include "surface/patch_schedule.hpp"
+#include "surface/patch_sums.hpp"
 #include "surface/point_tree.hpp"
 #include "surface/saddle.hpp"
 
@@ -63,6 +67,7 @@ constexpr double max_curvature_error = 1e-6;
 struct FaceTerm {
   AtomIndex atom;
   SpherePart part;
+  Vec3 moment;  // term of the second moment, if there are components
 };
 
 // The part of a patch that belongs to an atom.
@@ -71,24 +76,11 @@ struct AtomShare {
   double saddle, concave;  // square angstrom
 };
 
-// Sums over patches. Positions are relative to the origin of the molecule.
-struct PatchSums {
-  double saddle = 0, concave = 0;
-  double flux = 0;       // integral of position . normal over saddle and concave patches
-  double curvature = 0;  // integral of the curvature over arcs and placements
-
-  PatchSums& operator+=(const PatchSums& other) {
-    saddle += other.saddle;
-    concave += other.concave;
-    flux += other.flux;
-    curvature += other.curvature;
-    return *this;
-  }
-};
-
 // The results of a cluster.
 struct ClusterTerms {
   PatchSums sums;
+  std::vector<ComponentFinder::RootSums> roots;  // the same by root, if there are components
+  std::vector<SharedCut> cuts;
   std::vector<FaceTerm> faces;
   std::vector<AtomShare> shares;
   GradientTerms gradients;
@@ -96,8 +88,23 @@ struct ClusterTerms {
   void clear() {
     gradients.clear();
     sums = {};
+    roots.clear();
+    cuts.clear();
     faces.clear();
     shares.clear();
+  }
+
+  // Adds the sums of an arc or a placement, and returns those of its root.
+  ComponentFinder::RootSums& add(const PatchSums& patch, ComponentFinder::Node root) {
+    sums += patch;
+    auto found = std::find_if(roots.rbegin(), roots.rend(),
+                              [&](const auto& entry) { return entry.root == root; });
+    if (found == roots.rend()) {
+      roots.push_back({root, {}});
+      found = roots.rbegin();
+    }
+    found->sums += patch;
+    return *found;
   }
 };
 
@@ -107,22 +114,6 @@ struct Face {
   double solid_angle = 0;
   bool is_whole = false;
   bool has_arcs = false;
-};
-
-// Sums over faces.
-struct FaceSums {
-  double solid_angle = 0;
-  double sas_area = 0, sas_flux = 0;
-  double convex_area = 0, convex_flux = 0;
-
-  FaceSums& operator+=(const FaceSums& other) {
-    solid_angle += other.solid_angle;
-    sas_area += other.sas_area;
-    sas_flux += other.sas_flux;
-    convex_area += other.convex_area;
-    convex_flux += other.convex_flux;
-    return *this;
-  }
 };
 
 // Scratch memory of a thread.
@@ -138,6 +129,7 @@ struct MeasureScratch {
   Vec3 near_center;
   double near_distance = -1;                   // angstrom
   std::vector<const ProbePlacement*> cutters;  // placements that cut the cone
+  std::vector<std::uint32_t> cutter_numbers;
 };
 
 // Returns the middle of the box around the centres.
@@ -178,24 +170,39 @@ class PatchMeasurement {
         gradient->radii.resize(surface_.atoms.size());
       }
     }
+    if (settings.cavities) {
+      components_.emplace(surface_, origin_);
+      face_moments_.resize(surface_.atoms.size());
+    }
     if (!divides_areas()) return;
     for (auto* areas : {&result_.by_atom.sas, &result_.by_atom.convex, &result_.by_atom.saddle,
                         &result_.by_atom.concave})
       areas->resize(surface_.atoms.size());
   }
 
-  // Returns nothing if a decision depends on the slack.
-  std::optional<Measures> run() {
+  // Returns whether no decision depends on the slack. Otherwise, the result is incomplete.
+  bool run() {
     const AtomClusters& clusters = schedule_.patches().clusters();
     for (ClusterIndex begin = 0; begin < clusters.count();) {
       if (settings_.check) settings_.check();
       const ClusterIndex end = std::min(begin + clusters_per_layer, clusters.count());
-      if (!measure_layer(begin, end)) return std::nullopt;
+      if (!measure_layer(begin, end)) return false;
       begin = end;
     }
     measure_faces();
+    return true;
+  }
+
+  // The difference of the total curvature and the Euler number.
+  double curvature_error() const {
+    return std::fabs(result_.total_curvature - static_cast<double>(result_.euler_number));
+  }
+
+  Measures take_result() {
+    if (components_) list_cavities();
     return std::move(result_);
   }
+  Components take_components();
 
  private:
   static constexpr double infinity = std::numeric_limits<double>::infinity();
@@ -217,14 +224,17 @@ class PatchMeasurement {
   }
 
   bool measure_layer(ClusterIndex begin, ClusterIndex end);
+  void connect_patches(ClusterIndex begin, ClusterIndex end, double complete_to);
   void build_patches(double up_to);
   void index_placements();
   bool is_regular_cluster(ClusterIndex cluster) const;
   bool touches_others(const Arc& arc, std::span<const AtomIndex> neighbours) const;
   void measure_cluster(ClusterIndex cluster, MeasureScratch& scratch, ClusterTerms& terms) const;
   void add_terms(ClusterIndex cluster, const ClusterTerms& terms);
-  void add_arc(const Arc& arc, ClusterTerms& terms) const;
-  void add_placement(std::uint32_t number, MeasureScratch& scratch, ClusterTerms& terms) const;
+  PatchSums add_arc(const Arc& arc, ClusterTerms& terms) const;
+  PatchSums add_placement(std::uint32_t number, MeasureScratch& scratch, ClusterTerms& terms) const;
+  void record_shared_cut(std::uint32_t number, const SpherePart& part, MeasureScratch& scratch,
+                         ClusterTerms& terms) const;
   void find_node(std::uint32_t number, std::vector<std::uint32_t>& node) const;
   SpherePart find_triangle(const ProbePlacement& placement, MeasureScratch& scratch) const;
   SpherePart find_cone(std::uint32_t number, MeasureScratch& scratch) const;
@@ -242,6 +252,7 @@ class PatchMeasurement {
   void finish_areas_by_atom();
   void finish_gradients();
   void measure_faces();
+  void list_cavities();
   double face_angle(AtomIndex i, std::vector<AtomIndex>& found) const;
 
   const MeasureSettings& settings_;
@@ -253,6 +264,8 @@ class PatchMeasurement {
   std::vector<Face> faces_;  // by atom
   PatchSums sums_;
   Measures result_;
+  std::optional<ComponentFinder> components_;
+  std::vector<Vec3> face_moments_;  // by atom, if there are components
 
   // The placements of the clusters that are complete.
   std::vector<const ProbePlacement*> placements_;
@@ -273,6 +286,7 @@ bool PatchMeasurement::measure_layer(ClusterIndex begin, ClusterIndex end) {
   // A concave patch is cut by placements up to twice the probe radius away.
   build_patches(high + probe() + look_up_slack);
   index_placements();
+  if (components_) connect_patches(begin, end, high + 2 * (probe() + look_up_slack));
   std::atomic<bool> is_regular = true;
   terms_.resize(std::max<std::size_t>(terms_.size(), end - begin));
   parallel_for(end - begin, std::min<int>(settings_.threads, static_cast<int>(end - begin)),
@@ -289,11 +303,19 @@ bool PatchMeasurement::measure_layer(ClusterIndex begin, ClusterIndex end) {
   // The order of the sums does not depend on the threads.
   for (ClusterIndex cluster = begin; cluster < end; ++cluster)
     add_terms(cluster, terms_[cluster - begin]);
+  if (components_) components_->end_layer();
   double low = infinity;
   for (ClusterIndex cluster = end; cluster < clusters.count(); ++cluster)
     low = std::min(low, clusters.heights(cluster).low);
   schedule_.pass(low - probe() - look_up_slack);
   return true;
+}
+
+// All clusters that begin at or below `complete_to` are complete.
+void PatchMeasurement::connect_patches(ClusterIndex begin, ClusterIndex end, double complete_to) {
+  components_->begin_layer({schedule_, begin, end,
+                            schedule_.patches().clusters().count_below(complete_to), placements_,
+                            centers_, first_placement_, node_, tree_, settings_.threads});
 }
 
 void PatchMeasurement::build_patches(double up_to) {
@@ -385,10 +407,13 @@ void PatchMeasurement::measure_cluster(ClusterIndex cluster, MeasureScratch& scr
                                        ClusterTerms& terms) const {
   const ClusterPatches& patches = schedule_.patches().of_cluster(cluster);
   scratch.near_distance = -1;
-  for (const Arc& arc : patches.arcs) add_arc(arc, terms);
+  for (std::size_t k = 0; k < patches.arcs.size(); ++k)
+    terms.add(add_arc(patches.arcs[k], terms),
+              components_ ? components_->root_of_arc(cluster, k) : 0);
   const std::uint32_t first = first_placement_[cluster];
-  for (std::uint32_t k = 0; k < patches.placements.size(); ++k)
-    add_placement(first + k, scratch, terms);
+  for (std::uint32_t k = first; k < first + patches.placements.size(); ++k)
+    terms.add(add_placement(k, scratch, terms), components_ ? components_->root_of_placement(k) : 0)
+        .box.include(centers_[k]);
 }
 
 void PatchMeasurement::add_terms(ClusterIndex cluster, const ClusterTerms& terms) {
@@ -401,6 +426,11 @@ void PatchMeasurement::add_terms(ClusterIndex cluster, const ClusterTerms& terms
     Face& face = faces_[term.atom];
     face.boundary += term.part;
     face.has_arcs = true;
+    if (components_) face_moments_[term.atom] = face_moments_[term.atom] + term.moment;
+  }
+  if (components_) {
+    for (const ComponentFinder::RootSums& sums : terms.roots) components_->add(sums);
+    for (const SharedCut& cut : terms.cuts) components_->add(cut);
   }
   for (const GradientTerm& term : terms.gradients.atoms) {
     Gradient& gradient = *gradients()[term.quantity];
@@ -416,23 +446,25 @@ void PatchMeasurement::add_terms(ClusterIndex cluster, const ClusterTerms& terms
   }
 }
 
-void PatchMeasurement::add_arc(const Arc& arc, ClusterTerms& terms) const {
+PatchSums PatchMeasurement::add_arc(const Arc& arc, ClusterTerms& terms) const {
   const SasSphere first = surface_.sas_sphere(arc.first), second = surface_.sas_sphere(arc.second);
   const ContactCircle circle = make_contact_circle(first, second);
-  SweptArc swept{2 * pi, {}};
-  if (arc.kind != ArcKind::full) {
-    swept.angle = angle_about(circle.axis, arc.start, arc.end);
-    // Rounding may exchange an angle of almost 0 and one of almost 2 pi.
-    if (arc.kind == ArcKind::minor && swept.angle > 1.5 * pi) swept.angle = 0;
-    swept.radial = cross(arc.end - arc.start, circle.axis);
+  const SweptArc swept = sweep(arc, circle.axis);
+  const SphericalCap first_cap{circle.axis, circle.first_height / first.radius};
+  const SphericalCap second_cap{-circle.axis, circle.second_height / second.radius};
+  const RimArc first_rim{0, swept.angle, arc.start, arc.end};
+  const RimArc second_rim{0, swept.angle, arc.end, arc.start};
+  terms.faces.push_back({arc.first, boundary_term(first_cap, first_rim), {}});
+  terms.faces.push_back({arc.second, boundary_term(second_cap, second_rim), {}});
+  if (components_) {
+    const auto moment = [&](const SphericalCap& cap, const RimArc& rim, const SasSphere& sphere) {
+      return second_moment_term(cap, rim, sphere.center - origin_);
+    };
+    terms.faces.end()[-2].moment = moment(first_cap, first_rim, first);
+    terms.faces.end()[-1].moment = moment(second_cap, second_rim, second);
   }
-  const double first_cosine = circle.first_height / first.radius;
-  const double second_cosine = circle.second_height / second.radius;
-  terms.faces.push_back({arc.first, boundary_term({circle.axis, first_cosine},
-                                                  {0, swept.angle, arc.start, arc.end})});
-  terms.faces.push_back({arc.second, boundary_term({-circle.axis, second_cosine},
-                                                   {0, swept.angle, arc.end, arc.start})});
-  terms.sums.curvature -= swept.angle * (first_cosine + second_cosine);
+  PatchSums sums;
+  sums.curvature -= swept.angle * (first_cap.cosine + second_cap.cosine);
   const SaddleOutline outline = make_outline(circle, std::max(0.0, probe()));
   const SurfaceIntegrals whole = saddle_integrals(outline, outline.contact, circle.axis, swept);
   if (settings_.gradients) {
@@ -444,24 +476,26 @@ void PatchMeasurement::add_arc(const Arc& arc, ClusterTerms& terms) const {
       add_arc_area_gradient(surface_, shape, outline, weights_, weighted_sas_area_quantity,
                             weighted_ses_area_quantity, terms.gradients);
   }
-  if (probe() <= 0) return;
-  terms.sums.saddle += whole.area;
-  terms.sums.flux += whole.flux + dot(circle.center - origin_, whole.vector_area);
-  if (!divides_areas()) return;
+  if (probe() <= 0) return sums;
+  sums.saddle += whole.area;
+  sums.flux += whole.flux + dot(circle.center - origin_, whole.vector_area);
+  if (!divides_areas()) return sums;
   const SaddleBorder border = find_border(outline, circle, first.radius, second.radius);
   const double first_area =
       saddle_integrals(outline, {outline.contact.low, border.angle}, circle.axis, swept).area;
   terms.shares.push_back({arc.first, first_area, 0});
   terms.shares.push_back({arc.second, std::max(0.0, whole.area - first_area), 0});
+  return sums;
 }
 
-void PatchMeasurement::add_placement(std::uint32_t number, MeasureScratch& scratch,
-                                     ClusterTerms& terms) const {
-  if (node_[number] != number) return;
+PatchSums PatchMeasurement::add_placement(std::uint32_t number, MeasureScratch& scratch,
+                                          ClusterTerms& terms) const {
+  PatchSums sums;
+  if (node_[number] != number) return sums;
   const Vec3 center = centers_[number];
   SpherePart part = find_cone(number, scratch);
-  terms.sums.curvature += part.solid_angle;
-  if (probe() <= 0 || part.solid_angle == 0) return;
+  sums.curvature += part.solid_angle;
+  if (probe() <= 0 || part.solid_angle == 0) return sums;
   // The cone lies in a cap around the mean of its edges. Points of the patch are nearer to the
   // point on its axis than the chord.
   Vec3 mean;
@@ -477,17 +511,19 @@ void PatchMeasurement::add_placement(std::uint32_t number, MeasureScratch& scrat
     add_cutters(number, center, 2 * probe(), scratch);
   }
   if (!scratch.cutters.empty()) part = scratch.finder.find(scratch.caps);
-  terms.sums.concave += probe() * probe() * part.solid_angle;
-  terms.sums.flux -=
+  if (components_) record_shared_cut(number, part, scratch, terms);
+  sums.concave += probe() * probe() * part.solid_angle;
+  sums.flux -=
       probe() * probe() * (dot(center - origin_, part.vector_area) + probe() * part.solid_angle);
   if (divides_areas()) share_among_atoms(part, scratch, terms);
-  if (!settings_.gradients) return;
+  if (!settings_.gradients) return sums;
   if (scratch.touched.size() > 3) {
     add_node_gradient(center, scratch, terms);
   } else {
     scratch.finder.find(scratch.caps);
     add_patch_gradient(*placements_[number], part, scratch, terms);
   }
+  return sums;
 }
 
 // Adds the derivatives at a placement that touches more than three atoms: those of the placements
@@ -527,6 +563,22 @@ void PatchMeasurement::add_patch_gradient(const ProbePlacement& placement, const
                                scratch.cutters, owner, scratch.borders},
                               weights_[owner], weighted_ses_area_quantity, terms.gradients);
   }
+}
+
+// Keeps a patch that placements cut which may belong to other components.
+void PatchMeasurement::record_shared_cut(std::uint32_t number, const SpherePart& part,
+                                         MeasureScratch& scratch, ClusterTerms& terms) const {
+  const ComponentFinder::Node root = components_->root_of_placement(number);
+  const std::vector<std::uint32_t>& cutters = scratch.cutter_numbers;
+  if (std::all_of(cutters.begin(), cutters.end(), [&](std::uint32_t cutter) {
+        return components_->root_of_placement(cutter) == root;
+      }))
+    return;
+  SharedCut cut{root, centers_[number] - origin_, 0, scratch.caps, {}, part};
+  cut.bound_count = static_cast<std::uint32_t>(scratch.caps.size() - cutters.size());
+  for (const std::uint32_t cutter : cutters)
+    cut.cutters.push_back(components_->root_of_placement(cutter));
+  terms.cuts.push_back(std::move(cut));
 }
 
 // Sets the touched atoms, the directions to them and the caps that bound their cone.
@@ -607,14 +659,17 @@ void PatchMeasurement::add_cutters(std::uint32_t number, Vec3 center, double dis
   const double limit = 4 * probe() * probe();
   const double min_squared = surface_.has_slack ? 0 : min_cutting_distance * min_cutting_distance;
   scratch.cutters.clear();
+  scratch.cutter_numbers.clear();
   find_near(center, distance, scratch);
   for (const std::uint32_t other : scratch.near) {
     if (squared_norm(centers_[other] - center) >= distance * distance) continue;
     if (other == number || node_[other] != other) continue;
     const Vec3 to_other = centers_[other] - from;
     const double squared = squared_norm(to_other);
-    if (squared < limit && squared > min_squared && may_cut(to_other, squared, scratch))
-      scratch.cutters.push_back(placements_[other]);
+    if (squared >= limit || squared <= min_squared || !may_cut(to_other, squared, scratch))
+      continue;
+    scratch.cutters.push_back(placements_[other]);
+    scratch.cutter_numbers.push_back(other);
   }
   for (const ProbePlacement* cutter : scratch.cutters) {
     const Vec3 to_cutter = cutter->center - from;
@@ -728,14 +783,13 @@ void PatchMeasurement::measure_faces() {
         for (AtomIndex i = begin; i < end; ++i) {
           const double angle = faces_[i].solid_angle = face_angle(i, found);
           if (angle == 0) continue;
-          const double r = atoms[i].radius, R = r + probe();
           const double along = dot(atoms[i].center - origin_, faces_[i].boundary.vector_area);
-          sums[range] += {angle, R * R * angle, R * R * (R * angle + along), r * r * angle,
-                          r * r * (r * angle + along)};
+          const FaceSums face = face_sums(atoms[i].radius, probe(), angle, along);
+          sums[range] += face;
           if (settings_.gradients) add_face_gradient(i, angle);
           if (!divides_areas()) continue;
-          result_.by_atom.sas[i] = R * R * angle;
-          result_.by_atom.convex[i] = r * r * angle;
+          result_.by_atom.sas[i] = face.sas_area;
+          result_.by_atom.convex[i] = face.convex_area;
         }
       });
   FaceSums total;
@@ -751,27 +805,43 @@ void PatchMeasurement::measure_faces() {
   result_.euler_number = 2 * std::llround(result_.total_curvature / 2);
 }
 
-double curvature_error(const Measures& measures) {
-  return std::fabs(measures.total_curvature - static_cast<double>(measures.euler_number));
+Components PatchMeasurement::take_components() {
+  Components components = components_->finish([&](AtomIndex i) {
+    return ComponentFinder::FaceIntegrals{faces_[i].solid_angle, faces_[i].boundary.vector_area,
+                                          face_moments_[i]};
+  });
+  components_.reset();
+  return components;
+}
+
+void PatchMeasurement::list_cavities() {
+  const Components components = take_components();
+  list_components(surface_, origin_, settings_.probe_radius, settings_.threads, components,
+                  result_.cavities, result_.pieces);
 }
 
 // Coordinates larger than this are rounded too much for placements that are close together
 // (angstrom).
 constexpr double far_away = 1024;
 
-Measures measure_here(const Molecule& molecule, const MeasureSettings& settings) {
-  if (auto regular = PatchMeasurement(molecule, settings, {}).run()) return std::move(*regular);
-  Measures best;
-  double min_error = std::numeric_limits<double>::infinity();
+// Returns a complete measurement, without slack if a decision depends on it.
+std::unique_ptr<PatchMeasurement> measure_consistently(const Molecule& molecule,
+                                                       const MeasureSettings& settings) {
+  auto best = std::make_unique<PatchMeasurement>(molecule, settings, Accessibility());
+  if (best->run()) return best;
+  best.reset();
   for (const Accessibility& accessibility : without_slack) {
-    Measures measures = *PatchMeasurement(molecule, settings, accessibility).run();
-    const double error = curvature_error(measures);
-    if (error >= min_error) continue;
-    min_error = error;
-    best = std::move(measures);
-    if (error < max_curvature_error) break;
+    auto next = std::make_unique<PatchMeasurement>(molecule, settings, accessibility);
+    next->run();
+    if (best && next->curvature_error() >= best->curvature_error()) continue;
+    best = std::move(next);
+    if (best->curvature_error() < max_curvature_error) break;
   }
   return best;
+}
+
+Measures measure_here(const Molecule& molecule, const MeasureSettings& settings) {
+  return measure_consistently(molecule, settings)->take_result();
 }
 
 }  // namespace
@@ -784,7 +854,17 @@ Measures measure_patches(const Molecule& molecule, const MeasureSettings& settin
   for (std::size_t axis = 0; axis < 3; ++axis) middle[axis] = std::round(middle[axis]);
   std::vector<Atom> moved(atoms.begin(), atoms.end());
   for (Atom& atom : moved) atom.center = atom.center - middle;
-  return measure_here(Molecule(std::move(moved), {}, settings.threads), settings);
+  Measures measures = measure_here(Molecule(std::move(moved), {}, settings.threads), settings);
+  for (Cavity& cavity : measures.cavities)
+    for (Vec3* point : {&cavity.centroid, &cavity.low, &cavity.high, &cavity.largest_probe_center})
+      *point = *point + middle;
+  return measures;
+}
+
+Components find_components(const Molecule& molecule, const MeasureSettings& settings) {
+  MeasureSettings with_cavities = settings;
+  with_cavities.cavities = true;
+  return measure_consistently(molecule, with_cavities)->take_components();
 }
 
 }  // namespace eses::detail

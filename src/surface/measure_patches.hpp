@@ -4,6 +4,7 @@
 #include <span>
 
 #include "eses/measure.hpp"
+#include "surface/components.hpp"
 #include "surface/molecule.hpp"
 
 namespace eses::detail {
@@ -14,11 +15,15 @@ struct MeasureSettings {
   bool by_atom = false;
   bool gradients = false;
   std::span<const double> weights = {};
+  bool cavities = false;
   int threads = 1;
   CheckCallback check = {};
 };
 
 /// Measures the surface for one probe radius. Leaves the values of the van der Waals surface 0.
 Measures measure_patches(const Molecule& molecule, const MeasureSettings& settings);
+
+/// Returns the components of the set of accessible probe centres.
+Components find_components(const Molecule& molecule, const MeasureSettings& settings);
 
 }  // namespace eses::detail

@@ -1,0 +1,13 @@
+#pragma once
+/// Cavities of a surface.
+
+#include <pybind11/pybind11.h>
+
+#include <eses/eses.hpp>
+
+namespace eses::python {
+
+/// Adds `cavities` to the class of surfaces.
+void bind_cavities(pybind11::class_<Surface>& surface);
+
+}  // namespace eses::python

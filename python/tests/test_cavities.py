@@ -1,0 +1,38 @@
+"""Tests of the cavities of a surface. Expected values are closed forms."""
+
+import math
+
+import numpy as np
+import pytest
+
+import eses
+
+
+def octahedron(distance):
+    """Six atoms of radius 1 at this distance from the origin, and one far away."""
+    return np.vstack([[[0, 0, 20]], distance * np.eye(3), -distance * np.eye(3)])
+
+
+def test_a_place_that_just_holds_a_probe():
+    probe = 0.7
+    surface = eses.Surface(octahedron(1 + probe), np.ones(7), probe_radius=probe)
+    (cavity,) = surface.cavities()
+    assert cavity["void_volume"] == pytest.approx(4 / 3 * math.pi * probe**3, rel=1e-6)
+    assert cavity["ses_area"] == pytest.approx(4 * math.pi * probe**2, rel=1e-6)
+    assert cavity["probe_center_volume"] == pytest.approx(0, abs=1e-12)
+    assert cavity["largest_probe"] == pytest.approx(probe, abs=1e-8)
+    np.testing.assert_allclose(cavity["centroid"], 0, atol=1e-7)
+    np.testing.assert_allclose([cavity["low"], cavity["high"]], [[-probe] * 3, [probe] * 3],
+                               atol=1e-7)
+    np.testing.assert_array_equal(cavity["atoms"], np.arange(1, 7))
+    assert cavity["walls"] == 1
+    assert cavity["overlaps"] == [] and not cavity["overlaps_outside"]
+    assert surface.cavities(probe_radius=0.72) == []
+
+
+def test_arguments_are_checked():
+    surface = eses.Surface(octahedron(2), np.ones(7))
+    with pytest.raises(ValueError, match="probe radius"):
+        surface.cavities(-1)
+    with pytest.raises(ValueError, match="threads"):
+        surface.cavities(threads=-1)

@@ -1,0 +1,440 @@
+#include "surface/components.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numbers>
+
+#include "surface/atom_loops.hpp"
+
+namespace eses::detail {
+namespace {
+
+using std::numbers::pi;
+
+// An arc ends at the nearest placement of its atoms within this distance (angstrom). It is far
+// above the errors of positions.
+constexpr double end_search = 1e-5;
+
+// Without slack, placements and ends of arcs this close together are connected (angstrom). Rounding
+// may hide the arcs between them.
+constexpr double connected = tolerance::touching;
+
+// Length of the parts of a ray for which atoms are searched together (angstrom).
+constexpr double ray_step = 8;
+
+// A node of an atom from here on is an index of a divided atom.
+constexpr DisjointSets::Element divided_begin = 0x80000000;
+
+struct ArcMatch {
+  std::uint32_t arc, placement;
+};
+
+// Finds the placements at the ends of the arcs of a cluster.
+void find_ends(const SurfaceModel& surface, const ClusterPatches& patches, const SweepLayer& layer,
+               std::vector<ArcMatch>& matches) {
+  matches.clear();
+  for (std::uint32_t k = 0; k < patches.arcs.size(); ++k) {
+    const Arc& arc = patches.arcs[k];
+    if (arc.kind == ArcKind::full) continue;
+    const ContactCircle circle =
+        make_contact_circle(surface.sas_sphere(arc.first), surface.sas_sphere(arc.second));
+    for (const Vec3 radial : {arc.start, arc.end}) {
+      const Vec3 end = circle.center + circle.radius * radial;
+      double min_squared = std::numeric_limits<double>::infinity();
+      ArcMatch best{k, 0};
+      layer.tree.for_each_within(end, end_search, [&](std::uint32_t number) {
+        const double squared = squared_norm(layer.centers[number] - end);
+        if (!surface.has_slack && squared < connected * connected) matches.push_back({k, number});
+        const auto& atoms = layer.placements[number]->atoms;
+        if (squared >= min_squared ||
+            std::find(atoms.begin(), atoms.end(), arc.first) == atoms.end() ||
+            std::find(atoms.begin(), atoms.end(), arc.second) == atoms.end())
+          return;
+        min_squared = squared;
+        best.placement = number;
+      });
+      if (min_squared < std::numeric_limits<double>::infinity()) matches.push_back(best);
+    }
+  }
+}
+
+template <class Action>
+void for_each_complete(const SweepLayer& layer, Action&& action) {
+  for (ClusterIndex cluster = 0; cluster < layer.complete_end; ++cluster)
+    if (layer.schedule.is_complete(cluster))
+      action(cluster, layer.schedule.patches().of_cluster(cluster));
+}
+
+// Where a ray enters a SAS ball: a direction from the atom's centre.
+struct RayHit {
+  AtomIndex atom;
+  Vec3 direction;
+};
+
+// Returns the first SAS ball on a ray, among those that extend beyond the start in its direction.
+std::optional<RayHit> first_hit(const SurfaceModel& surface, Vec3 from, Vec3 along, double length) {
+  constexpr double above_start = 1e-9;  // angstrom
+  std::vector<AtomIndex> found;
+  for (double begin = 0; begin < length; begin += ray_step) {
+    Box box{from + begin * along, from + begin * along};
+    box.include(from + (begin + ray_step) * along);
+    surface.cells().find_reaching(box, surface.probe_radius + look_up_slack, found);
+    double min_distance = begin + ray_step;
+    std::optional<AtomIndex> first;
+    for (const AtomIndex k : found) {
+      if (surface.molecule.is_contained(k)) continue;
+      const SasSphere sphere = surface.sas_sphere(k);
+      const Vec3 offset = sphere.center - from;
+      const double height = dot(offset, along);
+      const double squared_half =
+          sphere.radius * sphere.radius - squared_norm(offset) + height * height;
+      if (height + sphere.radius <= above_start || squared_half <= 0) continue;
+      const double half = std::sqrt(squared_half);
+      if (height + half <= 0) continue;
+      const double distance = std::max(0.0, height - half);
+      if (distance >= min_distance) continue;
+      min_distance = distance;
+      first = k;
+    }
+    if (first)
+      return RayHit{*first, normalized(from + min_distance * along - surface.atoms[*first].center)};
+  }
+  return std::nullopt;
+}
+
+bool is_split(const DisjointSets& sets, std::span<const SphereArc> arcs) {
+  return std::any_of(arcs.begin(), arcs.end(), [&](const SphereArc& arc) {
+    return sets.root(arc.node) != sets.root(arcs.front().node);
+  });
+}
+
+}  // namespace
+
+Box empty_box() {
+  constexpr double infinity = std::numeric_limits<double>::infinity();
+  return {{infinity, infinity, infinity}, {-infinity, -infinity, -infinity}};
+}
+
+Box united(const Box& a, const Box& b) {
+  Box box = a;
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    box.low[axis] = std::min(a.low[axis], b.low[axis]);
+    box.high[axis] = std::max(a.high[axis], b.high[axis]);
+  }
+  return box;
+}
+
+std::optional<std::uint32_t> Components::wall_at(AtomIndex atom, Vec3 direction) const {
+  const std::uint32_t wall = wall_of_atom_[atom];
+  if (wall == no_wall) return std::nullopt;
+  if (wall < split_begin_) return wall;
+  return node_of_face(divided_[wall - split_begin_].arcs, direction);
+}
+
+ComponentFinder::ComponentFinder(const SurfaceModel& surface, Vec3 origin)
+    : surface_(surface), origin_(origin), node_of_atom_(surface.atoms.size(), no_node) {}
+
+void ComponentFinder::begin_layer(const SweepLayer& layer) {
+  add_nodes(layer);
+  connect_arcs(layer);
+  connect_faces_of_atoms(layer);
+}
+
+void ComponentFinder::add_nodes(const SweepLayer& layer) {
+  const std::size_t clusters = layer.schedule.patches().clusters().count();
+  first_node_.resize(clusters, no_node);
+  are_connected_.resize(clusters);
+  placement_node_.resize(layer.placements.size());
+  for_each_complete(layer, [&](ClusterIndex cluster, const ClusterPatches& patches) {
+    const auto arcs = static_cast<Node>(patches.arcs.size());
+    const auto placements = static_cast<Node>(patches.placements.size());
+    if (first_node_[cluster] == no_node) first_node_[cluster] = sets_.add(arcs + placements);
+    for (Node k = 0; k < placements; ++k)
+      placement_node_[layer.first_placement[cluster] + k] = first_node_[cluster] + arcs + k;
+  });
+}
+
+// Connects each arc with the placements at its ends. If other clusters are not complete yet, some
+// of the arcs of a cluster are connected in a later layer.
+void ComponentFinder::connect_arcs(const SweepLayer& layer) {
+  const AtomClusters& clusters = layer.schedule.patches().clusters();
+  std::vector<ClusterIndex> chosen;
+  for_each_complete(layer, [&](ClusterIndex cluster, const ClusterPatches&) {
+    if (are_connected_[cluster] == 0) chosen.push_back(cluster);
+  });
+  std::vector<std::vector<ArcMatch>> matches(chosen.size());
+  for_each_index(chosen.size(), layer.threads, [&](std::size_t k) {
+    find_ends(surface_, layer.schedule.patches().of_cluster(chosen[k]), layer, matches[k]);
+  });
+  for (std::size_t k = 0; k < chosen.size(); ++k) {
+    for (const ArcMatch& match : matches[k])
+      sets_.unite(first_node_[chosen[k]] + match.arc, placement_node_[match.placement]);
+    const double high = clusters.heights(chosen[k]).high + look_up_slack;
+    are_connected_[chosen[k]] = clusters.count_below(high) <= layer.complete_end ? 1 : 0;
+  }
+  if (surface_.has_slack) return;
+  for (std::uint32_t k = 0; k < layer.placements.size(); ++k)
+    layer.tree.for_each_within(layer.centers[k], connected, [&](std::uint32_t other) {
+      sets_.unite(placement_node_[k], placement_node_[other]);
+    });
+  for (std::uint32_t k = 0; k < layer.placements.size(); ++k)
+    sets_.unite(placement_node_[k], placement_node_[layer.same_place[k]]);
+}
+
+// Sets the nodes of the atoms whose clusters are measured in this layer. All arcs of these atoms
+// are known and connected.
+void ComponentFinder::connect_faces_of_atoms(const SweepLayer& layer) {
+  const Patches& patches = layer.schedule.patches();
+  const AtomClusters& clusters = patches.clusters();
+  const auto is_measured = [&](AtomIndex i) {
+    const ClusterIndex cluster = clusters.place_of(i).cluster;
+    return cluster >= layer.begin && cluster < layer.end;
+  };
+  std::vector<std::pair<AtomIndex, Components::DividedAtom>> candidates;
+  const auto visit = [&](AtomIndex i, Node root) {
+    if (!is_measured(i)) return;
+    Node& node = node_of_atom_[i];
+    if (node == no_node) {
+      node = root;
+    } else if (node < divided_begin && sets_.root(node) != root) {
+      node = divided_begin + static_cast<Node>(candidates.size());
+      candidates.push_back({i, {}});
+    }
+  };
+  for_each_complete(layer, [&](ClusterIndex cluster, const ClusterPatches& of) {
+    for (std::size_t k = 0; k < of.arcs.size(); ++k) {
+      const Node root = root_of_arc(cluster, k);
+      visit(of.arcs[k].first, root);
+      visit(of.arcs[k].second, root);
+    }
+  });
+  const auto is_candidate = [&](AtomIndex i) {
+    return is_measured(i) && node_of_atom_[i] >= divided_begin && node_of_atom_[i] != no_node;
+  };
+  const auto keep = [&](AtomIndex i, SphereArc arc, Node root) {
+    arc.node = root;
+    candidates[node_of_atom_[i] - divided_begin].second.arcs.push_back(arc);
+  };
+  for_each_complete(layer, [&](ClusterIndex cluster, const ClusterPatches& of) {
+    for (std::size_t k = 0; k < of.arcs.size(); ++k) {
+      const Arc& arc = of.arcs[k];
+      const bool has_first = is_candidate(arc.first), has_second = is_candidate(arc.second);
+      if (!has_first && !has_second) continue;
+      const SasSphere first = surface_.sas_sphere(arc.first);
+      const SasSphere second = surface_.sas_sphere(arc.second);
+      const ContactCircle circle = make_contact_circle(first, second);
+      const Node root = root_of_arc(cluster, k);
+      if (has_first) keep(arc.first, on_first_sphere(arc, circle, first), root);
+      if (has_second) keep(arc.second, on_second_sphere(arc, circle, second), root);
+    }
+  });
+  for (const auto& [atom, candidate] : candidates)
+    connect_faces(candidate.arcs, [&](Node a, Node b) { sets_.unite(a, b); });
+  for (auto& [atom, candidate] : candidates) {
+    const bool is_divided = is_split(sets_, candidate.arcs);
+    node_of_atom_[atom] = is_divided ? divided_begin + static_cast<Node>(divided_.size())
+                                     : sets_.root(candidate.arcs.front().node);
+    if (is_divided) divided_.emplace_back(atom, std::move(candidate));
+  }
+  for (ClusterIndex cluster = layer.begin; cluster < layer.end; ++cluster) {
+    const std::span<const AtomIndex> members = clusters.members(cluster);
+    for (std::size_t m = 0; m < members.size(); ++m)
+      if (node_of_atom_[members[m]] == no_node &&
+          patches.of_cluster(cluster).exposure[m] == AtomExposure::exposed)
+        node_of_atom_[members[m]] = sets_.add();
+  }
+}
+
+void ComponentFinder::add(const RootSums& sums) { sums_.push_back(sums); }
+
+void ComponentFinder::add(SharedCut cut) { cuts_.push_back(std::move(cut)); }
+
+void ComponentFinder::end_layer() {
+  merge_sums();
+  std::erase_if(cuts_, [&](const SharedCut& cut) {
+    const Node root = sets_.root(cut.node);
+    return std::all_of(cut.cutters.begin(), cut.cutters.end(),
+                       [&](Node cutter) { return sets_.root(cutter) == root; });
+  });
+}
+
+// Adds up the sums of nodes that have been united.
+void ComponentFinder::merge_sums() {
+  for (RootSums& sums : sums_) sums.root = sets_.root(sums.root);
+  std::stable_sort(sums_.begin(), sums_.end(),
+                   [](const RootSums& a, const RootSums& b) { return a.root < b.root; });
+  std::size_t count = 0;
+  for (const RootSums& sums : sums_) {
+    if (count == 0 || sums_[count - 1].root != sums.root) {
+      sums_[count++] = sums;
+      continue;
+    }
+    RootSums& last = sums_[count - 1];
+    last.sums += sums.sums;
+    last.box = united(last.box, sums.box);
+  }
+  sums_.resize(count);
+}
+
+void ComponentFinder::add_face(Wall& wall, AtomIndex atom, const FaceIntegrals& integrals) const {
+  const double r = surface_.atoms[atom].radius, R = r + surface_.probe_radius;
+  const Vec3 position = surface_.atoms[atom].center - origin_;
+  wall.faces += face_sums(r, surface_.probe_radius, integrals.solid_angle,
+                          dot(position, integrals.vector_area));
+  // |x|^2 = |a|^2 + R^2 + 2 R a . n, with x = a + R n.
+  const Vec3 squares = integrals.moment + (integrals.solid_angle / 3) * position;
+  wall.moment = wall.moment +
+                (0.5 * R * R) *
+                    ((squared_norm(position) + R * R) * integrals.vector_area + (2 * R) * squares);
+  if (!wall.atom) wall.atom = atom;
+}
+
+void ComponentFinder::add_divided_atom(AtomIndex atom, Components::DividedAtom& divided,
+                                       std::vector<Wall>& walls) const {
+  for (const SphereArc& arc : divided.arcs) divided.walls.push_back(arc.node);
+  std::sort(divided.walls.begin(), divided.walls.end());
+  divided.walls.erase(std::unique(divided.walls.begin(), divided.walls.end()), divided.walls.end());
+  for (const std::uint32_t wall : divided.walls) {
+    SpherePart boundary;
+    FaceIntegrals integrals;
+    for (const SphereArc& arc : divided.arcs) {
+      if (arc.node != wall) continue;
+      boundary += boundary_term(arc.cap, arc.arc);
+      integrals.moment =
+          integrals.moment +
+          second_moment_term(arc.cap, arc.arc, surface_.atoms[atom].center - origin_);
+    }
+    integrals.vector_area = boundary.vector_area;
+    integrals.solid_angle = solid_angle_of(boundary.solid_angle, [&](Vec3 direction) {
+      return node_of_face(divided.arcs, direction) == wall;
+    });
+    add_face(walls[wall], atom, integrals);
+  }
+}
+
+void ComponentFinder::add_faces(const std::vector<Node>& labels,
+                                const std::function<FaceIntegrals(AtomIndex)>& integrals_of,
+                                Components& components) {
+  components.split_begin_ = static_cast<std::uint32_t>(components.walls.size());
+  components.wall_of_atom_.assign(surface_.atoms.size(), Components::no_wall);
+  for (AtomIndex i = 0; i < surface_.atoms.size(); ++i) {
+    const Node node = node_of_atom_[i];
+    if (node == no_node) continue;
+    std::uint32_t wall = 0;
+    if (node >= divided_begin) {
+      Components::DividedAtom& divided = divided_[node - divided_begin].second;
+      for (SphereArc& arc : divided.arcs) arc.node = labels[arc.node];
+      wall = divided.arcs.front().node;
+      if (std::any_of(divided.arcs.begin(), divided.arcs.end(),
+                      [&](const SphereArc& arc) { return arc.node != wall; })) {
+        add_divided_atom(i, divided, components.walls);
+        components.wall_of_atom_[i] =
+            components.split_begin_ + static_cast<std::uint32_t>(components.divided_.size());
+        components.divided_.push_back(std::move(divided));
+        continue;
+      }
+    } else {
+      wall = labels[node];
+    }
+    components.wall_of_atom_[i] = wall;
+    add_face(components.walls[wall], i, integrals_of(i));
+  }
+}
+
+// A wall that encloses atoms has at least the volume of one SAS ball.
+void ComponentFinder::connect_walls(Components& components) const {
+  const std::span<const Atom> atoms = surface_.atoms;
+  double min_radius = std::numeric_limits<double>::infinity();
+  for (const Atom& atom : atoms) min_radius = std::min(min_radius, atom.radius);
+  min_radius = std::max(0.0, min_radius + surface_.probe_radius);
+  std::vector<Wall>& walls = components.walls;
+  DisjointSets sets(static_cast<DisjointSets::Element>(walls.size()) + 1);  // 0 is the outside
+  std::vector<std::uint32_t> open;
+  for (std::uint32_t w = 0; w < walls.size(); ++w) {
+    Wall& wall = walls[w];
+    wall.encloses_atoms =
+        wall.atom && wall.faces.sas_flux > 2 * pi * min_radius * min_radius * min_radius;
+    if (wall.encloses_atoms) open.push_back(w);
+    // A placement near an arc that rounding has hidden bounds nothing.
+    if (!wall.atom && wall.patches.curvature < 2 * pi) sets.unite(0, w + 1);
+  }
+  for (const Vec3 direction : sphere_part::test_directions()) {
+    if (open.empty()) break;
+    const Vec3 along = normalized(direction);
+    struct Extreme {
+      double height = -std::numeric_limits<double>::infinity();
+      AtomIndex atom = 0;
+    };
+    std::vector<Extreme> extremes(walls.size());
+    double top = -std::numeric_limits<double>::infinity();
+    for (AtomIndex i = 0; i < atoms.size(); ++i) {
+      const double height = dot(atoms[i].center, along) + atoms[i].radius + surface_.probe_radius;
+      top = std::max(top, height);
+      components.for_each_wall_of(i, [&](std::uint32_t wall) {
+        if (height > extremes[wall].height) extremes[wall] = {height, i};
+      });
+    }
+    std::erase_if(open, [&](std::uint32_t w) {
+      const SasSphere sphere = surface_.sas_sphere(extremes[w].atom);
+      const auto hit = first_hit(surface_, sphere.center + sphere.radius * along, along,
+                                 top - extremes[w].height);
+      const auto next = hit ? components.wall_at(hit->atom, hit->direction) : std::nullopt;
+      if (hit && !next) return false;
+      sets.unite(w + 1, next ? *next + 1 : 0);
+      return true;
+    });
+  }
+  const std::vector<DisjointSets::Element> labels = sets.labels();
+  for (std::uint32_t w = 0; w < walls.size(); ++w) {
+    walls[w].component = labels[w + 1];
+    components.count = std::max(components.count, labels[w + 1] + 1);
+  }
+}
+
+// The void of a component alone is cut by its own placements only.
+void ComponentFinder::find_overlaps(const std::vector<Node>& labels, Components& components) {
+  const double p = surface_.probe_radius;
+  const auto component_of = [&](Node node) { return components.walls[labels[node]].component; };
+  components.corrections.resize(components.count);
+  SpherePartFinder finder;
+  std::vector<SphericalCap> caps;
+  for (const SharedCut& cut : cuts_) {
+    const std::uint32_t own = component_of(cut.node);
+    caps.assign(cut.caps.begin(), cut.caps.begin() + cut.bound_count);
+    for (std::size_t k = 0; k < cut.cutters.size(); ++k) {
+      const std::uint32_t other = component_of(cut.cutters[k]);
+      if (other == own)
+        caps.push_back(cut.caps[cut.bound_count + k]);
+      else
+        components.overlaps.emplace_back(std::min(own, other), std::max(own, other));
+    }
+    if (caps.size() == cut.caps.size()) continue;
+    const SpherePart part = finder.find(caps);
+    const double angle = part.solid_angle - cut.part.solid_angle;
+    components.corrections[own] +=
+        {0, p * p * angle,
+         -p * p * (dot(cut.center, part.vector_area - cut.part.vector_area) + p * angle), 0};
+  }
+  std::sort(components.overlaps.begin(), components.overlaps.end());
+  components.overlaps.erase(std::unique(components.overlaps.begin(), components.overlaps.end()),
+                            components.overlaps.end());
+}
+
+Components ComponentFinder::finish(const std::function<FaceIntegrals(AtomIndex)>& integrals_of) {
+  Components components;
+  const std::vector<Node> labels = sets_.labels();
+  const auto max_label = std::max_element(labels.begin(), labels.end());
+  components.walls.resize(max_label == labels.end() ? 0 : *max_label + std::size_t{1});
+  for (const RootSums& sums : sums_) {
+    Wall& wall = components.walls[labels[sums.root]];
+    wall.patches += sums.sums;
+    wall.box = united(wall.box, sums.box);
+  }
+  add_faces(labels, integrals_of, components);
+  connect_walls(components);
+  find_overlaps(labels, components);
+  return components;
+}
+
+}  // namespace eses::detail

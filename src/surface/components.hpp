@@ -1,0 +1,173 @@
+#pragma once
+/// The walls and components of the set of accessible probe centres.
+///
+/// A wall is a connected component of the boundary of that set. Faces and arcs that share an arc or
+/// a placement are on the same wall. A wall encloses either a part of the set, like the wall of a
+/// cavity, or a piece of the molecule. In the second case, the set continues outside of it: a ray
+/// from its extreme point leads to the next wall of the same component, or to infinity.
+
+#include <cstdint>
+#include <functional>
+#include <optional>
+#include <span>
+#include <utility>
+#include <vector>
+
+#include "geometry/box.hpp"
+#include "geometry/sphere_part.hpp"
+#include "surface/disjoint_sets.hpp"
+#include "surface/patch_schedule.hpp"
+#include "surface/patch_sums.hpp"
+#include "surface/point_tree.hpp"
+#include "surface/sphere_faces.hpp"
+
+namespace eses::detail {
+
+/// Returns a box without points.
+Box empty_box();
+
+/// Returns the smallest box that contains two boxes.
+Box united(const Box& a, const Box& b);
+
+/// A wall of the set of accessible probe centres.
+struct Wall {
+  PatchSums patches;
+  FaceSums faces;
+  Vec3 moment;  ///< integral of |x|^2 n / 2 over the faces, where x is relative to the origin
+  Box box = empty_box();            ///< box around the placements
+  std::optional<AtomIndex> atom{};  ///< the first atom with a face on the wall
+  bool encloses_atoms = false;      ///< whether the set of probe centres is outside of the wall
+  std::uint32_t component = 0;      ///< see Components
+};
+
+/// The components of the set of accessible probe centres. Component 0 is the outside.
+class Components {
+ public:
+  static constexpr std::uint32_t outside = 0;
+
+  std::vector<Wall> walls;
+  std::uint32_t count = 1;
+  /// By component: what to add to the sums of its walls, because only its own probes cut patches.
+  std::vector<PatchSums> corrections;
+  /// Pairs of components whose voids overlap, ascending. The first one of a pair is smaller.
+  std::vector<std::pair<std::uint32_t, std::uint32_t>> overlaps;
+
+  /// Returns the index of the wall that has the face of an atom in this direction. Returns nothing
+  /// if the direction is in a cap, or if rounding decides.
+  std::optional<std::uint32_t> wall_at(AtomIndex atom, Vec3 direction) const;
+
+  /// Calls `action(wall)` once for the index of each wall that has a face of the atom.
+  template <class Action>
+  void for_each_wall_of(AtomIndex atom, Action&& action) const {
+    const std::uint32_t wall = wall_of_atom_[atom];
+    if (wall == no_wall) return;
+    if (wall < split_begin_) return action(wall);
+    for (const std::uint32_t each : divided_[wall - split_begin_].walls) action(each);
+  }
+
+ private:
+  friend class ComponentFinder;
+  static constexpr std::uint32_t no_wall = 0xffffffff;
+
+  // An atom with faces on several walls.
+  struct DividedAtom {
+    std::vector<SphereArc> arcs;       // SphereArc::node is the index of the wall
+    std::vector<std::uint32_t> walls;  // ascending
+  };
+
+  std::vector<std::uint32_t> wall_of_atom_;  // from split_begin_: an index into `divided_`
+  std::uint32_t split_begin_ = 0;
+  std::vector<DividedAtom> divided_;
+};
+
+/// The patches that are known in a step of a sweep along z.
+struct SweepLayer {
+  const PatchSchedule& schedule;
+  ClusterIndex begin, end;    ///< clusters that are measured
+  ClusterIndex complete_end;  ///< all clusters before this one are complete, or freed
+  std::span<const ProbePlacement* const> placements;  ///< of all complete clusters
+  std::span<const Vec3> centers;                      ///< of the placements
+  std::span<const std::uint32_t> first_placement;     ///< by cluster
+  std::span<const std::uint32_t> same_place;  ///< by placement: the first one in the same place
+  const PointTree& tree;                      ///< of the centres
+  int threads;
+};
+
+/// A concave patch that placements cut which may belong to other components.
+struct SharedCut {
+  DisjointSets::Element node = 0;  ///< of the placement
+  Vec3 center;                     ///< relative to the origin
+  std::uint32_t bound_count = 0;   ///< number of caps that bound the uncut patch
+  std::vector<SphericalCap> caps;  ///< the bounds, followed by a cap for each other placement
+  std::vector<DisjointSets::Element> cutters;  ///< the nodes of the other placements
+  SpherePart part;                             ///< outside of all caps
+};
+
+/// Finds the components during a sweep over the patches. Each arc, each placement, and each face
+/// without arcs has a node. Connected nodes are united.
+class ComponentFinder {
+ public:
+  using Node = DisjointSets::Element;
+
+  /// Keeps a reference to `surface`. Sums are relative to `origin`.
+  ComponentFinder(const SurfaceModel& surface, Vec3 origin);
+
+  /// Connects the patches of a layer.
+  void begin_layer(const SweepLayer& layer);
+
+  /// The root of an arc, or of a placement, of a complete cluster in the current layer. Several
+  /// threads may call them.
+  Node root_of_arc(ClusterIndex cluster, std::size_t arc) const {
+    return sets_.root(first_node_[cluster] + static_cast<Node>(arc));
+  }
+  Node root_of_placement(std::uint32_t number) const { return sets_.root(placement_node_[number]); }
+
+  /// Sums over patches of the same root.
+  struct RootSums {
+    Node root = 0;
+    PatchSums sums;
+    Box box = empty_box();  ///< box around the placements
+  };
+  void add(const RootSums& sums);
+  void add(SharedCut cut);
+  /// Ends the layer. All sums have been added.
+  void end_layer();
+
+  /// The integrals over the exposed part of an atom's unit sphere.
+  struct FaceIntegrals {
+    double solid_angle = 0;
+    Vec3 vector_area;
+    Vec3 moment;  ///< sum of the terms of second_moment_term, for the atom's position
+  };
+  /// Returns the components. `integrals_of` is called for atoms with faces.
+  Components finish(const std::function<FaceIntegrals(AtomIndex)>& integrals_of);
+
+ private:
+  static constexpr Node no_node = 0xffffffff;
+
+  void add_nodes(const SweepLayer& layer);
+  void connect_arcs(const SweepLayer& layer);
+  void connect_faces_of_atoms(const SweepLayer& layer);
+  void merge_sums();
+  void add_face(Wall& wall, AtomIndex atom, const FaceIntegrals& integrals) const;
+  void add_divided_atom(AtomIndex atom, Components::DividedAtom& divided,
+                        std::vector<Wall>& walls) const;
+  void add_faces(const std::vector<Node>& labels,
+                 const std::function<FaceIntegrals(AtomIndex)>& integrals_of,
+                 Components& components);
+  void connect_walls(Components& components) const;
+  void find_overlaps(const std::vector<Node>& labels, Components& components);
+
+  const SurfaceModel& surface_;
+  Vec3 origin_;
+  DisjointSets sets_;
+  std::vector<Node> first_node_;             // by cluster: of the arcs, then of the placements
+  std::vector<std::uint8_t> are_connected_;  // by cluster: whether all its arcs are connected
+  std::vector<Node> node_of_atom_;           // by atom: a node of its faces
+  std::vector<std::pair<AtomIndex, Components::DividedAtom>> divided_;
+  std::vector<Node> placement_node_;  // by placement of the layer
+  std::vector<RootSums> sums_;
+  std::vector<SharedCut> cuts_;
+};
+
+}  // namespace eses::detail

@@ -1,0 +1,244 @@
+#include "surface/largest_probe.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <optional>
+#include <utility>
+#include <vector>
+
+namespace eses::detail {
+namespace {
+
+// Cells that cannot improve the radius by more than this are not searched (angstrom).
+constexpr double max_error = 1e-9;
+
+// Smaller cells are not divided (angstrom). Rounding may hide their component.
+constexpr double min_cell = 0.1 * max_error;
+
+// Number of evaluations after which the search ends with the best sphere found. Only sets of maxima
+// with symmetry need more: then all of a curve has the same radius.
+constexpr int max_evaluations = 400'000;
+
+// Number of the nearest atoms among which a maximum is searched.
+constexpr std::size_t max_touched = 6;
+
+// An atom near a cell.
+struct NearAtom {
+  Vec3 center;
+  double radius;
+  AtomIndex index;
+  bool is_adjacent;  // whether the atom touches probes of the component
+
+  double gap_to(Vec3 point) const { return norm(point - center) - radius; }
+};
+
+struct Cell {
+  Vec3 center, half;             // half of the sides
+  double gap = 0;                // of the centre to the nearest atom
+  std::vector<NearAtom> near{};  // atoms that can be the nearest ones of points in the cell
+  int number = 0;
+
+  double size() const { return norm(half); }
+  double bound() const { return gap + size(); }
+  // Of two cells with equal bounds, the first one is searched first.
+  bool operator<(const Cell& other) const {
+    return bound() != other.bound() ? bound() < other.bound() : number > other.number;
+  }
+};
+
+// A ball in which no point is farther from the atoms than its centre.
+struct SettledBall {
+  Vec3 center;
+  double radius;
+};
+
+// Solves the equations rows . x = right, if they are well conditioned.
+std::optional<Vec3> solve(const std::array<Vec3, 3>& rows, Vec3 right) {
+  const auto& [a, b, c] = rows;
+  const double determinant = dot(a, cross(b, c));
+  if (std::fabs(determinant) < 1e-9) return std::nullopt;
+  return (1 / determinant) *
+         (right.x * cross(b, c) + right.y * cross(c, a) + right.z * cross(a, b));
+}
+
+// Returns the distance of the origin from the boundary of the tetrahedron of four unit vectors,
+// negative if it is outside.
+double depth_in_tetrahedron(const std::array<Vec3, 4>& corners) {
+  double depth = std::numeric_limits<double>::infinity();
+  for (std::size_t k = 0; k < 4; ++k) {
+    const Vec3 a = corners[(k + 1) % 4], b = corners[(k + 2) % 4], c = corners[(k + 3) % 4];
+    const Vec3 normal = cross(b - a, c - a);
+    const double length = norm(normal);
+    if (length < 1e-9) return -1;
+    const double height = dot(normal, corners[k] - a) / length;
+    depth = std::min(depth, -dot(normal, a) / length * (height < 0 ? -1 : 1));
+  }
+  return depth;
+}
+
+class Search {
+ public:
+  Search(const SurfaceModel& surface, const Components& components, std::uint32_t component,
+         const Box& centers, std::span<const AtomIndex> adjacent)
+      : surface_(surface), components_(components), component_(component) {
+    const Vec3 middle = 0.5 * (centers.low + centers.high);
+    const Vec3 half = 0.5 * (centers.high - centers.low);
+    // The gap of a point of the component is at most this larger than the probe radius.
+    const double diagonal = 2 * norm(half);
+    std::vector<AtomIndex> found;
+    surface.cells().find_reaching(centers, surface.probe_radius + diagonal + look_up_slack, found);
+    for (const AtomIndex i : found)
+      if (!surface.molecule.is_contained(i))
+        all_.push_back({surface.atoms[i].center, surface.atoms[i].radius, i,
+                        std::binary_search(adjacent.begin(), adjacent.end(), i)});
+    best_ = {middle, surface.probe_radius};
+    add({middle, half}, all_);
+    while (!open_.empty() && evaluations_ < max_evaluations) {
+      std::pop_heap(open_.begin(), open_.end());
+      Cell cell = std::move(open_.back());
+      open_.pop_back();
+      if (cell.bound() <= best_.radius + max_error) break;
+      visit(cell);
+    }
+  }
+
+  const LargestProbe& best() const { return best_; }
+
+ private:
+  const NearAtom& evaluate(const std::vector<NearAtom>& atoms, Vec3 point) {
+    ++evaluations_;
+    const NearAtom* nearest = &atoms.front();
+    double min_gap = std::numeric_limits<double>::infinity();
+    for (const NearAtom& atom : atoms) {
+      const double gap = atom.gap_to(point);
+      if (gap >= min_gap) continue;
+      min_gap = gap;
+      nearest = &atom;
+    }
+    return *nearest;
+  }
+
+  // Returns the component of a point outside of all SAS balls.
+  std::optional<std::uint32_t> component_at(const NearAtom& nearest, Vec3 point) const {
+    const Vec3 offset = point - nearest.center;
+    const double length = norm(offset);
+    if (length == 0) return std::nullopt;
+    const auto wall = components_.wall_at(nearest.index, (1 / length) * offset);
+    return wall ? std::optional(components_.walls[*wall].component) : std::nullopt;
+  }
+
+  bool is_settled(const Cell& cell, double size) const {
+    return std::any_of(settled_.begin(), settled_.end(), [&](const SettledBall& ball) {
+      return norm(cell.center - ball.center) + size <= ball.radius;
+    });
+  }
+
+  // Adds a cell, unless it cannot improve the result.
+  void add(Cell cell, const std::vector<NearAtom>& atoms) {
+    cell.gap = evaluate(atoms, cell.center).gap_to(cell.center);
+    const double size = cell.size();
+    if (cell.bound() <= best_.radius + max_error || size < min_cell || is_settled(cell, size))
+      return;
+    bool has_adjacent = false;
+    for (const NearAtom& atom : atoms) {
+      if (atom.gap_to(cell.center) > cell.gap + 2 * size) continue;
+      cell.near.push_back(atom);
+      has_adjacent = has_adjacent || atom.is_adjacent;
+    }
+    if (!has_adjacent) return;
+    cell.number = evaluations_;
+    open_.push_back(std::move(cell));
+    std::push_heap(open_.begin(), open_.end());
+  }
+
+  void visit(Cell& cell) {
+    const double size = cell.size();
+    if (is_settled(cell, size)) return;
+    if (cell.gap > surface_.probe_radius) {
+      const auto component = component_at(evaluate(cell.near, cell.center), cell.center);
+      if (component && *component != component_ && cell.gap - surface_.probe_radius > size) return;
+      if (component == component_) improve(cell);
+    }
+    const Vec3 half = 0.5 * cell.half;
+    for (std::size_t k = 0; k < 8; ++k) {
+      Cell part{cell.center, half};
+      for (std::size_t axis = 0; axis < 3; ++axis)
+        part.center[axis] += (k >> axis & 1) != 0 ? half[axis] : -half[axis];
+      add(std::move(part), cell.near);
+    }
+  }
+
+  void take(Vec3 center, double radius) {
+    if (radius > best_.radius) best_ = {center, radius};
+  }
+
+  // Searches for a maximum among the nearest atoms.
+  void improve(Cell& cell) {
+    std::vector<NearAtom>& near = cell.near;
+    take(cell.center, cell.gap);
+    const std::size_t count = std::min(max_touched, near.size());
+    std::partial_sort(near.begin(), near.begin() + static_cast<std::ptrdiff_t>(count), near.end(),
+                      [&](const NearAtom& a, const NearAtom& b) {
+                        return a.gap_to(cell.center) < b.gap_to(cell.center);
+                      });
+    for (std::size_t a = 0; a < count; ++a)
+      for (std::size_t b = a + 1; b < count; ++b)
+        for (std::size_t c = b + 1; c < count; ++c)
+          for (std::size_t d = c + 1; d < count; ++d)
+            try_maximum({near[a], near[b], near[c], near[d]}, cell.center);
+  }
+
+  // Newton's method for the point with equal gaps to four atoms.
+  void try_maximum(const std::array<NearAtom, 4>& atoms, Vec3 point) {
+    constexpr int max_steps = 12;
+    constexpr double converged = 1e-13;
+    std::array<Vec3, 4> away;
+    for (int step = 0; step < max_steps; ++step) {
+      for (std::size_t k = 0; k < 4; ++k) away[k] = normalized(point - atoms[k].center);
+      const double gap = atoms[0].gap_to(point);
+      const auto move = solve({away[1] - away[0], away[2] - away[0], away[3] - away[0]},
+                              {gap - atoms[1].gap_to(point), gap - atoms[2].gap_to(point),
+                               gap - atoms[3].gap_to(point)});
+      if (!move || norm(*move) > 2 * gap) return;
+      point = point + *move;
+      if (norm(*move) < converged * (1 + norm(point))) break;
+    }
+    const double depth = depth_in_tetrahedron(away);
+    if (depth < 1e-6) return;
+    const NearAtom& nearest = evaluate(all_, point);
+    const double gap = nearest.gap_to(point);
+    const bool is_maximum = std::all_of(atoms.begin(), atoms.end(), [&](const NearAtom& atom) {
+      return atom.gap_to(point) < gap + 0.1 * max_error;
+    });
+    if (!is_maximum || gap < surface_.probe_radius) return;
+    if (component_at(nearest, point) != component_) return;
+    take(point, gap);
+    // At a distance d from the point, the gap of one atom is smaller by depth d - d^2 / (2 D),
+    // where D is the distance of the atom.
+    double min_distance = std::numeric_limits<double>::infinity();
+    for (const NearAtom& atom : atoms)
+      min_distance = std::min(min_distance, norm(point - atom.center));
+    settled_.push_back({point, 1.999 * depth * min_distance});
+  }
+
+  const SurfaceModel& surface_;
+  const Components& components_;
+  std::uint32_t component_;
+  std::vector<NearAtom> all_;
+  std::vector<Cell> open_;  // a heap
+  std::vector<SettledBall> settled_;
+  LargestProbe best_;
+  int evaluations_ = 0;
+};
+
+}  // namespace
+
+LargestProbe find_largest_probe(const SurfaceModel& surface, const Components& components,
+                                std::uint32_t component, const Box& centers,
+                                std::span<const AtomIndex> atoms) {
+  return Search(surface, components, component, centers, atoms).best();
+}
+
+}  // namespace eses::detail

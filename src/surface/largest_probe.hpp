@@ -1,0 +1,26 @@
+#pragma once
+/// The largest sphere that fits into a cavity.
+
+#include <cstdint>
+#include <span>
+
+#include "geometry/box.hpp"
+#include "surface/components.hpp"
+#include "surface/surface_model.hpp"
+
+namespace eses::detail {
+
+struct LargestProbe {
+  Vec3 center;
+  double radius = 0;  ///< angstrom
+};
+
+/// Finds the largest sphere with its centre in a component that overlaps no atom, by branch and
+/// bound: the radius of the largest sphere around a point changes by at most the distance by which
+/// the point moves. The error is at most 1e-9 angstrom. `centers` is a box around the component,
+/// `atoms` are those that its probes touch.
+LargestProbe find_largest_probe(const SurfaceModel& surface, const Components& components,
+                                std::uint32_t component, const Box& centers,
+                                std::span<const AtomIndex> atoms);
+
+}  // namespace eses::detail
