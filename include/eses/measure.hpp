@@ -72,8 +72,9 @@ struct Gradients {
   Gradient weighted_ses_area;  ///< Of Measures::weighted_ses_area; empty without weights.
   Gradient weighted_sas_area;  ///< Of Measures::weighted_sas_area; empty without weights.
   /// Whether areas and volumes are smooth: no decision depended on a tolerance. Otherwise, the
-  /// derivatives belong to a probe that is smaller by 1e-9 angstrom, and placements that touch more
-  /// than three atoms do not contribute.
+  /// derivatives are one-sided: those of a probe that is smaller by 1e-9 angstrom, and, where a
+  /// probe touches more than three atoms, those of atoms that grow, each much more than all later
+  /// ones.
   bool are_smooth = true;
 };
 
