@@ -29,14 +29,15 @@ py::array_t<double> as_doubles(const py::array& array) {
   return py::reinterpret_steal<py::array_t<double>>(numbers.release());
 }
 
-std::vector<double> make_radii(const py::object& radii, std::size_t count) {
-  const py::array_t<double> array = as_doubles(real_array(radii, "radii"));
+std::vector<double> make_atom_values(const py::object& values, const std::string& name,
+                                     std::size_t count) {
+  const py::array_t<double> array = as_doubles(real_array(values, name));
   if (array.ndim() != 1 || static_cast<std::size_t>(array.shape(0)) != count)
-    throw py::value_error("radii must have shape (" + std::to_string(count) +
+    throw py::value_error(name + " must have shape (" + std::to_string(count) +
                           ",), one for each of the centers, not " + shape_text(array));
-  const auto radius = array.unchecked<1>();
+  const auto value = array.unchecked<1>();
   std::vector<double> list(count);
-  for (std::size_t i = 0; i < count; ++i) list[i] = radius(static_cast<py::ssize_t>(i));
+  for (std::size_t i = 0; i < count; ++i) list[i] = value(static_cast<py::ssize_t>(i));
   return list;
 }
 
@@ -55,7 +56,7 @@ std::vector<Atom> make_atoms(const py::object& centers, const py::object& radii)
   if (center_array.ndim() != 2 || center_array.shape(1) != 3)
     throw py::value_error("centers must have shape (N, 3), not " + shape_text(center_array));
   const std::vector<double> radius =
-      make_radii(radius_array, static_cast<std::size_t>(center_array.shape(0)));
+      make_atom_values(radius_array, "radii", static_cast<std::size_t>(center_array.shape(0)));
   const auto center = center_array.unchecked<2>();
   std::vector<Atom> atoms;
   atoms.reserve(radius.size());

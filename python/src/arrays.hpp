@@ -57,8 +57,10 @@ py::array real_array(const py::object& values, const std::string& name);
 /// Converts an array to one of doubles.
 py::array_t<double> as_doubles(const py::array& array);
 
-/// Makes a list of radii from an array of shape (count,). Raises TypeError and ValueError.
-std::vector<double> make_radii(const py::object& radii, std::size_t count);
+/// Makes a list from an array of shape (count,) with a value for each atom. Raises TypeError and
+/// ValueError. `name` is the name of the argument.
+std::vector<double> make_atom_values(const py::object& values, const std::string& name,
+                                     std::size_t count);
 
 /// Makes atoms from arrays of shape (N, 3) and (N,), of any real type and memory layout. Raises
 /// TypeError and ValueError.

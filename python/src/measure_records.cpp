@@ -43,6 +43,8 @@ std::string type_text(Shape shape) {
       return "AtomAreas or None: ";
     case Shape::gradient:
       return "Gradient: ";
+    case Shape::optional_gradient:
+      return "Gradient or None: ";
     case Shape::gradients:
       return "Gradients or None: ";
   }
@@ -124,6 +126,9 @@ class Dimensions {
         return;
       case Shape::gradient:
         return add_record<GradientKind>(value);
+      case Shape::optional_gradient:
+        if (!value.is_none()) add_record<GradientKind>(value);
+        return;
       case Shape::gradients:
         if (!value.is_none()) add_record<GradientsKind>(value);
         return;

@@ -11,15 +11,16 @@ namespace py = pybind11;
 
 /// The type of an attribute. Arrays of several frames have the frame as their first index.
 enum class Shape {
-  number,     ///< float
-  integer,    ///< int
-  flag,       ///< bool
-  optional,   ///< float or None
-  by_atom,    ///< (N,) float64
-  vectors,    ///< (N, 3) float64
-  areas,      ///< AtomAreas or None
-  gradient,   ///< Gradient
-  gradients,  ///< Gradients or None
+  number,             ///< float
+  integer,            ///< int
+  flag,               ///< bool
+  optional,           ///< float or None
+  by_atom,            ///< (N,) float64
+  vectors,            ///< (N, 3) float64
+  areas,              ///< AtomAreas or None
+  gradient,           ///< Gradient
+  optional_gradient,  ///< Gradient or None
+  gradients,          ///< Gradients or None
 };
 
 /// An attribute, and its documentation without the type.
@@ -77,6 +78,10 @@ They are computed in closed form, and not from differences.)";
       Field{"ses_volume", Shape::gradient, "of the volume inside the solvent excluded surface."},
       Field{"sas_area", Shape::gradient, "of the area of the solvent accessible surface."},
       Field{"sas_volume", Shape::gradient, "of the volume inside the solvent accessible surface."},
+      Field{"weighted_ses_area", Shape::optional_gradient,
+            "of the weighted sum of SES areas; None without weights."},
+      Field{"weighted_sas_area", Shape::optional_gradient,
+            "of the weighted sum of SAS areas; None without weights."},
       Field{"are_smooth", Shape::flag,
             "whether areas and volumes are smooth: no decision about the patches depended on a "
             "tolerance. Otherwise the derivatives are those of a probe that is smaller by 1e-9 "
@@ -104,6 +109,10 @@ inline constexpr std::array measures_fields{
           "area of the van der Waals surface, in square angstrom; None if it was not measured."},
     Field{"vdw_volume", Shape::optional,
           "volume of the van der Waals spheres, in cubic angstrom; None if it was not measured."},
+    Field{"weighted_ses_area", Shape::optional,
+          "sum of the areas of the atoms on the SES, each times its weight; None without weights."},
+    Field{"weighted_sas_area", Shape::optional,
+          "sum of the areas of the atoms on the SAS, each times its weight; None without weights."},
     Field{"euler_number", Shape::integer,
           "Euler number of the solvent accessible surface: the sum over its components of 2 minus "
           "twice the number of handles."},

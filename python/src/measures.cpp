@@ -20,7 +20,7 @@ namespace eses::python {
 namespace {
 
 constexpr const char* measure_text =
-    R"(measure(self, probe_radius=None, *, van_der_waals=False, by_atom=False, derivatives=False, threads=0)
+    R"(measure(self, probe_radius=None, *, van_der_waals=False, by_atom=False, derivatives=False, weights=None, threads=0)
 --
 
 Measure areas and volumes in closed form, without a grid.
@@ -40,6 +40,8 @@ by_atom : bool, optional
     Whether to divide the areas among the atoms.
 derivatives : bool, optional
     Whether to compute the derivatives by the centres, the radii and the probe radius.
+weights : array_like, optional
+    (N,) weights of the atoms, for weighted sums of their areas and the derivatives of these sums.
 threads : int, optional
     Number of threads; 0 for all that the process may use.
 
@@ -54,7 +56,7 @@ ValueError
     If an argument is out of its range.)";
 
 constexpr const char* measure_frames_text =
-    R"(measure_frames(frames, radii, probe_radius=1.4, *, van_der_waals=False, by_atom=False, derivatives=False, threads=0)
+    R"(measure_frames(frames, radii, probe_radius=1.4, *, van_der_waals=False, by_atom=False, derivatives=False, weights=None, threads=0)
 --
 
 Measure areas and volumes of each frame of a trajectory, several frames at a time.
@@ -71,7 +73,10 @@ radii : array_like
 probe_radius : float, optional
     Radius of the probe, in angstrom: 0, or 0.01 to 1000.
 van_der_waals, by_atom, derivatives : bool, optional
-    As for ``Surface.measure``. Areas by atom take 40 bytes for each atom and frame, derivatives 128.
+    As for ``Surface.measure``. Areas by atom take 40 bytes for each atom and frame, derivatives 128,
+    or 192 with weights.
+weights : array_like, optional
+    (N,) weights of the atoms, the same for all frames.
 threads : int, optional
     Number of threads; 0 for all that the process may use.
 
@@ -92,14 +97,17 @@ TypeError
 class MeasureArrays {
  public:
   MeasureArrays(py::ssize_t frames, py::ssize_t atoms, const MeasureOptions& options)
-      : euler_numbers_({frames}), has_van_der_waals_(options.van_der_waals), are_smooth_({frames}) {
+      : euler_numbers_({frames}),
+        has_van_der_waals_(options.van_der_waals),
+        has_weights_(!options.weights.empty()),
+        are_smooth_({frames}) {
     for (Doubles& numbers : numbers_) numbers = Doubles({frames});
     if (options.by_atom)
       for (Doubles& areas : areas_.emplace()) areas = Doubles({frames, atoms});
-    if (options.gradients)
-      for (GradientArrays& gradient : gradients_.emplace())
-        gradient = {Doubles({frames, atoms, py::ssize_t{3}}), Doubles({frames, atoms}),
-                    Doubles({frames})};
+    if (options.gradients) gradients_.resize(has_weights_ ? gradient_count : gradient_count - 2);
+    for (GradientArrays& gradient : gradients_)
+      gradient = {Doubles({frames, atoms, py::ssize_t{3}}), Doubles({frames, atoms}),
+                  Doubles({frames})};
   }
 
   // Stores the result of a frame. Several threads may store different frames, without the
@@ -115,16 +123,17 @@ class MeasureArrays {
   struct GradientArrays {
     Doubles centers, radii, probe;
   };
-  static constexpr std::size_t number_count = 10, area_count = AtomAreasKind::fields.size();
+  static constexpr std::size_t number_count = 12, area_count = AtomAreasKind::fields.size(),
+                               gradient_count = 6;
 
   void store_areas(std::size_t frame, const AtomAreas& areas);
   void store_gradients(std::size_t frame, const Gradients& gradients);
 
   std::array<Doubles, number_count> numbers_;
   py::array_t<std::int64_t> euler_numbers_;
-  bool has_van_der_waals_;
+  bool has_van_der_waals_, has_weights_;
   std::optional<std::array<Doubles, area_count>> areas_;
-  std::optional<std::array<GradientArrays, 4>> gradients_;
+  std::vector<GradientArrays> gradients_;  // without the weighted areas if there are no weights
   py::array_t<bool> are_smooth_;
 };
 
@@ -140,11 +149,13 @@ void MeasureArrays::store(std::size_t frame, const eses::Measures& measures) {
                                                  measures.sas_volume,
                                                  measures.total_curvature,
                                                  measures.vdw_area,
-                                                 measures.vdw_volume};
+                                                 measures.vdw_volume,
+                                                 measures.weighted_ses_area,
+                                                 measures.weighted_sas_area};
   for (std::size_t k = 0; k < number_count; ++k) *numbers_[k].mutable_data(frame) = numbers[k];
   *euler_numbers_.mutable_data(frame) = measures.euler_number;
   if (areas_) store_areas(frame, measures.by_atom);
-  if (gradients_) store_gradients(frame, measures.gradients);
+  if (!gradients_.empty()) store_gradients(frame, measures.gradients);
 }
 
 void MeasureArrays::store_areas(std::size_t frame, const AtomAreas& areas) {
@@ -160,10 +171,11 @@ void MeasureArrays::store_areas(std::size_t frame, const AtomAreas& areas) {
 
 void MeasureArrays::store_gradients(std::size_t frame, const Gradients& gradients) {
   // In the order of GradientsKind.
-  const std::array<const Gradient*, 4> sources{&gradients.ses_area, &gradients.ses_volume,
-                                               &gradients.sas_area, &gradients.sas_volume};
-  for (std::size_t q = 0; q < sources.size(); ++q) {
-    GradientArrays& target = (*gradients_)[q];
+  const std::array<const Gradient*, gradient_count> sources{
+      &gradients.ses_area,   &gradients.ses_volume,        &gradients.sas_area,
+      &gradients.sas_volume, &gradients.weighted_ses_area, &gradients.weighted_sas_area};
+  for (std::size_t q = 0; q < gradients_.size(); ++q) {
+    GradientArrays& target = gradients_[q];
     std::memcpy(target.centers.mutable_data(frame), sources[q]->centers.data(),
                 sources[q]->centers.size() * sizeof(Vec3));
     std::copy(sources[q]->radii.begin(), sources[q]->radii.end(), target.radii.mutable_data(frame));
@@ -181,18 +193,21 @@ Record<Kind> MeasureArrays::take() const {
   };
   Record<Kind> record;
   record.values.fill(py::none());
+  // The last numbers are two of the van der Waals surface, and two weighted areas.
   for (std::size_t k = 0; k < number_count; ++k)
-    if (has_van_der_waals_ || k + 2 < number_count) record.values[k] = finished(numbers_[k]);
+    if (k + 4 < number_count || (k + 2 < number_count ? has_van_der_waals_ : has_weights_))
+      record.values[k] = finished(numbers_[k]);
   record.values[number_count] = finished(euler_numbers_);
   if (areas_) {
     Record<AtomAreasKind> areas;
     std::transform(areas_->begin(), areas_->end(), areas.values.begin(), finished);
     record.values[number_count + 1] = py::cast(areas);
   }
-  if (gradients_) {
+  if (!gradients_.empty()) {
     Record<GradientsKind> gradients;
-    for (std::size_t q = 0; q < gradients_->size(); ++q) {
-      const auto& [centers, radii, probe] = (*gradients_)[q];
+    gradients.values.fill(py::none());
+    for (std::size_t q = 0; q < gradients_.size(); ++q) {
+      const auto& [centers, radii, probe] = gradients_[q];
       gradients.values[q] =
           py::cast(Record<GradientKind>{{finished(centers), finished(radii), finished(probe)}});
     }
@@ -244,20 +259,29 @@ class Frames {
   bool is_single_;
 };
 
+// Returns a weight for each atom, or nothing if there are no weights.
+std::vector<double> make_weights(const py::object& weights, std::size_t atoms) {
+  if (weights.is_none()) return {};
+  return make_atom_values(weights, "weights", atoms);
+}
+
 MeasureOptions make_measure_options(std::optional<double> probe_radius, bool van_der_waals,
-                                    bool by_atom, bool derivatives, int threads) {
+                                    bool by_atom, bool derivatives, std::span<const double> weights,
+                                    int threads) {
   return {.probe_radius = probe_radius,
           .van_der_waals = van_der_waals,
           .by_atom = by_atom,
           .gradients = derivatives,
+          .weights = weights,
           .threads = usable_threads(threads)};
 }
 
 Record<MeasuresKind> measure_surface(const Surface& surface, std::optional<double> probe_radius,
                                      bool van_der_waals, bool by_atom, bool derivatives,
-                                     int threads) {
+                                     const py::object& weights, int threads) {
+  const std::vector<double> weight_of = make_weights(weights, surface.atoms().size());
   MeasureOptions options =
-      make_measure_options(probe_radius, van_der_waals, by_atom, derivatives, threads);
+      make_measure_options(probe_radius, van_der_waals, by_atom, derivatives, weight_of, threads);
   MeasureArrays arrays(1, static_cast<py::ssize_t>(surface.atoms().size()), options);
   {
     const py::gil_scoped_release unlocked;
@@ -270,12 +294,14 @@ Record<MeasuresKind> measure_surface(const Surface& surface, std::optional<doubl
 
 Record<FrameMeasuresKind> measure_all_frames(const py::object& frames, const py::object& radii,
                                              double probe_radius, bool van_der_waals, bool by_atom,
-                                             bool derivatives, int threads) {
+                                             bool derivatives, const py::object& weights,
+                                             int threads) {
   const Frames source(frames);
   const std::vector<double> radius_of =
-      make_radii(radii, static_cast<std::size_t>(source.atom_count()));
+      make_atom_values(radii, "radii", static_cast<std::size_t>(source.atom_count()));
+  const std::vector<double> weight_of = make_weights(weights, radius_of.size());
   MeasureOptions options =
-      make_measure_options(probe_radius, van_der_waals, by_atom, derivatives, threads);
+      make_measure_options(probe_radius, van_der_waals, by_atom, derivatives, weight_of, threads);
   MeasureArrays arrays(source.count(), source.atom_count(), options);
   {
     const py::gil_scoped_release unlocked;
@@ -298,11 +324,13 @@ void bind_measures(py::module_& module, py::class_<Surface>& surface) {
   bind_measure_records(module);
   surface.def("measure", &measure_surface, measure_text, py::arg("probe_radius") = py::none(),
               py::kw_only(), py::arg("van_der_waals") = false, py::arg("by_atom") = false,
-              py::arg("derivatives") = false, py::arg("threads") = 0);
+              py::arg("derivatives") = false, py::arg("weights") = py::none(),
+              py::arg("threads") = 0);
   module.def("measure_frames", &measure_all_frames, measure_frames_text, py::arg("frames"),
              py::arg("radii"), py::arg("probe_radius") = 1.4, py::kw_only(),
              py::arg("van_der_waals") = false, py::arg("by_atom") = false,
-             py::arg("derivatives") = false, py::arg("threads") = 0);
+             py::arg("derivatives") = false, py::arg("weights") = py::none(),
+             py::arg("threads") = 0);
 }
 
 }  // namespace eses::python

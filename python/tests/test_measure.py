@@ -124,6 +124,26 @@ def test_derivatives_are_homogeneous(chain):
         assert_close(sum_of_products, degree * getattr(measures, quantity), 1e-9)
 
 
+def test_weighted_areas():
+    radii, weights = np.array([1.0, 1.5]), np.array([0.5, -2.0])
+    measures = spheres(radii).measure(weights=weights, derivatives=True)
+    assert_close(measures.weighted_ses_area, weights @ (4 * PI * radii**2))
+    assert_close(measures.weighted_sas_area, weights @ (4 * PI * (radii + 1.4)**2))
+    assert_close(measures.gradients.weighted_ses_area.radii, weights * 8 * PI * radii)
+    gradient = measures.gradients.weighted_sas_area
+    assert_close(gradient.radii, weights * 8 * PI * (radii + 1.4))
+    assert_close(gradient.probe, weights @ (8 * PI * (radii + 1.4)))
+    frames = np.repeat(spheres(radii).centers[None], 3, axis=0)
+    assert_close(eses.measure_frames(frames, radii, weights=weights).weighted_sas_area,
+                 measures.weighted_sas_area)
+    without = spheres(radii).measure(derivatives=True)
+    assert without.weighted_ses_area is None and without.gradients.weighted_sas_area is None
+    with pytest.raises(ValueError, match=r"weights must have shape \(2,\)"):
+        spheres(radii).measure(weights=[1])
+    with pytest.raises(ValueError, match="weight of atom 1"):
+        spheres(radii).measure(weights=[1, math.nan])
+
+
 def test_result_does_not_depend_on_threads(chain):
     surface = eses.Surface(*chain)
     one, two = (surface.measure(by_atom=True, threads=threads) for threads in (1, 2))

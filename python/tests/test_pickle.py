@@ -132,7 +132,8 @@ def assert_equal_measures(first, second):
 
 @pytest.mark.parametrize("chosen", [False, True])
 def test_measures(surface, rebuild, chosen):
-    options = {"by_atom": chosen, "derivatives": chosen, "van_der_waals": chosen}
+    options = {"by_atom": chosen, "derivatives": chosen, "van_der_waals": chosen,
+               "weights": surface.radii if chosen else None}
     for measures in (surface.measure(**options),
                      eses.measure_frames(surface.centers[None], surface.radii, **options)):
         again = rebuild(measures)
@@ -222,7 +223,7 @@ def bad_states(value):
 
 
 def all_measures(surface):
-    return surface.measure(van_der_waals=True, by_atom=True, derivatives=True)
+    return surface.measure(van_der_waals=True, by_atom=True, derivatives=True, weights=surface.radii)
 
 
 @pytest.mark.parametrize("make", [
@@ -291,7 +292,7 @@ def test_contradictory_measures_are_refused(surface):
         with pytest.raises(ValueError, match="state"):
             type(value).__new__(type(value)).__setstate__(changed(value.__getstate__(), index, entry))
 
-    by_atom, gradients = 11, 12
+    by_atom, gradients = 13, 14
     for value in (measures, frames):
         assert value.__getstate__()[by_atom] is value.by_atom
         for entry in (other.by_atom, value.gradients, 1):
