@@ -22,10 +22,12 @@ struct Cavity {
   /// Euler number of the surface of the probe centres: the sum over its walls of 2 minus twice the
   /// number of handles.
   std::int64_t euler_number = 0;
-  Vec3 centroid;   ///< Centroid of the probe centres.
-  Vec3 low, high;  ///< Opposite corners of the bounding box of the void.
+  Vec3 centroid;  ///< Centroid of the probe centres.
+  Vec3 low;       ///< Lowest corner of the bounding box of the void.
+  Vec3 high;      ///< Highest corner of the bounding box of the void.
   /// Radius of the largest sphere with its centre in the cavity that no atom overlaps, with an
-  /// error of at most 1e-9 angstrom.
+  /// error of at most 1e-9 angstrom. The search ends after 400,000 steps; only sets with many
+  /// equal maxima, such as lattices, need more.
   double largest_probe = 0;
   Vec3 largest_probe_center;     ///< Centre of that sphere.
   std::vector<AtomIndex> atoms;  ///< Atoms that a probe in the cavity can touch, ascending.

@@ -88,9 +88,10 @@ struct Measures {
   double sas_volume = 0;  ///< Volume inside the solvent accessible surface.
   double vdw_area = 0;    ///< Area of the van der Waals surface, if it is measured.
   double vdw_volume = 0;  ///< Volume of the van der Waals spheres, if it is measured.
-  /// Sums of the areas of the atoms, each times its weight in MeasureOptions::weights. The surfaces
-  /// are divided among the atoms as in AtomAreas.
-  double weighted_ses_area = 0, weighted_sas_area = 0;
+  /// Sum of the SES areas of the atoms, each times its weight in MeasureOptions::weights. The
+  /// surface is divided among the atoms as in AtomAreas.
+  double weighted_ses_area = 0;
+  double weighted_sas_area = 0;  ///< The same for the SAS areas.
   /// Euler number of the solvent accessible surface: the sum over its components of 2 minus twice
   /// the number of handles.
   std::int64_t euler_number = 0;
