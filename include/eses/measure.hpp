@@ -74,7 +74,8 @@ struct Gradients {
   /// Whether areas and volumes are smooth: no decision depended on a tolerance. Otherwise, the
   /// derivatives are one-sided: those of a probe that is smaller by 1e-9 angstrom, and, where a
   /// probe touches more than three atoms, those of atoms that grow, each much more than all later
-  /// ones.
+  /// ones. Two SAS spheres or two concave patches that touch in one point do not count: the
+  /// derivatives are those for spheres and patches that do not meet.
   bool are_smooth = true;
 };
 
