@@ -42,7 +42,7 @@ struct Cell {
 
   double size() const { return norm(half); }
   double bound() const { return gap + size(); }
-  // Of two cells with equal bounds, the first one is searched first.
+  // Cells with equal bounds are searched in the order of their numbers.
   bool operator<(const Cell& other) const {
     return bound() != other.bound() ? bound() < other.bound() : number > other.number;
   }
