@@ -91,9 +91,9 @@ std::size_t keep_unsettled(std::span<BurialCap> caps, float* x, float* y, float*
     for (const DirectionVector* directions : {&first, &second, &third, &fourth}) {
       if (hn::AllFalse(lanes, directions->unsettled)) continue;
       const std::size_t n =
-          hn::CompressStore(directions->x, directions->unsettled, lanes, x + kept);
-      hn::CompressStore(directions->y, directions->unsettled, lanes, y + kept);
-      hn::CompressStore(directions->z, directions->unsettled, lanes, z + kept);
+          compress_store(lanes, directions->x, directions->unsettled, x + kept);
+      compress_store(lanes, directions->y, directions->unsettled, y + kept);
+      compress_store(lanes, directions->z, directions->unsettled, z + kept);
       kept += n;
     }
   }
