@@ -336,7 +336,7 @@ double SurfaceSurvey::patch_bytes(double height, int threads) const {
   // Caps, kept caps, and their atoms and numbers in AtomPatchScratch, which is large only for
   // crowded atoms.
   constexpr double per_neighbour = growth * (2 * sizeof(SasSphere) + 2 * sizeof(Cap) +
-                                             sizeof(BurialCap) + 19 * sizeof(AtomIndex));
+                                             BurialCaps::bytes_per_cap + 19 * sizeof(AtomIndex));
   return max_fraction(height + 2 * reach) * all_patches +
          per_neighbour * std::min(totals_.crowded_neighbours, threads * totals_.max_neighbours);
 }

@@ -38,12 +38,14 @@ HWY_INLINE WordVector to_words(DoubleVector whole) {
   return hn::Xor(hn::BitCast(Words(), whole + two_to_52), hn::BitCast(Words(), two_to_52));
 }
 
-/// Returns the mask of up to 16 lanes as bits; lane 0 is the lowest bit.
+/// Returns the mask of up to 32 lanes as bits; lane 0 is the lowest bit.
 template <class Lanes>
-HWY_INLINE unsigned mask_bits(Lanes lanes, hn::Mask<Lanes> mask) {
+HWY_INLINE std::uint32_t mask_bits(Lanes lanes, hn::Mask<Lanes> mask) {
   std::array<std::uint8_t, 8> bytes{};
   hn::StoreMaskBits(lanes, mask, bytes.data());
-  return bytes[0] | unsigned{bytes[1]} << 8;
+  std::uint32_t bits = bytes[0];
+  for (unsigned byte = 1; byte < 4; ++byte) bits |= std::uint32_t{bytes[byte]} << (8 * byte);
+  return bits;
 }
 
 /// The values of a vector's lanes, for access by index.
@@ -59,7 +61,7 @@ struct LaneValues {
 /// Calls `action(lane)` for every lane that is set in the mask, in ascending order.
 template <class Lanes, class Action>
 HWY_INLINE void for_each_lane(Lanes lanes, hn::Mask<Lanes> mask, Action&& action) {
-  for (unsigned bits = mask_bits(lanes, mask); bits != 0; bits &= bits - 1)
+  for (std::uint32_t bits = mask_bits(lanes, mask); bits != 0; bits &= bits - 1)
     action(static_cast<std::size_t>(std::countr_zero(bits)));
 }
 template <class Action>
