@@ -190,6 +190,7 @@ MeasuredFile measure_file(const MeasureCommandOptions& options, const std::files
   result.has_cavities = options.cavities;
   result.measures = measure(result.surface, measuring);
   measuring.gradients = measuring.cavities = false;
+  measuring.van_der_waals = options.json;  // no other output shows it for a part
   for (std::uint32_t part = 0; part < result.part_names.size(); ++part)
     result.parts.push_back(measure_part(part, measuring, result));
   result.structure = std::move(file.structure);

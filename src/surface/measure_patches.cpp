@@ -352,7 +352,8 @@ void PatchMeasurement::index_placements() {
       centers_.push_back(placement.center);
     }
   }
-  tree_.reset(centers_);
+  // Without a probe, no placement cuts the patch of another one.
+  if (probe() > 0 || components_ || !surface_.has_slack) tree_.reset(centers_);
   node_.resize(placements_.size());
   std::iota(node_.begin(), node_.end(), 0U);
   if (surface_.has_slack) return;

@@ -20,6 +20,10 @@ namespace {
 // the vectors are almost coplanar, and rounding could exchange their cone and its complement.
 constexpr double min_cone_volume = 1e-6;
 
+// Frequency of the covering directions without a probe, which gives 92 of them. Then few atoms are
+// buried, and each one has few caps.
+constexpr int bare_burial_frequency = 3;
+
 // Returns the atom whose face neighbours are searched for further atoms near a placement. Any atom
 // of the placement with such a list is suitable. It is the first one, unless that one is crowded.
 AtomIndex atom_for_search(const Patches& patches, const ProbePlacement& placement) {
@@ -139,7 +143,8 @@ Patches::Patches(const SurfaceModel& surface, bool has_bounds)
     : surface_(surface),
       has_bounds_(has_bounds),
       clusters_(surface),
-      burial_(make_covering_directions(burial_frequency)),
+      burial_(make_covering_directions(surface.probe_radius > 0 ? burial_frequency
+                                                                : bare_burial_frequency)),
       clusters_patches_(clusters_.count()) {}
 
 void Patches::open(ClusterIndex cluster) {
