@@ -150,7 +150,7 @@ void check(const CLI::App& app, const MeasureCommandOptions& options) {
   for (const std::filesystem::path& path : options.inputs) {
     if (path == "-" && options.inputs.size() > 1)
       throw UsageError("standard input (-) cannot be combined with other files");
-    const NamedInput input{path, options.format};
+    const InputFile input{path, options.format};
     refuse_structure_options(app, input);
     if (options.tables.residues) refuse_xyzr(input, "--write residues", "residues");
     if (options.tables.chains) refuse_xyzr(input, "--write chains", "chains");

@@ -240,7 +240,7 @@ void add_grid_options(CLI::App& app, CommandLine& line) {
   const GridOptions grid;
   Parameters& parameters = line.options.parameters;
   add_value(app, "FILE", "", "input file (xyzr, PQR, PDB or mmCIF); - for standard input",
-            line.options.input, path_to("a file"))
+            line.options.input().path, path_to("a file"))
       ->required();
   const auto add_length = [&app](const char* positional, const char* option,
                                  const std::string& description, double fallback, Length& length,
@@ -313,7 +313,7 @@ void add_solver_maps(CLI::App& app, CommandLine& line) {
 void add_file_options(CLI::App& app, CommandLine& line) {
   begin_group(app, "Input and output");
   Options& options = line.options;
-  add_format(app, options.format);
+  add_format(app, options.input().format);
   add_value(app, "-o,--output-dir", "DIR", "output directory, created if missing [.]",
             options.output_directory, path_to("a directory"));
   add_value(app, "--write", "LIST",
@@ -403,7 +403,7 @@ void add_options(CLI::App& app, CommandLine& line) {
          footer);
   add_grid_options(app, line);
   add_file_options(app, line);
-  add_structure_options(app, line.options.structure);
+  add_structure_options(app, line.options.input().structure);
   add_solver_maps(app, line);
   add_computation_options(app, line.options.parameters);
   add_checks(app, line.options.parameters);
@@ -479,8 +479,7 @@ std::optional<MeshOptions> mesh_of(const CommandLine& line) {
     throw UsageError("--color needs --mesh with a .ply, .obj, .vtp or .glb file");
   if (mesh.is_ascii && format != MeshFormat::ply)
     throw UsageError("--ply-ascii needs --mesh with a .ply file");
-  if (mesh.color == MeshColor::chain)
-    refuse_xyzr({line.options.input, line.options.format}, "--color chain", "chains");
+  if (mesh.color == MeshColor::chain) refuse_xyzr(line.options.input(), "--color chain", "chains");
   return mesh.file.empty() ? std::nullopt : std::optional(mesh);
 }
 
@@ -496,8 +495,7 @@ Options options_of(const CommandLine& line) {
   check_grid_choice(line);
   options.grid.has_spacing = line.spacing.positional || line.spacing.option;
   options.outputs = line.text_files;
-  if (options.outputs.residues)
-    refuse_xyzr({options.input, options.format}, "--write residues", "residues");
+  if (options.outputs.residues) refuse_xyzr(options.input(), "--write residues", "residues");
   options.outputs.gzip = line.gzip;
   add_maps(line, options.output_directory, options.outputs);
   options.outputs.mesh = mesh_of(line);
@@ -555,12 +553,13 @@ Options parse_arguments(const std::vector<std::string>& arguments) {
   CLI::App app("Solvent excluded surface of a molecule on a grid, computed block by block.",
                "eses-blocks");
   CommandLine line;
+  line.options.output_directory = ".";
   add_options(app, line);
   require_known_instruction_set();
   refuse_separate_number(arguments);
   parse(app, arguments, "FILE, PROBE, SPACING and MARGIN");
   Options options = options_of(line);
-  refuse_structure_options(app, {options.input, options.format});
+  refuse_structure_options(app, options.input());
   return options;
 }
 
