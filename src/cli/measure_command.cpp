@@ -216,7 +216,7 @@ int measure_files(const MeasureCommandOptions& options) {
   const Paths paths = paths_of(options);
   check_outputs(options, paths.final);
   InterruptibleRun interruptible(paths.temporaries, paths.locks);
-  std::optional<OutputDirectory> directory, csv_place;
+  std::optional<OutputDirectory> directory, directory_of_csv;
   std::optional<OutputFile> csv;
   if (options.tables.any()) {
     directory.emplace(directory_of(options));
@@ -224,9 +224,9 @@ int measure_files(const MeasureCommandOptions& options) {
   }
   if (!options.csv.empty()) {
     const std::string name = options.csv.filename();
-    csv_place.emplace(csv_directory(options), name);
-    csv_place->remove_abandoned([&](std::string_view file) { return file == name; });
-    csv.emplace(*csv_place, name);
+    directory_of_csv.emplace(csv_directory(options), name);
+    directory_of_csv->remove_abandoned([&](std::string_view file) { return file == name; });
+    csv.emplace(*directory_of_csv, name);
   }
   std::mutex check_mutex;
   const CheckCallback check = [&] {

@@ -11,8 +11,8 @@
 namespace eses::detail {
 namespace {
 
-// Returns the cell index of a coordinate, clamped to +-2^62.
-std::int64_t place_of(double coordinate, double side) {
+// Returns the index of a coordinate's cell, clamped to +-2^62.
+std::int64_t cell_index(double coordinate, double side) {
   constexpr double limit = 0x1p62;
   return static_cast<std::int64_t>(std::clamp(std::floor(coordinate / side), -limit, limit));
 }
@@ -26,7 +26,8 @@ int class_of(double radius) {
 }  // namespace
 
 CellList::Cell CellList::cell_of(Vec3 point) {
-  return {place_of(point.z, sides[2]), place_of(point.y, sides[1]), place_of(point.x, sides[0])};
+  return {cell_index(point.z, sides[2]), cell_index(point.y, sides[1]),
+          cell_index(point.x, sides[0])};
 }
 
 CellList::CellList(std::span<const Atom> atoms) : atoms_(atoms) {
@@ -94,7 +95,7 @@ void CellList::find_in_rows(const SortedAtoms& atoms, const Box& reach,
 
 void CellList::find_in_row(std::span<const AtomIndex> row, std::int64_t first_x,
                            std::int64_t last_x, std::vector<AtomIndex>& found) const {
-  const auto x_of = [&](AtomIndex i) { return place_of(atoms_[i].center.x, sides[0]); };
+  const auto x_of = [&](AtomIndex i) { return cell_index(atoms_[i].center.x, sides[0]); };
   const auto begin = std::lower_bound(row.begin(), row.end(), first_x,
                                       [&](AtomIndex i, std::int64_t x) { return x_of(i) < x; });
   const auto end = std::upper_bound(begin, row.end(), last_x,

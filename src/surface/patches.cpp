@@ -116,8 +116,8 @@ bool end_in_threes(std::span<const PlacementKey> keys) {
   if (keys.size() % 3 != 0) return false;
   for (std::size_t k = 0; k < keys.size(); k += 3) {
     const PlacementKey& key = keys[k];
-    if (!key.is_same_place(keys[k + 2])) return false;
-    if (k > 0 && key.is_same_place(keys[k - 1])) return false;
+    if (!key.is_same_placement(keys[k + 2])) return false;
+    if (k > 0 && key.is_same_placement(keys[k - 1])) return false;
   }
   return true;
 }
@@ -261,9 +261,10 @@ void Patches::place_probes(ClusterPatches& patches) {
     return member_a < member_b || (member_a == member_b && a < b);
   });
   patches.is_regular = patches.is_regular && end_in_threes(keys);
-  const auto end = std::unique(
-      keys.begin(), keys.end(),
-      [](const PlacementKey& key, const PlacementKey& next) { return key.is_same_place(next); });
+  const auto end =
+      std::unique(keys.begin(), keys.end(), [](const PlacementKey& key, const PlacementKey& next) {
+        return key.is_same_placement(next);
+      });
   std::vector<std::uint32_t> counts(patches.exposure.size());
   patches.placements.reserve(static_cast<std::size_t>(end - keys.begin()));
   for (auto key = keys.begin(); key != end; ++key)
