@@ -51,24 +51,13 @@ std::optional<double> probe_radius_in(const std::string& text) {
 }
 
 std::optional<TableChoice> tables_in(const std::string& list) {
-  TableChoice tables;
-  for (const std::string& name : CLI::detail::split(list, ',')) {
-    if (name == "atoms")
-      tables.atoms = true;
-    else if (name == "residues")
-      tables.residues = true;
-    else if (name == "chains")
-      tables.chains = true;
-    else if (name == "derivatives")
-      tables.derivatives = true;
-    else if (name == "cavities")
-      tables.cavities = true;
-    else if (name == "pieces")
-      tables.pieces = true;
-    else
-      return std::nullopt;
-  }
-  return tables;
+  return choice_in<TableChoice>(list, {},
+                                {{"atoms", &TableChoice::atoms},
+                                 {"residues", &TableChoice::residues},
+                                 {"chains", &TableChoice::chains},
+                                 {"derivatives", &TableChoice::derivatives},
+                                 {"cavities", &TableChoice::cavities},
+                                 {"pieces", &TableChoice::pieces}});
 }
 
 std::optional<PartChoice> parts_in(const std::string& text) {

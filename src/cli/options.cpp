@@ -9,12 +9,12 @@
 #include <cstdlib>
 #include <filesystem>
 #include <limits>
-#include <map>
 #include <optional>
 #include <span>
 #include <stdexcept>
 #include <string>
 #include <string_view>
+#include <system_error>
 #include <utility>
 #include <variant>
 #include <vector>
@@ -34,7 +34,6 @@ namespace eses::detail::cli {
 namespace {
 
 constexpr std::int64_t default_verify = 2000;
-constexpr std::int64_t max_verify = 10'000'000;
 
 constexpr double min_positive = std::numeric_limits<double>::denorm_min();
 constexpr double max_finite = std::numeric_limits<double>::max();
@@ -175,17 +174,15 @@ std::optional<Outputs> text_files_in(const std::string& list) {
   Outputs files = Outputs::none();
   if (list == "none") return files;
   files.box = true;
-  using File = bool Outputs::*;
-  const std::map<std::string, std::vector<File>> files_of{
-      {"grid", {&Outputs::grid}},   {"edges", {&Outputs::edges}},
-      {"areas", {&Outputs::areas}}, {"residues", {&Outputs::residues}},
-      {"atoms", {&Outputs::atoms}}, {"all", {&Outputs::grid, &Outputs::edges, &Outputs::areas}}};
-  for (const std::string& name : CLI::detail::split(list, ',')) {
-    const auto found = files_of.find(name);
-    if (found == files_of.end()) return std::nullopt;
-    for (const File file : found->second) files.*file = true;
-  }
-  return files;
+  return choice_in<Outputs>(list, files,
+                            {{"grid", &Outputs::grid},
+                             {"edges", &Outputs::edges},
+                             {"areas", &Outputs::areas},
+                             {"residues", &Outputs::residues},
+                             {"atoms", &Outputs::atoms},
+                             {"all", &Outputs::grid},
+                             {"all", &Outputs::edges},
+                             {"all", &Outputs::areas}});
 }
 
 std::optional<std::filesystem::path> map_in(const std::string& text) {
@@ -528,6 +525,11 @@ bool is_same_directory(const std::filesystem::path& a, const std::filesystem::pa
     return (std::filesystem::absolute(path) / "").lexically_normal();
   };
   return plain(a) == plain(b);
+}
+
+bool is_same_file(const std::filesystem::path& input, const std::filesystem::path& output) {
+  std::error_code error;  // set if a file does not exist
+  return std::filesystem::equivalent(input == "-" ? "/dev/stdin" : input, output, error) && !error;
 }
 
 bool asks_to_be_independent(std::span<const std::string> arguments) {

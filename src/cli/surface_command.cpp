@@ -6,7 +6,6 @@
 #include <optional>
 #include <string>
 #include <string_view>
-#include <system_error>
 #include <utility>
 #include <vector>
 
@@ -49,23 +48,18 @@ struct ReadFile {
 // Returns the files that a run reads. The name of a set of radii counts as a file, too, because no
 // output has such a name.
 std::vector<ReadFile> files_to_read(const Options& options) {
-  const auto& [path, format, structure] = options.input();
-  std::vector<ReadFile> files{{path == "-" ? "/dev/stdin" : path, "the input"}};
+  std::vector<ReadFile> files{{options.input().path, "the input"}};
   if (!options.grid.like.empty()) files.push_back({options.grid.like, "the file of --grid-like"});
-  files.push_back({structure.radii, "the file of --radii"});
+  files.push_back({options.input().structure.radii, "the file of --radii"});
   return files;
 }
 
 // Throws Error if the run would overwrite or remove a file that it reads.
 void refuse_to_lose_input(const Options& options) {
   const std::vector<ReadFile> read = files_to_read(options);
-  const auto is_same = [](const std::filesystem::path& one, const std::filesystem::path& other) {
-    std::error_code error;  // set if a file does not exist
-    return std::filesystem::equivalent(one, other, error) && !error;
-  };
   const auto refuse_if_read = [&](const std::string& file, std::string_view fate) {
     for (const auto& [path, role] : read)
-      if (is_same(path, file))
+      if (is_same_file(path, file))
         throw Error(formatted("{} is {}, and would be {}", file, role, fate));
   };
   for (const std::string& file : final_paths(options.outputs, options.output_directory))
@@ -75,7 +69,7 @@ void refuse_to_lose_input(const Options& options) {
                                               : "removed, as a plain file takes its place");
   const std::filesystem::path checkpoint = options.output_directory / checkpoint_name;
   for (const auto& [path, role] : read)
-    if (path.has_parent_path() && is_same(path.parent_path(), checkpoint))
+    if (path.has_parent_path() && is_same_file(path.parent_path(), checkpoint))
       throw Error(formatted("{} is {}, and would be removed with the chunks of --resume",
                             path.string(), role));
 }
