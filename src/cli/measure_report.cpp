@@ -9,6 +9,7 @@
 #include "cli/json.hpp"
 #include "cli/report.hpp"
 #include "cli/structure_report.hpp"
+#include "input/text_source.hpp"
 #include "output/area_table_writer.hpp"
 #include "system/formatted.hpp"
 
@@ -47,7 +48,6 @@ std::string overlaps_text(const Cavity& cavity) {
 }
 
 std::string cavities_text(const MeasuredFile& file) {
-  if (!file.has_cavities) return "";
   const Measures& measures = file.measures;
   std::string text =
       formatted("{}, {}\n", counted(static_cast<std::int64_t>(measures.pieces.size()), "piece"),
@@ -101,7 +101,6 @@ json::Value piece_json(const MeasuredAtoms& atoms, const Piece& piece) {
 }
 
 void add_cavities(json::Value& object, const MeasuredFile& file) {
-  if (!file.has_cavities) return;
   const MeasuredAtoms atoms = file.table();
   object["cavities"] = json::Value::array();
   object["pieces"] = json::Value::array();
@@ -148,13 +147,12 @@ void add_derivatives(json::Value& object, const Gradients& gradients) {
 
 }  // namespace
 
-std::string measure_text(const MeasuredFile& file, bool is_quiet) {
+std::string measure_text(const MeasureCommandOptions& options, const MeasuredFile& file) {
   std::string text;
-  if (!is_quiet) {
-    text = formatted("{}: {}, probe radius {} angstrom\n",
-                     file.path == "-" ? "<stdin>" : one_line(file.path.string()),
+  if (!options.quiet) {
+    text = formatted("{}: {}, probe radius {} angstrom\n", one_line(input_name(file.path)),
                      counted(static_cast<std::int64_t>(file.surface.atoms().size()), "atom"),
-                     file.probe_radius);
+                     options.probe_radius);
     if (file.structure) text += structure_text(*file.structure);
     text += formatted("{:<16} {:>16} {:>16}\n", "surface", "area (A^2)", "volume (A^3)");
   }
@@ -164,25 +162,26 @@ std::string measure_text(const MeasuredFile& file, bool is_quiet) {
   text += surface_line("van der Waals", measures.vdw_area, measures.vdw_volume);
   text += kinds_line(measures.ses_areas);
   text += formatted("Euler number of the SAS: {}\n", measures.euler_number);
-  return text + cavities_text(file) + parts_text(file);
+  if (options.cavities) text += cavities_text(file);
+  return text + parts_text(file);
 }
 
-std::string measure_heading(const PartChoice& parts, bool has_cavities) {
+std::string measure_heading(const MeasureCommandOptions& options) {
   std::string text;
   for (const auto& [name, unused] : columns_of({})) text += formatted("{:>14} ", name);
   text += formatted("{:>12} ", "euler_number");
-  if (has_cavities) text += formatted("{:>8} {:>8} ", "cavities", "pieces");
-  if (parts.is_chosen())
+  if (options.cavities) text += formatted("{:>8} {:>8} ", "cavities", "pieces");
+  if (options.parts.is_chosen())
     for (const auto& [name, unused] : buried_columns(0, 0)) text += formatted("{:>15} ", name);
   return text + "file\n";
 }
 
-std::string measure_line(const MeasuredFile& file) {
+std::string measure_line(const MeasureCommandOptions& options, const MeasuredFile& file) {
   std::string text;
   for (const auto& [name, value] : columns_of(file.measures))
     text += formatted("{:>14.4f} ", value);
   text += formatted("{:>12} ", file.measures.euler_number);
-  if (file.has_cavities)
+  if (options.cavities)
     text += formatted("{:>8} {:>8} ", file.measures.cavities.size(), file.measures.pieces.size());
   if (!file.parts.empty())
     for (const auto& [name, value] : buried_columns(file.buried_ses_area(), file.buried_sas_area()))
@@ -190,13 +189,13 @@ std::string measure_line(const MeasuredFile& file) {
   return text + one_line(file.path.string()) + "\n";
 }
 
-std::string measure_json(const MeasuredFile& file) {
+std::string measure_json(const MeasureCommandOptions& options, const MeasuredFile& file) {
   json::Value object{{"file", file.path.string()},
                      {"atoms", file.surface.atoms().size()},
-                     {"probe_radius", file.probe_radius}};
+                     {"probe_radius", options.probe_radius}};
   add_measures(object, file.measures);
   add_derivatives(object, file.measures.gradients);
-  add_cavities(object, file);
+  if (options.cavities) add_cavities(object, file);
   if (!file.parts.empty()) {
     json::Value parts = json::Value::array();
     for (const MeasuredPart& part : file.parts) {
@@ -213,24 +212,24 @@ std::string measure_json(const MeasuredFile& file) {
   return json::text_of(object) + "\n";
 }
 
-std::string measure_csv_heading(const PartChoice& parts, bool has_cavities) {
+std::string measure_csv_heading(const MeasureCommandOptions& options) {
   std::string text = "file,atoms,probe_radius";
   for (const auto& [name, unused] : columns_of({})) text += formatted(",{}", name);
   text += ",euler_number,convex_area,saddle_area,concave_area";
-  if (has_cavities) text += ",cavities,pieces";
-  if (parts.is_chosen())
+  if (options.cavities) text += ",cavities,pieces";
+  if (options.parts.is_chosen())
     for (const auto& [name, unused] : buried_columns(0, 0)) text += formatted(",{}", name);
   return text + "\n";
 }
 
-std::string measure_csv_line(const MeasuredFile& file) {
+std::string measure_csv_line(const MeasureCommandOptions& options, const MeasuredFile& file) {
   std::string text = formatted("{},{},{}", csv_field(file.path.string()),
-                               file.surface.atoms().size(), file.probe_radius);
+                               file.surface.atoms().size(), options.probe_radius);
   for (const auto& [name, value] : columns_of(file.measures)) text += formatted(",{:.6f}", value);
   const PatchAreas& kinds = file.measures.ses_areas;
   text += formatted(",{},{:.6f},{:.6f},{:.6f}", file.measures.euler_number, kinds.convex,
                     kinds.saddle, kinds.concave);
-  if (file.has_cavities)
+  if (options.cavities)
     text += formatted(",{},{}", file.measures.cavities.size(), file.measures.pieces.size());
   if (!file.parts.empty())
     for (const auto& [name, value] : buried_columns(file.buried_ses_area(), file.buried_sas_area()))

@@ -27,8 +27,6 @@ struct MeasuredFile {
   std::filesystem::path path;
   Surface surface;                ///< of all parts together, or of all atoms
   std::uint64_t other_atoms = 0;  ///< number of atoms of the file that belong to no part
-  double probe_radius = 0;
-  bool has_cavities = false;  ///< whether cavities and pieces are reported
   Measures measures = {};
   std::vector<MeasuredPart> parts = {};  ///< empty if no parts were chosen
   std::vector<DiagnosticText> diagnostics = {};

@@ -11,8 +11,8 @@
 namespace eses::detail {
 namespace {
 
-// Returns the cell index of a coordinate, clamped to +-2^62.
-std::int64_t place_of(double coordinate, double side) {
+// Returns the index of a coordinate's cell, clamped to +-2^62.
+std::int64_t cell_index(double coordinate, double side) {
   constexpr double limit = 0x1p62;
   return static_cast<std::int64_t>(std::clamp(std::floor(coordinate / side), -limit, limit));
 }
@@ -26,7 +26,8 @@ int class_of(double radius) {
 }  // namespace
 
 CellList::Cell CellList::cell_of(Vec3 point) {
-  return {place_of(point.z, sides[2]), place_of(point.y, sides[1]), place_of(point.x, sides[0])};
+  return {cell_index(point.z, sides[2]), cell_index(point.y, sides[1]),
+          cell_index(point.x, sides[0])};
 }
 
 CellList::CellList(std::span<const Atom> atoms) : atoms_(atoms) {
