@@ -61,6 +61,7 @@ Examples:
   eses-blocks 1crn.cif.gz --radii bondi --assembly 1   a biological assembly
   eses-blocks 1crn.pqr --spacing 0.25 -o out --json    output in out/, report as JSON
   eses-blocks 1crn.pqr --mesh 1crn.ply --color chain   a mesh coloured by chain
+  eses-blocks 1crn.pqr --mesh 1crn.ply --color potential --potential 1crn.dx
   eses-blocks diff out ESES                            compare the files of two directories
   eses-blocks measure 1crn.pdb                         areas and volumes without a grid
   eses-blocks msms -if 1crn.xyzr -of 1crn              options and files of MSMS
@@ -98,6 +99,8 @@ struct CommandLine {
   std::optional<Box> box;
   std::optional<BlockRange> blocks;
   MeshColor color = MeshColor::none;
+  std::filesystem::path potential;  ///< empty: not given
+  std::optional<double> potential_offset, potential_limit;
   bool is_ascii = false;
 };
 
@@ -195,6 +198,11 @@ std::optional<std::filesystem::path> map_in(const std::string& text) {
 std::optional<std::filesystem::path> dx_map_in(const std::string& text) {
   const auto path = map_in(text);
   return path && map_format(path->filename().string()) == MapFormat::dx ? path : std::nullopt;
+}
+
+std::optional<std::filesystem::path> potential_in(const std::string& text) {
+  return grid_file_format(text) == GridFileFormat::dx ? std::optional<std::filesystem::path>(text)
+                                                      : std::nullopt;
 }
 
 std::optional<std::filesystem::path> prefix_in(const std::string& text) {
@@ -330,13 +338,31 @@ void add_file_options(CLI::App& app, CommandLine& line) {
             line.mesh,
             Format<std::filesystem::path>{mesh_in,
                                           formatted("a file with the suffix {}", mesh_suffixes)});
-  add_value(
-      app, "--color", "NAME",
-      "colour the vertices of a .ply, .obj, .vtp or .glb mesh\n"
-      "by patch, atom or chain [none]",
-      line.color,
-      one_of<MeshColor>(
-          {{"patch", MeshColor::patch}, {"atom", MeshColor::atom}, {"chain", MeshColor::chain}}));
+  add_value(app, "--color", "NAME",
+            "colour the vertices of a .ply, .obj, .vtp or .glb mesh\n"
+            "by patch, atom, chain or potential [none]",
+            line.color,
+            one_of<MeshColor>({{"patch", MeshColor::patch},
+                               {"atom", MeshColor::atom},
+                               {"chain", MeshColor::chain},
+                               {"potential", MeshColor::potential}}));
+  add_value(app, "--potential", "FILE",
+            "map of the potential in kT/e for --color potential:\n"
+            ".dx or .dx.gz (OpenDX); is held in memory",
+            line.potential, Format{potential_in, "a file name with the suffix .dx or .dx.gz"});
+  const MeshPotential defaults;
+  add_value(app, "--potential-offset", "ANGSTROM",
+            formatted("take the potential at this distance outside of the\n"
+                      "surface, along the normal, >= 0 [{}]",
+                      defaults.offset),
+            line.potential_offset,
+            number_between(0, max_finite, "a finite number of at least 0, in angstrom"));
+  add_value(app, "--potential-limit", "KT/E",
+            formatted("end of the scale from red (negative) over white to\n"
+                      "blue (positive), > 0 [{}]",
+                      defaults.limit),
+            line.potential_limit,
+            number_between(min_positive, max_finite, "a finite number greater than 0, in kT/e"));
   add_flag(app, "--ply-ascii",
            "write a .ply mesh as text, for programs that do not\n"
            "read binary PLY",
@@ -469,8 +495,24 @@ void add_maps(const CommandLine& line, const std::filesystem::path& directory, O
   }
 }
 
+std::optional<MeshPotential> potential_of(const CommandLine& line) {
+  const bool has_colors = line.color == MeshColor::potential;
+  if (has_colors && line.potential.empty())
+    throw UsageError("--color potential needs --potential with a map of the potential");
+  if (!has_colors)
+    for (const auto& [option, is_given] : {std::pair{"--potential", !line.potential.empty()},
+                                           {"--potential-offset", bool{line.potential_offset}},
+                                           {"--potential-limit", bool{line.potential_limit}}})
+      if (is_given) throw UsageError(formatted("{} needs --color potential", option));
+  if (!has_colors) return std::nullopt;
+  MeshPotential potential{line.potential};
+  potential.offset = line.potential_offset.value_or(potential.offset);
+  potential.limit = line.potential_limit.value_or(potential.limit);
+  return potential;
+}
+
 std::optional<MeshOptions> mesh_of(const CommandLine& line) {
-  const MeshOptions mesh{line.mesh, line.color, line.is_ascii};
+  const MeshOptions mesh{line.mesh, line.color, line.is_ascii, potential_of(line)};
   const std::optional<MeshFormat> format = mesh_format(mesh.file);
   if (mesh.color != MeshColor::none && !can_have_colors(format))
     throw UsageError("--color needs --mesh with a .ply, .obj, .vtp or .glb file");

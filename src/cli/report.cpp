@@ -56,10 +56,15 @@ std::string written_text(const Report& report) {
                    fmt::join(targets, " and "));
 }
 
-std::string mesh_text(const Summary& summary) {
-  if (!summary.mesh) return "";
-  return formatted("mesh: {} vertices, {} triangles\n", summary.mesh->vertices,
-                   summary.mesh->triangles);
+std::string mesh_text(const Report& report) {
+  const std::optional<MeshCounts>& counts = report.summary.mesh;
+  if (!counts) return "";
+  std::string text =
+      formatted("mesh: {} vertices, {} triangles\n", counts->vertices, counts->triangles);
+  if (const auto& potential = report.options.outputs.mesh->potential)
+    text += formatted("potential: colours from {} (red) to {} kT/e (blue), {} angstrom outside\n",
+                      -potential->limit, potential->limit, potential->offset);
+  return text;
 }
 
 bool is_known(const DiskSpace::FileSystem& disk) {
@@ -309,12 +314,21 @@ json::Value verification_json(const std::optional<Verification>& verification) {
           {"faults", verification->faults}};
 }
 
+json::Value potential_json(const std::optional<MeshPotential>& potential) {
+  if (!potential) return nullptr;
+  return {{"file", potential->file.string()},
+          {"offset", potential->offset},
+          {"limits", {-potential->limit, potential->limit}}};
+}
+
 json::Value mesh_json(const Report& report) {
   const auto& mesh = report.summary.mesh;
   if (!mesh) return nullptr;
-  return {{"file", report.options.outputs.mesh->file.string()},
+  const MeshOptions& choice = *report.options.outputs.mesh;
+  return {{"file", choice.file.string()},
           {"vertices", mesh->vertices},
-          {"triangles", mesh->triangles}};
+          {"triangles", mesh->triangles},
+          {"potential", potential_json(choice.potential)}};
 }
 
 json::Value output_json(const Report& report) {
@@ -411,7 +425,7 @@ std::string summary_text(const Report& report) {
       "formula)\n",
       summary.divergence_volume);
   text += exact_text(report);
-  text += mesh_text(summary);
+  text += mesh_text(report);
   text += verification_text(summary);
   text += formatted(
       "time: {} (blocks {}, with {} of processor time for patches{})\n",

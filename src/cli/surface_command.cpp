@@ -51,6 +51,8 @@ std::vector<ReadFile> files_to_read(const Options& options) {
   std::vector<ReadFile> files{{options.input().path, "the input"}};
   if (!options.grid.like.empty()) files.push_back({options.grid.like, "the file of --grid-like"});
   files.push_back({options.input().structure.radii, "the file of --radii"});
+  if (const auto& mesh = options.outputs.mesh; mesh && mesh->potential)
+    files.push_back({mesh->potential->file, "the file of --potential"});
   return files;
 }
 

@@ -69,6 +69,9 @@ std::optional<mesh::MeshText> mesh_text(const RunTask& task, const RunPlan& plan
                                 .of_atom = plan.slab.groups,
                                 .chain_count = processes.sum(plan.groups.chains.size()),
                                 .residue_count = processes.sum(plan.groups.residues.size())};
+  mesh::VertexPotential potential;
+  if (plan.potential)
+    potential = {&*plan.potential, mesh->potential->offset, mesh->potential->limit};
   return mesh::MeshText(
       required_mesh_format(*mesh), mesh->color,
       {.groups = groups,
@@ -77,7 +80,8 @@ std::optional<mesh::MeshText> mesh_text(const RunTask& task, const RunPlan& plan
        .atom_count = plan.atoms,
        .probe_radius = plan.whole_plan.parameters.probe_radius,
        .spacing = plan.whole_plan.grid.spacing,
-       .center = 0.5 * (plan.whole_plan.grid.origin + plan.whole_plan.grid.upper())});
+       .center = 0.5 * (plan.whole_plan.grid.origin + plan.whole_plan.grid.upper()),
+       .potential = potential});
 }
 
 double cpu_seconds() {

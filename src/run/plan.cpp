@@ -39,11 +39,24 @@ void require(bool holds, std::string_view what, double value) {
   if (!holds) throw std::invalid_argument(formatted("{}, not {}", what, value));
 }
 
+void require_valid_potential(const MeshOptions& mesh) {
+  if ((mesh.color == MeshColor::potential) != mesh.potential.has_value())
+    throw std::invalid_argument(
+        "colouring a mesh by potential needs a map of the potential, and the map these colours");
+  if (!mesh.potential) return;
+  const auto& [file, offset, limit] = *mesh.potential;
+  require(offset >= 0 && std::isfinite(offset),
+          "the offset of the potential must be a finite number of at least 0", offset);
+  require(limit > 0 && std::isfinite(limit),
+          "the limit of the potential must be a finite number above 0", limit);
+}
+
 void require_valid(const MeshOptions& mesh, const Molecule& molecule) {
   required_mesh_format(mesh);
   if (mesh.color == MeshColor::chain && molecule.labels().empty())
     throw std::invalid_argument(
         "colouring a mesh by chain needs atoms with labels; xyzr files have none");
+  require_valid_potential(mesh);
 }
 
 void require_enclosing_margin(double depth, const GridOptions& grid) {

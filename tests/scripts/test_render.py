@@ -3,21 +3,14 @@
 import colorsys
 import importlib.util
 import math
-import os
-import shutil
 import struct
 import subprocess
 import unittest
 import zlib
 
-from support import DATA, PROGRAM, SCRIPTS, TestCase, can_import
+from support import DATA, PROGRAM, SCRIPTS, TestCase, can_draw, write_map
 
 SCRIPT = SCRIPTS / "render"
-
-
-def can_draw():
-    has_display = os.environ.get("DISPLAY") or shutil.which("xvfb-run")
-    return bool(has_display) and can_import(SCRIPT, "vtk")
 
 
 def read_png(path):
@@ -161,11 +154,7 @@ class Render(TestCase):
                     self.assertEqual(len(beside), count)
 
     def test_potential_is_red_where_negative_and_blue_where_positive(self):
-        field = self.folder / "x.dx"
-        field.write_text("object 1 class gridpositions counts 2 2 2\norigin -12 -12 -12\n"
-                         "delta 24 0 0\ndelta 0 24 0\ndelta 0 0 24\n"
-                         "object 3 class array type double rank 0 items 8 data follows\n"
-                         + "-5 " * 4 + "5 " * 4 + "\n")
+        field = write_map(self.folder / "x.dx", 5)
         rows = self.picture_of([(-4, 0, 0, 1.7), (4, 0, 0, 1.7)],
                                more=("--azimuth", 0, "--potential", field))
         middle = rows[len(rows) // 2]
