@@ -137,15 +137,9 @@ std::vector<DiagnosticText> describe_all(const AtomFile& file, const Surface& su
 
 }  // namespace
 
-double MeasuredFile::buried_sas_area() const {
-  double sum = -measures.sas_area;
-  for (const MeasuredPart& part : parts) sum += part.measures.sas_area;
-  return sum;
-}
-
-double MeasuredFile::buried_ses_area() const {
-  double sum = -measures.ses_area;
-  for (const MeasuredPart& part : parts) sum += part.measures.ses_area;
+double MeasuredFile::buried(double Measures::*area) const {
+  double sum = -(measures.*area);
+  for (const MeasuredPart& part : parts) sum += part.measures.*area;
   return sum;
 }
 

@@ -38,9 +38,8 @@ struct MeasuredFile {
   std::vector<std::uint32_t> part_of_atom = {};
   std::vector<std::string> part_names = {};
 
-  /// Sum of the areas of the parts minus the area of the complex, in square angstrom.
-  double buried_sas_area() const;
-  double buried_ses_area() const;
+  /// Sum of an area of the parts minus the area of the complex, in square angstrom.
+  double buried(double Measures::*area) const;
 
   MeasuredAtoms table() const;
 };
