@@ -58,8 +58,14 @@ std::string written_text(const Report& report) {
 
 std::string mesh_text(const Summary& summary) {
   if (!summary.mesh) return "";
-  return formatted("mesh: {} vertices, {} triangles\n", summary.mesh->vertices,
-                   summary.mesh->triangles);
+  std::string text = formatted("mesh: {} vertices, {} triangles\n", summary.mesh->vertices,
+                               summary.mesh->triangles);
+  if (const auto& quality = summary.mesh_quality)
+    text += formatted(
+        "mesh quality: smallest angle {:.1f} degrees; {} triangles below 20 degrees, {} below 5 "
+        "degrees ({} of them at cusps)\n",
+        quality->smallest_angle, quality->below_20, quality->below_5, quality->below_5_at_cusps);
+  return text;
 }
 
 bool is_known(const DiskSpace::FileSystem& disk) {
@@ -309,12 +315,22 @@ json::Value verification_json(const std::optional<Verification>& verification) {
           {"faults", verification->faults}};
 }
 
+json::Value quality_json(const std::optional<MeshQuality>& quality) {
+  if (!quality) return nullptr;
+  return {{"smallest_angle", quality->smallest_angle},
+          {"below_20", quality->below_20},
+          {"below_5", quality->below_5},
+          {"at_cusps", quality->at_cusps},
+          {"below_5_at_cusps", quality->below_5_at_cusps}};
+}
+
 json::Value mesh_json(const Report& report) {
   const auto& mesh = report.summary.mesh;
   if (!mesh) return nullptr;
   return {{"file", report.options.outputs.mesh->file.string()},
           {"vertices", mesh->vertices},
-          {"triangles", mesh->triangles}};
+          {"triangles", mesh->triangles},
+          {"quality", quality_json(report.summary.mesh_quality)}};
 }
 
 json::Value output_json(const Report& report) {
