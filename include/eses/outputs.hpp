@@ -39,6 +39,9 @@ struct MeshOptions {
   std::filesystem::path file;
   MeshColor color = MeshColor::none;  ///< Colours, in PLY, OBJ, VTP and glTF files only.
   bool is_ascii = false;              ///< Whether a PLY file is text instead of binary.
+  /// Whether triangles with small angles are removed or improved. Vertices are then a part of the
+  /// crossings. doc/meshes.md describes the method.
+  bool quality = false;
   /// A potential, only with MeshColor::potential. PLY and VTP files have its values, too.
   std::optional<MeshPotential> potential = {};
 };

@@ -64,6 +64,11 @@ std::string mesh_text(const Report& report) {
   if (const auto& potential = report.options.outputs.mesh->potential)
     text += formatted("potential: colours from {} (red) to {} kT/e (blue), {} angstrom outside\n",
                       -potential->limit, potential->limit, potential->offset);
+  if (const auto& quality = report.summary.mesh_quality)
+    text += formatted(
+        "mesh quality: smallest angle {:.1f} degrees; {} triangles below 20 degrees, {} below 5 "
+        "degrees ({} of them at cusps)\n",
+        quality->smallest_angle, quality->below_20, quality->below_5, quality->below_5_at_cusps);
   return text;
 }
 
@@ -321,6 +326,15 @@ json::Value potential_json(const std::optional<MeshPotential>& potential) {
           {"limits", {-potential->limit, potential->limit}}};
 }
 
+json::Value quality_json(const std::optional<MeshQuality>& quality) {
+  if (!quality) return nullptr;
+  return {{"smallest_angle", quality->smallest_angle},
+          {"below_20", quality->below_20},
+          {"below_5", quality->below_5},
+          {"at_cusps", quality->at_cusps},
+          {"below_5_at_cusps", quality->below_5_at_cusps}};
+}
+
 json::Value mesh_json(const Report& report) {
   const auto& mesh = report.summary.mesh;
   if (!mesh) return nullptr;
@@ -328,7 +342,8 @@ json::Value mesh_json(const Report& report) {
   return {{"file", choice.file.string()},
           {"vertices", mesh->vertices},
           {"triangles", mesh->triangles},
-          {"potential", potential_json(choice.potential)}};
+          {"potential", potential_json(choice.potential)},
+          {"quality", quality_json(report.summary.mesh_quality)}};
 }
 
 json::Value output_json(const Report& report) {

@@ -68,8 +68,8 @@ std::uint64_t hash_of(const GroupNames& groups, const Processes& processes) {
 std::string mesh_identity(const std::optional<MeshOptions>& mesh,
                           const std::optional<PotentialMap>& map) {
   if (!mesh) return "none";
-  std::string identity = formatted("{} {}", static_cast<int>(required_mesh_format(*mesh)),
-                                   static_cast<int>(mesh->color));
+  std::string identity = formatted("{} {} {}", static_cast<int>(required_mesh_format(*mesh)),
+                                   static_cast<int>(mesh->color), mesh->quality);
   if (map)
     identity += formatted(" potential {} offset {:a} limit {:a}", map->identity(),
                           mesh->potential->offset, mesh->potential->limit);
@@ -267,8 +267,10 @@ void expect_chunks(const RunTask& task, const GridRegion& region, FileSizes& fil
   files.text_scratch = files.grid + files.edges;
   for (const MapChoice& map : chosen_maps(task.outputs))
     files.text_scratch += GridMap::row_bytes(map.quantity, region);
-  files.mesh_scratch = task.resume ? 0 : files.mesh;
-  if (task.resume) files.text_scratch += files.mesh;
+  const bool is_improved = task.outputs.mesh && task.outputs.mesh->quality;
+  const std::uint64_t mesh = is_improved ? files.mesh_scratch : files.mesh;
+  files.mesh_scratch = task.resume ? 0 : mesh;
+  if (task.resume) files.text_scratch += mesh;
 }
 
 // Reads the file, makes the grid, and gives this process its slab. Returns the labels of the atoms
