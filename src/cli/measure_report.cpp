@@ -6,6 +6,7 @@
 #include <string_view>
 #include <vector>
 
+#include "cli/filling_report.hpp"
 #include "cli/json.hpp"
 #include "cli/report.hpp"
 #include "cli/structure_report.hpp"
@@ -164,6 +165,7 @@ std::string measure_text(const MeasuredFile& file, bool is_quiet) {
   text += surface_line("van der Waals", measures.vdw_area, measures.vdw_volume);
   text += kinds_line(measures.ses_areas);
   text += formatted("Euler number of the SAS: {}\n", measures.euler_number);
+  if (file.surface.max_filled_void()) text += filling_text(measures.filled_cavities);
   return text + cavities_text(file) + parts_text(file);
 }
 
@@ -197,6 +199,9 @@ std::string measure_json(const MeasuredFile& file) {
   add_measures(object, file.measures);
   add_derivatives(object, file.measures.gradients);
   add_cavities(object, file);
+  if (file.surface.max_filled_void())
+    object["filled_cavities"] =
+        filled_json(file.surface.max_filled_void(), file.measures.filled_cavities);
   if (!file.parts.empty()) {
     json::Value parts = json::Value::array();
     for (const MeasuredPart& part : file.parts) {
